@@ -1,0 +1,44 @@
+#include "base/clock.hpp"
+
+#include <array>
+
+#include <fmt/chrono.h>
+#include <sodium.h>
+
+#include "base/writer.hpp"
+
+namespace ddssec {
+
+std::string to_string(WallTime time) {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
+                     fmt::gmtime(std::chrono::system_clock::to_time_t(time)));
+}
+
+WallTime SystemClock::now() const {
+  return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+}
+
+std::chrono::nanoseconds SystemClock::monotonic() const {
+  return std::chrono::steady_clock::now().time_since_epoch();
+}
+
+Status SystemRandom::fill(MutableBytes out) {
+  // Thread-safe and cheap after the first call; a later failure inside libsodium aborts the
+  // process.
+  static const bool ready = sodium_init() >= 0;
+  if (!ready) return fail(Code::random_failed);
+  randombytes_buf(out.data(), out.size());
+  return {};
+}
+
+Status SeededRandom::fill(MutableBytes out) {
+  Writer seed;
+  seed.write(seed_);
+  seed.write(counter_++);
+  std::array<std::uint8_t, randombytes_SEEDBYTES> key{};
+  std::ranges::copy(seed.view(), key.begin());
+  randombytes_buf_deterministic(out.data(), out.size(), key.data());
+  return {};
+}
+
+}  // namespace ddssec

@@ -1,0 +1,73 @@
+// Time and randomness are given to whoever needs them, so that tests replay bit for bit.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+#include "base/bytes.hpp"
+#include "base/result.hpp"
+
+namespace ddssec {
+
+using WallTime = std::chrono::sys_seconds;
+
+/// "2026-11-21T03:13:43Z".
+std::string to_string(WallTime time);
+
+class Clock {
+ public:
+  virtual ~Clock() = default;
+  /// The calendar's time; may jump. Certificates and permissions are judged by it at every check.
+  virtual WallTime now() const = 0;
+  /// Never goes back; for time-outs and rate limits.
+  virtual std::chrono::nanoseconds monotonic() const = 0;
+};
+
+/// The operating system's clocks.
+class SystemClock final : public Clock {
+ public:
+  WallTime now() const override;
+  std::chrono::nanoseconds monotonic() const override;
+};
+
+/// A clock that a test moves by hand.
+class ManualClock final : public Clock {
+ public:
+  explicit ManualClock(WallTime now) : now_(now) {}
+  WallTime now() const override { return now_; }
+  std::chrono::nanoseconds monotonic() const override { return monotonic_; }
+  /// Moves both clocks.
+  void advance(std::chrono::seconds by) { now_ += by, monotonic_ += by; }
+  /// Somebody sets the calendar.
+  void set(WallTime now) { now_ = now; }
+
+ private:
+  WallTime now_;
+  std::chrono::nanoseconds monotonic_{0};
+};
+
+class Random {
+ public:
+  virtual ~Random() = default;
+  /// Fills all of `out` with octets nobody can predict, or fails.
+  virtual Status fill(MutableBytes out) = 0;
+};
+
+/// The operating system's generator.
+class SystemRandom final : public Random {
+ public:
+  Status fill(MutableBytes out) override;
+};
+
+/// A reproducible stream from a seed. Tests only: never for keys that matter.
+class SeededRandom final : public Random {
+ public:
+  explicit SeededRandom(std::uint64_t seed) : seed_(seed) {}
+  Status fill(MutableBytes out) override;
+
+ private:
+  std::uint64_t seed_;
+  std::uint64_t counter_ = 0;
+};
+
+}  // namespace ddssec

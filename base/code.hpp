@@ -1,0 +1,38 @@
+// Every reason for which ddssec refuses something, with a stable number, a sentence and a hint.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace ddssec {
+
+/// How bad a code is when nobody says otherwise.
+enum class Severity : std::uint8_t { debug, informational, warning, error, critical };
+
+std::string_view to_string(Severity severity);
+
+/// Reasons, each with a number that never changes. The lists are in base/codes/*.def, one for each
+/// part of the project: X(name, number, severity, "what happened", "what to do about it").
+enum class Code : std::int32_t {
+#define X(name, number, severity, summary, hint) name = number,
+#include "base/codes/all.def"
+#undef X
+};
+
+/// One row of the table of codes.
+struct CodeInfo {
+  Code code;
+  std::string_view name;  ///< as in the enumeration
+  Severity severity;
+  std::string_view summary;  ///< what happened, without values
+  std::string_view hint;     ///< what a person can do about it
+};
+
+/// All codes, sorted by number.
+std::span<const CodeInfo> all_codes();
+
+/// The row of `code`.
+const CodeInfo& info(Code code);
+
+}  // namespace ddssec

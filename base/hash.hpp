@@ -1,0 +1,31 @@
+// Hashes, wiping and constant-time comparison, over OpenSSL and libsodium.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <initializer_list>
+
+#include "base/bytes.hpp"
+
+namespace ddssec {
+
+using Sha256Digest = std::array<std::uint8_t, 32>;
+using Md5Digest = std::array<std::uint8_t, 16>;
+
+/// SHA-256 over the concatenation of `parts`.
+Sha256Digest sha256(std::initializer_list<BytesView> parts);
+inline Sha256Digest sha256(BytesView octets) { return sha256({octets}); }
+
+/// HMAC-SHA256 over the concatenation of `parts`.
+Sha256Digest hmac_sha256(BytesView key, std::initializer_list<BytesView> parts);
+
+/// MD5, for RTPS KEY_HASH only (RTPS 9.6.4.8).
+Md5Digest md5(BytesView octets);
+
+/// Overwrites with zeros; the compiler cannot leave it out.
+void wipe(MutableBytes octets) noexcept;
+
+/// True if both have the same length and octets; the time depends on the length only.
+bool constant_time_equal(BytesView a, BytesView b) noexcept;
+
+}  // namespace ddssec

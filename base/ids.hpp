@@ -1,0 +1,61 @@
+// Identifiers of RTPS and DDS-Security: fixed octet strings that do not convert into one another.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <compare>
+#include <cstdint>
+#include <string>
+
+#include "base/bytes.hpp"
+
+namespace ddssec {
+
+/// N octets in network order, of a kind of their own.
+template <class Tag, std::size_t N>
+struct Id {
+  std::array<std::uint8_t, N> octets{};
+
+  static constexpr std::size_t size = N;
+  auto operator<=>(const Id&) const = default;
+  BytesView view() const { return octets; }
+  bool is_zero() const { return *this == Id{}; }
+  std::string to_string() const { return to_hex(octets); }
+
+  /// From exactly N octets; the caller has checked the length.
+  static Id from(BytesView in) {
+    Id id;
+    std::copy_n(in.begin(), N, id.octets.begin());
+    return id;
+  }
+};
+
+using GuidPrefix = Id<struct GuidPrefixTag, 12>;
+using EntityId = Id<struct EntityIdTag, 4>;
+/// CryptoTransformKind (DDS-Security 9.5.2.1.1).
+using TransformKind = Id<struct TransformKindTag, 4>;
+/// CryptoTransformKeyId: unique for one sending participant; 0 is the Kx key, or "none".
+using KeyId = Id<struct KeyIdTag, 4>;
+using SessionId = Id<struct SessionIdTag, 4>;
+
+/// The participant's own entity (RTPS 9.3.1.3).
+inline constexpr EntityId kEntityIdParticipant{{0x00, 0x00, 0x01, 0xc1}};
+
+/// GUID_t in network octet order; compares octet by octet, as DDS-Security 9.3.3 wants.
+struct Guid {
+  GuidPrefix prefix;
+  EntityId entity;
+
+  auto operator<=>(const Guid&) const = default;
+  std::string to_string() const { return prefix.to_string() + "." + entity.to_string(); }
+  std::array<std::uint8_t, 16> octets() const {
+    std::array<std::uint8_t, 16> out{};
+    std::ranges::copy(prefix.octets, out.begin());
+    std::ranges::copy(entity.octets, out.begin() + 12);
+    return out;
+  }
+};
+
+using DomainId = std::int32_t;
+
+}  // namespace ddssec

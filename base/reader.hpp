@@ -1,0 +1,81 @@
+// The one cursor through which octets of a peer or a file are read; it cannot leave its bounds.
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <string_view>
+
+#include "base/bytes.hpp"
+#include "base/result.hpp"
+
+namespace ddssec {
+
+enum class Endian : std::uint8_t { big, little };
+
+/// Reads forward over borrowed octets. A failed read leaves the cursor where it was.
+/// CDR alignment counts from the first octet given to the constructor.
+class Reader {
+ public:
+  explicit Reader(BytesView octets, Endian endian = Endian::big)
+      : octets_(octets), endian_(endian) {}
+
+  std::size_t position() const { return position_; }
+  std::size_t remaining() const { return octets_.size() - position_; }
+  bool at_end() const { return remaining() == 0; }
+  BytesView rest() const { return octets_.subspan(position_); }
+  Endian endian() const { return endian_; }
+  void set_endian(Endian endian) { endian_ = endian; }
+
+  /// An unsigned or signed integer of 1, 2, 4 or 8 octets, without alignment.
+  template <std::integral T>
+  Result<T> read() {
+    if (remaining() < sizeof(T)) return fail(Code::truncated);
+    using U = std::make_unsigned_t<T>;
+    U value = 0;
+    for (std::size_t i = 0; i < sizeof(T); ++i) {
+      const auto shift = 8 * (endian_ == Endian::big ? sizeof(T) - 1 - i : i);
+      value = static_cast<U>(value | static_cast<U>(U{octets_[position_ + i]} << shift));
+    }
+    position_ += sizeof(T);
+    return static_cast<T>(value);
+  }
+
+  /// The same after skipping to a multiple of the integer's size (CDR).
+  template <std::integral T>
+  Result<T> read_aligned() {
+    if (auto status = align(sizeof(T)); !status) return std::unexpected(std::move(status).error());
+    return read<T>();
+  }
+
+  /// The next `count` octets, borrowed.
+  Result<BytesView> read_bytes(std::size_t count);
+
+  /// Copies as many octets as `out` holds.
+  Status read_into(MutableBytes out);
+
+  /// Skips to a multiple of `alignment` (1, 2, 4 or 8).
+  Status align(std::size_t alignment);
+
+  Status skip(std::size_t count);
+
+  /// CDR sequence<octet>: aligned uint32 length, then the octets.
+  Result<BytesView> read_octet_sequence();
+
+  /// CDR string: aligned uint32 length counting the NUL, text, NUL. Length 0 is read as "" (a
+  /// peer's habit); an inner NUL or a missing final one is an error.
+  Result<std::string_view> read_string();
+
+  /// CDR sequence length for elements of at least `least_element_size` octets: fails when the rest
+  /// of the data cannot hold that many, so that nothing is allocated for a lie.
+  Result<std::uint32_t> read_count(std::size_t least_element_size);
+
+  /// Fails if anything is left.
+  Status finish() const;
+
+ private:
+  BytesView octets_;
+  std::size_t position_ = 0;
+  Endian endian_;
+};
+
+}  // namespace ddssec

@@ -1,0 +1,38 @@
+#include "base/result.hpp"
+
+#include <fmt/format.h>
+
+namespace ddssec {
+
+const ErrorDetails& Error::details() const {
+  static const ErrorDetails kNone;
+  return details_ ? *details_ : kNone;
+}
+
+Error Error::in(std::string document) const {
+  ErrorDetails copy = details();
+  if (copy.document.empty()) copy.document = std::move(document);
+  return Error(code_, std::move(copy));
+}
+
+std::string Error::to_sentence() const {
+  const auto& row = info(code_);
+  const auto& d = details();
+  std::string text;
+  if (!d.document.empty()) text += d.document;
+  if (d.line > 0) text += fmt::format("{}line {}", text.empty() ? "" : ", ", d.line);
+  if (!d.field.empty()) text += fmt::format("{}{}", text.empty() ? "" : ", ", d.field);
+  if (!text.empty()) text += ": ";
+  text += row.summary;
+  if (!d.expected.empty() && !d.found.empty()) {
+    text += fmt::format(" (expected {}, found {})", d.expected, d.found);
+  } else if (!d.expected.empty()) {
+    text += fmt::format(" (expected {})", d.expected);
+  } else if (!d.found.empty()) {
+    text += fmt::format(" (found {})", d.found);
+  }
+  if (!d.note.empty()) text += fmt::format("; {}", d.note);
+  return fmt::format("{}; {} [{} {}]", text, row.hint, row.name, static_cast<int>(code_));
+}
+
+}  // namespace ddssec

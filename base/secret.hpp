@@ -1,0 +1,84 @@
+// Key material: wiped when it dies, compared in constant time, never printed.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <utility>
+
+#include "base/bytes.hpp"
+#include "base/hash.hpp"
+#include "base/result.hpp"
+
+namespace ddssec {
+
+/// Up to N secret octets of a kind of their own (16 for AES-128 in a 32 octet key, for example).
+/// Move-only; moving wipes the source. `expose` is the only way in: grep for it to find every use.
+template <class Tag, std::size_t N>
+class Secret {
+ public:
+  static constexpr std::size_t capacity = N;
+
+  Secret() = default;
+  ~Secret() { wipe(octets_); }
+  Secret(Secret&& other) noexcept : octets_(other.octets_), size_(other.size_) { other.clear(); }
+  Secret& operator=(Secret&& other) noexcept {
+    if (this != &other) {
+      octets_ = other.octets_;
+      size_ = other.size_;
+      other.clear();
+    }
+    return *this;
+  }
+  Secret(const Secret&) = delete;
+  Secret& operator=(const Secret&) = delete;
+
+  /// `fill_octets(MutableBytes of size octets) -> Status` writes into the final place.
+  template <class Fill>
+  static Result<Secret> fill(std::size_t size, Fill&& fill_octets) {
+    if (size > N) return fail(Code::length_out_of_range);
+    Secret secret;
+    secret.size_ = size;
+    Status status = std::forward<Fill>(fill_octets)(MutableBytes(secret.octets_).first(size));
+    if (!status) return std::unexpected(std::move(status).error());
+    return secret;
+  }
+
+  /// A copy of octets that the caller wipes itself.
+  static Result<Secret> copy_of(BytesView octets) {
+    return fill(octets.size(), [&](MutableBytes out) -> Status {
+      std::copy(octets.begin(), octets.end(), out.begin());
+      return {};
+    });
+  }
+
+  Secret clone() const {
+    Secret copy;
+    copy.octets_ = octets_;
+    copy.size_ = size_;
+    return copy;
+  }
+
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+
+  /// Calls `f(BytesView)`; the view must not leave it.
+  template <class F>
+  decltype(auto) expose(F&& f) const {
+    return std::forward<F>(f)(BytesView(octets_).first(size_));
+  }
+
+  bool operator==(const Secret& other) const noexcept {
+    return size_ == other.size_ && constant_time_equal(octets_, other.octets_);
+  }
+
+ private:
+  void clear() noexcept {
+    wipe(octets_);
+    size_ = 0;
+  }
+
+  std::array<std::uint8_t, N> octets_{};
+  std::size_t size_ = 0;
+};
+
+}  // namespace ddssec

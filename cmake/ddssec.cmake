@@ -1,0 +1,63 @@
+# Compiler settings and the small functions that every folder's CMakeLists.txt is written in.
+include(GNUInstallDirs)
+find_package(PkgConfig REQUIRED)
+
+set(CMAKE_CXX_STANDARD 23)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_CXX_VISIBILITY_PRESET hidden)
+set(CMAKE_C_VISIBILITY_PRESET hidden)
+set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+set(CMAKE_LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
+set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE RelWithDebInfo)
+endif()
+find_program(CCACHE ccache)
+if(CCACHE)
+  set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+endif()
+
+add_library(ddssec_options INTERFACE)
+target_compile_options(ddssec_options INTERFACE
+  -Wall -Wextra -Wpedantic -Werror
+  $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor -Woverloaded-virtual>
+  # GNU-unique symbols would pin a plugin in memory after dlclose.
+  $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-gnu-unique>
+  -fstack-protector-strong $<$<NOT:$<CONFIG:Debug>>:-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2>)
+if(DDSSEC_SANITIZE)
+  add_compile_options(-fsanitize=${DDSSEC_SANITIZE} -fno-omit-frame-pointer
+                      -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${DDSSEC_SANITIZE})
+endif()
+
+# ddssec_library(NAME SOURCES ... [PUBLIC libs ...] [PRIVATE libs ...])
+# A static library ddssec_NAME whose headers are included as "folder/file.hpp" from the root.
+function(ddssec_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  add_library(ddssec_${name} STATIC ${ARG_SOURCES})
+  add_library(ddssec::${name} ALIAS ddssec_${name})
+  target_include_directories(ddssec_${name} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/ddssec>)
+  target_link_libraries(ddssec_${name} PUBLIC ${ARG_PUBLIC}
+                        PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:ddssec_options>)
+endfunction()
+
+# ddssec_test(NAME SOURCES ... LIBS ... [LABELS ...])
+# A GoogleTest program test_NAME; each TEST becomes a ctest entry "NAME.Suite.Case".
+function(ddssec_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBS;LABELS" ${ARGN})
+  add_executable(test_${name} ${ARG_SOURCES})
+  target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(test_${name} PRIVATE ${ARG_LIBS} GTest::gmock GTest::gtest_main
+                        ddssec_options)
+  target_compile_definitions(test_${name} PRIVATE
+    DDSSEC_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data"
+    DDSSEC_SHARED_TESTDATA="${PROJECT_SOURCE_DIR}/../shared/testdata")
+  set(labels unit ${ARG_LABELS})
+  gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60
+                       PROPERTIES LABELS "${labels}" TIMEOUT 120)
+endfunction()

@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds, runs all tests. The last line is ctest's summary.
+# Usage: scripts/test.sh [--long]     --long adds the full interop matrix and longer runs.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+die() { printf 'test.sh: %s\n' "$*" >&2; exit 1; }
+step() { printf '\n== %s\n' "$*"; }
+
+exclude=(--label-exclude 'interop-full|long')
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --long) exclude=() ;;
+    *) die "unknown option $1; the only one is --long" ;;
+  esac
+  shift
+done
+
+step "packages"
+scripts/bootstrap.sh --dev
+step "build (release)"
+cmake --preset release >/dev/null || die "cmake could not configure; see the message above"
+cmake --build --preset release || die "the release build failed"
+step "tests"
+ctest --preset release "${exclude[@]}" --parallel "$(nproc)" --progress

@@ -1,0 +1,86 @@
+#include <gtest/gtest.h>
+
+#include "base/reader.hpp"
+#include "base/writer.hpp"
+
+namespace ddssec {
+namespace {
+
+TEST(Cursor, ReadsBackWhatWasWrittenInBothByteOrders) {
+  for (auto endian : {Endian::big, Endian::little}) {
+    Writer writer(endian);
+    writer.write<std::uint8_t>(7);
+    writer.write_aligned<std::uint32_t>(0x01020304);
+    writer.write_string("abc");
+    writer.write_octet_sequence(as_bytes("xy"));
+    writer.write_aligned<std::int64_t>(-5);
+    const auto octets = writer.take();
+
+    Reader reader(octets, endian);
+    EXPECT_EQ(reader.read<std::uint8_t>(), 7);
+    EXPECT_EQ(reader.read_aligned<std::uint32_t>(), 0x01020304u);
+    EXPECT_EQ(reader.read_string(), "abc");
+    EXPECT_EQ(as_text(reader.read_octet_sequence().value()), "xy");
+    EXPECT_EQ(reader.read_aligned<std::int64_t>(), -5);
+    EXPECT_TRUE(reader.finish());
+  }
+}
+
+TEST(Cursor, WritesBigEndianCdrAsTheSpecificationPrintsIt) {
+  Writer writer;
+  writer.write_string("A");
+  writer.write_octet_sequence(as_bytes("BC"));
+  EXPECT_EQ(to_hex(writer.view()),
+            "00000002410000000000000242"
+            "43");
+}
+
+TEST(Cursor, EveryTruncationFailsAndMovesNothing) {
+  Writer writer;
+  writer.write_string("hello");
+  const auto octets = writer.take();
+  for (std::size_t size = 0; size < octets.size(); ++size) {
+    Reader reader(BytesView(octets).first(size));
+    const auto text = reader.read_string();
+    ASSERT_FALSE(text) << size;
+    EXPECT_EQ(text.error().code(), Code::truncated);
+    EXPECT_EQ(reader.position(), 0u);
+  }
+}
+
+TEST(Cursor, RefusesACountThatTheDataCannotHold) {
+  for (std::uint32_t lie : {3u, 0x80000000u, 0xffffffffu}) {
+    Writer writer;
+    writer.write(lie);
+    writer.write<std::uint64_t>(0);
+    const auto octets = writer.take();
+    Reader reader(octets);
+    const auto count = reader.read_count(4);
+    ASSERT_FALSE(count);
+    EXPECT_EQ(count.error().code(), Code::length_out_of_range);
+    EXPECT_EQ(reader.position(), 0u);
+  }
+}
+
+TEST(Cursor, RefusesStringsWithInnerOrMissingNul) {
+  for (const char* hex : {"0000000361006200", "000000026162", "00000003610000"}) {
+    const auto octets = from_hex(hex).value();
+    EXPECT_EQ(Reader(octets).read_string().error().code(), Code::malformed) << hex;
+  }
+}
+
+TEST(Cursor, ReportsTrailingOctets) {
+  const Bytes octets = {1, 2};
+  Reader reader(octets);
+  EXPECT_TRUE(reader.read<std::uint8_t>());
+  EXPECT_EQ(reader.finish().error().code(), Code::trailing_octets);
+}
+
+TEST(Hex, RefusesWhatIsNotHexadecimal) {
+  EXPECT_EQ(from_hex("0g"), std::nullopt);
+  EXPECT_EQ(from_hex("abc"), std::nullopt);
+  EXPECT_EQ(from_hex("aBcD"), (Bytes{0xab, 0xcd}));
+}
+
+}  // namespace
+}  // namespace ddssec

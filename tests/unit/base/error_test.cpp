@@ -1,0 +1,51 @@
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "base/result.hpp"
+
+namespace ddssec {
+namespace {
+
+TEST(Error, SaysDocumentLineBothValuesAndWhatToDo) {
+  const Error error(Code::invalid_property, {.document = "governance.xml",
+                                             .line = 12,
+                                             .field = "domain id",
+                                             .expected = "0 to 230",
+                                             .found = "300"});
+  const auto text = error.to_sentence();
+  for (const char* part : {"governance.xml, line 12, domain id: ", "expected 0 to 230, found 300",
+                           "correct the property's value", "[invalid_property 1011]"})
+    EXPECT_NE(text.find(part), text.npos) << text;
+}
+
+TEST(Error, KeepsTheFirstDocumentNamed) {
+  const Error inner(Code::truncated, {.document = "c.id"});
+  EXPECT_EQ(inner.in("handshake request").details().document, "c.id");
+  EXPECT_EQ(Error(Code::truncated).in("handshake request").details().document, "handshake request");
+}
+
+TEST(Code, EveryRowHasItsOwnNumberASummaryAndAHint) {
+  std::set<std::string_view> names;
+  for (const auto& row : all_codes()) {
+    EXPECT_GE(static_cast<int>(row.code), 1000) << row.name;
+    EXPECT_FALSE(row.summary.empty()) << row.name;
+    EXPECT_FALSE(row.hint.empty()) << row.name;
+    EXPECT_EQ(&info(row.code), &row);
+    EXPECT_TRUE(names.insert(row.name).second) << row.name;
+  }
+}
+
+Result<int> half(int value) {
+  if (value % 2 != 0) return fail(Code::malformed);
+  return value / 2;
+}
+Result<int> quarter(int value) { return DDSSEC_TRY(half(DDSSEC_TRY(half(value)))); }
+
+TEST(Result, TryReturnsTheFirstError) {
+  EXPECT_EQ(quarter(8), 2);
+  EXPECT_EQ(quarter(6).error().code(), Code::malformed);
+}
+
+}  // namespace
+}  // namespace ddssec
