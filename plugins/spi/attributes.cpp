@@ -1,0 +1,73 @@
+#include "plugins/spi/attributes.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace ddssec::spi {
+namespace {
+
+constexpr std::array<std::string_view, 5> kProtectionKindNames = {
+    "NONE", "SIGN", "ENCRYPT", "SIGN_WITH_ORIGIN_AUTHENTICATION",
+    "ENCRYPT_WITH_ORIGIN_AUTHENTICATION"};
+
+constexpr std::uint32_t bit(bool value, unsigned position) {
+  return static_cast<std::uint32_t>(value) << position;
+}
+
+bool compatible(std::uint32_t local, std::uint32_t remote) {
+  return local == remote || (local & remote & kMaskIsValid) == 0;
+}
+
+}  // namespace
+
+std::string_view to_string(ProtectionKind kind) {
+  return kProtectionKindNames.at(static_cast<std::size_t>(kind));
+}
+
+std::optional<ProtectionKind> protection_kind_from(std::string_view text) {
+  const auto found = std::ranges::find(kProtectionKindNames, text);
+  if (found == kProtectionKindNames.end()) return std::nullopt;
+  return static_cast<ProtectionKind>(found - kProtectionKindNames.begin());
+}
+
+// DDS-Security 9.4.2.3 and 9.4.2.4
+std::uint32_t plugin_mask(const ParticipantSecurityAttributes& a) {
+  return bit(is_encrypted(a.rtps), 0) | bit(is_encrypted(a.discovery), 1) |
+         bit(is_encrypted(a.liveliness), 2) | bit(is_origin_authenticated(a.rtps), 3) |
+         bit(is_origin_authenticated(a.discovery), 4) |
+         bit(is_origin_authenticated(a.liveliness), 5) | kMaskIsValid;
+}
+
+// DDS-Security 9.4.2.5 and 9.4.2.6
+std::uint32_t plugin_mask(const EndpointSecurityAttributes& a) {
+  return bit(is_encrypted(a.submessage), 0) | bit(is_encrypted(a.payload), 1) |
+         bit(is_origin_authenticated(a.submessage), 2) | kMaskIsValid;
+}
+
+SecurityInfo security_info(const ParticipantSecurityAttributes& a) {
+  return {.mask = bit(a.is_rtps_protected(), 0) | bit(a.is_discovery_protected(), 1) |
+                  bit(a.is_liveliness_protected(), 2) | kMaskIsValid,
+          .plugin_mask = plugin_mask(a)};
+}
+
+SecurityInfo security_info(const EndpointSecurityAttributes& a) {
+  return {.mask = bit(a.topic.is_read_protected, 0) | bit(a.topic.is_write_protected, 1) |
+                  bit(a.topic.is_discovery_protected, 2) | bit(a.is_submessage_protected(), 3) |
+                  bit(a.is_payload_protected(), 4) | bit(a.is_key_protected(), 5) |
+                  bit(a.topic.is_liveliness_protected, 6) | kMaskIsValid,
+          .plugin_mask = plugin_mask(a)};
+}
+
+ProtectionKind protection_kind(bool is_protected, bool is_encrypted, bool is_origin_authenticated) {
+  if (!is_protected) return ProtectionKind::none;
+  if (is_origin_authenticated)
+    return is_encrypted ? ProtectionKind::encrypt_with_origin_authentication
+                        : ProtectionKind::sign_with_origin_authentication;
+  return is_encrypted ? ProtectionKind::encrypt : ProtectionKind::sign;
+}
+
+bool compatible(const SecurityInfo& local, const SecurityInfo& remote) {
+  return compatible(local.mask, remote.mask) && compatible(local.plugin_mask, remote.plugin_mask);
+}
+
+}  // namespace ddssec::spi

@@ -1,0 +1,95 @@
+// Protection kinds and security attributes, and the masks in which discovery announces them.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "plugins/spi/token.hpp"
+
+namespace ddssec::spi {
+
+/// ProtectionKind (DDS-Security 9.4.1.2.3).
+enum class ProtectionKind : std::uint8_t {
+  none,
+  sign,
+  encrypt,
+  sign_with_origin_authentication,
+  encrypt_with_origin_authentication,
+};
+
+constexpr bool is_protected(ProtectionKind kind) { return kind != ProtectionKind::none; }
+constexpr bool is_encrypted(ProtectionKind kind) {
+  return kind == ProtectionKind::encrypt ||
+         kind == ProtectionKind::encrypt_with_origin_authentication;
+}
+constexpr bool is_origin_authenticated(ProtectionKind kind) {
+  return kind >= ProtectionKind::sign_with_origin_authentication;
+}
+
+/// "ENCRYPT_WITH_ORIGIN_AUTHENTICATION" and so on, as in governance documents.
+std::string_view to_string(ProtectionKind kind);
+/// Exact, upper case.
+std::optional<ProtectionKind> protection_kind_from(std::string_view text);
+
+/// ParticipantSecurityAttributes (DDS-Security 7.3.8), with the kinds in place of plugin masks.
+struct ParticipantSecurityAttributes {
+  bool allow_unauthenticated_participants = false;
+  bool is_access_protected = true;
+  ProtectionKind rtps = ProtectionKind::none;
+  ProtectionKind discovery = ProtectionKind::none;
+  ProtectionKind liveliness = ProtectionKind::none;
+  bool operator==(const ParticipantSecurityAttributes&) const = default;
+
+  bool is_rtps_protected() const { return is_protected(rtps); }
+  bool is_discovery_protected() const { return is_protected(discovery); }
+  bool is_liveliness_protected() const { return is_protected(liveliness); }
+};
+
+/// TopicSecurityAttributes (DDS-Security 7.3.10).
+struct TopicSecurityAttributes {
+  bool is_read_protected = false;
+  bool is_write_protected = false;
+  bool is_discovery_protected = false;
+  bool is_liveliness_protected = false;
+  bool operator==(const TopicSecurityAttributes&) const = default;
+};
+
+/// EndpointSecurityAttributes (DDS-Security 7.3.12). `submessage` is the metadata protection kind,
+/// `payload` the data protection kind (none, sign or encrypt). is_key_protected = payload
+/// encrypted.
+struct EndpointSecurityAttributes {
+  TopicSecurityAttributes topic;
+  ProtectionKind submessage = ProtectionKind::none;
+  ProtectionKind payload = ProtectionKind::none;
+  bool operator==(const EndpointSecurityAttributes&) const = default;
+
+  bool is_submessage_protected() const { return is_protected(submessage); }
+  bool is_payload_protected() const { return is_protected(payload); }
+  bool is_key_protected() const { return is_encrypted(payload); }
+};
+
+/// The two masks of ParticipantSecurityInfo and EndpointSecurityInfo (DDS-Security 7.3.9, 7.3.13).
+struct SecurityInfo {
+  std::uint32_t mask = 0;
+  std::uint32_t plugin_mask = 0;
+  bool operator==(const SecurityInfo&) const = default;
+};
+
+inline constexpr std::uint32_t kMaskIsValid = 1u << 31;
+
+SecurityInfo security_info(const ParticipantSecurityAttributes& attributes);
+SecurityInfo security_info(const EndpointSecurityAttributes& attributes);
+
+/// The plugin mask alone, valid bit included (what a host asks for).
+std::uint32_t plugin_mask(const ParticipantSecurityAttributes& attributes);
+std::uint32_t plugin_mask(const EndpointSecurityAttributes& attributes);
+
+/// Reads kinds back from what a host's attributes say: `protected` from the boolean, the rest from
+/// the plugin mask. A mask without the valid bit means plain signing (DDS-Security 9.4.2.4).
+ProtectionKind protection_kind(bool is_protected, bool is_encrypted, bool is_origin_authenticated);
+
+/// True if both masks are equal, or one of a pair lacks the valid bit (DDS-Security 7.3.9.2).
+bool compatible(const SecurityInfo& local, const SecurityInfo& remote);
+
+}  // namespace ddssec::spi

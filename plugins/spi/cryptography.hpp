@@ -1,0 +1,132 @@
+// The CryptoKeyFactory, CryptoKeyExchange and CryptoTransform interfaces (DDS-Security 8.5.1), for
+// a host of any make. The host owns all buffers: no call on the message path allocates.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/bytes.hpp"
+#include "base/result.hpp"
+#include "plugins/spi/attributes.hpp"
+#include "plugins/spi/handles.hpp"
+#include "plugins/spi/shared_secret.hpp"
+#include "plugins/spi/token.hpp"
+
+namespace ddssec::spi {
+
+/// Thread-safe.
+class CryptoKeyFactory {
+ public:
+  virtual ~CryptoKeyFactory() = default;
+
+  virtual Result<ParticipantCryptoHandle> register_local_participant(
+      IdentityHandle identity, PermissionsHandle permissions, const PropertyList& properties,
+      const ParticipantSecurityAttributes& attributes) = 0;
+  /// The same handle for the same remote identity, whichever local participant asks; what is
+  /// particular to the pair hangs below it.
+  virtual Result<ParticipantCryptoHandle> register_matched_remote_participant(
+      ParticipantCryptoHandle local, IdentityHandle remote_identity,
+      PermissionsHandle remote_permissions, const SharedSecret& shared_secret) = 0;
+  virtual Result<DatawriterCryptoHandle> register_local_datawriter(
+      ParticipantCryptoHandle participant, const PropertyList& properties,
+      const EndpointSecurityAttributes& attributes) = 0;
+  virtual Result<DatareaderCryptoHandle> register_matched_remote_datareader(
+      DatawriterCryptoHandle local_datawriter, ParticipantCryptoHandle remote_participant,
+      const SharedSecret& shared_secret, bool relay_only) = 0;
+  virtual Result<DatareaderCryptoHandle> register_local_datareader(
+      ParticipantCryptoHandle participant, const PropertyList& properties,
+      const EndpointSecurityAttributes& attributes) = 0;
+  virtual Result<DatawriterCryptoHandle> register_matched_remote_datawriter(
+      DatareaderCryptoHandle local_datareader, ParticipantCryptoHandle remote_participant,
+      const SharedSecret& shared_secret) = 0;
+
+  virtual Status unregister_participant(ParticipantCryptoHandle participant) = 0;
+  virtual Status unregister_datawriter(DatawriterCryptoHandle datawriter) = 0;
+  virtual Status unregister_datareader(DatareaderCryptoHandle datareader) = 0;
+};
+
+/// Thread-safe. A refused token changes nothing.
+class CryptoKeyExchange {
+ public:
+  virtual ~CryptoKeyExchange() = default;
+
+  virtual Result<std::vector<Token>> create_local_participant_crypto_tokens(
+      ParticipantCryptoHandle local, ParticipantCryptoHandle remote) = 0;
+  virtual Status set_remote_participant_crypto_tokens(ParticipantCryptoHandle local,
+                                                      ParticipantCryptoHandle remote,
+                                                      std::span<const Token> tokens) = 0;
+  virtual Result<std::vector<Token>> create_local_datawriter_crypto_tokens(
+      DatawriterCryptoHandle local, DatareaderCryptoHandle remote) = 0;
+  virtual Status set_remote_datawriter_crypto_tokens(DatareaderCryptoHandle local,
+                                                     DatawriterCryptoHandle remote,
+                                                     std::span<const Token> tokens) = 0;
+  virtual Result<std::vector<Token>> create_local_datareader_crypto_tokens(
+      DatareaderCryptoHandle local, DatawriterCryptoHandle remote) = 0;
+  virtual Status set_remote_datareader_crypto_tokens(DatawriterCryptoHandle local,
+                                                     DatareaderCryptoHandle remote,
+                                                     std::span<const Token> tokens) = 0;
+};
+
+/// DDS_SecureSubmessageCategory_t (DDS-Security 8.5.1.9).
+enum class SecureSubmessageCategory : std::uint8_t { info, datawriter, datareader };
+
+struct SecureSubmessage {
+  SecureSubmessageCategory category = SecureSubmessageCategory::info;
+  DatawriterCryptoHandle datawriter;
+  DatareaderCryptoHandle datareader;
+};
+
+/// Most octets that protection adds around a payload, a submessage or a message for that many
+/// receivers (0 without origin authentication): prefix, length, padding, footer, INFO_SRC.
+constexpr std::size_t protection_overhead(std::size_t receivers) { return 112 + 20 * receivers; }
+
+/// Thread-safe, and threads do not wait for each other unless they send by the same entity.
+/// All encoders and decoders write to `out`, return how many octets they wrote, and fail with
+/// length_out_of_range when it is too small: plain size + protection_overhead(receivers) always
+/// suffices to encode, the encoded size always suffices to decode. `out` may not overlap the input.
+/// Nothing that did not verify stays in `out`.
+class CryptoTransform {
+ public:
+  virtual ~CryptoTransform() = default;
+
+  virtual Result<std::size_t> encode_serialized_payload(DatawriterCryptoHandle sender,
+                                                        BytesView plain, MutableBytes out) = 0;
+  virtual Result<std::size_t> encode_datawriter_submessage(
+      DatawriterCryptoHandle sender, std::span<const DatareaderCryptoHandle> receivers,
+      BytesView plain, MutableBytes out) = 0;
+  virtual Result<std::size_t> encode_datareader_submessage(
+      DatareaderCryptoHandle sender, std::span<const DatawriterCryptoHandle> receivers,
+      BytesView plain, MutableBytes out) = 0;
+  virtual Result<std::size_t> encode_rtps_message(
+      ParticipantCryptoHandle sender, std::span<const ParticipantCryptoHandle> receivers,
+      BytesView plain, MutableBytes out) = 0;
+
+  virtual Result<std::size_t> decode_rtps_message(ParticipantCryptoHandle receiver,
+                                                  ParticipantCryptoHandle sender, BytesView encoded,
+                                                  MutableBytes out) = 0;
+  /// Whose submessage it is, by its key id. `receiver` may be nil (no INFO_DST before it).
+  virtual Result<SecureSubmessage> preprocess_secure_submessage(ParticipantCryptoHandle receiver,
+                                                                ParticipantCryptoHandle sender,
+                                                                BytesView encoded) = 0;
+  virtual Result<std::size_t> decode_datawriter_submessage(DatareaderCryptoHandle receiver,
+                                                           DatawriterCryptoHandle sender,
+                                                           BytesView encoded, MutableBytes out) = 0;
+  virtual Result<std::size_t> decode_datareader_submessage(DatawriterCryptoHandle receiver,
+                                                           DatareaderCryptoHandle sender,
+                                                           BytesView encoded, MutableBytes out) = 0;
+  virtual Result<std::size_t> decode_serialized_payload(DatareaderCryptoHandle receiver,
+                                                        DatawriterCryptoHandle sender,
+                                                        BytesView encoded, MutableBytes out) = 0;
+};
+
+/// The three together; they share their keys.
+class Cryptography {
+ public:
+  virtual ~Cryptography() = default;
+  virtual CryptoKeyFactory& key_factory() = 0;
+  virtual CryptoKeyExchange& key_exchange() = 0;
+  virtual CryptoTransform& transform() = 0;
+};
+
+}  // namespace ddssec::spi

@@ -1,0 +1,35 @@
+// Names of the properties that configure the plugins, as the standard and the hosts spell them.
+#pragma once
+
+#include <string_view>
+
+namespace ddssec::spi::property {
+
+// DDS-Security 9.3.1
+inline constexpr std::string_view kIdentityCa = "dds.sec.auth.identity_ca";
+inline constexpr std::string_view kIdentityCertificate = "dds.sec.auth.identity_certificate";
+inline constexpr std::string_view kPrivateKey = "dds.sec.auth.private_key";
+inline constexpr std::string_view kPassword = "dds.sec.auth.password";
+inline constexpr std::string_view kTrustedCaDir = "dds.sec.auth.trusted_ca_dir";
+/// Cyclone DDS's name; rmw_cyclonedds sets it too.
+inline constexpr std::string_view kCrl = "org.eclipse.cyclonedds.sec.auth.crl";
+
+// DDS-Security 9.4.1
+inline constexpr std::string_view kPermissionsCa = "dds.sec.access.permissions_ca";
+inline constexpr std::string_view kGovernance = "dds.sec.access.governance";
+inline constexpr std::string_view kPermissions = "dds.sec.access.permissions";
+
+// Cryptography
+inline constexpr std::string_view kKeySize = "dds.sec.crypto.keysize";
+inline constexpr std::string_view kBuiltinEndpointName = "dds.sec.builtin_endpoint_name";
+
+}  // namespace ddssec::spi::property
+
+namespace ddssec::spi::class_id {
+
+inline constexpr std::string_view kIdentity = "DDS:Auth:PKI-DH:1.0";
+inline constexpr std::string_view kPermissions = "DDS:Access:Permissions:1.0";
+inline constexpr std::string_view kPermissionsCredential = "DDS:Access:PermissionsCredential";
+inline constexpr std::string_view kCrypto = "DDS:Crypto:AES_GCM_GMAC";
+
+}  // namespace ddssec::spi::class_id

@@ -1,0 +1,23 @@
+// What authentication hands to cryptography for one pair of participants.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "base/secret.hpp"
+
+namespace ddssec::spi {
+
+using Challenge = std::array<std::uint8_t, 32>;
+/// SHA-256 of the key agreement's result (DDS-Security 9.3.2.3.2). Other plugins' may be longer.
+using SharedSecretOctets = Secret<struct SharedSecretTag, 64>;
+
+/// SharedSecretHandle's content (DDS-Security 9.3.2.3.2): both challenges as they stood in the
+/// handshake, whichever side is the local one.
+struct SharedSecret {
+  SharedSecretOctets secret;
+  Challenge challenge1{};
+  Challenge challenge2{};
+};
+
+}  // namespace ddssec::spi

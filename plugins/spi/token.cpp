@@ -1,0 +1,76 @@
+#include "plugins/spi/token.hpp"
+
+#include <algorithm>
+
+namespace ddssec::spi {
+namespace {
+
+template <class List, class WriteValue>
+void write_propagated(Writer& writer, const List& list, WriteValue&& write_value) {
+  const auto count = std::ranges::count_if(list, [](const auto& p) { return p.propagate; });
+  writer.write_aligned(static_cast<std::uint32_t>(count));
+  for (const auto& property : list) {
+    if (!property.propagate) continue;
+    writer.write_string(property.name);
+    write_value(property.value);
+  }
+}
+
+/// A property needs at least two length fields.
+constexpr std::size_t kLeastPropertySize = 8;
+
+Result<std::uint32_t> read_property_count(Reader& reader) {
+  const auto count = DDSSEC_TRY(reader.read_count(kLeastPropertySize));
+  if (count > kMostPropertiesPerToken) return fail(Code::length_out_of_range);
+  return count;
+}
+
+}  // namespace
+
+const std::string* find_property(const PropertyList& properties, std::string_view name) {
+  const auto found = std::ranges::find(properties, name, &Property::name);
+  return found == properties.end() ? nullptr : &found->value;
+}
+
+const Bytes* find_binary_property(const Token& token, std::string_view name) {
+  const auto found = std::ranges::find(token.binary_properties, name, &BinaryProperty::name);
+  return found == token.binary_properties.end() ? nullptr : &found->value;
+}
+
+void write_token(Writer& writer, const Token& token) {
+  writer.write_string(token.class_id);
+  write_propagated(writer, token.properties,
+                   [&](const std::string& value) { writer.write_string(value); });
+  write_propagated(writer, token.binary_properties,
+                   [&](const Bytes& value) { writer.write_octet_sequence(value); });
+}
+
+Result<Token> read_token(Reader& reader) {
+  Token token;
+  token.class_id = DDSSEC_TRY(reader.read_string());
+  const auto properties = DDSSEC_TRY(read_property_count(reader));
+  for (std::uint32_t i = 0; i < properties; ++i) {
+    const auto name = DDSSEC_TRY(reader.read_string());
+    const auto value = DDSSEC_TRY(reader.read_string());
+    token.properties.push_back({std::string(name), std::string(value)});
+  }
+  const auto binary_properties = DDSSEC_TRY(read_property_count(reader));
+  for (std::uint32_t i = 0; i < binary_properties; ++i) {
+    const auto name = DDSSEC_TRY(reader.read_string());
+    const auto value = DDSSEC_TRY(reader.read_octet_sequence());
+    token.binary_properties.push_back({std::string(name), to_bytes(value)});
+  }
+  return token;
+}
+
+Bytes serialize_binary_properties(std::span<const NamedOctets> properties) {
+  Writer writer(Endian::big);
+  writer.write(static_cast<std::uint32_t>(properties.size()));
+  for (const auto& property : properties) {
+    writer.write_string(property.name);
+    writer.write_octet_sequence(property.value);
+  }
+  return writer.take();
+}
+
+}  // namespace ddssec::spi

@@ -1,0 +1,65 @@
+// Tokens and properties: what the three plugins and the two sides of a connection hand each other.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/bytes.hpp"
+#include "base/reader.hpp"
+#include "base/result.hpp"
+#include "base/writer.hpp"
+
+namespace ddssec::spi {
+
+/// Property_t (DDS-Security 7.3.1). `propagate` says whether it goes on the wire.
+struct Property {
+  std::string name;
+  std::string value;
+  bool propagate = true;
+  bool operator==(const Property&) const = default;
+};
+
+/// BinaryProperty_t (DDS-Security 7.3.2).
+struct BinaryProperty {
+  std::string name;
+  Bytes value;
+  bool propagate = true;
+  bool operator==(const BinaryProperty&) const = default;
+};
+
+using PropertyList = std::vector<Property>;
+
+/// DataHolder (DDS-Security 7.3.3); every token is one.
+struct Token {
+  std::string class_id = {};
+  PropertyList properties = {};
+  std::vector<BinaryProperty> binary_properties = {};
+  bool operator==(const Token&) const = default;
+};
+
+/// The value of the first property of that name, or nullptr.
+const std::string* find_property(const PropertyList& properties, std::string_view name);
+const Bytes* find_binary_property(const Token& token, std::string_view name);
+
+/// Bounds for tokens that a peer sends; more is refused before anything is allocated.
+inline constexpr std::size_t kMostPropertiesPerToken = 64;
+inline constexpr std::size_t kMostTokensPerMessage = 64;
+
+/// Appends a token in XCDR1 in the writer's byte order, leaving out what does not propagate.
+void write_token(Writer& writer, const Token& token);
+/// Reads one token. Errors: truncated, malformed, length_out_of_range.
+Result<Token> read_token(Reader& reader);
+
+/// BinaryPropertySeq in big-endian XCDR1 without encapsulation: the input of hash_c1, hash_c2 and
+/// of the handshake's signatures (DDS-Security 9.3.2.3). Views avoid copying certificates and
+/// documents.
+struct NamedOctets {
+  std::string_view name;
+  BytesView value;
+};
+Bytes serialize_binary_properties(std::span<const NamedOctets> properties);
+
+}  // namespace ddssec::spi

@@ -1,0 +1,54 @@
+#include "plugins/spi/attributes.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ddssec::spi {
+namespace {
+
+using enum ProtectionKind;
+
+constexpr ProtectionKind kAll[] = {none, sign, encrypt, sign_with_origin_authentication,
+                                   encrypt_with_origin_authentication};
+
+TEST(ProtectionKind, NamesGoBothWaysAndNothingElseIsRead) {
+  for (auto kind : kAll) EXPECT_EQ(protection_kind_from(to_string(kind)), kind);
+  for (const char* text : {"", "none", "Encrypt", " SIGN", "SIGN "})
+    EXPECT_EQ(protection_kind_from(text), std::nullopt) << text;
+}
+
+TEST(ProtectionKind, IsRecoveredFromTheFlagsOfAMask) {
+  for (auto kind : kAll)
+    EXPECT_EQ(
+        protection_kind(is_protected(kind), is_encrypted(kind), is_origin_authenticated(kind)),
+        kind);
+  EXPECT_EQ(protection_kind(false, true, true), none);
+}
+
+TEST(SecurityInfo, ParticipantMasksAsTheStandardNumbersThem) {
+  EXPECT_EQ(security_info(ParticipantSecurityAttributes{}),
+            (SecurityInfo{0x80000000u, 0x80000000u}));
+  const ParticipantSecurityAttributes all{.rtps = encrypt_with_origin_authentication,
+                                          .discovery = encrypt,
+                                          .liveliness = sign_with_origin_authentication};
+  EXPECT_EQ(security_info(all), (SecurityInfo{0x80000007u, 0x8000002bu}));
+}
+
+TEST(SecurityInfo, EndpointMasksAsTheStandardNumbersThem) {
+  const EndpointSecurityAttributes a{
+      .topic = {.is_read_protected = true, .is_liveliness_protected = true},
+      .submessage = sign_with_origin_authentication,
+      .payload = encrypt};
+  EXPECT_EQ(security_info(a), (SecurityInfo{0x80000079u, 0x80000006u}));
+}
+
+TEST(SecurityInfo, ComparesOnlyWhereBothAreValid) {
+  const SecurityInfo a{0x80000001u, 0x80000001u};
+  EXPECT_TRUE(compatible(a, a));
+  EXPECT_FALSE(compatible(a, {0x80000003u, 0x80000001u}));
+  EXPECT_FALSE(compatible(a, {0x80000001u, 0x80000000u}));
+  EXPECT_TRUE(compatible(a, {0x00000003u, 0x80000001u}));
+  EXPECT_TRUE(compatible(a, {0, 0}));
+}
+
+}  // namespace
+}  // namespace ddssec::spi
