@@ -1,0 +1,75 @@
+#!/usr/bin/env python3
+"""Holds every #include of ours to the arrows of the architecture. Exit 1 and a line each otherwise."""
+
+import pathlib
+import re
+import sys
+
+# folder -> folders it may include (itself always). The longest matching folder counts.
+ARROWS = {
+    "base": [],
+    "pki": ["base"],
+    "governance": ["base", "pki"],
+    "plugins/spi": ["base"],
+    "plugins/authentication": ["base", "plugins/spi", "pki"],
+    "plugins/access_control": ["base", "plugins/spi", "pki", "governance"],
+    "plugins/cryptography": ["base", "plugins/spi"],
+    "plugins/cyclonedds": ["base", "plugins"],
+    "rtps": ["base", "plugins/spi"],
+    "programs": ["base", "pki", "governance", "rtps", "plugins"],
+    "cli": ["base", "pki", "governance", "plugins/spi", "plugins/authentication",
+            "plugins/access_control", "plugins/cryptography", "rtps"],
+}
+
+# libraries of others -> the folders whose headers may show them / whose sources may use them.
+FOREIGN = {
+    "openssl/": {".hpp": ["plugins/cryptography"],
+                 ".cpp": ["base", "pki", "plugins/cryptography"]},
+    "sodium": {".hpp": [], ".cpp": ["base", "plugins/cryptography"]},
+    "intel-ipsec-mb": {".hpp": [], ".cpp": ["plugins/cryptography"]},
+    "tinyxml2": {".hpp": ["governance"], ".cpp": ["governance"]},
+    "dds/": {".hpp": ["plugins/cyclonedds"], ".cpp": ["plugins/cyclonedds"]},
+}
+# Headers that only their own folder's sources include may show what the sources use.
+INTERNAL_HEADERS = {"pki/openssl.hpp"}
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[">]', re.M)
+
+
+def folder_of(path):
+    fits = [f for f in ARROWS if path == f or path.startswith(f + "/")]
+    return max(fits, key=len, default=None)
+
+
+def complaints(root, file):
+    name = file.relative_to(root).as_posix()
+    here = folder_of(name)
+    for kind, target in INCLUDE.findall(file.read_text(encoding="utf-8")):
+        if kind == '"':
+            there = folder_of(target)
+            if not (root / target).exists():
+                yield f'{name}: "{target}" is not named from the root'
+            elif there != here and not any(there == f or there.startswith(f + "/") for f in ARROWS[here]):
+                yield f"{name}: {here} may not include {there} ({target})"
+            if target in INTERNAL_HEADERS and here != folder_of(target):
+                yield f"{name}: {target} is internal to {folder_of(target)}"
+        else:
+            for library, allowed in FOREIGN.items():
+                if not target.startswith(library) or name in INTERNAL_HEADERS:
+                    continue
+                if here not in allowed[file.suffix]:
+                    yield f"{name}: {here} may not show or use <{target}> in a {file.suffix} file"
+
+
+def main():
+    root = pathlib.Path(sys.argv[1]).resolve()
+    files = [p for folder in ARROWS for p in (root / folder).glob("*.[ch]pp")]
+    files += [p for folder in ARROWS for p in (root / folder).glob("*/*.[ch]pp")
+              if folder_of(p.relative_to(root).as_posix()) == folder]
+    found = [line for file in sorted(set(files)) for line in complaints(root, file)]
+    print("\n".join(found) if found else f"{len(files)} files keep to the arrows")
+    return 1 if found or not files else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
