@@ -95,9 +95,9 @@ class Variant:
             environment["LD_LIBRARY_PATH"] = str(self.library_folder.resolve())
         return environment
 
-    def start(self, n, *words):
+    def start(self, n, *words, log=subprocess.STDOUT):
         return subprocess.Popen(words, env=self.environment(n), text=True, stdin=subprocess.PIPE,
-                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+                                stdout=subprocess.PIPE, stderr=log)
 
 
 def ddsperf(variant, seconds, reader, writer, pattern):
@@ -124,7 +124,7 @@ def samples_per_second(variant, size, seconds):
 def matching(variant, processes, limit):
     """(seconds until all are matched or None, CPU seconds of all, how many are complete)"""
     program = str(BUILD / "bin/bench_matched")
-    all_of_them = [variant.start(n, program, str(processes), str(limit)) for n in range(processes)]
+    all_of_them = [variant.start(n, program, str(processes), str(limit), log=subprocess.DEVNULL) for n in range(processes)]
     lines = [p.stdout.readline().split() for p in all_of_them]
     complete = [line for line in lines if line and line[0] == "matched"]
     cpu = 0.0
@@ -155,7 +155,7 @@ def machine():
 
 def show(title, unit, rows, ratio):
     medians = {name: statistics.median(values) for name, values in rows.items()}
-    cells = "".join(f"{medians[name]:>12.1f}" for name in ("off", "stock", "ours"))
+    cells = "".join(f"{medians[name]:>12.4g}" for name in ("off", "stock", "ours"))
     print(f"{title:<34}{cells}  {ratio(medians):>6.2f}x  {unit}", flush=True)
     return {"title": title, "unit": unit, **medians, "ratio": ratio(medians)}
 
