@@ -1,14 +1,7 @@
 #include "plugins/spi/attributes.hpp"
 
-#include <algorithm>
-#include <array>
-
 namespace ddssec::spi {
 namespace {
-
-constexpr std::array<std::string_view, 5> kProtectionKindNames = {
-    "NONE", "SIGN", "ENCRYPT", "SIGN_WITH_ORIGIN_AUTHENTICATION",
-    "ENCRYPT_WITH_ORIGIN_AUTHENTICATION"};
 
 constexpr std::uint32_t bit(bool value, unsigned position) {
   return static_cast<std::uint32_t>(value) << position;
@@ -19,16 +12,6 @@ bool compatible(std::uint32_t local, std::uint32_t remote) {
 }
 
 }  // namespace
-
-std::string_view to_string(ProtectionKind kind) {
-  return kProtectionKindNames.at(static_cast<std::size_t>(kind));
-}
-
-std::optional<ProtectionKind> protection_kind_from(std::string_view text) {
-  const auto found = std::ranges::find(kProtectionKindNames, text);
-  if (found == kProtectionKindNames.end()) return std::nullopt;
-  return static_cast<ProtectionKind>(found - kProtectionKindNames.begin());
-}
 
 // DDS-Security 9.4.2.3 and 9.4.2.4
 std::uint32_t plugin_mask(const ParticipantSecurityAttributes& a) {

@@ -5,32 +5,17 @@
 #include <optional>
 #include <string_view>
 
+#include "base/protection_kind.hpp"
 #include "plugins/spi/token.hpp"
 
 namespace ddssec::spi {
 
-/// ProtectionKind (DDS-Security 9.4.1.2.3).
-enum class ProtectionKind : std::uint8_t {
-  none,
-  sign,
-  encrypt,
-  sign_with_origin_authentication,
-  encrypt_with_origin_authentication,
-};
-
-constexpr bool is_protected(ProtectionKind kind) { return kind != ProtectionKind::none; }
-constexpr bool is_encrypted(ProtectionKind kind) {
-  return kind == ProtectionKind::encrypt ||
-         kind == ProtectionKind::encrypt_with_origin_authentication;
-}
-constexpr bool is_origin_authenticated(ProtectionKind kind) {
-  return kind >= ProtectionKind::sign_with_origin_authentication;
-}
-
-/// "ENCRYPT_WITH_ORIGIN_AUTHENTICATION" and so on, as in governance documents.
-std::string_view to_string(ProtectionKind kind);
-/// Exact, upper case.
-std::optional<ProtectionKind> protection_kind_from(std::string_view text);
+using ddssec::is_encrypted;
+using ddssec::is_origin_authenticated;
+using ddssec::is_protected;
+using ddssec::protection_kind_from;
+using ddssec::ProtectionKind;
+using ddssec::to_string;
 
 /// ParticipantSecurityAttributes (DDS-Security 7.3.8), with the kinds in place of plugin masks.
 struct ParticipantSecurityAttributes {

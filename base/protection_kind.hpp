@@ -1,0 +1,33 @@
+// ProtectionKind: the word that governance documents, security attributes and transforms share.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace ddssec {
+
+/// ProtectionKind (DDS-Security 9.4.1.2.3).
+enum class ProtectionKind : std::uint8_t {
+  none,
+  sign,
+  encrypt,
+  sign_with_origin_authentication,
+  encrypt_with_origin_authentication,
+};
+
+constexpr bool is_protected(ProtectionKind kind) { return kind != ProtectionKind::none; }
+constexpr bool is_encrypted(ProtectionKind kind) {
+  return kind == ProtectionKind::encrypt ||
+         kind == ProtectionKind::encrypt_with_origin_authentication;
+}
+constexpr bool is_origin_authenticated(ProtectionKind kind) {
+  return kind >= ProtectionKind::sign_with_origin_authentication;
+}
+
+/// "ENCRYPT_WITH_ORIGIN_AUTHENTICATION" and so on, as in governance documents.
+std::string_view to_string(ProtectionKind kind);
+/// Exact, upper case.
+std::optional<ProtectionKind> protection_kind_from(std::string_view text);
+
+}  // namespace ddssec
