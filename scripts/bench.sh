@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# Measures our plugins and Cyclone's own side by side and prints the tables of the README.
+# Usage: scripts/bench.sh [--quick] [--json FOLDER]
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+die() { printf 'bench.sh: %s\n' "$*" >&2; exit 1; }
+
+rounds=5
+json=""
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --quick) rounds=1 ;;
+    --json) json=${2:?a folder}; mkdir -p "$json"; shift ;;
+    *) die "unknown option $1; there are --quick and --json FOLDER" ;;
+  esac
+  shift
+done
+
+scripts/bootstrap.sh --dev
+cmake --preset release -DDDSSEC_BUILD_BENCH=ON -DDDSSEC_BUILD_TESTS=ON >/dev/null || die "cmake could not configure"
+cmake --build --preset release || die "the release build failed"
+for measure in tests/bench/measure_*.sh; do
+  [ -e "$measure" ] || continue
+  "$measure" "$rounds" "$json" || die "$measure failed"
+done
+python3 tests/bench/end_to_end.py --rounds "$rounds" ${json:+--json "$json/end_to_end.json"}
