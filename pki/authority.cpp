@@ -1,0 +1,314 @@
+#include "pki/authority.hpp"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "pki/mime.hpp"
+#include "pki/openssl.hpp"
+#include "pki/subject_name.hpp"
+
+namespace ddssec::pki {
+namespace {
+
+const EVP_MD* digest_of(const PrivateKey& key) {
+  return key.algorithm().kind == KeyKind::ec_p384 ? EVP_sha384() : EVP_sha256();
+}
+
+bool add_attribute(X509_NAME* name, const NameAttribute& attribute, bool joined) {
+  const auto value = as_bytes(attribute.value);
+  return X509_NAME_add_entry_by_txt(name, attribute.type.c_str(), MBSTRING_UTF8, value.data(),
+                                    static_cast<int>(value.size()), -1, joined ? -1 : 0) == 1;
+}
+
+// The attributes' indexes in the order of the DER name: RDN by RDN from the root.
+std::vector<std::vector<std::size_t>> rdns_from_root(const SubjectName& subject) {
+  std::vector<std::vector<std::size_t>> rdns;
+  for (std::size_t i = 0; i < subject.attributes().size(); ++i) {
+    if (!subject.joined(i)) rdns.emplace_back();
+    rdns.back().push_back(i);
+  }
+  if (!subject.root_first()) std::ranges::reverse(rdns);
+  return rdns;
+}
+
+Result<NamePtr> make_name(std::string_view text) {
+  const auto subject = DDSSEC_TRY(SubjectName::parse(text));
+  NamePtr name(X509_NAME_new());
+  if (!name) return openssl_failure(Code::internal);
+  for (const auto& rdn : rdns_from_root(subject))
+    for (std::size_t i : rdn)
+      if (!add_attribute(name.get(), subject.attributes()[i], i != rdn.front()))
+        return openssl_failure(
+            Code::subject_name_malformed,
+            {.field = subject.attributes()[i].type, .found = subject.attributes()[i].value});
+  return name;
+}
+
+// 128 random bits: nobody can foretell a serial number (CA/Browser baseline asks for 64).
+Status set_serial(X509* x509, Random& random) {
+  std::array<std::uint8_t, 16> octets{};
+  DDSSEC_TRY(random.fill(octets));
+  octets[0] = static_cast<std::uint8_t>((octets[0] & 0x7f) | 0x40);
+  const BignumPtr number(BN_bin2bn(octets.data(), static_cast<int>(octets.size()), nullptr));
+  if (!number || BN_to_ASN1_INTEGER(number.get(), X509_get_serialNumber(x509)) == nullptr)
+    return openssl_failure(Code::internal);
+  return {};
+}
+
+bool add_extension(X509* x509, X509V3_CTX* context, int nid, const std::string& value) {
+  const ExtensionPtr extension(X509V3_EXT_conf_nid(nullptr, context, nid, value.c_str()));
+  return extension && X509_add_ext(x509, extension.get(), -1) == 1;
+}
+
+Status add_extensions(X509* x509, X509* issuer, const CertificateTemplate& content) {
+  X509V3_CTX context;
+  X509V3_set_ctx(&context, issuer, x509, nullptr, nullptr, 0);
+  std::string constraints = content.is_ca ? "critical,CA:TRUE" : "critical,CA:FALSE";
+  if (content.is_ca && content.path_length)
+    constraints += ",pathlen:" + std::to_string(*content.path_length);
+  const bool added =
+      add_extension(x509, &context, NID_basic_constraints, constraints) &&
+      (content.key_usage.empty() ||
+       add_extension(x509, &context, NID_key_usage, content.key_usage)) &&
+      add_extension(x509, &context, NID_subject_key_identifier, "hash") &&
+      // A self-signed certificate's own identifier is there by now.
+      add_extension(x509, &context, NID_authority_key_identifier,
+                    issuer == x509 || X509_get0_subject_key_id(issuer) ? "keyid" : "issuer");
+  if (!added) return openssl_failure(Code::internal, {.field = "extensions"});
+  return {};
+}
+
+Result<Asn1TimePtr> encoded(WallTime time) { return to_asn1_time(time); }
+
+struct Subject {
+  const X509_NAME* name;
+  EVP_PKEY* key;
+};
+
+// `issuer` null = self-signed.
+Result<Certificate> build(const CertificateTemplate& content, Subject subject,
+                          const Certificate* issuer, const PrivateKey& signing_key,
+                          Random& random) {
+  const X509Ptr x509(X509_new());
+  X509* by = issuer != nullptr ? issuer->impl().x509.get() : x509.get();
+  const auto from = DDSSEC_TRY(encoded(content.validity.not_before));
+  const auto until = DDSSEC_TRY(encoded(content.validity.not_after));
+  if (!x509 || X509_set_version(x509.get(), X509_VERSION_3) != 1 ||
+      X509_set_subject_name(x509.get(), subject.name) != 1 ||
+      X509_set_issuer_name(x509.get(), X509_get_subject_name(by)) != 1 ||
+      X509_set_pubkey(x509.get(), subject.key) != 1 ||
+      X509_set1_notBefore(x509.get(), from.get()) != 1 ||
+      X509_set1_notAfter(x509.get(), until.get()) != 1)
+    return openssl_failure(Code::internal);
+  DDSSEC_TRY(set_serial(x509.get(), random));
+  DDSSEC_TRY(add_extensions(x509.get(), by, content));
+  unsigned char* der = nullptr;
+  const bool signed_ok =
+      X509_sign(x509.get(), signing_key.impl().pkey.get(), digest_of(signing_key)) > 0;
+  const int size = signed_ok ? i2d_X509(x509.get(), &der) : -1;
+  const OpensslMemory owner(der);
+  if (size <= 0) return openssl_failure(Code::internal);
+  return Certificate::from_der(BytesView(der, static_cast<std::size_t>(size)));
+}
+
+CertificateTemplate ca_template(std::string_view subject, Validity validity) {
+  return {.subject = std::string(subject),
+          .validity = validity,
+          .is_ca = true,
+          .key_usage = std::string(kCaKeyUsage)};
+}
+
+std::string bio_text(const BioPtr& bio) { return std::string(as_text(bio_octets(bio))); }
+
+Status add_revoked(X509_CRL* crl, const Certificate& certificate, const ASN1_TIME* when) {
+  RevokedPtr entry(X509_REVOKED_new());
+  const ASN1_INTEGER* serial = X509_get0_serialNumber(certificate.impl().x509.get());
+  if (!entry ||
+      X509_REVOKED_set_serialNumber(entry.get(), const_cast<ASN1_INTEGER*>(serial)) != 1 ||
+      X509_REVOKED_set_revocationDate(entry.get(), const_cast<ASN1_TIME*>(when)) != 1 ||
+      X509_CRL_add0_revoked(crl, entry.get()) != 1)
+    return openssl_failure(Code::internal);
+  static_cast<void>(entry.release());  // the list owns it now
+  return {};
+}
+
+Status add_crl_extensions(X509_CRL* crl, X509* issuer, std::uint64_t number) {
+  X509V3_CTX context;
+  X509V3_set_ctx(&context, issuer, nullptr, nullptr, crl, 0);
+  const auto hex = "0x" + [&] {
+    std::string digits;
+    for (int shift = 60; shift >= 0; shift -= 4) digits += "0123456789abcdef"[number >> shift & 15];
+    return digits;
+  }();
+  const Asn1IntegerPtr encoded_number(s2i_ASN1_INTEGER(nullptr, hex.c_str()));
+  const ExtensionPtr key_id(
+      X509V3_EXT_conf_nid(nullptr, &context, NID_authority_key_identifier,
+                          X509_get0_subject_key_id(issuer) ? "keyid" : "issuer"));
+  if (!encoded_number || !key_id || X509_CRL_add_ext(crl, key_id.get(), -1) != 1 ||
+      X509_CRL_add1_ext_i2d(crl, NID_crl_number, encoded_number.get(), 0, 0) != 1)
+    return openssl_failure(Code::internal);
+  return {};
+}
+
+// DER of the detached signature over `content`, signing time and certificate included.
+Result<Bytes> detached_signature(const Credential& signer, BytesView content, WallTime time) {
+  constexpr unsigned kFlags = CMS_DETACHED | CMS_BINARY;
+  const CmsPtr cms(CMS_sign(nullptr, nullptr, nullptr, nullptr, kFlags | CMS_PARTIAL));
+  const BioPtr data = bio_over(content);
+  const auto signing_time = DDSSEC_TRY(encoded(time));
+  CMS_SignerInfo* info = cms ? CMS_add1_signer(cms.get(), signer.certificate.impl().x509.get(),
+                                               signer.key.impl().pkey.get(), digest_of(signer.key),
+                                               kFlags | CMS_PARTIAL | CMS_NOSMIMECAP)
+                             : nullptr;
+  if (info == nullptr || !data ||
+      CMS_signed_add1_attr_by_NID(info, NID_pkcs9_signingTime, ASN1_STRING_type(signing_time.get()),
+                                  signing_time.get(), -1) != 1 ||
+      CMS_final(cms.get(), data.get(), nullptr, kFlags) != 1)
+    return openssl_failure(Code::internal);
+  unsigned char* der = nullptr;
+  const int size = i2d_CMS_ContentInfo(cms.get(), &der);
+  const OpensslMemory owner(der);
+  if (size <= 0) return openssl_failure(Code::internal);
+  return Bytes(der, der + size);
+}
+
+std::string base64_lines(BytesView octets) {
+  constexpr std::size_t kColumns = 64;
+  std::vector<std::uint8_t> text(octets.size() / 3 * 4 + 5);
+  const int size = EVP_EncodeBlock(text.data(), octets.data(), static_cast<int>(octets.size()));
+  const auto all = as_text(BytesView(text).first(static_cast<std::size_t>(size)));
+  std::string out;
+  for (std::size_t at = 0; at < all.size(); at += kColumns)
+    out.append(all.substr(at, kColumns)).append("\n");
+  return out;
+}
+
+Result<std::string> random_boundary(Random& random) {
+  std::array<std::uint8_t, 16> octets{};
+  DDSSEC_TRY(random.fill(octets));
+  return "----" + to_hex(octets);
+}
+
+}  // namespace
+
+Result<std::string> make_request(const PrivateKey& key, std::string_view subject) {
+  const auto name = DDSSEC_TRY(make_name(subject));
+  const RequestPtr request(X509_REQ_new());
+  EVP_PKEY* pkey = key.impl().pkey.get();
+  const BioPtr bio(BIO_new(BIO_s_mem()));
+  if (!request || !bio || X509_REQ_set_version(request.get(), 0) != 1 ||
+      X509_REQ_set_subject_name(request.get(), name.get()) != 1 ||
+      X509_REQ_set_pubkey(request.get(), pkey) != 1 ||
+      X509_REQ_sign(request.get(), pkey, digest_of(key)) <= 0 ||
+      PEM_write_bio_X509_REQ(bio.get(), request.get()) != 1)
+    return openssl_failure(Code::internal);
+  return bio_text(bio);
+}
+
+Result<Credential> Authority::self_sign(const CertificateTemplate& content, PrivateKey key,
+                                        Random& random) {
+  const auto name = DDSSEC_TRY(make_name(content.subject));
+  auto certificate =
+      DDSSEC_TRY(build(content, {name.get(), key.impl().pkey.get()}, nullptr, key, random));
+  return Credential{std::move(certificate), std::move(key)};
+}
+
+Result<Authority> Authority::create(std::string_view subject, KeySpec key, Validity validity,
+                                    Random& random) {
+  auto own = DDSSEC_TRY(PrivateKey::generate(key.kind, key.bits));
+  return Authority(DDSSEC_TRY(self_sign(ca_template(subject, validity), std::move(own), random)));
+}
+
+Result<Authority> Authority::load(Certificate certificate, PrivateKey key) {
+  if (!certificate.is_ca())
+    return fail(Code::not_a_ca,
+                {.field = certificate.subject(), .expected = "basicConstraints CA:TRUE"});
+  DDSSEC_TRY(key.matches(certificate));
+  return Authority(Credential{std::move(certificate), std::move(key)});
+}
+
+Result<Authority> Authority::subordinate(std::string_view subject, KeySpec key, Validity validity,
+                                         Random& random) const {
+  auto own = DDSSEC_TRY(PrivateKey::generate(key.kind, key.bits));
+  auto content = ca_template(subject, validity);
+  content.path_length = 0;
+  auto certificate = DDSSEC_TRY(certify(content, own, random));
+  return Authority(Credential{std::move(certificate), std::move(own)});
+}
+
+Result<Credential> Authority::issue(std::string_view subject, KeySpec key, Validity validity,
+                                    Random& random) const {
+  auto own = DDSSEC_TRY(PrivateKey::generate(key.kind, key.bits));
+  auto certificate =
+      DDSSEC_TRY(certify({.subject = std::string(subject), .validity = validity}, own, random));
+  return Credential{std::move(certificate), std::move(own)};
+}
+
+Result<Certificate> Authority::certify(const CertificateTemplate& content, const PrivateKey& key,
+                                       Random& random) const {
+  const auto name = DDSSEC_TRY(make_name(content.subject));
+  return build(content, {name.get(), key.impl().pkey.get()}, &self_.certificate, self_.key, random);
+}
+
+Result<Certificate> Authority::sign_request(BytesView request_pem, Validity validity,
+                                            Random& random) const {
+  if (request_pem.size() > kMostCertificateOctets)
+    return fail(Code::request_invalid, {.note = "it is too long"});
+  const BioPtr bio = bio_over(request_pem);
+  const RequestPtr request(PEM_read_bio_X509_REQ(bio.get(), nullptr, nullptr, nullptr));
+  EVP_PKEY* key = request ? X509_REQ_get0_pubkey(request.get()) : nullptr;
+  // The signature shows that the requester has the private key.
+  if (key == nullptr || X509_REQ_verify(request.get(), key) != 1)
+    return openssl_failure(Code::request_invalid);
+  DDSSEC_TRY(judge_key(key));
+  const CertificateTemplate content{.subject = {}, .validity = validity};
+  return build(content, {X509_REQ_get_subject_name(request.get()), key}, &self_.certificate,
+               self_.key, random);
+}
+
+Result<Crl> Authority::make_crl(const CrlTemplate& content) const {
+  const CrlPtr crl(X509_CRL_new());
+  X509* issuer = self_.certificate.impl().x509.get();
+  const auto this_update = DDSSEC_TRY(encoded(content.this_update));
+  const auto next_update = DDSSEC_TRY(encoded(content.next_update));
+  if (!crl || X509_CRL_set_version(crl.get(), X509_CRL_VERSION_2) != 1 ||
+      X509_CRL_set_issuer_name(crl.get(), X509_get_subject_name(issuer)) != 1 ||
+      X509_CRL_set1_lastUpdate(crl.get(), this_update.get()) != 1 ||
+      X509_CRL_set1_nextUpdate(crl.get(), next_update.get()) != 1)
+    return openssl_failure(Code::internal);
+  for (const auto& certificate : content.revoked)
+    DDSSEC_TRY(add_revoked(crl.get(), certificate, this_update.get()));
+  DDSSEC_TRY(add_crl_extensions(crl.get(), issuer, content.number));
+  X509_CRL_sort(crl.get());
+  const BioPtr bio(BIO_new(BIO_s_mem()));
+  if (!bio || X509_CRL_sign(crl.get(), self_.key.impl().pkey.get(), digest_of(self_.key)) <= 0 ||
+      i2d_X509_CRL_bio(bio.get(), crl.get()) != 1)
+    return openssl_failure(Code::internal);
+  return std::move(DDSSEC_TRY(Crl::all_from(bio_octets(bio))).front());
+}
+
+Result<Bytes> Authority::sign_document(BytesView document, WallTime signing_time,
+                                       Random& random) const {
+  if (as_text(document).find('\0') != std::string_view::npos) return fail(Code::smime_nul);
+  auto text = std::string("Content-Type: text/plain\r\n\r\n").append(as_text(document));
+  const auto content = DDSSEC_TRY(canonical_text(text));
+  const auto signature = DDSSEC_TRY(detached_signature(self_, content, signing_time));
+  const auto boundary = DDSSEC_TRY(random_boundary(random));
+  const bool sha384 = self_.key.algorithm().kind == KeyKind::ec_p384;
+  std::string out = "MIME-Version: 1.0\nContent-Type: multipart/signed; ";
+  out.append("protocol=\"application/x-pkcs7-signature\"; micalg=\"")
+      .append(sha384 ? "sha-384" : "sha-256")
+      .append("\"; boundary=\"" + boundary + "\"\n\nThis is an S/MIME signed message\n\n")
+      .append("--" + boundary + "\n")
+      .append(as_text(content))
+      .append("\n--" + boundary + "\n")
+      .append("Content-Type: application/x-pkcs7-signature; name=\"smime.p7s\"\n")
+      .append("Content-Transfer-Encoding: base64\n")
+      .append("Content-Disposition: attachment; filename=\"smime.p7s\"\n\n")
+      .append(base64_lines(signature))
+      .append("\n--" + boundary + "--\n\n");
+  return to_bytes(as_bytes(out));
+}
+
+}  // namespace ddssec::pki

@@ -1,0 +1,110 @@
+// Issuing: certificate authorities, identity certificates, requests, revocation lists and signed
+// documents. Used by the command line tool, the demo and the tests; no plugin needs it.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "base/bytes.hpp"
+#include "base/clock.hpp"
+#include "base/result.hpp"
+#include "pki/certificate.hpp"
+#include "pki/crl.hpp"
+#include "pki/private_key.hpp"
+
+namespace ddssec::pki {
+
+/// What key to make; `bits` counts for RSA only.
+struct KeySpec {
+  KeyKind kind = KeyKind::ec_p256;
+  int bits = 2048;
+};
+
+/// The time a certificate is good for.
+struct Validity {
+  WallTime not_before;
+  WallTime not_after;
+};
+
+/// What a new certificate says.
+struct CertificateTemplate {
+  std::string subject;  ///< RFC 4514 such as "CN=talker,O=Example", or one-line
+  Validity validity;
+  bool is_ca = false;
+  std::optional<int> path_length = {};  ///< CA only
+  /// OpenSSL's words for the keyUsage extension; empty = no such extension.
+  std::string key_usage = "critical,digitalSignature";
+};
+
+/// The keyUsage of our CAs: peers demand digitalSignature of whoever signs documents.
+inline constexpr std::string_view kCaKeyUsage = "critical,digitalSignature,keyCertSign,cRLSign";
+
+/// A certificate with its private key.
+struct Credential {
+  Certificate certificate;
+  PrivateKey key;
+};
+
+/// What a revocation list says.
+struct CrlTemplate {
+  std::span<const Certificate> revoked;
+  WallTime this_update;
+  WallTime next_update;
+  std::uint64_t number = 1;
+};
+
+/// A PKCS#10 request in PEM for the public half of `key`. Errors: subject_name_malformed, internal.
+Result<std::string> make_request(const PrivateKey& key, std::string_view subject);
+
+/// A certificate authority that can sign.
+class Authority {
+ public:
+  /// A new self-signed CA.
+  /// Errors: subject_name_malformed, random_failed, internal.
+  static Result<Authority> create(std::string_view subject, KeySpec key, Validity validity,
+                                  Random& random);
+
+  /// A new self-signed certificate in every detail; for tests, which need odd ones.
+  static Result<Credential> self_sign(const CertificateTemplate& content, PrivateKey key,
+                                      Random& random);
+
+  /// An existing CA. Errors: key_mismatch, not_a_ca.
+  static Result<Authority> load(Certificate certificate, PrivateKey key);
+
+  /// A new CA below this one, which may issue no further CA.
+  Result<Authority> subordinate(std::string_view subject, KeySpec key, Validity validity,
+                                Random& random) const;
+
+  /// A new key and a certificate for it, for one participant.
+  Result<Credential> issue(std::string_view subject, KeySpec key, Validity validity,
+                           Random& random) const;
+
+  /// A certificate for the public half of `key`. Errors: subject_name_malformed, random_failed,
+  /// internal.
+  Result<Certificate> certify(const CertificateTemplate& content, const PrivateKey& key,
+                              Random& random) const;
+
+  /// A certificate for a PKCS#10 request; its subject is taken over, its extensions are not.
+  /// Errors: request_invalid, key_not_allowed, random_failed, internal.
+  Result<Certificate> sign_request(BytesView request_pem, Validity validity, Random& random) const;
+
+  /// A revocation list. Error: internal.
+  Result<Crl> make_crl(const CrlTemplate& content) const;
+
+  /// `document` signed as multipart/signed with a text/plain header, SHA-256 (SHA-384 for P-384)
+  /// and this certificate included: the form that every vendor reads (`openssl smime -sign
+  /// -text`). Line ends become CRLF. Errors: smime_malformed (a lone CR), smime_nul, random_failed,
+  /// internal.
+  Result<Bytes> sign_document(BytesView document, WallTime signing_time, Random& random) const;
+
+  const Certificate& certificate() const { return self_.certificate; }
+  const PrivateKey& key() const { return self_.key; }
+
+ private:
+  explicit Authority(Credential self) : self_(std::move(self)) {}
+  Credential self_;
+};
+
+}  // namespace ddssec::pki

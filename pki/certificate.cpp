@@ -1,0 +1,175 @@
+#include "pki/certificate.hpp"
+
+#include "pki/openssl.hpp"
+#include "pki/source.hpp"
+
+namespace ddssec::pki {
+namespace {
+
+constexpr std::string_view kLabel = "CERTIFICATE";
+
+Error malformed(std::string note) {
+  return Error(Code::certificate_malformed, {.note = std::move(note)});
+}
+
+// A NUL inside a name reads as another, shorter name to whoever prints it as a C string.
+Status check_name(const X509_NAME* name, const char* which) {
+  const int count = X509_NAME_entry_count(name);
+  if (count > static_cast<int>(kMostNameAttributes))
+    return fail(Code::name_not_allowed,
+                {.field = which,
+                 .expected = "at most " + std::to_string(kMostNameAttributes) + " attributes",
+                 .found = std::to_string(count)});
+  for (int i = 0; i < count; ++i)
+    if (!to_utf8(X509_NAME_ENTRY_get_data(X509_NAME_get_entry(name, i))))
+      return fail(Code::name_not_allowed, {.field = which,
+                                           .expected = "text without NUL octets",
+                                           .found = name_rfc2253(name).substr(0, 256)});
+  return {};
+}
+
+std::string one_line(const X509_NAME* name) {
+  const OpensslText text(X509_NAME_oneline(name, nullptr, 0));
+  return text ? text.get() : "";
+}
+
+std::string pem_text(X509* x509) {
+  const BioPtr bio(BIO_new(BIO_s_mem()));
+  if (!bio || PEM_write_bio_X509(bio.get(), x509) != 1) return {};
+  return std::string(as_text(bio_octets(bio)));
+}
+
+Result<X509Ptr> decode(BytesView der) {
+  const auto* position = der.data();
+  X509Ptr x509(d2i_X509(nullptr, &position, static_cast<long>(der.size())));
+  if (!x509) return openssl_failure(Code::certificate_malformed);
+  if (position != der.data() + der.size())
+    return std::unexpected(malformed("octets follow the certificate"));
+  // Reads the extensions now, so that later use by several threads only reads.
+  if (X509_check_purpose(x509.get(), -1, 0) != 1 ||
+      (X509_get_extension_flags(x509.get()) & EXFLAG_INVALID) != 0)
+    return openssl_failure(Code::certificate_malformed, {.field = "extensions"});
+  return x509;
+}
+
+Result<WallTime> time_of(const ASN1_TIME* time, const char* field) {
+  auto out = to_wall_time(time);
+  if (!out) return fail(Code::certificate_malformed, {.field = field});
+  return out;
+}
+
+// Everything that can be asked later is worked out once; a certificate is used many times.
+Result<Certificate> finish(X509Ptr x509, BytesView der) {
+  auto out = std::make_shared<Certificate::Impl>();
+  const X509_NAME* subject = X509_get_subject_name(x509.get());
+  const X509_NAME* issuer = X509_get_issuer_name(x509.get());
+  DDSSEC_TRY(check_name(subject, "subject"));
+  DDSSEC_TRY(check_name(issuer, "issuer"));
+  out->subject = name_rfc2253(subject);
+  out->subject_one_line = one_line(subject);
+  out->issuer = name_rfc2253(issuer);
+  auto key = judge_key(X509_get0_pubkey(x509.get()));
+  if (!key) return std::unexpected(key.error().in("certificate of " + out->subject));
+  out->key = *key;
+  out->not_before = DDSSEC_TRY(time_of(X509_get0_notBefore(x509.get()), "notBefore"));
+  out->not_after = DDSSEC_TRY(time_of(X509_get0_notAfter(x509.get()), "notAfter"));
+  const unsigned char* name_der = nullptr;
+  std::size_t name_size = 0;
+  if (X509_NAME_get0_der(subject, &name_der, &name_size) != 1)
+    return openssl_failure(Code::certificate_malformed, {.field = "subject"});
+  out->subject_digest = sha256(BytesView(name_der, name_size));
+  out->der = to_bytes(der);
+  out->fingerprint = sha256(der);
+  out->pem = pem_text(x509.get());
+  out->x509 = std::move(x509);
+  return Certificate(std::move(out));
+}
+
+Error too_large(std::size_t most, std::size_t found) {
+  return Error(
+      Code::certificate_too_large,
+      {.expected = "at most " + std::to_string(most) + " octets", .found = std::to_string(found)});
+}
+
+// The next certificate of a PEM text; nothing at its end.
+Result<std::optional<Certificate>> next_certificate(BIO* bio) {
+  for (;;) {
+    auto block = next_pem_block(bio);
+    if (!block) return std::unexpected(malformed(block.error().details().note));
+    if (!*block) return std::nullopt;
+    if ((*block)->label != kLabel) continue;
+    return DDSSEC_TRY(Certificate::from_der((*block)->der));
+  }
+}
+
+}  // namespace
+
+std::string to_string(KeyAlgorithm algorithm) {
+  switch (algorithm.kind) {
+    case KeyKind::rsa:
+      return "RSA-" + std::to_string(algorithm.bits);
+    case KeyKind::ec_p256:
+      return "EC-prime256v1";
+    case KeyKind::ec_p384:
+      break;
+  }
+  return "EC-secp384r1";
+}
+
+Result<Certificate> Certificate::from_der(BytesView octets) {
+  if (octets.size() > kMostCertificateOctets)
+    return std::unexpected(too_large(kMostCertificateOctets, octets.size()));
+  return finish(DDSSEC_TRY(decode(octets)), octets);
+}
+
+Result<Certificate> Certificate::from_pem(BytesView octets) {
+  if (octets.size() > kMostCertificateOctets)
+    return std::unexpected(too_large(kMostCertificateOctets, octets.size()));
+  if (!octets.empty() && octets.back() == 0) octets = octets.first(octets.size() - 1);
+  const BioPtr bio = bio_over(octets);
+  auto certificate = DDSSEC_TRY(next_certificate(bio.get()));
+  if (!certificate) return std::unexpected(malformed("there is no PEM block CERTIFICATE"));
+  return *std::move(certificate);
+}
+
+Result<std::vector<Certificate>> Certificate::bundle_from_pem(BytesView octets) {
+  if (octets.size() > kMostBundleOctets)
+    return std::unexpected(too_large(kMostBundleOctets, octets.size()));
+  const BioPtr bio = bio_over(octets);
+  std::vector<Certificate> out;
+  while (auto certificate = DDSSEC_TRY(next_certificate(bio.get()))) {
+    if (out.size() == kMostCertificatesInBundle)
+      return fail(Code::certificate_too_large,
+                  {.expected = "at most " + std::to_string(kMostCertificatesInBundle) +
+                               " certificates in a file"});
+    out.push_back(*std::move(certificate));
+  }
+  if (out.empty()) return std::unexpected(malformed("there is no PEM block CERTIFICATE"));
+  return out;
+}
+
+BytesView Certificate::der() const { return impl_->der; }
+const std::string& Certificate::pem() const { return impl_->pem; }
+const Sha256Digest& Certificate::fingerprint() const { return impl_->fingerprint; }
+const std::string& Certificate::subject() const { return impl_->subject; }
+const std::string& Certificate::subject_one_line() const { return impl_->subject_one_line; }
+const std::string& Certificate::issuer() const { return impl_->issuer; }
+const Sha256Digest& Certificate::subject_digest() const { return impl_->subject_digest; }
+WallTime Certificate::not_before() const { return impl_->not_before; }
+WallTime Certificate::not_after() const { return impl_->not_after; }
+KeyAlgorithm Certificate::key_algorithm() const { return impl_->key; }
+bool Certificate::is_ca() const { return X509_check_ca(impl_->x509.get()) == 1; }
+
+std::string Certificate::serial() const {
+  const BignumPtr number(ASN1_INTEGER_to_BN(X509_get0_serialNumber(impl_->x509.get()), nullptr));
+  const OpensslText hex(number ? BN_bn2hex(number.get()) : nullptr);
+  return hex ? hex.get() : "";
+}
+
+bool Certificate::signed_with_rsa() const {
+  int key_type = NID_undef;
+  OBJ_find_sigid_algs(X509_get_signature_nid(impl_->x509.get()), nullptr, &key_type);
+  return key_type == NID_rsaEncryption || key_type == NID_rsassaPss;
+}
+
+}  // namespace ddssec::pki

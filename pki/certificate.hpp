@@ -1,0 +1,93 @@
+// X.509 certificates: parsed once, judged once, shared cheaply.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/bytes.hpp"
+#include "base/clock.hpp"
+#include "base/hash.hpp"
+#include "base/result.hpp"
+
+namespace ddssec::pki {
+
+/// The key types that DDS-Security 1.2 table 9.3 allows and we use.
+enum class KeyKind : std::uint8_t { rsa, ec_p256, ec_p384 };
+
+struct KeyAlgorithm {
+  KeyKind kind;
+  int bits;
+  bool operator==(const KeyAlgorithm&) const = default;
+};
+
+/// "RSA-2048", "EC-prime256v1", "EC-secp384r1": the words of dds.cert.algo in DDS-Security 1.1.
+std::string to_string(KeyAlgorithm algorithm);
+
+/// The largest number of certificates in one file.
+inline constexpr std::size_t kMostCertificatesInBundle = 256;
+/// The largest number of attributes in a subject or issuer name.
+inline constexpr std::size_t kMostNameAttributes = 64;
+
+/// An immutable certificate; copies share it. A certificate exists only if its form, names and
+/// key passed our rules: RSA of at least 2048 bits, EC P-256, EC P-384; no NUL in a name; at most
+/// kMostNameAttributes attributes in a name. Whether anybody vouches for it is pki/chain.hpp's
+/// matter.
+class Certificate {
+ public:
+  /// The first PEM certificate in `octets`, as a peer's c.id or an identity_certificate file holds
+  /// it; what follows its block is not looked at (peers behave so). One trailing NUL is tolerated.
+  /// Errors: certificate_malformed, certificate_too_large, key_not_allowed, name_not_allowed.
+  static Result<Certificate> from_pem(BytesView octets);
+
+  /// From exactly one DER certificate. Errors as above.
+  static Result<Certificate> from_der(BytesView octets);
+
+  /// Every certificate of a CA file, in the file's order; blocks with other labels are passed over
+  /// (Fast DDS keeps revocation lists in the same file). At least one, at most
+  /// kMostCertificatesInBundle. Errors as above.
+  static Result<std::vector<Certificate>> bundle_from_pem(BytesView octets);
+
+  /// The octets of the certificate as they were signed and received.
+  BytesView der() const;
+  /// PEM text with final newline and without NUL; the form of c.id.
+  const std::string& pem() const;
+  /// SHA-256 of der().
+  const Sha256Digest& fingerprint() const;
+  /// Subject name as `openssl x509 -nameopt RFC2253` prints it.
+  const std::string& subject() const;
+  /// Subject name as /C=../CN=.., the form of dds.cert.sn in peers.
+  const std::string& subject_one_line() const;
+  /// Issuer name, RFC 2253.
+  const std::string& issuer() const;
+  /// Serial number in hexadecimal digits.
+  std::string serial() const;
+  /// SHA-256 of the DER subject name: the adjusted GUID (DDS-Security 9.3.3).
+  const Sha256Digest& subject_digest() const;
+  WallTime not_before() const;
+  WallTime not_after() const;
+  KeyAlgorithm key_algorithm() const;
+  /// True if basicConstraints says CA:TRUE.
+  bool is_ca() const;
+  /// True if the CA signed this certificate with an RSA key: Fast DDS announces c.dsign_algo by
+  /// that, not by the certificate's own key.
+  bool signed_with_rsa() const;
+
+  /// Octet for octet.
+  friend bool operator==(const Certificate& a, const Certificate& b) {
+    return a.fingerprint() == b.fingerprint();
+  }
+
+  struct Impl;
+  /// For pki/ only.
+  const Impl& impl() const { return *impl_; }
+  /// For pki/ only.
+  explicit Certificate(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+
+ private:
+  std::shared_ptr<const Impl> impl_;
+};
+
+}  // namespace ddssec::pki

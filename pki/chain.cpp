@@ -1,0 +1,236 @@
+#include "pki/chain.hpp"
+
+#include <algorithm>
+#include <array>
+#include <deque>
+#include <map>
+#include <mutex>
+
+#include "pki/openssl.hpp"
+
+namespace ddssec::pki {
+namespace {
+
+struct Refusal {
+  int openssl;
+  Code code;
+};
+
+constexpr std::array kRefusals = {
+    Refusal{X509_V_ERR_CERT_HAS_EXPIRED, Code::certificate_expired},
+    Refusal{X509_V_ERR_CERT_NOT_YET_VALID, Code::certificate_not_yet_valid},
+    Refusal{X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT, Code::issuer_unknown},
+    Refusal{X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT_LOCALLY, Code::issuer_unknown},
+    Refusal{X509_V_ERR_UNABLE_TO_VERIFY_LEAF_SIGNATURE, Code::issuer_unknown},
+    Refusal{X509_V_ERR_DEPTH_ZERO_SELF_SIGNED_CERT, Code::issuer_unknown},
+    Refusal{X509_V_ERR_SELF_SIGNED_CERT_IN_CHAIN, Code::issuer_unknown},
+    Refusal{X509_V_ERR_AKID_SKID_MISMATCH, Code::issuer_unknown},
+    Refusal{X509_V_ERR_AKID_ISSUER_SERIAL_MISMATCH, Code::issuer_unknown},
+    Refusal{X509_V_ERR_CERT_SIGNATURE_FAILURE, Code::certificate_signature_invalid},
+    Refusal{X509_V_ERR_CERT_REVOKED, Code::certificate_revoked},
+    Refusal{X509_V_ERR_UNABLE_TO_GET_CRL, Code::crl_missing},
+    Refusal{X509_V_ERR_DIFFERENT_CRL_SCOPE, Code::crl_missing},
+    Refusal{X509_V_ERR_CRL_HAS_EXPIRED, Code::crl_expired},
+    Refusal{X509_V_ERR_CRL_NOT_YET_VALID, Code::crl_not_yet_valid},
+    Refusal{X509_V_ERR_CRL_SIGNATURE_FAILURE, Code::crl_signature_invalid},
+    Refusal{X509_V_ERR_UNABLE_TO_GET_CRL_ISSUER, Code::crl_signature_invalid},
+    Refusal{X509_V_ERR_KEYUSAGE_NO_CRL_SIGN, Code::crl_signature_invalid},
+    Refusal{X509_V_ERR_INVALID_CA, Code::not_a_ca},
+    Refusal{X509_V_ERR_PATH_LENGTH_EXCEEDED, Code::path_too_long},
+    Refusal{X509_V_ERR_KEYUSAGE_NO_CERTSIGN, Code::key_usage_forbids},
+    Refusal{X509_V_ERR_CA_MD_TOO_WEAK, Code::digest_too_weak},
+};
+
+Code code_for(int openssl) {
+  const auto row = std::ranges::find(kRefusals, openssl, &Refusal::openssl);
+  return row != kRefusals.end() ? row->code : Code::chain_refused;
+}
+
+bool about_a_missing_or_old_crl(int error) {
+  return error == X509_V_ERR_UNABLE_TO_GET_CRL || error == X509_V_ERR_DIFFERENT_CRL_SCOPE ||
+         error == X509_V_ERR_CRL_HAS_EXPIRED || error == X509_V_ERR_CRL_NOT_YET_VALID;
+}
+
+// OpenSSL asks here about every fault it finds; an untouched `ok` of 0 refuses.
+template <CrlPolicy policy>
+int on_fault(int ok, X509_STORE_CTX* context) {
+  if (ok == 1) return 1;
+  const int error = X509_STORE_CTX_get_error(context);
+  const bool tolerated =
+      about_a_missing_or_old_crl(error) &&
+      // CA certificates come from the configured file, where removing them revokes them: a list
+      // of their issuer is used if it is there, and not demanded.
+      (policy == CrlPolicy::soft_fail ||
+       (error == X509_V_ERR_UNABLE_TO_GET_CRL && X509_STORE_CTX_get_error_depth(context) > 0));
+  if (!tolerated) return 0;
+  X509_STORE_CTX_set_error(context, X509_V_OK);
+  return 1;
+}
+
+std::string subject_of(const X509* x509) {
+  return x509 != nullptr ? name_rfc2253(X509_get_subject_name(x509)) : "";
+}
+
+// The two values a person needs to see, by the kind of refusal.
+Error explain(X509_STORE_CTX* context, WallTime now) {
+  const int error = X509_STORE_CTX_get_error(context);
+  const X509* at = X509_STORE_CTX_get_current_cert(context);
+  const Code code = code_for(error);
+  ErrorDetails details{.field = subject_of(at)};
+  const auto limit = [&](const ASN1_TIME* time) {
+    const auto wall = to_wall_time(time);
+    return wall ? ddssec::to_string(*wall) : std::string("unreadable");
+  };
+  if (at == nullptr) return Error(code, std::move(details));
+  if (code == Code::certificate_expired) {
+    details.expected = "not after " + limit(X509_get0_notAfter(at));
+    details.found = ddssec::to_string(now);
+  } else if (code == Code::certificate_not_yet_valid) {
+    details.expected = "not before " + limit(X509_get0_notBefore(at));
+    details.found = ddssec::to_string(now);
+  } else if (code == Code::issuer_unknown) {
+    details.found = "issuer " + name_rfc2253(X509_get_issuer_name(at));
+  } else {
+    details.note = X509_verify_cert_error_string(error);
+  }
+  return Error(code, std::move(details));
+}
+
+// RFC 5280 4.2.1.3: with a keyUsage extension, signatures need digitalSignature. Peers' S/MIME
+// purpose check wants the same.
+Status check_key_usage(const Certificate& certificate) {
+  const auto usage = X509_get_key_usage(certificate.impl().x509.get());
+  if (usage == UINT32_MAX || (usage & KU_DIGITAL_SIGNATURE) != 0) return {};
+  return fail(Code::key_usage_forbids, {.field = certificate.subject(),
+                                        .expected = "keyUsage with digitalSignature",
+                                        .found = "keyUsage without it"});
+}
+
+}  // namespace
+
+struct ChainVerifier::Impl {
+  std::vector<Certificate> anchors;
+  StorePtr store;
+  bool check_crls = false;
+  std::optional<WallTime> crls_from;   // the latest thisUpdate
+  std::optional<WallTime> crls_until;  // the earliest nextUpdate
+
+  std::mutex mutex;
+  std::map<Sha256Digest, ChainValid> remembered;
+  std::deque<Sha256Digest> order;  // oldest first
+
+  Status fill_store(const std::vector<Crl>& crls, CrlPolicy policy);
+  Result<ChainValid> judge(const Certificate& certificate, WallTime now) const;
+  ChainValid prove(const Certificate& certificate, X509_STORE_CTX* context) const;
+  std::optional<ChainValid> recall(const Certificate& certificate, WallTime now);
+  void remember(const ChainValid& proof);
+};
+
+Status ChainVerifier::Impl::fill_store(const std::vector<Crl>& crls, CrlPolicy policy) {
+  store.reset(X509_STORE_new());
+  if (!store) return openssl_failure(Code::internal);
+  for (const auto& anchor : anchors) {
+    if (!anchor.is_ca())
+      return fail(Code::not_a_ca,
+                  {.field = anchor.subject(), .expected = "basicConstraints CA:TRUE"});
+    if (X509_STORE_add_cert(store.get(), anchor.impl().x509.get()) != 1)
+      return openssl_failure(Code::internal);
+  }
+  for (const auto& crl : crls) {
+    if (X509_STORE_add_crl(store.get(), crl.impl().crl.get()) != 1)
+      return openssl_failure(Code::internal);
+    crls_from = std::max(crls_from.value_or(crl.this_update()), crl.this_update());
+    if (const auto next = crl.next_update())
+      crls_until = std::min(crls_until.value_or(*next), *next);
+  }
+  check_crls = !crls.empty();
+  X509_STORE_set_verify_cb(store.get(), policy == CrlPolicy::hard_fail
+                                            ? on_fault<CrlPolicy::hard_fail>
+                                            : on_fault<CrlPolicy::soft_fail>);
+  return {};
+}
+
+ChainValid ChainVerifier::Impl::prove(const Certificate& certificate,
+                                      X509_STORE_CTX* context) const {
+  ChainValid proof(certificate);
+  proof.not_before_ = certificate.not_before();
+  proof.not_after_ = certificate.not_after();
+  proof.first_to_expire_ = certificate.subject();
+  proof.crl_next_update_ = crls_until;
+  const auto* chain = X509_STORE_CTX_get0_chain(context);
+  for (int i = 1; i < sk_X509_num(chain); ++i) {
+    const X509* x509 = sk_X509_value(chain, i);
+    const auto until = to_wall_time(X509_get0_notAfter(x509)).value_or(WallTime{});
+    const auto from = to_wall_time(X509_get0_notBefore(x509)).value_or(WallTime::max());
+    proof.not_before_ = std::max(proof.not_before_, from);
+    if (until >= proof.not_after_) continue;
+    proof.not_after_ = until;
+    proof.first_to_expire_ = subject_of(x509);
+  }
+  return proof;
+}
+
+Result<ChainValid> ChainVerifier::Impl::judge(const Certificate& certificate, WallTime now) const {
+  const StoreContextPtr context(X509_STORE_CTX_new());
+  if (!context ||
+      X509_STORE_CTX_init(context.get(), store.get(), certificate.impl().x509.get(), nullptr) != 1)
+    return openssl_failure(Code::internal);
+  auto* parameters = X509_STORE_CTX_get0_param(context.get());
+  unsigned long flags = X509_V_FLAG_PARTIAL_CHAIN;
+  if (check_crls) flags |= X509_V_FLAG_CRL_CHECK | X509_V_FLAG_CRL_CHECK_ALL;
+  X509_VERIFY_PARAM_set_flags(parameters, flags);
+  X509_VERIFY_PARAM_set_time(parameters, std::chrono::system_clock::to_time_t(now));
+  // Level 2 is 112 bits: it refuses SHA-1 everywhere but in an anchor's signature on itself.
+  X509_VERIFY_PARAM_set_auth_level(parameters, 2);
+  if (X509_verify_cert(context.get()) != 1) {
+    take_openssl_reason();
+    return std::unexpected(explain(context.get(), now));
+  }
+  DDSSEC_TRY(check_key_usage(certificate));
+  return prove(certificate, context.get());
+}
+
+std::optional<ChainValid> ChainVerifier::Impl::recall(const Certificate& certificate,
+                                                      WallTime now) {
+  const std::lock_guard lock(mutex);
+  const auto known = remembered.find(certificate.fingerprint());
+  if (known == remembered.end()) return std::nullopt;
+  const auto& proof = known->second;
+  const bool holds = now >= proof.not_before_ && now < proof.not_after_ &&
+                     (!crls_from || now >= *crls_from) && (!crls_until || now < *crls_until);
+  return holds ? std::optional(proof) : std::nullopt;
+}
+
+void ChainVerifier::Impl::remember(const ChainValid& proof) {
+  const std::lock_guard lock(mutex);
+  const auto& key = proof.certificate().fingerprint();
+  if (!remembered.insert_or_assign(key, proof).second) return;
+  order.push_back(key);
+  if (order.size() <= kMostRemembered) return;
+  remembered.erase(order.front());
+  order.pop_front();
+}
+
+ChainVerifier::ChainVerifier(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+ChainVerifier::~ChainVerifier() = default;
+ChainVerifier::ChainVerifier(ChainVerifier&&) noexcept = default;
+ChainVerifier& ChainVerifier::operator=(ChainVerifier&&) noexcept = default;
+
+Result<ChainVerifier> ChainVerifier::make(std::vector<Certificate> anchors, std::vector<Crl> crls,
+                                          CrlPolicy policy) {
+  auto impl = std::make_unique<Impl>();
+  impl->anchors = std::move(anchors);
+  DDSSEC_TRY(impl->fill_store(crls, policy));
+  return ChainVerifier(std::move(impl));
+}
+
+Result<ChainValid> ChainVerifier::verify(const Certificate& certificate, WallTime now) const {
+  if (auto known = impl_->recall(certificate, now)) return *std::move(known);
+  auto proof = DDSSEC_TRY(impl_->judge(certificate, now));
+  impl_->remember(proof);
+  return proof;
+}
+
+const std::vector<Certificate>& ChainVerifier::anchors() const { return impl_->anchors; }
+
+}  // namespace ddssec::pki

@@ -1,0 +1,75 @@
+// Key agreement of the handshake: ephemeral keys and what two of them have in common
+// (DDS-Security 9.3.4.2, 9.5.2.1).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "base/bytes.hpp"
+#include "base/result.hpp"
+#include "base/secret.hpp"
+
+namespace ddssec::pki {
+
+/// ECDH on P-256 or P-384, or DH in the group of RFC 5114 2.3.
+enum class KeyAgreementKind : std::uint8_t { ecdh_p256, ecdh_p384, dh_modp_2048_256 };
+
+/// How a public key is written. EC keys are uncompressed points. For MODP, Fast DDS, OpenDDS and
+/// the specification write the plain big-endian integer; Cyclone 0.10.2 a DER INTEGER.
+enum class PublicKeyEncoding : std::uint8_t { point, plain_integer, der_integer };
+
+/// SHA-256 of what both sides computed (DDS-Security 9.3.2.5.3).
+using SharedSecret = Secret<struct SharedSecretTag, 32>;
+
+/// A peer's public key that passed every check: on the curve, or in the subgroup of order q.
+class PeerPublicKey {
+ public:
+  /// Reads octets of a peer. Either encoding of a MODP key is taken. Errors:
+  /// public_key_malformed (length or form, a compressed point), public_key_not_in_group (off the
+  /// curve, infinity, or 0, 1, p-1, p and above, outside the subgroup).
+  static Result<PeerPublicKey> parse(KeyAgreementKind kind, BytesView octets);
+
+  KeyAgreementKind kind() const { return kind_; }
+  /// The encoding that was seen; answer in the same.
+  PublicKeyEncoding encoding() const { return encoding_; }
+
+  /// For pki/ only.
+  struct Impl;
+
+ private:
+  friend class EphemeralKey;
+  PeerPublicKey(KeyAgreementKind kind, PublicKeyEncoding encoding, std::shared_ptr<const Impl> impl)
+      : kind_(kind), encoding_(encoding), impl_(std::move(impl)) {}
+  KeyAgreementKind kind_;
+  PublicKeyEncoding encoding_;
+  std::shared_ptr<const Impl> impl_;
+};
+
+/// A key pair for one handshake. Move it into the state that owns it; OpenSSL wipes it.
+class EphemeralKey {
+ public:
+  /// Fresh from OpenSSL's generator. Error: internal.
+  static Result<EphemeralKey> generate(KeyAgreementKind kind);
+
+  KeyAgreementKind kind() const { return kind_; }
+
+  /// The public half: an uncompressed point for EC (the encoding asked for does not count), the
+  /// integer of minimal length, or its DER INTEGER, for MODP.
+  Bytes public_octets(PublicKeyEncoding encoding = PublicKeyEncoding::plain_integer) const;
+
+  /// SHA-256(Z). Z is the X coordinate at full length for ECDH; for MODP it is without leading
+  /// zero octets, as Cyclone and Fast DDS compute it. Error: key_agreement_mismatch if the peer's
+  /// key is of another kind.
+  Result<SharedSecret> derive(const PeerPublicKey& peer) const;
+  /// Parses and derives in one step.
+  Result<SharedSecret> derive(BytesView peer_octets) const;
+
+ private:
+  using Impl = PeerPublicKey::Impl;
+  EphemeralKey(KeyAgreementKind kind, std::shared_ptr<const Impl> impl)
+      : kind_(kind), impl_(std::move(impl)) {}
+  KeyAgreementKind kind_;
+  std::shared_ptr<const Impl> impl_;
+};
+
+}  // namespace ddssec::pki

@@ -1,0 +1,284 @@
+#include "pki/mime.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace ddssec::pki {
+namespace {
+
+constexpr std::size_t kMostHeaderOctets = 8 * 1024;
+constexpr std::size_t kMostHeaders = 32;
+constexpr std::size_t kMostBoundaryOctets = 70;  // RFC 2046 5.1.1
+
+Error refusal(Code code, std::string expected, std::string_view found = {}) {
+  return Error(code, {.expected = std::move(expected), .found = std::string(found.substr(0, 128))});
+}
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == text.npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+std::string lower(std::string_view text) {
+  std::string out(text);
+  std::ranges::transform(out, out.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
+  return out;
+}
+
+// The next line without its break; `text` moves behind it.
+std::string_view take_line(std::string_view& text) {
+  const auto end = text.find('\n');
+  auto line = text.substr(0, end);
+  text.remove_prefix(end == text.npos ? text.size() : end + 1);
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  return line;
+}
+
+struct Header {
+  std::string name;   // lower case
+  std::string value;  // unfolded
+};
+
+bool is_header_name(std::string_view name) {
+  return !name.empty() && std::ranges::all_of(name, [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-';
+  });
+}
+
+// The header lines up to the blank line; `text` moves behind it.
+Result<std::vector<Header>> take_headers(std::string_view& text) {
+  std::vector<Header> headers;
+  const std::size_t before = text.size();
+  while (!text.empty()) {
+    const auto line = take_line(text);
+    if (line.empty()) return headers;
+    if (before - text.size() > kMostHeaderOctets || headers.size() == kMostHeaders) break;
+    if ((line[0] == ' ' || line[0] == '\t') && !headers.empty()) {
+      headers.back().value.append(" ").append(trimmed(line));
+      continue;
+    }
+    const auto colon = line.find(':');
+    if (colon == line.npos || !is_header_name(line.substr(0, colon)))
+      return std::unexpected(refusal(Code::smime_malformed, "a header line", line));
+    headers.push_back({lower(line.substr(0, colon)), std::string(trimmed(line.substr(colon + 1)))});
+  }
+  return std::unexpected(refusal(Code::smime_malformed, "a short header and a blank line"));
+}
+
+// The value of the only header of that name; two of a kind read differently to different readers.
+Result<std::string> only_header(const std::vector<Header>& headers, std::string_view name) {
+  std::optional<std::string> value;
+  for (const auto& header : headers) {
+    if (header.name != name) continue;
+    if (value) return std::unexpected(refusal(Code::smime_malformed, "one " + header.name));
+    value = header.value;
+  }
+  return value.value_or("");
+}
+
+// "type/subtype; name=value; name="value"".
+struct MediaType {
+  std::string type;  // lower case
+  std::vector<Header> parameters;
+
+  std::string parameter(std::string_view name) const {
+    const auto found = std::ranges::find(parameters, name, &Header::name);
+    return found != parameters.end() ? found->value : "";
+  }
+};
+
+std::optional<std::string> take_parameter_value(std::string_view& text) {
+  if (!text.starts_with('"')) {
+    const auto end = std::min(text.find(';'), text.size());
+    std::string value(trimmed(text.substr(0, end)));
+    text.remove_prefix(end);
+    return value;
+  }
+  const auto end = text.find('"', 1);
+  if (end == text.npos) return std::nullopt;
+  std::string value(text.substr(1, end - 1));
+  text.remove_prefix(end + 1);
+  return value;
+}
+
+Result<MediaType> parse_media_type(std::string_view text) {
+  const auto bad = [&] {
+    return std::unexpected(refusal(Code::smime_content_type, "a well-formed Content-Type", text));
+  };
+  const auto end = std::min(text.find(';'), text.size());
+  MediaType out{lower(trimmed(text.substr(0, end))), {}};
+  for (auto rest = trimmed(text.substr(end)); !rest.empty(); rest = trimmed(rest)) {
+    if (rest[0] != ';') return bad();
+    rest = trimmed(rest.substr(1));
+    if (rest.empty()) break;
+    const auto equals = rest.find('=');
+    if (equals == rest.npos || !is_header_name(trimmed(rest.substr(0, equals)))) return bad();
+    auto name = lower(trimmed(rest.substr(0, equals)));
+    rest = trimmed(rest.substr(equals + 1));
+    auto value = take_parameter_value(rest);
+    const bool twice =
+        std::ranges::find(out.parameters, name, &Header::name) != out.parameters.end();
+    if (!value || twice) return bad();
+    out.parameters.push_back({std::move(name), *std::move(value)});
+  }
+  return out;
+}
+
+bool is_pkcs7_signature(std::string_view type) {
+  return type == "application/pkcs7-signature" || type == "application/x-pkcs7-signature";
+}
+
+// The boundary that a message header announces.
+Result<std::string> boundary_of(const std::vector<Header>& headers) {
+  const auto text = DDSSEC_TRY(only_header(headers, "content-type"));
+  const auto type = DDSSEC_TRY(parse_media_type(text));
+  if (type.type != "multipart/signed")
+    return std::unexpected(
+        refusal(Code::smime_not_multipart, "Content-Type: multipart/signed", text));
+  if (const auto protocol = lower(type.parameter("protocol")); !is_pkcs7_signature(protocol))
+    return std::unexpected(
+        refusal(Code::smime_content_type, "protocol application/x-pkcs7-signature", protocol));
+  auto boundary = type.parameter("boundary");
+  if (boundary.empty() || boundary.size() > kMostBoundaryOctets)
+    return std::unexpected(refusal(Code::smime_malformed, "a boundary of 1 to 70 characters"));
+  return boundary;
+}
+
+// One "--boundary" line.
+struct Delimiter {
+  std::size_t begin;  // first octet of the line
+  std::size_t end;    // first octet behind its line break
+  bool closes;
+};
+
+// `at` is the first octet of a line that begins with the marker.
+Result<Delimiter> read_delimiter(std::string_view body, std::size_t at, std::size_t marker) {
+  auto rest = body.substr(at + marker);
+  const auto line = take_line(rest);
+  const bool closes = line.starts_with("--");
+  if (!trimmed(line.substr(closes ? 2 : 0)).empty())
+    return std::unexpected(
+        refusal(Code::smime_malformed, "nothing behind a boundary", body.substr(at, 100)));
+  return Delimiter{at, body.size() - rest.size(), closes};
+}
+
+// All lines that begin with `marker`, at most four (three are right).
+Result<std::vector<Delimiter>> find_delimiters(std::string_view body, const std::string& marker) {
+  const std::string needle = "\n" + marker;
+  std::vector<Delimiter> found;
+  if (body.starts_with(marker)) found.push_back(DDSSEC_TRY(read_delimiter(body, 0, marker.size())));
+  std::size_t from = found.empty() ? 0 : found.back().end - 1;
+  while (from < body.size() && found.size() < 4) {
+    const void* hit =
+        ::memmem(body.data() + from, body.size() - from, needle.data(), needle.size());
+    if (hit == nullptr) break;
+    const auto at = static_cast<std::size_t>(static_cast<const char*>(hit) - body.data()) + 1;
+    found.push_back(DDSSEC_TRY(read_delimiter(body, at, marker.size())));
+    from = found.back().end > at ? found.back().end - 1 : body.size();
+  }
+  return found;
+}
+
+bool only_blank(std::string_view text) { return text.find_first_not_of(" \t\r\n") == text.npos; }
+
+// Text before the first boundary is not signed. Only what the signing tools write there is let
+// pass: OpenSSL and the libraries that imitate it.
+bool is_known_preamble(std::string_view text) {
+  constexpr std::string_view kOpenssl = "This is an S/MIME signed message";
+  const auto first = text.find_first_not_of(" \t\r\n");
+  if (first == text.npos) return true;
+  return text.substr(first).starts_with(kOpenssl) &&
+         only_blank(text.substr(first + kOpenssl.size()));
+}
+
+std::string_view without_last_break(std::string_view part) {
+  if (part.ends_with('\n')) part.remove_suffix(1);
+  if (part.ends_with('\r')) part.remove_suffix(1);
+  return part;
+}
+
+Result<std::string_view> signature_text(std::string_view part) {
+  const auto headers = DDSSEC_TRY(take_headers(part));
+  const auto text = DDSSEC_TRY(only_header(headers, "content-type"));
+  if (!is_pkcs7_signature(DDSSEC_TRY(parse_media_type(text)).type))
+    return std::unexpected(
+        refusal(Code::smime_content_type, "application/x-pkcs7-signature", text));
+  const auto encoding = DDSSEC_TRY(only_header(headers, "content-transfer-encoding"));
+  if (lower(encoding) != "base64")
+    return std::unexpected(
+        refusal(Code::smime_content_type, "Content-Transfer-Encoding: base64", encoding));
+  return part;
+}
+
+bool is_plain_encoding(const std::string& encoding) {
+  return encoding.empty() || encoding == "7bit" || encoding == "8bit" || encoding == "binary";
+}
+
+bool is_plain_charset(const std::string& charset) {
+  return charset.empty() || charset == "utf-8" || charset == "us-ascii";
+}
+
+}  // namespace
+
+Result<MultipartSigned> split_multipart_signed(std::string_view text) {
+  auto body = text;
+  const auto headers = take_headers(body);
+  // An unsigned XML document, PEM or DER ends up here.
+  if (!headers)
+    return std::unexpected(refusal(Code::smime_not_multipart, "Content-Type: multipart/signed",
+                                   trimmed(text.substr(0, text.find('\n')))));
+  const auto boundary = DDSSEC_TRY(boundary_of(*headers));
+  const auto lines = DDSSEC_TRY(find_delimiters(body, "--" + boundary));
+  const bool two_parts =
+      lines.size() == 3 && !lines[0].closes && !lines[1].closes && lines[2].closes;
+  if (!two_parts)
+    return std::unexpected(refusal(Code::smime_part_count, "a text part and a signature part"));
+  if (!is_known_preamble(body.substr(0, lines[0].begin)) || !only_blank(body.substr(lines[2].end)))
+    return std::unexpected(
+        refusal(Code::smime_surrounding_text, "nothing before and behind the two parts"));
+  const auto part = [&](std::size_t i) {
+    return without_last_break(body.substr(lines[i].end, lines[i + 1].begin - lines[i].end));
+  };
+  return MultipartSigned{part(0), DDSSEC_TRY(signature_text(part(1)))};
+}
+
+Result<Bytes> canonical_text(std::string_view part) {
+  Bytes out;
+  out.reserve(part.size() + part.size() / 16);
+  while (!part.empty()) {
+    const auto end = part.find('\n');
+    auto line = part.substr(0, end);
+    part.remove_prefix(end == part.npos ? part.size() : end + 1);
+    if (end != part.npos && line.ends_with('\r')) line.remove_suffix(1);
+    if (line.find('\r') != line.npos)
+      return std::unexpected(refusal(Code::smime_malformed, "line ends LF or CRLF", "a lone CR"));
+    const auto octets = as_bytes(line);
+    out.insert(out.end(), octets.begin(), octets.end());
+    if (end != part.npos) out.insert(out.end(), {'\r', '\n'});
+  }
+  return out;
+}
+
+Result<std::size_t> text_header_octets(std::string_view canonical_part) {
+  auto rest = canonical_part;
+  const auto bad = [](std::string_view found) {
+    return std::unexpected(refusal(Code::smime_content_type, "Content-Type: text/plain", found));
+  };
+  const auto headers = take_headers(rest);
+  if (!headers) return bad(canonical_part.substr(0, canonical_part.find('\r')));
+  const auto text = DDSSEC_TRY(only_header(*headers, "content-type"));
+  const auto type = DDSSEC_TRY(parse_media_type(text));
+  const auto encoding = DDSSEC_TRY(only_header(*headers, "content-transfer-encoding"));
+  if (type.type != "text/plain" || !is_plain_charset(lower(type.parameter("charset"))))
+    return bad(text);
+  if (!is_plain_encoding(lower(encoding))) return bad(encoding);
+  return canonical_part.size() - rest.size();
+}
+
+}  // namespace ddssec::pki

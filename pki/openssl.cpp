@@ -1,0 +1,121 @@
+#include "pki/openssl.hpp"
+
+#include <climits>
+
+#include <openssl/core_names.h>
+#include <openssl/err.h>
+
+namespace ddssec::pki {
+
+std::string take_openssl_reason() {
+  const unsigned long error = ERR_peek_last_error();
+  ERR_clear_error();
+  const char* reason = ERR_reason_error_string(error);
+  return reason != nullptr ? reason : "";
+}
+
+std::unexpected<Error> openssl_failure(Code code, ErrorDetails details) {
+  auto reason = take_openssl_reason();
+  if (details.note.empty()) details.note = std::move(reason);
+  return fail(code, std::move(details));
+}
+
+BioPtr bio_over(BytesView octets) {
+  if (octets.size() > INT_MAX) return nullptr;
+  return BioPtr(BIO_new_mem_buf(octets.data(), static_cast<int>(octets.size())));
+}
+
+BytesView bio_octets(const BioPtr& bio) {
+  char* data = nullptr;
+  const long size = BIO_get_mem_data(bio.get(), &data);
+  return as_bytes({data, static_cast<std::size_t>(size)});
+}
+
+Result<WallTime> to_wall_time(const ASN1_TIME* time) {
+  std::tm parts{};
+  if (time == nullptr || ASN1_TIME_to_tm(time, &parts) != 1)
+    return openssl_failure(Code::malformed, {.field = "time"});
+  using namespace std::chrono;
+  const sys_days day = year(parts.tm_year + 1900) / month(static_cast<unsigned>(parts.tm_mon + 1)) /
+                       std::chrono::day(static_cast<unsigned>(parts.tm_mday));
+  return WallTime(day + hours(parts.tm_hour) + minutes(parts.tm_min) + seconds(parts.tm_sec));
+}
+
+Result<Asn1TimePtr> to_asn1_time(WallTime time) {
+  Asn1TimePtr out(ASN1_TIME_set(nullptr, std::chrono::system_clock::to_time_t(time)));
+  if (!out) return openssl_failure(Code::internal);
+  return out;
+}
+
+std::string name_rfc2253(const X509_NAME* name) {
+  const BioPtr bio(BIO_new(BIO_s_mem()));
+  if (!bio || X509_NAME_print_ex(bio.get(), name, 0, XN_FLAG_RFC2253) < 0) return {};
+  return std::string(as_text(bio_octets(bio)));
+}
+
+std::optional<std::string> to_utf8(const ASN1_STRING* value) {
+  unsigned char* raw = nullptr;
+  const int size = ASN1_STRING_to_UTF8(&raw, value);
+  const OpensslMemory owner(raw);
+  if (size < 0) {
+    take_openssl_reason();
+    return std::nullopt;
+  }
+  std::string text(as_text({raw, static_cast<std::size_t>(size)}));
+  if (text.find('\0') != text.npos) return std::nullopt;
+  return text;
+}
+
+namespace {
+
+std::string describe(EVP_PKEY* key) {
+  const char* name = EVP_PKEY_get0_type_name(key);
+  return std::string(name != nullptr ? name : "unknown") + " of " +
+         std::to_string(EVP_PKEY_get_bits(key)) + " bits";
+}
+
+std::string group_name(EVP_PKEY* key) {
+  char name[64];
+  std::size_t size = 0;
+  return EVP_PKEY_get_group_name(key, name, sizeof name, &size) == 1 ? std::string(name, size) : "";
+}
+
+}  // namespace
+
+Result<KeyAlgorithm> judge_key(EVP_PKEY* key) {
+  constexpr int kLeastRsaBits = 2048;
+  constexpr int kMostRsaBits = 16384;
+  if (key == nullptr)
+    return openssl_failure(Code::key_not_allowed, {.found = "a key of unknown type"});
+  const int bits = EVP_PKEY_get_bits(key);
+  if (EVP_PKEY_is_a(key, "RSA") && bits >= kLeastRsaBits && bits <= kMostRsaBits)
+    return KeyAlgorithm{KeyKind::rsa, bits};
+  if (EVP_PKEY_is_a(key, "EC")) {
+    const auto group = group_name(key);
+    if (group == "prime256v1") return KeyAlgorithm{KeyKind::ec_p256, 256};
+    if (group == "secp384r1") return KeyAlgorithm{KeyKind::ec_p384, 384};
+  }
+  take_openssl_reason();
+  return fail(Code::key_not_allowed, {.expected = "RSA of 2048 bits or more, EC P-256 or EC P-384",
+                                      .found = describe(key)});
+}
+
+Result<std::optional<PemBlock>> next_pem_block(BIO* bio) {
+  char* label = nullptr;
+  char* header = nullptr;
+  unsigned char* data = nullptr;
+  long size = 0;
+  const bool read = PEM_read_bio(bio, &label, &header, &data, &size) == 1;
+  const OpensslText label_owner(label), header_owner(header);
+  const OpensslMemory data_owner(data);
+  if (!read) {
+    const bool at_end = ERR_GET_REASON(ERR_peek_last_error()) == PEM_R_NO_START_LINE;
+    if (!at_end) return openssl_failure(Code::malformed);
+    ERR_clear_error();
+    return std::nullopt;
+  }
+  if (*header != '\0') return fail(Code::malformed, {.note = "the PEM block has headers"});
+  return PemBlock{label, Bytes(data, data + size)};
+}
+
+}  // namespace ddssec::pki

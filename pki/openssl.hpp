@@ -1,0 +1,125 @@
+// Internal to pki/: OpenSSL objects that free themselves, and what the classes hold inside.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <openssl/asn1.h>
+#include <openssl/bio.h>
+#include <openssl/bn.h>
+#include <openssl/cms.h>
+#include <openssl/evp.h>
+#include <openssl/pem.h>
+#include <openssl/x509.h>
+#include <openssl/x509v3.h>
+
+#include "base/clock.hpp"
+#include "pki/certificate.hpp"
+#include "pki/crl.hpp"
+#include "pki/private_key.hpp"
+
+namespace ddssec::pki {
+
+template <auto Free>
+struct Deleter {
+  template <class T>
+  void operator()(T* p) const noexcept {
+    Free(p);
+  }
+};
+inline void free_openssl_memory(void* p) noexcept { OPENSSL_free(p); }
+inline void free_name(X509_NAME* p) noexcept { X509_NAME_free(p); }
+inline void free_certificate_stack(STACK_OF(X509) * p) noexcept { sk_X509_free(p); }
+
+using Asn1String = std::unique_ptr<ASN1_STRING, Deleter<ASN1_STRING_free>>;
+using Asn1IntegerPtr = std::unique_ptr<ASN1_INTEGER, Deleter<ASN1_INTEGER_free>>;
+using Asn1TimePtr = std::unique_ptr<ASN1_TIME, Deleter<ASN1_TIME_free>>;
+using Asn1TypePtr = std::unique_ptr<ASN1_TYPE, Deleter<ASN1_TYPE_free>>;
+using Asn1ObjectPtr = std::unique_ptr<ASN1_OBJECT, Deleter<ASN1_OBJECT_free>>;
+using BioPtr = std::unique_ptr<BIO, Deleter<BIO_free_all>>;
+using BignumPtr = std::unique_ptr<BIGNUM, Deleter<BN_free>>;
+using SecretBignumPtr = std::unique_ptr<BIGNUM, Deleter<BN_clear_free>>;
+using CmsPtr = std::unique_ptr<CMS_ContentInfo, Deleter<CMS_ContentInfo_free>>;
+using Pkcs7Ptr = std::unique_ptr<PKCS7, Deleter<PKCS7_free>>;
+using CrlPtr = std::unique_ptr<X509_CRL, Deleter<X509_CRL_free>>;
+using DigestPtr = std::unique_ptr<EVP_MD, Deleter<EVP_MD_free>>;
+using ExtensionPtr = std::unique_ptr<X509_EXTENSION, Deleter<X509_EXTENSION_free>>;
+using NamePtr = std::unique_ptr<X509_NAME, Deleter<free_name>>;
+using OpensslMemory = std::unique_ptr<unsigned char, Deleter<free_openssl_memory>>;
+using OpensslText = std::unique_ptr<char, Deleter<free_openssl_memory>>;
+using PkeyPtr = std::unique_ptr<EVP_PKEY, Deleter<EVP_PKEY_free>>;
+using PkeyContextPtr = std::unique_ptr<EVP_PKEY_CTX, Deleter<EVP_PKEY_CTX_free>>;
+using RequestPtr = std::unique_ptr<X509_REQ, Deleter<X509_REQ_free>>;
+using RevokedPtr = std::unique_ptr<X509_REVOKED, Deleter<X509_REVOKED_free>>;
+using StorePtr = std::unique_ptr<X509_STORE, Deleter<X509_STORE_free>>;
+using StoreContextPtr = std::unique_ptr<X509_STORE_CTX, Deleter<X509_STORE_CTX_free>>;
+using CertificateStack = std::unique_ptr<STACK_OF(X509), Deleter<free_certificate_stack>>;
+using X509Ptr = std::unique_ptr<X509, Deleter<X509_free>>;
+
+struct Certificate::Impl {
+  X509Ptr x509;
+  Bytes der;
+  std::string pem;
+  std::string subject;
+  std::string subject_one_line;
+  std::string issuer;
+  Sha256Digest fingerprint;
+  Sha256Digest subject_digest;
+  WallTime not_before;
+  WallTime not_after;
+  KeyAlgorithm key;
+};
+
+struct PrivateKey::Impl {
+  PkeyPtr pkey;
+  KeyAlgorithm algorithm;
+};
+
+struct Crl::Impl {
+  CrlPtr crl;
+  std::string issuer;
+  WallTime this_update;
+  std::optional<WallTime> next_update;
+};
+
+/// OpenSSL's own last reason (its queue is empty afterwards); "" if there is none.
+std::string take_openssl_reason();
+
+/// An error with OpenSSL's last reason as its note.
+std::unexpected<Error> openssl_failure(Code code, ErrorDetails details = {});
+
+/// A reading BIO over borrowed octets; null when they are too many for OpenSSL.
+BioPtr bio_over(BytesView octets);
+
+/// What has been written into a memory BIO; valid until it changes.
+BytesView bio_octets(const BioPtr& bio);
+
+/// A time of a certificate or revocation list; malformed when OpenSSL cannot read it.
+Result<WallTime> to_wall_time(const ASN1_TIME* time);
+
+/// The time in the form certificates use (UTCTime up to 2049).
+Result<Asn1TimePtr> to_asn1_time(WallTime time);
+
+/// RFC 2253 text: last RDN first, non-ASCII octets escaped.
+std::string name_rfc2253(const X509_NAME* name);
+
+/// A UTF-8 copy of an attribute's value, or nothing if it is no text or holds a NUL.
+std::optional<std::string> to_utf8(const ASN1_STRING* value);
+
+/// The kind of a public key by our rules: RSA of 2048 to 16384 bits, EC P-256 and P-384 with a
+/// named curve. Else key_not_allowed with algorithm and size.
+Result<KeyAlgorithm> judge_key(EVP_PKEY* key);
+
+/// One block of a PEM text.
+struct PemBlock {
+  std::string label;
+  Bytes der;
+};
+
+/// The next PEM block, without regard to text between blocks; nothing at the end. Refuses
+/// encrypted blocks (malformed).
+Result<std::optional<PemBlock>> next_pem_block(BIO* bio);
+
+}  // namespace ddssec::pki

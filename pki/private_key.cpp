@@ -1,0 +1,92 @@
+#include "pki/private_key.hpp"
+
+#include <array>
+
+#include "pki/openssl.hpp"
+#include "pki/signature.hpp"
+
+namespace ddssec::pki {
+namespace {
+
+struct PassphraseRequest {
+  const Passphrase* passphrase;
+  bool asked = false;
+};
+
+int give_passphrase(char* out, int room, int /*writing*/, void* user) {
+  auto& request = *static_cast<PassphraseRequest*>(user);
+  request.asked = true;
+  if (request.passphrase == nullptr) return -1;
+  return request.passphrase->expose([&](BytesView octets) {
+    if (octets.size() > static_cast<std::size_t>(room)) return -1;
+    std::copy(octets.begin(), octets.end(), out);
+    return static_cast<int>(octets.size());
+  });
+}
+
+Result<PrivateKey> finish(PkeyPtr pkey) {
+  const auto algorithm = DDSSEC_TRY(judge_key(pkey.get()));
+  return PrivateKey(std::make_shared<PrivateKey::Impl>(std::move(pkey), algorithm));
+}
+
+BytesView self_test_message() { return as_bytes("ddssec: does this key fit this certificate?"); }
+
+}  // namespace
+
+Result<PrivateKey> PrivateKey::from_pem(BytesView pem, const Passphrase* passphrase) {
+  if (pem.size() > KeyPem::capacity)
+    return fail(Code::private_key_malformed, {.note = "it is too long for a key"});
+  const BioPtr bio = bio_over(pem);
+  PassphraseRequest request{passphrase};
+  PkeyPtr pkey(PEM_read_bio_PrivateKey(bio.get(), nullptr, give_passphrase, &request));
+  if (pkey) {
+    take_openssl_reason();
+    return finish(std::move(pkey));
+  }
+  if (request.asked)
+    return openssl_failure(passphrase == nullptr ? Code::passphrase_missing
+                                                 : Code::passphrase_wrong);
+  return openssl_failure(Code::private_key_malformed);
+}
+
+Result<PrivateKey> PrivateKey::from_pem(const KeyPem& pem, const Passphrase* passphrase) {
+  return pem.expose([&](BytesView octets) { return from_pem(octets, passphrase); });
+}
+
+Result<PrivateKey> PrivateKey::generate(KeyKind kind, int bits) {
+  const char* group = kind == KeyKind::ec_p384 ? "P-384" : "P-256";
+  PkeyPtr pkey(kind == KeyKind::rsa
+                   ? EVP_PKEY_Q_keygen(nullptr, nullptr, "RSA", static_cast<std::size_t>(bits))
+                   : EVP_PKEY_Q_keygen(nullptr, nullptr, "EC", group));
+  if (!pkey) return openssl_failure(Code::internal);
+  return finish(std::move(pkey));
+}
+
+Result<KeyPem> PrivateKey::to_pem(const Passphrase* passphrase) const {
+  // The secure-memory BIO wipes its buffer when it is freed.
+  const BioPtr bio(BIO_new(BIO_s_secmem()));
+  PassphraseRequest request{passphrase};
+  const EVP_CIPHER* cipher = passphrase != nullptr ? EVP_aes_256_cbc() : nullptr;
+  if (!bio || PEM_write_bio_PKCS8PrivateKey(bio.get(), impl_->pkey.get(), cipher, nullptr, 0,
+                                            give_passphrase, &request) != 1)
+    return openssl_failure(Code::internal);
+  return KeyPem::copy_of(bio_octets(bio));
+}
+
+KeyAlgorithm PrivateKey::algorithm() const { return impl_->algorithm; }
+
+Status PrivateKey::matches(const Certificate& certificate) const {
+  const ErrorDetails details{.field = "private key for " + certificate.subject(),
+                             .expected = to_string(certificate.key_algorithm()),
+                             .found = to_string(algorithm()) + " of another pair"};
+  EVP_PKEY* expected = X509_get0_pubkey(certificate.impl().x509.get());
+  if (EVP_PKEY_eq(impl_->pkey.get(), expected) != 1)
+    return openssl_failure(Code::key_mismatch, details);
+  // A key file may carry the right public half beside a wrong private one.
+  const auto signature = sign(*this, self_test_message());
+  if (!signature || !verify(certificate, self_test_message(), *signature))
+    return fail(Code::key_mismatch, details);
+  return {};
+}
+
+}  // namespace ddssec::pki

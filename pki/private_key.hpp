@@ -1,0 +1,48 @@
+// Private keys for signing.
+#pragma once
+
+#include <memory>
+
+#include "base/bytes.hpp"
+#include "base/result.hpp"
+#include "base/secret.hpp"
+#include "pki/certificate.hpp"
+#include "pki/source.hpp"
+
+namespace ddssec::pki {
+
+/// What opens an encrypted key.
+using Passphrase = Secret<struct PassphraseTag, 1024>;
+
+/// An immutable private key; copies share it. OpenSSL wipes it when the last one dies.
+class PrivateKey {
+ public:
+  /// From PEM text: PKCS#8 plain or encrypted, or the traditional RSA and EC forms. Never asks a
+  /// person. `passphrase` may be null; it is not used for a plain key.
+  /// Errors: passphrase_missing, passphrase_wrong, private_key_malformed, key_not_allowed.
+  static Result<PrivateKey> from_pem(BytesView pem, const Passphrase* passphrase = nullptr);
+  static Result<PrivateKey> from_pem(const KeyPem& pem, const Passphrase* passphrase = nullptr);
+
+  /// A new key from OpenSSL's generator. `bits` counts for RSA only.
+  static Result<PrivateKey> generate(KeyKind kind, int bits = 2048);
+
+  /// PKCS#8 PEM text, encrypted with AES-256-CBC under PBKDF2 if a passphrase is given.
+  Result<KeyPem> to_pem(const Passphrase* passphrase = nullptr) const;
+
+  KeyAlgorithm algorithm() const;
+
+  /// Success if this is the private half of the certificate's key: the public halves are equal and
+  /// a signature made with this key verifies with the certificate's. Error: key_mismatch.
+  Status matches(const Certificate& certificate) const;
+
+  struct Impl;
+  /// For pki/ only.
+  const Impl& impl() const { return *impl_; }
+  /// For pki/ only.
+  explicit PrivateKey(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+
+ private:
+  std::shared_ptr<const Impl> impl_;
+};
+
+}  // namespace ddssec::pki

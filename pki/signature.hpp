@@ -1,0 +1,33 @@
+// Signatures of handshake messages (DDS-Security 9.3.4.2).
+#pragma once
+
+#include "base/bytes.hpp"
+#include "base/result.hpp"
+#include "pki/certificate.hpp"
+#include "pki/private_key.hpp"
+
+namespace ddssec::pki {
+
+/// The longest signature, in octets: RSA-16384.
+inline constexpr std::size_t kMostSignatureOctets = 2048;
+
+/// Proof that some octets were signed with the key of `signer`. Only `verify` makes one.
+class SignatureValid {
+ public:
+  const Certificate& signer() const { return signer_; }
+
+ private:
+  friend Result<SignatureValid> verify(const Certificate&, BytesView, BytesView);
+  explicit SignatureValid(Certificate signer) : signer_(std::move(signer)) {}
+  Certificate signer_;
+};
+
+/// ECDSA with SHA-256 for a P-256 key, with SHA-384 for P-384 (DER form); RSASSA-PSS with SHA-256,
+/// MGF1-SHA256 and a salt of 32 octets for RSA. Error: internal.
+Result<Bytes> sign(const PrivateKey& key, BytesView message);
+
+/// Verifies by the type of the certificate's key, whatever the peer announced; for RSA any salt
+/// length is accepted (Cyclone signs with the longest). Error: signature_invalid.
+Result<SignatureValid> verify(const Certificate& signer, BytesView message, BytesView signature);
+
+}  // namespace ddssec::pki

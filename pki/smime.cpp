@@ -1,0 +1,143 @@
+#include "pki/smime.hpp"
+
+#include "pki/mime.hpp"
+#include "pki/openssl.hpp"
+#include "pki/source.hpp"
+
+namespace ddssec::pki {
+namespace {
+
+constexpr std::size_t kMostSignatureText = 1024 * 1024;
+
+Result<Bytes> decode_base64(std::string_view text) {
+  const auto bad = [] {
+    return openssl_failure(Code::smime_signature_malformed, {.field = "base64 text"});
+  };
+  if (text.size() > kMostSignatureText) return bad();
+  std::string joined;
+  joined.reserve(text.size());
+  for (char c : text)
+    if (std::string_view(" \t\r\n").find(c) == std::string_view::npos) joined.push_back(c);
+  if (joined.empty() || joined.size() % 4 != 0) return bad();
+  Bytes out(joined.size() / 4 * 3);
+  const int size =
+      EVP_DecodeBlock(out.data(), as_bytes(joined).data(), static_cast<int>(joined.size()));
+  if (size < 0) return bad();
+  // EVP_DecodeBlock counts the padding as zeros.
+  const std::size_t padding = joined.ends_with("==") ? 2 : joined.ends_with('=') ? 1 : 0;
+  out.resize(static_cast<std::size_t>(size) - padding);
+  return out;
+}
+
+Result<CmsPtr> decode_signature(BytesView der) {
+  const auto* position = der.data();
+  CmsPtr cms(d2i_CMS_ContentInfo(nullptr, &position, static_cast<long>(der.size())));
+  if (!cms || position != der.data() + der.size())
+    return openssl_failure(Code::smime_signature_malformed);
+  if (OBJ_obj2nid(CMS_get0_type(cms.get())) != NID_pkcs7_signed)
+    return fail(Code::smime_signature_malformed, {.expected = "PKCS#7 SignedData"});
+  // Content inside the signature would be a second document beside the one that is read.
+  ASN1_OCTET_STRING** inner = CMS_get0_content(cms.get());
+  if (inner == nullptr || *inner != nullptr ||
+      OBJ_obj2nid(CMS_get0_eContentType(cms.get())) != NID_pkcs7_data)
+    return openssl_failure(Code::smime_signature_malformed, {.expected = "detached data"});
+  return cms;
+}
+
+Result<CMS_SignerInfo*> only_signer(CMS_ContentInfo* cms) {
+  auto* signers = CMS_get0_SignerInfos(cms);
+  const int count = signers != nullptr ? sk_CMS_SignerInfo_num(signers) : 0;
+  if (count <= 0) return fail(Code::smime_no_signer);
+  if (count > 1) return fail(Code::smime_several_signers, {.found = std::to_string(count)});
+  return sk_CMS_SignerInfo_value(signers, 0);
+}
+
+Status check_digest(CMS_SignerInfo* signer) {
+  X509_ALGOR* algorithm = nullptr;
+  CMS_SignerInfo_get0_algs(signer, nullptr, nullptr, &algorithm, nullptr);
+  const int nid = OBJ_obj2nid(algorithm->algorithm);
+  if (nid == NID_sha256 || nid == NID_sha384 || nid == NID_sha512) return {};
+  const char* name = OBJ_nid2sn(nid);
+  return fail(Code::smime_digest_too_weak,
+              {.expected = "SHA-256, SHA-384 or SHA-512", .found = name ? name : "unknown"});
+}
+
+std::string describe(CMS_SignerInfo* signer) {
+  X509_NAME* issuer = nullptr;
+  ASN1_INTEGER* serial = nullptr;
+  if (CMS_SignerInfo_get0_signer_id(signer, nullptr, &issuer, &serial) != 1 || issuer == nullptr)
+    return "a signer named by key identifier";
+  const BignumPtr number(ASN1_INTEGER_to_BN(serial, nullptr));
+  const OpensslText hex(number ? BN_bn2hex(number.get()) : nullptr);
+  return "certificate " + std::string(hex ? hex.get() : "?") + " issued by " + name_rfc2253(issuer);
+}
+
+// The configured certificates that the signer may mean; more than one after a CA was renewed.
+Result<std::vector<Certificate>> candidates(CMS_SignerInfo* signer,
+                                            const std::vector<Certificate>& cas) {
+  std::vector<Certificate> out;
+  for (const auto& ca : cas)
+    if (CMS_SignerInfo_cert_cmp(signer, ca.impl().x509.get()) == 0) out.push_back(ca);
+  if (!out.empty()) return out;
+  std::string listed;
+  for (const auto& ca : cas) listed += (listed.empty() ? "" : " or ") + ca.subject();
+  return fail(Code::smime_signer_not_permissions_ca,
+              {.expected = listed.substr(0, 512), .found = describe(signer)});
+}
+
+// OpenSSL checks content digest, signed attributes and signature with the key of `ca`, and looks
+// at no other certificate. Whether `ca` may be believed is judged by the caller.
+Status verify_with(const Certificate& ca, BytesView signature, BytesView content) {
+  const CmsPtr cms = DDSSEC_TRY(decode_signature(signature));
+  const CertificateStack trusted(sk_X509_new_null());
+  const BioPtr bio = bio_over(content);
+  constexpr unsigned kFlags = CMS_NOINTERN | CMS_NO_SIGNER_CERT_VERIFY | CMS_BINARY;
+  if (!trusted || !bio || sk_X509_push(trusted.get(), ca.impl().x509.get()) <= 0)
+    return openssl_failure(Code::internal);
+  if (CMS_verify(cms.get(), trusted.get(), nullptr, bio.get(), nullptr, kFlags) != 1)
+    return openssl_failure(Code::smime_signature_invalid, {.field = "signer " + ca.subject()});
+  return {};
+}
+
+Result<Certificate> verified_signer(const std::vector<Certificate>& cas, BytesView signature,
+                                    BytesView content) {
+  const CmsPtr cms = DDSSEC_TRY(decode_signature(signature));
+  CMS_SignerInfo* signer = DDSSEC_TRY(only_signer(cms.get()));
+  DDSSEC_TRY(check_digest(signer));
+  const auto possible = DDSSEC_TRY(candidates(signer, cas));
+  Status status;
+  for (const auto& ca : possible) {
+    status = verify_with(ca, signature, content);
+    if (status) return ca;
+  }
+  return std::unexpected(status.error());
+}
+
+Result<BytesView> check_octets(BytesView file) {
+  if (file.size() > kMostDocumentOctets)
+    return fail(Code::smime_too_large,
+                {.expected = "at most " + std::to_string(kMostDocumentOctets) + " octets",
+                 .found = std::to_string(file.size())});
+  if (!file.empty() && file.back() == 0) file = file.first(file.size() - 1);
+  if (as_text(file).find('\0') != std::string_view::npos) return fail(Code::smime_nul);
+  return file;
+}
+
+}  // namespace
+
+Result<DocumentVerifier> DocumentVerifier::make(std::vector<Certificate> permissions_cas) {
+  return DocumentVerifier(DDSSEC_TRY(ChainVerifier::make(std::move(permissions_cas))));
+}
+
+Result<SignedDocument> DocumentVerifier::verify(BytesView file, WallTime now) const {
+  const auto octets = DDSSEC_TRY(check_octets(file));
+  const auto parts = DDSSEC_TRY(split_multipart_signed(as_text(octets)));
+  auto content = DDSSEC_TRY(canonical_text(parts.content));
+  const auto header = DDSSEC_TRY(text_header_octets(as_text(content)));
+  const auto signature = DDSSEC_TRY(decode_base64(parts.signature));
+  const auto signer = DDSSEC_TRY(verified_signer(permissions_cas(), signature, content));
+  auto proof = DDSSEC_TRY(chain_.verify(signer, now));
+  return SignedDocument(std::move(content), header, std::move(proof));
+}
+
+}  // namespace ddssec::pki

@@ -1,0 +1,61 @@
+// Signed governance and permissions documents: S/MIME multipart/signed (DDS-Security 9.4.1).
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "base/bytes.hpp"
+#include "base/clock.hpp"
+#include "base/result.hpp"
+#include "pki/certificate.hpp"
+#include "pki/chain.hpp"
+
+namespace ddssec::pki {
+
+/// A document whose signature was verified: exactly the octets that were signed, less the
+/// text/plain header. Only DocumentVerifier makes one.
+class SignedDocument {
+ public:
+  /// The document, line ends CRLF as they were signed. Parse this, never the file.
+  BytesView content() const { return BytesView(signed_octets_).subspan(header_octets_); }
+  /// The permissions CA that signed it; one of the configured certificates, octet for octet.
+  const Certificate& signer() const { return proof_.certificate(); }
+  /// The earliest end of validity on the signer's path.
+  WallTime signer_not_after() const { return proof_.not_after(); }
+
+ private:
+  friend class DocumentVerifier;
+  SignedDocument(Bytes octets, std::size_t header, ChainValid proof)
+      : signed_octets_(std::move(octets)), header_octets_(header), proof_(std::move(proof)) {}
+  Bytes signed_octets_;
+  std::size_t header_octets_;
+  ChainValid proof_;
+};
+
+/// Verifies documents against one permissions CA file. Thread-safe.
+///
+/// The signer must be one of the certificates in the file, octet for octet; that it chains to one
+/// is not enough (CVE-2023-24011). The signer's own validity, keyUsage and path are checked as for
+/// any certificate. Certificates inside a document are ignored.
+class DocumentVerifier {
+ public:
+  /// Errors as ChainVerifier::make.
+  static Result<DocumentVerifier> make(std::vector<Certificate> permissions_cas);
+
+  /// `file` is the whole document as stored or as received in c.perm; one trailing NUL is
+  /// tolerated. Two MIME parts, a text/plain one and a PKCS#7 signature in base64, LF or CRLF line
+  /// ends, at most kMostDocumentOctets. Errors: smime_malformed, smime_nul, smime_too_large,
+  /// smime_not_multipart (opaque or not signed), smime_part_count, smime_surrounding_text,
+  /// smime_content_type, smime_signature_malformed, smime_no_signer, smime_several_signers,
+  /// smime_signer_not_permissions_ca, smime_digest_too_weak, smime_signature_invalid, and those of
+  /// ChainVerifier::verify for the signer. The caller names the document with Error::in.
+  Result<SignedDocument> verify(BytesView file, WallTime now) const;
+
+  const std::vector<Certificate>& permissions_cas() const { return chain_.anchors(); }
+
+ private:
+  explicit DocumentVerifier(ChainVerifier chain) : chain_(std::move(chain)) {}
+  ChainVerifier chain_;
+};
+
+}  // namespace ddssec::pki

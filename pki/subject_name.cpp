@@ -1,0 +1,279 @@
+#include "pki/subject_name.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "pki/openssl.hpp"
+
+namespace ddssec::pki {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r\n";
+
+Error malformed(std::string note, std::string_view found) {
+  return Error(Code::subject_name_malformed,
+               {.found = std::string(found.substr(0, 256)), .note = std::move(note)});
+}
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(kBlanks);
+  if (first == text.npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+}
+
+std::string upper(std::string_view text) {
+  std::string out(text);
+  std::ranges::transform(out, out.begin(),
+                         [](char c) { return c >= 'a' && c <= 'z' ? char(c - 'a' + 'A') : c; });
+  return out;
+}
+
+std::string type_name(const ASN1_OBJECT* object) {
+  const int nid = OBJ_obj2nid(object);
+  if (nid != NID_undef) return OBJ_nid2sn(nid);
+  char dotted[128];
+  const int size = OBJ_obj2txt(dotted, sizeof dotted, object, 1);
+  return size > 0 && size < static_cast<int>(sizeof dotted) ? dotted : "";
+}
+
+// RFC 4514 section 3: type names do not depend on case. OpenSSL's table holds the short and long
+// names; the RFC's own names are the short ones in capitals, and a few have a second spelling.
+std::optional<std::string> canonical_type(std::string_view text) {
+  const auto known = [](const std::string& name) -> std::optional<std::string> {
+    const int nid = OBJ_txt2nid(name.c_str());
+    if (nid == NID_undef) return std::nullopt;
+    return OBJ_nid2sn(nid);
+  };
+  constexpr std::size_t kMostTypeOctets = 64;
+  if (text.empty() || text.size() > kMostTypeOctets) return std::nullopt;
+  const auto capitals = upper(text);
+  if (capitals == "E" || capitals == "EMAIL" || capitals == "EMAILADDRESS")
+    return OBJ_nid2sn(NID_pkcs9_emailAddress);
+  if (capitals == "S") return OBJ_nid2sn(NID_stateOrProvinceName);
+  const std::string name(text.starts_with("OID.") || text.starts_with("oid.") ? text.substr(4)
+                                                                              : text);
+  if (auto found = known(name)) return found;
+  if (auto found = known(capitals)) return found;
+  if (capitals == "STREET") return OBJ_nid2sn(NID_streetAddress);
+  const bool dotted = name.find_first_not_of("0123456789.") == name.npos;
+  const Asn1ObjectPtr object(dotted ? OBJ_txt2obj(name.c_str(), 1) : nullptr);
+  if (object) return name;
+  take_openssl_reason();
+  return std::nullopt;
+}
+
+// '#' and hexadecimal digits: the value's DER (RFC 4514 2.4).
+std::optional<std::string> hex_value(std::string_view digits) {
+  const auto der = from_hex(digits);
+  if (!der || der->empty()) return std::nullopt;
+  const auto* position = der->data();
+  const Asn1TypePtr type(d2i_ASN1_TYPE(nullptr, &position, static_cast<long>(der->size())));
+  constexpr unsigned long kText = (B_ASN1_DIRECTORYSTRING) | B_ASN1_IA5STRING;
+  const bool is_text = type && position == der->data() + der->size() &&
+                       (static_cast<unsigned long>(ASN1_tag2bit(type->type)) & kText) != 0;
+  if (is_text) return to_utf8(type->value.asn1_string);
+  take_openssl_reason();
+  return std::nullopt;
+}
+
+bool valid_utf8_without_nul(const std::string& text) {
+  const Asn1String string(ASN1_STRING_type_new(V_ASN1_UTF8STRING));
+  if (!string || ASN1_STRING_set(string.get(), text.data(), static_cast<int>(text.size())) != 1)
+    return false;
+  if (text.find('\0') != text.npos) return false;
+  unsigned long character = 0;
+  const auto octets = as_bytes(text);
+  for (std::size_t at = 0; at < octets.size();) {
+    const int used =
+        UTF8_getc(octets.data() + at, static_cast<int>(octets.size() - at), &character);
+    if (used <= 0) return false;
+    at += static_cast<std::size_t>(used);
+  }
+  return true;
+}
+
+// Reads one RFC 4514 text from left to right.
+class Rfc4514 {
+ public:
+  explicit Rfc4514(std::string_view text) : text_(text) {}
+
+  Result<NameAttribute> attribute() {
+    const auto equals = text_.find('=', at_);
+    if (equals == text_.npos) return std::unexpected(malformed("there is no '='", text_));
+    const auto type = trimmed(text_.substr(at_, equals - at_));
+    auto name = canonical_type(type);
+    if (!name) return std::unexpected(malformed("the attribute type is unknown", type));
+    at_ = equals + 1;
+    skip_blanks();
+    auto value = DDSSEC_TRY(this->value());
+    skip_blanks();
+    if (!valid_utf8_without_nul(value))
+      return std::unexpected(malformed("a value is not UTF-8 text", text_));
+    return NameAttribute{*std::move(name), std::move(value)};
+  }
+
+  bool at_end() const { return at_ == text_.size(); }
+  // ',' or '+' between attributes; 0 if there is neither.
+  char separator() {
+    const char c = at_end() ? '\0' : text_[at_];
+    if (c != ',' && c != '+') return '\0';
+    ++at_;
+    return c;
+  }
+
+ private:
+  void skip_blanks() {
+    while (!at_end() && kBlanks.find(text_[at_]) != kBlanks.npos) ++at_;
+  }
+
+  Result<std::string> value() {
+    if (at_end()) return std::string();
+    if (text_[at_] == '#') return hexadecimal();
+    if (text_[at_] == '"') return quoted();
+    return plain();
+  }
+
+  Result<std::string> hexadecimal() {
+    const auto end = std::min(text_.find_first_of(",+", at_), text_.size());
+    auto value = hex_value(trimmed(text_.substr(at_ + 1, end - at_ - 1)));
+    if (!value) return std::unexpected(malformed("a '#' value is no DER text", text_));
+    at_ = end;
+    return *std::move(value);
+  }
+
+  // After a backslash: one special character, or two hexadecimal digits.
+  Result<char> escaped() {
+    constexpr std::string_view kSpecial = "\"+,;<>= #\\/";
+    if (at_ < text_.size() && kSpecial.find(text_[at_]) != kSpecial.npos) return text_[at_++];
+    const auto octet = from_hex(text_.substr(std::min(at_, text_.size()), 2));
+    if (!octet || octet->size() != 1)
+      return std::unexpected(malformed("a backslash stands before nothing special", text_));
+    at_ += 2;
+    return static_cast<char>((*octet)[0]);
+  }
+
+  Result<std::string> quoted() {
+    std::string out;
+    for (++at_; !at_end() && text_[at_] != '"';) {
+      const char c = text_[at_++];
+      out.push_back(c == '\\' ? DDSSEC_TRY(escaped()) : c);
+    }
+    if (at_end()) return std::unexpected(malformed("a quotation mark is not closed", text_));
+    ++at_;
+    return out;
+  }
+
+  Result<std::string> plain() {
+    std::string out;
+    std::size_t meant = 0;  // up to here, blanks at the end count
+    while (!at_end() && text_[at_] != ',' && text_[at_] != '+') {
+      const char c = text_[at_++];
+      if (std::string_view("\";<>").find(c) != std::string_view::npos)
+        return std::unexpected(malformed("a special character is not escaped", text_));
+      out.push_back(c == '\\' ? DDSSEC_TRY(escaped()) : c);
+      if (c == '\\' || kBlanks.find(c) == kBlanks.npos) meant = out.size();
+    }
+    out.resize(meant);
+    return out;
+  }
+
+  std::string_view text_;
+  std::size_t at_ = 0;
+};
+
+// Where the next "/TYPE=" with a known type begins.
+std::size_t next_slash_type(std::string_view text, std::size_t from) {
+  for (auto at = text.find('/', from); at != text.npos; at = text.find('/', at + 1)) {
+    const auto equals = text.find('=', at);
+    if (equals == text.npos) return text.npos;
+    if (canonical_type(trimmed(text.substr(at + 1, equals - at - 1)))) return at;
+  }
+  return text.npos;
+}
+
+// X509_NAME_oneline writes unprintable octets as \xHH and escapes nothing else.
+Result<std::string> unescape_one_line(std::string_view text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto octet = text.substr(i, 2) == "\\x" ? from_hex(text.substr(i + 2, 2)) : std::nullopt;
+    const bool escape = octet && octet->size() == 1;
+    out.push_back(escape ? static_cast<char>((*octet)[0]) : text[i]);
+    if (escape) i += 3;
+  }
+  if (!valid_utf8_without_nul(out))
+    return std::unexpected(malformed("a value is not UTF-8 text", text));
+  return out;
+}
+
+Error too_many(std::string_view text) {
+  return malformed("there are more than " + std::to_string(kMostNameAttributes) + " attributes",
+                   text);
+}
+
+Result<std::vector<NameAttribute>> parse_one_line(std::string_view text) {
+  std::vector<NameAttribute> out;
+  std::size_t at = next_slash_type(text, 0);
+  if (at != 0) return std::unexpected(malformed("it does not begin with /TYPE=", text));
+  while (at != text.npos) {
+    if (out.size() == kMostNameAttributes) return std::unexpected(too_many(text));
+    const auto equals = text.find('=', at);
+    const auto next = next_slash_type(text, equals);
+    auto type = canonical_type(trimmed(text.substr(at + 1, equals - at - 1)));
+    const auto value = trimmed(text.substr(equals + 1, next - equals - 1));
+    out.push_back({*std::move(type), DDSSEC_TRY(unescape_one_line(value))});
+    at = next;
+  }
+  return out;
+}
+
+}  // namespace
+
+Result<SubjectName> SubjectName::parse(std::string_view text) {
+  text = trimmed(text);
+  if (text.empty() || text.size() > kMostSubjectOctets)
+    return std::unexpected(malformed("it is empty or too long", text));
+  SubjectName name;
+  if (text.front() == '/') {
+    name.root_first_ = true;
+    name.attributes_ = DDSSEC_TRY(parse_one_line(text));
+    name.joined_.assign(name.attributes_.size(), false);
+    return name;
+  }
+  Rfc4514 reader(text);
+  for (char separator = ',';;) {
+    if (name.attributes_.size() == kMostNameAttributes) return std::unexpected(too_many(text));
+    name.attributes_.push_back(DDSSEC_TRY(reader.attribute()));
+    name.joined_.push_back(separator == '+');
+    if (reader.at_end()) return name;
+    separator = reader.separator();
+    if (separator == '\0')
+      return std::unexpected(malformed("something follows a quoted value", text));
+  }
+}
+
+SubjectName SubjectName::of(const Certificate& certificate) {
+  SubjectName name;
+  name.root_first_ = true;
+  const X509_NAME* subject = X509_get_subject_name(certificate.impl().x509.get());
+  int last_set = -1;
+  for (int i = 0; i < X509_NAME_entry_count(subject); ++i) {
+    const X509_NAME_ENTRY* entry = X509_NAME_get_entry(subject, i);
+    // A certificate whose names are not text does not come into being.
+    auto value = to_utf8(X509_NAME_ENTRY_get_data(entry));
+    name.attributes_.push_back(
+        {type_name(X509_NAME_ENTRY_get_object(entry)), value.value_or(std::string())});
+    name.joined_.push_back(X509_NAME_ENTRY_set(entry) == last_set);
+    last_set = X509_NAME_ENTRY_set(entry);
+  }
+  return name;
+}
+
+bool SubjectName::matches(const SubjectName& other) const {
+  auto mine = attributes_;
+  auto theirs = other.attributes_;
+  std::ranges::sort(mine);
+  std::ranges::sort(theirs);
+  return mine == theirs && !mine.empty();
+}
+
+}  // namespace ddssec::pki

@@ -1,0 +1,52 @@
+// Subject names as text: RFC 4514 (2253) and OpenSSL's one-line form, compared with certificates.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.hpp"
+#include "pki/certificate.hpp"
+
+namespace ddssec::pki {
+
+/// One attribute of a name.
+struct NameAttribute {
+  std::string type;   ///< short name such as "CN", or a dotted object identifier
+  std::string value;  ///< UTF-8, escapes removed
+  auto operator<=>(const NameAttribute&) const = default;
+};
+
+/// The longest text of a subject name that is read, in octets.
+inline constexpr std::size_t kMostSubjectOctets = 16 * 1024;
+
+/// A distinguished name as a bag of attributes. DDS-Security 1.2 compares names without regard to
+/// the order; a multi-valued RDN counts as its attributes.
+class SubjectName {
+ public:
+  /// Reads `CN=talker,O=Example` (RFC 4514, blanks around pairs and '=' ignored, `+` between the
+  /// attributes of one RDN) or `/O=Example/CN=talker` (a '/' that does not begin a known
+  /// attribute belongs to the value). Error: subject_name_malformed.
+  static Result<SubjectName> parse(std::string_view text);
+
+  /// The subject of a certificate.
+  static SubjectName of(const Certificate& certificate);
+
+  /// In the text's order.
+  const std::vector<NameAttribute>& attributes() const { return attributes_; }
+  /// attributes() in RDNs: true if the attribute is in one RDN with the one before it.
+  bool joined(std::size_t index) const { return joined_.at(index); }
+  /// True if the text was in the one-line form, where the first RDN comes first.
+  bool root_first() const { return root_first_; }
+
+  /// Same attribute types and equal values, in any order; values compare octet by octet.
+  bool matches(const SubjectName& other) const;
+  bool matches(const Certificate& certificate) const { return matches(of(certificate)); }
+
+ private:
+  std::vector<NameAttribute> attributes_;
+  std::vector<bool> joined_;
+  bool root_first_ = false;
+};
+
+}  // namespace ddssec::pki

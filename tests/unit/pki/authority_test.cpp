@@ -1,0 +1,93 @@
+#include "pki/authority.hpp"
+
+#include <gtest/gtest.h>
+
+#include "fixture.hpp"
+#include "pki/key_agreement.hpp"
+#include "pki/signature.hpp"
+#include "pki/smime.hpp"
+#include "pki/subject_name.hpp"
+
+namespace ddssec::pki {
+namespace {
+
+class AuthorityOfKind : public testing::TestWithParam<KeySpec> {};
+INSTANTIATE_TEST_SUITE_P(Keys, AuthorityOfKind,
+                         testing::Values(KeySpec{KeyKind::ec_p256}, KeySpec{KeyKind::ec_p384},
+                                         KeySpec{KeyKind::rsa, 2048}, KeySpec{KeyKind::rsa, 3072}),
+                         [](const auto& info) {
+                           return std::string("Kind") + std::to_string(info.index);
+                         });
+
+TEST_P(AuthorityOfKind, IssuesWhatItsOwnFileVerifies) {
+  const auto ca = make_ca("CN=Root,O=Example", GetParam());
+  const auto leaf = make_leaf(ca, "CN=talker,O=Example", GetParam());
+  EXPECT_EQ(leaf.certificate.subject(), "CN=talker,O=Example");
+  EXPECT_EQ(leaf.certificate.subject_one_line(), "/O=Example/CN=talker");
+  EXPECT_EQ(leaf.certificate.issuer(), "CN=Root,O=Example");
+  EXPECT_EQ(leaf.certificate.key_algorithm(), leaf.key.algorithm());
+  EXPECT_FALSE(leaf.certificate.is_ca());
+  EXPECT_TRUE(ca.certificate().is_ca());
+  EXPECT_TRUE(leaf.key.matches(leaf.certificate));
+  EXPECT_CODE(leaf.key.matches(ca.certificate()), key_mismatch);
+  const auto verifier = make_verifier({ca.certificate()});
+  const auto proof = verifier.verify(leaf.certificate, kNow);
+  ASSERT_TRUE(proof) << proof.error().to_sentence();
+  EXPECT_EQ(proof->not_after(), kYear.not_after);
+}
+
+TEST_P(AuthorityOfKind, SignsDocumentsThatVerify) {
+  const auto ca = make_ca("CN=Root,O=Example", GetParam());
+  const auto file = ca.sign_document(as_bytes("<dds>\n</dds>\n"), kNow, test_random());
+  ASSERT_TRUE(file) << file.error().to_sentence();
+  const auto verifier = DocumentVerifier::make({ca.certificate()});
+  ASSERT_TRUE(verifier);
+  const auto document = verifier->verify(*file, kNow);
+  ASSERT_TRUE(document) << document.error().to_sentence();
+  EXPECT_EQ(as_text(document->content()), "<dds>\r\n</dds>\r\n");
+  EXPECT_EQ(document->signer(), ca.certificate());
+}
+
+TEST_P(AuthorityOfKind, SignsHandshakes) {
+  const auto ca = make_ca();
+  const auto leaf = make_leaf(ca, "CN=talker", GetParam());
+  const auto signature = sign(leaf.key, as_bytes("hello"));
+  ASSERT_TRUE(signature) << signature.error().to_sentence();
+  EXPECT_TRUE(verify(leaf.certificate, as_bytes("hello"), *signature));
+  EXPECT_CODE(verify(leaf.certificate, as_bytes("hellp"), *signature), signature_invalid);
+  EXPECT_CODE(verify(ca.certificate(), as_bytes("hello"), *signature), signature_invalid);
+}
+
+TEST_P(AuthorityOfKind, SignsRequests) {
+  const auto ca = make_ca();
+  const auto key = PrivateKey::generate(GetParam().kind, GetParam().bits);
+  ASSERT_TRUE(key);
+  const auto request = make_request(*key, "CN=a+OU=b,O=c");
+  ASSERT_TRUE(request);
+  const auto certificate = ca.sign_request(as_bytes(*request), kYear, test_random());
+  ASSERT_TRUE(certificate) << certificate.error().to_sentence();
+  EXPECT_TRUE(SubjectName::parse("O=c,OU=b+CN=a")->matches(*certificate));
+  EXPECT_TRUE(key->matches(*certificate));
+}
+
+class Agreement : public testing::TestWithParam<KeyAgreementKind> {};
+INSTANTIATE_TEST_SUITE_P(Kinds, Agreement,
+                         testing::Values(KeyAgreementKind::ecdh_p256, KeyAgreementKind::ecdh_p384,
+                                         KeyAgreementKind::dh_modp_2048_256));
+
+TEST_P(Agreement, BothSidesDeriveTheSame) {
+  const auto a = EphemeralKey::generate(GetParam());
+  const auto b = EphemeralKey::generate(GetParam());
+  ASSERT_TRUE(a && b);
+  for (const auto encoding : {PublicKeyEncoding::plain_integer, PublicKeyEncoding::der_integer}) {
+    const auto secret_a = a->derive(b->public_octets(encoding));
+    const auto secret_b = b->derive(a->public_octets(encoding));
+    ASSERT_TRUE(secret_a) << secret_a.error().to_sentence();
+    ASSERT_TRUE(secret_b);
+    EXPECT_EQ(*secret_a, *secret_b);
+    EXPECT_EQ(secret_a->size(), 32u);
+  }
+}
+
+}  // namespace
+}  // namespace ddssec::pki

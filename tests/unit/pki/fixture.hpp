@@ -1,0 +1,74 @@
+// What the tests of pki/ share: a clock reading, authorities, files of tests/data.
+#pragma once
+
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "base/clock.hpp"
+#include "pki/authority.hpp"
+#include "pki/chain.hpp"
+
+/// Fails unless `result` is an error of exactly this code.
+#define EXPECT_CODE(result, expected_code)                                                     \
+  do {                                                                                         \
+    const auto& result_ = (result);                                                            \
+    if (result_)                                                                               \
+      ADD_FAILURE() << #result " succeeded";                                                   \
+    else                                                                                       \
+      EXPECT_EQ(result_.error().code(), Code::expected_code) << result_.error().to_sentence(); \
+  } while (false)
+
+namespace ddssec::pki {
+
+using namespace std::chrono_literals;
+
+/// 2026-11-21T00:00:00Z, a day on which everything made here is valid.
+inline constexpr WallTime kNow{std::chrono::sys_days(std::chrono::year(2026) / 11 / 21)};
+inline constexpr Validity kYear{kNow - 24h, kNow + 365 * 24h};
+
+inline Random& test_random() {
+  static SeededRandom random(42);
+  return random;
+}
+
+inline Authority make_ca(std::string_view subject = "CN=Test CA,O=Example", KeySpec key = {},
+                         Validity validity = kYear) {
+  auto ca = Authority::create(subject, key, validity, test_random());
+  EXPECT_TRUE(ca) << ca.error().to_sentence();
+  return *std::move(ca);
+}
+
+inline Credential make_leaf(const Authority& ca, std::string_view subject = "CN=talker,O=Example",
+                            KeySpec key = {}, Validity validity = kYear) {
+  auto leaf = ca.issue(subject, key, validity, test_random());
+  EXPECT_TRUE(leaf) << leaf.error().to_sentence();
+  return *std::move(leaf);
+}
+
+inline ChainVerifier make_verifier(std::vector<Certificate> anchors, std::vector<Crl> crls = {},
+                                   CrlPolicy policy = CrlPolicy::hard_fail) {
+  auto verifier = ChainVerifier::make(std::move(anchors), std::move(crls), policy);
+  EXPECT_TRUE(verifier) << verifier.error().to_sentence();
+  return *std::move(verifier);
+}
+
+/// A file below tests/data.
+inline Bytes data_file(const std::string& name) {
+  std::ifstream in(std::string(DDSSEC_TEST_DATA) + "/" + name, std::ios::binary);
+  EXPECT_TRUE(in) << name;
+  return Bytes(std::istreambuf_iterator<char>(in), {});
+}
+
+inline Bytes bytes(std::string_view text) { return to_bytes(as_bytes(text)); }
+
+/// `text` with the first `from` replaced, which must be there.
+inline std::string replaced(std::string text, std::string_view from, std::string_view to) {
+  const auto at = text.find(from);
+  EXPECT_NE(at, text.npos) << from;
+  return at == text.npos ? text : text.replace(at, from.size(), to);
+}
+
+}  // namespace ddssec::pki
