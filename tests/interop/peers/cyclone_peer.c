@@ -1,0 +1,176 @@
+// Test peer on Cyclone DDS. It sets the participant properties that rmw_cyclonedds sets, so it also
+// stands for a ROS 2 process: whichever libraries the loader finds under the stock names secure it.
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <dds/dds.h>
+
+#include "interop/peers/peer.h"
+#include "shape.h"
+
+// Loopback only, unicast, quick discovery. CYCLONEDDS_URI, if set, takes its place.
+static const char loopback[] =
+    "<CycloneDDS><Domain Id=\"any\">"
+    "<General><Interfaces><NetworkInterface address=\"127.0.0.1\" "
+    "multicast=\"false\"/></Interfaces>"
+    "<AllowMulticast>false</AllowMulticast></General>"
+    "<Discovery><Peers><Peer address=\"127.0.0.1\"/></Peers>"
+    "<ParticipantIndex>auto</ParticipantIndex><SPDPInterval>500ms</SPDPInterval></Discovery>"
+    "</Domain></CycloneDDS>";
+
+struct cyclone {
+  dds_entity_t endpoint;  // the writer or the reader
+  interop_Shape* loan;    // the sample handed out by take
+};
+
+static uint32_t matched_readers(void* self) {
+  dds_publication_matched_status_t status;
+  const struct cyclone* cyclone = self;
+  if (dds_get_publication_matched_status(cyclone->endpoint, &status) != DDS_RETCODE_OK) return 0;
+  return status.current_count;
+}
+
+static uint32_t matched_writers(void* self) {
+  dds_subscription_matched_status_t status;
+  const struct cyclone* cyclone = self;
+  if (dds_get_subscription_matched_status(cyclone->endpoint, &status) != DDS_RETCODE_OK) return 0;
+  return status.current_count;
+}
+
+static bool write_sample(void* self, int32_t index, const uint8_t* payload, uint32_t length) {
+  const struct cyclone* cyclone = self;
+  char color[] = "BLUE";
+  interop_Shape shape = {.color = color, .x = index, .y = 2 * index, .shapesize = 30};
+  shape.payload._buffer = (uint8_t*)payload;
+  shape.payload._length = shape.payload._maximum = length;
+  return dds_write(cyclone->endpoint, &shape) == DDS_RETCODE_OK;
+}
+
+static bool acknowledged(void* self) {
+  const struct cyclone* cyclone = self;
+  return dds_wait_for_acks(cyclone->endpoint, DDS_MSECS(5)) == DDS_RETCODE_OK;
+}
+
+static void return_loan(struct cyclone* cyclone) {
+  void* raw = cyclone->loan;
+  if (raw != NULL) dds_return_loan(cyclone->endpoint, &raw, 1);
+  cyclone->loan = NULL;
+}
+
+static bool take_sample(void* self, struct peer_sample* sample) {
+  struct cyclone* cyclone = self;
+  return_loan(cyclone);
+  void* raw = NULL;
+  dds_sample_info_t info;
+  while (dds_take(cyclone->endpoint, &raw, &info, 1, 1) == 1) {
+    cyclone->loan = raw;
+    if (info.valid_data) {
+      const interop_Shape* shape = raw;
+      *sample = (struct peer_sample){shape->color, shape->x, shape->payload._buffer,
+                                     shape->payload._length};
+      return true;
+    }
+    return_loan(cyclone);
+    raw = NULL;
+  }
+  return false;
+}
+
+// ---- set-up ---------------------------------------------------------------------------------
+
+static void set_document(dds_qos_t* qos, const char* property, const char* value) {
+  char* uri = value == NULL ? NULL : peer_uri("file:", value);
+  if (uri != NULL) dds_qset_prop(qos, property, uri);
+  free(uri);
+}
+
+static void set_library(dds_qos_t* qos, const char* what, const char* library, const char* entry) {
+  const char* const names[] = {"path", "init", "finalize"};
+  for (int i = 0; i < 3; ++i) {
+    char property[64], value[64];
+    snprintf(property, sizeof property, "dds.sec.%s.library.%s", what, names[i]);
+    snprintf(value, sizeof value, "%s_%s", names[i], entry);
+    dds_qset_prop(qos, property, i == 0 ? library : value);
+  }
+}
+
+static void set_security(dds_qos_t* qos, const struct peer_options* options) {
+  const char* const* security = options->security;
+  set_library(qos, "auth", options->plugin_auth, "authentication");
+  set_library(qos, "access", options->plugin_ac, "access_control");
+  set_library(qos, "crypto", options->plugin_crypto, "crypto");
+  set_document(qos, "dds.sec.auth.identity_ca", security[PEER_IDENTITY_CA]);
+  set_document(qos, "dds.sec.auth.identity_certificate", security[PEER_IDENTITY_CERTIFICATE]);
+  set_document(qos, "dds.sec.auth.private_key", security[PEER_PRIVATE_KEY]);
+  set_document(qos, "dds.sec.access.permissions_ca", security[PEER_PERMISSIONS_CA]);
+  set_document(qos, "dds.sec.access.governance", security[PEER_GOVERNANCE]);
+  set_document(qos, "dds.sec.access.permissions", security[PEER_PERMISSIONS]);
+  set_document(qos, "org.eclipse.cyclonedds.sec.auth.crl", security[PEER_CRL]);
+  if (security[PEER_PASSWORD] != NULL)
+    dds_qset_prop(qos, "dds.sec.auth.password", security[PEER_PASSWORD]);
+}
+
+static dds_entity_t create_participant(const struct peer_options* options) {
+  if (getenv("CYCLONEDDS_URI") == NULL) {
+    const dds_entity_t domain = dds_create_domain(options->domain, loopback);
+    if (domain < 0) return domain;
+  }
+  dds_qos_t* qos = dds_create_qos();
+  if (!options->plain) set_security(qos, options);
+  for (size_t i = 0; i < options->properties; ++i)
+    dds_qset_prop(qos, options->property_name[i], options->property_value[i]);
+  const dds_entity_t participant = dds_create_participant(options->domain, qos, NULL);
+  dds_delete_qos(qos);
+  return participant;
+}
+
+static dds_entity_t create_group(dds_entity_t participant, const struct peer_options* options) {
+  dds_qos_t* qos = dds_create_qos();
+  if (options->partition != NULL) dds_qset_partition1(qos, options->partition);
+  const dds_entity_t group = options->publish ? dds_create_publisher(participant, qos, NULL)
+                                              : dds_create_subscriber(participant, qos, NULL);
+  dds_delete_qos(qos);
+  return group;
+}
+
+static dds_entity_t create_endpoint(dds_entity_t group, dds_entity_t topic,
+                                    const struct peer_options* options) {
+  dds_qos_t* qos = dds_create_qos();
+  dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
+  dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
+  dds_qset_history(qos, DDS_HISTORY_KEEP_ALL, 0);
+  if (options->publish) dds_qset_durability_service(qos, 0, DDS_HISTORY_KEEP_ALL, 0, -1, -1, -1);
+  // Cyclone hands the key size to the cryptography plugin with each endpoint's properties.
+  if (!options->plain && options->security[PEER_KEYSIZE] != NULL)
+    dds_qset_prop(qos, "dds.sec.crypto.keysize", options->security[PEER_KEYSIZE]);
+  const dds_entity_t endpoint = options->publish ? dds_create_writer(group, topic, qos, NULL)
+                                                 : dds_create_reader(group, topic, qos, NULL);
+  dds_delete_qos(qos);
+  return endpoint;
+}
+
+static int run(const struct peer_options* options) {
+  const dds_entity_t participant = create_participant(options);
+  if (participant < 0) return peer_refused("participant", dds_strretcode(-participant));
+  const dds_entity_t topic =
+      dds_create_topic(participant, &interop_Shape_desc, options->topic, NULL, NULL);
+  if (topic < 0) return peer_refused("topic", dds_strretcode(-topic));
+  const dds_entity_t group = create_group(participant, options);
+  if (group < 0) return peer_refused("publisher or subscriber", dds_strretcode(-group));
+  struct cyclone cyclone = {.endpoint = create_endpoint(group, topic, options)};
+  if (cyclone.endpoint < 0) return peer_refused("endpoint", dds_strretcode(-cyclone.endpoint));
+  const struct peer_stack stack = {&cyclone, options->publish ? matched_readers : matched_writers,
+                                   write_sample, acknowledged, take_sample};
+  const int status = peer_run(options, &stack);
+  return_loan(&cyclone);
+  return status;
+}
+
+int main(int argc, char** argv) {
+  struct peer_options options;
+  peer_parse(argc, argv, &options);
+  const int status = run(&options);
+  dds_delete(DDS_CYCLONEDDS_HANDLE);
+  return status;
+}

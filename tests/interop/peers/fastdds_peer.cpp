@@ -1,0 +1,286 @@
+// Test peer on Fast DDS 2.9, with the same command line and output as the Cyclone peer. Fast DDS
+// has its security plugins compiled in, so it is always a stock peer.
+#include <cstdlib>
+#include <fastcdr/Cdr.h>
+#include <fastcdr/FastBuffer.h>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/domain/DomainParticipantListener.hpp>
+#include <fastdds/dds/log/Log.hpp>
+#include <fastdds/dds/log/StdoutErrConsumer.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/topic/TopicDataType.hpp>
+#include <fastdds/dds/topic/TypeSupport.hpp>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "interop/peers/peer.h"
+
+namespace fdds = eprosima::fastdds::dds;
+namespace rtps = eprosima::fastrtps::rtps;
+using eprosima::fastcdr::Cdr;
+using eprosima::fastcdr::FastBuffer;
+using eprosima::fastrtps::Duration_t;
+
+namespace {
+
+struct Shape {
+  std::string color = "BLUE";
+  int32_t x = 0;
+  int32_t y = 0;
+  int32_t shapesize = 30;
+  std::vector<uint8_t> payload;
+};
+
+// shape.idl in XCDR1, by hand: Debian has no Fast DDS code generator.
+class ShapeType : public fdds::TopicDataType {
+ public:
+  ShapeType() {
+    setName("interop::Shape");
+    m_typeSize = 4 + 4 + 64 + 3 * 4 + 4 + 1024;  // a first guess; histories grow as needed
+    m_isGetKeyDefined = true;
+    auto_fill_type_object(false);
+    auto_fill_type_information(false);
+  }
+
+  bool serialize(void* data, rtps::SerializedPayload_t* payload) override {
+    const Shape& shape = *static_cast<Shape*>(data);
+    FastBuffer buffer(reinterpret_cast<char*>(payload->data), payload->max_size);
+    Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
+    payload->encapsulation = cdr.endianness() == Cdr::BIG_ENDIANNESS ? CDR_BE : CDR_LE;
+    try {
+      cdr.serialize_encapsulation();
+      cdr << shape.color << shape.x << shape.y << shape.shapesize << shape.payload;
+    } catch (const eprosima::fastcdr::exception::Exception&) {
+      return false;
+    }
+    payload->length = static_cast<uint32_t>(cdr.getSerializedDataLength());
+    return true;
+  }
+
+  bool deserialize(rtps::SerializedPayload_t* payload, void* data) override {
+    Shape& shape = *static_cast<Shape*>(data);
+    FastBuffer buffer(reinterpret_cast<char*>(payload->data), payload->length);
+    Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
+    try {
+      cdr.read_encapsulation();
+      payload->encapsulation = cdr.endianness() == Cdr::BIG_ENDIANNESS ? CDR_BE : CDR_LE;
+      cdr >> shape.color >> shape.x >> shape.y >> shape.shapesize >> shape.payload;
+    } catch (const eprosima::fastcdr::exception::Exception&) {
+      return false;
+    }
+    return true;
+  }
+
+  std::function<uint32_t()> getSerializedSizeProvider(void* data) override {
+    return [shape = static_cast<Shape*>(data)] {
+      const std::size_t text = 4 + 4 + shape->color.size() + 1 + 3;
+      return static_cast<uint32_t>(text + 3 * 4 + 4 + shape->payload.size() + 4);
+    };
+  }
+
+  // The key is an unbounded string, so the key hash is the MD5 of its big-endian form.
+  bool getKey(void* data, rtps::InstanceHandle_t* handle, bool) override {
+    const Shape& shape = *static_cast<Shape*>(data);
+    std::vector<char> octets(4 + shape.color.size() + 1);
+    FastBuffer buffer(octets.data(), octets.size());
+    Cdr cdr(buffer, Cdr::BIG_ENDIANNESS);
+    cdr << shape.color;
+    MD5 md5;
+    md5.init();
+    md5.update(octets.data(), static_cast<unsigned>(cdr.getSerializedDataLength()));
+    md5.finalize();
+    for (unsigned i = 0; i < 16; ++i) handle->value[i] = md5.digest[i];
+    return true;
+  }
+
+  void* createData() override { return new Shape; }
+  void deleteData(void* data) override { delete static_cast<Shape*>(data); }
+};
+
+class AuthenticationWatch : public fdds::DomainParticipantListener {
+ public:
+  void onParticipantAuthentication(fdds::DomainParticipant*,
+                                   rtps::ParticipantAuthenticationInfo&& info) override {
+    const bool good = info.status == rtps::ParticipantAuthenticationInfo::AUTHORIZED_PARTICIPANT;
+    peer_say(good ? "authorized" : "unauthorized");
+  }
+};
+
+struct Fast {
+  fdds::DataWriter* writer = nullptr;
+  fdds::DataReader* reader = nullptr;
+  Shape received;
+};
+
+Fast& fast(void* self) { return *static_cast<Fast*>(self); }
+
+uint32_t matched(void* self) {
+  fdds::PublicationMatchedStatus published;
+  fdds::SubscriptionMatchedStatus subscribed;
+  if (fast(self).writer) {
+    fast(self).writer->get_publication_matched_status(published);
+    return static_cast<uint32_t>(published.current_count);
+  }
+  fast(self).reader->get_subscription_matched_status(subscribed);
+  return static_cast<uint32_t>(subscribed.current_count);
+}
+
+bool write_sample(void* self, int32_t index, const uint8_t* payload, uint32_t length) {
+  Shape shape{.x = index, .y = 2 * index, .payload = {payload, payload + length}};
+  return fast(self).writer->write(&shape);
+}
+
+bool acknowledged(void* self) {
+  return fast(self).writer->wait_for_acknowledgments(Duration_t(0, 5'000'000)) ==
+         ReturnCode_t::RETCODE_OK;
+}
+
+bool take_sample(void* self, peer_sample* sample) {
+  Shape& shape = fast(self).received;
+  fdds::SampleInfo info;
+  while (fast(self).reader->take_next_sample(&shape, &info) == ReturnCode_t::RETCODE_OK) {
+    if (!info.valid_data) continue;
+    *sample = {shape.color.c_str(), shape.x, shape.payload.data(),
+               static_cast<uint32_t>(shape.payload.size())};
+    return true;
+  }
+  return false;
+}
+
+// ---- set-up ---------------------------------------------------------------------------------
+
+void set_security(fdds::DomainParticipantQos& qos, const peer_options& options) {
+  auto set = [&](const std::string& name, const std::string& value) {
+    qos.properties().properties().emplace_back(name, value);
+  };
+  auto document = [&](const std::string& name, peer_security which) {
+    if (!options.security[which]) return;
+    const std::unique_ptr<char, decltype(&std::free)> uri(
+        peer_uri("file://", options.security[which]), &std::free);
+    set(name, uri.get());
+  };
+  const std::string auth = "dds.sec.auth.builtin.PKI-DH.";
+  const std::string access = "dds.sec.access.builtin.Access-Permissions.";
+  set("dds.sec.auth.plugin", "builtin.PKI-DH");
+  set("dds.sec.access.plugin", "builtin.Access-Permissions");
+  set("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC");
+  document(auth + "identity_ca", PEER_IDENTITY_CA);
+  document(auth + "identity_certificate", PEER_IDENTITY_CERTIFICATE);
+  document(auth + "private_key", PEER_PRIVATE_KEY);
+  document(auth + "identity_crl", PEER_CRL);
+  document(access + "permissions_ca", PEER_PERMISSIONS_CA);
+  document(access + "governance", PEER_GOVERNANCE);
+  document(access + "permissions", PEER_PERMISSIONS);
+  if (options.security[PEER_PASSWORD]) set(auth + "password", options.security[PEER_PASSWORD]);
+  if (options.security[PEER_KEYSIZE]) set("dds.sec.crypto.keysize", options.security[PEER_KEYSIZE]);
+}
+
+// Loopback UDP, unicast: a metatraffic locator with port 0 keeps Fast DDS off multicast.
+void set_loopback(fdds::DomainParticipantQos& qos) {
+  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  udp->interfaceWhiteList.emplace_back("127.0.0.1");
+  qos.transport().use_builtin_transports = false;
+  qos.transport().user_transports.push_back(udp);
+  rtps::Locator_t loopback;
+  rtps::IPLocator::setIPv4(loopback, "127.0.0.1");
+  auto& builtin = qos.wire_protocol().builtin;
+  builtin.metatrafficUnicastLocatorList.push_back(loopback);
+  builtin.initialPeersList.push_back(loopback);
+  auto& discovery = builtin.discovery_config;
+  discovery.leaseDuration_announcementperiod = Duration_t(0, 500'000'000);
+  discovery.initial_announcements.period = Duration_t(0, 100'000'000);
+}
+
+void log_to_stderr() {
+  auto consumer = std::make_unique<fdds::StdoutErrConsumer>();
+  consumer->stderr_threshold(fdds::Log::Kind::Info);
+  fdds::Log::ClearConsumers();
+  fdds::Log::RegisterConsumer(std::move(consumer));
+  fdds::Log::SetVerbosity(fdds::Log::Kind::Warning);
+}
+
+template <class Qos>
+void set_reliable(Qos& qos) {
+  qos.reliability().kind = fdds::RELIABLE_RELIABILITY_QOS;
+  qos.durability().kind = fdds::TRANSIENT_LOCAL_DURABILITY_QOS;
+  qos.history().kind = fdds::KEEP_ALL_HISTORY_QOS;
+  qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+  qos.data_sharing().off();
+}
+
+bool create_writer(fdds::DomainParticipant& participant, fdds::Topic* topic,
+                   const peer_options& options, Fast& made) {
+  fdds::PublisherQos group = fdds::PUBLISHER_QOS_DEFAULT;
+  if (options.partition) group.partition().push_back(options.partition);
+  fdds::Publisher* publisher = participant.create_publisher(group);
+  if (!publisher) return false;
+  fdds::DataWriterQos qos = fdds::DATAWRITER_QOS_DEFAULT;
+  set_reliable(qos);
+  qos.reliable_writer_qos().times.heartbeatPeriod = Duration_t(0, 100'000'000);
+  made.writer = publisher->create_datawriter(topic, qos);
+  return made.writer != nullptr;
+}
+
+bool create_reader(fdds::DomainParticipant& participant, fdds::Topic* topic,
+                   const peer_options& options, Fast& made) {
+  fdds::SubscriberQos group = fdds::SUBSCRIBER_QOS_DEFAULT;
+  if (options.partition) group.partition().push_back(options.partition);
+  fdds::Subscriber* subscriber = participant.create_subscriber(group);
+  if (!subscriber) return false;
+  fdds::DataReaderQos qos = fdds::DATAREADER_QOS_DEFAULT;
+  set_reliable(qos);
+  made.reader = subscriber->create_datareader(topic, qos);
+  return made.reader != nullptr;
+}
+
+int use(fdds::DomainParticipant& participant, const peer_options& options) {
+  fdds::TypeSupport type(new ShapeType);
+  if (type.register_type(&participant) != ReturnCode_t::RETCODE_OK)
+    return peer_refused("type", "register_type failed");
+  fdds::Topic* topic =
+      participant.create_topic(options.topic, type.get_type_name(), fdds::TOPIC_QOS_DEFAULT);
+  if (!topic) return peer_refused("topic", "create_topic failed");
+  Fast made;
+  const bool created = options.publish ? create_writer(participant, topic, options, made)
+                                       : create_reader(participant, topic, options, made);
+  if (!created) return peer_refused("endpoint", "Fast DDS gives no reason");
+  const peer_stack stack{&made, matched, write_sample, acknowledged, take_sample};
+  return peer_run(&options, &stack);
+}
+
+int run(const peer_options& options) {
+  fdds::DomainParticipantQos qos = fdds::PARTICIPANT_QOS_DEFAULT;
+  set_loopback(qos);
+  if (!options.plain) set_security(qos, options);
+  for (std::size_t i = 0; i < options.properties; ++i)
+    qos.properties().properties().emplace_back(options.property_name[i], options.property_value[i]);
+  AuthenticationWatch watch;
+  auto* factory = fdds::DomainParticipantFactory::get_instance();
+  fdds::DomainParticipant* participant =
+      factory->create_participant(options.domain, qos, &watch, fdds::StatusMask::none());
+  if (!participant) return peer_refused("participant", "Fast DDS gives no reason");
+  const int status = use(*participant, options);
+  participant->set_listener(nullptr);
+  participant->delete_contained_entities();
+  factory->delete_participant(participant);
+  return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  peer_options options;
+  peer_parse(argc, argv, &options);
+  log_to_stderr();
+  const int status = run(options);
+  fdds::Log::Flush();
+  return status;
+}

@@ -1,0 +1,351 @@
+"""The table of what is run: scenarios, the pairs of each, and the outcome each must have."""
+
+from dataclasses import dataclass, replace
+
+from documents import OTHER_DOMAIN, Governance, Keys, Permissions, Side
+
+# Outcome words; README.md explains them.
+DATA, PARTIAL, MATCHED, HALF, NONE, REFUSED = "data partial matched half none refused".split()
+NOTHING = frozenset({NONE, REFUSED})
+
+MIXES = ("ours-auth", "ours-ac", "ours-crypto")  # one plugin of ours beside two stock ones
+LETTERS = {"ours": "o", "stock": "c", "fast": "f", "ours-auth": "oA", "ours-ac": "oP",
+           "ours-crypto": "oC"}
+OUR_PAIRS = [("ours", "ours"), ("ours", "stock"), ("stock", "ours"), ("ours", "fast"),
+             ("fast", "ours")]
+STOCK_PAIRS = [("stock", "stock"), ("stock", "fast"), ("fast", "stock"), ("fast", "fast")]
+
+
+@dataclass(frozen=True)
+class Case:
+    """One pair to run. `allowed` are the outcomes that count as required; `known` maps an outcome
+    that is tolerated, and shown as KNOWN, to its reason."""
+    table: str          # which table of the summary it belongs to
+    row: str
+    variant: str
+    publisher: str
+    subscriber: str
+    sides: tuple        # Side of the publisher, Side of the subscriber
+    keys: Keys
+    publisher_starts: bool
+    allowed: frozenset
+    chosen: bool = False
+    known: tuple = ()   # (outcome, reason)
+
+    @property
+    def pair(self):
+        return f"{self.publisher}>{self.subscriber}"
+
+    @property
+    def name(self):
+        return "/".join(part for part in (self.table, self.row, self.variant) if part)
+
+    @property
+    def stock_only(self):
+        return not any(kind.startswith("ours") for kind in (self.publisher, self.subscriber))
+
+
+# ---- positive: governance x keys x who starts -------------------------------------------------
+
+S, E = "SIGN", "ENCRYPT"
+SO, EO = (f"{kind}_WITH_ORIGIN_AUTHENTICATION" for kind in (S, E))
+KINDS = {"sign": S, "encrypt": E, "sign-oa": SO, "encrypt-oa": EO}
+
+
+def _everything(kind):
+    return Governance(discovery=kind, liveliness=kind, rtps=kind, metadata=kind,
+                      data=E if kind.startswith(E) else S)
+
+
+SROS2 = Governance(discovery=E, liveliness=E, rtps=S, metadata=E, data=E)
+
+GOVERNANCES = {
+    "all-none": Governance(),
+    "data-sign": Governance(data=S),
+    "data-encrypt": Governance(data=E),
+    "rtps-sign+data-encrypt": Governance(rtps=S, data=E),
+    "rtps-encrypt+data-encrypt": Governance(rtps=E, data=E),
+    **{f"metadata-{name}": Governance(metadata=kind) for name, kind in KINDS.items()},
+    "metadata-sign+data-encrypt": Governance(metadata=S, data=E),
+    "metadata-encrypt+data-encrypt": Governance(metadata=E, data=E),
+    "metadata-encrypt-oa+data-encrypt": Governance(metadata=EO, data=E),
+    **{f"discovery-{name}": Governance(discovery=kind) for name, kind in KINDS.items()},
+    "discovery-encrypt-topic-off": Governance(discovery=E, topic_discovery=False),
+    **{f"liveliness-{name}": Governance(liveliness=kind) for name, kind in KINDS.items()},
+    **{f"rtps-{name}": Governance(rtps=kind) for name, kind in KINDS.items()},
+    "sros2": SROS2,
+    **{f"everything-{name}": _everything(kind) for name, kind in KINDS.items()},
+    "no-access-control": Governance(metadata=E, data=E, join=False, read=False, write=False),
+}
+KEYS = {"ec": Keys(), "rsa": Keys("rsa", "rsa", "rsa"), "ec-under-rsa": Keys("ec", "rsa", "rsa"),
+        "ec+rsa-permissions": Keys("ec", "ec", "rsa")}
+
+
+def stock_outcome(publisher, subscriber, publisher_starts, governance):
+    """What two stock peers do with valid documents (measured): Fast DDS cannot start towards
+    Cyclone DDS, and its writer never pairs with a Cyclone reader on payload-only topics."""
+    starter, other = ((publisher, subscriber) if publisher_starts else (subscriber, publisher))
+    if (starter, other) == ("fast", "stock"):
+        return NONE
+    payload_only = governance.metadata == "NONE" and governance.data != "NONE"
+    if (publisher, subscriber) == ("fast", "stock") and payload_only:
+        return HALF
+    return DATA
+
+
+def _positive(row, side, keys, pair, publisher_starts, variant=""):
+    stock_only = "ours" not in "".join(pair)
+    wanted = stock_outcome(*pair, publisher_starts, side.governance) if stock_only else DATA
+    start = "start-pub" if publisher_starts else "start-sub"
+    return Case("governance", row, "/".join(filter(None, (keys, variant, start))), *pair,
+                (side, side), KEYS[keys], publisher_starts, frozenset({wanted}))
+
+
+def governance_cases():
+    cases = []
+    for row, governance in GOVERNANCES.items():
+        for keys in ("ec", "rsa", "ec-under-rsa"):
+            for pair in OUR_PAIRS + STOCK_PAIRS:
+                for publisher_starts in (True, False):
+                    cases.append(_positive(row, Side(governance), keys, pair, publisher_starts))
+    for row in ("sros2", "rtps-encrypt", "rtps-encrypt-oa", "everything-encrypt-oa"):
+        for pair in OUR_PAIRS + STOCK_PAIRS:
+            side = Side(GOVERNANCES[row], keysize=128)
+            starts = pair[0] != "fast" or pair[1] == "fast"
+            cases.append(_positive(row, side, "ec", pair, starts, "aes128"))
+    for pair in OUR_PAIRS + STOCK_PAIRS:
+        starts = pair[0] != "fast" or pair[1] == "fast"
+        cases.append(_positive("sros2", Side(SROS2), "ec+rsa-permissions", pair, starts))
+    return cases
+
+
+def _choose_governance(cases):
+    """About 60 of them: each row twice with turning pairs, keys and directions, and all that two
+    stock peers cannot do."""
+    pairs, keys = [f"{p}>{s}" for p, s in OUR_PAIRS], ("ec", "rsa", "ec-under-rsa")
+    wanted = set()
+    for number, row in enumerate(GOVERNANCES):
+        for turn in (0, 2) if number % 2 else (0,):
+            start = "start-pub" if (number + number // 5 + turn // 2) % 2 else "start-sub"
+            wanted.add((row, f"{keys[(number + turn) % 3]}/{start}", pairs[(number + turn) % 5]))
+    for row in ("data-encrypt", "rtps-encrypt+data-encrypt"):
+        wanted.add((row, "ec/start-sub", "fast>ours"))
+    for key in ("ec", "rsa"):
+        wanted.add(("sros2", f"{key}/start-pub", "fast>ours"))
+        wanted.add(("sros2", f"{key}/start-sub", "ours>fast"))
+    for pair in pairs:
+        wanted.add(("everything-encrypt-oa", "ec/aes128/start-pub", pair))
+    wanted.add(("everything-encrypt-oa", "ec/aes128/start-sub", "fast>ours"))
+    wanted.add(("sros2", "ec+rsa-permissions/start-pub", "ours>fast"))
+    return [replace(case, chosen=(case.row, case.variant, case.pair) in wanted) for case in cases]
+
+
+# ---- one plugin of ours beside two stock ones ---------------------------------------------------
+
+def mixed_cases():
+    chosen = {("ours-auth", "stock"), ("ours-auth", "fast"), ("ours-ac", "stock"),
+              ("fast", "ours-ac"), ("ours-crypto", "stock"), ("fast", "ours-crypto"),
+              ("ours", "ours-auth"), ("ours-ac", "ours"), ("ours", "ours-crypto")}
+    cases = []
+    for row in ("sros2", "all-none", "everything-encrypt-oa", "data-encrypt"):
+        for mix in MIXES:
+            for other in ("ours", "stock", "fast"):
+                for pair in ((mix, other), (other, mix)):
+                    # Only our cryptography sends the token a Fast DDS writer waits for.
+                    if row == "data-encrypt" and pair[0] == "fast" and mix != "ours-crypto":
+                        continue
+                    case = replace(_positive(row, Side(GOVERNANCES[row]), "ec", pair,
+                                             pair[0] != "fast"), table="mixed")
+                    picked = row == "sros2" and pair in chosen
+                    picked |= row == "data-encrypt" and pair == ("fast", "ours-crypto")
+                    cases.append(replace(case, chosen=picked))
+    for pair, publisher_starts in ((("fast", "ours-auth"), True), (("ours-auth", "fast"), False)):
+        cases.append(replace(_positive("sros2", Side(SROS2), "ec", pair, publisher_starts),
+                             table="mixed", chosen=pair[0] == "fast"))
+    return cases
+
+
+# ---- negatives and their positive controls ------------------------------------------------------
+
+# How a row is judged when one peer is ours.
+MUST_DATA, MUST_NONE, NO_DATA, MUST_REFUSE, EITHER = "data none no-data refuse either".split()
+
+
+@dataclass(frozen=True)
+class Row:
+    """A faulty pair. `stock` are the outcomes of F>F, F>C, C>F and C>C, words joined by "|"."""
+    name: str
+    publisher: Side
+    subscriber: Side
+    stock: tuple
+    ours: str
+    faulty: int = 0     # 0: the publisher has the fault, 1: the subscriber
+    quick: bool = True  # part of the chosen set
+
+
+def _pub(row_name, stock, ours, base=SROS2, quick=True, **fault):
+    good = Side(base)
+    return Row(row_name, replace(good, **fault), good, stock, ours, 0, quick)
+
+
+def _sub(row_name, stock, ours, base=SROS2, quick=True, **fault):
+    good = Side(base)
+    return Row(row_name, good, replace(good, **fault), stock, ours, 1, quick)
+
+
+ALL_NONE, ALL_DATA, ALL_REFUSED = (NONE,) * 4, (DATA,) * 4, (REFUSED,) * 4
+NO_PUBLISH, NO_SUBSCRIBE = Permissions(publish=()), Permissions(subscribe=())
+ELSEWHERE = Permissions(domain=OTHER_DOMAIN)
+GUESTS = Governance(allow_unauthenticated=True, join=False, read=False, write=False)
+GUESTS_CONTROLLED = replace(GUESTS, read=True, write=True)
+GUESTS_ENCRYPTED = replace(GUESTS, metadata=E, data=E)
+
+
+def _negative_rows():
+    yield _pub("unknown-identity-ca", ALL_NONE, MUST_NONE, signed_by="other", trusts="other")
+    yield _pub("unknown-identity-ca-all-none", ALL_NONE, MUST_NONE, Governance(), quick=False,
+               signed_by="other", trusts="other")
+    yield _pub("certificate-not-under-own-ca", ALL_REFUSED, MUST_REFUSE, quick=False,
+               signed_by="other")
+    yield _pub("certificate-expired", ALL_REFUSED, MUST_REFUSE, expired=True)
+    yield _pub("private-key-of-another", (REFUSED, REFUSED, NONE, NONE), MUST_REFUSE,
+               foreign_key=True)
+    yield _sub("publisher-on-crl", ALL_NONE, MUST_NONE, crl="peer")
+    yield _sub("crl-names-another", ALL_DATA, MUST_DATA, crl="stranger")
+    yield _pub("permissions-deny-publish", ALL_REFUSED, MUST_REFUSE, permissions=NO_PUBLISH)
+    yield _sub("permissions-deny-subscribe", ALL_REFUSED, MUST_REFUSE, permissions=NO_SUBSCRIBE)
+    yield _pub("deny-publish-remote-only", ALL_NONE, MUST_NONE, quick=False, permissions=NO_PUBLISH,
+               governance=replace(SROS2, write=False))
+    yield _sub("deny-subscribe-remote-only", ALL_NONE, MUST_NONE, quick=False,
+               permissions=NO_SUBSCRIBE, governance=replace(SROS2, read=False))
+    yield _pub("permissions-other-domain", (NONE, NONE, REFUSED, REFUSED), MUST_REFUSE,
+               permissions=ELSEWHERE)
+    yield _pub("other-domain-remote-only", ALL_NONE, MUST_NONE, permissions=ELSEWHERE,
+               governance=replace(SROS2, join=False, read=False, write=False))
+    yield _pub("permissions-expired", ALL_REFUSED, MUST_REFUSE,
+               permissions=Permissions(not_after="2021-01-01T00:00:00"))
+    yield _pub("permissions-not-yet-valid", ALL_REFUSED, MUST_REFUSE, quick=False,
+               permissions=Permissions(not_before="2036-01-01T00:00:00"))
+    yield _pub("permissions-other-subject", ALL_REFUSED, MUST_REFUSE, quick=False,
+               permissions=Permissions(other_subject=True))
+    yield _pub("permissions-tampered", ALL_REFUSED, MUST_REFUSE, tamper="permissions")
+    yield _pub("permissions-unknown-signer", ALL_REFUSED, MUST_REFUSE, quick=False,
+               permissions_by="other", governance_by="main")
+    yield _pub("permissions-ca-differs", ALL_NONE, MUST_NONE, permissions_by="second",
+               permissions_ca="second")
+    yield _pub("governance-tampered", ALL_REFUSED, MUST_REFUSE, tamper="governance")
+    yield _pub("governance-wrong-signer", ALL_REFUSED, MUST_REFUSE, quick=False,
+               governance_by="other")
+    yield _pub("governance-domain-not-covered", ALL_REFUSED, MUST_REFUSE,
+               governance=replace(SROS2, domains=(99, 99)))
+    for name, mine, peers in (
+            ("rtps-none-sign", Governance(), Governance(rtps=S)),
+            ("rtps-sign-encrypt", Governance(rtps=S), Governance(rtps=E)),
+            ("metadata", Governance(metadata=S), Governance(metadata=E)),
+            ("data", Governance(metadata=S, data=S), Governance(metadata=S, data=E)),
+            ("discovery", Governance(discovery=S), Governance(discovery=E))):
+        yield Row("governance-differs-" + name, Side(mine), Side(peers), ALL_NONE, MUST_NONE, 0,
+                  name == "rtps-none-sign")
+    # CVE-2023-24011: one CA for both, permissions signed with the participant's own identity.
+    one_ca = Side(SROS2, permissions_ca="identity", permissions_by="identity")
+    forged = replace(one_ca, permissions_by="leaf", governance_by="identity")
+    yield Row("one-ca-for-both", one_ca, one_ca, ALL_DATA, MUST_DATA)
+    yield Row("self-signed-permissions", forged, one_ca, ALL_DATA, MUST_REFUSE)
+    yield Row("self-signed-permissions-subscriber", one_ca, forged, ALL_DATA, MUST_REFUSE, 1)
+
+
+def _plain_rows():
+    guest = Side(plain=True)
+    unseen = "none|half|matched"  # never data
+    for name, governance, stock_pub, stock_sub, ours in (
+            ("not-allowed", SROS2, ALL_NONE, ALL_NONE, NO_DATA),
+            ("allowed-open-topic", GUESTS, (NONE, HALF, NONE, DATA), (NONE, NONE, HALF, DATA),
+             EITHER),
+            ("allowed-controlled-topic", GUESTS_CONTROLLED, (NONE, DATA, NONE, DATA),
+             (NONE, NONE, DATA, DATA), NO_DATA),
+            ("allowed-encrypted-topic", GUESTS_ENCRYPTED, (NONE, unseen, NONE, unseen),
+             (NONE, NONE, unseen, unseen), NO_DATA)):
+        yield Row(f"plain-publisher-{name}", guest, Side(governance), stock_pub, ours,
+                  quick=name != "allowed-controlled-topic")
+        yield Row(f"plain-subscriber-{name}", Side(governance), guest, stock_sub, ours, 1,
+                  quick=name == "allowed-controlled-topic")
+    yield _pub("unknown-ca-publisher-allowed-open", (NONE, NONE, NONE, DATA), EITHER, GUESTS,
+               quick=False, signed_by="other", trusts="other")
+
+
+def _accepted_rows():
+    """Positive controls: what looks odd and must work."""
+    for name, pattern in (("star", "Squ*"), ("question-mark", "S?uare")):
+        wild = Permissions(publish=(pattern,), subscribe=(pattern,))
+        yield Row(f"topic-pattern-{name}", *[Side(SROS2, wild)] * 2, ALL_DATA, MUST_DATA,
+                  quick=name == "star")
+    inside = Side(SROS2, Permissions(partition="yard"), partition="yard")
+    yield Row("partition-allowed", inside, inside, ALL_DATA, MUST_DATA)
+    outside = replace(inside, partition="street")
+    yield Row("partition-not-allowed", outside, inside, ALL_REFUSED, MUST_REFUSE)
+    yield _pub("private-key-with-password", ALL_DATA, MUST_DATA, password=True)
+    yield _pub("documents-as-data-uris", (REFUSED, REFUSED, DATA, DATA), MUST_DATA,
+               data_uris=True)
+
+
+STOCK_ORDER = [("fast", "fast"), ("fast", "stock"), ("stock", "fast"), ("stock", "stock")]
+
+
+def _alone(row, kind):
+    """The row's outcome between two stock peers of one kind."""
+    return row.stock[STOCK_ORDER.index((kind, kind))]
+
+
+def _allowed(row, pair):
+    """The outcomes that are right for this row and pair."""
+    if "ours" not in pair:
+        return frozenset(row.stock[STOCK_ORDER.index(pair)].split("|"))
+    if row.ours == MUST_DATA:
+        return frozenset({DATA})
+    if row.ours == MUST_NONE:
+        return frozenset({NONE})
+    if row.ours == NO_DATA:  # a plain peer knows of no refusal and may believe in a match
+        return frozenset({NONE, HALF})
+    if row.ours == EITHER:
+        return frozenset({DATA, HALF, NONE})
+    # The faulty side must be refused at creation if it is ours; a stock one may come so far that
+    # our side has to refuse it.
+    return frozenset({REFUSED}) if pair[row.faulty] == "ours" else NOTHING
+
+
+def _meaningful(row, pair):
+    sides = (row.publisher, row.subscriber)
+    if any(side.plain and kind == "ours" for side, kind in zip(sides, pair)):
+        return False  # a plain peer has no plugins
+    faulty = pair[row.faulty]
+    # A stock peer that refuses its own documents never meets ours.
+    return faulty == "ours" or "ours" not in pair or _alone(row, faulty) != REFUSED
+
+
+# What an attacker or a user would try first is in the chosen set with each of these pairs.
+ALWAYS = {("self-signed-permissions", ("stock", "ours")),
+          ("self-signed-permissions", ("fast", "ours")),
+          ("self-signed-permissions", ("ours", "stock")),
+          ("plain-publisher-not-allowed", ("stock", "ours")),
+          ("plain-publisher-allowed-controlled-topic", ("stock", "ours"))}
+
+
+def negative_cases():
+    cases, turn = [], 0
+    for table, rows in (("negative", _negative_rows()), ("negative", _plain_rows()),
+                        ("accepted", _accepted_rows())):
+        for row in rows:
+            mine = [pair for pair in OUR_PAIRS if _meaningful(row, pair)]
+            turn += 1
+            for pair in mine + STOCK_PAIRS:
+                starts = pair[0] != "fast" or pair[1] == "fast"
+                chosen = row.quick and pair == mine[turn % len(mine)]
+                chosen |= (row.name, pair) in ALWAYS
+                cases.append(Case(table, row.name, "", *pair, (row.publisher, row.subscriber),
+                                  KEYS["ec"], starts, _allowed(row, pair), chosen))
+    return cases
+
+
+def all_cases():
+    """Every case, those of two stock peers included."""
+    return _choose_governance(governance_cases()) + mixed_cases() + negative_cases()
