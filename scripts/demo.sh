@@ -41,7 +41,7 @@ start() {
   local program=cyclone_peer library_path=""
   [ "$plugins" = fast ] && program=fastdds_peer
   [ "$plugins" = ours ] && library_path=$PWD/$build/dropin
-  LD_LIBRARY_PATH=$library_path "$build/bin/$program" "--$role" --topic Square --timeout 20 "$@" \
+  LD_LIBRARY_PATH=$library_path "$build/bin/$program" "--$role" --topic Square "$@" \
     --identity_ca "$PWD/$pki/identity_ca.pem" --permissions_ca "$PWD/$pki/permissions_ca.pem" \
     --identity_certificate "$PWD/$pki/$name/identity.pem" --private_key "$PWD/$pki/$name/identity.key" \
     --governance "$PWD/$pki/governance.p7s" --permissions "$PWD/$pki/$name/permissions.p7s" \
@@ -49,7 +49,8 @@ start() {
   pids+=($!)
 }
 
-ended_with() { wait "$1" && echo 0 || echo $?; }
+# Waits for a peer and leaves its exit status in $status.
+await() { status=0; wait "$1" || status=$?; }
 
 failures=0
 # line WHO WHAT EXPECTED FOUND
@@ -59,7 +60,10 @@ line() {
   rows+=("$(printf '%-44s %-24s %-22s %s' "$1" "$2" "$4" "$verdict")")
 }
 
-samples() { [ "$1" = 0 ] && echo "10 samples arrived" || echo "no samples (exit $1)"; }
+# What a subscriber ended with, in words.
+samples() { [ "$status" = 0 ] && echo "10 samples arrived" || echo "no samples (exit $status)"; }
+# Whether a peer ended with that status and its log has the reason.
+refused() { [ "$status" = "$1" ] && grep -q smime_signer_not_permissions_ca "$work/$2.log" && echo "$3" || echo "not refused"; }
 
 main_job() {
   ip link set lo up multicast on
@@ -67,36 +71,41 @@ main_job() {
   rows=()
 
   step "radar publishes on our plugins; ours, stock Cyclone DDS and Fast DDS subscribe"
-  start radar ours radar publish --hold
+  start radar ours radar publish --hold --timeout 60
   local publisher=$!
-  start display ours display subscribe --samples 10
+  start display ours display subscribe --samples 10 --timeout 15
   local display=$!
-  start stock stock stock subscribe --samples 10
+  start stock stock stock subscribe --samples 10 --timeout 15
   local stock=$!
-  start fast fast fast subscribe --samples 10
+  start fast fast fast subscribe --samples 10 --timeout 15
   local fast=$!
-  line "display: Cyclone DDS on our plugins" "from radar (ours)" "10 samples arrived" "$(samples "$(ended_with $display)")"
-  line "stock: Cyclone DDS on its own plugins" "from radar (ours)" "10 samples arrived" "$(samples "$(ended_with $stock)")"
-  line "fast: Fast DDS" "from radar (ours)" "10 samples arrived" "$(samples "$(ended_with $fast)")"
-  kill "$publisher" && wait "$publisher" || true
-  grep -h '^sample' "$work"/{display,stock,fast}.log | head -n 3
+  await $display
+  line "display: Cyclone DDS on our plugins" "from radar (ours)" "10 samples arrived" "$(samples)"
+  await $stock
+  line "stock: Cyclone DDS on its own plugins" "from radar (ours)" "10 samples arrived" "$(samples)"
+  await $fast
+  line "fast: Fast DDS" "from radar (ours)" "10 samples arrived" "$(samples)"
+  kill "$publisher" && await "$publisher"
+  for name in display stock fast; do
+    echo "   $name got: $(grep -m1 '^sample' "$work/$name.log" || echo nothing)"
+  done
 
   step "mallory publishes with permissions it signed itself (CVE-2023-24011)"
-  start mallory stock mallory publish --hold --domain 1
+  start mallory stock mallory publish --hold --domain 1 --timeout 60
   local mallory=$!
   start fooled stock stock subscribe --samples 10 --domain 1 --timeout 10
   local fooled=$!
   start wary ours display subscribe --samples 10 --domain 1 --timeout 5
   local wary=$!
-  line "stock: Cyclone DDS on its own plugins" "from mallory" "10 samples arrived" "$(samples "$(ended_with $fooled)")"
-  line "display: Cyclone DDS on our plugins" "from mallory" "refused" \
-    "$([ "$(ended_with $wary)" = 4 ] && grep -q smime_signer_not_permissions_ca "$work/wary.log" && echo refused || echo "not refused")"
-  kill "$mallory" && wait "$mallory" || true
+  await $fooled
+  line "stock: Cyclone DDS on its own plugins" "from mallory" "10 samples arrived" "$(samples)"
+  await $wary
+  line "display: Cyclone DDS on our plugins" "from mallory" "refused" "$(refused 4 wary refused)"
+  kill "$mallory" && await "$mallory"
   start self ours mallory publish --domain 1 --timeout 5
-  local self=$!
-  line "mallory: Cyclone DDS on our plugins" "itself" "refused at creation" \
-    "$([ "$(ended_with $self)" = 3 ] && grep -q smime_signer_not_permissions_ca "$work/self.log" && echo "refused at creation" || echo "not refused")"
-  echo "display says: $(grep -h -m1 smime_signer_not_permissions_ca "$work/wary.log" || echo nothing)"
+  await $!
+  line "mallory: Cyclone DDS on our plugins" "itself" "refused at creation" "$(refused 3 self "refused at creation")"
+  echo "   display says: $(grep -h -m1 smime_signer_not_permissions_ca "$work/wary.log" || echo nothing)"
 
   printf '\n%-44s %-24s %-22s %s\n' "who" "what" "result" "as claimed?"
   printf '%s\n' "${rows[@]}"
