@@ -1,0 +1,348 @@
+#include "plugins/authentication/authentication.hpp"
+
+#include <algorithm>
+#include <functional>
+
+#include "plugins/authentication/adjusted_guid.hpp"
+#include "plugins/authentication/auth_request.hpp"
+#include "plugins/authentication/identity_table.hpp"
+#include "plugins/authentication/identity_token.hpp"
+#include "plugins/authentication/participant_data.hpp"
+#include "plugins/spi/property_names.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+using spi::HandshakeHandle;
+using spi::IdentityHandle;
+using spi::Token;
+using spi::ValidationResult;
+
+/// DDS-Security 10.3.3: the lower GUID, octet by octet, begins.
+bool initiates(const Guid& local, const Guid& remote) { return local < remote; }
+
+Status check_role(bool is_right, std::string_view call) {
+  if (is_right) return {};
+  return fail(Code::handshake_role_wrong, {.field = std::string(call)});
+}
+
+/// Finished handshakes of one pair that stay open to questions.
+constexpr std::size_t kMostFinishedPerPair = 4;
+
+bool is_pending(const PairHandshake& handshake) {
+  return !std::holds_alternative<Established>(handshake.state);
+}
+
+class PkiDh final : public spi::Authentication {
+ public:
+  PkiDh(const Environment& environment, const Options& options)
+      : environment_(environment),
+        stores_(options.crl_policy),
+        table_(options.most_local_identities, options.most_remote_identities) {}
+
+  Result<LocalIdentity> validate_local_identity(DomainId domain_id,
+                                                const spi::PropertyList& properties,
+                                                const Guid& candidate_guid) override;
+  Result<Token> identity_token(IdentityHandle local) override;
+  Result<Token> identity_status_token(IdentityHandle local) override;
+  Status set_permissions_credential_and_token(IdentityHandle local, const Token& credential,
+                                              const Token& permissions_token) override;
+  Result<RemoteIdentity> validate_remote_identity(IdentityHandle local,
+                                                  const std::optional<Token>& remote_auth_request,
+                                                  const Token& remote_identity_token,
+                                                  const Guid& remote_guid) override;
+  Result<HandshakeStep> begin_handshake_request(IdentityHandle initiator, IdentityHandle replier,
+                                                BytesView participant_data) override;
+  Result<HandshakeStep> begin_handshake_reply(const Token& request, IdentityHandle initiator,
+                                              IdentityHandle replier,
+                                              BytesView participant_data) override;
+  Result<HandshakeStep> process_handshake(HandshakeHandle handshake, const Token& message) override;
+  Result<std::shared_ptr<const spi::SharedSecret>> shared_secret(
+      HandshakeHandle handshake) override;
+  Result<Token> authenticated_peer_credential_token(HandshakeHandle handshake) override;
+  Status return_handshake_handle(HandshakeHandle handshake) override;
+  Status return_identity_handle(IdentityHandle identity) override;
+  std::optional<WallTime> next_expiry() override { return table_.next_end(); }
+  std::vector<IdentityHandle> expire() override;
+
+ private:
+  template <class T>
+  Result<T> reported(Result<T> result, const PeerName& peer = {}) const {
+    if (!result) environment_.events.raise(Event(result.error(), peer.subject, peer.guid));
+    return result;
+  }
+  template <class T>
+  Result<T> reported(Result<T> result, IdentityHandle remote) const {
+    return result ? std::move(result) : reported(std::move(result), table_.name_of(remote));
+  }
+
+  Result<LocalIdentity> load_local(const spi::PropertyList& properties, const Guid& candidate);
+  Result<RemoteIdentity> admit(IdentityHandle local, const std::optional<Token>& auth_request,
+                               const Token& identity_token, const Guid& guid);
+  Result<HandshakeStep> request(IdentityHandle local, IdentityHandle remote,
+                                BytesView participant_data);
+  Result<HandshakeStep> reply(const Token& request, IdentityHandle local, IdentityHandle remote,
+                              BytesView participant_data);
+  Result<HandshakeStep> step(HandshakeHandle handle, const Token& message);
+  Result<HandshakeContext> context(const Pair& pair) const;
+  Status check_room(const Pair& pair) const;
+  void make_room(Pair& pair);
+  HandshakeStep keep(const std::shared_ptr<Pair>& pair, HandshakeOutcome outcome,
+                     BytesView participant_data);
+  /// `f(const Established&)` under the pair's lock.
+  template <class F>
+  auto established(HandshakeHandle handle, F&& f) const
+      -> Result<std::invoke_result_t<F, const Established&>>;
+
+  const Environment environment_;
+  TrustStores stores_;
+  IdentityTable table_;
+};
+
+// ---- identities
+
+Result<PkiDh::LocalIdentity> PkiDh::validate_local_identity(DomainId,
+                                                            const spi::PropertyList& properties,
+                                                            const Guid& candidate_guid) {
+  return reported(load_local(properties, candidate_guid));
+}
+
+Result<PkiDh::LocalIdentity> PkiDh::load_local(const spi::PropertyList& properties,
+                                               const Guid& candidate) {
+  const WallTime now = environment_.clock.now();
+  auto files = DDSSEC_TRY(IdentityFiles::load(properties, stores_, now));
+  auto identity = std::make_shared<authentication::LocalIdentity>(std::move(files), candidate);
+  const auto chain = DDSSEC_TRY(identity->verify(now));
+  const auto handle = DDSSEC_TRY(table_.add_local(identity, chain.not_after()));
+  return LocalIdentity{handle, identity->guid()};
+}
+
+Result<Token> PkiDh::identity_token(IdentityHandle local) {
+  const auto identity = DDSSEC_TRY(reported(table_.local(local)));
+  return identity->identity_token();
+}
+
+Result<Token> PkiDh::identity_status_token(IdentityHandle local) {
+  DDSSEC_TRY(reported(table_.local(local)));
+  return Token{std::string(spi::class_id::kIdentity)};
+}
+
+Status PkiDh::set_permissions_credential_and_token(IdentityHandle local, const Token& credential,
+                                                   const Token&) {
+  const auto identity = DDSSEC_TRY(reported(table_.local(local)));
+  return reported(identity->set_permissions(credential));
+}
+
+Result<PkiDh::RemoteIdentity> PkiDh::validate_remote_identity(
+    IdentityHandle local, const std::optional<Token>& remote_auth_request,
+    const Token& remote_identity_token, const Guid& remote_guid) {
+  auto result = admit(local, remote_auth_request, remote_identity_token, remote_guid);
+  return result ? result : reported(std::move(result), PeerName{{}, remote_guid.to_string()});
+}
+
+Result<PkiDh::RemoteIdentity> PkiDh::admit(IdentityHandle local,
+                                           const std::optional<Token>& auth_request,
+                                           const Token& identity_token, const Guid& guid) {
+  const auto identity = DDSSEC_TRY(table_.local(local));
+  auto claim = DDSSEC_TRY(read_identity_token(identity_token));
+  if (guid == identity->guid()) return fail(Code::remote_guid_is_local);
+  if (!is_adjusted(guid)) return fail(Code::guid_not_adjusted, {.found = guid.to_string()});
+  std::optional<spi::Challenge> announced;
+  if (auth_request) announced = DDSSEC_TRY(read_auth_request(*auth_request));
+  DDSSEC_TRY(identity->verify(environment_.clock.now()));
+  spi::Challenge own_challenge{};
+  DDSSEC_TRY(environment_.random.fill(own_challenge));
+
+  const auto handle =
+      DDSSEC_TRY(table_.admit_remote({guid, identity_token, std::move(claim.subject)}));
+  const auto pair = DDSSEC_TRY(table_.pair(local, handle, own_challenge));
+  const std::scoped_lock lock(pair->mutex);
+  if (announced) pair->announced_challenge = announced;
+  RemoteIdentity result{handle, ValidationResult::pending_handshake_message, std::nullopt};
+  if (initiates(identity->guid(), guid))
+    result.result = ValidationResult::pending_handshake_request;
+  if (!announced) result.local_auth_request = write_auth_request(pair->own_challenge);
+  return result;
+}
+
+Status PkiDh::return_identity_handle(IdentityHandle identity) {
+  if (table_.remove(identity)) return {};
+  return fail(Code::unknown_identity);
+}
+
+std::vector<IdentityHandle> PkiDh::expire() {
+  const auto now = environment_.clock.now();
+  std::vector<IdentityHandle> handles;
+  for (const auto& ended : table_.take_ended(now)) {
+    handles.push_back(ended.handle);
+    environment_.events.raise(Event(Error(Code::identity_ended, {.document = ended.whose,
+                                                                 .field = "notAfter",
+                                                                 .expected = to_string(ended.end),
+                                                                 .found = to_string(now)}),
+                                    ended.peer.subject, ended.peer.guid));
+  }
+  return handles;
+}
+
+// ---- handshakes
+
+Result<HandshakeContext> PkiDh::context(const Pair& pair) const {
+  const WallTime now = environment_.clock.now();
+  DDSSEC_TRY(pair.local->verify(now));
+  return HandshakeContext{*pair.local, pair.remote_guid, pair.own_challenge,
+                          pair.announced_challenge, now};
+}
+
+/// Only one that waited long gives way to another.
+Status PkiDh::check_room(const Pair& pair) const {
+  const auto& all = pair.handshakes;
+  const auto pending = std::ranges::count_if(all, is_pending);
+  if (static_cast<std::size_t>(pending) < kMostPendingPerPair) return {};
+  const auto oldest = std::ranges::find_if(all, is_pending);
+  if (environment_.clock.monotonic() - oldest->since >= kPendingAge) return {};
+  return fail(Code::too_many_handshakes,
+              {.expected = "at most " + std::to_string(kMostPendingPerPair)});
+}
+
+void PkiDh::make_room(Pair& pair) {
+  auto& all = pair.handshakes;
+  const auto drop_first = [&](auto&& is_one) {
+    const auto first = std::ranges::find_if(all, is_one);
+    if (first == all.end()) return;
+    table_.remove_handshake(first->handle);
+    all.erase(first);
+  };
+  const auto pending = static_cast<std::size_t>(std::ranges::count_if(all, is_pending));
+  if (pending >= kMostPendingPerPair) drop_first(is_pending);
+  // Of finished ones the host keeps what it needs as shared pointers.
+  if (all.size() - pending >= kMostFinishedPerPair) drop_first(std::not_fn(is_pending));
+}
+
+PkiDh::HandshakeStep PkiDh::keep(const std::shared_ptr<Pair>& pair, HandshakeOutcome outcome,
+                                 BytesView participant_data) {
+  make_room(*pair);
+  const auto handle = table_.add_handshake(pair);
+  pair->handshakes.push_back({handle, std::move(*outcome.next), to_bytes(participant_data),
+                              environment_.clock.monotonic()});
+  return {handle, outcome.result, std::move(outcome.message)};
+}
+
+Result<PkiDh::HandshakeStep> PkiDh::begin_handshake_request(IdentityHandle initiator,
+                                                            IdentityHandle replier,
+                                                            BytesView participant_data) {
+  return reported(request(initiator, replier, participant_data), replier);
+}
+
+Status check_participant_data_size(BytesView participant_data) {
+  if (!participant_data.empty() && participant_data.size() <= kMostParticipantDataOctets) return {};
+  return fail(Code::token_field_length,
+              {.document = "serialized participant data",
+               .field = "c.pdata",
+               .expected = "1 to " + std::to_string(kMostParticipantDataOctets) + " octets",
+               .found = std::to_string(participant_data.size()) + " octets"});
+}
+
+Result<PkiDh::HandshakeStep> PkiDh::request(IdentityHandle local, IdentityHandle remote,
+                                            BytesView participant_data) {
+  DDSSEC_TRY(check_participant_data_size(participant_data));
+  const auto pair = DDSSEC_TRY(table_.pair(local, remote));
+  DDSSEC_TRY(
+      check_role(initiates(pair->local->guid(), pair->remote_guid), "begin_handshake_request"));
+  const std::scoped_lock lock(pair->mutex);
+  for (const auto& handshake : pair->handshakes) {
+    const auto* waiting = std::get_if<AwaitReply>(&handshake.state);
+    if (waiting != nullptr && std::ranges::equal(handshake.participant_data, participant_data))
+      return HandshakeStep{handshake.handle, ValidationResult::pending_handshake_message,
+                           waiting->request};
+  }
+  const auto what = DDSSEC_TRY(context(*pair));
+  DDSSEC_TRY(check_room(*pair));
+  return keep(pair, DDSSEC_TRY(start_request(what, participant_data)), participant_data);
+}
+
+Result<PkiDh::HandshakeStep> PkiDh::begin_handshake_reply(const Token& request,
+                                                          IdentityHandle initiator,
+                                                          IdentityHandle replier,
+                                                          BytesView participant_data) {
+  return reported(reply(request, replier, initiator, participant_data), initiator);
+}
+
+Result<PkiDh::HandshakeStep> PkiDh::reply(const Token& request, IdentityHandle local,
+                                          IdentityHandle remote, BytesView participant_data) {
+  DDSSEC_TRY(check_participant_data_size(participant_data));
+  const auto pair = DDSSEC_TRY(table_.pair(local, remote));
+  DDSSEC_TRY(
+      check_role(!initiates(pair->local->guid(), pair->remote_guid), "begin_handshake_reply"));
+  const std::scoped_lock lock(pair->mutex);
+  for (const auto& handshake : pair->handshakes) {
+    if (!is_answer_to(handshake.state, request)) continue;
+    const auto* waiting = std::get_if<AwaitFinal>(&handshake.state);
+    if (waiting == nullptr)
+      return fail(Code::unexpected_message,
+                  {.document = "handshake request", .note = "after the handshake that it began"});
+    return HandshakeStep{handshake.handle, ValidationResult::pending_handshake_message,
+                         waiting->reply};
+  }
+  const auto what = DDSSEC_TRY(context(*pair));
+  DDSSEC_TRY(check_room(*pair));
+  return keep(pair, DDSSEC_TRY(start_reply(what, request, participant_data)), participant_data);
+}
+
+Result<PkiDh::HandshakeStep> PkiDh::process_handshake(HandshakeHandle handshake,
+                                                      const Token& message) {
+  const auto pair = DDSSEC_TRY(reported(table_.pair_of(handshake)));
+  return reported(step(handshake, message), pair->remote_handle);
+}
+
+Result<PkiDh::HandshakeStep> PkiDh::step(HandshakeHandle handle, const Token& message) {
+  const auto pair = DDSSEC_TRY(table_.pair_of(handle));
+  const std::scoped_lock lock(pair->mutex);
+  const auto handshake = std::ranges::find(pair->handshakes, handle, &PairHandshake::handle);
+  if (handshake == pair->handshakes.end()) return fail(Code::unknown_handshake);
+  const auto what = DDSSEC_TRY(context(*pair));
+  auto outcome = DDSSEC_TRY(process(handshake->state, what, message));
+  if (outcome.next) {
+    handshake->state = std::move(*outcome.next);
+    if (const auto* done = std::get_if<Established>(&handshake->state))
+      table_.note_authenticated(pair->remote_handle, done->peer.chain());
+  }
+  return HandshakeStep{handle, outcome.result, std::move(outcome.message)};
+}
+
+template <class F>
+auto PkiDh::established(HandshakeHandle handle, F&& f) const
+    -> Result<std::invoke_result_t<F, const Established&>> {
+  const auto pair = DDSSEC_TRY(table_.pair_of(handle));
+  const std::scoped_lock lock(pair->mutex);
+  const auto handshake = std::ranges::find(pair->handshakes, handle, &PairHandshake::handle);
+  if (handshake == pair->handshakes.end()) return fail(Code::unknown_handshake);
+  const auto* done = std::get_if<Established>(&handshake->state);
+  if (done == nullptr) return fail(Code::handshake_not_finished);
+  return f(*done);
+}
+
+Result<std::shared_ptr<const spi::SharedSecret>> PkiDh::shared_secret(HandshakeHandle handshake) {
+  return reported(established(handshake, [](const Established& done) { return done.secret; }));
+}
+
+Result<Token> PkiDh::authenticated_peer_credential_token(HandshakeHandle handshake) {
+  return reported(
+      established(handshake, [](const Established& done) { return done.peer.credential(); }));
+}
+
+Status PkiDh::return_handshake_handle(HandshakeHandle handle) {
+  const auto pair = DDSSEC_TRY(table_.pair_of(handle));
+  const std::scoped_lock lock(pair->mutex);
+  table_.remove_handshake(handle);
+  std::erase_if(pair->handshakes, [&](const auto& h) { return h.handle == handle; });
+  return {};
+}
+
+}  // namespace
+
+std::unique_ptr<spi::Authentication> make_authentication(const Environment& environment,
+                                                         Options options) {
+  return std::make_unique<PkiDh>(environment, options);
+}
+
+}  // namespace ddssec::authentication

@@ -1,0 +1,43 @@
+// The authentication plugin DDS:Auth:PKI-DH (DDS-Security 9.3), for a host of any make.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+
+#include "base/event.hpp"
+#include "pki/chain.hpp"
+#include "plugins/spi/authentication.hpp"
+
+namespace ddssec::authentication {
+
+struct Options {
+  /// What a missing or outdated revocation list means where one is configured.
+  pki::CrlPolicy crl_policy = pki::CrlPolicy::hard_fail;
+  /// More are refused, so that announcements nobody authenticated cannot use up memory.
+  std::size_t most_remote_identities = 10'000;
+  std::size_t most_local_identities = 256;
+};
+
+/// Most handshakes of one pair that were answered or begun and not finished; the oldest gives way
+/// when it has waited for kPendingAge.
+inline constexpr std::size_t kMostPendingPerPair = 4;
+inline constexpr std::chrono::seconds kPendingAge{5};
+
+/// Every refusal raises one event and changes nothing.
+///
+/// What a host should know:
+/// - An error of begin_handshake_reply or process_handshake is about that one message. The host
+///   should drop it, go on waiting and go on sending its own last message; Cyclone DDS forgets its
+///   own last message when process_handshake fails, and relies on the peer to send again.
+/// - A request different from one already answered begins a handshake of its own, with its own
+///   handle, beside the first (kMostPendingPerPair): somebody who forges a request first does not
+///   keep the honest peer out. A final is tried on each pending handle; those it does not belong
+///   to refuse it without public-key work.
+/// - The same request gets the same reply, the same reply the same final, without new work.
+/// - validate_remote_identity for a GUID seen before returns the same handle. Another identity
+///   token replaces the first one as long as nobody authenticated under that GUID (neither token
+///   proves anything); afterwards it is refused until return_identity_handle.
+std::unique_ptr<spi::Authentication> make_authentication(const Environment& environment,
+                                                         Options options = {});
+
+}  // namespace ddssec::authentication

@@ -1,0 +1,62 @@
+#include "plugins/authentication/credentials.hpp"
+
+#include <vector>
+
+#include "pki/source.hpp"
+#include "plugins/authentication/algorithms.hpp"
+#include "plugins/authentication/participant_data.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+constexpr FieldRule kId{"c.id", 1, pki::kMostCertificateOctets};
+constexpr FieldRule kPermissions{"c.perm", 0, kMostPermissionsOctets};
+constexpr FieldRule kParticipantData{"c.pdata", 1, kMostParticipantDataOctets};
+constexpr FieldRule kSignatureAlgorithm{"c.dsign_algo", 1, 128};
+constexpr FieldRule kKeyAgreementAlgorithm{"c.kagree_algo", 1, 128};
+
+std::vector<spi::NamedOctets> in_order(const Credentials& c) {
+  std::vector<spi::NamedOctets> fields = {{kId.name, c.id}};
+  if (c.permissions) fields.push_back({kPermissions.name, *c.permissions});
+  fields.push_back({kParticipantData.name, c.participant_data});
+  fields.push_back({kSignatureAlgorithm.name, c.signature_algorithm});
+  fields.push_back({kKeyAgreementAlgorithm.name, c.key_agreement_algorithm});
+  return fields;
+}
+
+}  // namespace
+
+Result<Credentials> Credentials::read(const TokenFields& fields) {
+  const auto key_agreement_octets = DDSSEC_TRY(fields.required(kKeyAgreementAlgorithm));
+  const auto signature_octets = DDSSEC_TRY(fields.required(kSignatureAlgorithm));
+  const auto signature_name = algorithm_text(signature_octets);
+  if (!is_signature_algorithm(signature_name))
+    return fail(Code::signature_algorithm_unknown, {.field = std::string(kSignatureAlgorithm.name),
+                                                    .found = std::string(signature_name)});
+  const auto key_agreement_name = algorithm_text(key_agreement_octets);
+  const auto kind = key_agreement_kind_from(key_agreement_name);
+  if (!kind)
+    return fail(Code::key_agreement_algorithm_unknown,
+                {.field = std::string(kKeyAgreementAlgorithm.name),
+                 .found = std::string(key_agreement_name)});
+  return Credentials{.id = DDSSEC_TRY(fields.required(kId)),
+                     .permissions = DDSSEC_TRY(fields.optional(kPermissions)),
+                     .participant_data = DDSSEC_TRY(fields.required(kParticipantData)),
+                     .signature_algorithm = signature_octets,
+                     .key_agreement_algorithm = key_agreement_octets,
+                     .key_agreement = *kind};
+}
+
+void Credentials::write(spi::Token& token) const {
+  for (const auto& field : in_order(*this)) add_field(token, field.name, field.value);
+}
+
+Sha256Digest Credentials::hash() const {
+  return sha256(spi::serialize_binary_properties(in_order(*this)));
+}
+
+void add_field(spi::Token& token, std::string_view name, BytesView value) {
+  token.binary_properties.push_back({std::string(name), to_bytes(value)});
+}
+
+}  // namespace ddssec::authentication

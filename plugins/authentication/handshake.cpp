@@ -1,0 +1,228 @@
+// Legal edges; everything else is refused and changes nothing.
+//
+//   (start)      --our request------->  AwaitReply    sends Req
+//   (start)      --Req--------------->  AwaitFinal    sends Reply
+//   AwaitReply   --Reply------------->  Established   sends Final
+//   AwaitFinal   --the same Req------>  AwaitFinal    sends the same Reply
+//   AwaitFinal   --Final------------->  Established
+//   Established  --the same Reply---->  Established   sends the same Final
+//   Established  --the same Final---->  Established
+#include "plugins/authentication/handshake.hpp"
+
+#include <algorithm>
+
+#include "plugins/authentication/algorithms.hpp"
+#include "plugins/authentication/handshake_final.hpp"
+#include "plugins/authentication/handshake_reply.hpp"
+#include "plugins/authentication/handshake_request.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+using spi::ValidationResult;
+
+Result<std::shared_ptr<const spi::SharedSecret>> shared_secret(const pki::EphemeralKey& key,
+                                                               const pki::PeerPublicKey& peer_key,
+                                                               const Transcript& transcript) {
+  const auto derived = DDSSEC_TRY(key.derive(peer_key));
+  auto octets = DDSSEC_TRY(
+      derived.expose([](BytesView view) { return spi::SharedSecretOctets::copy_of(view); }));
+  return std::make_shared<const spi::SharedSecret>(
+      spi::SharedSecret{std::move(octets), transcript.challenge1, transcript.challenge2});
+}
+
+Status check_announced(const HandshakeContext& context, const spi::Challenge& challenge,
+                       std::string_view name) {
+  if (!context.announced_challenge || *context.announced_challenge == challenge) return {};
+  return fail(Code::challenge_not_announced,
+              {.field = std::string(name),
+               .expected = to_hex(BytesView(*context.announced_challenge).first(16)),
+               .found = to_hex(BytesView(challenge).first(16))});
+}
+
+Credentials own_credentials(const LocalIdentity& local, BytesView permissions,
+                            BytesView participant_data, BytesView key_agreement_name) {
+  return {.id = as_bytes(local.certificate().pem()),
+          .permissions = permissions,
+          .participant_data = participant_data,
+          .signature_algorithm =
+              as_bytes(signature_algorithm_name(local.certificate().key_algorithm())),
+          .key_agreement_algorithm = key_agreement_name,
+          .key_agreement = {}};
+}
+
+std::unexpected<Error> unexpected_message(TokenClass token_class, std::string_view state) {
+  return fail(Code::unexpected_message,
+              {.document = std::string(document_name(token_class)), .note = std::string(state)});
+}
+
+std::string_view name_of(const AwaitReply&) { return "while waiting for a reply"; }
+std::string_view name_of(const AwaitFinal&) { return "while waiting for a final"; }
+std::string_view name_of(const Established&) { return "after the handshake"; }
+
+TokenClass class_of(const HandshakeRequest&) { return TokenClass::request; }
+TokenClass class_of(const HandshakeReply&) { return TokenClass::reply; }
+TokenClass class_of(const HandshakeFinal&) { return TokenClass::final; }
+
+/// The same in everything that later signatures cover.
+bool same_request(const Transcript& known, const HandshakeRequest& request) {
+  return known.challenge1 == request.challenge1 && std::ranges::equal(known.dh1, request.dh1) &&
+         known.hash_c1 == request.credentials.hash();
+}
+
+// AwaitReply --Reply--> Established
+Result<HandshakeOutcome> on(const AwaitReply& state, const HandshakeReply& reply,
+                            const HandshakeContext& context) {
+  const auto& credentials = reply.credentials;
+  if (credentials.key_agreement != state.key.kind())
+    return fail(Code::key_agreement_algorithm_changed,
+                {.field = "c.kagree_algo",
+                 .expected = std::string(key_agreement_name(state.key.kind())),
+                 .found = std::string(algorithm_text(credentials.key_agreement_algorithm))});
+  auto transcript = DDSSEC_TRY(reply.verify(state.transcript));
+  DDSSEC_TRY(check_announced(context, reply.challenge2, kChallenge2));
+  auto peer = DDSSEC_TRY(
+      JudgedPeer::judge(credentials, context.remote_guid, context.local.peer_trust(), context.now));
+  const auto peer_key = DDSSEC_TRY(pki::PeerPublicKey::parse(state.key.kind(), reply.dh2));
+  auto proof =
+      DDSSEC_TRY(pki::verify(peer.certificate(), transcript.reply_input(), reply.signature));
+  auto secret = DDSSEC_TRY(shared_secret(state.key, peer_key, transcript));
+  auto final = DDSSEC_TRY(HandshakeFinal::write(transcript, context.local.key()));
+  HandshakeOutcome outcome{ValidationResult::ok_final_message, final};
+  outcome.next = Established{.secret = std::move(secret),
+                             .proof = std::move(proof),
+                             .peer = std::move(peer),
+                             .transcript = std::move(transcript),
+                             .initiator = true,
+                             .signature = to_bytes(reply.signature),
+                             .final = std::move(final)};
+  return outcome;
+}
+
+// AwaitFinal --the same Req--> AwaitFinal
+Result<HandshakeOutcome> on(const AwaitFinal& state, const HandshakeRequest& request,
+                            const HandshakeContext&) {
+  if (!same_request(state.transcript, request))
+    return unexpected_message(TokenClass::request, "another request than the one answered");
+  return HandshakeOutcome{ValidationResult::pending_handshake_message, state.reply};
+}
+
+// AwaitFinal --Final--> Established
+Result<HandshakeOutcome> on(const AwaitFinal& state, const HandshakeFinal& final,
+                            const HandshakeContext& context) {
+  DDSSEC_TRY(final.verify(state.transcript));
+  // Its certificate may have ended since the request.
+  DDSSEC_TRY(context.local.peer_trust().verify(state.peer.certificate(), context.now));
+  auto proof = DDSSEC_TRY(
+      pki::verify(state.peer.certificate(), state.transcript.final_input(), final.signature));
+  auto secret = DDSSEC_TRY(shared_secret(state.key, state.peer_key, state.transcript));
+  HandshakeOutcome outcome{ValidationResult::ok};
+  outcome.next = Established{.secret = std::move(secret),
+                             .proof = std::move(proof),
+                             .peer = state.peer,
+                             .transcript = state.transcript,
+                             .initiator = false,
+                             .signature = to_bytes(final.signature),
+                             .final = std::nullopt};
+  return outcome;
+}
+
+// Established --the same Reply--> Established
+Result<HandshakeOutcome> on(const Established& state, const HandshakeReply& reply,
+                            const HandshakeContext&) {
+  const bool same = state.initiator && std::ranges::equal(state.signature, reply.signature) &&
+                    std::ranges::equal(state.transcript.dh2, reply.dh2) &&
+                    state.transcript.challenge2 == reply.challenge2 &&
+                    state.transcript.hash_c2 == reply.credentials.hash();
+  if (!same) return unexpected_message(TokenClass::reply, name_of(state));
+  return HandshakeOutcome{ValidationResult::ok_final_message, state.final};
+}
+
+// Established --the same Final--> Established
+Result<HandshakeOutcome> on(const Established& state, const HandshakeFinal& final,
+                            const HandshakeContext&) {
+  const bool same = !state.initiator && std::ranges::equal(state.signature, final.signature) &&
+                    final.verify(state.transcript);
+  if (!same) return unexpected_message(TokenClass::final, name_of(state));
+  return HandshakeOutcome{ValidationResult::ok};
+}
+
+// Everything else.
+Result<HandshakeOutcome> on(const auto& state, const auto& message, const HandshakeContext&) {
+  return unexpected_message(class_of(message), name_of(state));
+}
+
+template <class Message>
+Result<HandshakeOutcome> dispatch(const HandshakeState& state, const HandshakeContext& context,
+                                  const spi::Token& token) {
+  const auto message = DDSSEC_TRY(Message::read(token));
+  return std::visit([&](const auto& current) { return on(current, message, context); }, state);
+}
+
+}  // namespace
+
+Result<HandshakeOutcome> start_request(const HandshakeContext& context,
+                                       BytesView participant_data) {
+  constexpr auto kKind = pki::KeyAgreementKind::ecdh_p256;
+  auto key = DDSSEC_TRY(pki::EphemeralKey::generate(kKind));
+  const auto permissions = context.local.permissions();
+  const auto credentials = own_credentials(context.local, *permissions, participant_data,
+                                           as_bytes(key_agreement_name(kKind)));
+  Transcript transcript{.hash_c1 = credentials.hash(),
+                        .challenge1 = context.own_challenge,
+                        .dh1 = key.public_octets()};
+  auto request = HandshakeRequest::write(credentials, transcript);
+  HandshakeOutcome outcome{ValidationResult::pending_handshake_message, request};
+  outcome.next = AwaitReply{std::move(key), std::move(transcript), std::move(request)};
+  return outcome;
+}
+
+// (start) --Req--> AwaitFinal
+Result<HandshakeOutcome> start_reply(const HandshakeContext& context, const spi::Token& token,
+                                     BytesView participant_data) {
+  const auto request = DDSSEC_TRY(HandshakeRequest::read(token));
+  auto transcript = DDSSEC_TRY(request.verify());
+  DDSSEC_TRY(check_announced(context, request.challenge1, kChallenge1));
+  auto peer = DDSSEC_TRY(JudgedPeer::judge(request.credentials, context.remote_guid,
+                                           context.local.peer_trust(), context.now));
+  const auto kind = request.credentials.key_agreement;
+  auto peer_key = DDSSEC_TRY(pki::PeerPublicKey::parse(kind, request.dh1));
+  auto key = DDSSEC_TRY(pki::EphemeralKey::generate(kind));
+  const auto permissions = context.local.permissions();
+  // Fast DDS wants its own name back, octet for octet; Cyclone DDS takes it without the NUL.
+  const auto name = as_bytes(algorithm_text(request.credentials.key_agreement_algorithm));
+  const auto credentials = own_credentials(context.local, *permissions, participant_data, name);
+  transcript.hash_c2 = credentials.hash();
+  transcript.challenge2 = context.own_challenge;
+  transcript.dh2 = key.public_octets(peer_key.encoding());
+  auto reply = DDSSEC_TRY(HandshakeReply::write(credentials, transcript, context.local.key()));
+  HandshakeOutcome outcome{ValidationResult::pending_handshake_message, reply};
+  outcome.next = AwaitFinal{.key = std::move(key),
+                            .peer_key = std::move(peer_key),
+                            .transcript = std::move(transcript),
+                            .peer = std::move(peer),
+                            .reply = std::move(reply)};
+  return outcome;
+}
+
+Result<HandshakeOutcome> process(const HandshakeState& state, const HandshakeContext& context,
+                                 const spi::Token& message) {
+  const auto token_class = token_class_of(message.class_id);
+  if (token_class == TokenClass::request)
+    return dispatch<HandshakeRequest>(state, context, message);
+  if (token_class == TokenClass::reply) return dispatch<HandshakeReply>(state, context, message);
+  if (token_class == TokenClass::final) return dispatch<HandshakeFinal>(state, context, message);
+  return fail(Code::token_class_wrong,
+              {.document = "handshake message", .found = message.class_id.substr(0, 64)});
+}
+
+bool is_answer_to(const HandshakeState& state, const spi::Token& token) {
+  const auto* waiting = std::get_if<AwaitFinal>(&state);
+  const auto* done = std::get_if<Established>(&state);
+  if (waiting == nullptr && (done == nullptr || done->initiator)) return false;
+  const auto request = HandshakeRequest::read(token);
+  return request &&
+         same_request(waiting != nullptr ? waiting->transcript : done->transcript, *request);
+}
+
+}  // namespace ddssec::authentication

@@ -1,0 +1,133 @@
+// Which identities and handshakes there are, and when they end.
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <shared_mutex>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "plugins/authentication/handshake.hpp"
+#include "plugins/spi/handles.hpp"
+
+namespace ddssec::authentication {
+
+/// One handshake of a pair; guarded by the pair's mutex.
+struct PairHandshake {
+  spi::HandshakeHandle handle;
+  HandshakeState state;
+  Bytes participant_data;  ///< what we sent as c.pdata
+  std::chrono::nanoseconds since;
+};
+
+/// A local and a remote participant. Lock order: a pair's mutex before the table's.
+struct Pair {
+  const spi::IdentityHandle local_handle;
+  const spi::IdentityHandle remote_handle;
+  const std::shared_ptr<const LocalIdentity> local;
+  const Guid remote_guid;
+  const spi::Challenge own_challenge;
+
+  std::mutex mutex;  ///< guards what follows
+  std::optional<spi::Challenge> announced_challenge = {};
+  std::vector<PairHandshake> handshakes = {};
+};
+
+/// Who an event is about, as far as known.
+struct PeerName {
+  std::string subject;
+  std::string guid;
+};
+
+/// Thread-safe.
+class IdentityTable {
+ public:
+  IdentityTable(std::size_t most_local, std::size_t most_remote)
+      : most_local_(most_local), most_remote_(most_remote) {}
+
+  /// Error: too_many_local_identities.
+  Result<spi::IdentityHandle> add_local(std::shared_ptr<LocalIdentity> identity, WallTime ends);
+  /// Errors: unknown_identity, identity_ended.
+  Result<std::shared_ptr<LocalIdentity>> local(spi::IdentityHandle handle) const;
+
+  struct RemoteClaim {
+    Guid guid;
+    spi::Token identity_token;
+    std::string subject;
+  };
+  /// The remote's one handle. Errors: too_many_remote_identities, identity_token_changed,
+  /// identity_ended.
+  Result<spi::IdentityHandle> admit_remote(RemoteClaim claim);
+
+  /// The pair, made with `own_challenge` if it is new. Errors: unknown_identity, identity_ended.
+  Result<std::shared_ptr<Pair>> pair(spi::IdentityHandle local, spi::IdentityHandle remote,
+                                     const spi::Challenge& own_challenge);
+  /// A pair that exists. Errors: unknown_identity, identity_ended.
+  Result<std::shared_ptr<Pair>> pair(spi::IdentityHandle local, spi::IdentityHandle remote) const;
+  /// Error: unknown_handshake, identity_ended.
+  Result<std::shared_ptr<Pair>> pair_of(spi::HandshakeHandle handle) const;
+
+  spi::HandshakeHandle add_handshake(const std::shared_ptr<Pair>& pair);
+  /// False if there is no such handshake.
+  bool remove_handshake(spi::HandshakeHandle handle);
+
+  /// The remote proved who it is; from now on its end counts.
+  void note_authenticated(spi::IdentityHandle remote, const pki::ChainValid& chain);
+
+  /// False if there is no such identity.
+  bool remove(spi::IdentityHandle handle);
+
+  std::optional<WallTime> next_end() const;
+
+  struct Ended {
+    spi::IdentityHandle handle;
+    PeerName peer;      ///< subject empty for a local identity
+    std::string whose;  ///< subject whose certificate ended
+    WallTime end;
+  };
+  /// Those that ended at `now` or before, each once.
+  std::vector<Ended> take_ended(WallTime now);
+
+  PeerName name_of(spi::IdentityHandle remote) const;
+
+ private:
+  struct Common {
+    std::optional<WallTime> ends = {};
+    std::string first_to_end = {};
+    bool has_ended = false;
+  };
+  struct Local : Common {
+    std::shared_ptr<LocalIdentity> identity;
+  };
+  struct Remote : Common {
+    RemoteClaim claim;
+    bool authenticated = false;
+    std::unordered_map<std::int64_t, std::shared_ptr<Pair>> pairs;  ///< by local handle
+  };
+
+  std::int64_t next_handle() { return ++last_handle_; }
+  void set_end(std::int64_t handle, Common& identity, WallTime end, std::string whose);
+  void drop_end(std::int64_t handle, const Common& identity);
+  void drop_handshakes(const Pair& pair);
+  Common* find(std::int64_t handle);
+  Result<const Local*> live_local(spi::IdentityHandle handle) const;
+  Result<const Remote*> live_remote(spi::IdentityHandle handle) const;
+
+  const std::size_t most_local_;
+  const std::size_t most_remote_;
+  mutable std::shared_mutex mutex_;
+  std::int64_t last_handle_ = 0;
+  std::unordered_map<std::int64_t, Local> locals_;
+  std::unordered_map<std::int64_t, Remote> remotes_;
+  std::map<Guid, std::int64_t> remote_by_guid_;
+  std::unordered_map<std::int64_t, std::shared_ptr<Pair>> handshakes_;
+  std::map<const Pair*, std::vector<std::int64_t>> handshakes_of_;
+  std::set<std::pair<WallTime, std::int64_t>> ends_;
+};
+
+}  // namespace ddssec::authentication

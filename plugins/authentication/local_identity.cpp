@@ -1,0 +1,186 @@
+#include "plugins/authentication/local_identity.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+
+#include "pki/source.hpp"
+#include "plugins/authentication/adjusted_guid.hpp"
+#include "plugins/authentication/identity_token.hpp"
+#include "plugins/spi/property_names.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+namespace property = spi::property;
+
+/// Most certificates that a trusted_ca_dir may hold, as in Cyclone DDS.
+constexpr std::size_t kMostTrustedCas = 100;
+
+/// The property's value; hosts pass an empty text for what is not configured.
+std::string_view value_of(const spi::PropertyList& properties, std::string_view name) {
+  const std::string* value = spi::find_property(properties, name);
+  return value == nullptr ? std::string_view() : std::string_view(*value);
+}
+
+template <class T>
+Result<T> in(Result<T> result, std::string_view document) {
+  if (result) return result;
+  return std::unexpected(result.error().in(std::string(document)));
+}
+
+Result<std::vector<pki::Certificate>> load_bundle(std::string_view uri, std::string_view name) {
+  const Bytes octets = DDSSEC_TRY(pki::load(uri, name, pki::kMostBundleOctets));
+  return in(pki::Certificate::bundle_from_pem(octets), name);
+}
+
+Result<pki::Certificate> load_certificate(const spi::PropertyList& properties) {
+  constexpr auto kName = property::kIdentityCertificate;
+  const Bytes octets =
+      DDSSEC_TRY(pki::load(value_of(properties, kName), kName, pki::kMostCertificateOctets));
+  return in(pki::Certificate::from_pem(octets), kName);
+}
+
+Result<pki::PrivateKey> load_key(const spi::PropertyList& properties) {
+  constexpr auto kName = property::kPrivateKey;
+  const auto pem = DDSSEC_TRY(pki::load_key(value_of(properties, kName), kName));
+  const auto password = value_of(properties, property::kPassword);
+  if (password.empty()) return in(pki::PrivateKey::from_pem(pem), kName);
+  if (password.size() > pki::Passphrase::capacity)
+    return fail(Code::invalid_property,
+                {.document = std::string(property::kPassword),
+                 .expected = "at most " + std::to_string(pki::Passphrase::capacity) + " octets",
+                 .found = std::to_string(password.size())});
+  const auto passphrase = DDSSEC_TRY(pki::Passphrase::copy_of(as_bytes(password)));
+  return in(pki::PrivateKey::from_pem(pem, &passphrase), kName);
+}
+
+Result<std::vector<pki::Crl>> load_crls(const spi::PropertyList& properties) {
+  constexpr auto kName = property::kCrl;
+  const auto uri = value_of(properties, kName);
+  if (uri.empty()) return std::vector<pki::Crl>();
+  const Bytes octets = DDSSEC_TRY(pki::load(uri, kName, pki::kMostDocumentOctets));
+  auto lists = DDSSEC_TRY(in(pki::Crl::all_from(octets), kName));
+  // A file that lists nobody because it is no list must not look like "nobody is revoked".
+  if (lists.empty())
+    return fail(Code::crl_file_empty, {.document = std::string(kName), .found = std::string(uri)});
+  return lists;
+}
+
+/// Certificate authorities among the readable PEM files of a folder, the others passed over.
+Result<std::vector<pki::Certificate>> load_folder(std::string_view folder) {
+  constexpr auto kName = property::kTrustedCaDir;
+  if (folder.starts_with("file://")) folder.remove_prefix(7);
+  if (folder.starts_with("file:")) folder.remove_prefix(5);
+  std::error_code error;
+  std::filesystem::directory_iterator entries(std::filesystem::path(folder), error);
+  std::vector<std::string> paths;
+  for (; !error && entries != std::filesystem::directory_iterator(); entries.increment(error))
+    paths.push_back(entries->path().string());
+  if (error)
+    return fail(
+        Code::trusted_ca_dir_unreadable,
+        {.document = std::string(kName), .found = std::string(folder), .note = error.message()});
+  std::ranges::sort(paths);
+  std::vector<pki::Certificate> found;
+  for (const auto& path : paths) {
+    const auto bundle = load_bundle("file:" + path, kName);
+    if (!bundle) continue;
+    std::ranges::copy_if(*bundle, std::back_inserter(found), &pki::Certificate::is_ca);
+    if (found.size() > kMostTrustedCas)
+      return fail(Code::trusted_ca_dir_too_many,
+                  {.document = std::string(kName),
+                   .expected = "at most " + std::to_string(kMostTrustedCas),
+                   .found = std::string(folder)});
+  }
+  return found;
+}
+
+Result<std::shared_ptr<const TrustStore>> load_own_trust(const spi::PropertyList& properties,
+                                                         TrustStores& stores) {
+  constexpr auto kName = property::kIdentityCa;
+  auto anchors = DDSSEC_TRY(load_bundle(value_of(properties, kName), kName));
+  auto crls = DDSSEC_TRY(load_crls(properties));
+  return in(stores.open(std::move(anchors), std::move(crls)), kName);
+}
+
+/// The trusted_ca_dir, if one is named; our own CA must be in it, else we would believe peers that
+/// do not believe us.
+Result<std::shared_ptr<const TrustStore>> load_peer_trust(
+    const spi::PropertyList& properties, const std::shared_ptr<const TrustStore>& own,
+    TrustStores& stores) {
+  constexpr auto kName = property::kTrustedCaDir;
+  const auto folder = value_of(properties, kName);
+  if (folder.empty()) return own;
+  if (!value_of(properties, property::kCrl).empty())
+    return fail(Code::trusted_ca_dir_with_crl, {.document = std::string(kName)});
+  auto anchors = DDSSEC_TRY(load_folder(folder));
+  for (const auto& ca : own->anchors())
+    if (std::ranges::find(anchors, ca) == anchors.end())
+      return fail(
+          Code::own_ca_not_trusted,
+          {.document = std::string(kName), .expected = ca.subject(), .found = std::string(folder)});
+  return in(stores.open(std::move(anchors), {}), kName);
+}
+
+Status check_belongs(const pki::PrivateKey& key, const pki::Certificate& certificate) {
+  return in(key.matches(certificate), property::kPrivateKey);
+}
+
+}  // namespace
+
+Result<IdentityFiles> IdentityFiles::load(const spi::PropertyList& properties, TrustStores& stores,
+                                          WallTime now) {
+  auto own = DDSSEC_TRY(load_own_trust(properties, stores));
+  auto peers = DDSSEC_TRY(load_peer_trust(properties, own, stores));
+  auto certificate = DDSSEC_TRY(load_certificate(properties));
+  auto key = DDSSEC_TRY(load_key(properties));
+  DDSSEC_TRY(check_belongs(key, certificate));
+  DDSSEC_TRY(in(own->verify(certificate, now), property::kIdentityCertificate));
+  return IdentityFiles{std::move(certificate), std::move(key), std::move(own), std::move(peers)};
+}
+
+LocalIdentity::LocalIdentity(IdentityFiles files, const Guid& candidate)
+    : files_(std::move(files)),
+      guid_(adjusted_guid(files_.certificate.subject_digest(), candidate)),
+      permissions_(std::make_shared<const Bytes>(1)) {}
+
+spi::Token LocalIdentity::identity_token() const {
+  const auto& anchors = files_.own_trust->anchors();
+  const auto issuer =
+      std::ranges::find(anchors, files_.certificate.issuer(), &pki::Certificate::subject);
+  return write_identity_token(files_.certificate,
+                              issuer == anchors.end() ? anchors.front() : *issuer);
+}
+
+Result<pki::ChainValid> LocalIdentity::verify(WallTime now) const {
+  return in(files_.own_trust->verify(files_.certificate, now), property::kIdentityCertificate);
+}
+
+Status LocalIdentity::set_permissions(const spi::Token& credential) {
+  const std::string* document = spi::find_property(credential.properties, "dds.perm.cert");
+  if (credential.class_id != spi::class_id::kPermissionsCredential || document == nullptr)
+    return fail(Code::permissions_credential_wrong,
+                {.expected = std::string(spi::class_id::kPermissionsCredential) +
+                             " with property dds.perm.cert",
+                 .found = credential.class_id.substr(0, 64)});
+  std::string_view text = *document;
+  if (text.ends_with('\0')) text.remove_suffix(1);
+  if (text.size() > kMostPermissionsOctets)
+    return fail(Code::token_field_length,
+                {.document = "permissions credential token",
+                 .field = "dds.perm.cert",
+                 .expected = "at most " + std::to_string(kMostPermissionsOctets) + " octets",
+                 .found = std::to_string(text.size()) + " octets"});
+  auto octets = std::make_shared<const Bytes>(text.empty() ? Bytes(1) : to_bytes(as_bytes(text)));
+  const std::scoped_lock lock(mutex_);
+  permissions_ = std::move(octets);
+  return {};
+}
+
+std::shared_ptr<const Bytes> LocalIdentity::permissions() const {
+  const std::scoped_lock lock(mutex_);
+  return permissions_;
+}
+
+}  // namespace ddssec::authentication

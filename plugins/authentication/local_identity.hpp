@@ -1,0 +1,59 @@
+// An identity of our own: certificate, private key, certificate authorities, adjusted GUID.
+#pragma once
+
+#include <memory>
+#include <mutex>
+
+#include "base/ids.hpp"
+#include "pki/private_key.hpp"
+#include "plugins/authentication/credentials.hpp"
+#include "plugins/authentication/trust_store.hpp"
+#include "plugins/spi/token.hpp"
+
+namespace ddssec::authentication {
+
+/// What the properties of a participant name, loaded and found to fit together.
+struct IdentityFiles {
+  pki::Certificate certificate;
+  pki::PrivateKey key;
+  std::shared_ptr<const TrustStore> own_trust;   ///< identity_ca, with the revocation lists
+  std::shared_ptr<const TrustStore> peer_trust;  ///< the same, or the trusted_ca_dir
+
+  /// Loads identity_ca, identity_certificate, private_key (with password), and the optional
+  /// revocation list or trusted_ca_dir; checks that the certificate is believed by our own CA at
+  /// `now` and belongs to the key. Every error names the property. Errors: those of pki, and
+  /// trusted_ca_dir_with_crl, trusted_ca_dir_unreadable, trusted_ca_dir_too_many,
+  /// own_ca_not_trusted, crl_file_empty.
+  static Result<IdentityFiles> load(const spi::PropertyList& properties, TrustStores& stores,
+                                    WallTime now);
+};
+
+/// Thread-safe; immutable but for the permissions.
+class LocalIdentity {
+ public:
+  LocalIdentity(IdentityFiles files, const Guid& candidate);
+
+  const Guid& guid() const { return guid_; }
+  const pki::Certificate& certificate() const { return files_.certificate; }
+  const pki::PrivateKey& key() const { return files_.key; }
+  const TrustStore& peer_trust() const { return *files_.peer_trust; }
+  spi::Token identity_token() const;
+
+  /// Judges our own certificate again. Errors of ChainVerifier::verify.
+  Result<pki::ChainValid> verify(WallTime now) const;
+
+  /// From a PermissionsCredentialToken. Errors: permissions_credential_wrong, token_field_length.
+  Status set_permissions(const spi::Token& credential);
+
+  /// c.perm for the next handshake; one NUL as long as there are no permissions, as Cyclone DDS
+  /// sends and demands.
+  std::shared_ptr<const Bytes> permissions() const;
+
+ private:
+  IdentityFiles files_;
+  Guid guid_;
+  mutable std::mutex mutex_;
+  std::shared_ptr<const Bytes> permissions_;
+};
+
+}  // namespace ddssec::authentication

@@ -1,0 +1,48 @@
+#include "plugins/authentication/peer.hpp"
+
+#include "plugins/authentication/adjusted_guid.hpp"
+#include "plugins/authentication/participant_data.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+Status check_participant_data(BytesView participant_data, const Guid& guid) {
+  const Guid claimed = DDSSEC_TRY(participant_guid_in(participant_data));
+  if (claimed == guid) return {};
+  return fail(Code::participant_guid_differs, {.field = "c.pdata PARTICIPANT_GUID",
+                                               .expected = guid.to_string(),
+                                               .found = claimed.to_string()});
+}
+
+Status check_binding(const pki::Certificate& certificate, const Guid& guid) {
+  if (is_bound_to(guid, certificate.subject_digest())) return {};
+  return fail(
+      Code::guid_not_bound_to_subject,
+      {.field = "c.id subject",
+       .expected =
+           adjusted_guid(certificate.subject_digest(), guid).prefix.to_string().substr(0, 12),
+       .found = guid.prefix.to_string().substr(0, 12),
+       .note = certificate.subject()});
+}
+
+BytesView without_trailing_nul(BytesView octets) {
+  return !octets.empty() && octets.back() == 0 ? octets.first(octets.size() - 1) : octets;
+}
+
+}  // namespace
+
+Result<JudgedPeer> JudgedPeer::judge(const Credentials& credentials, const Guid& guid,
+                                     const TrustStore& trust, WallTime now) {
+  DDSSEC_TRY(check_participant_data(credentials.participant_data, guid));
+  const auto certificate = DDSSEC_TRY(trust.certificate(credentials.id));
+  DDSSEC_TRY(check_binding(certificate, guid));
+  auto chain = DDSSEC_TRY(trust.verify(certificate, now));
+  trust.remember(credentials.id, certificate);
+  spi::Token credential{std::string(class_id_of(TokenClass::identity))};
+  add_field(credential, "c.id", as_bytes(certificate.pem()));
+  add_field(credential, "c.perm",
+            without_trailing_nul(credentials.permissions.value_or(BytesView())));
+  return JudgedPeer(std::move(chain), std::move(credential));
+}
+
+}  // namespace ddssec::authentication

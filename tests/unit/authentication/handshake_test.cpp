@@ -1,0 +1,239 @@
+// Handshakes that must succeed: every kind of key, both roles, every vendor's style.
+#include "tests/unit/authentication/fixture.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+using pki::KeyAgreementKind;
+using pki::PublicKeyEncoding;
+
+constexpr KeySpec kSpecs[] = {
+    {KeyKind::ec_p256}, {KeyKind::ec_p384}, {KeyKind::rsa, 2048}, {KeyKind::rsa, 3072}};
+
+class KeysOfBoth : public testing::TestWithParam<std::tuple<KeySpec, KeySpec>> {};
+INSTANTIATE_TEST_SUITE_P(Keys, KeysOfBoth,
+                         testing::Combine(testing::ValuesIn(kSpecs), testing::ValuesIn(kSpecs)),
+                         [](const auto& info) {
+                           const auto name = [](KeySpec s) {
+                             std::string text = to_string(pki::KeyAlgorithm{s.kind, s.bits});
+                             std::erase(text, '-');
+                             return text;
+                           };
+                           return name(std::get<0>(info.param)) + "_" +
+                                  name(std::get<1>(info.param));
+                         });
+
+TEST_P(KeysOfBoth, ShakeHands) {
+  const auto [first, second] = GetParam();
+  Pairing pairing(make_identity(test_ca(), "CN=alice", first),
+                  make_identity(test_ca(), "CN=bob", second, kYear, 1));
+  pairing.expect_success();
+  EXPECT_TRUE(pairing.first_engine.events.events.empty());
+  EXPECT_TRUE(pairing.second_engine.events.events.empty());
+}
+
+TEST(Handshake, RequestHasTheStandardsFieldsInOrderWithoutNuls) {
+  Pairing pairing;
+  const auto request = pairing.two.request();
+  ASSERT_OK(request);
+  EXPECT_EQ(request->message->class_id, "DDS:Auth:PKI-DH:1.0+Req");
+  std::vector<std::string> names;
+  for (const auto& p : request->message->binary_properties) names.push_back(p.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"c.id", "c.perm", "c.pdata", "c.dsign_algo",
+                                             "c.kagree_algo", "hash_c1", "dh1", "challenge1"}));
+  EXPECT_EQ(as_text(field(*request->message, "c.dsign_algo")), "ECDSA-SHA256");
+  EXPECT_EQ(as_text(field(*request->message, "c.kagree_algo")), "ECDH+prime256v1-CEUM");
+  EXPECT_EQ(field(*request->message, "dh1").size(), 65u);
+  EXPECT_EQ(field(*request->message, "dh1")[0], 4);
+  EXPECT_EQ(field(*request->message, "c.perm"), Bytes(1));
+}
+
+TEST(Handshake, PermissionsTravelBothWays) {
+  Pairing pairing;
+  const Token credential{"DDS:Access:PermissionsCredential",
+                         {{"dds.perm.cert", std::string("MIME text\0", 10)}}};
+  for (auto* p : {&pairing.a, &pairing.b})
+    ASSERT_OK((*p->engine)->set_permissions_credential_and_token(p->handle, credential, {}));
+  const auto req = pairing.two.request();
+  ASSERT_OK(req);
+  EXPECT_EQ(as_text(field(*req->message, "c.perm")), "MIME text");
+  const auto rep = pairing.two.reply(*req->message);
+  ASSERT_OK(rep);
+  pairing.expect_finish(*req, *rep);
+  const auto at_low = (*pairing.two.low.engine)->authenticated_peer_credential_token(req->handle);
+  const auto at_high = (*pairing.two.high.engine)->authenticated_peer_credential_token(rep->handle);
+  ASSERT_OK(at_low);
+  ASSERT_OK(at_high);
+  EXPECT_EQ(at_low->class_id, "DDS:Auth:PKI-DH:1.0");
+  for (const auto& token : {*at_low, *at_high})
+    EXPECT_EQ(as_text(field(token, "c.perm")), "MIME text");
+  EXPECT_EQ(field(*at_high, "c.id"), field(*req->message, "c.id"));
+  EXPECT_EQ(field(*at_low, "c.id"), field(*rep->message, "c.id"));
+}
+
+TEST(Handshake, SecretOutlivesTheHandle) {
+  Pairing pairing;
+  const auto req = pairing.two.request();
+  const auto rep = pairing.two.reply(*req->message);
+  const auto fin = pairing.two.at_low(req->handle, *rep->message);
+  ASSERT_OK(fin);
+  auto& engine = *pairing.two.low.engine;
+  const auto secret = engine->shared_secret(req->handle);
+  ASSERT_OK(secret);
+  ASSERT_OK(engine->return_handshake_handle(req->handle));
+  EXPECT_CODE(engine->shared_secret(req->handle), unknown_handshake);
+  ASSERT_OK(engine->return_identity_handle(pairing.two.high_at_low));
+  EXPECT_EQ((*secret)->secret.size(), 32u);
+}
+
+// ---- a peer played by hand
+
+/// The engine's participant has the higher GUID.
+Identity ours(std::string_view = {}) { return make_identity(test_ca(), "CN=ours", {}, kYear, 1); }
+
+/// A subject whose adjusted GUID lies below or above that of `ours`.
+Identity theirs(bool below, KeySpec spec = {}) {
+  const auto digest = ours().certificate.subject_digest();
+  const Guid our_guid = adjusted_guid(digest, candidate(1));
+  for (int i = 0;; ++i) {
+    auto identity = make_identity(test_ca(), "CN=peer " + std::to_string(i), spec);
+    const Guid guid = adjusted_guid(identity.certificate.subject_digest(), candidate(9));
+    if ((guid < our_guid) == below) return identity;
+  }
+}
+
+struct StyleCase {
+  std::string name;
+  Style style;
+  KeyAgreementKind kind = KeyAgreementKind::ecdh_p256;
+  PublicKeyEncoding encoding = PublicKeyEncoding::plain_integer;
+  KeySpec spec = {};
+};
+
+const std::string kModp = "DH+MODP-2048-256";
+
+const StyleCase kInitiators[] = {
+    {"Standard", {}},
+    {"Cyclone", {.optional_fields = false, .nul_terminated = true}},
+    {"Fast", {.reversed = true, .key_agreement_name = kModp}, KeyAgreementKind::dh_modp_2048_256},
+    {"FastRsa",
+     {.signature_name = "RSASSA-PSS-SHA256", .key_agreement_name = kModp},
+     KeyAgreementKind::dh_modp_2048_256,
+     PublicKeyEncoding::plain_integer,
+     {KeyKind::rsa, 2048}},
+    {"FastEcLeafUnderRsaCa",
+     {.signature_name = "RSASSA-PSS-SHA256", .key_agreement_name = kModp},
+     KeyAgreementKind::dh_modp_2048_256},
+    {"FastWithoutAccessControl",
+     {.permissions = false, .key_agreement_name = kModp},
+     KeyAgreementKind::dh_modp_2048_256},
+    {"ModpDer",
+     {.nul_terminated = true, .key_agreement_name = kModp},
+     KeyAgreementKind::dh_modp_2048_256,
+     PublicKeyEncoding::der_integer},
+    {"Names12", {.signature_name = "ECDSA+P256+SHA256", .key_agreement_name = "ECDHE-CEUM+P256"}},
+    {"Modp12", {.key_agreement_name = "DHE+MODP-2048-256"}, KeyAgreementKind::dh_modp_2048_256},
+    {"P384", {.key_agreement_name = "ECDHE-CEUM+P384"}, KeyAgreementKind::ecdh_p384},
+};
+
+class InitiatorStyle : public testing::TestWithParam<StyleCase> {};
+INSTANTIATE_TEST_SUITE_P(Styles, InitiatorStyle, testing::ValuesIn(kInitiators),
+                         [](const auto& info) { return info.param.name; });
+
+TEST_P(InitiatorStyle, GetsItsAnswer) {
+  const auto& param = GetParam();
+  Engine engine;
+  Participant us(engine, ours(), 1);
+  HandMadePeer peer(theirs(true, param.spec), 9, param.style);
+  const auto remote =
+      engine->validate_remote_identity(us.handle, {}, peer.identity_token(), peer.guid());
+  ASSERT_OK(remote);
+  EXPECT_EQ(remote->result, ValidationResult::pending_handshake_message);
+  const auto request = peer.request(param.kind, param.encoding);
+  const auto reply = engine->begin_handshake_reply(request, remote->handle, us.handle, us.data);
+  ASSERT_OK(reply);
+  // Fast DDS compares the name octet for octet.
+  EXPECT_EQ(as_text(field(*reply->message, "c.kagree_algo")), param.style.key_agreement_name);
+  const auto& dh2 = field(*reply->message, "dh2");
+  if (param.encoding == PublicKeyEncoding::der_integer) {
+    EXPECT_EQ(dh2[0], 2);
+  } else if (param.kind == KeyAgreementKind::dh_modp_2048_256) {
+    EXPECT_LE(dh2.size(), 256u);
+  }
+  const auto final = peer.final(*reply->message, ours().certificate);
+  const auto end = engine->process_handshake(reply->handle, final);
+  ASSERT_OK(end);
+  EXPECT_EQ(end->result, ValidationResult::ok);
+  const auto secret = engine->shared_secret(reply->handle);
+  ASSERT_OK(secret);
+  peer.expect_same_secret(**secret);
+  const auto credential = engine->authenticated_peer_credential_token(reply->handle);
+  ASSERT_OK(credential);
+  EXPECT_EQ(as_text(field(*credential, "c.perm")),
+            param.style.permissions ? "signed document" : "");
+}
+
+const StyleCase kRepliers[] = {
+    {"Standard", {}},
+    {"Cyclone", {.optional_fields = false, .nul_terminated = true}},
+    {"Fast", {.reversed = true}},
+    {"FastWithoutAccessControl", {.permissions = false}},
+    {"FastEcLeafUnderRsaCa", {.signature_name = "RSASSA-PSS-SHA256"}},
+    {"Rsa", {.signature_name = "RSASSA-PSS-SHA256"}, {}, {}, {KeyKind::rsa, 2048}},
+    {"Names12", {.key_agreement_name = "ECDHE-CEUM+P256"}},
+};
+
+class ReplierStyle : public testing::TestWithParam<StyleCase> {};
+INSTANTIATE_TEST_SUITE_P(Styles, ReplierStyle, testing::ValuesIn(kRepliers),
+                         [](const auto& info) { return info.param.name; });
+
+TEST_P(ReplierStyle, GetsItsFinal) {
+  const auto& param = GetParam();
+  Engine engine;
+  Participant us(engine, ours(), 1);
+  HandMadePeer peer(theirs(false, param.spec), 9, param.style);
+  const auto remote =
+      engine->validate_remote_identity(us.handle, {}, peer.identity_token(), peer.guid());
+  ASSERT_OK(remote);
+  EXPECT_EQ(remote->result, ValidationResult::pending_handshake_request);
+  const auto request = engine->begin_handshake_request(us.handle, remote->handle, us.data);
+  ASSERT_OK(request);
+  const auto final = engine->process_handshake(request->handle, peer.reply(*request->message));
+  ASSERT_OK(final);
+  EXPECT_EQ(final->result, ValidationResult::ok_final_message);
+  peer.check_final(*final->message, ours().certificate);
+  const auto secret = engine->shared_secret(request->handle);
+  ASSERT_OK(secret);
+  peer.expect_same_secret(**secret);
+}
+
+// DH results with leading zero octets must agree on both sides: one in 256.
+TEST(Handshake, ModpSecretsAgreeManyTimes) {
+  Engine engine;
+  Participant us(engine, ours(), 1);
+  const Identity identity = theirs(true);
+  for (std::uint8_t i = 0; i < 40; ++i) {
+    HandMadePeer peer(identity, i, {.key_agreement_name = kModp});
+    const auto remote =
+        engine->validate_remote_identity(us.handle, {}, peer.identity_token(), peer.guid());
+    ASSERT_OK(remote);
+    const auto reply = engine->begin_handshake_reply(
+        peer.request(KeyAgreementKind::dh_modp_2048_256, PublicKeyEncoding::plain_integer),
+        remote->handle, us.handle, us.data);
+    ASSERT_OK(reply);
+    ASSERT_OK(
+        engine->process_handshake(reply->handle, peer.final(*reply->message, ours().certificate)));
+    peer.expect_same_secret(**engine->shared_secret(reply->handle));
+  }
+}
+
+TEST(Handshake, ChallengesReplayFromASeed) {
+  const auto challenge = [] {
+    Pairing pairing;
+    return field(*pairing.two.request()->message, "challenge1");
+  };
+  EXPECT_EQ(challenge(), challenge());
+}
+
+}  // namespace
+}  // namespace ddssec::authentication
