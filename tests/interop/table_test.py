@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+"""Checks the table of scenarios and the peers' exit codes, without running a pair.
+
+Usage: table_test.py BIN_FOLDER
+"""
+
+import subprocess
+import sys
+import unittest
+
+sys.dont_write_bytecode = True
+
+import scenarios  # noqa: E402
+from pki import STARTER, WAITER, der_name, subject  # noqa: E402
+
+BIN = ""
+CASES = scenarios.all_cases()
+CHOSEN = [case for case in CASES if case.chosen]
+
+
+class Table(unittest.TestCase):
+    def test_no_case_twice(self):
+        names = [(case.name, case.pair) for case in CASES]
+        self.assertEqual(len(names), len(set(names)))
+
+    def test_chosen_are_at_most_100_and_all_with_ours(self):
+        self.assertLessEqual(len(CHOSEN), 100)
+        self.assertFalse([case.name for case in CHOSEN if case.stock_only])
+
+    def chosen(self, what):
+        return {what(case) for case in CHOSEN if case.table == "governance"}
+
+    def test_chosen_cover_rows_keys_directions_and_pairs(self):
+        pairs = {f"{publisher}>{subscriber}" for publisher, subscriber in scenarios.OUR_PAIRS}
+        self.assertEqual(self.chosen(lambda case: case.row), set(scenarios.GOVERNANCES))
+        self.assertEqual(self.chosen(lambda case: case.keys), set(scenarios.KEYS.values()))
+        self.assertEqual(self.chosen(lambda case: (case.pair, case.publisher_starts)),
+                         {(pair, starts) for pair in pairs for starts in (True, False)})
+
+    def test_chosen_have_each_of_our_plugins_alone_beside_both_stacks(self):
+        mixed = {frozenset((case.publisher, case.subscriber)) for case in CHOSEN
+                 if case.table == "mixed"}
+        for mix in scenarios.MIXES:
+            for other in ("ours", "stock", "fast"):
+                self.assertIn(frozenset((mix, other)), mixed)
+
+    def test_valid_documents_with_ours_must_give_data(self):
+        for case in CASES:
+            if case.table in ("governance", "mixed") and not case.stock_only:
+                self.assertEqual(case.allowed, {scenarios.DATA}, case.name)
+
+    def test_a_fault_of_ours_is_refused_when_the_participant_is_created(self):
+        case = next(case for case in CASES if case.pair == "ours>stock"
+                    and case.row == "self-signed-permissions")
+        self.assertEqual(case.allowed, {scenarios.REFUSED})
+
+    def test_two_stock_peers_fail_in_the_measured_pairs(self):
+        failing = {case.name for case in CASES if case.stock_only and case.table == "governance"
+                   and case.pair == "fast>stock" and "/ec/start-sub" in case.name
+                   and case.allowed != {scenarios.DATA}}
+        self.assertEqual(failing, {f"governance/{row}/ec/start-sub" for row in (
+            "data-sign", "data-encrypt", "rtps-sign+data-encrypt", "rtps-encrypt+data-encrypt")})
+
+
+class Names(unittest.TestCase):
+    def test_subject_in_der(self):
+        self.assertEqual(der_name("a").hex(), "301e3110300e060355040a0c07696e7465726f70"
+                                              "310a300806035504030c0161")
+
+    def test_starter_and_waiter_differ(self):
+        self.assertNotEqual(subject(STARTER), subject(WAITER))
+
+
+class Peers(unittest.TestCase):
+    def status(self, *arguments):
+        return [subprocess.run([f"{BIN}/{peer}", *arguments], capture_output=True).returncode
+                for peer in ("cyclone_peer", "fastdds_peer")]
+
+    def test_usage_errors(self):
+        for arguments in ([], ["--publish", "--subscribe"], ["--publish", "--domain", "231"],
+                          ["--publish", "--samples", "many"], ["--publish", "--no-such-option"],
+                          ["--publish", "left-over"], ["--publish", "--property", "novalue"],
+                          ["--publish", "--plugins", "other=x"]):
+            self.assertEqual(self.status(*arguments), [2, 2], arguments)
+
+    def test_missing_documents_are_refused(self):
+        documents = [part for name in ("identity_ca", "identity_certificate", "private_key",
+                                       "permissions_ca", "governance", "permissions")
+                     for part in ("--" + name, "/no/such/file")]
+        self.assertEqual(self.status("--publish", "--domain", "199", *documents), [3, 3])
+
+    def test_nobody_there_is_no_match(self):
+        self.assertEqual(self.status("--subscribe", "--plain", "--domain", "198", "--timeout", "1"),
+                         [4, 4])
+
+
+if __name__ == "__main__":
+    BIN = sys.argv.pop(1)
+    unittest.main()
