@@ -5,6 +5,7 @@
 #include <expected>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "base/code.hpp"
@@ -54,6 +55,16 @@ inline std::unexpected<Error> fail(Code code, ErrorDetails details) {
   return std::unexpected(Error(code, std::move(details)));
 }
 
+/// The value of a success, moved out. For DDSSEC_TRY: may be ignored, unlike the operators.
+template <class T>
+T take_value(Result<T>& result) {
+  if constexpr (!std::is_void_v<T>) return *std::move(result);
+}
+template <class T>
+T take_value(const Result<T>& result) {
+  if constexpr (!std::is_void_v<T>) return *result;
+}
+
 }  // namespace ddssec
 
 /// The value of a Result, or return its error from the calling function (.cpp files only).
@@ -62,5 +73,5 @@ inline std::unexpected<Error> fail(Code code, ErrorDetails details) {
     auto&& ddssec_try_ = (__VA_ARGS__);                       \
     if (!ddssec_try_) [[unlikely]]                            \
       return std::unexpected(std::move(ddssec_try_).error()); \
-    *std::move(ddssec_try_);                                  \
+    ::ddssec::take_value(ddssec_try_);                        \
   })
