@@ -1,7 +1,8 @@
 """Governance and permissions in the form both stock implementations read, and what one participant
 is given on its command line."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from datetime import datetime, timedelta, timezone
 
 from pki import STARTER, WAITER, subject
 
@@ -103,16 +104,21 @@ class Permissions:
 
 @dataclass(frozen=True)
 class Keys:
-    """Key kinds of participants, the identity CA and the permissions CA: "ec" or "rsa"."""
+    """Key kinds (pki.KEY_KINDS) of participants, the identity CA and the permissions CA."""
     leaf: str = "ec"
     identity_ca: str = "ec"
     permissions_ca: str = "ec"
 
 
+def _soon(seconds):
+    return datetime.now(timezone.utc) + timedelta(seconds=seconds) if seconds else None
+
+
 @dataclass(frozen=True)
 class Side:
     """What one participant of a pair is given. The CA names "main", "other" and "second" are
-    different CAs; "identity" as permissions CA means that the identity CA serves as both."""
+    different CAs, "intermediate" is one under "main"; "identity" as permissions CA means that the
+    identity CA serves as both."""
     governance: Governance = field(default_factory=Governance)
     permissions: Permissions = field(default_factory=Permissions)
     plain: bool = False
@@ -129,6 +135,8 @@ class Side:
     partition: str = ""
     keysize: int = 0
     data_uris: bool = False             # certificates and documents as data:, URIs
+    identity_seconds: int = 0           # the certificate expires so soon after it was made
+    permissions_seconds: int = 0        # so do the permissions
 
     def arguments(self, pki, keys, starts):
         """The peer's command line options, after making every file they name."""
@@ -136,10 +144,10 @@ class Side:
         if self.plain:
             return shared + ["--plain"]
         me, peer = (STARTER, WAITER) if starts else (WAITER, STARTER)
-        issuer = pki.ca(f"identity-{self.signed_by}", keys.identity_ca)
-        certificate = pki.leaf(me, keys.leaf, issuer, self.expired)
+        issuer = self._identity_ca(pki, keys, self.signed_by)
+        certificate = pki.leaf(me, keys.leaf, issuer, self.expired, _soon(self.identity_seconds))
         documents = {
-            "identity_ca": self._identity_ca(pki, keys, self.trusts) + "/cert.pem",
+            "identity_ca": self._trusted(pki, keys, issuer),
             "identity_certificate": certificate,
             "private_key": self._private_key(pki, keys, me),
             "permissions_ca": self._permissions_ca(pki, keys, self.permissions_ca) + "/cert.pem",
@@ -164,7 +172,14 @@ class Side:
 
     @staticmethod
     def _identity_ca(pki, keys, name):
-        return pki.ca(f"identity-{name}", keys.identity_ca)
+        root = pki.ca("identity-main", keys.identity_ca) if name == "intermediate" else None
+        return pki.ca(f"identity-{name}", keys.identity_ca, root)
+
+    def _trusted(self, pki, keys, issuer):
+        trusted = self._identity_ca(pki, keys, self.trusts)
+        if self.signed_by == "intermediate":
+            return pki.bundle(trusted, issuer)
+        return trusted + "/cert.pem"
 
     def _permissions_ca(self, pki, keys, name):
         if name == "identity":
@@ -183,7 +198,11 @@ class Side:
         return pki.sign(self.governance.xml(), ca + "/cert.pem", ca + "/key.pem", tamper)
 
     def _signed_permissions(self, pki, keys, me, certificate):
-        document = self.permissions.xml(me)
+        end = _soon(self.permissions_seconds)
+        grants = self.permissions
+        if end:
+            grants = replace(grants, not_after=f"{end:%Y-%m-%dT%H:%M:%S}")
+        document = grants.xml(me)
         if self.permissions_by == "leaf":
             return pki.sign(document, certificate, pki.key(me, keys.leaf))
         ca = self._permissions_ca(pki, keys, self.permissions_by)

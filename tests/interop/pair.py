@@ -8,13 +8,15 @@ import time
 from dataclasses import dataclass, field
 
 from documents import DOMAIN, TOPIC
-from scenarios import DATA, HALF, MATCHED, NONE, PARTIAL, REFUSED
+from scenarios import CUT, DATA, EXPIRY_SECONDS, HALF, MATCHED, NONE, PARTIAL, REFUSED
 
 SAMPLES = 10
 POSITIVE_LIMIT = 15.0   # seconds a pair that should exchange data may take
 NEGATIVE_LIMIT = 3.0    # seconds after both were created until "nothing came" is believed
 CREATION_LIMIT = 12.0   # seconds until both must have been created or refused
 STOP_LIMIT = 4.0        # seconds from SIGTERM to SIGKILL
+SILENCE = 2.5           # seconds without a sample after which a flow (10 samples/s) is cut
+CUT_LIMIT = EXPIRY_SECONDS + 5.0  # seconds a flow may take to be cut, SILENCE not counted
 
 CRASHED, HUNG = "crashed", "hung"
 
@@ -57,6 +59,7 @@ class Peer:
     lines: list = field(default_factory=list)
     created: float = 0.0
     first_sample: float = 0.0
+    last_sample: float = 0.0
     killed: bool = False
     stopped: bool = False
     _rest: bytes = b""
@@ -73,8 +76,9 @@ class Peer:
         self.lines.append(line)
         if line == "created":
             self.created = time.monotonic()
-        elif line.startswith("sample ") and not self.first_sample:
-            self.first_sample = time.monotonic()
+        elif line.startswith("sample "):
+            self.last_sample = time.monotonic()
+            self.first_sample = self.first_sample or self.last_sample
 
     def said(self, word):
         return any(line.split(" ")[0] == word for line in self.lines)
@@ -123,6 +127,7 @@ class Programs:
         environment = dict(os.environ)
         for name in ("CYCLONEDDS_URI", "FASTRTPS_DEFAULT_PROFILES_FILE", "LD_LIBRARY_PATH"):
             environment.pop(name, None)
+        environment["TZ"] = "UTC"  # Fast DDS reads the dates of permissions as local time
         environment.setdefault("ASAN_OPTIONS", "detect_leaks=0")
         if kind.startswith("ours"):
             environment["LD_LIBRARY_PATH"] = self.plugins(kind)
@@ -134,6 +139,7 @@ class Programs:
 
 
 def start(programs, namespace, kind, arguments, log):
+    """Starts a peer inside the namespace; its log begins with its command line."""
     limit = str(int(POSITIVE_LIMIT + CREATION_LIMIT))
     command = [*programs.command(kind), *arguments, "--topic", TOPIC, "--domain", str(DOMAIN),
                "--samples", str(SAMPLES), "--timeout", limit]
@@ -149,22 +155,35 @@ def start(programs, namespace, kind, arguments, log):
 class _Watch:
     """Follows both peers until the outcome is clear, then stops them."""
 
-    def __init__(self, publisher, subscriber, wants_data):
+    def __init__(self, publisher, subscriber, case):
         self.publisher, self.subscriber = publisher, subscriber
         self.both = (publisher, subscriber)
-        self.wants_data = wants_data
+        self.wants_data = DATA in case.allowed
+        self.expires = case.expires
         self.begin = time.monotonic()
 
     def deadline(self):
         if not all(peer.settled for peer in self.both):
             return self.begin + CREATION_LIMIT
+        if self.expires:
+            return self.begin + CUT_LIMIT + SILENCE
         if self.wants_data:
             return self.begin + POSITIVE_LIMIT
         return max([self.begin, *(peer.created for peer in self.both)]) + NEGATIVE_LIMIT
 
+    def cut(self):
+        """Samples came and then none for a while."""
+        last = self.subscriber.last_sample
+        return self.expires and bool(last) and time.monotonic() - last > SILENCE
+
     def clear(self):
+        if self.cut():
+            return True
         if all(peer.ended for peer in self.both):
             return True
+        if self.expires:
+            return not all(peer.settled for peer in self.both) and any(
+                peer.ended for peer in self.both)
         # An end before the other side is done (a refusal, a crash) cannot get better any more.
         for peer, other in (self.both, self.both[::-1]):
             if peer.ended and peer.process.returncode != 0:
@@ -197,7 +216,7 @@ class _Watch:
             peer.process.stdout.close()
 
 
-def judge(publisher, subscriber):
+def judge(publisher, subscriber, was_cut):
     """The outcome word of a finished pair, and a detail."""
     names = ((publisher, "publisher"), (subscriber, "subscriber"))
     for peer, name in names:
@@ -208,6 +227,10 @@ def judge(publisher, subscriber):
     refused = [name for peer, name in names if peer.process.returncode == 3]
     if refused:
         return REFUSED, " and ".join(refused)
+    if was_cut:
+        return CUT, f"{subscriber.last_sample - subscriber.first_sample:.1f} s after the first"
+    if "stopped" in publisher.lines and subscriber.said("sample"):
+        return DATA, "never cut"
     if subscriber.said("received") and publisher.said("acknowledged"):
         return DATA, ""
     if subscriber.said("sample"):
@@ -242,12 +265,14 @@ def run(case, programs, pki, number):
         for kind, role, arguments in ((case.subscriber, "--subscribe", subscribe),
                                       (case.publisher, "--publish", publish)):
             log = os.path.join(programs.logs, f"{number}{role}.log")
-            peers.append(start(programs, namespace, kind, [role, *arguments], log))
+            hold = ["--hold"] if case.expires else []
+            peers.append(start(programs, namespace, kind, [role, *hold, *arguments], log))
         subscriber, publisher = peers
-        watch = _Watch(publisher, subscriber, DATA in case.allowed)
+        watch = _Watch(publisher, subscriber, case)
         watch.follow()
+        was_cut = watch.cut()
         watch.stop()
-        word, detail = judge(publisher, subscriber)
+        word, detail = judge(publisher, subscriber, was_cut)
         first = subscriber.first_sample - begin if subscriber.first_sample else 0.0
         return Outcome(word, time.monotonic() - begin, first, detail,
                        _report(case, (publisher, subscriber)))

@@ -15,6 +15,9 @@ import threading
 ORGANIZATION = "interop"
 CA_EXTENSIONS = ("basicConstraints=critical,CA:TRUE",
                  "keyUsage=critical,keyCertSign,cRLSign,digitalSignature")
+KEY_KINDS = {"ec": ("EC", "ec_paramgen_curve:prime256v1"),
+             "ec384": ("EC", "ec_paramgen_curve:secp384r1"),
+             "rsa": ("RSA", "rsa_keygen_bits:2048")}
 CA_CONFIGURATION = """[ca]
 default_ca = one
 [one]
@@ -87,12 +90,11 @@ class Pki:
             raise RuntimeError(f"openssl {' '.join(arguments)}: {done.stderr.strip()}")
 
     def key(self, name, kind):
-        """A private key file; kind is "ec" (P-256) or "rsa" (2048)."""
+        """A private key file; kind is one of KEY_KINDS."""
         path = self._path(f"{name}.{kind}.key")
-        options = (["EC", "-pkeyopt", "ec_paramgen_curve:prime256v1"] if kind == "ec" else
-                   ["RSA", "-pkeyopt", "rsa_keygen_bits:2048"])
-        return self._once(path, lambda: self._openssl("genpkey", "-algorithm", *options,
-                                                      "-out", path))
+        algorithm, option = KEY_KINDS[kind]
+        return self._once(path, lambda: self._openssl("genpkey", "-algorithm", algorithm,
+                                                      "-pkeyopt", option, "-out", path))
 
     def encrypted_key(self, name, kind, password):
         """The same key as key(name, kind), in a file that needs the password."""
@@ -101,9 +103,11 @@ class Pki:
             "pkey", "-in", self.key(name, kind), "-aes256", "-passout", f"pass:{password}",
             "-out", path))
 
-    def ca(self, name, kind):
-        """A self-signed CA: the folder with cert.pem, key.pem and what `openssl ca` needs."""
+    def ca(self, name, kind, root=None):
+        """A CA: the folder with cert.pem, key.pem and what `openssl ca` needs. Self-signed, or an
+        intermediate under the CA folder `root`."""
         folder = self._path(f"ca-{name}-{kind}")
+        certificate, key = f"{folder}/cert.pem", f"{folder}/key.pem"
 
         def make():
             os.mkdir(folder)
@@ -112,16 +116,38 @@ class Pki:
             open(f"{folder}/index.txt", "w").close()
             with open(f"{folder}/serial", "w") as file:
                 file.write("1000\n")
-            os.link(self.key(f"ca-{name}", kind), f"{folder}/key.pem")
-            extensions = [part for text in CA_EXTENSIONS for part in ("-addext", text)]
-            self._openssl("req", "-x509", "-new", "-key", f"{folder}/key.pem", "-sha256", "-days",
-                          "3650", "-subj", f"/O={ORGANIZATION}/CN={name}-ca", *extensions,
-                          "-out", f"{folder}/cert.pem")
+            os.link(self.key(f"ca-{name}", kind), key)
+            request = ["-new", "-key", key, "-sha256", "-subj", f"/O={ORGANIZATION}/CN={name}-ca"]
+            if root is None:
+                extensions = [part for text in CA_EXTENSIONS for part in ("-addext", text)]
+                self._openssl("req", "-x509", "-days", "3650", *request, *extensions,
+                              "-out", certificate)
+                return
+            self._openssl("req", *request, "-out", f"{folder}/request.csr")
+            with open(f"{folder}/extensions", "w") as file:
+                file.write("\n".join(CA_EXTENSIONS) + "\n")
+            self._openssl("ca", "-batch", "-notext", "-config", f"{root}/openssl.cnf", "-days",
+                          "3000", "-extfile", f"{folder}/extensions",
+                          "-in", f"{folder}/request.csr", "-out", certificate)
         return self._once(folder, make)
 
-    def leaf(self, common_name, kind, ca, expired=False):
-        """A participant certificate signed by the CA folder `ca`."""
-        label = f"{common_name}-{kind}-under-{os.path.basename(ca)}{'-expired' if expired else ''}"
+    def bundle(self, *folders):
+        """One file with the certificates of several CA folders."""
+        path = self._path("+".join(os.path.basename(folder) for folder in folders) + ".pem")
+
+        def make():
+            texts = []
+            for folder in folders:
+                with open(f"{folder}/cert.pem") as file:
+                    texts.append(file.read())
+            with open(path, "w") as file:
+                file.write("".join(texts))
+        return self._once(path, make)
+
+    def leaf(self, common_name, kind, ca, expired=False, until=None):
+        """A participant certificate signed by the CA folder `ca`; `until` is a UTC datetime."""
+        label = f"{common_name}-{kind}-under-{os.path.basename(ca)}"
+        label += "-expired" if expired else f"-{until:%H%M%S%f}" if until else ""
         path = self._path(f"{label}.pem")
 
         def make():
@@ -129,7 +155,7 @@ class Pki:
             self._openssl("req", "-new", "-key", self.key(common_name, kind), "-subj",
                           f"/O={ORGANIZATION}/CN={common_name}", "-out", request)
             dates = (["-startdate", "20200101000000Z", "-enddate", "20210101000000Z"] if expired
-                     else ["-days", "365"])
+                     else ["-enddate", f"{until:%Y%m%d%H%M%SZ}"] if until else ["-days", "365"])
             self._openssl("ca", "-batch", "-notext", "-config", f"{ca}/openssl.cnf", *dates,
                           "-in", request, "-out", path)
             with open(path) as file:

@@ -130,7 +130,8 @@ def table_lines(title, results):
 TITLES = {"governance": "Governance rows: valid documents, data must flow",
           "mixed": "One plugin of ours beside two stock ones: data must flow",
           "negative": "Negatives: what must be refused",
-          "accepted": "Unusual but valid, with one control"}
+          "accepted": "Unusual but valid, with one control",
+         "expiry": "The publisher's right ends while data flows: it must be cut off"}
 
 
 LEGEND = """

@@ -5,8 +5,11 @@ from dataclasses import dataclass, replace
 from documents import OTHER_DOMAIN, Governance, Keys, Permissions, Side
 
 # Outcome words; README.md explains them.
-DATA, PARTIAL, MATCHED, HALF, NONE, REFUSED = "data partial matched half none refused".split()
+DATA, PARTIAL, MATCHED, HALF, NONE, REFUSED, CUT = (
+    "data partial matched half none refused cut".split())
 NOTHING = frozenset({NONE, REFUSED})
+
+EXPIRY_SECONDS = 5  # from the making of a document to its end, in the rows about expiry
 
 MIXES = ("ours-auth", "ours-ac", "ours-crypto")  # one plugin of ours beside two stock ones
 LETTERS = {"ours": "o", "stock": "c", "fast": "f", "ours-auth": "oA", "ours-ac": "oP",
@@ -31,6 +34,7 @@ class Case:
     allowed: frozenset
     chosen: bool = False
     known: tuple = ()   # (outcome, reason)
+    expires: bool = False  # data must flow first and stop later
 
     @property
     def pair(self):
@@ -168,9 +172,13 @@ def mixed_cases():
 # ---- negatives and their positive controls ------------------------------------------------------
 
 # How a row is judged when one peer is ours.
-MUST_DATA, MUST_NONE, NO_DATA, MUST_REFUSE, EITHER = "data none no-data refuse either".split()
+MUST_DATA, MUST_NONE, NO_DATA, MUST_REFUSE, EITHER, MUST_CUT = (
+    "data none no-data refuse either cut".split())
 # A host's shortcoming: Cyclone DDS asks no plugin about a participant that is not authenticated.
 CORE_DECIDES = ((DATA, "Cyclone's core asks no plugin about unauthenticated participants"),)
+# Fast DDS never looks at dates again, and Cyclone's core lets the writer of a participant that it
+# deleted go on.
+NOBODY_WATCHES = ((DATA, "neither Cyclone's core nor Fast DDS ends what has expired"),)
 
 
 @dataclass(frozen=True)
@@ -184,6 +192,8 @@ class Row:
     faulty: int = 0     # 0: the publisher has the fault, 1: the subscriber
     quick: bool = True  # part of the chosen set
     known: tuple = ()
+    keys: Keys = Keys()
+    pairs: tuple = ()   # only these pairs of ours; empty: all that make sense
 
 
 def _pub(row_name, stock, ours, base=SROS2, quick=True, **fault):
@@ -231,7 +241,8 @@ def _negative_rows():
                permissions=Permissions(not_before="2036-01-01T00:00:00"))
     yield _pub("permissions-other-subject", ALL_REFUSED, MUST_REFUSE, quick=False,
                permissions=Permissions(other_subject=True))
-    yield _pub("permissions-tampered", ALL_REFUSED, MUST_REFUSE, tamper="permissions")
+    yield _pub("permissions-tampered", ALL_REFUSED, MUST_REFUSE, quick=False,
+               tamper="permissions")
     yield _pub("permissions-unknown-signer", ALL_REFUSED, MUST_REFUSE, quick=False,
                permissions_by="other", governance_by="main")
     yield _pub("permissions-ca-differs", ALL_NONE, MUST_NONE, permissions_by="second",
@@ -270,7 +281,7 @@ def _plain_rows():
              (NONE, NONE, unseen, unseen), NO_DATA)):
         known = CORE_DECIDES if governance == GUESTS_CONTROLLED else ()
         yield Row(f"plain-publisher-{name}", guest, Side(governance), stock_pub, ours,
-                  quick=name != "allowed-controlled-topic", known=known)
+                  quick=name == "allowed-open-topic", known=known)
         yield Row(f"plain-subscriber-{name}", Side(governance), guest, stock_sub, ours, 1,
                   quick=name == "allowed-controlled-topic", known=known)
     yield _pub("unknown-ca-publisher-allowed-open", (NONE, NONE, NONE, DATA), EITHER, GUESTS,
@@ -282,7 +293,7 @@ def _accepted_rows():
     for name, pattern in (("star", "Squ*"), ("question-mark", "S?uare")):
         wild = Permissions(publish=(pattern,), subscribe=(pattern,))
         yield Row(f"topic-pattern-{name}", *[Side(SROS2, wild)] * 2, ALL_DATA, MUST_DATA,
-                  quick=name == "star")
+                  quick=False)
     inside = Side(SROS2, Permissions(partition="yard"), partition="yard")
     yield Row("partition-allowed", inside, inside, ALL_DATA, MUST_DATA)
     outside = replace(inside, partition="street")
@@ -290,6 +301,20 @@ def _accepted_rows():
     yield _pub("private-key-with-password", ALL_DATA, MUST_DATA, password=True)
     yield _pub("documents-as-data-uris", (REFUSED, REFUSED, DATA, DATA), MUST_DATA,
                data_uris=True)
+    # What stock Cyclone DDS does not know (Fast DDS does).
+    good, unknown = Side(SROS2), (DATA, REFUSED, REFUSED, REFUSED)
+    yield Row("ec-p384", good, good, unknown, MUST_DATA, pairs=(("ours", "ours"),),
+              keys=Keys("ec384", "ec384", "ec384"))
+    below = replace(good, signed_by="intermediate")
+    yield Row("certificate-under-intermediate-ca", below, below, unknown, MUST_DATA,
+              pairs=(("ours", "ours"), ("ours", "fast"), ("fast", "ours")))
+
+
+def _expiry_rows():
+    """The publisher's right ends while data flows."""
+    for what in ("identity", "permissions"):
+        yield _pub(f"{what}-expires", (DATA, CUT, DATA, CUT), MUST_CUT, quick=False,
+                   **{f"{what}_seconds": EXPIRY_SECONDS})
 
 
 STOCK_ORDER = [("fast", "fast"), ("fast", "stock"), ("stock", "fast"), ("stock", "stock")]
@@ -304,6 +329,8 @@ def _allowed(row, pair):
     """The outcomes that are right for this row and pair."""
     if "ours" not in pair:
         return frozenset(row.stock[STOCK_ORDER.index(pair)].split("|"))
+    if row.ours == MUST_CUT:
+        return frozenset({CUT})
     if row.ours == MUST_DATA:
         return frozenset({DATA})
     if row.ours == MUST_NONE:
@@ -317,8 +344,14 @@ def _allowed(row, pair):
     return frozenset({REFUSED}) if pair[row.faulty] == "ours" else NOTHING
 
 
+def _known(row, pair):
+    return NOBODY_WATCHES if row.ours == MUST_CUT and pair == ("ours", "fast") else row.known
+
+
 def _meaningful(row, pair):
     sides = (row.publisher, row.subscriber)
+    if row.pairs and "ours" in pair:
+        return pair in row.pairs
     if any(side.plain and kind == "ours" for side, kind in zip(sides, pair)):
         return False  # a plain peer has no plugins
     faulty = pair[row.faulty]
@@ -330,6 +363,7 @@ def _meaningful(row, pair):
 ALWAYS = {("self-signed-permissions", ("stock", "ours")),
           ("self-signed-permissions", ("fast", "ours")),
           ("self-signed-permissions", ("ours", "stock")),
+          ("identity-expires", ("stock", "ours")), ("permissions-expires", ("fast", "ours")),
           ("plain-publisher-not-allowed", ("stock", "ours")),
           ("plain-publisher-allowed-controlled-topic", ("stock", "ours"))}
 
@@ -337,7 +371,7 @@ ALWAYS = {("self-signed-permissions", ("stock", "ours")),
 def negative_cases():
     cases, turn = [], 0
     for table, rows in (("negative", _negative_rows()), ("negative", _plain_rows()),
-                        ("accepted", _accepted_rows())):
+                        ("accepted", _accepted_rows()), ("expiry", _expiry_rows())):
         for row in rows:
             mine = [pair for pair in OUR_PAIRS if _meaningful(row, pair)]
             turn += 1
@@ -346,7 +380,8 @@ def negative_cases():
                 chosen = row.quick and pair == mine[turn % len(mine)]
                 chosen |= (row.name, pair) in ALWAYS
                 cases.append(Case(table, row.name, "", *pair, (row.publisher, row.subscriber),
-                                  KEYS["ec"], starts, _allowed(row, pair), chosen, row.known))
+                                  row.keys, starts, _allowed(row, pair), chosen, _known(row, pair),
+                                  table == "expiry"))
     return cases
 
 
