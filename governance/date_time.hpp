@@ -1,0 +1,27 @@
+// xs:dateTime, as validity elements hold it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "base/clock.hpp"
+
+namespace ddssec::governance {
+
+enum class Round : std::uint8_t { down, up };
+
+/// A moment read from a document.
+struct DateTime {
+  WallTime time;
+  bool has_zone;
+};
+
+/// Reads `2026-11-21T03:13:43`, with an optional fraction and an optional zone `Z`, `+hh:mm` or
+/// `-hh:mm`; without a zone it is UTC (DDS-Security 9.4.1.3.2.2). Strict: every digit in its place,
+/// years 1970 to 9999, real days only, 24:00:00 as the next midnight, no leap seconds. A fraction
+/// rounds as asked. Nothing if the text has another form.
+std::optional<DateTime> parse_date_time(std::string_view text, Round round);
+
+}  // namespace ddssec::governance

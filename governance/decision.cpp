@@ -1,0 +1,229 @@
+#include "governance/decision.hpp"
+
+#include <algorithm>
+#include <queue>
+
+namespace ddssec::governance {
+namespace {
+
+std::string_view longest_literal_beginning(std::string_view requested) {
+  return requested.substr(0, requested.find_first_of("*?["));
+}
+
+bool has_wildcards(std::string_view requested) {
+  return requested.find_first_of("*?[") != requested.npos;
+}
+
+/// True if every name that `requested` stands for is matched, as far as can be seen simply.
+bool covers(const Pattern& listed, std::string_view requested) {
+  if (!has_wildcards(requested)) return listed.matches(requested);
+  if (listed.text() == requested) return true;
+  const auto& steps = listed.steps();
+  if (steps.empty() || steps.back().kind != Pattern::Kind::star) return false;
+  const auto beginning = longest_literal_beginning(requested);
+  const std::size_t prefix = steps.size() - 1;
+  const bool plain = std::all_of(steps.begin(), steps.end() - 1, [](const Pattern::Step& step) {
+    return step.kind == Pattern::Kind::character;
+  });
+  return plain && prefix <= beginning.size() &&
+         listed.matches(beginning);  // the prefix is literal and what follows may be anything
+}
+
+/// False only if it can be seen that no name is both listed and requested.
+bool may_meet(const Pattern& listed, std::string_view requested) {
+  if (!has_wildcards(requested)) return listed.matches(requested);
+  return !listed.is_literal() || listed.text() == requested ||
+         Pattern(requested).matches(listed.text());
+}
+
+bool lists(const std::vector<DataTag>& listed, const DataTag& tag) {
+  return std::ranges::find(listed, tag) != listed.end();
+}
+
+bool data_tags_fit(const Rule& rule, const Criteria& criteria, std::span<const DataTag> tags) {
+  if (!criteria.data_tags) return !rule.allow || tags.empty();
+  const auto listed = [&](const DataTag& tag) { return lists(*criteria.data_tags, tag); };
+  return rule.allow ? std::ranges::all_of(tags, listed) : std::ranges::any_of(tags, listed);
+}
+
+/// Can be met whatever partitions and data tags an entity has.
+bool is_unconditional(const Criteria& criteria) {
+  return !criteria.partitions && !criteria.data_tags;
+}
+
+void append_part(std::string& key, std::string_view part) {
+  const auto size = static_cast<std::uint32_t>(part.size());
+  for (unsigned shift = 0; shift < 32; shift += 8) key += static_cast<char>(size >> shift & 0xFF);
+  key += part;
+}
+
+std::string cache_key(Action action, const Request& request) {
+  std::string key(1, static_cast<char>('0' + static_cast<int>(action)));
+  append_part(key, request.topic);
+  for (const auto partition : request.partitions) append_part(key, partition);
+  if (!request.data_tags.empty()) key += "tags";
+  for (const auto& tag : request.data_tags) {
+    append_part(key, tag.name);
+    append_part(key, tag.value);
+  }
+  return key;
+}
+
+}  // namespace
+
+std::string_view to_string(Action action) {
+  constexpr std::array<std::string_view, 3> kNames = {"publish", "subscribe", "relay"};
+  return kNames.at(static_cast<std::size_t>(action));
+}
+
+CompiledGrant::CompiledGrant(std::shared_ptr<const Permissions> permissions, const Grant& grant,
+                             DomainId domain, PartitionMatch partition_match)
+    : permissions_(std::move(permissions)), grant_(grant), partition_match_(partition_match) {
+  for (const auto& rule : grant_.rules) {
+    if (rule.domains.contains(domain)) add_rule(rule);
+  }
+  for (auto& index : actions_) index.topics.seal();
+  partition_numbers_.clear();
+  participant_ = participant_verdict(domain);
+}
+
+void CompiledGrant::add_rule(const Rule& rule) {
+  add_entries(Action::publish, rule, rule.publish);
+  add_entries(Action::subscribe, rule, rule.subscribe);
+  add_entries(Action::relay, rule, rule.relay);
+}
+
+void CompiledGrant::add_entries(Action action, const Rule& rule,
+                                const std::vector<Criteria>& list) {
+  auto& index = actions_.at(static_cast<std::size_t>(action));
+  for (const auto& criteria : list) {
+    const auto number = static_cast<std::uint32_t>(index.entries.size());
+    auto& entry = index.entries.emplace_back(Entry{&rule, &criteria, {}});
+    if (criteria.partitions) {
+      for (const auto& text : *criteria.partitions) {
+        entry.partitions.push_back(partition_pattern(text.text));
+      }
+    }
+    for (const auto& topic : criteria.topics) {
+      const auto id = index.topics.add(topic.text);
+      if (id >= index.entries_of_topic.size()) index.entries_of_topic.resize(id + 1);
+      auto& entries = index.entries_of_topic[id];
+      if (entries.empty() || entries.back() != number) entries.push_back(number);
+    }
+  }
+}
+
+std::uint32_t CompiledGrant::partition_pattern(const std::string& text) {
+  const auto next = static_cast<std::uint32_t>(partition_patterns_.size());
+  const auto [entry, is_new] = partition_numbers_.try_emplace(text, next);
+  if (is_new) partition_patterns_.emplace_back(text);
+  return entry->second;
+}
+
+Verdict CompiledGrant::participant_verdict(DomainId domain) const {
+  for (const auto& rule : grant_.rules) {
+    if (!rule.domains.contains(domain)) continue;
+    if (rule.allow) return {true, &rule, nullptr};
+    if (rule.publish.empty() && rule.subscribe.empty() && rule.relay.empty()) {
+      return {false, &rule, nullptr};
+    }
+  }
+  return {grant_.default_allow, nullptr, nullptr};
+}
+
+template <class Fits>
+Verdict CompiledGrant::first_fitting(const ActionIndex& index, std::string_view topic,
+                                     Fits&& fits) const {
+  std::vector<PatternSet::Id> matching;
+  index.topics.match(topic, matching);
+  // All entries of all matching expressions in document order, without sorting those never reached.
+  using Cursor = std::pair<std::uint32_t, std::pair<PatternSet::Id, std::size_t>>;
+  std::vector<Cursor> first;
+  for (const auto id : matching) first.push_back({index.entries_of_topic[id].front(), {id, 0}});
+  std::priority_queue<Cursor, std::vector<Cursor>, std::greater<>> next({}, std::move(first));
+  while (!next.empty()) {
+    auto [number, place] = next.top();
+    next.pop();
+    const Entry& entry = index.entries[number];
+    if (fits(entry)) return {entry.rule->allow, entry.rule, entry.criteria};
+    const auto& entries = index.entries_of_topic[place.first];
+    if (++place.second < entries.size()) next.push({entries[place.second], place});
+  }
+  return {grant_.default_allow, nullptr, nullptr};
+}
+
+bool CompiledGrant::partitions_fit(const Entry& entry, const Request& request) const {
+  constexpr std::string_view kDefaultPartition[] = {""};
+  const auto partitions =
+      request.partitions.empty() ? std::span(kDefaultPartition) : request.partitions;
+  const bool allow = entry.rule->allow;
+  if (!entry.criteria->partitions && !allow) return true;
+  const auto listed = [&](std::string_view requested) {
+    if (!entry.criteria->partitions) return requested.empty();
+    return std::ranges::any_of(entry.partitions, [&](std::uint32_t i) {
+      const Pattern& pattern = partition_patterns_[i];
+      return allow ? covers(pattern, requested) : may_meet(pattern, requested);
+    });
+  };
+  const bool all = allow && partition_match_ == PartitionMatch::all;
+  return all ? std::ranges::all_of(partitions, listed) : std::ranges::any_of(partitions, listed);
+}
+
+bool CompiledGrant::fits(const Entry& entry, const Request& request) const {
+  return partitions_fit(entry, request) &&
+         data_tags_fit(*entry.rule, *entry.criteria, request.data_tags);
+}
+
+Verdict CompiledGrant::judge(Action action, const Request& request) const {
+  const std::string key = cache_key(action, request);
+  if (const auto verdict = seen_.find(key)) return *verdict;
+  const auto& index = actions_.at(static_cast<std::size_t>(action));
+  const Verdict verdict =
+      first_fitting(index, request.topic, [&](const Entry& entry) { return fits(entry, request); });
+  seen_.remember(key, verdict);
+  return verdict;
+}
+
+Verdict CompiledGrant::judge_topic(Action action, std::string_view topic) const {
+  // No entity's key begins with 't'.
+  std::string key(1, 't');
+  key += cache_key(action, {.topic = topic});
+  if (const auto verdict = seen_.find(key)) return *verdict;
+  const auto& index = actions_.at(static_cast<std::size_t>(action));
+  const Verdict verdict = first_fitting(index, topic, [](const Entry& entry) {
+    return entry.rule->allow || is_unconditional(*entry.criteria);
+  });
+  seen_.remember(key, verdict);
+  return verdict;
+}
+
+CompiledGovernance::CompiledGovernance(std::shared_ptr<const Governance> governance,
+                                       const DomainRule& rule)
+    : governance_(std::move(governance)), rule_(rule) {
+  for (const auto& topic_rule : rule_.topic_rules) {
+    const auto id = topics_.add(topic_rule.topic_expression);
+    if (id == rule_of_topic_.size()) rule_of_topic_.push_back(&topic_rule);
+  }
+  topics_.seal();
+}
+
+Result<std::shared_ptr<const CompiledGovernance>> CompiledGovernance::make(
+    std::shared_ptr<const Governance> governance, DomainId domain, std::string_view tag) {
+  const DomainRule* rule = governance->find(domain, tag);
+  if (!rule) {
+    return fail(Code::domain_not_covered,
+                {.field = "<domains>", .expected = "domain " + std::to_string(domain)});
+  }
+  return std::make_shared<const CompiledGovernance>(std::move(governance), *rule);
+}
+
+const TopicRule* CompiledGovernance::topic_rule(std::string_view topic) const {
+  const std::string key(topic);
+  if (const auto rule = seen_.find(key)) return *rule;
+  const auto id = topics_.first_match(topic);
+  const TopicRule* rule = id == PatternSet::kNone ? nullptr : rule_of_topic_[id];
+  seen_.remember(key, rule);
+  return rule;
+}
+
+}  // namespace ddssec::governance

@@ -1,0 +1,125 @@
+// Compiled documents: who may do what, and which rule says so, in microseconds.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "base/result.hpp"
+#include "governance/matcher.hpp"
+#include "governance/model.hpp"
+#include "governance/verdict_cache.hpp"
+
+namespace ddssec::governance {
+
+enum class Action : std::uint8_t { publish, subscribe, relay };
+/// "publish", "subscribe", "relay".
+std::string_view to_string(Action action);
+
+/// How many of an entity's partitions an allow rule must list.
+enum class PartitionMatch : std::uint8_t {
+  all,  ///< every one (DDS-Security 1.2 9.4.1.3.2.3.1.4)
+  one,  ///< the "legacy" mode of 1.2: one is enough
+};
+
+/// What an entity asks for. No partition means the partition "".
+struct Request {
+  std::string_view topic;
+  std::span<const std::string_view> partitions = {};
+  std::span<const DataTag> data_tags = {};
+};
+
+/// A decision and what decided. The pointers live as long as the CompiledGrant.
+struct Verdict {
+  bool allowed = false;
+  /// The deciding rule, or nullptr: the grant's default decided.
+  const Rule* rule = nullptr;
+  /// The deciding publish, subscribe or relay element of the rule, if it was one.
+  const Criteria* criteria = nullptr;
+
+  /// The line that decided; for the default, the line of the grant.
+  int line(const Grant& grant) const {
+    return criteria ? criteria->line : rule ? rule->line : grant.line;
+  }
+};
+
+/// One grant, ready to judge entities of one domain. Immutable and thread-safe.
+///
+/// Rules are tried in document order and the first that matches decides, else the default. A rule
+/// matches if domain, topic, partitions and data tags fit one of its elements at once.
+/// - Partitions: an allow rule must list all of the entity's (or one, see PartitionMatch), a deny
+///   rule any of them. Data tags: an allow rule must list all of the entity's, a deny rule any.
+/// - A topic name is literal whatever it holds. A requested partition with wildcards stands for
+///   many names: an allow rule must cover all of them (same text, `*`, or a prefix followed by
+///   `*`), and a deny rule hits it unless it can be seen that they have nothing in common.
+class CompiledGrant {
+ public:
+  CompiledGrant(std::shared_ptr<const Permissions> permissions, const Grant& grant, DomainId domain,
+                PartitionMatch partition_match = PartitionMatch::all);
+
+  const Grant& grant() const { return grant_; }
+
+  Verdict judge(Action action, const Request& request) const;
+  /// Whether there are partitions and data tags with which the topic may be used.
+  Verdict judge_topic(Action action, std::string_view topic) const;
+  /// DDS-Security 1.2 8.4.2.9.3: the first allow rule for the domain allows, a deny rule without
+  /// publish, subscribe and relay denies; deny rules about topics do not keep anybody out.
+  Verdict judge_participant() const { return participant_; }
+
+ private:
+  struct Entry {
+    const Rule* rule;
+    const Criteria* criteria;
+    std::vector<std::uint32_t> partitions;  ///< indices into partition_patterns_
+  };
+  struct ActionIndex {
+    std::vector<Entry> entries;  ///< in document order
+    PatternSet topics;
+    std::vector<std::vector<std::uint32_t>> entries_of_topic;
+  };
+
+  void add_rule(const Rule& rule);
+  void add_entries(Action action, const Rule& rule, const std::vector<Criteria>& list);
+  std::uint32_t partition_pattern(const std::string& text);
+  Verdict participant_verdict(DomainId domain) const;
+  template <class Fits>
+  Verdict first_fitting(const ActionIndex& index, std::string_view topic, Fits&& fits) const;
+  bool fits(const Entry& entry, const Request& request) const;
+  bool partitions_fit(const Entry& entry, const Request& request) const;
+
+  std::shared_ptr<const Permissions> permissions_;
+  const Grant& grant_;
+  PartitionMatch partition_match_;
+  std::array<ActionIndex, 3> actions_;
+  std::vector<Pattern> partition_patterns_;
+  std::unordered_map<std::string, std::uint32_t> partition_numbers_;
+  Verdict participant_;
+  mutable VerdictCache<Verdict> seen_;
+};
+
+/// The rule of a governance document for one domain, ready to tell topic rules. Thread-safe.
+class CompiledGovernance {
+ public:
+  /// Error: domain_not_covered.
+  static Result<std::shared_ptr<const CompiledGovernance>> make(
+      std::shared_ptr<const Governance> governance, DomainId domain, std::string_view tag = {});
+
+  const DomainRule& domain_rule() const { return rule_; }
+  /// The first topic rule whose expression matches, or nullptr.
+  const TopicRule* topic_rule(std::string_view topic) const;
+
+  CompiledGovernance(std::shared_ptr<const Governance> governance, const DomainRule& rule);
+
+ private:
+  std::shared_ptr<const Governance> governance_;
+  const DomainRule& rule_;
+  PatternSet topics_;
+  std::vector<const TopicRule*> rule_of_topic_;
+  mutable VerdictCache<const TopicRule*> seen_;
+};
+
+}  // namespace ddssec::governance

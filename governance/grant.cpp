@@ -1,0 +1,73 @@
+#include "governance/grant.hpp"
+
+#include <algorithm>
+
+#include "governance/matcher.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+/// Every attribute of the expression takes one attribute of the subject, and none is left over.
+bool expression_matches(const pki::SubjectName& expression, const pki::SubjectName& subject) {
+  auto left = subject.attributes();
+  for (const auto& wanted : expression.attributes()) {
+    const Pattern pattern(wanted.value, Pattern::Slash::separate);
+    const auto taken = std::ranges::find_if(left, [&](const pki::NameAttribute& a) {
+      return a.type == wanted.type && pattern.matches(a.value);
+    });
+    if (taken == left.end()) return false;
+    left.erase(taken);
+  }
+  return left.empty();
+}
+
+/// The subjects of the first grants, for a person to compare.
+std::string some_subjects(const Permissions& permissions) {
+  constexpr std::size_t kMost = 3;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kMost, permissions.grants.size()); ++i) {
+    if (i > 0) text += " | ";
+    text += permissions.grants[i].subject_name.substr(0, 200);
+  }
+  const auto more = permissions.grants.size() - std::min(kMost, permissions.grants.size());
+  if (more > 0) text += " | and " + std::to_string(more) + " more";
+  return text;
+}
+
+}  // namespace
+
+bool is_for(const Grant& grant, const pki::SubjectName& subject) {
+  // A subject that is no name is nobody's.
+  const auto name = pki::SubjectName::parse(grant.subject_name);
+  if (!name) return false;
+  return grant.subject_is_expression ? expression_matches(*name, subject) : name->matches(subject);
+}
+
+Status check_validity(const Grant& grant, WallTime now) {
+  if (grant.validity.contains(now)) return {};
+  const bool early = now < grant.validity.not_before;
+  return fail(early ? Code::grant_not_yet_valid : Code::grant_expired,
+              {.line = grant.line,
+               .field = early ? "<not_before>" : "<not_after>",
+               .expected = early ? "a time from " + to_string(grant.validity.not_before) + " on"
+                                 : "a time before " + to_string(grant.validity.not_after),
+               .found = to_string(now),
+               .note = "grant of " + grant.subject_name.substr(0, 200)});
+}
+
+Result<const Grant*> find_grant(const Permissions& permissions, const pki::SubjectName& subject,
+                                std::string_view shown, WallTime now) {
+  std::optional<Error> outside;
+  for (const auto& grant : permissions.grants) {
+    if (!is_for(grant, subject)) continue;
+    auto status = check_validity(grant, now);
+    if (status) return &grant;
+    if (!outside) outside = std::move(status).error();
+  }
+  if (outside) return std::unexpected(*outside);
+  return fail(Code::no_grant_for_subject, {.field = "<subject_name>",
+                                           .expected = std::string(shown),
+                                           .found = some_subjects(permissions)});
+}
+
+}  // namespace ddssec::governance

@@ -1,0 +1,98 @@
+// Expressions of governance and permissions documents: POSIX fnmatch, one at a time and by the
+// ten thousand.
+#pragma once
+
+#include <bitset>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+namespace ddssec::governance {
+
+/// One compiled expression: `*`, `?`, `[...]` with ranges, `!` or `^` and character classes of
+/// ASCII. A backslash is a character like any other (FNM_NOESCAPE), `*` crosses `/` and a leading
+/// dot, `?` is one octet. A `[` without its `]` is a character. The same as fnmatch(3) of glibc in
+/// the C locale; the name is always taken literally, whatever characters it holds.
+class Pattern {
+ public:
+  enum class Slash : std::uint8_t {
+    ordinary,
+    separate,  ///< FNM_PATHNAME: only a '/' matches a '/'
+  };
+
+  explicit Pattern(std::string_view expression, Slash slash = Slash::ordinary);
+
+  bool matches(std::string_view name) const;
+  /// True if it matches exactly one name, its own text.
+  bool is_literal() const { return steps_.empty(); }
+  const std::string& text() const { return text_; }
+
+  enum class Kind : std::uint8_t { character, any, star, set };
+  struct Step {
+    Kind kind;
+    std::uint8_t character;  ///< Kind::character
+    std::uint16_t set;       ///< Kind::set: index
+  };
+  /// Empty for a literal.
+  const std::vector<Step>& steps() const { return steps_; }
+
+ private:
+  bool step_matches(const Step& step, char c) const;
+  /// Reads a bracket expression at text_[at]; 0 if it is none, else its length.
+  std::size_t read_set(std::size_t at);
+
+  std::string text_;
+  std::vector<Step> steps_;
+  std::vector<std::bitset<256>> sets_;
+  bool slash_is_separate_;
+};
+
+/// Tells which of very many expressions match a name. Literals are found by their hash; others by
+/// the hash of a literal part that as few of them as possible share, then matched one by one.
+/// Only expressions without any literal part are tried for every name.
+class PatternSet {
+ public:
+  using Id = std::uint32_t;
+
+  /// The same text gives the same number; numbers count up from 0. Not after seal().
+  Id add(std::string_view expression);
+  /// Builds the index; then the set is immutable.
+  void seal();
+  /// Numbers of all matching expressions, ascending.
+  void match(std::string_view name, std::vector<Id>& found) const;
+
+  static constexpr Id kNone = std::numeric_limits<Id>::max();
+  /// The lowest number of a matching expression, or kNone.
+  Id first_match(std::string_view name) const;
+
+  std::size_t size() const { return count_; }
+
+ private:
+  struct Wildcard {
+    Id id;
+    Pattern pattern;
+  };
+  /// Literal parts of one kind by their hash, and which lengths there are.
+  struct Index {
+    std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> by_hash;
+    std::vector<std::size_t> lengths;
+  };
+  struct Key;
+
+  static std::vector<Key> keys_of(const Pattern& pattern);
+  void place(std::uint32_t wildcard, const Key& key);
+  void try_index(const Index& index, std::uint64_t hash, std::string_view name,
+                 std::vector<Id>& found) const;
+
+  std::unordered_map<std::string, Id> literals_;
+  std::vector<Wildcard> wildcards_;
+  std::unordered_map<std::string, Id> wildcard_ids_;  ///< until sealed
+  Index prefixes_, suffixes_, parts_;
+  std::vector<std::uint32_t> everywhere_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace ddssec::governance

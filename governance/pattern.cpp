@@ -1,0 +1,182 @@
+#include <array>
+#include <optional>
+
+#include "governance/matcher.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+bool is_between(int c, char first, char last) { return c >= first && c <= last; }
+bool is_upper(int c) { return is_between(c, 'A', 'Z'); }
+bool is_lower(int c) { return is_between(c, 'a', 'z'); }
+bool is_digit(int c) { return is_between(c, '0', '9'); }
+bool is_alpha(int c) { return is_upper(c) || is_lower(c); }
+bool is_alnum(int c) { return is_alpha(c) || is_digit(c); }
+bool is_xdigit(int c) { return is_digit(c) || is_between(c, 'a', 'f') || is_between(c, 'A', 'F'); }
+bool is_graph(int c) { return is_between(c, '!', '~'); }
+bool is_print(int c) { return is_between(c, ' ', '~'); }
+bool is_punct(int c) { return is_graph(c) && !is_alnum(c); }
+bool is_blank(int c) { return c == ' ' || c == '\t'; }
+bool is_space(int c) { return c == ' ' || is_between(c, '\t', '\r'); }
+bool is_cntrl(int c) { return (c >= 0 && c < 0x20) || c == 0x7F; }
+
+struct Class {
+  std::string_view name;
+  bool (*contains)(int);
+};
+constexpr std::array<Class, 12> kClasses = {{{"alpha", is_alpha},
+                                             {"digit", is_digit},
+                                             {"alnum", is_alnum},
+                                             {"upper", is_upper},
+                                             {"lower", is_lower},
+                                             {"space", is_space},
+                                             {"blank", is_blank},
+                                             {"punct", is_punct},
+                                             {"print", is_print},
+                                             {"graph", is_graph},
+                                             {"cntrl", is_cntrl},
+                                             {"xdigit", is_xdigit}}};
+
+/// The body of a bracket expression, read member by member.
+class SetReader {
+ public:
+  explicit SetReader(std::string_view rest) : rest_(rest) {}
+
+  /// The octets after the '[' that belong to the expression with its ']', or nothing.
+  std::optional<std::size_t> read(std::bitset<256>& set) {
+    bool negated = false;
+    if (!at_end() && (rest_[0] == '!' || rest_[0] == '^')) negated = true, ++at_;
+    for (bool first = true; !at_end(); first = false) {
+      if (rest_[at_] == ']' && !first) {
+        if (negated) set.flip();
+        return at_ + 1;
+      }
+      if (!member(set)) return std::nullopt;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  bool at_end() const { return at_ >= rest_.size(); }
+
+  bool member(std::bitset<256>& set) {
+    if (auto name = named(':')) return add_class(set, *name);
+    const auto low = endpoint();
+    if (!low) return false;
+    const bool range = at_ + 1 < rest_.size() && rest_[at_] == '-' && rest_[at_ + 1] != ']';
+    if (!range) {
+      set.set(*low);
+      return true;
+    }
+    ++at_;
+    const auto high = endpoint();
+    if (!high) return false;
+    for (int c = *low; c <= *high; ++c) set.set(static_cast<std::size_t>(c));
+    return true;
+  }
+
+  /// The text between "[:" and ":]" (or '.', '='), or nothing and nothing is consumed.
+  std::optional<std::string_view> named(char mark) {
+    if (rest_[at_] != '[' || at_ + 1 >= rest_.size() || rest_[at_ + 1] != mark) return std::nullopt;
+    const char close[] = {mark, ']'};
+    const auto end = rest_.find(std::string_view(close, 2), at_ + 2);
+    if (end == rest_.npos) return std::nullopt;
+    const auto name = rest_.substr(at_ + 2, end - at_ - 2);
+    if (mark == ':' && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz") != name.npos) {
+      return std::nullopt;
+    }
+    at_ = end + 2;
+    return name;
+  }
+
+  static bool add_class(std::bitset<256>& set, std::string_view name) {
+    for (const auto& known : kClasses) {
+      if (known.name != name) continue;
+      for (int c = 0; c < 256; ++c) {
+        if (known.contains(c)) set.set(static_cast<std::size_t>(c));
+      }
+      return true;
+    }
+    return false;
+  }
+
+  /// One octet, or a collating symbol or equivalence class of one octet.
+  std::optional<std::uint8_t> endpoint() {
+    for (const char mark : {'.', '='}) {
+      if (auto name = named(mark)) {
+        if (name->size() != 1) return std::nullopt;
+        return static_cast<std::uint8_t>(name->front());
+      }
+    }
+    return static_cast<std::uint8_t>(rest_[at_++]);
+  }
+
+  std::string_view rest_;
+  std::size_t at_ = 0;
+};
+
+}  // namespace
+
+Pattern::Pattern(std::string_view expression, Slash slash)
+    : text_(expression), slash_is_separate_(slash == Slash::separate) {
+  bool literal = true;
+  for (std::size_t at = 0; at < text_.size();) {
+    const char c = text_[at];
+    std::size_t length = 1;
+    if (c == '*') {
+      // Stars in a row are one star.
+      if (steps_.empty() || steps_.back().kind != Kind::star) steps_.push_back({Kind::star, 0, 0});
+    } else if (c == '?') {
+      steps_.push_back({Kind::any, 0, 0});
+    } else if (c == '[' && (length = read_set(at)) != 0) {
+      steps_.push_back({Kind::set, 0, static_cast<std::uint16_t>(sets_.size() - 1)});
+    } else {
+      length = 1;
+      steps_.push_back({Kind::character, static_cast<std::uint8_t>(c), 0});
+    }
+    literal = literal && steps_.back().kind == Kind::character;
+    at += length;
+  }
+  if (literal) steps_.clear();
+}
+
+std::size_t Pattern::read_set(std::size_t at) {
+  // A step counts its set in 16 bits; what is beyond that is text of more than 64 KiB.
+  if (sets_.size() > std::numeric_limits<std::uint16_t>::max()) return 0;
+  std::bitset<256> set;
+  const auto length = SetReader(std::string_view(text_).substr(at + 1)).read(set);
+  if (!length) return 0;
+  sets_.push_back(set);
+  return *length + 1;
+}
+
+bool Pattern::step_matches(const Step& step, char c) const {
+  const auto octet = static_cast<std::uint8_t>(c);
+  if (step.kind == Kind::character) return step.character == octet;
+  if (slash_is_separate_ && c == '/') return false;
+  return step.kind == Kind::any || sets_[step.set].test(octet);
+}
+
+bool Pattern::matches(std::string_view name) const {
+  if (is_literal()) return name == text_;
+  // Only the last star has to give way: what an earlier one could take, a later one can too.
+  std::size_t step = 0, at = 0;
+  std::size_t star = steps_.size(), star_at = 0;
+  while (at < name.size()) {
+    if (step < steps_.size() && steps_[step].kind == Kind::star) {
+      star = step++;
+      star_at = at;
+    } else if (step < steps_.size() && step_matches(steps_[step], name[at])) {
+      ++step, ++at;
+    } else if (star < steps_.size() && !(slash_is_separate_ && name[star_at] == '/')) {
+      step = star + 1;
+      at = ++star_at;
+    } else {
+      return false;
+    }
+  }
+  while (step < steps_.size() && steps_[step].kind == Kind::star) ++step;
+  return step == steps_.size();
+}
+
+}  // namespace ddssec::governance

@@ -1,0 +1,184 @@
+#include "governance/date_time.hpp"
+#include "governance/read.hpp"
+#include "governance/read_values.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+using Count = ChildSpec::Count;
+
+Result<WallTime> read_time(ReadContext& context, XmlElement element, Round round) {
+  const std::string text = DDSSEC_TRY(element.nonempty_text());
+  const auto moment = parse_date_time(text, round);
+  if (!moment) {
+    return fail(Code::value_not_date_time, {.line = element.line(),
+                                            .field = in_brackets(element.name()),
+                                            .expected = "YYYY-MM-DDThh:mm:ss and Z or an offset",
+                                            .found = text});
+  }
+  if (!moment->has_zone) {
+    context.note(element, "names no zone: read as UTC here, as local time by Fast DDS");
+  }
+  return moment->time;
+}
+
+Result<Validity> read_validity(ReadContext& context, XmlElement element) {
+  constexpr ChildSpec kSpecs[] = {{"not_before"}, {"not_after"}};
+  const auto child = DDSSEC_TRY(XmlChildren::of(element, kSpecs));
+  // A fraction of a second makes the validity shorter, never longer.
+  const Validity validity{DDSSEC_TRY(read_time(context, child.one(0), Round::up)),
+                          DDSSEC_TRY(read_time(context, child.one(1), Round::down))};
+  if (validity.not_before > validity.not_after) {
+    return fail(Code::validity_reversed,
+                {.line = element.line(),
+                 .field = "<validity>",
+                 .expected = "not_before before not_after",
+                 .found = to_string(validity.not_before) + " to " + to_string(validity.not_after)});
+  }
+  return validity;
+}
+
+/// A tag holds pairs of name and value; the schema lets one element repeat them.
+Status read_tag(ReadContext& context, XmlElement element, std::vector<DataTag>& tags) {
+  constexpr ChildSpec kSpecs[] = {{"name", Count::many}, {"value", Count::many}};
+  const auto children = DDSSEC_TRY(XmlChildren::of(element, kSpecs));
+  const auto& all = children.all();
+  for (std::size_t i = 0; i < all.size() || i == 0; i += 2) {
+    if (i >= all.size() || all[i].first != 0 || i + 1 >= all.size() || all[i + 1].first != 1) {
+      return fail(
+          Code::element_missing,
+          {.line = element.line(), .field = "<tag>", .expected = "a <name> and then a <value>"});
+    }
+    DDSSEC_TRY(context.count(all[i].second));
+    tags.push_back(
+        {DDSSEC_TRY(all[i].second.nonempty_text()), DDSSEC_TRY(all[i + 1].second.text())});
+  }
+  return {};
+}
+
+Result<std::vector<DataTag>> read_data_tags(ReadContext& context, XmlElement element) {
+  constexpr ChildSpec kSpecs[] = {{"tag", Count::many}};
+  const auto children = DDSSEC_TRY(XmlChildren::of(element, kSpecs));
+  std::vector<DataTag> tags;
+  for (const auto& [kind, child] : children.all()) DDSSEC_TRY(read_tag(context, child, tags));
+  if (tags.empty()) {
+    return fail(Code::element_missing,
+                {.line = element.line(), .field = "<data_tags>", .expected = "<tag>"});
+  }
+  return tags;
+}
+
+Result<Criteria> read_criteria(ReadContext& context, XmlElement element) {
+  constexpr ChildSpec kSpecs[] = {
+      {"topics"}, {"partitions", Count::optional}, {"data_tags", Count::optional}};
+  const auto child = DDSSEC_TRY(XmlChildren::of(element, kSpecs));
+  Criteria criteria{.line = element.line()};
+  criteria.topics = DDSSEC_TRY(read_texts(context, child.one(0), "topic"));
+  if (const auto e = child.one(1)) {
+    // An empty <partition> names the default partition.
+    criteria.partitions = DDSSEC_TRY(read_texts(context, e, "partition", true));
+  }
+  if (const auto e = child.one(2)) criteria.data_tags = DDSSEC_TRY(read_data_tags(context, e));
+  return criteria;
+}
+
+Result<Rule> read_rule(ReadContext& context, XmlElement element) {
+  constexpr ChildSpec kSpecs[] = {
+      {"domains"}, {"publish", Count::many}, {"subscribe", Count::many}, {"relay", Count::many}};
+  const auto children = DDSSEC_TRY(XmlChildren::of(element, kSpecs));
+  if (!children.in_order()) {
+    context.note(element, "is not in the schema's order: Fast DDS refuses it");
+  }
+  Rule rule{.allow = element.name() == "allow_rule", .line = element.line()};
+  // <min> alone: one id for peers, open in the schema. Less is allowed and more is denied.
+  rule.domains = DDSSEC_TRY(read_domains(context, children.one(0),
+                                         rule.allow ? OpenRange::just_min : OpenRange::to_highest));
+  for (const auto& [kind, child] : children.all()) {
+    if (kind == 0) continue;
+    DDSSEC_TRY(context.count(child));
+    auto& list = kind == 1 ? rule.publish : kind == 2 ? rule.subscribe : rule.relay;
+    list.push_back(DDSSEC_TRY(read_criteria(context, child)));
+  }
+  return rule;
+}
+
+Result<bool> read_default(XmlElement element) {
+  const std::string text = DDSSEC_TRY(element.nonempty_text());
+  if (text == "ALLOW") return true;
+  if (text == "DENY") return false;
+  return fail(
+      Code::value_not_default,
+      {.line = element.line(), .field = "<default>", .expected = "ALLOW or DENY", .found = text});
+}
+
+enum GrantChild : std::size_t {
+  kSubjectName,
+  kSubjectExpression,
+  kValidity,
+  kAllowRule,
+  kDenyRule,
+  kDefault,
+};
+
+constexpr ChildSpec kGrantSpecs[] = {{"subject_name", Count::optional},
+                                     {"subject_name_expression", Count::optional},
+                                     {"validity"},
+                                     {"allow_rule", Count::many},
+                                     {"deny_rule", Count::many},
+                                     {"default", Count::optional}};
+
+Status read_subject(XmlElement element, const XmlChildren& children, Grant& grant) {
+  const XmlElement name = children.one(kSubjectName);
+  const XmlElement expression = children.one(kSubjectExpression);
+  if (static_cast<bool>(name) == static_cast<bool>(expression)) {
+    return fail(name ? Code::element_repeated : Code::element_missing,
+                {.line = element.line(),
+                 .field = "<grant>",
+                 .expected = "one <subject_name> or <subject_name_expression>"});
+  }
+  grant.subject_is_expression = !name;
+  grant.subject_name = DDSSEC_TRY((name ? name : expression).nonempty_text());
+  return {};
+}
+
+Result<Grant> read_grant(ReadContext& context, XmlElement element) {
+  const auto children = DDSSEC_TRY(XmlChildren::of(element, kGrantSpecs));
+  Grant grant{.line = element.line()};
+  if (const char* name = element.attribute("name")) grant.name = name;
+  if (grant.name.empty()) context.note(element, "has no name: Fast DDS refuses it");
+  DDSSEC_TRY(read_subject(element, children, grant));
+  grant.validity = DDSSEC_TRY(read_validity(context, children.one(kValidity)));
+  for (const auto& [kind, child] : children.all()) {
+    if (kind != kAllowRule && kind != kDenyRule) continue;
+    DDSSEC_TRY(context.count(child));
+    grant.rules.push_back(DDSSEC_TRY(read_rule(context, child)));
+  }
+  if (const auto e = children.one(kDefault)) {
+    grant.default_allow = DDSSEC_TRY(read_default(e));
+  } else {
+    context.note(element, "has no <default>: it denies; some products refuse the document");
+  }
+  return grant;
+}
+
+}  // namespace
+
+Result<Permissions> read_permissions(BytesView xml) {
+  constexpr ChildSpec kSpecs[] = {{"grant", Count::many}};
+  const auto document = DDSSEC_TRY(XmlDocument::parse(xml));
+  const auto body = DDSSEC_TRY(document_body(document, "permissions"));
+  const auto children = DDSSEC_TRY(XmlChildren::of(body, kSpecs));
+  Permissions permissions;
+  ReadContext context(permissions.notes);
+  for (const auto& [kind, child] : children.all()) {
+    DDSSEC_TRY(context.count(child));
+    permissions.grants.push_back(DDSSEC_TRY(read_grant(context, child)));
+  }
+  if (permissions.grants.empty()) {
+    return fail(Code::element_missing,
+                {.line = body.line(), .field = "<permissions>", .expected = "<grant>"});
+  }
+  return permissions;
+}
+
+}  // namespace ddssec::governance

@@ -1,0 +1,170 @@
+#include "governance/read_values.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include "governance/read.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+using Count = ChildSpec::Count;
+
+std::string with_case(std::string text, int (*change)(int)) {
+  std::ranges::transform(text, text.begin(), [&](char c) {
+    return static_cast<char>(change(static_cast<unsigned char>(c)));
+  });
+  return text;
+}
+
+int ascii_lower(int c) { return c >= 'A' && c <= 'Z' ? c + 32 : c; }
+int ascii_upper(int c) { return c >= 'a' && c <= 'z' ? c - 32 : c; }
+
+Result<DomainId> read_domain_id(XmlElement element) {
+  const std::string text = DDSSEC_TRY(element.nonempty_text());
+  DomainId id = -1;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
+  const bool whole = error == std::errc() && end == text.data() + text.size();
+  if (!whole || text.starts_with('-') || id > kHighestDomainId) {
+    return fail(Code::value_not_domain_id, {.line = element.line(),
+                                            .field = in_brackets(element.name()),
+                                            .expected = "0 to 230",
+                                            .found = text});
+  }
+  return id;
+}
+
+Result<DomainRange> read_range(ReadContext& context, XmlElement element, OpenRange open_range) {
+  constexpr ChildSpec kSpecs[] = {{"min", Count::optional}, {"max", Count::optional}};
+  const auto children = DDSSEC_TRY(XmlChildren::of(element, kSpecs));
+  const XmlElement min = children.one(0);
+  const XmlElement max = children.one(1);
+  if (!min && !max) {
+    return fail(Code::element_missing,
+                {.line = element.line(), .field = "<id_range>", .expected = "<min> and <max>"});
+  }
+  DomainRange range;
+  if (min) range.first = DDSSEC_TRY(read_domain_id(min));
+  if (max) {
+    range.last = DDSSEC_TRY(read_domain_id(max));
+  } else {
+    range.last = open_range == OpenRange::just_min ? range.first : kHighestDomainId;
+  }
+  if (!max) context.note(element, "has no <max>: products differ in whether it ends; write both");
+  if (!min) context.note(element, "has no <min>: some products refuse it; write both");
+  if (range.first > range.last) {
+    return fail(Code::domain_range_reversed,
+                {.line = element.line(),
+                 .field = "<id_range>",
+                 .expected = "min not above max",
+                 .found = std::to_string(range.first) + " to " + std::to_string(range.last)});
+  }
+  return range;
+}
+
+}  // namespace
+
+Status ReadContext::count(XmlElement at) {
+  if (++entries_ <= kMostEntries) return {};
+  return fail(Code::too_many_rules,
+              {.line = at.line(), .expected = std::to_string(kMostEntries), .found = "more"});
+}
+
+Result<XmlElement> document_body(const XmlDocument& document, std::string_view name) {
+  const XmlElement root = document.root();
+  const auto refuse = [&](XmlElement at, std::string_view expected) {
+    return fail(
+        Code::document_kind,
+        {.line = at.line(), .expected = in_brackets(expected), .found = in_brackets(at.name())});
+  };
+  if (root.name() != "dds") return refuse(root, "dds");
+  DDSSEC_TRY(root.check_attributes());
+  for (XmlElement child = root.first_child(); child; child = child.next_sibling()) {
+    if (child.name() != name && !child.may_be_ignored()) return refuse(child, name);
+  }
+  const ChildSpec specs[] = {{name}};
+  return DDSSEC_TRY(XmlChildren::of(root, specs)).one(0);
+}
+
+Result<bool> read_boolean(ReadContext& context, XmlElement element) {
+  const std::string text = DDSSEC_TRY(element.nonempty_text());
+  const std::string lower = with_case(text, ascii_lower);
+  const bool value = lower == "true" || lower == "1";
+  if (!value && lower != "false" && lower != "0") {
+    return fail(Code::value_not_boolean, {.line = element.line(),
+                                          .field = in_brackets(element.name()),
+                                          .expected = "true or false",
+                                          .found = text});
+  }
+  if (text != "true" && text != "false") {
+    context.note(element,
+                 std::string("is ").append(text).append(": every product reads true and false"));
+  }
+  return value;
+}
+
+Result<ProtectionKind> read_protection_kind(ReadContext& context, XmlElement element, bool basic) {
+  const std::string text = DDSSEC_TRY(element.nonempty_text());
+  const std::string upper = with_case(text, ascii_upper);
+  const auto kind = protection_kind_from(upper);
+  if (!kind || (basic && is_origin_authenticated(*kind))) {
+    return fail(Code::value_not_protection_kind,
+                {.line = element.line(),
+                 .field = in_brackets(element.name()),
+                 .expected = basic ? "NONE, SIGN or ENCRYPT"
+                                   : "NONE, SIGN, ENCRYPT, SIGN_WITH_ORIGIN_AUTHENTICATION or "
+                                     "ENCRYPT_WITH_ORIGIN_AUTHENTICATION",
+                 .found = text});
+  }
+  if (upper != text) context.note(element, "is not in capitals: most products refuse it");
+  return *kind;
+}
+
+Result<DomainSet> read_domains(ReadContext& context, XmlElement element, OpenRange open_range) {
+  constexpr ChildSpec kSpecs[] = {{"id", Count::many},
+                                  {"id_range", Count::many},
+                                  {"tag", Count::many},
+                                  {"tag_expression", Count::many}};
+  const auto children = DDSSEC_TRY(XmlChildren::of(element, kSpecs));
+  DomainSet domains{.line = element.line()};
+  for (const auto& [kind, child] : children.all()) {
+    DDSSEC_TRY(context.count(child));
+    if (kind == 0) {
+      const DomainId id = DDSSEC_TRY(read_domain_id(child));
+      domains.ranges.push_back({id, id});
+    } else if (kind == 1) {
+      domains.ranges.push_back(DDSSEC_TRY(read_range(context, child, open_range)));
+    } else {
+      auto& list = kind == 2 ? domains.tags : domains.tag_expressions;
+      // The empty tag is a tag: it is the one that a participant has by default.
+      list.push_back({DDSSEC_TRY(child.text()), child.line()});
+    }
+  }
+  if (domains.ranges.empty()) {
+    return fail(Code::element_missing, {.line = element.line(),
+                                        .field = in_brackets(element.name()),
+                                        .expected = "<id> or <id_range>"});
+  }
+  return domains;
+}
+
+Result<std::vector<Text>> read_texts(ReadContext& context, XmlElement list, std::string_view name,
+                                     bool may_be_empty) {
+  const ChildSpec specs[] = {{name, Count::many}};
+  const auto children = DDSSEC_TRY(XmlChildren::of(list, specs));
+  std::vector<Text> texts;
+  texts.reserve(children.all().size());
+  for (const auto& [kind, child] : children.all()) {
+    DDSSEC_TRY(context.count(child));
+    texts.push_back({may_be_empty ? DDSSEC_TRY(child.text()) : DDSSEC_TRY(child.nonempty_text()),
+                     child.line()});
+  }
+  if (texts.empty()) {
+    return fail(
+        Code::element_missing,
+        {.line = list.line(), .field = in_brackets(list.name()), .expected = in_brackets(name)});
+  }
+  return texts;
+}
+
+}  // namespace ddssec::governance

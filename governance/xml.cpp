@@ -1,0 +1,172 @@
+#include "governance/xml.hpp"
+
+#include <algorithm>
+
+#include <tinyxml2.h>
+
+#include "governance/xml_check.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+constexpr std::string_view kSpace = " \t\r\n";
+constexpr const char* kMustInterpret = "must_interpret";
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(kSpace);
+  if (first == text.npos) return {};
+  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
+}
+
+std::unexpected<Error> refuse(Code code, XmlElement at, ErrorDetails details) {
+  details.line = at.line();
+  if (details.field.empty()) details.field = in_brackets(at.name());
+  return fail(code, std::move(details));
+}
+
+bool means_false(std::string_view text) {
+  return text == "false" || text == "FALSE" || text == "False" || text == "0";
+}
+bool means_true(std::string_view text) {
+  return text == "true" || text == "TRUE" || text == "True" || text == "1";
+}
+
+bool is_namespace_attribute(std::string_view name) {
+  return name == "xmlns" || name.starts_with("xmlns:") || name.starts_with("xsi:") ||
+         name.starts_with("xml:");
+}
+
+bool repeated(const tinyxml2::XMLAttribute* attribute, const tinyxml2::XMLElement* element) {
+  const auto* other = element->FirstAttribute();
+  while (other != attribute && std::string_view(other->Name()) != attribute->Name()) {
+    other = other->Next();
+  }
+  return other != attribute;
+}
+
+}  // namespace
+
+std::string in_brackets(std::string_view name) { return std::string("<").append(name).append(">"); }
+
+std::string_view XmlElement::name() const { return element_->Name(); }
+int XmlElement::line() const { return element_->GetLineNum(); }
+const char* XmlElement::attribute(const char* name) const { return element_->Attribute(name); }
+XmlElement XmlElement::first_child() const { return XmlElement(element_->FirstChildElement()); }
+XmlElement XmlElement::next_sibling() const { return XmlElement(element_->NextSiblingElement()); }
+
+Result<std::string> XmlElement::text() const {
+  std::string text;
+  for (const auto* node = element_->FirstChild(); node; node = node->NextSibling()) {
+    if (node->ToElement()) {
+      return refuse(Code::element_unknown, XmlElement(node->ToElement()),
+                    {.expected = "text in " + in_brackets(name())});
+    }
+    if (node->ToText()) text += node->Value();
+  }
+  return std::string(trimmed(text));
+}
+
+Result<std::string> XmlElement::nonempty_text() const {
+  auto content = text();
+  if (content && content->empty()) return refuse(Code::element_empty, *this, {});
+  return content;
+}
+
+bool XmlElement::may_be_ignored() const {
+  const char* value = attribute(kMustInterpret);
+  return value && means_false(value);
+}
+
+Status XmlElement::check_attributes(std::string_view allowed) const {
+  for (const auto* a = element_->FirstAttribute(); a; a = a->Next()) {
+    const std::string_view attribute_name = a->Name();
+    if (repeated(a, element_)) {
+      return refuse(Code::xml_not_well_formed, *this,
+                    {.expected = "each attribute once", .found = std::string(attribute_name)});
+    }
+    if (attribute_name == kMustInterpret) {
+      if (!means_true(a->Value()) && !means_false(a->Value())) {
+        return refuse(Code::value_not_boolean, *this,
+                      {.field = in_brackets(name()) + " must_interpret", .found = a->Value()});
+      }
+    } else if (attribute_name != allowed && !is_namespace_attribute(attribute_name) &&
+               !may_be_ignored()) {
+      return refuse(Code::attribute_unknown, *this, {.found = std::string(attribute_name)});
+    }
+  }
+  return {};
+}
+
+Status XmlElement::check_no_text() const {
+  for (const auto* node = element_->FirstChild(); node; node = node->NextSibling()) {
+    if (node->ToText() && !trimmed(node->Value()).empty()) {
+      return refuse(Code::text_unexpected, *this,
+                    {.found = std::string(trimmed(node->Value()).substr(0, 40))});
+    }
+  }
+  return {};
+}
+
+Result<XmlDocument> XmlDocument::parse(BytesView octets) {
+  if (auto status = check_xml(as_text(octets)); !status) return std::unexpected(status.error());
+  auto document = std::make_unique<tinyxml2::XMLDocument>();
+  const auto text = as_text(octets);
+  if (document->Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS ||
+      !document->RootElement()) {
+    return fail(Code::xml_not_well_formed,
+                {.line = document->ErrorLineNum(), .found = document->ErrorName()});
+  }
+  return XmlDocument(std::move(document));
+}
+
+XmlElement XmlDocument::root() const { return XmlElement(document_->RootElement()); }
+XmlDocument::XmlDocument(std::unique_ptr<tinyxml2::XMLDocument> document)
+    : document_(std::move(document)) {}
+XmlDocument::~XmlDocument() = default;
+XmlDocument::XmlDocument(XmlDocument&&) noexcept = default;
+XmlDocument& XmlDocument::operator=(XmlDocument&&) noexcept = default;
+
+Result<XmlChildren> XmlChildren::of(XmlElement parent, std::span<const ChildSpec> specs) {
+  DDSSEC_TRY(parent.check_no_text());
+  XmlChildren children;
+  std::uint64_t seen = 0;
+  for (XmlElement child = parent.first_child(); child; child = child.next_sibling()) {
+    const auto row = std::ranges::find(specs, child.name(), &ChildSpec::name);
+    if (row == specs.end()) {
+      DDSSEC_TRY(child.check_attributes());
+      if (child.may_be_ignored()) continue;
+      return refuse(Code::element_unknown, child, {.note = "inside " + in_brackets(parent.name())});
+    }
+    const auto index = static_cast<std::size_t>(row - specs.begin());
+    if (row->count != ChildSpec::Count::many && (seen >> index & 1)) {
+      return refuse(Code::element_repeated, child,
+                    {.note = "inside " + in_brackets(parent.name())});
+    }
+    DDSSEC_TRY(child.check_attributes(child.name() == "grant" ? "name" : ""));
+    seen |= std::uint64_t{1} << index;
+    children.all_.emplace_back(index, child);
+  }
+  for (std::size_t i = 0; i < specs.size(); ++i) {
+    if (specs[i].count == ChildSpec::Count::once && !(seen >> i & 1)) {
+      return refuse(Code::element_missing, parent, {.expected = in_brackets(specs[i].name)});
+    }
+  }
+  return children;
+}
+
+XmlElement XmlChildren::one(std::size_t spec) const {
+  const auto found = std::ranges::find(all_, spec, [](const auto& entry) { return entry.first; });
+  return found == all_.end() ? XmlElement() : found->second;
+}
+
+bool XmlChildren::in_order() const {
+  return std::ranges::is_sorted(all_, {}, [](const auto& entry) { return entry.first; });
+}
+
+void add_note(std::vector<Note>& notes, XmlElement at, std::string_view text) {
+  if (notes.size() < kMostNotes) {
+    notes.push_back({at.line(), in_brackets(at.name()) + " " + std::string(text)});
+  }
+}
+
+}  // namespace ddssec::governance

@@ -1,0 +1,310 @@
+#include "governance/xml_check.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdint>
+
+#include "base/bytes.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+constexpr std::string_view kBom = "\xEF\xBB\xBF";
+
+int line_at(std::string_view document, std::size_t position) {
+  return 1 + static_cast<int>(std::ranges::count(document.substr(0, position), '\n'));
+}
+
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+
+bool is_name_start(char c) {
+  const auto u = static_cast<unsigned char>(c);
+  return (u >= 'a' && u <= 'z') || (u >= 'A' && u <= 'Z') || u == '_' || u == ':' || u >= 0x80;
+}
+
+bool is_name(char c) { return is_name_start(c) || (c >= '0' && c <= '9') || c == '-' || c == '.'; }
+
+/// XML 1.0, production 2.
+bool is_xml_character(std::uint32_t c) {
+  return c == 0x9 || c == 0xA || c == 0xD || (c >= 0x20 && c <= 0xD7FF) ||
+         (c >= 0xE000 && c <= 0xFFFD) || (c >= 0x10000 && c <= 0x10FFFF);
+}
+
+struct Utf8 {
+  std::size_t size;  ///< 0 = not UTF-8
+  std::uint32_t character;
+};
+
+/// One character that is not ASCII; overlong forms and surrogates are not UTF-8.
+Utf8 decode_utf8(std::string_view rest) {
+  const auto lead = static_cast<unsigned char>(rest.front());
+  const std::size_t size = lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
+  if (lead < 0xC2 || lead > 0xF4 || rest.size() < size) return {0, 0};
+  std::uint32_t character = lead & (0xFFu >> (size + 1));
+  for (std::size_t i = 1; i < size; ++i) {
+    const auto next = static_cast<unsigned char>(rest[i]);
+    if ((next & 0xC0u) != 0x80) return {0, 0};
+    character = (character << 6) | (next & 0x3Fu);
+  }
+  constexpr std::array<std::uint32_t, 5> kLeast = {0, 0, 0x80, 0x800, 0x10000};
+  const bool surrogate = character >= 0xD800 && character <= 0xDFFF;
+  if (character < kLeast[size] || surrogate || character > 0x10FFFF) return {0, 0};
+  return {size, character};
+}
+
+Status check_characters(std::string_view document) {
+  for (std::size_t i = 0; i < document.size();) {
+    const auto c = static_cast<unsigned char>(document[i]);
+    if (c >= 0x20 && c < 0x80) {
+      ++i;
+    } else if (c < 0x20) {
+      if (!is_space(document[i])) {
+        return fail(Code::xml_control_character,
+                    {.line = line_at(document, i),
+                     .found = "octet " + to_hex(as_bytes(document.substr(i, 1)))});
+      }
+      ++i;
+    } else {
+      const Utf8 next = decode_utf8(document.substr(i));
+      if (next.size == 0 || !is_xml_character(next.character)) {
+        return fail(Code::xml_encoding,
+                    {.line = line_at(document, i),
+                     .expected = "UTF-8",
+                     .found = "octet " + to_hex(as_bytes(document.substr(i, 1)))});
+      }
+      i += next.size;
+    }
+  }
+  return {};
+}
+
+/// Walks over the markup of one document.
+class MarkupCheck {
+ public:
+  explicit MarkupCheck(std::string_view document) : all_(document) {}
+
+  Status run() {
+    if (rest().starts_with(kBom)) at_ += kBom.size();
+    if (is_declaration()) {
+      if (auto status = declaration(); !status) return status;
+    }
+    while (at_ < all_.size()) {
+      Status status = all_[at_] == '<' ? markup() : text();
+      if (!status) return status;
+    }
+    if (depth_ != 0) return ill("an end tag", "the end of the document");
+    if (!had_root_) return ill("an element", "none");
+    return {};
+  }
+
+ private:
+  std::string_view rest() const { return all_.substr(at_); }
+  int line() const { return line_at(all_, at_); }
+
+  std::unexpected<Error> refuse(Code code, std::string found) const {
+    return fail(code, {.line = line(), .found = std::move(found)});
+  }
+  std::unexpected<Error> ill(std::string expected, std::string found) const {
+    return fail(Code::xml_not_well_formed,
+                {.line = line(), .expected = std::move(expected), .found = std::move(found)});
+  }
+  std::string shown() const { return std::string(rest().substr(0, 24)); }
+
+  /// Moves behind the next `end`, or fails.
+  Status skip_past(std::string_view end) {
+    const auto found = all_.find(end, at_);
+    if (found == all_.npos) return ill(std::string(end), "the end of the document");
+    at_ = found + end.size();
+    return {};
+  }
+
+  bool is_declaration() const {
+    return rest().starts_with("<?xml") && rest().size() > 5 && is_space(rest()[5]);
+  }
+
+  /// <?xml version="1.0" encoding="UTF-8" standalone="yes"?>
+  Status declaration() {
+    const auto end = all_.find("?>", at_);
+    if (end == all_.npos) return ill("?>", "the end of the document");
+    std::string_view inside = all_.substr(at_, end - at_);
+    if (inside.find('<', 1) != inside.npos) return ill("?>", "<");
+    std::string lower(inside);
+    std::ranges::transform(lower, lower.begin(),
+                           [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
+    if (const auto name = lower.find("encoding"); name != lower.npos) {
+      const auto quote = lower.find_first_of("\"'", name);
+      const auto close = quote == lower.npos ? quote : lower.find(lower[quote], quote + 1);
+      if (close == lower.npos) return ill("a quoted encoding", shown());
+      const std::string value = lower.substr(quote + 1, close - quote - 1);
+      if (value != "utf-8" && value != "utf8" && value != "us-ascii") {
+        return fail(Code::xml_encoding,
+                    {.line = line(), .field = "encoding", .expected = "UTF-8", .found = value});
+      }
+    }
+    at_ = end + 2;
+    return {};
+  }
+
+  Status markup() {
+    const std::string_view here = rest();
+    if (here.starts_with("<!--")) return comment();
+    if (here.starts_with("<![CDATA[")) return cdata();
+    if (here.starts_with("<!")) return refuse(Code::xml_doctype, shown());
+    if (here.starts_with("<?")) return refuse(Code::xml_processing_instruction, shown());
+    return here.starts_with("</") ? end_tag() : start_tag();
+  }
+
+  Status comment() {
+    at_ += 4;
+    if (auto status = skip_past("--"); !status) return status;
+    if (!rest().starts_with('>')) return ill("-->", "-- inside a comment");
+    ++at_;
+    return {};
+  }
+
+  Status cdata() {
+    if (depth_ == 0) return ill("only white space outside the root element", "CDATA");
+    return skip_past("]]>");
+  }
+
+  Status text() {
+    const auto end = std::min(all_.find('<', at_), all_.size());
+    while (at_ < end) {
+      const char c = all_[at_];
+      if (c == '&') {
+        if (auto status = reference(); !status) return status;
+        continue;
+      }
+      if (depth_ == 0 && !is_space(c)) return ill("nothing outside the root element", shown());
+      if (c == ']' && rest().starts_with("]]>")) return ill("]]&gt;", "]]>");
+      ++at_;
+    }
+    return {};
+  }
+
+  Status reference() {
+    if (depth_ == 0) return ill("nothing outside the root element", shown());
+    const auto end = all_.find(';', at_);
+    if (end == all_.npos || end - at_ > 12) return refuse(Code::xml_entity, shown());
+    const std::string_view name = all_.substr(at_ + 1, end - at_ - 1);
+    constexpr std::array<std::string_view, 5> kKnown = {"lt", "gt", "amp", "quot", "apos"};
+    if (!std::ranges::count(kKnown, name) && !is_character_number(name)) {
+      return refuse(Code::xml_entity, std::string("&").append(name).append(";"));
+    }
+    at_ = end + 1;
+    return {};
+  }
+
+  static bool is_character_number(std::string_view name) {
+    if (!name.starts_with('#')) return false;
+    name.remove_prefix(1);
+    const bool hex = name.starts_with('x');
+    if (hex) name.remove_prefix(1);
+    std::uint32_t value = 0;
+    const auto [end, error] =
+        std::from_chars(name.data(), name.data() + name.size(), value, hex ? 16 : 10);
+    return error == std::errc() && end == name.data() + name.size() && is_xml_character(value);
+  }
+
+  void skip_space() {
+    while (at_ < all_.size() && is_space(all_[at_])) ++at_;
+  }
+
+  Status name() {
+    if (at_ >= all_.size() || !is_name_start(all_[at_])) return ill("a name", shown());
+    while (at_ < all_.size() && is_name(all_[at_])) ++at_;
+    return {};
+  }
+
+  Status end_tag() {
+    at_ += 2;
+    if (auto status = name(); !status) return status;
+    skip_space();
+    if (!rest().starts_with('>')) return ill(">", shown());
+    ++at_;
+    if (depth_ == 0) return ill("a start tag", "an end tag");
+    --depth_;
+    return {};
+  }
+
+  Status start_tag() {
+    if (auto status = open_element(); !status) return status;
+    ++at_;
+    if (auto status = name(); !status) return status;
+    for (;;) {
+      const auto before = at_;
+      skip_space();
+      if (rest().starts_with("/>")) {
+        at_ += 2;
+        --depth_;
+        return {};
+      }
+      if (rest().starts_with('>')) {
+        ++at_;
+        return {};
+      }
+      if (before == at_) return ill("white space, > or />", shown());
+      if (auto status = attribute(); !status) return status;
+    }
+  }
+
+  Status open_element() {
+    if (depth_ == 0 && had_root_) return ill("one root element", "another");
+    had_root_ = true;
+    if (++elements_ > kMostXmlElements) {
+      return fail(Code::xml_too_large, {.line = line(),
+                                        .expected = std::to_string(kMostXmlElements) + " elements",
+                                        .found = "more"});
+    }
+    if (++depth_ > kMostXmlDepth) {
+      return fail(Code::xml_too_deep,
+                  {.line = line(), .expected = std::to_string(kMostXmlDepth), .found = "more"});
+    }
+    return {};
+  }
+
+  Status attribute() {
+    if (auto status = name(); !status) return status;
+    skip_space();
+    if (!rest().starts_with('=')) return ill("=", shown());
+    ++at_;
+    skip_space();
+    if (!rest().starts_with('"') && !rest().starts_with('\'')) return ill("a quote", shown());
+    const char quote = all_[at_++];
+    while (at_ < all_.size() && all_[at_] != quote) {
+      if (all_[at_] == '<') return ill("&lt;", "<");
+      if (all_[at_] != '&') {
+        ++at_;
+      } else if (auto status = reference(); !status) {
+        return status;
+      }
+    }
+    if (at_ >= all_.size()) return ill("a closing quote", "the end of the document");
+    ++at_;
+    return {};
+  }
+
+  std::string_view all_;
+  std::size_t at_ = 0;
+  std::size_t elements_ = 0;
+  int depth_ = 0;
+  bool had_root_ = false;
+};
+
+}  // namespace
+
+Status check_xml(std::string_view document) {
+  if (document.size() > kMostXmlOctets) {
+    return fail(Code::xml_too_large, {.expected = std::to_string(kMostXmlOctets) + " octets",
+                                      .found = std::to_string(document.size())});
+  }
+  // UTF-16 and UTF-32 are full of NUL octets or begin with a mark that is not UTF-8.
+  if (document.starts_with("\xFE\xFF") || document.starts_with("\xFF\xFE")) {
+    return fail(Code::xml_encoding, {.line = 1, .expected = "UTF-8", .found = "UTF-16"});
+  }
+  if (auto status = check_characters(document); !status) return status;
+  return MarkupCheck(document).run();
+}
+
+}  // namespace ddssec::governance

@@ -1,0 +1,185 @@
+#include "governance/matcher.hpp"
+
+#include <algorithm>
+#include <fnmatch.h>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace ddssec::governance {
+namespace {
+
+bool matches(std::string_view expression, std::string_view name) {
+  return Pattern(expression).matches(name);
+}
+
+struct Row {
+  const char* expression;
+  const char* name;
+  bool matches;
+};
+
+class MatcherRow : public testing::TestWithParam<Row> {};
+
+TEST_P(MatcherRow, IsAsTheStandardSays) {
+  EXPECT_EQ(matches(GetParam().expression, GetParam().name), GetParam().matches);
+}
+
+TEST_P(MatcherRow, IsAsTheLibrarySays) {
+  EXPECT_EQ(fnmatch(GetParam().expression, GetParam().name, FNM_NOESCAPE) == 0, GetParam().matches);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Table, MatcherRow,
+    testing::Values(
+        Row{"", "", true}, Row{"", "a", false}, Row{"*", "", true}, Row{"?", "", false},
+        Row{"Square", "Square", true}, Row{"Square", "square", false}, Row{"Squ*", "Square", true},
+        Row{"S?uare", "Square", true}, Row{"S?uare", "Suare", false}, Row{"rt/*", "rt/a/b", true},
+        Row{"*", ".hidden", true}, Row{"rt/?", "rt//", true}, Row{"a\\*", "a*", false},
+        Row{"a\\*", "a\\b", true}, Row{"*a*b*c", "xaybzc", true}, Row{"*a*b*c", "xaybz", false},
+        Row{"**", "x", true}, Row{"a**b", "ab", true},
+        // Where Cyclone's matcher is of another opinion (measured).
+        Row{"[abc]", "]", false}, Row{"[]abc]", "]", true}, Row{"[^abc]", "d", true},
+        Row{"[^abc]", "a", false}, Row{"[!abc]", "d", true}, Row{"[abc]-x", "b-x", true},
+        Row{"[abc]-x", "f", false}, Row{"a[", "a[", true}, Row{"a[b", "a[b", true},
+        Row{"[[:alpha:]]", "q", true}, Row{"[[:alpha:]]", "1", false}, Row{"[a-]", "-", true},
+        Row{"[!]a]", "b", true}, Row{"[!]a]", "]", false}, Row{"[a-c]", "b", true},
+        Row{"[c-a]", "b", false}, Row{"[a-c-e]", "d", false}, Row{"[a-c-e]", "-", true},
+        Row{"[[:digit:]x]", "x", true}, Row{"[[:digit:]x]", "7", true},
+        Row{"[![:digit:]]", "7", false}, Row{"[[.a.]]", "a", true}, Row{"[[=a=]]", "a", true},
+        Row{"[]-a]", "^", true}, Row{"[*]", "*", true}, Row{"[*]", "a", false},
+        Row{"[?]x", "?x", true}, Row{"?", "\xC3", true}, Row{"?", "\xC3\xA9", false}));
+
+/// Random texts over few characters, so that they meet often.
+class RandomText {
+ public:
+  std::string of(std::string_view alphabet, std::size_t most) {
+    std::string text(generator_() % (most + 1), ' ');
+    for (auto& c : text) c = alphabet[generator_() % alphabet.size()];
+    return text;
+  }
+  std::uint32_t number(std::uint32_t below) { return generator_() % below; }
+
+ private:
+  std::mt19937 generator_{20261121};
+};
+
+TEST(Matcher, AgreesWithFnmatchOnRandomPatterns) {
+  RandomText random;
+  int matched = 0;
+  for (int i = 0; i < 400'000; ++i) {
+    const std::string expression = random.of("ab-*?[]!^\\/c", 9);
+    const std::string name = random.of("abc-]^!/*?[\\", 7);
+    const bool expected = fnmatch(expression.c_str(), name.c_str(), FNM_NOESCAPE) == 0;
+    ASSERT_EQ(matches(expression, name), expected) << expression << " on " << name;
+    matched += expected;
+  }
+  EXPECT_GT(matched, 10'000);
+}
+
+TEST(Matcher, AgreesWithFnmatchWhereSlashesSeparate) {
+  RandomText random;
+  int matched = 0;
+  for (int i = 0; i < 200'000; ++i) {
+    const std::string expression = random.of("ab*?/", 8);
+    const std::string name = random.of("ab/", 6);
+    const bool expected =
+        fnmatch(expression.c_str(), name.c_str(), FNM_NOESCAPE | FNM_PATHNAME) == 0;
+    ASSERT_EQ(Pattern(expression, Pattern::Slash::separate).matches(name), expected)
+        << expression << " on " << name;
+    matched += expected;
+  }
+  EXPECT_GT(matched, 3'000);
+}
+
+std::uint32_t naive_first(const std::vector<std::string>& expressions, const std::string& name) {
+  for (std::uint32_t i = 0; i < expressions.size(); ++i) {
+    if (fnmatch(expressions[i].c_str(), name.c_str(), FNM_NOESCAPE) == 0) return i;
+  }
+  return PatternSet::kNone;
+}
+
+// T6: the first rule in the document decides, however it is found.
+TEST(PatternSet, FindsTheSameFirstMatchAsAScan) {
+  RandomText random;
+  int matched = 0;
+  for (int round = 0; round < 400; ++round) {
+    PatternSet set;
+    std::vector<std::string> expressions;
+    for (std::uint32_t i = 0, count = 1 + random.number(40); i < count; ++i) {
+      const auto expression = random.number(2) ? random.of("abcd", 5) : random.of("abcd*?[]!-", 10);
+      if (set.add(expression) == expressions.size()) expressions.push_back(expression);
+    }
+    set.seal();
+    ASSERT_EQ(set.size(), expressions.size());
+    for (int i = 0; i < 300; ++i) {
+      const auto name = random.of("abcd]", 8);
+      const auto expected = naive_first(expressions, name);
+      ASSERT_EQ(set.first_match(name), expected) << name;
+      matched += expected != PatternSet::kNone;
+    }
+  }
+  EXPECT_GT(matched, 10'000);
+}
+
+TEST(PatternSet, FindsAllMatches) {
+  RandomText random;
+  for (int round = 0; round < 100; ++round) {
+    PatternSet set;
+    std::vector<std::string> expressions;
+    for (int i = 0; i < 60; ++i) {
+      const auto expression = random.of("ab*?", 12);
+      if (set.add(expression) == expressions.size()) expressions.push_back(expression);
+    }
+    set.seal();
+    for (int i = 0; i < 100; ++i) {
+      const auto name = random.of("ab", 12);
+      std::vector<PatternSet::Id> found, expected;
+      set.match(name, found);
+      for (std::uint32_t id = 0; id < expressions.size(); ++id) {
+        if (fnmatch(expressions[id].c_str(), name.c_str(), FNM_NOESCAPE) == 0)
+          expected.push_back(id);
+      }
+      ASSERT_EQ(found, expected) << name;
+    }
+  }
+}
+
+TEST(PatternSet, GivesTheSameTextTheSameNumber) {
+  PatternSet set;
+  EXPECT_EQ(set.add("a*"), 0u);
+  EXPECT_EQ(set.add("b"), 1u);
+  EXPECT_EQ(set.add("a*"), 0u);
+  EXPECT_EQ(set.add("b"), 1u);
+  EXPECT_EQ(set.size(), 2u);
+}
+
+TEST(PatternSet, EmptySetMatchesNothing) {
+  PatternSet set;
+  set.seal();
+  EXPECT_EQ(set.first_match("a"), PatternSet::kNone);
+  EXPECT_EQ(set.first_match(""), PatternSet::kNone);
+}
+
+// T5: what is asked for is a name, not an expression.
+TEST(PatternSet, TakesWildcardsInNamesLiterally) {
+  PatternSet set;
+  set.add("Square");
+  set.add("[*]");
+  set.seal();
+  EXPECT_EQ(set.first_match("S*"), PatternSet::kNone);
+  EXPECT_EQ(set.first_match("Squar?"), PatternSet::kNone);
+  EXPECT_EQ(set.first_match("*"), 1u);
+}
+
+TEST(PatternSet, FindsNamesLongerThanAnyPart) {
+  PatternSet set;
+  const std::string inner(100, 'x');
+  set.add("*" + inner + "y*");
+  set.seal();
+  EXPECT_EQ(set.first_match(inner + inner + "yz"), 0u);
+  EXPECT_EQ(set.first_match(inner + "z"), PatternSet::kNone);
+}
+
+}  // namespace
+}  // namespace ddssec::governance
