@@ -1,0 +1,342 @@
+#include "plugins/access_control/access_control.hpp"
+
+#include <algorithm>
+#include <shared_mutex>
+#include <unordered_map>
+
+#include <fmt/format.h>
+
+#include "plugins/access_control/loading.hpp"
+#include "plugins/access_control/protection.hpp"
+#include "plugins/access_control/refusals.hpp"
+#include "plugins/spi/property_names.hpp"
+
+namespace ddssec::access_control {
+namespace {
+
+using governance::Action;
+using spi::EndpointRequest;
+using spi::PermissionsHandle;
+using Holder = std::shared_ptr<PermissionsHolder>;
+
+/// All handles that are out. Thread-safe; looking up does not keep others from looking up.
+class HandleTable {
+ public:
+  Result<PermissionsHandle> add(Holder holder) {
+    const std::unique_lock lock(mutex_);
+    if (holders_.size() >= kMostPermissionsHandles) return fail(Code::too_many_permissions_handles);
+    const PermissionsHandle handle{++last_};
+    if (!holder->remote()) local_of_[holder->participant()->identity.value] = handle.value;
+    holders_.emplace(handle.value, std::move(holder));
+    return handle;
+  }
+
+  Holder find(PermissionsHandle handle) const {
+    const std::shared_lock lock(mutex_);
+    const auto entry = holders_.find(handle.value);
+    return entry == holders_.end() ? nullptr : entry->second;
+  }
+
+  Holder find_local(spi::IdentityHandle identity) const {
+    const std::shared_lock lock(mutex_);
+    const auto entry = local_of_.find(identity.value);
+    return entry == local_of_.end() ? nullptr : holders_.at(entry->second);
+  }
+
+  bool remove(PermissionsHandle handle) {
+    const std::unique_lock lock(mutex_);
+    std::erase_if(local_of_, [&](const auto& entry) { return entry.second == handle.value; });
+    return holders_.erase(handle.value) == 1;
+  }
+
+  std::vector<std::pair<PermissionsHandle, Holder>> all() const {
+    const std::shared_lock lock(mutex_);
+    std::vector<std::pair<PermissionsHandle, Holder>> out;
+    for (const auto& [value, holder] : holders_) out.emplace_back(PermissionsHandle{value}, holder);
+    std::ranges::sort(out, {}, [](const auto& entry) { return entry.first; });
+    return out;
+  }
+
+ private:
+  mutable std::shared_mutex mutex_;
+  std::unordered_map<std::int64_t, Holder> holders_;
+  std::unordered_map<std::int64_t, std::int64_t> local_of_;  ///< identity -> permissions
+  std::int64_t last_ = 0;
+};
+
+bool is_access_controlled(const governance::TopicRule& rule, Action action) {
+  return action == Action::publish ? rule.enable_write_access_control
+                                   : rule.enable_read_access_control;
+}
+
+std::vector<governance::DataTag> data_tags_of(const EndpointRequest& request) {
+  std::vector<governance::DataTag> tags;
+  for (const auto& tag : request.data_tags) tags.push_back({tag.name, tag.value});
+  return tags;
+}
+
+class Plugin final : public spi::AccessControl {
+ public:
+  Plugin(const Environment& environment, Options options)
+      : environment_(environment),
+        options_(std::move(options)),
+        documents_(options_.partition_match, kMostCachedDocuments, kMostCachedOctets) {}
+
+  Result<PermissionsHandle> validate_local_permissions(
+      spi::IdentityHandle identity, DomainId domain_id,
+      const spi::PropertyList& properties) override {
+    auto holder = load_local(context(), identity, domain_id, properties);
+    if (!holder) return refuse(holder.error());
+    return add(*std::move(holder));
+  }
+
+  Result<PermissionsHandle> validate_remote_permissions(spi::IdentityHandle local_identity,
+                                                        spi::IdentityHandle remote_identity,
+                                                        const spi::Token& permissions_token,
+                                                        const spi::Token& credential) override;
+
+  Status check_create_participant(PermissionsHandle local, DomainId domain_id) override {
+    return check(local, domain_id, [&](PermissionsHolder& h) { return judge_participant(h); });
+  }
+  Status check_create_datawriter(PermissionsHandle local, DomainId domain_id,
+                                 const EndpointRequest& request) override {
+    return check(local, domain_id,
+                 [&](PermissionsHolder& h) { return judge_endpoint(h, Action::publish, request); });
+  }
+  Status check_create_datareader(PermissionsHandle local, DomainId domain_id,
+                                 const EndpointRequest& request) override {
+    return check(local, domain_id, [&](PermissionsHolder& h) {
+      return judge_endpoint(h, Action::subscribe, request);
+    });
+  }
+  Status check_create_topic(PermissionsHandle local, DomainId domain_id,
+                            std::string_view topic_name) override {
+    return check(local, domain_id,
+                 [&](PermissionsHolder& h) { return judge_topic(h, topic_name); });
+  }
+
+  // A peer is judged as a local participant is: by the local governance and its own permissions.
+  Status check_remote_participant(PermissionsHandle remote, DomainId domain_id) override {
+    return check_create_participant(remote, domain_id);
+  }
+  Status check_remote_datawriter(PermissionsHandle remote, DomainId domain_id,
+                                 const EndpointRequest& request) override {
+    return check_create_datawriter(remote, domain_id, request);
+  }
+  Result<RemoteDatareader> check_remote_datareader(PermissionsHandle remote, DomainId domain_id,
+                                                   const EndpointRequest& request) override;
+  Status check_remote_topic(PermissionsHandle remote, DomainId domain_id,
+                            std::string_view topic_name) override {
+    return check_create_topic(remote, domain_id, topic_name);
+  }
+
+  Result<spi::Token> permissions_token(PermissionsHandle local) override {
+    DDSSEC_TRY(known(local));
+    // Fast DDS refuses any dds.perm_ca.sn or dds.perm_ca.algo but its own spelling: none is best.
+    return spi::Token{.class_id = std::string(spi::class_id::kPermissions)};
+  }
+  Result<spi::Token> permissions_credential_token(PermissionsHandle local) override {
+    const Holder holder = DDSSEC_TRY(known(local));
+    return spi::Token{.class_id = std::string(spi::class_id::kPermissionsCredential),
+                      .properties = {{"dds.perm.cert", holder->participant()->permissions_text}}};
+  }
+
+  Result<spi::ParticipantSecurityAttributes> participant_sec_attributes(
+      PermissionsHandle local) override {
+    const Holder holder = DDSSEC_TRY(known(local));
+    return participant_attributes(holder->participant()->governance->domain_rule());
+  }
+  Result<spi::TopicSecurityAttributes> topic_sec_attributes(PermissionsHandle local,
+                                                            std::string_view topic_name) override {
+    return DDSSEC_TRY(attributes(local, topic_name)).topic;
+  }
+  Result<spi::EndpointSecurityAttributes> datawriter_sec_attributes(
+      PermissionsHandle local, const EndpointRequest& request) override {
+    return attributes(local, request.topic_name);
+  }
+  Result<spi::EndpointSecurityAttributes> datareader_sec_attributes(
+      PermissionsHandle local, const EndpointRequest& request) override {
+    return attributes(local, request.topic_name);
+  }
+
+  Status return_permissions_handle(PermissionsHandle permissions) override {
+    // Hosts return handles of peers more than once: that is no event.
+    if (!handles_.remove(permissions)) return fail(Code::unknown_permissions_handle);
+    return {};
+  }
+
+  std::optional<WallTime> next_expiry() override;
+  std::vector<PermissionsHandle> expire() override;
+
+ private:
+  LoadContext context() { return {documents_, options_, environment_.clock.now()}; }
+
+  /// Raises the one event of a refusal.
+  std::unexpected<Error> refuse(const Error& error, const std::string& peer_subject = {}) {
+    environment_.events.raise(Event(error, peer_subject));
+    return std::unexpected(error);
+  }
+
+  Result<PermissionsHandle> add(Holder holder) {
+    auto handle = handles_.add(std::move(holder));
+    if (!handle) return refuse(handle.error());
+    return handle;
+  }
+
+  Result<Holder> known(PermissionsHandle handle) {
+    if (Holder holder = handles_.find(handle)) return holder;
+    return refuse(Error(Code::unknown_permissions_handle));
+  }
+
+  /// Finds the holder, lets `judge` decide and raises what it refuses.
+  template <class Judge>
+  Status check(PermissionsHandle handle, DomainId domain_id, Judge&& judge) {
+    const Holder holder = DDSSEC_TRY(known(handle));
+    const DomainId own = holder->participant()->domain;
+    const Status status =
+        own == domain_id ? judge(*holder)
+                         : Status(fail(Code::other_domain, {.expected = std::to_string(own),
+                                                            .found = std::to_string(domain_id)}));
+    if (!status) return refuse(status.error(), holder->peer_subject());
+    return {};
+  }
+
+  Result<Grant> grant_now(PermissionsHolder& holder) {
+    return holder.grant(environment_.clock.now());
+  }
+
+  Status judge_participant(PermissionsHolder& holder);
+  Status judge_endpoint(PermissionsHolder& holder, Action action, const EndpointRequest& request);
+  Status judge_topic(PermissionsHolder& holder, std::string_view topic);
+  bool may_relay(PermissionsHolder& holder, const EndpointRequest& request);
+  Result<spi::EndpointSecurityAttributes> attributes(PermissionsHandle local,
+                                                     std::string_view topic);
+
+  const Environment environment_;
+  const Options options_;
+  DocumentCache documents_;
+  HandleTable handles_;
+};
+
+Result<PermissionsHandle> Plugin::validate_remote_permissions(spi::IdentityHandle local_identity,
+                                                              spi::IdentityHandle remote_identity,
+                                                              const spi::Token& permissions_token,
+                                                              const spi::Token& credential) {
+  const Holder local = handles_.find_local(local_identity);
+  if (!local) return refuse(Error(Code::unknown_local_identity));
+  const auto& participant = local->participant();
+  Subject subject;
+  auto judged = judge_remote(context(), *participant, permissions_token, credential, subject);
+  const std::string name = subject.shown.empty() ? "permissions of a peer without certificate"
+                                                 : "permissions of " + subject.shown;
+  std::shared_ptr<PermissionsDocument> document;
+  if (judged) {
+    document = *std::move(judged);
+  } else {
+    auto refused = refuse(judged.error().in(name), subject.shown);
+    // Without join access control such a peer may still have what is not protected.
+    const auto& rule = participant->governance->domain_rule();
+    if (rule.enable_join_access_control) return refused;
+  }
+  auto holder = std::make_shared<PermissionsHolder>(participant, remote_identity,
+                                                    std::move(subject), name, std::move(document));
+  // So that next_expiry knows its end before the first check; an error will come again there.
+  if (holder->has_document()) static_cast<void>(grant_now(*holder));
+  return add(std::move(holder));
+}
+
+Status Plugin::judge_participant(PermissionsHolder& holder) {
+  const auto& rule = holder.participant()->governance->domain_rule();
+  if (!rule.enable_join_access_control) return {};
+  const Grant grant = DDSSEC_TRY(grant_now(holder));
+  const auto verdict = grant->judge_participant();
+  if (!verdict.allowed) return std::unexpected(participant_denied(holder, *grant, verdict));
+  return {};
+}
+
+Status Plugin::judge_endpoint(PermissionsHolder& holder, Action action,
+                              const EndpointRequest& request) {
+  const auto& participant = *holder.participant();
+  const auto* rule = participant.governance->topic_rule(request.topic_name);
+  if (!rule) return std::unexpected(topic_not_covered(participant, request.topic_name));
+  if (!is_access_controlled(*rule, action)) return {};
+  const Grant grant = DDSSEC_TRY(grant_now(holder));
+  const auto tags = data_tags_of(request);
+  const auto verdict = grant->judge(action, {request.topic_name, request.partitions, tags});
+  if (verdict.allowed) return {};
+  return std::unexpected(endpoint_denied(holder, *grant, verdict, action, request));
+}
+
+Status Plugin::judge_topic(PermissionsHolder& holder, std::string_view topic) {
+  const auto& participant = *holder.participant();
+  const auto* rule = participant.governance->topic_rule(topic);
+  if (!rule) return std::unexpected(topic_not_covered(participant, topic));
+  if (!rule->enable_read_access_control || !rule->enable_write_access_control) return {};
+  const Grant grant = DDSSEC_TRY(grant_now(holder));
+  const auto publish = grant->judge_topic(Action::publish, topic);
+  if (publish.allowed || grant->judge_topic(Action::subscribe, topic).allowed) return {};
+  return std::unexpected(topic_denied(holder, *grant, publish, topic));
+}
+
+/// Only what a <relay> element allows: a default is not meant for relays.
+bool Plugin::may_relay(PermissionsHolder& holder, const EndpointRequest& request) {
+  const auto grant = grant_now(holder);
+  if (!grant) return false;
+  const auto tags = data_tags_of(request);
+  const auto verdict =
+      (*grant)->judge(Action::relay, {request.topic_name, request.partitions, tags});
+  return verdict.allowed && verdict.criteria;
+}
+
+Result<spi::AccessControl::RemoteDatareader> Plugin::check_remote_datareader(
+    PermissionsHandle remote, DomainId domain_id, const EndpointRequest& request) {
+  RemoteDatareader answer;
+  const auto judge = [&](PermissionsHolder& holder) -> Status {
+    Status status = judge_endpoint(holder, Action::subscribe, request);
+    if (status || status.error().code() != Code::subscribe_not_allowed) return status;
+    answer.relay_only = options_.accept_relays && may_relay(holder, request);
+    return answer.relay_only ? Status() : status;
+  };
+  DDSSEC_TRY(check(remote, domain_id, judge));
+  return answer;
+}
+
+Result<spi::EndpointSecurityAttributes> Plugin::attributes(PermissionsHandle local,
+                                                           std::string_view topic) {
+  const Holder holder = DDSSEC_TRY(known(local));
+  const auto& participant = *holder->participant();
+  const auto& governance = *participant.governance;
+  if (const auto builtin = builtin_attributes(governance.domain_rule(), topic)) return *builtin;
+  if (const auto* rule = governance.topic_rule(topic)) return endpoint_attributes(*rule);
+  return refuse(topic_not_covered(participant, topic), holder->peer_subject());
+}
+
+std::optional<WallTime> Plugin::next_expiry() {
+  std::optional<WallTime> earliest;
+  for (const auto& [handle, holder] : handles_.all()) {
+    const auto end = holder->ends();
+    if (end && (!earliest || *end < *earliest)) earliest = end;
+  }
+  return earliest;
+}
+
+std::vector<PermissionsHandle> Plugin::expire() {
+  std::vector<PermissionsHandle> ended;
+  const WallTime now = environment_.clock.now();
+  for (const auto& [handle, holder] : handles_.all()) {
+    if (const auto reason = holder->newly_ended(now)) {
+      environment_.events.raise(Event(*reason, holder->peer_subject()));
+      ended.push_back(handle);
+    }
+  }
+  return ended;
+}
+
+}  // namespace
+
+std::unique_ptr<spi::AccessControl> make_access_control(const Environment& environment,
+                                                        Options options) {
+  return std::make_unique<Plugin>(environment, std::move(options));
+}
+
+}  // namespace ddssec::access_control

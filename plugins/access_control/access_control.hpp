@@ -1,0 +1,39 @@
+// The access control plugin DDS:Access:Permissions (DDS-Security 9.4).
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "base/event.hpp"
+#include "base/hash.hpp"
+#include "governance/decision.hpp"
+#include "plugins/spi/access_control.hpp"
+
+namespace ddssec::access_control {
+
+/// What an integrator may choose; the defaults refuse.
+struct Options {
+  /// The largest permissions document that is taken from a peer, in octets.
+  std::size_t most_permissions_octets = 16 * 1024 * 1024;
+  /// `one` is the "legacy" mode of DDS-Security 1.2.
+  governance::PartitionMatch partition_match = governance::PartitionMatch::all;
+  /// Answer relay_only to a reader that only a relay element lets in. Set it only if the
+  /// cryptography then keeps the payload key to itself; otherwise such a reader could read.
+  bool accept_relays = false;
+  /// SHA-256 of signed documents that count no longer although their dates are good.
+  std::vector<Sha256Digest> withdrawn_documents = {};
+};
+
+/// How many judged documents, and octets of them, are kept for peers to come.
+inline constexpr std::size_t kMostCachedDocuments = 256;
+inline constexpr std::size_t kMostCachedOctets = 64 * 1024 * 1024;
+/// How many handles may be out at a time.
+inline constexpr std::size_t kMostPermissionsHandles = 65536;
+
+/// A plugin without any participant yet; `environment` outlives it. Each local participant's own
+/// documents govern what it does and whom it trusts.
+std::unique_ptr<spi::AccessControl> make_access_control(const Environment& environment,
+                                                        Options options = {});
+
+}  // namespace ddssec::access_control

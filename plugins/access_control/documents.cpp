@@ -1,0 +1,106 @@
+#include "plugins/access_control/documents.hpp"
+
+#include <algorithm>
+
+#include "governance/grant.hpp"
+#include "governance/read.hpp"
+#include "pki/source.hpp"
+#include "plugins/spi/property_names.hpp"
+
+namespace ddssec::access_control {
+
+Result<std::shared_ptr<const PermissionsCa>> PermissionsCa::load(const std::string& uri) {
+  const auto file =
+      DDSSEC_TRY(pki::load(uri, spi::property::kPermissionsCa, pki::kMostBundleOctets));
+  auto certificates = DDSSEC_TRY(pki::Certificate::bundle_from_pem(file));
+  Bytes fingerprints;
+  for (const auto& certificate : certificates) {
+    const auto& f = certificate.fingerprint();
+    fingerprints.insert(fingerprints.end(), f.begin(), f.end());
+  }
+  auto verifier = DDSSEC_TRY(pki::DocumentVerifier::make(std::move(certificates)));
+  return std::make_shared<const PermissionsCa>(std::move(verifier), sha256(fingerprints));
+}
+
+PermissionsDocument::PermissionsDocument(governance::Permissions permissions,
+                                         const pki::SignedDocument& document)
+    : permissions_(std::make_shared<const governance::Permissions>(std::move(permissions))),
+      signer_not_before_(document.signer().not_before()),
+      signer_not_after_(document.signer_not_after()),
+      signer_(document.signer().subject()) {}
+
+Status PermissionsDocument::check_signer(WallTime now) const {
+  const bool early = now < signer_not_before_;
+  if (!early && now <= signer_not_after_) return {};
+  return fail(early ? Code::certificate_not_yet_valid : Code::certificate_expired,
+              {.field = early ? "notBefore" : "notAfter",
+               .expected = to_string(early ? signer_not_before_ : signer_not_after_),
+               .found = to_string(now),
+               .note = "permissions CA " + signer_});
+}
+
+Result<Grant> PermissionsDocument::grant_for(const pki::SubjectName& subject,
+                                             std::string_view shown, DomainId domain,
+                                             WallTime now) {
+  DDSSEC_TRY(check_signer(now));
+  const governance::Grant* grant =
+      DDSSEC_TRY(governance::find_grant(*permissions_, subject, shown, now));
+  const std::lock_guard lock(mutex_);
+  if (compiled_.size() >= kMostCompiled && !compiled_.contains({grant, domain})) compiled_.clear();
+  auto& compiled = compiled_[{grant, domain}];
+  if (!compiled) {
+    compiled = std::make_shared<const governance::CompiledGrant>(permissions_, *grant, domain,
+                                                                 partition_match_);
+  }
+  return compiled;
+}
+
+Result<std::shared_ptr<PermissionsDocument>> DocumentCache::permissions(const PermissionsCa& ca,
+                                                                        BytesView file,
+                                                                        WallTime now) {
+  const Sha256Digest key = sha256({ca.digest(), file});
+  if (auto known = find(key)) {
+    DDSSEC_TRY(known->check_signer(now));
+    return known;
+  }
+  const auto document = DDSSEC_TRY(ca.verifier().verify(file, now));
+  auto permissions = DDSSEC_TRY(governance::read_permissions(document.content()));
+  auto judged = std::make_shared<PermissionsDocument>(std::move(permissions), document);
+  judged->set_partition_match(partition_match_);
+  insert({key, file.size(), judged});
+  return judged;
+}
+
+std::shared_ptr<PermissionsDocument> DocumentCache::find(const Sha256Digest& key) {
+  const std::lock_guard lock(mutex_);
+  const auto known = by_key_.find(key);
+  if (known == by_key_.end()) return nullptr;
+  entries_.splice(entries_.begin(), entries_, known->second);
+  return known->second->document;
+}
+
+void DocumentCache::insert(Entry entry) {
+  const std::lock_guard lock(mutex_);
+  ++times_read_;
+  if (by_key_.contains(entry.key)) return;  // two threads read it at the same time
+  octets_ += entry.octets;
+  entries_.push_front(std::move(entry));
+  by_key_[entries_.front().key] = entries_.begin();
+  while (entries_.size() > most_documents_ || (octets_ > most_octets_ && entries_.size() > 1)) {
+    octets_ -= entries_.back().octets;
+    by_key_.erase(entries_.back().key);
+    entries_.pop_back();
+  }
+}
+
+std::size_t DocumentCache::times_read() const {
+  const std::lock_guard lock(mutex_);
+  return times_read_;
+}
+
+std::size_t DocumentCache::size() const {
+  const std::lock_guard lock(mutex_);
+  return entries_.size();
+}
+
+}  // namespace ddssec::access_control

@@ -1,0 +1,107 @@
+// Verified documents: each is verified and read once, whoever presents it.
+#pragma once
+
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "base/hash.hpp"
+#include "governance/decision.hpp"
+#include "pki/smime.hpp"
+#include "pki/subject_name.hpp"
+
+namespace ddssec::access_control {
+
+/// The permissions CA of one participant.
+class PermissionsCa {
+ public:
+  /// Loads the file that the property names. Errors: those of pki::load, of
+  /// pki::Certificate::bundle_from_pem and of pki::DocumentVerifier::make.
+  static Result<std::shared_ptr<const PermissionsCa>> load(const std::string& uri);
+
+  const pki::DocumentVerifier& verifier() const { return verifier_; }
+  /// SHA-256 over the file's certificates.
+  const Sha256Digest& digest() const { return digest_; }
+
+  PermissionsCa(pki::DocumentVerifier verifier, const Sha256Digest& digest)
+      : verifier_(std::move(verifier)), digest_(digest) {}
+
+ private:
+  pki::DocumentVerifier verifier_;
+  Sha256Digest digest_;
+};
+
+/// A grant and why it still counts.
+using Grant = std::shared_ptr<const governance::CompiledGrant>;
+
+/// A permissions document whose signature was verified. Thread-safe.
+class PermissionsDocument {
+ public:
+  PermissionsDocument(governance::Permissions permissions, const pki::SignedDocument& document);
+
+  /// The grant of the subject that is valid now, compiled at most once for a domain.
+  /// Errors: those of governance::find_grant, and certificate_expired, certificate_not_yet_valid
+  /// for the CA that signed.
+  Result<Grant> grant_for(const pki::SubjectName& subject, std::string_view shown, DomainId domain,
+                          WallTime now);
+  /// Success while the signer's certificate is valid.
+  Status check_signer(WallTime now) const;
+  WallTime signer_not_after() const { return signer_not_after_; }
+
+  void set_partition_match(governance::PartitionMatch match) { partition_match_ = match; }
+
+ private:
+  /// Compiled grants that are kept; more subjects than that compile again.
+  static constexpr std::size_t kMostCompiled = 64;
+
+  std::shared_ptr<const governance::Permissions> permissions_;
+  WallTime signer_not_before_;
+  WallTime signer_not_after_;
+  std::string signer_;
+  governance::PartitionMatch partition_match_ = governance::PartitionMatch::all;
+  std::mutex mutex_;
+  std::map<std::pair<const governance::Grant*, DomainId>, Grant> compiled_;
+};
+
+/// Permissions documents judged before, by their octets and the CA. Bounded; the least recently
+/// used goes first. Only verified documents get in. Thread-safe.
+class DocumentCache {
+ public:
+  DocumentCache(governance::PartitionMatch partition_match, std::size_t most_documents,
+                std::size_t most_octets)
+      : partition_match_(partition_match),
+        most_documents_(most_documents),
+        most_octets_(most_octets) {}
+
+  /// Verifies and reads `file`, or finds it. Errors: those of pki::DocumentVerifier::verify and
+  /// governance::read_permissions.
+  Result<std::shared_ptr<PermissionsDocument>> permissions(const PermissionsCa& ca, BytesView file,
+                                                           WallTime now);
+  /// How many documents were verified and read, for tests.
+  std::size_t times_read() const;
+  std::size_t size() const;
+
+ private:
+  struct Entry {
+    Sha256Digest key;
+    std::size_t octets;
+    std::shared_ptr<PermissionsDocument> document;
+  };
+  std::shared_ptr<PermissionsDocument> find(const Sha256Digest& key);
+  void insert(Entry entry);
+
+  const governance::PartitionMatch partition_match_;
+  const std::size_t most_documents_;
+  const std::size_t most_octets_;
+  mutable std::mutex mutex_;
+  std::list<Entry> entries_;  ///< most recently used first
+  std::map<Sha256Digest, std::list<Entry>::iterator> by_key_;
+  std::size_t octets_ = 0;
+  std::size_t times_read_ = 0;
+};
+
+}  // namespace ddssec::access_control

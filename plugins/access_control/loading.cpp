@@ -1,0 +1,166 @@
+#include "plugins/access_control/loading.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "governance/read.hpp"
+#include "pki/source.hpp"
+#include "plugins/access_control/protection.hpp"
+#include "plugins/spi/property_names.hpp"
+
+namespace ddssec::access_control {
+namespace {
+
+/// A document as a person knows it: its path, or the property if it stands in the property itself.
+std::string document_name(std::string_view property, std::string_view uri) {
+  const auto start = uri.find_first_not_of(" \t");
+  if (start != uri.npos && uri.substr(start).starts_with("file:")) {
+    return std::string(uri.substr(start + 5));
+  }
+  return std::string(property);
+}
+
+/// `result`, or its error with the document named.
+template <class T>
+Result<T> in_document(Result<T> result, const std::string& name) {
+  if (result) return result;
+  return std::unexpected(result.error().in(name));
+}
+
+/// The three URIs: permissions CA, governance, permissions.
+Result<std::array<std::string, 3>> document_uris(const spi::PropertyList& properties) {
+  constexpr std::array kNames = {spi::property::kPermissionsCa, spi::property::kGovernance,
+                                 spi::property::kPermissions};
+  std::array<std::string, kNames.size()> values;
+  std::string missing;
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    if (const auto* value = spi::find_property(properties, kNames[i])) values[i] = *value;
+    if (values[i].empty()) missing += fmt::format("{}{}", missing.empty() ? "" : ", ", kNames[i]);
+  }
+  if (std::ranges::all_of(values, &std::string::empty)) return fail(Code::access_not_configured);
+  if (!missing.empty()) {
+    return fail(Code::access_document_missing, {.expected = missing, .found = "empty or not set"});
+  }
+  return values;
+}
+
+Result<Subject> local_subject(const spi::PropertyList& properties) {
+  constexpr auto kProperty = spi::property::kIdentityCertificate;
+  const auto* uri = spi::find_property(properties, kProperty);
+  if (!uri || uri->empty()) return fail(Code::missing_property, {.field = std::string(kProperty)});
+  const auto file = DDSSEC_TRY(pki::load(*uri, kProperty, pki::kMostCertificateOctets));
+  const auto certificate =
+      DDSSEC_TRY(in_document(pki::Certificate::from_pem(file), document_name(kProperty, *uri)));
+  return Subject{pki::SubjectName::of(certificate), certificate.subject()};
+}
+
+Result<std::shared_ptr<const governance::CompiledGovernance>> compile_governance(
+    const PermissionsCa& ca, BytesView file, DomainId domain, WallTime now) {
+  const auto document = DDSSEC_TRY(ca.verifier().verify(file, now));
+  auto content = std::make_shared<const governance::Governance>(
+      DDSSEC_TRY(governance::read_governance(document.content())));
+  auto compiled = DDSSEC_TRY(governance::CompiledGovernance::make(std::move(content), domain));
+  DDSSEC_TRY(check_enforceable(compiled->domain_rule()));
+  return compiled;
+}
+
+Result<std::shared_ptr<PermissionsDocument>> verified_permissions(const LoadContext& context,
+                                                                  const PermissionsCa& ca,
+                                                                  BytesView file) {
+  const auto& withdrawn = context.options.withdrawn_documents;
+  if (!withdrawn.empty()) {
+    const auto digest = sha256(file);
+    if (std::ranges::find(withdrawn, digest) != withdrawn.end()) {
+      return fail(Code::permissions_withdrawn, {.found = "SHA-256 " + to_hex(digest)});
+    }
+  }
+  return context.documents.permissions(ca, file, context.now);
+}
+
+/// The octets of a property that a host may carry as binary or as text.
+std::optional<BytesView> octets_of(const spi::Token& token, std::string_view name) {
+  std::optional<BytesView> octets;
+  if (const auto* text = spi::find_property(token.properties, name)) octets = as_bytes(*text);
+  if (const auto* binary = spi::find_binary_property(token, name)) octets = BytesView(*binary);
+  // Some peers count the NUL at the end of their text.
+  if (octets && !octets->empty() && octets->back() == 0) octets = octets->first(octets->size() - 1);
+  if (octets && octets->empty()) return std::nullopt;
+  return octets;
+}
+
+/// Plugin name without regard to case, and the same major version; no version means 1.0
+/// (DDS-Security 9.4.2.2).
+bool is_compatible_class(std::string_view class_id) {
+  constexpr std::string_view kPlugin = "DDS:Access:Permissions";
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
+  if (!std::ranges::equal(class_id.substr(0, kPlugin.size()), kPlugin, {}, lower, lower)) {
+    return false;
+  }
+  const auto version = class_id.substr(kPlugin.size());
+  return version.empty() || version == ":1" || version.starts_with(":1.");
+}
+
+}  // namespace
+
+Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context,
+                                                      spi::IdentityHandle identity, DomainId domain,
+                                                      const spi::PropertyList& properties) {
+  const auto uris = DDSSEC_TRY(document_uris(properties));
+  const auto& [ca_uri, governance_uri, permissions_uri] = uris;
+  auto subject = DDSSEC_TRY(local_subject(properties));
+  auto participant = std::make_shared<Participant>();
+  participant->identity = identity;
+  participant->domain = domain;
+  participant->ca = DDSSEC_TRY(in_document(PermissionsCa::load(ca_uri),
+                                           document_name(spi::property::kPermissionsCa, ca_uri)));
+  participant->governance_name = document_name(spi::property::kGovernance, governance_uri);
+  const auto governance_file =
+      DDSSEC_TRY(pki::load(governance_uri, spi::property::kGovernance, pki::kMostDocumentOctets));
+  participant->governance = DDSSEC_TRY(
+      in_document(compile_governance(*participant->ca, governance_file, domain, context.now),
+                  participant->governance_name));
+  const auto name = document_name(spi::property::kPermissions, permissions_uri);
+  const auto file =
+      DDSSEC_TRY(pki::load(permissions_uri, spi::property::kPermissions, pki::kMostDocumentOctets));
+  participant->permissions_text = as_text(file);
+  auto document =
+      DDSSEC_TRY(in_document(verified_permissions(context, *participant->ca, file), name));
+  auto holder = std::make_shared<PermissionsHolder>(std::move(participant), std::nullopt,
+                                                    std::move(subject), name, std::move(document));
+  DDSSEC_TRY(holder->grant(context.now));
+  return holder;
+}
+
+Result<std::shared_ptr<PermissionsDocument>> judge_remote(const LoadContext& context,
+                                                          const Participant& local,
+                                                          const spi::Token& permissions_token,
+                                                          const spi::Token& credential,
+                                                          Subject& subject) {
+  const auto certificate_octets = octets_of(credential, "c.id");
+  if (!certificate_octets) return fail(Code::peer_certificate_missing, {.field = "c.id"});
+  const auto certificate = DDSSEC_TRY(pki::Certificate::from_pem(*certificate_octets));
+  subject = {pki::SubjectName::of(certificate), certificate.subject()};
+  if (!is_compatible_class(permissions_token.class_id)) {
+    return fail(Code::permissions_token_class,
+                {.field = "class_id",
+                 .expected = std::string(spi::class_id::kPermissions),
+                 .found = permissions_token.class_id.substr(0, 100)});
+  }
+  // Fast DDS and the standard name it after the credential token, Cyclone after the handshake.
+  auto file = octets_of(credential, "c.perm");
+  if (!file) file = octets_of(credential, "dds.perm.cert");
+  if (!file) return fail(Code::permissions_missing, {.field = "c.perm"});
+  if (file->size() > context.options.most_permissions_octets) {
+    return fail(Code::permissions_too_large,
+                {.field = "c.perm",
+                 .expected = std::to_string(context.options.most_permissions_octets) + " octets",
+                 .found = std::to_string(file->size())});
+  }
+  auto document = DDSSEC_TRY(verified_permissions(context, *local.ca, *file));
+  DDSSEC_TRY(document->grant_for(subject.name, subject.shown, local.domain, context.now));
+  return document;
+}
+
+}  // namespace ddssec::access_control

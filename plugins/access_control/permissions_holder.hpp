@@ -1,0 +1,73 @@
+// What a permissions handle stands for: a subject, its document and the grant that counts now.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "plugins/access_control/documents.hpp"
+#include "plugins/spi/handles.hpp"
+
+namespace ddssec::access_control {
+
+/// A local participant: its documents govern what it does and whom it trusts.
+struct Participant {
+  spi::IdentityHandle identity;
+  DomainId domain = 0;
+  std::shared_ptr<const governance::CompiledGovernance> governance;
+  std::string governance_name;  ///< the document's name in errors
+  std::shared_ptr<const PermissionsCa> ca;
+  std::string permissions_text;  ///< the signed file as it goes to peers
+};
+
+/// Who is judged.
+struct Subject {
+  pki::SubjectName name;
+  std::string shown;  ///< RFC 2253
+};
+
+/// The permissions of one subject as one local participant sees them. Thread-safe.
+class PermissionsHolder {
+ public:
+  /// `remote`: the peer's identity, if it is one. `document` null: a peer without usable
+  /// permissions, to whom only what is not protected is open.
+  PermissionsHolder(std::shared_ptr<const Participant> participant,
+                    std::optional<spi::IdentityHandle> remote, Subject subject,
+                    std::string document_name, std::shared_ptr<PermissionsDocument> document)
+      : participant_(std::move(participant)),
+        remote_(remote),
+        subject_(std::move(subject)),
+        document_name_(std::move(document_name)),
+        document_(std::move(document)) {}
+
+  const std::shared_ptr<const Participant>& participant() const { return participant_; }
+  const std::optional<spi::IdentityHandle>& remote() const { return remote_; }
+  /// Subject of a peer, for events; empty for a local participant.
+  std::string peer_subject() const { return remote_ ? subject_.shown : std::string(); }
+  bool has_document() const { return document_ != nullptr; }
+  const std::string& document_name() const { return document_name_; }
+
+  /// The grant that is valid at `now`: by the wall clock at every call, so that neither a host that
+  /// forgets to call expire nor a clock that jumps lets anybody in. When a grant ends, another of
+  /// the same document takes over. Errors: those of PermissionsDocument::grant_for,
+  /// peer_has_no_permissions.
+  Result<Grant> grant(WallTime now);
+
+  /// When the grant found last ends, if it was not reported as ended.
+  std::optional<WallTime> ends() const;
+  /// True once: the error why nothing is valid now, to be reported.
+  std::optional<Error> newly_ended(WallTime now);
+
+ private:
+  const std::shared_ptr<const Participant> participant_;
+  const std::optional<spi::IdentityHandle> remote_;
+  const Subject subject_;
+  const std::string document_name_;
+  const std::shared_ptr<PermissionsDocument> document_;
+  mutable std::mutex mutex_;
+  Grant grant_;
+  bool reported_ = false;
+};
+
+}  // namespace ddssec::access_control

@@ -1,0 +1,117 @@
+#include "plugins/access_control/protection.hpp"
+
+#include <algorithm>
+#include <array>
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+namespace ddssec::access_control {
+namespace {
+
+enum class Protects : std::uint8_t { discovery, liveliness, nothing, keys };
+
+struct BuiltinTopic {
+  std::string_view name;
+  Protects by;
+};
+
+// The standard writes DCPSParticipantSecure and DCPSParticipantsSecure.
+constexpr std::array<BuiltinTopic, 7> kBuiltinTopics = {
+    {{"DCPSParticipantSecure", Protects::discovery},
+     {"DCPSParticipantsSecure", Protects::discovery},
+     {"DCPSPublicationsSecure", Protects::discovery},
+     {"DCPSSubscriptionsSecure", Protects::discovery},
+     {"DCPSParticipantMessageSecure", Protects::liveliness},
+     {"DCPSParticipantStatelessMessage", Protects::nothing},
+     {"DCPSParticipantVolatileMessageSecure", Protects::keys}}};
+
+ProtectionKind kind_of(Protects by, const governance::DomainRule& rule) {
+  switch (by) {
+    case Protects::discovery:
+      return rule.discovery_protection_kind;
+    case Protects::liveliness:
+      return rule.liveliness_protection_kind;
+    case Protects::nothing:
+      return ProtectionKind::none;
+    case Protects::keys:
+      break;
+  }
+  return ProtectionKind::encrypt;
+}
+
+/// One algorithm that the plugins may use, with the names of 1.2 and of 1.1.
+using Names = std::initializer_list<std::string_view>;
+
+std::unexpected<Error> not_enforceable(int line, std::string field, std::string expected,
+                                       std::string found) {
+  return fail(Code::governance_not_enforceable, {.line = line,
+                                                 .field = std::move(field),
+                                                 .expected = std::move(expected),
+                                                 .found = std::move(found)});
+}
+
+Status check_listed(int line, std::string_view element, const std::vector<governance::Text>& listed,
+                    std::initializer_list<Names> used) {
+  for (const auto& names : used) {
+    const bool found = std::ranges::any_of(listed, [&](const governance::Text& text) {
+      return std::ranges::find(names, text.text) != names.end();
+    });
+    if (!found) {
+      return not_enforceable(line, std::string(element), std::string(*names.begin()), "not listed");
+    }
+  }
+  return {};
+}
+
+Status check_algorithms(const governance::AllowedAlgorithms& allowed) {
+  DDSSEC_TRY(check_listed(allowed.line, "<digital_signature>", allowed.digital_signature,
+                          {{"RSASSA-PSS-MGF1SHA256+2048+SHA256", "RSA-2048", "RSASSA-PSS-SHA256"},
+                           {"ECDSA+P256+SHA256", "EC-prime256v1", "ECDSA-SHA256"}}));
+  DDSSEC_TRY(check_listed(allowed.line, "<key_establishment>", allowed.key_establishment,
+                          {{"DHE+MODP-2048-256", "DH+MODP-2048-256"},
+                           {"ECDHE-CEUM+P256", "ECDH+prime256v1-CEUM", "ECDH+prime256v1"}}));
+  return check_listed(allowed.line, "<symmetric_cipher>", allowed.symmetric_cipher,
+                      {{"AES128+GCM"}, {"AES256+GCM"}});
+}
+
+}  // namespace
+
+spi::ParticipantSecurityAttributes participant_attributes(const governance::DomainRule& rule) {
+  return {.allow_unauthenticated_participants = rule.allow_unauthenticated_participants,
+          .is_access_protected = rule.enable_join_access_control,
+          .rtps = rule.rtps_protection_kind,
+          .discovery = rule.discovery_protection_kind,
+          .liveliness = rule.liveliness_protection_kind};
+}
+
+spi::EndpointSecurityAttributes endpoint_attributes(const governance::TopicRule& rule) {
+  return {.topic = {.is_read_protected = rule.enable_read_access_control,
+                    .is_write_protected = rule.enable_write_access_control,
+                    .is_discovery_protected = rule.enable_discovery_protection,
+                    .is_liveliness_protected = rule.enable_liveliness_protection},
+          .submessage = rule.metadata_protection_kind,
+          .payload = rule.data_protection_kind};
+}
+
+std::optional<spi::EndpointSecurityAttributes> builtin_attributes(
+    const governance::DomainRule& rule, std::string_view topic) {
+  const auto row = std::ranges::find(kBuiltinTopics, topic, &BuiltinTopic::name);
+  if (row == kBuiltinTopics.end()) return std::nullopt;
+  spi::EndpointSecurityAttributes attributes;
+  attributes.submessage = kind_of(row->by, rule);
+  return attributes;
+}
+
+Status check_enforceable(const governance::DomainRule& rule) {
+  if (is_protected(rule.rtps_psk_protection_kind)) {
+    return not_enforceable(rule.line, "<rtps_psk_protection_kind>", "NONE",
+                           std::string(to_string(rule.rtps_psk_protection_kind)));
+  }
+  if (rule.enable_key_revision) {
+    return not_enforceable(rule.line, "<enable_key_revision>", "false", "true");
+  }
+  return rule.allowed_algorithms ? check_algorithms(*rule.allowed_algorithms) : Status();
+}
+
+}  // namespace ddssec::access_control

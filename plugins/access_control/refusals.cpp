@@ -1,0 +1,76 @@
+#include "plugins/access_control/refusals.hpp"
+
+#include <fmt/format.h>
+
+namespace ddssec::access_control {
+namespace {
+
+using governance::Action;
+using governance::CompiledGrant;
+using governance::Verdict;
+
+/// Names in events stay short, whatever a peer sends.
+std::string shortened(std::string_view text) {
+  constexpr std::size_t kMost = 256;
+  return text.size() <= kMost ? std::string(text) : std::string(text.substr(0, kMost)) + "...";
+}
+
+std::string shown(const spi::EndpointRequest& request) {
+  std::string text = fmt::format("topic \"{}\"", shortened(request.topic_name));
+  constexpr std::size_t kMost = 8;
+  std::size_t count = 0;
+  for (const auto partition : request.partitions) {
+    if (++count > kMost) break;
+    text += fmt::format("{} \"{}\"", count == 1 ? " in partition" : ",", shortened(partition));
+  }
+  if (!request.data_tags.empty()) {
+    text += fmt::format(" with {} data tag(s)", request.data_tags.size());
+  }
+  return text;
+}
+
+/// "<deny_rule>" or "<default>", and what the rule says.
+Error denied(Code code, const PermissionsHolder& holder, const CompiledGrant& grant,
+             const Verdict& verdict, std::string expected) {
+  return Error(code, {.document = holder.document_name(),
+                      .line = verdict.line(grant.grant()),
+                      .field = verdict.rule ? "<deny_rule>" : "<default>",
+                      .expected = std::move(expected),
+                      .found = verdict.rule ? "a deny_rule that matches first"
+                                            : "no rule that matches, and the default DENY",
+                      .note = fmt::format("grant \"{}\" of {}", shortened(grant.grant().name),
+                                          shortened(grant.grant().subject_name))});
+}
+
+}  // namespace
+
+Error topic_not_covered(const Participant& participant, std::string_view topic) {
+  return Error(Code::topic_not_covered,
+               {.document = participant.governance_name,
+                .line = participant.governance->domain_rule().line,
+                .field = "<topic_access_rules>",
+                .expected = fmt::format("a topic_rule for \"{}\"", shortened(topic)),
+                .found = "none"});
+}
+
+Error endpoint_denied(const PermissionsHolder& holder, const CompiledGrant& grant,
+                      const Verdict& verdict, Action action, const spi::EndpointRequest& request) {
+  const Code code =
+      action == Action::publish ? Code::publish_not_allowed : Code::subscribe_not_allowed;
+  return denied(code, holder, grant, verdict,
+                fmt::format("an allow_rule to {} {}", to_string(action), shown(request)));
+}
+
+Error topic_denied(const PermissionsHolder& holder, const CompiledGrant& grant,
+                   const Verdict& verdict, std::string_view topic) {
+  return denied(Code::topic_not_allowed, holder, grant, verdict,
+                fmt::format("an allow_rule for topic \"{}\"", shortened(topic)));
+}
+
+Error participant_denied(const PermissionsHolder& holder, const CompiledGrant& grant,
+                         const Verdict& verdict) {
+  return denied(Code::participant_not_allowed, holder, grant, verdict,
+                fmt::format("an allow_rule for domain {}", holder.participant()->domain));
+}
+
+}  // namespace ddssec::access_control

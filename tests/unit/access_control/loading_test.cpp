@@ -1,0 +1,279 @@
+#include "tests/unit/access_control/fixture.hpp"
+
+namespace ddssec::access_control {
+namespace {
+
+using LocalPermissions = AccessControlTest;
+
+TEST_F(LocalPermissions, AreAcceptedAndHandedOn) {
+  const auto document = open_permissions(kTalker);
+  const auto handle = local(document);
+  ASSERT_TRUE(handle) << handle.error().to_sentence();
+  EXPECT_TRUE(*handle);
+  const auto token = plugin->permissions_token(*handle);
+  ASSERT_TRUE(token);
+  EXPECT_EQ(token->class_id, "DDS:Access:Permissions:1.0");
+  EXPECT_TRUE(token->properties.empty());
+  const auto credential_token = plugin->permissions_credential_token(*handle);
+  ASSERT_TRUE(credential_token);
+  EXPECT_EQ(credential_token->class_id, "DDS:Access:PermissionsCredential");
+  ASSERT_EQ(credential_token->properties.size(), 1u);
+  EXPECT_EQ(credential_token->properties[0].name, "dds.perm.cert");
+  EXPECT_EQ(credential_token->properties[0].value, document);
+  EXPECT_TRUE(log.events.empty());
+}
+
+TEST_F(LocalPermissions, OtherOrderOfTheSubjectIsTheSameSubject) {
+  EXPECT_TRUE(local(open_permissions("O=Example, CN=talker")));
+}
+
+TEST_F(LocalPermissions, AreNotMadeUpWhenNothingIsConfigured) {
+  EXPECT_REFUSED(plugin->validate_local_permissions(kLocalIdentity, 0, {}), access_not_configured);
+}
+
+TEST_F(LocalPermissions, NameTheMissingDocument) {
+  for (const auto property :
+       {spi::property::kPermissionsCa, spi::property::kGovernance, spi::property::kPermissions}) {
+    auto list = properties("x", "y");
+    std::erase_if(list, [&](const auto& p) { return p.name == property; });
+    log.events.clear();
+    const auto result = plugin->validate_local_permissions(kLocalIdentity, 0, list);
+    EXPECT_CODE(result, access_document_missing);
+    EXPECT_EQ(result.error().details().expected, property);
+  }
+}
+
+TEST_F(LocalPermissions, EmptyPropertyIsAMissingOne) {
+  auto list = properties("x", "y");
+  list[2].value.clear();
+  EXPECT_REFUSED(plugin->validate_local_permissions(kLocalIdentity, 0, list),
+                 access_document_missing);
+}
+
+TEST_F(LocalPermissions, NeedTheCertificate) {
+  auto list = properties("x", "y");
+  list.erase(list.begin());
+  EXPECT_REFUSED(plugin->validate_local_permissions(kLocalIdentity, 0, list), missing_property);
+}
+
+TEST_F(LocalPermissions, NameTheFileThatDoesNotExist) {
+  auto list = properties("x", "y");
+  list[1].value = "file:does_not_exist.pem";
+  EXPECT_REFUSED(plugin->validate_local_permissions(kLocalIdentity, 0, list), file_not_found);
+}
+
+TEST_F(LocalPermissions, UnsignedGovernanceIsRefused) {
+  const auto list =
+      properties(governance::to_xml(protected_governance()), open_permissions(kTalker));
+  EXPECT_REFUSED(plugin->validate_local_permissions(kLocalIdentity, 0, list), smime_not_multipart);
+}
+
+TEST_F(LocalPermissions, OfAnotherSubjectAreRefusedWithBothNames) {
+  log.events.clear();
+  const auto result = local(open_permissions(kListener));
+  EXPECT_CODE(result, no_grant_for_subject);
+  EXPECT_EQ(result.error().details().expected, kTalker);
+  EXPECT_EQ(result.error().details().found, kListener);
+  EXPECT_EQ(result.error().details().document, "dds.sec.access.permissions");
+  EXPECT_EQ(log.only(), Code::no_grant_for_subject);
+}
+
+TEST_F(LocalPermissions, ExchangedDocumentsAreNamed) {
+  const auto list = properties(open_permissions(kTalker),
+                               signed_document(governance::to_xml(protected_governance())));
+  EXPECT_REFUSED(plugin->validate_local_permissions(kLocalIdentity, 0, list), document_kind);
+}
+
+TEST_F(LocalPermissions, DomainWithoutRuleIsRefused) {
+  auto content = protected_governance();
+  content.domain_rules[0].domains.ranges = {{1, 230}};
+  EXPECT_REFUSED(local(content, open_permissions(kTalker)), domain_not_covered);
+}
+
+TEST_F(LocalPermissions, ExpiredAndFutureGrantsAreRefused) {
+  const auto document = open_permissions(kTalker);
+  clock.set(kNow + 24h);
+  EXPECT_REFUSED(local(document), grant_expired);
+  clock.set(kNow - 24h - 1s);
+  // The permissions CA itself is not valid before that either.
+  EXPECT_REFUSED(local(document), certificate_not_yet_valid);
+  auto late = grant(kTalker, {rule(true)});
+  late.validity = {kNow + 1s, kNow + 24h};
+  clock.set(kNow);
+  EXPECT_REFUSED(local(signed_permissions({late})), grant_not_yet_valid);
+}
+
+TEST_F(LocalPermissions, AnotherGrantOfTheSubjectMayBeValid) {
+  auto old = grant(kTalker, {rule(true)});
+  old.validity = {kNow - 24h, kNow - 1h};
+  EXPECT_TRUE(local(signed_permissions({old, grant(kTalker, {rule(true)})})));
+}
+
+TEST_F(LocalPermissions, WithdrawnDocumentIsRefused) {
+  const auto document = open_permissions(kTalker);
+  make({.withdrawn_documents = {sha256(as_bytes(document))}});
+  EXPECT_REFUSED(local(document), permissions_withdrawn);
+  EXPECT_TRUE(local(open_permissions("O=Example,CN=talker")));
+}
+
+TEST_F(LocalPermissions, WhatPluginsDoNotDoIsNotSilentlyLeftOut) {
+  auto content = protected_governance();
+  content.domain_rules[0].rtps_psk_protection_kind = ProtectionKind::sign;
+  EXPECT_REFUSED(local(content, open_permissions(kTalker)), governance_not_enforceable);
+  content = protected_governance();
+  content.domain_rules[0].enable_key_revision = true;
+  EXPECT_REFUSED(local(content, open_permissions(kTalker)), governance_not_enforceable);
+}
+
+TEST_F(LocalPermissions, AlgorithmListMustHoldAllThatAreUsed) {
+  auto content = protected_governance();
+  auto& allowed = content.domain_rules[0].allowed_algorithms.emplace();
+  allowed.digital_signature = {{"RSASSA-PSS-MGF1SHA256+2048+SHA256", 0}, {"ECDSA+P256+SHA256", 0}};
+  allowed.key_establishment = {{"DHE+MODP-2048-256", 0}, {"ECDHE-CEUM+P256", 0}};
+  allowed.symmetric_cipher = {{"AES256+GCM", 0}, {"AES128+GCM", 0}};
+  EXPECT_TRUE(local(content, open_permissions(kTalker)));
+  allowed.symmetric_cipher.pop_back();
+  EXPECT_REFUSED(local(content, open_permissions(kTalker)), governance_not_enforceable);
+}
+
+using RemotePermissions = AccessControlTest;
+
+TEST_F(RemotePermissions, AreAcceptedAsTextAndAsBinary) {
+  ASSERT_TRUE(local(open_permissions(kTalker)));
+  const auto document = open_permissions(kListener);
+  EXPECT_TRUE(remote(document));
+  const auto& pem = authorities().listener.certificate.pem();
+  spi::Token binary{.class_id = "DDS:Auth:PKI-DH:1.0",
+                    .binary_properties = {{"c.id", to_bytes(as_bytes(pem))},
+                                          {"c.perm", to_bytes(as_bytes(document))}}};
+  for (auto& property : binary.binary_properties) property.value.push_back(0);
+  EXPECT_TRUE(plugin->validate_remote_permissions(kLocalIdentity, kRemoteIdentity,
+                                                  permissions_token(), binary));
+  EXPECT_TRUE(log.events.empty());
+}
+
+TEST_F(RemotePermissions, NeedALocalParticipant) {
+  EXPECT_REFUSED(remote(open_permissions(kListener)), unknown_local_identity);
+}
+
+TEST_F(RemotePermissions, AreRefusedWhenMissing) {
+  ASSERT_TRUE(local(open_permissions(kTalker)));
+  EXPECT_REFUSED(remote(""), permissions_missing);
+}
+
+TEST_F(RemotePermissions, NeedThePeersCertificate) {
+  ASSERT_TRUE(local(open_permissions(kTalker)));
+  EXPECT_REFUSED(plugin->validate_remote_permissions(
+                     kLocalIdentity, kRemoteIdentity, permissions_token(),
+                     {.properties = {{"c.perm", open_permissions(kListener)}}}),
+                 peer_certificate_missing);
+}
+
+TEST_F(RemotePermissions, AreBoundedInSize) {
+  make({.most_permissions_octets = 100});
+  ASSERT_TRUE(local(open_permissions(kTalker)));
+  EXPECT_REFUSED(remote(open_permissions(kListener)), permissions_too_large);
+}
+
+TEST_F(RemotePermissions, EventNamesThePeer) {
+  ASSERT_TRUE(local(open_permissions(kTalker)));
+  EXPECT_CODE(remote(open_permissions(kTalker)), no_grant_for_subject);
+  ASSERT_EQ(log.events.size(), 1u);
+  EXPECT_EQ(log.events[0].peer_subject, kListener);
+  EXPECT_EQ(log.events[0].error.details().document, std::string("permissions of ") + kListener);
+}
+
+TEST_F(RemotePermissions, TokenClassIsComparedByNameAndMajorVersion) {
+  ASSERT_TRUE(local(open_permissions(kTalker)));
+  const auto peer = credential(authorities().listener, open_permissions(kListener));
+  for (const auto* good :
+       {"DDS:Access:Permissions:1.0", "DDS:Access:Permissions:1.2", "dds:access:PERMISSIONS:1.7",
+        "DDS:Access:Permissions", "DDS:Access:Permissions:1"}) {
+    EXPECT_TRUE(plugin->validate_remote_permissions(kLocalIdentity, kRemoteIdentity,
+                                                    {.class_id = good}, peer))
+        << good;
+  }
+  for (const auto* bad : {"", "DDS:Access:Permissions:2.0", "DDS:Access:Permissions:10.0",
+                          "DDS:Access:Other:1.0", "DDS:Access:Permission"}) {
+    EXPECT_REFUSED(plugin->validate_remote_permissions(kLocalIdentity, kRemoteIdentity,
+                                                       {.class_id = bad}, peer),
+                   permissions_token_class);
+  }
+}
+
+// Where joining is free a peer without permissions gets a handle, and only what is open to all.
+TEST_F(RemotePermissions, AreNotNeededWhereJoiningIsFree) {
+  governance_document.domain_rules[0].enable_join_access_control = false;
+  auto& rules = governance_document.domain_rules[0].topic_rules;
+  rules.insert(rules.begin(), {.topic_expression = "open",
+                               .enable_read_access_control = false,
+                               .enable_write_access_control = false});
+  ASSERT_TRUE(local(open_permissions(kTalker)));
+  log.events.clear();
+  const auto peer = remote("");
+  ASSERT_TRUE(peer);
+  EXPECT_EQ(log.only(), Code::permissions_missing);
+  EXPECT_TRUE(plugin->check_remote_participant(*peer, 0));
+  EXPECT_TRUE(plugin->check_remote_datawriter(*peer, 0, {.topic_name = "open"}));
+  EXPECT_TRUE(plugin->check_remote_topic(*peer, 0, "open"));
+  EXPECT_REFUSED(plugin->check_remote_datawriter(*peer, 0, {.topic_name = "closed"}),
+                 peer_has_no_permissions);
+  EXPECT_REFUSED(plugin->check_remote_datareader(*peer, 0, {.topic_name = "closed"}),
+                 peer_has_no_permissions);
+  EXPECT_REFUSED(plugin->check_remote_topic(*peer, 0, "closed"), peer_has_no_permissions);
+}
+
+// Trap: each participant's own documents count, also in one process.
+TEST_F(RemotePermissions, EachLocalParticipantJudgesByItsOwnCa) {
+  ASSERT_TRUE(local(open_permissions(kTalker)));
+  auto list =
+      properties(signed_by(authorities().other_ca, governance::to_xml(governance_document)),
+                 signed_by(authorities().other_ca, governance::to_xml(governance::Permissions{
+                                                       .grants = {grant(kTalker, {rule(true)})}})));
+  list[1].value = "data:," + authorities().other_ca.certificate().pem();
+  constexpr spi::IdentityHandle kSecond{7};
+  ASSERT_TRUE(plugin->validate_local_permissions(kSecond, 0, list));
+  const auto peer = credential(authorities().listener, open_permissions(kListener));
+  EXPECT_TRUE(plugin->validate_remote_permissions(kLocalIdentity, kRemoteIdentity,
+                                                  permissions_token(), peer));
+  EXPECT_REFUSED(
+      plugin->validate_remote_permissions(kSecond, kRemoteIdentity, permissions_token(), peer),
+      smime_signer_not_permissions_ca);
+}
+
+using Handles = AccessControlTest;
+
+TEST_F(Handles, OfNobodyAreRefusedEverywhere) {
+  const spi::PermissionsHandle nobody{42};
+  EXPECT_REFUSED(plugin->check_create_participant(nobody, 0), unknown_permissions_handle);
+  EXPECT_REFUSED(plugin->check_remote_datawriter({}, 0, {}), unknown_permissions_handle);
+  EXPECT_REFUSED(plugin->permissions_token(nobody), unknown_permissions_handle);
+  EXPECT_REFUSED(plugin->participant_sec_attributes(nobody), unknown_permissions_handle);
+  EXPECT_CODE(plugin->return_permissions_handle(nobody), unknown_permissions_handle);
+}
+
+TEST_F(Handles, AreReturnedOnce) {
+  const auto handle = local(open_permissions(kTalker));
+  ASSERT_TRUE(handle);
+  EXPECT_TRUE(plugin->return_permissions_handle(*handle));
+  EXPECT_CODE(plugin->return_permissions_handle(*handle), unknown_permissions_handle);
+  EXPECT_REFUSED(remote(open_permissions(kListener)), unknown_local_identity);
+}
+
+TEST_F(Handles, BelongToOneDomain) {
+  const auto handle = local(open_permissions(kTalker));
+  ASSERT_TRUE(handle);
+  EXPECT_REFUSED(plugin->check_create_participant(*handle, 1), other_domain);
+}
+
+TEST_F(Handles, OfPeersOutliveTheLocalOne) {
+  const auto handle = local(open_permissions(kTalker));
+  const auto peer = remote(open_permissions(kListener));
+  ASSERT_TRUE(handle && peer);
+  EXPECT_TRUE(plugin->return_permissions_handle(*handle));
+  EXPECT_TRUE(plugin->check_remote_participant(*peer, 0));
+  EXPECT_TRUE(plugin->return_permissions_handle(*peer));
+}
+
+}  // namespace
+}  // namespace ddssec::access_control
