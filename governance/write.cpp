@@ -38,7 +38,9 @@ class Out {
   void value(std::string_view name, std::string_view content) {
     text_ += fmt::format("{:{}}<{}>{}</{}>\n", "", indent_, name, escaped(content), name);
   }
-  void value(std::string_view name, bool content) { value(name, std::string_view(content ? "true" : "false")); }
+  void value(std::string_view name, bool content) {
+    value(name, std::string_view(content ? "true" : "false"));
+  }
   void value(std::string_view name, ProtectionKind kind) { value(name, ddssec::to_string(kind)); }
   void values(std::string_view name, const std::vector<Text>& texts) {
     for (const auto& text : texts) value(name, text.text);

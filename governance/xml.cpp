@@ -36,14 +36,6 @@ bool is_namespace_attribute(std::string_view name) {
          name.starts_with("xml:");
 }
 
-bool repeated(const tinyxml2::XMLAttribute* attribute, const tinyxml2::XMLElement* element) {
-  const auto* other = element->FirstAttribute();
-  while (other != attribute && std::string_view(other->Name()) != attribute->Name()) {
-    other = other->Next();
-  }
-  return other != attribute;
-}
-
 }  // namespace
 
 std::string in_brackets(std::string_view name) { return std::string("<").append(name).append(">"); }
@@ -80,10 +72,6 @@ bool XmlElement::may_be_ignored() const {
 Status XmlElement::check_attributes(std::string_view allowed) const {
   for (const auto* a = element_->FirstAttribute(); a; a = a->Next()) {
     const std::string_view attribute_name = a->Name();
-    if (repeated(a, element_)) {
-      return refuse(Code::xml_not_well_formed, *this,
-                    {.expected = "each attribute once", .found = std::string(attribute_name)});
-    }
     if (attribute_name == kMustInterpret) {
       if (!means_true(a->Value()) && !means_false(a->Value())) {
         return refuse(Code::value_not_boolean, *this,

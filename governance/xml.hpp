@@ -44,7 +44,7 @@ class XmlElement {
 
   /// Refuses attributes other than must_interpret, `allowed` and those of XML namespaces; an
   /// element marked must_interpret="false" may have any. Errors: attribute_unknown,
-  /// value_not_boolean, xml_not_well_formed (the same attribute twice).
+  /// value_not_boolean.
   Status check_attributes(std::string_view allowed = {}) const;
   /// True if marked must_interpret="false" (DDS-Security 1.2, extensibility).
   bool may_be_ignored() const;

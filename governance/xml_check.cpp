@@ -109,7 +109,13 @@ class MarkupCheck {
     return fail(Code::xml_not_well_formed,
                 {.line = line(), .expected = std::move(expected), .found = std::move(found)});
   }
-  std::string shown() const { return std::string(rest().substr(0, 24)); }
+  /// What stands here, for a person; nothing that could upset a log.
+  std::string shown() const {
+    std::string text(rest().substr(0, 24));
+    std::ranges::replace_if(
+        text, [](char c) { return c < ' ' || c > '~'; }, '?');
+    return text;
+  }
 
   /// Moves behind the next `end`, or fails.
   Status skip_past(std::string_view end) {
