@@ -1,0 +1,79 @@
+#include "plugins/cryptography/aead.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "base/hash.hpp"
+#include "plugins/cryptography/aead_backends.hpp"
+
+namespace ddssec::cryptography {
+
+std::span<const AeadBackend* const> aead_backends() {
+  static const auto kAvailable = [] {
+    std::vector<const AeadBackend*> list = {ipsec_mb_backend(), openssl_backend()};
+    std::erase(list, nullptr);
+    return list;
+  }();
+  return kAvailable;
+}
+
+const AeadBackend* aead_backend(AeadChoice choice) {
+  const auto available = aead_backends();
+  switch (choice) {
+    case AeadChoice::ipsec_mb:
+      return ipsec_mb_backend();
+    case AeadChoice::openssl:
+      return openssl_backend();
+    case AeadChoice::automatic:
+      return available.empty() ? nullptr : available.front();
+  }
+  return nullptr;
+}
+
+Status ExpandedKey::expand(const AeadBackend& backend, BytesView key) {
+  if (key.size() != 16 && key.size() != 32) return fail(Code::length_out_of_range);
+  clear();
+  if (!backend.expand(storage_.data(), key)) return fail(Code::internal);
+  backend_ = &backend;
+  key_size_ = key.size();
+  return {};
+}
+
+bool ExpandedKey::seal(const SealRequest& request) const {
+  return backend_ != nullptr && backend_->seal(storage_.data(), key_size_, request);
+}
+
+bool ExpandedKey::open(const Iv& iv, BytesView aad, BytesView cipher, std::uint8_t* out,
+                       TagView tag) const {
+  if (backend_ == nullptr) return false;
+  std::array<std::uint8_t, kTagSize> computed{};
+  const OpenRequest request{iv, aad, cipher, out, computed};
+  const bool opened = backend_->open(storage_.data(), key_size_, request, tag);
+  // Backends write plaintext before anybody knows whether the tag is right.
+  if (opened && constant_time_equal(computed, tag)) [[likely]]
+    return true;
+  if (!cipher.empty()) wipe({out, cipher.size()});
+  wipe(computed);
+  return false;
+}
+
+bool ExpandedKey::mac(const Iv& iv, BytesView data, TagOut tag) const {
+  return seal({iv, data, {}, nullptr, tag});
+}
+
+bool ExpandedKey::verify(const Iv& iv, BytesView data, TagView tag) const {
+  std::array<std::uint8_t, kTagSize> computed{};
+  const bool same = mac(iv, data, computed) && constant_time_equal(computed, tag);
+  if (!same) wipe(computed);  // a valid tag for what somebody forged
+  return same;
+}
+
+void ExpandedKey::clear() noexcept {
+  if (backend_ == nullptr) return;
+  backend_->destroy(storage_.data());
+  wipe({static_cast<std::uint8_t*>(static_cast<void*>(storage_.data())), storage_.size()});
+  backend_ = nullptr;
+  key_size_ = 0;
+}
+
+}  // namespace ddssec::cryptography

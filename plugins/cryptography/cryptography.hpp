@@ -1,0 +1,34 @@
+// The built-in Cryptography plugin DDS:Crypto:AES-GCM-GMAC (DDS-Security 9.5).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "base/event.hpp"
+#include "plugins/spi/cryptography.hpp"
+
+namespace ddssec::cryptography {
+
+/// Which AES-GCM implementation to use.
+enum class AeadChoice : std::uint8_t { automatic, ipsec_mb, openssl };
+
+struct Options {
+  /// One that is not available is replaced by the best one that is, with an event.
+  AeadChoice aead = AeadChoice::automatic;
+  /// False where the host has turned the words of the RTPS header's GUID prefix to its own byte
+  /// order before it calls decode_rtps_message, as Cyclone DDS does.
+  bool header_prefix_is_network_order = true;
+  /// AES blocks under one session key before the next session (DDS-Security 9.5.3.3.4); at most
+  /// 2^32, at least 1.
+  std::uint64_t most_blocks_per_session = std::uint64_t{1} << 32;
+  /// Sessions under one key before it refuses to go on; at most 2^32, at least 1.
+  std::uint64_t most_sessions_per_key = std::uint64_t{1} << 32;
+};
+
+/// Never nullptr. `environment` outlives it; its events hear of nothing but a missing
+/// implementation: refusals of transformations are returned, and the host decides what to say of
+/// them, since who sends garbage must not fill a log.
+std::unique_ptr<spi::Cryptography> make_cryptography(const Environment& environment,
+                                                     Options options = {});
+
+}  // namespace ddssec::cryptography

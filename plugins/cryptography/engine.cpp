@@ -1,0 +1,88 @@
+#include "plugins/cryptography/engine.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace ddssec::cryptography {
+namespace {
+
+KeyEnvironment key_environment(const AeadBackend& aead, Graveyard& graveyard,
+                               const Options& options) {
+  constexpr auto kMost = std::uint64_t{1} << 32;
+  return {aead, graveyard, std::clamp(options.most_blocks_per_session, std::uint64_t{1}, kMost),
+          std::clamp(options.most_sessions_per_key, std::uint64_t{1}, kMost)};
+}
+
+/// Unpredictable if possible. Nothing secret hangs on it: these numbers only make handles and key
+/// ids of different runs differ.
+template <class T>
+T starting_number(Random& random) {
+  std::array<std::uint8_t, sizeof(T)> octets{};
+  if (!random.fill(octets)) return 1;
+  T value;
+  std::memcpy(&value, octets.data(), sizeof value);
+  return value;
+}
+
+class Engine final : public spi::Cryptography {
+ public:
+  Engine(const Environment& environment, const AeadBackend& aead, const Options& options)
+      : shared_(environment, aead, options, starting_number<std::uint64_t>(environment.random)),
+        factory_(shared_, starting_number<std::uint32_t>(environment.random)),
+        exchange_(shared_),
+        transform_(shared_) {}
+
+  spi::CryptoKeyFactory& key_factory() override { return factory_; }
+  spi::CryptoKeyExchange& key_exchange() override { return exchange_; }
+  spi::CryptoTransform& transform() override { return transform_; }
+
+ private:
+  Shared shared_;
+  KeyFactory factory_;
+  KeyExchange exchange_;
+  Transform transform_;
+};
+
+}  // namespace
+
+Shared::Shared(const Environment& given, const AeadBackend& aead, const Options& options,
+               std::uint64_t first_generation)
+    : environment(given),
+      header_prefix_is_network_order(options.header_prefix_is_network_order),
+      keys(key_environment(aead, graveyard, options)),
+      registry(first_generation) {}
+
+void Shared::publish_routes(RemoteParticipant& participant) {
+  auto table = std::make_unique<RouteTable>();
+  for (const auto handle : participant.endpoints) {
+    for (const auto kind : {EntityKind::remote_writer, EntityKind::remote_reader}) {
+      const auto found = registry.find<RemoteEndpoint>(handle, kind);
+      if (!found) continue;
+      const auto& endpoint = **found;
+      RouteTable::Row row{{}, {}, endpoint.local.participant.handle(), kind, handle};
+      if (!endpoint.local.is_volatile) {
+        const auto* const keys_of_it = endpoint.remote_keys.read();
+        if (keys_of_it == nullptr || !keys_of_it->submessage) continue;
+        row.key_id = keys_of_it->submessage->material().sender_key_id;
+        row.receiver_key_id = keys_of_it->submessage->material().receiver_key_id;
+      }
+      table->rows.push_back(row);
+    }
+  }
+  // Writers before readers: the volatile ones share one key id.
+  std::ranges::sort(table->rows, {},
+                    [](const auto& row) { return std::tuple(row.key_id, row.kind, row.handle); });
+  participant.routes.replace(std::move(table), graveyard);
+}
+
+std::unique_ptr<spi::Cryptography> make_cryptography(const Environment& environment,
+                                                     Options options) {
+  const auto* aead = aead_backend(options.aead);
+  if (aead == nullptr) {
+    aead = aead_backend(AeadChoice::automatic);
+    environment.events.raise(Event(Error(Code::aead_backend_unavailable)));
+  }
+  return std::make_unique<Engine>(environment, *aead, options);
+}
+
+}  // namespace ddssec::cryptography

@@ -1,0 +1,192 @@
+// The engine: the three interfaces over one registry.
+#pragma once
+
+#include <mutex>
+#include <unordered_map>
+
+#include "plugins/cryptography/cryptography.hpp"
+#include "plugins/cryptography/entities.hpp"
+#include "plugins/cryptography/wire.hpp"
+
+namespace ddssec::cryptography {
+
+/// What the three parts share. Who changes anything holds `mutex`.
+struct Shared {
+  Shared(const Environment& environment, const AeadBackend& aead, const Options& options,
+         std::uint64_t first_generation);
+
+  template <class H>
+  Result<LocalParticipant*> local_participant(H handle) const {
+    return registry.find<LocalParticipant>(handle.value, EntityKind::local_participant);
+  }
+  template <class H>
+  Result<RemoteParticipant*> remote_participant(H handle) const {
+    return registry.find<RemoteParticipant>(handle.value, EntityKind::remote_participant);
+  }
+  template <class H>
+  Result<LocalEndpoint*> local_endpoint(H handle, EntityKind kind) const {
+    return registry.find<LocalEndpoint>(handle.value, kind);
+  }
+  template <class H>
+  Result<RemoteEndpoint*> remote_endpoint(H handle, EntityKind kind) const {
+    return registry.find<RemoteEndpoint>(handle.value, kind);
+  }
+  /// Sorts the remote's endpoints by their submessage key ids anew. Mutex held.
+  void publish_routes(RemoteParticipant& participant);
+
+  const Environment& environment;
+  const bool header_prefix_is_network_order;
+  Graveyard graveyard;  // before whatever retires into it
+  const KeyEnvironment keys;
+  Registry registry;
+  std::mutex mutex;
+};
+
+/// Local handle kinds and the remote ones they match.
+inline constexpr EntityKind local_kind(spi::DatawriterCryptoHandle) {
+  return EntityKind::local_writer;
+}
+inline constexpr EntityKind local_kind(spi::DatareaderCryptoHandle) {
+  return EntityKind::local_reader;
+}
+inline constexpr EntityKind remote_kind(spi::DatawriterCryptoHandle) {
+  return EntityKind::remote_writer;
+}
+inline constexpr EntityKind remote_kind(spi::DatareaderCryptoHandle) {
+  return EntityKind::remote_reader;
+}
+
+/// CryptoKeyFactory (DDS-Security 8.5.1.7, 9.5.3.1).
+class KeyFactory final : public spi::CryptoKeyFactory {
+ public:
+  KeyFactory(Shared& shared, std::uint32_t first_key_id)
+      : shared_(shared), next_key_id_(first_key_id) {}
+
+  Result<spi::ParticipantCryptoHandle> register_local_participant(
+      spi::IdentityHandle identity, spi::PermissionsHandle permissions,
+      const spi::PropertyList& properties,
+      const spi::ParticipantSecurityAttributes& attributes) override;
+  Result<spi::ParticipantCryptoHandle> register_matched_remote_participant(
+      spi::ParticipantCryptoHandle local, spi::IdentityHandle remote_identity,
+      spi::PermissionsHandle remote_permissions, const spi::SharedSecret& shared_secret) override;
+  Result<spi::DatawriterCryptoHandle> register_local_datawriter(
+      spi::ParticipantCryptoHandle participant, const spi::PropertyList& properties,
+      const spi::EndpointSecurityAttributes& attributes) override;
+  Result<spi::DatareaderCryptoHandle> register_matched_remote_datareader(
+      spi::DatawriterCryptoHandle local_datawriter, spi::ParticipantCryptoHandle remote_participant,
+      const spi::SharedSecret& shared_secret, bool relay_only) override;
+  Result<spi::DatareaderCryptoHandle> register_local_datareader(
+      spi::ParticipantCryptoHandle participant, const spi::PropertyList& properties,
+      const spi::EndpointSecurityAttributes& attributes) override;
+  Result<spi::DatawriterCryptoHandle> register_matched_remote_datawriter(
+      spi::DatareaderCryptoHandle local_datareader, spi::ParticipantCryptoHandle remote_participant,
+      const spi::SharedSecret& shared_secret) override;
+  Status unregister_participant(spi::ParticipantCryptoHandle participant) override;
+  Status unregister_datawriter(spi::DatawriterCryptoHandle datawriter) override;
+  Status unregister_datareader(spi::DatareaderCryptoHandle datareader) override;
+
+ private:
+  template <class T>
+  Result<T> random();
+  template <class Key>
+  Result<Key> random_key(std::size_t size);
+  KeyId fresh_key_id();
+  Result<KeyMaterial> fresh_material(bool encrypts, std::size_t key_size);
+  Result<std::unique_ptr<SendKey>> send_key(KeyMaterial material);
+  Result<std::unique_ptr<ReceiverKey>> receiver_key(std::size_t size);
+  Result<std::unique_ptr<Pair>> make_pair(const LocalParticipant& local,
+                                          const spi::SharedSecret& shared_secret);
+  Result<RemoteParticipant*> remote_with_identity(spi::IdentityHandle identity);
+  void publish_pairs(RemoteParticipant& remote);
+  Result<std::int64_t> register_local_endpoint(EntityKind kind,
+                                               spi::ParticipantCryptoHandle participant,
+                                               const spi::PropertyList& properties,
+                                               const spi::EndpointSecurityAttributes& attributes);
+  Status make_endpoint_keys(LocalEndpoint& endpoint, std::size_t key_size);
+  Result<std::int64_t> match(LocalEndpoint& local, EntityKind remote_kind,
+                             spi::ParticipantCryptoHandle remote_participant);
+  void drop(const Entity& entity);
+  void drop_local(LocalParticipant& participant);
+  void drop_remote(RemoteParticipant& participant);
+  void drop_local(LocalEndpoint& endpoint);
+  void drop_remote(RemoteEndpoint& endpoint);
+  Status unregister_endpoint(std::int64_t handle, EntityKind local, EntityKind remote);
+
+  Shared& shared_;
+  std::uint32_t next_key_id_;
+  std::unordered_map<std::int64_t, RemoteParticipant*> by_identity_;
+};
+
+/// CryptoKeyExchange (DDS-Security 8.5.1.8, 9.5.3.2).
+class KeyExchange final : public spi::CryptoKeyExchange {
+ public:
+  explicit KeyExchange(Shared& shared) : shared_(shared) {}
+
+  Result<std::vector<spi::Token>> create_local_participant_crypto_tokens(
+      spi::ParticipantCryptoHandle local, spi::ParticipantCryptoHandle remote) override;
+  Status set_remote_participant_crypto_tokens(spi::ParticipantCryptoHandle local,
+                                              spi::ParticipantCryptoHandle remote,
+                                              std::span<const spi::Token> tokens) override;
+  Result<std::vector<spi::Token>> create_local_datawriter_crypto_tokens(
+      spi::DatawriterCryptoHandle local, spi::DatareaderCryptoHandle remote) override;
+  Status set_remote_datawriter_crypto_tokens(spi::DatareaderCryptoHandle local,
+                                             spi::DatawriterCryptoHandle remote,
+                                             std::span<const spi::Token> tokens) override;
+  Result<std::vector<spi::Token>> create_local_datareader_crypto_tokens(
+      spi::DatareaderCryptoHandle local, spi::DatawriterCryptoHandle remote) override;
+  Status set_remote_datareader_crypto_tokens(spi::DatawriterCryptoHandle local,
+                                             spi::DatareaderCryptoHandle remote,
+                                             std::span<const spi::Token> tokens) override;
+
+ private:
+  template <class Local, class Remote>
+  Result<RemoteEndpoint*> matched(Local local, Remote remote) const;
+  template <class Local, class Remote>
+  Result<std::vector<spi::Token>> create(Local local, Remote remote);
+  template <class Local, class Remote>
+  Status set(Local local, Remote remote, std::span<const spi::Token> tokens);
+  Result<std::unique_ptr<ReceiveKey>> receive_key(KeyMaterial material,
+                                                  spi::ProtectionKind due) const;
+  Result<std::unique_ptr<RemoteKeys>> endpoint_keys(const RemoteEndpoint& remote,
+                                                    std::vector<KeyMaterial> materials) const;
+
+  Shared& shared_;
+};
+
+/// CryptoTransform (DDS-Security 8.5.1.9, 9.5.3.3).
+class Transform final : public spi::CryptoTransform {
+ public:
+  explicit Transform(Shared& shared) : shared_(shared) {}
+
+  Result<std::size_t> encode_serialized_payload(spi::DatawriterCryptoHandle sender, BytesView plain,
+                                                MutableBytes out) override;
+  Result<std::size_t> encode_datawriter_submessage(
+      spi::DatawriterCryptoHandle sender, std::span<const spi::DatareaderCryptoHandle> receivers,
+      BytesView plain, MutableBytes out) override;
+  Result<std::size_t> encode_datareader_submessage(
+      spi::DatareaderCryptoHandle sender, std::span<const spi::DatawriterCryptoHandle> receivers,
+      BytesView plain, MutableBytes out) override;
+  Result<std::size_t> encode_rtps_message(spi::ParticipantCryptoHandle sender,
+                                          std::span<const spi::ParticipantCryptoHandle> receivers,
+                                          BytesView plain, MutableBytes out) override;
+  Result<std::size_t> decode_rtps_message(spi::ParticipantCryptoHandle receiver,
+                                          spi::ParticipantCryptoHandle sender, BytesView encoded,
+                                          MutableBytes out) override;
+  Result<spi::SecureSubmessage> preprocess_secure_submessage(spi::ParticipantCryptoHandle receiver,
+                                                             spi::ParticipantCryptoHandle sender,
+                                                             BytesView encoded) override;
+  Result<std::size_t> decode_datawriter_submessage(spi::DatareaderCryptoHandle receiver,
+                                                   spi::DatawriterCryptoHandle sender,
+                                                   BytesView encoded, MutableBytes out) override;
+  Result<std::size_t> decode_datareader_submessage(spi::DatawriterCryptoHandle receiver,
+                                                   spi::DatareaderCryptoHandle sender,
+                                                   BytesView encoded, MutableBytes out) override;
+  Result<std::size_t> decode_serialized_payload(spi::DatareaderCryptoHandle receiver,
+                                                spi::DatawriterCryptoHandle sender,
+                                                BytesView encoded, MutableBytes out) override;
+
+ private:
+  Shared& shared_;
+};
+
+}  // namespace ddssec::cryptography

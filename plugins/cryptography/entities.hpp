@@ -1,0 +1,117 @@
+// Participants and endpoints, local and remote, as the registry holds them.
+//
+// Ownership and life: the registry owns entities, entities own their keys. All changes are made by
+// one thread at a time, under Engine's mutex. The message path follows pointers under a ReadGuard
+// without any lock. What it may follow either never changes during an entity's life (handle, kind,
+// protection, own keys, the pointers up to the parents) or is Published: key material that tokens
+// bring, pairs and routes are replaced as a whole, and the former object dies after its last
+// reader. An entity is unlinked from all tables and from the registry before it is retired, and
+// children are retired with their parents, so that a pointer up never dangles within a guard.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "plugins/cryptography/receive_key.hpp"
+#include "plugins/cryptography/registry.hpp"
+#include "plugins/cryptography/send_key.hpp"
+#include "plugins/spi/attributes.hpp"
+
+namespace ddssec::cryptography {
+
+/// The keys of a remote entity, as its tokens said. Null: none came, or none is due at that level.
+struct RemoteKeys final : Retirable {
+  std::unique_ptr<ReceiveKey> submessage;  ///< or, for a participant, of RTPS messages
+  std::unique_ptr<ReceiveKey> payload;
+};
+
+struct LocalParticipant final : Entity {
+  LocalParticipant() : Entity(EntityKind::local_participant) {}
+  spi::ProtectionKind rtps = spi::ProtectionKind::none;
+  std::size_t key_size = 32;
+  std::unique_ptr<SendKey> key;  ///< null if RTPS messages are not protected
+  std::unordered_set<std::int64_t> endpoints;
+  std::unordered_set<std::int64_t> matched;  ///< remote participants
+};
+
+/// What one local and one remote participant have with each other.
+struct Pair final : Retirable {
+  explicit Pair(const LocalParticipant& local_participant) : local(local_participant) {}
+  const LocalParticipant& local;
+  std::unique_ptr<ReceiverKey> receiver_key;  ///< ours towards the remote; null without need
+  std::unique_ptr<SendKey> key_exchange_send;
+  std::unique_ptr<ReceiveKey> key_exchange_receive;
+  Published<RemoteKeys> remote_keys;
+};
+
+/// Local participant's handle -> pair. As many rows as local participants of one process.
+struct PairTable final : Retirable {
+  struct Row {
+    std::int64_t local;
+    Pair* pair;
+  };
+  std::vector<Row> rows;
+};
+
+/// Submessage key id -> endpoint, sorted by key id.
+struct RouteTable final : Retirable {
+  struct Row {
+    KeyId key_id;
+    KeyId receiver_key_id;
+    std::int64_t local_participant;
+    EntityKind kind;  ///< remote_writer or remote_reader
+    std::int64_t handle;
+  };
+  std::vector<Row> rows;
+};
+
+struct RemoteParticipant final : Entity {
+  RemoteParticipant() : Entity(EntityKind::remote_participant) {}
+  std::int64_t identity = 0;
+  std::unordered_set<std::int64_t> endpoints;
+  std::unordered_map<std::int64_t, std::unique_ptr<Pair>> pairs;  ///< by local participant
+  Published<PairTable> pair_table;
+  Published<RouteTable> routes;
+
+  /// Under a ReadGuard: what it has with that local participant, or nullptr.
+  Pair* pair(std::int64_t local) const {
+    const auto* const table = pair_table.read();
+    if (table == nullptr) return nullptr;
+    for (const auto& row : table->rows)
+      if (row.local == local) return row.pair;
+    return nullptr;
+  }
+};
+
+/// A local datawriter or datareader.
+struct LocalEndpoint final : Entity {
+  LocalEndpoint(EntityKind kind, LocalParticipant& parent) : Entity(kind), participant(parent) {}
+  LocalParticipant& participant;
+  spi::ProtectionKind submessage = spi::ProtectionKind::none;
+  spi::ProtectionKind payload = spi::ProtectionKind::none;
+  bool is_volatile = false;  ///< ParticipantVolatileMessageSecure: keys of the key exchange
+  std::unique_ptr<SendKey> submessage_key;
+  std::unique_ptr<SendKey> payload_key;
+  /// A reader's key that is only ever sent, where only payloads are protected.
+  std::optional<KeyMaterial> token_only;
+  std::unordered_set<std::int64_t> matched;  ///< remote endpoints
+
+  bool has_tokens() const {
+    return !is_volatile && (is_protected(submessage) || is_protected(payload));
+  }
+};
+
+/// A remote datawriter or datareader, as matched with one local endpoint.
+struct RemoteEndpoint final : Entity {
+  RemoteEndpoint(EntityKind kind, LocalEndpoint& local_endpoint, RemoteParticipant& parent)
+      : Entity(kind), local(local_endpoint), participant(parent) {}
+  LocalEndpoint& local;
+  RemoteParticipant& participant;
+  std::unique_ptr<ReceiverKey> receiver_key;  ///< ours towards it; null without need
+  Published<RemoteKeys> remote_keys;
+};
+
+}  // namespace ddssec::cryptography

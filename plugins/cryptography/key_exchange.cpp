@@ -1,0 +1,158 @@
+#include <algorithm>
+
+#include "plugins/cryptography/engine.hpp"
+
+namespace ddssec::cryptography {
+namespace {
+
+/// A writer may have one key for both levels, or a key for each (DDS-Security 9.5.2.1).
+constexpr std::size_t kMostTokensPerEndpoint = 2;
+
+/// Our key, with the receiver's own part if there is one.
+spi::Token token_for(const KeyMaterial& key, const ReceiverKey* receiver) {
+  auto material = key.clone();
+  if (receiver != nullptr) {
+    material.receiver_key_id = receiver->id();
+    material.receiver_key = receiver->master().clone();
+  }
+  return crypto_token(material);
+}
+
+Result<std::vector<KeyMaterial>> read_all(std::span<const spi::Token> tokens) {
+  std::vector<KeyMaterial> materials;
+  for (const auto& token : tokens) {
+    auto material = DDSSEC_TRY(read_crypto_token(token));
+    const bool twice = std::ranges::any_of(
+        materials, [&](const auto& one) { return one.sender_key_id == material.sender_key_id; });
+    if (twice) return fail(Code::key_material_key_id);
+    materials.push_back(std::move(material));
+  }
+  return materials;
+}
+
+bool fits(const KeyMaterial& material, spi::ProtectionKind due) {
+  const auto traits = traits_of(material.kind);
+  return traits && traits->encrypts == is_encrypted(due);
+}
+
+}  // namespace
+
+/// A key that does exactly what the governance demands.
+Result<std::unique_ptr<ReceiveKey>> KeyExchange::receive_key(KeyMaterial material,
+                                                             spi::ProtectionKind due) const {
+  if (!fits(material, due))
+    return fail(Code::key_material_kind_mismatch,
+                {.expected = std::string(to_string(due)), .found = material.kind.to_string()});
+  if (is_origin_authenticated(due) && !material.has_receiver_key())
+    return fail(Code::receiver_specific_key_missing);
+  const auto traits = *traits_of(material.kind);
+  return std::make_unique<ReceiveKey>(std::move(material), traits, shared_.keys);
+}
+
+Result<std::vector<spi::Token>> KeyExchange::create_local_participant_crypto_tokens(
+    spi::ParticipantCryptoHandle local, spi::ParticipantCryptoHandle remote) {
+  const std::lock_guard lock(shared_.mutex);
+  const auto* const participant = DDSSEC_TRY(shared_.local_participant(local));
+  const auto* const pair = DDSSEC_TRY(shared_.remote_participant(remote))->pair(local.value);
+  if (pair == nullptr) return fail(Code::crypto_not_matched);
+  // Always exactly one: Fast DDS refuses any other number. NONE where there is nothing to protect.
+  std::vector<spi::Token> tokens;
+  tokens.push_back(participant->key
+                       ? token_for(participant->key->material(), pair->receiver_key.get())
+                       : crypto_token(KeyMaterial{}));
+  return tokens;
+}
+
+Status KeyExchange::set_remote_participant_crypto_tokens(spi::ParticipantCryptoHandle local,
+                                                         spi::ParticipantCryptoHandle remote,
+                                                         std::span<const spi::Token> tokens) {
+  const std::lock_guard lock(shared_.mutex);
+  const auto* const participant = DDSSEC_TRY(shared_.local_participant(local));
+  auto* const pair = DDSSEC_TRY(shared_.remote_participant(remote))->pair(local.value);
+  if (pair == nullptr) return fail(Code::crypto_not_matched);
+  if (tokens.size() != 1) return fail(Code::crypto_token_count);
+  auto material = DDSSEC_TRY(read_crypto_token(tokens.front()));
+  // Fast DDS sends a GMAC key even where nothing is protected.
+  if (!is_protected(participant->rtps)) return {};
+  auto keys = std::make_unique<RemoteKeys>();
+  keys->submessage = DDSSEC_TRY(receive_key(std::move(material), participant->rtps));
+  pair->remote_keys.replace(std::move(keys), shared_.graveyard);
+  return {};
+}
+
+template <class Local, class Remote>
+Result<RemoteEndpoint*> KeyExchange::matched(Local local, Remote remote) const {
+  DDSSEC_TRY(shared_.local_endpoint(local, local_kind(local)));
+  auto* const endpoint = DDSSEC_TRY(shared_.remote_endpoint(remote, remote_kind(remote)));
+  if (endpoint->local.handle() != local.value) return fail(Code::crypto_not_matched);
+  return endpoint;
+}
+
+template <class Local, class Remote>
+Result<std::vector<spi::Token>> KeyExchange::create(Local local, Remote remote) {
+  const std::lock_guard lock(shared_.mutex);
+  const auto& endpoint = *DDSSEC_TRY(matched(local, remote));
+  std::vector<spi::Token> tokens;
+  // Submessage before payload: receivers route by the first.
+  if (const auto* const key = endpoint.local.submessage_key.get())
+    tokens.push_back(token_for(key->material(), endpoint.receiver_key.get()));
+  if (const auto* const key = endpoint.local.payload_key.get())
+    tokens.push_back(token_for(key->material(), nullptr));
+  if (const auto& material = endpoint.local.token_only)
+    tokens.push_back(token_for(*material, nullptr));
+  return tokens;
+}
+
+/// Which of one or two materials serves which level. One serves all that need one (Fast DDS shares
+/// its key if both levels encrypt or both sign); of two, the first is the submessage's.
+Result<std::unique_ptr<RemoteKeys>> KeyExchange::endpoint_keys(
+    const RemoteEndpoint& remote, std::vector<KeyMaterial> materials) const {
+  const auto& local = remote.local;
+  auto keys = std::make_unique<RemoteKeys>();
+  if (remote.kind() == EntityKind::remote_writer && is_protected(local.payload)) {
+    auto payload = materials.back().clone();
+    payload.receiver_key_id = {};  // payloads have no receiver-specific MACs
+    payload.receiver_key = {};
+    keys->payload = DDSSEC_TRY(receive_key(std::move(payload), local.payload));
+  }
+  if (is_protected(local.submessage))
+    keys->submessage = DDSSEC_TRY(receive_key(std::move(materials.front()), local.submessage));
+  return keys;
+}
+
+template <class Local, class Remote>
+Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> tokens) {
+  const std::lock_guard lock(shared_.mutex);
+  auto& endpoint = *DDSSEC_TRY(matched(local, remote));
+  if (!endpoint.local.has_tokens()) return fail(Code::crypto_tokens_not_expected);
+  if (tokens.empty() || tokens.size() > kMostTokensPerEndpoint)
+    return fail(Code::crypto_token_count);
+  auto keys = DDSSEC_TRY(endpoint_keys(endpoint, DDSSEC_TRY(read_all(tokens))));
+  endpoint.remote_keys.replace(std::move(keys), shared_.graveyard);
+  if (is_protected(endpoint.local.submessage)) shared_.publish_routes(endpoint.participant);
+  return {};
+}
+
+Result<std::vector<spi::Token>> KeyExchange::create_local_datawriter_crypto_tokens(
+    spi::DatawriterCryptoHandle local, spi::DatareaderCryptoHandle remote) {
+  return create(local, remote);
+}
+
+Status KeyExchange::set_remote_datawriter_crypto_tokens(spi::DatareaderCryptoHandle local,
+                                                        spi::DatawriterCryptoHandle remote,
+                                                        std::span<const spi::Token> tokens) {
+  return set(local, remote, tokens);
+}
+
+Result<std::vector<spi::Token>> KeyExchange::create_local_datareader_crypto_tokens(
+    spi::DatareaderCryptoHandle local, spi::DatawriterCryptoHandle remote) {
+  return create(local, remote);
+}
+
+Status KeyExchange::set_remote_datareader_crypto_tokens(spi::DatawriterCryptoHandle local,
+                                                        spi::DatareaderCryptoHandle remote,
+                                                        std::span<const spi::Token> tokens) {
+  return set(local, remote, tokens);
+}
+
+}  // namespace ddssec::cryptography

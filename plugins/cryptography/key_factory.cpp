@@ -1,0 +1,308 @@
+#include <algorithm>
+#include <cstring>
+
+#include "plugins/cryptography/engine.hpp"
+#include "plugins/spi/property_names.hpp"
+
+namespace ddssec::cryptography {
+namespace {
+
+constexpr std::string_view kVolatileWriter = "BuiltinParticipantVolatileMessageSecureWriter";
+constexpr std::string_view kVolatileReader = "BuiltinParticipantVolatileMessageSecureReader";
+
+/// Octets of the keys: what the property says, or `otherwise`.
+Result<std::size_t> key_size(const spi::PropertyList& properties, std::size_t otherwise) {
+  const auto* const value = spi::find_property(properties, spi::property::kKeySize);
+  if (value == nullptr) return otherwise;
+  if (*value == "128") return 16;
+  if (*value == "256") return 32;
+  return fail(
+      Code::invalid_property,
+      {.field = std::string(spi::property::kKeySize), .expected = "128 or 256", .found = *value});
+}
+
+/// The only mark of the volatile secure endpoints (DDS-Security 8.8.8.1).
+bool is_volatile(EntityKind kind, const spi::PropertyList& properties) {
+  const auto* const name = spi::find_property(properties, spi::property::kBuiltinEndpointName);
+  return name != nullptr &&
+         *name == (kind == EntityKind::local_writer ? kVolatileWriter : kVolatileReader);
+}
+
+/// The same material means the same shared secret.
+bool same_key_exchange(const Pair& a, const Pair& b) {
+  return a.key_exchange_send->material().sender_key == b.key_exchange_send->material().sender_key;
+}
+
+}  // namespace
+
+template <class T>
+Result<T> KeyFactory::random() {
+  std::array<std::uint8_t, sizeof(T)> octets;
+  DDSSEC_TRY(shared_.environment.random.fill(octets));
+  T value;
+  std::memcpy(&value, octets.data(), sizeof value);
+  return value;
+}
+
+template <class Key>
+Result<Key> KeyFactory::random_key(std::size_t size) {
+  return Key::fill(size, [&](MutableBytes out) { return shared_.environment.random.fill(out); });
+}
+
+/// Unique for all our participants, and never 0, which is the key exchange's.
+KeyId KeyFactory::fresh_key_id() {
+  if (next_key_id_ == 0) ++next_key_id_;
+  const auto number = next_key_id_++;
+  KeyId id;
+  for (std::size_t i = 0; i < 4; ++i)
+    id.octets[i] = static_cast<std::uint8_t>(number >> (24 - 8 * i));
+  return id;
+}
+
+Result<KeyMaterial> KeyFactory::fresh_material(bool encrypts, std::size_t size) {
+  KeyMaterial material{.kind = kind_for(encrypts, size)};
+  material.salt = DDSSEC_TRY(random_key<MasterSalt>(size));
+  material.sender_key_id = fresh_key_id();
+  material.sender_key = DDSSEC_TRY(random_key<MasterKey>(size));
+  return material;
+}
+
+Result<std::unique_ptr<SendKey>> KeyFactory::send_key(KeyMaterial material) {
+  const SendStart start{DDSSEC_TRY(random<std::uint32_t>()), DDSSEC_TRY(random<std::uint64_t>())};
+  return SendKey::create(std::move(material), start, shared_.keys);
+}
+
+Result<std::unique_ptr<ReceiverKey>> KeyFactory::receiver_key(std::size_t size) {
+  auto key = DDSSEC_TRY(random_key<MasterReceiverKey>(size));
+  return std::make_unique<ReceiverKey>(fresh_key_id(), std::move(key), shared_.keys);
+}
+
+Result<spi::ParticipantCryptoHandle> KeyFactory::register_local_participant(
+    spi::IdentityHandle, spi::PermissionsHandle, const spi::PropertyList& properties,
+    const spi::ParticipantSecurityAttributes& attributes) {
+  const std::lock_guard lock(shared_.mutex);
+  auto participant = std::make_unique<LocalParticipant>();
+  participant->key_size = DDSSEC_TRY(key_size(properties, participant->key_size));
+  participant->rtps = attributes.rtps;
+  if (is_protected(attributes.rtps))
+    participant->key = DDSSEC_TRY(
+        send_key(DDSSEC_TRY(fresh_material(is_encrypted(attributes.rtps), participant->key_size))));
+  const auto& added = *participant;
+  DDSSEC_TRY(shared_.registry.add(std::move(participant)));
+  return spi::ParticipantCryptoHandle{added.handle()};
+}
+
+Result<std::unique_ptr<Pair>> KeyFactory::make_pair(const LocalParticipant& local,
+                                                    const spi::SharedSecret& shared_secret) {
+  if (shared_secret.secret.empty()) return fail(Code::length_out_of_range);
+  auto pair = std::make_unique<Pair>(local);
+  auto material = derive_key_exchange_material(shared_secret);
+  pair->key_exchange_receive =
+      std::make_unique<ReceiveKey>(material.clone(), *traits_of(material.kind), shared_.keys);
+  // Both directions share the key: a random session id and suffix keep their IVs apart.
+  pair->key_exchange_send = DDSSEC_TRY(send_key(std::move(material)));
+  if (is_origin_authenticated(local.rtps))
+    pair->receiver_key = DDSSEC_TRY(receiver_key(local.key_size));
+  return pair;
+}
+
+Result<RemoteParticipant*> KeyFactory::remote_with_identity(spi::IdentityHandle identity) {
+  if (!identity) return fail(Code::crypto_handle_nil);
+  if (const auto known = by_identity_.find(identity.value); known != by_identity_.end())
+    return known->second;
+  auto remote = std::make_unique<RemoteParticipant>();
+  remote->identity = identity.value;
+  auto* const added = remote.get();
+  DDSSEC_TRY(shared_.registry.add(std::move(remote)));
+  return by_identity_.emplace(identity.value, added).first->second;
+}
+
+void KeyFactory::publish_pairs(RemoteParticipant& remote) {
+  auto table = std::make_unique<PairTable>();
+  for (const auto& [local, pair] : remote.pairs) table->rows.push_back({local, pair.get()});
+  remote.pair_table.replace(std::move(table), shared_.graveyard);
+}
+
+Result<spi::ParticipantCryptoHandle> KeyFactory::register_matched_remote_participant(
+    spi::ParticipantCryptoHandle local, spi::IdentityHandle remote_identity, spi::PermissionsHandle,
+    const spi::SharedSecret& shared_secret) {
+  const std::lock_guard lock(shared_.mutex);
+  auto* const participant = DDSSEC_TRY(shared_.local_participant(local));
+  auto fresh = DDSSEC_TRY(make_pair(*participant, shared_secret));
+  auto* const remote = DDSSEC_TRY(remote_with_identity(remote_identity));
+  const spi::ParticipantCryptoHandle handle{remote->handle()};
+  auto& pair = remote->pairs[local.value];
+  if (pair && same_key_exchange(*pair, *fresh)) return handle;
+  const auto former = std::exchange(pair, std::move(fresh)).release();
+  participant->matched.insert(remote->handle());
+  publish_pairs(*remote);
+  if (former != nullptr) shared_.graveyard.retire(std::unique_ptr<Pair>(former));
+  return handle;
+}
+
+Status KeyFactory::make_endpoint_keys(LocalEndpoint& endpoint, std::size_t size) {
+  if (endpoint.is_volatile) return {};
+  const bool protects_submessages = is_protected(endpoint.submessage);
+  if (protects_submessages)
+    endpoint.submessage_key =
+        DDSSEC_TRY(send_key(DDSSEC_TRY(fresh_material(is_encrypted(endpoint.submessage), size))));
+  if (!is_protected(endpoint.payload)) return {};
+  if (endpoint.kind() == EntityKind::local_writer)
+    endpoint.payload_key =
+        DDSSEC_TRY(send_key(DDSSEC_TRY(fresh_material(is_encrypted(endpoint.payload), size))));
+  else if (!protects_submessages)
+    // Fast DDS 2.9 pairs its writer only after a token of the reader, even if it needs none.
+    endpoint.token_only = DDSSEC_TRY(fresh_material(false, size));
+  return {};
+}
+
+Result<std::int64_t> KeyFactory::register_local_endpoint(
+    EntityKind kind, spi::ParticipantCryptoHandle participant, const spi::PropertyList& properties,
+    const spi::EndpointSecurityAttributes& attributes) {
+  const std::lock_guard lock(shared_.mutex);
+  auto* const parent = DDSSEC_TRY(shared_.local_participant(participant));
+  auto endpoint = std::make_unique<LocalEndpoint>(kind, *parent);
+  endpoint->is_volatile = is_volatile(kind, properties);
+  endpoint->submessage =
+      endpoint->is_volatile ? spi::ProtectionKind::encrypt : attributes.submessage;
+  if (!endpoint->is_volatile) endpoint->payload = attributes.payload;
+  const auto size = DDSSEC_TRY(key_size(properties, parent->key_size));
+  DDSSEC_TRY(make_endpoint_keys(*endpoint, size));
+  const auto& added = *endpoint;
+  DDSSEC_TRY(shared_.registry.add(std::move(endpoint)));
+  parent->endpoints.insert(added.handle());
+  return added.handle();
+}
+
+Result<spi::DatawriterCryptoHandle> KeyFactory::register_local_datawriter(
+    spi::ParticipantCryptoHandle participant, const spi::PropertyList& properties,
+    const spi::EndpointSecurityAttributes& attributes) {
+  return spi::DatawriterCryptoHandle{DDSSEC_TRY(
+      register_local_endpoint(EntityKind::local_writer, participant, properties, attributes))};
+}
+
+Result<spi::DatareaderCryptoHandle> KeyFactory::register_local_datareader(
+    spi::ParticipantCryptoHandle participant, const spi::PropertyList& properties,
+    const spi::EndpointSecurityAttributes& attributes) {
+  return spi::DatareaderCryptoHandle{DDSSEC_TRY(
+      register_local_endpoint(EntityKind::local_reader, participant, properties, attributes))};
+}
+
+/// The shared secret is that of the two participants, and came with register_matched_remote_
+/// participant: the volatile endpoints of a pair must share one sender's counter, not start two.
+Result<std::int64_t> KeyFactory::match(LocalEndpoint& local, EntityKind kind,
+                                       spi::ParticipantCryptoHandle remote_participant) {
+  auto* const parent = DDSSEC_TRY(shared_.remote_participant(remote_participant));
+  if (parent->pair(local.participant.handle()) == nullptr) return fail(Code::crypto_not_matched);
+  auto remote = std::make_unique<RemoteEndpoint>(kind, local, *parent);
+  if (!local.is_volatile && is_origin_authenticated(local.submessage))
+    remote->receiver_key = DDSSEC_TRY(receiver_key(local.submessage_key->traits().key_size));
+  const auto& added = *remote;
+  DDSSEC_TRY(shared_.registry.add(std::move(remote)));
+  local.matched.insert(added.handle());
+  parent->endpoints.insert(added.handle());
+  if (local.is_volatile) shared_.publish_routes(*parent);
+  return added.handle();
+}
+
+Result<spi::DatareaderCryptoHandle> KeyFactory::register_matched_remote_datareader(
+    spi::DatawriterCryptoHandle local_datawriter, spi::ParticipantCryptoHandle remote_participant,
+    const spi::SharedSecret&, bool) {
+  const std::lock_guard lock(shared_.mutex);
+  auto* const local =
+      DDSSEC_TRY(shared_.local_endpoint(local_datawriter, EntityKind::local_writer));
+  return spi::DatareaderCryptoHandle{
+      DDSSEC_TRY(match(*local, EntityKind::remote_reader, remote_participant))};
+}
+
+Result<spi::DatawriterCryptoHandle> KeyFactory::register_matched_remote_datawriter(
+    spi::DatareaderCryptoHandle local_datareader, spi::ParticipantCryptoHandle remote_participant,
+    const spi::SharedSecret&) {
+  const std::lock_guard lock(shared_.mutex);
+  auto* const local =
+      DDSSEC_TRY(shared_.local_endpoint(local_datareader, EntityKind::local_reader));
+  return spi::DatawriterCryptoHandle{
+      DDSSEC_TRY(match(*local, EntityKind::remote_writer, remote_participant))};
+}
+
+// Dropping: first out of the tables that lead to it, then out of the registry, then retired.
+
+void KeyFactory::drop(const Entity& entity) {
+  shared_.graveyard.retire(shared_.registry.remove(entity));
+}
+
+void KeyFactory::drop_remote(RemoteEndpoint& endpoint) {
+  endpoint.local.matched.erase(endpoint.handle());
+  endpoint.participant.endpoints.erase(endpoint.handle());
+  const bool had_route = endpoint.local.is_volatile || endpoint.remote_keys.read() != nullptr;
+  if (had_route) shared_.publish_routes(endpoint.participant);
+  drop(endpoint);
+}
+
+void KeyFactory::drop_local(LocalEndpoint& endpoint) {
+  for (const auto handle : std::unordered_set(endpoint.matched)) {
+    const auto kind = endpoint.kind() == EntityKind::local_writer ? EntityKind::remote_reader
+                                                                  : EntityKind::remote_writer;
+    if (const auto remote = shared_.registry.find<RemoteEndpoint>(handle, kind))
+      drop_remote(**remote);
+  }
+  endpoint.participant.endpoints.erase(endpoint.handle());
+  drop(endpoint);
+}
+
+void KeyFactory::drop_remote(RemoteParticipant& participant) {
+  for (const auto handle : std::unordered_set(participant.endpoints))
+    for (const auto kind : {EntityKind::remote_writer, EntityKind::remote_reader})
+      if (const auto endpoint = shared_.registry.find<RemoteEndpoint>(handle, kind))
+        drop_remote(**endpoint);
+  for (const auto& [local, pair] : participant.pairs)
+    if (const auto found = shared_.local_participant(spi::ParticipantCryptoHandle{local}))
+      (*found)->matched.erase(participant.handle());
+  by_identity_.erase(participant.identity);
+  drop(participant);
+}
+
+void KeyFactory::drop_local(LocalParticipant& participant) {
+  for (const auto handle : std::unordered_set(participant.endpoints))
+    for (const auto kind : {EntityKind::local_writer, EntityKind::local_reader})
+      if (const auto endpoint = shared_.registry.find<LocalEndpoint>(handle, kind))
+        drop_local(**endpoint);
+  for (const auto handle : participant.matched) {
+    const auto remote = shared_.remote_participant(spi::ParticipantCryptoHandle{handle});
+    if (!remote) continue;
+    auto pair = (*remote)->pairs.extract(participant.handle());
+    publish_pairs(**remote);
+    shared_.graveyard.retire(std::move(pair.mapped()));
+  }
+  drop(participant);
+}
+
+Status KeyFactory::unregister_participant(spi::ParticipantCryptoHandle participant) {
+  const std::lock_guard lock(shared_.mutex);
+  if (const auto local = shared_.local_participant(participant)) {
+    drop_local(**local);
+    return {};
+  }
+  drop_remote(*DDSSEC_TRY(shared_.remote_participant(participant)));
+  return {};
+}
+
+Status KeyFactory::unregister_endpoint(std::int64_t handle, EntityKind local, EntityKind remote) {
+  const std::lock_guard lock(shared_.mutex);
+  if (const auto endpoint = shared_.registry.find<LocalEndpoint>(handle, local)) {
+    drop_local(**endpoint);
+    return {};
+  }
+  drop_remote(*DDSSEC_TRY(shared_.registry.find<RemoteEndpoint>(handle, remote)));
+  return {};
+}
+
+Status KeyFactory::unregister_datawriter(spi::DatawriterCryptoHandle datawriter) {
+  return unregister_endpoint(datawriter.value, EntityKind::local_writer, EntityKind::remote_writer);
+}
+
+Status KeyFactory::unregister_datareader(spi::DatareaderCryptoHandle datareader) {
+  return unregister_endpoint(datareader.value, EntityKind::local_reader, EntityKind::remote_reader);
+}
+
+}  // namespace ddssec::cryptography

@@ -1,0 +1,126 @@
+#include "plugins/cryptography/key_material.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "plugins/spi/property_names.hpp"
+
+namespace ddssec::cryptography {
+namespace {
+
+constexpr std::string_view kKeyMaterialProperty = "dds.cryp.keymat";
+/// Cyclone DDS writes a NONE material of 24 octets, Fast DDS one of 44; more is nobody's.
+constexpr std::size_t kLeastNoneSize = 24;
+constexpr std::size_t kMostNoneSize = 128;
+
+constexpr std::array kKinds = {
+    KindTraits{kAes128Gmac, 16, false},
+    KindTraits{kAes128Gcm, 16, true},
+    KindTraits{kAes256Gmac, 32, false},
+    KindTraits{kAes256Gcm, 32, true},
+};
+
+bool all_zero(BytesView octets) {
+  std::uint8_t seen = 0;
+  for (const auto octet : octets) seen |= octet;
+  return seen == 0;
+}
+
+Result<KeyMaterial> parse_none(BytesView octets) {
+  if (octets.size() < kLeastNoneSize || octets.size() > kMostNoneSize || !all_zero(octets))
+    return fail(Code::key_material_length);
+  return KeyMaterial{};
+}
+
+template <class Id>
+Result<Id> read_id(Reader& reader) {
+  auto octets = reader.read_bytes(Id::size);
+  if (!octets) return fail(Code::key_material_length);
+  return Id::from(*octets);
+}
+
+/// A sequence<octet> of exactly `size` octets that are not all zero, copied to where it is wiped.
+template <class Key>
+Result<Key> read_key(Reader& reader, std::size_t size) {
+  const auto octets = reader.read_octet_sequence();
+  if (!octets || octets->size() != size) return fail(Code::key_material_length);
+  if (size != 0 && all_zero(*octets)) return fail(Code::key_material_all_zero);
+  return Key::copy_of(*octets);
+}
+
+}  // namespace
+
+std::optional<KindTraits> traits_of(TransformKind kind) {
+  const auto* row = std::ranges::find(kKinds, kind, &KindTraits::kind);
+  if (row == kKinds.end()) return std::nullopt;
+  return *row;
+}
+
+TransformKind kind_for(bool encrypts, std::size_t key_size) {
+  if (key_size == 16) return encrypts ? kAes128Gcm : kAes128Gmac;
+  return encrypts ? kAes256Gcm : kAes256Gmac;
+}
+
+KeyMaterial KeyMaterial::clone() const {
+  return {
+      kind, salt.clone(), sender_key_id, sender_key.clone(), receiver_key_id, receiver_key.clone()};
+}
+
+Bytes serialize_key_material(const KeyMaterial& material) {
+  // Reserved at once, so that no smaller block with half the keys is left behind unwiped.
+  Bytes out;
+  out.reserve(24 + 3 * MasterKey::capacity);
+  const auto append = [&](BytesView octets) {
+    out.insert(out.end(), octets.begin(), octets.end());
+  };
+  const auto sequence = [&](BytesView octets) {
+    append(std::array<std::uint8_t, 4>{0, 0, 0, static_cast<std::uint8_t>(octets.size())});
+    append(octets);
+  };
+  append(material.kind.view());
+  material.salt.expose(sequence);
+  append(material.sender_key_id.view());
+  material.sender_key.expose(sequence);
+  append(material.receiver_key_id.view());
+  material.receiver_key.expose(sequence);
+  return out;
+}
+
+Result<KeyMaterial> parse_key_material(BytesView octets) {
+  Reader reader(octets);
+  const auto kind = DDSSEC_TRY(read_id<TransformKind>(reader));
+  if (kind == kKindNone) return parse_none(octets);
+  const auto traits = traits_of(kind);
+  if (!traits) return fail(Code::key_material_kind_unknown, {.found = kind.to_string()});
+  KeyMaterial material{.kind = kind};
+  material.salt = DDSSEC_TRY(read_key<MasterSalt>(reader, traits->key_size));
+  material.sender_key_id = DDSSEC_TRY(read_id<KeyId>(reader));
+  material.sender_key = DDSSEC_TRY(read_key<MasterKey>(reader, traits->key_size));
+  material.receiver_key_id = DDSSEC_TRY(read_id<KeyId>(reader));
+  // Id 0 is "no receiver-specific key": then there must be none.
+  material.receiver_key = DDSSEC_TRY(
+      read_key<MasterReceiverKey>(reader, material.has_receiver_key() ? traits->key_size : 0));
+  if (!reader.at_end()) return fail(Code::key_material_length);
+  if (material.sender_key_id.is_zero()) return fail(Code::key_material_key_id);
+  return material;
+}
+
+spi::Token crypto_token(const KeyMaterial& material) {
+  spi::Token token;
+  token.class_id = spi::class_id::kCrypto;
+  token.binary_properties.push_back(
+      {std::string(kKeyMaterialProperty), serialize_key_material(material), true});
+  return token;
+}
+
+Result<KeyMaterial> read_crypto_token(const spi::Token& token) {
+  if (token.class_id != spi::class_id::kCrypto)
+    return fail(Code::crypto_token_class,
+                {.expected = std::string(spi::class_id::kCrypto), .found = token.class_id});
+  if (!token.properties.empty() || token.binary_properties.size() != 1 ||
+      token.binary_properties.front().name != kKeyMaterialProperty)
+    return fail(Code::crypto_token_form);
+  return parse_key_material(token.binary_properties.front().value);
+}
+
+}  // namespace ddssec::cryptography

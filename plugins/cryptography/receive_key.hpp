@@ -1,0 +1,74 @@
+// The receiver's side of one key: the sessions of a remote sender, expanded and remembered.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <mutex>
+
+#include "plugins/cryptography/aead.hpp"
+#include "plugins/cryptography/derivation.hpp"
+#include "plugins/cryptography/reclaim.hpp"
+#include "plugins/cryptography/send_key.hpp"
+
+namespace ddssec::cryptography {
+
+/// A remote session's keys, expanded. `receiver` is empty without a receiver-specific key.
+struct ReceiveSession final : Retirable {
+  SessionId id;
+  ExpandedKey key;
+  std::unique_ptr<ExpandedKey> receiver;
+  std::atomic<std::uint32_t> last_used = 0;
+};
+
+/// Decrypts and verifies what one remote entity sends with one key. Any number of threads.
+///
+/// The session id of a message is its sender's, or an attacker's, choice. So a session is
+/// remembered only after a tag under it was right, and kMostSessions are. A hit costs a look at
+/// kMostSessions pointers and writes nothing (but once after each new session, for the order of
+/// use); a miss costs a derivation and an expansion. Fast DDS changes its session every 32
+/// messages: who leaves the memory is kept aside and its place filled with the next one, so that
+/// nothing is allocated then.
+class ReceiveKey final : public Retirable {
+ public:
+  static constexpr std::size_t kMostSessions = 4;
+
+  ReceiveKey(KeyMaterial material, KindTraits traits, const KeyEnvironment& environment)
+      : material_(std::move(material)), traits_(traits), environment_(environment) {}
+
+  const KeyMaterial& material() const { return material_; }
+  const KindTraits& traits() const { return traits_; }
+
+  /// A session to try a message with, under a ReadGuard. Not remembered if it is new.
+  class Candidate {
+   public:
+    const ReceiveSession* operator->() const { return session_; }
+
+   private:
+    friend class ReceiveKey;
+    const ReceiveSession* session_ = nullptr;
+    std::unique_ptr<ReceiveSession> fresh_;
+  };
+  /// Errors: internal.
+  Result<Candidate> session(SessionId id);
+  /// To be called once the tags were right.
+  void remember(Candidate candidate);
+
+ private:
+  struct Aside {
+    std::unique_ptr<ReceiveSession> session;
+    std::uint64_t epoch = 0;
+  };
+  std::unique_ptr<ReceiveSession> blank();
+  Published<ReceiveSession>& place_for_next();
+
+  const KeyMaterial material_;
+  const KindTraits traits_;
+  const KeyEnvironment& environment_;
+  std::array<Published<ReceiveSession>, kMostSessions> sessions_;
+  std::atomic<std::uint32_t> time_ = 0;  // counts remembered sessions
+  std::mutex mutex_;                     // guards aside_ and writing to sessions_
+  Aside aside_;
+};
+
+}  // namespace ddssec::cryptography

@@ -1,0 +1,93 @@
+// Reading shared objects without locks: what was replaced dies when no thread can still hold it.
+//
+// Every thread that reads has a slot of its own with the epoch at which it entered, 0 outside. Who
+// replaces an object first unlinks it (a seq_cst store to the pointer that led to it), then retires
+// it: the object is stamped with the epoch, which moves on, and dies once no slot holds an epoch up
+// to its stamp. Why that is safe, with all operations named here sequentially consistent, hence in
+// one total order S:
+//   reader:    (1) reads the epoch E   (2) stores E to its slot   (3) reads the pointer
+//   replacer:  (a) unlinks             (b) epoch r -> r + 1       (c) reads all slots
+// If (c) does not see (2), then (c) precedes (2) in S, so does (a), and (3) finds the new object.
+// If (c) sees E <= r, the object stays. If (c) sees E > r, then (1) followed (b), so (3) followed
+// (a) and finds the new object. In no case does a reader hold what dies.
+//
+// The message path therefore writes nothing that other threads write: one exchange and one store to
+// its own cache line.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace ddssec::cryptography {
+
+/// The thread reads shared objects while one of these lives. They do not nest.
+class ReadGuard {
+ public:
+  ReadGuard() noexcept;
+  ~ReadGuard() { slot_.store(0, std::memory_order_release); }
+  ReadGuard(const ReadGuard&) = delete;
+  ReadGuard& operator=(const ReadGuard&) = delete;
+
+ private:
+  std::atomic<std::uint64_t>& slot_;
+};
+
+/// Base of what can be retired.
+class Retirable {
+ public:
+  virtual ~Retirable() = default;
+};
+
+/// Stamps an object that was just unlinked: it may die, or be used again, once `is_safe`.
+std::uint64_t retirement_epoch() noexcept;
+/// True if no thread can still hold what was stamped so.
+bool is_safe(std::uint64_t epoch) noexcept;
+
+/// Retired objects that wait for their readers. Its owner outlives all readers of its objects.
+class Graveyard {
+ public:
+  /// Takes an unlinked object; frees what has become safe.
+  void retire(std::unique_ptr<Retirable> object);
+  /// How many still wait.
+  std::size_t size() const;
+
+ private:
+  struct Retired {
+    std::unique_ptr<Retirable> object;
+    std::uint64_t epoch;
+  };
+  mutable std::mutex mutex_;
+  std::vector<Retired> retired_;
+};
+
+/// An owning pointer that readers follow under a ReadGuard while one writer at a time replaces it.
+template <class T>
+class Published {
+ public:
+  Published() = default;
+  ~Published() { delete pointer_.load(); }
+  Published(const Published&) = delete;
+  Published& operator=(const Published&) = delete;
+
+  /// Under a ReadGuard, or by the only writer.
+  T* read() const noexcept { return pointer_.load(); }
+
+  /// Publishes `next`; the former object goes to the graveyard.
+  void replace(std::unique_ptr<T> next, Graveyard& graveyard) {
+    std::unique_ptr<T> former(pointer_.exchange(next.release()));
+    if (former) graveyard.retire(std::move(former));
+  }
+
+  /// Publishes `next` and hands out the unlinked former object, which others may still read.
+  std::unique_ptr<T> exchange(std::unique_ptr<T> next) {
+    return std::unique_ptr<T>(pointer_.exchange(next.release()));
+  }
+
+ private:
+  std::atomic<T*> pointer_ = nullptr;
+};
+
+}  // namespace ddssec::cryptography

@@ -1,0 +1,101 @@
+// Handles and what they stand for.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "base/result.hpp"
+#include "plugins/cryptography/reclaim.hpp"
+
+namespace ddssec::cryptography {
+
+/// What a handle stands for.
+enum class EntityKind : std::uint8_t {
+  local_participant = 1,
+  remote_participant,
+  local_writer,
+  remote_writer,
+  local_reader,
+  remote_reader,
+};
+
+/// Anything that has a handle. The handle is given by the registry and never changes.
+class Entity : public Retirable {
+ public:
+  explicit Entity(EntityKind kind) : kind_(kind) {}
+  EntityKind kind() const { return kind_; }
+  std::int64_t handle() const { return handle_; }
+
+ private:
+  friend class Registry;
+  const EntityKind kind_;
+  std::int64_t handle_ = 0;
+};
+
+/// Gives out handles and finds entities by them without a lock. A handle is, from the highest bit:
+/// 0, kind (3 bits), generation (36 bits, from a random start, so that another engine's handles and
+/// those returned are strangers), index (24 bits). The chunks that indices point into never move.
+class Registry {
+ public:
+  static constexpr std::size_t kChunkSize = 1024;
+  static constexpr std::size_t kMostChunks = 1024;
+
+  explicit Registry(std::uint64_t first_generation)
+      : first_generation_(first_generation & kGenerationMask) {}
+  ~Registry();
+  Registry(const Registry&) = delete;
+  Registry& operator=(const Registry&) = delete;
+
+  /// One caller at a time. Gives the entity its handle and owns it. Errors:
+  /// crypto_too_many_entities.
+  Status add(std::unique_ptr<Entity> entity);
+  /// One caller at a time. Unlinks: the handle is unknown from now on. The caller retires the
+  /// entity.
+  std::unique_ptr<Entity> remove(const Entity& entity);
+
+  /// Under a ReadGuard or by the one caller of `add`. Errors: crypto_handle_nil,
+  /// crypto_handle_unknown (never given out, or returned), crypto_handle_wrong_kind.
+  template <class T>
+  Result<T*> find(std::int64_t handle, EntityKind kind) const {
+    Entity* const entity = at(handle);
+    if (entity != nullptr && entity->kind() == kind) [[likely]]
+      return static_cast<T*>(entity);
+    return refuse(handle, entity);
+  }
+  std::size_t size() const { return size_; }
+
+ private:
+  static constexpr unsigned kIndexBits = 24;
+  static constexpr unsigned kGenerationBits = 36;
+  static constexpr std::uint64_t kIndexMask = (std::uint64_t{1} << kIndexBits) - 1;
+  static constexpr std::uint64_t kGenerationMask = (std::uint64_t{1} << kGenerationBits) - 1;
+
+  struct Place {
+    std::atomic<Entity*> entity = nullptr;
+    std::uint64_t used = 0;  // how often; only the one caller of add sees it
+  };
+  using Chunk = std::array<Place, kChunkSize>;
+
+  /// The live entity of exactly this handle, or nullptr.
+  Entity* at(std::int64_t handle) const noexcept {
+    const auto index = static_cast<std::uint64_t>(handle) & kIndexMask;
+    if (handle <= 0 || index >= kChunkSize * kMostChunks) return nullptr;
+    const Chunk* const chunk = chunks_[index / kChunkSize].load(std::memory_order_acquire);
+    if (chunk == nullptr) return nullptr;
+    Entity* const entity = (*chunk)[index % kChunkSize].entity.load();
+    return entity != nullptr && entity->handle_ == handle ? entity : nullptr;
+  }
+  Place& place(std::uint64_t index) const;
+  static std::unexpected<Error> refuse(std::int64_t handle, const Entity* found);
+
+  const std::uint64_t first_generation_;
+  std::array<std::atomic<Chunk*>, kMostChunks> chunks_ = {};
+  std::vector<std::uint64_t> free_;
+  std::uint64_t next_ = 0;
+  std::size_t size_ = 0;
+};
+
+}  // namespace ddssec::cryptography

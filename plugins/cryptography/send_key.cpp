@@ -1,0 +1,92 @@
+#include "plugins/cryptography/send_key.hpp"
+
+#include <bit>
+#include <cstring>
+
+namespace ddssec::cryptography {
+namespace {
+
+template <class Id>
+Id big_endian_id(std::uint32_t value) {
+  Id id;
+  for (std::size_t i = 0; i < 4; ++i)
+    id.octets[i] = static_cast<std::uint8_t>(value >> (24 - 8 * i));
+  return id;
+}
+
+Iv iv_from(SessionId session, std::uint64_t suffix) {
+  Iv iv;
+  std::copy_n(session.octets.data(), 4, iv.data());
+  for (std::size_t i = 0; i < 8; ++i) iv[4 + i] = static_cast<std::uint8_t>(suffix >> (56 - 8 * i));
+  return iv;
+}
+
+/// AES blocks that a message takes: its own, and one for the tag.
+std::uint64_t blocks(std::size_t size) { return size / 16 + 2; }
+
+}  // namespace
+
+Result<std::unique_ptr<SendKey>> SendKey::create(KeyMaterial material, SendStart start,
+                                                 const KeyEnvironment& environment) {
+  const auto traits = traits_of(material.kind);
+  if (!traits) return fail(Code::internal);
+  std::unique_ptr<SendKey> key(new SendKey(std::move(material), *traits, start, environment));
+  key->current_.replace(DDSSEC_TRY(key->session(0)), environment.graveyard);
+  return key;
+}
+
+Result<std::unique_ptr<SendSession>> SendKey::session(std::uint64_t number) const {
+  auto next = std::make_unique<SendSession>();
+  next->number = number;
+  next->id = big_endian_id<SessionId>(start_.session + static_cast<std::uint32_t>(number));
+  const auto key = derive_session_key(material_.sender_key, material_.salt, next->id);
+  DDSSEC_TRY(
+      key.expose([&](BytesView octets) { return next->key.expand(environment_.aead, octets); }));
+  return next;
+}
+
+Result<SendKey::Reservation> SendKey::reserve(std::size_t size) {
+  const auto wanted = blocks(size);
+  for (;;) {
+    auto* const session = current_.read();
+    const auto first = session->used.fetch_add(wanted, std::memory_order_relaxed);
+    // A message larger than a whole session may be the only one of it.
+    if (first == 0 || first + wanted <= environment_.most_blocks_per_session) [[likely]]
+      return Reservation{session, iv_from(session->id, start_.suffix + first)};
+    DDSSEC_TRY(roll_over(session));
+  }
+}
+
+Status SendKey::roll_over(const SendSession* exhausted) {
+  const std::lock_guard lock(mutex_);
+  if (current_.read() != exhausted) return {};
+  const auto number = exhausted->number + 1;
+  if (number >= environment_.most_sessions_per_key) return fail(Code::session_ids_exhausted);
+  current_.replace(DDSSEC_TRY(session(number)), environment_.graveyard);
+  return {};
+}
+
+Status ReceiverKey::mac(const SendKey& sender, const SendKey::Reservation& reservation,
+                        TagView common_mac, TagOut out) {
+  const Session* session = current_.read();
+  if (session == nullptr || session->id != reservation.session->id) [[unlikely]]
+    session = DDSSEC_TRY(expand(sender, reservation.session->id));
+  if (!session->key.mac(reservation.iv, common_mac, out)) return fail(Code::internal);
+  return {};
+}
+
+Result<const ReceiverKey::Session*> ReceiverKey::expand(const SendKey& sender, SessionId id) {
+  const std::lock_guard lock(mutex_);
+  if (const auto* const current = current_.read(); current != nullptr && current->id == id)
+    return current;
+  auto next = std::make_unique<Session>();
+  next->id = id;
+  const auto key = derive_session_receiver_key(key_, sender.material().salt, id);
+  DDSSEC_TRY(
+      key.expose([&](BytesView octets) { return next->key.expand(environment_.aead, octets); }));
+  const auto* const made = next.get();
+  current_.replace(std::move(next), environment_.graveyard);
+  return made;
+}
+
+}  // namespace ddssec::cryptography

@@ -1,0 +1,107 @@
+// The sender's side of one key: its current session, and numbers that are used once.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+
+#include "plugins/cryptography/aead.hpp"
+#include "plugins/cryptography/derivation.hpp"
+#include "plugins/cryptography/reclaim.hpp"
+
+namespace ddssec::cryptography {
+
+/// What all keys of one engine share. Outlives them.
+struct KeyEnvironment {
+  const AeadBackend& aead;
+  Graveyard& graveyard;
+  std::uint64_t most_blocks_per_session;  ///< at least 1
+  std::uint64_t most_sessions_per_key;    ///< at least 1, at most 2^32
+};
+
+/// Where a sender's numbers start; random.
+struct SendStart {
+  std::uint32_t session = 0;
+  std::uint64_t suffix = 0;
+};
+
+/// One expanded session key with its counter. Immutable but for the counter.
+struct SendSession final : Retirable {
+  SessionId id;
+  std::uint64_t number = 0;  ///< 0 for the first of its key
+  ExpandedKey key;
+  /// AES blocks promised so far. On a cache line of its own: all threads that send write it.
+  alignas(64) std::atomic<std::uint64_t> used = 0;
+};
+
+/// Encrypts or signs for one local entity at one level. Any number of threads.
+///
+/// No IV comes twice under one session key: a message of n blocks reserves n numbers of the session
+/// by one atomic addition, and its suffix is the start plus the first of them. Two messages reserve
+/// different numbers, and no more than most_blocks_per_session (plus one addition a thread, unused)
+/// are ever given out, far below the 2^64 after which suffixes would come again. No session id
+/// comes twice under one master key: ids count up and stop after most_sessions_per_key.
+class SendKey final : public Retirable {
+ public:
+  /// Errors: internal.
+  static Result<std::unique_ptr<SendKey>> create(KeyMaterial material, SendStart start,
+                                                 const KeyEnvironment& environment);
+
+  const KeyMaterial& material() const { return material_; }
+  const KindTraits& traits() const { return traits_; }
+
+  struct Reservation {
+    const SendSession* session;  ///< valid as long as the ReadGuard
+    Iv iv;
+  };
+  /// Under a ReadGuard: an IV for a message of `size` octets and its receiver-specific MACs.
+  /// Errors: session_ids_exhausted.
+  Result<Reservation> reserve(std::size_t size);
+
+ private:
+  SendKey(KeyMaterial material, KindTraits traits, SendStart start,
+          const KeyEnvironment& environment)
+      : material_(std::move(material)), traits_(traits), start_(start), environment_(environment) {}
+  Result<std::unique_ptr<SendSession>> session(std::uint64_t number) const;
+  /// Goes on to the next session, unless another thread did.
+  Status roll_over(const SendSession* exhausted);
+
+  const KeyMaterial material_;
+  const KindTraits traits_;
+  const SendStart start_;
+  const KeyEnvironment& environment_;
+  Published<SendSession> current_;
+  std::mutex mutex_;  // held by who rolls over
+};
+
+/// The receiver-specific key that a local sender has for one remote receiver
+/// (DDS-Security 9.5.3.3.3), expanded for the sender's current session.
+class ReceiverKey final : public Retirable {
+ public:
+  ReceiverKey(KeyId id, MasterReceiverKey key, const KeyEnvironment& environment)
+      : id_(id), key_(std::move(key)), environment_(environment) {}
+
+  KeyId id() const { return id_; }
+  const MasterReceiverKey& master() const { return key_; }
+
+  /// Under a ReadGuard: the GMAC of `common_mac` for this receiver. `sender` and `reservation`
+  /// belong together. Errors: internal.
+  Status mac(const SendKey& sender, const SendKey::Reservation& reservation, TagView common_mac,
+             TagOut out);
+
+ private:
+  struct Session final : Retirable {
+    SessionId id;
+    ExpandedKey key;
+  };
+  Result<const Session*> expand(const SendKey& sender, SessionId id);
+
+  const KeyId id_;
+  const MasterReceiverKey key_;
+  const KeyEnvironment& environment_;
+  Published<Session> current_;
+  std::mutex mutex_;  // held by who expands
+};
+
+}  // namespace ddssec::cryptography

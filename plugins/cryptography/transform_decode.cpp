@@ -1,0 +1,216 @@
+#include <algorithm>
+#include <array>
+
+#include "plugins/cryptography/engine.hpp"
+
+namespace ddssec::cryptography {
+namespace {
+
+/// Is the message protected as its sender's key, which fits our governance, says?
+Status check_header(const ReceiveKey& key, const CryptoHeader& header, bool is_encrypted) {
+  if (is_encrypted != key.traits().encrypts)
+    return fail(is_encrypted ? Code::encrypted_where_signature_is_due
+                             : Code::signed_where_encryption_is_due);
+  if (header.kind != key.material().kind) return fail(Code::transform_kind_mismatch);
+  if (header.key_id != key.material().sender_key_id) return fail(Code::transform_key_id_mismatch);
+  return {};
+}
+
+/// Plain octets at `place` if the tag is right, zeros otherwise.
+bool open_content(const Protected& message, const ExpandedKey& key, std::uint8_t* place) {
+  if (message.is_encrypted)
+    return key.open(message.header.iv, {}, message.content, place, message.footer.tag());
+  if (!key.verify(message.header.iv, message.content, message.footer.tag())) return false;
+  Pen({place, message.content.size()}).put(message.content);
+  return true;
+}
+
+/// Decrypts or verifies into the beginning of `out`: all that must be right about a protected
+/// message is checked here, and only then is its session remembered. Octets written.
+Result<std::size_t> open(const Protected& message, ReceiveKey& key, MutableBytes out) {
+  DDSSEC_TRY(check_header(key, message.header, message.is_encrypted));
+  if (out.size() < message.content.size()) return fail(Code::length_out_of_range);
+  const bool origin = key.material().has_receiver_key();
+  const auto ours =
+      origin ? message.footer.receiver_mac(key.material().receiver_key_id) : std::nullopt;
+  // Before any cipher: others' messages pass here often.
+  if (origin && !ours) return fail(Code::receiver_specific_mac_missing);
+  auto session = DDSSEC_TRY(key.session(message.header.session_id));
+  if (!open_content(message, session->key, out.data())) return fail(Code::tag_mismatch);
+  if (origin && !session->receiver->verify(message.header.iv, message.footer.tag(), *ours)) {
+    wipe(out.first(message.content.size()));
+    return fail(Code::receiver_specific_mac_mismatch);
+  }
+  key.remember(std::move(session));
+  return message.content.size();
+}
+
+/// The keys of a remote entity at one level, if its tokens came.
+Result<ReceiveKey*> received(const Published<RemoteKeys>& keys,
+                             std::unique_ptr<ReceiveKey> RemoteKeys::*level) {
+  const auto* const published = keys.read();
+  if (published == nullptr || !(published->*level)) return fail(Code::key_material_not_received);
+  return (published->*level).get();
+}
+
+Result<ReceiveKey*> submessage_key(const RemoteEndpoint& sender) {
+  if (!sender.local.is_volatile) return received(sender.remote_keys, &RemoteKeys::submessage);
+  const auto* const pair = sender.participant.pair(sender.local.participant.handle());
+  if (pair == nullptr) return fail(Code::crypto_not_matched);
+  return pair->key_exchange_receive.get();
+}
+
+/// What the owner of a writer's or reader's key may send under it. Fast DDS protects a writer's
+/// INFO_TS in a group of its own. The volatile endpoints of a participant share one key.
+bool may_send(const RemoteEndpoint& sender, std::uint8_t id) {
+  using namespace submessage_id;
+  constexpr std::array kWriters = {kData,          kDataFrag, kHeartbeat,
+                                   kHeartbeatFrag, kGap,      kInfoTimestamp};
+  constexpr std::array kReaders = {kAckNack, kNackFrag};
+  const bool writer = std::ranges::find(kWriters, id) != kWriters.end();
+  const bool reader = std::ranges::find(kReaders, id) != kReaders.end();
+  if (sender.local.is_volatile) return writer || reader;
+  return sender.kind() == EntityKind::remote_writer ? writer : reader;
+}
+
+/// Exactly one submessage in whole words, of a kind its sender may send.
+Status check_submessage(const RemoteEndpoint& sender, BytesView plain) {
+  if (plain.size() < kSubmessageHeaderSize || plain.size() % 4 != 0)
+    return fail(Code::secure_group_malformed);
+  const auto header = read_submessage_header(plain);
+  if (header.length != 0 && header.length != plain.size() - kSubmessageHeaderSize)
+    return fail(Code::secure_group_malformed);
+  if (!may_send(sender, header.id)) return fail(Code::submessage_not_of_sender);
+  return {};
+}
+
+template <class Local, class Remote>
+Result<std::size_t> decode_submessage(const Shared& shared, Local receiver, Remote sender,
+                                      BytesView encoded, MutableBytes out) {
+  const ReadGuard guard;
+  const auto& local = *DDSSEC_TRY(shared.local_endpoint(receiver, local_kind(receiver)));
+  const auto& remote = *DDSSEC_TRY(shared.remote_endpoint(sender, remote_kind(sender)));
+  if (&remote.local != &local) return fail(Code::crypto_not_matched);
+  if (!is_protected(local.submessage)) return fail(Code::not_protected);
+  auto& key = *DDSSEC_TRY(submessage_key(remote));
+  const auto message = DDSSEC_TRY(read_protected_group(encoded, kSubmessageFrame));
+  const auto size = DDSSEC_TRY(open(message, key, out));
+  if (auto status = check_submessage(remote, out.first(size)); !status) {
+    wipe(out.first(size));
+    return std::unexpected(std::move(status).error());
+  }
+  return size;
+}
+
+/// The header's version, vendor and GUID prefix, in network order.
+std::array<std::uint8_t, 16> source_of(BytesView rtps_header, bool prefix_is_network_order) {
+  std::array<std::uint8_t, 16> source;
+  std::ranges::copy(rtps_header.subspan(4, 16), source.begin());
+  if (!prefix_is_network_order && std::endian::native == std::endian::little)
+    for (auto word = source.begin() + 4; word != source.end(); word += 4)
+      std::reverse(word, word + 4);
+  return source;
+}
+
+/// The header is not authenticated, INFO_SRC inside is: they must name the same source.
+Status check_source(BytesView content, const std::array<std::uint8_t, 16>& outside) {
+  if (content.size() < kInfoSourceSize) return fail(Code::info_source_missing);
+  const auto header = read_submessage_header(content);
+  if (header.id != submessage_id::kInfoSource ||
+      header.length != kInfoSourceSize - kSubmessageHeaderSize)
+    return fail(Code::info_source_missing);
+  if (!std::ranges::equal(content.subspan(8, 16), outside)) return fail(Code::info_source_mismatch);
+  return {};
+}
+
+/// Among the endpoints that share a key id (a remote writer as matched with several of our
+/// readers): the one that the message has a MAC for, or else the first.
+const RouteTable::Row* choose(std::span<const RouteTable::Row> rows, std::int64_t receiver,
+                              BytesView encoded) {
+  const auto fits = [&](const auto& row) {
+    return receiver == 0 || row.local_participant == receiver;
+  };
+  const auto first = std::ranges::find_if(rows, fits);
+  if (first == rows.end()) return nullptr;
+  if (first->receiver_key_id.is_zero() || rows.size() == 1) return &*first;
+  const auto message = read_protected_group(encoded, kSubmessageFrame);
+  const auto meant = std::ranges::find_if(rows, [&](const auto& row) {
+    return fits(row) && message && message->footer.receiver_mac(row.receiver_key_id);
+  });
+  return meant == rows.end() ? &*first : &*meant;
+}
+
+}  // namespace
+
+Result<std::size_t> Transform::decode_serialized_payload(spi::DatareaderCryptoHandle receiver,
+                                                         spi::DatawriterCryptoHandle sender,
+                                                         BytesView encoded, MutableBytes out) {
+  const ReadGuard guard;
+  const auto& local = *DDSSEC_TRY(shared_.local_endpoint(receiver, EntityKind::local_reader));
+  const auto& remote = *DDSSEC_TRY(shared_.remote_endpoint(sender, EntityKind::remote_writer));
+  if (&remote.local != &local) return fail(Code::crypto_not_matched);
+  if (!is_protected(local.payload)) return fail(Code::not_protected);
+  auto& key = *DDSSEC_TRY(received(remote.remote_keys, &RemoteKeys::payload));
+  return open(DDSSEC_TRY(read_protected_payload(encoded)), key, out);
+}
+
+Result<std::size_t> Transform::decode_datawriter_submessage(spi::DatareaderCryptoHandle receiver,
+                                                            spi::DatawriterCryptoHandle sender,
+                                                            BytesView encoded, MutableBytes out) {
+  return decode_submessage(shared_, receiver, sender, encoded, out);
+}
+
+Result<std::size_t> Transform::decode_datareader_submessage(spi::DatawriterCryptoHandle receiver,
+                                                            spi::DatareaderCryptoHandle sender,
+                                                            BytesView encoded, MutableBytes out) {
+  return decode_submessage(shared_, receiver, sender, encoded, out);
+}
+
+Result<std::size_t> Transform::decode_rtps_message(spi::ParticipantCryptoHandle receiver,
+                                                   spi::ParticipantCryptoHandle sender,
+                                                   BytesView encoded, MutableBytes out) {
+  const ReadGuard guard;
+  const auto& local = *DDSSEC_TRY(shared_.local_participant(receiver));
+  const auto* const pair = DDSSEC_TRY(shared_.remote_participant(sender))->pair(receiver.value);
+  if (pair == nullptr) return fail(Code::crypto_not_matched);
+  if (!is_protected(local.rtps)) return fail(Code::not_protected);
+  auto& key = *DDSSEC_TRY(received(pair->remote_keys, &RemoteKeys::submessage));
+  if (encoded.size() < kRtpsHeaderSize || as_text(encoded.first(4)) != "RTPS")
+    return fail(Code::secure_group_malformed);
+  const auto message =
+      DDSSEC_TRY(read_protected_group(encoded.subspan(kRtpsHeaderSize), kMessageFrame));
+  if (out.size() < kRtpsHeaderSize) return fail(Code::length_out_of_range);
+  const auto content = out.subspan(kRtpsHeaderSize);
+  const auto size = DDSSEC_TRY(open(message, key, content));
+  const auto source = source_of(encoded, shared_.header_prefix_is_network_order);
+  if (auto status = check_source(content.first(size), source); !status) {
+    wipe(content.first(size));
+    return std::unexpected(std::move(status).error());
+  }
+  // INFO_SRC stays first, and the header says what it says, in network order.
+  Pen pen(out);
+  pen.put(encoded.first(4));
+  pen.put(source);
+  return kRtpsHeaderSize + size;
+}
+
+Result<spi::SecureSubmessage> Transform::preprocess_secure_submessage(
+    spi::ParticipantCryptoHandle receiver, spi::ParticipantCryptoHandle sender, BytesView encoded) {
+  const ReadGuard guard;
+  const auto& remote = *DDSSEC_TRY(shared_.remote_participant(sender));
+  if (receiver) DDSSEC_TRY(shared_.local_participant(receiver));
+  const auto header = DDSSEC_TRY(read_prefix(encoded, kSubmessageFrame));
+  const auto* const table = remote.routes.read();
+  if (table == nullptr) return fail(Code::unknown_key_id);
+  const auto same =
+      std::ranges::equal_range(table->rows, header.key_id, {}, &RouteTable::Row::key_id);
+  const auto* const row = choose({same.begin(), same.end()}, receiver.value, encoded);
+  if (row == nullptr) return fail(Code::unknown_key_id);
+  const auto& endpoint = *DDSSEC_TRY(shared_.registry.find<RemoteEndpoint>(row->handle, row->kind));
+  const auto ours = endpoint.local.handle();
+  if (row->kind == EntityKind::remote_writer)
+    return spi::SecureSubmessage{spi::SecureSubmessageCategory::datawriter, {row->handle}, {ours}};
+  return spi::SecureSubmessage{spi::SecureSubmessageCategory::datareader, {ours}, {row->handle}};
+}
+
+}  // namespace ddssec::cryptography

@@ -1,0 +1,237 @@
+#include <algorithm>
+#include <limits>
+
+#include "plugins/cryptography/engine.hpp"
+
+namespace ddssec::cryptography {
+namespace {
+
+/// What goes between prefix and postfix: `head` and `body` one after the other.
+struct GroupRequest {
+  Frame frame;
+  BytesView head;
+  BytesView body;
+  /// Where a length that says "to the end" has to be replaced by the real one, behind `head`.
+  std::optional<std::size_t> open_length;
+  std::size_t receivers;
+
+  std::size_t size() const { return head.size() + body.size(); }
+};
+
+std::size_t encoded_size(const GroupRequest& request, bool encrypts) {
+  const auto content =
+      encrypts ? kSubmessageHeaderSize + 4 + padded(request.size()) : request.size();
+  return kSubmessageHeaderSize + kCryptoHeaderSize + content + kSubmessageHeaderSize + kFooterSize +
+         kReceiverMacSize * request.receivers;
+}
+
+/// Writes what is left of the submessage behind the header at `position` into its length.
+void close_length(MutableBytes content, std::size_t position) {
+  const auto length = content.size() - position - kSubmessageHeaderSize;
+  const bool little = (content[position + 1] & 1) != 0;
+  content[position + (little ? 2 : 3)] = static_cast<std::uint8_t>(length);
+  content[position + (little ? 3 : 2)] = static_cast<std::uint8_t>(length >> 8);
+}
+
+/// The protected octets, at their place. Straight from the input if nothing is put before or into
+/// it; otherwise put together there first, and encrypted in place.
+bool protect(const GroupRequest& request, const SendKey& key, const SendKey::Reservation& reserved,
+             std::uint8_t* place, TagOut tag) {
+  const auto& session = reserved.session->key;
+  const bool encrypts = key.traits().encrypts;
+  if (encrypts && request.head.empty() && !request.open_length)
+    return session.seal({reserved.iv, {}, request.body, place, tag});
+  const MutableBytes content(place, request.size());
+  Pen pen(content);
+  pen.put(request.head);
+  pen.put(request.body);
+  if (request.open_length) close_length(content, request.head.size() + *request.open_length);
+  return encrypts ? session.seal({reserved.iv, {}, content, place, tag})
+                  : session.mac(reserved.iv, content, tag);
+}
+
+/// `receiver(i)` is the ReceiverKey of the i-th receiver, as Result.
+template <class Receiver>
+Result<std::size_t> encode_group(const GroupRequest& request, SendKey& key, MutableBytes out,
+                                 Receiver&& receiver) {
+  const bool encrypts = key.traits().encrypts;
+  if (out.size() < encoded_size(request, encrypts)) return fail(Code::length_out_of_range);
+  const auto reserved = DDSSEC_TRY(key.reserve(request.size()));
+  Pen pen(out);
+  pen.submessage_header(request.frame.prefix, kCryptoHeaderSize);
+  pen.crypto_header(key.material().kind, key.material().sender_key_id, reserved.iv);
+  if (encrypts) {
+    pen.submessage_header(submessage_id::kSecBody, 4 + padded(request.size()));
+    pen.u32(static_cast<std::uint32_t>(request.size()));
+  }
+  auto* const content = pen.skip(request.size());
+  if (encrypts) pen.zeros(padded(request.size()) - request.size());
+  pen.submessage_header(request.frame.postfix, kFooterSize + kReceiverMacSize * request.receivers);
+  const TagOut common_mac(pen.skip(kTagSize), kTagSize);
+  if (!protect(request, key, reserved, content, common_mac)) return fail(Code::internal);
+  pen.u32(static_cast<std::uint32_t>(request.receivers));
+  for (std::size_t i = 0; i < request.receivers; ++i) {
+    auto* const receiver_key = DDSSEC_TRY(receiver(i));
+    pen.put(receiver_key->id().view());
+    DDSSEC_TRY(receiver_key->mac(key, reserved, common_mac, TagOut(pen.skip(kTagSize), kTagSize)));
+  }
+  return pen.written();
+}
+
+/// One submessage in whole words; its position if its length has to be written in.
+Result<std::optional<std::size_t>> check_submessage(BytesView plain) {
+  if (plain.size() < kSubmessageHeaderSize || plain.size() % 4 != 0 ||
+      plain.size() > kMostSubmessageContent)
+    return fail(Code::plaintext_malformed);
+  const auto header = read_submessage_header(plain);
+  if (header.length == plain.size() - kSubmessageHeaderSize) return std::nullopt;
+  if (header.length != 0) return fail(Code::plaintext_malformed);
+  return std::optional<std::size_t>(0);
+}
+
+/// A chain of submessages; the position of the last if its length has to be written in.
+Result<std::optional<std::size_t>> check_submessages(BytesView plain) {
+  if (plain.size() < kSubmessageHeaderSize || plain.size() % 4 != 0)
+    return fail(Code::plaintext_malformed);
+  std::size_t position = 0;
+  while (position < plain.size()) {
+    const auto header = read_submessage_header(plain.subspan(position));
+    const auto left = plain.size() - position - kSubmessageHeaderSize;
+    // Only INFO_TS and PAD are really empty; elsewhere 0 is "to the end" (RTPS 9.4.5.1.3).
+    const bool may_be_empty = header.id == submessage_id::kInfoTimestamp || header.id == 0x01;
+    if (header.length == 0 && !may_be_empty && left != 0) {
+      if (left > kMostSubmessageContent) return fail(Code::plaintext_malformed);
+      return std::optional(position);
+    }
+    if (header.length > left || header.length % 4 != 0) return fail(Code::plaintext_malformed);
+    position += kSubmessageHeaderSize + header.length;
+  }
+  return std::nullopt;
+}
+
+Status check_receivers(spi::ProtectionKind kind, std::size_t count) {
+  if (is_origin_authenticated(kind) && (count == 0 || count > kMostReceivers))
+    return fail(Code::receiver_count);
+  return {};
+}
+
+/// A submessage of a volatile endpoint goes to one participant, under the key of the two.
+template <class Remote>
+Result<std::size_t> encode_volatile(const Shared& shared, const LocalEndpoint& sender,
+                                    std::span<const Remote> receivers, GroupRequest request,
+                                    MutableBytes out) {
+  if (receivers.size() != 1) return fail(Code::receiver_count);
+  const auto* const remote =
+      DDSSEC_TRY(shared.remote_endpoint(receivers.front(), remote_kind(Remote{})));
+  const auto* const pair = remote->participant.pair(sender.participant.handle());
+  if (&remote->local != &sender || pair == nullptr) return fail(Code::crypto_not_matched);
+  request.receivers = 0;
+  return encode_group(request, *pair->key_exchange_send, out,
+                      [](std::size_t) -> Result<ReceiverKey*> { return fail(Code::internal); });
+}
+
+template <class Local, class Remote>
+Result<std::size_t> encode_submessage(const Shared& shared, Local handle,
+                                      std::span<const Remote> receivers, BytesView plain,
+                                      MutableBytes out) {
+  const ReadGuard guard;
+  const auto& sender = *DDSSEC_TRY(shared.local_endpoint(handle, local_kind(handle)));
+  if (!is_protected(sender.submessage)) return fail(Code::not_protected);
+  GroupRequest request{kSubmessageFrame, {}, plain, DDSSEC_TRY(check_submessage(plain)), 0};
+  if (sender.is_volatile) return encode_volatile(shared, sender, receivers, request, out);
+  DDSSEC_TRY(check_receivers(sender.submessage, receivers.size()));
+  if (is_origin_authenticated(sender.submessage)) request.receivers = receivers.size();
+  return encode_group(
+      request, *sender.submessage_key, out, [&](std::size_t i) -> Result<ReceiverKey*> {
+        const auto& remote =
+            *DDSSEC_TRY(shared.remote_endpoint(receivers[i], remote_kind(Remote{})));
+        if (&remote.local != &sender) return fail(Code::crypto_not_matched);
+        return remote.receiver_key.get();
+      });
+}
+
+/// INFO_SRC with the RTPS header's version, vendor and prefix (DDS-Security 9.5.3.3.4.5).
+std::array<std::uint8_t, kInfoSourceSize> info_source(BytesView rtps_header) {
+  std::array<std::uint8_t, kInfoSourceSize> out{};
+  Pen pen(out);
+  pen.submessage_header(submessage_id::kInfoSource, kInfoSourceSize - kSubmessageHeaderSize);
+  pen.zeros(4);
+  pen.put(rtps_header.subspan(4, 16));
+  return out;
+}
+
+/// The RTPS message as what stands between its header and SRTPS_POSTFIX.
+Result<GroupRequest> message_request(BytesView plain, BytesView info_source, bool encrypts) {
+  const auto body = plain.subspan(kRtpsHeaderSize);
+  GroupRequest request{kMessageFrame, info_source, body, std::nullopt, 0};
+  if (!encrypts)
+    request.open_length = DDSSEC_TRY(check_submessages(body));
+  else if (body.empty() || 4 + padded(request.size()) > kMostSubmessageContent)
+    return fail(Code::plaintext_malformed);
+  return request;
+}
+
+}  // namespace
+
+Result<std::size_t> Transform::encode_serialized_payload(spi::DatawriterCryptoHandle sender,
+                                                         BytesView plain, MutableBytes out) {
+  const ReadGuard guard;
+  const auto& writer = *DDSSEC_TRY(shared_.local_endpoint(sender, EntityKind::local_writer));
+  if (!writer.payload_key) return fail(Code::not_protected);
+  auto& key = *writer.payload_key;
+  const bool encrypts = key.traits().encrypts;
+  const auto size = kCryptoHeaderSize + (encrypts ? 4 : 0) + plain.size() + kFooterSize;
+  if (plain.size() > std::numeric_limits<std::uint32_t>::max() || out.size() < size)
+    return fail(Code::length_out_of_range);
+  const auto reserved = DDSSEC_TRY(key.reserve(plain.size()));
+  Pen pen(out);
+  pen.crypto_header(key.material().kind, key.material().sender_key_id, reserved.iv);
+  if (encrypts) pen.u32(static_cast<std::uint32_t>(plain.size()));
+  auto* const content = pen.skip(plain.size());
+  const TagOut tag(pen.skip(kTagSize), kTagSize);
+  if (!encrypts) Pen({content, plain.size()}).put(plain);
+  const bool done = encrypts ? reserved.session->key.seal({reserved.iv, {}, plain, content, tag})
+                             : reserved.session->key.mac(reserved.iv, plain, tag);
+  if (!done) return fail(Code::internal);
+  pen.u32(0);
+  return pen.written();
+}
+
+Result<std::size_t> Transform::encode_datawriter_submessage(
+    spi::DatawriterCryptoHandle sender, std::span<const spi::DatareaderCryptoHandle> receivers,
+    BytesView plain, MutableBytes out) {
+  return encode_submessage(shared_, sender, receivers, plain, out);
+}
+
+Result<std::size_t> Transform::encode_datareader_submessage(
+    spi::DatareaderCryptoHandle sender, std::span<const spi::DatawriterCryptoHandle> receivers,
+    BytesView plain, MutableBytes out) {
+  return encode_submessage(shared_, sender, receivers, plain, out);
+}
+
+Result<std::size_t> Transform::encode_rtps_message(
+    spi::ParticipantCryptoHandle sender, std::span<const spi::ParticipantCryptoHandle> receivers,
+    BytesView plain, MutableBytes out) {
+  const ReadGuard guard;
+  const auto& participant = *DDSSEC_TRY(shared_.local_participant(sender));
+  if (!participant.key) return fail(Code::not_protected);
+  if (plain.size() < kRtpsHeaderSize || as_text(plain.first(4)) != "RTPS")
+    return fail(Code::plaintext_malformed);
+  DDSSEC_TRY(check_receivers(participant.rtps, receivers.size()));
+  const auto source = info_source(plain);
+  auto request = DDSSEC_TRY(message_request(plain, source, participant.key->traits().encrypts));
+  if (is_origin_authenticated(participant.rtps)) request.receivers = receivers.size();
+  if (out.size() < kRtpsHeaderSize) return fail(Code::length_out_of_range);
+  const auto written = DDSSEC_TRY(
+      encode_group(request, *participant.key, out.subspan(kRtpsHeaderSize),
+                   [&](std::size_t i) -> Result<ReceiverKey*> {
+                     const auto* const pair =
+                         DDSSEC_TRY(shared_.remote_participant(receivers[i]))->pair(sender.value);
+                     if (pair == nullptr) return fail(Code::crypto_not_matched);
+                     return pair->receiver_key.get();
+                   }));
+  Pen(out).put(plain.first(kRtpsHeaderSize));
+  return kRtpsHeaderSize + written;
+}
+
+}  // namespace ddssec::cryptography

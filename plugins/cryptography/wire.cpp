@@ -1,0 +1,183 @@
+#include "plugins/cryptography/wire.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "plugins/cryptography/key_material.hpp"
+
+namespace ddssec::cryptography {
+namespace {
+
+constexpr std::uint8_t kEndianFlag = 0x01;
+
+std::uint32_t u32_at(BytesView octets, std::size_t position) {
+  return static_cast<std::uint32_t>(octets[position]) << 24 | octets[position + 1] << 16 |
+         octets[position + 2] << 8 | octets[position + 3];
+}
+
+template <class Id>
+Id id_at(BytesView octets, std::size_t position) {
+  Id id;
+  std::memcpy(id.octets.data(), octets.data() + position, Id::size);
+  return id;
+}
+
+CryptoHeader crypto_header_at(BytesView octets) {
+  CryptoHeader header;
+  header.kind = id_at<TransformKind>(octets, 0);
+  header.key_id = id_at<KeyId>(octets, 4);
+  header.session_id = id_at<SessionId>(octets, 8);
+  std::memcpy(header.iv.data(), octets.data() + 8, header.iv.size());
+  return header;
+}
+
+/// GCM or GMAC; the only thing needed to find one's way through the octets.
+Result<bool> encrypts(const CryptoHeader& header) {
+  const auto traits = traits_of(header.kind);
+  if (!traits) return fail(Code::crypto_header_kind_unknown);
+  return traits->encrypts;
+}
+
+/// The count must say exactly what is there: it never steers a loop or an allocation.
+Result<CryptoFooter> footer_from(BytesView octets) {
+  if (octets.size() < kFooterSize) return fail(Code::secure_group_malformed);
+  const std::uint64_t count = u32_at(octets, kTagSize);
+  const auto macs = octets.subspan(kFooterSize);
+  if (count * kReceiverMacSize != macs.size()) return fail(Code::secure_group_malformed);
+  return CryptoFooter{octets.first(kTagSize), macs};
+}
+
+/// CryptoContent: a big-endian length, that many octets, and zeros up to a word.
+Result<BytesView> content_from(BytesView body) {
+  if (body.size() < 4) return fail(Code::secure_group_malformed);
+  const std::uint64_t size = u32_at(body, 0);
+  if (padded(size) != body.size() - 4) return fail(Code::secure_group_malformed);
+  return body.subspan(4, size);
+}
+
+/// Bits of the flags other than E change the meaning in later versions (P and A of SRTPS_PREFIX).
+Status check_flags(const SubmessageHeader& header) {
+  if ((header.flags & ~kEndianFlag) != 0) return fail(Code::secure_flags_unsupported);
+  return {};
+}
+
+/// The SEC_BODY that fills `octets`.
+Result<BytesView> body_from(BytesView octets) {
+  if (octets.size() < kSubmessageHeaderSize) return fail(Code::secure_group_malformed);
+  const auto header = read_submessage_header(octets);
+  if (header.id != submessage_id::kSecBody ||
+      header.length != octets.size() - kSubmessageHeaderSize)
+    return fail(Code::secure_group_malformed);
+  DDSSEC_TRY(check_flags(header));
+  return content_from(octets.subspan(kSubmessageHeaderSize));
+}
+
+/// Where the postfix begins: behind the SEC_BODY or the one submessage of a SEC_ group. In a signed
+/// message the first postfix id in the chain of submessages is it.
+Result<std::size_t> find_postfix(BytesView octets, Frame frame) {
+  std::size_t position = 0;
+  while (octets.size() - position >= kSubmessageHeaderSize) {
+    const auto header = read_submessage_header(octets.subspan(position));
+    if (header.id == frame.postfix) return position;
+    position += kSubmessageHeaderSize + header.length;
+    if (position > octets.size()) break;
+  }
+  return fail(Code::secure_group_malformed);
+}
+
+Result<CryptoFooter> postfix_from(BytesView octets, Frame frame) {
+  const auto header = read_submessage_header(octets);
+  const auto content = octets.subspan(kSubmessageHeaderSize);
+  // OpenDDS writes 0, "to the end", where Cyclone and Fast DDS write the length.
+  if (header.id != frame.postfix || (header.length != content.size() && header.length != 0))
+    return fail(Code::secure_group_malformed);
+  DDSSEC_TRY(check_flags(header));
+  return footer_from(content);
+}
+
+}  // namespace
+
+std::optional<TagView> CryptoFooter::receiver_mac(KeyId id) const {
+  for (auto rest = receiver_macs; !rest.empty(); rest = rest.subspan(kReceiverMacSize))
+    if (id_at<KeyId>(rest, 0) == id) return TagView(rest.data() + KeyId::size, kTagSize);
+  return std::nullopt;
+}
+
+SubmessageHeader read_submessage_header(BytesView octets) {
+  const bool little = (octets[1] & kEndianFlag) != 0;
+  const std::size_t length = little ? octets[2] | octets[3] << 8 : octets[2] << 8 | octets[3];
+  return {octets[0], octets[1], length};
+}
+
+Result<Protected> read_protected_payload(BytesView encoded) {
+  if (encoded.size() < kCryptoHeaderSize + kFooterSize) return fail(Code::secure_group_malformed);
+  Protected out{
+      .header = crypto_header_at(encoded), .is_encrypted = false, .content = {}, .footer = {}};
+  out.is_encrypted = DDSSEC_TRY(encrypts(out.header));
+  const auto footer = encoded.last(kFooterSize);
+  // One MAC list for all readers would be no origin authentication (DDS-Security 9.5.3.3.4.4).
+  if (u32_at(footer, kTagSize) != 0) return fail(Code::receiver_specific_macs_not_allowed);
+  out.footer = DDSSEC_TRY(footer_from(footer));
+  const auto inside =
+      encoded.subspan(kCryptoHeaderSize, encoded.size() - kCryptoHeaderSize - kFooterSize);
+  out.content = inside;
+  if (!out.is_encrypted) return out;
+  if (inside.size() < 4 || u32_at(inside, 0) != inside.size() - 4)
+    return fail(Code::secure_group_malformed);
+  out.content = inside.subspan(4);
+  return out;
+}
+
+Result<CryptoHeader> read_prefix(BytesView encoded, Frame frame) {
+  if (encoded.size() < kSubmessageHeaderSize + kCryptoHeaderSize)
+    return fail(Code::secure_group_malformed);
+  const auto header = read_submessage_header(encoded);
+  if (header.id != frame.prefix || header.length != kCryptoHeaderSize)
+    return fail(Code::secure_group_malformed);
+  DDSSEC_TRY(check_flags(header));
+  return crypto_header_at(encoded.subspan(kSubmessageHeaderSize));
+}
+
+Result<Protected> read_protected_group(BytesView encoded, Frame frame) {
+  Protected out{.header = DDSSEC_TRY(read_prefix(encoded, frame)),
+                .is_encrypted = false,
+                .content = {},
+                .footer = {}};
+  out.is_encrypted = DDSSEC_TRY(encrypts(out.header));
+  const auto rest = encoded.subspan(kSubmessageHeaderSize + kCryptoHeaderSize);
+  const auto postfix = DDSSEC_TRY(find_postfix(rest, frame));
+  out.footer = DDSSEC_TRY(postfix_from(rest.subspan(postfix), frame));
+  out.content = rest.first(postfix);
+  if (out.is_encrypted) out.content = DDSSEC_TRY(body_from(out.content));
+  return out;
+}
+
+void Pen::put(BytesView octets) {
+  if (!octets.empty()) std::memcpy(at_, octets.data(), octets.size());
+  at_ += octets.size();
+}
+
+void Pen::u32(std::uint32_t value) {
+  for (unsigned shift = 32; shift != 0; shift -= 8)
+    *at_++ = static_cast<std::uint8_t>(value >> (shift - 8));
+}
+
+void Pen::crypto_header(TransformKind kind, KeyId key, const Iv& iv) {
+  put(kind.view());
+  put(key.view());
+  put(iv);
+}
+
+void Pen::submessage_header(std::uint8_t id, std::size_t length) {
+  *at_++ = id;
+  *at_++ = kEndianFlag;
+  *at_++ = static_cast<std::uint8_t>(length);
+  *at_++ = static_cast<std::uint8_t>(length >> 8);
+}
+
+void Pen::zeros(std::size_t count) { std::fill_n(skip(count), count, std::uint8_t{0}); }
+
+std::uint8_t* Pen::skip(std::size_t count) { return std::exchange(at_, at_ + count); }
+
+}  // namespace ddssec::cryptography

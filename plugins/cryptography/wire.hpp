@@ -1,0 +1,107 @@
+// The octets of CryptoHeader, CryptoContent and CryptoFooter (DDS-Security 9.5.2.3 to 9.5.2.5), and
+// of the secure submessages around them (7.4.2): reading is checking, writing is for who checked.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "base/ids.hpp"
+#include "base/result.hpp"
+#include "plugins/cryptography/aead.hpp"
+
+namespace ddssec::cryptography {
+
+inline constexpr std::size_t kCryptoHeaderSize = 20;
+inline constexpr std::size_t kReceiverMacSize = 20;
+inline constexpr std::size_t kFooterSize = 20;  ///< without receiver-specific MACs
+inline constexpr std::size_t kSubmessageHeaderSize = 4;
+inline constexpr std::size_t kRtpsHeaderSize = 20;
+inline constexpr std::size_t kInfoSourceSize = 24;
+/// What octetsToNextHeader can say, in whole words.
+inline constexpr std::size_t kMostSubmessageContent = 65532;
+/// As many as an SEC_POSTFIX can hold.
+inline constexpr std::size_t kMostReceivers =
+    (kMostSubmessageContent - kFooterSize) / kReceiverMacSize;
+
+namespace submessage_id {
+inline constexpr std::uint8_t kAckNack = 0x06, kHeartbeat = 0x07, kGap = 0x08,
+                              kInfoTimestamp = 0x09, kInfoSource = 0x0c, kNackFrag = 0x12,
+                              kHeartbeatFrag = 0x13, kData = 0x15, kDataFrag = 0x16,
+                              kSecBody = 0x30, kSecPrefix = 0x31, kSecPostfix = 0x32,
+                              kSrtpsPrefix = 0x33, kSrtpsPostfix = 0x34;
+}  // namespace submessage_id
+
+/// The ids of a prefix and its postfix.
+struct Frame {
+  std::uint8_t prefix;
+  std::uint8_t postfix;
+};
+inline constexpr Frame kSubmessageFrame{submessage_id::kSecPrefix, submessage_id::kSecPostfix};
+inline constexpr Frame kMessageFrame{submessage_id::kSrtpsPrefix, submessage_id::kSrtpsPostfix};
+
+/// CryptoHeader.
+struct CryptoHeader {
+  TransformKind kind;
+  KeyId key_id;
+  SessionId session_id;
+  Iv iv;  ///< session id and suffix, as they stand in the header
+};
+
+/// CryptoFooter; borrowed.
+struct CryptoFooter {
+  BytesView common_mac;     ///< kTagSize octets
+  BytesView receiver_macs;  ///< a multiple of kReceiverMacSize
+
+  TagView tag() const { return TagView(common_mac.data(), kTagSize); }
+  /// The MAC for a receiver-specific key, if there is one.
+  std::optional<TagView> receiver_mac(KeyId id) const;
+};
+
+/// What is between a header and a footer.
+struct Protected {
+  CryptoHeader header;
+  bool is_encrypted;  ///< content came as CryptoContent
+  BytesView content;  ///< ciphertext, or what is signed
+  CryptoFooter footer;
+};
+
+/// A protected payload. Whether it has a CryptoContent is for the kind to say. Errors:
+/// secure_group_malformed, receiver_specific_macs_not_allowed, crypto_header_kind_unknown.
+Result<Protected> read_protected_payload(BytesView encoded);
+/// A SEC_ group or the part of an RTPS message behind its header, whole. Errors:
+/// secure_group_malformed, secure_flags_unsupported, crypto_header_kind_unknown.
+Result<Protected> read_protected_group(BytesView encoded, Frame frame);
+/// The CryptoHeader of a SEC_ group, whatever follows. Errors: the same.
+Result<CryptoHeader> read_prefix(BytesView encoded, Frame frame);
+
+/// One submessage header.
+struct SubmessageHeader {
+  std::uint8_t id;
+  std::uint8_t flags;
+  std::size_t length;  ///< octetsToNextHeader, as it stands
+};
+/// The caller has seen to it that there are 4 octets.
+SubmessageHeader read_submessage_header(BytesView octets);
+
+/// Writes over octets that the caller has counted.
+class Pen {
+ public:
+  explicit Pen(MutableBytes out) : begin_(out.data()), at_(out.data()) {}
+  void put(BytesView octets);
+  void u32(std::uint32_t value);
+  void crypto_header(TransformKind kind, KeyId key, const Iv& iv);
+  /// Little endian: E flag 1.
+  void submessage_header(std::uint8_t id, std::size_t length);
+  void zeros(std::size_t count);
+  /// Leaves room, to be written by others.
+  std::uint8_t* skip(std::size_t count);
+  std::size_t written() const { return static_cast<std::size_t>(at_ - begin_); }
+
+ private:
+  std::uint8_t* begin_;
+  std::uint8_t* at_;
+};
+
+constexpr std::size_t padded(std::size_t size) { return (size + 3) & ~std::size_t{3}; }
+
+}  // namespace ddssec::cryptography

@@ -1,0 +1,324 @@
+// Round trips of all transformations, and what each refuses.
+#include <gtest/gtest.h>
+
+#include "tests/unit/cryptography/two_sides.hpp"
+
+namespace ddssec::cryptography::testing {
+namespace {
+
+constexpr auto kEncrypt = ProtectionKind::encrypt;
+constexpr auto kSign = ProtectionKind::sign;
+constexpr auto kNone = ProtectionKind::none;
+constexpr std::array kKinds = {kSign, kEncrypt, ProtectionKind::sign_with_origin_authentication,
+                               ProtectionKind::encrypt_with_origin_authentication};
+
+template <class T>
+Code code_of(const Result<T>& result) {
+  return result ? Code{0} : result.error().code();
+}
+
+TEST(Payload, ComesBackAtEverySize) {
+  for (const auto kind : {kSign, kEncrypt})
+    for (const auto* const bits : {"128", "256"}) {
+      TwoSides two(kNone, key_size(bits));
+      const auto e = two.endpoints(endpoint_attributes(kNone, kind));
+      for (const std::size_t size : {0u, 1u, 13u, 16u, 64u, 1000u, 65537u}) {
+        const Bytes plain(size, 0x42);
+        const auto encoded = encode_payload(two, e, plain).value();
+        EXPECT_EQ(encoded.size(), size + (kind == kEncrypt ? 44 : 40));
+        EXPECT_EQ(decode_payload(two, e, encoded).value(), plain);
+      }
+    }
+}
+
+TEST(Submessage, ComesBackBothWays) {
+  for (const auto kind : kKinds) {
+    TwoSides two;
+    const auto e = two.endpoints(endpoint_attributes(kind, kNone));
+    for (const std::size_t size : {0u, 4u, 48u, 1000u, 65000u}) {
+      const auto data = data_submessage(size), ack = data_submessage(size, 0x06);
+      EXPECT_EQ(decode_submessage(two, e, encode_submessage(two, e, data).value()).value(), data);
+      EXPECT_EQ(decode_reply(two, e, encode_reply(two, e, ack).value()).value(), ack);
+    }
+  }
+}
+
+TEST(Message, ComesBackWithItsSourceInFront) {
+  for (const auto kind : kKinds) {
+    TwoSides two(kind);
+    const auto plain = rtps_message({data_submessage(12), data_submessage(100)});
+    const auto decoded = decode_message(two, encode_message(two, plain).value()).value();
+    ASSERT_EQ(decoded.size(), plain.size() + 24);
+    EXPECT_EQ(to_hex(BytesView(decoded).first(20)), to_hex(BytesView(plain).first(20)));
+    EXPECT_EQ(decoded[20], 0x0c);
+    EXPECT_EQ(to_hex(BytesView(decoded).subspan(28, 16)), to_hex(BytesView(plain).subspan(4, 16)));
+    EXPECT_EQ(to_hex(BytesView(decoded).subspan(44)), to_hex(BytesView(plain).subspan(20)));
+  }
+}
+
+TEST(Volatile, ComesBackBothWaysBeforeAnyToken) {
+  TwoSides two;
+  const auto e = two.volatile_endpoints();
+  const auto data = data_submessage(60), ack = data_submessage(24, 0x06);
+  const auto encoded = encode_submessage(two, e, data).value();
+  EXPECT_EQ(to_hex(BytesView(encoded).subspan(4, 8)), "0000000400000000");
+  EXPECT_EQ(decode_submessage(two, e, encoded).value(), data);
+  EXPECT_EQ(decode_reply(two, e, encode_reply(two, e, ack).value()).value(), ack);
+  const auto whose = two.b.transform().preprocess_secure_submessage({}, two.b.remote, encoded);
+  EXPECT_EQ(whose->category, spi::SecureSubmessageCategory::datawriter);
+  EXPECT_EQ(whose->datawriter, e.remote_writer);
+}
+
+TEST(Volatile, NeedsExactlyOneReceiver) {
+  TwoSides two;
+  const auto e = two.volatile_endpoints();
+  Bytes out(300);
+  EXPECT_EQ(code_of(two.a.transform().encode_datawriter_submessage(e.writer, {}, data_submessage(8),
+                                                                   out)),
+            Code::receiver_count);
+  const std::array both = {e.remote_reader, e.remote_reader};
+  EXPECT_EQ(code_of(two.a.transform().encode_datawriter_submessage(e.writer, both,
+                                                                   data_submessage(8), out)),
+            Code::receiver_count);
+}
+
+TEST(Volatile, AnotherSecretIsAnotherKey) {
+  TwoSides two;
+  const auto e = two.volatile_endpoints();
+  const auto before = encode_submessage(two, e, data_submessage(8)).value();
+  TwoSides::match(two.b, 77);  // authenticated anew
+  EXPECT_EQ(code_of(decode_submessage(two, e, before)), Code::tag_mismatch);
+  TwoSides::match(two.a, 77);
+  EXPECT_TRUE(decode_submessage(two, e, encode_submessage(two, e, data_submessage(8)).value()));
+}
+
+TEST(FailClosed, UnprotectedLevelsTransformNothing) {
+  TwoSides two;
+  const auto open = two.endpoints(endpoint_attributes(kNone, kNone));
+  EXPECT_EQ(code_of(encode_payload(two, open, Bytes(8))), Code::not_protected);
+  EXPECT_EQ(code_of(decode_payload(two, open, Bytes(80))), Code::not_protected);
+  EXPECT_EQ(code_of(encode_submessage(two, open, data_submessage(8))), Code::not_protected);
+  EXPECT_EQ(code_of(decode_submessage(two, open, Bytes(80))), Code::not_protected);
+  EXPECT_EQ(code_of(encode_reply(two, open, data_submessage(8))), Code::not_protected);
+  EXPECT_EQ(code_of(decode_reply(two, open, Bytes(80))), Code::not_protected);
+  EXPECT_EQ(code_of(encode_message(two, rtps_message({data_submessage(8)}))), Code::not_protected);
+  EXPECT_EQ(code_of(decode_message(two, Bytes(80))), Code::not_protected);
+  const auto payload_only = two.endpoints(endpoint_attributes(kNone, kEncrypt));
+  EXPECT_EQ(code_of(encode_submessage(two, payload_only, data_submessage(8))), Code::not_protected);
+  EXPECT_EQ(code_of(encode_reply(two, payload_only, data_submessage(8))), Code::not_protected);
+}
+
+TEST(FailClosed, WithoutTokensNothingOpens) {
+  TwoSides two(kEncrypt);
+  const auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
+  const auto message = encode_message(two, rtps_message({data_submessage(8)})).value();
+  const auto submessage = encode_submessage(two, e, data_submessage(8)).value();
+  const auto payload = encode_payload(two, e, Bytes(8)).value();
+  TwoSides::match(two.b, 99);  // a new pair has no tokens yet
+  EXPECT_EQ(code_of(decode_message(two, message)), Code::key_material_not_received);
+  auto fresh = e;
+  fresh.remote_writer =
+      two.b.factory()
+          .register_matched_remote_datawriter(e.reader, two.b.remote, shared_secret())
+          .value();
+  EXPECT_EQ(code_of(decode_submessage(two, fresh, submessage)), Code::key_material_not_received);
+  EXPECT_EQ(code_of(decode_payload(two, fresh, payload)), Code::key_material_not_received);
+}
+
+TEST(Plaintext, MustBeWholeSubmessagesInWholeWords) {
+  TwoSides two(kSign);
+  const auto e = two.endpoints(endpoint_attributes(kEncrypt, kNone));
+  const auto expect_refused = [&](Bytes plain) {
+    EXPECT_EQ(code_of(encode_submessage(two, e, plain)), Code::plaintext_malformed);
+  };
+  expect_refused({});
+  expect_refused({0x15, 1, 0});
+  expect_refused(Bytes(data_submessage(8).begin(), data_submessage(8).end() - 1));
+  auto longer = data_submessage(8);
+  longer[2] = 12;
+  expect_refused(longer);
+  expect_refused(data_submessage(65536));
+  const auto refuse_message = [&](const Bytes& plain) {
+    EXPECT_EQ(code_of(encode_message(two, plain)), Code::plaintext_malformed);
+  };
+  refuse_message({});
+  refuse_message(rtps_message({}));
+  refuse_message(Bytes(64));
+  refuse_message(rtps_message({longer}));
+  TwoSides encrypting(kEncrypt);
+  EXPECT_EQ(code_of(encode_message(encrypting, rtps_message({}))), Code::plaintext_malformed);
+  EXPECT_EQ(code_of(encode_message(encrypting, rtps_message({Bytes(65536)}))),
+            Code::plaintext_malformed);
+}
+
+TEST(Plaintext, ALengthToTheEndIsClosed) {
+  for (const auto kind : {kSign, kEncrypt}) {
+    TwoSides two(kind);
+    const auto e = two.endpoints(endpoint_attributes(kind, kNone));
+    auto open = data_submessage(40);
+    open[2] = open[3] = 0;
+    EXPECT_EQ(decode_submessage(two, e, encode_submessage(two, e, open).value()).value(),
+              data_submessage(40));
+    auto big_endian = open;
+    big_endian[1] = 0x04;
+    const auto closed =
+        decode_submessage(two, e, encode_submessage(two, e, big_endian).value()).value();
+    EXPECT_EQ(to_hex(BytesView(closed).first(4)), "15040028");
+    const auto message = rtps_message({data_submessage(8), open});
+    EXPECT_TRUE(decode_message(two, encode_message(two, message).value()));
+  }
+}
+
+TEST(Output, TooLittleRoomIsRefusedAndStaysUntouched) {
+  for (const auto kind : kKinds) {
+    TwoSides two(kind);
+    const auto e = two.endpoints(endpoint_attributes(kind, is_encrypted(kind) ? kEncrypt : kSign));
+    const auto data = data_submessage(20);
+    const auto needed = encode_submessage(two, e, data)->size();
+    for (std::size_t room = 0; room < needed; ++room) {
+      Bytes out(room, 0xaa);
+      EXPECT_EQ(code_of(two.a.transform().encode_datawriter_submessage(
+                    e.writer, {&e.remote_reader, 1}, data, out)),
+                Code::length_out_of_range);
+      EXPECT_EQ(out, Bytes(room, 0xaa));
+    }
+    const auto message = rtps_message({data});
+    const auto message_size = encode_message(two, message)->size();
+    for (std::size_t room = 0; room < message_size; ++room) {
+      Bytes out(room, 0xaa);
+      EXPECT_EQ(code_of(two.a.transform().encode_rtps_message(two.a.participant, {&two.a.remote, 1},
+                                                              message, out)),
+                Code::length_out_of_range);
+    }
+    const auto payload = encode_payload(two, e, Bytes(21)).value();
+    Bytes small(20);
+    EXPECT_EQ(code_of(two.b.transform().decode_serialized_payload(e.reader, e.remote_writer,
+                                                                  payload, small)),
+              Code::length_out_of_range);
+    Bytes short_of_payload(payload.size() - 1);
+    EXPECT_EQ(
+        code_of(two.a.transform().encode_serialized_payload(e.writer, Bytes(21), short_of_payload)),
+        Code::length_out_of_range);
+    const auto sealed = encode_message(two, message).value();
+    for (const std::size_t room : {0u, 19u, 30u}) {
+      Bytes out(room);
+      EXPECT_EQ(code_of(two.b.transform().decode_rtps_message(two.b.participant, two.b.remote,
+                                                              sealed, out)),
+                Code::length_out_of_range);
+    }
+  }
+}
+
+TEST(Output, OverheadSufficesForAnyNumberOfReceivers) {
+  for (const auto kind : kKinds)
+    for (const std::size_t receivers : {1u, 2u, 64u}) {
+      TwoSides two(kind);
+      const std::vector list(receivers, two.a.remote);
+      const auto plain = rtps_message({data_submessage(16)});
+      EXPECT_TRUE(into_bytes(plain.size() + spi::protection_overhead(receivers), [&](auto out) {
+        return two.a.transform().encode_rtps_message(two.a.participant, list, plain, out);
+      }));
+    }
+}
+
+TEST(Receivers, NoneOrTooManyAreRefusedWithOriginAuthentication) {
+  TwoSides two(ProtectionKind::sign_with_origin_authentication);
+  const auto plain = rtps_message({data_submessage(16)});
+  Bytes out(200000);
+  const std::vector many(3276, two.a.remote), most(3275, two.a.remote);
+  const auto encode = [&](std::span<const ParticipantCryptoHandle> list) {
+    return code_of(two.a.transform().encode_rtps_message(two.a.participant, list, plain, out));
+  };
+  EXPECT_EQ(encode({}), Code::receiver_count);
+  EXPECT_EQ(encode(many), Code::receiver_count);
+  EXPECT_EQ(encode(most), Code{0});
+}
+
+TEST(Receivers, EachReaderFindsItsOwnMac) {
+  TwoSides two;
+  const auto attributes =
+      endpoint_attributes(ProtectionKind::encrypt_with_origin_authentication, kNone);
+  auto first = two.endpoints(attributes);
+  auto second = first;
+  second.reader =
+      two.b.factory().register_local_datareader(two.b.participant, {}, attributes).value();
+  two.match_endpoints(second);
+  const auto data = data_submessage(16);
+  const auto only_second = encode_submessage(two, second, data).value();
+  EXPECT_EQ(decode_submessage(two, second, only_second).value(), data);
+  EXPECT_EQ(code_of(decode_submessage(two, first, only_second)),
+            Code::receiver_specific_mac_missing);
+  const auto whose = two.b.transform().preprocess_secure_submessage({}, two.b.remote, only_second);
+  EXPECT_EQ(whose->datawriter, second.remote_writer);
+  EXPECT_EQ(whose->datareader, second.reader);
+  const std::array both = {first.remote_reader, second.remote_reader};
+  const auto to_both = into_bytes(400, [&](MutableBytes out) {
+    return two.a.transform().encode_datawriter_submessage(first.writer, both, data, out);
+  });
+  EXPECT_EQ(decode_submessage(two, first, *to_both).value(), data);
+  EXPECT_EQ(decode_submessage(two, second, *to_both).value(), data);
+}
+
+TEST(Preprocess, TellsWritersFromReaders) {
+  TwoSides two;
+  const auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
+  const auto data = encode_submessage(two, e, data_submessage(8)).value();
+  const auto from_writer =
+      two.b.transform().preprocess_secure_submessage(two.b.participant, two.b.remote, data);
+  EXPECT_EQ(from_writer->category, spi::SecureSubmessageCategory::datawriter);
+  EXPECT_EQ(from_writer->datawriter, e.remote_writer);
+  EXPECT_EQ(from_writer->datareader, e.reader);
+  const auto ack = encode_reply(two, e, data_submessage(8, 0x06)).value();
+  const auto from_reader =
+      two.a.transform().preprocess_secure_submessage(two.a.participant, two.a.remote, ack);
+  EXPECT_EQ(from_reader->category, spi::SecureSubmessageCategory::datareader);
+  EXPECT_EQ(from_reader->datareader, e.remote_reader);
+  EXPECT_EQ(from_reader->datawriter, e.writer);
+}
+
+TEST(Preprocess, KnowsOnlyMatchedEndpointsOfTheSender) {
+  TwoSides two;
+  auto data = Bytes(80);
+  EXPECT_EQ(code_of(two.b.transform().preprocess_secure_submessage({}, two.b.remote, data)),
+            Code::secure_group_malformed);
+  const auto e = two.endpoints(endpoint_attributes(kEncrypt, kNone));
+  data = encode_submessage(two, e, data_submessage(8)).value();
+  const auto stranger =
+      two.b.factory().register_local_participant({}, {}, {}, participant_attributes(kNone)).value();
+  EXPECT_EQ(code_of(two.b.transform().preprocess_secure_submessage(stranger, two.b.remote, data)),
+            Code::unknown_key_id);
+  ASSERT_TRUE(two.b.factory().unregister_datawriter(e.remote_writer));
+  EXPECT_EQ(code_of(two.b.transform().preprocess_secure_submessage({}, two.b.remote, data)),
+            Code::unknown_key_id);
+}
+
+TEST(CycloneHost, HeaderPrefixInHostOrderIsComparedAsSuch) {
+  TwoSides two(kEncrypt, {}, {.header_prefix_is_network_order = false});
+  const auto plain = rtps_message({data_submessage(8)});
+  auto encoded = encode_message(two, plain).value();
+  EXPECT_EQ(code_of(decode_message(two, encoded)), Code::info_source_mismatch);
+  for (std::size_t word = 8; word < 20; word += 4)
+    std::reverse(encoded.begin() + static_cast<std::ptrdiff_t>(word),
+                 encoded.begin() + static_cast<std::ptrdiff_t>(word) + 4);
+  const auto decoded = decode_message(two, encoded).value();
+  EXPECT_EQ(to_hex(BytesView(decoded).first(20)), to_hex(BytesView(plain).first(20)))
+      << "the rebuilt header is in network order";
+}
+
+TEST(Sizes, EitherSideChoosesItsOwn) {
+  TwoSides two;
+  const auto e =
+      two.endpoints(endpoint_attributes(kEncrypt, kEncrypt), key_size("128"), key_size("256"));
+  EXPECT_TRUE(decode_payload(two, e, encode_payload(two, e, Bytes(40)).value()));
+  EXPECT_TRUE(decode_reply(two, e, encode_reply(two, e, data_submessage(8, 0x06)).value()));
+}
+
+TEST(Backends, AMissingOneIsReplacedWithAnEvent) {
+  Side side(Options{.aead = static_cast<AeadChoice>(200)});
+  EXPECT_EQ(side.events.codes, std::vector{Code::aead_backend_unavailable});
+  EXPECT_TRUE(side.factory().register_local_participant({}, {}, {}, participant_attributes(kSign)));
+  EXPECT_TRUE(Side().events.codes.empty());
+}
+
+}  // namespace
+}  // namespace ddssec::cryptography::testing

@@ -1,0 +1,229 @@
+// Two engines that authenticated each other, for tests: participants, endpoints and their tokens.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/event.hpp"
+#include "plugins/cryptography/cryptography.hpp"
+
+namespace ddssec::cryptography::testing {
+
+using spi::DatareaderCryptoHandle;
+using spi::DatawriterCryptoHandle;
+using spi::EndpointSecurityAttributes;
+using spi::IdentityHandle;
+using spi::ParticipantCryptoHandle;
+using spi::ParticipantSecurityAttributes;
+using spi::PropertyList;
+using spi::ProtectionKind;
+
+struct CountingSink final : EventSink {
+  void raise(const Event& event) override { codes.push_back(event.error.code()); }
+  std::vector<Code> codes;
+};
+
+inline ParticipantSecurityAttributes participant_attributes(ProtectionKind rtps) {
+  ParticipantSecurityAttributes attributes;
+  attributes.rtps = rtps;
+  return attributes;
+}
+
+inline EndpointSecurityAttributes endpoint_attributes(ProtectionKind submessage,
+                                                      ProtectionKind payload) {
+  EndpointSecurityAttributes attributes;
+  attributes.submessage = submessage;
+  attributes.payload = payload;
+  return attributes;
+}
+
+inline spi::SharedSecret shared_secret(std::uint8_t seed = 1) {
+  spi::SharedSecret shared;
+  shared.secret = spi::SharedSecretOctets::copy_of(Bytes(32, seed)).value();
+  shared.challenge1.fill(static_cast<std::uint8_t>(seed + 1));
+  shared.challenge2.fill(static_cast<std::uint8_t>(seed + 2));
+  return shared;
+}
+
+inline PropertyList key_size(std::string_view bits) {
+  return {{"dds.sec.crypto.keysize", std::string(bits)}};
+}
+inline PropertyList builtin_endpoint(std::string_view name) {
+  return {{"dds.sec.builtin_endpoint_name", std::string(name)}};
+}
+inline constexpr std::string_view kVolatileWriter = "BuiltinParticipantVolatileMessageSecureWriter";
+inline constexpr std::string_view kVolatileReader = "BuiltinParticipantVolatileMessageSecureReader";
+
+/// One engine with what it needs.
+struct Side {
+  explicit Side(const Options& options = {})
+      : environment{clock, random, events}, engine(make_cryptography(environment, options)) {}
+  spi::CryptoKeyFactory& factory() { return engine->key_factory(); }
+  spi::CryptoKeyExchange& exchange() { return engine->key_exchange(); }
+  spi::CryptoTransform& transform() { return engine->transform(); }
+
+  SystemClock clock;
+  SystemRandom random;
+  CountingSink events;
+  Environment environment;
+  std::unique_ptr<spi::Cryptography> engine;
+  ParticipantCryptoHandle participant;
+  ParticipantCryptoHandle remote;  ///< the other side's, as matched here
+};
+
+struct WriterToReader {
+  DatawriterCryptoHandle writer;         ///< at the sender
+  DatareaderCryptoHandle remote_reader;  ///< the reader, as matched by the writer
+  DatareaderCryptoHandle reader;         ///< at the receiver
+  DatawriterCryptoHandle remote_writer;  ///< the writer, as matched by the reader
+};
+
+/// `a` writes, `b` reads.
+struct TwoSides {
+  explicit TwoSides(ProtectionKind rtps = ProtectionKind::none, const PropertyList& properties = {},
+                    const Options& options = {})
+      : a(options), b(options) {
+    const auto attributes = participant_attributes(rtps);
+    for (auto* side : {&a, &b})
+      side->participant =
+          side->factory().register_local_participant({1}, {1}, properties, attributes).value();
+    match(a);
+    match(b);
+    exchange_participant_tokens();
+  }
+
+  static void match(Side& side, std::uint8_t seed = 1) {
+    side.remote =
+        side.factory()
+            .register_matched_remote_participant(side.participant, {7}, {7}, shared_secret(seed))
+            .value();
+  }
+
+  void exchange_participant_tokens() {
+    const auto pass = [](Side& from, Side& to) {
+      const auto tokens =
+          from.exchange().create_local_participant_crypto_tokens(from.participant, from.remote);
+      return to.exchange().set_remote_participant_crypto_tokens(to.participant, to.remote, *tokens);
+    };
+    pass(a, b).value();
+    pass(b, a).value();
+  }
+
+  WriterToReader endpoints(const EndpointSecurityAttributes& attributes,
+                           const PropertyList& writer_properties = {},
+                           const PropertyList& reader_properties = {}) {
+    WriterToReader out;
+    out.writer =
+        a.factory().register_local_datawriter(a.participant, writer_properties, attributes).value();
+    out.reader =
+        b.factory().register_local_datareader(b.participant, reader_properties, attributes).value();
+    match_endpoints(out);
+    return out;
+  }
+
+  /// Matches and passes tokens both ways.
+  void match_endpoints(WriterToReader& out) {
+    out.remote_reader =
+        a.factory()
+            .register_matched_remote_datareader(out.writer, a.remote, shared_secret(), false)
+            .value();
+    out.remote_writer =
+        b.factory()
+            .register_matched_remote_datawriter(out.reader, b.remote, shared_secret())
+            .value();
+    const auto of_writer =
+        a.exchange().create_local_datawriter_crypto_tokens(out.writer, out.remote_reader).value();
+    if (!of_writer.empty())
+      b.exchange()
+          .set_remote_datawriter_crypto_tokens(out.reader, out.remote_writer, of_writer)
+          .value();
+    const auto of_reader =
+        b.exchange().create_local_datareader_crypto_tokens(out.reader, out.remote_writer).value();
+    if (!of_reader.empty())
+      a.exchange()
+          .set_remote_datareader_crypto_tokens(out.writer, out.remote_reader, of_reader)
+          .value();
+  }
+
+  WriterToReader volatile_endpoints() {
+    return endpoints(endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none),
+                     builtin_endpoint(kVolatileWriter), builtin_endpoint(kVolatileReader));
+  }
+
+  Side a;
+  Side b;
+};
+
+/// What an encoder or decoder writes, as octets of its own.
+inline Result<Bytes> into_bytes(std::size_t room,
+                                const std::function<Result<std::size_t>(MutableBytes)>& call) {
+  Bytes out(room);
+  auto size = call(out);
+  if (!size) return std::unexpected(std::move(size).error());
+  out.resize(*size);
+  return out;
+}
+
+inline Result<Bytes> encode_payload(TwoSides& two, const WriterToReader& e, BytesView plain) {
+  return into_bytes(plain.size() + spi::protection_overhead(0), [&](MutableBytes out) {
+    return two.a.transform().encode_serialized_payload(e.writer, plain, out);
+  });
+}
+inline Result<Bytes> decode_payload(TwoSides& two, const WriterToReader& e, BytesView encoded) {
+  return into_bytes(encoded.size(), [&](MutableBytes out) {
+    return two.b.transform().decode_serialized_payload(e.reader, e.remote_writer, encoded, out);
+  });
+}
+inline Result<Bytes> encode_submessage(TwoSides& two, const WriterToReader& e, BytesView plain) {
+  return into_bytes(plain.size() + spi::protection_overhead(1), [&](MutableBytes out) {
+    return two.a.transform().encode_datawriter_submessage(e.writer, {&e.remote_reader, 1}, plain,
+                                                          out);
+  });
+}
+inline Result<Bytes> decode_submessage(TwoSides& two, const WriterToReader& e, BytesView encoded) {
+  return into_bytes(encoded.size(), [&](MutableBytes out) {
+    return two.b.transform().decode_datawriter_submessage(e.reader, e.remote_writer, encoded, out);
+  });
+}
+/// The reader's own submessage, and its reading by the writer.
+inline Result<Bytes> encode_reply(TwoSides& two, const WriterToReader& e, BytesView plain) {
+  return into_bytes(plain.size() + spi::protection_overhead(1), [&](MutableBytes out) {
+    return two.b.transform().encode_datareader_submessage(e.reader, {&e.remote_writer, 1}, plain,
+                                                          out);
+  });
+}
+inline Result<Bytes> decode_reply(TwoSides& two, const WriterToReader& e, BytesView encoded) {
+  return into_bytes(encoded.size(), [&](MutableBytes out) {
+    return two.a.transform().decode_datareader_submessage(e.writer, e.remote_reader, encoded, out);
+  });
+}
+inline Result<Bytes> encode_message(TwoSides& two, BytesView plain) {
+  return into_bytes(plain.size() + spi::protection_overhead(1), [&](MutableBytes out) {
+    return two.a.transform().encode_rtps_message(two.a.participant, {&two.a.remote, 1}, plain, out);
+  });
+}
+inline Result<Bytes> decode_message(TwoSides& two, BytesView encoded) {
+  return into_bytes(encoded.size(), [&](MutableBytes out) {
+    return two.b.transform().decode_rtps_message(two.b.participant, two.b.remote, encoded, out);
+  });
+}
+
+/// DATA with `size` octets behind its header (a multiple of 4).
+inline Bytes data_submessage(std::size_t size, std::uint8_t id = 0x15) {
+  Bytes out(4 + size, 0x5a);
+  out[0] = id, out[1] = 0x05;
+  out[2] = static_cast<std::uint8_t>(size), out[3] = static_cast<std::uint8_t>(size >> 8);
+  return out;
+}
+
+inline Bytes rtps_message(std::initializer_list<Bytes> submessages) {
+  Bytes out = to_bytes(as_bytes("RTPS"));
+  for (std::uint8_t octet : {2, 3, 1, 16, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12})
+    out.push_back(octet);
+  for (const auto& one : submessages) out.insert(out.end(), one.begin(), one.end());
+  return out;
+}
+
+}  // namespace ddssec::cryptography::testing
