@@ -121,6 +121,8 @@ struct ChainVerifier::Impl {
 
   Status fill_store(const std::vector<Crl>& crls, CrlPolicy policy);
   Result<ChainValid> judge(const Certificate& certificate, WallTime now) const;
+  Result<ChainValid> judge_path(const Certificate& certificate, WallTime now,
+                                unsigned long flags) const;
   ChainValid prove(const Certificate& certificate, X509_STORE_CTX* context) const;
   std::optional<ChainValid> recall(const Certificate& certificate, WallTime now);
   void remember(const ChainValid& proof);
@@ -170,14 +172,15 @@ ChainValid ChainVerifier::Impl::prove(const Certificate& certificate,
   return proof;
 }
 
-Result<ChainValid> ChainVerifier::Impl::judge(const Certificate& certificate, WallTime now) const {
+Result<ChainValid> ChainVerifier::Impl::judge_path(const Certificate& certificate, WallTime now,
+                                                   unsigned long flags) const {
   const StoreContextPtr context(X509_STORE_CTX_new());
   if (!context ||
       X509_STORE_CTX_init(context.get(), store.get(), certificate.impl().x509.get(), nullptr) != 1)
     return openssl_failure(Code::internal);
   auto* parameters = X509_STORE_CTX_get0_param(context.get());
-  unsigned long flags = X509_V_FLAG_PARTIAL_CHAIN;
-  if (check_crls) flags |= X509_V_FLAG_CRL_CHECK | X509_V_FLAG_CRL_CHECK_ALL;
+  if (check_crls)
+    flags |= X509_V_FLAG_CRL_CHECK | X509_V_FLAG_CRL_CHECK_ALL | X509_V_FLAG_USE_DELTAS;
   X509_VERIFY_PARAM_set_flags(parameters, flags);
   X509_VERIFY_PARAM_set_time(parameters, std::chrono::system_clock::to_time_t(now));
   // Level 2 is 112 bits: it refuses SHA-1 everywhere but in an anchor's signature on itself.
@@ -186,8 +189,17 @@ Result<ChainValid> ChainVerifier::Impl::judge(const Certificate& certificate, Wa
     take_openssl_reason();
     return std::unexpected(explain(context.get(), now));
   }
-  DDSSEC_TRY(check_key_usage(certificate));
   return prove(certificate, context.get());
+}
+
+Result<ChainValid> ChainVerifier::Impl::judge(const Certificate& certificate, WallTime now) const {
+  DDSSEC_TRY(check_key_usage(certificate));
+  // First up to a root, so that an expired root in the file counts. Only where the file holds no
+  // root for it, a subordinate CA is the end of the path (with the flag, OpenSSL would stop at it
+  // even if its issuer were there).
+  auto proof = judge_path(certificate, now, 0);
+  if (proof || proof.error().code() != Code::issuer_unknown) return proof;
+  return judge_path(certificate, now, X509_V_FLAG_PARTIAL_CHAIN);
 }
 
 std::optional<ChainValid> ChainVerifier::Impl::recall(const Certificate& certificate,

@@ -51,6 +51,10 @@ class EphemeralKey {
   /// Fresh from OpenSSL's generator. Error: internal.
   static Result<EphemeralKey> generate(KeyAgreementKind kind);
 
+  /// The pair of a given private number (big endian): known answers and replayed handshakes only.
+  /// Errors: public_key_not_in_group if it is zero or too large.
+  static Result<EphemeralKey> from_private(KeyAgreementKind kind, BytesView number);
+
   KeyAgreementKind kind() const { return kind_; }
 
   /// The public half: an uncompressed point for EC (the encoding asked for does not count), the

@@ -74,9 +74,14 @@ std::string describe(EVP_PKEY* key) {
          std::to_string(EVP_PKEY_get_bits(key)) + " bits";
 }
 
+// The curve's name, or nothing if the key spells out parameters of its own (CVE-2020-0601).
 std::string group_name(EVP_PKEY* key) {
   char name[64];
   std::size_t size = 0;
+  const bool named = EVP_PKEY_get_utf8_string_param(key, OSSL_PKEY_PARAM_EC_ENCODING, name,
+                                                    sizeof name, nullptr) == 1 &&
+                     std::string_view(name) == OSSL_PKEY_EC_ENCODING_GROUP;
+  if (!named) return "";
   return EVP_PKEY_get_group_name(key, name, sizeof name, &size) == 1 ? std::string(name, size) : "";
 }
 

@@ -52,14 +52,34 @@ Result<CMS_SignerInfo*> only_signer(CMS_ContentInfo* cms) {
   return sk_CMS_SignerInfo_value(signers, 0);
 }
 
+// The signature algorithm only repeats what key and digest say; nobody signs it, so it must fit.
+bool fits(int signature_algorithm, int digest) {
+  switch (signature_algorithm) {
+    case NID_rsaEncryption:
+    case NID_rsassaPss:
+    case NID_X9_62_id_ecPublicKey:
+      return true;
+    default:
+      break;
+  }
+  int named_digest = NID_undef;
+  return OBJ_find_sigid_algs(signature_algorithm, &named_digest, nullptr) == 1 &&
+         named_digest == digest;
+}
+
 Status check_digest(CMS_SignerInfo* signer) {
-  X509_ALGOR* algorithm = nullptr;
-  CMS_SignerInfo_get0_algs(signer, nullptr, nullptr, &algorithm, nullptr);
-  const int nid = OBJ_obj2nid(algorithm->algorithm);
-  if (nid == NID_sha256 || nid == NID_sha384 || nid == NID_sha512) return {};
-  const char* name = OBJ_nid2sn(nid);
-  return fail(Code::smime_digest_too_weak,
-              {.expected = "SHA-256, SHA-384 or SHA-512", .found = name ? name : "unknown"});
+  X509_ALGOR* digest = nullptr;
+  X509_ALGOR* signature = nullptr;
+  CMS_SignerInfo_get0_algs(signer, nullptr, nullptr, &digest, &signature);
+  const int nid = OBJ_obj2nid(digest->algorithm);
+  if (nid != NID_sha256 && nid != NID_sha384 && nid != NID_sha512) {
+    const char* name = OBJ_nid2sn(nid);
+    return fail(Code::smime_digest_too_weak, {.expected = "SHA-256, SHA-384 or SHA-512",
+                                              .found = name != nullptr ? name : "unknown"});
+  }
+  if (!fits(OBJ_obj2nid(signature->algorithm), nid))
+    return fail(Code::smime_signature_malformed, {.field = "signature algorithm"});
+  return {};
 }
 
 std::string describe(CMS_SignerInfo* signer) {

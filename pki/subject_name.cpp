@@ -184,6 +184,7 @@ class Rfc4514 {
 // Where the next "/TYPE=" with a known type begins.
 std::size_t next_slash_type(std::string_view text, std::size_t from) {
   for (auto at = text.find('/', from); at != text.npos; at = text.find('/', at + 1)) {
+    if (at > 0 && text[at - 1] == '\\') continue;
     const auto equals = text.find('=', at);
     if (equals == text.npos) return text.npos;
     if (canonical_type(trimmed(text.substr(at + 1, equals - at - 1)))) return at;
@@ -191,14 +192,20 @@ std::size_t next_slash_type(std::string_view text, std::size_t from) {
   return text.npos;
 }
 
-// X509_NAME_oneline writes unprintable octets as \xHH and escapes nothing else.
+// X509_NAME_oneline writes unprintable octets as \xHH; newer versions of OpenSSL 3.0 also "\/" and
+// "\+", before that nothing else.
 Result<std::string> unescape_one_line(std::string_view text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto octet = text.substr(i, 2) == "\\x" ? from_hex(text.substr(i + 2, 2)) : std::nullopt;
-    const bool escape = octet && octet->size() == 1;
-    out.push_back(escape ? static_cast<char>((*octet)[0]) : text[i]);
-    if (escape) i += 3;
+    const auto rest = text.substr(i);
+    const auto octet = rest.starts_with("\\x") ? from_hex(rest.substr(2, 2)) : std::nullopt;
+    if (octet && octet->size() == 1) {
+      out.push_back(static_cast<char>((*octet)[0]));
+      i += 3;
+      continue;
+    }
+    if (rest.starts_with("\\/") || rest.starts_with("\\+")) ++i;
+    out.push_back(text[i]);
   }
   if (!valid_utf8_without_nul(out))
     return std::unexpected(malformed("a value is not UTF-8 text", text));
@@ -229,7 +236,8 @@ Result<std::vector<NameAttribute>> parse_one_line(std::string_view text) {
 }  // namespace
 
 Result<SubjectName> SubjectName::parse(std::string_view text) {
-  text = trimmed(text);
+  // Blanks at the end may be escaped: the reader below knows.
+  text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
   if (text.empty() || text.size() > kMostSubjectOctets)
     return std::unexpected(malformed("it is empty or too long", text));
   SubjectName name;

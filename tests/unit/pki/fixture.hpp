@@ -64,6 +64,20 @@ inline Bytes data_file(const std::string& name) {
 
 inline Bytes bytes(std::string_view text) { return to_bytes(as_bytes(text)); }
 
+/// Base64 text of `octets` in one line.
+inline std::string base64(BytesView octets) {
+  constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  for (std::size_t at = 0; at < octets.size(); at += 3) {
+    const auto octet = [&](std::size_t i) { return at + i < octets.size() ? octets[at + i] : 0u; };
+    const auto bits = octet(0) << 16 | octet(1) << 8 | octet(2);
+    for (std::size_t i = 0; i < 4; ++i)
+      out += at + i <= octets.size() ? kDigits[bits >> (18 - 6 * i) & 63] : '=';
+  }
+  return out;
+}
+
 /// `text` with the first `from` replaced, which must be there.
 inline std::string replaced(std::string text, std::string_view from, std::string_view to) {
   const auto at = text.find(from);

@@ -1,0 +1,193 @@
+#include "pki/certificate.hpp"
+
+#include "fixture.hpp"
+#include "pki/openssl.hpp"
+#include "pki/source.hpp"
+
+namespace ddssec::pki {
+namespace {
+
+const std::string kCyclone = "cyclonedds/validate_local_identity/";
+const std::string kPyca = "pyca-cryptography-vectors/x509/";
+
+TEST(Certificate, SaysWhatItHolds) {
+  const auto ca = make_ca("CN=Root+OU=x,O=Example\\, Inc,C=NL");
+  const auto leaf = make_leaf(ca, "CN=talker,O=Example");
+  const auto again = Certificate::from_pem(as_bytes(leaf.certificate.pem()));
+  ASSERT_TRUE(again) << again.error().to_sentence();
+  EXPECT_EQ(*again, leaf.certificate);
+  EXPECT_EQ(again->pem(), leaf.certificate.pem());
+  EXPECT_TRUE(again->pem().ends_with("-----END CERTIFICATE-----\n"));
+  EXPECT_EQ(again->fingerprint(), sha256(again->der()));
+  EXPECT_EQ(again->not_before(), kYear.not_before);
+  EXPECT_EQ(again->not_after(), kYear.not_after);
+  EXPECT_EQ(to_string(again->key_algorithm()), "EC-prime256v1");
+  EXPECT_EQ(again->serial().size(), 32u);
+  EXPECT_FALSE(again->signed_with_rsa());
+  EXPECT_NE(*again, ca.certificate());
+  EXPECT_NE(ca.certificate().subject().find("O=Example\\, Inc"), std::string::npos);
+  EXPECT_EQ(again->issuer(), ca.certificate().subject());
+}
+
+TEST(Certificate, SubjectDigestIsOverTheDerName) {
+  // CN=abc as PrintableString would differ from UTF8String: take the DER as the library encodes it.
+  const auto ca = make_ca("CN=abc");
+  const auto* name = X509_get_subject_name(ca.certificate().impl().x509.get());
+  unsigned char digest[32];
+  ASSERT_EQ(X509_NAME_digest(name, EVP_sha256(), digest, nullptr), 1);
+  EXPECT_EQ(to_hex(ca.certificate().subject_digest()), to_hex(digest));
+}
+
+TEST(Certificate, AnEcLeafUnderAnRsaCaKnowsBoth) {
+  const auto ca = make_ca("CN=Root", {KeyKind::rsa, 2048});
+  const auto leaf = make_leaf(ca);
+  EXPECT_TRUE(leaf.certificate.signed_with_rsa());
+  EXPECT_EQ(leaf.certificate.key_algorithm().kind, KeyKind::ec_p256);
+  EXPECT_EQ(to_string(ca.certificate().key_algorithm()), "RSA-2048");
+}
+
+TEST(Certificate, TextAroundTheBlockAndOneNulAreTolerated) {
+  const auto pem = make_ca().certificate().pem();
+  EXPECT_TRUE(Certificate::from_pem(as_bytes("Certificate:\n  Data:\n" + pem + "text")));
+  EXPECT_TRUE(Certificate::from_pem(as_bytes(pem + std::string(1, '\0'))));
+  const auto two = make_ca("CN=Other").certificate().pem();
+  EXPECT_EQ(Certificate::from_pem(as_bytes(pem + two))->pem(), pem);
+  std::string crlf;
+  for (char c : pem) crlf += c == '\n' ? "\r\n" : std::string(1, c);
+  EXPECT_EQ(Certificate::from_pem(as_bytes(crlf))->pem(), pem);
+}
+
+TEST(Certificate, EveryTruncationIsRefused) {
+  const auto certificate = make_ca().certificate();
+  const auto pem = as_bytes(certificate.pem());
+  for (std::size_t size = 0; size + 2 < pem.size(); ++size)
+    EXPECT_CODE(Certificate::from_pem(pem.first(size)), certificate_malformed);
+  for (std::size_t size = 0; size < certificate.der().size(); ++size)
+    EXPECT_FALSE(Certificate::from_der(certificate.der().first(size))) << size;
+}
+
+TEST(Certificate, AFlippedBitNeverGivesAnEqualCertificate) {
+  const auto certificate = make_ca().certificate();
+  auto der = to_bytes(certificate.der());
+  for (std::size_t at = 0; at < der.size(); ++at) {
+    der[at] ^= 1;
+    const auto changed = Certificate::from_der(der);
+    EXPECT_FALSE(changed && *changed == certificate) << at;
+    der[at] ^= 1;
+  }
+}
+
+TEST(Certificate, OctetsBehindItAreRefused) {
+  auto der = to_bytes(make_ca().certificate().der());
+  der.push_back(0);
+  EXPECT_CODE(Certificate::from_der(der), certificate_malformed);
+  EXPECT_CODE(Certificate::from_pem(as_bytes("-----BEGIN CERTIFICATE-----\n" + base64(der) +
+                                             "\n-----END CERTIFICATE-----\n")),
+              certificate_malformed);
+}
+
+// T34: a megabyte of certificate.
+TEST(Certificate, SizesAreBounded) {
+  const auto pem = make_ca().certificate().pem();
+  EXPECT_CODE(Certificate::from_pem(as_bytes(std::string(1000000, 'A') + pem)),
+              certificate_too_large);
+  EXPECT_CODE(Certificate::from_der(Bytes(1000000)), certificate_too_large);
+  EXPECT_CODE(Certificate::bundle_from_pem(Bytes(kMostBundleOctets + 1)), certificate_too_large);
+  std::string many;
+  for (std::size_t i = 0; i <= kMostCertificatesInBundle; ++i) many += pem;
+  EXPECT_CODE(Certificate::bundle_from_pem(as_bytes(many)), certificate_too_large);
+}
+
+std::string attributes(int count) {
+  std::string text = "CN=a";
+  for (int i = 1; i < count; ++i) text += ",OU=" + std::to_string(i);
+  return text;
+}
+
+// Names that our own issuing refuses: built with OpenSSL directly.
+Result<Certificate> with_name(const std::vector<std::pair<std::string, std::string>>& entries) {
+  const auto ca = make_ca();
+  const X509Ptr x509(X509_dup(ca.certificate().impl().x509.get()));
+  const NamePtr name(X509_NAME_new());
+  for (const auto& [type, value] : entries)
+    X509_NAME_add_entry_by_txt(name.get(), type.c_str(), V_ASN1_UTF8STRING, as_bytes(value).data(),
+                               static_cast<int>(value.size()), -1, 0);
+  X509_set_subject_name(x509.get(), name.get());
+  X509_sign(x509.get(), ca.key().impl().pkey.get(), EVP_sha256());
+  unsigned char* raw = nullptr;
+  const int size = i2d_X509(x509.get(), &raw);
+  const OpensslMemory owner(raw);
+  return Certificate::from_der(BytesView(raw, static_cast<std::size_t>(size)));
+}
+
+TEST(Certificate, NamesAreBoundedAndHoldNoNul) {
+  using namespace std::string_literals;
+  EXPECT_EQ(make_ca(attributes(kMostNameAttributes)).certificate().subject(),
+            attributes(kMostNameAttributes));
+  const std::vector<std::pair<std::string, std::string>> thousand(1000, {"OU", "x"});
+  EXPECT_CODE(with_name(thousand), name_not_allowed);
+  EXPECT_CODE(with_name({{"CN", "admin\0.example.org"s}}), name_not_allowed);
+  const auto good = with_name({{"CN", "a"}, {"CN", "a"}});
+  ASSERT_TRUE(good) << good.error().to_sentence();
+  EXPECT_EQ(good->subject(), "CN=a,CN=a");
+}
+
+TEST(Certificate, KeysOutsideTheRulesAreNamed) {
+  const auto check = [](const std::string& file, const char* found) {
+    const auto certificate = Certificate::from_pem(data_file(file));
+    EXPECT_CODE(certificate, key_not_allowed);
+    if (certificate) return;
+    EXPECT_NE(certificate.error().details().found.find(found), std::string::npos)
+        << certificate.error().to_sentence();
+  };
+  check(kCyclone + "identity_certificate_1024key", "RSA of 1024 bits");
+  check(kCyclone + "ec_identity_certificate_unsupported", "EC of ");
+  check(kPyca + "ec_no_named_curve.pem", "EC of 256 bits");
+}
+
+TEST(Certificate, CyclonesIdentitiesParse) {
+  for (const char* name :
+       {"identity_certificate", "ec_identity_certificate", "identity_ca", "ec_identity_ca"}) {
+    const auto certificate = Certificate::from_pem(data_file(kCyclone + name));
+    EXPECT_TRUE(certificate) << name << certificate.error().to_sentence();
+  }
+  EXPECT_CODE(Certificate::from_pem(data_file(kCyclone + "alice.pem")), certificate_malformed);
+  EXPECT_CODE(Certificate::from_pem(data_file(kCyclone + "private_key")), certificate_malformed);
+}
+
+TEST(Certificate, OddOnesGetAClearVerdict) {
+  const auto verdict = [](const char* name) {
+    const auto octets = data_file(kPyca + name);
+    const bool der = std::string_view(name).ends_with(".der");
+    const auto out = der ? Certificate::from_der(octets) : Certificate::from_pem(octets);
+    return out ? std::string("ok") : std::string(info(out.error().code()).name);
+  };
+  EXPECT_EQ(verdict("invalid_utf8_common_name.pem"), "certificate_malformed");
+  EXPECT_EQ(verdict("two_basic_constraints.pem"), "certificate_malformed");
+  EXPECT_EQ(verdict("negative_serial.pem"), "ok");
+  EXPECT_EQ(verdict("utf8_common_name.pem"), "ok");
+  EXPECT_EQ(verdict("unique_identifier.pem"), "name_not_allowed");
+  EXPECT_EQ(verdict("long-form-name-attribute.pem"), "certificate_malformed");
+  EXPECT_EQ(verdict("v1_cert.pem"), "key_not_allowed");
+  EXPECT_EQ(verdict("rsa_pss_cert.pem"), "key_not_allowed");
+  EXPECT_EQ(verdict("scottishpower-bitstring-dn.pem"), "name_not_allowed");
+}
+
+TEST(Bundle, HoldsEveryCertificateAndPassesOverOtherBlocks) {
+  const auto a = make_ca("CN=a");
+  const auto b = make_ca("CN=b");
+  const auto crl = a.make_crl({{}, kNow, kNow + 24h});
+  ASSERT_TRUE(crl);
+  const auto bundle = Certificate::bundle_from_pem(
+      as_bytes(a.certificate().pem() + crl->pem() + b.certificate().pem()));
+  ASSERT_TRUE(bundle) << bundle.error().to_sentence();
+  EXPECT_EQ(*bundle, (std::vector{a.certificate(), b.certificate()}));
+  EXPECT_CODE(Certificate::bundle_from_pem(as_bytes(crl->pem())), certificate_malformed);
+  EXPECT_CODE(Certificate::bundle_from_pem({}), certificate_malformed);
+  EXPECT_CODE(Certificate::bundle_from_pem(
+                  as_bytes(a.certificate().pem() + "-----BEGIN CERTIFICATE-----\nMIIB!\n")),
+              certificate_malformed);
+}
+
+}  // namespace
+}  // namespace ddssec::pki

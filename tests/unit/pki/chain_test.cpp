@@ -1,0 +1,281 @@
+#include "pki/chain.hpp"
+
+#include <thread>
+
+#include "fixture.hpp"
+#include "pki/openssl.hpp"
+
+namespace ddssec::pki {
+namespace {
+
+Credential odd_leaf(const Authority& ca, const CertificateTemplate& content) {
+  const auto key = *PrivateKey::generate(KeyKind::ec_p256);
+  return {*ca.certify(content, key, test_random()), key};
+}
+
+// A copy of `certificate` signed again with SHA-1, which our own issuing never does.
+Certificate with_sha1(const Certificate& certificate, const PrivateKey& key) {
+  const X509Ptr x509(X509_dup(certificate.impl().x509.get()));
+  X509_sign(x509.get(), key.impl().pkey.get(), EVP_sha1());
+  unsigned char* raw = nullptr;
+  const int size = i2d_X509(x509.get(), &raw);
+  const OpensslMemory owner(raw);
+  return *Certificate::from_der(BytesView(raw, static_cast<std::size_t>(size)));
+}
+
+TEST(Chain, ValidityIsJudgedAtEveryCall) {
+  const auto ca = make_ca();
+  const auto leaf = make_leaf(ca, "CN=short", {}, {kNow, kNow + 10s});
+  const auto verifier = make_verifier({ca.certificate()});
+  EXPECT_TRUE(verifier.verify(leaf.certificate, kNow));
+  EXPECT_EQ(verifier.verify(leaf.certificate, kNow)->not_after(), kNow + 10s);
+  EXPECT_EQ(verifier.verify(leaf.certificate, kNow)->first_to_expire(), "CN=short");
+  EXPECT_CODE(verifier.verify(leaf.certificate, kNow + 11s), certificate_expired);
+  EXPECT_CODE(verifier.verify(leaf.certificate, kNow - 1s), certificate_not_yet_valid);
+  EXPECT_TRUE(verifier.verify(leaf.certificate, kNow + 5s));
+  const auto error = verifier.verify(leaf.certificate, kNow + 11s).error();
+  EXPECT_EQ(error.details().field, "CN=short");
+  EXPECT_NE(error.to_sentence().find("2026-11-21T00:00:10Z"), std::string::npos)
+      << error.to_sentence();
+}
+
+TEST(Chain, StrangersAreRefused) {
+  const auto ca = make_ca("CN=Root");
+  const auto other = make_ca("CN=Other");
+  const auto twin = make_ca("CN=Root");
+  const auto verifier = make_verifier({ca.certificate()});
+  EXPECT_CODE(verifier.verify(make_leaf(other).certificate, kNow), issuer_unknown);
+  EXPECT_CODE(verifier.verify(other.certificate(), kNow), issuer_unknown);
+  EXPECT_FALSE(verifier.verify(make_leaf(twin).certificate, kNow));
+}
+
+TEST(Chain, AForgedSignatureIsRefused) {
+  const auto ca = make_ca();
+  auto der = to_bytes(make_leaf(ca).certificate.der());
+  der.back() ^= 1;
+  const auto forged = Certificate::from_der(der);
+  ASSERT_TRUE(forged);
+  EXPECT_CODE(make_verifier({ca.certificate()}).verify(*forged, kNow),
+              certificate_signature_invalid);
+}
+
+TEST(Chain, SubordinatesWithAndWithoutTheirRoot) {
+  const auto root = make_ca("CN=Root", {}, {kNow - 48h, kNow + 48h});
+  const auto sub = *root.subordinate("CN=Sub", {}, kYear, test_random());
+  const auto leaf = make_leaf(sub).certificate;
+  // Its CA is not in the file: what a peer sends along does not count.
+  EXPECT_CODE(make_verifier({root.certificate()}).verify(leaf, kNow), issuer_unknown);
+  const auto both = make_verifier({root.certificate(), sub.certificate()});
+  const auto proof = both.verify(leaf, kNow);
+  ASSERT_TRUE(proof) << proof.error().to_sentence();
+  EXPECT_EQ(proof->not_after(), kNow + 48h);
+  EXPECT_EQ(proof->first_to_expire(), "CN=Root");
+  EXPECT_CODE(both.verify(leaf, kNow + 49h), certificate_expired);
+  // A subordinate CA alone in the file is an anchor.
+  const auto alone = make_verifier({sub.certificate()});
+  EXPECT_TRUE(alone.verify(leaf, kNow + 49h));
+  EXPECT_EQ(alone.verify(leaf, kNow)->not_after(), kYear.not_after);
+}
+
+// T2: a chain whose middle has expired.
+TEST(Chain, AnExpiredMiddleIsRefused) {
+  const auto root = make_ca("CN=Root");
+  const auto sub = *root.subordinate("CN=Sub", {}, {kNow - 24h, kNow + 1h}, test_random());
+  const auto leaf = make_leaf(sub).certificate;
+  for (const auto& anchors :
+       {std::vector{root.certificate(), sub.certificate()}, std::vector{sub.certificate()}}) {
+    const auto verifier = make_verifier(anchors);
+    EXPECT_TRUE(verifier.verify(leaf, kNow));
+    EXPECT_CODE(verifier.verify(leaf, kNow + 2h), certificate_expired);
+  }
+}
+
+TEST(Chain, OnlyCasMayBeInTheFileOrIssue) {
+  const auto ca = make_ca();
+  const auto leaf = make_leaf(ca);
+  EXPECT_CODE(ChainVerifier::make({leaf.certificate}), not_a_ca);
+  EXPECT_CODE(Authority::load(leaf.certificate, leaf.key), not_a_ca);
+}
+
+TEST(Chain, PathLengthCounts) {
+  const auto root = make_ca("CN=Root");
+  const auto sub = *root.subordinate("CN=Sub", {}, kYear, test_random());  // pathlen 0
+  const auto deep = *sub.subordinate("CN=Deep", {}, kYear, test_random());
+  const auto verifier = make_verifier({root.certificate(), sub.certificate(), deep.certificate()});
+  EXPECT_CODE(verifier.verify(make_leaf(deep).certificate, kNow), path_too_long);
+}
+
+TEST(Chain, KeyUsageMustAllowSignatures) {
+  const auto ca = make_ca();
+  const auto verifier = make_verifier({ca.certificate()});
+  const auto with = [&](const std::string& usage) {
+    return verifier.verify(
+        odd_leaf(ca, {.subject = "CN=x", .validity = kYear, .key_usage = usage}).certificate, kNow);
+  };
+  EXPECT_TRUE(with(""));
+  EXPECT_TRUE(with("digitalSignature,keyEncipherment"));
+  EXPECT_CODE(with("keyEncipherment"), key_usage_forbids);
+}
+
+TEST(Chain, AnIdentityMayBeACaItself) {
+  const auto ca = make_ca();
+  const auto leaf = odd_leaf(
+      ca,
+      {.subject = "CN=x", .validity = kYear, .is_ca = true, .key_usage = std::string(kCaKeyUsage)});
+  EXPECT_TRUE(make_verifier({ca.certificate()}).verify(leaf.certificate, kNow));
+}
+
+TEST(Chain, Sha1CountsOnlyAsAnAnchorsSignatureOnItself) {
+  const auto ca = make_ca();
+  const auto old_root = with_sha1(ca.certificate(), ca.key());
+  const auto leaf = make_leaf(ca);
+  EXPECT_TRUE(make_verifier({old_root}).verify(leaf.certificate, kNow));
+  const auto weak = with_sha1(leaf.certificate, ca.key());
+  EXPECT_CODE(make_verifier({ca.certificate()}).verify(weak, kNow), digest_too_weak);
+}
+
+TEST(Chain, UnknownCriticalExtensionsAreRefused) {
+  const auto ca = make_ca();
+  const X509Ptr x509(X509_dup(make_leaf(ca).certificate.impl().x509.get()));
+  const Asn1ObjectPtr type(OBJ_txt2obj("1.2.3.4.5", 1));
+  const Asn1String value(ASN1_OCTET_STRING_new());
+  const ExtensionPtr extension(X509_EXTENSION_create_by_OBJ(nullptr, type.get(), 1, value.get()));
+  X509_add_ext(x509.get(), extension.get(), -1);
+  X509_sign(x509.get(), ca.key().impl().pkey.get(), EVP_sha256());
+  unsigned char* raw = nullptr;
+  const int size = i2d_X509(x509.get(), &raw);
+  const OpensslMemory owner(raw);
+  const auto odd = *Certificate::from_der(BytesView(raw, static_cast<std::size_t>(size)));
+  EXPECT_CODE(make_verifier({ca.certificate()}).verify(odd, kNow), chain_refused);
+}
+
+// T13.
+class Revocation : public testing::Test {
+ protected:
+  Crl list(const Authority& by, std::vector<Certificate> revoked,
+           Validity span = {kNow, kNow + 24h}) {
+    return *by.make_crl({revoked, span.not_before, span.not_after});
+  }
+  Authority ca_ = make_ca("CN=Root");
+  Credential good_ = make_leaf(ca_, "CN=good");
+  Credential bad_ = make_leaf(ca_, "CN=bad");
+};
+
+TEST_F(Revocation, RevokedOnesAreRefusedOthersNot) {
+  const auto verifier = make_verifier({ca_.certificate()}, {list(ca_, {bad_.certificate})});
+  const auto proof = verifier.verify(good_.certificate, kNow + 1s);
+  ASSERT_TRUE(proof) << proof.error().to_sentence();
+  EXPECT_EQ(proof->crl_next_update(), kNow + 24h);
+  EXPECT_CODE(verifier.verify(bad_.certificate, kNow + 1s), certificate_revoked);
+  EXPECT_CODE(
+      make_verifier({ca_.certificate()}, {list(ca_, {bad_.certificate})}, CrlPolicy::soft_fail)
+          .verify(bad_.certificate, kNow + 1s),
+      certificate_revoked);
+}
+
+TEST_F(Revocation, AMissingOrOldListFailsHardUnlessToldOtherwise) {
+  const auto other = make_ca("CN=Other");
+  const auto check = [&](Crl crl, WallTime now, Code code) {
+    const auto hard = make_verifier({ca_.certificate()}, {crl}).verify(good_.certificate, now);
+    ASSERT_FALSE(hard);
+    EXPECT_EQ(hard.error().code(), code) << hard.error().to_sentence();
+    const auto soft = make_verifier({ca_.certificate()}, {crl}, CrlPolicy::soft_fail)
+                          .verify(good_.certificate, now);
+    EXPECT_TRUE(soft) << soft.error().to_sentence();
+  };
+  check(list(other, {}), kNow + 1s, Code::crl_missing);
+  check(list(ca_, {}), kNow + 25h, Code::crl_expired);
+  check(list(ca_, {}), kNow - 1s, Code::crl_not_yet_valid);
+}
+
+TEST_F(Revocation, ARevokedOneIsRefusedFromAnOldListToo) {
+  const auto verifier =
+      make_verifier({ca_.certificate()}, {list(ca_, {bad_.certificate})}, CrlPolicy::soft_fail);
+  EXPECT_CODE(verifier.verify(bad_.certificate, kNow + 25h), certificate_revoked);
+}
+
+TEST_F(Revocation, AForgedListIsRefusedUnderEitherPolicy) {
+  const auto twin = make_ca("CN=Root");
+  auto der = list(ca_, {});
+  // Same name, another key; and without the key identifier that would give it away early.
+  const CrlPtr forged(X509_CRL_dup(list(twin, {}).impl().crl.get()));
+  X509_EXTENSION_free(X509_CRL_delete_ext(
+      forged.get(), X509_CRL_get_ext_by_NID(forged.get(), NID_authority_key_identifier, -1)));
+  X509_CRL_sign(forged.get(), twin.key().impl().pkey.get(), EVP_sha256());
+  const BioPtr bio(BIO_new(BIO_s_mem()));
+  i2d_X509_CRL_bio(bio.get(), forged.get());
+  const auto crls = *Crl::all_from(bio_octets(bio));
+  for (const auto policy : {CrlPolicy::hard_fail, CrlPolicy::soft_fail})
+    EXPECT_CODE(
+        make_verifier({ca_.certificate()}, crls, policy).verify(good_.certificate, kNow + 1s),
+        crl_signature_invalid);
+}
+
+TEST_F(Revocation, CasAreLookedUpWhereTheirIssuerHasAList) {
+  const auto sub = *ca_.subordinate("CN=Sub", {}, kYear, test_random());
+  const auto leaf = make_leaf(sub).certificate;
+  const std::vector anchors = {ca_.certificate(), sub.certificate()};
+  EXPECT_TRUE(make_verifier(anchors, {list(sub, {})}).verify(leaf, kNow + 1s));
+  EXPECT_TRUE(make_verifier(anchors, {list(sub, {}), list(ca_, {})}).verify(leaf, kNow + 1s));
+  EXPECT_CODE(make_verifier(anchors, {list(sub, {}), list(ca_, {sub.certificate()})})
+                  .verify(leaf, kNow + 1s),
+              certificate_revoked);
+  EXPECT_CODE(make_verifier(anchors, {list(ca_, {})}).verify(leaf, kNow + 1s), crl_missing);
+}
+
+TEST_F(Revocation, FilesHoldSeveralListsAmongOtherBlocks) {
+  const auto sub = *ca_.subordinate("CN=Sub", {}, kYear, test_random());
+  const auto text = ca_.certificate().pem() + list(ca_, {}).pem() + list(sub, {}).pem();
+  const auto crls = Crl::all_from(as_bytes(text));
+  ASSERT_TRUE(crls);
+  ASSERT_EQ(crls->size(), 2u);
+  EXPECT_EQ((*crls)[0].issuer(), "CN=Root");
+  EXPECT_EQ((*crls)[1].this_update(), kNow);
+  EXPECT_EQ((*crls)[1].next_update(), kNow + 24h);
+  EXPECT_TRUE(Crl::all_from(as_bytes(ca_.certificate().pem()))->empty());
+  std::string many;
+  for (std::size_t i = 0; i <= kMostCrlsInFile; ++i) many += list(ca_, {}).pem();
+  EXPECT_CODE(Crl::all_from(as_bytes(many)), crl_too_large);
+  EXPECT_CODE(Crl::all_from(Bytes(17 * 1024 * 1024)), crl_too_large);
+  EXPECT_CODE(Crl::all_from(Bytes{0x30, 0x00}), crl_malformed);
+  EXPECT_CODE(Crl::all_from(as_bytes("-----BEGIN X509 CRL-----\nMIIB!\n")), crl_malformed);
+  const std::string pyca = "pyca-cryptography-vectors/x509/";
+  EXPECT_CODE(Crl::all_from(data_file(pyca + "crl_invalid_time.der")), crl_malformed);
+  EXPECT_FALSE(Crl::all_from(data_file(pyca + "crl_no_next_update.pem"))->front().next_update());
+}
+
+TEST(ChainCache, RemembersBoundedlyAndFromSeveralThreads) {
+  const auto ca = make_ca();
+  const auto leaf = make_leaf(ca).certificate;
+  const auto verifier = make_verifier({ca.certificate()});
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 4; ++i)
+    threads.emplace_back([&] {
+      for (int n = 0; n < 200; ++n) EXPECT_TRUE(verifier.verify(leaf, kNow + n * 1s));
+    });
+  for (auto& thread : threads) thread.join();
+  const auto key = *PrivateKey::generate(KeyKind::ec_p256);
+  for (std::size_t i = 0; i < ChainVerifier::kMostRemembered + 10; ++i) {
+    const auto many =
+        ca.certify({.subject = "CN=" + std::to_string(i), .validity = kYear}, key, test_random());
+    ASSERT_TRUE(verifier.verify(*many, kNow));
+  }
+  EXPECT_TRUE(verifier.verify(leaf, kNow));
+}
+
+TEST(Requests, JunkAndForgedOnesAreRefused) {
+  const auto ca = make_ca();
+  EXPECT_CODE(ca.sign_request(as_bytes("junk"), kYear, test_random()), request_invalid);
+  EXPECT_CODE(ca.sign_request(Bytes(100000), kYear, test_random()), request_invalid);
+  const auto pem = *make_request(*PrivateKey::generate(KeyKind::ec_p256), "CN=abcdefgh");
+  const BioPtr bio = bio_over(as_bytes(pem));
+  const RequestPtr request(PEM_read_bio_X509_REQ(bio.get(), nullptr, nullptr, nullptr));
+  const auto other = *PrivateKey::generate(KeyKind::ec_p256);
+  X509_REQ_sign(request.get(), other.impl().pkey.get(), EVP_sha256());
+  const BioPtr out(BIO_new(BIO_s_mem()));
+  PEM_write_bio_X509_REQ(out.get(), request.get());
+  EXPECT_CODE(ca.sign_request(bio_octets(out), kYear, test_random()), request_invalid);
+}
+
+}  // namespace
+}  // namespace ddssec::pki

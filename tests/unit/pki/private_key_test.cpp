@@ -1,0 +1,102 @@
+#include "pki/private_key.hpp"
+
+#include "fixture.hpp"
+#include "pki/signature.hpp"
+
+namespace ddssec::pki {
+namespace {
+
+const std::string kCyclone = "cyclonedds/validate_local_identity/";
+
+Passphrase passphrase(std::string_view text) { return *Passphrase::copy_of(as_bytes(text)); }
+
+TEST(PrivateKey, ReadsPlainAndEncryptedForms) {
+  const auto right = passphrase("CHAM569");
+  EXPECT_TRUE(PrivateKey::from_pem(data_file(kCyclone + "private_key")));
+  EXPECT_TRUE(PrivateKey::from_pem(data_file(kCyclone + "ec_private_key")));
+  const auto key = PrivateKey::from_pem(data_file(kCyclone + "private_key_w_password"), &right);
+  EXPECT_TRUE(key) << key.error().to_sentence();
+}
+
+TEST(PrivateKey, WrongAndMissingPassphraseDiffer) {
+  const auto wrong = passphrase("wrong");
+  for (const char* name : {"private_key_w_password", "ec_private_key_w_password"}) {
+    const auto pem = data_file(kCyclone + name);
+    EXPECT_CODE(PrivateKey::from_pem(pem), passphrase_missing);
+    EXPECT_CODE(PrivateKey::from_pem(pem, &wrong), passphrase_wrong);
+  }
+}
+
+class OwnKeys : public testing::TestWithParam<KeyKind> {};
+INSTANTIATE_TEST_SUITE_P(Kinds, OwnKeys,
+                         testing::Values(KeyKind::rsa, KeyKind::ec_p256, KeyKind::ec_p384));
+
+TEST_P(OwnKeys, SurviveWritingAndReading) {
+  const auto key = *PrivateKey::generate(GetParam());
+  const auto right = passphrase("correct horse");
+  const auto wrong = passphrase("correct mule");
+  const auto plain = key.to_pem();
+  const auto closed = key.to_pem(&right);
+  ASSERT_TRUE(plain && closed);
+  EXPECT_EQ(PrivateKey::from_pem(*plain)->algorithm(), key.algorithm());
+  EXPECT_EQ(PrivateKey::from_pem(*closed, &right)->algorithm(), key.algorithm());
+  EXPECT_CODE(PrivateKey::from_pem(*closed), passphrase_missing);
+  EXPECT_CODE(PrivateKey::from_pem(*closed, &wrong), passphrase_wrong);
+  EXPECT_TRUE(closed->expose([](BytesView pem) {
+    return as_text(pem).starts_with("-----BEGIN ENCRYPTED PRIVATE KEY-----");
+  }));
+}
+
+TEST(PrivateKey, OtherThingsAreRefused) {
+  EXPECT_CODE(PrivateKey::from_pem(BytesView()), private_key_malformed);
+  EXPECT_CODE(PrivateKey::from_pem(as_bytes("junk")), private_key_malformed);
+  EXPECT_CODE(PrivateKey::from_pem(as_bytes(make_ca().certificate().pem())), private_key_malformed);
+  EXPECT_CODE(PrivateKey::from_pem(Bytes(20000)), private_key_malformed);
+  EXPECT_FALSE(PrivateKey::from_pem(data_file(kCyclone + "invalid_private_key")));
+  EXPECT_CODE(PrivateKey::from_pem(data_file(kCyclone + "private_key_1024")), key_not_allowed);
+  EXPECT_CODE(PrivateKey::from_pem(data_file(kCyclone + "ec_private_key_unsupported")),
+              key_not_allowed);
+}
+
+TEST(PrivateKey, EveryTruncationIsRefused) {
+  const auto pem = *PrivateKey::generate(KeyKind::ec_p256)->to_pem();
+  pem.expose([](BytesView octets) {
+    for (std::size_t size = 0; size + 2 < octets.size(); ++size)
+      EXPECT_CODE(PrivateKey::from_pem(octets.first(size)), private_key_malformed);
+  });
+}
+
+TEST(PrivateKey, MatchesItsCertificateOnly) {
+  const auto key = *PrivateKey::from_pem(data_file(kCyclone + "private_key"));
+  const auto other = *PrivateKey::from_pem(data_file(kCyclone + "private_key_not_matching"));
+  const auto ec = *PrivateKey::from_pem(data_file(kCyclone + "ec_private_key"));
+  const auto certificate = *Certificate::from_pem(data_file(kCyclone + "identity_certificate"));
+  const auto ec_certificate =
+      *Certificate::from_pem(data_file(kCyclone + "ec_identity_certificate"));
+  EXPECT_TRUE(key.matches(certificate)) << key.matches(certificate).error().to_sentence();
+  EXPECT_TRUE(ec.matches(ec_certificate));
+  EXPECT_CODE(other.matches(certificate), key_mismatch);
+  EXPECT_CODE(ec.matches(certificate), key_mismatch);
+}
+
+TEST(Signature, FlippedBitsTruncationAndLengthAreRefused) {
+  const auto leaf = make_leaf(make_ca());
+  const auto message = bytes("hash_c2 challenge2");
+  auto signature = *sign(leaf.key, message);
+  ASSERT_TRUE(verify(leaf.certificate, message, signature));
+  EXPECT_EQ(verify(leaf.certificate, message, signature)->signer(), leaf.certificate);
+  for (std::size_t at = 0; at < signature.size(); ++at) {
+    EXPECT_CODE(verify(leaf.certificate, message, BytesView(signature).first(at)),
+                signature_invalid);
+    signature[at] ^= 1;
+    EXPECT_CODE(verify(leaf.certificate, message, signature), signature_invalid);
+    signature[at] ^= 1;
+  }
+  signature.push_back(0);
+  EXPECT_CODE(verify(leaf.certificate, message, signature), signature_invalid);
+  EXPECT_CODE(verify(leaf.certificate, message, Bytes(kMostSignatureOctets + 1)),
+              signature_invalid);
+}
+
+}  // namespace
+}  // namespace ddssec::pki

@@ -1,0 +1,85 @@
+#include "pki/subject_name.hpp"
+
+#include "fixture.hpp"
+
+namespace ddssec::pki {
+namespace {
+
+SubjectName name(std::string_view text) {
+  auto out = SubjectName::parse(text);
+  EXPECT_TRUE(out) << text << out.error().to_sentence();
+  return *std::move(out);
+}
+
+TEST(SubjectName, OrderAndBlanksDoNotMatter) {
+  const auto certificate = make_ca("CN=Alice B,O=Example,C=NL").certificate();
+  for (const char* same :
+       {"CN=Alice B,O=Example,C=NL", "C=NL,O=Example,CN=Alice B",
+        " CN = Alice B , O= Example,C =NL ", "/C=NL/O=Example/CN=Alice B",
+        "cn=Alice B,o=Example,c=NL", "CN=Alice B+O=Example,C=NL", "2.5.4.3=Alice B,O=Example,C=NL",
+        "CN=\"Alice B\",O=Example,C=NL", "CN=Alice\\ B,O=Example,C=NL",
+        "CN=#0C07416C6963652042,O=Example,C=NL", "commonName=Alice B,O=Example,C=NL"})
+    EXPECT_TRUE(name(same).matches(certificate)) << same;
+  EXPECT_TRUE(name(certificate.subject()).matches(certificate));
+  EXPECT_TRUE(name(certificate.subject_one_line()).matches(certificate));
+}
+
+TEST(SubjectName, EveryOtherNameDiffers) {
+  const auto certificate = make_ca("CN=Alice,O=Example,C=NL").certificate();
+  for (const char* other :
+       {"CN=Alice,O=Example", "CN=Alice,O=Example,C=NL,OU=x", "CN=alice,O=Example,C=NL",
+        "CN=Alice,O=Example,C=BE", "CN=Alice,CN=Alice,O=Example,C=NL", "O=Alice,CN=Example,C=NL",
+        "CN=Alice\\ ,O=Example,C=NL", "CN=Alic,O=Example,C=NL"})
+    EXPECT_FALSE(name(other).matches(certificate)) << other;
+}
+
+TEST(SubjectName, ASlashMayBePartOfAValue) {
+  const auto certificate = make_ca("CN=/talker_listener/talker").certificate();
+  EXPECT_TRUE(name("CN=/talker_listener/talker").matches(certificate));
+  EXPECT_TRUE(name("/CN=/talker_listener/talker").matches(certificate));
+  EXPECT_TRUE(name("/CN=\\/talker_listener\\/talker").matches(certificate));
+  EXPECT_TRUE(name(certificate.subject_one_line()).matches(certificate));
+  // What looks like another attribute is one: the ambiguous text does not match the certificate.
+  const auto trick = make_ca("CN=a/O=b").certificate();
+  EXPECT_FALSE(name("/CN=a/O=b").matches(trick));
+  EXPECT_TRUE(name(trick.subject()).matches(trick));
+}
+
+TEST(SubjectName, EscapesAndMultiValuedRdnsSurviveTheCertificate) {
+  for (const char* text : {"CN=a\\,b,O=c", "CN=a\\+b+OU=x\\=y,O=\\\"q\\\"", "CN=\\#a,O=b\\\\c",
+                           "CN=Fr\\C3\\A4ulein,O=x", "CN=\\ a\\ ", "CN=a\\;b\\<c\\>",
+                           "emailAddress=a@b.c,CN=x", "UID=u,DC=example,DC=org"}) {
+    const auto certificate = make_ca(text).certificate();
+    EXPECT_TRUE(name(text).matches(certificate)) << text;
+    EXPECT_TRUE(name(certificate.subject()).matches(certificate)) << certificate.subject();
+  }
+  const auto joined = make_ca("CN=a+OU=b,O=c").certificate();
+  EXPECT_NE(joined.subject().find('+'), std::string::npos);
+  const auto of = SubjectName::of(joined);
+  EXPECT_TRUE(of.joined(2));
+  EXPECT_TRUE(of.root_first());
+}
+
+TEST(SubjectName, OtherTextsAreRefused) {
+  for (const std::string text :
+       {"",          "  ",        "Alice",    "=Alice",  "CN",         "NoSuchType=x", "CN=a,",
+        "CN=a+",     "CN=a,,O=b", "CN=a;O=b", "CN=a\\",  "CN=a\\4",    "CN=a\\q",      "CN=\"a",
+        "CN=\"a\"b", "CN=a\"b",   "CN=<",     "CN=\\FF", "CN=#zz",     "CN=#0C05416C", "CN=#020101",
+        "CN=a\\00b", "/",         "/x/CN=a",  "/CN",     "/CN=a\\x00", "1.2.x=a"})
+    EXPECT_CODE(SubjectName::parse(text), subject_name_malformed);
+  EXPECT_CODE(SubjectName::parse("CN=" + std::string(kMostSubjectOctets, 'x')),
+              subject_name_malformed);
+  std::string many = "CN=a", slashes;
+  for (std::size_t i = 0; i < kMostNameAttributes; ++i) many += ",CN=a";
+  for (std::size_t i = 0; i <= kMostNameAttributes; ++i) slashes += "/CN=a";
+  EXPECT_CODE(SubjectName::parse(many), subject_name_malformed);
+  EXPECT_CODE(SubjectName::parse(slashes), subject_name_malformed);
+}
+
+TEST(SubjectName, IssuingRefusesWhatACertificateCannotHold) {
+  EXPECT_CODE(Authority::create("C=Netherlands", {}, kYear, test_random()), subject_name_malformed);
+  EXPECT_CODE(Authority::create("", {}, kYear, test_random()), subject_name_malformed);
+}
+
+}  // namespace
+}  // namespace ddssec::pki
