@@ -290,12 +290,17 @@ Result<Crl> Authority::make_crl(const CrlTemplate& content) const {
 
 Result<Bytes> Authority::sign_document(BytesView document, WallTime signing_time,
                                        Random& random) const {
+  return pki::sign_document(self_, document, signing_time, random);
+}
+
+Result<Bytes> sign_document(const Credential& signer, BytesView document, WallTime signing_time,
+                            Random& random) {
   if (as_text(document).find('\0') != std::string_view::npos) return fail(Code::smime_nul);
   auto text = std::string("Content-Type: text/plain\r\n\r\n").append(as_text(document));
   const auto content = DDSSEC_TRY(canonical_text(text));
-  const auto signature = DDSSEC_TRY(detached_signature(self_, content, signing_time));
+  const auto signature = DDSSEC_TRY(detached_signature(signer, content, signing_time));
   const auto boundary = DDSSEC_TRY(random_boundary(random));
-  const bool sha384 = self_.key.algorithm().kind == KeyKind::ec_p384;
+  const bool sha384 = signer.key.algorithm().kind == KeyKind::ec_p384;
   std::string out = "MIME-Version: 1.0\nContent-Type: multipart/signed; ";
   out.append("protocol=\"application/x-pkcs7-signature\"; micalg=\"")
       .append(sha384 ? "sha-384" : "sha-256")

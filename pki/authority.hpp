@@ -58,6 +58,15 @@ struct CrlTemplate {
 /// A PKCS#10 request in PEM for the public half of `key`. Errors: subject_name_malformed, internal.
 Result<std::string> make_request(const PrivateKey& key, std::string_view subject);
 
+/// `document` signed as multipart/signed with a text/plain header, SHA-256 (SHA-384 for P-384)
+/// and the signer's certificate included: the form that every vendor reads (`openssl smime -sign
+/// -text`). Line ends become CRLF. Errors: smime_malformed (a lone CR), smime_nul, random_failed,
+/// internal.
+/// The signer need not be a CA: whether it may sign is for the reader to judge (a test signs with a
+/// leaf to see it refused).
+Result<Bytes> sign_document(const Credential& signer, BytesView document, WallTime signing_time,
+                            Random& random);
+
 /// A certificate authority that can sign.
 class Authority {
  public:
@@ -93,10 +102,7 @@ class Authority {
   /// A revocation list. Error: internal.
   Result<Crl> make_crl(const CrlTemplate& content) const;
 
-  /// `document` signed as multipart/signed with a text/plain header, SHA-256 (SHA-384 for P-384)
-  /// and this certificate included: the form that every vendor reads (`openssl smime -sign
-  /// -text`). Line ends become CRLF. Errors: smime_malformed (a lone CR), smime_nul, random_failed,
-  /// internal.
+  /// pki::sign_document with this CA's key.
   Result<Bytes> sign_document(BytesView document, WallTime signing_time, Random& random) const;
 
   const Certificate& certificate() const { return self_.certificate; }
