@@ -113,7 +113,7 @@ Result<PkiDh::LocalIdentity> PkiDh::load_local(const spi::PropertyList& properti
   auto files = DDSSEC_TRY(IdentityFiles::load(properties, stores_, now));
   auto identity = std::make_shared<authentication::LocalIdentity>(std::move(files), candidate);
   const auto chain = DDSSEC_TRY(identity->verify(now));
-  const auto handle = DDSSEC_TRY(table_.add_local(identity, chain.not_after()));
+  const auto handle = DDSSEC_TRY(table_.add_local(identity, chain));
   return LocalIdentity{handle, identity->guid()};
 }
 

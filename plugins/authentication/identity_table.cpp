@@ -45,13 +45,13 @@ void IdentityTable::drop_end(std::int64_t handle, const Common& identity) {
 }
 
 Result<spi::IdentityHandle> IdentityTable::add_local(std::shared_ptr<LocalIdentity> identity,
-                                                     WallTime ends) {
+                                                     const pki::ChainValid& chain) {
   const std::unique_lock lock(mutex_);
   if (locals_.size() >= most_local_) return too_many(Code::too_many_local_identities, most_local_);
   const auto handle = next_handle();
   auto& local = locals_[handle];
   local.identity = std::move(identity);
-  set_end(handle, local, ends, local.identity->certificate().subject());
+  set_end(handle, local, chain.not_after(), chain.first_to_expire());
   return spi::IdentityHandle{handle};
 }
 

@@ -51,7 +51,8 @@ class IdentityTable {
       : most_local_(most_local), most_remote_(most_remote) {}
 
   /// Error: too_many_local_identities.
-  Result<spi::IdentityHandle> add_local(std::shared_ptr<LocalIdentity> identity, WallTime ends);
+  Result<spi::IdentityHandle> add_local(std::shared_ptr<LocalIdentity> identity,
+                                        const pki::ChainValid& chain);
   /// Errors: unknown_identity, identity_ended.
   Result<std::shared_ptr<LocalIdentity>> local(spi::IdentityHandle handle) const;
 

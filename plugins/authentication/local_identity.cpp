@@ -23,10 +23,19 @@ std::string_view value_of(const spi::PropertyList& properties, std::string_view 
   return value == nullptr ? std::string_view() : std::string_view(*value);
 }
 
+/// An error in what a property names is about that property first.
+Error in(const Error& error, std::string_view document) {
+  auto details = error.details();
+  if (!details.document.empty() && details.document != document)
+    details.note += (details.note.empty() ? "" : "; ") + details.document;
+  details.document = document;
+  return {error.code(), std::move(details)};
+}
+
 template <class T>
 Result<T> in(Result<T> result, std::string_view document) {
   if (result) return result;
-  return std::unexpected(result.error().in(std::string(document)));
+  return std::unexpected(in(result.error(), document));
 }
 
 Result<std::vector<pki::Certificate>> load_bundle(std::string_view uri, std::string_view name) {

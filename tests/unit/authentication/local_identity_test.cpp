@@ -1,0 +1,415 @@
+// Identities of our own: what the properties name must exist, fit together and be believed.
+#include "plugins/authentication/local_identity.hpp"
+
+#include <filesystem>
+#include <fstream>
+
+#include "tests/unit/authentication/fixture.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+namespace property = spi::property;
+
+Result<spi::Authentication::LocalIdentity> create(const PropertyList& properties, Engine& engine) {
+  return engine->validate_local_identity(0, properties, candidate(1));
+}
+Result<spi::Authentication::LocalIdentity> create(const PropertyList& properties) {
+  Engine engine;
+  return create(properties, engine);
+}
+
+Identity alice() { return make_identity(test_ca(), "CN=alice,O=Example"); }
+
+PropertyList alice_with(std::string_view name, std::string value) {
+  auto properties = alice().properties;
+  set(properties, name, std::move(value));
+  return properties;
+}
+
+/// Exactly this code, about exactly this property.
+void expect_refused(const PropertyList& properties, Code code, std::string_view document) {
+  Engine engine;
+  const auto result = create(properties, engine);
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code(), code) << result.error().to_sentence();
+  EXPECT_EQ(result.error().details().document, document) << result.error().to_sentence();
+  ASSERT_EQ(engine.events.events.size(), 1u);
+  EXPECT_EQ(engine.events.events[0].error.code(), code);
+  EXPECT_FALSE(engine->next_expiry());
+}
+
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "ddssec-XXXXXX").string();
+    path_ = mkdtemp(name.data());
+  }
+  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+  std::string write(const std::string& name, std::string_view text) const {
+    std::ofstream(path_ / name, std::ios::binary) << text;
+    return (path_ / name).string();
+  }
+  std::string path() const { return path_.string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+TEST(LocalIdentity, BindsTheGuidToTheSubject) {
+  Engine engine;
+  const auto identity = alice();
+  const auto local = create(identity.properties, engine);
+  ASSERT_OK(local);
+  EXPECT_EQ(local->adjusted_guid,
+            adjusted_guid(identity.certificate.subject_digest(), candidate(1)));
+  EXPECT_EQ(local->adjusted_guid.entity, kEntityIdParticipant);
+  EXPECT_EQ(engine->identity_token(local->handle)->properties[0].value, "/O=Example/CN=alice");
+  EXPECT_EQ(engine->identity_status_token(local->handle)->class_id, "DDS:Auth:PKI-DH:1.0");
+  EXPECT_EQ(engine->next_expiry(), kYear.not_after);
+}
+
+TEST(LocalIdentity, FromFilesOfBothUriForms) {
+  const TemporaryFolder folder;
+  const auto identity = alice();
+  for (const std::string prefix : {"file:", "file://", "  file:"}) {
+    PropertyList properties;
+    set(properties, property::kIdentityCa,
+        prefix + folder.write("ca", test_ca().certificate().pem()));
+    set(properties, property::kIdentityCertificate,
+        prefix + folder.write("cert", identity.certificate.pem()));
+    set(properties, property::kPrivateKey, prefix + folder.write("key", pem_text(identity.key)));
+    EXPECT_TRUE(create(properties)) << prefix;
+  }
+}
+
+TEST(LocalIdentity, EmptyOptionalPropertiesCountAsAbsent) {
+  auto properties = alice().properties;
+  for (const auto name : {property::kPassword, property::kTrustedCaDir, property::kCrl})
+    set(properties, name, "");
+  EXPECT_TRUE(create(properties));
+}
+
+TEST(LocalIdentity, MissingPropertiesAreNamed) {
+  for (const auto name :
+       {property::kIdentityCa, property::kIdentityCertificate, property::kPrivateKey}) {
+    auto properties = alice().properties;
+    std::erase_if(properties, [&](const auto& p) { return p.name == name; });
+    expect_refused(properties, Code::missing_property, name);
+    expect_refused(alice_with(name, ""), Code::missing_property, name);
+    expect_refused(alice_with(name, "pkcs11:object=x"), Code::pkcs11_unsupported, name);
+    expect_refused(alice_with(name, "http://x"), Code::unsupported_uri, name);
+    expect_refused(alice_with(name, "file:/nowhere/at/all"), Code::file_not_found, name);
+    expect_refused(alice_with(name, "data:,"), Code::item_empty, name);
+  }
+}
+
+TEST(LocalIdentity, GarbageIsNamed) {
+  expect_refused(alice_with(property::kIdentityCa, "data:,x"), Code::certificate_malformed,
+                 property::kIdentityCa);
+  expect_refused(alice_with(property::kIdentityCertificate, "data:,x"), Code::certificate_malformed,
+                 property::kIdentityCertificate);
+  expect_refused(alice_with(property::kPrivateKey, "data:,x"), Code::private_key_malformed,
+                 property::kPrivateKey);
+  expect_refused(alice_with(property::kCrl, "data:,x"), Code::crl_file_empty, property::kCrl);
+  expect_refused(alice_with(property::kPassword, std::string(1025, 'x')), Code::invalid_property,
+                 property::kPassword);
+}
+
+TEST(LocalIdentity, KeyOfAnotherCertificateIsRefused) {
+  expect_refused(alice_with(property::kPrivateKey, "data:," + pem_text(key_of({}, 1))),
+                 Code::key_mismatch, property::kPrivateKey);
+  expect_refused(
+      alice_with(property::kPrivateKey, "data:," + pem_text(key_of({KeyKind::rsa, 2048}))),
+      Code::key_mismatch, property::kPrivateKey);
+}
+
+TEST(LocalIdentity, OwnCertificateMustBeUnderOwnCa) {
+  const auto other = make_ca("CN=Other CA");
+  expect_refused(alice_with(property::kIdentityCa, "data:," + other.certificate().pem()),
+                 Code::issuer_unknown, property::kIdentityCertificate);
+  // A CA of the same name with another key.
+  const auto twin = make_ca();
+  expect_refused(alice_with(property::kIdentityCa, "data:," + twin.certificate().pem()),
+                 Code::issuer_unknown, property::kIdentityCertificate);
+}
+
+TEST(LocalIdentity, ACaFileOfNoCaIsRefused) {
+  expect_refused(alice_with(property::kIdentityCa, "data:," + alice().certificate.pem()),
+                 Code::not_a_ca, property::kIdentityCa);
+}
+
+TEST(LocalIdentity, ExpiredAndNotYetValidAreRefused) {
+  expect_refused(make_identity(test_ca(), "CN=old", {}, {kNow - 48h, kNow - 1s}).properties,
+                 Code::certificate_expired, property::kIdentityCertificate);
+  expect_refused(make_identity(test_ca(), "CN=new", {}, {kNow + 1s, kNow + 48h}).properties,
+                 Code::certificate_not_yet_valid, property::kIdentityCertificate);
+  const auto old_ca = make_ca("CN=Old CA", {}, {kNow - 48h, kNow - 1s});
+  expect_refused(make_identity(old_ca, "CN=alice").properties, Code::certificate_expired,
+                 property::kIdentityCertificate);
+}
+
+TEST(LocalIdentity, EncryptedKeysOpenWithThePassword) {
+  const auto passphrase = pki::Passphrase::copy_of(as_bytes("sesame")).value();
+  const auto pem = alice().key.to_pem(&passphrase).value().expose([](BytesView octets) {
+    return std::string(as_text(octets));
+  });
+  auto properties = alice_with(property::kPrivateKey, "data:," + pem);
+  expect_refused(properties, Code::passphrase_missing, property::kPrivateKey);
+  set(properties, property::kPassword, "wrong");
+  expect_refused(properties, Code::passphrase_wrong, property::kPrivateKey);
+  set(properties, property::kPassword, "sesame");
+  EXPECT_TRUE(create(properties));
+}
+
+// ---- certificate authorities
+
+TEST(LocalIdentity, SubordinateCaAloneAndInABundle) {
+  const auto root = make_ca("CN=Root");
+  const auto sub = root.subordinate("CN=Sub", {}, kYear, test_random()).value();
+  const auto identity = make_identity(sub, "CN=alice");
+  EXPECT_TRUE(create(identity.properties));
+  auto bundle = identity.properties;
+  set(bundle, property::kIdentityCa, "data:," + root.certificate().pem() + sub.certificate().pem());
+  Engine engine;
+  const auto local = create(bundle, engine);
+  ASSERT_OK(local);
+  EXPECT_EQ(engine->identity_token(local->handle)->properties[2].value, "/CN=Sub");
+  auto root_only = identity.properties;
+  set(root_only, property::kIdentityCa, "data:," + root.certificate().pem());
+  expect_refused(root_only, Code::issuer_unknown, property::kIdentityCertificate);
+}
+
+TEST(LocalIdentity, PeersUnderDifferentCasOfOneBundleMeet) {
+  const auto first = make_ca("CN=First"), second = make_ca("CN=Second");
+  const auto bundle = "data:," + first.certificate().pem() + second.certificate().pem();
+  auto a = make_identity(first, "CN=alice"), b = make_identity(second, "CN=bob", {}, kYear, 1);
+  for (auto* identity : {&a, &b}) set(identity->properties, property::kIdentityCa, bundle);
+  Pairing(a, b).expect_success();
+}
+
+TEST(TrustedCaDir, MakesAnotherCaBelieved) {
+  const auto other = make_ca("CN=Other CA");
+  const TemporaryFolder folder;
+  folder.write("own.pem", test_ca().certificate().pem());
+  folder.write("other.pem", other.certificate().pem());
+  folder.write("readme.txt", "no certificate");
+  folder.write("leaf.pem", alice().certificate.pem());
+  auto a = alice();
+  auto b = make_identity(other, "CN=bob", {}, kYear, 1);
+  for (const std::string prefix : {"", "file:", "file://"}) {
+    for (auto* identity : {&a, &b})
+      set(identity->properties, property::kTrustedCaDir, prefix + folder.path());
+    Pairing(a, b).expect_success();
+  }
+}
+
+TEST(TrustedCaDir, Refusals) {
+  const TemporaryFolder folder;
+  const auto properties = alice_with(property::kTrustedCaDir, folder.path());
+  expect_refused(properties, Code::own_ca_not_trusted, property::kTrustedCaDir);
+  folder.write("own.pem", test_ca().certificate().pem());
+  EXPECT_TRUE(create(properties));
+  auto both = properties;
+  set(both, property::kCrl,
+      "data:," +
+          test_ca()
+              .make_crl(
+                  {.revoked = {}, .this_update = kYear.not_before, .next_update = kYear.not_after})
+              .value()
+              .pem());
+  expect_refused(both, Code::trusted_ca_dir_with_crl, property::kTrustedCaDir);
+  expect_refused(alice_with(property::kTrustedCaDir, folder.path() + "/none"),
+                 Code::trusted_ca_dir_unreadable, property::kTrustedCaDir);
+  std::string many;
+  for (int i = 0; i < 101; ++i) many += test_ca().certificate().pem();
+  folder.write("many.pem", many);
+  expect_refused(properties, Code::trusted_ca_dir_too_many, property::kTrustedCaDir);
+}
+
+// ---- revocation lists (T13)
+
+std::string crl_of(const pki::Authority& ca, std::vector<pki::Certificate> revoked,
+                   pki::Validity when = kYear) {
+  return ca
+      .make_crl({.revoked = revoked, .this_update = when.not_before, .next_update = when.not_after})
+      .value()
+      .pem();
+}
+
+TEST(RevocationList, OwnCertificateOnItIsRefused) {
+  const auto identity = alice();
+  auto properties = identity.properties;
+  set(properties, property::kCrl, "data:," + crl_of(test_ca(), {}));
+  EXPECT_TRUE(create(properties));
+  set(properties, property::kCrl, "data:," + crl_of(test_ca(), {identity.certificate}));
+  expect_refused(properties, Code::certificate_revoked, property::kIdentityCertificate);
+}
+
+TEST(RevocationList, FailsHardWhenItDoesNotHelp) {
+  const auto other = make_ca("CN=Other CA"), twin = make_ca();
+  expect_refused(alice_with(property::kCrl, "data:," + crl_of(other, {})), Code::crl_missing,
+                 property::kIdentityCertificate);
+  expect_refused(
+      alice_with(property::kCrl, "data:," + crl_of(test_ca(), {}, {kNow - 48h, kNow - 1h})),
+      Code::crl_expired, property::kIdentityCertificate);
+  expect_refused(
+      alice_with(property::kCrl, "data:," + crl_of(test_ca(), {}, {kNow + 1h, kNow + 48h})),
+      Code::crl_not_yet_valid, property::kIdentityCertificate);
+  const auto forged = alice_with(property::kCrl, "data:," + crl_of(twin, {}));
+  EXPECT_FALSE(create(forged));
+  expect_refused(alice_with(property::kCrl, "data:," + test_ca().certificate().pem()),
+                 Code::crl_file_empty, property::kCrl);
+}
+
+TEST(RevocationList, SoftFailIsAnOption) {
+  Engine engine(1, {.crl_policy = pki::CrlPolicy::soft_fail});
+  EXPECT_TRUE(
+      create(alice_with(property::kCrl, "data:," + crl_of(test_ca(), {}, {kNow - 48h, kNow - 1h})),
+             engine));
+  const auto identity = alice();
+  auto revoked = identity.properties;
+  set(revoked, property::kCrl, "data:," + crl_of(test_ca(), {identity.certificate}));
+  EXPECT_CODE(create(revoked, engine), certificate_revoked);
+}
+
+TEST(RevocationList, SeveralListsCountTogether) {
+  const auto other = make_ca("CN=Other CA");
+  const auto bob = make_identity(other, "CN=bob", {}, kYear, 1);
+  auto a = alice();
+  set(a.properties, property::kIdentityCa,
+      "data:," + test_ca().certificate().pem() + other.certificate().pem());
+  set(a.properties, property::kCrl,
+      "data:," + crl_of(test_ca(), {}) + crl_of(other, {bob.certificate}));
+  auto b = bob;
+  set(b.properties, property::kIdentityCa,
+      "data:," + test_ca().certificate().pem() + other.certificate().pem());
+  Pairing pairing(a, b);
+  const auto req = pairing.two.request();
+  ASSERT_OK(req);
+  const auto rep = pairing.two.reply(*req->message);
+  if (&pairing.two.high == &pairing.a) {
+    EXPECT_CODE(rep, certificate_revoked);
+  } else {
+    ASSERT_OK(rep);
+    EXPECT_CODE(pairing.two.at_low(req->handle, *rep->message), certificate_revoked);
+  }
+}
+
+// ---- permissions
+
+TEST(Permissions, Refusals) {
+  Engine engine;
+  const auto local = create(alice().properties, engine);
+  const auto give = [&](const Token& token) {
+    return engine->set_permissions_credential_and_token(local->handle, token, {});
+  };
+  const Token good{"DDS:Access:PermissionsCredential", {{"dds.perm.cert", "x"}}};
+  EXPECT_TRUE(give(good));
+  EXPECT_CODE(give({"DDS:Access:PermissionsCredential"}), permissions_credential_wrong);
+  EXPECT_CODE(give({"DDS:Access:Permissions:1.0", good.properties}), permissions_credential_wrong);
+  EXPECT_CODE(give({good.class_id, {{"dds.perm.cert", std::string(16 * 1024 * 1024 + 1, 'x')}}}),
+              token_field_length);
+  EXPECT_CODE(engine->set_permissions_credential_and_token({99}, good, {}), unknown_identity);
+}
+
+// ---- Cyclone DDS's own test identities
+
+std::string cyclone(const std::string& name) {
+  return "file:" DDSSEC_TEST_DATA "/cyclonedds/" + name;
+}
+PropertyList cyclone_identity(const std::string& ca, const std::string& certificate,
+                              const std::string& key, const std::string& password = "") {
+  const std::string folder = "validate_local_identity/";
+  PropertyList properties;
+  set(properties, property::kIdentityCa, cyclone(folder + ca));
+  set(properties, property::kIdentityCertificate, cyclone(folder + certificate));
+  set(properties, property::kPrivateKey, cyclone(folder + key));
+  set(properties, property::kPassword, password);
+  return properties;
+}
+
+TEST(CycloneData, GoodIdentities) {
+  EXPECT_TRUE(create(cyclone_identity("identity_ca", "identity_certificate", "private_key")));
+  EXPECT_TRUE(
+      create(cyclone_identity("ec_identity_ca", "ec_identity_certificate", "ec_private_key")));
+  // This key's certificate ended in 2019.
+  Engine then;
+  then.clock.set(std::chrono::sys_days(std::chrono::year(2019) / 1 / 1));
+  EXPECT_TRUE(create(cyclone_identity("old/identity_ca", "old/identity_certificate",
+                                      "private_key_w_password", "CHAM569"),
+                     then));
+  EXPECT_TRUE(create(cyclone_identity("ec_identity_ca", "ec_identity_certificate",
+                                      "ec_private_key_w_password", "CHAM-570")));
+  // The CA is a subordinate one: stock Cyclone refuses it.
+  EXPECT_TRUE(
+      create(cyclone_identity("Identity_CA_Test_With_Chain.crt", "Bob_Chain_Test.crt", "bob.pem")));
+}
+
+TEST(CycloneData, BadIdentities) {
+  expect_refused(
+      cyclone_identity("identity_ca", "identity_certificate", "private_key_w_password", "CHAM568"),
+      Code::passphrase_wrong, property::kPrivateKey);
+  expect_refused(cyclone_identity("unrelated_identity_ca", "identity_certificate", "private_key"),
+                 Code::issuer_unknown, property::kIdentityCertificate);
+  expect_refused(
+      cyclone_identity("identity_ca", "identity_certificate_1024key", "private_key_1024"),
+      Code::key_not_allowed, property::kIdentityCertificate);
+  expect_refused(cyclone_identity("ec_identity_ca", "ec_identity_certificate_unsupported",
+                                  "ec_private_key_unsupported"),
+                 Code::key_not_allowed, property::kIdentityCertificate);
+  expect_refused(
+      cyclone_identity("identity_ca", "identity_certificate", "private_key_not_matching"),
+      Code::key_mismatch, property::kPrivateKey);
+  expect_refused(cyclone_identity("old/identity_ca", "old/identity_certificate", "old/private_key"),
+                 Code::certificate_expired, property::kIdentityCertificate);
+}
+
+TEST(CycloneData, RevocationAndTrustedFolder) {
+  auto properties =
+      cyclone_identity("identity_ca", "revoked_identity_certificate", "revoked_private_key");
+  EXPECT_TRUE(create(properties));
+  set(properties, property::kCrl, cyclone("validate_local_identity/crl"));
+  expect_refused(properties, Code::certificate_revoked, property::kIdentityCertificate);
+  auto folder = cyclone_identity("identity_ca", "identity_certificate", "private_key");
+  set(folder, property::kTrustedCaDir,
+      DDSSEC_TEST_DATA "/cyclonedds/validate_local_identity/trusted_ca_dir");
+  EXPECT_TRUE(create(folder));
+  set(folder, property::kTrustedCaDir,
+      DDSSEC_TEST_DATA "/cyclonedds/validate_local_identity/trusted_ca_dir_not_matching");
+  expect_refused(folder, Code::own_ca_not_trusted, property::kTrustedCaDir);
+}
+
+TEST(CycloneData, ARevokedPeerIsRefusedInTheHandshake) {
+  const auto identity = [](const std::string& name, bool with_crl) {
+    PropertyList properties;
+    const std::string folder = "process_handshake/";
+    set(properties, property::kIdentityCa, cyclone(folder + "revoker_identity_ca"));
+    set(properties, property::kIdentityCertificate,
+        cyclone(folder + name + "_identity_certificate"));
+    set(properties, property::kPrivateKey, cyclone(folder + name + "_private_key"));
+    if (with_crl) set(properties, property::kCrl, cyclone(folder + "crl"));
+    return properties;
+  };
+  Engine first(1), second(2);
+  const Identity shape = alice();  // only the properties count
+  // Both have the same subject, so the candidates decide who begins: try both ways.
+  for (std::uint8_t number = 1; number < 20; ++number) {
+    Participant watcher(first, {shape.certificate, shape.key, identity("local", true)}, number);
+    Participant revoked(second, {shape.certificate, shape.key, identity("revoked", false)}, 77);
+    Two two(watcher, revoked);
+    const auto req = two.request();
+    ASSERT_OK(req);
+    const auto rep = two.reply(*req->message);
+    if (&two.high == &watcher) {
+      EXPECT_CODE(rep, certificate_revoked);
+    } else {
+      ASSERT_OK(rep);
+      EXPECT_CODE(two.at_low(req->handle, *rep->message), certificate_revoked);
+    }
+    ASSERT_OK(first->return_identity_handle(watcher.handle));
+  }
+}
+
+}  // namespace
+}  // namespace ddssec::authentication
