@@ -1,0 +1,45 @@
+#include "rtps/cdr/cdr_reader.hpp"
+
+namespace ddssec::rtps {
+
+void CdrReader::take_text(std::string& value, std::size_t bound) {
+  const auto length = take_bits<std::uint32_t>();
+  if (length > remaining()) refuse(Code::truncated);
+  if (!status_) return;
+  const auto octets = *reader_.read_bytes(length);
+  // Length 0 is a peer's way of writing "". CVE-2023-23932: the NUL is checked, not assumed.
+  const auto text = as_text(octets.empty() ? octets : octets.first(length - 1));
+  if (!octets.empty() && octets.back() != 0) return refuse(Code::malformed);
+  if (text.find('\0') != text.npos) return refuse(Code::malformed);
+  if (text.size() > bound) return refuse(Code::length_out_of_range);
+  value = text;
+}
+
+CdrReader::Delimited::Delimited(CdrReader& reader, bool wanted)
+    : reader_(reader),
+      outer_end_(reader.end_),
+      active_(wanted && reader.version_ == XcdrVersion::xcdr2) {
+  if (!active_) return;
+  const auto size = reader_.take_bits<std::uint32_t>();
+  if (size > reader_.remaining()) reader_.refuse(Code::truncated);
+  if (reader_.status_) reader_.end_ = reader_.reader_.position() + size;
+}
+
+CdrReader::Delimited::~Delimited() {
+  if (!active_ || !reader_.status_) return;
+  static_cast<void>(reader_.reader_.skip(reader_.remaining()));
+  reader_.end_ = outer_end_;
+}
+
+namespace detail {
+
+Status check_encapsulation(Encapsulation kind, Extensibility extensibility) {
+  const bool appendable = extensibility == Extensibility::appendable;
+  const bool fits = kind == Encapsulation::cdr ||
+                    kind == (appendable ? Encapsulation::delimited_cdr2 : Encapsulation::cdr2);
+  if (!fits) return fail(Code::rtps_encapsulation_unsupported);
+  return {};
+}
+
+}  // namespace detail
+}  // namespace ddssec::rtps

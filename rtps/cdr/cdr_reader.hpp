@@ -1,0 +1,229 @@
+// Reads user types from XCDR1 and XCDR2 (XTypes 7.4); the octets come from anybody.
+#pragma once
+
+#include <bit>
+
+#include "base/reader.hpp"
+#include "rtps/cdr/encapsulation.hpp"
+#include "rtps/cdr/type.hpp"
+
+namespace ddssec::rtps {
+
+namespace detail {
+
+/// The fewest octets a value of T takes; counts are held against it before anything is allocated.
+template <class T>
+std::size_t least_size() {
+  if constexpr (Primitive<T>) {
+    return sizeof(T);
+  } else if constexpr (Array<T>) {
+    return std::tuple_size_v<T> * least_size<typename T::value_type>();
+  } else if constexpr (DdsType<T>) {
+    static const std::size_t size = [] {
+      std::size_t sum = 0;
+      T value{};
+      for_each_member(value, [&](const auto& member) {
+        sum += least_size<std::remove_cvref_t<decltype(member.value)>>();
+      });
+      return sum;
+    }();
+    return std::max<std::size_t>(1, size);
+  } else {
+    return 4;  // enumerations, and the lengths of strings and sequences
+  }
+}
+
+}  // namespace detail
+
+/// Fails once and for all: after the first error every `take` leaves its value alone.
+class CdrReader {
+ public:
+  /// Types can nest through sequences; deeper is refused.
+  static constexpr int kDeepestNesting = 32;
+
+  CdrReader(BytesView octets, XcdrVersion version, Endian endian)
+      : reader_(octets, endian), end_(octets.size()), version_(version) {}
+
+  /// Errors: truncated, malformed, length_out_of_range.
+  const Status& status() const { return status_; }
+
+  template <class T>
+  void take(T& value, std::size_t bound = kUnbounded) {
+    if (!status_) return;
+    if constexpr (detail::Primitive<T>) {
+      take_number(value);
+    } else if constexpr (std::is_enum_v<T>) {
+      std::int32_t number = 0;
+      take_number(number);
+      value = static_cast<T>(number);
+    } else if constexpr (std::is_same_v<T, std::string>) {
+      take_text(value, bound);
+    } else if constexpr (detail::Sequence<T>) {
+      take_sequence(value, bound);
+    } else if constexpr (detail::Array<T>) {
+      take_array(value);
+    } else {
+      take_struct(value);
+    }
+  }
+
+  /// Key members only; see CdrWriter::put_key.
+  template <DdsType T>
+  void take_key(T& value) {
+    const bool all = !has_key<T>();
+    detail::for_each_member(value, [&](const auto& member) {
+      using M = std::remove_reference_t<decltype(member.value)>;
+      if (!member.is_key && !all) return;
+      if constexpr (DdsType<M>) {
+        take_key(member.value);
+      } else {
+        take(member.value, member.bound);
+      }
+    });
+  }
+
+ private:
+  std::size_t remaining() const { return end_ - reader_.position(); }
+  void refuse(Code code) {
+    if (status_) status_ = fail(code);
+  }
+
+  bool align(std::size_t size) {
+    const auto most = version_ == XcdrVersion::xcdr1 ? std::size_t{8} : std::size_t{4};
+    const auto padding = -reader_.position() & (std::min(size, most) - 1);
+    if (padding > remaining() || !reader_.skip(padding)) refuse(Code::truncated);
+    return status_.has_value();
+  }
+
+  template <class U>
+  U take_bits() {
+    if (!align(sizeof(U))) return 0;
+    if (sizeof(U) > remaining()) return refuse(Code::truncated), U{0};
+    return *reader_.read<U>();
+  }
+
+  template <detail::Primitive T>
+  void take_number(T& value) {
+    if constexpr (std::is_floating_point_v<T>) {
+      using U = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
+      const auto bits = take_bits<U>();
+      if (status_) value = std::bit_cast<T>(bits);
+    } else if constexpr (std::is_same_v<T, bool>) {
+      const auto octet = take_bits<std::uint8_t>();
+      if (octet > 1) refuse(Code::malformed);
+      if (status_) value = octet == 1;
+    } else {
+      const auto bits = take_bits<T>();
+      if (status_) value = bits;
+    }
+  }
+
+  void take_text(std::string& value, std::size_t bound);
+
+  std::uint32_t take_count(std::size_t least_element, std::size_t bound) {
+    const auto count = take_bits<std::uint32_t>();
+    if (count > bound || count > remaining() / least_element) refuse(Code::length_out_of_range);
+    return status_ ? count : 0;
+  }
+
+  template <class E>
+  void take_sequence(std::vector<E>& value, std::size_t bound) {
+    static_assert(!std::is_enum_v<E>, "collections of enumerations are not supported");
+    const Delimited delimited(*this, !detail::kNeedsNoHeader<E>);
+    const auto count = take_count(detail::least_size<E>(), bound);
+    if (!status_) return;
+    if constexpr (std::is_same_v<E, std::uint8_t>) {
+      const auto octets = *reader_.read_bytes(count);
+      value.assign(octets.begin(), octets.end());
+    } else {
+      value.clear();
+      for (std::uint32_t i = 0; i < count && status_; ++i) {
+        E element{};
+        take(element);
+        if (status_) value.push_back(std::move(element));
+      }
+    }
+  }
+
+  template <class E, std::size_t N>
+  void take_array(std::array<E, N>& value) {
+    static_assert(!std::is_enum_v<E>, "collections of enumerations are not supported");
+    const Delimited delimited(*this, !detail::kNeedsNoHeader<E>);
+    for (auto& element : value) take(element);
+  }
+
+  template <DdsType T>
+  void take_struct(T& value) {
+    constexpr bool appendable = TypeTraits<T>::extensibility == Extensibility::appendable;
+    if (depth_ >= kDeepestNesting) return refuse(Code::length_out_of_range);
+    ++depth_;
+    const Delimited delimited(*this, appendable);
+    // XTypes 7.6.3.4: an older writer's appendable type ends early; the rest keeps its defaults.
+    detail::for_each_member(value, [&](const auto& member) {
+      if (!(appendable && remaining() == 0)) take(member.value, member.bound);
+    });
+    --depth_;
+  }
+
+  /// Narrows the reader to what a DHEADER announces; skips what is left of it at the end.
+  class Delimited {
+   public:
+    Delimited(CdrReader& reader, bool wanted);
+    ~Delimited();
+    Delimited(const Delimited&) = delete;
+    Delimited& operator=(const Delimited&) = delete;
+
+   private:
+    CdrReader& reader_;
+    std::size_t outer_end_;
+    bool active_;
+  };
+
+  Reader reader_;
+  std::size_t end_;
+  XcdrVersion version_;
+  Status status_;
+  int depth_ = 0;
+};
+
+/// Reads the payload of a DATA, its encapsulation included. What lies behind the type's last member
+/// is a newer writer's and stays unread. Errors: those of open_payload and CdrReader,
+/// rtps_encapsulation_unsupported (a parameter list, or one that does not fit the type).
+template <DdsType T>
+Result<T> deserialize(BytesView payload);
+/// The same with the key alone; other members keep their defaults.
+template <DdsType T>
+Result<T> deserialize_key(BytesView payload);
+
+namespace detail {
+
+Status check_encapsulation(Encapsulation kind, Extensibility extensibility);
+
+template <DdsType T, class F>
+Result<T> deserialize_with(BytesView payload, Extensibility extensibility, F&& f) {
+  const auto opened = open_payload(payload);
+  if (!opened) return std::unexpected(opened.error());
+  if (auto fits = check_encapsulation(opened->encapsulation, extensibility); !fits)
+    return std::unexpected(fits.error());
+  CdrReader reader(opened->body, version_of(opened->encapsulation), opened->endian);
+  T value{};
+  f(reader, value);
+  if (!reader.status()) return std::unexpected(reader.status().error());
+  return value;
+}
+
+}  // namespace detail
+
+template <DdsType T>
+Result<T> deserialize(BytesView payload) {
+  return detail::deserialize_with<T>(payload, TypeTraits<T>::extensibility,
+                                     [](CdrReader& reader, T& value) { reader.take(value); });
+}
+
+template <DdsType T>
+Result<T> deserialize_key(BytesView payload) {
+  return detail::deserialize_with<T>(payload, Extensibility::final_type,
+                                     [](CdrReader& reader, T& value) { reader.take_key(value); });
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,167 @@
+// Serializes user types in XCDR1 and XCDR2 (XTypes 7.4).
+#pragma once
+
+#include <algorithm>
+#include <bit>
+
+#include "base/bytes.hpp"
+#include "rtps/cdr/encapsulation.hpp"
+#include "rtps/cdr/type.hpp"
+
+namespace ddssec::rtps {
+
+/// Appends to octets of the caller, which keep their capacity from sample to sample.
+class CdrWriter {
+ public:
+  CdrWriter(Bytes& out, XcdrVersion version, Endian endian)
+      : out_(out), origin_(out.size()), version_(version), endian_(endian) {}
+
+  template <class T>
+  void put(const T& value) {
+    if constexpr (detail::Primitive<T>) {
+      put_number(value);
+    } else if constexpr (std::is_enum_v<T>) {
+      put_number(static_cast<std::int32_t>(value));
+    } else if constexpr (std::is_same_v<T, std::string>) {
+      put_text(value);
+    } else if constexpr (detail::Sequence<T>) {
+      put_elements(value, true);
+    } else if constexpr (detail::Array<T>) {
+      put_elements(value, false);
+    } else {
+      put_struct(value);
+    }
+  }
+
+  /// Key members only; all members of a nested struct that marks none itself.
+  template <DdsType T>
+  void put_key(const T& value) {
+    const bool all = !has_key<T>();
+    detail::for_each_member(value, [&](const auto& member) {
+      using M = std::remove_cvref_t<decltype(member.value)>;
+      if (!member.is_key && !all) return;
+      if constexpr (DdsType<M>) {
+        put_key(member.value);
+      } else {
+        put(member.value);
+      }
+    });
+  }
+
+ private:
+  template <detail::Primitive T>
+  void put_number(T value) {
+    if constexpr (std::is_floating_point_v<T>) {
+      static_assert(sizeof(T) == 4 || sizeof(T) == 8);
+      using U = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
+      put_bits(std::bit_cast<U>(value));
+    } else if constexpr (std::is_same_v<T, bool>) {
+      put_bits(static_cast<std::uint8_t>(value));
+    } else {
+      put_bits(static_cast<std::make_unsigned_t<T>>(value));
+    }
+  }
+
+  template <std::unsigned_integral U>
+  void put_bits(U bits) {
+    align(sizeof(U));
+    const auto at = out_.size();
+    out_.resize(at + sizeof(U));
+    store(at, bits);
+  }
+
+  template <std::unsigned_integral U>
+  void store(std::size_t at, U bits) {
+    for (std::size_t i = 0; i < sizeof(U); ++i) {
+      const auto shift = 8 * (endian_ == Endian::big ? sizeof(U) - 1 - i : i);
+      out_[at + i] = static_cast<std::uint8_t>(bits >> shift);
+    }
+  }
+
+  void align(std::size_t size) {
+    const auto most = version_ == XcdrVersion::xcdr1 ? std::size_t{8} : std::size_t{4};
+    const auto alignment = std::min(size, most);
+    const auto offset = out_.size() - origin_;
+    const auto padding = -offset & (alignment - 1);
+    if (padding != 0) out_.resize(out_.size() + padding);
+  }
+
+  void put_text(std::string_view text) {
+    put_bits(static_cast<std::uint32_t>(text.size() + 1));
+    out_.insert(out_.end(), text.begin(), text.end());
+    out_.push_back(0);
+  }
+
+  template <class C>
+  void put_elements(const C& elements, bool with_count) {
+    using E = typename C::value_type;
+    static_assert(!std::is_enum_v<E>, "collections of enumerations are not supported");
+    const auto header = begin_delimited(!detail::kNeedsNoHeader<E>);
+    if (with_count) put_bits(static_cast<std::uint32_t>(elements.size()));
+    if constexpr (std::is_same_v<E, std::uint8_t>) {
+      out_.insert(out_.end(), elements.begin(), elements.end());
+    } else {
+      for (const auto& element : elements) put<E>(element);
+    }
+    end_delimited(header);
+  }
+
+  template <DdsType T>
+  void put_struct(const T& value) {
+    const auto header = begin_delimited(TypeTraits<T>::extensibility == Extensibility::appendable);
+    detail::for_each_member(value, [&](const auto& member) { put(member.value); });
+    end_delimited(header);
+  }
+
+  // DHEADER: the size of what follows, XCDR2 only. Returns where that begins, 0 for "no header".
+  std::size_t begin_delimited(bool wanted) {
+    if (!wanted || version_ == XcdrVersion::xcdr1) return 0;
+    put_bits(std::uint32_t{0});
+    return out_.size();
+  }
+  void end_delimited(std::size_t header) {
+    if (header != 0) store(header - 4, static_cast<std::uint32_t>(out_.size() - header));
+  }
+
+  Bytes& out_;
+  std::size_t origin_;
+  XcdrVersion version_;
+  Endian endian_;
+};
+
+namespace detail {
+
+void begin_payload(Bytes& out, Encapsulation kind, Endian endian);
+/// Pads to a multiple of 4 and says so in the options.
+void end_payload(Bytes& out);
+
+template <DdsType T>
+constexpr Encapsulation encapsulation_of(XcdrVersion version) {
+  if (version == XcdrVersion::xcdr1) return Encapsulation::cdr;
+  return TypeTraits<T>::extensibility == Extensibility::appendable ? Encapsulation::delimited_cdr2
+                                                                   : Encapsulation::cdr2;
+}
+
+}  // namespace detail
+
+/// Replaces `out` by the payload of a DATA, its encapsulation included. Allocates only while `out`
+/// grows for the first time.
+template <DdsType T>
+void serialize(const T& value, Bytes& out, XcdrVersion version = XcdrVersion::xcdr1,
+               Endian endian = Endian::little) {
+  detail::begin_payload(out, detail::encapsulation_of<T>(version), endian);
+  CdrWriter(out, version, endian).put(value);
+  detail::end_payload(out);
+}
+
+/// The same with the key alone: the payload of a dispose or unregister.
+template <DdsType T>
+void serialize_key(const T& value, Bytes& out, XcdrVersion version = XcdrVersion::xcdr1,
+                   Endian endian = Endian::little) {
+  detail::begin_payload(
+      out, version == XcdrVersion::xcdr1 ? Encapsulation::cdr : Encapsulation::cdr2, endian);
+  CdrWriter(out, version, endian).put_key(value);
+  detail::end_payload(out);
+}
+
+}  // namespace ddssec::rtps

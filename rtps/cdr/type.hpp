@@ -1,0 +1,106 @@
+// How a C++ struct says what it looks like on the wire: one list of members serves reader, writer,
+// sizes and keys.
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace ddssec::rtps {
+
+enum class Extensibility : std::uint8_t { final_type, appendable };
+
+/// To be specialised for each user type:
+///   static constexpr std::string_view type_name = "Module::Type";
+///   static constexpr Extensibility extensibility = Extensibility::final_type;
+///   template <class Self, class Visit> static void members(Self& self, Visit&& visit) {
+///     visit(key(self.color, 128), self.x, bounded(self.data, 1000));
+///   }
+/// Members may be bool, integers, floating point numbers, enumerations (32 bits), std::string,
+/// std::vector, std::array and other types with traits.
+template <class T>
+struct TypeTraits;
+
+template <class T>
+concept DdsType = requires {
+  TypeTraits<std::remove_const_t<T>>::type_name;
+};
+
+inline constexpr std::size_t kUnbounded = std::numeric_limits<std::size_t>::max();
+
+/// A member with what the language cannot say about it.
+template <class T>
+struct Member {
+  T& value;
+  bool is_key = false;
+  std::size_t bound = kUnbounded;  ///< most characters or elements
+};
+
+template <class T>
+constexpr Member<T> key(T& value, std::size_t bound = kUnbounded) {
+  return {value, true, bound};
+}
+template <class T>
+constexpr Member<T> bounded(T& value, std::size_t bound) {
+  return {value, false, bound};
+}
+
+namespace detail {
+
+template <class T>
+constexpr Member<T> as_member(T& value) {
+  return {value};
+}
+template <class T>
+constexpr Member<T> as_member(const Member<T>& member) {
+  return member;
+}
+template <class T>
+constexpr Member<T> as_member(Member<T>&& member) {
+  return member;
+}
+
+template <class T>
+struct IsVector : std::false_type {};
+template <class T>
+struct IsVector<std::vector<T>> : std::true_type {};
+template <class T>
+struct IsArray : std::false_type {};
+template <class T, std::size_t N>
+struct IsArray<std::array<T, N>> : std::true_type {};
+
+template <class T>
+concept Primitive = std::is_arithmetic_v<T>;
+template <class T>
+concept Sequence = IsVector<T>::value;
+template <class T>
+concept Array = IsArray<T>::value;
+
+/// True if XCDR2 puts no DHEADER before a collection of these.
+template <class T>
+inline constexpr bool kNeedsNoHeader = Primitive<T>;
+
+/// Calls `f(Member)` for each member of `self`.
+template <class Self, class F>
+void for_each_member(Self& self, F&& f) {
+  TypeTraits<std::remove_const_t<Self>>::members(
+      self, [&]<class... M>(M&&... members) { (f(as_member(std::forward<M>(members))), ...); });
+}
+
+}  // namespace detail
+
+/// True if any member is a key: the topic has instances.
+template <DdsType T>
+bool has_key() {
+  bool any = false;
+  T value{};
+  detail::for_each_member(value, [&](const auto& member) { any = any || member.is_key; });
+  return any;
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,66 @@
+// Entity ids and kinds of RTPS 9.3.1.2 and DDS-Security 7.4.5, and the set that announces them.
+#pragma once
+
+#include "base/ids.hpp"
+
+namespace ddssec::rtps {
+
+inline constexpr EntityId kEntityIdUnknown{{0, 0, 0, 0}};
+
+inline constexpr EntityId kSpdpWriter{{0x00, 0x01, 0x00, 0xc2}};
+inline constexpr EntityId kSpdpReader{{0x00, 0x01, 0x00, 0xc7}};
+inline constexpr EntityId kPublicationsWriter{{0x00, 0x00, 0x03, 0xc2}};
+inline constexpr EntityId kPublicationsReader{{0x00, 0x00, 0x03, 0xc7}};
+inline constexpr EntityId kSubscriptionsWriter{{0x00, 0x00, 0x04, 0xc2}};
+inline constexpr EntityId kSubscriptionsReader{{0x00, 0x00, 0x04, 0xc7}};
+inline constexpr EntityId kParticipantMessageWriter{{0x00, 0x02, 0x00, 0xc2}};
+inline constexpr EntityId kParticipantMessageReader{{0x00, 0x02, 0x00, 0xc7}};
+inline constexpr EntityId kStatelessMessageWriter{{0x00, 0x02, 0x01, 0xc3}};
+inline constexpr EntityId kStatelessMessageReader{{0x00, 0x02, 0x01, 0xc4}};
+inline constexpr EntityId kPublicationsSecureWriter{{0xff, 0x00, 0x03, 0xc2}};
+inline constexpr EntityId kPublicationsSecureReader{{0xff, 0x00, 0x03, 0xc7}};
+inline constexpr EntityId kSubscriptionsSecureWriter{{0xff, 0x00, 0x04, 0xc2}};
+inline constexpr EntityId kSubscriptionsSecureReader{{0xff, 0x00, 0x04, 0xc7}};
+inline constexpr EntityId kParticipantsSecureWriter{{0xff, 0x01, 0x01, 0xc2}};
+inline constexpr EntityId kParticipantsSecureReader{{0xff, 0x01, 0x01, 0xc7}};
+inline constexpr EntityId kParticipantMessageSecureWriter{{0xff, 0x02, 0x00, 0xc2}};
+inline constexpr EntityId kParticipantMessageSecureReader{{0xff, 0x02, 0x00, 0xc7}};
+inline constexpr EntityId kVolatileMessageWriter{{0xff, 0x02, 0x02, 0xc3}};
+inline constexpr EntityId kVolatileMessageReader{{0xff, 0x02, 0x02, 0xc4}};
+
+/// The low six bits of an entity id's last octet.
+enum class EndpointKind : std::uint8_t {
+  writer_with_key = 0x02,
+  writer_no_key = 0x03,
+  reader_no_key = 0x04,
+  reader_with_key = 0x07,
+};
+
+constexpr std::uint8_t kind_octet(const EntityId& id) { return id.octets[3]; }
+constexpr bool is_builtin(const EntityId& id) { return (kind_octet(id) & 0xc0) == 0xc0; }
+constexpr bool is_user_defined(const EntityId& id) { return (kind_octet(id) & 0xc0) == 0; }
+constexpr bool is_writer(const EntityId& id) {
+  const auto kind = kind_octet(id) & 0x3f;
+  return kind == 0x02 || kind == 0x03;
+}
+constexpr bool is_reader(const EntityId& id) {
+  const auto kind = kind_octet(id) & 0x3f;
+  return kind == 0x04 || kind == 0x07;
+}
+constexpr bool has_key(const EntityId& id) {
+  const auto kind = kind_octet(id) & 0x3f;
+  return kind == 0x02 || kind == 0x07;
+}
+
+/// Bits of BuiltinEndpointSet_t (RTPS 9.3.2.12, DDS-Security 7.4.5.1); the reader of a pair is
+/// always the bit above its writer.
+namespace builtin_endpoints {
+inline constexpr std::uint32_t kParticipant = 0x3u << 0;
+inline constexpr std::uint32_t kPublications = 0x3u << 2;
+inline constexpr std::uint32_t kSubscriptions = 0x3u << 4;
+inline constexpr std::uint32_t kParticipantMessage = 0x3u << 10;
+inline constexpr std::uint32_t kWithoutSecurity =
+    kParticipant | kPublications | kSubscriptions | kParticipantMessage;
+}  // namespace builtin_endpoints
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,49 @@
+#include "rtps/wire/inline_qos.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+constexpr std::uint8_t kDisposed = 0x01;
+constexpr std::uint8_t kUnregistered = 0x02;
+
+// Standard ids below 0x4000 may be ignored; only those that must be understood stop us.
+bool must_be_understood(ParameterId id) {
+  return (id & pid::kMustUnderstand) != 0 && (id & pid::kVendorSpecific) == 0;
+}
+
+}  // namespace
+
+Result<InlineQos> read_inline_qos(BytesView list, Endian endian) {
+  InlineQos qos;
+  ParameterReader parameters(list, endian);
+  while (const auto parameter = DDSSEC_TRY(parameters.next())) {
+    const auto& value = parameter->value;
+    if (parameter->id == pid::kKeyHash) {
+      if (value.size() < 16) return fail(Code::rtps_parameter_invalid);
+      std::copy_n(value.begin(), 16, qos.key_hash.emplace().begin());
+    } else if (parameter->id == pid::kStatusInfo) {
+      if (value.size() < 4) return fail(Code::rtps_parameter_invalid);
+      qos.status = {(value[3] & kDisposed) != 0, (value[3] & kUnregistered) != 0};
+    } else if (must_be_understood(parameter->id)) {
+      return fail(Code::rtps_parameter_not_understood);
+    }
+  }
+  return qos;
+}
+
+void write(SpanWriter& out, const InlineQos& qos) {
+  if (qos.key_hash) {
+    const ParameterScope scope(out, pid::kKeyHash);
+    out.write_bytes(*qos.key_hash);
+  }
+  if (qos.status != StatusInfo{}) {
+    const ParameterScope scope(out, pid::kStatusInfo);
+    const auto flags = static_cast<std::uint8_t>((qos.status.disposed ? kDisposed : 0) |
+                                                 (qos.status.unregistered ? kUnregistered : 0));
+    const std::array<std::uint8_t, 4> octets{0, 0, 0, flags};
+    out.write_bytes(octets);
+  }
+  write_sentinel(out);
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,75 @@
+// Writes into a buffer of fixed size that somebody else owns: what messages are built with.
+#pragma once
+
+#include <algorithm>
+#include <concepts>
+
+#include "base/bytes.hpp"
+#include "base/reader.hpp"
+
+namespace ddssec::rtps {
+
+/// Never writes past its end: what does not fit is left out and `overflowed()` stays true, so that
+/// one check after a whole submessage suffices. Alignment counts from the first octet of the
+/// buffer.
+class SpanWriter {
+ public:
+  explicit SpanWriter(MutableBytes out, Endian endian = Endian::little)
+      : out_(out), endian_(endian) {}
+
+  Endian endian() const { return endian_; }
+  std::size_t size() const { return size_; }
+  std::size_t room() const { return out_.size() - size_; }
+  bool overflowed() const { return overflowed_; }
+  BytesView view() const { return out_.first(size_); }
+
+  /// Forgets everything from `size` on, and that it did not fit.
+  void rewind(std::size_t size) {
+    size_ = std::min(size, size_);
+    overflowed_ = false;
+  }
+
+  template <std::integral T>
+  void write(T value) {
+    if (auto place = claim(sizeof(T)); !place.empty()) store(place, value);
+  }
+
+  void write_bytes(BytesView octets) {
+    if (auto place = claim(octets.size()); !place.empty()) std::ranges::copy(octets, place.begin());
+  }
+
+  /// Zero octets up to a multiple of `alignment`.
+  void align(std::size_t alignment) { std::ranges::fill(claim(-size_ & (alignment - 1)), 0); }
+
+  /// Overwrites an integer written before at `position`.
+  template <std::integral T>
+  void patch(std::size_t position, T value) {
+    if (position + sizeof(T) <= size_) store(out_.subspan(position, sizeof(T)), value);
+  }
+
+ private:
+  MutableBytes claim(std::size_t count) {
+    if (overflowed_ || count > room()) {
+      overflowed_ = true;
+      return {};
+    }
+    size_ += count;
+    return out_.subspan(size_ - count, count);
+  }
+
+  template <std::integral T>
+  void store(MutableBytes place, T value) {
+    const auto bits = static_cast<std::make_unsigned_t<T>>(value);
+    for (std::size_t i = 0; i < sizeof(T); ++i) {
+      const auto shift = 8 * (endian_ == Endian::big ? sizeof(T) - 1 - i : i);
+      place[i] = static_cast<std::uint8_t>(bits >> shift);
+    }
+  }
+
+  MutableBytes out_;
+  std::size_t size_ = 0;
+  Endian endian_;
+  bool overflowed_ = false;
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,19 @@
+// Vendor ids and protocol versions (RTPS 9.3.2.2, 9.3.2.3).
+#pragma once
+
+#include "base/ids.hpp"
+
+namespace ddssec::rtps {
+
+using VendorId = Id<struct VendorIdTag, 2>;
+using ProtocolVersion = Id<struct ProtocolVersionTag, 2>;
+
+/// Ours; not assigned by the OMG to anybody. The only place where it is spelt out.
+inline constexpr VendorId kVendorDdssec{{0x01, 0xd5}};
+inline constexpr VendorId kVendorFastDds{{0x01, 0x0f}};
+inline constexpr VendorId kVendorCyclone{{0x01, 0x10}};
+
+/// What we announce. DDS-Security 7.4.2 asks for at least 2.3; both known peers accept it.
+inline constexpr ProtocolVersion kProtocolVersion{{2, 3}};
+
+}  // namespace ddssec::rtps

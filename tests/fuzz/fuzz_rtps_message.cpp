@@ -1,0 +1,86 @@
+// A datagram: every submessage is read or refused; what was read is written and read alike.
+#include <array>
+#include <cstdlib>
+
+#include "rtps/wire/acknack.hpp"
+#include "rtps/wire/data_frag.hpp"
+#include "rtps/wire/gap.hpp"
+#include "rtps/wire/header_extension.hpp"
+#include "rtps/wire/heartbeat.hpp"
+#include "rtps/wire/heartbeat_frag.hpp"
+#include "rtps/wire/info_destination.hpp"
+#include "rtps/wire/info_reply.hpp"
+#include "rtps/wire/info_source.hpp"
+#include "rtps/wire/info_timestamp.hpp"
+#include "rtps/wire/message_reader.hpp"
+#include "rtps/wire/nack_frag.hpp"
+
+namespace {
+
+using namespace ddssec;
+using namespace ddssec::rtps;
+
+bool same(const Data& a, const Data& b) {
+  return a.sequence_number == b.sequence_number && a.inline_qos == b.inline_qos &&
+         std::ranges::equal(a.payload,
+                            b.payload.first(std::min(a.payload.size(), b.payload.size())));
+}
+bool same(const DataFrag& a, const DataFrag& b) {
+  return a.first == b.first && std::ranges::equal(a.payload, b.payload);
+}
+bool same(const auto& a, const auto& b) { return a == b; }
+
+void check(const SubmessageView& view, auto read) {
+  const auto first = read(view);
+  if (!first) return;
+  static std::array<std::uint8_t, 1 << 17> buffer;
+  SpanWriter out(buffer);
+  write(out, *first);
+  if (out.overflowed() || out.size() > 0xffff) return;
+  const auto again = MessageReader::over_submessages({}, out.view()).next();
+  if (!again || !*again) std::abort();
+  const auto second = read(**again);
+  if (!second || !same(*first, *second)) std::abort();
+}
+
+void check(const SubmessageView& view, std::size_t message_size) {
+  switch (view.id) {
+    case SubmessageId::acknack:
+      return check(view, read_acknack);
+    case SubmessageId::heartbeat:
+      return check(view, read_heartbeat);
+    case SubmessageId::gap:
+      return check(view, read_gap);
+    case SubmessageId::info_timestamp:
+      return check(view, read_info_timestamp);
+    case SubmessageId::info_source:
+      return check(view, read_info_source);
+    case SubmessageId::info_destination:
+      return check(view, read_info_destination);
+    case SubmessageId::info_reply:
+      return check(view, read_info_reply);
+    case SubmessageId::info_reply_ip4:
+      return static_cast<void>(read_info_reply_ip4(view));
+    case SubmessageId::nack_frag:
+      return check(view, read_nack_frag);
+    case SubmessageId::heartbeat_frag:
+      return check(view, read_heartbeat_frag);
+    case SubmessageId::data:
+      return check(view, read_data);
+    case SubmessageId::data_frag:
+      return check(view, read_data_frag);
+    case SubmessageId::header_extension:
+      return check(view, [=](const auto& v) { return read_header_extension(v, message_size); });
+    default:
+      return;
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  auto reader = MessageReader::open({data, size});
+  if (!reader) return 0;
+  for (auto next = reader->next(); next && *next; next = reader->next()) check(**next, size);
+  return 0;
+}

@@ -1,0 +1,140 @@
+// Times, numbers, locators, entity ids, parameter lists and inline QoS.
+#include "rtps/wire/entity_ids.hpp"
+#include "rtps/wire/inline_qos.hpp"
+#include "rtps/wire/locator.hpp"
+#include "rtps/wire/numbers.hpp"
+#include "rtps/wire/time.hpp"
+#include "tests/unit/rtps/wire_helpers.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::code_of;
+
+TEST(Time, NanosecondsSurviveTheirFractions) {
+  for (auto time :
+       {0ns, 1ns, 999'999'999ns, 1'000'000'000ns, 1'500'000'001ns, -1ns, -2'500'000'000ns})
+    EXPECT_EQ(Time::from(time).to_nanoseconds(), time) << time.count();
+}
+
+// CVE-2025-63829: some fractions made another stack loop for ever.
+TEST(Time, EveryFractionConverts) {
+  for (std::uint64_t fraction = 0; fraction <= 0xffffffff; fraction += 0x10001) {
+    const Time time{{7, static_cast<std::uint32_t>(fraction)}};
+    EXPECT_GE(time.to_nanoseconds(), 7s);
+    EXPECT_LE(time.to_nanoseconds(), 8s);
+  }
+  EXPECT_LE((Time{{7, 0xffffffff}}).to_nanoseconds(), 8s);
+}
+
+TEST(Time, WhatDoesNotFitSaturates) {
+  EXPECT_TRUE(Duration::from(std::chrono::nanoseconds::max()).is_infinite());
+  EXPECT_EQ(kDurationInfinite.to_nanoseconds(), std::chrono::nanoseconds::max());
+  EXPECT_EQ(Duration::from(std::chrono::nanoseconds::min()).seconds, INT32_MIN);
+  EXPECT_EQ(to_string(kDurationInfinite), "infinite");
+  EXPECT_EQ(to_string(Duration::from(1500ms)), "1.500 s");
+}
+
+TEST(NumberSet, HoldsWhatItReaches) {
+  SequenceNumberSet set(SequenceNumber{10});
+  EXPECT_TRUE(set.insert({10}));
+  EXPECT_TRUE(set.insert({41}));
+  EXPECT_TRUE(set.insert({42}));
+  EXPECT_TRUE(set.insert({265}));
+  EXPECT_FALSE(set.insert({266}));
+  EXPECT_FALSE(set.insert({9}));
+  EXPECT_EQ(set.size(), 256u);
+  std::vector<std::int64_t> found;
+  set.for_each([&](SequenceNumber number) { found.push_back(number.value); });
+  EXPECT_EQ(found, (std::vector<std::int64_t>{10, 41, 42, 265}));
+  EXPECT_TRUE(set.contains({42}));
+  EXPECT_FALSE(set.contains({43}));
+  EXPECT_FALSE(set.contains({INT64_MIN}));
+}
+
+TEST(NumberSet, BitsBeyondTheCountAreDropped) {
+  const Bytes octets = {0, 0, 0, 3, 0xff, 0xff, 0xff, 0xff};
+  Reader reader(octets);
+  SequenceNumberSet set(SequenceNumber{1});
+  ASSERT_TRUE(set.read_bits(reader));
+  EXPECT_TRUE(set.contains({3}));
+  EXPECT_FALSE(set.contains({4}));
+}
+
+TEST(Locator, TellsItsNature) {
+  EXPECT_EQ(to_string(*Locator::parse("127.0.0.1", 7400)), "udp/127.0.0.1:7400");
+  EXPECT_EQ(to_string(*Locator::parse("::1", 7400)), "udp/[::1]:7400");
+  EXPECT_EQ(to_string(Locator{LocatorKind{16}, 1, {}}), "kind 16");
+  EXPECT_TRUE(Locator::parse("239.255.0.1", 1)->is_multicast());
+  EXPECT_TRUE(Locator::parse("ff02::1", 1)->is_multicast());
+  EXPECT_TRUE(Locator::parse("::1", 1)->is_loopback());
+  EXPECT_FALSE(Locator::parse("::2", 1)->is_loopback());
+  EXPECT_FALSE(Locator::parse("0.0.0.0", 1)->is_usable());
+  EXPECT_FALSE(Locator::parse("10.0.0.1", 0)->is_usable());
+  EXPECT_FALSE(Locator::parse("localhost", 1));
+  Locator out_of_range = *Locator::parse("10.0.0.1", 1);
+  out_of_range.port = 0x10000;
+  EXPECT_FALSE(out_of_range.is_usable());
+}
+
+TEST(EntityIds, KindsAreTold) {
+  EXPECT_TRUE(is_builtin(kSpdpWriter) && is_writer(kSpdpWriter) && has_key(kSpdpWriter));
+  EXPECT_TRUE(is_reader(kStatelessMessageReader) && !has_key(kStatelessMessageReader));
+  EXPECT_TRUE(is_user_defined(EntityId{{0, 0, 1, 0x03}}));
+  EXPECT_FALSE(is_writer(kEntityIdParticipant) || is_reader(kEntityIdParticipant));
+}
+
+Bytes list(std::initializer_list<Bytes> parts) {
+  Bytes out;
+  for (const auto& part : parts) out.insert(out.end(), part.begin(), part.end());
+  return out;
+}
+const Bytes kSentinel = {0, 1, 0, 0};
+
+TEST(ParameterList, WalksToItsSentinelAndOverPadding) {
+  const auto octets = list({{0, 0, 0, 4, 9, 9, 9, 9}, {0, 5, 0, 0}, kSentinel, {1, 2, 3}});
+  ParameterReader reader(octets, Endian::big);
+  EXPECT_EQ((*reader.next())->id, 5);
+  EXPECT_FALSE(*reader.next());
+  EXPECT_FALSE(*reader.next());
+  EXPECT_EQ(parameter_list_prefix(octets, Endian::big)->size(), octets.size() - 3);
+}
+
+// Cyclone DDS #1555: the scan for a list's end.
+TEST(ParameterList, EveryTruncationIsRefused) {
+  const auto octets =
+      list({{0, 5, 0, 4, 1, 2, 3, 4}, {0x40, 0, 0, 8, 1, 2, 3, 4, 5, 6, 7, 8}, kSentinel});
+  for (std::size_t size = 0; size < octets.size(); ++size)
+    EXPECT_EQ(code_of(parameter_list_prefix(BytesView(octets).first(size), Endian::big)),
+              Code::truncated);
+}
+
+TEST(ParameterList, OddAndLyingLengthsAreRefused) {
+  for (std::uint8_t length : {1, 2, 3, 5})
+    EXPECT_EQ(code_of(parameter_list_prefix(
+                  list({{0, 5, 0, length, 1, 2, 3, 4, 5, 6, 7, 8}, kSentinel}), Endian::big)),
+              Code::rtps_parameter_invalid);
+  EXPECT_EQ(code_of(parameter_list_prefix(list({{0, 5, 0xff, 0xfc, 1, 2, 3, 4}, kSentinel}),
+                                          Endian::big)),
+            Code::truncated);
+}
+
+TEST(InlineQos, RefusesWhatItMustUnderstandAndShortValues) {
+  EXPECT_EQ(code_of(read_inline_qos(list({{0x40, 0x77, 0, 0}, kSentinel}), Endian::big)),
+            Code::rtps_parameter_not_understood);
+  EXPECT_TRUE(
+      read_inline_qos(list({{0xc0, 0x77, 0, 0}, {0x05, 0x77, 0, 0}, kSentinel}), Endian::big));
+  EXPECT_EQ(code_of(read_inline_qos(list({{0, 0x70, 0, 4, 1, 2, 3, 4}, kSentinel}), Endian::big)),
+            Code::rtps_parameter_invalid);
+  EXPECT_EQ(code_of(read_inline_qos(list({{0, 0x71, 0, 0}, kSentinel}), Endian::big)),
+            Code::rtps_parameter_invalid);
+}
+
+TEST(InlineQos, StatusIsBigEndianInEitherList) {
+  const Bytes octets = {0x71, 0, 4, 0, 0, 0, 0, 3, 1, 0, 0, 0};
+  EXPECT_EQ(read_inline_qos(octets, Endian::little)->status, (StatusInfo{true, true}));
+}
+
+}  // namespace
+}  // namespace ddssec::rtps

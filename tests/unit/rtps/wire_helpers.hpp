@@ -1,0 +1,45 @@
+// Shared by the wire tests: build one submessage, take it apart again.
+#pragma once
+
+#include <array>
+
+#include <gtest/gtest.h>
+
+#include "rtps/wire/message_reader.hpp"
+
+namespace ddssec::rtps::testing {
+
+inline constexpr EntityId kReader{{0, 0, 1, 0x07}};
+inline constexpr EntityId kWriter{{0, 0, 2, 0x02}};
+
+/// The octets of one submessage.
+template <class S>
+Bytes written(const S& submessage, Endian endian = Endian::little) {
+  std::array<std::uint8_t, 4096> buffer{};
+  SpanWriter out(buffer, endian);
+  write(out, submessage);
+  EXPECT_FALSE(out.overflowed());
+  return to_bytes(out.view());
+}
+
+/// A whole message around submessages.
+inline Bytes message(std::initializer_list<Bytes> submessages) {
+  std::array<std::uint8_t, 8192> buffer{};
+  SpanWriter out(buffer);
+  write(out, Header{});
+  for (const auto& submessage : submessages) out.write_bytes(submessage);
+  return to_bytes(out.view());
+}
+
+/// The view a MessageReader gives of one submessage; `octets` must outlive it.
+inline SubmessageView view_of(const Bytes& octets) {
+  return **MessageReader::over_submessages({}, octets).next();
+}
+
+inline Code code_of(const Status& status) { return status ? Code{} : status.error().code(); }
+template <class T>
+Code code_of(const Result<T>& result) {
+  return result ? Code{} : result.error().code();
+}
+
+}  // namespace ddssec::rtps::testing
