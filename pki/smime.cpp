@@ -107,28 +107,30 @@ Result<std::vector<Certificate>> candidates(CMS_SignerInfo* signer,
 
 // OpenSSL checks content digest, signed attributes and signature with the key of `ca`, and looks
 // at no other certificate. Whether `ca` may be believed is judged by the caller.
-Status verify_with(const Certificate& ca, BytesView signature, BytesView content) {
-  const CmsPtr cms = DDSSEC_TRY(decode_signature(signature));
+Status verify_with(const Certificate& ca, CMS_ContentInfo* cms, BytesView content) {
   const CertificateStack trusted(sk_X509_new_null());
   const BioPtr bio = bio_over(content);
   constexpr unsigned kFlags = CMS_NOINTERN | CMS_NO_SIGNER_CERT_VERIFY | CMS_BINARY;
   if (!trusted || !bio || sk_X509_push(trusted.get(), ca.impl().x509.get()) <= 0)
     return openssl_failure(Code::internal);
-  if (CMS_verify(cms.get(), trusted.get(), nullptr, bio.get(), nullptr, kFlags) != 1)
+  if (CMS_verify(cms, trusted.get(), nullptr, bio.get(), nullptr, kFlags) != 1)
     return openssl_failure(Code::smime_signature_invalid, {.field = "signer " + ca.subject()});
   return {};
 }
 
 Result<Certificate> verified_signer(const std::vector<Certificate>& cas, BytesView signature,
                                     BytesView content) {
-  const CmsPtr cms = DDSSEC_TRY(decode_signature(signature));
+  CmsPtr cms = DDSSEC_TRY(decode_signature(signature));
   CMS_SignerInfo* signer = DDSSEC_TRY(only_signer(cms.get()));
   DDSSEC_TRY(check_digest(signer));
   const auto possible = DDSSEC_TRY(candidates(signer, cas));
-  Status status;
-  for (const auto& ca : possible) {
-    status = verify_with(ca, signature, content);
-    if (status) return ca;
+  Status status = verify_with(possible.front(), cms.get(), content);
+  if (status) return possible.front();
+  for (std::size_t i = 1; i < possible.size(); ++i) {
+    // A structure remembers the certificate it was tried with: each further one gets a fresh one.
+    cms = DDSSEC_TRY(decode_signature(signature));
+    status = verify_with(possible[i], cms.get(), content);
+    if (status) return possible[i];
   }
   return std::unexpected(status.error());
 }
