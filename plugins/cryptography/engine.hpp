@@ -34,7 +34,7 @@ struct Shared {
   /// Sorts the remote's endpoints by their submessage key ids anew. Mutex held.
   void publish_routes(RemoteParticipant& participant);
 
-  const Environment& environment;
+  const Environment environment;
   const bool header_prefix_is_network_order;
   Graveyard graveyard;  // before whatever retires into it
   const KeyEnvironment keys;
