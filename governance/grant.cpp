@@ -21,6 +21,15 @@ bool expression_matches(const pki::SubjectName& expression, const pki::SubjectNa
   return left.empty();
 }
 
+/// False only if the text cannot be this subject's: without escapes it holds every value verbatim.
+/// Reading a name costs microseconds, and a document may hold thousands.
+bool may_be_for(std::string_view text, const pki::SubjectName& subject) {
+  if (text.find_first_of("\\\"#") != text.npos) return true;
+  return std::ranges::all_of(subject.attributes(), [&](const pki::NameAttribute& a) {
+    return text.find(a.value) != text.npos;
+  });
+}
+
 /// The subjects of the first grants, for a person to compare.
 std::string some_subjects(const Permissions& permissions) {
   constexpr std::size_t kMost = 3;
@@ -37,6 +46,7 @@ std::string some_subjects(const Permissions& permissions) {
 }  // namespace
 
 bool is_for(const Grant& grant, const pki::SubjectName& subject) {
+  if (!grant.subject_is_expression && !may_be_for(grant.subject_name, subject)) return false;
   // A subject that is no name is nobody's.
   const auto name = pki::SubjectName::parse(grant.subject_name);
   if (!name) return false;

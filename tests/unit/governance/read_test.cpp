@@ -1,0 +1,372 @@
+#include "governance/read.hpp"
+
+#include <fmt/format.h>
+
+#include "tests/unit/governance/fixture.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+TEST(ReadGovernance, KeepsEveryValue) {
+  const auto document = governance_from(kGovernanceXml);
+  ASSERT_TRUE(document) << document.error().to_sentence();
+  ASSERT_EQ(document->domain_rules.size(), 1u);
+  const auto& rule = document->domain_rules[0];
+  EXPECT_EQ(rule.line, 4);
+  EXPECT_EQ(rule.domains.ranges, (std::vector<DomainRange>{{7, 7}}));
+  EXPECT_FALSE(rule.allow_unauthenticated_participants);
+  EXPECT_TRUE(rule.enable_join_access_control);
+  EXPECT_EQ(rule.discovery_protection_kind, ProtectionKind::encrypt);
+  EXPECT_EQ(rule.liveliness_protection_kind, ProtectionKind::sign);
+  EXPECT_EQ(rule.rtps_protection_kind, ProtectionKind::sign_with_origin_authentication);
+  EXPECT_FALSE(rule.enable_key_revision);
+  EXPECT_EQ(rule.rtps_psk_protection_kind, ProtectionKind::none);
+  ASSERT_EQ(rule.topic_rules.size(), 1u);
+  const auto& topic = rule.topic_rules[0];
+  EXPECT_EQ(topic.line, 12);
+  EXPECT_EQ(topic.topic_expression, "Square*");
+  EXPECT_TRUE(topic.enable_discovery_protection);
+  EXPECT_FALSE(topic.enable_liveliness_protection);
+  EXPECT_TRUE(topic.enable_read_access_control);
+  EXPECT_FALSE(topic.enable_write_access_control);
+  EXPECT_EQ(topic.metadata_protection_kind, ProtectionKind::encrypt_with_origin_authentication);
+  EXPECT_EQ(topic.data_protection_kind, ProtectionKind::none);
+  EXPECT_TRUE(document->notes.empty());
+}
+
+struct Edit {
+  const char* name;
+  std::string from, to;
+};
+void PrintTo(const Edit& edit, std::ostream* out) { *out << edit.name; }
+
+class LenientGovernance : public testing::TestWithParam<Edit> {};
+TEST_P(LenientGovernance, IsReadWithANote) {
+  const auto document = governance_from(replaced(kGovernanceXml, GetParam().from, GetParam().to));
+  ASSERT_TRUE(document) << document.error().to_sentence();
+  EXPECT_EQ(document->notes.size(), 1u);
+}
+INSTANTIATE_TEST_SUITE_P(
+    Table, LenientGovernance,
+    testing::Values(
+        Edit{"capitals", "control>true", "control>TRUE"},
+        Edit{"number", "control>true", "control>1"},
+        Edit{"lower case kind", ">SIGN</liveliness", ">sign</liveliness"},
+        Edit{"order",
+             "<allow_unauthenticated_participants>false</allow_unauthenticated_participants>\n"
+             "      <enable_join_access_control>true</enable_join_access_control>",
+             "<enable_join_access_control>true</enable_join_access_control>\n"
+             "      "
+             "<allow_unauthenticated_participants>false</allow_unauthenticated_participants>"},
+        Edit{"only min", "<id>7</id>", "<id_range><min>7</min></id_range>"},
+        Edit{"only max", "<id>7</id>", "<id_range><max>7</max></id_range>"}));
+
+class SameGovernance : public testing::TestWithParam<Edit> {};
+TEST_P(SameGovernance, IsReadWithoutANote) {
+  const auto document = governance_from(replaced(kGovernanceXml, GetParam().from, GetParam().to));
+  ASSERT_TRUE(document) << document.error().to_sentence();
+  EXPECT_TRUE(document->notes.empty());
+  EXPECT_EQ(document->domain_rules[0].domains.ranges.front(), (DomainRange{7, 7}));
+  EXPECT_EQ(document->domain_rules[0].topic_rules[0].topic_expression, "Square*");
+}
+INSTANTIATE_TEST_SUITE_P(
+    Table, SameGovernance,
+    testing::Values(Edit{"blanks", "<id>7</id>", "<id>\n 7\t</id>"},
+                    Edit{"comment in a value", ">Square*<", ">Squ<!-- & < -->are*<"},
+                    Edit{"CDATA", ">Square*<", "><![CDATA[Square*]]><"},
+                    Edit{"character number", ">Square*<", ">&#83;quare&#x2a;<"},
+                    Edit{"leading zeros", "<id>7</id>", "<id>007</id>"},
+                    Edit{"may be ignored", "<domains>",
+                         "<new must_interpret=\"FALSE\" x=\"y\"><a><b/></a></new><domains>"},
+                    Edit{"attribute may be ignored", "<topic_rule>",
+                         "<topic_rule must_interpret=\"false\" future=\"1\">"},
+                    Edit{"at the top", "<domain_access_rules>",
+                         "<extra must_interpret=\"0\"/><domain_access_rules>"},
+                    Edit{"must be interpreted, and is", "<domains>",
+                         "<domains must_interpret=\"true\">"}));
+
+struct Refusal {
+  const char* name;
+  std::string from, to;
+  Code code;
+  int line;
+};
+void PrintTo(const Refusal& refusal, std::ostream* out) { *out << refusal.name; }
+
+class BadGovernance : public testing::TestWithParam<Refusal> {};
+TEST_P(BadGovernance, IsRefusedWithItsLine) {
+  const auto& p = GetParam();
+  const auto document = governance_from(replaced(kGovernanceXml, p.from, p.to));
+  ASSERT_FALSE(document);
+  EXPECT_EQ(document.error().code(), p.code) << document.error().to_sentence();
+  EXPECT_EQ(document.error().details().line, p.line) << document.error().to_sentence();
+}
+INSTANTIATE_TEST_SUITE_P(
+    Table, BadGovernance,
+    testing::Values(
+        Refusal{"unknown element", "<domains>", "<new/><domains>", Code::element_unknown, 5},
+        Refusal{"unknown, must be interpreted", "<domains>",
+                "<new must_interpret=\"true\"/><domains>", Code::element_unknown, 5},
+        Refusal{"name in capitals", "<domains><id>7</id></domains>",
+                "<Domains><id>7</id></Domains>", Code::element_unknown, 5},
+        Refusal{"must_interpret says nothing", "<domains>",
+                "<new must_interpret=\"maybe\"/><domains>", Code::value_not_boolean, 5},
+        Refusal{"unknown attribute", "<topic_rule>", "<topic_rule future=\"1\">",
+                Code::attribute_unknown, 12},
+        Refusal{"name only on grants", "<topic_rule>", "<topic_rule name=\"1\">",
+                Code::attribute_unknown, 12},
+        Refusal{"twice", "<domains>", "<domains><id>1</id></domains><domains>",
+                Code::element_repeated, 5},
+        Refusal{"text between", "<domains>", "oops<domains>", Code::text_unexpected, 4},
+        Refusal{"empty value", ">Square*<", "><", Code::element_empty, 13},
+        Refusal{"blank value", ">Square*<", ">  <", Code::element_empty, 13},
+        Refusal{"element in a value", ">Square*<", "><b>x</b><", Code::element_unknown, 13},
+        Refusal{"not a boolean", "control>true", "control>yes", Code::value_not_boolean, 7},
+        Refusal{"not a kind", ">SIGN</liveliness", ">SIGNED</liveliness",
+                Code::value_not_protection_kind, 9},
+        Refusal{"no origin authentication of data", ">NONE</data",
+                ">SIGN_WITH_ORIGIN_AUTHENTICATION</data", Code::value_not_protection_kind, 19},
+        Refusal{"domain too high", "<id>7<", "<id>231<", Code::value_not_domain_id, 5},
+        Refusal{"domain negative", "<id>7<", "<id>-0<", Code::value_not_domain_id, 5},
+        Refusal{"domain signed", "<id>7<", "<id>+7<", Code::value_not_domain_id, 5},
+        Refusal{"domain in words", "<id>7<", "<id>7 8<", Code::value_not_domain_id, 5},
+        Refusal{"domain overflows", "<id>7<", "<id>4294967296<", Code::value_not_domain_id, 5},
+        Refusal{"range reversed", "<id>7</id>", "<id_range><min>7</min><max>6</max></id_range>",
+                Code::domain_range_reversed, 5},
+        Refusal{"range empty", "<id>7</id>", "<id_range/>", Code::element_missing, 5},
+        Refusal{"domains empty", "<id>7</id>", "", Code::element_missing, 5},
+        Refusal{"only a tag", "<id>7</id>", "<tag>x</tag>", Code::element_missing, 5},
+        Refusal{"other document", "domain_access_rules>\n    <domain_rule>",
+                "permissions>\n    <domain_rule>", Code::xml_not_well_formed, 3},
+        Refusal{"attribute twice", "<topic_rule>", "<topic_rule a=\"1\" a=\"2\">",
+                Code::xml_not_well_formed, 12}));
+
+TEST(ReadGovernance, EveryElementIsNeeded) {
+  for (const char* name :
+       {"domains", "allow_unauthenticated_participants", "enable_join_access_control",
+        "discovery_protection_kind", "liveliness_protection_kind", "rtps_protection_kind",
+        "topic_access_rules", "topic_rule", "topic_expression", "enable_discovery_protection",
+        "enable_liveliness_protection", "enable_read_access_control", "enable_write_access_control",
+        "metadata_protection_kind", "data_protection_kind", "domain_rule"}) {
+    SCOPED_TRACE(name);
+    std::string xml = kGovernanceXml;
+    const auto begin = xml.find(fmt::format("<{}>", name));
+    const auto close = fmt::format("</{}>", name);
+    const auto end = xml.find(close) + close.size();
+    const std::string whole = xml.substr(begin, end - begin);
+    EXPECT_CODE(governance_from(replaced(xml, whole, "")), element_missing);
+    const auto emptied = governance_from(replaced(xml, whole, fmt::format("<{}/>", name)));
+    ASSERT_FALSE(emptied) << name;
+    EXPECT_TRUE(emptied.error().code() == Code::element_empty ||
+                emptied.error().code() == Code::element_missing)
+        << name;
+    if (std::string_view(name) == "domain_rule" || std::string_view(name) == "topic_rule") continue;
+    EXPECT_CODE(governance_from(replaced(xml, whole, whole + whole)), element_repeated);
+  }
+}
+
+TEST(ReadGovernance, OtherDocumentsAreNamed) {
+  EXPECT_CODE(governance_from(kPermissionsXml), document_kind);
+  EXPECT_CODE(permissions_from(kGovernanceXml), document_kind);
+  EXPECT_CODE(governance_from("<html/>"), document_kind);
+  EXPECT_CODE(governance_from("<dds/>"), element_missing);
+  EXPECT_CODE(permissions_from("<dds><permissions/></dds>"), element_missing);
+}
+
+TEST(ReadGovernance, KnowsTheElementsOfVersion12) {
+  auto xml = replaced(kGovernanceXml, "<discovery_protection_kind>",
+                      "<enable_key_revision>true</enable_key_revision>\n"
+                      "<discovery_protection_kind>");
+  xml = replaced(xml, "<topic_access_rules>",
+                 "<rtps_psk_protection_kind>SIGN</rtps_psk_protection_kind><topic_access_rules>");
+  xml = replaced(xml, "<id>7</id>", "<id>7</id><tag>red</tag><tag_expression>b*</tag_expression>");
+  for (const auto* second :
+       {"digital_signature_identity_trust_chain", "digital_signature_trust_chain"}) {
+    const auto all =
+        replaced(xml, "</topic_access_rules>",
+                 fmt::format("</topic_access_rules><allowed_crypto_algorithms>"
+                             "<digital_signature><algorithm>a</algorithm></digital_signature>"
+                             "<{0}><algorithm>b</algorithm><algorithm>c</algorithm></{0}>"
+                             "<key_establishment><algorithm>d</algorithm></key_establishment>"
+                             "<symmetric_cipher><algorithm>e</algorithm></symmetric_cipher>"
+                             "</allowed_crypto_algorithms>",
+                             second));
+    const auto document = governance_from(all);
+    ASSERT_TRUE(document) << document.error().to_sentence();
+    const auto& rule = document->domain_rules[0];
+    EXPECT_TRUE(rule.enable_key_revision);
+    EXPECT_EQ(rule.rtps_psk_protection_kind, ProtectionKind::sign);
+    ASSERT_TRUE(rule.allowed_algorithms);
+    EXPECT_EQ(rule.allowed_algorithms->digital_signature_identity_trust_chain.size(), 2u);
+    EXPECT_FALSE(rule.domains.contains(7));
+    EXPECT_TRUE(rule.domains.contains(7, "red"));
+    EXPECT_TRUE(rule.domains.contains(7, "blue"));
+    EXPECT_FALSE(rule.domains.contains(7, "green"));
+    EXPECT_FALSE(rule.domains.contains(8, "red"));
+    EXPECT_CODE(governance_from(replaced(all, "<key_establishment>",
+                                         "<digital_signature_trust_chain><algorithm>x</algorithm>"
+                                         "</digital_signature_trust_chain><digital_signature_"
+                                         "identity_trust_chain><algorithm>y</algorithm></digital_"
+                                         "signature_identity_trust_chain><key_establishment>")),
+                element_repeated);
+  }
+  EXPECT_CODE(governance_from(
+                  replaced(xml, ">SIGN</rtps_psk", ">SIGN_WITH_ORIGIN_AUTHENTICATION</rtps_psk")),
+              value_not_protection_kind);
+}
+
+TEST(ReadPermissions, KeepsEveryValue) {
+  const auto document = permissions_from(kPermissionsXml);
+  ASSERT_TRUE(document) << document.error().to_sentence();
+  ASSERT_EQ(document->grants.size(), 1u);
+  const auto& grant = document->grants[0];
+  EXPECT_EQ(grant.name, "talker");
+  EXPECT_EQ(grant.line, 4);
+  EXPECT_EQ(grant.subject_name, "CN=talker,O=Example");
+  EXPECT_FALSE(grant.subject_is_expression);
+  EXPECT_EQ(to_string(grant.validity.not_before), "2026-01-01T00:00:00Z");
+  EXPECT_EQ(to_string(grant.validity.not_after), "2027-01-01T00:00:00Z");
+  EXPECT_TRUE(grant.default_allow);
+  ASSERT_EQ(grant.rules.size(), 2u);
+  const auto& rule = grant.rules[0];
+  EXPECT_TRUE(rule.allow);
+  EXPECT_EQ(rule.line, 10);
+  EXPECT_EQ(rule.domains.ranges, (std::vector<DomainRange>{{3, 5}}));
+  ASSERT_EQ(rule.publish.size(), 1u);
+  EXPECT_EQ(rule.publish[0].line, 12);
+  EXPECT_EQ(rule.publish[0].topics, (std::vector<Text>{{"Square", 0}}));
+  EXPECT_EQ(rule.publish[0].partitions, (std::vector<Text>{{"a*", 0}}));
+  EXPECT_EQ(rule.publish[0].data_tags, (std::vector<DataTag>{{"colour", "blue"}}));
+  EXPECT_EQ(rule.subscribe.size(), 1u);
+  EXPECT_EQ(rule.relay.size(), 1u);
+  EXPECT_FALSE(grant.rules[1].allow);
+  EXPECT_TRUE(document->notes.empty());
+}
+
+TEST(ReadPermissions, WithoutDefaultDeny) {
+  const auto document = permissions_from(replaced(kPermissionsXml, "<default>ALLOW</default>", ""));
+  ASSERT_TRUE(document);
+  EXPECT_FALSE(document->grants[0].default_allow);
+  EXPECT_EQ(document->notes.size(), 1u);
+}
+
+TEST(ReadPermissions, NoteWhatOthersReadDifferently) {
+  const auto no_zone =
+      permissions_from(replaced(kPermissionsXml, "00Z</not_before>", "00</not_before>"));
+  ASSERT_TRUE(no_zone);
+  EXPECT_EQ(no_zone->notes.size(), 1u);
+  const auto no_name = permissions_from(replaced(kPermissionsXml, " name=\"talker\"", ""));
+  ASSERT_TRUE(no_name);
+  EXPECT_EQ(no_name->notes.size(), 1u);
+}
+
+// <min> alone: an allow rule takes less, a deny rule takes more.
+TEST(ReadPermissions, OneSidedRangesAreReadTheSafeWay) {
+  const std::string only_min = "<id_range><min>3</min></id_range>";
+  const auto allow = permissions_from(
+      replaced(kPermissionsXml, "<id_range><min>3</min><max>5</max></id_range>", only_min));
+  ASSERT_TRUE(allow);
+  EXPECT_EQ(allow->grants[0].rules[0].domains.ranges.front(), (DomainRange{3, 3}));
+  const auto deny = permissions_from(replaced(kPermissionsXml, "<id>9</id>", only_min));
+  ASSERT_TRUE(deny);
+  EXPECT_EQ(deny->grants[0].rules[1].domains.ranges.front(), (DomainRange{3, 230}));
+}
+
+TEST(ReadPermissions, EmptyPartitionIsTheDefaultPartition) {
+  const auto document =
+      permissions_from(replaced(kPermissionsXml, "<partition>a*</partition>", "<partition/>"));
+  ASSERT_TRUE(document);
+  EXPECT_EQ(document->grants[0].rules[0].publish[0].partitions->front().text, "");
+}
+
+TEST(ReadPermissions, SubjectMayBeAnExpression) {
+  auto xml = replaced(kPermissionsXml, "<subject_name>", "<subject_name_expression>");
+  xml = replaced(xml, "</subject_name>", "</subject_name_expression>");
+  const auto document = permissions_from(xml);
+  ASSERT_TRUE(document);
+  EXPECT_TRUE(document->grants[0].subject_is_expression);
+}
+
+class BadPermissions : public testing::TestWithParam<Refusal> {};
+TEST_P(BadPermissions, IsRefusedWithItsLine) {
+  const auto& p = GetParam();
+  const auto document = permissions_from(replaced(kPermissionsXml, p.from, p.to));
+  ASSERT_FALSE(document);
+  EXPECT_EQ(document.error().code(), p.code) << document.error().to_sentence();
+  EXPECT_EQ(document.error().details().line, p.line) << document.error().to_sentence();
+}
+INSTANTIATE_TEST_SUITE_P(
+    Table, BadPermissions,
+    testing::Values(
+        Refusal{"no date", "2026-01-01T00:00:00Z", "soon", Code::value_not_date_time, 7},
+        Refusal{"date only", "2026-01-01T00:00:00Z", "2026-01-01", Code::value_not_date_time, 7},
+        Refusal{"reversed", "2026-01-01T00:00:00Z", "2028-01-01T00:00:00Z", Code::validity_reversed,
+                6},
+        Refusal{"default", ">ALLOW<", ">allow<", Code::value_not_default, 23},
+        Refusal{"empty default", ">ALLOW<", "><", Code::element_empty, 23},
+        Refusal{"empty subject", ">CN=talker,O=Example<", "><", Code::element_empty, 5},
+        Refusal{"two subjects", "<validity>",
+                "<subject_name_expression>CN=*</subject_name_expression><validity>",
+                Code::element_repeated, 4},
+        Refusal{"no subject", "<subject_name>CN=talker,O=Example</subject_name>", "",
+                Code::element_missing, 4},
+        Refusal{"no topics", "<topics><topic>Circle</topic></topics>", "", Code::element_missing,
+                17},
+        Refusal{"empty topics", "<topics><topic>Circle</topic></topics>", "<topics/>",
+                Code::element_missing, 17},
+        Refusal{"empty topic", "<topic>Circle</topic>", "<topic/>", Code::element_empty, 17},
+        Refusal{"empty partitions", "<partition>a*</partition>", "", Code::element_missing, 14},
+        Refusal{"empty tags", "<tag><name>colour</name><value>blue</value></tag>", "",
+                Code::element_missing, 15},
+        Refusal{"tag without value", "<value>blue</value>", "", Code::element_missing, 15},
+        Refusal{"tag without name", "<name>colour</name>", "", Code::element_missing, 15},
+        Refusal{"empty tag", "<name>colour</name><value>blue</value>", "", Code::element_missing,
+                15},
+        Refusal{"rule without domains", "<domains><id>9</id></domains>", "", Code::element_missing,
+                20},
+        Refusal{"attribute", "<grant name", "<grant title=\"x\" name", Code::attribute_unknown,
+                4}));
+
+TEST(ReadDocuments, AreBoundedInRules) {
+  std::string topics;
+  for (std::size_t i = 0; i <= kMostEntries; ++i) topics += "<topic>a</topic>";
+  EXPECT_CODE(permissions_from(replaced(kPermissionsXml, "<topic>Circle</topic>", topics)),
+              too_many_rules);
+}
+
+TEST(ReadDocuments, EveryPartOfOneIsRefused) {
+  for (std::size_t size = 0; size + 2 < kGovernanceXml.size(); ++size) {
+    EXPECT_FALSE(governance_from(std::string_view(kGovernanceXml).substr(0, size))) << size;
+  }
+  for (std::size_t size = 0; size + 2 < kPermissionsXml.size(); ++size) {
+    EXPECT_FALSE(permissions_from(std::string_view(kPermissionsXml).substr(0, size))) << size;
+  }
+}
+
+TEST(ReadDocuments, NoFlippedBitUpsetsThem) {
+  for (std::size_t bit = 0; bit < kPermissionsXml.size() * 8; ++bit) {
+    std::string xml = kPermissionsXml;
+    xml[bit / 8] = static_cast<char>(xml[bit / 8] ^ (1 << bit % 8));
+    const auto document = permissions_from(xml);
+    if (!document) {
+      EXPECT_NE(document.error().code(), Code::internal);
+    }
+  }
+}
+
+TEST(ReadDocuments, OfOtherProjectsAreRead) {
+  for (const auto* name : {"cyclonedds/validate_local_permissions/Test_Governance_full.xml",
+                           "sros2/upstream/defaults/governance.xml"}) {
+    const auto document = read_governance(data_file(name));
+    EXPECT_TRUE(document) << document.error().to_sentence();
+  }
+  for (const auto* name : {"sros2/upstream/permissions/talker_listener/permissions.xml",
+                           "sros2/upstream/permissions/add_two_ints/permissions.xml",
+                           "sros2/generated/negative/permissions.expired.xml"}) {
+    const auto document = read_permissions(data_file(name));
+    EXPECT_TRUE(document) << document.error().to_sentence();
+  }
+}
+
+}  // namespace
+}  // namespace ddssec::governance
