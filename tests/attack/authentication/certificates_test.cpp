@@ -1,0 +1,107 @@
+// T34: peers with strange certificates: refused or taken, never slow, never a crash.
+#include <fstream>
+#include <iterator>
+
+#include "tests/unit/authentication/fixture.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+/// A request as `peer` would send it, given to a participant of ours that waits for one.
+struct Victim {
+  Victim() : us(engine, make_identity(test_ca(), "CN=ours", {}, kYear, 1), 1) {}
+
+  /// The result for a request whose c.id is `pem` and whose GUID fits `certificate`, if any.
+  Result<spi::Authentication::HandshakeStep> receive(Bytes pem,
+                                                     const pki::Certificate* certificate) {
+    HandMadePeer shape(make_identity(test_ca(), "CN=shape"), 9);
+    Guid guid = shape.guid();
+    if (certificate != nullptr)
+      guid = adjusted_guid(certificate->subject_digest(), candidate(9));
+    else
+      guid.prefix.octets[0] = 0x80;
+    const auto remote =
+        engine->validate_remote_identity(us.handle, {}, {"DDS:Auth:PKI-DH:1.0"}, guid);
+    if (!remote) return std::unexpected(remote.error());
+    Token request = shape.request(pki::KeyAgreementKind::ecdh_p256, {});
+    request = with(with(request, "c.id", std::move(pem)), "c.pdata", participant_data(guid));
+    return engine->begin_handshake_reply(without(request, "hash_c1"), remote->handle, us.handle,
+                                         us.data);
+  }
+
+  Engine engine;
+  Participant us;
+};
+
+/// A subject that begins before `CN=ours`: the attacker chooses its name.
+std::string low_subject(const std::string& rest) {
+  const auto ours = adjusted_guid(
+      make_identity(test_ca(), "CN=ours", {}, kYear, 1).certificate.subject_digest(), candidate(1));
+  for (int i = 0;; ++i) {
+    auto subject = "CN=" + std::to_string(i) + rest;
+    const auto certificate = make_identity(test_ca(), subject).certificate;
+    if (adjusted_guid(certificate.subject_digest(), candidate(9)) < ours) return subject;
+  }
+}
+
+TEST(StrangeCertificate, AMegabyteIsRefusedBySize) {
+  Victim victim;
+  EXPECT_CODE(victim.receive(Bytes(1024 * 1024, 'A'), nullptr), token_field_length);
+  auto padded = bytes(test_ca().certificate().pem());
+  padded.resize(1024 * 1024, '\n');
+  EXPECT_CODE(victim.receive(padded, nullptr), token_field_length);
+}
+
+TEST(StrangeCertificate, AnHonestOneIsTaken) {
+  Victim victim;
+  const auto identity = make_identity(test_ca(), low_subject(",O=Example"));
+  EXPECT_TRUE(victim.receive(bytes(identity.certificate.pem()), &identity.certificate));
+}
+
+TEST(StrangeCertificate, SeveralAttributesInOneRdnAreTaken) {
+  Victim victim;
+  const auto identity = make_identity(test_ca(), low_subject("+OU=unit+L=place,O=Example"));
+  EXPECT_TRUE(victim.receive(bytes(identity.certificate.pem()), &identity.certificate));
+}
+
+TEST(StrangeCertificate, GarbageInItsTextIsRefusedWhereverItIs) {
+  Victim victim;
+  const auto identity = make_identity(test_ca(), low_subject(",O=Example"));
+  const auto pem = bytes(identity.certificate.pem());
+  std::size_t accepted = 0, total = 0;
+  for (std::size_t at = 0; at < pem.size(); at += 3, ++total)
+    accepted += victim.receive(flipped(pem, at), &identity.certificate).has_value();
+  // Line ends may become something that PEM readers pass over; the certificate stays the same.
+  EXPECT_LT(accepted, total / 20);
+  for (std::size_t size = 0; size + 2 < pem.size(); size += 5)
+    EXPECT_FALSE(victim.receive(Bytes(pem.begin(), pem.begin() + static_cast<std::ptrdiff_t>(size)),
+                                &identity.certificate))
+        << size;
+}
+
+TEST(StrangeCertificate, AThousandAttributesAreRefusedOrNeverIssued) {
+  Victim victim;
+  std::string subject = "CN=long";
+  for (int i = 0; i < 1000; ++i) subject += ",OU=" + std::to_string(i);
+  const auto certificate =
+      test_ca().certify({.subject = subject, .validity = kYear}, key_of({}), test_random());
+  // Our own authority does not make such a thing; OpenSSL's command did.
+  ASSERT_FALSE(certificate);
+  const auto pem = [] {
+    std::ifstream in(DDSSEC_TEST_DATA "/strange-certificates/thousand-rdns.pem");
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  }();
+  ASSERT_FALSE(pem.empty());
+  EXPECT_CODE(victim.receive(bytes(pem), nullptr), name_not_allowed);
+}
+
+TEST(StrangeCertificate, ANulInTheNameIsRefused) {
+  Victim victim;
+  std::ifstream in(DDSSEC_TEST_DATA "/strange-certificates/nul-in-cn.pem");
+  const std::string pem(std::istreambuf_iterator<char>(in), {});
+  ASSERT_FALSE(pem.empty());
+  EXPECT_CODE(victim.receive(bytes(pem), nullptr), name_not_allowed);
+}
+
+}  // namespace
+}  // namespace ddssec::authentication

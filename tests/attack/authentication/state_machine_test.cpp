@@ -1,0 +1,304 @@
+// T30, T31: messages lost, doubled, late, in any order, forged, with restarts, among many peers.
+// Honest participants must all authenticate in bounded time, and nobody else.
+#include <deque>
+#include <random>
+#include <set>
+
+#include "tests/unit/authentication/fixture.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+/// A participant with the simplest host one can write from the notes in authentication.hpp: send
+/// the last message again until there is an end; try a message on every handshake of the pair.
+class Node {
+ public:
+  Node(const Identity& identity, std::uint8_t number) : engine_(number) {
+    self_ = std::make_unique<Participant>(engine_, identity, number);
+  }
+  const Guid& guid() const { return self_->guid; }
+  Engine& engine() { return engine_; }
+
+  void meet(Node& other) {
+    const auto remote = self_->discover(*other.self_);
+    ASSERT_OK(remote);
+    auto& peer = peers_[other.guid()];
+    peer.handle = remote->handle;
+    peer.begins = remote->result == ValidationResult::pending_handshake_request;
+  }
+  void forget(const Guid& guid) {
+    ASSERT_OK(engine_->return_identity_handle(peers_.at(guid).handle));
+    peers_.erase(guid);
+  }
+  /// What to send (again) to that peer.
+  std::vector<Token> due(const Guid& guid) {
+    auto& peer = peers_.at(guid);
+    if (peer.begins && !peer.done) {
+      const auto step = engine_->begin_handshake_request(self_->handle, peer.handle, self_->data);
+      if (step) remember(peer, *step);
+    }
+    return peer.begins && peer.done ? std::vector<Token>{} : peer.last;
+  }
+  /// Takes a message from (or said to be from) a peer; what to answer.
+  std::vector<Token> take(const Guid& guid, const Token& message) {
+    auto& peer = peers_.at(guid);
+    if (!peer.begins && message.class_id.ends_with("+Req")) {
+      const auto step =
+          engine_->begin_handshake_reply(message, peer.handle, self_->handle, self_->data);
+      if (!step) return {};
+      remember(peer, *step);
+      return {*step->message};
+    }
+    for (const auto handle : peer.handshakes) {
+      const auto step = engine_->process_handshake(handle, message);
+      if (!step) continue;
+      if (step->result != ValidationResult::pending_handshake_message && !peer.done)
+        peer.done = *engine_->shared_secret(handle);
+      return step->message ? std::vector<Token>{*step->message} : std::vector<Token>{};
+    }
+    return {};
+  }
+  std::shared_ptr<const spi::SharedSecret> secret(const Guid& guid) const {
+    return peers_.at(guid).done;
+  }
+
+ private:
+  struct Peer {
+    IdentityHandle handle;
+    bool begins = false;
+    std::set<HandshakeHandle> handshakes;
+    std::vector<Token> last;
+    std::shared_ptr<const spi::SharedSecret> done;
+  };
+  static void remember(Peer& peer, const spi::Authentication::HandshakeStep& step) {
+    peer.handshakes.insert(step.handle);
+    peer.last = {*step.message};
+  }
+
+  Engine engine_;
+  std::unique_ptr<Participant> self_;
+  std::map<Guid, Peer> peers_;
+};
+
+/// Datagrams on their way, treated badly.
+class Network {
+ public:
+  explicit Network(std::uint32_t seed) : dice_(seed) {}
+
+  void add(Node& node) {
+    for (auto* other : nodes_) {
+      node.meet(*other);
+      other->meet(node);
+    }
+    nodes_.push_back(&node);
+  }
+  void send(Node& from, Node& to, Token token) {
+    const auto fate = roll(100);
+    if (fate < 25) return;
+    wire_.push_back({&from, &to, token});
+    if (fate < 45) wire_.push_back({&from, &to, token});
+    if (fate < 60) wire_.push_back({&from, &to, forge(std::move(token))});
+  }
+  /// Everybody sends what is due; everything on the wire arrives in any order.
+  void round() {
+    for (auto* from : nodes_)
+      for (auto* to : nodes_)
+        if (from != to)
+          for (auto& token : from->due(to->guid())) send(*from, *to, std::move(token));
+    for (auto deliveries = wire_.size() * 3 / 4; deliveries > 0 && !wire_.empty(); --deliveries) {
+      const auto index = roll(static_cast<std::uint32_t>(wire_.size()));
+      std::swap(wire_[index], wire_.back());
+      const auto datagram = std::move(wire_.back());
+      wire_.pop_back();
+      for (auto& answer : datagram.to->take(datagram.from->guid(), datagram.token))
+        send(*datagram.to, *datagram.from, std::move(answer));
+    }
+    for (auto* node : nodes_) node->engine().clock.advance(1s);
+  }
+  bool all_done() const {
+    for (auto* a : nodes_)
+      for (auto* b : nodes_)
+        if (a != b && !a->secret(b->guid())) return false;
+    return true;
+  }
+  void expect_agreement() const {
+    for (auto* a : nodes_)
+      for (auto* b : nodes_)
+        if (a != b) {
+          EXPECT_EQ(a->secret(b->guid())->secret, b->secret(a->guid())->secret);
+        }
+  }
+  std::uint32_t roll(std::uint32_t sides) { return static_cast<std::uint32_t>(dice_() % sides); }
+  void clear() { wire_.clear(); }
+
+ private:
+  struct Datagram {
+    Node* from;
+    Node* to;
+    Token token;
+  };
+  Token forge(Token token) {
+    auto& property =
+        token.binary_properties[roll(static_cast<std::uint32_t>(token.binary_properties.size()))];
+    if (!property.value.empty())
+      property.value[roll(static_cast<std::uint32_t>(property.value.size()))] ^=
+          static_cast<std::uint8_t>(1u << roll(8));
+    if (roll(2) == 0) token = without(without(token, "hash_c1"), "hash_c2");
+    return token;
+  }
+
+  std::mt19937 dice_;
+  std::vector<Node*> nodes_;
+  std::deque<Datagram> wire_;
+};
+
+std::vector<std::unique_ptr<Node>> make_nodes(int count) {
+  std::vector<std::unique_ptr<Node>> nodes;
+  for (int i = 0; i < count; ++i)
+    nodes.push_back(std::make_unique<Node>(
+        make_identity(test_ca(), "CN=node " + std::to_string(i), {}, kYear, i % 2),
+        static_cast<std::uint8_t>(i + 1)));
+  return nodes;
+}
+
+class BadNetwork : public testing::TestWithParam<std::tuple<int, int>> {};
+INSTANTIATE_TEST_SUITE_P(T30, BadNetwork,
+                         testing::Combine(testing::Values(2, 3, 5, 8), testing::Range(0, 6)));
+
+TEST_P(BadNetwork, AllPairsAuthenticate) {
+  const auto [count, seed] = GetParam();
+  const auto nodes = make_nodes(count);
+  Network network(static_cast<std::uint32_t>(seed));
+  for (const auto& node : nodes) network.add(*node);
+  int rounds = 0;
+  while (!network.all_done() && rounds < 100) network.round(), ++rounds;
+  ASSERT_TRUE(network.all_done()) << "after 100 rounds";
+  network.expect_agreement();
+}
+
+TEST_P(BadNetwork, ARestartedSideAuthenticatesAgain) {
+  const auto [count, seed] = GetParam();
+  auto nodes = make_nodes(count);
+  Network network(static_cast<std::uint32_t>(seed));
+  for (const auto& node : nodes) network.add(*node);
+  for (std::uint32_t rounds = network.roll(5); rounds > 0; --rounds) network.round();
+  // Node 0 dies in the middle of it; its lease ends at the others; it comes back as it was.
+  const Guid gone = nodes[0]->guid();
+  for (std::size_t i = 1; i < nodes.size(); ++i) nodes[i]->forget(gone);
+  auto back = std::move(make_nodes(1)[0]);
+  ASSERT_EQ(back->guid(), gone);
+  Network after(static_cast<std::uint32_t>(seed) + 100);
+  after.add(*back);
+  for (std::size_t i = 1; i < nodes.size(); ++i) {
+    back->meet(*nodes[i]);
+    nodes[i]->meet(*back);
+  }
+  for (std::size_t i = 1; i < nodes.size(); ++i) {
+    int rounds = 0;
+    while ((!back->secret(nodes[i]->guid()) || !nodes[i]->secret(gone)) && rounds++ < 100) {
+      for (auto& token : back->due(nodes[i]->guid()))
+        for (auto& answer : nodes[i]->take(gone, token))
+          for (auto& last : back->take(nodes[i]->guid(), answer)) nodes[i]->take(gone, last);
+      for (auto& token : nodes[i]->due(gone))
+        for (auto& answer : back->take(nodes[i]->guid(), token))
+          for (auto& last : nodes[i]->take(gone, answer)) back->take(nodes[i]->guid(), last);
+    }
+    ASSERT_TRUE(back->secret(nodes[i]->guid()) && nodes[i]->secret(gone)) << i;
+    EXPECT_EQ(back->secret(nodes[i]->guid())->secret, nodes[i]->secret(gone)->secret);
+  }
+}
+
+// ---- T31: somebody answers first
+
+/// The attacker has a certificate of the same CA, but not that of the one it pretends to be.
+struct Attack {
+  Pairing pairing;
+  Identity mallory = make_identity(test_ca(), "CN=mallory,O=Example", {}, kYear, 2);
+};
+
+TEST(SpoofLockOut, AForgedRequestFirstDoesNotKeepTheHonestOneOut) {
+  Attack attack;
+  auto& two = attack.pairing.two;
+  const auto req = two.request();
+  // The attacker copies certificate and data off the wire and puts in a key of its own.
+  const auto key = pki::EphemeralKey::generate(pki::KeyAgreementKind::ecdh_p256).value();
+  const Token forged = without(
+      with(with(*req->message, "dh1", key.public_octets()), "challenge1", Bytes(32, 7)), "hash_c1");
+  const auto trap = two.reply(forged);
+  ASSERT_OK(trap);
+  const auto rep = two.reply(*req->message);
+  ASSERT_OK(rep);
+  EXPECT_NE(rep->handle, trap->handle);
+  // What the attacker's request brought about is no use at the initiator, and the attacker cannot
+  // finish it: it has no final.
+  EXPECT_CODE(two.at_low(req->handle, *trap->message), token_field_differs);
+  const auto fin = two.at_low(req->handle, *rep->message);
+  ASSERT_OK(fin);
+  EXPECT_CODE(two.at_high(trap->handle, *fin->message), token_field_differs);
+  EXPECT_CODE((*two.high.engine)->shared_secret(trap->handle), handshake_not_finished);
+  ASSERT_OK(two.at_high(rep->handle, *fin->message));
+}
+
+TEST(SpoofLockOut, AReplySignedByAnotherMemberIsRefused) {
+  Attack attack;
+  auto& two = attack.pairing.two;
+  const auto req = two.request();
+  const auto rep = two.reply(*req->message);
+  ASSERT_OK(rep);
+  // Same everything, signed with the attacker's own key and certificate.
+  HandMadePeer mallory(attack.mallory, 9);
+  EXPECT_CODE(two.at_low(req->handle, mallory.reply(*req->message)), participant_guid_differs);
+  Token dressed = with(mallory.reply(*req->message), "c.pdata", two.high.data);
+  dressed = without(without(dressed, "hash_c1"), "hash_c2");
+  EXPECT_CODE(two.at_low(req->handle, dressed), guid_not_bound_to_subject);
+  dressed = with(dressed, "c.id", field(*rep->message, "c.id"));
+  EXPECT_CODE(two.at_low(req->handle, dressed), signature_invalid);
+  attack.pairing.expect_finish(*req, *rep);
+}
+
+// A recorded handshake played again has neither our new key nor our signature.
+TEST(Replay, OfAnEarlierHandshakeLeadsNowhere) {
+  Pairing pairing;
+  auto& two = pairing.two;
+  const auto req1 = two.request();
+  const auto rep1 = two.reply(*req1->message);
+  const auto fin1 = two.at_low(req1->handle, *rep1->message);
+  ASSERT_OK(fin1);
+  ASSERT_OK(two.at_high(rep1->handle, *fin1->message));
+  // Everybody starts over.
+  ASSERT_OK((*two.low.engine)->return_identity_handle(two.high_at_low));
+  ASSERT_OK((*two.high.engine)->return_identity_handle(two.low_at_high));
+  Two again(two.low, two.high);
+  const auto rep2 = again.reply(*req1->message);
+  ASSERT_OK(rep2);
+  EXPECT_FALSE(again.at_high(rep2->handle, *fin1->message));
+  const auto req2 = again.request();
+  ASSERT_OK(req2);
+  EXPECT_FALSE(again.at_low(req2->handle, *rep1->message));
+  EXPECT_FALSE(again.at_low(req2->handle, *rep2->message));
+  const auto rep3 = again.reply(*req2->message);
+  ASSERT_OK(rep3);
+  pairing.two.high_at_low = again.high_at_low;
+  pairing.expect_finish(*req2, *rep3);
+}
+
+// A participant's own messages thrown back at it.
+TEST(Reflection, LeadsNowhere) {
+  Pairing pairing;
+  auto& two = pairing.two;
+  const auto req = two.request();
+  const auto rep = two.reply(*req->message);
+  ASSERT_OK(rep);
+  EXPECT_FALSE(two.at_low(req->handle, *req->message));
+  EXPECT_FALSE(two.at_high(rep->handle, *rep->message));
+  Token mirrored = *req->message;
+  mirrored.class_id = "DDS:Auth:PKI-DH:1.0+Reply";
+  mirrored = with(with(with(mirrored, "dh2", field(mirrored, "dh1")), "challenge2",
+                       field(mirrored, "challenge1")),
+                  "signature", Bytes(70, 1));
+  EXPECT_CODE(two.at_low(req->handle, mirrored), participant_guid_differs);
+  pairing.expect_finish(*req, *rep);
+}
+
+}  // namespace
+}  // namespace ddssec::authentication
