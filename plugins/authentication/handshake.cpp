@@ -168,7 +168,7 @@ Result<HandshakeOutcome> start_request(const HandshakeContext& context,
   const auto permissions = context.local.permissions();
   const auto credentials = own_credentials(context.local, *permissions, participant_data,
                                            as_bytes(key_agreement_name(kKind)));
-  Transcript transcript{.hash_c1 = credentials.hash(),
+  Transcript transcript{.hash_c1 = context.local.hash_of(credentials),
                         .challenge1 = context.own_challenge,
                         .dh1 = key.public_octets()};
   auto request = HandshakeRequest::write(credentials, transcript);
@@ -192,7 +192,7 @@ Result<HandshakeOutcome> start_reply(const HandshakeContext& context, const spi:
   // Fast DDS wants its own name back, octet for octet; Cyclone DDS takes it without the NUL.
   const auto name = as_bytes(algorithm_text(request.credentials.key_agreement_algorithm));
   const auto credentials = own_credentials(context.local, *permissions, participant_data, name);
-  transcript.hash_c2 = credentials.hash();
+  transcript.hash_c2 = context.local.hash_of(credentials);
   transcript.challenge2 = context.own_challenge;
   transcript.dh2 = key.public_octets(peer_key.encoding());
   auto reply = DDSSEC_TRY(HandshakeReply::write(credentials, transcript, context.local.key()));

@@ -192,4 +192,18 @@ std::shared_ptr<const Bytes> LocalIdentity::permissions() const {
   return permissions_;
 }
 
+Sha256Digest LocalIdentity::hash_of(const Credentials& own) const {
+  Bytes variable = to_bytes(own.participant_data);
+  const auto name = own.key_agreement_algorithm;
+  variable.insert(variable.end(), name.begin(), name.end());
+  const std::scoped_lock lock(mutex_);
+  // The permissions meant are the current ones, or others that came meanwhile.
+  const bool current = own.permissions && own.permissions->data() == permissions_->data();
+  if (!current) return own.hash();
+  if (known_hash_ && known_hash_->permissions == permissions_ && known_hash_->variable == variable)
+    return known_hash_->digest;
+  known_hash_ = KnownHash{std::move(variable), permissions_, own.hash()};
+  return known_hash_->digest;
+}
+
 }  // namespace ddssec::authentication

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 
 #include "base/ids.hpp"
 #include "pki/private_key.hpp"
@@ -49,11 +50,22 @@ class LocalIdentity {
   /// sends and demands.
   std::shared_ptr<const Bytes> permissions() const;
 
+  /// `own.hash()`, remembered: it is the same for every peer as long as permissions, participant
+  /// data and key agreement are.
+  Sha256Digest hash_of(const Credentials& own) const;
+
  private:
+  struct KnownHash {
+    Bytes variable;  ///< c.pdata and c.kagree_algo
+    std::shared_ptr<const Bytes> permissions;
+    Sha256Digest digest;
+  };
+
   IdentityFiles files_;
   Guid guid_;
   mutable std::mutex mutex_;
   std::shared_ptr<const Bytes> permissions_;
+  mutable std::optional<KnownHash> known_hash_;
 };
 
 }  // namespace ddssec::authentication
