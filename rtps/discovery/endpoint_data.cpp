@@ -1,0 +1,333 @@
+#include "rtps/discovery/endpoint_data.hpp"
+
+#include "rtps/wire/entity_ids.hpp"
+#include "rtps/wire/submessage.hpp"
+#include "rtps/wire/vendor.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+/// What is read before it is checked.
+struct Announced {
+  EndpointData data;
+  std::optional<Guid> participant;
+  bool has_reliability = false;
+};
+
+using Row = ParameterRow<Announced>;
+constexpr ParameterId kPidEndpointGuid = 0x005a;
+
+template <class E>
+Status read_enum(Reader& reader, E& value, E greatest) {
+  const auto number = DDSSEC_TRY(reader.read<std::uint32_t>());
+  if (number > static_cast<std::uint32_t>(greatest)) return fail(Code::rtps_parameter_invalid);
+  value = static_cast<E>(number);
+  return {};
+}
+
+template <class E>
+void write_enum(SpanWriter& out, E value) {
+  out.write(static_cast<std::uint32_t>(value));
+}
+
+/// A duration in QoS is never negative.
+Status read_duration_into(Reader& reader, Duration& value) {
+  value = DDSSEC_TRY(read_duration(reader));
+  if (value < kDurationZero) return fail(Code::rtps_parameter_invalid);
+  return {};
+}
+
+Status read_history(Reader& reader, History& value) {
+  DDSSEC_TRY(read_enum(reader, value.kind, HistoryKind::keep_all));
+  value.depth = DDSSEC_TRY(reader.read<std::int32_t>());
+  return {};
+}
+void write_history(SpanWriter& out, const History& value) {
+  write_enum(out, value.kind);
+  out.write(value.depth);
+}
+
+Status read_limits(Reader& reader, ResourceLimits& value) {
+  value.max_samples = DDSSEC_TRY(reader.read<std::int32_t>());
+  value.max_instances = DDSSEC_TRY(reader.read<std::int32_t>());
+  value.max_samples_per_instance = DDSSEC_TRY(reader.read<std::int32_t>());
+  return {};
+}
+void write_limits(SpanWriter& out, const ResourceLimits& value) {
+  out.write(value.max_samples);
+  out.write(value.max_instances);
+  out.write(value.max_samples_per_instance);
+}
+
+template <ParameterId id, auto member>
+constexpr Row text_row(bool required) {
+  return {id,
+          [](Reader& r, Announced& a) -> Status {
+            a.data.*member = DDSSEC_TRY(read_bounded_string(r, kMostNameLength));
+            return {};
+          },
+          [](SpanWriter& w, const Announced& a) {
+            const ParameterScope scope(w, id);
+            write_text(w, a.data.*member);
+          },
+          false, required};
+}
+
+template <ParameterId id, auto member>
+constexpr Row opaque_row() {
+  return {id,
+          [](Reader& r, Announced& a) -> Status {
+            a.data.qos.*member = DDSSEC_TRY(read_opaque(r));
+            return {};
+          },
+          [](SpanWriter& w, const Announced& a) {
+            if ((a.data.qos.*member).empty()) return;
+            const ParameterScope scope(w, id);
+            write_opaque(w, a.data.qos.*member);
+          }};
+}
+
+template <ParameterId id, auto member>
+constexpr Row duration_row() {
+  return {id, [](Reader& r, Announced& a) { return read_duration_into(r, a.data.qos.*member); },
+          [](SpanWriter& w, const Announced& a) {
+            if (a.data.qos.*member == Qos{}.*member) return;
+            const ParameterScope scope(w, id);
+            write_time(w, a.data.qos.*member);
+          }};
+}
+
+template <ParameterId id, auto member, auto greatest>
+constexpr Row enum_row() {
+  return {id, [](Reader& r, Announced& a) { return read_enum(r, a.data.qos.*member, greatest); },
+          [](SpanWriter& w, const Announced& a) {
+            const ParameterScope scope(w, id);
+            write_enum(w, a.data.qos.*member);
+          }};
+}
+
+template <ParameterId id, auto member>
+constexpr Row number_row() {
+  return {id,
+          [](Reader& r, Announced& a) -> Status {
+            a.data.qos.*member = DDSSEC_TRY(r.read<std::int32_t>());
+            return {};
+          },
+          [](SpanWriter& w, const Announced& a) {
+            if (a.data.qos.*member == 0) return;
+            const ParameterScope scope(w, id);
+            w.write(a.data.qos.*member);
+          }};
+}
+
+template <ParameterId id, auto member>
+constexpr Row locator_row() {
+  return {id, [](Reader& r, Announced& a) { return read_locator_into(r, a.data.*member); },
+          [](SpanWriter& w, const Announced& a) { write_locators(w, id, a.data.*member); }, true};
+}
+
+Status read_reliability(Reader& r, Announced& a) {
+  auto& value = a.data.qos.reliability;
+  DDSSEC_TRY(read_enum(r, value.kind, ReliabilityKind::reliable));
+  if (value.kind < ReliabilityKind::best_effort) return fail(Code::rtps_parameter_invalid);
+  a.has_reliability = true;
+  return read_duration_into(r, value.max_blocking_time);
+}
+
+Status read_partition(Reader& r, Announced& a) {
+  const auto count = DDSSEC_TRY(r.read_count(4));
+  if (count > kMostPartitions) return fail(Code::length_out_of_range);
+  for (std::uint32_t i = 0; i < count; ++i)
+    a.data.qos.partition.push_back(DDSSEC_TRY(read_bounded_string(r, kMostNameLength)));
+  return {};
+}
+
+void write_partition(SpanWriter& w, const Announced& a) {
+  if (a.data.qos.partition.empty()) return;
+  const ParameterScope scope(w, 0x0029);
+  w.write(static_cast<std::uint32_t>(a.data.qos.partition.size()));
+  for (const auto& name : a.data.qos.partition) write_text(w, name);
+}
+
+Status read_representation(Reader& r, Announced& a) {
+  const auto count = DDSSEC_TRY(r.read_count(2));
+  if (count > 8) return fail(Code::length_out_of_range);
+  if (count == 0) return {};  // the same as absent
+  a.data.qos.data_representation.clear();
+  for (std::uint32_t i = 0; i < count; ++i)
+    a.data.qos.data_representation.push_back(
+        static_cast<DataRepresentation>(DDSSEC_TRY(r.read<std::int16_t>())));
+  return {};
+}
+
+void write_representation(SpanWriter& w, const Announced& a) {
+  if (a.data.qos.data_representation == Qos{}.data_representation) return;
+  const ParameterScope scope(w, 0x0073);
+  w.write(static_cast<std::uint32_t>(a.data.qos.data_representation.size()));
+  for (auto entry : a.data.qos.data_representation) w.write(static_cast<std::int16_t>(entry));
+}
+
+Status read_presentation(Reader& r, Announced& a) {
+  auto& value = a.data.qos.presentation;
+  DDSSEC_TRY(read_enum(r, value.scope, PresentationScope::group));
+  value.coherent_access = DDSSEC_TRY(r.read<std::uint8_t>()) != 0;
+  value.ordered_access = DDSSEC_TRY(r.read<std::uint8_t>()) != 0;
+  return {};
+}
+
+Status read_liveliness(Reader& r, Announced& a) {
+  DDSSEC_TRY(read_enum(r, a.data.qos.liveliness.kind, LivelinessKind::manual_by_topic));
+  return read_duration_into(r, a.data.qos.liveliness.lease_duration);
+}
+
+Status read_durability_service(Reader& r, Announced& a) {
+  auto& value = a.data.qos.durability_service;
+  DDSSEC_TRY(read_duration_into(r, value.cleanup_delay));
+  DDSSEC_TRY(read_history(r, value.history));
+  return read_limits(r, value.limits);
+}
+
+constexpr Row kTable[] = {
+    {kPidEndpointGuid,
+     [](Reader& r, Announced& a) -> Status {
+       a.data.guid = DDSSEC_TRY(read_guid(r));
+       return {};
+     },
+     [](SpanWriter& w, const Announced& a) {
+       const ParameterScope scope(w, kPidEndpointGuid);
+       w.write_bytes(a.data.guid.octets());
+     },
+     false, true},
+    {0x0050,
+     [](Reader& r, Announced& a) -> Status {
+       a.participant = DDSSEC_TRY(read_guid(r));
+       return {};
+     },
+     [](SpanWriter& w, const Announced& a) {
+       const ParameterScope scope(w, 0x0050);
+       w.write_bytes(Guid{a.data.guid.prefix, kEntityIdParticipant}.octets());
+     }},
+    {0x0015, [](Reader&, Announced&) { return Status{}; },
+     [](SpanWriter& w, const Announced&) {
+       const ParameterScope scope(w, 0x0015);
+       w.write_bytes(kProtocolVersion.view());
+     }},
+    {0x0016, [](Reader&, Announced&) { return Status{}; },
+     [](SpanWriter& w, const Announced&) {
+       const ParameterScope scope(w, 0x0016);
+       w.write_bytes(kVendorDdssec.view());
+     }},
+    text_row<0x0005, &EndpointData::topic_name>(true),
+    text_row<0x0007, &EndpointData::type_name>(true),
+    {0x001a, read_reliability,
+     [](SpanWriter& w, const Announced& a) {
+       const ParameterScope scope(w, 0x001a);
+       write_enum(w, a.data.qos.reliability.kind);
+       write_time(w, a.data.qos.reliability.max_blocking_time);
+     }},
+    enum_row<0x001d, &Qos::durability, DurabilityKind::persistent>(),
+    {0x001e, read_durability_service,
+     [](SpanWriter& w, const Announced& a) {
+       const auto& value = a.data.qos.durability_service;
+       if (value == DurabilityService{}) return;
+       const ParameterScope scope(w, 0x001e);
+       write_time(w, value.cleanup_delay);
+       write_history(w, value.history);
+       write_limits(w, value.limits);
+     }},
+    {0x0040, [](Reader& r, Announced& a) { return read_history(r, a.data.qos.history); },
+     [](SpanWriter& w, const Announced& a) {
+       const ParameterScope scope(w, 0x0040);
+       write_history(w, a.data.qos.history);
+     }},
+    {0x0041, [](Reader& r, Announced& a) { return read_limits(r, a.data.qos.resource_limits); },
+     [](SpanWriter& w, const Announced& a) {
+       if (a.data.qos.resource_limits == ResourceLimits{}) return;
+       const ParameterScope scope(w, 0x0041);
+       write_limits(w, a.data.qos.resource_limits);
+     }},
+    duration_row<0x0023, &Qos::deadline>(),
+    duration_row<0x0027, &Qos::latency_budget>(),
+    duration_row<0x002b, &Qos::lifespan>(),
+    duration_row<0x0004, &Qos::time_based_filter>(),
+    {0x001b, read_liveliness,
+     [](SpanWriter& w, const Announced& a) {
+       if (a.data.qos.liveliness == Liveliness{}) return;
+       const ParameterScope scope(w, 0x001b);
+       write_enum(w, a.data.qos.liveliness.kind);
+       write_time(w, a.data.qos.liveliness.lease_duration);
+     }},
+    enum_row<0x001f, &Qos::ownership, OwnershipKind::exclusive>(),
+    number_row<0x0006, &Qos::ownership_strength>(),
+    enum_row<0x0025, &Qos::destination_order, DestinationOrderKind::by_source>(),
+    {0x0021, read_presentation,
+     [](SpanWriter& w, const Announced& a) {
+       const auto& value = a.data.qos.presentation;
+       if (value == Presentation{}) return;
+       const ParameterScope scope(w, 0x0021);
+       write_enum(w, value.scope);
+       w.write(std::uint8_t{value.coherent_access});
+       w.write(std::uint8_t{value.ordered_access});
+     }},
+    {0x0029, read_partition, write_partition},
+    number_row<0x0049, &Qos::transport_priority>(),
+    {0x0073, read_representation, write_representation},
+    opaque_row<0x002c, &Qos::user_data>(),
+    opaque_row<0x002d, &Qos::group_data>(),
+    opaque_row<0x002e, &Qos::topic_data>(),
+    locator_row<0x002f, &EndpointData::unicast>(),
+    locator_row<0x0030, &EndpointData::multicast>(),
+    {0x0043,
+     [](Reader& r, Announced& a) -> Status {
+       a.data.expects_inline_qos = DDSSEC_TRY(r.read<std::uint8_t>()) != 0;
+       return {};
+     },
+     [](SpanWriter& w, const Announced& a) {
+       if (!a.data.expects_inline_qos) return;
+       const ParameterScope scope(w, 0x0043);
+       w.write(std::uint8_t{1});
+     }},
+    {pid::kEndpointSecurityInfo,
+     [](Reader& r, Announced& a) { return read_security_info_into(r, a.data.security_info); },
+     [](SpanWriter& w, const Announced& a) {
+       write_security_info(w, pid::kEndpointSecurityInfo, a.data.security_info);
+     }},
+};
+
+Result<EndpointData> read_endpoint(BytesView payload, bool (*is_kind)(const EntityId&),
+                                   ReliabilityKind default_reliability) {
+  const auto opened = DDSSEC_TRY(open_pl_cdr(payload));
+  auto announced = DDSSEC_TRY(read_parameters<Announced>(kTable, opened.body, opened.endian));
+  auto& data = announced.data;
+  if (!is_kind(data.guid.entity)) return fail(Code::rtps_parameter_invalid);
+  const Guid owner{data.guid.prefix, kEntityIdParticipant};
+  if (announced.participant && *announced.participant != owner)
+    return fail(Code::rtps_parameter_invalid);
+  if (!announced.has_reliability) data.qos.reliability.kind = default_reliability;
+  return std::move(data);
+}
+
+}  // namespace
+
+void write_payload(SpanWriter& out, const EndpointData& data) {
+  write_pl_cdr_encapsulation(out);
+  write_parameters<Announced>(kTable, out, Announced{data, {}, true});
+}
+
+Result<EndpointData> read_publication_data(BytesView payload) {
+  return read_endpoint(payload, is_writer, ReliabilityKind::reliable);
+}
+
+Result<EndpointData> read_subscription_data(BytesView payload) {
+  return read_endpoint(payload, is_reader, ReliabilityKind::best_effort);
+}
+
+Result<Guid> read_endpoint_key(BytesView payload) {
+  return read_guid_key(payload, kPidEndpointGuid);
+}
+
+void write_endpoint_key(SpanWriter& out, const Guid& guid) {
+  write_guid_key(out, kPidEndpointGuid, guid);
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,82 @@
+// One table a builtin type: each parameter's id, how to read it and how to write it.
+#pragma once
+
+#include <bitset>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "rtps/cdr/encapsulation.hpp"
+#include "rtps/wire/locator.hpp"
+#include "rtps/wire/parameter_list.hpp"
+
+namespace ddssec::rtps {
+
+/// Bounds for what a peer announces; more is refused before it is stored.
+inline constexpr std::size_t kMostLocators = 16;
+inline constexpr std::size_t kMostProperties = 64;
+inline constexpr std::size_t kMostOpaqueOctets = 4096;
+
+using LocatorList = std::vector<Locator>;
+
+template <class T>
+struct ParameterRow {
+  ParameterId id;
+  Status (*read)(Reader& reader, T& value);
+  /// Writes the whole parameter, or nothing where the value is the default.
+  void (*write)(SpanWriter& out, const T& value);
+  bool repeatable = false;
+  bool required = false;
+};
+
+/// Octets around a PL_CDR payload.
+void write_pl_cdr_encapsulation(SpanWriter& out);
+/// The list behind the encapsulation, which must be PL_CDR in either byte order.
+/// Errors: those of open_payload, rtps_encapsulation_unsupported.
+Result<SerializedPayload> open_pl_cdr(BytesView payload);
+
+/// Errors: those of ParameterReader and of the rows, rtps_parameter_invalid (twice the same id),
+/// rtps_parameter_not_understood, rtps_parameter_missing.
+template <class T>
+Result<T> read_parameters(std::span<const ParameterRow<T>> table, BytesView list, Endian endian) {
+  T value{};
+  std::bitset<64> seen;
+  ParameterReader parameters(list, endian);
+  for (;;) {
+    const auto parameter = parameters.next();
+    if (!parameter) return std::unexpected(parameter.error());
+    if (!*parameter) break;
+    const auto id = (*parameter)->id;
+    const auto row = std::ranges::find(table, id, &ParameterRow<T>::id);
+    if (row == table.end()) {
+      const bool essential = (id & pid::kMustUnderstand) != 0 && (id & pid::kVendorSpecific) == 0;
+      if (essential) return fail(Code::rtps_parameter_not_understood);
+      continue;
+    }
+    const auto index = static_cast<std::size_t>(row - table.begin());
+    if (seen[index] && !row->repeatable) return fail(Code::rtps_parameter_invalid);
+    seen.set(index);
+    auto reader = (*parameter)->reader();
+    if (auto status = row->read(reader, value); !status) return std::unexpected(status.error());
+  }
+  for (std::size_t i = 0; i < table.size(); ++i)
+    if (table[i].required && !seen[i]) return fail(Code::rtps_parameter_missing);
+  return value;
+}
+
+/// All rows and the sentinel, without encapsulation.
+template <class T>
+void write_parameters(std::span<const ParameterRow<T>> table, SpanWriter& out, const T& value) {
+  for (const auto& row : table) row.write(out, value);
+  write_sentinel(out);
+}
+
+// Values that occur in more than one table.
+Result<std::string> read_bounded_string(Reader& reader, std::size_t most);
+Result<Bytes> read_opaque(Reader& reader);
+Status read_locator_into(Reader& reader, LocatorList& list);
+void write_text(SpanWriter& out, std::string_view text);
+void write_opaque(SpanWriter& out, BytesView octets);
+void write_locators(SpanWriter& out, ParameterId id, const LocatorList& list);
+
+}  // namespace ddssec::rtps

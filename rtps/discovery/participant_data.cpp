@@ -1,0 +1,192 @@
+#include "rtps/discovery/participant_data.hpp"
+
+#include "rtps/discovery/security_parameters.hpp"
+#include "rtps/qos/qos.hpp"
+#include "rtps/wire/submessage.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using Row = ParameterRow<ParticipantData>;
+constexpr ParameterId kPidParticipantGuid = 0x0050;
+
+Status read_property_list(Reader& reader, spi::PropertyList& out) {
+  const auto count = DDSSEC_TRY(reader.read_count(8));
+  if (count > kMostProperties) return fail(Code::length_out_of_range);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    auto name = DDSSEC_TRY(read_bounded_string(reader, kMostOpaqueOctets));
+    out.push_back({std::move(name), DDSSEC_TRY(read_bounded_string(reader, kMostOpaqueOctets))});
+  }
+  return {};  // binary properties may follow; nobody needs them
+}
+
+void write_property_list(SpanWriter& out, const spi::PropertyList& properties) {
+  const auto count = std::ranges::count_if(properties, &spi::Property::propagate);
+  if (count == 0) return;
+  const ParameterScope scope(out, 0x0059);
+  out.write(static_cast<std::uint32_t>(count));
+  for (const auto& property : properties) {
+    if (!property.propagate) continue;
+    write_text(out, property.name);
+    write_text(out, property.value);
+  }
+}
+
+// Value-less helpers for the table: each names one parameter.
+template <ParameterId id, auto member>
+constexpr Row locator_row() {
+  return {id, [](Reader& r, ParticipantData& d) { return read_locator_into(r, d.*member); },
+          [](SpanWriter& w, const ParticipantData& d) { write_locators(w, id, d.*member); }, true};
+}
+
+constexpr Row kTable[] = {
+    {0x0015,
+     [](Reader& r, ParticipantData& d) -> Status {
+       d.version = ProtocolVersion::from(DDSSEC_TRY(r.read_bytes(2)));
+       return {};
+     },
+     [](SpanWriter& w, const ParticipantData& d) {
+       const ParameterScope scope(w, 0x0015);
+       w.write_bytes(d.version.view());
+     }},
+    {0x0016,
+     [](Reader& r, ParticipantData& d) -> Status {
+       d.vendor = VendorId::from(DDSSEC_TRY(r.read_bytes(2)));
+       return {};
+     },
+     [](SpanWriter& w, const ParticipantData& d) {
+       const ParameterScope scope(w, 0x0016);
+       w.write_bytes(d.vendor.view());
+     }},
+    {kPidParticipantGuid,
+     [](Reader& r, ParticipantData& d) -> Status {
+       d.guid = DDSSEC_TRY(read_guid(r));
+       if (d.guid.entity != kEntityIdParticipant) return fail(Code::rtps_parameter_invalid);
+       return {};
+     },
+     [](SpanWriter& w, const ParticipantData& d) {
+       const ParameterScope scope(w, kPidParticipantGuid);
+       w.write_bytes(d.guid.octets());
+     },
+     false, true},
+    {0x000f,
+     [](Reader& r, ParticipantData& d) -> Status {
+       d.domain_id = DDSSEC_TRY(r.read<std::uint32_t>());
+       return {};
+     },
+     [](SpanWriter& w, const ParticipantData& d) {
+       if (!d.domain_id) return;
+       const ParameterScope scope(w, 0x000f);
+       w.write(*d.domain_id);
+     }},
+    {0x4014,
+     [](Reader& r, ParticipantData& d) -> Status {
+       d.domain_tag = DDSSEC_TRY(read_bounded_string(r, kMostNameLength));
+       return {};
+     },
+     [](SpanWriter& w, const ParticipantData& d) {
+       if (d.domain_tag.empty()) return;
+       const ParameterScope scope(w, 0x4014);
+       write_text(w, d.domain_tag);
+     }},
+    {0x0058,
+     [](Reader& r, ParticipantData& d) -> Status {
+       d.builtin_endpoints = DDSSEC_TRY(r.read<std::uint32_t>());
+       return {};
+     },
+     [](SpanWriter& w, const ParticipantData& d) {
+       const ParameterScope scope(w, 0x0058);
+       w.write(d.builtin_endpoints);
+     },
+     false, true},
+    {0x0002,
+     [](Reader& r, ParticipantData& d) -> Status {
+       d.lease_duration = DDSSEC_TRY(read_duration(r));
+       return {};
+     },
+     [](SpanWriter& w, const ParticipantData& d) {
+       const ParameterScope scope(w, 0x0002);
+       write_time(w, d.lease_duration);
+     }},
+    locator_row<0x0032, &ParticipantData::metatraffic_unicast>(),
+    locator_row<0x0033, &ParticipantData::metatraffic_multicast>(),
+    locator_row<0x0031, &ParticipantData::default_unicast>(),
+    locator_row<0x0048, &ParticipantData::default_multicast>(),
+    {0x0034,
+     [](Reader& r, ParticipantData& d) -> Status {
+       d.manual_liveliness_count = DDSSEC_TRY(r.read<std::int32_t>());
+       return {};
+     },
+     [](SpanWriter& w, const ParticipantData& d) {
+       if (d.manual_liveliness_count == 0) return;
+       const ParameterScope scope(w, 0x0034);
+       w.write(d.manual_liveliness_count);
+     }},
+    {0x0062,
+     [](Reader& r, ParticipantData& d) -> Status {
+       d.entity_name = DDSSEC_TRY(read_bounded_string(r, kMostNameLength));
+       return {};
+     },
+     [](SpanWriter& w, const ParticipantData& d) {
+       if (d.entity_name.empty()) return;
+       const ParameterScope scope(w, 0x0062);
+       write_text(w, d.entity_name);
+     }},
+    {0x002c,
+     [](Reader& r, ParticipantData& d) -> Status {
+       d.user_data = DDSSEC_TRY(read_opaque(r));
+       return {};
+     },
+     [](SpanWriter& w, const ParticipantData& d) {
+       if (d.user_data.empty()) return;
+       const ParameterScope scope(w, 0x002c);
+       write_opaque(w, d.user_data);
+     }},
+    {0x0059, [](Reader& r, ParticipantData& d) { return read_property_list(r, d.properties); },
+     [](SpanWriter& w, const ParticipantData& d) { write_property_list(w, d.properties); }},
+    {pid::kIdentityToken,
+     [](Reader& r, ParticipantData& d) { return read_token_into(r, d.identity_token); },
+     [](SpanWriter& w, const ParticipantData& d) {
+       write_token(w, pid::kIdentityToken, d.identity_token);
+     }},
+    {pid::kPermissionsToken,
+     [](Reader& r, ParticipantData& d) { return read_token_into(r, d.permissions_token); },
+     [](SpanWriter& w, const ParticipantData& d) {
+       write_token(w, pid::kPermissionsToken, d.permissions_token);
+     }},
+    {pid::kParticipantSecurityInfo,
+     [](Reader& r, ParticipantData& d) { return read_security_info_into(r, d.security_info); },
+     [](SpanWriter& w, const ParticipantData& d) {
+       write_security_info(w, pid::kParticipantSecurityInfo, d.security_info);
+     }},
+};
+
+}  // namespace
+
+void write_parameter_list(SpanWriter& out, const ParticipantData& data) {
+  write_parameters<ParticipantData>(kTable, out, data);
+}
+
+void write_payload(SpanWriter& out, const ParticipantData& data) {
+  write_pl_cdr_encapsulation(out);
+  write_parameter_list(out, data);
+}
+
+Result<ParticipantData> read_participant_list(BytesView list, Endian endian) {
+  return read_parameters<ParticipantData>(kTable, list, endian);
+}
+
+Result<ParticipantData> read_participant_data(BytesView payload) {
+  const auto opened = DDSSEC_TRY(open_pl_cdr(payload));
+  return read_participant_list(opened.body, opened.endian);
+}
+
+Result<Guid> read_participant_key(BytesView payload) {
+  return read_guid_key(payload, kPidParticipantGuid);
+}
+
+void write_participant_key(SpanWriter& out, const Guid& guid) {
+  write_guid_key(out, kPidParticipantGuid, guid);
+}
+
+}  // namespace ddssec::rtps

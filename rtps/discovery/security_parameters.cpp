@@ -1,0 +1,55 @@
+#include "rtps/discovery/security_parameters.hpp"
+
+#include "rtps/discovery/parameter_table.hpp"
+#include "rtps/wire/submessage.hpp"
+
+namespace ddssec::rtps {
+
+Status read_token_into(Reader& reader, std::optional<spi::Token>& token) {
+  token = DDSSEC_TRY(spi::read_token(reader));
+  return {};
+}
+
+void write_token(SpanWriter& out, ParameterId id, const std::optional<spi::Token>& token) {
+  if (!token) return;
+  Writer octets(out.endian());
+  spi::write_token(octets, *token);
+  const ParameterScope scope(out, id);
+  out.write_bytes(octets.view());
+}
+
+Status read_security_info_into(Reader& reader, std::optional<spi::SecurityInfo>& info) {
+  const auto mask = DDSSEC_TRY(reader.read<std::uint32_t>());
+  info = spi::SecurityInfo{mask, DDSSEC_TRY(reader.read<std::uint32_t>())};
+  return {};
+}
+
+void write_security_info(SpanWriter& out, ParameterId id,
+                         const std::optional<spi::SecurityInfo>& info) {
+  if (!info) return;
+  const ParameterScope scope(out, id);
+  out.write(info->mask);
+  out.write(info->plugin_mask);
+}
+
+Result<Guid> read_guid_key(BytesView payload, ParameterId id) {
+  const auto opened = DDSSEC_TRY(open_pl_cdr(payload));
+  ParameterReader parameters(opened.body, opened.endian);
+  while (const auto parameter = DDSSEC_TRY(parameters.next())) {
+    if (parameter->id != id) continue;
+    auto reader = parameter->reader();
+    return read_guid(reader);
+  }
+  return fail(Code::rtps_parameter_missing);
+}
+
+void write_guid_key(SpanWriter& out, ParameterId id, const Guid& guid) {
+  write_pl_cdr_encapsulation(out);
+  {
+    const ParameterScope scope(out, id);
+    out.write_bytes(guid.octets());
+  }
+  write_sentinel(out);
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,32 @@
+// Parameters that only secured participants and endpoints announce (DDS-Security 7.4.1), and keys.
+#pragma once
+
+#include <optional>
+
+#include "base/ids.hpp"
+#include "plugins/spi/attributes.hpp"
+#include "plugins/spi/token.hpp"
+#include "rtps/wire/parameter_list.hpp"
+
+namespace ddssec::rtps {
+
+namespace pid {
+inline constexpr ParameterId kIdentityToken = 0x1001;
+inline constexpr ParameterId kPermissionsToken = 0x1002;
+inline constexpr ParameterId kEndpointSecurityInfo = 0x1004;
+inline constexpr ParameterId kParticipantSecurityInfo = 0x1005;
+}  // namespace pid
+
+Status read_token_into(Reader& reader, std::optional<spi::Token>& token);
+void write_token(SpanWriter& out, ParameterId id, const std::optional<spi::Token>& token);
+/// Takes the 12-octet form of DDS-Security 1.2 too; writes the 8-octet one, which all peers read.
+Status read_security_info_into(Reader& reader, std::optional<spi::SecurityInfo>& info);
+void write_security_info(SpanWriter& out, ParameterId id,
+                         const std::optional<spi::SecurityInfo>& info);
+
+/// A PL_CDR payload with one GUID: the key of a builtin topic's instance. Errors: those of
+/// ParameterReader, rtps_parameter_missing.
+Result<Guid> read_guid_key(BytesView payload, ParameterId id);
+void write_guid_key(SpanWriter& out, ParameterId id, const Guid& guid);
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,56 @@
+#include "rtps/qos/qos.hpp"
+
+#include <fmt/format.h>
+
+namespace ddssec::rtps {
+namespace {
+
+Status inconsistent(std::string field, std::string expected, std::string found) {
+  return fail(Code::rtps_qos_inconsistent, {.document = "QoS",
+                                            .field = std::move(field),
+                                            .expected = std::move(expected),
+                                            .found = std::move(found)});
+}
+
+bool exceeds(std::int32_t value, std::int32_t limit) {
+  return limit != kLengthUnlimited && value > limit;
+}
+
+Status check_limit(std::string_view name, std::int32_t value) {
+  if (value == kLengthUnlimited || value > 0) return {};
+  return inconsistent(fmt::format("RESOURCE_LIMITS.{}", name), "unlimited (-1) or at least 1",
+                      std::to_string(value));
+}
+
+}  // namespace
+
+Status check_consistency(const Qos& qos) {
+  const auto& limits = qos.resource_limits;
+  DDSSEC_TRY(check_limit("max_samples", limits.max_samples));
+  DDSSEC_TRY(check_limit("max_instances", limits.max_instances));
+  DDSSEC_TRY(check_limit("max_samples_per_instance", limits.max_samples_per_instance));
+  const bool keep_last = qos.history.kind == HistoryKind::keep_last;
+  if (keep_last && qos.history.depth < 1)
+    return inconsistent("HISTORY.depth", "at least 1", std::to_string(qos.history.depth));
+  if (keep_last && exceeds(qos.history.depth, limits.max_samples_per_instance))
+    return inconsistent("HISTORY.depth",
+                        fmt::format("at most RESOURCE_LIMITS.max_samples_per_instance, {}",
+                                    limits.max_samples_per_instance),
+                        std::to_string(qos.history.depth));
+  if (exceeds(limits.max_samples_per_instance, limits.max_samples))
+    return inconsistent("RESOURCE_LIMITS.max_samples_per_instance",
+                        fmt::format("at most max_samples, {}", limits.max_samples),
+                        std::to_string(limits.max_samples_per_instance));
+  if (qos.deadline < qos.time_based_filter)
+    return inconsistent("DEADLINE.period",
+                        "at least TIME_BASED_FILTER, " + to_string(qos.time_based_filter),
+                        to_string(qos.deadline));
+  if (qos.partition.size() > kMostPartitions)
+    return inconsistent("PARTITION", fmt::format("at most {} names", kMostPartitions),
+                        std::to_string(qos.partition.size()));
+  if (qos.data_representation.empty())
+    return inconsistent("DATA_REPRESENTATION", "at least one", "none");
+  return {};
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,101 @@
+// Quality of service of DDS 1.4, 2.2.3, as far as it travels in discovery, with its defaults.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/bytes.hpp"
+#include "rtps/wire/time.hpp"
+
+namespace ddssec::rtps {
+
+// Numbers as on the wire (RTPS 9.6.3.2).
+enum class ReliabilityKind : std::uint32_t { best_effort = 1, reliable = 2 };
+enum class DurabilityKind : std::uint32_t { volatile_, transient_local, transient, persistent };
+enum class HistoryKind : std::uint32_t { keep_last, keep_all };
+enum class LivelinessKind : std::uint32_t { automatic, manual_by_participant, manual_by_topic };
+enum class OwnershipKind : std::uint32_t { shared, exclusive };
+enum class DestinationOrderKind : std::uint32_t { by_reception, by_source };
+enum class PresentationScope : std::uint32_t { instance, topic, group };
+enum class DataRepresentation : std::int16_t { xcdr1 = 0, xml = 1, xcdr2 = 2 };
+
+inline constexpr std::int32_t kLengthUnlimited = -1;
+
+struct Reliability {
+  ReliabilityKind kind = ReliabilityKind::best_effort;
+  Duration max_blocking_time{{0, 0x1999999a}};  // 100 ms
+  bool operator==(const Reliability&) const = default;
+};
+struct Liveliness {
+  LivelinessKind kind = LivelinessKind::automatic;
+  Duration lease_duration = kDurationInfinite;
+  bool operator==(const Liveliness&) const = default;
+};
+struct History {
+  HistoryKind kind = HistoryKind::keep_last;
+  std::int32_t depth = 1;
+  bool operator==(const History&) const = default;
+};
+struct ResourceLimits {
+  std::int32_t max_samples = kLengthUnlimited;
+  std::int32_t max_instances = kLengthUnlimited;
+  std::int32_t max_samples_per_instance = kLengthUnlimited;
+  bool operator==(const ResourceLimits&) const = default;
+};
+struct DurabilityService {
+  Duration cleanup_delay = kDurationZero;
+  History history;
+  ResourceLimits limits;
+  bool operator==(const DurabilityService&) const = default;
+};
+struct Presentation {
+  PresentationScope scope = PresentationScope::instance;
+  bool coherent_access = false;
+  bool ordered_access = false;
+  bool operator==(const Presentation&) const = default;
+};
+
+/// Of a reader or a writer, with the topic's, the publisher's and the subscriber's policies that
+/// discovery announces with it. Default-constructed: a reader's defaults.
+struct Qos {
+  Reliability reliability;
+  DurabilityKind durability = DurabilityKind::volatile_;
+  DurabilityService durability_service;
+  History history;
+  ResourceLimits resource_limits;
+  Duration deadline = kDurationInfinite;
+  Duration latency_budget = kDurationZero;
+  Duration lifespan = kDurationInfinite;
+  Liveliness liveliness;
+  OwnershipKind ownership = OwnershipKind::shared;
+  std::int32_t ownership_strength = 0;
+  DestinationOrderKind destination_order = DestinationOrderKind::by_reception;
+  Presentation presentation;
+  std::vector<std::string> partition;
+  Duration time_based_filter = kDurationZero;
+  std::int32_t transport_priority = 0;
+  std::vector<DataRepresentation> data_representation = {DataRepresentation::xcdr1};
+  Bytes user_data, topic_data, group_data;
+  bool operator==(const Qos&) const = default;
+
+  bool is_reliable() const { return reliability.kind == ReliabilityKind::reliable; }
+};
+
+inline Qos default_reader_qos() { return {}; }
+inline Qos default_writer_qos() {
+  Qos qos;
+  qos.reliability.kind = ReliabilityKind::reliable;
+  return qos;
+}
+
+/// Most partitions of one endpoint, and the most characters of a name (DDS 1.4, 2.2.3.13).
+inline constexpr std::size_t kMostPartitions = 64;
+inline constexpr std::size_t kMostNameLength = 256;
+
+/// Refuses what contradicts itself (DDS 1.4, 2.2.3: "inconsistent"), naming policy and values.
+/// Errors: rtps_qos_inconsistent.
+Status check_consistency(const Qos& qos);
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,32 @@
+// Discovery data of all three builtin types: read or refused; what was read is written and read
+// alike.
+#include <array>
+#include <cstdlib>
+
+#include "rtps/discovery/endpoint_data.hpp"
+#include "rtps/discovery/participant_data.hpp"
+
+namespace {
+
+using namespace ddssec;
+using namespace ddssec::rtps;
+
+void check(BytesView octets, auto read) {
+  const auto first = read(octets);
+  if (!first) return;
+  static std::array<std::uint8_t, 1 << 18> buffer;
+  SpanWriter out(buffer);
+  write_payload(out, *first);
+  if (out.overflowed()) return;
+  const auto again = read(out.view());
+  if (!again || *again != *first) std::abort();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  check({data, size}, read_participant_data);
+  check({data, size}, read_publication_data);
+  check({data, size}, read_subscription_data);
+  return 0;
+}

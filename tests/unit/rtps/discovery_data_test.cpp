@@ -1,0 +1,234 @@
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "rtps/discovery/endpoint_data.hpp"
+#include "rtps/discovery/participant_data.hpp"
+#include "tests/unit/rtps/wire_helpers.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using testing::code_of;
+
+GuidPrefix prefix() { return GuidPrefix::from(Bytes{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}); }
+
+ParticipantData participant() {
+  ParticipantData data;
+  data.guid = {prefix(), kEntityIdParticipant};
+  data.vendor = kVendorDdssec;
+  data.domain_id = 7;
+  data.domain_tag = "tag";
+  data.builtin_endpoints = 0x0fff0c3f;
+  data.lease_duration = {{11, 5}};
+  data.metatraffic_unicast = {*Locator::parse("127.0.0.1", 7410), *Locator::parse("::1", 7410)};
+  data.metatraffic_multicast = {*Locator::parse("239.255.0.1", 7400)};
+  data.default_unicast = {*Locator::parse("127.0.0.1", 7411)};
+  data.manual_liveliness_count = 3;
+  data.entity_name = "name";
+  data.user_data = {1, 2, 3};
+  data.properties = {{"a", "b"}};
+  data.identity_token = spi::Token{"DDS:Auth:PKI-DH:1.0", {{"dds.cert.sn", "CN=a"}}, {}};
+  data.permissions_token = spi::Token{"DDS:Access:Permissions:1.0", {}, {}};
+  data.security_info = spi::SecurityInfo{0x80000007, 0x80000001};
+  return data;
+}
+
+EndpointData publication() {
+  EndpointData data;
+  data.guid = {prefix(), EntityId{{0, 0, 1, 0x02}}};
+  data.topic_name = "Square";
+  data.type_name = "ShapeType";
+  auto& qos = data.qos;
+  qos.reliability = {ReliabilityKind::reliable, {{1, 2}}};
+  qos.durability = DurabilityKind::transient_local;
+  qos.durability_service = {{{1, 0}}, {HistoryKind::keep_all, 3}, {1, 2, 3}};
+  qos.history = {HistoryKind::keep_last, 64};
+  qos.resource_limits = {10, 20, 5};
+  qos.deadline = {{3, 0}};
+  qos.latency_budget = {{0, 7}};
+  qos.lifespan = {{9, 0}};
+  qos.liveliness = {LivelinessKind::manual_by_topic, {{4, 0}}};
+  qos.ownership = OwnershipKind::exclusive;
+  qos.ownership_strength = -5;
+  qos.destination_order = DestinationOrderKind::by_source;
+  qos.presentation = {PresentationScope::topic, true, true};
+  qos.partition = {"a", "b*"};
+  qos.transport_priority = 2;
+  qos.data_representation = {DataRepresentation::xcdr2, DataRepresentation::xcdr1};
+  qos.user_data = {1}, qos.topic_data = {2, 2}, qos.group_data = {3, 3, 3};
+  data.unicast = {*Locator::parse("10.0.0.1", 1)};
+  data.multicast = {*Locator::parse("239.1.1.1", 2)};
+  data.security_info = spi::SecurityInfo{0x8000001b, 0x80000001};
+  return data;
+}
+
+EndpointData subscription() {
+  EndpointData data;
+  data.guid = {prefix(), EntityId{{0, 0, 1, 0x07}}};
+  data.topic_name = "Square";
+  data.type_name = "ShapeType";
+  data.qos.time_based_filter = {{1, 0}};
+  data.expects_inline_qos = true;
+  return data;
+}
+
+template <class T>
+Bytes payload_of(const T& data, Endian endian = Endian::little) {
+  std::array<std::uint8_t, 4096> buffer{};
+  SpanWriter out(buffer, endian);
+  write_payload(out, data);
+  EXPECT_FALSE(out.overflowed());
+  return to_bytes(out.view());
+}
+
+template <class T, class Read>
+void expect_sound(const T& data, Read read) {
+  for (auto endian : {Endian::little, Endian::big}) {
+    const auto octets = payload_of(data, endian);
+    EXPECT_EQ(read(octets), data);
+    for (std::size_t size = 0; size < octets.size(); ++size)
+      EXPECT_FALSE(read(BytesView(octets).first(size))) << size;
+  }
+}
+
+TEST(DiscoveryData, RoundTripsInBothByteOrdersAndRefusesEveryTruncation) {
+  expect_sound(participant(), read_participant_data);
+  expect_sound(publication(), read_publication_data);
+  expect_sound(subscription(), read_subscription_data);
+}
+
+TEST(DiscoveryData, AbsentPoliciesTakeTheirDefaults) {
+  EndpointData plain;
+  plain.guid = publication().guid;
+  plain.topic_name = "t", plain.type_name = "T";
+  plain.qos = default_writer_qos();
+  auto octets = payload_of(plain);
+  // Cut out RELIABILITY (16 octets with its header) as a peer would leave it out.
+  const Bytes reliability = {0x1a, 0, 12, 0};
+  const auto at = std::ranges::search(octets, reliability).begin();
+  octets.erase(at, at + 16);
+  EXPECT_EQ(read_publication_data(octets), plain);
+}
+
+TEST(DiscoveryData, AnEndpointMustBeWhatItsTopicIsFor) {
+  EXPECT_EQ(code_of(read_subscription_data(payload_of(publication()))),
+            Code::rtps_parameter_invalid);
+  EXPECT_EQ(code_of(read_publication_data(payload_of(subscription()))),
+            Code::rtps_parameter_invalid);
+}
+
+Bytes replaced(Bytes octets, const Bytes& what, const Bytes& by) {
+  const auto at = std::ranges::search(octets, what);
+  EXPECT_FALSE(at.empty());
+  std::ranges::copy(by, at.begin());
+  return octets;
+}
+
+TEST(DiscoveryData, AnotherParticipantsGuidIsRefused) {
+  EXPECT_EQ(code_of(read_publication_data(
+                replaced(payload_of(publication()), {0x50, 0, 16, 0, 1}, {0x50, 0, 16, 0, 2}))),
+            Code::rtps_parameter_invalid);
+  EXPECT_EQ(code_of(read_participant_data(
+                replaced(payload_of(participant()), {0, 0, 1, 0xc1}, {0, 0, 1, 0xc2}))),
+            Code::rtps_parameter_invalid);
+}
+
+TEST(DiscoveryData, RequiredParametersMustBeThere) {
+  EXPECT_EQ(code_of(read_participant_data(
+                replaced(payload_of(participant()), {0x58, 0, 4, 0}, {0x00, 0x0f, 4, 0}))),
+            Code::rtps_parameter_missing);
+  EXPECT_EQ(code_of(read_participant_key(Bytes{0, 3, 0, 0, 1, 0, 0, 0})),
+            Code::rtps_parameter_missing);
+}
+
+TEST(DiscoveryData, TheSameParameterTwiceIsRefused) {
+  EXPECT_EQ(code_of(read_participant_data(
+                replaced(payload_of(participant()), {0x34, 0, 4, 0}, {0x58, 0, 4, 0}))),
+            Code::rtps_parameter_invalid);
+}
+
+TEST(DiscoveryData, EnumerationsBeyondTheirRangeAreRefused) {
+  EXPECT_EQ(code_of(read_publication_data(
+                replaced(payload_of(publication()), {0x1a, 0, 12, 0, 2}, {0x1a, 0, 12, 0, 3}))),
+            Code::rtps_parameter_invalid);
+  EXPECT_EQ(code_of(read_publication_data(
+                replaced(payload_of(publication()), {0x1d, 0, 4, 0, 1}, {0x1d, 0, 4, 0, 4}))),
+            Code::rtps_parameter_invalid);
+}
+
+TEST(DiscoveryData, WhatMustBeUnderstoodStopsTheSample) {
+  EXPECT_EQ(code_of(read_participant_data(
+                replaced(payload_of(participant()), {0x34, 0, 4, 0}, {0x34, 0x40, 4, 0}))),
+            Code::rtps_parameter_not_understood);
+}
+
+// CVE-2026-49861, -49862, -49863, -53589, -53590, -55063: lists, locators, properties, partitions.
+TEST(DiscoveryData, LyingLengthsAreRefusedOrHarmless) {
+  for (const auto& honest : {payload_of(participant()), payload_of(publication())}) {
+    for (std::size_t at = 4; at + 4 <= honest.size(); at += 4) {
+      for (std::uint8_t high : {0x01, 0x7f, 0x80, 0xff}) {
+        auto octets = honest;
+        octets[at + 3] = high;
+        const auto a = read_participant_data(octets);
+        const auto b = read_publication_data(octets);
+        EXPECT_LE(a ? a->properties.size() : 0, kMostProperties);
+        EXPECT_LE(b ? b->qos.partition.size() : 0, kMostPartitions);
+      }
+    }
+  }
+}
+
+TEST(DiscoveryData, ListsAreBounded) {
+  auto data = participant();
+  data.metatraffic_unicast.assign(kMostLocators + 1, *Locator::parse("10.0.0.1", 1));
+  EXPECT_EQ(code_of(read_participant_data(payload_of(data))), Code::length_out_of_range);
+  auto endpoint = publication();
+  endpoint.qos.partition.assign(kMostPartitions + 1, "p");
+  EXPECT_EQ(code_of(read_publication_data(payload_of(endpoint))), Code::length_out_of_range);
+  endpoint = publication();
+  endpoint.topic_name.assign(kMostNameLength + 1, 't');
+  EXPECT_EQ(code_of(read_publication_data(payload_of(endpoint))), Code::length_out_of_range);
+}
+
+TEST(DiscoveryData, OtherEncapsulationsAreRefused) {
+  auto octets = payload_of(participant());
+  octets[1] = 1;
+  EXPECT_EQ(code_of(read_participant_data(octets)), Code::rtps_encapsulation_unsupported);
+}
+
+TEST(DiscoveryData, KeysOfDisposes) {
+  std::array<std::uint8_t, 64> buffer{};
+  SpanWriter out(buffer);
+  write_endpoint_key(out, publication().guid);
+  EXPECT_EQ(read_endpoint_key(out.view()), publication().guid);
+  out.rewind(0);
+  write_participant_key(out, participant().guid);
+  EXPECT_EQ(read_participant_key(out.view()), participant().guid);
+}
+
+TEST(DiscoveryData, WhatCycloneAnnouncesUnderRosIsRead) {
+  int read = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(DDSSEC_TEST_DATA "/fuzz/discovery_data")) {
+    std::ifstream in(entry.path(), std::ios::binary);
+    const Bytes octets{std::istreambuf_iterator<char>(in), {}};
+    EXPECT_TRUE(read_participant_data(octets) || read_publication_data(octets) ||
+                read_subscription_data(octets) || read_participant_key(octets) ||
+                read_endpoint_key(octets))
+        << entry.path();
+    ++read;
+  }
+  EXPECT_GT(read, 10);
+}
+
+TEST(DiscoveryData, TheLongSecurityInfoOfVersion12IsRead) {
+  const Bytes octets = {0x80, 0, 0, 1, 0x80, 0, 0, 2, 0, 1, 0, 1};
+  Reader reader(octets);
+  std::optional<spi::SecurityInfo> info;
+  ASSERT_TRUE(read_security_info_into(reader, info));
+  EXPECT_EQ(info, (spi::SecurityInfo{0x80000001, 0x80000002}));
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
