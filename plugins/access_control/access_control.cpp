@@ -22,9 +22,11 @@ using Holder = std::shared_ptr<PermissionsHolder>;
 /// All handles that are out. Thread-safe; looking up does not keep others from looking up.
 class HandleTable {
  public:
+  explicit HandleTable(std::size_t most) : most_(most) {}
+
   Result<PermissionsHandle> add(Holder holder) {
     const std::unique_lock lock(mutex_);
-    if (holders_.size() >= kMostPermissionsHandles) return fail(Code::too_many_permissions_handles);
+    if (holders_.size() >= most_) return fail(Code::too_many_permissions_handles);
     const PermissionsHandle handle{++last_};
     if (!holder->remote()) local_of_[holder->participant()->identity.value] = handle.value;
     holders_.emplace(handle.value, std::move(holder));
@@ -58,6 +60,7 @@ class HandleTable {
   }
 
  private:
+  const std::size_t most_;
   mutable std::shared_mutex mutex_;
   std::unordered_map<std::int64_t, Holder> holders_;
   std::unordered_map<std::int64_t, std::int64_t> local_of_;  ///< identity -> permissions
@@ -80,7 +83,8 @@ class Plugin final : public spi::AccessControl {
   Plugin(const Environment& environment, Options options)
       : environment_(environment),
         options_(std::move(options)),
-        documents_(options_.partition_match, kMostCachedDocuments, kMostCachedOctets) {}
+        documents_(options_.partition_match, kMostCachedDocuments, kMostCachedOctets),
+        handles_(options_.most_handles) {}
 
   Result<PermissionsHandle> validate_local_permissions(
       spi::IdentityHandle identity, DomainId domain_id,

@@ -16,6 +16,8 @@ namespace ddssec::access_control {
 struct Options {
   /// The largest permissions document that is taken from a peer, in octets.
   std::size_t most_permissions_octets = 16 * 1024 * 1024;
+  /// How many permissions handles may be out at a time.
+  std::size_t most_handles = 65536;
   /// `one` is the "legacy" mode of DDS-Security 1.2.
   governance::PartitionMatch partition_match = governance::PartitionMatch::all;
   /// Answer relay_only to a reader that only a relay element lets in. Set it only if the
@@ -28,9 +30,6 @@ struct Options {
 /// How many judged documents, and octets of them, are kept for peers to come.
 inline constexpr std::size_t kMostCachedDocuments = 256;
 inline constexpr std::size_t kMostCachedOctets = 64 * 1024 * 1024;
-/// How many handles may be out at a time.
-inline constexpr std::size_t kMostPermissionsHandles = 65536;
-
 /// A plugin without any participant yet; `environment` outlives it. Each local participant's own
 /// documents govern what it does and whom it trusts.
 std::unique_ptr<spi::AccessControl> make_access_control(const Environment& environment,

@@ -11,6 +11,7 @@
 #include "governance/write.hpp"
 #include "pki/authority.hpp"
 #include "plugins/access_control/access_control.hpp"
+#include "plugins/access_control/documents.hpp"
 #include "plugins/spi/property_names.hpp"
 #include "tests/unit/pki/fixture.hpp"
 

@@ -260,6 +260,17 @@ TEST_F(Handles, AreReturnedOnce) {
   EXPECT_REFUSED(remote(open_permissions(kListener)), unknown_local_identity);
 }
 
+TEST_F(Handles, AreBounded) {
+  make({.most_handles = 2});
+  ASSERT_TRUE(local(open_permissions(kTalker)));
+  const auto document = open_permissions(kListener);
+  const auto peer = remote(document);
+  ASSERT_TRUE(peer);
+  EXPECT_REFUSED(remote(document), too_many_permissions_handles);
+  EXPECT_TRUE(plugin->return_permissions_handle(*peer));
+  EXPECT_TRUE(remote(document));
+}
+
 TEST_F(Handles, BelongToOneDomain) {
   const auto handle = local(open_permissions(kTalker));
   ASSERT_TRUE(handle);
