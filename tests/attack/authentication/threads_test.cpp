@@ -1,0 +1,73 @@
+// Hosts call from many threads: one engine, many peers, handshakes, expiry and departures at once.
+#include <atomic>
+#include <thread>
+
+#include "tests/unit/authentication/fixture.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+struct Discard final : EventSink {
+  void raise(const Event&) override {}
+};
+
+TEST(Threads, ManyPeersAtOnceOnOneEngine) {
+  constexpr int kThreads = 4, kRounds = 25;
+  const SystemClock clock;
+  SystemRandom random;
+  Discard events;
+  const auto now = clock.now();
+  const pki::Validity validity{now - 24h, now + 240h};
+  const auto ca = make_ca("CN=Identity CA", {}, validity);
+  const auto ours = make_authentication({clock, random, events});
+  const auto hub = make_identity(ca, "CN=hub", {}, validity);
+  const auto local = ours->validate_local_identity(0, hub.properties, candidate(1));
+  ASSERT_OK(local);
+  std::vector<Identity> spokes;
+  for (int i = 0; i < kThreads; ++i)
+    spokes.push_back(make_identity(ca, "CN=spoke " + std::to_string(i), {}, validity, 1));
+
+  std::atomic<int> done = 0;
+  const auto work = [&](int index) {
+    const auto theirs = make_authentication({clock, random, events});
+    for (int round = 0; round < kRounds; ++round) {
+      const auto remote = theirs->validate_local_identity(
+          0, spokes[static_cast<std::size_t>(index)].properties,
+          candidate(static_cast<std::uint8_t>(index * kRounds + round)));
+      if (!remote) return;
+      const auto of_hub = ours->validate_remote_identity(
+          local->handle, {}, *theirs->identity_token(remote->handle), remote->adjusted_guid);
+      const auto of_spoke = theirs->validate_remote_identity(
+          remote->handle, {}, *ours->identity_token(local->handle), local->adjusted_guid);
+      if (!of_hub || !of_spoke) return;
+      const bool hub_begins = of_hub->result == ValidationResult::pending_handshake_request;
+      auto& first = hub_begins ? *ours : *theirs;
+      auto& second = hub_begins ? *theirs : *ours;
+      const auto hub_data = participant_data(local->adjusted_guid);
+      const auto spoke_data = participant_data(remote->adjusted_guid);
+      const auto req =
+          hub_begins ? first.begin_handshake_request(local->handle, of_hub->handle, hub_data)
+                     : first.begin_handshake_request(remote->handle, of_spoke->handle, spoke_data);
+      if (!req) return;
+      const auto rep = hub_begins ? second.begin_handshake_reply(*req->message, of_spoke->handle,
+                                                                 remote->handle, spoke_data)
+                                  : second.begin_handshake_reply(*req->message, of_hub->handle,
+                                                                 local->handle, hub_data);
+      if (!rep) return;
+      const auto fin = first.process_handshake(req->handle, *rep->message);
+      if (!fin || !second.process_handshake(rep->handle, *fin->message)) return;
+      done += (*first.shared_secret(req->handle))->secret ==
+              (*second.shared_secret(rep->handle))->secret;
+      (void)ours->next_expiry();
+      (void)ours->expire();
+      if (round % 2 == 0) (void)ours->return_identity_handle(of_hub->handle);
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int i = 0; i < kThreads; ++i) threads.emplace_back(work, i);
+  for (auto& thread : threads) thread.join();
+  EXPECT_EQ(done, kThreads * kRounds);
+}
+
+}  // namespace
+}  // namespace ddssec::authentication
