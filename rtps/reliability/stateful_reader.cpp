@@ -1,0 +1,213 @@
+#include "rtps/reliability/stateful_reader.hpp"
+
+#include <algorithm>
+
+namespace ddssec::rtps {
+namespace {
+
+constexpr MonotonicTime kFirstQuestion = std::chrono::milliseconds(20);
+constexpr MonotonicTime kLongestQuestion = std::chrono::seconds(5);
+
+Change change_of(const GuidPrefix& from, const Data& data, const std::optional<Time>& time) {
+  return {{from, data.writer},
+          data.sequence_number,
+          data.inline_qos.status,
+          data.inline_qos.key_hash,
+          time,
+          data.kind == PayloadKind::key,
+          Payload::copy_of(data.payload)};
+}
+
+}  // namespace
+
+StatefulReader::StatefulReader(const Guid& guid, bool reliable, MessageSender& sender,
+                               Deliver deliver)
+    : guid_(guid), reliable_(reliable), sender_(sender), deliver_(std::move(deliver)) {}
+
+StatefulReader::WriterProxy* StatefulReader::find(const Guid& writer) {
+  const auto at = std::ranges::find(writers_, writer, [](const auto& p) { return p.writer.guid; });
+  return at == writers_.end() ? nullptr : &*at;
+}
+
+void StatefulReader::match(MatchedWriter writer, MonotonicTime now) {
+  if (find(writer.guid) != nullptr) return;
+  WriterProxy proxy;
+  proxy.writer = std::move(writer);
+  if (reliable_ && proxy.writer.reliable) {
+    proxy.next_question = now;
+    proxy.question_period = kFirstQuestion;
+  }
+  writers_.push_back(std::move(proxy));
+  tick(now);
+}
+
+void StatefulReader::unmatch(const Guid& writer) {
+  std::erase_if(writers_, [&](const auto& proxy) { return proxy.writer.guid == writer; });
+}
+
+void StatefulReader::on_data(const GuidPrefix& from, const Data& data,
+                             const std::optional<Time>& time) {
+  auto* proxy = find({from, data.writer});
+  if (proxy == nullptr || data.sequence_number < proxy->next) return;
+  accept(*proxy, data.sequence_number, change_of(from, data, time));
+}
+
+void StatefulReader::accept(WriterProxy& proxy, SequenceNumber number,
+                            std::optional<Change> change) {
+  proxy.partial.erase(number);
+  if (!reliable_ || !proxy.writer.reliable) {
+    proxy.next = number.next();  // best effort: what is older now is lost
+    proxy.partial.erase(proxy.partial.begin(), proxy.partial.lower_bound(proxy.next));
+    if (change) deliver_(std::move(*change));
+    return;
+  }
+  if (number == proxy.next) {
+    proxy.next = number.next();
+    if (change) deliver_(std::move(*change));
+    advance(proxy);
+  } else if (proxy.early.size() < kMostEarlyChanges) {
+    proxy.early.try_emplace(number, std::move(change));
+  }
+}
+
+void StatefulReader::advance(WriterProxy& proxy) {
+  for (auto at = proxy.early.begin(); at != proxy.early.end() && at->first == proxy.next;
+       at = proxy.early.erase(at)) {
+    proxy.next = proxy.next.next();
+    if (at->second) deliver_(std::move(*at->second));
+  }
+}
+
+// Whatever is held below `number` is delivered, whatever is missing there is given up.
+void StatefulReader::skip_to(WriterProxy& proxy, SequenceNumber number) {
+  if (number <= proxy.next) return;
+  for (auto at = proxy.early.begin(); at != proxy.early.end() && at->first < number;
+       at = proxy.early.erase(at))
+    if (at->second) deliver_(std::move(*at->second));
+  proxy.partial.erase(proxy.partial.begin(), proxy.partial.lower_bound(number));
+  proxy.next = number;
+  advance(proxy);
+}
+
+StatefulReader::Partial* StatefulReader::partial_of(WriterProxy& proxy, const DataFrag& frag,
+                                                    const std::optional<Time>& time) {
+  const auto known = proxy.partial.find(frag.sequence_number);
+  if (known != proxy.partial.end()) {
+    const auto& partial = known->second;
+    const bool same = partial.fragment_size == frag.fragment_size &&
+                      partial.change.payload.size() == frag.sample_size;
+    return same ? &known->second : nullptr;
+  }
+  if (frag.sample_size > kLargestSample) return nullptr;
+  if (proxy.partial.size() >= kMostPartialSamples) {
+    // The lowest number is needed first; a best-effort reader prefers the newest.
+    const auto last = std::prev(proxy.partial.end());
+    if (!reliable_)
+      proxy.partial.erase(proxy.partial.begin());
+    else if (last->first < frag.sequence_number)
+      return nullptr;
+    else
+      proxy.partial.erase(last);
+  }
+  Partial partial;
+  partial.change = {proxy.writer.guid,
+                    frag.sequence_number,
+                    frag.inline_qos.status,
+                    frag.inline_qos.key_hash,
+                    time,
+                    frag.is_key,
+                    Payload::uninitialized(frag.sample_size)};
+  partial.fragment_size = frag.fragment_size;
+  partial.have.resize(frag.total());
+  partial.missing = frag.total();
+  return &proxy.partial.emplace(frag.sequence_number, std::move(partial)).first->second;
+}
+
+void StatefulReader::on_data_frag(const GuidPrefix& from, const DataFrag& frag,
+                                  const std::optional<Time>& time) {
+  auto* proxy = find({from, frag.writer});
+  if (proxy == nullptr || frag.sequence_number < proxy->next ||
+      proxy->early.contains(frag.sequence_number))
+    return;
+  auto* partial = partial_of(*proxy, frag, time);
+  if (partial == nullptr) return;
+  const auto begin = std::size_t{frag.first.value - 1} * frag.fragment_size;
+  std::ranges::copy(frag.payload, partial->change.payload.fill().subspan(begin).begin());
+  for (std::uint32_t i = 0; i < frag.count; ++i) {
+    auto have = partial->have[frag.first.value - 1 + i];
+    partial->missing -= have ? 0 : 1;
+    have = true;
+  }
+  if (partial->missing > 0) return;
+  auto change = std::move(partial->change);
+  accept(*proxy, frag.sequence_number, std::move(change));
+}
+
+void StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat) {
+  auto* proxy = find({from, heartbeat.writer});
+  if (proxy == nullptr || !reliable_ || !proxy->writer.reliable) return;
+  if (proxy->heard && heartbeat.count - proxy->last_heartbeat <= 0) return;
+  proxy->heard = true;
+  proxy->next_question = kNever;
+  proxy->last_heartbeat = heartbeat.count;
+  skip_to(*proxy, heartbeat.first);
+  if (!heartbeat.is_final || proxy->next <= heartbeat.last) acknowledge(*proxy, heartbeat.last);
+}
+
+void StatefulReader::acknowledge(WriterProxy& proxy, SequenceNumber last) {
+  SequenceNumberSet missing(proxy.next);
+  for (auto number = proxy.next; number <= last && missing.reaches(number); number = number.next())
+    if (!proxy.early.contains(number) && !proxy.partial.contains(number)) missing.insert(number);
+  sender_.add(proxy.destination(), AckNack{guid_.entity, proxy.writer.guid.entity, missing,
+                                           ++proxy.count, missing.empty()});
+  for (const auto& [number, partial] : proxy.partial)
+    if (number <= last) ask_for_fragments(proxy, number, partial);
+  sender_.flush();
+}
+
+void StatefulReader::ask_for_fragments(WriterProxy& proxy, SequenceNumber number,
+                                       const Partial& partial) {
+  const auto first = std::ranges::find(partial.have, false);
+  const auto index = static_cast<std::uint32_t>(first - partial.have.begin());
+  FragmentNumberSet missing(FragmentNumber{index + 1});
+  for (auto i = index; i < partial.have.size() && missing.reaches({i + 1}); ++i)
+    if (!partial.have[i]) missing.insert({i + 1});
+  sender_.add(proxy.destination(),
+              NackFrag{guid_.entity, proxy.writer.guid.entity, number, missing, ++proxy.count});
+}
+
+// A range is skipped as a whole where we stand before it; ahead of us only the 256 numbers of the
+// list are noted, the range itself is announced again when we ask for it.
+void StatefulReader::on_gap(const GuidPrefix& from, const Gap& gap) {
+  auto* proxy = find({from, gap.writer});
+  if (proxy == nullptr) return;
+  if (gap.start <= proxy->next) {
+    skip_to(*proxy, gap.list.base());
+  } else if (gap.list.base().value - gap.start.value <= kMostBitsPerSet) {
+    for (auto number = gap.start; number < gap.list.base(); number = number.next())
+      accept(*proxy, number, std::nullopt);
+  }
+  gap.list.for_each([&](SequenceNumber number) {
+    if (number >= proxy->next) accept(*proxy, number, std::nullopt);
+  });
+}
+
+void StatefulReader::tick(MonotonicTime now) {
+  for (auto& proxy : writers_) {
+    if (now < proxy.next_question) continue;
+    // Base 0: "what is there?" Both known peers answer with a heartbeat.
+    sender_.add(proxy.destination(), AckNack{guid_.entity, proxy.writer.guid.entity,
+                                             SequenceNumberSet({0}), ++proxy.count, false});
+    sender_.flush();
+    proxy.next_question = now + proxy.question_period;
+    proxy.question_period = std::min(proxy.question_period * 2, kLongestQuestion);
+  }
+}
+
+MonotonicTime StatefulReader::next_tick() const {
+  auto next = kNever;
+  for (const auto& proxy : writers_) next = std::min(next, proxy.next_question);
+  return next;
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,83 @@
+// The reader's side of the protocol: what has come, what is missing, what is asked for
+// (RTPS 8.4.12).
+#pragma once
+
+#include <functional>
+#include <map>
+
+#include "rtps/reliability/stateful_writer.hpp"
+#include "rtps/wire/data_frag.hpp"
+#include "rtps/wire/gap.hpp"
+#include "rtps/wire/heartbeat.hpp"
+
+namespace ddssec::rtps {
+
+/// A writer that matched a local reader.
+struct MatchedWriter {
+  Guid guid;
+  bool reliable = false;
+  LocatorList locators;
+};
+
+/// Delivers each writer's changes in order, each once. Bounded: changes that came too early and
+/// samples of which fragments are missing are kept up to the constants below, then dropped and
+/// asked for again. No clock, no lock.
+class StatefulReader {
+ public:
+  static constexpr std::size_t kMostEarlyChanges = 2048;
+  static constexpr std::size_t kMostPartialSamples = 4;
+  static constexpr std::uint32_t kLargestSample = 64u << 20;
+
+  using Deliver = std::function<void(Change)>;
+  StatefulReader(const Guid& guid, bool reliable, MessageSender& sender, Deliver deliver);
+
+  const Guid& guid() const { return guid_; }
+  std::size_t matched() const { return writers_.size(); }
+
+  void match(MatchedWriter writer, MonotonicTime now);
+  void unmatch(const Guid& writer);
+
+  void on_data(const GuidPrefix& from, const Data& data, const std::optional<Time>& time);
+  void on_data_frag(const GuidPrefix& from, const DataFrag& frag, const std::optional<Time>& time);
+  void on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat);
+  void on_gap(const GuidPrefix& from, const Gap& gap);
+  /// Asks writers that have not been heard yet.
+  void tick(MonotonicTime now);
+  MonotonicTime next_tick() const;
+
+ private:
+  struct Partial {
+    Change change;
+    std::uint16_t fragment_size = 0;
+    std::vector<bool> have;
+    std::uint32_t missing = 0;
+  };
+  struct WriterProxy {
+    MatchedWriter writer;
+    SequenceNumber next{1};  ///< everything below was delivered or given up
+    std::map<SequenceNumber, std::optional<Change>> early;  ///< nothing: irrelevant
+    std::map<SequenceNumber, Partial> partial;
+    std::int32_t count = 0;
+    std::int32_t last_heartbeat = 0;
+    bool heard = false;
+    MonotonicTime next_question = kNever;
+    MonotonicTime question_period{};
+    Destination destination() const { return {writer.guid.prefix, writer.locators}; }
+  };
+
+  WriterProxy* find(const Guid& writer);
+  void accept(WriterProxy& proxy, SequenceNumber number, std::optional<Change> change);
+  void advance(WriterProxy& proxy);
+  void skip_to(WriterProxy& proxy, SequenceNumber number);
+  Partial* partial_of(WriterProxy& proxy, const DataFrag& frag, const std::optional<Time>& time);
+  void acknowledge(WriterProxy& proxy, SequenceNumber last);
+  void ask_for_fragments(WriterProxy& proxy, SequenceNumber number, const Partial& partial);
+
+  const Guid guid_;
+  const bool reliable_;
+  MessageSender& sender_;
+  Deliver deliver_;
+  std::vector<WriterProxy> writers_;
+};
+
+}  // namespace ddssec::rtps

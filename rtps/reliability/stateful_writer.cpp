@@ -1,0 +1,239 @@
+#include "rtps/reliability/stateful_writer.hpp"
+
+#include <algorithm>
+
+#include "rtps/wire/data_frag.hpp"
+#include "rtps/wire/entity_ids.hpp"
+#include "rtps/wire/gap.hpp"
+#include "rtps/wire/heartbeat.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr MonotonicTime kFirstPeriod = milliseconds(100);
+constexpr MonotonicTime kLongestPeriod = milliseconds(3200);
+// A heartbeat rides on a sample this often, so that histories shrink while a writer is busy.
+constexpr int kSamplesPerHeartbeat = 32;
+constexpr std::size_t kOctetsPerHeartbeat = 128 << 10;
+constexpr std::uint16_t kFragmentSize = 14336;
+
+InlineQos inline_qos_of(const Change& change) {
+  // Alive samples carry their key in the payload; a dispose needs the hash (Fast DDS ignores
+  // others).
+  return change.is_alive() ? InlineQos{} : InlineQos{change.key_hash, change.status};
+}
+
+PayloadKind kind_of(const Change& change) {
+  if (change.payload.size() == 0) return PayloadKind::none;
+  return change.key_only ? PayloadKind::key : PayloadKind::data;
+}
+
+}  // namespace
+
+StatefulWriter::StatefulWriter(const Guid& guid, const Qos& qos, MessageSender& sender)
+    : guid_(guid), qos_(qos), sender_(sender), history_(qos) {}
+
+StatefulWriter::ReaderProxy* StatefulWriter::find(const Guid& reader) {
+  const auto at = std::ranges::find(readers_, reader, [](const auto& p) { return p.reader.guid; });
+  return at == readers_.end() ? nullptr : &*at;
+}
+
+void StatefulWriter::rebuild_locators() {
+  all_locators_.clear();
+  for (const auto& proxy : readers_)
+    for (const auto& locator : proxy.reader.locators)
+      if (std::ranges::find(all_locators_, locator) == all_locators_.end())
+        all_locators_.push_back(locator);
+}
+
+void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
+  unmatch(reader.guid);
+  const auto next = history_.last().next();
+  const bool history = reader.wants_history && qos_.durability >= DurabilityKind::transient_local;
+  ReaderProxy proxy{std::move(reader), history ? history_.first() : next, {}, 0, 0};
+  proxy.acknowledged = proxy.first_relevant.previous();
+  readers_.push_back(std::move(proxy));
+  rebuild_locators();
+  const auto& matched = readers_.back();
+  if (!matched.reader.reliable || !qos_.is_reliable()) {
+    for (auto number = matched.first_relevant; number < next; number = number.next())
+      if (const auto* change = history_.find(number))
+        send_change(matched.destination(), matched.reader.guid.entity, *change);
+  } else {
+    send_heartbeat(matched.destination(), matched.reader.guid.entity, matched.first_relevant,
+                   false);
+    period_ = kFirstPeriod;
+    next_heartbeat_ = now + period_;
+  }
+  sender_.flush();
+}
+
+void StatefulWriter::unmatch(const Guid& reader) {
+  std::erase_if(readers_, [&](const auto& proxy) { return proxy.reader.guid == reader; });
+  rebuild_locators();
+  release_acknowledged();
+}
+
+SequenceNumber StatefulWriter::write(Change change, MonotonicTime now) {
+  change.writer = guid_;
+  const bool was_idle = all_acknowledged();
+  const auto number = history_.add(std::move(change));
+  if (!readers_.empty()) {
+    const auto& stored = *history_.find(number);
+    send_change({{}, all_locators_}, kEntityIdUnknown, stored);
+    octets_since_heartbeat_ += stored.payload.size();
+    if (was_idle) written_since_heartbeat_ = kSamplesPerHeartbeat;
+    if (qos_.is_reliable()) heartbeat_after_write(now);
+    sender_.flush();
+  }
+  release_acknowledged();
+  return number;
+}
+
+void StatefulWriter::heartbeat_after_write(MonotonicTime now) {
+  if (++written_since_heartbeat_ >= kSamplesPerHeartbeat ||
+      octets_since_heartbeat_ >= kOctetsPerHeartbeat)
+    send_heartbeat({{}, all_locators_}, kEntityIdUnknown, history_.first(), false);
+  if (next_heartbeat_ == kNever || period_ != kFirstPeriod) {
+    period_ = kFirstPeriod;
+    next_heartbeat_ = now + period_;
+  }
+}
+
+void StatefulWriter::send_change(const Destination& to, const EntityId& reader,
+                                 const Change& change) {
+  if (change.payload.size() > kFragmentSize) {
+    const auto total =
+        DataFrag::fragments_of(static_cast<std::uint32_t>(change.payload.size()), kFragmentSize);
+    for (std::uint32_t number = 1; number <= total; ++number)
+      send_fragment(to, reader, change, {number});
+    return;
+  }
+  const Data data{
+      reader,          guid_.entity,         change.sequence_number, inline_qos_of(change),
+      kind_of(change), change.payload.view()};
+  sender_.add(to, InfoTimestamp{change.source_time}, data);
+}
+
+void StatefulWriter::send_fragment(const Destination& to, const EntityId& reader,
+                                   const Change& change, FragmentNumber number) {
+  const auto octets = change.payload.view();
+  const auto begin = std::size_t{number.value - 1} * kFragmentSize;
+  if (begin >= octets.size()) return;
+  const auto size = std::min<std::size_t>(kFragmentSize, octets.size() - begin);
+  const DataFrag frag{reader,
+                      guid_.entity,
+                      change.sequence_number,
+                      number,
+                      1,
+                      kFragmentSize,
+                      static_cast<std::uint32_t>(octets.size()),
+                      inline_qos_of(change),
+                      change.key_only,
+                      octets.subspan(begin, size)};
+  sender_.add(to, InfoTimestamp{change.source_time}, frag);
+}
+
+void StatefulWriter::send_heartbeat(const Destination& to, const EntityId& reader,
+                                    SequenceNumber first, bool is_final) {
+  written_since_heartbeat_ = 0;
+  octets_since_heartbeat_ = 0;
+  sender_.add(to, Heartbeat{reader, guid_.entity, first, history_.last(), ++heartbeat_count_,
+                            is_final, false});
+}
+
+void StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, MonotonicTime now) {
+  auto* proxy = find({from, acknack.reader});
+  if (proxy == nullptr || !proxy->reader.reliable) return;
+  const auto base = acknack.missing.base();
+  // A reader that knows nothing yet asks what there is (base 0: Fast DDS; count 0: Cyclone DDS).
+  const bool pre_emptive = base.value < 1 || acknack.count == 0;
+  if (!pre_emptive && acknack.count - proxy->last_count <= 0 && proxy->last_count != 0) return;
+  proxy->last_count = acknack.count;
+  if (!pre_emptive && base <= history_.last().next() && base.previous() > proxy->acknowledged) {
+    proxy->acknowledged = base.previous();
+    period_ = kFirstPeriod;
+  }
+  answer_requests(*proxy, acknack.missing);
+  if (pre_emptive || (!acknack.is_final && acknack.missing.empty()))
+    send_heartbeat(proxy->destination(), proxy->reader.guid.entity,
+                   std::max(history_.first(), proxy->first_relevant), pre_emptive ? false : true);
+  sender_.flush();
+  release_acknowledged();
+  if (all_acknowledged())
+    next_heartbeat_ = kNever;
+  else if (next_heartbeat_ == kNever)
+    next_heartbeat_ = now + kFirstPeriod;
+}
+
+void StatefulWriter::answer_requests(const ReaderProxy& proxy, const SequenceNumberSet& missing) {
+  const auto to = proxy.destination();
+  const auto& reader = proxy.reader.guid.entity;
+  const auto lowest = std::max(history_.first(), proxy.first_relevant);
+  bool gap_below_sent = false;
+  missing.for_each([&](SequenceNumber number) {
+    if (number > history_.last() || !is_valid(number)) return;
+    if (number < lowest) {
+      if (!gap_below_sent)
+        sender_.add(to, Gap{reader, guid_.entity, number, SequenceNumberSet(lowest)});
+      gap_below_sent = true;
+    } else if (const auto* change = history_.find(number)) {
+      send_change(to, reader, *change);
+    } else {
+      sender_.add(to, Gap{reader, guid_.entity, number, SequenceNumberSet(number.next())});
+    }
+  });
+}
+
+void StatefulWriter::on_nack_frag(const GuidPrefix& from, const NackFrag& nack) {
+  auto* proxy = find({from, nack.reader});
+  if (proxy == nullptr || !proxy->reader.reliable) return;
+  if (nack.count - proxy->last_frag_count <= 0 && proxy->last_frag_count != 0) return;
+  proxy->last_frag_count = nack.count;
+  const auto* change = history_.find(nack.sequence_number);
+  if (change == nullptr) {
+    sender_.add(proxy->destination(), Gap{nack.reader, guid_.entity, nack.sequence_number,
+                                          SequenceNumberSet(nack.sequence_number.next())});
+  } else {
+    nack.missing.for_each([&](FragmentNumber number) {
+      send_fragment(proxy->destination(), nack.reader, *change, number);
+    });
+    // The reader can ask for the next ones at once.
+    send_heartbeat(proxy->destination(), nack.reader,
+                   std::max(history_.first(), proxy->first_relevant), false);
+  }
+  sender_.flush();
+}
+
+void StatefulWriter::tick(MonotonicTime now) {
+  if (now < next_heartbeat_) return;
+  for (const auto& proxy : readers_) {
+    if (!proxy.reader.reliable || proxy.acknowledged >= history_.last()) continue;
+    send_heartbeat(proxy.destination(), proxy.reader.guid.entity,
+                   std::max(history_.first(), proxy.first_relevant), false);
+  }
+  sender_.flush();
+  period_ = std::min(period_ * 2, kLongestPeriod);
+  next_heartbeat_ = all_acknowledged() ? kNever : now + period_;
+}
+
+bool StatefulWriter::all_acknowledged() const {
+  if (!qos_.is_reliable()) return true;
+  return std::ranges::all_of(readers_, [&](const auto& proxy) {
+    return !proxy.reader.reliable || proxy.acknowledged >= history_.last();
+  });
+}
+
+// Nobody will ask again: late joiners of a volatile writer get nothing old.
+void StatefulWriter::release_acknowledged() {
+  if (qos_.durability >= DurabilityKind::transient_local) return;
+  auto through = history_.last();
+  for (const auto& proxy : readers_)
+    if (proxy.reader.reliable && qos_.is_reliable())
+      through = std::min(through, proxy.acknowledged);
+  history_.remove_through(through);
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,87 @@
+// The writer's side of the protocol: who has what, who asks for what (RTPS 8.4.9).
+#pragma once
+
+#include <chrono>
+#include <vector>
+
+#include "rtps/discovery/parameter_table.hpp"
+#include "rtps/qos/qos.hpp"
+#include "rtps/reliability/message_sender.hpp"
+#include "rtps/reliability/writer_history.hpp"
+#include "rtps/wire/acknack.hpp"
+#include "rtps/wire/nack_frag.hpp"
+
+namespace ddssec::rtps {
+
+using MonotonicTime = std::chrono::nanoseconds;
+inline constexpr MonotonicTime kNever = MonotonicTime::max();
+
+/// A reader that matched a local writer.
+struct MatchedReader {
+  Guid guid;
+  bool reliable = false;
+  bool wants_history = false;  ///< transient-local or more
+  LocatorList locators;
+};
+
+/// No I/O but through the sender, no clock, no lock: the caller brings all three.
+class StatefulWriter {
+ public:
+  StatefulWriter(const Guid& guid, const Qos& qos, MessageSender& sender);
+
+  const Guid& guid() const { return guid_; }
+  const Qos& qos() const { return qos_; }
+  const WriterHistory& history() const { return history_; }
+  std::size_t matched() const { return readers_.size(); }
+
+  /// A reliable reader is told at once what there is.
+  void match(MatchedReader reader, MonotonicTime now);
+  void unmatch(const Guid& reader);
+
+  bool has_room(std::size_t payload_size) const { return history_.has_room(payload_size); }
+  /// Stores and sends to all matched readers. The caller asked has_room before.
+  SequenceNumber write(Change change, MonotonicTime now);
+
+  void on_acknack(const GuidPrefix& from, const AckNack& acknack, MonotonicTime now);
+  void on_nack_frag(const GuidPrefix& from, const NackFrag& nack);
+  /// Heartbeats that are due.
+  void tick(MonotonicTime now);
+  MonotonicTime next_tick() const { return next_heartbeat_; }
+  /// True if every reliable reader has everything.
+  bool all_acknowledged() const;
+
+ private:
+  struct ReaderProxy {
+    MatchedReader reader;
+    SequenceNumber first_relevant;  ///< what a late joiner does not get lies below
+    SequenceNumber acknowledged;    ///< everything up to here has arrived
+    std::int32_t last_count = 0;
+    std::int32_t last_frag_count = 0;
+    Destination destination() const { return {reader.guid.prefix, reader.locators}; }
+  };
+
+  ReaderProxy* find(const Guid& reader);
+  void rebuild_locators();
+  void send_change(const Destination& to, const EntityId& reader, const Change& change);
+  void send_fragment(const Destination& to, const EntityId& reader, const Change& change,
+                     FragmentNumber number);
+  void send_heartbeat(const Destination& to, const EntityId& reader, SequenceNumber first,
+                      bool is_final);
+  void answer_requests(const ReaderProxy& proxy, const SequenceNumberSet& missing);
+  void heartbeat_after_write(MonotonicTime now);
+  void release_acknowledged();
+
+  const Guid guid_;
+  const Qos qos_;
+  MessageSender& sender_;
+  WriterHistory history_;
+  std::vector<ReaderProxy> readers_;
+  LocatorList all_locators_;
+  std::int32_t heartbeat_count_ = 0;
+  MonotonicTime next_heartbeat_ = kNever;
+  MonotonicTime period_{};
+  int written_since_heartbeat_ = 0;
+  std::size_t octets_since_heartbeat_ = 0;
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,49 @@
+// What a writer still holds: bounded, in the order of sequence numbers.
+#pragma once
+
+#include <deque>
+#include <map>
+
+#include "rtps/qos/qos.hpp"
+#include "rtps/reliability/change.hpp"
+
+namespace ddssec::rtps {
+
+class WriterHistory {
+ public:
+  /// Where RESOURCE_LIMITS says "unlimited", memory is bounded all the same.
+  static constexpr std::size_t kMostChanges = 65536;
+  static constexpr std::size_t kMostOctets = std::size_t{256} << 20;
+
+  explicit WriterHistory(const Qos& qos);
+
+  /// False: full, and no change may be dropped to make room (KEEP_ALL).
+  bool has_room(std::size_t payload_size) const;
+  /// Takes the next sequence number. With KEEP_LAST the oldest change of the same instance goes.
+  SequenceNumber add(Change change);
+  /// Drops all changes up to and including `number`.
+  void remove_through(SequenceNumber number);
+
+  /// nullptr: dropped, or not yet written.
+  const Change* find(SequenceNumber number) const;
+  /// The lowest that is held, or next() if none.
+  SequenceNumber first() const;
+  /// The last that was written; 0 if none.
+  SequenceNumber last() const { return {next_.value - 1}; }
+  std::size_t size() const { return count_; }
+
+ private:
+  void drop(SequenceNumber number);
+  void trim_front();
+
+  const History history_;
+  std::size_t most_changes_;
+  std::deque<std::optional<Change>> changes_;  ///< base_ onwards, with holes
+  SequenceNumber base_{1};
+  SequenceNumber next_{1};
+  std::size_t count_ = 0;
+  std::size_t octets_ = 0;
+  std::map<KeyHash, std::deque<SequenceNumber>> instances_;  ///< KEEP_LAST only
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,70 @@
+#include "rtps/transport/event_loop.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+namespace ddssec::rtps {
+namespace {
+
+constexpr std::uint64_t kWakeUp = ~0ull;
+
+std::unexpected<Error> failed(const char* call) {
+  return fail(Code::rtps_socket_failed, {.field = call, .found = std::strerror(errno)});
+}
+
+bool add(int epoll, int fd, std::uint64_t tag) {
+  epoll_event event{};
+  event.events = EPOLLIN;
+  event.data.u64 = tag;
+  return ::epoll_ctl(epoll, EPOLL_CTL_ADD, fd, &event) == 0;
+}
+
+int milliseconds(std::chrono::nanoseconds timeout) {
+  if (timeout < std::chrono::nanoseconds::zero()) return -1;
+  const auto rounded = std::chrono::ceil<std::chrono::milliseconds>(
+      std::min(timeout, std::chrono::nanoseconds(std::chrono::hours(1))));
+  return static_cast<int>(rounded.count());
+}
+
+}  // namespace
+
+Result<EventLoop> EventLoop::create() {
+  FileDescriptor epoll(::epoll_create1(EPOLL_CLOEXEC));
+  if (epoll.value() < 0) return failed("epoll_create1");
+  FileDescriptor wake_up(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+  if (wake_up.value() < 0 || !add(epoll.value(), wake_up.value(), kWakeUp))
+    return failed("eventfd");
+  return EventLoop(std::move(epoll), std::move(wake_up));
+}
+
+Status EventLoop::watch(int fd, std::function<void()> on_readable) {
+  if (!add(epoll_.value(), fd, handlers_.size())) return failed("epoll_ctl");
+  handlers_.push_back(std::move(on_readable));
+  return {};
+}
+
+void EventLoop::wait(std::chrono::nanoseconds timeout) {
+  std::array<epoll_event, 8> events;
+  const int count =
+      ::epoll_wait(epoll_.value(), events.data(), events.size(), milliseconds(timeout));
+  for (int i = 0; i < count; ++i) {
+    const auto tag = events[static_cast<std::size_t>(i)].data.u64;
+    if (tag != kWakeUp) {
+      handlers_[tag]();
+      continue;
+    }
+    std::uint64_t drained = 0;
+    [[maybe_unused]] const auto size = ::read(wake_up_.value(), &drained, sizeof drained);
+  }
+}
+
+void EventLoop::wake() const {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const auto size = ::write(wake_up_.value(), &one, sizeof one);
+}
+
+}  // namespace ddssec::rtps

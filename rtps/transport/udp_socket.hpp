@@ -1,0 +1,77 @@
+// One UDP socket, IPv4 or IPv6, that receives and sends in batches.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "base/bytes.hpp"
+#include "base/result.hpp"
+#include "rtps/wire/locator.hpp"
+
+namespace ddssec::rtps {
+
+/// Closes itself.
+class FileDescriptor {
+ public:
+  explicit FileDescriptor(int fd = -1) : fd_(fd) {}
+  ~FileDescriptor();
+  FileDescriptor(FileDescriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  FileDescriptor& operator=(FileDescriptor&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    return *this;
+  }
+  int value() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+/// Not thread-safe for receiving; sending is safe from any thread.
+class UdpSocket {
+ public:
+  static constexpr std::size_t kLargestDatagram = 65507;
+  static constexpr std::size_t kBatch = 16;
+
+  /// Bound to the address and port of `at`; port 0 chooses one. Errors: rtps_port_taken,
+  /// rtps_socket_failed.
+  static Result<UdpSocket> bind(const Locator& at);
+  /// Bound to the port of `group` and joined to it on the interface with address `interface`.
+  static Result<UdpSocket> join(const Locator& group, const Locator& interface);
+
+  int fd() const { return fd_.value(); }
+  const Locator& local() const { return local_; }
+  /// What the system granted, in octets.
+  std::size_t receive_buffer_size() const;
+
+  /// Passes each datagram that waits to `f(datagram, source)`, at most kBatch; returns how many.
+  /// The datagram is valid during the call.
+  template <class F>
+  std::size_t receive(F&& f) {
+    const auto count = receive_batch();
+    for (std::size_t i = 0; i < count; ++i) f(datagram(i), source(i));
+    return count;
+  }
+
+  /// One message to each locator of this socket's family.
+  void send(BytesView message, std::span<const Locator> to) const;
+
+ private:
+  struct Batch;
+  struct BatchDelete {
+    void operator()(Batch* batch) const noexcept;
+  };
+  UdpSocket(FileDescriptor fd, const Locator& local);
+  static Result<UdpSocket> open(const Locator& at, bool shared);
+
+  std::size_t receive_batch();
+  BytesView datagram(std::size_t index) const;
+  Locator source(std::size_t index) const;
+
+  FileDescriptor fd_;
+  Locator local_;
+  std::unique_ptr<Batch, BatchDelete> batch_;
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,302 @@
+// One writer and one reader over a network that loses, doubles and reorders.
+#include <deque>
+#include <random>
+
+#include <gmock/gmock.h>
+
+#include "rtps/reliability/stateful_reader.hpp"
+#include "rtps/wire/entity_ids.hpp"
+#include "tests/unit/rtps/wire_helpers.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using std::chrono::milliseconds;
+using ::testing::ElementsAre;
+
+const GuidPrefix kA = GuidPrefix::from(Bytes(12, 0xaa));
+const GuidPrefix kB = GuidPrefix::from(Bytes(12, 0xbb));
+const Locator kHere = *Locator::parse("127.0.0.1", 1);
+
+/// Two ends; what one sends waits until the test carries it over.
+struct Network {
+  struct End final : Transport {
+    std::deque<Bytes> sent;
+    void send(BytesView message, std::span<const Locator>) override {
+      sent.push_back(to_bytes(message));
+    }
+  };
+  End a, b;
+  std::mt19937 random{1};
+  int loss_percent = 0, duplicate_percent = 0;
+  bool reorder = false;
+  std::size_t messages = 0;
+
+  bool chance(int percent) { return static_cast<int>(random() % 100) < percent; }
+  template <class F>
+  void carry(End& end, F&& receive) {
+    auto waiting = std::exchange(end.sent, {});
+    if (reorder) std::ranges::shuffle(waiting, random);
+    for (const auto& message : waiting) {
+      ++messages;
+      if (chance(loss_percent)) continue;
+      receive(message);
+      if (chance(duplicate_percent)) receive(message);
+    }
+  }
+};
+
+struct Pair {
+  Network net;
+  MessageSender to_b{net.a, kA};
+  MessageSender to_a{net.b, kB};
+  StatefulWriter writer;
+  std::vector<Change> delivered;
+  StatefulReader reader;
+  MonotonicTime now{};
+
+  explicit Pair(Qos offered = default_writer_qos(), bool reliable = true)
+      : writer({kA, testing::kWriter}, offered, to_b),
+        reader({kB, testing::kReader}, reliable, to_a,
+               [this](Change change) { delivered.push_back(std::move(change)); }) {}
+
+  void match(bool wants_history = false, bool reliable = true) {
+    reader.match({writer.guid(), writer.qos().is_reliable(), {kHere}}, now);
+    writer.match({reader.guid(), reliable, wants_history, {kHere}}, now);
+  }
+  SequenceNumber write(Bytes octets, std::optional<KeyHash> key = {}) {
+    Change change;
+    change.payload = Payload::copy_of(octets);
+    change.key_hash = key;
+    return writer.write(std::move(change), now);
+  }
+  void receive(const Bytes& message) {
+    auto walker = *MessageReader::open(message);
+    const auto from = walker.header().prefix;
+    std::optional<Time> time;
+    for (auto next = walker.next(); next && *next; next = walker.next()) {
+      const auto& view = **next;
+      switch (view.id) {
+        case SubmessageId::data:
+          reader.on_data(from, *read_data(view), time);
+          break;
+        case SubmessageId::data_frag:
+          reader.on_data_frag(from, *read_data_frag(view), time);
+          break;
+        case SubmessageId::heartbeat:
+          reader.on_heartbeat(from, *read_heartbeat(view));
+          break;
+        case SubmessageId::gap:
+          reader.on_gap(from, *read_gap(view));
+          break;
+        case SubmessageId::acknack:
+          writer.on_acknack(from, *read_acknack(view), now);
+          break;
+        case SubmessageId::nack_frag:
+          writer.on_nack_frag(from, *read_nack_frag(view));
+          break;
+        default:
+          break;
+      }
+    }
+  }
+  void run(int steps) {
+    for (int i = 0; i < steps; ++i) {
+      net.carry(net.a, [&](const Bytes& message) { receive(message); });
+      net.carry(net.b, [&](const Bytes& message) { receive(message); });
+      now += milliseconds(10);
+      writer.tick(now);
+      reader.tick(now);
+    }
+  }
+  std::vector<std::int64_t> numbers() const {
+    std::vector<std::int64_t> out;
+    for (const auto& change : delivered) out.push_back(change.sequence_number.value);
+    return out;
+  }
+};
+
+Qos keep_all() {
+  auto qos = default_writer_qos();
+  qos.history.kind = HistoryKind::keep_all;
+  return qos;
+}
+
+TEST(Reliability, DeliversInOrderAndForgetsWhatIsAcknowledged) {
+  Pair pair(keep_all());
+  pair.match();
+  pair.run(3);
+  for (std::uint8_t i = 0; i < 3; ++i) pair.write({0, 1, 0, 0, i, 0, 0, 0});
+  pair.run(20);
+  EXPECT_THAT(pair.numbers(), ElementsAre(1, 2, 3));
+  EXPECT_EQ(to_bytes(pair.delivered[2].payload.view()), (Bytes{0, 1, 0, 0, 2, 0, 0, 0}));
+  EXPECT_TRUE(pair.writer.all_acknowledged());
+  EXPECT_EQ(pair.writer.history().size(), 0u);
+  EXPECT_EQ(pair.writer.next_tick(), kNever);
+  const auto before = pair.net.messages;
+  pair.run(100);
+  EXPECT_EQ(pair.net.messages, before) << "an idle pair is silent";
+}
+
+TEST(Reliability, LossDuplicationAndReorderingLoseNothing) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    Pair pair(keep_all());
+    pair.net.random.seed(seed);
+    pair.net.loss_percent = 30, pair.net.duplicate_percent = 10, pair.net.reorder = true;
+    pair.match();
+    std::vector<std::int64_t> expected;
+    for (int i = 1; i <= 1000; ++i) {
+      pair.write({0, 1, 0, 0, static_cast<std::uint8_t>(i)});
+      expected.push_back(i);
+      if (i % 50 == 0) pair.run(1);
+    }
+    pair.run(3000);
+    EXPECT_EQ(pair.numbers(), expected) << seed;
+    EXPECT_TRUE(pair.writer.all_acknowledged());
+  }
+}
+
+TEST(Reliability, LargeSamplesComeInFragmentsAndAreRepairedSelectively) {
+  Pair pair(keep_all());
+  pair.net.loss_percent = 20, pair.net.reorder = true;
+  pair.match();
+  pair.run(5);
+  Bytes large(3'000'000);
+  for (std::size_t i = 0; i < large.size(); ++i)
+    large[i] = static_cast<std::uint8_t>(i * 7 + i / 256);
+  pair.net.messages = 0;
+  pair.write(large);
+  pair.write({0, 1, 0, 0});
+  pair.run(500);
+  ASSERT_THAT(pair.numbers(), ElementsAre(1, 2));
+  EXPECT_EQ(to_bytes(pair.delivered[0].payload.view()), large);
+  EXPECT_LT(pair.net.messages, 2 * 210u) << "only what was lost is sent again";
+}
+
+TEST(Reliability, ALateJoinerOfAVolatileWriterGetsOnlyWhatIsNew) {
+  Pair pair(keep_all());
+  for (int i = 0; i < 5; ++i) pair.write({1});
+  EXPECT_EQ(pair.writer.history().size(), 0u);
+  pair.match(true);
+  pair.run(5);
+  pair.write({2});
+  pair.run(20);
+  EXPECT_THAT(pair.numbers(), ElementsAre(6));
+  EXPECT_TRUE(pair.writer.all_acknowledged());
+}
+
+TEST(Reliability, ALateJoinerOfATransientLocalWriterGetsItsHistory) {
+  auto qos = default_writer_qos();
+  qos.durability = DurabilityKind::transient_local;
+  qos.history.depth = 2;
+  Pair pair(qos);
+  for (std::uint8_t key = 0; key < 2; ++key)
+    for (std::uint8_t i = 0; i < 4; ++i) pair.write({i}, KeyHash{key});
+  EXPECT_EQ(pair.writer.history().size(), 4u);
+  pair.match(true);
+  pair.run(20);
+  EXPECT_THAT(pair.numbers(), ElementsAre(3, 4, 7, 8));
+  EXPECT_TRUE(pair.writer.all_acknowledged());
+}
+
+TEST(Reliability, KeepLastReplacesUnacknowledgedChangesAndGapsThem) {
+  Pair pair;  // depth 1
+  pair.match();
+  pair.run(3);
+  pair.net.loss_percent = 100;
+  for (std::uint8_t i = 1; i <= 10; ++i) pair.write({i});
+  pair.run(5);
+  pair.net.loss_percent = 0;
+  pair.run(50);
+  EXPECT_THAT(pair.numbers(), ElementsAre(10));
+  EXPECT_TRUE(pair.writer.all_acknowledged());
+}
+
+TEST(Reliability, KeepAllRefusesWhenItsLimitIsReached) {
+  auto qos = keep_all();
+  qos.resource_limits.max_samples = 3;
+  Pair pair(qos);
+  pair.match();
+  pair.run(3);
+  pair.net.loss_percent = 100;
+  for (std::uint8_t i = 0; i < 3; ++i) {
+    EXPECT_TRUE(pair.writer.has_room(1));
+    pair.write({i});
+  }
+  EXPECT_FALSE(pair.writer.has_room(1));
+  pair.net.loss_percent = 0;
+  pair.run(50);
+  EXPECT_TRUE(pair.writer.has_room(1));
+}
+
+TEST(Reliability, BestEffortNeitherAsksNorGoesBack) {
+  auto qos = default_writer_qos();
+  qos.reliability.kind = ReliabilityKind::best_effort;
+  Pair pair(qos, false);
+  pair.match(false, false);
+  pair.net.loss_percent = 50, pair.net.reorder = true, pair.net.duplicate_percent = 50;
+  for (int i = 0; i < 100; ++i) {
+    pair.write({1});
+    pair.run(1);
+  }
+  EXPECT_TRUE(std::ranges::is_sorted(pair.numbers(), std::less_equal{}));
+  EXPECT_GT(pair.delivered.size(), 20u);
+  EXPECT_TRUE(pair.net.b.sent.empty());
+}
+
+TEST(Reliability, StrangersAreNotHeard) {
+  Pair pair(keep_all());
+  pair.match();
+  pair.run(5);
+  pair.write({1});
+  const auto stranger = GuidPrefix::from(Bytes(12, 0xcc));
+  pair.reader.on_gap(stranger, Gap{{}, testing::kWriter, {1}, SequenceNumberSet({100})});
+  pair.reader.on_heartbeat(stranger, Heartbeat{{}, testing::kWriter, {50}, {60}, 999});
+  pair.writer.on_acknack(stranger, AckNack{testing::kReader, {}, SequenceNumberSet({2}), 99, true},
+                         pair.now);
+  EXPECT_FALSE(pair.writer.all_acknowledged());
+  pair.run(10);
+  EXPECT_THAT(pair.numbers(), ElementsAre(1));
+}
+
+TEST(Reliability, AnAcknackForMoreThanWasWrittenIsNotBelieved) {
+  Pair pair(keep_all());
+  pair.match();
+  pair.net.loss_percent = 100;
+  pair.write({1});
+  pair.writer.on_acknack(kB, AckNack{testing::kReader, {}, SequenceNumberSet({1000}), 50, true},
+                         pair.now);
+  EXPECT_EQ(pair.writer.history().size(), 1u);
+}
+
+// A million early numbers, a GAP over 2^61 numbers ahead, fragments of samples that never complete.
+TEST(Reliability, WhatNeverCompletesStaysBounded) {
+  Pair pair(keep_all());
+  pair.match();
+  for (std::int64_t i = 2; i < 100'000; ++i)
+    pair.reader.on_data(kA, Data{{}, testing::kWriter, {i}, {}, PayloadKind::data, Bytes{1}}, {});
+  pair.reader.on_gap(kA, Gap{{}, testing::kWriter, {5}, SequenceNumberSet({1ll << 61})});
+  EXPECT_TRUE(pair.delivered.empty());
+  pair.reader.on_data(kA, Data{{}, testing::kWriter, {1}, {}, PayloadKind::data, Bytes{1}}, {});
+  EXPECT_EQ(pair.delivered.size(), 1 + StatefulReader::kMostEarlyChanges);
+  const Bytes part(1000);
+  for (std::int64_t i = 1; i < 1000; ++i) {
+    DataFrag frag{{}, testing::kWriter, {200'000 + i}, {1}, 1, 1000, 64u << 20, {}, false, part};
+    pair.reader.on_data_frag(kA, frag, {});
+  }
+  DataFrag too_large{{}, testing::kWriter, {3000}, {1}, 1, 1000, (64u << 20) + 1, {}, false, part};
+  pair.reader.on_data_frag(kA, too_large, {});
+  EXPECT_EQ(pair.delivered.size(), 1 + StatefulReader::kMostEarlyChanges);
+}
+
+TEST(Reliability, AGapAtTheFrontIsSkippedAsAWhole) {
+  Pair pair(keep_all());
+  pair.match();
+  pair.reader.on_gap(kA, Gap{{}, testing::kWriter, {1}, SequenceNumberSet({1ll << 61})});
+  pair.reader.on_data(kA, Data{{}, testing::kWriter, {1ll << 61}, {}, PayloadKind::data, Bytes{1}},
+                      {});
+  EXPECT_EQ(pair.delivered.size(), 1u);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
