@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <compare>
 #include <cstdint>
 #include <string>
@@ -18,6 +19,13 @@ struct Id {
 
   static constexpr std::size_t size = N;
   auto operator<=>(const Id&) const = default;
+  /// One comparison of a word for the ids that every message is looked up by.
+  constexpr bool operator==(const Id& other) const {
+    if constexpr (N == 4)
+      return std::bit_cast<std::uint32_t>(octets) == std::bit_cast<std::uint32_t>(other.octets);
+    else
+      return octets == other.octets;
+  }
   BytesView view() const { return octets; }
   bool is_zero() const { return *this == Id{}; }
   std::string to_string() const { return to_hex(octets); }
