@@ -13,6 +13,7 @@ constexpr std::string_view kKeyMaterialProperty = "dds.cryp.keymat";
 constexpr std::size_t kLeastNoneSize = 24;
 constexpr std::size_t kMostNoneSize = 128;
 
+/// By the last octet of the kind, from 1.
 constexpr std::array kKinds = {
     KindTraits{kAes128Gmac, 16, false},
     KindTraits{kAes128Gcm, 16, true},
@@ -51,9 +52,12 @@ Result<Key> read_key(Reader& reader, std::size_t size) {
 }  // namespace
 
 std::optional<KindTraits> traits_of(TransformKind kind) {
-  const auto* row = std::ranges::find(kKinds, kind, &KindTraits::kind);
-  if (row == kKinds.end()) return std::nullopt;
-  return *row;
+  // The first three octets are a key revision in later versions; ours is 0.
+  const auto index = kind.octets[3];
+  const bool known = (kind.octets[0] | kind.octets[1] | kind.octets[2]) == 0 && index != 0 &&
+                     index <= kKinds.size();
+  if (!known) return std::nullopt;
+  return kKinds[index - 1u];
 }
 
 TransformKind kind_for(bool encrypts, std::size_t key_size) {

@@ -133,7 +133,9 @@ TEST(Plaintext, MustBeWholeSubmessagesInWholeWords) {
   };
   expect_refused({});
   expect_refused({0x15, 1, 0});
-  expect_refused(Bytes(data_submessage(8).begin(), data_submessage(8).end() - 1));
+  auto uneven = data_submessage(8);
+  uneven.pop_back();
+  expect_refused(uneven);
   auto longer = data_submessage(8);
   longer[2] = 12;
   expect_refused(longer);

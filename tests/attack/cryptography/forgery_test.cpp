@@ -1,0 +1,401 @@
+// What somebody on the wire, or an authenticated peer gone bad, may send (T27, T28, T29, T42, T43,
+// T45 of the catalogue of attacks).
+#include <gtest/gtest.h>
+
+#include "plugins/cryptography/send_key.hpp"
+#include "plugins/cryptography/wire.hpp"
+#include "tests/unit/cryptography/two_sides.hpp"
+
+namespace ddssec::cryptography::testing {
+namespace {
+
+constexpr auto kEncrypt = ProtectionKind::encrypt;
+constexpr auto kSign = ProtectionKind::sign;
+constexpr auto kNone = ProtectionKind::none;
+constexpr auto kSignOrigin = ProtectionKind::sign_with_origin_authentication;
+constexpr auto kEncryptOrigin = ProtectionKind::encrypt_with_origin_authentication;
+constexpr std::array kKinds = {kSign, kEncrypt, kSignOrigin, kEncryptOrigin};
+
+template <class T>
+Code code_of(const Result<T>& result) {
+  return result ? Code{0} : result.error().code();
+}
+
+using Decode = std::function<Result<Bytes>(const Bytes&)>;
+
+struct Target {
+  std::string name;
+  Bytes encoded;
+  Decode decode;
+};
+
+/// A genuine message of every kind at every level, with its reader.
+class AllKinds : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    for (const auto kind : kKinds) {
+      auto& two = *sides_.emplace_back(std::make_unique<TwoSides>(kind));
+      const auto e =
+          two.endpoints(endpoint_attributes(kind, is_encrypted(kind) ? kEncrypt : kSign));
+      const auto name = std::string(to_string(kind));
+      targets_.push_back({name + " payload", encode_payload(two, e, Bytes(22, 3)).value(),
+                          [&two, e](const Bytes& in) { return decode_payload(two, e, in); }});
+      targets_.push_back({name + " submessage",
+                          encode_submessage(two, e, data_submessage(24)).value(),
+                          [&two, e](const Bytes& in) { return decode_submessage(two, e, in); }});
+      targets_.push_back({name + " reply", encode_reply(two, e, data_submessage(24, 0x06)).value(),
+                          [&two, e](const Bytes& in) { return decode_reply(two, e, in); }});
+      targets_.push_back(
+          {name + " message",
+           encode_message(two, rtps_message({data_submessage(12), data_submessage(8)})).value(),
+           [&two](const Bytes& in) { return decode_message(two, in); }});
+    }
+  }
+  std::vector<std::unique_ptr<TwoSides>> sides_;
+  std::vector<Target> targets_;
+};
+
+TEST_F(AllKinds, NoBitCanBeFlipped) {
+  for (const auto& target : targets_) {
+    ASSERT_TRUE(target.decode(target.encoded)) << target.name;
+    for (std::size_t bit = 0; bit < 8 * target.encoded.size(); ++bit) {
+      auto bad = target.encoded;
+      bad[bit / 8] ^= static_cast<std::uint8_t>(1 << bit % 8);
+      EXPECT_FALSE(target.decode(bad)) << target.name << " octet " << bit / 8;
+    }
+    EXPECT_TRUE(target.decode(target.encoded))
+        << "a forgery must not harm the honest " << target.name;
+  }
+}
+
+TEST_F(AllKinds, TruncatedOrExtendedIsRefused) {
+  for (const auto& target : targets_) {
+    for (std::size_t size = 0; size < target.encoded.size(); ++size)
+      EXPECT_FALSE(target.decode(Bytes(target.encoded.begin(),
+                                       target.encoded.begin() + static_cast<std::ptrdiff_t>(size))))
+          << target.name << size;
+    for (const std::size_t more : {1u, 4u, 20u, 24u}) {
+      auto longer = target.encoded;
+      longer.resize(longer.size() + more);
+      EXPECT_FALSE(target.decode(longer)) << target.name;
+    }
+  }
+}
+
+/// But for a postfix length of 0, which means the same.
+TEST_F(AllKinds, EveryOctetAtItsExtremesIsRefusedOrMeansTheSame) {
+  for (const auto& target : targets_) {
+    const auto honest = target.decode(target.encoded).value();
+    std::size_t accepted = 0;
+    for (std::size_t at = 0; at < target.encoded.size(); ++at)
+      for (const std::uint8_t value : {0x00, 0x7f, 0x80, 0xff}) {
+        auto bad = target.encoded;
+        if (std::exchange(bad[at], value) == value) continue;
+        const auto decoded = target.decode(bad);
+        if (!decoded) continue;
+        EXPECT_EQ(*decoded, honest) << target.name << " octet " << at;
+        ++accepted;
+      }
+    EXPECT_LE(accepted, 1u) << target.name;
+  }
+}
+
+TEST_F(AllKinds, ShortAndEmptyDatagramsAreRefused) {
+  for (const auto& target : targets_)
+    for (std::size_t size = 0; size <= 64; ++size)
+      for (const std::uint8_t fill : {0x00, 0x01, 0x31, 0x33, 0xff})
+        EXPECT_FALSE(target.decode(Bytes(size, fill)));
+  Bytes out(100);
+  auto& two = *sides_.front();
+  for (std::size_t size = 0; size <= 64; ++size)
+    EXPECT_FALSE(
+        two.b.transform().preprocess_secure_submessage({}, two.b.remote, Bytes(size, 0x31)));
+}
+
+TEST_F(AllKinds, MessagesOfOneDoNotPassAsAnothers) {
+  for (const auto& target : targets_)
+    for (const auto& other : targets_)
+      EXPECT_EQ(target.decode(other.encoded).has_value(), target.name == other.name);
+}
+
+// Exact reasons, by who holds the key.
+
+struct Payload {
+  TwoSides two;
+  WriterToReader e;
+  explicit Payload(ProtectionKind kind) : e(two.endpoints(endpoint_attributes(kNone, kind))) {}
+  Code decode(Bytes encoded) { return code_of(decode_payload(two, e, encoded)); }
+};
+
+TEST(Reasons, KindAndKeyId) {
+  Payload encrypts(kEncrypt), signs(kSign);
+  const auto sealed = encode_payload(encrypts.two, encrypts.e, Bytes(16, 1)).value();
+  const auto with_kind = [&](Bytes octets, std::uint8_t kind) {
+    octets[3] = kind;
+    return octets;
+  };
+  EXPECT_EQ(encrypts.decode(with_kind(sealed, 3)), Code::signed_where_encryption_is_due);
+  EXPECT_EQ(encrypts.decode(with_kind(sealed, 2)), Code::transform_kind_mismatch);
+  for (const std::uint8_t kind : {0, 5, 0x80, 0xff})
+    EXPECT_EQ(encrypts.decode(with_kind(sealed, kind)), Code::crypto_header_kind_unknown);
+  auto revised = sealed;
+  revised[2] = 1;
+  EXPECT_EQ(encrypts.decode(revised), Code::crypto_header_kind_unknown);
+  auto other_key = sealed;
+  other_key[7] ^= 1;
+  EXPECT_EQ(encrypts.decode(other_key), Code::transform_key_id_mismatch);
+  // Content that can be read as CryptoContent.
+  Bytes plain(16);
+  plain[3] = 12;
+  const auto signed_one = encode_payload(signs.two, signs.e, plain).value();
+  EXPECT_EQ(signs.decode(with_kind(signed_one, 4)), Code::encrypted_where_signature_is_due);
+}
+
+TEST(Reasons, Tags) {
+  for (const auto kind : {kSign, kEncrypt}) {
+    Payload one(kind);
+    const auto good = encode_payload(one.two, one.e, Bytes(16, 1)).value();
+    auto zero_tag = good;
+    std::fill_n(zero_tag.end() - 20, 16, std::uint8_t{0});
+    EXPECT_EQ(one.decode(zero_tag), Code::tag_mismatch);
+    auto other_session = good;
+    other_session[9] ^= 0x10;
+    EXPECT_EQ(one.decode(other_session), Code::tag_mismatch);
+    auto macs = good;
+    macs.back() = 1;
+    macs.resize(macs.size() + 20);
+    macs[macs.size() - 1] = 1;
+    EXPECT_EQ(one.decode(macs), Code::receiver_specific_macs_not_allowed);
+    EXPECT_EQ(one.decode(good), Code{0});
+  }
+}
+
+TEST(Reasons, NothingThatDidNotVerifyStays) {
+  for (const auto kind : kKinds) {
+    TwoSides two(kind);
+    auto bad = encode_message(two, rtps_message({data_submessage(40)})).value();
+    bad.back() ^= 1;            // the receiver's MAC, or the count
+    bad[bad.size() - 30] ^= 1;  // the common MAC or before
+    Bytes out(bad.size(), 0);
+    EXPECT_FALSE(two.b.transform().decode_rtps_message(two.b.participant, two.b.remote, bad, out));
+    EXPECT_EQ(out, Bytes(bad.size()));
+  }
+}
+
+TEST(Reasons, ReceiverMacs) {
+  for (const auto kind : {kSignOrigin, kEncryptOrigin}) {
+    TwoSides two(kind);
+    const auto good = encode_message(two, rtps_message({data_submessage(40)})).value();
+    auto wrong = good;
+    wrong.back() ^= 1;
+    EXPECT_EQ(code_of(decode_message(two, wrong)), Code::receiver_specific_mac_mismatch);
+    auto others = good;
+    others[others.size() - 20] ^= 1;
+    EXPECT_EQ(code_of(decode_message(two, others)), Code::receiver_specific_mac_missing);
+    auto none = good;
+    none.resize(none.size() - 20);
+    none[none.size() - 1] = 0;
+    none[none.size() - 22] = 20;  // octetsToNextHeader of the postfix
+    EXPECT_EQ(code_of(decode_message(two, none)), Code::receiver_specific_mac_missing);
+    for (const std::uint32_t count : {0u, 2u, 65535u, 0x7fffffffu, 0xccccccceu, 0xffffffffu}) {
+      auto lie = good;
+      for (int i = 0; i < 4; ++i)
+        lie[lie.size() - 24 + static_cast<std::size_t>(i)] =
+            static_cast<std::uint8_t>(count >> (24 - 8 * i));
+      EXPECT_EQ(code_of(decode_message(two, lie)), Code::secure_group_malformed) << count;
+    }
+  }
+}
+
+/// 3,275 MACs of others do not keep us from finding, or missing, ours.
+TEST(Reasons, AFullListOfReceiverMacs) {
+  TwoSides two(kEncryptOrigin);
+  const auto good = encode_message(two, rtps_message({data_submessage(40)})).value();
+  auto full = good;
+  const auto footer = good.size() - 20 - 20 - 4;
+  Bytes strangers(20 * std::size_t{3274}, 0x99);
+  full.insert(full.end() - 20, strangers.begin(), strangers.end());
+  const std::size_t length = 20 + 20 * std::size_t{3275};
+  full[footer + 2] = static_cast<std::uint8_t>(length), full[footer + 3] = length >> 8;
+  full[footer + 4 + 18] = 3275 >> 8, full[footer + 4 + 19] = 3275 & 0xff;
+  EXPECT_TRUE(decode_message(two, full));
+  full[full.size() - 20] ^= 1;
+  EXPECT_EQ(code_of(decode_message(two, full)), Code::receiver_specific_mac_missing);
+}
+
+TEST(Reasons, FlagsOfLaterVersions) {
+  TwoSides two(kEncrypt);
+  const auto good = encode_message(two, rtps_message({data_submessage(40)})).value();
+  for (const std::uint8_t flag : {0x02, 0x04, 0x80}) {
+    auto bad = good;
+    bad[21] |= flag;
+    EXPECT_EQ(code_of(decode_message(two, bad)), Code::secure_flags_unsupported);
+  }
+}
+
+TEST(Reasons, AnotherSourceOutsideThanInside) {
+  for (const auto kind : {kSign, kEncrypt}) {
+    TwoSides two(kind);
+    const auto good = encode_message(two, rtps_message({data_submessage(40)})).value();
+    for (std::size_t at = 4; at < 20; ++at) {
+      auto bad = good;
+      bad[at] ^= 1;
+      Bytes out(bad.size());
+      EXPECT_EQ(
+          code_of(two.b.transform().decode_rtps_message(two.b.participant, two.b.remote, bad, out)),
+          Code::info_source_mismatch);
+      EXPECT_EQ(out, Bytes(out.size()));
+    }
+  }
+}
+
+TEST(Reasons, PostfixLengthZeroMeansToTheEnd) {
+  TwoSides two(kEncrypt);
+  auto encoded = encode_message(two, rtps_message({data_submessage(40)})).value();
+  encoded[encoded.size() - 22] = 0;
+  EXPECT_TRUE(decode_message(two, encoded)) << "OpenDDS writes it so";
+}
+
+// An insider holds the keys and builds what our encoders would not.
+
+struct Insider {
+  Graveyard graveyard;
+  KeyEnvironment environment{*aead_backend(AeadChoice::automatic), graveyard, 1u << 20, 1u << 20};
+  std::unique_ptr<SendKey> key;
+
+  explicit Insider(TransformKind kind) {
+    const auto size = traits_of(kind)->key_size;
+    KeyMaterial material{.kind = kind};
+    material.salt = MasterSalt::copy_of(Bytes(size, 1)).value();
+    material.sender_key_id = KeyId{{9, 9, 9, 9}};
+    material.sender_key = MasterKey::copy_of(Bytes(size, 2)).value();
+    key = std::move(SendKey::create(std::move(material), {5, 6}, environment).value());
+  }
+  spi::Token token() const { return crypto_token(key->material()); }
+
+  /// A group whose tag is right around any content.
+  Bytes group(Frame frame, const Bytes& content) {
+    const ReadGuard guard;
+    const auto reserved = key->reserve(content.size()).value();
+    const bool encrypts = key->traits().encrypts;
+    Bytes out(content.size() + 100);
+    Pen pen(out);
+    pen.submessage_header(frame.prefix, 20);
+    pen.crypto_header(key->material().kind, key->material().sender_key_id, reserved.iv);
+    if (encrypts) {
+      pen.submessage_header(0x30, 4 + padded(content.size()));
+      pen.u32(static_cast<std::uint32_t>(content.size()));
+    }
+    auto* const place = pen.skip(content.size());
+    if (encrypts) pen.zeros(padded(content.size()) - content.size());
+    pen.submessage_header(frame.postfix, 20);
+    const TagOut tag(pen.skip(16), 16);
+    if (!encrypts) std::ranges::copy(content, place);
+    EXPECT_TRUE(encrypts ? reserved.session->key.seal({reserved.iv, {}, content, place, tag})
+                         : reserved.session->key.mac(reserved.iv, content, tag));
+    pen.u32(0);
+    out.resize(pen.written());
+    return out;
+  }
+};
+
+TEST(InsiderMessages, MustBeginWithTheirSource) {
+  for (const auto kind : {kSign, kEncrypt}) {
+    TwoSides two(kind);
+    Insider insider(kind_for(is_encrypted(kind), 32));
+    const auto token = insider.token();
+    ASSERT_TRUE(two.b.exchange().set_remote_participant_crypto_tokens(two.b.participant,
+                                                                      two.b.remote, {&token, 1}));
+    for (const auto& content : {data_submessage(40), data_submessage(0), Bytes{}}) {
+      auto encoded = rtps_message({insider.group(kMessageFrame, content)});
+      EXPECT_EQ(code_of(decode_message(two, encoded)), Code::info_source_missing);
+    }
+  }
+}
+
+TEST(InsiderSubmessages, MustBeOneThatTheOwnerOfTheKeySends) {
+  for (const auto kind : {kSign, kEncrypt}) {
+    TwoSides two;
+    const auto e = two.endpoints(endpoint_attributes(kind, kNone));
+    Insider insider(kind_for(is_encrypted(kind), 16));
+    const auto token = insider.token();
+    ASSERT_TRUE(two.b.exchange().set_remote_datawriter_crypto_tokens(e.reader, e.remote_writer,
+                                                                     {&token, 1}));
+    ASSERT_TRUE(two.a.exchange().set_remote_datareader_crypto_tokens(e.writer, e.remote_reader,
+                                                                     {&token, 1}));
+    const auto by_writer = [&](const Bytes& content) {
+      return code_of(decode_submessage(two, e, insider.group(kSubmessageFrame, content)));
+    };
+    const auto by_reader = [&](const Bytes& content) {
+      return code_of(decode_reply(two, e, insider.group(kSubmessageFrame, content)));
+    };
+    for (const std::uint8_t id : {0x15, 0x16, 0x07, 0x13, 0x08, 0x09}) {
+      EXPECT_EQ(by_writer(data_submessage(8, id)), Code{0});
+      EXPECT_EQ(by_reader(data_submessage(8, id)), Code::submessage_not_of_sender);
+    }
+    for (const std::uint8_t id : {0x06, 0x12}) {
+      EXPECT_EQ(by_reader(data_submessage(8, id)), Code{0});
+      EXPECT_EQ(by_writer(data_submessage(8, id)), Code::submessage_not_of_sender);
+    }
+    for (const std::uint8_t id : {0x0c, 0x0e, 0x0f, 0x31, 0x33})
+      EXPECT_EQ(by_writer(data_submessage(8, id)), Code::submessage_not_of_sender);
+  }
+}
+
+TEST(InsiderSubmessages, MustBeExactlyOne) {
+  TwoSides two;
+  const auto e = two.endpoints(endpoint_attributes(kEncrypt, kNone));
+  Insider insider(kAes256Gcm);
+  const auto token = insider.token();
+  ASSERT_TRUE(
+      two.b.exchange().set_remote_datawriter_crypto_tokens(e.reader, e.remote_writer, {&token, 1}));
+  auto pair = data_submessage(8);
+  const auto second = data_submessage(8);
+  pair.insert(pair.end(), second.begin(), second.end());
+  auto too_long = data_submessage(8);
+  too_long[2] = 12;
+  auto uneven = data_submessage(9);
+  for (const auto& content : {pair, too_long, uneven, Bytes{}, Bytes(3), Bytes{0x15, 1}})
+    EXPECT_EQ(code_of(decode_submessage(two, e, insider.group(kSubmessageFrame, content))),
+              Code::secure_group_malformed);
+}
+
+/// CryptoContent and SEC_BODY lengths at their extremes (Fast DDS once overflowed here).
+TEST(Lengths, OfTheBodyAtExtremes) {
+  TwoSides two(kEncrypt);
+  const auto good = encode_message(two, rtps_message({data_submessage(40)})).value();
+  for (const std::uint32_t value :
+       {0u, 1u, 67u, 69u, 71u, 0x7fffffffu, 0x80000000u, 0xfffffffcu, 0xfffffffdu, 0xffffffffu}) {
+    auto bad = good;
+    for (int i = 0; i < 4; ++i)
+      bad[48 + static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(value >> (24 - 8 * i));
+    EXPECT_FALSE(decode_message(two, bad)) << value;
+  }
+  for (const std::size_t at : {22u, 46u, 120u})
+    for (const std::uint16_t value : {1, 3, 4, 19, 21, 0x7fff, 0x8000, 0xfffc, 0xffff}) {
+      auto bad = good;
+      bad[at] = static_cast<std::uint8_t>(value), bad[at + 1] = value >> 8;
+      EXPECT_EQ(code_of(decode_message(two, bad)), Code::secure_group_malformed) << at;
+    }
+}
+
+/// Token octets of an authenticated peer gone bad: any size, any lengths (Fast DDS issue 6345).
+TEST(Tokens, OfAnySizeAndContent) {
+  TwoSides two(kEncrypt);
+  SeededRandom random(27);
+  for (std::size_t size = 0; size <= 300; ++size)
+    for (int attempt = 0; attempt < 20; ++attempt) {
+      auto token = crypto_token(KeyMaterial{});
+      auto& octets = token.binary_properties.front().value;
+      octets.assign(size, attempt == 0 ? 0xff : 0x00);
+      if (attempt > 1) random.fill(octets).value();
+      if (attempt > 2 && size > 8) octets[0] = octets[1] = octets[2] = 0, octets[3] = 4;
+      if (attempt > 3 && size > 8) octets[4] = octets[5] = octets[6] = 0, octets[7] = 32;
+      EXPECT_FALSE(two.b.exchange().set_remote_participant_crypto_tokens(
+          two.b.participant, two.b.remote, {&token, 1}));
+    }
+  EXPECT_TRUE(decode_message(two, encode_message(two, rtps_message({data_submessage(8)})).value()));
+}
+
+}  // namespace
+}  // namespace ddssec::cryptography::testing

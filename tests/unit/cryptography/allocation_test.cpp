@@ -1,0 +1,128 @@
+// The message path allocates nothing once matched. A program of its own: it replaces operator new.
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/cryptography/two_sides.hpp"
+
+namespace {
+std::atomic<long> allocations = 0;
+
+void* counted(std::size_t size, std::size_t alignment) {
+  ++allocations;
+  void* const place = std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+  if (place == nullptr) std::abort();
+  return place;
+}
+}  // namespace
+
+void* operator new(std::size_t size) { return counted(size, 16); }
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  return counted(size, static_cast<std::size_t>(alignment));
+}
+void operator delete(void* place) noexcept { std::free(place); }
+void operator delete(void* place, std::size_t) noexcept { std::free(place); }
+void operator delete(void* place, std::align_val_t) noexcept { std::free(place); }
+void operator delete(void* place, std::size_t, std::align_val_t) noexcept { std::free(place); }
+
+namespace ddssec::cryptography::testing {
+namespace {
+
+constexpr auto kEncrypt = ProtectionKind::encrypt;
+constexpr auto kSign = ProtectionKind::sign;
+constexpr std::array kKinds = {kSign, kEncrypt, ProtectionKind::sign_with_origin_authentication,
+                               ProtectionKind::encrypt_with_origin_authentication};
+
+template <class F>
+long allocations_of(F&& f) {
+  const auto before = allocations.load();
+  f();
+  return allocations.load() - before;
+}
+
+TEST(Allocations, AreCounted) {
+  EXPECT_EQ(allocations_of([] { delete new int(1); }), 1);
+  struct alignas(64) Aligned {
+    int value = 0;
+  };
+  EXPECT_EQ(allocations_of([] { delete new Aligned; }), 1);
+}
+
+TEST(Allocations, NoneOnTheMessagePath) {
+  for (const auto kind : kKinds) {
+    TwoSides two(kind);
+    const auto e = two.endpoints(endpoint_attributes(kind, is_encrypted(kind) ? kEncrypt : kSign));
+    const auto data = data_submessage(64), ack = data_submessage(24, 0x06);
+    const auto message = rtps_message({data});
+    Bytes out(500), back(500);
+    auto &a = two.a.transform(), &b = two.b.transform();
+    const auto once = [&] {
+      auto size = a.encode_serialized_payload(e.writer, data, out);
+      bool good = size && b.decode_serialized_payload(e.reader, e.remote_writer,
+                                                      BytesView(out).first(*size), back);
+      size = a.encode_datawriter_submessage(e.writer, {&e.remote_reader, 1}, data, out);
+      const auto group = BytesView(out).first(*size);
+      good &= b.preprocess_secure_submessage({}, two.b.remote, group).has_value();
+      good &= b.decode_datawriter_submessage(e.reader, e.remote_writer, group, back).has_value();
+      size = b.encode_datareader_submessage(e.reader, {&e.remote_writer, 1}, ack, out);
+      good &= a.decode_datareader_submessage(e.writer, e.remote_reader, BytesView(out).first(*size),
+                                             back)
+                  .has_value();
+      size = a.encode_rtps_message(two.a.participant, {&two.a.remote, 1}, message, out);
+      good &=
+          b.decode_rtps_message(two.b.participant, two.b.remote, BytesView(out).first(*size), back)
+              .has_value();
+      if (!good) std::abort();
+    };
+    once();  // sessions are expanded
+    EXPECT_EQ(allocations_of([&] {
+                for (int i = 0; i < 100; ++i) once();
+              }),
+              0);
+  }
+}
+
+/// A sender that changes its session often (Fast DDS: every 32 messages) costs its receiver no
+/// allocation either, once the memory of its sessions is full.
+TEST(Allocations, NoneForNewSessionsOfASender) {
+  TwoSides two(ProtectionKind::none, {}, {.most_blocks_per_session = 1});
+  const auto e = two.endpoints(endpoint_attributes(ProtectionKind::none, kEncrypt));
+  std::vector<Bytes> encoded;
+  for (int i = 0; i < 200; ++i) encoded.push_back(encode_payload(two, e, Bytes(16)).value());
+  Bytes back(100);
+  const auto decode = [&](std::size_t i) {
+    if (!two.b.transform().decode_serialized_payload(e.reader, e.remote_writer, encoded[i], back))
+      std::abort();
+  };
+  for (std::size_t i = 0; i < 10; ++i) decode(i);
+  EXPECT_EQ(allocations_of([&] {
+              for (std::size_t i = 10; i < encoded.size(); ++i) decode(i);
+            }),
+            0);
+}
+
+/// A forged message costs no allocation but that of the session it names.
+TEST(Allocations, FewForForgeries) {
+  TwoSides two(kEncrypt);
+  const auto good = encode_message(two, rtps_message({data_submessage(40)})).value();
+  Bytes out(good.size());
+  ASSERT_TRUE(two.b.transform().decode_rtps_message(two.b.participant, two.b.remote, good, out));
+  auto bad = good;
+  bad[60] ^= 1;
+  EXPECT_EQ(allocations_of([&] {
+              (void)two.b.transform().decode_rtps_message(two.b.participant, two.b.remote, bad,
+                                                          out);
+            }),
+            0);
+  bad[33] ^= 1;
+  EXPECT_LE(allocations_of([&] {
+              (void)two.b.transform().decode_rtps_message(two.b.participant, two.b.remote, bad,
+                                                          out);
+            }),
+            2);
+}
+
+}  // namespace
+}  // namespace ddssec::cryptography::testing

@@ -1,0 +1,193 @@
+// Handles, life and death of what they stand for, and many of them.
+#include "plugins/cryptography/registry.hpp"
+
+#include <chrono>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/cryptography/two_sides.hpp"
+
+namespace ddssec::cryptography::testing {
+namespace {
+
+constexpr auto kEncrypt = ProtectionKind::encrypt;
+constexpr auto kNone = ProtectionKind::none;
+
+template <class T>
+Code code_of(const Result<T>& result) {
+  return result ? Code{0} : result.error().code();
+}
+
+struct Thing final : Entity {
+  Thing() : Entity(EntityKind::local_writer) {}
+};
+
+TEST(Registry, FillsUpAndRefusesMore) {
+  Registry registry(42);
+  const auto most = Registry::kChunkSize * Registry::kMostChunks;
+  std::int64_t last = 0;
+  for (std::size_t i = 0; i < most; ++i) {
+    auto thing = std::make_unique<Thing>();
+    const auto& added = *thing;
+    ASSERT_TRUE(registry.add(std::move(thing)));
+    last = added.handle();
+  }
+  EXPECT_EQ(code_of(registry.add(std::make_unique<Thing>())), Code::crypto_too_many_entities);
+  auto* const thing = registry.find<Thing>(last, EntityKind::local_writer).value();
+  EXPECT_EQ(registry.remove(*thing)->handle(), last);
+  EXPECT_TRUE(registry.add(std::make_unique<Thing>()));
+  EXPECT_EQ(code_of(registry.find<Thing>(last, EntityKind::local_writer)),
+            Code::crypto_handle_unknown);
+}
+
+TEST(Registry, HandlesArePositiveAndDiffer) {
+  for (const std::uint64_t first : {std::uint64_t{0}, ~std::uint64_t{0}, std::uint64_t{1} << 35}) {
+    Registry registry(first);
+    std::set<std::int64_t> seen;
+    for (int i = 0; i < 100; ++i) {
+      auto thing = std::make_unique<Thing>();
+      const auto& added = *thing;
+      ASSERT_TRUE(registry.add(std::move(thing)));
+      EXPECT_GT(added.handle(), 0);
+      EXPECT_TRUE(seen.insert(added.handle()).second);
+      if (i % 2 == 0) registry.remove(added);
+    }
+  }
+}
+
+TEST(Graveyard, FreesWhenNobodyReads) {
+  Graveyard graveyard;
+  {
+    const ReadGuard guard;
+    graveyard.retire(std::make_unique<Thing>());
+    graveyard.retire(std::make_unique<Thing>());
+    EXPECT_EQ(graveyard.size(), 2u);
+  }
+  graveyard.retire(std::make_unique<Thing>());
+  EXPECT_EQ(graveyard.size(), 0u);
+}
+
+TEST(Matching, SameRemoteIdentitySameHandle) {
+  Side side;
+  auto& factory = side.factory();
+  const auto attributes = participant_attributes(kEncrypt);
+  const auto one = factory.register_local_participant({1}, {}, {}, attributes).value();
+  const auto two = factory.register_local_participant({2}, {}, {}, attributes).value();
+  const auto remote =
+      factory.register_matched_remote_participant(one, {7}, {}, shared_secret(1)).value();
+  EXPECT_EQ(factory.register_matched_remote_participant(two, {7}, {}, shared_secret(2)).value(),
+            remote);
+  EXPECT_NE(factory.register_matched_remote_participant(one, {8}, {}, shared_secret(3)).value(),
+            remote);
+  // Each pair has tokens of its own, but the remote is returned once for all.
+  EXPECT_TRUE(side.exchange().create_local_participant_crypto_tokens(one, remote));
+  EXPECT_TRUE(side.exchange().create_local_participant_crypto_tokens(two, remote));
+  ASSERT_TRUE(factory.unregister_participant(remote));
+  EXPECT_EQ(code_of(side.exchange().create_local_participant_crypto_tokens(one, remote)),
+            Code::crypto_handle_unknown);
+  EXPECT_EQ(code_of(factory.unregister_participant(remote)), Code::crypto_handle_unknown);
+  const auto again = factory.register_matched_remote_participant(one, {7}, {}, shared_secret(1));
+  EXPECT_NE(*again, remote);
+}
+
+TEST(Matching, TwoLocalParticipantsReadTheSameRemoteEachWithItsOwnMac) {
+  constexpr auto kOrigin = ProtectionKind::encrypt_with_origin_authentication;
+  TwoSides two(kOrigin);
+  auto& b = two.b;
+  const auto second =
+      b.factory().register_local_participant({5}, {}, {}, participant_attributes(kOrigin)).value();
+  ASSERT_EQ(
+      b.factory().register_matched_remote_participant(second, {7}, {}, shared_secret(9)).value(),
+      b.remote);
+  const auto plain = rtps_message({data_submessage(16)});
+  const auto encoded = encode_message(two, plain).value();
+  Bytes out(encoded.size());
+  const auto decode = [&] {
+    return code_of(b.transform().decode_rtps_message(second, b.remote, encoded, out));
+  };
+  EXPECT_EQ(decode(), Code::key_material_not_received);
+  const auto remote_second =
+      two.a.factory()
+          .register_matched_remote_participant(two.a.participant, {8}, {}, shared_secret(9))
+          .value();
+  const auto tokens =
+      two.a.exchange().create_local_participant_crypto_tokens(two.a.participant, remote_second);
+  ASSERT_TRUE(b.exchange().set_remote_participant_crypto_tokens(second, b.remote, *tokens));
+  EXPECT_EQ(decode(), Code::receiver_specific_mac_missing) << "try the next participant";
+  EXPECT_TRUE(decode_message(two, encoded));
+}
+
+TEST(Unregistering, AParticipantTakesItsOwnWithIt) {
+  TwoSides two(kEncrypt);
+  const auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
+  const auto encoded = encode_payload(two, e, Bytes(8)).value();
+  ASSERT_TRUE(two.b.factory().unregister_participant(two.b.remote));
+  EXPECT_EQ(code_of(decode_payload(two, e, encoded)), Code::crypto_handle_unknown);
+  EXPECT_EQ(code_of(two.b.factory().unregister_datawriter(e.remote_writer)),
+            Code::crypto_handle_unknown);
+  ASSERT_TRUE(two.a.factory().unregister_participant(two.a.participant));
+  EXPECT_EQ(code_of(encode_payload(two, e, Bytes(8))), Code::crypto_handle_unknown);
+  EXPECT_EQ(code_of(two.a.factory().unregister_datareader(e.remote_reader)),
+            Code::crypto_handle_unknown);
+  Bytes out(100);
+  EXPECT_EQ(code_of(two.a.transform().preprocess_secure_submessage({}, two.a.remote, out)),
+            Code::secure_group_malformed)
+      << "the remote participant is still there";
+  EXPECT_TRUE(two.a.factory().unregister_participant(two.a.remote));
+}
+
+TEST(Tokens, ComingAgainReplaceTheKeys) {
+  TwoSides two(kEncrypt);
+  auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
+  const auto encoded = encode_submessage(two, e, data_submessage(8)).value();
+  two.exchange_participant_tokens();
+  for (int i = 0; i < 3; ++i) {
+    const auto tokens =
+        two.a.exchange().create_local_datawriter_crypto_tokens(e.writer, e.remote_reader).value();
+    ASSERT_TRUE(
+        two.b.exchange().set_remote_datawriter_crypto_tokens(e.reader, e.remote_writer, tokens));
+    EXPECT_TRUE(decode_submessage(two, e, encoded));
+  }
+  const auto other = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
+  const auto others = two.a.exchange()
+                          .create_local_datawriter_crypto_tokens(other.writer, other.remote_reader)
+                          .value();
+  ASSERT_TRUE(
+      two.b.exchange().set_remote_datawriter_crypto_tokens(e.reader, e.remote_writer, others));
+  EXPECT_EQ(code_of(decode_submessage(two, e, encoded)), Code::transform_key_id_mismatch);
+}
+
+TEST(Sessions, OldOnesStayReadableWhileNewOnesCome) {
+  TwoSides two(kNone, {}, {.most_blocks_per_session = 1});
+  const auto e = two.endpoints(endpoint_attributes(kNone, kEncrypt));
+  std::vector<Bytes> encoded;
+  for (std::uint8_t i = 0; i < 40; ++i)
+    encoded.push_back(encode_payload(two, e, Bytes(20, i)).value());
+  for (int round = 0; round < 3; ++round)
+    for (std::uint8_t i = 0; i < 40; ++i)
+      EXPECT_EQ(decode_payload(two, e, encoded[static_cast<std::size_t>(39 - i)]).value(),
+                Bytes(20, static_cast<std::uint8_t>(39 - i)));
+}
+
+TEST(Scale, TheFourThousandthRemoteCostsAsMuchAsTheFirst) {
+  Side side;
+  const auto local = side.factory()
+                         .register_local_participant({}, {}, {}, participant_attributes(kEncrypt))
+                         .value();
+  const auto thousand = [&](std::int64_t from) {
+    const auto start = std::chrono::steady_clock::now();
+    for (std::int64_t i = 1; i <= 1000; ++i)
+      side.factory()
+          .register_matched_remote_participant(local, {from + i}, {}, shared_secret())
+          .value();
+    return std::chrono::steady_clock::now() - start;
+  };
+  const auto first = thousand(0);
+  thousand(1000), thousand(2000);
+  const auto last = thousand(3000);
+  EXPECT_LT(last, first * 20) << "a linear walk would take more";
+}
+
+}  // namespace
+}  // namespace ddssec::cryptography::testing
