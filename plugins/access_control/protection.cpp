@@ -16,15 +16,25 @@ struct BuiltinTopic {
   Protects by;
 };
 
-// The standard writes DCPSParticipantSecure and DCPSParticipantsSecure.
-constexpr std::array<BuiltinTopic, 7> kBuiltinTopics = {
-    {{"DCPSParticipantSecure", Protects::discovery},
-     {"DCPSParticipantsSecure", Protects::discovery},
-     {"DCPSPublicationsSecure", Protects::discovery},
-     {"DCPSSubscriptionsSecure", Protects::discovery},
-     {"DCPSParticipantMessageSecure", Protects::liveliness},
-     {"DCPSParticipantStatelessMessage", Protects::nothing},
-     {"DCPSParticipantVolatileMessageSecure", Protects::keys}}};
+// DDS-Security 7.4.8; the standard writes DCPSParticipantSecure and DCPSParticipantsSecure. The
+// plain topics carry what must be readable before anybody is authenticated: no topic rule speaks of
+// them.
+constexpr auto kBuiltinTopics = std::to_array<BuiltinTopic>({
+    {"DCPSParticipant", Protects::nothing},
+    {"DCPSPublication", Protects::nothing},
+    {"DCPSSubscription", Protects::nothing},
+    {"DCPSTopic", Protects::nothing},
+    {"DCPSParticipantMessage", Protects::nothing},
+    {"DCPSTypeLookupRequest", Protects::nothing},
+    {"DCPSTypeLookupReply", Protects::nothing},
+    {"DCPSParticipantStatelessMessage", Protects::nothing},
+    {"DCPSParticipantVolatileMessageSecure", Protects::keys},
+    {"DCPSParticipantSecure", Protects::discovery},
+    {"DCPSParticipantsSecure", Protects::discovery},
+    {"DCPSPublicationsSecure", Protects::discovery},
+    {"DCPSSubscriptionsSecure", Protects::discovery},
+    {"DCPSParticipantMessageSecure", Protects::liveliness},
+});
 
 ProtectionKind kind_of(Protects by, const governance::DomainRule& rule) {
   switch (by) {

@@ -208,7 +208,10 @@ TEST_F(Decisions, BuiltinSecureTopicsHaveAttributes) {
   }
   EXPECT_EQ(submessage("DCPSParticipantMessageSecure"),
             ProtectionKind::encrypt_with_origin_authentication);
-  EXPECT_EQ(submessage("DCPSParticipantStatelessMessage"), ProtectionKind::none);
+  for (const auto* name : {"DCPSParticipant", "DCPSPublication", "DCPSSubscription", "DCPSTopic",
+                           "DCPSParticipantMessage", "DCPSTypeLookupRequest", "DCPSTypeLookupReply",
+                           "DCPSParticipantStatelessMessage"})
+    EXPECT_EQ(submessage(name), ProtectionKind::none) << name;
   EXPECT_EQ(submessage("DCPSParticipantVolatileMessageSecure"), ProtectionKind::encrypt);
   EXPECT_REFUSED(plugin->datawriter_sec_attributes(handle, {.topic_name = "DCPSMine"}),
                  topic_not_covered);
