@@ -86,6 +86,13 @@ constexpr std::size_t protection_overhead(std::size_t receivers) { return 112 + 
 /// length_out_of_range when it is too small: plain size + protection_overhead(receivers) always
 /// suffices to encode, the encoded size always suffices to decode. `out` may not overlap the input.
 /// Nothing that did not verify stays in `out`.
+///
+/// `plain` of the submessage encoders is one whole submessage in whole words (plaintext_malformed);
+/// a length of 0, "to the end", is replaced by the real one. `plain` and `encoded` of the RTPS pair
+/// begin with the RTPS header; a decoded message has INFO_SRC behind its header. Without origin
+/// authentication `receivers` is not looked at; with it, an empty one is refused (receiver_count).
+/// Errors a host acts upon: receiver_specific_mac_missing and receiver_specific_mac_mismatch (try
+/// the next local participant), key_material_not_received and unknown_key_id (too early, drop).
 class CryptoTransform {
  public:
   virtual ~CryptoTransform() = default;
