@@ -1,0 +1,31 @@
+// spi::AccessControl as Cyclone's dds_security_access_control.
+#pragma once
+
+#include "plugins/cyclonedds/context.hpp"
+#include "plugins/cyclonedds/expiry_timer.hpp"
+#include "plugins/spi/access_control.hpp"
+
+namespace ddssec::cyclonedds {
+
+/// The C struct is the base; the host sees only that. One for each domain.
+class AccessControlAdapter final : public dds_security_access_control {
+ public:
+  AccessControlAdapter(std::unique_ptr<Host> host, const MakeEngine<spi::AccessControl>& make,
+                       ddsi_domaingv* domain);
+
+  static AccessControlAdapter& of(dds_security_access_control& instance) {
+    return static_cast<AccessControlAdapter&>(instance);
+  }
+  Host& host() { return *host_; }
+  spi::AccessControl& engine() { return *engine_; }
+
+  /// Null stops the timer; returns when no revocation is running any more.
+  void listen(const dds_security_access_control_listener* listener);
+
+ private:
+  std::unique_ptr<Host> host_;
+  std::unique_ptr<spi::AccessControl> engine_;
+  ExpiryTimer timer_;  ///< last: it ends before what it uses
+};
+
+}  // namespace ddssec::cyclonedds

@@ -1,0 +1,274 @@
+#include "plugins/cyclonedds/authentication_adapter.hpp"
+
+#include "plugins/cyclonedds/token_translation.hpp"
+#include "plugins/cyclonedds/value_translation.hpp"
+
+namespace ddssec::cyclonedds {
+namespace {
+
+using Adapter = AuthenticationAdapter;
+using Instance = dds_security_authentication;
+using CToken = DDS_Security_DataHolder;
+using CResult = DDS_Security_ValidationResult_t;
+using CIdentity = DDS_Security_IdentityHandle;
+using CHandshake = DDS_Security_HandshakeHandle;
+
+spi::IdentityHandle identity(CIdentity handle) { return {handle}; }
+spi::HandshakeHandle handshake(CHandshake handle) { return {handle}; }
+
+CResult to_c(spi::ValidationResult result) {
+  switch (result) {
+    case spi::ValidationResult::ok:
+      return DDS_SECURITY_VALIDATION_OK;
+    case spi::ValidationResult::pending_handshake_request:
+      return DDS_SECURITY_VALIDATION_PENDING_HANDSHAKE_REQUEST;
+    case spi::ValidationResult::pending_handshake_message:
+      return DDS_SECURITY_VALIDATION_PENDING_HANDSHAKE_MESSAGE;
+    case spi::ValidationResult::ok_final_message:
+      return DDS_SECURITY_VALIDATION_OK_FINAL_MESSAGE;
+  }
+  return DDS_SECURITY_VALIDATION_FAILED;
+}
+
+/// `f(adapter) -> Result<CResult>`; any failure is DDS_SECURITY_VALIDATION_FAILED.
+template <class F>
+CResult validate(Instance* instance, Exception* ex, F&& f) noexcept {
+  CResult result = DDS_SECURITY_VALIDATION_FAILED;
+  const bool done = ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
+    result = DDSSEC_TRY(f(adapter));
+    return {};
+  });
+  return done ? result : DDS_SECURITY_VALIDATION_FAILED;
+}
+
+/// A token on its way out; an absent one is nil.
+Status hand_out(const std::optional<spi::Token>& token, CToken& out) {
+  out = {};
+  return token ? copy_token(*token, out) : Status{};
+}
+
+CResult validate_local_identity(Instance* instance, CIdentity* handle,
+                                DDS_Security_GUID_t* adjusted_guid,
+                                const DDS_Security_DomainId domain_id, const DDS_Security_Qos* qos,
+                                const DDS_Security_GUID_t* candidate_guid, Exception* ex) {
+  return validate(instance, ex, [&](Adapter& adapter) -> Result<CResult> {
+    DDSSEC_TRY(require(handle, adjusted_guid, qos, candidate_guid));
+    *handle = DDS_SECURITY_HANDLE_NIL;
+    const auto properties = DDSSEC_TRY(properties_from(qos));
+    const auto local = DDSSEC_TRY(adapter.engine().validate_local_identity(
+        domain_id, properties, guid_from(*candidate_guid)));
+    *handle = local.handle.value;
+    *adjusted_guid = cyclonedds::to_c(local.adjusted_guid);
+    return DDS_SECURITY_VALIDATION_OK;
+  });
+}
+
+DDS_Security_boolean get_identity_token(Instance* instance, CToken* token, const CIdentity handle,
+                                        Exception* ex) {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
+    DDSSEC_TRY(require(token));
+    *token = {};
+    return copy_token(DDSSEC_TRY(adapter.engine().identity_token(identity(handle))), *token);
+  });
+}
+
+DDS_Security_boolean get_identity_status_token(Instance* instance, CToken* token,
+                                               const CIdentity handle, Exception* ex) {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
+    DDSSEC_TRY(require(token));
+    *token = {};
+    return copy_token(DDSSEC_TRY(adapter.engine().identity_status_token(identity(handle))), *token);
+  });
+}
+
+DDS_Security_boolean set_permissions_credential_and_token(Instance* instance,
+                                                          const CIdentity handle,
+                                                          const CToken* credential,
+                                                          const CToken* permissions_token,
+                                                          Exception* ex) {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
+    const auto credential_copy = DDSSEC_TRY(token_from(credential));
+    const auto token_copy = DDSSEC_TRY(token_from(permissions_token));
+    return adapter.engine().set_permissions_credential_and_token(identity(handle), credential_copy,
+                                                                 token_copy);
+  });
+}
+
+CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
+                                 CToken* local_auth_request, const CToken* remote_auth_request,
+                                 const CIdentity local_handle, const CToken* remote_token,
+                                 const DDS_Security_GUID_t* remote_guid, Exception* ex) {
+  return validate(instance, ex, [&](Adapter& adapter) -> Result<CResult> {
+    DDSSEC_TRY(require(remote_handle, local_auth_request, remote_token, remote_guid));
+    *remote_handle = DDS_SECURITY_HANDLE_NIL;
+    *local_auth_request = {};
+    std::optional<spi::Token> request;
+    if (!is_nil(remote_auth_request)) request = DDSSEC_TRY(token_from(remote_auth_request));
+    const auto token = DDSSEC_TRY(token_from(remote_token));
+    const auto remote = DDSSEC_TRY(adapter.engine().validate_remote_identity(
+        identity(local_handle), request, token, guid_from(*remote_guid)));
+    DDSSEC_TRY(hand_out(remote.local_auth_request, *local_auth_request));
+    *remote_handle = remote.handle.value;
+    return to_c(remote.result);
+  });
+}
+
+CResult begin_handshake_request(Instance* instance, CHandshake* handle, CToken* message,
+                                const CIdentity initiator, const CIdentity replier,
+                                const DDS_Security_OctetSeq* participant_data, Exception* ex) {
+  return validate(instance, ex, [&](Adapter& adapter) -> Result<CResult> {
+    DDSSEC_TRY(require(handle, message));
+    *handle = DDS_SECURITY_HANDLE_NIL;
+    *message = {};
+    const auto data = DDSSEC_TRY(octets_from(participant_data));
+    const auto step = DDSSEC_TRY(
+        adapter.engine().begin_handshake_request(identity(initiator), identity(replier), data));
+    adapter.secrets().note(step.handle, identity(initiator), identity(replier));
+    DDSSEC_TRY(hand_out(step.message, *message));
+    *handle = step.handle.value;
+    return to_c(step.result);
+  });
+}
+
+CResult begin_handshake_reply(Instance* instance, CHandshake* handle, CToken* message_out,
+                              const CToken* message_in, const CIdentity initiator,
+                              const CIdentity replier,
+                              const DDS_Security_OctetSeq* participant_data, Exception* ex) {
+  return validate(instance, ex, [&](Adapter& adapter) -> Result<CResult> {
+    DDSSEC_TRY(require(handle, message_out, message_in));
+    *handle = DDS_SECURITY_HANDLE_NIL;
+    *message_out = {};
+    const auto request = DDSSEC_TRY(token_from(message_in));
+    const auto data = DDSSEC_TRY(octets_from(participant_data));
+    const auto step = DDSSEC_TRY(adapter.engine().begin_handshake_reply(
+        request, identity(initiator), identity(replier), data));
+    adapter.secrets().note(step.handle, identity(initiator), identity(replier));
+    DDSSEC_TRY(hand_out(step.message, *message_out));
+    *handle = step.handle.value;
+    return to_c(step.result);
+  });
+}
+
+CResult process_handshake(Instance* instance, CToken* message_out, const CToken* message_in,
+                          const CHandshake handle, Exception* ex) {
+  return validate(instance, ex, [&](Adapter& adapter) -> Result<CResult> {
+    DDSSEC_TRY(require(message_out, message_in));
+    *message_out = {};
+    const auto message = DDSSEC_TRY(token_from(message_in));
+    const auto step = DDSSEC_TRY(adapter.engine().process_handshake(handshake(handle), message));
+    DDSSEC_TRY(hand_out(step.message, *message_out));
+    return to_c(step.result);
+  });
+}
+
+DDS_Security_SharedSecretHandle get_shared_secret(Instance* instance, const CHandshake handle,
+                                                  Exception* ex) {
+  DDS_Security_SharedSecretHandle secret_handle = DDS_SECURITY_HANDLE_NIL;
+  const bool done = ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
+    const auto secret = DDSSEC_TRY(adapter.engine().shared_secret(handshake(handle)));
+    secret_handle = DDSSEC_TRY(adapter.secrets().hand_out(handshake(handle), *secret));
+    return {};
+  });
+  return done ? secret_handle : DDS_SECURITY_HANDLE_NIL;
+}
+
+DDS_Security_boolean get_authenticated_peer_credential_token(Instance* instance, CToken* token,
+                                                             const CHandshake handle,
+                                                             Exception* ex) {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
+    DDSSEC_TRY(require(token));
+    *token = {};
+    auto credential =
+        DDSSEC_TRY(adapter.engine().authenticated_peer_credential_token(handshake(handle)));
+    return copy_token(DDSSEC_TRY(with_text_properties(std::move(credential))), *token);
+  });
+}
+
+DDS_Security_boolean set_listener(Instance* instance,
+                                  const dds_security_authentication_listener* listener,
+                                  Exception* ex) {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
+    adapter.listen(listener);
+    return {};
+  });
+}
+
+/// The host declares what it returns const and never looks at it again.
+DDS_Security_boolean return_token(Instance* instance, const CToken* token, Exception* ex) {
+  return ask<Adapter>(instance, ex, [&](Adapter&) -> Status {
+    if (token != nullptr) free_token(const_cast<CToken&>(*token));
+    return {};
+  });
+}
+
+DDS_Security_boolean return_handshake_handle(Instance* instance, const CHandshake handle,
+                                             Exception* ex) {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
+    if (handle == DDS_SECURITY_HANDLE_NIL) return {};
+    return adapter.engine().return_handshake_handle(handshake(handle));
+  });
+}
+
+DDS_Security_boolean return_identity_handle(Instance* instance, const CIdentity handle,
+                                            Exception* ex) {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
+    if (handle == DDS_SECURITY_HANDLE_NIL) return {};
+    adapter.secrets().drop(identity(handle));
+    return adapter.engine().return_identity_handle(identity(handle));
+  });
+}
+
+/// The secret stays until its remote identity is returned: cryptography may still read it.
+DDS_Security_boolean return_sharedsecret_handle(Instance* instance,
+                                                const DDS_Security_SharedSecretHandle,
+                                                Exception* ex) {
+  return ask<Adapter>(instance, ex, [](Adapter&) -> Status { return {}; });
+}
+
+constexpr dds_security_authentication kTable = {
+    .gv = nullptr,
+    .validate_local_identity = validate_local_identity,
+    .get_identity_token = get_identity_token,
+    .get_identity_status_token = get_identity_status_token,
+    .set_permissions_credential_and_token = set_permissions_credential_and_token,
+    .validate_remote_identity = validate_remote_identity,
+    .begin_handshake_request = begin_handshake_request,
+    .begin_handshake_reply = begin_handshake_reply,
+    .process_handshake = process_handshake,
+    .get_shared_secret = get_shared_secret,
+    .get_authenticated_peer_credential_token = get_authenticated_peer_credential_token,
+    .set_listener = set_listener,
+    .return_identity_token = return_token,
+    .return_identity_status_token = return_token,
+    .return_authenticated_peer_credential_token = return_token,
+    .return_handshake_handle = return_handshake_handle,
+    .return_identity_handle = return_identity_handle,
+    .return_sharedsecret_handle = return_sharedsecret_handle,
+};
+
+}  // namespace
+
+AuthenticationAdapter::AuthenticationAdapter(std::unique_ptr<Host> host,
+                                             const MakeEngine<spi::Authentication>& make,
+                                             ddsi_domaingv* domain)
+    : dds_security_authentication(kTable),
+      host_(std::move(host)),
+      engine_(make(host_->environment())),
+      timer_(host_->clock()) {
+  gv = domain;
+}
+
+void AuthenticationAdapter::listen(const dds_security_authentication_listener* listener) {
+  if (listener == nullptr || listener->on_revoke_identity == nullptr) return timer_.stop();
+  const auto revoke = listener->on_revoke_identity;
+  timer_.start({.expire =
+                    [this] {
+                      std::vector<std::int64_t> ended;
+                      for (const auto handle : engine_->expire()) ended.push_back(handle.value);
+                      return ended;
+                    },
+                .next_expiry = [this] { return engine_->next_expiry(); },
+                .revoke = [this, revoke](std::int64_t handle) { revoke(this, handle); }});
+}
+
+}  // namespace ddssec::cyclonedds

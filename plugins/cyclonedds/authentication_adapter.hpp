@@ -1,0 +1,34 @@
+// spi::Authentication as Cyclone's dds_security_authentication.
+#pragma once
+
+#include "plugins/cyclonedds/context.hpp"
+#include "plugins/cyclonedds/expiry_timer.hpp"
+#include "plugins/cyclonedds/shared_secrets.hpp"
+#include "plugins/spi/authentication.hpp"
+
+namespace ddssec::cyclonedds {
+
+/// The C struct is the base; the host sees only that. One for each domain.
+class AuthenticationAdapter final : public dds_security_authentication {
+ public:
+  AuthenticationAdapter(std::unique_ptr<Host> host, const MakeEngine<spi::Authentication>& make,
+                        ddsi_domaingv* domain);
+
+  static AuthenticationAdapter& of(dds_security_authentication& instance) {
+    return static_cast<AuthenticationAdapter&>(instance);
+  }
+  Host& host() { return *host_; }
+  spi::Authentication& engine() { return *engine_; }
+  SharedSecrets& secrets() { return secrets_; }
+
+  /// Null stops the timer; returns when no revocation is running any more.
+  void listen(const dds_security_authentication_listener* listener);
+
+ private:
+  std::unique_ptr<Host> host_;
+  std::unique_ptr<spi::Authentication> engine_;
+  SharedSecrets secrets_;
+  ExpiryTimer timer_;  ///< last: it ends before what it uses
+};
+
+}  // namespace ddssec::cyclonedds

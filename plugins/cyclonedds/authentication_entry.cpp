@@ -1,0 +1,18 @@
+// libddssec_authentication.so
+#include "plugins/authentication/authentication.hpp"
+#include "plugins/cyclonedds/authentication_adapter.hpp"
+#include "plugins/cyclonedds/entry.hpp"
+
+using namespace ddssec;
+using cyclonedds::AuthenticationAdapter;
+
+DDSSEC_EXPORT int init_authentication(const char*, void** context, ddsi_domaingv* domain) {
+  return cyclonedds::init<AuthenticationAdapter, dds_security_authentication>(
+      context, domain, __builtin_return_address(0), [](const Environment& environment) {
+        return authentication::make_authentication(environment, {});
+      });
+}
+
+DDSSEC_EXPORT int finalize_authentication(void* context) {
+  return cyclonedds::finalize<AuthenticationAdapter, dds_security_authentication>(context);
+}

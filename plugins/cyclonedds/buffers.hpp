@@ -1,0 +1,91 @@
+// Output blocks and handle lists of the message path.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdlib>
+#include <memory>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "base/hash.hpp"
+#include "plugins/cyclonedds/abi.hpp"
+#include "plugins/cyclonedds/value_translation.hpp"
+
+namespace ddssec::cyclonedds {
+
+/// Gives the host one malloc block with what `write(MutableBytes of at most `bound` octets) ->
+/// Result<octets written>` made; after a failure there is no block and `out` is empty.
+template <class Write>
+Status write_block(DDS_Security_OctetSeq& out, std::size_t bound, Write&& write) {
+  struct Free {
+    void operator()(std::uint8_t* block) const noexcept { std::free(block); }
+  };
+  out = {};
+  std::unique_ptr<std::uint8_t, Free> block(
+      static_cast<std::uint8_t*>(std::malloc(bound != 0 ? bound : 1)));
+  if (!block) return fail(Code::out_of_memory);
+  const auto written = DDSSEC_TRY(write(MutableBytes(block.get(), bound)));
+  if (written > bound) return fail(Code::internal);
+  const auto length = static_cast<DDS_Security_unsigned_long>(written);
+  out = {length, length, block.release()};
+  return {};
+}
+
+/// The host's list of receivers as handles, without the nil ones of unprotected endpoints.
+template <class Handle>
+class Receivers {
+ public:
+  static Result<Receivers> from(const DDS_Security_LongLongSeq* list) {
+    Receivers receivers;
+    if (list == nullptr) return receivers;
+    const auto values = DDSSEC_TRY(elements_of(*list));
+    // A Handle is one such integer and nothing else: the list needs no copy.
+    static_assert(std::is_standard_layout_v<Handle> && sizeof(Handle) == sizeof(values[0]));
+    receivers.view_ = {reinterpret_cast<const Handle*>(values.data()), values.size()};
+    if (std::ranges::find(values, 0) != values.end()) receivers.leave_out_nil();
+    return receivers;
+  }
+  std::span<const Handle> view() const { return view_; }
+
+ private:
+  void leave_out_nil() {
+    for (const auto handle : view_)
+      if (handle) copy_.push_back(handle);
+    view_ = copy_;
+  }
+
+  std::span<const Handle> view_;
+  std::vector<Handle> copy_;
+};
+
+/// Cyclone has turned the GUID prefix of a received RTPS header into the machine's order, in place,
+/// before it asks for decoding. This puts the wire's order back for as long as it lives. The buffer
+/// belongs to the receiving thread alone.
+class WireOrderPrefix {
+ public:
+  explicit WireOrderPrefix(BytesView message)
+      : prefix_(message.size() >= kEnd ? const_cast<std::uint8_t*>(message.data()) + kBegin
+                                       : nullptr) {
+    swap();
+  }
+  ~WireOrderPrefix() { swap(); }
+  WireOrderPrefix(const WireOrderPrefix&) = delete;
+  WireOrderPrefix& operator=(const WireOrderPrefix&) = delete;
+
+ private:
+  static constexpr std::size_t kBegin = 8;
+  static constexpr std::size_t kEnd = 20;
+
+  /// Three 32 bit words.
+  void swap() {
+    if (prefix_ == nullptr || std::endian::native == std::endian::big) return;
+    for (std::size_t word = 0; word < kEnd - kBegin; word += 4)
+      std::reverse(prefix_ + word, prefix_ + word + 4);
+  }
+
+  std::uint8_t* prefix_;
+};
+
+}  // namespace ddssec::cyclonedds

@@ -1,0 +1,56 @@
+// spi::Cryptography as Cyclone's dds_security_cryptography.
+#pragma once
+
+#include "plugins/cyclonedds/context.hpp"
+#include "plugins/spi/cryptography.hpp"
+
+namespace ddssec::cyclonedds {
+
+/// The C struct is the base; the host sees only that and its three sub-tables, which know their
+/// way back. One for each domain.
+class CryptographyAdapter final : public dds_security_cryptography {
+ public:
+  CryptographyAdapter(std::unique_ptr<Host> host, const MakeEngine<spi::Cryptography>& make,
+                      ddsi_domaingv* domain);
+  CryptographyAdapter(const CryptographyAdapter&) = delete;
+  CryptographyAdapter& operator=(const CryptographyAdapter&) = delete;
+
+  static CryptographyAdapter& of(dds_security_crypto_key_factory& instance) {
+    return *static_cast<Table<dds_security_crypto_key_factory>&>(instance).owner;
+  }
+  static CryptographyAdapter& of(dds_security_crypto_key_exchange& instance) {
+    return *static_cast<Table<dds_security_crypto_key_exchange>&>(instance).owner;
+  }
+  static CryptographyAdapter& of(dds_security_crypto_transform& instance) {
+    return *static_cast<Table<dds_security_crypto_transform>&>(instance).owner;
+  }
+
+  Host& host() { return *host_; }
+  spi::CryptoKeyFactory& key_factory() { return key_factory_engine_; }
+  spi::CryptoKeyExchange& key_exchange() { return key_exchange_engine_; }
+  spi::CryptoTransform& transform() { return transform_engine_; }
+
+ private:
+  template <class CTable>
+  struct Table : CTable {
+    Table(const CTable& functions, CryptographyAdapter* adapter)
+        : CTable(functions), owner(adapter) {}
+    CryptographyAdapter* owner;
+  };
+
+  std::unique_ptr<Host> host_;
+  std::unique_ptr<spi::Cryptography> engine_;
+  spi::CryptoKeyFactory& key_factory_engine_;
+  spi::CryptoKeyExchange& key_exchange_engine_;
+  spi::CryptoTransform& transform_engine_;
+  Table<dds_security_crypto_transform> transform_table_;
+  Table<dds_security_crypto_key_factory> key_factory_table_;
+  Table<dds_security_crypto_key_exchange> key_exchange_table_;
+};
+
+/// The functions of each sub-table.
+extern const dds_security_crypto_key_factory kKeyFactoryFunctions;
+extern const dds_security_crypto_key_exchange kKeyExchangeFunctions;
+extern const dds_security_crypto_transform kTransformFunctions;
+
+}  // namespace ddssec::cyclonedds

@@ -1,0 +1,36 @@
+// What the six exported functions have in common.
+#pragma once
+
+#include <exception>
+#include <memory>
+
+#include "plugins/cyclonedds/abi.hpp"
+#include "plugins/cyclonedds/host.hpp"
+
+namespace ddssec::cyclonedds {
+
+/// Makes one context, with all its state in it: several domains of one process have one each.
+/// `caller` is an address in the host's code. Anything but 0 fails the participant's creation.
+template <class Adapter, class CStruct, class Make>
+int init(void** context, ddsi_domaingv* domain, const void* caller, Make&& make) noexcept {
+  if (context == nullptr) return DDS_SECURITY_FAILED;
+  *context = nullptr;
+  try {
+    auto adapter =
+        std::make_unique<Adapter>(std::make_unique<Host>(make_host_log_for(caller)), make, domain);
+    *context = static_cast<CStruct*>(adapter.release());
+    return DDS_SECURITY_SUCCESS;
+  } catch (...) {
+    return DDS_SECURITY_FAILED;
+  }
+}
+
+/// Ends the context's thread, if it has one, and wipes and frees all it holds.
+template <class Adapter, class CStruct>
+int finalize(void* context) noexcept {
+  if (context == nullptr) return DDS_SECURITY_FAILED;
+  const std::unique_ptr<Adapter> adapter(static_cast<Adapter*>(static_cast<CStruct*>(context)));
+  return DDS_SECURITY_SUCCESS;
+}
+
+}  // namespace ddssec::cyclonedds

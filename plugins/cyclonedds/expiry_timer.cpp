@@ -1,0 +1,47 @@
+#include "plugins/cyclonedds/expiry_timer.hpp"
+
+#include <algorithm>
+#include <pthread.h>
+
+namespace ddssec::cyclonedds {
+
+void ExpiryTimer::start(Tasks tasks) {
+  stop();
+  const std::lock_guard lock(control_);
+  thread_ = std::jthread(
+      [this, tasks = std::move(tasks)](std::stop_token stop) { run(std::move(stop), tasks); });
+  pthread_setname_np(thread_.native_handle(), "ddssec.expiry");
+}
+
+void ExpiryTimer::stop() {
+  const std::lock_guard lock(control_);
+  thread_.request_stop();
+  if (thread_.joinable() && thread_.get_id() != std::this_thread::get_id()) thread_.join();
+}
+
+void ExpiryTimer::run(std::stop_token stop, const Tasks& tasks) {
+  while (!stop.stop_requested()) {
+    try {
+      for (const auto handle : tasks.expire())
+        if (!stop.stop_requested()) tasks.revoke(handle);
+      const auto wait = next_wait(tasks);
+      std::unique_lock lock(sleep_);
+      wake_.wait_for(lock, stop, wait, [] { return false; });
+    } catch (...) {
+      // An exception would end the process; what could not be judged now is judged in a second.
+      std::this_thread::sleep_for(std::min(longest_wait_, std::chrono::milliseconds(100)));
+    }
+  }
+}
+
+std::chrono::milliseconds ExpiryTimer::next_wait(const Tasks& tasks) const {
+  const auto next = tasks.next_expiry();
+  if (!next) return longest_wait_;
+  const std::chrono::milliseconds left = *next - clock_.now();
+  // Whole seconds: the last one may be nearly over, so look again soon rather than late.
+  return std::clamp(left,
+                    std::chrono::milliseconds(std::min<std::int64_t>(50, longest_wait_.count())),
+                    longest_wait_);
+}
+
+}  // namespace ddssec::cyclonedds

@@ -1,0 +1,54 @@
+// The thread that tells the host when an identity or a permission ends.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "base/clock.hpp"
+
+namespace ddssec::cyclonedds {
+
+/// Looks once a second, or sooner if something ends sooner, and revokes while holding no lock: the
+/// host takes its entities' locks and calls back into the plugin. One second, because somebody may
+/// set the calendar at any time.
+class ExpiryTimer {
+ public:
+  struct Tasks {
+    /// The handles that have just ended, each once.
+    std::function<std::vector<std::int64_t>()> expire;
+    std::function<std::optional<WallTime>()> next_expiry;
+    std::function<void(std::int64_t)> revoke;
+  };
+
+  explicit ExpiryTimer(const Clock& clock,
+                       std::chrono::milliseconds longest_wait = std::chrono::milliseconds(1000))
+      : clock_(clock), longest_wait_(longest_wait) {}
+  ~ExpiryTimer() { stop(); }
+  ExpiryTimer(const ExpiryTimer&) = delete;
+  ExpiryTimer& operator=(const ExpiryTimer&) = delete;
+
+  /// Replaces the tasks of an earlier start.
+  void start(Tasks tasks);
+  /// Returns when the thread has ended and nothing more will be called; when called from within a
+  /// revocation, the thread ends by itself afterwards and the destructor waits for it.
+  void stop();
+
+ private:
+  void run(std::stop_token stop, const Tasks& tasks);
+  std::chrono::milliseconds next_wait(const Tasks& tasks) const;
+
+  const Clock& clock_;
+  const std::chrono::milliseconds longest_wait_;
+  std::mutex control_;  ///< orders start and stop
+  std::mutex sleep_;
+  std::condition_variable_any wake_;
+  std::jthread thread_;
+};
+
+}  // namespace ddssec::cyclonedds

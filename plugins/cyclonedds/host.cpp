@@ -1,0 +1,27 @@
+#include "plugins/cyclonedds/host.hpp"
+
+namespace ddssec::cyclonedds {
+namespace {
+
+thread_local unsigned raised_by_thread = 0;
+
+}  // namespace
+
+void Host::CountingSink::raise(const Event& event) {
+  ++raised_by_thread;
+  next_.raise(event);
+}
+
+unsigned Host::raised_by_this_thread() noexcept { return raised_by_thread; }
+
+void Host::refused(const Error& error, Severity severity) noexcept {
+  try {
+    Event event(error);
+    event.severity = severity;
+    counted_.raise(event);
+  } catch (...) {
+    // Telling about a refusal may fail for want of memory; the refusal itself stands.
+  }
+}
+
+}  // namespace ddssec::cyclonedds

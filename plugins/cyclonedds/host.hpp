@@ -1,0 +1,48 @@
+// What every plugin context has of its host: clocks, randomness, and where events go.
+#pragma once
+
+#include <memory>
+
+#include "base/clock.hpp"
+#include "base/event.hpp"
+#include "plugins/cyclonedds/log.hpp"
+
+namespace ddssec::cyclonedds {
+
+/// One for each plugin context; outlives the engine. Thread-safe.
+class Host {
+ public:
+  /// `log` takes the events that pass the rate limit.
+  explicit Host(std::unique_ptr<EventSink> log)
+      : log_(std::move(log)), limited_(*log_, clock_), counted_(limited_) {}
+  Host(const Host&) = delete;
+  Host& operator=(const Host&) = delete;
+
+  /// For the engine.
+  Environment environment() { return {clock_, random_, counted_}; }
+  const Clock& clock() const { return clock_; }
+
+  /// Raises one event; swallows whatever goes wrong meanwhile.
+  void refused(const Error& error, Severity severity) noexcept;
+
+  /// How many events the calling thread has raised so far, by any plugin of this library.
+  static unsigned raised_by_this_thread() noexcept;
+
+ private:
+  class CountingSink final : public EventSink {
+   public:
+    explicit CountingSink(EventSink& next) : next_(next) {}
+    void raise(const Event& event) override;
+
+   private:
+    EventSink& next_;
+  };
+
+  SystemClock clock_;
+  SystemRandom random_;
+  std::unique_ptr<EventSink> log_;
+  RateLimitedSink limited_;
+  CountingSink counted_;
+};
+
+}  // namespace ddssec::cyclonedds

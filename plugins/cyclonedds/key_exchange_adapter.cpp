@@ -1,0 +1,100 @@
+// CryptoKeyExchange: crypto tokens out and in.
+#include "plugins/cyclonedds/cryptography_adapter.hpp"
+#include "plugins/cyclonedds/token_translation.hpp"
+
+namespace ddssec::cyclonedds {
+namespace {
+
+using Adapter = CryptographyAdapter;
+using Instance = dds_security_crypto_key_exchange;
+using CHandle = DDS_Security_CryptoHandle;
+using CTokens = DDS_Security_CryptoTokenSeq;
+
+/// `create(key_exchange) -> Result<vector<Token>>`; an empty sequence means that nothing is sent.
+template <class F>
+DDS_Security_boolean create(Instance* instance, CTokens* out, Exception* ex, F&& create) noexcept {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
+    DDSSEC_TRY(require(out));
+    *out = {};
+    const CryptoTokens tokens(DDSSEC_TRY(create(adapter.key_exchange())));
+    return copy_tokens(tokens.view(), *out);
+  });
+}
+
+/// `set(key_exchange, tokens) -> Status`; the host's tokens live for the call only.
+template <class F>
+DDS_Security_boolean set(Instance* instance, const CTokens* in, Exception* ex, F&& set) noexcept {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
+    const auto tokens = DDSSEC_TRY(CryptoTokens::from(in));
+    return set(adapter.key_exchange(), tokens.view());
+  });
+}
+
+DDS_Security_boolean create_local_participant_crypto_tokens(Instance* instance, CTokens* out,
+                                                            const CHandle local,
+                                                            const CHandle remote, Exception* ex) {
+  return create(instance, out, ex, [&](spi::CryptoKeyExchange& exchange) {
+    return exchange.create_local_participant_crypto_tokens({local}, {remote});
+  });
+}
+
+DDS_Security_boolean set_remote_participant_crypto_tokens(Instance* instance, const CHandle local,
+                                                          const CHandle remote, const CTokens* in,
+                                                          Exception* ex) {
+  return set(instance, in, ex, [&](spi::CryptoKeyExchange& exchange, auto tokens) {
+    return exchange.set_remote_participant_crypto_tokens({local}, {remote}, tokens);
+  });
+}
+
+DDS_Security_boolean create_local_datawriter_crypto_tokens(Instance* instance, CTokens* out,
+                                                           const CHandle local,
+                                                           const CHandle remote, Exception* ex) {
+  return create(instance, out, ex, [&](spi::CryptoKeyExchange& exchange) {
+    return exchange.create_local_datawriter_crypto_tokens({local}, {remote});
+  });
+}
+
+DDS_Security_boolean set_remote_datawriter_crypto_tokens(Instance* instance, const CHandle local,
+                                                         const CHandle remote, const CTokens* in,
+                                                         Exception* ex) {
+  return set(instance, in, ex, [&](spi::CryptoKeyExchange& exchange, auto tokens) {
+    return exchange.set_remote_datawriter_crypto_tokens({local}, {remote}, tokens);
+  });
+}
+
+DDS_Security_boolean create_local_datareader_crypto_tokens(Instance* instance, CTokens* out,
+                                                           const CHandle local,
+                                                           const CHandle remote, Exception* ex) {
+  return create(instance, out, ex, [&](spi::CryptoKeyExchange& exchange) {
+    return exchange.create_local_datareader_crypto_tokens({local}, {remote});
+  });
+}
+
+DDS_Security_boolean set_remote_datareader_crypto_tokens(Instance* instance, const CHandle local,
+                                                         const CHandle remote, const CTokens* in,
+                                                         Exception* ex) {
+  return set(instance, in, ex, [&](spi::CryptoKeyExchange& exchange, auto tokens) {
+    return exchange.set_remote_datareader_crypto_tokens({local}, {remote}, tokens);
+  });
+}
+
+DDS_Security_boolean return_crypto_tokens(Instance* instance, CTokens* tokens, Exception* ex) {
+  return ask<Adapter>(instance, ex, [&](Adapter&) -> Status {
+    if (tokens != nullptr) free_tokens(*tokens);
+    return {};
+  });
+}
+
+}  // namespace
+
+const dds_security_crypto_key_exchange kKeyExchangeFunctions = {
+    .create_local_participant_crypto_tokens = create_local_participant_crypto_tokens,
+    .set_remote_participant_crypto_tokens = set_remote_participant_crypto_tokens,
+    .create_local_datawriter_crypto_tokens = create_local_datawriter_crypto_tokens,
+    .set_remote_datawriter_crypto_tokens = set_remote_datawriter_crypto_tokens,
+    .create_local_datareader_crypto_tokens = create_local_datareader_crypto_tokens,
+    .set_remote_datareader_crypto_tokens = set_remote_datareader_crypto_tokens,
+    .return_crypto_tokens = return_crypto_tokens,
+};
+
+}  // namespace ddssec::cyclonedds

@@ -1,0 +1,135 @@
+// CryptoKeyFactory: registration of participants and endpoints.
+#include "plugins/cyclonedds/cryptography_adapter.hpp"
+#include "plugins/cyclonedds/token_translation.hpp"
+#include "plugins/cyclonedds/value_translation.hpp"
+
+namespace ddssec::cyclonedds {
+namespace {
+
+using Adapter = CryptographyAdapter;
+using Instance = dds_security_crypto_key_factory;
+using CHandle = DDS_Security_CryptoHandle;
+
+/// Cyclone passes no properties for participants.
+Result<spi::PropertyList> optional_properties(const DDS_Security_PropertySeq* properties) {
+  if (properties == nullptr) return spi::PropertyList{};
+  return properties_from(*properties);
+}
+
+CHandle register_local_participant(Instance* instance, const DDS_Security_IdentityHandle identity,
+                                   const DDS_Security_PermissionsHandle permissions,
+                                   const DDS_Security_PropertySeq* properties,
+                                   const DDS_Security_ParticipantSecurityAttributes* attributes,
+                                   Exception* ex) {
+  return ask_handle<Adapter>(instance, ex,
+                             [&](Adapter& adapter) -> Result<spi::ParticipantCryptoHandle> {
+                               DDSSEC_TRY(require(attributes));
+                               const auto list = DDSSEC_TRY(optional_properties(properties));
+                               return adapter.key_factory().register_local_participant(
+                                   {identity}, {permissions}, list, attributes_from(*attributes));
+                             });
+}
+
+CHandle register_matched_remote_participant(Instance* instance, const CHandle local,
+                                            const DDS_Security_IdentityHandle remote_identity,
+                                            const DDS_Security_PermissionsHandle permissions,
+                                            const DDS_Security_SharedSecretHandle secret_handle,
+                                            Exception* ex) {
+  return ask_handle<Adapter>(instance, ex,
+                             [&](Adapter& adapter) -> Result<spi::ParticipantCryptoHandle> {
+                               const auto secret = DDSSEC_TRY(shared_secret_from(secret_handle));
+                               return adapter.key_factory().register_matched_remote_participant(
+                                   {local}, {remote_identity}, {permissions}, secret);
+                             });
+}
+
+CHandle register_local_datawriter(Instance* instance, const CHandle participant,
+                                  const DDS_Security_PropertySeq* properties,
+                                  const DDS_Security_EndpointSecurityAttributes* attributes,
+                                  Exception* ex) {
+  return ask_handle<Adapter>(instance, ex,
+                             [&](Adapter& adapter) -> Result<spi::DatawriterCryptoHandle> {
+                               DDSSEC_TRY(require(attributes));
+                               const auto list = DDSSEC_TRY(optional_properties(properties));
+                               return adapter.key_factory().register_local_datawriter(
+                                   {participant}, list, attributes_from(*attributes));
+                             });
+}
+
+CHandle register_matched_remote_datareader(Instance* instance, const CHandle local_datawriter,
+                                           const CHandle remote_participant,
+                                           const DDS_Security_SharedSecretHandle secret_handle,
+                                           const DDS_Security_boolean relay_only, Exception* ex) {
+  return ask_handle<Adapter>(
+      instance, ex, [&](Adapter& adapter) -> Result<spi::DatareaderCryptoHandle> {
+        const auto secret = DDSSEC_TRY(shared_secret_from(secret_handle));
+        return adapter.key_factory().register_matched_remote_datareader(
+            {local_datawriter}, {remote_participant}, secret, relay_only != 0);
+      });
+}
+
+CHandle register_local_datareader(Instance* instance, const CHandle participant,
+                                  const DDS_Security_PropertySeq* properties,
+                                  const DDS_Security_EndpointSecurityAttributes* attributes,
+                                  Exception* ex) {
+  return ask_handle<Adapter>(instance, ex,
+                             [&](Adapter& adapter) -> Result<spi::DatareaderCryptoHandle> {
+                               DDSSEC_TRY(require(attributes));
+                               const auto list = DDSSEC_TRY(optional_properties(properties));
+                               return adapter.key_factory().register_local_datareader(
+                                   {participant}, list, attributes_from(*attributes));
+                             });
+}
+
+CHandle register_matched_remote_datawriter(Instance* instance, const CHandle local_datareader,
+                                           const CHandle remote_participant,
+                                           const DDS_Security_SharedSecretHandle secret_handle,
+                                           Exception* ex) {
+  return ask_handle<Adapter>(instance, ex,
+                             [&](Adapter& adapter) -> Result<spi::DatawriterCryptoHandle> {
+                               const auto secret = DDSSEC_TRY(shared_secret_from(secret_handle));
+                               return adapter.key_factory().register_matched_remote_datawriter(
+                                   {local_datareader}, {remote_participant}, secret);
+                             });
+}
+
+// Endpoints without protection were never registered: the host's handle for them is nil.
+DDS_Security_boolean unregister_participant(Instance* instance, const CHandle handle,
+                                            Exception* ex) {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
+    if (handle == DDS_SECURITY_HANDLE_NIL) return {};
+    return adapter.key_factory().unregister_participant({handle});
+  });
+}
+
+DDS_Security_boolean unregister_datawriter(Instance* instance, const CHandle handle,
+                                           Exception* ex) {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
+    if (handle == DDS_SECURITY_HANDLE_NIL) return {};
+    return adapter.key_factory().unregister_datawriter({handle});
+  });
+}
+
+DDS_Security_boolean unregister_datareader(Instance* instance, const CHandle handle,
+                                           Exception* ex) {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
+    if (handle == DDS_SECURITY_HANDLE_NIL) return {};
+    return adapter.key_factory().unregister_datareader({handle});
+  });
+}
+
+}  // namespace
+
+const dds_security_crypto_key_factory kKeyFactoryFunctions = {
+    .register_local_participant = register_local_participant,
+    .register_matched_remote_participant = register_matched_remote_participant,
+    .register_local_datawriter = register_local_datawriter,
+    .register_matched_remote_datareader = register_matched_remote_datareader,
+    .register_local_datareader = register_local_datareader,
+    .register_matched_remote_datawriter = register_matched_remote_datawriter,
+    .unregister_participant = unregister_participant,
+    .unregister_datawriter = unregister_datawriter,
+    .unregister_datareader = unregister_datareader,
+};
+
+}  // namespace ddssec::cyclonedds

@@ -1,0 +1,50 @@
+// The shared secrets that were handed to the host as pointers, and how long they live.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+
+#include "plugins/cyclonedds/abi.hpp"
+#include "plugins/spi/handles.hpp"
+#include "plugins/spi/shared_secret.hpp"
+
+namespace ddssec::cyclonedds {
+
+/// Cyclone's core never returns a shared secret or a handshake, and its cryptography plugin reads
+/// through the pointer as long as the remote participant is there: a secret lives until one of its
+/// two identities is returned. Thread-safe.
+class SharedSecrets {
+ public:
+  /// Remembers whose handshake it is.
+  void note(spi::HandshakeHandle handshake, spi::IdentityHandle initiator,
+            spi::IdentityHandle replier);
+  /// The pointer for that handshake, the same each time. Error: foreign_shared_secret for a
+  /// handshake never noted.
+  Result<DDS_Security_SharedSecretHandle> hand_out(spi::HandshakeHandle handshake,
+                                                   const spi::SharedSecret& secret);
+  /// Wipes and frees the secrets of this identity's handshakes.
+  void drop(spi::IdentityHandle identity);
+
+ private:
+  /// The layout together with the octets it points to; wiped when it dies.
+  struct Block {
+    explicit Block(const spi::SharedSecret& secret);
+    ~Block();
+    Block(const Block&) = delete;
+    Block& operator=(const Block&) = delete;
+
+    SharedSecretLayout layout{};
+    std::array<std::uint8_t, spi::SharedSecretOctets::capacity> octets{};
+  };
+  struct Entry {
+    spi::IdentityHandle initiator;
+    spi::IdentityHandle replier;
+    std::unique_ptr<Block> block;
+  };
+
+  std::mutex mutex_;
+  std::map<spi::HandshakeHandle, Entry> entries_;
+};
+
+}  // namespace ddssec::cyclonedds

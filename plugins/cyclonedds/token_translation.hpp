@@ -1,0 +1,58 @@
+// Tokens between Cyclone's DataHolder and spi::Token.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "plugins/cyclonedds/abi.hpp"
+#include "plugins/spi/token.hpp"
+
+namespace ddssec::cyclonedds {
+
+/// Fills `out` with a copy in which every string and buffer is a malloc block of its own, as the
+/// host's DataHolder_deinit wants; `out` is overwritten. A value without octets has no buffer.
+/// Errors: out_of_memory, text_holds_nul; `out` is nil then.
+Status copy_token(const spi::Token& token, DDS_Security_DataHolder& out);
+
+/// Frees all that copy_token made, wiping binary values (they may be keys), and makes it nil. What
+/// was freed before is left alone.
+void free_token(DDS_Security_DataHolder& token) noexcept;
+
+/// A nil token has no class id.
+inline bool is_nil(const DDS_Security_DataHolder* token) {
+  return token == nullptr || token->class_id == nullptr;
+}
+
+/// A copy. Errors: null_argument, length_out_of_range (kMostPropertiesPerToken).
+Result<spi::Token> token_from(const DDS_Security_DataHolder* token);
+
+/// Sequences of crypto tokens.
+Status copy_tokens(std::span<const spi::Token> tokens, DDS_Security_DataHolderSeq& out);
+void free_tokens(DDS_Security_DataHolderSeq& tokens) noexcept;
+
+/// Crypto tokens copied from the host; the keys in them are wiped at the end.
+class CryptoTokens {
+ public:
+  /// Errors: null_argument, length_out_of_range (kMostTokensPerMessage).
+  static Result<CryptoTokens> from(const DDS_Security_DataHolderSeq* tokens);
+  /// Takes over what an engine made.
+  explicit CryptoTokens(std::vector<spi::Token> tokens) : tokens_(std::move(tokens)) {}
+  ~CryptoTokens();
+  CryptoTokens(CryptoTokens&&) = default;
+  CryptoTokens& operator=(CryptoTokens&&) = delete;
+
+  std::span<const spi::Token> view() const { return tokens_; }
+
+ private:
+  std::vector<spi::Token> tokens_;
+};
+
+/// The token with its binary properties turned into text properties, in their order: Cyclone's
+/// access control looks for c.id and c.perm there. Error: text_holds_nul.
+Result<spi::Token> with_text_properties(spi::Token token);
+
+/// The text properties of a QoS; a null QoS has none.
+Result<spi::PropertyList> properties_from(const DDS_Security_PropertySeq& properties);
+Result<spi::PropertyList> properties_from(const DDS_Security_Qos* qos);
+
+}  // namespace ddssec::cyclonedds

@@ -1,0 +1,225 @@
+// CryptoTransform: the message path. One malloc block a result, nothing else.
+#include "plugins/cyclonedds/buffers.hpp"
+#include "plugins/cyclonedds/cryptography_adapter.hpp"
+
+namespace ddssec::cyclonedds {
+namespace {
+
+using Adapter = CryptographyAdapter;
+using Instance = dds_security_crypto_transform;
+using CHandle = DDS_Security_CryptoHandle;
+using Octets = DDS_Security_OctetSeq;
+
+/// SEC_PREFIX: submessage header and CryptoHeader. What follows it is all the room that the host
+/// has for a decoded submessage.
+constexpr std::size_t kSecurePrefixSize = 24;
+
+Status encode_serialized_payload(Adapter& adapter, Octets& out, const Octets* plain,
+                                 CHandle sender) {
+  const auto octets = DDSSEC_TRY(octets_from(plain));
+  return write_block(out, octets.size() + spi::protection_overhead(0), [&](MutableBytes room) {
+    return adapter.transform().encode_serialized_payload({sender}, octets, room);
+  });
+}
+
+/// `encode(octets, receivers, room)`, for all receivers at once.
+template <class Handle, class Encode>
+Status encode_for(Octets& out, const Octets* plain, const DDS_Security_LongLongSeq* list,
+                  Encode&& encode) {
+  const auto octets = DDSSEC_TRY(octets_from(plain));
+  if (octets.empty()) return fail(Code::null_argument);
+  const auto receivers = DDSSEC_TRY(Receivers<Handle>::from(list));
+  const auto bound = octets.size() + spi::protection_overhead(receivers.view().size());
+  return write_block(out, bound,
+                     [&](MutableBytes room) { return encode(octets, receivers.view(), room); });
+}
+
+/// The host's loop over receivers is over after the first call.
+void end_loop(DDS_Security_long* index, const DDS_Security_LongLongSeq* list) {
+  if (index != nullptr && list != nullptr) *index = static_cast<DDS_Security_long>(list->_length);
+}
+
+DDS_Security_boolean encode_serialized_payload(Instance* instance, Octets* encoded, Octets*,
+                                               const Octets* plain, const CHandle sender,
+                                               Exception* ex) {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
+    DDSSEC_TRY(require(encoded));
+    return encode_serialized_payload(adapter, *encoded, plain, sender);
+  });
+}
+
+DDS_Security_boolean encode_datawriter_submessage(
+    Instance* instance, Octets* encoded, const Octets* plain, const CHandle sender,
+    const DDS_Security_DatareaderCryptoHandleSeq* list, DDS_Security_long* index, Exception* ex) {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
+    DDSSEC_TRY(require(encoded));
+    DDSSEC_TRY(encode_for<spi::DatareaderCryptoHandle>(
+        *encoded, plain, list, [&](BytesView octets, auto receivers, MutableBytes room) {
+          return adapter.transform().encode_datawriter_submessage({sender}, receivers, octets,
+                                                                  room);
+        }));
+    end_loop(index, list);
+    return {};
+  });
+}
+
+DDS_Security_boolean encode_datareader_submessage(
+    Instance* instance, Octets* encoded, const Octets* plain, const CHandle sender,
+    const DDS_Security_DatawriterCryptoHandleSeq* list, Exception* ex) {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
+    DDSSEC_TRY(require(encoded));
+    return encode_for<spi::DatawriterCryptoHandle>(
+        *encoded, plain, list, [&](BytesView octets, auto receivers, MutableBytes room) {
+          return adapter.transform().encode_datareader_submessage({sender}, receivers, octets,
+                                                                  room);
+        });
+  });
+}
+
+DDS_Security_boolean encode_rtps_message(Instance* instance, Octets* encoded, const Octets* plain,
+                                         const CHandle sender,
+                                         const DDS_Security_ParticipantCryptoHandleSeq* list,
+                                         DDS_Security_long* index, Exception* ex) {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
+    DDSSEC_TRY(require(encoded));
+    DDSSEC_TRY(encode_for<spi::ParticipantCryptoHandle>(
+        *encoded, plain, list, [&](BytesView octets, auto receivers, MutableBytes room) {
+          return adapter.transform().encode_rtps_message({sender}, receivers, octets, room);
+        }));
+    end_loop(index, list);
+    return {};
+  });
+}
+
+/// The result must fit where the host copies it without looking, and end at a multiple of 4 where
+/// submessages follow one another.
+Status check_decoded(Octets& decoded, std::size_t most, std::size_t alignment) {
+  if (decoded._length <= most && decoded._length % alignment == 0) return {};
+  wipe({decoded._buffer, decoded._length});
+  std::free(decoded._buffer);
+  const auto code = decoded._length > most ? Code::result_exceeds_buffer : Code::malformed;
+  decoded = {};
+  return fail(code);
+}
+
+/// `decode(octets, room)`.
+template <class Decode>
+Status decode_submessage(Octets* plain, const Octets* encoded, Decode&& decode) {
+  DDSSEC_TRY(require(plain));
+  const auto octets = DDSSEC_TRY(octets_from(encoded));
+  if (octets.size() <= kSecurePrefixSize) return fail(Code::truncated);
+  DDSSEC_TRY(
+      write_block(*plain, octets.size(), [&](MutableBytes room) { return decode(octets, room); }));
+  return check_decoded(*plain, octets.size() - kSecurePrefixSize, 4);
+}
+
+// Of the cryptography engine (base/codes/cryptography.def).
+constexpr auto kReceiverMacMissing = static_cast<Code>(1551);
+constexpr auto kReceiverMacMismatch = static_cast<Code>(1552);
+
+/// Cyclone asks for each local participant in turn: a message without a MAC for this one may be for
+/// the next, which is nothing to alarm anybody with. Any other code of the host ends the message.
+Telling as_one_of_several_receivers(const Error& error) {
+  auto telling = plainly(error);
+  if (error.code() == kReceiverMacMissing) telling.severity = Severity::debug;
+  if (error.code() == kReceiverMacMissing || error.code() == kReceiverMacMismatch)
+    telling.host_code = DDS_SECURITY_ERR_INVALID_CRYPTO_RECEIVER_SIGN_CODE;
+  return telling;
+}
+
+Status decode_rtps_message(Adapter& adapter, Octets* plain, const Octets* encoded, CHandle receiver,
+                           CHandle sender) {
+  DDSSEC_TRY(require(plain));
+  const auto octets = DDSSEC_TRY(octets_from(encoded));
+  DDSSEC_TRY(write_block(*plain, octets.size(), [&](MutableBytes room) {
+    const WireOrderPrefix as_on_the_wire(octets);
+    return adapter.transform().decode_rtps_message({receiver}, {sender}, octets, room);
+  }));
+  return check_decoded(*plain, octets.size(), 4);
+}
+
+DDS_Security_boolean decode_rtps_message(Instance* instance, Octets* plain, const Octets* encoded,
+                                         const CHandle receiver, const CHandle sender,
+                                         Exception* ex) {
+  if (instance == nullptr) return ask<Adapter>(instance, ex, [](Adapter&) { return Status{}; });
+  auto& adapter = Adapter::of(*instance);
+  return at_c_boundary(
+             adapter.host(), ex,
+             [&] { return decode_rtps_message(adapter, plain, encoded, receiver, sender); },
+             as_one_of_several_receivers)
+             ? 1
+             : 0;
+}
+
+DDS_Security_boolean preprocess_secure_submsg(Instance* instance, CHandle* datawriter,
+                                              CHandle* datareader,
+                                              DDS_Security_SecureSubmessageCategory_t* category,
+                                              const Octets* encoded, const CHandle receiver,
+                                              const CHandle sender, Exception* ex) {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
+    DDSSEC_TRY(require(datawriter, datareader, category));
+    *datawriter = DDS_SECURITY_HANDLE_NIL;
+    *datareader = DDS_SECURITY_HANDLE_NIL;
+    *category = DDS_SECURITY_INFO_SUBMESSAGE;
+    const auto octets = DDSSEC_TRY(octets_from(encoded));
+    const auto found =
+        DDSSEC_TRY(adapter.transform().preprocess_secure_submessage({receiver}, {sender}, octets));
+    // Success without an endpoint would leave the host with an empty buffer.
+    if (found.category == spi::SecureSubmessageCategory::info) return fail(Code::nothing_to_route);
+    *datawriter = found.datawriter.value;
+    *datareader = found.datareader.value;
+    *category = found.category == spi::SecureSubmessageCategory::datawriter
+                    ? DDS_SECURITY_DATAWRITER_SUBMESSAGE
+                    : DDS_SECURITY_DATAREADER_SUBMESSAGE;
+    return {};
+  });
+}
+
+DDS_Security_boolean decode_datawriter_submessage(Instance* instance, Octets* plain,
+                                                  const Octets* encoded, const CHandle receiver,
+                                                  const CHandle sender, Exception* ex) {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) {
+    return decode_submessage(plain, encoded, [&](BytesView octets, MutableBytes room) {
+      return adapter.transform().decode_datawriter_submessage({receiver}, {sender}, octets, room);
+    });
+  });
+}
+
+DDS_Security_boolean decode_datareader_submessage(Instance* instance, Octets* plain,
+                                                  const Octets* encoded, const CHandle receiver,
+                                                  const CHandle sender, Exception* ex) {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) {
+    return decode_submessage(plain, encoded, [&](BytesView octets, MutableBytes room) {
+      return adapter.transform().decode_datareader_submessage({receiver}, {sender}, octets, room);
+    });
+  });
+}
+
+DDS_Security_boolean decode_serialized_payload(Instance* instance, Octets* plain,
+                                               const Octets* encoded, const Octets*,
+                                               const CHandle receiver, const CHandle sender,
+                                               Exception* ex) {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
+    DDSSEC_TRY(require(plain));
+    const auto octets = DDSSEC_TRY(octets_from(encoded));
+    return write_block(*plain, octets.size(), [&](MutableBytes room) {
+      return adapter.transform().decode_serialized_payload({receiver}, {sender}, octets, room);
+    });
+  });
+}
+
+}  // namespace
+
+const dds_security_crypto_transform kTransformFunctions = {
+    .encode_serialized_payload = encode_serialized_payload,
+    .encode_datawriter_submessage = encode_datawriter_submessage,
+    .encode_datareader_submessage = encode_datareader_submessage,
+    .encode_rtps_message = encode_rtps_message,
+    .decode_rtps_message = decode_rtps_message,
+    .preprocess_secure_submsg = preprocess_secure_submsg,
+    .decode_datawriter_submessage = decode_datawriter_submessage,
+    .decode_datareader_submessage = decode_datareader_submessage,
+    .decode_serialized_payload = decode_serialized_payload,
+};
+
+}  // namespace ddssec::cyclonedds

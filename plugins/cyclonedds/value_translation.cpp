@@ -1,0 +1,138 @@
+#include "plugins/cyclonedds/value_translation.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace ddssec::cyclonedds {
+namespace {
+
+bool has(std::uint32_t mask, std::uint32_t flag) { return (mask & flag) != 0; }
+
+/// A mask without its valid bit says nothing more than the booleans (DDS-Security 9.4.2.4).
+std::uint32_t valid_or_nothing(std::uint32_t mask) {
+  return has(mask, spi::kMaskIsValid) ? mask : 0;
+}
+
+}  // namespace
+
+Result<BytesView> octets_from(const DDS_Security_OctetSeq* octets) {
+  if (octets == nullptr) return fail(Code::null_argument);
+  return elements_of(*octets);
+}
+
+Guid guid_from(const DDS_Security_GUID_t& guid) {
+  const std::array<std::uint8_t, 4> entity = {guid.entityId.entityKey[0],
+                                              guid.entityId.entityKey[1],
+                                              guid.entityId.entityKey[2], guid.entityId.entityKind};
+  return {.prefix = GuidPrefix::from(guid.prefix), .entity = EntityId::from(entity)};
+}
+
+DDS_Security_GUID_t to_c(const Guid& guid) {
+  DDS_Security_GUID_t out{};
+  std::ranges::copy(guid.prefix.octets, out.prefix);
+  std::copy_n(guid.entity.octets.begin(), 3, out.entityId.entityKey);
+  out.entityId.entityKind = guid.entity.octets[3];
+  return out;
+}
+
+DDS_Security_ParticipantSecurityAttributes to_c(const spi::ParticipantSecurityAttributes& a) {
+  return {.allow_unauthenticated_participants = a.allow_unauthenticated_participants,
+          .is_access_protected = a.is_access_protected,
+          .is_rtps_protected = a.is_rtps_protected(),
+          .is_discovery_protected = a.is_discovery_protected(),
+          .is_liveliness_protected = a.is_liveliness_protected(),
+          .plugin_participant_attributes = spi::plugin_mask(a),
+          .ac_endpoint_properties = {}};
+}
+
+DDS_Security_TopicSecurityAttributes to_c(const spi::TopicSecurityAttributes& a) {
+  return {.is_read_protected = a.is_read_protected,
+          .is_write_protected = a.is_write_protected,
+          .is_discovery_protected = a.is_discovery_protected,
+          .is_liveliness_protected = a.is_liveliness_protected};
+}
+
+DDS_Security_EndpointSecurityAttributes to_c(const spi::EndpointSecurityAttributes& a) {
+  return {.is_read_protected = a.topic.is_read_protected,
+          .is_write_protected = a.topic.is_write_protected,
+          .is_discovery_protected = a.topic.is_discovery_protected,
+          .is_liveliness_protected = a.topic.is_liveliness_protected,
+          .is_submessage_protected = a.is_submessage_protected(),
+          .is_payload_protected = a.is_payload_protected(),
+          .is_key_protected = a.is_key_protected(),
+          .plugin_endpoint_attributes = spi::plugin_mask(a),
+          .ac_endpoint_properties = {}};
+}
+
+spi::ParticipantSecurityAttributes attributes_from(
+    const DDS_Security_ParticipantSecurityAttributes& a) {
+  const auto mask = valid_or_nothing(a.plugin_participant_attributes);
+  return {
+      .allow_unauthenticated_participants = a.allow_unauthenticated_participants != 0,
+      .is_access_protected = a.is_access_protected != 0,
+      .rtps = spi::protection_kind(
+          a.is_rtps_protected,
+          has(mask, DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_RTPS_ENCRYPTED),
+          has(mask, DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_RTPS_AUTHENTICATED)),
+      .discovery = spi::protection_kind(
+          a.is_discovery_protected,
+          has(mask, DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_DISCOVERY_ENCRYPTED),
+          has(mask, DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_DISCOVERY_AUTHENTICATED)),
+      .liveliness = spi::protection_kind(
+          a.is_liveliness_protected,
+          has(mask, DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_LIVELINESS_ENCRYPTED),
+          has(mask, DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_LIVELINESS_AUTHENTICATED))};
+}
+
+spi::EndpointSecurityAttributes attributes_from(const DDS_Security_EndpointSecurityAttributes& a) {
+  const auto mask = valid_or_nothing(a.plugin_endpoint_attributes);
+  return {.topic = {.is_read_protected = a.is_read_protected != 0,
+                    .is_write_protected = a.is_write_protected != 0,
+                    .is_discovery_protected = a.is_discovery_protected != 0,
+                    .is_liveliness_protected = a.is_liveliness_protected != 0},
+          .submessage = spi::protection_kind(
+              a.is_submessage_protected,
+              has(mask, DDS_SECURITY_PLUGIN_ENDPOINT_ATTRIBUTES_FLAG_IS_SUBMESSAGE_ENCRYPTED),
+              has(mask,
+                  DDS_SECURITY_PLUGIN_ENDPOINT_ATTRIBUTES_FLAG_IS_SUBMESSAGE_ORIGIN_AUTHENTICATED)),
+          .payload = spi::protection_kind(
+              a.is_payload_protected,
+              has(mask, DDS_SECURITY_PLUGIN_ENDPOINT_ATTRIBUTES_FLAG_IS_PAYLOAD_ENCRYPTED), false)};
+}
+
+Result<EndpointQuestion> EndpointQuestion::from(const char* topic_name,
+                                                const DDS_Security_PartitionQosPolicy* partition,
+                                                const DDS_Security_DataTags* data_tags) {
+  if (topic_name == nullptr) return fail(Code::null_argument, {.field = "topic name"});
+  EndpointQuestion question;
+  question.topic_name_ = topic_name;
+  if (partition != nullptr) {
+    for (const char* name : DDSSEC_TRY(elements_of(partition->name))) {
+      if (name == nullptr) return fail(Code::null_argument, {.field = "partition"});
+      question.partitions_.emplace_back(name);
+    }
+  }
+  if (data_tags != nullptr) {
+    for (const auto& tag : DDSSEC_TRY(elements_of(data_tags->tags))) {
+      if (tag.name == nullptr || tag.value == nullptr)
+        return fail(Code::null_argument, {.field = "data tag"});
+      question.data_tags_.push_back({tag.name, tag.value});
+    }
+  }
+  return question;
+}
+
+Result<spi::SharedSecret> shared_secret_from(DDS_Security_SharedSecretHandle handle) {
+  const auto* layout = reinterpret_cast<const SharedSecretLayout*>(handle);
+  if (layout == nullptr || layout->shared_secret == nullptr || layout->shared_secret_size <= 0)
+    return fail(Code::foreign_shared_secret);
+  const auto size = static_cast<std::size_t>(layout->shared_secret_size);
+  if (size > spi::SharedSecretOctets::capacity) return fail(Code::foreign_shared_secret);
+  spi::SharedSecret secret;
+  secret.secret = DDSSEC_TRY(spi::SharedSecretOctets::copy_of({layout->shared_secret, size}));
+  std::ranges::copy(layout->challenge1, secret.challenge1.begin());
+  std::ranges::copy(layout->challenge2, secret.challenge2.begin());
+  return secret;
+}
+
+}  // namespace ddssec::cyclonedds

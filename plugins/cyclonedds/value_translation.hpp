@@ -1,0 +1,65 @@
+// The small values between Cyclone's C types and ours: octets, GUIDs, attributes, endpoint
+// requests.
+#pragma once
+
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "base/bytes.hpp"
+#include "base/ids.hpp"
+#include "plugins/cyclonedds/abi.hpp"
+#include "plugins/spi/access_control.hpp"
+#include "plugins/spi/attributes.hpp"
+#include "plugins/spi/shared_secret.hpp"
+
+namespace ddssec::cyclonedds {
+
+/// The elements of a sequence; null_argument for a length without a buffer.
+template <class Sequence>
+auto elements_of(const Sequence& sequence)
+    -> Result<std::span<const std::remove_pointer_t<decltype(sequence._buffer)>>> {
+  if (sequence._buffer == nullptr && sequence._length != 0) return fail(Code::null_argument);
+  return std::span<const std::remove_pointer_t<decltype(sequence._buffer)>>(
+      sequence._buffer, sequence._buffer != nullptr ? sequence._length : 0);
+}
+
+/// The octets, borrowed.
+Result<BytesView> octets_from(const DDS_Security_OctetSeq* octets);
+
+/// GUIDs are in network octet order on both sides.
+Guid guid_from(const DDS_Security_GUID_t& guid);
+DDS_Security_GUID_t to_c(const Guid& guid);
+
+DDS_Security_ParticipantSecurityAttributes to_c(
+    const spi::ParticipantSecurityAttributes& attributes);
+DDS_Security_TopicSecurityAttributes to_c(const spi::TopicSecurityAttributes& attributes);
+DDS_Security_EndpointSecurityAttributes to_c(const spi::EndpointSecurityAttributes& attributes);
+
+spi::ParticipantSecurityAttributes attributes_from(
+    const DDS_Security_ParticipantSecurityAttributes& attributes);
+spi::EndpointSecurityAttributes attributes_from(
+    const DDS_Security_EndpointSecurityAttributes& attributes);
+
+/// What an endpoint asks for, with the lists it borrows. The topic's name and the partitions stay
+/// the host's.
+class EndpointQuestion {
+ public:
+  /// A null partition or null tags mean none. Error: null_argument (topic name, an element).
+  static Result<EndpointQuestion> from(const char* topic_name,
+                                       const DDS_Security_PartitionQosPolicy* partition,
+                                       const DDS_Security_DataTags* data_tags);
+  spi::EndpointRequest request() const {
+    return {.topic_name = topic_name_, .partitions = partitions_, .data_tags = data_tags_};
+  }
+
+ private:
+  std::string_view topic_name_;
+  std::vector<std::string_view> partitions_;
+  spi::PropertyList data_tags_;
+};
+
+/// Reads what the handle points to. Error: foreign_shared_secret.
+Result<spi::SharedSecret> shared_secret_from(DDS_Security_SharedSecretHandle handle);
+
+}  // namespace ddssec::cyclonedds

@@ -1,0 +1,229 @@
+#include "plugins/cyclonedds/access_control_adapter.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <stdexcept>
+#include <thread>
+
+#include "plugins/cyclonedds/value_translation.hpp"
+#include "tests/unit/cyclonedds/support.hpp"
+
+namespace ddssec::cyclonedds {
+namespace {
+
+using testing::_;
+using testing::Field;
+using testing::Return;
+using Handle = spi::PermissionsHandle;
+
+struct AccessControlAdapterTest : testing::Test {
+  AccessControlAdapterTest() {
+    EXPECT_TRUE(copy_token(sample_token(), token));
+    publication.topic_name = topic.data();
+    subscription.topic_name = topic.data();
+    topic_data.name = topic.data();
+  }
+  ~AccessControlAdapterTest() override { free_token(token); }
+
+  auto asks_for_topic() { return Field(&spi::EndpointRequest::topic_name, "Square"); }
+
+  Harness<AccessControlAdapter, MockAccessControl, spi::AccessControl> harness;
+  dds_security_access_control* c = &harness.adapter;
+  MockAccessControl& engine = *harness.engine;
+  Refusal refusal;
+  DDS_Security_Qos qos{};
+  DDS_Security_DataHolder token{};
+  std::string topic = "Square";
+  DDS_Security_PublicationBuiltinTopicDataSecure publication{};
+  DDS_Security_SubscriptionBuiltinTopicDataSecure subscription{};
+  DDS_Security_TopicBuiltinTopicData topic_data{};
+};
+
+TEST_F(AccessControlAdapterTest, TableIsCompleteAndTheDomainIsInIt) {
+  EXPECT_EQ(c->gv, harness.domain());
+  const auto* begin = reinterpret_cast<void* const*>(c);
+  for (int i = 0; i < 31; ++i) EXPECT_NE(begin[i], nullptr) << i;
+}
+
+TEST_F(AccessControlAdapterTest, PermissionsOfBothSides) {
+  EXPECT_CALL(engine, validate_local_permissions(spi::IdentityHandle{1}, 5, _))
+      .WillOnce(Return(Handle{8}));
+  EXPECT_EQ(c->validate_local_permissions(c, nullptr, 1, 5, &qos, &refusal), 8);
+  EXPECT_CALL(engine, validate_remote_permissions(spi::IdentityHandle{1}, spi::IdentityHandle{2},
+                                                  sample_token(), sample_token()))
+      .WillOnce(Return(Handle{9}))
+      .WillOnce(Return(fail(Code::malformed)));
+  EXPECT_EQ(c->validate_remote_permissions(c, nullptr, 1, 2, &token, &token, &refusal), 9);
+  EXPECT_EQ(c->validate_remote_permissions(c, nullptr, 1, 2, &token, &token, &refusal),
+            DDS_SECURITY_HANDLE_NIL);
+  EXPECT_EQ(refusal.reason(), Code::malformed);
+}
+
+TEST_F(AccessControlAdapterTest, ChecksPassTheQuestionAndTheAnswer) {
+  EXPECT_CALL(engine, check_create_participant(Handle{8}, 5)).WillOnce(Return(Status{}));
+  EXPECT_CALL(engine, check_create_datawriter(Handle{8}, 5, asks_for_topic()))
+      .WillOnce(Return(Status{}))
+      .WillOnce(Return(fail(Code::malformed)));
+  EXPECT_CALL(engine, check_create_datareader(Handle{8}, 5, asks_for_topic()))
+      .WillOnce(Return(Status{}));
+  EXPECT_CALL(engine, check_create_topic(Handle{8}, 5, "Square")).WillOnce(Return(Status{}));
+  EXPECT_CALL(engine, check_remote_participant(Handle{9}, 5)).WillOnce(Return(Status{}));
+  EXPECT_CALL(engine, check_remote_datawriter(Handle{9}, 5, asks_for_topic()))
+      .WillOnce(Return(Status{}));
+  EXPECT_CALL(engine, check_remote_topic(Handle{9}, 5, "Square")).WillOnce(Return(Status{}));
+
+  EXPECT_EQ(c->check_create_participant(c, 8, 5, &qos, nullptr), 1);
+  EXPECT_EQ(c->check_create_datawriter(c, 8, 5, "Square", &qos, nullptr, nullptr, nullptr), 1);
+  EXPECT_EQ(c->check_create_datawriter(c, 8, 5, "Square", &qos, nullptr, nullptr, &refusal), 0);
+  EXPECT_EQ(refusal.reason(), Code::malformed);
+  EXPECT_EQ(c->check_create_datareader(c, 8, 5, "Square", &qos, nullptr, nullptr, nullptr), 1);
+  EXPECT_EQ(c->check_create_topic(c, 8, 5, "Square", &qos, nullptr), 1);
+  EXPECT_EQ(c->check_remote_participant(c, 9, 5, nullptr, nullptr), 1);
+  EXPECT_EQ(c->check_remote_datawriter(c, 9, 5, &publication, nullptr), 1);
+  EXPECT_EQ(c->check_remote_topic(c, 9, 5, &topic_data, nullptr), 1);
+}
+
+TEST_F(AccessControlAdapterTest, RelayOnlyIsAlwaysSet) {
+  EXPECT_CALL(engine, check_remote_datareader(Handle{9}, 5, asks_for_topic()))
+      .WillOnce(Return(spi::AccessControl::RemoteDatareader{.relay_only = true}))
+      .WillOnce(Return(spi::AccessControl::RemoteDatareader{.relay_only = false}))
+      .WillOnce(Return(fail(Code::malformed)));
+  DDS_Security_boolean relay_only = 77;
+  EXPECT_EQ(c->check_remote_datareader(c, 9, 5, &subscription, &relay_only, nullptr), 1);
+  EXPECT_EQ(relay_only, 1);
+  relay_only = 77;
+  EXPECT_EQ(c->check_remote_datareader(c, 9, 5, &subscription, &relay_only, nullptr), 1);
+  EXPECT_EQ(relay_only, 0);
+  relay_only = 77;
+  EXPECT_EQ(c->check_remote_datareader(c, 9, 5, &subscription, &relay_only, nullptr), 0);
+  EXPECT_EQ(relay_only, 0);
+  relay_only = 77;
+  EXPECT_EQ(c->check_remote_datareader(c, 9, 5, nullptr, &relay_only, nullptr), 0);
+  EXPECT_EQ(relay_only, 0);
+}
+
+TEST_F(AccessControlAdapterTest, PartitionsAndTagsOfARemoteReachTheEngine) {
+  std::string partition = "P", name = "n", value = "v";
+  DDS_Security_string partitions[] = {partition.data()};
+  publication.partition.name = {1, 1, partitions};
+  DDS_Security_Tag tag{name.data(), value.data()};
+  publication.data_tags.tags = {1, 1, &tag};
+  EXPECT_CALL(engine, check_remote_datawriter)
+      .WillOnce([](Handle, DomainId, const spi::EndpointRequest& request) -> Status {
+        EXPECT_THAT(request.partitions, testing::ElementsAre("P"));
+        EXPECT_EQ(request.data_tags.size(), 1u);
+        return {};
+      });
+  EXPECT_EQ(c->check_remote_datawriter(c, 9, 5, &publication, nullptr), 1);
+}
+
+TEST_F(AccessControlAdapterTest, WhatNobodyCallsAllows) {
+  EXPECT_EQ(c->check_local_datawriter_register_instance(c, 8, nullptr, nullptr, nullptr), 1);
+  EXPECT_EQ(c->check_local_datawriter_dispose_instance(c, 8, nullptr, 0, nullptr), 1);
+  EXPECT_EQ(c->check_local_datawriter_match(c, 8, 8, &publication, &subscription, nullptr), 1);
+  EXPECT_EQ(c->check_local_datareader_match(c, 8, 8, &subscription, &publication, nullptr), 1);
+  EXPECT_EQ(c->check_remote_datawriter_register_instance(c, 9, nullptr, 0, 0, 0, nullptr), 1);
+  EXPECT_EQ(c->check_remote_datawriter_dispose_instance(c, 9, nullptr, 0, 0, nullptr), 1);
+}
+
+TEST_F(AccessControlAdapterTest, TokensAreMadeAndReturnedTwice) {
+  ON_CALL(engine, permissions_token).WillByDefault(Return(sample_token()));
+  ON_CALL(engine, permissions_credential_token).WillByDefault(Return(sample_token()));
+  DDS_Security_DataHolder made{};
+  ASSERT_EQ(c->get_permissions_token(c, &made, 8, nullptr), 1);
+  EXPECT_EQ(*token_from(&made), sample_token());
+  EXPECT_EQ(c->return_permissions_token(c, &made, nullptr), 1);
+  EXPECT_EQ(c->return_permissions_token(c, &made, nullptr), 1);
+  ASSERT_EQ(c->get_permissions_credential_token(c, &made, 8, nullptr), 1);
+  EXPECT_EQ(c->return_permissions_credential_token(c, &made, nullptr), 1);
+}
+
+TEST_F(AccessControlAdapterTest, AttributesCarryMasksAndNoProperties) {
+  ON_CALL(engine, participant_sec_attributes)
+      .WillByDefault(Return(spi::ParticipantSecurityAttributes{
+          .rtps = spi::ProtectionKind::encrypt_with_origin_authentication}));
+  ON_CALL(engine, topic_sec_attributes)
+      .WillByDefault(Return(spi::TopicSecurityAttributes{.is_write_protected = true}));
+  const spi::EndpointSecurityAttributes endpoint{.topic = {},
+                                                 .payload = spi::ProtectionKind::encrypt};
+  ON_CALL(engine, datawriter_sec_attributes).WillByDefault(Return(endpoint));
+  ON_CALL(engine, datareader_sec_attributes).WillByDefault(Return(endpoint));
+
+  DDS_Security_ParticipantSecurityAttributes p{};
+  ASSERT_EQ(c->get_participant_sec_attributes(c, 8, &p, nullptr), 1);
+  EXPECT_EQ(p.plugin_participant_attributes,
+            spi::kMaskIsValid | DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_RTPS_ENCRYPTED |
+                DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_RTPS_AUTHENTICATED);
+  EXPECT_EQ(c->return_participant_sec_attributes(c, &p, nullptr), 1);
+  DDS_Security_TopicSecurityAttributes t{};
+  ASSERT_EQ(c->get_topic_sec_attributes(c, 8, "Square", &t, nullptr), 1);
+  EXPECT_EQ(t.is_write_protected, 1);
+  EXPECT_EQ(c->return_topic_sec_attributes(c, &t, nullptr), 1);
+  for (const auto get : {c->get_datawriter_sec_attributes, c->get_datareader_sec_attributes}) {
+    DDS_Security_EndpointSecurityAttributes e{};
+    ASSERT_EQ(get(c, 8, "Square", nullptr, nullptr, &e, nullptr), 1);
+    EXPECT_EQ(
+        e.plugin_endpoint_attributes,
+        spi::kMaskIsValid | DDS_SECURITY_PLUGIN_ENDPOINT_ATTRIBUTES_FLAG_IS_PAYLOAD_ENCRYPTED);
+    EXPECT_EQ(e.ac_endpoint_properties._buffer, nullptr);
+    EXPECT_EQ(c->return_datawriter_sec_attributes(c, &e, nullptr), 1);
+    EXPECT_EQ(c->return_datareader_sec_attributes(c, &e, nullptr), 1);
+  }
+}
+
+TEST_F(AccessControlAdapterTest, NullArgumentsAreRefusedNotFollowed) {
+  EXPECT_EQ(c->validate_local_permissions(c, nullptr, 1, 5, nullptr, &refusal), 0);
+  EXPECT_EQ(refusal.reason(), Code::null_argument);
+  EXPECT_EQ(c->validate_remote_permissions(c, nullptr, 1, 2, nullptr, &token, nullptr), 0);
+  EXPECT_EQ(c->validate_remote_permissions(c, nullptr, 1, 2, &token, nullptr, nullptr), 0);
+  EXPECT_EQ(c->check_create_datawriter(c, 8, 5, nullptr, &qos, nullptr, nullptr, nullptr), 0);
+  EXPECT_EQ(c->check_create_datareader(c, 8, 5, nullptr, &qos, nullptr, nullptr, nullptr), 0);
+  EXPECT_EQ(c->check_create_topic(c, 8, 5, nullptr, &qos, nullptr), 0);
+  EXPECT_EQ(c->check_remote_datawriter(c, 9, 5, nullptr, nullptr), 0);
+  publication.topic_name = nullptr;
+  EXPECT_EQ(c->check_remote_datawriter(c, 9, 5, &publication, nullptr), 0);
+  EXPECT_EQ(c->check_remote_datareader(c, 9, 5, &subscription, nullptr, nullptr), 0);
+  EXPECT_EQ(c->check_remote_topic(c, 9, 5, nullptr, nullptr), 0);
+  EXPECT_EQ(c->get_permissions_token(c, nullptr, 8, nullptr), 0);
+  EXPECT_EQ(c->get_permissions_credential_token(c, nullptr, 8, nullptr), 0);
+  EXPECT_EQ(c->get_participant_sec_attributes(c, 8, nullptr, nullptr), 0);
+  EXPECT_EQ(c->get_topic_sec_attributes(c, 8, nullptr, nullptr, nullptr), 0);
+  EXPECT_EQ(c->get_datawriter_sec_attributes(c, 8, "T", nullptr, nullptr, nullptr, nullptr), 0);
+  EXPECT_EQ(c->check_create_participant(nullptr, 8, 5, &qos, nullptr), 0);
+}
+
+TEST_F(AccessControlAdapterTest, AnEngineThatThrowsDenies) {
+  ON_CALL(engine, check_create_participant).WillByDefault(testing::Throw(std::logic_error("x")));
+  EXPECT_EQ(c->check_create_participant(c, 8, 5, &qos, &refusal), 0);
+  EXPECT_EQ(refusal.reason(), Code::internal);
+}
+
+TEST_F(AccessControlAdapterTest, PermissionsAreReturned) {
+  EXPECT_CALL(engine, return_permissions_handle(Handle{9}))
+      .WillOnce(Return(Status{}))
+      .WillOnce(Return(fail(Code::malformed)));
+  EXPECT_EQ(c->return_permissions_handle(c, 0, nullptr), 1);
+  EXPECT_EQ(c->return_permissions_handle(c, 9, nullptr), 1);
+  EXPECT_EQ(c->return_permissions_handle(c, 9, nullptr), 0);
+}
+
+std::atomic<DDS_Security_PermissionsHandle> revoked_permissions{0};
+
+TEST_F(AccessControlAdapterTest, ExpiredPermissionsAreRevokedThroughTheListener) {
+  ON_CALL(engine, expire).WillByDefault([] { return std::vector<Handle>{{41}}; });
+  ON_CALL(engine, next_expiry).WillByDefault(Return(std::nullopt));
+  const dds_security_access_control_listener listener{
+      [](const dds_security_access_control*,
+         const DDS_Security_PermissionsHandle handle) -> DDS_Security_boolean {
+        revoked_permissions = handle;
+        return 1;
+      }};
+  EXPECT_EQ(c->set_listener(c, &listener, nullptr), 1);
+  for (int i = 0; i < 1000 && revoked_permissions == 0; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_EQ(revoked_permissions, 41);
+  EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);
+}
+
+}  // namespace
+}  // namespace ddssec::cyclonedds

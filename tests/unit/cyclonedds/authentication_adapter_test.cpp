@@ -1,0 +1,267 @@
+#include "plugins/cyclonedds/authentication_adapter.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <cstring>
+#include <stdexcept>
+#include <thread>
+
+#include "tests/unit/cyclonedds/support.hpp"
+
+namespace ddssec::cyclonedds {
+namespace {
+
+using testing::_;
+using testing::Return;
+
+Guid guid_of(std::uint8_t octet) {
+  Guid guid;
+  guid.prefix.octets.fill(octet);
+  guid.entity = kEntityIdParticipant;
+  return guid;
+}
+
+/// A token of the host, freed at the end.
+struct HostToken : DDS_Security_DataHolder {
+  HostToken() : DDS_Security_DataHolder{} {}
+  explicit HostToken(const spi::Token& token) { EXPECT_TRUE(copy_token(token, *this)); }
+  ~HostToken() { free_token(*this); }
+  HostToken(const HostToken&) = delete;
+  HostToken& operator=(const HostToken&) = delete;
+};
+
+struct AuthenticationAdapterTest : testing::Test {
+  Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness;
+  dds_security_authentication* c = &harness.adapter;
+  MockAuthentication& engine = *harness.engine;
+  Refusal refusal;
+  HostOctets data{{1, 2, 3, 4}};
+
+  std::shared_ptr<spi::SharedSecret> secret() {
+    auto made = std::make_shared<spi::SharedSecret>();
+    made->secret = *spi::SharedSecretOctets::copy_of(Bytes(32, 9));
+    made->challenge1.fill(1);
+    made->challenge2.fill(2);
+    return made;
+  }
+};
+
+TEST_F(AuthenticationAdapterTest, TableIsCompleteAndTheDomainIsInIt) {
+  EXPECT_EQ(c->gv, harness.domain());
+  const auto* begin = reinterpret_cast<void* const*>(c);
+  for (int i = 0; i < 18; ++i) EXPECT_NE(begin[i], nullptr) << i;
+}
+
+TEST_F(AuthenticationAdapterTest, LocalIdentity) {
+  std::string name = "n", value = "v";
+  DDS_Security_Property_t property{name.data(), value.data(), 1};
+  DDS_Security_Qos qos{};
+  qos.property.value = {1, 1, &property};
+  EXPECT_CALL(engine, validate_local_identity(7, spi::PropertyList{{"n", "v"}}, guid_of(1)))
+      .WillOnce(Return(spi::Authentication::LocalIdentity{{55}, guid_of(2)}));
+  DDS_Security_IdentityHandle handle = -1;
+  const auto candidate = to_c(guid_of(1));
+  DDS_Security_GUID_t adjusted{};
+  EXPECT_EQ(c->validate_local_identity(c, &handle, &adjusted, 7, &qos, &candidate, &refusal),
+            DDS_SECURITY_VALIDATION_OK);
+  EXPECT_EQ(handle, 55);
+  EXPECT_EQ(guid_from(adjusted), guid_of(2));
+}
+
+TEST_F(AuthenticationAdapterTest, AFailureIsFailedNilAndExplained) {
+  EXPECT_CALL(engine, validate_local_identity)
+      .WillOnce(Return(fail(Code::file_not_found, {.document = "ca.pem"})));
+  DDS_Security_IdentityHandle handle = -1;
+  DDS_Security_GUID_t guid{};
+  DDS_Security_Qos qos{};
+  EXPECT_EQ(c->validate_local_identity(c, &handle, &guid, 0, &qos, &guid, &refusal),
+            DDS_SECURITY_VALIDATION_FAILED);
+  EXPECT_EQ(handle, DDS_SECURITY_HANDLE_NIL);
+  EXPECT_EQ(refusal.reason(), Code::file_not_found);
+  EXPECT_THAT(refusal.text(), testing::HasSubstr("ca.pem"));
+}
+
+TEST_F(AuthenticationAdapterTest, AnEngineThatThrowsDenies) {
+  ON_CALL(engine, process_handshake)
+      .WillByDefault(testing::Throw(std::runtime_error("out of luck")));
+  const HostToken in(sample_token());
+  HostToken out;
+  EXPECT_EQ(c->process_handshake(c, &out, &in, 3, &refusal), DDS_SECURITY_VALIDATION_FAILED);
+  EXPECT_EQ(refusal.reason(), Code::internal);
+  EXPECT_TRUE(is_nil(&out));
+  EXPECT_EQ(harness.events.size(), 1u);
+}
+
+TEST_F(AuthenticationAdapterTest, NullArgumentsAreRefusedNotFollowed) {
+  DDS_Security_IdentityHandle handle = 1;
+  DDS_Security_GUID_t guid{};
+  DDS_Security_Qos qos{};
+  const HostToken token(sample_token());
+  HostToken out;
+  EXPECT_EQ(c->validate_local_identity(c, nullptr, &guid, 0, &qos, &guid, &refusal),
+            DDS_SECURITY_VALIDATION_FAILED);
+  EXPECT_EQ(c->validate_local_identity(c, &handle, &guid, 0, nullptr, &guid, nullptr),
+            DDS_SECURITY_VALIDATION_FAILED);
+  EXPECT_EQ(c->validate_remote_identity(c, &handle, nullptr, nullptr, 1, &token, &guid, nullptr),
+            DDS_SECURITY_VALIDATION_FAILED);
+  EXPECT_EQ(c->validate_remote_identity(c, &handle, &out, nullptr, 1, nullptr, &guid, nullptr),
+            DDS_SECURITY_VALIDATION_FAILED);
+  EXPECT_EQ(c->begin_handshake_request(c, &handle, &out, 1, 2, nullptr, nullptr),
+            DDS_SECURITY_VALIDATION_FAILED);
+  EXPECT_EQ(c->begin_handshake_reply(c, &handle, &out, nullptr, 1, 2, &data.sequence, nullptr),
+            DDS_SECURITY_VALIDATION_FAILED);
+  EXPECT_EQ(c->process_handshake(c, nullptr, &token, 1, nullptr), DDS_SECURITY_VALIDATION_FAILED);
+  EXPECT_EQ(c->get_identity_token(c, nullptr, 1, nullptr), 0);
+  EXPECT_EQ(c->get_identity_status_token(c, nullptr, 1, nullptr), 0);
+  EXPECT_EQ(c->set_permissions_credential_and_token(c, 1, nullptr, &token, nullptr), 0);
+  EXPECT_EQ(c->get_authenticated_peer_credential_token(c, nullptr, 1, nullptr), 0);
+  EXPECT_EQ(c->get_identity_token(nullptr, &out, 1, nullptr), 0);
+  EXPECT_EQ(c->get_shared_secret(nullptr, 1, nullptr), DDS_SECURITY_HANDLE_NIL);
+  EXPECT_EQ(refusal.reason(), Code::null_argument);
+}
+
+TEST_F(AuthenticationAdapterTest, TokensComeOutAndGoIn) {
+  EXPECT_CALL(engine, identity_token(spi::IdentityHandle{4})).WillOnce(Return(sample_token()));
+  EXPECT_CALL(engine, identity_status_token(spi::IdentityHandle{4}))
+      .WillOnce(Return(sample_token()));
+  HostToken identity, status;
+  EXPECT_EQ(c->get_identity_token(c, &identity, 4, &refusal), 1);
+  EXPECT_EQ(*token_from(&identity), sample_token());
+  EXPECT_EQ(c->get_identity_status_token(c, &status, 4, &refusal), 1);
+  EXPECT_EQ(c->return_identity_status_token(c, &status, &refusal), 1);
+  EXPECT_EQ(c->return_identity_status_token(c, &status, &refusal), 1);
+  EXPECT_EQ(c->return_identity_token(c, nullptr, nullptr), 1);
+
+  EXPECT_CALL(engine, set_permissions_credential_and_token(spi::IdentityHandle{4}, sample_token(),
+                                                           sample_token()))
+      .WillOnce(Return(Status{}));
+  EXPECT_EQ(c->set_permissions_credential_and_token(c, 4, &identity, &identity, &refusal), 1);
+}
+
+TEST_F(AuthenticationAdapterTest, RemoteIdentityWithAndWithoutAuthRequest) {
+  const auto guid = to_c(guid_of(3));
+  const HostToken token(sample_token());
+  HostToken request;
+  DDS_Security_IdentityHandle handle = -1;
+  EXPECT_CALL(engine, validate_remote_identity(spi::IdentityHandle{1}, testing::Eq(std::nullopt),
+                                               sample_token(), guid_of(3)))
+      .WillOnce(Return(spi::Authentication::RemoteIdentity{
+          {2}, spi::ValidationResult::pending_handshake_request, sample_token()}));
+  EXPECT_EQ(c->validate_remote_identity(c, &handle, &request, nullptr, 1, &token, &guid, &refusal),
+            DDS_SECURITY_VALIDATION_PENDING_HANDSHAKE_REQUEST);
+  EXPECT_EQ(handle, 2);
+  EXPECT_FALSE(is_nil(&request));
+
+  EXPECT_CALL(engine, validate_remote_identity(_, testing::Optional(sample_token()), _, _))
+      .WillOnce(Return(spi::Authentication::RemoteIdentity{
+          {2}, spi::ValidationResult::pending_handshake_message, std::nullopt}));
+  HostToken none;
+  EXPECT_EQ(c->validate_remote_identity(c, &handle, &none, &request, 1, &token, &guid, &refusal),
+            DDS_SECURITY_VALIDATION_PENDING_HANDSHAKE_MESSAGE);
+  EXPECT_TRUE(is_nil(&none));
+}
+
+TEST_F(AuthenticationAdapterTest, HandshakeStepsAndTheirResults) {
+  using spi::ValidationResult;
+  EXPECT_CALL(engine, begin_handshake_request(spi::IdentityHandle{1}, spi::IdentityHandle{2}, _))
+      .WillOnce(Return(spi::Authentication::HandshakeStep{
+          {10}, ValidationResult::pending_handshake_message, sample_token()}));
+  EXPECT_CALL(engine, begin_handshake_reply(sample_token(), spi::IdentityHandle{2},
+                                            spi::IdentityHandle{1}, _))
+      .WillOnce(Return(spi::Authentication::HandshakeStep{
+          {11}, ValidationResult::pending_handshake_message, sample_token()}));
+  EXPECT_CALL(engine, process_handshake(spi::HandshakeHandle{10}, _))
+      .WillOnce(Return(spi::Authentication::HandshakeStep{
+          {10}, ValidationResult::ok_final_message, sample_token()}))
+      .WillOnce(
+          Return(spi::Authentication::HandshakeStep{{10}, ValidationResult::ok, std::nullopt}));
+
+  HostToken request, reply, final_message, none;
+  DDS_Security_HandshakeHandle handle = 0;
+  EXPECT_EQ(c->begin_handshake_request(c, &handle, &request, 1, 2, &data.sequence, &refusal),
+            DDS_SECURITY_VALIDATION_PENDING_HANDSHAKE_MESSAGE);
+  EXPECT_EQ(handle, 10);
+  EXPECT_EQ(c->begin_handshake_reply(c, &handle, &reply, &request, 2, 1, &data.sequence, &refusal),
+            DDS_SECURITY_VALIDATION_PENDING_HANDSHAKE_MESSAGE);
+  EXPECT_EQ(handle, 11);
+  EXPECT_EQ(c->process_handshake(c, &final_message, &reply, 10, &refusal),
+            DDS_SECURITY_VALIDATION_OK_FINAL_MESSAGE);
+  EXPECT_EQ(c->process_handshake(c, &none, &reply, 10, &refusal), DDS_SECURITY_VALIDATION_OK);
+  EXPECT_TRUE(is_nil(&none));
+}
+
+TEST_F(AuthenticationAdapterTest, SharedSecretIsCyclonesLayoutUntilTheRemoteGoes) {
+  ON_CALL(engine, begin_handshake_request)
+      .WillByDefault(Return(spi::Authentication::HandshakeStep{
+          {10}, spi::ValidationResult::pending_handshake_message, sample_token()}));
+  ON_CALL(engine, shared_secret).WillByDefault(Return(secret()));
+  ON_CALL(engine, return_identity_handle).WillByDefault(Return(Status{}));
+  EXPECT_EQ(c->get_shared_secret(c, 10, &refusal), DDS_SECURITY_HANDLE_NIL);
+  EXPECT_EQ(refusal.reason(), Code::foreign_shared_secret);  // no such handshake
+
+  HostToken request;
+  DDS_Security_HandshakeHandle handle = 0;
+  c->begin_handshake_request(c, &handle, &request, 1, 2, &data.sequence, nullptr);
+  const auto secret_handle = c->get_shared_secret(c, handle, nullptr);
+  ASSERT_NE(secret_handle, DDS_SECURITY_HANDLE_NIL);
+  EXPECT_EQ(c->get_shared_secret(c, handle, nullptr), secret_handle);
+  EXPECT_EQ(c->return_sharedsecret_handle(c, secret_handle, nullptr), 1);
+
+  const auto* layout = reinterpret_cast<const SharedSecretLayout*>(secret_handle);
+  EXPECT_EQ(layout->shared_secret_size, 32);
+  EXPECT_EQ(layout->shared_secret[31], 9);
+  EXPECT_EQ(layout->challenge1[0], 1);
+  EXPECT_EQ(layout->challenge2[31], 2);
+
+  EXPECT_EQ(c->return_identity_handle(c, 3, nullptr), 1);  // somebody else
+  EXPECT_EQ(layout->shared_secret[0], 9);
+  EXPECT_EQ(c->return_identity_handle(c, 2, nullptr), 1);
+  Refusal gone;
+  EXPECT_EQ(c->get_shared_secret(c, handle, &gone), DDS_SECURITY_HANDLE_NIL);
+  EXPECT_EQ(gone.reason(), Code::foreign_shared_secret);
+}
+
+TEST_F(AuthenticationAdapterTest, PeerCredentialIsText) {
+  ON_CALL(engine, authenticated_peer_credential_token)
+      .WillByDefault(Return(spi::Token{.class_id = "DDS:Auth:PKI-DH:1.0",
+                                       .binary_properties = {{"c.id", {'i'}}, {"c.perm", {'p'}}}}));
+  HostToken credential;
+  ASSERT_EQ(c->get_authenticated_peer_credential_token(c, &credential, 1, nullptr), 1);
+  ASSERT_EQ(credential.properties._length, 2u);
+  EXPECT_STREQ(credential.properties._buffer[0].name, "c.id");
+  EXPECT_STREQ(credential.properties._buffer[1].value, "p");
+  EXPECT_EQ(c->return_authenticated_peer_credential_token(c, &credential, nullptr), 1);
+}
+
+TEST_F(AuthenticationAdapterTest, NilHandlesAreReturnedWithoutTheEngine) {
+  EXPECT_CALL(engine, return_identity_handle).Times(0);
+  EXPECT_CALL(engine, return_handshake_handle).Times(0);
+  EXPECT_EQ(c->return_identity_handle(c, 0, nullptr), 1);
+  EXPECT_EQ(c->return_handshake_handle(c, 0, nullptr), 1);
+}
+
+std::atomic<DDS_Security_IdentityHandle> revoked_identity{0};
+std::atomic<const dds_security_authentication*> revoking_plugin{nullptr};
+
+TEST_F(AuthenticationAdapterTest, ExpiredIdentityIsRevokedThroughTheListener) {
+  ON_CALL(engine, expire).WillByDefault([] { return std::vector<spi::IdentityHandle>{{31}}; });
+  ON_CALL(engine, next_expiry).WillByDefault(Return(std::nullopt));
+  const dds_security_authentication_listener listener{
+      [](const dds_security_authentication* plugin,
+         const DDS_Security_IdentityHandle handle) -> DDS_Security_boolean {
+        revoking_plugin = plugin;
+        revoked_identity = handle;
+        return 1;
+      },
+      nullptr};
+  EXPECT_EQ(c->set_listener(c, &listener, nullptr), 1);
+  for (int i = 0; i < 1000 && revoked_identity == 0; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_EQ(revoked_identity, 31);
+  EXPECT_EQ(revoking_plugin, c);
+  EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);
+  EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);
+}
+
+}  // namespace
+}  // namespace ddssec::cyclonedds

@@ -1,0 +1,83 @@
+#include <stdexcept>
+
+#include "plugins/cyclonedds/c_boundary.hpp"
+#include "tests/unit/cyclonedds/support.hpp"
+
+namespace ddssec::cyclonedds {
+namespace {
+
+struct Boundary : testing::Test {
+  std::vector<Event> events;
+  Host host{std::make_unique<Recorder>(events)};
+  Refusal refusal;
+};
+
+TEST_F(Boundary, SuccessTouchesNothing) {
+  EXPECT_EQ(allowed_at_c_boundary(host, &refusal, [] { return Status{}; }), 1);
+  EXPECT_EQ(refusal.code, 0);
+  EXPECT_EQ(refusal.message, nullptr);
+  EXPECT_TRUE(events.empty());
+}
+
+TEST_F(Boundary, FailureIsASentenceACodeAndOneEvent) {
+  const auto refuse = []() -> Status {
+    return fail(Code::malformed, {.document = "c.pdata", .found = "3 octets"});
+  };
+  EXPECT_EQ(allowed_at_c_boundary(host, &refusal, refuse), 0);
+  EXPECT_EQ(refusal.reason(), Code::malformed);
+  EXPECT_EQ(refusal.minor_code, 0);
+  EXPECT_EQ(refusal.text(), refuse().error().to_sentence());
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].error.code(), Code::malformed);
+
+  // The same again within the interval says nothing new.
+  Refusal again;
+  allowed_at_c_boundary(host, &again, refuse);
+  EXPECT_EQ(again.reason(), Code::malformed);
+  EXPECT_EQ(events.size(), 1u);
+}
+
+TEST_F(Boundary, NullExceptionIsTolerated) {
+  EXPECT_EQ(allowed_at_c_boundary(host, nullptr, []() -> Status { return fail(Code::malformed); }),
+            0);
+  EXPECT_EQ(events.size(), 1u);
+}
+
+TEST_F(Boundary, ThrownExceptionsDeny) {
+  EXPECT_EQ(allowed_at_c_boundary(host, &refusal,
+                                  []() -> Status { throw std::runtime_error("what it said"); }),
+            0);
+  EXPECT_EQ(refusal.reason(), Code::internal);
+  EXPECT_THAT(refusal.text(), testing::HasSubstr("what it said"));
+
+  Refusal unknown;
+  EXPECT_EQ(allowed_at_c_boundary(host, &unknown, []() -> Status { throw 42; }), 0);
+  EXPECT_EQ(unknown.reason(), Code::internal);
+
+  Refusal memory;
+  EXPECT_EQ(allowed_at_c_boundary(host, &memory, []() -> Status { throw std::bad_alloc(); }), 0);
+  EXPECT_EQ(memory.reason(), Code::out_of_memory);
+}
+
+TEST_F(Boundary, AnEnginesOwnEventIsNotRepeated) {
+  const auto raise_and_refuse = [&]() -> Status {
+    host.environment().events.raise(Event(Error(Code::malformed), "CN=peer"));
+    return fail(Code::malformed);
+  };
+  EXPECT_EQ(allowed_at_c_boundary(host, &refusal, raise_and_refuse), 0);
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].peer_subject, "CN=peer");
+}
+
+TEST_F(Boundary, ASinkThatThrowsDoesNotLetAnythingThrough) {
+  struct Throwing final : EventSink {
+    void raise(const Event&) override { throw std::bad_alloc(); }
+  };
+  Host broken(std::make_unique<Throwing>());
+  EXPECT_EQ(
+      allowed_at_c_boundary(broken, &refusal, []() -> Status { return fail(Code::malformed); }), 0);
+  EXPECT_EQ(refusal.reason(), Code::malformed);
+}
+
+}  // namespace
+}  // namespace ddssec::cyclonedds

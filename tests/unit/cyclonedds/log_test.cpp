@@ -1,0 +1,84 @@
+#include "plugins/cyclonedds/log.hpp"
+
+#include <cstdarg>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <dds/ddsrt/log.h>
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+namespace ddssec::cyclonedds {
+namespace {
+
+struct Line {
+  std::uint32_t category;
+  std::string text;
+};
+std::vector<Line> logged;
+
+void record(std::uint32_t category, const char*, std::uint32_t, const char*, const char* format,
+            ...) {
+  char text[2048];
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  logged.push_back({category, text});
+}
+
+struct HostLog : testing::Test {
+  HostLog() { logged.clear(); }
+  ~HostLog() override { std::filesystem::remove(json_path); }
+  const std::string json_path =
+      std::filesystem::temp_directory_path() / ("ddssec_log_test_" + std::to_string(getpid()));
+};
+
+TEST_F(HostLog, OneSentenceInTheHostsLog) {
+  make_host_log(record, nullptr)->raise(Event(Error(Code::malformed, {.document = "%s%n"})));
+  ASSERT_EQ(logged.size(), 1u);
+  EXPECT_EQ(logged[0].category, DDS_LC_WARNING);
+  EXPECT_THAT(logged[0].text, testing::StartsWith("ddssec warning:"));
+  EXPECT_THAT(logged[0].text, testing::HasSubstr("%s%n"));
+  EXPECT_EQ(std::ranges::count(logged[0].text, '\n'), 1);
+}
+
+TEST_F(HostLog, JsonLinesAreAppended) {
+  for (int i = 0; i < 2; ++i)
+    make_host_log(record, json_path.c_str())->raise(Event(Error(Code::file_not_found), "CN=x"));
+  std::ifstream file(json_path);
+  int lines = 0;
+  for (std::string line; std::getline(file, line); ++lines)
+    EXPECT_EQ(nlohmann::json::parse(line).at("code"), static_cast<int>(Code::file_not_found));
+  EXPECT_EQ(lines, 2);
+}
+
+TEST_F(HostLog, AFileThatCannotBeWrittenIsSaidOnce) {
+  const auto log = make_host_log(record, "/nowhere/at/all");
+  log->raise(Event(Error(Code::malformed)));
+  ASSERT_EQ(logged.size(), 2u);
+  EXPECT_THAT(logged[0].text, testing::HasSubstr("event_log_unwritable"));
+}
+
+TEST_F(HostLog, NoSeverityAborts) {
+  EXPECT_EQ(log_category(Severity::debug), 0u);
+  EXPECT_EQ(log_category(Severity::informational), DDS_LC_INFO);
+  EXPECT_EQ(log_category(Severity::warning), DDS_LC_WARNING);
+  EXPECT_EQ(log_category(Severity::error), DDS_LC_ERROR);
+  EXPECT_EQ(log_category(Severity::critical), DDS_LC_ERROR);
+  auto quiet = Event(Error(Code::malformed));
+  quiet.severity = Severity::debug;
+  make_host_log(record, nullptr)->raise(quiet);
+  EXPECT_TRUE(logged.empty());
+}
+
+TEST_F(HostLog, WithoutAHostItGoesToStderr) {
+  testing::internal::CaptureStderr();
+  make_host_log(nullptr, nullptr)->raise(Event(Error(Code::malformed)));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), testing::HasSubstr("malformed"));
+}
+
+}  // namespace
+}  // namespace ddssec::cyclonedds

@@ -1,0 +1,143 @@
+// Engines whose answers a test writes.
+#pragma once
+
+#include <gmock/gmock.h>
+
+#include "plugins/spi/access_control.hpp"
+#include "plugins/spi/authentication.hpp"
+#include "plugins/spi/cryptography.hpp"
+
+namespace ddssec::cyclonedds {
+
+class MockAuthentication : public spi::Authentication {
+ public:
+  MOCK_METHOD(Result<LocalIdentity>, validate_local_identity,
+              (DomainId, const spi::PropertyList&, const Guid&), (override));
+  MOCK_METHOD(Result<spi::Token>, identity_token, (spi::IdentityHandle), (override));
+  MOCK_METHOD(Result<spi::Token>, identity_status_token, (spi::IdentityHandle), (override));
+  MOCK_METHOD(Status, set_permissions_credential_and_token,
+              (spi::IdentityHandle, const spi::Token&, const spi::Token&), (override));
+  MOCK_METHOD(Result<RemoteIdentity>, validate_remote_identity,
+              (spi::IdentityHandle, const std::optional<spi::Token>&, const spi::Token&,
+               const Guid&),
+              (override));
+  MOCK_METHOD(Result<HandshakeStep>, begin_handshake_request,
+              (spi::IdentityHandle, spi::IdentityHandle, BytesView), (override));
+  MOCK_METHOD(Result<HandshakeStep>, begin_handshake_reply,
+              (const spi::Token&, spi::IdentityHandle, spi::IdentityHandle, BytesView), (override));
+  MOCK_METHOD(Result<HandshakeStep>, process_handshake, (spi::HandshakeHandle, const spi::Token&),
+              (override));
+  MOCK_METHOD(Result<std::shared_ptr<const spi::SharedSecret>>, shared_secret,
+              (spi::HandshakeHandle), (override));
+  MOCK_METHOD(Result<spi::Token>, authenticated_peer_credential_token, (spi::HandshakeHandle),
+              (override));
+  MOCK_METHOD(Status, return_handshake_handle, (spi::HandshakeHandle), (override));
+  MOCK_METHOD(Status, return_identity_handle, (spi::IdentityHandle), (override));
+  MOCK_METHOD(std::optional<WallTime>, next_expiry, (), (override));
+  MOCK_METHOD(std::vector<spi::IdentityHandle>, expire, (), (override));
+};
+
+class MockAccessControl : public spi::AccessControl {
+ public:
+  using Handle = spi::PermissionsHandle;
+  MOCK_METHOD(Result<Handle>, validate_local_permissions,
+              (spi::IdentityHandle, DomainId, const spi::PropertyList&), (override));
+  MOCK_METHOD(Result<Handle>, validate_remote_permissions,
+              (spi::IdentityHandle, spi::IdentityHandle, const spi::Token&, const spi::Token&),
+              (override));
+  MOCK_METHOD(Status, check_create_participant, (Handle, DomainId), (override));
+  MOCK_METHOD(Status, check_create_datawriter, (Handle, DomainId, const spi::EndpointRequest&),
+              (override));
+  MOCK_METHOD(Status, check_create_datareader, (Handle, DomainId, const spi::EndpointRequest&),
+              (override));
+  MOCK_METHOD(Status, check_create_topic, (Handle, DomainId, std::string_view), (override));
+  MOCK_METHOD(Status, check_remote_participant, (Handle, DomainId), (override));
+  MOCK_METHOD(Status, check_remote_datawriter, (Handle, DomainId, const spi::EndpointRequest&),
+              (override));
+  MOCK_METHOD(Result<RemoteDatareader>, check_remote_datareader,
+              (Handle, DomainId, const spi::EndpointRequest&), (override));
+  MOCK_METHOD(Status, check_remote_topic, (Handle, DomainId, std::string_view), (override));
+  MOCK_METHOD(Result<spi::Token>, permissions_token, (Handle), (override));
+  MOCK_METHOD(Result<spi::Token>, permissions_credential_token, (Handle), (override));
+  MOCK_METHOD(Result<spi::ParticipantSecurityAttributes>, participant_sec_attributes, (Handle),
+              (override));
+  MOCK_METHOD(Result<spi::TopicSecurityAttributes>, topic_sec_attributes,
+              (Handle, std::string_view), (override));
+  MOCK_METHOD(Result<spi::EndpointSecurityAttributes>, datawriter_sec_attributes,
+              (Handle, const spi::EndpointRequest&), (override));
+  MOCK_METHOD(Result<spi::EndpointSecurityAttributes>, datareader_sec_attributes,
+              (Handle, const spi::EndpointRequest&), (override));
+  MOCK_METHOD(Status, return_permissions_handle, (Handle), (override));
+  MOCK_METHOD(std::optional<WallTime>, next_expiry, (), (override));
+  MOCK_METHOD(std::vector<Handle>, expire, (), (override));
+};
+
+class MockCryptography : public spi::Cryptography,
+                         public spi::CryptoKeyFactory,
+                         public spi::CryptoKeyExchange,
+                         public spi::CryptoTransform {
+ public:
+  using Participant = spi::ParticipantCryptoHandle;
+  using Datawriter = spi::DatawriterCryptoHandle;
+  using Datareader = spi::DatareaderCryptoHandle;
+  using Tokens = std::vector<spi::Token>;
+
+  spi::CryptoKeyFactory& key_factory() override { return *this; }
+  spi::CryptoKeyExchange& key_exchange() override { return *this; }
+  spi::CryptoTransform& transform() override { return *this; }
+
+  MOCK_METHOD(Result<Participant>, register_local_participant,
+              (spi::IdentityHandle, spi::PermissionsHandle, const spi::PropertyList&,
+               const spi::ParticipantSecurityAttributes&),
+              (override));
+  MOCK_METHOD(Result<Participant>, register_matched_remote_participant,
+              (Participant, spi::IdentityHandle, spi::PermissionsHandle, const spi::SharedSecret&),
+              (override));
+  MOCK_METHOD(Result<Datawriter>, register_local_datawriter,
+              (Participant, const spi::PropertyList&, const spi::EndpointSecurityAttributes&),
+              (override));
+  MOCK_METHOD(Result<Datareader>, register_matched_remote_datareader,
+              (Datawriter, Participant, const spi::SharedSecret&, bool), (override));
+  MOCK_METHOD(Result<Datareader>, register_local_datareader,
+              (Participant, const spi::PropertyList&, const spi::EndpointSecurityAttributes&),
+              (override));
+  MOCK_METHOD(Result<Datawriter>, register_matched_remote_datawriter,
+              (Datareader, Participant, const spi::SharedSecret&), (override));
+  MOCK_METHOD(Status, unregister_participant, (Participant), (override));
+  MOCK_METHOD(Status, unregister_datawriter, (Datawriter), (override));
+  MOCK_METHOD(Status, unregister_datareader, (Datareader), (override));
+
+  MOCK_METHOD(Result<Tokens>, create_local_participant_crypto_tokens, (Participant, Participant),
+              (override));
+  MOCK_METHOD(Status, set_remote_participant_crypto_tokens,
+              (Participant, Participant, std::span<const spi::Token>), (override));
+  MOCK_METHOD(Result<Tokens>, create_local_datawriter_crypto_tokens, (Datawriter, Datareader),
+              (override));
+  MOCK_METHOD(Status, set_remote_datawriter_crypto_tokens,
+              (Datareader, Datawriter, std::span<const spi::Token>), (override));
+  MOCK_METHOD(Result<Tokens>, create_local_datareader_crypto_tokens, (Datareader, Datawriter),
+              (override));
+  MOCK_METHOD(Status, set_remote_datareader_crypto_tokens,
+              (Datawriter, Datareader, std::span<const spi::Token>), (override));
+
+  using Size = Result<std::size_t>;
+  MOCK_METHOD(Size, encode_serialized_payload, (Datawriter, BytesView, MutableBytes), (override));
+  MOCK_METHOD(Size, encode_datawriter_submessage,
+              (Datawriter, std::span<const Datareader>, BytesView, MutableBytes), (override));
+  MOCK_METHOD(Size, encode_datareader_submessage,
+              (Datareader, std::span<const Datawriter>, BytesView, MutableBytes), (override));
+  MOCK_METHOD(Size, encode_rtps_message,
+              (Participant, std::span<const Participant>, BytesView, MutableBytes), (override));
+  MOCK_METHOD(Size, decode_rtps_message, (Participant, Participant, BytesView, MutableBytes),
+              (override));
+  MOCK_METHOD(Result<spi::SecureSubmessage>, preprocess_secure_submessage,
+              (Participant, Participant, BytesView), (override));
+  MOCK_METHOD(Size, decode_datawriter_submessage, (Datareader, Datawriter, BytesView, MutableBytes),
+              (override));
+  MOCK_METHOD(Size, decode_datareader_submessage, (Datawriter, Datareader, BytesView, MutableBytes),
+              (override));
+  MOCK_METHOD(Size, decode_serialized_payload, (Datareader, Datawriter, BytesView, MutableBytes),
+              (override));
+};
+
+}  // namespace ddssec::cyclonedds

@@ -1,0 +1,85 @@
+// An adapter around a mock engine, and the small values of the C ABI that tests pass in.
+#pragma once
+
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "plugins/cyclonedds/context.hpp"
+#include "plugins/cyclonedds/token_translation.hpp"
+#include "plugins/cyclonedds/value_translation.hpp"
+#include "tests/unit/cyclonedds/mocks.hpp"
+
+namespace ddssec::cyclonedds {
+
+/// A SecurityException that is freed.
+struct Refusal : Exception {
+  Refusal() : Exception{} {}
+  ~Refusal() { std::free(message); }
+  Refusal(const Refusal&) = delete;
+  Refusal& operator=(const Refusal&) = delete;
+  std::string text() const { return message != nullptr ? message : ""; }
+  Code reason() const { return static_cast<Code>(code); }
+};
+
+/// Keeps the events.
+class Recorder final : public EventSink {
+ public:
+  explicit Recorder(std::vector<Event>& events) : events_(events) {}
+  void raise(const Event& event) override { events_.push_back(event); }
+
+ private:
+  std::vector<Event>& events_;
+};
+
+/// An adapter of a mock engine, with the events that came out of it.
+template <class Adapter, class Engine, class Spi>
+struct Harness {
+  Harness()
+      : adapter(
+            std::make_unique<Host>(std::make_unique<Recorder>(events)),
+            [this](const Environment& given) {
+              environment.emplace(given);
+              auto made = std::make_unique<testing::NiceMock<Engine>>();
+              engine = made.get();
+              return std::unique_ptr<Spi>(std::move(made));
+            },
+            domain()) {}
+
+  /// Any address that is not null.
+  ddsi_domaingv* domain() { return reinterpret_cast<ddsi_domaingv*>(&events); }
+
+  std::vector<Event> events;
+  std::optional<Environment> environment;
+  testing::NiceMock<Engine>* engine = nullptr;
+  Adapter adapter;
+};
+
+/// An owned sequence of octets as the host passes it.
+struct HostOctets {
+  explicit HostOctets(Bytes from) : octets(std::move(from)) {
+    const auto length = static_cast<DDS_Security_unsigned_long>(octets.size());
+    sequence = {length, length, octets.empty() ? nullptr : octets.data()};
+  }
+  Bytes octets;
+  DDS_Security_OctetSeq sequence{};
+};
+
+/// A result block of a transform call.
+struct HostBlock : DDS_Security_OctetSeq {
+  HostBlock() : DDS_Security_OctetSeq{} {}
+  ~HostBlock() { std::free(_buffer); }
+  HostBlock(const HostBlock&) = delete;
+  HostBlock& operator=(const HostBlock&) = delete;
+  Bytes octets() const { return {_buffer, _buffer + _length}; }
+};
+
+inline spi::Token sample_token() {
+  return {.class_id = "DDS:Auth:PKI-DH:1.0",
+          .properties = {{"c.name", "value", true}, {"hidden", "", false}},
+          .binary_properties = {{"c.octets", {0, 1, 2, 255}, true}, {"c.empty", {}, true}}};
+}
+
+}  // namespace ddssec::cyclonedds
