@@ -19,24 +19,39 @@ SharedSecrets::Block::~Block() { wipe(octets); }
 void SharedSecrets::note(spi::HandshakeHandle handshake, spi::IdentityHandle initiator,
                          spi::IdentityHandle replier) {
   const std::lock_guard lock(mutex_);
-  entries_.try_emplace(handshake, Entry{initiator, replier, nullptr});
+  const Pair pair{initiator, replier};
+  if (!pair_of_.try_emplace(handshake, pair).second) return;
+  auto& entries = entries_[pair];
+  entries.push_back({handshake, nullptr});
+  forget_oldest_unfinished(entries);
+}
+
+void SharedSecrets::forget_oldest_unfinished(std::vector<Entry>& entries) {
+  const auto unfinished = [](const Entry& entry) { return entry.block == nullptr; };
+  if (std::ranges::count_if(entries, unfinished) <= std::ptrdiff_t{kMostUnfinishedPerPair}) return;
+  const auto oldest = std::ranges::find_if(entries, unfinished);
+  pair_of_.erase(oldest->handshake);
+  entries.erase(oldest);
 }
 
 Result<DDS_Security_SharedSecretHandle> SharedSecrets::hand_out(spi::HandshakeHandle handshake,
                                                                 const spi::SharedSecret& secret) {
   const std::lock_guard lock(mutex_);
-  const auto entry = entries_.find(handshake);
-  if (entry == entries_.end()) return fail(Code::foreign_shared_secret);
-  auto& block = entry->second.block;
+  const auto pair = pair_of_.find(handshake);
+  if (pair == pair_of_.end()) return fail(Code::foreign_shared_secret);
+  auto& entries = entries_[pair->second];
+  auto& block = std::ranges::find(entries, handshake, &Entry::handshake)->block;
   if (!block) block = std::make_unique<Block>(secret);
   return reinterpret_cast<DDS_Security_SharedSecretHandle>(&block->layout);
 }
 
 void SharedSecrets::drop(spi::IdentityHandle identity) {
   const std::lock_guard lock(mutex_);
-  std::erase_if(entries_, [&](const auto& entry) {
-    return entry.second.initiator == identity || entry.second.replier == identity;
-  });
+  const auto is_of = [&](const Pair& pair) {
+    return pair.first == identity || pair.second == identity;
+  };
+  std::erase_if(pair_of_, [&](const auto& entry) { return is_of(entry.second); });
+  std::erase_if(entries_, [&](const auto& entry) { return is_of(entry.first); });
 }
 
 }  // namespace ddssec::cyclonedds

@@ -1,9 +1,12 @@
 // The shared secrets that were handed to the host as pointers, and how long they live.
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <utility>
+#include <vector>
 
 #include "plugins/cyclonedds/abi.hpp"
 #include "plugins/spi/handles.hpp"
@@ -16,11 +19,15 @@ namespace ddssec::cyclonedds {
 /// two identities is returned. Thread-safe.
 class SharedSecrets {
  public:
+  /// Most handshakes of a pair remembered that have no secret yet; the oldest gives way. Anybody
+  /// can make us answer a request, only the peer can finish.
+  static constexpr std::size_t kMostUnfinishedPerPair = 8;
+
   /// Remembers whose handshake it is.
   void note(spi::HandshakeHandle handshake, spi::IdentityHandle initiator,
             spi::IdentityHandle replier);
   /// The pointer for that handshake, the same each time. Error: foreign_shared_secret for a
-  /// handshake never noted.
+  /// handshake not noted.
   Result<DDS_Security_SharedSecretHandle> hand_out(spi::HandshakeHandle handshake,
                                                    const spi::SharedSecret& secret);
   /// Wipes and frees the secrets of this identity's handshakes.
@@ -38,13 +45,16 @@ class SharedSecrets {
     std::array<std::uint8_t, spi::SharedSecretOctets::capacity> octets{};
   };
   struct Entry {
-    spi::IdentityHandle initiator;
-    spi::IdentityHandle replier;
+    spi::HandshakeHandle handshake;
     std::unique_ptr<Block> block;
   };
+  using Pair = std::pair<spi::IdentityHandle, spi::IdentityHandle>;
+
+  void forget_oldest_unfinished(std::vector<Entry>& entries);
 
   std::mutex mutex_;
-  std::map<spi::HandshakeHandle, Entry> entries_;
+  std::map<Pair, std::vector<Entry>> entries_;  ///< of a pair: in the order they were noted
+  std::map<spi::HandshakeHandle, Pair> pair_of_;
 };
 
 }  // namespace ddssec::cyclonedds

@@ -1,0 +1,43 @@
+#include "plugins/cyclonedds/shared_secrets.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ddssec::cyclonedds {
+namespace {
+
+using spi::HandshakeHandle;
+using spi::IdentityHandle;
+
+spi::SharedSecret secret_of(std::uint8_t octet) {
+  spi::SharedSecret secret;
+  secret.secret = *spi::SharedSecretOctets::copy_of(Bytes(32, octet));
+  return secret;
+}
+
+TEST(SharedSecrets, AFloodOfForgedRequestsIsBoundedAndSparesFinishedOnes) {
+  SharedSecrets secrets;
+  secrets.note({1}, IdentityHandle{10}, IdentityHandle{20});
+  const auto finished = secrets.hand_out({1}, secret_of(7));
+  ASSERT_TRUE(finished);
+  for (std::int64_t forged = 2; forged < 10'000; ++forged)
+    secrets.note({forged}, IdentityHandle{10}, IdentityHandle{20});
+  EXPECT_EQ(*secrets.hand_out({1}, secret_of(8)), *finished);
+  EXPECT_EQ(reinterpret_cast<SharedSecretLayout*>(*finished)->shared_secret[0], 7);
+  EXPECT_EQ(secrets.hand_out({2}, secret_of(8)).error().code(), Code::foreign_shared_secret);
+  EXPECT_TRUE(secrets.hand_out({9'999}, secret_of(8)));
+}
+
+TEST(SharedSecrets, OnlyTheIdentitysOwnGo) {
+  SharedSecrets secrets;
+  secrets.note({1}, IdentityHandle{10}, IdentityHandle{20});
+  secrets.note({2}, IdentityHandle{10}, IdentityHandle{21});
+  secrets.note({2}, IdentityHandle{10}, IdentityHandle{20});  // known: stays where it was
+  secrets.drop(IdentityHandle{20});
+  EXPECT_FALSE(secrets.hand_out({1}, secret_of(1)));
+  EXPECT_TRUE(secrets.hand_out({2}, secret_of(1)));
+  secrets.drop(IdentityHandle{10});
+  EXPECT_FALSE(secrets.hand_out({2}, secret_of(1)));
+}
+
+}  // namespace
+}  // namespace ddssec::cyclonedds
