@@ -18,8 +18,8 @@ class Host {
   Host(const Host&) = delete;
   Host& operator=(const Host&) = delete;
 
-  /// For the engine.
-  Environment environment() { return {clock_, random_, counted_}; }
+  /// For the engine; lives as long as the host.
+  const Environment& environment() const { return environment_; }
   const Clock& clock() const { return clock_; }
 
   /// Raises one event; swallows whatever goes wrong meanwhile.
@@ -43,6 +43,7 @@ class Host {
   std::unique_ptr<EventSink> log_;
   RateLimitedSink limited_;
   CountingSink counted_;
+  const Environment environment_{clock_, random_, counted_};
 };
 
 }  // namespace ddssec::cyclonedds

@@ -113,16 +113,13 @@ Status decode_submessage(Octets* plain, const Octets* encoded, Decode&& decode) 
   return check_decoded(*plain, octets.size() - kSecurePrefixSize, 4);
 }
 
-// Of the cryptography engine (base/codes/cryptography.def).
-constexpr auto kReceiverMacMissing = static_cast<Code>(1551);
-constexpr auto kReceiverMacMismatch = static_cast<Code>(1552);
-
 /// Cyclone asks for each local participant in turn: a message without a MAC for this one may be for
 /// the next, which is nothing to alarm anybody with. Any other code of the host ends the message.
 Telling as_one_of_several_receivers(const Error& error) {
   auto telling = plainly(error);
-  if (error.code() == kReceiverMacMissing) telling.severity = Severity::debug;
-  if (error.code() == kReceiverMacMissing || error.code() == kReceiverMacMismatch)
+  if (error.code() == Code::receiver_specific_mac_missing) telling.severity = Severity::debug;
+  if (error.code() == Code::receiver_specific_mac_missing ||
+      error.code() == Code::receiver_specific_mac_mismatch)
     telling.host_code = DDS_SECURITY_ERR_INVALID_CRYPTO_RECEIVER_SIGN_CODE;
   return telling;
 }

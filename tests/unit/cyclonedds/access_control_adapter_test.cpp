@@ -117,6 +117,24 @@ TEST_F(AccessControlAdapterTest, PartitionsAndTagsOfARemoteReachTheEngine) {
   EXPECT_EQ(c->check_remote_datawriter(c, 9, 5, &publication, nullptr), 1);
 }
 
+TEST_F(AccessControlAdapterTest, CyclonesLocalBuiltinTopicsMayBeReadAndNothingElseSlipsThrough) {
+  EXPECT_CALL(engine, check_create_datareader).Times(4).WillRepeatedly([](auto&&...) -> Status {
+    return fail(Code::malformed);
+  });
+  std::string builtin = "__BUILT-IN PARTITION__", other = "P";
+  const auto may_read = [&](const char* name, std::vector<DDS_Security_string> partitions) {
+    const auto count = static_cast<DDS_Security_unsigned_long>(partitions.size());
+    const DDS_Security_PartitionQosPolicy partition{{count, count, partitions.data()}};
+    return c->check_create_datareader(c, 8, 5, name, &qos, &partition, nullptr, nullptr) != 0;
+  };
+  for (const auto* name : {"DCPSParticipant", "DCPSTopic", "DCPSPublication", "DCPSSubscription"})
+    EXPECT_TRUE(may_read(name, {builtin.data()})) << name;
+  EXPECT_FALSE(may_read("DCPSParticipant", {}));
+  EXPECT_FALSE(may_read("DCPSParticipant", {other.data()}));
+  EXPECT_FALSE(may_read("DCPSParticipant", {builtin.data(), other.data()}));
+  EXPECT_FALSE(may_read("Square", {builtin.data()}));
+}
+
 TEST_F(AccessControlAdapterTest, WhatNobodyCallsAllows) {
   EXPECT_EQ(c->check_local_datawriter_register_instance(c, 8, nullptr, nullptr, nullptr), 1);
   EXPECT_EQ(c->check_local_datawriter_dispose_instance(c, 8, nullptr, 0, nullptr), 1);
@@ -168,6 +186,28 @@ TEST_F(AccessControlAdapterTest, AttributesCarryMasksAndNoProperties) {
     EXPECT_EQ(e.ac_endpoint_properties._buffer, nullptr);
     EXPECT_EQ(c->return_datawriter_sec_attributes(c, &e, nullptr), 1);
     EXPECT_EQ(c->return_datareader_sec_attributes(c, &e, nullptr), 1);
+  }
+}
+
+TEST_F(AccessControlAdapterTest, PlainDiscoveryIsNeverProtectedByATopicRule) {
+  const spi::EndpointSecurityAttributes encrypted{.topic = {.is_read_protected = true},
+                                                  .submessage = spi::ProtectionKind::encrypt};
+  ON_CALL(engine, datawriter_sec_attributes).WillByDefault(Return(encrypted));
+  ON_CALL(engine, datareader_sec_attributes).WillByDefault(Return(encrypted));
+  ON_CALL(engine, topic_sec_attributes).WillByDefault(Return(encrypted.topic));
+  for (const auto* name : {"DCPSParticipant", "DCPSPublication", "DCPSParticipantMessage",
+                           "DCPSTypeLookupRequest", "DCPSParticipantsSecure", "Square"}) {
+    const bool plain =
+        std::string_view(name).starts_with("DCPS") && !std::string_view(name).ends_with("Secure");
+    DDS_Security_EndpointSecurityAttributes writer{}, reader{};
+    DDS_Security_TopicSecurityAttributes topic_attributes{};
+    ASSERT_EQ(c->get_datawriter_sec_attributes(c, 8, name, nullptr, nullptr, &writer, nullptr), 1);
+    ASSERT_EQ(c->get_datareader_sec_attributes(c, 8, name, nullptr, nullptr, &reader, nullptr), 1);
+    ASSERT_EQ(c->get_topic_sec_attributes(c, 8, name, &topic_attributes, nullptr), 1);
+    EXPECT_EQ(writer.is_submessage_protected, !plain) << name;
+    EXPECT_EQ(reader.is_read_protected, !plain) << name;
+    EXPECT_EQ(topic_attributes.is_read_protected, !plain) << name;
+    EXPECT_TRUE(writer.plugin_endpoint_attributes & spi::kMaskIsValid);
   }
 }
 

@@ -285,8 +285,8 @@ TEST_F(CryptographyAdapterTest, ReceiverMacsAreCode124AndNoOtherFailureIs) {
     EXPECT_EQ(out._buffer, nullptr);
     return why.code;
   };
-  EXPECT_EQ(decode_failing_with(static_cast<Code>(1551)), 124);
-  EXPECT_EQ(decode_failing_with(static_cast<Code>(1552)), 124);
+  EXPECT_EQ(decode_failing_with(Code::receiver_specific_mac_missing), 124);
+  EXPECT_EQ(decode_failing_with(Code::receiver_specific_mac_mismatch), 124);
   EXPECT_EQ(decode_failing_with(Code::malformed), static_cast<int>(Code::malformed));
   ASSERT_EQ(harness.events.size(), 3u);
   EXPECT_EQ(harness.events[0].severity, Severity::debug) << "the next participant may be meant";

@@ -1,0 +1,18 @@
+// libddssec_access_control.so
+#include "plugins/access_control/access_control.hpp"
+#include "plugins/cyclonedds/access_control_adapter.hpp"
+#include "plugins/cyclonedds/entry.hpp"
+
+using namespace ddssec;
+using cyclonedds::AccessControlAdapter;
+
+DDSSEC_EXPORT int init_access_control(const char*, void** context, ddsi_domaingv* domain) {
+  return cyclonedds::init<AccessControlAdapter, dds_security_access_control>(
+      context, domain, __builtin_return_address(0), [](const Environment& environment) {
+        return access_control::make_access_control(environment, {});
+      });
+}
+
+DDSSEC_EXPORT int finalize_access_control(void* context) {
+  return cyclonedds::finalize<AccessControlAdapter, dds_security_access_control>(context);
+}

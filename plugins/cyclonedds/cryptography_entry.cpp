@@ -1,0 +1,18 @@
+// libddssec_cryptography.so
+#include "plugins/cryptography/cryptography.hpp"
+#include "plugins/cyclonedds/cryptography_adapter.hpp"
+#include "plugins/cyclonedds/entry.hpp"
+
+using namespace ddssec;
+using cyclonedds::CryptographyAdapter;
+
+DDSSEC_EXPORT int init_crypto(const char*, void** context, ddsi_domaingv* domain) {
+  return cyclonedds::init<CryptographyAdapter, dds_security_cryptography>(
+      context, domain, __builtin_return_address(0), [](const Environment& environment) {
+        return cryptography::make_cryptography(environment, {});
+      });
+}
+
+DDSSEC_EXPORT int finalize_crypto(void* context) {
+  return cyclonedds::finalize<CryptographyAdapter, dds_security_cryptography>(context);
+}
