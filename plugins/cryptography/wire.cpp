@@ -86,9 +86,14 @@ Result<std::size_t> find_postfix(BytesView octets, Frame frame) {
   return fail(Code::secure_group_malformed);
 }
 
+/// Fast DDS 2.9 appends a statistics submessage (id 0x80) to messages that are protected already.
+/// It is not authenticated: behind the postfix of a message, everything is passed over and lost.
 Result<CryptoFooter> postfix_from(BytesView octets, Frame frame) {
   const auto header = read_submessage_header(octets);
-  const auto content = octets.subspan(kSubmessageHeaderSize);
+  auto content = octets.subspan(kSubmessageHeaderSize);
+  const bool may_be_followed = frame.postfix == kMessageFrame.postfix;
+  if (may_be_followed && header.length != 0 && header.length < content.size())
+    content = content.first(header.length);
   // OpenDDS writes 0, "to the end", where Cyclone and Fast DDS write the length.
   if (header.id != frame.postfix || (header.length != content.size() && header.length != 0))
     return fail(Code::secure_group_malformed);

@@ -56,6 +56,22 @@ TEST(Message, ComesBackWithItsSourceInFront) {
   }
 }
 
+// Fast DDS 2.9 appends its statistics submessage behind SRTPS_POSTFIX.
+TEST(Message, WhatFollowsThePostfixIsLost) {
+  for (auto kind : kKinds) {
+    TwoSides two(kind);
+    const auto plain = rtps_message({data_submessage(12)});
+    auto encoded = encode_message(two, plain).value();
+    const auto alone = decode_message(two, encoded).value();
+    Bytes statistics(60);
+    statistics[0] = 0x80;
+    statistics[1] = 1;
+    statistics[2] = 56;
+    encoded.insert(encoded.end(), statistics.begin(), statistics.end());
+    EXPECT_EQ(decode_message(two, encoded), alone);
+  }
+}
+
 TEST(Volatile, ComesBackBothWaysBeforeAnyToken) {
   TwoSides two;
   const auto e = two.volatile_endpoints();
