@@ -20,23 +20,14 @@ using Tags = DDS_Security_DataTags;
 
 spi::PermissionsHandle permissions(CPermissions handle) { return {handle}; }
 
-/// The topics of plain discovery and type lookup: their endpoints talk before anybody is
-/// authenticated and no topic rule reaches them (DDS-Security 7.4). Users cannot name topics so.
-constexpr std::array<std::string_view, 7> kPlainBuiltinTopics = {
-    "DCPSParticipant",        "DCPSTopic",
-    "DCPSPublication",        "DCPSSubscription",
-    "DCPSParticipantMessage", "DCPSTypeLookupRequest",
-    "DCPSTypeLookupReply"};
-
-bool is_plain_builtin(std::string_view topic_name) {
-  return std::ranges::find(kPlainBuiltinTopics, topic_name) != kPlainBuiltinTopics.end();
-}
-
 /// Readers of Cyclone's builtin topics see what this process has discovered anyway; no such reader
-/// exists on the network. rmw_cyclonedds needs them, and no permissions document lists them.
+/// exists on the network, and users cannot name topics so. rmw_cyclonedds needs them, and no
+/// permissions document lists them.
 bool reads_local_builtin_topic(const spi::EndpointRequest& request) {
-  return is_plain_builtin(request.topic_name) && request.partitions.size() == 1 &&
-         request.partitions[0] == "__BUILT-IN PARTITION__";
+  constexpr std::array<std::string_view, 4> kTopics = {"DCPSParticipant", "DCPSTopic",
+                                                       "DCPSPublication", "DCPSSubscription"};
+  return std::ranges::find(kTopics, request.topic_name) != kTopics.end() &&
+         request.partitions.size() == 1 && request.partitions[0] == "__BUILT-IN PARTITION__";
 }
 
 CPermissions validate_local_permissions(Instance* instance, const dds_security_authentication*,
@@ -250,7 +241,6 @@ DDS_Security_boolean get_topic_sec_attributes(Instance* instance, const CPermiss
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     DDSSEC_TRY(require(topic_name, attributes));
     *attributes = {};
-    if (is_plain_builtin(topic_name)) return {};
     *attributes =
         to_c(DDSSEC_TRY(adapter.engine().topic_sec_attributes(permissions(handle), topic_name)));
     return {};
@@ -265,8 +255,6 @@ DDS_Security_boolean get_datawriter_sec_attributes(
     DDSSEC_TRY(require(attributes));
     *attributes = {};
     const auto question = DDSSEC_TRY(EndpointQuestion::from(topic_name, partition, tags));
-    *attributes = to_c(spi::EndpointSecurityAttributes{});
-    if (is_plain_builtin(question.request().topic_name)) return {};
     *attributes = to_c(DDSSEC_TRY(
         adapter.engine().datawriter_sec_attributes(permissions(handle), question.request())));
     return {};
@@ -281,8 +269,6 @@ DDS_Security_boolean get_datareader_sec_attributes(
     DDSSEC_TRY(require(attributes));
     *attributes = {};
     const auto question = DDSSEC_TRY(EndpointQuestion::from(topic_name, partition, tags));
-    *attributes = to_c(spi::EndpointSecurityAttributes{});
-    if (is_plain_builtin(question.request().topic_name)) return {};
     *attributes = to_c(DDSSEC_TRY(
         adapter.engine().datareader_sec_attributes(permissions(handle), question.request())));
     return {};

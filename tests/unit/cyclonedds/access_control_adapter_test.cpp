@@ -189,28 +189,6 @@ TEST_F(AccessControlAdapterTest, AttributesCarryMasksAndNoProperties) {
   }
 }
 
-TEST_F(AccessControlAdapterTest, PlainDiscoveryIsNeverProtectedByATopicRule) {
-  const spi::EndpointSecurityAttributes encrypted{.topic = {.is_read_protected = true},
-                                                  .submessage = spi::ProtectionKind::encrypt};
-  ON_CALL(engine, datawriter_sec_attributes).WillByDefault(Return(encrypted));
-  ON_CALL(engine, datareader_sec_attributes).WillByDefault(Return(encrypted));
-  ON_CALL(engine, topic_sec_attributes).WillByDefault(Return(encrypted.topic));
-  for (const auto* name : {"DCPSParticipant", "DCPSPublication", "DCPSParticipantMessage",
-                           "DCPSTypeLookupRequest", "DCPSParticipantsSecure", "Square"}) {
-    const bool plain =
-        std::string_view(name).starts_with("DCPS") && !std::string_view(name).ends_with("Secure");
-    DDS_Security_EndpointSecurityAttributes writer{}, reader{};
-    DDS_Security_TopicSecurityAttributes topic_attributes{};
-    ASSERT_EQ(c->get_datawriter_sec_attributes(c, 8, name, nullptr, nullptr, &writer, nullptr), 1);
-    ASSERT_EQ(c->get_datareader_sec_attributes(c, 8, name, nullptr, nullptr, &reader, nullptr), 1);
-    ASSERT_EQ(c->get_topic_sec_attributes(c, 8, name, &topic_attributes, nullptr), 1);
-    EXPECT_EQ(writer.is_submessage_protected, !plain) << name;
-    EXPECT_EQ(reader.is_read_protected, !plain) << name;
-    EXPECT_EQ(topic_attributes.is_read_protected, !plain) << name;
-    EXPECT_TRUE(writer.plugin_endpoint_attributes & spi::kMaskIsValid);
-  }
-}
-
 TEST_F(AccessControlAdapterTest, NullArgumentsAreRefusedNotFollowed) {
   EXPECT_EQ(c->validate_local_permissions(c, nullptr, 1, 5, nullptr, &refusal), 0);
   EXPECT_EQ(refusal.reason(), Code::null_argument);

@@ -1,0 +1,194 @@
+// Two participants live a whole life through the C ABI: ours, stock, and every mix of both.
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "base/code.hpp"
+#include "tests/support/cyclone_driver.hpp"
+
+namespace ddssec::driver {
+namespace {
+
+const std::string kPki = DDSSEC_DRIVER_PKI;
+const std::string kOurs = DDSSEC_PLUGIN_DIR "/libddssec_";
+const std::string kStock = DDSSEC_STOCK_PLUGIN_DIR "/libdds_security_";
+
+/// Bit 0: authentication is stock, bit 1: access control, bit 2: cryptography.
+Paths mix(int stock) {
+  return {(stock & 1) ? kStock + "auth.so" : kOurs + "authentication.so",
+          (stock & 2) ? kStock + "ac.so" : kOurs + "access_control.so",
+          (stock & 4) ? kStock + "crypto.so" : kOurs + "cryptography.so"};
+}
+constexpr int kAllOurs = 0;
+constexpr int kAllStock = 7;
+
+std::string mix_name(int stock) {
+  std::string name;
+  for (const int bit : {0, 1, 2}) name += (stock >> bit & 1) ? "S" : "O";
+  return name;
+}
+
+Octets numbered(std::size_t size) {
+  Octets octets(size);
+  for (std::size_t i = 0; i < size; ++i) octets[i] = static_cast<std::uint8_t>(i * 7);
+  return octets;
+}
+
+/// A DATA submessage, little endian.
+Octets submessage(std::size_t size) {
+  auto octets = numbered(size);
+  octets[0] = 0x15;
+  octets[1] = 0x05;
+  octets[2] = static_cast<std::uint8_t>((size - 4) & 0xff);
+  octets[3] = static_cast<std::uint8_t>((size - 4) >> 8);
+  return octets;
+}
+
+/// An RTPS message of one DATA.
+Octets message(const std::uint8_t* prefix, std::size_t size) {
+  constexpr std::uint8_t kBegin[] = {'R', 'T', 'P', 'S', 2, 1, 1, 0x10};
+  const auto body = submessage(size);
+  Octets octets(20 + size);
+  std::copy_n(kBegin, 8, octets.begin());
+  std::copy_n(prefix, 12, octets.begin() + 8);
+  std::copy_n(body.begin(), size, octets.begin() + 20);
+  return octets;
+}
+
+bool is_refused(auto&& call) {
+  try {
+    call();
+    return false;
+  } catch (const Refused&) {
+    return true;
+  }
+}
+
+void send_payload(const Link& link, std::size_t size) {
+  const auto plain = numbered(size);
+  const auto encoded = link.sender.encode_payload(plain);
+  EXPECT_EQ(link.receiver.decode_payload(encoded).octets(), plain);
+  auto forged = encoded.octets();
+  forged[forged.size() / 2] ^= 1;
+  EXPECT_TRUE(is_refused([&] { link.receiver.decode_payload(view(forged)); }));
+}
+
+void send_submessage(const Link& link, std::size_t size) {
+  const auto plain = submessage(size);
+  const auto encoded = link.sender.encode_submessage(plain);
+  EXPECT_EQ(encoded._length % 4, 0u);
+  EXPECT_EQ(link.receiver.decode_submessage(encoded).octets(), plain);
+  auto forged = encoded.octets();
+  forged[forged.size() / 2] ^= 1;
+  EXPECT_TRUE(is_refused([&] { link.receiver.decode_submessage(view(forged)); }));
+}
+
+void send_message(const Link& link, const Participant& from, std::size_t size) {
+  const auto plain = message(from.guid.prefix, size);
+  auto encoded = link.sender.encode_message(plain);
+  auto forged = encoded.octets();
+  to_machine_order(encoded);
+  const auto decoded = link.receiver.decode_message(encoded).octets();
+  // Behind the header comes INFO_SRC, then what was sent.
+  ASSERT_EQ(decoded.size(), plain.size() + 24);
+  EXPECT_EQ(decoded[20], 0x0c);
+  EXPECT_TRUE(std::equal(plain.begin() + 20, plain.end(), decoded.begin() + 44));
+  forged[forged.size() / 2] ^= 1;
+  auto forged_view = view(forged);
+  to_machine_order(forged_view);
+  EXPECT_TRUE(is_refused([&] { link.receiver.decode_message(forged_view); }));
+}
+
+void live(int mix_a, int mix_b, const std::string& governance) {
+  SCOPED_TRACE(mix_name(mix_a) + " with " + mix_name(mix_b) + ", " + governance);
+  Domain domain_a(mix(mix_a)), domain_b(mix(mix_b));
+  Participant a(domain_a, kPki, "a", governance), b(domain_b, kPki, "b", governance);
+  const Link link(a, b, "Square");
+  if (link.writer_attributes.is_payload_protected) send_payload(link, 64);
+  if (link.writer_attributes.is_submessage_protected) send_submessage(link, 128);
+  if (a.attributes.is_rtps_protected) send_message(link, a, 256);
+}
+
+class Life : public testing::TestWithParam<int> {};
+
+TEST_P(Life, WithStockOnTheOtherSide) {
+  if (!std::filesystem::exists(kStock + "auth.so")) FAIL() << "no stock plugins in " << kStock;
+  live(GetParam(), kAllStock, "encrypt");
+  live(kAllStock, GetParam(), "encrypt");
+}
+
+TEST_P(Life, WithOursOnTheOtherSide) {
+  live(GetParam(), kAllOurs, "origin");
+  live(kAllOurs, GetParam(), "sign");
+}
+
+INSTANTIATE_TEST_SUITE_P(Mixes, Life, testing::Range(0, 8),
+                         [](const auto& info) { return mix_name(info.param); });
+
+TEST(OurLife, EveryGovernance) {
+  for (const auto* governance : {"none", "sign", "encrypt", "origin", "origin_sign"})
+    live(kAllOurs, kAllOurs, governance);
+}
+
+TEST(OurLife, TwoDomainsOfOneProcessAreSeparate) {
+  Domain first(mix(kAllOurs));
+  Participant a(first, kPki, "a", "encrypt");
+  {
+    Domain second(mix(kAllOurs));
+    const Participant b(second, kPki, "b", "encrypt");
+  }
+  Domain third(mix(kAllOurs));
+  Participant b(third, kPki, "b", "encrypt");
+  const Link link(a, b, "Square");
+  send_payload(link, 8);
+}
+
+TEST(OurLife, AListenerMayStayUntilTheEnd) {
+  static const dds_security_authentication_listener identities{
+      [](auto*, auto) -> DDS_Security_boolean { return 1; }, nullptr};
+  static const dds_security_access_control_listener permissions{
+      [](auto*, auto) -> DDS_Security_boolean { return 1; }};
+  Domain domain(mix(kAllOurs));
+  auto& auth = domain.authentication();
+  auto& access = domain.access_control();
+  EXPECT_EQ(auth.set_listener(&auth, &identities, nullptr), 1);
+  EXPECT_EQ(access.set_listener(&access, &permissions, nullptr), 1);
+  EXPECT_EQ(access.set_listener(&access, nullptr, nullptr), 1);
+  const Participant a(domain, kPki, "a", "encrypt");
+  // The threads of the plugins end in finalize, before their code is unmapped.
+}
+
+TEST(OurLife, ForeignReceiverIsToldToTryTheNextParticipant) {
+  Domain sending(mix(kAllOurs)), receiving(mix(kAllOurs));
+  const CryptoLink link(sending.cryptography(), receiving.cryptography(), keys_of(4, 0, 0), 2);
+  constexpr std::uint8_t kPrefix[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
+  const auto plain = message(kPrefix, 64);
+  auto only_first = link.sender;
+  only_first.remote_participants.resize(1);
+  auto encoded = only_first.encode_message(plain);
+  to_machine_order(encoded);
+  EXPECT_EQ(link.receivers[0].decode_message(encoded)._length, plain.size() + 24);
+  try {
+    link.receivers[1].decode_message(encoded);
+    FAIL() << "decoded without a MAC";
+  } catch (const Refused& refused) {
+    EXPECT_EQ(refused.code, 124);
+  }
+}
+
+TEST(OurLife, AnIdentityThatIsNotThereIsExplained) {
+  Domain domain(mix(kAllOurs));
+  try {
+    const Participant nobody(domain, kPki, "nobody", "encrypt");
+    FAIL() << "an identity from nowhere";
+  } catch (const Refused& refused) {
+    EXPECT_EQ(refused.code, static_cast<int>(Code::file_not_found)) << refused.what();
+    EXPECT_NE(std::string(refused.what()).find("nobody"), std::string::npos) << refused.what();
+  }
+}
+
+}  // namespace
+}  // namespace ddssec::driver
