@@ -10,8 +10,9 @@
 namespace ddssec {
 
 std::string to_string(WallTime time) {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
-                     fmt::gmtime(std::chrono::system_clock::to_time_t(time)));
+  // Not by to_time_t of system_clock: its nanoseconds end in 2262, documents do not.
+  const auto seconds = static_cast<std::time_t>(time.time_since_epoch().count());
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(seconds));
 }
 
 WallTime SystemClock::now() const {
