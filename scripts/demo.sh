@@ -15,8 +15,10 @@ prepare() {
   step "system packages"
   scripts/bootstrap.sh
   step "build (release)"
-  cmake --preset release ${DDSSEC_DEMO_CMAKE:--DDDSSEC_BUILD_TESTS=OFF -DDDSSEC_BUILD_BENCH=OFF} >/dev/null ||
-    die "cmake could not configure; see the message above"
+  # A tree that is configured already keeps its tests.
+  local only=()
+  [ -e "$build/build.ninja" ] || only=(-DDDSSEC_BUILD_TESTS=OFF -DDDSSEC_BUILD_BENCH=OFF)
+  cmake --preset release "${only[@]}" >/dev/null || die "cmake could not configure; see the message above"
   cmake --build --preset release --target ddssec_dropin ddssec-example cyclone_peer fastdds_peer ||
     die "the build failed"
   step "a fresh PKI, made by our code: one CA, five participants, one governance document"

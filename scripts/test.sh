@@ -19,7 +19,7 @@ done
 step "packages"
 scripts/bootstrap.sh --dev
 step "build (release)"
-cmake --preset release >/dev/null || die "cmake could not configure; see the message above"
+cmake --preset release -DDDSSEC_BUILD_TESTS=ON -DDDSSEC_BUILD_BENCH=ON >/dev/null || die "cmake could not configure; see the message above"
 cmake --build --preset release || die "the release build failed"
 step "tests"
 ctest --preset release "${exclude[@]}" --parallel "$(nproc)" --progress
