@@ -58,12 +58,13 @@ void StatefulReader::accept(WriterProxy& proxy, SequenceNumber number,
   if (!reliable_ || !proxy.writer.reliable) {
     proxy.next = number.next();  // best effort: what is older now is lost
     proxy.partial.erase(proxy.partial.begin(), proxy.partial.lower_bound(proxy.next));
-    if (change) deliver_(std::move(*change));
+    if (change) deliver_(*change);
     return;
   }
-  if (number == proxy.next) {
+  if (number == proxy.next && proxy.early.empty() && (!change || deliver_(*change))) {
     proxy.next = number.next();
-    if (change) deliver_(std::move(*change));
+  } else if (number == proxy.next) {
+    proxy.early.try_emplace(number, std::move(change));
     advance(proxy);
   } else if (proxy.early.size() < kMostEarlyChanges) {
     proxy.early.try_emplace(number, std::move(change));
@@ -73,8 +74,8 @@ void StatefulReader::accept(WriterProxy& proxy, SequenceNumber number,
 void StatefulReader::advance(WriterProxy& proxy) {
   for (auto at = proxy.early.begin(); at != proxy.early.end() && at->first == proxy.next;
        at = proxy.early.erase(at)) {
+    if (at->second && !deliver_(*at->second)) return;
     proxy.next = proxy.next.next();
-    if (at->second) deliver_(std::move(*at->second));
   }
 }
 
@@ -83,7 +84,7 @@ void StatefulReader::skip_to(WriterProxy& proxy, SequenceNumber number) {
   if (number <= proxy.next) return;
   for (auto at = proxy.early.begin(); at != proxy.early.end() && at->first < number;
        at = proxy.early.erase(at))
-    if (at->second) deliver_(std::move(*at->second));
+    if (at->second && !deliver_(*at->second)) return;
   proxy.partial.erase(proxy.partial.begin(), proxy.partial.lower_bound(number));
   proxy.next = number;
   advance(proxy);
@@ -150,6 +151,7 @@ void StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heart
   proxy->heard = true;
   proxy->next_question = kNever;
   proxy->last_heartbeat = heartbeat.count;
+  advance(*proxy);
   skip_to(*proxy, heartbeat.first);
   if (!heartbeat.is_final || proxy->next <= heartbeat.last) acknowledge(*proxy, heartbeat.last);
 }
@@ -195,9 +197,10 @@ void StatefulReader::on_gap(const GuidPrefix& from, const Gap& gap) {
 void StatefulReader::tick(MonotonicTime now) {
   for (auto& proxy : writers_) {
     if (now < proxy.next_question) continue;
-    // Base 0: "what is there?" Both known peers answer with a heartbeat.
+    // Not final and nothing missing: "what is there?" All known peers answer with a heartbeat.
+    // (Fast DDS itself asks with base 0, which Cyclone DDS calls malformed.)
     sender_.add(proxy.destination(), AckNack{guid_.entity, proxy.writer.guid.entity,
-                                             SequenceNumberSet({0}), ++proxy.count, false});
+                                             SequenceNumberSet(proxy.next), ++proxy.count, false});
     sender_.flush();
     proxy.next_question = now + proxy.question_period;
     proxy.question_period = std::min(proxy.question_period * 2, kLongestQuestion);

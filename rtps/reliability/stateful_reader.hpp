@@ -28,7 +28,9 @@ class StatefulReader {
   static constexpr std::size_t kMostPartialSamples = 4;
   static constexpr std::uint32_t kLargestSample = 64u << 20;
 
-  using Deliver = std::function<void(Change)>;
+  /// Takes the change, or refuses it for now (a full history): then it is kept here, and offered
+  /// again with the writer's next heartbeat. A best-effort change that is refused is lost.
+  using Deliver = std::function<bool(Change&)>;
   StatefulReader(const Guid& guid, bool reliable, MessageSender& sender, Deliver deliver);
 
   const Guid& guid() const { return guid_; }

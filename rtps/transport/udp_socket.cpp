@@ -147,12 +147,17 @@ BytesView UdpSocket::datagram(std::size_t index) const {
 Locator UdpSocket::source(std::size_t index) const { return locator_of(batch_->sources[index]); }
 
 void UdpSocket::send(BytesView message, std::span<const Locator> to) const {
+  for (; to.size() > kBatch; to = to.subspan(kBatch)) send_batch(message, to.first(kBatch));
+  send_batch(message, to);
+}
+
+void UdpSocket::send_batch(BytesView message, std::span<const Locator> to) const {
   std::array<Address, kBatch> addresses;
   std::array<mmsghdr, kBatch> headers{};
   iovec vector{const_cast<std::uint8_t*>(message.data()), message.size()};
   unsigned count = 0;
   for (const auto& locator : to) {
-    if (locator.kind != local_.kind || count == kBatch) continue;
+    if (locator.kind != local_.kind) continue;
     addresses[count] = address_of(locator);
     auto& header = headers[count].msg_hdr;
     header.msg_name = addresses[count].raw();

@@ -66,6 +66,7 @@ class UdpSocket {
   static Result<UdpSocket> open(const Locator& at, bool shared);
 
   std::size_t receive_batch();
+  void send_batch(BytesView message, std::span<const Locator> to) const;
   BytesView datagram(std::size_t index) const;
   Locator source(std::size_t index) const;
 

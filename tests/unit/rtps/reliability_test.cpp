@@ -52,13 +52,17 @@ struct Pair {
   MessageSender to_a{net.b, kB};
   StatefulWriter writer;
   std::vector<Change> delivered;
+  std::size_t most = 1'000'000;  ///< then the reader's history is full
   StatefulReader reader;
   MonotonicTime now{};
 
   explicit Pair(Qos offered = default_writer_qos(), bool reliable = true)
       : writer({kA, testing::kWriter}, offered, to_b),
-        reader({kB, testing::kReader}, reliable, to_a,
-               [this](Change change) { delivered.push_back(std::move(change)); }) {}
+        reader({kB, testing::kReader}, reliable, to_a, [this](Change& change) {
+          if (delivered.size() >= most) return false;
+          delivered.push_back(std::move(change));
+          return true;
+        }) {}
 
   void match(bool wants_history = false, bool reliable = true) {
     reader.match({writer.guid(), writer.qos().is_reliable(), {kHere}}, now);
@@ -227,6 +231,24 @@ TEST(Reliability, KeepAllRefusesWhenItsLimitIsReached) {
   pair.net.loss_percent = 0;
   pair.run(50);
   EXPECT_TRUE(pair.writer.has_room(1));
+}
+
+TEST(Reliability, AFullReaderIsAWriterThatWaits) {
+  auto qos = keep_all();
+  qos.resource_limits.max_samples = 5;
+  Pair pair(qos);
+  pair.most = 3;
+  pair.match();
+  pair.run(3);
+  for (std::uint8_t i = 0; i < 5; ++i) pair.write({i});
+  pair.run(50);
+  EXPECT_THAT(pair.numbers(), ElementsAre(1, 2, 3));
+  EXPECT_TRUE(pair.writer.has_room(1));
+  EXPECT_FALSE(pair.writer.all_acknowledged());
+  pair.most = 100;
+  pair.run(500);
+  EXPECT_THAT(pair.numbers(), ElementsAre(1, 2, 3, 4, 5));
+  EXPECT_TRUE(pair.writer.all_acknowledged());
 }
 
 TEST(Reliability, BestEffortNeitherAsksNorGoesBack) {

@@ -1,0 +1,166 @@
+#include "rtps/dcps/domain_participant.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+constexpr DomainId kGreatestDomain = 232;  // its ports still fit 16 bits
+
+std::unexpected<Error> bad_option(std::string field, std::string expected, std::string found) {
+  return fail(Code::invalid_property, {.document = "participant options",
+                                       .field = std::move(field),
+                                       .expected = std::move(expected),
+                                       .found = std::move(found)});
+}
+
+Locator with_port(Locator locator, std::uint32_t port) {
+  locator.port = port;
+  return locator;
+}
+
+}  // namespace
+
+/// The participant's sockets: one for discovery, one for user data, one for a multicast group.
+class DomainParticipant::Sockets final : public Transport {
+ public:
+  Sockets(EventLoop loop, UdpSocket metatraffic, UdpSocket user) : loop_(std::move(loop)) {
+    sockets_.push_back(std::move(metatraffic));
+    sockets_.push_back(std::move(user));
+  }
+
+  void send(BytesView message, std::span<const Locator> to) override {
+    sockets_.front().send(message, to);
+  }
+  Status join(const Locator& group, const Locator& interface) {
+    sockets_.push_back(DDSSEC_TRY(UdpSocket::join(group, interface)));
+    return {};
+  }
+  /// `f(datagram)` for whatever comes from now on.
+  Status listen(std::function<void(BytesView)> f) {
+    receive_ = std::move(f);
+    for (auto& socket : sockets_)
+      DDSSEC_TRY(loop_.watch(socket.fd(), [this, &socket] {
+        socket.receive([this](BytesView datagram, const Locator&) { receive_(datagram); });
+      }));
+    return {};
+  }
+  EventLoop& loop() { return loop_; }
+  const Locator& metatraffic() const { return sockets_[0].local(); }
+  const Locator& user() const { return sockets_[1].local(); }
+
+ private:
+  EventLoop loop_;
+  std::vector<UdpSocket> sockets_;
+  std::function<void(BytesView)> receive_;
+};
+
+DomainParticipant::DomainParticipant(DomainParticipantOptions options,
+                                     const Environment& environment)
+    : options_(std::move(options)), environment_(environment) {}
+
+Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
+    DomainParticipantOptions options, const Environment& environment) {
+  if (options.domain_id < 0 || options.domain_id > kGreatestDomain)
+    return bad_option("domain_id", "0 to 232", std::to_string(options.domain_id));
+  const auto interface = Locator::parse(options.interface, 0);
+  if (!interface) return bad_option("interface", "an IPv4 or IPv6 address", options.interface);
+  // RTPS 9.3.1.5: the first two octets name the vendor.
+  GuidPrefix prefix;
+  DDSSEC_TRY(environment.random.fill(prefix.octets));
+  std::ranges::copy(kVendorDdssec.octets, prefix.octets.begin());
+  std::unique_ptr<DomainParticipant> out(new DomainParticipant(std::move(options), environment));
+  out->interface_ = *interface;
+  DDSSEC_TRY(out->open_sockets());
+  DDSSEC_TRY(out->start(prefix));
+  return out;
+}
+
+// The first index of which both ports are free.
+Status DomainParticipant::open_sockets() {
+  const auto domain = options_.domain_id;
+  for (index_ = 0; index_ < ports::kMostIndexes; ++index_) {
+    auto metatraffic = UdpSocket::bind(with_port(interface_, ports::metatraffic(domain, index_)));
+    if (!metatraffic && metatraffic.error().code() == Code::rtps_port_taken) continue;
+    if (!metatraffic) return std::unexpected(metatraffic.error());
+    auto user = UdpSocket::bind(with_port(interface_, ports::user(domain, index_)));
+    if (!user && user.error().code() == Code::rtps_port_taken) continue;
+    if (!user) return std::unexpected(user.error());
+    sockets_ = std::make_unique<Sockets>(DDSSEC_TRY(EventLoop::create()), std::move(*metatraffic),
+                                         std::move(*user));
+    return {};
+  }
+  return fail(Code::rtps_port_taken, {.document = to_string(interface_),
+                                      .field = "participant index",
+                                      .expected = "a free one below 120",
+                                      .found = "all taken"});
+}
+
+Status DomainParticipant::start(const GuidPrefix& prefix) {
+  ParticipantConfig config{.prefix = prefix,
+                           .domain_id = options_.domain_id,
+                           .domain_tag = options_.domain_tag,
+                           .entity_name = options_.entity_name,
+                           .user_data = options_.user_data,
+                           .lease_duration = options_.lease_duration,
+                           .metatraffic_unicast = {sockets_->metatraffic()},
+                           .default_unicast = {sockets_->user()}};
+  for (const auto& peer : options_.peers) {
+    const auto address = Locator::parse(peer, 0);
+    if (!address) return bad_option("peers", "IPv4 or IPv6 addresses", peer);
+    for (int i = 0; i < kAnnouncedIndexes; ++i)
+      config.announce_to.push_back(with_port(*address, ports::metatraffic(options_.domain_id, i)));
+  }
+  if (options_.multicast) {
+    const auto group = Locator::udp_v4({239, 255, 0, 1},
+                                       static_cast<std::uint16_t>(ports::base(options_.domain_id)));
+    DDSSEC_TRY(sockets_->join(group, interface_));
+    config.metatraffic_multicast = {group};
+    config.announce_to.push_back(group);
+  }
+  protocol_ = std::make_unique<Participant>(std::move(config), *sockets_, environment_.events);
+  DDSSEC_TRY(sockets_->listen([this](BytesView datagram) {
+    const std::lock_guard lock(mutex_);
+    protocol_->receive(datagram, now());
+  }));
+  if (options_.own_thread)
+    thread_ = std::thread([this] {
+      while (!stopping_) serve_once(std::chrono::seconds(10));
+    });
+  return {};
+}
+
+DomainParticipant::~DomainParticipant() {
+  stopping_ = true;
+  if (sockets_) sockets_->loop().wake();
+  if (thread_.joinable()) thread_.join();
+  if (protocol_) protocol_->leave();
+}
+
+void DomainParticipant::serve_once(std::chrono::nanoseconds most) {
+  MonotonicTime until;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto time = now();
+    if (protocol_->next_tick() <= time) protocol_->tick(time);
+    until = waiting_until_ = std::min(protocol_->next_tick(), time + most);
+  }
+  const auto timeout = std::max(until - now(), MonotonicTime::zero());
+  sockets_->loop().wait(timeout);
+}
+
+void DomainParticipant::poll(std::chrono::nanoseconds timeout) { serve_once(timeout); }
+
+void DomainParticipant::reschedule() {
+  if (protocol_->next_tick() < waiting_until_) sockets_->loop().wake();
+}
+
+ParticipantCounters DomainParticipant::counters() const {
+  const std::lock_guard lock(mutex_);
+  return protocol_->counters();
+}
+
+std::size_t DomainParticipant::remote_participants() const {
+  const std::lock_guard lock(mutex_);
+  return protocol_->remote_participants();
+}
+
+}  // namespace ddssec::rtps

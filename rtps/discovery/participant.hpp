@@ -1,0 +1,162 @@
+// The protocol side of a participant: SPDP, SEDP, endpoints and their matching (RTPS 8.5). It is
+// told of datagrams and of time and sends through a transport; no socket, clock, thread or lock.
+#pragma once
+
+#include <map>
+#include <memory>
+
+#include "base/event.hpp"
+#include "rtps/discovery/endpoint_data.hpp"
+#include "rtps/discovery/participant_data.hpp"
+#include "rtps/qos/matching.hpp"
+#include "rtps/reliability/stateful_reader.hpp"
+#include "rtps/wire/entity_ids.hpp"
+#include "rtps/wire/message_reader.hpp"
+
+namespace ddssec::rtps {
+
+/// What a local endpoint's owner is told. Called from within receive, tick, create and remove.
+class EndpointListener {
+ public:
+  virtual ~EndpointListener() = default;
+  virtual void on_matched(const Guid& remote, bool matched) = 0;
+  virtual void on_incompatible_qos(const Guid& remote, const QosMismatch& mismatch) = 0;
+  /// A reader's: takes the change or refuses it for now (see StatefulReader::Deliver).
+  virtual bool on_change(Change& change) = 0;
+  /// A writer's: there may be room again.
+  virtual void on_acknowledged() = 0;
+};
+
+struct ParticipantConfig {
+  GuidPrefix prefix;
+  DomainId domain_id = 0;
+  std::string domain_tag = {};
+  std::string entity_name = {};
+  Bytes user_data = {};
+  Duration lease_duration{{10, 0}};
+  LocatorList metatraffic_unicast = {}, metatraffic_multicast = {}, default_unicast = {};
+  /// Where announcements go: multicast groups and the well-known ports of unicast peers.
+  std::vector<Locator> announce_to = {};
+};
+
+/// Counts of what was dropped; never reset.
+struct ParticipantCounters {
+  std::uint64_t messages = 0;
+  std::uint64_t malformed = 0;          ///< messages of which a part could not be read
+  std::uint64_t refused_discovery = 0;  ///< announcements that were not believed or had no room
+};
+
+/// The few of `announced` that one can and may send to; without any, `fallback`.
+LocatorList usable_locators(const LocatorList& announced, const LocatorList& fallback);
+/// When a participant that was heard at `now` counts as gone.
+MonotonicTime lease_end(const ParticipantData& data, MonotonicTime now);
+
+class Participant {
+ public:
+  static constexpr std::size_t kMostParticipants = 512;
+  static constexpr std::size_t kMostEndpointsPerParticipant = 4096;
+
+  Participant(ParticipantConfig config, Transport& transport, EventSink& events);
+  ~Participant();
+
+  const GuidPrefix& prefix() const { return config_.prefix; }
+  const ParticipantCounters& counters() const { return counters_; }
+  std::size_t remote_participants() const { return remotes_.size(); }
+
+  /// One datagram, from anybody.
+  void receive(BytesView datagram, MonotonicTime now);
+  /// Whatever is due: announcements, heartbeats, leases.
+  void tick(MonotonicTime now);
+  MonotonicTime next_tick() const;
+  /// Says good-bye: disposes the participant.
+  void leave();
+
+  /// What is announced of a new endpoint. Errors: rtps_qos_inconsistent.
+  struct EndpointRequest {
+    std::string topic_name;
+    std::string type_name;
+    Qos qos;
+    bool with_key = true;
+  };
+  Result<Guid> create_writer(EndpointRequest request, EndpointListener& listener,
+                             MonotonicTime now);
+  Result<Guid> create_reader(EndpointRequest request, EndpointListener& listener,
+                             MonotonicTime now);
+  /// Also tells the others.
+  void remove(const Guid& endpoint, MonotonicTime now);
+
+  /// nullptr: not one of ours.
+  StatefulWriter* writer(const Guid& guid);
+  StatefulReader* reader(const Guid& guid);
+
+ private:
+  struct LocalWriter {
+    EndpointData data;
+    EndpointListener* listener = nullptr;
+    std::unique_ptr<StatefulWriter> protocol;
+    std::vector<Guid> matched;
+  };
+  struct LocalReader {
+    EndpointData data;
+    EndpointListener* listener = nullptr;
+    std::unique_ptr<StatefulReader> protocol;
+    std::vector<Guid> matched;
+  };
+  struct Remote {
+    ParticipantData data;
+    LocatorList metatraffic, user;
+    MonotonicTime lease_end{};
+    std::map<EntityId, EndpointData> endpoints;
+  };
+  /// RTPS 8.3.4: what earlier submessages of a message say about later ones.
+  struct Context {
+    GuidPrefix source;
+    bool for_us = true;
+    std::optional<Time> time;
+    MonotonicTime now{};
+    std::size_t message_size = 0;
+  };
+
+  Status process(const SubmessageView& view, Context& context);
+  Status process_info(const SubmessageView& view, Context& context);
+  Status on_data(const SubmessageView& view, const Context& context);
+  Status on_data_frag(const SubmessageView& view, const Context& context);
+  void each_reader(const EntityId& reader, const std::function<void(StatefulReader&)>& f);
+  LocalWriter* local_writer(const EntityId& id);
+
+  void announce(std::span<const Locator> to);
+  Status on_spdp(const Data& data, const Context& context);
+  void add_remote(ParticipantData data, MonotonicTime now);
+  void match_builtin(Remote& remote, MonotonicTime now);
+  void remove_remote(const GuidPrefix& prefix);
+
+  void publish(const EndpointData& data, MonotonicTime now);
+  void unpublish(const Guid& endpoint, MonotonicTime now);
+  bool on_sedp(const Change& change, bool publications);
+  void add_endpoint(Remote& remote, EndpointData data);
+  void remove_endpoint(Remote& remote, const EntityId& id);
+  void match(LocalWriter& writer, Remote& remote, const EndpointData& data);
+  void match(LocalReader& reader, Remote& remote, const EndpointData& data);
+  template <class Local>
+  bool compatible(Local& local, const EndpointData& remote, const Qos& offered,
+                  const Qos& requested);
+  template <class Local>
+  void forget(Local& local, const Guid& remote);
+  EndpointData local_data(EndpointRequest request, EndpointKind kind);
+
+  ParticipantConfig config_;
+  EventSink& events_;
+  MessageSender sender_;
+  ParticipantCounters counters_;
+  std::map<GuidPrefix, Remote> remotes_;
+  std::map<EntityId, LocalWriter> writers_;
+  std::map<EntityId, LocalReader> readers_;
+  StatefulWriter publications_writer_, subscriptions_writer_;
+  StatefulReader publications_reader_, subscriptions_reader_;
+  std::uint32_t next_entity_ = 1;
+  int announcements_ = 0;
+  MonotonicTime next_announcement_{};
+  MonotonicTime now_{};
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,127 @@
+// Participant, the half that finds endpoints and matches them (RTPS 8.5.4).
+#include <algorithm>
+
+#include "rtps/discovery/participant.hpp"
+
+namespace ddssec::rtps {
+
+void Participant::publish(const EndpointData& data, MonotonicTime now) {
+  std::array<std::uint8_t, MessageSender::kLargestMessage> buffer;
+  SpanWriter payload(buffer);
+  write_payload(payload, data);
+  Change change;
+  change.key_hash = data.guid.octets();
+  change.payload = Payload::copy_of(payload.view());
+  auto& builtin = is_writer(data.guid.entity) ? publications_writer_ : subscriptions_writer_;
+  builtin.write(std::move(change), now);
+}
+
+void Participant::unpublish(const Guid& endpoint, MonotonicTime now) {
+  std::array<std::uint8_t, 64> buffer;
+  SpanWriter payload(buffer);
+  write_endpoint_key(payload, endpoint);
+  Change change;
+  change.key_hash = endpoint.octets();
+  change.status = {true, true};
+  change.key_only = true;
+  change.payload = Payload::copy_of(payload.view());
+  auto& builtin = is_writer(endpoint.entity) ? publications_writer_ : subscriptions_writer_;
+  builtin.write(std::move(change), now);
+}
+
+// A participant speaks for its own endpoints only. Nothing here is ever refused for now.
+bool Participant::on_sedp(const Change& change, bool publications) {
+  const auto remote = remotes_.find(change.writer.prefix);
+  if (remote == remotes_.end()) return true;
+  if (!change.is_alive()) {
+    const auto key = change.key_hash ? Guid{GuidPrefix::from(BytesView(*change.key_hash).first(12)),
+                                            EntityId::from(BytesView(*change.key_hash).subspan(12))}
+                                     : read_endpoint_key(change.payload.view()).value_or(Guid{});
+    if (key.prefix == remote->first) remove_endpoint(remote->second, key.entity);
+    return true;
+  }
+  auto data = publications ? read_publication_data(change.payload.view())
+                           : read_subscription_data(change.payload.view());
+  if (!data || data->guid.prefix != remote->first) {
+    ++counters_.refused_discovery;
+    if (!data) events_.raise(Event(data.error().in("SEDP"), {}, remote->first.to_string()));
+    return true;
+  }
+  add_endpoint(remote->second, std::move(*data));
+  return true;
+}
+
+void Participant::add_endpoint(Remote& remote, EndpointData data) {
+  const auto id = data.guid.entity;
+  if (!remote.endpoints.contains(id) && remote.endpoints.size() >= kMostEndpointsPerParticipant) {
+    ++counters_.refused_discovery;
+    return;
+  }
+  const auto& stored = remote.endpoints[id] = std::move(data);
+  for (auto& [own, local] : writers_) match(local, remote, stored);
+  for (auto& [own, local] : readers_) match(local, remote, stored);
+}
+
+template <class Local>
+void Participant::forget(Local& local, const Guid& remote) {
+  if (std::erase(local.matched, remote) == 0) return;
+  local.protocol->unmatch(remote);
+  local.listener->on_matched(remote, false);
+}
+
+void Participant::remove_endpoint(Remote& remote, const EntityId& id) {
+  const Guid guid{remote.data.guid.prefix, id};
+  for (auto& [own, local] : writers_) forget(local, guid);
+  for (auto& [own, local] : readers_) forget(local, guid);
+  remote.endpoints.erase(id);
+}
+
+// The same topic: then either a match, or an event and a status that say why not.
+template <class Local>
+bool Participant::compatible(Local& local, const EndpointData& remote, const Qos& offered,
+                             const Qos& requested) {
+  if (local.data.topic_name != remote.topic_name) return false;
+  const auto refuse = [&](Code code, std::string field, std::string ours, std::string theirs) {
+    events_.raise(Event(Error(code, {.document = "topic " + remote.topic_name,
+                                     .field = std::move(field),
+                                     .expected = std::move(ours),
+                                     .found = std::move(theirs)}),
+                        {}, remote.guid.to_string()));
+    return false;
+  };
+  if (local.data.type_name != remote.type_name)
+    return refuse(Code::rtps_type_mismatch, "type", local.data.type_name, remote.type_name);
+  const bool keyed = has_key(local.data.guid.entity);
+  if (keyed != has_key(remote.guid.entity))
+    return refuse(Code::rtps_type_mismatch, "type", keyed ? "with key" : "without key",
+                  keyed ? "without key" : "with key");
+  const auto why = mismatch(offered, requested);
+  if (!why) return true;
+  if (why->id != QosPolicyId::partition) local.listener->on_incompatible_qos(remote.guid, *why);
+  return refuse(Code::rtps_qos_incompatible, why->policy, "requested " + why->requested,
+                "offered " + why->offered);
+}
+
+void Participant::match(LocalWriter& writer, Remote& remote, const EndpointData& data) {
+  if (!is_reader(data.guid.entity)) return;
+  if (!compatible(writer, data, writer.data.qos, data.qos)) return forget(writer, data.guid);
+  if (std::ranges::find(writer.matched, data.guid) != writer.matched.end()) return;
+  writer.matched.push_back(data.guid);
+  const bool history = data.qos.durability >= DurabilityKind::transient_local;
+  writer.protocol->match(
+      {data.guid, data.qos.is_reliable(), history, usable_locators(data.unicast, remote.user)},
+      now_);
+  writer.listener->on_matched(data.guid, true);
+}
+
+void Participant::match(LocalReader& reader, Remote& remote, const EndpointData& data) {
+  if (!is_writer(data.guid.entity)) return;
+  if (!compatible(reader, data, data.qos, reader.data.qos)) return forget(reader, data.guid);
+  if (std::ranges::find(reader.matched, data.guid) != reader.matched.end()) return;
+  reader.matched.push_back(data.guid);
+  reader.protocol->match(
+      {data.guid, data.qos.is_reliable(), usable_locators(data.unicast, remote.user)}, now_);
+  reader.listener->on_matched(data.guid, true);
+}
+
+}  // namespace ddssec::rtps

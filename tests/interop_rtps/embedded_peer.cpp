@@ -1,0 +1,110 @@
+// The embedded participant behind the command line of the interop peers.
+#include <memory>
+#include <string>
+
+#include "interop/peers/peer.h"
+#include "rtps/dcps/data_reader.hpp"
+#include "rtps/dcps/data_writer.hpp"
+
+namespace ddssec::rtps {
+
+struct Shape {
+  std::string color;
+  std::int32_t x = 0, y = 0, shapesize = 0;
+  std::vector<std::uint8_t> payload;
+};
+template <>
+struct TypeTraits<Shape> {
+  static constexpr std::string_view type_name = "interop::Shape";
+  static constexpr auto extensibility = Extensibility::final_type;
+  template <class Self, class Visit>
+  static void members(Self& s, Visit&& visit) {
+    visit(key(s.color), s.x, s.y, s.shapesize, s.payload);
+  }
+};
+
+namespace {
+
+class StderrSink final : public EventSink {
+ public:
+  void raise(const Event& event) override { std::fprintf(stderr, "%s\n", event.to_line().c_str()); }
+};
+
+/// Either end; the calls of peer_stack as plain functions.
+struct Embedded {
+  std::optional<DataWriter<Shape>> writer;
+  std::optional<DataReader<Shape>> reader;
+  Sample<Shape> last;
+
+  static Embedded& of(void* self) { return *static_cast<Embedded*>(self); }
+  static std::uint32_t matched(void* self) {
+    const auto& e = of(self);
+    return static_cast<std::uint32_t>(e.writer ? e.writer->matched().current_count
+                                               : e.reader->matched().current_count);
+  }
+  static bool write(void* self, std::int32_t index, const std::uint8_t* payload,
+                    std::uint32_t length) {
+    return of(self)
+        .writer->write({"BLUE", index, 3 * index + 7, 30, {payload, payload + length}})
+        .has_value();
+  }
+  static bool acknowledged(void* self) {
+    return of(self).writer->wait_for_acknowledgments(std::chrono::milliseconds(5));
+  }
+  static bool take(void* self, peer_sample* sample) {
+    auto taken = of(self).reader->take();
+    if (!taken) return false;
+    of(self).last = std::move(*taken);
+    const auto& data = of(self).last.data;
+    *sample = {data.color.c_str(), data.x, data.payload.data(),
+               static_cast<std::uint32_t>(data.payload.size())};
+    return true;
+  }
+};
+
+Qos qos_of(const peer_options& options) {
+  auto qos = options.publish ? default_writer_qos() : default_reader_qos();
+  qos.reliability.kind = ReliabilityKind::reliable;
+  qos.durability = DurabilityKind::transient_local;
+  qos.history.kind = HistoryKind::keep_all;
+  if (options.partition != nullptr) qos.partition = {options.partition};
+  return qos;
+}
+
+int run(const peer_options& options) {
+  const SystemClock clock;
+  SystemRandom random;
+  StderrSink log;
+  RateLimitedSink events(log, clock);
+  auto participant = DomainParticipant::create({.domain_id = static_cast<DomainId>(options.domain)},
+                                               Environment{clock, random, events});
+  if (!participant) return peer_refused("participant", participant.error().to_sentence().c_str());
+  Embedded embedded;
+  Status created;
+  if (options.publish) {
+    auto writer = DataWriter<Shape>::create(**participant, options.topic, qos_of(options));
+    if (writer)
+      embedded.writer.emplace(std::move(*writer));
+    else
+      created = std::unexpected(writer.error());
+  } else {
+    auto reader = DataReader<Shape>::create(**participant, options.topic, qos_of(options));
+    if (reader)
+      embedded.reader.emplace(std::move(*reader));
+    else
+      created = std::unexpected(reader.error());
+  }
+  if (!created) return peer_refused("endpoint", created.error().to_sentence().c_str());
+  const peer_stack stack = {&embedded, Embedded::matched, Embedded::write, Embedded::acknowledged,
+                            Embedded::take};
+  return peer_run(&options, &stack);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
+
+int main(int argc, char** argv) {
+  peer_options options;
+  peer_parse(argc, argv, &options);
+  return ddssec::rtps::run(options);
+}

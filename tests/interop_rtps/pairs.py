@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+"""Runs the embedded participant against itself, Cyclone DDS and Fast DDS, each pair alone on a
+loopback of its own, and holds them to their outcomes. Usage: pairs.py BUILD [FILTER]"""
+
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "interop"))
+from pair import Namespace  # noqa: E402
+
+OURS, CYCLONE, FAST = "embedded_peer", "cyclone_peer", "fastdds_peer"
+PAIRS = [(OURS, OURS), (OURS, CYCLONE), (CYCLONE, OURS), (OURS, FAST), (FAST, OURS)]
+# name, arguments of the publisher, of the subscriber, exit codes of both
+CASES = [
+    ("small", [], [], (0, 0)),
+    ("fragments", ["--payload", "200000"], ["--payload", "200000"], (0, 0)),
+    ("partition", ["--partition", "room1"], ["--partition", "room*"], (0, 0)),
+    ("other partition", ["--partition", "a"], ["--partition", "b"], (4, 4)),
+    ("other topic", ["--topic", "A"], ["--topic", "B"], (4, 4)),
+]
+TIMEOUT = 8
+# What the vendors' libraries say when they cannot read us.
+COMPLAINTS = ("malformed", "Malformed")
+
+
+class Capture:
+    """tshark on the namespace's loopback; `faults` are the packets it calls malformed."""
+
+    def __init__(self, space, path):
+        self.path = path
+        self.process = subprocess.Popen(
+            space.enter(["tshark", "-q", "-i", "lo", "-w", str(path)]),
+            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        for line in self.process.stderr:
+            if "Capturing" in line or "Capture started" in line:
+                break
+        time.sleep(0.5)
+
+    def _packets(self, display_filter):
+        read = subprocess.run(["tshark", "-r", str(self.path), "-Y", display_filter, "-T", "fields",
+                               "-e", "frame.number", "-e", "rtps.sm.id"],
+                              capture_output=True, text=True, check=False)
+        return read.stdout.splitlines()
+
+    def faults(self):
+        time.sleep(1.0)  # what the kernel still holds
+        self.process.terminate()
+        self.process.communicate()
+        faults = [f"tshark calls packet {line} malformed" for line in self._packets("_ws.malformed")]
+        # The submessages that every pair must have exchanged, so that "no fault" means something.
+        for kind, name in ((0x15, "DATA"), (0x07, "HEARTBEAT"), (0x06, "ACKNACK")):
+            if not self._packets(f"rtps.vendorId == 0x01d5 && rtps.sm.id == {kind}"):
+                faults.append(f"the capture holds no {name} of ours")
+        return faults
+
+
+def start(space, build, peer, role, arguments, log):
+    command = [str(build / "bin" / peer), role, "--plain", "--timeout", str(TIMEOUT), *arguments]
+    return subprocess.Popen(space.enter(command), stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+
+
+def run(build, pair, case, folder):
+    publisher, subscriber = pair
+    _, publish, subscribe, expected = case
+    space = Namespace()
+    logs = [open(folder / f"{end}.log", "w+", encoding="utf-8", errors="replace")
+            for end in ("publisher", "subscriber")]
+    faults = []
+    capture = Capture(space, folder / "capture.pcapng") if case[0] != "fragments" else None
+    ends = [start(space, build, subscriber, "--subscribe", subscribe, logs[1]),
+            start(space, build, publisher, "--publish", publish, logs[0])]
+    try:
+        codes = (ends[1].wait(TIMEOUT + 10), ends[0].wait(TIMEOUT + 10))
+        if codes != expected:
+            faults.append(f"exit codes {codes}, expected {expected}")
+    except subprocess.TimeoutExpired:
+        faults.append("a peer hung")
+        for end in ends:
+            end.kill()
+            end.wait()
+    if capture is not None:
+        faults += capture.faults()
+    space.close()
+    for log in logs:
+        log.seek(0)
+        text = log.read()
+        faults += [f"{log.name}: {line}" for line in text.splitlines()
+                   if any(word in line for word in COMPLAINTS)]
+        log.close()
+    return faults
+
+
+def main():
+    build, wanted = pathlib.Path(sys.argv[1]).resolve(), (sys.argv[2:] or [""])[0]
+    failed = 0
+    for pair in PAIRS:
+        for case in CASES:
+            name = f"{case[0]}: {pair[0]} > {pair[1]}"
+            if wanted not in name:
+                continue
+            with tempfile.TemporaryDirectory() as folder:
+                faults = run(build, pair, case, pathlib.Path(folder))
+            print(f"{'FAILED' if faults else 'ok':8}{name}", flush=True)
+            for fault in faults[:5]:
+                print("        " + fault)
+            failed += bool(faults)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,246 @@
+// Two participants without sockets: discovery, matching, and what they make of forged messages.
+#include "rtps/discovery/participant.hpp"
+
+#include <deque>
+
+#include <gmock/gmock.h>
+
+#include "tests/unit/rtps/wire_helpers.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::code_of;
+using testing::message;
+using testing::written;
+
+struct Events final : EventSink {
+  std::vector<Event> seen;
+  void raise(const Event& event) override { seen.push_back(event); }
+  std::vector<Code> codes() const {
+    std::vector<Code> out;
+    for (const auto& event : seen) out.push_back(event.error.code());
+    return out;
+  }
+};
+
+struct Listener final : EndpointListener {
+  int matched = 0;
+  std::vector<QosMismatch> mismatches;
+  std::vector<Change> changes;
+  void on_matched(const Guid&, bool is) override { matched += is ? 1 : -1; }
+  void on_incompatible_qos(const Guid&, const QosMismatch& m) override { mismatches.push_back(m); }
+  bool on_change(Change& change) override {
+    changes.push_back(std::move(change));
+    return true;
+  }
+  void on_acknowledged() override {}
+};
+
+/// A participant at port 7000 + n of a network that the test carries.
+struct Node {
+  struct Post final : Transport {
+    std::vector<std::pair<std::uint32_t, Bytes>> sent;
+    void send(BytesView octets, std::span<const Locator> to) override {
+      for (const auto& locator : to) sent.emplace_back(locator.port, to_bytes(octets));
+    }
+  };
+  Post post;
+  Events events;
+  std::uint32_t port;
+  Participant participant;
+  Listener listener;
+
+  static ParticipantConfig config(std::uint8_t n, DomainId domain, std::string tag) {
+    const auto at = [](std::uint32_t port) {
+      return *Locator::parse("127.0.0.1", static_cast<std::uint16_t>(port));
+    };
+    return {.prefix = GuidPrefix::from(Bytes(12, n)),
+            .domain_id = domain,
+            .domain_tag = std::move(tag),
+            .metatraffic_unicast = {at(7000u + n)},
+            .default_unicast = {at(7000u + n)},
+            .announce_to = {at(7001), at(7002), at(7003)}};
+  }
+  explicit Node(std::uint8_t n, DomainId domain = 0, std::string tag = {})
+      : port(7000u + n), participant(config(n, domain, std::move(tag)), post, events) {}
+};
+
+struct World {
+  std::vector<Node*> nodes;
+  MonotonicTime now = seconds(1);
+  void run(int steps = 30) {
+    for (int i = 0; i < steps; ++i) {
+      for (auto* from : nodes)
+        for (auto& [port, octets] : std::exchange(from->post.sent, {}))
+          for (auto* to : nodes)
+            if (to->port == port) to->participant.receive(octets, now);
+      now += milliseconds(10);
+      for (auto* node : nodes) node->participant.tick(now);
+    }
+  }
+};
+
+Participant::EndpointRequest square(Qos qos) {
+  return {"Square", "ShapeType", std::move(qos), true};
+}
+
+Payload payload() { return Payload::copy_of(Bytes{0, 1, 0, 0, 1, 2, 3, 4}); }
+
+TEST(Participant, FindsOthersMatchesAndDelivers) {
+  Node a(1), b(2);
+  World world{{&a, &b}};
+  const auto writer =
+      *a.participant.create_writer(square(default_writer_qos()), a.listener, world.now);
+  world.run();
+  const auto reader =
+      *b.participant.create_reader(square(default_reader_qos()), b.listener, world.now);
+  world.run();
+  EXPECT_EQ(a.listener.matched, 1);
+  EXPECT_EQ(b.listener.matched, 1);
+  Change change;
+  change.payload = payload();
+  a.participant.writer(writer)->write(change, world.now);
+  world.run();
+  ASSERT_EQ(b.listener.changes.size(), 1u);
+  EXPECT_EQ(b.listener.changes[0].writer, writer);
+  EXPECT_TRUE(a.events.seen.empty() && b.events.seen.empty());
+  b.participant.remove(reader, world.now);
+  world.run();
+  EXPECT_EQ(a.listener.matched, 0);
+  a.participant.leave();
+  world.run(1);
+  EXPECT_EQ(b.participant.remote_participants(), 0u);
+  EXPECT_EQ(b.participant.counters().malformed, 0u);
+}
+
+TEST(Participant, ASilentParticipantIsGoneAfterItsLease) {
+  Node a(1), b(2);
+  World world{{&a, &b}};
+  const auto writer =
+      a.participant.create_writer(square(default_writer_qos()), a.listener, world.now);
+  const auto reader =
+      b.participant.create_reader(square(default_reader_qos()), b.listener, world.now);
+  ASSERT_TRUE(writer && reader);
+  world.run();
+  EXPECT_EQ(b.listener.matched, 1);
+  world.nodes = {&b};
+  world.now += seconds(9);
+  world.run(1);
+  EXPECT_EQ(b.listener.matched, 1);
+  world.now += seconds(2);
+  world.run(1);
+  EXPECT_EQ(b.listener.matched, 0);
+  EXPECT_EQ(b.participant.remote_participants(), 0u);
+}
+
+TEST(Participant, OtherDomainsAndTagsAreNotSeen) {
+  Node a(1), other_domain(2, 1), other_tag(3, 0, "tag");
+  World world{{&a, &other_domain, &other_tag}};
+  world.run();
+  for (auto* node : world.nodes) EXPECT_EQ(node->participant.remote_participants(), 0u);
+}
+
+TEST(Participant, ANonMatchIsAStatusAndAnEventWithBothValues) {
+  Node a(1), b(2);
+  World world{{&a, &b}};
+  auto offered = default_writer_qos();
+  offered.reliability.kind = ReliabilityKind::best_effort;
+  auto requested = default_reader_qos();
+  requested.reliability.kind = ReliabilityKind::reliable;
+  ASSERT_TRUE(a.participant.create_writer(square(offered), a.listener, world.now));
+  ASSERT_TRUE(b.participant.create_reader(square(requested), b.listener, world.now));
+  world.run();
+  for (auto* node : {&a, &b}) {
+    ASSERT_EQ(node->listener.mismatches.size(), 1u);
+    EXPECT_EQ(node->listener.mismatches[0].policy, "RELIABILITY.kind");
+    ASSERT_THAT(node->events.codes(), ::testing::ElementsAre(Code::rtps_qos_incompatible));
+    EXPECT_EQ(node->events.seen[0].error.details().found, "offered BEST_EFFORT");
+    EXPECT_EQ(node->listener.matched, 0);
+  }
+}
+
+TEST(Participant, OtherTypesAndKeysAreNamed) {
+  for (auto other :
+       {Participant::EndpointRequest{"Square", "Other", default_reader_qos(), true},
+        Participant::EndpointRequest{"Square", "ShapeType", default_reader_qos(), false}}) {
+    Node a(1), b(2);
+    World world{{&a, &b}};
+    ASSERT_TRUE(a.participant.create_writer(square(default_writer_qos()), a.listener, world.now));
+    ASSERT_TRUE(b.participant.create_reader(other, b.listener, world.now));
+    world.run();
+    EXPECT_THAT(a.events.codes(), ::testing::ElementsAre(Code::rtps_type_mismatch));
+    EXPECT_EQ(a.listener.matched, 0);
+  }
+}
+
+TEST(Participant, InconsistentQosIsRefused) {
+  Node a(1);
+  auto qos = default_writer_qos();
+  qos.history.depth = 0;
+  EXPECT_EQ(code_of(a.participant.create_writer(square(qos), a.listener, {})),
+            Code::rtps_qos_inconsistent);
+}
+
+Bytes announcement(const GuidPrefix& claimed, const GuidPrefix& source) {
+  ParticipantData data;
+  data.guid = {claimed, kEntityIdParticipant};
+  data.metatraffic_unicast = {*Locator::parse("127.0.0.1", 7009)};
+  data.builtin_endpoints = builtin_endpoints::kWithoutSecurity;
+  std::array<std::uint8_t, 1024> buffer{};
+  SpanWriter payload(buffer);
+  write_payload(payload, data);
+  auto octets = message(
+      {written(Data{kSpdpReader, kSpdpWriter, {1}, {}, PayloadKind::data, payload.view()})});
+  std::ranges::copy(source.octets, octets.begin() + 8);
+  return octets;
+}
+
+// T60 and CVE-2026-45092: a million fake participants take a bounded place and get bounded answers.
+TEST(Participant, FakeParticipantsAreBounded) {
+  Node a(1);
+  for (std::uint32_t i = 0; i < 20'000; ++i) {
+    GuidPrefix prefix;
+    for (int octet = 0; octet < 4; ++octet)
+      prefix.octets[octet] = static_cast<std::uint8_t>(i >> (8 * octet));
+    prefix.octets[11] = 9;
+    a.participant.receive(announcement(prefix, prefix), seconds(1));
+  }
+  EXPECT_EQ(a.participant.remote_participants(), Participant::kMostParticipants);
+  EXPECT_EQ(a.participant.counters().refused_discovery, 20'000 - Participant::kMostParticipants);
+  EXPECT_LT(a.post.sent.size(), 8 * Participant::kMostParticipants);
+}
+
+TEST(Participant, NobodyAnnouncesOrDisposesAnother) {
+  Node a(1), b(2);
+  World world{{&a, &b}};
+  world.run();
+  ASSERT_EQ(a.participant.remote_participants(), 1u);
+  const auto stranger = GuidPrefix::from(Bytes(12, 9));
+  a.participant.receive(announcement(GuidPrefix::from(Bytes(12, 8)), stranger), world.now);
+  EXPECT_EQ(a.participant.remote_participants(), 1u);
+  EXPECT_EQ(a.participant.counters().refused_discovery, 1u);
+  const Guid victim{b.participant.prefix(), kEntityIdParticipant};
+  auto dispose = message({written(Data{
+      kSpdpReader, kSpdpWriter, {9}, {victim.octets(), {true, true}}, PayloadKind::none, {}})});
+  std::ranges::copy(stranger.octets, dispose.begin() + 8);
+  a.participant.receive(dispose, world.now);
+  EXPECT_EQ(a.participant.remote_participants(), 1u);
+}
+
+TEST(Participant, MalformedMessagesAreCountedAndNamed) {
+  Node a(1);
+  auto broken = message({written(InfoDestination{})});
+  std::ranges::fill(std::span(broken).subspan(8, 12), std::uint8_t{7});
+  broken[22] = 200;
+  a.participant.receive(broken, seconds(1));
+  a.participant.receive(as_bytes("hello"), seconds(1));
+  EXPECT_EQ(a.participant.counters().malformed, 2u);
+  EXPECT_THAT(a.events.codes(),
+              ::testing::ElementsAre(Code::rtps_submessage_overrun, Code::rtps_not_a_message));
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
