@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cstdlib>
 #include <cstring>
@@ -241,15 +242,23 @@ std::int64_t made(const Call& call, std::int64_t handle) {
   return handle;
 }
 
+/// Plugins know a remote participant by its identity: every link has identities of its own.
+std::int64_t next_identity() {
+  static std::atomic<std::int64_t> last = 1'000'000;
+  return ++last;
+}
+
 }  // namespace
 
 CryptoLink::CryptoLink(dds_security_cryptography& sending, dds_security_cryptography& receiving,
                        const Keys& keys, std::size_t receiver_count)
-    : sender{&sending, 0, 0, {}, {}}, receivers(receiver_count, Receiver{&receiving, 0, 0, 0, 0}) {
+    : identity_(next_identity()),
+      sender{&sending, 0, 0, {}, {}},
+      receivers(receiver_count, Receiver{&receiving, 0, 0, 0, 0}) {
   auto* factory = sending.crypto_key_factory;
   Call call("register_local_participant");
-  sender.participant = made(
-      call, factory->register_local_participant(factory, 1, 1, nullptr, &keys.participant, call));
+  sender.participant = made(call, factory->register_local_participant(
+                                      factory, identity_, 1, nullptr, &keys.participant, call));
   const DDS_Security_PropertySeq none{};
   if (keys.endpoint.is_payload_protected || keys.endpoint.is_submessage_protected)
     sender.writer = made(call, factory->register_local_datawriter(factory, sender.participant,
@@ -264,15 +273,16 @@ void CryptoLink::match(std::size_t number, const Keys& keys) {
   auto* ours = sender.plugin->crypto_key_factory;
   auto* theirs = receiver.plugin->crypto_key_factory;
   const DDS_Security_PropertySeq none{};
-  const auto identity = static_cast<DDS_Security_IdentityHandle>(1000 + number);
+  const auto identity = next_identity();
   Call call("register");
   receiver.participant = made(call, theirs->register_local_participant(theirs, identity, 1, nullptr,
                                                                        &keys.participant, call));
   const auto remote = made(call, ours->register_matched_remote_participant(
                                      ours, sender.participant, identity, 2, secret, call));
   sender.remote_participants.push_back(remote);
-  receiver.remote_participant = made(call, theirs->register_matched_remote_participant(
-                                               theirs, receiver.participant, 999, 2, secret, call));
+  receiver.remote_participant =
+      made(call, theirs->register_matched_remote_participant(theirs, receiver.participant,
+                                                             identity_, 2, secret, call));
   auto* make = sender.plugin->crypto_key_exchange;
   auto* set = receiver.plugin->crypto_key_exchange;
   carry_tokens(sender.plugin, make->create_local_participant_crypto_tokens, sender.participant,

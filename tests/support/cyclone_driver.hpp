@@ -155,6 +155,11 @@ class CryptoLink {
   CryptoLink& operator=(const CryptoLink&) = delete;
   /// Unregisters all.
   ~CryptoLink();
+
+ private:
+  std::int64_t identity_;
+
+ public:
   Sender sender;
   std::vector<Receiver> receivers;
 
