@@ -40,6 +40,7 @@ function(ddssec_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(ddssec_${name} STATIC ${ARG_SOURCES})
   add_library(ddssec::${name} ALIAS ddssec_${name})
+  set_property(GLOBAL APPEND PROPERTY DDSSEC_LIBRARIES ${name})
   target_include_directories(ddssec_${name} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/ddssec>)
   target_link_libraries(ddssec_${name} PUBLIC ${ARG_PUBLIC}

@@ -1,0 +1,26 @@
+// Twenty lines against the installed package: asks the authentication plugin for an identity that
+// is not configured, and prints why it refuses.
+#include <cstdio>
+
+#include "base/clock.hpp"
+#include "plugins/access_control/access_control.hpp"
+#include "plugins/authentication/authentication.hpp"
+#include "plugins/cryptography/cryptography.hpp"
+
+struct Quiet : ddssec::EventSink {
+  void raise(const ddssec::Event&) override {}
+};
+
+int main() {
+  ddssec::SystemClock clock;
+  ddssec::SystemRandom random;
+  Quiet quiet;
+  const ddssec::Environment environment{clock, random, quiet};
+  const auto authentication = ddssec::authentication::make_authentication(environment);
+  const auto access_control = ddssec::access_control::make_access_control(environment);
+  const auto cryptography = ddssec::cryptography::make_cryptography(environment);
+  const auto identity = authentication->validate_local_identity(0, {}, {});
+  if (identity) return 1;
+  std::puts(identity.error().to_sentence().c_str());
+  return identity.error().code() == ddssec::Code::missing_property ? 0 : 2;
+}
