@@ -99,15 +99,20 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
                                  const CIdentity local_handle, const CToken* remote_token,
                                  const DDS_Security_GUID_t* remote_guid, Exception* ex) {
   return validate(instance, ex, [&](Adapter& adapter) -> Result<CResult> {
-    DDSSEC_TRY(require(remote_handle, local_auth_request, remote_token, remote_guid));
+    // The core takes strlen of this class id later, also when we refuse or have nothing to send.
+    DDSSEC_TRY(require(local_auth_request));
+    DDSSEC_TRY(copy_token(spi::Token{}, *local_auth_request));
+    DDSSEC_TRY(require(remote_handle, remote_token, remote_guid));
     *remote_handle = DDS_SECURITY_HANDLE_NIL;
-    *local_auth_request = {};
     std::optional<spi::Token> request;
     if (!is_nil(remote_auth_request)) request = DDSSEC_TRY(token_from(remote_auth_request));
     const auto token = DDSSEC_TRY(token_from(remote_token));
     const auto remote = DDSSEC_TRY(adapter.engine().validate_remote_identity(
         identity(local_handle), request, token, guid_from(*remote_guid)));
-    DDSSEC_TRY(hand_out(remote.local_auth_request, *local_auth_request));
+    if (remote.local_auth_request) {
+      free_token(*local_auth_request);
+      DDSSEC_TRY(copy_token(*remote.local_auth_request, *local_auth_request));
+    }
     *remote_handle = remote.handle.value;
     return to_c(remote.result);
   });
