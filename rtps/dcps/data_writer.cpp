@@ -1,6 +1,11 @@
 #include "rtps/dcps/data_writer.hpp"
 
 namespace ddssec::rtps {
+namespace {
+
+constexpr std::chrono::nanoseconds kBrake = std::chrono::milliseconds(20);
+
+}  // namespace
 
 Result<std::unique_ptr<WriterCore>> WriterCore::create(DomainParticipant& participant,
                                                        Participant::EndpointRequest request) {
@@ -26,6 +31,10 @@ Status WriterCore::write(BytesView payload, const std::optional<KeyHash>& key, S
   const auto room = [&] { return protocol.has_room(payload.size()); };
   if (!room() && !participant_.changed_.wait_for(lock, max_blocking_time_, room))
     return fail(Code::rtps_history_full, {.document = "writer " + guid_.to_string()});
+  // A gentle brake: what does not fit the receiver's buffers would be sent twice.
+  if (protocol.is_ahead())
+    participant_.changed_.wait_for(lock, std::min(max_blocking_time_, kBrake),
+                                   [&] { return !protocol.is_ahead(); });
   const auto wall = std::chrono::system_clock::now().time_since_epoch();
   Change change;
   change.status = status;

@@ -128,7 +128,7 @@ Status Participant::process(const SubmessageView& view, Context& context) {
     case SubmessageId::nack_frag: {
       const auto nack = DDSSEC_TRY(read_nack_frag(view));
       auto* local = context.for_us ? local_writer(nack.writer) : nullptr;
-      if (local != nullptr) local->protocol->on_nack_frag(from, nack);
+      if (local != nullptr) local->protocol->on_nack_frag(from, nack, context.now);
       return {};
     }
     default:

@@ -99,7 +99,10 @@ StatefulReader::Partial* StatefulReader::partial_of(WriterProxy& proxy, const Da
                       partial.change.payload.size() == frag.sample_size;
     return same ? &known->second : nullptr;
   }
-  if (frag.sample_size > kLargestSample) return nullptr;
+  if (frag.sample_size > kLargestSample) {
+    accept(proxy, frag.sequence_number, std::nullopt);  // never asked for again
+    return nullptr;
+  }
   if (proxy.partial.size() >= kMostPartialSamples) {
     // The lowest number is needed first; a best-effort reader prefers the newest.
     const auto last = std::prev(proxy.partial.end());

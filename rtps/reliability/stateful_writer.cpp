@@ -14,10 +14,17 @@ using std::chrono::milliseconds;
 
 constexpr MonotonicTime kFirstPeriod = milliseconds(100);
 constexpr MonotonicTime kLongestPeriod = milliseconds(3200);
+constexpr int kUnansweredBeforeSlower = 5;
 // A heartbeat rides on a sample this often, so that histories shrink while a writer is busy.
 constexpr int kSamplesPerHeartbeat = 32;
 constexpr std::size_t kOctetsPerHeartbeat = 128 << 10;
 constexpr std::uint16_t kFragmentSize = 14336;
+// A receiver that lost something has small buffers: answers come in portions, each followed by a
+// heartbeat that asks for the next request, so that the reader's pace sets ours.
+constexpr std::size_t kOctetsPerAnswer = 128 << 10;
+constexpr std::uint32_t kFragmentsPerAnswer = 8;
+// Requests that crossed the answer on the way are not answered again.
+constexpr MonotonicTime kAnswerTime = milliseconds(2);
 
 InlineQos inline_qos_of(const Change& change) {
   // Alive samples carry their key in the payload; a dispose needs the hash (Fast DDS ignores
@@ -52,7 +59,7 @@ void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
   unmatch(reader.guid);
   const auto next = history_.last().next();
   const bool history = reader.wants_history && qos_.durability >= DurabilityKind::transient_local;
-  ReaderProxy proxy{std::move(reader), history ? history_.first() : next, {}, 0, 0};
+  ReaderProxy proxy{std::move(reader), history ? history_.first() : next, {}, 0, 0, {}, {}};
   proxy.acknowledged = proxy.first_relevant.previous();
   readers_.push_back(std::move(proxy));
   rebuild_locators();
@@ -103,11 +110,11 @@ void StatefulWriter::heartbeat_after_write(MonotonicTime now) {
 }
 
 void StatefulWriter::send_change(const Destination& to, const EntityId& reader,
-                                 const Change& change) {
+                                 const Change& change, std::uint32_t most_fragments) {
   if (change.payload.size() > kFragmentSize) {
     const auto total =
         DataFrag::fragments_of(static_cast<std::uint32_t>(change.payload.size()), kFragmentSize);
-    for (std::uint32_t number = 1; number <= total; ++number)
+    for (std::uint32_t number = 1; number <= std::min(total, most_fragments); ++number)
       send_fragment(to, reader, change, {number});
     return;
   }
@@ -154,12 +161,12 @@ void StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, 
   proxy->last_count = acknack.count;
   if (!pre_emptive && base <= history_.last().next() && base.previous() > proxy->acknowledged) {
     proxy->acknowledged = base.previous();
-    period_ = kFirstPeriod;
+    be_attentive(now);
   }
-  answer_requests(*proxy, acknack.missing);
-  if (pre_emptive || (!acknack.is_final && acknack.missing.empty()))
+  const bool answered = answer_requests(*proxy, acknack.missing, now);
+  if (answered || pre_emptive || (!acknack.is_final && acknack.missing.empty()))
     send_heartbeat(proxy->destination(), proxy->reader.guid.entity,
-                   std::max(history_.first(), proxy->first_relevant), pre_emptive ? false : true);
+                   std::max(history_.first(), proxy->first_relevant), !answered && !pre_emptive);
   sender_.flush();
   release_acknowledged();
   if (all_acknowledged())
@@ -168,37 +175,56 @@ void StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, 
     next_heartbeat_ = now + kFirstPeriod;
 }
 
-void StatefulWriter::answer_requests(const ReaderProxy& proxy, const SequenceNumberSet& missing) {
+// A reader that asks is alive and needs us: the next heartbeat comes soon, whatever came before.
+void StatefulWriter::be_attentive(MonotonicTime now) {
+  unanswered_ = 0;
+  period_ = kFirstPeriod;
+  next_heartbeat_ = std::min(next_heartbeat_, now + period_);
+}
+
+bool StatefulWriter::answer_requests(ReaderProxy& proxy, const SequenceNumberSet& missing,
+                                     MonotonicTime now) {
+  if (missing.empty()) return false;
+  be_attentive(now);
+  if (missing.base() == proxy.last_answered && now - proxy.last_answer < kAnswerTime) return false;
+  proxy.last_answered = missing.base();
+  proxy.last_answer = now;
   const auto to = proxy.destination();
   const auto& reader = proxy.reader.guid.entity;
   const auto lowest = std::max(history_.first(), proxy.first_relevant);
+  std::size_t octets = 0;
   bool gap_below_sent = false;
   missing.for_each([&](SequenceNumber number) {
-    if (number > history_.last() || !is_valid(number)) return;
+    if (number > history_.last() || !is_valid(number) || octets >= kOctetsPerAnswer) return;
     if (number < lowest) {
       if (!gap_below_sent)
         sender_.add(to, Gap{reader, guid_.entity, number, SequenceNumberSet(lowest)});
       gap_below_sent = true;
     } else if (const auto* change = history_.find(number)) {
-      send_change(to, reader, *change);
+      send_change(to, reader, *change, kFragmentsPerAnswer);
+      octets += change->payload.size();
     } else {
       sender_.add(to, Gap{reader, guid_.entity, number, SequenceNumberSet(number.next())});
     }
   });
+  return true;
 }
 
-void StatefulWriter::on_nack_frag(const GuidPrefix& from, const NackFrag& nack) {
+void StatefulWriter::on_nack_frag(const GuidPrefix& from, const NackFrag& nack, MonotonicTime now) {
   auto* proxy = find({from, nack.reader});
   if (proxy == nullptr || !proxy->reader.reliable) return;
   if (nack.count - proxy->last_frag_count <= 0 && proxy->last_frag_count != 0) return;
   proxy->last_frag_count = nack.count;
+  be_attentive(now);
   const auto* change = history_.find(nack.sequence_number);
   if (change == nullptr) {
     sender_.add(proxy->destination(), Gap{nack.reader, guid_.entity, nack.sequence_number,
                                           SequenceNumberSet(nack.sequence_number.next())});
   } else {
+    std::uint32_t sent = 0;
     nack.missing.for_each([&](FragmentNumber number) {
-      send_fragment(proxy->destination(), nack.reader, *change, number);
+      if (sent++ < kFragmentsPerAnswer)
+        send_fragment(proxy->destination(), nack.reader, *change, number);
     });
     // The reader can ask for the next ones at once.
     send_heartbeat(proxy->destination(), nack.reader,
@@ -215,8 +241,14 @@ void StatefulWriter::tick(MonotonicTime now) {
                    std::max(history_.first(), proxy.first_relevant), false);
   }
   sender_.flush();
-  period_ = std::min(period_ * 2, kLongestPeriod);
+  if (++unanswered_ > kUnansweredBeforeSlower) period_ = std::min(period_ * 2, kLongestPeriod);
   next_heartbeat_ = all_acknowledged() ? kNever : now + period_;
+}
+
+bool StatefulWriter::is_ahead() const {
+  constexpr std::size_t kHighWater = 512 << 10;
+  return qos_.is_reliable() && !readers_.empty() && qos_.durability == DurabilityKind::volatile_ &&
+         history_.octets() > kHighWater;
 }
 
 bool StatefulWriter::all_acknowledged() const {

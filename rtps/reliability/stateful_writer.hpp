@@ -38,12 +38,15 @@ class StatefulWriter {
   void match(MatchedReader reader, MonotonicTime now);
   void unmatch(const Guid& reader);
 
+  /// True while so much is unacknowledged that more would only be lost: a writer in a hurry should
+  /// wait a moment. Never true for transient-local writers, which keep what is acknowledged too.
+  bool is_ahead() const;
   bool has_room(std::size_t payload_size) const { return history_.has_room(payload_size); }
   /// Stores and sends to all matched readers. The caller asked has_room before.
   SequenceNumber write(Change change, MonotonicTime now);
 
   void on_acknack(const GuidPrefix& from, const AckNack& acknack, MonotonicTime now);
-  void on_nack_frag(const GuidPrefix& from, const NackFrag& nack);
+  void on_nack_frag(const GuidPrefix& from, const NackFrag& nack, MonotonicTime now);
   /// Heartbeats that are due.
   void tick(MonotonicTime now);
   MonotonicTime next_tick() const { return next_heartbeat_; }
@@ -57,17 +60,21 @@ class StatefulWriter {
     SequenceNumber acknowledged;    ///< everything up to here has arrived
     std::int32_t last_count = 0;
     std::int32_t last_frag_count = 0;
+    SequenceNumber last_answered;  ///< base of the request that was answered last, and when
+    MonotonicTime last_answer{};
     Destination destination() const { return {reader.guid.prefix, reader.locators}; }
   };
 
   ReaderProxy* find(const Guid& reader);
   void rebuild_locators();
-  void send_change(const Destination& to, const EntityId& reader, const Change& change);
+  void send_change(const Destination& to, const EntityId& reader, const Change& change,
+                   std::uint32_t most_fragments = ~0u);
   void send_fragment(const Destination& to, const EntityId& reader, const Change& change,
                      FragmentNumber number);
   void send_heartbeat(const Destination& to, const EntityId& reader, SequenceNumber first,
                       bool is_final);
-  void answer_requests(const ReaderProxy& proxy, const SequenceNumberSet& missing);
+  void be_attentive(MonotonicTime now);
+  bool answer_requests(ReaderProxy& proxy, const SequenceNumberSet& missing, MonotonicTime now);
   void heartbeat_after_write(MonotonicTime now);
   void release_acknowledged();
 
@@ -80,6 +87,7 @@ class StatefulWriter {
   std::int32_t heartbeat_count_ = 0;
   MonotonicTime next_heartbeat_ = kNever;
   MonotonicTime period_{};
+  int unanswered_ = 0;  ///< heartbeats since a reader was heard
   int written_since_heartbeat_ = 0;
   std::size_t octets_since_heartbeat_ = 0;
 };

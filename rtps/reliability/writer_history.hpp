@@ -31,6 +31,7 @@ class WriterHistory {
   /// The last that was written; 0 if none.
   SequenceNumber last() const { return {next_.value - 1}; }
   std::size_t size() const { return count_; }
+  std::size_t octets() const { return octets_; }
 
  private:
   void drop(SequenceNumber number);

@@ -1,0 +1,33 @@
+#include <array>
+#include <cstdio>
+
+#include "programs/peer/session.hpp"
+
+namespace {
+
+using namespace ddssec::peer;
+
+struct Role {
+  const char* name;
+  int (*run)(Session&);
+};
+constexpr std::array kRoles = {Role{"pub", run_pub},           Role{"sub", run_sub},
+                               Role{"ping", run_ping},         Role{"pong", run_pong},
+                               Role{"tput-pub", run_tput_pub}, Role{"tput-sub", run_tput_sub}};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const auto parsed = parse(argc, argv);
+  if (!parsed.options) return parsed.exit_code;
+  if (parsed.options->security != "off") {
+    std::fputs("ddssec-peer: --security DIR: not yet; only --security off works\n", stderr);
+    return kUsage;
+  }
+  watch_signals();
+  Session session(*parsed.options);
+  if (const auto opened = session.open(); !opened) return refused(opened.error());
+  for (const auto& role : kRoles)
+    if (parsed.options->role == role.name) return role.run(session);
+  return kUsage;
+}

@@ -1,0 +1,97 @@
+#include "programs/peer/session.hpp"
+
+#include <csignal>
+#include <cstdio>
+#include <thread>
+
+namespace ddssec::peer {
+namespace {
+
+volatile std::sig_atomic_t signalled = 0;
+
+}  // namespace
+
+void say(const char* event, Json fields) {
+  Json line = {{"event", event}};
+  line.update(fields);
+  std::puts(line.dump(-1, ' ', false, Json::error_handler_t::replace).c_str());
+  std::fflush(stdout);
+}
+
+bool interrupted() { return signalled != 0; }
+
+void watch_signals() {
+  for (int signal : {SIGTERM, SIGINT}) std::signal(signal, [](int) { signalled = 1; });
+}
+
+Status Session::open() {
+  end_ = nanoseconds() + static_cast<std::int64_t>(options_.timeout * 1e9);
+  auto created = rtps::DomainParticipant::create(
+      {.domain_id = options_.domain, .entity_name = "ddssec-peer " + options_.role},
+      Environment{clock_, random_, limited_});
+  if (!created) return std::unexpected(created.error());
+  participant_ = std::move(*created);
+  say("participant_created");
+  return {};
+}
+
+rtps::Qos Session::writer_qos(bool keep_all) const {
+  auto qos = rtps::default_writer_qos();
+  qos.reliability.max_blocking_time = rtps::Duration{{1, 0}};
+  if (keep_all) {
+    qos.history.kind = rtps::HistoryKind::keep_all;
+    qos.resource_limits.max_samples = 2048;
+  } else {
+    qos.history.depth = 64;
+  }
+  if (!options_.partition.empty()) qos.partition = {options_.partition};
+  return qos;
+}
+
+rtps::Qos Session::reader_qos() const {
+  auto qos = rtps::default_reader_qos();
+  qos.reliability.kind = rtps::ReliabilityKind::reliable;
+  qos.history.kind = rtps::HistoryKind::keep_all;
+  if (!options_.partition.empty()) qos.partition = {options_.partition};
+  return qos;
+}
+
+bool Session::over() const { return interrupted() || nanoseconds() >= end_; }
+
+bool Session::wait_until(const std::function<bool()>& ready) const {
+  while (!ready()) {
+    if (over()) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
+}
+
+void Session::note_matched(const char* what, std::int32_t current) {
+  counts.ever_matched = counts.ever_matched || current > 0;
+  if (current == last_said_) return;
+  last_said_ = current;
+  say("matched", {{"what", what}, {"current", current}});
+}
+
+int Session::finish(int code) const {
+  say("done", {{"matched", counts.ever_matched},
+               {"written", counts.written},
+               {"received", counts.received},
+               {"corrupt", counts.corrupt},
+               {"auth_failed", 0}});
+  say("exit", {{"code", code}});
+  return code;
+}
+
+void Session::raise(const Event& event) {
+  if (options_.verbose || event.severity >= Severity::warning)
+    std::fprintf(stderr, "%s\n", event.to_line().c_str());
+}
+
+int refused(const Error& error) {
+  say("error", {{"what", error.to_sentence()}});
+  say("exit", {{"code", int{kNotCreated}}});
+  return kNotCreated;
+}
+
+}  // namespace ddssec::peer

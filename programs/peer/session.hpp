@@ -1,0 +1,79 @@
+// What all roles of ddssec-peer share: the participant, the clock, JSON lines, the end.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include <nlohmann/json.hpp>
+
+#include "programs/peer/options.hpp"
+#include "programs/peer/types.hpp"
+#include "rtps/dcps/data_reader.hpp"
+#include "rtps/dcps/data_writer.hpp"
+
+namespace ddssec::peer {
+
+using Json = nlohmann::ordered_json;
+
+/// One line on standard output, flushed: {"event": name, fields...}.
+void say(const char* event, Json fields = Json::object());
+
+/// SIGTERM or SIGINT came.
+bool interrupted();
+void watch_signals();
+
+/// Counts for the `done` line.
+struct Counts {
+  std::uint64_t written = 0, received = 0, corrupt = 0;
+  bool ever_matched = false;
+};
+
+class Session final : private EventSink {
+ public:
+  explicit Session(const Options& options) : options_(options) {}
+
+  /// Errors: those of DomainParticipant::create.
+  Status open();
+  const Options& options() const { return options_; }
+  rtps::DomainParticipant& participant() { return *participant_; }
+  std::string topic_or(const char* own) const {
+    return options_.topic.empty() ? own : options_.topic;
+  }
+  rtps::Qos writer_qos(bool keep_all) const;
+  rtps::Qos reader_qos() const;
+
+  std::int64_t nanoseconds() const { return clock_.monotonic().count(); }
+  /// True once the timeout has passed or a signal came.
+  bool over() const;
+  /// Waits in steps of a millisecond until `ready`; false: the session was over first.
+  bool wait_until(const std::function<bool()>& ready) const;
+  /// Says `matched` whenever the count differs from the last one said for `what`.
+  void note_matched(const char* what, std::int32_t current);
+
+  Counts counts;
+  /// Says `done` and `exit`.
+  int finish(int code) const;
+
+ private:
+  void raise(const Event& event) override;
+
+  const Options options_;
+  SystemClock clock_;
+  SystemRandom random_;
+  RateLimitedSink limited_{*this, clock_};
+  std::unique_ptr<rtps::DomainParticipant> participant_;
+  std::int64_t end_ = 0;
+  std::int32_t last_said_ = 0;
+};
+
+int run_pub(Session& session);
+int run_sub(Session& session);
+int run_ping(Session& session);
+int run_pong(Session& session);
+int run_tput_pub(Session& session);
+int run_tput_sub(Session& session);
+
+/// Says `error` for a failed creation; the exit code for it.
+int refused(const Error& error);
+
+}  // namespace ddssec::peer

@@ -1,0 +1,73 @@
+// Roles pub and sub: coloured squares, each checked.
+#include <thread>
+
+#include "programs/peer/session.hpp"
+
+namespace ddssec::peer {
+namespace {
+
+constexpr std::int32_t kShapeSize = 30;
+constexpr auto kWritePeriod = std::chrono::milliseconds(20);
+
+std::int32_t y_of(std::int32_t x) { return 3 * x + 7; }
+
+bool is_right(const ShapeType& shape) {
+  return shape.x >= 0 && shape.y == y_of(shape.x) && shape.shapesize == kShapeSize &&
+         !shape.color.empty();
+}
+
+Json fields_of(const ShapeType& shape) {
+  return {{"color", shape.color}, {"x", shape.x}, {"y", shape.y}, {"shapesize", shape.shapesize}};
+}
+
+}  // namespace
+
+int run_pub(Session& session) {
+  const auto& options = session.options();
+  auto writer = rtps::DataWriter<ShapeType>::create(
+      session.participant(), session.topic_or("Square"), session.writer_qos(false));
+  if (!writer) return refused(writer.error());
+  auto& counts = session.counts;
+  const auto matched = [&] {
+    const auto current = writer->matched().current_count;
+    session.note_matched("reader", current);
+    return current > 0;
+  };
+  // Ends when all are written and the reader has gone.
+  while (!session.over()) {
+    const bool reader = matched();
+    if (counts.written >= options.count && !reader) break;
+    if (reader && counts.written < options.count) {
+      const auto x = static_cast<std::int32_t>(counts.written);
+      if (writer->write({options.color, x, y_of(x), kShapeSize})) ++counts.written;
+    }
+    std::this_thread::sleep_for(kWritePeriod);
+  }
+  if (!counts.ever_matched) return session.finish(kNeverMatched);
+  return session.finish(counts.written < options.count ? kSamplesMissing : kDone);
+}
+
+int run_sub(Session& session) {
+  const auto& options = session.options();
+  auto reader = rtps::DataReader<ShapeType>::create(
+      session.participant(), session.topic_or("Square"), session.reader_qos());
+  if (!reader) return refused(reader.error());
+  auto& counts = session.counts;
+  while (!session.over() && counts.received < options.count) {
+    reader->wait_for_data(std::chrono::milliseconds(20));
+    session.note_matched("writer", reader->matched().current_count);
+    while (auto sample = reader->take()) {
+      if (!sample->info.valid_data) continue;
+      ++counts.received;
+      counts.corrupt += is_right(sample->data) ? 0 : 1;
+      if (counts.received == 1 || counts.received == options.count)
+        say("sample", fields_of(sample->data));
+    }
+  }
+  counts.corrupt += reader->malformed();
+  if (counts.corrupt > 0) return session.finish(kSampleWrong);
+  if (!counts.ever_matched) return session.finish(kNeverMatched);
+  return session.finish(counts.received < options.count ? kSamplesMissing : kDone);
+}
+
+}  // namespace ddssec::peer

@@ -1,0 +1,71 @@
+// Roles tput-pub and tput-sub: as many samples as the reader takes.
+#include "programs/peer/session.hpp"
+
+namespace ddssec::peer {
+namespace {
+
+constexpr std::uint32_t kEndMarker = 0xffffffff;
+
+}  // namespace
+
+int run_tput_pub(Session& session) {
+  const auto& options = session.options();
+  auto writer =
+      rtps::DataWriter<Blob>::create(session.participant(), "PerfTput", session.writer_qos(true));
+  if (!writer) return refused(writer.error());
+  const auto matched = [&] {
+    session.note_matched("reader", writer->matched().current_count);
+    return writer->matched().current_count > 0;
+  };
+  if (!session.wait_until(matched)) return session.finish(kNeverMatched);
+  Blob sample{0, 0, 0, Bytes(options.size, 0x5a)};
+  const auto end = session.nanoseconds() + static_cast<std::int64_t>(options.duration * 1e9);
+  while (session.nanoseconds() < end && !session.over()) {
+    sample.t_ns = static_cast<std::uint64_t>(session.nanoseconds());
+    if (!writer->write(sample)) continue;
+    ++sample.seq;
+    ++session.counts.written;
+  }
+  const Blob marker{kEndMarker, sample.seq, 0, {}};
+  while (!session.over() && !writer->write(marker)) {
+  }
+  const bool complete = session.wait_until(
+      [&] { return writer->wait_for_acknowledgments(std::chrono::milliseconds(10)); });
+  return session.finish(complete ? kDone : kSamplesMissing);
+}
+
+int run_tput_sub(Session& session) {
+  auto reader =
+      rtps::DataReader<Blob>::create(session.participant(), "PerfTput", session.reader_qos());
+  if (!reader) return refused(reader.error());
+  auto& counts = session.counts;
+  std::int64_t first = 0, last = 0;
+  std::uint64_t octets = 0;
+  std::optional<std::uint32_t> sent;
+  while (!session.over() && !sent) {
+    reader->wait_for_data(std::chrono::milliseconds(20));
+    session.note_matched("writer", reader->matched().current_count);
+    while (auto sample = reader->take()) {
+      if (sample->data.seq == kEndMarker) {
+        sent = sample->data.pad;
+        break;
+      }
+      counts.corrupt += sample->data.seq != counts.received ? 1 : 0;
+      if (counts.received++ == 0) first = session.nanoseconds();
+      octets += sample->data.data.size();
+    }
+    last = session.nanoseconds();
+  }
+  if (!counts.ever_matched) return session.finish(kNeverMatched);
+  const auto seconds = std::max(1e-9, static_cast<double>(last - first) * 1e-9);
+  say("tput", {{"size", session.options().size},
+               {"samples", counts.received},
+               {"sent", sent.value_or(0)},
+               {"seconds", seconds},
+               {"samples_per_s", static_cast<double>(counts.received) / seconds},
+               {"mbit_per_s", static_cast<double>(octets) * 8e-6 / seconds}});
+  if (counts.corrupt > 0) return session.finish(kSampleWrong);
+  return session.finish(sent && *sent == counts.received ? kDone : kSamplesMissing);
+}
+
+}  // namespace ddssec::peer

@@ -1,0 +1,131 @@
+#!/usr/bin/env python3
+"""The interface of ddssec-peer: events, exit codes, end on SIGTERM. Usage: peer_test.py BUILD"""
+
+import json
+import pathlib
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "interop"))
+from pair import Namespace  # noqa: E402
+
+PEER = pathlib.Path(sys.argv.pop(1)).resolve() / "bin" / "ddssec-peer"
+
+
+class PeerTest(unittest.TestCase):
+    def setUp(self):
+        self.space = Namespace()
+        self.running = []
+
+    def tearDown(self):
+        for process in self.running:
+            if process.poll() is None:
+                process.kill()
+            process.communicate()
+        self.space.close()
+
+    def start(self, *arguments):
+        timeout = [] if "--timeout" in arguments else ["--timeout", "20"]
+        process = subprocess.Popen(
+            self.space.enter([str(PEER), "--domain", "3", *timeout, *arguments]), text=True,
+            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+        self.running.append(process)
+        return process
+
+    def end(self, process):
+        output, _ = process.communicate(timeout=30)
+        return process.returncode, [json.loads(line) for line in output.splitlines()]
+
+    def events(self, lines, name):
+        return [line for line in lines if line["event"] == name]
+
+    def test_shapes(self):
+        sub, pub = self.start("--role", "sub", "--count", "15"), self.start("--role", "pub", "--count", "15",
+                                                                            "--color", "RED")
+        code, lines = self.end(sub)
+        self.assertEqual(code, 0)
+        self.assertEqual([(s["color"], s["x"], s["y"], s["shapesize"])
+                          for s in self.events(lines, "sample")], [("RED", 0, 7, 30), ("RED", 14, 49, 30)])
+        self.assertEqual([line["event"] for line in lines][-2:], ["done", "exit"])
+        done = self.events(lines, "done")[0]
+        self.assertEqual((done["matched"], done["received"], done["corrupt"], done["auth_failed"]),
+                         (True, 15, 0, 0))
+        code, lines = self.end(pub)
+        self.assertEqual((code, self.events(lines, "done")[0]["written"]), (0, 15))
+        self.assertEqual([m["current"] for m in self.events(lines, "matched")], [1, 0])
+
+    def test_two_publishers_on_one_topic(self):
+        sub = self.start("--role", "sub", "--count", "20")
+        self.start("--role", "pub", "--count", "10", "--color", "RED")
+        self.start("--role", "pub", "--count", "10", "--color", "GREEN")
+        self.assertEqual(self.end(sub)[0], 0)
+
+    def test_round_trips(self):
+        pong = self.start("--role", "pong")
+        code, lines = self.end(self.start("--role", "ping", "--count", "300", "--size", "1000"))
+        self.assertEqual(code, 0)
+        rtt = self.events(lines, "rtt")[0]
+        self.assertEqual((rtt["size"], rtt["n"]), (1000, 300))
+        self.assertTrue(0 < rtt["min_us"] <= rtt["median_us"] <= rtt["p90_us"] <= rtt["p99_us"])
+        self.assertEqual(self.end(pong)[0], 0)
+
+    def test_throughput_loses_nothing(self):
+        for size in ("64", "100000"):
+            sub = self.start("--role", "tput-sub", "--size", size)
+            code, lines = self.end(self.start("--role", "tput-pub", "--size", size, "--duration", "0.5"))
+            self.assertEqual(code, 0)
+            code, received = self.end(sub)
+            self.assertEqual(code, 0)
+            tput = self.events(received, "tput")[0]
+            self.assertEqual(tput["samples"], tput["sent"])
+            self.assertEqual(tput["sent"], self.events(lines, "done")[0]["written"])
+
+    def test_largest_sample(self):
+        size = str(64 * 1024 * 1024 - 64)
+        pong = self.start("--role", "tput-sub", "--size", size)
+        code, lines = self.end(self.start("--role", "tput-pub", "--size", size, "--duration", "0.01"))
+        self.assertEqual(code, 0)
+        self.assertEqual(self.end(pong)[0], 0)
+
+    def test_usage(self):
+        for arguments in ((), ("--role", "king"), ("--role", "pub", "--security", "folder"),
+                          ("--role", "pub", "--size", "-1")):
+            self.assertEqual(self.end(self.start(*arguments))[0], 2, arguments)
+
+    def test_never_matched(self):
+        for role in ("pub", "sub", "ping", "tput-pub", "tput-sub", "pong"):
+            code, lines = self.end(self.start("--role", role, "--timeout", "1"))
+            self.assertEqual(code, 1, role)
+            self.assertEqual(self.events(lines, "exit")[0]["code"], 1)
+
+    def test_other_partition_does_not_match(self):
+        self.start("--role", "pub", "--partition", "a")
+        self.assertEqual(self.end(self.start("--role", "sub", "--partition", "b", "--timeout", "2"))[0], 1)
+
+    def test_missing_samples(self):
+        self.start("--role", "pub", "--count", "5")
+        code, _ = self.end(self.start("--role", "sub", "--count", "50", "--timeout", "3"))
+        self.assertEqual(code, 4)
+
+    def test_sigterm_ends_it(self):
+        sub = self.start("--role", "sub", "--count", "1000")
+        time.sleep(0.5)
+        begin = time.monotonic()
+        sub.send_signal(signal.SIGTERM)
+        self.assertEqual(self.end(sub)[0], 1)
+        self.assertLess(time.monotonic() - begin, 4)
+
+    def test_a_killed_publisher_is_replaced_by_a_new_one(self):
+        sub = self.start("--role", "sub", "--count", "30")
+        first = self.start("--role", "pub", "--count", "1000")
+        time.sleep(0.6)
+        first.kill()
+        self.start("--role", "pub", "--count", "30", "--color", "GREEN")
+        self.assertEqual(self.end(sub)[0], 0)
+
+
+if __name__ == "__main__":
+    unittest.main()
