@@ -62,14 +62,34 @@ DDS_Security_boolean check_create_participant(Instance* instance, const CPermiss
   });
 }
 
+/// Cyclone 0.10.2 matches endpoints of unauthenticated participants without asking the plugin; only
+/// protection keeps them out. Where governance wants them out of an unprotected topic, our own
+/// endpoint is what we can refuse (DDS-Security 8.4.2.9 gives them open topics only).
+Status refuse_what_nothing_guards(Adapter& adapter, spi::PermissionsHandle handle,
+                                  const spi::EndpointSecurityAttributes& endpoint,
+                                  bool is_controlled) {
+  if (!is_controlled || endpoint.is_submessage_protected() || endpoint.is_payload_protected())
+    return {};
+  const auto participant = DDSSEC_TRY(adapter.engine().participant_sec_attributes(handle));
+  if (!participant.allow_unauthenticated_participants) return {};
+  return fail(Code::unauthenticated_peers_unstoppable,
+              {.document = "governance",
+               .field = "allow_unauthenticated_participants",
+               .expected = "false, or protection of the topic",
+               .found = "true"});
+}
+
 DDS_Security_boolean check_create_datawriter(Instance* instance, const CPermissions handle,
                                              const CDomain domain_id, const char* topic_name,
                                              const DDS_Security_Qos*, const Partition* partition,
                                              const Tags* tags, Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     const auto question = DDSSEC_TRY(EndpointQuestion::from(topic_name, partition, tags));
-    return adapter.engine().check_create_datawriter(permissions(handle), domain_id,
-                                                    question.request());
+    const auto local = permissions(handle);
+    auto& engine = adapter.engine();
+    DDSSEC_TRY(engine.check_create_datawriter(local, domain_id, question.request()));
+    const auto writer = DDSSEC_TRY(engine.datawriter_sec_attributes(local, question.request()));
+    return refuse_what_nothing_guards(adapter, local, writer, writer.topic.is_read_protected);
   });
 }
 
@@ -80,8 +100,11 @@ DDS_Security_boolean check_create_datareader(Instance* instance, const CPermissi
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     const auto question = DDSSEC_TRY(EndpointQuestion::from(topic_name, partition, tags));
     if (reads_local_builtin_topic(question.request())) return {};
-    return adapter.engine().check_create_datareader(permissions(handle), domain_id,
-                                                    question.request());
+    const auto local = permissions(handle);
+    auto& engine = adapter.engine();
+    DDSSEC_TRY(engine.check_create_datareader(local, domain_id, question.request()));
+    const auto reader = DDSSEC_TRY(engine.datareader_sec_attributes(local, question.request()));
+    return refuse_what_nothing_guards(adapter, local, reader, reader.topic.is_write_protected);
   });
 }
 

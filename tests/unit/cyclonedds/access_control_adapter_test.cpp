@@ -83,6 +83,41 @@ TEST_F(AccessControlAdapterTest, ChecksPassTheQuestionAndTheAnswer) {
   EXPECT_EQ(c->check_remote_topic(c, 9, 5, &topic_data, nullptr), 1);
 }
 
+// Cyclone never asks about endpoints of unauthenticated participants.
+TEST_F(AccessControlAdapterTest, AnEndpointThatUnauthenticatedPeersWouldReachIsRefused) {
+  spi::EndpointSecurityAttributes endpoint;
+  bool allow_unauthenticated = true;
+  ON_CALL(engine, check_create_datawriter).WillByDefault([](auto&&...) { return Status{}; });
+  ON_CALL(engine, check_create_datareader).WillByDefault([](auto&&...) { return Status{}; });
+  ON_CALL(engine, participant_sec_attributes).WillByDefault([&](auto&&...) {
+    return spi::ParticipantSecurityAttributes{.allow_unauthenticated_participants =
+                                                  allow_unauthenticated};
+  });
+  ON_CALL(engine, datawriter_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
+  ON_CALL(engine, datareader_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
+  const auto may_write = [&] {
+    return c->check_create_datawriter(c, 8, 5, "Square", &qos, nullptr, nullptr, &refusal) != 0;
+  };
+  const auto may_read = [&] {
+    return c->check_create_datareader(c, 8, 5, "Square", &qos, nullptr, nullptr, &refusal) != 0;
+  };
+  EXPECT_TRUE(may_write());
+  EXPECT_TRUE(may_read());
+  endpoint.topic.is_read_protected = true;
+  EXPECT_FALSE(may_write());
+  EXPECT_EQ(refusal.reason(), Code::unauthenticated_peers_unstoppable);
+  EXPECT_TRUE(may_read());
+  endpoint.topic.is_write_protected = true;
+  EXPECT_FALSE(may_read());
+  endpoint.payload = ProtectionKind::encrypt;
+  EXPECT_TRUE(may_write());
+  EXPECT_TRUE(may_read());
+  endpoint.payload = ProtectionKind::none;
+  allow_unauthenticated = false;
+  EXPECT_TRUE(may_write());
+  EXPECT_TRUE(may_read());
+}
+
 TEST_F(AccessControlAdapterTest, RelayOnlyIsAlwaysSet) {
   EXPECT_CALL(engine, check_remote_datareader(Handle{9}, 5, asks_for_topic()))
       .WillOnce(Return(spi::AccessControl::RemoteDatareader{.relay_only = true}))
