@@ -1,0 +1,73 @@
+// The table of commands: the parser, the help and the tests are made from it.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "cli/report.hpp"
+
+namespace ddssec::cli {
+
+/// What stands on the command line by its place.
+struct Positional {
+  std::string_view name;  ///< as help shows it, such as "DIR"
+  std::string_view summary;
+};
+
+/// What stands on the command line by its name.
+struct Option {
+  std::string_view name;   ///< "--days"
+  std::string_view value;  ///< as help shows it, such as "N"; empty for a flag
+  std::string_view summary;
+  std::string_view fallback = {};  ///< what counts if it is not given
+  bool repeated = false;           ///< may be given more than once
+  bool required = false;
+};
+
+/// What was on the command line, by the names of the table. Every value was given or has its
+/// fallback.
+class Arguments {
+ public:
+  using Values = std::map<std::string, std::vector<std::string>, std::less<>>;
+  explicit Arguments(Values values) : values_(std::move(values)) {}
+
+  bool has(std::string_view name) const { return values_.contains(name); }
+  /// The (last) value; "" if there is none.
+  std::string text(std::string_view name) const;
+  const std::vector<std::string>& all(std::string_view name) const;
+  /// The value as a whole number. Error: usage.
+  Result<int> number(std::string_view name, int lowest, int highest) const;
+
+ private:
+  Values values_;
+};
+
+/// What a command works with besides its arguments.
+struct Context {
+  const Clock& clock;
+  Random& random;
+};
+
+/// One command.
+struct Command {
+  std::string_view group;  ///< such as "ca"; empty for a command of one word
+  std::string_view name;
+  std::string_view summary;
+  std::vector<Positional> positionals;
+  std::vector<Option> options;
+  std::vector<std::string_view> examples;
+  Result<Report> (*run)(const Arguments&, const Context&);
+
+  /// "ca create".
+  std::string full_name() const;
+};
+
+/// Every command, by group.
+const std::vector<Command>& commands();
+/// The options that every command takes.
+const std::vector<Option>& common_options();
+
+}  // namespace ddssec::cli

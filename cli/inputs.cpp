@@ -1,0 +1,197 @@
+#include "cli/inputs.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <sys/stat.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "base/hash.hpp"
+#include "cli/transaction.hpp"
+#include "pki/source.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostPassphraseLine = pki::Passphrase::capacity + 2;
+
+std::string uri(const fs::path& path) { return "file://" + path.string(); }
+
+// pki::load says the path as what it found; here it is the document's name.
+std::unexpected<Error> about(const Error& error, const fs::path& path) {
+  auto details = error.details();
+  details.document = path;
+  if (details.found == path) details.found.clear();
+  return std::unexpected(Error(error.code(), std::move(details)));
+}
+
+std::string_view without_line_end(std::string_view text) {
+  if (text.ends_with('\n')) text.remove_suffix(1);
+  if (text.ends_with('\r')) text.remove_suffix(1);
+  return text;
+}
+
+Result<pki::Passphrase> passphrase_from(std::string_view text) {
+  if (text.empty() || text.size() > pki::Passphrase::capacity)
+    return fail(Code::passphrase_unusable);
+  return pki::Passphrase::copy_of(as_bytes(text));
+}
+
+// One line of standard input, read octet by octet: what follows is not ours.
+Result<pki::Passphrase> passphrase_from_stdin() {
+  std::array<std::uint8_t, kMostPassphraseLine> line{};
+  std::size_t size = 0;
+  while (size < line.size() && ::read(STDIN_FILENO, &line[size], 1) == 1)
+    if (line[size++] == '\n') break;
+  auto out = passphrase_from(without_line_end(as_text(BytesView(line).first(size))));
+  wipe(line);
+  DDSSEC_TRY(check_not_interrupted());
+  return out;
+}
+
+Result<pki::Passphrase> passphrase_from_file(const std::string& path) {
+  if (path == "-") return passphrase_from_stdin();
+  auto octets = DDSSEC_TRY(read_file(path, kMostPassphraseLine));
+  auto out = passphrase_from(without_line_end(as_text(octets)));
+  wipe(octets);
+  return out;
+}
+
+class EchoOff {
+ public:
+  EchoOff() {
+    if (::tcgetattr(STDIN_FILENO, &before_) != 0) return;
+    auto quiet = before_;
+    quiet.c_lflag &= ~static_cast<tcflag_t>(ECHO);
+    known_ = ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &quiet) == 0;
+  }
+  ~EchoOff() {
+    if (known_) ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &before_);
+    std::fputc('\n', stderr);
+  }
+  EchoOff(const EchoOff&) = delete;
+  EchoOff& operator=(const EchoOff&) = delete;
+
+ private:
+  termios before_{};
+  bool known_ = false;
+};
+
+Result<pki::Passphrase> typed_passphrase(const char* prompt) {
+  std::fputs(prompt, stderr);
+  const EchoOff echo_off;
+  return passphrase_from_stdin();
+}
+
+Status check_key_mode(const fs::path& key, const Arguments& arguments) {
+  struct stat status {};
+  if (arguments.has("--insecure-key-mode") || ::stat(key.c_str(), &status) != 0) return {};
+  if ((status.st_mode & 077) == 0) return {};
+  return fail(Code::key_readable_by_others,
+              {.document = key,
+               .expected = "mode 0600",
+               .found = fmt::format("mode {:04o}", status.st_mode & 07777)});
+}
+
+Result<pki::PrivateKey> load_ca_key(const fs::path& path, const Arguments& arguments) {
+  DDSSEC_TRY(check_key_mode(path, arguments));
+  const auto pem = pki::load_key(uri(path), "");
+  if (!pem) return about(pem.error(), path);
+  std::optional<pki::Passphrase> opener;
+  if (DDSSEC_TRY(is_encrypted(path))) opener = DDSSEC_TRY(passphrase(arguments, Typed::once));
+  auto key = pki::PrivateKey::from_pem(*pem, opener ? &*opener : nullptr);
+  if (!key) return about(key.error(), path);
+  return key;
+}
+
+}  // namespace
+
+Result<Bytes> read_file(const fs::path& path, std::size_t most) {
+  auto octets = pki::load(uri(path), "", most);
+  if (!octets) return about(octets.error(), path);
+  return octets;
+}
+
+Result<pki::Certificate> read_certificate(const fs::path& path) {
+  const auto octets = DDSSEC_TRY(read_file(path, pki::kMostCertificateOctets));
+  auto certificate = pki::Certificate::from_pem(octets);
+  if (!certificate) return about(certificate.error(), path);
+  return certificate;
+}
+
+Result<pki::Passphrase> passphrase(const Arguments& arguments, Typed typed) {
+  if (arguments.has("--passphrase-file"))
+    return passphrase_from_file(arguments.text("--passphrase-file"));
+  if (arguments.has("--passphrase-env")) {
+    const char* value = std::getenv(arguments.text("--passphrase-env").c_str());
+    return passphrase_from(value != nullptr ? value : "");
+  }
+  if (::isatty(STDIN_FILENO) == 0 || ::isatty(STDERR_FILENO) == 0)
+    return fail(Code::passphrase_needed);
+  auto first = DDSSEC_TRY(typed_passphrase("passphrase of the CA key: "));
+  if (typed == Typed::once) return first;
+  const auto second = DDSSEC_TRY(typed_passphrase("the same again: "));
+  return first == second ? Result<pki::Passphrase>(std::move(first))
+                         : fail(Code::passphrase_unusable);
+}
+
+fs::path ca_folder(const fs::path& folder, std::string_view role) {
+  std::error_code ignored;
+  return fs::exists(folder / "ca.pem", ignored) ? folder : folder / role;
+}
+
+Result<pki::Authority> load_ca(const fs::path& folder, const Arguments& arguments) {
+  auto certificate = DDSSEC_TRY(read_certificate(folder / "ca.pem"));
+  auto key = DDSSEC_TRY(load_ca_key(folder / "ca.key.pem", arguments));
+  auto authority = pki::Authority::load(std::move(certificate), std::move(key));
+  if (!authority) return about(authority.error(), folder);
+  return authority;
+}
+
+Result<bool> is_encrypted(const fs::path& key) {
+  const auto pem = pki::load_key(uri(key), "");
+  if (!pem) return about(pem.error(), key);
+  return pem->expose([](BytesView octets) {
+    const auto text = as_text(octets);
+    return text.find("BEGIN ENCRYPTED") != text.npos || text.find(",ENCRYPTED") != text.npos;
+  });
+}
+
+Result<pki::Validity> validity(const Arguments& arguments, WallTime now) {
+  const int days = DDSSEC_TRY(arguments.number("--days", 1, 36'500));
+  return pki::Validity{now - std::chrono::hours(1), now + std::chrono::days(days)};
+}
+
+Result<pki::KeySpec> key_spec(const Arguments& arguments) {
+  const auto key = arguments.text("--key");
+  if (key == "p256") return pki::KeySpec{};
+  if (key == "rsa2048") return pki::KeySpec{pki::KeyKind::rsa, 2048};
+  if (key == "rsa3072") return pki::KeySpec{pki::KeyKind::rsa, 3072};
+  return fail(Code::usage,
+              {.field = "--key", .expected = "p256, rsa2048 or rsa3072", .found = key});
+}
+
+Status check_name(std::string_view name) {
+  constexpr std::size_t kMost = 64;  // of a common name, X.520 ub-common-name
+  const auto is_letter_or_digit = [](char c) {
+    return ('a' <= c && c <= 'z') || ('A' <= c && c <= 'Z') || ('0' <= c && c <= '9');
+  };
+  const auto is_fine = [&](char c) {
+    return is_letter_or_digit(c) || c == '.' || c == '_' || c == '-';
+  };
+  if (!name.empty() && name.size() <= kMost && is_letter_or_digit(name[0]) &&
+      std::ranges::all_of(name, is_fine))
+    return {};
+  return fail(Code::name_unusable, {.found = '"' + std::string(name.substr(0, kMost)) + '"'});
+}
+
+std::string date(WallTime time) { return to_string(time).substr(0, 10); }
+
+}  // namespace ddssec::cli

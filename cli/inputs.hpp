@@ -1,0 +1,49 @@
+// What commands read: files, certificates, CAs with their keys, passphrases, dates.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "cli/command.hpp"
+#include "pki/authority.hpp"
+#include "pki/private_key.hpp"
+
+namespace ddssec::cli {
+
+/// A whole file. Errors: those of pki::load, with the path.
+Result<Bytes> read_file(const std::filesystem::path& path, std::size_t most);
+
+/// The first certificate of a PEM file. Errors: those of read_file and Certificate::from_pem.
+Result<pki::Certificate> read_certificate(const std::filesystem::path& path);
+
+/// What `--passphrase-file` or `--passphrase-env` gives, without its line end; else, on a terminal,
+/// what a person types (twice if it is a `new_one`). Errors: passphrase_needed,
+/// passphrase_unusable, and those of read_file.
+enum class Typed : std::uint8_t { once, twice };
+Result<pki::Passphrase> passphrase(const Arguments& arguments, Typed typed);
+
+/// The role's CA below `folder`: folder/identity or folder/permissions, or `folder` itself if it
+/// holds ca.pem.
+std::filesystem::path ca_folder(const std::filesystem::path& folder, std::string_view role);
+
+/// The CA of a folder with ca.pem and ca.key.pem. Its key may be used only if nobody but its owner
+/// can read it, unless --insecure-key-mode is given.
+/// Errors: key_readable_by_others, those of passphrase() for an encrypted key, of Authority::load.
+Result<pki::Authority> load_ca(const std::filesystem::path& folder, const Arguments& arguments);
+
+/// True if the key's PEM text says that it is encrypted. Errors: those of pki::load_key.
+Result<bool> is_encrypted(const std::filesystem::path& key);
+
+/// From one hour ago (clocks differ) for `--days`. Error: usage.
+Result<pki::Validity> validity(const Arguments& arguments, WallTime now);
+
+/// What --key says. Error: usage.
+Result<pki::KeySpec> key_spec(const Arguments& arguments);
+
+/// Success if `name` may name a participant's folder. Error: name_unusable.
+Status check_name(std::string_view name);
+
+/// "2026-11-21".
+std::string date(WallTime time);
+
+}  // namespace ddssec::cli

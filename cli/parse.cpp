@@ -1,0 +1,165 @@
+#include "cli/parse.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <list>
+#include <numeric>
+
+namespace ddssec::cli {
+namespace {
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const auto above = row[j + 1];
+      row[j + 1] = std::min({above + 1, row[j] + 1, diagonal + (a[i] == b[j] ? 0 : 1)});
+      diagonal = above;
+    }
+  }
+  return row.back();
+}
+
+std::vector<std::string> words_after(std::string_view group) {
+  std::vector<std::string> out;
+  for (const auto& command : commands()) {
+    if (group.empty()) out.emplace_back(command.group.empty() ? command.name : command.group);
+    if (!group.empty() && command.group == group) out.emplace_back(command.name);
+  }
+  return out;
+}
+
+std::string nearest(std::string_view word, const std::vector<std::string>& known) {
+  constexpr std::size_t kNear = 2;
+  const auto best = std::ranges::min_element(
+      known, {}, [&](const std::string& k) { return edit_distance(word, k); });
+  return best != known.end() && edit_distance(word, *best) <= kNear ? *best : std::string();
+}
+
+std::unexpected<Error> wrong(std::string note) {
+  return fail(Code::usage, {.note = std::move(note)});
+}
+
+std::unexpected<Error> unknown(std::string_view word, const std::vector<std::string>& known) {
+  const auto guess = nearest(word.substr(0, 64), known);
+  return wrong("\"" + std::string(word) + "\" is unknown here" +
+               (guess.empty() ? "" : "; did you mean \"" + guess + "\"?"));
+}
+
+// CLI11 reads one command's arguments; which command it is was told before.
+class CommandLine {
+ public:
+  explicit CommandLine(const Command& command) {
+    app_.set_help_flag();
+    app_.allow_extras(false);
+    for (const auto& option : command.options) add(option);
+    for (const auto& option : common_options()) add(option);
+    for (const auto& positional : command.positionals) add(positional);
+  }
+
+  Result<Arguments> parse(std::span<const std::string> words) {
+    std::vector<std::string> reversed(words.rbegin(), words.rend());  // as CLI11 takes them
+    try {
+      app_.parse(std::move(reversed));
+    } catch (const CLI::ParseError& error) {
+      return explained(error, words);
+    }
+    return Arguments(values());
+  }
+
+ private:
+  struct Slot {
+    std::string name;
+    std::string_view fallback;
+    std::vector<std::string> values;
+    CLI::Option* option;
+  };
+
+  void add(const Option& option) {
+    auto& slot = slots_.emplace_back(std::string(option.name), option.fallback);
+    if (option.value.empty()) {
+      slot.option = app_.add_flag(slot.name);
+      return;
+    }
+    slot.option = app_.add_option(slot.name, slot.values)->allow_extra_args(false);
+    if (!option.repeated) slot.option->expected(1);
+    slot.option->required(option.required);
+  }
+
+  void add(const Positional& positional) {
+    auto& slot = slots_.emplace_back(std::string(positional.name));
+    slot.option = app_.add_option(slot.name, slot.values)->expected(1)->required();
+  }
+
+  // CLI11 does not say which option is unknown, only that there are too many words.
+  std::unexpected<Error> explained(const CLI::ParseError& error,
+                                   std::span<const std::string> words) const {
+    std::vector<std::string> known;
+    for (const auto& slot : slots_) known.push_back(slot.name);
+    for (const auto& word : words) {
+      const auto name = word.substr(0, word.find('='));
+      if (name.starts_with("-") && name != "-" && std::ranges::find(known, name) == known.end())
+        return unknown(name, known);
+    }
+    return wrong(error.what());
+  }
+
+  Arguments::Values values() const {
+    Arguments::Values out;
+    for (const auto& slot : slots_) {
+      if (slot.option->count() > 0) {
+        out[slot.name] = slot.values;
+      } else if (!slot.fallback.empty()) {
+        out[slot.name] = {std::string(slot.fallback)};
+      }
+    }
+    return out;
+  }
+
+  CLI::App app_;
+  std::list<Slot> slots_;  // CLI11 keeps references into it
+};
+
+bool asks_for_help(std::span<const std::string> words) {
+  return std::ranges::any_of(words, [](const auto& w) { return w == "--help" || w == "-h"; });
+}
+
+const Command* find(std::string_view full_name) {
+  const auto found = std::ranges::find_if(
+      commands(), [&](const Command& c) { return c.full_name() == full_name; });
+  return found == commands().end() ? nullptr : &*found;
+}
+
+Request help_request(std::string_view what) {
+  Request out;
+  out.help = help_on(what);
+  return out;
+}
+
+}  // namespace
+
+Result<Request> parse(std::span<const std::string> words) {
+  if (words.empty() || words[0].starts_with("-"))
+    return asks_for_help(words) ? Result<Request>(help_request("")) : wrong("no command is given");
+  const Command* command = find(words[0]);
+  std::size_t used = 1;
+  if (command == nullptr) {
+    if (help_on(words[0]).empty()) return unknown(words[0], words_after(""));
+    if (words.size() > 1 && (command = find(words[0] + " " + words[1])) != nullptr) used = 2;
+  }
+  if (asks_for_help(words)) return help_request(command ? command->full_name() : words[0]);
+  if (command == nullptr)
+    return words.size() > 1 && !words[1].starts_with("-")
+               ? unknown(words[1], words_after(words[0]))
+               : wrong("\"" + words[0] + "\" needs a second word");
+  CommandLine line(*command);
+  Request out;
+  out.arguments = DDSSEC_TRY(line.parse(words.subspan(used)));
+  out.command = command;
+  return out;
+}
+
+}  // namespace ddssec::cli

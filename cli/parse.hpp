@@ -1,0 +1,25 @@
+// The command line, parsed by the table of commands.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "cli/command.hpp"
+
+namespace ddssec::cli {
+
+/// What the command line asks for. `command` null: only `help` is to be printed.
+struct Request {
+  const Command* command = nullptr;
+  Arguments arguments{{}};
+  std::string help;
+};
+
+/// Parses the words after the program's name. Error: usage, with the nearest known word if one is
+/// near.
+Result<Request> parse(std::span<const std::string> words);
+
+/// Help on everything, on a group ("ca") or on a command ("ca create"); "" if there is no such.
+std::string help_on(std::string_view what);
+
+}  // namespace ddssec::cli

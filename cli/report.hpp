@@ -1,0 +1,55 @@
+// What a command has to say: one value that prints as text or as the JSON envelope.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "base/result.hpp"
+
+namespace ddssec::cli {
+
+/// JSON whose members keep their order.
+using Json = nlohmann::ordered_json;
+
+/// The exit codes of every command.
+enum class Exit : std::uint8_t {
+  done = 0,        ///< done; or the answer is yes
+  no = 1,          ///< the answer is no
+  usage = 2,       ///< the command line is wrong
+  unreadable = 3,  ///< an input cannot be read or parsed
+  refused = 4,     ///< refused for safety
+  failed = 5,      ///< internal failure, or the result could not be written
+};
+
+/// The exit code of a command that ends with this error.
+Exit exit_of(Code code);
+
+/// A file that the command made.
+struct WrittenFile {
+  std::string path;
+  std::string mode;    ///< octal, such as "0600"
+  std::string sha256;  ///< lower-case hexadecimal
+};
+
+/// What a command found out or did.
+struct Report {
+  Exit exit = Exit::done;
+  std::string text;  ///< for people: complete lines
+  Json result = Json::object();
+  std::vector<Error> diagnostics = {};
+  std::vector<WrittenFile> files_written = {};
+};
+
+/// The report of a command that failed.
+Report report_of(const Error& error);
+
+/// One object, the same members for every command and for failures: schema, command, ok, exit,
+/// result, diagnostics, files_written.
+Json envelope(const Report& report, std::string_view command);
+
+/// "ddssec: what happened" and an indented hint, two lines.
+std::string sentence(const Error& error);
+
+}  // namespace ddssec::cli

@@ -1,0 +1,56 @@
+#!/usr/bin/env python3
+"""What every command has in common: help, usage errors, codes, times."""
+
+from transcript import Transcript, main
+
+
+class Contract(Transcript):
+    def commands(self):
+        rows = self.run_program("--help").stdout.split("\n\n")[1].splitlines()
+        return [row[2:28].strip() for row in rows]
+
+    def test_help_lists_every_command_and_each_explains_itself(self):
+        self.assertIn("ca create", self.commands())
+        for name in self.commands():
+            text = self.run_program(*name.split(), "--help").stdout
+            self.assertIn(f"usage: ddssec {name}", text)
+            self.assertIn("--format FORM", text)
+            self.assertIn(f"ddssec {name} ", text.split("\nexamples\n")[1])
+
+    def test_help_on_a_group_lists_its_commands(self):
+        text = self.run_program("ca", "--help").stdout
+        self.assertIn("ca show", text)
+        self.assertNotIn("identity issue", text)
+
+    def test_wrong_words_are_usage_errors_with_a_guess(self):
+        self.assertIn("no command", self.refused("usage", 2)["message"])
+        self.assertIn('did you mean "identity"?', self.refused("usage", 2, "identiti")["message"])
+        self.assertIn('did you mean "show"?', self.refused("usage", 2, "ca", "shw")["message"])
+        self.assertIn("needs a second word", self.refused("usage", 2, "ca")["message"])
+        self.assertIn('did you mean "--days"?',
+                      self.refused("usage", 2, "ca", "create", "x", "--dais", "3")["message"])
+
+    def test_missing_twofold_and_superfluous_arguments_are_usage_errors(self):
+        self.refused("usage", 2, "ca", "show")
+        self.refused("usage", 2, "explain", "usage", "more")
+        self.refused("usage", 2, "ca", "create", "x", "--days", "3", "--days", "4")
+        self.refused("usage", 2, "identity", "issue", "x", "-o", "y")
+
+    def test_times_and_formats_must_be_exact(self):
+        self.refused("usage", 2, "explain", "usage", "--now", "tomorrow")
+        done = self.run_program("explain", "usage", "--format", "yaml", exit=2)
+        self.assertIn("expected text or json, found yaml", done.stderr)
+
+    def test_explain_knows_codes_by_name_and_number(self):
+        by_name = self.json("explain", "no_grant_for_subject")["result"]
+        self.assertEqual(by_name, self.json("explain", "1242")["result"])
+        self.assertEqual(by_name["number"], 1242)
+        self.assertIn("write the subject name exactly", self.run_program("explain", "1242").stdout)
+        self.refused("usage", 2, "explain", "99999")
+
+    def test_no_control_sequence_reaches_the_terminal(self):
+        self.assertIn('"??[31m"', self.refused("usage", 2, "explain", "\n\x1b[31m")["message"])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,65 @@
+"""Runs the ddssec program and looks at everything it did: output, exit code, files."""
+
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+PROGRAM = pathlib.Path(sys.argv.pop(1)).resolve()
+ENVELOPE = ["schema", "command", "ok", "exit", "result", "diagnostics", "files_written"]
+
+
+class Transcript(unittest.TestCase):
+    """Each test works in a new folder and must leave no draft in it."""
+
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory(prefix="ddssec-cli-")
+        self.addCleanup(self.folder.cleanup)
+        self.at = pathlib.Path(self.folder.name)
+        self.old_umask = os.umask(0o022)
+        self.addCleanup(os.umask, self.old_umask)
+
+    def tearDown(self):
+        drafts = [p for p in self.at.rglob("*") if p.name.endswith(".new") or ".ddssec" in p.name
+                  or (p.name.startswith(".") and p.is_dir())]
+        self.assertEqual(drafts, [], "a command left a draft behind")
+
+    def run_program(self, *words, exit=0, stdin="", environment=None):
+        done = subprocess.run([PROGRAM, *map(str, words)], cwd=self.at, input=stdin, text=True,
+                              capture_output=True, timeout=60, check=False,
+                              env={**os.environ, **(environment or {})})
+        self.assertEqual(done.returncode, exit, f"{words}: {done.stdout}{done.stderr}")
+        return done
+
+    def json(self, *words, exit=0, **more):
+        done = self.run_program(*words, "--format", "json", exit=exit, **more)
+        self.assertEqual(done.stderr, "")
+        out = json.loads(done.stdout)
+        self.assertEqual(list(out), ENVELOPE)
+        self.assertEqual((out["schema"], out["exit"], out["ok"]), ("ddssec/1", exit, exit == 0))
+        return out
+
+    def refused(self, code, exit, *words, **more):
+        """The command fails with exactly this code, says so in both forms and writes nothing."""
+        before = self.files()
+        done = self.run_program(*words, exit=exit, **more)
+        self.assertEqual(done.stdout, "")
+        self.assertRegex(done.stderr, rf"^ddssec: .*\[{code} \d+\]\n  hint: .+\n$")
+        out = self.json(*words, exit=exit, **more)
+        self.assertEqual([d["id"] for d in out["diagnostics"]], [code])
+        self.assertEqual(self.files(), before)
+        return out["diagnostics"][0]
+
+    def files(self):
+        return {str(p.relative_to(self.at)): (p.lstat().st_mode & 0o777)
+                for p in self.at.rglob("*") if not p.is_dir()}
+
+    def openssl(self, *words):
+        return subprocess.run(["openssl", *map(str, words)], cwd=self.at, text=True,
+                              capture_output=True, timeout=60, check=True).stdout
+
+
+main = unittest.main
