@@ -271,7 +271,8 @@ TEST_F(CryptographyAdapterTest, HeaderPrefixReachesTheEngineInWireOrder) {
 
   const HostOctets tiny(Bytes(19, 1));
   EXPECT_CALL(engine, decode_rtps_message).WillOnce(Return(fail(Code::truncated)));
-  EXPECT_EQ(transform->decode_rtps_message(transform, &decoded, &tiny.sequence, 1, 2, &refusal), 0);
+  HostBlock none;
+  EXPECT_EQ(transform->decode_rtps_message(transform, &none, &tiny.sequence, 1, 2, &refusal), 0);
   EXPECT_EQ(refusal.reason(), Code::truncated);
 }
 
