@@ -21,6 +21,19 @@ constexpr Option repeated(std::string_view name, std::string_view value, std::st
   return {.name = name, .value = value, .summary = summary, .repeated = true};
 }
 
+const Option kCaCertificate{.name = "--ca",
+                            .value = "FILE",
+                            .summary = "the permissions CA's certificate",
+                            .required = true};
+
+std::vector<Option> signing_options() {
+  return {ca("the folder that ca create made"),
+          {"-o", "FILE", "the signed document, if not FILE with the ending p7s"},
+          kPassphraseFile,
+          kPassphraseEnv,
+          kInsecureKeyMode};
+}
+
 }  // namespace
 
 const std::vector<Option>& common_options() {
@@ -81,6 +94,44 @@ const std::vector<Command>& commands() {
        .options = {},
        .examples = {"ddssec identity show talker"},
        .run = identity_show},
+      {.group = "governance",
+       .name = "sign",
+       .summary = "Signs a governance document that can be read, in the form every vendor reads.",
+       .positionals = {{"FILE", "the XML document"}},
+       .options = signing_options(),
+       .examples = {"ddssec governance sign governance.xml --ca ca"},
+       .run = governance_sign},
+      {.group = "governance",
+       .name = "verify",
+       .summary = "Verifies a signed governance document and reads it.",
+       .positionals = {{"FILE", "the signed document"}},
+       .options = {kCaCertificate},
+       .examples = {"ddssec governance verify governance.p7s --ca ca/permissions/ca.pem"},
+       .run = governance_verify},
+      {.group = "permissions",
+       .name = "sign",
+       .summary = "Signs a permissions document that can be read, in the form every vendor reads.",
+       .positionals = {{"FILE", "the XML document"}},
+       .options = signing_options(),
+       .examples = {"ddssec permissions sign permissions.xml --ca ca -o talker/permissions.p7s"},
+       .run = permissions_sign},
+      {.group = "permissions",
+       .name = "verify",
+       .summary = "Verifies a signed permissions document and reads it.",
+       .positionals = {{"FILE", "the signed document"}},
+       .options = {kCaCertificate},
+       .examples = {"ddssec permissions verify permissions.p7s --ca ca/permissions/ca.pem"},
+       .run = permissions_verify},
+      {.group = "",
+       .name = "can",
+       .summary = "Says whether a participant may use a topic, and which line decides; exit 1: no.",
+       .positionals = {{"SUBJECT", "the participant's folder"},
+                       {"ACTION", "publish or subscribe"},
+                       {"TOPIC", "the topic's name"}},
+       .options = {{"--domain", "N", "the domain", "0"},
+                   repeated("--partition", "P", "a partition of the endpoint")},
+       .examples = {"ddssec can talker publish rt/chatter"},
+       .run = can},
       {.group = "",
        .name = "explain",
        .summary = "Says what a code means and what to do about it.",
