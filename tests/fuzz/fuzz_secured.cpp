@@ -1,0 +1,76 @@
+// Protected payloads, submessages and messages, any octets and genuine ones with changes: nothing
+// opens but what was sealed, and the genuine one opens after every attack.
+#include <cstdlib>
+
+#include "tests/unit/cryptography/two_sides.hpp"
+
+namespace {
+
+using namespace ddssec;
+using namespace ddssec::cryptography::testing;
+
+struct Target {
+  Bytes sealed;
+  Bytes opened;
+  std::function<Result<Bytes>(const Bytes&)> open;
+};
+
+/// A matched pair of one protection kind and one genuine message of each level.
+struct Pair {
+  explicit Pair(ProtectionKind kind)
+      : two(kind),
+        ends(two.endpoints(endpoint_attributes(
+            kind, is_encrypted(kind) ? ProtectionKind::encrypt : ProtectionKind::sign))) {
+    add(encode_payload(two, ends, Bytes(22, 3)).value(),
+        [this](const Bytes& in) { return decode_payload(two, ends, in); });
+    add(encode_submessage(two, ends, data_submessage(24)).value(),
+        [this](const Bytes& in) { return decode_submessage(two, ends, in); });
+    add(encode_reply(two, ends, data_submessage(24, 0x06)).value(),
+        [this](const Bytes& in) { return decode_reply(two, ends, in); });
+    add(encode_message(two, rtps_message({data_submessage(12), data_submessage(8)})).value(),
+        [this](const Bytes& in) { return decode_message(two, in); });
+  }
+  Pair(Pair&&) = delete;
+  void add(Bytes sealed, std::function<Result<Bytes>(const Bytes&)> open) {
+    auto opened = open(sealed).value();
+    targets.push_back({std::move(sealed), std::move(opened), std::move(open)});
+  }
+
+  TwoSides two;
+  WriterToReader ends;
+  std::vector<Target> targets;
+};
+
+void must_not_open(const Target& target, const Bytes& octets) {
+  const auto opened = target.open(octets);
+  if (opened && *opened != target.opened) std::abort();
+}
+
+/// `change` laid over `sealed` by exclusive or, cut or grown to `size`.
+Bytes changed(Bytes sealed, BytesView change, std::size_t size) {
+  sealed.resize(std::max(sealed.size(), change.size()));
+  for (std::size_t i = 0; i < change.size(); ++i) sealed[i] ^= change[i];
+  sealed.resize(size);
+  return sealed;
+}
+
+}  // namespace
+
+/// Octet 0 chooses the kind and the level, octet 1 how long the changed message is.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using enum ProtectionKind;
+  static std::array<Pair, 4> pairs = {Pair(sign), Pair(encrypt),
+                                      Pair(sign_with_origin_authentication),
+                                      Pair(encrypt_with_origin_authentication)};
+  if (size < 2) return 0;
+  auto& pair = pairs[data[0] % 4];
+  const auto& target = pair.targets[data[0] / 4 % 4];
+  const BytesView rest(data + 2, size - 2);
+  must_not_open(target, to_bytes(rest));
+  const auto length = data[1] == 0 ? target.sealed.size() : std::size_t{data[1]} * 2;
+  must_not_open(target, changed(target.sealed, rest, length));
+  (void)pair.two.b.transform().preprocess_secure_submessage(pair.two.b.participant,
+                                                            pair.two.b.remote, rest);
+  if (target.open(target.sealed) != target.opened) std::abort();
+  return 0;
+}
