@@ -58,9 +58,9 @@ TEST(Kat, SessionKeys) {
   for (const auto& entry : kat()["session_keys"]) {
     const auto material = material_of(entry, true);
     EXPECT_EQ(hex_of(derive_session_key(material.sender_key, material.salt, session)),
-              entry["session_key"]);
+              entry["session_key"].get<std::string>());
     EXPECT_EQ(hex_of(derive_session_receiver_key(material.receiver_key, material.salt, session)),
-              entry["session_receiver_specific_key"]);
+              entry["session_receiver_specific_key"].get<std::string>());
   }
 }
 
