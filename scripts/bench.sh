@@ -20,8 +20,5 @@ done
 scripts/bootstrap.sh --dev
 cmake --preset release -DDDSSEC_BUILD_BENCH=ON -DDDSSEC_BUILD_TESTS=ON >/dev/null || die "cmake could not configure"
 cmake --build --preset release || die "the release build failed"
-for measure in tests/bench/measure_*.sh; do
-  [ -e "$measure" ] || continue
-  "$measure" "$rounds" "$json" || die "$measure failed"
-done
+tests/bench/measure_cyclone_plugins.sh "$rounds" "$json" || die "the measurement of the plugins failed"
 python3 tests/bench/end_to_end.py --rounds "$rounds" ${json:+--json "$json/end_to_end.json"}
