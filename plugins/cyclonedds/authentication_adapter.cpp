@@ -266,14 +266,8 @@ AuthenticationAdapter::AuthenticationAdapter(std::unique_ptr<Host> host,
 void AuthenticationAdapter::listen(const dds_security_authentication_listener* listener) {
   if (listener == nullptr || listener->on_revoke_identity == nullptr) return timer_.stop();
   const auto revoke = listener->on_revoke_identity;
-  timer_.start({.expire =
-                    [this] {
-                      std::vector<std::int64_t> ended;
-                      for (const auto handle : engine_->expire()) ended.push_back(handle.value);
-                      return ended;
-                    },
-                .next_expiry = [this] { return engine_->next_expiry(); },
-                .revoke = [this, revoke](std::int64_t handle) { revoke(this, handle); }});
+  timer_.start(ExpiryTimer::tasks_of(
+      *engine_, [this, revoke](std::int64_t handle) { revoke(this, handle); }));
 }
 
 }  // namespace ddssec::cyclonedds

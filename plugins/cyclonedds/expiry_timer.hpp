@@ -8,6 +8,7 @@
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "base/clock.hpp"
@@ -32,6 +33,19 @@ class ExpiryTimer {
   ~ExpiryTimer() { stop(); }
   ExpiryTimer(const ExpiryTimer&) = delete;
   ExpiryTimer& operator=(const ExpiryTimer&) = delete;
+
+  /// The tasks for an engine with `expire` and `next_expiry`, which outlives the timer.
+  template <class Engine>
+  static Tasks tasks_of(Engine& engine, std::function<void(std::int64_t)> revoke) {
+    return {.expire =
+                [&engine] {
+                  std::vector<std::int64_t> ended;
+                  for (const auto handle : engine.expire()) ended.push_back(handle.value);
+                  return ended;
+                },
+            .next_expiry = [&engine] { return engine.next_expiry(); },
+            .revoke = std::move(revoke)};
+  }
 
   /// Replaces the tasks of an earlier start.
   void start(Tasks tasks);
