@@ -15,15 +15,9 @@ Error Error::in(std::string document) const {
   return Error(code_, std::move(copy));
 }
 
-std::string Error::to_sentence() const {
-  const auto& row = info(code_);
+std::string Error::message() const {
   const auto& d = details();
-  std::string text;
-  if (!d.document.empty()) text += d.document;
-  if (d.line > 0) text += fmt::format("{}line {}", text.empty() ? "" : ", ", d.line);
-  if (!d.field.empty()) text += fmt::format("{}{}", text.empty() ? "" : ", ", d.field);
-  if (!text.empty()) text += ": ";
-  text += row.summary;
+  std::string text(info(code_).summary);
   if (!d.expected.empty() && !d.found.empty()) {
     text += fmt::format(" (expected {}, found {})", d.expected, d.found);
   } else if (!d.expected.empty()) {
@@ -32,7 +26,19 @@ std::string Error::to_sentence() const {
     text += fmt::format(" (found {})", d.found);
   }
   if (!d.note.empty()) text += fmt::format("; {}", d.note);
-  return fmt::format("{}; {} [{} {}]", text, row.hint, row.name, static_cast<int>(code_));
+  return text;
+}
+
+std::string Error::to_sentence() const {
+  const auto& row = info(code_);
+  const auto& d = details();
+  std::string text;
+  if (!d.document.empty()) text += d.document;
+  if (d.line > 0) text += fmt::format("{}line {}", text.empty() ? "" : ", ", d.line);
+  if (!d.field.empty()) text += fmt::format("{}{}", text.empty() ? "" : ", ", d.field);
+  if (!text.empty()) text += ": ";
+  return fmt::format("{}{}; {} [{} {}]", text, message(), row.hint, row.name,
+                     static_cast<int>(code_));
 }
 
 }  // namespace ddssec

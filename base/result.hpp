@@ -36,6 +36,9 @@ class Error {
   /// The same error, with the document filled in if it had none.
   Error in(std::string document) const;
 
+  /// What happened, with both values; neither where nor what to do.
+  std::string message() const;
+
   /// One sentence: what happened, where, both values and what to do.
   std::string to_sentence() const;
 

@@ -7,6 +7,7 @@
 
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
+#include "cli/options.hpp"
 #include "cli/transaction.hpp"
 
 namespace ddssec::cli {
@@ -62,8 +63,6 @@ std::string subject_of(const Arguments& arguments, const NewCa& ca, const fs::pa
   return fmt::format("CN={} {} CA", name, ca.role == "identity" ? "Identity" : "Permissions");
 }
 
-}  // namespace
-
 Result<Report> ca_create(const Arguments& arguments, const Context& context) {
   const fs::path target = arguments.text("DIR");
   const auto cas = DDSSEC_TRY(wanted(arguments.text("--role")));
@@ -117,8 +116,34 @@ Result<Report> ca_show(const Arguments& arguments, const Context& context) {
       to_hex(certificate.fingerprint()));
   if (certificate.is_ca()) return report;
   report.exit = Exit::no;
-  report.diagnostics.emplace_back(Code::not_a_ca, ErrorDetails{.document = folder / "ca.pem"});
+  report.errors.emplace_back(Code::not_a_ca, ErrorDetails{.document = folder / "ca.pem"});
   return report;
+}
+
+}  // namespace
+
+std::vector<Command> ca_commands() {
+  return {{.group = "ca",
+           .name = "create",
+           .summary = "Makes an identity CA and a permissions CA, with encrypted keys.",
+           .positionals = {{"DIR", "a new folder"}},
+           .options = {{"--role", "ROLE", "identity, permissions or both", "both"},
+                       {"--subject", "DN", "the CA's name, such as \"CN=Plant CA,O=Example\""},
+                       days("3650"),
+                       kKey,
+                       kPassphraseFile,
+                       kPassphraseEnv,
+                       {"--no-passphrase", "", "leave the keys unencrypted"}},
+           .examples = {"ddssec ca create ca --passphrase-file passphrase.txt",
+                        "ddssec ca create test-ca --no-passphrase"},
+           .run = ca_create},
+          {.group = "ca",
+           .name = "show",
+           .summary = "Shows a CA's name, validity and how its key is kept.",
+           .positionals = {{"DIR", "the folder with ca.pem"}},
+           .options = {},
+           .examples = {"ddssec ca show ca/identity"},
+           .run = ca_show}};
 }
 
 }  // namespace ddssec::cli

@@ -15,6 +15,8 @@ namespace ddssec::cli {
 struct Positional {
   std::string_view name;  ///< as help shows it, such as "DIR"
   std::string_view summary;
+  bool optional = false;  ///< may be left out
+  bool repeated = false;  ///< may be given more than once; only the last one of a command
 };
 
 /// What stands on the command line by its name.

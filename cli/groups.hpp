@@ -1,19 +1,14 @@
-// The functions behind the table of commands, one file a group.
+// The groups of the table of commands: each group's file holds its rows and what they run.
 #pragma once
 
 #include "cli/command.hpp"
 
 namespace ddssec::cli {
 
-Result<Report> ca_create(const Arguments& arguments, const Context& context);
-Result<Report> ca_show(const Arguments& arguments, const Context& context);
-Result<Report> identity_issue(const Arguments& arguments, const Context& context);
-Result<Report> identity_show(const Arguments& arguments, const Context& context);
-Result<Report> governance_sign(const Arguments& arguments, const Context& context);
-Result<Report> governance_verify(const Arguments& arguments, const Context& context);
-Result<Report> permissions_sign(const Arguments& arguments, const Context& context);
-Result<Report> permissions_verify(const Arguments& arguments, const Context& context);
-Result<Report> can(const Arguments& arguments, const Context& context);
-Result<Report> explain(const Arguments& arguments, const Context& context);
+std::vector<Command> ca_commands();
+std::vector<Command> identity_commands();
+std::vector<Command> document_commands();  ///< governance and permissions: sign, verify
+std::vector<Command> can_commands();
+std::vector<Command> explain_commands();
 
 }  // namespace ddssec::cli

@@ -19,9 +19,14 @@ std::string option_row(const Option& option) {
              std::string(option.summary) + notes);
 }
 
+std::string placeholder(const Positional& positional) {
+  const auto name = fmt::format("{}{}", positional.name, positional.repeated ? "..." : "");
+  return positional.optional ? '[' + name + ']' : name;
+}
+
 std::string help_on_command(const Command& command) {
   std::string out = fmt::format("usage: ddssec {}", command.full_name());
-  for (const auto& positional : command.positionals) out += fmt::format(" {}", positional.name);
+  for (const auto& positional : command.positionals) out += ' ' + placeholder(positional);
   out += fmt::format(" [OPTIONS]\n\n{}\n\n", command.summary);
   for (const auto& positional : command.positionals)
     out += row(positional.name, positional.summary);

@@ -6,6 +6,7 @@
 
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
+#include "cli/options.hpp"
 #include "cli/transaction.hpp"
 #include "governance/model.hpp"
 #include "governance/write.hpp"
@@ -84,8 +85,6 @@ fs::path certificate_path(const fs::path& given) {
   return fs::is_directory(given, ignored) ? given / "cert.pem" : given;
 }
 
-}  // namespace
-
 Result<Report> identity_issue(const Arguments& arguments, const Context& context) {
   const auto name = arguments.text("NAME");
   DDSSEC_TRY(check_name(name));
@@ -136,10 +135,43 @@ Result<Report> identity_show(const Arguments& arguments, const Context& context)
                    {"valid_now", valid},
                    {"sha256", to_hex(certificate.fingerprint())}};
   if (!valid)
-    report.diagnostics.emplace_back(now < certificate.not_before() ? Code::certificate_not_yet_valid
-                                                                   : Code::certificate_expired,
-                                    ErrorDetails{.document = path, .found = to_string(now)});
+    report.errors.emplace_back(now < certificate.not_before() ? Code::certificate_not_yet_valid
+                                                              : Code::certificate_expired,
+                               ErrorDetails{.document = path, .found = to_string(now)});
   return report;
+}
+
+}  // namespace
+
+std::vector<Command> identity_commands() {
+  return {
+      {.group = "identity",
+       .name = "issue",
+       .summary = "Makes a participant's folder: key, certificate, CA certificates, permissions.",
+       .positionals = {{"NAME", "the participant's name"}},
+       .options = {ca_option("the folder that ca create made"),
+                   {.name = "-o", .value = "DIR", .summary = "the new folder", .required = true},
+                   {"--subject", "DN", "the certificate's name, if not CN=NAME"},
+                   days("365"),
+                   {"--clamp", "", "end with the CA if it ends before"},
+                   kKey,
+                   {"--domain", "N", "the domain of the permissions", "0"},
+                   repeated("--publish", "TOPIC", "a topic or expression it may publish"),
+                   repeated("--subscribe", "TOPIC", "a topic or expression it may subscribe to"),
+                   {"--governance", "FILE", "a signed governance document to copy"},
+                   kPassphraseFile,
+                   kPassphraseEnv,
+                   kInsecureKeyMode},
+       .examples = {"ddssec identity issue talker --ca ca -o talker --publish rt/chatter "
+                    "--governance governance.p7s"},
+       .run = identity_issue},
+      {.group = "identity",
+       .name = "show",
+       .summary = "Shows a certificate; exit 1 if it is not valid now.",
+       .positionals = {{"PATH", "a participant's folder or a certificate"}},
+       .options = {},
+       .examples = {"ddssec identity show talker"},
+       .run = identity_show}};
 }
 
 }  // namespace ddssec::cli

@@ -47,8 +47,7 @@ int finish(const cli::Report& report, std::string_view command, bool json) {
                                .dump(1, ' ', false, cli::Json::error_handler_t::replace) +
                            "\n"
                      : report.text);
-  if (!json)
-    for (const auto& diagnostic : report.diagnostics) print(stderr, cli::sentence(diagnostic));
+  if (!json) print(stderr, cli::diagnostics_text(report));
   const bool flushed = std::fflush(stdout) == 0;
   return static_cast<int>(flushed ? report.exit : cli::Exit::failed);
 }

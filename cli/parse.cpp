@@ -91,8 +91,8 @@ class CommandLine {
 
   void add(const Positional& positional) {
     auto& slot = slots_.emplace_back(std::string(positional.name));
-    slot.option = app_.add_option(slot.name, slot.values)->expected(1)->required();
-    slot.option->allow_extra_args(false);
+    slot.option = app_.add_option(slot.name, slot.values)->required(!positional.optional);
+    if (!positional.repeated) slot.option->expected(1)->allow_extra_args(false);
   }
 
   // CLI11 does not say which option is unknown, only that there are too many words.

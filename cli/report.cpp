@@ -28,23 +28,76 @@ std::string printable(std::string text) {
   return text;
 }
 
-// The error's sentence without the hint, which stands on its own line.
-std::string message(const Error& error) {
-  const auto text = printable(error.to_sentence());
+/// An error or a finding, as both forms of output show it.
+struct Diagnostic {
+  std::string_view id;
+  Severity severity;
+  std::string message;
+  std::string file;
+  int line;
+  std::string path;
+  std::string hint;
+  std::vector<std::string> vendors;
+};
+
+Diagnostic diagnostic(const Error& error) {
   const auto& row = info(error.code());
-  const auto tail = fmt::format("; {} [{} {}]", row.hint, row.name, static_cast<int>(error.code()));
-  return text.ends_with(tail) ? text.substr(0, text.size() - tail.size()) : text;
+  const auto& details = error.details();
+  const auto message = details.field.empty()
+                           ? error.message()
+                           : fmt::format("{}: {}", details.field, error.message());
+  return {row.name,
+          row.severity,
+          message,
+          details.document,
+          details.line,
+          {},
+          std::string(hint_of(error.code())),
+          {}};
 }
 
-Json to_json(const Error& error) {
-  const auto& row = info(error.code());
-  Json out = {{"id", row.name},
-              {"number", static_cast<int>(row.code)},
-              {"severity", to_string(row.severity)},
-              {"message", message(error)}};
-  if (!error.details().document.empty()) out["file"] = error.details().document;
-  if (error.details().line > 0) out["line"] = error.details().line;
-  out["hint"] = hint_of(error.code());
+Diagnostic diagnostic(const Finding& finding) {
+  const auto& row = info(finding.rule);
+  return {row.id,
+          finding.severity,
+          finding.message,
+          finding.document,
+          finding.line,
+          finding.path,
+          finding.hint.empty() ? std::string(row.hint) : finding.hint,
+          finding.vendors};
+}
+
+std::vector<Diagnostic> diagnostics_of(const Report& report) {
+  std::vector<Diagnostic> out;
+  for (const auto& error : report.errors) out.push_back(diagnostic(error));
+  for (const auto& finding : report.findings) out.push_back(diagnostic(finding));
+  return out;
+}
+
+// Tools that read diagnostics know three words.
+std::string_view severity_word(Severity severity) {
+  if (severity >= Severity::error) return "error";
+  return severity == Severity::warning ? "warning" : "note";
+}
+
+std::string to_text(const Diagnostic& d) {
+  auto out = fmt::format("{}[{}]: {}\n", severity_word(d.severity), d.id, printable(d.message));
+  if (!d.file.empty())
+    out += fmt::format("  --> {}{}\n", printable(d.file),
+                       d.line > 0 ? fmt::format(":{}", d.line) : std::string());
+  if (!d.vendors.empty()) out += fmt::format("  concerns: {}\n", fmt::join(d.vendors, ", "));
+  return out + fmt::format("  hint: {}\n", printable(d.hint));
+}
+
+Json to_json(const Diagnostic& d) {
+  Json out = {
+      {"id", d.id}, {"severity", severity_word(d.severity)}, {"message", printable(d.message)}};
+  if (!d.file.empty()) out["file"] = d.file;
+  if (d.line > 0) out["line"] = d.line;
+  if (!d.path.empty()) out["path"] = d.path;
+  out["hint"] = d.hint;
+  if (!d.vendors.empty()) out["vendors"] = d.vendors;
   return out;
 }
 
@@ -96,7 +149,7 @@ Exit exit_of(Code code) {
 }
 
 Report report_of(const Error& error) {
-  return {.exit = exit_of(error.code()), .text = {}, .diagnostics = {error}};
+  return {.exit = exit_of(error.code()), .text = {}, .errors = {error}};
 }
 
 Json envelope(const Report& report, std::string_view command) {
@@ -105,14 +158,14 @@ Json envelope(const Report& report, std::string_view command) {
           {"ok", report.exit == Exit::done},
           {"exit", static_cast<int>(report.exit)},
           {"result", report.result},
-          {"diagnostics", to_array(report.diagnostics)},
+          {"diagnostics", to_array(diagnostics_of(report))},
           {"files_written", to_array(report.files_written)}};
 }
 
-std::string sentence(const Error& error) {
-  const auto& row = info(error.code());
-  return fmt::format("ddssec: {} [{} {}]\n  hint: {}\n", message(error), row.name,
-                     static_cast<int>(row.code), hint_of(error.code()));
+std::string diagnostics_text(const Report& report) {
+  std::string out;
+  for (const auto& d : diagnostics_of(report)) out += to_text(d);
+  return out;
 }
 
 }  // namespace ddssec::cli

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/finding.hpp"
 #include "base/result.hpp"
 
 namespace ddssec::cli {
@@ -38,7 +39,8 @@ struct Report {
   Exit exit = Exit::done;
   std::string text;  ///< for people: complete lines
   Json result = Json::object();
-  std::vector<Error> diagnostics = {};
+  std::vector<Error> errors = {};
+  std::vector<Finding> findings = {};  ///< of lint and doctor
   std::vector<WrittenFile> files_written = {};
 };
 
@@ -49,7 +51,8 @@ Report report_of(const Error& error);
 /// result, diagnostics, files_written.
 Json envelope(const Report& report, std::string_view command);
 
-/// "ddssec: what happened" and an indented hint, two lines.
-std::string sentence(const Error& error);
+/// Every error and finding for people: "error[CODE]: what happened", "  --> file:line" if there is
+/// one, "  hint: what to do".
+std::string diagnostics_text(const Report& report);
 
 }  // namespace ddssec::cli

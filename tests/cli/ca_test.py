@@ -85,7 +85,7 @@ class Ca(Transcript):
         running.send_signal(signal.SIGTERM)
         _, said = running.communicate("correct horse\n", timeout=60)
         self.assertEqual(running.returncode, 5)
-        self.assertIn("[interrupted 1808]", said)
+        self.assertIn("error[interrupted]", said)
         self.assertEqual(list(self.at.iterdir()), [])
 
     def test_show_refuses_what_is_no_ca(self):

@@ -47,7 +47,7 @@ class Transcript(unittest.TestCase):
         before = self.files()
         done = self.run_program(*words, exit=exit, **more)
         self.assertEqual(done.stdout, "")
-        self.assertRegex(done.stderr, rf"^ddssec: .*\[{code} \d+\]\n  hint: .+\n$")
+        self.assertRegex(done.stderr, rf"^error\[{code}\]: .*\n(  --> .*\n)?  hint: .+\n$")
         out = self.json(*words, exit=exit, **more)
         self.assertEqual([d["id"] for d in out["diagnostics"]], [code])
         self.assertEqual(self.files(), before)

@@ -1,0 +1,49 @@
+// What a person should know about a document that can be read: findings, each by a stable rule.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/code.hpp"
+
+namespace ddssec {
+
+/// Rules that documents and folders are held to, by ids that never change (GOV012). The lists are
+/// in base/rules/*.def: X(id, severity, "what it is about", "what to do about it").
+enum class Rule : std::uint8_t {
+#define X(id, severity, title, hint) id,
+#include "base/rules/all.def"
+#undef X
+  end_  ///< not a rule
+};
+
+/// One row of the table of rules.
+struct RuleInfo {
+  Rule rule;
+  std::string_view id;
+  Severity severity;
+  std::string_view title;  ///< what it is about, without values
+  std::string_view hint;   ///< what a person can do about it
+};
+
+/// All rules, in the order of the lists.
+std::span<const RuleInfo> all_rules();
+
+/// The row of `rule`.
+const RuleInfo& info(Rule rule);
+
+/// One place where a document or folder is against a rule.
+struct Finding {
+  Rule rule;
+  std::string message;        ///< one sentence with the values at hand
+  std::string document = {};  ///< a path; empty = the caller knows which
+  int line = 0;               ///< from 1; 0 = none
+  std::string path = {};      ///< where in the document, such as /dds/permissions/grant[2]
+  std::string hint = {};      ///< empty = the rule's own
+  std::vector<std::string> vendors = {};  ///< whom it concerns, such as "cyclonedds"; empty = all
+  Severity severity = info(rule).severity;
+};
+
+}  // namespace ddssec

@@ -1,0 +1,114 @@
+// can: what the documents let a participant do, and which line decides.
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "cli/documents.hpp"
+#include "cli/groups.hpp"
+#include "cli/inputs.hpp"
+#include "cli/options.hpp"
+#include "governance/decision.hpp"
+#include "governance/grant.hpp"
+#include "governance/read.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+Result<governance::Action> action_of(const Arguments& arguments) {
+  const auto word = arguments.text("ACTION");
+  if (word == "publish") return governance::Action::publish;
+  if (word == "subscribe") return governance::Action::subscribe;
+  return fail(Code::usage, {.field = "ACTION", .expected = "publish or subscribe", .found = word});
+}
+
+/// A participant's answer and who gave it.
+struct Answer {
+  bool allowed;
+  std::string because;
+  fs::path document;
+  int line;
+};
+
+// The governance document decides first: without access control nobody asks for permissions.
+Result<std::optional<Answer>> by_governance(const fs::path& folder, governance::Action action,
+                                            const std::string& topic, DomainId domain,
+                                            WallTime now) {
+  const auto file = folder / "governance.p7s";
+  const auto proof = DDSSEC_TRY(verified(file, folder / "permissions_ca.pem", now));
+  auto read = named(governance::read_governance(proof.content()), file);
+  const auto document = std::make_shared<const governance::Governance>(DDSSEC_TRY(std::move(read)));
+  const auto compiled =
+      DDSSEC_TRY(named(governance::CompiledGovernance::make(document, domain), file));
+  const auto* rule = compiled->topic_rule(topic);
+  if (rule == nullptr)
+    return Answer{false, "no topic_rule matches the topic", file, compiled->domain_rule().line};
+  const bool controlled = action == governance::Action::publish ? rule->enable_write_access_control
+                                                                : rule->enable_read_access_control;
+  if (controlled) return std::nullopt;
+  return Answer{true, "the topic_rule \"" + rule->topic_expression + "\" asks for no permission",
+                file, rule->line};
+}
+
+Result<Answer> by_permissions(const fs::path& folder, governance::Action action,
+                              const governance::Request& request, DomainId domain, WallTime now) {
+  const auto file = folder / "permissions.p7s";
+  const auto certificate = DDSSEC_TRY(read_certificate(folder / "cert.pem"));
+  const auto proof = DDSSEC_TRY(verified(file, folder / "permissions_ca.pem", now));
+  auto read = named(governance::read_permissions(proof.content()), file);
+  const auto document =
+      std::make_shared<const governance::Permissions>(DDSSEC_TRY(std::move(read)));
+  const auto* grant =
+      DDSSEC_TRY(named(governance::find_grant(*document, pki::SubjectName::of(certificate),
+                                              certificate.subject(), now),
+                       file));
+  const governance::CompiledGrant compiled(document, *grant, domain);
+  const auto verdict = compiled.judge(action, request);
+  const auto what = verdict.rule == nullptr ? "no rule matches; the grant's default"
+                    : verdict.allowed       ? "an allow_rule"
+                                            : "a deny_rule";
+  return Answer{verdict.allowed, fmt::format("{} of grant \"{}\"", what, grant->name), file,
+                verdict.line(*grant)};
+}
+
+Result<Report> can(const Arguments& arguments, const Context& context) {
+  const fs::path folder = arguments.text("SUBJECT");
+  const auto topic = arguments.text("TOPIC");
+  const auto action = DDSSEC_TRY(action_of(arguments));
+  const auto domain = static_cast<DomainId>(
+      DDSSEC_TRY(arguments.number("--domain", 0, governance::kHighestDomainId)));
+  const auto& names = arguments.all("--partition");
+  const std::vector<std::string_view> partitions(names.begin(), names.end());
+  const auto now = context.clock.now();
+  auto answer = DDSSEC_TRY(by_governance(folder, action, topic, domain, now));
+  if (!answer)
+    answer = DDSSEC_TRY(
+        by_permissions(folder, action, {.topic = topic, .partitions = partitions}, domain, now));
+  return Report{
+      .exit = answer->allowed ? Exit::done : Exit::no,
+      .text = fmt::format("{}: {} ({}, line {})\n", answer->allowed ? "allowed" : "denied",
+                          answer->because, answer->document.string(), answer->line),
+      .result = {{"allowed", answer->allowed},
+                 {"because", answer->because},
+                 {"file", answer->document.string()},
+                 {"line", answer->line}}};
+}
+
+}  // namespace
+
+std::vector<Command> can_commands() {
+  return {
+      {.group = "",
+       .name = "can",
+       .summary = "Says whether a participant may use a topic, and which line decides; exit 1: no.",
+       .positionals = {{"SUBJECT", "the participant's folder"},
+                       {"ACTION", "publish or subscribe"},
+                       {"TOPIC", "the topic's name"}},
+       .options = {{"--domain", "N", "the domain", "0"},
+                   repeated("--partition", "P", "a partition of the endpoint")},
+       .examples = {"ddssec can talker publish rt/chatter"},
+       .run = can}};
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,27 @@
+// Options that several commands take, worded once.
+#pragma once
+
+#include "cli/command.hpp"
+
+namespace ddssec::cli {
+
+inline constexpr Option kPassphraseFile{"--passphrase-file", "FILE",
+                                        "the CA keys' passphrase (- reads standard input)"};
+inline constexpr Option kPassphraseEnv{"--passphrase-env", "NAME",
+                                       "the environment variable that holds it"};
+inline constexpr Option kInsecureKeyMode{"--insecure-key-mode", "",
+                                         "use a CA key that others can read"};
+inline constexpr Option kKey{"--key", "KIND", "p256, rsa2048 or rsa3072", "p256"};
+inline constexpr Option kDomain{"--domain", "N", "the domain", "0"};
+
+constexpr Option days(std::string_view fallback) {
+  return {"--days", "N", "how long it is valid", fallback};
+}
+constexpr Option ca_option(std::string_view summary) {
+  return {.name = "--ca", .value = "DIR", .summary = summary, .required = true};
+}
+constexpr Option repeated(std::string_view name, std::string_view value, std::string_view summary) {
+  return {.name = name, .value = value, .summary = summary, .repeated = true};
+}
+
+}  // namespace ddssec::cli
