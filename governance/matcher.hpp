@@ -38,6 +38,8 @@ class Pattern {
   };
   /// Empty for a literal.
   const std::vector<Step>& steps() const { return steps_; }
+  /// The octets that a step of Kind::set matches.
+  const std::bitset<256>& set_of(const Step& step) const { return sets_[step.set]; }
 
  private:
   bool step_matches(const Step& step, char c) const;

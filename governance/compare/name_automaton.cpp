@@ -1,0 +1,265 @@
+#include "governance/compare/name_automaton.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+namespace ddssec::governance {
+namespace {
+
+void append(std::vector<std::uint32_t>& to, std::span<const std::uint32_t> what) {
+  to.insert(to.end(), what.begin(), what.end());
+}
+
+/// Sorted lists one behind the other become one sorted list; `middle` is where the second begins.
+void merge_at(std::vector<std::uint32_t>& list, std::size_t middle) {
+  const auto at = list.begin() + static_cast<std::ptrdiff_t>(middle);
+  if (at == list.begin() || at == list.end() || *(at - 1) < *at) return;
+  std::inplace_merge(list.begin(), at, list.end());
+}
+
+}  // namespace
+
+NameAutomaton::NameAutomaton(std::span<const RankedExpression> expressions, const SetLimits& limits,
+                             Goal goal)
+    : limits_(limits), table_(expressions), by_class_(table_.classes().size()) {
+  for (const auto list : goal.with) with_ |= 1u << list;
+  for (const auto list : goal.without) without_ |= 1u << list;
+}
+
+NameAutomaton::End NameAutomaton::run() {
+  forever_.add({});
+  stars_.add({});
+  arrivals_ = table_.beginnings();
+  arrive({});
+  for (State state = 0; state < states_.size(); ++state) {
+    if (goal_ && goal_->from != kNowhere) return End::goal_met;
+    expand(state);
+    if (limit_reached()) break;
+  }
+  if (goal_) return End::goal_met;
+  return limit_reached() ? End::limit_reached : End::complete;
+}
+
+bool NameAutomaton::limit_reached() const {
+  const auto held = states_.weight() + stars_.weight() + forever_.weight() + moves_held_;
+  return states_.size() > limits_.states || acceptances_.size() > limits_.atoms ||
+         steps_taken_ > limits_.steps || held > limits_.memory;
+}
+
+void NameAutomaton::expand(State state) {
+  const auto key = states_[state];
+  forever_now_ = key[0];
+  stars_now_ = key[1];
+  here_.assign(key.begin() + 2, key.end());
+  collect_moves();
+  const StarMoves& moves = moves_of(stars_now_);
+  bool others_done = false;
+  for (std::size_t i = 0; i < by_class_.size() && !limit_reached(); ++i) {
+    const auto c = static_cast<Class>(i);
+    const bool own = !by_class_[c].empty() || !moves.of(c).empty();
+    // All classes that nothing asks for lead to the same state; the first of them reads best.
+    if (!own && std::exchange(others_done, true)) continue;
+    gather_arrivals(moves, own ? std::optional(c) : std::nullopt);
+    arrive({state, c});
+  }
+}
+
+void NameAutomaton::collect_moves() {
+  for (auto& list : by_class_) list.clear();
+  any_.clear();
+  steps_taken_ += here_.size() + by_class_.size();
+  for (const Position p : here_) {
+    switch (table_.kind(p)) {
+      case Kind::octet:
+        if (table_.octet(p) != ByteClasses::kNone) by_class_[table_.octet(p)].push_back(p + 1);
+        break;
+      case Kind::any:
+        any_.push_back(p + 1);
+        break;
+      case Kind::set:
+        for (const Class c : table_.set(p)) by_class_[c].push_back(p + 1);
+        steps_taken_ += table_.set(p).size();
+        break;
+      case Kind::star:  // is among stars_
+      case Kind::end:
+        break;
+    }
+  }
+}
+
+const NameAutomaton::StarMoves& NameAutomaton::moves_of(ListId stars) {
+  const auto [entry, is_new] = star_moves_.try_emplace(stars);
+  if (is_new) {
+    entry->second = make_moves(stars_[stars]);
+    const auto held = entry->second.by_class.size() + entry->second.any.size();
+    moves_held_ += held + entry->second.begin.size();
+    steps_taken_ += 2 * held;
+  }
+  return entry->second;
+}
+
+NameAutomaton::StarMoves NameAutomaton::make_moves(std::span<const Position> stars) const {
+  std::vector<std::pair<Class, Position>> pairs;
+  StarMoves moves;
+  for (const Position star : stars) {
+    // A star may take nothing: what comes behind it is tried at once.
+    const Position p = star + 1;
+    if (table_.kind(p) == Kind::any) moves.any.push_back(p + 1);
+    if (table_.kind(p) == Kind::octet && table_.octet(p) != ByteClasses::kNone) {
+      pairs.emplace_back(table_.octet(p), p + 1);
+    }
+    if (table_.kind(p) != Kind::set) continue;
+    for (const Class c : table_.set(p)) pairs.emplace_back(c, p + 1);
+  }
+  std::ranges::sort(pairs);
+  moves.begin.assign(by_class_.size() + 1, 0);
+  for (const auto& [c, p] : pairs) {
+    ++moves.begin[c + 1u];
+    moves.by_class.push_back(p);
+  }
+  for (std::size_t c = 1; c < moves.begin.size(); ++c) moves.begin[c] += moves.begin[c - 1];
+  return moves;
+}
+
+void NameAutomaton::gather_arrivals(const StarMoves& moves, std::optional<Class> by) {
+  arrivals_.clear();
+  const auto add = [this](std::span<const Position> list) {
+    const auto middle = arrivals_.size();
+    append(arrivals_, list);
+    merge_at(arrivals_, middle);
+  };
+  if (by) add(by_class_[*by]);
+  add(any_);
+  if (by) add(moves.of(*by));
+  add(moves.any);
+  arrivals_.erase(std::unique(arrivals_.begin(), arrivals_.end()), arrivals_.end());
+}
+
+void NameAutomaton::arrive(Origin origin) {
+  steps_taken_ += arrivals_.size() + 1;
+  next_.clear();
+  new_stars_.clear();
+  labels_.clear();
+  for (const Position p : arrivals_) {
+    if (table_.is_final_star(p)) {
+      append(labels_, table_.labels(table_.expression(p)));
+    } else {
+      (table_.kind(p) == Kind::star ? new_stars_ : next_).push_back(p);
+    }
+  }
+  forever_next_ = forever_now_;
+  stars_next_ = stars_now_;
+  if (!new_stars_.empty()) move_stars();
+  if (!labels_.empty()) settle();
+  enter(origin);
+}
+
+void NameAutomaton::move_stars() {
+  // Of each expression the last star; positions of an expression ascend.
+  append(new_stars_, stars_[stars_now_]);
+  std::ranges::sort(new_stars_);
+  steps_taken_ += new_stars_.size();
+  scratch_.clear();
+  for (const Position star : new_stars_) {
+    const bool same =
+        !scratch_.empty() && table_.expression(scratch_.back()) == table_.expression(star);
+    if (same) scratch_.back() = star;
+    if (!same) scratch_.push_back(star);
+  }
+  auto star = scratch_.begin();
+  std::erase_if(next_, [&](Position p) {
+    while (star != scratch_.end() && table_.expression(*star) < table_.expression(p)) ++star;
+    return star != scratch_.end() && table_.expression(*star) == table_.expression(p) &&
+           p <= *star + 1;
+  });
+  stars_next_ = stars_.add(scratch_).first;
+}
+
+void NameAutomaton::settle() {
+  append(labels_, forever_[forever_now_]);
+  table_.keep_first_of_each_list(labels_);
+  forever_next_ = forever_.add(labels_).first;
+  if (forever_next_ == forever_now_) return;
+  const auto is_settled = [this](Position p) {
+    return table_.is_settled(table_.expression(p), labels_);
+  };
+  std::erase_if(next_, is_settled);
+  scratch_.assign(stars_[stars_next_].begin(), stars_[stars_next_].end());
+  steps_taken_ += next_.size() + scratch_.size();
+  std::erase_if(scratch_, is_settled);
+  stars_next_ = stars_.add(scratch_).first;
+}
+
+void NameAutomaton::enter(Origin origin) {
+  if (with_ != 0 && is_hopeless()) return;
+  scratch_.assign({forever_next_, stars_next_});
+  append(scratch_, next_);
+  const auto [state, is_new] = states_.add(scratch_);
+  if (is_new) {
+    origins_.push_back(origin);
+    acceptance_of_.push_back(acceptance());
+  }
+  note_acceptance(state, origin);
+}
+
+NameAutomaton::ListId NameAutomaton::acceptance() {
+  labels_.assign(forever_[forever_next_].begin(), forever_[forever_next_].end());
+  for (const Position p : next_) {
+    if (table_.kind(p) == Kind::end) append(labels_, table_.labels(table_.expression(p)));
+  }
+  table_.keep_first_of_each_list(labels_);
+  return acceptances_.add(labels_).first;
+}
+
+void NameAutomaton::note_acceptance(State state, Origin origin) {
+  const ListId accepted = acceptance_of_[state];
+  const bool is_new = accepted == witnesses_.size();
+  if (is_new) witnesses_.push_back(origin);
+  // The empty name is an example only where there is no other.
+  const bool is_better = !is_new && witnesses_[accepted].from == kNowhere;
+  if (is_better) witnesses_[accepted] = origin;
+  if ((is_new || is_better) && with_ != 0 && meets_goal(acceptances_[accepted])) goal_ = origin;
+}
+
+bool NameAutomaton::meets_goal(std::span<const Label> labels) const {
+  std::uint32_t lists = 0;
+  for (const Label label : labels) lists |= 1u << table_.match(label).list;
+  return (lists & with_) == with_ && (lists & without_) == 0;
+}
+
+bool NameAutomaton::is_hopeless() const {
+  std::uint32_t lists = 0;
+  for (const Label label : forever_[forever_next_]) lists |= 1u << table_.match(label).list;
+  if ((lists & without_) != 0) return true;
+  const auto add_lists = [&](std::span<const Position> positions) {
+    for (std::size_t i = 0; i < positions.size() && (lists & with_) != with_; ++i) {
+      for (const Label label : table_.labels(table_.expression(positions[i]))) {
+        lists |= 1u << table_.match(label).list;
+      }
+    }
+  };
+  add_lists(next_);
+  add_lists(stars_[stars_next_]);
+  return (lists & with_) != with_;
+}
+
+std::string NameAutomaton::name_of(Origin origin) const {
+  std::string name;
+  for (; origin.from != kNowhere; origin = origins_[origin.from]) {
+    name += table_.classes().shown(origin.by);
+  }
+  std::ranges::reverse(name);
+  return name;
+}
+
+std::vector<NameAtom> NameAutomaton::atoms() const {
+  std::vector<NameAtom> atoms(witnesses_.size());
+  for (ListId id = 0; id < witnesses_.size(); ++id) {
+    for (const Label label : acceptances_[id]) atoms[id].matches.push_back(table_.match(label));
+    atoms[id].witness = name_of(witnesses_[id]);
+  }
+  std::ranges::stable_sort(atoms, {}, [](const NameAtom& atom) { return atom.witness.size(); });
+  return atoms;
+}
+
+}  // namespace ddssec::governance

@@ -1,0 +1,110 @@
+// The automaton behind topic_sets.hpp: all expressions at once, state by state.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "governance/compare/expression_table.hpp"
+#include "governance/compare/number_lists.hpp"
+#include "governance/topic_sets.hpp"
+
+namespace ddssec::governance {
+
+/// Walks over the states of all expressions together, breadth first, and names every acceptance.
+///
+/// A state is the set of positions to which a name may have led. Of one expression only the last
+/// star counts, since what an earlier one could still take that one can too. An expression whose
+/// last step is a star matches for good once it gets there, and then what comes at or behind its
+/// rank in its list no longer matters.
+class NameAutomaton {
+ public:
+  /// What a search is for. Without `with`, every atom is wanted.
+  struct Goal {
+    std::vector<std::uint32_t> with = {};     ///< lists that must match, below 32
+    std::vector<std::uint32_t> without = {};  ///< lists that must not match, below 32
+  };
+  enum class End : std::uint8_t { complete, goal_met, limit_reached };
+
+  NameAutomaton(std::span<const RankedExpression> expressions, const SetLimits& limits, Goal goal);
+
+  /// Once. With a goal it stops at the first name, but the empty one, that meets it.
+  End run();
+  /// What was found, shortest name first. Good after run().
+  std::vector<NameAtom> atoms() const;
+  /// After goal_met.
+  std::string goal_name() const { return name_of(*goal_); }
+
+ private:
+  using Position = ExpressionTable::Position;
+  using Label = ExpressionTable::Label;
+  using Class = ByteClasses::Class;
+  using Kind = ExpressionTable::Kind;
+  using State = std::uint32_t;
+  using ListId = NumberLists::Id;
+
+  /// The last octet of a name and the state before it.
+  struct Origin {
+    State from = kNowhere;
+    Class by = 0;
+  };
+  static constexpr State kNowhere = std::numeric_limits<State>::max();
+
+  /// Where a set of stars leads by itself.
+  struct StarMoves {
+    std::vector<std::uint32_t> begin;  ///< of each class in `by_class`, and the end
+    std::vector<Position> by_class;
+    std::vector<Position> any;
+    std::span<const Position> of(Class c) const {
+      return std::span(by_class).subspan(begin[c], begin[c + 1] - begin[c]);
+    }
+  };
+
+  void expand(State state);
+  void collect_moves();
+  const StarMoves& moves_of(ListId stars);
+  StarMoves make_moves(std::span<const Position> stars) const;
+  void gather_arrivals(const StarMoves& moves, std::optional<Class> by);
+  void arrive(Origin origin);
+  void move_stars();
+  void settle();
+  void enter(Origin origin);
+  ListId acceptance();
+  void note_acceptance(State state, Origin origin);
+  bool meets_goal(std::span<const Label> labels) const;
+  bool is_hopeless() const;
+  bool limit_reached() const;
+  std::string name_of(Origin origin) const;
+
+  SetLimits limits_;
+  ExpressionTable table_;
+  std::uint32_t with_ = 0, without_ = 0;  ///< a bit a list
+  std::optional<Origin> goal_;
+
+  NumberLists forever_;      ///< labels that match whatever follows
+  NumberLists stars_;        ///< positions of stars
+  NumberLists states_;       ///< a number of forever_, one of stars_, and positions
+  NumberLists acceptances_;  ///< labels
+  std::unordered_map<ListId, StarMoves> star_moves_;
+  std::vector<Origin> origins_;        ///< of each state
+  std::vector<ListId> acceptance_of_;  ///< of each state
+  std::vector<Origin> witnesses_;      ///< of each acceptance
+  std::size_t steps_taken_ = 0, moves_held_ = 0;
+
+  // The state that is left.
+  ListId forever_now_ = 0, stars_now_ = 0;
+  std::vector<Position> here_;
+  std::vector<std::vector<Position>> by_class_;
+  std::vector<Position> any_;
+  // The state that is entered.
+  ListId forever_next_ = 0, stars_next_ = 0;
+  std::vector<Position> arrivals_, next_, new_stars_;
+  std::vector<Label> labels_;
+  std::vector<std::uint32_t> scratch_;
+};
+
+}  // namespace ddssec::governance

@@ -1,0 +1,40 @@
+// Lists of numbers, each kept once and known by its own number.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace ddssec::governance {
+
+/// Grows only. Equal lists have equal numbers; numbers count up from 0.
+class NumberLists {
+ public:
+  using Id = std::uint32_t;
+
+  NumberLists() : begin_{0}, slots_(kFirstSlots) {}
+
+  /// The number of the list, and whether it is new. `list` must not lie within this object.
+  std::pair<Id, bool> add(std::span<const std::uint32_t> list);
+  /// Good until the next add().
+  std::span<const std::uint32_t> operator[](Id id) const {
+    return std::span(data_).subspan(begin_[id], begin_[id + 1] - begin_[id]);
+  }
+  std::size_t size() const { return hashes_.size(); }
+  /// How many numbers all lists hold together.
+  std::size_t weight() const { return data_.size(); }
+
+ private:
+  static constexpr std::size_t kFirstSlots = 64;
+
+  std::size_t slot_for(std::uint64_t hash, std::span<const std::uint32_t> list) const;
+  void grow();
+
+  std::vector<std::uint32_t> data_;
+  std::vector<std::size_t> begin_;  ///< one more than there are lists
+  std::vector<std::uint64_t> hashes_;
+  std::vector<Id> slots_;  ///< open addressing; 0 is free, else the number and 1
+};
+
+}  // namespace ddssec::governance

@@ -1,0 +1,76 @@
+#include "governance/topic_sets.hpp"
+
+#include <algorithm>
+
+#include "governance/compare/name_automaton.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+/// Two sets as lists 0 and 1, in which every match counts alike.
+std::vector<RankedExpression> two_sets(std::span<const std::string_view> first,
+                                       std::span<const std::string_view> second) {
+  std::vector<RankedExpression> both;
+  both.reserve(first.size() + second.size());
+  for (const auto expression : first) both.push_back({expression, 0, 0});
+  for (const auto expression : second) both.push_back({expression, 1, 0});
+  return both;
+}
+
+SetAnswer search(std::span<const RankedExpression> sets, const SetLimits& limits,
+                 NameAutomaton::Goal goal, SetAnswer::Kind if_met, SetAnswer::Kind if_not) {
+  NameAutomaton automaton(sets, limits, std::move(goal));
+  switch (automaton.run()) {
+    case NameAutomaton::End::goal_met:
+      return {if_met, automaton.goal_name()};
+    case NameAutomaton::End::complete:
+      return {if_not, {}};
+    case NameAutomaton::End::limit_reached:
+      break;
+  }
+  return {};
+}
+
+}  // namespace
+
+std::optional<std::uint32_t> NameAtom::rank_in(std::uint32_t list) const {
+  const auto match = std::ranges::lower_bound(matches, list, {}, &Match::list);
+  if (match == matches.end() || match->list != list) return std::nullopt;
+  return match->rank;
+}
+
+std::optional<std::vector<NameAtom>> name_atoms(std::span<const RankedExpression> expressions,
+                                                const SetLimits& limits) {
+  NameAutomaton automaton(expressions, limits, {});
+  if (automaton.run() != NameAutomaton::End::complete) return std::nullopt;
+  return automaton.atoms();
+}
+
+SetAnswer contained(std::span<const std::string_view> inner,
+                    std::span<const std::string_view> outer, const SetLimits& limits) {
+  return search(two_sets(inner, outer), limits, {{0}, {1}}, SetAnswer::Kind::no,
+                SetAnswer::Kind::yes);
+}
+
+SetAnswer overlap(std::span<const std::string_view> a, std::span<const std::string_view> b,
+                  const SetLimits& limits) {
+  return search(two_sets(a, b), limits, {{0, 1}, {}}, SetAnswer::Kind::yes, SetAnswer::Kind::no);
+}
+
+std::optional<std::vector<std::optional<std::string>>> first_matched_names(
+    std::span<const std::string_view> expressions, const SetLimits& limits) {
+  std::vector<RankedExpression> ranked;
+  ranked.reserve(expressions.size());
+  for (const auto expression : expressions) {
+    ranked.push_back({expression, 0, static_cast<std::uint32_t>(ranked.size())});
+  }
+  auto atoms = name_atoms(ranked, limits);
+  if (!atoms) return std::nullopt;
+  std::vector<std::optional<std::string>> names(expressions.size());
+  for (auto& atom : *atoms) {
+    if (const auto rank = atom.rank_in(0)) names[*rank] = std::move(atom.witness);
+  }
+  return names;
+}
+
+}  // namespace ddssec::governance
