@@ -1,27 +1,9 @@
 #include "governance/write.hpp"
 
-#include <cstdlib>
-#include <filesystem>
-#include <random>
-
-#include "tests/unit/governance/fixture.hpp"
+#include "tests/unit/governance/schema.hpp"
 
 namespace ddssec::governance {
 namespace {
-
-/// Judged by xmllint against the standard's schema.
-::testing::AssertionResult is_valid(const std::string& xml, const std::string& schema) {
-  const auto file = std::filesystem::temp_directory_path() /
-                    ("ddssec_write_" + std::to_string(std::random_device()()) + ".xml");
-  std::ofstream(file) << xml;
-  const std::string command = std::string(DDSSEC_XMLLINT) + " --noout --nonet --schema " +
-                              DDSSEC_TEST_DATA + "/dds-security-xsd/" + schema + " " +
-                              file.string() + " 2>&1";
-  const int status = std::system(command.c_str());
-  std::filesystem::remove(file);
-  if (status == 0) return ::testing::AssertionSuccess();
-  return ::testing::AssertionFailure() << xml;
-}
 
 TEST(WriteGovernance, MeetsTheSchema) {
   auto document = governance_from(replaced(kGovernanceXml, ">Square*<", ">&lt;&amp;&quot;><"));

@@ -1,0 +1,35 @@
+// Governance documents to begin with: three levels of protection by name.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "governance/model.hpp"
+
+namespace ddssec::governance {
+
+/// How much a domain protects.
+enum class Profile : std::uint8_t {
+  open,      ///< nothing: plain participants may join, permissions are not asked
+  balanced,  ///< payloads and discovery secret, messages signed, permissions enforced
+  strict,    ///< as SROS2's template: every layer secret, messages signed, permissions enforced
+};
+
+/// "open", "balanced", "strict".
+std::string_view to_string(Profile profile);
+/// Exact, lower case.
+std::optional<Profile> profile_from(std::string_view name);
+
+/// The profile's rule for the topics of one expression.
+TopicRule topic_rule_of(Profile profile, std::string expression);
+
+/// The profile's domain rule, without topic rules: add at least one.
+DomainRule domain_rule_of(Profile profile, std::vector<DomainRange> domains);
+
+/// A whole document: the profile for these domains, with one topic rule `*`. Write it with
+/// to_xml(governance).
+Governance governance_of(Profile profile, std::vector<DomainRange> domains);
+
+}  // namespace ddssec::governance

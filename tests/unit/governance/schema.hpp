@@ -1,0 +1,27 @@
+// Whether a document meets the OMG's schema, as xmllint sees it.
+#pragma once
+
+#include <cstdlib>
+#include <filesystem>
+#include <random>
+#include <string>
+
+#include "tests/unit/governance/fixture.hpp"
+
+namespace ddssec::governance {
+
+/// Judged by xmllint against the standard's schema, "governance.xsd" or "permissions.xsd".
+inline ::testing::AssertionResult is_valid(const std::string& xml, const std::string& schema) {
+  const auto file = std::filesystem::temp_directory_path() /
+                    ("ddssec_write_" + std::to_string(std::random_device()()) + ".xml");
+  std::ofstream(file) << xml;
+  const std::string command = std::string(DDSSEC_XMLLINT) + " --noout --nonet --schema " +
+                              DDSSEC_TEST_DATA + "/dds-security-xsd/" + schema + " " +
+                              file.string() + " 2>&1";
+  const int status = std::system(command.c_str());
+  std::filesystem::remove(file);
+  if (status == 0) return ::testing::AssertionSuccess();
+  return ::testing::AssertionFailure() << xml;
+}
+
+}  // namespace ddssec::governance
