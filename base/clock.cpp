@@ -19,6 +19,10 @@ WallTime SystemClock::now() const {
   return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
 }
 
+std::chrono::nanoseconds SystemClock::wall() const {
+  return std::chrono::system_clock::now().time_since_epoch();
+}
+
 std::chrono::nanoseconds SystemClock::monotonic() const {
   return std::chrono::steady_clock::now().time_since_epoch();
 }

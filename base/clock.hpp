@@ -19,6 +19,8 @@ class Clock {
   virtual ~Clock() = default;
   /// The calendar's time; may jump. Certificates and permissions are judged by it at every check.
   virtual WallTime now() const = 0;
+  /// The same with nanoseconds, counted from 1970-01-01 00:00 UTC: what samples are stamped with.
+  virtual std::chrono::nanoseconds wall() const { return now().time_since_epoch(); }
   /// Never goes back; for time-outs and rate limits.
   virtual std::chrono::nanoseconds monotonic() const = 0;
 };
@@ -27,6 +29,7 @@ class Clock {
 class SystemClock final : public Clock {
  public:
   WallTime now() const override;
+  std::chrono::nanoseconds wall() const override;
   std::chrono::nanoseconds monotonic() const override;
 };
 
@@ -35,14 +38,22 @@ class ManualClock final : public Clock {
  public:
   explicit ManualClock(WallTime now) : now_(now) {}
   WallTime now() const override { return now_; }
+  std::chrono::nanoseconds wall() const override { return now_.time_since_epoch() + fraction_; }
   std::chrono::nanoseconds monotonic() const override { return monotonic_; }
   /// Moves both clocks.
-  void advance(std::chrono::seconds by) { now_ += by, monotonic_ += by; }
+  void advance(std::chrono::nanoseconds by) {
+    monotonic_ += by;
+    fraction_ += by;
+    const auto whole = std::chrono::floor<std::chrono::seconds>(fraction_);
+    now_ += whole;
+    fraction_ -= whole;
+  }
   /// Somebody sets the calendar.
   void set(WallTime now) { now_ = now; }
 
  private:
   WallTime now_;
+  std::chrono::nanoseconds fraction_{0};  ///< below a second
   std::chrono::nanoseconds monotonic_{0};
 };
 

@@ -64,6 +64,17 @@ TEST(Random, TheSystemsDiffersAndTheSeededRepeats) {
   EXPECT_NE(a, b);
 }
 
+TEST(Clock, AManualClockMovesByParts) {
+  ManualClock clock{WallTime(std::chrono::seconds(10))};
+  clock.advance(std::chrono::milliseconds(600));
+  EXPECT_EQ(clock.now(), WallTime(std::chrono::seconds(10)));
+  EXPECT_EQ(clock.wall(), std::chrono::milliseconds(10'600));
+  clock.advance(std::chrono::milliseconds(600));
+  EXPECT_EQ(clock.now(), WallTime(std::chrono::seconds(11)));
+  EXPECT_EQ(clock.wall(), std::chrono::milliseconds(11'200));
+  EXPECT_EQ(clock.monotonic(), std::chrono::milliseconds(1'200));
+}
+
 TEST(Clock, WritesTimeAsTheDocumentsDo) {
   EXPECT_EQ(to_string(WallTime{std::chrono::seconds(0)}), "1970-01-01T00:00:00Z");
 }
