@@ -56,6 +56,7 @@ void StatefulReader::accept(WriterProxy& proxy, SequenceNumber number,
                             std::optional<Change> change) {
   proxy.partial.erase(number);
   if (!reliable_ || !proxy.writer.reliable) {
+    note_lost(proxy, number);
     proxy.next = number.next();  // best effort: what is older now is lost
     proxy.partial.erase(proxy.partial.begin(), proxy.partial.lower_bound(proxy.next));
     if (change) deliver_(*change);
@@ -76,6 +77,22 @@ void StatefulReader::advance(WriterProxy& proxy) {
        at = proxy.early.erase(at)) {
     if (at->second && !deliver_(*at->second)) return;
     proxy.next = proxy.next.next();
+  }
+}
+
+// What a late joiner never could have had is not lost.
+void StatefulReader::note_lost(WriterProxy& proxy, SequenceNumber until) {
+  const bool counts = std::exchange(proxy.started, true) && until > proxy.next && lost_;
+  if (!counts) return;
+  const auto held = std::ranges::distance(proxy.early.begin(), proxy.early.lower_bound(until));
+  if (const auto lost = until.value - proxy.next.value - held; lost > 0) lost_(lost);
+}
+
+void StatefulReader::offer_again() {
+  for (auto& proxy : writers_) {
+    const auto before = proxy.next;
+    advance(proxy);
+    if (proxy.next != before) acknowledge(proxy, proxy.announced);
   }
 }
 
@@ -154,7 +171,9 @@ void StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heart
   proxy->heard = true;
   proxy->next_question = kNever;
   proxy->last_heartbeat = heartbeat.count;
+  proxy->announced = heartbeat.last;
   advance(*proxy);
+  note_lost(*proxy, heartbeat.first);
   skip_to(*proxy, heartbeat.first);
   if (!heartbeat.is_final || proxy->next <= heartbeat.last) acknowledge(*proxy, heartbeat.last);
 }

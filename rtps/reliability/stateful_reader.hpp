@@ -33,6 +33,11 @@ class StatefulReader {
   using Deliver = std::function<bool(Change&)>;
   StatefulReader(const Guid& guid, bool reliable, MessageSender& sender, Deliver deliver);
 
+  /// Told how many changes of a writer were given up that nobody declared irrelevant
+  /// (SAMPLE_LOST of DDS 1.4, 2.2.4.1).
+  using Lost = std::function<void(std::int64_t count)>;
+  void on_lost(Lost lost) { lost_ = std::move(lost); }
+
   const Guid& guid() const { return guid_; }
   std::size_t matched() const { return writers_.size(); }
 
@@ -43,6 +48,8 @@ class StatefulReader {
   void on_data_frag(const GuidPrefix& from, const DataFrag& frag, const std::optional<Time>& time);
   void on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat);
   void on_gap(const GuidPrefix& from, const Gap& gap);
+  /// There is room again: what was refused for now is offered again, and acknowledged if taken.
+  void offer_again();
   /// Asks writers that have not been heard yet.
   void tick(MonotonicTime now);
   MonotonicTime next_tick() const;
@@ -61,7 +68,9 @@ class StatefulReader {
     std::map<SequenceNumber, Partial> partial;
     std::int32_t count = 0;
     std::int32_t last_heartbeat = 0;
-    bool heard = false;
+    SequenceNumber announced;  ///< the last that a heartbeat spoke of
+    bool heard = false;        ///< a heartbeat of it came
+    bool started = false;      ///< a change of it came, or a heartbeat said where it stands
     MonotonicTime next_question = kNever;
     MonotonicTime question_period{};
     Destination destination() const { return {writer.guid.prefix, writer.locators}; }
@@ -71,6 +80,7 @@ class StatefulReader {
   void accept(WriterProxy& proxy, SequenceNumber number, std::optional<Change> change);
   void advance(WriterProxy& proxy);
   void skip_to(WriterProxy& proxy, SequenceNumber number);
+  void note_lost(WriterProxy& proxy, SequenceNumber until);
   Partial* partial_of(WriterProxy& proxy, const DataFrag& frag, const std::optional<Time>& time);
   void acknowledge(WriterProxy& proxy, SequenceNumber last);
   void ask_for_fragments(WriterProxy& proxy, SequenceNumber number, const Partial& partial);
@@ -79,6 +89,7 @@ class StatefulReader {
   const bool reliable_;
   MessageSender& sender_;
   Deliver deliver_;
+  Lost lost_;
   std::vector<WriterProxy> writers_;
 };
 

@@ -144,11 +144,17 @@ void StatefulWriter::send_fragment(const Destination& to, const EntityId& reader
 }
 
 void StatefulWriter::send_heartbeat(const Destination& to, const EntityId& reader,
-                                    SequenceNumber first, bool is_final) {
+                                    SequenceNumber first, bool is_final, bool asserts_liveliness) {
   written_since_heartbeat_ = 0;
   octets_since_heartbeat_ = 0;
   sender_.add(to, Heartbeat{reader, guid_.entity, first, history_.last(), ++heartbeat_count_,
-                            is_final, false});
+                            is_final, asserts_liveliness});
+}
+
+void StatefulWriter::assert_liveliness() {
+  if (readers_.empty()) return;
+  send_heartbeat({{}, all_locators_}, kEntityIdUnknown, history_.first(), true, true);
+  sender_.flush();
 }
 
 void StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, MonotonicTime now) {

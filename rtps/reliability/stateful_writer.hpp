@@ -41,9 +41,16 @@ class StatefulWriter {
   /// True while so much is unacknowledged that more would only be lost: a writer in a hurry should
   /// wait a moment. Never true for transient-local writers, which keep what is acknowledged too.
   bool is_ahead() const;
-  bool has_room(std::size_t payload_size) const { return history_.has_room(payload_size); }
+  bool has_room(std::size_t payload_size, const KeyHash& instance = {}) const {
+    return history_.has_room(payload_size, instance);
+  }
   /// Stores and sends to all matched readers. The caller asked has_room before.
   SequenceNumber write(Change change, MonotonicTime now);
+
+  /// Nobody gets this change any more (LIFESPAN); who asks for it is told that it is gone.
+  void discard(SequenceNumber number) { history_.discard(number); }
+  /// Tells all readers that the writer lives, without a sample (LIVELINESS MANUAL_BY_TOPIC).
+  void assert_liveliness();
 
   void on_acknack(const GuidPrefix& from, const AckNack& acknack, MonotonicTime now);
   void on_nack_frag(const GuidPrefix& from, const NackFrag& nack, MonotonicTime now);
@@ -72,7 +79,7 @@ class StatefulWriter {
   void send_fragment(const Destination& to, const EntityId& reader, const Change& change,
                      FragmentNumber number);
   void send_heartbeat(const Destination& to, const EntityId& reader, SequenceNumber first,
-                      bool is_final);
+                      bool is_final, bool asserts_liveliness = false);
   void be_attentive(MonotonicTime now);
   bool answer_requests(ReaderProxy& proxy, const SequenceNumberSet& missing, MonotonicTime now);
   void heartbeat_after_write(MonotonicTime now);

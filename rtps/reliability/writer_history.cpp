@@ -8,10 +8,19 @@ WriterHistory::WriterHistory(const Qos& qos)
     : history_(qos.history),
       most_changes_(qos.resource_limits.max_samples == kLengthUnlimited
                         ? kMostChanges
-                        : static_cast<std::size_t>(qos.resource_limits.max_samples)) {}
+                        : static_cast<std::size_t>(qos.resource_limits.max_samples)),
+      most_per_instance_(
+          qos.resource_limits.max_samples_per_instance == kLengthUnlimited
+              ? kMostChanges
+              : static_cast<std::size_t>(qos.resource_limits.max_samples_per_instance)),
+      by_instance_(history_.kind == HistoryKind::keep_last || most_per_instance_ < most_changes_) {}
 
-bool WriterHistory::has_room(std::size_t payload_size) const {
+bool WriterHistory::has_room(std::size_t payload_size, const KeyHash& instance) const {
   if (history_.kind == HistoryKind::keep_last) return true;
+  if (by_instance_) {
+    const auto held = instances_.find(instance);
+    if (held != instances_.end() && held->second.size() >= most_per_instance_) return false;
+  }
   return count_ < most_changes_ && (count_ == 0 || octets_ + payload_size <= kMostOctets);
 }
 
@@ -20,10 +29,11 @@ SequenceNumber WriterHistory::add(Change change) {
   next_ = next_.next();
   octets_ += change.payload.size();
   ++count_;
-  if (history_.kind == HistoryKind::keep_last) {
+  if (by_instance_) {
     auto& numbers = instances_[change.key_hash.value_or(KeyHash{})];
     numbers.push_back(change.sequence_number);
-    if (numbers.size() > static_cast<std::size_t>(history_.depth)) {
+    if (history_.kind == HistoryKind::keep_last &&
+        numbers.size() > static_cast<std::size_t>(history_.depth)) {
       drop(numbers.front());
       numbers.pop_front();
     }
@@ -53,18 +63,26 @@ void WriterHistory::trim_front() {
 
 void WriterHistory::remove_through(SequenceNumber number) {
   while (!changes_.empty() && base_ <= number) {
-    const auto& change = changes_.front();
-    if (change && history_.kind == HistoryKind::keep_last) {
-      const auto instance = instances_.find(change->key_hash.value_or(KeyHash{}));
-      if (instance != instances_.end()) {
-        std::erase(instance->second, base_);
-        if (instance->second.empty()) instances_.erase(instance);
-      }
-    }
+    forget_in_instance(base_);
     drop(base_);
     changes_.pop_front();
     base_ = base_.next();
   }
+  trim_front();
+}
+
+void WriterHistory::forget_in_instance(SequenceNumber number) {
+  const auto* change = by_instance_ ? find(number) : nullptr;
+  if (change == nullptr) return;
+  const auto instance = instances_.find(change->key_hash.value_or(KeyHash{}));
+  if (instance == instances_.end()) return;
+  std::erase(instance->second, number);
+  if (instance->second.empty()) instances_.erase(instance);
+}
+
+void WriterHistory::discard(SequenceNumber number) {
+  forget_in_instance(number);
+  drop(number);
   trim_front();
 }
 

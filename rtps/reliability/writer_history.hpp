@@ -18,11 +18,13 @@ class WriterHistory {
   explicit WriterHistory(const Qos& qos);
 
   /// False: full, and no change may be dropped to make room (KEEP_ALL).
-  bool has_room(std::size_t payload_size) const;
+  bool has_room(std::size_t payload_size, const KeyHash& instance = {}) const;
   /// Takes the next sequence number. With KEEP_LAST the oldest change of the same instance goes.
   SequenceNumber add(Change change);
   /// Drops all changes up to and including `number`.
   void remove_through(SequenceNumber number);
+  /// Drops this one, if it is held.
+  void discard(SequenceNumber number);
 
   /// nullptr: dropped, or not yet written.
   const Change* find(SequenceNumber number) const;
@@ -36,15 +38,18 @@ class WriterHistory {
  private:
   void drop(SequenceNumber number);
   void trim_front();
+  void forget_in_instance(SequenceNumber number);
 
   const History history_;
-  std::size_t most_changes_;
+  const std::size_t most_changes_;
+  const std::size_t most_per_instance_;
+  const bool by_instance_;                     ///< instances are counted
   std::deque<std::optional<Change>> changes_;  ///< base_ onwards, with holes
   SequenceNumber base_{1};
   SequenceNumber next_{1};
   std::size_t count_ = 0;
   std::size_t octets_ = 0;
-  std::map<KeyHash, std::deque<SequenceNumber>> instances_;  ///< KEEP_LAST only
+  std::map<KeyHash, std::deque<SequenceNumber>> instances_;  ///< if by_instance_
 };
 
 }  // namespace ddssec::rtps

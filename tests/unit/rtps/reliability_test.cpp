@@ -269,6 +269,88 @@ TEST(Reliability, BestEffortNeitherAsksNorGoesBack) {
   EXPECT_TRUE(pair.net.b.sent.empty());
 }
 
+TEST(Reliability, RoomInAFullReaderIsUsedAtOnce) {
+  Pair pair(keep_all());
+  pair.most = 3;
+  pair.match();
+  pair.run(3);
+  for (std::uint8_t i = 0; i < 5; ++i) pair.write({i});
+  pair.run(3);
+  EXPECT_THAT(pair.numbers(), ElementsAre(1, 2, 3));
+  pair.most = 100;
+  pair.reader.offer_again();
+  EXPECT_THAT(pair.numbers(), ElementsAre(1, 2, 3, 4, 5));
+  pair.run(1);
+  EXPECT_TRUE(pair.writer.all_acknowledged());
+}
+
+TEST(Reliability, KeepAllRefusesWhenAnInstanceIsFull) {
+  auto qos = keep_all();
+  qos.resource_limits.max_samples_per_instance = 2;
+  Pair pair(qos);
+  pair.match();
+  pair.run(3);
+  pair.net.loss_percent = 100;
+  const KeyHash one{1}, other{2};
+  for (std::uint8_t i = 0; i < 2; ++i) pair.write({i}, one);
+  EXPECT_FALSE(pair.writer.has_room(1, one));
+  EXPECT_TRUE(pair.writer.has_room(1, other));
+  pair.net.loss_percent = 0;
+  pair.run(50);
+  EXPECT_TRUE(pair.writer.has_room(1, one));
+}
+
+TEST(Reliability, WhatIsDiscardedIsNeverSentAgain) {
+  auto qos = keep_all();
+  qos.durability = DurabilityKind::transient_local;
+  Pair pair(qos);
+  for (std::uint8_t i = 0; i < 4; ++i) pair.write({i});
+  pair.writer.discard({1});
+  pair.writer.discard({3});
+  pair.writer.discard({9});
+  EXPECT_EQ(pair.writer.history().size(), 2u);
+  pair.match(true);
+  pair.run(10);
+  EXPECT_THAT(pair.numbers(), ElementsAre(2, 4));
+  EXPECT_TRUE(pair.writer.all_acknowledged());
+}
+
+TEST(Reliability, LostIsWhatABestEffortReaderMissesAfterItsFirstSample) {
+  auto qos = default_writer_qos();
+  qos.reliability.kind = ReliabilityKind::best_effort;
+  Pair pair(qos, false);
+  std::int64_t lost = 0;
+  pair.reader.on_lost([&](std::int64_t count) { lost += count; });
+  for (std::uint8_t i = 0; i < 5; ++i) pair.write({i});
+  pair.match(false, false);
+  pair.write({1});
+  pair.run(1);
+  EXPECT_EQ(lost, 0);  // what was written before it came
+  pair.net.loss_percent = 100;
+  for (std::uint8_t i = 0; i < 3; ++i) pair.write({i});
+  pair.run(1);
+  pair.net.loss_percent = 0;
+  pair.write({1});
+  pair.run(1);
+  EXPECT_EQ(lost, 3);
+}
+
+TEST(Reliability, LostIsWhatAReliableWriterNoLongerHas) {
+  Pair pair;
+  std::int64_t lost = 0;
+  pair.reader.on_lost([&](std::int64_t count) { lost += count; });
+  const auto says = [&](std::int64_t first, std::int64_t last, std::int32_t count) {
+    pair.reader.on_heartbeat(kA, {testing::kReader, testing::kWriter, {first}, {last}, count});
+  };
+  pair.match();
+  says(10, 12, 100);
+  EXPECT_EQ(lost, 0);
+  says(13, 15, 101);
+  EXPECT_EQ(lost, 3);
+  pair.reader.on_gap(kA, {testing::kReader, testing::kWriter, {13}, SequenceNumberSet({16})});
+  EXPECT_EQ(lost, 3);
+}
+
 TEST(Reliability, StrangersAreNotHeard) {
   Pair pair(keep_all());
   pair.match();
