@@ -58,9 +58,18 @@ IncompatibleQosStatus ReaderCore::incompatible_qos() const {
 
 std::uint64_t ReaderCore::malformed() const { return malformed_; }
 
-void ReaderCore::on_matched(const Guid& remote, bool matched) {
-  matched_.total_count += matched ? 1 : 0;
-  matched_.current_count += matched ? 1 : -1;
+void ReaderCore::on_matched(const EndpointData& remote) {
+  if (std::ranges::find(remotes_, remote.guid) != remotes_.end()) return;
+  remotes_.push_back(remote.guid);
+  ++matched_.total_count;
+  ++matched_.current_count;
+  matched_.last_remote = remote.guid;
+  participant_.changed_.notify_all();
+}
+
+void ReaderCore::on_unmatched(const Guid& remote) {
+  std::erase(remotes_, remote);
+  --matched_.current_count;
   matched_.last_remote = remote;
   participant_.changed_.notify_all();
 }

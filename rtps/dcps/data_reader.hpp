@@ -48,7 +48,11 @@ class ReaderCore final : private EndpointListener {
 
  private:
   ReaderCore(DomainParticipant& participant, const Qos& qos, KeyOf key_of);
-  void on_matched(const Guid& remote, bool matched) override;
+  void on_matched(const EndpointData& remote) override;
+  void on_unmatched(const Guid& remote) override;
+  void on_inconsistent_topic(const EndpointData&) override {}
+  void on_sample_lost(std::int64_t) override {}
+  void on_alive(const Guid&) override {}
   void on_incompatible_qos(const Guid& remote, const QosMismatch& mismatch) override;
   bool on_change(Change& change) override;
   void on_acknowledged() override {}
@@ -63,6 +67,7 @@ class ReaderCore final : private EndpointListener {
   std::size_t octets_ = 0;
   std::function<void()> on_data_;
   MatchedStatus matched_;
+  std::vector<Guid> remotes_;
   IncompatibleQosStatus incompatible_;
   std::atomic<std::uint64_t> malformed_ = 0;
 };

@@ -63,9 +63,18 @@ bool WriterCore::wait_for_acknowledgments(std::chrono::nanoseconds most) {
   return participant_.changed_.wait_for(lock, most, [&] { return protocol.all_acknowledged(); });
 }
 
-void WriterCore::on_matched(const Guid& remote, bool matched) {
-  matched_.total_count += matched ? 1 : 0;
-  matched_.current_count += matched ? 1 : -1;
+void WriterCore::on_matched(const EndpointData& remote) {
+  if (std::ranges::find(remotes_, remote.guid) != remotes_.end()) return;
+  remotes_.push_back(remote.guid);
+  ++matched_.total_count;
+  ++matched_.current_count;
+  matched_.last_remote = remote.guid;
+  participant_.changed_.notify_all();
+}
+
+void WriterCore::on_unmatched(const Guid& remote) {
+  std::erase(remotes_, remote);
+  --matched_.current_count;
   matched_.last_remote = remote;
   participant_.changed_.notify_all();
 }

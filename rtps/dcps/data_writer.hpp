@@ -25,7 +25,11 @@ class WriterCore final : private EndpointListener {
 
  private:
   explicit WriterCore(DomainParticipant& participant) : participant_(participant) {}
-  void on_matched(const Guid& remote, bool matched) override;
+  void on_matched(const EndpointData& remote) override;
+  void on_unmatched(const Guid& remote) override;
+  void on_inconsistent_topic(const EndpointData&) override {}
+  void on_sample_lost(std::int64_t) override {}
+  void on_alive(const Guid&) override {}
   void on_incompatible_qos(const Guid& remote, const QosMismatch& mismatch) override;
   bool on_change(Change&) override { return true; }
   void on_acknowledged() override;
@@ -34,6 +38,7 @@ class WriterCore final : private EndpointListener {
   Guid guid_;
   std::chrono::nanoseconds max_blocking_time_{};
   MatchedStatus matched_;
+  std::vector<Guid> remotes_;
   IncompatibleQosStatus incompatible_;
 };
 

@@ -60,8 +60,10 @@ void Participant::receive(BytesView datagram, MonotonicTime now) {
       status = process(**next, context);
       if (!status) break;
     }
-    if (const auto known = remotes_.find(message->header().prefix); known != remotes_.end())
+    if (const auto known = remotes_.find(message->header().prefix); known != remotes_.end()) {
       known->second.lease_end = lease_end(known->second.data, now);
+      note_alive(known->second, LivelinessKind::automatic);
+    }
   }
   if (status) return;
   ++counters_.malformed;
@@ -99,8 +101,9 @@ Status Participant::process(const SubmessageView& view, Context& context) {
       return on_data_frag(view, context);
     case SubmessageId::heartbeat: {
       const auto heartbeat = DDSSEC_TRY(read_heartbeat(view));
-      if (context.for_us)
-        each_reader(heartbeat.reader, [&](auto& reader) { reader.on_heartbeat(from, heartbeat); });
+      if (!context.for_us) return {};
+      each_reader(heartbeat.reader, [&](auto& reader) { reader.on_heartbeat(from, heartbeat); });
+      if (heartbeat.asserts_liveliness) note_alive(from, heartbeat.writer);
       return {};
     }
     case SubmessageId::gap: {
@@ -142,14 +145,16 @@ Status Participant::on_data(const SubmessageView& view, const Context& context) 
   if (data.writer == kSpdpWriter) return on_spdp(data, context);
   each_reader(data.reader,
               [&](auto& reader) { reader.on_data(context.source, data, context.time); });
+  note_alive(context.source, data.writer);
   return {};
 }
 
 Status Participant::on_data_frag(const SubmessageView& view, const Context& context) {
   const auto frag = DDSSEC_TRY(read_data_frag(view));
-  if (context.for_us)
-    each_reader(frag.reader,
-                [&](auto& reader) { reader.on_data_frag(context.source, frag, context.time); });
+  if (!context.for_us) return {};
+  each_reader(frag.reader,
+              [&](auto& reader) { reader.on_data_frag(context.source, frag, context.time); });
+  note_alive(context.source, frag.writer);
   return {};
 }
 
@@ -218,8 +223,7 @@ Result<Guid> Participant::create_writer(EndpointRequest request, EndpointListene
   auto protocol = std::make_unique<StatefulWriter>(guid, data.qos, sender_);
   auto& local = writers_[guid.entity] = {std::move(data), &listener, std::move(protocol), {}};
   publish(local.data, now);
-  for (auto& [prefix, remote] : remotes_)
-    for (const auto& [id, endpoint] : remote.endpoints) match(local, remote, endpoint);
+  match_all(local);
   return guid;
 }
 
@@ -233,15 +237,19 @@ Result<Guid> Participant::create_reader(EndpointRequest request, EndpointListene
   auto protocol = std::make_unique<StatefulReader>(
       guid, data.qos.is_reliable(), sender_,
       [&listener](Change& change) { return listener.on_change(change); });
+  protocol->on_lost([&listener](std::int64_t count) { listener.on_sample_lost(count); });
   auto& local = readers_[guid.entity] = {std::move(data), &listener, std::move(protocol), {}};
   publish(local.data, now);
-  for (auto& [prefix, remote] : remotes_)
-    for (const auto& [id, endpoint] : remote.endpoints) match(local, remote, endpoint);
+  match_all(local);
   return guid;
 }
 
 void Participant::remove(const Guid& endpoint, MonotonicTime now) {
   now_ = now;
+  if (const auto reader = readers_.find(endpoint.entity); reader != readers_.end())
+    for (auto& [prefix, remote] : remotes_)
+      std::erase_if(remote.watches,
+                    [&](const auto& w) { return w.listener == reader->second.listener; });
   if (writers_.erase(endpoint.entity) + readers_.erase(endpoint.entity) > 0)
     unpublish(endpoint, now);
 }

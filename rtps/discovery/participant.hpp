@@ -19,10 +19,19 @@ namespace ddssec::rtps {
 class EndpointListener {
  public:
   virtual ~EndpointListener() = default;
-  virtual void on_matched(const Guid& remote, bool matched) = 0;
+  /// Again for a remote that is matched already, when it announced changed policies.
+  virtual void on_matched(const EndpointData& remote) = 0;
+  virtual void on_unmatched(const Guid& remote) = 0;
   virtual void on_incompatible_qos(const Guid& remote, const QosMismatch& mismatch) = 0;
+  /// The same topic name with another type, or with keys on one side only.
+  virtual void on_inconsistent_topic(const EndpointData& remote) = 0;
   /// A reader's: takes the change or refuses it for now (see StatefulReader::Deliver).
   virtual bool on_change(Change& change) = 0;
+  /// A reader's: so many changes of a writer will never come.
+  virtual void on_sample_lost(std::int64_t count) = 0;
+  /// A reader's: the matched writer showed, in the way of its LIVELINESS.kind, that it lives. Only
+  /// for writers that offer a finite lease_duration.
+  virtual void on_alive(const Guid& writer) = 0;
   /// A writer's: there may be room again.
   virtual void on_acknowledged() = 0;
 };
@@ -85,6 +94,14 @@ class Participant {
   /// Also tells the others.
   void remove(const Guid& endpoint, MonotonicTime now);
 
+  /// Announces other policies of an endpoint of ours and matches it anew. Which ones may change is
+  /// the caller's business. Errors: rtps_qos_inconsistent.
+  Status change_qos(const Guid& endpoint, Qos qos, MonotonicTime now);
+  /// Remote endpoints that match one of ours.
+  std::vector<Guid> matched(const Guid& endpoint) const;
+  /// What a remote endpoint announced; nullptr if it is not known (any more).
+  const EndpointData* remote_endpoint(const Guid& guid) const;
+
   /// nullptr: not one of ours.
   StatefulWriter* writer(const Guid& guid);
   StatefulReader* reader(const Guid& guid);
@@ -102,11 +119,18 @@ class Participant {
     std::unique_ptr<StatefulReader> protocol;
     std::vector<Guid> matched;
   };
+  /// A local reader that wants to know whether a remote writer lives.
+  struct Watch {
+    EndpointListener* listener;
+    Guid writer;
+    LivelinessKind kind;
+  };
   struct Remote {
     ParticipantData data;
     LocatorList metatraffic, user;
     MonotonicTime lease_end{};
     std::map<EntityId, EndpointData> endpoints;
+    std::vector<Watch> watches;  ///< only where a lease is finite
   };
   /// RTPS 8.3.4: what earlier submessages of a message say about later ones.
   struct Context {
@@ -142,6 +166,13 @@ class Participant {
                   const Qos& requested);
   template <class Local>
   void forget(Local& local, const Guid& remote);
+  template <class Local>
+  void match_all(Local& local);
+  /// `remote` asserted the liveliness of all its writers of this kind: AUTOMATIC ones by any
+  /// message, MANUAL_BY_PARTICIPANT ones by a sample of any of them or a ParticipantMessage.
+  void note_alive(const Remote& remote, LivelinessKind kind);
+  /// This writer asserted itself, by a sample or a heartbeat that says so.
+  void note_alive(const GuidPrefix& from, const EntityId& writer);
   EndpointData local_data(EndpointRequest request, EndpointKind kind);
 
   ParticipantConfig config_;

@@ -66,14 +66,69 @@ template <class Local>
 void Participant::forget(Local& local, const Guid& remote) {
   if (std::erase(local.matched, remote) == 0) return;
   local.protocol->unmatch(remote);
-  local.listener->on_matched(remote, false);
+  local.listener->on_unmatched(remote);
 }
 
 void Participant::remove_endpoint(Remote& remote, const EntityId& id) {
   const Guid guid{remote.data.guid.prefix, id};
   for (auto& [own, local] : writers_) forget(local, guid);
   for (auto& [own, local] : readers_) forget(local, guid);
+  std::erase_if(remote.watches, [&](const auto& w) { return w.writer == guid; });
   remote.endpoints.erase(id);
+}
+
+template <class Local>
+void Participant::match_all(Local& local) {
+  for (auto& [prefix, remote] : remotes_)
+    for (const auto& [id, endpoint] : remote.endpoints) match(local, remote, endpoint);
+}
+template void Participant::match_all(LocalWriter&);
+template void Participant::match_all(LocalReader&);
+
+Status Participant::change_qos(const Guid& endpoint, Qos qos, MonotonicTime now) {
+  now_ = now;
+  DDSSEC_TRY(check_consistency(qos));
+  const auto apply = [&](auto& locals) {
+    const auto local = locals.find(endpoint.entity);
+    if (local == locals.end()) return;
+    local->second.data.qos = qos;
+    publish(local->second.data, now);
+    match_all(local->second);
+  };
+  apply(writers_);
+  apply(readers_);
+  return {};
+}
+
+std::vector<Guid> Participant::matched(const Guid& endpoint) const {
+  if (const auto at = writers_.find(endpoint.entity); at != writers_.end())
+    return at->second.matched;
+  if (const auto at = readers_.find(endpoint.entity); at != readers_.end())
+    return at->second.matched;
+  return {};
+}
+
+const EndpointData* Participant::remote_endpoint(const Guid& guid) const {
+  const auto remote = remotes_.find(guid.prefix);
+  if (remote == remotes_.end()) return nullptr;
+  const auto endpoint = remote->second.endpoints.find(guid.entity);
+  return endpoint == remote->second.endpoints.end() ? nullptr : &endpoint->second;
+}
+
+void Participant::note_alive(const Remote& remote, LivelinessKind kind) {
+  for (const auto& watch : remote.watches)
+    if (watch.kind == kind) watch.listener->on_alive(watch.writer);
+}
+
+void Participant::note_alive(const GuidPrefix& from, const EntityId& writer) {
+  const auto remote = remotes_.find(from);
+  if (remote == remotes_.end() || remote->second.watches.empty()) return;
+  const auto endpoint = remote->second.endpoints.find(writer);
+  if (endpoint == remote->second.endpoints.end()) return;
+  if (endpoint->second.qos.liveliness.kind == LivelinessKind::manual_by_participant)
+    return note_alive(remote->second, LivelinessKind::manual_by_participant);
+  for (const auto& watch : remote->second.watches)
+    if (watch.writer.entity == writer) watch.listener->on_alive(watch.writer);
 }
 
 // The same topic: then either a match, or an event and a status that say why not.
@@ -89,9 +144,11 @@ bool Participant::compatible(Local& local, const EndpointData& remote, const Qos
                         {}, remote.guid.to_string()));
     return false;
   };
+  const bool keyed = has_key(local.data.guid.entity);
+  if (local.data.type_name != remote.type_name || keyed != has_key(remote.guid.entity))
+    local.listener->on_inconsistent_topic(remote);
   if (local.data.type_name != remote.type_name)
     return refuse(Code::rtps_type_mismatch, "type", local.data.type_name, remote.type_name);
-  const bool keyed = has_key(local.data.guid.entity);
   if (keyed != has_key(remote.guid.entity))
     return refuse(Code::rtps_type_mismatch, "type", keyed ? "with key" : "without key",
                   keyed ? "without key" : "with key");
@@ -105,23 +162,31 @@ bool Participant::compatible(Local& local, const EndpointData& remote, const Qos
 void Participant::match(LocalWriter& writer, Remote& remote, const EndpointData& data) {
   if (!is_reader(data.guid.entity)) return;
   if (!compatible(writer, data, writer.data.qos, data.qos)) return forget(writer, data.guid);
-  if (std::ranges::find(writer.matched, data.guid) != writer.matched.end()) return;
+  if (std::ranges::find(writer.matched, data.guid) != writer.matched.end())
+    return writer.listener->on_matched(data);
   writer.matched.push_back(data.guid);
   const bool history = data.qos.durability >= DurabilityKind::transient_local;
   writer.protocol->match(
       {data.guid, data.qos.is_reliable(), history, usable_locators(data.unicast, remote.user)},
       now_);
-  writer.listener->on_matched(data.guid, true);
+  writer.listener->on_matched(data);
 }
 
 void Participant::match(LocalReader& reader, Remote& remote, const EndpointData& data) {
   if (!is_writer(data.guid.entity)) return;
+  std::erase_if(remote.watches, [&](const auto& w) {
+    return w.listener == reader.listener && w.writer == data.guid;
+  });
   if (!compatible(reader, data, data.qos, reader.data.qos)) return forget(reader, data.guid);
-  if (std::ranges::find(reader.matched, data.guid) != reader.matched.end()) return;
+  const auto& liveliness = data.qos.liveliness;
+  if (!liveliness.lease_duration.is_infinite())
+    remote.watches.push_back({reader.listener, data.guid, liveliness.kind});
+  if (std::ranges::find(reader.matched, data.guid) != reader.matched.end())
+    return reader.listener->on_matched(data);
   reader.matched.push_back(data.guid);
   reader.protocol->match(
       {data.guid, data.qos.is_reliable(), usable_locators(data.unicast, remote.user)}, now_);
-  reader.listener->on_matched(data.guid, true);
+  reader.listener->on_matched(data);
 }
 
 }  // namespace ddssec::rtps

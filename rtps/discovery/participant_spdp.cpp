@@ -103,7 +103,7 @@ void Participant::add_remote(ParticipantData data, MonotonicTime now) {
   auto user = usable_locators(data.default_unicast, metatraffic);
   const auto end = lease_end(data, now);
   auto& remote =
-      remotes_[prefix] = {std::move(data), std::move(metatraffic), std::move(user), end, {}};
+      remotes_[prefix] = {std::move(data), std::move(metatraffic), std::move(user), end, {}, {}};
   announce(remote.metatraffic);
   match_builtin(remote, now);
 }

@@ -2,6 +2,7 @@
 #include "rtps/discovery/participant.hpp"
 
 #include <deque>
+#include <set>
 
 #include <gmock/gmock.h>
 
@@ -30,7 +31,19 @@ struct Listener final : EndpointListener {
   int matched = 0;
   std::vector<QosMismatch> mismatches;
   std::vector<Change> changes;
-  void on_matched(const Guid&, bool is) override { matched += is ? 1 : -1; }
+  int inconsistent = 0;
+  std::vector<Guid> alive;
+  std::vector<Qos> announced;
+  std::int64_t lost = 0;
+  void on_matched(const EndpointData& remote) override {
+    matched += known.insert(remote.guid).second ? 1 : 0;
+    announced.push_back(remote.qos);
+  }
+  void on_unmatched(const Guid& remote) override { matched -= known.erase(remote) ? 1 : 0; }
+  void on_inconsistent_topic(const EndpointData&) override { ++inconsistent; }
+  void on_sample_lost(std::int64_t count) override { lost += count; }
+  void on_alive(const Guid& writer) override { alive.push_back(writer); }
+  std::set<Guid> known;
   void on_incompatible_qos(const Guid&, const QosMismatch& m) override { mismatches.push_back(m); }
   bool on_change(Change& change) override {
     changes.push_back(std::move(change));
@@ -88,6 +101,20 @@ Participant::EndpointRequest square(Qos qos) {
 }
 
 Payload payload() { return Payload::copy_of(Bytes{0, 1, 0, 0, 1, 2, 3, 4}); }
+
+Bytes announcement(const GuidPrefix& claimed, const GuidPrefix& source) {
+  ParticipantData data;
+  data.guid = {claimed, kEntityIdParticipant};
+  data.metatraffic_unicast = {*Locator::parse("127.0.0.1", 7009)};
+  data.builtin_endpoints = builtin_endpoints::kWithoutSecurity;
+  std::array<std::uint8_t, 1024> buffer{};
+  SpanWriter payload(buffer);
+  write_payload(payload, data);
+  auto octets = message(
+      {written(Data{kSpdpReader, kSpdpWriter, {1}, {}, PayloadKind::data, payload.view()})});
+  std::ranges::copy(source.octets, octets.begin() + 8);
+  return octets;
+}
 
 TEST(Participant, FindsOthersMatchesAndDelivers) {
   Node a(1), b(2);
@@ -173,7 +200,81 @@ TEST(Participant, OtherTypesAndKeysAreNamed) {
     world.run();
     EXPECT_THAT(a.events.codes(), ::testing::ElementsAre(Code::rtps_type_mismatch));
     EXPECT_EQ(a.listener.matched, 0);
+    EXPECT_EQ(a.listener.inconsistent, 1);
   }
+}
+
+TEST(Participant, ChangedPoliciesAreAnnouncedAndMatchedAnew) {
+  Node a(1), b(2);
+  World world{{&a, &b}};
+  auto offered = default_writer_qos();
+  const auto writer = *a.participant.create_writer(square(offered), a.listener, world.now);
+  const auto reader =
+      *b.participant.create_reader(square(default_reader_qos()), b.listener, world.now);
+  world.run();
+  EXPECT_THAT(b.participant.matched(reader), ::testing::ElementsAre(writer));
+  EXPECT_THAT(a.participant.matched(writer), ::testing::ElementsAre(reader));
+  offered.ownership_strength = 7;
+  ASSERT_TRUE(a.participant.change_qos(writer, offered, world.now));
+  world.run();
+  EXPECT_EQ(b.listener.announced.back().ownership_strength, 7);
+  EXPECT_EQ(b.listener.matched, 1);
+  ASSERT_NE(b.participant.remote_endpoint(writer), nullptr);
+  EXPECT_EQ(b.participant.remote_endpoint(writer)->qos.ownership_strength, 7);
+  offered.partition = {"elsewhere"};
+  ASSERT_TRUE(a.participant.change_qos(writer, offered, world.now));
+  world.run();
+  EXPECT_EQ(a.listener.matched + b.listener.matched, 0);
+  offered.partition = {};
+  ASSERT_TRUE(a.participant.change_qos(writer, offered, world.now));
+  world.run();
+  EXPECT_EQ(a.listener.matched + b.listener.matched, 2);
+  offered.history.depth = 0;
+  EXPECT_EQ(code_of(a.participant.change_qos(writer, offered, world.now)),
+            Code::rtps_qos_inconsistent);
+}
+
+struct ParticipantLiveliness : ::testing::Test {
+  Node a{1}, b{2};
+  World world{{&a, &b}};
+  Guid writer;
+  void match(LivelinessKind kind) {
+    auto offered = default_writer_qos();
+    offered.liveliness = {kind, Duration{{1, 0}}};
+    writer = *a.participant.create_writer(square(offered), a.listener, world.now);
+    ASSERT_TRUE(b.participant.create_reader(square(default_reader_qos()), b.listener, world.now));
+    world.run();
+    ASSERT_EQ(b.listener.matched, 1);
+    b.listener.alive.clear();
+  }
+};
+
+TEST_F(ParticipantLiveliness, AutomaticComesWithAnyMessage) {
+  match(LivelinessKind::automatic);
+  b.participant.receive(announcement(a.participant.prefix(), a.participant.prefix()), world.now);
+  EXPECT_THAT(b.listener.alive, ::testing::ElementsAre(writer));
+}
+
+TEST_F(ParticipantLiveliness, ManualComesWithSamplesAlone) {
+  for (auto kind : {LivelinessKind::manual_by_participant, LivelinessKind::manual_by_topic}) {
+    match(kind);
+    b.participant.receive(announcement(a.participant.prefix(), a.participant.prefix()), world.now);
+    EXPECT_TRUE(b.listener.alive.empty());
+    Change change;
+    change.payload = payload();
+    a.participant.writer(writer)->write(change, world.now);
+    world.run(2);
+    EXPECT_THAT(b.listener.alive, ::testing::Contains(writer));
+    a.participant.remove(writer, world.now);
+    world.run();
+  }
+}
+
+TEST_F(ParticipantLiveliness, ManualByTopicComesWithAHeartbeatThatSaysSo) {
+  match(LivelinessKind::manual_by_topic);
+  a.participant.writer(writer)->assert_liveliness();
+  world.run(2);
+  EXPECT_THAT(b.listener.alive, ::testing::ElementsAre(writer));
 }
 
 TEST(Participant, InconsistentQosIsRefused) {
@@ -182,20 +283,6 @@ TEST(Participant, InconsistentQosIsRefused) {
   qos.history.depth = 0;
   EXPECT_EQ(code_of(a.participant.create_writer(square(qos), a.listener, {})),
             Code::rtps_qos_inconsistent);
-}
-
-Bytes announcement(const GuidPrefix& claimed, const GuidPrefix& source) {
-  ParticipantData data;
-  data.guid = {claimed, kEntityIdParticipant};
-  data.metatraffic_unicast = {*Locator::parse("127.0.0.1", 7009)};
-  data.builtin_endpoints = builtin_endpoints::kWithoutSecurity;
-  std::array<std::uint8_t, 1024> buffer{};
-  SpanWriter payload(buffer);
-  write_payload(payload, data);
-  auto octets = message(
-      {written(Data{kSpdpReader, kSpdpWriter, {1}, {}, PayloadKind::data, payload.view()})});
-  std::ranges::copy(source.octets, octets.begin() + 8);
-  return octets;
 }
 
 // T60 and CVE-2026-45092: a million fake participants take a bounded place and get bounded answers.
