@@ -1,6 +1,7 @@
 #include "governance/compare/expression_table.hpp"
 
 #include <algorithm>
+#include <ranges>
 #include <unordered_map>
 
 namespace ddssec::governance {
@@ -16,73 +17,93 @@ void tell_apart(ByteClasses& classes, const Pattern& pattern) {
   }
 }
 
-std::vector<ByteClasses::Class> classes_in(const std::bitset<256>& set,
-                                           const ByteClasses& classes) {
-  std::vector<ByteClasses::Class> in;
+std::vector<std::uint32_t> classes_in(const std::bitset<256>& set, const ByteClasses& classes) {
+  std::vector<std::uint32_t> in;
   for (ByteClasses::Class c = 0; c < classes.size(); ++c) {
     if (set.test(static_cast<std::uint8_t>(classes.shown(c)))) in.push_back(c);
   }
   return in;
 }
 
+void sort_unique(auto& list) {
+  std::ranges::sort(list);
+  list.erase(std::unique(list.begin(), list.end()), list.end());
+}
+
 }  // namespace
 
 ExpressionTable::ExpressionTable(std::span<const RankedExpression> expressions) {
   number_labels(expressions);
-  std::unordered_map<std::string_view, Expression> known;
+  std::unordered_map<std::string_view, std::size_t> known;
   std::vector<Pattern> patterns;
+  std::vector<std::vector<Label>> labels;
   for (const auto& item : expressions) {
-    const auto next = static_cast<Expression>(patterns.size());
-    const auto [entry, is_new] = known.try_emplace(item.expression, next);
+    const auto [entry, is_new] = known.try_emplace(item.expression, patterns.size());
     if (is_new) {
       patterns.emplace_back(item.expression);
-      labels_of_.emplace_back();
+      labels.emplace_back();
       tell_apart(classes_, patterns.back());
     }
     const auto label = std::ranges::lower_bound(labels_, NameAtom::Match{item.list, item.rank});
-    labels_of_[entry->second].push_back(static_cast<Label>(label - labels_.begin()));
+    labels[entry->second].push_back(static_cast<Label>(label - labels_.begin()));
   }
   classes_.number();
-  for (const auto& pattern : patterns) lay_out(pattern);
-  for (auto& labels : labels_of_) keep_first_of_each_list(labels);
+  for (std::size_t i = 0; i < patterns.size(); ++i) {
+    keep_first_of_each_list(labels[i]);
+    beginnings_.push_back(lay_out(patterns[i], label_sets_.add(labels[i]).first));
+  }
+  sort_unique(beginnings_);
 }
 
 void ExpressionTable::number_labels(std::span<const RankedExpression> expressions) {
   labels_.reserve(expressions.size());
   for (const auto& item : expressions) labels_.push_back({item.list, item.rank});
-  std::ranges::sort(labels_);
-  labels_.erase(std::unique(labels_.begin(), labels_.end()), labels_.end());
+  sort_unique(labels_);
 }
 
-void ExpressionTable::lay_out(const Pattern& pattern) {
-  const auto expression = static_cast<Expression>(beginnings_.size());
-  beginnings_.push_back(static_cast<Position>(steps_.size()));
+ExpressionTable::Position ExpressionTable::lay_out(const Pattern& pattern, NumberLists::Id labels) {
+  Position at = end_of(labels);
   if (pattern.is_literal()) {
-    for (const char c : pattern.text()) {
-      steps_.push_back({Kind::octet, classes_.of(static_cast<std::uint8_t>(c)), 0, expression});
+    for (const char c : std::views::reverse(pattern.text())) {
+      at = put_before(at, Kind::octet, classes_.of(static_cast<std::uint8_t>(c)));
     }
   }
-  for (const auto& step : pattern.steps()) lay_out(pattern, step, expression);
-  steps_.push_back({Kind::end, 0, 0, expression});
+  for (const auto& step : std::views::reverse(pattern.steps())) at = put_before(at, pattern, step);
+  return at;
 }
 
-void ExpressionTable::lay_out(const Pattern& pattern, const Pattern::Step& step,
-                              Expression expression) {
+ExpressionTable::Position ExpressionTable::end_of(NumberLists::Id labels) {
+  const std::uint32_t key[] = {static_cast<std::uint32_t>(Kind::end), labels, kNone};
+  const auto [position, is_new] = known_steps_.add(key);
+  if (is_new) steps_.push_back({Kind::end, 0, kNone, labels, kNone, kNone});
+  return position;
+}
+
+ExpressionTable::Position ExpressionTable::put_before(Position next, Kind kind,
+                                                      std::uint32_t value) {
+  const std::uint32_t key[] = {static_cast<std::uint32_t>(kind), value, next};
+  const auto [position, is_new] = known_steps_.add(key);
+  if (!is_new) return position;
+  const Position ahead = steps_[next].kind == Kind::star ? next : steps_[next].star_ahead;
+  steps_.push_back({kind, value, next, steps_[next].labels, kNone, ahead});
+  if (kind == Kind::star) steps_[next].star_before = position;
+  return position;
+}
+
+ExpressionTable::Position ExpressionTable::put_before(Position next, const Pattern& pattern,
+                                                      const Pattern::Step& step) {
   switch (step.kind) {
     case Pattern::Kind::character:
-      steps_.push_back({Kind::octet, classes_.of(step.character), 0, expression});
-      break;
+      return put_before(next, Kind::octet, classes_.of(step.character));
     case Pattern::Kind::any:
-      steps_.push_back({Kind::any, 0, 0, expression});
-      break;
+      return put_before(next, Kind::any, 0);
     case Pattern::Kind::star:
-      steps_.push_back({Kind::star, 0, 0, expression});
-      break;
+      return put_before(next, Kind::star, 0);
     case Pattern::Kind::set:
-      steps_.push_back({Kind::set, 0, static_cast<std::uint32_t>(sets_.size()), expression});
-      sets_.push_back(classes_in(pattern.set_of(step), classes_));
       break;
   }
+  const auto set = sets_.add(classes_in(pattern.set_of(step), classes_)).first;
+  return put_before(next, Kind::set, set);
 }
 
 void ExpressionTable::keep_first_of_each_list(std::vector<Label>& labels) const {
@@ -91,8 +112,8 @@ void ExpressionTable::keep_first_of_each_list(std::vector<Label>& labels) const 
   labels.erase(std::unique(labels.begin(), labels.end(), same_list), labels.end());
 }
 
-bool ExpressionTable::is_settled(Expression e, std::span<const Label> forever) const {
-  return std::ranges::all_of(labels_of_[e], [&](Label label) {
+bool ExpressionTable::is_settled(Position p, std::span<const Label> forever) const {
+  return std::ranges::all_of(labels(p), [&](Label label) {
     // Labels ascend by list and then rank: the last one not above this one decides.
     const auto above = std::ranges::upper_bound(forever, label);
     return above != forever.begin() && match(*(above - 1)).list == match(label).list;

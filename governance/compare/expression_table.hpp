@@ -2,63 +2,82 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
 #include "governance/compare/byte_classes.hpp"
+#include "governance/compare/number_lists.hpp"
 #include "governance/matcher.hpp"
 #include "governance/topic_sets.hpp"
 
 namespace ddssec::governance {
 
-/// Equal expressions are laid out once. A position is a place within an expression; behind its last
-/// step there is one more, its end.
+/// A position is what is left of an expression, and what the expression counts for: equal rests of
+/// expressions that count alike are one position. The last position of each chain is its end.
 class ExpressionTable {
  public:
   using Position = std::uint32_t;
-  using Expression = std::uint32_t;
   /// A list and a rank; ascending by both.
   using Label = std::uint32_t;
   enum class Kind : std::uint8_t { octet, any, star, set, end };
+  static constexpr Position kNone = std::numeric_limits<Position>::max();
 
   explicit ExpressionTable(std::span<const RankedExpression> expressions);
 
+  std::size_t size() const { return steps_.size(); }
   const ByteClasses& classes() const { return classes_; }
+  /// Where all expressions begin, ascending.
   const std::vector<Position>& beginnings() const { return beginnings_; }
-  Kind kind(Position p) const { return steps_[p].kind; }
-  Expression expression(Position p) const { return steps_[p].expression; }
-  /// Of Kind::octet.
-  ByteClasses::Class octet(Position p) const { return steps_[p].octet; }
-  /// Of Kind::set.
-  const std::vector<ByteClasses::Class>& set(Position p) const { return sets_[steps_[p].set]; }
-  /// True for a star behind which nothing comes: from there on every name matches.
-  bool is_final_star(Position p) const { return kind(p) == Kind::star && kind(p + 1) == Kind::end; }
 
-  const std::vector<Label>& labels(Expression e) const { return labels_of_[e]; }
+  Kind kind(Position p) const { return steps_[p].kind; }
+  Position next(Position p) const { return steps_[p].next; }
+  /// Of Kind::octet.
+  ByteClasses::Class octet(Position p) const {
+    return static_cast<ByteClasses::Class>(steps_[p].value);
+  }
+  /// Of Kind::set, ascending.
+  std::span<const std::uint32_t> set(Position p) const { return sets_[steps_[p].value]; }
+  /// True for a star behind which nothing comes: from there on every name matches.
+  bool is_final_star(Position p) const {
+    return kind(p) == Kind::star && kind(next(p)) == Kind::end;
+  }
+  /// The star that leads to `p` at once, or kNone.
+  Position star_before(Position p) const { return steps_[p].star_before; }
+  /// The first star behind `p`, or kNone.
+  Position star_ahead(Position p) const { return steps_[p].star_ahead; }
+
+  /// What the expressions of the position count for; one label a list, ascending.
+  std::span<const Label> labels(Position p) const { return label_sets_[steps_[p].labels]; }
   const NameAtom::Match& match(Label label) const { return labels_[label]; }
   /// Sorts, and keeps of every list the lowest rank only.
   void keep_first_of_each_list(std::vector<Label>& labels) const;
-  /// True if all labels of the expression are at or behind one of `forever`, one a list, ascending.
-  bool is_settled(Expression e, std::span<const Label> forever) const;
+  /// True if all labels of the position are at or behind one of `forever`, one a list, ascending.
+  bool is_settled(Position p, std::span<const Label> forever) const;
 
  private:
   struct Step {
     Kind kind;
-    ByteClasses::Class octet;
-    std::uint32_t set;
-    Expression expression;
+    std::uint32_t value;  ///< a class, or the number of a set
+    Position next;
+    NumberLists::Id labels;
+    Position star_before;
+    Position star_ahead;
   };
 
   void number_labels(std::span<const RankedExpression> expressions);
-  void lay_out(const Pattern& pattern);
-  void lay_out(const Pattern& pattern, const Pattern::Step& step, Expression expression);
+  Position lay_out(const Pattern& pattern, NumberLists::Id labels);
+  Position end_of(NumberLists::Id labels);
+  Position put_before(Position next, Kind kind, std::uint32_t value);
+  Position put_before(Position next, const Pattern& pattern, const Pattern::Step& step);
 
   ByteClasses classes_;
   std::vector<Position> beginnings_;
   std::vector<Step> steps_;
-  std::vector<std::vector<ByteClasses::Class>> sets_;
+  NumberLists known_steps_;  ///< kind, value and next of each position
+  NumberLists sets_;
   std::vector<NameAtom::Match> labels_;
-  std::vector<std::vector<Label>> labels_of_;
+  NumberLists label_sets_;
 };
 
 }  // namespace ddssec::governance

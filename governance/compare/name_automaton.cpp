@@ -10,18 +10,20 @@ void append(std::vector<std::uint32_t>& to, std::span<const std::uint32_t> what)
   to.insert(to.end(), what.begin(), what.end());
 }
 
-/// Sorted lists one behind the other become one sorted list; `middle` is where the second begins.
-void merge_at(std::vector<std::uint32_t>& list, std::size_t middle) {
-  const auto at = list.begin() + static_cast<std::ptrdiff_t>(middle);
-  if (at == list.begin() || at == list.end() || *(at - 1) < *at) return;
-  std::inplace_merge(list.begin(), at, list.end());
+void sort_unique(std::vector<std::uint32_t>& list) {
+  if (!std::ranges::is_sorted(list)) std::ranges::sort(list);
+  list.erase(std::unique(list.begin(), list.end()), list.end());
 }
 
 }  // namespace
 
 NameAutomaton::NameAutomaton(std::span<const RankedExpression> expressions, const SetLimits& limits,
                              Goal goal)
-    : limits_(limits), table_(expressions), by_class_(table_.classes().size()) {
+    : limits_(limits),
+      table_(expressions),
+      by_class_(table_.classes().size()),
+      is_star_now_(table_.size()),
+      is_star_next_(table_.size()) {
   for (const auto list : goal.with) with_ |= 1u << list;
   for (const auto list : goal.without) without_ |= 1u << list;
 }
@@ -67,17 +69,21 @@ void NameAutomaton::expand(State state) {
 void NameAutomaton::collect_moves() {
   for (auto& list : by_class_) list.clear();
   any_.clear();
-  steps_taken_ += here_.size() + by_class_.size();
+  ++expand_count_;
+  for (const Position star : stars_[stars_now_]) is_star_now_[star] = expand_count_;
+  steps_taken_ += here_.size() + stars_[stars_now_].size() + by_class_.size();
   for (const Position p : here_) {
     switch (table_.kind(p)) {
       case Kind::octet:
-        if (table_.octet(p) != ByteClasses::kNone) by_class_[table_.octet(p)].push_back(p + 1);
+        if (table_.octet(p) != ByteClasses::kNone) {
+          by_class_[table_.octet(p)].push_back(table_.next(p));
+        }
         break;
       case Kind::any:
-        any_.push_back(p + 1);
+        any_.push_back(table_.next(p));
         break;
       case Kind::set:
-        for (const Class c : table_.set(p)) by_class_[c].push_back(p + 1);
+        for (const auto c : table_.set(p)) by_class_[c].push_back(table_.next(p));
         steps_taken_ += table_.set(p).size();
         break;
       case Kind::star:  // is among stars_
@@ -99,18 +105,19 @@ const NameAutomaton::StarMoves& NameAutomaton::moves_of(ListId stars) {
 }
 
 NameAutomaton::StarMoves NameAutomaton::make_moves(std::span<const Position> stars) const {
-  std::vector<std::pair<Class, Position>> pairs;
+  std::vector<std::pair<std::uint32_t, Position>> pairs;
   StarMoves moves;
   for (const Position star : stars) {
     // A star may take nothing: what comes behind it is tried at once.
-    const Position p = star + 1;
-    if (table_.kind(p) == Kind::any) moves.any.push_back(p + 1);
+    const Position p = table_.next(star);
+    if (table_.kind(p) == Kind::any) moves.any.push_back(table_.next(p));
     if (table_.kind(p) == Kind::octet && table_.octet(p) != ByteClasses::kNone) {
-      pairs.emplace_back(table_.octet(p), p + 1);
+      pairs.emplace_back(table_.octet(p), table_.next(p));
     }
     if (table_.kind(p) != Kind::set) continue;
-    for (const Class c : table_.set(p)) pairs.emplace_back(c, p + 1);
+    for (const auto c : table_.set(p)) pairs.emplace_back(c, table_.next(p));
   }
+  std::ranges::sort(moves.any);
   std::ranges::sort(pairs);
   moves.begin.assign(by_class_.size() + 1, 0);
   for (const auto& [c, p] : pairs) {
@@ -122,16 +129,17 @@ NameAutomaton::StarMoves NameAutomaton::make_moves(std::span<const Position> sta
 }
 
 void NameAutomaton::gather_arrivals(const StarMoves& moves, std::optional<Class> by) {
-  arrivals_.clear();
-  const auto add = [this](std::span<const Position> list) {
-    const auto middle = arrivals_.size();
+  arrivals_.assign(any_.begin(), any_.end());
+  if (by) append(arrivals_, by_class_[*by]);
+  sort_unique(arrivals_);
+  // What stars lead to may be long, and is sorted already.
+  const auto merge = [this](std::span<const Position> list) {
+    const auto middle = static_cast<std::ptrdiff_t>(arrivals_.size());
     append(arrivals_, list);
-    merge_at(arrivals_, middle);
+    std::inplace_merge(arrivals_.begin(), arrivals_.begin() + middle, arrivals_.end());
   };
-  if (by) add(by_class_[*by]);
-  add(any_);
-  if (by) add(moves.of(*by));
-  add(moves.any);
+  if (by) merge(moves.of(*by));
+  merge(moves.any);
   arrivals_.erase(std::unique(arrivals_.begin(), arrivals_.end()), arrivals_.end());
 }
 
@@ -141,8 +149,10 @@ void NameAutomaton::arrive(Origin origin) {
   new_stars_.clear();
   labels_.clear();
   for (const Position p : arrivals_) {
+    const Position before = table_.star_before(p);
+    if (before != ExpressionTable::kNone && is_star_now_[before] == expand_count_) continue;
     if (table_.is_final_star(p)) {
-      append(labels_, table_.labels(table_.expression(p)));
+      append(labels_, table_.labels(p));
     } else {
       (table_.kind(p) == Kind::star ? new_stars_ : next_).push_back(p);
     }
@@ -155,24 +165,24 @@ void NameAutomaton::arrive(Origin origin) {
 }
 
 void NameAutomaton::move_stars() {
-  // Of each expression the last star; positions of an expression ascend.
   append(new_stars_, stars_[stars_now_]);
-  std::ranges::sort(new_stars_);
-  steps_taken_ += new_stars_.size();
-  scratch_.clear();
-  for (const Position star : new_stars_) {
-    const bool same =
-        !scratch_.empty() && table_.expression(scratch_.back()) == table_.expression(star);
-    if (same) scratch_.back() = star;
-    if (!same) scratch_.push_back(star);
+  sort_unique(new_stars_);
+  ++move_count_;
+  for (const Position star : new_stars_) is_star_next_[star] = move_count_;
+  steps_taken_ += 2 * new_stars_.size() + next_.size();
+  const auto covered = [this](Position p) { return is_covered(p); };
+  std::erase_if(new_stars_, covered);
+  std::erase_if(next_, covered);
+  stars_next_ = stars_.add(new_stars_).first;
+}
+
+bool NameAutomaton::is_covered(Position p) const {
+  const Position before = table_.star_before(p);
+  if (before != ExpressionTable::kNone && is_star_next_[before] == move_count_) return true;
+  for (p = table_.star_ahead(p); p != ExpressionTable::kNone; p = table_.star_ahead(p)) {
+    if (is_star_next_[p] == move_count_) return true;
   }
-  auto star = scratch_.begin();
-  std::erase_if(next_, [&](Position p) {
-    while (star != scratch_.end() && table_.expression(*star) < table_.expression(p)) ++star;
-    return star != scratch_.end() && table_.expression(*star) == table_.expression(p) &&
-           p <= *star + 1;
-  });
-  stars_next_ = stars_.add(scratch_).first;
+  return false;
 }
 
 void NameAutomaton::settle() {
@@ -180,9 +190,7 @@ void NameAutomaton::settle() {
   table_.keep_first_of_each_list(labels_);
   forever_next_ = forever_.add(labels_).first;
   if (forever_next_ == forever_now_) return;
-  const auto is_settled = [this](Position p) {
-    return table_.is_settled(table_.expression(p), labels_);
-  };
+  const auto is_settled = [this](Position p) { return table_.is_settled(p, labels_); };
   std::erase_if(next_, is_settled);
   scratch_.assign(stars_[stars_next_].begin(), stars_[stars_next_].end());
   steps_taken_ += next_.size() + scratch_.size();
@@ -205,7 +213,7 @@ void NameAutomaton::enter(Origin origin) {
 NameAutomaton::ListId NameAutomaton::acceptance() {
   labels_.assign(forever_[forever_next_].begin(), forever_[forever_next_].end());
   for (const Position p : next_) {
-    if (table_.kind(p) == Kind::end) append(labels_, table_.labels(table_.expression(p)));
+    if (table_.kind(p) == Kind::end) append(labels_, table_.labels(p));
   }
   table_.keep_first_of_each_list(labels_);
   return acceptances_.add(labels_).first;
@@ -233,7 +241,7 @@ bool NameAutomaton::is_hopeless() const {
   if ((lists & without_) != 0) return true;
   const auto add_lists = [&](std::span<const Position> positions) {
     for (std::size_t i = 0; i < positions.size() && (lists & with_) != with_; ++i) {
-      for (const Label label : table_.labels(table_.expression(positions[i]))) {
+      for (const Label label : table_.labels(positions[i])) {
         lists |= 1u << table_.match(label).list;
       }
     }

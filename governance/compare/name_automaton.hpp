@@ -17,10 +17,10 @@ namespace ddssec::governance {
 
 /// Walks over the states of all expressions together, breadth first, and names every acceptance.
 ///
-/// A state is the set of positions to which a name may have led. Of one expression only the last
-/// star counts, since what an earlier one could still take that one can too. An expression whose
-/// last step is a star matches for good once it gets there, and then what comes at or behind its
-/// rank in its list no longer matters.
+/// A state is the set of positions to which a name may have led. Positions from which a star that
+/// was reached lies ahead are left out, since that star can take whatever they could. An expression
+/// whose last step is a star matches for good once it gets there, and then what comes at or behind
+/// its rank in its list no longer matters.
 class NameAutomaton {
  public:
   /// What a search is for. Without `with`, every atom is wanted.
@@ -71,6 +71,7 @@ class NameAutomaton {
   void gather_arrivals(const StarMoves& moves, std::optional<Class> by);
   void arrive(Origin origin);
   void move_stars();
+  bool is_covered(Position p) const;
   void settle();
   void enter(Origin origin);
   ListId acceptance();
@@ -100,6 +101,9 @@ class NameAutomaton {
   std::vector<Position> here_;
   std::vector<std::vector<Position>> by_class_;
   std::vector<Position> any_;
+  std::vector<std::uint32_t> is_star_now_;   ///< for each position: expand_count_ if it is
+  std::vector<std::uint32_t> is_star_next_;  ///< likewise, move_count_
+  std::uint32_t expand_count_ = 1, move_count_ = 0;
   // The state that is entered.
   ListId forever_next_ = 0, stars_next_ = 0;
   std::vector<Position> arrivals_, next_, new_stars_;
