@@ -10,6 +10,7 @@
 #include "governance/decision.hpp"
 #include "governance/grant.hpp"
 #include "governance/read.hpp"
+#include "pki/participant_folder.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -32,11 +33,11 @@ struct Answer {
 };
 
 // The governance document decides first: without access control nobody asks for permissions.
-Result<std::optional<Answer>> by_governance(const fs::path& folder, governance::Action action,
-                                            const std::string& topic, DomainId domain,
-                                            WallTime now) {
-  const auto file = folder / "governance.p7s";
-  const auto proof = DDSSEC_TRY(verified(file, folder / "permissions_ca.pem", now));
+Result<std::optional<Answer>> by_governance(const pki::ParticipantFolder& folder,
+                                            governance::Action action, const std::string& topic,
+                                            DomainId domain, WallTime now) {
+  const auto& file = folder.governance;
+  const auto proof = DDSSEC_TRY(verified(file, folder.permissions_ca, now));
   auto read = named(governance::read_governance(proof.content()), file);
   const auto document = std::make_shared<const governance::Governance>(DDSSEC_TRY(std::move(read)));
   const auto compiled =
@@ -51,11 +52,11 @@ Result<std::optional<Answer>> by_governance(const fs::path& folder, governance::
                 file, rule->line};
 }
 
-Result<Answer> by_permissions(const fs::path& folder, governance::Action action,
+Result<Answer> by_permissions(const pki::ParticipantFolder& folder, governance::Action action,
                               const governance::Request& request, DomainId domain, WallTime now) {
-  const auto file = folder / "permissions.p7s";
-  const auto certificate = DDSSEC_TRY(read_certificate(folder / "cert.pem"));
-  const auto proof = DDSSEC_TRY(verified(file, folder / "permissions_ca.pem", now));
+  const auto& file = folder.permissions;
+  const auto certificate = DDSSEC_TRY(read_certificate(folder.certificate));
+  const auto proof = DDSSEC_TRY(verified(file, folder.permissions_ca, now));
   auto read = named(governance::read_permissions(proof.content()), file);
   const auto document =
       std::make_shared<const governance::Permissions>(DDSSEC_TRY(std::move(read)));
@@ -73,7 +74,7 @@ Result<Answer> by_permissions(const fs::path& folder, governance::Action action,
 }
 
 Result<Report> can(const Arguments& arguments, const Context& context) {
-  const fs::path folder = arguments.text("SUBJECT");
+  const auto folder = pki::participant_folder(arguments.text("SUBJECT"));
   const auto topic = arguments.text("TOPIC");
   const auto action = DDSSEC_TRY(action_of(arguments));
   const auto domain = static_cast<DomainId>(

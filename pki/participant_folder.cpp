@@ -1,0 +1,40 @@
+#include "pki/participant_folder.hpp"
+
+#include <system_error>
+
+namespace ddssec::pki {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A dangling link is a file that somebody meant to be there: that it is broken is told when it is
+// read.
+bool is_there(const fs::path& path) {
+  std::error_code ignored;
+  return fs::symlink_status(path, ignored).type() > fs::file_type::not_found;
+}
+
+}  // namespace
+
+ParticipantFolder participant_folder(const fs::path& folder, FolderLayout layout) {
+  const bool flat = layout == FolderLayout::flat;
+  return {.layout = layout,
+          .folder = folder,
+          .identity_ca = folder / (flat ? "identity_ca.pem" : "identity_ca.cert.pem"),
+          .certificate = folder / "cert.pem",
+          .key = folder / "key.pem",
+          .permissions_ca = folder / (flat ? "permissions_ca.pem" : "permissions_ca.cert.pem"),
+          .governance = folder / "governance.p7s",
+          .permissions = folder / "permissions.p7s",
+          .crl = folder / "crl.pem"};
+}
+
+ParticipantFolder participant_folder(const fs::path& folder) {
+  auto flat = participant_folder(folder, FolderLayout::flat);
+  auto sros2 = participant_folder(folder, FolderLayout::sros2);
+  const bool is_sros2 = (is_there(sros2.identity_ca) && !is_there(flat.identity_ca)) ||
+                        (is_there(sros2.permissions_ca) && !is_there(flat.permissions_ca));
+  return is_sros2 ? sros2 : flat;
+}
+
+}  // namespace ddssec::pki
