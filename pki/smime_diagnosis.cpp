@@ -1,0 +1,167 @@
+#include "pki/smime_diagnosis.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+
+#include <openssl/pkcs7.h>
+
+#include "pki/openssl.hpp"
+#include "pki/source.hpp"
+
+namespace ddssec::pki {
+namespace {
+
+using Pkcs7Ptr = std::unique_ptr<PKCS7, Deleter<PKCS7_free>>;
+
+/// A signature and, if it stands beside it, the text that was signed.
+struct Parsed {
+  Pkcs7Ptr pkcs7;
+  BioPtr beside;
+};
+
+Bytes read_all(BIO* bio) {
+  Bytes out;
+  unsigned char block[4096];
+  for (int size; (size = BIO_read(bio, block, sizeof block)) > 0;) {
+    if (out.size() + static_cast<std::size_t>(size) > kMostDocumentOctets) break;
+    out.insert(out.end(), block, block + size);
+  }
+  return out;
+}
+
+Parsed parse_smime(BytesView file) {
+  const BioPtr in = bio_over(file);
+  BIO* beside = nullptr;
+  Pkcs7Ptr pkcs7(in ? SMIME_read_PKCS7(in.get(), &beside) : nullptr);
+  return {std::move(pkcs7), BioPtr(beside)};
+}
+
+Pkcs7Ptr parse_pem(BytesView file) {
+  const BioPtr in = bio_over(file);
+  return Pkcs7Ptr(in ? PEM_read_bio_PKCS7(in.get(), nullptr, nullptr, nullptr) : nullptr);
+}
+
+Pkcs7Ptr parse_der(BytesView file) {
+  const auto* position = file.data();
+  return Pkcs7Ptr(d2i_PKCS7(nullptr, &position, static_cast<long>(file.size())));
+}
+
+// The text inside an opaque signature.
+Bytes inner_text(PKCS7* pkcs7) {
+  if (PKCS7_type_is_signed(pkcs7) == 0 || PKCS7_get_detached(pkcs7) != 0 ||
+      pkcs7->d.sign == nullptr || pkcs7->d.sign->contents == nullptr ||
+      PKCS7_type_is_data(pkcs7->d.sign->contents) == 0)
+    return {};
+  const ASN1_OCTET_STRING* data = pkcs7->d.sign->contents->d.data;
+  if (data == nullptr) return {};
+  return to_bytes(BytesView(ASN1_STRING_get0_data(data),
+                            static_cast<std::size_t>(std::max(ASN1_STRING_length(data), 0))));
+}
+
+void describe_signer(PKCS7* pkcs7, DocumentForm& form) {
+  auto* signers = PKCS7_get_signer_info(pkcs7);
+  if (signers == nullptr || sk_PKCS7_SIGNER_INFO_num(signers) < 1) return;
+  const auto* issuer_and_serial = sk_PKCS7_SIGNER_INFO_value(signers, 0)->issuer_and_serial;
+  if (issuer_and_serial == nullptr) return;
+  form.signer_issuer = name_rfc2253(issuer_and_serial->issuer);
+  const BignumPtr number(ASN1_INTEGER_to_BN(issuer_and_serial->serial, nullptr));
+  const OpensslText hex(number ? BN_bn2hex(number.get()) : nullptr);
+  form.signer_serial = hex ? hex.get() : "";
+}
+
+void describe_embedded(PKCS7* pkcs7, DocumentForm& form) {
+  if (PKCS7_type_is_signed(pkcs7) == 0 || pkcs7->d.sign == nullptr) return;
+  const auto* certificates = pkcs7->d.sign->cert;
+  const int count = certificates != nullptr ? sk_X509_num(certificates) : 0;
+  for (int i = 0; i < count && form.embedded.size() < DocumentForm::kMostEmbedded; ++i)
+    form.embedded.push_back(name_rfc2253(X509_get_subject_name(sk_X509_value(certificates, i))));
+}
+
+// Takes "Content-Type: text/plain ..." and the blank line off the text.
+void take_text_header(DocumentForm& form) {
+  constexpr std::string_view kHeader = "content-type: text/plain";
+  const auto text = as_text(form.unverified_text);
+  const bool has = std::ranges::equal(text.substr(0, kHeader.size()), kHeader, {}, [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  if (!has) return;
+  form.has_text_header = true;
+  const auto crlf = text.find("\r\n\r\n");
+  const auto lf = text.find("\n\n");
+  const auto end =
+      std::min(crlf == text.npos ? text.npos : crlf + 4, lf == text.npos ? text.npos : lf + 2);
+  form.unverified_text = to_bytes(as_bytes(text.substr(std::min(end, text.size()))));
+}
+
+DocumentWrapping wrapping_of(BytesView file, Parsed& parsed) {
+  parsed = parse_smime(file);
+  if (parsed.pkcs7) return parsed.beside ? DocumentWrapping::multipart : DocumentWrapping::opaque;
+  const auto text = as_text(file);
+  const auto first = text.find_first_not_of(" \t\r\n");
+  if (first != text.npos && text[first] == '<') return DocumentWrapping::none;
+  if ((parsed.pkcs7 = parse_pem(file))) return DocumentWrapping::pem;
+  if ((parsed.pkcs7 = parse_der(file))) return DocumentWrapping::der;
+  return DocumentWrapping::unknown;
+}
+
+StorePtr store_of(const std::vector<Certificate>& cas, WallTime now) {
+  StorePtr store(X509_STORE_new());
+  if (!store) return nullptr;
+  for (const auto& ca : cas) X509_STORE_add_cert(store.get(), ca.impl().x509.get());
+  X509_VERIFY_PARAM_set_time(X509_STORE_get0_param(store.get()),
+                             static_cast<time_t>(now.time_since_epoch().count()));
+  return store;
+}
+
+}  // namespace
+
+std::string_view to_string(DocumentWrapping wrapping) {
+  switch (wrapping) {
+    case DocumentWrapping::none:
+      return "unsigned XML";
+    case DocumentWrapping::multipart:
+      return "multipart/signed";
+    case DocumentWrapping::opaque:
+      return "opaque application/pkcs7-mime";
+    case DocumentWrapping::pem:
+      return "PKCS#7 in PEM";
+    case DocumentWrapping::der:
+      return "PKCS#7 in DER";
+    case DocumentWrapping::unknown:
+      break;
+  }
+  return "neither XML nor a signature";
+}
+
+DocumentForm examine_document(BytesView file) {
+  DocumentForm form;
+  if (file.size() > kMostDocumentOctets) return form;
+  Parsed parsed;
+  form.wrapping = wrapping_of(file, parsed);
+  if (form.wrapping == DocumentWrapping::none) form.unverified_text = to_bytes(file);
+  if (parsed.pkcs7) {
+    form.unverified_text =
+        parsed.beside ? read_all(parsed.beside.get()) : inner_text(parsed.pkcs7.get());
+    describe_signer(parsed.pkcs7.get(), form);
+    describe_embedded(parsed.pkcs7.get(), form);
+  }
+  take_text_header(form);
+  take_openssl_reason();
+  return form;
+}
+
+Status stock_products_believe(BytesView file, const std::vector<Certificate>& cas, WallTime now) {
+  if (file.size() > kMostDocumentOctets) return fail(Code::smime_too_large);
+  const auto parsed = parse_smime(file);
+  if (!parsed.pkcs7) return openssl_failure(Code::smime_malformed);
+  const auto store = store_of(cas, now);
+  const BioPtr out(BIO_new(BIO_s_mem()));
+  if (!store || !out) return openssl_failure(Code::internal);
+  const bool believed = PKCS7_verify(parsed.pkcs7.get(), nullptr, store.get(), parsed.beside.get(),
+                                     out.get(), PKCS7_TEXT) == 1;
+  if (!believed) return openssl_failure(Code::smime_signature_invalid);
+  return {};
+}
+
+}  // namespace ddssec::pki

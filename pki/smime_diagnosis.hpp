@@ -1,0 +1,54 @@
+// What a document file is, in whatever form, and whether stock products would believe it. For
+// diagnosis only: nothing here lets anybody do anything. What counts is pki/smime.hpp.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/bytes.hpp"
+#include "base/clock.hpp"
+#include "base/result.hpp"
+#include "pki/certificate.hpp"
+
+namespace ddssec::pki {
+
+/// How a signed document is wrapped.
+enum class DocumentWrapping : std::uint8_t {
+  none,       ///< no signature at all: the XML text itself
+  multipart,  ///< multipart/signed, the text beside the signature
+  opaque,     ///< application/pkcs7-mime, the text inside the signature
+  pem,        ///< BEGIN PKCS7 or CMS
+  der,
+  unknown,
+};
+/// "multipart/signed", "unsigned XML" and so on.
+std::string_view to_string(DocumentWrapping wrapping);
+
+/// What a file is that should be a signed document. UNVERIFIED throughout.
+struct DocumentForm {
+  DocumentWrapping wrapping = DocumentWrapping::unknown;
+  bool has_text_header = false;  ///< the signed text begins with Content-Type: text/plain
+  /// Subjects of the certificates inside the signature, RFC 2253, at most kMostEmbedded.
+  std::vector<std::string> embedded = {};
+  /// Who says to have signed: issuer (RFC 2253) and serial number of the first signer's
+  /// certificate; empty if nobody.
+  std::string signer_issuer = {};
+  std::string signer_serial = {};
+  /// The document's text without its header; empty if it cannot be found.
+  Bytes unverified_text = {};
+
+  static constexpr std::size_t kMostEmbedded = 16;
+};
+
+/// Looks at a file of at most kMostDocumentOctets without believing anything in it. Never fails.
+DocumentForm examine_document(BytesView file);
+
+/// Success if the file is believed by a reader made of OpenSSL's SMIME_read_PKCS7 and PKCS7_verify
+/// with PKCS7_TEXT over a store of `cas`, as Cyclone DDS 0.10.2 and Fast DDS 2.9.1 are: they
+/// believe whoever chains to the CA (CVE-2023-24010, CVE-2023-24011) and opaque documents.
+/// Errors: smime_malformed, smime_signature_invalid, each with OpenSSL's reason; internal.
+Status stock_products_believe(BytesView file, const std::vector<Certificate>& cas, WallTime now);
+
+}  // namespace ddssec::pki

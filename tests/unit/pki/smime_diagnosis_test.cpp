@@ -1,0 +1,133 @@
+#include "pki/smime_diagnosis.hpp"
+
+#include <openssl/pkcs7.h>
+
+#include "fixture.hpp"
+#include "pki/openssl.hpp"
+
+namespace ddssec::pki {
+namespace {
+
+constexpr std::string_view kDocument = "<dds>\r\n</dds>\r\n";
+
+/// A document signed by OpenSSL in an odd form.
+class OddDocument {
+ public:
+  OddDocument(const Credential& signer, int flags) {
+    const BioPtr data = bio_over(as_bytes(kDocument));
+    pkcs7_.reset(PKCS7_sign(signer.certificate.impl().x509.get(), signer.key.impl().pkey.get(),
+                            nullptr, data.get(), flags));
+    EXPECT_TRUE(pkcs7_) << take_openssl_reason();
+    const BioPtr again = bio_over(as_bytes(kDocument));
+    const BioPtr out(BIO_new(BIO_s_mem()));
+    SMIME_write_PKCS7(out.get(), pkcs7_.get(), again.get(), flags);
+    smime_ = std::string(as_text(bio_octets(out)));
+  }
+
+  const std::string& smime() const { return smime_; }
+  std::string pem() const {
+    const BioPtr out(BIO_new(BIO_s_mem()));
+    PEM_write_bio_PKCS7(out.get(), pkcs7_.get());
+    return std::string(as_text(bio_octets(out)));
+  }
+  std::string der() const {
+    const BioPtr out(BIO_new(BIO_s_mem()));
+    i2d_PKCS7_bio(out.get(), pkcs7_.get());
+    return std::string(as_text(bio_octets(out)));
+  }
+
+ private:
+  std::unique_ptr<PKCS7, Deleter<PKCS7_free>> pkcs7_;
+  std::string smime_;
+};
+
+class SmimeDiagnosis : public testing::Test {
+ protected:
+  DocumentForm examine(std::string_view file) const { return examine_document(as_bytes(file)); }
+  Status believed(std::string_view file, WallTime now = kNow) const {
+    return stock_products_believe(as_bytes(file), {ca_.certificate()}, now);
+  }
+  std::string signed_by(const Credential& who) const {
+    return std::string(as_text(*sign_document(who, as_bytes(kDocument), kNow, test_random())));
+  }
+
+  Authority ca_ = make_ca("CN=Permissions CA");
+  Credential self_{ca_.certificate(), ca_.key()};
+  Credential leaf_ = make_leaf(ca_);
+};
+
+TEST_F(SmimeDiagnosis, TheFormThatWeWriteIsKnownAndBelieved) {
+  const auto file = signed_by(self_);
+  const auto form = examine(file);
+  EXPECT_EQ(form.wrapping, DocumentWrapping::multipart);
+  EXPECT_TRUE(form.has_text_header);
+  EXPECT_EQ(form.embedded, std::vector<std::string>{"CN=Permissions CA"});
+  EXPECT_EQ(form.signer_issuer, "CN=Permissions CA");
+  EXPECT_EQ(form.signer_serial, ca_.certificate().serial());
+  EXPECT_EQ(as_text(form.unverified_text), kDocument);
+  EXPECT_TRUE(believed(file));
+}
+
+TEST_F(SmimeDiagnosis, EveryOtherFormIsToldApart) {
+  const OddDocument plain(self_, PKCS7_DETACHED);
+  EXPECT_EQ(examine(plain.smime()).wrapping, DocumentWrapping::multipart);
+  EXPECT_FALSE(examine(plain.smime()).has_text_header);
+  EXPECT_EQ(as_text(examine(plain.smime()).unverified_text), kDocument);
+  EXPECT_CODE(believed(plain.smime()), smime_signature_invalid);
+
+  const OddDocument opaque(self_, PKCS7_TEXT);
+  const auto form = examine(opaque.smime());
+  EXPECT_EQ(form.wrapping, DocumentWrapping::opaque);
+  EXPECT_TRUE(form.has_text_header);
+  EXPECT_EQ(as_text(form.unverified_text), kDocument);
+  EXPECT_TRUE(believed(opaque.smime()));
+
+  EXPECT_EQ(examine(opaque.pem()).wrapping, DocumentWrapping::pem);
+  EXPECT_EQ(as_text(examine(opaque.pem()).unverified_text), kDocument);
+  EXPECT_EQ(examine(opaque.der()).wrapping, DocumentWrapping::der);
+  EXPECT_CODE(believed(opaque.der()), smime_malformed);
+
+  EXPECT_EQ(examine(kDocument).wrapping, DocumentWrapping::none);
+  EXPECT_EQ(as_text(examine(kDocument).unverified_text), kDocument);
+  EXPECT_CODE(believed(kDocument), smime_malformed);
+  EXPECT_EQ(examine("nothing at all").wrapping, DocumentWrapping::unknown);
+  EXPECT_EQ(examine("").wrapping, DocumentWrapping::unknown);
+}
+
+TEST_F(SmimeDiagnosis, WithoutCertificatesNobodyIsEmbedded) {
+  const OddDocument bare(self_, PKCS7_DETACHED | PKCS7_TEXT | PKCS7_NOCERTS);
+  EXPECT_TRUE(examine(bare.smime()).embedded.empty());
+  EXPECT_EQ(examine(bare.smime()).signer_issuer, "CN=Permissions CA");
+  EXPECT_CODE(believed(bare.smime()), smime_signature_invalid);
+}
+
+TEST_F(SmimeDiagnosis, StockProductsBelieveALeafAndRefuseStrangersChangesAndOldCas) {
+  EXPECT_TRUE(believed(signed_by(leaf_)));  // CVE-2023-24010, CVE-2023-24011
+  const auto stranger = make_ca("CN=Stranger");
+  EXPECT_CODE(believed(signed_by({stranger.certificate(), stranger.key()})),
+              smime_signature_invalid);
+  EXPECT_CODE(believed(replaced(signed_by(self_), "</dds>", "<dds/>")), smime_signature_invalid);
+  EXPECT_CODE(believed(signed_by(self_), kNow + 400 * 24h), smime_signature_invalid);
+}
+
+TEST_F(SmimeDiagnosis, CutOffAndFlippedFilesDoNoHarm) {
+  const auto file = signed_by(self_);
+  for (std::size_t size = 0; size < file.size(); ++size) examine(file.substr(0, size));
+  const auto der = OddDocument(self_, PKCS7_TEXT).der();
+  for (std::size_t at = 0; at < der.size(); ++at) {
+    auto changed = der;
+    changed[at] = static_cast<char>(changed[at] ^ 0x20);
+    examine(changed);
+    examine(changed.substr(0, at));
+  }
+  EXPECT_EQ(examine(std::string(17 * 1024 * 1024, '<')).wrapping, DocumentWrapping::unknown);
+  EXPECT_CODE(believed(std::string(17 * 1024 * 1024, '<')), smime_too_large);
+}
+
+TEST(DocumentWrapping, HasWords) {
+  EXPECT_EQ(to_string(DocumentWrapping::multipart), "multipart/signed");
+  EXPECT_EQ(to_string(DocumentWrapping::none), "unsigned XML");
+}
+
+}  // namespace
+}  // namespace ddssec::pki
