@@ -7,6 +7,8 @@ namespace ddssec::cli {
 
 std::vector<Command> ca_commands();
 std::vector<Command> identity_commands();
+std::vector<Command> governance_commands();
+std::vector<Command> permissions_commands();
 std::vector<Command> document_commands();  ///< governance and permissions: sign, verify
 std::vector<Command> can_commands();
 std::vector<Command> explain_commands();

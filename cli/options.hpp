@@ -14,6 +14,14 @@ inline constexpr Option kInsecureKeyMode{"--insecure-key-mode", "",
 inline constexpr Option kKey{"--key", "KIND", "p256, rsa2048 or rsa3072", "p256"};
 inline constexpr Option kDomain{"--domain", "N", "the domain", "0"};
 
+inline constexpr Option kDomains{.name = "--domain",
+                                 .value = "N|A-B",
+                                 .summary = "a domain or a range of them",
+                                 .fallback = "0",
+                                 .repeated = true};
+inline constexpr Option kSign{"--sign", "", "write the signed form (.p7s) beside the document"};
+inline constexpr Option kSigningCa{"--ca", "DIR", "the folder that ca create made, for --sign"};
+
 constexpr Option days(std::string_view fallback) {
   return {"--days", "N", "how long it is valid", fallback};
 }

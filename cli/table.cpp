@@ -1,7 +1,22 @@
 // The table of commands, of the groups' rows.
+#include <algorithm>
+
 #include "cli/groups.hpp"
 
 namespace ddssec::cli {
+namespace {
+
+// A group's rows may come from several files; help shows them together.
+void add_to_groups(std::vector<Command>& all, const std::vector<Command>& rows) {
+  for (const auto& row : rows) {
+    const auto last = std::find_if(all.rbegin(), all.rend(), [&](const Command& other) {
+      return !row.group.empty() && other.group == row.group;
+    });
+    all.insert(last == all.rend() ? all.end() : last.base(), row);
+  }
+}
+
+}  // namespace
 
 const std::vector<Option>& common_options() {
   static const std::vector<Option> kOptions = {
@@ -14,9 +29,10 @@ const std::vector<Option>& common_options() {
 const std::vector<Command>& commands() {
   static const std::vector<Command> kCommands = [] {
     std::vector<Command> all;
-    for (const auto& group : {ca_commands(), identity_commands(), document_commands(),
-                              can_commands(), explain_commands()})
-      all.insert(all.end(), group.begin(), group.end());
+    for (const auto& rows :
+         {ca_commands(), identity_commands(), governance_commands(), permissions_commands(),
+          document_commands(), can_commands(), explain_commands()})
+      add_to_groups(all, rows);
     return all;
   }();
   return kCommands;

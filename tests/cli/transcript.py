@@ -9,6 +9,7 @@ import tempfile
 import unittest
 
 PROGRAM = pathlib.Path(sys.argv.pop(1)).resolve()
+DATA = pathlib.Path(__file__).resolve().parent.parent / "data"
 ENVELOPE = ["schema", "command", "ok", "exit", "result", "diagnostics", "files_written"]
 
 
@@ -56,6 +57,12 @@ class Transcript(unittest.TestCase):
     def files(self):
         return {str(p.relative_to(self.at)): (p.lstat().st_mode & 0o777)
                 for p in self.at.rglob("*") if not p.is_dir()}
+
+    def assertMeetsSchema(self, file, schema):
+        done = subprocess.run(["xmllint", "--noout", "--nonet", "--schema",
+                               DATA / "dds-security-xsd" / schema, self.at / file], text=True,
+                              capture_output=True, timeout=60, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
 
     def openssl(self, *words):
         return subprocess.run(["openssl", *map(str, words)], cwd=self.at, text=True,

@@ -1,0 +1,152 @@
+// governance new: a document from a profile and a few topic rules.
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "cli/documents.hpp"
+#include "cli/groups.hpp"
+#include "cli/options.hpp"
+#include "governance/profile.hpp"
+#include "governance/read.hpp"
+#include "governance/write.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+using governance::TopicRule;
+
+std::unexpected<Error> wrong_topic(const std::string& text, std::string expected) {
+  return fail(Code::usage,
+              {.field = "--topic", .expected = std::move(expected), .found = '"' + text + '"'});
+}
+
+std::string upper(std::string text) {
+  std::ranges::transform(text, text.begin(),
+                         [](char c) { return c >= 'a' && c <= 'z' ? char(c - 32) : c; });
+  return text;
+}
+
+/// A key of --topic, under its short name and the document's.
+struct KindKey {
+  std::string_view name, element;
+  ProtectionKind TopicRule::*member;
+};
+struct FlagKey {
+  std::string_view name, element;
+  bool TopicRule::*member;
+};
+constexpr KindKey kKindKeys[] = {
+    {"metadata", "metadata_protection_kind", &TopicRule::metadata_protection_kind},
+    {"data", "data_protection_kind", &TopicRule::data_protection_kind}};
+constexpr FlagKey kFlagKeys[] = {
+    {"discovery", "enable_discovery_protection", &TopicRule::enable_discovery_protection},
+    {"liveliness", "enable_liveliness_protection", &TopicRule::enable_liveliness_protection},
+    {"read", "enable_read_access_control", &TopicRule::enable_read_access_control},
+    {"write", "enable_write_access_control", &TopicRule::enable_write_access_control}};
+constexpr std::string_view kKeys =
+    "data=KIND, metadata=KIND, or discovery, liveliness, read, write =true or =false";
+
+/// True if the key is known; its value may still be wrong.
+template <std::size_t N, class Key>
+const Key* find_key(const Key (&keys)[N], std::string_view name) {
+  const auto found = std::ranges::find_if(
+      keys, [&](const Key& key) { return key.name == name || key.element == name; });
+  return found == std::end(keys) ? nullptr : found;
+}
+
+Status set_key(TopicRule& rule, const std::string& text, std::string_view pair) {
+  const auto equals = pair.find('=');
+  if (equals == pair.npos) return wrong_topic(text, "EXPR:" + std::string(kKeys));
+  const auto name = pair.substr(0, equals);
+  const std::string value(pair.substr(equals + 1));
+  if (const auto* key = find_key(kKindKeys, name)) {
+    const auto kind = protection_kind_from(upper(value));
+    const bool is_data = key->member == &TopicRule::data_protection_kind;
+    if (!kind || (is_data && is_origin_authenticated(*kind)))
+      return wrong_topic(text, fmt::format("{}=NONE, SIGN{}", key->name,
+                                           is_data ? " or ENCRYPT"
+                                                   : ", ENCRYPT or either with "
+                                                     "_WITH_ORIGIN_AUTHENTICATION"));
+    rule.*(key->member) = *kind;
+  } else if (const auto* flag = find_key(kFlagKeys, name)) {
+    if (value != "true" && value != "false")
+      return wrong_topic(text, fmt::format("{}=true or {}=false", flag->name, flag->name));
+    rule.*(flag->member) = value == "true";
+  } else {
+    return wrong_topic(text, std::string(kKeys));
+  }
+  return {};
+}
+
+// EXPR:key=value,...; what is not said is as the profile has it. The last colon counts, so an
+// expression with colons and nothing to say ends with one.
+Result<TopicRule> topic_rule_from(const std::string& text, governance::Profile profile) {
+  const auto colon = std::min(text.rfind(':'), text.size());
+  auto rule = governance::topic_rule_of(profile, text.substr(0, colon));
+  if (rule.topic_expression.empty()) return wrong_topic(text, "an expression before the colon");
+  std::string_view rest = std::string_view(text).substr(std::min(colon + 1, text.size()));
+  while (!rest.empty()) {
+    const auto comma = std::min(rest.find(','), rest.size());
+    DDSSEC_TRY(set_key(rule, text, rest.substr(0, comma)));
+    rest.remove_prefix(std::min(comma + 1, rest.size()));
+  }
+  return rule;
+}
+
+// Topics that no rule names are refused, so the profile's rule for all of them comes last.
+Result<governance::Governance> document_from(const Arguments& arguments) {
+  const auto profile = governance::profile_from(arguments.text("--profile"));
+  if (!profile)
+    return fail(Code::usage, {.field = "--profile",
+                              .expected = "open, balanced or strict",
+                              .found = '"' + arguments.text("--profile") + '"'});
+  auto rule =
+      governance::domain_rule_of(*profile, DDSSEC_TRY(domain_ranges(arguments, "--domain")));
+  for (const auto& text : arguments.all("--topic"))
+    rule.topic_rules.push_back(DDSSEC_TRY(topic_rule_from(text, *profile)));
+  if (rule.topic_rules.empty() || rule.topic_rules.back().topic_expression != "*")
+    rule.topic_rules.push_back(governance::topic_rule_of(*profile, "*"));
+  governance::Governance out;
+  out.domain_rules.push_back(std::move(rule));
+  return out;
+}
+
+Result<Report> governance_new(const Arguments& arguments, const Context& context) {
+  const auto xml = to_xml(DDSSEC_TRY(document_from(arguments)));
+  // What was typed may hold what no document can.
+  const auto document = DDSSEC_TRY(governance::read_governance(as_bytes(xml)));
+  Report report;
+  report.files_written = DDSSEC_TRY(write_document(xml, arguments, context));
+  for (const auto& file : report.files_written) report.text += file.path + "\n";
+  report.result = {{"file", report.files_written.front().path},
+                   {"profile", arguments.text("--profile")},
+                   {"topic_rules", document.domain_rules[0].topic_rules.size()}};
+  return report;
+}
+
+}  // namespace
+
+std::vector<Command> governance_commands() {
+  return {
+      {.group = "governance",
+       .name = "new",
+       .summary = "Writes a governance document: a profile, and other values for some topics.",
+       .positionals = {},
+       .options = {{.name = "-o", .value = "FILE", .summary = "the new document", .required = true},
+                   kDomains,
+                   {"--profile", "NAME", "open, balanced or strict", "strict"},
+                   repeated("--topic", "EXPR:KEY=VALUE,...",
+                            "a rule for some topics, before the one for all others"),
+                   kSign,
+                   kSigningCa,
+                   kPassphraseFile,
+                   kPassphraseEnv,
+                   kInsecureKeyMode},
+       .examples = {"ddssec governance new --domain 0 -o governance.xml",
+                    "ddssec governance new --topic 'rt/camera*:data=NONE' --sign --ca ca -o "
+                    "governance.xml"},
+       .run = governance_new}};
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,107 @@
+// permissions new: one participant's rights, for the subject of its certificate.
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "cli/documents.hpp"
+#include "cli/groups.hpp"
+#include "cli/inputs.hpp"
+#include "cli/options.hpp"
+#include "governance/date_time.hpp"
+#include "governance/read.hpp"
+#include "governance/rights.hpp"
+#include "governance/write.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+Result<governance::Rights> rights_from(const Arguments& arguments) {
+  if (arguments.has("--partition") && !arguments.has("--publish") && !arguments.has("--subscribe"))
+    return fail(Code::usage, {.field = "--partition", .note = "there is nothing that it is for"});
+  return governance::Rights{.domains = DDSSEC_TRY(domain_ranges(arguments, "--domain")),
+                            .publish = arguments.all("--publish"),
+                            .subscribe = arguments.all("--subscribe"),
+                            .deny_publish = arguments.all("--deny-publish"),
+                            .deny_subscribe = arguments.all("--deny-subscribe"),
+                            .partitions = arguments.all("--partition")};
+}
+
+// As long as the certificate, unless told otherwise.
+Result<governance::Validity> life(const Arguments& arguments, const pki::Certificate& certificate,
+                                  WallTime now) {
+  if (arguments.has("--days") && arguments.has("--not-after"))
+    return fail(Code::usage, {.field = "--days", .note = "it excludes --not-after"});
+  governance::Validity out{certificate.not_before(), certificate.not_after()};
+  if (arguments.has("--days")) {
+    const auto days = DDSSEC_TRY(validity(arguments, now));
+    return governance::Validity{days.not_before, days.not_after};
+  }
+  if (!arguments.has("--not-after")) return out;
+  const auto text = arguments.text("--not-after");
+  const auto end = governance::parse_date_time(text, governance::Round::down);
+  if (!end || end->time <= out.not_before)
+    return fail(Code::usage, {.field = "--not-after",
+                              .expected = "a time such as 2027-11-21T00:00:00Z, not before " +
+                                          to_string(out.not_before),
+                              .found = '"' + text + '"'});
+  out.not_after = end->time;
+  return out;
+}
+
+Result<Report> permissions_new(const Arguments& arguments, const Context& context) {
+  const auto certificate = DDSSEC_TRY(read_certificate(arguments.text("--cert")));
+  const auto grant = grant_of("participant", certificate, DDSSEC_TRY(rights_from(arguments)),
+                              DDSSEC_TRY(life(arguments, certificate, context.clock.now())));
+  const auto xml = to_xml(governance::Permissions{.grants = {grant}});
+  // What was typed may hold what no document can.
+  DDSSEC_TRY(governance::read_permissions(as_bytes(xml)));
+  Report report;
+  report.files_written = DDSSEC_TRY(write_document(xml, arguments, context));
+  for (const auto& file : report.files_written)
+    report.text += fmt::format("{}  for {} until {}\n", file.path, grant.subject_name,
+                               date(grant.validity.not_after));
+  report.result = {{"file", report.files_written.front().path},
+                   {"subject", grant.subject_name},
+                   {"not_before", to_string(grant.validity.not_before)},
+                   {"not_after", to_string(grant.validity.not_after)}};
+  return report;
+}
+
+}  // namespace
+
+std::vector<Command> permissions_commands() {
+  return {
+      {.group = "permissions",
+       .name = "new",
+       .summary = "Writes the permissions of one certificate's subject; the rest is denied.",
+       .positionals = {},
+       .options = {{.name = "--cert",
+                    .value = "FILE",
+                    .summary = "the participant's certificate",
+                    .required = true},
+                   {.name = "-o", .value = "FILE", .summary = "the new document", .required = true},
+                   kDomains,
+                   repeated("--publish", "GLOB", "topics it may write"),
+                   repeated("--subscribe", "GLOB", "topics it may read"),
+                   repeated("--deny-publish", "GLOB",
+                            "topics it may not write, whatever else says"),
+                   repeated("--deny-subscribe", "GLOB",
+                            "topics it may not read, whatever else says"),
+                   repeated("--partition", "GLOB", "partitions of what it may write and read"),
+                   {"--days", "N", "how long it is valid, if not as long as the certificate"},
+                   {"--not-after", "TIME", "or until when (2027-11-21T00:00:00Z)"},
+                   kSign,
+                   kSigningCa,
+                   kPassphraseFile,
+                   kPassphraseEnv,
+                   kInsecureKeyMode},
+       .examples = {"ddssec permissions new --cert talker/cert.pem --publish rt/chatter -o "
+                    "permissions.xml",
+                    "ddssec permissions new --cert talker/cert.pem --domain 0-5 --subscribe 'rt/*' "
+                    "--sign --ca ca -o talker/permissions.xml"},
+       .run = permissions_new}};
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,42 @@
+#include "governance/rights.hpp"
+
+#include <optional>
+
+namespace ddssec::governance {
+namespace {
+
+std::vector<Text> texts_of(const std::vector<std::string>& expressions) {
+  std::vector<Text> out;
+  out.reserve(expressions.size());
+  for (const auto& expression : expressions) out.push_back({expression, 0});
+  return out;
+}
+
+std::vector<Criteria> criteria_of(const std::vector<std::string>& topics,
+                                  const std::vector<std::string>& partitions) {
+  if (topics.empty()) return {};
+  Criteria out{.topics = texts_of(topics)};
+  if (!partitions.empty()) out.partitions = texts_of(partitions);
+  return {out};
+}
+
+}  // namespace
+
+Grant grant_of(std::string name, const pki::Certificate& certificate, const Rights& rights,
+               Validity validity) {
+  const auto rule = [&](bool allow, const auto& publish, const auto& subscribe,
+                        const std::vector<std::string>& partitions) {
+    return Rule{.allow = allow,
+                .domains = {.ranges = rights.domains},
+                .publish = criteria_of(publish, partitions),
+                .subscribe = criteria_of(subscribe, partitions)};
+  };
+  Grant grant{.name = std::move(name), .subject_name = certificate.subject(), .validity = validity};
+  if (!rights.deny_publish.empty() || !rights.deny_subscribe.empty())
+    grant.rules.push_back(rule(false, rights.deny_publish, rights.deny_subscribe, {}));
+  // The schema wants a rule; one without topics lets the participant join and nothing else.
+  grant.rules.push_back(rule(true, rights.publish, rights.subscribe, rights.partitions));
+  return grant;
+}
+
+}  // namespace ddssec::governance

@@ -1,0 +1,84 @@
+#!/usr/bin/env python3
+"""permissions new: the rights of one certificate's subject, valid by the OMG's schema."""
+
+import xml.etree.ElementTree as ElementTree
+
+from transcript import Transcript, main
+
+NOW = ("--now", "2026-11-21T00:00:00Z")
+
+
+class NewPermissions(Transcript):
+    def setUp(self):
+        super().setUp()
+        self.run_program("ca", "create", "ca", "--no-passphrase", *NOW)
+        self.run_program("identity", "issue", "talker", "--ca", "ca", "-o", "talker",
+                         "--subject", "CN=talker,O=A & B,C=DE", *NOW)
+
+    def new(self, *words, **more):
+        return self.json("permissions", "new", "--cert", "talker/cert.pem", "-o", "p.xml", *NOW,
+                         *words, **more)
+
+    def document(self):
+        self.assertMeetsSchema("p.xml", "permissions.xsd")
+        return ElementTree.parse(self.at / "p.xml").getroot()
+
+    def test_the_subject_and_the_dates_are_the_certificates(self):
+        out = self.new("--publish", "rt/chatter", "--subscribe", "*")
+        self.assertEqual(out["result"], {"file": "p.xml", "subject": "CN=talker,O=A & B,C=DE",
+                                         "not_before": "2026-11-20T23:00:00Z",
+                                         "not_after": "2027-11-21T00:00:00Z"})
+        root = self.document()
+        self.assertEqual(root.findtext(".//subject_name"), "CN=talker,O=A & B,C=DE")
+        self.assertEqual([e.text for e in root.findall(".//publish/topics/topic")], ["rt/chatter"])
+        self.assertEqual([e.text for e in root.findall(".//subscribe/topics/topic")], ["*"])
+        self.assertEqual((root.findtext(".//domains/id"), root.findtext(".//default")), ("0", "DENY"))
+
+    def test_denials_come_first_and_partitions_belong_to_what_is_allowed(self):
+        self.new("--domain", "1-3", "--publish", "a", "--publish", "b", "--deny-publish", "c*",
+                 "--deny-subscribe", "d", "--partition", "red", "--partition", "blue*")
+        grant = self.document().find(".//grant")
+        self.assertEqual([e.tag for e in grant],
+                         ["subject_name", "validity", "deny_rule", "allow_rule", "default"])
+        deny, allow = grant.find("deny_rule"), grant.find("allow_rule")
+        self.assertEqual([e.text for e in deny.iter("topic")], ["c*", "d"])
+        self.assertEqual([e.text for e in deny.iter("partition")], [])
+        self.assertEqual([e.text for e in allow.iter("partition")], ["red", "blue*"])
+        self.assertEqual((allow.findtext(".//min"), allow.findtext(".//max")), ("1", "3"))
+
+    def test_without_topics_it_may_join_and_nothing_else(self):
+        self.new()
+        self.assertEqual([e.tag for e in self.document().find(".//allow_rule")], ["domains"])
+
+    def test_its_life_can_be_shorter(self):
+        self.assertEqual(self.new("--days", "30")["result"]["not_after"], "2026-12-21T00:00:00Z")
+        (self.at / "p.xml").unlink()
+        out = self.new("--not-after", "2027-01-01T00:00:00+01:00")
+        self.assertEqual(out["result"]["not_after"], "2026-12-31T23:00:00Z")
+
+    def test_signed_permissions_complete_a_folder(self):
+        out = self.json("permissions", "new", "--cert", "talker/cert.pem", "-o",
+                        "talker/permissions.p7s", "--publish", "rt/a", "--sign", "--ca", "ca", *NOW)
+        self.assertEqual([f["path"] for f in out["files_written"]],
+                         ["talker/permissions.xml", "talker/permissions.p7s"])
+        self.run_program("permissions", "verify", "talker/permissions.p7s", "--ca",
+                         "ca/permissions/ca.pem", *NOW)
+
+    def test_wrong_words_are_refused_and_nothing_is_written(self):
+        new = ("permissions", "new", "--cert", "talker/cert.pem", "-o", "p.xml", *NOW)
+        self.refused("usage", 2, "permissions", "new", "-o", "p.xml")
+        self.refused("usage", 2, *new, "--days", "1", "--not-after", "2027-01-01T00:00:00Z")
+        self.refused("usage", 2, *new, "--days", "0")
+        self.refused("usage", 2, *new, "--not-after", "tomorrow")
+        self.refused("usage", 2, *new, "--not-after", "2020-01-01T00:00:00Z")
+        self.refused("usage", 2, *new, "--domain", "300")
+        self.refused("element_empty", 3, *new, "--publish", "")
+        self.refused("xml_control_character", 3, *new, "--publish", "a", "--partition", "\x01")
+        self.refused("usage", 2, *new, "--partition", "a")
+        self.refused("file_not_found", 3, "permissions", "new", "--cert", "none.pem", "-o", "p.xml")
+        self.refused("certificate_malformed", 3, "permissions", "new", "--cert",
+                     "talker/key.pem", "-o", "p.xml")
+
+
+if __name__ == "__main__":
+    main()
