@@ -1,11 +1,11 @@
 #include "governance/topic_sets.hpp"
 
 #include <map>
-#include <random>
 
 #include <gtest/gtest.h>
 
 #include "governance/matcher.hpp"
+#include "tests/unit/governance_compare/words.hpp"
 
 namespace ddssec::governance {
 namespace {
@@ -19,7 +19,7 @@ struct Row {
   std::string witness;
 };
 
-class Containment : public testing::TestWithParam<Row> {};
+class Containment : public ::testing::TestWithParam<Row> {};
 
 TEST_P(Containment, IsDecidedWithTheShortestExample) {
   const auto answer = contained(GetParam().inner, GetParam().outer);
@@ -101,26 +101,14 @@ TEST(NameAtoms, OfListsOfTheirOwnAreAcceptanceVectors) {
   EXPECT_EQ(witnesses, expected);
 }
 
-// Octets outside the alphabet of the expressions behave like any other that nothing mentions.
-std::vector<std::string> all_words(std::string_view alphabet, std::size_t longest) {
-  std::vector<std::string> words = {""};
-  for (std::size_t from = 0, length = 0; length < longest; ++length) {
-    const std::size_t to = words.size();
-    for (; from < to; ++from) {
-      for (const char c : alphabet) words.push_back(words[from] + c);
-    }
-  }
-  return words;
-}
-
 class RandomExpressions {
  public:
   std::string one() {
     static constexpr std::string_view kParts[] = {"a", "b", "a",    "b",   "*",
                                                   "*", "?", "[ab]", "[!a]"};
     std::string text;
-    for (std::uint32_t parts = below(4); parts > 0; --parts) {
-      text += kParts[below(std::size(kParts))];
+    for (std::uint32_t parts = dice_.below(4); parts > 0; --parts) {
+      text += kParts[dice_.below(std::size(kParts))];
     }
     return text;
   }
@@ -128,17 +116,15 @@ class RandomExpressions {
     texts_.clear();
     texts_.reserve(8);
     std::vector<RankedExpression> result;
-    for (std::uint32_t count = 1 + below(6); count > 0; --count) {
+    for (std::uint32_t count = 1 + dice_.below(6); count > 0; --count) {
       texts_.push_back(one());
-      result.push_back({texts_.back(), below(3), below(3)});
+      result.push_back({texts_.back(), dice_.below(3), dice_.below(3)});
     }
     return result;
   }
 
  private:
-  std::uint32_t below(std::size_t n) { return static_cast<std::uint32_t>(generator_() % n); }
-
-  std::mt19937 generator_{20261121};
+  words::Dice dice_{20261121};
   std::vector<std::string> texts_;
 };
 
@@ -156,14 +142,15 @@ Matches first_matches(const std::vector<RankedExpression>& lists, const std::str
   return matches;
 }
 
+// Octets that the expressions do not mention behave like the letter c.
 // Words up to six letters reach every acceptance of three lists of expressions with three steps.
 TEST(NameAtoms, AreWhatAllShortWordsSay) {
-  const auto words = all_words("abc", 6);
+  const auto names = words::all_words("abc", 6);
   RandomExpressions random;
   for (int round = 0; round < 1500; ++round) {
     const auto lists = random.lists();
     std::map<Matches, std::string> expected;
-    for (const auto& word : words) {
+    for (const auto& word : names) {
       auto [entry, is_new] = expected.try_emplace(first_matches(lists, word), word);
       if (!is_new && entry->second.empty()) entry->second = word;
     }

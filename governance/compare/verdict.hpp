@@ -1,0 +1,39 @@
+// The words in which comparisons of documents are told.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace ddssec::governance {
+
+/// What one difference between documents means.
+enum class ChangeClass : std::uint8_t {
+  neutral,
+  interop,   ///< the same to us, perhaps not to other products
+  stronger,  ///< governance: better protected
+  narrower,  ///< less is allowed
+  wider,     ///< more is allowed
+  weaker,    ///< governance: less protected
+  mixed,     ///< some of both
+  unknown,   ///< it could not be found out
+};
+std::string_view to_string(ChangeClass change);
+
+/// Collects classes; wider counts as down, narrower as up.
+class Direction {
+ public:
+  void add(ChangeClass change);
+  void add(const Direction& other) {
+    down_ |= other.down_, up_ |= other.up_, unknown_ |= other.unknown_;
+  }
+  bool down() const { return down_; }
+  bool up() const { return up_; }
+  bool unknown() const { return unknown_; }
+  /// neutral, `if_up`, `if_down`, mixed or unknown.
+  ChangeClass verdict(ChangeClass if_up, ChangeClass if_down) const;
+
+ private:
+  bool down_ = false, up_ = false, unknown_ = false;
+};
+
+}  // namespace ddssec::governance

@@ -1,0 +1,347 @@
+#include "governance/compare/governance_diff.hpp"
+
+#include <functional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace ddssec::governance {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using Kind = ProtectionKind;
+using enum ChangeClass;
+
+TopicRule topic(std::string expression, Kind data = Kind::encrypt, int line = 0) {
+  TopicRule rule;
+  rule.topic_expression = std::move(expression);
+  rule.data_protection_kind = data;
+  rule.line = line;
+  return rule;
+}
+
+/// One domain rule for domain 0 in which every flag is set and every kind is SIGN.
+Governance document(std::vector<TopicRule> topics) {
+  DomainRule rule;
+  rule.domains.ranges = {{0, 0}};
+  rule.discovery_protection_kind = Kind::sign;
+  rule.liveliness_protection_kind = Kind::sign;
+  rule.rtps_protection_kind = Kind::sign;
+  rule.topic_rules = std::move(topics);
+  rule.line = 2;
+  Governance governance;
+  governance.domain_rules = {rule};
+  return governance;
+}
+
+Governance plain() {
+  auto governance = document({topic("*", Kind::sign)});
+  governance.domain_rules[0].topic_rules[0].metadata_protection_kind = Kind::sign;
+  return governance;
+}
+
+/// One row of the table of elements: what raises one value, and how that is called.
+struct Row {
+  const char* element;
+  std::function<void(DomainRule&)> raise;
+  ChangeClass up = stronger;
+  ChangeClass down = weaker;
+  Interop interop = Interop::endpoint;
+  bool is_about_topics = true;
+  std::function<void(DomainRule&)> lower = [](DomainRule&) {};
+};
+
+void PrintTo(const Row& row, std::ostream* out) { *out << row.element; }
+
+class Lattice : public ::testing::TestWithParam<Row> {};
+
+TEST_P(Lattice, MovesUpAndDown) {
+  const auto& row = GetParam();
+  auto low = plain(), high = plain();
+  row.lower(low.domain_rules[0]);
+  row.raise(high.domain_rules[0]);
+
+  const auto up = compare(low, high);
+  ASSERT_THAT(up.changes, SizeIs(1));
+  EXPECT_EQ(up.changes[0].element.element, row.element);
+  EXPECT_EQ(up.changes[0].element.change, row.up);
+  EXPECT_EQ(up.changes[0].element.interop, row.interop);
+  EXPECT_EQ(up.changes[0].is_about_topics, row.is_about_topics);
+  EXPECT_EQ(up.verdict, row.up == narrower ? stronger : row.up);
+  EXPECT_EQ(up.flag_day_domains.empty(), row.interop == Interop::none);
+
+  const auto down = compare(high, low);
+  ASSERT_THAT(down.changes, SizeIs(1));
+  EXPECT_EQ(down.changes[0].element.change, row.down);
+  EXPECT_EQ(down.changes[0].element.old_value, up.changes[0].element.new_value);
+  EXPECT_EQ(down.verdict, row.down == wider ? weaker : row.down);
+
+  EXPECT_EQ(compare(low, low).verdict, neutral);
+  EXPECT_THAT(compare(high, high).changes, IsEmpty());
+}
+
+template <class T>
+std::function<void(DomainRule&)> set(T DomainRule::*member, T value) {
+  return [=](DomainRule& rule) { rule.*member = value; };
+}
+template <class T>
+std::function<void(DomainRule&)> set(T TopicRule::*member, T value) {
+  return [=](DomainRule& rule) { rule.topic_rules[0].*member = value; };
+}
+void remove_domain(DomainRule& rule) { rule.domains.ranges = {{7, 7}}; }
+void cover_all(DomainRule& rule) { rule.domains.ranges = {{0, 0}, {7, 7}}; }
+
+INSTANTIATE_TEST_SUITE_P(
+    Table, Lattice,
+    ::testing::Values(
+        Row{"allow_unauthenticated_participants",
+            set(&DomainRule::allow_unauthenticated_participants, false), stronger, weaker,
+            Interop::none, false, set(&DomainRule::allow_unauthenticated_participants, true)},
+        Row{"enable_join_access_control", set(&DomainRule::enable_join_access_control, true),
+            stronger, weaker, Interop::none, false,
+            set(&DomainRule::enable_join_access_control, false)},
+        Row{"enable_key_revision", set(&DomainRule::enable_key_revision, true), stronger, weaker,
+            Interop::participant, false},
+        Row{"discovery_protection_kind", set(&DomainRule::discovery_protection_kind, Kind::encrypt),
+            stronger, weaker, Interop::participant, false},
+        Row{"liveliness_protection_kind",
+            set(&DomainRule::liveliness_protection_kind, Kind::encrypt), stronger, weaker,
+            Interop::participant, false},
+        Row{"rtps_protection_kind", set(&DomainRule::rtps_protection_kind, Kind::encrypt), stronger,
+            weaker, Interop::participant, false},
+        Row{"rtps_protection_kind",
+            set(&DomainRule::rtps_protection_kind, Kind::sign_with_origin_authentication), stronger,
+            weaker, Interop::participant, false},
+        Row{"rtps_psk_protection_kind", set(&DomainRule::rtps_psk_protection_kind, Kind::sign),
+            stronger, weaker, Interop::participant, false},
+        Row{"enable_discovery_protection", set(&TopicRule::enable_discovery_protection, true),
+            stronger, weaker, Interop::endpoint, true,
+            set(&TopicRule::enable_discovery_protection, false)},
+        Row{"enable_liveliness_protection", set(&TopicRule::enable_liveliness_protection, true),
+            stronger, weaker, Interop::endpoint, true,
+            set(&TopicRule::enable_liveliness_protection, false)},
+        Row{"enable_read_access_control", set(&TopicRule::enable_read_access_control, true),
+            stronger, weaker, Interop::endpoint, true,
+            set(&TopicRule::enable_read_access_control, false)},
+        Row{"enable_write_access_control", set(&TopicRule::enable_write_access_control, true),
+            stronger, weaker, Interop::endpoint, true,
+            set(&TopicRule::enable_write_access_control, false)},
+        Row{"metadata_protection_kind", set(&TopicRule::metadata_protection_kind, Kind::encrypt)},
+        Row{"data_protection_kind", set(&TopicRule::data_protection_kind, Kind::encrypt)},
+        Row{"data_protection_kind", [](DomainRule&) {}, stronger, weaker, Interop::endpoint, true,
+            set(&TopicRule::data_protection_kind, Kind::none)},
+        // What is not covered cannot be used: fewer topics and domains are narrower.
+        Row{"topic_rule", set(&TopicRule::topic_expression, std::string("a*")), narrower, wider},
+        Row{"domain_rule", remove_domain, narrower, wider, Interop::participant, false,
+            cover_all}));
+
+TEST(Lattice, KindsAreOrderedByLevelAndOrigin) {
+  EXPECT_EQ(compare(Kind::none, Kind::sign), stronger);
+  EXPECT_EQ(compare(Kind::sign, Kind::encrypt), stronger);
+  EXPECT_EQ(compare(Kind::sign, Kind::sign_with_origin_authentication), stronger);
+  EXPECT_EQ(compare(Kind::encrypt, Kind::encrypt_with_origin_authentication), stronger);
+  EXPECT_EQ(compare(Kind::none, Kind::encrypt_with_origin_authentication), stronger);
+  EXPECT_EQ(
+      compare(Kind::encrypt_with_origin_authentication, Kind::sign_with_origin_authentication),
+      weaker);
+  EXPECT_EQ(compare(Kind::encrypt, Kind::sign_with_origin_authentication), mixed);
+  EXPECT_EQ(compare(Kind::sign_with_origin_authentication, Kind::encrypt), mixed);
+  EXPECT_EQ(compare(Kind::encrypt, Kind::encrypt), neutral);
+}
+
+TEST(GovernanceDiff, AFlagWithNothingBehindItIsNeutralButBreaks) {
+  auto low = plain(), high = plain();
+  for (auto* document : {&low, &high}) {
+    document->domain_rules[0].discovery_protection_kind = Kind::none;
+    document->domain_rules[0].liveliness_protection_kind = Kind::none;
+  }
+  low.domain_rules[0].topic_rules[0].enable_discovery_protection = false;
+  low.domain_rules[0].topic_rules[0].enable_liveliness_protection = false;
+  const auto diff = compare(high, low);
+  EXPECT_EQ(diff.verdict, neutral);
+  ASSERT_THAT(diff.changes, SizeIs(2));
+  EXPECT_EQ(diff.changes[0].element.change, neutral);
+  EXPECT_EQ(diff.changes[0].element.interop, Interop::endpoint);
+  EXPECT_THAT(diff.flag_day_domains, ElementsAre(DomainRange{0, 0}));
+}
+
+TEST(GovernanceDiff, AnIncomparableKindIsMixed) {
+  auto before = plain(), after = plain();
+  before.domain_rules[0].rtps_protection_kind = Kind::encrypt;
+  after.domain_rules[0].rtps_protection_kind = Kind::sign_with_origin_authentication;
+  EXPECT_EQ(compare(before, after).verdict, mixed);
+}
+
+TEST(GovernanceDiff, RulesInOtherWordsAreNeutral) {
+  const auto before = document({topic("rt/x"), topic("rt/y"), topic("*", Kind::sign)});
+  const auto after = document({topic("rt/[xy]"), topic("*", Kind::sign)});
+  const auto diff = compare(before, after);
+  EXPECT_EQ(diff.verdict, neutral);
+  EXPECT_THAT(diff.changes, IsEmpty());
+  ASSERT_THAT(diff.rewritten, SizeIs(1));
+  EXPECT_THAT(diff.rewritten[0].only_old, ElementsAre("rt/x", "rt/y"));
+  EXPECT_THAT(diff.rewritten[0].only_new, ElementsAre("rt/[xy]"));
+}
+
+TEST(GovernanceDiff, TheOrderOfRulesCounts) {
+  const auto before = document({topic("rt/cmd*"), topic("rt/*", Kind::sign)});
+  const auto after = document({topic("rt/*", Kind::sign), topic("rt/cmd*")});
+  const auto diff = compare(before, after);
+  EXPECT_EQ(diff.verdict, weaker);
+  ASSERT_THAT(diff.changes, SizeIs(1));
+  EXPECT_EQ(diff.changes[0].witness, "rt/cmd");
+  EXPECT_THAT(diff.changes[0].expressions_old, ElementsAre("rt/cmd*"));
+  EXPECT_THAT(diff.changes[0].expressions_new, ElementsAre("rt/*"));
+
+  const auto swapped = document({topic("rt/a*"), topic("rt/b*", Kind::sign)});
+  const auto apart = document({topic("rt/b*", Kind::sign), topic("rt/a*")});
+  EXPECT_EQ(compare(swapped, apart).verdict, neutral);
+}
+
+// rt/cmd loses its own secrecy to insiders, everything else gains a second layer.
+TEST(GovernanceDiff, WorkThatMovesToAnotherLayerIsToldByAttacker) {
+  auto before = document({topic("rt/cmd*", Kind::encrypt, 22), topic("*", Kind::sign, 30)});
+  auto after = document({topic("rt/cmd*", Kind::sign, 23), topic("*", Kind::sign, 31)});
+  for (auto* document : {&before, &after}) {
+    for (auto& rule : document->domain_rules[0].topic_rules) {
+      rule.metadata_protection_kind = Kind::none;
+    }
+  }
+  after.domain_rules[0].rtps_protection_kind = Kind::encrypt;
+  const auto diff = compare(before, after);
+  EXPECT_EQ(diff.verdict, mixed);
+  ASSERT_THAT(diff.changes, SizeIs(2));
+  EXPECT_EQ(diff.changes[0].element.element, "data_protection_kind");
+  EXPECT_EQ(diff.changes[0].witness, "rt/cmd");
+  EXPECT_EQ(diff.changes[0].old_line(), 22);
+  EXPECT_EQ(diff.changes[0].new_line(), 23);
+  EXPECT_THAT(listed(diff.changes[0].lost), ElementsAre(Property::insider_payload_secrecy));
+  EXPECT_EQ(diff.changes[1].element.element, "rtps_protection_kind");
+  EXPECT_EQ(diff.changes[1].element.change, stronger);
+}
+
+TEST(GovernanceDiff, MetadataDoesNotMakeUpForPayload) {
+  auto before = document({topic("*", Kind::encrypt)});
+  auto after = document({topic("*", Kind::none)});
+  before.domain_rules[0].topic_rules[0].metadata_protection_kind = Kind::none;
+  after.domain_rules[0].topic_rules[0].metadata_protection_kind = Kind::none;
+  after.domain_rules[0].rtps_protection_kind = Kind::encrypt;
+  const auto diff = compare(before, after);
+  EXPECT_EQ(diff.verdict, weaker);
+  EXPECT_TRUE(
+      diff.changes[0].lost.test(static_cast<std::size_t>(Property::insider_payload_secrecy)));
+}
+
+TEST(GovernanceDiff, WhatAnotherLayerStillDoesIsNotLost) {
+  auto before = plain(), after = plain();
+  // Submessages are encrypted instead of payloads: nobody reads more, and metadata is hidden too.
+  before.domain_rules[0].topic_rules[0].data_protection_kind = Kind::encrypt;
+  after.domain_rules[0].topic_rules[0].metadata_protection_kind = Kind::encrypt;
+  EXPECT_EQ(compare(before, after).verdict, stronger);
+}
+
+TEST(GovernanceDiff, DomainsAreCutWhereEitherDocumentCutsThem) {
+  auto before = plain(), after = plain();
+  before.domain_rules[0].domains.ranges = {{0, 9}};
+  after.domain_rules[0].domains.ranges = {{5, 20}};
+  after.domain_rules[0].rtps_protection_kind = Kind::encrypt;
+  const auto diff = compare(before, after);
+  ASSERT_THAT(diff.changes, SizeIs(3));
+  EXPECT_EQ(diff.changes[0].element.change, wider);
+  EXPECT_THAT(diff.changes[0].domains, ElementsAre(DomainRange{10, 20}));
+  EXPECT_EQ(diff.changes[1].element.change, narrower);
+  EXPECT_THAT(diff.changes[1].domains, ElementsAre(DomainRange{0, 4}));
+  EXPECT_THAT(diff.changes[2].domains, ElementsAre(DomainRange{5, 9}));
+  EXPECT_EQ(diff.changes[2].element.change, stronger);
+  EXPECT_THAT(diff.flag_day_domains, ElementsAre(DomainRange{0, 20}));
+  EXPECT_EQ(diff.verdict, mixed);
+}
+
+TEST(GovernanceDiff, TheFirstRuleForADomainCounts) {
+  auto before = plain();
+  before.domain_rules.push_back(before.domain_rules[0]);
+  auto after = before;
+  after.domain_rules[1].rtps_protection_kind = Kind::none;
+  EXPECT_EQ(compare(before, after).verdict, neutral) << "it never applied";
+  std::swap(after.domain_rules[0], after.domain_rules[1]);
+  EXPECT_EQ(compare(before, after).verdict, weaker);
+}
+
+TEST(GovernanceDiff, DomainTagsAreToldApart) {
+  auto before = plain();
+  before.domain_rules[0].domains.tags = {{"floor*"}};
+  auto after = before;
+  after.domain_rules[0].domains.tags = {{"floor*"}, {"roof"}};
+  auto diff = compare(before, after);
+  EXPECT_EQ(diff.verdict, weaker);
+  ASSERT_THAT(diff.changes, SizeIs(1));
+  EXPECT_EQ(diff.changes[0].element.change, wider);
+  EXPECT_THAT(diff.changes[0].tags, ElementsAre("roof"));
+
+  after.domain_rules[0].domains.tags.clear();
+  after.domain_rules[0].domains.tag_expressions = {{"floor*"}};
+  diff = compare(before, after);
+  ASSERT_THAT(diff.changes, SizeIs(1));
+  EXPECT_THAT(diff.changes[0].tags, ElementsAre("floor")) << "a tag is literal, an expression not";
+
+  for (int i = 0; i < 100; ++i) {
+    after.domain_rules[0].domains.tags.push_back({std::to_string(i)});
+  }
+  EXPECT_EQ(compare(before, after).verdict, unknown);
+}
+
+TEST(GovernanceDiff, AllowedAlgorithmsAreSets) {
+  auto before = plain(), after = plain();
+  AllowedAlgorithms lists;
+  lists.symmetric_cipher = {{"AES128+GCM"}, {"AES256+GCM"}};
+  after.domain_rules[0].allowed_algorithms = lists;
+  EXPECT_EQ(compare(before, after).verdict, stronger);
+  EXPECT_EQ(compare(after, before).verdict, weaker);
+  EXPECT_THAT(compare(before, after).flag_day_domains, IsEmpty());
+
+  before = after;
+  before.domain_rules[0].allowed_algorithms->symmetric_cipher = {{"CHACHA20+POLY1305"}};
+  const auto diff = compare(before, after);
+  EXPECT_EQ(diff.verdict, mixed);
+  EXPECT_EQ(diff.changes[0].element.element, "allowed_crypto_algorithms/symmetric_cipher");
+  EXPECT_THAT(diff.flag_day_domains, SizeIs(1)) << "they have no cipher in common";
+}
+
+TEST(GovernanceDiff, OnlyTopicsInUseCanBeAskedFor) {
+  const auto before = document({topic("rt/cmd*"), topic("rt/*", Kind::sign)});
+  const auto after = document({topic("rt/cmd"), topic("rt/*", Kind::sign)});
+  EXPECT_EQ(compare(before, after).verdict, weaker);
+  EXPECT_EQ(compare(before, after).changes[0].witness, "rt/cmda");
+  EXPECT_EQ(compare(before, after, {.topics = {"rt/cmd", "rt/scan", "other"}}).verdict, neutral);
+  EXPECT_EQ(compare(before, after, {.topics = {"rt/cmd2"}}).verdict, weaker);
+}
+
+TEST(GovernanceDiff, WhatIsTooHardIsUnknown) {
+  const auto before = document({topic("*a" + std::string(12, '?')), topic("*", Kind::none)});
+  const auto after = document({topic("*[ab]" + std::string(12, '?')), topic("*", Kind::none)});
+  const auto diff = compare(before, after);
+  EXPECT_EQ(diff.verdict, unknown);
+  EXPECT_THAT(diff.unknown_domains, ElementsAre(DomainRange{0, 0}));
+  // Asked for topics there is nothing to be searched.
+  EXPECT_EQ(compare(before, after, {.topics = {"b" + std::string(12, 'x')}}).verdict, stronger);
+}
+
+// A thousand rules whose combinations are too many to list still get a verdict.
+TEST(GovernanceDiff, RulesOfEqualEffectAreTakenTogetherWhereThereAreTooMany) {
+  std::vector<TopicRule> rules;
+  for (int i = 0; i < 1000; ++i) rules.push_back(topic("*/robot" + std::to_string(i) + "/*"));
+  rules.push_back(topic("*", Kind::sign));
+  const auto before = document(rules);
+  rules.pop_back();
+  rules.push_back(topic("*", Kind::none));
+  const auto diff = compare(before, document(rules));
+  EXPECT_EQ(diff.verdict, weaker);
+  EXPECT_FALSE(diff.complete);
+  ASSERT_THAT(diff.changes, SizeIs(1));
+  EXPECT_EQ(diff.changes[0].witness, "a");
+}
+
+}  // namespace
+}  // namespace ddssec::governance

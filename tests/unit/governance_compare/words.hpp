@@ -1,0 +1,64 @@
+// All short names over a small alphabet, and a pool of expressions with what each of them matches.
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "governance/matcher.hpp"
+
+namespace ddssec::governance::words {
+
+/// Every word over the alphabet with at most so many letters, shortest first.
+inline std::vector<std::string> all_words(std::string_view alphabet, std::size_t longest) {
+  std::vector<std::string> words = {""};
+  for (std::size_t from = 0, length = 0; length < longest; ++length) {
+    const std::size_t to = words.size();
+    for (; from < to; ++from) {
+      for (const char c : alphabet) words.push_back(words[from] + c);
+    }
+  }
+  return words;
+}
+
+/// An expression and, for each word, whether it matches, found by Pattern alone.
+struct KnownExpression {
+  std::string text;
+  std::vector<bool> matches;
+};
+
+/// Every expression of at most so many parts.
+inline std::vector<KnownExpression> all_expressions(const std::vector<std::string>& words,
+                                                    std::size_t most_parts) {
+  static constexpr std::string_view kParts[] = {"a", "b", "*", "?", "[ab]", "[!a]"};
+  std::vector<std::string> texts = {""};
+  for (std::size_t from = 0, parts = 0; parts < most_parts; ++parts) {
+    const std::size_t to = texts.size();
+    for (; from < to; ++from) {
+      for (const auto part : kParts) texts.push_back(texts[from] + std::string(part));
+    }
+  }
+  std::vector<KnownExpression> pool;
+  for (const auto& text : texts) {
+    const Pattern pattern(text);
+    KnownExpression known{text, {}};
+    for (const auto& word : words) known.matches.push_back(pattern.matches(word));
+    pool.push_back(std::move(known));
+  }
+  return pool;
+}
+
+/// Seeded: the same numbers on every machine.
+class Dice {
+ public:
+  explicit Dice(std::uint32_t seed) : generator_(seed) {}
+  std::uint32_t below(std::size_t n) { return static_cast<std::uint32_t>(generator_() % n); }
+  bool once_in(std::size_t n) { return below(n) == 0; }
+
+ private:
+  std::mt19937 generator_;
+};
+
+}  // namespace ddssec::governance::words
