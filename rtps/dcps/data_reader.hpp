@@ -9,15 +9,6 @@
 
 namespace ddssec::rtps {
 
-enum class InstanceState : std::uint8_t { alive, not_alive_disposed, not_alive_no_writers };
-
-struct SampleInfo {
-  Guid writer;
-  InstanceState instance_state = InstanceState::alive;
-  std::optional<Time> source_time;
-  bool valid_data = true;  ///< false: only the key is meaningful
-};
-
 /// A reader of octets; what DataReader<T> stands on.
 class ReaderCore final : private EndpointListener {
  public:
@@ -104,8 +95,12 @@ class DataReader {
       const auto state = change->status.disposed       ? InstanceState::not_alive_disposed
                          : change->status.unregistered ? InstanceState::not_alive_no_writers
                                                        : InstanceState::alive;
-      return Sample<T>{std::move(*data),
-                       {change->writer, state, change->source_time, !change->key_only}};
+      Sample<T> sample{std::move(*data), {}};
+      sample.info.publication_handle = change->writer;
+      sample.info.instance_state = state;
+      sample.info.source_timestamp = change->source_time;
+      sample.info.valid_data = !change->key_only;
+      return sample;
     }
     return std::nullopt;
   }

@@ -1,22 +1,91 @@
 // Communication statuses of DDS 1.4, 2.2.4.1, with what a person needs beside the counts.
 #pragma once
 
+#include <map>
+
 #include "base/ids.hpp"
+#include "rtps/dcps/states.hpp"
 #include "rtps/qos/matching.hpp"
 
 namespace ddssec::rtps {
 
-/// PUBLICATION_MATCHED and SUBSCRIPTION_MATCHED.
-struct MatchedStatus {
+/// StatusKind of DDS 1.4; the bits are those of its IDL.
+enum class StatusKind : std::uint32_t {
+  inconsistent_topic = 1u << 0,
+  offered_deadline_missed = 1u << 1,
+  requested_deadline_missed = 1u << 2,
+  offered_incompatible_qos = 1u << 5,
+  requested_incompatible_qos = 1u << 6,
+  sample_lost = 1u << 7,
+  sample_rejected = 1u << 8,
+  data_on_readers = 1u << 9,
+  data_available = 1u << 10,
+  liveliness_lost = 1u << 11,
+  liveliness_changed = 1u << 12,
+  publication_matched = 1u << 13,
+  subscription_matched = 1u << 14,
+};
+using StatusMask = Mask<StatusKind>;
+constexpr StatusMask operator|(StatusKind a, StatusKind b) { return StatusMask(a) | b; }
+inline constexpr StatusMask kAnyStatus = StatusMask::any();
+
+/// Counts since the beginning, and since the status was last read or a listener was told.
+struct CountStatus {
   std::int32_t total_count = 0;
-  std::int32_t current_count = 0;
-  Guid last_remote;
+  std::int32_t total_count_change = 0;
+  void count(std::int64_t by = 1);
+};
+
+struct InconsistentTopicStatus : CountStatus {};
+struct SampleLostStatus : CountStatus {};
+struct LivelinessLostStatus : CountStatus {};
+
+enum class SampleRejectedReason : std::uint8_t {
+  not_rejected,
+  by_instances_limit,
+  by_samples_limit,
+  by_samples_per_instance_limit
+};
+struct SampleRejectedStatus : CountStatus {
+  SampleRejectedReason last_reason = SampleRejectedReason::not_rejected;
+  InstanceHandle last_instance_handle;
+};
+
+/// OFFERED_ and REQUESTED_DEADLINE_MISSED.
+struct DeadlineMissedStatus : CountStatus {
+  InstanceHandle last_instance_handle;
 };
 
 /// OFFERED_ and REQUESTED_INCOMPATIBLE_QOS.
-struct IncompatibleQosStatus {
-  std::int32_t total_count = 0;
-  QosMismatch last;
+struct IncompatibleQosStatus : CountStatus {
+  QosPolicyId last_policy_id = QosPolicyId::invalid;
+  std::map<QosPolicyId, std::int32_t> policies;  ///< how often each policy was the reason
+  QosMismatch last;                              ///< policy and both values, in words
+  Guid last_remote;
 };
+
+/// PUBLICATION_MATCHED and SUBSCRIPTION_MATCHED.
+struct MatchedStatus : CountStatus {
+  std::int32_t current_count = 0;
+  std::int32_t current_count_change = 0;
+  Guid last_remote;
+};
+
+struct LivelinessChangedStatus {
+  std::int32_t alive_count = 0;
+  std::int32_t not_alive_count = 0;
+  std::int32_t alive_count_change = 0;
+  std::int32_t not_alive_count_change = 0;
+  Guid last_publication_handle;
+};
+
+inline void CountStatus::count(std::int64_t by) {
+  constexpr std::int64_t kMost = 0x7fffffff;
+  const auto add = [&](std::int32_t& to) {
+    to = static_cast<std::int32_t>(std::min(kMost, to + std::min(by, kMost)));
+  };
+  add(total_count);
+  add(total_count_change);
+}
 
 }  // namespace ddssec::rtps

@@ -71,8 +71,8 @@ TEST_F(Dcps, SamplesDisposesAndLargeSamplesArrive) {
   ASSERT_TRUE(sample);
   EXPECT_EQ(sample->data.value, 42);
   EXPECT_EQ(sample->data.octets, large);
-  EXPECT_EQ(sample->info.writer, writer.guid());
-  EXPECT_TRUE(sample->info.source_time && sample->info.valid_data);
+  EXPECT_EQ(sample->info.publication_handle, writer.guid());
+  EXPECT_TRUE(sample->info.source_timestamp && sample->info.valid_data);
   ASSERT_TRUE(reader.wait_for_data(10s));
   const auto gone = reader.take();
   ASSERT_TRUE(gone);

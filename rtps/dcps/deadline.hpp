@@ -1,0 +1,15 @@
+// DEADLINE as the two caches of instances count it.
+#pragma once
+
+#include "rtps/reliability/stateful_writer.hpp"
+
+namespace ddssec::rtps {
+
+/// kNever without a deadline. Whoever asks for less than a millisecond gets that, not a loop that
+/// never rests.
+inline MonotonicTime deadline_period(Duration period) {
+  constexpr MonotonicTime kShortest = std::chrono::milliseconds(1);
+  return period.is_infinite() ? kNever : std::max(period.to_nanoseconds(), kShortest);
+}
+
+}  // namespace ddssec::rtps
