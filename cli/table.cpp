@@ -31,7 +31,7 @@ const std::vector<Command>& commands() {
     std::vector<Command> all;
     for (const auto& rows :
          {ca_commands(), identity_commands(), governance_commands(), permissions_commands(),
-          document_commands(), can_commands(), explain_commands()})
+          document_commands(), diff_commands(), can_commands(), explain_commands()})
       add_to_groups(all, rows);
     return all;
   }();

@@ -255,8 +255,11 @@ void Comparison::compare_topic(const Group& group, const TopicPair& pair) {
     change.gained = after & ~before;
   }
   any_topic_ = true;
-  lost_ |= change.lost;
-  gained_ |= change.gained;
+  // What topics lose by rules of their own is told there.
+  if (changes.empty()) {
+    lost_ |= change.lost;
+    gained_ |= change.gained;
+  }
   direction_.add(direction_of(domain_changes_, changes, change.lost, change.gained));
   for (const auto& element : changes) {
     change.element = element;

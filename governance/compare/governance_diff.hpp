@@ -23,7 +23,8 @@ struct GovernanceChange {
   std::string witness = {};
   /// Of all rules that decide for such topics, in order.
   std::vector<std::string> expressions_old = {}, expressions_new = {};
-  /// What these topics lose and gain, by all changes together.
+  /// What these topics lose and gain, by all changes together; of a whole domain, the topics that
+  /// only changes of the whole domain are about.
   Properties lost = {}, gained = {};
   const DomainRule* old_domain = nullptr;
   const DomainRule* new_domain = nullptr;

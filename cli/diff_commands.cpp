@@ -1,0 +1,78 @@
+// governance diff, permissions diff: what a change of a document changes.
+#include <algorithm>
+
+#include "cli/diff_inputs.hpp"
+#include "cli/documents.hpp"
+#include "cli/governance_diff_report.hpp"
+#include "cli/groups.hpp"
+#include "cli/inputs.hpp"
+#include "governance/read.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+using governance::ChangeClass;
+
+constexpr std::size_t kMostTopicListOctets = 4 * 1024 * 1024;
+
+/// One topic a line; blank lines and such that begin with '#' are passed over.
+Result<std::vector<std::string>> topics_in(const std::filesystem::path& path) {
+  const auto octets = DDSSEC_TRY(read_file(path, kMostTopicListOctets));
+  std::vector<std::string> topics;
+  std::string_view rest = as_text(octets);
+  while (!rest.empty()) {
+    const auto end = std::min(rest.find('\n'), rest.size());
+    auto line = rest.substr(0, end);
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    if (!line.empty() && line.front() != '#') topics.emplace_back(line);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  if (!topics.empty()) return topics;
+  return fail(Code::usage,
+              {.document = path.string(), .field = "--topics", .expected = "a topic on each line"});
+}
+
+bool is_worse(ChangeClass verdict, ChangeClass down) {
+  return verdict == down || verdict == ChangeClass::mixed || verdict == ChangeClass::unknown;
+}
+
+Result<Report> governance_diff(const Arguments& arguments, const Context& context) {
+  const auto threshold = DDSSEC_TRY(fail_on(arguments, {"weaker", "breaking", "any"}));
+  governance::GovernanceDiffOptions options;
+  if (arguments.has("--topics")) options.topics = DDSSEC_TRY(topics_in(arguments.text("--topics")));
+  const auto sides = DDSSEC_TRY(diff_sides(arguments, context));
+  const auto before =
+      DDSSEC_TRY(named(governance::read_governance(sides.before.text), sides.before.path));
+  const auto after =
+      DDSSEC_TRY(named(governance::read_governance(sides.after.text), sides.after.path));
+  const auto diff = governance::compare(before, after, options);
+  Report report = report_of(diff, sides);
+  const bool unknown = diff.verdict == ChangeClass::unknown;
+  const bool reached = threshold == "weaker"     ? is_worse(diff.verdict, ChangeClass::weaker)
+                       : threshold == "breaking" ? unknown || !diff.flag_day_domains.empty()
+                       : threshold == "any"      ? unknown || !diff.changes.empty() ||
+                                                  sides.before.signer != sides.after.signer
+                                            : false;
+  if (reached) report.exit = Exit::no;
+  return report;
+}
+
+const Positional kOld{"OLD", "the document as it was, XML or signed"};
+const Positional kNew{"NEW", "the document as it will be"};
+constexpr Option kCa{"--ca", "CERT", "verify signed documents against this permissions CA"};
+
+}  // namespace
+
+std::vector<Command> diff_commands() {
+  return {{.group = "governance",
+           .name = "diff",
+           .summary = "Compares two governance documents by what they do, topic by topic.",
+           .positionals = {kOld, kNew},
+           .options = {{"--fail-on", "WHAT", "exit 1 for weaker, breaking or any differences"},
+                       {"--topics", "FILE", "compare for these topics only, one a line"},
+                       kCa},
+           .examples = {"ddssec governance diff old.p7s new.xml --fail-on weaker"},
+           .run = governance_diff}};
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,60 @@
+// The two documents that a diff compares, and how what they hold is shown.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/bytes.hpp"
+#include "cli/command.hpp"
+#include "governance/model.hpp"
+
+namespace ddssec::cli {
+
+/// One side of a comparison, as far as it is the same for all documents.
+struct DiffSide {
+  std::filesystem::path path;
+  Bytes text = {};  ///< the XML document
+  bool is_signed = false;
+  bool is_verified = false;
+  /// Who signed: the certificate's fingerprint if verified, else who claims to have. Empty: nobody.
+  std::string signer = {};
+};
+
+struct DiffSides {
+  DiffSide before, after;
+};
+
+/// Reads OLD and NEW. Signed files are verified if --ca is given, else taken without; unsigned XML
+/// is always taken. Errors: those of read_file, Certificate::bundle_from_pem and
+/// DocumentVerifier::verify.
+Result<DiffSides> diff_sides(const Arguments& arguments, const Context& context);
+
+/// {"old", "new", "same", "verified"}.
+Json signer_json(const DiffSides& sides);
+/// Complete lines: who signed, and whether that was verified. Empty if nobody signed anything.
+std::string signer_text(const DiffSides& sides);
+
+/// The value of --fail-on, or nothing. Error: usage.
+Result<std::optional<std::string>> fail_on(const Arguments& arguments,
+                                           const std::vector<std::string>& words);
+
+/// A name from a document, short and without control characters; "(empty name)" for "".
+std::string shown(std::string_view name);
+/// "a, b, c and 4 more", each shown().
+std::string shown(const std::vector<std::string>& names);
+/// "domain 0", "domains 0-4, 7".
+std::string shown(const std::vector<governance::DomainRange>& domains);
+/// "  old:22 new:23"; nothing for a line 0.
+std::string shown_lines(int old_line, int new_line);
+/// [[0,4],[7,7]]
+Json domains_json(const std::vector<governance::DomainRange>& domains);
+/// "file.xml:22", or null without a line.
+Json place(const std::filesystem::path& path, int line);
+
+/// Lines of one change: a heading and what follows, indented below it; at most 100 columns where
+/// there are blanks.
+std::string wrapped(std::string_view heading, const std::vector<std::string>& parts);
+
+}  // namespace ddssec::cli

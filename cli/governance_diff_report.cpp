@@ -1,0 +1,184 @@
+#include "cli/governance_diff_report.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "plugins/access_control/protection.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+using governance::ChangeClass;
+using governance::GovernanceChange;
+using governance::Interop;
+
+std::string capitals(std::string_view word) {
+  std::string text(word);
+  std::ranges::transform(text, text.begin(),
+                         [](char c) { return c >= 'a' && c <= 'z' ? char(c - 32) : c; });
+  return text;
+}
+
+/// Whatever is not harmless stands out.
+std::string class_word(ChangeClass change) {
+  const auto word = governance::to_string(change);
+  return change == ChangeClass::neutral ? std::string(word) : capitals(word);
+}
+
+std::string hex(std::uint32_t mask) { return fmt::format("0x{:08x}", mask); }
+
+/// What discovery announces under one document, and under the other; null without a rule.
+Json masks(const governance::DomainRule* domain, const governance::TopicRule* topic,
+           bool is_about_topics) {
+  if (is_about_topics ? topic == nullptr : domain == nullptr) return {{"mask", nullptr}};
+  const auto info = is_about_topics
+                        ? spi::security_info(access_control::endpoint_attributes(*topic))
+                        : spi::security_info(access_control::participant_attributes(*domain));
+  return {{"mask", hex(info.mask)}, {"plugin_mask", hex(info.plugin_mask)}};
+}
+
+Json properties_json(const governance::Properties& properties) {
+  Json names = Json::array();
+  for (const auto property : governance::listed(properties))
+    names.push_back(governance::to_string(property));
+  return names;
+}
+
+/// A name may be any octets; JSON is UTF-8.
+Json name_or_null(const GovernanceChange& change) {
+  return change.is_about_topics ? Json(change.witness) : Json();
+}
+
+Json to_json(const GovernanceChange& change, const DiffSides& sides) {
+  const auto before = masks(change.old_domain, change.old_topic, change.is_about_topics);
+  const auto after = masks(change.new_domain, change.new_topic, change.is_about_topics);
+  Json out = {{"domains", domains_json(change.domains)},
+              {"topics",
+               {{"witness", name_or_null(change)},
+                {"expressions_old", change.expressions_old},
+                {"expressions_new", change.expressions_new}}},
+              {"element", change.element.element},
+              {"old", change.element.old_value},
+              {"new", change.element.new_value},
+              {"class", governance::to_string(change.element.change)},
+              {"interop", governance::to_string(change.element.interop)},
+              {"mask_old", before["mask"]},
+              {"mask_new", after["mask"]}};
+  if (before.contains("plugin_mask")) out["plugin_mask_old"] = before["plugin_mask"];
+  if (after.contains("plugin_mask")) out["plugin_mask_new"] = after["plugin_mask"];
+  out["properties_lost"] = properties_json(change.lost);
+  out["properties_gained"] = properties_json(change.gained);
+  out["old_at"] = place(sides.before.path, change.old_line());
+  out["new_at"] = place(sides.after.path, change.new_line());
+  if (!change.tags.empty()) out["tags"] = change.tags;
+  return out;
+}
+
+std::string where(const GovernanceChange& change) {
+  if (!change.is_about_topics) {
+    return change.element.element == "domain_rule" ? "everything" : "all topics";
+  }
+  const auto& expressions =
+      change.expressions_old.empty() ? change.expressions_new : change.expressions_old;
+  const auto rules = shown(expressions);
+  if (rules == shown(change.witness)) return "topic " + rules;
+  return fmt::format("topics {} (e.g. {})", rules, shown(change.witness));
+}
+
+std::string to_text(const GovernanceChange& change) {
+  const auto heading = fmt::format("  {:<8} {:<7}", class_word(change.element.change),
+                                   change.element.interop == Interop::none ? "" : "breaks");
+  auto text = wrapped(
+      heading, {where(change),
+                fmt::format("{} {} -> {}", change.element.element, shown(change.element.old_value),
+                            shown(change.element.new_value)),
+                shown_lines(change.old_line(), change.new_line())});
+  const auto below = std::string(heading.size(), ' ');
+  if (!change.is_about_topics) return text;
+  for (const auto property : governance::listed(change.lost)) {
+    text += fmt::format("{}now {}\n", below, governance::without(property));
+  }
+  for (const auto property : governance::listed(change.gained)) {
+    text += fmt::format("{}no longer: {}\n", below, governance::without(property));
+  }
+  return text;
+}
+
+std::string to_text(const governance::RewrittenRules& rules) {
+  const auto only_order = rules.only_old.empty() && rules.only_new.empty();
+  std::vector<std::string> parts = {only_order ? "rules stand in another order:" : ""};
+  if (!rules.only_old.empty()) parts.push_back(shown(rules.only_old) + " left,");
+  if (!rules.only_new.empty()) parts.push_back(shown(rules.only_new) + " came:");
+  parts.push_back("no name is treated differently");
+  return wrapped(fmt::format("  {:<8} {:<7}", "neutral", ""), parts);
+}
+
+std::string verdict_text(const governance::GovernanceDiff& diff) {
+  auto verdict = capitals(governance::to_string(diff.verdict)) + ';';
+  if (diff.flag_day_domains.empty()) {
+    return wrapped("verdict: ", {verdict + " both files work together"});
+  }
+  const auto domains = shown(diff.flag_day_domains);
+  verdict += " participants still on the old file will not talk to those on the new one";
+  const auto one_line = fmt::format("{} ({})", verdict, domains);
+  constexpr std::size_t kFits = 91;
+  const auto told = one_line.size() <= kFits ? std::vector{one_line}
+                                             : std::vector{verdict, fmt::format("({})", domains)};
+  return wrapped("verdict: ", told) +
+         wrapped("", {fmt::format("deploy to all participants of {} at once,", domains),
+                      "or move gradually by way of a second domain or other topic names"});
+}
+
+std::string to_text(const governance::GovernanceDiff& diff) {
+  std::string text, heading;
+  const auto under = [&](const std::vector<governance::DomainRange>& domains,
+                         const std::vector<std::string>& tags) {
+    auto next = shown(domains);
+    if (!tags.empty()) next += ", tags " + shown(tags);
+    if (next != heading) text += next + "\n";
+    heading = std::move(next);
+  };
+  if (!diff.unknown_domains.empty()) {
+    under(diff.unknown_domains, {});
+    text +=
+        "  UNKNOWN  too many combinations of expressions to compare; --topics FILE compares\n"
+        "           the topics in use\n";
+  }
+  for (const auto& change : diff.changes) {
+    under(change.domains, change.tags);
+    text += to_text(change);
+  }
+  for (const auto& rules : diff.rewritten) {
+    under(rules.domains, {});
+    text += to_text(rules);
+  }
+  if (!diff.complete) text += "more rules than are named here changed in the same ways\n";
+  return text;
+}
+
+}  // namespace
+
+Report report_of(const governance::GovernanceDiff& diff, const DiffSides& sides) {
+  Report report;
+  report.text = to_text(diff) + signer_text(sides) + verdict_text(diff);
+  report.result = {{"verdict", governance::to_string(diff.verdict)},
+                   {"breaks_interop", !diff.flag_day_domains.empty()},
+                   {"flag_day_domains", domains_json(diff.flag_day_domains)},
+                   {"changes", Json::array()},
+                   {"rewritten", Json::array()},
+                   {"unknown_domains", domains_json(diff.unknown_domains)},
+                   {"complete", diff.complete}};
+  for (const auto& change : diff.changes) {
+    report.result["changes"].push_back(to_json(change, sides));
+  }
+  for (const auto& rules : diff.rewritten) {
+    report.result["rewritten"].push_back({{"domains", domains_json(rules.domains)},
+                                          {"only_old", rules.only_old},
+                                          {"only_new", rules.only_new}});
+  }
+  report.result["signer"] = signer_json(sides);
+  return report;
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,169 @@
+#!/usr/bin/env python3
+"""governance diff and permissions diff: what a change of a document changes, and for whom."""
+
+from transcript import Transcript, main
+
+NOW = ("--now", "2026-11-21T00:00:00Z")
+
+
+def topic(expression, data="ENCRYPT", metadata="NONE"):
+    return (f"<topic_rule><topic_expression>{expression}</topic_expression>\n"
+            "<enable_discovery_protection>true</enable_discovery_protection>\n"
+            "<enable_liveliness_protection>true</enable_liveliness_protection>\n"
+            "<enable_read_access_control>true</enable_read_access_control>\n"
+            "<enable_write_access_control>true</enable_write_access_control>\n"
+            f"<metadata_protection_kind>{metadata}</metadata_protection_kind>\n"
+            f"<data_protection_kind>{data}</data_protection_kind></topic_rule>\n")
+
+
+def governance(*topics, domain="<id>0</id>", rtps="SIGN", unauthenticated="false"):
+    return ('<?xml version="1.0" encoding="UTF-8"?>\n<dds><domain_access_rules><domain_rule>\n'
+            f"<domains>{domain}</domains>\n"
+            f"<allow_unauthenticated_participants>{unauthenticated}"
+            "</allow_unauthenticated_participants>\n"
+            "<enable_join_access_control>true</enable_join_access_control>\n"
+            "<discovery_protection_kind>ENCRYPT</discovery_protection_kind>\n"
+            "<liveliness_protection_kind>ENCRYPT</liveliness_protection_kind>\n"
+            f"<rtps_protection_kind>{rtps}</rtps_protection_kind>\n"
+            f"<topic_access_rules>\n{''.join(topics)}</topic_access_rules>\n"
+            "</domain_rule></domain_access_rules></dds>\n")
+
+
+class Differences(Transcript):
+    def write(self, old, new, kind="governance"):
+        self.kind = kind
+        (self.at / "old.xml").write_text(old)
+        (self.at / "new.xml").write_text(new)
+
+    def diff(self, *words, exit=0):
+        return self.json(self.kind, "diff", "old.xml", "new.xml", *words, exit=exit)["result"]
+
+    def text(self, *words, exit=0):
+        text = self.run_program(self.kind, "diff", "old.xml", "new.xml", *words, exit=exit).stdout
+        self.assertLessEqual(max(map(len, text.splitlines())), 100)
+        return text
+
+
+class GovernanceDifferences(Differences):
+    def test_a_change_on_two_layers_is_told_topic_by_topic(self):
+        self.write(governance(topic("rt/cmd*"), topic("*", "SIGN")),
+                   governance(topic("rt/cmd*", "SIGN"), topic("*", "SIGN"), rtps="ENCRYPT"))
+        out = self.diff("--fail-on", "weaker", exit=1)
+        self.assertEqual((out["verdict"], out["breaks_interop"], out["flag_day_domains"]),
+                         ("mixed", True, [[0, 0]]))
+        data, rtps = out["changes"]
+        self.assertEqual(data["topics"], {"witness": "rt/cmd", "expressions_old": ["rt/cmd*"],
+                                          "expressions_new": ["rt/cmd*"]})
+        self.assertEqual([data[k] for k in ("element", "old", "new", "class", "interop")],
+                         ["data_protection_kind", "ENCRYPT", "SIGN", "weaker", "endpoint"])
+        self.assertEqual((data["mask_old"], data["mask_new"]), ("0x80000077", "0x80000057"))
+        self.assertEqual(data["properties_lost"], ["insider.payload_secrecy"])
+        self.assertEqual((data["old_at"], data["new_at"]), ("old.xml:10", "new.xml:10"))
+        self.assertEqual([rtps[k] for k in ("element", "class", "interop", "plugin_mask_new")],
+                         ["rtps_protection_kind", "stronger", "participant", "0x80000007"])
+        text = self.text("--fail-on", "weaker", exit=1)
+        self.assertRegex(text, r"^domain 0\n  WEAKER   breaks topics rt/cmd\* \(e\.g\. rt/cmd\)  "
+                               r"data_protection_kind ENCRYPT -> SIGN  old:10 new:10\n")
+        self.assertIn("now insiders without the right to read can read the payload\n", text)
+        self.assertIn("STRONGER breaks all topics  rtps_protection_kind SIGN -> ENCRYPT", text)
+        self.assertIn("verdict: MIXED; participants still on the old file will not talk to those "
+                      "on the new one (domain 0)\n", text)
+
+    def test_rules_in_other_words_are_neutral(self):
+        self.write(governance(topic("rt/x"), topic("rt/y"), topic("*", "SIGN")),
+                   governance(topic("rt/[xy]"), topic("*", "SIGN")))
+        out = self.diff("--fail-on", "any")
+        self.assertEqual((out["verdict"], out["changes"], out["breaks_interop"]),
+                         ("neutral", [], False))
+        self.assertEqual(out["rewritten"], [{"domains": [[0, 0]], "only_old": ["rt/x", "rt/y"],
+                                             "only_new": ["rt/[xy]"]}])
+        self.assertIn("no name is treated differently\n", self.text())
+
+    def test_fail_on_says_what_is_too_much(self):
+        self.write(governance(topic("*"), unauthenticated="true"), governance(topic("*")))
+        for threshold, exit in (("weaker", 0), ("breaking", 0), ("any", 1)):
+            self.assertEqual(self.diff("--fail-on", threshold, exit=exit)["verdict"], "stronger")
+        self.write(governance(topic("*", "SIGN")), governance(topic("*")))
+        for threshold, exit in (("weaker", 0), ("breaking", 1), ("any", 1)):
+            self.diff("--fail-on", threshold, exit=exit)
+        self.write(governance(topic("*")), governance(topic("*", "NONE")))
+        self.diff()
+        self.diff("--fail-on", "weaker", exit=1)
+        self.refused("usage", 2, "governance", "diff", "old.xml", "new.xml", "--fail-on", "wider")
+
+    def test_what_is_too_hard_is_unknown_and_fails(self):
+        self.write(governance(topic("*a" + "?" * 12), topic("*", "NONE")),
+                   governance(topic("*[ab]" + "?" * 12), topic("*", "NONE")))
+        for threshold in ("weaker", "breaking", "any"):
+            self.assertEqual(self.diff("--fail-on", threshold, exit=1)["verdict"], "unknown")
+        self.assertIn("UNKNOWN", self.text())
+        (self.at / "topics").write_text("# in use\nb" + "x" * 12 + "\r\n\nchatter\n")
+        out = self.diff("--topics", "topics", "--fail-on", "weaker")
+        self.assertEqual((out["verdict"], out["changes"][0]["topics"]["witness"]),
+                         ("stronger", "b" + "x" * 12))
+        (self.at / "topics").write_text("# none\n")
+        self.refused("usage", 2, "governance", "diff", "old.xml", "new.xml", "--topics", "topics")
+
+    def test_domains_and_topics_that_come_and_go(self):
+        self.write(governance(topic("rt/*"), domain="<id_range><min>0</min><max>9</max></id_range>"),
+                   governance(topic("*"), domain="<id>5</id>"))
+        out = self.diff()
+        seen = [(c["element"], c["domains"], c["old"], c["new"], c["class"]) for c in out["changes"]]
+        self.assertEqual(seen, [("topic_rule", [[5, 5]], "uncovered", "covered", "wider"),
+                                ("domain_rule", [[0, 4], [6, 9]], "covered", "uncovered",
+                                 "narrower")])
+        self.assertEqual((out["verdict"], out["changes"][0]["mask_old"]), ("mixed", None))
+        self.assertIsNone(out["changes"][1]["new_at"])
+        self.text()
+
+    def test_long_and_strange_names_stay_within_the_line(self):
+        strange = "rt/" + "very_long_" * 30 + "&#xE9;[&#9;]"
+        self.write(governance(topic(strange), topic("*", "SIGN")),
+                   governance(topic(strange, "NONE"), topic("*", "SIGN")))
+        self.assertIn("...", self.text())
+        names = ["rt/" + c * 60 for c in "abcdef"]
+        self.write(governance(*map(topic, names), topic("*", "SIGN")),
+                   governance(*(topic(n, "SIGN") for n in names), topic("*", "SIGN")))
+        self.assertIn(" and 3 more", self.text())
+        self.write(governance(topic("[&#9;]x"), topic("*", "SIGN")),
+                   governance(topic("[&#9;]x", "NONE"), topic("*", "SIGN")))
+        self.assertIn(r"\x09x", self.text())
+
+    def test_signed_documents_are_verified_only_with_a_ca(self):
+        self.write(governance(topic("*", "SIGN")), governance(topic("*")))
+        self.run_program("ca", "create", "ca", "--no-passphrase", *NOW)
+        self.run_program("ca", "create", "other", "--no-passphrase", *NOW)
+        for name, ca in (("old", "ca"), ("new", "ca"), ("foreign", "other")):
+            xml = "old.xml" if name == "foreign" else f"{name}.xml"
+            self.run_program("governance", "sign", xml, "--ca", ca, "-o", f"{name}.p7s", *NOW)
+        trusted = ("--ca", "ca/permissions/ca.pem", *NOW)
+
+        out = self.json("governance", "diff", "old.p7s", "new.p7s", *trusted)["result"]
+        self.assertEqual((out["verdict"], out["signer"]["same"]), ("stronger", True))
+        self.assertEqual(out["signer"]["verified"], {"old": True, "new": True})
+        fingerprint = self.json("ca", "show", "ca/permissions")["result"]["sha256"]
+        self.assertEqual(out["signer"]["old"], fingerprint)
+        text = self.run_program("governance", "diff", "old.p7s", "new.p7s", *trusted).stdout
+        self.assertIn("signer unchanged (", text)
+
+        unverified = self.json("governance", "diff", "old.p7s", "foreign.p7s", "--fail-on",
+                               "any", exit=1)["result"]
+        self.assertEqual((unverified["verdict"], unverified["signer"]["same"]), ("neutral", False))
+        self.assertIn("CN=other Permissions CA", unverified["signer"]["new"])
+        text = self.run_program("governance", "diff", "old.p7s", "foreign.p7s").stdout
+        self.assertIn("signer CHANGED\n", text)
+        self.assertIn("signatures: old NOT verified, new NOT verified", text)
+        self.refused("smime_signer_not_permissions_ca", 1, "governance", "diff", "old.p7s",
+                     "foreign.p7s", *trusted)
+
+        mixed = self.run_program("governance", "diff", "old.p7s", "new.xml", *trusted).stdout
+        self.assertIn("signatures: old verified, new is not signed\n", mixed)
+
+    def test_what_cannot_be_read_is_not_compared(self):
+        self.write(governance(topic("*")), "no document")
+        self.refused("xml_not_well_formed", 3, "governance", "diff", "old.xml", "new.xml")
+        self.refused("file_not_found", 3, "governance", "diff", "old.xml", "missing.xml")
+
+
+if __name__ == "__main__":
+    main()
