@@ -245,7 +245,8 @@ Result<SharedSecret> EphemeralKey::derive(const PeerPublicKey& peer) const {
     return openssl_failure(Code::internal);
   std::array<std::uint8_t, kMostSharedOctets> shared;
   std::size_t size = shared.size();
-  const bool derived = EVP_PKEY_derive(context.get(), shared.data(), &size) == 1;
+  const bool derived =
+      EVP_PKEY_derive(context.get(), shared.data(), &size) == 1 && size <= shared.size();
   auto secret = derived ? SharedSecret::copy_of(sha256(BytesView(shared.data(), size)))
                         : Result<SharedSecret>(openssl_failure(Code::internal));
   wipe(shared);

@@ -15,7 +15,9 @@ std::string take_openssl_reason() {
 }
 
 std::unexpected<Error> openssl_failure(Code code, ErrorDetails details) {
+  const bool wanted_memory = ERR_GET_REASON(ERR_peek_last_error()) == ERR_R_MALLOC_FAILURE;
   auto reason = take_openssl_reason();
+  if (wanted_memory) return fail(Code::out_of_memory);  // and the document may be good
   if (details.note.empty()) details.note = std::move(reason);
   return fail(code, std::move(details));
 }

@@ -48,7 +48,10 @@ Result<Bytes> sign(const PrivateKey& key, BytesView message) {
     return openssl_failure(Code::internal);
   std::size_t size = static_cast<std::size_t>(EVP_PKEY_get_size(pkey));
   Bytes signature(size);
-  if (EVP_PKEY_sign(context.get(), signature.data(), &size, digest.octets.data(), digest.size) != 1)
+  // OpenSSL 3.0 calls it a success of 2^32 - 1 octets when memory runs out while ECDSA writes.
+  if (EVP_PKEY_sign(context.get(), signature.data(), &size, digest.octets.data(), digest.size) !=
+          1 ||
+      size > signature.size())
     return openssl_failure(Code::internal);
   signature.resize(size);
   return signature;
