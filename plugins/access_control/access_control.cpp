@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/rollback.hpp"
 #include "plugins/access_control/loading.hpp"
 #include "plugins/access_control/protection.hpp"
 #include "plugins/access_control/refusals.hpp"
@@ -28,8 +29,11 @@ class HandleTable {
     const std::unique_lock lock(mutex_);
     if (holders_.size() >= most_) return fail(Code::too_many_permissions_handles);
     const PermissionsHandle handle{++last_};
-    if (!holder->remote()) local_of_[holder->participant()->identity.value] = handle.value;
-    holders_.emplace(handle.value, std::move(holder));
+    const auto added = holders_.emplace(handle.value, std::move(holder)).first;
+    Rollback forget([&] { holders_.erase(added); });
+    const auto& kept = *added->second;
+    if (!kept.remote()) local_of_[kept.participant()->identity.value] = handle.value;
+    forget.release();
     return handle;
   }
 
@@ -325,14 +329,19 @@ std::optional<WallTime> Plugin::next_expiry() {
 }
 
 std::vector<PermissionsHandle> Plugin::expire() {
-  std::vector<PermissionsHandle> ended;
   const WallTime now = environment_.clock.now();
-  for (const auto& [handle, holder] : handles_.all()) {
-    if (const auto reason = holder->newly_ended(now)) {
-      environment_.events.raise(Event(*reason, holder->peer_subject()));
-      ended.push_back(handle);
-    }
+  const auto all = handles_.all();
+  // Without the memory to tell, none is marked: the next call finds them again.
+  std::vector<PermissionsHandle> ended;
+  std::vector<std::pair<Event, PermissionsHolder*>> reasons;
+  for (const auto& [handle, holder] : all) {
+    const auto reason = holder->newly_ended(now);
+    if (!reason) continue;
+    ended.push_back(handle);
+    reasons.emplace_back(Event(*reason, holder->peer_subject()), holder.get());
   }
+  for (const auto& [event, holder] : reasons) holder->mark_reported();
+  for (const auto& [event, holder] : reasons) environment_.events.raise(event);
   return ended;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/rollback.hpp"
 #include "governance/grant.hpp"
 #include "governance/read.hpp"
 #include "pki/source.hpp"
@@ -83,9 +84,11 @@ void DocumentCache::insert(Entry entry) {
   const std::lock_guard lock(mutex_);
   ++times_read_;
   if (by_key_.contains(entry.key)) return;  // two threads read it at the same time
-  octets_ += entry.octets;
   entries_.push_front(std::move(entry));
+  Rollback forget([&] { entries_.pop_front(); });
   by_key_[entries_.front().key] = entries_.begin();
+  forget.release();
+  octets_ += entries_.front().octets;
   while (entries_.size() > most_documents_ || (octets_ > most_octets_ && entries_.size() > 1)) {
     octets_ -= entries_.back().octets;
     by_key_.erase(entries_.back().key);

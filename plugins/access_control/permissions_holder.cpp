@@ -29,8 +29,12 @@ std::optional<Error> PermissionsHolder::newly_ended(WallTime now) {
   auto valid = grant(now);
   const std::lock_guard lock(mutex_);
   if (valid || reported_) return std::nullopt;
-  reported_ = true;
   return std::move(valid).error();
+}
+
+void PermissionsHolder::mark_reported() {
+  const std::lock_guard lock(mutex_);
+  reported_ = true;
 }
 
 }  // namespace ddssec::access_control

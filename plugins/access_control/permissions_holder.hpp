@@ -56,8 +56,10 @@ class PermissionsHolder {
 
   /// When the grant found last ends, if it was not reported as ended.
   std::optional<WallTime> ends() const;
-  /// True once: the error why nothing is valid now, to be reported.
+  /// The error why nothing is valid now, if that was not reported.
   std::optional<Error> newly_ended(WallTime now);
+  /// There is nothing more to report. Needs no memory.
+  void mark_reported();
 
  private:
   const std::shared_ptr<const Participant> participant_;

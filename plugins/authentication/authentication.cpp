@@ -172,15 +172,20 @@ Status PkiDh::return_identity_handle(IdentityHandle identity) {
 
 std::vector<IdentityHandle> PkiDh::expire() {
   const auto now = environment_.clock.now();
+  const auto all = table_.ended_by(now);
+  // Without the memory to tell, none is marked: the next call finds them again.
   std::vector<IdentityHandle> handles;
-  for (const auto& ended : table_.take_ended(now)) {
+  std::vector<Event> events;
+  for (const auto& ended : all) {
     handles.push_back(ended.handle);
-    environment_.events.raise(Event(Error(Code::identity_ended, {.document = ended.whose,
-                                                                 .field = "notAfter",
-                                                                 .expected = to_string(ended.end),
-                                                                 .found = to_string(now)}),
-                                    ended.peer.subject, ended.peer.guid));
+    events.emplace_back(Error(Code::identity_ended, {.document = ended.whose,
+                                                     .field = "notAfter",
+                                                     .expected = to_string(ended.end),
+                                                     .found = to_string(now)}),
+                        ended.peer.subject, ended.peer.guid);
   }
+  table_.mark_ended(all);
+  for (const auto& event : events) environment_.events.raise(event);
   return handles;
 }
 
@@ -220,10 +225,12 @@ void PkiDh::make_room(Pair& pair) {
 
 PkiDh::HandshakeStep PkiDh::keep(const std::shared_ptr<Pair>& pair, HandshakeOutcome outcome,
                                  BytesView participant_data) {
+  PairHandshake kept{
+      {}, std::move(*outcome.next), to_bytes(participant_data), environment_.clock.monotonic()};
+  pair->handshakes.reserve(pair->handshakes.size() + 1);
+  const auto handle = kept.handle = table_.add_handshake(pair);
   make_room(*pair);
-  const auto handle = table_.add_handshake(pair);
-  pair->handshakes.push_back({handle, std::move(*outcome.next), to_bytes(participant_data),
-                              environment_.clock.monotonic()});
+  pair->handshakes.push_back(std::move(kept));
   return {handle, outcome.result, std::move(outcome.message)};
 }
 
@@ -302,9 +309,10 @@ Result<PkiDh::HandshakeStep> PkiDh::step(HandshakeHandle handle, const Token& me
   const auto what = DDSSEC_TRY(context(*pair));
   auto outcome = DDSSEC_TRY(process(handshake->state, what, message));
   if (outcome.next) {
-    handshake->state = std::move(*outcome.next);
-    if (const auto* done = std::get_if<Established>(&handshake->state))
+    if (const auto* done = std::get_if<Established>(&*outcome.next))
       table_.note_authenticated(pair->remote_handle, done->peer.chain());
+    static_assert(std::is_nothrow_move_assignable_v<HandshakeState>);
+    handshake->state = std::move(*outcome.next);
   }
   return HandshakeStep{handle, outcome.result, std::move(outcome.message)};
 }

@@ -31,6 +31,13 @@ Result<std::shared_ptr<const spi::SharedSecret>> shared_secret(const pki::Epheme
       spi::SharedSecret{std::move(octets), transcript.challenge1, transcript.challenge2});
 }
 
+/// A message without a key would be refused, and sent again and again.
+Result<Bytes> public_octets(const pki::EphemeralKey& key, pki::PublicKeyEncoding encoding) {
+  auto octets = key.public_octets(encoding);
+  if (octets.empty()) return fail(Code::internal, {.note = "the public key cannot be written"});
+  return octets;
+}
+
 Status check_announced(const HandshakeContext& context, const spi::Challenge& challenge,
                        std::string_view name) {
   if (!context.announced_challenge || *context.announced_challenge == challenge) return {};
@@ -170,7 +177,7 @@ Result<HandshakeOutcome> start_request(const HandshakeContext& context,
                                            as_bytes(key_agreement_name(kKind)));
   Transcript transcript{.hash_c1 = context.local.hash_of(credentials),
                         .challenge1 = context.own_challenge,
-                        .dh1 = key.public_octets()};
+                        .dh1 = DDSSEC_TRY(public_octets(key, pki::PublicKeyEncoding::point))};
   auto request = HandshakeRequest::write(credentials, transcript);
   HandshakeOutcome outcome{ValidationResult::pending_handshake_message, request};
   outcome.next = AwaitReply{std::move(key), std::move(transcript), std::move(request)};
@@ -194,7 +201,7 @@ Result<HandshakeOutcome> start_reply(const HandshakeContext& context, const spi:
   const auto credentials = own_credentials(context.local, *permissions, participant_data, name);
   transcript.hash_c2 = context.local.hash_of(credentials);
   transcript.challenge2 = context.own_challenge;
-  transcript.dh2 = key.public_octets(peer_key.encoding());
+  transcript.dh2 = DDSSEC_TRY(public_octets(key, peer_key.encoding()));
   auto reply = DDSSEC_TRY(HandshakeReply::write(credentials, transcript, context.local.key()));
   HandshakeOutcome outcome{ValidationResult::pending_handshake_message, reply};
   outcome.next = AwaitFinal{.key = std::move(key),

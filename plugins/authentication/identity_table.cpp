@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "base/rollback.hpp"
+
 namespace ddssec::authentication {
 namespace {
 
@@ -34,10 +36,11 @@ Result<const IdentityTable::Remote*> IdentityTable::live_remote(spi::IdentityHan
 void IdentityTable::set_end(std::int64_t handle, Common& identity, WallTime end,
                             std::string whose) {
   if (identity.ends && *identity.ends <= end) return;
+  // First what may want memory: an end is never lost.
+  if (!identity.has_ended) ends_.emplace(end, handle);
   drop_end(handle, identity);
   identity.ends = end;
   identity.first_to_end = std::move(whose);
-  if (!identity.has_ended) ends_.emplace(end, handle);
 }
 
 void IdentityTable::drop_end(std::int64_t handle, const Common& identity) {
@@ -50,8 +53,10 @@ Result<spi::IdentityHandle> IdentityTable::add_local(std::shared_ptr<LocalIdenti
   if (locals_.size() >= most_local_) return too_many(Code::too_many_local_identities, most_local_);
   const auto handle = next_handle();
   auto& local = locals_[handle];
+  Rollback forget([&] { locals_.erase(handle); });
   local.identity = std::move(identity);
   set_end(handle, local, chain.not_after(), chain.first_to_expire());
+  forget.release();
   return spi::IdentityHandle{handle};
 }
 
@@ -76,8 +81,10 @@ Result<spi::IdentityHandle> IdentityTable::admit_remote(RemoteClaim claim) {
   if (remotes_.size() >= most_remote_)
     return too_many(Code::too_many_remote_identities, most_remote_);
   const auto handle = next_handle();
-  remote_by_guid_[claim.guid] = handle;
+  const auto known = remote_by_guid_.emplace(claim.guid, handle).first;
+  Rollback forget([&] { remote_by_guid_.erase(known); });
   remotes_[handle].claim = std::move(claim);
+  forget.release();
   return spi::IdentityHandle{handle};
 }
 
@@ -88,10 +95,11 @@ Result<std::shared_ptr<Pair>> IdentityTable::pair(spi::IdentityHandle local,
   const auto* our = DDSSEC_TRY(live_local(local));
   DDSSEC_TRY(live_remote(remote));
   auto& theirs = remotes_.at(remote.value);
-  auto& pair = theirs.pairs[local.value];
-  if (!pair)
-    pair = std::shared_ptr<Pair>(
-        new Pair{local, remote, our->identity, theirs.claim.guid, own_challenge, {}});
+  if (const auto known = theirs.pairs.find(local.value); known != theirs.pairs.end())
+    return known->second;
+  std::shared_ptr<Pair> pair(
+      new Pair{local, remote, our->identity, theirs.claim.guid, own_challenge, {}});
+  theirs.pairs.emplace(local.value, pair);
   return pair;
 }
 
@@ -122,8 +130,10 @@ spi::HandshakeHandle IdentityTable::add_handshake(const std::shared_ptr<Pair>& p
   const auto remote = remotes_.find(pair->remote_handle.value);
   if (remote == remotes_.end() || !remote->second.pairs.contains(pair->local_handle.value))
     return {handle};
-  handshakes_[handle] = pair;
+  const auto added = handshakes_.emplace(handle, pair).first;
+  Rollback forget([&] { handshakes_.erase(added); });
   handshakes_of_[pair.get()].push_back(handle);
+  forget.release();
   return {handle};
 }
 
@@ -147,9 +157,10 @@ void IdentityTable::note_authenticated(spi::IdentityHandle handle, const pki::Ch
   const std::unique_lock lock(mutex_);
   const auto found = remotes_.find(handle.value);
   if (found == remotes_.end()) return;
-  found->second.authenticated = true;
-  found->second.claim.subject = chain.certificate().subject();
+  auto subject = chain.certificate().subject();
   set_end(handle.value, found->second, chain.not_after(), chain.first_to_expire());
+  found->second.authenticated = true;
+  found->second.claim.subject = std::move(subject);
 }
 
 bool IdentityTable::remove(spi::IdentityHandle handle) {
@@ -186,23 +197,30 @@ IdentityTable::Common* IdentityTable::find(std::int64_t handle) {
   return remote == remotes_.end() ? nullptr : &remote->second;
 }
 
-std::vector<IdentityTable::Ended> IdentityTable::take_ended(WallTime now) {
-  const std::unique_lock lock(mutex_);
+std::vector<IdentityTable::Ended> IdentityTable::ended_by(WallTime now) const {
+  const std::shared_lock lock(mutex_);
   std::vector<Ended> ended;
-  while (!ends_.empty() && ends_.begin()->first <= now) {
-    const auto [end, handle] = *ends_.begin();
-    ends_.erase(ends_.begin());
-    Common* identity = find(handle);
-    if (identity == nullptr) continue;
-    identity->has_ended = true;
-    Ended entry{{handle}, {}, identity->first_to_end, end};
-    if (const auto remote = remotes_.find(handle); remote != remotes_.end())
+  for (const auto& [end, handle] : ends_) {
+    if (end > now) break;
+    Ended entry{{handle}, {}, {}, end};
+    if (const auto remote = remotes_.find(handle); remote != remotes_.end()) {
       entry.peer = {remote->second.claim.subject, remote->second.claim.guid.to_string()};
-    else
-      entry.peer.guid = locals_.at(handle).identity->guid().to_string();
+      entry.whose = remote->second.first_to_end;
+    } else if (const auto local = locals_.find(handle); local != locals_.end()) {
+      entry.peer.guid = local->second.identity->guid().to_string();
+      entry.whose = local->second.first_to_end;
+    }
     ended.push_back(std::move(entry));
   }
   return ended;
+}
+
+void IdentityTable::mark_ended(std::span<const Ended> ended) {
+  const std::unique_lock lock(mutex_);
+  for (const auto& one : ended) {
+    ends_.erase({one.end, one.handle.value});
+    if (Common* identity = find(one.handle.value)) identity->has_ended = true;
+  }
 }
 
 PeerName IdentityTable::name_of(spi::IdentityHandle remote) const {

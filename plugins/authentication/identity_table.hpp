@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <shared_mutex>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -91,8 +92,10 @@ class IdentityTable {
     std::string whose;  ///< subject whose certificate ended
     WallTime end;
   };
-  /// Those that ended at `now` or before, each once.
-  std::vector<Ended> take_ended(WallTime now);
+  /// Those that ended at `now` or before and were not marked.
+  std::vector<Ended> ended_by(WallTime now) const;
+  /// From now on they are refused. Needs no memory.
+  void mark_ended(std::span<const Ended> ended);
 
   PeerName name_of(spi::IdentityHandle remote) const;
 

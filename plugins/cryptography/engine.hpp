@@ -97,7 +97,7 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   Result<std::unique_ptr<Pair>> make_pair(const LocalParticipant& local,
                                           const spi::SharedSecret& shared_secret);
   Result<RemoteParticipant*> remote_with_identity(spi::IdentityHandle identity);
-  void publish_pairs(RemoteParticipant& remote);
+  void publish_pairs(RemoteParticipant& remote, std::int64_t without = 0);
   Result<std::int64_t> register_local_endpoint(EntityKind kind,
                                                spi::ParticipantCryptoHandle participant,
                                                const spi::PropertyList& properties,

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "base/rollback.hpp"
 #include "plugins/cryptography/engine.hpp"
 
 namespace ddssec::cryptography {
@@ -128,8 +129,11 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
   if (tokens.empty() || tokens.size() > kMostTokensPerEndpoint)
     return fail(Code::crypto_token_count);
   auto keys = DDSSEC_TRY(endpoint_keys(endpoint, DDSSEC_TRY(read_all(tokens))));
-  endpoint.remote_keys.replace(std::move(keys), shared_.graveyard);
+  auto former = endpoint.remote_keys.exchange(std::move(keys));
+  Rollback take_back([&] { endpoint.remote_keys.replace(std::move(former), shared_.graveyard); });
   if (is_protected(endpoint.local.submessage)) shared_.publish_routes(endpoint.participant);
+  take_back.release();
+  shared_.graveyard.retire(std::move(former));
   return {};
 }
 

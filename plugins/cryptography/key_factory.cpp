@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "base/rollback.hpp"
 #include "plugins/cryptography/engine.hpp"
 #include "plugins/spi/property_names.hpp"
 
@@ -113,13 +114,17 @@ Result<RemoteParticipant*> KeyFactory::remote_with_identity(spi::IdentityHandle 
   auto remote = std::make_unique<RemoteParticipant>();
   remote->identity = identity.value;
   auto* const added = remote.get();
+  const auto known = by_identity_.emplace(identity.value, added).first;
+  Rollback forget([&] { by_identity_.erase(known); });
   DDSSEC_TRY(shared_.registry.add(std::move(remote)));
-  return by_identity_.emplace(identity.value, added).first->second;
+  forget.release();
+  return added;
 }
 
-void KeyFactory::publish_pairs(RemoteParticipant& remote) {
+void KeyFactory::publish_pairs(RemoteParticipant& remote, std::int64_t without) {
   auto table = std::make_unique<PairTable>();
-  for (const auto& [local, pair] : remote.pairs) table->rows.push_back({local, pair.get()});
+  for (const auto& [local, pair] : remote.pairs)
+    if (local != without) table->rows.push_back({local, pair.get()});
   remote.pair_table.replace(std::move(table), shared_.graveyard);
 }
 
@@ -133,10 +138,12 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_matched_remote_partici
   const spi::ParticipantCryptoHandle handle{remote->handle()};
   auto& pair = remote->pairs[local.value];
   if (pair && same_key_exchange(*pair, *fresh)) return handle;
-  const auto former = std::exchange(pair, std::move(fresh)).release();
   participant->matched.insert(remote->handle());
+  pair.swap(fresh);
+  Rollback take_back([&] { pair.swap(fresh); });
   publish_pairs(*remote);
-  if (former != nullptr) shared_.graveyard.retire(std::unique_ptr<Pair>(former));
+  take_back.release();
+  shared_.graveyard.retire(std::move(fresh));
   return handle;
 }
 
@@ -170,7 +177,9 @@ Result<std::int64_t> KeyFactory::register_local_endpoint(
   DDSSEC_TRY(make_endpoint_keys(*endpoint, size));
   const auto& added = *endpoint;
   DDSSEC_TRY(shared_.registry.add(std::move(endpoint)));
+  Rollback forget([&] { drop(added); });
   parent->endpoints.insert(added.handle());
+  forget.release();
   return added.handle();
 }
 
@@ -199,9 +208,15 @@ Result<std::int64_t> KeyFactory::match(LocalEndpoint& local, EntityKind kind,
     remote->receiver_key = DDSSEC_TRY(receiver_key(local.submessage_key->traits().key_size));
   const auto& added = *remote;
   DDSSEC_TRY(shared_.registry.add(std::move(remote)));
+  Rollback forget([&] {
+    local.matched.erase(added.handle());
+    parent->endpoints.erase(added.handle());
+    drop(added);
+  });
   local.matched.insert(added.handle());
   parent->endpoints.insert(added.handle());
   if (local.is_volatile) shared_.publish_routes(*parent);
+  forget.release();
   return added.handle();
 }
 
@@ -270,9 +285,9 @@ void KeyFactory::drop_local(LocalParticipant& participant) {
   for (const auto handle : participant.matched) {
     const auto remote = shared_.remote_participant(spi::ParticipantCryptoHandle{handle});
     if (!remote) continue;
-    auto pair = (*remote)->pairs.extract(participant.handle());
-    publish_pairs(**remote);
-    shared_.graveyard.retire(std::move(pair.mapped()));
+    publish_pairs(**remote, participant.handle());
+    if (auto pair = (*remote)->pairs.extract(participant.handle()))
+      shared_.graveyard.retire(std::move(pair.mapped()));
   }
   drop(participant);
 }

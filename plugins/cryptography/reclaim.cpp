@@ -60,7 +60,7 @@ std::atomic<std::uint64_t>& enter() {
 
 }  // namespace
 
-ReadGuard::ReadGuard() noexcept : slot_(enter()) {}
+ReadGuard::ReadGuard() : slot_(enter()) {}
 
 std::uint64_t retirement_epoch() noexcept { return current_epoch.fetch_add(1); }
 
@@ -73,21 +73,39 @@ bool is_safe(std::uint64_t epoch) noexcept {
   });
 }
 
-void Graveyard::retire(std::unique_ptr<Retirable> object) {
-  const auto epoch = retirement_epoch();
-  std::vector<Retired> dead;  // dies without the lock: destructors may retire more
+Graveyard::~Graveyard() {
+  while (first_) first_ = std::move(first_->retired_after_);
+}
+
+void Graveyard::retire(std::unique_ptr<Retirable> object) noexcept {
+  if (!object) return;
+  {
+    const std::lock_guard lock(mutex_);
+    object->epoch_ = retirement_epoch();
+    auto* const added = object.get();
+    (last_ != nullptr ? last_->retired_after_ : first_) = std::move(object);
+    last_ = added;
+    ++size_;
+  }
+  // They die without the lock: destructors may retire more.
+  while (auto dead = take_safe()) {
+  }
+}
+
+/// Stamps grow along the list: the first that is still read keeps those behind it.
+std::unique_ptr<Retirable> Graveyard::take_safe() noexcept {
   const std::lock_guard lock(mutex_);
-  retired_.push_back({std::move(object), epoch});
-  // Stamps only grow along the list, or nearly so: stop at the first that is still read.
-  const auto alive =
-      std::ranges::find_if_not(retired_, [](const auto& one) { return is_safe(one.epoch); });
-  dead.assign(std::make_move_iterator(retired_.begin()), std::make_move_iterator(alive));
-  retired_.erase(retired_.begin(), alive);
+  if (!first_ || !is_safe(first_->epoch_)) return nullptr;
+  auto dead = std::move(first_);
+  first_ = std::move(dead->retired_after_);
+  if (!first_) last_ = nullptr;
+  --size_;
+  return dead;
 }
 
 std::size_t Graveyard::size() const {
   const std::lock_guard lock(mutex_);
-  return retired_.size();
+  return size_;
 }
 
 }  // namespace ddssec::cryptography

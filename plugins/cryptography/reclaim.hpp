@@ -26,7 +26,8 @@ namespace ddssec::cryptography {
 /// The thread reads shared objects while one of these lives. They do not nest.
 class ReadGuard {
  public:
-  ReadGuard() noexcept;
+  /// The first of a thread allocates.
+  ReadGuard();
   ~ReadGuard() { slot_.store(0, std::memory_order_release); }
   ReadGuard(const ReadGuard&) = delete;
   ReadGuard& operator=(const ReadGuard&) = delete;
@@ -38,7 +39,15 @@ class ReadGuard {
 /// Base of what can be retired.
 class Retirable {
  public:
+  Retirable() = default;
   virtual ~Retirable() = default;
+  Retirable(const Retirable&) = delete;
+  Retirable& operator=(const Retirable&) = delete;
+
+ private:
+  friend class Graveyard;
+  std::unique_ptr<Retirable> retired_after_;
+  std::uint64_t epoch_ = 0;
 };
 
 /// Stamps an object that was just unlinked: it may die, or be used again, once `is_safe`.
@@ -49,18 +58,24 @@ bool is_safe(std::uint64_t epoch) noexcept;
 /// Retired objects that wait for their readers. Its owner outlives all readers of its objects.
 class Graveyard {
  public:
-  /// Takes an unlinked object; frees what has become safe.
-  void retire(std::unique_ptr<Retirable> object);
+  Graveyard() = default;
+  ~Graveyard();
+  Graveyard(const Graveyard&) = delete;
+  Graveyard& operator=(const Graveyard&) = delete;
+
+  /// Takes an unlinked object, if any; frees what has become safe. Needs no memory: what is
+  /// unlinked can always be kept for its readers.
+  void retire(std::unique_ptr<Retirable> object) noexcept;
   /// How many still wait.
   std::size_t size() const;
 
  private:
-  struct Retired {
-    std::unique_ptr<Retirable> object;
-    std::uint64_t epoch;
-  };
+  std::unique_ptr<Retirable> take_safe() noexcept;
+
   mutable std::mutex mutex_;
-  std::vector<Retired> retired_;
+  std::unique_ptr<Retirable> first_;  ///< a list in the order of retirement
+  Retirable* last_ = nullptr;
+  std::size_t size_ = 0;
 };
 
 /// An owning pointer that readers follow under a ReadGuard while one writer at a time replaces it.

@@ -18,7 +18,10 @@ Status Registry::add(std::unique_ptr<Entity> entity) {
   if (free_.empty()) {
     if (next_ == kChunkSize * kMostChunks) return fail(Code::crypto_too_many_entities);
     auto& chunk = chunks_[next_ / kChunkSize];
-    if (chunk.load() == nullptr) chunk.store(std::make_unique<Chunk>().release());
+    if (chunk.load() == nullptr) {
+      free_.reserve(next_ + kChunkSize);  // so that removing needs no memory
+      chunk.store(std::make_unique<Chunk>().release());
+    }
     free_.push_back(next_++);
   }
   const auto index = free_.back();
@@ -33,7 +36,7 @@ Status Registry::add(std::unique_ptr<Entity> entity) {
   return {};
 }
 
-std::unique_ptr<Entity> Registry::remove(const Entity& entity) {
+std::unique_ptr<Entity> Registry::remove(const Entity& entity) noexcept {
   const auto index = static_cast<std::uint64_t>(entity.handle()) & kIndexMask;
   std::unique_ptr<Entity> removed(place(index).entity.exchange(nullptr));
   free_.push_back(index);

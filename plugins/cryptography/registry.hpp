@@ -53,8 +53,8 @@ class Registry {
   /// crypto_too_many_entities.
   Status add(std::unique_ptr<Entity> entity);
   /// One caller at a time. Unlinks: the handle is unknown from now on. The caller retires the
-  /// entity.
-  std::unique_ptr<Entity> remove(const Entity& entity);
+  /// entity. Needs no memory.
+  std::unique_ptr<Entity> remove(const Entity& entity) noexcept;
 
   /// Under a ReadGuard or by the one caller of `add`. Errors: crypto_handle_nil,
   /// crypto_handle_unknown (never given out, or returned), crypto_handle_wrong_kind.
