@@ -110,8 +110,10 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
     const auto remote = DDSSEC_TRY(adapter.engine().validate_remote_identity(
         identity(local_handle), request, token, guid_from(*remote_guid)));
     if (remote.local_auth_request) {
-      free_token(*local_auth_request);
-      DDSSEC_TRY(copy_token(*remote.local_auth_request, *local_auth_request));
+      CToken sent{};
+      DDSSEC_TRY(copy_token(*remote.local_auth_request, sent));
+      std::swap(*local_auth_request, sent);
+      free_token(sent);
     }
     *remote_handle = remote.handle.value;
     return to_c(remote.result);

@@ -22,8 +22,7 @@ void ExpiryTimer::stop() {
 void ExpiryTimer::run(std::stop_token stop, const Tasks& tasks) {
   while (!stop.stop_requested()) {
     try {
-      for (const auto handle : tasks.expire())
-        if (!stop.stop_requested()) tasks.revoke(handle);
+      tasks.revoke_ended(stop);
       const auto wait = next_wait(tasks);
       std::unique_lock lock(sleep_);
       wake_.wait_for(lock, stop, wait, [] { return false; });

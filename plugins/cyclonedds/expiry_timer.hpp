@@ -9,7 +9,6 @@
 #include <optional>
 #include <thread>
 #include <utility>
-#include <vector>
 
 #include "base/clock.hpp"
 
@@ -21,10 +20,9 @@ namespace ddssec::cyclonedds {
 class ExpiryTimer {
  public:
   struct Tasks {
-    /// The handles that have just ended, each once.
-    std::function<std::vector<std::int64_t>()> expire;
+    /// Revokes what has just ended, each once, until it is told to stop.
+    std::function<void(const std::stop_token&)> revoke_ended;
     std::function<std::optional<WallTime>()> next_expiry;
-    std::function<void(std::int64_t)> revoke;
   };
 
   explicit ExpiryTimer(const Clock& clock,
@@ -37,14 +35,12 @@ class ExpiryTimer {
   /// The tasks for an engine with `expire` and `next_expiry`, which outlives the timer.
   template <class Engine>
   static Tasks tasks_of(Engine& engine, std::function<void(std::int64_t)> revoke) {
-    return {.expire =
-                [&engine] {
-                  std::vector<std::int64_t> ended;
-                  for (const auto handle : engine.expire()) ended.push_back(handle.value);
-                  return ended;
+    return {.revoke_ended =
+                [&engine, revoke = std::move(revoke)](const std::stop_token& stop) {
+                  for (const auto handle : engine.expire())
+                    if (!stop.stop_requested()) revoke(handle.value);
                 },
-            .next_expiry = [&engine] { return engine.next_expiry(); },
-            .revoke = std::move(revoke)};
+            .next_expiry = [&engine] { return engine.next_expiry(); }};
   }
 
   /// Replaces the tasks of an earlier start.

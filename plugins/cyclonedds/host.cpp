@@ -9,19 +9,19 @@ thread_local unsigned raised_by_thread = 0;
 
 void Host::CountingSink::raise(const Event& event) {
   ++raised_by_thread;
-  next_.raise(event);
+  try {
+    next_.raise(event);
+  } catch (...) {
+    // Telling about a refusal may fail for want of memory; the refusal itself stands.
+  }
 }
 
 unsigned Host::raised_by_this_thread() noexcept { return raised_by_thread; }
 
 void Host::refused(const Error& error, Severity severity) noexcept {
-  try {
-    Event event(error);
-    event.severity = severity;
-    counted_.raise(event);
-  } catch (...) {
-    // Telling about a refusal may fail for want of memory; the refusal itself stands.
-  }
+  Event event(error);  // copies no text
+  event.severity = severity;
+  counted_.raise(event);
 }
 
 }  // namespace ddssec::cyclonedds

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/hash.hpp"
+#include "base/rollback.hpp"
 
 namespace ddssec::cyclonedds {
 
@@ -20,9 +21,12 @@ void SharedSecrets::note(spi::HandshakeHandle handshake, spi::IdentityHandle ini
                          spi::IdentityHandle replier) {
   const std::lock_guard lock(mutex_);
   const Pair pair{initiator, replier};
-  if (!pair_of_.try_emplace(handshake, pair).second) return;
+  const auto [noted, is_new] = pair_of_.try_emplace(handshake, pair);
+  if (!is_new) return;
+  Rollback forget([&] { pair_of_.erase(noted); });
   auto& entries = entries_[pair];
   entries.push_back({handshake, nullptr});
+  forget.release();
   forget_oldest_unfinished(entries);
 }
 

@@ -16,14 +16,13 @@ struct Timer : testing::Test {
   std::atomic<int> rounds = 0;
   std::promise<std::int64_t> revoked;
 
+  /// Something ends in the third round.
   ExpiryTimer::Tasks tasks() {
-    return {.expire =
-                [this] {
-                  return ++rounds == 3 ? std::vector<std::int64_t>{77}
-                                       : std::vector<std::int64_t>{};
+    return {.revoke_ended =
+                [this](const std::stop_token&) {
+                  if (++rounds == 3) revoked.set_value(77);
                 },
-            .next_expiry = [] { return std::optional<WallTime>{}; },
-            .revoke = [this](std::int64_t handle) { revoked.set_value(handle); }};
+            .next_expiry = [] { return std::optional<WallTime>{}; }};
   }
 };
 
@@ -36,13 +35,8 @@ TEST_F(Timer, RevokesWhatEndsOnce) {
 }
 
 TEST_F(Timer, NothingIsCalledAfterStop) {
-  timer.start({.expire =
-                   [this] {
-                     ++rounds;
-                     return std::vector<std::int64_t>{};
-                   },
-               .next_expiry = [] { return std::optional<WallTime>{}; },
-               .revoke = [](std::int64_t) {}});
+  timer.start({.revoke_ended = [this](const std::stop_token&) { ++rounds; },
+               .next_expiry = [] { return std::optional<WallTime>{}; }});
   while (rounds == 0) std::this_thread::sleep_for(1ms);
   timer.stop();
   const int at_stop = rounds;
@@ -51,24 +45,38 @@ TEST_F(Timer, NothingIsCalledAfterStop) {
   timer.stop();  // again
 }
 
+/// Three identities that end in one round.
+struct ThreeEnd {
+  struct Handle {
+    std::int64_t value;
+  };
+  std::vector<Handle> expire() {
+    return ++rounds == 1 ? std::vector<Handle>{{1}, {2}, {3}} : std::vector<Handle>{};
+  }
+  std::optional<WallTime> next_expiry() { return std::nullopt; }
+  std::atomic<int> rounds = 0;
+};
+
 TEST_F(Timer, ARevocationMayStopTheTimer) {
-  auto with_stop = tasks();
-  with_stop.revoke = [this](std::int64_t handle) {
+  ThreeEnd engine;
+  std::atomic<int> revocations = 0;
+  timer.start(ExpiryTimer::tasks_of(engine, [&](std::int64_t handle) {
+    ++revocations;
     timer.stop();
     revoked.set_value(handle);
-  };
-  timer.start(with_stop);
-  EXPECT_EQ(revoked.get_future().wait_for(5s), std::future_status::ready);
+  }));
+  auto future = revoked.get_future();
+  ASSERT_EQ(future.wait_for(5s), std::future_status::ready);
+  EXPECT_EQ(future.get(), 1);
+  timer.stop();
+  EXPECT_EQ(revocations, 1);
 }
 
 TEST_F(Timer, AThrowingEngineIsAskedAgain) {
   auto throwing = tasks();
-  throwing.expire = [this]() -> std::vector<std::int64_t> {
+  throwing.revoke_ended = [this](const std::stop_token&) {
     if (++rounds < 3) throw std::bad_alloc();
-    return {5};
-  };
-  throwing.revoke = [this](std::int64_t handle) {
-    if (rounds == 3) revoked.set_value(handle);
+    if (rounds == 3) revoked.set_value(5);
   };
   timer.start(throwing);
   EXPECT_EQ(revoked.get_future().wait_for(5s), std::future_status::ready);
@@ -78,13 +86,8 @@ TEST_F(Timer, AThrowingEngineIsAskedAgain) {
 TEST_F(Timer, WakesForTheNextEndAndNotLater) {
   ExpiryTimer slow(clock, 10s);
   std::atomic<int> asked = 0;
-  slow.start({.expire =
-                  [&] {
-                    ++asked;
-                    return std::vector<std::int64_t>{};
-                  },
-              .next_expiry = [this] { return std::optional(clock.now() + 0s); },
-              .revoke = [](std::int64_t) {}});
+  slow.start({.revoke_ended = [&](const std::stop_token&) { ++asked; },
+              .next_expiry = [this] { return std::optional(clock.now() + 0s); }});
   const auto start = std::chrono::steady_clock::now();
   while (asked < 3 && std::chrono::steady_clock::now() - start < 5s)
     std::this_thread::sleep_for(5ms);
