@@ -1,0 +1,120 @@
+// Files there, of the right kind, closed to others.
+#include <array>
+#include <sys/stat.h>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "governance/doctor/checks.hpp"
+#include "pki/source.hpp"
+
+namespace ddssec::governance::doctor {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The most files of a folder that are looked at for keys of a CA.
+constexpr int kMostFiles = 64;
+
+constexpr Outcomes kNobody = Outcomes::all(Outcome::fail);
+
+std::string name_of(const fs::path& path) { return path.filename().string(); }
+
+// Why `path` is not there: a link may be, and lead nowhere.
+std::string absence(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::is_symlink(fs::symlink_status(path, ignored)))
+    return fmt::format("{} is missing", name_of(path));
+  return fmt::format("{} is a link to {}, which does not exist", name_of(path),
+                     fs::read_symlink(path, ignored).string());
+}
+
+// One file that could not be loaded. An encrypted key and a key of a strange kind have rules of
+// their own.
+void report_unloaded(const fs::path& path, const Error& error, Diagnosis& out) {
+  const auto say = [&](Rule rule, std::string message) {
+    // Fast DDS takes keys that DDS-Security does not know, short ones too. Measured.
+    const auto outcomes = rule == Rule::DOC014
+                              ? Outcomes{.cyclonedds = Outcome::fail, .ours = Outcome::fail}
+                              : kNobody;
+    out.report(outcomes, {.rule = rule, .message = std::move(message), .document = path});
+  };
+  switch (error.code()) {
+    case Code::file_not_found:
+      return say(Rule::DOC001, absence(path));
+    case Code::passphrase_missing:
+      return say(Rule::DOC013, fmt::format("{} is encrypted and no product is given a password "
+                                           "for it by its files",
+                                           name_of(path)));
+    case Code::key_not_allowed:
+      return say(Rule::DOC014, fmt::format("{}: {}", name_of(path), error.message()));
+    default:
+      return say(Rule::DOC002, fmt::format("{}: {}", name_of(path), error.message()));
+  }
+}
+
+void check_loaded(const LoadedFolder& folder, Diagnosis& out) {
+  const auto look = [&](const auto& piece, const fs::path& path) {
+    if (!piece) report_unloaded(path, piece.error(), out);
+  };
+  look(folder.identity_cas, folder.paths.identity_ca);
+  look(folder.certificate, folder.paths.certificate);
+  look(folder.key, folder.paths.key);
+  look(folder.permissions_cas, folder.paths.permissions_ca);
+  look(folder.governance.readable, folder.paths.governance);
+  look(folder.permissions.readable, folder.paths.permissions);
+  look(folder.crls, folder.paths.crl);
+}
+
+void check_mode(const fs::path& key, Diagnosis& out) {
+  struct stat status {};
+  if (::stat(key.c_str(), &status) != 0) return;
+  if ((status.st_mode & 077) == 0) return out.pass(Rule::DOC003);
+  out.report({}, {.rule = Rule::DOC003,
+                  .message = fmt::format("{} has mode {:04o}, others than its owner can read or "
+                                         "change it; it should have 0600",
+                                         name_of(key), status.st_mode & 07777),
+                  .document = key});
+}
+
+// The CA whose private key `path` holds, or "" if it holds none.
+std::string ca_of_key(const fs::path& path, const LoadedFolder& folder) {
+  const auto pem = pki::load_key("file://" + path.string(), "");
+  if (!pem) return {};
+  const auto key = pki::PrivateKey::from_pem(*pem);
+  if (!key) return key.error().code() == Code::passphrase_missing ? "a CA, encrypted" : "";
+  for (const auto* cas : {&folder.identity_cas, &folder.permissions_cas}) {
+    if (!*cas) continue;
+    for (const auto& ca : **cas)
+      if (key->matches(ca)) return ca.subject();
+  }
+  return {};
+}
+
+void check_strangers(const LoadedFolder& folder, Diagnosis& out) {
+  std::error_code error;
+  int seen = 0;
+  for (const auto& entry : fs::directory_iterator(folder.paths.folder, error)) {
+    if (++seen > kMostFiles) break;
+    const auto& path = entry.path();
+    const bool may_be_key = path.extension() == ".pem" || path.extension() == ".key";
+    if (!may_be_key || path == folder.paths.key || !entry.is_regular_file(error)) continue;
+    const auto ca = ca_of_key(path, folder);
+    if (ca.empty()) continue;
+    out.report({}, {.rule = Rule::DOC004,
+                    .message = fmt::format("{} holds the private key of {}", name_of(path), ca),
+                    .document = path});
+  }
+  if (!error) out.pass(Rule::DOC004);
+}
+
+}  // namespace
+
+void check_files(const LoadedFolder& folder, Diagnosis& out) {
+  for (const auto rule : {Rule::DOC001, Rule::DOC002}) out.pass(rule);
+  check_loaded(folder, out);
+  check_mode(folder.paths.key, out);
+  check_strangers(folder, out);
+}
+
+}  // namespace ddssec::governance::doctor

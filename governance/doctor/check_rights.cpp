@@ -1,0 +1,390 @@
+// What the documents say about this participant in the domain, and what ends first.
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "governance/decision.hpp"
+#include "governance/doctor/checks.hpp"
+#include "governance/doctor/subject_form.hpp"
+#include "governance/grant.hpp"
+#include "governance/topic_sets.hpp"
+
+namespace ddssec::governance::doctor {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+constexpr Outcomes kNobody = Outcomes::all(Outcome::fail);
+// Time zones reach from UTC-12 to UTC+14.
+constexpr auto kFarthestZone = 14h;
+constexpr auto kSoon = std::chrono::hours(30 * 24);
+
+/// What the checks of this file look at.
+struct Scene {
+  const LoadedFolder& folder;
+  const Settings& settings;
+  Diagnosis& out;
+
+  const Permissions& permissions() const { return *folder.permissions.model; }
+  const fs::path& file() const { return folder.paths.permissions; }
+};
+
+/// A grant and who takes it for this participant's.
+struct Candidate {
+  const Grant* grant;
+  Outcomes subject;
+};
+
+std::vector<Candidate> candidates(const Permissions& permissions,
+                                  const pki::Certificate& certificate) {
+  std::vector<Candidate> out;
+  const auto subject = pki::SubjectName::of(certificate);
+  for (const auto& grant : permissions.grants) {
+    auto outcomes = reads_subject(grant.subject_name, certificate);
+    if (is_for(grant, subject)) outcomes.ours = Outcome::ok;
+    if (outcomes != kNobody) out.push_back({&grant, outcomes});
+  }
+  return out;
+}
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t corner = row[0]++;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const auto best = std::min({row[j], row[j - 1], corner - (a[i - 1] == b[j - 1])}) + 1;
+      corner = row[j];
+      row[j] = best;
+    }
+  }
+  return row.back();
+}
+
+// The grant whose subject is written most like the certificate's.
+const Grant* nearest(const Permissions& permissions, const std::string& subject) {
+  constexpr std::size_t kMostCompared = 1000, kMostOctets = 256;
+  const Grant* best = nullptr;
+  auto least = std::numeric_limits<std::size_t>::max();
+  for (std::size_t i = 0; i < std::min(permissions.grants.size(), kMostCompared); ++i) {
+    const auto& grant = permissions.grants[i];
+    const auto distance =
+        edit_distance(grant.subject_name.substr(0, kMostOctets), subject.substr(0, kMostOctets));
+    if (distance < least) best = &grant, least = distance;
+  }
+  return best;
+}
+
+void report_no_grant(const Scene& scene) {
+  const auto& subject = scene.folder.certificate->subject();
+  const auto* grant = nearest(scene.permissions(), subject);
+  scene.out.report(kNobody,
+                   {.rule = Rule::DOC010,
+                    .message = fmt::format(
+                        "no grant in {} is for \"{}\", the subject of {}; the grant that comes "
+                        "nearest has <subject_name>{}</subject_name>",
+                        scene.file().filename().string(), subject,
+                        scene.folder.paths.certificate.filename().string(),
+                        grant != nullptr ? grant->subject_name.substr(0, 256) : ""),
+                    .document = scene.file(),
+                    .line = grant != nullptr ? grant->line : 0});
+}
+
+void check_form(const Scene& scene, const std::vector<Candidate>& all) {
+  Outcomes best = kNobody;
+  for (const auto& one : all)
+    for (auto member : {&Outcomes::cyclonedds, &Outcomes::fastdds, &Outcomes::ours})
+      best.*member = std::min(best.*member, one.subject.*member);
+  scene.out.pass(Rule::DOC010);
+  if (best.all_ok()) return scene.out.pass(Rule::DOC011);
+  const auto* grant = all.front().grant;
+  scene.out.report(best, {.rule = Rule::DOC011,
+                          .message = fmt::format("the grant says \"{}\"; it must say \"{}\"",
+                                                 grant->subject_name.substr(0, 256),
+                                                 scene.folder.certificate->subject()),
+                          .document = scene.file(),
+                          .line = grant->line});
+}
+
+// Cyclone DDS looks at the first grant of the subject only, the others at the first valid one.
+void check_grant_dates(const Scene& scene, const std::vector<Candidate>& all) {
+  const auto now = scene.settings.now;
+  const bool any = std::ranges::any_of(
+      all, [&](const Candidate& one) { return one.grant->validity.contains(now); });
+  const auto* first = all.front().grant;
+  if (first->validity.contains(now)) return scene.out.pass(Rule::DOC040);
+  const bool early = now < first->validity.not_before;
+  scene.out.report(
+      any ? Outcomes{.cyclonedds = Outcome::fail} : kNobody,
+      {.rule = Rule::DOC040,
+       .message =
+           fmt::format("grant \"{}\" of {}: <{}> is {}, now it is {}{}", first->name,
+                       first->subject_name.substr(0, 256), early ? "not_before" : "not_after",
+                       to_string(early ? first->validity.not_before : first->validity.not_after),
+                       to_string(now),
+                       any ? "; a later grant is valid, but Cyclone DDS reads the first only" : ""),
+       .document = scene.file(),
+       .line = first->line});
+}
+
+void check_local_time(const Scene& scene, const Grant& grant) {
+  const auto now = scene.settings.now;
+  const auto is_near = [&](WallTime time) {
+    return time - kFarthestZone < now && now < time + kFarthestZone;
+  };
+  const bool starts = is_near(grant.validity.not_before);
+  if (!starts && !is_near(grant.validity.not_after)) return scene.out.pass(Rule::DOC042);
+  scene.out.report(
+      {}, {.rule = Rule::DOC042,
+           .message =
+               fmt::format("grant \"{}\": <{}> {} is so near to now, {}, that it depends on the "
+                           "machine's time zone whether Fast DDS takes the grant",
+                           grant.name, starts ? "not_before" : "not_after",
+                           to_string(starts ? grant.validity.not_before : grant.validity.not_after),
+                           to_string(now)),
+           .document = scene.file(),
+           .line = grant.line});
+}
+
+void check_second_grant(const Scene& scene, const std::vector<Candidate>& all) {
+  if (all.size() < 2) return scene.out.pass(Rule::DOC043);
+  scene.out.report({},
+                   {.rule = Rule::DOC043,
+                    .message = fmt::format("there are {} grants for \"{}\", at lines {} and {}: "
+                                           "the second does not add to the first",
+                                           all.size(), scene.folder.certificate->subject(),
+                                           all[0].grant->line, all[1].grant->line),
+                    .document = scene.file(),
+                    .line = all[1].grant->line});
+}
+
+std::string ranges_of(const std::vector<DomainRange>& ranges) {
+  std::string out;
+  for (const auto& range : ranges) {
+    if (out.size() > 128) return out + ", ...";
+    out += out.empty() ? "" : ", ";
+    out += range.first == range.last ? std::to_string(range.first)
+                                     : fmt::format("{}-{}", range.first, range.last);
+  }
+  return out;
+}
+
+void report_uncovered(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
+  std::vector<DomainRange> all;
+  for (const auto& rule : folder.governance.model->domain_rules)
+    all.insert(all.end(), rule.domains.ranges.begin(), rule.domains.ranges.end());
+  const auto& rules = folder.governance.model->domain_rules;
+  out.report({.cyclonedds = Outcome::fail, .fastdds = Outcome::late, .ours = Outcome::fail},
+             {.rule = Rule::DOC050,
+              .message = fmt::format("no <domain_rule> of {} covers domain {}; they cover {}",
+                                     folder.paths.governance.filename().string(), settings.domain,
+                                     ranges_of(all)),
+              .document = folder.paths.governance,
+              .line = rules.empty() ? 0 : rules.front().domains.line});
+}
+
+void check_topic_rules(const LoadedFolder& folder, const DomainRule& rule, Diagnosis& out) {
+  std::vector<std::string_view> expressions;
+  for (const auto& topic : rule.topic_rules) expressions.emplace_back(topic.topic_expression);
+  constexpr std::string_view kEvery = "*";
+  const auto answer = contained({&kEvery, 1}, expressions);
+  if (answer.kind != SetAnswer::Kind::no) return out.pass(Rule::DOC054);
+  out.report({}, {.rule = Rule::DOC054,
+                  .message = fmt::format("no <topic_rule> matches every topic: one named \"{}\" "
+                                         "cannot be created",
+                                         answer.witness),
+                  .document = folder.paths.governance,
+                  .line = rule.line});
+}
+
+// Fast DDS 2.9.1 reads allow_unauthenticated_participants and does not act on it.
+void check_unauthenticated(const LoadedFolder& folder, const DomainRule& rule, Diagnosis& out) {
+  if (!rule.allow_unauthenticated_participants) return;
+  out.report({},
+             {.rule = Rule::DOC055,
+              .message = "<allow_unauthenticated_participants> is true: Cyclone DDS then talks "
+                         "to anybody, also on topics with access control; Fast DDS 2.9.1 talks "
+                         "to authenticated participants only",
+              .document = folder.paths.governance,
+              .line = rule.line,
+              .vendors = {std::string(id(Vendor::cyclonedds)), std::string(id(Vendor::fastdds))}});
+}
+
+const DomainRule* check_governance(const LoadedFolder& folder, const Settings& settings,
+                                   Diagnosis& out) {
+  if (!folder.governance.model) return nullptr;
+  const auto* rule = folder.governance.model->find(settings.domain);
+  if (rule == nullptr) {
+    report_uncovered(folder, settings, out);
+    return nullptr;
+  }
+  out.pass(Rule::DOC050);
+  check_topic_rules(folder, *rule, out);
+  check_unauthenticated(folder, *rule, out);
+  return rule;
+}
+
+void check_join(const Scene& scene, const Grant& grant, const DomainRule* governance) {
+  const CompiledGrant compiled(scene.folder.permissions.model, grant, scene.settings.domain);
+  const bool asks = governance == nullptr || governance->enable_join_access_control;
+  if (!asks || compiled.judge_participant().allowed) return scene.out.pass(Rule::DOC051);
+  std::vector<DomainRange> allowed;
+  for (const auto& rule : grant.rules)
+    if (rule.allow)
+      allowed.insert(allowed.end(), rule.domains.ranges.begin(), rule.domains.ranges.end());
+  scene.out.report(
+      {.cyclonedds = Outcome::fail, .fastdds = Outcome::late, .ours = Outcome::fail},
+      {.rule = Rule::DOC051,
+       .message = fmt::format("no allow_rule of grant \"{}\" is for domain {}; they are for {}",
+                              grant.name, scene.settings.domain,
+                              allowed.empty() ? "none" : ranges_of(allowed)),
+       .document = scene.file(),
+       .line = grant.line});
+}
+
+void check_default(const Scene& scene, const Grant& grant) {
+  if (!grant.default_allow) return scene.out.pass(Rule::DOC052);
+  const bool any_allow = std::ranges::any_of(grant.rules, &governance::Rule::allow);
+  scene.out.report({.fastdds = any_allow ? Outcome::late : Outcome::fail},
+                   {.rule = Rule::DOC052,
+                    .message = fmt::format("grant \"{}\" ends with <default>ALLOW</default>, which "
+                                           "Fast DDS 2.9.1 takes as DENY",
+                                           grant.name),
+                    .document = scene.file(),
+                    .line = grant.line});
+}
+
+bool names(const std::vector<Criteria>& list, std::string_view topic) {
+  return std::ranges::any_of(list, [&](const Criteria& criteria) {
+    return std::ranges::any_of(criteria.topics,
+                               [&](const Text& text) { return Pattern(text.text).matches(topic); });
+  });
+}
+
+// The rule by which Cyclone DDS 0.10.2 decides whether the topic may be created at all: the first
+// for the domain that names it in whatever direction.
+const governance::Rule* topic_rule_of_cyclonedds(const Grant& grant, DomainId domain,
+                                                 std::string_view topic) {
+  const auto found = std::ranges::find_if(grant.rules, [&](const governance::Rule& rule) {
+    return rule.domains.contains(domain) &&
+           (names(rule.publish, topic) || names(rule.subscribe, topic));
+  });
+  return found == grant.rules.end() ? nullptr : &*found;
+}
+
+// One name for each way in which the grant's expressions can match.
+std::vector<std::string> sample_topics(const Grant& grant) {
+  std::vector<RankedExpression> expressions;
+  const auto add = [&](const std::vector<Criteria>& list) {
+    for (const auto& criteria : list)
+      for (const auto& text : criteria.topics)
+        expressions.push_back({text.text, static_cast<std::uint32_t>(expressions.size()), 0});
+  };
+  for (const auto& rule : grant.rules) {
+    add(rule.publish);
+    add(rule.subscribe);
+  }
+  std::vector<std::string> out;
+  if (const auto atoms = name_atoms(expressions))
+    for (const auto& atom : *atoms) out.push_back(atom.witness);
+  return out;
+}
+
+void check_one_way(const Scene& scene, const Grant& grant) {
+  const auto is_deny = [](const governance::Rule& rule) { return !rule.allow; };
+  if (std::ranges::none_of(grant.rules, is_deny)) return scene.out.pass(Rule::DOC053);
+  const CompiledGrant compiled(scene.folder.permissions.model, grant, scene.settings.domain);
+  for (const auto& topic : sample_topics(grant)) {
+    const bool publish = compiled.judge_topic(Action::publish, topic).allowed;
+    const bool subscribe = compiled.judge_topic(Action::subscribe, topic).allowed;
+    const auto* rule = topic_rule_of_cyclonedds(grant, scene.settings.domain, topic);
+    if (publish == subscribe || rule == nullptr || rule->allow) continue;
+    return scene.out.report(
+        {.cyclonedds = Outcome::late},
+        {.rule = Rule::DOC053,
+         .message = fmt::format("grant \"{}\" allows to {} topic \"{}\" and denies the other "
+                                "direction first: Cyclone DDS 0.10.2 refuses the whole topic",
+                                grant.name, publish ? "publish" : "subscribe to", topic),
+         .document = scene.file(),
+         .line = rule->line});
+  }
+  scene.out.pass(Rule::DOC053);
+}
+
+void check_permissions(const Scene& scene, const DomainRule* governance) {
+  const auto all = candidates(scene.permissions(), *scene.folder.certificate);
+  if (all.empty()) return report_no_grant(scene);
+  check_form(scene, all);
+  check_grant_dates(scene, all);
+  check_second_grant(scene, all);
+  const auto* grant = grant_of(scene.folder, scene.settings.now);
+  if (grant == nullptr) grant = all.front().grant;
+  check_local_time(scene, *grant);
+  check_join(scene, *grant, governance);
+  check_default(scene, *grant);
+  check_one_way(scene, *grant);
+}
+
+/// Something that ends.
+struct End {
+  std::string what;
+  WallTime when;
+  fs::path document;
+};
+
+std::vector<End> ends_of(const LoadedFolder& folder, WallTime now) {
+  std::vector<End> out;
+  const auto add = [&](const fs::path& path, const pki::Certificate& certificate) {
+    out.push_back(
+        {path.filename().string() + " of " + certificate.subject(), certificate.not_after(), path});
+  };
+  if (folder.certificate) add(folder.paths.certificate, *folder.certificate);
+  if (folder.identity_cas)
+    for (const auto& ca : *folder.identity_cas) add(folder.paths.identity_ca, ca);
+  if (folder.permissions_cas)
+    for (const auto& ca : *folder.permissions_cas) add(folder.paths.permissions_ca, ca);
+  if (folder.crls)
+    for (const auto& crl : *folder.crls)
+      if (crl.next_update())
+        out.push_back({"crl.pem of " + crl.issuer(), *crl.next_update(), folder.paths.crl});
+  if (const auto* grant = grant_of(folder, now))
+    out.push_back(
+        {"grant \"" + grant->name + '"', grant->validity.not_after, folder.paths.permissions});
+  std::erase_if(out, [&](const End& end) { return end.when <= now; });  // reported as such
+  return out;
+}
+
+}  // namespace
+
+const Grant* grant_of(const LoadedFolder& folder, WallTime now) {
+  if (!folder.permissions.model || !folder.certificate) return nullptr;
+  const auto found =
+      find_grant(*folder.permissions.model, pki::SubjectName::of(*folder.certificate),
+                 folder.certificate->subject(), now);
+  return found ? *found : nullptr;
+}
+
+void check_rights(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
+  const auto* rule = check_governance(folder, settings, out);
+  if (folder.permissions.model && folder.certificate)
+    check_permissions({folder, settings, out}, rule);
+}
+
+void check_ends(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
+  const auto ends = ends_of(folder, settings.now);
+  if (ends.empty()) return;
+  const auto first = std::ranges::min_element(ends, {}, &End::when);
+  if (first->when > settings.now + kSoon) return out.pass(Rule::DOC041);
+  const auto left = std::chrono::floor<std::chrono::hours>(first->when - settings.now).count();
+  out.report({},
+             {.rule = Rule::DOC041,
+              .message = fmt::format("{} ends first, at {}: in {} days and {} hours; whoever is "
+                                     "connected then is cut off",
+                                     first->what, to_string(first->when), left / 24, left % 24),
+              .document = first->document});
+}
+
+}  // namespace ddssec::governance::doctor

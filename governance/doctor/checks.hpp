@@ -1,0 +1,24 @@
+// The parts of diagnose(). For governance/doctor/ only.
+#pragma once
+
+#include "governance/doctor/diagnosis.hpp"
+
+namespace ddssec::governance::doctor {
+
+using ddssec::to_string;
+
+/// Files there, of the right kind, closed to others.
+void check_files(const LoadedFolder& folder, Diagnosis& out);
+/// Certificate, key, CA, revocation.
+void check_identity(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
+/// Form, signature and signer of both documents, and whether they can be read.
+void check_documents(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
+/// What the documents say about this participant in the domain.
+void check_rights(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
+/// What ends first.
+void check_ends(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
+
+/// What governs the participant: the grant that ours would take, or nullptr.
+const Grant* grant_of(const LoadedFolder& folder, WallTime now);
+
+}  // namespace ddssec::governance::doctor

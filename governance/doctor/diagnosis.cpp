@@ -1,0 +1,62 @@
+#include "governance/doctor/diagnosis.hpp"
+
+#include <algorithm>
+
+#include "governance/doctor/checks.hpp"
+
+namespace ddssec::governance::doctor {
+namespace {
+
+std::string title_of(Rule rule, std::string_view about) {
+  const std::string title(info(rule).title);
+  return about.empty() ? title : std::string(about) + ": " + title;
+}
+
+std::vector<std::string> concerned(const Outcomes& outcomes) {
+  std::vector<std::string> out;
+  for (const auto vendor : kVendors)
+    if (outcomes.of(vendor) != Outcome::ok) out.emplace_back(id(vendor));
+  return out.size() == kVendors.size() ? std::vector<std::string>() : out;
+}
+
+}  // namespace
+
+Check& Diagnosis::check_for(Rule rule, std::string_view about) {
+  auto title = title_of(rule, about);
+  const auto found = std::ranges::find_if(
+      checks_, [&](const Check& check) { return check.rule == rule && check.title == title; });
+  if (found != checks_.end()) return *found;
+  checks_.push_back({rule, std::move(title)});
+  return checks_.back();
+}
+
+void Diagnosis::pass(Rule rule, std::string_view about) { check_for(rule, about); }
+
+void Diagnosis::report(Outcomes outcomes, Finding finding, std::string_view about) {
+  auto& check = check_for(finding.rule, about);
+  if (finding.vendors.empty()) finding.vendors = concerned(outcomes);
+  check.outcomes = check.outcomes.worse(outcomes);
+  check.findings.push_back(std::move(finding));
+}
+
+void Diagnosis::append(Diagnosis other) {
+  std::ranges::move(other.checks_, std::back_inserter(checks_));
+}
+
+Outcomes Diagnosis::outcomes() const {
+  Outcomes worst;
+  for (const auto& check : checks_) worst = worst.worse(check.outcomes);
+  return worst;
+}
+
+Diagnosis diagnose(const LoadedFolder& folder, const Settings& settings) {
+  Diagnosis out;
+  check_files(folder, out);
+  check_identity(folder, settings, out);
+  check_documents(folder, settings, out);
+  check_rights(folder, settings, out);
+  check_ends(folder, settings, out);
+  return out;
+}
+
+}  // namespace ddssec::governance::doctor

@@ -1,0 +1,127 @@
+#include "governance/doctor/loaded_folder.hpp"
+
+#include <algorithm>
+#include <system_error>
+
+#include "governance/read.hpp"
+#include "pki/source.hpp"
+
+namespace ddssec::governance::doctor {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string uri(const fs::path& path) { return "file://" + path.string(); }
+
+// pki::load says the path as what it found; here it is the document's name.
+std::unexpected<Error> about(const Error& error, const fs::path& path) {
+  auto details = error.details();
+  details.document = path;
+  if (details.found == path) details.found.clear();
+  return std::unexpected(Error(error.code(), std::move(details)));
+}
+
+template <class T>
+Result<T> named(Result<T> result, const fs::path& path) {
+  if (result) return result;
+  return about(result.error(), path);
+}
+
+template <class Parse>
+auto load_with(const fs::path& path, std::size_t most, Parse parse)
+    -> decltype(parse(BytesView())) {
+  const auto octets = pki::load(uri(path), path.string(), most);
+  if (!octets) return about(octets.error(), path);
+  return named(parse(*octets), path);
+}
+
+Result<pki::PrivateKey> load_key(const fs::path& path) {
+  const auto pem = pki::load_key(uri(path), path.string());
+  if (!pem) return about(pem.error(), path);
+  return named(pki::PrivateKey::from_pem(*pem), path);
+}
+
+bool is_there(const fs::path& path) {
+  std::error_code ignored;
+  return fs::symlink_status(path, ignored).type() > fs::file_type::not_found;
+}
+
+Result<std::vector<pki::Crl>> load_crls(const fs::path& path) {
+  if (!is_there(path)) return std::vector<pki::Crl>();
+  return load_with(path, pki::kMostDocumentOctets, &pki::Crl::all_from);
+}
+
+using Certificates = Result<std::vector<pki::Certificate>>;
+
+Status belief(BytesView file, const Certificates& cas, WallTime now) {
+  if (!cas) return std::unexpected(cas.error());
+  const auto verifier = DDSSEC_TRY(pki::DocumentVerifier::make(*cas));
+  const auto proof = verifier.verify(file, now);
+  return proof ? Status() : std::unexpected(proof.error());
+}
+
+// The text is read even if nobody believes it, for what else may be wrong with it; what was read
+// is only ever talked about.
+template <class Model>
+LoadedDocument<Model> load_document(const fs::path& path, const Certificates& cas,
+                                    Result<Model> (*read)(BytesView), WallTime now) {
+  LoadedDocument<Model> out;
+  auto file = pki::load(uri(path), path.string(), pki::kMostDocumentOctets);
+  if (!file) {
+    out.readable = about(file.error(), path);
+    out.parsed = out.readable;
+    return out;
+  }
+  out.file = *std::move(file);
+  out.form = pki::examine_document(out.file);
+  const auto stock = [&](std::size_t most) -> Status {
+    if (!cas) return std::unexpected(cas.error());
+    const std::vector<pki::Certificate> read(cas->begin(),
+                                             cas->begin() + std::min(most, cas->size()));
+    return pki::stock_products_believe(out.file, read, now);
+  };
+  out.cyclonedds_belief = stock(1);
+  out.fastdds_belief = stock(pki::kMostCertificatesInBundle);
+  out.our_belief = belief(out.file, cas, now);
+  auto model = read(out.form.unverified_text);
+  if (model)
+    out.model = std::make_shared<const Model>(*std::move(model));
+  else
+    out.parsed = about(model.error(), path);
+  return out;
+}
+
+}  // namespace
+
+bool LoadedFolder::is_empty() const {
+  return !is_there(paths.identity_ca) && !is_there(paths.certificate) && !is_there(paths.key) &&
+         !is_there(paths.permissions_ca) && !is_there(paths.governance) &&
+         !is_there(paths.permissions);
+}
+
+Result<pki::ChainVerifier> LoadedFolder::chain() const {
+  if (!identity_cas) return std::unexpected(identity_cas.error());
+  if (!crls) return std::unexpected(crls.error());
+  return named(pki::ChainVerifier::make(*identity_cas, *crls), paths.identity_ca);
+}
+
+LoadedFolder load_folder(const pki::ParticipantFolder& paths, WallTime now) {
+  const auto bundle = [](const fs::path& path) {
+    return load_with(path, pki::kMostBundleOctets, &pki::Certificate::bundle_from_pem);
+  };
+  auto permissions_cas = bundle(paths.permissions_ca);
+  auto governance = load_document(paths.governance, permissions_cas, &read_governance, now);
+  auto permissions = load_document(paths.permissions, permissions_cas, &read_permissions, now);
+  return {.paths = paths,
+          .identity_cas = bundle(paths.identity_ca),
+          .certificate = load_with(paths.certificate, pki::kMostCertificateOctets,
+                                   &pki::Certificate::from_pem),
+          .key = load_key(paths.key),
+          .permissions_cas = std::move(permissions_cas),
+          .crls = load_crls(paths.crl),
+          .has_crl_file = is_there(paths.crl),
+          .governance = std::move(governance),
+          .permissions = std::move(permissions)};
+}
+
+}  // namespace ddssec::governance::doctor

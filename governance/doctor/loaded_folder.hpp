@@ -1,0 +1,62 @@
+// A participant's folder, loaded piece by piece: what is broken does not hide what else is.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "base/result.hpp"
+#include "governance/model.hpp"
+#include "pki/certificate.hpp"
+#include "pki/crl.hpp"
+#include "pki/participant_folder.hpp"
+#include "pki/private_key.hpp"
+#include "pki/smime.hpp"
+#include "pki/smime_diagnosis.hpp"
+
+namespace ddssec::governance::doctor {
+
+/// A signed document of a folder. `Model` is Governance or Permissions.
+template <class Model>
+struct LoadedDocument {
+  /// Why the file cannot be read; success if it can.
+  Status readable = {};
+  Bytes file = {};
+  pki::DocumentForm form = {};
+  /// Whether each product believes the signature. Cyclone DDS 0.10.2 reads the first certificate of
+  /// the CA file only. Errors if the permissions CA cannot be read: those of reading it.
+  Status cyclonedds_belief = {};
+  Status fastdds_belief = {};
+  Status our_belief = {};
+  /// What the document says, whether or not anybody believes it; null if it cannot be read, and
+  /// then `parsed` says why.
+  std::shared_ptr<const Model> model = {};
+  Status parsed = {};
+};
+
+/// What of a folder could be loaded. Each Result stands for itself.
+struct LoadedFolder {
+  pki::ParticipantFolder paths;
+  Result<std::vector<pki::Certificate>> identity_cas;
+  Result<pki::Certificate> certificate;
+  Result<pki::PrivateKey> key;
+  Result<std::vector<pki::Certificate>> permissions_cas;
+  /// Empty if there is no such file.
+  Result<std::vector<pki::Crl>> crls;
+  bool has_crl_file;
+  LoadedDocument<Governance> governance;
+  LoadedDocument<Permissions> permissions;
+
+  /// True if not one of the files is there: a participant without security.
+  bool is_empty() const;
+  /// The chain verifier that this participant judges certificates with.
+  /// Errors: those of the pieces it needs, or of ChainVerifier::make.
+  Result<pki::ChainVerifier> chain() const;
+};
+
+/// Loads every piece; documents are verified as of `now`. Never fails.
+LoadedFolder load_folder(const pki::ParticipantFolder& paths, WallTime now);
+
+}  // namespace ddssec::governance::doctor

@@ -1,0 +1,62 @@
+#include "governance/doctor/subject_form.hpp"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "pki/subject_name.hpp"
+
+namespace ddssec::governance::doctor {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r\n";
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(kBlanks);
+  if (first == text.npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+}
+
+// The parts between separators that no backslash stands before.
+std::vector<std::string> split(std::string_view text, char separator) {
+  std::vector<std::string> parts(1);
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool escaped = i > 0 && text[i - 1] == '\\';
+    if (text[i] == separator && !escaped)
+      parts.emplace_back();
+    else
+      parts.back().push_back(text[i]);
+  }
+  return parts;
+}
+
+bool cyclonedds_reads(std::string_view text, const std::string& subject) {
+  const bool slashes = text.starts_with('/');
+  auto said = split(slashes ? text.substr(1) : text, slashes ? '/' : ',');
+  auto meant = split(subject, ',');
+  std::ranges::sort(said);
+  std::ranges::sort(meant);
+  return said == meant;
+}
+
+bool fastdds_reads(std::string_view text, const std::string& subject) {
+  std::string joined;
+  for (auto part : split(text, ',')) {
+    if (!joined.empty()) joined += ',';
+    joined += trimmed(part);
+  }
+  return joined == subject;
+}
+
+Outcome outcome(bool reads) { return reads ? Outcome::ok : Outcome::fail; }
+
+}  // namespace
+
+Outcomes reads_subject(std::string_view text, const pki::Certificate& certificate) {
+  const auto name = pki::SubjectName::parse(text);
+  return {.cyclonedds = outcome(cyclonedds_reads(trimmed(text), certificate.subject())),
+          .fastdds = outcome(fastdds_reads(trimmed(text), certificate.subject())),
+          .ours = outcome(name && name->matches(certificate))};
+}
+
+}  // namespace ddssec::governance::doctor

@@ -1,0 +1,18 @@
+// Which products take a grant's subject_name for the subject of a certificate.
+#pragma once
+
+#include <string_view>
+
+#include "governance/doctor/vendor.hpp"
+#include "pki/certificate.hpp"
+
+namespace ddssec::governance::doctor {
+
+/// Outcome::ok for each product that takes `text` for the certificate's subject when it reads its
+/// own permissions, else fail. Measured: Cyclone DDS compares the attributes as text in any order,
+/// from `,` or `/` forms, and no blank may stand beside `,` or `=`; Fast DDS compares with the RFC
+/// 2253 text, with blanks after a `,` left out; ours compares the attributes themselves. Only the
+/// certificate's own RFC 2253 text (Certificate::subject) suits all.
+Outcomes reads_subject(std::string_view text, const pki::Certificate& certificate);
+
+}  // namespace ddssec::governance::doctor

@@ -1,0 +1,163 @@
+#!/usr/bin/env python3
+"""doctor: all that is wrong with a participant's folder, in one sentence each, for each product."""
+
+import pathlib
+import re
+import shutil
+import tempfile
+
+import golden_folders
+from transcript import Transcript, main
+
+HERE = pathlib.Path(__file__).resolve().parent
+VENDORS = ["cyclonedds@0.10.2", "fastdds@2.9.1", "ours"]
+
+
+def table():
+    """The rows of doctor_golden.txt: a folder's verdicts and rules, by its name."""
+    rows = {}
+    for line in (HERE / "doctor_golden.txt").read_text().splitlines():
+        if line and not line.startswith("#"):
+            name, *words = line.split()
+            rows[name] = (words[:3], words[3:])
+    return rows
+
+
+# For each folder: the rule, the document, and both values that its sentence must name.
+SENTENCES = {
+    "permissions-missing": ("DOC001", "permissions.p7s", "missing"),
+    "governance-link-broken": ("DOC001", "governance.p7s", "../nowhere/governance.p7s"),
+    "certificate-garbage": ("DOC002", "cert.pem", "X.509"),
+    "key-readable-by-all": ("DOC003", "key.pem", "0644", "0600"),
+    "ca-key-beside": ("DOC004", "ca.key.pem", "CN=identity CA"),
+    "subject-misspelt": ("DOC010", "permissions.p7s", '"CN=talker"', "CN=talkre"),
+    "subject-root-first": ("DOC011", "permissions.p7s", '"C=DE,O=Acme,CN=talker"',
+                           '"CN=talker,O=Acme,C=DE"'),
+    "key-of-another": ("DOC012", "key.pem", "cert.pem", "CN=talker"),
+    "key-encrypted": ("DOC013", "key.pem", "encrypted"),
+    "p384": ("DOC014", "cert.pem", "EC-secp384r1", "EC-prime256v1"),
+    "identity-unknown-ca": ("DOC020", "cert.pem", "CN=foreign CA", "CN=identity CA"),
+    "identity-other-ca-same-name": ("DOC020", "cert.pem", "CN=identity CA", "two CAs of one name"),
+    "identity-below-intermediate": ("DOC020", "cert.pem", "CN=middle CA", "CN=identity CA"),
+    "identity-expired": ("DOC021", "cert.pem", "CN=talker", "notAfter is 2021-01-01T00:00:00Z", "now"),
+    "identity-not-yet-valid": ("DOC021", "cert.pem", "notBefore is 2036-01-01T00:00:00Z", "now"),
+    "identity-ca-expired": ("DOC022", "identity_ca.pem", "2021-01-01T00:00:00Z", "now"),
+    "crl-expired": ("DOC023", "crl.pem", "out of date"),
+    "crl-of-other-ca": ("DOC023", "crl.pem", "CN=identity CA", "CN=foreign CA"),
+    "crl-names-own": ("DOC024", "crl.pem", "1000", "CN=talker"),
+    "permissions-unsigned": ("DOC030", "permissions.p7s", "unsigned XML", "multipart/signed"),
+    "form-no-text": ("DOC030", "permissions.p7s", "text/plain", "-text"),
+    "form-opaque-text": ("DOC030", "permissions.p7s", "opaque", "multipart/signed"),
+    "permissions-changed": ("DOC031", "permissions.p7s", "signature"),
+    "permissions-by-foreign-ca": ("DOC032", "permissions.p7s", "CN=foreign CA",
+                                  "CN=permissions CA"),
+    "permissions-by-ca-of-same-name": ("DOC032", "permissions.p7s", "CN=permissions CA", "serial"),
+    "permissions-by-itself": ("DOC033", "permissions.p7s", "CN=talker", "CN=identity CA"),
+    "form-sha1": ("DOC034", "permissions.p7s", "SHA1", "SHA-256"),
+    "permissions-ca-may-not-sign": ("DOC035", "governance.p7s", "keyUsage"),
+    "governance-unknown-kind": ("DOC036", "governance.p7s", "SIGNED", "ENCRYPT"),
+    "governance-order": ("DOC037", "governance.p7s", "order"),
+    "grant-expired": ("DOC040", "permissions.p7s", "not_after", "2021-01-01T00:00:00Z", "now"),
+    "grant-twice": ("DOC043", "permissions.p7s", "CN=talker", "lines 4 and 14"),
+    "governance-other-domain": ("DOC050", "governance.p7s", "domain 0", "cover 1"),
+    "grant-other-domain": ("DOC051", "permissions.p7s", "domain 0", "for 7"),
+    "grant-default-allow": ("DOC052", "permissions.p7s", "ALLOW", "DENY"),
+    "grant-deny-one-way": ("DOC053", "permissions.p7s", '"Square"', "publish"),
+    "governance-other-topics": ("DOC054", "governance.p7s", "topic_rule"),
+    "governance-unauthenticated": ("DOC055", "governance.p7s", "allow_unauthenticated_participants"),
+}
+
+
+class Golden(Transcript):
+    @classmethod
+    def setUpClass(cls):
+        cls.made = tempfile.TemporaryDirectory(prefix="ddssec-golden-")
+        cls.addClassCleanup(cls.made.cleanup)
+        cls.paths = golden_folders.make_all(cls.made.name)
+
+    def doctor(self, name, *words, exit):
+        return self.json("doctor", self.paths[name], *words, exit=exit)
+
+    def test_explain_knows_every_rule(self):
+        for rule, *_ in {values[:1]: None for values in SENTENCES.values()}:
+            self.assertEqual(self.json("explain", rule)["result"]["name"], rule)
+
+    def test_every_folder_is_in_the_table(self):
+        self.assertEqual(sorted(table()), sorted(golden_folders.FOLDERS))
+
+    def test_every_folder_gets_its_verdicts_and_rules(self):
+        for name, (verdicts, rules) in table().items():
+            with self.subTest(folder=name):
+                good = verdicts == ["ok"] * 3
+                out = self.doctor(name, exit=0 if good else 1)
+                self.assertEqual(list(out["result"]["verdicts"].items()),
+                                 list(zip(VENDORS, verdicts)))
+                self.assertEqual(sorted({d["id"] for d in out["diagnostics"]}), rules)
+                for check in out["result"]["checks"]:
+                    self.assertEqual(list(check["verdicts"]), VENDORS)
+                    bad = set(check["verdicts"].values()) != {"ok"}
+                    self.assertTrue("fix" in check or not bad, check)
+
+    def test_every_sentence_names_the_document_both_values_and_the_fix(self):
+        for name, (rule, document, *values) in SENTENCES.items():
+            with self.subTest(folder=name):
+                out = self.doctor(name, exit=0 if table()[name][0] == ["ok"] * 3 else 1)
+                told = [d for d in out["diagnostics"] if d["id"] == rule]
+                self.assertTrue(told, out["diagnostics"])
+                self.assertEqual(pathlib.Path(told[0]["file"]).name, document)
+                for value in values:
+                    self.assertIn(value, told[0]["message"])
+                self.assertTrue(told[0]["hint"])
+
+    def test_the_product_that_is_asked_for_decides(self):
+        slashes = ("subject-slashes", "--vendor")
+        self.assertEqual(self.doctor(*slashes, "cyclonedds", exit=0)["diagnostics"], [])
+        out = self.doctor(*slashes, "fastdds@2.9.1", "--vendor", "ours", exit=1)
+        self.assertEqual(out["result"]["verdicts"], {"fastdds@2.9.1": "fail", "ours": "ok"})
+        self.assertEqual(out["diagnostics"][0]["vendors"], ["fastdds@2.9.1"])
+        self.assertEqual(self.doctor("p384", "--vendor", "all", exit=1)["result"]["vendors"], VENDORS)
+
+    def test_the_domain_and_the_time_count(self):
+        self.doctor("grant-other-domain", "--domain", "7", exit=1)  # governance has domain 0 only
+        out = self.doctor("correct", "--now", "2036-12-20T00:00:00Z", exit=1)
+        self.assertIn("DOC022", [d["id"] for d in out["diagnostics"]])  # CAs live ten years
+        out = self.doctor("identity-not-yet-valid", "--now", "2036-11-10T00:00:00Z", exit=0)
+        self.assertEqual([d["id"] for d in out["diagnostics"]], ["DOC041"])
+        self.assertIn("identity_ca.pem of CN=identity CA ends first", out["diagnostics"][0]["message"])
+        out = self.doctor("grant-expired", "--now", "2020-12-31T23:00:00Z", exit=1)
+        self.assertIn("DOC042", [d["id"] for d in out["diagnostics"]])
+
+    def test_one_run_finds_all_faults(self):
+        folder = self.at / "broken"
+        shutil.copytree(self.paths["identity-expired"], folder)
+        shutil.copy(self.paths["form-no-text"] / "permissions.p7s", folder)
+        shutil.copy(self.paths["governance-other-domain"] / "governance.p7s", folder)
+        shutil.copy(self.paths["crl-of-other-ca"] / "crl.pem", folder)
+        (folder / "key.pem").unlink()
+        found = [d["id"] for d in self.json("doctor", "broken", exit=1)["diagnostics"]]
+        self.assertEqual(found, ["DOC001", "DOC021", "DOC023", "DOC030", "DOC050"])
+
+    def test_text_is_a_table_and_sentences(self):
+        done = self.run_program("doctor", self.paths["subject-slashes"], exit=1)
+        lines = done.stdout.splitlines()
+        self.assertRegex(lines[0], r"domain 0 +cyclonedds@0\.10\.2 +fastdds@2\.9\.1 +ours$")
+        self.assertIn(["ok", "fail", "ok"], [line.split()[-3:] for line in lines
+                                             if line.startswith("subject name form")])
+        self.assertEqual(lines[-1], "1 problem, 0 warnings")
+        self.assertRegex(done.stderr, r"^error\[DOC011\]: .*\n  --> .*/permissions\.p7s:4\n"
+                                      r"  concerns: fastdds@2\.9\.1\n  hint: .*\n$")
+
+    def test_nothing_is_written_and_nothing_is_secret(self):
+        before = sorted(p.name for p in self.paths["correct"].iterdir())
+        done = self.run_program("doctor", self.paths["correct"])
+        self.assertEqual(sorted(p.name for p in self.paths["correct"].iterdir()), before)
+        self.assertIsNone(re.search("PRIVATE KEY|MHc|MIG", done.stdout + done.stderr))
+
+    def test_wrong_command_lines(self):
+        self.refused("file_not_found", 3, "doctor", "nowhere")
+        self.refused("usage", 2, "doctor", self.paths["correct"], "--vendor", "connext")
+        self.refused("usage", 2, "doctor", self.paths["correct"], "--domain", "231")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,646 @@
+"""Participants' folders, each with one fault, made with the openssl program: what `ddssec doctor` is
+held to. Nothing of ddssec takes part in making them. Test keys, worthless outside a test."""
+
+import os
+import pathlib
+import shutil
+import subprocess
+
+DATA = pathlib.Path(__file__).resolve().parent.parent / "data"
+CA_EXTENSIONS = ("basicConstraints=critical,CA:TRUE",
+                 "keyUsage=critical,keyCertSign,cRLSign,digitalSignature")
+KEY_KINDS = {"ec": ("EC", "ec_paramgen_curve:prime256v1"),
+             "ec384": ("EC", "ec_paramgen_curve:secp384r1"),
+             "rsa": ("RSA", "rsa_keygen_bits:2048"), "rsa1024": ("RSA", "rsa_keygen_bits:1024"),
+             "ed25519": ("ED25519", None), "rsa3072": ("RSA", "rsa_keygen_bits:3072")}
+CA_CONFIGURATION = """[ca]
+default_ca = one
+[one]
+database = {folder}/index.txt
+serial = {folder}/serial
+new_certs_dir = {folder}
+certificate = {folder}/cert.pem
+private_key = {folder}/key.pem
+default_md = sha256
+policy = any
+unique_subject = no
+[any]
+countryName = optional
+organizationName = optional
+commonName = supplied
+"""
+PAST, FUTURE, END = ("2020-01-01T00:00:00Z", "2036-01-01T00:00:00Z", "2037-01-01T00:00:00Z")
+GOVERNANCE = """<?xml version="1.0" encoding="UTF-8"?>
+<dds>
+  <domain_access_rules>
+    <domain_rule>
+      <domains><id>0</id></domains>
+      <allow_unauthenticated_participants>false</allow_unauthenticated_participants>
+      <enable_join_access_control>true</enable_join_access_control>
+      <discovery_protection_kind>ENCRYPT</discovery_protection_kind>
+      <liveliness_protection_kind>ENCRYPT</liveliness_protection_kind>
+      <rtps_protection_kind>SIGN</rtps_protection_kind>
+      <topic_access_rules>
+        <topic_rule>
+          <topic_expression>*</topic_expression>
+          <enable_discovery_protection>true</enable_discovery_protection>
+          <enable_liveliness_protection>true</enable_liveliness_protection>
+          <enable_read_access_control>true</enable_read_access_control>
+          <enable_write_access_control>true</enable_write_access_control>
+          <metadata_protection_kind>ENCRYPT</metadata_protection_kind>
+          <data_protection_kind>ENCRYPT</data_protection_kind>
+        </topic_rule>
+      </topic_access_rules>
+    </domain_rule>
+  </domain_access_rules>
+</dds>
+"""
+ALLOW = """<allow_rule>
+        <domains><id>{domain}</id></domains>
+        <publish><topics><topic>{topic}</topic></topics></publish>
+        <subscribe><topics><topic>{topic}</topic></topics></subscribe>
+      </allow_rule>"""
+
+
+def allow(topic="Square", domain=0):
+    return ALLOW.format(topic=topic, domain=domain)
+
+
+def grant(subject, rules=None, begin=PAST, end=END, default="DENY", name=' name="participant"'):
+    return f"""    <grant{name}>
+      <subject_name>{subject}</subject_name>
+      <validity><not_before>{begin}</not_before><not_after>{end}</not_after></validity>
+      {rules or allow()}
+      <default>{default}</default>
+    </grant>
+"""
+
+
+def permissions(*grants):
+    return ('<?xml version="1.0" encoding="UTF-8"?>\n<dds>\n  <permissions>\n' + "".join(grants) +
+            "  </permissions>\n</dds>\n")
+
+
+def openssl(*words, text=None):
+    done = subprocess.run(["openssl", *map(str, words)], input=text, capture_output=True, text=True,
+                          check=False)
+    if done.returncode != 0:
+        raise RuntimeError(f"openssl {' '.join(map(str, words))}: {done.stderr}")
+    return done.stdout
+
+
+class Workshop:
+    """Keys, certificates and CAs, each made once."""
+
+    def __init__(self, folder):
+        self.folder = pathlib.Path(folder)
+        self.folder.mkdir(parents=True, exist_ok=True)
+
+    def key(self, name, kind="ec"):
+        path = self.folder / f"{name}.{kind}.key"
+        algorithm, option = KEY_KINDS[kind]
+        if not path.exists():
+            openssl("genpkey", "-algorithm", algorithm,
+                    *(("-pkeyopt", option) if option else ()), "-out", path)
+        return path
+
+    def ca(self, label, subject=None, extensions=CA_EXTENSIONS, dates=None, kind="ec", root=None):
+        """A CA's folder with cert.pem, key.pem and what `openssl ca` needs; self-signed, or below
+        the CA folder `root`."""
+        folder = self.folder / f"ca-{label}"
+        if folder.exists():
+            return folder
+        folder.mkdir()
+        (folder / "openssl.cnf").write_text(CA_CONFIGURATION.format(folder=folder))
+        (folder / "index.txt").touch()
+        (folder / "serial").write_text("1000\n")
+        os.link(self.key("ca-" + label, kind), folder / "key.pem")
+        request = ("-key", folder / "key.pem", "-subj", subject or f"/CN={label} CA")
+        if dates is None and root is None:
+            openssl("req", "-x509", "-new", "-sha256", "-days", "3650", *request,
+                    *[part for text in extensions for part in ("-addext", text)],
+                    "-out", folder / "cert.pem")
+        else:
+            openssl("req", "-new", *request, "-out", folder / "request.csr")
+            (folder / "extensions").write_text("\n".join(extensions) + "\n")
+            begin, end = dates or LONG
+            openssl("ca", "-batch", "-notext", *(() if root else ("-selfsign",)), "-config",
+                    (root or folder) / "openssl.cnf", "-startdate", begin, "-enddate", end,
+                    "-extfile", folder / "extensions", "-in", folder / "request.csr",
+                    "-out", folder / "cert.pem")
+        return folder
+
+    def leaf(self, label, ca, subject="/CN=talker", kind="ec", dates=None, extensions=None,
+             digest="sha256"):
+        """A certificate under `ca`, and its key."""
+        path, key = self.folder / f"{label}.pem", self.key(label, kind)
+        if path.exists():
+            return path, key
+        request = self.folder / f"{label}.csr"
+        openssl("req", "-new", "-key", key, "-subj", subject, "-out", request)
+        if dates is None and extensions is None:  # without any extension it is X.509 version 1
+            openssl("x509", "-req", "-in", request, "-CA", ca / "cert.pem", "-CAkey", ca / "key.pem",
+                    "-days", "365", "-sha256", "-out", path)
+            return path, key
+        (self.folder / f"{label}.ext").write_text(extensions or "basicConstraints=CA:FALSE\n")
+        begin, end = dates or LONG
+        openssl("ca", "-batch", "-notext", "-config", ca / "openssl.cnf", "-md", digest, "-startdate", begin,
+                "-enddate", end, "-preserveDN", "-extfile", self.folder / f"{label}.ext",
+                "-in", request, "-out", path)
+        return path, key
+
+    def crl(self, label, ca, revoked=None, days=("-crldays", "365")):
+        path = self.folder / f"{label}.crl"
+        if path.exists():
+            return path
+        before = (ca / "index.txt").read_text()
+        if revoked:
+            openssl("ca", "-config", ca / "openssl.cnf", "-revoke", revoked)
+        openssl("ca", "-config", ca / "openssl.cnf", "-gencrl", *days, "-out", path)
+        (ca / "index.txt").write_text(before)
+        return path
+
+
+class Folder:
+    """One participant's folder, correct until something is changed."""
+
+    def __init__(self, shop, path, subject="/CN=talker", label="talker", **leaf):
+        self.shop, self.path = shop, pathlib.Path(path)
+        self.path.mkdir(parents=True)
+        self.identity_ca, self.permissions_ca = shop.ca("identity"), shop.ca("permissions")
+        leaf.setdefault("extensions", "basicConstraints=CA:FALSE\n")
+        self.certificate, self.key = shop.leaf(label, leaf.pop("ca", self.identity_ca), subject,
+                                               **leaf)
+        self.subject = openssl("x509", "-in", self.certificate, "-noout", "-subject", "-nameopt",
+                               "RFC2253").strip().removeprefix("subject=")
+        self.put("identity_ca.pem", self.identity_ca / "cert.pem")
+        self.put("permissions_ca.pem", self.permissions_ca / "cert.pem")
+        self.put("cert.pem", self.certificate)
+        self.put("key.pem", self.key, 0o600)
+        self.sign("governance", GOVERNANCE)
+        self.sign("permissions", permissions(grant(self.subject)))
+
+    def put(self, name, source, mode=0o644):
+        shutil.copyfile(source, self.path / name)
+        os.chmod(self.path / name, mode)
+
+    def sign(self, what, xml, *options, signer=None, form=("-text",), command="smime"):
+        """Signs `xml` as the document `what`, the way `openssl smime -sign -text` does unless told."""
+        certificate, key = signer or (self.permissions_ca / "cert.pem", self.permissions_ca / "key.pem")
+        openssl(command, "-sign", *form, "-signer", certificate, "-inkey", key, *options,
+                "-out", self.path / f"{what}.p7s", text=xml)
+        os.chmod(self.path / f"{what}.p7s", 0o644)
+
+    def own_permissions(self, *options, **more):
+        self.sign("permissions", permissions(grant(self.subject)), *options, **more)
+
+    def replace(self, name, old, new):
+        path = self.path / name
+        text = path.read_bytes()
+        assert old.encode() in text, f"{name} has no {old}"
+        path.write_bytes(text.replace(old.encode(), new.encode()))
+
+
+LONG = ("20200101000000Z", "20361231000000Z")
+LONG_AGO = ("20200101000000Z", "20210101000000Z")
+NOT_YET = ("20360101000000Z", "20361201000000Z")
+FOLDERS = {}
+
+
+def folder(maker):
+    """Enters a maker into the table; its name is the folder's."""
+    FOLDERS[maker.__name__.replace("_", "-")] = maker
+    return maker
+
+
+@folder
+def correct(shop, path):
+    Folder(shop, path)
+
+
+@folder
+def sros2_keystore(shop, path):
+    """The keystore that sros2 made, with its links."""
+    keystore = DATA / "sros2/generated/keystore"
+    shutil.copytree(keystore, path.parent / "keystore", dirs_exist_ok=True)
+    root = path.parent / "keystore"
+    for role in ("identity_ca", "permissions_ca"):
+        link(root / f"public/{role}.cert.pem", "ca.cert.pem")
+    enclave = root / "enclaves/talker_listener/talker"
+    for role in ("identity_ca", "permissions_ca"):
+        link(enclave / f"{role}.cert.pem", f"../../../public/{role}.cert.pem")
+    link(enclave / "governance.p7s", "../../governance.p7s")
+    os.chmod(enclave / "key.pem", 0o600)
+    link(path, enclave.relative_to(path.parent))
+
+
+def link(path, target):
+    if not path.is_symlink():
+        path.symlink_to(target)
+
+
+# ---- files
+
+@folder
+def permissions_missing(shop, path):
+    Folder(shop, path)
+    (path / "permissions.p7s").unlink()
+
+
+@folder
+def governance_link_broken(shop, path):
+    Folder(shop, path)
+    (path / "governance.p7s").unlink()
+    (path / "governance.p7s").symlink_to("../nowhere/governance.p7s")
+
+
+@folder
+def certificate_garbage(shop, path):
+    Folder(shop, path)
+    (path / "cert.pem").write_text("-----BEGIN CERTIFICATE-----\nAAAA\n-----END CERTIFICATE-----\n")
+
+
+@folder
+def key_readable_by_all(shop, path):
+    Folder(shop, path)
+    os.chmod(path / "key.pem", 0o644)
+
+
+@folder
+def ca_key_beside(shop, path):
+    made = Folder(shop, path)
+    made.put("ca.key.pem", made.identity_ca / "key.pem", 0o600)
+
+
+# ---- keys and certificates
+
+@folder
+def key_encrypted(shop, path):
+    made = Folder(shop, path)
+    openssl("pkey", "-in", made.key, "-aes256", "-passout", "pass:golden", "-out", path / "key.pem")
+    os.chmod(path / "key.pem", 0o600)
+
+
+@folder
+def key_of_another(shop, path):
+    Folder(shop, path).put("key.pem", shop.key("stranger"), 0o600)
+
+
+@folder
+def p384(shop, path):
+    Folder(shop, path, label="p384", kind="ec384")
+
+
+@folder
+def rsa_2048(shop, path):
+    Folder(shop, path, label="rsa2048", kind="rsa")
+
+
+@folder
+def rsa_3072(shop, path):
+    Folder(shop, path, label="rsa3072", kind="rsa3072")
+
+
+@folder
+def rsa_1024(shop, path):
+    Folder(shop, path, label="rsa1024", kind="rsa1024")
+
+
+@folder
+def ed25519(shop, path):
+    Folder(shop, path, label="ed25519", kind="ed25519", digest="default")
+
+
+@folder
+def ca_p384(shop, path):
+    ca = shop.ca("p384", kind="ec384")
+    Folder(shop, path, label="under-p384", ca=ca).put("identity_ca.pem", ca / "cert.pem")
+
+
+@folder
+def x509_v1(shop, path):
+    Folder(shop, path, label="v1", extensions=None)
+
+
+@folder
+def identity_other_ca_same_name(shop, path):
+    Folder(shop, path, label="impostor", ca=shop.ca("impostor", "/CN=identity CA"))
+
+
+@folder
+def identity_unknown_ca(shop, path):
+    Folder(shop, path, label="foreigner", ca=shop.ca("foreign"))
+
+
+@folder
+def identity_expired(shop, path):
+    Folder(shop, path, label="expired", dates=LONG_AGO)
+
+
+@folder
+def identity_not_yet_valid(shop, path):
+    Folder(shop, path, label="future", dates=NOT_YET)
+
+
+@folder
+def identity_ca_expired(shop, path):
+    ca = shop.ca("old", dates=LONG_AGO)
+    Folder(shop, path, label="under-old", ca=ca).put("identity_ca.pem", ca / "cert.pem")
+
+
+@folder
+def identity_ca_is_none(shop, path):
+    """The participant's own certificate in the place of the CA's."""
+    made = Folder(shop, path)
+    made.put("identity_ca.pem", made.certificate)
+
+
+@folder
+def identity_below_intermediate(shop, path):
+    root = shop.ca("identity")
+    middle = shop.ca("middle", root=root)
+    made = Folder(shop, path, label="below-middle", ca=middle)
+    text = (root / "cert.pem").read_text() + (middle / "cert.pem").read_text()
+    (made.path / "identity_ca.pem").write_text(text)
+
+
+@folder
+def identity_below_intermediate_only(shop, path):
+    """The CA file holds the intermediate without its root."""
+    middle = shop.ca("middle", root=shop.ca("identity"))
+    Folder(shop, path, label="below-middle", ca=middle).put("identity_ca.pem", middle / "cert.pem")
+
+
+@folder
+def identity_ca_file_of_two(shop, path):
+    """The issuing CA comes second in its file."""
+    made = Folder(shop, path)
+    text = (shop.ca("foreign") / "cert.pem").read_text() + made.identity_ca.joinpath(
+        "cert.pem").read_text()
+    (made.path / "identity_ca.pem").write_text(text)
+
+
+def permissions_middle(name, *files):
+    def make(shop, path):
+        made = Folder(shop, path)
+        middle = shop.ca("permissions-middle", root=shop.ca("permissions"))
+        folders = {"root": made.permissions_ca, "middle": middle}
+        (path / "permissions_ca.pem").write_text(
+            "".join((folders[file] / "cert.pem").read_text() for file in files))
+        signer = (middle / "cert.pem", middle / "key.pem")
+        made.sign("governance", GOVERNANCE, signer=signer)
+        made.own_permissions(signer=signer)
+    FOLDERS[name] = make
+
+
+permissions_middle("permissions-by-intermediate", "root", "middle")
+permissions_middle("permissions-by-intermediate-first", "middle", "root")
+permissions_middle("permissions-by-intermediate-only", "middle")
+permissions_middle("permissions-by-unlisted-intermediate", "root")
+
+
+@folder
+def identity_below_missing_intermediate(shop, path):
+    Folder(shop, path, label="below-middle", ca=shop.ca("middle", root=shop.ca("identity")))
+
+
+@folder
+def identity_key_usage(shop, path):
+    Folder(shop, path, label="encipher", extensions="keyUsage=critical,keyEncipherment\n")
+
+
+@folder
+def identity_sha1(shop, path):
+    Folder(shop, path, label="sha1", digest="sha1")
+
+
+@folder
+def permissions_ca_expired(shop, path):
+    made = Folder(shop, path)
+    made.permissions_ca = shop.ca("old", dates=LONG_AGO)
+    made.put("permissions_ca.pem", made.permissions_ca / "cert.pem")
+    made.sign("governance", GOVERNANCE)
+    made.own_permissions()
+
+
+@folder
+def permissions_ca_may_not_sign(shop, path):
+    made = Folder(shop, path)
+    made.permissions_ca = shop.ca("nosign", extensions=(
+        CA_EXTENSIONS[0], "keyUsage=critical,keyCertSign,cRLSign"))
+    made.put("permissions_ca.pem", made.permissions_ca / "cert.pem")
+    made.sign("governance", GOVERNANCE)
+    made.own_permissions()
+
+
+@folder
+def crl_empty(shop, path):
+    made = Folder(shop, path)
+    made.put("crl.pem", shop.crl("empty", made.identity_ca))
+
+
+@folder
+def crl_names_own(shop, path):
+    made = Folder(shop, path)
+    made.put("crl.pem", shop.crl("own", made.identity_ca, made.certificate))
+
+
+@folder
+def crl_expired(shop, path):
+    made = Folder(shop, path)
+    made.put("crl.pem", shop.crl("old", made.identity_ca, days=(
+        "-crl_lastupdate", "20200101000000Z", "-crl_nextupdate", "20210101000000Z")))
+
+
+@folder
+def crl_of_other_ca(shop, path):
+    Folder(shop, path).put("crl.pem", shop.crl("foreign", shop.ca("foreign")))
+
+
+# ---- signed documents
+
+@folder
+def permissions_changed(shop, path):
+    Folder(shop, path).replace("permissions.p7s", "Square", "Circle")
+
+
+@folder
+def governance_changed(shop, path):
+    Folder(shop, path).replace("governance.p7s", "<id>0</id>", "<id>1</id>")
+
+
+@folder
+def permissions_unsigned(shop, path):
+    made = Folder(shop, path)
+    (path / "permissions.p7s").write_text(permissions(grant(made.subject)))
+
+
+@folder
+def governance_unsigned(shop, path):
+    Folder(shop, path)
+    (path / "governance.p7s").write_text(GOVERNANCE)
+
+
+@folder
+def permissions_by_itself(shop, path):
+    """One CA for both roles; the participant signed its permissions with its own key."""
+    made = Folder(shop, path)
+    made.permissions_ca = made.identity_ca
+    made.put("permissions_ca.pem", made.identity_ca / "cert.pem")
+    made.sign("governance", GOVERNANCE)
+    made.own_permissions(signer=(made.certificate, made.key))
+
+
+@folder
+def permissions_by_foreign_ca(shop, path):
+    ca = shop.ca("foreign")
+    Folder(shop, path).own_permissions(signer=(ca / "cert.pem", ca / "key.pem"))
+
+
+@folder
+def permissions_by_ca_of_same_name(shop, path):
+    ca = shop.ca("impostor-permissions", "/CN=permissions CA")
+    Folder(shop, path).own_permissions(signer=(ca / "cert.pem", ca / "key.pem"))
+
+
+@folder
+def governance_by_foreign_ca(shop, path):
+    ca = shop.ca("foreign")
+    Folder(shop, path).sign("governance", GOVERNANCE, signer=(ca / "cert.pem", ca / "key.pem"))
+
+
+def form(name, *options, form=("-text",), command="smime"):
+    def make(shop, path):
+        made = Folder(shop, path)
+        made.own_permissions(*options, form=form, command=command)
+    FOLDERS[name] = make
+
+
+form("form-cms", command="cms")
+form("form-no-text", form=())
+form("form-text-binary", form=("-text", "-binary"))
+form("form-opaque-text", form=("-text", "-nodetach"))
+form("form-opaque", form=("-nodetach",))
+form("form-nocerts", "-nocerts")
+form("form-pem", "-outform", "PEM")
+form("form-der", "-outform", "DER")
+form("form-sha512", "-md", "sha512")
+form("form-sha1", "-md", "sha1")
+form("form-noattr", "-noattr")
+
+
+@folder
+def form_crlf(shop, path):
+    Folder(shop, path)
+    text = (path / "permissions.p7s").read_bytes()
+    (path / "permissions.p7s").write_bytes(text.replace(b"\r\n", b"\n").replace(b"\n", b"\r\n"))
+
+
+@folder
+def form_lf(shop, path):
+    Folder(shop, path)
+    text = (path / "permissions.p7s").read_bytes()
+    (path / "permissions.p7s").write_bytes(text.replace(b"\r\n", b"\n"))
+
+
+# ---- subjects
+
+def subject(name, text, identity="/C=DE/O=Acme/CN=talker", label="acme"):
+    def make(shop, path):
+        made = Folder(shop, path, identity, label)
+        made.sign("permissions", permissions(grant(text)))
+    FOLDERS["subject-" + name] = make
+
+
+subject("rfc2253", "CN=talker,O=Acme,C=DE")
+subject("root-first", "C=DE,O=Acme,CN=talker")
+subject("slashes", "/C=DE/O=Acme/CN=talker")
+subject("blanks", "CN=talker, O=Acme, C=DE")
+subject("mixed-order", "O=Acme,CN=talker,C=DE")
+subject("openssl-default", "C = DE, O = Acme, CN = talker")
+subject("blanks-at-equals", "CN = talker,O = Acme,C = DE")
+subject("cn-only", "CN=talker")
+subject("other-case", "cn=talker,o=Acme,c=DE")
+subject("value-case", "CN=Talker,O=Acme,C=DE")
+subject("misspelt", "CN=talkre", "/CN=talker", "talker")
+subject("blank-around", " CN=talker ", "/CN=talker", "talker")
+subject("single-blanks-at-equals", "CN = talker", "/CN=talker", "talker")
+subject("single-slash", "/CN=talker", "/CN=talker", "talker")
+
+
+# ---- grants and rules
+
+def grants(which, *texts, **more):
+    def make(shop, path):
+        made = Folder(shop, path)
+        made.sign("permissions", permissions(*(texts or [grant(made.subject, **more)])))
+    FOLDERS[which] = make
+
+
+grants("grant-expired", begin="2020-01-01T00:00:00Z", end="2021-01-01T00:00:00Z")
+grants("grant-not-yet-valid", begin=FUTURE)
+grants("grant-second", grant("CN=talker", end="2021-01-01T00:00:00Z"), grant("CN=talker"))
+grants("grant-twice", grant("CN=talker"), grant("CN=talker", allow("Circle")))
+grants("grant-other-domain", rules=allow(domain=7))
+grants("grant-default-allow", rules=allow("Circle"), default="ALLOW")
+grants("grant-other-topic", rules=allow("Circle"))
+grants("grant-without-name", name="")
+grants("grant-deny-one-way", rules="""<deny_rule>
+        <domains><id>0</id></domains>
+        <subscribe><topics><topic>Square</topic></topics></subscribe>
+      </deny_rule>
+      """ + allow())
+grants("grant-deny-other-way", rules="""<deny_rule>
+        <domains><id>0</id></domains>
+        <publish><topics><topic>Square</topic></topics></publish>
+      </deny_rule>
+      """ + allow())
+grants("grant-deny-first", rules="""<allow_rule>
+        <domains><id>0</id></domains>
+        <subscribe><topics><topic>Square</topic></topics></subscribe>
+      </allow_rule>
+      """ + allow())
+grants("grant-bracket-caret", rules=allow("[^T]quare"))
+grants("grant-xml-broken", '    <grant name="x">\n')
+grants("grant-no-zone", begin="2020-01-01T00:00:00", end="2037-01-01T00:00:00")
+
+
+@folder
+def grant_without_default(shop, path):
+    made = Folder(shop, path)
+    xml = permissions(grant(made.subject)).replace("      <default>DENY</default>\n", "")
+    made.sign("permissions", xml)
+
+
+def governance(name, old, new):
+    def make(shop, path):
+        assert old in GOVERNANCE, old
+        Folder(shop, path).sign("governance", GOVERNANCE.replace(old, new))
+    FOLDERS["governance-" + name] = make
+
+
+governance("other-domain", "<id>0</id>", "<id>1</id>")
+governance("other-topics", "<topic_expression>*<", "<topic_expression>Circle<")
+governance("capitals", "<enable_join_access_control>true<", "<enable_join_access_control>TRUE<")
+governance("one-for-true", "<enable_join_access_control>true<", "<enable_join_access_control>1<")
+governance("small-letters", "<rtps_protection_kind>SIGN<", "<rtps_protection_kind>sign<")
+governance("unknown-kind", "<rtps_protection_kind>SIGN<", "<rtps_protection_kind>SIGNED<")
+governance("unauthenticated", "<allow_unauthenticated_participants>false<",
+           "<allow_unauthenticated_participants>true<")
+governance("no-max", "<id>0</id>", "<id_range><min>0</min></id_range>")
+governance("no-min", "<id>0</id>", "<id_range><max>0</max></id_range>")
+governance("order", """<enable_read_access_control>true</enable_read_access_control>
+          <enable_write_access_control>true</enable_write_access_control>""",
+           """<enable_write_access_control>true</enable_write_access_control>
+          <enable_read_access_control>true</enable_read_access_control>""")
+governance("payload-only", "<metadata_protection_kind>ENCRYPT<", "<metadata_protection_kind>NONE<")
+
+
+def make_all(where, names=None):
+    """Every folder below `where`/golden; the path of each by its name."""
+    shop = Workshop(pathlib.Path(where) / "workshop")
+    golden = pathlib.Path(where) / "golden"
+    golden.mkdir(parents=True)
+    for name in names or FOLDERS:
+        FOLDERS[name](shop, golden / name)
+    return {name: golden / name for name in names or FOLDERS}

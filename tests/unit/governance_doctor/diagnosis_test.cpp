@@ -1,0 +1,113 @@
+#include "governance/doctor/diagnosis.hpp"
+
+#include <gmock/gmock.h>
+
+#include "fixture.hpp"
+
+namespace ddssec::governance::doctor {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+using DiagnosisTest = Folders;
+
+TEST_F(DiagnosisTest, ACorrectFolderPassesEveryCheck) {
+  const auto all = diagnosis(participant("talker"));
+  EXPECT_THAT(rules_of(all), IsEmpty());
+  EXPECT_TRUE(all.outcomes().all_ok());
+  EXPECT_GT(all.checks().size(), 20u);
+}
+
+TEST_F(DiagnosisTest, AnEmptyFolderLacksEverySingleFile) {
+  const auto folder = pki::participant_folder(root_ / "empty", pki::FolderLayout::flat);
+  fs::create_directories(folder.folder);
+  const auto loaded = load_folder(folder, kNow);
+  EXPECT_TRUE(loaded.is_empty());
+  EXPECT_FALSE(load_folder(participant("talker"), kNow).is_empty());
+  const auto all = diagnose(loaded, {.now = kNow});
+  EXPECT_THAT(rules_of(all), ElementsAre(Rule::DOC001, Rule::DOC001, Rule::DOC001, Rule::DOC001,
+                                         Rule::DOC001, Rule::DOC001));
+  EXPECT_EQ(all.outcomes(), Outcomes::all(Outcome::fail));
+}
+
+TEST_F(DiagnosisTest, FaultsOfEveryPieceAreFoundTogether) {
+  auto governance = strict_governance(3);
+  auto grant = grant_for("CN=talkre");
+  const auto folder = participant("talker", governance, {.grants = {grant}});
+  write(folder.key, read(participant("other").key));
+  const auto all = diagnosis(folder);
+  EXPECT_THAT(rules_of(all), ElementsAre(Rule::DOC012, Rule::DOC050, Rule::DOC010));
+  EXPECT_EQ(all.outcomes(), Outcomes::all(Outcome::fail));
+  EXPECT_THAT(finding_of(all, Rule::DOC010).message, HasSubstr("CN=talkre"));
+  EXPECT_EQ(finding_of(all, Rule::DOC010).document, folder.permissions);
+}
+
+TEST_F(DiagnosisTest, VendorsAreNamedOnlyIfTheyDiffer) {
+  auto grant = grant_for("CN=talker");
+  grant.default_allow = true;
+  const auto all = diagnosis(participant("talker", strict_governance(), {.grants = {grant}}));
+  EXPECT_THAT(finding_of(all, Rule::DOC052).vendors, ElementsAre("fastdds@2.9.1"));
+  EXPECT_EQ(all.outcomes(), (Outcomes{.fastdds = Outcome::late}));
+  auto nothing = grant;
+  nothing.rules.clear();
+  EXPECT_EQ(diagnosis(participant("talker", strict_governance(), {.grants = {nothing}})).outcomes(),
+            (Outcomes{.fastdds = Outcome::fail}));
+}
+
+TEST_F(DiagnosisTest, TruncatedFilesAreFaultsAndNoCrash) {
+  const auto folder = participant("talker");
+  for (const auto& path : {folder.identity_ca, folder.certificate, folder.key,
+                           folder.permissions_ca, folder.governance, folder.permissions}) {
+    const auto whole = read(path);
+    for (const std::size_t size : {whole.size() / 2, std::size_t{40}, std::size_t{1}}) {
+      write(path, whole.substr(0, size));
+      EXPECT_FALSE(diagnosis(folder).outcomes().all_ok()) << path << ' ' << size;
+    }
+    write(path, whole);
+  }
+  EXPECT_TRUE(diagnosis(folder).outcomes().all_ok());
+}
+
+TEST_F(DiagnosisTest, DenyFirstMattersOnlyWhereOneDirectionIsAllowed) {
+  const auto with_deny = [&](bool publish, bool subscribe) {
+    auto grant = grant_for("CN=talker", "rt/*");
+    governance::Rule deny{.allow = false, .domains = {.ranges = {{0, 0}}}};
+    if (publish) deny.publish.push_back({.topics = {{"rt/cmd*"}}});
+    if (subscribe) deny.subscribe.push_back({.topics = {{"rt/cmd*"}}});
+    grant.rules.insert(grant.rules.begin(), deny);
+    return diagnosis(participant("talker", strict_governance(), {.grants = {grant}}));
+  };
+  EXPECT_THAT(rules_of(with_deny(true, true)), IsEmpty());
+  const auto all = with_deny(false, true);
+  EXPECT_THAT(finding_of(all, Rule::DOC053).message, HasSubstr("publish topic \"rt/cmd\""));
+  EXPECT_EQ(all.outcomes(), (Outcomes{.cyclonedds = Outcome::late}));
+}
+
+TEST_F(DiagnosisTest, WhatEndsFirstIsSaidAMonthAhead) {
+  const auto folder = participant("talker");
+  const auto all = diagnosis(folder, kNow + 340 * 24h);
+  EXPECT_THAT(rules_of(all), ElementsAre(Rule::DOC041));
+  EXPECT_THAT(finding_of(all, Rule::DOC041).message, HasSubstr("in 25 days and 0 hours"));
+  EXPECT_TRUE(all.outcomes().all_ok());
+}
+
+TEST_F(DiagnosisTest, DatesNearNowDependOnTheTimeZone) {
+  auto grant = grant_for("CN=talker");
+  grant.validity.not_before = kNow - 2h;
+  const auto all = diagnosis(participant("talker", strict_governance(), {.grants = {grant}}));
+  EXPECT_THAT(rules_of(all), ElementsAre(Rule::DOC042));
+}
+
+TEST_F(DiagnosisTest, TheJoinRuleCountsOnlyWhereItIsAskedFor) {
+  auto governance = strict_governance();
+  const Permissions elsewhere{.grants = {grant_for("CN=talker", "Square", 5)}};
+  EXPECT_EQ(diagnosis(participant("talker", governance, elsewhere)).outcomes(),
+            (Outcomes{Outcome::fail, Outcome::late, Outcome::fail}));
+  governance.domain_rules[0].enable_join_access_control = false;
+  EXPECT_TRUE(diagnosis(participant("talker", governance, elsewhere)).outcomes().all_ok());
+}
+
+}  // namespace
+}  // namespace ddssec::governance::doctor

@@ -1,0 +1,47 @@
+#include "governance/doctor/subject_form.hpp"
+
+#include "fixture.hpp"
+
+namespace ddssec::governance::doctor {
+namespace {
+
+constexpr auto kOk = Outcome::ok;
+constexpr auto kFail = Outcome::fail;
+
+struct Row {
+  std::string_view text;
+  Outcomes outcomes;
+};
+
+// Measured with the products themselves: tests/interop/doctor_test.py has the same forms.
+TEST(SubjectForm, EachProductReadsSomeOfThem) {
+  const auto ca = make_ca("CN=CA");
+  const auto leaf = make_leaf(ca, "CN=pub,O=Acme,C=DE");
+  ASSERT_EQ(leaf.certificate.subject(), "CN=pub,O=Acme,C=DE");
+  for (const auto& [text, outcomes] : {
+           Row{"CN=pub,O=Acme,C=DE", {kOk, kOk, kOk}},
+           Row{" CN=pub,O=Acme,C=DE\n", {kOk, kOk, kOk}},
+           Row{"C=DE,O=Acme,CN=pub", {kOk, kFail, kOk}},
+           Row{"/C=DE/O=Acme/CN=pub", {kOk, kFail, kOk}},
+           Row{"CN=pub, O=Acme, C=DE", {kFail, kOk, kOk}},
+           Row{"C = DE, O = Acme, CN = pub", {kFail, kFail, kOk}},
+           Row{"cn=pub,o=Acme,c=DE", {kFail, kFail, kOk}},
+           Row{"CN=pub", {kFail, kFail, kFail}},
+           Row{"CN=pub,O=Acme,C=DE,L=Bonn", {kFail, kFail, kFail}},
+           Row{"CN=Pub,O=Acme,C=DE", {kFail, kFail, kFail}},
+           Row{"", {kFail, kFail, kFail}},
+           Row{"no name at all", {kFail, kFail, kFail}},
+       })
+    EXPECT_EQ(reads_subject(text, leaf.certificate), outcomes) << text;
+}
+
+TEST(SubjectForm, AnEscapedCommaSeparatesNothing) {
+  const auto ca = make_ca("CN=CA");
+  const auto leaf = make_leaf(ca, "CN=pub,O=Acme\\, Inc.");
+  EXPECT_TRUE(reads_subject(leaf.certificate.subject(), leaf.certificate).all_ok())
+      << leaf.certificate.subject();
+  EXPECT_EQ(reads_subject("CN=pub,O=Acme", leaf.certificate), Outcomes::all(kFail));
+}
+
+}  // namespace
+}  // namespace ddssec::governance::doctor

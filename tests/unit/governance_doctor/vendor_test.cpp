@@ -1,0 +1,36 @@
+#include "governance/doctor/vendor.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ddssec::governance::doctor {
+namespace {
+
+TEST(Vendor, IsFoundByItsIdWithOrWithoutVersion) {
+  for (const auto vendor : kVendors) EXPECT_EQ(vendor_from(id(vendor)), vendor);
+  EXPECT_EQ(vendor_from("cyclonedds"), Vendor::cyclonedds);
+  EXPECT_EQ(vendor_from("fastdds"), Vendor::fastdds);
+  for (const auto* other : {"", "cyclone", "cyclonedds@0.10.3", "fastdds@", "OURS"})
+    EXPECT_EQ(vendor_from(other), std::nullopt) << other;
+}
+
+TEST(Outcomes, TheWorseCountsForEachProductAlone) {
+  constexpr Outcomes a{.cyclonedds = Outcome::late, .ours = Outcome::unsafe};
+  constexpr Outcomes b{.cyclonedds = Outcome::ok, .fastdds = Outcome::fail, .ours = Outcome::late};
+  EXPECT_EQ(a.worse(b), (Outcomes{Outcome::late, Outcome::fail, Outcome::late}));
+  EXPECT_EQ(b.worse(a), a.worse(b));
+  EXPECT_FALSE(a.all_ok());
+  EXPECT_TRUE(Outcomes{}.all_ok());
+  EXPECT_EQ(Outcomes::all(Outcome::fail).of(Vendor::fastdds), Outcome::fail);
+  EXPECT_EQ(b.of(Vendor::cyclonedds), Outcome::ok);
+}
+
+TEST(Outcome, HasAWord) {
+  EXPECT_EQ(to_string(Outcome::ok), "ok");
+  EXPECT_EQ(to_string(Outcome::unsafe), "unsafe");
+  EXPECT_EQ(to_string(Outcome::late), "late");
+  EXPECT_EQ(to_string(Outcome::fail), "fail");
+  EXPECT_EQ(name(Vendor::fastdds), "Fast DDS 2.9.1");
+}
+
+}  // namespace
+}  // namespace ddssec::governance::doctor
