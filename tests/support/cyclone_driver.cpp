@@ -336,7 +336,7 @@ CryptoLink::~CryptoLink() {
 }
 
 Participant::Participant(Domain& in, const std::string& pki, const std::string& name,
-                         const std::string& governance)
+                         const std::string& governance, std::uint8_t number)
     : domain(in) {
   const std::array<std::pair<std::string, std::string>, 6> values = {
       {{"dds.sec.auth.identity_ca", "file:" + pki + "/idca.pem"},
@@ -354,6 +354,7 @@ Participant::Participant(Domain& in, const std::string& pki, const std::string& 
   auto& access = domain.access_control();
   DDS_Security_GUID_t candidate{};
   std::copy_n(name.begin(), std::min<std::size_t>(name.size(), 6), candidate.prefix + 6);
+  candidate.prefix[0] = number;
   candidate.entityId = {{0, 0, 1}, 0xc1};
   Call identity_call("validate_local_identity");
   identity_call.check(auth.validate_local_identity(&auth, &identity, &guid, 0, &qos, &candidate,

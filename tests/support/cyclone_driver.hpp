@@ -172,8 +172,9 @@ class CryptoLink {
 class Participant {
  public:
   /// Identity `name`.pem and so on of the folder that make_pki.sh made; governance_KIND.p7s.
+  /// Participants of one name differ by `number`.
   Participant(Domain& domain, const std::string& pki, const std::string& name,
-              const std::string& governance);
+              const std::string& governance, std::uint8_t number = 0);
   ~Participant();
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;

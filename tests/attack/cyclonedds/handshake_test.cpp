@@ -1,0 +1,248 @@
+// T30 through Cyclone's C ABI: handshake messages lost, doubled, late and in any order, a side that
+// restarts, a lease that ends in between. Honest participants must all authenticate in bounded
+// time, and whoever is gone leaves nothing behind.
+#include <algorithm>
+#include <map>
+#include <random>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "plugins/cyclonedds/token_translation.hpp"
+#include "tests/support/cyclone_driver.hpp"
+
+namespace ddssec::driver {
+namespace {
+
+const std::string kPlugins = DDSSEC_PLUGIN_DIR "/libddssec_";
+const Paths kPaths = {kPlugins + "authentication.so", kPlugins + "access_control.so",
+                      kPlugins + "cryptography.so"};
+
+/// A message on its way; the tokens of the C ABI belong to who made them.
+using Message = spi::Token;
+
+/// A participant in a process of its own, with a host that sends its last message again until there
+/// is an end, and tries what comes on every handshake of the pair.
+class Node {
+ public:
+  explicit Node(std::uint8_t number)
+      : self_(domain_, DDSSEC_DRIVER_PKI, number % 2 == 0 ? "a" : "b", "encrypt", number) {}
+  ~Node() {
+    while (!peers_.empty()) forget(*peers_.begin()->first);
+  }
+  Node(const Node&) = delete;
+  Node& operator=(const Node&) = delete;
+
+  void meet(Node& other) {
+    auto& peer = peers_[&other];
+    Token auth_request;
+    Call call("validate_remote_identity");
+    const auto result = auth().validate_remote_identity(
+        &auth(), &peer.identity, &auth_request, nullptr, self_.identity,
+        &other.self_.identity_token, &other.self_.guid, call);
+    call.check(result != DDS_SECURITY_VALIDATION_FAILED);
+    peer.begins = result == DDS_SECURITY_VALIDATION_PENDING_HANDSHAKE_REQUEST;
+  }
+  /// Its lease has ended.
+  void forget(Node& other) {
+    Call call("return_identity_handle");
+    const auto& peer = peers_.at(&other);
+    for (const auto handle : peer.handshakes)
+      auth().return_handshake_handle(&auth(), handle, nullptr);
+    call.check(auth().return_identity_handle(&auth(), peer.identity, call));
+    peers_.erase(&other);
+  }
+
+  /// What to send (again) to that peer.
+  std::vector<Message> due(Node& other) {
+    auto& peer = peers_.at(&other);
+    if (!peer.begins) return peer.last;
+    if (peer.secret != 0) return {};
+    const auto data = view(self_.data);
+    keep(peer, [&](auto* handle, auto* out) {
+      return auth().begin_handshake_request(&auth(), handle, out, self_.identity, peer.identity,
+                                            &data, nullptr);
+    });
+    return peer.last;
+  }
+  /// Takes a message from a peer; what to answer. Refused messages have no answer.
+  std::vector<Message> take(Node& other, const Message& message) {
+    const auto known = peers_.find(&other);
+    if (known == peers_.end()) return {};  // as the host does for whom it has not discovered
+    auto& peer = known->second;
+    Token in;
+    EXPECT_TRUE(cyclonedds::copy_token(message, in));
+    if (!peer.begins && message.class_id.ends_with("+Req")) {
+      const auto data = view(self_.data);
+      const bool kept = keep(peer, [&](auto* handle, auto* out) {
+        return auth().begin_handshake_reply(&auth(), handle, out, &in, peer.identity,
+                                            self_.identity, &data, nullptr);
+      });
+      return kept ? peer.last : std::vector<Message>{};
+    }
+    return step(peer, in);
+  }
+
+  /// The secret shared with that peer; empty until there is one.
+  Octets secret(Node& other) {
+    const auto handle = peers_.at(&other).secret;
+    if (handle == 0) return {};
+    const auto* layout = reinterpret_cast<const cyclonedds::SharedSecretLayout*>(handle);
+    return {layout->shared_secret, layout->shared_secret + layout->shared_secret_size};
+  }
+
+ private:
+  struct Peer {
+    DDS_Security_IdentityHandle identity = 0;
+    bool begins = false;
+    std::set<DDS_Security_HandshakeHandle> handshakes;
+    std::vector<Message> last;
+    DDS_Security_SharedSecretHandle secret = 0;
+  };
+
+  dds_security_authentication& auth() { return domain_.authentication(); }
+
+  /// `begin(handle, token)` gives a handshake and what to send for it.
+  template <class Begin>
+  bool keep(Peer& peer, Begin&& begin) {
+    DDS_Security_HandshakeHandle handle = 0;
+    Token out;
+    if (begin(&handle, &out) != DDS_SECURITY_VALIDATION_PENDING_HANDSHAKE_MESSAGE) {
+      EXPECT_TRUE(handle == 0 && out.class_id == nullptr);
+      return false;
+    }
+    peer.handshakes.insert(handle);
+    peer.last = {*cyclonedds::token_from(&out)};
+    return true;
+  }
+  std::vector<Message> step(Peer& peer, const Token& in) {
+    for (const auto handle : peer.handshakes) {
+      Token out;
+      const auto result = auth().process_handshake(&auth(), &out, &in, handle, nullptr);
+      if (result == DDS_SECURITY_VALIDATION_FAILED) continue;
+      if (result != DDS_SECURITY_VALIDATION_PENDING_HANDSHAKE_MESSAGE && peer.secret == 0) {
+        Call call("get_shared_secret");
+        peer.secret = auth().get_shared_secret(&auth(), handle, call);
+        call.check(peer.secret != 0);
+      }
+      if (out.class_id == nullptr) return {};
+      return {*cyclonedds::token_from(&out)};
+    }
+    return {};
+  }
+
+  Domain domain_{kPaths};
+  Participant self_;
+  std::map<Node*, Peer> peers_;
+};
+
+/// Datagrams on their way, treated badly.
+class Network {
+ public:
+  explicit Network(std::uint32_t seed) : dice_(seed) {}
+
+  void add(Node& node) {
+    for (auto* other : nodes_) {
+      node.meet(*other);
+      other->meet(node);
+    }
+    nodes_.push_back(&node);
+  }
+  /// Everybody forgets it; what it has sent is still on its way.
+  void lose(Node& node) {
+    std::erase(nodes_, &node);
+    for (auto* other : nodes_) {
+      other->forget(node);
+      node.forget(*other);
+    }
+  }
+  /// Everybody sends what is due; most of what is on the wire arrives, in any order.
+  void round() {
+    for (auto* from : nodes_)
+      for (auto* to : nodes_)
+        if (from != to)
+          for (auto& message : from->due(*to)) send(*from, *to, message);
+    for (auto deliveries = wire_.size() * 3 / 4; deliveries > 0; --deliveries) {
+      std::swap(wire_[roll(static_cast<std::uint32_t>(wire_.size()))], wire_.back());
+      const auto datagram = std::move(wire_.back());
+      wire_.pop_back();
+      for (auto& answer : datagram.to->take(*datagram.from, datagram.message))
+        send(*datagram.to, *datagram.from, answer);
+    }
+  }
+  /// Rounds until all have authenticated all, at most 60.
+  void settle() {
+    for (int rounds = 0; rounds < 60 && !all_done(); ++rounds) round();
+    ASSERT_TRUE(all_done());
+    for (auto* a : nodes_)
+      for (auto* b : nodes_)
+        if (a != b) {
+          EXPECT_EQ(a->secret(*b), b->secret(*a));
+        }
+  }
+  std::uint32_t roll(std::uint32_t sides) { return dice_() % sides; }
+
+ private:
+  struct Datagram {
+    Node* from;
+    Node* to;
+    Message message;
+  };
+
+  void send(Node& from, Node& to, const Message& message) {
+    const auto fate = roll(100);
+    if (fate < 30) return;  // lost
+    wire_.push_back({&from, &to, message});
+    if (fate < 60) wire_.push_back({&from, &to, message});
+  }
+  bool all_done() const {
+    for (auto* a : nodes_)
+      for (auto* b : nodes_)
+        if (a != b && a->secret(*b).empty()) return false;
+    return true;
+  }
+
+  std::mt19937 dice_;
+  std::vector<Node*> nodes_;
+  std::vector<Datagram> wire_;
+};
+
+using Nodes = std::vector<std::unique_ptr<Node>>;
+
+class HostBadNetwork : public testing::TestWithParam<std::tuple<int, int>> {
+ protected:
+  HostBadNetwork() : network(static_cast<std::uint32_t>(std::get<1>(GetParam()))) {
+    for (int i = 0; i < std::get<0>(GetParam()); ++i) {
+      nodes.push_back(std::make_unique<Node>(static_cast<std::uint8_t>(i)));
+      network.add(*nodes.back());
+    }
+  }
+  Nodes nodes;
+  Network network;
+};
+INSTANTIATE_TEST_SUITE_P(T30, HostBadNetwork,
+                         testing::Combine(testing::Values(2, 3, 5, 8), testing::Range(0, 3)));
+
+TEST_P(HostBadNetwork, AllPairsAuthenticate) { network.settle(); }
+
+/// The one whose lease ends takes part again as it was; what it sent before still arrives.
+TEST_P(HostBadNetwork, ALeaseThatEndsInBetweenDoesNotKeepItOut) {
+  for (auto rounds = network.roll(4); rounds > 0; --rounds) network.round();
+  network.lose(*nodes[0]);
+  if (nodes.size() > 2) network.round();
+  network.add(*nodes[0]);
+  network.settle();
+}
+
+/// The same certificate and GUID in a new process: old handshakes and messages lead nowhere.
+TEST_P(HostBadNetwork, ARestartedSideAuthenticatesAgain) {
+  for (auto rounds = network.roll(4); rounds > 0; --rounds) network.round();
+  const auto before = std::move(nodes[0]);
+  network.lose(*before);
+  nodes[0] = std::make_unique<Node>(std::uint8_t{0});
+  network.add(*nodes[0]);
+  network.settle();
+}
+
+}  // namespace
+}  // namespace ddssec::driver
