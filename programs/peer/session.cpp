@@ -44,7 +44,6 @@ rtps::Qos Session::writer_qos(bool keep_all) const {
   } else {
     qos.history.depth = 64;
   }
-  if (!options_.partition.empty()) qos.partition = {options_.partition};
   return qos;
 }
 
@@ -52,6 +51,11 @@ rtps::Qos Session::reader_qos() const {
   auto qos = rtps::default_reader_qos();
   qos.reliability.kind = rtps::ReliabilityKind::reliable;
   qos.history.kind = rtps::HistoryKind::keep_all;
+  return qos;
+}
+
+rtps::GroupQos Session::group_qos() const {
+  rtps::GroupQos qos;
   if (!options_.partition.empty()) qos.partition = {options_.partition};
   return qos;
 }

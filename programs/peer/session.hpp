@@ -8,8 +8,7 @@
 
 #include "programs/peer/options.hpp"
 #include "programs/peer/types.hpp"
-#include "rtps/dcps/data_reader.hpp"
-#include "rtps/dcps/data_writer.hpp"
+#include "rtps/dcps/domain_participant.hpp"
 
 namespace ddssec::peer {
 
@@ -39,8 +38,24 @@ class Session final : private EventSink {
   std::string topic_or(const char* own) const {
     return options_.topic.empty() ? own : options_.topic;
   }
-  rtps::Qos writer_qos(bool keep_all) const;
-  rtps::Qos reader_qos() const;
+  /// On the topic, in the partition of the options; the session owns it.
+  template <class T>
+  Result<rtps::DataWriter<T>*> writer(const std::string& topic, bool keep_all) {
+    const auto on = topic_of<T>(topic);
+    if (!on) return std::unexpected(on.error());
+    const auto publisher = participant_->create_publisher(group_qos());
+    if (!publisher) return std::unexpected(publisher.error());
+    return (*publisher)->create_datawriter<T>(**on, writer_qos(keep_all));
+  }
+  template <class T>
+  Result<rtps::DataReader<T>*> reader(const std::string& topic,
+                                      rtps::DataReaderListener* listener = nullptr) {
+    const auto on = topic_of<T>(topic);
+    if (!on) return std::unexpected(on.error());
+    const auto subscriber = participant_->create_subscriber(group_qos());
+    if (!subscriber) return std::unexpected(subscriber.error());
+    return (*subscriber)->create_datareader<T>(**on, reader_qos(), listener);
+  }
 
   std::int64_t nanoseconds() const { return clock_.monotonic().count(); }
   /// True once the timeout has passed or a signal came.
@@ -56,6 +71,14 @@ class Session final : private EventSink {
 
  private:
   void raise(const Event& event) override;
+  template <class T>
+  Result<rtps::Topic*> topic_of(const std::string& name) {
+    if (auto* known = participant_->lookup_topicdescription(name)) return known;
+    return participant_->create_topic<T>(name);
+  }
+  rtps::Qos writer_qos(bool keep_all) const;
+  rtps::Qos reader_qos() const;
+  rtps::GroupQos group_qos() const;
 
   const Options options_;
   SystemClock clock_;
@@ -72,6 +95,16 @@ int run_ping(Session& session);
 int run_pong(Session& session);
 int run_tput_pub(Session& session);
 int run_tput_sub(Session& session);
+
+/// How many remote ends are matched now.
+template <class T>
+std::int32_t matched(rtps::DataWriter<T>& writer) {
+  return writer.publication_matched_status().current_count;
+}
+template <class T>
+std::int32_t matched(rtps::DataReader<T>& reader) {
+  return reader.subscription_matched_status().current_count;
+}
 
 /// Says `error` for a failed creation; the exit code for it.
 int refused(const Error& error);

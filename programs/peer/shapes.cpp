@@ -24,22 +24,22 @@ Json fields_of(const ShapeType& shape) {
 
 int run_pub(Session& session) {
   const auto& options = session.options();
-  auto writer = rtps::DataWriter<ShapeType>::create(
-      session.participant(), session.topic_or("Square"), session.writer_qos(false));
-  if (!writer) return refused(writer.error());
+  const auto created = session.writer<ShapeType>(session.topic_or("Square"), false);
+  if (!created) return refused(created.error());
+  auto& writer = **created;
   auto& counts = session.counts;
-  const auto matched = [&] {
-    const auto current = writer->matched().current_count;
+  const auto has_reader = [&] {
+    const auto current = matched(writer);
     session.note_matched("reader", current);
     return current > 0;
   };
   // Ends when all are written and the reader has gone.
   while (!session.over()) {
-    const bool reader = matched();
+    const bool reader = has_reader();
     if (counts.written >= options.count && !reader) break;
     if (reader && counts.written < options.count) {
       const auto x = static_cast<std::int32_t>(counts.written);
-      if (writer->write({options.color, x, y_of(x), kShapeSize})) ++counts.written;
+      if (writer.write({options.color, x, y_of(x), kShapeSize})) ++counts.written;
     }
     std::this_thread::sleep_for(kWritePeriod);
   }
@@ -49,22 +49,24 @@ int run_pub(Session& session) {
 
 int run_sub(Session& session) {
   const auto& options = session.options();
-  auto reader = rtps::DataReader<ShapeType>::create(
-      session.participant(), session.topic_or("Square"), session.reader_qos());
-  if (!reader) return refused(reader.error());
+  const auto created = session.reader<ShapeType>(session.topic_or("Square"));
+  if (!created) return refused(created.error());
+  auto& reader = **created;
+  rtps::Samples<ShapeType> samples;
   auto& counts = session.counts;
   while (!session.over() && counts.received < options.count) {
-    reader->wait_for_data(std::chrono::milliseconds(20));
-    session.note_matched("writer", reader->matched().current_count);
-    while (auto sample = reader->take()) {
-      if (!sample->info.valid_data) continue;
+    reader.wait_for_unread(std::chrono::milliseconds(20));
+    session.note_matched("writer", matched(reader));
+    reader.take(samples);
+    for (const auto& sample : samples) {
+      if (!sample.info.valid_data) continue;
       ++counts.received;
-      counts.corrupt += is_right(sample->data) ? 0 : 1;
+      counts.corrupt += is_right(sample.data) ? 0 : 1;
       if (counts.received == 1 || counts.received == options.count)
-        say("sample", fields_of(sample->data));
+        say("sample", fields_of(sample.data));
     }
   }
-  counts.corrupt += reader->malformed();
+  counts.corrupt += reader.malformed();
   if (counts.corrupt > 0) return session.finish(kSampleWrong);
   if (!counts.ever_matched) return session.finish(kNeverMatched);
   return session.finish(counts.received < options.count ? kSamplesMissing : kDone);

@@ -10,49 +10,53 @@ constexpr std::uint32_t kEndMarker = 0xffffffff;
 
 int run_tput_pub(Session& session) {
   const auto& options = session.options();
-  auto writer =
-      rtps::DataWriter<Blob>::create(session.participant(), "PerfTput", session.writer_qos(true));
-  if (!writer) return refused(writer.error());
-  const auto matched = [&] {
-    session.note_matched("reader", writer->matched().current_count);
-    return writer->matched().current_count > 0;
+  const auto created = session.writer<Blob>("PerfTput", true);
+  if (!created) return refused(created.error());
+  auto& writer = **created;
+  const auto has_reader = [&] {
+    const auto current = matched(writer);
+    session.note_matched("reader", current);
+    return current > 0;
   };
-  if (!session.wait_until(matched)) return session.finish(kNeverMatched);
+  if (!session.wait_until(has_reader)) return session.finish(kNeverMatched);
   Blob sample{0, 0, 0, Bytes(options.size, 0x5a)};
   const auto end = session.nanoseconds() + static_cast<std::int64_t>(options.duration * 1e9);
   while (session.nanoseconds() < end && !session.over()) {
     sample.t_ns = static_cast<std::uint64_t>(session.nanoseconds());
-    if (!writer->write(sample)) continue;
+    if (!writer.write(sample)) continue;
     ++sample.seq;
     ++session.counts.written;
   }
   const Blob marker{kEndMarker, sample.seq, 0, {}};
-  while (!session.over() && !writer->write(marker)) {
+  while (!session.over() && !writer.write(marker)) {
   }
   const bool complete = session.wait_until(
-      [&] { return writer->wait_for_acknowledgments(std::chrono::milliseconds(10)); });
+      [&] { return writer.wait_for_acknowledgments(std::chrono::milliseconds(10)).has_value(); });
   return session.finish(complete ? kDone : kSamplesMissing);
 }
 
 int run_tput_sub(Session& session) {
-  auto reader =
-      rtps::DataReader<Blob>::create(session.participant(), "PerfTput", session.reader_qos());
-  if (!reader) return refused(reader.error());
+  const auto created = session.reader<Blob>("PerfTput");
+  if (!created) return refused(created.error());
+  auto& reader = **created;
+  rtps::Samples<Blob> samples;
   auto& counts = session.counts;
   std::int64_t first = 0, last = 0;
   std::uint64_t octets = 0;
   std::optional<std::uint32_t> sent;
   while (!session.over() && !sent) {
-    reader->wait_for_data(std::chrono::milliseconds(20));
-    session.note_matched("writer", reader->matched().current_count);
-    while (auto sample = reader->take()) {
-      if (sample->data.seq == kEndMarker) {
-        sent = sample->data.pad;
+    reader.wait_for_unread(std::chrono::milliseconds(20));
+    session.note_matched("writer", matched(reader));
+    reader.take(samples);
+    for (const auto& sample : samples) {
+      if (!sample.info.valid_data) continue;
+      if (sample.data.seq == kEndMarker) {
+        sent = sample.data.pad;
         break;
       }
-      counts.corrupt += sample->data.seq != counts.received ? 1 : 0;
+      counts.corrupt += sample.data.seq != counts.received ? 1 : 0;
       if (counts.received++ == 0) first = session.nanoseconds();
-      octets += sample->data.data.size();
+      octets += sample.data.data.size();
     }
     last = session.nanoseconds();
   }

@@ -33,12 +33,14 @@ CdrReader::Delimited::~Delimited() {
 
 namespace detail {
 
-Status check_encapsulation(Encapsulation kind, Extensibility extensibility) {
+Result<CdrReader> open_reader(BytesView payload, Extensibility extensibility) {
+  const auto opened = DDSSEC_TRY(open_payload(payload));
+  const auto kind = opened.encapsulation;
   const bool appendable = extensibility == Extensibility::appendable;
   const bool fits = kind == Encapsulation::cdr ||
                     kind == (appendable ? Encapsulation::delimited_cdr2 : Encapsulation::cdr2);
   if (!fits) return fail(Code::rtps_encapsulation_unsupported);
-  return {};
+  return CdrReader(opened.body, version_of(kind), opened.endian);
 }
 
 }  // namespace detail

@@ -46,6 +46,8 @@ class CdrReader {
 
   /// Errors: truncated, malformed, length_out_of_range.
   const Status& status() const { return status_; }
+  /// True if members were absent, and so keep what they held.
+  bool ended_early() const { return ended_early_; }
 
   template <class T>
   void take(T& value, std::size_t bound = kUnbounded) {
@@ -160,7 +162,10 @@ class CdrReader {
     const Delimited delimited(*this, appendable);
     // XTypes 7.6.3.4: an older writer's appendable type ends early; the rest keeps its defaults.
     detail::for_each_member(value, [&](const auto& member) {
-      if (!(appendable && remaining() == 0)) take(member.value, member.bound);
+      if (appendable && remaining() == 0)
+        ended_early_ = true;
+      else
+        take(member.value, member.bound);
     });
     --depth_;
   }
@@ -184,6 +189,7 @@ class CdrReader {
   XcdrVersion version_;
   Status status_;
   int depth_ = 0;
+  bool ended_early_ = false;
 };
 
 /// Reads the payload of a DATA, its encapsulation included. What lies behind the type's last member
@@ -194,36 +200,54 @@ Result<T> deserialize(BytesView payload);
 /// The same with the key alone; other members keep their defaults.
 template <DdsType T>
 Result<T> deserialize_key(BytesView payload);
+/// The same into a value that keeps its memory. After an error its content means nothing.
+template <DdsType T>
+Status deserialize_into(BytesView payload, T& value);
+template <DdsType T>
+Status deserialize_key_into(BytesView payload, T& value);
 
 namespace detail {
 
 Status check_encapsulation(Encapsulation kind, Extensibility extensibility);
 
-template <DdsType T, class F>
-Result<T> deserialize_with(BytesView payload, Extensibility extensibility, F&& f) {
-  const auto opened = open_payload(payload);
-  if (!opened) return std::unexpected(opened.error());
-  if (auto fits = check_encapsulation(opened->encapsulation, extensibility); !fits)
-    return std::unexpected(fits.error());
-  CdrReader reader(opened->body, version_of(opened->encapsulation), opened->endian);
-  T value{};
-  f(reader, value);
-  if (!reader.status()) return std::unexpected(reader.status().error());
-  return value;
-}
+/// A reader behind the encapsulation.
+Result<CdrReader> open_reader(BytesView payload, Extensibility extensibility);
 
 }  // namespace detail
 
 template <DdsType T>
+Status deserialize_into(BytesView payload, T& value) {
+  auto reader = detail::open_reader(payload, TypeTraits<T>::extensibility);
+  if (!reader) return std::unexpected(reader.error());
+  auto again = *reader;
+  reader->take(value);
+  if (!reader->ended_early()) return reader->status();
+  value = T{};  // absent members must not show what was there before
+  again.take(value);
+  return again.status();
+}
+
+template <DdsType T>
+Status deserialize_key_into(BytesView payload, T& value) {
+  auto reader = detail::open_reader(payload, Extensibility::final_type);
+  if (!reader) return std::unexpected(reader.error());
+  value = T{};
+  reader->take_key(value);
+  return reader->status();
+}
+
+template <DdsType T>
 Result<T> deserialize(BytesView payload) {
-  return detail::deserialize_with<T>(payload, TypeTraits<T>::extensibility,
-                                     [](CdrReader& reader, T& value) { reader.take(value); });
+  T value{};
+  if (auto read = deserialize_into(payload, value); !read) return std::unexpected(read.error());
+  return value;
 }
 
 template <DdsType T>
 Result<T> deserialize_key(BytesView payload) {
-  return detail::deserialize_with<T>(payload, Extensibility::final_type,
-                                     [](CdrReader& reader, T& value) { reader.take_key(value); });
+  T value{};
+  if (auto read = deserialize_key_into(payload, value); !read) return std::unexpected(read.error());
+  return value;
 }
 
 }  // namespace ddssec::rtps

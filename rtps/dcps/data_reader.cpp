@@ -1,112 +1,173 @@
 #include "rtps/dcps/data_reader.hpp"
 
+#include <algorithm>
+
+#include "rtps/dcps/subscriber.hpp"
+
 namespace ddssec::rtps {
+namespace {
 
-ReaderCore::ReaderCore(DomainParticipant& participant, const Qos& qos, KeyOf key_of)
-    : participant_(participant),
-      history_(qos.history),
-      most_samples_(qos.resource_limits.max_samples == kLengthUnlimited
-                        ? kMostSamples
-                        : static_cast<std::size_t>(qos.resource_limits.max_samples)),
-      key_of_(std::move(key_of)) {}
-
-Result<std::unique_ptr<ReaderCore>> ReaderCore::create(DomainParticipant& participant,
-                                                       Participant::EndpointRequest request,
-                                                       KeyOf key_of) {
-  std::unique_ptr<ReaderCore> out(new ReaderCore(participant, request.qos, std::move(key_of)));
-  const std::lock_guard lock(participant.mutex_);
-  out->guid_ =
-      DDSSEC_TRY(participant.protocol_->create_reader(std::move(request), *out, participant.now()));
-  participant.reschedule();
-  return out;
+std::unexpected<Error> no_such_instance() {
+  return fail(Code::rtps_bad_parameter, {.document = "reader",
+                                         .field = "handle",
+                                         .expected = "an instance the reader knows",
+                                         .found = "none"});
 }
 
-ReaderCore::~ReaderCore() {
-  const std::lock_guard lock(participant_.mutex_);
-  participant_.protocol_->remove(guid_, participant_.now());
-  participant_.reschedule();
+}  // namespace
+
+AnyDataReader::AnyDataReader(Subscriber& subscriber, ParticipantContext& context, Topic& topic,
+                             Qos qos)
+    : Entity(context),
+      Timed(context.timers()),
+      subscriber_(subscriber),
+      topic_(topic),
+      qos_(std::move(qos)) {
+  const auto held = lock();
+  ++topic_.users_;
+  make_cache();
 }
 
-std::optional<Change> ReaderCore::take_next() {
-  const std::lock_guard lock(participant_.mutex_);
-  if (samples_.empty()) return std::nullopt;
-  auto change = std::move(samples_.front());
-  samples_.pop_front();
-  octets_ -= change.payload.size();
-  return change;
+AnyDataReader::~AnyDataReader() {
+  const auto held = lock();
+  --topic_.users_;
+  cancel();
+  if (!enabled()) return;
+  context_.protocol().remove(guid_, context_.now());
+  context_.reschedule();
 }
 
-bool ReaderCore::wait_for_data(std::chrono::nanoseconds most) {
-  std::unique_lock lock(participant_.mutex_);
-  return participant_.changed_.wait_for(lock, most, [&] { return !samples_.empty(); });
+void AnyDataReader::make_cache() {
+  const auto& key = topic_.type().serialized_key;
+  const bool with_key = topic_.type().with_key;
+  cache_.emplace(qos_, with_key && key ? ReaderCache::KeyOf(key) : nullptr);
 }
 
-void ReaderCore::on_data(std::function<void()> callback) {
-  const std::lock_guard lock(participant_.mutex_);
-  on_data_ = std::move(callback);
+Guid AnyDataReader::guid() const {
+  const auto held = lock();
+  return guid_;
 }
 
-MatchedStatus ReaderCore::matched() const {
-  const std::lock_guard lock(participant_.mutex_);
-  return matched_;
+Qos AnyDataReader::qos() const {
+  const auto held = lock();
+  return qos_;
 }
 
-IncompatibleQosStatus ReaderCore::incompatible_qos() const {
-  const std::lock_guard lock(participant_.mutex_);
-  return incompatible_;
+Status AnyDataReader::enable() {
+  if (!subscriber_.is_enabled())
+    return precondition_not_met("reader", "an enabled subscriber", "a disabled one");
+  auto announced = DDSSEC_TRY(announced_qos(qos(), subscriber_.qos(), topic_));
+  const auto held = lock();
+  if (enabled()) return {};
+  guid_ = DDSSEC_TRY(context_.protocol().create_reader(
+      {topic_.name(), topic_.type_name(), std::move(announced), topic_.type().with_key}, *this,
+      context_.now()));
+  mark_enabled();
+  context_.reschedule();
+  return {};
 }
 
-std::uint64_t ReaderCore::malformed() const { return malformed_; }
-
-void ReaderCore::on_matched(const EndpointData& remote) {
-  if (std::ranges::find(remotes_, remote.guid) != remotes_.end()) return;
-  remotes_.push_back(remote.guid);
-  ++matched_.total_count;
-  ++matched_.current_count;
-  matched_.last_remote = remote.guid;
-  participant_.changed_.notify_all();
-}
-
-void ReaderCore::on_unmatched(const Guid& remote) {
-  std::erase(remotes_, remote);
-  --matched_.current_count;
-  matched_.last_remote = remote;
-  participant_.changed_.notify_all();
-}
-
-void ReaderCore::on_incompatible_qos(const Guid&, const QosMismatch& mismatch) {
-  ++incompatible_.total_count;
-  incompatible_.last = mismatch;
-  participant_.changed_.notify_all();
-}
-
-// KEEP_LAST: the newest `depth` of each instance.
-void ReaderCore::make_room_in_instance(const KeyHash& key) {
-  const auto same = [&](const Change& held) { return held.key_hash.value_or(KeyHash{}) == key; };
-  const auto count = std::ranges::count_if(samples_, same);
-  if (count < history_.depth) return;
-  const auto oldest = std::ranges::find_if(samples_, same);
-  octets_ -= oldest->payload.size();
-  samples_.erase(oldest);
-}
-
-bool ReaderCore::on_change(Change& change) {
-  if (key_of_ && !change.key_hash) change.key_hash = key_of_(change);
-  if (key_of_ && !change.key_hash) {
-    ++malformed_;
-    return true;
+Status AnyDataReader::set_qos(const Qos& qos) {
+  auto announced = DDSSEC_TRY(announced_qos(qos, subscriber_.qos(), topic_));
+  const auto held = lock();
+  if (enabled()) {
+    DDSSEC_TRY(check_mutable(qos_, qos));
+    DDSSEC_TRY(context_.protocol().change_qos(guid_, std::move(announced), context_.now()));
+    if (qos.deadline != qos_.deadline) cache_->set_deadline(qos.deadline, context_.now());
+    call_at(cache_->next_tick());
+    context_.reschedule();
+    qos_ = qos;
+  } else {
+    qos_ = qos;
+    make_cache();
   }
-  if (history_.kind == HistoryKind::keep_last)
-    make_room_in_instance(change.key_hash.value_or(KeyHash{}));
-  const auto size = change.payload.size();
-  const bool room =
-      samples_.size() < most_samples_ && (samples_.empty() || octets_ + size <= kMostOctets);
-  if (!room) return false;
-  octets_ += size;
-  samples_.push_back(std::move(change));
-  if (on_data_) on_data_();
-  participant_.changed_.notify_all();
-  return true;
+  return {};
+}
+
+Status AnyDataReader::regroup(const GroupQos& group) {
+  auto announced = DDSSEC_TRY(announced_qos(qos(), group, topic_));
+  const auto held = lock();
+  if (!enabled()) return {};
+  DDSSEC_TRY(context_.protocol().change_qos(guid_, std::move(announced), context_.now()));
+  context_.reschedule();
+  return {};
+}
+
+// Reading is what resets DATA_AVAILABLE and DATA_ON_READERS (DDS 1.4, 2.2.4.2.2).
+Result<std::size_t> AnyDataReader::access(const Query& query, std::vector<OctetSample>& out) {
+  const auto held = lock();
+  DDSSEC_TRY(check_enabled("reader of " + topic_.name()));
+  if (query.scope == Query::Scope::instance && cache_->key_value(query.instance) == nullptr)
+    return no_such_instance();
+  const auto before = out.size();
+  cache_->select(query, context_.moment(), out);
+  clear(StatusKind::data_available);
+  subscriber_.clear(StatusKind::data_on_readers);
+  if (query.take && std::exchange(refused_, false)) {
+    context_.protocol().reader(guid_)->offer_again();
+    context_.reschedule();
+  }
+  update_conditions();
+  return out.size() - before;
+}
+
+InstanceHandle AnyDataReader::lookup_instance(const KeyHash& key) const {
+  const auto held = lock();
+  return cache_->lookup(key);
+}
+
+Result<Payload> AnyDataReader::octets_of_key(InstanceHandle instance) const {
+  const auto held = lock();
+  if (const auto* key = cache_->key_value(instance)) return *key;
+  return no_such_instance();
+}
+
+ReadCondition& AnyDataReader::create_readcondition(const States& states) {
+  std::unique_ptr<ReadCondition> condition(new ReadCondition(*this, states));
+  const auto held = lock();
+  conditions_.push_back(std::move(condition));
+  update_conditions();
+  return *conditions_.back();
+}
+
+Status AnyDataReader::delete_readcondition(ReadCondition& condition) {
+  const auto held = lock();
+  if (std::erase_if(conditions_, [&](const auto& c) { return c.get() == &condition; }) > 0)
+    return {};
+  return precondition_not_met("read condition", "one of this reader", "another's");
+}
+
+void AnyDataReader::delete_contained_entities() {
+  const auto held = lock();
+  conditions_.clear();
+}
+
+Status AnyDataReader::check_own(const ReadCondition& condition) const {
+  if (&condition.datareader() == this) return {};
+  return precondition_not_met("read condition", "one of this reader", "another's");
+}
+
+void AnyDataReader::update_conditions() {
+  for (auto& condition : conditions_) condition->trigger(cache_->any(condition->states()));
+}
+
+Status AnyDataReader::wait_for_historical_data(std::chrono::nanoseconds most) {
+  auto held = lock();
+  DDSSEC_TRY(check_enabled("reader of " + topic_.name()));
+  if (qos_.durability == DurabilityKind::volatile_) return {};
+  // A heartbeat alone can complete it, and tells nobody.
+  constexpr std::chrono::nanoseconds kStep = std::chrono::milliseconds(10);
+  const auto complete = [&] { return context_.protocol().reader(guid_)->has_history(); };
+  for (auto left = most;; left -= kStep) {
+    if (context_.wait(held, std::min(left, kStep), complete)) return {};
+    if (left <= kStep || context_.in_callback()) break;
+  }
+  return fail(Code::rtps_timeout, {.document = "reader " + guid_.to_string()});
+}
+
+bool AnyDataReader::wait_for_unread(std::chrono::nanoseconds most) {
+  auto held = lock();
+  return context_.wait(held, most, [&] { return cache_->any({.sample = SampleState::not_read}); });
 }
 
 }  // namespace ddssec::rtps

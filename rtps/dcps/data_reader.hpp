@@ -1,127 +1,170 @@
-// DataReader of DDS 1.4, 2.2.2.5.3.
+// DataReader of DDS 1.4, 2.2.2.5.3, on octets.
 #pragma once
 
-#include <deque>
-
-#include "rtps/cdr/cdr_reader.hpp"
-#include "rtps/cdr/key_hash.hpp"
-#include "rtps/dcps/domain_participant.hpp"
+#include "rtps/dcps/group.hpp"
+#include "rtps/dcps/liveliness.hpp"
+#include "rtps/dcps/sample_access.hpp"
 
 namespace ddssec::rtps {
 
-/// A reader of octets; what DataReader<T> stands on.
-class ReaderCore final : private EndpointListener {
+class Subscriber;
+
+/// A reader of octets; what DataReader<T> stands on. Made and deleted by its subscriber. Any thread
+/// may call.
+class AnyDataReader : public Entity, private EndpointListener, private Timed {
  public:
-  /// Where RESOURCE_LIMITS says "unlimited".
-  static constexpr std::size_t kMostSamples = 65536;
-  static constexpr std::size_t kMostOctets = std::size_t{256} << 20;
+  ~AnyDataReader() override;
 
-  /// Which instance a change without key hash belongs to; nothing if its payload cannot be read.
-  using KeyOf = std::function<std::optional<KeyHash>(const Change&)>;
-  static Result<std::unique_ptr<ReaderCore>> create(DomainParticipant& participant,
-                                                    Participant::EndpointRequest request,
-                                                    KeyOf key_of);
-  ~ReaderCore() override;
+  Topic& topic() const { return topic_; }
+  Subscriber& subscriber() const { return subscriber_; }
+  /// Zero until it is enabled.
+  Guid guid() const;
+  Qos qos() const;
+  /// Errors: rtps_qos_inconsistent, rtps_immutable_policy.
+  Status set_qos(const Qos& qos);
+  Status enable() override;
+  void set_listener(DataReaderListener* listener, StatusMask mask = kAnyStatus);
 
-  /// The oldest that is held.
-  std::optional<Change> take_next();
-  /// False: nothing came in time.
-  bool wait_for_data(std::chrono::nanoseconds most);
-  /// Called after data came, from the participant's thread.
-  void on_data(std::function<void()> callback);
-  MatchedStatus matched() const;
-  IncompatibleQosStatus incompatible_qos() const;
-  /// Samples that could not be read (SAMPLE_REJECTED is never needed: a full reader lets writers
-  /// wait).
-  std::uint64_t malformed() const;
+  /// Appends what the query asks for to `out` and says how much that is. Errors: rtps_not_enabled,
+  /// rtps_bad_parameter (no such instance).
+  Result<std::size_t> access(const Query& query, std::vector<OctetSample>& out);
+  /// HANDLE_NIL if the instance is not known.
+  InstanceHandle lookup_instance(const KeyHash& key) const;
+  /// The serialized key. Errors: rtps_bad_parameter (no such instance).
+  Result<Payload> octets_of_key(InstanceHandle instance) const;
+
+  /// Triggered while samples in these states are held.
+  ReadCondition& create_readcondition(const States& states);
+  /// Errors: rtps_precondition_not_met (another reader's).
+  Status delete_readcondition(ReadCondition& condition);
+  /// Its conditions.
+  void delete_contained_entities();
+
+  /// What the matched reliable writers held when they matched has come; at once if DURABILITY is
+  /// volatile. Errors: rtps_timeout, rtps_not_enabled.
+  Status wait_for_historical_data(std::chrono::nanoseconds most);
+  /// Samples that have not been read are there, or come in time.
+  bool wait_for_unread(std::chrono::nanoseconds most);
+
+  DeadlineMissedStatus requested_deadline_missed_status();
+  IncompatibleQosStatus requested_incompatible_qos_status();
+  LivelinessChangedStatus liveliness_changed_status();
+  SampleLostStatus sample_lost_status();
+  SampleRejectedStatus sample_rejected_status();
+  MatchedStatus subscription_matched_status();
+  std::vector<Guid> matched_publications() const;
+  /// What a matched writer announced. Errors: rtps_bad_parameter (it is not matched).
+  Result<EndpointData> matched_publication_data(const Guid& writer) const;
+  /// Samples that could not be read; never reset.
+  std::uint64_t malformed() const { return malformed_; }
+
+ protected:
+  friend class Subscriber;
+  AnyDataReader(Subscriber& subscriber, ParticipantContext& context, Topic& topic, Qos qos);
+  /// A sample that turned out not to be one of the type.
   void count_malformed() { ++malformed_; }
-  const Guid& guid() const { return guid_; }
+  /// Errors: rtps_precondition_not_met (another reader's).
+  Status check_own(const ReadCondition& condition) const;
 
  private:
-  ReaderCore(DomainParticipant& participant, const Qos& qos, KeyOf key_of);
   void on_matched(const EndpointData& remote) override;
   void on_unmatched(const Guid& remote) override;
-  void on_inconsistent_topic(const EndpointData&) override {}
-  void on_sample_lost(std::int64_t) override {}
-  void on_alive(const Guid&) override {}
   void on_incompatible_qos(const Guid& remote, const QosMismatch& mismatch) override;
+  void on_inconsistent_topic(const EndpointData& remote) override;
   bool on_change(Change& change) override;
+  void on_sample_lost(std::int64_t count) override;
+  void on_alive(const Guid& writer) override;
   void on_acknowledged() override {}
-  void make_room_in_instance(const KeyHash& key);
+  void on_time(MonotonicTime now) override;
 
-  DomainParticipant& participant_;
+  Status regroup(const GroupQos& group);
+  void make_cache();
+  bool reject(const Change& change, const ReaderCache::Stored& stored);
+  void data_came();
+  void update_conditions();
+  void liveliness_moved();
+  DataReaderListener* listener_for(StatusKind kind) const;
+  bool has_listener(StatusKind kind) const override;
+  void tell_listeners() override;
+  void tell_of_data();
+  template <class Status>
+  Status read_status(StatusKind kind, Status& status);
+
+  Subscriber& subscriber_;
+  Topic& topic_;
   Guid guid_;
-  const History history_;
-  const std::size_t most_samples_;
-  KeyOf key_of_;
-  std::deque<Change> samples_;
-  std::size_t octets_ = 0;
-  std::function<void()> on_data_;
-  MatchedStatus matched_;
+  Qos qos_;
+  Listening<DataReaderListener> listening_;
+  std::optional<ReaderCache> cache_;
+  LivelinessMonitor liveliness_;
+  std::vector<std::unique_ptr<ReadCondition>> conditions_;
   std::vector<Guid> remotes_;
+  bool refused_ = false;  ///< a writer waits for room
+  std::pair<Guid, SequenceNumber> last_rejected_;
+  DeadlineMissedStatus deadline_missed_;
   IncompatibleQosStatus incompatible_;
+  SampleLostStatus lost_;
+  SampleRejectedStatus rejected_;
+  MatchedStatus matched_;
   std::atomic<std::uint64_t> malformed_ = 0;
 };
 
-template <DdsType T>
-struct Sample {
-  T data{};
-  SampleInfo info;
+/// Octets in, octets out.
+class OctetDataReader final : public AnyDataReader,
+                              public SampleAccess<OctetDataReader, std::vector<OctetSample>> {
+ private:
+  friend class Subscriber;
+  friend class SampleAccess<OctetDataReader, std::vector<OctetSample>>;
+  using AnyDataReader::AnyDataReader;
+  Result<std::size_t> fill(const Query& query, std::vector<OctetSample>& out) {
+    out.clear();
+    return access(query, out);
+  }
 };
 
+/// Typed samples; the objects of a collection that is used again keep their memory.
 template <DdsType T>
-class DataReader {
+class DataReader final : public AnyDataReader, public SampleAccess<DataReader<T>, Samples<T>> {
  public:
-  /// Errors: rtps_qos_inconsistent.
-  static Result<DataReader> create(DomainParticipant& participant, std::string topic,
-                                   Qos qos = default_reader_qos()) {
-    auto core = ReaderCore::create(
-        participant,
-        {std::move(topic), std::string(TypeTraits<T>::type_name), std::move(qos), has_key<T>()},
-        has_key<T>() ? ReaderCore::KeyOf(key_of) : nullptr);
-    if (!core) return std::unexpected(core.error());
-    return DataReader(std::move(*core));
+  /// The oldest sample that was not read. Errors: rtps_not_enabled.
+  std::optional<Sample<T>> take_next_sample() { return next(true); }
+  std::optional<Sample<T>> read_next_sample() { return next(false); }
+  using AnyDataReader::lookup_instance;
+  InstanceHandle lookup_instance(const T& sample) const {
+    Bytes scratch;
+    return AnyDataReader::lookup_instance(has_key<T>() ? key_hash(sample, scratch) : KeyHash{});
+  }
+  /// A sample with its key alone. Errors: rtps_bad_parameter.
+  Result<T> key_value(InstanceHandle instance) const {
+    const auto octets = octets_of_key(instance);
+    if (!octets) return std::unexpected(octets.error());
+    return deserialize_key<T>(octets->view());
   }
 
-  /// The oldest sample that is held, if any; unreadable ones are counted and passed over.
-  std::optional<Sample<T>> take() {
-    while (auto change = core_->take_next()) {
-      const auto octets = change->payload.view();
-      auto data = change->key_only ? deserialize_key<T>(octets) : deserialize<T>(octets);
-      if (!data) {
-        core_->count_malformed();
-        continue;
-      }
-      const auto state = change->status.disposed       ? InstanceState::not_alive_disposed
-                         : change->status.unregistered ? InstanceState::not_alive_no_writers
-                                                       : InstanceState::alive;
-      Sample<T> sample{std::move(*data), {}};
-      sample.info.publication_handle = change->writer;
-      sample.info.instance_state = state;
-      sample.info.source_timestamp = change->source_time;
-      sample.info.valid_data = !change->key_only;
-      return sample;
+ private:
+  friend class Subscriber;
+  friend class SampleAccess<DataReader<T>, Samples<T>>;
+  using AnyDataReader::AnyDataReader;
+
+  Result<std::size_t> fill(const Query& query, Samples<T>& out) {
+    out.raw_.clear();
+    out.size_ = 0;
+    if (auto found = access(query, out.raw_); !found) return found;
+    for (const auto& raw : out.raw_)
+      if (!out.append(raw)) count_malformed();
+    out.raw_.clear();
+    return out.size();
+  }
+  std::optional<Sample<T>> next(bool take) {
+    Samples<T> one;
+    Query query{.states = {.sample = SampleState::not_read}, .most = 1, .take = take};
+    // Unreadable ones are counted and passed over.
+    for (auto before = malformed(); fill(query, one); before = malformed()) {
+      if (one.size() > 0) return std::move(one[0]);
+      if (malformed() == before) break;
     }
     return std::nullopt;
   }
-  bool wait_for_data(std::chrono::nanoseconds most) { return core_->wait_for_data(most); }
-  void on_data(std::function<void()> callback) { core_->on_data(std::move(callback)); }
-  MatchedStatus matched() const { return core_->matched(); }
-  IncompatibleQosStatus incompatible_qos() const { return core_->incompatible_qos(); }
-  std::uint64_t malformed() const { return core_->malformed(); }
-  const Guid& guid() const { return core_->guid(); }
-
- private:
-  explicit DataReader(std::unique_ptr<ReaderCore> core) : core_(std::move(core)) {}
-  static std::optional<KeyHash> key_of(const Change& change) {
-    const auto octets = change.payload.view();
-    const auto data = change.key_only ? deserialize_key<T>(octets) : deserialize<T>(octets);
-    if (!data) return std::nullopt;
-    Bytes scratch;
-    return key_hash(*data, scratch);
-  }
-
-  std::unique_ptr<ReaderCore> core_;
 };
 
 }  // namespace ddssec::rtps

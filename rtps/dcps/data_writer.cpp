@@ -1,90 +1,234 @@
 #include "rtps/dcps/data_writer.hpp"
 
+#include "rtps/dcps/domain_participant.hpp"
+
 namespace ddssec::rtps {
 namespace {
 
 constexpr std::chrono::nanoseconds kBrake = std::chrono::milliseconds(20);
 
+XcdrVersion version_of(const Qos& qos) {
+  const auto& list = qos.data_representation;
+  return list.empty() || list.front() != DataRepresentation::xcdr2 ? XcdrVersion::xcdr1
+                                                                   : XcdrVersion::xcdr2;
+}
+
+std::unexpected<Error> bad_parameter(std::string field, std::string expected, std::string found) {
+  return fail(Code::rtps_bad_parameter, {.document = "writer",
+                                         .field = std::move(field),
+                                         .expected = std::move(expected),
+                                         .found = std::move(found)});
+}
+
 }  // namespace
 
-Result<std::unique_ptr<WriterCore>> WriterCore::create(DomainParticipant& participant,
-                                                       Participant::EndpointRequest request) {
-  std::unique_ptr<WriterCore> out(new WriterCore(participant));
-  out->max_blocking_time_ = request.qos.reliability.max_blocking_time.to_nanoseconds();
-  const std::lock_guard lock(participant.mutex_);
-  out->guid_ =
-      DDSSEC_TRY(participant.protocol_->create_writer(std::move(request), *out, participant.now()));
-  participant.reschedule();
-  return out;
+AnyDataWriter::AnyDataWriter(Publisher& publisher, ParticipantContext& context, Topic& topic,
+                             Qos qos)
+    : Entity(context),
+      Timed(context.timers()),
+      publisher_(publisher),
+      topic_(topic),
+      version_(version_of(qos)),
+      qos_(std::move(qos)),
+      instances_(qos_),
+      lease_(qos_.liveliness, context.now()) {
+  const auto held = lock();
+  ++topic_.users_;
 }
 
-WriterCore::~WriterCore() {
-  const std::lock_guard lock(participant_.mutex_);
-  participant_.protocol_->remove(guid_, participant_.now());
-  participant_.reschedule();
+AnyDataWriter::~AnyDataWriter() {
+  const auto held = lock();
+  --topic_.users_;
+  cancel();
+  if (!enabled()) return;
+  context_.protocol().remove(guid_, context_.now());
+  context_.reschedule();
 }
 
-Status WriterCore::write(BytesView payload, const std::optional<KeyHash>& key, StatusInfo status,
-                         bool key_only) {
-  std::unique_lock lock(participant_.mutex_);
-  auto& protocol = *participant_.protocol_->writer(guid_);
-  const auto room = [&] { return protocol.has_room(payload.size()); };
-  if (!room() && !participant_.changed_.wait_for(lock, max_blocking_time_, room))
-    return fail(Code::rtps_history_full, {.document = "writer " + guid_.to_string()});
-  // A gentle brake: what does not fit the receiver's buffers would be sent twice.
-  if (protocol.is_ahead())
-    participant_.changed_.wait_for(lock, std::min(max_blocking_time_, kBrake),
-                                   [&] { return !protocol.is_ahead(); });
-  const auto wall = std::chrono::system_clock::now().time_since_epoch();
-  Change change;
-  change.status = status;
-  change.key_hash = key;
-  change.source_time = Time::from(wall);
-  change.key_only = key_only;
-  change.payload = Payload::copy_of(payload);
-  protocol.write(std::move(change), participant_.now());
-  participant_.reschedule();
+Guid AnyDataWriter::guid() const {
+  const auto held = lock();
+  return guid_;
+}
+
+Qos AnyDataWriter::qos() const {
+  const auto held = lock();
+  return qos_;
+}
+
+Status AnyDataWriter::enable() {
+  if (!publisher_.is_enabled())
+    return precondition_not_met("writer", "an enabled publisher", "a disabled one");
+  auto announced = DDSSEC_TRY(announced_qos(qos(), publisher_.qos(), topic_));
+  const auto held = lock();
+  if (enabled()) return {};
+  lease_ = WriterLease(qos_.liveliness, context_.now());
+  guid_ = DDSSEC_TRY(context_.protocol().create_writer(
+      {topic_.name(), topic_.type_name(), std::move(announced), topic_.type().with_key}, *this,
+      context_.now()));
+  mark_enabled();
+  call_at(lease_.next_tick());
+  context_.reschedule();
   return {};
 }
 
-MatchedStatus WriterCore::matched() const {
-  const std::lock_guard lock(participant_.mutex_);
-  return matched_;
+Status AnyDataWriter::set_qos(const Qos& qos) {
+  auto announced = DDSSEC_TRY(announced_qos(qos, publisher_.qos(), topic_));
+  const auto held = lock();
+  if (enabled()) {
+    DDSSEC_TRY(check_mutable(qos_, qos));
+    DDSSEC_TRY(context_.protocol().change_qos(guid_, std::move(announced), context_.now()));
+    if (qos.deadline != qos_.deadline) instances_->set_deadline(qos.deadline, context_.now());
+    call_at(instances_->next_deadline());
+    context_.reschedule();
+  } else {
+    instances_.emplace(qos);
+  }
+  qos_ = qos;
+  return {};
 }
 
-IncompatibleQosStatus WriterCore::incompatible_qos() const {
-  const std::lock_guard lock(participant_.mutex_);
-  return incompatible_;
+Status AnyDataWriter::regroup(const GroupQos& group) {
+  auto announced = DDSSEC_TRY(announced_qos(qos(), group, topic_));
+  const auto held = lock();
+  if (!enabled()) return {};
+  DDSSEC_TRY(context_.protocol().change_qos(guid_, std::move(announced), context_.now()));
+  context_.reschedule();
+  return {};
 }
 
-bool WriterCore::wait_for_acknowledgments(std::chrono::nanoseconds most) {
-  std::unique_lock lock(participant_.mutex_);
-  const auto& protocol = *participant_.protocol_->writer(guid_);
-  return participant_.changed_.wait_for(lock, most, [&] { return protocol.all_acknowledged(); });
+Result<InstanceHandle> AnyDataWriter::instance_of(const OctetWrite& change) {
+  if (topic_.type().with_key && !change.key)
+    return bad_parameter("key", "a key hash, as the type has keys", "none");
+  const auto& key = change.key.value_or(KeyHash{});
+  auto handle = instances_->lookup(key);
+  if (!change.handle.is_nil() && change.handle != handle)
+    return bad_parameter("handle", "the sample's instance", "another, or none that is registered");
+  if (handle.is_nil()) handle = instances_->enter(key, change.serialized_key);
+  if (!handle.is_nil()) return handle;
+  return fail(Code::rtps_out_of_resources, {.document = "writer of " + topic_.name(),
+                                            .field = "RESOURCE_LIMITS.max_instances",
+                                            .expected = std::to_string(instances_->size()),
+                                            .found = "one more"});
 }
 
-void WriterCore::on_matched(const EndpointData& remote) {
-  if (std::ranges::find(remotes_, remote.guid) != remotes_.end()) return;
-  remotes_.push_back(remote.guid);
-  ++matched_.total_count;
-  ++matched_.current_count;
-  matched_.last_remote = remote.guid;
-  participant_.changed_.notify_all();
+Status AnyDataWriter::wait_for_room(std::unique_lock<std::mutex>& lock, const OctetWrite& change) {
+  const auto key = change.key.value_or(KeyHash{});
+  const auto most = qos_.reliability.max_blocking_time.to_nanoseconds();
+  const auto room = [&] { return protocol().has_room(change.payload.size(), key); };
+  if (!context_.wait(lock, most, room))
+    return fail(Code::rtps_history_full, {.document = "writer " + guid_.to_string()});
+  // A gentle brake: what does not fit the receiver's buffers would be sent twice.
+  if (protocol().is_ahead())
+    context_.wait(lock, std::min(most, kBrake), [&] { return !protocol().is_ahead(); });
+  return {};
 }
 
-void WriterCore::on_unmatched(const Guid& remote) {
-  std::erase(remotes_, remote);
-  --matched_.current_count;
-  matched_.last_remote = remote;
-  participant_.changed_.notify_all();
+Result<Time> AnyDataWriter::source_time_of(const OctetWrite& change) {
+  const auto time = change.source_timestamp.value_or(context_.moment().wall);
+  const bool by_source = qos_.destination_order == DestinationOrderKind::by_source;
+  if (by_source && time < last_source_time_) {
+    if (change.source_timestamp)
+      return bad_parameter("source_timestamp", "at least the last one", "an earlier one");
+    return last_source_time_;  // somebody set the calendar back
+  }
+  last_source_time_ = time;
+  return time;
 }
 
-void WriterCore::on_incompatible_qos(const Guid&, const QosMismatch& mismatch) {
-  ++incompatible_.total_count;
-  incompatible_.last = mismatch;
-  participant_.changed_.notify_all();
+Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {
+  auto held = lock();
+  DDSSEC_TRY(check_enabled("writer of " + topic_.name()));
+  DDSSEC_TRY(instance_of(request));
+  DDSSEC_TRY(wait_for_room(held, request));
+  Change change;
+  change.source_time = DDSSEC_TRY(source_time_of(request));
+  change.status = status;
+  change.key_hash = request.key;
+  change.key_only = status != StatusInfo{};
+  change.payload = Payload::copy_of(request.payload);
+  const auto now = context_.now();
+  const auto instance = change;  // what is left of it is small: the payload is shared
+  after_write(instance, protocol().write(std::move(change), now), now);
+  context_.reschedule();
+  return {};
 }
 
-void WriterCore::on_acknowledged() { participant_.changed_.notify_all(); }
+void AnyDataWriter::after_write(const Change& change, SequenceNumber number, MonotonicTime now) {
+  const auto key = change.key_hash.value_or(KeyHash{});
+  if (change.is_alive())
+    instances_->written(key, now);
+  else
+    instances_->disposed(key);
+  if (change.status.unregistered) instances_->remove(key);
+  if (change.is_alive() && !qos_.lifespan.is_infinite()) {
+    expiring_.emplace_back(now + qos_.lifespan.to_nanoseconds(), number);
+    call_at(expiring_.front().first);
+  }
+  call_at(instances_->next_deadline());
+  assert_lease(now);
+}
+
+void AnyDataWriter::assert_lease(MonotonicTime now) {
+  switch (qos_.liveliness.kind) {
+    case LivelinessKind::automatic:
+      return;
+    case LivelinessKind::manual_by_participant:
+      return publisher_.participant().assert_manual_leases(now);
+    case LivelinessKind::manual_by_topic:
+      lease_.assert_at(now);
+      return call_at(lease_.next_tick());
+  }
+}
+
+Status AnyDataWriter::write_octets(const OctetWrite& change) { return submit(change, {}); }
+
+Status AnyDataWriter::dispose_octets(const OctetWrite& change) {
+  return submit(change, {.disposed = true});
+}
+
+Status AnyDataWriter::unregister_octets(const OctetWrite& change) {
+  bool disposes = false;
+  {
+    const auto held = lock();
+    DDSSEC_TRY(check_enabled("writer of " + topic_.name()));
+    if (instances_->lookup(change.key.value_or(KeyHash{})).is_nil())
+      return precondition_not_met("writer of " + topic_.name(), "a registered instance", "another");
+    disposes = qos_.autodispose_unregistered_instances;
+  }
+  return submit(change, {.disposed = disposes, .unregistered = true});
+}
+
+Result<InstanceHandle> AnyDataWriter::register_octets(const OctetWrite& change) {
+  const auto held = lock();
+  DDSSEC_TRY(check_enabled("writer of " + topic_.name()));
+  return instance_of(change);
+}
+
+InstanceHandle AnyDataWriter::lookup_instance(const KeyHash& key) const {
+  const auto held = lock();
+  return instances_->lookup(key);
+}
+
+Result<Bytes> AnyDataWriter::octets_of_key(InstanceHandle instance) const {
+  const auto held = lock();
+  if (const auto* key = instances_->key_value(instance)) return *key;
+  return bad_parameter("handle", "a registered instance", "none");
+}
+
+Status AnyDataWriter::wait_for_acknowledgments(std::chrono::nanoseconds most) {
+  auto held = lock();
+  DDSSEC_TRY(check_enabled("writer of " + topic_.name()));
+  if (context_.wait(held, most, [&] { return protocol().all_acknowledged(); })) return {};
+  return fail(Code::rtps_timeout, {.document = "writer " + guid_.to_string()});
+}
+
+Status AnyDataWriter::assert_liveliness() {
+  const auto held = lock();
+  DDSSEC_TRY(check_enabled("writer of " + topic_.name()));
+  assert_lease(context_.now());
+  if (qos_.liveliness.kind == LivelinessKind::manual_by_topic) protocol().assert_liveliness();
+  context_.reschedule();
+  return {};
+}
 
 }  // namespace ddssec::rtps

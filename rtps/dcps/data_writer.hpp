@@ -1,97 +1,183 @@
 // DataWriter of DDS 1.4, 2.2.2.4.2.
 #pragma once
 
-#include "rtps/cdr/cdr_writer.hpp"
-#include "rtps/cdr/key_hash.hpp"
-#include "rtps/dcps/domain_participant.hpp"
+#include <deque>
+
+#include "rtps/dcps/group.hpp"
+#include "rtps/dcps/liveliness.hpp"
+#include "rtps/dcps/writer_instances.hpp"
 
 namespace ddssec::rtps {
 
-/// A writer of octets that are serialized already; what DataWriter<T> stands on.
-class WriterCore final : private EndpointListener {
- public:
-  static Result<std::unique_ptr<WriterCore>> create(DomainParticipant& participant,
-                                                    Participant::EndpointRequest request);
-  ~WriterCore() override;
+class Publisher;
 
-  /// Errors: rtps_history_full (after RELIABILITY.max_blocking_time).
-  Status write(BytesView payload, const std::optional<KeyHash>& key, StatusInfo status = {},
-               bool key_only = false);
-  MatchedStatus matched() const;
-  IncompatibleQosStatus incompatible_qos() const;
-  /// False: not everything was acknowledged in time.
-  bool wait_for_acknowledgments(std::chrono::nanoseconds most);
-  const Guid& guid() const { return guid_; }
-
- private:
-  explicit WriterCore(DomainParticipant& participant) : participant_(participant) {}
-  void on_matched(const EndpointData& remote) override;
-  void on_unmatched(const Guid& remote) override;
-  void on_inconsistent_topic(const EndpointData&) override {}
-  void on_sample_lost(std::int64_t) override {}
-  void on_alive(const Guid&) override {}
-  void on_incompatible_qos(const Guid& remote, const QosMismatch& mismatch) override;
-  bool on_change(Change&) override { return true; }
-  void on_acknowledged() override;
-
-  DomainParticipant& participant_;
-  Guid guid_;
-  std::chrono::nanoseconds max_blocking_time_{};
-  MatchedStatus matched_;
-  std::vector<Guid> remotes_;
-  IncompatibleQosStatus incompatible_;
+/// A change of an instance, serialized already.
+struct OctetWrite {
+  BytesView payload = {};                           ///< with its encapsulation
+  std::optional<KeyHash> key = {};                  ///< for types with keys
+  std::function<Bytes()> serialized_key = nullptr;  ///< called for a new instance only
+  InstanceHandle handle = {};                       ///< HANDLE_NIL: whichever the key names
+  std::optional<Time> source_timestamp = {};        ///< nothing: now
 };
 
-/// One thread at a time.
-template <DdsType T>
-class DataWriter {
+/// A writer of octets; what DataWriter<T> stands on. Made and deleted by its publisher. Any thread
+/// may call.
+class AnyDataWriter : public Entity, private EndpointListener, private Timed {
  public:
-  /// Errors: rtps_qos_inconsistent.
-  static Result<DataWriter> create(DomainParticipant& participant, std::string topic,
-                                   Qos qos = default_writer_qos()) {
-    const auto version = qos.data_representation.empty() ||
-                                 qos.data_representation.front() != DataRepresentation::xcdr2
-                             ? XcdrVersion::xcdr1
-                             : XcdrVersion::xcdr2;
-    auto core = WriterCore::create(
-        participant,
-        {std::move(topic), std::string(TypeTraits<T>::type_name), std::move(qos), has_key<T>()});
-    if (!core) return std::unexpected(core.error());
-    return DataWriter(std::move(*core), version);
-  }
+  ~AnyDataWriter() override;
 
-  /// Errors: rtps_history_full.
-  Status write(const T& sample) {
-    serialize(sample, payload_, version_);
-    return core_->write(payload_, key_of(sample));
-  }
-  /// The instance is gone; with `unregister` also this writer's claim to it.
-  Status dispose(const T& sample, bool unregister = false) {
-    serialize_key(sample, payload_, version_);
-    return core_->write(payload_, key_of(sample), {true, unregister}, true);
-  }
-  Status unregister_instance(const T& sample) {
-    serialize_key(sample, payload_, version_);
-    return core_->write(payload_, key_of(sample), {false, true}, true);
-  }
-  MatchedStatus matched() const { return core_->matched(); }
-  IncompatibleQosStatus incompatible_qos() const { return core_->incompatible_qos(); }
-  bool wait_for_acknowledgments(std::chrono::nanoseconds most) {
-    return core_->wait_for_acknowledgments(most);
-  }
-  const Guid& guid() const { return core_->guid(); }
+  Topic& topic() const { return topic_; }
+  Publisher& publisher() const { return publisher_; }
+  /// Zero until it is enabled.
+  Guid guid() const;
+  Qos qos() const;
+  /// Errors: rtps_qos_inconsistent, rtps_immutable_policy.
+  Status set_qos(const Qos& qos);
+  Status enable() override;
+  void set_listener(DataWriterListener* listener, StatusMask mask = kAnyStatus);
+
+  // All: errors rtps_not_enabled, rtps_bad_parameter (a key is missing, the handle names another
+  // instance, a source time before the last one with BY_SOURCE_TIMESTAMP), rtps_out_of_resources
+  // (max_instances), rtps_history_full (after RELIABILITY.max_blocking_time).
+  Status write_octets(const OctetWrite& change);
+  Status dispose_octets(const OctetWrite& change);
+  /// Errors besides: rtps_precondition_not_met (the instance is not registered).
+  Status unregister_octets(const OctetWrite& change);
+  Result<InstanceHandle> register_octets(const OctetWrite& change);
+  /// HANDLE_NIL if the instance is not registered.
+  InstanceHandle lookup_instance(const KeyHash& key) const;
+  /// The serialized key. Errors: rtps_bad_parameter (no such instance).
+  Result<Bytes> octets_of_key(InstanceHandle instance) const;
+
+  /// Errors: rtps_timeout, rtps_not_enabled.
+  Status wait_for_acknowledgments(std::chrono::nanoseconds most);
+  /// Errors: rtps_not_enabled.
+  Status assert_liveliness();
+
+  DeadlineMissedStatus offered_deadline_missed_status();
+  IncompatibleQosStatus offered_incompatible_qos_status();
+  LivelinessLostStatus liveliness_lost_status();
+  MatchedStatus publication_matched_status();
+  std::vector<Guid> matched_subscriptions() const;
+  /// What a matched reader announced. Errors: rtps_bad_parameter (it is not matched).
+  Result<EndpointData> matched_subscription_data(const Guid& reader) const;
+
+ protected:
+  friend class Publisher;
+  friend class DomainParticipant;
+  AnyDataWriter(Publisher& publisher, ParticipantContext& context, Topic& topic, Qos qos);
+  XcdrVersion version() const { return version_; }
 
  private:
-  DataWriter(std::unique_ptr<WriterCore> core, XcdrVersion version)
-      : core_(std::move(core)), version_(version) {}
+  void on_matched(const EndpointData& remote) override;
+  void on_unmatched(const Guid& remote) override;
+  void on_incompatible_qos(const Guid& remote, const QosMismatch& mismatch) override;
+  void on_inconsistent_topic(const EndpointData& remote) override;
+  bool on_change(Change&) override { return true; }
+  void on_sample_lost(std::int64_t) override {}
+  void on_alive(const Guid&) override {}
+  void on_acknowledged() override { context_.notify(); }
+  void on_time(MonotonicTime now) override;
+
+  Status regroup(const GroupQos& group);
+  Status submit(const OctetWrite& change, StatusInfo status);
+  Result<InstanceHandle> instance_of(const OctetWrite& change);
+  Status wait_for_room(std::unique_lock<std::mutex>& lock, const OctetWrite& change);
+  Result<Time> source_time_of(const OctetWrite& change);
+  void after_write(const Change& change, SequenceNumber number, MonotonicTime now);
+  void assert_lease(MonotonicTime now);
+  StatefulWriter& protocol() const { return *context_.protocol().writer(guid_); }
+  DataWriterListener* listener_for(StatusKind kind) const;
+  bool has_listener(StatusKind kind) const override { return listener_for(kind) != nullptr; }
+  void tell_listeners() override;
+  template <class Status>
+  Status read_status(StatusKind kind, Status& status);
+
+  Publisher& publisher_;
+  Topic& topic_;
+  const XcdrVersion version_;
+  Guid guid_;
+  Qos qos_;
+  Listening<DataWriterListener> listening_;
+  std::optional<WriterInstances> instances_;
+  WriterLease lease_;
+  std::deque<std::pair<MonotonicTime, SequenceNumber>> expiring_;  ///< LIFESPAN, oldest first
+  Time last_source_time_{};
+  std::vector<Guid> remotes_;
+  DeadlineMissedStatus deadline_missed_;
+  IncompatibleQosStatus incompatible_;
+  LivelinessLostStatus liveliness_lost_;
+  MatchedStatus matched_;
+};
+
+/// One thread at a time: what a sample is serialized into belongs to the writer.
+template <DdsType T>
+class DataWriter final : public AnyDataWriter {
+ public:
+  /// Errors: see AnyDataWriter.
+  Status write(const T& sample, InstanceHandle handle = {}) {
+    return write_octets(with_payload(sample, handle, std::nullopt));
+  }
+  Status write_w_timestamp(const T& sample, InstanceHandle handle, Time source_timestamp) {
+    return write_octets(with_payload(sample, handle, source_timestamp));
+  }
+  /// The instance is over.
+  Status dispose(const T& sample, InstanceHandle handle = {}) {
+    return dispose_octets(with_key(sample, handle, std::nullopt));
+  }
+  Status dispose_w_timestamp(const T& sample, InstanceHandle handle, Time source_timestamp) {
+    return dispose_octets(with_key(sample, handle, source_timestamp));
+  }
+  /// This writer has no more to say about the instance; with
+  /// autodispose_unregistered_instances (the default) it is over as well.
+  Status unregister_instance(const T& sample, InstanceHandle handle = {}) {
+    return unregister_octets(with_key(sample, handle, std::nullopt));
+  }
+  Status unregister_instance_w_timestamp(const T& sample, InstanceHandle handle,
+                                         Time source_timestamp) {
+    return unregister_octets(with_key(sample, handle, source_timestamp));
+  }
+  Result<InstanceHandle> register_instance(const T& sample) {
+    return register_octets(with_key(sample, {}, std::nullopt));
+  }
+  using AnyDataWriter::lookup_instance;
+  InstanceHandle lookup_instance(const T& sample) {
+    return AnyDataWriter::lookup_instance(key_of(sample).value_or(KeyHash{}));
+  }
+  /// A sample with its key alone. Errors: rtps_bad_parameter.
+  Result<T> key_value(InstanceHandle instance) const {
+    const auto octets = octets_of_key(instance);
+    if (!octets) return std::unexpected(octets.error());
+    return deserialize_key<T>(*octets);
+  }
+
+ private:
+  friend class Publisher;
+  using AnyDataWriter::AnyDataWriter;
+
   std::optional<KeyHash> key_of(const T& sample) {
     static const bool keyed = has_key<T>();
     if (!keyed) return std::nullopt;
     return key_hash(sample, scratch_);
   }
+  OctetWrite change_of(const T& sample, InstanceHandle handle, std::optional<Time> time) {
+    return {payload_, key_of(sample),
+            [&sample] {
+              Bytes out;
+              serialize_key(sample, out);
+              return out;
+            },
+            handle, time};
+  }
+  OctetWrite with_payload(const T& sample, InstanceHandle handle, std::optional<Time> time) {
+    serialize(sample, payload_, version());
+    return change_of(sample, handle, time);
+  }
+  OctetWrite with_key(const T& sample, InstanceHandle handle, std::optional<Time> time) {
+    serialize_key(sample, payload_, version());
+    return change_of(sample, handle, time);
+  }
 
-  std::unique_ptr<WriterCore> core_;
-  XcdrVersion version_;
   Bytes payload_, scratch_;
 };
 

@@ -55,7 +55,10 @@ class DomainParticipant::Sockets final : public Transport {
 
 DomainParticipant::DomainParticipant(DomainParticipantOptions options,
                                      const Environment& environment)
-    : options_(std::move(options)), environment_(environment) {}
+    : ContextHolder(environment, *this, options.own_thread),
+      Entity(own_context_),
+      options_(std::move(options)),
+      qos_{options_.user_data} {}
 
 Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
     DomainParticipantOptions options, const Environment& environment) {
@@ -71,6 +74,7 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
   out->interface_ = *interface;
   DDSSEC_TRY(out->open_sockets());
   DDSSEC_TRY(out->start(prefix));
+  if (out->options_.enabled) DDSSEC_TRY(out->enable());
   return out;
 }
 
@@ -95,6 +99,7 @@ Status DomainParticipant::open_sockets() {
 }
 
 Status DomainParticipant::start(const GuidPrefix& prefix) {
+  guid_ = {prefix, kEntityIdParticipant};
   ParticipantConfig config{.prefix = prefix,
                            .domain_id = options_.domain_id,
                            .domain_tag = options_.domain_tag,
@@ -116,51 +121,74 @@ Status DomainParticipant::start(const GuidPrefix& prefix) {
     config.metatraffic_multicast = {group};
     config.announce_to.push_back(group);
   }
-  protocol_ = std::make_unique<Participant>(std::move(config), *sockets_, environment_.events);
-  DDSSEC_TRY(sockets_->listen([this](BytesView datagram) {
-    const std::lock_guard lock(mutex_);
-    protocol_->receive(datagram, now());
-  }));
+  auto protocol =
+      std::make_unique<Participant>(std::move(config), *sockets_, context_.environment().events);
+  const auto held = lock();
+  context_.adopt(std::move(protocol));
+  return sockets_->listen([this](BytesView datagram) {
+    const auto receiving = lock();
+    context_.protocol().receive(datagram, context_.now());
+  });
+}
+
+Status DomainParticipant::enable() {
+  const std::lock_guard members(context_.callbacks());
+  bool all = false;
+  {
+    const auto held = lock();
+    if (enabled()) return {};
+    mark_enabled();
+    all = qos_.autoenable_created_entities;
+  }
   if (options_.own_thread)
     thread_ = std::thread([this] {
-      while (!stopping_) serve_once(std::chrono::seconds(10));
+      while (!stopping_) serve(std::chrono::seconds(10));
     });
+  if (!all) return {};
+  for (auto& topic : topics_) DDSSEC_TRY(topic->enable());
+  for (auto& publisher : publishers_) DDSSEC_TRY(publisher->enable());
+  for (auto& subscriber : subscribers_) DDSSEC_TRY(subscriber->enable());
   return {};
 }
 
 DomainParticipant::~DomainParticipant() {
   stopping_ = true;
-  if (sockets_) sockets_->loop().wake();
+  if (sockets_) wake();
   if (thread_.joinable()) thread_.join();
-  if (protocol_) protocol_->leave();
+  subscribers_.clear();
+  publishers_.clear();
+  topics_.clear();
+  const auto held = lock();
+  if (context_.has_protocol() && enabled()) context_.protocol().leave();
 }
 
-void DomainParticipant::serve_once(std::chrono::nanoseconds most) {
+void DomainParticipant::wake() { sockets_->loop().wake(); }
+
+void DomainParticipant::serve(std::chrono::nanoseconds most) {
   MonotonicTime until;
   {
-    const std::lock_guard lock(mutex_);
-    const auto time = now();
-    if (protocol_->next_tick() <= time) protocol_->tick(time);
-    until = waiting_until_ = std::min(protocol_->next_tick(), time + most);
+    const auto held = lock();
+    if (!enabled()) return;
+    until = context_.tick(most);
   }
-  const auto timeout = std::max(until - now(), MonotonicTime::zero());
-  sockets_->loop().wait(timeout);
-}
-
-void DomainParticipant::poll(std::chrono::nanoseconds timeout) { serve_once(timeout); }
-
-void DomainParticipant::reschedule() {
-  if (protocol_->next_tick() < waiting_until_) sockets_->loop().wake();
+  context_.dispatch();
+  sockets_->loop().wait(std::max(until - context_.now(), MonotonicTime::zero()));
+  context_.dispatch();
 }
 
 ParticipantCounters DomainParticipant::counters() const {
-  const std::lock_guard lock(mutex_);
-  return protocol_->counters();
+  const auto held = lock();
+  return context_.protocol().counters();
 }
 
 std::size_t DomainParticipant::remote_participants() const {
-  const std::lock_guard lock(mutex_);
-  return protocol_->remote_participants();
+  const auto held = lock();
+  return context_.protocol().remote_participants();
+}
+
+std::vector<Guid> DomainParticipant::discovered_participants() const {
+  const auto held = lock();
+  return context_.protocol().remote_guids();
 }
 
 }  // namespace ddssec::rtps

@@ -1,14 +1,9 @@
-// A participant with its sockets and its thread: where applications begin.
+// DomainParticipant of DDS 1.4, 2.2.2.2.1, with its sockets and its thread: where applications
+// begin.
 #pragma once
 
-#include <atomic>
-#include <condition_variable>
-#include <mutex>
-#include <optional>
-#include <thread>
-
-#include "rtps/dcps/status.hpp"
-#include "rtps/discovery/participant.hpp"
+#include "rtps/dcps/publisher.hpp"
+#include "rtps/dcps/subscriber.hpp"
 #include "rtps/transport/event_loop.hpp"
 
 namespace ddssec::rtps {
@@ -24,6 +19,13 @@ struct DomainParticipantOptions {
   std::vector<std::string> peers = {"127.0.0.1"};
   Duration lease_duration{{10, 0}};
   bool own_thread = true;  ///< false: the application calls poll()
+  bool enabled = true;     ///< false: silent until enable()
+};
+
+struct DomainParticipantQos {
+  Bytes user_data;
+  bool autoenable_created_entities = true;
+  bool operator==(const DomainParticipantQos&) const = default;
 };
 
 /// Well-known ports (RTPS 9.6.2.3).
@@ -38,9 +40,20 @@ constexpr std::uint32_t metatraffic(DomainId domain, int index) {
 constexpr std::uint32_t user(DomainId domain, int index) { return metatraffic(domain, index) + 1; }
 }  // namespace ports
 
-/// Writers and readers keep a reference: they die first. All calls are thread-safe; callbacks come
-/// from the participant's thread (or from poll) and may write and take, but not delete endpoints.
-class DomainParticipant {
+namespace detail {
+/// Stands before Entity, which needs it.
+struct ContextHolder {
+  ContextHolder(const Environment& environment, ParticipantContext::Server& server, bool own_thread)
+      : own_context_(environment, server, own_thread) {}
+  ParticipantContext own_context_;
+};
+}  // namespace detail
+
+/// Makes and deletes its topics, publishers and subscribers; what is left of them dies with it. All
+/// calls are thread-safe. Listeners are called by the participant's thread (or by poll).
+class DomainParticipant final : private ParticipantContext::Server,
+                                private detail::ContextHolder,
+                                public Entity {
  public:
   static constexpr int kAnnouncedIndexes = 10;
 
@@ -48,40 +61,84 @@ class DomainParticipant {
   /// rtps_socket_failed, random_failed.
   static Result<std::unique_ptr<DomainParticipant>> create(DomainParticipantOptions options,
                                                            const Environment& environment);
-  ~DomainParticipant();
-  DomainParticipant(const DomainParticipant&) = delete;
-  DomainParticipant& operator=(const DomainParticipant&) = delete;
+  ~DomainParticipant() override;
 
-  Guid guid() const { return {protocol_->prefix(), kEntityIdParticipant}; }
+  Guid guid() const { return guid_; }
+  DomainId domain_id() const { return options_.domain_id; }
   int index() const { return index_; }
   ParticipantCounters counters() const;
   std::size_t remote_participants() const;
+  std::vector<Guid> discovered_participants() const;
+  Time current_time() const { return context_.moment().wall; }
 
-  /// Serves sockets and timers for at most `timeout`; only without a thread of its own.
-  void poll(std::chrono::nanoseconds timeout);
+  DomainParticipantQos qos() const;
+  Status set_qos(const DomainParticipantQos& qos);
+  Status enable() override;
+  void set_listener(DomainParticipantListener* listener, StatusMask mask = kAnyStatus);
+
+  /// Errors: rtps_precondition_not_met (there is a topic of this name), rtps_qos_inconsistent,
+  /// rtps_bad_parameter (a name that is empty or longer than 256).
+  template <DdsType T>
+  Result<Topic*> create_topic(std::string name, std::optional<Qos> qos = {},
+                              TopicListener* listener = nullptr, StatusMask mask = kAnyStatus) {
+    return create_topic(std::move(name), type_support<T>(), std::move(qos), listener, mask);
+  }
+  Result<Topic*> create_topic(std::string name, TypeSupport type, std::optional<Qos> qos = {},
+                              TopicListener* listener = nullptr, StatusMask mask = kAnyStatus);
+  /// nullptr if there is none.
+  Topic* lookup_topicdescription(std::string_view name) const;
+  /// Errors: rtps_qos_inconsistent.
+  Result<Publisher*> create_publisher(GroupQos qos = {}, PublisherListener* listener = nullptr,
+                                      StatusMask mask = kAnyStatus);
+  Result<Subscriber*> create_subscriber(GroupQos qos = {}, SubscriberListener* listener = nullptr,
+                                        StatusMask mask = kAnyStatus);
+  // Errors: rtps_precondition_not_met (another participant's, one that is used or not empty, or
+  // from within a callback).
+  Status delete_topic(Topic& topic);
+  Status delete_publisher(Publisher& publisher);
+  Status delete_subscriber(Subscriber& subscriber);
+  Status delete_contained_entities();
+  bool contains_entities() const;
+  Qos default_topic_qos() const;
+  /// Errors: rtps_qos_inconsistent.
+  Status set_default_topic_qos(const Qos& qos);
+
+  /// Asserts its writers with LIVELINESS MANUAL_BY_PARTICIPANT. Errors: rtps_not_enabled.
+  Status assert_liveliness();
+
+  /// Serves sockets, timers and listeners for at most `timeout`; only without a thread of its own.
+  void poll(std::chrono::nanoseconds timeout) { serve(timeout); }
 
  private:
-  friend class WriterCore;
-  friend class ReaderCore;
+  friend class AnyDataReader;
+  friend class AnyDataWriter;
+  friend class Subscriber;
+  friend class Topic;
   class Sockets;
 
   DomainParticipant(DomainParticipantOptions options, const Environment& environment);
   Status open_sockets();
   Status start(const GuidPrefix& prefix);
-  void serve_once(std::chrono::nanoseconds most);
-  MonotonicTime now() const { return environment_.clock.monotonic(); }
-  /// After something that changes when the protocol wants to be called.
-  void reschedule();
+  void wake() override;
+  void serve(std::chrono::nanoseconds most) override;
+  /// With the lock held: whichever of them writes asserts all.
+  void assert_manual_leases(MonotonicTime now);
+  bool has_listener(StatusKind) const override { return false; }  // contained entities tell them
+  void tell_listeners() override {}
+  template <class Child>
+  Status delete_child(std::vector<std::unique_ptr<Child>>& children, Child& child, bool unused);
 
   const DomainParticipantOptions options_;
-  const Environment environment_;
+  DomainParticipantQos qos_;
+  Qos default_topic_qos_;
   Locator interface_;
   int index_ = 0;
+  Guid guid_;
+  Listening<DomainParticipantListener> listening_;
   std::unique_ptr<Sockets> sockets_;
-  mutable std::recursive_mutex mutex_;
-  std::condition_variable_any changed_;
-  std::unique_ptr<Participant> protocol_;
-  MonotonicTime waiting_until_ = kNever;
+  std::vector<std::unique_ptr<Topic>> topics_;
+  std::vector<std::unique_ptr<Publisher>> publishers_;
+  std::vector<std::unique_ptr<Subscriber>> subscribers_;
   std::atomic<bool> stopping_ = false;
   std::thread thread_;
 };

@@ -10,10 +10,10 @@ namespace ddssec::rtps {
 
 class TimerQueue;
 
-/// Something that has to be done at a time. Leaves its queue when it dies.
+/// Something that has to be done at a time.
 class Timed {
  public:
-  virtual ~Timed();
+  virtual ~Timed() { cancel(); }
   Timed(const Timed&) = delete;
   Timed& operator=(const Timed&) = delete;
 
@@ -24,6 +24,8 @@ class Timed {
   virtual void on_time(MonotonicTime now) = 0;
   /// To be called at `when` at the latest; a later time than the one wanted before is ignored.
   void call_at(MonotonicTime when);
+  /// Leaves the queue; whoever shares it among threads does this before it dies, with the lock.
+  void cancel();
 
  private:
   friend class TimerQueue;
@@ -48,11 +50,14 @@ class TimerQueue {
   std::set<std::pair<MonotonicTime, Timed*>> queue_;
 };
 
-inline Timed::~Timed() { queue_.queue_.erase({wanted_, this}); }
+inline void Timed::cancel() {
+  if (wanted_ != kNever) queue_.queue_.erase({wanted_, this});
+  wanted_ = kNever;
+}
 
 inline void Timed::call_at(MonotonicTime when) {
   if (when >= wanted_) return;
-  queue_.queue_.erase({wanted_, this});
+  cancel();
   wanted_ = when;
   queue_.queue_.emplace(when, this);
 }

@@ -97,6 +97,12 @@ class Participant {
   /// Announces other policies of an endpoint of ours and matches it anew. Which ones may change is
   /// the caller's business. Errors: rtps_qos_inconsistent.
   Status change_qos(const Guid& endpoint, Qos qos, MonotonicTime now);
+  /// Announces other user data of the participant, soon.
+  void change_user_data(Bytes user_data) {
+    config_.user_data = std::move(user_data);
+    next_announcement_ = {};
+  }
+  std::vector<Guid> remote_guids() const;
   /// Remote endpoints that match one of ours.
   std::vector<Guid> matched(const Guid& endpoint) const;
   /// What a remote endpoint announced; nullptr if it is not known (any more).

@@ -100,6 +100,12 @@ Status Participant::change_qos(const Guid& endpoint, Qos qos, MonotonicTime now)
   return {};
 }
 
+std::vector<Guid> Participant::remote_guids() const {
+  std::vector<Guid> out;
+  for (const auto& [prefix, remote] : remotes_) out.push_back(remote.data.guid);
+  return out;
+}
+
 std::vector<Guid> Participant::matched(const Guid& endpoint) const {
   if (const auto at = writers_.find(endpoint.entity); at != writers_.end())
     return at->second.matched;

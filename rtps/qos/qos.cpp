@@ -22,7 +22,25 @@ Status check_limit(std::string_view name, std::int32_t value) {
                       std::to_string(value));
 }
 
+Status immutable(std::string_view policy) {
+  return fail(Code::rtps_immutable_policy, {.document = "QoS", .field = std::string(policy)});
+}
+
 }  // namespace
+
+Status check_mutable(const Qos& from, const Qos& to) {
+  if (from.reliability != to.reliability) return immutable("RELIABILITY");
+  if (from.durability != to.durability) return immutable("DURABILITY");
+  if (from.durability_service != to.durability_service) return immutable("DURABILITY_SERVICE");
+  if (from.history != to.history) return immutable("HISTORY");
+  if (from.resource_limits != to.resource_limits) return immutable("RESOURCE_LIMITS");
+  if (from.liveliness != to.liveliness) return immutable("LIVELINESS");
+  if (from.ownership != to.ownership) return immutable("OWNERSHIP");
+  if (from.destination_order != to.destination_order) return immutable("DESTINATION_ORDER");
+  if (from.presentation != to.presentation) return immutable("PRESENTATION");
+  if (from.data_representation != to.data_representation) return immutable("DATA_REPRESENTATION");
+  return {};
+}
 
 Status check_consistency(const Qos& qos) {
   const auto& limits = qos.resource_limits;

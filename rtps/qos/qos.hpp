@@ -78,6 +78,8 @@ struct Qos {
   std::int32_t transport_priority = 0;
   std::vector<DataRepresentation> data_representation = {DataRepresentation::xcdr1};
   Bytes user_data, topic_data, group_data;
+  /// WRITER_DATA_LIFECYCLE; not announced: unregistering an instance also disposes it.
+  bool autodispose_unregistered_instances = true;
   bool operator==(const Qos&) const = default;
 
   bool is_reliable() const { return reliability.kind == ReliabilityKind::reliable; }
@@ -93,6 +95,10 @@ inline Qos default_writer_qos() {
 /// Most partitions of one endpoint, and the most characters of a name (DDS 1.4, 2.2.3.13).
 inline constexpr std::size_t kMostPartitions = 64;
 inline constexpr std::size_t kMostNameLength = 256;
+
+/// Refuses a change of a policy that stays as it is once an entity is enabled (DDS 1.4, 2.2.3,
+/// "changeable"), naming it. Errors: rtps_immutable_policy.
+Status check_mutable(const Qos& from, const Qos& to);
 
 /// Refuses what contradicts itself (DDS 1.4, 2.2.3: "inconsistent"), naming policy and values.
 /// Errors: rtps_qos_inconsistent.

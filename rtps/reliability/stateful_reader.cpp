@@ -88,6 +88,12 @@ void StatefulReader::note_lost(WriterProxy& proxy, SequenceNumber until) {
   if (const auto lost = until.value - proxy.next.value - held; lost > 0) lost_(lost);
 }
 
+bool StatefulReader::has_history() const {
+  return std::ranges::all_of(writers_, [&](const auto& proxy) {
+    return !reliable_ || !proxy.writer.reliable || (proxy.heard && proxy.next > proxy.history_end);
+  });
+}
+
 void StatefulReader::offer_again() {
   for (auto& proxy : writers_) {
     const auto before = proxy.next;
@@ -168,7 +174,7 @@ void StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heart
   auto* proxy = find({from, heartbeat.writer});
   if (proxy == nullptr || !reliable_ || !proxy->writer.reliable) return;
   if (proxy->heard && heartbeat.count - proxy->last_heartbeat <= 0) return;
-  proxy->heard = true;
+  if (!std::exchange(proxy->heard, true)) proxy->history_end = heartbeat.last;
   proxy->next_question = kNever;
   proxy->last_heartbeat = heartbeat.count;
   proxy->announced = heartbeat.last;

@@ -50,6 +50,9 @@ class StatefulReader {
   void on_gap(const GuidPrefix& from, const Gap& gap);
   /// There is room again: what was refused for now is offered again, and acknowledged if taken.
   void offer_again();
+  /// True once everything has come that the matched reliable writers held when they were first
+  /// heard.
+  bool has_history() const;
   /// Asks writers that have not been heard yet.
   void tick(MonotonicTime now);
   MonotonicTime next_tick() const;
@@ -68,9 +71,10 @@ class StatefulReader {
     std::map<SequenceNumber, Partial> partial;
     std::int32_t count = 0;
     std::int32_t last_heartbeat = 0;
-    SequenceNumber announced;  ///< the last that a heartbeat spoke of
-    bool heard = false;        ///< a heartbeat of it came
-    bool started = false;      ///< a change of it came, or a heartbeat said where it stands
+    SequenceNumber announced;    ///< the last that a heartbeat spoke of
+    SequenceNumber history_end;  ///< the same of its first heartbeat
+    bool heard = false;          ///< a heartbeat of it came
+    bool started = false;        ///< a change of it came, or a heartbeat said where it stands
     MonotonicTime next_question = kNever;
     MonotonicTime question_period{};
     Destination destination() const { return {writer.guid.prefix, writer.locators}; }

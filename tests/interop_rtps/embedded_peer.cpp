@@ -3,8 +3,7 @@
 #include <string>
 
 #include "interop/peers/peer.h"
-#include "rtps/dcps/data_reader.hpp"
-#include "rtps/dcps/data_writer.hpp"
+#include "rtps/dcps/domain_participant.hpp"
 
 namespace ddssec::rtps {
 
@@ -32,15 +31,16 @@ class StderrSink final : public EventSink {
 
 /// Either end; the calls of peer_stack as plain functions.
 struct Embedded {
-  std::optional<DataWriter<Shape>> writer;
-  std::optional<DataReader<Shape>> reader;
+  DataWriter<Shape>* writer = nullptr;
+  DataReader<Shape>* reader = nullptr;
   Sample<Shape> last;
 
   static Embedded& of(void* self) { return *static_cast<Embedded*>(self); }
   static std::uint32_t matched(void* self) {
     const auto& e = of(self);
-    return static_cast<std::uint32_t>(e.writer ? e.writer->matched().current_count
-                                               : e.reader->matched().current_count);
+    const auto status = e.writer != nullptr ? e.writer->publication_matched_status()
+                                            : e.reader->subscription_matched_status();
+    return static_cast<std::uint32_t>(status.current_count);
   }
   static bool write(void* self, std::int32_t index, const std::uint8_t* payload,
                     std::uint32_t length) {
@@ -49,10 +49,11 @@ struct Embedded {
         .has_value();
   }
   static bool acknowledged(void* self) {
-    return of(self).writer->wait_for_acknowledgments(std::chrono::milliseconds(5));
+    return of(self).writer->wait_for_acknowledgments(std::chrono::milliseconds(5)).has_value();
   }
   static bool take(void* self, peer_sample* sample) {
-    auto taken = of(self).reader->take();
+    auto taken = of(self).reader->take_next_sample();
+    while (taken && !taken->info.valid_data) taken = of(self).reader->take_next_sample();
     if (!taken) return false;
     of(self).last = std::move(*taken);
     const auto& data = of(self).last.data;
@@ -67,8 +68,22 @@ Qos qos_of(const peer_options& options) {
   qos.reliability.kind = ReliabilityKind::reliable;
   qos.durability = DurabilityKind::transient_local;
   qos.history.kind = HistoryKind::keep_all;
-  if (options.partition != nullptr) qos.partition = {options.partition};
   return qos;
+}
+
+/// Topic, publisher or subscriber, and the endpoint.
+Status create(DomainParticipant& participant, const peer_options& options, Embedded& out) {
+  GroupQos group;
+  if (options.partition != nullptr) group.partition = {options.partition};
+  auto& topic = *DDSSEC_TRY(participant.create_topic<Shape>(options.topic));
+  if (options.publish) {
+    auto& publisher = *DDSSEC_TRY(participant.create_publisher(group));
+    out.writer = DDSSEC_TRY(publisher.create_datawriter<Shape>(topic, qos_of(options)));
+  } else {
+    auto& subscriber = *DDSSEC_TRY(participant.create_subscriber(group));
+    out.reader = DDSSEC_TRY(subscriber.create_datareader<Shape>(topic, qos_of(options)));
+  }
+  return {};
 }
 
 int run(const peer_options& options) {
@@ -80,20 +95,7 @@ int run(const peer_options& options) {
                                                Environment{clock, random, events});
   if (!participant) return peer_refused("participant", participant.error().to_sentence().c_str());
   Embedded embedded;
-  Status created;
-  if (options.publish) {
-    auto writer = DataWriter<Shape>::create(**participant, options.topic, qos_of(options));
-    if (writer)
-      embedded.writer.emplace(std::move(*writer));
-    else
-      created = std::unexpected(writer.error());
-  } else {
-    auto reader = DataReader<Shape>::create(**participant, options.topic, qos_of(options));
-    if (reader)
-      embedded.reader.emplace(std::move(*reader));
-    else
-      created = std::unexpected(reader.error());
-  }
+  const auto created = create(**participant, options, embedded);
   if (!created) return peer_refused("endpoint", created.error().to_sentence().c_str());
   const peer_stack stack = {&embedded, Embedded::matched, Embedded::write, Embedded::acknowledged,
                             Embedded::take};

@@ -1,0 +1,197 @@
+// AnyDataReader, the half that is called by the protocol, the timers and, for them, the listeners.
+#include <algorithm>
+
+#include "rtps/dcps/domain_participant.hpp"
+#include "rtps/dcps/matched.hpp"
+#include "rtps/dcps/subscriber.hpp"
+
+namespace ddssec::rtps {
+
+void AnyDataReader::on_matched(const EndpointData& remote) {
+  cache_->set_writer(remote.guid, remote.qos.ownership_strength, remote.qos.lifespan);
+  liveliness_.add(remote.guid, remote.qos.liveliness.lease_duration, context_.now());
+  liveliness_moved();
+  if (!count_matched(matched_, remotes_, remote.guid)) return;
+  note(StatusKind::subscription_matched);
+}
+
+void AnyDataReader::on_unmatched(const Guid& remote) {
+  liveliness_.remove(remote);
+  liveliness_moved();
+  if (cache_->lose_writer(remote, true)) data_came();
+  if (!count_unmatched(matched_, remotes_, remote)) return;
+  note(StatusKind::subscription_matched);
+}
+
+void AnyDataReader::on_incompatible_qos(const Guid& remote, const QosMismatch& mismatch) {
+  count_mismatch(incompatible_, remote, mismatch);
+  note(StatusKind::requested_incompatible_qos);
+}
+
+void AnyDataReader::on_inconsistent_topic(const EndpointData&) { topic_.on_inconsistent(); }
+
+bool AnyDataReader::on_change(Change& change) {
+  const auto& type = topic_.type();
+  if (type.with_key && !change.key_hash && type.key_hash) change.key_hash = type.key_hash(change);
+  if (type.with_key && !change.key_hash) {
+    ++malformed_;
+    return true;
+  }
+  const auto stored = cache_->store(change, context_.moment());
+  call_at(cache_->next_tick());
+  if (stored.outcome == ReaderCache::Outcome::rejected) return reject(change, stored);
+  if (stored.outcome == ReaderCache::Outcome::stored) data_came();
+  return true;
+}
+
+// A reliable writer keeps it, and it is offered again; it is counted once.
+bool AnyDataReader::reject(const Change& change, const ReaderCache::Stored& stored) {
+  refused_ = true;
+  const std::pair which(change.writer, change.sequence_number);
+  if (std::exchange(last_rejected_, which) == which) return false;
+  rejected_.count();
+  rejected_.last_reason = stored.reason;
+  rejected_.last_instance_handle = stored.instance;
+  note(StatusKind::sample_rejected);
+  return false;
+}
+
+void AnyDataReader::data_came() {
+  update_conditions();
+  note(StatusKind::data_available);
+  subscriber_.note(StatusKind::data_on_readers);
+}
+
+void AnyDataReader::on_sample_lost(std::int64_t count) {
+  lost_.count(count);
+  note(StatusKind::sample_lost);
+}
+
+void AnyDataReader::on_alive(const Guid& writer) {
+  liveliness_.alive(writer, context_.now());
+  liveliness_moved();
+}
+
+void AnyDataReader::liveliness_moved() {
+  call_at(liveliness_.next_tick());
+  if (liveliness_.take_changed()) note(StatusKind::liveliness_changed);
+}
+
+void AnyDataReader::on_time(MonotonicTime now) {
+  if (cache_->expire(now)) update_conditions();
+  cache_->check_deadlines(now, [&](InstanceHandle instance) {
+    deadline_missed_.count();
+    deadline_missed_.last_instance_handle = instance;
+    note(StatusKind::requested_deadline_missed);
+  });
+  bool changed = false;
+  liveliness_.check(
+      now, [&](const Guid& writer) { changed = cache_->lose_writer(writer, false) || changed; });
+  if (changed) data_came();
+  call_at(cache_->next_tick());
+  liveliness_moved();
+}
+
+template <class Status>
+Status AnyDataReader::read_status(StatusKind kind, Status& status) {
+  const auto held = lock();
+  clear(kind);
+  const auto out = status;
+  status.total_count_change = 0;
+  return out;
+}
+
+DeadlineMissedStatus AnyDataReader::requested_deadline_missed_status() {
+  return read_status(StatusKind::requested_deadline_missed, deadline_missed_);
+}
+
+IncompatibleQosStatus AnyDataReader::requested_incompatible_qos_status() {
+  return read_status(StatusKind::requested_incompatible_qos, incompatible_);
+}
+
+SampleLostStatus AnyDataReader::sample_lost_status() {
+  return read_status(StatusKind::sample_lost, lost_);
+}
+
+SampleRejectedStatus AnyDataReader::sample_rejected_status() {
+  return read_status(StatusKind::sample_rejected, rejected_);
+}
+
+LivelinessChangedStatus AnyDataReader::liveliness_changed_status() {
+  const auto held = lock();
+  clear(StatusKind::liveliness_changed);
+  const auto status = liveliness_.status();
+  liveliness_.reset_changes();
+  return status;
+}
+
+MatchedStatus AnyDataReader::subscription_matched_status() {
+  const auto held = lock();
+  clear(StatusKind::subscription_matched);
+  return take_changes(matched_);
+}
+
+std::vector<Guid> AnyDataReader::matched_publications() const {
+  const auto held = lock();
+  return remotes_;
+}
+
+Result<EndpointData> AnyDataReader::matched_publication_data(const Guid& writer) const {
+  const auto held = lock();
+  return matched_data(context_.protocol(), remotes_, writer);
+}
+
+void AnyDataReader::set_listener(DataReaderListener* listener, StatusMask mask) {
+  const std::lock_guard callbacks(context_.callbacks());
+  const auto held = lock();
+  listening_ = {listener, mask};
+}
+
+DataReaderListener* AnyDataReader::listener_for(StatusKind kind) const {
+  if (auto* own = listening_.for_status(kind)) return own;
+  if (auto* group = subscriber_.listening_.for_status(kind)) return group;
+  return subscriber_.participant().listening_.for_status(kind);
+}
+
+bool AnyDataReader::has_listener(StatusKind kind) const {
+  return listener_for(kind) != nullptr ||
+         (kind == StatusKind::data_available &&
+          subscriber_.listener_for(StatusKind::data_on_readers) != nullptr);
+}
+
+// DDS 1.4, 2.2.4.2.6: whoever listens for DATA_ON_READERS gets that instead of DATA_AVAILABLE.
+void AnyDataReader::tell_of_data() {
+  SubscriberListener* of_readers = nullptr;
+  DataReaderListener* of_data = nullptr;
+  {
+    const auto held = lock();
+    if (!has_changed(StatusKind::data_available)) return;
+    of_readers = subscriber_.listener_for(StatusKind::data_on_readers);
+    if (of_readers == nullptr) of_data = listener_for(StatusKind::data_available);
+    if (of_data != nullptr) clear(StatusKind::data_available);
+    subscriber_.clear(StatusKind::data_on_readers);
+  }
+  if (of_readers != nullptr) of_readers->on_data_on_readers(subscriber_);
+  if (of_data != nullptr) of_data->on_data_available(*this);
+}
+
+void AnyDataReader::tell_listeners() {
+  const auto listener = [this](StatusKind kind) {
+    const auto held = lock();
+    return has_changed(kind) ? listener_for(kind) : nullptr;
+  };
+  if (auto* l = listener(StatusKind::subscription_matched))
+    l->on_subscription_matched(*this, subscription_matched_status());
+  if (auto* l = listener(StatusKind::requested_incompatible_qos))
+    l->on_requested_incompatible_qos(*this, requested_incompatible_qos_status());
+  if (auto* l = listener(StatusKind::liveliness_changed))
+    l->on_liveliness_changed(*this, liveliness_changed_status());
+  if (auto* l = listener(StatusKind::requested_deadline_missed))
+    l->on_requested_deadline_missed(*this, requested_deadline_missed_status());
+  if (auto* l = listener(StatusKind::sample_lost)) l->on_sample_lost(*this, sample_lost_status());
+  if (auto* l = listener(StatusKind::sample_rejected))
+    l->on_sample_rejected(*this, sample_rejected_status());
+  tell_of_data();
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,106 @@
+// AnyDataWriter, the half that statuses, listeners and timers are about.
+#include "rtps/dcps/domain_participant.hpp"
+#include "rtps/dcps/matched.hpp"
+#include "rtps/dcps/publisher.hpp"
+
+namespace ddssec::rtps {
+
+void AnyDataWriter::on_matched(const EndpointData& remote) {
+  if (!count_matched(matched_, remotes_, remote.guid)) return;
+  note(StatusKind::publication_matched);
+}
+
+void AnyDataWriter::on_unmatched(const Guid& remote) {
+  if (!count_unmatched(matched_, remotes_, remote)) return;
+  note(StatusKind::publication_matched);
+}
+
+void AnyDataWriter::on_incompatible_qos(const Guid& remote, const QosMismatch& mismatch) {
+  count_mismatch(incompatible_, remote, mismatch);
+  note(StatusKind::offered_incompatible_qos);
+}
+
+void AnyDataWriter::on_inconsistent_topic(const EndpointData&) { topic_.on_inconsistent(); }
+
+void AnyDataWriter::on_time(MonotonicTime now) {
+  instances_->check_deadlines(now, [&](InstanceHandle instance) {
+    deadline_missed_.count();
+    deadline_missed_.last_instance_handle = instance;
+    note(StatusKind::offered_deadline_missed);
+  });
+  if (lease_.check(now)) {
+    liveliness_lost_.count();
+    note(StatusKind::liveliness_lost);
+  }
+  for (; !expiring_.empty() && expiring_.front().first <= now; expiring_.pop_front())
+    protocol().discard(expiring_.front().second);
+  call_at(std::min({instances_->next_deadline(), lease_.next_tick(),
+                    expiring_.empty() ? kNever : expiring_.front().first}));
+  context_.notify();  // what was discarded made room
+}
+
+template <class Status>
+Status AnyDataWriter::read_status(StatusKind kind, Status& status) {
+  const auto held = lock();
+  clear(kind);
+  const auto out = status;
+  status.total_count_change = 0;
+  return out;
+}
+
+DeadlineMissedStatus AnyDataWriter::offered_deadline_missed_status() {
+  return read_status(StatusKind::offered_deadline_missed, deadline_missed_);
+}
+
+IncompatibleQosStatus AnyDataWriter::offered_incompatible_qos_status() {
+  return read_status(StatusKind::offered_incompatible_qos, incompatible_);
+}
+
+LivelinessLostStatus AnyDataWriter::liveliness_lost_status() {
+  return read_status(StatusKind::liveliness_lost, liveliness_lost_);
+}
+
+MatchedStatus AnyDataWriter::publication_matched_status() {
+  const auto held = lock();
+  clear(StatusKind::publication_matched);
+  return take_changes(matched_);
+}
+
+std::vector<Guid> AnyDataWriter::matched_subscriptions() const {
+  const auto held = lock();
+  return remotes_;
+}
+
+Result<EndpointData> AnyDataWriter::matched_subscription_data(const Guid& reader) const {
+  const auto held = lock();
+  return matched_data(context_.protocol(), remotes_, reader);
+}
+
+void AnyDataWriter::set_listener(DataWriterListener* listener, StatusMask mask) {
+  const std::lock_guard callbacks(context_.callbacks());
+  const auto held = lock();
+  listening_ = {listener, mask};
+}
+
+DataWriterListener* AnyDataWriter::listener_for(StatusKind kind) const {
+  if (auto* own = listening_.for_status(kind)) return own;
+  if (auto* group = publisher_.listening_.for_status(kind)) return group;
+  return publisher_.participant().listening_.for_status(kind);
+}
+
+void AnyDataWriter::tell_listeners() {
+  const auto listener = [this](StatusKind kind) {
+    const auto held = lock();
+    return has_changed(kind) ? listener_for(kind) : nullptr;
+  };
+  if (auto* l = listener(StatusKind::publication_matched))
+    l->on_publication_matched(*this, publication_matched_status());
+  if (auto* l = listener(StatusKind::offered_incompatible_qos))
+    l->on_offered_incompatible_qos(*this, offered_incompatible_qos_status());
+  if (auto* l = listener(StatusKind::offered_deadline_missed))
+    l->on_offered_deadline_missed(*this, offered_deadline_missed_status());
+  if (auto* l = listener(StatusKind::liveliness_lost))
+    l->on_liveliness_lost(*this, liveliness_lost_status());
+}
+
+}  // namespace ddssec::rtps

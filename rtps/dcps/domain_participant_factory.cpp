@@ -1,0 +1,40 @@
+#include "rtps/dcps/domain_participant_factory.hpp"
+
+#include <algorithm>
+
+namespace ddssec::rtps {
+
+Result<DomainParticipant*> DomainParticipantFactory::create_participant(
+    DomainParticipantOptions options, DomainParticipantListener* listener, StatusMask mask) {
+  const bool enabled = options.enabled && autoenable_;
+  options.enabled = false;  // the listener hears everything from the beginning
+  auto participant = DDSSEC_TRY(DomainParticipant::create(std::move(options), environment_));
+  participant->set_listener(listener, mask);
+  if (enabled) DDSSEC_TRY(participant->enable());
+  const std::lock_guard lock(mutex_);
+  participants_.push_back(std::move(participant));
+  return participants_.back().get();
+}
+
+Status DomainParticipantFactory::delete_participant(DomainParticipant& participant) {
+  std::unique_ptr<DomainParticipant> dying;
+  const std::lock_guard lock(mutex_);
+  const auto at =
+      std::ranges::find(participants_, &participant, &std::unique_ptr<DomainParticipant>::get);
+  if (at == participants_.end())
+    return precondition_not_met("participant", "one of this factory", "another's");
+  if (participant.contains_entities())
+    return precondition_not_met("participant", "one that contains no entities", "some");
+  dying = std::move(*at);
+  participants_.erase(at);
+  return {};
+}
+
+DomainParticipant* DomainParticipantFactory::lookup_participant(DomainId domain) const {
+  const std::lock_guard lock(mutex_);
+  const auto at =
+      std::ranges::find(participants_, domain, [](const auto& p) { return p->domain_id(); });
+  return at == participants_.end() ? nullptr : at->get();
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,65 @@
+// Listeners of DDS 1.4 (2.2.2.1.5 and 2.2.4.3). They are called by the participant's thread, or
+// by poll(), without any lock: they may read, take and write, but wait for nothing (calls that
+// would wait time out at once) and delete no entity. A listener outlives its entity, or is taken
+// away before with set_listener(nullptr).
+#pragma once
+
+#include "rtps/dcps/status.hpp"
+
+namespace ddssec::rtps {
+
+class AnyDataReader;
+class AnyDataWriter;
+class Subscriber;
+class Topic;
+
+class TopicListener {
+ public:
+  virtual ~TopicListener() = default;
+  virtual void on_inconsistent_topic(Topic&, const InconsistentTopicStatus&) {}
+};
+
+class DataWriterListener {
+ public:
+  virtual ~DataWriterListener() = default;
+  virtual void on_offered_deadline_missed(AnyDataWriter&, const DeadlineMissedStatus&) {}
+  virtual void on_offered_incompatible_qos(AnyDataWriter&, const IncompatibleQosStatus&) {}
+  virtual void on_liveliness_lost(AnyDataWriter&, const LivelinessLostStatus&) {}
+  virtual void on_publication_matched(AnyDataWriter&, const MatchedStatus&) {}
+};
+
+class PublisherListener : public virtual DataWriterListener {};
+
+class DataReaderListener {
+ public:
+  virtual ~DataReaderListener() = default;
+  virtual void on_requested_deadline_missed(AnyDataReader&, const DeadlineMissedStatus&) {}
+  virtual void on_requested_incompatible_qos(AnyDataReader&, const IncompatibleQosStatus&) {}
+  virtual void on_sample_rejected(AnyDataReader&, const SampleRejectedStatus&) {}
+  virtual void on_liveliness_changed(AnyDataReader&, const LivelinessChangedStatus&) {}
+  virtual void on_data_available(AnyDataReader&) {}
+  virtual void on_subscription_matched(AnyDataReader&, const MatchedStatus&) {}
+  virtual void on_sample_lost(AnyDataReader&, const SampleLostStatus&) {}
+};
+
+/// Whoever listens for data_on_readers here gets no on_data_available of that subscriber's readers.
+class SubscriberListener : public virtual DataReaderListener {
+ public:
+  virtual void on_data_on_readers(Subscriber&) {}
+};
+
+class DomainParticipantListener : public virtual TopicListener,
+                                  public virtual PublisherListener,
+                                  public virtual SubscriberListener {};
+
+/// A listener and the statuses that it is for; a status nobody listens for goes to the container.
+template <class L>
+struct Listening {
+  L* listener = nullptr;
+  StatusMask mask;
+  L* for_status(StatusKind kind) const {
+    return listener != nullptr && mask.contains(kind) ? listener : nullptr;
+  }
+};
+
+}  // namespace ddssec::rtps

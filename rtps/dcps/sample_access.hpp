@@ -1,0 +1,118 @@
+// The calls by which samples are read and taken (DDS 1.4, 2.2.2.5.3), for any collection of them.
+#pragma once
+
+#include "rtps/dcps/condition.hpp"
+#include "rtps/dcps/reader_cache.hpp"
+#include "rtps/dcps/type_support.hpp"
+
+namespace ddssec::rtps {
+
+template <DdsType T>
+struct Sample {
+  T data{};  ///< only its key is meaningful if !info.valid_data
+  SampleInfo info;
+};
+
+/// What a read or take found. Keeps the memory of its objects for the next time.
+template <DdsType T>
+class Samples {
+ public:
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  Sample<T>& operator[](std::size_t i) { return held_[i]; }
+  const Sample<T>& operator[](std::size_t i) const { return held_[i]; }
+  auto begin() { return held_.begin(); }
+  auto end() { return held_.begin() + static_cast<std::ptrdiff_t>(size_); }
+  auto begin() const { return held_.begin(); }
+  auto end() const { return held_.begin() + static_cast<std::ptrdiff_t>(size_); }
+
+ private:
+  template <DdsType>
+  friend class DataReader;
+
+  // False: the octets are no T.
+  bool append(const OctetSample& raw) {
+    if (size_ == held_.size()) held_.emplace_back();
+    auto& sample = held_[size_];
+    const auto read = raw.key_only ? deserialize_key_into(raw.payload.view(), sample.data)
+                                   : deserialize_into(raw.payload.view(), sample.data);
+    if (!read) return false;
+    sample.info = raw.info;
+    ++size_;
+    return true;
+  }
+
+  std::vector<Sample<T>> held_;
+  std::size_t size_ = 0;
+  std::vector<OctetSample> raw_;
+};
+
+/// `Reader` has fill(query, samples), which replaces what the collection held. All: how many were
+/// found, 0 for none (NO_DATA); errors rtps_not_enabled, rtps_bad_parameter (no such instance),
+/// rtps_precondition_not_met (another reader's condition).
+template <class Reader, class Collection>
+class SampleAccess {
+ public:
+  using Count = Result<std::size_t>;
+
+  Count read(Collection& out, std::int32_t most = kLengthUnlimited, const States& states = {}) {
+    return find(out, most, {.states = states});
+  }
+  Count take(Collection& out, std::int32_t most = kLengthUnlimited, const States& states = {}) {
+    return find(out, most, {.states = states, .take = true});
+  }
+  Count read_w_condition(Collection& out, const ReadCondition& condition,
+                         std::int32_t most = kLengthUnlimited) {
+    return find(out, most, {}, &condition);
+  }
+  Count take_w_condition(Collection& out, const ReadCondition& condition,
+                         std::int32_t most = kLengthUnlimited) {
+    return find(out, most, {.take = true}, &condition);
+  }
+  Count read_instance(Collection& out, InstanceHandle instance,
+                      std::int32_t most = kLengthUnlimited, const States& states = {}) {
+    return find(out, most, {.states = states, .scope = Scope::instance, .instance = instance});
+  }
+  Count take_instance(Collection& out, InstanceHandle instance,
+                      std::int32_t most = kLengthUnlimited, const States& states = {}) {
+    return find(out, most,
+                {.states = states, .take = true, .scope = Scope::instance, .instance = instance});
+  }
+  /// The instance that follows `previous` and has such samples; HANDLE_NIL begins with the first.
+  Count read_next_instance(Collection& out, InstanceHandle previous,
+                           std::int32_t most = kLengthUnlimited, const States& states = {}) {
+    return find(out, most, {.states = states, .scope = Scope::next_instance, .instance = previous});
+  }
+  Count take_next_instance(Collection& out, InstanceHandle previous,
+                           std::int32_t most = kLengthUnlimited, const States& states = {}) {
+    return find(
+        out, most,
+        {.states = states, .take = true, .scope = Scope::next_instance, .instance = previous});
+  }
+  Count read_next_instance_w_condition(Collection& out, InstanceHandle previous,
+                                       const ReadCondition& condition,
+                                       std::int32_t most = kLengthUnlimited) {
+    return find(out, most, {.scope = Scope::next_instance, .instance = previous}, &condition);
+  }
+  Count take_next_instance_w_condition(Collection& out, InstanceHandle previous,
+                                       const ReadCondition& condition,
+                                       std::int32_t most = kLengthUnlimited) {
+    return find(out, most, {.take = true, .scope = Scope::next_instance, .instance = previous},
+                &condition);
+  }
+
+ private:
+  using Scope = Query::Scope;
+  Count find(Collection& out, std::int32_t most, Query query,
+             const ReadCondition* condition = nullptr) {
+    auto& reader = static_cast<Reader&>(*this);
+    if (most != kLengthUnlimited) query.most = static_cast<std::size_t>(std::max(most, 0));
+    if (condition != nullptr) {
+      if (auto own = reader.check_own(*condition); !own) return std::unexpected(own.error());
+      query.states = condition->states();
+    }
+    return reader.fill(query, out);
+  }
+};
+
+}  // namespace ddssec::rtps

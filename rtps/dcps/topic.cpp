@@ -1,0 +1,72 @@
+#include "rtps/dcps/topic.hpp"
+
+#include "rtps/dcps/domain_participant.hpp"
+
+namespace ddssec::rtps {
+
+Topic::Topic(DomainParticipant& participant, ParticipantContext& context, std::string name,
+             TypeSupport type, Qos qos)
+    : Entity(context),
+      participant_(participant),
+      name_(std::move(name)),
+      type_(std::move(type)),
+      qos_(std::move(qos)) {}
+
+Topic::~Topic() = default;
+
+Qos Topic::qos() const {
+  const auto held = lock();
+  return qos_;
+}
+
+Status Topic::set_qos(const Qos& qos) {
+  DDSSEC_TRY(check_consistency(qos));
+  const auto held = lock();
+  if (enabled()) DDSSEC_TRY(check_mutable(qos_, qos));
+  qos_ = qos;
+  return {};
+}
+
+Status Topic::enable() {
+  if (!participant_.is_enabled())
+    return precondition_not_met("topic " + name_, "an enabled participant", "a disabled one");
+  const auto held = lock();
+  mark_enabled();
+  return {};
+}
+
+void Topic::set_listener(TopicListener* listener, StatusMask mask) {
+  const std::lock_guard callbacks(context_.callbacks());
+  const auto held = lock();
+  listening_ = {listener, mask};
+}
+
+TopicListener* Topic::listener_for(StatusKind kind) const {
+  if (auto* own = listening_.for_status(kind)) return own;
+  return participant_.listening_.for_status(kind);
+}
+
+void Topic::on_inconsistent() {
+  inconsistent_.count();
+  note(StatusKind::inconsistent_topic);
+}
+
+InconsistentTopicStatus Topic::inconsistent_topic_status() {
+  const auto held = lock();
+  clear(StatusKind::inconsistent_topic);
+  const auto status = inconsistent_;
+  inconsistent_.total_count_change = 0;
+  return status;
+}
+
+void Topic::tell_listeners() {
+  TopicListener* listener = nullptr;
+  {
+    const auto held = lock();
+    if (has_changed(StatusKind::inconsistent_topic))
+      listener = listener_for(StatusKind::inconsistent_topic);
+  }
+  if (listener != nullptr) listener->on_inconsistent_topic(*this, inconsistent_topic_status());
+}
+
+}  // namespace ddssec::rtps

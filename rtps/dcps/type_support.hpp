@@ -1,0 +1,52 @@
+// What a topic knows of its type besides the name (DDS 1.4, TypeSupport).
+#pragma once
+
+#include <functional>
+
+#include "rtps/cdr/cdr_reader.hpp"
+#include "rtps/cdr/cdr_writer.hpp"
+#include "rtps/cdr/key_hash.hpp"
+#include "rtps/reliability/change.hpp"
+
+namespace ddssec::rtps {
+
+/// For octets, name and with_key alone will do; then samples of types with keys must come with
+/// their key hash, and instances cannot be shown by their key.
+struct TypeSupport {
+  std::string name;
+  bool with_key = true;
+  /// Which instance a change belongs to; nothing if its payload cannot be read.
+  std::function<std::optional<KeyHash>(const Change&)> key_hash = nullptr;
+  /// Its serialized key, with an encapsulation.
+  std::function<Bytes(const Change&)> serialized_key = nullptr;
+};
+
+namespace detail {
+
+template <DdsType T>
+Result<T> deserialize_change(const Change& change) {
+  const auto octets = change.payload.view();
+  return change.key_only ? deserialize_key<T>(octets) : deserialize<T>(octets);
+}
+
+}  // namespace detail
+
+template <DdsType T>
+TypeSupport type_support() {
+  TypeSupport support{.name = std::string(TypeTraits<T>::type_name), .with_key = has_key<T>()};
+  if (!support.with_key) return support;
+  support.key_hash = [](const Change& change) -> std::optional<KeyHash> {
+    const auto value = detail::deserialize_change<T>(change);
+    if (!value) return std::nullopt;
+    Bytes scratch;
+    return key_hash(*value, scratch);
+  };
+  support.serialized_key = [](const Change& change) {
+    Bytes out;
+    if (const auto value = detail::deserialize_change<T>(change)) serialize_key(*value, out);
+    return out;
+  };
+  return support;
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,116 @@
+// Two participants over loopback UDP that the test polls, with a clock that the test moves: nothing
+// sleeps, and time passes only when a test says so.
+#pragma once
+
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+
+#include "rtps/dcps/domain_participant_factory.hpp"
+#include "tests/unit/rtps/wire_helpers.hpp"
+
+namespace ddssec::rtps {
+
+struct Reading {
+  std::string sensor;
+  std::int64_t value = 0;
+  std::vector<std::uint8_t> octets = {};
+};
+template <>
+struct TypeTraits<Reading> {
+  static constexpr std::string_view type_name = "Reading";
+  static constexpr auto extensibility = Extensibility::appendable;
+  template <class Self, class Visit>
+  static void members(Self& s, Visit&& visit) {
+    visit(key(s.sensor, 20), s.value, s.octets);
+  }
+};
+
+namespace testing {
+
+using namespace std::chrono_literals;
+
+struct Events final : EventSink {
+  std::mutex mutex;
+  std::vector<Event> seen;
+  void raise(const Event& event) override {
+    const std::lock_guard lock(mutex);
+    seen.push_back(event);
+  }
+};
+
+/// One end: a participant with the usual entities.
+struct End {
+  std::unique_ptr<DomainParticipant> participant;
+  Topic* topic = nullptr;
+  Publisher* publisher = nullptr;
+  Subscriber* subscriber = nullptr;
+
+  End(const Environment& environment, DomainParticipantOptions options) {
+    participant = *DomainParticipant::create(std::move(options), environment);
+    topic = *participant->create_topic<Reading>("Readings");
+    publisher = *participant->create_publisher();
+    subscriber = *participant->create_subscriber();
+  }
+  DataWriter<Reading>& writer(const Qos& qos = default_writer_qos()) {
+    return **publisher->create_datawriter<Reading>(*topic, qos);
+  }
+  DataReader<Reading>& reader(const Qos& qos) {
+    return **subscriber->create_datareader<Reading>(*topic, qos);
+  }
+};
+
+inline Qos reliable(HistoryKind history = HistoryKind::keep_all) {
+  Qos qos;
+  qos.reliability.kind = ReliabilityKind::reliable;
+  qos.history.kind = history;
+  return qos;
+}
+
+struct Polled : ::testing::Test {
+  ManualClock clock{WallTime(std::chrono::seconds(1'800'000'000))};
+  SystemRandom random;
+  Events events;
+  Environment environment{clock, random, events};
+
+  // Tests run in parallel processes: each takes a domain of its own.
+  DomainParticipantOptions options() const {
+    return {.domain_id = static_cast<DomainId>(::getpid() % 200 + 30),
+            .domain_tag = std::to_string(::getpid()),
+            .own_thread = false};
+  }
+  End a{environment, options()}, b{environment, options()};
+
+  /// Everything that is on its way arrives, in `by` of the clock.
+  void run(std::chrono::milliseconds by = 0ms) {
+    const auto carry = [&] {
+      for (int i = 0; i < 4; ++i) a.participant->poll(0ms), b.participant->poll(0ms);
+    };
+    for (carry(); by > 0ms; by -= 10ms) clock.advance(std::min(by, 10ms)), carry();
+  }
+  template <class F>
+  bool eventually(F&& f) {
+    for (int i = 0; i < 500 && !f(); ++i) run(10ms);
+    return f();
+  }
+  bool match(AnyDataWriter& writer, AnyDataReader& reader) {
+    return eventually([&] {
+      return !writer.matched_subscriptions().empty() && !reader.matched_publications().empty();
+    });
+  }
+};
+
+inline std::vector<std::int64_t> values(const Samples<Reading>& samples) {
+  std::vector<std::int64_t> out;
+  for (const auto& sample : samples)
+    if (sample.info.valid_data) out.push_back(sample.data.value);
+  return out;
+}
+inline std::vector<std::int64_t> taken(DataReader<Reading>& reader) {
+  Samples<Reading> samples;
+  EXPECT_TRUE(reader.take(samples));
+  return values(samples);
+}
+
+}  // namespace testing
+}  // namespace ddssec::rtps
