@@ -5,9 +5,12 @@
 
 #include <fmt/format.h>
 
+#include "cli/ca_folder.hpp"
+#include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/options.hpp"
+#include "cli/participant.hpp"
 #include "cli/transaction.hpp"
 
 namespace ddssec::cli {
@@ -28,17 +31,11 @@ Result<std::vector<NewCa>> wanted(const std::string& role) {
               {.field = "--role", .expected = "identity, permissions or both", .found = role});
 }
 
-// One CA below the roots at most: a root with pathlen 1 allows an intermediate.
-Result<pki::Authority> make_root(const std::string& subject, pki::KeySpec spec,
-                                 pki::Validity validity, Random& random) {
-  auto root = DDSSEC_TRY(pki::Authority::self_sign(
-      {.subject = subject,
-       .validity = validity,
-       .is_ca = true,
-       .path_length = 1,
-       .key_usage = std::string(pki::kCaKeyUsage)},
-      DDSSEC_TRY(pki::PrivateKey::generate(spec.kind, spec.bits)), random));
-  return pki::Authority::load(std::move(root.certificate), std::move(root.key));
+Result<std::string> one_role(const Arguments& arguments) {
+  auto role = arguments.text("--role");
+  if (role == "identity" || role == "permissions") return role;
+  return fail(Code::usage,
+              {.field = "--role", .expected = "identity or permissions", .found = role});
 }
 
 Json describe(const pki::Certificate& certificate) {
@@ -49,18 +46,34 @@ Json describe(const pki::Certificate& certificate) {
           {"sha256", to_hex(certificate.fingerprint())}};
 }
 
-Status add_ca(NewFolder& folder, const fs::path& below, const pki::Authority& ca,
-              const pki::Passphrase* passphrase) {
-  DDSSEC_TRY(folder.add_public(below / "ca.pem", ca.certificate().pem()));
-  const auto pem = DDSSEC_TRY(ca.key().to_pem(passphrase));
-  return pem.expose(
-      [&](BytesView octets) { return folder.add(below / "ca.key.pem", octets, 0600); });
-}
-
 std::string subject_of(const Arguments& arguments, const NewCa& ca, const fs::path& folder) {
   if (arguments.has("--subject")) return arguments.text("--subject");
   const auto name = (folder.has_filename() ? folder : folder.parent_path()).filename().string();
   return fmt::format("CN={} {} CA", name, ca.role == "identity" ? "Identity" : "Permissions");
+}
+
+/// What the CAs of one command have in common. `above` null: they are roots.
+struct CaPlan {
+  pki::KeySpec key;
+  pki::Validity life;
+  const OpenCa* above;
+};
+
+Result<pki::Authority> make_ca(const std::string& subject, const CaPlan& plan, Random& random) {
+  return plan.above != nullptr
+             ? plan.above->authority.subordinate(subject, plan.key, plan.life, random)
+             : pki::Authority::create_root(subject, plan.key, plan.life, random);
+}
+
+// The CA above a new one: of --intermediate-of, which is one CA's own folder.
+Result<std::optional<OpenCa>> ca_above(const Arguments& arguments, CaOpener& opener) {
+  if (!arguments.has("--intermediate-of")) return std::nullopt;
+  auto above = DDSSEC_TRY(opener.open(ca_paths(arguments.text("--intermediate-of"), "identity")));
+  if (above.certificate().path_length() == 0)
+    return fail(Code::path_too_long, {.document = above.paths.certificate,
+                                      .expected = "a CA that may have CAs below it",
+                                      .found = "pathlen 0"});
+  return above;
 }
 
 Result<Report> ca_create(const Arguments& arguments, const Context& context) {
@@ -68,9 +81,13 @@ Result<Report> ca_create(const Arguments& arguments, const Context& context) {
   const auto cas = DDSSEC_TRY(wanted(arguments.text("--role")));
   if (cas.size() > 1 && arguments.has("--subject"))
     return fail(Code::usage, {.field = "--subject", .note = "two CAs need two names"});
-  const auto life = DDSSEC_TRY(validity(arguments, context.clock.now()));
+  const auto now = context.clock.now();
+  auto life = DDSSEC_TRY(validity(arguments, now));
   const auto spec = DDSSEC_TRY(key_spec(arguments));
   auto folder = DDSSEC_TRY(NewFolder::at(target));
+  CaOpener opener(arguments);
+  const auto above = DDSSEC_TRY(ca_above(arguments, opener));
+  if (above) life = DDSSEC_TRY(within_ca(life, above->certificate(), arguments.has("--clamp")));
   std::optional<pki::Passphrase> secret;
   if (!arguments.has("--no-passphrase")) secret = DDSSEC_TRY(passphrase(arguments, Typed::twice));
 
@@ -79,46 +96,161 @@ Result<Report> ca_create(const Arguments& arguments, const Context& context) {
                             secret ? "" : "  (the CA keys are NOT encrypted)");
   report.result = {{"dir", target.string()}, {"encrypted", secret.has_value()}};
   report.result["cas"] = Json::array();
+  std::string log_lines;
   for (const auto& wanted_ca : cas) {
-    const auto ca =
-        DDSSEC_TRY(make_root(subject_of(arguments, wanted_ca, target), spec, life, context.random));
-    DDSSEC_TRY(add_ca(folder, wanted_ca.below, ca, secret ? &*secret : nullptr));
+    const auto ca = DDSSEC_TRY(make_ca(subject_of(arguments, wanted_ca, target),
+                                       {spec, life, above ? &*above : nullptr}, context.random));
+    const auto trust = ca.certificate().pem() + (above ? above->trust_pem : "");
+    DDSSEC_TRY(
+        add_ca(folder, ca_paths_in(wanted_ca.below), trust, ca.key(), secret ? &*secret : nullptr));
+    log_lines += pki::IssueLog::issued_line(ca.certificate(), "", now);
     report.text += fmt::format("  {:<12} {}  expires {}\n", wanted_ca.role,
                                ca.certificate().subject(), date(ca.certificate().not_after()));
     auto row = describe(ca.certificate());
     row["role"] = wanted_ca.role;
     report.result["cas"].push_back(std::move(row));
   }
+  if (above) DDSSEC_TRY(append_lines(above->paths.log, log_lines));
   report.files_written = DDSSEC_TRY(folder.commit());
   return report;
 }
 
-Result<Report> ca_show(const Arguments& arguments, const Context& context) {
-  const fs::path folder = arguments.text("DIR");
-  const auto certificate = DDSSEC_TRY(read_certificate(folder / "ca.pem"));
-  const auto key = folder / "ca.key.pem";
+// Below a folder that exists, or with it: both roles can be imported one after the other.
+Result<Report> ca_import(const Arguments& arguments, const Context&) {
+  const auto role = DDSSEC_TRY(one_role(arguments));
+  const fs::path given = arguments.text("DIR");
+  std::error_code ignored;
+  const bool exists = fs::is_directory(given, ignored);
+  auto folder = DDSSEC_TRY(NewFolder::at(exists ? given / role : given));
+  const auto names = ca_paths_in(exists ? fs::path() : fs::path(role));
+  const fs::path from = arguments.text("--cert");
+  const auto certificates = DDSSEC_TRY(read_certificates(from));
+  const auto& ca = certificates.front();
+  if (!ca.is_ca())
+    return fail(Code::not_a_ca, {.document = from, .expected = "basicConstraints CA:TRUE"});
+  const bool has_key = arguments.has("--key");
+  if (has_key) {
+    const fs::path key_file = arguments.text("--key");
+    std::optional<pki::Passphrase> secret;
+    const bool is_plain = !DDSSEC_TRY(is_encrypted(key_file));
+    if (!is_plain || !arguments.has("--no-passphrase"))
+      secret = DDSSEC_TRY(passphrase(arguments, is_plain ? Typed::twice : Typed::once));
+    const auto key = DDSSEC_TRY(read_key(key_file, secret ? &*secret : nullptr));
+    DDSSEC_TRY(named(key.matches(ca), key_file));
+    DDSSEC_TRY(add_ca(folder, names, to_pem(certificates), key, secret ? &*secret : nullptr));
+  } else {
+    DDSSEC_TRY(folder.add_public(names.certificate, to_pem(certificates)));
+  }
+  Report report;
+  report.result = describe(ca);
+  report.result["role"] = role;
+  report.result["key"] = has_key;
+  report.text = fmt::format("imported {}  {} CA, {}\n", ca.subject(), role,
+                            has_key ? "with its key" : "without a key: it cannot issue here");
+  report.files_written = DDSSEC_TRY(folder.commit());
+  return report;
+}
+
+Json describe_key(const fs::path& key, bool encrypted) {
   struct stat status {};
-  const bool has_key = ::stat(key.c_str(), &status) == 0;
-  const bool encrypted = has_key && DDSSEC_TRY(is_encrypted(key));
-  const auto mode = fmt::format("{:04o}", status.st_mode & 07777);
+  if (::stat(key.c_str(), &status) != 0) return {};
+  return {{"encrypted", encrypted}, {"mode", fmt::format("{:04o}", status.st_mode & 07777)}};
+}
+
+std::string key_words(const Json& key) {
+  if (key.is_null()) return "not here";
+  return fmt::format("{}, mode {}", key["encrypted"] == true ? "encrypted" : "NOT encrypted",
+                     std::string(key["mode"]));
+}
+
+std::size_t revoked_count(const pki::IssueLog& log) { return log.revocations().size(); }
+
+Result<Report> ca_show(const Arguments& arguments, const Context& context) {
+  const auto role = DDSSEC_TRY(one_role(arguments));
+  const auto paths = ca_paths(arguments.text("DIR"), role);
+  const auto certificate = DDSSEC_TRY(read_certificate(paths.certificate));
+  std::error_code ignored;
+  const bool has_key = fs::exists(paths.key, ignored);
+  const auto key = describe_key(paths.key, has_key && DDSSEC_TRY(is_encrypted(paths.key)));
+  const auto log = DDSSEC_TRY(read_issue_log(paths));
+  const auto crl = DDSSEC_TRY(read_crl(paths.crl));
   const auto left =
       std::chrono::floor<std::chrono::days>(certificate.not_after() - context.clock.now());
   Report report;
   report.result = describe(certificate);
   report.result["is_ca"] = certificate.is_ca();
-  report.result["key"] = has_key ? Json{{"encrypted", encrypted}, {"mode", mode}} : Json();
+  report.result["key"] = key;
+  report.result["issued"] = log.issued().size();
+  report.result["revoked"] = revoked_count(log);
+  report.result["crl"] = Json();
+  std::string list = "no revocation list";
+  if (crl) {
+    const auto next = crl->next_update() ? Json(to_string(*crl->next_update())) : Json();
+    report.result["crl"] = {{"number", crl->number().value_or(0)}, {"next_update", next}};
+    list = fmt::format("revocation list {} until {}", crl->number().value_or(0),
+                       crl->next_update() ? date(*crl->next_update()) : "it is replaced");
+  }
   report.text = fmt::format(
-      "subject  {}\nkey      {}, {}\nvalid    {} .. {}  ({} days left)\nsha256   {}\n",
-      certificate.subject(), to_string(certificate.key_algorithm()),
-      !has_key ? "not here"
-               : fmt::format("{}, mode {}", encrypted ? "encrypted" : "NOT encrypted", mode),
+      "subject  {}\nkey      {}, {}\nvalid    {} .. {}  ({} days left)\nissued   {} certificates, "
+      "{} revoked, {}\nsha256   {}\n",
+      certificate.subject(), to_string(certificate.key_algorithm()), key_words(key),
       date(certificate.not_before()), date(certificate.not_after()), left.count(),
-      to_hex(certificate.fingerprint()));
+      log.issued().size(), revoked_count(log), list, to_hex(certificate.fingerprint()));
   if (certificate.is_ca()) return report;
   report.exit = Exit::no;
-  report.errors.emplace_back(Code::not_a_ca, ErrorDetails{.document = folder / "ca.pem"});
+  report.errors.emplace_back(Code::not_a_ca, ErrorDetails{.document = paths.certificate});
   return report;
 }
+
+// The present certificate stays in the file behind the new one, as long as it is valid: documents
+// that it signed are still of a listed signer.
+std::string renewed_trust(const pki::Certificate& renewed, const std::string& before) {
+  return renewed.pem() + before;
+}
+
+Result<pki::Certificate> renewed_ca(const OpenCa& ca, pki::Validity life,
+                                    const Arguments& arguments, const Context& context) {
+  if (ca.certificate().is_self_issued()) return ca.authority.renewed(life, context.random);
+  if (!arguments.has("--issuer"))
+    return fail(Code::usage, {.field = "--issuer",
+                              .note = "the CA is an intermediate one: the CA above it must sign"});
+  CaOpener opener(arguments);
+  const auto above = DDSSEC_TRY(opener.open(ca_paths(arguments.text("--issuer"), "identity")));
+  const auto within = DDSSEC_TRY(within_ca(life, above.certificate(), arguments.has("--clamp")));
+  auto out = DDSSEC_TRY(above.authority.reissue(ca.certificate(), within, context.random));
+  DDSSEC_TRY(
+      append_lines(above.paths.log, pki::IssueLog::issued_line(out, "", context.clock.now())));
+  return out;
+}
+
+Result<Report> ca_renew(const Arguments& arguments, const Context& context) {
+  const auto role = DDSSEC_TRY(one_role(arguments));
+  CaOpener opener(arguments);
+  const auto ca = DDSSEC_TRY(opener.open(ca_paths(arguments.text("DIR"), role)));
+  const auto life = DDSSEC_TRY(validity(arguments, context.clock.now()));
+  const auto renewed = DDSSEC_TRY(renewed_ca(ca, life, arguments, context));
+  Replacement files;
+  DDSSEC_TRY(files.put_public(ca.paths.certificate, renewed_trust(renewed, ca.trust_pem)));
+  Report report;
+  report.result = describe(renewed);
+  report.result["dir"] = arguments.text("DIR");
+  report.result["folders"] = Json::array();
+  report.text = fmt::format(
+      "{}  renewed with the same key, expires {}\nParticipants take the new and the old "
+      "certificate. They need the new {} before {}.\n",
+      renewed.subject(), date(renewed.not_after()), ca.paths.certificate.filename().string(),
+      date(ca.certificate().not_after()));
+  const auto log = DDSSEC_TRY(read_issue_log(ca.paths));
+  for (const auto& holder : log.folders()) {
+    report.result["folders"].push_back(holder);
+    report.text += fmt::format("  {}\n", holder);
+  }
+  report.files_written = DDSSEC_TRY(files.commit());
+  return report;
+}
+
+const Option kOneRole{"--role", "ROLE", "identity or permissions, where DIR has both", "identity"};
+const Option kClamp{"--clamp", "", "end with the CA above if it ends before"};
 
 }  // namespace
 
@@ -131,19 +263,53 @@ std::vector<Command> ca_commands() {
                        {"--subject", "DN", "the CA's name, such as \"CN=Plant CA,O=Example\""},
                        days("3650"),
                        kKey,
+                       {"--intermediate-of", "DIR", "the CA that issues it; without it, a root"},
+                       kClamp,
                        kPassphraseFile,
                        kPassphraseEnv,
-                       {"--no-passphrase", "", "leave the keys unencrypted"}},
+                       kNoPassphrase,
+                       kInsecureKeyMode},
            .examples = {"ddssec ca create ca --passphrase-file passphrase.txt",
-                        "ddssec ca create test-ca --no-passphrase"},
+                        "ddssec ca create test-ca --no-passphrase",
+                        "ddssec ca create plant --role identity --intermediate-of ca/identity "
+                        "--passphrase-file passphrase.txt"},
            .run = ca_create},
           {.group = "ca",
+           .name = "import",
+           .summary = "Takes over a CA that was made elsewhere.",
+           .positionals = {{"DIR", "a new folder, or one that has the other role"}},
+           .options = {kOneRole,
+                       {.name = "--cert",
+                        .value = "FILE",
+                        .summary = "its certificate, and behind it those of the CAs above it",
+                        .required = true},
+                       {"--key", "FILE", "its private key; without it, it cannot issue here"},
+                       kPassphraseFile,
+                       kPassphraseEnv,
+                       kNoPassphrase},
+           .examples = {"ddssec ca import ca --cert plant.pem --key plant.key "
+                        "--passphrase-file passphrase.txt"},
+           .run = ca_import},
+          {.group = "ca",
            .name = "show",
-           .summary = "Shows a CA's name, validity and how its key is kept.",
-           .positionals = {{"DIR", "the folder with ca.pem"}},
-           .options = {},
-           .examples = {"ddssec ca show ca/identity"},
-           .run = ca_show}};
+           .summary = "Shows a CA's name, validity, how its key is kept and what it issued.",
+           .positionals = {{"DIR", "the CA's folder, or one with both"}},
+           .options = {kOneRole},
+           .examples = {"ddssec ca show ca/identity", "ddssec ca show ca --role permissions"},
+           .run = ca_show},
+          {.group = "ca",
+           .name = "renew",
+           .summary = "Gives a CA a certificate with a new validity, for the same key and name.",
+           .positionals = {{"DIR", "the CA's folder, or one with both"}},
+           .options = {kOneRole,
+                       days("3650"),
+                       {"--issuer", "DIR", "the CA above, for an intermediate one"},
+                       kClamp,
+                       kPassphraseFile,
+                       kPassphraseEnv,
+                       kInsecureKeyMode},
+           .examples = {"ddssec ca renew ca --role permissions --days 3650"},
+           .run = ca_renew}};
 }
 
 }  // namespace ddssec::cli

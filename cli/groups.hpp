@@ -9,6 +9,8 @@ std::vector<Command> ca_commands();
 std::vector<Command> identity_commands();
 std::vector<Command> governance_commands();
 std::vector<Command> permissions_commands();
+std::vector<Command> identity_change_commands();  ///< renew, revoke
+std::vector<Command> crl_commands();
 std::vector<Command> document_commands();  ///< governance and permissions: sign, verify
 std::vector<Command> diff_commands();  ///< governance and permissions: diff
 std::vector<Command> can_commands();

@@ -1,15 +1,15 @@
-// identity: a participant's key, certificate and permissions.
+// identity: a participant's key, certificate and permissions, from the first day.
 #include <filesystem>
 #include <optional>
 
 #include <fmt/format.h>
 
+#include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/options.hpp"
+#include "cli/participant.hpp"
 #include "cli/transaction.hpp"
-#include "governance/model.hpp"
-#include "governance/write.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::cli {
@@ -17,99 +17,61 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A certificate that outlives its CA would stop being believed before it says so.
-Result<pki::Validity> within(pki::Validity wanted, const pki::Certificate& ca, bool clamp) {
-  if (wanted.not_after > ca.not_after()) {
-    if (!clamp)
-      return fail(Code::outlives_ca, {.expected = "an end before " + to_string(ca.not_after()),
-                                      .found = to_string(wanted.not_after)});
-    wanted.not_after = ca.not_after();
-  }
-  wanted.not_before = std::max(wanted.not_before, ca.not_before());
-  return wanted;
+Result<Bytes> governance_of(const Arguments& arguments) {
+  if (!arguments.has("--governance")) return Bytes();
+  return read_file(arguments.text("--governance"), pki::kMostDocumentOctets);
 }
 
-std::vector<governance::Text> texts(const std::vector<std::string>& expressions) {
-  std::vector<governance::Text> out;
-  for (const auto& expression : expressions) out.push_back({expression, 0});
-  return out;
+Result<ParticipantSpec> spec_of(const Arguments& arguments, WallTime now) {
+  const auto name = arguments.text("NAME");
+  DDSSEC_TRY(check_name(name));
+  const auto domain = static_cast<DomainId>(
+      DDSSEC_TRY(arguments.number("--domain", 0, governance::kHighestDomainId)));
+  ParticipantSpec spec{
+      .name = name,
+      .subject = arguments.has("--subject") ? arguments.text("--subject") : "CN=" + name,
+      .life = DDSSEC_TRY(validity(arguments, now)),
+      .key = DDSSEC_TRY(key_spec(arguments)),
+      .domains = {domain, domain},
+      .publish = arguments.all("--publish"),
+      .subscribe = arguments.all("--subscribe")};
+  if (arguments.has("--permissions"))
+    spec.permissions =
+        DDSSEC_TRY(read_file(arguments.text("--permissions"), pki::kMostDocumentOctets));
+  return spec;
 }
 
-// One grant with one allow rule: the subject is the certificate's own text, the form that every
-// vendor reads.
-std::string permissions_for(const pki::Certificate& certificate, DomainId domain,
-                            const Arguments& arguments) {
-  governance::Rule rule{.allow = true, .domains = {.ranges = {{domain, domain}}}};
-  const auto publish = texts(arguments.all("--publish"));
-  const auto subscribe = texts(arguments.all("--subscribe"));
-  if (!publish.empty()) rule.publish.push_back({.topics = publish});
-  if (!subscribe.empty()) rule.subscribe.push_back({.topics = subscribe});
-  governance::Grant grant{.name = "participant",
-                          .subject_name = certificate.subject(),
-                          .validity = {certificate.not_before(), certificate.not_after()}};
-  grant.rules.push_back(std::move(rule));
-  return to_xml(governance::Permissions{.grants = {std::move(grant)}});
-}
-
-bool has_rights(const Arguments& arguments) {
-  return arguments.has("--publish") || arguments.has("--subscribe");
-}
-
-Status add_permissions(NewFolder& folder, const pki::Certificate& certificate,
-                       const Arguments& arguments, const Context& context) {
-  const auto domain = DDSSEC_TRY(arguments.number("--domain", 0, governance::kHighestDomainId));
-  const auto ca = DDSSEC_TRY(load_ca(ca_folder(arguments.text("--ca"), "permissions"), arguments));
-  const auto xml = permissions_for(certificate, static_cast<DomainId>(domain), arguments);
-  const auto document =
-      DDSSEC_TRY(ca.sign_document(as_bytes(xml), context.clock.now(), context.random));
-  DDSSEC_TRY(folder.add_public("permissions_ca.pem", ca.certificate().pem()));
-  return folder.add("permissions.p7s", document, 0644);
-}
-
-Status add_governance(NewFolder& folder, const Arguments& arguments) {
-  if (!arguments.has("--governance")) return {};
-  const auto octets =
-      DDSSEC_TRY(read_file(arguments.text("--governance"), pki::kMostDocumentOctets));
-  return folder.add("governance.p7s", octets, 0644);
-}
-
-Status add_identity(NewFolder& folder, const pki::Credential& self, const pki::Certificate& ca) {
-  DDSSEC_TRY(folder.add_public("identity_ca.pem", ca.pem()));
-  DDSSEC_TRY(folder.add_public("cert.pem", self.certificate.pem()));
-  const auto pem = DDSSEC_TRY(self.key.to_pem());
-  return pem.expose([&](BytesView octets) { return folder.add("key.pem", octets, 0600); });
-}
-
-fs::path certificate_path(const fs::path& given) {
-  std::error_code ignored;
-  return fs::is_directory(given, ignored) ? given / "cert.pem" : given;
+Json describe(const pki::Certificate& certificate) {
+  return {{"subject", certificate.subject()},
+          {"serial", certificate.serial()},
+          {"not_after", to_string(certificate.not_after())},
+          {"sha256", to_hex(certificate.fingerprint())}};
 }
 
 Result<Report> identity_issue(const Arguments& arguments, const Context& context) {
-  const auto name = arguments.text("NAME");
-  DDSSEC_TRY(check_name(name));
-  const auto wanted = DDSSEC_TRY(validity(arguments, context.clock.now()));
-  const auto spec = DDSSEC_TRY(key_spec(arguments));
+  const auto now = context.clock.now();
+  auto spec = DDSSEC_TRY(spec_of(arguments, now));
   const fs::path target = arguments.text("-o");
   auto folder = DDSSEC_TRY(NewFolder::at(target));
-  const auto ca = DDSSEC_TRY(load_ca(ca_folder(arguments.text("--ca"), "identity"), arguments));
-  const auto life = DDSSEC_TRY(within(wanted, ca.certificate(), arguments.has("--clamp")));
-  const auto subject = arguments.has("--subject") ? arguments.text("--subject") : "CN=" + name;
-  const auto self = DDSSEC_TRY(ca.issue(subject, spec, life, context.random));
-  DDSSEC_TRY(add_identity(folder, self, ca.certificate()));
-  if (has_rights(arguments))
-    DDSSEC_TRY(add_permissions(folder, self.certificate, arguments, context));
-  DDSSEC_TRY(add_governance(folder, arguments));
+  const auto governance = DDSSEC_TRY(governance_of(arguments));
+  CaOpener opener(arguments);
+  const auto identity = DDSSEC_TRY(opener.open("identity"));
+  std::optional<OpenCa> permissions;
+  if (spec.has_permissions()) permissions = DDSSEC_TRY(opener.open("permissions"));
+  spec.life = DDSSEC_TRY(within_ca(spec.life, identity.certificate(), arguments.has("--clamp")));
+  const Issuers issuers{identity, permissions ? &*permissions : nullptr};
+  const auto made =
+      DDSSEC_TRY(named(make_participant(spec, issuers, context), arguments.text("--permissions")));
+  DDSSEC_TRY(add_flat(folder, "", made, issuers, governance));
+  DDSSEC_TRY(check_not_interrupted());
+  DDSSEC_TRY(append_lines(identity.paths.log, log_line(made, target, now)));
 
   Report report;
-  report.text = fmt::format("{}  {}  expires {}\n", target.string(), self.certificate.subject(),
-                            date(self.certificate.not_after()));
-  report.result = {{"name", name},
-                   {"dir", target.string()},
-                   {"subject", self.certificate.subject()},
-                   {"serial", self.certificate.serial()},
-                   {"not_after", to_string(self.certificate.not_after())},
-                   {"sha256", to_hex(self.certificate.fingerprint())}};
+  const auto& certificate = made.self.certificate;
+  report.text = fmt::format("{}  {}  expires {}\n", target.string(), certificate.subject(),
+                            date(certificate.not_after()));
+  report.result = {{"name", spec.name}, {"dir", target.string()}};
+  report.result.update(describe(certificate));
   report.files_written = DDSSEC_TRY(folder.commit());
   return report;
 }
@@ -141,37 +103,130 @@ Result<Report> identity_show(const Arguments& arguments, const Context& context)
   return report;
 }
 
+Result<Report> identity_csr(const Arguments& arguments, const Context&) {
+  const auto name = arguments.text("NAME");
+  DDSSEC_TRY(check_name(name));
+  const auto spec = DDSSEC_TRY(key_spec(arguments));
+  const fs::path target = arguments.text("-o");
+  auto folder = DDSSEC_TRY(NewFolder::at(target));
+  const auto subject = arguments.has("--subject") ? arguments.text("--subject") : "CN=" + name;
+  const auto key = DDSSEC_TRY(pki::PrivateKey::generate(spec.kind, spec.bits));
+  const auto request = DDSSEC_TRY(pki::make_request(key, subject));
+  const auto pem = DDSSEC_TRY(key.to_pem());
+  DDSSEC_TRY(pem.expose([&](BytesView octets) { return folder.add("key.pem", octets, 0600); }));
+  DDSSEC_TRY(folder.add_public("request.pem", request));
+  Report report;
+  report.text = fmt::format(
+      "{}  a key, which stays here, and request.pem for {}\n"
+      "next, where the CA is: ddssec identity sign-csr request.pem --ca CA\n",
+      target.string(), subject);
+  report.result = {{"name", name},
+                   {"dir", target.string()},
+                   {"subject", subject},
+                   {"algorithm", to_string(key.algorithm())},
+                   {"request", (target / "request.pem").string()}};
+  report.files_written = DDSSEC_TRY(folder.commit());
+  return report;
+}
+
+// The request's subject becomes the participant's name: somebody must have looked at it.
+Status confirm_request(const pki::RequestContent& content, const Arguments& arguments) {
+  if (arguments.has("--yes")) return {};
+  return confirm(fmt::format("issue a certificate for \"{}\", key {}?", content.subject,
+                             to_string(content.key)));
+}
+
+Result<Report> identity_sign_csr(const Arguments& arguments, const Context& context) {
+  const fs::path from = arguments.text("CSR");
+  const fs::path to =
+      arguments.has("-o") ? fs::path(arguments.text("-o")) : from.parent_path() / "cert.pem";
+  const auto now = context.clock.now();
+  const auto wanted = DDSSEC_TRY(validity(arguments, now));
+  const auto request = DDSSEC_TRY(read_file(from, pki::kMostCertificateOctets));
+  const auto content = DDSSEC_TRY(named(pki::read_request(request), from));
+  DDSSEC_TRY(confirm_request(content, arguments));
+  CaOpener opener(arguments);
+  const auto ca = DDSSEC_TRY(opener.open("identity"));
+  const auto life = DDSSEC_TRY(within_ca(wanted, ca.certificate(), arguments.has("--clamp")));
+  const auto certificate = DDSSEC_TRY(ca.authority.sign_request(request, life, context.random));
+  std::error_code ignored;
+  const auto folder = fs::absolute(to, ignored).lexically_normal().parent_path();
+  // Checked before the log is written, so that a refusal leaves nothing.
+  if (fs::symlink_status(to, ignored).type() > fs::file_type::not_found)
+    return fail(Code::would_overwrite, {.document = to});
+  DDSSEC_TRY(
+      append_lines(ca.paths.log, pki::IssueLog::issued_line(certificate, folder.string(), now)));
+  Report report;
+  report.files_written.push_back(DDSSEC_TRY(write_new_file(to, as_bytes(certificate.pem()), 0644)));
+  report.text = fmt::format("{}  {}  expires {}\n", to.string(), certificate.subject(),
+                            date(certificate.not_after()));
+  report.result = {{"file", to.string()}, {"algorithm", to_string(content.key)}};
+  report.result.update(describe(certificate));
+  return report;
+}
+
+const Option kClamp{"--clamp", "", "end with the CA if it ends before"};
+const Option kSubject{"--subject", "DN", "the certificate's name, if not CN=NAME"};
+const Option kNewFolder{
+    .name = "-o", .value = "DIR", .summary = "the new folder", .required = true};
+
+Command issue_row() {
+  return {
+      .group = "identity",
+      .name = "issue",
+      .summary = "Makes a participant's folder: key, certificate, CA certificates, permissions.",
+      .positionals = {{"NAME", "the participant's name"}},
+      .options = {ca_option("the folder that ca create made"),
+                  kNewFolder,
+                  kSubject,
+                  days("365"),
+                  kClamp,
+                  kKey,
+                  {"--domain", "N", "the domain of the permissions", "0"},
+                  repeated("--publish", "TOPIC", "a topic or expression it may publish"),
+                  repeated("--subscribe", "TOPIC", "a topic or expression it may subscribe to"),
+                  {"--permissions", "FILE", "a permissions document to sign instead"},
+                  {"--governance", "FILE", "a signed governance document to copy"},
+                  kPassphraseFile,
+                  kPassphraseEnv,
+                  kInsecureKeyMode},
+      .examples = {"ddssec identity issue talker --ca ca -o talker --publish rt/chatter "
+                   "--governance governance.p7s"},
+      .run = identity_issue};
+}
+
 }  // namespace
 
 std::vector<Command> identity_commands() {
-  return {
-      {.group = "identity",
-       .name = "issue",
-       .summary = "Makes a participant's folder: key, certificate, CA certificates, permissions.",
-       .positionals = {{"NAME", "the participant's name"}},
-       .options = {ca_option("the folder that ca create made"),
-                   {.name = "-o", .value = "DIR", .summary = "the new folder", .required = true},
-                   {"--subject", "DN", "the certificate's name, if not CN=NAME"},
-                   days("365"),
-                   {"--clamp", "", "end with the CA if it ends before"},
-                   kKey,
-                   {"--domain", "N", "the domain of the permissions", "0"},
-                   repeated("--publish", "TOPIC", "a topic or expression it may publish"),
-                   repeated("--subscribe", "TOPIC", "a topic or expression it may subscribe to"),
-                   {"--governance", "FILE", "a signed governance document to copy"},
-                   kPassphraseFile,
-                   kPassphraseEnv,
-                   kInsecureKeyMode},
-       .examples = {"ddssec identity issue talker --ca ca -o talker --publish rt/chatter "
-                    "--governance governance.p7s"},
-       .run = identity_issue},
-      {.group = "identity",
-       .name = "show",
-       .summary = "Shows a certificate; exit 1 if it is not valid now.",
-       .positionals = {{"PATH", "a participant's folder or a certificate"}},
-       .options = {},
-       .examples = {"ddssec identity show talker"},
-       .run = identity_show}};
+  return {issue_row(),
+          {.group = "identity",
+           .name = "csr",
+           .summary = "Makes a key on the device that will keep it, and a request for a CA.",
+           .positionals = {{"NAME", "the participant's name"}},
+           .options = {kNewFolder, kSubject, kKey},
+           .examples = {"ddssec identity csr talker -o talker"},
+           .run = identity_csr},
+          {.group = "identity",
+           .name = "sign-csr",
+           .summary = "Issues the certificate that a request asks for.",
+           .positionals = {{"CSR", "the request, in PEM"}},
+           .options = {ca_option("the folder that ca create made"),
+                       {"-o", "FILE", "the certificate, if not cert.pem beside the request"},
+                       {"--yes", "", "do not ask whether subject and key are right"},
+                       days("365"),
+                       kClamp,
+                       kPassphraseFile,
+                       kPassphraseEnv,
+                       kInsecureKeyMode},
+           .examples = {"ddssec identity sign-csr talker/request.pem --ca ca --yes"},
+           .run = identity_sign_csr},
+          {.group = "identity",
+           .name = "show",
+           .summary = "Shows a certificate; exit 1 if it is not valid now.",
+           .positionals = {{"PATH", "a participant's folder or a certificate"}},
+           .options = {},
+           .examples = {"ddssec identity show talker"},
+           .run = identity_show}};
 }
 
 }  // namespace ddssec::cli

@@ -5,7 +5,6 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
-#include <sys/stat.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -13,6 +12,7 @@
 
 #include "base/hash.hpp"
 #include "cli/transaction.hpp"
+#include "pki/participant_folder.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::cli {
@@ -90,27 +90,6 @@ Result<pki::Passphrase> typed_passphrase(const char* prompt) {
   return passphrase_from_stdin();
 }
 
-Status check_key_mode(const fs::path& key, const Arguments& arguments) {
-  struct stat status {};
-  if (arguments.has("--insecure-key-mode") || ::stat(key.c_str(), &status) != 0) return {};
-  if ((status.st_mode & 077) == 0) return {};
-  return fail(Code::key_readable_by_others,
-              {.document = key,
-               .expected = "mode 0600",
-               .found = fmt::format("mode {:04o}", status.st_mode & 07777)});
-}
-
-Result<pki::PrivateKey> load_ca_key(const fs::path& path, const Arguments& arguments) {
-  DDSSEC_TRY(check_key_mode(path, arguments));
-  const auto pem = pki::load_key(uri(path), "");
-  if (!pem) return about(pem.error(), path);
-  std::optional<pki::Passphrase> opener;
-  if (DDSSEC_TRY(is_encrypted(path))) opener = DDSSEC_TRY(passphrase(arguments, Typed::once));
-  auto key = pki::PrivateKey::from_pem(*pem, opener ? &*opener : nullptr);
-  if (!key) return about(key.error(), path);
-  return key;
-}
-
 }  // namespace
 
 Result<Bytes> read_file(const fs::path& path, std::size_t most) {
@@ -147,12 +126,12 @@ fs::path ca_folder(const fs::path& folder, std::string_view role) {
   return fs::exists(folder / "ca.pem", ignored) ? folder : folder / role;
 }
 
-Result<pki::Authority> load_ca(const fs::path& folder, const Arguments& arguments) {
-  auto certificate = DDSSEC_TRY(read_certificate(folder / "ca.pem"));
-  auto key = DDSSEC_TRY(load_ca_key(folder / "ca.key.pem", arguments));
-  auto authority = pki::Authority::load(std::move(certificate), std::move(key));
-  if (!authority) return about(authority.error(), folder);
-  return authority;
+Result<pki::PrivateKey> read_key(const fs::path& path, const pki::Passphrase* passphrase) {
+  const auto pem = pki::load_key(uri(path), "");
+  if (!pem) return about(pem.error(), path);
+  auto key = pki::PrivateKey::from_pem(*pem, passphrase);
+  if (!key) return about(key.error(), path);
+  return key;
 }
 
 Result<bool> is_encrypted(const fs::path& key) {
@@ -164,18 +143,41 @@ Result<bool> is_encrypted(const fs::path& key) {
   });
 }
 
-Result<pki::Validity> validity(const Arguments& arguments, WallTime now) {
-  const int days = DDSSEC_TRY(arguments.number("--days", 1, 36'500));
-  return pki::Validity{now - std::chrono::hours(1), now + std::chrono::days(days)};
+pki::Validity validity_of(int days, WallTime now) {
+  return {now - std::chrono::hours(1), now + std::chrono::days(days)};
 }
 
-Result<pki::KeySpec> key_spec(const Arguments& arguments) {
-  const auto key = arguments.text("--key");
+Result<pki::Validity> validity(const Arguments& arguments, WallTime now) {
+  return validity_of(DDSSEC_TRY(arguments.number("--days", 1, kMostDays)), now);
+}
+
+Result<pki::KeySpec> key_spec_of(std::string_view key, std::string_view field) {
   if (key == "p256") return pki::KeySpec{};
   if (key == "rsa2048") return pki::KeySpec{pki::KeyKind::rsa, 2048};
   if (key == "rsa3072") return pki::KeySpec{pki::KeyKind::rsa, 3072};
-  return fail(Code::usage,
-              {.field = "--key", .expected = "p256, rsa2048 or rsa3072", .found = key});
+  return fail(Code::usage, {.field = std::string(field),
+                            .expected = "p256, rsa2048 or rsa3072",
+                            .found = std::string(key)});
+}
+
+Result<pki::KeySpec> key_spec(const Arguments& arguments) {
+  return key_spec_of(arguments.text("--key"), "--key");
+}
+
+fs::path certificate_path(const fs::path& given) {
+  std::error_code ignored;
+  return fs::is_directory(given, ignored) ? pki::participant_folder(given).certificate : given;
+}
+
+Status confirm(const std::string& question) {
+  if (::isatty(STDIN_FILENO) == 0 || ::isatty(STDERR_FILENO) == 0)
+    return fail(Code::confirmation_needed, {.note = question});
+  std::fputs(fmt::format("{} [y/N] ", question).c_str(), stderr);
+  char answer = 0;
+  const bool said = ::read(STDIN_FILENO, &answer, 1) == 1;
+  DDSSEC_TRY(check_not_interrupted());
+  if (said && (answer == 'y' || answer == 'Y')) return {};
+  return fail(Code::confirmation_needed, {.note = question});
 }
 
 Status check_name(std::string_view name) {

@@ -34,11 +34,30 @@ Result<pki::Authority> load_ca(const std::filesystem::path& folder, const Argume
 /// True if the key's PEM text says that it is encrypted. Errors: those of pki::load_key.
 Result<bool> is_encrypted(const std::filesystem::path& key);
 
-/// From one hour ago (clocks differ) for `--days`. Error: usage.
+/// A private key. `passphrase` may be null. Errors: those of pki::load_key and
+/// PrivateKey::from_pem.
+Result<pki::PrivateKey> read_key(const std::filesystem::path& path,
+                                 const pki::Passphrase* passphrase);
+
+/// The longest life of a certificate that can be asked for, in days.
+inline constexpr int kMostDays = 36'500;
+
+/// From one hour ago (clocks differ) for so many days.
+pki::Validity validity_of(int days, WallTime now);
+/// The same for `--days`. Error: usage.
 Result<pki::Validity> validity(const Arguments& arguments, WallTime now);
 
+/// What kind of key a word says. Error: usage.
+Result<pki::KeySpec> key_spec_of(std::string_view key, std::string_view field);
 /// What --key says. Error: usage.
 Result<pki::KeySpec> key_spec(const Arguments& arguments);
+
+/// The certificate that `given` means: the one of a participant's folder, or the file itself.
+std::filesystem::path certificate_path(const std::filesystem::path& given);
+
+/// Asks a person at the terminal. Error: confirmation_needed if the answer is not yes, or there is
+/// nobody to ask.
+Status confirm(const std::string& question);
 
 /// Success if `name` may name a participant's folder. Error: name_unusable.
 Status check_name(std::string_view name);

@@ -11,6 +11,9 @@ inline constexpr Option kPassphraseEnv{"--passphrase-env", "NAME",
                                        "the environment variable that holds it"};
 inline constexpr Option kInsecureKeyMode{"--insecure-key-mode", "",
                                          "use a CA key that others can read"};
+inline constexpr Option kNoPassphrase{"--no-passphrase", "", "leave the CA's key unencrypted"};
+inline constexpr Option kNextUpdate{"--next-update", "N",
+                                    "days until a newer revocation list must be there", "180"};
 inline constexpr Option kKey{"--key", "KIND", "p256, rsa2048 or rsa3072", "p256"};
 inline constexpr Option kDomain{"--domain", "N", "the domain", "0"};
 

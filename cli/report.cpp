@@ -102,6 +102,8 @@ Json to_json(const Diagnostic& d) {
 }
 
 Json to_json(const WrittenFile& file) {
+  if (!file.link_to.empty())
+    return {{"path", file.path}, {"mode", file.mode}, {"link_to", file.link_to}};
   return {{"path", file.path}, {"mode", file.mode}, {"sha256", file.sha256}};
 }
 
@@ -126,12 +128,14 @@ Exit exit_of(Code code) {
     case Code::passphrase_unusable:
     case Code::passphrase_missing:
     case Code::outlives_ca:
+    case Code::confirmation_needed:
       return Exit::refused;
     case Code::internal:
     case Code::random_failed:
     case Code::file_unwritable:
     case Code::interrupted:
       return Exit::failed;
+    case Code::issue_log_malformed:
     case Code::certificate_malformed:
     case Code::certificate_too_large:
     case Code::private_key_malformed:

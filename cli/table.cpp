@@ -29,9 +29,19 @@ const std::vector<Option>& common_options() {
 const std::vector<Command>& commands() {
   static const std::vector<Command> kCommands = [] {
     std::vector<Command> all;
-    for (const auto& rows : {ca_commands(), identity_commands(), governance_commands(),
-                             permissions_commands(), document_commands(), diff_commands(),
-                             can_commands(), doctor_commands(), explain_commands()})
+    for (const auto& rows : {
+             ca_commands(),
+             identity_commands(),
+             identity_change_commands(),
+             crl_commands(),
+             governance_commands(),
+             permissions_commands(),
+             document_commands(),
+             diff_commands(),
+             can_commands(),
+             explain_commands(),
+             doctor_commands(),
+         })
       add_to_groups(all, rows);
     return all;
   }();

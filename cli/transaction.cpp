@@ -3,6 +3,8 @@
 #include <cerrno>
 #include <csignal>
 #include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
 
@@ -34,27 +36,68 @@ bool exists_at_all(const fs::path& path) {
   return fs::symlink_status(path, ignored).type() != fs::file_type::not_found;
 }
 
+bool dry_run = false;
+
+/// A file descriptor that closes itself.
+class File {
+ public:
+  File(const fs::path& path, int flags, unsigned mode = 0)
+      : number_(::open(path.c_str(), flags | O_CLOEXEC | O_NOFOLLOW, mode)) {}
+  ~File() {
+    if (number_ >= 0) ::close(number_);
+  }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+  explicit operator bool() const { return number_ >= 0; }
+  int number() const { return number_; }
+
+ private:
+  int number_;
+};
+
 int write_all(int file, BytesView octets) {
   while (!octets.empty()) {
     const auto written = ::write(file, octets.data(), octets.size());
     if (written < 0 && errno != EINTR) return errno;
     if (written > 0) octets = octets.subspan(static_cast<std::size_t>(written));
   }
-  return ::fsync(file) == 0 ? 0 : errno;
+  return 0;
 }
 
-Status write_exclusively(const fs::path& path, BytesView octets, unsigned mode) {
+enum class Flush : std::uint8_t { now, later };
+
+Status write_exclusively(const fs::path& path, BytesView octets, unsigned mode, Flush flush) {
   DDSSEC_TRY(check_not_interrupted());
   const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, mode);
   if (file < 0) return unwritable(path, errno);
-  const int error = write_all(file, octets);
+  int error = write_all(file, octets);
+  if (error == 0 && flush == Flush::now && ::fsync(file) != 0) error = errno;
   if (::close(file) == 0 && error == 0) return {};
   ::unlink(path.c_str());
   return unwritable(path, error != 0 ? error : EIO);
 }
 
+fs::path draft_of(const fs::path& target) {
+  return fmt::format("{}.{}.new", target.string(), ::getpid());
+}
+
+// Where the last whole line of a file ends; -1 if it cannot be read.
+off_t end_of_last_line(int file) {
+  off_t end = ::lseek(file, 0, SEEK_END);
+  char last = 0;
+  while (end > 0) {
+    if (::pread(file, &last, 1, end - 1) != 1) return -1;
+    if (last == '\n') break;
+    --end;
+  }
+  return end;
+}
+
 WrittenFile written(const fs::path& path, BytesView octets, unsigned mode) {
-  return {path, fmt::format("{:04o}", mode), to_hex(sha256(octets))};
+  return {.path = path,
+          .mode = fmt::format("{:04o}", mode),
+          .sha256 = to_hex(sha256(octets)),
+          .link_to = {}};
 }
 
 }  // namespace
@@ -67,25 +110,68 @@ void note_interruptions() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaction(signal, &action, nullptr);
 }
 
+void write_nothing() { dry_run = true; }
+bool writes_nothing() { return dry_run; }
+
 Result<NewFolder> NewFolder::at(const fs::path& given) {
   const fs::path target = given.has_filename() ? given : given.parent_path();
   if (exists_at_all(target)) return fail(Code::would_overwrite, {.document = target});
+  if (dry_run) return NewFolder(target, {});
   auto staging =
       (target.parent_path() / fmt::format(".{}.XXXXXX", target.filename().string())).string();
   if (::mkdtemp(staging.data()) == nullptr) return unwritable(target, errno);
   return NewFolder(target, staging);
 }
 
+// Folders are made one by one, with their final mode from the beginning.
+Status NewFolder::make_parent(const fs::path& name) {
+  fs::path at = staging_;
+  for (const auto& part : name.parent_path()) {
+    at /= part;
+    const unsigned mode = part == "private" ? 0700 : 0755;
+    if (::mkdir(at.c_str(), mode) != 0 && errno != EEXIST) return unwritable(target_ / name, errno);
+  }
+  return {};
+}
+
 Status NewFolder::add(const fs::path& name, BytesView octets, unsigned mode) {
-  std::error_code error;
-  fs::create_directories((staging_ / name).parent_path(), error);
-  if (error) return unwritable(target_ / name, error.value());
-  DDSSEC_TRY(write_exclusively(staging_ / name, octets, mode));
+  if (!dry_run) {
+    DDSSEC_TRY(make_parent(name));
+    DDSSEC_TRY(write_exclusively(staging_ / name, octets, mode, Flush::later));
+    drafts_.push_back(staging_ / name);
+  }
   files_.push_back(written(target_ / name, octets, mode));
+  return check_not_interrupted();
+}
+
+Status NewFolder::link(const fs::path& name, const fs::path& to) {
+  DDSSEC_TRY(check_not_interrupted());
+  files_.push_back({.path = target_ / name, .mode = "link", .link_to = to});
+  if (dry_run) return {};
+  DDSSEC_TRY(make_parent(name));
+  if (::symlink(to.c_str(), (staging_ / name).c_str()) != 0)
+    return unwritable(target_ / name, errno);
+  return {};
+}
+
+// A few files are flushed each; for a fleet one call for the whole file system is quicker by far.
+Status NewFolder::flush() const {
+  constexpr std::size_t kFew = 32;
+  if (drafts_.size() > kFew) {
+    const File folder(staging_, O_RDONLY | O_DIRECTORY);
+    return folder && ::syncfs(folder.number()) == 0 ? Status() : unwritable(target_, errno);
+  }
+  for (const auto& draft : drafts_) {
+    const File file(draft, O_RDONLY);
+    if (!file || ::fsync(file.number()) != 0) return unwritable(target_, errno);
+  }
   return {};
 }
 
 Result<std::vector<WrittenFile>> NewFolder::commit() {
+  DDSSEC_TRY(check_not_interrupted());
+  if (dry_run) return files_;
+  DDSSEC_TRY(flush());
   DDSSEC_TRY(check_not_interrupted());
   if (::renameat2(AT_FDCWD, staging_.c_str(), AT_FDCWD, target_.c_str(), RENAME_NOREPLACE) != 0)
     return rename_failed(target_, errno);
@@ -101,12 +187,54 @@ NewFolder::~NewFolder() {
 NewFolder::NewFolder(NewFolder&& other) noexcept
     : target_(std::move(other.target_)),
       staging_(std::exchange(other.staging_, {})),
+      drafts_(std::move(other.drafts_)),
       files_(std::move(other.files_)) {}
+
+Status Replacement::put(const fs::path& target, BytesView octets, unsigned mode) {
+  std::error_code ignored;
+  const auto type = fs::symlink_status(target, ignored).type();
+  if (type != fs::file_type::not_found && type != fs::file_type::regular)
+    return fail(Code::would_overwrite, {.document = target, .note = "it is not a plain file"});
+  if (!dry_run) {
+    DDSSEC_TRY(write_exclusively(draft_of(target), octets, mode, Flush::now));
+    drafts_.push_back({draft_of(target), target});
+  }
+  files_.push_back(written(target, octets, mode));
+  return check_not_interrupted();
+}
+
+Result<std::vector<WrittenFile>> Replacement::commit() {
+  DDSSEC_TRY(check_not_interrupted());
+  for (auto& [draft, target] : drafts_) {
+    if (::rename(draft.c_str(), target.c_str()) != 0) return unwritable(target, errno);
+    draft.clear();
+  }
+  return files_;
+}
+
+Replacement::~Replacement() {
+  for (const auto& [draft, target] : drafts_)
+    if (!draft.empty()) ::unlink(draft.c_str());
+}
+
+Status append_lines(const fs::path& target, std::string_view lines) {
+  if (dry_run) return {};
+  const File file(target, O_RDWR | O_CREAT, 0644);
+  if (!file || ::flock(file.number(), LOCK_EX) != 0) return unwritable(target, errno);
+  const auto end = end_of_last_line(file.number());
+  if (end < 0 || ::ftruncate(file.number(), end) != 0 ||
+      ::lseek(file.number(), end, SEEK_SET) != end)
+    return unwritable(target, errno);
+  const int error = write_all(file.number(), as_bytes(lines));
+  if (error != 0 || ::fsync(file.number()) != 0) return unwritable(target, error ? error : errno);
+  return {};
+}
 
 Result<WrittenFile> write_new_file(const fs::path& target, BytesView octets, unsigned mode) {
   if (exists_at_all(target)) return fail(Code::would_overwrite, {.document = target});
-  const fs::path draft = fmt::format("{}.{}.new", target.string(), ::getpid());
-  const auto drafted = write_exclusively(draft, octets, mode);
+  if (dry_run) return written(target, octets, mode);
+  const auto draft = draft_of(target);
+  const auto drafted = write_exclusively(draft, octets, mode, Flush::now);
   const bool placed = drafted && ::renameat2(AT_FDCWD, draft.c_str(), AT_FDCWD, target.c_str(),
                                              RENAME_NOREPLACE) == 0;
   const int error = errno;

@@ -1,4 +1,5 @@
-// Files that appear all at once or not at all, and never in place of others.
+// Files that appear all at once or not at all, and never in place of others unless that is what the
+// command is for.
 #pragma once
 
 #include <filesystem>
@@ -15,24 +16,34 @@ void note_interruptions();
 /// Error: interrupted.
 Status check_not_interrupted();
 
+/// From here on nothing is written: every check is made, and what would have been written is told
+/// (--dry-run).
+void write_nothing();
+/// True after write_nothing().
+bool writes_nothing();
+
 /// One folder that a command makes. It grows beside its final place, under a name of its own and
-/// readable by the owner only, and gets its name by one rename when it is complete; a folder that
-/// is not committed is removed. Symbolic links are not followed at the target.
+/// readable by the owner only, and gets its name by one rename when it is complete and on the disk;
+/// a folder that is not committed is removed. Symbolic links are not followed at the target.
 class NewFolder {
  public:
   /// Errors: would_overwrite if there is anything (a dangling link as well) at `target`;
   /// file_unwritable.
   static Result<NewFolder> at(const std::filesystem::path& target);
 
-  /// Writes a file, made with `mode` and never wider. `name` may have folders in it.
-  /// Errors: file_unwritable, interrupted.
+  /// Writes a file, made with `mode` and never wider. `name` may have folders in it; those called
+  /// "private" are for the owner only. Errors: file_unwritable, interrupted.
   Status add(const std::filesystem::path& name, BytesView octets, unsigned mode);
   Status add_public(const std::filesystem::path& name, std::string_view text) {
     return add(name, as_bytes(text), 0644);
   }
+  /// A symbolic link to `to`, which is relative to the link. Errors as add.
+  Status link(const std::filesystem::path& name, const std::filesystem::path& to);
 
   /// Gives the folder its name. Errors: would_overwrite, file_unwritable, interrupted.
   Result<std::vector<WrittenFile>> commit();
+
+  const std::filesystem::path& target() const { return target_; }
 
   ~NewFolder();
   NewFolder(NewFolder&& other) noexcept;
@@ -41,8 +52,38 @@ class NewFolder {
  private:
   NewFolder(std::filesystem::path target, std::filesystem::path staging)
       : target_(std::move(target)), staging_(std::move(staging)) {}
+  Status make_parent(const std::filesystem::path& name);
+  Status flush() const;
   std::filesystem::path target_;
-  std::filesystem::path staging_;  ///< empty once committed
+  std::filesystem::path staging_;  ///< empty once committed, and in a dry run
+  std::vector<std::filesystem::path> drafts_;
+  std::vector<WrittenFile> files_;
+};
+
+/// Files in folders that exist: new ones, and newer ones in place of older ones where a command
+/// is there to replace them. All are written beside their places and on the disk before the first
+/// is renamed; from then on nothing but a crash of the machine comes between. A target that is a
+/// symbolic link, a folder or a device is refused, so that nothing is written elsewhere.
+class Replacement {
+ public:
+  /// Errors: would_overwrite (not a plain file), file_unwritable, interrupted.
+  Status put(const std::filesystem::path& target, BytesView octets, unsigned mode);
+  Status put_public(const std::filesystem::path& target, std::string_view text) {
+    return put(target, as_bytes(text), 0644);
+  }
+  /// Puts everything in its place, in the order of the calls. Errors: file_unwritable, interrupted.
+  Result<std::vector<WrittenFile>> commit();
+
+  Replacement() = default;
+  ~Replacement();
+  Replacement(const Replacement&) = delete;
+  Replacement& operator=(const Replacement&) = delete;
+
+ private:
+  struct Draft {
+    std::filesystem::path draft, target;
+  };
+  std::vector<Draft> drafts_;
   std::vector<WrittenFile> files_;
 };
 
@@ -50,5 +91,10 @@ class NewFolder {
 /// Errors: would_overwrite, file_unwritable, interrupted.
 Result<WrittenFile> write_new_file(const std::filesystem::path& target, BytesView octets,
                                    unsigned mode);
+
+/// Adds whole lines to a text file, made with mode 0644 if it is not there. They are on the disk
+/// when this returns; a last line that an earlier crash cut short is removed first. Safe against
+/// other processes that do the same. Error: file_unwritable.
+Status append_lines(const std::filesystem::path& target, std::string_view lines);
 
 }  // namespace ddssec::cli

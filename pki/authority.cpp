@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <unordered_set>
 #include <vector>
 
 #include "pki/mime.hpp"
@@ -119,15 +120,55 @@ CertificateTemplate ca_template(std::string_view subject, Validity validity) {
           .key_usage = std::string(kCaKeyUsage)};
 }
 
+// The template of a certificate that takes another's place.
+CertificateTemplate again(const Certificate& old, Validity validity) {
+  if (!old.is_ca()) return {.subject = {}, .validity = validity};
+  auto content = ca_template("", validity);
+  content.path_length = old.path_length();
+  return content;
+}
+
+Result<RequestPtr> parsed_request(BytesView pem) {
+  if (pem.size() > kMostCertificateOctets)
+    return fail(Code::request_invalid, {.note = "it is too long"});
+  const BioPtr bio = bio_over(pem);
+  RequestPtr request(PEM_read_bio_X509_REQ(bio.get(), nullptr, nullptr, nullptr));
+  EVP_PKEY* key = request ? X509_REQ_get0_pubkey(request.get()) : nullptr;
+  // The signature shows that the requester has the private key.
+  if (key == nullptr || X509_REQ_verify(request.get(), key) != 1)
+    return openssl_failure(Code::request_invalid);
+  DDSSEC_TRY(judge_key(key));
+  return request;
+}
+
 std::string bio_text(const BioPtr& bio) { return std::string(as_text(bio_octets(bio))); }
 
-Status add_revoked(X509_CRL* crl, const Certificate& certificate, const ASN1_TIME* when) {
+Result<Asn1IntegerPtr> to_serial(const std::string& hex) {
+  constexpr std::size_t kMostDigits = 64;  // RFC 5280 4.1.2.2 allows 40
+  BIGNUM* parsed = nullptr;
+  const int digits = hex.size() <= kMostDigits ? BN_hex2bn(&parsed, hex.c_str()) : 0;
+  const BignumPtr number(parsed);
+  Asn1IntegerPtr out(number ? BN_to_ASN1_INTEGER(number.get(), nullptr) : nullptr);
+  if (!out || hex.empty() || digits != static_cast<int>(hex.size()))
+    return openssl_failure(Code::crl_malformed,
+                           {.field = "serial number", .found = hex.substr(0, kMostDigits)});
+  return out;
+}
+
+bool add_reason(X509_REVOKED* entry, RevocationReason reason) {
+  if (reason == RevocationReason::unspecified) return true;  // RFC 5280 5.3.1: leave it out
+  const Asn1EnumeratedPtr value(ASN1_ENUMERATED_new());
+  return value && ASN1_ENUMERATED_set(value.get(), static_cast<long>(reason)) == 1 &&
+         X509_REVOKED_add1_ext_i2d(entry, NID_crl_reason, value.get(), 0, 0) == 1;
+}
+
+Status add_revoked(X509_CRL* crl, const Revocation& revocation) {
   RevokedPtr entry(X509_REVOKED_new());
-  const ASN1_INTEGER* serial = X509_get0_serialNumber(certificate.impl().x509.get());
-  if (!entry ||
-      X509_REVOKED_set_serialNumber(entry.get(), const_cast<ASN1_INTEGER*>(serial)) != 1 ||
-      X509_REVOKED_set_revocationDate(entry.get(), const_cast<ASN1_TIME*>(when)) != 1 ||
-      X509_CRL_add0_revoked(crl, entry.get()) != 1)
+  const auto serial = DDSSEC_TRY(to_serial(revocation.serial));
+  const auto when = DDSSEC_TRY(encoded(revocation.time));
+  if (!entry || X509_REVOKED_set_serialNumber(entry.get(), serial.get()) != 1 ||
+      X509_REVOKED_set_revocationDate(entry.get(), when.get()) != 1 ||
+      !add_reason(entry.get(), revocation.reason) || X509_CRL_add0_revoked(crl, entry.get()) != 1)
     return openssl_failure(Code::internal);
   static_cast<void>(entry.release());  // the list owns it now
   return {};
@@ -214,6 +255,14 @@ Result<Credential> Authority::self_sign(const CertificateTemplate& content, Priv
   return Credential{std::move(certificate), std::move(key)};
 }
 
+Result<Authority> Authority::create_root(std::string_view subject, KeySpec key, Validity validity,
+                                    Random& random) {
+  auto own = DDSSEC_TRY(PrivateKey::generate(key.kind, key.bits));
+  auto content = ca_template(subject, validity);
+  content.path_length = 1;
+  return Authority(DDSSEC_TRY(self_sign(content, std::move(own), random)));
+}
+
 Result<Authority> Authority::create(std::string_view subject, KeySpec key, Validity validity,
                                     Random& random) {
   auto own = DDSSEC_TRY(PrivateKey::generate(key.kind, key.bits));
@@ -251,20 +300,36 @@ Result<Certificate> Authority::certify(const CertificateTemplate& content, const
   return build(content, {name.get(), key.impl().pkey.get()}, &self_.certificate, self_.key, random);
 }
 
+Result<Certificate> Authority::reissue(const Certificate& old, Validity validity, Random& random,
+                                       const PrivateKey* key) const {
+  X509* x509 = old.impl().x509.get();
+  return build(again(old, validity),
+               {X509_get_subject_name(x509),
+                key != nullptr ? key->impl().pkey.get() : X509_get0_pubkey(x509)},
+               &self_.certificate, self_.key, random);
+}
+
+Result<Certificate> Authority::renewed(Validity validity, Random& random) const {
+  X509* x509 = self_.certificate.impl().x509.get();
+  return build(again(self_.certificate, validity),
+               {X509_get_subject_name(x509), X509_get0_pubkey(x509)}, nullptr, self_.key, random);
+}
+
 Result<Certificate> Authority::sign_request(BytesView request_pem, Validity validity,
                                             Random& random) const {
-  if (request_pem.size() > kMostCertificateOctets)
-    return fail(Code::request_invalid, {.note = "it is too long"});
-  const BioPtr bio = bio_over(request_pem);
-  const RequestPtr request(PEM_read_bio_X509_REQ(bio.get(), nullptr, nullptr, nullptr));
-  EVP_PKEY* key = request ? X509_REQ_get0_pubkey(request.get()) : nullptr;
-  // The signature shows that the requester has the private key.
-  if (key == nullptr || X509_REQ_verify(request.get(), key) != 1)
-    return openssl_failure(Code::request_invalid);
-  DDSSEC_TRY(judge_key(key));
+  const auto request = DDSSEC_TRY(parsed_request(request_pem));
   const CertificateTemplate content{.subject = {}, .validity = validity};
-  return build(content, {X509_REQ_get_subject_name(request.get()), key}, &self_.certificate,
-               self_.key, random);
+  return build(content,
+               {X509_REQ_get_subject_name(request.get()), X509_REQ_get0_pubkey(request.get())},
+               &self_.certificate, self_.key, random);
+}
+
+Result<RequestContent> read_request(BytesView request_pem) {
+  const auto request = DDSSEC_TRY(parsed_request(request_pem));
+  const X509_NAME* subject = X509_REQ_get_subject_name(request.get());
+  const auto key = DDSSEC_TRY(judge_key(X509_REQ_get0_pubkey(request.get())));
+  DDSSEC_TRY(check_name(subject, "subject"));
+  return RequestContent{name_rfc2253(subject), key};
 }
 
 Result<Crl> Authority::make_crl(const CrlTemplate& content) const {
@@ -277,8 +342,13 @@ Result<Crl> Authority::make_crl(const CrlTemplate& content) const {
       X509_CRL_set1_lastUpdate(crl.get(), this_update.get()) != 1 ||
       X509_CRL_set1_nextUpdate(crl.get(), next_update.get()) != 1)
     return openssl_failure(Code::internal);
+  std::unordered_set<std::string> listed;
   for (const auto& certificate : content.revoked)
-    DDSSEC_TRY(add_revoked(crl.get(), certificate, this_update.get()));
+    if (listed.insert(certificate.serial()).second)
+      DDSSEC_TRY(
+          add_revoked(crl.get(), {.serial = certificate.serial(), .time = content.this_update}));
+  for (const auto& entry : content.entries)
+    if (listed.insert(entry.serial).second) DDSSEC_TRY(add_revoked(crl.get(), entry));
   DDSSEC_TRY(add_crl_extensions(crl.get(), issuer, content.number));
   X509_CRL_sort(crl.get());
   const BioPtr bio(BIO_new(BIO_s_mem()));

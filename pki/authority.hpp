@@ -49,11 +49,24 @@ struct Credential {
 
 /// What a revocation list says.
 struct CrlTemplate {
-  std::span<const Certificate> revoked;
+  std::span<const Certificate> revoked = {};
   WallTime this_update;
   WallTime next_update;
   std::uint64_t number = 1;
+  /// Further entries, each with its own time and reason; of a serial number given twice the first
+  /// entry counts.
+  std::span<const Revocation> entries = {};
 };
+
+/// What a request asks a certificate for.
+struct RequestContent {
+  std::string subject;  ///< RFC 2253
+  KeyAlgorithm key;
+};
+
+/// Reads a PKCS#10 request in PEM that is signed by its own key.
+/// Errors: request_invalid, key_not_allowed, name_not_allowed.
+Result<RequestContent> read_request(BytesView request_pem);
 
 /// A PKCS#10 request in PEM for the public half of `key`. Errors: subject_name_malformed, internal.
 Result<std::string> make_request(const PrivateKey& key, std::string_view subject);
@@ -75,6 +88,10 @@ class Authority {
   static Result<Authority> create(std::string_view subject, KeySpec key, Validity validity,
                                   Random& random);
 
+  /// The same with path length 1: one CA may come between it and what is issued.
+  static Result<Authority> create_root(std::string_view subject, KeySpec key, Validity validity,
+                                       Random& random);
+
   /// A new self-signed certificate in every detail; for tests, which need odd ones.
   static Result<Credential> self_sign(const CertificateTemplate& content, PrivateKey key,
                                       Random& random);
@@ -95,11 +112,21 @@ class Authority {
   Result<Certificate> certify(const CertificateTemplate& content, const PrivateKey& key,
                               Random& random) const;
 
+  /// `old` again with a new validity and serial number: the same subject octet for octet, for the
+  /// public half of `key`, or for the old public key if `key` is null. A CA stays a CA of the same
+  /// path length. Who signed `old` is not looked at. Errors: random_failed, internal.
+  Result<Certificate> reissue(const Certificate& old, Validity validity, Random& random,
+                              const PrivateKey* key = nullptr) const;
+
+  /// This CA's own certificate with a new validity and serial number, signed with its own key.
+  /// For a root. Errors: random_failed, internal.
+  Result<Certificate> renewed(Validity validity, Random& random) const;
+
   /// A certificate for a PKCS#10 request; its subject is taken over, its extensions are not.
   /// Errors: request_invalid, key_not_allowed, random_failed, internal.
   Result<Certificate> sign_request(BytesView request_pem, Validity validity, Random& random) const;
 
-  /// A revocation list. Error: internal.
+  /// A revocation list. Errors: internal; crl_malformed if an entry's serial number is none.
   Result<Crl> make_crl(const CrlTemplate& content) const;
 
   /// pki::sign_document with this CA's key.

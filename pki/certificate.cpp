@@ -12,22 +12,6 @@ Error malformed(std::string note) {
   return Error(Code::certificate_malformed, {.note = std::move(note)});
 }
 
-// A NUL inside a name reads as another, shorter name to whoever prints it as a C string.
-Status check_name(const X509_NAME* name, const char* which) {
-  const int count = X509_NAME_entry_count(name);
-  if (count > static_cast<int>(kMostNameAttributes))
-    return fail(Code::name_not_allowed,
-                {.field = which,
-                 .expected = "at most " + std::to_string(kMostNameAttributes) + " attributes",
-                 .found = std::to_string(count)});
-  for (int i = 0; i < count; ++i)
-    if (!to_utf8(X509_NAME_ENTRY_get_data(X509_NAME_get_entry(name, i))))
-      return fail(Code::name_not_allowed, {.field = which,
-                                           .expected = "text without NUL octets",
-                                           .found = name_rfc2253(name).substr(0, 256)});
-  return {};
-}
-
 std::string one_line(const X509_NAME* name) {
   const OpensslText text(X509_NAME_oneline(name, nullptr, 0));
   return text ? text.get() : "";
@@ -160,10 +144,27 @@ WallTime Certificate::not_after() const { return impl_->not_after; }
 KeyAlgorithm Certificate::key_algorithm() const { return impl_->key; }
 bool Certificate::is_ca() const { return X509_check_ca(impl_->x509.get()) == 1; }
 
+std::optional<int> Certificate::path_length() const {
+  const long length = X509_get_pathlen(impl_->x509.get());
+  return length < 0 ? std::nullopt : std::optional(static_cast<int>(length));
+}
+
+bool Certificate::is_self_issued() const {
+  return X509_NAME_cmp(X509_get_subject_name(impl_->x509.get()),
+                       X509_get_issuer_name(impl_->x509.get())) == 0;
+}
+
+bool Certificate::is_issued_by(const Certificate& ca) const {
+  X509* issuer = ca.impl().x509.get();
+  const bool is_by = X509_NAME_cmp(X509_get_issuer_name(impl_->x509.get()),
+                                   X509_get_subject_name(issuer)) == 0 &&
+                     X509_verify(impl_->x509.get(), X509_get0_pubkey(issuer)) == 1;
+  take_openssl_reason();
+  return is_by;
+}
+
 std::string Certificate::serial() const {
-  const BignumPtr number(ASN1_INTEGER_to_BN(X509_get0_serialNumber(impl_->x509.get()), nullptr));
-  const OpensslText hex(number ? BN_bn2hex(number.get()) : nullptr);
-  return hex ? hex.get() : "";
+  return serial_text(X509_get0_serialNumber(impl_->x509.get()));
 }
 
 bool Certificate::signed_with_rsa() const {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -71,6 +72,13 @@ class Certificate {
   KeyAlgorithm key_algorithm() const;
   /// True if basicConstraints says CA:TRUE.
   bool is_ca() const;
+  /// How many CAs may be below this one; nothing if basicConstraints does not say.
+  std::optional<int> path_length() const;
+  /// True if subject and issuer are the same name, as with a root CA.
+  bool is_self_issued() const;
+  /// True if `ca` has this certificate's issuer's name and the key that signed it. Nothing else is
+  /// looked at: whether to believe it is for pki/chain.hpp.
+  bool is_issued_by(const Certificate& ca) const;
   /// True if the CA signed this certificate with an RSA key: Fast DDS announces c.dsign_algo by
   /// that, not by the certificate's own key.
   bool signed_with_rsa() const;

@@ -1,19 +1,47 @@
 // Certificate revocation lists.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/bytes.hpp"
 #include "base/clock.hpp"
 #include "base/result.hpp"
+#include "pki/certificate.hpp"
 
 namespace ddssec::pki {
 
 /// The largest number of revocation lists in one file.
 inline constexpr std::size_t kMostCrlsInFile = 64;
+
+/// Why a certificate was revoked (RFC 5280 5.3.1), with the numbers of CRLReason.
+enum class RevocationReason : std::uint8_t {
+  unspecified = 0,
+  key_compromise = 1,
+  ca_compromise = 2,
+  affiliation_changed = 3,
+  superseded = 4,
+  cessation_of_operation = 5,
+  certificate_hold = 6,
+  privilege_withdrawn = 9,
+};
+
+/// RFC 5280's word, such as "keyCompromise".
+std::string_view to_string(RevocationReason reason);
+/// Exact; nothing for other words.
+std::optional<RevocationReason> revocation_reason_from(std::string_view word);
+
+/// One entry of a revocation list.
+struct Revocation {
+  std::string serial;  ///< upper-case hexadecimal digits, as Certificate::serial
+  WallTime time = {};
+  RevocationReason reason = RevocationReason::unspecified;
+  bool operator==(const Revocation&) const = default;
+};
 
 /// An immutable revocation list; copies share it. It counts for nothing until a ChainVerifier has
 /// checked who signed it.
@@ -29,8 +57,17 @@ class Crl {
   WallTime this_update() const;
   /// When a newer one must be there; nothing if the list does not say.
   std::optional<WallTime> next_update() const;
+  /// The number of this list; nothing if the list does not say or the number has more than 64 bits.
+  std::optional<std::uint64_t> number() const;
+  /// Every entry, in the list's order; a reason that is not known counts as unspecified.
+  /// Error: crl_malformed.
+  Result<std::vector<Revocation>> revoked() const;
   /// PEM text.
   std::string pem() const;
+
+  /// Success if `issuer` signed the list, may do so, and the list is of this time.
+  /// Errors: crl_signature_invalid, crl_not_yet_valid, crl_expired.
+  Status check(const Certificate& issuer, WallTime now) const;
 
   struct Impl;
   /// For pki/ only.

@@ -89,6 +89,28 @@ std::string group_name(EVP_PKEY* key) {
 
 }  // namespace
 
+// A NUL inside a name reads as another, shorter name to whoever prints it as a C string.
+Status check_name(const X509_NAME* name, const char* which) {
+  const int count = X509_NAME_entry_count(name);
+  if (count > static_cast<int>(kMostNameAttributes))
+    return fail(Code::name_not_allowed,
+                {.field = which,
+                 .expected = "at most " + std::to_string(kMostNameAttributes) + " attributes",
+                 .found = std::to_string(count)});
+  for (int i = 0; i < count; ++i)
+    if (!to_utf8(X509_NAME_ENTRY_get_data(X509_NAME_get_entry(name, i))))
+      return fail(Code::name_not_allowed, {.field = which,
+                                           .expected = "text without NUL octets",
+                                           .found = name_rfc2253(name).substr(0, 256)});
+  return {};
+}
+
+std::string serial_text(const ASN1_INTEGER* serial) {
+  const BignumPtr number(ASN1_INTEGER_to_BN(serial, nullptr));
+  const OpensslText hex(number ? BN_bn2hex(number.get()) : nullptr);
+  return hex ? hex.get() : "";
+}
+
 Result<KeyAlgorithm> judge_key(EVP_PKEY* key) {
   constexpr int kLeastRsaBits = 2048;
   constexpr int kMostRsaBits = 16384;

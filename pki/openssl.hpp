@@ -11,6 +11,7 @@
 #include <openssl/bn.h>
 #include <openssl/cms.h>
 #include <openssl/ec.h>
+#include <openssl/err.h>
 #include <openssl/evp.h>
 #include <openssl/param_build.h>
 #include <openssl/pem.h>
@@ -37,6 +38,7 @@ inline void free_certificate_stack(STACK_OF(X509) * p) noexcept { sk_X509_free(p
 
 using Asn1String = std::unique_ptr<ASN1_STRING, Deleter<ASN1_STRING_free>>;
 using Asn1IntegerPtr = std::unique_ptr<ASN1_INTEGER, Deleter<ASN1_INTEGER_free>>;
+using Asn1EnumeratedPtr = std::unique_ptr<ASN1_ENUMERATED, Deleter<ASN1_ENUMERATED_free>>;
 using Asn1TimePtr = std::unique_ptr<ASN1_TIME, Deleter<ASN1_TIME_free>>;
 using Asn1TypePtr = std::unique_ptr<ASN1_TYPE, Deleter<ASN1_TYPE_free>>;
 using Asn1ObjectPtr = std::unique_ptr<ASN1_OBJECT, Deleter<ASN1_OBJECT_free>>;
@@ -110,6 +112,12 @@ Result<Asn1TimePtr> to_asn1_time(WallTime time);
 
 /// RFC 2253 text: last RDN first, non-ASCII octets escaped.
 std::string name_rfc2253(const X509_NAME* name);
+
+/// Success if a subject or issuer name has a form that we allow. Error: name_not_allowed.
+Status check_name(const X509_NAME* name, const char* which);
+
+/// A serial number in upper-case hexadecimal digits; "" if it cannot be read.
+std::string serial_text(const ASN1_INTEGER* serial);
 
 /// A UTF-8 copy of an attribute's value, or nothing if it is no text or holds a NUL.
 std::optional<std::string> to_utf8(const ASN1_STRING* value);

@@ -8,6 +8,7 @@ import time
 from transcript import PROGRAM, Transcript, main
 
 SECRET = {"SECRET": "correct horse"}
+NOW = ("--now", "2026-11-21T00:00:00Z")
 
 
 class Ca(Transcript):
@@ -87,6 +88,75 @@ class Ca(Transcript):
         self.assertEqual(running.returncode, 5)
         self.assertIn("error[interrupted]", said)
         self.assertEqual(list(self.at.iterdir()), [])
+
+    def root(self, folder, *more):
+        self.run_program("ca", "create", folder, "--no-passphrase", "--role", "identity", *more, *NOW)
+
+    def test_an_intermediate_ca_issues_below_its_root_and_no_further(self):
+        self.root("root", "--subject", "CN=Root")
+        out = self.json("ca", "create", "plant", "--no-passphrase", "--role", "identity", "--days",
+                        "30", "--intermediate-of", "root", *NOW)
+        self.assertEqual(out["result"]["cas"][0]["subject"], "CN=plant Identity CA")
+        self.run_program("identity", "issue", "a", "--ca", "plant", "-o", "a", "--days", "9", *NOW)
+        self.assertEqual((self.at / "a/identity_ca.pem").read_text(),
+                         (self.at / "plant/ca.pem").read_text())
+        self.openssl("verify", "-attime", "1795305600", "-CAfile", "root/ca.pem", "-untrusted",
+                     "plant/ca.pem", "a/cert.pem")
+        self.assertIn("pathlen:0", self.openssl("x509", "-in", "plant/ca.pem", "-noout", "-text"))
+        self.assertEqual(self.json("ca", "show", "root", *NOW)["result"]["issued"], 1)
+        below = ("ca", "create", "x", "--no-passphrase", "--role", "identity", "--intermediate-of")
+        self.refused("path_too_long", 1, *below, "plant", *NOW)
+        self.refused("outlives_ca", 4, *below, "root", "--days", "9999", *NOW)
+        self.run_program(*below, "root", "--days", "9999", "--clamp", *NOW)
+
+    def test_an_intermediate_ca_is_renewed_by_the_one_above(self):
+        self.root("root", "--subject", "CN=Root")
+        self.run_program("ca", "create", "plant", "--no-passphrase", "--role", "identity",
+                         "--days", "30", "--intermediate-of", "root", *NOW)
+        self.refused("usage", 2, "ca", "renew", "plant", "--days", "60", *NOW)
+        out = self.json("ca", "renew", "plant", "--issuer", "root", "--days", "60", *NOW)["result"]
+        self.assertEqual(out["not_after"], "2027-01-20T00:00:00Z")
+        self.openssl("verify", "-attime", "1795305600", "-CAfile", "root/ca.pem", "plant/ca.pem")
+        self.assertEqual(self.json("ca", "show", "root", *NOW)["result"]["issued"], 2)
+
+    def test_a_renewed_ca_still_vouches_for_what_it_issued_and_signed(self):
+        self.run_program("ca", "create", "ca", "--no-passphrase", *NOW)
+        self.run_program("identity", "issue", "a", "--ca", "ca", "-o", "a", "--publish", "x", *NOW)
+        before = self.json("ca", "show", "ca", *NOW)["result"]
+        for role in ("identity", "permissions"):
+            out = self.json("ca", "renew", "ca", "--role", role, "--days", "7000", *NOW)["result"]
+            self.assertEqual(out["not_after"], "2046-01-20T00:00:00Z")
+            self.assertEqual(out["folders"], [str(self.at / "a")] if role == "identity" else [])
+        after = self.json("ca", "show", "ca", *NOW)["result"]
+        self.assertEqual((after["subject"], after["not_after"]),
+                         (before["subject"], "2046-01-20T00:00:00Z"))
+        self.openssl("verify", "-attime", "1795305600", "-CAfile", "ca/identity/ca.pem", "a/cert.pem")
+        self.json("permissions", "verify", "a/permissions.p7s", "--ca", "ca/permissions/ca.pem", *NOW)
+        self.run_program("identity", "issue", "b", "--ca", "ca", "-o", "b", "--publish", "x", *NOW)
+        for name in ("a", "b"):  # both have participants that know the old and the new certificate
+            self.openssl("verify", "-attime", "1795305600", "-CAfile", f"{name}/identity_ca.pem",
+                         "a/cert.pem", "b/cert.pem")
+
+    def test_a_ca_made_by_openssl_is_taken_over(self):
+        self.openssl("req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes",
+                     "-keyout", "key.pem", "-out", "cert.pem", "-subj", "/O=Acme/CN=Plant", "-days", "30")
+        take = ("ca", "import", "ca", "--cert", "cert.pem")
+        self.refused("passphrase_needed", 4, *take, "--key", "key.pem")
+        out = self.json(*take, "--key", "key.pem", "--passphrase-env", "SECRET", environment=SECRET)
+        self.assertEqual({f["path"]: f["mode"] for f in out["files_written"]},
+                         {"ca/identity/ca.pem": "0644", "ca/identity/ca.key.pem": "0600"})
+        self.json(*take, "--role", "permissions")  # the other role, without a key, beside it
+        self.assertIsNone(self.json("ca", "show", "ca", "--role", "permissions")["result"]["key"])
+        issue = ("identity", "issue", "a", "--ca", "ca", "-o", "a", "--days", "9",
+                 "--passphrase-env", "SECRET")
+        self.json(*issue, environment=SECRET)
+        self.openssl("verify", "-CAfile", "cert.pem", "a/cert.pem")
+        self.run_program("governance", "new", "-o", "g.xml")
+        self.refused("file_not_found", 3, "governance", "sign", "g.xml", "--ca", "ca/permissions")
+        self.refused("would_overwrite", 4, *take, "--no-passphrase")
+        self.refused("key_mismatch", 1, "ca", "import", "x", "--cert", "cert.pem", "--key", "a/key.pem",
+                     "--no-passphrase")
+        self.refused("not_a_ca", 1, "ca", "import", "x", "--cert", "a/cert.pem")
 
     def test_show_refuses_what_is_no_ca(self):
         self.refused("file_not_found", 3, "ca", "show", "nothing")

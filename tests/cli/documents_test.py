@@ -75,7 +75,7 @@ class Documents(Transcript):
         self.participant()
         yes = self.can("publish", "rt/chatter", exit=0)
         self.assertEqual((yes["file"], yes["because"]),
-                         ("talker/permissions.p7s", 'an allow_rule of grant "participant"'))
+                         ("talker/permissions.p7s", 'an allow_rule of grant "talker"'))
         lines = (self.at / "talker/permissions.p7s").read_text().splitlines()
         document = lines[next(i for i, line in enumerate(lines) if line.startswith("<?xml")):]
         self.assertIn("<publish>", document[yes["line"] - 1])

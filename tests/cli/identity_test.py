@@ -72,6 +72,89 @@ class Identity(Transcript):
         out = self.run_with_secret(self.json, *self.issue("--days", "5000", "--clamp"))
         self.assertEqual(out["result"]["not_after"], "2036-11-18T00:00:00Z")
 
+    def test_a_device_keeps_its_key_and_gets_a_certificate(self):
+        out = self.json("identity", "csr", "device", "-o", "device")
+        self.assertEqual({f["path"]: f["mode"] for f in out["files_written"]},
+                         {"device/key.pem": "0600", "device/request.pem": "0644"})
+        sign = ("identity", "sign-csr", "device/request.pem", "--ca", "ca", *NOW)
+        asked = self.run_with_secret(lambda *w, **m: self.refused("confirmation_needed", 4, *w, **m),
+                                     *sign)
+        self.assertIn('issue a certificate for "CN=device", key EC-prime256v1?', asked["message"])
+        out = self.run_with_secret(self.json, *sign, "--yes")["result"]
+        self.assertEqual((out["file"], out["subject"]), ("device/cert.pem", "CN=device"))
+        self.openssl("verify", "-attime", "1795305600", "-CAfile", "ca/identity/ca.pem",
+                     "device/cert.pem")
+        public = self.openssl("pkey", "-in", "device/key.pem", "-pubout")
+        self.assertEqual(public, self.openssl("x509", "-in", "device/cert.pem", "-noout", "-pubkey"))
+        self.run_with_secret(lambda *w, **m: self.refused("would_overwrite", 4, *w, **m), *sign, "--yes")
+        self.assertEqual(self.json("ca", "show", "ca", *NOW)["result"]["issued"], 1)
+
+    def test_a_request_that_its_key_did_not_sign_gets_nothing(self):
+        self.run_program("identity", "csr", "device", "-o", "device")
+        request = self.at / "device/request.pem"
+        lines = request.read_text().splitlines()
+        lines[3] = lines[3].swapcase()
+        request.write_text("\n".join(lines))
+        sign = ("identity", "sign-csr", "device/request.pem", "--ca", "ca", "--yes")
+        self.refused("request_invalid", 1, *sign)
+        request.unlink()
+        self.refused("file_not_found", 3, *sign)
+
+    def test_renew_keeps_key_and_subject_and_says_when_permissions_end(self):
+        self.run_with_secret(self.run_program, *self.issue("--publish", "x"))
+        key = (self.at / "talker/key.pem").read_bytes()
+        renew = ("identity", "renew", "talker", "--ca", "ca", "--days", "400", *NOW)
+        out = self.run_with_secret(self.json, *renew)
+        self.assertEqual([f["path"] for f in out["files_written"]], ["talker/cert.pem"])
+        self.assertEqual((out["result"]["subject"], out["result"]["not_after"], out["result"]["permissions_until"]),
+                         ("CN=talker", "2027-12-26T00:00:00Z", "2027-11-21T00:00:00Z"))
+        self.assertEqual(key, (self.at / "talker/key.pem").read_bytes())
+        self.openssl("verify", "-attime", "1795305600", "-CAfile", "talker/identity_ca.pem",
+                     "talker/cert.pem")
+        out = self.run_with_secret(self.json, *renew, "--permissions")
+        self.assertEqual(out["result"]["permissions_until"], "2027-12-26T00:00:00Z")
+        seen = self.openssl("smime", "-verify", "-text", "-attime", "1795305600", "-in",
+                            "talker/permissions.p7s", "-CAfile", "talker/permissions_ca.pem",
+                            "-purpose", "any")
+        self.assertIn("<not_after>2027-12-26T00:00:00Z<", seen)
+        self.assertIn("<topic>x</topic>", seen)
+
+    def test_renew_with_a_new_key_or_only_when_needed(self):
+        self.run_with_secret(self.run_program, *self.issue())
+        key = (self.at / "talker/key.pem").read_bytes()
+        early = self.json("identity", "renew", "talker", "--ca", "ca", "--within", "30", *NOW)
+        self.assertEqual((early["result"]["renewed"], early["files_written"]), (False, []))
+        renew = ("identity", "renew", "talker/cert.pem", "--ca", "ca", "--within", "30", "--rekey",
+                 "--now", "2027-11-01T00:00:00Z")
+        out = self.run_with_secret(self.json, *renew)
+        self.assertEqual({f["path"]: f["mode"] for f in out["files_written"]},
+                         {"talker/key.pem": "0600", "talker/cert.pem": "0644"})
+        self.assertNotEqual(key, (self.at / "talker/key.pem").read_bytes())
+        public = self.openssl("pkey", "-in", "talker/key.pem", "-pubout")
+        self.assertEqual(public, self.openssl("x509", "-in", "talker/cert.pem", "-noout", "-pubkey"))
+
+    def test_a_revoked_certificate_is_not_renewed(self):
+        self.run_with_secret(self.run_program, *self.issue())
+        self.run_with_secret(self.run_program, "identity", "revoke", "talker", "--ca", "ca", *NOW)
+        self.run_with_secret(lambda *w, **m: self.refused("certificate_revoked", 1, *w, **m),
+                             "identity", "renew", "talker", "--ca", "ca", *NOW)
+
+    def test_a_permissions_document_of_ones_own_must_grant_the_subject(self):
+        self.run_with_secret(self.run_program, *self.issue("--publish", "x"))
+        signed = (self.at / "talker/permissions.p7s").read_text()
+        xml = signed[signed.index("<?xml"):signed.index("</dds>") + 7]
+        (self.at / "own.xml").write_text(xml)
+        own = ("--ca", "ca", "-o", "b", "--permissions", "own.xml", *NOW)
+        self.run_with_secret(lambda *w, **m: self.refused("no_grant_for_subject", 1, *w, **m),
+                             "identity", "issue", "b", *own)
+        self.run_with_secret(self.json, "identity", "issue", "talker", *own)
+        self.json("can", "b", "publish", "x", *NOW, exit=3)  # no governance yet
+        (self.at / "own.xml").write_text("<dds>")
+        told = self.run_with_secret(lambda *w, **m: self.refused("xml_not_well_formed", 3, *w, **m),
+                                    "identity", "issue", "c", "--ca", "ca", "-o", "c",
+                                    "--permissions", "own.xml")
+        self.assertEqual(told["file"], "own.xml")
+
     def test_existing_folders_and_foreign_keys_are_refused(self):
         self.run_with_secret(self.run_program, *self.issue())
         self.refused("would_overwrite", 4, *self.issue())

@@ -1,0 +1,115 @@
+#include "cli/ca_folder.hpp"
+
+#include <algorithm>
+#include <sys/stat.h>
+
+#include <fmt/format.h>
+
+#include "cli/documents.hpp"
+#include "pki/source.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_there(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+Status check_key_mode(const fs::path& key, const Arguments& arguments) {
+  struct stat status {};
+  if (arguments.has("--insecure-key-mode") || ::stat(key.c_str(), &status) != 0) return {};
+  if ((status.st_mode & 077) == 0) return {};
+  return fail(Code::key_readable_by_others,
+              {.document = key,
+               .expected = "mode 0600",
+               .found = fmt::format("mode {:04o}", status.st_mode & 07777)});
+}
+
+}  // namespace
+
+CaPaths ca_paths_in(const fs::path& folder) {
+  return {folder / "ca.pem", folder / "ca.key.pem", folder / "issued.jsonl", folder / "crl.pem"};
+}
+
+CaPaths ca_paths(const fs::path& given, std::string_view role) {
+  const std::string name = std::string(role) + "_ca";
+  if (is_there(given / "public" / (name + ".cert.pem")))  // a keystore of ROS 2
+    return {given / "public" / (name + ".cert.pem"), given / "private" / (name + ".key.pem"),
+            given / "private" / (name + ".issued.jsonl"), given / "public" / (name + ".crl.pem")};
+  // What `init` made has the CAs one folder below.
+  const auto inner = given / "ca";
+  const bool from_init = !is_there(given / role / "ca.pem") && is_there(inner / role / "ca.pem");
+  return ca_paths_in(ca_folder(from_init ? inner : given, role));
+}
+
+Result<pki::PrivateKey> CaOpener::key(const fs::path& path) {
+  DDSSEC_TRY(check_key_mode(path, arguments_));
+  if (!passphrase_ && DDSSEC_TRY(is_encrypted(path)))
+    passphrase_ = DDSSEC_TRY(passphrase(arguments_, Typed::once));
+  return read_key(path, passphrase_ ? &*passphrase_ : nullptr);
+}
+
+Result<OpenCa> CaOpener::open(const CaPaths& paths) {
+  const auto trust = DDSSEC_TRY(read_certificates(paths.certificate));
+  auto own_key = DDSSEC_TRY(key(paths.key));
+  auto authority =
+      DDSSEC_TRY(named(pki::Authority::load(trust.front(), std::move(own_key)), paths.certificate));
+  return OpenCa{paths, std::move(authority), to_pem(trust)};
+}
+
+Result<std::vector<pki::Certificate>> read_certificates(const fs::path& path) {
+  const auto octets = DDSSEC_TRY(read_file(path, pki::kMostBundleOctets));
+  return named(pki::Certificate::bundle_from_pem(octets), path);
+}
+
+Result<pki::Authority> load_ca(const fs::path& folder, const Arguments& arguments) {
+  return DDSSEC_TRY(CaOpener(arguments).open(ca_paths_in(folder))).authority;
+}
+
+std::string to_pem(const std::vector<pki::Certificate>& certificates) {
+  std::string out;
+  for (const auto& certificate : certificates) out += certificate.pem();
+  return out;
+}
+
+Result<pki::IssueLog> read_issue_log(const CaPaths& paths) {
+  std::error_code error;
+  if (fs::file_size(paths.log, error) == 0 || error == std::errc::no_such_file_or_directory)
+    return pki::IssueLog();
+  const auto text = DDSSEC_TRY(read_file(paths.log, pki::kMostIssueLogOctets));
+  return named(pki::IssueLog::parse(text), paths.log);
+}
+
+Result<std::optional<pki::Crl>> read_crl(const fs::path& path) {
+  if (!is_there(path)) return std::nullopt;
+  const auto octets = DDSSEC_TRY(read_file(path, pki::kMostDocumentOctets));
+  const auto lists = DDSSEC_TRY(named(pki::Crl::all_from(octets), path));
+  if (lists.empty())
+    return fail(Code::crl_malformed, {.document = path, .note = "there is no list in it"});
+  return lists.front();
+}
+
+Result<pki::Crl> next_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now, int days) {
+  const auto before = DDSSEC_TRY(read_crl(ca.paths.crl));
+  auto entries = log.revocations();
+  if (before) {
+    const auto listed = DDSSEC_TRY(named(before->revoked(), ca.paths.crl));
+    entries.insert(entries.end(), listed.begin(), listed.end());
+  }
+  return ca.authority.make_crl({.this_update = now,
+                                .next_update = now + std::chrono::days(days),
+                                .number = before ? before->number().value_or(0) + 1 : 1,
+                                .entries = entries});
+}
+
+Status add_ca(NewFolder& folder, const CaPaths& names, std::string_view trust_pem,
+              const pki::PrivateKey& key, const pki::Passphrase* passphrase) {
+  DDSSEC_TRY(folder.add_public(names.certificate, trust_pem));
+  const auto pem = DDSSEC_TRY(key.to_pem(passphrase));
+  return pem.expose([&](BytesView octets) { return folder.add(names.key, octets, 0600); });
+}
+
+}  // namespace ddssec::cli

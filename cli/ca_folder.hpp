@@ -1,0 +1,84 @@
+// A CA as it lies in a folder: certificate, key, what it issued, its revocation list.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/command.hpp"
+#include "cli/inputs.hpp"
+#include "cli/transaction.hpp"
+#include "pki/authority.hpp"
+#include "pki/crl.hpp"
+#include "pki/issue_log.hpp"
+
+namespace ddssec::cli {
+
+/// Where a CA's files are.
+struct CaPaths {
+  std::filesystem::path certificate;  ///< the current certificate first; others that it needs after
+  std::filesystem::path key;
+  std::filesystem::path log;  ///< pki::IssueLog
+  std::filesystem::path crl;
+};
+
+/// The files of a CA below its folder (ca.pem, ca.key.pem, issued.jsonl, crl.pem).
+CaPaths ca_paths_in(const std::filesystem::path& folder);
+
+/// The files of the `role`'s CA ("identity", "permissions"), given what `ca create`, `init` or
+/// `keystore create` made, or a folder with ca.pem.
+CaPaths ca_paths(const std::filesystem::path& given, std::string_view role);
+
+/// A CA that can sign.
+struct OpenCa {
+  CaPaths paths;
+  pki::Authority authority;
+  /// Everything in the certificate's file: what participants must be given.
+  std::string trust_pem;
+
+  const pki::Certificate& certificate() const { return authority.certificate(); }
+};
+
+/// Opens CAs for one command; the passphrase is asked for once.
+class CaOpener {
+ public:
+  explicit CaOpener(const Arguments& arguments) : arguments_(arguments) {}
+
+  /// The CA of these files. Its key is used only if nobody but its owner can read it, unless
+  /// --insecure-key-mode is given. Errors: key_readable_by_others, those of passphrase() for an
+  /// encrypted key, of read_file, Authority::load.
+  Result<OpenCa> open(const CaPaths& paths);
+  /// The `role`'s CA of --ca.
+  Result<OpenCa> open(std::string_view role) {
+    return open(ca_paths(arguments_.text("--ca"), role));
+  }
+
+ private:
+  Result<pki::PrivateKey> key(const std::filesystem::path& path);
+
+  const Arguments& arguments_;
+  std::optional<pki::Passphrase> passphrase_;
+};
+
+/// Every certificate of a file, as PEM text without anything that stood between them.
+/// Errors: those of read_file and Certificate::bundle_from_pem.
+Result<std::vector<pki::Certificate>> read_certificates(const std::filesystem::path& path);
+std::string to_pem(const std::vector<pki::Certificate>& certificates);
+
+/// What a CA issued; nothing if it has no log. Errors: those of read_file, IssueLog::parse.
+Result<pki::IssueLog> read_issue_log(const CaPaths& paths);
+
+/// The list in a file, or nothing if there is no such file. Errors: those of read_file and
+/// Crl::all_from; crl_malformed if the file holds no list.
+Result<std::optional<pki::Crl>> read_crl(const std::filesystem::path& path);
+
+/// The list that follows the CA's present one: everything revoked by the log and by that list.
+/// Errors: those of read_crl and Authority::make_crl.
+Result<pki::Crl> next_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now, int days);
+
+/// Puts a new CA's certificate and key into a folder to be.
+Status add_ca(NewFolder& folder, const CaPaths& names, std::string_view trust_pem,
+              const pki::PrivateKey& key, const pki::Passphrase* passphrase);
+
+}  // namespace ddssec::cli

@@ -1,0 +1,171 @@
+// crl: revocation lists.
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "cli/ca_folder.hpp"
+#include "cli/documents.hpp"
+#include "cli/groups.hpp"
+#include "cli/inputs.hpp"
+#include "cli/options.hpp"
+#include "cli/transaction.hpp"
+#include "pki/participant_folder.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string words_until(const pki::Crl& crl) {
+  return crl.next_update() ? "until " + date(*crl.next_update()) : "without an end";
+}
+
+Json describe(const pki::Crl& crl) {
+  return {{"issuer", crl.issuer()},
+          {"number", crl.number().value_or(0)},
+          {"this_update", to_string(crl.this_update())},
+          {"next_update", crl.next_update() ? Json(to_string(*crl.next_update())) : Json()}};
+}
+
+// A list, a participant's folder or a CA's: whichever holds one.
+fs::path list_at(const fs::path& given) {
+  std::error_code ignored;
+  if (!fs::is_directory(given, ignored)) return given;
+  const auto in_folder = given / "crl.pem";
+  return fs::exists(in_folder, ignored) ? in_folder : ca_paths(given, "identity").crl;
+}
+
+Result<pki::Crl> list_in(const fs::path& path) {
+  const auto crl = DDSSEC_TRY(read_crl(path));
+  if (!crl) return fail(Code::file_not_found, {.document = path});
+  return *crl;
+}
+
+Result<Report> crl_new(const Arguments& arguments, const Context& context) {
+  const int days = DDSSEC_TRY(arguments.number("--next-update", 1, kMostDays));
+  CaOpener opener(arguments);
+  const auto ca = DDSSEC_TRY(opener.open("identity"));
+  const auto log = DDSSEC_TRY(read_issue_log(ca.paths));
+  const auto crl = DDSSEC_TRY(next_crl(ca, log, context.clock.now(), days));
+  Replacement out;
+  DDSSEC_TRY(out.put_public(ca.paths.crl, crl.pem()));
+  const auto count = DDSSEC_TRY(crl.revoked()).size();
+  Report report;
+  report.text = fmt::format("{}  number {}, {} revoked, {}\n", ca.paths.crl.string(),
+                            crl.number().value_or(0), count, words_until(crl));
+  report.result = {{"file", ca.paths.crl.string()}};
+  report.result.update(describe(crl));
+  report.result["revoked"] = count;
+  report.files_written = DDSSEC_TRY(out.commit());
+  return report;
+}
+
+Result<Report> crl_show(const Arguments& arguments, const Context&) {
+  const auto path = list_at(arguments.text("PATH"));
+  const auto crl = DDSSEC_TRY(list_in(path));
+  Report report;
+  report.text = fmt::format("issuer   {}\nnumber   {}\nvalid    {} .. {}\n", crl.issuer(),
+                            crl.number().value_or(0), date(crl.this_update()),
+                            crl.next_update() ? date(*crl.next_update()) : "");
+  report.result = {{"file", path.string()}};
+  report.result.update(describe(crl));
+  report.result["revoked"] = Json::array();
+  for (const auto& entry : DDSSEC_TRY(named(crl.revoked(), path))) {
+    report.text += fmt::format("revoked  {}  {}  {}\n", entry.serial, date(entry.time),
+                               to_string(entry.reason));
+    report.result["revoked"].push_back({{"serial", entry.serial},
+                                        {"time", to_string(entry.time)},
+                                        {"reason", to_string(entry.reason)}});
+  }
+  return report;
+}
+
+Result<Report> crl_verify(const Arguments& arguments, const Context& context) {
+  const auto path = list_at(arguments.text("PATH"));
+  const fs::path ca_given = arguments.text("--ca");
+  std::error_code ignored;
+  const auto ca_file =
+      fs::is_directory(ca_given, ignored) ? ca_paths(ca_given, "identity").certificate : ca_given;
+  const auto crl = DDSSEC_TRY(list_in(path));
+  const auto ca = DDSSEC_TRY(read_certificate(ca_file));
+  DDSSEC_TRY(named(crl.check(ca, context.clock.now()), path));
+  Report report;
+  report.text =
+      fmt::format("{}: signed by {}, holds {}\n", path.string(), ca.subject(), words_until(crl));
+  report.result = {{"file", path.string()}};
+  report.result.update(describe(crl));
+  return report;
+}
+
+// The folders of the command line, or all that the CA's log knows and that are still there.
+Result<std::vector<fs::path>> folders_of(const Arguments& arguments, const CaPaths& ca) {
+  std::vector<fs::path> out;
+  for (const auto& given : arguments.all("DIRS")) {
+    std::error_code ignored;
+    if (!fs::is_directory(given, ignored)) return fail(Code::file_not_found, {.document = given});
+    out.emplace_back(given);
+  }
+  if (!out.empty()) return out;
+  const auto log = DDSSEC_TRY(read_issue_log(ca));
+  for (const auto& folder : log.folders()) {
+    std::error_code ignored;
+    if (fs::exists(fs::path(folder) / "cert.pem", ignored)) out.emplace_back(folder);
+  }
+  return out;
+}
+
+Result<Report> crl_distribute(const Arguments& arguments, const Context& context) {
+  const auto paths = ca_paths(arguments.text("--ca"), "identity");
+  const auto crl = DDSSEC_TRY(list_in(paths.crl));
+  const auto ca = DDSSEC_TRY(read_certificate(paths.certificate));
+  DDSSEC_TRY(named(crl.check(ca, context.clock.now()), paths.crl));
+  Replacement out;
+  Report report;
+  report.result = {{"number", crl.number().value_or(0)}, {"folders", Json::array()}};
+  for (const auto& folder : DDSSEC_TRY(folders_of(arguments, paths))) {
+    DDSSEC_TRY(out.put_public(pki::participant_folder(folder).crl, crl.pem()));
+    report.result["folders"].push_back(folder.string());
+    report.text += fmt::format("{}\n", folder.string());
+  }
+  report.text += fmt::format("list {} of {} in {} folders, holds {}\n", crl.number().value_or(0),
+                             crl.issuer(), report.result["folders"].size(), words_until(crl));
+  report.files_written = DDSSEC_TRY(out.commit());
+  return report;
+}
+
+}  // namespace
+
+std::vector<Command> crl_commands() {
+  return {{.group = "crl",
+           .name = "new",
+           .summary = "Makes the CA's next revocation list, with everything that was revoked.",
+           .positionals = {},
+           .options = {ca_option("the CA"), kNextUpdate, kPassphraseFile, kPassphraseEnv,
+                       kInsecureKeyMode},
+           .examples = {"ddssec crl new --ca ca --next-update 90"},
+           .run = crl_new},
+          {.group = "crl",
+           .name = "show",
+           .summary = "Shows a revocation list and what is on it.",
+           .positionals = {{"PATH", "a list, or the folder of a CA or participant that has one"}},
+           .options = {},
+           .examples = {"ddssec crl show ca"},
+           .run = crl_show},
+          {.group = "crl",
+           .name = "verify",
+           .summary = "Checks that a CA signed a revocation list and that it holds now.",
+           .positionals = {{"PATH", "a list, or the folder of a CA or participant that has one"}},
+           .options = {ca_option("the CA's folder or certificate")},
+           .examples = {"ddssec crl verify talker --ca ca"},
+           .run = crl_verify},
+          {.group = "crl",
+           .name = "distribute",
+           .summary = "Puts the CA's revocation list into participants' folders.",
+           .positionals = {{"DIRS", "the folders; without any, all that the CA's log knows", true,
+                            true}},
+           .options = {ca_option("the CA")},
+           .examples = {"ddssec crl distribute --ca ca", "ddssec crl distribute talker --ca ca"},
+           .run = crl_distribute}};
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,88 @@
+#include "cli/participant.hpp"
+
+#include <algorithm>
+
+#include "governance/grant.hpp"
+#include "governance/read.hpp"
+#include "governance/write.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<governance::Text> texts(const std::vector<std::string>& expressions) {
+  std::vector<governance::Text> out;
+  for (const auto& expression : expressions) out.push_back({expression, 0});
+  return out;
+}
+
+Result<std::string> document_for(const ParticipantSpec& spec, const pki::Certificate& certificate,
+                                 WallTime now) {
+  if (!spec.permissions) return permissions_xml(spec, certificate);
+  const auto document = DDSSEC_TRY(governance::read_permissions(*spec.permissions));
+  DDSSEC_TRY(governance::find_grant(document, pki::SubjectName::of(certificate),
+                                    certificate.subject(), now));
+  return std::string(as_text(*spec.permissions));
+}
+
+}  // namespace
+
+Result<pki::Validity> within_ca(pki::Validity wanted, const pki::Certificate& ca, bool clamp) {
+  if (wanted.not_after > ca.not_after()) {
+    if (!clamp)
+      return fail(Code::outlives_ca, {.expected = "an end before " + to_string(ca.not_after()),
+                                      .found = to_string(wanted.not_after)});
+    wanted.not_after = ca.not_after();
+  }
+  wanted.not_before = std::max(wanted.not_before, ca.not_before());
+  return wanted;
+}
+
+std::string permissions_xml(const ParticipantSpec& spec, const pki::Certificate& certificate) {
+  governance::Rule rule{.allow = true, .domains = {.ranges = {spec.domains}}};
+  if (!spec.publish.empty()) rule.publish.push_back({.topics = texts(spec.publish)});
+  if (!spec.subscribe.empty()) rule.subscribe.push_back({.topics = texts(spec.subscribe)});
+  governance::Grant grant{.name = spec.name,
+                          .subject_name = certificate.subject(),
+                          .validity = {certificate.not_before(), certificate.not_after()}};
+  grant.rules.push_back(std::move(rule));
+  return to_xml(governance::Permissions{.grants = {std::move(grant)}});
+}
+
+Result<NewParticipant> make_participant(const ParticipantSpec& spec, const Issuers& issuers,
+                                        const Context& context) {
+  NewParticipant out{.self = DDSSEC_TRY(issuers.identity.authority.issue(
+                         spec.subject, spec.key, spec.life, context.random)),
+                     .permissions_xml = {},
+                     .permissions = {}};
+  if (!spec.has_permissions() || issuers.permissions == nullptr) return out;
+  const auto now = context.clock.now();
+  out.permissions_xml = DDSSEC_TRY(document_for(spec, out.self.certificate, now));
+  out.permissions = DDSSEC_TRY(issuers.permissions->authority.sign_document(
+      as_bytes(out.permissions_xml), now, context.random));
+  return out;
+}
+
+Status add_flat(NewFolder& folder, const fs::path& below, const NewParticipant& participant,
+                const Issuers& issuers, BytesView governance) {
+  const auto files = pki::participant_folder(below, pki::FolderLayout::flat);
+  DDSSEC_TRY(folder.add_public(files.identity_ca, issuers.identity.trust_pem));
+  DDSSEC_TRY(folder.add_public(files.certificate, participant.self.certificate.pem()));
+  const auto pem = DDSSEC_TRY(participant.self.key.to_pem());
+  DDSSEC_TRY(pem.expose([&](BytesView octets) { return folder.add(files.key, octets, 0600); }));
+  if (issuers.permissions != nullptr)
+    DDSSEC_TRY(folder.add_public(files.permissions_ca, issuers.permissions->trust_pem));
+  if (!participant.permissions.empty())
+    DDSSEC_TRY(folder.add(files.permissions, participant.permissions, 0644));
+  if (!governance.empty()) DDSSEC_TRY(folder.add(files.governance, governance, 0644));
+  return {};
+}
+
+std::string log_line(const NewParticipant& participant, const fs::path& folder, WallTime now) {
+  std::error_code ignored;
+  return pki::IssueLog::issued_line(participant.self.certificate,
+                                    fs::absolute(folder, ignored).lexically_normal().string(), now);
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,70 @@
+// A participant to be: key, certificate and permissions, made in one place for every command that
+// issues.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/ca_folder.hpp"
+#include "cli/command.hpp"
+#include "governance/model.hpp"
+#include "pki/participant_folder.hpp"
+
+namespace ddssec::cli {
+
+/// What a participant is to get.
+struct ParticipantSpec {
+  std::string name;     ///< of its grant
+  std::string subject;  ///< of its certificate
+  pki::Validity life;
+  pki::KeySpec key = {};
+  governance::DomainRange domains = {};
+  std::vector<std::string> publish = {};
+  std::vector<std::string> subscribe = {};
+  /// A permissions document to sign instead of one made from the lists.
+  std::optional<Bytes> permissions = std::nullopt;
+
+  bool has_permissions() const {
+    return permissions.has_value() || !publish.empty() || !subscribe.empty();
+  }
+};
+
+/// What was made.
+struct NewParticipant {
+  pki::Credential self;
+  std::string permissions_xml;  ///< empty if it gets none
+  Bytes permissions;            ///< the same, signed
+};
+
+/// Who makes it.
+struct Issuers {
+  const OpenCa& identity;
+  const OpenCa* permissions = nullptr;  ///< null: nobody can sign permissions
+};
+
+/// `wanted`, beginning not before the CA. An end after the CA's is cut if `clamp`, else refused:
+/// the certificate would stop being believed before it says so. Error: outlives_ca.
+Result<pki::Validity> within_ca(pki::Validity wanted, const pki::Certificate& ca, bool clamp);
+
+/// One grant with one allow rule and default DENY. The subject is the certificate's own text, the
+/// form that every vendor reads.
+std::string permissions_xml(const ParticipantSpec& spec, const pki::Certificate& certificate);
+
+/// Key, certificate and signed permissions. A document of the spec must have a valid grant for the
+/// subject. Errors: those of Authority::issue and sign_document, of read_permissions and
+/// find_grant.
+Result<NewParticipant> make_participant(const ParticipantSpec& spec, const Issuers& issuers,
+                                        const Context& context);
+
+/// Puts it into a folder to be, in the flat layout. `governance` may be empty: then there is none.
+Status add_flat(NewFolder& folder, const std::filesystem::path& below,
+                const NewParticipant& participant, const Issuers& issuers, BytesView governance);
+
+/// The line of the identity CA's log about it; it must be written before anybody gets the
+/// certificate.
+std::string log_line(const NewParticipant& participant, const std::filesystem::path& folder,
+                     WallTime now);
+
+}  // namespace ddssec::cli

@@ -1,0 +1,149 @@
+#include "pki/issue_log.hpp"
+
+#include <algorithm>
+#include <unordered_set>
+
+#include <nlohmann/json.hpp>
+
+namespace ddssec::pki {
+using ddssec::to_string;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostLineOctets = 64 * 1024;
+
+std::string line_of(const Json& object) {
+  return object.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::unexpected<Error> malformed(std::string note) {
+  return fail(Code::issue_log_malformed, {.note = std::move(note)});
+}
+
+// "2026-11-21T00:00:00Z", as to_string(WallTime) writes it and in no other form.
+std::optional<WallTime> time_from(const std::string& text) {
+  int part[6] = {};
+  constexpr std::size_t kAt[6] = {0, 5, 8, 11, 14, 17};
+  if (text.size() != 20) return std::nullopt;
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t at = kAt[i]; at < kAt[i] + (i == 0 ? 4 : 2); ++at) {
+      if (text[at] < '0' || '9' < text[at]) return std::nullopt;
+      part[i] = part[i] * 10 + (text[at] - '0');
+    }
+  const std::chrono::year_month_day day{std::chrono::year(part[0]),
+                                        std::chrono::month(static_cast<unsigned>(part[1])),
+                                        std::chrono::day(static_cast<unsigned>(part[2]))};
+  if (!day.ok()) return std::nullopt;
+  const WallTime time = std::chrono::sys_days(day) + std::chrono::hours(part[3]) +
+                        std::chrono::minutes(part[4]) + std::chrono::seconds(part[5]);
+  return to_string(time) == text ? std::optional(time) : std::nullopt;
+}
+
+std::string text_of(const Json& object, const char* name) {
+  const auto found = object.find(name);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+Result<WallTime> time_of(const Json& object, const char* name) {
+  const auto time = time_from(text_of(object, name));
+  if (!time) return malformed(std::string(name) + " is no time");
+  return *time;
+}
+
+Result<std::string> serial_of(const Json& object) {
+  auto serial = text_of(object, "serial");
+  const auto is_digit = [](char c) { return ('0' <= c && c <= '9') || ('A' <= c && c <= 'F'); };
+  constexpr std::size_t kMostDigits = 64;
+  if (serial.empty() || serial.size() > kMostDigits || !std::ranges::all_of(serial, is_digit))
+    return malformed("serial is no serial number");
+  return serial;
+}
+
+}  // namespace
+
+Result<IssueLog> IssueLog::parse(BytesView text) {
+  IssueLog log;
+  auto rest = as_text(text);
+  for (int line = 1;; ++line) {
+    const auto end = rest.find('\n');
+    if (end == rest.npos) return log;
+    const auto added = log.add_line(rest.substr(0, end));
+    if (!added) {
+      auto details = added.error().details();
+      details.line = line;
+      return fail(Code::issue_log_malformed, std::move(details));
+    }
+    rest.remove_prefix(end + 1);
+  }
+}
+
+Status IssueLog::add_line(std::string_view line) {
+  if (line.size() > kMostLineOctets) return malformed("the line is too long");
+  const auto object = Json::parse(line, nullptr, false);
+  if (!object.is_object()) return malformed("the line is no JSON object");
+  auto serial = DDSSEC_TRY(serial_of(object));
+  const auto event = text_of(object, "event");
+  if (event == "issued") {
+    IssuedCertificate one{.serial = serial,
+                          .subject = text_of(object, "subject"),
+                          .not_after = DDSSEC_TRY(time_of(object, "not_after")),
+                          .folder = text_of(object, "folder")};
+    if (issued_by_serial_.emplace(std::move(serial), issued_.size()).second)
+      issued_.push_back(std::move(one));
+    return {};
+  }
+  if (event != "revoked") return malformed("event is neither issued nor revoked");
+  const auto reason = revocation_reason_from(text_of(object, "reason"));
+  if (!reason) return malformed("reason is none of RFC 5280");
+  const Revocation revocation{serial, DDSSEC_TRY(time_of(object, "time")), *reason};
+  if (!revoked_by_serial_.emplace(serial, revocations_.size()).second) return {};
+  revocations_.push_back(revocation);
+  const auto issued = issued_by_serial_.find(serial);
+  if (issued != issued_by_serial_.end()) issued_[issued->second].revoked = revocation;
+  return {};
+}
+
+std::vector<std::string> IssueLog::folders() const {
+  std::vector<std::string> out;
+  std::unordered_set<std::string_view> seen;
+  for (const auto& one : issued_)
+    if (!one.folder.empty() && !one.revoked && seen.insert(one.folder).second)
+      out.push_back(one.folder);
+  return out;
+}
+
+Status IssueLog::add(const Revocation& revocation) {
+  const auto line = revoked_line(revocation);
+  return add_line(std::string_view(line).substr(0, line.size() - 1));
+}
+
+const IssuedCertificate* IssueLog::find(std::string_view serial) const {
+  const auto found = issued_by_serial_.find(std::string(serial));
+  return found == issued_by_serial_.end() ? nullptr : &issued_[found->second];
+}
+
+bool IssueLog::is_revoked(std::string_view serial) const {
+  return revoked_by_serial_.contains(std::string(serial));
+}
+
+std::string IssueLog::issued_line(const Certificate& certificate, std::string_view folder,
+                                  WallTime now) {
+  return line_of({{"event", "issued"},
+                  {"time", to_string(now)},
+                  {"serial", certificate.serial()},
+                  {"subject", certificate.subject()},
+                  {"not_after", to_string(certificate.not_after())},
+                  {"sha256", to_hex(certificate.fingerprint())},
+                  {"folder", folder}});
+}
+
+std::string IssueLog::revoked_line(const Revocation& revocation) {
+  return line_of({{"event", "revoked"},
+                  {"time", to_string(revocation.time)},
+                  {"serial", revocation.serial},
+                  {"reason", to_string(revocation.reason)}});
+}
+
+}  // namespace ddssec::pki

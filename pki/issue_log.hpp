@@ -1,0 +1,68 @@
+// What a CA issued and revoked: a plain text of one JSON object a line, only ever added to.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "base/bytes.hpp"
+#include "base/clock.hpp"
+#include "base/result.hpp"
+#include "pki/certificate.hpp"
+#include "pki/crl.hpp"
+
+namespace ddssec::pki {
+
+/// The longest log that is read, in octets; about 300,000 certificates.
+inline constexpr std::size_t kMostIssueLogOctets = 64 * 1024 * 1024;
+
+/// One certificate that a CA issued.
+struct IssuedCertificate {
+  std::string serial;  ///< as Certificate::serial
+  std::string subject;
+  WallTime not_after = {};
+  std::string folder = {};  ///< where it was put; empty = nobody knows
+  std::optional<Revocation> revoked = std::nullopt;
+};
+
+/// The log, read. Lines that only add make it safe against a crash: a line is there whole or, as
+/// the last one without its line end, not at all; and what was written once never changes. Anybody
+/// can read it, with jq as with an editor.
+class IssueLog {
+ public:
+  /// Of an empty text, nothing was issued. A last line without line end is passed over: its
+  /// command did not come to an end. Error: issue_log_malformed, with the line.
+  static Result<IssueLog> parse(BytesView text);
+
+  /// In the order in which they were issued.
+  const std::vector<IssuedCertificate>& issued() const { return issued_; }
+  /// The certificate of a serial number, or nullptr.
+  const IssuedCertificate* find(std::string_view serial) const;
+  /// Everything revoked, certificates that are not in the log (issued before it) included.
+  const std::vector<Revocation>& revocations() const { return revocations_; }
+  bool is_revoked(std::string_view serial) const;
+  /// The folders of all certificates that are not revoked, each once.
+  std::vector<std::string> folders() const;
+
+  /// Notes one more revocation, as its line would. Error: issue_log_malformed.
+  Status add(const Revocation& revocation);
+
+  /// The line, with its end, that says that a certificate was issued.
+  static std::string issued_line(const Certificate& certificate, std::string_view folder,
+                                 WallTime now);
+  /// The line, with its end, that says that one was revoked.
+  static std::string revoked_line(const Revocation& revocation);
+
+ private:
+  Status add_line(std::string_view line);
+
+  std::vector<IssuedCertificate> issued_;
+  std::vector<Revocation> revocations_;
+  std::unordered_map<std::string, std::size_t> issued_by_serial_;
+  std::unordered_map<std::string, std::size_t> revoked_by_serial_;
+};
+
+}  // namespace ddssec::pki

@@ -1,0 +1,139 @@
+#!/usr/bin/env python3
+"""identity revoke and crl: from one command to a peer that is refused."""
+
+import json
+
+from transcript import Transcript, main
+
+NOW = ("--now", "2026-11-21T00:00:00Z")
+LATER = ("--now", "2026-11-22T00:00:00Z")
+
+
+class Revocation(Transcript):
+    def setUp(self):
+        super().setUp()
+        self.run_program("ca", "create", "ca", "--no-passphrase", *NOW)
+        for name in ("talker", "listener"):
+            self.issue(name)
+
+    def issue(self, name):
+        return self.json("identity", "issue", name, "--ca", "ca", "-o", name, *NOW)["result"]
+
+    def log(self):
+        return [json.loads(line) for line in (self.at / "ca/identity/issued.jsonl").read_text().splitlines()]
+
+    def crl_text(self, path="ca/identity/crl.pem"):
+        return self.openssl("crl", "-in", path, "-noout", "-text")
+
+    def test_what_is_issued_is_in_the_log_before_anybody_has_it(self):
+        self.assertEqual([(e["event"], e["subject"], e["not_after"]) for e in self.log()],
+                         [("issued", "CN=talker", "2027-11-21T00:00:00Z"),
+                          ("issued", "CN=listener", "2027-11-21T00:00:00Z")])
+        self.assertEqual(self.log()[0]["folder"], str(self.at / "talker"))
+        shown = self.json("ca", "show", "ca", *NOW)["result"]
+        self.assertEqual((shown["issued"], shown["revoked"], shown["crl"]), (2, 0, None))
+
+    def test_revoke_makes_a_list_that_openssl_believes(self):
+        out = self.json("identity", "revoke", "talker", "--ca", "ca", "--reason", "keyCompromise",
+                        *LATER)
+        serial = self.log()[0]["serial"]
+        self.assertEqual(out["result"]["serials"], [serial])
+        self.assertEqual(out["result"]["crl"]["number"], 1)
+        self.assertEqual(out["result"]["folders"], [str(self.at / "listener")])
+        self.assertEqual([f["path"] for f in out["files_written"]], ["ca/identity/crl.pem"])
+        text = self.crl_text()
+        self.assertIn(f"Serial Number: {serial}", text)
+        self.assertIn("Key Compromise", text)
+        self.openssl("crl", "-in", "ca/identity/crl.pem", "-noout", "-CAfile", "ca/identity/ca.pem")
+        self.assertEqual(self.log()[-1], {"event": "revoked", "time": "2026-11-22T00:00:00Z",
+                                          "serial": serial, "reason": "keyCompromise"})
+        shown = self.json("ca", "show", "ca/identity", *LATER)["result"]
+        self.assertEqual(shown["crl"], {"number": 1, "next_update": "2027-05-21T00:00:00Z"})
+        self.assertEqual((shown["issued"], shown["revoked"]), (2, 1))
+
+    def test_revoking_again_is_no_failure_and_no_new_list(self):
+        self.run_program("identity", "revoke", "talker", "--ca", "ca", *LATER)
+        out = self.json("identity", "revoke", "talker", "--ca", "ca", *LATER)
+        self.assertEqual((out["result"]["serials"], out["files_written"]), ([], []))
+
+    def test_earlier_certificates_of_the_same_key_go_as_well(self):
+        self.run_program("identity", "renew", "talker", "--ca", "ca", *LATER)
+        serials = [e["serial"] for e in self.log() if e["subject"] == "CN=talker"]
+        self.assertEqual(len(serials), 2)
+        out = self.json("identity", "revoke", "talker", "--ca", "ca", *LATER)["result"]
+        self.assertEqual(sorted(out["serials"]), sorted(serials))
+        self.assertEqual(self.crl_text().count("Serial Number:"), 2)
+
+    def test_one_serial_number_in_either_case(self):
+        serial = self.log()[1]["serial"]
+        out = self.json("identity", "revoke", serial.lower(), "--ca", "ca", *LATER)["result"]
+        self.assertEqual((out["subject"], out["serials"]), ("CN=listener", [serial]))
+        self.refused("serial_unknown", 1, "identity", "revoke", "0A", "--ca", "ca", *LATER)
+
+    def test_lists_follow_one_another_and_lose_nothing(self):
+        self.run_program("identity", "revoke", "talker", "--ca", "ca", *NOW)
+        log = self.at / "ca/identity/issued.jsonl"
+        log.write_text("\n".join(log.read_text().splitlines()[:-1]) + "\n")  # only the list knows
+        self.run_program("identity", "revoke", "listener", "--ca", "ca", *LATER)
+        out = self.json("crl", "new", "--ca", "ca", "--next-update", "7", *LATER)["result"]
+        self.assertEqual((out["number"], out["revoked"], out["next_update"]),
+                         (3, 2, "2026-11-29T00:00:00Z"))
+        shown = self.json("crl", "show", "ca")["result"]
+        self.assertEqual([e["time"] for e in sorted(shown["revoked"], key=lambda e: e["time"])],
+                         ["2026-11-21T00:00:00Z", "2026-11-22T00:00:00Z"])
+
+    def test_a_log_cut_short_by_a_crash_is_taken_up_again(self):
+        log = self.at / "ca/identity/issued.jsonl"
+        whole = log.read_text()
+        log.write_text(whole + '{"event":"issued","time":"2026-')
+        self.assertEqual(self.json("ca", "show", "ca", *NOW)["result"]["issued"], 2)
+        self.issue("third")
+        self.assertTrue(log.read_text().startswith(whole))
+        self.assertEqual(len(self.log()), 3)
+
+    def test_a_damaged_log_stops_issuing_nothing_but_is_told(self):
+        log = self.at / "ca/identity/issued.jsonl"
+        log.write_text("nonsense\n" + log.read_text())
+        told = self.refused("issue_log_malformed", 3, "identity", "revoke", "talker", "--ca", "ca", *NOW)
+        self.assertEqual((told["file"], told["line"]), ("ca/identity/issued.jsonl", 1))
+
+    def test_distribute_reaches_every_folder_that_the_log_knows(self):
+        self.run_program("identity", "revoke", "talker", "--ca", "ca", *NOW)
+        out = self.json("crl", "distribute", "--ca", "ca", *NOW)
+        self.assertEqual(out["result"]["folders"], [str(self.at / "listener")])
+        self.json("crl", "verify", "listener", "--ca", "ca", *NOW)
+        self.json("crl", "verify", "listener/crl.pem", "--ca", "ca/identity/ca.pem", *NOW)
+        out = self.json("crl", "distribute", "talker", "--ca", "ca", *NOW)
+        self.assertEqual([f["path"] for f in out["files_written"]], ["talker/crl.pem"])
+        self.openssl("crl", "-in", "talker/crl.pem", "-noout", "-CAfile", "talker/identity_ca.pem")
+
+    def test_distribute_writes_through_no_link(self):
+        self.run_program("crl", "new", "--ca", "ca", *NOW)
+        (self.at / "mine").write_text("mine")
+        (self.at / "talker/crl.pem").symlink_to("../mine")
+        self.refused("would_overwrite", 4, "crl", "distribute", "listener", "talker", "--ca", "ca", *NOW)
+        self.assertEqual((self.at / "mine").read_text(), "mine")
+        self.refused("file_not_found", 3, "crl", "distribute", "nobody", "--ca", "ca", *NOW)
+
+    def test_verify_refuses_old_early_foreign_and_broken_lists(self):
+        self.refused("file_not_found", 3, "crl", "verify", "ca", "--ca", "ca", *NOW)
+        self.run_program("crl", "new", "--ca", "ca", "--next-update", "7", *NOW)
+        verify = ("crl", "verify", "ca", "--ca", "ca")
+        self.refused("crl_expired", 1, *verify, "--now", "2026-11-28T00:00:00Z")
+        self.refused("crl_not_yet_valid", 1, *verify, "--now", "2026-11-20T00:00:00Z")
+        self.refused("crl_signature_invalid", 1, "crl", "verify", "ca", "--ca", "ca/permissions/ca.pem",
+                     *NOW)
+        self.refused("crl_expired", 1, "crl", "distribute", "--ca", "ca", "--now", "2026-11-28T00:00:00Z")
+        (self.at / "ca/identity/crl.pem").write_text("no list")
+        self.refused("crl_malformed", 3, *verify, *NOW)
+
+    def test_only_what_this_ca_issued_is_revoked_or_renewed(self):
+        self.run_program("ca", "create", "other", "--no-passphrase", "--role", "identity",
+                         "--subject", "CN=ca Identity CA", *NOW)
+        for command in ("revoke", "renew"):
+            self.refused("issuer_unknown", 1, "identity", command, "talker", "--ca", "other", *NOW)
+        self.refused("usage", 2, "identity", "revoke", "talker", "--ca", "ca", "--reason", "bored")
+
+
+if __name__ == "__main__":
+    main()

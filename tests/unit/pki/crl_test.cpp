@@ -1,0 +1,144 @@
+#include "pki/crl.hpp"
+
+#include <array>
+
+#include <gmock/gmock.h>
+
+#include "fixture.hpp"
+#include "pki/authority.hpp"
+
+namespace ddssec::pki {
+namespace {
+
+const CrlTemplate kMonth{.this_update = kNow, .next_update = kNow + 30 * 24h, .number = 7};
+
+Crl make_crl(const Authority& ca, CrlTemplate content) {
+  auto crl = ca.make_crl(content);
+  EXPECT_TRUE(crl) << crl.error().to_sentence();
+  return *std::move(crl);
+}
+
+TEST(CrlEntries, AreReadAsTheyWereWritten) {
+  const std::array<Revocation, 3> entries = {
+      Revocation{"0A", kNow - 3h, RevocationReason::key_compromise},
+      Revocation{"7FFF00112233445566778899AABBCCDD", kNow - 2h, RevocationReason::superseded},
+      Revocation{"0B", kNow - 1h, RevocationReason::unspecified}};
+  auto content = kMonth;
+  content.entries = entries;
+  const auto crl = make_crl(make_ca(), content);
+  auto read = crl.revoked();
+  ASSERT_TRUE(read) << read.error().to_sentence();
+  EXPECT_THAT(*read, testing::UnorderedElementsAreArray(entries));
+  EXPECT_EQ(crl.number(), 7u);
+}
+
+TEST(CrlEntries, TheFirstOfASerialNumberCounts) {
+  const std::array<Revocation, 2> entries = {
+      Revocation{"0A", kNow - 3h, RevocationReason::key_compromise},
+      Revocation{"0A", kNow, RevocationReason::unspecified}};
+  auto content = kMonth;
+  content.entries = entries;
+  EXPECT_THAT(*make_crl(make_ca(), content).revoked(), testing::ElementsAre(entries[0]));
+}
+
+TEST(CrlEntries, ASerialNumberThatIsNoneIsRefused) {
+  const auto ca = make_ca();
+  for (const auto* serial : {"", "xyz", "0A ", "-", "0Ag"}) {
+    const std::array<Revocation, 1> entries = {Revocation{serial, kNow}};
+    auto content = kMonth;
+    content.entries = entries;
+    EXPECT_CODE(ca.make_crl(content), crl_malformed);
+  }
+}
+
+TEST(CrlCheck, TakesTheIssuersListInItsTime) {
+  const auto ca = make_ca();
+  const auto crl = make_crl(ca, kMonth);
+  EXPECT_TRUE(crl.check(ca.certificate(), kNow));
+  EXPECT_CODE(crl.check(ca.certificate(), kNow - 1s), crl_not_yet_valid);
+  EXPECT_CODE(crl.check(ca.certificate(), kNow + 30 * 24h), crl_expired);
+}
+
+TEST(CrlCheck, RefusesOtherSigners) {
+  const auto ca = make_ca();
+  const auto crl = make_crl(ca, kMonth);
+  EXPECT_CODE(crl.check(make_ca().certificate(), kNow), crl_signature_invalid);  // same name
+  EXPECT_CODE(crl.check(make_ca("CN=Other").certificate(), kNow), crl_signature_invalid);
+}
+
+TEST(CrlCheck, RefusesACaThatMayNotSignLists) {
+  auto self = Authority::self_sign({.subject = "CN=Root",
+                                    .validity = kYear,
+                                    .is_ca = true,
+                                    .key_usage = "critical,digitalSignature,keyCertSign"},
+                                   *PrivateKey::generate(KeyKind::ec_p256), test_random());
+  ASSERT_TRUE(self);
+  const auto ca = Authority::load(self->certificate, self->key);
+  ASSERT_TRUE(ca);
+  EXPECT_CODE(make_crl(*ca, kMonth).check(ca->certificate(), kNow), crl_signature_invalid);
+}
+
+TEST(RevocationReason, WordsAreThoseOfRfc5280) {
+  for (const int number : {0, 1, 2, 3, 4, 5, 6, 9}) {
+    const auto reason = static_cast<RevocationReason>(number);
+    EXPECT_EQ(revocation_reason_from(to_string(reason)), reason);
+  }
+  EXPECT_EQ(to_string(RevocationReason::key_compromise), "keyCompromise");
+  EXPECT_FALSE(revocation_reason_from("keycompromise"));
+}
+
+TEST(Reissue, KeepsSubjectAndKeyAndHasANewSerialNumber) {
+  const auto ca = make_ca();
+  const auto leaf = make_leaf(ca, "CN=talker+OU=x,O=Example");
+  const Validity later{kNow, kNow + 24h};
+  const auto again = ca.reissue(leaf.certificate, later, test_random());
+  ASSERT_TRUE(again) << again.error().to_sentence();
+  EXPECT_EQ(again->subject_digest(), leaf.certificate.subject_digest());
+  EXPECT_NE(again->serial(), leaf.certificate.serial());
+  EXPECT_EQ(again->not_after(), later.not_after);
+  EXPECT_FALSE(again->is_ca());
+  EXPECT_TRUE(leaf.key.matches(*again));
+  EXPECT_TRUE(make_verifier({ca.certificate()}).verify(*again, kNow));
+  const auto other = PrivateKey::generate(KeyKind::ec_p256);
+  const auto rekeyed = ca.reissue(leaf.certificate, later, test_random(), &*other);
+  ASSERT_TRUE(rekeyed);
+  EXPECT_TRUE(other->matches(*rekeyed));
+  EXPECT_CODE(leaf.key.matches(*rekeyed), key_mismatch);
+}
+
+TEST(Reissue, ARenewedRootStillVouchesForWhatItIssued) {
+  const auto ca = make_ca();
+  const auto leaf = make_leaf(ca);
+  const auto renewed = ca.renewed({kNow, kNow + 1000 * 24h}, test_random());
+  ASSERT_TRUE(renewed) << renewed.error().to_sentence();
+  EXPECT_TRUE(renewed->is_ca());
+  EXPECT_TRUE(renewed->is_self_issued());
+  EXPECT_EQ(renewed->path_length(), ca.certificate().path_length());
+  EXPECT_TRUE(make_verifier({*renewed}).verify(leaf.certificate, kNow));
+  const auto middle = ca.subordinate("CN=Middle", {}, kYear, test_random());
+  ASSERT_TRUE(middle);
+  const auto middle_again = ca.reissue(middle->certificate(), kYear, test_random());
+  ASSERT_TRUE(middle_again);
+  EXPECT_EQ(middle_again->path_length(), 0);
+  EXPECT_FALSE(middle_again->is_self_issued());
+}
+
+TEST(Request, IsReadOnlyIfItsKeySignedIt) {
+  const auto key = PrivateKey::generate(KeyKind::rsa, 2048);
+  auto pem = make_request(*key, "CN=device,O=Example");
+  ASSERT_TRUE(pem);
+  const auto content = read_request(as_bytes(*pem));
+  ASSERT_TRUE(content) << content.error().to_sentence();
+  EXPECT_EQ(content->subject, "CN=device,O=Example");
+  EXPECT_EQ(to_string(content->key), "RSA-2048");
+  EXPECT_CODE(read_request(as_bytes("no request")), request_invalid);
+  EXPECT_CODE(read_request(Bytes(100'000, 'A')), request_invalid);
+  for (std::size_t at = pem->find('\n') + 20; at < pem->size() - 40; at += 97) {
+    auto changed = *pem;
+    changed[at] = changed[at] == 'A' ? 'B' : 'A';
+    EXPECT_FALSE(read_request(as_bytes(changed))) << at;
+  }
+}
+
+}  // namespace
+}  // namespace ddssec::pki

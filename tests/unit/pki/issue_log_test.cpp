@@ -1,0 +1,78 @@
+#include "pki/issue_log.hpp"
+
+#include "fixture.hpp"
+
+namespace ddssec::pki {
+namespace {
+
+TEST(IssueLog, SaysWhatWasIssuedAndRevoked) {
+  const auto ca = make_ca();
+  const auto a = make_leaf(ca, "CN=a").certificate;
+  const auto b = make_leaf(ca, "CN=b").certificate;
+  const Revocation gone{b.serial(), kNow + 1h, RevocationReason::key_compromise};
+  const Revocation foreign{"0A", kNow, RevocationReason::superseded};
+  const auto text = IssueLog::issued_line(a, "/fleet/a", kNow) +
+                    IssueLog::issued_line(b, "", kNow) + IssueLog::revoked_line(gone) +
+                    IssueLog::revoked_line(foreign);
+  const auto log = IssueLog::parse(as_bytes(text));
+  ASSERT_TRUE(log) << log.error().to_sentence();
+  ASSERT_EQ(log->issued().size(), 2u);
+  const auto* found = log->find(a.serial());
+  ASSERT_NE(found, nullptr);
+  EXPECT_EQ(found->subject, "CN=a");
+  EXPECT_EQ(found->folder, "/fleet/a");
+  EXPECT_EQ(found->not_after, a.not_after());
+  EXPECT_FALSE(found->revoked);
+  EXPECT_EQ(log->find(b.serial())->revoked, gone);
+  EXPECT_TRUE(log->is_revoked("0A"));
+  EXPECT_FALSE(log->is_revoked(a.serial()));
+  EXPECT_EQ(log->find("0A"), nullptr);
+  EXPECT_EQ(log->revocations().size(), 2u);
+  EXPECT_EQ(log->folders(), std::vector<std::string>{"/fleet/a"});
+}
+
+TEST(IssueLog, ALastLineCutShortAtAnyOctetCountsForNothing) {
+  const auto ca = make_ca();
+  const auto first = IssueLog::issued_line(make_leaf(ca, "CN=a").certificate, "", kNow);
+  const auto second = IssueLog::issued_line(make_leaf(ca, "CN=b").certificate, "", kNow);
+  for (std::size_t size = 0; size < second.size(); ++size) {
+    const auto log = IssueLog::parse(as_bytes(first + second.substr(0, size)));
+    ASSERT_TRUE(log) << size;
+    EXPECT_EQ(log->issued().size(), 1u) << size;
+  }
+  EXPECT_TRUE(IssueLog::parse({})->issued().empty());
+}
+
+TEST(IssueLog, TheFirstLineOfASerialNumberCounts) {
+  const Revocation first{"0A", kNow, RevocationReason::key_compromise};
+  const Revocation second{"0A", kNow + 1h, RevocationReason::unspecified};
+  const auto text = IssueLog::revoked_line(first) + IssueLog::revoked_line(second);
+  EXPECT_EQ(IssueLog::parse(as_bytes(text))->revocations(), std::vector{first});
+}
+
+TEST(IssueLog, DamageIsToldWithItsLine) {
+  const std::string good =
+      R"({"event":"revoked","time":"2026-11-21T00:00:00Z","serial":"0A","reason":"superseded"})"
+      "\n";
+  ASSERT_TRUE(IssueLog::parse(as_bytes(good)));
+  for (const std::string bad :
+       {"", "[]", "nonsense", "{\"event\":\"issued\"",
+        R"({"event":"removed","time":"2026-11-21T00:00:00Z","serial":"0A"})",
+        R"({"event":"revoked","time":"2026-11-21T00:00:00Z","serial":"0A","reason":"why not"})",
+        R"({"event":"revoked","time":"2026-11-31T00:00:00Z","serial":"0A","reason":"superseded"})",
+        R"({"event":"revoked","time":"2026-11-21T25:00:00Z","serial":"0A","reason":"superseded"})",
+        R"({"event":"revoked","time":7,"serial":"0A","reason":"superseded"})",
+        R"({"event":"revoked","time":"2026-11-21T00:00:00Z","serial":"0a","reason":"superseded"})",
+        R"({"event":"issued","serial":"0A","subject":"CN=a"})"}) {
+    const auto log = IssueLog::parse(as_bytes(good + bad + "\n"));
+    EXPECT_CODE(log, issue_log_malformed);
+    if (!log) {
+      EXPECT_EQ(log.error().details().line, 2) << bad;
+    }
+  }
+  EXPECT_CODE(IssueLog::parse(as_bytes(std::string(100'000, '[') + "\n")), issue_log_malformed);
+  EXPECT_CODE(IssueLog::parse(as_bytes(std::string(60'000, '[') + "\n")), issue_log_malformed);
+}
+
+}  // namespace
+}  // namespace ddssec::pki
