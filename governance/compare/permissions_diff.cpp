@@ -1,0 +1,298 @@
+#include "governance/compare/permissions_diff.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "governance/grant.hpp"
+#include "pki/subject_name.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+using Grants = std::vector<const Grant*>;
+
+/// Somebody that documents speak of, and the grants that are for them, in order.
+struct Subject {
+  Grants old_grants, new_grants;
+};
+
+/// The same for every way to write a name; nothing for a text that is no name.
+std::optional<std::string> key_of(const Grant& grant) {
+  const auto name = pki::SubjectName::parse(grant.subject_name);
+  if (!name) return std::nullopt;
+  auto attributes = name->attributes();
+  std::ranges::sort(attributes);
+  std::string key(grant.subject_is_expression ? "*" : "=");
+  for (const auto& [type, value] : attributes) {
+    key += type + '=' + std::to_string(value.size()) + ':' + value;
+  }
+  return key;
+}
+
+/// In the order of the old document, then of the new one.
+class Subjects {
+ public:
+  Subjects(const Permissions& old_document, const Permissions& new_document) {
+    add(old_document, &Subject::old_grants);
+    add(new_document, &Subject::new_grants);
+    add_expressions(old_document, &Subject::old_grants);
+    add_expressions(new_document, &Subject::new_grants);
+  }
+
+  std::vector<Subject>& all() { return subjects_; }
+  bool overlap() const { return expressions_ > 1; }
+
+ private:
+  void add(const Permissions& document, Grants Subject::*list) {
+    for (const auto& grant : document.grants) {
+      // A subject that is no name is nobody's.
+      const auto key = key_of(grant);
+      if (!key) continue;
+      const auto [entry, is_new] = known_.try_emplace(*key, subjects_.size());
+      if (is_new) {
+        subjects_.emplace_back();
+        expressions_ += grant.subject_is_expression;
+      }
+      (subjects_[entry->second].*list).push_back(&grant);
+    }
+  }
+
+  /// Grants for expressions are also for the subjects by name that they match.
+  void add_expressions(const Permissions& document, Grants Subject::*list) {
+    if (expressions_ == 0) return;
+    for (auto& subject : subjects_) {
+      const Grant& any = *(subject.old_grants.empty() ? subject.new_grants : subject.old_grants)[0];
+      const auto name = pki::SubjectName::parse(any.subject_name);
+      if (any.subject_is_expression || !name) continue;
+      Grants grants;
+      for (const auto& grant : document.grants) {
+        if (is_for(grant, *name)) grants.push_back(&grant);
+      }
+      subject.*list = std::move(grants);
+    }
+  }
+
+  std::map<std::string, std::size_t> known_;
+  std::vector<Subject> subjects_;
+  std::size_t expressions_ = 0;
+};
+
+const Grant* valid_at(const Grants& grants, WallTime time) {
+  const auto grant =
+      std::ranges::find_if(grants, [&](const Grant* g) { return g->validity.contains(time); });
+  return grant == grants.end() ? nullptr : *grant;
+}
+
+/// What applies at the same times.
+struct GrantPairs {
+  std::set<std::pair<const Grant*, const Grant*>> both;
+  Grants only_old, only_new;  ///< while the other document has nothing
+  std::set<const Grant*> used;
+};
+
+GrantPairs pairs_of(const Subject& subject) {
+  std::set<WallTime> cuts;
+  for (const auto& grants : {subject.old_grants, subject.new_grants}) {
+    for (const Grant* grant : grants) {
+      cuts.insert(grant->validity.not_before);
+      cuts.insert(grant->validity.not_after);
+    }
+  }
+  GrantPairs pairs;
+  for (const auto time : cuts) {
+    const auto* o = valid_at(subject.old_grants, time);
+    const auto* n = valid_at(subject.new_grants, time);
+    pairs.used.insert({o, n});
+    if (o && n) pairs.both.emplace(o, n);
+    if (o && !n) pairs.only_old.push_back(o);
+    if (n && !o) pairs.only_new.push_back(n);
+  }
+  return pairs;
+}
+
+std::string period(const Grant& grant) {
+  return ddssec::to_string(grant.validity.not_before) + " .. " +
+         ddssec::to_string(grant.validity.not_after);
+}
+
+class Comparison {
+ public:
+  Comparison(const Permissions& old_document, const Permissions& new_document,
+             const PermissionsDiffOptions& options)
+      : options_(options), subjects_(old_document, new_document) {}
+
+  PermissionsDiff run() {
+    if (subjects_.overlap()) diff_.is_exact = false;
+    if (options_.map_subjects_by_grant_name) map_subjects();
+    for (const auto& subject : subjects_.all()) compare_subject(subject);
+    diff_.verdict = direction_.verdict(ChangeClass::narrower, ChangeClass::wider);
+    std::ranges::stable_sort(diff_.changes, std::greater(), [](const PermissionChange& change) {
+      return std::pair(change.element == "default", change.change);
+    });
+    return std::move(diff_);
+  }
+
+ private:
+  void map_subjects();
+  void compare_subject(const Subject& subject);
+  void compare_presence(const Grant& grant, const Grants& valid, bool is_new);
+  void compare_spelling(const Grant& o, const Grant& n);
+  void compare_times(const Subject& subject, const GrantPairs& pairs);
+  void note_dead(const Subject& subject, const GrantPairs& pairs);
+  void add_rules(const GrantDiff& rules);
+  /// Whether the grant allows anything, and what.
+  GrantDiff allowed_by(const Grant& grant);
+  bool allows_anything(const Grants& grants);
+  void add(PermissionChange change);
+
+  const PermissionsDiffOptions& options_;
+  Subjects subjects_;
+  PermissionsDiff diff_;
+  Direction direction_;
+  std::string shown_subject_;
+};
+
+void Comparison::add(PermissionChange change) {
+  change.subject = shown_subject_;
+  direction_.add(change.change);
+  diff_.changes.push_back(std::move(change));
+}
+
+void Comparison::map_subjects() {
+  auto& all = subjects_.all();
+  std::map<std::string_view, std::vector<std::size_t>> old_names, new_names;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].new_grants.empty()) old_names[all[i].old_grants[0]->name].push_back(i);
+    if (all[i].old_grants.empty()) new_names[all[i].new_grants[0]->name].push_back(i);
+  }
+  std::set<std::size_t> moved;
+  for (const auto& [name, from] : old_names) {
+    const auto to = new_names.find(name);
+    // A name that several grants have names nobody.
+    if (name.empty() || to == new_names.end() || from.size() != 1 || to->second.size() != 1)
+      continue;
+    all[from[0]].new_grants = std::move(all[to->second[0]].new_grants);
+    moved.insert(to->second[0]);
+  }
+  std::vector<Subject> left;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!moved.contains(i)) left.push_back(std::move(all[i]));
+  }
+  all = std::move(left);
+}
+
+void Comparison::compare_subject(const Subject& subject) {
+  const auto& [old_grants, new_grants] = subject;
+  shown_subject_ = (new_grants.empty() ? old_grants : new_grants)[0]->subject_name;
+  const auto pairs = pairs_of(subject);
+  if (old_grants.empty()) return compare_presence(*new_grants[0], pairs.only_new, true);
+  if (new_grants.empty()) return compare_presence(*old_grants[0], pairs.only_old, false);
+  compare_spelling(*old_grants[0], *new_grants[0]);
+  compare_times(subject, pairs);
+  note_dead(subject, pairs);
+  for (const auto& [o, n] : pairs.both) add_rules(compare_grants(*o, *n, options_.limits));
+  if (!pairs.both.empty() || pairs.only_old.empty() || pairs.only_new.empty()) return;
+  // A renewal: by their times alone it is narrower and wider, and what matters is the rest.
+  auto rules = compare_grants(*pairs.only_old[0], *pairs.only_new[0], options_.limits);
+  rules.direction = {};
+  add_rules(rules);
+}
+
+GrantDiff Comparison::allowed_by(const Grant& grant) {
+  static const Grant kNothing;
+  return compare_grants(kNothing, grant, options_.limits);
+}
+
+bool Comparison::allows_anything(const Grants& grants) {
+  return std::ranges::any_of(grants, [&](const Grant* grant) {
+    const auto direction = allowed_by(*grant).direction;
+    return direction.down() || direction.unknown();
+  });
+}
+
+void Comparison::compare_presence(const Grant& grant, const Grants& valid, bool is_new) {
+  PermissionChange change{.element = "grant"};
+  if (allows_anything(valid)) change.change = is_new ? ChangeClass::wider : ChangeClass::narrower;
+  const auto allowed = valid.empty() ? GrantDiff{} : allowed_by(*valid[0]);
+  for (const auto& rule : allowed.changes) {
+    auto& expressions = is_new ? change.expressions_new : change.expressions_old;
+    for (const auto& text : rule.expressions_new) {
+      if (std::ranges::find(expressions, text) == expressions.end()) expressions.push_back(text);
+    }
+    if (rule.is_about_topics && !change.is_about_topics) {
+      change.is_about_topics = true;
+      change.witness = rule.witness;
+      change.partitions = rule.partitions;
+    }
+    if (rule.element == "default") (is_new ? change.new_value : change.old_value) = "default ALLOW";
+    change.domains.insert(change.domains.end(), rule.domains.begin(), rule.domains.end());
+  }
+  (is_new ? change.old_value : change.new_value) = "absent";
+  auto& value = is_new ? change.new_value : change.old_value;
+  value = value.empty() ? "present" : "present, " + value;
+  (is_new ? change.new_line : change.old_line) = grant.line;
+  add(std::move(change));
+}
+
+void Comparison::compare_spelling(const Grant& o, const Grant& n) {
+  if (o.subject_name == n.subject_name && o.subject_is_expression == n.subject_is_expression)
+    return;
+  add({.element = "subject_name",
+       .change = ChangeClass::interop,
+       .old_value = o.subject_name,
+       .new_value = n.subject_name,
+       .old_line = o.line,
+       .new_line = n.line});
+}
+
+void Comparison::compare_times(const Subject& subject, const GrantPairs& pairs) {
+  const Grant &o = *subject.old_grants[0], &n = *subject.new_grants[0];
+  if (pairs.only_old.empty() && pairs.only_new.empty()) return;
+  Direction direction;
+  if (allows_anything(pairs.only_old)) direction.add(ChangeClass::narrower);
+  if (allows_anything(pairs.only_new)) direction.add(ChangeClass::wider);
+  add({.element = "validity",
+       .change = direction.verdict(ChangeClass::narrower, ChangeClass::wider),
+       .old_value = period(o),
+       .new_value = period(n),
+       .old_line = o.line,
+       .new_line = n.line});
+}
+
+void Comparison::note_dead(const Subject& subject, const GrantPairs& pairs) {
+  const auto dead = [&](const Grants& grants) {
+    return std::ranges::count_if(grants, [&](const Grant* g) { return !pairs.used.contains(g); });
+  };
+  const auto before = dead(subject.old_grants), after = dead(subject.new_grants);
+  if (before == after) return;
+  const auto& grants = before < after ? subject.new_grants : subject.old_grants;
+  const auto* grant =
+      *std::ranges::find_if(grants, [&](const Grant* g) { return !pairs.used.contains(g); });
+  const auto count = [](auto number) { return std::to_string(number) + " without effect"; };
+  add({.element = "grant",
+       .change = ChangeClass::neutral,
+       .old_value = count(before),
+       .new_value = count(after),
+       .old_line = before < after ? 0 : grant->line,
+       .new_line = before < after ? grant->line : 0});
+}
+
+void Comparison::add_rules(const GrantDiff& rules) {
+  direction_.add(rules.direction);
+  diff_.is_complete = diff_.is_complete && rules.is_complete;
+  diff_.is_exact = diff_.is_exact && rules.is_exact;
+  for (const auto& change : rules.changes) {
+    diff_.changes.push_back(change);
+    diff_.changes.back().subject = shown_subject_;
+  }
+}
+
+}  // namespace
+
+PermissionsDiff compare(const Permissions& old_document, const Permissions& new_document,
+                        const PermissionsDiffOptions& options) {
+  return Comparison(old_document, new_document, options).run();
+}
+
+}  // namespace ddssec::governance

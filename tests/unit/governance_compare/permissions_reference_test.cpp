@@ -1,0 +1,327 @@
+// The comparison of permissions documents against one that tries every short topic, every set of
+// partitions, every subject, domain and time; and against the decisions of the plugins.
+#include <map>
+#include <memory>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "governance/compare/partition_contexts.hpp"
+#include "governance/compare/permissions_diff.hpp"
+#include "governance/decision.hpp"
+#include "tests/unit/governance_compare/words.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+constexpr DomainId kDomains = 2;  // 0 and 1, and 9 for all others
+constexpr int kTimes = 4;
+constexpr const char* kSubjects[] = {"CN=a", "CN=b"};
+
+WallTime at(int time) { return WallTime(std::chrono::seconds(time)); }
+
+/// Expressions by their text, with the words that they match.
+class Pool {
+ public:
+  Pool(std::size_t longest, std::size_t most_parts)
+      : words_(words::all_words("abc", longest)), all_(words::all_expressions(words_, most_parts)) {
+    for (std::size_t i = 0; i < all_.size(); ++i) by_text_[all_[i].text] = i;
+  }
+  const std::vector<std::string>& words() const { return words_; }
+  const std::string& random(words::Dice& dice) const { return all_[dice.below(all_.size())].text; }
+  const std::vector<bool>& matches(const std::string& text) const {
+    return all_[by_text_.at(text)].matches;
+  }
+
+ private:
+  std::vector<std::string> words_;
+  std::vector<words::KnownExpression> all_;
+  std::map<std::string, std::size_t> by_text_;
+};
+
+const Pool& topics() {
+  static const Pool pool(5, 2);
+  return pool;
+}
+const Pool& partitions() {
+  static const Pool pool(3, 2);
+  return pool;
+}
+
+class Author {
+ public:
+  Author(std::uint32_t seed, bool with_partitions)
+      : dice_(seed), with_partitions_(with_partitions) {}
+
+  Permissions document() {
+    Permissions permissions;
+    for (auto grants = 1 + dice_.below(with_partitions_ ? 1 : 3); grants > 0; --grants) {
+      permissions.grants.push_back(grant());
+    }
+    return permissions;
+  }
+
+  Permissions edited(Permissions permissions) {
+    for (auto edits = dice_.below(3); edits > 0; --edits) {
+      auto& grant = permissions.grants[dice_.below(permissions.grants.size())];
+      edit(grant);
+    }
+    return permissions;
+  }
+
+ private:
+  Criteria criteria() {
+    Criteria criteria;
+    for (auto count = 1 + dice_.below(2); count > 0; --count) {
+      criteria.topics.push_back({dice_.once_in(4) ? "*" : topics().random(dice_)});
+    }
+    if (!with_partitions_ || dice_.once_in(2)) return criteria;
+    criteria.partitions.emplace();
+    // Few expressions, so that every set of partitions is tried.
+    static constexpr const char* kPartitions[] = {"", "a", "*", "b*", "[ab]"};
+    for (auto count = 1 + dice_.below(2); count > 0; --count) {
+      criteria.partitions->push_back({kPartitions[dice_.below(5)]});
+    }
+    return criteria;
+  }
+  Rule rule() {
+    Rule rule{.allow = !dice_.once_in(3)};
+    const auto first = static_cast<DomainId>(dice_.below(kDomains));
+    rule.domains.ranges = {{first, dice_.once_in(2) ? first : kDomains - 1}};
+    if (!dice_.once_in(5)) rule.publish.push_back(criteria());
+    if (dice_.once_in(3)) rule.publish.push_back(criteria());
+    if (dice_.once_in(3)) rule.subscribe.push_back(criteria());
+    return rule;
+  }
+  Validity validity() {
+    const auto first = static_cast<int>(dice_.below(kTimes));
+    return {at(first), at(first + static_cast<int>(dice_.below(kTimes)))};
+  }
+  Grant grant() {
+    Grant grant{.subject_name = kSubjects[dice_.below(2)], .validity = {at(0), at(kTimes)}};
+    if (dice_.once_in(4)) grant.validity = validity();
+    for (auto rules = dice_.below(4); rules > 0; --rules) grant.rules.push_back(rule());
+    grant.default_allow = dice_.once_in(6);
+    return grant;
+  }
+  void edit(Grant& grant) {
+    const auto kind = dice_.below(8);
+    if (kind == 0) grant.validity = validity();
+    if (kind == 1) grant.default_allow ^= true;
+    if (kind == 2) grant.subject_name = kSubjects[dice_.below(2)];
+    if (kind <= 2 || grant.rules.empty()) return grant.rules.push_back(rule());
+    auto& rule_at = grant.rules[dice_.below(grant.rules.size())];
+    if (kind == 3) rule_at = rule();
+    if (kind == 4) std::swap(rule_at, grant.rules.front());
+    if (kind == 5) rule_at.allow ^= true;
+    if (kind == 6) grant.rules.insert(grant.rules.begin(), rule());
+    if (kind == 7) grant.rules.erase(grant.rules.begin());
+  }
+
+  words::Dice dice_;
+  bool with_partitions_;
+};
+
+// What follows is written from the rules of decision, without the code under test.
+
+/// One kind of partition: all words that the same expressions match.
+using Signature = std::vector<bool>;
+using PartitionSet = std::vector<std::string>;
+
+void collect(const std::vector<Criteria>& list, std::set<std::string>& texts) {
+  for (const auto& criteria : list) {
+    if (!criteria.partitions) continue;
+    for (const auto& text : *criteria.partitions) texts.insert(text.text);
+  }
+}
+
+/// Every set of words of which no two are matched by the same expressions.
+std::vector<PartitionSet> partition_sets(const Permissions& a, const Permissions& b) {
+  std::set<std::string> texts = {""};
+  for (const auto* document : {&a, &b}) {
+    for (const auto& grant : document->grants) {
+      for (const auto& rule : grant.rules) {
+        collect(rule.publish, texts);
+        collect(rule.subscribe, texts);
+      }
+    }
+  }
+  std::map<Signature, std::string> kinds;
+  for (std::size_t i = 0; i < partitions().words().size(); ++i) {
+    Signature signature;
+    for (const auto& text : texts) signature.push_back(partitions().matches(text)[i]);
+    kinds.try_emplace(signature, partitions().words()[i]);
+  }
+  std::vector<PartitionSet> sets;
+  for (unsigned bits = 1; bits < 1u << kinds.size(); ++bits) {
+    PartitionSet set;
+    unsigned place = 0;
+    for (const auto& [signature, word] : kinds) {
+      if ((bits >> place++ & 1) != 0) set.push_back(word);
+    }
+    sets.push_back(std::move(set));
+  }
+  return sets;
+}
+
+bool lists(const Criteria& criteria, const std::string& partition) {
+  if (!criteria.partitions) return partition.empty();
+  return std::ranges::any_of(*criteria.partitions, [&](const Text& text) {
+    return Pattern(text.text).matches(partition);
+  });
+}
+
+bool fits(const Rule& rule, const Criteria& criteria, const PartitionSet& set) {
+  const auto listed = [&](const std::string& partition) { return lists(criteria, partition); };
+  if (rule.allow) return std::ranges::all_of(set, listed);
+  return !criteria.partitions || std::ranges::any_of(set, listed);
+}
+
+bool is_in(const Rule& rule, DomainId domain) {
+  return std::ranges::any_of(rule.domains.ranges, [&](const DomainRange& range) {
+    return range.first <= domain && domain <= range.last;
+  });
+}
+
+using Allowed = std::vector<bool>;  ///< for each word
+
+Allowed allowed(const Grant& grant, DomainId domain, std::vector<Criteria> Rule::*list,
+                const PartitionSet& set) {
+  const std::size_t count = topics().words().size();
+  Allowed result(count), decided(count);
+  for (const auto& rule : grant.rules) {
+    if (!is_in(rule, domain)) continue;
+    for (const auto& criteria : rule.*list) {
+      if (!fits(rule, criteria, set)) continue;
+      for (const auto& topic : criteria.topics) {
+        const auto& matches = topics().matches(topic.text);
+        for (std::size_t i = 0; i < count; ++i) {
+          if (!matches[i] || decided[i]) continue;
+          decided[i] = true;
+          result[i] = rule.allow;
+        }
+      }
+    }
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!decided[i]) result[i] = grant.default_allow;
+  }
+  return result;
+}
+
+bool may_join(const Grant& grant, DomainId domain) {
+  for (const auto& rule : grant.rules) {
+    if (!is_in(rule, domain)) continue;
+    if (rule.allow) return true;
+    if (rule.publish.empty() && rule.subscribe.empty()) return false;
+  }
+  return grant.default_allow;
+}
+
+const Grant* first_valid(const Permissions& document, const std::string& subject, int time) {
+  for (const auto& grant : document.grants) {
+    if (grant.subject_name == subject && grant.validity.contains(at(time))) return &grant;
+  }
+  return nullptr;
+}
+
+struct Moves {
+  bool wider = false, narrower = false;
+  void add(bool before, bool after) {
+    wider = wider || (!before && after);
+    narrower = narrower || (before && !after);
+  }
+  void add(const Allowed& before, const Allowed& after) {
+    for (std::size_t i = 0; i < before.size(); ++i) add(before[i], after[i]);
+  }
+  ChangeClass verdict() const {
+    if (wider && narrower) return ChangeClass::mixed;
+    return wider ? ChangeClass::wider : narrower ? ChangeClass::narrower : ChangeClass::neutral;
+  }
+};
+
+Moves reference(const Permissions& before, const Permissions& after) {
+  static const Grant kNothing;
+  const auto sets = partition_sets(before, after);
+  Moves moves;
+  std::set<std::pair<const Grant*, const Grant*>> seen;
+  for (const std::string subject : kSubjects) {
+    for (int time = 0; time < 2 * kTimes; ++time) {
+      const auto* o = first_valid(before, subject, time);
+      const auto* n = first_valid(after, subject, time);
+      if ((!o && !n) || !seen.emplace(o, n).second) continue;
+      const Grant &old_grant = o ? *o : kNothing, &new_grant = n ? *n : kNothing;
+      for (const DomainId domain : {0, 1, 9}) {
+        moves.add(may_join(old_grant, domain), may_join(new_grant, domain));
+        for (const auto& set : sets) {
+          moves.add(allowed(old_grant, domain, &Rule::publish, set),
+                    allowed(new_grant, domain, &Rule::publish, set));
+          moves.add(allowed(old_grant, domain, &Rule::subscribe, set),
+                    allowed(new_grant, domain, &Rule::subscribe, set));
+        }
+      }
+    }
+  }
+  return moves;
+}
+
+bool judged(const Permissions& document, const PermissionChange& change) {
+  const auto shared = std::make_shared<const Permissions>(document);
+  const auto action = change.operation == "publish" ? Action::publish : Action::subscribe;
+  const std::vector<std::string_view> names(change.partitions.begin(), change.partitions.end());
+  for (const auto& grant : shared->grants) {
+    if (grant.subject_name != change.subject) continue;
+    const CompiledGrant compiled(shared, grant, change.domains.at(0).first);
+    return compiled.judge(action, {.topic = change.witness, .partitions = names}).allowed;
+  }
+  return false;
+}
+
+/// The plugins decide the witness as the change says. Only for one grant a subject.
+void check_witnesses(const PermissionsDiff& diff, const Permissions& before,
+                     const Permissions& after) {
+  for (const auto& change : diff.changes) {
+    if (change.element != "rule") continue;
+    ASSERT_EQ(judged(before, change), change.old_value == "allowed") << change.witness;
+    ASSERT_EQ(judged(after, change), change.new_value == "allowed") << change.witness;
+  }
+}
+
+bool has_one_grant_a_subject(const Permissions& document) {
+  std::set<std::string> subjects;
+  return std::ranges::all_of(document.grants, [&](const Grant& grant) {
+    return subjects.insert(grant.subject_name).second;
+  });
+}
+
+void compare_pairs(std::uint32_t seed, int pairs, bool with_partitions) {
+  Author author(seed, with_partitions);
+  std::map<ChangeClass, int> seen;
+  for (int round = 0; round < pairs; ++round) {
+    const auto before = author.document();
+    const auto after = round % 4 == 0 ? author.document() : author.edited(before);
+    const auto diff = compare(before, after);
+    ASSERT_EQ(diff.verdict, reference(before, after).verdict()) << "round " << round;
+    ASSERT_TRUE(diff.is_exact && diff.is_complete);
+    if (has_one_grant_a_subject(before) && has_one_grant_a_subject(after)) {
+      check_witnesses(diff, before, after);
+    }
+    ++seen[diff.verdict];
+  }
+  for (const auto verdict :
+       {ChangeClass::neutral, ChangeClass::wider, ChangeClass::narrower, ChangeClass::mixed}) {
+    EXPECT_GT(seen[verdict], pairs / 50);
+  }
+}
+
+class PermissionsReference : public ::testing::TestWithParam<std::uint32_t> {};
+
+TEST_P(PermissionsReference, AgreesOnFiveThousandPairs) { compare_pairs(GetParam(), 5'000, false); }
+TEST_P(PermissionsReference, AgreesOnAThousandPairsWithPartitions) {
+  compare_pairs(GetParam(), 1'000, true);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, PermissionsReference, ::testing::Range(1u, 6u));
+
+}  // namespace
+}  // namespace ddssec::governance
