@@ -6,6 +6,7 @@
 #include "cli/governance_diff_report.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
+#include "cli/permissions_diff_report.hpp"
 #include "governance/read.hpp"
 
 namespace ddssec::cli {
@@ -32,8 +33,8 @@ Result<std::vector<std::string>> topics_in(const std::filesystem::path& path) {
               {.document = path.string(), .field = "--topics", .expected = "a topic on each line"});
 }
 
-bool is_worse(ChangeClass verdict, ChangeClass down) {
-  return verdict == down || verdict == ChangeClass::mixed || verdict == ChangeClass::unknown;
+bool is_worse(ChangeClass verdict, ChangeClass direction) {
+  return verdict == direction || verdict == ChangeClass::mixed || verdict == ChangeClass::unknown;
 }
 
 Result<Report> governance_diff(const Arguments& arguments, const Context& context) {
@@ -57,6 +58,25 @@ Result<Report> governance_diff(const Arguments& arguments, const Context& contex
   return report;
 }
 
+Result<Report> permissions_diff(const Arguments& arguments, const Context& context) {
+  const auto threshold = DDSSEC_TRY(fail_on(arguments, {"wider", "narrower", "any"}));
+  const auto sides = DDSSEC_TRY(diff_sides(arguments, context));
+  const auto before =
+      DDSSEC_TRY(named(governance::read_permissions(sides.before.text), sides.before.path));
+  const auto after =
+      DDSSEC_TRY(named(governance::read_permissions(sides.after.text), sides.after.path));
+  const auto diff = governance::compare(
+      before, after, {.map_subjects_by_grant_name = arguments.has("--subject-map")});
+  Report report = report_of(diff, sides);
+  const bool reached = threshold == "wider"      ? is_worse(diff.verdict, ChangeClass::wider)
+                       : threshold == "narrower" ? is_worse(diff.verdict, ChangeClass::narrower)
+                       : threshold == "any"
+                           ? !diff.changes.empty() || sides.before.signer != sides.after.signer
+                           : false;
+  if (reached) report.exit = Exit::no;
+  return report;
+}
+
 const Positional kOld{"OLD", "the document as it was, XML or signed"};
 const Positional kNew{"NEW", "the document as it will be"};
 constexpr Option kCa{"--ca", "CERT", "verify signed documents against this permissions CA"};
@@ -64,15 +84,26 @@ constexpr Option kCa{"--ca", "CERT", "verify signed documents against this permi
 }  // namespace
 
 std::vector<Command> diff_commands() {
-  return {{.group = "governance",
-           .name = "diff",
-           .summary = "Compares two governance documents by what they do, topic by topic.",
-           .positionals = {kOld, kNew},
-           .options = {{"--fail-on", "WHAT", "exit 1 for weaker, breaking or any differences"},
-                       {"--topics", "FILE", "compare for these topics only, one a line"},
-                       kCa},
-           .examples = {"ddssec governance diff old.p7s new.xml --fail-on weaker"},
-           .run = governance_diff}};
+  return {
+      {.group = "governance",
+       .name = "diff",
+       .summary = "Compares two governance documents by what they do, topic by topic.",
+       .positionals = {kOld, kNew},
+       .options = {{"--fail-on", "WHAT", "exit 1 for weaker, breaking or any differences"},
+                   {"--topics", "FILE", "compare for these topics only, one a line"},
+                   kCa},
+       .examples = {"ddssec governance diff old.p7s new.xml --fail-on weaker"},
+       .run = governance_diff},
+      {.group = "permissions",
+       .name = "diff",
+       .summary = "Compares two permissions documents as sets of what they allow.",
+       .positionals = {kOld, kNew},
+       .options = {{"--fail-on", "WHAT", "exit 1 for wider, narrower or any differences"},
+                   {"--subject-map", "",
+                    "subjects that came and went are the same if their grants have the same name"},
+                   kCa},
+       .examples = {"ddssec permissions diff talker/permissions.p7s new.xml --fail-on wider"},
+       .run = permissions_diff}};
 }
 
 }  // namespace ddssec::cli

@@ -163,8 +163,11 @@ class Comparison {
   }
 
  private:
-  /// Operation, class and the elements that decide.
-  using Key = std::tuple<std::string_view, ChangeClass, const Criteria*, const Criteria*>;
+  /// Class and the elements that decide.
+  using Key = std::tuple<ChangeClass, const Criteria*, const Criteria*>;
+  /// All that a change of a rule tells but domains and partitions.
+  using Told = std::tuple<std::string_view, ChangeClass, std::string, std::vector<std::string>,
+                          std::vector<std::string>, int, int>;
 
   std::vector<Group> groups() const;
   void compare_group(const Group& group);
@@ -172,9 +175,9 @@ class Comparison {
   void compare_operation(const Group& group, const Operation& operation);
   void compare_context(const Group& group, const Operation& operation,
                        const PartitionContext& context);
-  void compare_topic(const Group& group, const Operation& operation,
-                     const PartitionContext& context, const TopicPair& pair);
-  PermissionChange& change_of(const Key& key, PermissionChange change);
+  void compare_topic(const Operation& operation, const PartitionContext& context,
+                     const TopicPair& pair);
+  void tell(const Group& group, PermissionChange change);
   void give_up(const Group& group, const Operation& operation);
   void compare_defaults();
   void compare_opaque(std::string_view element, const std::vector<OpaqueElement>& before,
@@ -184,11 +187,15 @@ class Comparison {
   const Grant& new_;
   SetLimits limits_;
   GrantDiff diff_;
-  /// Changes by what they are, so that more domains and expressions can join them.
-  std::map<Key, std::size_t> known_;
-  std::set<std::pair<std::size_t, const Text*>> named_;  ///< expressions that a change names
-  Direction by_default_;
+  /// Where changes are in diff_.changes, so that other domains can join them.
+  std::map<std::pair<Told, std::vector<std::string>>, std::size_t> told_;
+  /// Of the group at hand: partitions are only examples, so one of them is enough.
+  std::set<Told> told_of_group_;
   // Of the operation and the partitions at hand.
+  std::vector<PermissionChange> found_;
+  std::map<Key, std::size_t> known_;  ///< where in found_, so that expressions can join
+  std::set<std::pair<std::size_t, const Text*>> named_;
+  Direction by_default_;
   std::vector<RuleElement> old_elements_, new_elements_;
   std::vector<TopicItem> old_items_, new_items_;
 };
@@ -210,6 +217,7 @@ std::vector<Group> Comparison::groups() const {
 }
 
 void Comparison::compare_group(const Group& group) {
+  told_of_group_.clear();
   compare_joining(group);
   for (const auto& operation : kOperations) compare_operation(group, operation);
 }
@@ -249,30 +257,36 @@ void Comparison::compare_context(const Group& group, const Operation& operation,
   const auto pairs = topic_pairs(before, after, limits_);
   if (!pairs) return give_up(group, operation);
   diff_.is_complete = diff_.is_complete && pairs->complete;
-  for (const auto& pair : pairs->pairs) compare_topic(group, operation, context, pair);
+  found_.clear();
+  known_.clear();
+  named_.clear();
+  for (const auto& pair : pairs->pairs) compare_topic(operation, context, pair);
+  for (auto& change : found_) tell(group, std::move(change));
 }
 
-PermissionChange& Comparison::change_of(const Key& key, PermissionChange change) {
-  const auto [entry, is_new] = known_.try_emplace(key, diff_.changes.size());
+void Comparison::tell(const Group& group, PermissionChange change) {
+  const Told told(change.operation, change.change, change.witness, change.expressions_old,
+                  change.expressions_new, change.old_line, change.new_line);
+  if (!told_of_group_.insert(told).second) return;
+  const auto [entry, is_new] = told_.try_emplace({told, change.partitions}, diff_.changes.size());
   if (is_new) diff_.changes.push_back(std::move(change));
-  return diff_.changes[entry->second];
+  auto& domains = diff_.changes[entry->second].domains;
+  domains.insert(domains.end(), group.domains.begin(), group.domains.end());
 }
 
 void Comparison::give_up(const Group& group, const Operation& operation) {
   diff_.direction.add(ChangeClass::unknown);
-  auto& kept = change_of({operation.name, ChangeClass::unknown, nullptr, nullptr},
-                         {.element = "rule",
-                          .operation = operation.name,
-                          .change = ChangeClass::unknown,
-                          .old_line = old_.line,
-                          .new_line = new_.line});
-  kept.domains.insert(kept.domains.end(), group.domains.begin(), group.domains.end());
+  tell(group, {.element = "rule",
+               .operation = operation.name,
+               .change = ChangeClass::unknown,
+               .old_line = old_.line,
+               .new_line = new_.line});
   // What else can be found quickly is still shown.
   limits_.states = std::min<std::size_t>(limits_.states, 2'000);
 }
 
-void Comparison::compare_topic(const Group& group, const Operation& operation,
-                               const PartitionContext& context, const TopicPair& pair) {
+void Comparison::compare_topic(const Operation& operation, const PartitionContext& context,
+                               const TopicPair& pair) {
   const auto* o = pair.old_rule ? &old_items_[*pair.old_rule] : nullptr;
   const auto* n = pair.new_rule ? &new_items_[*pair.new_rule] : nullptr;
   const bool before = o ? o->element->rule->allow : old_.default_allow;
@@ -285,21 +299,24 @@ void Comparison::compare_topic(const Group& group, const Operation& operation,
   const auto criteria = [](const TopicItem* item) {
     return item ? item->element->criteria : nullptr;
   };
-  auto& kept = change_of({operation.name, change, criteria(o), criteria(n)},
-                         {.element = "rule",
-                          .operation = operation.name,
-                          .change = change,
-                          .old_value = std::string(verdict_word(before)),
-                          .new_value = std::string(verdict_word(after)),
-                          .is_about_topics = true,
-                          .witness = pair.witness,
-                          .partitions = context.partitions,
-                          .old_line = o ? o->topic->line : old_.line,
-                          .new_line = n ? n->topic->line : new_.line});
-  kept.domains.insert(kept.domains.end(), group.domains.begin(), group.domains.end());
-  const auto index = static_cast<std::size_t>(&kept - diff_.changes.data());
-  if (o && named_.emplace(index, o->topic).second) kept.expressions_old.push_back(o->topic->text);
-  if (n && named_.emplace(index, n->topic).second) kept.expressions_new.push_back(n->topic->text);
+  const auto [entry, is_new] =
+      known_.try_emplace({change, criteria(o), criteria(n)}, found_.size());
+  if (is_new) {
+    found_.push_back({.element = "rule",
+                      .operation = operation.name,
+                      .change = change,
+                      .old_value = std::string(verdict_word(before)),
+                      .new_value = std::string(verdict_word(after)),
+                      .is_about_topics = true,
+                      .witness = pair.witness,
+                      .partitions = context.partitions,
+                      .old_line = o ? o->topic->line : old_.line,
+                      .new_line = n ? n->topic->line : new_.line});
+  }
+  const auto index = entry->second;
+  auto& found = found_[index];
+  if (o && named_.emplace(index, o->topic).second) found.expressions_old.push_back(o->topic->text);
+  if (n && named_.emplace(index, n->topic).second) found.expressions_new.push_back(n->topic->text);
 }
 
 void Comparison::compare_defaults() {

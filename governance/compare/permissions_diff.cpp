@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "governance/compare/domain_pieces.hpp"
 #include "governance/grant.hpp"
 #include "pki/subject_name.hpp"
 
@@ -228,6 +229,7 @@ void Comparison::compare_presence(const Grant& grant, const Grants& valid, bool 
     if (rule.element == "default") (is_new ? change.new_value : change.old_value) = "default ALLOW";
     change.domains.insert(change.domains.end(), rule.domains.begin(), rule.domains.end());
   }
+  change.domains = joined(std::move(change.domains));
   (is_new ? change.old_value : change.new_value) = "absent";
   auto& value = is_new ? change.new_value : change.old_value;
   value = value.empty() ? "present" : "present, " + value;

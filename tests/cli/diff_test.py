@@ -29,6 +29,24 @@ def governance(*topics, domain="<id>0</id>", rtps="SIGN", unauthenticated="false
             "</domain_rule></domain_access_rules></dds>\n")
 
 
+def rule(kind, *topics, domains="<id>0</id>", operation="publish", partitions=""):
+    names = "\n".join(f"<topic>{name}</topic>" for name in topics)
+    return (f"<{kind}_rule>\n<domains>{domains}</domains>\n<{operation}>\n<topics>\n{names}\n"
+            f"</topics>\n{partitions}</{operation}>\n</{kind}_rule>\n")
+
+
+def grant(*rules, subject="CN=talker", name="talker", until="2027-01-01", default="DENY"):
+    return (f'<grant name="{name}">\n<subject_name>{subject}</subject_name>\n'
+            f"<validity><not_before>2026-01-01T00:00:00Z</not_before>\n"
+            f"<not_after>{until}T00:00:00Z</not_after></validity>\n{''.join(rules)}"
+            f"<default>{default}</default>\n</grant>\n")
+
+
+def permissions(*grants):
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n<dds><permissions>\n{"".join(grants)}' \
+           "</permissions></dds>\n"
+
+
 class Differences(Transcript):
     def write(self, old, new, kind="governance"):
         self.kind = kind
@@ -163,6 +181,101 @@ class GovernanceDifferences(Differences):
         self.write(governance(topic("*")), "no document")
         self.refused("xml_not_well_formed", 3, "governance", "diff", "old.xml", "new.xml")
         self.refused("file_not_found", 3, "governance", "diff", "old.xml", "missing.xml")
+
+
+class PermissionsDifferences(Differences):
+    def write(self, old, new, kind="permissions"):
+        super().write(old, new, kind)
+
+    def test_the_order_of_rules_counts_and_the_example_shows_it(self):
+        deny, allow = rule("deny", "rt/cmd*"), rule("allow", "rt/*")
+        self.write(permissions(grant(allow)), permissions(grant(deny, allow)))
+        out = self.diff("--fail-on", "wider")
+        self.assertEqual((out["verdict"], out["takes_effect"], out["breaks_interop"]),
+                         ("narrower", "restart", False))
+        change, = out["changes"]
+        self.assertEqual([change[k] for k in ("subject", "element", "operation", "old", "new")],
+                         ["CN=talker", "rule", "publish", "allowed", "denied"])
+        self.assertEqual(change["topics"], {"witness": "rt/cmd", "expressions_old": ["rt/*"],
+                                            "expressions_new": ["rt/cmd*"]})
+        self.assertEqual((change["domains"], change["partitions"], change["old_at"], change["new_at"]),
+                         ([[0, 0]], [""], "old.xml:11", "new.xml:11"))
+        self.diff("--fail-on", "narrower", exit=1)
+        text = self.text()
+        self.assertRegex(text, r"^subject CN=talker\n  NARROWER  publish topics rt/\* "
+                               r"\(e\.g\. rt/cmd\)  allowed -> denied  by rt/\* -> by rt/cmd\*")
+        self.assertIn("verdict: NARROWER; old and new files work together\n", text)
+        self.assertIn("takes the new file when it restarts", text)
+
+        self.write(permissions(grant(deny, allow)), permissions(grant(allow, deny)))
+        out = self.diff("--fail-on", "wider", exit=1)
+        self.assertEqual((out["verdict"], out["changes"][0]["topics"]["witness"]),
+                         ("wider", "rt/cmd"))
+        self.assertNotIn("restart", self.text())
+
+    def test_wider_and_narrower_is_mixed_and_fails_both_ways(self):
+        self.write(permissions(grant(rule("allow", "rt/a*"))),
+                   permissions(grant(rule("allow", "rt/*z"))))
+        for threshold in ("wider", "narrower", "any"):
+            out = self.diff("--fail-on", threshold, exit=1)
+            self.assertEqual(out["verdict"], "mixed")
+        seen = {c["class"]: c["topics"]["witness"] for c in out["changes"]}
+        self.assertEqual(seen, {"wider": "rt/z", "narrower": "rt/a"})
+        self.refused("usage", 2, "permissions", "diff", "old.xml", "new.xml", "--fail-on", "weaker")
+
+    def test_a_default_comes_first_on_its_own_line(self):
+        self.write(permissions(grant(rule("allow", "rt/*"))),
+                   permissions(grant(rule("deny", "rt/*"), default="ALLOW")))
+        out = self.diff()
+        self.assertEqual([(c["element"], c["old"], c["new"], c["class"]) for c in out["changes"][:1]],
+                         [("default", "DENY", "ALLOW", "wider")])
+        self.assertRegex(self.text(), r"^subject CN=talker\n  WIDER     default DENY -> ALLOW  ")
+
+    def test_times_subjects_and_grants_have_lines_of_their_own(self):
+        self.write(permissions(grant(rule("allow", "rt/*"), subject="CN=talker,O=Acme")),
+                   permissions(grant(rule("allow", "rt/*"), subject="O=Acme, CN=talker",
+                                     until="2028-01-01"),
+                               grant(rule("allow", "x"), subject="CN=new", name="new")))
+        seen = [(c["element"], c["class"]) for c in self.diff()["changes"]]
+        self.assertEqual(seen, [("validity", "wider"), ("grant", "wider"),
+                                ("subject_name", "interop")])
+        text = self.text()
+        self.assertIn("validity  2026-01-01T00:00:00Z .. 2027-01-01T00:00:00Z", text)
+        self.assertIn("grant absent -> present  for x", text)
+        self.assertIn("other products compare the text", text)
+
+    def test_a_renamed_subject_can_be_followed(self):
+        self.write(permissions(grant(rule("allow", "rt/*"))),
+                   permissions(grant(rule("allow", "rt/*"), subject="CN=talker-2")))
+        self.assertEqual(self.diff()["verdict"], "mixed")
+        out = self.diff("--subject-map", "--fail-on", "wider")
+        self.assertEqual((out["verdict"], [c["element"] for c in out["changes"]]),
+                         ("neutral", ["subject_name"]))
+
+    def test_what_is_not_compared_is_unknown(self):
+        relay = rule("allow", "rt/x", operation="relay")
+        self.write(permissions(grant(rule("allow", "rt/*"))),
+                   permissions(grant(rule("allow", "rt/*"), relay)))
+        self.assertEqual(self.diff("--fail-on", "wider", exit=1)["verdict"], "unknown")
+        self.assertIn("UNKNOWN   relay 0 elements -> 1 elements  not compared any further",
+                      self.text())
+        self.write(permissions(grant(rule("deny", "*a" + "?" * 12), rule("allow", "*"))),
+                   permissions(grant(rule("deny", "*[ab]" + "?" * 12), rule("allow", "*"))))
+        self.assertEqual(self.diff("--fail-on", "narrower", exit=1)["verdict"], "unknown")
+        self.assertIn("too many combinations", self.text())
+
+    def test_partitions_are_part_of_the_example(self):
+        listed = "<partitions><partition>p</partition></partitions>\n"
+        self.write(permissions(grant(rule("allow", "rt/*"))),
+                   permissions(grant(rule("allow", "rt/*", partitions=listed))))
+        seen = {c["class"]: c["partitions"] for c in self.diff()["changes"]}
+        self.assertEqual(seen, {"wider": ["p"], "narrower": [""]})
+        self.assertIn("in partition p", self.text())
+
+    def test_documents_of_another_kind_are_refused(self):
+        self.write(permissions(grant(rule("allow", "*"))), governance(topic("*")))
+        self.refused("document_kind", 3, "permissions", "diff", "old.xml", "new.xml")
+        self.refused("document_kind", 3, "governance", "diff", "old.xml", "new.xml")
 
 
 if __name__ == "__main__":

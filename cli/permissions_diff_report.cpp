@@ -1,0 +1,151 @@
+#include "cli/permissions_diff_report.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+
+namespace ddssec::cli {
+namespace {
+
+using governance::ChangeClass;
+using governance::PermissionChange;
+
+constexpr std::string_view kTakesEffect =
+    "a participant takes the new file when it restarts: until then what was taken away stays "
+    "allowed";
+
+Json to_json(const PermissionChange& change, const DiffSides& sides) {
+  Json out = {{"subject", change.subject},
+              {"domains", domains_json(change.domains)},
+              {"element", change.element},
+              {"operation", change.operation.empty() ? Json() : Json(change.operation)},
+              {"topics",
+               {{"witness", change.is_about_topics ? Json(change.witness) : Json()},
+                {"expressions_old", change.expressions_old},
+                {"expressions_new", change.expressions_new}}},
+              {"partitions", change.partitions},
+              {"old", change.old_value.empty() ? Json() : Json(change.old_value)},
+              {"new", change.new_value.empty() ? Json() : Json(change.new_value)},
+              {"class", governance::to_string(change.change)}};
+  out["old_at"] = place(sides.before.path, change.old_line);
+  out["new_at"] = place(sides.after.path, change.new_line);
+  return out;
+}
+
+std::string decided_by(const std::vector<std::string>& expressions) {
+  return expressions.empty() ? "the default" : shown(expressions);
+}
+
+/// "topics rt/a* (e.g. rt/a)", by the rule that takes something away or gives it.
+std::string topics_of(const PermissionChange& change) {
+  const bool by_new = !change.expressions_new.empty() &&
+                      (change.change == ChangeClass::wider || change.expressions_old.empty());
+  const auto& expressions = by_new ? change.expressions_new : change.expressions_old;
+  if (expressions.empty()) return fmt::format("topics such as {}", shown(change.witness));
+  const auto rules = shown(expressions);
+  if (rules == shown(change.witness)) return "topic " + rules;
+  return fmt::format("topics {} (e.g. {})", rules, shown(change.witness));
+}
+
+std::string partitions_of(const PermissionChange& change) {
+  if (change.partitions.empty() || change.partitions == std::vector<std::string>{""}) return {};
+  std::string text;
+  for (const auto& name : change.partitions) {
+    text +=
+        (text.empty() ? "" : ", ") + (name.empty() ? std::string("the default one") : shown(name));
+  }
+  return (change.partitions.size() == 1 ? "in partition " : "in partitions ") + text;
+}
+
+/// What happened, as the parts of a line.
+std::vector<std::string> parts_of(const PermissionChange& change) {
+  const auto values = fmt::format("{} -> {}", change.old_value, change.new_value);
+  if (change.element == "rule" && change.change == ChangeClass::unknown) {
+    return {fmt::format("{}: too many combinations of expressions to compare", change.operation)};
+  }
+  if (change.element == "rule") {
+    const auto by = fmt::format("by {} -> by {}", decided_by(change.expressions_old),
+                                decided_by(change.expressions_new));
+    return {fmt::format("{} {}", change.operation, topics_of(change)), partitions_of(change),
+            fmt::format("{} -> {}", change.old_value, change.new_value), by};
+  }
+  if (change.element == "default")
+    return {"default " + values, "for all names that no rule mentions"};
+  if (change.element == "join") return {"joining the domain " + values};
+  if (change.element == "validity") {
+    return {"validity", change.old_value, "-> " + change.new_value};
+  }
+  if (change.element == "grant") {
+    const auto& expressions =
+        change.expressions_new.empty() ? change.expressions_old : change.expressions_new;
+    return {"grant " + values, expressions.empty() ? "" : "for " + shown(expressions)};
+  }
+  if (change.element == "subject_name") {
+    return {"subject", shown(change.old_value), "-> " + shown(change.new_value),
+            "(the same to ddssec; other products compare the text)"};
+  }
+  return {fmt::format("{} {}", change.element, values), "not compared any further"};
+}
+
+std::string to_text(const PermissionChange& change) {
+  const auto word = std::string(governance::to_string(change.change));
+  std::string capitals = word;
+  const bool harmless =
+      change.change == ChangeClass::neutral || change.change == ChangeClass::interop;
+  if (!harmless) {
+    std::ranges::transform(word, capitals.begin(),
+                           [](char c) { return static_cast<char>(c - 'a' + 'A'); });
+  }
+  auto parts = parts_of(change);
+  if (change.element != "default" && !change.domains.empty())
+    parts.push_back(shown(change.domains));
+  parts.push_back(shown_lines(change.old_line, change.new_line));
+  return wrapped(fmt::format("  {:<9} ", capitals), parts);
+}
+
+std::string verdict_text(const governance::PermissionsDiff& diff) {
+  std::string word(governance::to_string(diff.verdict));
+  std::ranges::transform(word, word.begin(),
+                         [](char c) { return static_cast<char>(c - 'a' + 'A'); });
+  std::string text;
+  if (!diff.is_complete) text += "more rules than are named here changed in the same ways\n";
+  if (!diff.is_exact) {
+    text += wrapped("", {"approximate:", "there are too many partitions or expressions of subjects",
+                         "to try every combination"});
+  }
+  text += fmt::format("verdict: {}; old and new files work together\n", word);
+  const bool takes_away = diff.verdict == ChangeClass::narrower ||
+                          diff.verdict == ChangeClass::mixed ||
+                          diff.verdict == ChangeClass::unknown;
+  return takes_away ? text + std::string(kTakesEffect) + "\n" : text;
+}
+
+}  // namespace
+
+Report report_of(const governance::PermissionsDiff& diff, const DiffSides& sides) {
+  Report report;
+  // The most worrying subject first, each with all that changes for it.
+  std::vector<std::string> subjects;
+  std::map<std::string_view, std::string> texts;
+  report.result = {{"verdict", governance::to_string(diff.verdict)},
+                   {"breaks_interop", false},
+                   {"takes_effect", "restart"},
+                   {"changes", Json::array()},
+                   {"complete", diff.is_complete},
+                   {"approximate", !diff.is_exact}};
+  for (const auto& change : diff.changes) {
+    report.result["changes"].push_back(to_json(change, sides));
+    auto& text = texts[change.subject];
+    if (text.empty()) subjects.push_back(change.subject);
+    text += to_text(change);
+  }
+  for (const auto& subject : subjects) {
+    report.text += fmt::format("subject {}\n{}", shown(subject), texts[subject]);
+  }
+  report.text += signer_text(sides) + verdict_text(diff);
+  report.result["signer"] = signer_json(sides);
+  return report;
+}
+
+}  // namespace ddssec::cli
