@@ -405,32 +405,22 @@ Participant::~Participant() {
   auth.return_identity_handle(&auth, identity, nullptr);
 }
 
-Link::Link(Participant& a, Participant& b, const std::string& topic) : a_(a), b_(b) {
-  authenticate();
-  judge(a_, b_, a_of_b);
-  judge(b_, a_, b_of_a);
-  exchange_participant_keys(a_, a_of_b, b_, b_of_a);
-  exchange_participant_keys(b_, b_of_a, a_, a_of_b);
-  add_endpoints(topic);
-}
-
-void Link::authenticate() {
-  auto& auth_a = a_.domain.authentication();
-  auto& auth_b = b_.domain.authentication();
+void authenticate(Participant& a, Participant& b, Peer& a_of_b, Peer& b_of_a) {
+  auto& auth_a = a.domain.authentication();
+  auto& auth_b = b.domain.authentication();
   Token request_a, request_b;
   Call call("validate_remote_identity");
-  const auto at_a =
-      auth_a.validate_remote_identity(&auth_a, &a_of_b.identity, &request_a, nullptr, a_.identity,
-                                      &b_.identity_token, &b_.guid, call);
+  const auto at_a = auth_a.validate_remote_identity(&auth_a, &a_of_b.identity, &request_a, nullptr,
+                                                    a.identity, &b.identity_token, &b.guid, call);
   call.check(at_a != DDS_SECURITY_VALIDATION_FAILED);
   const auto at_b = auth_b.validate_remote_identity(
       &auth_b, &b_of_a.identity, &request_b, request_a.class_id != nullptr ? &request_a : nullptr,
-      b_.identity, &a_.identity_token, &a_.guid, call);
+      b.identity, &a.identity_token, &a.guid, call);
   call.check(at_b != DDS_SECURITY_VALIDATION_FAILED && at_a != at_b);
 
   const bool a_starts = at_a == DDS_SECURITY_VALIDATION_PENDING_HANDSHAKE_REQUEST;
-  auto& first = a_starts ? a_ : b_;
-  auto& second = a_starts ? b_ : a_;
+  auto& first = a_starts ? a : b;
+  auto& second = a_starts ? b : a;
   auto& second_of_first = a_starts ? a_of_b : b_of_a;
   auto& first_of_second = a_starts ? b_of_a : a_of_b;
   auto& auth_first = first.domain.authentication();
@@ -452,6 +442,15 @@ void Link::authenticate() {
   handshake.check(auth_second.process_handshake(&auth_second, &nothing, &final_message,
                                                 first_of_second.handshake,
                                                 handshake) == DDS_SECURITY_VALIDATION_OK);
+}
+
+Link::Link(Participant& a, Participant& b, const std::string& topic) : a_(a), b_(b) {
+  authenticate(a_, b_, a_of_b, b_of_a);
+  judge(a_, b_, a_of_b);
+  judge(b_, a_, b_of_a);
+  exchange_participant_keys(a_, a_of_b, b_, b_of_a);
+  exchange_participant_keys(b_, b_of_a, a_, a_of_b);
+  add_endpoints(topic);
 }
 
 void Link::judge(Participant& self, Participant& remote, Peer& peer) {

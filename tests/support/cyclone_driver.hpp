@@ -25,7 +25,8 @@ struct Refused : std::runtime_error {
 /// A SecurityException that is freed; `check` turns a failure into Refused.
 class Call {
  public:
-  explicit Call(std::string name) : name_(std::move(name)) {}
+  /// `name` lives as long.
+  explicit Call(const char* name) : name_(name) {}
   ~Call();
   Call(const Call&) = delete;
   Call& operator=(const Call&) = delete;
@@ -35,7 +36,7 @@ class Call {
   }
 
  private:
-  std::string name_;
+  const char* name_;
   Exception ex_{};
 };
 
@@ -199,6 +200,9 @@ struct Peer {
   DDS_Security_ParticipantCryptoHandle crypto = 0;
 };
 
+/// One handshake of two participants, from discovery to both sides' OK. Throws Refused.
+void authenticate(Participant& a, Participant& b, Peer& a_of_b, Peer& b_of_a);
+
 /// Authentication, permissions, participant keys, one writer at `a` and one reader at `b` on
 /// `topic`, and their keys. Throws Refused.
 class Link {
@@ -213,7 +217,6 @@ class Link {
   Peer a_of_b, b_of_a;
 
  private:
-  void authenticate();
   void judge(Participant& self, Participant& remote, Peer& peer);
   void exchange_participant_keys(Participant& from, Peer& to, Participant& at, Peer& remote);
   void add_endpoints(const std::string& topic);
