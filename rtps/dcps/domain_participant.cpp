@@ -73,7 +73,12 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
   std::unique_ptr<DomainParticipant> out(new DomainParticipant(std::move(options), environment));
   out->interface_ = *interface;
   DDSSEC_TRY(out->open_sockets());
-  DDSSEC_TRY(out->start(prefix));
+  std::unique_ptr<OwnSecurity> security;
+  if (const auto& wanted = out->options_.security) {
+    security = DDSSEC_TRY(OwnSecurity::create(*wanted, out->options_.domain_id, prefix));
+    prefix = security->guid().prefix;
+  }
+  DDSSEC_TRY(out->start(prefix, std::move(security)));
   if (out->options_.enabled) DDSSEC_TRY(out->enable());
   return out;
 }
@@ -98,7 +103,7 @@ Status DomainParticipant::open_sockets() {
                                       .found = "all taken"});
 }
 
-Status DomainParticipant::start(const GuidPrefix& prefix) {
+Status DomainParticipant::start(const GuidPrefix& prefix, std::unique_ptr<OwnSecurity> security) {
   guid_ = {prefix, kEntityIdParticipant};
   ParticipantConfig config{.prefix = prefix,
                            .domain_id = options_.domain_id,
@@ -123,6 +128,7 @@ Status DomainParticipant::start(const GuidPrefix& prefix) {
   }
   auto protocol =
       std::make_unique<Participant>(std::move(config), *sockets_, context_.environment().events);
+  if (security) DDSSEC_TRY(protocol->secure(std::move(security)));
   const auto held = lock();
   context_.adopt(std::move(protocol));
   return sockets_->listen([this](BytesView datagram) {
@@ -179,6 +185,11 @@ void DomainParticipant::serve(std::chrono::nanoseconds most) {
 ParticipantCounters DomainParticipant::counters() const {
   const auto held = lock();
   return context_.protocol().counters();
+}
+
+ProtectionCounters DomainParticipant::protection_counters() const {
+  const auto held = lock();
+  return context_.protocol().protection_counters();
 }
 
 std::size_t DomainParticipant::remote_participants() const {

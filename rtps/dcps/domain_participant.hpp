@@ -20,6 +20,8 @@ struct DomainParticipantOptions {
   Duration lease_duration{{10, 0}};
   bool own_thread = true;  ///< false: the application calls poll()
   bool enabled = true;     ///< false: silent until enable()
+  /// Nothing: not a secured participant.
+  std::optional<SecurityOptions> security = {};
 };
 
 struct DomainParticipantQos {
@@ -67,6 +69,8 @@ class DomainParticipant final : private ParticipantContext::Server,
   DomainId domain_id() const { return options_.domain_id; }
   int index() const { return index_; }
   ParticipantCounters counters() const;
+  /// What was dropped for its protection; all zero without security.
+  ProtectionCounters protection_counters() const;
   std::size_t remote_participants() const;
   std::vector<Guid> discovered_participants() const;
   Time current_time() const { return context_.moment().wall; }
@@ -118,7 +122,7 @@ class DomainParticipant final : private ParticipantContext::Server,
 
   DomainParticipant(DomainParticipantOptions options, const Environment& environment);
   Status open_sockets();
-  Status start(const GuidPrefix& prefix);
+  Status start(const GuidPrefix& prefix, std::unique_ptr<OwnSecurity> security);
   void wake() override;
   void serve(std::chrono::nanoseconds most) override;
   /// With the lock held: whichever of them writes asserts all.

@@ -16,6 +16,7 @@ struct EndpointData {
   LocatorList unicast = {}, multicast = {};  ///< empty: the participant's defaults
   bool expects_inline_qos = false;
   std::optional<spi::SecurityInfo> security_info = {};
+  bool by_secure_discovery = false;  ///< how a remote one was announced; not part of what is sent
   bool operator==(const EndpointData&) const = default;
 };
 

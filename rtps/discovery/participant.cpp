@@ -7,27 +7,13 @@
 #include "rtps/wire/info_source.hpp"
 
 namespace ddssec::rtps {
-namespace {
-
-// RTPS 8.5.4: the builtin writers of SEDP keep the last announcement of each endpoint.
-Qos builtin_qos() {
-  auto qos = default_writer_qos();
-  qos.durability = DurabilityKind::transient_local;
-  return qos;
-}
-
-}  // namespace
 
 Participant::Participant(ParticipantConfig config, Transport& transport, EventSink& events)
     : config_(std::move(config)),
       events_(events),
       sender_(transport, config_.prefix),
-      publications_writer_({config_.prefix, kPublicationsWriter}, builtin_qos(), sender_),
-      subscriptions_writer_({config_.prefix, kSubscriptionsWriter}, builtin_qos(), sender_),
-      publications_reader_({config_.prefix, kPublicationsReader}, true, sender_,
-                           [this](Change& change) { return on_sedp(change, true); }),
-      subscriptions_reader_({config_.prefix, kSubscriptionsReader}, true, sender_,
-                            [this](Change& change) { return on_sedp(change, false); }) {}
+      builtin_(config_.prefix, sender_,
+               [this](BuiltinTopic topic, Change& change) { return on_builtin(topic, change); }) {}
 
 Participant::~Participant() = default;
 
@@ -46,28 +32,75 @@ StatefulReader* Participant::reader(const Guid& guid) {
 void Participant::receive(BytesView datagram, MonotonicTime now) {
   now_ = now;
   ++counters_.messages;
-  auto message = MessageReader::open(datagram);
+  const auto header = read_header(datagram);
   Status status;
-  if (!message) {
-    status = std::unexpected(message.error());
-  } else if (message->header().prefix != config_.prefix) {
-    Context context{message->header().prefix, true, {}, now, datagram.size()};
-    // RTPS 8.3.4.1: the first invalid submessage ends the message.
-    for (;;) {
-      const auto next = message->next();
-      if (!next) status = std::unexpected(next.error());
-      if (!next || !*next) break;
-      status = process(**next, context);
-      if (!status) break;
+  if (!header) {
+    status = std::unexpected(header.error());
+  } else if (header->prefix != config_.prefix) {
+    Context context{header->prefix, true, {}, now, datagram.size()};
+    constexpr auto kProtected = static_cast<std::uint8_t>(SubmessageId::secure_rtps_prefix);
+    if (security_ && datagram.size() > kHeaderSize && datagram[kHeaderSize] == kProtected) {
+      const auto plain =
+          security_->keyring().open_message(header->prefix, datagram, message_scratch_);
+      if (!plain) return;  // counted, and said where it is worth an event
+      datagram = *plain;
+      context.shield.message = true;
     }
-    if (const auto known = remotes_.find(message->header().prefix); known != remotes_.end()) {
-      known->second.lease_end = lease_end(known->second.data, now);
-      note_alive(known->second, LivelinessKind::automatic);
-    }
+    status = walk(datagram, context);
+    note_heard(context);
   }
+  for (const auto& prefix : std::exchange(gone_, {})) remove_remote(prefix);
   if (status) return;
   ++counters_.malformed;
-  events_.raise(Event(status.error(), {}, message ? message->header().prefix.to_string() : ""));
+  events_.raise(Event(status.error(), {}, header ? header->prefix.to_string() : ""));
+}
+
+// RTPS 8.3.4.1: the first invalid submessage ends the message.
+Status Participant::walk(BytesView octets, Context& context) {
+  auto message = DDSSEC_TRY(MessageReader::open(octets));
+  while (const auto view = DDSSEC_TRY(message.next())) {
+    if (view->id == SubmessageId::secure_prefix && security_)
+      DDSSEC_TRY(open_group(*view, message, context));
+    else
+      DDSSEC_TRY(process(*view, context));
+  }
+  return {};
+}
+
+// Prefix, one submessage and postfix (DDS-Security 7.4.6.2). What cannot be opened is dropped, what
+// follows it counts.
+Status Participant::open_group(const SubmessageView& prefix, MessageReader& message,
+                               Context& context) {
+  auto size = prefix.whole.size();
+  for (int part = 0; part < 2; ++part) {
+    const auto view = DDSSEC_TRY(message.next());
+    if (!view) return fail(Code::truncated);
+    size += view->whole.size();
+  }
+  if (!context.for_us) return {};
+  const BytesView group(prefix.whole.data(), size);
+  const auto opened =
+      security_->keyring().open_submessage(context.source, group, submessage_scratch_);
+  if (!opened) return {};
+  const auto inner = DDSSEC_TRY(MessageReader::over_submessages({}, opened->plain).next());
+  if (!inner) return fail(Code::truncated);
+  context.shield.submessage = opened->by;
+  const auto status = process(*inner, context);
+  context.shield.submessage = {};
+  return status;
+}
+
+// Whoever sends anything lives; in the name of an authenticated participant of a domain whose
+// messages are protected, only protected messages (and announcements) say so.
+void Participant::note_heard(const Context& context) {
+  const auto known = remotes_.find(context.source);
+  if (known == remotes_.end()) return;
+  const bool proven = context.shield.message || !security_ ||
+                      !security_->own().attributes().is_rtps_protected() ||
+                      !security_->is_authenticated(context.source);
+  if (!proven) return;
+  known->second.lease_end = lease_end(known->second.data, context.now);
+  note_alive(known->second, LivelinessKind::automatic);
 }
 
 Status Participant::process_info(const SubmessageView& view, Context& context) {
@@ -102,68 +135,126 @@ Status Participant::process(const SubmessageView& view, Context& context) {
     case SubmessageId::heartbeat: {
       const auto heartbeat = DDSSEC_TRY(read_heartbeat(view));
       if (!context.for_us) return {};
-      each_reader(heartbeat.reader, [&](auto& reader) { reader.on_heartbeat(from, heartbeat); });
-      if (heartbeat.asserts_liveliness) note_alive(from, heartbeat.writer);
+      each_reader(heartbeat.reader, heartbeat.writer, context, [&](auto& reader) {
+        reader.on_heartbeat(from, heartbeat);
+        if (heartbeat.asserts_liveliness) note_alive(from, heartbeat.writer);
+      });
       return {};
     }
     case SubmessageId::gap: {
       const auto gap = DDSSEC_TRY(read_gap(view));
-      if (context.for_us) each_reader(gap.reader, [&](auto& reader) { reader.on_gap(from, gap); });
+      if (context.for_us)
+        each_reader(gap.reader, gap.writer, context,
+                    [&](auto& reader) { reader.on_gap(from, gap); });
       return {};
     }
     case SubmessageId::heartbeat_frag: {
       DDSSEC_TRY(read_heartbeat_frag(view));  // the plain heartbeat behind it says enough
       return {};
     }
-    case SubmessageId::acknack: {
-      const auto acknack = DDSSEC_TRY(read_acknack(view));
-      if (!context.for_us) return {};
-      if (acknack.writer == kPublicationsWriter)
-        publications_writer_.on_acknack(from, acknack, context.now);
-      else if (acknack.writer == kSubscriptionsWriter)
-        subscriptions_writer_.on_acknack(from, acknack, context.now);
-      else if (auto* local = local_writer(acknack.writer)) {
-        local->protocol->on_acknack(from, acknack, context.now);
-        local->listener->on_acknowledged();
-      }
-      return {};
-    }
-    case SubmessageId::nack_frag: {
-      const auto nack = DDSSEC_TRY(read_nack_frag(view));
-      auto* local = context.for_us ? local_writer(nack.writer) : nullptr;
-      if (local != nullptr) local->protocol->on_nack_frag(from, nack, context.now);
-      return {};
-    }
+    case SubmessageId::acknack:
+      return on_acknack(view, context);
+    case SubmessageId::nack_frag:
+      return on_nack_frag(view, context);
     default:
       return process_info(view, context);
   }
 }
 
+Status Participant::on_acknack(const SubmessageView& view, const Context& context) {
+  const auto acknack = DDSSEC_TRY(read_acknack(view));
+  auto* writer = addressed(acknack.writer, acknack.reader, context);
+  if (writer == nullptr) return {};
+  writer->on_acknack(context.source, acknack, context.now);
+  if (auto* local = local_writer(acknack.writer)) local->listener->on_acknowledged();
+  return {};
+}
+
+Status Participant::on_nack_frag(const SubmessageView& view, const Context& context) {
+  const auto nack = DDSSEC_TRY(read_nack_frag(view));
+  auto* writer = addressed(nack.writer, nack.reader, context);
+  if (writer != nullptr) writer->on_nack_frag(context.source, nack, context.now);
+  return {};
+}
+
 Status Participant::on_data(const SubmessageView& view, const Context& context) {
   const auto data = DDSSEC_TRY(read_data(view));
+  const auto& from = context.source;
   if (!context.for_us) return {};
   if (data.writer == kSpdpWriter) return on_spdp(data, context);
-  each_reader(data.reader,
-              [&](auto& reader) { reader.on_data(context.source, data, context.time); });
-  note_alive(context.source, data.writer);
+  if (data.writer == kStatelessMessageWriter) {
+    if (security_) security_->on_stateless(from, data.payload, context.now);
+    return {};
+  }
+  each_reader(data.reader, data.writer, context, [&](auto& reader) {
+    auto plain = data;
+    const auto payload = opened(reader, {from, data.writer}, data.payload);
+    if (!payload) return;
+    plain.payload = *payload;
+    reader.on_data(from, plain, context.time);
+    note_alive(from, data.writer);
+  });
   return {};
 }
 
 Status Participant::on_data_frag(const SubmessageView& view, const Context& context) {
   const auto frag = DDSSEC_TRY(read_data_frag(view));
+  const auto& from = context.source;
   if (!context.for_us) return {};
-  each_reader(frag.reader,
-              [&](auto& reader) { reader.on_data_frag(context.source, frag, context.time); });
-  note_alive(context.source, frag.writer);
+  if (frag.writer == kStatelessMessageWriter) {
+    if (security_) security_->on_stateless_frag(from, frag, context.now);
+    return {};
+  }
+  each_reader(frag.reader, frag.writer, context, [&](auto& reader) {
+    const auto payload = opened(reader, {from, frag.writer}, frag.encoded);
+    const auto plain = payload ? with_payload(frag, *payload) : fail(Code::truncated);
+    if (!plain) return;
+    reader.on_data_frag(from, *plain, context.time);
+    note_alive(from, frag.writer);
+  });
   return {};
 }
 
-// A reader drops what comes from a writer that it did not match, so that asking all is safe.
-void Participant::each_reader(const EntityId& id, const std::function<void(StatefulReader&)>& f) {
-  if (id == kEntityIdUnknown || id == kPublicationsReader) f(publications_reader_);
-  if (id == kEntityIdUnknown || id == kSubscriptionsReader) f(subscriptions_reader_);
-  for (auto& [own, local] : readers_)
-    if (id == kEntityIdUnknown || id == own) f(*local.protocol);
+std::optional<BytesView> Participant::opened(const StatefulReader& reader, const Guid& writer,
+                                             BytesView payload) {
+  if (!security_ || reader.guid().entity == kVolatileMessageReader) return payload;
+  const auto plain =
+      security_->keyring().open_payload(reader.guid().entity, writer, payload, payload_scratch_);
+  return plain ? std::optional(*plain) : std::nullopt;
+}
+
+bool Participant::accepts(const EntityId& local, const Guid& remote, const Context& context) {
+  return !security_ || security_->keyring().accepts(local, remote, context.shield);
+}
+
+void Participant::each_reader(const EntityId& id, const EntityId& writer, const Context& context,
+                              const std::function<void(StatefulReader&)>& f) {
+  const Guid from{context.source, writer};
+  const auto offer = [&](StatefulReader& reader) {
+    const auto& own = reader.guid().entity;
+    const bool meant = id == kEntityIdUnknown || id == own;
+    if (meant && reader.is_matched(from) && accepts(own, from, context)) f(reader);
+  };
+  if (is_builtin(writer)) {
+    builtin_.each([&](auto&, auto&, auto& reader) { offer(reader); });
+    auto* keys = security_ ? security_->volatile_reader(context.source) : nullptr;
+    if (keys != nullptr) offer(*keys);
+    return;
+  }
+  for (auto& [own, local] : readers_) offer(*local.protocol);
+}
+
+StatefulWriter* Participant::addressed(const EntityId& writer, const EntityId& reader,
+                                       const Context& context) {
+  if (!context.for_us) return nullptr;
+  auto* found = builtin_.find_writer(writer);
+  if (found == nullptr && writer == kVolatileMessageWriter && security_)
+    found = security_->volatile_writer(context.source);
+  if (auto* local = local_writer(writer); found == nullptr && local != nullptr)
+    found = local->protocol.get();
+  const Guid from{context.source, reader};
+  const bool good = found != nullptr && found->is_matched(from) && accepts(writer, from, context);
+  return good ? found : nullptr;
 }
 
 Participant::LocalWriter* Participant::local_writer(const EntityId& id) {
@@ -180,20 +271,27 @@ void Participant::tick(MonotonicTime now) {
         now + (++announcements_ < kFastAnnouncements ? std::chrono::milliseconds(100)
                                                      : std::chrono::milliseconds(3000));
   }
-  for (auto* builtin : {&publications_writer_, &subscriptions_writer_}) builtin->tick(now);
-  for (auto* builtin : {&publications_reader_, &subscriptions_reader_}) builtin->tick(now);
+  if (now >= next_liveliness_) assert_liveliness(LivelinessKind::automatic, now);
+  if (security_) security_->tick(now);
+  builtin_.each([&](auto&, auto& writer, auto& reader) {
+    writer.tick(now);
+    reader.tick(now);
+  });
   for (auto& [id, local] : writers_) local.protocol->tick(now);
   for (auto& [id, local] : readers_) local.protocol->tick(now);
   std::vector<GuidPrefix> ended;
   for (const auto& [prefix, remote] : remotes_)
     if (remote.lease_end <= now) ended.push_back(prefix);
   for (const auto& prefix : ended) remove_remote(prefix);
+  for (const auto& prefix : std::exchange(gone_, {})) remove_remote(prefix);
 }
 
 MonotonicTime Participant::next_tick() const {
-  auto next = next_announcement_;
-  next = std::min({next, publications_writer_.next_tick(), subscriptions_writer_.next_tick(),
-                   publications_reader_.next_tick(), subscriptions_reader_.next_tick()});
+  auto next = std::min(next_announcement_, next_liveliness_);
+  if (security_) next = std::min(next, security_->next_tick());
+  builtin_.each([&](auto&, const auto& writer, const auto& reader) {
+    next = std::min({next, writer.next_tick(), reader.next_tick()});
+  });
   for (const auto& [id, local] : writers_) next = std::min(next, local.protocol->next_tick());
   for (const auto& [id, local] : readers_) next = std::min(next, local.protocol->next_tick());
   for (const auto& [prefix, remote] : remotes_) next = std::min(next, remote.lease_end);
@@ -220,8 +318,12 @@ Result<Guid> Participant::create_writer(EndpointRequest request, EndpointListene
   const auto kind = request.with_key ? EndpointKind::writer_with_key : EndpointKind::writer_no_key;
   auto data = local_data(std::move(request), kind);
   const auto guid = data.guid;
+  if (security_)
+    data.security_info =
+        DDSSEC_TRY(security_->create_endpoint(guid.entity, data.topic_name, data.qos.partition));
   auto protocol = std::make_unique<StatefulWriter>(guid, data.qos, sender_);
   auto& local = writers_[guid.entity] = {std::move(data), &listener, std::move(protocol), {}};
+  next_liveliness_ = std::min(next_liveliness_, now);
   publish(local.data, now);
   match_all(local);
   return guid;
@@ -234,6 +336,9 @@ Result<Guid> Participant::create_reader(EndpointRequest request, EndpointListene
   const auto kind = request.with_key ? EndpointKind::reader_with_key : EndpointKind::reader_no_key;
   auto data = local_data(std::move(request), kind);
   const auto guid = data.guid;
+  if (security_)
+    data.security_info =
+        DDSSEC_TRY(security_->create_endpoint(guid.entity, data.topic_name, data.qos.partition));
   auto protocol = std::make_unique<StatefulReader>(
       guid, data.qos.is_reliable(), sender_,
       [&listener](Change& change) { return listener.on_change(change); });
@@ -252,6 +357,7 @@ void Participant::remove(const Guid& endpoint, MonotonicTime now) {
                     [&](const auto& w) { return w.listener == reader->second.listener; });
   if (writers_.erase(endpoint.entity) + readers_.erase(endpoint.entity) > 0)
     unpublish(endpoint, now);
+  if (security_) security_->keyring().remove_local(endpoint.entity);
 }
 
 }  // namespace ddssec::rtps

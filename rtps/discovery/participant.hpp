@@ -6,10 +6,12 @@
 #include <memory>
 
 #include "base/event.hpp"
+#include "rtps/discovery/builtin_endpoints.hpp"
 #include "rtps/discovery/endpoint_data.hpp"
 #include "rtps/discovery/participant_data.hpp"
 #include "rtps/qos/matching.hpp"
 #include "rtps/reliability/stateful_reader.hpp"
+#include "rtps/security/security.hpp"
 #include "rtps/wire/entity_ids.hpp"
 #include "rtps/wire/message_reader.hpp"
 
@@ -60,16 +62,27 @@ LocatorList usable_locators(const LocatorList& announced, const LocatorList& fal
 /// When a participant that was heard at `now` counts as gone.
 MonotonicTime lease_end(const ParticipantData& data, MonotonicTime now);
 
-class Participant {
+class Participant final : private SecurityHost {
  public:
   static constexpr std::size_t kMostParticipants = 512;
   static constexpr std::size_t kMostEndpointsPerParticipant = 4096;
 
   Participant(ParticipantConfig config, Transport& transport, EventSink& events);
-  ~Participant();
+  ~Participant() override;
+
+  /// Makes it a secured one, before anything else happens; the prefix must be that of `own`.
+  /// Errors: those of the plugins.
+  Status secure(std::unique_ptr<OwnSecurity> own);
 
   const GuidPrefix& prefix() const { return config_.prefix; }
   const ParticipantCounters& counters() const { return counters_; }
+  /// All zero without security.
+  ProtectionCounters protection_counters() const {
+    return security_ ? security_->keyring().counters() : ProtectionCounters{};
+  }
+  bool is_authenticated(const GuidPrefix& peer) const {
+    return security_ && security_->is_authenticated(peer);
+  }
   std::size_t remote_participants() const { return remotes_.size(); }
 
   /// One datagram, from anybody.
@@ -80,7 +93,8 @@ class Participant {
   /// Says good-bye: disposes the participant.
   void leave();
 
-  /// What is announced of a new endpoint. Errors: rtps_qos_inconsistent.
+  /// What is announced of a new endpoint. Errors: rtps_qos_inconsistent, and if it is secured those
+  /// of access control.
   struct EndpointRequest {
     std::string topic_name;
     std::string type_name;
@@ -107,6 +121,10 @@ class Participant {
   std::vector<Guid> matched(const Guid& endpoint) const;
   /// What a remote endpoint announced; nullptr if it is not known (any more).
   const EndpointData* remote_endpoint(const Guid& guid) const;
+
+  /// Tells all that our writers of this kind live (RTPS 8.4.13). Those of kind AUTOMATIC are
+  /// asserted by tick.
+  void assert_liveliness(LivelinessKind kind, MonotonicTime now);
 
   /// nullptr: not one of ours.
   StatefulWriter* writer(const Guid& guid);
@@ -135,8 +153,8 @@ class Participant {
     ParticipantData data;
     LocatorList metatraffic, user;
     MonotonicTime lease_end{};
-    std::map<EntityId, EndpointData> endpoints;
-    std::vector<Watch> watches;  ///< only where a lease is finite
+    std::map<EntityId, EndpointData> endpoints = {};
+    std::vector<Watch> watches = {};  ///< only where a lease is finite
   };
   /// RTPS 8.3.4: what earlier submessages of a message say about later ones.
   struct Context {
@@ -145,28 +163,57 @@ class Participant {
     std::optional<Time> time;
     MonotonicTime now{};
     std::size_t message_size = 0;
+    Shield shield = {};
   };
 
+  Status walk(BytesView message, Context& context);
+  Status open_group(const SubmessageView& prefix, MessageReader& message, Context& context);
+  void note_heard(const Context& context);
   Status process(const SubmessageView& view, Context& context);
   Status process_info(const SubmessageView& view, Context& context);
   Status on_data(const SubmessageView& view, const Context& context);
   Status on_data_frag(const SubmessageView& view, const Context& context);
-  void each_reader(const EntityId& reader, const std::function<void(StatefulReader&)>& f);
+  Status on_acknack(const SubmessageView& view, const Context& context);
+  Status on_nack_frag(const SubmessageView& view, const Context& context);
+  void each_reader(const EntityId& reader, const EntityId& writer, const Context& context,
+                   const std::function<void(StatefulReader&)>& f);
+  /// The local writer that a reader speaks to, unless that is unprotected and must not be.
+  StatefulWriter* addressed(const EntityId& writer, const EntityId& reader, const Context& context);
+  bool accepts(const EntityId& local, const Guid& remote, const Context& context);
+  /// The payload as it was before it was protected; nothing if it cannot be opened.
+  std::optional<BytesView> opened(const StatefulReader& reader, const Guid& writer,
+                                  BytesView payload);
   LocalWriter* local_writer(const EntityId& id);
 
+  ParticipantData own_data() const;
   void announce(std::span<const Locator> to);
+  void announce_securely(bool leaving);
   Status on_spdp(const Data& data, const Context& context);
   void add_remote(ParticipantData data, MonotonicTime now);
-  void match_builtin(Remote& remote, MonotonicTime now);
+  void on_known(Remote& remote, const ParticipantData& data, MonotonicTime now);
+  void match_builtin(Remote& remote);
+  void match_builtin(const BuiltinTopicInfo& info, Remote& remote, bool writer);
   void remove_remote(const GuidPrefix& prefix);
 
   void publish(const EndpointData& data, MonotonicTime now);
   void unpublish(const Guid& endpoint, MonotonicTime now);
-  bool on_sedp(const Change& change, bool publications);
+  StatefulWriter& sedp_writer(const EntityId& endpoint);
+  bool on_builtin(BuiltinTopic topic, const Change& change);
+  void on_sedp(const Change& change, bool publications, bool secure);
+  void on_participant_message(const Change& change, bool secure);
+  void on_secure_participant(const Change& change);
   void add_endpoint(Remote& remote, EndpointData data);
   void remove_endpoint(Remote& remote, const EntityId& id);
   void match(LocalWriter& writer, Remote& remote, const EndpointData& data);
   void match(LocalReader& reader, Remote& remote, const EndpointData& data);
+  // SecurityHost
+  void on_authenticated(const GuidPrefix& peer) override;
+  void on_refused(const GuidPrefix& peer) override;
+  void on_keys(const EntityId& local, const Guid& remote) override;
+  void on_ended(const GuidPrefix& peer) override;
+
+  /// False: security keeps them apart, or their keys are not here yet.
+  bool introduce(const EntityId& local, const EndpointData& remote, bool& keep);
   template <class Local>
   bool compatible(Local& local, const EndpointData& remote, const Qos& offered,
                   const Qos& requested);
@@ -188,8 +235,11 @@ class Participant {
   std::map<GuidPrefix, Remote> remotes_;
   std::map<EntityId, LocalWriter> writers_;
   std::map<EntityId, LocalReader> readers_;
-  StatefulWriter publications_writer_, subscriptions_writer_;
-  StatefulReader publications_reader_, subscriptions_reader_;
+  BuiltinEndpoints builtin_;
+  std::unique_ptr<Security> security_;
+  Bytes message_scratch_, submessage_scratch_, payload_scratch_;
+  std::vector<GuidPrefix> gone_;  ///< to be removed when nothing of theirs is being read any more
+  MonotonicTime next_liveliness_ = kNever;
   std::uint32_t next_entity_ = 1;
   int announcements_ = 0;
   MonotonicTime next_announcement_{};

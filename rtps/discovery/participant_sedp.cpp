@@ -12,8 +12,17 @@ void Participant::publish(const EndpointData& data, MonotonicTime now) {
   Change change;
   change.key_hash = data.guid.octets();
   change.payload = Payload::copy_of(payload.view());
-  auto& builtin = is_writer(data.guid.entity) ? publications_writer_ : subscriptions_writer_;
-  builtin.write(std::move(change), now);
+  sedp_writer(data.guid.entity).write(std::move(change), now);
+}
+
+// DDS-Security 7.4.1.8: the governance says which topics are announced where only authenticated
+// participants can read it.
+StatefulWriter& Participant::sedp_writer(const EntityId& endpoint) {
+  const auto* attributes = security_ ? security_->keyring().attributes(endpoint) : nullptr;
+  const bool secure = attributes != nullptr && attributes->topic.is_discovery_protected;
+  if (is_writer(endpoint))
+    return builtin_.writer(secure ? BuiltinTopic::publications_secure : BuiltinTopic::publications);
+  return builtin_.writer(secure ? BuiltinTopic::subscriptions_secure : BuiltinTopic::subscriptions);
 }
 
 void Participant::unpublish(const Guid& endpoint, MonotonicTime now) {
@@ -25,30 +34,60 @@ void Participant::unpublish(const Guid& endpoint, MonotonicTime now) {
   change.status = {true, true};
   change.key_only = true;
   change.payload = Payload::copy_of(payload.view());
-  auto& builtin = is_writer(endpoint.entity) ? publications_writer_ : subscriptions_writer_;
-  builtin.write(std::move(change), now);
+  sedp_writer(endpoint.entity).write(std::move(change), now);
 }
 
-// A participant speaks for its own endpoints only. Nothing here is ever refused for now.
-bool Participant::on_sedp(const Change& change, bool publications) {
+// Nothing here is ever refused for now.
+bool Participant::on_builtin(BuiltinTopic topic, const Change& change) {
+  switch (topic) {
+    case BuiltinTopic::publications:
+    case BuiltinTopic::publications_secure:
+      on_sedp(change, true, topic == BuiltinTopic::publications_secure);
+      break;
+    case BuiltinTopic::subscriptions:
+    case BuiltinTopic::subscriptions_secure:
+      on_sedp(change, false, topic == BuiltinTopic::subscriptions_secure);
+      break;
+    case BuiltinTopic::participant_message:
+    case BuiltinTopic::participant_message_secure:
+      on_participant_message(change, topic == BuiltinTopic::participant_message_secure);
+      break;
+    case BuiltinTopic::participants_secure:
+      on_secure_participant(change);
+      break;
+  }
+  return true;
+}
+
+// A participant speaks for its own endpoints only, and nothing that was said securely is unsaid
+// otherwise.
+void Participant::on_sedp(const Change& change, bool publications, bool secure) {
   const auto remote = remotes_.find(change.writer.prefix);
-  if (remote == remotes_.end()) return true;
+  if (remote == remotes_.end()) return;
+  const auto may_change = [&](const EntityId& id) {
+    const auto known = remote->second.endpoints.find(id);
+    const bool good =
+        known == remote->second.endpoints.end() || known->second.by_secure_discovery == secure;
+    counters_.refused_discovery += good ? 0 : 1;
+    return good;
+  };
   if (!change.is_alive()) {
     const auto key = change.key_hash ? Guid{GuidPrefix::from(BytesView(*change.key_hash).first(12)),
                                             EntityId::from(BytesView(*change.key_hash).subspan(12))}
                                      : read_endpoint_key(change.payload.view()).value_or(Guid{});
-    if (key.prefix == remote->first) remove_endpoint(remote->second, key.entity);
-    return true;
+    if (key.prefix == remote->first && may_change(key.entity))
+      remove_endpoint(remote->second, key.entity);
+    return;
   }
   auto data = publications ? read_publication_data(change.payload.view())
                            : read_subscription_data(change.payload.view());
   if (!data || data->guid.prefix != remote->first) {
     ++counters_.refused_discovery;
     if (!data) events_.raise(Event(data.error().in("SEDP"), {}, remote->first.to_string()));
-    return true;
+    return;
   }
-  add_endpoint(remote->second, std::move(*data));
-  return true;
+  data->by_secure_discovery = secure;
+  if (may_change(data->guid.entity)) add_endpoint(remote->second, std::move(*data));
 }
 
 void Participant::add_endpoint(Remote& remote, EndpointData data) {
@@ -64,6 +103,7 @@ void Participant::add_endpoint(Remote& remote, EndpointData data) {
 
 template <class Local>
 void Participant::forget(Local& local, const Guid& remote) {
+  if (security_) security_->keyring().part(local.data.guid.entity, remote);
   if (std::erase(local.matched, remote) == 0) return;
   local.protocol->unmatch(remote);
   local.listener->on_unmatched(remote);
@@ -167,7 +207,10 @@ bool Participant::compatible(Local& local, const EndpointData& remote, const Qos
 
 void Participant::match(LocalWriter& writer, Remote& remote, const EndpointData& data) {
   if (!is_reader(data.guid.entity)) return;
-  if (!compatible(writer, data, writer.data.qos, data.qos)) return forget(writer, data.guid);
+  bool keep = compatible(writer, data, writer.data.qos, data.qos);
+  const bool ready = keep && introduce(writer.data.guid.entity, data, keep);
+  if (!keep) return forget(writer, data.guid);
+  if (!ready) return;
   if (std::ranges::find(writer.matched, data.guid) != writer.matched.end())
     return writer.listener->on_matched(data);
   writer.matched.push_back(data.guid);
@@ -183,7 +226,10 @@ void Participant::match(LocalReader& reader, Remote& remote, const EndpointData&
   std::erase_if(remote.watches, [&](const auto& w) {
     return w.listener == reader.listener && w.writer == data.guid;
   });
-  if (!compatible(reader, data, data.qos, reader.data.qos)) return forget(reader, data.guid);
+  bool keep = compatible(reader, data, data.qos, reader.data.qos);
+  const bool ready = keep && introduce(reader.data.guid.entity, data, keep);
+  if (!keep) return forget(reader, data.guid);
+  if (!ready) return;
   const auto& liveliness = data.qos.liveliness;
   if (!liveliness.lease_duration.is_infinite())
     remote.watches.push_back({reader.listener, data.guid, liveliness.kind});

@@ -6,10 +6,6 @@
 namespace ddssec::rtps {
 namespace {
 
-constexpr std::uint32_t kOurEndpoints = builtin_endpoints::kParticipant |
-                                        builtin_endpoints::kPublications |
-                                        builtin_endpoints::kSubscriptions;
-
 KeyHash key_of(const Guid& guid) { return guid.octets(); }
 
 }  // namespace
@@ -29,19 +25,30 @@ MonotonicTime lease_end(const ParticipantData& data, MonotonicTime now) {
   return data.lease_duration.is_infinite() ? kNever : now + lease;
 }
 
-void Participant::announce(std::span<const Locator> to) {
+ParticipantData Participant::own_data() const {
   ParticipantData own;
   own.guid = {config_.prefix, kEntityIdParticipant};
   own.vendor = kVendorDdssec;
   own.domain_id = static_cast<std::uint32_t>(config_.domain_id);
   own.domain_tag = config_.domain_tag;
-  own.builtin_endpoints = kOurEndpoints;
+  own.builtin_endpoints =
+      security_ ? builtin_endpoints::kWithSecurity : builtin_endpoints::kWithoutSecurity;
   own.lease_duration = config_.lease_duration;
   own.metatraffic_unicast = config_.metatraffic_unicast;
   own.metatraffic_multicast = config_.metatraffic_multicast;
   own.default_unicast = config_.default_unicast;
   own.entity_name = config_.entity_name;
   own.user_data = config_.user_data;
+  if (security_) {
+    own.identity_token = security_->own().identity_token();
+    own.permissions_token = security_->own().permissions_token();
+    own.security_info = spi::security_info(security_->own().attributes());
+  }
+  return own;
+}
+
+void Participant::announce(std::span<const Locator> to) {
+  const auto own = own_data();
   std::array<std::uint8_t, MessageSender::kLargestMessage> buffer;
   SpanWriter payload(buffer);
   write_payload(payload, own);
@@ -51,6 +58,7 @@ void Participant::announce(std::span<const Locator> to) {
 }
 
 void Participant::leave() {
+  announce_securely(true);
   std::array<std::uint8_t, 64> buffer;
   SpanWriter payload(buffer);
   const Guid guid{config_.prefix, kEntityIdParticipant};
@@ -71,8 +79,14 @@ Status Participant::on_spdp(const Data& data, const Context& context) {
     const auto guid = data.inline_qos.key_hash
                           ? GuidPrefix::from(BytesView(*data.inline_qos.key_hash).first(12))
                           : DDSSEC_TRY(read_participant_key(data.payload)).prefix;
-    // Only itself can say that a participant is gone.
-    if (guid == context.source) remove_remote(guid);
+    // Only itself can say that a participant is gone, and once it is authenticated only by the
+    // secure topic, which Fast DDS does not have.
+    const auto known = remotes_.find(guid);
+    if (guid != context.source || known == remotes_.end()) return {};
+    if (is_authenticated(guid) && known->second.data.vendor != kVendorFastDds)
+      ++counters_.refused_discovery;
+    else
+      gone_.push_back(guid);
     return {};
   }
   if (data.kind != PayloadKind::data) return {};
@@ -92,8 +106,7 @@ Status Participant::on_spdp(const Data& data, const Context& context) {
 void Participant::add_remote(ParticipantData data, MonotonicTime now) {
   const auto prefix = data.guid.prefix;
   if (const auto known = remotes_.find(prefix); known != remotes_.end()) {
-    known->second.lease_end = lease_end(data, now);
-    return;
+    return on_known(known->second, data, now);
   }
   auto metatraffic = usable_locators(data.metatraffic_unicast, {});
   if (remotes_.size() >= kMostParticipants || metatraffic.empty()) {
@@ -102,32 +115,43 @@ void Participant::add_remote(ParticipantData data, MonotonicTime now) {
   }
   auto user = usable_locators(data.default_unicast, metatraffic);
   const auto end = lease_end(data, now);
-  auto& remote =
-      remotes_[prefix] = {std::move(data), std::move(metatraffic), std::move(user), end, {}, {}};
+  const auto verdict =
+      security_ ? security_->judge(data) : Security::Verdict::admit_unauthenticated;
+  auto& remote = remotes_[prefix] = {std::move(data), std::move(metatraffic), std::move(user), end};
   announce(remote.metatraffic);
-  match_builtin(remote, now);
+  if (verdict == Security::Verdict::authenticate)
+    security_->discovered(remote.data, remote.metatraffic, now);
+  if (verdict == Security::Verdict::admit_unauthenticated) match_builtin(remote);
 }
 
-void Participant::match_builtin(Remote& remote, MonotonicTime now) {
-  const auto set = remote.data.builtin_endpoints;
+// What was authenticated stays as it was: anybody can send announcements in its name.
+void Participant::on_known(Remote& remote, const ParticipantData& data, MonotonicTime now) {
+  const bool fixed = security_ && security_->is_authenticated(remote.data.guid.prefix);
+  remote.lease_end = lease_end(fixed ? remote.data : data, now);
+}
+
+void Participant::match_builtin(Remote& remote) {
+  builtin_.each([&](const auto& info, auto&, auto&) {
+    match_builtin(info, remote, true);
+    match_builtin(info, remote, false);
+  });
+}
+
+void Participant::match_builtin(const BuiltinTopicInfo& info, Remote& remote, bool with_writer) {
   const auto& prefix = remote.data.guid.prefix;
-  const auto has = [&](std::uint32_t pair, bool reader) {
-    return (set & pair & (reader ? 0xaaaaaaaau : 0x55555555u)) != 0;
-  };
-  const auto writer_of = [&](const EntityId& id) {
-    return MatchedWriter{{prefix, id}, true, remote.metatraffic};
-  };
-  const auto reader_of = [&](const EntityId& id) {
-    return MatchedReader{{prefix, id}, true, true, remote.metatraffic};
-  };
-  if (has(builtin_endpoints::kPublications, false))
-    publications_reader_.match(writer_of(kPublicationsWriter), now);
-  if (has(builtin_endpoints::kSubscriptions, false))
-    subscriptions_reader_.match(writer_of(kSubscriptionsWriter), now);
-  if (has(builtin_endpoints::kPublications, true))
-    publications_writer_.match(reader_of(kPublicationsReader), now);
-  if (has(builtin_endpoints::kSubscriptions, true))
-    subscriptions_writer_.match(reader_of(kSubscriptionsReader), now);
+  // Fast DDS announces DCPSParticipantsSecure and does not have it.
+  if (info.topic == BuiltinTopic::participants_secure && remote.data.vendor == kVendorFastDds)
+    return;
+  // The reader of a pair is the bit above its writer.
+  const auto mask = with_writer ? 0xaaaaaaaau : 0x55555555u;
+  if ((remote.data.builtin_endpoints & info.bits & mask) == 0) return;
+  const EntityId own = with_writer ? info.writer : info.reader;
+  const Guid other{prefix, with_writer ? info.reader : info.writer};
+  if (security_ && !security_->introduce(own, other)) return;
+  if (with_writer)
+    builtin_.writer(info.topic).match({other, true, true, remote.metatraffic}, now_);
+  else
+    builtin_.find_reader(own)->match({other, true, remote.metatraffic}, now_);
 }
 
 void Participant::remove_remote(const GuidPrefix& prefix) {
@@ -135,10 +159,11 @@ void Participant::remove_remote(const GuidPrefix& prefix) {
   if (at == remotes_.end()) return;
   while (!at->second.endpoints.empty())
     remove_endpoint(at->second, at->second.endpoints.begin()->first);
-  publications_reader_.unmatch({prefix, kPublicationsWriter});
-  subscriptions_reader_.unmatch({prefix, kSubscriptionsWriter});
-  publications_writer_.unmatch({prefix, kPublicationsReader});
-  subscriptions_writer_.unmatch({prefix, kSubscriptionsReader});
+  builtin_.each([&](const auto& info, auto& writer, auto& reader) {
+    writer.unmatch({prefix, info.reader});
+    reader.unmatch({prefix, info.writer});
+  });
+  if (security_) security_->lost(prefix);
   remotes_.erase(at);
 }
 

@@ -1,9 +1,10 @@
 // Packs submessages into messages and hands these to a transport.
 #pragma once
 
-#include <array>
+#include <optional>
 #include <span>
 
+#include "rtps/reliability/send_protection.hpp"
 #include "rtps/transport/transport.hpp"
 #include "rtps/wire/header.hpp"
 #include "rtps/wire/info_destination.hpp"
@@ -18,49 +19,91 @@ struct Destination {
 };
 
 /// Submessages for the same locators share a message until it is full or flushed. Nothing is
-/// allocated: the buffer is part of the object. Not thread-safe.
+/// allocated but at construction and by protect_with. Not thread-safe.
 class MessageSender {
  public:
   /// As Cyclone DDS: fits two jumbo frames; larger samples go in fragments.
   static constexpr std::size_t kLargestMessage = 14720;
+  /// Of protected messages; leaves room for what UDP and origin authentication need. Only single
+  /// submessages that are larger than kLargestMessage and receivers' MACs make them so long.
+  static constexpr std::size_t kLargestProtected = 64000;
 
   MessageSender(Transport& transport, const GuidPrefix& prefix);
 
+  /// From now on what `protection` says is encoded; it outlives the sender's use.
+  void protect_with(SendProtection& protection);
+
   template <class S>
   void add(const Destination& to, const S& submessage) {
-    begin(to);
-    const auto before = out_.size();
-    write(out_, submessage);
-    if (!out_.overflowed()) return;
-    out_.rewind(before);
-    flush();
-    begin(to);
-    write(out_, submessage);
+    put(to, nullptr, submessage);
   }
   /// The time of the submessages behind it, in this message only.
   template <class S>
   void add(const Destination& to, const InfoTimestamp& time, const S& submessage) {
-    begin(to);
-    const auto before = out_.size();
-    write(out_, time);
-    write(out_, submessage);
-    if (!out_.overflowed()) return;
-    out_.rewind(before);
-    flush();
-    begin(to);
-    write(out_, time);
-    write(out_, submessage);
+    put(to, &time, submessage);
   }
   void flush();
 
  private:
-  void begin(const Destination& to);
+  /// Which of our endpoints speaks and to which of theirs.
+  struct Ends {
+    EntityId from, to;
+  };
+  template <class S>
+  static Ends ends_of(const S& submessage) {
+    if constexpr (requires { submessage.missing; })
+      return {submessage.reader, submessage.writer};
+    else
+      return {submessage.writer, submessage.reader};
+  }
+
+  template <class S>
+  void put(const Destination& to, const InfoTimestamp* time, const S& submessage) {
+    const auto ends = ends_of(submessage);
+    const auto levels = protection_ ? protection_->levels(ends.from) : SendProtection::Levels{};
+    for (int attempt = 0; attempt < 2; ++attempt) {
+      begin(to, levels.message);
+      const auto before = out_.size();
+      if (time != nullptr) write(out_, *time);
+      if (!write_protected(levels, {to.prefix, ends.to}, ends.from, submessage)) {
+        out_.rewind(before);
+        return;
+      }
+      if (!out_.overflowed()) return;
+      out_.rewind(before);
+      flush();
+    }
+  }
+  /// False: it could not be protected.
+  template <class S>
+  bool write_protected(const SendProtection::Levels& levels, const Guid& receiver,
+                       const EntityId& sender, S submessage) {
+    if constexpr (requires { submessage.payload; })
+      if (levels.payload && !submessage.payload.empty()) {
+        const auto octets = protected_payload(sender, submessage.payload);
+        if (!octets) return false;
+        submessage.payload = *octets;
+      }
+    if (!levels.submessage) {
+      write(out_, submessage);
+      return true;
+    }
+    SpanWriter plain(plain_);
+    write(plain, submessage);
+    return !plain.overflowed() && write_protected_submessage(sender, receiver, plain.view());
+  }
+  std::optional<BytesView> protected_payload(const EntityId& writer, BytesView plain);
+  bool write_protected_submessage(const EntityId& sender, const Guid& receiver, BytesView plain);
+  void begin(const Destination& to, bool wrapped);
 
   Transport& transport_;
   Header header_;
-  std::array<std::uint8_t, kLargestMessage> buffer_{};
+  SendProtection* protection_ = nullptr;
+  Bytes buffer_, payload_, plain_, message_;
   SpanWriter out_;
   Destination to_;
+  GuidPrefix receiver_;  ///< of all submessages in the message, or zero
+  bool wrapped_ = false;
 };
 
 }  // namespace ddssec::rtps

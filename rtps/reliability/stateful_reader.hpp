@@ -40,6 +40,10 @@ class StatefulReader {
 
   const Guid& guid() const { return guid_; }
   std::size_t matched() const { return writers_.size(); }
+  bool is_matched(const Guid& writer) const {
+    return std::ranges::find(writers_, writer, [](const auto& p) { return p.writer.guid; }) !=
+           writers_.end();
+  }
 
   void match(MatchedWriter writer, MonotonicTime now);
   void unmatch(const Guid& writer);

@@ -33,6 +33,10 @@ class StatefulWriter {
   const Qos& qos() const { return qos_; }
   const WriterHistory& history() const { return history_; }
   std::size_t matched() const { return readers_.size(); }
+  bool is_matched(const Guid& reader) const {
+    return std::ranges::find(readers_, reader, [](const auto& p) { return p.reader.guid; }) !=
+           readers_.end();
+  }
 
   /// A reliable reader is told at once what there is.
   void match(MatchedReader reader, MonotonicTime now);

@@ -47,8 +47,16 @@ Result<DataFrag> read_data_frag(const SubmessageView& view) {
     DDSSEC_TRY(reader.skip(list.size()));
   }
   out.is_key = view.has(kFlagKey);
+  out.encoded = reader.rest();
   out.payload = DDSSEC_TRY(reader.read_bytes(covered));
   return out;
+}
+
+Result<DataFrag> with_payload(DataFrag frag, BytesView plain) {
+  const auto covered = DDSSEC_TRY(covered_octets(frag));
+  if (plain.size() < covered) return fail(Code::truncated);
+  frag.payload = plain.first(covered);
+  return frag;
 }
 
 void write(SpanWriter& out, const DataFrag& data) {

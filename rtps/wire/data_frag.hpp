@@ -18,6 +18,9 @@ struct DataFrag {
   InlineQos inline_qos = {};
   bool is_key = false;
   BytesView payload = {};
+  /// Received: everything behind the fixed part and inline QoS. A protected fragment is longer than
+  /// what it covers (DDS-Security 8.5.1.9.1).
+  BytesView encoded = {};
 
   /// How many fragments the whole sample has.
   std::uint32_t total() const { return fragments_of(sample_size, fragment_size); }
@@ -31,6 +34,8 @@ struct DataFrag {
 /// numbers or sizes that do not fit the sample; CVE-2023-50716, CVE-2025-62799, CVE-2025-65865),
 /// rtps_submessage_overrun, those of read_inline_qos.
 Result<DataFrag> read_data_frag(const SubmessageView& view);
+/// The same fragments with their octets opened. Errors: truncated.
+Result<DataFrag> with_payload(DataFrag frag, BytesView plain);
 void write(SpanWriter& out, const DataFrag& data);
 
 }  // namespace ddssec::rtps

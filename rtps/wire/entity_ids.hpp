@@ -59,8 +59,17 @@ inline constexpr std::uint32_t kParticipant = 0x3u << 0;
 inline constexpr std::uint32_t kPublications = 0x3u << 2;
 inline constexpr std::uint32_t kSubscriptions = 0x3u << 4;
 inline constexpr std::uint32_t kParticipantMessage = 0x3u << 10;
+inline constexpr std::uint32_t kPublicationsSecure = 0x3u << 16;
+inline constexpr std::uint32_t kSubscriptionsSecure = 0x3u << 18;
+inline constexpr std::uint32_t kParticipantMessageSecure = 0x3u << 20;
+inline constexpr std::uint32_t kStatelessMessage = 0x3u << 22;
+inline constexpr std::uint32_t kVolatileMessage = 0x3u << 24;
+inline constexpr std::uint32_t kParticipantsSecure = 0x3u << 26;
 inline constexpr std::uint32_t kWithoutSecurity =
     kParticipant | kPublications | kSubscriptions | kParticipantMessage;
+inline constexpr std::uint32_t kWithSecurity =
+    kWithoutSecurity | kPublicationsSecure | kSubscriptionsSecure | kParticipantMessageSecure |
+    kStatelessMessage | kVolatileMessage | kParticipantsSecure;
 }  // namespace builtin_endpoints
 
 }  // namespace ddssec::rtps

@@ -23,6 +23,12 @@ class SpanWriter {
   bool overflowed() const { return overflowed_; }
   BytesView view() const { return out_.first(size_); }
 
+  /// Where the next octets go, for whoever writes them itself; `take` says how many they were.
+  MutableBytes spare() { return overflowed_ ? MutableBytes{} : out_.subspan(size_); }
+  void take(std::size_t count) { claim(count); }
+  /// As if something had not fitted.
+  void overflow() { overflowed_ = true; }
+
   /// Forgets everything from `size` on, and that it did not fit.
   void rewind(std::size_t size) {
     size_ = std::min(size, size_);

@@ -1,0 +1,63 @@
+#include "rtps/security/generic_message.hpp"
+
+#include <algorithm>
+
+#include "rtps/cdr/encapsulation.hpp"
+#include "rtps/wire/submessage.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+/// Class id and two counts.
+constexpr std::size_t kLeastTokenSize = 12;
+
+void write(Writer& out, const MessageIdentity& identity) {
+  out.write_bytes(identity.source.octets());
+  out.write_aligned(identity.sequence_number);
+}
+
+Result<MessageIdentity> read_identity(Reader& reader) {
+  MessageIdentity identity{DDSSEC_TRY(read_guid(reader)), 0};
+  identity.sequence_number = DDSSEC_TRY(reader.read_aligned<std::int64_t>());
+  return identity;
+}
+
+}  // namespace
+
+Bytes write_generic_message(const GenericMessage& message) {
+  Writer out(Endian::little);
+  write(out, message.identity);
+  write(out, message.related);
+  for (const auto* guid :
+       {&message.destination_participant, &message.destination_endpoint, &message.source_endpoint})
+    out.write_bytes(guid->octets());
+  out.write_string(message.message_class);
+  out.write_aligned(static_cast<std::uint32_t>(message.data.size()));
+  for (const auto& token : message.data) spi::write_token(out, token);
+  out.align(4);
+  // Alignment counts from behind the encapsulation.
+  Bytes payload(kEncapsulationSize + out.size());
+  payload[1] = 1;
+  std::ranges::copy(out.view(), payload.begin() + kEncapsulationSize);
+  return payload;
+}
+
+Result<GenericMessage> read_generic_message(BytesView payload) {
+  const auto opened = DDSSEC_TRY(open_payload(payload));
+  if (opened.encapsulation != Encapsulation::cdr) return fail(Code::rtps_encapsulation_unsupported);
+  Reader reader(opened.body, opened.endian);
+  GenericMessage message;
+  message.identity = DDSSEC_TRY(read_identity(reader));
+  message.related = DDSSEC_TRY(read_identity(reader));
+  message.destination_participant = DDSSEC_TRY(read_guid(reader));
+  message.destination_endpoint = DDSSEC_TRY(read_guid(reader));
+  message.source_endpoint = DDSSEC_TRY(read_guid(reader));
+  message.message_class = DDSSEC_TRY(reader.read_string());
+  const auto count = DDSSEC_TRY(reader.read_count(kLeastTokenSize));
+  if (count > spi::kMostTokensPerMessage) return fail(Code::length_out_of_range);
+  for (std::uint32_t i = 0; i < count; ++i)
+    message.data.push_back(DDSSEC_TRY(spi::read_token(reader)));
+  return message;
+}
+
+}  // namespace ddssec::rtps

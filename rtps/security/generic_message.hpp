@@ -1,0 +1,47 @@
+// ParticipantGenericMessage: what the stateless and the volatile secure endpoints carry
+// (DDS-Security 7.4.3.5).
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "base/ids.hpp"
+#include "plugins/spi/token.hpp"
+
+namespace ddssec::rtps {
+
+/// Numbers a participant's generic messages; a repeated message keeps its number.
+struct MessageIdentity {
+  Guid source;
+  std::int64_t sequence_number = 0;
+  bool operator==(const MessageIdentity&) const = default;
+};
+
+/// GenericMessageClassId.
+namespace message_class {
+inline constexpr std::string_view kAuthRequest = "dds.sec.auth_request";
+inline constexpr std::string_view kAuthentication = "dds.sec.auth";
+inline constexpr std::string_view kParticipantTokens = "dds.sec.participant_crypto_tokens";
+inline constexpr std::string_view kDatawriterTokens = "dds.sec.datawriter_crypto_tokens";
+inline constexpr std::string_view kDatareaderTokens = "dds.sec.datareader_crypto_tokens";
+}  // namespace message_class
+
+struct GenericMessage {
+  MessageIdentity identity = {};
+  MessageIdentity related = {};
+  Guid destination_participant = {};
+  Guid destination_endpoint = {};
+  Guid source_endpoint = {};
+  std::string message_class = {};
+  std::vector<spi::Token> data = {};
+  bool operator==(const GenericMessage&) const = default;
+};
+
+/// With its encapsulation: plain XCDR1, little-endian, as both known peers write it.
+Bytes write_generic_message(const GenericMessage& message);
+
+/// Padding behind the last token is allowed. Errors: truncated, malformed, length_out_of_range
+/// (more than spi::kMostTokensPerMessage), rtps_encapsulation_unsupported.
+Result<GenericMessage> read_generic_message(BytesView payload);
+
+}  // namespace ddssec::rtps

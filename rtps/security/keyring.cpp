@@ -1,0 +1,208 @@
+#include "rtps/security/keyring.hpp"
+
+#include <algorithm>
+
+#include "plugins/spi/property_names.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+bool needs_keys(const spi::EndpointSecurityAttributes& attributes) {
+  return attributes.is_submessage_protected() || attributes.is_payload_protected();
+}
+
+// A writer needs nothing of a reader that only ever opens payloads (Cyclone DDS sends no tokens
+// then); a reader needs the writer's keys for either level.
+bool waits_for_tokens(const EntityId& local, const spi::EndpointSecurityAttributes& attributes) {
+  return is_writer(local) ? attributes.is_submessage_protected() : needs_keys(attributes);
+}
+
+}  // namespace
+
+Keyring::~Keyring() {
+  while (!remotes_.empty()) remove_remote(remotes_.begin()->first);
+  while (!locals_.empty()) remove_local(locals_.begin()->first);
+}
+
+const Keyring::Local* Keyring::find(const EntityId& id) const {
+  const auto at = locals_.find(id);
+  return at == locals_.end() ? nullptr : &at->second;
+}
+
+const spi::EndpointSecurityAttributes* Keyring::attributes(const EntityId& id) const {
+  const auto* local = find(id);
+  return local == nullptr ? nullptr : &local->attributes;
+}
+
+// ---- local endpoints
+
+Status Keyring::add_local(const EntityId& id, const spi::EndpointSecurityAttributes& attributes,
+                          std::string_view builtin_name) {
+  Local local{attributes, !builtin_name.empty()};
+  if (needs_keys(attributes)) {
+    auto properties = own_.properties();
+    if (local.is_volatile)
+      properties.push_back(
+          {std::string(spi::property::kBuiltinEndpointName), std::string(builtin_name), false});
+    local.handle =
+        is_writer(id)
+            ? DDSSEC_TRY(factory().register_local_datawriter(own_.crypto(), properties, attributes))
+                  .value
+            : DDSSEC_TRY(factory().register_local_datareader(own_.crypto(), properties, attributes))
+                  .value;
+  }
+  locals_[id] = std::move(local);
+  return {};
+}
+
+void Keyring::unregister(const EntityId& id, std::int64_t handle) {
+  if (handle == 0) return;
+  endpoint_of_.erase(handle);
+  if (is_writer(id))
+    static_cast<void>(factory().unregister_datawriter({handle}));
+  else
+    static_cast<void>(factory().unregister_datareader({handle}));
+}
+
+void Keyring::remove_local(const EntityId& id) {
+  const auto at = locals_.find(id);
+  if (at == locals_.end()) return;
+  while (!at->second.pairs.empty()) part(id, Guid(at->second.pairs.begin()->first));
+  unregister(id, at->second.handle);
+  locals_.erase(at);
+}
+
+// ---- remote participants
+
+Status Keyring::add_remote(const GuidPrefix& prefix, RemoteParticipant remote) {
+  const auto handle = DDSSEC_TRY(factory().register_matched_remote_participant(
+      own_.crypto(), remote.identity, remote.permissions, *remote.secret));
+  remotes_[prefix] = {handle, std::move(remote.secret), remote.wraps_plain_builtin};
+  all_remotes_.push_back(handle);
+  return {};
+}
+
+void Keyring::remove_remote(const GuidPrefix& prefix) {
+  for (auto& [id, local] : locals_) {
+    std::vector<Guid> gone;
+    for (const auto& [remote, pair] : local.pairs)
+      if (remote.prefix == prefix) gone.push_back(remote);
+    for (const auto& remote : gone) part(id, remote);
+  }
+  const auto at = remotes_.find(prefix);
+  if (at == remotes_.end()) return;
+  std::erase(all_remotes_, at->second.crypto);
+  static_cast<void>(factory().unregister_participant(at->second.crypto));
+  remotes_.erase(at);
+}
+
+Result<std::vector<spi::Token>> Keyring::participant_tokens(const GuidPrefix& prefix) {
+  const auto at = remotes_.find(prefix);
+  if (at == remotes_.end()) return fail(Code::crypto_not_matched);
+  return exchange().create_local_participant_crypto_tokens(own_.crypto(), at->second.crypto);
+}
+
+Status Keyring::set_participant_tokens(const GuidPrefix& prefix,
+                                       std::span<const spi::Token> tokens) {
+  const auto at = remotes_.find(prefix);
+  if (at == remotes_.end()) return fail(Code::crypto_not_matched);
+  return exchange().set_remote_participant_crypto_tokens(own_.crypto(), at->second.crypto, tokens);
+}
+
+// ---- pairs
+
+Result<std::int64_t> Keyring::register_pair(const EntityId& id, const Local& local,
+                                            const Remote& remote, bool relay_only) {
+  if (is_writer(id))
+    return DDSSEC_TRY(factory().register_matched_remote_datareader({local.handle}, remote.crypto,
+                                                                   *remote.secret, relay_only))
+        .value;
+  return DDSSEC_TRY(factory().register_matched_remote_datawriter({local.handle}, remote.crypto,
+                                                                 *remote.secret))
+      .value;
+}
+
+Result<std::vector<spi::Token>> Keyring::tokens_for(const EntityId& id, const Local& local,
+                                                    const Pair& pair) {
+  if (is_writer(id))
+    return exchange().create_local_datawriter_crypto_tokens({local.handle}, {pair.handle});
+  return exchange().create_local_datareader_crypto_tokens({local.handle}, {pair.handle});
+}
+
+Result<Keyring::Introduction> Keyring::introduce(const EntityId& id, const Guid& remote,
+                                                 bool relay_only) {
+  const auto at = locals_.find(id);
+  if (at == locals_.end()) return fail(Code::crypto_not_matched);
+  auto& local = at->second;
+  if (const auto known = local.pairs.find(remote); known != local.pairs.end())
+    return Introduction{known->second.ready};
+  Pair pair{0, true};
+  Introduction out{true, true};
+  if (local.handle != 0) {
+    const auto peer = remotes_.find(remote.prefix);
+    if (peer == remotes_.end()) return fail(Code::crypto_not_matched);
+    pair.handle = DDSSEC_TRY(register_pair(id, local, peer->second, relay_only));
+    endpoint_of_[pair.handle] = remote;
+    if (!local.is_volatile) {
+      out.tokens = DDSSEC_TRY(tokens_for(id, local, pair));
+      out.ready = pair.ready = !waits_for_tokens(id, local.attributes);
+    }
+  }
+  local.pairs[remote] = pair;
+  rebuild_receivers(id, local);
+  return out;
+}
+
+void Keyring::part(const EntityId& id, const Guid& remote) {
+  const auto at = locals_.find(id);
+  if (at == locals_.end()) return;
+  const auto pair = at->second.pairs.find(remote);
+  if (pair == at->second.pairs.end()) return;
+  // The remote endpoint is of the other kind.
+  const auto handle = pair->second.handle;
+  at->second.pairs.erase(pair);
+  rebuild_receivers(id, at->second);
+  endpoint_of_.erase(handle);
+  if (handle == 0) return;
+  if (is_writer(id))
+    static_cast<void>(factory().unregister_datareader({handle}));
+  else
+    static_cast<void>(factory().unregister_datawriter({handle}));
+}
+
+bool Keyring::is_introduced(const EntityId& id, const Guid& remote) const {
+  const auto* local = find(id);
+  return local != nullptr && local->pairs.contains(remote);
+}
+
+void Keyring::rebuild_receivers(const EntityId& id, Local& local) {
+  local.readers.clear();
+  local.writers.clear();
+  for (const auto& [remote, pair] : local.pairs) {
+    if (!pair.ready || pair.handle == 0) continue;
+    if (is_writer(id))
+      local.readers.push_back({pair.handle});
+    else
+      local.writers.push_back({pair.handle});
+  }
+}
+
+Result<bool> Keyring::set_endpoint_tokens(const EntityId& id, const Guid& remote,
+                                          std::span<const spi::Token> tokens) {
+  const auto at = locals_.find(id);
+  if (at == locals_.end()) return fail(Code::crypto_not_matched);
+  const auto pair = at->second.pairs.find(remote);
+  if (pair == at->second.pairs.end() || pair->second.handle == 0)
+    return fail(Code::crypto_tokens_not_expected);
+  const auto own = at->second.handle;
+  const auto peer = pair->second.handle;
+  if (is_writer(id))
+    DDSSEC_TRY(exchange().set_remote_datareader_crypto_tokens({own}, {peer}, tokens));
+  else
+    DDSSEC_TRY(exchange().set_remote_datawriter_crypto_tokens({own}, {peer}, tokens));
+  const bool was_ready = std::exchange(pair->second.ready, true);
+  rebuild_receivers(id, at->second);
+  return !was_ready;
+}
+
+}  // namespace ddssec::rtps

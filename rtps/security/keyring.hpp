@@ -1,0 +1,135 @@
+// Which crypto handles stand for which participants, endpoints and matched pairs, and what they do
+// to octets on their way out and in.
+#pragma once
+
+#include <map>
+#include <unordered_map>
+
+#include "base/event.hpp"
+#include "rtps/reliability/send_protection.hpp"
+#include "rtps/security/own_security.hpp"
+#include "rtps/wire/entity_ids.hpp"
+
+namespace ddssec::rtps {
+
+/// What a received submessage was protected by.
+struct Shield {
+  bool message = false;  ///< came inside a protected message of its sender
+  Guid submessage = {};  ///< the endpoint whose key protected it; zero: nobody's
+};
+
+/// Counts of what was dropped on receipt; never reset.
+struct ProtectionCounters {
+  std::uint64_t unprotected = 0;  ///< protection was due and not there
+  std::uint64_t undecodable = 0;  ///< protected, but not so that it verified
+  std::uint64_t unsendable = 0;   ///< could not be protected, so was not sent
+};
+
+/// No I/O, clock or lock. Of the message path nothing allocates.
+class Keyring final : public SendProtection {
+ public:
+  Keyring(OwnSecurity& own, EventSink& events) : own_(own), events_(events) {}
+  ~Keyring() override;
+
+  // Local endpoints.
+  /// `builtin_name`: the property that marks the volatile secure endpoints.
+  Status add_local(const EntityId& id, const spi::EndpointSecurityAttributes& attributes,
+                   std::string_view builtin_name = {});
+  void remove_local(const EntityId& id);
+  /// nullptr: never added.
+  const spi::EndpointSecurityAttributes* attributes(const EntityId& id) const;
+
+  // Remote participants.
+  struct RemoteParticipant {
+    spi::IdentityHandle identity;
+    spi::PermissionsHandle permissions;
+    std::shared_ptr<const spi::SharedSecret> secret;
+    /// Plain SEDP and liveliness come inside protected messages too; not so from Cyclone DDS.
+    bool wraps_plain_builtin = true;
+  };
+  Status add_remote(const GuidPrefix& prefix, RemoteParticipant remote);
+  void remove_remote(const GuidPrefix& prefix);
+  Result<std::vector<spi::Token>> participant_tokens(const GuidPrefix& prefix);
+  Status set_participant_tokens(const GuidPrefix& prefix, std::span<const spi::Token> tokens);
+
+  // Pairs of a local and a remote endpoint.
+  struct Introduction {
+    bool ready = false;  ///< keys are there, or none are needed
+    bool is_new = false;
+    std::vector<spi::Token> tokens = {};  ///< to be sent to the remote endpoint, if new
+  };
+  /// Registers a pair, or finds it.
+  Result<Introduction> introduce(const EntityId& local, const Guid& remote,
+                                 bool relay_only = false);
+  void part(const EntityId& local, const Guid& remote);
+  bool is_introduced(const EntityId& local, const Guid& remote) const;
+  /// True: the pair has become ready.
+  Result<bool> set_endpoint_tokens(const EntityId& local, const Guid& remote,
+                                   std::span<const spi::Token> tokens);
+
+  // Receiving. Each writes to `scratch`, which needs as many octets as the input has.
+  Result<BytesView> open_message(const GuidPrefix& sender, BytesView message, MutableBytes scratch);
+  struct OpenSubmessage {
+    BytesView plain;
+    Guid by;
+  };
+  Result<OpenSubmessage> open_submessage(const GuidPrefix& sender, BytesView group,
+                                         MutableBytes scratch);
+  /// `reader` and `writer` must be a ready pair. An unprotected payload passes through.
+  Result<BytesView> open_payload(const EntityId& reader, const Guid& writer, BytesView payload,
+                                 MutableBytes scratch);
+  /// Was it protected as the governance demands? What is refused is counted.
+  bool accepts(const EntityId& local, const Guid& remote, const Shield& shield);
+  const ProtectionCounters& counters() const { return counters_; }
+
+  // SendProtection
+  Levels levels(const EntityId& sender) const override;
+  Result<std::size_t> protect_payload(const EntityId& writer, BytesView plain,
+                                      MutableBytes out) override;
+  Result<std::size_t> protect_submessage(const EntityId& sender, const Guid& receiver,
+                                         BytesView plain, MutableBytes out) override;
+  Result<std::size_t> protect_message(const GuidPrefix& receiver, BytesView plain,
+                                      MutableBytes out) override;
+  void on_unprotectable(const Error& error) override;
+
+ private:
+  struct Pair {
+    std::int64_t handle = 0;  ///< the remote endpoint's; 0: no keys at all
+    bool ready = false;
+  };
+  struct Local {
+    spi::EndpointSecurityAttributes attributes;
+    bool is_volatile = false;
+    std::int64_t handle = 0;  ///< 0: nothing to protect
+    std::map<Guid, Pair> pairs = {};
+    std::vector<spi::DatareaderCryptoHandle> readers = {};  ///< a writer's ready ones
+    std::vector<spi::DatawriterCryptoHandle> writers = {};  ///< a reader's ready ones
+  };
+  struct Remote {
+    spi::ParticipantCryptoHandle crypto;
+    std::shared_ptr<const spi::SharedSecret> secret;
+    bool wraps_plain_builtin = true;
+  };
+
+  const Local* find(const EntityId& id) const;
+  Result<std::int64_t> register_pair(const EntityId& id, const Local& local, const Remote& remote,
+                                     bool relay_only);
+  Result<std::vector<spi::Token>> tokens_for(const EntityId& id, const Local& local,
+                                             const Pair& pair);
+  void rebuild_receivers(const EntityId& id, Local& local);
+  void unregister(const EntityId& id, std::int64_t remote);
+  spi::CryptoKeyFactory& factory() { return own_.plugins().cryptography.key_factory(); }
+  spi::CryptoKeyExchange& exchange() { return own_.plugins().cryptography.key_exchange(); }
+  spi::CryptoTransform& transform() { return own_.plugins().cryptography.transform(); }
+  std::unexpected<Error> undecodable(const Error& error, const GuidPrefix& sender);
+
+  OwnSecurity& own_;
+  EventSink& events_;
+  std::map<EntityId, Local> locals_;
+  std::map<GuidPrefix, Remote> remotes_;
+  std::vector<spi::ParticipantCryptoHandle> all_remotes_;
+  std::unordered_map<std::int64_t, Guid> endpoint_of_;
+  ProtectionCounters counters_;
+};
+
+}  // namespace ddssec::rtps

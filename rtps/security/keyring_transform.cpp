@@ -1,0 +1,150 @@
+// Keyring, the half that turns octets into protected ones and back.
+#include <algorithm>
+
+#include "rtps/security/keyring.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+// What comes too early or is meant for others is nothing to tell anybody.
+bool is_expected(Code code) {
+  return code == Code::key_material_not_received || code == Code::unknown_key_id ||
+         code == Code::receiver_specific_mac_missing || code == Code::receiver_count ||
+         code == Code::crypto_not_matched;
+}
+
+// Cyclone DDS sends these outside of protected messages, Fast DDS inside.
+bool is_plain_builtin(const EntityId& id) {
+  return id == kPublicationsReader || id == kPublicationsWriter || id == kSubscriptionsReader ||
+         id == kSubscriptionsWriter || id == kParticipantMessageReader ||
+         id == kParticipantMessageWriter;
+}
+
+}  // namespace
+
+std::unexpected<Error> Keyring::undecodable(const Error& error, const GuidPrefix& sender) {
+  ++counters_.undecodable;
+  if (!is_expected(error.code())) events_.raise(Event(error, {}, sender.to_string()));
+  return std::unexpected(error);
+}
+
+Result<BytesView> Keyring::open_message(const GuidPrefix& sender, BytesView message,
+                                        MutableBytes scratch) {
+  const auto remote = remotes_.find(sender);
+  if (remote == remotes_.end()) return undecodable(Error(Code::crypto_not_matched), sender);
+  const auto size =
+      transform().decode_rtps_message(own_.crypto(), remote->second.crypto, message, scratch);
+  if (!size) return undecodable(size.error(), sender);
+  return scratch.first(*size);
+}
+
+Result<Keyring::OpenSubmessage> Keyring::open_submessage(const GuidPrefix& sender, BytesView group,
+                                                         MutableBytes scratch) {
+  const auto remote = remotes_.find(sender);
+  if (remote == remotes_.end()) return undecodable(Error(Code::crypto_not_matched), sender);
+  const auto found =
+      transform().preprocess_secure_submessage(own_.crypto(), remote->second.crypto, group);
+  if (!found) return undecodable(found.error(), sender);
+  const bool by_writer = found->category == spi::SecureSubmessageCategory::datawriter;
+  const auto size = by_writer ? transform().decode_datawriter_submessage(
+                                    found->datareader, found->datawriter, group, scratch)
+                              : transform().decode_datareader_submessage(
+                                    found->datawriter, found->datareader, group, scratch);
+  if (!size) return undecodable(size.error(), sender);
+  const auto by = endpoint_of_.find(by_writer ? found->datawriter.value : found->datareader.value);
+  if (by == endpoint_of_.end()) return undecodable(Error(Code::crypto_not_matched), sender);
+  return OpenSubmessage{scratch.first(*size), by->second};
+}
+
+Result<BytesView> Keyring::open_payload(const EntityId& reader, const Guid& writer,
+                                        BytesView payload, MutableBytes scratch) {
+  const auto* local = find(reader);
+  if (local == nullptr) return fail(Code::crypto_not_matched);
+  if (!local->attributes.is_payload_protected() || payload.empty()) return payload;
+  const auto pair = local->pairs.find(writer);
+  if (pair == local->pairs.end()) return fail(Code::crypto_not_matched);
+  const auto size = transform().decode_serialized_payload({local->handle}, {pair->second.handle},
+                                                          payload, scratch);
+  if (!size) return undecodable(size.error(), writer.prefix);
+  return scratch.first(*size);
+}
+
+bool Keyring::accepts(const EntityId& id, const Guid& remote, const Shield& shield) {
+  const auto* local = find(id);
+  if (local == nullptr) return false;
+  const auto peer = remotes_.find(remote.prefix);
+  const bool may_come_bare =
+      local->is_volatile ||
+      (is_plain_builtin(id) && (peer == remotes_.end() || !peer->second.wraps_plain_builtin));
+  const bool message_missing =
+      own_.attributes().is_rtps_protected() && !shield.message && !may_come_bare;
+  // The two volatile endpoints of a participant share one key.
+  const bool by_remote =
+      local->is_volatile ? shield.submessage.prefix == remote.prefix : shield.submessage == remote;
+  const bool submessage_missing = local->attributes.is_submessage_protected() && !by_remote;
+  if (!message_missing && !submessage_missing) return true;
+  ++counters_.unprotected;
+  events_.raise(Event(Error(Code::rtps_protection_missing,
+                            {.document = "endpoint " + id.to_string(),
+                             .expected = message_missing ? "a protected message"
+                                                         : "a submessage protected by its sender",
+                             .found = "an unprotected one"}),
+                      {}, remote.to_string()));
+  return false;
+}
+
+// ---- SendProtection
+
+Keyring::Levels Keyring::levels(const EntityId& sender) const {
+  const auto* local = find(sender);
+  // SPDP and the stateless endpoint: whoever is not authenticated yet must be able to read them.
+  if (local == nullptr) return {};
+  return {.payload = local->attributes.is_payload_protected(),
+          .submessage = local->attributes.is_submessage_protected(),
+          .message = own_.attributes().is_rtps_protected() && !local->is_volatile};
+}
+
+Result<std::size_t> Keyring::protect_payload(const EntityId& writer, BytesView plain,
+                                             MutableBytes out) {
+  const auto* local = find(writer);
+  if (local == nullptr) return fail(Code::crypto_not_matched);
+  return transform().encode_serialized_payload({local->handle}, plain, out);
+}
+
+Result<std::size_t> Keyring::protect_submessage(const EntityId& sender, const Guid& receiver,
+                                                BytesView plain, MutableBytes out) {
+  const auto* local = find(sender);
+  if (local == nullptr) return fail(Code::crypto_not_matched);
+  const bool to_all = receiver.prefix.is_zero() || receiver.entity == kEntityIdUnknown;
+  std::int64_t one = 0;
+  if (!to_all) {
+    const auto pair = local->pairs.find(receiver);
+    if (pair == local->pairs.end()) return fail(Code::crypto_not_matched);
+    one = pair->second.handle;
+  }
+  if (is_writer(sender)) {
+    const spi::DatareaderCryptoHandle reader{one};
+    return transform().encode_datawriter_submessage(
+        {local->handle}, to_all ? std::span(local->readers) : std::span(&reader, 1), plain, out);
+  }
+  const spi::DatawriterCryptoHandle writer{one};
+  return transform().encode_datareader_submessage(
+      {local->handle}, to_all ? std::span(local->writers) : std::span(&writer, 1), plain, out);
+}
+
+Result<std::size_t> Keyring::protect_message(const GuidPrefix& receiver, BytesView plain,
+                                             MutableBytes out) {
+  if (receiver.is_zero())
+    return transform().encode_rtps_message(own_.crypto(), all_remotes_, plain, out);
+  const auto remote = remotes_.find(receiver);
+  if (remote == remotes_.end()) return fail(Code::crypto_not_matched);
+  return transform().encode_rtps_message(own_.crypto(), std::span(&remote->second.crypto, 1), plain,
+                                         out);
+}
+
+void Keyring::on_unprotectable(const Error& error) {
+  ++counters_.unsendable;
+  if (!is_expected(error.code())) events_.raise(Event(error));
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,457 @@
+#include "rtps/security/security.hpp"
+
+#include <algorithm>
+
+namespace ddssec::rtps {
+namespace {
+
+struct BuiltinEndpoint {
+  EntityId writer, reader;
+  std::string_view topic;
+  std::string_view writer_name = {}, reader_name = {};
+};
+
+// DDS-Security 7.4.5: all but the two that must be readable before anybody is authenticated.
+constexpr BuiltinEndpoint kBuiltin[] = {
+    {kPublicationsWriter, kPublicationsReader, "DCPSPublication"},
+    {kSubscriptionsWriter, kSubscriptionsReader, "DCPSSubscription"},
+    {kParticipantMessageWriter, kParticipantMessageReader, "DCPSParticipantMessage"},
+    {kPublicationsSecureWriter, kPublicationsSecureReader, "DCPSPublicationsSecure"},
+    {kSubscriptionsSecureWriter, kSubscriptionsSecureReader, "DCPSSubscriptionsSecure"},
+    {kParticipantsSecureWriter, kParticipantsSecureReader, "DCPSParticipantsSecure"},
+    {kParticipantMessageSecureWriter, kParticipantMessageSecureReader,
+     "DCPSParticipantMessageSecure"},
+    {kVolatileMessageWriter, kVolatileMessageReader, "DCPSParticipantVolatileMessageSecure",
+     "BuiltinParticipantVolatileMessageSecureWriter",
+     "BuiltinParticipantVolatileMessageSecureReader"},
+};
+
+constexpr MonotonicTime kExpiryPeriod = std::chrono::seconds(1);
+
+Qos volatile_qos() {
+  auto qos = default_writer_qos();
+  qos.history.kind = HistoryKind::keep_all;
+  return qos;
+}
+
+std::string hex(std::uint32_t value) {
+  Writer out;
+  out.write(value);
+  return to_hex(out.view());
+}
+
+/// Both masks.
+std::string text_of(const spi::SecurityInfo& info) {
+  return hex(info.mask) + " " + hex(info.plugin_mask);
+}
+
+std::vector<std::string_view> views_of(const std::vector<std::string>& texts) {
+  return {texts.begin(), texts.end()};
+}
+
+}  // namespace
+
+Security::Security(std::unique_ptr<OwnSecurity> own, MessageSender& sender, SecurityHost& host,
+                   EventSink& events)
+    : own_(std::move(own)),
+      sender_(sender),
+      host_(host),
+      events_(events),
+      keyring_(*own_, events) {}
+
+Security::~Security() {
+  while (!peers_.empty()) lost(GuidPrefix(peers_.begin()->first));
+}
+
+Status Security::start(Bytes own_data) {
+  own_data_ = std::make_shared<const Bytes>(std::move(own_data));
+  for (const auto& endpoint : kBuiltin) {
+    const auto attributes = DDSSEC_TRY(own_->builtin_attributes(endpoint.topic));
+    DDSSEC_TRY(keyring_.add_local(endpoint.writer, attributes, endpoint.writer_name));
+    DDSSEC_TRY(keyring_.add_local(endpoint.reader, attributes, endpoint.reader_name));
+  }
+  sender_.protect_with(keyring_);
+  return {};
+}
+
+Security::Peer* Security::find(const GuidPrefix& prefix) {
+  const auto at = peers_.find(prefix);
+  return at == peers_.end() ? nullptr : &at->second;
+}
+
+// ---- who may try
+
+bool Security::admits_unauthenticated() const {
+  const auto& attributes = own_->attributes();
+  return attributes.allow_unauthenticated_participants && !attributes.is_rtps_protected();
+}
+
+Security::Verdict Security::judge(const ParticipantData& data) {
+  const auto own_info = spi::security_info(own_->attributes());
+  const auto info = data.security_info.value_or(spi::SecurityInfo{});
+  if (data.identity_token && spi::compatible(own_info, info)) return Verdict::authenticate;
+  if (admits_unauthenticated()) return Verdict::admit_unauthenticated;
+  const auto guid = data.guid.to_string();
+  if (!data.identity_token)
+    events_.raise(Event(Error(Code::rtps_peer_not_secured, {.document = "participant " + guid,
+                                                            .expected = "an identity token",
+                                                            .found = "none"}),
+                        {}, guid));
+  else
+    events_.raise(
+        Event(Error(Code::rtps_security_info_mismatch, {.document = "participant " + guid,
+                                                        .field = "participant_security_info",
+                                                        .expected = text_of(own_info),
+                                                        .found = text_of(info)}),
+              {}, guid));
+  return Verdict::refuse;
+}
+
+void Security::discovered(const ParticipantData& data, const LocatorList& metatraffic,
+                          MonotonicTime now) {
+  now_ = now;
+  const auto prefix = data.guid.prefix;
+  if (peers_.contains(prefix)) return;
+  auto handshake = std::make_unique<PeerHandshake>(
+      own_->plugins().authentication,
+      PeerHandshake::Sides{own_->guid(), data.guid, own_->identity(),
+                           data.identity_token.value_or(spi::Token{}),
+                           data.vendor != kVendorFastDds},
+      own_data_, numbers_, now);
+  peers_.emplace(prefix, Peer{data, metatraffic, std::move(handshake)});
+}
+
+void Security::lost(const GuidPrefix& prefix) {
+  keyring_.remove_remote(prefix);
+  const auto at = peers_.find(prefix);
+  if (at == peers_.end()) return;
+  if (at->second.permissions)
+    static_cast<void>(
+        own_->plugins().access_control.return_permissions_handle(at->second.permissions));
+  fragments_.forget(prefix);
+  peers_.erase(at);
+}
+
+bool Security::is_authenticated(const GuidPrefix& prefix) const {
+  const auto at = peers_.find(prefix);
+  return at != peers_.end() && at->second.authenticated;
+}
+
+// ---- handshake
+
+void Security::send(Peer& peer, const PeerHandshake::Messages& messages) {
+  for (const auto& message : messages) {
+    const auto payload = write_generic_message(message);
+    sender_.add({peer.data.guid.prefix, peer.metatraffic}, Data{kStatelessMessageReader,
+                                                                kStatelessMessageWriter,
+                                                                {++stateless_number_},
+                                                                {},
+                                                                PayloadKind::data,
+                                                                payload});
+    sender_.flush();
+  }
+}
+
+void Security::on_stateless(const GuidPrefix& source, BytesView payload, MonotonicTime now) {
+  now_ = now;
+  auto* peer = find(source);
+  if (peer == nullptr || peer->refused) return;
+  const auto message = read_generic_message(payload);
+  const bool ours = message && message->identity.source.prefix == source &&
+                    message->destination_participant == own_->guid() &&
+                    message->message_class == message_class::kAuthentication;
+  if (!ours) return;
+  PeerHandshake::Messages out;
+  peer->handshake->receive(*message, now, out);
+  // A Final goes out when the keys are ready for what the peer sends next.
+  const bool newly = advance(*peer);
+  if (!peer->refused) send(*peer, out);
+  if (newly) open_volatile(*peer, now);
+}
+
+void Security::on_stateless_frag(const GuidPrefix& source, const DataFrag& frag,
+                                 MonotonicTime now) {
+  if (find(source) == nullptr) return;
+  if (const auto whole = fragments_.add(source, frag)) on_stateless(source, *whole, now);
+}
+
+bool Security::advance(Peer& peer) {
+  if (peer.refused || peer.established) return false;
+  if (const auto& failure = peer.handshake->failure()) return refuse(peer, *failure);
+  if (!peer.handshake->finished()) return false;
+  if (auto status = establish(peer); !status) return refuse(peer, status.error());
+  return peer.established = true;
+}
+
+// The plugins have raised the event of most refusals; of a time-out and of what concerns keys they
+// know nothing.
+bool Security::refuse(Peer& peer, const Error& error) {
+  peer.refused = true;
+  if (error.code() == Code::rtps_authentication_timeout)
+    events_.raise(Event(error, {}, peer.data.guid.to_string()));
+  host_.on_refused(GuidPrefix(peer.data.guid.prefix));
+  return false;
+}
+
+Status Security::establish(Peer& peer) {
+  auto& [authentication, access_control, cryptography] = own_->plugins();
+  const auto handle = peer.handshake->handle();
+  auto secret = DDSSEC_TRY(authentication.shared_secret(handle));
+  const auto credential = DDSSEC_TRY(authentication.authenticated_peer_credential_token(handle));
+  const auto identity = peer.handshake->peer_identity();
+  peer.permissions = DDSSEC_TRY(access_control.validate_remote_permissions(
+      own_->identity(), identity, peer.data.permissions_token.value_or(spi::Token{}), credential));
+  DDSSEC_TRY(access_control.check_remote_participant(peer.permissions, own_->domain_id()));
+  const auto prefix = peer.data.guid.prefix;
+  DDSSEC_TRY(keyring_.add_remote(
+      prefix, {identity, peer.permissions, std::move(secret), peer.data.vendor != kVendorCyclone}));
+  DDSSEC_TRY(keyring_.introduce(kVolatileMessageWriter, {prefix, kVolatileMessageReader}));
+  DDSSEC_TRY(keyring_.introduce(kVolatileMessageReader, {prefix, kVolatileMessageWriter}));
+  return {};
+}
+
+void Security::open_volatile(Peer& peer, MonotonicTime now) {
+  const auto prefix = peer.data.guid.prefix;
+  const Guid writer{prefix, kVolatileMessageWriter}, reader{prefix, kVolatileMessageReader};
+  peer.volatile_writer = std::make_unique<StatefulWriter>(
+      Guid{own_->guid().prefix, kVolatileMessageWriter}, volatile_qos(), sender_);
+  peer.volatile_reader = std::make_unique<StatefulReader>(
+      Guid{own_->guid().prefix, kVolatileMessageReader}, true, sender_,
+      [this, prefix](Change& change) { return on_volatile(prefix, change); });
+  peer.volatile_writer->match({reader, true, false, peer.metatraffic}, now);
+  peer.volatile_reader->match({writer, true, peer.metatraffic}, now);
+  auto tokens = keyring_.participant_tokens(prefix);
+  if (!tokens) {
+    refuse(peer, tokens.error());
+    return;
+  }
+  send_tokens(peer, message_class::kParticipantTokens, {}, {}, std::move(*tokens));
+}
+
+StatefulWriter* Security::volatile_writer(const GuidPrefix& prefix) {
+  auto* peer = find(prefix);
+  return peer == nullptr ? nullptr : peer->volatile_writer.get();
+}
+
+StatefulReader* Security::volatile_reader(const GuidPrefix& prefix) {
+  auto* peer = find(prefix);
+  return peer == nullptr ? nullptr : peer->volatile_reader.get();
+}
+
+// ---- keys
+
+void Security::send_tokens(Peer& peer, std::string_view message_class, const Guid& from,
+                           const Guid& to, std::vector<spi::Token> tokens) {
+  if (tokens.empty() || !peer.volatile_writer) return;
+  GenericMessage message;
+  message.identity = {{own_->guid().prefix, kVolatileMessageWriter}, ++volatile_number_};
+  message.destination_participant = peer.data.guid;
+  message.destination_endpoint = to;
+  message.source_endpoint = from;
+  message.message_class = message_class;
+  message.data = std::move(tokens);
+  Change change;
+  change.payload = Payload::copy_of(write_generic_message(message));
+  peer.volatile_writer->write(std::move(change), now_);
+}
+
+// It was protected by the key of this pair of participants; what is in it is checked all the same.
+bool Security::on_volatile(const GuidPrefix& prefix, const Change& change) {
+  auto* peer = find(prefix);
+  auto message = read_generic_message(change.payload.view());
+  if (peer == nullptr || !peer->established || !message) return true;
+  // Fast DDS names its stateless writer as the source.
+  if (message->identity.source.prefix != prefix || message->destination_participant != own_->guid())
+    return true;
+  if (message->message_class == message_class::kParticipantTokens)
+    on_participant_tokens(*peer, *message);
+  else if (message->message_class == message_class::kDatawriterTokens ||
+           message->message_class == message_class::kDatareaderTokens)
+    on_endpoint_tokens(*peer, std::move(*message));
+  return true;
+}
+
+void Security::on_participant_tokens(Peer& peer, const GenericMessage& message) {
+  const auto prefix = peer.data.guid.prefix;
+  const auto status = keyring_.set_participant_tokens(prefix, message.data);
+  if (!status) {
+    events_.raise(Event(status.error(), {}, peer.data.guid.to_string()));
+    return;
+  }
+  if (std::exchange(peer.authenticated, true)) return;
+  host_.on_authenticated(prefix);
+}
+
+// For endpoints that we do not know yet they are kept: discovery and keys come in any order.
+void Security::on_endpoint_tokens(Peer& peer, GenericMessage message) {
+  const auto& local = message.destination_endpoint;
+  const auto& remote = message.source_endpoint;
+  const bool to_reader = message.message_class == message_class::kDatawriterTokens;
+  const bool fits = local.prefix == own_->guid().prefix && remote.prefix == peer.data.guid.prefix &&
+                    is_reader(local.entity) == to_reader && is_writer(remote.entity) == to_reader;
+  if (!fits) return;
+  if (keyring_.is_introduced(local.entity, remote)) return apply_tokens(peer, message);
+  std::erase_if(peer.early, [&](const auto& held) {
+    return held.destination_endpoint == local && held.source_endpoint == remote;
+  });
+  if (peer.early.size() >= kMostEarlyTokens) peer.early.erase(peer.early.begin());
+  peer.early.push_back(std::move(message));
+}
+
+void Security::apply_tokens(Peer& peer, const GenericMessage& message) {
+  const auto local = message.destination_endpoint.entity;
+  const auto remote = message.source_endpoint;
+  const auto ready = keyring_.set_endpoint_tokens(local, remote, message.data);
+  if (!ready) {
+    events_.raise(Event(ready.error(), {}, peer.data.guid.to_string()));
+  } else if (*ready) {
+    host_.on_keys(local, remote);
+  }
+}
+
+bool Security::introduce(const EntityId& local, const Guid& remote, bool relay_only) {
+  auto introduced = keyring_.introduce(local, remote, relay_only);
+  if (!introduced) {
+    events_.raise(Event(introduced.error(), {}, remote.to_string()));
+    return false;
+  }
+  auto* peer = find(remote.prefix);
+  if (!introduced->is_new || peer == nullptr) return introduced->ready;
+  send_tokens(
+      *peer, is_writer(local) ? message_class::kDatawriterTokens : message_class::kDatareaderTokens,
+      {own_->guid().prefix, local}, remote, std::move(introduced->tokens));
+  const auto held = std::ranges::find_if(peer->early, [&](const auto& message) {
+    return message.destination_endpoint.entity == local && message.source_endpoint == remote;
+  });
+  if (held == peer->early.end()) return introduced->ready;
+  const auto message = std::move(*held);
+  peer->early.erase(held);
+  const auto ready = keyring_.set_endpoint_tokens(local, remote, message.data);
+  if (!ready) events_.raise(Event(ready.error(), {}, peer->data.guid.to_string()));
+  return introduced->ready || (ready && *ready);
+}
+
+// ---- endpoints
+
+Result<spi::SecurityInfo> Security::create_endpoint(const EntityId& id, std::string_view topic,
+                                                    const std::vector<std::string>& partitions) {
+  auto& plugin = own_->plugins().access_control;
+  const auto names = views_of(partitions);
+  const spi::EndpointRequest request{.topic_name = topic, .partitions = names};
+  DDSSEC_TRY(plugin.check_create_topic(own_->permissions(), own_->domain_id(), topic));
+  spi::EndpointSecurityAttributes attributes;
+  if (is_writer(id)) {
+    DDSSEC_TRY(plugin.check_create_datawriter(own_->permissions(), own_->domain_id(), request));
+    attributes = DDSSEC_TRY(plugin.datawriter_sec_attributes(own_->permissions(), request));
+  } else {
+    DDSSEC_TRY(plugin.check_create_datareader(own_->permissions(), own_->domain_id(), request));
+    attributes = DDSSEC_TRY(plugin.datareader_sec_attributes(own_->permissions(), request));
+  }
+  DDSSEC_TRY(keyring_.add_local(id, attributes));
+  return spi::security_info(attributes);
+}
+
+std::optional<Security::Admission> Security::admit(const EntityId& local, const Endpoint& remote) {
+  const auto* peer = find(remote.guid.prefix);
+  const auto* attributes = keyring_.attributes(local);
+  if (attributes == nullptr) return std::nullopt;
+  const bool authenticated = peer != nullptr && peer->authenticated;
+  const auto status =
+      authenticated ? check_protection(*attributes, remote) : check_open(local, remote);
+  if (!status) {
+    events_.raise(Event(status.error().in("topic " + std::string(remote.topic)), {},
+                        remote.guid.to_string()));
+    return std::nullopt;
+  }
+  if (!authenticated) return Admission{};
+  const auto admission = check_permissions(local, *peer, remote);  // raises its own event
+  return admission ? std::optional(*admission) : std::nullopt;
+}
+
+// DDS-Security 8.8.7: unauthenticated participants get topics without access control and without
+// protection of any kind.
+Status Security::check_open(const EntityId& local, const Endpoint& remote) const {
+  const auto& attributes = *keyring_.attributes(local);
+  const auto& topic = attributes.topic;
+  const bool open = !topic.is_read_protected && !topic.is_write_protected &&
+                    !topic.is_discovery_protected && !attributes.is_submessage_protected() &&
+                    !attributes.is_payload_protected();
+  if (open && admits_unauthenticated()) return {};
+  return fail(Code::rtps_peer_not_secured,
+              {.expected = "an authenticated participant", .found = remote.guid.to_string()});
+}
+
+Status Security::check_protection(const spi::EndpointSecurityAttributes& attributes,
+                                  const Endpoint& remote) const {
+  if (attributes.topic.is_discovery_protected && !remote.is_secure)
+    return fail(Code::rtps_protection_missing,
+                {.expected = "an announcement by secure discovery", .found = "a plain one"});
+  const auto own = spi::security_info(attributes);
+  if (spi::compatible(own, remote.info)) return {};
+  return fail(
+      Code::rtps_security_info_mismatch,
+      {.field = "endpoint_security_info", .expected = text_of(own), .found = text_of(remote.info)});
+}
+
+Result<Security::Admission> Security::check_permissions(const EntityId& local, const Peer& peer,
+                                                        const Endpoint& remote) {
+  auto& plugin = own_->plugins().access_control;
+  const auto names = views_of(remote.partitions);
+  const spi::EndpointRequest request{.topic_name = remote.topic, .partitions = names};
+  if (is_reader(local)) {
+    DDSSEC_TRY(plugin.check_remote_datawriter(peer.permissions, own_->domain_id(), request));
+    return Admission{};
+  }
+  const auto answer =
+      DDSSEC_TRY(plugin.check_remote_datareader(peer.permissions, own_->domain_id(), request));
+  return Admission{answer.relay_only};
+}
+
+// ---- time
+
+void Security::tick(MonotonicTime now) {
+  now_ = now;
+  std::vector<GuidPrefix> prefixes;
+  for (const auto& [prefix, peer] : peers_) prefixes.push_back(prefix);
+  for (const auto& prefix : prefixes) {
+    auto* peer = find(prefix);
+    if (peer == nullptr) continue;
+    PeerHandshake::Messages out;
+    if (!peer->refused) {
+      peer->handshake->tick(now, out);
+      send(*peer, out);
+      advance(*peer);
+    }
+    if (peer->volatile_writer) peer->volatile_writer->tick(now);
+    if (peer->volatile_reader) peer->volatile_reader->tick(now);
+  }
+  if (now >= next_expiry_) expire();
+}
+
+MonotonicTime Security::next_tick() const {
+  auto next = next_expiry_;
+  for (const auto& [prefix, peer] : peers_) {
+    if (!peer.refused) next = std::min(next, peer.handshake->next_tick());
+    if (peer.volatile_writer) next = std::min(next, peer.volatile_writer->next_tick());
+    if (peer.volatile_reader) next = std::min(next, peer.volatile_reader->next_tick());
+  }
+  return next;
+}
+
+// The plugins know the calendar and raise the events.
+void Security::expire() {
+  next_expiry_ = now_ + kExpiryPeriod;
+  const auto identities = own_->plugins().authentication.expire();
+  const auto permissions = own_->plugins().access_control.expire();
+  const auto ended = [&](spi::IdentityHandle identity, spi::PermissionsHandle handle) {
+    return (identity && std::ranges::find(identities, identity) != identities.end()) ||
+           (handle && std::ranges::find(permissions, handle) != permissions.end());
+  };
+  std::vector<GuidPrefix> gone;
+  const bool all = ended(own_->identity(), own_->permissions());
+  for (const auto& [prefix, peer] : peers_)
+    if (all || ended(peer.handshake->peer_identity(), peer.permissions)) gone.push_back(prefix);
+  for (const auto& prefix : gone) host_.on_ended(prefix);
+}
+
+}  // namespace ddssec::rtps

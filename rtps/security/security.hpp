@@ -1,0 +1,133 @@
+// The security side of a participant: whom it authenticates, what they may, and the keys that go to
+// and fro (DDS-Security 7.4.3, 8.8). No I/O but through the sender, no clock, no lock.
+#pragma once
+
+#include "rtps/discovery/participant_data.hpp"
+#include "rtps/reliability/stateful_reader.hpp"
+#include "rtps/security/fragment_store.hpp"
+#include "rtps/security/keyring.hpp"
+#include "rtps/security/peer_handshake.hpp"
+
+namespace ddssec::rtps {
+
+/// The participant around it. Called from within receive, tick and introduce.
+class SecurityHost {
+ public:
+  virtual ~SecurityHost() = default;
+  /// Its keys are here: builtin endpoints may be matched.
+  virtual void on_authenticated(const GuidPrefix& peer) = 0;
+  /// It did not authenticate, or is not allowed to join.
+  virtual void on_refused(const GuidPrefix& peer) = 0;
+  /// The keys of a pair that was introduced are here.
+  virtual void on_keys(const EntityId& local, const Guid& remote) = 0;
+  /// What let a peer take part, or us, has ended.
+  virtual void on_ended(const GuidPrefix& peer) = 0;
+};
+
+class Security {
+ public:
+  /// Token messages that are kept for endpoints we do not know yet, of one peer.
+  static constexpr std::size_t kMostEarlyTokens = 1024;
+
+  Security(std::unique_ptr<OwnSecurity> own, MessageSender& sender, SecurityHost& host,
+           EventSink& events);
+  ~Security();
+
+  OwnSecurity& own() { return *own_; }
+  const OwnSecurity& own() const { return *own_; }
+  Keyring& keyring() { return keyring_; }
+  const Keyring& keyring() const { return keyring_; }
+
+  /// Registers the builtin endpoints. `own_data`: c.pdata, a big-endian parameter list.
+  Status start(Bytes own_data);
+
+  enum class Verdict { authenticate, admit_unauthenticated, refuse };
+  /// What to do with a participant that announced itself; a refusal raises an event.
+  Verdict judge(const ParticipantData& data);
+  /// Without authentication: only where nothing at all is protected.
+  bool admits_unauthenticated() const;
+
+  void discovered(const ParticipantData& data, const LocatorList& metatraffic, MonotonicTime now);
+  void lost(const GuidPrefix& peer);
+  bool is_authenticated(const GuidPrefix& peer) const;
+
+  void on_stateless(const GuidPrefix& source, BytesView payload, MonotonicTime now);
+  void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag, MonotonicTime now);
+  /// The volatile secure endpoints exist once for each peer; nullptr before authentication.
+  StatefulWriter* volatile_writer(const GuidPrefix& peer);
+  StatefulReader* volatile_reader(const GuidPrefix& peer);
+
+  void tick(MonotonicTime now);
+  MonotonicTime next_tick() const;
+
+  /// Brings a local and a remote endpoint together; true: they can be matched now, else on_keys
+  /// says when.
+  bool introduce(const EntityId& local, const Guid& remote, bool relay_only = false);
+
+  /// May this remote endpoint match our one? `is_secure`: it was announced by secure SEDP.
+  struct Endpoint {
+    Guid guid;
+    std::string_view topic;
+    const std::vector<std::string>& partitions;
+    spi::SecurityInfo info;
+    bool is_secure = false;
+  };
+  struct Admission {
+    bool relay_only = false;
+  };
+  /// Nothing: no, and an event says why.
+  std::optional<Admission> admit(const EntityId& local, const Endpoint& remote);
+  /// May we create this endpoint? Registers it. The masks that discovery announces.
+  Result<spi::SecurityInfo> create_endpoint(const EntityId& id, std::string_view topic,
+                                            const std::vector<std::string>& partitions);
+
+ private:
+  struct Peer {
+    ParticipantData data;
+    LocatorList metatraffic;
+    std::unique_ptr<PeerHandshake> handshake;
+    spi::PermissionsHandle permissions = {};
+    std::unique_ptr<StatefulWriter> volatile_writer = {};
+    std::unique_ptr<StatefulReader> volatile_reader = {};
+    std::vector<GenericMessage> early = {};
+    bool established = false;    ///< handshake done, permissions good
+    bool authenticated = false;  ///< and its participant key is here
+    bool refused = false;
+  };
+
+  Status check_open(const EntityId& local, const Endpoint& remote) const;
+  Status check_protection(const spi::EndpointSecurityAttributes& attributes,
+                          const Endpoint& remote) const;
+  Result<Admission> check_permissions(const EntityId& local, const Peer& peer,
+                                      const Endpoint& remote);
+  void send(Peer& peer, const PeerHandshake::Messages& messages);
+  /// True: the handshake has just succeeded, and the peer may join.
+  bool advance(Peer& peer);
+  Status establish(Peer& peer);
+  void open_volatile(Peer& peer, MonotonicTime now);
+  bool refuse(Peer& peer, const Error& error);
+  void send_tokens(Peer& peer, std::string_view message_class, const Guid& from, const Guid& to,
+                   std::vector<spi::Token> tokens);
+  bool on_volatile(const GuidPrefix& prefix, const Change& change);
+  void on_participant_tokens(Peer& peer, const GenericMessage& message);
+  void on_endpoint_tokens(Peer& peer, GenericMessage message);
+  void apply_tokens(Peer& peer, const GenericMessage& message);
+  void expire();
+  Peer* find(const GuidPrefix& prefix);
+
+  std::unique_ptr<OwnSecurity> own_;
+  MessageSender& sender_;
+  SecurityHost& host_;
+  EventSink& events_;
+  Keyring keyring_;
+  std::shared_ptr<const Bytes> own_data_;
+  MessageNumbers numbers_;
+  std::int64_t stateless_number_ = 0;
+  std::int64_t volatile_number_ = 0;
+  std::map<GuidPrefix, Peer> peers_;
+  FragmentStore fragments_;
+  MonotonicTime now_{};
+  MonotonicTime next_expiry_{};
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,165 @@
+// What is not protected as it must be changes nothing.
+#include "rtps/wire/acknack.hpp"
+#include "rtps/wire/gap.hpp"
+#include "rtps/wire/heartbeat.hpp"
+#include "rtps/wire/info_source.hpp"
+#include "tests/unit/rtps_security/fixture.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+constexpr auto kSign = ProtectionKind::sign;
+constexpr auto kEncrypt = ProtectionKind::encrypt;
+
+/// A plain message in somebody's name.
+template <class... S>
+Bytes forged(const GuidPrefix& from, const S&... submessages) {
+  Bytes buffer(65536);
+  SpanWriter out(buffer);
+  Header header;
+  header.prefix = from;
+  write(out, header);
+  (write(out, submessages), ...);
+  return to_bytes(out.view());
+}
+
+struct Matched : Pair {
+  explicit Matched(const Rules& rules) : Pair(rules) { EXPECT_TRUE(match()); }
+  Data data(std::int64_t number) const {
+    static const Bytes octets(8);
+    return {kEntityIdUnknown, writer.entity, {number}, {}, PayloadKind::data, octets};
+  }
+};
+
+TEST(Enforcement, ClearSubmessagesOfProtectedEndpointsAreDroppedAndCounted) {
+  for (const auto& rules : {Rules{.metadata = kSign}, Rules{.rtps = kSign}}) {
+    Matched pair(rules);
+    const auto& from = pair.a->prefix();
+    const auto before = pair.b->protection_counters().unprotected;
+    pair.b->receive(forged(from, pair.data(1)), pair.world.now);
+    pair.b->receive(
+        forged(from,
+               Heartbeat{kEntityIdUnknown, pair.writer.entity, {1}, {900}, 900, false, false}),
+        pair.world.now);
+    pair.b->receive(forged(from, Gap{kEntityIdUnknown,
+                                     pair.writer.entity,
+                                     {1},
+                                     SequenceNumberSet(SequenceNumber{1000})}),
+                    pair.world.now);
+    EXPECT_EQ(pair.b->protection_counters().unprotected, before + 3);
+    EXPECT_TRUE(pair.b.events.has(Code::rtps_protection_missing));
+    const auto at_a = pair.a->protection_counters().unprotected;
+    pair.a->receive(
+        forged(pair.b->prefix(), AckNack{pair.reader.entity, pair.writer.entity,
+                                         SequenceNumberSet(SequenceNumber{1}), 1 << 30, true}),
+        pair.world.now);
+    EXPECT_EQ(pair.a->protection_counters().unprotected, at_a + 1);
+    // The honest writer goes on as if nothing had come.
+    pair.write();
+    EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 200));
+  }
+}
+
+TEST(Enforcement, APlainPayloadWhereProtectionIsDueIsDropped) {
+  Matched pair({.data = kEncrypt});
+  pair.b->receive(forged(pair.a->prefix(), pair.data(1)), pair.world.now);
+  EXPECT_TRUE(pair.b.listener.changes.empty());
+  EXPECT_EQ(pair.b->protection_counters().undecodable, 1u);
+  pair.write();
+  EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 200));
+}
+
+TEST(Enforcement, AClearDisposeOfAnAuthenticatedParticipantIsIgnored) {
+  Matched pair({});
+  const Guid victim{pair.a->prefix(), kEntityIdParticipant};
+  const auto dispose = forged(
+      victim.prefix,
+      Data{kSpdpReader, kSpdpWriter, {9}, {victim.octets(), {true, true}}, PayloadKind::none, {}});
+  pair.b->receive(dispose, pair.world.now);
+  EXPECT_EQ(pair.b->remote_participants(), 1u);
+  EXPECT_EQ(pair.b->counters().refused_discovery, 1u);
+  EXPECT_EQ(pair.b.listener.matched, 1);
+}
+
+TEST(Enforcement, AClearAnnouncementDoesNotShortenTheLeaseOfAnAuthenticatedParticipant) {
+  Matched pair({});
+  ParticipantData data;
+  data.guid = {pair.a->prefix(), kEntityIdParticipant};
+  data.lease_duration = Duration{{0, 1}};
+  data.metatraffic_unicast = {*Locator::parse("127.0.0.1", 7666)};
+  Bytes buffer(2048);
+  SpanWriter out(buffer);
+  write_payload(out, data);
+  pair.b->receive(forged(data.guid.prefix,
+                         Data{kSpdpReader, kSpdpWriter, {9}, {}, PayloadKind::data, out.view()}),
+                  pair.world.now);
+  pair.world.run(50);
+  EXPECT_EQ(pair.b.listener.matched, 1);
+  for (const auto& [port, octets] : pair.b.post.sent) EXPECT_NE(port, 7666u);
+}
+
+TEST(Enforcement, WhatSecureDiscoverySaidIsNotUnsaidInTheClear) {
+  Matched pair({.discovery = kEncrypt});
+  Bytes buffer(64);
+  SpanWriter out(buffer);
+  write_endpoint_key(out, pair.writer);
+  const Data dispose{
+      kPublicationsReader, kPublicationsWriter, {1}, {pair.writer.octets(), {true, true}},
+      PayloadKind::key,    out.view()};
+  pair.b->receive(forged(pair.a->prefix(), dispose), pair.world.now);
+  EXPECT_EQ(pair.b.listener.matched, 1);
+  EXPECT_GE(pair.b->counters().refused_discovery, 1u);
+}
+
+TEST(Enforcement, AnEndpointOfAProtectedTopicMustBeAnnouncedSecurely) {
+  Matched pair({.discovery = kSign});
+  EndpointData data;
+  data.guid = {pair.a->prefix(), {{0, 0, 99, 0x02}}};
+  data.topic_name = "Square";
+  data.type_name = "ShapeType";
+  data.qos = default_writer_qos();
+  Bytes buffer(2048);
+  SpanWriter out(buffer);
+  write_payload(out, data);
+  pair.b->receive(
+      forged(
+          pair.a->prefix(),
+          Data{kPublicationsReader, kPublicationsWriter, {1}, {}, PayloadKind::data, out.view()}),
+      pair.world.now);
+  EXPECT_EQ(pair.b.listener.matched, 1);
+  EXPECT_TRUE(pair.b.events.has(Code::rtps_protection_missing));
+}
+
+TEST(Enforcement, InfoSourceInAClearMessageGivesNobodysRights) {
+  Matched pair({.metadata = kSign});
+  InfoSource source;
+  source.source.prefix = pair.a->prefix();
+  pair.b->receive(forged(GuidPrefix::from(Bytes(12, 9)), source, pair.data(1)), pair.world.now);
+  EXPECT_TRUE(pair.b.listener.changes.empty());
+}
+
+TEST(Enforcement, AProtectedMessageWithOneOctetChangedOrCutIsNothing) {
+  for (const auto& rules : {everything(kSign), everything(kEncrypt),
+                            everything(ProtectionKind::encrypt_with_origin_authentication)}) {
+    Matched pair(rules);
+    pair.world.run(200);
+    pair.a.post.sent.clear();
+    pair.write();
+    ASSERT_FALSE(pair.a.post.sent.empty());
+    const auto sent = pair.a.post.sent.front().second;
+    for (std::size_t i = 0; i < sent.size(); ++i) {
+      auto broken = sent;
+      broken[i] ^= 0x40;
+      pair.b->receive(broken, pair.world.now);
+      pair.b->receive(BytesView(sent).first(i), pair.world.now);
+    }
+    EXPECT_TRUE(pair.b.listener.changes.empty());
+    pair.b->receive(sent, pair.world.now);
+    EXPECT_EQ(pair.b.listener.changes.size(), 1u);
+  }
+}
+
+}  // namespace
+}  // namespace ddssec::rtps

@@ -1,0 +1,269 @@
+// Secured participants without sockets: keys and documents made on the spot, a network that the
+// test carries, and time that it moves.
+#pragma once
+
+#include <functional>
+#include <set>
+
+#include <gmock/gmock.h>
+
+#include "governance/write.hpp"
+#include "plugins/access_control/access_control.hpp"
+#include "plugins/authentication/authentication.hpp"
+#include "plugins/cryptography/cryptography.hpp"
+#include "plugins/spi/property_names.hpp"
+#include "rtps/discovery/participant.hpp"
+#include "tests/unit/pki/fixture.hpp"
+
+namespace ddssec::rtps::testing {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using namespace std::chrono_literals;
+
+struct Events final : EventSink {
+  std::vector<Event> seen;
+  void raise(const Event& event) override { seen.push_back(event); }
+  int count(Code code) const {
+    return static_cast<int>(
+        std::ranges::count_if(seen, [&](const auto& e) { return e.error.code() == code; }));
+  }
+  bool has(Code code) const { return count(code) > 0; }
+  std::string text() const {
+    std::string out;
+    for (const auto& event : seen) out += event.to_line() + "\n";
+    return out;
+  }
+};
+
+struct Listener final : EndpointListener {
+  int matched = 0;
+  int alive = 0;
+  std::set<Guid> known;
+  std::vector<Change> changes;
+  void on_matched(const EndpointData& remote) override {
+    matched += known.insert(remote.guid).second ? 1 : 0;
+  }
+  void on_unmatched(const Guid& remote) override {
+    matched -= static_cast<int>(known.erase(remote));
+  }
+  void on_incompatible_qos(const Guid&, const QosMismatch&) override {}
+  void on_inconsistent_topic(const EndpointData&) override {}
+  bool on_change(Change& change) override {
+    changes.push_back(std::move(change));
+    return true;
+  }
+  void on_sample_lost(std::int64_t) override {}
+  void on_alive(const Guid&) override { ++alive; }
+  void on_acknowledged() override {}
+};
+
+/// One governance for all topics.
+struct Rules {
+  ProtectionKind rtps = ProtectionKind::none;
+  ProtectionKind discovery = ProtectionKind::none;
+  ProtectionKind liveliness = ProtectionKind::none;
+  ProtectionKind metadata = ProtectionKind::none;
+  ProtectionKind data = ProtectionKind::none;
+  bool allow_unauthenticated = false;
+  bool access_control = true;
+
+  governance::Governance document() const {
+    governance::DomainRule rule;
+    rule.domains.ranges = {{0, 230}};
+    rule.allow_unauthenticated_participants = allow_unauthenticated;
+    rule.enable_join_access_control = access_control;
+    rule.rtps_protection_kind = rtps;
+    rule.discovery_protection_kind = discovery;
+    rule.liveliness_protection_kind = liveliness;
+    governance::TopicRule topic{.topic_expression = "*"};
+    topic.enable_discovery_protection = is_protected(discovery);
+    topic.enable_liveliness_protection = is_protected(liveliness);
+    topic.enable_read_access_control = topic.enable_write_access_control = access_control;
+    topic.metadata_protection_kind = metadata;
+    topic.data_protection_kind = data;
+    rule.topic_rules.push_back(topic);
+    return {.domain_rules = {rule}};
+  }
+};
+
+inline constexpr Rules everything(ProtectionKind kind) {
+  const bool encrypts = is_encrypted(kind);
+  return {.rtps = kind,
+          .discovery = kind,
+          .liveliness = kind,
+          .metadata = kind,
+          .data = encrypts ? ProtectionKind::encrypt : ProtectionKind::sign};
+}
+
+struct Authorities {
+  pki::Authority identity_ca = pki::make_ca("CN=Identity CA,O=Example");
+  pki::Authority permissions_ca = pki::make_ca("CN=Permissions CA,O=Example");
+  static const Authorities& shared() {
+    static const Authorities authorities;
+    return authorities;
+  }
+};
+
+inline std::string data_uri(std::string_view text) { return "data:," + std::string(text); }
+
+/// `topics`: what may be published and subscribed.
+inline spi::PropertyList properties_of(const std::string& subject, const Rules& rules,
+                                       std::vector<std::string> topics = {"*"}) {
+  const auto& [identity_ca, permissions_ca] = Authorities::shared();
+  const auto leaf = pki::make_leaf(identity_ca, subject);
+  governance::Criteria criteria;
+  for (auto& name : topics) criteria.topics.push_back({std::move(name), 0});
+  governance::Rule rule;
+  rule.allow = true;
+  rule.domains.ranges = {{0, 230}};
+  rule.publish = {criteria};
+  rule.subscribe = {criteria};
+  governance::Grant grant;
+  grant.name = "test";
+  grant.subject_name = subject;
+  grant.validity = {pki::kNow - 24h, pki::kNow + 24h};
+  grant.rules = {rule};
+  const auto sign = [&](const std::string& xml) {
+    return data_uri(
+        as_text(*permissions_ca.sign_document(as_bytes(xml), pki::kNow, pki::test_random())));
+  };
+  const auto key = leaf.key.to_pem()->expose([](BytesView pem) { return data_uri(as_text(pem)); });
+  namespace property = spi::property;
+  return {
+      {std::string(property::kIdentityCa), data_uri(identity_ca.certificate().pem()), false},
+      {std::string(property::kIdentityCertificate), data_uri(leaf.certificate.pem()), false},
+      {std::string(property::kPrivateKey), key, false},
+      {std::string(property::kPermissionsCa), data_uri(permissions_ca.certificate().pem()), false},
+      {std::string(property::kGovernance), sign(governance::to_xml(rules.document())), false},
+      {std::string(property::kPermissions),
+       sign(governance::to_xml(governance::Permissions{.grants = {grant}})), false}};
+}
+
+/// A participant at port 7000 + n, with engines of its own if it is secured.
+struct Node {
+  struct Post final : Transport {
+    std::vector<std::pair<std::uint32_t, Bytes>> sent;
+    void send(BytesView octets, std::span<const Locator> to) override {
+      for (const auto& locator : to) sent.emplace_back(locator.port, to_bytes(octets));
+    }
+  };
+
+  static GuidPrefix candidate(std::uint8_t n) { return GuidPrefix::from(Bytes(12, n)); }
+  static ParticipantConfig config(std::uint8_t n, const GuidPrefix& prefix) {
+    const auto at = [](std::uint32_t port) {
+      return *Locator::parse("127.0.0.1", static_cast<std::uint16_t>(port));
+    };
+    return {.prefix = prefix,
+            .metatraffic_unicast = {at(7000u + n)},
+            .default_unicast = {at(7000u + n)},
+            .announce_to = {at(7001), at(7002), at(7003)}};
+  }
+  /// Unsecured.
+  explicit Node(std::uint8_t n) : port(7000u + n), random(n) {
+    participant = std::make_unique<Participant>(config(n, candidate(n)), post, events);
+  }
+  Node(std::uint8_t n, const spi::PropertyList& properties) : port(7000u + n), random(n) {
+    const Environment environment{clock, random, events};
+    authentication = authentication::make_authentication(environment);
+    access_control = access_control::make_access_control(environment);
+    cryptography = cryptography::make_cryptography(environment);
+    auto own = OwnSecurity::create({{*authentication, *access_control, *cryptography}, properties},
+                                   0, candidate(n));
+    EXPECT_TRUE(own) << own.error().to_sentence();
+    if (!own) return;
+    participant = std::make_unique<Participant>(config(n, (*own)->guid().prefix), post, events);
+    const auto secured = participant->secure(std::move(*own));
+    EXPECT_TRUE(secured) << secured.error().to_sentence();
+  }
+  Participant* operator->() { return participant.get(); }
+  bool knows(const Node& other) const {
+    return participant->is_authenticated(other.participant->prefix());
+  }
+
+  Post post;
+  Events events;
+  std::uint32_t port;
+  ManualClock clock{pki::kNow};
+  SeededRandom random;
+  std::unique_ptr<spi::Authentication> authentication;
+  std::unique_ptr<spi::AccessControl> access_control;
+  std::unique_ptr<spi::Cryptography> cryptography;
+  Listener listener;
+  std::unique_ptr<Participant> participant;
+};
+
+inline std::vector<Bytes> one(Bytes datagram) { return std::vector<Bytes>(1, std::move(datagram)); }
+
+/// Carries datagrams; a filter may lose, change or add some.
+struct World {
+  using Filter = std::function<std::vector<Bytes>(const Node& from, Bytes datagram)>;
+  std::vector<Node*> nodes;
+  MonotonicTime now = seconds(1);
+  Filter filter = {};
+
+  void run(int steps = 60) {
+    for (int i = 0; i < steps; ++i) {
+      for (auto* from : nodes)
+        for (auto& [port, octets] : std::exchange(from->post.sent, {})) {
+          const auto datagrams = filter ? filter(*from, std::move(octets)) : one(std::move(octets));
+          for (auto* to : nodes)
+            if (to->port == port)
+              for (const auto& datagram : datagrams) (*to)->receive(datagram, now);
+        }
+      now += milliseconds(10);
+      for (auto* node : nodes) (*node)->tick(now);
+    }
+  }
+  /// True once `done`, at most after so many steps of 10 ms.
+  bool run_until(const std::function<bool()>& done, int steps = 3000) {
+    for (int i = 0; i < steps && !done(); ++i) run(1);
+    return done();
+  }
+};
+
+inline Participant::EndpointRequest square(Qos qos) {
+  return {"Square", "ShapeType", std::move(qos), true};
+}
+inline Payload payload(std::size_t size = 8) {
+  Bytes octets(size, 0x5a);
+  octets[0] = 0;
+  octets[1] = 1;
+  octets[2] = octets[3] = 0;
+  return Payload::copy_of(octets);
+}
+inline Code code_of(const Status& status) { return status ? Code{} : status.error().code(); }
+template <class T>
+Code code_of(const Result<T>& result) {
+  return result ? Code{} : result.error().code();
+}
+
+/// A publisher and a subscriber of one topic under one governance.
+struct Pair {
+  explicit Pair(const Rules& rules) : Pair(rules, rules) {}
+  Pair(const Rules& of_a, const Rules& of_b)
+      : a(1, properties_of("CN=alice,O=Example", of_a)),
+        b(2, properties_of("CN=bob,O=Example", of_b)) {
+    world.nodes = {&a, &b};
+  }
+  void create_endpoints() {
+    writer = a->create_writer(square(default_writer_qos()), a.listener, world.now).value();
+    auto qos = default_reader_qos();
+    qos.reliability.kind = ReliabilityKind::reliable;
+    reader = b->create_reader(square(qos), b.listener, world.now).value();
+  }
+  bool match() {
+    create_endpoints();
+    return world.run_until([&] { return a.listener.matched == 1 && b.listener.matched == 1; });
+  }
+  void write(std::size_t size = 8) {
+    Change change;
+    change.payload = payload(size);
+    a->writer(writer)->write(std::move(change), world.now);
+  }
+  Node a, b;
+  World world;
+  Guid writer, reader;
+};
+
+}  // namespace ddssec::rtps::testing

@@ -1,0 +1,184 @@
+// Secured participants find each other, authenticate, exchange keys and data, and part.
+#include "tests/unit/rtps_security/fixture.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+constexpr auto kNone = ProtectionKind::none;
+constexpr auto kSign = ProtectionKind::sign;
+constexpr auto kEncrypt = ProtectionKind::encrypt;
+constexpr auto kSignOa = ProtectionKind::sign_with_origin_authentication;
+constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
+
+TEST(Joining, DataFlowsUnderEveryGovernance) {
+  const Rules kRules[] = {
+      {},
+      everything(kSign),
+      everything(kEncrypt),
+      everything(kSignOa),
+      everything(kEncryptOa),
+      {.data = kEncrypt},
+      {.data = kSign},
+      {.metadata = kSign, .data = kEncrypt},
+      {.rtps = kSign,
+       .discovery = kEncrypt,
+       .liveliness = kEncrypt,
+       .metadata = kEncrypt,
+       .data = kEncrypt},
+      {.discovery = kEncryptOa},
+      {.rtps = kEncryptOa},
+  };
+  for (const auto& rules : kRules) {
+    Pair pair(rules);
+    ASSERT_TRUE(pair.match()) << pair.a.events.text() << pair.b.events.text();
+    for (std::size_t size : {8u, 13u, 1001u, 60'001u}) pair.write(size);
+    const bool came = pair.world.run_until([&] { return pair.b.listener.changes.size() == 4; });
+    ASSERT_TRUE(came) << pair.b.events.text();
+    // Padding in front of protection may stay behind the payload.
+    EXPECT_GE(pair.b.listener.changes[2].payload.size(), 1001u);
+    EXPECT_LE(pair.b.listener.changes[2].payload.size(), 1004u);
+    EXPECT_TRUE(pair.a.events.seen.empty()) << pair.a.events.text();
+    EXPECT_TRUE(pair.b.events.seen.empty()) << pair.b.events.text();
+    EXPECT_EQ(pair.b->counters().malformed, 0u);
+  }
+}
+
+TEST(Joining, NothingPlainLeavesWhereEverythingIsEncrypted) {
+  Pair pair(everything(kEncrypt));
+  bool seen = false;
+  pair.world.filter = [&](const Node&, Bytes datagram) {
+    const auto text = std::string(as_text(datagram));
+    seen = seen || text.find("Square") != text.npos || text.find("ZZZZZZ") != text.npos;
+    return one(std::move(datagram));
+  };
+  ASSERT_TRUE(pair.match());
+  pair.write(64);
+  EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }));
+  EXPECT_FALSE(seen);
+}
+
+TEST(Joining, TheGuidIsBoundToTheSubject) {
+  Pair pair({});
+  for (auto* node : {&pair.a, &pair.b}) EXPECT_NE((*node)->prefix().octets[0] & 0x80, 0);
+  EXPECT_NE(pair.a->prefix(), Node::candidate(1));
+}
+
+TEST(Joining, EndpointsAndParticipantsPart) {
+  Pair pair(everything(kEncryptOa));
+  ASSERT_TRUE(pair.match());
+  pair.b->remove(pair.reader, pair.world.now);
+  EXPECT_TRUE(pair.world.run_until([&] { return pair.a.listener.matched == 0; }, 200));
+  pair.a->leave();
+  EXPECT_TRUE(pair.world.run_until([&] { return pair.b->remote_participants() == 0; }, 200));
+}
+
+TEST(Joining, SeveralReadersOfOneParticipantGetTheSameWriter) {
+  Pair pair(everything(kEncryptOa));
+  Listener second;
+  auto qos = default_reader_qos();
+  qos.reliability.kind = ReliabilityKind::reliable;
+  ASSERT_TRUE(pair.b->create_reader(square(qos), second, pair.world.now));
+  pair.create_endpoints();
+  ASSERT_TRUE(pair.world.run_until([&] { return pair.a.listener.matched == 2; }));
+  pair.write();
+  EXPECT_TRUE(pair.world.run_until(
+      [&] { return pair.b.listener.changes.size() == 1 && second.changes.size() == 1; }));
+}
+
+TEST(Joining, LivelinessIsAssertedOnTheRightTopic) {
+  for (auto kind : {kNone, kEncrypt}) {
+    Pair pair({.liveliness = kind});
+    auto qos = default_writer_qos();
+    qos.liveliness.lease_duration = Duration{{1, 0}};
+    ASSERT_TRUE(pair.a->create_writer(square(qos), pair.a.listener, pair.world.now));
+    auto requested = default_reader_qos();
+    requested.liveliness.lease_duration = Duration{{1, 0}};
+    ASSERT_TRUE(pair.b->create_reader(square(requested), pair.b.listener, pair.world.now));
+    ASSERT_TRUE(pair.world.run_until([&] { return pair.b.listener.matched == 1; }));
+    pair.world.run(100);
+    const auto before = pair.b.listener.alive;
+    pair.world.run(400);
+    EXPECT_GE(pair.b.listener.alive - before, 4);
+  }
+}
+
+TEST(Joining, OtherProtectionOfTheParticipantKeepsThemApart) {
+  Pair pair({.rtps = kSign}, {.rtps = kEncrypt});
+  pair.create_endpoints();
+  pair.world.run(300);
+  EXPECT_EQ(pair.a.listener.matched + pair.b.listener.matched, 0);
+  EXPECT_FALSE(pair.a.knows(pair.b));
+  EXPECT_TRUE(pair.a.events.has(Code::rtps_security_info_mismatch));
+  EXPECT_TRUE(pair.b.events.has(Code::rtps_security_info_mismatch));
+}
+
+TEST(Joining, OtherProtectionOfATopicKeepsEndpointsApart) {
+  Pair pair({.metadata = kSign}, {.metadata = kEncrypt});
+  pair.create_endpoints();
+  pair.world.run(300);
+  EXPECT_TRUE(pair.a.knows(pair.b) && pair.b.knows(pair.a));
+  EXPECT_EQ(pair.a.listener.matched + pair.b.listener.matched, 0);
+  EXPECT_TRUE(pair.a.events.has(Code::rtps_security_info_mismatch));
+}
+
+TEST(Joining, APlainParticipantIsRefusedWithAReason) {
+  Node plain(1), secured(2, properties_of("CN=bob,O=Example", {}));
+  World world{{&plain, &secured}};
+  ASSERT_TRUE(plain->create_writer(square(default_writer_qos()), plain.listener, world.now));
+  ASSERT_TRUE(secured->create_reader(square(default_reader_qos()), secured.listener, world.now));
+  world.run(200);
+  EXPECT_EQ(secured.listener.matched + plain.listener.matched, 0);
+  EXPECT_EQ(secured.events.count(Code::rtps_peer_not_secured), 1);
+}
+
+TEST(Joining, APlainParticipantGetsWhatIsOpenAndNothingElse) {
+  for (const bool open : {true, false}) {
+    const Rules rules{
+        .data = open ? kNone : kSign, .allow_unauthenticated = true, .access_control = false};
+    Node plain(1), secured(2, properties_of("CN=bob,O=Example", rules));
+    World world{{&plain, &secured}};
+    ASSERT_TRUE(plain->create_writer(square(default_writer_qos()), plain.listener, world.now));
+    ASSERT_TRUE(secured->create_reader(square(default_reader_qos()), secured.listener, world.now));
+    world.run(200);
+    EXPECT_EQ(secured.listener.matched, open ? 1 : 0);
+    EXPECT_EQ(secured.events.has(Code::rtps_peer_not_secured), !open);
+  }
+}
+
+TEST(Joining, WhatIsAccessControlledIsNotForUnauthenticatedParticipants) {
+  const Rules rules{.allow_unauthenticated = true, .access_control = true};
+  Node plain(1), secured(2, properties_of("CN=bob,O=Example", rules));
+  World world{{&plain, &secured}};
+  ASSERT_TRUE(plain->create_writer(square(default_writer_qos()), plain.listener, world.now));
+  ASSERT_TRUE(secured->create_reader(square(default_reader_qos()), secured.listener, world.now));
+  world.run(200);
+  EXPECT_EQ(secured.listener.matched, 0);
+}
+
+TEST(Joining, PermissionsDecideHereAndThere) {
+  Node a(1, properties_of("CN=alice,O=Example", {}, {"Circle"}));
+  EXPECT_EQ(code_of(a->create_writer(square(default_writer_qos()), a.listener, {})),
+            Code::topic_not_allowed);
+  // Who is not controlled by its own governance is refused by the other's.
+  Rules lax;
+  lax.access_control = false;
+  Node c(1, properties_of("CN=carol,O=Example", lax, {"Circle"}));
+  Node b(2, properties_of("CN=bob,O=Example", {}));
+  World world{{&c, &b}};
+  ASSERT_TRUE(c->create_writer(square(default_writer_qos()), c.listener, world.now));
+  ASSERT_TRUE(b->create_reader(square(default_reader_qos()), b.listener, world.now));
+  world.run(300);
+  EXPECT_EQ(b.listener.matched, 0);
+}
+
+TEST(Joining, AnEndedPermissionEndsTheParticipation) {
+  Pair pair(everything(kEncrypt));
+  ASSERT_TRUE(pair.match());
+  pair.b.clock.advance(std::chrono::hours(25));
+  EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.matched == 0; }, 300));
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
