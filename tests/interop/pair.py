@@ -121,7 +121,8 @@ class Programs:
     logs: str
 
     def command(self, kind):
-        return [os.path.join(self.bin, "fastdds_peer" if kind == "fast" else "cyclone_peer")]
+        names = {"fast": "fastdds_peer", "embedded": "embedded_peer"}
+        return [os.path.join(self.bin, names.get(kind, "cyclone_peer"))]
 
     def environment(self, kind):
         environment = dict(os.environ)

@@ -3,6 +3,7 @@
 
   runner.py                      every pair with ours in it
   runner.py --chosen             the part that the normal tests run
+  runner.py --embedded           every pair with the embedded participant in it
   runner.py --stock              the pairs of two stock peers, to check the reference itself
   runner.py --filter 'sros2.*ours>fast'
 
@@ -21,6 +22,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 sys.dont_write_bytecode = True  # leave no cache in the source tree
 
+import embedded_scenarios  # noqa: E402
 import scenarios  # noqa: E402
 from pair import Programs, run  # noqa: E402
 from pki import Pki  # noqa: E402
@@ -37,6 +39,8 @@ def parse():
                         help="build folder with bin/ and dropin/ (default: build/release)")
     parser.add_argument("--chosen", action="store_true", help="only the chosen part")
     parser.add_argument("--stock", action="store_true", help="two stock peers instead of ours")
+    parser.add_argument("--embedded", action="store_true",
+                        help="the embedded participant instead of our plugins in Cyclone DDS")
     parser.add_argument("--filter", default="", help="only cases whose 'name pair' matches this")
     parser.add_argument("--list", action="store_true", help="print the cases and end")
     parser.add_argument("--jobs", type=int, default=2, help="pairs at a time (default 2)")
@@ -48,8 +52,9 @@ def parse():
 
 def select(options):
     pattern = re.compile(options.filter)
-    return [case for case in scenarios.all_cases()
-            if case.stock_only == options.stock and (case.chosen or not options.chosen)
+    cases = embedded_scenarios.all_cases() if options.embedded else scenarios.all_cases()
+    return [case for case in cases
+            if (options.embedded or case.stock_only == options.stock) and (case.chosen or not options.chosen)
             and pattern.search(f"{case.name} {case.pair}")]
 
 
@@ -109,7 +114,7 @@ def cell(results):
 
 
 def heading(pair):
-    return ">".join(scenarios.LETTERS[kind] for kind in pair.split(">"))
+    return ">".join(LETTERS[kind] for kind in pair.split(">"))
 
 
 def table_lines(title, results):
@@ -134,8 +139,13 @@ TITLES = {"governance": "Governance rows: valid documents, data must flow",
          "expiry": "The publisher's right ends while data flows: it must be cut off"}
 
 
+TITLES |= {f"embedded-{table}": f"Embedded participant: {title}"
+           for table, title in TITLES.items()}
+LETTERS = scenarios.LETTERS | {embedded_scenarios.EMBEDDED: "e"}
+
+
 LEGEND = """
-o ours in Cyclone DDS, c stock Cyclone DDS, f Fast DDS; publisher>subscriber
+e our embedded participant, o ours in Cyclone DDS, c stock Cyclone DDS, f Fast DDS; publisher>subscriber
 oA, oP, oC: only our authentication, access control (permissions) or cryptography
 *2 twice; ! not as required; ~ known shortcoming; - not run"""
 

@@ -10,6 +10,7 @@ import unittest
 
 sys.dont_write_bytecode = True
 
+import embedded_scenarios  # noqa: E402
 import scenarios  # noqa: E402
 from pki import STARTER, WAITER, der_name, subject  # noqa: E402
 
@@ -60,6 +61,29 @@ class Table(unittest.TestCase):
                    and case.allowed != {scenarios.DATA}}
         self.assertEqual(failing, {f"governance/{row}/ec/start-sub" for row in (
             "data-sign", "data-encrypt", "rtps-sign+data-encrypt", "rtps-encrypt+data-encrypt")})
+
+
+class Embedded(unittest.TestCase):
+    CASES = embedded_scenarios.all_cases()
+    CHOSEN = [case for case in CASES if case.chosen]
+
+    def test_every_row_has_every_pair(self):
+        self.assertEqual({case.row for case in self.CASES if case.table == "embedded-governance"},
+                         set(scenarios.GOVERNANCES))
+        pairs = {f"{publisher}>{subscriber}" for publisher, subscriber in embedded_scenarios.PAIRS}
+        self.assertEqual({case.pair for case in self.CASES}, pairs)
+        names = [(case.name, case.pair) for case in self.CASES]
+        self.assertEqual(len(names), len(set(names)))
+
+    def test_chosen_cover_rows_pairs_and_directions_in_a_minute(self):
+        self.assertLessEqual(len(self.CHOSEN), 60)
+        positive = [case for case in self.CHOSEN if case.table == "embedded-governance"]
+        self.assertEqual({case.row for case in positive}, set(scenarios.GOVERNANCES))
+        self.assertEqual({case.pair for case in positive}, {case.pair for case in self.CASES})
+        self.assertGreater(len({case.row for case in self.CHOSEN}), len(scenarios.GOVERNANCES) + 5)
+
+    def test_nothing_is_excused(self):
+        self.assertFalse([case.name for case in self.CASES if case.known])
 
 
 class Names(unittest.TestCase):

@@ -3,6 +3,10 @@
 #include <string>
 
 #include "interop/peers/peer.h"
+#include "plugins/access_control/access_control.hpp"
+#include "plugins/authentication/authentication.hpp"
+#include "plugins/cryptography/cryptography.hpp"
+#include "plugins/spi/property_names.hpp"
 #include "rtps/dcps/domain_participant.hpp"
 
 namespace ddssec::rtps {
@@ -86,13 +90,59 @@ Status create(DomainParticipant& participant, const peer_options& options, Embed
   return {};
 }
 
+/// The three engines of one process.
+struct Plugins {
+  explicit Plugins(const Environment& environment)
+      : authentication(authentication::make_authentication(environment)),
+        access_control(access_control::make_access_control(environment)),
+        cryptography(cryptography::make_cryptography(environment)) {}
+  std::unique_ptr<spi::Authentication> authentication;
+  std::unique_ptr<spi::AccessControl> access_control;
+  std::unique_ptr<spi::Cryptography> cryptography;
+};
+
+struct Document {
+  peer_security option;
+  std::string_view property;
+  bool is_file = true;
+};
+
+spi::PropertyList properties_of(const peer_options& options) {
+  namespace property = spi::property;
+  constexpr Document kDocuments[] = {
+      {PEER_IDENTITY_CA, property::kIdentityCa},
+      {PEER_IDENTITY_CERTIFICATE, property::kIdentityCertificate},
+      {PEER_PRIVATE_KEY, property::kPrivateKey},
+      {PEER_PASSWORD, property::kPassword, false},
+      {PEER_CRL, property::kCrl},
+      {PEER_PERMISSIONS_CA, property::kPermissionsCa},
+      {PEER_GOVERNANCE, property::kGovernance},
+      {PEER_PERMISSIONS, property::kPermissions},
+      {PEER_KEYSIZE, property::kKeySize, false},
+  };
+  spi::PropertyList out;
+  for (const auto& [option, name, is_file] : kDocuments) {
+    const char* value = options.security[option];
+    if (value == nullptr) continue;
+    const bool is_uri = !is_file || std::string_view(value).starts_with("data:");
+    out.push_back({std::string(name), is_uri ? value : "file:" + std::string(value), false});
+  }
+  return out;
+}
+
 int run(const peer_options& options) {
   const SystemClock clock;
   SystemRandom random;
   StderrSink log;
   RateLimitedSink events(log, clock);
-  auto participant = DomainParticipant::create({.domain_id = static_cast<DomainId>(options.domain)},
-                                               Environment{clock, random, events});
+  const Environment environment{clock, random, events};
+  const Plugins plugins(environment);
+  DomainParticipantOptions wanted{.domain_id = static_cast<DomainId>(options.domain)};
+  if (!options.plain)
+    wanted.security.emplace(
+        SecurityPlugins{*plugins.authentication, *plugins.access_control, *plugins.cryptography},
+        properties_of(options));
+  auto participant = DomainParticipant::create(std::move(wanted), environment);
   if (!participant) return peer_refused("participant", participant.error().to_sentence().c_str());
   Embedded embedded;
   const auto created = create(**participant, options, embedded);

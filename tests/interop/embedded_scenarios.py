@@ -1,0 +1,59 @@
+"""The same table for the embedded participant (rtps/) in the place of our plugins in Cyclone DDS,
+and both beside each other."""
+
+from dataclasses import replace
+
+import scenarios
+EMBEDDED = "embedded"
+PAIRS = [(EMBEDDED, EMBEDDED), (EMBEDDED, "ours"), ("ours", EMBEDDED), (EMBEDDED, "stock"),
+         ("stock", EMBEDDED), (EMBEDDED, "fast"), ("fast", EMBEDDED)]
+
+
+def _instead(case, pair):
+    """The case with `pair`; what a host may not be able to do, the embedded participant must."""
+    return replace(case, publisher=pair[0], subscriber=pair[1], table="embedded-" + case.table,
+                   known=(), chosen=False)
+
+
+def _pairs_for(case):
+    """Which pairs stand for a pair of ours."""
+    as_embedded = tuple(EMBEDDED if kind == "ours" else kind
+                        for kind in (case.publisher, case.subscriber))
+    out = [as_embedded]
+    if (case.publisher, case.subscriber) == ("ours", "ours"):
+        # A fault of ours in Cyclone is Cyclone's table; a plain peer is never "ours".
+        plain = [side.plain for side in case.sides]
+        if not any(plain):
+            out += [(EMBEDDED, "ours"), ("ours", EMBEDDED)]
+    return out
+
+
+def _choose(cases):
+    """About 40: every governance row once, with turning pairs and directions, and the negatives."""
+    pairs = [f"{p}>{s}" for p, s in PAIRS]
+    rows = list(scenarios.GOVERNANCES)
+    wanted = {(row, f"ec/start-{'sub' if turn % 2 else 'pub'}", pairs[turn % len(pairs)])
+              for turn, row in enumerate(rows)}
+    # The initiator's and the replier's part against each vendor, with both kinds of keys.
+    for key in ("ec", "rsa"):
+        wanted |= {("sros2", f"{key}/start-{start}", pair) for start in ("pub", "sub")
+                   for pair in ("embedded>fast", "stock>embedded")}
+    always = {("self-signed-permissions", "fast>embedded"), ("unknown-identity-ca", "stock>embedded"),
+              ("plain-publisher-allowed-controlled-topic", "stock>embedded"),
+              ("plain-publisher-not-allowed", "fast>embedded"),
+              ("governance-differs-rtps-none-sign", "embedded>embedded"),
+              ("permissions-expired", "embedded>embedded"),
+              ("permissions-deny-publish", "embedded>embedded"),
+              ("other-domain-remote-only", "embedded>stock"),
+              ("publisher-on-crl", "fast>embedded")}
+    return [replace(case, chosen=(case.row, case.variant, case.pair) in wanted or
+                    (case.row, case.pair) in always) for case in cases]
+
+
+def all_cases():
+    cases = []
+    for case in scenarios.all_cases():
+        if case.table == "mixed" or case.stock_only:
+            continue
+        cases += [_instead(case, pair) for pair in _pairs_for(case)]
+    return _choose(cases)
