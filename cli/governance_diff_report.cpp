@@ -117,7 +117,10 @@ std::string to_text(const governance::RewrittenRules& rules) {
 std::string verdict_text(const governance::GovernanceDiff& diff) {
   auto verdict = capitals(governance::to_string(diff.verdict)) + ';';
   if (diff.flag_day_domains.empty()) {
-    return wrapped("verdict: ", {verdict + " both files work together"});
+    return wrapped("verdict: ",
+                   {verdict + (diff.unknown_domains.empty()
+                                   ? " both files work together"
+                                   : " whether both files work together is not known")});
   }
   const auto domains = shown(diff.flag_day_domains);
   verdict += " participants still on the old file will not talk to those on the new one";

@@ -39,11 +39,17 @@ std::optional<std::uint32_t> NameAtom::rank_in(std::uint32_t list) const {
   return match->rank;
 }
 
+FoundAtoms find_name_atoms(std::span<const RankedExpression> expressions, const SetLimits& limits) {
+  NameAutomaton automaton(expressions, limits, {});
+  const bool is_complete = automaton.run() == NameAutomaton::End::complete;
+  return {automaton.atoms(), is_complete};
+}
+
 std::optional<std::vector<NameAtom>> name_atoms(std::span<const RankedExpression> expressions,
                                                 const SetLimits& limits) {
-  NameAutomaton automaton(expressions, limits, {});
-  if (automaton.run() != NameAutomaton::End::complete) return std::nullopt;
-  return automaton.atoms();
+  auto found = find_name_atoms(expressions, limits);
+  if (!found.is_complete) return std::nullopt;
+  return std::move(found.atoms);
 }
 
 SetAnswer contained(std::span<const std::string_view> inner,

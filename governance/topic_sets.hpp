@@ -17,7 +17,7 @@ struct SetLimits {
   std::size_t states = 200'000;
   std::size_t atoms = 20'000;
   /// Positions within expressions that are looked at; about two nanoseconds each.
-  std::size_t steps = 400'000'000;
+  std::size_t steps = 200'000'000;
   /// Positions that are remembered; four octets each.
   std::size_t memory = 32'000'000;
 };
@@ -52,6 +52,14 @@ struct NameAtom {
 /// Shortest witness first. Nothing if a limit was reached.
 std::optional<std::vector<NameAtom>> name_atoms(std::span<const RankedExpression> expressions,
                                                 const SetLimits& limits = {});
+
+/// The same, with what was found until a limit was reached.
+struct FoundAtoms {
+  std::vector<NameAtom> atoms;
+  bool is_complete = true;
+};
+FoundAtoms find_name_atoms(std::span<const RankedExpression> expressions,
+                           const SetLimits& limits = {});
 
 /// The answer to a question about sets.
 struct SetAnswer {

@@ -1,13 +1,9 @@
 #include "governance/compare/byte_classes.hpp"
 
-#include <string>
-#include <string_view>
-
 namespace ddssec::governance {
 namespace {
 
-/// Every octet but NUL, the most readable first.
-std::string by_readability() {
+std::string ordered_octets() {
   std::string order = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_/-.";
   const auto add = [&](int from, int to) {
     for (int octet = from; octet <= to; ++octet) {
@@ -22,6 +18,11 @@ std::string by_readability() {
 }
 
 }  // namespace
+
+const std::string& octets_by_readability() {
+  static const std::string kOrder = ordered_octets();
+  return kOrder;
+}
 
 void ByteClasses::tell_apart(const std::bitset<256>& set) {
   // Groups split into what is inside the set and what is outside; at most 256 are left.
@@ -42,7 +43,7 @@ void ByteClasses::number() {
   number_of.fill(-1);
   class_.fill(kNone);
   shown_.clear();
-  for (const char c : by_readability()) {
+  for (const char c : octets_by_readability()) {
     const auto octet = static_cast<std::uint8_t>(c);
     auto& number = number_of[group_[octet]];
     if (number < 0) {

@@ -4,9 +4,13 @@
 #include <array>
 #include <bitset>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace ddssec::governance {
+
+/// Every octet but NUL, the most readable first.
+const std::string& octets_by_readability();
 
 /// Classes of octets, numbered in the order in which people like to read names: letters first.
 class ByteClasses {

@@ -59,6 +59,11 @@ void ExpressionTable::number_labels(std::span<const RankedExpression> expression
   labels_.reserve(expressions.size());
   for (const auto& item : expressions) labels_.push_back({item.list, item.rank});
   sort_unique(labels_);
+  for (const auto& label : labels_) {
+    const auto i = list_numbers_.size();
+    list_numbers_.push_back(i == 0 ? 0
+                                   : list_numbers_[i - 1] + (labels_[i - 1].list != label.list));
+  }
 }
 
 ExpressionTable::Position ExpressionTable::lay_out(const Pattern& pattern, NumberLists::Id labels) {
@@ -110,14 +115,6 @@ void ExpressionTable::keep_first_of_each_list(std::vector<Label>& labels) const 
   std::ranges::sort(labels);
   const auto same_list = [this](Label a, Label b) { return match(a).list == match(b).list; };
   labels.erase(std::unique(labels.begin(), labels.end(), same_list), labels.end());
-}
-
-bool ExpressionTable::is_settled(Position p, std::span<const Label> forever) const {
-  return std::ranges::all_of(labels(p), [&](Label label) {
-    // Labels ascend by list and then rank: the last one not above this one decides.
-    const auto above = std::ranges::upper_bound(forever, label);
-    return above != forever.begin() && match(*(above - 1)).list == match(label).list;
-  });
 }
 
 }  // namespace ddssec::governance

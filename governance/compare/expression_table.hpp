@@ -52,8 +52,9 @@ class ExpressionTable {
   const NameAtom::Match& match(Label label) const { return labels_[label]; }
   /// Sorts, and keeps of every list the lowest rank only.
   void keep_first_of_each_list(std::vector<Label>& labels) const;
-  /// True if all labels of the position are at or behind one of `forever`, one a list, ascending.
-  bool is_settled(Position p, std::span<const Label> forever) const;
+  /// Lists numbered without gaps, and how many there are.
+  std::uint32_t list_number(Label label) const { return list_numbers_[label]; }
+  std::size_t lists() const { return list_numbers_.empty() ? 0 : list_numbers_.back() + 1; }
 
  private:
   struct Step {
@@ -77,6 +78,7 @@ class ExpressionTable {
   NumberLists known_steps_;  ///< kind, value and next of each position
   NumberLists sets_;
   std::vector<NameAtom::Match> labels_;
+  std::vector<std::uint32_t> list_numbers_;  ///< of each label
   NumberLists label_sets_;
 };
 

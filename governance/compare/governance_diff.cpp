@@ -124,7 +124,7 @@ class Comparison {
   bool group_domains();
   std::optional<std::vector<std::string>> tags() const;
   void compare_group(const Group& group);
-  std::optional<TopicPairs> pairs_in(const Group& group);
+  TopicPairs pairs_in(const Group& group);
   void compare_topic(const Group& group, const TopicPair& pair);
   void add_domain_change(const Group& group, const ElementChange& element);
   void add_topic_change(const Group& group, GovernanceChange change);
@@ -213,14 +213,15 @@ void Comparison::compare_group(const Group& group) {
   const bool both = group.old_rule && group.new_rule;
   if (both && (!domain_changes_.empty() || !same_rules(*group.old_rule, *group.new_rule))) {
     const std::size_t before = diff_.changes.size();
-    if (const auto pairs = pairs_in(group)) {
-      for (const auto& pair : pairs->pairs) compare_topic(group, pair);
-      diff_.complete = diff_.complete && pairs->complete;
-      if (diff_.changes.size() == before) note_rewritten(group);
-    } else {
+    const auto pairs = pairs_in(group);
+    for (const auto& pair : pairs.pairs) compare_topic(group, pair);
+    diff_.complete = diff_.complete && pairs.names_all_rules;
+    if (!pairs.names_all_effects) {
       direction_.add(ChangeClass::unknown);
       diff_.unknown_domains.insert(diff_.unknown_domains.end(), group.domains.begin(),
                                    group.domains.end());
+    } else if (diff_.changes.size() == before) {
+      note_rewritten(group);
     }
   }
   for (const auto& change : domain_changes_) {
@@ -229,11 +230,11 @@ void Comparison::compare_group(const Group& group) {
   }
 }
 
-std::optional<TopicPairs> Comparison::pairs_in(const Group& group) {
+TopicPairs Comparison::pairs_in(const Group& group) {
   if (!options_.topics.empty()) return pairs_of(options_.topics, *group.old_rule, *group.new_rule);
   auto pairs = topic_pairs(rule_list(*group.old_rule), rule_list(*group.new_rule), limits_);
-  // The answer is unknown already: what else can be found quickly is still shown.
-  if (!pairs) limits_.states = std::min<std::size_t>(limits_.states, 2'000);
+  // Something is unknown already: what else can be found quickly is still shown.
+  if (!pairs.names_all_effects) limits_.states = std::min<std::size_t>(limits_.states, 2'000);
   return pairs;
 }
 

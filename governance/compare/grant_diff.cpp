@@ -255,13 +255,13 @@ void Comparison::compare_context(const Group& group, const Operation& operation,
   const auto after = rule_list(new_items_, new_.default_allow);
   if (same(before, after)) return;
   const auto pairs = topic_pairs(before, after, limits_);
-  if (!pairs) return give_up(group, operation);
-  diff_.is_complete = diff_.is_complete && pairs->complete;
+  diff_.is_complete = diff_.is_complete && pairs.names_all_rules;
   found_.clear();
   known_.clear();
   named_.clear();
-  for (const auto& pair : pairs->pairs) compare_topic(operation, context, pair);
+  for (const auto& pair : pairs.pairs) compare_topic(operation, context, pair);
   for (auto& change : found_) tell(group, std::move(change));
+  if (!pairs.names_all_effects) give_up(group, operation);
 }
 
 void Comparison::tell(const Group& group, PermissionChange change) {

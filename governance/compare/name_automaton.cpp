@@ -6,6 +6,8 @@
 namespace ddssec::governance {
 namespace {
 
+constexpr std::uint32_t kNoLabel = std::numeric_limits<std::uint32_t>::max();
+
 void append(std::vector<std::uint32_t>& to, std::span<const std::uint32_t> what) {
   to.insert(to.end(), what.begin(), what.end());
 }
@@ -23,7 +25,8 @@ NameAutomaton::NameAutomaton(std::span<const RankedExpression> expressions, cons
       table_(expressions),
       by_class_(table_.classes().size()),
       is_star_now_(table_.size()),
-      is_star_next_(table_.size()) {
+      is_star_next_(table_.size()),
+      settled_from_(table_.lists(), kNoLabel) {
   for (const auto list : goal.with) with_ |= 1u << list;
   for (const auto list : goal.without) without_ |= 1u << list;
 }
@@ -190,12 +193,21 @@ void NameAutomaton::settle() {
   table_.keep_first_of_each_list(labels_);
   forever_next_ = forever_.add(labels_).first;
   if (forever_next_ == forever_now_) return;
-  const auto is_settled = [this](Position p) { return table_.is_settled(p, labels_); };
-  std::erase_if(next_, is_settled);
+  for (const Label label : labels_) settled_from_[table_.list_number(label)] = label;
+  const auto settled = [this](Position p) { return is_settled(p); };
+  std::erase_if(next_, settled);
   scratch_.assign(stars_[stars_next_].begin(), stars_[stars_next_].end());
   steps_taken_ += next_.size() + scratch_.size();
-  std::erase_if(scratch_, is_settled);
+  std::erase_if(scratch_, settled);
   stars_next_ = stars_.add(scratch_).first;
+  for (const Label label : labels_) settled_from_[table_.list_number(label)] = kNoLabel;
+}
+
+bool NameAutomaton::is_settled(Position p) const {
+  // Labels ascend by list and then rank.
+  return std::ranges::all_of(table_.labels(p), [this](Label label) {
+    return label >= settled_from_[table_.list_number(label)];
+  });
 }
 
 void NameAutomaton::enter(Origin origin) {

@@ -73,6 +73,7 @@ class NameAutomaton {
   void move_stars();
   bool is_covered(Position p) const;
   void settle();
+  bool is_settled(Position p) const;
   void enter(Origin origin);
   ListId acceptance();
   void note_acceptance(State state, Origin origin);
@@ -108,6 +109,7 @@ class NameAutomaton {
   ListId forever_next_ = 0, stars_next_ = 0;
   std::vector<Position> arrivals_, next_, new_stars_;
   std::vector<Label> labels_;
+  std::vector<Label> settled_from_;  ///< for each list, while settle() is at work
   std::vector<std::uint32_t> scratch_;
 };
 

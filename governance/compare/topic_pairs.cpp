@@ -1,13 +1,19 @@
 #include "governance/compare/topic_pairs.hpp"
 
 #include <algorithm>
+#include <set>
+
+#include "governance/compare/byte_classes.hpp"
 
 namespace ddssec::governance {
 namespace {
 
-/// Where the rules one by one need more states than this, rules of equal effect are taken together
-/// at once: a second attempt is what time is left for.
-constexpr std::size_t kStatesForEachRule = 50'000;
+/// Where the rules one by one need more than this, rules of equal effect are taken together: that
+/// is what time is left for.
+constexpr SetLimits kForEachRule = {.states = 50'000, .steps = 50'000'000, .memory = 12'000'000};
+/// As many rules are proved dead one by one.
+constexpr std::size_t kMostProofs = 64;
+constexpr SetLimits kForOneProof = {.states = 20'000, .steps = 5'000'000};
 
 void add_each_rule(std::vector<RankedExpression>& to, const RuleList& rules, std::uint32_t list) {
   for (const auto& item : rules.items) to.push_back({item.expression, list, item.rule});
@@ -26,6 +32,89 @@ void add_effects(std::vector<RankedExpression>& to, const RuleList& rules, std::
   }
 }
 
+SetLimits lower(const SetLimits& a, const SetLimits& b) {
+  return {std::min(a.states, b.states), std::min(a.atoms, b.atoms), std::min(a.steps, b.steps),
+          std::min(a.memory, b.memory)};
+}
+
+/// A name that the expression matches, with `for_star` for every star; nothing if there is none.
+std::optional<std::string> example_of(const Pattern& pattern, std::string_view for_star) {
+  if (pattern.is_literal()) return pattern.text();
+  std::string name;
+  for (const auto& step : pattern.steps()) {
+    if (step.kind == Pattern::Kind::star) name += for_star;
+    if (step.kind == Pattern::Kind::any) name += 'a';
+    if (step.kind == Pattern::Kind::character) name += static_cast<char>(step.character);
+    if (step.kind != Pattern::Kind::set) continue;
+    const auto& set = pattern.set_of(step);
+    const auto octet = std::ranges::find_if(
+        octets_by_readability(), [&](char c) { return set.test(static_cast<std::uint8_t>(c)); });
+    if (octet == octets_by_readability().end()) return std::nullopt;
+    name += *octet;
+  }
+  // The empty name is an example only where there is no other.
+  return name.empty() ? "a" : name;
+}
+
+/// Adds pairs, each once, with the rules that decide for a name.
+class PairsByName {
+ public:
+  PairsByName(const RuleList& old_list, const RuleList& new_list)
+      : old_(old_list), new_(new_list) {}
+
+  /// The old rule that decides.
+  std::optional<std::uint32_t> add(std::string name) {
+    const auto o = old_.first(name), n = new_.first(name);
+    if (known_.emplace(o, n).second) pairs_.push_back({o, n, std::move(name)});
+    return o;
+  }
+  void add_examples(const RuleList& list) {
+    for (const auto& item : list.items) {
+      const Pattern pattern(item.expression);
+      for (const char* for_star : {"", "a"}) {
+        if (auto name = example_of(pattern, for_star)) add(std::move(*name));
+      }
+    }
+  }
+  std::vector<TopicPair> take() { return std::move(pairs_); }
+
+ private:
+  using Rule = std::optional<std::uint32_t>;
+  RuleFinder old_, new_;
+  std::set<std::pair<Rule, Rule>> known_;
+  std::vector<TopicPair> pairs_;
+};
+
+bool same_expressions(const RuleList& a, const RuleList& b) {
+  return std::ranges::equal(a.items, b.items, {}, &RuleList::Item::expression,
+                            &RuleList::Item::expression);
+}
+
+/// For lists that differ in effects only: the same rule decides in both, so all that is asked is
+/// which rules are alive. Nothing if that is not found out quickly.
+std::optional<TopicPairs> pairs_of_same_rules(const RuleList& old_list, const RuleList& new_list) {
+  PairsByName pairs(old_list, new_list);
+  std::vector<std::size_t> unproved;
+  for (std::size_t i = 0; i < old_list.items.size(); ++i) {
+    const auto& item = old_list.items[i];
+    auto name = example_of(Pattern(item.expression), "");
+    if (name && pairs.add(std::move(*name)) != item.rule) unproved.push_back(i);
+  }
+  if (unproved.size() > kMostProofs) return std::nullopt;
+  std::vector<std::string_view> earlier;
+  for (const auto& item : old_list.items) earlier.push_back(item.expression);
+  for (const auto i : unproved) {
+    auto answer = contained({&earlier[i], 1}, {earlier.data(), i}, kForOneProof);
+    if (answer.kind == SetAnswer::Kind::unknown) return std::nullopt;
+    if (answer.kind == SetAnswer::Kind::no) pairs.add(std::move(answer.witness));
+  }
+  const std::string_view every[] = {"*"};
+  auto uncovered = contained(every, earlier, kForOneProof);
+  if (uncovered.kind == SetAnswer::Kind::unknown) return std::nullopt;
+  if (uncovered.kind == SetAnswer::Kind::no) pairs.add(std::move(uncovered.witness));
+  return TopicPairs{pairs.take()};
+}
+
 }  // namespace
 
 RuleFinder::RuleFinder(const RuleList& rules) {
@@ -41,32 +130,31 @@ std::optional<std::uint32_t> RuleFinder::first(std::string_view name) const {
   return id == PatternSet::kNone ? std::nullopt : std::optional(rule_of_[id]);
 }
 
-std::optional<TopicPairs> topic_pairs(const RuleList& old_list, const RuleList& new_list,
-                                      const SetLimits& limits) {
-  TopicPairs result;
+TopicPairs topic_pairs(const RuleList& old_list, const RuleList& new_list,
+                       const SetLimits& limits) {
   std::vector<RankedExpression> expressions;
   add_each_rule(expressions, old_list, 0);
   add_each_rule(expressions, new_list, 1);
-  SetLimits first_limits = limits;
-  first_limits.states = std::min(limits.states, kStatesForEachRule);
-  if (auto atoms = name_atoms(expressions, first_limits)) {
+  if (auto atoms = name_atoms(expressions, lower(limits, kForEachRule))) {
+    TopicPairs result;
     for (auto& atom : *atoms) {
       result.pairs.push_back({atom.rank_in(0), atom.rank_in(1), std::move(atom.witness)});
     }
     return result;
   }
+  if (same_expressions(old_list, new_list)) {
+    if (auto pairs = pairs_of_same_rules(old_list, new_list)) return std::move(*pairs);
+  }
   expressions.clear();
   add_effects(expressions, old_list, 0);
   add_effects(expressions, new_list, 1);
-  auto atoms = name_atoms(expressions, limits);
-  if (!atoms) return std::nullopt;
-  result.complete = false;
-  const RuleFinder old_rules(old_list), new_rules(new_list);
-  for (auto& atom : *atoms) {
-    result.pairs.push_back(
-        {old_rules.first(atom.witness), new_rules.first(atom.witness), std::move(atom.witness)});
-  }
-  return result;
+  auto found = find_name_atoms(expressions, limits);
+  // What single rules do shows most of what cannot be listed.
+  PairsByName pairs(old_list, new_list);
+  for (auto& atom : found.atoms) pairs.add(std::move(atom.witness));
+  pairs.add_examples(old_list);
+  pairs.add_examples(new_list);
+  return {pairs.take(), false, found.is_complete};
 }
 
 }  // namespace ddssec::governance

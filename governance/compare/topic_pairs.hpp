@@ -42,14 +42,14 @@ struct TopicPair {
 };
 
 struct TopicPairs {
-  std::vector<TopicPair> pairs;
-  /// False: too many to list; then there is a pair for every two effects that meet, but not for
-  /// every two rules.
-  bool complete = true;
+  std::vector<TopicPair> pairs = {};
+  /// True: every two rules that decide for some name are there.
+  bool names_all_rules = true;
+  /// True: every two effects that some name has are there. False: a limit was reached.
+  bool names_all_effects = true;
 };
 
-/// Every pair that some name has. Nothing if a limit was reached.
-std::optional<TopicPairs> topic_pairs(const RuleList& old_list, const RuleList& new_list,
-                                      const SetLimits& limits);
+/// Every pair that some name has, as far as it can be found out within the limits.
+TopicPairs topic_pairs(const RuleList& old_list, const RuleList& new_list, const SetLimits& limits);
 
 }  // namespace ddssec::governance

@@ -18,8 +18,9 @@ void Direction::add(ChangeClass change) {
 }
 
 ChangeClass Direction::verdict(ChangeClass if_up, ChangeClass if_down) const {
-  if (unknown_) return ChangeClass::unknown;
+  // Whatever else there may be, it cannot make this better or worse.
   if (up_ && down_) return ChangeClass::mixed;
+  if (unknown_) return ChangeClass::unknown;
   return up_ ? if_up : down_ ? if_down : ChangeClass::neutral;
 }
 

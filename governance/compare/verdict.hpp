@@ -29,7 +29,7 @@ class Direction {
   bool down() const { return down_; }
   bool up() const { return up_; }
   bool unknown() const { return unknown_; }
-  /// neutral, `if_up`, `if_down`, mixed or unknown.
+  /// neutral, `if_up`, `if_down`, mixed (also if more is unknown), or unknown.
   ChangeClass verdict(ChangeClass if_up, ChangeClass if_down) const;
 
  private:

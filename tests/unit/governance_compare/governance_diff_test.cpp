@@ -328,19 +328,68 @@ TEST(GovernanceDiff, WhatIsTooHardIsUnknown) {
   EXPECT_EQ(compare(before, after, {.topics = {"b" + std::string(12, 'x')}}).verdict, stronger);
 }
 
-// A thousand rules whose combinations are too many to list still get a verdict.
-TEST(GovernanceDiff, RulesOfEqualEffectAreTakenTogetherWhereThereAreTooMany) {
+// Which of a thousand parts of names come together are far more combinations than can be tried.
+std::vector<TopicRule> thousand_rules(Kind kind_of_odd) {
   std::vector<TopicRule> rules;
-  for (int i = 0; i < 1000; ++i) rules.push_back(topic("*/robot" + std::to_string(i) + "/*"));
+  for (int i = 0; i < 1000; ++i) {
+    rules.push_back(
+        topic("*/robot" + std::to_string(i) + "/*", i % 2 ? kind_of_odd : Kind::encrypt));
+  }
+  return rules;
+}
+
+TEST(GovernanceDiff, RulesOfEqualEffectAreTakenTogetherWhereThereAreTooMany) {
+  auto rules = thousand_rules(Kind::encrypt);
   rules.push_back(topic("*", Kind::sign));
   const auto before = document(rules);
-  rules.pop_back();
-  rules.push_back(topic("*", Kind::none));
+  std::swap(rules[0], rules[1]);
+  rules.back() = topic("*", Kind::none);
   const auto diff = compare(before, document(rules));
   EXPECT_EQ(diff.verdict, weaker);
   EXPECT_FALSE(diff.complete);
+  EXPECT_THAT(diff.unknown_domains, IsEmpty());
   ASSERT_THAT(diff.changes, SizeIs(1));
   EXPECT_EQ(diff.changes[0].witness, "a");
+}
+
+TEST(GovernanceDiff, RulesThatOnlyChangeTheirValuesAreProvedOneByOne) {
+  auto rules = thousand_rules(Kind::sign);
+  rules.push_back(topic("*/robot7/x"));  // dead
+  rules.push_back(topic("*", Kind::sign));
+  const auto before = document(rules);
+  rules[500].data_protection_kind = Kind::none;
+  rules[1000].data_protection_kind = Kind::none;
+  auto diff = compare(before, document(rules));
+  EXPECT_EQ(diff.verdict, weaker);
+  EXPECT_TRUE(diff.complete);
+  ASSERT_THAT(diff.changes, SizeIs(1)) << "nobody sees the rule that is dead";
+  EXPECT_THAT(diff.changes[0].expressions_old, ElementsAre("*/robot500/*"));
+  EXPECT_EQ(diff.changes[0].witness, "/robot500/");
+
+  // The last rule was dead because of another one with a longer reach.
+  rules = thousand_rules(Kind::sign);
+  rules.push_back(topic("?*"));
+  rules.push_back(topic("*"));
+  const auto open = document(rules);
+  rules.back().data_protection_kind = Kind::none;
+  diff = compare(open, document(rules));
+  ASSERT_THAT(diff.changes, SizeIs(1));
+  EXPECT_EQ(diff.changes[0].witness, "") << "the empty name is all that is left";
+}
+
+TEST(GovernanceDiff, WhatIsFoundBeforeALimitIsShown) {
+  auto rules = thousand_rules(Kind::sign);
+  const auto before = document(rules);
+  rules[500].data_protection_kind = Kind::sign;
+  rules.push_back(topic("*/robot0/*"));  // dead, but the lists are no longer alike
+  auto diff = compare(before, document(rules));
+  EXPECT_EQ(diff.verdict, unknown) << "it is weaker somewhere, but perhaps also stronger";
+  ASSERT_THAT(diff.changes, SizeIs(1));
+  EXPECT_THAT(diff.changes[0].expressions_old, ElementsAre("*/robot500/*"));
+  rules[501].data_protection_kind = Kind::encrypt;
+  diff = compare(before, document(rules));
+  EXPECT_EQ(diff.verdict, mixed) << "whatever else there may be";
+  EXPECT_THAT(diff.unknown_domains, SizeIs(1));
 }
 
 }  // namespace
