@@ -1,6 +1,7 @@
 #include "plugins/access_control/access_control.hpp"
 
 #include <algorithm>
+#include <set>
 #include <shared_mutex>
 #include <unordered_map>
 
@@ -216,6 +217,7 @@ class Plugin final : public spi::AccessControl {
   Status judge_participant(PermissionsHolder& holder);
   Status judge_endpoint(PermissionsHolder& holder, Action action, const EndpointRequest& request);
   Status judge_topic(PermissionsHolder& holder, std::string_view topic);
+  std::vector<PermissionsHandle> peers_of_only(const PermissionsHolder& local) const;
   bool may_relay(PermissionsHolder& holder, const EndpointRequest& request);
   Result<spi::EndpointSecurityAttributes> attributes(PermissionsHandle local,
                                                      std::string_view topic);
@@ -328,6 +330,23 @@ std::optional<WallTime> Plugin::next_expiry() {
   return earliest;
 }
 
+// Peers that another local participant deals with too stay: the host knows each peer once only.
+std::vector<PermissionsHandle> Plugin::peers_of_only(const PermissionsHolder& local) const {
+  std::vector<std::pair<PermissionsHandle, spi::IdentityHandle>> own;
+  std::set<spi::IdentityHandle> shared;
+  for (const auto& [handle, holder] : handles_.all()) {
+    if (!holder->remote()) continue;
+    if (holder->participant() == local.participant())
+      own.emplace_back(handle, *holder->remote());
+    else
+      shared.insert(*holder->remote());
+  }
+  std::vector<PermissionsHandle> peers;
+  for (const auto& [handle, identity] : own)
+    if (!shared.contains(identity)) peers.push_back(handle);
+  return peers;
+}
+
 std::vector<PermissionsHandle> Plugin::expire() {
   const WallTime now = environment_.clock.now();
   const auto all = handles_.all();
@@ -338,6 +357,7 @@ std::vector<PermissionsHandle> Plugin::expire() {
     const auto reason = holder->newly_ended(now);
     if (!reason) continue;
     ended.push_back(handle);
+    if (!holder->remote()) std::ranges::copy(peers_of_only(*holder), std::back_inserter(ended));
     reasons.emplace_back(Event(*reason, holder->peer_subject()), holder.get());
   }
   for (const auto& [event, holder] : reasons) holder->mark_reported();

@@ -178,6 +178,7 @@ std::vector<IdentityHandle> PkiDh::expire() {
   std::vector<Event> events;
   for (const auto& ended : all) {
     handles.push_back(ended.handle);
+    std::ranges::copy(table_.peers_of_only(ended.handle), std::back_inserter(handles));
     events.emplace_back(Error(Code::identity_ended, {.document = ended.whose,
                                                      .field = "notAfter",
                                                      .expected = to_string(ended.end),

@@ -223,6 +223,14 @@ void IdentityTable::mark_ended(std::span<const Ended> ended) {
   }
 }
 
+std::vector<spi::IdentityHandle> IdentityTable::peers_of_only(spi::IdentityHandle local) const {
+  const std::shared_lock lock(mutex_);
+  std::vector<spi::IdentityHandle> peers;
+  for (const auto& [handle, remote] : remotes_)
+    if (remote.pairs.size() == 1 && remote.pairs.contains(local.value)) peers.push_back({handle});
+  return peers;
+}
+
 PeerName IdentityTable::name_of(spi::IdentityHandle remote) const {
   const std::shared_lock lock(mutex_);
   const auto found = remotes_.find(remote.value);

@@ -97,6 +97,9 @@ class IdentityTable {
   /// From now on they are refused. Needs no memory.
   void mark_ended(std::span<const Ended> ended);
 
+  /// The remote identities that deal with `local` and with no other local identity.
+  std::vector<spi::IdentityHandle> peers_of_only(spi::IdentityHandle local) const;
+
   PeerName name_of(spi::IdentityHandle remote) const;
 
  private:

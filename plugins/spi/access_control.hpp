@@ -76,7 +76,8 @@ class AccessControl {
   virtual Status return_permissions_handle(PermissionsHandle permissions) = 0;
 
   /// When the next grant in use ends, if any; `expire` raises the events and returns the handles to
-  /// be revoked, each once.
+  /// be revoked, each once; a local participant's is followed by those of its peers, as with
+  /// Authentication::expire.
   virtual std::optional<WallTime> next_expiry() = 0;
   virtual std::vector<PermissionsHandle> expire() = 0;
 };

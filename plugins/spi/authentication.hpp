@@ -82,7 +82,9 @@ class Authentication {
   virtual Status return_identity_handle(IdentityHandle identity) = 0;
 
   /// When the next certificate in use ends, if any; the host calls `expire` then (and after the
-  /// calendar was set): it raises the events and returns the identities to be revoked, each once.
+  /// calendar was set): it raises the events and returns the identities to be revoked. A local
+  /// identity is followed by the peers that deal with nobody else here: a host may keep the writers
+  /// of a participant that it removed (Cyclone DDS does), and then nobody must be left to hear them.
   virtual std::optional<WallTime> next_expiry() = 0;
   virtual std::vector<IdentityHandle> expire() = 0;
 };

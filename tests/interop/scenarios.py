@@ -176,9 +176,6 @@ MUST_DATA, MUST_NONE, NO_DATA, MUST_REFUSE, EITHER, MUST_CUT = (
     "data none no-data refuse either cut".split())
 # A host's shortcoming: Cyclone DDS asks no plugin about a participant that is not authenticated.
 CORE_DECIDES = ((DATA, "Cyclone's core asks no plugin about unauthenticated participants"),)
-# Fast DDS never looks at dates again, and Cyclone's core lets the writer of a participant that it
-# deleted go on.
-NOBODY_WATCHES = ((DATA, "neither Cyclone's core nor Fast DDS ends what has expired"),)
 
 
 @dataclass(frozen=True)
@@ -344,10 +341,6 @@ def _allowed(row, pair):
     return frozenset({REFUSED}) if pair[row.faulty] == "ours" else NOTHING
 
 
-def _known(row, pair):
-    return NOBODY_WATCHES if row.ours == MUST_CUT and pair == ("ours", "fast") else row.known
-
-
 def _meaningful(row, pair):
     sides = (row.publisher, row.subscriber)
     if row.pairs and "ours" in pair:
@@ -380,7 +373,7 @@ def negative_cases():
                 chosen = row.quick and pair == mine[turn % len(mine)]
                 chosen |= (row.name, pair) in ALWAYS
                 cases.append(Case(table, row.name, "", *pair, (row.publisher, row.subscriber),
-                                  row.keys, starts, _allowed(row, pair), chosen, _known(row, pair),
+                                  row.keys, starts, _allowed(row, pair), chosen, row.known,
                                   table == "expiry"))
     return cases
 

@@ -286,6 +286,36 @@ TEST_F(Expiry, OfThePermissionsCaEndsWhatItSigned) {
   EXPECT_EQ(plugin->expire(), std::vector{*own});
 }
 
+// Cyclone DDS keeps the writers of a participant that it deleted: their readers must go.
+TEST_F(Expiry, OfALocalParticipantEndsItsPeersUnlessAnotherOneHasThem) {
+  auto brief = grant(kTalker, {rule(true)});
+  brief.validity.not_after = kNow + 10s;
+  const auto own = local(signed_permissions({brief}));
+  const auto peer = remote(open_permissions(kListener));
+  ASSERT_TRUE(own && peer);
+  clock.advance(10s);
+  EXPECT_EQ(plugin->expire(), (std::vector{*own, *peer}));
+  EXPECT_TRUE(plugin->expire().empty());
+}
+
+TEST_F(Expiry, OfALocalParticipantLeavesThePeersOfAnotherOne) {
+  auto brief = grant(kTalker, {rule(true)});
+  brief.validity.not_after = kNow + 10s;
+  const auto own = local(signed_permissions({brief}));
+  const auto peer = remote(open_permissions(kListener));
+  const spi::IdentityHandle steady{3};
+  ASSERT_TRUE(plugin->validate_local_permissions(
+      steady, 0,
+      properties(signed_document(governance::to_xml(governance_document)),
+                 open_permissions(kTalker))));
+  ASSERT_TRUE(own && peer);
+  ASSERT_TRUE(plugin->validate_remote_permissions(
+      steady, kRemoteIdentity, permissions_token(),
+      credential(authorities().listener, open_permissions(kListener))));
+  clock.advance(10s);
+  EXPECT_EQ(plugin->expire(), std::vector{*own});
+}
+
 TEST_F(Expiry, NobodyNoEnd) { EXPECT_EQ(plugin->next_expiry(), std::nullopt); }
 
 class Cache : public AccessControlTest {

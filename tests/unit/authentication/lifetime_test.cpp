@@ -15,6 +15,9 @@ struct Ending {
   IdentityHandle bob_at_alice() const {
     return &pairing.two.low == &pairing.a ? pairing.two.high_at_low : pairing.two.low_at_high;
   }
+  IdentityHandle alice_at_bob() const {
+    return &pairing.two.low == &pairing.a ? pairing.two.low_at_high : pairing.two.high_at_low;
+  }
   Pairing pairing;
 };
 
@@ -30,7 +33,8 @@ TEST(Expiry, EndsLocalAndRemoteIdentitiesOnce) {
   EXPECT_TRUE(pairing.second_engine->expire().empty());
   ending.advance(1s);
   EXPECT_EQ(pairing.first_engine->expire(), std::vector{ending.bob_at_alice()});
-  EXPECT_EQ(pairing.second_engine->expire(), std::vector{pairing.b.handle});
+  EXPECT_EQ(pairing.second_engine->expire(),
+            (std::vector{pairing.b.handle, ending.alice_at_bob()}));
   EXPECT_TRUE(pairing.first_engine->expire().empty());
   EXPECT_TRUE(pairing.second_engine->expire().empty());
   EXPECT_EQ(pairing.first_engine->next_expiry(), kYear.not_after);
@@ -93,6 +97,17 @@ TEST(Expiry, EveryStepJudgesAgain) {
         fin ? two.at_high(rep->handle, *fin->message) : Two::Step(std::unexpected(fin.error()));
     EXPECT_CODE(end, certificate_expired);
   }
+}
+
+TEST(Expiry, OfOneLocalIdentityLeavesThePeersThatAnotherOneDealsWith) {
+  Ending ending;
+  auto& pairing = ending.pairing;
+  Participant steady(pairing.second_engine, make_identity(test_ca(), "CN=steady,O=Example"), 3);
+  const auto shared = steady.discover(pairing.a);
+  ASSERT_TRUE(shared);
+  EXPECT_EQ(shared->handle, ending.alice_at_bob());
+  ending.advance(10s);
+  EXPECT_EQ(pairing.second_engine->expire(), std::vector{pairing.b.handle});
 }
 
 TEST(Expiry, TheCasEndCounts) {
