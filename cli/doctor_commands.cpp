@@ -5,7 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "cli/doctor_options.hpp"
 #include "cli/groups.hpp"
+#include "cli/meeting_report.hpp"
 #include "cli/options.hpp"
 #include "governance/doctor/diagnosis.hpp"
 #include "governance/model.hpp"
@@ -27,18 +29,12 @@ Result<Vendors> chosen_vendors(const Arguments& arguments) {
     const auto vendor = doctor::vendor_from(word);
     if (!vendor)
       return fail(Code::usage, {.field = "--vendor",
-                                .expected = "all, cyclonedds@0.10.2, fastdds@2.9.1 or ours",
+                                .expected = fmt::format("all, {}", kVendorWords),
                                 .found = '"' + word + '"'});
     out.push_back(*vendor);
   }
   if (out.empty()) out.assign(doctor::kVendors.begin(), doctor::kVendors.end());
   return out;
-}
-
-Status check_folder(const fs::path& folder) {
-  std::error_code ignored;
-  if (fs::is_directory(folder, ignored)) return {};
-  return fail(Code::file_not_found, {.document = folder, .expected = "a participant's folder"});
 }
 
 bool concerns(const Finding& finding, const Vendors& vendors) {
@@ -87,11 +83,14 @@ std::string table(const doctor::Diagnosis& diagnosis, std::string_view title,
 // The findings that concern the chosen products; how many of them are more than a warning.
 std::size_t add_findings(Report& report, const doctor::Diagnosis& diagnosis,
                          const Vendors& vendors) {
+  std::size_t problems = 0;
   for (const auto& check : diagnosis.checks())
-    for (const auto& finding : check.findings)
-      if (concerns(finding, vendors)) report.findings.push_back(finding);
-  return static_cast<std::size_t>(std::ranges::count_if(
-      report.findings, [](const Finding& f) { return f.severity >= Severity::error; }));
+    for (const auto& finding : check.findings) {
+      if (!concerns(finding, vendors)) continue;
+      report.findings.push_back(finding);
+      problems += finding.severity >= Severity::error ? 1 : 0;
+    }
+  return problems;
 }
 
 std::string summary(std::size_t problems, std::size_t findings) {
@@ -102,33 +101,117 @@ std::string summary(std::size_t problems, std::size_t findings) {
                      plural(findings - problems, "warning"));
 }
 
+bool is_good(const doctor::Diagnosis& diagnosis, const Vendors& vendors) {
+  const auto outcomes = diagnosis.outcomes();
+  return std::ranges::all_of(
+      vendors, [&](Vendor vendor) { return outcomes.of(vendor) == doctor::Outcome::ok; });
+}
+
+Json ids(const Vendors& vendors) {
+  Json out = Json::array();
+  for (const auto vendor : vendors) out.push_back(doctor::id(vendor));
+  return out;
+}
+
+/// What one folder comes to; findings and text are added to the report.
+Json add_diagnosis(Report& report, const fs::path& folder, const doctor::LoadedFolder& loaded,
+                   const doctor::Settings& settings, const Vendors& vendors) {
+  const auto diagnosis = doctor::diagnose(loaded, settings);
+  const auto before = report.findings.size();
+  const auto problems = add_findings(report, diagnosis, vendors);
+  if (!is_good(diagnosis, vendors)) report.exit = Exit::no;
+  report.text +=
+      table(diagnosis, fmt::format("{}, domain {}", folder.string(), settings.domain), vendors) +
+      summary(problems, report.findings.size() - before);
+  Json out = {{"vendors", ids(vendors)}, {"checks", Json::array()}};
+  for (const auto& check : diagnosis.checks()) out["checks"].push_back(to_json(check, vendors));
+  out["verdicts"] = verdicts(diagnosis.outcomes(), vendors);
+  return out;
+}
+
+// Each product of the one with each product of the other. That two products do not understand each
+// other is a "no" only if somebody asked for the two.
+void add_meetings(Report& report, const doctor::Party& self, const doctor::Party& peer,
+                  const doctor::Settings& settings, const Vendors& vendors, bool products_chosen) {
+  report.result["peer"]["meetings"] = Json::array();
+  std::vector<std::string> said;
+  for (const auto a : vendors)
+    for (const auto b : vendors) {
+      const auto meeting =
+          doctor::meet({self.folder, a, self.name}, {peer.folder, b, peer.name}, settings);
+      const MeetingView view{
+          .meeting = meeting, .names = {self.name, peer.name}, .domain = settings.domain};
+      const bool talk = would_talk(view);
+      if (!talk && (a == b || products_chosen)) report.exit = Exit::no;
+      report.text += fmt::format("{} on {}, {} on {}: {}\n", self.name, doctor::id(a), peer.name,
+                                 doctor::id(b), talk ? "they talk" : "they do NOT talk");
+      report.result["peer"]["meetings"].push_back(
+          {{"self", doctor::id(a)}, {"peer", doctor::id(b)}, {"talk", talk}});
+      for (const auto& finding : meeting.findings) {
+        if (finding.rule == Rule::DOC090) continue;  // said by the diagnosis
+        if (std::ranges::find(said, finding.message) != said.end()) continue;
+        said.push_back(finding.message);
+        report.findings.push_back(finding);
+      }
+    }
+}
+
+Status add_peer(Report& report, const Arguments& arguments, const doctor::LoadedFolder& self,
+                const doctor::Settings& settings, const Vendors& vendors) {
+  const fs::path folders[] = {arguments.text("DIR"), arguments.text("--peer")};
+  DDSSEC_TRY(check_folder(folders[1]));
+  const auto peer = load_participant(folders[1], settings.now);
+  report.text += '\n';
+  report.result["peer"] = add_diagnosis(report, folders[1], peer, settings, vendors);
+  std::string names[2];
+  name_parties(folders[0], folders[1], names);
+  report.text += '\n';
+  add_meetings(report, {self, Vendor::ours, names[0]}, {peer, Vendor::ours, names[1]}, settings,
+               vendors, arguments.has("--vendor"));
+  return {};
+}
+
 Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
   const fs::path folder = arguments.text("DIR");
   const auto vendors = DDSSEC_TRY(chosen_vendors(arguments));
-  const auto domain = static_cast<DomainId>(
-      DDSSEC_TRY(arguments.number("--domain", 0, governance::kHighestDomainId)));
+  const doctor::Settings settings{.now = context.clock.now(),
+                                  .domain = DDSSEC_TRY(domain_of(arguments))};
   DDSSEC_TRY(check_folder(folder));
-  const auto now = context.clock.now();
-  const auto loaded = doctor::load_folder(pki::participant_folder(folder), now);
-  const auto diagnosis = doctor::diagnose(loaded, {.now = now, .domain = domain});
-
+  const auto loaded = load_participant(folder, settings.now);
   Report report;
-  const auto problems = add_findings(report, diagnosis, vendors);
-  const auto outcomes = diagnosis.outcomes();
-  const bool good = std::ranges::all_of(
-      vendors, [&](Vendor vendor) { return outcomes.of(vendor) == doctor::Outcome::ok; });
-  report.exit = good ? Exit::done : Exit::no;
-  report.text = table(diagnosis, fmt::format("{}, domain {}", folder.string(), domain), vendors) +
-                summary(problems, report.findings.size());
-  report.result = {{"vendors", Json::array()}, {"checks", Json::array()}};
-  for (const auto vendor : vendors) report.result["vendors"].push_back(doctor::id(vendor));
-  for (const auto& check : diagnosis.checks())
-    report.result["checks"].push_back(to_json(check, vendors));
-  report.result["verdicts"] = verdicts(outcomes, vendors);
+  report.result = add_diagnosis(report, folder, loaded, settings, vendors);
+  if (arguments.has("--peer")) DDSSEC_TRY(add_peer(report, arguments, loaded, settings, vendors));
   return report;
 }
 
 }  // namespace
+
+Status check_folder(const fs::path& folder) {
+  std::error_code ignored;
+  if (fs::is_directory(folder, ignored)) return {};
+  return fail(Code::file_not_found, {.document = folder, .expected = "a participant's folder"});
+}
+
+doctor::LoadedFolder load_participant(const fs::path& folder, WallTime now) {
+  return doctor::load_folder(pki::participant_folder(folder), now);
+}
+
+void name_parties(const fs::path& a, const fs::path& b, std::string (&names)[2]) {
+  const auto last = [](const fs::path& path) {
+    const auto clean = path.lexically_normal();
+    return (clean.has_filename() ? clean : clean.parent_path()).filename().string();
+  };
+  names[0] = last(a);
+  names[1] = last(b);
+  if (names[0] != names[1]) return;
+  names[0] = a.string();
+  names[1] = b.string();
+}
+
+Result<DomainId> domain_of(const Arguments& arguments) {
+  return static_cast<DomainId>(
+      DDSSEC_TRY(arguments.number("--domain", 0, governance::kHighestDomainId)));
+}
 
 std::vector<Command> doctor_commands() {
   return {{.group = "",
@@ -138,8 +221,10 @@ std::vector<Command> doctor_commands() {
                "something is.",
            .positionals = {{"DIR", "the participant's folder, flat or an enclave of sros2"}},
            .options = {kDomain,
-                       repeated("--vendor", "V", "all, cyclonedds@0.10.2, fastdds@2.9.1 or ours")},
-           .examples = {"ddssec doctor demo/talker", "ddssec doctor talker --vendor fastdds"},
+                       repeated("--vendor", "V", "all, cyclonedds@0.10.2, fastdds@2.9.1 or ours"),
+                       {"--peer", "DIR", "another participant: would they talk?"}},
+           .examples = {"ddssec doctor demo/talker", "ddssec doctor talker --vendor fastdds",
+                        "ddssec doctor talker --peer listener"},
            .run = doctor_of}};
 }
 

@@ -14,6 +14,7 @@ std::vector<Command> crl_commands();
 std::vector<Command> document_commands();  ///< governance and permissions: sign, verify
 std::vector<Command> diff_commands();  ///< governance and permissions: diff
 std::vector<Command> can_commands();
+std::vector<Command> check_commands();
 std::vector<Command> doctor_commands();
 std::vector<Command> explain_commands();
 

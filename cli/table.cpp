@@ -39,8 +39,9 @@ const std::vector<Command>& commands() {
              document_commands(),
              diff_commands(),
              can_commands(),
-             explain_commands(),
+             check_commands(),
              doctor_commands(),
+             explain_commands(),
          })
       add_to_groups(all, rows);
     return all;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "governance/doctor/chain_outcomes.hpp"
 #include "governance/doctor/checks.hpp"
 
 namespace ddssec::governance::doctor {
@@ -92,10 +93,6 @@ bool has_subject(const std::vector<pki::Certificate>& cas, const std::string& su
                              [&](const pki::Certificate& ca) { return ca.subject() == subject; });
 }
 
-bool is_about_dates(Code code) {
-  return code == Code::certificate_expired || code == Code::certificate_not_yet_valid;
-}
-
 // One sentence that names the CA that issued and the CA that is configured.
 std::string chain_broken(const LoadedFolder& folder, const Error& error) {
   const auto file = name_of(folder.paths.certificate);
@@ -123,44 +120,6 @@ std::string needs_other_ca_file(const LoadedFolder& folder) {
       subjects(*folder.identity_cas));
 }
 
-// The one certificate that can have issued `certificate`, or nullptr.
-const pki::Certificate* issuer_of(const pki::Certificate& certificate,
-                                  const std::vector<pki::Certificate>& cas) {
-  const auto found = std::ranges::find_if(
-      cas, [&](const pki::Certificate& ca) { return ca.subject() == certificate.issuer(); });
-  return found == cas.end() ? nullptr : &*found;
-}
-
-// Fast DDS wants the path up to a CA that signed itself; ours is content with any CA of the file.
-bool leads_to_root(const pki::Certificate& certificate, const std::vector<pki::Certificate>& cas) {
-  const auto* at = &certificate;
-  for (std::size_t steps = 0; steps <= cas.size(); ++steps) {
-    at = issuer_of(*at, cas);
-    if (at == nullptr) return false;
-    if (at->subject() == at->issuer()) return true;
-  }
-  return false;
-}
-
-// Cyclone DDS 0.10.2 reads the first certificate of the CA file only.
-bool first_is_root_of(const pki::Certificate& certificate,
-                      const std::vector<pki::Certificate>& cas) {
-  return cas.front().subject() == certificate.issuer() &&
-         cas.front().subject() == cas.front().issuer();
-}
-
-// Measured: neither stock product looks at keyUsage, and Cyclone DDS takes SHA-1.
-Outcomes chain_outcomes(const LoadedFolder& folder, const Result<pki::ChainValid>& proof) {
-  const auto code = proof ? std::optional<Code>() : proof.error().code();
-  const bool ours = !code || is_about_dates(*code);
-  const bool signed_well = ours || code == Code::key_usage_forbids;
-  const bool fast = signed_well && leads_to_root(*folder.certificate, *folder.identity_cas);
-  const bool cyclone = (signed_well || code == Code::digest_too_weak) &&
-                       first_is_root_of(*folder.certificate, *folder.identity_cas);
-  const auto outcome = [](bool good) { return good ? Outcome::ok : Outcome::fail; };
-  return {outcome(cyclone), outcome(fast), outcome(ours)};
-}
-
 // Wrong dates have a rule of their own; the rest is judged as of a day when the certificate is
 // valid, so that they hide nothing.
 WallTime time_to_judge(const LoadedFolder& folder, WallTime now) {
@@ -177,7 +136,7 @@ void check_chain(const LoadedFolder& folder, WallTime now, Diagnosis& out) {
   const auto verifier = pki::ChainVerifier::make(*folder.identity_cas);
   const auto proof = verifier ? verifier->verify(*folder.certificate, time_to_judge(folder, now))
                               : Result<pki::ChainValid>(std::unexpected(verifier.error()));
-  const auto outcomes = chain_outcomes(folder, proof);
+  const auto outcomes = chain_outcomes(*folder.certificate, *folder.identity_cas, proof, true);
   if (outcomes.all_ok()) return out.pass(Rule::DOC020);
   const bool only_stock = outcomes.ours == Outcome::ok;
   out.report(outcomes, {.rule = Rule::DOC020,

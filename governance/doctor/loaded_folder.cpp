@@ -1,6 +1,5 @@
 #include "governance/doctor/loaded_folder.hpp"
 
-#include <algorithm>
 #include <system_error>
 
 #include "governance/read.hpp"
@@ -53,13 +52,6 @@ Result<std::vector<pki::Crl>> load_crls(const fs::path& path) {
 
 using Certificates = Result<std::vector<pki::Certificate>>;
 
-Status belief(BytesView file, const Certificates& cas, WallTime now) {
-  if (!cas) return std::unexpected(cas.error());
-  const auto verifier = DDSSEC_TRY(pki::DocumentVerifier::make(*cas));
-  const auto proof = verifier.verify(file, now);
-  return proof ? Status() : std::unexpected(proof.error());
-}
-
 // The text is read even if nobody believes it, for what else may be wrong with it; what was read
 // is only ever talked about.
 template <class Model>
@@ -74,15 +66,9 @@ LoadedDocument<Model> load_document(const fs::path& path, const Certificates& ca
   }
   out.file = *std::move(file);
   out.form = pki::examine_document(out.file);
-  const auto stock = [&](std::size_t most) -> Status {
-    if (!cas) return std::unexpected(cas.error());
-    const std::vector<pki::Certificate> read(cas->begin(),
-                                             cas->begin() + std::min(most, cas->size()));
-    return pki::stock_products_believe(out.file, read, now);
-  };
-  out.cyclonedds_belief = stock(1);
-  out.fastdds_belief = stock(pki::kMostCertificatesInBundle);
-  out.our_belief = belief(out.file, cas, now);
+  out.cyclonedds_belief = believes(Vendor::cyclonedds, out.file, cas, now);
+  out.fastdds_belief = believes(Vendor::fastdds, out.file, cas, now);
+  out.our_belief = believes(Vendor::ours, out.file, cas, now);
   auto model = read(out.form.unverified_text);
   if (model)
     out.model = std::make_shared<const Model>(*std::move(model));
@@ -92,6 +78,15 @@ LoadedDocument<Model> load_document(const fs::path& path, const Certificates& ca
 }
 
 }  // namespace
+
+Status believes(Vendor judge, BytesView file, const Certificates& cas, WallTime now) {
+  if (!cas) return std::unexpected(cas.error());
+  if (judge == Vendor::cyclonedds) return pki::stock_products_believe(file, {cas->front()}, now);
+  if (judge == Vendor::fastdds) return pki::stock_products_believe(file, *cas, now);
+  const auto verifier = DDSSEC_TRY(pki::DocumentVerifier::make(*cas));
+  const auto proof = verifier.verify(file, now);
+  return proof ? Status() : std::unexpected(proof.error());
+}
 
 bool LoadedFolder::is_empty() const {
   return !is_there(paths.identity_ca) && !is_there(paths.certificate) && !is_there(paths.key) &&

@@ -8,6 +8,7 @@
 
 #include "base/clock.hpp"
 #include "base/result.hpp"
+#include "governance/doctor/vendor.hpp"
 #include "governance/model.hpp"
 #include "pki/certificate.hpp"
 #include "pki/crl.hpp"
@@ -25,8 +26,7 @@ struct LoadedDocument {
   Status readable = {};
   Bytes file = {};
   pki::DocumentForm form = {};
-  /// Whether each product believes the signature. Cyclone DDS 0.10.2 reads the first certificate of
-  /// the CA file only. Errors if the permissions CA cannot be read: those of reading it.
+  /// Whether each product believes the signature; see believes().
   Status cyclonedds_belief = {};
   Status fastdds_belief = {};
   Status our_belief = {};
@@ -55,6 +55,12 @@ struct LoadedFolder {
   /// Errors: those of the pieces it needs, or of ChainVerifier::make.
   Result<pki::ChainVerifier> chain() const;
 };
+
+/// Whether a product believes the signed file under a permissions CA file. Cyclone DDS 0.10.2 reads
+/// the first certificate of it only. Errors: why `cas` cannot be read; those of
+/// pki::stock_products_believe or DocumentVerifier::verify.
+Status believes(Vendor judge, BytesView file, const Result<std::vector<pki::Certificate>>& cas,
+                WallTime now);
 
 /// Loads every piece; documents are verified as of `now`. Never fails.
 LoadedFolder load_folder(const pki::ParticipantFolder& paths, WallTime now);

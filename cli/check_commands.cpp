@@ -1,0 +1,126 @@
+// check: would two participants talk, and which line decides?
+#include <filesystem>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "cli/doctor_options.hpp"
+#include "cli/groups.hpp"
+#include "cli/inputs.hpp"
+#include "cli/meeting_report.hpp"
+#include "cli/options.hpp"
+#include "governance/model.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+namespace doctor = governance::doctor;
+
+constexpr std::size_t kMostTopicFile = 1024 * 1024;
+
+// "A=cyclonedds" sets vendors[0]; a bare name both.
+Status set_vendor(const std::string& word, doctor::Vendor (&vendors)[2]) {
+  const bool is_a = word.starts_with("A=");
+  const bool is_b = word.starts_with("B=");
+  const auto vendor = doctor::vendor_from(is_a || is_b ? word.substr(2) : word);
+  if (!vendor)
+    return fail(Code::usage, {.field = "--vendor",
+                              .expected = fmt::format("A= or B= and {}", kVendorWords),
+                              .found = '"' + word + '"'});
+  if (!is_b) vendors[0] = *vendor;
+  if (!is_a) vendors[1] = *vendor;
+  return {};
+}
+
+Result<Wanted> wanted_of(const Arguments& arguments) {
+  const auto word = arguments.text("--require");
+  if (word == "any") return Wanted::any;
+  if (word == "both") return Wanted::both;
+  if (word == "writer=A") return Wanted::writer_a;
+  if (word == "writer=B") return Wanted::writer_b;
+  return fail(Code::usage, {.field = "--require",
+                            .expected = "any, both, writer=A or writer=B",
+                            .found = '"' + word + '"'});
+}
+
+void add_parts(std::string_view text, std::string_view separators, std::vector<std::string>& out) {
+  while (!text.empty()) {
+    const auto end = std::min(text.find_first_of(separators), text.size());
+    if (end > 0) out.emplace_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+}
+
+// Names separated by commas, or a file with one on each line.
+Result<std::vector<std::string>> topics_of(const Arguments& arguments) {
+  std::vector<std::string> out;
+  for (const auto& word : arguments.all("--topics")) {
+    std::error_code ignored;
+    if (fs::is_regular_file(word, ignored))
+      add_parts(as_text(DDSSEC_TRY(read_file(word, kMostTopicFile))), "\r\n", out);
+    else
+      add_parts(word, ",", out);
+  }
+  const bool is_bad =
+      (arguments.has("--topics") && out.empty()) || out.size() > doctor::kMostTopics;
+  if (is_bad)
+    return fail(Code::usage, {.field = "--topics",
+                              .expected = fmt::format("1 to {} names", doctor::kMostTopics),
+                              .found = std::to_string(out.size())});
+  return out;
+}
+
+Result<Report> check(const Arguments& arguments, const Context& context) {
+  const fs::path folders[] = {arguments.text("A"), arguments.text("B")};
+  doctor::Vendor vendors[] = {doctor::Vendor::ours, doctor::Vendor::ours};
+  for (const auto& word : arguments.all("--vendor")) DDSSEC_TRY(set_vendor(word, vendors));
+  const auto wanted = DDSSEC_TRY(wanted_of(arguments));
+  const auto topics = DDSSEC_TRY(topics_of(arguments));
+  const auto domain = DDSSEC_TRY(domain_of(arguments));
+  for (const auto& folder : folders) DDSSEC_TRY(check_folder(folder));
+
+  const auto now = context.clock.now();
+  const auto a = load_participant(folders[0], now);
+  const auto b = load_participant(folders[1], now);
+  std::string names[2];
+  name_parties(folders[0], folders[1], names);
+  const auto meeting = doctor::meet({a, vendors[0], names[0]}, {b, vendors[1], names[1]},
+                                    {.now = now, .domain = domain}, topics);
+  const MeetingView view{.meeting = meeting,
+                         .names = {names[0], names[1]},
+                         .domain = domain,
+                         .topics_named = !topics.empty(),
+                         .wanted = wanted,
+                         .explain = arguments.has("--explain")};
+  const bool talk = would_talk(view);
+  Report report{.exit = talk ? Exit::done : Exit::no,
+                .text = meeting_text(view),
+                .result = meeting_json(view)};
+  report.findings = meeting.findings;
+  report.findings.insert(report.findings.end(), meeting.notes.begin(), meeting.notes.end());
+  return report;
+}
+
+}  // namespace
+
+std::vector<Command> check_commands() {
+  return {
+      {.group = "",
+       .name = "check",
+       .summary = "Says whether two participants would talk, and which line decides; exit 1: no.",
+       .positionals = {{"A", "a participant's folder"}, {"B", "another's"}},
+       .options = {repeated("--topics", "LIST",
+                            "names with commas between them, or a file with one on each line"),
+                   kDomain,
+                   repeated("--vendor", "WHO",
+                            "A= or B= and cyclonedds, fastdds or ours (without: ours)"),
+                   {"--require", "WHAT", "any, both, writer=A or writer=B on every topic", "any"},
+                   {"--explain", "", "every judgement, not only those that refuse"}},
+       .examples = {"ddssec check demo/talker demo/listener",
+                    "ddssec check talker listener --topics rt/chatter --vendor A=cyclonedds "
+                    "--vendor B=fastdds"},
+       .run = check}};
+}
+
+}  // namespace ddssec::cli

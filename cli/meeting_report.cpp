@@ -1,0 +1,268 @@
+#include "cli/meeting_report.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "plugins/access_control/protection.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace doctor = governance::doctor;
+using doctor::Direction;
+using doctor::Judgement;
+using doctor::Meeting;
+using doctor::TopicMeeting;
+
+constexpr const char* kSides[] = {"A", "B"};
+
+bool works(const TopicMeeting& topic, Wanted wanted) {
+  const bool a = topic.directions[0].ok;
+  const bool b = topic.directions[1].ok;
+  switch (wanted) {
+    case Wanted::any:
+      return a || b;
+    case Wanted::both:
+      return a && b;
+    case Wanted::writer_a:
+      return a;
+    case Wanted::writer_b:
+      return b;
+  }
+  return false;
+}
+
+std::string_view yes_or_no(bool ok) { return ok ? "ok" : "NO"; }
+
+std::string place(const Judgement& judgement) {
+  if (judgement.document.empty()) return {};
+  const auto file = std::filesystem::path(judgement.document).filename().string();
+  return judgement.line > 0 ? fmt::format(" ({}:{})", file, judgement.line)
+                            : fmt::format(" ({})", file);
+}
+
+// "talker -> listener ok    listener -> talker ok": who is believed by whom.
+std::string step_line(std::string_view title, const std::vector<Judgement>& judgements,
+                      const MeetingView& view) {
+  auto out = fmt::format("{:<17}", title);
+  for (const auto& one : judgements)
+    out += one.judge == one.about
+               ? fmt::format("{} {}    ", view.names[one.about], yes_or_no(one.ok))
+               : fmt::format("{} -> {} {}    ", view.names[one.about], view.names[one.judge],
+                             yes_or_no(one.ok));
+  return out.substr(0, out.find_last_not_of(' ') + 1) + '\n';
+}
+
+std::string mask_of(const governance::DomainRule& rule) {
+  const auto info = spi::security_info(access_control::participant_attributes(rule));
+  return fmt::format("0x{:08x}/0x{:08x}", info.mask, info.plugin_mask);
+}
+
+std::string join_line(const MeetingView& view) {
+  const auto& meeting = view.meeting;
+  const bool ok = std::ranges::all_of(meeting.join, &Judgement::ok);
+  auto out = fmt::format("{:<17}domain {} {}", "join", view.domain, ok ? "ok (both)" : "NO");
+  if (meeting.rules[0] != nullptr && meeting.rules[1] != nullptr)
+    out += meeting.differences.empty()
+               ? fmt::format("    governance bits equal ({})", mask_of(*meeting.rules[0]))
+               : fmt::format("    governance bits DIFFER ({} and {})", mask_of(*meeting.rules[0]),
+                             mask_of(*meeting.rules[1]));
+  return out + '\n';
+}
+
+std::string handshake_line(const MeetingView& view) {
+  if (!view.meeting.starter) return {};
+  const auto starter = *view.meeting.starter;
+  const auto who = starter == doctor::Starter::chance
+                       ? std::string("either starts, by chance")
+                       : view.names[starter == doctor::Starter::first ? 0 : 1] + " starts";
+  return fmt::format("{:<17}{}{}\n", "handshake", who,
+                     view.meeting.handshake_works
+                         ? ""
+                         : ": NO, if Fast DDS starts these two products never finish it");
+}
+
+std::string protection_of(const TopicMeeting& topic) {
+  const auto* rule = topic.rules[0];
+  if (rule == nullptr) return {};
+  return fmt::format("   {} payload, {} metadata", to_string(rule->data_protection_kind),
+                     to_string(rule->metadata_protection_kind));
+}
+
+std::string judgement_line(const Judgement& one, const MeetingView& view) {
+  const auto who = one.judge == one.about
+                       ? fmt::format("{}, locally", view.names[one.judge])
+                       : fmt::format("{} about {}", view.names[one.judge], view.names[one.about]);
+  return fmt::format("      {}: {}: {}{}\n", who, one.ok ? "allowed" : "REFUSED", one.reason,
+                     place(one));
+}
+
+std::string direction_text(const TopicMeeting& topic, const Direction& direction,
+                           const MeetingView& view) {
+  auto out = fmt::format("  {} publishes -> {} subscribes   {}{}\n", view.names[direction.writer],
+                         view.names[1 - direction.writer], direction.ok ? "YES" : "NO",
+                         direction.ok ? protection_of(topic) : "");
+  for (const auto& step : direction.steps)
+    if (view.explain || (view.topics_named && !step.ok)) out += judgement_line(step, view);
+  for (const auto& difference : direction.differences)
+    out += fmt::format("      <{}> is {} at {} and {} at {}\n", difference.element,
+                       difference.values[0], view.names[0], difference.values[1], view.names[1]);
+  if (!direction.obstacle.empty()) out += fmt::format("      {}\n", direction.obstacle);
+  return out;
+}
+
+std::string topic_text(const TopicMeeting& topic, const MeetingView& view) {
+  return fmt::format("topic {}\n", topic.topic.empty() ? "\"\"" : topic.topic) +
+         direction_text(topic, topic.directions[0], view) +
+         direction_text(topic, topic.directions[1], view);
+}
+
+std::size_t working_directions(const Meeting& meeting) {
+  std::size_t count = 0;
+  for (const auto& topic : meeting.topics)
+    count += static_cast<std::size_t>(topic.directions[0].ok) +
+             static_cast<std::size_t>(topic.directions[1].ok);
+  return count;
+}
+
+std::string result_line(const MeetingView& view) {
+  const auto& meeting = view.meeting;
+  if (!meeting.joined()) return "result: they do not match\n";
+  return fmt::format("result: they match and exchange {} of {} directions{}\n",
+                     working_directions(meeting), meeting.topics.size() * 2,
+                     meeting.topics_complete ? "" : " (not every topic was looked at)");
+}
+
+Json reason_of(const Judgement& one) { return one.ok ? Json() : Json(one.reason); }
+
+Json judgements_json(const std::vector<Judgement>& judgements) {
+  Json out = Json::array();
+  for (const auto& one : judgements)
+    out.push_back({{"from", kSides[one.about]},
+                   {"to", kSides[one.judge]},
+                   {"ok", one.ok},
+                   {"reason", reason_of(one)}});
+  return out;
+}
+
+Json step_json(const Judgement& one) {
+  Json out = {{"judge", kSides[one.judge]},
+              {"about", kSides[one.about]},
+              {"op", one.operation},
+              {"ok", one.ok},
+              {"reason", one.reason}};
+  out["rule"] = {{"grant", one.grant},
+                 {"index", one.rule},
+                 {"kind", one.rule == 0 ? "default"
+                          : one.ok      ? "allow"
+                                        : "deny"},
+                 {"expression", one.expression},
+                 {"file", one.document},
+                 {"line", one.line}};
+  return out;
+}
+
+Json differences_json(const std::vector<doctor::Difference>& differences) {
+  Json out = Json::array();
+  for (const auto& one : differences)
+    out.push_back({{"element", one.element},
+                   {"a", one.values[0]},
+                   {"b", one.values[1]},
+                   {"line_a", one.lines[0]},
+                   {"line_b", one.lines[1]}});
+  return out;
+}
+
+Json direction_json(const TopicMeeting& topic, const Direction& direction,
+                    const MeetingView& view) {
+  Json out = {{"writer", kSides[direction.writer]},
+              {"reader", kSides[1 - direction.writer]},
+              {"ok", direction.ok},
+              {"steps", Json::array()},
+              {"differences", differences_json(direction.differences)}};
+  for (const auto& step : direction.steps) out["steps"].push_back(step_json(step));
+  const auto* rule = topic.rules[direction.writer];
+  const auto* domain = view.meeting.rules[direction.writer];
+  if (rule != nullptr && domain != nullptr)
+    out["protection"] = {{"payload", to_string(rule->data_protection_kind)},
+                         {"metadata", to_string(rule->metadata_protection_kind)},
+                         {"rtps", to_string(domain->rtps_protection_kind)}};
+  if (!direction.obstacle.empty()) out["obstacle"] = direction.obstacle;
+  return out;
+}
+
+Json join_json(const MeetingView& view) {
+  const auto& meeting = view.meeting;
+  Json out = {{"domain", view.domain},
+              {"ok", std::ranges::all_of(meeting.join, &Judgement::ok)},
+              {"judgements", judgements_json(meeting.join)},
+              {"differences", differences_json(meeting.differences)},
+              {"masks", Json::array()}};
+  for (const auto* rule : meeting.rules)
+    out["masks"].push_back(rule != nullptr ? Json(mask_of(*rule)) : Json());
+  return out;
+}
+
+Json handshake_json(const Meeting& meeting) {
+  if (!meeting.starter) return nullptr;
+  const auto starter = *meeting.starter;
+  return {{"starts", starter == doctor::Starter::chance  ? Json()
+                     : starter == doctor::Starter::first ? Json("A")
+                                                         : Json("B")},
+          {"ok", meeting.handshake_works}};
+}
+
+}  // namespace
+
+bool would_talk(const MeetingView& view) {
+  const auto& topics = view.meeting.topics;
+  if (!view.meeting.joined() || topics.empty()) return false;
+  const auto good = [&](const TopicMeeting& topic) { return works(topic, view.wanted); };
+  return view.topics_named || view.wanted != Wanted::any ? std::ranges::all_of(topics, good)
+                                                         : std::ranges::any_of(topics, good);
+}
+
+std::string meeting_text(const MeetingView& view) {
+  const auto& meeting = view.meeting;
+  auto out = step_line("start", meeting.start, view);
+  if (!meeting.authentication.empty())
+    out += step_line("authentication", meeting.authentication, view) +
+           step_line("permissions", meeting.permissions, view) + join_line(view) +
+           handshake_line(view);
+  std::size_t hidden = 0;
+  for (const auto& topic : meeting.topics) {
+    const bool idle = !topic.directions[0].ok && !topic.directions[1].ok;
+    if (idle && !view.topics_named && !view.explain)
+      hidden += meeting.joined() ? 1 : 0;
+    else
+      out += topic_text(topic, view);
+  }
+  if (hidden > 0)
+    out +=
+        fmt::format("and {} topics that only one of them may use (--explain shows them)\n", hidden);
+  return out + result_line(view);
+}
+
+Json meeting_json(const MeetingView& view) {
+  const auto& meeting = view.meeting;
+  Json out = {{"start", judgements_json(meeting.start)},
+              {"authentication", judgements_json(meeting.authentication)},
+              {"permissions", judgements_json(meeting.permissions)},
+              {"join", join_json(view)},
+              {"handshake", handshake_json(meeting)},
+              {"topics", Json::array()},
+              {"topics_complete", meeting.topics_complete},
+              {"talk", would_talk(view)},
+              {"vendor_notes", Json::array()}};
+  for (const auto& topic : meeting.topics)
+    out["topics"].push_back({{"name", topic.topic},
+                             {"directions",
+                              {direction_json(topic, topic.directions[0], view),
+                               direction_json(topic, topic.directions[1], view)}}});
+  for (const auto& note : meeting.notes) out["vendor_notes"].push_back(note.message);
+  return out;
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,305 @@
+#include "governance/doctor/meeting.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "governance/decision.hpp"
+#include "governance/doctor/chain_outcomes.hpp"
+#include "governance/doctor/checks.hpp"
+#include "governance/doctor/meeting_steps.hpp"
+#include "governance/doctor/subject_form.hpp"
+#include "governance/grant.hpp"
+
+namespace ddssec::governance::doctor {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kBoth[] = {0, 1};
+
+void add_finding(const MeetingScene& scene, Rule rule, const Judgement& judgement,
+                 std::string message) {
+  scene.out.findings.push_back({.rule = rule,
+                                .message = std::move(message),
+                                .document = judgement.document,
+                                .line = judgement.line});
+}
+
+std::string files_missing(const LoadedFolder& folder) {
+  return fmt::format("{} holds none of the files of a secured participant",
+                     folder.paths.folder.string());
+}
+
+// A finding of the party's own diagnosis that keeps it from coming up.
+const Finding* first_obstacle(const Diagnosis& diagnosis, Vendor vendor) {
+  for (const auto& check : diagnosis.checks())
+    if (check.outcomes.of(vendor) >= Outcome::late && !check.findings.empty())
+      return &check.findings.front();
+  return nullptr;
+}
+
+void judge_start(const MeetingScene& scene, int index) {
+  const auto& party = scene.party(index);
+  const auto& folder = party.folder;
+  Judgement out{.judge = index, .about = index, .ok = true};
+  if (folder.is_empty()) {
+    const auto& other = scene.party(1 - index);
+    out.ok = false;
+    out.reason = "has no security";
+    out.document = folder.paths.folder.string();
+    scene.out.start.push_back(out);
+    return add_finding(scene, Rule::DOC087, out,
+                       fmt::format("{}: {} runs without security and {} with it; neither would see "
+                                   "the other, and neither would say so",
+                                   files_missing(folder), party.name, other.name));
+  }
+  const auto diagnosis = diagnose(folder, scene.settings);
+  if (const auto* why = first_obstacle(diagnosis, party.vendor)) {
+    out.ok = false;
+    out.reason = fmt::format("{}: {}", info(why->rule).id, why->message);
+    out.document = why->document;
+    out.line = why->line;
+    add_finding(scene, Rule::DOC090, out,
+                fmt::format("{} does not work with {} by itself: {}", party.name,
+                            name(party.vendor), out.reason));
+  }
+  scene.out.start.push_back(out);
+}
+
+// What `judge` makes of the other's certificate.
+Status judge_certificate(const Party& judge, const Party& subject, WallTime now) {
+  const auto& certificate = subject.folder.certificate;
+  if (!certificate) return std::unexpected(certificate.error());
+  if (!judge.folder.identity_cas) return std::unexpected(judge.folder.identity_cas.error());
+  const auto verifier = DDSSEC_TRY(judge.folder.chain());
+  const auto proof = verifier.verify(*certificate, now);
+  const auto outcomes = chain_outcomes(*certificate, *judge.folder.identity_cas, proof, false);
+  if (outcomes.of(judge.vendor) == Outcome::ok) return {};
+  if (!proof) return std::unexpected(proof.error());
+  return fail(Code::issuer_unknown,
+              {.expected = "\"" + certificate->issuer() + "\", self-signed",
+               .note = std::string(name(judge.vendor)) + " reads fewer CA files than ours"});
+}
+
+std::string ca_subjects(const Result<std::vector<pki::Certificate>>& cas) {
+  std::string out;
+  if (!cas) return "nothing readable";
+  for (const auto& ca : *cas)
+    if (out.size() < 256) out += (out.empty() ? "\"" : ", \"") + ca.subject() + '"';
+  return out;
+}
+
+void judge_authentication(const MeetingScene& scene, int judge) {
+  const auto& self = scene.party(judge);
+  const auto& other = scene.party(1 - judge);
+  const auto status = judge_certificate(self, other, scene.settings.now);
+  Judgement out{.judge = judge, .about = 1 - judge, .ok = status.has_value()};
+  out.document = self.folder.paths.identity_ca.string();
+  if (!status) {
+    const bool revoked = status.error().code() == Code::certificate_revoked;
+    if (revoked) out.document = self.folder.paths.crl.string();
+    out.reason = status.error().message();
+    const auto& certificate = other.folder.certificate;
+    add_finding(
+        scene, Rule::DOC080, out,
+        fmt::format(
+            "{} does not believe {}'s certificate{}: {}; {} of {} holds {}", self.name, other.name,
+            certificate ? fmt::format(" ({} serial {}, issued by \"{}\")", certificate->subject(),
+                                      certificate->serial(), certificate->issuer())
+                        : "",
+            out.reason, self.folder.paths.identity_ca.filename().string(), self.name,
+            ca_subjects(self.folder.identity_cas)));
+  }
+  scene.out.authentication.push_back(std::move(out));
+}
+
+// Of a remote participant Fast DDS also takes the one-line form.
+bool reads_remote_subject(const Grant& grant, const pki::Certificate& certificate, Vendor judge) {
+  const auto outcomes = reads_subject(grant.subject_name, certificate);
+  if (judge == Vendor::fastdds && grant.subject_name == certificate.subject_one_line()) return true;
+  if (judge == Vendor::ours) return is_for(grant, pki::SubjectName::of(certificate));
+  return outcomes.of(judge) == Outcome::ok;
+}
+
+Status judge_permissions_of(const Party& judge, const Party& subject, WallTime now) {
+  const auto& document = subject.folder.permissions;
+  if (!document.readable) return document.readable;
+  DDSSEC_TRY(believes(judge.vendor, document.file, judge.folder.permissions_cas, now));
+  if (!document.parsed) return document.parsed;
+  if (!subject.folder.certificate) return std::unexpected(subject.folder.certificate.error());
+  const auto& certificate = *subject.folder.certificate;
+  for (const auto& grant : document.model->grants)
+    if (reads_remote_subject(grant, certificate, judge.vendor) && grant.validity.contains(now))
+      return {};
+  const auto found =
+      find_grant(*document.model, pki::SubjectName::of(certificate), certificate.subject(), now);
+  if (!found) return std::unexpected(found.error());
+  return fail(Code::no_grant_for_subject,
+              {.expected = certificate.subject(), .found = (*found)->subject_name});
+}
+
+void judge_permissions(const MeetingScene& scene, int judge) {
+  const auto& self = scene.party(judge);
+  const auto& other = scene.party(1 - judge);
+  const auto status = judge_permissions_of(self, other, scene.settings.now);
+  Judgement out{.judge = judge, .about = 1 - judge, .ok = status.has_value()};
+  out.document = other.folder.paths.permissions.string();
+  if (!status) {
+    out.reason = status.error().message();
+    out.line = status.error().details().line;
+    add_finding(
+        scene, Rule::DOC081, out,
+        fmt::format("{} does not believe {}'s permissions: {}; {} of {} holds {}", self.name,
+                    other.name, out.reason, self.folder.paths.permissions_ca.filename().string(),
+                    self.name, ca_subjects(self.folder.permissions_cas)));
+  }
+  scene.out.permissions.push_back(std::move(out));
+}
+
+void judge_join(const MeetingScene& scene, int judge, int about) {
+  const auto* rule = scene.out.rules[judge];
+  const auto& folder = scene.folder(about);
+  Judgement out{.judge = judge, .about = about, .ok = true};
+  const auto* grant = scene.grants[about].get();
+  if (rule == nullptr) {
+    out.ok = false;
+    out.document = scene.folder(judge).paths.governance.string();
+    out.reason = fmt::format("no <domain_rule> covers domain {}", scene.settings.domain);
+  } else if (rule->enable_join_access_control && grant != nullptr) {
+    const auto verdict = grant->judge_participant();
+    out.ok = verdict.allowed;
+    out.grant = grant->grant().name;
+    out.document = folder.paths.permissions.string();
+    out.line = verdict.line(grant->grant());
+    out.reason =
+        fmt::format("{} rule of grant \"{}\" for domain {}",
+                    verdict.allowed ? "an allow" : "no allow", out.grant, scene.settings.domain);
+    if (!out.ok && judge != about)
+      add_finding(scene, Rule::DOC088, out,
+                  fmt::format("{} does not let {} join domain {}: {}", scene.party(judge).name,
+                              scene.party(about).name, scene.settings.domain, out.reason));
+  }
+  scene.out.join.push_back(std::move(out));
+}
+
+void compare_governance(const MeetingScene& scene) {
+  for (const int i : kBoth)
+    if (scene.folder(i).governance.model)
+      scene.out.rules[i] = scene.folder(i).governance.model->find(scene.settings.domain);
+  if (scene.out.rules[0] == nullptr || scene.out.rules[1] == nullptr) return;
+  scene.out.differences = differences(*scene.out.rules[0], *scene.out.rules[1]);
+  for (const auto& difference : scene.out.differences)
+    scene.out.findings.push_back(
+        {.rule = Rule::DOC082,
+         .message = sentence(scene, difference) + ": participants must agree in it",
+         .document = scene.folder(1).paths.governance.string(),
+         .line = difference.lines[1]});
+}
+
+// Fast DDS 2.9.1 as initiator proposes DH+MODP-2048-256 in a form that Cyclone DDS cannot read.
+bool handshake_works(Vendor initiator, Vendor replier) {
+  return !(initiator == Vendor::fastdds && replier == Vendor::cyclonedds);
+}
+
+std::string handshake_sentence(const Party& starts, const Party& waits) {
+  return fmt::format(
+      "{} starts the handshake, by the hashes of \"{}\" and \"{}\"; if it runs Fast "
+      "DDS 2.9.1 and {} runs Cyclone DDS 0.10.2 with its own plugins, they never "
+      "authenticate: Cyclone DDS cannot read the Diffie-Hellman value that Fast DDS "
+      "proposes",
+      starts.name, starts.folder.certificate->subject(), waits.folder.certificate->subject(),
+      waits.name);
+}
+
+void judge_handshake_from(const MeetingScene& scene, int starts) {
+  const auto& first = scene.party(starts);
+  const auto& second = scene.party(1 - starts);
+  Finding finding{.rule = Rule::DOC083,
+                  .message = handshake_sentence(first, second),
+                  .document = first.folder.paths.certificate.string()};
+  if (!handshake_works(first.vendor, second.vendor)) {
+    scene.out.handshake_works = false;
+    scene.out.findings.push_back(std::move(finding));
+  } else if (scene.out.starter != Starter::chance && first.vendor == Vendor::ours &&
+             second.vendor == Vendor::ours) {
+    finding.severity = Severity::informational;
+    scene.out.notes.push_back(std::move(finding));
+  }
+}
+
+void judge_handshake(const MeetingScene& scene) {
+  if (!scene.folder(0).certificate || !scene.folder(1).certificate) return;
+  scene.out.starter = starter(*scene.folder(0).certificate, *scene.folder(1).certificate);
+  if (scene.out.starter != Starter::chance)
+    return judge_handshake_from(scene, scene.out.starter == Starter::first ? 0 : 1);
+  scene.out.notes.push_back(
+      {.rule = Rule::DOC089,
+       .message = fmt::format("both certificates have the subject \"{}\": which of the two starts "
+                              "the handshake is left to chance at each start",
+                              scene.folder(0).certificate->subject()),
+       .document = scene.folder(1).paths.certificate.string()});
+  for (const int i : kBoth) judge_handshake_from(scene, i);
+}
+
+void report_no_topic(const MeetingScene& scene) {
+  const bool any = std::ranges::any_of(scene.out.topics, [](const TopicMeeting& topic) {
+    return topic.directions[0].ok || topic.directions[1].ok;
+  });
+  if (any || !scene.out.joined()) return;
+  scene.out.findings.push_back(
+      {.rule = Rule::DOC086,
+       .message = fmt::format("there is no topic that {} may publish and {} subscribe to, or the "
+                              "other way round",
+                              scene.party(0).name, scene.party(1).name),
+       .document = scene.folder(0).paths.permissions.string()});
+}
+
+bool all_ok(const std::vector<Judgement>& judgements) {
+  return std::ranges::all_of(judgements, &Judgement::ok);
+}
+
+}  // namespace
+
+bool Meeting::joined() const {
+  return all_ok(start) && all_ok(authentication) && all_ok(permissions) && all_ok(join) &&
+         differences.empty() && handshake_works && rules[0] != nullptr && rules[1] != nullptr;
+}
+
+Starter starter(const pki::Certificate& a, const pki::Certificate& b) {
+  // A 1 bit and the first 47 bits of the hash: the order of the GUIDs is the order of those bits.
+  const auto prefix = [](const Sha256Digest& digest) {
+    std::uint64_t bits = 0;
+    for (std::size_t i = 0; i < 6; ++i) bits = bits << 8 | digest[i];
+    return bits >> 1;
+  };
+  const auto first = prefix(a.subject_digest());
+  const auto second = prefix(b.subject_digest());
+  if (first == second) return Starter::chance;
+  return first < second ? Starter::first : Starter::second;
+}
+
+Meeting meet(const Party& a, const Party& b, const Settings& settings,
+             std::vector<std::string> topics) {
+  Meeting out;
+  MeetingScene scene{{&a, &b}, settings, out};
+  for (const int i : kBoth)
+    if (const auto* grant = grant_of(scene.folder(i), settings.now))
+      scene.grants[i] = std::make_unique<const CompiledGrant>(scene.folder(i).permissions.model,
+                                                              *grant, settings.domain);
+  for (const int i : kBoth) judge_start(scene, i);
+  if (a.folder.is_empty() || b.folder.is_empty()) return out;
+  for (const int judge : {1, 0}) judge_authentication(scene, judge);
+  for (const int judge : {1, 0}) judge_permissions(scene, judge);
+  compare_governance(scene);
+  for (const int judge : kBoth)
+    for (const int about : kBoth) judge_join(scene, judge, about);
+  judge_handshake(scene);
+  const bool named = !topics.empty();
+  if (!named) topics = topics_of_interest(scene);
+  for (const auto& topic : topics) meet_on_topic(scene, topic, named);
+  if (!named) report_no_topic(scene);
+  return out;
+}
+
+}  // namespace ddssec::governance::doctor

@@ -1,0 +1,265 @@
+// Step five: who may write and read which topic, by whose judgement.
+#include <algorithm>
+#include <array>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "governance/decision.hpp"
+#include "governance/doctor/checks.hpp"
+#include "governance/doctor/meeting_steps.hpp"
+#include "governance/grant.hpp"
+#include "governance/topic_sets.hpp"
+
+namespace ddssec::governance::doctor {
+namespace {
+
+constexpr int kBoth[] = {0, 1};
+
+std::string text(bool value) { return value ? "true" : "false"; }
+std::string text(ProtectionKind value) { return std::string(to_string(value)); }
+
+/// Compares one element of two rules.
+template <class Rules>
+class Comparison {
+ public:
+  Comparison(const Rules& a, const Rules& b) : a_(a), b_(b) {}
+  template <class T>
+  Comparison& element(std::string_view name, T Rules::*member) {
+    if (a_.*member != b_.*member)
+      found_.push_back(
+          {std::string(name), {text(a_.*member), text(b_.*member)}, {a_.line, b_.line}});
+    return *this;
+  }
+  std::vector<Difference> found() { return std::move(found_); }
+
+ private:
+  const Rules& a_;
+  const Rules& b_;
+  std::vector<Difference> found_;
+};
+
+const TopicRule* topic_rule(const DomainRule* domain, std::string_view topic) {
+  if (domain == nullptr) return nullptr;
+  const auto found = std::ranges::find_if(domain->topic_rules, [&](const TopicRule& rule) {
+    return Pattern(rule.topic_expression).matches(topic);
+  });
+  return found == domain->topic_rules.end() ? nullptr : &*found;
+}
+
+std::string matching_expression(const Criteria& criteria, std::string_view topic) {
+  const auto found = std::ranges::find_if(
+      criteria.topics, [&](const Text& text) { return Pattern(text.text).matches(topic); });
+  return found == criteria.topics.end() ? "" : found->text;
+}
+
+/// One question about a topic: may `about`, in the eyes of `judge`?
+struct Question {
+  int judge;
+  int about;
+  Action action;
+  const std::string& topic;
+};
+
+Judgement by_grant(const MeetingScene& scene, const Question& question) {
+  const auto& folder = scene.folder(question.about);
+  Judgement out{.judge = question.judge, .about = question.about};
+  out.operation = to_string(question.action);
+  out.document = folder.paths.permissions.string();
+  const auto* compiled = scene.grants[question.about].get();
+  if (compiled == nullptr) {
+    out.reason = "no valid grant";
+    return out;
+  }
+  const auto& grant = compiled->grant();
+  const auto verdict = compiled->judge(question.action, {.topic = question.topic});
+  out.grant = grant.name;
+  out.line = verdict.line(grant);
+  out.ok = verdict.allowed;
+  if (verdict.rule == nullptr) {
+    // Fast DDS 2.9.1 reads <default>ALLOW</default> and does not act on it.
+    if (scene.party(question.judge).vendor == Vendor::fastdds) out.ok = false;
+    out.reason = fmt::format("no {} rule of grant \"{}\" matches, default {}", out.operation,
+                             grant.name, grant.default_allow ? "ALLOW" : "DENY");
+    return out;
+  }
+  out.rule = static_cast<int>(verdict.rule - grant.rules.data()) + 1;
+  if (verdict.criteria != nullptr)
+    out.expression = matching_expression(*verdict.criteria, question.topic);
+  out.reason = fmt::format("grant \"{}\" rule {} ({}) {} \"{}\"", grant.name, out.rule,
+                           verdict.allowed ? "allow" : "deny", out.operation, out.expression);
+  return out;
+}
+
+// The judge's governance decides whether anybody asks for permissions.
+Judgement judge(const MeetingScene& scene, const Question& question) {
+  const auto* rule = topic_rule(scene.out.rules[question.judge], question.topic);
+  Judgement out{.judge = question.judge, .about = question.about};
+  out.operation = to_string(question.action);
+  out.document = scene.folder(question.judge).paths.governance.string();
+  if (rule == nullptr) {
+    out.reason = "no <topic_rule> matches the topic";
+    out.line =
+        scene.out.rules[question.judge] != nullptr ? scene.out.rules[question.judge]->line : 0;
+    return out;
+  }
+  const bool controlled = question.action == Action::publish ? rule->enable_write_access_control
+                                                             : rule->enable_read_access_control;
+  if (controlled) return by_grant(scene, question);
+  out.ok = true;
+  out.line = rule->line;
+  out.reason = fmt::format("<topic_rule> \"{}\" asks for no permission", rule->topic_expression);
+  return out;
+}
+
+// Fast DDS writers wait for crypto tokens that Cyclone DDS readers do not send then.
+std::string obstacle_between(const MeetingScene& scene, const Direction& direction,
+                             const TopicRule& rule) {
+  const auto writer = scene.party(direction.writer).vendor;
+  const auto reader = scene.party(1 - direction.writer).vendor;
+  const bool payload_only =
+      is_protected(rule.data_protection_kind) && !is_protected(rule.metadata_protection_kind);
+  if (writer != Vendor::fastdds || reader != Vendor::cyclonedds || !payload_only) return {};
+  return fmt::format(
+      "data_protection_kind {} with metadata_protection_kind NONE: a Fast DDS 2.9.1 "
+      "writer never matches a Cyclone DDS 0.10.2 reader then",
+      to_string(rule.data_protection_kind));
+}
+
+Direction meet_in_direction(const MeetingScene& scene, const TopicMeeting& topic, int writer) {
+  Direction out{.writer = writer};
+  const int reader = 1 - writer;
+  for (const auto& question : {Question{writer, writer, Action::publish, topic.topic},
+                               Question{reader, writer, Action::publish, topic.topic},
+                               Question{reader, reader, Action::subscribe, topic.topic},
+                               Question{writer, reader, Action::subscribe, topic.topic}})
+    out.steps.push_back(judge(scene, question));
+  if (topic.rules[0] != nullptr && topic.rules[1] != nullptr) {
+    out.differences = differences(*topic.rules[0], *topic.rules[1]);
+    out.obstacle = obstacle_between(scene, out, *topic.rules[writer]);
+  }
+  out.ok = scene.out.joined() && std::ranges::all_of(out.steps, &Judgement::ok) &&
+           out.differences.empty() && out.obstacle.empty();
+  return out;
+}
+
+// Where one direction works, that the other does not is what somebody wanted.
+void report_refusals(const MeetingScene& scene, const TopicMeeting& topic) {
+  if (topic.directions[0].ok || topic.directions[1].ok || !scene.out.joined()) return;
+  for (const auto& direction : topic.directions)
+    for (const auto& step : direction.steps) {
+      if (step.ok || step.judge != step.about) continue;
+      scene.out.findings.push_back(
+          {.rule = Rule::DOC086,
+           .message = fmt::format("{} may not {} \"{}\": {}", scene.party(step.about).name,
+                                  step.operation == "publish" ? "publish" : "subscribe to",
+                                  topic.topic, step.reason),
+           .document = step.document,
+           .line = step.line});
+    }
+}
+
+// Every topic under the same two rules has the same difference: it is said once.
+void report_differences(const MeetingScene& scene, const TopicMeeting& topic) {
+  for (const auto& difference : topic.directions[0].differences) {
+    const auto message = sentence(scene, difference);
+    const bool said = std::ranges::any_of(scene.out.findings, [&](const Finding& finding) {
+      return finding.rule == Rule::DOC084 && finding.message.ends_with(message);
+    });
+    if (said) continue;
+    scene.out.findings.push_back({.rule = Rule::DOC084,
+                                  .message = fmt::format("topic \"{}\": {}", topic.topic, message),
+                                  .document = scene.folder(1).paths.governance.string(),
+                                  .line = difference.lines[1]});
+  }
+}
+
+void report_obstacles(const MeetingScene& scene, const TopicMeeting& topic) {
+  for (const auto& direction : topic.directions)
+    if (!direction.obstacle.empty())
+      scene.out.findings.push_back(
+          {.rule = Rule::DOC085,
+           .message = fmt::format("topic \"{}\": {}", topic.topic, direction.obstacle),
+           .document = scene.folder(1).paths.governance.string(),
+           .line = topic.rules[1]->line});
+}
+
+/// The expressions about topics that a participant's documents hold.
+void add_expressions(const MeetingScene& scene, int index, std::vector<RankedExpression>& out) {
+  const auto add = [&](std::string_view expression) {
+    out.push_back({expression, static_cast<std::uint32_t>(out.size()), 0});
+  };
+  if (const auto* rule = scene.out.rules[index])
+    for (const auto& topic : rule->topic_rules) add(topic.topic_expression);
+  if (scene.grants[index] == nullptr) return;
+  for (const auto& rule : scene.grants[index]->grant().rules)
+    for (const auto* list : {&rule.publish, &rule.subscribe})
+      for (const auto& criteria : *list)
+        for (const auto& topic : criteria.topics) add(topic.text);
+}
+
+bool anybody_may(const MeetingScene& scene, const std::string& topic) {
+  for (const int i : kBoth)
+    for (const auto action : {Action::publish, Action::subscribe})
+      if (judge(scene, {i, i, action, topic}).ok) return true;
+  return false;
+}
+
+}  // namespace
+
+std::vector<Difference> differences(const DomainRule& a, const DomainRule& b) {
+  return Comparison<DomainRule>(a, b)
+      .element("discovery_protection_kind", &DomainRule::discovery_protection_kind)
+      .element("liveliness_protection_kind", &DomainRule::liveliness_protection_kind)
+      .element("rtps_protection_kind", &DomainRule::rtps_protection_kind)
+      .found();
+}
+
+std::vector<Difference> differences(const TopicRule& a, const TopicRule& b) {
+  return Comparison<TopicRule>(a, b)
+      .element("enable_discovery_protection", &TopicRule::enable_discovery_protection)
+      .element("enable_liveliness_protection", &TopicRule::enable_liveliness_protection)
+      .element("enable_read_access_control", &TopicRule::enable_read_access_control)
+      .element("enable_write_access_control", &TopicRule::enable_write_access_control)
+      .element("metadata_protection_kind", &TopicRule::metadata_protection_kind)
+      .element("data_protection_kind", &TopicRule::data_protection_kind)
+      .found();
+}
+
+std::string sentence(const MeetingScene& scene, const Difference& difference) {
+  const auto side = [&](int i) {
+    return fmt::format("{} at {} ({}:{})", difference.values[i], scene.party(i).name,
+                       scene.folder(i).paths.governance.filename().string(), difference.lines[i]);
+  };
+  return fmt::format("<{}> is {} and {}", difference.element, side(0), side(1));
+}
+
+std::vector<std::string> topics_of_interest(const MeetingScene& scene) {
+  std::vector<RankedExpression> expressions;
+  for (const int i : kBoth) add_expressions(scene, i, expressions);
+  const auto atoms = name_atoms(expressions);
+  scene.out.topics_complete = atoms.has_value();
+  std::vector<std::string> out;
+  if (!atoms) return out;
+  for (const auto& atom : *atoms) {
+    if (!anybody_may(scene, atom.witness)) continue;
+    if (out.size() == kMostTopics) {
+      scene.out.topics_complete = false;
+      break;
+    }
+    out.push_back(atom.witness);
+  }
+  return out;
+}
+
+void meet_on_topic(const MeetingScene& scene, const std::string& topic, bool named) {
+  TopicMeeting out{.topic = topic, .directions = {}, .rules = {}};
+  for (const int i : kBoth) out.rules[i] = topic_rule(scene.out.rules[i], topic);
+  for (const int i : kBoth) out.directions[i] = meet_in_direction(scene, out, i);
+  if (named) report_refusals(scene, out);
+  report_differences(scene, out);
+  report_obstacles(scene, out);
+  scene.out.topics.push_back(std::move(out));
+}
+
+}  // namespace ddssec::governance::doctor

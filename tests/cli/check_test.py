@@ -1,0 +1,222 @@
+#!/usr/bin/env python3
+"""check and doctor --peer: would two participants talk, and which line decides?"""
+
+import hashlib
+import pathlib
+import shutil
+import ssl
+import tempfile
+
+from golden_folders import GOVERNANCE, Folder, Workshop, allow, grant, permissions
+from transcript import Transcript, main
+
+ONE_WAY = """<allow_rule>
+        <domains><id>0</id></domains>
+        <{0}><topics><topic>Square</topic></topics></{0}>
+      </allow_rule>"""
+
+
+class Check(Transcript):
+    """talker publishes Square and listener subscribes to it, until something is changed."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.made = tempfile.TemporaryDirectory(prefix="ddssec-check-")
+        cls.addClassCleanup(cls.made.cleanup)
+        cls.shop = Workshop(pathlib.Path(cls.made.name) / "workshop")
+
+    def setUp(self):
+        super().setUp()
+        self.talker = self.participant("talker", "publish")
+        self.listener = self.participant("listener", "subscribe")
+
+    def participant(self, name, may, **leaf):
+        made = Folder(self.shop, self.at / name, f"/CN={name}", leaf.pop("label", name), **leaf)
+        made.sign("permissions", permissions(grant(made.subject, ONE_WAY.format(may))))
+        return made
+
+    def check(self, *words, exit):
+        return self.json("check", "talker", "listener", *words, exit=exit)
+
+    def apart(self, rule, *values, words=(), document=None):
+        """They do not talk, and one sentence says so with these values."""
+        out = self.check(*words, exit=1)
+        told = [d for d in out["diagnostics"] if d["id"] == rule]
+        told = [d for d in told if all(value in d["message"] for value in values)]
+        self.assertTrue(told, out["diagnostics"])
+        if document:
+            self.assertEqual(pathlib.Path(told[0]["file"]).name, document)
+        self.assertTrue(told[0]["hint"])
+        return out["result"]
+
+    def test_they_talk_and_the_deciding_lines_are_named(self):
+        result = self.check("--topics", "Square", exit=0)["result"]
+        self.assertEqual([(a["from"], a["to"], a["ok"]) for a in result["authentication"]],
+                         [("A", "B", True), ("B", "A", True)])
+        self.assertEqual(result["join"]["masks"], ["0x80000007/0x80000006"] * 2)
+        forth, back = result["topics"][0]["directions"]
+        self.assertEqual((forth["writer"], forth["reader"], forth["ok"], back["ok"]),
+                         ("A", "B", True, False))
+        self.assertEqual(forth["protection"],
+                         {"payload": "ENCRYPT", "metadata": "ENCRYPT", "rtps": "SIGN"})
+        steps = [(s["judge"], s["about"], s["op"], s["rule"]["expression"]) for s in forth["steps"]]
+        self.assertEqual(steps, [("A", "A", "publish", "Square"), ("B", "A", "publish", "Square"),
+                                 ("B", "B", "subscribe", "Square"),
+                                 ("A", "B", "subscribe", "Square")])
+        rule = forth["steps"][0]["rule"]
+        lines = (self.at / rule["file"]).read_text().splitlines()
+        document = lines[next(i for i, line in enumerate(lines) if line.startswith("<?xml")):]
+        self.assertIn("<publish>", document[rule["line"] - 1])
+        self.assertEqual((rule["grant"], rule["index"], rule["kind"]), ("participant", 1, "allow"))
+
+    def test_text(self):
+        done = self.run_program("check", "talker", "listener", "--topics", "Square")
+        self.assertIn("authentication   talker -> listener ok    listener -> talker ok", done.stdout)
+        self.assertIn("  talker publishes -> listener subscribes   YES   ENCRYPT payload", done.stdout)
+        self.assertIn("listener, locally: REFUSED: no publish rule", done.stdout)
+        self.assertTrue(done.stdout.endswith("they match and exchange 1 of 2 directions\n"))
+        done = self.run_program("check", "talker", "listener", "--explain")
+        self.assertIn("talker, locally: allowed: grant \"participant\" rule 1 (allow) publish "
+                      "\"Square\" (permissions.p7s:", done.stdout)
+
+    def test_what_is_required_of_topics(self):
+        self.check(exit=0)
+        self.check("--topics", "Square,Circle", exit=1)
+        self.check("--topics", "Square", "--require", "writer=A", exit=0)
+        self.check("--topics", "Square", "--require", "writer=B", exit=1)
+        self.check("--topics", "Square", "--require", "both", exit=1)
+        (self.at / "topics").write_text("Square\n")
+        self.check("--topics", "topics", exit=0)
+        self.apart("DOC086", 'talker may not publish "Circle"', "default DENY",
+                   words=("--topics", "Circle"), document="permissions.p7s")
+        self.listener.sign("permissions", permissions(grant("CN=listener", allow("Circle"))))
+        self.apart("DOC086", "no topic that talker may publish and listener subscribe")
+
+    def test_another_identity_ca(self):
+        shutil.rmtree(self.at / "listener")
+        made = self.participant("listener", "subscribe", label="stranger", ca=self.shop.ca("foreign"))
+        made.put("identity_ca.pem", self.shop.ca("foreign") / "cert.pem")
+        self.apart("DOC080", "CN=listener", 'issued by "CN=foreign CA"', '"CN=identity CA"',
+                   document="identity_ca.pem")
+
+    def test_another_ca_of_the_same_name(self):
+        shutil.rmtree(self.at / "listener")
+        ca = self.shop.ca("impostor", "/CN=identity CA")
+        self.participant("listener", "subscribe", label="impostor", ca=ca).put(
+            "identity_ca.pem", ca / "cert.pem")
+        self.apart("DOC080", "talker does not believe", "CN=listener", "CN=identity CA")
+
+    def test_a_revoked_peer(self):
+        self.talker.put("crl.pem", self.shop.crl("listener", self.talker.identity_ca,
+                                                 self.listener.certificate))
+        self.apart("DOC080", "CN=listener serial", "revoked", document="crl.pem")
+
+    def test_permissions_signed_by_another_ca(self):
+        ca = self.shop.ca("foreign")
+        signer = (ca / "cert.pem", ca / "key.pem")
+        self.listener.put("permissions_ca.pem", ca / "cert.pem")
+        self.listener.own_permissions(signer=signer)
+        self.listener.sign("governance", GOVERNANCE, signer=signer)
+        self.apart("DOC081", "listener's permissions", "CN=foreign CA", '"CN=permissions CA"',
+                   document="permissions.p7s")
+
+    def test_governance_that_differs_in_one_value(self):
+        self.listener.sign("governance", GOVERNANCE.replace("<rtps_protection_kind>SIGN",
+                                                            "<rtps_protection_kind>NONE"))
+        result = self.apart("DOC082", "<rtps_protection_kind> is SIGN at talker (governance.p7s:",
+                            "NONE at listener", document="governance.p7s")
+        self.assertEqual(result["join"]["masks"], ["0x80000007/0x80000006", "0x80000006/0x80000006"])
+        self.assertEqual(result["join"]["differences"][0]["element"], "rtps_protection_kind")
+
+    def test_governance_that_differs_for_a_topic(self):
+        self.listener.sign("governance", GOVERNANCE.replace("<data_protection_kind>ENCRYPT",
+                                                            "<data_protection_kind>SIGN"))
+        self.apart("DOC084", '"Square"', "<data_protection_kind> is ENCRYPT at talker",
+                   "SIGN at listener", document="governance.p7s")
+
+    def test_a_peer_without_security(self):
+        shutil.rmtree(self.at / "listener")
+        (self.at / "listener").mkdir()
+        self.apart("DOC087", "listener runs without security and talker with it")
+
+    def test_a_domain_that_only_one_may_join(self):
+        self.listener.sign("permissions", permissions(grant("CN=listener", allow(domain=7))))
+        self.apart("DOC088", "talker does not let listener join domain 0", document="permissions.p7s")
+        self.apart("DOC090", "DOC051", "domain 0")
+
+    def test_a_participant_that_does_not_come_up(self):
+        (self.at / "talker/key.pem").unlink()
+        self.apart("DOC090", "talker does not work", "key.pem is missing")
+
+    def test_one_subject_for_both(self):
+        shutil.rmtree(self.at / "listener")
+        shutil.copytree(self.at / "talker", self.at / "listener")
+        self.listener.path = self.at / "listener"
+        self.listener.sign("permissions", permissions(grant("CN=talker")))
+        self.talker.sign("permissions", permissions(grant("CN=talker")))
+        out = self.check(exit=0)
+        self.assertEqual([d["id"] for d in out["diagnostics"]], ["DOC089"])
+        self.assertEqual(out["result"]["handshake"], {"starts": None, "ok": True})
+
+    def test_who_starts_the_handshake_decides_between_the_products(self):
+        """DDS-Security 9.3.3 in openssl's words: the lower hash of the DER subject starts."""
+        starts = "A" if self.subject_hash("talker") < self.subject_hash("listener") else "B"
+        waits = "B" if starts == "A" else "A"
+        out = self.check(exit=0)
+        self.assertEqual(out["result"]["handshake"], {"starts": starts, "ok": True})
+        self.assertEqual([d["id"] for d in out["diagnostics"]], ["DOC083"])
+        self.apart("DOC083", "CN=talker", "CN=listener",
+                   words=("--vendor", f"{starts}=fastdds", "--vendor", f"{waits}=cyclonedds"))
+        self.check("--vendor", f"{starts}=cyclonedds", "--vendor", f"{waits}=fastdds", exit=0)
+        self.check("--vendor", f"{starts}=fastdds", "--vendor", f"{waits}=ours", exit=0)
+
+    def subject_hash(self, name):
+        def block(tag, content):
+            return bytes([tag, len(content)]) + content
+        common_name = block(0x06, b"\x55\x04\x03") + block(0x0C, name.encode())
+        subject = block(0x30, block(0x31, block(0x30, common_name)))
+        certificate = (self.at / name / "cert.pem").read_text()
+        self.assertIn(subject, ssl.PEM_cert_to_DER_cert(certificate))
+        return hashlib.sha256(subject).digest()
+
+    def test_payload_protection_alone_between_the_products(self):
+        xml = GOVERNANCE.replace("<metadata_protection_kind>ENCRYPT", "<metadata_protection_kind>NONE")
+        for one in (self.talker, self.listener):
+            one.sign("governance", xml)
+        starter = "A" if self.subject_hash("talker") < self.subject_hash("listener") else "B"
+        products = ("--vendor", "A=fastdds", "--vendor", "B=cyclonedds")
+        out = self.check(*products, exit=1)
+        self.assertIn("DOC085", [d["id"] for d in out["diagnostics"]])
+        obstacle = out["result"]["topics"][0]["directions"][0]["obstacle"]
+        self.assertIn("data_protection_kind ENCRYPT with metadata_protection_kind NONE", obstacle)
+        self.check("--vendor", "A=fastdds", "--vendor", "B=ours", exit=0)
+        self.check("--vendor", "fastdds", exit=0)
+        if starter == "A":  # Cyclone DDS starts: the other direction works
+            self.check("--vendor", "A=cyclonedds", "--vendor", "B=fastdds", exit=0)
+
+    def test_doctor_with_a_peer_is_both_and_the_check(self):
+        out = self.json("doctor", "talker", "--peer", "listener", exit=0)
+        self.assertEqual(out["result"]["peer"]["verdicts"]["ours"], "ok")
+        meetings = {(m["self"], m["peer"]): m["talk"] for m in out["result"]["peer"]["meetings"]}
+        self.assertEqual(len(meetings), 9)
+        mixed = [meetings["cyclonedds@0.10.2", "fastdds@2.9.1"],
+                 meetings["fastdds@2.9.1", "cyclonedds@0.10.2"]]
+        self.assertEqual(sorted(mixed), [False, True])
+        self.assertEqual([d["id"] for d in out["diagnostics"]], ["DOC083"])
+        self.json("doctor", "talker", "--peer", "listener", "--vendor", "fastdds", "--vendor",
+                  "cyclonedds", exit=1)
+        (self.at / "listener/key.pem").unlink()
+        out = self.json("doctor", "talker", "--peer", "listener", exit=1)
+        self.assertIn("DOC001", [d["id"] for d in out["diagnostics"]])
+        self.refused("file_not_found", 3, "doctor", "talker", "--peer", "nobody")
+
+    def test_wrong_command_lines(self):
+        self.refused("file_not_found", 3, "check", "talker", "nobody")
+        self.refused("usage", 2, "check", "talker", "listener", "--vendor", "C=ours")
+        self.refused("usage", 2, "check", "talker", "listener", "--require", "all")
+        self.refused("usage", 2, "check", "talker", "listener", "--topics", ",")
+        self.refused("usage", 2, "check", "talker", "listener", "--domain", "x")
+
+
+if __name__ == "__main__":
+    main()
