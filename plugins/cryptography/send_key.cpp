@@ -1,7 +1,6 @@
 #include "plugins/cryptography/send_key.hpp"
 
-#include <bit>
-#include <cstring>
+#include "plugins/cryptography/wire.hpp"
 
 namespace ddssec::cryptography {
 namespace {
@@ -16,8 +15,10 @@ Id big_endian_id(std::uint32_t value) {
 
 Iv iv_from(SessionId session, std::uint64_t suffix) {
   Iv iv;
-  std::copy_n(session.octets.data(), 4, iv.data());
-  for (std::size_t i = 0; i < 8; ++i) iv[4 + i] = static_cast<std::uint8_t>(suffix >> (56 - 8 * i));
+  Pen pen(iv);
+  pen.put(session.octets);
+  pen.u32(static_cast<std::uint32_t>(suffix >> 32));
+  pen.u32(static_cast<std::uint32_t>(suffix));
   return iv;
 }
 

@@ -6,16 +6,17 @@
 namespace ddssec::cryptography {
 namespace {
 
-/// What goes between prefix and postfix: `head` and `body` one after the other.
+/// What goes between prefix and postfix: INFO_SRC, if there is a source, and `body`.
 struct GroupRequest {
   Frame frame;
-  BytesView head;
+  BytesView source;  ///< version, vendor and prefix of an RTPS header
   BytesView body;
-  /// Where a length that says "to the end" has to be replaced by the real one, behind `head`.
+  /// Where in `body` a length that says "to the end" has to be replaced by the real one.
   std::optional<std::size_t> open_length;
   std::size_t receivers;
 
-  std::size_t size() const { return head.size() + body.size(); }
+  std::size_t head_size() const { return source.empty() ? 0 : kInfoSourceSize; }
+  std::size_t size() const { return head_size() + body.size(); }
 };
 
 std::size_t encoded_size(const GroupRequest& request, bool encrypts) {
@@ -33,19 +34,26 @@ void close_length(MutableBytes content, std::size_t position) {
   content[position + (little ? 3 : 2)] = static_cast<std::uint8_t>(length >> 8);
 }
 
+/// INFO_SRC, which binds the RTPS header to what is protected (DDS-Security 9.5.3.3.4.5).
+void info_source(Pen& pen, BytesView source) {
+  pen.submessage_header(submessage_id::kInfoSource, kInfoSourceSize - kSubmessageHeaderSize);
+  pen.u32(0);
+  pen.put(source);
+}
+
 /// The protected octets, at their place. Straight from the input if nothing is put before or into
 /// it; otherwise put together there first, and encrypted in place.
 bool protect(const GroupRequest& request, const SendKey& key, const SendKey::Reservation& reserved,
              std::uint8_t* place, TagOut tag) {
   const auto& session = reserved.session->key;
   const bool encrypts = key.traits().encrypts;
-  if (encrypts && request.head.empty() && !request.open_length)
+  if (encrypts && request.source.empty() && !request.open_length)
     return session.seal({reserved.iv, {}, request.body, place, tag});
   const MutableBytes content(place, request.size());
   Pen pen(content);
-  pen.put(request.head);
+  if (!request.source.empty()) info_source(pen, request.source);
   pen.put(request.body);
-  if (request.open_length) close_length(content, request.head.size() + *request.open_length);
+  if (request.open_length) close_length(content, request.head_size() + *request.open_length);
   return encrypts ? session.seal({reserved.iv, {}, content, place, tag})
                   : session.mac(reserved.iv, content, tag);
 }
@@ -150,20 +158,10 @@ Result<std::size_t> encode_submessage(const Shared& shared, Local handle,
       });
 }
 
-/// INFO_SRC with the RTPS header's version, vendor and prefix (DDS-Security 9.5.3.3.4.5).
-std::array<std::uint8_t, kInfoSourceSize> info_source(BytesView rtps_header) {
-  std::array<std::uint8_t, kInfoSourceSize> out{};
-  Pen pen(out);
-  pen.submessage_header(submessage_id::kInfoSource, kInfoSourceSize - kSubmessageHeaderSize);
-  pen.zeros(4);
-  pen.put(rtps_header.subspan(4, 16));
-  return out;
-}
-
 /// The RTPS message as what stands between its header and SRTPS_POSTFIX.
-Result<GroupRequest> message_request(BytesView plain, BytesView info_source, bool encrypts) {
+Result<GroupRequest> message_request(BytesView plain, bool encrypts) {
   const auto body = plain.subspan(kRtpsHeaderSize);
-  GroupRequest request{kMessageFrame, info_source, body, std::nullopt, 0};
+  GroupRequest request{kMessageFrame, plain.subspan(4, 16), body, std::nullopt, 0};
   if (!encrypts)
     request.open_length = DDSSEC_TRY(check_submessages(body));
   else if (body.empty() || 4 + padded(request.size()) > kMostSubmessageContent)
@@ -218,8 +216,7 @@ Result<std::size_t> Transform::encode_rtps_message(
   if (plain.size() < kRtpsHeaderSize || as_text(plain.first(4)) != "RTPS")
     return fail(Code::plaintext_malformed);
   DDSSEC_TRY(check_receivers(participant.rtps, receivers.size()));
-  const auto source = info_source(plain);
-  auto request = DDSSEC_TRY(message_request(plain, source, participant.key->traits().encrypts));
+  auto request = DDSSEC_TRY(message_request(plain, participant.key->traits().encrypts));
   if (is_origin_authenticated(participant.rtps)) request.receivers = receivers.size();
   if (out.size() < kRtpsHeaderSize) return fail(Code::length_out_of_range);
   const auto written = DDSSEC_TRY(

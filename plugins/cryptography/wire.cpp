@@ -1,19 +1,14 @@
 #include "plugins/cryptography/wire.hpp"
 
-#include <algorithm>
-#include <cstring>
-#include <utility>
-
 #include "plugins/cryptography/key_material.hpp"
 
 namespace ddssec::cryptography {
 namespace {
 
-constexpr std::uint8_t kEndianFlag = 0x01;
-
 std::uint32_t u32_at(BytesView octets, std::size_t position) {
-  return static_cast<std::uint32_t>(octets[position]) << 24 | octets[position + 1] << 16 |
-         octets[position + 2] << 8 | octets[position + 3];
+  std::uint32_t value;
+  std::memcpy(&value, octets.data() + position, sizeof value);
+  return big_endian(value);
 }
 
 template <class Id>
@@ -109,12 +104,6 @@ std::optional<TagView> CryptoFooter::receiver_mac(KeyId id) const {
   return std::nullopt;
 }
 
-SubmessageHeader read_submessage_header(BytesView octets) {
-  const bool little = (octets[1] & kEndianFlag) != 0;
-  const std::size_t length = little ? octets[2] | octets[3] << 8 : octets[2] << 8 | octets[3];
-  return {octets[0], octets[1], length};
-}
-
 Result<Protected> read_protected_payload(BytesView encoded) {
   if (encoded.size() < kCryptoHeaderSize + kFooterSize) return fail(Code::secure_group_malformed);
   Protected out{
@@ -157,32 +146,5 @@ Result<Protected> read_protected_group(BytesView encoded, Frame frame) {
   if (out.is_encrypted) out.content = DDSSEC_TRY(body_from(out.content));
   return out;
 }
-
-void Pen::put(BytesView octets) {
-  if (!octets.empty()) std::memcpy(at_, octets.data(), octets.size());
-  at_ += octets.size();
-}
-
-void Pen::u32(std::uint32_t value) {
-  for (unsigned shift = 32; shift != 0; shift -= 8)
-    *at_++ = static_cast<std::uint8_t>(value >> (shift - 8));
-}
-
-void Pen::crypto_header(TransformKind kind, KeyId key, const Iv& iv) {
-  put(kind.view());
-  put(key.view());
-  put(iv);
-}
-
-void Pen::submessage_header(std::uint8_t id, std::size_t length) {
-  *at_++ = id;
-  *at_++ = kEndianFlag;
-  *at_++ = static_cast<std::uint8_t>(length);
-  *at_++ = static_cast<std::uint8_t>(length >> 8);
-}
-
-void Pen::zeros(std::size_t count) { std::fill_n(skip(count), count, std::uint8_t{0}); }
-
-std::uint8_t* Pen::skip(std::size_t count) { return std::exchange(at_, at_ + count); }
 
 }  // namespace ddssec::cryptography

@@ -2,8 +2,13 @@
 // of the secure submessages around them (7.4.2): reading is checking, writing is for who checked.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <cstdint>
+#include <cstring>
 #include <optional>
+#include <utility>
 
 #include "base/ids.hpp"
 #include "base/result.hpp"
@@ -30,6 +35,9 @@ inline constexpr std::uint8_t kAckNack = 0x06, kHeartbeat = 0x07, kGap = 0x08,
                               kSecBody = 0x30, kSecPrefix = 0x31, kSecPostfix = 0x32,
                               kSrtpsPrefix = 0x33, kSrtpsPostfix = 0x34;
 }  // namespace submessage_id
+
+/// E of a submessage's flags.
+inline constexpr std::uint8_t kEndianFlag = 0x01;
 
 /// The ids of a prefix and its postfix.
 struct Frame {
@@ -81,20 +89,48 @@ struct SubmessageHeader {
   std::size_t length;  ///< octetsToNextHeader, as it stands
 };
 /// The caller has seen to it that there are 4 octets.
-SubmessageHeader read_submessage_header(BytesView octets);
+inline SubmessageHeader read_submessage_header(BytesView octets) {
+  const bool little = (octets[1] & kEndianFlag) != 0;
+  const std::size_t length = little ? octets[2] | octets[3] << 8 : octets[2] << 8 | octets[3];
+  return {octets[0], octets[1], length};
+}
 
-/// Writes over octets that the caller has counted.
+/// The number as its octets from the highest on.
+template <class T>
+T big_endian(T value) {
+  return std::endian::native == std::endian::little ? std::byteswap(value) : value;
+}
+
+/// Writes over octets that the caller has counted. In the header, and a word at a time: a message
+/// of 64 octets takes less time than its framing would, an octet at a time.
 class Pen {
  public:
   explicit Pen(MutableBytes out) : begin_(out.data()), at_(out.data()) {}
-  void put(BytesView octets);
-  void u32(std::uint32_t value);
-  void crypto_header(TransformKind kind, KeyId key, const Iv& iv);
+  void put(BytesView octets) {
+    if (!octets.empty()) std::memcpy(at_, octets.data(), octets.size());
+    at_ += octets.size();
+  }
+  template <std::size_t N>
+  void put(const std::array<std::uint8_t, N>& octets) {
+    std::memcpy(skip(N), octets.data(), N);
+  }
+  void u32(std::uint32_t value) {
+    const auto octets = big_endian(value);
+    std::memcpy(skip(sizeof octets), &octets, sizeof octets);
+  }
+  void crypto_header(TransformKind kind, KeyId key, const Iv& iv) {
+    put(kind.octets);
+    put(key.octets);
+    put(iv);
+  }
   /// Little endian: E flag 1.
-  void submessage_header(std::uint8_t id, std::size_t length);
-  void zeros(std::size_t count);
+  void submessage_header(std::uint8_t id, std::size_t length) {
+    u32(static_cast<std::uint32_t>(id) << 24 | kEndianFlag << 16 |
+        std::byteswap(static_cast<std::uint16_t>(length)));
+  }
+  void zeros(std::size_t count) { std::fill_n(skip(count), count, std::uint8_t{0}); }
   /// Leaves room, to be written by others.
-  std::uint8_t* skip(std::size_t count);
+  std::uint8_t* skip(std::size_t count) { return std::exchange(at_, at_ + count); }
   std::size_t written() const { return static_cast<std::size_t>(at_ - begin_); }
 
  private:

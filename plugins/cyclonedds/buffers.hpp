@@ -1,9 +1,11 @@
 // Output blocks and handle lists of the message path.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdlib>
+#include <iterator>
 #include <memory>
 #include <span>
 #include <type_traits>
@@ -33,32 +35,20 @@ Status write_block(DDS_Security_OctetSeq& out, std::size_t bound, Write&& write)
   return {};
 }
 
-/// The host's list of receivers as handles, without the nil ones of unprotected endpoints.
+/// The host's list of receivers as handles, without the nil ones of unprotected endpoints; these
+/// are `kept` then.
 template <class Handle>
-class Receivers {
- public:
-  static Result<Receivers> from(const DDS_Security_LongLongSeq* list) {
-    Receivers receivers;
-    if (list == nullptr) return receivers;
-    const auto values = DDSSEC_TRY(elements_of(*list));
-    // A Handle is one such integer and nothing else: the list needs no copy.
-    static_assert(std::is_standard_layout_v<Handle> && sizeof(Handle) == sizeof(values[0]));
-    receivers.view_ = {reinterpret_cast<const Handle*>(values.data()), values.size()};
-    if (std::ranges::find(values, 0) != values.end()) receivers.leave_out_nil();
-    return receivers;
-  }
-  std::span<const Handle> view() const { return view_; }
-
- private:
-  void leave_out_nil() {
-    for (const auto handle : view_)
-      if (handle) copy_.push_back(handle);
-    view_ = copy_;
-  }
-
-  std::span<const Handle> view_;
-  std::vector<Handle> copy_;
-};
+Result<std::span<const Handle>> receivers_from(const DDS_Security_LongLongSeq* list,
+                                               std::vector<Handle>& kept) {
+  if (list == nullptr) return {};
+  const auto values = DDSSEC_TRY(elements_of(*list));
+  // A Handle is one such integer and nothing else: the list needs no copy.
+  static_assert(std::is_standard_layout_v<Handle> && sizeof(Handle) == sizeof(values[0]));
+  const std::span all(reinterpret_cast<const Handle*>(values.data()), values.size());
+  if (std::ranges::find(values, 0) == values.end()) return all;
+  std::ranges::copy_if(all, std::back_inserter(kept), [](Handle handle) { return bool(handle); });
+  return kept;
+}
 
 /// Cyclone has turned the GUID prefix of a received RTPS header into the machine's order, in place,
 /// before it asks for decoding. This puts the wire's order back for as long as it lives. The buffer

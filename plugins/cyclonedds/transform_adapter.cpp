@@ -28,10 +28,11 @@ Status encode_for(Octets& out, const Octets* plain, const DDS_Security_LongLongS
                   Encode&& encode) {
   const auto octets = DDSSEC_TRY(octets_from(plain));
   if (octets.empty()) return fail(Code::null_argument);
-  const auto receivers = DDSSEC_TRY(Receivers<Handle>::from(list));
-  const auto bound = octets.size() + spi::protection_overhead(receivers.view().size());
+  std::vector<Handle> kept;
+  const auto receivers = DDSSEC_TRY(receivers_from(list, kept));
+  const auto bound = octets.size() + spi::protection_overhead(receivers.size());
   return write_block(out, bound,
-                     [&](MutableBytes room) { return encode(octets, receivers.view(), room); });
+                     [&](MutableBytes room) { return encode(octets, receivers, room); });
 }
 
 /// The host's loop over receivers is over after the first call.
