@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "governance/compare/domain_pieces.hpp"
+#include "governance/compare/ordered.hpp"
 #include "governance/compare/topic_pairs.hpp"
 #include "governance/matcher.hpp"
 
@@ -114,7 +115,7 @@ class Comparison {
     diff_.flag_day_domains = joined(std::move(diff_.flag_day_domains));
     diff_.unknown_domains = joined(std::move(diff_.unknown_domains));
     diff_.verdict = direction_.verdict(ChangeClass::stronger, ChangeClass::weaker);
-    std::ranges::stable_sort(diff_.changes, std::greater(), [](const GovernanceChange& change) {
+    order_by_greatest(diff_.changes, [](const GovernanceChange& change) {
       return std::pair(change.element.change, !change.is_about_topics);
     });
     return std::move(diff_);

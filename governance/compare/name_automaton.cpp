@@ -137,9 +137,10 @@ void NameAutomaton::gather_arrivals(const StarMoves& moves, std::optional<Class>
   sort_unique(arrivals_);
   // What stars lead to may be long, and is sorted already.
   const auto merge = [this](std::span<const Position> list) {
-    const auto middle = static_cast<std::ptrdiff_t>(arrivals_.size());
-    append(arrivals_, list);
-    std::inplace_merge(arrivals_.begin(), arrivals_.begin() + middle, arrivals_.end());
+    if (list.empty()) return;
+    scratch_.clear();
+    std::ranges::merge(arrivals_, list, std::back_inserter(scratch_));
+    arrivals_.swap(scratch_);
   };
   if (by) merge(moves.of(*by));
   merge(moves.any);
@@ -278,7 +279,9 @@ std::vector<NameAtom> NameAutomaton::atoms() const {
     for (const Label label : acceptances_[id]) atoms[id].matches.push_back(table_.match(label));
     atoms[id].witness = name_of(witnesses_[id]);
   }
-  std::ranges::stable_sort(atoms, {}, [](const NameAtom& atom) { return atom.witness.size(); });
+  std::ranges::sort(atoms, {}, [](const NameAtom& atom) {
+    return std::pair(atom.witness.size(), std::string_view(atom.witness));
+  });
   return atoms;
 }
 

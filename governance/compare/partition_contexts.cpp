@@ -45,7 +45,10 @@ std::optional<std::vector<PartitionKind>> kinds_of(const Numbers& numbers) {
     for (const auto& match : atom.matches) matched_by[match.list] = true;
     kinds.push_back({std::move(atom.witness), std::move(matched_by)});
   }
-  std::ranges::stable_partition(kinds, [](const PartitionKind& k) { return k.matched_by[0]; });
+  // The default partition, which is a kind of its own, comes first.
+  const auto usual =
+      std::ranges::find_if(kinds, [](const PartitionKind& kind) { return kind.matched_by[0]; });
+  std::rotate(kinds.begin(), usual, usual + 1);
   return kinds;
 }
 

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "governance/compare/domain_pieces.hpp"
+#include "governance/compare/ordered.hpp"
 #include "governance/grant.hpp"
 #include "pki/subject_name.hpp"
 
@@ -128,7 +129,7 @@ class Comparison {
     if (options_.map_subjects_by_grant_name) map_subjects();
     for (const auto& subject : subjects_.all()) compare_subject(subject);
     diff_.verdict = direction_.verdict(ChangeClass::narrower, ChangeClass::wider);
-    std::ranges::stable_sort(diff_.changes, std::greater(), [](const PermissionChange& change) {
+    order_by_greatest(diff_.changes, [](const PermissionChange& change) {
       return std::pair(change.element == "default", change.change);
     });
     return std::move(diff_);

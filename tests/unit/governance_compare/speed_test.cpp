@@ -1,0 +1,103 @@
+// A thousand rules against a thousand rules take well under a second of one core when optimised.
+#include <ctime>
+
+#include <gtest/gtest.h>
+
+#include "governance/compare/governance_diff.hpp"
+#include "governance/compare/permissions_diff.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+constexpr std::size_t kRules = 1000;
+/// Generous: this also runs without optimisation, under sanitizers and on busy machines.
+constexpr double kMostSeconds = 20;
+
+/// One shape of expressions, by a rule's number.
+struct Shape {
+  const char* name;
+  std::string (*expression)(std::size_t);
+};
+void PrintTo(const Shape& shape, std::ostream* out) { *out << shape.name; }
+
+std::string mixed(std::size_t i) {
+  const auto n = std::to_string(i);
+  switch (i % 5) {
+    case 0:
+      return "rt/a" + n + "*";
+    case 1:
+      return "rt/b" + n + "/*/x";
+    case 2:
+      return "*_" + n + "Reply";
+    case 3:
+      return "rt/[a-f]_" + n + "?";
+    default:
+      return "rt/lit" + n;
+  }
+}
+
+const Shape kShapes[] = {
+    {"literals", [](std::size_t i) { return "rt/robot" + std::to_string(i) + "/pose"; }},
+    {"beginnings", [](std::size_t i) { return "rt/robot" + std::to_string(i) + "/*"; }},
+    {"endings", [](std::size_t i) { return "*/robot" + std::to_string(i) + "/pose"; }},
+    {"parts", [](std::size_t i) { return "*/robot" + std::to_string(i) + "/*"; }},
+    {"services", [](std::size_t i) { return "rq/*/node" + std::to_string(i) + "/*Request"; }},
+    {"mixed", mixed}};
+
+double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+class Speed : public ::testing::TestWithParam<Shape> {};
+
+Governance governance(const Shape& shape, std::size_t from) {
+  DomainRule rule;
+  rule.domains.ranges = {{0, 0}};
+  for (std::size_t i = from; i < from + kRules; ++i) {
+    TopicRule topic;
+    topic.topic_expression = shape.expression(i);
+    topic.data_protection_kind = static_cast<ProtectionKind>(i * 7 % 3);
+    rule.topic_rules.push_back(topic);
+  }
+  Governance document;
+  document.domain_rules = {rule};
+  return document;
+}
+
+Permissions permissions(const Shape& shape, std::size_t from) {
+  Grant grant{.subject_name = "CN=talker",
+              .validity = {WallTime(), WallTime(std::chrono::days(1))}};
+  for (std::size_t i = from; i < from + kRules; ++i) {
+    Rule rule{.allow = i % 10 != 0};
+    rule.domains.ranges = {{0, 0}};
+    rule.publish = {{.topics = {{shape.expression(i)}}}};
+    grant.rules.push_back(rule);
+  }
+  Permissions document;
+  document.grants = {grant};
+  return document;
+}
+
+TEST_P(Speed, AThousandTopicRulesAgainstAThousand) {
+  const auto before = governance(GetParam(), 0), after = governance(GetParam(), 500);
+  const auto start = cpu_seconds();
+  const auto diff = compare(before, after);
+  const auto seconds = cpu_seconds() - start;
+  EXPECT_EQ(diff.verdict, ChangeClass::mixed);
+  EXPECT_LT(seconds, kMostSeconds);
+  RecordProperty("seconds", std::to_string(seconds));
+}
+
+TEST_P(Speed, AThousandPermissionRulesAgainstAThousand) {
+  const auto before = permissions(GetParam(), 0), after = permissions(GetParam(), 500);
+  const auto start = cpu_seconds();
+  const auto diff = compare(before, after);
+  const auto seconds = cpu_seconds() - start;
+  EXPECT_EQ(diff.verdict, ChangeClass::mixed);
+  EXPECT_LT(seconds, kMostSeconds);
+  RecordProperty("seconds", std::to_string(seconds));
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, Speed, ::testing::ValuesIn(kShapes),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+}  // namespace
+}  // namespace ddssec::governance
