@@ -111,7 +111,7 @@ Result<std::size_t> AnyDataReader::access(const Query& query, std::vector<OctetS
   return out.size() - before;
 }
 
-InstanceHandle AnyDataReader::lookup_instance(const KeyHash& key) const {
+InstanceHandle AnyDataReader::lookup_key(const KeyHash& key) const {
   const auto held = lock();
   return cache_->lookup(key);
 }

@@ -29,7 +29,7 @@ class AnyDataReader : public Entity, private EndpointListener, private Timed {
   /// rtps_bad_parameter (no such instance).
   Result<std::size_t> access(const Query& query, std::vector<OctetSample>& out);
   /// HANDLE_NIL if the instance is not known.
-  InstanceHandle lookup_instance(const KeyHash& key) const;
+  InstanceHandle lookup_key(const KeyHash& key) const;
   /// The serialized key. Errors: rtps_bad_parameter (no such instance).
   Result<Payload> octets_of_key(InstanceHandle instance) const;
 
@@ -129,10 +129,9 @@ class DataReader final : public AnyDataReader, public SampleAccess<DataReader<T>
   /// The oldest sample that was not read. Errors: rtps_not_enabled.
   std::optional<Sample<T>> take_next_sample() { return next(true); }
   std::optional<Sample<T>> read_next_sample() { return next(false); }
-  using AnyDataReader::lookup_instance;
   InstanceHandle lookup_instance(const T& sample) const {
     Bytes scratch;
-    return AnyDataReader::lookup_instance(has_key<T>() ? key_hash(sample, scratch) : KeyHash{});
+    return lookup_key(has_key<T>() ? key_hash(sample, scratch) : KeyHash{});
   }
   /// A sample with its key alone. Errors: rtps_bad_parameter.
   Result<T> key_value(InstanceHandle instance) const {

@@ -204,7 +204,7 @@ Result<InstanceHandle> AnyDataWriter::register_octets(const OctetWrite& change) 
   return instance_of(change);
 }
 
-InstanceHandle AnyDataWriter::lookup_instance(const KeyHash& key) const {
+InstanceHandle AnyDataWriter::lookup_key(const KeyHash& key) const {
   const auto held = lock();
   return instances_->lookup(key);
 }

@@ -45,7 +45,7 @@ class AnyDataWriter : public Entity, private EndpointListener, private Timed {
   Status unregister_octets(const OctetWrite& change);
   Result<InstanceHandle> register_octets(const OctetWrite& change);
   /// HANDLE_NIL if the instance is not registered.
-  InstanceHandle lookup_instance(const KeyHash& key) const;
+  InstanceHandle lookup_key(const KeyHash& key) const;
   /// The serialized key. Errors: rtps_bad_parameter (no such instance).
   Result<Bytes> octets_of_key(InstanceHandle instance) const;
 
@@ -140,9 +140,8 @@ class DataWriter final : public AnyDataWriter {
   Result<InstanceHandle> register_instance(const T& sample) {
     return register_octets(with_key(sample, {}, std::nullopt));
   }
-  using AnyDataWriter::lookup_instance;
   InstanceHandle lookup_instance(const T& sample) {
-    return AnyDataWriter::lookup_instance(key_of(sample).value_or(KeyHash{}));
+    return lookup_key(key_of(sample).value_or(KeyHash{}));
   }
   /// A sample with its key alone. Errors: rtps_bad_parameter.
   Result<T> key_value(InstanceHandle instance) const {

@@ -1,0 +1,317 @@
+// Policies in force, end to end between two participants; the test moves the clock.
+#include "tests/unit/rtps/dcps_fixture.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::code_of;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using testing::reliable;
+using testing::taken;
+using testing::values;
+using Policies = testing::Polled;
+
+TEST_F(Policies, DeadlineIsMissedOnBothSidesOncePerPeriodAndInstance) {
+  auto qos = reliable();
+  qos.deadline = Duration::from(100ms);
+  auto& writer = a.writer(qos);
+  auto& reader = b.reader(qos);
+  ASSERT_TRUE(match(writer, reader));
+  ASSERT_TRUE(writer.write({"a", 1}));
+  run(80ms);
+  ASSERT_TRUE(writer.write({"a", 2}));
+  ASSERT_TRUE(writer.write({"b", 2}));
+  run(80ms);
+  EXPECT_EQ(writer.offered_deadline_missed_status().total_count, 0);
+  EXPECT_EQ(reader.requested_deadline_missed_status().total_count, 0);
+  run(50ms);
+  const auto offered = writer.offered_deadline_missed_status();
+  EXPECT_EQ(offered.total_count, 2);
+  EXPECT_EQ(offered.last_instance_handle, writer.lookup_instance({"b"}));
+  const auto requested = reader.requested_deadline_missed_status();
+  EXPECT_EQ(requested.total_count_change, 2);
+  EXPECT_EQ(requested.last_instance_handle, reader.lookup_instance({"b"}));
+  EXPECT_EQ(reader.requested_deadline_missed_status().total_count_change, 0);
+  ASSERT_TRUE(writer.dispose({"b"}));
+  run(100ms);
+  EXPECT_EQ(writer.offered_deadline_missed_status().total_count_change, 1);
+  EXPECT_EQ(reader.requested_deadline_missed_status().total_count_change, 1);
+}
+
+TEST_F(Policies, DeadlineMayChangeWithinTheContract) {
+  auto& writer = a.writer(reliable());
+  auto& reader = b.reader(reliable());
+  ASSERT_TRUE(match(writer, reader));
+  ASSERT_TRUE(writer.write({"a", 1}));
+  auto qos = reliable();
+  qos.deadline = Duration::from(50ms);
+  EXPECT_TRUE(writer.set_qos(qos));
+  run(60ms);
+  EXPECT_EQ(writer.offered_deadline_missed_status().total_count, 1);
+  EXPECT_TRUE(reader.set_qos(qos));
+  run(60ms);
+  EXPECT_EQ(reader.requested_deadline_missed_status().total_count, 1);
+  qos.deadline = Duration::from(10ms);  // more than is offered
+  EXPECT_TRUE(reader.set_qos(qos));
+  run(20ms);
+  EXPECT_THAT(reader.matched_publications(), IsEmpty());
+  EXPECT_EQ(reader.requested_incompatible_qos_status().last.policy, "DEADLINE.period");
+}
+
+TEST_F(Policies, LifespanEndsWhatIsHeldAndWhatIsKeptForLateJoiners) {
+  auto offered = reliable(), requested = reliable();
+  offered.durability = requested.durability = DurabilityKind::transient_local;
+  offered.lifespan = Duration::from(200ms);
+  auto& writer = a.writer(offered);
+  auto& reader = b.reader(requested);
+  ASSERT_TRUE(match(writer, reader));
+  ASSERT_TRUE(writer.write({"a", 1}));
+  run(100ms);
+  ASSERT_TRUE(writer.write({"a", 2}));
+  run(20ms);
+  Samples<Reading> samples;
+  EXPECT_EQ(reader.read(samples), 2u);
+  run(100ms);
+  EXPECT_EQ(reader.read(samples), 1u);
+  auto& late = b.reader(requested);
+  run(50ms);
+  EXPECT_THAT(taken(late), ElementsAre(2));
+  run(100ms);
+  EXPECT_THAT(taken(reader), IsEmpty());
+  auto& later = b.reader(requested);
+  run(100ms);
+  EXPECT_THAT(taken(later), IsEmpty());
+  EXPECT_TRUE(writer.wait_for_acknowledgments(0ms));
+}
+
+TEST_F(Policies, ExclusiveOwnershipFailsOverByStrengthDeadlineLivelinessAndDeparture) {
+  auto strong = reliable();
+  strong.ownership = OwnershipKind::exclusive;
+  auto requested = strong;
+  requested.deadline = Duration::from(500ms);
+  auto weak = strong;
+  strong.ownership_strength = 10, weak.ownership_strength = 5;
+  strong.deadline = weak.deadline = Duration::from(500ms);
+  strong.liveliness = weak.liveliness = {LivelinessKind::manual_by_topic, Duration::from(300ms)};
+  auto& first = a.writer(strong);
+  auto& second = a.writer(weak);
+  auto& reader = b.reader(requested);
+  ASSERT_TRUE(match(first, reader) && match(second, reader));
+  const auto both = [&](std::int64_t value) {
+    EXPECT_TRUE(second.write({"a", -value}));
+    run();
+    EXPECT_TRUE(first.write({"a", value}));
+    run(10ms);
+    return taken(reader);
+  };
+  EXPECT_THAT(both(1), ElementsAre(-1, 1));
+  EXPECT_THAT(both(2), ElementsAre(2));
+  weak.ownership_strength = 20;
+  EXPECT_TRUE(second.set_qos(weak));
+  run(50ms);
+  EXPECT_THAT(both(3), ElementsAre(-3));
+  // The owner falls silent: when its lease ends, the other takes over.
+  for (std::int64_t i = 4; i < 20; ++i) {
+    EXPECT_TRUE(first.write({"a", i}));
+    run(30ms);
+  }
+  EXPECT_EQ(reader.liveliness_changed_status().not_alive_count, 1);
+  EXPECT_THAT(taken(reader), ::testing::Contains(19));
+  EXPECT_THAT(both(20), ElementsAre(-20));
+  EXPECT_TRUE(a.publisher->delete_datawriter(second));
+  run(50ms);
+  EXPECT_TRUE(first.write({"a", 21}));
+  run(10ms);
+  EXPECT_THAT(taken(reader), ElementsAre(21));
+}
+
+TEST_F(Policies, ManualLivelinessIsLostAndComesBack) {
+  auto qos = reliable();
+  qos.liveliness = {LivelinessKind::manual_by_topic, Duration::from(200ms)};
+  auto& writer = a.writer(qos);
+  auto& reader = b.reader(reliable());
+  ASSERT_TRUE(match(writer, reader));
+  ASSERT_TRUE(writer.write({"a", 1}));
+  run(150ms);
+  ASSERT_TRUE(writer.assert_liveliness());
+  run(150ms);
+  EXPECT_EQ(writer.liveliness_lost_status().total_count, 0);
+  auto status = reader.liveliness_changed_status();
+  EXPECT_EQ(std::pair(status.alive_count, status.not_alive_count), std::pair(1, 0));
+  EXPECT_EQ(status.last_publication_handle, writer.guid());
+  run(100ms);
+  EXPECT_EQ(writer.liveliness_lost_status().total_count, 1);
+  status = reader.liveliness_changed_status();
+  EXPECT_EQ(std::pair(status.alive_count, status.not_alive_count), std::pair(0, 1));
+  EXPECT_EQ(status.not_alive_count_change, 1);
+  Samples<Reading> samples;
+  EXPECT_EQ(reader.take(samples), 2u);
+  EXPECT_EQ(samples[0].info.instance_state, InstanceState::not_alive_no_writers);
+  EXPECT_FALSE(samples[1].info.valid_data);
+  EXPECT_EQ(samples[1].data.sensor, "a");
+  ASSERT_TRUE(writer.write({"a", 2}));
+  run(10ms);
+  EXPECT_EQ(reader.liveliness_changed_status().alive_count, 1);
+  EXPECT_EQ(reader.take(samples), 1u);
+  EXPECT_EQ(samples[0].info.instance_state, InstanceState::alive);
+  EXPECT_EQ(writer.liveliness_lost_status().total_count, 1);
+}
+
+TEST_F(Policies, AnyManualWriterOfAParticipantAssertsAll) {
+  auto qos = reliable();
+  qos.liveliness = {LivelinessKind::manual_by_participant, Duration::from(200ms)};
+  auto& idle = a.writer(qos);
+  auto& busy = a.writer(qos);
+  auto& reader = b.reader(reliable());
+  ASSERT_TRUE(match(idle, reader) && match(busy, reader));
+  for (int i = 0; i < 4; ++i) {
+    ASSERT_TRUE(busy.write({"a", i}));
+    run(150ms);
+  }
+  EXPECT_EQ(idle.liveliness_lost_status().total_count, 0);
+  EXPECT_EQ(reader.liveliness_changed_status().alive_count, 2);
+  ASSERT_TRUE(a.participant->assert_liveliness());
+  run(150ms);
+  EXPECT_EQ(idle.liveliness_lost_status().total_count, 0);
+  run(100ms);
+  EXPECT_EQ(idle.liveliness_lost_status().total_count, 1);
+  EXPECT_EQ(busy.liveliness_lost_status().total_count, 1);
+  EXPECT_EQ(reader.liveliness_changed_status().not_alive_count, 2);
+}
+
+TEST_F(Policies, AutomaticLivelinessEndsWithItsParticipant) {
+  auto qos = reliable();
+  qos.liveliness.lease_duration = Duration::from(1s);
+  auto& writer = a.writer(qos);
+  auto& reader = b.reader(reliable());
+  ASSERT_TRUE(match(writer, reader));
+  a.participant->poll(0ms);
+  for (int i = 0; i < 120; ++i) clock.advance(10ms), b.participant->poll(0ms);  // a is stuck
+  EXPECT_EQ(reader.liveliness_changed_status().not_alive_count, 1);
+  EXPECT_EQ(reader.subscription_matched_status().current_count, 1);
+  ASSERT_TRUE(writer.write({"a", 1}));
+  run();
+  EXPECT_EQ(reader.liveliness_changed_status().alive_count, 1);
+}
+
+TEST_F(Policies, BySourceTimestampAnOlderSampleDoesNotComeLate) {
+  auto qos = reliable();
+  qos.destination_order = DestinationOrderKind::by_source;
+  auto& one = a.writer(qos);
+  auto& two = a.writer(qos);
+  auto& reader = b.reader(qos);
+  ASSERT_TRUE(match(one, reader) && match(two, reader));
+  const auto at = [&](std::chrono::nanoseconds offset) {
+    return Time::from(clock.wall() + offset);
+  };
+  ASSERT_TRUE(one.write_w_timestamp({"a", 2}, {}, at(2s)));
+  run(10ms);
+  ASSERT_TRUE(two.write_w_timestamp({"a", 1}, {}, at(1s)));
+  run(10ms);
+  EXPECT_THAT(taken(reader), ElementsAre(1, 2));
+  ASSERT_TRUE(two.write_w_timestamp({"a", 0}, {}, at(1500ms)));
+  run(10ms);
+  EXPECT_THAT(taken(reader), IsEmpty());
+  EXPECT_EQ(code_of(one.write_w_timestamp({"a", 3}, {}, at(1s))), Code::rtps_bad_parameter);
+  EXPECT_TRUE(one.write({"a", 4}));  // the calendar is behind the last time given
+}
+
+TEST_F(Policies, TransientLocalKeepsForLateJoinersWhatHistoryKeeps) {
+  auto offered = reliable(HistoryKind::keep_last), requested = reliable();
+  offered.history.depth = 2;
+  offered.durability = requested.durability = DurabilityKind::transient_local;
+  auto& writer = a.writer(offered);
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(writer.write({"a", i}) && writer.write({"b", i}));
+  auto& late = b.reader(requested);
+  EXPECT_EQ(code_of(late.wait_for_historical_data(0ms)), Code{});  // nobody is matched yet
+  ASSERT_TRUE(match(writer, late));
+  run(100ms);
+  EXPECT_TRUE(late.wait_for_historical_data(0ms));
+  EXPECT_THAT(taken(late), ElementsAre(3, 4, 3, 4));
+  auto& volatile_reader = b.reader(reliable());
+  ASSERT_TRUE(match(writer, volatile_reader));
+  run(100ms);
+  EXPECT_TRUE(volatile_reader.wait_for_historical_data(0ms));
+  EXPECT_THAT(taken(volatile_reader), IsEmpty());
+}
+
+TEST_F(Policies, HistoricalDataThatDoesNotComeIsATimeout) {
+  auto qos = reliable();
+  qos.durability = DurabilityKind::transient_local;
+  auto& writer = a.writer(qos);
+  ASSERT_TRUE(writer.write({"a", 1}));
+  auto& reader = b.reader(qos);
+  ASSERT_TRUE(eventually([&] {  // b alone: it never hears what the writer has
+    a.participant->poll(0ms);
+    return reader.subscription_matched_status().current_count == 1;
+  }));
+  auto& other = b.reader(qos);
+  EXPECT_EQ(code_of(other.wait_for_historical_data(5ms)), Code::rtps_timeout);
+}
+
+TEST_F(Policies, ResourceLimitsHoldAtTheWriter) {
+  auto qos = reliable();
+  qos.durability = DurabilityKind::transient_local;
+  qos.reliability.max_blocking_time = kDurationZero;
+  qos.resource_limits = {.max_samples = 4, .max_instances = 2, .max_samples_per_instance = 3};
+  auto& writer = a.writer(qos);
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(writer.write({"a", i}));
+  EXPECT_EQ(code_of(writer.write({"a", 3})), Code::rtps_history_full);
+  ASSERT_TRUE(writer.write({"b", 0}));
+  EXPECT_EQ(code_of(writer.write({"b", 1})), Code::rtps_history_full);
+  EXPECT_EQ(code_of(writer.write({"c", 0})), Code::rtps_out_of_resources);
+  EXPECT_EQ(code_of(writer.register_instance({"c"})), Code::rtps_out_of_resources);
+}
+
+TEST_F(Policies, ResourceLimitsHoldAtTheReaderAndNothingIsLost) {
+  auto requested = reliable();
+  requested.resource_limits = {.max_samples = 3, .max_instances = 2, .max_samples_per_instance = 2};
+  auto& writer = a.writer(reliable());
+  auto& reader = b.reader(requested);
+  ASSERT_TRUE(match(writer, reader));
+  for (int i = 0; i < 4; ++i) ASSERT_TRUE(writer.write({"a", i}));
+  run(300ms);
+  auto status = reader.sample_rejected_status();
+  EXPECT_EQ(status.total_count, 1);  // the third, however often it is offered
+  EXPECT_EQ(status.last_reason, SampleRejectedReason::by_samples_per_instance_limit);
+  EXPECT_EQ(status.last_instance_handle, reader.lookup_instance({"a"}));
+  EXPECT_THAT(taken(reader), ElementsAre(0, 1));
+  EXPECT_THAT(taken(reader), ElementsAre(2, 3));  // at once
+  EXPECT_EQ(reader.sample_lost_status().total_count, 0);
+}
+
+TEST_F(Policies, DataRepresentationIsWhatTheWriterOffersFirst) {
+  auto offered = reliable(), requested = reliable();
+  offered.data_representation = {DataRepresentation::xcdr2};
+  auto& writer = a.writer(offered);
+  auto& old = b.reader(requested);
+  requested.data_representation = {DataRepresentation::xcdr1, DataRepresentation::xcdr2};
+  auto& reader = b.reader(requested);
+  ASSERT_TRUE(match(writer, reader));
+  EXPECT_EQ(old.requested_incompatible_qos_status().last_policy_id,
+            QosPolicyId::data_representation);
+  ASSERT_TRUE(writer.write({"a", 7, {1, 2, 3}}));
+  run(10ms);
+  Samples<Reading> samples;
+  EXPECT_EQ(reader.take(samples), 1u);
+  EXPECT_EQ(samples[0].data.octets, (std::vector<std::uint8_t>{1, 2, 3}));
+}
+
+TEST_F(Policies, BestEffortLossIsCounted) {
+  auto qos = reliable();
+  qos.reliability.kind = ReliabilityKind::best_effort;
+  auto& writer = a.writer(qos);
+  qos.resource_limits.max_samples = 1;
+  auto& reader = b.reader(qos);
+  ASSERT_TRUE(match(writer, reader));
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(writer.write({"a", i}));
+  run(10ms);
+  EXPECT_THAT(taken(reader), ElementsAre(0));
+  EXPECT_EQ(reader.sample_rejected_status().total_count, 2);
+  EXPECT_EQ(reader.sample_lost_status().total_count, 0);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
