@@ -26,6 +26,11 @@ constexpr std::array<std::string_view, 2> kOrder = {"BY_RECEPTION_TIMESTAMP",
 constexpr std::array<std::string_view, 3> kScope = {"INSTANCE", "TOPIC", "GROUP"};
 constexpr std::array<std::string_view, 3> kRepresentation = {"XCDR1", "XML", "XCDR2"};
 
+// To the nanosecond: whether a peer rounds to fractions up or down must not decide.
+bool exceeds(const Duration& offered, const Duration& requested) {
+  return offered.to_nanoseconds() > requested.to_nanoseconds();
+}
+
 std::string yes_or_no(bool value) { return value ? "true" : "false"; }
 
 std::string representations(const std::vector<DataRepresentation>& list) {
@@ -128,10 +133,10 @@ std::optional<QosMismatch> mismatch(const Qos& offered, const Qos& requested) {
   if (want.ordered_access && !have.ordered_access)
     return QosMismatch{Id::presentation, "PRESENTATION.ordered_access", yes_or_no(false),
                        yes_or_no(true)};
-  if (offered.deadline > requested.deadline)
+  if (exceeds(offered.deadline, requested.deadline))
     return QosMismatch{Id::deadline, "DEADLINE.period", to_string(offered.deadline),
                        to_string(requested.deadline)};
-  if (offered.latency_budget > requested.latency_budget)
+  if (exceeds(offered.latency_budget, requested.latency_budget))
     return QosMismatch{Id::latency_budget, "LATENCY_BUDGET.duration",
                        to_string(offered.latency_budget), to_string(requested.latency_budget)};
   if (offered.ownership != requested.ownership)
@@ -141,7 +146,7 @@ std::optional<QosMismatch> mismatch(const Qos& offered, const Qos& requested) {
     return QosMismatch{Id::liveliness, "LIVELINESS.kind",
                        name(kLiveliness, offered.liveliness.kind),
                        name(kLiveliness, requested.liveliness.kind)};
-  if (offered.liveliness.lease_duration > requested.liveliness.lease_duration)
+  if (exceeds(offered.liveliness.lease_duration, requested.liveliness.lease_duration))
     return QosMismatch{Id::liveliness, "LIVELINESS.lease_duration",
                        to_string(offered.liveliness.lease_duration),
                        to_string(requested.liveliness.lease_duration)};

@@ -17,6 +17,19 @@ struct Row {
   std::string policy, offered, requested;
 };
 
+TEST(Matching, DurationsAreComparedToTheNanosecond) {
+  Qos offered = default_writer_qos(), requested;
+  offered.deadline = {{0, 0xb3333334}};    // 700 ms, rounded up
+  requested.deadline = {{0, 0xb3333333}};  // and down
+  EXPECT_EQ(Duration::from(std::chrono::milliseconds(700)), offered.deadline);
+  EXPECT_LT(requested.deadline, offered.deadline);
+  EXPECT_FALSE(mismatch(offered, requested));
+  offered.deadline = Duration::from(std::chrono::nanoseconds(700'000'002));
+  EXPECT_TRUE(mismatch(offered, requested));
+  offered.deadline = kDurationInfinite;
+  EXPECT_TRUE(mismatch(offered, requested));
+}
+
 TEST(Matching, EachPolicyIsNamedWithBothValues) {
   const auto longer = Duration{{2, 0}}, shorter = Duration{{1, 0}};
   const Row rows[] = {
