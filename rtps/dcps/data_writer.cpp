@@ -165,15 +165,15 @@ void AnyDataWriter::after_write(const Change& change, SequenceNumber number, Mon
     call_at(expiring_.front().first);
   }
   call_at(instances_->next_deadline());
-  assert_lease(now);
+  assert_lease(now, false);
 }
 
-void AnyDataWriter::assert_lease(MonotonicTime now) {
+void AnyDataWriter::assert_lease(MonotonicTime now, bool explicitly) {
   switch (qos_.liveliness.kind) {
     case LivelinessKind::automatic:
       return;
     case LivelinessKind::manual_by_participant:
-      return publisher_.participant().assert_manual_leases(now);
+      return publisher_.participant().assert_manual_leases(now, explicitly);
     case LivelinessKind::manual_by_topic:
       lease_.assert_at(now);
       return call_at(lease_.next_tick());
@@ -225,7 +225,7 @@ Status AnyDataWriter::wait_for_acknowledgments(std::chrono::nanoseconds most) {
 Status AnyDataWriter::assert_liveliness() {
   const auto held = lock();
   DDSSEC_TRY(check_enabled("writer of " + topic_.name()));
-  assert_lease(context_.now());
+  assert_lease(context_.now(), true);
   if (qos_.liveliness.kind == LivelinessKind::manual_by_topic) protocol().assert_liveliness();
   context_.reschedule();
   return {};

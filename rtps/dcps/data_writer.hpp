@@ -85,7 +85,7 @@ class AnyDataWriter : public Entity, private EndpointListener, private Timed {
   Status wait_for_room(std::unique_lock<std::mutex>& lock, const OctetWrite& change);
   Result<Time> source_time_of(const OctetWrite& change);
   void after_write(const Change& change, SequenceNumber number, MonotonicTime now);
-  void assert_lease(MonotonicTime now);
+  void assert_lease(MonotonicTime now, bool explicitly);
   StatefulWriter& protocol() const { return *context_.protocol().writer(guid_); }
   DataWriterListener* listener_for(StatusKind kind) const;
   bool has_listener(StatusKind kind) const override { return listener_for(kind) != nullptr; }

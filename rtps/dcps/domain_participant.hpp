@@ -126,7 +126,7 @@ class DomainParticipant final : private ParticipantContext::Server,
   void wake() override;
   void serve(std::chrono::nanoseconds most) override;
   /// With the lock held: whichever of them writes asserts all.
-  void assert_manual_leases(MonotonicTime now);
+  void assert_manual_leases(MonotonicTime now, bool explicitly);
   bool has_listener(StatusKind) const override { return false; }  // contained entities tell them
   void tell_listeners() override {}
   template <class Child>
@@ -137,6 +137,7 @@ class DomainParticipant final : private ParticipantContext::Server,
   Qos default_topic_qos_;
   Locator interface_;
   int index_ = 0;
+  MonotonicTime next_assertion_{};  ///< writes of manual writers are told to all no earlier
   Guid guid_;
   Listening<DomainParticipantListener> listening_;
   std::unique_ptr<Sockets> sockets_;

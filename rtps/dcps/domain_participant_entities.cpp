@@ -141,7 +141,10 @@ bool DomainParticipant::contains_entities() const {
   return !topics_.empty() || !publishers_.empty() || !subscribers_.empty();
 }
 
-void DomainParticipant::assert_manual_leases(MonotonicTime now) {
+// Samples assert their writer's participant to the readers that they reach; the others must hear it
+// too, but not with every sample.
+void DomainParticipant::assert_manual_leases(MonotonicTime now, bool explicitly) {
+  auto shortest = kNever;
   for (auto& publisher : publishers_)
     for (auto& writer : publisher->writers_) {
       if (!writer->enabled() ||
@@ -149,13 +152,17 @@ void DomainParticipant::assert_manual_leases(MonotonicTime now) {
         continue;
       writer->lease_.assert_at(now);
       writer->call_at(writer->lease_.next_tick());
+      shortest = std::min(shortest, writer->qos_.liveliness.lease_duration.to_nanoseconds());
     }
+  if (shortest == kNever || (!explicitly && now < next_assertion_)) return;
+  next_assertion_ = now + shortest / 3;
+  context_.protocol().assert_liveliness(LivelinessKind::manual_by_participant, now);
 }
 
 Status DomainParticipant::assert_liveliness() {
   const auto held = lock();
   DDSSEC_TRY(check_enabled("participant"));
-  assert_manual_leases(context_.now());
+  assert_manual_leases(context_.now(), true);
   context_.reschedule();
   return {};
 }

@@ -1,109 +1,31 @@
 // Test peer on Fast DDS 2.9, with the same command line and output as the Cyclone peer. Fast DDS
 // has its security plugins compiled in, so it is always a stock peer.
 #include <cstdlib>
-#include <fastcdr/Cdr.h>
-#include <fastcdr/FastBuffer.h>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
-#include <fastdds/dds/log/Log.hpp>
-#include <fastdds/dds/log/StdoutErrConsumer.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
-#include <fastdds/dds/topic/TopicDataType.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastrtps/utils/IPLocator.h>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "interop/peers/fastdds_shape.hpp"
 #include "interop/peers/peer.h"
 
 namespace fdds = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
-using eprosima::fastcdr::Cdr;
-using eprosima::fastcdr::FastBuffer;
 using eprosima::fastrtps::Duration_t;
+using interop_fast::log_to_stderr;
+using interop_fast::set_loopback;
+using interop_fast::Shape;
+using interop_fast::ShapeType;
 
 namespace {
-
-struct Shape {
-  std::string color = "BLUE";
-  int32_t x = 0;
-  int32_t y = 0;
-  int32_t shapesize = 30;
-  std::vector<uint8_t> payload;
-};
-
-// shape.idl in XCDR1, by hand: Debian has no Fast DDS code generator.
-class ShapeType : public fdds::TopicDataType {
- public:
-  ShapeType() {
-    setName("interop::Shape");
-    m_typeSize = 4 + 4 + 64 + 3 * 4 + 4 + 1024;  // a first guess; histories grow as needed
-    m_isGetKeyDefined = true;
-    auto_fill_type_object(false);
-    auto_fill_type_information(false);
-  }
-
-  bool serialize(void* data, rtps::SerializedPayload_t* payload) override {
-    const Shape& shape = *static_cast<Shape*>(data);
-    FastBuffer buffer(reinterpret_cast<char*>(payload->data), payload->max_size);
-    Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
-    payload->encapsulation = cdr.endianness() == Cdr::BIG_ENDIANNESS ? CDR_BE : CDR_LE;
-    try {
-      cdr.serialize_encapsulation();
-      cdr << shape.color << shape.x << shape.y << shape.shapesize << shape.payload;
-    } catch (const eprosima::fastcdr::exception::Exception&) {
-      return false;
-    }
-    payload->length = static_cast<uint32_t>(cdr.getSerializedDataLength());
-    return true;
-  }
-
-  bool deserialize(rtps::SerializedPayload_t* payload, void* data) override {
-    Shape& shape = *static_cast<Shape*>(data);
-    FastBuffer buffer(reinterpret_cast<char*>(payload->data), payload->length);
-    Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
-    try {
-      cdr.read_encapsulation();
-      payload->encapsulation = cdr.endianness() == Cdr::BIG_ENDIANNESS ? CDR_BE : CDR_LE;
-      cdr >> shape.color >> shape.x >> shape.y >> shape.shapesize >> shape.payload;
-    } catch (const eprosima::fastcdr::exception::Exception&) {
-      return false;
-    }
-    return true;
-  }
-
-  std::function<uint32_t()> getSerializedSizeProvider(void* data) override {
-    return [shape = static_cast<Shape*>(data)] {
-      const std::size_t text = 4 + 4 + shape->color.size() + 1 + 3;
-      return static_cast<uint32_t>(text + 3 * 4 + 4 + shape->payload.size() + 4);
-    };
-  }
-
-  // The key is an unbounded string, so the key hash is the MD5 of its big-endian form.
-  bool getKey(void* data, rtps::InstanceHandle_t* handle, bool) override {
-    const Shape& shape = *static_cast<Shape*>(data);
-    std::vector<char> octets(4 + shape.color.size() + 1);
-    FastBuffer buffer(octets.data(), octets.size());
-    Cdr cdr(buffer, Cdr::BIG_ENDIANNESS);
-    cdr << shape.color;
-    MD5 md5;
-    md5.init();
-    md5.update(octets.data(), static_cast<unsigned>(cdr.getSerializedDataLength()));
-    md5.finalize();
-    for (unsigned i = 0; i < 16; ++i) handle->value[i] = md5.digest[i];
-    return true;
-  }
-
-  void* createData() override { return new Shape; }
-  void deleteData(void* data) override { delete static_cast<Shape*>(data); }
-};
 
 class AuthenticationWatch : public fdds::DomainParticipantListener {
  public:
@@ -181,30 +103,6 @@ void set_security(fdds::DomainParticipantQos& qos, const peer_options& options) 
   document(access + "permissions", PEER_PERMISSIONS);
   if (options.security[PEER_PASSWORD]) set(auth + "password", options.security[PEER_PASSWORD]);
   if (options.security[PEER_KEYSIZE]) set("dds.sec.crypto.keysize", options.security[PEER_KEYSIZE]);
-}
-
-// Loopback UDP, unicast: a metatraffic locator with port 0 keeps Fast DDS off multicast.
-void set_loopback(fdds::DomainParticipantQos& qos) {
-  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
-  udp->interfaceWhiteList.emplace_back("127.0.0.1");
-  qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports.push_back(udp);
-  rtps::Locator_t loopback;
-  rtps::IPLocator::setIPv4(loopback, "127.0.0.1");
-  auto& builtin = qos.wire_protocol().builtin;
-  builtin.metatrafficUnicastLocatorList.push_back(loopback);
-  builtin.initialPeersList.push_back(loopback);
-  auto& discovery = builtin.discovery_config;
-  discovery.leaseDuration_announcementperiod = Duration_t(0, 500'000'000);
-  discovery.initial_announcements.period = Duration_t(0, 100'000'000);
-}
-
-void log_to_stderr() {
-  auto consumer = std::make_unique<fdds::StdoutErrConsumer>();
-  consumer->stderr_threshold(fdds::Log::Kind::Info);
-  fdds::Log::ClearConsumers();
-  fdds::Log::RegisterConsumer(std::move(consumer));
-  fdds::Log::SetVerbosity(fdds::Log::Kind::Warning);
 }
 
 template <class Qos>

@@ -1,0 +1,169 @@
+// The policy peer on the embedded participant.
+#include "interop_rtps/policy_peer.hpp"
+#include "rtps/dcps/domain_participant.hpp"
+
+namespace ddssec::rtps {
+
+struct Shape {
+  std::string color;
+  std::int32_t x = 0, y = 0, shapesize = 0;
+  std::vector<std::uint8_t> payload = {};
+};
+template <>
+struct TypeTraits<Shape> {
+  static constexpr std::string_view type_name = "interop::Shape";
+  static constexpr auto extensibility = Extensibility::final_type;
+  template <class Self, class Visit>
+  static void members(Self& s, Visit&& visit) {
+    visit(key(s.color), s.x, s.y, s.shapesize, s.payload);
+  }
+};
+
+namespace {
+
+using policy_peer::End;
+using policy_peer::Policies;
+
+Duration milliseconds(std::int64_t count) {
+  return Duration::from(std::chrono::milliseconds(count));
+}
+
+Qos qos_of(const Policies& p) {
+  Qos qos;
+  qos.reliability.kind =
+      p.is("reliability", "best_effort") ? ReliabilityKind::best_effort : ReliabilityKind::reliable;
+  if (p.is("durability", "transient_local")) qos.durability = DurabilityKind::transient_local;
+  if (p.is("history", "all"))
+    qos.history.kind = HistoryKind::keep_all;
+  else if (p.has("history"))
+    qos.history.depth = static_cast<std::int32_t>(p.number("history"));
+  if (p.has("deadline")) qos.deadline = milliseconds(p.number("deadline"));
+  if (p.has("lifespan")) qos.lifespan = milliseconds(p.number("lifespan"));
+  if (p.is("liveliness", "participant"))
+    qos.liveliness.kind = LivelinessKind::manual_by_participant;
+  if (p.is("liveliness", "topic")) qos.liveliness.kind = LivelinessKind::manual_by_topic;
+  if (p.has("lease")) qos.liveliness.lease_duration = milliseconds(p.number("lease"));
+  if (p.is("ownership", "exclusive")) qos.ownership = OwnershipKind::exclusive;
+  if (p.has("strength")) qos.ownership_strength = static_cast<std::int32_t>(p.number("strength"));
+  if (p.is("order", "source")) qos.destination_order = DestinationOrderKind::by_source;
+  if (p.is("representation", "2")) qos.data_representation = {DataRepresentation::xcdr2};
+  if (p.has("samples"))
+    qos.resource_limits.max_samples = static_cast<std::int32_t>(p.number("samples"));
+  qos.autodispose_unregistered_instances = false;
+  return qos;
+}
+
+GroupQos group_of(const Policies& p) {
+  GroupQos group;
+  if (p.has("partition")) group.partition = {p.text("partition")};
+  return group;
+}
+
+class Embedded final : public policy_peer::Stack {
+ public:
+  explicit Embedded(DomainParticipant& participant) : participant_(participant) {}
+
+  bool writer(const std::string& id, const std::string& topic, const Policies& p) override {
+    const auto group = participant_.create_publisher(group_of(p));
+    const auto made = (*group)->create_datawriter<Shape>(topic_of(topic), qos_of(p));
+    if (made) writers_[id] = *made;
+    return made.has_value();
+  }
+  bool reader(const std::string& id, const std::string& topic, const Policies& p) override {
+    const auto group = participant_.create_subscriber(group_of(p));
+    const auto made = (*group)->create_datareader<Shape>(topic_of(topic), qos_of(p));
+    if (made) readers_[id] = *made;
+    return made.has_value();
+  }
+  bool remove(const std::string& id) override {
+    if (const auto at = writers_.find(id); at != writers_.end())
+      return at->second->publisher().delete_datawriter(*at->second).has_value();
+    auto& reader = *readers_.at(id);
+    return reader.subscriber().delete_datareader(reader).has_value();
+  }
+  bool write(const std::string& id, const std::string& color, int x,
+             std::int64_t source_ms) override {
+    const Shape shape{color, x, 2 * x, 30};
+    auto& writer = *writers_.at(id);
+    if (source_ms < 0) return writer.write(shape).has_value();
+    return writer.write_w_timestamp(shape, {}, Time::from(std::chrono::milliseconds(source_ms)))
+        .has_value();
+  }
+  bool end(const std::string& id, const std::string& color, End how) override {
+    auto& writer = *writers_.at(id);
+    return (how == End::dispose ? writer.dispose({color}) : writer.unregister_instance({color}))
+        .has_value();
+  }
+  bool assert_liveliness(const std::string& id) override {
+    auto& writer = *writers_.at(id);
+    return writer.assert_liveliness().has_value();
+  }
+  std::string take(const std::string& id) override {
+    Samples<Shape> samples;
+    std::string out;
+    if (!readers_.at(id)->take(samples)) return " refused";
+    for (const auto& [data, info] : samples)
+      out += " " + data.color + ":" + (info.valid_data ? std::to_string(data.x) : "-") + ":" +
+             (info.instance_state == InstanceState::alive                ? "A"
+              : info.instance_state == InstanceState::not_alive_disposed ? "D"
+                                                                         : "N");
+    return out;
+  }
+  std::string status(const std::string& id) override {
+    std::ostringstream out;
+    if (const auto at = writers_.find(id); at != writers_.end()) {
+      auto& writer = *at->second;
+      describe(out, writer.publication_matched_status(), writer.offered_incompatible_qos_status(),
+               writer.offered_deadline_missed_status());
+      out << " lost=" << writer.liveliness_lost_status().total_count;
+      return out.str();
+    }
+    auto& reader = *readers_.at(id);
+    describe(out, reader.subscription_matched_status(), reader.requested_incompatible_qos_status(),
+             reader.requested_deadline_missed_status());
+    const auto lives = reader.liveliness_changed_status();
+    out << " alive=" << lives.alive_count << " not_alive=" << lives.not_alive_count
+        << " rejected=" << reader.sample_rejected_status().total_count;
+    return out.str();
+  }
+
+ private:
+  static void describe(std::ostream& out, const MatchedStatus& matched,
+                       const IncompatibleQosStatus& qos, const DeadlineMissedStatus& deadline) {
+    out << "matched=" << matched.current_count
+        << " incompatible=" << static_cast<int>(qos.last_policy_id)
+        << " deadline=" << deadline.total_count;
+    if (!qos.last.policy.empty())
+      std::cerr << qos.last.policy << ": offered " << qos.last.offered << ", requested "
+                << qos.last.requested << "\n";
+  }
+  Topic& topic_of(const std::string& name) {
+    auto* known = participant_.lookup_topicdescription(name);
+    return known != nullptr ? *known : **participant_.create_topic<Shape>(name);
+  }
+
+  DomainParticipant& participant_;
+  std::map<std::string, DataWriter<Shape>*> writers_;
+  std::map<std::string, DataReader<Shape>*> readers_;
+};
+
+class StderrSink final : public EventSink {
+ public:
+  void raise(const Event& event) override { std::fprintf(stderr, "%s\n", event.to_line().c_str()); }
+};
+
+int run() {
+  const SystemClock clock;
+  SystemRandom random;
+  StderrSink log;
+  RateLimitedSink events(log, clock);
+  const auto participant = DomainParticipant::create({}, Environment{clock, random, events});
+  if (!participant) return 3;
+  Embedded stack(**participant);
+  return policy_peer::serve(stack);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
+
+int main() { return ddssec::rtps::run(); }

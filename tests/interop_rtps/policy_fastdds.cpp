@@ -1,0 +1,179 @@
+// The policy peer on Fast DDS.
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/topic/TypeSupport.hpp>
+
+#include "interop/peers/fastdds_shape.hpp"
+#include "interop_rtps/policy_peer.hpp"
+
+namespace {
+
+using namespace interop_fast;
+using policy_peer::End;
+using policy_peer::Policies;
+
+Duration_t milliseconds(std::int64_t count) {
+  return Duration_t(static_cast<int32_t>(count / 1000),
+                    static_cast<uint32_t>(count % 1000 * 1'000'000));
+}
+
+bool ok(const ReturnCode_t& code) { return code == ReturnCode_t::RETCODE_OK; }
+
+template <class Q>
+void set_qos(Q& qos, const Policies& p) {
+  qos.reliability().kind = p.is("reliability", "best_effort") ? fdds::BEST_EFFORT_RELIABILITY_QOS
+                                                              : fdds::RELIABLE_RELIABILITY_QOS;
+  qos.durability().kind = p.is("durability", "transient_local")
+                              ? fdds::TRANSIENT_LOCAL_DURABILITY_QOS
+                              : fdds::VOLATILE_DURABILITY_QOS;
+  if (p.is("history", "all"))
+    qos.history().kind = fdds::KEEP_ALL_HISTORY_QOS;
+  else if (p.has("history"))
+    qos.history().depth = static_cast<int32_t>(p.number("history"));
+  if (p.has("deadline")) qos.deadline().period = milliseconds(p.number("deadline"));
+  if (p.has("lifespan")) qos.lifespan().duration = milliseconds(p.number("lifespan"));
+  if (p.is("liveliness", "participant"))
+    qos.liveliness().kind = fdds::MANUAL_BY_PARTICIPANT_LIVELINESS_QOS;
+  if (p.is("liveliness", "topic")) qos.liveliness().kind = fdds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
+  if (p.has("lease")) {
+    qos.liveliness().lease_duration = milliseconds(p.number("lease"));
+    qos.liveliness().announcement_period = milliseconds(p.number("lease") / 2);
+  }
+  if (p.is("ownership", "exclusive")) qos.ownership().kind = fdds::EXCLUSIVE_OWNERSHIP_QOS;
+  if (p.is("order", "source"))
+    qos.destination_order().kind = fdds::BY_SOURCE_TIMESTAMP_DESTINATIONORDER_QOS;
+  qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+  qos.data_sharing().off();
+}
+
+class Fast final : public policy_peer::Stack {
+ public:
+  Fast(fdds::DomainParticipant& participant, const std::string& type)
+      : participant_(participant), type_(type) {}
+
+  bool writer(const std::string& id, const std::string& topic, const Policies& p) override {
+    fdds::PublisherQos group = fdds::PUBLISHER_QOS_DEFAULT;
+    if (p.has("partition")) group.partition().push_back(p.text("partition").c_str());
+    fdds::DataWriterQos qos = fdds::DATAWRITER_QOS_DEFAULT;
+    set_qos(qos, p);
+    if (p.has("strength"))
+      qos.ownership_strength().value = static_cast<uint32_t>(p.number("strength"));
+    qos.writer_data_lifecycle().autodispose_unregistered_instances = false;
+    qos.reliable_writer_qos().times.heartbeatPeriod = Duration_t(0, 100'000'000);
+    auto* publisher = participant_.create_publisher(group);
+    return (writers_[id] = publisher->create_datawriter(topic_of(topic), qos)) != nullptr;
+  }
+  bool reader(const std::string& id, const std::string& topic, const Policies& p) override {
+    fdds::SubscriberQos group = fdds::SUBSCRIBER_QOS_DEFAULT;
+    if (p.has("partition")) group.partition().push_back(p.text("partition").c_str());
+    fdds::DataReaderQos qos = fdds::DATAREADER_QOS_DEFAULT;
+    set_qos(qos, p);
+    auto* subscriber = participant_.create_subscriber(group);
+    return (readers_[id] = subscriber->create_datareader(topic_of(topic), qos)) != nullptr;
+  }
+  bool remove(const std::string& id) override {
+    if (const auto at = writers_.find(id); at != writers_.end())
+      return ok(
+          const_cast<fdds::Publisher*>(at->second->get_publisher())->delete_datawriter(at->second));
+    auto* reader = readers_.at(id);
+    return ok(const_cast<fdds::Subscriber*>(reader->get_subscriber())->delete_datareader(reader));
+  }
+  bool write(const std::string& id, const std::string& color, int x, std::int64_t) override {
+    Shape shape{.color = color, .x = x, .y = 2 * x};
+    return writers_.at(id)->write(&shape);
+  }
+  bool end(const std::string& id, const std::string& color, End how) override {
+    Shape shape{.color = color};
+    auto& writer = *writers_.at(id);
+    return ok(how == End::dispose ? writer.dispose(&shape, rtps::InstanceHandle_t())
+                                  : writer.unregister_instance(&shape, rtps::InstanceHandle_t()));
+  }
+  bool assert_liveliness(const std::string& id) override {
+    return ok(writers_.at(id)->assert_liveliness());
+  }
+  std::string take(const std::string& id) override {
+    std::ostringstream out;
+    Shape shape;
+    fdds::SampleInfo info;
+    while (ok(readers_.at(id)->take_next_sample(&shape, &info))) {
+      const auto state = info.instance_state == fdds::ALIVE_INSTANCE_STATE                ? 'A'
+                         : info.instance_state == fdds::NOT_ALIVE_DISPOSED_INSTANCE_STATE ? 'D'
+                                                                                          : 'N';
+      if (info.valid_data)
+        out << ' ' << shape.color << ':' << shape.x << ':' << state;
+      else
+        out << " ?:-:" << state;
+    }
+    return out.str();
+  }
+  std::string status(const std::string& id) override {
+    std::ostringstream out;
+    if (const auto at = writers_.find(id); at != writers_.end()) {
+      fdds::PublicationMatchedStatus matched;
+      fdds::OfferedIncompatibleQosStatus qos;
+      fdds::OfferedDeadlineMissedStatus deadline;
+      fdds::LivelinessLostStatus lost;
+      at->second->get_publication_matched_status(matched);
+      at->second->get_offered_incompatible_qos_status(qos);
+      at->second->get_offered_deadline_missed_status(deadline);
+      at->second->get_liveliness_lost_status(lost);
+      count(id, static_cast<int>(qos.last_policy_id));
+      out << "matched=" << matched.current_count << " incompatible=" << incompatible_[id]
+          << " deadline=" << deadline.total_count << " lost=" << lost.total_count;
+    } else {
+      auto& reader = *readers_.at(id);
+      fdds::SubscriptionMatchedStatus matched;
+      fdds::RequestedIncompatibleQosStatus qos;
+      fdds::RequestedDeadlineMissedStatus deadline;
+      fdds::LivelinessChangedStatus lives;
+      reader.get_subscription_matched_status(matched);
+      reader.get_requested_incompatible_qos_status(qos);
+      reader.get_requested_deadline_missed_status(deadline);
+      reader.get_liveliness_changed_status(lives);
+      count(id, static_cast<int>(qos.last_policy_id));
+      out << "matched=" << matched.current_count << " incompatible=" << incompatible_[id]
+          << " deadline=" << deadline.total_count << " alive=" << lives.alive_count
+          << " not_alive=" << lives.not_alive_count;
+    }
+    return out.str();
+  }
+
+ private:
+  void count(const std::string& id, int policy) {
+    if (policy != 0) incompatible_[id] = policy;
+  }
+  fdds::Topic* topic_of(const std::string& name) {
+    auto& topic = topics_[name];
+    if (topic == nullptr) topic = participant_.create_topic(name, type_, fdds::TOPIC_QOS_DEFAULT);
+    return topic;
+  }
+
+  fdds::DomainParticipant& participant_;
+  const std::string type_;
+  std::map<std::string, fdds::Topic*> topics_;
+  std::map<std::string, fdds::DataWriter*> writers_;
+  std::map<std::string, fdds::DataReader*> readers_;
+  std::map<std::string, int> incompatible_;
+};
+
+}  // namespace
+
+int main() {
+  log_to_stderr();
+  fdds::DomainParticipantQos qos = fdds::PARTICIPANT_QOS_DEFAULT;
+  set_loopback(qos);
+  auto* factory = fdds::DomainParticipantFactory::get_instance();
+  auto* participant = factory->create_participant(0, qos);
+  fdds::TypeSupport type(new ShapeType);
+  if (participant == nullptr || !ok(type.register_type(participant))) return 3;
+  Fast stack(*participant, type.get_type_name());
+  const int code = policy_peer::serve(stack);
+  participant->delete_contained_entities();
+  factory->delete_participant(participant);
+  return code;
+}

@@ -1,0 +1,96 @@
+// A peer that does what it is told: one command a line on standard input, one answer a line on
+// standard output. One program for each stack, so that a driver can try every policy between any
+// two of them within one discovery.
+//   writer ID TOPIC [policy=value ...]     reader ID TOPIC [policy=value ...]     delete ID
+//   write ID COLOR X [SOURCE_TIME_MS]      dispose ID COLOR     unregister ID COLOR
+//   assert ID     take ID     status ID     quit
+// Policies: reliability=reliable|best_effort durability=volatile|transient_local history=all|DEPTH
+// deadline=MS lifespan=MS liveliness=automatic|participant|topic lease=MS
+// ownership=shared|exclusive strength=N order=reception|source partition=NAME representation=1|2
+// samples=N
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <iostream>
+#include <map>
+#include <sstream>
+#include <string>
+
+namespace policy_peer {
+
+struct Policies {
+  std::map<std::string, std::string> given;
+
+  bool is(const std::string& name, const std::string& value) const {
+    const auto at = given.find(name);
+    return at != given.end() && at->second == value;
+  }
+  bool has(const std::string& name) const { return given.contains(name); }
+  std::string text(const std::string& name) const { return has(name) ? given.at(name) : ""; }
+  std::int64_t number(const std::string& name) const { return std::stoll(given.at(name)); }
+};
+
+enum class End { dispose, unregister };
+
+class Stack {
+ public:
+  virtual ~Stack() = default;
+  // All: false if the stack refuses.
+  virtual bool writer(const std::string& id, const std::string& topic, const Policies&) = 0;
+  virtual bool reader(const std::string& id, const std::string& topic, const Policies&) = 0;
+  virtual bool remove(const std::string& id) = 0;
+  /// `source_ms` < 0: now.
+  virtual bool write(const std::string& id, const std::string& color, int x,
+                     std::int64_t source_ms) = 0;
+  virtual bool end(const std::string& id, const std::string& color, End how) = 0;
+  virtual bool assert_liveliness(const std::string& id) = 0;
+  /// "COLOR:X:STATE ...": X is - without data, the state A, D or N.
+  virtual std::string take(const std::string& id) = 0;
+  /// "name=value ..."
+  virtual std::string status(const std::string& id) = 0;
+};
+
+inline std::string answer(Stack& stack, std::istringstream& line) {
+  std::string command, id, word;
+  line >> command >> id;
+  const auto said = [](bool done) { return done ? "ok" : "refused"; };
+  if (command == "writer" || command == "reader") {
+    std::string topic;
+    Policies policies;
+    line >> topic;
+    while (line >> word) {
+      const auto at = word.find('=');
+      policies.given[word.substr(0, at)] = word.substr(at + 1);
+    }
+    return said(command == "writer" ? stack.writer(id, topic, policies)
+                                    : stack.reader(id, topic, policies));
+  }
+  if (command == "write") {
+    int x = 0;
+    std::int64_t source_ms = -1;
+    line >> word >> x;
+    if (!(line >> source_ms)) source_ms = -1;
+    return said(stack.write(id, word, x, source_ms));
+  }
+  if (command == "dispose" || command == "unregister") {
+    line >> word;
+    return said(stack.end(id, word, command == "dispose" ? End::dispose : End::unregister));
+  }
+  if (command == "delete") return said(stack.remove(id));
+  if (command == "assert") return said(stack.assert_liveliness(id));
+  if (command == "take") return "samples" + stack.take(id);
+  if (command == "status") return "status " + stack.status(id);
+  return "unknown command";
+}
+
+inline int serve(Stack& stack) {
+  std::printf("ready\n"), std::fflush(stdout);
+  for (std::string line; std::getline(std::cin, line) && line != "quit";) {
+    std::istringstream words(line);
+    std::printf("%s\n", answer(stack, words).c_str()), std::fflush(stdout);
+  }
+  return 0;
+}
+
+}  // namespace policy_peer
