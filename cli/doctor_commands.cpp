@@ -10,6 +10,8 @@
 #include "cli/meeting_report.hpp"
 #include "cli/options.hpp"
 #include "governance/doctor/diagnosis.hpp"
+#include "governance/doctor/plugin_probe.hpp"
+#include "governance/doctor/ros.hpp"
 #include "governance/model.hpp"
 
 namespace ddssec::cli {
@@ -61,7 +63,7 @@ Json to_json(const doctor::Check& check, const Vendors& vendors) {
   return out;
 }
 
-constexpr std::size_t kTitleWidth = 50;
+constexpr std::size_t kTitleWidth = 54;
 constexpr std::size_t kColumnWidth = 19;
 
 std::string row(std::string_view title, const doctor::Outcomes& outcomes, const Vendors& vendors) {
@@ -114,9 +116,8 @@ Json ids(const Vendors& vendors) {
 }
 
 /// What one folder comes to; findings and text are added to the report.
-Json add_diagnosis(Report& report, const fs::path& folder, const doctor::LoadedFolder& loaded,
+Json add_diagnosis(Report& report, const fs::path& folder, const doctor::Diagnosis& diagnosis,
                    const doctor::Settings& settings, const Vendors& vendors) {
-  const auto diagnosis = doctor::diagnose(loaded, settings);
   const auto before = report.findings.size();
   const auto problems = add_findings(report, diagnosis, vendors);
   if (!is_good(diagnosis, vendors)) report.exit = Exit::no;
@@ -162,7 +163,8 @@ Status add_peer(Report& report, const Arguments& arguments, const doctor::Loaded
   DDSSEC_TRY(check_folder(folders[1]));
   const auto peer = load_participant(folders[1], settings.now);
   report.text += '\n';
-  report.result["peer"] = add_diagnosis(report, folders[1], peer, settings, vendors);
+  report.result["peer"] =
+      add_diagnosis(report, folders[1], doctor::diagnose(peer, settings), settings, vendors);
   std::string names[2];
   name_parties(folders[0], folders[1], names);
   report.text += '\n';
@@ -171,15 +173,31 @@ Status add_peer(Report& report, const Arguments& arguments, const doctor::Loaded
   return {};
 }
 
+// With --ros the domain is that of the environment, if it has one.
+Result<DomainId> ros_domain_of(const Arguments& arguments) {
+  const auto environment = doctor::ros_environment();
+  const auto found = environment.find("ROS_DOMAIN_ID");
+  if (!arguments.has("--ros") || found == environment.end()) return domain_of(arguments);
+  const Arguments from_environment({{"ROS_DOMAIN_ID", {found->second}}});
+  return static_cast<DomainId>(
+      DDSSEC_TRY(from_environment.number("ROS_DOMAIN_ID", 0, governance::kHighestDomainId)));
+}
+
 Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
   const fs::path folder = arguments.text("DIR");
   const auto vendors = DDSSEC_TRY(chosen_vendors(arguments));
   const doctor::Settings settings{.now = context.clock.now(),
-                                  .domain = DDSSEC_TRY(domain_of(arguments))};
+                                  .domain = DDSSEC_TRY(ros_domain_of(arguments))};
   DDSSEC_TRY(check_folder(folder));
   const auto loaded = load_participant(folder, settings.now);
   Report report;
-  report.result = add_diagnosis(report, folder, loaded, settings, vendors);
+  auto diagnosis = doctor::diagnose(loaded, settings);
+  if (arguments.has("--ros"))
+    doctor::check_ros(loaded, doctor::ros_environment(), settings, diagnosis);
+  if (arguments.has("--plugins"))
+    doctor::check_plugins(
+        arguments.text("--plugins") == "system" ? "" : arguments.text("--plugins"), diagnosis);
+  report.result = add_diagnosis(report, folder, diagnosis, settings, vendors);
   if (arguments.has("--peer")) DDSSEC_TRY(add_peer(report, arguments, loaded, settings, vendors));
   return report;
 }
@@ -214,18 +232,21 @@ Result<DomainId> domain_of(const Arguments& arguments) {
 }
 
 std::vector<Command> doctor_commands() {
-  return {{.group = "",
-           .name = "doctor",
-           .summary =
-               "Finds what is wrong with a participant's folder, for each product; exit 1 if "
-               "something is.",
-           .positionals = {{"DIR", "the participant's folder, flat or an enclave of sros2"}},
-           .options = {kDomain,
-                       repeated("--vendor", "V", "all, cyclonedds@0.10.2, fastdds@2.9.1 or ours"),
-                       {"--peer", "DIR", "another participant: would they talk?"}},
-           .examples = {"ddssec doctor demo/talker", "ddssec doctor talker --vendor fastdds",
-                        "ddssec doctor talker --peer listener"},
-           .run = doctor_of}};
+  return {
+      {.group = "",
+       .name = "doctor",
+       .summary = "Finds what is wrong with a participant's folder, for each product; exit 1 if "
+                  "something is.",
+       .positionals = {{"DIR", "the participant's folder, flat or an enclave of sros2"}},
+       .options = {kDomain,
+                   repeated("--vendor", "V", "all, cyclonedds@0.10.2, fastdds@2.9.1 or ours"),
+                   {"--peer", "DIR", "another participant: would they talk?"},
+                   {"--ros", "", "as an enclave of ROS 2, with its variables and ROS_DOMAIN_ID"},
+                   {"--plugins", "WHERE",
+                    "load the plugin libraries of this folder, or (system) Cyclone DDS's"}},
+       .examples = {"ddssec doctor demo/talker", "ddssec doctor talker --vendor fastdds",
+                    "ddssec doctor talker --peer listener"},
+       .run = doctor_of}};
 }
 
 }  // namespace ddssec::cli

@@ -153,6 +153,66 @@ class Golden(Transcript):
         self.assertEqual(sorted(p.name for p in self.paths["correct"].iterdir()), before)
         self.assertIsNone(re.search("PRIVATE KEY|MHc|MIG", done.stdout + done.stderr))
 
+    def ros(self, *words, exit, **variables):
+        keystore = self.paths["sros2-keystore"].parent / "keystore"
+        variables = {"ROS_SECURITY_ENABLE": "true", "ROS_SECURITY_STRATEGY": "Enforce",
+                     "ROS_SECURITY_KEYSTORE": str(keystore), **variables}
+        out = self.json("doctor", *(words or [self.paths["sros2-keystore"]]), "--ros", exit=exit,
+                        environment=variables)
+        return {d["id"]: d["message"] for d in out["diagnostics"]}
+
+    def test_the_environment_of_ros(self):
+        self.assertEqual(self.ros(exit=0), {})
+        self.assertEqual(self.ros(exit=0, ROS_SECURITY_ENCLAVE_OVERRIDE="/talker_listener/talker"), {})
+        told = self.ros(exit=1, ROS_SECURITY_ENABLE="True", ROS_SECURITY_STRATEGY="enforce")
+        self.assertEqual(list(told), ["DOC060", "DOC061"])
+        self.assertIn('is "True"; it must be exactly "true"', told["DOC060"])
+        self.assertIn('is "enforce"; it must be exactly "Enforce"', told["DOC061"])
+        told = self.ros(exit=1, ROS_SECURITY_ENCLAVE_OVERRIDE="/talker_listener/listener")
+        self.assertIn('this is the enclave "/talker_listener/talker"', told["DOC062"])
+        self.assertIn("is not below", self.ros(exit=1, ROS_SECURITY_KEYSTORE="/nowhere")["DOC062"])
+        self.assertIn("not set", self.ros(exit=1, ROS_SECURITY_KEYSTORE="")["DOC062"])
+        self.assertIn("domain 5", self.ros(exit=1, ROS_DOMAIN_ID="5")["DOC050"])
+
+    def test_names_that_ros_needs(self):
+        told = self.ros(self.paths["correct"], exit=1)
+        self.assertEqual(list(told), ["DOC062", "DOC063", "DOC064", "DOC065"])
+        self.assertIn("identity_ca.pem", told["DOC063"])
+        self.assertIn("ros_discovery_info", told["DOC064"])
+        self.assertIn('is "rt/Square"', told["DOC065"])
+        shop = golden_folders.Workshop(self.at / "shop")
+        made = golden_folders.Folder(shop, self.at / "node")
+        rules = golden_folders.allow("rt/robot1/rosout") + golden_folders.allow("ros_discovery_info")
+        made.sign("permissions", golden_folders.permissions(golden_folders.grant("CN=talker", rules)))
+        self.assertIn("rt/robot1/rosout", self.ros("node", exit=1)["DOC066"])
+
+    def test_hardware_keys_are_not_for_cyclone_dds(self):
+        folder = self.at / "keystore"
+        shutil.copytree(self.paths["sros2-keystore"].parent / "keystore", folder, symlinks=True)
+        enclave = folder / "enclaves/talker_listener/talker"
+        (enclave / "key.p11").write_text("pkcs11:object=talker")
+        variables = {"ROS_SECURITY_KEYSTORE": str(folder), "RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}
+        self.assertIn("key.p11", self.ros(enclave, exit=1, **variables)["DOC063"])
+        variables["RMW_IMPLEMENTATION"] = "rmw_fastrtps_cpp"
+        self.assertEqual(self.ros(enclave, exit=0, **variables), {})
+
+    def test_plugin_libraries_are_loaded_apart(self):
+        plugins = self.at / "plugins"
+        plugins.mkdir()
+        (plugins / "libdds_security_auth.so").write_text("not a library")
+        out = self.json("doctor", self.paths["correct"], "--plugins", "plugins", exit=1)
+        self.assertEqual([d["id"] for d in out["diagnostics"]], ["DOC070"] * 3)
+        self.assertEqual(out["result"]["verdicts"], dict(zip(VENDORS, ["ok", "ok", "fail"])))
+        self.assertIn("libdds_security_ac.so (access_control)", out["diagnostics"][1]["message"])
+        system = next(path for path in ("/lib/x86_64-linux-gnu/libm.so.6", "/lib64/libm.so.6",
+                                        "/lib/aarch64-linux-gnu/libm.so.6") if pathlib.Path(path).exists())
+        for name in ("auth", "ac", "crypto"):
+            (plugins / f"libdds_security_{name}.so").unlink(missing_ok=True)
+            (plugins / f"libdds_security_{name}.so").symlink_to(system)
+        out = self.json("doctor", self.paths["correct"], "--plugins", "plugins", exit=1)
+        self.assertEqual([d["id"] for d in out["diagnostics"]], ["DOC071"] * 3)
+        self.assertIn("init_authentication", out["diagnostics"][0]["message"])
+
     def test_wrong_command_lines(self):
         self.refused("file_not_found", 3, "doctor", "nowhere")
         self.refused("usage", 2, "doctor", self.paths["correct"], "--vendor", "connext")

@@ -1,0 +1,170 @@
+#include "governance/doctor/ros.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "governance/decision.hpp"
+#include "governance/doctor/checks.hpp"
+
+namespace ddssec::governance::doctor {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr Outcomes kAll = Outcomes::all(Outcome::fail);
+
+std::string value(const Environment& environment, std::string_view name) {
+  const auto found = environment.find(name);
+  return found == environment.end() ? "" : found->second;
+}
+
+// These two count only when spelt exactly so.
+void check_word(const Environment& environment, std::string_view name, std::string_view wanted,
+                Rule rule, Diagnosis& out) {
+  const auto found = value(environment, name);
+  if (found == wanted) return out.pass(rule);
+  out.report(kAll, {.rule = rule,
+                    .message = found.empty()
+                                   ? fmt::format("{} is not set; it must be \"{}\"", name, wanted)
+                                   : fmt::format("{} is \"{}\"; it must be exactly \"{}\"", name,
+                                                 found, wanted)});
+}
+
+fs::path resolved(const fs::path& path) {
+  std::error_code error;
+  auto out = fs::weakly_canonical(path, error);
+  return error ? path : out;
+}
+
+void check_enclave(const LoadedFolder& folder, const Environment& environment, Diagnosis& out) {
+  const auto keystore = value(environment, "ROS_SECURITY_KEYSTORE");
+  const auto name = value(environment, "ROS_SECURITY_ENCLAVE_OVERRIDE");
+  const auto report = [&](std::string message) {
+    out.report(
+        kAll,
+        {.rule = Rule::DOC062, .message = std::move(message), .document = folder.paths.folder});
+  };
+  if (keystore.empty()) return report("ROS_SECURITY_KEYSTORE is not set");
+  const auto enclaves = resolved(fs::path(keystore) / "enclaves");
+  const auto here = resolved(folder.paths.folder);
+  const auto inside = here.lexically_relative(enclaves);
+  if (inside.empty() || *inside.begin() == "..")
+    return report(fmt::format("ROS_SECURITY_KEYSTORE is \"{}\", and {} is not below its enclaves/",
+                              keystore, here.string()));
+  if (!name.empty() && resolved(enclaves / fs::path(name).relative_path()) != here)
+    return report(
+        fmt::format("ROS_SECURITY_ENCLAVE_OVERRIDE is \"{}\"; this is the enclave \"/{}\"", name,
+                    inside.string()));
+  out.pass(Rule::DOC062);
+}
+
+void check_names(const LoadedFolder& folder, const Environment& environment, Diagnosis& out) {
+  out.pass(Rule::DOC063);
+  if (folder.paths.layout != pki::FolderLayout::sros2)
+    out.report(kAll, {.rule = Rule::DOC063,
+                      .message = fmt::format("{} is called so; ROS reads identity_ca.cert.pem and "
+                                             "permissions_ca.cert.pem",
+                                             folder.paths.identity_ca.filename().string()),
+                      .document = folder.paths.identity_ca});
+  if (value(environment, "RMW_IMPLEMENTATION") != "rmw_cyclonedds_cpp") return;
+  std::error_code ignored;
+  for (const auto* file :
+       {"identity_ca.cert.p11", "cert.p11", "key.p11", "permissions_ca.cert.p11"})
+    if (fs::exists(folder.paths.folder / file, ignored))
+      out.report({.cyclonedds = Outcome::fail, .ours = Outcome::fail},
+                 {.rule = Rule::DOC063,
+                  .message = fmt::format("{} names a key store in hardware, and "
+                                         "RMW_IMPLEMENTATION is \"rmw_cyclonedds_cpp\", which does "
+                                         "not read such files",
+                                         file),
+                  .document = folder.paths.folder / file});
+}
+
+void check_discovery_topic(const LoadedFolder& folder, const CompiledGrant& grant, Diagnosis& out) {
+  out.pass(Rule::DOC064);
+  for (const auto action : {Action::publish, Action::subscribe}) {
+    const auto verdict = grant.judge(action, {.topic = "ros_discovery_info"});
+    if (!verdict.allowed)
+      out.report(Outcomes::all(Outcome::late),
+                 {.rule = Rule::DOC064,
+                  .message = fmt::format("grant \"{}\" does not allow to {} ros_discovery_info",
+                                         grant.grant().name,
+                                         action == Action::publish ? "publish" : "subscribe to"),
+                  .document = folder.paths.permissions,
+                  .line = verdict.line(grant.grant())});
+  }
+}
+
+bool is_ros_name(std::string_view name) {
+  constexpr std::array<std::string_view, 3> kPrefixes{"rt/", "rq/", "rr/"};
+  const bool has_prefix =
+      std::ranges::any_of(kPrefixes, [&](auto prefix) { return name.starts_with(prefix); });
+  return has_prefix || name == "ros_discovery_info" ||
+         name.find_first_of("*?[") < std::string_view("rt/").size();
+}
+
+template <class Each>
+void each_topic(const Grant& grant, Each&& each) {
+  for (const auto& rule : grant.rules)
+    for (const auto* list : {&rule.publish, &rule.subscribe})
+      for (const auto& criteria : *list)
+        for (const auto& topic : criteria.topics) each(topic, list == &rule.publish);
+}
+
+void check_topic_names(const LoadedFolder& folder, const Grant& grant, Diagnosis& out) {
+  out.pass(Rule::DOC065);
+  each_topic(grant, [&](const Text& topic, bool) {
+    if (is_ros_name(topic.text)) return;
+    out.report({},
+               {.rule = Rule::DOC065,
+                .message = fmt::format("\"{}\" is no name that ROS gives to a topic; a ROS topic "
+                                       "of that name is \"rt/{}\"",
+                                       topic.text, topic.text.substr(topic.text.starts_with('/'))),
+                .document = folder.paths.permissions,
+                .line = topic.line});
+  });
+}
+
+void check_rosout(const LoadedFolder& folder, const CompiledGrant& grant, Diagnosis& out) {
+  out.pass(Rule::DOC066);
+  if (grant.judge(Action::publish, {.topic = "rt/rosout"}).allowed) return;
+  each_topic(grant.grant(), [&](const Text& topic, bool publish) {
+    if (!publish || !topic.text.ends_with("/rosout")) return;
+    out.report({}, {.rule = Rule::DOC066,
+                    .message = fmt::format("the grant allows to publish \"{}\", and ROS publishes "
+                                           "\"rt/rosout\"",
+                                           topic.text),
+                    .document = folder.paths.permissions,
+                    .line = topic.line});
+  });
+}
+
+}  // namespace
+
+Environment ros_environment() {
+  Environment out;
+  for (const auto* name : {"ROS_SECURITY_ENABLE", "ROS_SECURITY_STRATEGY", "ROS_SECURITY_KEYSTORE",
+                           "ROS_SECURITY_ENCLAVE_OVERRIDE", "ROS_DOMAIN_ID", "RMW_IMPLEMENTATION"})
+    if (const char* set = std::getenv(name)) out.emplace(name, set);
+  return out;
+}
+
+void check_ros(const LoadedFolder& folder, const Environment& environment, const Settings& settings,
+               Diagnosis& out) {
+  check_word(environment, "ROS_SECURITY_ENABLE", "true", Rule::DOC060, out);
+  check_word(environment, "ROS_SECURITY_STRATEGY", "Enforce", Rule::DOC061, out);
+  check_enclave(folder, environment, out);
+  check_names(folder, environment, out);
+  const auto* grant = grant_of(folder, settings.now);
+  if (grant == nullptr) return;
+  const CompiledGrant compiled(folder.permissions.model, *grant, settings.domain);
+  check_discovery_topic(folder, compiled, out);
+  check_topic_names(folder, *grant, out);
+  check_rosout(folder, compiled, out);
+}
+
+}  // namespace ddssec::governance::doctor

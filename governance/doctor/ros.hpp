@@ -1,0 +1,24 @@
+// What ROS 2 makes of an enclave: its environment variables, file names and topic names.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "governance/doctor/diagnosis.hpp"
+
+namespace ddssec::governance::doctor {
+
+/// Environment variables that are set, by name.
+using Environment = std::map<std::string, std::string, std::less<>>;
+
+/// ROS_SECURITY_ENABLE, ROS_SECURITY_STRATEGY, ROS_SECURITY_KEYSTORE,
+/// ROS_SECURITY_ENCLAVE_OVERRIDE, ROS_DOMAIN_ID, RMW_IMPLEMENTATION, as far as this process has
+/// them.
+Environment ros_environment();
+
+/// Whether a node started in this environment uses the folder, and whether its grant holds the
+/// names that ROS 2 needs.
+void check_ros(const LoadedFolder& folder, const Environment& environment, const Settings& settings,
+               Diagnosis& out);
+
+}  // namespace ddssec::governance::doctor

@@ -1,0 +1,40 @@
+#include "governance/doctor/plugin_probe.hpp"
+
+#include <gmock/gmock.h>
+
+#include "fixture.hpp"
+
+namespace ddssec::governance::doctor {
+namespace {
+
+using Answer = PluginProbe::Result;
+
+TEST(PluginProbe, ALibraryWithItsFunctionsWorks) {
+  EXPECT_EQ(probe_plugin(DDSSEC_PROBED_whole, "crypto").result, Answer::works);
+}
+
+TEST(PluginProbe, TheMissingFunctionIsNamed) {
+  const auto probe = probe_plugin(DDSSEC_PROBED_whole, "authentication");
+  EXPECT_EQ(probe.result, Answer::lacks_entry);
+  EXPECT_EQ(probe.detail, "init_authentication");
+}
+
+TEST(PluginProbe, ALibraryThatCrashesHurtsNobody) {
+  EXPECT_EQ(probe_plugin(DDSSEC_PROBED_crashing, "crypto").result, Answer::died);
+}
+
+TEST(PluginProbe, TheLoadersReasonIsTold) {
+  const auto probe = probe_plugin("/nowhere/libdds_security_auth.so", "authentication");
+  EXPECT_EQ(probe.result, Answer::not_loadable);
+  EXPECT_THAT(probe.detail, testing::HasSubstr("/nowhere/libdds_security_auth.so"));
+}
+
+TEST(PluginProbe, AFolderWithoutLibrariesIsThreeFaultsOfOurs) {
+  Diagnosis out;
+  check_plugins("/nowhere", out);
+  EXPECT_THAT(rules_of(out), testing::ElementsAre(Rule::DOC070, Rule::DOC070, Rule::DOC070));
+  EXPECT_EQ(out.outcomes(), (Outcomes{.ours = Outcome::fail}));
+}
+
+}  // namespace
+}  // namespace ddssec::governance::doctor
