@@ -1,0 +1,145 @@
+#include "governance/dialect.hpp"
+
+#include <bitset>
+
+#include "governance/topic_sets.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+using Octets = std::bitset<256>;
+
+bool is_word(char c) {
+  return ('a' <= c && c <= 'z') || ('A' <= c && c <= 'Z') || ('0' <= c && c <= '9') || c == '_';
+}
+
+std::size_t index_of(char c) { return static_cast<std::uint8_t>(c); }
+
+/// A bracket expression as Cyclone DDS 0.10.2 takes it, from `text` after the '['.
+struct CycloneSet {
+  Octets octets = {};
+  std::size_t length = 0;
+  bool is_closed = false;  ///< if not, the whole expression matches nothing
+};
+
+// Measured: the closing ']' is a member (and may begin a range), '^' is a character, and a ']' in
+// the first place leaves the set empty without being taken.
+CycloneSet cyclone_set(std::string_view text) {
+  CycloneSet out;
+  std::size_t at = 0;
+  const bool negated = text.starts_with('!');
+  if (negated) ++at;
+  if (at == text.size()) return out;
+  for (bool more = text[at] != ']'; more;) {
+    if (at == text.size()) return out;
+    const char low = text[at++];
+    char high = low;
+    if (at < text.size() && text[at] == '-') {
+      if (at + 1 == text.size() || text[at + 1] == ']') return out;
+      high = text[at + 1];
+      at += 2;
+    }
+    for (auto c = index_of(low); c <= index_of(high); ++c) out.octets.set(c);
+    more = low != ']';
+  }
+  if (negated) out.octets.flip();
+  out.length = at;
+  out.is_closed = true;
+  return out;
+}
+
+constexpr std::string_view kNoName = "[!\x01-\xff]";
+
+std::string member(std::size_t octet) {
+  const char c = static_cast<char>(octet);
+  return is_word(c) ? std::string(1, c) : std::string{'[', '.', c, '.', ']'};
+}
+
+std::string posix_set(Octets octets) {
+  octets.reset(0);  // no name has it
+  if (octets.none()) return std::string(kNoName);
+  std::string out = "[";
+  for (std::size_t c = 1; c < octets.size(); ++c)
+    if (octets.test(c)) out += member(c);
+  return out + "]";
+}
+
+/// Why the bracket expression at text[at] is not portable; its length if it is.
+struct Bracket {
+  std::size_t length = 0;
+  std::string reason = {};
+};
+
+Bracket bracket(std::string_view text) {
+  const auto wrong = [](std::string reason) { return Bracket{0, std::move(reason)}; };
+  std::size_t at = text.starts_with("[!") ? 2 : 1;
+  const auto first = at;
+  for (; at < text.size() && text[at] != ']'; ++at) {
+    if (text[at] == '-' && at > first && at + 1 < text.size() && is_word(text[at + 1])) continue;
+    if (!is_word(text[at]))
+      return wrong(std::string("a bracket expression holds \"") + text[at] + '"');
+  }
+  if (at == text.size()) return wrong("a \"[\" is never closed");
+  if (at == first) return wrong("a bracket expression begins with \"]\"");
+  if (at + 1 < text.size() && text[at + 1] == '-')
+    return wrong("a bracket expression is followed by \"-\"");
+  return {at + 1};
+}
+
+std::string reason_against(std::string_view expression) {
+  for (std::size_t at = 0; at < expression.size();) {
+    if (expression[at] == '\\') return "it holds a backslash, which some products take as escape";
+    if (expression[at] == ']') return "a \"]\" stands alone";
+    if (expression[at] != '[') {
+      ++at;
+      continue;
+    }
+    auto found = bracket(expression.substr(at));
+    if (found.length == 0) return std::move(found.reason);
+    at += found.length;
+  }
+  return {};
+}
+
+// A name in `a` that is not in `b` and has no ']'.
+std::optional<std::string> name_beyond(std::string_view a, std::string_view b) {
+  constexpr SetLimits kLimits{.states = 20'000, .steps = 20'000'000};
+  const std::string_view inner[] = {a};
+  const std::string_view outer[] = {b, "*]*"};
+  auto answer = contained(inner, outer, kLimits);
+  if (answer.kind != SetAnswer::Kind::no) return std::nullopt;
+  return std::move(answer.witness);
+}
+
+}  // namespace
+
+std::string as_cyclone_reads_it(std::string_view expression) {
+  std::string out;
+  for (std::size_t at = 0; at < expression.size(); ++at) {
+    if (expression[at] != '[') {
+      out += expression[at];
+      continue;
+    }
+    const auto set = cyclone_set(expression.substr(at + 1));
+    if (!set.is_closed) return out + std::string(kNoName);
+    out += posix_set(set.octets);
+    at += set.length;
+  }
+  return out;
+}
+
+std::optional<Unportable> unportable(std::string_view expression) {
+  Unportable out{.reason = reason_against(expression)};
+  if (out.reason.empty()) return std::nullopt;
+  constexpr std::size_t kLongest = 256;  // topic names are no longer
+  if (expression.size() > kLongest) return out;
+  const auto cyclone = as_cyclone_reads_it(expression);
+  if ((out.witness = name_beyond(cyclone, expression))) {
+    out.cyclone_matches_it = true;
+  } else {
+    out.witness = name_beyond(expression, cyclone);
+  }
+  return out;
+}
+
+}  // namespace ddssec::governance
