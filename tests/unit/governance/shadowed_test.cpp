@@ -1,0 +1,86 @@
+#include "governance/shadowed.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <random>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "governance/topic_sets.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+using By = std::vector<std::uint32_t>;
+
+/// Who shadows the last one; empty if it is alive.
+By by(std::vector<std::string_view> expressions) {
+  const auto found = shadows(expressions);
+  EXPECT_EQ(found.size(), expressions.size());
+  EXPECT_EQ(found.back().is_dead, !found.back().by.empty());
+  return found.back().by;
+}
+
+TEST(Shadows, AnExpressionWithinAnEarlierOneIsDead) {
+  EXPECT_EQ(by({"rt/*", "rt/chatter"}), By{0});
+  EXPECT_EQ(by({"x", "rt/chatter", "rt/chatter"}), By{1});
+  EXPECT_EQ(by({"*", "rt/robot[0-9]"}), By{0});
+  EXPECT_EQ(by({"a*", "a*b"}), By{0});
+}
+
+TEST(Shadows, OneThatMatchesMoreIsAlive) {
+  EXPECT_EQ(by({"rt/chatter", "rt/*"}), By{});
+  EXPECT_EQ(by({"rt/a", "rt/b"}), By{});
+  EXPECT_EQ(by({"[ab]", "[abc]"}), By{});
+  EXPECT_EQ(by({"?*", "*"}), By{});
+  EXPECT_EQ(by({"*"}), By{});
+}
+
+TEST(Shadows, SeveralTogetherCanDoIt) {
+  EXPECT_EQ(by({"rt/a*", "x*", "rt/b*", "rt/[ab]*"}), (By{0, 2}));
+  EXPECT_EQ(by({"a", "a?*", "a*"}), (By{0, 1}));
+  EXPECT_EQ(by({"[a-m]", "[k-z]", "[b-y]"}), (By{0, 1}));
+}
+
+TEST(Shadows, OnlyThoseThatCoverCount) {
+  const std::string_view expressions[] = {"a*", "*", "ab"};
+  const auto found =
+      shadows(expressions, [](std::uint32_t a, std::uint32_t b) { return a == 1 && b == 2; });
+  EXPECT_FALSE(found[1].is_dead);
+  EXPECT_EQ(found[2].by, By{1});
+}
+
+// The automaton over the whole list says the same.
+TEST(Shadows, AgreeWithTheAutomatonOnRandomLists) {
+  std::mt19937 random(1);
+  for (int round = 0; round < 3000; ++round) {
+    std::vector<std::string> texts(1 + random() % 6);
+    for (auto& text : texts)
+      for (auto left = random() % 5; left > 0; --left)
+        text += std::vector{"a", "b", "*", "?", "[ab]", "[!a]"}[random() % 6];
+    const std::vector<std::string_view> expressions(texts.begin(), texts.end());
+    const auto names = first_matched_names(expressions);
+    const auto found = shadows(expressions);
+    ASSERT_TRUE(names);
+    for (std::size_t i = 0; i < found.size(); ++i)
+      ASSERT_EQ(found[i].is_dead, !(*names)[i].has_value())
+          << fmt::format("{}", fmt::join(texts, " ")) << i;
+  }
+}
+
+TEST(Shadows, OfTwentyThousandExpressionsTakeNoTime) {
+  std::vector<std::string> texts;
+  for (int i = 0; i < 18'000; ++i) texts.push_back(fmt::format("rt/robot{}/topic{}", i % 100, i));
+  for (int i = 0; i < 2000; ++i) texts.push_back(fmt::format("rq/node{}/*Request", i));
+  texts.push_back("rq/node77/setRequest");
+  const std::vector<std::string_view> expressions(texts.begin(), texts.end());
+  const auto begin = std::chrono::steady_clock::now();
+  const auto found = shadows(expressions);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
+  EXPECT_EQ(found.back().by, By{18'077});
+  EXPECT_EQ(std::ranges::count_if(found, &Shadow::is_dead), 1);
+}
+
+}  // namespace
+}  // namespace ddssec::governance
