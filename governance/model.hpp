@@ -15,10 +15,25 @@ namespace ddssec::governance {
 /// The highest domain id that RTPS's port formula allows (RTPS 9.6.1.1).
 inline constexpr DomainId kHighestDomainId = 230;
 
+/// Why other products may read something in another way.
+enum class NoteKind : std::uint8_t {
+  order,             ///< elements are not in the schema's order
+  boolean_spelling,  ///< TRUE, 1
+  kind_spelling,     ///< a protection kind not in capitals
+  padding,           ///< blanks around a value
+  open_range,        ///< an id_range without <min> or <max>
+  no_zone,           ///< a time without a zone
+  no_name,           ///< a grant without a name
+  no_default,        ///< a grant without <default>
+  extension,         ///< elements or attributes that DDS-Security 1.1 does not have
+};
+
 /// Something accepted that other products may read in another way; for lint.
 struct Note {
+  NoteKind kind = NoteKind::order;
   int line = 0;
-  std::string text;
+  std::string path;  ///< of the element, such as /dds/permissions/grant[2]
+  std::string text;  ///< the element and what about it
   bool operator==(const Note&) const = default;
 };
 

@@ -15,9 +15,11 @@ Result<TopicRule> read_topic_rule(ReadContext& context, XmlElement element) {
                                   {"metadata_protection_kind"},
                                   {"data_protection_kind"}};
   const auto child = DDSSEC_TRY(XmlChildren::of(element, kSpecs));
-  if (!child.in_order()) context.note(element, "is not in the schema's order: Fast DDS refuses it");
+  if (!child.in_order())
+    context.note(NoteKind::order, element, "is not in the schema's order: Fast DDS refuses it");
   TopicRule rule;
   rule.line = element.line();
+  note_padding(context, child.one(0));
   rule.topic_expression = DDSSEC_TRY(child.one(0).nonempty_text());
   rule.enable_discovery_protection = DDSSEC_TRY(read_boolean(context, child.one(1)));
   rule.enable_liveliness_protection = DDSSEC_TRY(read_boolean(context, child.one(2)));
@@ -110,7 +112,8 @@ Status read_additions(ReadContext& context, const XmlChildren& child, DomainRule
 
 Result<DomainRule> read_domain_rule(ReadContext& context, XmlElement element) {
   const auto child = DDSSEC_TRY(XmlChildren::of(element, kDomainRuleSpecs));
-  if (!child.in_order()) context.note(element, "is not in the schema's order: Fast DDS refuses it");
+  if (!child.in_order())
+    context.note(NoteKind::order, element, "is not in the schema's order: Fast DDS refuses it");
   DomainRule rule;
   rule.line = element.line();
   // Cyclone and Fast DDS read <min> alone as one id, the schema as open. A domain too few refuses
@@ -139,6 +142,7 @@ Result<Governance> read_governance(BytesView xml) {
   const auto children = DDSSEC_TRY(XmlChildren::of(body, kSpecs));
   Governance governance;
   ReadContext context(governance.notes);
+  note_extensions(context, document.root());
   for (const auto& [kind, child] : children.all()) {
     DDSSEC_TRY(context.count(child));
     governance.domain_rules.push_back(DDSSEC_TRY(read_domain_rule(context, child)));

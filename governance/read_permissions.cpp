@@ -17,7 +17,8 @@ Result<WallTime> read_time(ReadContext& context, XmlElement element, Round round
                                             .found = text});
   }
   if (!moment->has_zone) {
-    context.note(element, "names no zone: read as UTC here, as local time by Fast DDS");
+    context.note(NoteKind::no_zone, element,
+                 "names no zone: read as UTC here, as local time by Fast DDS");
   }
   return moment->time;
 }
@@ -87,7 +88,7 @@ Result<Rule> read_rule(ReadContext& context, XmlElement element) {
       {"domains"}, {"publish", Count::many}, {"subscribe", Count::many}, {"relay", Count::many}};
   const auto children = DDSSEC_TRY(XmlChildren::of(element, kSpecs));
   if (!children.in_order()) {
-    context.note(element, "is not in the schema's order: Fast DDS refuses it");
+    context.note(NoteKind::order, element, "is not in the schema's order: Fast DDS refuses it");
   }
   Rule rule{.allow = element.name() == "allow_rule", .line = element.line()};
   // <min> alone: one id for peers, open in the schema. Less is allowed and more is denied.
@@ -127,7 +128,8 @@ constexpr ChildSpec kGrantSpecs[] = {{"subject_name", Count::optional},
                                      {"deny_rule", Count::many},
                                      {"default", Count::optional}};
 
-Status read_subject(XmlElement element, const XmlChildren& children, Grant& grant) {
+Status read_subject(ReadContext& context, XmlElement element, const XmlChildren& children,
+                    Grant& grant) {
   const XmlElement name = children.one(kSubjectName);
   const XmlElement expression = children.one(kSubjectExpression);
   if (static_cast<bool>(name) == static_cast<bool>(expression)) {
@@ -137,6 +139,7 @@ Status read_subject(XmlElement element, const XmlChildren& children, Grant& gran
                  .expected = "one <subject_name> or <subject_name_expression>"});
   }
   grant.subject_is_expression = !name;
+  note_padding(context, name ? name : element);
   grant.subject_name = DDSSEC_TRY((name ? name : expression).nonempty_text());
   return {};
 }
@@ -145,8 +148,9 @@ Result<Grant> read_grant(ReadContext& context, XmlElement element) {
   const auto children = DDSSEC_TRY(XmlChildren::of(element, kGrantSpecs));
   Grant grant{.line = element.line()};
   if (const char* name = element.attribute("name")) grant.name = name;
-  if (grant.name.empty()) context.note(element, "has no name: Fast DDS refuses it");
-  DDSSEC_TRY(read_subject(element, children, grant));
+  if (grant.name.empty())
+    context.note(NoteKind::no_name, element, "has no name: Fast DDS refuses it");
+  DDSSEC_TRY(read_subject(context, element, children, grant));
   grant.validity = DDSSEC_TRY(read_validity(context, children.one(kValidity)));
   for (const auto& [kind, child] : children.all()) {
     if (kind != kAllowRule && kind != kDenyRule) continue;
@@ -156,7 +160,8 @@ Result<Grant> read_grant(ReadContext& context, XmlElement element) {
   if (const auto e = children.one(kDefault)) {
     grant.default_allow = DDSSEC_TRY(read_default(e));
   } else {
-    context.note(element, "has no <default>: it denies; some products refuse the document");
+    context.note(NoteKind::no_default, element,
+                 "has no <default>: it denies; some products refuse the document");
   }
   return grant;
 }
@@ -170,6 +175,7 @@ Result<Permissions> read_permissions(BytesView xml) {
   const auto children = DDSSEC_TRY(XmlChildren::of(body, kSpecs));
   Permissions permissions;
   ReadContext context(permissions.notes);
+  note_extensions(context, document.root());
   for (const auto& [kind, child] : children.all()) {
     DDSSEC_TRY(context.count(child));
     permissions.grants.push_back(DDSSEC_TRY(read_grant(context, child)));

@@ -50,8 +50,11 @@ Result<DomainRange> read_range(ReadContext& context, XmlElement element, OpenRan
   } else {
     range.last = open_range == OpenRange::just_min ? range.first : kHighestDomainId;
   }
-  if (!max) context.note(element, "has no <max>: products differ in whether it ends; write both");
-  if (!min) context.note(element, "has no <min>: some products refuse it; write both");
+  const auto note = [&](std::string_view text) {
+    context.note(NoteKind::open_range, element, text);
+  };
+  if (!max) note("has no <max>: products differ in whether it ends; write both");
+  if (!min) note("has no <min>: some products refuse it; write both");
   if (range.first > range.last) {
     return fail(Code::domain_range_reversed,
                 {.line = element.line(),
@@ -63,6 +66,35 @@ Result<DomainRange> read_range(ReadContext& context, XmlElement element, OpenRan
 }
 
 }  // namespace
+
+void note_padding(ReadContext& context, XmlElement element) {
+  if (element.is_padded())
+    context.note(NoteKind::padding, element,
+                 "has blanks around its value: some products keep them");
+}
+
+void note_extensions(ReadContext& context, XmlElement element) {
+  constexpr std::string_view kNewer[] = {"enable_key_revision", "rtps_psk_protection_kind",
+                                         "allowed_crypto_algorithms", "subject_name_expression",
+                                         "tag_expression"};
+  if (std::ranges::find(kNewer, element.name()) != std::end(kNewer))
+    context.note(NoteKind::extension, element, "came with DDS-Security 1.2");
+  const bool is_grant = element.name() == "grant";
+  for (const auto name : element.attribute_names()) {
+    const bool is_usual = name == "xmlns:xsi" || name == "xsi:noNamespaceSchemaLocation" ||
+                          (is_grant && name == "name");
+    if (!is_usual)
+      context.note(
+          NoteKind::extension, element,
+          "has the attribute " + std::string(name) + ", which DDS-Security 1.1 does not have");
+  }
+  const bool holds_domains = element.name() == "domains";
+  for (auto child = element.first_child(); child; child = child.next_sibling()) {
+    if (holds_domains && child.name() == "tag")
+      context.note(NoteKind::extension, child, "came with DDS-Security 1.2");
+    note_extensions(context, child);
+  }
+}
 
 Status ReadContext::count(XmlElement at) {
   if (++entries_ <= kMostEntries) return {};
@@ -97,7 +129,7 @@ Result<bool> read_boolean(ReadContext& context, XmlElement element) {
                                           .found = text});
   }
   if (text != "true" && text != "false") {
-    context.note(element,
+    context.note(NoteKind::boolean_spelling, element,
                  std::string("is ").append(text).append(": every product reads true and false"));
   }
   return value;
@@ -105,6 +137,7 @@ Result<bool> read_boolean(ReadContext& context, XmlElement element) {
 
 Result<ProtectionKind> read_protection_kind(ReadContext& context, XmlElement element, bool basic) {
   const std::string text = DDSSEC_TRY(element.nonempty_text());
+  note_padding(context, element);
   const std::string upper = with_case(text, ascii_upper);
   const auto kind = protection_kind_from(upper);
   if (!kind || (basic && is_origin_authenticated(*kind))) {
@@ -116,7 +149,8 @@ Result<ProtectionKind> read_protection_kind(ReadContext& context, XmlElement ele
                                      "ENCRYPT_WITH_ORIGIN_AUTHENTICATION",
                  .found = text});
   }
-  if (upper != text) context.note(element, "is not in capitals: most products refuse it");
+  if (upper != text)
+    context.note(NoteKind::kind_spelling, element, "is not in capitals: most products refuse it");
   return *kind;
 }
 
@@ -156,6 +190,7 @@ Result<std::vector<Text>> read_texts(ReadContext& context, XmlElement list, std:
   texts.reserve(children.all().size());
   for (const auto& [kind, child] : children.all()) {
     DDSSEC_TRY(context.count(child));
+    note_padding(context, child);
     texts.push_back({may_be_empty ? DDSSEC_TRY(child.text()) : DDSSEC_TRY(child.nonempty_text()),
                      child.line()});
   }

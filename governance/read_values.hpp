@@ -21,7 +21,9 @@ enum class OpenRange : std::uint8_t {
 class ReadContext {
  public:
   explicit ReadContext(std::vector<Note>& notes) : notes_(notes) {}
-  void note(XmlElement at, std::string_view text) { add_note(notes_, at, text); }
+  void note(NoteKind kind, XmlElement at, std::string_view text) {
+    add_note(notes_, kind, at, text);
+  }
   /// Counts one rule, grant or expression. Error: too_many_rules.
   Status count(XmlElement at);
 
@@ -30,6 +32,11 @@ class ReadContext {
   std::size_t entries_ = 0;
 };
 
+/// Notes blanks around the element's text.
+void note_padding(ReadContext& context, XmlElement element);
+/// Notes elements and attributes, here and below, that DDS-Security 1.1 does not have. Nesting was
+/// bounded by check_xml.
+void note_extensions(ReadContext& context, XmlElement element);
 /// The only child of <dds>, which must be named `name`. Error: document_kind.
 Result<XmlElement> document_body(const XmlDocument& document, std::string_view name);
 Result<bool> read_boolean(ReadContext& context, XmlElement element);

@@ -46,6 +46,35 @@ const char* XmlElement::attribute(const char* name) const { return element_->Att
 XmlElement XmlElement::first_child() const { return XmlElement(element_->FirstChildElement()); }
 XmlElement XmlElement::next_sibling() const { return XmlElement(element_->NextSiblingElement()); }
 
+std::vector<std::string_view> XmlElement::attribute_names() const {
+  std::vector<std::string_view> names;
+  for (const auto* a = element_->FirstAttribute(); a; a = a->Next()) names.emplace_back(a->Name());
+  return names;
+}
+
+std::string XmlElement::path() const {
+  std::string out;
+  for (const auto* e = element_; e; e = e->Parent() ? e->Parent()->ToElement() : nullptr) {
+    int before = 0;
+    for (const auto* s = e; (s = s->PreviousSiblingElement(e->Name()));) ++before;
+    const bool is_alone = before == 0 && !e->NextSiblingElement(e->Name());
+    std::string step = "/";
+    step += e->Name();
+    if (!is_alone) step.append("[").append(std::to_string(before + 1)).append("]");
+    out.insert(0, step);
+  }
+  return out;
+}
+
+bool XmlElement::is_padded() const {
+  const auto* first = element_->FirstChild();
+  const auto* last = element_->LastChild();
+  if (!first || !first->ToText() || !last->ToText()) return false;
+  const std::string_view begin = first->Value(), end = last->Value();
+  return (!begin.empty() && kSpace.find(begin.front()) != kSpace.npos) ||
+         (!end.empty() && kSpace.find(end.back()) != kSpace.npos);
+}
+
 Result<std::string> XmlElement::text() const {
   std::string text;
   for (const auto* node = element_->FirstChild(); node; node = node->NextSibling()) {
@@ -151,10 +180,9 @@ bool XmlChildren::in_order() const {
   return std::ranges::is_sorted(all_, {}, [](const auto& entry) { return entry.first; });
 }
 
-void add_note(std::vector<Note>& notes, XmlElement at, std::string_view text) {
-  if (notes.size() < kMostNotes) {
-    notes.push_back({at.line(), in_brackets(at.name()) + " " + std::string(text)});
-  }
+void add_note(std::vector<Note>& notes, NoteKind kind, XmlElement at, std::string_view text) {
+  if (notes.size() < kMostNotes)
+    notes.push_back({kind, at.line(), at.path(), in_brackets(at.name()) + " " + std::string(text)});
 }
 
 }  // namespace ddssec::governance

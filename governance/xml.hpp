@@ -33,13 +33,18 @@ class XmlElement {
   int line() const;
   /// The value of an attribute, or nullptr.
   const char* attribute(const char* name) const;
+  std::vector<std::string_view> attribute_names() const;
+  /// "/dds/permissions/grant[2]", counted among siblings of the same name if there are several.
+  std::string path() const;
   XmlElement first_child() const;
   XmlElement next_sibling() const;
 
   /// All text of an element without children: entities resolved, comments left out, surrounding
   /// white space removed. Errors: element_unknown.
   Result<std::string> text() const;
-  /// The same, but empty text is element_empty.
+  /// True if there is white space before or behind the text.
+  bool is_padded() const;
+  /// The same as text(), but empty text is element_empty.
   Result<std::string> nonempty_text() const;
 
   /// Refuses attributes other than must_interpret, `allowed` and those of XML namespaces; an
@@ -100,6 +105,6 @@ class XmlChildren {
 inline constexpr std::size_t kMostNotes = 100;
 
 /// Adds a note unless there are kMostNotes.
-void add_note(std::vector<Note>& notes, XmlElement at, std::string_view text);
+void add_note(std::vector<Note>& notes, NoteKind kind, XmlElement at, std::string_view text);
 
 }  // namespace ddssec::governance

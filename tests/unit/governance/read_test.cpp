@@ -34,6 +34,22 @@ TEST(ReadGovernance, KeepsEveryValue) {
   EXPECT_TRUE(document->notes.empty());
 }
 
+TEST(ReadGovernance, NotesWhatOtherProductsDoNotKnow) {
+  for (const auto& [from, to] :
+       {std::pair("<id>7</id>", "<id>7</id><tag>a</tag>"),
+        std::pair("<id>7</id>", "<id>7</id><tag_expression>a</tag_expression>"),
+        std::pair("</enable_join_access_control>",
+                  "</enable_join_access_control><enable_key_revision>false</enable_key_revision>"),
+        std::pair("<domain_rule>", "<domain_rule must_interpret=\"true\">"),
+        std::pair("<domain_rule>", "<new must_interpret=\"false\"/><domain_rule>"),
+        std::pair("<domain_rule>", "<domain_rule xml:lang=\"en\">")}) {
+    const auto document = governance_from(replaced(kGovernanceXml, from, to));
+    ASSERT_TRUE(document) << document.error().to_sentence();
+    ASSERT_EQ(document->notes.size(), 1u) << to;
+    EXPECT_EQ(document->notes[0].kind, NoteKind::extension) << to;
+  }
+}
+
 struct Edit {
   const char* name;
   std::string from, to;
@@ -62,10 +78,10 @@ INSTANTIATE_TEST_SUITE_P(
         Edit{"only max", "<id>7</id>", "<id_range><max>7</max></id_range>"}));
 
 class SameGovernance : public testing::TestWithParam<Edit> {};
-TEST_P(SameGovernance, IsReadWithoutANote) {
+TEST_P(SameGovernance, IsReadAlike) {
   const auto document = governance_from(replaced(kGovernanceXml, GetParam().from, GetParam().to));
   ASSERT_TRUE(document) << document.error().to_sentence();
-  EXPECT_TRUE(document->notes.empty());
+  for (const auto& note : document->notes) EXPECT_EQ(note.kind, NoteKind::extension) << note.text;
   EXPECT_EQ(document->domain_rules[0].domains.ranges.front(), (DomainRange{7, 7}));
   EXPECT_EQ(document->domain_rules[0].topic_rules[0].topic_expression, "Square*");
 }
@@ -258,6 +274,20 @@ TEST(ReadPermissions, NoteWhatOthersReadDifferently) {
   const auto no_name = permissions_from(replaced(kPermissionsXml, " name=\"talker\"", ""));
   ASSERT_TRUE(no_name);
   EXPECT_EQ(no_name->notes.size(), 1u);
+}
+
+TEST(ReadPermissions, NotesSayWhatAndWhere) {
+  const auto document = permissions_from(
+      replaced(replaced(kPermissionsXml, "<topic>Circle</topic>", "<topic>\n Circle </topic>"),
+               "<id>9</id>", "<id>9</id><tag>red</tag>"));
+  ASSERT_TRUE(document);
+  ASSERT_EQ(document->notes.size(), 2u);
+  EXPECT_EQ(document->notes[0].kind, NoteKind::extension);
+  EXPECT_EQ(document->notes[0].path, "/dds/permissions/grant/deny_rule/domains/tag");
+  EXPECT_EQ(document->notes[0].line, 22);
+  EXPECT_EQ(document->notes[1].kind, NoteKind::padding);
+  EXPECT_EQ(document->notes[1].path, "/dds/permissions/grant/allow_rule/subscribe/topics/topic");
+  EXPECT_EQ(document->grants[0].rules[0].subscribe[0].topics[0].text, "Circle");
 }
 
 // <min> alone: an allow rule takes less, a deny rule takes more.
