@@ -1,0 +1,27 @@
+// What is wrong, dead, weak or unportable in documents that can be read.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "base/finding.hpp"
+#include "governance/model.hpp"
+#include "pki/certificate.hpp"
+
+namespace ddssec::governance {
+
+/// The most findings of one rule; the last of them says how many more there are.
+inline constexpr std::size_t kMostFindingsPerRule = 20;
+
+/// What a governance document is meant for.
+struct GovernanceUse {
+  std::optional<DomainId> domain = std::nullopt;
+};
+
+/// Findings GOV001 to GOV041, by line. Errors stop `governance sign`.
+std::vector<Finding> lint(const Governance& governance, const GovernanceUse& use = {});
+
+/// True if one of them is an error.
+bool has_errors(const std::vector<Finding>& findings);
+
+}  // namespace ddssec::governance

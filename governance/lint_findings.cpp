@@ -1,0 +1,87 @@
+#include "governance/lint_findings.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "governance/dialect.hpp"
+#include "governance/lint.hpp"
+
+namespace ddssec::governance {
+
+void Findings::add(Finding finding) {
+  if (++count_[finding.rule] <= kMostFindingsPerRule) all_.push_back(std::move(finding));
+}
+
+void Findings::add(ddssec::Rule rule, const Note& note, std::vector<std::string> vendors) {
+  add({.rule = rule,
+       .message = note.text,
+       .line = note.line,
+       .path = note.path,
+       .vendors = std::move(vendors)});
+}
+
+void Findings::add_if_unportable(ddssec::Rule rule, const Text& expression,
+                                 const std::string& path) {
+  const auto found = unportable(expression.text);
+  if (!found) return;
+  Finding finding{.rule = rule,
+                  .message = fmt::format("{}: {}", quoted(expression.text), found->reason),
+                  .line = expression.line,
+                  .path = path};
+  if (found->witness) {
+    const bool cyclone = found->cyclone_matches_it;
+    finding.message +=
+        fmt::format("; Cyclone DDS {} {} and Fast DDS {}", cyclone ? "matches" : "does not match",
+                    quoted(*found->witness), cyclone ? "does not" : "does");
+    finding.vendors = {kCyclone};
+  } else if (expression.text.find('\\') != expression.text.npos) {
+    finding.vendors = {kOpenDds};
+  } else {
+    finding.severity = Severity::informational;
+  }
+  add(std::move(finding));
+}
+
+void Findings::add_if_ros_name(ddssec::Rule rule, const Text& expression, const std::string& path) {
+  if (!expression.text.starts_with('/')) return;
+  add({.rule = rule,
+       .message = fmt::format("{} begins with a slash, as names of ROS do and DDS topics do not",
+                              quoted(expression.text)),
+       .line = expression.line,
+       .path = path});
+}
+
+std::vector<Finding> Findings::take() {
+  for (const auto& [rule, count] : count_) {
+    if (count <= kMostFindingsPerRule) continue;
+    const auto last = std::find_if(all_.rbegin(), all_.rend(),
+                                   [rule](const Finding& f) { return f.rule == rule; });
+    last->message += fmt::format(" (and {} more like this)", count - kMostFindingsPerRule);
+  }
+  count_.clear();
+  std::ranges::stable_sort(all_, {}, &Finding::line);
+  return std::move(all_);
+}
+
+std::string quoted(std::string_view text) {
+  constexpr std::size_t kMost = 80;
+  return fmt::format("\"{}{}\"", text.substr(0, kMost), text.size() > kMost ? "..." : "");
+}
+
+std::string to_text(const std::vector<DomainRange>& ranges) {
+  std::string out;
+  for (const auto& range : ranges) {
+    if (!out.empty()) out += ", ";
+    out += range.first == range.last ? std::to_string(range.first)
+                                     : fmt::format("{}-{}", range.first, range.last);
+  }
+  return out;
+}
+
+bool has_errors(const std::vector<Finding>& findings) {
+  return std::ranges::any_of(findings,
+                             [](const Finding& f) { return f.severity >= Severity::error; });
+}
+
+}  // namespace ddssec::governance

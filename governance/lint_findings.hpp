@@ -1,0 +1,42 @@
+// Collects findings, within bounds. For governance/ only.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/finding.hpp"
+#include "governance/model.hpp"
+
+namespace ddssec::governance {
+
+inline const std::string kCyclone = "cyclonedds";
+inline const std::string kFastDds = "fastdds";
+inline const std::string kOpenDds = "opendds";
+
+/// The findings of one document.
+class Findings {
+ public:
+  /// Adds it unless its rule has enough.
+  void add(Finding finding);
+  /// Adds a note of a reader, as a finding of the rule.
+  void add(ddssec::Rule rule, const Note& note, std::vector<std::string> vendors);
+  /// Adds GOV012 or PERM013 if the expression is not portable.
+  void add_if_unportable(ddssec::Rule rule, const Text& expression, const std::string& path);
+  /// Adds GOV013 or PERM034 if the expression begins like a name of ROS.
+  void add_if_ros_name(ddssec::Rule rule, const Text& expression, const std::string& path);
+
+  /// All of them by line. Where some were left out, the last one of the rule says so.
+  std::vector<Finding> take();
+
+ private:
+  std::vector<Finding> all_;
+  std::map<ddssec::Rule, std::size_t> count_;
+};
+
+/// `"rt/a"`, cut if it is long.
+std::string quoted(std::string_view text);
+/// "3" or "0-5", several with commas.
+std::string to_text(const std::vector<DomainRange>& ranges);
+
+}  // namespace ddssec::governance

@@ -1,0 +1,276 @@
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "governance/compare/domain_pieces.hpp"
+#include "governance/lint.hpp"
+#include "governance/lint_findings.hpp"
+#include "governance/shadowed.hpp"
+#include "governance/topic_sets.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+using enum ddssec::Rule;
+using Id = ddssec::Rule;
+
+const std::vector<std::string> kStock = {kCyclone, kFastDds};
+
+void add_notes(Findings& out, const Governance& document) {
+  for (const auto& note : document.notes) {
+    switch (note.kind) {
+      case NoteKind::order:
+        out.add(GOV001, note, {kFastDds});
+        break;
+      case NoteKind::open_range:
+        out.add(GOV004, note, {});
+        break;
+      case NoteKind::padding:
+        out.add(GOV005, note, {kFastDds});
+        break;
+      case NoteKind::extension:
+        out.add(GOV006, note, kStock);
+        break;
+      case NoteKind::boolean_spelling:
+        out.add(GOV023, note, {});
+        break;
+      default:
+        out.add(GOV024, note, kStock);
+    }
+  }
+}
+
+/// One domain rule, and where it stands.
+struct Place {
+  const DomainRule& rule;
+  std::string path;
+
+  std::string topic_path(std::size_t index) const {
+    return fmt::format("{}/topic_access_rules/topic_rule[{}]", path, index + 1);
+  }
+  Finding about(Id id, std::string message) const {
+    return {.rule = id, .message = std::move(message), .line = rule.line, .path = path};
+  }
+  Finding about(Id id, std::size_t topic, std::string message) const {
+    return {.rule = id,
+            .message = std::move(message),
+            .line = rule.topic_rules[topic].line,
+            .path = topic_path(topic)};
+  }
+};
+
+bool has_tags(const DomainRule& rule) {
+  return !rule.domains.tags.empty() || !rule.domains.tag_expressions.empty();
+}
+
+/// Domains of the rule that an earlier one takes, and the number (from 1) of the first such.
+struct Taken {
+  std::vector<DomainRange> domains = {};
+  std::size_t by = 0;
+  bool all = true;
+};
+
+Taken taken_from(const Governance& document, std::size_t at) {
+  Taken out;
+  const auto& rule = document.domain_rules[at];
+  for (const auto& range : rule.domains.ranges)
+    for (auto id = range.first; id <= range.last; ++id) {
+      const auto* first = document.find(id);
+      if (first == nullptr || first >= &rule) {
+        out.all = false;
+        continue;
+      }
+      out.domains.push_back({id, id});
+      if (out.by == 0) out.by = static_cast<std::size_t>(first - document.domain_rules.data()) + 1;
+    }
+  out.domains = joined(std::move(out.domains));
+  return out;
+}
+
+void check_coverage(Findings& out, const Governance& document, std::size_t at, const Place& place) {
+  if (has_tags(place.rule)) return;
+  const auto taken = taken_from(document, at);
+  if (taken.domains.empty()) return;
+  const auto domains = to_text(taken.domains);
+  out.add(place.about(
+      GOV002, taken.all ? fmt::format("domain_rule {} can never apply: domain {} is covered by "
+                                      "domain_rule {} already",
+                                      at + 1, domains, taken.by)
+                        : fmt::format("domain_rule {} does not apply to domain {}: domain_rule {} "
+                                      "covers it already",
+                                      at + 1, domains, taken.by)));
+}
+
+bool same_protection(const TopicRule& a, const TopicRule& b) {
+  return a.enable_discovery_protection == b.enable_discovery_protection &&
+         a.enable_liveliness_protection == b.enable_liveliness_protection &&
+         a.enable_read_access_control == b.enable_read_access_control &&
+         a.enable_write_access_control == b.enable_write_access_control &&
+         a.metadata_protection_kind == b.metadata_protection_kind &&
+         a.data_protection_kind == b.data_protection_kind;
+}
+
+std::vector<std::string_view> expressions_of(const DomainRule& rule) {
+  std::vector<std::string_view> out;
+  for (const auto& topic : rule.topic_rules) out.emplace_back(topic.topic_expression);
+  return out;
+}
+
+// Harmless if those in the way say the same.
+void check_dead_rules(Findings& out, const Place& place) {
+  const auto& rules = place.rule.topic_rules;
+  const auto found = shadows(expressions_of(place.rule));
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (!found[i].is_dead) continue;
+    std::vector<std::string> names;
+    for (const auto by : found[i].by)
+      names.push_back(fmt::format("{} (rule {})", quoted(rules[by].topic_expression), by + 1));
+    const bool is_harmless = std::ranges::all_of(
+        found[i].by, [&](std::uint32_t by) { return same_protection(rules[by], rules[i]); });
+    auto finding = place.about(
+        GOV010, i,
+        fmt::format("topic_rule {} {} can never apply: {} already {} every name it matches{}",
+                    i + 1, quoted(rules[i].topic_expression), fmt::join(names, ", "),
+                    names.size() == 1 ? "matches" : "together match",
+                    is_harmless ? ", with the same protection" : ""));
+    if (is_harmless) finding.severity = Severity::warning;
+    out.add(std::move(finding));
+  }
+}
+
+void check_topics_without_rule(Findings& out, const Place& place) {
+  const auto expressions = expressions_of(place.rule);
+  const auto is_everything = [](std::string_view e) { return e.find_first_not_of('*') == e.npos; };
+  if (std::ranges::any_of(expressions, is_everything)) return;
+  const std::string_view all_names[] = {"?*"};
+  const auto answer = contained(all_names, expressions, {.states = 20'000, .steps = 10'000'000});
+  if (answer.kind == SetAnswer::Kind::yes) return;
+  const auto example =
+      answer.kind == SetAnswer::Kind::no ? " such as " + quoted(answer.witness) : std::string();
+  out.add(place.about(
+      GOV011, fmt::format("the last topic_rule is not \"*\": topics{} have no rule", example)));
+}
+
+bool controls_access(const TopicRule& rule) {
+  return rule.enable_read_access_control || rule.enable_write_access_control;
+}
+bool is_plain(const TopicRule& rule) {
+  return !is_protected(rule.metadata_protection_kind) && !is_protected(rule.data_protection_kind);
+}
+
+void check_domain_kinds(Findings& out, const Place& place) {
+  const auto& rule = place.rule;
+  if (rule.allow_unauthenticated_participants && is_protected(rule.rtps_protection_kind))
+    out.add(place.about(
+        GOV022, fmt::format("allow_unauthenticated_participants is true and rtps_protection_kind "
+                            "is {}: strangers cannot read or send a single message",
+                            to_string(rule.rtps_protection_kind))));
+  for (const auto& [name, kind] :
+       {std::pair("discovery_protection_kind", rule.discovery_protection_kind),
+        std::pair("liveliness_protection_kind", rule.liveliness_protection_kind),
+        std::pair("rtps_protection_kind", rule.rtps_protection_kind)}) {
+    if (!is_origin_authenticated(kind)) continue;
+    auto finding = place.about(GOV030, fmt::format("{} is {}", name, to_string(kind)));
+    finding.vendors = {kOpenDds, kFastDds};
+    out.add(std::move(finding));
+  }
+  const bool domain_is_open = !is_protected(rule.discovery_protection_kind) &&
+                              !is_protected(rule.liveliness_protection_kind) &&
+                              !is_protected(rule.rtps_protection_kind);
+  if (domain_is_open && std::ranges::all_of(rule.topic_rules, is_plain))
+    out.add(place.about(
+        GOV040, "every protection kind is NONE: whoever reaches the network reads and forges all"));
+}
+
+// A flag that asks for what the domain rule does not give.
+void check_flags(Findings& out, const Place& place, std::size_t i) {
+  const auto& topic = place.rule.topic_rules[i];
+  const auto check = [&](bool flag, ProtectionKind kind, std::string_view what) {
+    if (flag && !is_protected(kind))
+      out.add(place.about(
+          GOV020, i,
+          fmt::format("{}: enable_{}_protection is true while {}_protection_kind is NONE",
+                      quoted(topic.topic_expression), what, what)));
+  };
+  check(topic.enable_discovery_protection, place.rule.discovery_protection_kind, "discovery");
+  check(topic.enable_liveliness_protection, place.rule.liveliness_protection_kind, "liveliness");
+}
+
+void check_access(Findings& out, const Place& place, std::size_t i) {
+  const auto& topic = place.rule.topic_rules[i];
+  const auto name = quoted(topic.topic_expression);
+  if (controls_access(topic) && !place.rule.enable_join_access_control)
+    out.add(place.about(GOV021, i,
+                        fmt::format("{}: access to topics is controlled and joining the domain "
+                                    "is not (enable_join_access_control is false)",
+                                    name)));
+  if (controls_access(topic) && place.rule.allow_unauthenticated_participants) {
+    auto finding = place.about(
+        GOV025, i, fmt::format("{}: access is controlled and strangers are allowed", name));
+    finding.vendors = kStock;
+    out.add(std::move(finding));
+  }
+  const bool is_secret =
+      is_encrypted(topic.data_protection_kind) || is_encrypted(topic.metadata_protection_kind);
+  if (is_secret && !topic.enable_read_access_control)
+    out.add(place.about(
+        GOV041, i,
+        fmt::format("{}: the payload is encrypted, and enable_read_access_control is false, so "
+                    "that every participant of the domain gets the key",
+                    name)));
+}
+
+void check_kinds(Findings& out, const Place& place, std::size_t i) {
+  const auto& topic = place.rule.topic_rules[i];
+  const auto name = quoted(topic.topic_expression);
+  if (is_origin_authenticated(topic.metadata_protection_kind)) {
+    auto finding = place.about(GOV030, i,
+                               fmt::format("{}: metadata_protection_kind is {}", name,
+                                           to_string(topic.metadata_protection_kind)));
+    finding.vendors = {kOpenDds, kFastDds};
+    out.add(std::move(finding));
+  }
+  if (is_protected(topic.data_protection_kind) && !is_protected(topic.metadata_protection_kind)) {
+    auto finding = place.about(
+        GOV031, i,
+        fmt::format("{}: data_protection_kind is {} and metadata_protection_kind is NONE", name,
+                    to_string(topic.data_protection_kind)));
+    finding.vendors = kStock;
+    out.add(std::move(finding));
+  }
+}
+
+void check_topics(Findings& out, const Place& place) {
+  for (std::size_t i = 0; i < place.rule.topic_rules.size(); ++i) {
+    const auto& topic = place.rule.topic_rules[i];
+    const Text expression{topic.topic_expression, topic.line};
+    out.add_if_unportable(GOV012, expression, place.topic_path(i));
+    out.add_if_ros_name(GOV013, expression, place.topic_path(i));
+    check_flags(out, place, i);
+    check_access(out, place, i);
+    check_kinds(out, place, i);
+  }
+}
+
+}  // namespace
+
+std::vector<Finding> lint(const Governance& governance, const GovernanceUse& use) {
+  Findings out;
+  add_notes(out, governance);
+  for (std::size_t i = 0; i < governance.domain_rules.size(); ++i) {
+    const Place place{governance.domain_rules[i],
+                      fmt::format("/dds/domain_access_rules/domain_rule[{}]", i + 1)};
+    check_coverage(out, governance, i, place);
+    check_dead_rules(out, place);
+    check_topics_without_rule(out, place);
+    check_domain_kinds(out, place);
+    check_topics(out, place);
+  }
+  if (use.domain && !governance.find(*use.domain))
+    out.add({.rule = GOV003,
+             .message = fmt::format("no domain_rule covers domain {}", *use.domain),
+             .path = "/dds/domain_access_rules"});
+  return out.take();
+}
+
+}  // namespace ddssec::governance

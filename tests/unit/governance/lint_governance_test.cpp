@@ -1,0 +1,231 @@
+#include <functional>
+
+#include <fmt/format.h>
+
+#include "governance/lint.hpp"
+#include "governance/profile.hpp"
+#include "governance/write.hpp"
+#include "tests/unit/governance/fixture.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+using Id = ddssec::Rule;
+using enum ProtectionKind;
+
+TopicRule strict(std::string expression) { return topic_rule_of(Profile::strict, expression); }
+
+/// A strict document, changed, written and read again, so that it has lines.
+Governance changed(const std::function<void(DomainRule&)>& change) {
+  auto document = governance_of(Profile::strict, {{0, 0}});
+  change(document.domain_rules[0]);
+  auto again = governance_from(to_xml(document));
+  EXPECT_TRUE(again) << again.error().to_sentence();
+  return *std::move(again);
+}
+
+Governance with_rules(std::vector<TopicRule> rules) {
+  return changed([&](DomainRule& rule) { rule.topic_rules = std::move(rules); });
+}
+
+/// The findings of this rule.
+std::vector<Finding> of(Id id, const Governance& document, const GovernanceUse& use = {}) {
+  auto found = lint(document, use);
+  std::erase_if(found, [&](const Finding& f) { return f.rule != id; });
+  return found;
+}
+
+/// The only finding of the whole document.
+Finding only(const Governance& document, const GovernanceUse& use = {}) {
+  const auto found = lint(document, use);
+  EXPECT_EQ(found.size(), 1u);
+  for (const auto& finding : found) {
+    EXPECT_FALSE(finding.message.empty());
+    EXPECT_TRUE(finding.path.starts_with("/dds/domain_access_rules")) << finding.path;
+  }
+  return found.empty() ? Finding{Id::end_, ""} : found.front();
+}
+
+TEST(LintGovernance, StrictHasNothing) {
+  EXPECT_TRUE(lint(changed([](auto&) {})).empty());
+  EXPECT_TRUE(lint(governance_of(Profile::strict, {{0, 5}, {7, 9}}), {.domain = 8}).empty());
+}
+
+TEST(LintGovernance, OfProfilesNamesWhatTheyLeaveOpen) {
+  EXPECT_EQ(only(governance_of(Profile::open, {{0, 0}})).rule, Id::GOV040);
+  EXPECT_EQ(only(governance_of(Profile::balanced, {{0, 0}})).rule, Id::GOV031);
+}
+
+TEST(LintGovernance, DomainsCoveredTwice) {
+  auto document = governance_of(Profile::strict, {{0, 5}});
+  document.domain_rules.push_back(document.domain_rules[0]);
+  document.domain_rules[1].domains.ranges = {{2, 3}, {5, 5}};
+  auto found = only(document);
+  EXPECT_EQ(found.rule, Id::GOV002);
+  EXPECT_EQ(found.message,
+            "domain_rule 2 can never apply: domain 2-3, 5 is covered by domain_rule 1 already");
+  document.domain_rules[1].domains.ranges = {{5, 7}};
+  EXPECT_EQ(only(document).message,
+            "domain_rule 2 does not apply to domain 5: domain_rule 1 covers it already");
+  document.domain_rules[1].domains.ranges = {{6, 7}};
+  EXPECT_TRUE(lint(document).empty());
+  // Other tags are other participants.
+  document.domain_rules[1].domains = {.ranges = {{5, 5}}, .tags = {{"red", 0}}};
+  EXPECT_TRUE(of(Id::GOV002, document).empty());
+}
+
+TEST(LintGovernance, TheDomainOfUseMustBeCovered) {
+  const auto document = governance_of(Profile::strict, {{0, 5}});
+  const auto found = only(document, {.domain = 6});
+  EXPECT_EQ(found.rule, Id::GOV003);
+  EXPECT_EQ(found.severity, Severity::error);
+  EXPECT_EQ(found.message, "no domain_rule covers domain 6");
+}
+
+TEST(LintGovernance, DeadRulesNameWhatIsInTheirWay) {
+  auto weak = strict("rt/a");
+  weak.data_protection_kind = none;
+  const auto found = only(with_rules({strict("rt/*"), weak, strict("*")}));
+  EXPECT_EQ(found.rule, Id::GOV010);
+  EXPECT_EQ(found.severity, Severity::error);
+  EXPECT_EQ(found.message,
+            "topic_rule 2 \"rt/a\" can never apply: \"rt/*\" (rule 1) already matches every name "
+            "it matches");
+  EXPECT_EQ(found.line, 23);
+  EXPECT_EQ(found.path, "/dds/domain_access_rules/domain_rule[1]/topic_access_rules/topic_rule[2]");
+}
+
+TEST(LintGovernance, SeveralRulesCanBeInTheWayTogether) {
+  auto weak = strict("[ab]");
+  weak.data_protection_kind = sign;
+  EXPECT_EQ(only(with_rules({strict("a"), strict("b"), weak, strict("*")})).message,
+            "topic_rule 3 \"[ab]\" can never apply: \"a\" (rule 1), \"b\" (rule 2) already "
+            "together match every name it matches");
+}
+
+TEST(LintGovernance, DeadRulesThatSayTheSameAreAWarning) {
+  const auto found = only(with_rules({strict("rt/*"), strict("rt/a"), strict("*")}));
+  EXPECT_EQ(found.rule, Id::GOV010);
+  EXPECT_EQ(found.severity, Severity::warning);
+}
+
+TEST(LintGovernance, TopicsWithoutARuleHaveAnExample) {
+  const auto found = only(with_rules({strict("rt/*"), strict("rq/*")}));
+  EXPECT_EQ(found.rule, Id::GOV011);
+  EXPECT_EQ(found.message, "the last topic_rule is not \"*\": topics such as \"a\" have no rule");
+  EXPECT_TRUE(lint(with_rules({strict("[a-z]*"), strict("[!a-z]*")})).empty());
+}
+
+TEST(LintGovernance, ExpressionsThatProductsReadDifferently) {
+  const auto differs = only(with_rules({strict("rt/[^ab]"), strict("*")}));
+  EXPECT_EQ(differs.rule, Id::GOV012);
+  EXPECT_EQ(differs.vendors, std::vector<std::string>{"cyclonedds"});
+  EXPECT_EQ(differs.message,
+            "\"rt/[^ab]\": a bracket expression holds \"^\"; Cyclone DDS matches \"rt/a\" and "
+            "Fast DDS does not");
+  EXPECT_EQ(only(with_rules({strict("rt\\a"), strict("*")})).vendors,
+            std::vector<std::string>{"opendds"});
+  EXPECT_EQ(only(with_rules({strict("rt]a"), strict("*")})).severity, Severity::informational);
+}
+
+TEST(LintGovernance, NamesOfRos) {
+  EXPECT_EQ(only(with_rules({strict("/chatter"), strict("*")})).rule, Id::GOV013);
+}
+
+TEST(LintGovernance, FlagsWithoutAKind) {
+  const auto document = changed([](DomainRule& rule) { rule.discovery_protection_kind = none; });
+  EXPECT_EQ(only(document).rule, Id::GOV020);
+  EXPECT_EQ(only(changed([](DomainRule& rule) { rule.liveliness_protection_kind = none; })).message,
+            "\"*\": enable_liveliness_protection is true while liveliness_protection_kind is NONE");
+}
+
+TEST(LintGovernance, TopicsUnderControlAndJoiningNot) {
+  EXPECT_EQ(only(changed([](DomainRule& rule) { rule.enable_join_access_control = false; })).rule,
+            Id::GOV021);
+}
+
+TEST(LintGovernance, StrangersCannotReadProtectedMessages) {
+  const auto document =
+      changed([](DomainRule& rule) { rule.allow_unauthenticated_participants = true; });
+  const auto found = of(Id::GOV022, document);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].severity, Severity::error);
+  EXPECT_NE(found[0].message.find("rtps_protection_kind is SIGN"), std::string::npos);
+  EXPECT_TRUE(has_errors(lint(document)));
+  EXPECT_EQ(of(Id::GOV025, document).size(), 1u);
+  EXPECT_TRUE(of(Id::GOV022, governance_of(Profile::open, {{0, 0}})).empty());
+}
+
+TEST(LintGovernance, OriginAuthentication) {
+  const auto found = only(changed([](DomainRule& rule) {
+    rule.topic_rules[0].metadata_protection_kind = encrypt_with_origin_authentication;
+  }));
+  EXPECT_EQ(found.rule, Id::GOV030);
+  EXPECT_EQ(found.vendors, (std::vector<std::string>{"opendds", "fastdds"}));
+  EXPECT_EQ(of(Id::GOV030, changed([](DomainRule& rule) {
+                 rule.rtps_protection_kind = sign_with_origin_authentication;
+                 rule.discovery_protection_kind = sign_with_origin_authentication;
+               }))
+                .size(),
+            2u);
+}
+
+TEST(LintGovernance, DataProtectionAlone) {
+  const auto found =
+      only(changed([](DomainRule& rule) { rule.topic_rules[0].metadata_protection_kind = none; }));
+  EXPECT_EQ(found.rule, Id::GOV031);
+  EXPECT_EQ(found.vendors, (std::vector<std::string>{"cyclonedds", "fastdds"}));
+}
+
+TEST(LintGovernance, EncryptedForEverybody) {
+  EXPECT_EQ(only(changed([](DomainRule& rule) {
+              rule.topic_rules[0].enable_read_access_control = false;
+            })).rule,
+            Id::GOV041);
+}
+
+struct Spelling {
+  const char *from, *to;
+  Id id;
+};
+
+class SpellingOfGovernance : public ::testing::TestWithParam<Spelling> {};
+
+TEST_P(SpellingOfGovernance, IsFoundAtItsLine) {
+  const auto& [from, to, id] = GetParam();
+  const auto xml = to_xml(governance_of(Profile::strict, {{0, 0}}));
+  const auto document = governance_from(replaced(xml, from, to));
+  ASSERT_TRUE(document) << document.error().to_sentence();
+  const auto found = only(*document);
+  EXPECT_EQ(found.rule, id);
+  EXPECT_GT(found.line, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, SpellingOfGovernance,
+    ::testing::Values(Spelling{"<id>0</id>", "<id_range><min>0</min></id_range>", Id::GOV004},
+                      Spelling{">SIGN<", "> SIGN<", Id::GOV005},
+                      Spelling{"<id>0</id>", "<id>0</id><tag></tag>", Id::GOV006},
+                      Spelling{"control>true", "control>TRUE", Id::GOV023},
+                      Spelling{">SIGN<", ">Sign<", Id::GOV024}));
+
+TEST(LintGovernance, OrderOfElements) {
+  const std::string first = "<topic_expression>*</topic_expression>";
+  auto xml = replaced(to_xml(governance_of(Profile::strict, {{0, 0}})), first, "");
+  xml = replaced(xml, "</data_protection_kind>", "</data_protection_kind>" + first);
+  const auto found = only(*governance_from(xml));
+  EXPECT_EQ(found.rule, Id::GOV001);
+  EXPECT_EQ(found.vendors, std::vector<std::string>{"fastdds"});
+}
+
+TEST(LintGovernance, OfOneKindHasABound) {
+  std::vector<TopicRule> rules(100, strict("/a"));
+  for (std::size_t i = 0; i < rules.size(); ++i) rules[i].topic_expression += std::to_string(i);
+  rules.push_back(strict("*"));
+  const auto found = of(Id::GOV013, with_rules(rules));
+  ASSERT_EQ(found.size(), kMostFindingsPerRule);
+  EXPECT_TRUE(found.back().message.ends_with(" (and 80 more like this)"));
+}
+
+}  // namespace
+}  // namespace ddssec::governance
