@@ -21,6 +21,16 @@ struct GovernanceUse {
 /// Findings GOV001 to GOV041, by line. Errors stop `governance sign`.
 std::vector<Finding> lint(const Governance& governance, const GovernanceUse& use = {});
 
+/// What a permissions document is meant for. What is not given is not looked at.
+struct PermissionsUse {
+  std::optional<WallTime> now = std::nullopt;
+  const pki::Certificate* certificate = nullptr;
+  const Governance* governance = nullptr;
+};
+
+/// Findings PERM001 to PERM034 but PERM031, by line. Errors stop `permissions sign`.
+std::vector<Finding> lint(const Permissions& permissions, const PermissionsUse& use = {});
+
 /// True if one of them is an error.
 bool has_errors(const std::vector<Finding>& findings);
 

@@ -1,0 +1,155 @@
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "governance/compare/domain_pieces.hpp"
+#include "governance/lint_grant.hpp"
+#include "governance/shadowed.hpp"
+#include "governance/topic_sets.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+using enum ddssec::Rule;
+
+bool within(const DomainSet& inner, const DomainSet& outer) {
+  if (inner == outer) return true;
+  const bool is_tagged = !inner.tags.empty() || !inner.tag_expressions.empty() ||
+                         !outer.tags.empty() || !outer.tag_expressions.empty();
+  if (is_tagged) return false;
+  const auto merged = joined(outer.ranges);
+  return std::ranges::all_of(inner.ranges, [&](const DomainRange& range) {
+    return std::ranges::any_of(merged, [&](const DomainRange& o) {
+      return o.first <= range.first && range.last <= o.last;
+    });
+  });
+}
+
+std::vector<std::string_view> partitions_of(const Criteria& criteria) {
+  if (!criteria.partitions) return {""};
+  std::vector<std::string_view> out;
+  for (const auto& partition : *criteria.partitions) out.emplace_back(partition.text);
+  return out;
+}
+
+// True if entities with partitions or data tags may do something at all.
+bool conditions_matter(const Grant& grant) {
+  const auto has = [](const Criteria& c) { return c.partitions || c.data_tags; };
+  return grant.default_allow || std::ranges::any_of(grant.rules, [&](const Rule& rule) {
+           return rule.allow && (std::ranges::any_of(rule.publish, has) ||
+                                 std::ranges::any_of(rule.subscribe, has));
+         });
+}
+
+// Whether every set of partitions that the later one takes, the earlier one takes too. An allow
+// rule wants all of an entity's partitions listed, a deny rule one.
+bool partitions_cover(const GrantEntry& earlier, const GrantEntry& later) {
+  if (!earlier.rule->allow && !earlier.criteria->partitions) return true;
+  if (!later.rule->allow && (earlier.rule->allow || !later.criteria->partitions)) return false;
+  const auto inner = partitions_of(*later.criteria);
+  const auto outer = partitions_of(*earlier.criteria);
+  return contained(inner, outer, {.states = 2'000, .steps = 1'000'000}).kind ==
+         SetAnswer::Kind::yes;
+}
+
+bool tags_cover(const GrantEntry& earlier, const GrantEntry& later) {
+  if (!earlier.rule->allow && !earlier.criteria->data_tags) return true;
+  return earlier.rule->allow == later.rule->allow &&
+         earlier.criteria->data_tags == later.criteria->data_tags;
+}
+
+// Where conditions do not matter, what a rule without them allows is all that is allowed, and no
+// later denial takes anything away.
+bool covers(const GrantEntry& earlier, const GrantEntry& later, bool with_conditions) {
+  if (!within(later.rule->domains, earlier.rule->domains)) return false;
+  if (earlier.rule->allow && !with_conditions) return true;
+  return tags_cover(earlier, later) && partitions_cover(earlier, later);
+}
+
+/// A dead expression and what is in its way.
+struct Dead {
+  GrantEntry entry;
+  std::vector<GrantEntry> by;
+  std::string_view action;
+};
+
+std::vector<Dead> dead_entries(const GrantPlace& place) {
+  std::vector<Dead> out;
+  const bool with_conditions = conditions_matter(place.grant());
+  for (std::size_t action = 0; action < kActionNames.size(); ++action) {
+    const auto& entries = place.actions()[action];
+    std::vector<std::string_view> texts;
+    for (const auto& entry : entries) texts.emplace_back(entry.topic->text);
+    const auto found = shadows(texts, [&](std::uint32_t a, std::uint32_t b) {
+      return covers(entries[a], entries[b], with_conditions);
+    });
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (!found[i].is_dead) continue;
+      Dead dead{entries[i], {}, kActionNames[action]};
+      for (const auto by : found[i].by) dead.by.push_back(entries[by]);
+      out.push_back(std::move(dead));
+    }
+  }
+  return out;
+}
+
+// What was to be denied and is allowed is an error; what says the same twice is harmless.
+Severity severity_of(const Dead& dead) {
+  const bool same = std::ranges::all_of(
+      dead.by, [&](const GrantEntry& by) { return by.rule->allow == dead.entry.rule->allow; });
+  if (same) return Severity::informational;
+  return dead.entry.rule->allow ? Severity::warning : Severity::error;
+}
+
+std::string reason(const Dead& dead) {
+  std::vector<std::string> names;
+  for (const auto& by : dead.by)
+    names.push_back(
+        fmt::format("{} ({}, line {})", quoted(by.topic->text), rule_name(by), by.topic->line));
+  return fmt::format("{} already decide{} for every name it matches", fmt::join(names, ", "),
+                     names.size() == 1 ? "s" : "");
+}
+
+std::size_t entries_of(const GrantPlace& place, std::size_t rule_number) {
+  std::size_t out = 0;
+  for (const auto& entries : place.actions())
+    out += static_cast<std::size_t>(
+        std::ranges::count(entries, rule_number, &GrantEntry::rule_number));
+  return out;
+}
+
+void add_rule(Findings& out, const GrantPlace& place, const std::vector<const Dead*>& all) {
+  const auto& first = *all.front();
+  auto finding =
+      place.about_rule(PERM012, first.entry.rule_number,
+                       fmt::format("{} can never apply: to {} {}, {}", rule_name(first.entry),
+                                   first.action, quoted(first.entry.topic->text), reason(first)));
+  finding.severity = Severity::informational;
+  for (const auto* dead : all) finding.severity = std::max(finding.severity, severity_of(*dead));
+  out.add(std::move(finding));
+}
+
+}  // namespace
+
+void lint_dead_rules(Findings& out, const GrantPlace& place) {
+  const auto dead = dead_entries(place);
+  std::map<std::size_t, std::vector<const Dead*>> by_rule;
+  for (const auto& one : dead) by_rule[one.entry.rule_number].push_back(&one);
+  for (const auto& [number, all] : by_rule) {
+    if (all.size() == entries_of(place, number)) {
+      add_rule(out, place, all);
+      continue;
+    }
+    for (const auto* one : all) {
+      auto finding = place.about(
+          PERM012, one->entry,
+          fmt::format("to {} {} can never apply in {}: {}", one->action,
+                      quoted(one->entry.topic->text), rule_name(one->entry), reason(*one)));
+      finding.severity = severity_of(*one);
+      out.add(std::move(finding));
+    }
+  }
+}
+
+}  // namespace ddssec::governance

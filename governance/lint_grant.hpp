@@ -1,0 +1,63 @@
+// One grant under lint: its rules taken apart. For governance/ only.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "governance/lint.hpp"
+#include "governance/lint_findings.hpp"
+
+namespace ddssec::governance {
+
+/// One topic expression of a rule.
+struct GrantEntry {
+  const Rule* rule;
+  std::size_t rule_number;  ///< from 1, among all rules of the grant
+  const Criteria* criteria;
+  const Text* topic;
+};
+
+/// A grant and where it stands.
+class GrantPlace {
+ public:
+  GrantPlace(const Grant& grant, std::size_t number);
+
+  const Grant& grant() const { return grant_; }
+  const std::string& path() const { return path_; }
+  const std::string& rule_path(std::size_t rule_number) const {
+    return rule_paths_.at(rule_number - 1);
+  }
+  /// Every expression of all publish elements, in document order.
+  const std::vector<GrantEntry>& publish() const { return entries_[0]; }
+  const std::vector<GrantEntry>& subscribe() const { return entries_[1]; }
+  const std::array<std::vector<GrantEntry>, 2>& actions() const { return entries_; }
+
+  Finding about(ddssec::Rule id, std::string message) const;
+  Finding about(ddssec::Rule id, const GrantEntry& entry, std::string message) const;
+  Finding about_rule(ddssec::Rule id, std::size_t rule_number, std::string message) const;
+
+ private:
+  const Grant& grant_;
+  std::string path_;
+  std::vector<std::string> rule_paths_;
+  std::array<std::vector<GrantEntry>, 2> entries_;
+};
+
+/// "publish", "subscribe": the names of GrantPlace::actions().
+inline constexpr std::array<std::string_view, 2> kActionNames = {"publish", "subscribe"};
+
+/// "allow_rule 2".
+std::string rule_name(const GrantEntry& entry);
+
+/// The texts of the entries that are in an allow_rule.
+std::vector<std::string_view> allowed_texts(const std::vector<GrantEntry>& entries);
+
+/// PERM012: what can never apply.
+void lint_dead_rules(Findings& out, const GrantPlace& place);
+/// PERM013 to PERM015, PERM020, PERM021, PERM023 to PERM025, PERM034.
+void lint_rights(Findings& out, const GrantPlace& place, const Governance* governance);
+/// PERM030, PERM032, PERM033, if the grant speaks of ROS 2.
+void lint_ros(Findings& out, const GrantPlace& place);
+
+}  // namespace ddssec::governance

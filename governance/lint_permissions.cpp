@@ -1,0 +1,206 @@
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "governance/grant.hpp"
+#include "governance/lint.hpp"
+#include "governance/lint_grant.hpp"
+#include "pki/subject_name.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+using enum ddssec::Rule;
+
+void add_notes(Findings& out, const Permissions& document) {
+  const std::vector<std::string> stock = {kCyclone, kFastDds};
+  for (const auto& note : document.notes) {
+    switch (note.kind) {
+      case NoteKind::no_zone:
+        out.add(PERM003, note, {kFastDds});
+        break;
+      case NoteKind::open_range:
+        out.add(PERM004, note, {});
+        break;
+      case NoteKind::padding:
+        out.add(PERM005, note, {kFastDds});
+        break;
+      case NoteKind::extension:
+        out.add(PERM006, note, stock);
+        break;
+      default:  // order, no_name, no_default
+        out.add(PERM001, note, {kFastDds});
+    }
+  }
+}
+
+void check_dates(Findings& out, const GrantPlace& place, const PermissionsUse& use) {
+  const auto& [from, to] = place.grant().validity;
+  const auto add = [&](Severity severity, std::string message) {
+    auto finding = place.about(PERM002, std::move(message));
+    finding.severity = severity;
+    out.add(std::move(finding));
+  };
+  if (use.now && *use.now >= to)
+    add(Severity::error, fmt::format("the grant ended at {}", to_string(to)));
+  if (use.now && *use.now < from)
+    add(Severity::warning, fmt::format("the grant begins at {} only", to_string(from)));
+  if (use.certificate && to > use.certificate->not_after())
+    add(Severity::warning, fmt::format("the grant ends at {}, after the certificate ({})",
+                                       to_string(to), to_string(use.certificate->not_after())));
+}
+
+/// The same for every spelling of a subject.
+std::string key_of(const Grant& grant) {
+  const auto name = pki::SubjectName::parse(grant.subject_name);
+  if (!name || grant.subject_is_expression) return "text " + grant.subject_name;
+  auto attributes = name->attributes();
+  std::ranges::sort(attributes);
+  std::string out;
+  for (const auto& attribute : attributes)
+    out.append(attribute.type).append("=").append(attribute.value).push_back('\0');
+  return out;
+}
+
+// Grants one after the other in time are a renewal; Cyclone DDS knows the first only all the same.
+void check_repeated_subjects(Findings& out, const std::vector<GrantPlace>& places) {
+  std::map<std::string, const GrantPlace*> first;
+  for (const auto& place : places) {
+    const auto [entry, is_new] = first.try_emplace(key_of(place.grant()), &place);
+    if (is_new) continue;
+    const auto& earlier = entry->second->grant();
+    const auto& own = place.grant().validity;
+    const bool is_renewal = own.not_before >= earlier.validity.not_after ||
+                            earlier.validity.not_before >= own.not_after;
+    auto finding = place.about(
+        PERM010, fmt::format("the grant for {} is dead: there is one in line {} already",
+                             quoted(place.grant().subject_name), earlier.line));
+    if (is_renewal) {
+      finding.severity = Severity::warning;
+      finding.vendors = {kCyclone};
+    }
+    out.add(std::move(finding));
+  }
+}
+
+bool is_special(char c) { return std::string_view(",+\"\\<>;").find(c) != std::string_view::npos; }
+
+/// RFC 2253 text, the most specific attribute first.
+std::string canonical(const pki::SubjectName& name, bool reverse) {
+  std::vector<std::string> parts;
+  for (std::size_t i = 0; i < name.attributes().size(); ++i) {
+    const auto& [type, value] = name.attributes()[i];
+    std::string part = type + "=";
+    for (std::size_t at = 0; at < value.size(); ++at) {
+      const bool is_edge_blank = value[at] == ' ' && (at == 0 || at + 1 == value.size());
+      if (is_special(value[at]) || is_edge_blank || (at == 0 && value[at] == '#')) part += '\\';
+      part += value[at];
+    }
+    if (name.joined(i) && !parts.empty())
+      parts.back() += "+" + part;
+    else
+      parts.push_back(std::move(part));
+  }
+  if (reverse) std::ranges::reverse(parts);
+  return fmt::format("{}", fmt::join(parts, ","));
+}
+
+/// What is wrong with the spelling of a subject, and who minds.
+struct Spelling {
+  std::string message = {}, right = {};
+  std::vector<std::string> vendors = {};
+};
+
+bool is_root_first(const pki::SubjectName& name) {
+  constexpr std::string_view kRoots[] = {"C", "O", "DC"};
+  const auto& all = name.attributes();
+  return all.size() > 1 && all.back().type == "CN" &&
+         std::ranges::find(kRoots, all.front().type) != std::end(kRoots);
+}
+
+std::optional<Spelling> misspelt(const std::string& text) {
+  const auto name = pki::SubjectName::parse(text);
+  if (!name) return Spelling{quoted(text) + " is no subject name"};
+  if (name->root_first())
+    return Spelling{quoted(text) + " is in the form with slashes, which Fast DDS does not read",
+                    canonical(*name, true),
+                    {kFastDds}};
+  if (is_root_first(*name))
+    return Spelling{quoted(text) +
+                        " begins with the country or organisation: Fast DDS does not "
+                        "recognise a certificate by it",
+                    canonical(*name, true),
+                    {kFastDds}};
+  const auto plain = canonical(*name, false);
+  if (text.size() > plain.size() && text.find(' ') != text.npos)
+    return Spelling{quoted(text) + " has blanks beside ',' or '=', and Cyclone DDS keeps them",
+                    plain,
+                    {kCyclone}};
+  return std::nullopt;
+}
+
+void check_spelling(Findings& out, const GrantPlace& place) {
+  if (place.grant().subject_is_expression) return;
+  auto found = misspelt(place.grant().subject_name);
+  if (!found) return;
+  auto finding = place.about(PERM011, std::move(found->message));
+  if (!found->right.empty())
+    finding.hint = fmt::format("write <subject_name>{}</subject_name>", found->right);
+  else
+    finding.severity = Severity::error;
+  finding.vendors = std::move(found->vendors);
+  out.add(std::move(finding));
+}
+
+// One grant must be for the certificate, in its own words.
+void check_subject(Findings& out, const std::vector<GrantPlace>& places,
+                   const pki::Certificate& certificate) {
+  const auto subject = pki::SubjectName::of(certificate);
+  const auto own = std::ranges::find_if(
+      places, [&](const GrantPlace& place) { return is_for(place.grant(), subject); });
+  const auto hint = fmt::format("write <subject_name>{}</subject_name>", certificate.subject());
+  if (own == places.end()) {
+    out.add({.rule = PERM011,
+             .message = fmt::format("no grant is for the certificate's subject {}; the first is "
+                                    "for {}",
+                                    quoted(certificate.subject()),
+                                    quoted(places.front().grant().subject_name)),
+             .line = places.front().grant().line,
+             .path = places.front().path(),
+             .hint = hint,
+             .severity = Severity::error});
+    return;
+  }
+  const auto& grant = own->grant();
+  if (grant.subject_is_expression || grant.subject_name == certificate.subject()) return;
+  auto finding =
+      own->about(PERM011, fmt::format("{} means the certificate's subject {} in other words",
+                                      quoted(grant.subject_name), quoted(certificate.subject())));
+  finding.hint = hint;
+  finding.vendors = {kCyclone, kFastDds};
+  out.add(std::move(finding));
+}
+
+}  // namespace
+
+std::vector<Finding> lint(const Permissions& permissions, const PermissionsUse& use) {
+  Findings out;
+  add_notes(out, permissions);
+  std::vector<GrantPlace> places;
+  places.reserve(permissions.grants.size());
+  for (std::size_t i = 0; i < permissions.grants.size(); ++i)
+    places.emplace_back(permissions.grants[i], i + 1);
+  for (const auto& place : places) {
+    check_dates(out, place, use);
+    if (!use.certificate) check_spelling(out, place);
+    lint_dead_rules(out, place);
+    lint_rights(out, place, use.governance);
+    lint_ros(out, place);
+  }
+  check_repeated_subjects(out, places);
+  if (use.certificate && !places.empty()) check_subject(out, places, *use.certificate);
+  return out.take();
+}
+
+}  // namespace ddssec::governance

@@ -1,0 +1,279 @@
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "governance/compare/domain_pieces.hpp"
+#include "governance/lint_grant.hpp"
+#include "governance/matcher.hpp"
+#include "governance/topic_sets.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+using enum ddssec::Rule;
+
+constexpr SetLimits kLimits{.states = 20'000, .atoms = 5'000, .steps = 20'000'000};
+const std::vector<std::string> kStock = {kCyclone, kFastDds};
+/// Pairs of expressions, and rules that deny, that are looked at for their effect in one product.
+constexpr int kMostComparisons = 2'000;
+constexpr int kMostDenyRules = 50;
+
+std::vector<std::string_view> texts_of(const std::vector<Criteria>& list) {
+  std::vector<std::string_view> out;
+  for (const auto& criteria : list)
+    for (const auto& topic : criteria.topics) out.emplace_back(topic.text);
+  return out;
+}
+
+void check_expressions(Findings& out, const GrantPlace& place) {
+  for (const auto& entries : place.actions())
+    for (const auto& entry : entries) {
+      out.add_if_unportable(PERM013, *entry.topic, place.rule_path(entry.rule_number));
+      out.add_if_ros_name(PERM034, *entry.topic, place.rule_path(entry.rule_number));
+    }
+}
+
+void check_unread_conditions(Findings& out, const GrantPlace& place) {
+  const auto& rules = place.grant().rules;
+  const auto has_tags = [](const Criteria& c) { return c.data_tags.has_value(); };
+  for (std::size_t i = 0; i < rules.size(); ++i) {
+    const auto& rule = rules[i];
+    const auto add = [&](std::string_view what, Severity severity) {
+      auto finding = place.about_rule(
+          PERM014, i + 1,
+          fmt::format("rule {} has {}: Cyclone DDS and Fast DDS pass over them", i + 1, what));
+      finding.vendors = kStock;
+      finding.severity = severity;
+      out.add(std::move(finding));
+    };
+    if (std::ranges::any_of(rule.publish, has_tags) ||
+        std::ranges::any_of(rule.subscribe, has_tags))
+      add("data tags", Severity::warning);
+    if (!rule.relay.empty()) add("relay elements", Severity::informational);
+  }
+}
+
+// Fast DDS stops at the first rule whose topic matches.
+void check_partitions_by_rule(Findings& out, const GrantPlace& place,
+                              const std::vector<GrantEntry>& entries) {
+  const auto has_partitions = [](const GrantEntry& e) {
+    return e.criteria->partitions.has_value();
+  };
+  if (std::ranges::none_of(entries, has_partitions)) return;
+  PatternSet patterns;
+  std::vector<const GrantEntry*> first;
+  for (const auto& entry : entries)
+    if (patterns.add(entry.topic->text) == first.size()) first.push_back(&entry);
+  patterns.seal();
+  for (const auto& entry : entries) {
+    const auto id = patterns.first_match(entry.topic->text);
+    if (id == PatternSet::kNone || first[id]->rule_number >= entry.rule_number) continue;
+    const auto& earlier = *first[id];
+    if (!entry.rule->allow || earlier.criteria->partitions == entry.criteria->partitions) continue;
+    auto finding = place.about(
+        PERM015, entry,
+        fmt::format("{}: {} matches it for other partitions, and Fast DDS goes no further",
+                    quoted(entry.topic->text), rule_name(earlier)));
+    finding.vendors = {kFastDds};
+    out.add(std::move(finding));
+  }
+}
+
+/// Where the deny rule denies one direction of a topic and a later rule allows the other. Lists of
+/// expressions by their part in it.
+struct HalfDenied {
+  std::vector<std::string_view> denied, also_denied, named_before, allowed_later;
+
+  // A name that is in the first and the last list and in none of the others.
+  std::optional<std::string> witness() const {
+    std::vector<RankedExpression> all;
+    const std::vector<std::string_view>* lists[] = {&denied, &also_denied, &named_before,
+                                                    &allowed_later};
+    for (std::uint32_t list = 0; list < std::size(lists); ++list)
+      for (const auto text : *lists[list]) all.push_back({text, list, 0});
+    const auto atoms = name_atoms(all, kLimits);
+    if (!atoms) return std::nullopt;
+    for (const auto& atom : *atoms)
+      if (atom.rank_in(0) && !atom.rank_in(1) && !atom.rank_in(2) && atom.rank_in(3))
+        return atom.witness;
+    return std::nullopt;
+  }
+};
+
+void append(std::vector<std::string_view>& to, const std::vector<std::string_view>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+void check_half_denied(Findings& out, const GrantPlace& place, std::size_t at, bool publish) {
+  const auto& rules = place.grant().rules;
+  const auto half = [](const Rule& rule, bool first) {
+    return texts_of(first ? rule.publish : rule.subscribe);
+  };
+  HalfDenied lists{half(rules[at], publish), half(rules[at], !publish), {}, {}};
+  if (lists.denied.empty()) return;
+  for (std::size_t i = 0; i < rules.size(); ++i) {
+    if (i < at) append(lists.named_before, half(rules[i], true));
+    if (i < at) append(lists.named_before, half(rules[i], false));
+    if (i > at && rules[i].allow) append(lists.allowed_later, half(rules[i], !publish));
+    // Denied in both directions before anybody allows it: really denied.
+    if (i > at && !rules[i].allow) append(lists.also_denied, half(rules[i], !publish));
+  }
+  const auto witness = lists.witness();
+  if (!witness) return;
+  auto finding = place.about_rule(
+      PERM020, at + 1,
+      fmt::format("deny_rule {} denies to {} {}, and a later allow_rule allows to {} it: Cyclone "
+                  "DDS refuses the topic altogether",
+                  at + 1, publish ? "publish" : "subscribe", quoted(*witness),
+                  publish ? "subscribe" : "publish"));
+  finding.vendors = {kCyclone};
+  out.add(std::move(finding));
+}
+
+void check_denials(Findings& out, const GrantPlace& place) {
+  const auto& rules = place.grant().rules;
+  int denials = 0;
+  for (std::size_t i = 0; i < rules.size(); ++i) {
+    if (rules[i].allow || ++denials > kMostDenyRules) continue;
+    check_half_denied(out, place, i, true);
+    check_half_denied(out, place, i, false);
+  }
+}
+
+// Cyclone fills an absent list of a deny rule with the default partition.
+void check_open_denial(Findings& out, const GrantPlace& place,
+                       const std::vector<GrantEntry>& entries) {
+  int comparisons = 0;
+  for (const auto& entry : entries) {
+    if (entry.rule->allow || entry.criteria->partitions) continue;
+    const auto later = std::ranges::find_if(entries, [&](const GrantEntry& other) {
+      if (other.rule_number <= entry.rule_number || !other.rule->allow) return false;
+      if (!other.criteria->partitions || ++comparisons > kMostComparisons) return false;
+      const std::string_view a[] = {entry.topic->text};
+      const std::string_view b[] = {other.topic->text};
+      return overlap(a, b, kLimits).kind == SetAnswer::Kind::yes;
+    });
+    if (later == entries.end()) continue;
+    auto finding = place.about(
+        PERM021, entry,
+        fmt::format("{} denies {} in every partition, but in Cyclone DDS in the default partition "
+                    "only, and {} allows {} in partition {}",
+                    rule_name(entry), quoted(entry.topic->text), rule_name(*later),
+                    quoted(later->topic->text), quoted(later->criteria->partitions->front().text)));
+    finding.vendors = {kCyclone};
+    out.add(std::move(finding));
+    return;  // one example for each direction
+  }
+}
+
+void check_denied_partitions(Findings& out, const GrantPlace& place) {
+  const auto& rules = place.grant().rules;
+  const auto listed = [](const Criteria& c) { return c.partitions.has_value(); };
+  for (std::size_t i = 0; i < rules.size(); ++i) {
+    const bool has = std::ranges::any_of(rules[i].publish, listed) ||
+                     std::ranges::any_of(rules[i].subscribe, listed);
+    if (rules[i].allow || !has) continue;
+    auto finding = place.about_rule(
+        PERM021, i + 1,
+        fmt::format("deny_rule {} lists partitions: Fast DDS denies its topics in all of them",
+                    i + 1));
+    finding.vendors = {kFastDds};
+    out.add(std::move(finding));
+  }
+}
+
+void check_default(Findings& out, const GrantPlace& place) {
+  const auto& grant = place.grant();
+  if (grant.default_allow)
+    out.add(place.about(PERM022,
+                        "<default> is ALLOW: every topic that no rule names is allowed, "
+                        "also those that nobody has thought of"));
+  if (std::ranges::any_of(grant.rules, &Rule::allow)) return;
+  auto finding = place.about(PERM023, "there is no allow_rule");
+  finding.vendors = {kFastDds};
+  out.add(std::move(finding));
+}
+
+std::vector<DomainRange> uncovered(const Rule& rule, const Governance& governance) {
+  std::vector<DomainRange> out;
+  for (const auto& range : rule.domains.ranges)
+    for (auto id = range.first; id <= range.last; ++id)
+      if (!governance.find(id)) out.push_back({id, id});
+  return joined(std::move(out));
+}
+
+void check_domains(Findings& out, const GrantPlace& place, const Governance& governance) {
+  const auto& rules = place.grant().rules;
+  for (std::size_t i = 0; i < rules.size(); ++i) {
+    const auto missing = uncovered(rules[i], governance);
+    if (!rules[i].allow || missing.empty()) continue;
+    out.add(place.about_rule(PERM024, i + 1,
+                             fmt::format("allow_rule {} is for domain {}, which no domain_rule of "
+                                         "the governance document covers",
+                                         i + 1, to_text(missing))));
+  }
+}
+
+// By the domain rule of the first domain that is covered.
+const DomainRule* domain_rule_for(const Rule& rule, const Governance& governance) {
+  for (const auto& range : rule.domains.ranges)
+    for (auto id = range.first; id <= range.last; ++id)
+      if (const auto* found = governance.find(id)) return found;
+  return nullptr;
+}
+
+/// The expressions of a domain rule.
+class TopicRules {
+ public:
+  explicit TopicRules(const DomainRule& rule) {
+    for (const auto& topic : rule.topic_rules) {
+      texts_.emplace_back(topic.topic_expression);
+      patterns_.add(topic.topic_expression);
+    }
+    patterns_.seal();
+  }
+  // Most expressions are matched as they stand; only for others the automaton is asked.
+  bool meet(const std::string& expression) const {
+    if (patterns_.first_match(expression) != PatternSet::kNone) return true;
+    const std::string_view own[] = {expression};
+    return overlap(own, texts_, kLimits).kind != SetAnswer::Kind::no;
+  }
+
+ private:
+  std::vector<std::string_view> texts_;
+  PatternSet patterns_;
+};
+
+void check_topic_rules(Findings& out, const GrantPlace& place, const Governance& governance) {
+  std::map<const DomainRule*, TopicRules> known;
+  for (const auto& entries : place.actions())
+    for (const auto& entry : entries) {
+      const auto* domain = entry.rule->allow ? domain_rule_for(*entry.rule, governance) : nullptr;
+      if (!domain || known.try_emplace(domain, *domain).first->second.meet(entry.topic->text))
+        continue;
+      out.add(place.about(
+          PERM025, entry,
+          fmt::format("{} is allowed, and no topic_rule of the governance document matches it",
+                      quoted(entry.topic->text))));
+    }
+}
+
+}  // namespace
+
+void lint_rights(Findings& out, const GrantPlace& place, const Governance* governance) {
+  check_expressions(out, place);
+  check_unread_conditions(out, place);
+  for (const auto& entries : place.actions()) {
+    check_partitions_by_rule(out, place, entries);
+    check_open_denial(out, place, entries);
+  }
+  check_denials(out, place);
+  check_denied_partitions(out, place);
+  check_default(out, place);
+  if (!governance) return;
+  check_domains(out, place, *governance);
+  check_topic_rules(out, place, *governance);
+}
+
+}  // namespace ddssec::governance

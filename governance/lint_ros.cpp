@@ -1,0 +1,96 @@
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "governance/lint_grant.hpp"
+#include "governance/matcher.hpp"
+#include "governance/shadowed.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+using enum ddssec::Rule;
+
+constexpr std::string_view kRequest = "Request", kReply = "Reply";
+
+bool speaks_of_ros(const GrantPlace& place) {
+  return std::ranges::any_of(place.actions(), [](const auto& entries) {
+    return std::ranges::any_of(entries, [](const GrantEntry& entry) {
+      const std::string_view text = entry.topic->text;
+      return text.starts_with("rt/") || text.starts_with("rq/") || text.starts_with("rr/");
+    });
+  });
+}
+
+/// rr/NAMEReply for rq/NAMERequest, and the other way round.
+std::optional<std::string> other_half(std::string_view text) {
+  const auto inside = [&](std::string_view end) {
+    return std::string(text.substr(3, text.size() - 3 - end.size()));
+  };
+  if (text.starts_with("rq/") && text.ends_with(kRequest))
+    return "rr/" + inside(kRequest).append(kReply);
+  if (text.starts_with("rr/") && text.ends_with(kReply))
+    return "rq/" + inside(kReply).append(kRequest);
+  return std::nullopt;
+}
+
+// Each half must lie within what is allowed in the other direction.
+void check_services(Findings& out, const GrantPlace& place, std::size_t action) {
+  std::vector<const GrantEntry*> halves;
+  std::vector<std::string> others;
+  for (const auto& entry : place.actions()[action]) {
+    const auto other = entry.rule->allow ? other_half(entry.topic->text) : std::nullopt;
+    if (!other) continue;
+    halves.push_back(&entry);
+    others.push_back(*other);
+  }
+  auto texts = allowed_texts(place.actions()[1 - action]);
+  const auto allowed = texts.size();
+  texts.insert(texts.end(), others.begin(), others.end());
+  const auto found = shadows(texts, [&](std::uint32_t a, std::uint32_t) { return a < allowed; });
+  for (std::size_t i = 0; i < halves.size(); ++i) {
+    if (found[allowed + i].is_dead) continue;
+    out.add(place.about(PERM030, *halves[i],
+                        fmt::format("to {} {} is allowed, to {} {} is not", kActionNames.at(action),
+                                    quoted(halves[i]->topic->text), kActionNames.at(1 - action),
+                                    quoted(others[i]))));
+  }
+}
+
+bool allows(const std::vector<GrantEntry>& entries, std::string_view name) {
+  return std::ranges::any_of(entries, [&](const GrantEntry& entry) {
+    return entry.rule->allow && Pattern(entry.topic->text).matches(name);
+  });
+}
+
+void check_discovery(Findings& out, const GrantPlace& place) {
+  constexpr std::string_view kTopic = "ros_discovery_info";
+  for (const auto action : {0u, 1u})
+    if (!allows(place.actions()[action], kTopic))
+      out.add(place.about(
+          PERM032, fmt::format("to {} ros_discovery_info is not allowed", kActionNames[action])));
+}
+
+void check_log_topic(Findings& out, const GrantPlace& place) {
+  if (allows(place.publish(), "rt/rosout")) return;
+  for (const auto& entry : place.publish()) {
+    const std::string_view text = entry.topic->text;
+    if (entry.rule->allow && text.starts_with("rt/") && text.ends_with("/rosout"))
+      out.add(place.about(
+          PERM033, entry,
+          fmt::format("{} is allowed, and rt/rosout, where nodes log, is not", quoted(text))));
+  }
+}
+
+}  // namespace
+
+void lint_ros(Findings& out, const GrantPlace& place) {
+  if (!speaks_of_ros(place)) return;
+  check_services(out, place, 0);
+  check_services(out, place, 1);
+  check_discovery(out, place);
+  check_log_topic(out, place);
+}
+
+}  // namespace ddssec::governance

@@ -1,0 +1,322 @@
+#include <algorithm>
+#include <functional>
+
+#include "governance/lint.hpp"
+#include "governance/profile.hpp"
+#include "governance/rights.hpp"
+#include "governance/write.hpp"
+#include "tests/unit/governance/fixture.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+using Id = ddssec::Rule;
+
+const pki::Certificate& certificate() {
+  static const auto made = make_leaf(pki::make_ca(), "CN=talker,O=A\\, B,C=DE").certificate;
+  return made;
+}
+
+Rights rights(std::vector<std::string> publish, std::vector<std::string> subscribe = {}) {
+  return {.domains = {{0, 0}}, .publish = std::move(publish), .subscribe = std::move(subscribe)};
+}
+
+Grant grant_for(const Rights& rights) {
+  return grant_of("talker", certificate(), rights,
+                  {certificate().not_before(), certificate().not_after()});
+}
+
+/// Written and read again, so that it has lines.
+Permissions read_again(const Permissions& document) {
+  auto again = permissions_from(to_xml(document));
+  EXPECT_TRUE(again) << again.error().to_sentence();
+  return *std::move(again);
+}
+Permissions with(const Rights& rights) { return read_again({.grants = {grant_for(rights)}}); }
+Permissions changed(const std::function<void(Grant&)>& change, const Rights& base = rights({"a"})) {
+  auto grant = grant_for(base);
+  change(grant);
+  return read_again({.grants = {std::move(grant)}});
+}
+
+Rule rule(bool allow, std::vector<std::string> publish, std::vector<std::string> subscribe = {}) {
+  auto out = grant_for(rights(std::move(publish), std::move(subscribe))).rules.at(0);
+  out.allow = allow;
+  return out;
+}
+Permissions with_rules(std::vector<Rule> rules) {
+  return changed([&](Grant& grant) { grant.rules = std::move(rules); });
+}
+
+/// The only finding of the whole document.
+Finding only(const Permissions& document, const PermissionsUse& use = {}) {
+  const auto found = lint(document, use);
+  EXPECT_EQ(found.size(), 1u);
+  for (const auto& finding : found) {
+    EXPECT_TRUE(finding.path.starts_with("/dds/permissions")) << finding.path;
+    EXPECT_GT(finding.line, 0);
+    if (found.size() > 1) ADD_FAILURE() << info(finding.rule).id << ' ' << finding.message;
+  }
+  return found.empty() ? Finding{Id::end_, ""} : found.front();
+}
+
+TEST(LintPermissions, OfACertificateWithSomeRightsHaveNothing) {
+  const auto document = with(rights({"a", "b*"}, {"c"}));
+  EXPECT_TRUE(lint(document).empty());
+  const auto governance = governance_of(Profile::strict, {{0, 0}});
+  EXPECT_TRUE(lint(document, {pki::kNow, &certificate(), &governance}).empty());
+}
+
+TEST(LintPermissions, Dates) {
+  const auto document = with(rights({"a"}));
+  const auto ended = only(document, {.now = certificate().not_after()});
+  EXPECT_EQ(ended.rule, Id::PERM002);
+  EXPECT_EQ(ended.severity, Severity::error);
+  const auto early = only(document, {.now = certificate().not_before() - std::chrono::seconds(1)});
+  EXPECT_EQ(early.rule, Id::PERM002);
+  EXPECT_EQ(early.severity, Severity::warning);
+  const auto longer = changed([](Grant& g) { g.validity.not_after += std::chrono::hours(1); });
+  EXPECT_EQ(only(longer, {.certificate = &certificate()}).rule, Id::PERM002);
+  EXPECT_TRUE(lint(longer).empty());
+}
+
+TEST(LintPermissions, ASecondGrantIsDead) {
+  auto grant = grant_for(rights({"a"}));
+  auto other = grant;
+  other.subject_name = "C=DE, CN=talker, O=\"A, B\"";
+  auto found = lint(read_again({.grants = {grant, other}}));
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].rule, Id::PERM011);
+  EXPECT_EQ(found[1].rule, Id::PERM010);
+  EXPECT_EQ(found[1].severity, Severity::error);
+  EXPECT_EQ(found[1].path, "/dds/permissions/grant[2]");
+  other.subject_name = "CN=listener";
+  EXPECT_TRUE(lint(read_again({.grants = {grant, other}})).empty());
+}
+
+TEST(LintPermissions, ARenewedGrantIsDeadForCycloneOnly) {
+  auto grant = grant_for(rights({"a"}));
+  auto next = grant;
+  next.validity = {grant.validity.not_after, grant.validity.not_after + std::chrono::hours(1)};
+  const auto found = only(read_again({.grants = {grant, next}}));
+  EXPECT_EQ(found.rule, Id::PERM010);
+  EXPECT_EQ(found.severity, Severity::warning);
+  EXPECT_EQ(found.vendors, std::vector<std::string>{"cyclonedds"});
+}
+
+struct Subject {
+  const char *text, *right, *vendor;
+};
+class SubjectSpelling : public ::testing::TestWithParam<Subject> {};
+
+// As measured with both vendors.
+TEST_P(SubjectSpelling, IsCorrected) {
+  const auto& [text, right, vendor] = GetParam();
+  const auto found = only(changed([&](Grant& g) { g.subject_name = text; }));
+  EXPECT_EQ(found.rule, Id::PERM011);
+  EXPECT_EQ(found.hint, std::string("write <subject_name>") + right + "</subject_name>");
+  EXPECT_EQ(found.vendors, std::vector<std::string>{vendor});
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, SubjectSpelling,
+    ::testing::Values(Subject{"C=DE,O=Acme,CN=pub", "CN=pub,O=Acme,C=DE", "fastdds"},
+                      Subject{"/C=DE/O=Acme/CN=pub", "CN=pub,O=Acme,C=DE", "fastdds"},
+                      Subject{"CN=pub, O=Acme, C=DE", "CN=pub,O=Acme,C=DE", "cyclonedds"},
+                      Subject{"CN=pub , O=\"A, B\"", "CN=pub,O=A\\, B", "cyclonedds"}));
+
+TEST(LintPermissions, SubjectsThatAreFine) {
+  for (const char* text : {"CN=pub", "CN=pub,O=Acme,C=DE", "CN=/a/b", "CN=pub,O=A\\, B", "CN=a b"})
+    EXPECT_TRUE(lint(changed([&](Grant& g) { g.subject_name = text; })).empty()) << text;
+  EXPECT_EQ(only(changed([](Grant& g) { g.subject_name = "talker"; })).severity, Severity::error);
+}
+
+TEST(LintPermissions, OfAnotherSubjectThanTheCertificates) {
+  const auto document = changed([](Grant& g) { g.subject_name = "CN=talker2,O=A\\, B,C=DE"; });
+  const auto found = only(document, {.certificate = &certificate()});
+  EXPECT_EQ(found.rule, Id::PERM011);
+  EXPECT_EQ(found.severity, Severity::error);
+  EXPECT_EQ(found.hint, "write <subject_name>CN=talker,O=A\\, B,C=DE</subject_name>");
+}
+
+TEST(LintPermissions, OfTheSubjectInOtherWords) {
+  const auto document = changed([](Grant& g) { g.subject_name = "C=DE,O=A\\, B,CN=talker"; });
+  const auto found = only(document, {.certificate = &certificate()});
+  EXPECT_EQ(found.rule, Id::PERM011);
+  EXPECT_EQ(found.severity, Severity::warning);
+}
+
+TEST(LintPermissions, ADenyRuleBehindWhatItDeniesIsAnError) {
+  const auto found = only(with_rules({rule(true, {"rt*"}), rule(false, {"rtb", "rta*"})}));
+  EXPECT_EQ(found.rule, Id::PERM012);
+  EXPECT_EQ(found.severity, Severity::error);
+  EXPECT_EQ(found.message,
+            "deny_rule 2 can never apply: to publish \"rtb\", \"rt*\" (allow_rule 1, line 16) "
+            "already decides for every name it matches");
+  EXPECT_EQ(found.path, "/dds/permissions/grant[1]/deny_rule[1]");
+}
+
+TEST(LintPermissions, DeadPartsOfARuleAreNamedOneByOne) {
+  const auto found = only(with_rules({rule(false, {"a*"}), rule(true, {"b", "ab"})}));
+  EXPECT_EQ(found.rule, Id::PERM012);
+  EXPECT_EQ(found.severity, Severity::warning);
+  EXPECT_TRUE(found.message.starts_with("to publish \"ab\" can never apply in allow_rule 2"));
+  EXPECT_EQ(only(with(rights({"a*", "ab"}))).severity, Severity::informational);
+}
+
+// What another domain, partition or data tag needs is not dead.
+TEST(LintPermissions, DeadNeedsTheSameCircumstances) {
+  auto first = rule(true, {"*"}), second = rule(true, {"a"});
+  second.domains.ranges = {{0, 1}};
+  EXPECT_TRUE(lint(with_rules({first, second})).empty());
+  first.domains.ranges = {{0, 0}, {1, 5}};
+  EXPECT_EQ(only(with_rules({first, second})).rule, Id::PERM012);
+  second.publish[0].data_tags = std::vector<DataTag>{{"x", "y"}};
+  for (const auto& finding : lint(with_rules({first, second})))
+    EXPECT_EQ(finding.rule, Id::PERM014);
+}
+
+TEST(LintPermissions, PartitionsOfDeadRules) {
+  const auto dead = [](std::vector<std::string> earlier, bool earlier_allows,
+                       std::vector<std::string> later, bool later_allows) {
+    auto a = rule(earlier_allows, {"*"}), b = rule(later_allows, {"a"});
+    const auto set = [](Rule& r, const auto& names) {
+      if (names.empty()) return;
+      r.publish[0].partitions.emplace();
+      for (const auto& name : names) r.publish[0].partitions->push_back({name, 0});
+    };
+    set(a, earlier), set(b, later);
+    const auto found = lint(with_rules({a, b}));
+    return std::ranges::any_of(found, [](const Finding& f) { return f.rule == Id::PERM012; });
+  };
+  EXPECT_TRUE(dead({}, false, {"x"}, true));
+  EXPECT_TRUE(dead({}, false, {"x"}, false));
+  EXPECT_FALSE(dead({}, true, {"x"}, true));
+  EXPECT_TRUE(dead({}, true, {}, false));  // who has partitions is denied by default
+  EXPECT_TRUE(dead({}, true, {"x"}, false));
+  EXPECT_TRUE(dead({"x*"}, true, {"xy", "xz"}, true));
+  EXPECT_FALSE(dead({"x*"}, true, {"xy", "z"}, true));
+  EXPECT_FALSE(dead({"x*"}, true, {"xy"}, false));
+  EXPECT_TRUE(dead({"x*"}, false, {"xy"}, true));
+  EXPECT_TRUE(dead({"x*"}, false, {"xy"}, false));
+  EXPECT_FALSE(dead({"x*"}, false, {}, true));
+  EXPECT_FALSE(dead({"x*"}, false, {}, false));
+}
+
+TEST(LintPermissions, ExpressionsThatProductsReadDifferently) {
+  const auto found = only(with(rights({"rt[^a]"})));
+  EXPECT_EQ(found.rule, Id::PERM013);
+  EXPECT_EQ(found.path, "/dds/permissions/grant[1]/allow_rule[1]");
+}
+
+TEST(LintPermissions, WhatStockProductsPassOver) {
+  auto tagged = rule(true, {"a"});
+  tagged.publish[0].data_tags = std::vector<DataTag>{{"x", "y"}};
+  EXPECT_EQ(only(with_rules({tagged})).rule, Id::PERM014);
+  auto relay = rule(true, {"a"});
+  relay.relay = relay.publish;
+  EXPECT_EQ(only(with_rules({relay})).severity, Severity::informational);
+}
+
+TEST(LintPermissions, RulesThatDifferInPartitionsOnly) {
+  auto first = rule(true, {"a*"}), second = rule(true, {"ab"});
+  second.publish[0].partitions = std::vector<Text>{{"x", 0}};
+  const auto found = only(with_rules({first, second}));
+  EXPECT_EQ(found.rule, Id::PERM015);
+  EXPECT_EQ(found.vendors, std::vector<std::string>{"fastdds"});
+}
+
+TEST(LintPermissions, DeniedInOneDirectionAndAllowedInTheOther) {
+  const auto found = only(with_rules({rule(false, {"rtc*"}), rule(true, {}, {"rt*"})}));
+  EXPECT_EQ(found.rule, Id::PERM020);
+  EXPECT_EQ(found.vendors, std::vector<std::string>{"cyclonedds"});
+  EXPECT_EQ(found.message,
+            "deny_rule 1 denies to publish \"rtc\", and a later allow_rule allows to subscribe it: "
+            "Cyclone DDS refuses the topic altogether");
+  EXPECT_EQ(only(with_rules({rule(false, {}, {"a"}), rule(true, {"a"})})).rule, Id::PERM020);
+  // Denied both ways, or named by an allow_rule before.
+  EXPECT_TRUE(lint(with_rules({rule(false, {"a"}, {"a"}), rule(true, {"b"}, {"?"})})).empty());
+  EXPECT_TRUE(lint(with_rules({rule(true, {}, {"a"}), rule(false, {"a"})})).empty());
+}
+
+TEST(LintPermissions, DenialsAndPartitions) {
+  auto deny = rule(false, {"a"});
+  deny.publish[0].partitions = std::vector<Text>{{"x", 0}};
+  const auto listed = only(with_rules({deny, rule(true, {"b"})}));
+  EXPECT_EQ(listed.rule, Id::PERM021);
+  EXPECT_EQ(listed.vendors, std::vector<std::string>{"fastdds"});
+  auto allow = rule(true, {"*"});
+  allow.publish[0].partitions = std::vector<Text>{{"x", 0}};
+  const auto open = only(with_rules({rule(false, {"a"}), allow}));
+  EXPECT_EQ(open.rule, Id::PERM021);
+  EXPECT_EQ(open.vendors, std::vector<std::string>{"cyclonedds"});
+}
+
+TEST(LintPermissions, DefaultsAndGrantsThatAllowNothing) {
+  EXPECT_EQ(only(changed([](Grant& g) { g.default_allow = true; })).rule, Id::PERM022);
+  EXPECT_EQ(only(with_rules({rule(false, {"a"})})).rule, Id::PERM023);
+}
+
+TEST(LintPermissions, WhatTheGovernanceDocumentDoesNotHave) {
+  auto governance = governance_of(Profile::strict, {{0, 3}, {5, 5}});
+  auto wide = rule(true, {"a"});
+  wide.domains.ranges = {{2, 6}};
+  const auto domains = only(with_rules({wide}), {.governance = &governance});
+  EXPECT_EQ(domains.rule, Id::PERM024);
+  EXPECT_NE(domains.message.find("domain 4, 6"), std::string::npos);
+  governance.domain_rules[0].topic_rules[0].topic_expression = "x/*";
+  EXPECT_EQ(only(with(rights({"y/a", "x/a", "?/*"})), {.governance = &governance}).rule,
+            Id::PERM025);
+}
+
+const char* const kDiscovery = "ros_discovery_info";
+
+TEST(LintPermissions, HalvesOfServices) {
+  const auto server = rights({"rr/addReply", kDiscovery}, {"rq/addRequest", kDiscovery});
+  EXPECT_TRUE(lint(with(server)).empty());
+  const auto half = only(with(rights({"rr/addReply", kDiscovery}, {"rq/subRequest*", kDiscovery})));
+  EXPECT_EQ(half.rule, Id::PERM030);
+  EXPECT_EQ(half.message,
+            "to publish \"rr/addReply\" is allowed, to subscribe \"rq/addRequest\" is not");
+  EXPECT_TRUE(
+      lint(with(rights({"rq/*Request", "rq/aRequest", kDiscovery}, {"rr/*", kDiscovery}))).size() ==
+      1);  // the second expression repeats the first
+}
+
+TEST(LintPermissions, DiscoveryAndLogTopicsOfRos) {
+  const auto found = lint(with(rights({"rt/chatter"})));
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].rule, Id::PERM032);
+  EXPECT_EQ(found[1].message, "to subscribe ros_discovery_info is not allowed");
+  EXPECT_EQ(only(with(rights({"rt/robot1/rosout", kDiscovery}, {kDiscovery}))).rule, Id::PERM033);
+  EXPECT_TRUE(lint(with(rights({"rt/robot1/rosout", "rt/*", kDiscovery}, {kDiscovery}))).size() ==
+              0);
+}
+
+TEST(LintPermissions, NamesOfRos) { EXPECT_EQ(only(with(rights({"/chatter"}))).rule, Id::PERM034); }
+
+struct Spelling {
+  const char *from, *to;
+  Id id;
+};
+class SpellingOfPermissions : public ::testing::TestWithParam<Spelling> {};
+
+TEST_P(SpellingOfPermissions, IsFoundAtItsLine) {
+  const auto& [from, to, id] = GetParam();
+  const auto xml = to_xml(Permissions{.grants = {grant_for(rights({"a"}))}});
+  const auto document = permissions_from(replaced(xml, from, to));
+  ASSERT_TRUE(document) << document.error().to_sentence();
+  EXPECT_EQ(only(*document).rule, id);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, SpellingOfPermissions,
+    ::testing::Values(Spelling{"<default>DENY</default>", "", Id::PERM001},
+                      Spelling{" name=\"talker\"", "", Id::PERM001},
+                      Spelling{"Z</not_after>", "</not_after>", Id::PERM003},
+                      Spelling{"<id>0</id>", "<id_range><max>0</max></id_range>", Id::PERM004},
+                      Spelling{">a<", ">a <", Id::PERM005},
+                      Spelling{"<id>0</id>", "<id>0</id><tag></tag>", Id::PERM006}));
+
+}  // namespace
+}  // namespace ddssec::governance
