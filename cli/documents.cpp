@@ -1,10 +1,14 @@
 #include "cli/documents.hpp"
 
+#include <algorithm>
 #include <charconv>
-#include <optional>
+
+#include <fmt/format.h>
 
 #include "cli/inputs.hpp"
 #include "cli/transaction.hpp"
+#include "governance/lint.hpp"
+#include "pki/smime_diagnosis.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::cli {
@@ -37,6 +41,62 @@ Result<pki::SignedDocument> verified(const fs::path& file, const fs::path& ca, W
   const auto verifier =
       DDSSEC_TRY(named(pki::DocumentVerifier::make(DDSSEC_TRY(std::move(anchors))), ca));
   return named(verifier.verify(octets, now), file);
+}
+
+// What is no signed form is left to the reader of XML, which says best what is wrong with it.
+Result<Bytes> unverified_text(const fs::path& file) {
+  auto octets = DDSSEC_TRY(read_file(file, pki::kMostDocumentOctets));
+  auto form = pki::examine_document(octets);
+  using enum pki::DocumentWrapping;
+  if (form.wrapping == none || form.wrapping == unknown) return octets;
+  if (form.unverified_text.empty()) return fail(Code::smime_malformed, {.document = file});
+  return std::move(form.unverified_text);
+}
+
+void add_findings(Report& report, std::vector<Finding> findings, const fs::path& file) {
+  if (governance::has_errors(findings)) report.exit = Exit::no;
+  for (auto& finding : findings) {
+    if (finding.document.empty()) finding.document = file;
+    report.findings.push_back(std::move(finding));
+  }
+}
+
+namespace {
+
+struct Counts {
+  std::size_t errors = 0, warnings = 0, notes = 0;
+};
+
+Counts counts_of(const std::vector<Finding>& findings) {
+  Counts out;
+  for (const auto& finding : findings)
+    ++(finding.severity >= Severity::error     ? out.errors
+       : finding.severity == Severity::warning ? out.warnings
+                                               : out.notes);
+  return out;
+}
+
+}  // namespace
+
+std::string counted(const std::vector<Finding>& findings) {
+  const auto [errors, warnings, notes] = counts_of(findings);
+  std::string out;
+  for (const auto& [count, word] :
+       {std::pair(errors, "error"), std::pair(warnings, "warning"), std::pair(notes, "note")})
+    if (count > 0)
+      out += fmt::format("{}{} {}{}", out.empty() ? "" : ", ", count, word, count > 1 ? "s" : "");
+  return out.empty() ? "nothing found" : out;
+}
+
+Json counts_json(const std::vector<Finding>& findings) {
+  const auto [errors, warnings, notes] = counts_of(findings);
+  return {{"errors", errors}, {"warnings", warnings}, {"notes", notes}};
+}
+
+Result<std::optional<DomainId>> domain_option(const Arguments& arguments) {
+  if (!arguments.has("--domain")) return std::nullopt;
+  return static_cast<DomainId>(
+      DDSSEC_TRY(arguments.number("--domain", 0, governance::kHighestDomainId)));
 }
 
 Result<std::vector<governance::DomainRange>> domain_ranges(const Arguments& arguments,

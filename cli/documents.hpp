@@ -2,11 +2,14 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "base/clock.hpp"
 #include "cli/command.hpp"
 #include "governance/model.hpp"
+#include "governance/read.hpp"
 #include "pki/smime.hpp"
 
 namespace ddssec::cli {
@@ -22,6 +25,39 @@ Result<T> named(Result<T> result, const std::filesystem::path& path) {
 /// Errors: those of read_file, Certificate::bundle_from_pem and DocumentVerifier::verify.
 Result<pki::SignedDocument> verified(const std::filesystem::path& file,
                                      const std::filesystem::path& ca, WallTime now);
+
+/// The XML text of a document, plain or signed. NOT verified: to be shown and linted, never obeyed.
+/// Errors: those of read_file; smime_malformed if nothing can be found in a signed form.
+Result<Bytes> unverified_text(const std::filesystem::path& file);
+
+/// A kind of document, for commands that do the same to both.
+struct GovernanceKind {
+  using Document = governance::Governance;
+  static Result<Document> read(BytesView xml) { return governance::read_governance(xml); }
+};
+struct PermissionsKind {
+  using Document = governance::Permissions;
+  static Result<Document> read(BytesView xml) { return governance::read_permissions(xml); }
+};
+
+/// The document in a file, plain or signed, NOT verified. Errors: those of unverified_text,
+/// read_governance and read_permissions.
+template <class Kind>
+Result<typename Kind::Document> unverified_document(const std::filesystem::path& file) {
+  auto text = unverified_text(file);
+  if (!text) return std::unexpected(text.error());
+  return named(Kind::read(*text), file);
+}
+
+/// Findings about this file go into the report; the answer is "no" if one is an error.
+void add_findings(Report& report, std::vector<Finding> findings, const std::filesystem::path& file);
+/// "2 errors, 1 warning, 3 notes"; "nothing found" if there are none.
+std::string counted(const std::vector<Finding>& findings);
+/// errors, warnings, notes: how many.
+Json counts_json(const std::vector<Finding>& findings);
+
+/// What --domain says, or nothing. Error: usage.
+Result<std::optional<DomainId>> domain_option(const Arguments& arguments);
 
 /// What the option says, "3" or "0-5" each. Error: usage.
 Result<std::vector<governance::DomainRange>> domain_ranges(const Arguments& arguments,

@@ -7,6 +7,7 @@
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/options.hpp"
+#include "governance/lint.hpp"
 #include "governance/profile.hpp"
 #include "governance/read.hpp"
 #include "governance/write.hpp"
@@ -117,6 +118,11 @@ Result<Report> governance_new(const Arguments& arguments, const Context& context
   // What was typed may hold what no document can.
   const auto document = DDSSEC_TRY(governance::read_governance(as_bytes(xml)));
   Report report;
+  add_findings(report, lint(document), arguments.text("-o"));
+  if (report.exit != Exit::done) {
+    report.text = "not written: the rules contradict one another\n";
+    return report;
+  }
   report.files_written = DDSSEC_TRY(write_document(xml, arguments, context));
   for (const auto& file : report.files_written) report.text += file.path + "\n";
   report.result = {{"file", report.files_written.front().path},

@@ -12,7 +12,8 @@ std::vector<Command> permissions_commands();
 std::vector<Command> identity_change_commands();  ///< renew, revoke
 std::vector<Command> crl_commands();
 std::vector<Command> document_commands();  ///< governance and permissions: sign, verify
-std::vector<Command> diff_commands();  ///< governance and permissions: diff
+std::vector<Command> lint_commands();      ///< governance and permissions: lint
+std::vector<Command> diff_commands();      ///< governance and permissions: diff
 std::vector<Command> can_commands();
 std::vector<Command> check_commands();
 std::vector<Command> doctor_commands();

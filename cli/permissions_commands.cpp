@@ -8,6 +8,7 @@
 #include "cli/inputs.hpp"
 #include "cli/options.hpp"
 #include "governance/date_time.hpp"
+#include "governance/lint.hpp"
 #include "governance/read.hpp"
 #include "governance/rights.hpp"
 #include "governance/write.hpp"
@@ -56,8 +57,14 @@ Result<Report> permissions_new(const Arguments& arguments, const Context& contex
                               DDSSEC_TRY(life(arguments, certificate, context.clock.now())));
   const auto xml = to_xml(governance::Permissions{.grants = {grant}});
   // What was typed may hold what no document can.
-  DDSSEC_TRY(governance::read_permissions(as_bytes(xml)));
+  const auto document = DDSSEC_TRY(governance::read_permissions(as_bytes(xml)));
   Report report;
+  add_findings(report, lint(document, {.now = context.clock.now(), .certificate = &certificate}),
+               arguments.text("-o"));
+  if (report.exit != Exit::done) {
+    report.text = "not written: it would be of no use\n";
+    return report;
+  }
   report.files_written = DDSSEC_TRY(write_document(xml, arguments, context));
   for (const auto& file : report.files_written)
     report.text += fmt::format("{}  for {} until {}\n", file.path, grant.subject_name,

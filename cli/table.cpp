@@ -36,6 +36,7 @@ const std::vector<Command>& commands() {
              crl_commands(),
              governance_commands(),
              permissions_commands(),
+             lint_commands(),
              document_commands(),
              diff_commands(),
              can_commands(),

@@ -16,17 +16,26 @@ constexpr int kMostRounds = 16;
 /// Positions with the same text that are asked about.
 constexpr std::size_t kMostTwins = 64;
 
-/// Some name that the expression matches.
-std::string sample(std::string_view expression) {
+/// Some name that the expression matches; nothing if one is not easily found.
+std::optional<std::string> sample(std::string_view expression) {
   const Pattern pattern(expression);
   if (pattern.is_literal()) return std::string(expression);
   std::string out;
   for (const auto& step : pattern.steps()) {
+    if (step.kind == Pattern::Kind::set) return std::nullopt;
     if (step.kind == Pattern::Kind::character) out += static_cast<char>(step.character);
     if (step.kind == Pattern::Kind::any) out += 'a';
-    if (step.kind == Pattern::Kind::set) return {};  // rare enough: the automaton finds one
   }
   return out;
+}
+
+// The usual case without an automaton: a beginning and a star, and what has the same beginning.
+bool is_plainly_within(std::string_view inner, std::string_view outer) {
+  if (inner == outer) return true;
+  constexpr std::string_view kSpecial = "*?[";
+  if (!outer.ends_with('*') || outer.find_first_of(kSpecial) != outer.size() - 1) return false;
+  const auto beginning = outer.substr(0, outer.size() - 1);
+  return inner.starts_with(beginning);
 }
 
 /// The earlier expressions of a list, found by the names that they match.
@@ -46,9 +55,8 @@ class Earlier {
 
   Shadow shadow_of(std::uint32_t at) const {
     std::vector<std::uint32_t> suspects;
-    if (!add_matching(sample(expressions_[at]), at, suspects) &&
-        Pattern(expressions_[at]).is_literal())
-      return {};
+    const auto name = sample(expressions_[at]);
+    if (name && !add_matching(*name, at, suspects)) return {};  // it is the first for this one
     for (int round = 0; round < kMostRounds; ++round) {
       const auto answer = within(at, suspects);
       if (answer.kind == SetAnswer::Kind::yes) return {true, fewest(at, suspects)};
@@ -80,6 +88,9 @@ class Earlier {
 
   SetAnswer within(std::uint32_t at, const std::vector<std::uint32_t>& suspects) const {
     const std::string_view inner[] = {expressions_[at]};
+    for (const auto suspect : suspects)
+      if (is_plainly_within(inner[0], expressions_[suspect]))
+        return {.kind = SetAnswer::Kind::yes};
     std::vector<std::string_view> outer;
     for (const auto suspect : suspects) outer.push_back(expressions_[suspect]);
     return contained(inner, outer, kLimits);

@@ -4,6 +4,7 @@
 from transcript import Transcript, main
 
 NOW = ("--now", "2026-11-21T00:00:00Z")
+VENDORS = ("cyclonedds@0.10.2", "fastdds@2.9.1", "ours")
 GOVERNANCE = """<?xml version="1.0" encoding="UTF-8"?>
 <dds><domain_access_rules><domain_rule>
 <domains><id>0</id></domains>
@@ -39,12 +40,15 @@ class Documents(Transcript):
                          "--publish", "rt/chatter", "--governance", "governance.p7s")
 
     def test_what_is_signed_verifies_here_and_in_openssl(self):
-        out = self.sign()["result"]
+        signed = self.sign()
+        out = signed["result"]
         self.assertEqual((out["file"], out["signer"]), ("governance.p7s", "CN=ca Permissions CA"))
-        self.assertEqual([n["line"] for n in out["notes"]], [5])  # TRUE in capitals
+        self.assertEqual([(d["id"], d["line"]) for d in signed["diagnostics"]],
+                         [("GOV011", 2), ("GOV023", 5), ("GOV041", 9)])
         seen = self.json("governance", "verify", "governance.p7s", "--ca", "ca/permissions/ca.pem",
                          *NOW)["result"]
         self.assertEqual(seen["signer_not_after"], "2036-11-18T00:00:00Z")
+        self.assertEqual(seen["verdicts"], dict.fromkeys(VENDORS, "accepts"))
         text = self.openssl("smime", "-verify", "-text", "-attime", "1795305600", "-in",
                             "governance.p7s", "-CAfile", "ca/permissions/ca.pem", "-purpose", "any")
         self.assertEqual(text.replace("\r", ""), GOVERNANCE)
@@ -58,15 +62,78 @@ class Documents(Transcript):
         (self.at / "bad.xml").write_text('<!DOCTYPE x [<!ENTITY a "b">]>' + GOVERNANCE[38:])
         self.refused("xml_doctype", 3, "governance", "sign", "bad.xml", "--ca", "ca")
 
+    def test_what_lint_calls_an_error_is_not_signed(self):
+        strangers = GOVERNANCE.replace("participants>false", "participants>true")
+        (self.at / "governance.xml").write_text(strangers)
+        out = self.json("governance", "sign", "governance.xml", "--ca", "ca", *NOW, exit=1)
+        self.assertIn("GOV022", [d["id"] for d in out["diagnostics"]])
+        self.assertEqual(out["files_written"], [])
+        self.assertFalse((self.at / "governance.p7s").exists())
+        out = self.json("governance", "sign", "governance.xml", "--ca", "ca", "--no-lint", *NOW)
+        self.assertEqual(out["diagnostics"], [])
+
+    def verdicts(self, code, exit, *words):
+        """What verify says of a document it refuses: of stock products, and of us."""
+        out = self.json("governance", "verify", *words, *NOW, exit=exit)
+        self.assertEqual([d["id"] for d in out["diagnostics"]], [code])
+        verdicts = out["result"]["verdicts"]
+        self.assertEqual(verdicts["ours"], "refuses")
+        self.assertEqual(verdicts[VENDORS[0]], verdicts[VENDORS[1]])
+        return verdicts[VENDORS[0]]
+
     def test_changed_foreign_and_unsigned_documents_do_not_verify(self):
         self.sign()
         signed = self.at / "governance.p7s"
-        verify = ("governance", "verify", "governance.p7s", *NOW, "--ca")
-        self.refused("smime_signer_not_permissions_ca", 1, *verify, "ca/identity/ca.pem")
+        words = ("governance.p7s", "--ca")
+        self.assertEqual(self.verdicts("smime_signer_not_permissions_ca", 1, *words,
+                                       "ca/identity/ca.pem"), "refuses")
         signed.write_text(signed.read_text().replace("<id>0<", "<id>1<"))
-        self.refused("smime_signature_invalid", 1, *verify, "ca/permissions/ca.pem")
+        ca = "ca/permissions/ca.pem"
+        self.assertEqual(self.verdicts("smime_signature_invalid", 1, *words, ca), "refuses")
         signed.write_text(GOVERNANCE)
-        self.refused("smime_not_multipart", 3, *verify, "ca/permissions/ca.pem")
+        self.assertEqual(self.verdicts("smime_not_multipart", 3, *words, ca), "refuses")
+
+    def test_forms_that_stock_products_accept_and_we_do_not(self):
+        form = ("smime", "-sign", "-in", "governance.xml", "-signer", "ca/permissions/ca.pem",
+                "-inkey", "ca/permissions/ca.key.pem", "-out", "odd.p7s")
+        ca = ("odd.p7s", "--ca", "ca/permissions/ca.pem")
+        self.openssl(*form, "-text", "-nodetach")
+        self.assertEqual(self.verdicts("smime_not_multipart", 3, *ca), "accepts")
+        self.openssl(*form)  # no text/plain header
+        self.assertEqual(self.verdicts("smime_content_type", 1, *ca), "refuses")
+
+    def test_permissions_of_a_leaf_below_the_same_ca_are_refused_by_us_alone(self):
+        """CVE-2023-24010: stock products believe whoever stands below the CA."""
+        self.run_program("ca", "create", "one", "--role", "permissions", "--no-passphrase", *NOW)
+        (self.at / "one/ca.pem").rename(self.at / "ca.pem")
+        (self.at / "one/ca.key.pem").rename(self.at / "ca.key.pem")
+        self.run_program("identity", "issue", "leaf", "--ca", ".", "-o", "leaf", *NOW)
+        self.openssl("smime", "-sign", "-text", "-in", "governance.xml", "-signer", "leaf/cert.pem",
+                     "-inkey", "leaf/key.pem", "-out", "leaf.p7s")
+        self.assertEqual(self.verdicts("smime_signer_not_permissions_ca", 1, "leaf.p7s", "--ca",
+                                       "ca.pem"), "accepts")
+
+    def test_verify_says_whom_the_subject_does_not_suit(self):
+        self.run_program("identity", "issue", "talker", "--ca", "ca", "-o", "talker", "--subject",
+                         "CN=talker,O=Acme,C=DE", *NOW)
+        self.run_program("permissions", "new", "--cert", "talker/cert.pem", "-o", "good.xml",
+                         "--publish", "a", *NOW)
+        good = (self.at / "good.xml").read_text()
+        for text, vendors in (("C=DE,O=Acme,CN=talker", ["fastdds"]),
+                              ("/C=DE/O=Acme/CN=talker", ["fastdds"]),
+                              ("CN=talker, O=Acme, C=DE", ["cyclonedds"]),
+                              ("C = DE, O = Acme, CN = talker", ["cyclonedds", "fastdds"])):
+            (self.at / "p.xml").write_text(good.replace("CN=talker,O=Acme,C=DE", text))
+            self.run_program("permissions", "sign", "p.xml", "--ca", "ca", *NOW)
+            verify = ("permissions", "verify", "p.p7s", "--ca", "ca/permissions/ca.pem", "--cert",
+                      "talker/cert.pem", *NOW)
+            told = self.json(*verify)["diagnostics"]
+            self.assertEqual([(d["id"], d["vendors"]) for d in told], [("PERM011", vendors)])
+            self.assertIn("<subject_name>CN=talker,O=Acme,C=DE</subject_name>", told[0]["hint"])
+            (self.at / "p.p7s").unlink()
+        (self.at / "p.xml").write_text(good.replace("CN=talker,", "CN=listener,"))
+        self.run_program("permissions", "sign", "p.xml", "--ca", "ca", *NOW)
+        self.assertEqual(self.json(*verify, exit=1)["diagnostics"][0]["severity"], "error")
 
     def can(self, *words, exit):
         return self.json("can", "talker", *words, *NOW, exit=exit)["result"]

@@ -1,0 +1,69 @@
+// governance lint, permissions lint: what is wrong in a document that can be read.
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "cli/documents.hpp"
+#include "cli/groups.hpp"
+#include "cli/inputs.hpp"
+#include "governance/lint.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+Report report_on(const fs::path& file, std::vector<Finding> findings) {
+  Report report;
+  report.text = fmt::format("{}: {}\n", file.string(), counted(findings));
+  report.result = {{"file", file.string()}};
+  report.result.update(counts_json(findings));
+  add_findings(report, std::move(findings), file);
+  return report;
+}
+
+Result<Report> governance_lint(const Arguments& arguments, const Context&) {
+  const fs::path file = arguments.text("FILE");
+  const governance::GovernanceUse use{.domain = DDSSEC_TRY(domain_option(arguments))};
+  const auto document = DDSSEC_TRY(unverified_document<GovernanceKind>(file));
+  return report_on(file, lint(document, use));
+}
+
+Result<Report> permissions_lint(const Arguments& arguments, const Context& context) {
+  const fs::path file = arguments.text("FILE");
+  std::optional<pki::Certificate> certificate;
+  std::optional<governance::Governance> governance;
+  if (arguments.has("--cert")) certificate = DDSSEC_TRY(read_certificate(arguments.text("--cert")));
+  if (arguments.has("--governance"))
+    governance = DDSSEC_TRY(unverified_document<GovernanceKind>(arguments.text("--governance")));
+  const auto document = DDSSEC_TRY(unverified_document<PermissionsKind>(file));
+  return report_on(file, lint(document, {.now = context.clock.now(),
+                                         .certificate = certificate ? &*certificate : nullptr,
+                                         .governance = governance ? &*governance : nullptr}));
+}
+
+const Positional kDocument{"FILE", "the document, XML or signed (the signature is not verified)"};
+
+}  // namespace
+
+std::vector<Command> lint_commands() {
+  return {
+      {.group = "governance",
+       .name = "lint",
+       .summary = "Says what is dead, weak or read differently by some product; exit 1: errors.",
+       .positionals = {kDocument},
+       .options = {{"--domain", "N", "the domain it is meant for"}},
+       .examples = {"ddssec governance lint governance.xml --domain 0"},
+       .run = governance_lint},
+      {.group = "permissions",
+       .name = "lint",
+       .summary = "Says what is dead, wrong or read differently by some product; exit 1: errors.",
+       .positionals = {kDocument},
+       .options = {{"--cert", "FILE", "the certificate that it is for"},
+                   {"--governance", "FILE", "the governance document that it goes with"}},
+       .examples = {"ddssec permissions lint permissions.xml --cert talker/cert.pem "
+                    "--governance governance.xml"},
+       .run = permissions_lint}};
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,141 @@
+#!/usr/bin/env python3
+"""governance lint and permissions lint: findings with line, path, hint and vendors; hostile files."""
+
+import os
+
+from transcript import DATA, PROGRAM, Transcript, main
+
+NOW = ("--now", "2026-11-21T00:00:00Z")
+
+
+class Lint(Transcript):
+    def setUp(self):
+        super().setUp()
+        self.run_program("governance", "new", "-o", "g.xml")
+        self.run_program("ca", "create", "ca", "--no-passphrase", *NOW)
+        self.run_program("identity", "issue", "talker", "--ca", "ca", "-o", "talker", *NOW)
+        self.run_program("permissions", "new", "--cert", "talker/cert.pem", "-o", "p.xml",
+                         "--publish", "a", *NOW)
+
+    def edit(self, file, *pairs):
+        text = (self.at / file).read_text()
+        for old, new in pairs:
+            self.assertIn(old, text)
+            text = text.replace(old, new)
+        (self.at / file).write_text(text)
+
+    def lint(self, *words, exit=0):
+        return self.json(*words, *NOW, exit=exit)
+
+    def test_good_documents_have_nothing(self):
+        out = self.lint("governance", "lint", "g.xml", "--domain", "0")
+        self.assertEqual(out["result"], {"file": "g.xml", "errors": 0, "warnings": 0, "notes": 0})
+        self.lint("permissions", "lint", "p.xml", "--cert", "talker/cert.pem", "--governance", "g.xml")
+        self.assertEqual(self.run_program("governance", "lint", "g.xml").stdout,
+                         "g.xml: nothing found\n")
+
+    def test_a_finding_has_all_that_it_takes(self):
+        self.edit("g.xml", ("<topic_expression>*<", "<topic_expression>rt/[^a]<"))
+        out = self.lint("governance", "lint", "g.xml", "--domain", "7", exit=1)
+        self.assertEqual(out["result"], {"file": "g.xml", "errors": 1, "warnings": 2, "notes": 0})
+        self.assertEqual([d["id"] for d in out["diagnostics"]], ["GOV003", "GOV011", "GOV012"])
+        told = out["diagnostics"][2]
+        self.assertEqual(told, {
+            "id": "GOV012", "severity": "warning",
+            "message": '"rt/[^a]": a bracket expression holds "^"; Cyclone DDS matches "rt/a" and '
+                       'Fast DDS does not',
+            "file": "g.xml", "line": 14,
+            "path": "/dds/domain_access_rules/domain_rule[1]/topic_access_rules/topic_rule[1]",
+            "hint": told["hint"], "vendors": ["cyclonedds"]})
+        text = self.run_program("governance", "lint", "g.xml")
+        self.assertEqual(text.stdout, "g.xml: 2 warnings\n")
+        self.assertRegex(text.stderr, r"(?m)^warning\[GOV012\]: .*\n  --> g.xml:14\n"
+                                      r"  concerns: cyclonedds\n  hint: use only ")
+
+    def test_signed_documents_are_linted_too(self):
+        self.run_program("governance", "sign", "g.xml", "--ca", "ca", *NOW)
+        self.assertEqual(self.lint("governance", "lint", "g.p7s")["result"]["file"], "g.p7s")
+        self.lint("governance", "lint", "g.p7s", "--domain", "3", exit=1)
+
+    def test_permissions_against_certificate_and_governance(self):
+        self.edit("g.xml", ("<topic_expression>*<", "<topic_expression>b<"))
+        out = self.lint("permissions", "lint", "p.xml", "--governance", "g.xml")
+        self.assertEqual([d["id"] for d in out["diagnostics"]], ["PERM025"])
+        self.edit("p.xml", ("<subject_name>CN=talker<", "<subject_name>CN=other<"))
+        out = self.lint("permissions", "lint", "p.xml", "--cert", "talker/cert.pem", exit=1)
+        self.assertEqual([d["id"] for d in out["diagnostics"]], ["PERM011"])
+
+    def test_ended_permissions_are_an_error_by_the_time_given(self):
+        out = self.json("permissions", "lint", "p.xml", "--now", "2030-01-01T00:00:00Z", exit=1)
+        self.assertEqual([(d["id"], d["severity"]) for d in out["diagnostics"]], [("PERM002", "error")])
+
+    def test_vendors_own_documents(self):
+        folder = DATA / "cyclonedds/validate_local_permissions"
+        out = self.lint("governance", "lint", folder / "Test_Governance_full.xml", exit=1)
+        self.assertIn("GOV001", [d["id"] for d in out["diagnostics"]])
+
+    def test_rules_are_explained(self):
+        self.assertIn("hint", self.json("explain", "GOV012")["result"])
+        self.refused("usage", 2, "explain", "GOV999")
+
+    def bad(self, code, content, exit=3):
+        (self.at / "bad.xml").write_bytes(content)
+        told = self.refused(code, exit, "governance", "lint", "bad.xml")
+        self.assertEqual(told["file"], "bad.xml")
+        self.refused(code, exit, "permissions", "lint", "bad.xml")
+        return told
+
+    def test_hostile_files_are_refused(self):
+        good = (self.at / "g.xml").read_bytes()
+        head = b'<?xml version="1.0" encoding="UTF-8"?>\n'
+        self.assertEqual(self.bad("xml_doctype", head + b"<!DOCTYPE dds>" + good[len(head):])["line"], 2)
+        self.bad("xml_entity", head + b"<dds>&xxe;</dds>")
+        self.bad("xml_too_deep", head + b"<a>" * 1000 + b"</a>" * 1000)
+        self.bad("xml_too_deep", head + b"<a>" * 1_000_000)
+        self.bad("xml_control_character", good.replace(b"<id>0", b"<id>0\0"))
+        self.bad("xml_encoding", good.replace(b">*<", b">\xff\xfe<"))
+        self.bad("xml_encoding", good.decode().encode("utf-16"))
+        self.bad("xml_processing_instruction", head + b"<?php echo 1 ?><dds/>")
+        self.bad("item_empty", b"")
+        self.bad("xml_not_well_formed", good[:-20])
+        self.bad("document_kind", head + b"<html/>")
+
+    def test_huge_and_missing_files_are_refused(self):
+        with open(self.at / "huge.xml", "wb") as huge:
+            huge.truncate(100 * 1024 * 1024)
+        self.refused("file_too_large", 3, "governance", "lint", "huge.xml")
+        self.refused("file_not_found", 3, "governance", "lint", "none.xml")
+        self.refused("file_unreadable", 3, "governance", "lint", "ca")
+        self.refused("document_kind", 3, "governance", "lint", "p.xml")
+        self.refused("usage", 2, "governance", "lint", "g.xml", "--domain", "231")
+
+    def test_truncated_signed_documents_are_refused(self):
+        self.run_program("governance", "sign", "g.xml", "--ca", "ca", *NOW)
+        whole = (self.at / "g.p7s").read_bytes()
+        for size in range(0, len(whole) - 1, 97):
+            (self.at / "cut.p7s").write_bytes(whole[:size])
+            done = self.run_program("governance", "lint", "cut.p7s", exit=3)
+            self.assertRegex(done.stderr, r"^error\[((xml|smime)_\w+|item_empty)\]: ")
+
+    def test_a_megabyte_takes_less_than_a_third_of_a_second(self):
+        text = (self.at / "g.xml").read_text()
+        begin, end = text.index("      <topic_rule>"), text.index("    </topic_access_rules>")
+        rule = text[begin:end]
+        many = "".join(rule.replace(">*<", f">rt/robot{i % 50}/part{i}{'*' if i % 3 else ''}<")
+                       for i in range(1_000_000 // len(rule)))
+        (self.at / "big.xml").write_text(text[:begin] + many + text[begin:])
+        grant = (self.at / "p.xml").read_text()
+        topics = "".join(f"<topic>rt/robot{i % 50}/part{i}{'*' if i % 3 else ''}</topic>\n"
+                         for i in range(30_000))
+        (self.at / "bigp.xml").write_text(grant.replace("<topic>a</topic>", topics))
+        for kind, file in (("governance", "big.xml"), ("permissions", "bigp.xml")):
+            self.assertGreater((self.at / file).stat().st_size, 900_000)
+            before = os.times().children_user
+            self.lint(kind, "lint", file)
+            self.assertLess(os.times().children_user - before, 0.3 * SLOWNESS, kind)
+
+
+SLOWNESS = 10 if "asan" in str(PROGRAM) else 1
+
+if __name__ == "__main__":
+    main()
