@@ -128,8 +128,7 @@ constexpr ChildSpec kGrantSpecs[] = {{"subject_name", Count::optional},
                                      {"deny_rule", Count::many},
                                      {"default", Count::optional}};
 
-Status read_subject(ReadContext& context, XmlElement element, const XmlChildren& children,
-                    Grant& grant) {
+Status read_subject(XmlElement element, const XmlChildren& children, Grant& grant) {
   const XmlElement name = children.one(kSubjectName);
   const XmlElement expression = children.one(kSubjectExpression);
   if (static_cast<bool>(name) == static_cast<bool>(expression)) {
@@ -139,7 +138,6 @@ Status read_subject(ReadContext& context, XmlElement element, const XmlChildren&
                  .expected = "one <subject_name> or <subject_name_expression>"});
   }
   grant.subject_is_expression = !name;
-  note_padding(context, name ? name : element);
   grant.subject_name = DDSSEC_TRY((name ? name : expression).nonempty_text());
   return {};
 }
@@ -150,7 +148,7 @@ Result<Grant> read_grant(ReadContext& context, XmlElement element) {
   if (const char* name = element.attribute("name")) grant.name = name;
   if (grant.name.empty())
     context.note(NoteKind::no_name, element, "has no name: Fast DDS refuses it");
-  DDSSEC_TRY(read_subject(context, element, children, grant));
+  DDSSEC_TRY(read_subject(element, children, grant));
   grant.validity = DDSSEC_TRY(read_validity(context, children.one(kValidity)));
   for (const auto& [kind, child] : children.all()) {
     if (kind != kAllowRule && kind != kDenyRule) continue;

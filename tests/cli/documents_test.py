@@ -102,17 +102,6 @@ class Documents(Transcript):
         self.openssl(*form)  # no text/plain header
         self.assertEqual(self.verdicts("smime_content_type", 1, *ca), "refuses")
 
-    def test_permissions_of_a_leaf_below_the_same_ca_are_refused_by_us_alone(self):
-        """CVE-2023-24010: stock products believe whoever stands below the CA."""
-        self.run_program("ca", "create", "one", "--role", "permissions", "--no-passphrase", *NOW)
-        (self.at / "one/ca.pem").rename(self.at / "ca.pem")
-        (self.at / "one/ca.key.pem").rename(self.at / "ca.key.pem")
-        self.run_program("identity", "issue", "leaf", "--ca", ".", "-o", "leaf", *NOW)
-        self.openssl("smime", "-sign", "-text", "-in", "governance.xml", "-signer", "leaf/cert.pem",
-                     "-inkey", "leaf/key.pem", "-out", "leaf.p7s")
-        self.assertEqual(self.verdicts("smime_signer_not_permissions_ca", 1, "leaf.p7s", "--ca",
-                                       "ca.pem"), "accepts")
-
     def test_verify_says_whom_the_subject_does_not_suit(self):
         self.run_program("identity", "issue", "talker", "--ca", "ca", "-o", "talker", "--subject",
                          "CN=talker,O=Acme,C=DE", *NOW)

@@ -10,7 +10,6 @@
 namespace ddssec::governance {
 namespace {
 
-using Id = ddssec::Rule;
 using enum ProtectionKind;
 
 TopicRule strict(std::string expression) { return topic_rule_of(Profile::strict, expression); }
@@ -29,7 +28,8 @@ Governance with_rules(std::vector<TopicRule> rules) {
 }
 
 /// The findings of this rule.
-std::vector<Finding> of(Id id, const Governance& document, const GovernanceUse& use = {}) {
+std::vector<Finding> of(ddssec::Rule id, const Governance& document,
+                        const GovernanceUse& use = {}) {
   auto found = lint(document, use);
   std::erase_if(found, [&](const Finding& f) { return f.rule != id; });
   return found;
@@ -43,7 +43,7 @@ Finding only(const Governance& document, const GovernanceUse& use = {}) {
     EXPECT_FALSE(finding.message.empty());
     EXPECT_TRUE(finding.path.starts_with("/dds/domain_access_rules")) << finding.path;
   }
-  return found.empty() ? Finding{Id::end_, ""} : found.front();
+  return found.empty() ? Finding{ddssec::Rule::end_, ""} : found.front();
 }
 
 TEST(LintGovernance, StrictHasNothing) {
@@ -52,8 +52,8 @@ TEST(LintGovernance, StrictHasNothing) {
 }
 
 TEST(LintGovernance, OfProfilesNamesWhatTheyLeaveOpen) {
-  EXPECT_EQ(only(governance_of(Profile::open, {{0, 0}})).rule, Id::GOV040);
-  EXPECT_EQ(only(governance_of(Profile::balanced, {{0, 0}})).rule, Id::GOV031);
+  EXPECT_EQ(only(governance_of(Profile::open, {{0, 0}})).rule, ddssec::Rule::GOV040);
+  EXPECT_EQ(only(governance_of(Profile::balanced, {{0, 0}})).rule, ddssec::Rule::GOV031);
 }
 
 TEST(LintGovernance, DomainsCoveredTwice) {
@@ -61,7 +61,7 @@ TEST(LintGovernance, DomainsCoveredTwice) {
   document.domain_rules.push_back(document.domain_rules[0]);
   document.domain_rules[1].domains.ranges = {{2, 3}, {5, 5}};
   auto found = only(document);
-  EXPECT_EQ(found.rule, Id::GOV002);
+  EXPECT_EQ(found.rule, ddssec::Rule::GOV002);
   EXPECT_EQ(found.message,
             "domain_rule 2 can never apply: domain 2-3, 5 is covered by domain_rule 1 already");
   document.domain_rules[1].domains.ranges = {{5, 7}};
@@ -71,13 +71,13 @@ TEST(LintGovernance, DomainsCoveredTwice) {
   EXPECT_TRUE(lint(document).empty());
   // Other tags are other participants.
   document.domain_rules[1].domains = {.ranges = {{5, 5}}, .tags = {{"red", 0}}};
-  EXPECT_TRUE(of(Id::GOV002, document).empty());
+  EXPECT_TRUE(of(ddssec::Rule::GOV002, document).empty());
 }
 
 TEST(LintGovernance, TheDomainOfUseMustBeCovered) {
   const auto document = governance_of(Profile::strict, {{0, 5}});
   const auto found = only(document, {.domain = 6});
-  EXPECT_EQ(found.rule, Id::GOV003);
+  EXPECT_EQ(found.rule, ddssec::Rule::GOV003);
   EXPECT_EQ(found.severity, Severity::error);
   EXPECT_EQ(found.message, "no domain_rule covers domain 6");
 }
@@ -86,7 +86,7 @@ TEST(LintGovernance, DeadRulesNameWhatIsInTheirWay) {
   auto weak = strict("rt/a");
   weak.data_protection_kind = none;
   const auto found = only(with_rules({strict("rt/*"), weak, strict("*")}));
-  EXPECT_EQ(found.rule, Id::GOV010);
+  EXPECT_EQ(found.rule, ddssec::Rule::GOV010);
   EXPECT_EQ(found.severity, Severity::error);
   EXPECT_EQ(found.message,
             "topic_rule 2 \"rt/a\" can never apply: \"rt/*\" (rule 1) already matches every name "
@@ -105,20 +105,20 @@ TEST(LintGovernance, SeveralRulesCanBeInTheWayTogether) {
 
 TEST(LintGovernance, DeadRulesThatSayTheSameAreAWarning) {
   const auto found = only(with_rules({strict("rt/*"), strict("rt/a"), strict("*")}));
-  EXPECT_EQ(found.rule, Id::GOV010);
+  EXPECT_EQ(found.rule, ddssec::Rule::GOV010);
   EXPECT_EQ(found.severity, Severity::warning);
 }
 
 TEST(LintGovernance, TopicsWithoutARuleHaveAnExample) {
   const auto found = only(with_rules({strict("rt/*"), strict("rq/*")}));
-  EXPECT_EQ(found.rule, Id::GOV011);
+  EXPECT_EQ(found.rule, ddssec::Rule::GOV011);
   EXPECT_EQ(found.message, "the last topic_rule is not \"*\": topics such as \"a\" have no rule");
   EXPECT_TRUE(lint(with_rules({strict("[a-z]*"), strict("[!a-z]*")})).empty());
 }
 
 TEST(LintGovernance, ExpressionsThatProductsReadDifferently) {
   const auto differs = only(with_rules({strict("rt/[^ab]"), strict("*")}));
-  EXPECT_EQ(differs.rule, Id::GOV012);
+  EXPECT_EQ(differs.rule, ddssec::Rule::GOV012);
   EXPECT_EQ(differs.vendors, std::vector<std::string>{"cyclonedds"});
   EXPECT_EQ(differs.message,
             "\"rt/[^ab]\": a bracket expression holds \"^\"; Cyclone DDS matches \"rt/a\" and "
@@ -129,40 +129,40 @@ TEST(LintGovernance, ExpressionsThatProductsReadDifferently) {
 }
 
 TEST(LintGovernance, NamesOfRos) {
-  EXPECT_EQ(only(with_rules({strict("/chatter"), strict("*")})).rule, Id::GOV013);
+  EXPECT_EQ(only(with_rules({strict("/chatter"), strict("*")})).rule, ddssec::Rule::GOV013);
 }
 
 TEST(LintGovernance, FlagsWithoutAKind) {
   const auto document = changed([](DomainRule& rule) { rule.discovery_protection_kind = none; });
-  EXPECT_EQ(only(document).rule, Id::GOV020);
+  EXPECT_EQ(only(document).rule, ddssec::Rule::GOV020);
   EXPECT_EQ(only(changed([](DomainRule& rule) { rule.liveliness_protection_kind = none; })).message,
             "\"*\": enable_liveliness_protection is true while liveliness_protection_kind is NONE");
 }
 
 TEST(LintGovernance, TopicsUnderControlAndJoiningNot) {
   EXPECT_EQ(only(changed([](DomainRule& rule) { rule.enable_join_access_control = false; })).rule,
-            Id::GOV021);
+            ddssec::Rule::GOV021);
 }
 
 TEST(LintGovernance, StrangersCannotReadProtectedMessages) {
   const auto document =
       changed([](DomainRule& rule) { rule.allow_unauthenticated_participants = true; });
-  const auto found = of(Id::GOV022, document);
+  const auto found = of(ddssec::Rule::GOV022, document);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].severity, Severity::error);
   EXPECT_NE(found[0].message.find("rtps_protection_kind is SIGN"), std::string::npos);
   EXPECT_TRUE(has_errors(lint(document)));
-  EXPECT_EQ(of(Id::GOV025, document).size(), 1u);
-  EXPECT_TRUE(of(Id::GOV022, governance_of(Profile::open, {{0, 0}})).empty());
+  EXPECT_EQ(of(ddssec::Rule::GOV025, document).size(), 1u);
+  EXPECT_TRUE(of(ddssec::Rule::GOV022, governance_of(Profile::open, {{0, 0}})).empty());
 }
 
 TEST(LintGovernance, OriginAuthentication) {
   const auto found = only(changed([](DomainRule& rule) {
     rule.topic_rules[0].metadata_protection_kind = encrypt_with_origin_authentication;
   }));
-  EXPECT_EQ(found.rule, Id::GOV030);
+  EXPECT_EQ(found.rule, ddssec::Rule::GOV030);
   EXPECT_EQ(found.vendors, (std::vector<std::string>{"opendds", "fastdds"}));
-  EXPECT_EQ(of(Id::GOV030, changed([](DomainRule& rule) {
+  EXPECT_EQ(of(ddssec::Rule::GOV030, changed([](DomainRule& rule) {
                  rule.rtps_protection_kind = sign_with_origin_authentication;
                  rule.discovery_protection_kind = sign_with_origin_authentication;
                }))
@@ -173,7 +173,7 @@ TEST(LintGovernance, OriginAuthentication) {
 TEST(LintGovernance, DataProtectionAlone) {
   const auto found =
       only(changed([](DomainRule& rule) { rule.topic_rules[0].metadata_protection_kind = none; }));
-  EXPECT_EQ(found.rule, Id::GOV031);
+  EXPECT_EQ(found.rule, ddssec::Rule::GOV031);
   EXPECT_EQ(found.vendors, (std::vector<std::string>{"cyclonedds", "fastdds"}));
 }
 
@@ -181,12 +181,12 @@ TEST(LintGovernance, EncryptedForEverybody) {
   EXPECT_EQ(only(changed([](DomainRule& rule) {
               rule.topic_rules[0].enable_read_access_control = false;
             })).rule,
-            Id::GOV041);
+            ddssec::Rule::GOV041);
 }
 
 struct Spelling {
   const char *from, *to;
-  Id id;
+  ddssec::Rule id;
 };
 
 class SpellingOfGovernance : public ::testing::TestWithParam<Spelling> {};
@@ -203,18 +203,19 @@ TEST_P(SpellingOfGovernance, IsFoundAtItsLine) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, SpellingOfGovernance,
-    ::testing::Values(Spelling{"<id>0</id>", "<id_range><min>0</min></id_range>", Id::GOV004},
-                      Spelling{">SIGN<", "> SIGN<", Id::GOV005},
-                      Spelling{"<id>0</id>", "<id>0</id><tag></tag>", Id::GOV006},
-                      Spelling{"control>true", "control>TRUE", Id::GOV023},
-                      Spelling{">SIGN<", ">Sign<", Id::GOV024}));
+    ::testing::Values(Spelling{"<id>0</id>", "<id_range><min>0</min></id_range>",
+                               ddssec::Rule::GOV004},
+                      Spelling{">SIGN<", "> SIGN<", ddssec::Rule::GOV005},
+                      Spelling{"<id>0</id>", "<id>0</id><tag></tag>", ddssec::Rule::GOV006},
+                      Spelling{"control>true", "control>TRUE", ddssec::Rule::GOV023},
+                      Spelling{">SIGN<", ">Sign<", ddssec::Rule::GOV024}));
 
 TEST(LintGovernance, OrderOfElements) {
   const std::string first = "<topic_expression>*</topic_expression>";
   auto xml = replaced(to_xml(governance_of(Profile::strict, {{0, 0}})), first, "");
   xml = replaced(xml, "</data_protection_kind>", "</data_protection_kind>" + first);
   const auto found = only(*governance_from(xml));
-  EXPECT_EQ(found.rule, Id::GOV001);
+  EXPECT_EQ(found.rule, ddssec::Rule::GOV001);
   EXPECT_EQ(found.vendors, std::vector<std::string>{"fastdds"});
 }
 
@@ -222,7 +223,7 @@ TEST(LintGovernance, OfOneKindHasABound) {
   std::vector<TopicRule> rules(100, strict("/a"));
   for (std::size_t i = 0; i < rules.size(); ++i) rules[i].topic_expression += std::to_string(i);
   rules.push_back(strict("*"));
-  const auto found = of(Id::GOV013, with_rules(rules));
+  const auto found = of(ddssec::Rule::GOV013, with_rules(rules));
   ASSERT_EQ(found.size(), kMostFindingsPerRule);
   EXPECT_TRUE(found.back().message.ends_with(" (and 80 more like this)"));
 }

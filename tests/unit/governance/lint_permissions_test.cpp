@@ -10,8 +10,6 @@
 namespace ddssec::governance {
 namespace {
 
-using Id = ddssec::Rule;
-
 const pki::Certificate& certificate() {
   static const auto made = make_leaf(pki::make_ca(), "CN=talker,O=A\\, B,C=DE").certificate;
   return made;
@@ -57,7 +55,7 @@ Finding only(const Permissions& document, const PermissionsUse& use = {}) {
     EXPECT_GT(finding.line, 0);
     if (found.size() > 1) ADD_FAILURE() << info(finding.rule).id << ' ' << finding.message;
   }
-  return found.empty() ? Finding{Id::end_, ""} : found.front();
+  return found.empty() ? Finding{ddssec::Rule::end_, ""} : found.front();
 }
 
 TEST(LintPermissions, OfACertificateWithSomeRightsHaveNothing) {
@@ -70,13 +68,13 @@ TEST(LintPermissions, OfACertificateWithSomeRightsHaveNothing) {
 TEST(LintPermissions, Dates) {
   const auto document = with(rights({"a"}));
   const auto ended = only(document, {.now = certificate().not_after()});
-  EXPECT_EQ(ended.rule, Id::PERM002);
+  EXPECT_EQ(ended.rule, ddssec::Rule::PERM002);
   EXPECT_EQ(ended.severity, Severity::error);
   const auto early = only(document, {.now = certificate().not_before() - std::chrono::seconds(1)});
-  EXPECT_EQ(early.rule, Id::PERM002);
+  EXPECT_EQ(early.rule, ddssec::Rule::PERM002);
   EXPECT_EQ(early.severity, Severity::warning);
   const auto longer = changed([](Grant& g) { g.validity.not_after += std::chrono::hours(1); });
-  EXPECT_EQ(only(longer, {.certificate = &certificate()}).rule, Id::PERM002);
+  EXPECT_EQ(only(longer, {.certificate = &certificate()}).rule, ddssec::Rule::PERM002);
   EXPECT_TRUE(lint(longer).empty());
 }
 
@@ -86,8 +84,8 @@ TEST(LintPermissions, ASecondGrantIsDead) {
   other.subject_name = "C=DE, CN=talker, O=\"A, B\"";
   auto found = lint(read_again({.grants = {grant, other}}));
   ASSERT_EQ(found.size(), 2u);
-  EXPECT_EQ(found[0].rule, Id::PERM011);
-  EXPECT_EQ(found[1].rule, Id::PERM010);
+  EXPECT_EQ(found[0].rule, ddssec::Rule::PERM011);
+  EXPECT_EQ(found[1].rule, ddssec::Rule::PERM010);
   EXPECT_EQ(found[1].severity, Severity::error);
   EXPECT_EQ(found[1].path, "/dds/permissions/grant[2]");
   other.subject_name = "CN=listener";
@@ -99,7 +97,7 @@ TEST(LintPermissions, ARenewedGrantIsDeadForCycloneOnly) {
   auto next = grant;
   next.validity = {grant.validity.not_after, grant.validity.not_after + std::chrono::hours(1)};
   const auto found = only(read_again({.grants = {grant, next}}));
-  EXPECT_EQ(found.rule, Id::PERM010);
+  EXPECT_EQ(found.rule, ddssec::Rule::PERM010);
   EXPECT_EQ(found.severity, Severity::warning);
   EXPECT_EQ(found.vendors, std::vector<std::string>{"cyclonedds"});
 }
@@ -113,7 +111,7 @@ class SubjectSpelling : public ::testing::TestWithParam<Subject> {};
 TEST_P(SubjectSpelling, IsCorrected) {
   const auto& [text, right, vendor] = GetParam();
   const auto found = only(changed([&](Grant& g) { g.subject_name = text; }));
-  EXPECT_EQ(found.rule, Id::PERM011);
+  EXPECT_EQ(found.rule, ddssec::Rule::PERM011);
   EXPECT_EQ(found.hint, std::string("write <subject_name>") + right + "</subject_name>");
   EXPECT_EQ(found.vendors, std::vector<std::string>{vendor});
 }
@@ -134,7 +132,7 @@ TEST(LintPermissions, SubjectsThatAreFine) {
 TEST(LintPermissions, OfAnotherSubjectThanTheCertificates) {
   const auto document = changed([](Grant& g) { g.subject_name = "CN=talker2,O=A\\, B,C=DE"; });
   const auto found = only(document, {.certificate = &certificate()});
-  EXPECT_EQ(found.rule, Id::PERM011);
+  EXPECT_EQ(found.rule, ddssec::Rule::PERM011);
   EXPECT_EQ(found.severity, Severity::error);
   EXPECT_EQ(found.hint, "write <subject_name>CN=talker,O=A\\, B,C=DE</subject_name>");
 }
@@ -142,13 +140,13 @@ TEST(LintPermissions, OfAnotherSubjectThanTheCertificates) {
 TEST(LintPermissions, OfTheSubjectInOtherWords) {
   const auto document = changed([](Grant& g) { g.subject_name = "C=DE,O=A\\, B,CN=talker"; });
   const auto found = only(document, {.certificate = &certificate()});
-  EXPECT_EQ(found.rule, Id::PERM011);
+  EXPECT_EQ(found.rule, ddssec::Rule::PERM011);
   EXPECT_EQ(found.severity, Severity::warning);
 }
 
 TEST(LintPermissions, ADenyRuleBehindWhatItDeniesIsAnError) {
   const auto found = only(with_rules({rule(true, {"rt*"}), rule(false, {"rtb", "rta*"})}));
-  EXPECT_EQ(found.rule, Id::PERM012);
+  EXPECT_EQ(found.rule, ddssec::Rule::PERM012);
   EXPECT_EQ(found.severity, Severity::error);
   EXPECT_EQ(found.message,
             "deny_rule 2 can never apply: to publish \"rtb\", \"rt*\" (allow_rule 1, line 16) "
@@ -158,7 +156,7 @@ TEST(LintPermissions, ADenyRuleBehindWhatItDeniesIsAnError) {
 
 TEST(LintPermissions, DeadPartsOfARuleAreNamedOneByOne) {
   const auto found = only(with_rules({rule(false, {"a*"}), rule(true, {"b", "ab"})}));
-  EXPECT_EQ(found.rule, Id::PERM012);
+  EXPECT_EQ(found.rule, ddssec::Rule::PERM012);
   EXPECT_EQ(found.severity, Severity::warning);
   EXPECT_TRUE(found.message.starts_with("to publish \"ab\" can never apply in allow_rule 2"));
   EXPECT_EQ(only(with(rights({"a*", "ab"}))).severity, Severity::informational);
@@ -170,10 +168,10 @@ TEST(LintPermissions, DeadNeedsTheSameCircumstances) {
   second.domains.ranges = {{0, 1}};
   EXPECT_TRUE(lint(with_rules({first, second})).empty());
   first.domains.ranges = {{0, 0}, {1, 5}};
-  EXPECT_EQ(only(with_rules({first, second})).rule, Id::PERM012);
+  EXPECT_EQ(only(with_rules({first, second})).rule, ddssec::Rule::PERM012);
   second.publish[0].data_tags = std::vector<DataTag>{{"x", "y"}};
   for (const auto& finding : lint(with_rules({first, second})))
-    EXPECT_EQ(finding.rule, Id::PERM014);
+    EXPECT_EQ(finding.rule, ddssec::Rule::PERM014);
 }
 
 TEST(LintPermissions, PartitionsOfDeadRules) {
@@ -187,7 +185,8 @@ TEST(LintPermissions, PartitionsOfDeadRules) {
     };
     set(a, earlier), set(b, later);
     const auto found = lint(with_rules({a, b}));
-    return std::ranges::any_of(found, [](const Finding& f) { return f.rule == Id::PERM012; });
+    return std::ranges::any_of(found,
+                               [](const Finding& f) { return f.rule == ddssec::Rule::PERM012; });
   };
   EXPECT_TRUE(dead({}, false, {"x"}, true));
   EXPECT_TRUE(dead({}, false, {"x"}, false));
@@ -205,14 +204,14 @@ TEST(LintPermissions, PartitionsOfDeadRules) {
 
 TEST(LintPermissions, ExpressionsThatProductsReadDifferently) {
   const auto found = only(with(rights({"rt[^a]"})));
-  EXPECT_EQ(found.rule, Id::PERM013);
+  EXPECT_EQ(found.rule, ddssec::Rule::PERM013);
   EXPECT_EQ(found.path, "/dds/permissions/grant[1]/allow_rule[1]");
 }
 
 TEST(LintPermissions, WhatStockProductsPassOver) {
   auto tagged = rule(true, {"a"});
   tagged.publish[0].data_tags = std::vector<DataTag>{{"x", "y"}};
-  EXPECT_EQ(only(with_rules({tagged})).rule, Id::PERM014);
+  EXPECT_EQ(only(with_rules({tagged})).rule, ddssec::Rule::PERM014);
   auto relay = rule(true, {"a"});
   relay.relay = relay.publish;
   EXPECT_EQ(only(with_rules({relay})).severity, Severity::informational);
@@ -222,18 +221,19 @@ TEST(LintPermissions, RulesThatDifferInPartitionsOnly) {
   auto first = rule(true, {"a*"}), second = rule(true, {"ab"});
   second.publish[0].partitions = std::vector<Text>{{"x", 0}};
   const auto found = only(with_rules({first, second}));
-  EXPECT_EQ(found.rule, Id::PERM015);
+  EXPECT_EQ(found.rule, ddssec::Rule::PERM015);
   EXPECT_EQ(found.vendors, std::vector<std::string>{"fastdds"});
 }
 
 TEST(LintPermissions, DeniedInOneDirectionAndAllowedInTheOther) {
   const auto found = only(with_rules({rule(false, {"rtc*"}), rule(true, {}, {"rt*"})}));
-  EXPECT_EQ(found.rule, Id::PERM020);
+  EXPECT_EQ(found.rule, ddssec::Rule::PERM020);
   EXPECT_EQ(found.vendors, std::vector<std::string>{"cyclonedds"});
   EXPECT_EQ(found.message,
             "deny_rule 1 denies to publish \"rtc\", and a later allow_rule allows to subscribe it: "
             "Cyclone DDS refuses the topic altogether");
-  EXPECT_EQ(only(with_rules({rule(false, {}, {"a"}), rule(true, {"a"})})).rule, Id::PERM020);
+  EXPECT_EQ(only(with_rules({rule(false, {}, {"a"}), rule(true, {"a"})})).rule,
+            ddssec::Rule::PERM020);
   // Denied both ways, or named by an allow_rule before.
   EXPECT_TRUE(lint(with_rules({rule(false, {"a"}, {"a"}), rule(true, {"b"}, {"?"})})).empty());
   EXPECT_TRUE(lint(with_rules({rule(true, {}, {"a"}), rule(false, {"a"})})).empty());
@@ -243,18 +243,18 @@ TEST(LintPermissions, DenialsAndPartitions) {
   auto deny = rule(false, {"a"});
   deny.publish[0].partitions = std::vector<Text>{{"x", 0}};
   const auto listed = only(with_rules({deny, rule(true, {"b"})}));
-  EXPECT_EQ(listed.rule, Id::PERM021);
+  EXPECT_EQ(listed.rule, ddssec::Rule::PERM021);
   EXPECT_EQ(listed.vendors, std::vector<std::string>{"fastdds"});
   auto allow = rule(true, {"*"});
   allow.publish[0].partitions = std::vector<Text>{{"x", 0}};
   const auto open = only(with_rules({rule(false, {"a"}), allow}));
-  EXPECT_EQ(open.rule, Id::PERM021);
+  EXPECT_EQ(open.rule, ddssec::Rule::PERM021);
   EXPECT_EQ(open.vendors, std::vector<std::string>{"cyclonedds"});
 }
 
 TEST(LintPermissions, DefaultsAndGrantsThatAllowNothing) {
-  EXPECT_EQ(only(changed([](Grant& g) { g.default_allow = true; })).rule, Id::PERM022);
-  EXPECT_EQ(only(with_rules({rule(false, {"a"})})).rule, Id::PERM023);
+  EXPECT_EQ(only(changed([](Grant& g) { g.default_allow = true; })).rule, ddssec::Rule::PERM022);
+  EXPECT_EQ(only(with_rules({rule(false, {"a"})})).rule, ddssec::Rule::PERM023);
 }
 
 TEST(LintPermissions, WhatTheGovernanceDocumentDoesNotHave) {
@@ -262,11 +262,11 @@ TEST(LintPermissions, WhatTheGovernanceDocumentDoesNotHave) {
   auto wide = rule(true, {"a"});
   wide.domains.ranges = {{2, 6}};
   const auto domains = only(with_rules({wide}), {.governance = &governance});
-  EXPECT_EQ(domains.rule, Id::PERM024);
+  EXPECT_EQ(domains.rule, ddssec::Rule::PERM024);
   EXPECT_NE(domains.message.find("domain 4, 6"), std::string::npos);
   governance.domain_rules[0].topic_rules[0].topic_expression = "x/*";
   EXPECT_EQ(only(with(rights({"y/a", "x/a", "?/*"})), {.governance = &governance}).rule,
-            Id::PERM025);
+            ddssec::Rule::PERM025);
 }
 
 const char* const kDiscovery = "ros_discovery_info";
@@ -275,7 +275,7 @@ TEST(LintPermissions, HalvesOfServices) {
   const auto server = rights({"rr/addReply", kDiscovery}, {"rq/addRequest", kDiscovery});
   EXPECT_TRUE(lint(with(server)).empty());
   const auto half = only(with(rights({"rr/addReply", kDiscovery}, {"rq/subRequest*", kDiscovery})));
-  EXPECT_EQ(half.rule, Id::PERM030);
+  EXPECT_EQ(half.rule, ddssec::Rule::PERM030);
   EXPECT_EQ(half.message,
             "to publish \"rr/addReply\" is allowed, to subscribe \"rq/addRequest\" is not");
   EXPECT_TRUE(
@@ -286,18 +286,21 @@ TEST(LintPermissions, HalvesOfServices) {
 TEST(LintPermissions, DiscoveryAndLogTopicsOfRos) {
   const auto found = lint(with(rights({"rt/chatter"})));
   ASSERT_EQ(found.size(), 2u);
-  EXPECT_EQ(found[0].rule, Id::PERM032);
+  EXPECT_EQ(found[0].rule, ddssec::Rule::PERM032);
   EXPECT_EQ(found[1].message, "to subscribe ros_discovery_info is not allowed");
-  EXPECT_EQ(only(with(rights({"rt/robot1/rosout", kDiscovery}, {kDiscovery}))).rule, Id::PERM033);
+  EXPECT_EQ(only(with(rights({"rt/robot1/rosout", kDiscovery}, {kDiscovery}))).rule,
+            ddssec::Rule::PERM033);
   EXPECT_TRUE(lint(with(rights({"rt/robot1/rosout", "rt/*", kDiscovery}, {kDiscovery}))).size() ==
               0);
 }
 
-TEST(LintPermissions, NamesOfRos) { EXPECT_EQ(only(with(rights({"/chatter"}))).rule, Id::PERM034); }
+TEST(LintPermissions, NamesOfRos) {
+  EXPECT_EQ(only(with(rights({"/chatter"}))).rule, ddssec::Rule::PERM034);
+}
 
 struct Spelling {
   const char *from, *to;
-  Id id;
+  ddssec::Rule id;
 };
 class SpellingOfPermissions : public ::testing::TestWithParam<Spelling> {};
 
@@ -311,12 +314,13 @@ TEST_P(SpellingOfPermissions, IsFoundAtItsLine) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, SpellingOfPermissions,
-    ::testing::Values(Spelling{"<default>DENY</default>", "", Id::PERM001},
-                      Spelling{" name=\"talker\"", "", Id::PERM001},
-                      Spelling{"Z</not_after>", "</not_after>", Id::PERM003},
-                      Spelling{"<id>0</id>", "<id_range><max>0</max></id_range>", Id::PERM004},
-                      Spelling{">a<", ">a <", Id::PERM005},
-                      Spelling{"<id>0</id>", "<id>0</id><tag></tag>", Id::PERM006}));
+    ::testing::Values(Spelling{"<default>DENY</default>", "", ddssec::Rule::PERM001},
+                      Spelling{" name=\"talker\"", "", ddssec::Rule::PERM001},
+                      Spelling{"Z</not_after>", "</not_after>", ddssec::Rule::PERM003},
+                      Spelling{"<id>0</id>", "<id_range><max>0</max></id_range>",
+                               ddssec::Rule::PERM004},
+                      Spelling{">a<", ">a <", ddssec::Rule::PERM005},
+                      Spelling{"<id>0</id>", "<id>0</id><tag></tag>", ddssec::Rule::PERM006}));
 
 }  // namespace
 }  // namespace ddssec::governance
