@@ -20,10 +20,6 @@ constexpr std::array kRoles = {Role{"pub", run_pub},           Role{"sub", run_s
 int main(int argc, char** argv) {
   const auto parsed = parse(argc, argv);
   if (!parsed.options) return parsed.exit_code;
-  if (parsed.options->security != "off") {
-    std::fputs("ddssec-peer: --security DIR: not yet; only --security off works\n", stderr);
-    return kUsage;
-  }
   watch_signals();
   Session session(*parsed.options);
   if (const auto opened = session.open(); !opened) return refused(opened.error());

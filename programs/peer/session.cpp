@@ -4,10 +4,35 @@
 #include <cstdio>
 #include <thread>
 
+#include "pki/participant_folder.hpp"
+#include "plugins/spi/property_names.hpp"
+
 namespace ddssec::peer {
 namespace {
 
 volatile std::sig_atomic_t signalled = 0;
+
+/// The documents of a participant's folder, in either layout.
+spi::PropertyList properties_of(const std::string& path) {
+  namespace property = spi::property;
+  const auto folder = pki::participant_folder(path);
+  spi::PropertyList out;
+  const auto add = [&](std::string_view name, const std::filesystem::path& file) {
+    out.push_back({std::string(name), "file:" + file.string(), false});
+  };
+  add(property::kIdentityCa, folder.identity_ca);
+  add(property::kIdentityCertificate, folder.certificate);
+  add(property::kPrivateKey, folder.key);
+  add(property::kPermissionsCa, folder.permissions_ca);
+  add(property::kGovernance, folder.governance);
+  add(property::kPermissions, folder.permissions);
+  // A link to nothing is a list that somebody meant to be there.
+  std::error_code error;
+  if (std::filesystem::symlink_status(folder.crl, error).type() >
+      std::filesystem::file_type::not_found)
+    add(property::kCrl, folder.crl);
+  return out;
+}
 
 }  // namespace
 
@@ -26,9 +51,14 @@ void watch_signals() {
 
 Status Session::open() {
   end_ = nanoseconds() + static_cast<std::int64_t>(options_.timeout * 1e9);
-  auto created = rtps::DomainParticipant::create(
-      {.domain_id = options_.domain, .entity_name = "ddssec-peer " + options_.role},
-      Environment{clock_, random_, limited_});
+  const Environment environment{clock_, random_, limited_};
+  rtps::DomainParticipantOptions wanted{.domain_id = options_.domain,
+                                        .entity_name = "ddssec-peer " + options_.role};
+  if (options_.security != "off") {
+    plugins_ = std::make_unique<Plugins>(environment);
+    wanted.security.emplace(plugins_->view(), properties_of(options_.security));
+  }
+  auto created = rtps::DomainParticipant::create(std::move(wanted), environment);
   if (!created) return std::unexpected(created.error());
   participant_ = std::move(*created);
   say("participant_created");
@@ -70,19 +100,30 @@ bool Session::wait_until(const std::function<bool()>& ready) const {
   return true;
 }
 
+void Session::note_authenticated() {
+  for (const auto now = participant_->authentication_counters();
+       said_.authenticated < now.authenticated; ++said_.authenticated)
+    say("auth", {{"ok", true}});
+  for (const auto now = participant_->authentication_counters(); said_.failed < now.failed;
+       ++said_.failed)
+    say("auth", {{"ok", false}});
+}
+
 void Session::note_matched(const char* what, std::int32_t current) {
+  note_authenticated();
   counts.ever_matched = counts.ever_matched || current > 0;
   if (current == last_said_) return;
   last_said_ = current;
   say("matched", {{"what", what}, {"current", current}});
 }
 
-int Session::finish(int code) const {
+int Session::finish(int code) {
+  note_authenticated();
   say("done", {{"matched", counts.ever_matched},
                {"written", counts.written},
                {"received", counts.received},
                {"corrupt", counts.corrupt},
-               {"auth_failed", 0}});
+               {"auth_failed", said_.failed}});
   say("exit", {{"code", code}});
   return code;
 }

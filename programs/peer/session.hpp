@@ -6,6 +6,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "plugins/access_control/access_control.hpp"
+#include "plugins/authentication/authentication.hpp"
+#include "plugins/cryptography/cryptography.hpp"
 #include "programs/peer/options.hpp"
 #include "programs/peer/types.hpp"
 #include "rtps/dcps/domain_participant.hpp"
@@ -25,6 +28,21 @@ void watch_signals();
 struct Counts {
   std::uint64_t written = 0, received = 0, corrupt = 0;
   bool ever_matched = false;
+};
+
+/// The three engines that secure a participant.
+class Plugins {
+ public:
+  explicit Plugins(const Environment& environment)
+      : authentication_(authentication::make_authentication(environment)),
+        access_control_(access_control::make_access_control(environment)),
+        cryptography_(cryptography::make_cryptography(environment)) {}
+  rtps::SecurityPlugins view() { return {*authentication_, *access_control_, *cryptography_}; }
+
+ private:
+  std::unique_ptr<spi::Authentication> authentication_;
+  std::unique_ptr<spi::AccessControl> access_control_;
+  std::unique_ptr<spi::Cryptography> cryptography_;
 };
 
 class Session final : private EventSink {
@@ -67,10 +85,12 @@ class Session final : private EventSink {
 
   Counts counts;
   /// Says `done` and `exit`.
-  int finish(int code) const;
+  int finish(int code);
 
  private:
   void raise(const Event& event) override;
+  /// Says `auth` for each peer that authenticated or failed since.
+  void note_authenticated();
   template <class T>
   Result<rtps::Topic*> topic_of(const std::string& name) {
     if (auto* known = participant_->lookup_topicdescription(name)) return known;
@@ -84,7 +104,9 @@ class Session final : private EventSink {
   SystemClock clock_;
   SystemRandom random_;
   RateLimitedSink limited_{*this, clock_};
+  std::unique_ptr<Plugins> plugins_;
   std::unique_ptr<rtps::DomainParticipant> participant_;
+  rtps::AuthenticationCounters said_;
   std::int64_t end_ = 0;
   std::int32_t last_said_ = 0;
 };

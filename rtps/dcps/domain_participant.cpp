@@ -192,6 +192,11 @@ ProtectionCounters DomainParticipant::protection_counters() const {
   return context_.protocol().protection_counters();
 }
 
+AuthenticationCounters DomainParticipant::authentication_counters() const {
+  const auto held = lock();
+  return context_.protocol().authentication_counters();
+}
+
 std::size_t DomainParticipant::remote_participants() const {
   const auto held = lock();
   return context_.protocol().remote_participants();

@@ -71,6 +71,7 @@ class DomainParticipant final : private ParticipantContext::Server,
   ParticipantCounters counters() const;
   /// What was dropped for its protection; all zero without security.
   ProtectionCounters protection_counters() const;
+  AuthenticationCounters authentication_counters() const;
   std::size_t remote_participants() const;
   std::vector<Guid> discovered_participants() const;
   Time current_time() const { return context_.moment().wall; }

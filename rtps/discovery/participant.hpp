@@ -80,6 +80,9 @@ class Participant final : private SecurityHost {
   ProtectionCounters protection_counters() const {
     return security_ ? security_->keyring().counters() : ProtectionCounters{};
   }
+  AuthenticationCounters authentication_counters() const {
+    return security_ ? security_->authentication_counters() : AuthenticationCounters{};
+  }
   bool is_authenticated(const GuidPrefix& peer) const {
     return security_ && security_->is_authenticated(peer);
   }
@@ -115,6 +118,7 @@ class Participant final : private SecurityHost {
   void change_user_data(Bytes user_data) {
     config_.user_data = std::move(user_data);
     next_announcement_ = {};
+    announce_securely(false);
   }
   std::vector<Guid> remote_guids() const;
   /// Remote endpoints that match one of ours.
@@ -153,6 +157,7 @@ class Participant final : private SecurityHost {
     ParticipantData data;
     LocatorList metatraffic, user;
     MonotonicTime lease_end{};
+    MonotonicTime since{};
     std::map<EntityId, EndpointData> endpoints = {};
     std::vector<Watch> watches = {};  ///< only where a lease is finite
   };
@@ -190,6 +195,7 @@ class Participant final : private SecurityHost {
   void announce_securely(bool leaving);
   Status on_spdp(const Data& data, const Context& context);
   void add_remote(ParticipantData data, MonotonicTime now);
+  bool make_room();
   void on_known(Remote& remote, const ParticipantData& data, MonotonicTime now);
   void match_builtin(Remote& remote);
   void match_builtin(const BuiltinTopicInfo& info, Remote& remote, bool writer);

@@ -109,7 +109,7 @@ void Participant::add_remote(ParticipantData data, MonotonicTime now) {
     return on_known(known->second, data, now);
   }
   auto metatraffic = usable_locators(data.metatraffic_unicast, {});
-  if (remotes_.size() >= kMostParticipants || metatraffic.empty()) {
+  if (metatraffic.empty() || (remotes_.size() >= kMostParticipants && !make_room())) {
     ++counters_.refused_discovery;
     return;
   }
@@ -117,11 +117,30 @@ void Participant::add_remote(ParticipantData data, MonotonicTime now) {
   const auto end = lease_end(data, now);
   const auto verdict =
       security_ ? security_->judge(data) : Security::Verdict::admit_unauthenticated;
-  auto& remote = remotes_[prefix] = {std::move(data), std::move(metatraffic), std::move(user), end};
+  auto& remote =
+      remotes_[prefix] = {std::move(data), std::move(metatraffic), std::move(user), end, now};
   announce(remote.metatraffic);
   if (verdict == Security::Verdict::authenticate)
     security_->discovered(remote.data, remote.metatraffic, now);
   if (verdict == Security::Verdict::admit_unauthenticated) match_builtin(remote);
+}
+
+// Of those that proved nothing the one that only announced itself longest ago goes, or else the one
+// whose handshake takes longest. Without security nobody can prove anything.
+bool Participant::make_room() {
+  if (!security_) return false;
+  const auto rank = [&](const auto& entry) {
+    return std::pair(security_->has_spoken(entry.first), entry.second.since);
+  };
+  auto victim = remotes_.end();
+  for (auto at = remotes_.begin(); at != remotes_.end(); ++at)
+    if (!security_->is_authenticated(at->first) &&
+        (victim == remotes_.end() || rank(*at) < rank(*victim)))
+      victim = at;
+  if (victim == remotes_.end()) return false;
+  ++counters_.refused_discovery;
+  remove_remote(GuidPrefix(victim->first));
+  return true;
 }
 
 // What was authenticated stays as it was: anybody can send announcements in its name.

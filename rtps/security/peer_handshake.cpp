@@ -22,7 +22,7 @@ PeerHandshake::PeerHandshake(spi::Authentication& plugin, Sides sides,
       numbers_(numbers),
       give_up_(now + kGiveUp),
       next_(now + kDelay),
-      refilled_(now) {}
+      budget_(kBurst, kRefill, now) {}
 
 PeerHandshake::~PeerHandshake() {
   if (peer_) static_cast<void>(plugin_.return_identity_handle(peer_));
@@ -47,16 +47,6 @@ GenericMessage PeerHandshake::message_of(std::string_view message_class, spi::To
 void PeerHandshake::fail_with(Error error) {
   failure_ = std::move(error);
   next_ = kNever;
-}
-
-// Every message of a handshake costs public-key work before it can be told from a forged one.
-bool PeerHandshake::may_look(MonotonicTime now) {
-  const auto earned = (now - refilled_) / kRefill;
-  if (earned > 0) {
-    allowance_ = static_cast<int>(std::min<std::int64_t>(kBurst, allowance_ + earned));
-    refilled_ += earned * kRefill;
-  }
-  return allowance_ > 0 && allowance_-- > 0;
 }
 
 void PeerHandshake::start(MonotonicTime now, Messages& out) {
@@ -100,7 +90,8 @@ void PeerHandshake::tick(MonotonicTime now, Messages& out) {
 void PeerHandshake::receive(const GenericMessage& message, MonotonicTime now, Messages& out) {
   if (message.data.size() != 1 || failure_) return;
   if (std::holds_alternative<Starting>(state_)) start(now, out);
-  if (failure_ || !may_look(now)) return;
+  // Every message costs public-key work before it can be told from a forged one.
+  if (failure_ || !budget_.take(now)) return;
   const auto& token = message.data.front();
   if (ends_with(token, "+Req"))
     on_request(message, out);
@@ -114,6 +105,7 @@ void PeerHandshake::receive(const GenericMessage& message, MonotonicTime now, Me
 void PeerHandshake::on_request(const GenericMessage& message, Messages& out) {
   if (!std::holds_alternative<Awaiting>(state_)) return;
   auto step = plugin_.begin_handshake_reply(message.data.front(), peer_, sides_.own, *own_data_);
+  refusals_ += step ? 0 : 1;
   if (step && step->message) answer(std::move(*step), message.identity, out);
 }
 
@@ -139,6 +131,7 @@ void PeerHandshake::on_reply(const GenericMessage& message, Messages& out) {
   if (requesting == nullptr && (finished == nullptr || !finished->final)) return;
   const auto handle = requesting != nullptr ? requesting->handle : finished->handle;
   auto step = plugin_.process_handshake(handle, message.data.front());
+  refusals_ += step ? 0 : 1;
   if (!step || step->result != spi::ValidationResult::ok_final_message || !step->message) return;
   if (finished != nullptr) {
     finished->final->related = message.identity;
@@ -163,6 +156,7 @@ void PeerHandshake::on_final(const GenericMessage& message) {
     next_ = kNever;
     return;
   }
+  ++refusals_;
 }
 
 }  // namespace ddssec::rtps

@@ -9,6 +9,7 @@
 #include "plugins/spi/authentication.hpp"
 #include "rtps/reliability/stateful_writer.hpp"
 #include "rtps/security/generic_message.hpp"
+#include "rtps/security/work_budget.hpp"
 
 namespace ddssec::rtps {
 
@@ -45,6 +46,11 @@ class PeerHandshake {
   /// A message of class dds.sec.auth that names us as its destination and the peer as its source.
   void receive(const GenericMessage& message, MonotonicTime now, Messages& out);
   MonotonicTime next_tick() const { return next_; }
+  bool started() const { return !std::holds_alternative<Starting>(state_); }
+  /// Starts at that time instead.
+  void start_at(MonotonicTime time) { next_ = time; }
+  /// How many messages of the peer the plugin did not take.
+  std::uint64_t refusals() const { return refusals_; }
 
   bool finished() const { return std::holds_alternative<Finished>(state_); }
   /// Why it will never be, if so.
@@ -60,7 +66,7 @@ class PeerHandshake {
   static constexpr std::size_t kMostAnswers = 4;
   /// Handshake messages of one peer that are looked at: so many at once, then so many a second.
   static constexpr int kBurst = 12;
-  static constexpr MonotonicTime kRefill = std::chrono::milliseconds(100);
+  static constexpr MonotonicTime kRefill = std::chrono::milliseconds(250);
 
  private:
   struct Answer {
@@ -87,7 +93,6 @@ class PeerHandshake {
   void answer(spi::Authentication::HandshakeStep step, const MessageIdentity& to, Messages& out);
   GenericMessage message_of(std::string_view message_class, spi::Token token,
                             const MessageIdentity& related);
-  bool may_look(MonotonicTime now);
   void fail_with(Error error);
 
   spi::Authentication& plugin_;
@@ -100,8 +105,8 @@ class PeerHandshake {
   std::optional<GenericMessage> auth_request_;
   std::variant<Starting, Requesting, Awaiting, Finished> state_;
   std::optional<Error> failure_;
-  int allowance_ = kBurst;
-  MonotonicTime refilled_;
+  WorkBudget budget_;
+  std::uint64_t refusals_ = 0;
 };
 
 }  // namespace ddssec::rtps

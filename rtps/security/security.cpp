@@ -91,6 +91,7 @@ Security::Verdict Security::judge(const ParticipantData& data) {
   const auto info = data.security_info.value_or(spi::SecurityInfo{});
   if (data.identity_token && spi::compatible(own_info, info)) return Verdict::authenticate;
   if (admits_unauthenticated()) return Verdict::admit_unauthenticated;
+  ++counters_.failed;
   const auto guid = data.guid.to_string();
   if (!data.identity_token)
     events_.raise(Event(Error(Code::rtps_peer_not_secured, {.document = "participant " + guid,
@@ -137,6 +138,11 @@ bool Security::is_authenticated(const GuidPrefix& prefix) const {
   return at != peers_.end() && at->second.authenticated;
 }
 
+bool Security::has_spoken(const GuidPrefix& prefix) const {
+  const auto at = peers_.find(prefix);
+  return at != peers_.end() && at->second.spoke;
+}
+
 // ---- handshake
 
 void Security::send(Peer& peer, const PeerHandshake::Messages& messages) {
@@ -158,11 +164,16 @@ void Security::on_stateless(const GuidPrefix& source, BytesView payload, Monoton
   if (peer == nullptr || peer->refused) return;
   const auto message = read_generic_message(payload);
   const bool ours = message && message->identity.source.prefix == source &&
-                    message->destination_participant == own_->guid() &&
-                    message->message_class == message_class::kAuthentication;
+                    message->destination_participant == own_->guid();
   if (!ours) return;
+  if (!std::exchange(peer->spoke, true) && !peer->handshake->started())
+    peer->handshake->start_at(now);
+  if (message->message_class != message_class::kAuthentication) return;
+  auto& ration = peer->failed ? second_tries_ : messages_;
+  if (!peer->authenticated && !ration.take(now)) return;
   PeerHandshake::Messages out;
   peer->handshake->receive(*message, now, out);
+  if (peer->handshake->refusals() > 0 && !peer->established) note_failure(*peer);
   // A Final goes out when the keys are ready for what the peer sends next.
   const bool newly = advance(*peer);
   if (!peer->refused) send(*peer, out);
@@ -187,10 +198,15 @@ bool Security::advance(Peer& peer) {
 // know nothing.
 bool Security::refuse(Peer& peer, const Error& error) {
   peer.refused = true;
+  note_failure(peer);
   if (error.code() == Code::rtps_authentication_timeout)
     events_.raise(Event(error, {}, peer.data.guid.to_string()));
   host_.on_refused(GuidPrefix(peer.data.guid.prefix));
   return false;
+}
+
+void Security::note_failure(Peer& peer) {
+  if (!std::exchange(peer.failed, true)) ++counters_.failed;
 }
 
 Status Security::establish(Peer& peer) {
@@ -279,6 +295,7 @@ void Security::on_participant_tokens(Peer& peer, const GenericMessage& message) 
     return;
   }
   if (std::exchange(peer.authenticated, true)) return;
+  ++counters_.authenticated;
   host_.on_authenticated(prefix);
 }
 
@@ -416,16 +433,23 @@ void Security::tick(MonotonicTime now) {
   for (const auto& prefix : prefixes) {
     auto* peer = find(prefix);
     if (peer == nullptr) continue;
-    PeerHandshake::Messages out;
-    if (!peer->refused) {
-      peer->handshake->tick(now, out);
-      send(*peer, out);
-      advance(*peer);
-    }
+    if (!peer->refused) tick_handshake(*peer, now);
     if (peer->volatile_writer) peer->volatile_writer->tick(now);
     if (peer->volatile_reader) peer->volatile_reader->tick(now);
   }
   if (now >= next_expiry_) expire();
+}
+
+void Security::tick_handshake(Peer& peer, MonotonicTime now) {
+  auto& handshake = *peer.handshake;
+  if (now < handshake.next_tick()) return;
+  // Announcements cost their sender nothing; keys cost us something.
+  if (!handshake.started() && !peer.spoke && !starts_.take(now))
+    return handshake.start_at(now + kStartPeriod);
+  PeerHandshake::Messages out;
+  handshake.tick(now, out);
+  send(peer, out);
+  advance(peer);
 }
 
 MonotonicTime Security::next_tick() const {

@@ -24,10 +24,23 @@ class SecurityHost {
   virtual void on_ended(const GuidPrefix& peer) = 0;
 };
 
+/// How many peers made it, and how many of whom something was refused.
+struct AuthenticationCounters {
+  std::uint64_t authenticated = 0;
+  std::uint64_t failed = 0;
+};
+
 class Security {
  public:
   /// Token messages that are kept for endpoints we do not know yet, of one peer.
   static constexpr std::size_t kMostEarlyTokens = 1024;
+  /// Handshakes that we begin with peers that never spoke: so many at once, one each so long.
+  static constexpr int kMostStarts = 64;
+  static constexpr MonotonicTime kStartPeriod = std::chrono::milliseconds(10);
+  /// Handshake messages of all peers that are not authenticated; those of whom something was
+  /// refused share a ration of their own.
+  static constexpr int kMostMessages = 200;
+  static constexpr MonotonicTime kMessagePeriod = std::chrono::microseconds(2500);
 
   Security(std::unique_ptr<OwnSecurity> own, MessageSender& sender, SecurityHost& host,
            EventSink& events);
@@ -50,6 +63,9 @@ class Security {
   void discovered(const ParticipantData& data, const LocatorList& metatraffic, MonotonicTime now);
   void lost(const GuidPrefix& peer);
   bool is_authenticated(const GuidPrefix& peer) const;
+  /// It sent a handshake message once: whoever only announces itself gives way to it.
+  bool has_spoken(const GuidPrefix& peer) const;
+  const AuthenticationCounters& authentication_counters() const { return counters_; }
 
   void on_stateless(const GuidPrefix& source, BytesView payload, MonotonicTime now);
   void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag, MonotonicTime now);
@@ -93,6 +109,8 @@ class Security {
     bool established = false;    ///< handshake done, permissions good
     bool authenticated = false;  ///< and its participant key is here
     bool refused = false;
+    bool spoke = false;
+    bool failed = false;  ///< something of it was refused
   };
 
   Status check_open(const EntityId& local, const Endpoint& remote) const;
@@ -106,6 +124,8 @@ class Security {
   Status establish(Peer& peer);
   void open_volatile(Peer& peer, MonotonicTime now);
   bool refuse(Peer& peer, const Error& error);
+  void note_failure(Peer& peer);
+  void tick_handshake(Peer& peer, MonotonicTime now);
   void send_tokens(Peer& peer, std::string_view message_class, const Guid& from, const Guid& to,
                    std::vector<spi::Token> tokens);
   bool on_volatile(const GuidPrefix& prefix, const Change& change);
@@ -126,6 +146,10 @@ class Security {
   std::int64_t volatile_number_ = 0;
   std::map<GuidPrefix, Peer> peers_;
   FragmentStore fragments_;
+  AuthenticationCounters counters_;
+  WorkBudget starts_{kMostStarts, kStartPeriod, {}};
+  WorkBudget messages_{kMostMessages, kMessagePeriod, {}};
+  WorkBudget second_tries_{kMostMessages, kMessagePeriod, {}};
   MonotonicTime now_{};
   MonotonicTime next_expiry_{};
 };

@@ -3,14 +3,19 @@
 
 import json
 import pathlib
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 import unittest
 
+sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "interop"))
+from documents import Governance, Keys, Permissions, Side  # noqa: E402
 from pair import Namespace  # noqa: E402
+from pki import Pki  # noqa: E402
 
 PEER = pathlib.Path(sys.argv.pop(1)).resolve() / "bin" / "ddssec-peer"
 
@@ -91,8 +96,8 @@ class PeerTest(unittest.TestCase):
         self.assertEqual(self.end(pong)[0], 0)
 
     def test_usage(self):
-        for arguments in ((), ("--role", "king"), ("--role", "pub", "--security", "folder"),
-                          ("--role", "pub", "--size", "-1")):
+        for arguments in ((), ("--role", "king"), 
+                          ("--role", "pub", "--size", "-1"), ("--role", "pub", "--secure", "x")):
             self.assertEqual(self.end(self.start(*arguments))[0], 2, arguments)
 
     def test_never_matched(self):
@@ -125,6 +130,80 @@ class PeerTest(unittest.TestCase):
         first.kill()
         self.start("--role", "pub", "--count", "30", "--color", "GREEN")
         self.assertEqual(self.end(sub)[0], 0)
+
+
+FILES = {"--identity_ca": "identity_ca.pem", "--identity_certificate": "cert.pem",
+         "--private_key": "key.pem", "--permissions_ca": "permissions_ca.pem",
+         "--governance": "governance.p7s", "--permissions": "permissions.p7s", "--crl": "crl.pem"}
+ENCRYPT = Governance(discovery="ENCRYPT", liveliness="ENCRYPT", rtps="SIGN", metadata="ENCRYPT",
+                     data="ENCRYPT")
+# The domain of the other tests, and the topics of all roles.
+ALLOWED = Permissions(domain=3, publish=("*",), subscribe=("*",), partition="*")
+
+
+class SecuredTest(PeerTest):
+    """Every test above once more, all with security, and what only security can refuse."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.pki = Pki(cls.folder.name)
+        cls.good = [cls.make(cls, name, Side(ENCRYPT, ALLOWED), starts)
+                    for name, starts in (("first", True), ("second", False))]
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def make(self, name, side, starts):
+        """A participant's folder."""
+        folder = pathlib.Path(self.folder.name) / name
+        folder.mkdir()
+        options = side.arguments(self.pki, Keys(), starts)
+        for option, path in zip(options[::2], options[1::2]):
+            shutil.copy(path, folder / FILES[option])
+        return str(folder)
+
+    def start(self, *arguments):
+        if "--security" not in arguments:
+            arguments += ("--security", self.good[len(self.running) % 2])
+        return super().start(*arguments)
+
+    def test_authentication_is_told(self):
+        sub = self.start("--role", "sub", "--count", "5")
+        code, lines = self.end(self.start("--role", "pub", "--count", "5"))
+        self.assertEqual(code, 0)
+        self.assertEqual([line["ok"] for line in self.events(lines, "auth")], [True])
+        self.assertEqual(self.events(lines, "done")[0]["auth_failed"], 0)
+        self.assertEqual(self.end(sub)[0], 0)
+
+    def test_a_peer_of_another_ca_fails_and_is_told(self):
+        strange = self.make("strange", Side(ENCRYPT, ALLOWED, signed_by="other", trusts="other"),
+                            False)
+        sub = self.start("--role", "sub", "--timeout", "3", "--security", self.good[0])
+        code, lines = self.end(self.start("--role", "pub", "--timeout", "3", "--security", strange))
+        self.assertEqual(code, 1)
+        self.assertEqual(self.events(lines, "done")[0]["auth_failed"], 1)
+        self.assertEqual(self.end(sub)[0], 1)
+
+    def test_a_plain_peer_never_matches(self):
+        sub = self.start("--role", "sub", "--timeout", "2")
+        code, _ = self.end(self.start("--role", "pub", "--timeout", "2", "--security", "off"))
+        self.assertEqual((code, self.end(sub)[0]), (1, 1))
+
+    def test_what_cannot_be_created_is_refused_by_name(self):
+        silent = self.make("silent", Side(ENCRYPT, Permissions(domain=3, publish=())), True)
+        for folder in ("/nowhere", silent):
+            code, lines = self.end(self.start("--role", "pub", "--security", folder))
+            self.assertEqual(code, 3)
+            self.assertTrue(self.events(lines, "error")[0]["what"])
+
+    def test_a_revocation_list_counts(self):
+        careful = self.make("careful", Side(ENCRYPT, ALLOWED, crl="peer"), True)
+        sub = self.start("--role", "sub", "--timeout", "3", "--security", careful)
+        code, _ = self.end(self.start("--role", "pub", "--timeout", "3", "--security",
+                                      self.good[1]))
+        self.assertEqual((code, self.end(sub)[0]), (1, 1))
 
 
 if __name__ == "__main__":
