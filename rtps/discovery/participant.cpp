@@ -125,6 +125,24 @@ Status Participant::process_info(const SubmessageView& view, Context& context) {
   }
 }
 
+template <class F>
+void Participant::each_reader(const EntityId& id, const EntityId& writer, const Context& context,
+                              F&& f) {
+  const Guid from{context.source, writer};
+  const auto offer = [&](StatefulReader& reader) {
+    const auto& own = reader.guid().entity;
+    const bool meant = id == kEntityIdUnknown || id == own;
+    if (meant && reader.is_matched(from) && accepts(own, from, context)) f(reader);
+  };
+  if (is_builtin(writer)) {
+    builtin_.each([&](auto&, auto&, auto& reader) { offer(reader); });
+    auto* keys = security_ ? security_->volatile_reader(context.source) : nullptr;
+    if (keys != nullptr) offer(*keys);
+    return;
+  }
+  for (auto& [own, local] : readers_) offer(*local.protocol);
+}
+
 Status Participant::process(const SubmessageView& view, Context& context) {
   const auto& from = context.source;
   switch (view.id) {
@@ -225,23 +243,6 @@ std::optional<BytesView> Participant::opened(const StatefulReader& reader, const
 
 bool Participant::accepts(const EntityId& local, const Guid& remote, const Context& context) {
   return !security_ || security_->keyring().accepts(local, remote, context.shield);
-}
-
-void Participant::each_reader(const EntityId& id, const EntityId& writer, const Context& context,
-                              const std::function<void(StatefulReader&)>& f) {
-  const Guid from{context.source, writer};
-  const auto offer = [&](StatefulReader& reader) {
-    const auto& own = reader.guid().entity;
-    const bool meant = id == kEntityIdUnknown || id == own;
-    if (meant && reader.is_matched(from) && accepts(own, from, context)) f(reader);
-  };
-  if (is_builtin(writer)) {
-    builtin_.each([&](auto&, auto&, auto& reader) { offer(reader); });
-    auto* keys = security_ ? security_->volatile_reader(context.source) : nullptr;
-    if (keys != nullptr) offer(*keys);
-    return;
-  }
-  for (auto& [own, local] : readers_) offer(*local.protocol);
 }
 
 StatefulWriter* Participant::addressed(const EntityId& writer, const EntityId& reader,

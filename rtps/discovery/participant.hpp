@@ -180,8 +180,9 @@ class Participant final : private SecurityHost {
   Status on_data_frag(const SubmessageView& view, const Context& context);
   Status on_acknack(const SubmessageView& view, const Context& context);
   Status on_nack_frag(const SubmessageView& view, const Context& context);
-  void each_reader(const EntityId& reader, const EntityId& writer, const Context& context,
-                   const std::function<void(StatefulReader&)>& f);
+  /// `f(StatefulReader&)` for each that the writer matched and whose protection is as it must be.
+  template <class F>
+  void each_reader(const EntityId& reader, const EntityId& writer, const Context& context, F&& f);
   /// The local writer that a reader speaks to, unless that is unprotected and must not be.
   StatefulWriter* addressed(const EntityId& writer, const EntityId& reader, const Context& context);
   bool accepts(const EntityId& local, const Guid& remote, const Context& context);
