@@ -1,0 +1,149 @@
+#!/usr/bin/env python3
+"""The seven tasks of securing a DDS system, each in as few commands as we promise, counted here; then
+Cyclone DDS, Fast DDS and our plugins run on what came of them.
+
+Usage: seven_tasks_test.py DDSSEC [DROPIN]; the peers of tests/interop stand beside DDSSEC.
+"""
+
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "interop"))
+DROPIN = pathlib.Path(sys.argv.pop(2)).resolve()
+
+from pair import Namespace  # noqa: E402
+from transcript import PROGRAM, Transcript, main  # noqa: E402
+
+FLEET = "\n".join(f"""[[participant]]
+name = "p{i}"
+{"publish" if i % 2 == 0 else "subscribe"} = ["Square"]
+""" for i in range(10))
+PASSPHRASE = ("--passphrase-file", "passphrase")
+FILES = {"identity_ca": "identity_ca.pem", "identity_certificate": "cert.pem", "private_key": "key.pem",
+         "permissions_ca": "permissions_ca.pem", "governance": "governance.p7s",
+         "permissions": "permissions.p7s", "crl": "crl.pem"}
+SECONDS = 8
+
+
+class SevenTasks(Transcript):
+    @classmethod
+    def setUpClass(cls):
+        cls.namespace = Namespace()
+        cls.addClassCleanup(cls.namespace.close)
+
+    def setUp(self):
+        super().setUp()
+        self.count = 0
+        (self.at / "passphrase").write_text("seven tasks\n")
+
+    def user(self, *words, exit=0):
+        """What a person types: it counts."""
+        self.count += 1
+        return self.json(*words, exit=exit)
+
+    def took(self, commands):
+        self.assertEqual(self.count, commands)
+        self.count = 0
+
+    def peer(self, product, folder, role):
+        files = [part for option, file in FILES.items() if (self.at / folder / file).exists()
+                 for part in ("--" + option, str(self.at / folder / file))]
+        program = PROGRAM.parent / ("fastdds_peer" if product == "fastdds" else "cyclone_peer")
+        environment = {**os.environ, "TZ": "UTC"}
+        environment.pop("LD_LIBRARY_PATH", None)
+        if product == "ours":
+            environment["LD_LIBRARY_PATH"] = str(DROPIN)
+        command = [str(program), role, "--topic", "Square", "--timeout", str(SECONDS), *files]
+        return subprocess.Popen(self.namespace.enter(command), env=environment, text=True,
+                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+
+    def exchange(self, writer, reader, products=(("cyclonedds",) * 2, ("fastdds",) * 2), works=True):
+        """The products do what `check` says: all samples arrive, or nobody matches."""
+        for a, b in products:
+            both = [self.peer(a, writer, "--publish"), self.peer(b, reader, "--subscribe")]
+            said = [one.communicate(timeout=60)[0] for one in both]
+            ended = [one.returncode for one in both]
+            self.assertEqual(ended == [0, 0], works, f"{a} -> {b}: {ended}\n{said}")
+            self.json("check", writer, reader, "--topics", "Square", "--require", "writer=A", "--vendor",
+                      f"A={a}", "--vendor", f"B={b}", exit=0 if works else 1)
+
+    def production(self):
+        self.user("ca", "create", "ca", *PASSPHRASE)
+        self.user("governance", "new", "--sign", "--ca", "ca", *PASSPHRASE, "-o", "governance.xml")
+        (self.at / "participants.toml").write_text(FLEET)
+        self.user("identity", "issue", "--from", "participants.toml", "--ca", "ca", *PASSPHRASE,
+                  "--governance", "governance.p7s", "-o", "fleet")
+
+    def test_1_a_demo_in_one_command(self):
+        self.user("init", "demo")
+        self.took(1)
+        self.exchange("demo/talker", "demo/listener",
+                      (("cyclonedds",) * 2, ("fastdds",) * 2, ("ours", "fastdds"), ("fastdds", "ours")))
+
+    def test_2_production_with_distinct_rights_in_three(self):
+        self.production()
+        self.took(3)
+        for i in range(10):
+            self.json("doctor", f"fleet/p{i}")
+        self.exchange("fleet/p0", "fleet/p1")
+        self.exchange("fleet/p1", "fleet/p2", (("cyclonedds",) * 2,), works=False)
+
+    def test_3_one_more_participant_in_one(self):
+        self.production()
+        self.count = 0
+        self.user("identity", "issue", "late", "--ca", "ca", *PASSPHRASE, "--governance",
+                  "governance.p7s", "--subscribe", "Square", "-o", "fleet/late")
+        self.took(1)
+        self.exchange("fleet/p0", "fleet/late")
+
+    def test_4_other_rights_in_one_after_a_look_at_the_difference(self):
+        self.production()
+        self.count = 0
+        self.user("permissions", "new", "--cert", "fleet/p2/cert.pem", "--subscribe", "Square", "--sign",
+                  "--ca", "ca", *PASSPHRASE, "-o", "new.xml")
+        self.took(1)
+        self.user("permissions", "diff", "fleet/p2/permissions.p7s", "new.p7s", "--fail-on", "wider", exit=1)
+        shutil.copy(self.at / "new.p7s", self.at / "fleet/p2/permissions.p7s")  # to the device
+        self.exchange("fleet/p0", "fleet/p2")
+
+    def test_5_a_renewed_certificate_in_one(self):
+        self.production()
+        self.count = 0
+        before = self.json("identity", "show", "fleet/p0")["result"]
+        self.user("identity", "renew", "fleet/p0", "--ca", "ca", *PASSPHRASE, "--days", "400",
+                  "--permissions")
+        self.took(1)
+        after = self.json("identity", "show", "fleet/p0")["result"]
+        self.assertLess(before["not_after"], after["not_after"])
+        self.json("doctor", "fleet/p0")
+        self.exchange("fleet/p0", "fleet/p1")
+
+    def test_6_a_revocation_in_one_and_its_distribution_in_one(self):
+        self.production()
+        self.count = 0
+        self.user("identity", "revoke", "fleet/p0", "--ca", "ca", *PASSPHRASE)
+        self.took(1)
+        self.user("crl", "distribute", "--ca", "ca")
+        self.took(1)
+        self.exchange("fleet/p2", "fleet/p1")
+        self.exchange("fleet/p0", "fleet/p1", works=False)
+
+    def test_7_why_two_do_not_talk_in_one(self):
+        self.production()
+        self.count = 0
+        other = self.at / "fleet/p1/governance.p7s"
+        self.run_program("governance", "new", "--profile", "balanced", "--sign", "--ca", "ca",
+                         *PASSPHRASE, "-o", "other.xml")
+        shutil.copy(self.at / "other.p7s", other)
+        told = self.user("check", "fleet/p0", "fleet/p1", exit=1)
+        self.took(1)
+        self.assertIn("<metadata_protection_kind> is ENCRYPT at p0 (governance.p7s:",
+                      " ".join(d["message"] for d in told["diagnostics"]))
+        self.exchange("fleet/p0", "fleet/p1", works=False)
+
+
+if __name__ == "__main__":
+    main()
