@@ -96,7 +96,7 @@ Status AnyDataReader::regroup(const GroupQos& group) {
 // Reading is what resets DATA_AVAILABLE and DATA_ON_READERS (DDS 1.4, 2.2.4.2.2).
 Result<std::size_t> AnyDataReader::access(const Query& query, std::vector<OctetSample>& out) {
   const auto held = lock();
-  DDSSEC_TRY(check_enabled("reader of " + topic_.name()));
+  DDSSEC_TRY(check_enabled(topic_.name()));
   if (query.scope == Query::Scope::instance && cache_->key_value(query.instance) == nullptr)
     return no_such_instance();
   const auto before = out.size();
@@ -153,7 +153,7 @@ void AnyDataReader::update_conditions() {
 
 Status AnyDataReader::wait_for_historical_data(std::chrono::nanoseconds most) {
   auto held = lock();
-  DDSSEC_TRY(check_enabled("reader of " + topic_.name()));
+  DDSSEC_TRY(check_enabled(topic_.name()));
   if (qos_.durability == DurabilityKind::volatile_) return {};
   // A heartbeat alone can complete it, and tells nobody.
   constexpr std::chrono::nanoseconds kStep = std::chrono::milliseconds(10);

@@ -137,7 +137,7 @@ Result<Time> AnyDataWriter::source_time_of(const OctetWrite& change) {
 
 Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {
   auto held = lock();
-  DDSSEC_TRY(check_enabled("writer of " + topic_.name()));
+  DDSSEC_TRY(check_enabled(topic_.name()));
   DDSSEC_TRY(instance_of(request));
   DDSSEC_TRY(wait_for_room(held, request));
   Change change;
@@ -147,20 +147,21 @@ Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {
   change.key_only = status != StatusInfo{};
   change.payload = Payload::copy_of(request.payload);
   const auto now = context_.now();
-  const auto instance = change;  // what is left of it is small: the payload is shared
-  after_write(instance, protocol().write(std::move(change), now), now);
+  const auto number = protocol().write(std::move(change), now);
+  after_write(request.key.value_or(KeyHash{}), status, number, now);
   context_.reschedule();
   return {};
 }
 
-void AnyDataWriter::after_write(const Change& change, SequenceNumber number, MonotonicTime now) {
-  const auto key = change.key_hash.value_or(KeyHash{});
-  if (change.is_alive())
+void AnyDataWriter::after_write(const KeyHash& key, StatusInfo status, SequenceNumber number,
+                                MonotonicTime now) {
+  const bool alive = status == StatusInfo{};
+  if (alive)
     instances_->written(key, now);
   else
     instances_->disposed(key);
-  if (change.status.unregistered) instances_->remove(key);
-  if (change.is_alive() && !qos_.lifespan.is_infinite()) {
+  if (status.unregistered) instances_->remove(key);
+  if (alive && !qos_.lifespan.is_infinite()) {
     expiring_.emplace_back(now + qos_.lifespan.to_nanoseconds(), number);
     call_at(expiring_.front().first);
   }
@@ -190,7 +191,7 @@ Status AnyDataWriter::unregister_octets(const OctetWrite& change) {
   bool disposes = false;
   {
     const auto held = lock();
-    DDSSEC_TRY(check_enabled("writer of " + topic_.name()));
+    DDSSEC_TRY(check_enabled(topic_.name()));
     if (instances_->lookup(change.key.value_or(KeyHash{})).is_nil())
       return precondition_not_met("writer of " + topic_.name(), "a registered instance", "another");
     disposes = qos_.autodispose_unregistered_instances;
@@ -200,7 +201,7 @@ Status AnyDataWriter::unregister_octets(const OctetWrite& change) {
 
 Result<InstanceHandle> AnyDataWriter::register_octets(const OctetWrite& change) {
   const auto held = lock();
-  DDSSEC_TRY(check_enabled("writer of " + topic_.name()));
+  DDSSEC_TRY(check_enabled(topic_.name()));
   return instance_of(change);
 }
 
@@ -217,14 +218,14 @@ Result<Bytes> AnyDataWriter::octets_of_key(InstanceHandle instance) const {
 
 Status AnyDataWriter::wait_for_acknowledgments(std::chrono::nanoseconds most) {
   auto held = lock();
-  DDSSEC_TRY(check_enabled("writer of " + topic_.name()));
+  DDSSEC_TRY(check_enabled(topic_.name()));
   if (context_.wait(held, most, [&] { return protocol().all_acknowledged(); })) return {};
   return fail(Code::rtps_timeout, {.document = "writer " + guid_.to_string()});
 }
 
 Status AnyDataWriter::assert_liveliness() {
   const auto held = lock();
-  DDSSEC_TRY(check_enabled("writer of " + topic_.name()));
+  DDSSEC_TRY(check_enabled(topic_.name()));
   assert_lease(context_.now(), true);
   if (qos_.liveliness.kind == LivelinessKind::manual_by_topic) protocol().assert_liveliness();
   context_.reschedule();

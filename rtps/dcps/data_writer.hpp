@@ -84,7 +84,7 @@ class AnyDataWriter : public Entity, private EndpointListener, private Timed {
   Result<InstanceHandle> instance_of(const OctetWrite& change);
   Status wait_for_room(std::unique_lock<std::mutex>& lock, const OctetWrite& change);
   Result<Time> source_time_of(const OctetWrite& change);
-  void after_write(const Change& change, SequenceNumber number, MonotonicTime now);
+  void after_write(const KeyHash& key, StatusInfo status, SequenceNumber number, MonotonicTime now);
   void assert_lease(MonotonicTime now, bool explicitly);
   StatefulWriter& protocol() const { return *context_.protocol().writer(guid_); }
   DataWriterListener* listener_for(StatusKind kind) const;

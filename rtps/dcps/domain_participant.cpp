@@ -177,7 +177,10 @@ void DomainParticipant::serve(std::chrono::nanoseconds most) {
     if (!enabled()) return;
     until = context_.tick(most);
   }
-  context_.dispatch();
+  if (context_.dispatch()) {
+    const auto held = lock();
+    until = context_.next();
+  }
   sockets_->loop().wait(std::max(until - context_.now(), MonotonicTime::zero()));
   context_.dispatch();
 }

@@ -10,15 +10,26 @@ MonotonicTime ParticipantContext::tick(std::chrono::nanoseconds most) {
   const auto time = now();
   if (protocol_->next_tick() <= time) protocol_->tick(time);
   timers_.run(time);
-  return waiting_until_ = std::min({protocol_->next_tick(), timers_.next(), time + most});
+  // A time that was wanted once is kept: one wait that ends early costs less than a call of wake
+  // with every sample that wants a heartbeat later, and needs none once it is acknowledged.
+  const auto kept = waiting_until_ > time ? waiting_until_ : kNever;
+  waiting_until_ = std::min(time + most, kept);
+  return next();
 }
 
+MonotonicTime ParticipantContext::next() {
+  return waiting_until_ = std::min({waiting_until_, protocol_->next_tick(), timers_.next()});
+}
+
+// Who serves looks at next() after the callbacks.
 void ParticipantContext::reschedule() {
+  if (in_callback()) return;
   if (!pending_.empty() || std::min(protocol_->next_tick(), timers_.next()) < waiting_until_)
     server_.wake();
 }
 
-void ParticipantContext::dispatch() {
+bool ParticipantContext::dispatch() {
+  bool any = false;
   const std::lock_guard callbacks(callbacks_);
   const auto* before = std::exchange(dispatching_, this);
   for (;;) {
@@ -30,8 +41,10 @@ void ParticipantContext::dispatch() {
       entity->pending_.leave();
     }
     entity->tell_listeners();
+    any = true;
   }
   dispatching_ = before;
+  return any;
 }
 
 }  // namespace ddssec::rtps

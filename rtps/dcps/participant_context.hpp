@@ -41,6 +41,8 @@ class ParticipantContext {
   TimerQueue& timers() { return timers_; }
   /// Does what is due and says until when there is nothing to do, `most` from now at the latest.
   MonotonicTime tick(std::chrono::nanoseconds most);
+  /// Until when there is nothing to do, after callbacks that may have changed it.
+  MonotonicTime next();
   /// After something that changes when tick wants to be called, or what listeners must be told.
   void reschedule();
   /// Waiting calls look again.
@@ -53,8 +55,8 @@ class ParticipantContext {
   void enqueue(Link<Entity>& entity) { entity.append_to(pending_); }
 
   // Without the lock:
-  /// Calls the listeners of whoever was enqueued.
-  void dispatch();
+  /// Calls the listeners of whoever was enqueued; true if there were any.
+  bool dispatch();
   bool in_callback() const { return dispatching_ == this; }
   /// Held while listeners are called, and while entities die and listeners are replaced.
   std::recursive_mutex& callbacks() const { return callbacks_; }

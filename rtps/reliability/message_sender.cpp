@@ -69,6 +69,7 @@ void MessageSender::flush() {
     transport_.send(out_.view(), to_.locators);
   }
   out_.rewind(0);
+  to_ = {};  // what it borrowed may end now
 }
 
 }  // namespace ddssec::rtps
