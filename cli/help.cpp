@@ -6,7 +6,7 @@ namespace ddssec::cli {
 namespace {
 
 std::string row(std::string_view left, std::string_view right) {
-  return fmt::format("  {:<26} {}\n", left, right);
+  return fmt::format("  {:<28} {}\n", left, right);
 }
 
 std::string option_row(const Option& option) {

@@ -36,6 +36,8 @@ const std::vector<Command>& commands() {
              crl_commands(),
              governance_commands(),
              permissions_commands(),
+             ros_policy_commands(),
+             show_commands(),
              lint_commands(),
              document_commands(),
              diff_commands(),

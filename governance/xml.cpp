@@ -43,6 +43,10 @@ std::string in_brackets(std::string_view name) { return std::string("<").append(
 std::string_view XmlElement::name() const { return element_->Name(); }
 int XmlElement::line() const { return element_->GetLineNum(); }
 const char* XmlElement::attribute(const char* name) const { return element_->Attribute(name); }
+XmlElement XmlElement::parent() const {
+  const auto* above = element_->Parent();
+  return XmlElement(above ? above->ToElement() : nullptr);
+}
 XmlElement XmlElement::first_child() const { return XmlElement(element_->FirstChildElement()); }
 XmlElement XmlElement::next_sibling() const { return XmlElement(element_->NextSiblingElement()); }
 
@@ -75,7 +79,7 @@ bool XmlElement::is_padded() const {
          (!end.empty() && kSpace.find(end.back()) != kSpace.npos);
 }
 
-Result<std::string> XmlElement::text() const {
+Result<std::string> XmlElement::raw_text() const {
   std::string text;
   for (const auto* node = element_->FirstChild(); node; node = node->NextSibling()) {
     if (node->ToElement()) {
@@ -84,7 +88,13 @@ Result<std::string> XmlElement::text() const {
     }
     if (node->ToText()) text += node->Value();
   }
-  return std::string(trimmed(text));
+  return text;
+}
+
+Result<std::string> XmlElement::text() const {
+  auto whole = raw_text();
+  if (whole) *whole = std::string(trimmed(*whole));
+  return whole;
 }
 
 Result<std::string> XmlElement::nonempty_text() const {

@@ -36,12 +36,16 @@ class XmlElement {
   std::vector<std::string_view> attribute_names() const;
   /// "/dds/permissions/grant[2]", counted among siblings of the same name if there are several.
   std::string path() const;
+  /// The element around this one; absent for the root.
+  XmlElement parent() const;
   XmlElement first_child() const;
   XmlElement next_sibling() const;
 
   /// All text of an element without children: entities resolved, comments left out, surrounding
   /// white space removed. Errors: element_unknown.
   Result<std::string> text() const;
+  /// The same as text(), with the white space around it.
+  Result<std::string> raw_text() const;
   /// True if there is white space before or behind the text.
   bool is_padded() const;
   /// The same as text(), but empty text is element_empty.

@@ -7,7 +7,7 @@ from transcript import Transcript, main
 class Contract(Transcript):
     def commands(self):
         rows = self.run_program("--help").stdout.split("\n\n")[1].splitlines()
-        return [row[2:28].strip() for row in rows]
+        return [row[2:30].strip() for row in rows]
 
     def test_help_lists_every_command_and_each_explains_itself(self):
         self.assertIn("ca create", self.commands())

@@ -1,0 +1,118 @@
+// permissions from-ros-policy: what sros2's policy files come to in DDS.
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "cli/documents.hpp"
+#include "cli/groups.hpp"
+#include "cli/inputs.hpp"
+#include "cli/options.hpp"
+#include "governance/lint.hpp"
+#include "governance/ros_policy.hpp"
+#include "governance/write.hpp"
+#include "governance/xml_check.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using governance::RosPolicy;
+
+Result<RosPolicy> chosen_enclaves(const Arguments& arguments, RosPolicy policy) {
+  if (!arguments.has("--enclave")) return policy;
+  const auto& wanted = arguments.all("--enclave");
+  for (const auto& path : wanted)
+    if (std::ranges::find(policy.enclaves, path, &governance::RosEnclave::path) ==
+        policy.enclaves.end())
+      return fail(Code::usage, {.field = "--enclave",
+                                .expected = "the path of an enclave of the policy",
+                                .found = '"' + path + '"'});
+  std::erase_if(policy.enclaves, [&](const governance::RosEnclave& enclave) {
+    return std::ranges::find(wanted, enclave.path) == wanted.end();
+  });
+  return policy;
+}
+
+// As long as the certificate, as sros2 does; else for --days from now.
+Result<governance::Validity> life(const Arguments& arguments, WallTime now) {
+  if (arguments.has("--validity-from")) {
+    const auto certificate = DDSSEC_TRY(read_certificate(arguments.text("--validity-from")));
+    return governance::Validity{certificate.not_before(), certificate.not_after()};
+  }
+  const auto days = DDSSEC_TRY(validity(arguments, now));
+  return governance::Validity{days.not_before, days.not_after};
+}
+
+std::vector<Finding> merged(const RosPolicy& policy) {
+  std::map<std::string, std::size_t> lists;
+  for (const auto& enclave : policy.enclaves) lists[enclave.path] += enclave.profiles.size();
+  std::vector<Finding> out;
+  for (const auto& [path, count] : lists) {
+    if (count < 2) continue;
+    const auto enclave = std::ranges::find(policy.enclaves, path, &governance::RosEnclave::path);
+    out.push_back({.rule = Rule::PERM031,
+                   .message = fmt::format("enclave {}: {} <profiles> elements are one grant now",
+                                          path, count),
+                   .line = enclave->line});
+  }
+  return out;
+}
+
+Result<Report> from_ros_policy(const Arguments& arguments, const Context& context) {
+  const fs::path file = arguments.text("FILE");
+  const auto read = [](const fs::path& path) {
+    return read_file(path, governance::kMostXmlOctets);
+  };
+  const auto policy =
+      DDSSEC_TRY(chosen_enclaves(arguments, DDSSEC_TRY(governance::read_ros_policy(file, read))));
+  const auto domain = DDSSEC_TRY(arguments.number("--domain", 0, governance::kHighestDomainId));
+  const governance::RosPermissionsOptions options{
+      .domain = static_cast<DomainId>(domain),
+      .validity = DDSSEC_TRY(life(arguments, context.clock.now())),
+      .discovery_topic = !arguments.has("--no-discovery-topic")};
+  const bool as_sros2 = arguments.has("--sros2-order");
+  const auto xml =
+      as_sros2 ? sros2_permissions(policy, options) : to_xml(permissions_of(policy, options));
+  const auto document = DDSSEC_TRY(governance::read_permissions(as_bytes(xml)));
+  auto findings = lint(document, {.now = context.clock.now()});
+  for (auto& finding : findings) finding.severity = std::min(finding.severity, Severity::warning);
+  Report report;
+  if (!as_sros2) add_findings(report, merged(policy), file);
+  report.files_written = DDSSEC_TRY(write_document(xml, arguments, context));
+  add_findings(report, std::move(findings), report.files_written.front().path);
+  report.text = fmt::format("{}: {} grant{}\n", report.files_written.front().path,
+                            document.grants.size(), document.grants.size() == 1 ? "" : "s");
+  report.result = {{"file", report.files_written.front().path}, {"grants", Json::array()}};
+  for (const auto& grant : document.grants)
+    report.result["grants"].push_back({{"name", grant.name}, {"subject", grant.subject_name}});
+  return report;
+}
+
+}  // namespace
+
+std::vector<Command> ros_policy_commands() {
+  return {
+      {.group = "permissions",
+       .name = "from-ros-policy",
+       .summary = "Writes the permissions that a ROS 2 policy (sros2) comes to.",
+       .positionals = {{"FILE", "the policy; what it includes is read from below its folder"}},
+       .options = {{.name = "-o", .value = "FILE", .summary = "the new document", .required = true},
+                   kDomain,
+                   repeated("--enclave", "PATH", "this enclave only"),
+                   {"--validity-from", "CERT", "valid as long as this certificate"},
+                   days("365"),
+                   {"--no-discovery-topic", "", "do not allow ros_discovery_info"},
+                   {"--sros2-order", "", "octet for octet as sros2 writes it"},
+                   kSign,
+                   kSigningCa,
+                   kPassphraseFile,
+                   kPassphraseEnv,
+                   kInsecureKeyMode},
+       .examples = {"ddssec permissions from-ros-policy policy.xml --enclave /talker "
+                    "--validity-from cert.pem -o permissions.xml"},
+       .run = from_ros_policy}};
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,297 @@
+// governance show, permissions show: what a document comes to.
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "cli/diff_inputs.hpp"
+#include "cli/documents.hpp"
+#include "cli/groups.hpp"
+#include "governance/compare/protection_properties.hpp"
+#include "governance/decision.hpp"
+#include "governance/grant.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using governance::DomainRule;
+using governance::Governance;
+using governance::Grant;
+using governance::Property;
+using governance::TopicRule;
+
+Json range_list(const governance::DomainSet& domains) { return domains_json(domains.ranges); }
+
+Json to_json(const TopicRule& rule) {
+  return {{"expression", rule.topic_expression},
+          {"line", rule.line},
+          {"data", to_string(rule.data_protection_kind)},
+          {"metadata", to_string(rule.metadata_protection_kind)},
+          {"discovery", rule.enable_discovery_protection},
+          {"liveliness", rule.enable_liveliness_protection},
+          {"read_access_control", rule.enable_read_access_control},
+          {"write_access_control", rule.enable_write_access_control}};
+}
+
+Json to_json(const DomainRule& rule) {
+  return {{"domains", range_list(rule.domains)},
+          {"line", rule.line},
+          {"allow_unauthenticated", rule.allow_unauthenticated_participants},
+          {"join_access_control", rule.enable_join_access_control},
+          {"discovery", to_string(rule.discovery_protection_kind)},
+          {"liveliness", to_string(rule.liveliness_protection_kind)},
+          {"rtps", to_string(rule.rtps_protection_kind)}};
+}
+
+std::string_view yes(bool value) { return value ? "yes" : "no"; }
+
+std::string domain_text(const DomainRule& rule, std::size_t number, const fs::path& file) {
+  return fmt::format(
+      "domain rule {}: {} ({}:{})\n"
+      "  discovery {}  liveliness {}  rtps {}\n"
+      "  strangers {}, permissions needed to join: {}\n",
+      number, shown(rule.domains.ranges), file.string(), rule.line,
+      to_string(rule.discovery_protection_kind), to_string(rule.liveliness_protection_kind),
+      to_string(rule.rtps_protection_kind),
+      rule.allow_unauthenticated_participants ? "allowed" : "refused",
+      yes(rule.enable_join_access_control));
+}
+
+std::string topic_row(const TopicRule& rule, std::size_t number) {
+  return fmt::format(
+      "  {:>4}  {:<40} data {:<8} metadata {:<8} read {} write {} discovery {} "
+      "(line {})\n",
+      number, shown(rule.topic_expression), to_string(rule.data_protection_kind),
+      to_string(rule.metadata_protection_kind),
+      rule.enable_read_access_control ? "by permission" : "free",
+      rule.enable_write_access_control ? "by permission" : "free",
+      rule.enable_discovery_protection ? "protected" : "open", rule.line);
+}
+
+Report whole(const Governance& document, const fs::path& file) {
+  Report report;
+  report.result = {{"file", file.string()}, {"domain_rules", Json::array()}};
+  for (std::size_t i = 0; i < document.domain_rules.size(); ++i) {
+    const auto& rule = document.domain_rules[i];
+    auto row = to_json(rule);
+    row["topic_rules"] = Json::array();
+    report.text += domain_text(rule, i + 1, file);
+    for (std::size_t j = 0; j < rule.topic_rules.size(); ++j) {
+      report.text += topic_row(rule.topic_rules[j], j + 1);
+      row["topic_rules"].push_back(to_json(rule.topic_rules[j]));
+    }
+    report.result["domain_rules"].push_back(std::move(row));
+  }
+  return report;
+}
+
+/// What decides for one topic of one domain.
+struct Deciding {
+  const DomainRule& domain;
+  const TopicRule& topic;
+  std::size_t domain_number, topic_number;
+};
+
+bool has(const governance::Properties& properties, Property property) {
+  return properties.test(static_cast<std::size_t>(property));
+}
+
+std::string achieved(bool secret, bool authentic) {
+  if (!secret && !authentic) return "nothing";
+  return fmt::format("{}{}{}", secret ? "confidential" : "", secret && authentic ? ", " : "",
+                     authentic ? "authentic" : "");
+}
+
+std::string sentence(const governance::Properties& p) {
+  using enum Property;
+  return fmt::format("  against outsiders: {}   against insiders without the right: {}\n",
+                     achieved(has(p, outsider_payload_secrecy), has(p, outsider_payload_integrity)),
+                     achieved(has(p, insider_payload_secrecy), has(p, insider_payload_integrity)));
+}
+
+std::string_view effect(bool flag, ProtectionKind kind) {
+  return flag && is_protected(kind) ? "protected" : "open";
+}
+
+std::string to_text(const Deciding& by, const fs::path& file, const std::string& topic,
+                    DomainId domain) {
+  const auto& [rule, row, rule_number, row_number] = by;
+  const bool enforced = row.enable_read_access_control || row.enable_write_access_control;
+  return fmt::format(
+             "topic {}, domain {}           rule {} {} ({}:{})\n"
+             "  payload    {:<12} metadata   {:<12} rtps  {} (domain rule {}, line {})\n"
+             "  discovery  {:<12} liveliness {}\n"
+             "  access     read {}, write {} ({})\n",
+             shown(topic), domain, row_number, '"' + shown(row.topic_expression) + '"',
+             file.string(), row.line, to_string(row.data_protection_kind),
+             to_string(row.metadata_protection_kind), to_string(rule.rtps_protection_kind),
+             rule_number, rule.line,
+             effect(row.enable_discovery_protection, rule.discovery_protection_kind),
+             effect(row.enable_liveliness_protection, rule.liveliness_protection_kind),
+             yes(row.enable_read_access_control), yes(row.enable_write_access_control),
+             enforced ? "permissions are enforced" : "permissions are not asked") +
+         sentence(properties(rule, row));
+}
+
+template <class T>
+std::size_t number_in(const std::vector<T>& all, const T& one) {
+  return static_cast<std::size_t>(&one - all.data()) + 1;
+}
+
+// Without --domain: the first domain that is covered.
+DomainId domain_for(const Governance& document, std::optional<DomainId> wanted) {
+  return wanted.value_or(document.domain_rules.front().domains.ranges.front().first);
+}
+
+Result<Report> one_topic(const Governance& document, const fs::path& file, const std::string& topic,
+                         DomainId domain) {
+  const auto* rule = document.find(domain);
+  if (rule == nullptr)
+    return fail(
+        Code::domain_not_covered,
+        {.document = file, .field = "<domains>", .expected = "domain " + std::to_string(domain)});
+  const auto row = std::ranges::find_if(rule->topic_rules, [&](const TopicRule& r) {
+    return governance::Pattern(r.topic_expression).matches(topic);
+  });
+  if (row == rule->topic_rules.end())
+    return fail(Code::topic_not_covered, {.document = file, .line = rule->line, .found = topic});
+  const Deciding by{*rule, *row, number_in(document.domain_rules, *rule),
+                    number_in(rule->topic_rules, *row)};
+  Report report;
+  report.text = to_text(by, file, topic, domain);
+  report.result = {{"file", file.string()}, {"topic", topic}, {"domain", domain}};
+  report.result["domain_rule"] = to_json(*rule);
+  report.result["domain_rule"]["number"] = by.domain_number;
+  report.result["topic_rule"] = to_json(*row);
+  report.result["topic_rule"]["number"] = by.topic_number;
+  report.result["properties"] = Json::array();
+  for (const auto property : governance::listed(properties(*rule, *row)))
+    report.result["properties"].push_back(to_string(property));
+  return report;
+}
+
+Result<Report> governance_show(const Arguments& arguments, const Context&) {
+  const fs::path file = arguments.text("FILE");
+  const auto wanted = DDSSEC_TRY(domain_option(arguments));
+  const auto document = DDSSEC_TRY(unverified_document<GovernanceKind>(file));
+  if (arguments.has("--topic"))
+    return one_topic(document, file, arguments.text("--topic"), domain_for(document, wanted));
+  if (wanted && document.find(*wanted) == nullptr)
+    return fail(Code::domain_not_covered,
+                {.document = file, .expected = "domain " + std::to_string(*wanted)});
+  if (!wanted) return whole(document, file);
+  Governance part;
+  part.domain_rules.push_back(*document.find(*wanted));
+  return whole(part, file);
+}
+
+Json texts_json(const std::vector<governance::Text>& texts) {
+  Json out = Json::array();
+  for (const auto& text : texts) out.push_back(text.text);
+  return out;
+}
+
+Json to_json(const std::vector<governance::Criteria>& list) {
+  Json out = Json::array();
+  for (const auto& criteria : list)
+    out.push_back(
+        {{"line", criteria.line},
+         {"topics", texts_json(criteria.topics)},
+         {"partitions", criteria.partitions ? texts_json(*criteria.partitions) : Json::array()}});
+  return out;
+}
+
+Json to_json(const governance::Rule& rule) {
+  return {{"allow", rule.allow},
+          {"line", rule.line},
+          {"domains", range_list(rule.domains)},
+          {"publish", to_json(rule.publish)},
+          {"subscribe", to_json(rule.subscribe)}};
+}
+
+std::string joined_texts(const std::vector<governance::Text>& texts) {
+  std::string out;
+  for (const auto& text : texts) out += (out.empty() ? "" : ", ") + shown(text.text);
+  return out;
+}
+
+void add_rows(std::string& out, std::string_view action,
+              const std::vector<governance::Criteria>& list) {
+  for (const auto& criteria : list)
+    out += fmt::format(
+        "      {:<10} {}{}  (line {})\n", action, joined_texts(criteria.topics),
+        criteria.partitions ? "  in partitions " + joined_texts(*criteria.partitions) : "",
+        criteria.line);
+}
+
+std::string to_text(const Grant& grant, WallTime now) {
+  auto out = fmt::format("{}  {} .. {}{}  (line {})\n", shown(grant.subject_name),
+                         to_string(grant.validity.not_before), to_string(grant.validity.not_after),
+                         grant.validity.contains(now) ? "" : "  NOT VALID NOW", grant.line);
+  for (std::size_t i = 0; i < grant.rules.size(); ++i) {
+    const auto& rule = grant.rules[i];
+    out += fmt::format("  {:>2}  {:<5} {}  (line {})\n", i + 1, rule.allow ? "allow" : "deny",
+                       shown(rule.domains.ranges), rule.line);
+    add_rows(out, "publish", rule.publish);
+    add_rows(out, "subscribe", rule.subscribe);
+    add_rows(out, "relay", rule.relay);
+  }
+  return out + fmt::format("      all else: {}\n", grant.default_allow ? "ALLOWED" : "denied");
+}
+
+Json to_json(const Grant& grant, WallTime now) {
+  Json out = {{"name", grant.name},
+              {"subject", grant.subject_name},
+              {"line", grant.line},
+              {"not_before", to_string(grant.validity.not_before)},
+              {"not_after", to_string(grant.validity.not_after)},
+              {"valid_now", grant.validity.contains(now)},
+              {"default", grant.default_allow ? "ALLOW" : "DENY"},
+              {"rules", Json::array()}};
+  for (const auto& rule : grant.rules) out["rules"].push_back(to_json(rule));
+  return out;
+}
+
+Result<Report> permissions_show(const Arguments& arguments, const Context& context) {
+  const fs::path file = arguments.text("FILE");
+  const auto document = DDSSEC_TRY(unverified_document<PermissionsKind>(file));
+  std::optional<pki::SubjectName> subject;
+  if (arguments.has("--subject"))
+    subject = DDSSEC_TRY(pki::SubjectName::parse(arguments.text("--subject")));
+  Report report;
+  report.result = {{"file", file.string()}, {"grants", Json::array()}};
+  for (const auto& grant : document.grants) {
+    if (subject && !is_for(grant, *subject)) continue;
+    report.text += to_text(grant, context.clock.now());
+    report.result["grants"].push_back(to_json(grant, context.clock.now()));
+  }
+  if (subject && report.result["grants"].empty())
+    return fail(Code::no_grant_for_subject,
+                {.document = file, .expected = arguments.text("--subject")});
+  return report;
+}
+
+const Positional kDocument{"FILE", "the document, XML or signed (the signature is not verified)"};
+
+}  // namespace
+
+std::vector<Command> show_commands() {
+  return {{.group = "governance",
+           .name = "show",
+           .summary = "Shows what a governance document gives a topic, and which rule decides.",
+           .positionals = {kDocument},
+           .options = {{"--topic", "NAME", "for this topic only"},
+                       {"--domain", "N", "for this domain only"}},
+           .examples = {"ddssec governance show governance.p7s --topic rt/chatter --domain 0"},
+           .run = governance_show},
+          {.group = "permissions",
+           .name = "show",
+           .summary = "Shows who may publish and subscribe what, and until when.",
+           .positionals = {kDocument},
+           .options = {{"--subject", "DN", "for this subject only"}},
+           .examples = {"ddssec permissions show permissions.p7s --subject CN=talker"},
+           .run = permissions_show}};
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,254 @@
+#include <algorithm>
+#include <array>
+#include <list>
+
+#include "governance/ros_policy.hpp"
+#include "governance/xml.hpp"
+#include "governance/xml_check.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 2> kXIncludeNamespaces = {"http://www.w3.org/2001/XInclude",
+                                                                 "http://www.w3.org/2003/XInclude"};
+
+/// An element and the file it is in.
+struct Node {
+  XmlElement element;
+  fs::path file;
+};
+
+std::unexpected<Error> refuse(Code code, const Node& at, std::string expected, std::string found) {
+  return fail(code, {.document = at.file,
+                     .line = at.element.line(),
+                     .field = in_brackets(at.element.name()),
+                     .expected = std::move(expected),
+                     .found = std::move(found)});
+}
+
+std::string text_of(const char* attribute) { return attribute == nullptr ? "" : attribute; }
+
+/// Element names of `xpointer(/a/b/*)`; nothing if it has another form.
+Result<std::vector<std::string>> steps_of(const Node& include) {
+  const auto text = text_of(include.element.attribute("xpointer"));
+  constexpr std::string_view kBegin = "xpointer(/", kEnd = "/*)";
+  const auto wrong = [&] {
+    return refuse(Code::policy_include, include, "xpointer(/NAME/*)", text);
+  };
+  if (!text.starts_with(kBegin) || !text.ends_with(kEnd) ||
+      text.size() <= kBegin.size() + kEnd.size())
+    return wrong();
+  std::vector<std::string> out(1);
+  for (const char c :
+       std::string_view(text).substr(kBegin.size(), text.size() - kBegin.size() - kEnd.size())) {
+    if (c == '/')
+      out.emplace_back();
+    else if (c == '_' || (c >= 'a' && c <= 'z'))
+      out.back() += c;
+    else
+      return wrong();
+  }
+  if (std::ranges::any_of(out, &std::string::empty)) return wrong();
+  return out;
+}
+
+/// Expands and keeps every file that it reads.
+class Policies {
+ public:
+  explicit Policies(const ReadFile& read) : read_(read) {}
+
+  Result<Node> open(const fs::path& file) {
+    const auto octets = DDSSEC_TRY(read_(file));
+    octets_ += octets.size();
+    if (octets_ > kMostXmlOctets) return fail(Code::xml_too_large, {.document = file});
+    auto document = XmlDocument::parse(octets);
+    if (!document) return std::unexpected(document.error().in(file));
+    return Node{documents_.emplace_back(*std::move(document)).root(), file};
+  }
+
+  // The children, with what they include in their place.
+  Result<std::vector<Node>> children(const Node& parent, int depth = 0) {
+    if (auto plain = parent.element.check_no_text(); !plain)
+      return std::unexpected(plain.error().in(parent.file));
+    std::vector<Node> out;
+    for (auto child = parent.element.first_child(); child; child = child.next_sibling()) {
+      const Node node{child, parent.file};
+      if (!is_include(child)) {
+        out.push_back(node);
+        continue;
+      }
+      for (auto& included : DDSSEC_TRY(includes(node, depth))) out.push_back(std::move(included));
+    }
+    return out;
+  }
+
+ private:
+  // The prefix must be bound to XInclude, here or above.
+  static bool is_include(XmlElement element) {
+    const auto name = element.name();
+    const auto colon = name.find(':');
+    if (colon == name.npos || name.substr(colon + 1) != "include") return false;
+    const auto binding = "xmlns:" + std::string(name.substr(0, colon));
+    for (auto at = element; at; at = at.parent())
+      if (const char* bound = at.attribute(binding.c_str()))
+        return std::ranges::find(kXIncludeNamespaces, bound) != kXIncludeNamespaces.end();
+    return false;
+  }
+
+  Result<std::vector<Node>> includes(const Node& include, int depth) {
+    if (depth >= kMostIncludeDepth || ++count_ > kMostIncludes)
+      return refuse(Code::policy_include, include, "files that do not include one another", "");
+    const auto href = text_of(include.element.attribute("href"));
+    const fs::path path(href);
+    const bool leaves = std::ranges::find(path, fs::path("..")) != path.end();
+    if (href.empty() || path.is_absolute() || leaves || href.find(':') != href.npos)
+      return refuse(Code::policy_include, include, "a file beside or below this one", href);
+    const auto steps = DDSSEC_TRY(steps_of(include));
+    std::vector<Node> found = {DDSSEC_TRY(open(include.file.parent_path() / path))};
+    if (found[0].element.name() != steps[0]) found.clear();
+    for (std::size_t i = 1; i <= steps.size(); ++i) {
+      std::vector<Node> next;
+      for (const auto& node : found)
+        for (auto& child : DDSSEC_TRY(children(node, depth + 1)))
+          if (i == steps.size() || child.element.name() == steps[i])
+            next.push_back(std::move(child));
+      found = std::move(next);
+    }
+    if (found.empty()) return refuse(Code::policy_include, include, "elements there", "none");
+    return found;
+  }
+
+  const ReadFile& read_;
+  std::list<XmlDocument> documents_;
+  int count_ = 0;
+  std::size_t octets_ = 0;  ///< of all files together
+};
+
+/// What the policy's elements are called.
+struct Words {
+  RosKind kind;
+  std::string_view list, item, first, second;
+};
+constexpr std::array<Words, 3> kWords = {
+    {{RosKind::topics, "topics", "topic", "publish", "subscribe"},
+     {RosKind::services, "services", "service", "reply", "request"},
+     {RosKind::actions, "actions", "action", "call", "execute"}}};
+
+bool is_xml_attribute(std::string_view name) {
+  return name == "xmlns" || name.starts_with("xmlns:") || name.starts_with("xml:") ||
+         name.starts_with("xsi:");
+}
+
+Status check_attributes(const Node& node, std::initializer_list<std::string_view> known) {
+  for (const auto name : node.element.attribute_names())
+    if (!is_xml_attribute(name) && std::ranges::find(known, name) == known.end())
+      return refuse(Code::attribute_unknown, node, "", std::string(name));
+  return {};
+}
+
+Result<RosQualifier> qualifier(const Node& node, std::string_view name) {
+  const char* value = node.element.attribute(std::string(name).c_str());
+  if (value == nullptr) return RosQualifier::unsaid;
+  if (std::string_view(value) == "ALLOW") return RosQualifier::allow;
+  if (std::string_view(value) == "DENY") return RosQualifier::deny;
+  return refuse(Code::policy_value, node, std::string(name) + "=ALLOW or DENY", value);
+}
+
+std::unexpected<Error> unknown(const Node& node) {
+  return fail(Code::element_unknown, {.document = node.file,
+                                      .line = node.element.line(),
+                                      .field = in_brackets(node.element.name())});
+}
+
+Status require(const Node& node, bool there, std::string_view what) {
+  if (there) return {};
+  return refuse(Code::element_missing, node, std::string(what), "");
+}
+
+/// The policy's elements from the outside in.
+class Reader {
+ public:
+  explicit Reader(Policies& policies) : policies_(policies) {}
+
+  Result<RosPolicy> policy(const Node& root) {
+    if (root.element.name() != "policy")
+      return refuse(Code::document_kind, root, "<policy>", std::string(root.element.name()));
+    DDSSEC_TRY(check_attributes(root, {"version"}));
+    if (const auto version = text_of(root.element.attribute("version")); version != "0.2.0")
+      return refuse(Code::policy_value, root, "version 0.2.0", version);
+    RosPolicy out;
+    for (const auto& enclaves : DDSSEC_TRY(named_children(root, "enclaves")))
+      for (const auto& node : DDSSEC_TRY(named_children(enclaves, "enclave")))
+        out.enclaves.push_back(DDSSEC_TRY(enclave(node)));
+    DDSSEC_TRY(require(root, !out.enclaves.empty(), "<enclave>"));
+    return out;
+  }
+
+ private:
+  Result<std::vector<Node>> named_children(const Node& parent, std::string_view name,
+                                           std::string_view or_ignored = {}) {
+    auto all = DDSSEC_TRY(policies_.children(parent));
+    std::erase_if(all, [&](const Node& n) { return n.element.name() == or_ignored; });
+    for (const auto& node : all)
+      if (node.element.name() != name) return unknown(node);
+    return all;
+  }
+
+  Result<RosEnclave> enclave(const Node& node) {
+    DDSSEC_TRY(check_attributes(node, {"path"}));
+    RosEnclave out{.path = text_of(node.element.attribute("path")), .line = node.element.line()};
+    if (!out.path.starts_with('/'))
+      return refuse(Code::policy_value, node, "an absolute path", out.path);
+    for (const auto& profiles : DDSSEC_TRY(named_children(node, "profiles"))) {
+      DDSSEC_TRY(check_attributes(profiles, {"type"}));
+      auto& list = out.profiles.emplace_back();
+      for (const auto& one : DDSSEC_TRY(named_children(profiles, "profile", "metadata")))
+        list.push_back(DDSSEC_TRY(profile(one)));
+      DDSSEC_TRY(require(profiles, !list.empty(), "<profile>"));
+    }
+    DDSSEC_TRY(require(node, !out.profiles.empty(), "<profiles>"));
+    return out;
+  }
+
+  Result<RosProfile> profile(const Node& node) {
+    DDSSEC_TRY(check_attributes(node, {"ns", "node"}));
+    RosProfile out{text_of(node.element.attribute("ns")), text_of(node.element.attribute("node"))};
+    if (!out.ns.starts_with('/') || out.node.empty())
+      return refuse(Code::policy_value, node, "ns= an absolute namespace and node= a name",
+                    out.ns + " " + out.node);
+    for (const auto& child : DDSSEC_TRY(policies_.children(node)))
+      out.elements.push_back(DDSSEC_TRY(element(child)));
+    return out;
+  }
+
+  Result<RosElement> element(const Node& node) {
+    const auto words = std::ranges::find(kWords, node.element.name(), &Words::list);
+    if (words == kWords.end()) return unknown(node);
+    DDSSEC_TRY(check_attributes(node, {words->first, words->second}));
+    RosElement out{.kind = words->kind,
+                   .first = DDSSEC_TRY(qualifier(node, words->first)),
+                   .second = DDSSEC_TRY(qualifier(node, words->second))};
+    for (const auto& item : DDSSEC_TRY(named_children(node, words->item))) {
+      auto name = item.element.raw_text();
+      if (!name) return std::unexpected(name.error().in(item.file));
+      if (name->empty()) return refuse(Code::element_empty, item, "a name", "");
+      out.names.push_back(*std::move(name));
+    }
+    DDSSEC_TRY(require(node, !out.names.empty(), in_brackets(words->item)));
+    return out;
+  }
+
+  Policies& policies_;
+};
+
+}  // namespace
+
+Result<RosPolicy> read_ros_policy(const fs::path& file, const ReadFile& read) {
+  Policies policies(read);
+  const auto root = DDSSEC_TRY(policies.open(file));
+  return Reader(policies).policy(root);
+}
+
+}  // namespace ddssec::governance

@@ -1,0 +1,78 @@
+// ROS 2 access policies (sros2's policy.xml) and the DDS permissions they come to.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "base/bytes.hpp"
+#include "base/result.hpp"
+#include "governance/model.hpp"
+
+namespace ddssec::governance {
+
+/// What a policy element is about.
+enum class RosKind : std::uint8_t { topics, services, actions };
+/// Whether a way of use is allowed; `unsaid` = no attribute.
+enum class RosQualifier : std::uint8_t { unsaid, allow, deny };
+
+/// One <topics>, <services> or <actions> element.
+struct RosElement {
+  RosKind kind = RosKind::topics;
+  /// publish, reply or call.
+  RosQualifier first = RosQualifier::unsaid;
+  /// subscribe, request or execute.
+  RosQualifier second = RosQualifier::unsaid;
+  std::vector<std::string> names = {};  ///< as written, blanks kept
+};
+
+/// One node.
+struct RosProfile {
+  std::string ns, node;
+  std::vector<RosElement> elements = {};
+};
+
+/// One enclave; each <profiles> element is a list of its own.
+struct RosEnclave {
+  std::string path;
+  std::vector<std::vector<RosProfile>> profiles = {};
+  int line = 0;
+};
+
+struct RosPolicy {
+  std::vector<RosEnclave> enclaves = {};
+};
+
+/// Bounds of XInclude.
+inline constexpr int kMostIncludeDepth = 8;
+inline constexpr int kMostIncludes = 256;
+
+/// How files are read; errors name the file.
+using ReadFile = std::function<Result<Bytes>(const std::filesystem::path&)>;
+
+/// Reads a policy of version 0.2.0. xi:include elements of either namespace are replaced by what
+/// they name: files below the including one's folder, by an xpointer of element names such as
+/// `xpointer(/profile/*)`.
+/// Errors: those of `read` and XmlDocument::parse, document_kind, element_*, attribute_unknown,
+/// policy_value, policy_include.
+Result<RosPolicy> read_ros_policy(const std::filesystem::path& file, const ReadFile& read);
+
+/// The DDS name of a ROS name as a node of the profile means it: absolute, `~`, or relative.
+std::string expanded_ros_name(const RosProfile& profile, std::string_view name);
+
+struct RosPermissionsOptions {
+  DomainId domain = 0;
+  Validity validity = {};
+  bool discovery_topic = true;  ///< allow ros_discovery_info, as ROS 2 needs
+};
+
+/// One grant for each enclave, its subject CN= and the path. What several <profiles> say is merged;
+/// denials come first, expressions are sorted, each there once.
+Permissions permissions_of(const RosPolicy& policy, const RosPermissionsOptions& options);
+
+/// The same, octet for octet as sros2 0.13 writes it: one grant for each <profiles> element, names
+/// in its order, no XML declaration, times without a zone.
+std::string sros2_permissions(const RosPolicy& policy, const RosPermissionsOptions& options);
+
+}  // namespace ddssec::governance

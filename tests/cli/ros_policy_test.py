@@ -1,0 +1,70 @@
+#!/usr/bin/env python3
+"""permissions from-ros-policy: the same octets as sros2, or one merged grant; bad policies."""
+
+from transcript import DATA, Transcript, main
+
+NOW = ("--now", "2026-11-21T00:00:00Z")
+SROS2 = DATA / "sros2"
+POLICIES = SROS2 / "upstream/policies"
+TWO = """<policy version="0.2.0"><enclaves><enclave path="/e">
+<profiles><profile ns="/" node="a"><topics publish="ALLOW"><topic>x</topic></topics></profile></profiles>
+<profiles><profile ns="/" node="b"><topics subscribe="ALLOW"><topic>x</topic></topics></profile></profiles>
+</enclave></enclaves></policy>
+"""
+
+
+class RosPolicy(Transcript):
+    def convert(self, policy, *words, **more):
+        return self.json("permissions", "from-ros-policy", policy, "-o", "p.xml", *NOW, *words, **more)
+
+    def test_keystores_of_sros2_are_reproduced_octet_for_octet(self):
+        enclave = SROS2 / "generated/keystore/enclaves/talker_listener/talker"
+        self.convert(POLICIES / "talker_listener.policy.xml", "--enclave", "/talker_listener/talker",
+                     "--validity-from", enclave / "cert.pem", "--sros2-order")
+        self.assertEqual((self.at / "p.xml").read_bytes(), (enclave / "permissions.xml").read_bytes())
+
+    def test_without_the_discovery_topic(self):
+        out = self.convert(POLICIES / "add_two_ints.policy.xml", "--no-discovery-topic", "--domain", "3")
+        self.assertIn("PERM032", [d["id"] for d in out["diagnostics"]])
+        self.assertMeetsSchema("p.xml", "permissions.xsd")
+        text = (self.at / "p.xml").read_text()
+        self.assertNotIn("ros_discovery_info", text)
+        self.assertIn("<id>3</id>", text)
+        self.assertEqual([g["name"] for g in out["result"]["grants"]],
+                         ["/add_two_ints/add_two_ints_server", "/add_two_ints/add_two_ints_client"])
+
+    def test_profiles_of_one_enclave_are_merged_and_it_says_so(self):
+        (self.at / "two.xml").write_text(TWO)
+        out = self.convert("two.xml", "--days", "30")
+        told = [d for d in out["diagnostics"] if d["id"] == "PERM031"]
+        self.assertEqual([(d["file"], d["line"]) for d in told], [("two.xml", 1)])
+        self.assertEqual(len(out["result"]["grants"]), 1)
+        (self.at / "p.xml").unlink()
+        out = self.convert("two.xml", "--sros2-order")
+        self.assertEqual(len(out["result"]["grants"]), 2)
+        self.assertIn("PERM010", [d["id"] for d in out["diagnostics"]])
+
+    def test_signed_at_once(self):
+        self.run_program("ca", "create", "ca", "--no-passphrase", *NOW)
+        out = self.convert(POLICIES / "talker_listener.policy.xml", "--sign", "--ca", "ca")
+        self.assertEqual([f["path"] for f in out["files_written"]], ["p.xml", "p.p7s"])
+
+    def test_bad_policies_are_refused(self):
+        def bad(code, text, exit=3):
+            (self.at / "bad.xml").write_text(text)
+            told = self.refused(code, exit, "permissions", "from-ros-policy", "bad.xml", "-o", "p.xml")
+            self.assertEqual(told["file"], "bad.xml")
+        bad("policy_value", TWO.replace("ALLOW", "MAYBE"))
+        bad("document_kind", "<dds/>")
+        bad("xml_doctype", "<!DOCTYPE policy [<!ENTITY x SYSTEM 'file:///etc/passwd'>]>" + TWO)
+        include = '<xi:include xmlns:xi="http://www.w3.org/2001/XInclude" href="%s" xpointer="xpointer(/a/*)"/>'
+        bad("policy_include", TWO.replace("<topics", include % "/etc/passwd" + "<topics"))
+        bad("policy_include", TWO.replace("<topics", include % "../bad.xml" + "<topics"))
+        (self.at / "two.xml").write_text(TWO)
+        self.refused("usage", 2, "permissions", "from-ros-policy", "two.xml", "-o", "p.xml",
+                     "--enclave", "/other")
+        self.refused("file_not_found", 3, "permissions", "from-ros-policy", "none.xml", "-o", "p.xml")
+
+
+if __name__ == "__main__":
+    main()
