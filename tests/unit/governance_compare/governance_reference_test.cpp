@@ -411,7 +411,9 @@ TEST_P(GovernanceReference, AgreesOnTenThousandPairs) {
     const auto diff = compare(before, after);
     ASSERT_EQ(story_of(diff), Reference(pool, before, after).story()) << "round " << round;
     check_witnesses(diff);
-    if (round % 8 == 1) ASSERT_TRUE(agrees_when_short_of_states(before, after, diff)) << round;
+    if (round % 8 == 1) {
+      ASSERT_TRUE(agrees_when_short_of_states(before, after, diff)) << round;
+    }
     ++seen[diff.verdict];
   }
   for (const auto verdict :
