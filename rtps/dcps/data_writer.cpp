@@ -219,6 +219,7 @@ Result<Bytes> AnyDataWriter::octets_of_key(InstanceHandle instance) const {
 Status AnyDataWriter::wait_for_acknowledgments(std::chrono::nanoseconds most) {
   auto held = lock();
   DDSSEC_TRY(check_enabled(topic_.name()));
+  protocol().ask_for_acknowledgments();
   if (context_.wait(held, most, [&] { return protocol().all_acknowledged(); })) return {};
   return fail(Code::rtps_timeout, {.document = "writer " + guid_.to_string()});
 }

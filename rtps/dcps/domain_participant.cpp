@@ -34,13 +34,11 @@ class DomainParticipant::Sockets final : public Transport {
     sockets_.push_back(DDSSEC_TRY(UdpSocket::join(group, interface)));
     return {};
   }
-  /// `f(datagram)` for whatever comes from now on.
-  Status listen(std::function<void(BytesView)> f) {
+  /// `f(socket)` whenever it has something to read from now on.
+  Status listen(std::function<void(UdpSocket&)> f) {
     receive_ = std::move(f);
     for (auto& socket : sockets_)
-      DDSSEC_TRY(loop_.watch(socket.fd(), [this, &socket] {
-        socket.receive([this](BytesView datagram, const Locator&) { receive_(datagram); });
-      }));
+      DDSSEC_TRY(loop_.watch(socket.fd(), [this, &socket] { receive_(socket); }));
     return {};
   }
   EventLoop& loop() { return loop_; }
@@ -50,7 +48,7 @@ class DomainParticipant::Sockets final : public Transport {
  private:
   EventLoop loop_;
   std::vector<UdpSocket> sockets_;
-  std::function<void(BytesView)> receive_;
+  std::function<void(UdpSocket&)> receive_;
 };
 
 DomainParticipant::DomainParticipant(DomainParticipantOptions options,
@@ -131,9 +129,12 @@ Status DomainParticipant::start(const GuidPrefix& prefix, std::unique_ptr<OwnSec
   if (security) DDSSEC_TRY(protocol->secure(std::move(security)));
   const auto held = lock();
   context_.adopt(std::move(protocol));
-  return sockets_->listen([this](BytesView datagram) {
-    const auto receiving = lock();
-    context_.protocol().receive(datagram, context_.now());
+  return sockets_->listen([this](UdpSocket& socket) {
+    const auto count = socket.fetch();
+    context_.serve([&] {
+      const auto now = context_.now();
+      for (std::size_t i = 0; i < count; ++i) context_.protocol().receive(socket.datagram(i), now);
+    });
   });
 }
 
@@ -146,10 +147,13 @@ Status DomainParticipant::enable() {
     mark_enabled();
     all = qos_.autoenable_created_entities;
   }
-  if (options_.own_thread)
+  if (options_.own_thread) {
+    const auto held = lock();
+    context_.protocol().allow_lingering();
     thread_ = std::thread([this] {
       while (!stopping_) serve(std::chrono::seconds(10));
     });
+  }
   if (!all) return {};
   for (auto& topic : topics_) DDSSEC_TRY(topic->enable());
   for (auto& publisher : publishers_) DDSSEC_TRY(publisher->enable());
@@ -171,17 +175,16 @@ DomainParticipant::~DomainParticipant() {
 void DomainParticipant::wake() { sockets_->loop().wake(); }
 
 void DomainParticipant::serve(std::chrono::nanoseconds most) {
-  MonotonicTime until;
-  {
-    const auto held = lock();
-    if (!enabled()) return;
-    until = context_.tick(most);
-  }
+  std::optional<MonotonicTime> until;
+  context_.serve([&] {
+    if (enabled()) until = context_.tick(most);
+  });
+  if (!until) return;
   if (context_.dispatch()) {
     const auto held = lock();
     until = context_.next();
   }
-  sockets_->loop().wait(std::max(until - context_.now(), MonotonicTime::zero()));
+  sockets_->loop().wait(std::max(*until - context_.now(), MonotonicTime::zero()));
   context_.dispatch();
 }
 

@@ -45,8 +45,13 @@ class ParticipantContext {
   MonotonicTime next();
   /// After something that changes when tick wants to be called, or what listeners must be told.
   void reschedule();
-  /// Waiting calls look again.
-  void notify() { changed_.notify_all(); }
+  /// Waiting calls look again: at once, or when `serve` is done.
+  void notify() {
+    if (serving_)
+      changed_while_serving_ = true;
+    else
+      changed_.notify_all();
+  }
   /// False: `ready` did not become true in time. Without a thread of its own the participant is
   /// served meanwhile; in a callback there is nobody who could change anything: no wait.
   template <class Ready>
@@ -55,6 +60,19 @@ class ParticipantContext {
   void enqueue(Link<Entity>& entity) { entity.append_to(pending_); }
 
   // Without the lock:
+  /// Calls `f` with the lock held. Whoever waits is woken once, when the lock is free again.
+  template <class F>
+  void serve(F&& f) {
+    bool changed = false;
+    {
+      const std::lock_guard lock(mutex_);
+      serving_ = true;
+      f();
+      serving_ = false;
+      changed = std::exchange(changed_while_serving_, false);
+    }
+    if (changed) changed_.notify_all();
+  }
   /// Calls the listeners of whoever was enqueued; true if there were any.
   bool dispatch();
   bool in_callback() const { return dispatching_ == this; }
@@ -67,6 +85,8 @@ class ParticipantContext {
   const bool own_thread_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
+  bool serving_ = false;
+  bool changed_while_serving_ = false;
   std::unique_ptr<Participant> protocol_;
   TimerQueue timers_;
   LinkedList<Entity> pending_;

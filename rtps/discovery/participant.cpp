@@ -209,6 +209,7 @@ Status Participant::on_data(const SubmessageView& view, const Context& context) 
     const auto payload = opened(reader, {from, data.writer}, data.payload);
     if (!payload) return;
     plain.payload = *payload;
+    sender_.note_sample();
     reader.on_data(from, plain, context.time);
     note_alive(from, data.writer);
   });
@@ -265,6 +266,7 @@ Participant::LocalWriter* Participant::local_writer(const EntityId& id) {
 
 void Participant::tick(MonotonicTime now) {
   now_ = now;
+  if (now >= sender_.flush_by()) sender_.flush();
   if (now >= next_announcement_) {
     constexpr int kFastAnnouncements = 6;
     announce(config_.announce_to);
@@ -288,7 +290,7 @@ void Participant::tick(MonotonicTime now) {
 }
 
 MonotonicTime Participant::next_tick() const {
-  auto next = std::min(next_announcement_, next_liveliness_);
+  auto next = std::min({next_announcement_, next_liveliness_, sender_.flush_by()});
   if (security_) next = std::min(next, security_->next_tick());
   builtin_.each([&](auto&, const auto& writer, const auto& reader) {
     next = std::min({next, writer.next_tick(), reader.next_tick()});

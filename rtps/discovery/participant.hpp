@@ -86,6 +86,8 @@ class Participant final : private SecurityHost {
   bool is_authenticated(const GuidPrefix& peer) const {
     return security_ && security_->is_authenticated(peer);
   }
+  /// Samples may wait a moment for others, as somebody calls tick whenever next_tick says so.
+  void allow_lingering() { sender_.allow_lingering(); }
   std::size_t remote_participants() const { return remotes_.size(); }
 
   /// One datagram, from anybody.

@@ -70,6 +70,7 @@ void MessageSender::flush() {
   }
   out_.rewind(0);
   to_ = {};  // what it borrowed may end now
+  flush_by_ = kNever;
 }
 
 }  // namespace ddssec::rtps

@@ -1,6 +1,7 @@
 // Packs submessages into messages and hands these to a transport.
 #pragma once
 
+#include <chrono>
 #include <optional>
 #include <span>
 
@@ -11,6 +12,9 @@
 #include "rtps/wire/info_timestamp.hpp"
 
 namespace ddssec::rtps {
+
+using MonotonicTime = std::chrono::nanoseconds;
+inline constexpr MonotonicTime kNever = MonotonicTime::max();
 
 /// Whom a submessage is for.
 struct Destination {
@@ -43,6 +47,18 @@ class MessageSender {
     put(to, &time, submessage);
   }
   void flush();
+
+  /// From now on what was added may wait for more, as somebody calls flush when flush_by says so.
+  void allow_lingering() { may_linger_ = true; }
+  bool may_linger() const { return may_linger_; }
+  /// Instead of a flush: at `deadline` at the latest. The destination stays borrowed until then.
+  void linger(MonotonicTime deadline) { flush_by_ = std::min(flush_by_, deadline); }
+  /// kNever: nothing waits.
+  MonotonicTime flush_by() const { return flush_by_; }
+
+  /// A sample came: whoever writes next may be answering, and somebody waits for it.
+  void note_sample() { ++samples_heard_; }
+  std::uint32_t samples_heard() const { return samples_heard_; }
 
  private:
   /// Which of our endpoints speaks and to which of theirs.
@@ -104,6 +120,9 @@ class MessageSender {
   Destination to_;
   GuidPrefix receiver_;  ///< of all submessages in the message, or zero
   bool wrapped_ = false;
+  bool may_linger_ = false;
+  MonotonicTime flush_by_ = kNever;
+  std::uint32_t samples_heard_ = 0;
 };
 
 }  // namespace ddssec::rtps

@@ -181,7 +181,15 @@ void StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heart
   advance(*proxy);
   note_lost(*proxy, heartbeat.first);
   skip_to(*proxy, heartbeat.first);
-  if (!heartbeat.is_final || proxy->next <= heartbeat.last) acknowledge(*proxy, heartbeat.last);
+  if (!heartbeat.is_final || misses_any(*proxy, heartbeat.last))
+    acknowledge(*proxy, heartbeat.last);
+}
+
+bool StatefulReader::misses_any(const WriterProxy& proxy, SequenceNumber last) {
+  if (proxy.next > last) return false;
+  if (!proxy.partial.empty() && proxy.partial.begin()->first <= last) return true;
+  const auto held = std::ranges::distance(proxy.early.begin(), proxy.early.upper_bound(last));
+  return held <= last.value - proxy.next.value;
 }
 
 void StatefulReader::acknowledge(WriterProxy& proxy, SequenceNumber last) {

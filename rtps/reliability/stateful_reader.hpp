@@ -90,6 +90,8 @@ class StatefulReader {
   void skip_to(WriterProxy& proxy, SequenceNumber number);
   void note_lost(WriterProxy& proxy, SequenceNumber until);
   Partial* partial_of(WriterProxy& proxy, const DataFrag& frag, const std::optional<Time>& time);
+  /// Samples or parts of them, up to `last`.
+  static bool misses_any(const WriterProxy& proxy, SequenceNumber last);
   void acknowledge(WriterProxy& proxy, SequenceNumber last);
   void ask_for_fragments(WriterProxy& proxy, SequenceNumber number, const Partial& partial);
 

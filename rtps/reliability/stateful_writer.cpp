@@ -15,9 +15,14 @@ using std::chrono::milliseconds;
 constexpr MonotonicTime kFirstPeriod = milliseconds(100);
 constexpr MonotonicTime kLongestPeriod = milliseconds(3200);
 constexpr int kUnansweredBeforeSlower = 5;
-// A heartbeat rides on a sample this often, so that histories shrink while a writer is busy.
-constexpr int kSamplesPerHeartbeat = 32;
-constexpr std::size_t kOctetsPerHeartbeat = 128 << 10;
+// A heartbeat rides on a sample this often, so that a reader soon knows what it misses. It says
+// nothing if it misses nothing, but to a question, so that histories shrink while a writer is busy.
+constexpr MonotonicTime kHeartbeatEvery = milliseconds(1);
+constexpr int kMostSamplesPerQuestion = 256;
+constexpr std::size_t kOctetsPerQuestion = 128 << 10;
+// Whoever writes so many samples so quickly, and hears none between them, waits for no answer.
+constexpr MonotonicTime kHurry = std::chrono::microseconds(50);
+constexpr int kHurriedWrites = 3;
 constexpr std::uint16_t kFragmentSize = 14336;
 // A receiver that lost something has small buffers: answers come in portions, each followed by a
 // heartbeat that asks for the next request, so that the reader's pace sets ours.
@@ -25,6 +30,15 @@ constexpr std::size_t kOctetsPerAnswer = 128 << 10;
 constexpr std::uint32_t kFragmentsPerAnswer = 8;
 // Requests that crossed the answer on the way are not answered again.
 constexpr MonotonicTime kAnswerTime = milliseconds(2);
+
+int samples_per_question(const Qos& qos) {
+  if (qos.history.kind == HistoryKind::keep_last) return kMostSamplesPerQuestion;
+  int out = kMostSamplesPerQuestion;
+  for (const auto limit :
+       {qos.resource_limits.max_samples, qos.resource_limits.max_samples_per_instance})
+    if (limit != kLengthUnlimited) out = std::clamp(limit / 4, 1, out);
+  return out;
+}
 
 InlineQos inline_qos_of(const Change& change) {
   // Alive samples carry their key in the payload; a dispose needs the hash (Fast DDS ignores
@@ -40,7 +54,11 @@ PayloadKind kind_of(const Change& change) {
 }  // namespace
 
 StatefulWriter::StatefulWriter(const Guid& guid, const Qos& qos, MessageSender& sender)
-    : guid_(guid), qos_(qos), sender_(sender), history_(qos) {}
+    : guid_(guid),
+      qos_(qos),
+      sender_(sender),
+      history_(qos),
+      samples_per_question_(samples_per_question(qos)) {}
 
 StatefulWriter::ReaderProxy* StatefulWriter::find(const Guid& reader) {
   const auto at = std::ranges::find(readers_, reader, [](const auto& p) { return p.reader.guid; });
@@ -48,6 +66,7 @@ StatefulWriter::ReaderProxy* StatefulWriter::find(const Guid& reader) {
 }
 
 void StatefulWriter::rebuild_locators() {
+  sender_.flush();  // what lingers has borrowed them
   all_locators_.clear();
   for (const auto& proxy : readers_)
     for (const auto& locator : proxy.reader.locators)
@@ -85,24 +104,52 @@ void StatefulWriter::unmatch(const Guid& reader) {
 
 SequenceNumber StatefulWriter::write(Change change, MonotonicTime now) {
   change.writer = guid_;
-  const bool was_idle = all_acknowledged();
   const auto number = history_.add(std::move(change));
   if (!readers_.empty()) {
     const auto& stored = *history_.find(number);
-    send_change({{}, all_locators_}, kEntityIdUnknown, stored);
-    octets_since_heartbeat_ += stored.payload.size();
-    if (was_idle) written_since_heartbeat_ = kSamplesPerHeartbeat;
-    if (qos_.is_reliable()) heartbeat_after_write(now);
-    sender_.flush();
+    const auto size = stored.payload.size();
+    const Destination everybody{{}, all_locators_};
+    send_change(everybody, kEntityIdUnknown, stored);
+    const bool asks = wants_acknowledgments(size, stored.key_hash.value_or(KeyHash{}));
+    const bool speaks = asks || (qos_.is_reliable() && now - last_heartbeat_ >= kHeartbeatEvery);
+    if (qos_.is_reliable()) schedule_heartbeat(now);
+    if (speaks) {
+      send_heartbeat(everybody, kEntityIdUnknown, history_.first(), !asks);
+      last_heartbeat_ = now;
+    }
+    const bool fits_again = size < MessageSender::kLargestMessage / 3;
+    if (is_hurried(now) && fits_again && !speaks)
+      sender_.linger(now + kLinger);
+    else
+      sender_.flush();
   }
   release_acknowledged();
   return number;
 }
 
-void StatefulWriter::heartbeat_after_write(MonotonicTime now) {
-  if (++written_since_heartbeat_ >= kSamplesPerHeartbeat ||
-      octets_since_heartbeat_ >= kOctetsPerHeartbeat)
-    send_heartbeat({{}, all_locators_}, kEntityIdUnknown, history_.first(), false);
+bool StatefulWriter::wants_acknowledgments(std::size_t written, const KeyHash& instance) {
+  if (!qos_.is_reliable()) return false;
+  octets_since_question_ += written;
+  return ++written_since_question_ >= samples_per_question_ ||
+         octets_since_question_ >= kOctetsPerQuestion || !history_.has_room(written, instance);
+}
+
+bool StatefulWriter::is_hurried(MonotonicTime now) {
+  const auto heard = sender_.samples_heard();
+  const bool quick = now - last_write_ < kHurry && heard == samples_heard_;
+  quick_writes_ = quick ? std::min(quick_writes_ + 1, kHurriedWrites) : 0;
+  last_write_ = now;
+  samples_heard_ = heard;
+  return quick_writes_ == kHurriedWrites && sender_.may_linger();
+}
+
+void StatefulWriter::ask_for_acknowledgments() {
+  if (all_acknowledged()) return;
+  send_heartbeat({{}, all_locators_}, kEntityIdUnknown, history_.first(), false);
+  sender_.flush();
+}
+
+void StatefulWriter::schedule_heartbeat(MonotonicTime now) {
   if (next_heartbeat_ == kNever || period_ != kFirstPeriod) {
     period_ = kFirstPeriod;
     next_heartbeat_ = now + period_;
@@ -145,8 +192,10 @@ void StatefulWriter::send_fragment(const Destination& to, const EntityId& reader
 
 void StatefulWriter::send_heartbeat(const Destination& to, const EntityId& reader,
                                     SequenceNumber first, bool is_final, bool asserts_liveliness) {
-  written_since_heartbeat_ = 0;
-  octets_since_heartbeat_ = 0;
+  if (!is_final) {
+    written_since_question_ = 0;
+    octets_since_question_ = 0;
+  }
   sender_.add(to, Heartbeat{reader, guid_.entity, first, history_.last(), ++heartbeat_count_,
                             is_final, asserts_liveliness});
 }

@@ -1,7 +1,6 @@
 // The writer's side of the protocol: who has what, who asks for what (RTPS 8.4.9).
 #pragma once
 
-#include <chrono>
 #include <vector>
 
 #include "rtps/discovery/parameter_table.hpp"
@@ -12,9 +11,6 @@
 #include "rtps/wire/nack_frag.hpp"
 
 namespace ddssec::rtps {
-
-using MonotonicTime = std::chrono::nanoseconds;
-inline constexpr MonotonicTime kNever = MonotonicTime::max();
 
 /// A reader that matched a local writer.
 struct MatchedReader {
@@ -28,6 +24,9 @@ struct MatchedReader {
 class StatefulWriter {
  public:
   StatefulWriter(const Guid& guid, const Qos& qos, MessageSender& sender);
+  ~StatefulWriter() { sender_.flush(); }
+  StatefulWriter(const StatefulWriter&) = delete;
+  StatefulWriter& operator=(const StatefulWriter&) = delete;
 
   const Guid& guid() const { return guid_; }
   const Qos& qos() const { return qos_; }
@@ -48,8 +47,12 @@ class StatefulWriter {
   bool has_room(std::size_t payload_size, const KeyHash& instance = {}) const {
     return history_.has_room(payload_size, instance);
   }
-  /// Stores and sends to all matched readers. The caller asked has_room before.
+  /// Stores and sends to all matched readers. The caller asked has_room before. Small samples of a
+  /// writer in a hurry wait up to kLinger for more, if the sender may linger.
   SequenceNumber write(Change change, MonotonicTime now);
+  static constexpr MonotonicTime kLinger = std::chrono::microseconds(100);
+  /// Readers answer heartbeats that ask for it, not each sample: for whoever waits for them now.
+  void ask_for_acknowledgments();
 
   /// Nobody gets this change any more (LIFESPAN); who asks for it is told that it is gone.
   void discard(SequenceNumber number) { history_.discard(number); }
@@ -84,9 +87,11 @@ class StatefulWriter {
                      FragmentNumber number);
   void send_heartbeat(const Destination& to, const EntityId& reader, SequenceNumber first,
                       bool is_final, bool asserts_liveliness = false);
+  bool wants_acknowledgments(std::size_t written, const KeyHash& instance);
+  bool is_hurried(MonotonicTime now);
   void be_attentive(MonotonicTime now);
   bool answer_requests(ReaderProxy& proxy, const SequenceNumberSet& missing, MonotonicTime now);
-  void heartbeat_after_write(MonotonicTime now);
+  void schedule_heartbeat(MonotonicTime now);
   void release_acknowledged();
 
   const Guid guid_;
@@ -99,8 +104,13 @@ class StatefulWriter {
   MonotonicTime next_heartbeat_ = kNever;
   MonotonicTime period_{};
   int unanswered_ = 0;  ///< heartbeats since a reader was heard
-  int written_since_heartbeat_ = 0;
-  std::size_t octets_since_heartbeat_ = 0;
+  const int samples_per_question_;
+  int written_since_question_ = 0;  ///< a question: a heartbeat that wants an answer
+  std::size_t octets_since_question_ = 0;
+  MonotonicTime last_heartbeat_{std::chrono::hours(-1)};
+  MonotonicTime last_write_{};
+  std::uint32_t samples_heard_ = 0;  ///< by the participant, when last_write_ was
+  int quick_writes_ = 0;             ///< in a row
 };
 
 }  // namespace ddssec::rtps

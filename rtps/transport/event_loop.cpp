@@ -3,6 +3,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <span>
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
@@ -23,11 +24,17 @@ bool add(int epoll, int fd, std::uint64_t tag) {
   return ::epoll_ctl(epoll, EPOLL_CTL_ADD, fd, &event) == 0;
 }
 
-int milliseconds(std::chrono::nanoseconds timeout) {
-  if (timeout < std::chrono::nanoseconds::zero()) return -1;
-  const auto rounded = std::chrono::ceil<std::chrono::milliseconds>(
-      std::min(timeout, std::chrono::nanoseconds(std::chrono::hours(1))));
-  return static_cast<int>(rounded.count());
+// Kernels before 5.11 know whole milliseconds only.
+int wait_for_events(int epoll, std::span<epoll_event> events, std::chrono::nanoseconds timeout) {
+  const bool for_ever = timeout < std::chrono::nanoseconds::zero();
+  timeout = std::min(timeout, std::chrono::nanoseconds(std::chrono::hours(1)));
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(timeout);
+  const timespec time{seconds.count(), (timeout - seconds).count()};
+  const auto most = static_cast<int>(events.size());
+  const int count = ::epoll_pwait2(epoll, events.data(), most, for_ever ? nullptr : &time, nullptr);
+  if (count >= 0 || errno != ENOSYS) return count;
+  const auto rounded = std::chrono::ceil<std::chrono::milliseconds>(timeout).count();
+  return ::epoll_wait(epoll, events.data(), most, for_ever ? -1 : static_cast<int>(rounded));
 }
 
 }  // namespace
@@ -49,8 +56,7 @@ Status EventLoop::watch(int fd, std::function<void()> on_readable) {
 
 void EventLoop::wait(std::chrono::nanoseconds timeout) {
   std::array<epoll_event, 8> events;
-  const int count =
-      ::epoll_wait(epoll_.value(), events.data(), events.size(), milliseconds(timeout));
+  const int count = wait_for_events(epoll_.value(), events, timeout);
   for (int i = 0; i < count; ++i) {
     const auto tag = events[static_cast<std::size_t>(i)].data.u64;
     if (tag != kWakeUp) {

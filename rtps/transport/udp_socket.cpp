@@ -125,7 +125,7 @@ std::size_t UdpSocket::receive_buffer_size() const {
   return static_cast<std::size_t>(size) / 2;  // Linux counts its book-keeping in: socket(7)
 }
 
-std::size_t UdpSocket::receive_batch() {
+std::size_t UdpSocket::fetch() {
   auto& batch = *batch_;
   for (std::size_t i = 0; i < kBatch; ++i) {
     batch.vectors[i] = {batch.octets[i].data(), batch.octets[i].size()};

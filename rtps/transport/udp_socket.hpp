@@ -49,10 +49,15 @@ class UdpSocket {
   /// The datagram is valid during the call.
   template <class F>
   std::size_t receive(F&& f) {
-    const auto count = receive_batch();
+    const auto count = fetch();
     for (std::size_t i = 0; i < count; ++i) f(datagram(i), source(i));
     return count;
   }
+
+  /// Takes what waits, at most kBatch datagrams; returns how many. They are valid until the next
+  /// call.
+  std::size_t fetch();
+  BytesView datagram(std::size_t index) const;
 
   /// One message to each locator of this socket's family.
   void send(BytesView message, std::span<const Locator> to) const;
@@ -65,9 +70,7 @@ class UdpSocket {
   UdpSocket(FileDescriptor fd, const Locator& local);
   static Result<UdpSocket> open(const Locator& at, bool shared);
 
-  std::size_t receive_batch();
   void send_batch(BytesView message, std::span<const Locator> to) const;
-  BytesView datagram(std::size_t index) const;
   Locator source(std::size_t index) const;
 
   FileDescriptor fd_;
