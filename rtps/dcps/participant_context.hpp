@@ -99,8 +99,8 @@ template <class Ready>
 bool ParticipantContext::wait(std::unique_lock<std::mutex>& lock, std::chrono::nanoseconds most,
                               Ready ready) {
   constexpr std::chrono::nanoseconds kLongest = std::chrono::hours(24 * 365);
-  const auto end = std::chrono::steady_clock::now() + std::min(most, kLongest);
   if (ready()) return true;
+  const auto end = std::chrono::steady_clock::now() + std::min(most, kLongest);
   if (in_callback()) return false;
   if (own_thread_) return changed_.wait_until(lock, end, ready);
   while (!ready()) {
