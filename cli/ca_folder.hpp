@@ -54,6 +54,9 @@ class CaOpener {
     return open(ca_paths(arguments_.text("--ca"), role));
   }
 
+  /// What opened an encrypted key so far; null if none was encrypted.
+  const pki::Passphrase* used_passphrase() const { return passphrase_ ? &*passphrase_ : nullptr; }
+
  private:
   Result<pki::PrivateKey> key(const std::filesystem::path& path);
 

@@ -29,6 +29,10 @@ Result<int> Arguments::number(std::string_view name, int lowest, int highest) co
   return number;
 }
 
+std::string Option::spellings() const {
+  return letter.empty() ? std::string(name) : fmt::format("{},{}", letter, name);
+}
+
 std::string Command::full_name() const {
   return group.empty() ? std::string(name) : fmt::format("{} {}", group, name);
 }

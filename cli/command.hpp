@@ -27,6 +27,10 @@ struct Option {
   std::string_view fallback = {};  ///< what counts if it is not given
   bool repeated = false;           ///< may be given more than once
   bool required = false;
+  std::string_view letter = {};  ///< a short form, such as "-q"
+
+  /// "-q,--quiet": every way to write it.
+  std::string spellings() const;
 };
 
 /// What was on the command line, by the names of the table. Every value was given or has its

@@ -5,6 +5,7 @@
 
 namespace ddssec::cli {
 
+std::vector<Command> init_commands();
 std::vector<Command> ca_commands();
 std::vector<Command> identity_commands();
 std::vector<Command> governance_commands();
@@ -16,9 +17,13 @@ std::vector<Command> show_commands();      ///< governance and permissions: show
 std::vector<Command> ros_policy_commands();
 std::vector<Command> lint_commands();      ///< governance and permissions: lint
 std::vector<Command> diff_commands();      ///< governance and permissions: diff
+std::vector<Command> keystore_commands();
+std::vector<Command> keystore_ca_commands();  ///< split-ca, rotate
 std::vector<Command> can_commands();
 std::vector<Command> check_commands();
+std::vector<Command> expiry_commands();
 std::vector<Command> doctor_commands();
 std::vector<Command> explain_commands();
+std::vector<Command> completion_commands();  ///< completion, man
 
 }  // namespace ddssec::cli

@@ -15,8 +15,10 @@ std::string option_row(const Option& option) {
   if (option.repeated) notes += ", may be repeated";
   if (!option.fallback.empty()) notes += fmt::format(", default {}", option.fallback);
   if (!notes.empty()) notes = " (" + notes.substr(2) + ")";
-  return row(fmt::format("{}{}{}", option.name, option.value.empty() ? "" : " ", option.value),
-             std::string(option.summary) + notes);
+  return row(
+      fmt::format("{}{}{}{}", option.letter.empty() ? "" : fmt::format("{}, ", option.letter),
+                  option.name, option.value.empty() ? "" : " ", option.value),
+      std::string(option.summary) + notes);
 }
 
 std::string placeholder(const Positional& positional) {

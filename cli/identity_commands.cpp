@@ -1,14 +1,17 @@
 // identity: a participant's key, certificate and permissions, from the first day.
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "cli/documents.hpp"
+#include "cli/fleet.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
+#include "cli/progress.hpp"
 #include "cli/transaction.hpp"
 #include "pki/source.hpp"
 
@@ -22,19 +25,22 @@ Result<Bytes> governance_of(const Arguments& arguments) {
   return read_file(arguments.text("--governance"), pki::kMostDocumentOctets);
 }
 
+// What counts for every participant of the command.
+Result<ParticipantSpec> common_spec(const Arguments& arguments, WallTime now) {
+  return ParticipantSpec{.name = {},
+                         .subject = {},
+                         .life = DDSSEC_TRY(validity(arguments, now)),
+                         .key = DDSSEC_TRY(key_spec(arguments)),
+                         .domains = DDSSEC_TRY(domain_ranges(arguments, "--domain")),
+                         .publish = arguments.all("--publish"),
+                         .subscribe = arguments.all("--subscribe")};
+}
+
 Result<ParticipantSpec> spec_of(const Arguments& arguments, WallTime now) {
-  const auto name = arguments.text("NAME");
-  DDSSEC_TRY(check_name(name));
-  const auto domain = static_cast<DomainId>(
-      DDSSEC_TRY(arguments.number("--domain", 0, governance::kHighestDomainId)));
-  ParticipantSpec spec{
-      .name = name,
-      .subject = arguments.has("--subject") ? arguments.text("--subject") : "CN=" + name,
-      .life = DDSSEC_TRY(validity(arguments, now)),
-      .key = DDSSEC_TRY(key_spec(arguments)),
-      .domains = {domain, domain},
-      .publish = arguments.all("--publish"),
-      .subscribe = arguments.all("--subscribe")};
+  auto spec = DDSSEC_TRY(common_spec(arguments, now));
+  spec.name = arguments.text("NAME");
+  DDSSEC_TRY(check_name(spec.name));
+  spec.subject = arguments.has("--subject") ? arguments.text("--subject") : "CN=" + spec.name;
   if (arguments.has("--permissions"))
     spec.permissions =
         DDSSEC_TRY(read_file(arguments.text("--permissions"), pki::kMostDocumentOctets));
@@ -48,7 +54,51 @@ Json describe(const pki::Certificate& certificate) {
           {"sha256", to_hex(certificate.fingerprint())}};
 }
 
+// One command, many participants: all of them or none.
+Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
+  const auto now = context.clock.now();
+  for (const auto* option : {"--subject", "--permissions"})
+    if (arguments.has(option))
+      return fail(Code::usage, {.field = option, .note = "with --from it is said in the file"});
+  const fs::path from = arguments.text("--from");
+  const fs::path target = arguments.text("-o");
+  auto specs = DDSSEC_TRY(read_fleet(from, DDSSEC_TRY(common_spec(arguments, now)), now));
+  auto folder = DDSSEC_TRY(NewFolder::at(target));
+  const auto governance = DDSSEC_TRY(governance_of(arguments));
+  CaOpener opener(arguments);
+  const auto identity = DDSSEC_TRY(opener.open("identity"));
+  std::optional<OpenCa> permissions;
+  if (std::ranges::any_of(specs, &ParticipantSpec::has_permissions))
+    permissions = DDSSEC_TRY(opener.open("permissions"));
+  Report report;
+  report.result = {{"dir", target.string()}, {"participants", Json::array()}};
+  std::string lines;
+  Progress progress("participants", specs.size());
+  for (auto& spec : specs) {
+    spec.life = DDSSEC_TRY(within_ca(spec.life, identity.certificate(), arguments.has("--clamp")));
+    const bool has_rights = spec.has_permissions();
+    const Issuers issuers{identity, permissions && has_rights ? &*permissions : nullptr};
+    const auto made = DDSSEC_TRY(named(make_participant(spec, issuers, context), from));
+    DDSSEC_TRY(add_flat(folder, spec.name, made, issuers, governance));
+    lines += log_line(made, target / spec.name, now);
+    const auto& certificate = made.self.certificate;
+    report.text += fmt::format("{}  {}  expires {}\n", (target / spec.name).string(),
+                               certificate.subject(), date(certificate.not_after()));
+    Json row = {{"name", spec.name}, {"dir", (target / spec.name).string()}};
+    row.update(describe(certificate));
+    report.result["participants"].push_back(std::move(row));
+    progress.step();
+  }
+  DDSSEC_TRY(check_not_interrupted());
+  DDSSEC_TRY(append_lines(identity.paths.log, lines));
+  report.files_written = DDSSEC_TRY(folder.commit());
+  return report;
+}
+
 Result<Report> identity_issue(const Arguments& arguments, const Context& context) {
+  if (arguments.has("--from") == arguments.has("NAME"))
+    return fail(Code::usage, {.field = "NAME", .note = "give either a name or --from"});
+  if (arguments.has("--from")) return issue_fleet(arguments, context);
   const auto now = context.clock.now();
   auto spec = DDSSEC_TRY(spec_of(arguments, now));
   const fs::path target = arguments.text("-o");
@@ -175,14 +225,17 @@ Command issue_row() {
       .group = "identity",
       .name = "issue",
       .summary = "Makes a participant's folder: key, certificate, CA certificates, permissions.",
-      .positionals = {{"NAME", "the participant's name"}},
+      .positionals = {{"NAME", "the participant's name", true}},
       .options = {ca_option("the folder that ca create made"),
                   kNewFolder,
                   kSubject,
                   days("365"),
                   kClamp,
                   kKey,
-                  {"--domain", "N", "the domain of the permissions", "0"},
+                  {"--from", "FILE",
+                   "a fleet in TOML: [[participant]] with name, publish, "
+                   "subscribe, domain, subject, days, key, permissions"},
+                  kDomains,
                   repeated("--publish", "TOPIC", "a topic or expression it may publish"),
                   repeated("--subscribe", "TOPIC", "a topic or expression it may subscribe to"),
                   {"--permissions", "FILE", "a permissions document to sign instead"},
@@ -191,6 +244,8 @@ Command issue_row() {
                   kPassphraseEnv,
                   kInsecureKeyMode},
       .examples = {"ddssec identity issue talker --ca ca -o talker --publish rt/chatter "
+                   "--governance governance.p7s",
+                   "ddssec identity issue --from participants.toml --ca ca -o fleet "
                    "--governance governance.p7s"},
       .run = identity_issue};
 }

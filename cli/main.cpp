@@ -1,10 +1,16 @@
 // ddssec: the command line tool.
-#include <csignal>
+#include <clocale>
 #include <cstdio>
+#include <cstdlib>
+#include <langinfo.h>
 #include <string>
+#include <unistd.h>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "cli/parse.hpp"
+#include "cli/progress.hpp"
 #include "cli/transaction.hpp"
 #include "governance/date_time.hpp"
 
@@ -12,7 +18,27 @@ namespace {
 
 using namespace ddssec;
 
-void print(std::FILE* to, const std::string& text) { std::fwrite(text.data(), 1, text.size(), to); }
+// Names from files must not reach a terminal as control sequences, nor as octets that it does not
+// take as letters.
+std::string for_terminal(const std::string& text, bool is_utf8, bool may_color) {
+  std::string out;
+  for (const char c : text) {
+    const auto octet = static_cast<unsigned char>(c);
+    if ((octet < 0x20 && c != '\n' && c != '\t' && (c != '\033' || !may_color)) || octet == 0x7f)
+      out += '?';
+    else if (octet >= 0x80 && !is_utf8)
+      out += fmt::format("\\x{:02x}", octet);
+    else
+      out += c;
+  }
+  return out;
+}
+
+void print(std::FILE* to, const std::string& text) {
+  static const bool is_utf8 = std::string_view(::nl_langinfo(CODESET)) == "UTF-8";
+  const auto shown = ::isatty(::fileno(to)) == 1 ? for_terminal(text, is_utf8, to == stderr) : text;
+  std::fwrite(shown.data(), 1, shown.size(), to);
+}
 
 bool wants_json(const std::vector<std::string>& words) {
   for (std::size_t i = 0; i < words.size(); ++i) {
@@ -33,21 +59,46 @@ Result<WallTime> time_of(const cli::Arguments& arguments) {
   return time->time;
 }
 
+Result<bool> color_of(const cli::Arguments& arguments) {
+  const auto when = arguments.text("--color");
+  if (when == "always" || when == "never") return when == "always";
+  if (when != "auto")
+    return fail(Code::usage,
+                {.field = "--color", .expected = "auto, always or never", .found = when});
+  const char* no_color = std::getenv("NO_COLOR");  // no-color.org: any text but the empty one
+  const char* terminal = std::getenv("TERM");
+  return ::isatty(STDERR_FILENO) == 1 && (no_color == nullptr || *no_color == '\0') &&
+         terminal != nullptr && std::string_view(terminal) != "dumb";
+}
+
+Result<cli::Style> style_of(const cli::Arguments& arguments) {
+  const bool quiet = arguments.has("--quiet"), verbose = arguments.has("--verbose");
+  if (quiet && verbose)
+    return fail(Code::usage, {.field = "--quiet", .note = "not together with --verbose"});
+  return cli::Style{DDSSEC_TRY(color_of(arguments)), quiet, verbose};
+}
+
 Result<cli::Report> run(const cli::Request& request) {
   const auto format = request.arguments.text("--format");
   if (format != "text" && format != "json")
     return fail(Code::usage, {.field = "--format", .expected = "text or json", .found = format});
   const ManualClock clock(DDSSEC_TRY(time_of(request.arguments)));
   SystemRandom random;
+  if (request.arguments.has("--dry-run")) cli::write_nothing();
+  if (request.arguments.has("--quiet")) cli::say_no_progress();
   return request.command->run(request.arguments, {clock, random});
 }
 
-int finish(const cli::Report& report, std::string_view command, bool json) {
-  print(stdout, json ? cli::envelope(report, command)
-                               .dump(1, ' ', false, cli::Json::error_handler_t::replace) +
-                           "\n"
-                     : report.text);
-  if (!json) print(stderr, cli::diagnostics_text(report));
+int finish(const cli::Report& report, std::string_view command, bool json, cli::Style style) {
+  if (json) {
+    auto out = cli::envelope(report, command);
+    if (cli::writes_nothing()) out["dry_run"] = true;
+    print(stdout, out.dump(1, ' ', false, cli::Json::error_handler_t::replace) + "\n");
+  } else {
+    const bool is_dry = cli::writes_nothing() && !report.files_written.empty();
+    print(stdout, is_dry ? cli::dry_run_text(report) : report.text);
+    print(stderr, cli::diagnostics_text(report, style));
+  }
   const bool flushed = std::fflush(stdout) == 0;
   return static_cast<int>(flushed ? report.exit : cli::Exit::failed);
 }
@@ -56,14 +107,16 @@ int finish(const cli::Report& report, std::string_view command, bool json) {
 
 int main(int argc, char** argv) {
   const std::vector<std::string> words(argv + 1, argv + argc);
+  std::setlocale(LC_CTYPE, "");  // which letters the terminal takes
   cli::note_interruptions();
   const auto request = cli::parse(words);
-  if (!request) return finish(cli::report_of(request.error()), "", wants_json(words));
+  if (!request) return finish(cli::report_of(request.error()), "", wants_json(words), {});
   if (request->command == nullptr) {
     print(stdout, request->help);
     return 0;
   }
-  const auto report = run(*request);
+  const auto style = style_of(request->arguments);
+  const auto report = style ? run(*request) : std::unexpected(style.error());
   return finish(report ? *report : cli::report_of(report.error()), request->command->full_name(),
-                wants_json(words));
+                wants_json(words), style.value_or(cli::Style()));
 }

@@ -81,10 +81,10 @@ class CommandLine {
   void add(const Option& option) {
     auto& slot = slots_.emplace_back(std::string(option.name), option.fallback);
     if (option.value.empty()) {
-      slot.option = app_.add_flag(slot.name);
+      slot.option = app_.add_flag(option.spellings());
       return;
     }
-    slot.option = app_.add_option(slot.name, slot.values)->allow_extra_args(false);
+    slot.option = app_.add_option(option.spellings(), slot.values)->allow_extra_args(false);
     if (!option.repeated) slot.option->expected(1);
     slot.option->required(option.required);
   }
@@ -100,6 +100,8 @@ class CommandLine {
                                    std::span<const std::string> words) const {
     std::vector<std::string> known;
     for (const auto& slot : slots_) known.push_back(slot.name);
+    for (const auto& option : common_options())
+      if (!option.letter.empty()) known.emplace_back(option.letter);
     for (const auto& word : words) {
       const auto name = word.substr(0, word.find('='));
       if (name.starts_with("-") && name != "-" && std::ranges::find(known, name) == known.end())

@@ -40,7 +40,7 @@ Result<pki::Validity> within_ca(pki::Validity wanted, const pki::Certificate& ca
 }
 
 std::string permissions_xml(const ParticipantSpec& spec, const pki::Certificate& certificate) {
-  governance::Rule rule{.allow = true, .domains = {.ranges = {spec.domains}}};
+  governance::Rule rule{.allow = true, .domains = {.ranges = spec.domains}};
   if (!spec.publish.empty()) rule.publish.push_back({.topics = texts(spec.publish)});
   if (!spec.subscribe.empty()) rule.subscribe.push_back({.topics = texts(spec.subscribe)});
   governance::Grant grant{.name = spec.name,

@@ -20,7 +20,7 @@ struct ParticipantSpec {
   std::string subject;  ///< of its certificate
   pki::Validity life;
   pki::KeySpec key = {};
-  governance::DomainRange domains = {};
+  std::vector<governance::DomainRange> domains = {{0, 0}};
   std::vector<std::string> publish = {};
   std::vector<std::string> subscribe = {};
   /// A permissions document to sign instead of one made from the lists.

@@ -81,8 +81,16 @@ std::string_view severity_word(Severity severity) {
   return severity == Severity::warning ? "warning" : "note";
 }
 
-std::string to_text(const Diagnostic& d) {
-  auto out = fmt::format("{}[{}]: {}\n", severity_word(d.severity), d.id, printable(d.message));
+// Bold red, yellow or cyan.
+std::string_view color_of(Severity severity) {
+  if (severity >= Severity::error) return "\033[1;31m";
+  return severity == Severity::warning ? "\033[1;33m" : "\033[1;36m";
+}
+
+std::string to_text(const Diagnostic& d, bool color) {
+  auto out =
+      fmt::format("{}{}[{}]:{} {}\n", color ? color_of(d.severity) : "", severity_word(d.severity),
+                  d.id, color ? "\033[0m" : "", printable(d.message));
   if (!d.file.empty())
     out += fmt::format("  --> {}{}\n", printable(d.file),
                        d.line > 0 ? fmt::format(":{}", d.line) : std::string());
@@ -120,6 +128,7 @@ Exit exit_of(Code code) {
   switch (code) {
     case Code::usage:
     case Code::name_unusable:
+    case Code::enclave_name_unusable:
     case Code::subject_name_malformed:
       return Exit::usage;
     case Code::would_overwrite:
@@ -136,6 +145,8 @@ Exit exit_of(Code code) {
     case Code::interrupted:
       return Exit::failed;
     case Code::issue_log_malformed:
+    case Code::fleet_malformed:
+    case Code::keystore_incomplete:
     case Code::certificate_malformed:
     case Code::certificate_too_large:
     case Code::private_key_malformed:
@@ -166,9 +177,22 @@ Json envelope(const Report& report, std::string_view command) {
           {"files_written", to_array(report.files_written)}};
 }
 
-std::string diagnostics_text(const Report& report) {
+std::string diagnostics_text(const Report& report, Style style) {
   std::string out;
-  for (const auto& d : diagnostics_of(report)) out += to_text(d);
+  for (const auto& d : diagnostics_of(report))
+    if (!style.quiet || d.severity >= Severity::error) out += to_text(d, style.color);
+  if (style.verbose)
+    for (const auto& file : report.files_written)
+      out += fmt::format("wrote {} {}  {}\n", file.mode, printable(file.path),
+                         file.link_to.empty() ? file.sha256 : "-> " + file.link_to);
+  return out;
+}
+
+std::string dry_run_text(const Report& report) {
+  std::string out = "dry run: nothing was written\n";
+  for (const auto& file : report.files_written)
+    out += fmt::format("would write {} {}{}\n", file.mode, printable(file.path),
+                       file.link_to.empty() ? "" : " -> " + file.link_to);
   return out;
 }
 

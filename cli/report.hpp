@@ -52,8 +52,18 @@ Report report_of(const Error& error);
 /// result, diagnostics, files_written.
 Json envelope(const Report& report, std::string_view command);
 
+/// What of a report goes to standard error.
+struct Style {
+  bool color = false;
+  bool quiet = false;    ///< errors only
+  bool verbose = false;  ///< every file as well
+};
+
 /// Every error and finding for people: "error[CODE]: what happened", "  --> file:line" if there is
 /// one, "  hint: what to do".
-std::string diagnostics_text(const Report& report);
+std::string diagnostics_text(const Report& report, Style style = {});
+
+/// "would write 0600 path" for every file: what --dry-run says.
+std::string dry_run_text(const Report& report);
 
 }  // namespace ddssec::cli

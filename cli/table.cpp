@@ -22,6 +22,13 @@ const std::vector<Option>& common_options() {
   static const std::vector<Option> kOptions = {
       {"--format", "FORM", "text, or one JSON object", "text"},
       {"--now", "TIME", "judge and issue as if it were this time (2026-11-21T00:00:00Z)"},
+      {"--dry-run", "", "check everything and write nothing; tell what would be written"},
+      {"--color", "WHEN", "auto, always or never; NO_COLOR turns auto off", "auto"},
+      {.name = "--quiet", .value = "", .summary = "no notes, warnings or progress", .letter = "-q"},
+      {.name = "--verbose",
+       .value = "",
+       .summary = "tell every file that is written",
+       .letter = "-v"},
   };
   return kOptions;
 }
@@ -30,6 +37,7 @@ const std::vector<Command>& commands() {
   static const std::vector<Command> kCommands = [] {
     std::vector<Command> all;
     for (const auto& rows : {
+             init_commands(),
              ca_commands(),
              identity_commands(),
              identity_change_commands(),
@@ -41,10 +49,14 @@ const std::vector<Command>& commands() {
              lint_commands(),
              document_commands(),
              diff_commands(),
+             keystore_commands(),
+             keystore_ca_commands(),
              can_commands(),
              check_commands(),
+             expiry_commands(),
              doctor_commands(),
              explain_commands(),
+             completion_commands(),
          })
       add_to_groups(all, rows);
     return all;

@@ -190,10 +190,11 @@ NewFolder::NewFolder(NewFolder&& other) noexcept
       drafts_(std::move(other.drafts_)),
       files_(std::move(other.files_)) {}
 
-Status Replacement::put(const fs::path& target, BytesView octets, unsigned mode) {
+Status Replacement::put(const fs::path& target, BytesView octets, unsigned mode, Links links) {
   std::error_code ignored;
   const auto type = fs::symlink_status(target, ignored).type();
-  if (type != fs::file_type::not_found && type != fs::file_type::regular)
+  const bool may_go = type == fs::file_type::symlink && links == Links::replaced;
+  if (type != fs::file_type::not_found && type != fs::file_type::regular && !may_go)
     return fail(Code::would_overwrite, {.document = target, .note = "it is not a plain file"});
   if (!dry_run) {
     DDSSEC_TRY(write_exclusively(draft_of(target), octets, mode, Flush::now));

@@ -66,8 +66,11 @@ class NewFolder {
 /// symbolic link, a folder or a device is refused, so that nothing is written elsewhere.
 class Replacement {
  public:
+  /// What is done where a symbolic link is: the link itself is replaced, never what it leads to.
+  enum class Links : std::uint8_t { refused, replaced };
   /// Errors: would_overwrite (not a plain file), file_unwritable, interrupted.
-  Status put(const std::filesystem::path& target, BytesView octets, unsigned mode);
+  Status put(const std::filesystem::path& target, BytesView octets, unsigned mode,
+             Links links = Links::refused);
   Status put_public(const std::filesystem::path& target, std::string_view text) {
     return put(target, as_bytes(text), 0644);
   }

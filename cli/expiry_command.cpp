@@ -1,0 +1,196 @@
+// expiry: what ends, and when, in one table; for people, cron and systemd.
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "base/hash.hpp"
+#include "cli/documents.hpp"
+#include "cli/groups.hpp"
+#include "cli/inputs.hpp"
+#include "cli/options.hpp"
+#include "governance/read.hpp"
+#include "pki/crl.hpp"
+#include "pki/smime_diagnosis.hpp"
+#include "pki/source.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kDeepest = 16;
+constexpr std::size_t kMostFiles = 500'000;
+
+/// Something with an end.
+struct Ending {
+  std::string_view kind;  ///< "CA", "certificate", "revocation list", "permissions"
+  std::string subject;
+  WallTime end;
+  fs::path file;
+  std::size_t places = 1;  ///< how many files hold the same
+};
+
+std::optional<std::chrono::seconds> duration_from(std::string_view text) {
+  int number = 0;
+  const auto* const end = text.data() + text.size();
+  const auto [at, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc() || number < 0 || number > 100'000) return std::nullopt;
+  const std::string_view unit(at, static_cast<std::size_t>(end - at));
+  if (unit.empty() || unit == "d") return std::chrono::days(number);
+  if (unit == "h") return std::chrono::hours(number);
+  if (unit == "w") return std::chrono::weeks(number);
+  return std::nullopt;
+}
+
+/// All that ends below some paths; the same thing in many files is one row.
+class Search {
+ public:
+  /// Errors: file_not_found for a path that is not there.
+  Status look_at(const fs::path& path) {
+    std::error_code error;
+    if (!fs::exists(path, error)) return fail(Code::file_not_found, {.document = path});
+    if (!fs::is_directory(path, error)) {
+      look_into(path);
+      return {};
+    }
+    fs::recursive_directory_iterator at(path, error);
+    for (; !error && at != fs::recursive_directory_iterator() && files_ < kMostFiles;
+         at.increment(error)) {
+      if (at.depth() >= kDeepest) at.disable_recursion_pending();
+      std::error_code ignored;
+      if (may_have_an_end(at->path()) && at->is_regular_file(ignored)) paths_.insert(at->path());
+    }
+    for (const auto& file : paths_) look_into(file);
+    paths_.clear();
+    return {};
+  }
+
+  std::vector<Ending> endings() const {
+    std::vector<Ending> out;
+    for (const auto& [key, ending] : found_) out.push_back(ending);
+    std::ranges::stable_sort(out, {}, &Ending::end);
+    return out;
+  }
+  const std::vector<Error>& unreadable() const { return unreadable_; }
+
+ private:
+  static bool may_have_an_end(const fs::path& file) {
+    const auto ending = file.extension();
+    return ending == ".pem" || ending == ".crt" || ending == ".cer" || ending == ".crl" ||
+           ending == ".p7s" || ending == ".smime";
+  }
+
+  // Links to one file count once.
+  void look_into(const fs::path& file) {
+    std::error_code ignored;
+    ++files_;
+    if (!seen_.insert(fs::weakly_canonical(file, ignored).string()).second) return;
+    const auto octets = read_file(file, pki::kMostDocumentOctets);
+    const auto status = !octets ? Status(std::unexpected(octets.error()))
+                        : file.extension() == ".p7s" || file.extension() == ".smime"
+                            ? look_into_document(file, *octets)
+                            : look_into_pem(file, *octets);
+    if (!status) unreadable_.push_back(status.error().in(file));
+  }
+
+  Status look_into_pem(const fs::path& file, BytesView octets) {
+    const auto text = as_text(octets);
+    if (text.find("-----BEGIN CERTIFICATE-----") != text.npos)
+      for (const auto& certificate : DDSSEC_TRY(pki::Certificate::bundle_from_pem(octets)))
+        add({certificate.is_ca() ? "CA" : "certificate", certificate.subject(),
+             certificate.not_after(), file},
+            to_hex(certificate.fingerprint()));
+    if (text.find("-----BEGIN X509 CRL-----") == text.npos) return {};
+    for (const auto& crl : DDSSEC_TRY(pki::Crl::all_from(octets)))
+      if (crl.next_update())
+        add({"revocation list", crl.issuer(), *crl.next_update(), file},
+            to_hex(sha256(as_bytes(crl.pem()))));
+    return {};
+  }
+
+  // What it says, whoever signed it: a forged date is found by verify and doctor.
+  Status look_into_document(const fs::path& file, BytesView octets) {
+    const auto form = pki::examine_document(octets);
+    if (as_text(form.unverified_text).find("<permissions") == std::string_view::npos) return {};
+    const auto document = DDSSEC_TRY(governance::read_permissions(form.unverified_text));
+    for (const auto& grant : document.grants)
+      add({"permissions", grant.subject_name, grant.validity.not_after, file},
+          to_hex(sha256(octets)) + grant.subject_name);
+    return {};
+  }
+
+  void add(Ending ending, const std::string& key) {
+    const auto [at, is_new] = found_.try_emplace(key, std::move(ending));
+    if (!is_new) ++at->second.places;
+  }
+
+  std::map<std::string, Ending> found_;
+  std::set<fs::path> paths_;
+  std::set<std::string> seen_;
+  std::vector<Error> unreadable_;
+  std::size_t files_ = 0;
+};
+
+std::string_view state_of(const Ending& ending, WallTime now, WallTime horizon) {
+  if (ending.end <= now) return "expired";
+  return ending.end <= horizon ? "soon" : "ok";
+}
+
+std::string row(const Ending& ending, std::string_view state, std::int64_t days) {
+  return fmt::format("{:<8} {:<16} {}  {:>6} d  {}  {}{}\n", state, ending.kind, date(ending.end),
+                     days, ending.subject, ending.file.string(),
+                     ending.places > 1 ? fmt::format(" and {} more", ending.places - 1) : "");
+}
+
+Result<Report> expiry(const Arguments& arguments, const Context& context) {
+  const auto within = duration_from(arguments.text("--within"));
+  if (!within)
+    return fail(Code::usage, {.field = "--within",
+                              .expected = "a time such as 30d, 12h or 4w",
+                              .found = '"' + arguments.text("--within") + '"'});
+  Search search;
+  auto paths = arguments.all("PATHS");
+  if (paths.empty()) paths = {"."};
+  for (const auto& path : paths) DDSSEC_TRY(search.look_at(path));
+  const auto now = context.clock.now();
+  const auto horizon = now + *within;
+  Report report;
+  report.result = {{"until", to_string(horizon)}, {"entries", Json::array()}};
+  std::size_t due = 0;
+  for (const auto& ending : search.endings()) {
+    const auto state = state_of(ending, now, horizon);
+    const auto days = std::chrono::floor<std::chrono::days>(ending.end - now).count();
+    if (state != "ok") ++due;
+    if (state != "ok" || !arguments.has("--quiet")) report.text += row(ending, state, days);
+    report.result["entries"].push_back({{"state", state},
+                                        {"kind", ending.kind},
+                                        {"subject", ending.subject},
+                                        {"not_after", to_string(ending.end)},
+                                        {"days_left", days},
+                                        {"file", ending.file.string()},
+                                        {"places", ending.places}});
+  }
+  report.errors = search.unreadable();
+  report.exit = due > 0 ? Exit::no : report.errors.empty() ? Exit::done : Exit::unreadable;
+  return report;
+}
+
+}  // namespace
+
+std::vector<Command> expiry_commands() {
+  return {{.group = "",
+           .name = "expiry",
+           .summary = "Shows when certificates, CAs, revocation lists and permissions end; exit 1: "
+                      "one within the time.",
+           .positionals = {{"PATHS", "files and folders; without any, this folder", true, true}},
+           .options = {{"--within", "TIME", "what counts as soon: 30d, 12h, 4w", "30d"}},
+           .examples = {"ddssec expiry fleet ca --within 30d",
+                        "ddssec expiry --quiet fleet || mail -s 'certificates end' admin"},
+           .run = expiry}};
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,161 @@
+#include "cli/fleet.hpp"
+
+#include <unordered_set>
+
+#define TOML_EXCEPTIONS 0
+#define TOML_ENABLE_FORMATTERS 0
+#include <toml++/toml.h>
+
+#include "pki/source.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// One table of the file, with what errors need.
+class Table {
+ public:
+  Table(const toml::table& table, const fs::path& file) : table_(table), file_(file) {}
+
+  std::unexpected<Error> wrong(std::string field, std::string expected,
+                               const toml::node* where = nullptr) const {
+    return fail(Code::fleet_malformed,
+                {.document = file_,
+                 .line = static_cast<int>((where ? where : &table_)->source().begin.line),
+                 .field = std::move(field),
+                 .expected = std::move(expected)});
+  }
+
+  const toml::node* node(std::string_view key) const { return table_.get(key); }
+
+  Status check_keys(std::initializer_list<std::string_view> known) const {
+    for (const auto& [key, value] : table_)
+      if (std::find(known.begin(), known.end(), key.str()) == known.end())
+        return wrong(std::string(key.str().substr(0, 64)), "one of the keys that are known",
+                     &value);
+    return {};
+  }
+
+  /// Leaves `out` as it is if the key is not there.
+  Status read(std::string_view key, std::string& out) const {
+    const auto* node = table_.get(key);
+    if (node == nullptr) return {};
+    const auto value = node->value_exact<std::string>();
+    if (!value) return wrong(std::string(key), "a text", node);
+    out = *value;
+    return {};
+  }
+
+  Status read(std::string_view key, int lowest, int highest, int& out) const {
+    const auto* node = table_.get(key);
+    if (node == nullptr) return {};
+    const auto value = node->value_exact<std::int64_t>();
+    if (!value || *value < lowest || highest < *value)
+      return wrong(std::string(key),
+                   "a number from " + std::to_string(lowest) + " to " + std::to_string(highest),
+                   node);
+    out = static_cast<int>(*value);
+    return {};
+  }
+
+  Status read(std::string_view key, std::vector<std::string>& out) const {
+    const auto* node = table_.get(key);
+    if (node == nullptr) return {};
+    const auto* array = node->as_array();
+    if (array == nullptr) return wrong(std::string(key), "a list of texts", node);
+    out.clear();
+    for (const auto& element : *array) {
+      const auto value = element.value_exact<std::string>();
+      if (!value) return wrong(std::string(key), "a list of texts", &element);
+      out.push_back(*value);
+    }
+    return {};
+  }
+
+ private:
+  const toml::table& table_;
+  const fs::path& file_;
+};
+
+// What may stand at the top as well as in each participant's table.
+Status read_common(const Table& table, ParticipantSpec& spec, WallTime now) {
+  int domain = -1;
+  DDSSEC_TRY(table.read("domain", 0, governance::kHighestDomainId, domain));
+  if (domain >= 0) spec.domains = {{static_cast<DomainId>(domain), static_cast<DomainId>(domain)}};
+  int days = 0;
+  DDSSEC_TRY(table.read("days", 1, kMostDays, days));
+  if (days > 0) spec.life = validity_of(days, now);
+  std::string key;
+  DDSSEC_TRY(table.read("key", key));
+  if (!key.empty()) {
+    const auto kind = key_spec_of(key, "key");
+    if (!kind) return table.wrong("key", "p256, rsa2048 or rsa3072", table.node("key"));
+    spec.key = *kind;
+  }
+  DDSSEC_TRY(table.read("publish", spec.publish));
+  return table.read("subscribe", spec.subscribe);
+}
+
+Result<ParticipantSpec> participant_of(const toml::table& node, const fs::path& file,
+                                       ParticipantSpec spec, WallTime now) {
+  const Table table(node, file);
+  DDSSEC_TRY(table.check_keys(
+      {"name", "subject", "domain", "days", "key", "publish", "subscribe", "permissions"}));
+  DDSSEC_TRY(table.read("name", spec.name));
+  if (spec.name.empty()) return table.wrong("name", "a participant's name");
+  if (const auto fine = check_name(spec.name); !fine) {
+    auto details = fine.error().details();
+    details.document = file;
+    details.line = static_cast<int>(node.source().begin.line);
+    return fail(fine.error().code(), std::move(details));
+  }
+  spec.subject = "CN=" + spec.name;
+  DDSSEC_TRY(table.read("subject", spec.subject));
+  DDSSEC_TRY(read_common(table, spec, now));
+  std::string permissions;
+  DDSSEC_TRY(table.read("permissions", permissions));
+  if (!permissions.empty())
+    spec.permissions =
+        DDSSEC_TRY(read_file(file.parent_path() / permissions, pki::kMostDocumentOctets));
+  return spec;
+}
+
+Result<toml::table> parsed(std::string_view text, const fs::path& file) {
+  auto result = toml::parse(text);
+  if (result) return std::move(result).table();
+  return fail(Code::fleet_malformed,
+              {.document = file,
+               .line = static_cast<int>(result.error().source().begin.line),
+               .note = std::string(result.error().description()).substr(0, 256)});
+}
+
+}  // namespace
+
+Result<std::vector<ParticipantSpec>> read_fleet(const fs::path& file,
+                                                const ParticipantSpec& standard, WallTime now) {
+  const auto octets = DDSSEC_TRY(read_file(file, kMostFleetOctets));
+  const auto root = DDSSEC_TRY(parsed(as_text(octets), file));
+  const Table top(root, file);
+  DDSSEC_TRY(top.check_keys({"domain", "days", "key", "publish", "subscribe", "participant"}));
+  auto common = standard;
+  DDSSEC_TRY(read_common(top, common, now));
+  const auto* node = root.get("participant");
+  const auto* list = node != nullptr ? node->as_array() : nullptr;
+  if (list == nullptr || list->empty() || list->size() > kMostParticipants)
+    return top.wrong("participant",
+                     "1 to " + std::to_string(kMostParticipants) + " tables [[participant]]");
+  std::vector<ParticipantSpec> out;
+  std::unordered_set<std::string> names;
+  for (const auto& element : *list) {
+    const auto* table = element.as_table();
+    if (table == nullptr) return top.wrong("participant", "tables [[participant]]", &element);
+    out.push_back(DDSSEC_TRY(participant_of(*table, file, common, now)));
+    if (!names.insert(out.back().name).second)
+      return top.wrong("name", "every name once; \"" + out.back().name + "\" is there twice",
+                       table);
+  }
+  return out;
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,262 @@
+// init: from nothing to two participants that talk, in one command.
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "cli/documents.hpp"
+#include "cli/groups.hpp"
+#include "cli/inputs.hpp"
+#include "cli/keystore.hpp"
+#include "cli/options.hpp"
+#include "cli/participant.hpp"
+#include "cli/progress.hpp"
+#include "cli/snippets.hpp"
+#include "cli/transaction.hpp"
+#include "governance/profile.hpp"
+#include "governance/write.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What the command line asks for.
+struct Plan {
+  fs::path target;
+  std::string title;  ///< in the CAs' names
+  std::vector<std::string> names;
+  pki::FolderLayout layout;
+  governance::Profile profile;
+  std::vector<governance::DomainRange> domains;
+  std::vector<std::string> topics;
+  pki::Validity ca_life;
+  pki::Validity life;
+};
+
+Result<pki::FolderLayout> layout_of(const Arguments& arguments) {
+  const auto word = arguments.text("--layout");
+  if (word == "flat") return pki::FolderLayout::flat;
+  if (word == "sros2") return pki::FolderLayout::sros2;
+  return fail(Code::usage, {.field = "--layout", .expected = "flat or sros2", .found = word});
+}
+
+Result<governance::Profile> profile_of(const Arguments& arguments) {
+  const auto word = arguments.text("--profile");
+  const auto profile = governance::profile_from(word);
+  if (!profile)
+    return fail(Code::usage,
+                {.field = "--profile", .expected = "open, balanced or strict", .found = word});
+  return *profile;
+}
+
+// In a keystore the names are enclaves', which begin with a slash.
+Result<std::vector<std::string>> names_of(const Arguments& arguments, pki::FolderLayout layout) {
+  auto names = arguments.all("--participant");
+  if (names.empty()) names = {"talker", "listener"};
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    auto& name = names[i];
+    if (layout == pki::FolderLayout::sros2) {
+      if (!name.starts_with('/')) name = std::string("/").append(name);
+      DDSSEC_TRY(check_enclave(name));
+    } else {
+      DDSSEC_TRY(check_name(name));
+      if (name == "ca")
+        return fail(Code::name_unusable, {.found = name, .note = "the CAs' folder is called so"});
+    }
+    if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), name) !=
+        names.begin() + static_cast<std::ptrdiff_t>(i))
+      return fail(Code::usage, {.field = "--participant", .note = "\"" + name + "\" twice"});
+  }
+  return names;
+}
+
+Result<Plan> plan_of(const Arguments& arguments, WallTime now) {
+  const auto layout = DDSSEC_TRY(layout_of(arguments));
+  const fs::path target = arguments.text("DIR");
+  return Plan{.target = target,
+              .title = (target.has_filename() ? target : target.parent_path()).filename().string(),
+              .names = DDSSEC_TRY(names_of(arguments, layout)),
+              .layout = layout,
+              .profile = DDSSEC_TRY(profile_of(arguments)),
+              .domains = DDSSEC_TRY(domain_ranges(arguments, "--domain")),
+              .topics = arguments.all("--allow-topics"),
+              .ca_life = validity_of(3650, now),
+              .life = DDSSEC_TRY(validity(arguments, now))};
+}
+
+Result<OpenCa> make_ca(const Plan& plan, std::string_view role, const Context& context) {
+  auto authority = DDSSEC_TRY(pki::Authority::create_root(
+      fmt::format("CN={} {} CA", plan.title, role), {}, plan.ca_life, context.random));
+  auto pem = authority.certificate().pem();
+  return OpenCa{{}, std::move(authority), std::move(pem)};
+}
+
+/// What the finished folder will know of everybody.
+struct Members {
+  Json rows = Json::array();
+  std::string log;
+  std::string text;
+};
+
+Result<Members> add_members(NewFolder& folder, const Plan& plan, const Issuers& issuers,
+                            BytesView governance, const Context& context) {
+  Members out;
+  Progress progress("participants", plan.names.size());
+  const bool sros2 = plan.layout == pki::FolderLayout::sros2;
+  const auto now = context.clock.now();
+  for (const auto& name : plan.names) {
+    const ParticipantSpec spec{.name = name,
+                               .subject = "CN=" + name,
+                               .life = plan.life,
+                               .domains = plan.domains,
+                               .publish = plan.topics,
+                               .subscribe = plan.topics};
+    const auto made = DDSSEC_TRY(make_participant(spec, issuers, context));
+    const auto below = sros2 ? enclave_folder(name) : fs::path(name);
+    DDSSEC_TRY(sros2 ? add_enclave(folder, below, name, made)
+                     : add_flat(folder, below, made, issuers, governance));
+    out.log += log_line(made, plan.target / below, now);
+    const auto& certificate = made.self.certificate;
+    out.rows.push_back({{"name", name},
+                        {"dir", (plan.target / below).string()},
+                        {"subject", certificate.subject()},
+                        {"not_after", to_string(certificate.not_after())}});
+    out.text += fmt::format("  {:<15} {}  publish and subscribe {}  expires {}\n", name,
+                            certificate.subject(), fmt::join(plan.topics, " "),
+                            date(certificate.not_after()));
+    progress.step();
+  }
+  return out;
+}
+
+Status add_cas(NewFolder& folder, const Plan& plan, const OpenCa& identity,
+               const OpenCa& permissions, const pki::Crl& crl) {
+  if (plan.layout == pki::FolderLayout::sros2) {
+    DDSSEC_TRY(
+        add_keystore_cas(folder, {identity.authority, permissions.authority, false}, nullptr));
+    return folder.add_public("public/identity_ca.crl.pem", crl.pem());
+  }
+  DDSSEC_TRY(add_ca(folder, ca_paths_in("ca/identity"), identity.trust_pem,
+                    identity.authority.key(), nullptr));
+  DDSSEC_TRY(add_ca(folder, ca_paths_in("ca/permissions"), permissions.trust_pem,
+                    permissions.authority.key(), nullptr));
+  return folder.add_public("ca/identity/crl.pem", crl.pem());
+}
+
+Json describe_ca(std::string_view role, const pki::Certificate& ca) {
+  return {{"role", role},
+          {"subject", ca.subject()},
+          {"not_after", to_string(ca.not_after())},
+          {"sha256", to_hex(ca.fingerprint())}};
+}
+
+std::string ca_line(std::string_view role, const pki::Certificate& ca) {
+  return fmt::format("  {:<15} {}  expires {}  sha256 {}\n", std::string(role) + " CA",
+                     ca.subject(), date(ca.not_after()), to_hex(ca.fingerprint()));
+}
+
+std::string domain_words(const std::vector<governance::DomainRange>& domains) {
+  std::string out;
+  for (const auto& range : domains)
+    out += (out.empty() ? "" : ", ") + (range.first == range.last
+                                            ? fmt::format("{}", range.first)
+                                            : fmt::format("{}-{}", range.first, range.last));
+  return out;
+}
+
+Json snippets_of(const Plan& plan) {
+  const bool sros2 = plan.layout == pki::FolderLayout::sros2;
+  const auto& first = plan.names.front();
+  const auto files = pki::participant_folder(
+      plan.target / (sros2 ? enclave_folder(first) : fs::path(first)), plan.layout);
+  Json out = {{"cyclonedds", cyclonedds_snippet(files)}, {"fastdds", fastdds_snippet(files)}};
+  if (sros2) out["ros2"] = ros2_snippet(plan.target, first);
+  return out;
+}
+
+std::string next_steps(const Plan& plan, const Json& snippets) {
+  const auto folder = [&](const std::string& name) {
+    return (plan.target /
+            (plan.layout == pki::FolderLayout::sros2 ? enclave_folder(name) : fs::path(name)))
+        .string();
+  };
+  std::string out = fmt::format("next: ddssec doctor {}\n", folder(plan.names.front()));
+  out += fmt::format("\n{} with Cyclone DDS, as CYCLONEDDS_URI:\n{}", plan.names.front(),
+                     std::string(snippets["cyclonedds"]));
+  out += fmt::format("\n{} with Fast DDS, in the file of FASTRTPS_DEFAULT_PROFILES_FILE:\n{}",
+                     plan.names.front(), std::string(snippets["fastdds"]));
+  if (snippets.contains("ros2"))
+    out += fmt::format("\n{} with ROS 2:\n{}", plan.names.front(), std::string(snippets["ros2"]));
+  return out;
+}
+
+Result<Report> init(const Arguments& arguments, const Context& context) {
+  const auto now = context.clock.now();
+  const auto plan = DDSSEC_TRY(plan_of(arguments, now));
+  auto folder = DDSSEC_TRY(NewFolder::at(plan.target));
+  const auto identity = DDSSEC_TRY(make_ca(plan, "Identity", context));
+  const auto permissions = DDSSEC_TRY(make_ca(plan, "Permissions", context));
+  const Issuers issuers{identity, &permissions};
+  const auto crl = DDSSEC_TRY(next_crl(identity, {}, now, 180));
+  DDSSEC_TRY(add_cas(folder, plan, identity, permissions, crl));
+
+  const auto xml = to_xml(governance::governance_of(plan.profile, plan.domains));
+  const auto governance =
+      DDSSEC_TRY(permissions.authority.sign_document(as_bytes(xml), now, context.random));
+  const bool sros2 = plan.layout == pki::FolderLayout::sros2;
+  if (sros2) {
+    DDSSEC_TRY(add_keystore_governance(folder, xml, governance));
+  } else {
+    DDSSEC_TRY(folder.add_public("governance.xml", xml));
+    DDSSEC_TRY(folder.add("governance.p7s", governance, 0644));
+  }
+  const auto members = DDSSEC_TRY(add_members(folder, plan, issuers, governance, context));
+  DDSSEC_TRY(folder.add_public(
+      sros2 ? "private/identity_ca.issued.jsonl" : "ca/identity/issued.jsonl", members.log));
+
+  Report report;
+  const auto& identity_ca = identity.certificate();
+  const auto& permissions_ca = permissions.certificate();
+  const auto snippets = snippets_of(plan);
+  report.text = fmt::format(
+      "created {}  (to try things: the CA keys are NOT encrypted)\n{}{}  {:<15} domain {}, profile "
+      "{}\n{}{}",
+      plan.target.string(), ca_line("identity", identity_ca),
+      ca_line("permissions", permissions_ca), "governance", domain_words(plan.domains),
+      to_string(plan.profile), members.text, next_steps(plan, snippets));
+  report.result = {
+      {"dir", plan.target.string()},
+      {"cas", {describe_ca("identity", identity_ca), describe_ca("permissions", permissions_ca)}},
+      {"profile", to_string(plan.profile)},
+      {"participants", members.rows},
+      {"snippets", snippets}};
+  report.files_written = DDSSEC_TRY(folder.commit());
+  return report;
+}
+
+}  // namespace
+
+std::vector<Command> init_commands() {
+  return {{.group = "",
+           .name = "init",
+           .summary = "Makes everything for a first try: CAs, governance, participants.",
+           .positionals = {{"DIR", "a new folder"}},
+           .options = {repeated("--participant", "NAME",
+                                "a participant; without any, talker and listener"),
+                       kDomains,
+                       {"--profile", "NAME", "open, balanced or strict", "strict"},
+                       {"--layout", "NAME", "flat, or sros2: a keystore of ROS 2", "flat"},
+                       {.name = "--allow-topics",
+                        .value = "TOPIC",
+                        .summary = "what everybody may publish and subscribe to",
+                        .fallback = "*",
+                        .repeated = true},
+                       days("365")},
+           .examples = {"ddssec init demo",
+                        "ddssec init demo --participant talker --participant "
+                        "listener --domain 0",
+                        "ddssec init keystore --layout sros2 --participant /talker"},
+           .run = init}};
+}
+
+}  // namespace ddssec::cli

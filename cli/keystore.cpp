@@ -1,0 +1,120 @@
+#include "cli/keystore.hpp"
+
+#include <algorithm>
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_token(std::string_view token) {
+  const auto is_letter = [](char c) {
+    return ('a' <= c && c <= 'z') || ('A' <= c && c <= 'Z') || c == '_';
+  };
+  return !token.empty() && is_letter(token[0]) &&
+         std::ranges::all_of(token, [&](char c) { return is_letter(c) || ('0' <= c && c <= '9'); });
+}
+
+// From an enclave's folder to enclaves/.
+fs::path up_to_enclaves(std::string_view name) {
+  fs::path out;
+  for (const auto& part : fs::path(name).relative_path())
+    if (!part.empty()) out /= "..";
+  return out;
+}
+
+Status add_key(NewFolder& keystore, const fs::path& name, const pki::PrivateKey& key,
+               const pki::Passphrase* passphrase) {
+  const auto pem = DDSSEC_TRY(key.to_pem(passphrase));
+  return pem.expose([&](BytesView octets) { return keystore.add(name, octets, 0600); });
+}
+
+}  // namespace
+
+Status check_enclave(std::string_view name) {
+  constexpr std::size_t kMostOctets = 255;
+  const auto wrong = [&] {
+    return fail(Code::enclave_name_unusable,
+                {.found = '"' + std::string(name.substr(0, kMostOctets)) + '"'});
+  };
+  if (name == "/") return {};
+  if (name.size() > kMostOctets || !name.starts_with('/')) return wrong();
+  int depth = 0;
+  for (auto rest = name.substr(1);;) {
+    const auto slash = std::min(rest.find('/'), rest.size());
+    if (!is_token(rest.substr(0, slash)) || ++depth > kDeepestEnclave) return wrong();
+    if (slash == rest.size()) return {};
+    rest.remove_prefix(slash + 1);
+  }
+}
+
+Status check_keystore(const fs::path& keystore) {
+  for (const auto* file : {"public/permissions_ca.cert.pem", "public/identity_ca.cert.pem",
+                           "private/permissions_ca.key.pem", "private/identity_ca.key.pem",
+                           "enclaves/governance.p7s"}) {
+    std::error_code ignored;
+    if (!fs::is_regular_file(keystore / file, ignored))
+      return fail(Code::keystore_incomplete, {.document = keystore / file});
+  }
+  return {};
+}
+
+fs::path enclave_folder(std::string_view name) {
+  const auto below = fs::path(name).relative_path();
+  return below.empty() ? fs::path("enclaves") : "enclaves" / below;
+}
+
+Status add_keystore_cas(NewFolder& keystore, const KeystoreCas& cas,
+                        const pki::Passphrase* passphrase) {
+  if (cas.are_one) {
+    DDSSEC_TRY(keystore.add_public("public/ca.cert.pem", cas.identity.certificate().pem()));
+    DDSSEC_TRY(add_key(keystore, "private/ca.key.pem", cas.identity.key(), passphrase));
+    for (const std::string role : {"identity_ca", "permissions_ca"}) {
+      DDSSEC_TRY(keystore.link("public/" + role + ".cert.pem", "ca.cert.pem"));
+      DDSSEC_TRY(keystore.link("private/" + role + ".key.pem", "ca.key.pem"));
+    }
+    return {};
+  }
+  DDSSEC_TRY(keystore.add_public("public/identity_ca.cert.pem", cas.identity.certificate().pem()));
+  DDSSEC_TRY(
+      keystore.add_public("public/permissions_ca.cert.pem", cas.permissions.certificate().pem()));
+  DDSSEC_TRY(add_key(keystore, "private/identity_ca.key.pem", cas.identity.key(), passphrase));
+  return add_key(keystore, "private/permissions_ca.key.pem", cas.permissions.key(), passphrase);
+}
+
+Status add_keystore_governance(NewFolder& keystore, std::string_view xml, BytesView signed_octets) {
+  DDSSEC_TRY(keystore.add_public("enclaves/governance.xml", xml));
+  return keystore.add("enclaves/governance.p7s", signed_octets, 0644);
+}
+
+Status add_enclave(NewFolder& folder, const fs::path& below, std::string_view name,
+                   const NewParticipant& participant) {
+  const auto files = pki::participant_folder(below, pki::FolderLayout::sros2);
+  const auto up = up_to_enclaves(name);
+  DDSSEC_TRY(folder.link(files.identity_ca, up / "../public/identity_ca.cert.pem"));
+  DDSSEC_TRY(folder.link(files.permissions_ca, up / "../public/permissions_ca.cert.pem"));
+  if (!up.empty()) DDSSEC_TRY(folder.link(files.governance, up / "governance.p7s"));
+  DDSSEC_TRY(folder.add_public(files.certificate, participant.self.certificate.pem()));
+  const auto pem = DDSSEC_TRY(participant.self.key.to_pem());
+  DDSSEC_TRY(pem.expose([&](BytesView octets) { return folder.add(files.key, octets, 0600); }));
+  DDSSEC_TRY(folder.add_public(below / "permissions.xml", participant.permissions_xml));
+  return folder.add(files.permissions, participant.permissions, 0644);
+}
+
+std::vector<std::string> enclaves_of(const fs::path& keystore) {
+  std::vector<std::string> out;
+  std::error_code error;
+  const auto root = keystore / "enclaves";
+  fs::recursive_directory_iterator at(root, error);
+  for (; !error && at != fs::recursive_directory_iterator() && out.size() < kMostEnclaves;
+       at.increment(error)) {
+    if (at.depth() >= kDeepestEnclave) at.disable_recursion_pending();
+    if (at->path().filename() != "key.pem" && at->path().filename() != "key.p11") continue;
+    const auto name = at->path().parent_path().lexically_relative(root).generic_string();
+    out.push_back(name == "." ? "/" : "/" + name);
+  }
+  std::ranges::sort(out);
+  return out;
+}
+
+}  // namespace ddssec::cli

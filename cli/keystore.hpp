@@ -1,0 +1,51 @@
+// The keystore of ROS 2 (SROS2): public/, private/, enclaves/, and in each enclave links to what
+// all share.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cli/participant.hpp"
+#include "cli/transaction.hpp"
+
+namespace ddssec::cli {
+
+/// The two CAs of a keystore; both the same for a keystore as upstream makes it.
+struct KeystoreCas {
+  const pki::Authority& identity;
+  const pki::Authority& permissions;
+  bool are_one;  ///< one CA: public/ca.cert.pem and links to it
+};
+
+/// Success if `name` is an enclave's: absolute, of tokens of letters, digits and '_' that do not
+/// begin with a digit; "/" is the root enclave. Error: enclave_name_unusable.
+Status check_enclave(std::string_view name);
+
+/// Success if the five files are there by which a keystore is known (and by which upstream knows
+/// one). Error: keystore_incomplete, with the first that is missing.
+Status check_keystore(const std::filesystem::path& keystore);
+
+/// The enclave's folder below the keystore: "enclaves/talker_listener/talker".
+std::filesystem::path enclave_folder(std::string_view name);
+
+/// Puts public/ and private/ into a keystore to be. `passphrase` may be null, as ROS 2 expects.
+Status add_keystore_cas(NewFolder& keystore, const KeystoreCas& cas,
+                        const pki::Passphrase* passphrase);
+
+/// Puts enclaves/governance.xml and .p7s into a keystore to be.
+Status add_keystore_governance(NewFolder& keystore, std::string_view xml, BytesView signed_octets);
+
+/// Puts an enclave's files into a folder to be: `below` is its place in that folder, `name` in the
+/// keystore, by which the links are made.
+Status add_enclave(NewFolder& folder, const std::filesystem::path& below, std::string_view name,
+                   const NewParticipant& participant);
+
+/// Every enclave of a keystore by its name, sorted: wherever there is a key.pem, not deeper than
+/// kDeepestEnclave, at most kMostEnclaves. Links to folders are not followed.
+std::vector<std::string> enclaves_of(const std::filesystem::path& keystore);
+inline constexpr int kDeepestEnclave = 16;
+inline constexpr std::size_t kMostEnclaves = 100'000;
+
+}  // namespace ddssec::cli

@@ -1,0 +1,358 @@
+// keystore: what ROS 2 reads, made and kept with two real CAs and keys for their owner only.
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <sys/stat.h>
+
+#include <fmt/format.h>
+
+#include "cli/documents.hpp"
+#include "cli/groups.hpp"
+#include "cli/inputs.hpp"
+#include "cli/keystore.hpp"
+#include "cli/options.hpp"
+#include "cli/transaction.hpp"
+#include "governance/doctor/diagnosis.hpp"
+#include "governance/grant.hpp"
+#include "governance/profile.hpp"
+#include "governance/read.hpp"
+#include "governance/write.hpp"
+#include "pki/source.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+namespace doctor = governance::doctor;
+
+Result<pki::Authority> make_ca(const fs::path& keystore, std::string_view role,
+                               const Arguments& arguments, const Context& context) {
+  const auto name =
+      (keystore.has_filename() ? keystore : keystore.parent_path()).filename().string();
+  return pki::Authority::create_root(fmt::format("CN={} {}CA", name, role), {},
+                                     DDSSEC_TRY(validity(arguments, context.clock.now())),
+                                     context.random);
+}
+
+Json describe(std::string_view role, const pki::Certificate& ca) {
+  return {{"role", role},
+          {"subject", ca.subject()},
+          {"not_after", to_string(ca.not_after())},
+          {"sha256", to_hex(ca.fingerprint())}};
+}
+
+Result<Report> keystore_create(const Arguments& arguments, const Context& context) {
+  const fs::path target = arguments.text("KEYSTORE");
+  const auto profile = governance::profile_from(arguments.text("--profile"));
+  if (!profile)
+    return fail(Code::usage, {.field = "--profile",
+                              .expected = "open, balanced or strict",
+                              .found = arguments.text("--profile")});
+  const auto domains = DDSSEC_TRY(domain_ranges(arguments, "--domain"));
+  auto folder = DDSSEC_TRY(NewFolder::at(target));
+  std::optional<pki::Passphrase> secret;
+  if (!arguments.has("--no-passphrase")) secret = DDSSEC_TRY(passphrase(arguments, Typed::twice));
+  const bool single = arguments.has("--single-ca");
+  const auto identity = DDSSEC_TRY(make_ca(target, single ? "" : "Identity ", arguments, context));
+  const auto permissions =
+      single ? identity : DDSSEC_TRY(make_ca(target, "Permissions ", arguments, context));
+  DDSSEC_TRY(
+      add_keystore_cas(folder, {identity, permissions, single}, secret ? &*secret : nullptr));
+  const auto xml = to_xml(governance::governance_of(*profile, domains));
+  const auto document =
+      DDSSEC_TRY(permissions.sign_document(as_bytes(xml), context.clock.now(), context.random));
+  DDSSEC_TRY(add_keystore_governance(folder, xml, document));
+  Report report;
+  report.result = {{"dir", target.string()},
+                   {"encrypted", secret.has_value()},
+                   {"cas",
+                    {describe("identity", identity.certificate()),
+                     describe("permissions", permissions.certificate())}}};
+  report.text = fmt::format("created {}{}\n  identity CA     {}\n  permissions CA  {}\n",
+                            target.string(), secret ? "" : "  (the CA keys are NOT encrypted)",
+                            identity.certificate().subject(), permissions.certificate().subject());
+  report.files_written = DDSSEC_TRY(folder.commit());
+  return report;
+}
+
+// Rights are given by name: an enclave that may do everything must be asked for.
+Status read_rights(ParticipantSpec& spec, const Arguments& arguments) {
+  spec.domains = DDSSEC_TRY(domain_ranges(arguments, "--domain"));
+  spec.publish = arguments.all("--publish");
+  spec.subscribe = arguments.all("--subscribe");
+  if (arguments.has("--allow-all")) spec.publish = spec.subscribe = {"*"};
+  if (arguments.has("--permissions"))
+    spec.permissions =
+        DDSSEC_TRY(read_file(arguments.text("--permissions"), pki::kMostDocumentOctets));
+  if (spec.has_permissions()) return {};
+  return fail(Code::usage, {.field = "--publish",
+                            .note = "give --publish, --subscribe, --permissions or --allow-all"});
+}
+
+// The new folder begins at the first part of the name that is not there yet, so that all of it
+// appears at once.
+Result<NewFolder> new_enclave(const fs::path& keystore, const fs::path& target) {
+  std::error_code ignored;
+  auto first = target;
+  while (!fs::exists(first.parent_path(), ignored)) first = first.parent_path();
+  const auto inside = fs::canonical(first.parent_path(), ignored);
+  const auto root = fs::canonical(keystore / "enclaves", ignored);
+  if (std::mismatch(root.begin(), root.end(), inside.begin(), inside.end()).first != root.end())
+    return fail(Code::enclave_name_unusable,
+                {.found = target.string(), .note = "a link leads out of the keystore"});
+  return NewFolder::at(first);
+}
+
+Result<Report> keystore_enclave(const Arguments& arguments, const Context& context) {
+  const fs::path keystore = arguments.text("KEYSTORE");
+  const auto name = arguments.text("ENCLAVE");
+  const auto now = context.clock.now();
+  DDSSEC_TRY(check_enclave(name));
+  if (name == "/") return fail(Code::enclave_name_unusable, {.found = name});
+  DDSSEC_TRY(check_keystore(keystore));
+  ParticipantSpec spec{.name = name,
+                       .subject = "CN=" + name,
+                       .life = DDSSEC_TRY(validity(arguments, now)),
+                       .key = DDSSEC_TRY(key_spec(arguments))};
+  DDSSEC_TRY(read_rights(spec, arguments));
+  const auto target = keystore / enclave_folder(name);
+  auto folder = DDSSEC_TRY(new_enclave(keystore, target));
+  CaOpener opener(arguments);
+  const auto identity = DDSSEC_TRY(opener.open(ca_paths(keystore, "identity")));
+  const auto permissions = DDSSEC_TRY(opener.open(ca_paths(keystore, "permissions")));
+  spec.life = DDSSEC_TRY(within_ca(spec.life, identity.certificate(), arguments.has("--clamp")));
+  const auto made = DDSSEC_TRY(named(make_participant(spec, {identity, &permissions}, context),
+                                     arguments.text("--permissions")));
+  auto below = target.lexically_relative(folder.target());
+  if (below == ".") below.clear();
+  DDSSEC_TRY(add_enclave(folder, below, name, made));
+  DDSSEC_TRY(check_not_interrupted());
+  DDSSEC_TRY(append_lines(identity.paths.log, log_line(made, target, now)));
+  const auto& certificate = made.self.certificate;
+  Report report;
+  report.text = fmt::format("{}  {}  expires {}\n", target.string(), certificate.subject(),
+                            date(certificate.not_after()));
+  report.result = {{"name", name},
+                   {"dir", target.string()},
+                   {"subject", certificate.subject()},
+                   {"serial", certificate.serial()},
+                   {"not_after", to_string(certificate.not_after())}};
+  report.files_written = DDSSEC_TRY(folder.commit());
+  return report;
+}
+
+Result<Report> keystore_list(const Arguments& arguments, const Context&) {
+  const fs::path keystore = arguments.text("KEYSTORE");
+  DDSSEC_TRY(check_keystore(keystore));
+  Report report;
+  report.result = {{"enclaves", enclaves_of(keystore)}};
+  for (const auto& name : enclaves_of(keystore)) report.text += name + "\n";
+  return report;
+}
+
+Result<Report> keystore_permission(const Arguments& arguments, const Context& context) {
+  const fs::path keystore = arguments.text("KEYSTORE");
+  const auto name = arguments.text("ENCLAVE");
+  DDSSEC_TRY(check_enclave(name));
+  DDSSEC_TRY(check_keystore(keystore));
+  const auto files =
+      pki::participant_folder(keystore / enclave_folder(name), pki::FolderLayout::sros2);
+  const auto certificate = DDSSEC_TRY(read_certificate(files.certificate));
+  ParticipantSpec spec{.name = name, .subject = {}, .life = {}};
+  DDSSEC_TRY(read_rights(spec, arguments));
+  const auto now = context.clock.now();
+  auto xml = permissions_xml(spec, certificate);
+  if (spec.permissions) {
+    const fs::path from = arguments.text("--permissions");
+    const auto document = DDSSEC_TRY(named(governance::read_permissions(*spec.permissions), from));
+    DDSSEC_TRY(named(governance::find_grant(document, pki::SubjectName::of(certificate),
+                                            certificate.subject(), now),
+                     from));
+    xml = as_text(*spec.permissions);
+  }
+  CaOpener opener(arguments);
+  const auto ca = DDSSEC_TRY(opener.open(ca_paths(keystore, "permissions")));
+  const auto document = DDSSEC_TRY(ca.authority.sign_document(as_bytes(xml), now, context.random));
+  Replacement out;
+  DDSSEC_TRY(out.put_public(files.folder / "permissions.xml", xml));
+  DDSSEC_TRY(out.put(files.permissions, document, 0644));
+  Report report;
+  report.text = fmt::format("{}  signed by {}; it counts when the participant starts again\n",
+                            files.permissions.string(), ca.certificate().subject());
+  report.result = {
+      {"name", name}, {"file", files.permissions.string()}, {"subject", certificate.subject()}};
+  report.files_written = DDSSEC_TRY(out.commit());
+  return report;
+}
+
+// Every private key of a keystore that is a file of its own.
+std::vector<fs::path> private_keys(const fs::path& keystore) {
+  std::vector<fs::path> out;
+  std::error_code ignored;
+  for (const auto* name : {"ca.key.pem", "identity_ca.key.pem", "permissions_ca.key.pem"})
+    if (fs::symlink_status(keystore / "private" / name, ignored).type() == fs::file_type::regular)
+      out.push_back(keystore / "private" / name);
+  for (const auto& enclave : enclaves_of(keystore)) {
+    const auto key = keystore / enclave_folder(enclave) / "key.pem";
+    if (fs::symlink_status(key, ignored).type() == fs::file_type::regular) out.push_back(key);
+  }
+  return out;
+}
+
+bool is_for_others(const fs::path& path) {
+  struct stat status {};
+  return ::stat(path.c_str(), &status) == 0 && (status.st_mode & 077) != 0;
+}
+
+Result<Report> keystore_verify(const Arguments& arguments, const Context& context) {
+  const fs::path keystore = arguments.text("KEYSTORE");
+  DDSSEC_TRY(check_keystore(keystore));
+  const auto domain = static_cast<DomainId>(
+      DDSSEC_TRY(arguments.number("--domain", 0, governance::kHighestDomainId)));
+  const auto now = context.clock.now();
+  Report report;
+  report.result = {{"enclaves", Json::array()}, {"keys_for_others", Json::array()}};
+  for (const auto& key : private_keys(keystore)) {
+    if (!is_for_others(key)) continue;
+    report.result["keys_for_others"].push_back(key.string());
+    report.errors.emplace_back(Code::key_readable_by_others, ErrorDetails{.document = key});
+  }
+  for (const auto& name : enclaves_of(keystore)) {
+    const auto folder = pki::participant_folder(keystore / enclave_folder(name));
+    const auto diagnosis =
+        doctor::diagnose(doctor::load_folder(folder, now), {.now = now, .domain = domain});
+    Json verdicts = Json::object();
+    std::string words;
+    for (const auto vendor : doctor::kVendors) {
+      const auto outcome = diagnosis.outcomes().of(vendor);
+      if (outcome != doctor::Outcome::ok) report.exit = Exit::no;
+      verdicts[std::string(doctor::id(vendor))] = to_string(outcome);
+      words += fmt::format("  {}: {}", doctor::id(vendor), to_string(outcome));
+    }
+    for (const auto& check : diagnosis.checks())
+      report.findings.insert(report.findings.end(), check.findings.begin(), check.findings.end());
+    report.text += fmt::format("{:<30}{}\n", name, words);
+    report.result["enclaves"].push_back({{"name", name}, {"verdicts", verdicts}});
+  }
+  if (!report.errors.empty()) report.exit = Exit::no;
+  return report;
+}
+
+// What a keystore of upstream lacks: keys for their owner only, and a log by which certificates can
+// be revoked.
+Result<Report> keystore_import(const Arguments& arguments, const Context& context) {
+  const fs::path keystore = arguments.text("KEYSTORE");
+  DDSSEC_TRY(check_keystore(keystore));
+  const auto paths = ca_paths(keystore, "identity");
+  const auto ca = DDSSEC_TRY(read_certificate(paths.certificate));
+  const auto log = DDSSEC_TRY(read_issue_log(paths));
+  Report report;
+  report.result = {{"keys_closed", Json::array()}, {"logged", Json::array()}};
+  std::string lines;
+  for (const auto& name : enclaves_of(keystore)) {
+    const auto folder = keystore / enclave_folder(name);
+    const auto certificate = DDSSEC_TRY(read_certificate(folder / "cert.pem"));
+    if (!certificate.is_issued_by(ca))
+      return fail(Code::issuer_unknown, {.document = folder / "cert.pem",
+                                         .expected = "one that " + ca.subject() + " issued",
+                                         .found = "one of " + certificate.issuer()});
+    if (log.find(certificate.serial()) != nullptr) continue;
+    std::error_code ignored;
+    lines += pki::IssueLog::issued_line(certificate,
+                                        fs::absolute(folder, ignored).lexically_normal().string(),
+                                        context.clock.now());
+    report.result["logged"].push_back(name);
+    report.text += fmt::format("logged {}  {}\n", name, certificate.subject());
+  }
+  for (const auto& key : private_keys(keystore)) {
+    if (!is_for_others(key)) continue;
+    if (!writes_nothing() && ::chmod(key.c_str(), 0600) != 0)
+      return fail(Code::file_unwritable, {.document = key});
+    report.result["keys_closed"].push_back(key.string());
+    report.text += fmt::format(
+        "{} is for its owner only now; whoever could read it may have a "
+        "copy\n",
+        key.string());
+  }
+  if (!writes_nothing()) ::chmod((keystore / "private").c_str(), 0700);
+  if (!lines.empty()) DDSSEC_TRY(append_lines(paths.log, lines));
+  if (report.text.empty()) report.text = "nothing was left to do\n";
+  return report;
+}
+
+const Positional kKeystore{"KEYSTORE", "the keystore's folder"};
+const Positional kEnclave{"ENCLAVE", "the enclave's name, such as /robot/camera"};
+
+std::vector<Option> rights_options() {
+  return {kDomains,
+          repeated("--publish", "TOPIC", "a topic or expression it may publish (rt/chatter)"),
+          repeated("--subscribe", "TOPIC", "a topic or expression it may subscribe to"),
+          {"--permissions", "FILE", "a permissions document to sign instead"},
+          {"--allow-all", "", "it may publish and subscribe to everything"},
+          kPassphraseFile,
+          kPassphraseEnv,
+          kInsecureKeyMode};
+}
+
+std::vector<Option> with(std::vector<Option> options, const std::vector<Option>& more) {
+  options.insert(options.end(), more.begin(), more.end());
+  return options;
+}
+
+}  // namespace
+
+std::vector<Command> keystore_commands() {
+  return {
+      {.group = "keystore",
+       .name = "create",
+       .summary = "Makes a keystore of ROS 2 with an identity CA and a permissions CA.",
+       .positionals = {{"KEYSTORE", "a new folder"}},
+       .options = {kDomains,
+                   {"--profile", "NAME", "open, balanced or strict", "strict"},
+                   {"--single-ca", "", "one CA for both, as sros2 makes it"},
+                   days("3650"),
+                   kPassphraseFile,
+                   kPassphraseEnv,
+                   kNoPassphrase},
+       .examples = {"ddssec keystore create keystore --domain 0 --no-passphrase"},
+       .run = keystore_create},
+      {.group = "keystore",
+       .name = "enclave",
+       .summary = "Makes an enclave: key, certificate, permissions and the links.",
+       .positionals = {kKeystore, kEnclave},
+       .options = with({days("365"), kKey, {"--clamp", "", "end with the CA if it ends before"}},
+                       rights_options()),
+       .examples = {"ddssec keystore enclave keystore /talker --publish rt/chatter",
+                    "ddssec keystore enclave keystore /talker --allow-all"},
+       .run = keystore_enclave},
+      {.group = "keystore",
+       .name = "list",
+       .summary = "Lists the enclaves.",
+       .positionals = {kKeystore},
+       .options = {},
+       .examples = {"ddssec keystore list keystore"},
+       .run = keystore_list},
+      {.group = "keystore",
+       .name = "permission",
+       .summary = "Gives an enclave other permissions, in place of those that it has.",
+       .positionals = {kKeystore, kEnclave},
+       .options = rights_options(),
+       .examples = {"ddssec keystore permission keystore /talker --permissions new.xml"},
+       .run = keystore_permission},
+      {.group = "keystore",
+       .name = "verify",
+       .summary = "Looks at every enclave as doctor does; exit 1 if a product refuses one.",
+       .positionals = {kKeystore},
+       .options = {kDomain},
+       .examples = {"ddssec keystore verify keystore"},
+       .run = keystore_verify},
+      {.group = "keystore",
+       .name = "import",
+       .summary = "Takes over a keystore of sros2: closes its keys, logs its certificates.",
+       .positionals = {kKeystore},
+       .options = {},
+       .examples = {"ddssec keystore import keystore"},
+       .run = keystore_import}};
+}
+
+}  // namespace ddssec::cli

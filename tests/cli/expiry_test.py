@@ -1,0 +1,70 @@
+#!/usr/bin/env python3
+"""expiry: one table of everything that ends."""
+
+from transcript import Transcript, main
+
+NOW = ("--now", "2026-11-21T00:00:00Z")
+
+
+class Expiry(Transcript):
+    def setUp(self):
+        super().setUp()
+        self.run_program("init", "demo", *NOW)
+
+    def entries(self, *words, exit=0):
+        return self.json("expiry", *words, exit=exit)["result"]["entries"]
+
+    def test_every_kind_is_in_the_table_once_soonest_first(self):
+        rows = [(e["kind"], e["subject"], e["not_after"], e["places"]) for e in self.entries("demo", *NOW)]
+        self.assertEqual(rows[0], ("revocation list", "CN=demo Identity CA", "2027-05-20T00:00:00Z", 1))
+        self.assertEqual(sorted(rows[1:5]),
+                         [(kind, f"CN={name}", "2027-11-21T00:00:00Z", 1)
+                          for kind in ("certificate", "permissions") for name in ("listener", "talker")])
+        self.assertEqual(sorted(rows[5:]),
+                         [("CA", f"CN=demo {role} CA", "2036-11-18T00:00:00Z", 3)
+                          for role in ("Identity", "Permissions")])
+
+    def test_the_exit_code_says_whether_something_ends_within_the_time(self):
+        self.entries("demo", *NOW)
+        soon = self.entries("demo", "--within", "52w", "--now", "2026-12-01T00:00:00Z", exit=1)
+        self.assertEqual([e["state"] for e in soon], ["soon"] * 5 + ["ok"] * 2)
+        late = self.entries("demo", "--now", "2027-11-21T00:00:00Z", exit=1)
+        self.assertEqual([e["state"] for e in late], ["expired"] * 5 + ["ok"] * 2)
+        self.assertEqual(late[0]["days_left"], -185)
+        self.entries("demo/talker/cert.pem", "--within", "0d", *NOW)
+        self.entries("demo/talker/cert.pem", "--within", "24h", "--now", "2027-11-20T00:00:01Z", exit=1)
+
+    def test_quiet_shows_only_what_ends(self):
+        self.assertEqual(self.run_program("expiry", "-q", "demo", *NOW).stdout, "")
+        told = self.run_program("expiry", "-q", "demo", "--now", "2027-05-01T00:00:00Z", exit=1).stdout
+        self.assertEqual(len(told.splitlines()), 1)
+        self.assertIn("soon     revocation list  2027-05-20      19 d  CN=demo Identity CA", told)
+
+    def test_without_a_path_this_folder_and_links_count_once(self):
+        (self.at / "again").symlink_to("demo")
+        (self.at / "cert.pem").symlink_to("demo/talker/cert.pem")
+        self.assertEqual(len(self.entries(*NOW)), 7)
+
+    def test_what_cannot_be_read_is_told_and_no_reason_to_stop(self):
+        (self.at / "demo/bad.pem").write_text("-----BEGIN CERTIFICATE-----\nxx\n-----END CERTIFICATE-----\n")
+        out = self.json("expiry", "demo", *NOW, exit=3)
+        self.assertEqual([(d["id"], d["file"]) for d in out["diagnostics"]],
+                         [("certificate_malformed", "demo/bad.pem")])
+        self.assertEqual(len(out["result"]["entries"]), 7)
+        self.json("expiry", "demo", "--now", "2028-01-01T00:00:00Z", exit=1)
+        with open(self.at / "demo/huge.pem", "wb") as huge:
+            huge.truncate(100 * 1024 * 1024)
+        out = self.json("expiry", "demo", *NOW, exit=3)
+        self.assertEqual([d["id"] for d in out["diagnostics"]], ["certificate_malformed", "file_too_large"])
+
+    def test_odd_times_and_missing_paths(self):
+        for time in ("", "30", "soon", "-1d", "30m", "1000000d"):
+            if time != "30":
+                self.refused("usage", 2, "expiry", "demo", "--within", time)
+        self.refused("file_not_found", 3, "expiry", "nothing")
+        (self.at / "empty").mkdir()
+        self.assertEqual(self.entries("empty", *NOW), [])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,118 @@
+#!/usr/bin/env python3
+"""identity issue --from: a fleet in one command, all of it or nothing."""
+
+import signal
+import subprocess
+import time
+
+from transcript import PROGRAM, Transcript, main
+
+NOW = ("--now", "2026-11-21T00:00:00Z")
+FLEET = """
+domain = 3
+days = 30
+subscribe = ["rt/clock"]
+
+[[participant]]
+name = "talker"
+publish = ["rt/chatter", "rt/<a>"]
+
+[[participant]]
+name = "listener"
+subject = "CN=listener,O=Acme"
+domain = 4
+days = 60
+subscribe = []
+"""
+
+
+class Fleet(Transcript):
+    def setUp(self):
+        super().setUp()
+        self.run_program("ca", "create", "ca", "--no-passphrase", *NOW)
+
+    def issue(self, text, name="fleet.toml"):
+        (self.at / name).write_text(text)
+        return ("identity", "issue", "--from", name, "--ca", "ca", "-o", "out", *NOW)
+
+    def wrong(self, text, line, code="fleet_malformed", exit=3):
+        told = self.refused(code, exit, *self.issue(text))
+        self.assertEqual((told["file"], told.get("line")), ("fleet.toml", line))
+        return told["message"]
+
+    def test_each_participant_gets_what_the_file_says(self):
+        (self.at / "governance.p7s").write_text("signed")
+        out = self.json(*self.issue(FLEET), "--governance", "governance.p7s")
+        rows = out["result"]["participants"]
+        self.assertEqual([(r["name"], r["dir"], r["subject"], r["not_after"]) for r in rows],
+                         [("talker", "out/talker", "CN=talker", "2026-12-21T00:00:00Z"),
+                          ("listener", "out/listener", "CN=listener,O=Acme", "2027-01-20T00:00:00Z")])
+        self.assertEqual(len(list((self.at / "out/talker").iterdir())), 6)
+        document = (self.at / "out/talker/permissions.p7s").read_text()
+        for text in ("<id>3</id>", "rt/chatter", "rt/&lt;a&gt;", "rt/clock"):
+            self.assertIn(text, document)
+        # Without any right, there is nothing to sign.
+        self.assertFalse((self.at / "out/listener/permissions.p7s").exists())
+        self.assertEqual(self.json("ca", "show", "ca", *NOW)["result"]["issued"], 2)
+
+    def test_a_document_of_ones_own_stands_beside_the_file(self):
+        self.run_program("identity", "issue", "a", "--ca", "ca", "-o", "a", "--publish", "x", *NOW)
+        signed = (self.at / "a/permissions.p7s").read_text()
+        (self.at / "sub").mkdir()
+        (self.at / "sub/a.xml").write_text(signed[signed.index("<?xml"):signed.index("</dds>") + 7])
+        fleet = '[[participant]]\nname = "a"\npermissions = "a.xml"\n'
+        self.json(*self.issue(fleet, "sub/fleet.toml"))
+        self.assertTrue((self.at / "out/a/permissions.p7s").exists())
+
+    def test_a_file_with_a_mistake_issues_nothing(self):
+        self.wrong("[[participant]\nname = 1", 1)
+        self.assertIn("rigths", self.wrong('[[participant]]\nname = "a"\nrigths = ["x"]\n', 3))
+        self.wrong('[[participant]]\nname = 7\n', 2)
+        self.wrong('[[participant]]\npublish = ["x"]\n', 1)
+        self.wrong('[[participant]]\nname = "a"\npublish = "x"\n', 3)
+        self.wrong('[[participant]]\nname = "a"\npublish = ["x", 1]\n', 3)
+        self.wrong('[[participant]]\nname = "a"\ndomain = 231\n', 3)
+        self.wrong('[[participant]]\nname = "a"\ndays = 0\n', 3)
+        self.wrong('[[participant]]\nname = "a"\nkey = "dsa"\n', 3)
+        self.wrong('[[participant]]\nname = "a"\n[[participant]]\nname = "a"\n', 3)
+        self.wrong('domian = 1\n[[participant]]\nname = "a"\n', 1)
+        self.wrong("participant = 3\n", 1)
+        self.wrong('[[participant]]\nname = "../evil"\n', 1, "name_unusable", 2)
+        self.wrong("a = " + "[" * 100_000, 1)
+        self.wrong("# nobody\n", 1)
+        self.refused("fleet_malformed", 3, *self.issue("[[participant]]\n"))
+
+    def test_a_name_is_given_here_or_in_the_file(self):
+        issue = self.issue(FLEET)
+        self.refused("usage", 2, "identity", "issue", "x", *issue[2:])
+        self.refused("usage", 2, "identity", "issue", "--ca", "ca", "-o", "x")
+        self.refused("usage", 2, *issue, "--subject", "CN=x")
+
+    def test_one_that_cannot_be_issued_stops_all(self):
+        self.refused("outlives_ca", 4, *self.issue(FLEET.replace("60", "36000")))
+        told = self.refused("subject_name_malformed", 2, *self.issue(FLEET.replace("CN=listener", "listener")))
+        self.assertEqual(told["file"], "fleet.toml")
+
+    def test_a_long_run_says_how_far_it_is_and_ends_cleanly_when_interrupted(self):
+        fleet = "\n".join(f'[[participant]]\nname = "p{i}"\nkey = "rsa3072"' for i in range(3000))
+        running = subprocess.Popen([PROGRAM, *self.issue(fleet)], cwd=self.at, text=True,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.assertRegex(running.stderr.readline(), r"^\d+ of 3000 participants$")
+        running.send_signal(signal.SIGINT)
+        out, said = running.communicate(timeout=60)
+        self.assertEqual((running.returncode, out), (5, ""))
+        self.assertIn("error[interrupted]", said)
+        self.assertEqual({p.name for p in self.at.iterdir()}, {"ca", "fleet.toml"})
+        self.assertFalse((self.at / "ca/identity/issued.jsonl").exists())
+
+    def test_a_thousand_with_permissions_in_far_less_than_a_minute(self):
+        fleet = "\n".join(f'[[participant]]\nname = "p{i}"\npublish = ["rt/p{i}"]' for i in range(1000))
+        began = time.monotonic()
+        done = self.run_program(*self.issue(fleet))
+        self.assertLess(time.monotonic() - began, 60)
+        self.assertEqual(len(done.stdout.splitlines()), 1000)
+        self.assertEqual(len(list((self.at / "out").iterdir())), 1000)
+
+
+if __name__ == "__main__":
+    main()

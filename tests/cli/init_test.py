@@ -1,0 +1,104 @@
+#!/usr/bin/env python3
+"""init: one command from nothing to participants that the doctor finds healthy."""
+
+import os
+import xml.etree.ElementTree as xml
+
+from transcript import Transcript, main
+
+NOW = ("--now", "2026-11-21T00:00:00Z")
+FLAT = {"identity_ca.pem": 0o644, "cert.pem": 0o644, "key.pem": 0o600, "permissions_ca.pem": 0o644,
+        "governance.p7s": 0o644, "permissions.p7s": 0o644}
+
+
+class Init(Transcript):
+    def init(self, *more):
+        return self.json("init", "demo", *NOW, *more)
+
+    def test_one_command_makes_everything(self):
+        out = self.init("--participant", "a", "--participant", "b")
+        expected = {f"demo/{name}/{file}": mode for name in "ab" for file, mode in FLAT.items()}
+        for role in ("identity", "permissions"):
+            expected |= {f"demo/ca/{role}/ca.pem": 0o644, f"demo/ca/{role}/ca.key.pem": 0o600}
+        expected |= {"demo/ca/identity/crl.pem": 0o644, "demo/ca/identity/issued.jsonl": 0o644,
+                     "demo/governance.xml": 0o644, "demo/governance.p7s": 0o644}
+        self.assertEqual(self.files(), expected)
+        self.assertEqual({f["path"]: int(f["mode"], 8) for f in out["files_written"]}, expected)
+        self.assertEqual([c["subject"] for c in out["result"]["cas"]],
+                         ["CN=demo Identity CA", "CN=demo Permissions CA"])
+        self.assertEqual([p["not_after"] for p in out["result"]["participants"]],
+                         ["2027-11-21T00:00:00Z"] * 2)
+        for name in ("a", "b"):
+            self.json("doctor", f"demo/{name}", *NOW)
+            self.json("can", f"demo/{name}", "publish", "anything", *NOW)
+            self.openssl("verify", "-attime", "1795305600", "-CAfile", "demo/ca/identity/ca.pem",
+                         f"demo/{name}/cert.pem")
+
+    def test_what_it_made_serves_the_commands_that_follow(self):
+        self.init()
+        self.assertEqual(self.json("ca", "show", "demo", *NOW)["result"]["issued"], 2)
+        self.json("crl", "verify", "demo", "--ca", "demo", *NOW)
+        self.run_program("identity", "issue", "third", "--ca", "demo", "-o", "demo/third", "--publish",
+                         "x", "--governance", "demo/governance.p7s", *NOW)
+        self.json("doctor", "demo/third", *NOW)
+        self.run_program("identity", "revoke", "demo/talker", "--ca", "demo", *NOW)
+        out = self.json("crl", "distribute", "--ca", "demo", *NOW)["result"]
+        self.assertEqual(sorted(out["folders"]),
+                         [str(self.at / "demo/listener"), str(self.at / "demo/third")])
+
+    def test_snippets_name_files_that_are_there(self):
+        for layout in ("flat", "sros2"):
+            out = self.json("init", layout, "--layout", layout, *NOW)["result"]["snippets"]
+            cyclone = xml.fromstring(out["cyclonedds"])
+            files = [e.text for e in cyclone.iter() if (e.text or "").startswith("file:")]
+            fast = xml.fromstring(out["fastdds"])
+            files += [e.text for e in fast.iter() if (e.text or "").startswith("file:")]
+            self.assertEqual(len(files), 12)
+            for file in files:
+                self.assertTrue(os.path.isfile(file.removeprefix("file:").removeprefix("//")), file)
+        self.assertIn(f'ROS_SECURITY_KEYSTORE="{self.at}/sros2"', out["ros2"])
+
+    def test_a_keystore_of_ros_2_with_two_real_cas(self):
+        self.init("--layout", "sros2", "--participant", "/robot/camera", "--participant", "base")
+        for file in ("public/permissions_ca.cert.pem", "public/identity_ca.cert.pem",
+                     "private/permissions_ca.key.pem", "private/identity_ca.key.pem",
+                     "enclaves/governance.p7s"):
+            self.assertTrue((self.at / "demo" / file).is_file(), file)
+        self.assertEqual((self.at / "demo/private").stat().st_mode & 0o777, 0o700)
+        camera = self.at / "demo/enclaves/robot/camera"
+        links = {p.name: os.readlink(p) for p in camera.iterdir() if p.is_symlink()}
+        self.assertEqual(links, {"identity_ca.cert.pem": "../../../public/identity_ca.cert.pem",
+                                 "permissions_ca.cert.pem": "../../../public/permissions_ca.cert.pem",
+                                 "governance.p7s": "../../governance.p7s"})
+        for enclave, subject in (("robot/camera", "CN=/robot/camera"), ("base", "CN=/base")):
+            path = f"demo/enclaves/{enclave}"
+            self.assertEqual(self.json("identity", "show", path, *NOW)["result"]["subject"], subject)
+            self.json("doctor", path, *NOW)
+        renewed = self.json("identity", "renew", "demo/enclaves/base", "--ca", "demo", "--days", "400",
+                            "--permissions", *NOW)
+        self.assertEqual([f["path"] for f in renewed["files_written"]],
+                         [f"demo/enclaves/base/{f}" for f in ("cert.pem", "permissions.xml", "permissions.p7s")])
+
+    def test_domain_profile_and_topics_are_said_in_the_documents(self):
+        self.init("--domain", "3-5", "--profile", "balanced", "--allow-topics", "rt/*")
+        self.json("can", "demo/talker", "publish", "rt/x", "--domain", "4", *NOW)
+        self.json("can", "demo/talker", "publish", "x", "--domain", "4", *NOW, exit=1)
+        self.refused("domain_not_covered", 1, "can", "demo/talker", "publish", "rt/x", *NOW)
+        self.assertIn("<rtps_protection_kind>SIGN<", (self.at / "demo/governance.xml").read_text())
+
+    def test_nothing_is_overwritten_and_names_stay_inside(self):
+        self.init()
+        self.refused("would_overwrite", 4, "init", "demo")
+        for name in ("../x", "a/b", "", "ca"):
+            self.refused("name_unusable", 2, "init", "x", "--participant", name)
+        for name in ("/", "/a/../b", "/9a", "//a", "/a/"):
+            if name != "/":
+                self.refused("enclave_name_unusable", 2, "init", "x", "--layout", "sros2",
+                             "--participant", name)
+        for option, value in (("--profile", "none"), ("--layout", "round"), ("--domain", "231")):
+            self.refused("usage", 2, "init", "x", option, value)
+        self.refused("usage", 2, "init", "x", "--participant", "a", "--participant", "a")
+
+
+if __name__ == "__main__":
+    main()

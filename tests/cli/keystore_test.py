@@ -1,0 +1,178 @@
+#!/usr/bin/env python3
+"""keystore: ROS 2's keystores, made here, or made by sros2 and taken over."""
+
+import os
+import pathlib
+import shutil
+
+from transcript import Transcript, main
+
+DATA = pathlib.Path(__file__).resolve().parent.parent / "data/sros2/generated/keystore"
+NOW = ("--now", "2026-11-21T00:00:00Z")
+NEEDED = ("public/permissions_ca.cert.pem", "public/identity_ca.cert.pem",
+          "private/permissions_ca.key.pem", "private/identity_ca.key.pem", "enclaves/governance.p7s")
+TALKER = "ks/enclaves/talker_listener/talker"
+
+
+def links_of(enclave):
+    """The links that sros2 makes in an enclave."""
+    up = "/".join([".."] * len(enclave.split("/")))
+    return {"identity_ca.cert.pem": f"{up}/../public/identity_ca.cert.pem",
+            "permissions_ca.cert.pem": f"{up}/../public/permissions_ca.cert.pem",
+            "governance.p7s": f"{up}/governance.p7s"}
+
+
+class Keystore(Transcript):
+    def create(self, *more):
+        return self.json("keystore", "create", "ks", "--no-passphrase", *more, *NOW)
+
+    def golden(self):
+        """A keystore as sros2 makes it: one CA, keys that everybody can read."""
+        keystore = self.at / "ks"
+        shutil.copytree(DATA, keystore)
+        for role in ("identity_ca", "permissions_ca"):  # the data come without their links
+            (keystore / f"public/{role}.cert.pem").symlink_to("ca.cert.pem")
+            (keystore / f"private/{role}.key.pem").symlink_to("ca.key.pem")
+        for enclave in ("wildcard", "talker_listener/talker", "talker_listener/listener"):
+            for name, to in links_of(enclave).items():
+                (keystore / "enclaves" / enclave / name).symlink_to(to)
+        for key in (self.at / "ks").rglob("*.key.pem"):
+            if not key.is_symlink():
+                key.chmod(0o644)
+        for key in (self.at / "ks/enclaves").rglob("key.pem"):
+            key.chmod(0o644)
+
+    def links(self, folder):
+        return {p.name: os.readlink(p) for p in (self.at / folder).iterdir() if p.is_symlink()}
+
+    def healthy(self, *enclaves):
+        out = self.json("keystore", "verify", "ks", *NOW)["result"]
+        self.assertEqual([e["name"] for e in out["enclaves"]], sorted(enclaves))
+
+    def test_create_makes_what_upstream_takes_for_a_keystore(self):
+        out = self.create()
+        for file in NEEDED:
+            self.assertTrue((self.at / "ks" / file).is_file(), file)
+        self.assertEqual([c["subject"] for c in out["result"]["cas"]],
+                         ["CN=ks Identity CA", "CN=ks Permissions CA"])
+        self.assertEqual((self.at / "ks/private").stat().st_mode & 0o777, 0o700)
+        self.assertEqual({m for f, m in self.files().items() if "private" in f}, {0o600})
+        self.refused("would_overwrite", 4, "keystore", "create", "ks", "--no-passphrase")
+        self.refused("passphrase_needed", 4, "keystore", "create", "other")
+
+    def test_one_ca_has_upstreams_names_and_links(self):
+        self.create("--single-ca")
+        self.assertEqual(self.links("ks/public"), {"identity_ca.cert.pem": "ca.cert.pem",
+                                                   "permissions_ca.cert.pem": "ca.cert.pem"})
+        self.assertEqual(self.links("ks/private"), {"identity_ca.key.pem": "ca.key.pem",
+                                                    "permissions_ca.key.pem": "ca.key.pem"})
+
+    def test_an_enclave_has_the_layout_of_upstreams(self):
+        self.create()
+        out = self.json("keystore", "enclave", "ks", "/talker_listener/talker", "--publish", "rt/chatter", *NOW)
+        self.assertEqual((out["result"]["dir"], out["result"]["subject"]), (TALKER, "CN=/talker_listener/talker"))
+        self.assertEqual(self.links(TALKER), links_of("talker_listener/talker"))
+        self.assertEqual({p.name for p in (self.at / TALKER).iterdir() if not p.is_symlink()},
+                         {"cert.pem", "key.pem", "permissions.xml", "permissions.p7s"})
+        self.healthy("/talker_listener/talker")
+        self.json("can", TALKER, "publish", "rt/chatter", *NOW)
+        self.json("can", TALKER, "subscribe", "rt/chatter", *NOW, exit=1)
+        self.json("keystore", "enclave", "ks", "/talker_listener/listener", "--allow-all", *NOW)
+        self.assertEqual(self.json("keystore", "list", "ks")["result"]["enclaves"],
+                         ["/talker_listener/listener", "/talker_listener/talker"])
+        self.refused("would_overwrite", 4, "keystore", "enclave", "ks", "/talker_listener/talker", "--allow-all")
+
+    def test_names_and_links_do_not_lead_out(self):
+        self.create()
+        for name in ("talker", "/../x", "/a/../../x", "/9", "/a-b", "/a//b", "/", "/a/", "", "/" + "a" * 255):
+            self.refused("enclave_name_unusable", 2, "keystore", "enclave", "ks", name, "--allow-all")
+        (self.at / "outside").mkdir()
+        (self.at / "ks/enclaves/away").symlink_to("../../outside")
+        self.refused("enclave_name_unusable", 2, "keystore", "enclave", "ks", "/away/x", "--allow-all")
+        self.refused("usage", 2, "keystore", "enclave", "ks", "/a")
+        self.refused("keystore_incomplete", 3, "keystore", "list", "outside")
+
+    def test_permission_replaces_what_an_enclave_may_do(self):
+        self.create()
+        self.run_program("keystore", "enclave", "ks", "/a", "--publish", "rt/x", *NOW)
+        self.json("keystore", "permission", "ks", "/a", "--subscribe", "rt/y", *NOW)
+        self.json("can", "ks/enclaves/a", "publish", "rt/x", *NOW, exit=1)
+        self.json("can", "ks/enclaves/a", "subscribe", "rt/y", *NOW)
+        self.healthy("/a")
+        (self.at / "own.xml").write_text((self.at / "ks/enclaves/a/permissions.xml").read_text()
+                                         .replace("CN=/a", "CN=/b"))
+        self.refused("no_grant_for_subject", 1, "keystore", "permission", "ks", "/a", "--permissions",
+                     "own.xml", *NOW)
+
+    def test_a_keystore_of_sros2_is_taken_over(self):
+        self.golden()
+        told = self.json("keystore", "verify", "ks", *NOW, exit=1)
+        self.assertEqual(len(told["result"]["keys_for_others"]), 4)
+        self.refused("key_readable_by_others", 4, "keystore", "split-ca", "ks", *NOW)
+        out = self.json("keystore", "import", "ks", *NOW)["result"]
+        self.assertEqual(out["logged"], ["/talker_listener/listener", "/talker_listener/talker", "/wildcard"])
+        self.assertEqual(len(out["keys_closed"]), 4)
+        self.assertEqual(self.json("keystore", "import", "ks", *NOW)["result"],
+                         {"keys_closed": [], "logged": []})
+        self.healthy("/talker_listener/listener", "/talker_listener/talker", "/wildcard")
+
+    def test_its_certificates_are_renewed_and_revoked_in_place(self):
+        self.golden()
+        self.run_program("keystore", "import", "ks", *NOW)
+        before = self.json("identity", "show", TALKER, *NOW)["result"]
+        out = self.json("identity", "renew", TALKER, "--ca", "ks", "--days", "2000", "--permissions", *NOW)
+        self.assertEqual(out["result"]["subject"], before["subject"])
+        self.healthy("/talker_listener/listener", "/talker_listener/talker", "/wildcard")
+        self.run_program("identity", "revoke", "ks/enclaves/talker_listener/listener", "--ca", "ks", *NOW)
+        out = self.json("crl", "distribute", "--ca", "ks", *NOW)["result"]
+        self.assertEqual(out["folders"], [str(self.at / TALKER), str(self.at / "ks/enclaves/wildcard")])
+
+    def test_split_ca_parts_what_sros2_joined(self):
+        self.golden()
+        self.run_program("keystore", "import", "ks", *NOW)
+        identity = (self.at / "ks/public/identity_ca.cert.pem").read_bytes()
+        rights = self.json("can", TALKER, "publish", "rt/chatter", *NOW)["result"]["because"]
+        out = self.json("keystore", "split-ca", "ks", *NOW)
+        self.assertEqual(out["result"]["subject"], "CN=ks Permissions CA")
+        self.assertEqual((self.at / "ks/public/identity_ca.cert.pem").read_bytes(), identity)
+        self.assertNotEqual((self.at / "ks/public/permissions_ca.cert.pem").read_bytes(), identity)
+        self.assertEqual(self.files()["ks/private/permissions_ca.key.pem"], 0o600)
+        for file in NEEDED:
+            self.assertTrue((self.at / "ks" / file).is_file(), file)
+        self.healthy("/talker_listener/listener", "/talker_listener/talker", "/wildcard")
+        self.assertEqual(self.json("can", TALKER, "publish", "rt/chatter", *NOW)["result"]["because"], rights)
+        self.assertIn("two CAs already", self.run_program("keystore", "split-ca", "ks", *NOW).stdout)
+
+    def test_rotate_replaces_a_ca_and_everything_follows(self):
+        self.create()
+        for name in ("/a", "/b"):
+            self.run_program("keystore", "enclave", "ks", name, "--allow-all", *NOW)
+        for role in ("identity", "permissions"):
+            before = (self.at / f"ks/private/{role}_ca.key.pem").read_bytes()
+            subject = self.json("identity", "show", "ks/enclaves/a", *NOW)["result"]["subject"]
+            out = self.json("keystore", "rotate", "ks", "--role", role, *NOW)["result"]
+            self.assertEqual(out["enclaves"], ["/a", "/b"])
+            self.assertNotEqual((self.at / f"ks/private/{role}_ca.key.pem").read_bytes(), before)
+            self.assertEqual(self.json("identity", "show", "ks/enclaves/a", *NOW)["result"]["subject"], subject)
+            self.healthy("/a", "/b")
+        self.refused("usage", 2, "keystore", "rotate", "ks", "--role", "both")
+
+    def test_rotate_lets_nobody_back_in(self):
+        self.create()
+        for name in ("/a", "/b"):
+            self.run_program("keystore", "enclave", "ks", name, "--allow-all", *NOW)
+        self.run_program("identity", "revoke", "ks/enclaves/b", "--ca", "ks", *NOW)
+        self.run_program("keystore", "rotate", "ks", "--role", "identity", *NOW)
+        self.json("keystore", "verify", "ks", *NOW, exit=1)  # /b stays with a CA that nobody has
+        self.json("doctor", "ks/enclaves/a", *NOW)
+
+    def test_a_document_that_the_old_ca_did_not_sign_is_not_signed(self):
+        self.create()
+        self.run_program("keystore", "enclave", "ks", "/a", "--publish", "x", *NOW)
+        document = self.at / "ks/enclaves/a/permissions.p7s"
+        document.write_text(document.read_text().replace("<topic>x<", "<topic>*<"))
+        self.refused("smime_signature_invalid", 1, "keystore", "rotate", "ks", "--role", "permissions", *NOW)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,107 @@
+#!/usr/bin/env python3
+"""What all commands have in common in what they say: dry runs, colour, quiet, terminals, speed."""
+
+import json
+import os
+import pty
+import subprocess
+import time
+
+from transcript import PROGRAM, Transcript, main
+
+NOW = ("--now", "2026-11-21T00:00:00Z")
+
+
+class Output(Transcript):
+    def test_a_dry_run_checks_everything_and_writes_nothing(self):
+        made = (("init", "demo"), ("ca", "create", "ca", "--no-passphrase"),
+                ("governance", "new", "-o", "governance.xml"),
+                ("init", "keystore", "--layout", "sros2"))
+        for words in made:
+            before = self.files()
+            done = self.run_program(*words, "--dry-run", *NOW)
+            self.assertEqual(self.files(), before)
+            told = dict(reversed(line.split()[2:4]) for line in done.stdout.splitlines()[1:])
+            out = json.loads(self.run_program(*words, "--dry-run", "--format", "json", *NOW).stdout)
+            self.assertTrue(out["dry_run"])
+            self.run_program(*words, *NOW)
+            modes = {f: f"{m:04o}" for f, m in self.files().items() if f not in before}
+            links = {f for f in modes if (self.at / f).is_symlink()}
+            self.assertEqual(told, {f: "link" if f in links else m for f, m in modes.items()})
+
+    def test_a_dry_run_of_changes(self):
+        self.run_program("init", "demo", *NOW)
+        content = {f: (self.at / f).read_bytes() for f in self.files()}
+        for words in (("identity", "renew", "demo/talker", "--ca", "demo", "--rekey", "--permissions",
+                       "--days", "400"),
+                      ("identity", "revoke", "demo/talker", "--ca", "demo"),
+                      ("crl", "new", "--ca", "demo"), ("crl", "distribute", "--ca", "demo"),
+                      ("ca", "renew", "demo")):
+            done = self.run_program(*words, "--dry-run", *NOW)
+            self.assertIn("would write ", done.stdout)
+            self.assertEqual({f: (self.at / f).read_bytes() for f in self.files()}, content)
+        self.refused("would_overwrite", 4, "init", "demo", "--dry-run")
+
+    def test_colour_only_where_it_is_wanted(self):
+        wrong = ("ca", "show", "nothing")
+        self.assertNotIn("\033", self.run_program(*wrong, exit=3).stderr)
+        always = self.run_program(*wrong, "--color", "always", exit=3).stderr
+        self.assertTrue(always.startswith("\033[1;31merror[file_not_found]:\033[0m "), always)
+        self.refused("usage", 2, *wrong, "--color", "blue")
+        color = {"TERM": "xterm", "NO_COLOR": ""}
+        self.assertIn("\033[1;31m", self.on_terminal(*wrong, environment=color))
+        for environment in ({"NO_COLOR": "1"}, {"TERM": "dumb"}):
+            self.assertNotIn("\033", self.on_terminal(*wrong, environment={**color, **environment}))
+        self.assertNotIn("\033", self.on_terminal(*wrong, "--color", "never", environment=color))
+
+    def on_terminal(self, *words, environment):
+        """What a person sees whose terminal is standard output and standard error."""
+        ours, theirs = pty.openpty()
+        done = subprocess.Popen([PROGRAM, *words], cwd=self.at, stdin=subprocess.DEVNULL,
+                                stdout=theirs, stderr=theirs, env={**os.environ, **environment})
+        done.wait(timeout=60)
+        os.close(theirs)
+        seen = b""
+        while True:
+            try:
+                octets = os.read(ours, 65536)
+            except OSError:  # the other side is closed
+                break
+            if not octets:
+                break
+            seen += octets
+        os.close(ours)
+        return seen.decode("utf-8", "replace")
+
+    def test_a_terminal_without_utf_8_gets_no_octets_that_it_cannot_show(self):
+        words = ("ca", "create", "straße", "--no-passphrase", "--dry-run")
+        plain = self.on_terminal(*words, environment={"LC_ALL": "C"})
+        self.assertIn(r"stra\xc3\x9fe/identity/ca.pem", plain)
+        self.assertTrue(plain.isascii())
+        self.assertIn("straße", self.on_terminal(*words, environment={"LC_ALL": "C.UTF-8"}))
+        self.assertIn("straße", self.run_program(*words, environment={"LC_ALL": "C"}).stdout)
+
+    def test_no_control_sequence_of_a_name_reaches_a_terminal(self):
+        seen = self.on_terminal("ca", "create", "a\033[31m", "--no-passphrase", "--dry-run",
+                                environment={"LC_ALL": "C.UTF-8"})
+        self.assertIn("a?[31m/identity/ca.pem", seen)
+        self.assertNotIn("\033", seen)
+
+    def test_quiet_and_verbose(self):
+        done = self.run_program("ca", "create", "ca", "--no-passphrase", "-v")
+        self.assertEqual(len(done.stderr.splitlines()), 4)
+        self.assertRegex(done.stderr, r"(?m)^wrote 0600 ca/identity/ca.key.pem  [0-9a-f]{64}$")
+        self.assertEqual(self.run_program("ca", "create", "cb", "--no-passphrase", "-q").stderr, "")
+        self.refused("usage", 2, "ca", "show", "ca/identity", "-q", "-v")
+        self.assertIn("error[", self.run_program("ca", "show", "nothing", "-q", exit=3).stderr)
+
+    def test_help_is_there_at_once(self):
+        def seconds():
+            began = time.monotonic()
+            self.run_program("--help")
+            return time.monotonic() - began
+        self.assertLess(min(seconds() for _ in range(20)), 0.020)
+
+
+if __name__ == "__main__":
+    main()
