@@ -65,10 +65,6 @@ Result<std::vector<pki::Certificate>> read_certificates(const fs::path& path) {
   return named(pki::Certificate::bundle_from_pem(octets), path);
 }
 
-Result<pki::Authority> load_ca(const fs::path& folder, const Arguments& arguments) {
-  return DDSSEC_TRY(CaOpener(arguments).open(ca_paths_in(folder))).authority;
-}
-
 std::string to_pem(const std::vector<pki::Certificate>& certificates) {
   std::string out;
   for (const auto& certificate : certificates) out += certificate.pem();

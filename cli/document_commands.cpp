@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/ca_folder.hpp"
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
@@ -46,9 +47,9 @@ Result<Report> sign(const Arguments& arguments, const Context& context) {
       return report;
     }
   }
-  const auto ca = DDSSEC_TRY(load_ca(ca_folder(arguments.text("--ca"), "permissions"), arguments));
-  const auto signed_octets =
-      DDSSEC_TRY(named(ca.sign_document(octets, context.clock.now(), context.random), from));
+  const auto ca = DDSSEC_TRY(CaOpener(arguments).open("permissions"));
+  const auto signed_octets = DDSSEC_TRY(
+      named(ca.authority.sign_document(octets, context.clock.now(), context.random), from));
   report.files_written.push_back(DDSSEC_TRY(write_new_file(to, signed_octets, 0644)));
   report.text += fmt::format("{}  signed by {}\n", to.string(), ca.certificate().subject());
   report.result = {{"file", to.string()}, {"signer", ca.certificate().subject()}};

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/ca_folder.hpp"
 #include "cli/inputs.hpp"
 #include "cli/transaction.hpp"
 #include "governance/lint.hpp"
@@ -128,9 +129,9 @@ Result<std::vector<WrittenFile>> write_document(const std::string& xml, const Ar
   if (plain.extension() == ".p7s") plain.replace_extension("xml");
   if (!arguments.has("--ca"))
     return fail(Code::usage, {.field = "--sign", .note = "it needs --ca DIR"});
-  const auto ca = DDSSEC_TRY(load_ca(ca_folder(arguments.text("--ca"), "permissions"), arguments));
+  const auto ca = DDSSEC_TRY(CaOpener(arguments).open("permissions"));
   const auto signature =
-      DDSSEC_TRY(ca.sign_document(as_bytes(xml), context.clock.now(), context.random));
+      DDSSEC_TRY(ca.authority.sign_document(as_bytes(xml), context.clock.now(), context.random));
   out.push_back(DDSSEC_TRY(write_new_file(plain, as_bytes(xml), 0644)));
   auto second = write_new_file(signed_path(plain), signature, 0644);
   if (!second) {

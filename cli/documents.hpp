@@ -67,7 +67,7 @@ Result<std::vector<governance::DomainRange>> domain_ranges(const Arguments& argu
 std::filesystem::path signed_path(const std::filesystem::path& document);
 
 /// Writes a new document to what -o says and, with --sign, its signed form beside it (-o may name
-/// either). Both or neither. Errors: usage (--sign without --ca), and those of load_ca,
+/// either). Both or neither. Errors: usage (--sign without --ca), and those of CaOpener,
 /// Authority::sign_document and write_new_file.
 Result<std::vector<WrittenFile>> write_document(const std::string& xml, const Arguments& arguments,
                                                 const Context& context);

@@ -110,7 +110,8 @@ Result<Members> add_members(NewFolder& folder, const Plan& plan, const Issuers& 
                                .life = plan.life,
                                .domains = plan.domains,
                                .publish = plan.topics,
-                               .subscribe = plan.topics};
+                               .subscribe = plan.topics,
+                               .partitions = {"*"}};
     const auto made = DDSSEC_TRY(make_participant(spec, issuers, context));
     const auto below = sros2 ? enclave_folder(name) : fs::path(name);
     DDSSEC_TRY(sros2 ? add_enclave(folder, below, name, made)

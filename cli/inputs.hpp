@@ -26,11 +26,6 @@ Result<pki::Passphrase> passphrase(const Arguments& arguments, Typed typed);
 /// holds ca.pem.
 std::filesystem::path ca_folder(const std::filesystem::path& folder, std::string_view role);
 
-/// The CA of a folder with ca.pem and ca.key.pem. Its key may be used only if nobody but its owner
-/// can read it, unless --insecure-key-mode is given.
-/// Errors: key_readable_by_others, those of passphrase() for an encrypted key, of Authority::load.
-Result<pki::Authority> load_ca(const std::filesystem::path& folder, const Arguments& arguments);
-
 /// True if the key's PEM text says that it is encrypted. Errors: those of pki::load_key.
 Result<bool> is_encrypted(const std::filesystem::path& key);
 

@@ -41,8 +41,12 @@ Result<pki::Validity> within_ca(pki::Validity wanted, const pki::Certificate& ca
 
 std::string permissions_xml(const ParticipantSpec& spec, const pki::Certificate& certificate) {
   governance::Rule rule{.allow = true, .domains = {.ranges = spec.domains}};
-  if (!spec.publish.empty()) rule.publish.push_back({.topics = texts(spec.publish)});
-  if (!spec.subscribe.empty()) rule.subscribe.push_back({.topics = texts(spec.subscribe)});
+  const auto partitions =
+      spec.partitions.empty() ? std::nullopt : std::optional(texts(spec.partitions));
+  if (!spec.publish.empty())
+    rule.publish.push_back({.topics = texts(spec.publish), .partitions = partitions});
+  if (!spec.subscribe.empty())
+    rule.subscribe.push_back({.topics = texts(spec.subscribe), .partitions = partitions});
   governance::Grant grant{.name = spec.name,
                           .subject_name = certificate.subject(),
                           .validity = {certificate.not_before(), certificate.not_after()}};

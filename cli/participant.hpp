@@ -23,6 +23,7 @@ struct ParticipantSpec {
   std::vector<governance::DomainRange> domains = {{0, 0}};
   std::vector<std::string> publish = {};
   std::vector<std::string> subscribe = {};
+  std::vector<std::string> partitions = {};  ///< none: only endpoints without partitions
   /// A permissions document to sign instead of one made from the lists.
   std::optional<Bytes> permissions = std::nullopt;
 

@@ -13,7 +13,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr MonotonicTime kFirstPeriod = milliseconds(100);
-constexpr MonotonicTime kLongestPeriod = milliseconds(3200);
+constexpr MonotonicTime kLongestPeriod = milliseconds(1000);
 constexpr int kUnansweredBeforeSlower = 5;
 // A heartbeat rides on a sample this often, so that a reader soon knows what it misses. It says
 // nothing if it misses nothing, but to a question, so that histories shrink while a writer is busy.

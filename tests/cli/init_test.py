@@ -31,6 +31,7 @@ class Init(Transcript):
         for name in ("a", "b"):
             self.json("doctor", f"demo/{name}", *NOW)
             self.json("can", f"demo/{name}", "publish", "anything", *NOW)
+            self.json("can", f"demo/{name}", "subscribe", "a", "--partition", "p", *NOW)
             self.openssl("verify", "-attime", "1795305600", "-CAfile", "demo/ca/identity/ca.pem",
                          f"demo/{name}/cert.pem")
 
@@ -38,6 +39,9 @@ class Init(Transcript):
         self.init()
         self.assertEqual(self.json("ca", "show", "demo", *NOW)["result"]["issued"], 2)
         self.json("crl", "verify", "demo", "--ca", "demo", *NOW)
+        self.run_program("governance", "new", "-o", "again.xml", "--sign", "--ca", "demo", *NOW)
+        self.run_program("governance", "verify", "again.p7s", "--ca", "demo/ca/permissions/ca.pem",
+                         *NOW)
         self.run_program("identity", "issue", "third", "--ca", "demo", "-o", "demo/third", "--publish",
                          "x", "--governance", "demo/governance.p7s", *NOW)
         self.json("doctor", "demo/third", *NOW)
