@@ -30,7 +30,9 @@ target_compile_options(ddssec_options INTERFACE
   -fstack-protector-strong $<$<NOT:$<CONFIG:Debug>>:-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2>)
 if(DDSSEC_SANITIZE)
   add_compile_options(-fsanitize=${DDSSEC_SANITIZE} -fno-omit-frame-pointer
-                      -fno-sanitize-recover=all)
+                      -fno-sanitize-recover=all
+                      # g++ 12 warns of its own instrumentation.
+                      $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-maybe-uninitialized>)
   add_link_options(-fsanitize=${DDSSEC_SANITIZE})
 endif()
 
