@@ -16,26 +16,16 @@ std::unexpected<Error> no_such_instance() {
 
 }  // namespace
 
-AnyDataReader::AnyDataReader(Subscriber& subscriber, ParticipantContext& context, Topic& topic,
-                             Qos qos)
-    : Entity(context),
-      Timed(context.timers()),
-      subscriber_(subscriber),
-      topic_(topic),
-      qos_(std::move(qos)) {
-  const auto held = lock();
-  ++topic_.users_;
+AnyDataReader::AnyDataReader(Group& subscriber, ParticipantContext& context, Topic& topic, Qos qos)
+    : Endpoint(subscriber, context, topic, std::move(qos),
+               {"reader", "subscriber", StatusKind::subscription_matched,
+                StatusKind::requested_incompatible_qos, StatusKind::requested_deadline_missed}) {
   make_cache();
 }
 
-AnyDataReader::~AnyDataReader() {
-  const auto held = lock();
-  --topic_.users_;
-  cancel();
-  if (!enabled()) return;
-  context_.protocol().remove(guid_, context_.now());
-  context_.reschedule();
-}
+AnyDataReader::~AnyDataReader() { retire(); }
+
+Subscriber& AnyDataReader::subscriber() const { return static_cast<Subscriber&>(group_); }
 
 void AnyDataReader::make_cache() {
   const auto& key = topic_.type().serialized_key;
@@ -43,54 +33,20 @@ void AnyDataReader::make_cache() {
   cache_.emplace(qos_, with_key && key ? ReaderCache::KeyOf(key) : nullptr);
 }
 
-Guid AnyDataReader::guid() const {
-  const auto held = lock();
-  return guid_;
+Result<Guid> AnyDataReader::create(Participant::EndpointRequest request) {
+  return context_.protocol().create_reader(std::move(request), *this, context_.now());
 }
 
-Qos AnyDataReader::qos() const {
-  const auto held = lock();
-  return qos_;
+void AnyDataReader::on_own_qos(const Qos& before) {
+  if (!enabled()) return make_cache();
+  if (qos_.deadline != before.deadline) cache_->set_deadline(qos_.deadline, context_.now());
+  call_at(cache_->next_tick());
 }
 
-Status AnyDataReader::enable() {
-  if (!subscriber_.is_enabled())
-    return precondition_not_met("reader", "an enabled subscriber", "a disabled one");
-  auto announced = DDSSEC_TRY(announced_qos(qos(), subscriber_.qos(), topic_));
-  const auto held = lock();
-  if (enabled()) return {};
-  guid_ = DDSSEC_TRY(context_.protocol().create_reader(
-      {topic_.name(), topic_.type_name(), std::move(announced), topic_.type().with_key}, *this,
-      context_.now()));
-  mark_enabled();
-  context_.reschedule();
-  return {};
-}
-
-Status AnyDataReader::set_qos(const Qos& qos) {
-  auto announced = DDSSEC_TRY(announced_qos(qos, subscriber_.qos(), topic_));
-  const auto held = lock();
-  if (enabled()) {
-    DDSSEC_TRY(check_mutable(qos_, qos));
-    DDSSEC_TRY(context_.protocol().change_qos(guid_, std::move(announced), context_.now()));
-    if (qos.deadline != qos_.deadline) cache_->set_deadline(qos.deadline, context_.now());
-    call_at(cache_->next_tick());
-    context_.reschedule();
-    qos_ = qos;
-  } else {
-    qos_ = qos;
-    make_cache();
-  }
-  return {};
-}
-
-Status AnyDataReader::regroup(const GroupQos& group) {
-  auto announced = DDSSEC_TRY(announced_qos(qos(), group, topic_));
-  const auto held = lock();
-  if (!enabled()) return {};
-  DDSSEC_TRY(context_.protocol().change_qos(guid_, std::move(announced), context_.now()));
-  context_.reschedule();
-  return {};
+Status AnyDataReader::check_unused() const {
+  if (conditions_.empty()) return {};
+  return precondition_not_met("reader", "no read conditions any more",
+                              std::to_string(conditions_.size()));
 }
 
 // Reading is what resets DATA_AVAILABLE and DATA_ON_READERS (DDS 1.4, 2.2.4.2.2).
@@ -102,7 +58,7 @@ Result<std::size_t> AnyDataReader::access(const Query& query, std::vector<OctetS
   const auto before = out.size();
   cache_->select(query, context_.moment(), out);
   clear(StatusKind::data_available);
-  subscriber_.clear(StatusKind::data_on_readers);
+  subscriber().clear(StatusKind::data_on_readers);
   if (query.take && std::exchange(refused_, false)) {
     context_.protocol().reader(guid_)->offer_again();
     context_.reschedule();

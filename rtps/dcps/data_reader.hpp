@@ -1,7 +1,7 @@
 // DataReader of DDS 1.4, 2.2.2.5.3, on octets.
 #pragma once
 
-#include "rtps/dcps/group.hpp"
+#include "rtps/dcps/endpoint.hpp"
 #include "rtps/dcps/liveliness.hpp"
 #include "rtps/dcps/sample_access.hpp"
 
@@ -11,18 +11,11 @@ class Subscriber;
 
 /// A reader of octets; what DataReader<T> stands on. Made and deleted by its subscriber. Any thread
 /// may call.
-class AnyDataReader : public Entity, private EndpointListener, private Timed {
+class AnyDataReader : public Endpoint {
  public:
   ~AnyDataReader() override;
 
-  Topic& topic() const { return topic_; }
-  Subscriber& subscriber() const { return subscriber_; }
-  /// Zero until it is enabled.
-  Guid guid() const;
-  Qos qos() const;
-  /// Errors: rtps_qos_inconsistent, rtps_immutable_policy.
-  Status set_qos(const Qos& qos);
-  Status enable() override;
+  Subscriber& subscriber() const;
   void set_listener(DataReaderListener* listener, StatusMask mask = kAnyStatus);
 
   /// Appends what the query asks for to `out` and says how much that is. Errors: rtps_not_enabled,
@@ -46,21 +39,24 @@ class AnyDataReader : public Entity, private EndpointListener, private Timed {
   /// Samples that have not been read are there, or come in time.
   bool wait_for_unread(std::chrono::nanoseconds most);
 
-  DeadlineMissedStatus requested_deadline_missed_status();
-  IncompatibleQosStatus requested_incompatible_qos_status();
+  DeadlineMissedStatus requested_deadline_missed_status() { return read_deadline_status(); }
+  IncompatibleQosStatus requested_incompatible_qos_status() { return read_incompatible_status(); }
   LivelinessChangedStatus liveliness_changed_status();
   SampleLostStatus sample_lost_status();
   SampleRejectedStatus sample_rejected_status();
-  MatchedStatus subscription_matched_status();
-  std::vector<Guid> matched_publications() const;
+  MatchedStatus subscription_matched_status() { return read_matched_status(); }
+  std::vector<Guid> matched_publications() const { return matched_remotes(); }
   /// What a matched writer announced. Errors: rtps_bad_parameter (it is not matched).
-  Result<EndpointData> matched_publication_data(const Guid& writer) const;
+  Result<EndpointData> matched_publication_data(const Guid& writer) const {
+    return matched_data(writer);
+  }
   /// Samples that could not be read; never reset.
   std::uint64_t malformed() const { return malformed_; }
 
  protected:
+  friend class Group;
   friend class Subscriber;
-  AnyDataReader(Subscriber& subscriber, ParticipantContext& context, Topic& topic, Qos qos);
+  AnyDataReader(Group& subscriber, ParticipantContext& context, Topic& topic, Qos qos);
   /// A sample that turned out not to be one of the type.
   void count_malformed() { ++malformed_; }
   /// Errors: rtps_precondition_not_met (another reader's).
@@ -69,15 +65,15 @@ class AnyDataReader : public Entity, private EndpointListener, private Timed {
  private:
   void on_matched(const EndpointData& remote) override;
   void on_unmatched(const Guid& remote) override;
-  void on_incompatible_qos(const Guid& remote, const QosMismatch& mismatch) override;
-  void on_inconsistent_topic(const EndpointData& remote) override;
   bool on_change(Change& change) override;
   void on_sample_lost(std::int64_t count) override;
   void on_alive(const Guid& writer) override;
   void on_acknowledged() override {}
   void on_time(MonotonicTime now) override;
 
-  Status regroup(const GroupQos& group);
+  Result<Guid> create(Participant::EndpointRequest request) override;
+  void on_own_qos(const Qos& before) override;
+  Status check_unused() const override;
   void make_cache();
   bool reject(const Change& change, const ReaderCache::Stored& stored);
   void data_came();
@@ -87,25 +83,15 @@ class AnyDataReader : public Entity, private EndpointListener, private Timed {
   bool has_listener(StatusKind kind) const override;
   void tell_listeners() override;
   void tell_of_data();
-  template <class Status>
-  Status read_status(StatusKind kind, Status& status);
 
-  Subscriber& subscriber_;
-  Topic& topic_;
-  Guid guid_;
-  Qos qos_;
   Listening<DataReaderListener> listening_;
   std::optional<ReaderCache> cache_;
   LivelinessMonitor liveliness_;
   std::vector<std::unique_ptr<ReadCondition>> conditions_;
-  std::vector<Guid> remotes_;
   bool refused_ = false;  ///< a writer waits for room
   std::pair<Guid, SequenceNumber> last_rejected_;
-  DeadlineMissedStatus deadline_missed_;
-  IncompatibleQosStatus incompatible_;
   SampleLostStatus lost_;
   SampleRejectedStatus rejected_;
-  MatchedStatus matched_;
   std::atomic<std::uint64_t> malformed_ = 0;
 };
 

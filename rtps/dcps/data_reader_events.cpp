@@ -2,7 +2,6 @@
 #include <algorithm>
 
 #include "rtps/dcps/domain_participant.hpp"
-#include "rtps/dcps/matched.hpp"
 #include "rtps/dcps/subscriber.hpp"
 
 namespace ddssec::rtps {
@@ -11,24 +10,15 @@ void AnyDataReader::on_matched(const EndpointData& remote) {
   cache_->set_writer(remote.guid, remote.qos.ownership_strength, remote.qos.lifespan);
   liveliness_.add(remote.guid, remote.qos.liveliness.lease_duration, context_.now());
   liveliness_moved();
-  if (!count_matched(matched_, remotes_, remote.guid)) return;
-  note(StatusKind::subscription_matched);
+  Endpoint::on_matched(remote);
 }
 
 void AnyDataReader::on_unmatched(const Guid& remote) {
   liveliness_.remove(remote);
   liveliness_moved();
   if (cache_->lose_writer(remote, true)) data_came();
-  if (!count_unmatched(matched_, remotes_, remote)) return;
-  note(StatusKind::subscription_matched);
+  Endpoint::on_unmatched(remote);
 }
-
-void AnyDataReader::on_incompatible_qos(const Guid& remote, const QosMismatch& mismatch) {
-  count_mismatch(incompatible_, remote, mismatch);
-  note(StatusKind::requested_incompatible_qos);
-}
-
-void AnyDataReader::on_inconsistent_topic(const EndpointData&) { topic_.on_inconsistent(); }
 
 bool AnyDataReader::on_change(Change& change) {
   const auto& type = topic_.type();
@@ -59,7 +49,7 @@ bool AnyDataReader::reject(const Change& change, const ReaderCache::Stored& stor
 void AnyDataReader::data_came() {
   update_conditions();
   note(StatusKind::data_available);
-  subscriber_.note(StatusKind::data_on_readers);
+  subscriber().note(StatusKind::data_on_readers);
 }
 
 void AnyDataReader::on_sample_lost(std::int64_t count) {
@@ -79,34 +69,13 @@ void AnyDataReader::liveliness_moved() {
 
 void AnyDataReader::on_time(MonotonicTime now) {
   if (cache_->expire(now)) update_conditions();
-  cache_->check_deadlines(now, [&](InstanceHandle instance) {
-    deadline_missed_.count();
-    deadline_missed_.last_instance_handle = instance;
-    note(StatusKind::requested_deadline_missed);
-  });
+  cache_->check_deadlines(now, [&](InstanceHandle instance) { miss_deadline(instance); });
   bool changed = false;
   liveliness_.check(
       now, [&](const Guid& writer) { changed = cache_->lose_writer(writer, false) || changed; });
   if (changed) data_came();
   call_at(cache_->next_tick());
   liveliness_moved();
-}
-
-template <class Status>
-Status AnyDataReader::read_status(StatusKind kind, Status& status) {
-  const auto held = lock();
-  clear(kind);
-  const auto out = status;
-  status.total_count_change = 0;
-  return out;
-}
-
-DeadlineMissedStatus AnyDataReader::requested_deadline_missed_status() {
-  return read_status(StatusKind::requested_deadline_missed, deadline_missed_);
-}
-
-IncompatibleQosStatus AnyDataReader::requested_incompatible_qos_status() {
-  return read_status(StatusKind::requested_incompatible_qos, incompatible_);
 }
 
 SampleLostStatus AnyDataReader::sample_lost_status() {
@@ -125,22 +94,6 @@ LivelinessChangedStatus AnyDataReader::liveliness_changed_status() {
   return status;
 }
 
-MatchedStatus AnyDataReader::subscription_matched_status() {
-  const auto held = lock();
-  clear(StatusKind::subscription_matched);
-  return take_changes(matched_);
-}
-
-std::vector<Guid> AnyDataReader::matched_publications() const {
-  const auto held = lock();
-  return remotes_;
-}
-
-Result<EndpointData> AnyDataReader::matched_publication_data(const Guid& writer) const {
-  const auto held = lock();
-  return matched_data(context_.protocol(), remotes_, writer);
-}
-
 void AnyDataReader::set_listener(DataReaderListener* listener, StatusMask mask) {
   const std::lock_guard callbacks(context_.callbacks());
   const auto held = lock();
@@ -149,14 +102,14 @@ void AnyDataReader::set_listener(DataReaderListener* listener, StatusMask mask) 
 
 DataReaderListener* AnyDataReader::listener_for(StatusKind kind) const {
   if (auto* own = listening_.for_status(kind)) return own;
-  if (auto* group = subscriber_.listening_.for_status(kind)) return group;
-  return subscriber_.participant().listening_.for_status(kind);
+  if (auto* group = subscriber().listening_.for_status(kind)) return group;
+  return subscriber().participant().listening_.for_status(kind);
 }
 
 bool AnyDataReader::has_listener(StatusKind kind) const {
   return listener_for(kind) != nullptr ||
          (kind == StatusKind::data_available &&
-          subscriber_.listener_for(StatusKind::data_on_readers) != nullptr);
+          subscriber().listener_for(StatusKind::data_on_readers) != nullptr);
 }
 
 // DDS 1.4, 2.2.4.2.6: whoever listens for DATA_ON_READERS gets that instead of DATA_AVAILABLE.
@@ -166,12 +119,12 @@ void AnyDataReader::tell_of_data() {
   {
     const auto held = lock();
     if (!has_changed(StatusKind::data_available)) return;
-    of_readers = subscriber_.listener_for(StatusKind::data_on_readers);
+    of_readers = subscriber().listener_for(StatusKind::data_on_readers);
     if (of_readers == nullptr) of_data = listener_for(StatusKind::data_available);
     if (of_data != nullptr) clear(StatusKind::data_available);
-    subscriber_.clear(StatusKind::data_on_readers);
+    subscriber().clear(StatusKind::data_on_readers);
   }
-  if (of_readers != nullptr) of_readers->on_data_on_readers(subscriber_);
+  if (of_readers != nullptr) of_readers->on_data_on_readers(subscriber());
   if (of_data != nullptr) of_data->on_data_available(*this);
 }
 

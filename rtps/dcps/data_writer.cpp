@@ -22,78 +22,33 @@ std::unexpected<Error> bad_parameter(std::string field, std::string expected, st
 
 }  // namespace
 
-AnyDataWriter::AnyDataWriter(Publisher& publisher, ParticipantContext& context, Topic& topic,
-                             Qos qos)
-    : Entity(context),
-      Timed(context.timers()),
-      publisher_(publisher),
-      topic_(topic),
-      version_(version_of(qos)),
-      qos_(std::move(qos)),
+AnyDataWriter::AnyDataWriter(Group& publisher, ParticipantContext& context, Topic& topic, Qos qos)
+    : Endpoint(publisher, context, topic, std::move(qos),
+               {"writer", "publisher", StatusKind::publication_matched,
+                StatusKind::offered_incompatible_qos, StatusKind::offered_deadline_missed}),
+      version_(version_of(qos_)),
       instances_(qos_),
-      lease_(qos_.liveliness, context.now()) {
-  const auto held = lock();
-  ++topic_.users_;
+      lease_(qos_.liveliness, context.now()) {}
+
+AnyDataWriter::~AnyDataWriter() { retire(); }
+
+Publisher& AnyDataWriter::publisher() const { return static_cast<Publisher&>(group_); }
+
+Result<Guid> AnyDataWriter::create(Participant::EndpointRequest request) {
+  const auto now = context_.now();
+  const auto guid = context_.protocol().create_writer(std::move(request), *this, now);
+  lease_ = WriterLease(qos_.liveliness, now);
+  if (guid) call_at(lease_.next_tick());
+  return guid;
 }
 
-AnyDataWriter::~AnyDataWriter() {
-  const auto held = lock();
-  --topic_.users_;
-  cancel();
-  if (!enabled()) return;
-  context_.protocol().remove(guid_, context_.now());
-  context_.reschedule();
-}
-
-Guid AnyDataWriter::guid() const {
-  const auto held = lock();
-  return guid_;
-}
-
-Qos AnyDataWriter::qos() const {
-  const auto held = lock();
-  return qos_;
-}
-
-Status AnyDataWriter::enable() {
-  if (!publisher_.is_enabled())
-    return precondition_not_met("writer", "an enabled publisher", "a disabled one");
-  auto announced = DDSSEC_TRY(announced_qos(qos(), publisher_.qos(), topic_));
-  const auto held = lock();
-  if (enabled()) return {};
-  lease_ = WriterLease(qos_.liveliness, context_.now());
-  guid_ = DDSSEC_TRY(context_.protocol().create_writer(
-      {topic_.name(), topic_.type_name(), std::move(announced), topic_.type().with_key}, *this,
-      context_.now()));
-  mark_enabled();
-  call_at(lease_.next_tick());
-  context_.reschedule();
-  return {};
-}
-
-Status AnyDataWriter::set_qos(const Qos& qos) {
-  auto announced = DDSSEC_TRY(announced_qos(qos, publisher_.qos(), topic_));
-  const auto held = lock();
-  if (enabled()) {
-    DDSSEC_TRY(check_mutable(qos_, qos));
-    DDSSEC_TRY(context_.protocol().change_qos(guid_, std::move(announced), context_.now()));
-    if (qos.deadline != qos_.deadline) instances_->set_deadline(qos.deadline, context_.now());
-    call_at(instances_->next_deadline());
-    context_.reschedule();
-  } else {
-    instances_.emplace(qos);
+void AnyDataWriter::on_own_qos(const Qos& before) {
+  if (!enabled()) {
+    instances_.emplace(qos_);
+    return;
   }
-  qos_ = qos;
-  return {};
-}
-
-Status AnyDataWriter::regroup(const GroupQos& group) {
-  auto announced = DDSSEC_TRY(announced_qos(qos(), group, topic_));
-  const auto held = lock();
-  if (!enabled()) return {};
-  DDSSEC_TRY(context_.protocol().change_qos(guid_, std::move(announced), context_.now()));
-  context_.reschedule();
-  return {};
+  if (qos_.deadline != before.deadline) instances_->set_deadline(qos_.deadline, context_.now());
+  call_at(instances_->next_deadline());
 }
 
 Result<InstanceHandle> AnyDataWriter::instance_of(const OctetWrite& change) {
@@ -174,7 +129,7 @@ void AnyDataWriter::assert_lease(MonotonicTime now, bool explicitly) {
     case LivelinessKind::automatic:
       return;
     case LivelinessKind::manual_by_participant:
-      return publisher_.participant().assert_manual_leases(now, explicitly);
+      return publisher().participant().assert_manual_leases(now, explicitly);
     case LivelinessKind::manual_by_topic:
       lease_.assert_at(now);
       return call_at(lease_.next_tick());

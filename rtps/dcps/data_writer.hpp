@@ -3,7 +3,7 @@
 
 #include <deque>
 
-#include "rtps/dcps/group.hpp"
+#include "rtps/dcps/endpoint.hpp"
 #include "rtps/dcps/liveliness.hpp"
 #include "rtps/dcps/writer_instances.hpp"
 
@@ -22,18 +22,11 @@ struct OctetWrite {
 
 /// A writer of octets; what DataWriter<T> stands on. Made and deleted by its publisher. Any thread
 /// may call.
-class AnyDataWriter : public Entity, private EndpointListener, private Timed {
+class AnyDataWriter : public Endpoint {
  public:
   ~AnyDataWriter() override;
 
-  Topic& topic() const { return topic_; }
-  Publisher& publisher() const { return publisher_; }
-  /// Zero until it is enabled.
-  Guid guid() const;
-  Qos qos() const;
-  /// Errors: rtps_qos_inconsistent, rtps_immutable_policy.
-  Status set_qos(const Qos& qos);
-  Status enable() override;
+  Publisher& publisher() const;
   void set_listener(DataWriterListener* listener, StatusMask mask = kAnyStatus);
 
   // All: errors rtps_not_enabled, rtps_bad_parameter (a key is missing, the handle names another
@@ -54,32 +47,32 @@ class AnyDataWriter : public Entity, private EndpointListener, private Timed {
   /// Errors: rtps_not_enabled.
   Status assert_liveliness();
 
-  DeadlineMissedStatus offered_deadline_missed_status();
-  IncompatibleQosStatus offered_incompatible_qos_status();
+  DeadlineMissedStatus offered_deadline_missed_status() { return read_deadline_status(); }
+  IncompatibleQosStatus offered_incompatible_qos_status() { return read_incompatible_status(); }
   LivelinessLostStatus liveliness_lost_status();
-  MatchedStatus publication_matched_status();
-  std::vector<Guid> matched_subscriptions() const;
+  MatchedStatus publication_matched_status() { return read_matched_status(); }
+  std::vector<Guid> matched_subscriptions() const { return matched_remotes(); }
   /// What a matched reader announced. Errors: rtps_bad_parameter (it is not matched).
-  Result<EndpointData> matched_subscription_data(const Guid& reader) const;
+  Result<EndpointData> matched_subscription_data(const Guid& reader) const {
+    return matched_data(reader);
+  }
 
  protected:
+  friend class Group;
   friend class Publisher;
   friend class DomainParticipant;
-  AnyDataWriter(Publisher& publisher, ParticipantContext& context, Topic& topic, Qos qos);
+  AnyDataWriter(Group& publisher, ParticipantContext& context, Topic& topic, Qos qos);
   XcdrVersion version() const { return version_; }
 
  private:
-  void on_matched(const EndpointData& remote) override;
-  void on_unmatched(const Guid& remote) override;
-  void on_incompatible_qos(const Guid& remote, const QosMismatch& mismatch) override;
-  void on_inconsistent_topic(const EndpointData& remote) override;
   bool on_change(Change&) override { return true; }
   void on_sample_lost(std::int64_t) override {}
   void on_alive(const Guid&) override {}
   void on_acknowledged() override { context_.notify(); }
   void on_time(MonotonicTime now) override;
 
-  Status regroup(const GroupQos& group);
+  Result<Guid> create(Participant::EndpointRequest request) override;
+  void on_own_qos(const Qos& before) override;
   Status submit(const OctetWrite& change, StatusInfo status);
   Result<InstanceHandle> instance_of(const OctetWrite& change);
   Status wait_for_room(std::unique_lock<std::mutex>& lock, const OctetWrite& change);
@@ -90,24 +83,14 @@ class AnyDataWriter : public Entity, private EndpointListener, private Timed {
   DataWriterListener* listener_for(StatusKind kind) const;
   bool has_listener(StatusKind kind) const override { return listener_for(kind) != nullptr; }
   void tell_listeners() override;
-  template <class Status>
-  Status read_status(StatusKind kind, Status& status);
 
-  Publisher& publisher_;
-  Topic& topic_;
   const XcdrVersion version_;
-  Guid guid_;
-  Qos qos_;
   Listening<DataWriterListener> listening_;
   std::optional<WriterInstances> instances_;
   WriterLease lease_;
   std::deque<std::pair<MonotonicTime, SequenceNumber>> expiring_;  ///< LIFESPAN, oldest first
   Time last_source_time_{};
-  std::vector<Guid> remotes_;
-  DeadlineMissedStatus deadline_missed_;
-  IncompatibleQosStatus incompatible_;
   LivelinessLostStatus liveliness_lost_;
-  MatchedStatus matched_;
 };
 
 /// One thread at a time: what a sample is serialized into belongs to the writer.

@@ -1,33 +1,11 @@
 // AnyDataWriter, the half that statuses, listeners and timers are about.
 #include "rtps/dcps/domain_participant.hpp"
-#include "rtps/dcps/matched.hpp"
 #include "rtps/dcps/publisher.hpp"
 
 namespace ddssec::rtps {
 
-void AnyDataWriter::on_matched(const EndpointData& remote) {
-  if (!count_matched(matched_, remotes_, remote.guid)) return;
-  note(StatusKind::publication_matched);
-}
-
-void AnyDataWriter::on_unmatched(const Guid& remote) {
-  if (!count_unmatched(matched_, remotes_, remote)) return;
-  note(StatusKind::publication_matched);
-}
-
-void AnyDataWriter::on_incompatible_qos(const Guid& remote, const QosMismatch& mismatch) {
-  count_mismatch(incompatible_, remote, mismatch);
-  note(StatusKind::offered_incompatible_qos);
-}
-
-void AnyDataWriter::on_inconsistent_topic(const EndpointData&) { topic_.on_inconsistent(); }
-
 void AnyDataWriter::on_time(MonotonicTime now) {
-  instances_->check_deadlines(now, [&](InstanceHandle instance) {
-    deadline_missed_.count();
-    deadline_missed_.last_instance_handle = instance;
-    note(StatusKind::offered_deadline_missed);
-  });
+  instances_->check_deadlines(now, [&](InstanceHandle instance) { miss_deadline(instance); });
   if (lease_.check(now)) {
     liveliness_lost_.count();
     note(StatusKind::liveliness_lost);
@@ -39,41 +17,8 @@ void AnyDataWriter::on_time(MonotonicTime now) {
   context_.notify();  // what was discarded made room
 }
 
-template <class Status>
-Status AnyDataWriter::read_status(StatusKind kind, Status& status) {
-  const auto held = lock();
-  clear(kind);
-  const auto out = status;
-  status.total_count_change = 0;
-  return out;
-}
-
-DeadlineMissedStatus AnyDataWriter::offered_deadline_missed_status() {
-  return read_status(StatusKind::offered_deadline_missed, deadline_missed_);
-}
-
-IncompatibleQosStatus AnyDataWriter::offered_incompatible_qos_status() {
-  return read_status(StatusKind::offered_incompatible_qos, incompatible_);
-}
-
 LivelinessLostStatus AnyDataWriter::liveliness_lost_status() {
   return read_status(StatusKind::liveliness_lost, liveliness_lost_);
-}
-
-MatchedStatus AnyDataWriter::publication_matched_status() {
-  const auto held = lock();
-  clear(StatusKind::publication_matched);
-  return take_changes(matched_);
-}
-
-std::vector<Guid> AnyDataWriter::matched_subscriptions() const {
-  const auto held = lock();
-  return remotes_;
-}
-
-Result<EndpointData> AnyDataWriter::matched_subscription_data(const Guid& reader) const {
-  const auto held = lock();
-  return matched_data(context_.protocol(), remotes_, reader);
 }
 
 void AnyDataWriter::set_listener(DataWriterListener* listener, StatusMask mask) {
@@ -84,8 +29,8 @@ void AnyDataWriter::set_listener(DataWriterListener* listener, StatusMask mask) 
 
 DataWriterListener* AnyDataWriter::listener_for(StatusKind kind) const {
   if (auto* own = listening_.for_status(kind)) return own;
-  if (auto* group = publisher_.listening_.for_status(kind)) return group;
-  return publisher_.participant().listening_.for_status(kind);
+  if (auto* group = publisher().listening_.for_status(kind)) return group;
+  return publisher().participant().listening_.for_status(kind);
 }
 
 void AnyDataWriter::tell_listeners() {

@@ -115,12 +115,12 @@ Status DomainParticipant::delete_topic(Topic& topic) {
 
 Status DomainParticipant::delete_publisher(Publisher& publisher) {
   const std::lock_guard members(context_.callbacks());
-  return delete_child(publishers_, publisher, publisher.writers_.empty());
+  return delete_child(publishers_, publisher, publisher.members_.empty());
 }
 
 Status DomainParticipant::delete_subscriber(Subscriber& subscriber) {
   const std::lock_guard members(context_.callbacks());
-  return delete_child(subscribers_, subscriber, subscriber.readers_.empty());
+  return delete_child(subscribers_, subscriber, subscriber.members_.empty());
 }
 
 Status DomainParticipant::delete_contained_entities() {
@@ -146,13 +146,13 @@ bool DomainParticipant::contains_entities() const {
 void DomainParticipant::assert_manual_leases(MonotonicTime now, bool explicitly) {
   auto shortest = kNever;
   for (auto& publisher : publishers_)
-    for (auto& writer : publisher->writers_) {
-      if (!writer->enabled() ||
-          writer->qos_.liveliness.kind != LivelinessKind::manual_by_participant)
+    for (auto& member : publisher->members_) {
+      auto& writer = Publisher::writer_of(member);
+      if (!writer.enabled() || writer.qos_.liveliness.kind != LivelinessKind::manual_by_participant)
         continue;
-      writer->lease_.assert_at(now);
-      writer->call_at(writer->lease_.next_tick());
-      shortest = std::min(shortest, writer->qos_.liveliness.lease_duration.to_nanoseconds());
+      writer.lease_.assert_at(now);
+      writer.call_at(writer.lease_.next_tick());
+      shortest = std::min(shortest, writer.qos_.liveliness.lease_duration.to_nanoseconds());
     }
   if (shortest == kNever || (!explicitly && now < next_assertion_)) return;
   next_assertion_ = now + shortest / 3;

@@ -1,5 +1,9 @@
 #include "rtps/dcps/group.hpp"
 
+#include <algorithm>
+
+#include "rtps/dcps/domain_participant.hpp"
+
 namespace ddssec::rtps {
 namespace {
 
@@ -45,6 +49,109 @@ void copy_from_topic_qos(Qos& endpoint, const Qos& topic) {
   endpoint.destination_order = topic.destination_order;
   endpoint.transport_priority = topic.transport_priority;
   endpoint.data_representation = topic.data_representation;
+}
+
+Group::Group(DomainParticipant& participant, ParticipantContext& context, GroupQos qos,
+             const Qos& default_endpoint_qos, std::string_view name)
+    : Entity(context),
+      participant_(participant),
+      name_(name),
+      qos_(std::move(qos)),
+      default_qos_(default_endpoint_qos) {}
+
+Group::~Group() = default;
+
+GroupQos Group::qos() const {
+  const auto held = lock();
+  return qos_;
+}
+
+Status Group::set_qos(const GroupQos& qos) {
+  const std::lock_guard members(context_.callbacks());  // none comes or goes meanwhile
+  if (is_enabled()) DDSSEC_TRY(check_mutable(this->qos(), qos));
+  for (auto& member : members_) DDSSEC_TRY(announced_qos(member->qos(), qos, member->topic()));
+  for (auto& member : members_) DDSSEC_TRY(member->regroup(qos));
+  const auto held = lock();
+  qos_ = qos;
+  return {};
+}
+
+Status Group::enable() {
+  if (!participant_.is_enabled())
+    return precondition_not_met(std::string(name_), "an enabled participant", "a disabled one");
+  const std::lock_guard members(context_.callbacks());
+  bool all = false;
+  {
+    const auto held = lock();
+    mark_enabled();
+    all = qos_.autoenable_created_entities;
+  }
+  if (all)
+    for (auto& member : members_) DDSSEC_TRY(member->enable());
+  return {};
+}
+
+Qos Group::default_endpoint_qos() const {
+  const auto held = lock();
+  return default_qos_;
+}
+
+Status Group::set_default_endpoint_qos(const Qos& qos) {
+  DDSSEC_TRY(check_consistency(qos));
+  const auto held = lock();
+  default_qos_ = qos;
+  return {};
+}
+
+Status Group::check_topic(const Topic& topic, std::string_view type) const {
+  if (&topic.participant() != &participant_)
+    return precondition_not_met("topic " + topic.name(), "one of the same participant",
+                                "another's");
+  if (topic.type_name() == type) return {};
+  return fail(Code::rtps_bad_parameter, {.document = "topic " + topic.name(),
+                                         .field = "type",
+                                         .expected = topic.type_name(),
+                                         .found = std::string(type)});
+}
+
+Status Group::adopt(std::unique_ptr<Endpoint> member) {
+  DDSSEC_TRY(announced_qos(member->qos(), qos(), member->topic()));
+  const std::lock_guard members(context_.callbacks());
+  if (is_enabled() && qos().autoenable_created_entities) DDSSEC_TRY(member->enable());
+  const auto held = lock();
+  members_.push_back(std::move(member));
+  return {};
+}
+
+Status Group::delete_member(Endpoint& member) {
+  DDSSEC_TRY(check_not_in_callback(context_));
+  const std::lock_guard members(context_.callbacks());
+  std::unique_ptr<Endpoint> dying;
+  const auto held = lock();
+  const auto at = std::ranges::find(members_, &member, &std::unique_ptr<Endpoint>::get);
+  if (at == members_.end())
+    return precondition_not_met(std::string(member.side_.name), "one of this " + std::string(name_),
+                                "another's");
+  DDSSEC_TRY(member.check_unused());
+  dying = std::move(*at);
+  members_.erase(at);
+  return {};  // the lock ends before the member does
+}
+
+Status Group::delete_contained_entities() {
+  DDSSEC_TRY(check_not_in_callback(context_));
+  const std::lock_guard members(context_.callbacks());
+  std::vector<std::unique_ptr<Endpoint>> dying;
+  const auto held = lock();
+  dying.swap(members_);
+  return {};
+}
+
+Endpoint* Group::lookup(std::string_view topic_name) const {
+  const auto held = lock();
+  const auto at =
+      std::ranges::find(members_, topic_name, [](const auto& m) { return m->topic().name(); });
+  return at == members_.end() ? nullptr : at->get();
 }
 
 }  // namespace ddssec::rtps

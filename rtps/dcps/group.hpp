@@ -1,7 +1,7 @@
-// What publishers and subscribers have in common: the policies that their members share.
+// What publishers and subscribers have in common: members, and the policies that these share.
 #pragma once
 
-#include "rtps/dcps/topic.hpp"
+#include "rtps/dcps/endpoint.hpp"
 
 namespace ddssec::rtps {
 
@@ -24,5 +24,58 @@ Status check_mutable(const GroupQos& from, const GroupQos& to);
 
 /// The endpoint's policies with those of the topic that both have (copy_from_topic_qos).
 void copy_from_topic_qos(Qos& endpoint, const Qos& topic);
+
+/// A publisher or a subscriber. Made and deleted by its participant.
+class Group : public Entity {
+ public:
+  ~Group() override;
+
+  DomainParticipant& participant() const { return participant_; }
+  GroupQos qos() const;
+  /// Errors: rtps_immutable_policy, rtps_qos_inconsistent.
+  Status set_qos(const GroupQos& qos);
+  Status enable() override;
+  /// Errors: rtps_precondition_not_met (from within a callback).
+  Status delete_contained_entities();
+
+ protected:
+  friend class DomainParticipant;
+  Group(DomainParticipant& participant, ParticipantContext& context, GroupQos qos,
+        const Qos& default_endpoint_qos, std::string_view name);
+
+  Qos default_endpoint_qos() const;
+  Status set_default_endpoint_qos(const Qos& qos);
+
+  /// A member of class E on a topic of that type. Errors: rtps_bad_parameter (another type),
+  /// rtps_precondition_not_met (another participant's topic), rtps_qos_inconsistent.
+  template <class E, class L>
+  Result<E*> create(Topic& topic, std::string_view type, std::optional<Qos> qos, L* listener,
+                    StatusMask mask) {
+    if (auto fits = check_topic(topic, type); !fits) return std::unexpected(fits.error());
+    std::unique_ptr<E> member(
+        new E(*this, context_, topic, std::move(qos).value_or(default_endpoint_qos())));
+    auto* out = member.get();
+    member->set_listener(listener, mask);
+    if (auto adopted = adopt(std::move(member)); !adopted) return std::unexpected(adopted.error());
+    return out;
+  }
+  /// Errors: rtps_precondition_not_met (another group's, one in use, or from within a callback).
+  Status delete_member(Endpoint& member);
+  /// Any of them on that topic; nullptr if there is none.
+  Endpoint* lookup(std::string_view topic_name) const;
+
+  DomainParticipant& participant_;
+  std::vector<std::unique_ptr<Endpoint>> members_;
+
+ private:
+  Status check_topic(const Topic& topic, std::string_view type) const;
+  Status adopt(std::unique_ptr<Endpoint> member);
+  bool has_listener(StatusKind) const override { return false; }  // its members tell them
+  void tell_listeners() override {}
+
+  const std::string_view name_;
+  GroupQos qos_;
+  Qos default_qos_;
+};
 
 }  // namespace ddssec::rtps

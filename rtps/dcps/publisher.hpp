@@ -2,24 +2,18 @@
 #pragma once
 
 #include "rtps/dcps/data_writer.hpp"
+#include "rtps/dcps/group.hpp"
 
 namespace ddssec::rtps {
 
 /// Made and deleted by its participant.
-class Publisher final : public Entity {
+class Publisher final : public Group {
  public:
-  ~Publisher() override;
-
-  DomainParticipant& participant() const { return participant_; }
-  GroupQos qos() const;
-  /// Errors: rtps_immutable_policy, rtps_qos_inconsistent.
-  Status set_qos(const GroupQos& qos);
-  Status enable() override;
   void set_listener(PublisherListener* listener, StatusMask mask = kAnyStatus);
 
-  Qos default_datawriter_qos() const;
+  Qos default_datawriter_qos() const { return default_endpoint_qos(); }
   /// Errors: rtps_qos_inconsistent.
-  Status set_default_datawriter_qos(const Qos& qos);
+  Status set_default_datawriter_qos(const Qos& qos) { return set_default_endpoint_qos(qos); }
 
   /// A writer of T on a topic of that type. Errors: rtps_bad_parameter (another type),
   /// rtps_precondition_not_met (another participant's topic), rtps_qos_inconsistent.
@@ -36,8 +30,7 @@ class Publisher final : public Entity {
     return create<AnyDataWriter>(topic, topic.type_name(), std::move(qos), listener, mask);
   }
   /// Errors: rtps_precondition_not_met (another publisher's, or from within a callback).
-  Status delete_datawriter(AnyDataWriter& writer);
-  Status delete_contained_entities();
+  Status delete_datawriter(AnyDataWriter& writer) { return delete_member(writer); }
   /// Any of its writers on that topic; nullptr if there is none.
   AnyDataWriter* lookup_datawriter(std::string_view topic_name) const;
   /// Of all its writers. Errors: rtps_timeout.
@@ -48,27 +41,11 @@ class Publisher final : public Entity {
   friend class DomainParticipant;
   Publisher(DomainParticipant& participant, ParticipantContext& context, GroupQos qos);
 
-  template <class W>
-  Result<W*> create(Topic& topic, std::string_view type, std::optional<Qos> qos,
-                    DataWriterListener* listener, StatusMask mask) {
-    if (auto fits = check_topic(topic, type); !fits) return std::unexpected(fits.error());
-    std::unique_ptr<W> writer(
-        new W(*this, context_, topic, std::move(qos).value_or(default_datawriter_qos())));
-    auto* out = writer.get();
-    writer->set_listener(listener, mask);
-    if (auto adopted = adopt(std::move(writer)); !adopted) return std::unexpected(adopted.error());
-    return out;
+  static AnyDataWriter& writer_of(const std::unique_ptr<Endpoint>& member) {
+    return static_cast<AnyDataWriter&>(*member);  // a publisher creates nothing else
   }
-  Status check_topic(const Topic& topic, std::string_view type) const;
-  Status adopt(std::unique_ptr<AnyDataWriter> writer);
-  bool has_listener(StatusKind) const override { return false; }
-  void tell_listeners() override {}
 
-  DomainParticipant& participant_;
-  GroupQos qos_;
-  Qos default_qos_ = default_writer_qos();
   Listening<PublisherListener> listening_;
-  std::vector<std::unique_ptr<AnyDataWriter>> writers_;
 };
 
 }  // namespace ddssec::rtps

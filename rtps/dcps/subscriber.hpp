@@ -2,24 +2,18 @@
 #pragma once
 
 #include "rtps/dcps/data_reader.hpp"
+#include "rtps/dcps/group.hpp"
 
 namespace ddssec::rtps {
 
 /// Made and deleted by its participant.
-class Subscriber final : public Entity {
+class Subscriber final : public Group {
  public:
-  ~Subscriber() override;
-
-  DomainParticipant& participant() const { return participant_; }
-  GroupQos qos() const;
-  /// Errors: rtps_immutable_policy, rtps_qos_inconsistent.
-  Status set_qos(const GroupQos& qos);
-  Status enable() override;
   void set_listener(SubscriberListener* listener, StatusMask mask = kAnyStatus);
 
-  Qos default_datareader_qos() const;
+  Qos default_datareader_qos() const { return default_endpoint_qos(); }
   /// Errors: rtps_qos_inconsistent.
-  Status set_default_datareader_qos(const Qos& qos);
+  Status set_default_datareader_qos(const Qos& qos) { return set_default_endpoint_qos(qos); }
 
   /// A reader of T on a topic of that type. Errors: rtps_bad_parameter (another type),
   /// rtps_precondition_not_met (another participant's topic), rtps_qos_inconsistent.
@@ -37,8 +31,7 @@ class Subscriber final : public Entity {
   }
   /// Errors: rtps_precondition_not_met (another subscriber's, one with read conditions, or from
   /// within a callback).
-  Status delete_datareader(AnyDataReader& reader);
-  Status delete_contained_entities();
+  Status delete_datareader(AnyDataReader& reader) { return delete_member(reader); }
   /// Any of its readers on that topic; nullptr if there is none.
   AnyDataReader* lookup_datareader(std::string_view topic_name) const;
   /// Those that hold samples in these states.
@@ -52,29 +45,10 @@ class Subscriber final : public Entity {
   friend class DomainParticipant;
   Subscriber(DomainParticipant& participant, ParticipantContext& context, GroupQos qos);
 
-  template <class R>
-  Result<R*> create(Topic& topic, std::string_view type, std::optional<Qos> qos,
-                    DataReaderListener* listener, StatusMask mask) {
-    if (auto fits = check_topic(topic, type); !fits) return std::unexpected(fits.error());
-    std::unique_ptr<R> reader(
-        new R(*this, context_, topic, std::move(qos).value_or(default_datareader_qos())));
-    auto* out = reader.get();
-    reader->set_listener(listener, mask);
-    if (auto adopted = adopt(std::move(reader)); !adopted) return std::unexpected(adopted.error());
-    return out;
-  }
-  Status check_topic(const Topic& topic, std::string_view type) const;
-  Status adopt(std::unique_ptr<AnyDataReader> reader);
   /// For DATA_ON_READERS alone.
   SubscriberListener* listener_for(StatusKind kind) const;
-  bool has_listener(StatusKind) const override { return false; }  // its readers tell them
-  void tell_listeners() override {}
 
-  DomainParticipant& participant_;
-  GroupQos qos_;
-  Qos default_qos_ = default_reader_qos();
   Listening<SubscriberListener> listening_;
-  std::vector<std::unique_ptr<AnyDataReader>> readers_;
 };
 
 }  // namespace ddssec::rtps

@@ -27,8 +27,7 @@ class Topic final : public Entity {
 
  private:
   friend class DomainParticipant;
-  friend class AnyDataReader;
-  friend class AnyDataWriter;
+  friend class Endpoint;
   Topic(DomainParticipant& participant, ParticipantContext& context, std::string name,
         TypeSupport type, Qos qos);
 

@@ -1,0 +1,134 @@
+#include "rtps/dcps/endpoint.hpp"
+
+#include <algorithm>
+
+#include "rtps/dcps/group.hpp"
+
+namespace ddssec::rtps {
+
+Endpoint::Endpoint(Group& group, ParticipantContext& context, Topic& topic, Qos qos,
+                   const Side& side)
+    : Entity(context),
+      Timed(context.timers()),
+      group_(group),
+      topic_(topic),
+      side_(side),
+      qos_(std::move(qos)) {
+  const auto held = lock();
+  ++topic_.users_;
+}
+
+void Endpoint::retire() {
+  const auto held = lock();
+  --topic_.users_;
+  cancel();
+  if (!enabled()) return;
+  context_.protocol().remove(guid_, context_.now());
+  context_.reschedule();
+}
+
+Guid Endpoint::guid() const {
+  const auto held = lock();
+  return guid_;
+}
+
+Qos Endpoint::qos() const {
+  const auto held = lock();
+  return qos_;
+}
+
+Status Endpoint::enable() {
+  if (!group_.is_enabled())
+    return precondition_not_met(std::string(side_.name), "an enabled " + std::string(side_.group),
+                                "a disabled one");
+  auto announced = DDSSEC_TRY(announced_qos(qos(), group_.qos(), topic_));
+  const auto held = lock();
+  if (enabled()) return {};
+  guid_ = DDSSEC_TRY(
+      create({topic_.name(), topic_.type_name(), std::move(announced), topic_.type().with_key}));
+  mark_enabled();
+  context_.reschedule();
+  return {};
+}
+
+Status Endpoint::set_qos(const Qos& qos) {
+  auto announced = DDSSEC_TRY(announced_qos(qos, group_.qos(), topic_));
+  const auto held = lock();
+  if (enabled()) {
+    DDSSEC_TRY(check_mutable(qos_, qos));
+    DDSSEC_TRY(context_.protocol().change_qos(guid_, std::move(announced), context_.now()));
+  }
+  const auto before = std::exchange(qos_, qos);
+  on_own_qos(before);
+  if (enabled()) context_.reschedule();
+  return {};
+}
+
+Status Endpoint::regroup(const GroupQos& group) {
+  auto announced = DDSSEC_TRY(announced_qos(qos(), group, topic_));
+  const auto held = lock();
+  if (!enabled()) return {};
+  DDSSEC_TRY(context_.protocol().change_qos(guid_, std::move(announced), context_.now()));
+  context_.reschedule();
+  return {};
+}
+
+void Endpoint::on_matched(const EndpointData& remote) {
+  if (std::ranges::find(remotes_, remote.guid) != remotes_.end()) return;
+  remotes_.push_back(remote.guid);
+  matched_.count();
+  ++matched_.current_count;
+  ++matched_.current_count_change;
+  matched_.last_remote = remote.guid;
+  note(side_.matched);
+}
+
+void Endpoint::on_unmatched(const Guid& remote) {
+  if (std::erase(remotes_, remote) == 0) return;
+  --matched_.current_count;
+  --matched_.current_count_change;
+  matched_.last_remote = remote;
+  note(side_.matched);
+}
+
+void Endpoint::on_incompatible_qos(const Guid& remote, const QosMismatch& mismatch) {
+  incompatible_.count();
+  incompatible_.last_policy_id = mismatch.id;
+  ++incompatible_.policies[mismatch.id];
+  incompatible_.last = mismatch;
+  incompatible_.last_remote = remote;
+  note(side_.incompatible_qos);
+}
+
+void Endpoint::on_inconsistent_topic(const EndpointData&) { topic_.on_inconsistent(); }
+
+void Endpoint::miss_deadline(InstanceHandle instance) {
+  deadline_missed_.count();
+  deadline_missed_.last_instance_handle = instance;
+  note(side_.deadline_missed);
+}
+
+MatchedStatus Endpoint::read_matched_status() {
+  const auto held = lock();
+  clear(side_.matched);
+  const auto out = matched_;
+  matched_.total_count_change = matched_.current_count_change = 0;
+  return out;
+}
+
+std::vector<Guid> Endpoint::matched_remotes() const {
+  const auto held = lock();
+  return remotes_;
+}
+
+Result<EndpointData> Endpoint::matched_data(const Guid& remote) const {
+  const auto held = lock();
+  const auto* data = std::ranges::find(remotes_, remote) == remotes_.end()
+                         ? nullptr
+                         : context_.protocol().remote_endpoint(remote);
+  if (data != nullptr) return *data;
+  return fail(Code::rtps_bad_parameter,
+              {.expected = "a matched endpoint", .found = remote.to_string()});
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,87 @@
+// What writers and readers have in common.
+#pragma once
+
+#include "rtps/dcps/topic.hpp"
+
+namespace ddssec::rtps {
+
+class Group;
+struct GroupQos;
+
+/// A writer or a reader. Made and deleted by its publisher or subscriber. Any thread may call.
+class Endpoint : public Entity, protected EndpointListener, protected Timed {
+ public:
+  ~Endpoint() override = default;
+
+  Topic& topic() const { return topic_; }
+  /// Zero until it is enabled.
+  Guid guid() const;
+  Qos qos() const;
+  /// Errors: rtps_qos_inconsistent, rtps_immutable_policy.
+  Status set_qos(const Qos& qos);
+  Status enable() override;
+
+ protected:
+  friend class Group;
+  /// What differs between the two ends.
+  struct Side {
+    std::string_view name, group;
+    StatusKind matched, incompatible_qos, deadline_missed;
+  };
+  Endpoint(Group& group, ParticipantContext& context, Topic& topic, Qos qos, const Side& side);
+  /// The first thing that the destructors of the derived ones do: nobody calls them any more.
+  void retire();
+
+  // With the lock held:
+  virtual Result<Guid> create(Participant::EndpointRequest request) = 0;
+  /// After its own policies changed.
+  virtual void on_own_qos(const Qos& before) = 0;
+  /// Errors: rtps_precondition_not_met (it must not be deleted now).
+  virtual Status check_unused() const { return {}; }
+
+  void on_matched(const EndpointData& remote) override;
+  void on_unmatched(const Guid& remote) override;
+  void on_incompatible_qos(const Guid& remote, const QosMismatch& mismatch) override;
+  void on_inconsistent_topic(const EndpointData& remote) override;
+  void miss_deadline(InstanceHandle instance);
+
+  // Without the lock:
+  template <class Status>
+  Status read_status(StatusKind kind, Status& status);
+  MatchedStatus read_matched_status();
+  IncompatibleQosStatus read_incompatible_status() {
+    return read_status(side_.incompatible_qos, incompatible_);
+  }
+  DeadlineMissedStatus read_deadline_status() {
+    return read_status(side_.deadline_missed, deadline_missed_);
+  }
+  std::vector<Guid> matched_remotes() const;
+  /// Errors: rtps_bad_parameter (it is not matched).
+  Result<EndpointData> matched_data(const Guid& remote) const;
+
+  /// The policies of its group are others now.
+  Status regroup(const GroupQos& group);
+
+  Group& group_;
+  Topic& topic_;
+  const Side side_;
+  Guid guid_;
+  Qos qos_;
+
+ private:
+  std::vector<Guid> remotes_;
+  DeadlineMissedStatus deadline_missed_;
+  IncompatibleQosStatus incompatible_;
+  MatchedStatus matched_;
+};
+
+template <class Status>
+Status Endpoint::read_status(StatusKind kind, Status& status) {
+  const auto held = lock();
+  clear(kind);
+  const auto out = status;
+  status.total_count_change = 0;
+  return out;
+}
+
+}  // namespace ddssec::rtps
