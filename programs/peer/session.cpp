@@ -4,35 +4,10 @@
 #include <cstdio>
 #include <thread>
 
-#include "pki/participant_folder.hpp"
-#include "plugins/spi/property_names.hpp"
-
 namespace ddssec::peer {
 namespace {
 
 volatile std::sig_atomic_t signalled = 0;
-
-/// The documents of a participant's folder, in either layout.
-spi::PropertyList properties_of(const std::string& path) {
-  namespace property = spi::property;
-  const auto folder = pki::participant_folder(path);
-  spi::PropertyList out;
-  const auto add = [&](std::string_view name, const std::filesystem::path& file) {
-    out.push_back({std::string(name), "file:" + file.string(), false});
-  };
-  add(property::kIdentityCa, folder.identity_ca);
-  add(property::kIdentityCertificate, folder.certificate);
-  add(property::kPrivateKey, folder.key);
-  add(property::kPermissionsCa, folder.permissions_ca);
-  add(property::kGovernance, folder.governance);
-  add(property::kPermissions, folder.permissions);
-  // A link to nothing is a list that somebody meant to be there.
-  std::error_code error;
-  if (std::filesystem::symlink_status(folder.crl, error).type() >
-      std::filesystem::file_type::not_found)
-    add(property::kCrl, folder.crl);
-  return out;
-}
 
 }  // namespace
 
@@ -55,8 +30,9 @@ Status Session::open() {
   rtps::DomainParticipantOptions wanted{.domain_id = options_.domain,
                                         .entity_name = "ddssec-peer " + options_.role};
   if (options_.security != "off") {
-    plugins_ = std::make_unique<Plugins>(environment);
-    wanted.security.emplace(plugins_->view(), properties_of(options_.security));
+    engines_ = std::make_unique<secured::Engines>(environment);
+    wanted.security.emplace(engines_->view(),
+                            DDSSEC_TRY(secured::folder_properties(options_.security)));
   }
   auto created = rtps::DomainParticipant::create(std::move(wanted), environment);
   if (!created) return std::unexpected(created.error());

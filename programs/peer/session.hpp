@@ -6,12 +6,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "plugins/access_control/access_control.hpp"
-#include "plugins/authentication/authentication.hpp"
-#include "plugins/cryptography/cryptography.hpp"
 #include "programs/peer/options.hpp"
 #include "programs/peer/types.hpp"
 #include "rtps/dcps/domain_participant.hpp"
+#include "secured/engines.hpp"
 
 namespace ddssec::peer {
 
@@ -28,21 +26,6 @@ void watch_signals();
 struct Counts {
   std::uint64_t written = 0, received = 0, corrupt = 0;
   bool ever_matched = false;
-};
-
-/// The three engines that secure a participant.
-class Plugins {
- public:
-  explicit Plugins(const Environment& environment)
-      : authentication_(authentication::make_authentication(environment)),
-        access_control_(access_control::make_access_control(environment)),
-        cryptography_(cryptography::make_cryptography(environment)) {}
-  rtps::SecurityPlugins view() { return {*authentication_, *access_control_, *cryptography_}; }
-
- private:
-  std::unique_ptr<spi::Authentication> authentication_;
-  std::unique_ptr<spi::AccessControl> access_control_;
-  std::unique_ptr<spi::Cryptography> cryptography_;
 };
 
 class Session final : private EventSink {
@@ -104,7 +87,7 @@ class Session final : private EventSink {
   SystemClock clock_;
   SystemRandom random_;
   RateLimitedSink limited_{*this, clock_};
-  std::unique_ptr<Plugins> plugins_;
+  std::unique_ptr<secured::Engines> engines_;
   std::unique_ptr<rtps::DomainParticipant> participant_;
   rtps::AuthenticationCounters said_;
   std::int64_t end_ = 0;

@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
-# Installs the build into a folder of its own, moves it, and builds a consumer both ways.
+# Installs the build into a folder of its own, moves it, and builds a consumer both ways; then the
+# examples, and runs them until samples arrive.
 # Usage: install_test.sh BUILD SCRATCH
 set -euo pipefail
 consumer=$(cd "$(dirname "${BASH_SOURCE[0]}")/consumer" && pwd)
+examples=$(cd "$(dirname "${BASH_SOURCE[0]}")/../../examples" && pwd)
 build=$1 scratch=$2
 die() { printf 'install_test.sh: %s\n' "$*" >&2; exit 1; }
 
@@ -21,6 +23,23 @@ flags=$(PKG_CONFIG_PATH=$pc pkg-config --cflags --libs ddssec)
 # shellcheck disable=SC2086
 ${CXX:-c++} "$consumer/main.cpp" -o "$scratch/consumer" $flags || die "pkg-config"
 "$scratch/consumer" || die "the consumer built with pkg-config"
+
+# The examples, as their README says: built with the installed package, secured by the installed tool.
+cmake -S "$examples" -B "$scratch/examples" -DCMAKE_PREFIX_PATH="$installed" >"$scratch/configure.log"
+cmake --build "$scratch/examples" >"$scratch/build.log" || { cat "$scratch/build.log"; die "examples"; }
+"$installed/bin/ddssec" init "$scratch/demo" --domain 121 --quiet >/dev/null || die "ddssec init"
+"$scratch/examples/publisher" "$scratch/demo/talker" 121 2>"$scratch/publisher.log" &
+publisher=$!
+trap 'kill $publisher 2>/dev/null || true' EXIT
+{ timeout 20 stdbuf -oL "$scratch/examples/subscriber" "$scratch/demo/listener" 121 || true; } \
+  2>"$scratch/subscriber.log" | head -n 3 >"$scratch/readings"
+cat "$scratch/publisher.log" "$scratch/subscriber.log"
+[ "$(grep -c '^kitchen 2[0-2]\.' "$scratch/readings")" -eq 3 ] || die "the examples exchanged nothing"
+if "$scratch/examples/publisher" "$scratch/nowhere" 121 2>"$scratch/refused"; then die "no folder, no error"; fi
+grep -q "nowhere" "$scratch/refused" || die "the error does not name the folder"
+for file in "$examples"/*.cpp; do
+  [ "$(wc -l <"$file")" -lt 40 ] || die "$file is no small example any more"
+done
 
 dropin=$(PKG_CONFIG_PATH=$pc pkg-config --variable dropindir ddssec)
 for name in auth ac crypto; do

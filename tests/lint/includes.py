@@ -16,7 +16,9 @@ ARROWS = {
     "plugins/cryptography": ["base", "plugins/spi"],
     "plugins/cyclonedds": ["base", "plugins"],
     "rtps": ["base", "plugins/spi"],
-    "programs": ["base", "pki", "governance", "rtps", "plugins"],
+    "secured": ["base", "pki", "rtps", "plugins/spi", "plugins/authentication",
+                "plugins/access_control", "plugins/cryptography"],
+    "programs": ["base", "pki", "governance", "rtps", "secured", "plugins"],
     "cli": ["base", "pki", "governance", "plugins/spi", "plugins/authentication",
             "plugins/access_control", "plugins/cryptography", "rtps"],
 }

@@ -5,7 +5,8 @@ import pathlib
 import re
 import sys
 
-SOURCES = ["base", "pki", "governance", "plugins", "rtps", "cli", "programs"]
+SOURCES = ["base", "pki", "governance", "plugins", "rtps", "secured", "cli", "programs",
+           "examples"]
 MOST_LINES = 600
 
 RULES = [

@@ -1,0 +1,24 @@
+// Publishes a temperature ten times a second, in domain 0 or another.
+// Usage: publisher FOLDER [DOMAIN]
+#include <cmath>
+#include <cstdlib>
+#include <secured/participant.hpp>
+#include <thread>
+
+#include "reading.hpp"
+
+using ddssec::secured::or_exit;
+using ddssec::secured::Participant;
+
+int main(int argc, char** argv) {
+  const char* folder = argc > 1 ? argv[1] : "demo/talker";
+  const int domain = argc > 2 ? std::atoi(argv[2]) : 0;
+
+  auto participant = or_exit(Participant::join(folder, {.domain_id = domain}));
+  auto* readings = or_exit(participant.writer<Reading>("Temperature"));
+
+  for (int i = 0;; ++i) {
+    or_exit(readings->write({.sensor = "kitchen", .celsius = 21 + std::sin(0.1 * i)}));
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+}

@@ -1,0 +1,23 @@
+// Prints temperatures as they come, in domain 0 or another; ends when none comes for ten seconds.
+// Usage: subscriber FOLDER [DOMAIN]
+#include <cstdio>
+#include <cstdlib>
+#include <secured/participant.hpp>
+
+#include "reading.hpp"
+
+using ddssec::secured::or_exit;
+using ddssec::secured::Participant;
+
+int main(int argc, char** argv) {
+  const char* folder = argc > 1 ? argv[1] : "demo/listener";
+  const int domain = argc > 2 ? std::atoi(argv[2]) : 0;
+
+  auto participant = or_exit(Participant::join(folder, {.domain_id = domain}));
+  auto* readings = or_exit(participant.reader<Reading>("Temperature"));
+
+  while (readings->wait_for_unread(std::chrono::seconds(10)))
+    while (const auto reading = readings->take_next_sample())
+      if (reading->info.valid_data)
+        std::printf("%s %.2f\n", reading->data.sensor.c_str(), reading->data.celsius);
+}

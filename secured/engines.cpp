@@ -1,0 +1,32 @@
+#include "secured/engines.hpp"
+
+#include "pki/participant_folder.hpp"
+#include "plugins/spi/property_names.hpp"
+
+namespace ddssec::secured {
+
+Result<spi::PropertyList> folder_properties(const std::filesystem::path& path) {
+  namespace property = spi::property;
+  std::error_code error;
+  if (!std::filesystem::is_directory(path, error))
+    return fail(Code::file_unreadable,
+                {.document = path.string(), .expected = "a participant's folder"});
+  const auto folder = pki::participant_folder(path);
+  spi::PropertyList out;
+  const auto add = [&](std::string_view name, const std::filesystem::path& file) {
+    out.push_back({std::string(name), "file:" + file.string(), false});
+  };
+  add(property::kIdentityCa, folder.identity_ca);
+  add(property::kIdentityCertificate, folder.certificate);
+  add(property::kPrivateKey, folder.key);
+  add(property::kPermissionsCa, folder.permissions_ca);
+  add(property::kGovernance, folder.governance);
+  add(property::kPermissions, folder.permissions);
+  // A link to nothing is a list that somebody meant to be there.
+  if (std::filesystem::symlink_status(folder.crl, error).type() >
+      std::filesystem::file_type::not_found)
+    add(property::kCrl, folder.crl);
+  return out;
+}
+
+}  // namespace ddssec::secured

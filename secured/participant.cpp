@@ -1,0 +1,34 @@
+#include "secured/participant.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+
+namespace ddssec::secured {
+
+void StandardErrorEvents::raise(const Event& event) {
+  if (event.severity >= Severity::warning) std::fprintf(stderr, "%s\n", event.to_line().c_str());
+}
+
+Result<Participant> Participant::join(const std::filesystem::path& folder,
+                                      rtps::DomainParticipantOptions options, EventSink* events) {
+  auto state = std::make_unique<State>(events);
+  options.security.emplace(state->engines.view(), DDSSEC_TRY(folder_properties(folder)));
+  state->participant = DDSSEC_TRY(rtps::DomainParticipant::create(
+      std::move(options), {state->clock, state->random, state->limited}));
+  state->publisher = DDSSEC_TRY(state->participant->create_publisher());
+  state->subscriber = DDSSEC_TRY(state->participant->create_subscriber());
+  return Participant(std::move(state));
+}
+
+rtps::Qos Participant::reliable_reader_qos() {
+  auto qos = rtps::default_reader_qos();
+  qos.reliability.kind = rtps::ReliabilityKind::reliable;
+  return qos;
+}
+
+void exit_with(const Error& error) {
+  std::fprintf(stderr, "%s\n", error.to_sentence().c_str());
+  std::exit(EXIT_FAILURE);
+}
+
+}  // namespace ddssec::secured

@@ -1,0 +1,81 @@
+// Which files of a folder secure a participant, and what is said when they are not there. That two
+// of them talk is shown with the installed examples (tests/install).
+#include "secured/participant.hpp"
+
+#include <fstream>
+
+#include <gmock/gmock.h>
+
+#include "plugins/spi/property_names.hpp"
+
+namespace ddssec::secured {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::EndsWith;
+using ::testing::ExitedWithCode;
+using ::testing::HasSubstr;
+
+struct Folder {
+  fs::path path = fs::path(::testing::TempDir()) /
+                  ("ddssec-secured-" + std::to_string(::getpid()) + "-" +
+                   ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  Folder() { fs::create_directories(path); }
+  ~Folder() { fs::remove_all(path); }
+  void put(const char* name) const { std::ofstream(path / name) << "nothing good"; }
+};
+
+struct Quiet final : EventSink {
+  void raise(const Event&) override {}
+};
+
+std::string value_of(const spi::PropertyList& properties, std::string_view name) {
+  for (const auto& property : properties)
+    if (property.name == name) return property.value;
+  return {};
+}
+
+TEST(FolderProperties, NameTheFilesOfEitherLayout) {
+  const Folder folder;
+  auto properties = folder_properties(folder.path);
+  ASSERT_TRUE(properties);
+  EXPECT_EQ(properties->size(), 6u);
+  EXPECT_THAT(value_of(*properties, spi::property::kIdentityCa), EndsWith("/identity_ca.pem"));
+  EXPECT_THAT(value_of(*properties, spi::property::kPrivateKey), EndsWith("/key.pem"));
+  folder.put("identity_ca.cert.pem");
+  properties = folder_properties(folder.path);
+  EXPECT_THAT(value_of(*properties, spi::property::kIdentityCa), EndsWith("/identity_ca.cert.pem"));
+}
+
+// A list of revoked certificates that somebody meant to be there must not go missing in silence.
+TEST(FolderProperties, AListOfRevokedCertificatesCountsEvenAsABrokenLink) {
+  const Folder folder;
+  fs::create_symlink("nowhere", folder.path / "crl.pem");
+  const auto properties = folder_properties(folder.path);
+  EXPECT_THAT(value_of(*properties, spi::property::kCrl), EndsWith("/crl.pem"));
+}
+
+TEST(SecuredParticipant, WithoutAFolderThereIsNone) {
+  Quiet quiet;
+  const auto participant = Participant::join("/nowhere/at/all", {.domain_id = 122}, &quiet);
+  ASSERT_FALSE(participant);
+  EXPECT_EQ(participant.error().code(), Code::file_unreadable);
+  EXPECT_THAT(participant.error().to_sentence(), HasSubstr("/nowhere/at/all"));
+}
+
+TEST(SecuredParticipant, AFileThatIsMissingIsNamed) {
+  const Folder folder;
+  Quiet quiet;
+  const auto participant = Participant::join(folder.path, {.domain_id = 122}, &quiet);
+  ASSERT_FALSE(participant);
+  EXPECT_THAT(participant.error().to_sentence(), HasSubstr("identity_ca.pem"));
+}
+
+TEST(SecuredParticipant, AnErrorThatNobodyHandlesEndsTheProgramWithItsSentence) {
+  EXPECT_EXIT(or_exit<int>(fail(Code::file_unreadable, {.document = "a.pem"})), ExitedWithCode(1),
+              "a.pem");
+  EXPECT_EQ(or_exit(Result<int>(7)), 7);
+}
+
+}  // namespace
+}  // namespace ddssec::secured
