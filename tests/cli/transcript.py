@@ -8,8 +8,12 @@ import sys
 import tempfile
 import unittest
 
+import jsonschema
+
 PROGRAM = pathlib.Path(sys.argv.pop(1)).resolve()
 DATA = pathlib.Path(__file__).resolve().parent.parent / "data"
+SCHEMA = json.loads((DATA.parent.parent / "cli/schema/ddssec-1.schema.json").read_text())
+ANSWERS = jsonschema.Draft202012Validator(SCHEMA)
 ENVELOPE = ["schema", "command", "ok", "exit", "result", "diagnostics", "files_written"]
 
 
@@ -39,6 +43,8 @@ class Transcript(unittest.TestCase):
         done = self.run_program(*words, "--format", "json", exit=exit, **more)
         self.assertEqual(done.stderr, "")
         out = json.loads(done.stdout)
+        wrong = jsonschema.exceptions.best_match(ANSWERS.iter_errors(out))
+        self.assertIsNone(wrong, f"{words} against cli/schema: {wrong}")
         self.assertEqual([key for key in out if key != "dry_run"], ENVELOPE)
         self.assertEqual((out["schema"], out["exit"], out["ok"]), ("ddssec/1", exit, exit == 0))
         return out
