@@ -25,7 +25,8 @@ struct ddssec::rtps::TypeTraits<ddssec::peer::ShapeType> {
   static constexpr auto extensibility = Extensibility::final_type;
   template <class Self, class Visit>
   static void members(Self& s, Visit&& visit) {
-    visit(key(s.color, 128), s.x, s.y, s.shapesize);
+    visit(named("color", key(s.color, 128)), named("x", s.x), named("y", s.y),
+          named("shapesize", s.shapesize));
   }
 };
 

@@ -21,6 +21,8 @@ enum class Extensibility : std::uint8_t { final_type, appendable };
 ///   template <class Self, class Visit> static void members(Self& self, Visit&& visit) {
 ///     visit(key(self.color, 128), self.x, bounded(self.data, 1000));
 ///   }
+/// or, for content filters, with the names of the IDL:
+///     visit(named("color", key(self.color, 128)), named("x", self.x));
 /// Members may be bool, integers, floating point numbers, enumerations (32 bits), std::string,
 /// std::vector, std::array and other types with traits.
 template <class T>
@@ -39,6 +41,7 @@ struct Member {
   T& value;
   bool is_key = false;
   std::size_t bound = kUnbounded;  ///< most characters or elements
+  std::string_view name = {};      ///< in the IDL; empty: no filter can speak of it
 };
 
 template <class T>
@@ -49,6 +52,28 @@ template <class T>
 constexpr Member<T> bounded(T& value, std::size_t bound) {
   return {value, false, bound};
 }
+template <class T>
+constexpr Member<T> named(std::string_view name, T& value) {
+  return {value, false, kUnbounded, name};
+}
+template <class T>
+constexpr Member<T> named(std::string_view name, Member<T> member) {
+  member.name = name;
+  return member;
+}
+
+/// An enumerator as the IDL names it.
+struct EnumLabel {
+  std::string_view name;
+  std::int32_t value = 0;
+};
+
+/// May be specialised for enumerations, so that filters know their labels:
+///   static constexpr EnumLabel labels[] = {{"RED", 0}, {"GREEN", 1}};
+template <class E>
+struct EnumTraits {
+  static constexpr std::array<EnumLabel, 0> labels = {};
+};
 
 namespace detail {
 

@@ -15,7 +15,8 @@ struct TypeTraits<Shape> {
   static constexpr auto extensibility = Extensibility::final_type;
   template <class Self, class Visit>
   static void members(Self& s, Visit&& visit) {
-    visit(key(s.color), s.x, s.y, s.shapesize, s.payload);
+    visit(named("color", key(s.color)), named("x", s.x), named("y", s.y),
+          named("shapesize", s.shapesize), named("payload", s.payload));
   }
 };
 

@@ -22,7 +22,7 @@ struct TypeTraits<Reading> {
   static constexpr auto extensibility = Extensibility::appendable;
   template <class Self, class Visit>
   static void members(Self& s, Visit&& visit) {
-    visit(key(s.sensor, 20), s.value, s.octets);
+    visit(named("sensor", key(s.sensor, 20)), named("value", s.value), named("octets", s.octets));
   }
 };
 
