@@ -109,7 +109,16 @@ Result<UdpSocket> UdpSocket::open(const Locator& at, bool shared) {
   return UdpSocket(std::move(fd), locator_of(address.storage));
 }
 
-Result<UdpSocket> UdpSocket::bind(const Locator& at) { return open(at, false); }
+Result<UdpSocket> UdpSocket::bind(const Locator& at) {
+  auto socket = DDSSEC_TRY(open(at, false));
+  // What goes to a group leaves by this interface, whatever the routes say.
+  if (at.kind == LocatorKind::udp_v4 && !at.is_unspecified()) {
+    in_addr interface{};
+    std::memcpy(&interface, at.address.data() + 12, 4);
+    set_option(socket.fd(), IPPROTO_IP, IP_MULTICAST_IF, interface);
+  }
+  return socket;
+}
 
 Result<UdpSocket> UdpSocket::join(const Locator& group, const Locator& interface) {
   auto socket = DDSSEC_TRY(open(group, true));

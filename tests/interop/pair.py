@@ -44,6 +44,15 @@ class Namespace:
         user = [] if self.as_root else ["-U", "--preserve-credentials"]
         return ["nsenter", "-t", str(self._holder.pid), *user, "-n", *command]
 
+    @property
+    def pid(self):
+        """A process that lives in it."""
+        return self._holder.pid
+
+    def run(self, command):
+        """Runs a command inside to its end."""
+        subprocess.run(self.enter(command.split()), check=True, stdout=subprocess.DEVNULL)
+
     def close(self):
         self._holder.kill()
         self._holder.wait()

@@ -1,6 +1,7 @@
 #include <thread>
 
 #include "rtps/transport/event_loop.hpp"
+#include "rtps/transport/interfaces.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
 
 namespace ddssec::rtps {
@@ -37,6 +38,13 @@ TEST(UdpSocket, ATakenPortIsNamed) {
 
 TEST(UdpSocket, AnAddressThatIsNotOursIsRefused) {
   EXPECT_EQ(code_of(UdpSocket::bind(*Locator::parse("192.0.2.1", 0))), Code::rtps_socket_failed);
+}
+
+TEST(DefaultInterface, IsAnAddressToBindTo) {
+  const auto address = Locator::parse(default_interface(), 0);
+  ASSERT_TRUE(address);
+  EXPECT_EQ(address->kind, LocatorKind::udp_v4);
+  EXPECT_TRUE(UdpSocket::bind(*address));
 }
 
 TEST(EventLoop, WakesForASocketForACallAndForTime) {

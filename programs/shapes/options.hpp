@@ -1,0 +1,68 @@
+// The command line of ddssec-shapes and its exit codes.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "rtps/qos/qos.hpp"
+
+namespace ddssec::shapes {
+
+enum Exit : int { kDone = 0, kBadArguments = 1, kNotInitialised = 2, kRunFailed = 3 };
+
+enum class FinalState : std::uint8_t { as_it_is, unregistered, disposed };
+
+/// Periods are milliseconds; what is nothing (or 0, for --time-filter and --lifespan) was not asked
+/// for.
+struct Options {
+  bool publish = false;
+  std::int32_t domain = 0;
+  bool reliable = true;
+  std::optional<std::int32_t> history_depth = {};  ///< 0: keep all
+  std::optional<std::int64_t> deadline = {};
+  std::int32_t ownership_strength = -1;  ///< -1: shared
+  std::string topic = "Square";
+  std::string color;  ///< to publish; of a subscriber: the only one to receive
+  std::string partition;
+  rtps::DurabilityKind durability = rtps::DurabilityKind::volatile_;
+  rtps::DataRepresentation representation = rtps::DataRepresentation::xcdr1;
+  bool print_written = false;
+  std::int32_t size = 20;  ///< 0: grows by one a write
+  bool read = false;       ///< instead of take
+  bool by_instance = true;
+  bool verbose = false;
+  std::int64_t write_period = 33;
+  std::int64_t read_period = 100;
+  std::int64_t time_filter = 0;
+  std::int64_t lifespan = 0;
+  std::uint64_t iterations = 0;  ///< 0: until SIGINT
+  std::uint32_t instances = 1;
+  std::uint32_t topics = 1;
+  FinalState final_state = FinalState::as_it_is;
+  rtps::Presentation presentation = {};
+  std::uint32_t coherent_samples = 0;
+  std::uint32_t payload_size = 0;
+  std::optional<std::int64_t> announcement_period = {};
+  std::optional<std::uint32_t> fragment_size = {};
+  std::string filter;  ///< expression of a content filter
+  std::int32_t size_modulo = 0;
+  bool final_type = false;
+
+  /// NAME, NAME1, NAME2...
+  static std::string numbered(const std::string& name, std::uint32_t i) {
+    return i == 0 ? name : name + std::to_string(i);
+  }
+};
+
+/// The options, or the exit code after usage or --help was printed.
+struct Parsed {
+  std::optional<Options> options;
+  int exit_code = kBadArguments;
+};
+Parsed parse(int argc, char** argv);
+
+/// The option that needs what the participant cannot do yet; nothing if there is none.
+std::optional<std::string> unsupported(const Options& options);
+
+}  // namespace ddssec::shapes

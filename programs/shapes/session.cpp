@@ -1,0 +1,183 @@
+#include "programs/shapes/session.hpp"
+
+#include <csignal>
+#include <cstdarg>
+#include <cstdio>
+
+#include "rtps/transport/interfaces.hpp"
+
+namespace ddssec::shapes {
+namespace {
+
+sigset_t ending_signals() {
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, SIGINT);
+  sigaddset(&set, SIGTERM);
+  return set;
+}
+
+rtps::Duration duration_of(std::int64_t milliseconds) {
+  return rtps::Duration::from(std::chrono::milliseconds(milliseconds));
+}
+
+// Brackets with digits inside are a sample's size, and nothing else may look like it.
+void say_status(const char* what, const rtps::Topic& topic, const std::string& rest) {
+  say("%s() topic: '%s'  type: '%s' : %s", what, topic.name().c_str(), topic.type_name().c_str(),
+      rest.c_str());
+}
+
+void say_matched(const char* what, const char* whom, const rtps::Topic& topic,
+                 const rtps::MatchedStatus& status) {
+  say_status(what, topic,
+             std::string("matched ") + whom + " " + std::to_string(status.current_count) +
+                 " (change = " + std::to_string(status.current_count_change) + ")");
+}
+
+void say_incompatible(const char* what, const rtps::Topic& topic,
+                      const rtps::IncompatibleQosStatus& status) {
+  say_status(what, topic,
+             std::to_string(static_cast<int>(status.last_policy_id)) + " (" + status.last.policy +
+                 ": offered " + status.last.offered + ", requested " + status.last.requested + ")");
+}
+
+void say_count(const char* what, const rtps::Topic& topic, const rtps::CountStatus& status) {
+  say_status(what, topic,
+             "(total = " + std::to_string(status.total_count) +
+                 ", change = " + std::to_string(status.total_count_change) + ")");
+}
+
+}  // namespace
+
+void say(const char* format, ...) {
+  std::array<char, 2048> line;
+  std::va_list values;
+  va_start(values, format);
+  std::vsnprintf(line.data(), line.size(), format, values);
+  va_end(values);
+  std::puts(line.data());
+  std::fflush(stdout);
+}
+
+void hold_signals() {
+  const auto set = ending_signals();
+  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+}
+
+void StatusLines::on_publication_matched(rtps::AnyDataWriter& writer,
+                                         const rtps::MatchedStatus& status) {
+  say_matched("on_publication_matched", "readers", writer.topic(), status);
+}
+void StatusLines::on_offered_incompatible_qos(rtps::AnyDataWriter& writer,
+                                              const rtps::IncompatibleQosStatus& status) {
+  say_incompatible("on_offered_incompatible_qos", writer.topic(), status);
+}
+void StatusLines::on_offered_deadline_missed(rtps::AnyDataWriter& writer,
+                                             const rtps::DeadlineMissedStatus& status) {
+  say_count("on_offered_deadline_missed", writer.topic(), status);
+}
+void StatusLines::on_liveliness_lost(rtps::AnyDataWriter& writer,
+                                     const rtps::LivelinessLostStatus& status) {
+  say_count("on_liveliness_lost", writer.topic(), status);
+}
+void StatusLines::on_subscription_matched(rtps::AnyDataReader& reader,
+                                          const rtps::MatchedStatus& status) {
+  say_matched("on_subscription_matched", "writers", reader.topic(), status);
+}
+void StatusLines::on_requested_incompatible_qos(rtps::AnyDataReader& reader,
+                                                const rtps::IncompatibleQosStatus& status) {
+  say_incompatible("on_requested_incompatible_qos", reader.topic(), status);
+}
+void StatusLines::on_requested_deadline_missed(rtps::AnyDataReader& reader,
+                                               const rtps::DeadlineMissedStatus& status) {
+  say_count("on_requested_deadline_missed", reader.topic(), status);
+}
+void StatusLines::on_liveliness_changed(rtps::AnyDataReader& reader,
+                                        const rtps::LivelinessChangedStatus& status) {
+  say_status("on_liveliness_changed", reader.topic(),
+             "(alive = " + std::to_string(status.alive_count) +
+                 ", not_alive = " + std::to_string(status.not_alive_count) + ")");
+}
+void StatusLines::on_inconsistent_topic(rtps::Topic& topic,
+                                        const rtps::InconsistentTopicStatus& status) {
+  say_count("on_inconsistent_topic", topic, status);
+}
+
+Status Session::open() {
+  const auto interface = rtps::default_interface();
+  rtps::DomainParticipantOptions wanted{.domain_id = options_.domain,
+                                        .entity_name = "ddssec-shapes",
+                                        .interface = interface,
+                                        .multicast = true,
+                                        .peers = {interface}};
+  // Peers of this machine that speak over loopback alone.
+  if (interface != "127.0.0.1") wanted.peers.push_back("127.0.0.1");
+  const Environment environment{clock_, random_, limited_};
+  auto created = rtps::DomainParticipant::create(wanted, environment);
+  if (!created && created.error().code() == Code::rtps_socket_failed) {
+    wanted.multicast = false;
+    created = rtps::DomainParticipant::create(std::move(wanted), environment);
+  }
+  participant_ = DDSSEC_TRY(std::move(created));
+  participant_->set_listener(&lines_);
+  return {};
+}
+
+Session::~Session() {
+  if (participant_) participant_->set_listener(nullptr);
+}
+
+rtps::GroupQos Session::group_qos() const {
+  rtps::GroupQos qos;
+  qos.presentation = options_.presentation;
+  if (!options_.partition.empty()) qos.partition = {options_.partition};
+  return qos;
+}
+
+rtps::Qos Session::common_qos() const {
+  rtps::Qos qos;
+  qos.reliability.kind =
+      options_.reliable ? rtps::ReliabilityKind::reliable : rtps::ReliabilityKind::best_effort;
+  qos.durability = options_.durability;
+  qos.data_representation = {options_.representation};
+  if (options_.history_depth == 0) {
+    qos.history.kind = rtps::HistoryKind::keep_all;
+  } else if (options_.history_depth) {
+    qos.history.depth = *options_.history_depth;
+  }
+  if (options_.deadline.value_or(0) > 0) qos.deadline = duration_of(*options_.deadline);
+  if (options_.ownership_strength >= 0) qos.ownership = rtps::OwnershipKind::exclusive;
+  return qos;
+}
+
+rtps::Qos Session::writer_qos() const {
+  auto qos = common_qos();
+  if (options_.ownership_strength >= 0) qos.ownership_strength = options_.ownership_strength;
+  if (options_.lifespan > 0) qos.lifespan = duration_of(options_.lifespan);
+  qos.autodispose_unregistered_instances = options_.final_state != FinalState::unregistered;
+  return qos;
+}
+
+rtps::Qos Session::reader_qos() const {
+  auto qos = common_qos();
+  if (options_.time_filter > 0) qos.time_based_filter = duration_of(options_.time_filter);
+  return qos;
+}
+
+bool Session::pause(std::int64_t milliseconds) {
+  const auto set = ending_signals();
+  const timespec most{milliseconds / 1000, milliseconds % 1000 * 1000000};
+  return sigtimedwait(&set, nullptr, &most) < 0;
+}
+
+void Session::raise(const Event& event) {
+  if (options_.verbose) std::fprintf(stderr, "%s\n", event.to_line().c_str());
+}
+
+int not_created(const char* what, const Error& error) {
+  say("failed to create %s", what);
+  std::fprintf(stderr, "ddssec-shapes: %s\n", error.to_sentence().c_str());
+  return kNotInitialised;
+}
+
+}  // namespace ddssec::shapes

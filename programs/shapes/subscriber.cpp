@@ -1,0 +1,80 @@
+// -S: says what came, once a period.
+#include "programs/shapes/session.hpp"
+
+namespace ddssec::shapes {
+namespace {
+
+template <class T>
+class SubscriberRun {
+ public:
+  explicit SubscriberRun(Session& session) : session_(session), options_(session.options()) {}
+
+  int run() {
+    const auto topics = session_.create_topics<T>();
+    if (!topics) return not_created("topic", topics.error());
+    const auto subscriber = session_.participant().create_subscriber(session_.group_qos());
+    if (!subscriber) return not_created("subscriber", subscriber.error());
+    for (auto* topic : *topics) {
+      say("Create reader for topic: %s", topic->name().c_str());
+      auto reader = (*subscriber)->template create_datareader<T>(*topic, session_.reader_qos());
+      if (!reader) return not_created("datareader", reader.error());
+      readers_.push_back(*reader);
+    }
+    return read();
+  }
+
+ private:
+  int read() {
+    for (std::uint64_t n = 0; options_.iterations == 0 || n < options_.iterations; ++n) {
+      for (auto* reader : readers_)
+        if (!read_all(*reader)) return kRunFailed;
+      if (!session_.pause(options_.read_period)) break;
+    }
+    return kDone;
+  }
+
+  bool read_all(rtps::DataReader<T>& reader) {
+    rtps::InstanceHandle previous;
+    for (;;) {
+      const auto found = next(reader, previous);
+      if (!found) return say("failed to read"), false;
+      if (*found == 0) return true;
+      for (const auto& sample : samples_) say_one(reader, sample);
+      previous = samples_[0].info.instance_handle;
+      if (!options_.by_instance) return true;  // it was all there is
+    }
+  }
+
+  Result<std::size_t> next(rtps::DataReader<T>& reader, rtps::InstanceHandle previous) {
+    if (!options_.by_instance) return options_.read ? reader.read(samples_) : reader.take(samples_);
+    return options_.read ? reader.read_next_instance(samples_, previous)
+                         : reader.take_next_instance(samples_, previous);
+  }
+
+  void say_one(rtps::DataReader<T>& reader, const rtps::Sample<T>& sample) {
+    const auto& topic = reader.topic().name();
+    if (sample.info.valid_data) return say_sample(topic, sample.data);
+    const auto key = reader.key_value(sample.info.instance_handle);
+    const auto& color = key ? key->color : sample.data.color;
+    if (sample.info.instance_state == rtps::InstanceState::not_alive_no_writers)
+      say("%-10s %-10s NOT_ALIVE_NO_WRITERS_INSTANCE_STATE", topic.c_str(), color.c_str());
+    if (sample.info.instance_state == rtps::InstanceState::not_alive_disposed)
+      say("%-10s %-10s NOT_ALIVE_DISPOSED_INSTANCE_STATE", topic.c_str(), color.c_str());
+  }
+
+  Session& session_;
+  const Options& options_;
+  std::vector<rtps::DataReader<T>*> readers_;
+  rtps::Samples<T> samples_;
+};
+
+}  // namespace
+
+template <class T>
+int run_subscriber(Session& session) {
+  return SubscriberRun<T>(session).run();
+}
+template int run_subscriber<ShapeType>(Session&);
+template int run_subscriber<FinalShapeType>(Session&);
+
+}  // namespace ddssec::shapes

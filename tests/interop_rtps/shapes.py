@@ -1,0 +1,306 @@
+#!/usr/bin/env python3
+"""Every option of ddssec-shapes, two processes at a time, each case in a domain of its own.
+Usage: shapes.py BUILD [FILTER]"""
+
+import concurrent.futures
+import pathlib
+import re
+import sys
+import time
+
+from shapes_process import Case, Namespace, check
+
+FIRST_DOMAIN, OTHER_DOMAIN = 160, 189
+NOT_SUPPORTED = ["-P --coherent", "-S --coherent", "-P --ordered", "-S --ordered", "-S --time-filter 100",
+                 "-S -c RED", "-S --cft shapesize>20", "-P --periodic-announcement 100",
+                 "-P --datafrag-size 1000"]
+
+
+# ---- lines and codes ----------------------------------------------------------------------------------
+
+def lines(case):
+    pub, sub = case.pair("-w", "")
+    status = r"\(\) topic: 'Square'  type: 'ShapeType' : matched "
+    pub.says("^on_publication_matched" + status + r"readers 1 \(change = 1\)$")
+    sub.says("^on_subscription_matched" + status + r"writers 1 \(change = 1\)$")
+    topic, color, size, octet = sub.hears(1)[0]
+    check("a sample", (topic, color, size, octet) == ("Square", "BLUE", 20, None))
+    check("its columns", re.fullmatch(r"Square     BLUE       \d{3} \d{3} \[20\]", sub.lines[-1]))
+    check("what was written", pub.says(re.escape(sub.lines[-1])))
+    check("the first lines of a publisher", pub.lines[:2] ==
+          ["Create topic: Square", "Create writer for topic: Square color: BLUE"])
+    check("the first lines of a subscriber", sub.lines[:2] ==
+          ["Create topic: Square", "Create reader for topic: Square"])
+    check("a subscriber's exit code", sub.interrupt() == 0)
+    pub.says("^on_publication_matched" + status + r"readers 0 \(change = -1\)$")
+    check("a publisher's exit code", pub.interrupt() == 0)
+    check("nothing is missing", not any("not supported" in line for line in pub.lines + sub.lines))
+
+
+def writes_at_once(case):
+    pub = case.start("-P -w")
+    check("unmatched", len(pub.hears(3, 3)) == 3 and "matched" not in " ".join(pub.lines))
+
+
+def ends_by_itself(case):
+    begin = time.monotonic()
+    pub = case.start("-P --num-iterations 3 --write-period 100 -w")
+    check("its code", pub.end() == 0)
+    check("its samples", sum("[20]" in line for line in pub.lines) == 3)
+    check("its periods", time.monotonic() - begin > 0.3)
+    check("a subscriber's code", case.start("-S --num-iterations 2 --read-period 50").end() == 0)
+
+
+def bad_arguments(case):
+    for arguments in ("", "-P -S", "-P -k -1", "-P -s -2", "-P -D x", "-P -x 3", "-P -z -1", "-P -v q",
+                      "-S --access-scope x", "-P --final-instance-state x", "-P --num-instances 0",
+                      "-P --coherent-sample-count 1", "-P --nonsense", "-S extra", "-P -d 300",
+                      "-P --final --additional-payload-size 1"):
+        process = case.start(arguments)
+        check(f"the code of '{arguments}'", process.end() == 1)
+        check(f"the words for '{arguments}'", process.lines)
+    check("help", case.start("-h").end() == 0)
+
+
+def not_supported(case):
+    for arguments in NOT_SUPPORTED:
+        process = case.start(arguments)
+        check(f"the code of '{arguments}'", process.end() == 2)
+        check(f"the line of '{arguments}'", process.lines[-1].endswith(": not supported"))
+
+
+# ---- who talks to whom --------------------------------------------------------------------------------
+
+def nobody(case, publisher, subscriber, **other):
+    sub = case.start("-S " + subscriber, **other)
+    pub = case.start("-P " + publisher)
+    check("matched", not pub.says_within("matched|incompatible", 2))
+    check("heard", not sub.says_within(r"matched|incompatible|\[", 0.1))
+
+
+def other_domain(case):
+    nobody(case, "", "", domain=OTHER_DOMAIN)
+
+
+def other_topic(case):
+    nobody(case, "-t Square", "-t Circle")
+    pub, sub = case.pair("-t Triangle", "-t Triangle")
+    check("its topic", sub.hears(1)[0][0] == "Triangle")
+    pub.says("on_publication_matched.*'Triangle'")
+
+
+def partitions(case):
+    nobody(case, "-p p1", "-p p2")
+    _, sub = case.pair("-p x1 -c RED", "-p x*")
+    case.start("-P -p p3 -c GREEN")
+    check("another partition's sample", {color for _, color, *_ in sub.hears(20)} == {"RED"})
+
+
+MISMATCHES = [("-b", "-r", 11), ("-D v", "-D l", 2), ("-D l", "-D t", 2), ("-D t", "-D p", 2),
+              ("-x 1", "-x 2", 23), ("-x 2", "-x 1", 23), ("-s -1", "-s 1", 6), ("-s 3", "-s -1", 6),
+              ("-f 7000", "-f 5000", 4), ("--access-scope i", "--access-scope t", 3)]
+
+
+def mismatch(case):
+    started = [(*case.pair(f"{offered} -t T{i}", f"{requested} -t T{i}"), offered, requested, number)
+               for i, (offered, requested, number) in enumerate(MISMATCHES)]
+    for pub, sub, offered, requested, number in started:
+        pub.says(rf"^on_offered_incompatible_qos\(\) topic: '\w+'  type: 'ShapeType' : {number} \(")
+        sub.says(rf"^on_requested_incompatible_qos\(\) topic: '\w+'  type: 'ShapeType' : {number} \(")
+        check(f"{offered} > {requested}: matched", not pub.says_within("matched", 0.2))
+
+
+MATCHES = [("-r", "-b"), ("-b", "-b"), ("-x 2", "-x 2"), ("-x 2 --final", "-x 2 --final"),
+           ("--final", "--final"), ("-D l", "-D v"), ("-D t", "-D t"), ("-D t", "-D l"),
+           ("-D p", "-D p"), ("-D p", "-D t"), ("-f 3000", "-f 5000"), ("-s 2", "-s 1"),
+           ("--access-scope g", "--access-scope t")]
+
+
+def match(case):
+    started = [(*case.pair(f"{offered} -t T{i}", f"{requested} -t T{i}"), offered, requested)
+               for i, (offered, requested) in enumerate(MATCHES)]
+    for pub, sub, offered, requested in started:
+        pub.says("on_publication_matched")
+        check(f"{offered} > {requested}", sub.hears(2))
+
+
+# ---- effects ------------------------------------------------------------------------------------------
+
+def nothing_lost(case):
+    pub, sub = case.pair("-k 0 -z 0 -w --write-period 5", "-k 0")
+    got = [size for _, _, size, _ in sub.hears(200)]
+    check("lost or out of order", got == list(range(got[0], got[0] + 200)))
+    pub.says(re.escape(sub.lines[-1]))
+
+
+def colours_instances_topics(case):
+    _, sub = case.pair("-c RED --num-instances 3 --num-topics 2 -k 0", "-k 0 --num-topics 2")
+    check("who came", {sample[:2] for sample in sub.hears(30)} ==
+          {(topic, color) for topic in ("Square", "Square1") for color in ("RED", "RED1", "RED2")})
+    check("its lines", sub.lines[:4] == ["Create topic: Square", "Create topic: Square1",
+                                         "Create reader for topic: Square",
+                                         "Create reader for topic: Square1"])
+
+
+def size_modulo(case):
+    sizes = [int(s) for s in re.findall(r"\[(\d+)\]", "\n".join(
+        written(case.start("-P -w -z 0 --size-modulo 4 --num-iterations 9 --write-period 5"))))]
+    check(f"sizes {sizes}", sizes == [1, 2, 3, 4, 1, 2, 3, 4, 1])
+
+
+def written(pub):
+    check("its code", pub.end() == 0)
+    return [line for line in pub.lines if "[" in line]
+
+
+def moves(case):
+    places = [tuple(map(int, re.search(r" (\d{3}) (\d{3}) \[", line).groups())) for line in
+              written(case.start("-P -w --num-iterations 400 --write-period 1"))]
+    steps = [(abs(b[0] - a[0]), abs(b[1] - a[1])) for a, b in zip(places, places[1:])]
+    check("it left its area", all(0 <= x <= 240 and 0 <= y <= 270 for x, y in places))
+    check("it ran", all(x <= 5 and y <= 5 for x, y in steps))
+    check("it stood still", steps.count((0, 0)) < 20)  # as it may where it turns
+
+
+def deadline_missed(case):
+    pub, sub = case.pair("-f 300 --write-period 700", "-f 300")
+    pub.says(r"^on_offered_deadline_missed\(\) .*\(total = 1, change = 1\)$")
+    sub.hears(1)
+    sub.says(r"^on_requested_deadline_missed\(\) ")
+
+
+def ownership(case):
+    sub = case.start("-S -s 1 -k 0")
+    weak = case.start("-P -s 3 -k 0 -z 20")
+    sub.hears(1)
+    strong = case.start("-P -s 4 -k 0 -z 30")
+    sub.says(r"\[30\]")
+    check("the weak was heard", {size for _, _, size, _ in sub.hears(30)} == {30})
+    check("the strong one's code", strong.interrupt() == 0)
+    sub.says(r"\[20\]")
+    check("the weak one's code", weak.interrupt() == 0)
+
+
+def shared(case):
+    sub = case.start("-S -k 0")
+    case.start("-P -k 0 -z 20")
+    case.start("-P -k 0 -z 30")
+    sub.says(r"\[20\]")
+    sub.says(r"\[30\]")
+    sub.says(r"\[20\]")
+
+
+def late_joiner(case):
+    for durability in "lv":
+        pub = case.start(f"-P -D {durability} -k 0 -z 0 -w -t {durability}")
+        pub.hears(20)
+        first = case.start(f"-S -D {durability} -k 0 -t {durability}").hears(1)[0][2]
+        check(f"-D {durability}: begins at {first}", first == 1 if durability == "l" else first > 5)
+
+
+def keep_last(case):
+    _, sub = case.pair("-k 3 -z 0 --write-period 10", "-k 3 --read-period 500")
+    sub.hears(6)
+    sizes = [size for _, _, size, _ in sub.hears(6)]
+    check(f"not three in a row, twice: {sizes}", sizes[1:3] == [sizes[0] + 1, sizes[0] + 2] and
+          sizes[3] > sizes[2] + 1 and sizes[4:] == [sizes[3] + 1, sizes[3] + 2])
+
+
+def lifespan(case):
+    _, sub = case.pair("-k 0 -z 0 --write-period 100 --lifespan 250", "-k 0 --read-period 500")
+    sub.hears(4)
+    sizes = [size for _, _, size, _ in sub.hears(10)]
+    gaps = [i for i, (a, b) in enumerate(zip(sizes, sizes[1:])) if b != a + 1]
+    check(f"2 or 3 a read: {sizes}", gaps and all(b - a in (2, 3) for a, b in zip(gaps, gaps[1:])))
+
+
+def read_not_take(case):
+    case.start("-P -D l --write-period 60000")
+    for how in ("-R", "-R --take-read"):
+        sub = case.start(f"-S -D l {how}")
+        sub.hears(3)
+        said = [line for line in sub.lines if "[" in line]
+        check("again and again", len(set(said)) == 1)
+
+
+def take_read(case):
+    _, sub = case.pair("-k 0 -z 0 --num-instances 2", "-k 0 --take-read --read-period 300")
+    check("both instances", {color for _, color, *_ in sub.hears(20)} == {"BLUE", "BLUE1"})
+
+
+def final_states(case):
+    for letter, state in (("u", "NO_WRITERS"), ("d", "DISPOSED")):
+        sub = case.start(f"-S -k 0 -t {letter}")
+        sub.says("Create reader")
+        pub = case.start(f"-P -k 0 -t {letter} --num-instances 2 --num-iterations 30 "
+                         f"--final-instance-state {letter}")
+        for color in ("BLUE ", "BLUE1"):
+            sub.says(rf"^{letter}          {color}      NOT_ALIVE_{state}_INSTANCE_STATE$")
+        check("the publisher's code", pub.end() == 0)
+
+
+def killed_publisher(case):
+    pub, sub = case.pair("-c RED", "")
+    sub.hears(1)
+    check("its code", pub.interrupt() == 0)
+    sub.says("^Square     RED        NOT_ALIVE_NO_WRITERS_INSTANCE_STATE$")
+
+
+def large_payload(case):
+    for size in (1, 1000, 200000):
+        _, sub = case.pair(f"-k 0 -t T{size} --write-period 100 --additional-payload-size {size}",
+                           f"-k 0 -t T{size}")
+        check("the last octet", {octet for *_, octet in sub.hears(3)} == {"255"})
+
+
+def two_machines(case):
+    """Each in a network namespace of its own, on interfaces that are no loopback."""
+    here, there = Namespace(), Namespace()
+    try:
+        here.run(f"ip link add v0 type veth peer name v1 netns {there.pid}")
+        for space, name, address in ((here, "v0", "10.77.0.1/24"), (there, "v1", "10.77.0.2/24")):
+            space.run(f"ip addr add {address} dev {name}")
+            space.run(f"ip link set {name} up")
+        sub = case.start("-S", space=here)
+        case.start("-P", space=there)
+        check("heard", sub.hears(3))
+    finally:
+        here.close()
+        there.close()
+
+
+CASES = [lines, writes_at_once, ends_by_itself, bad_arguments, not_supported, other_domain, other_topic,
+         partitions, mismatch, match, nothing_lost, colours_instances_topics, size_modulo, moves,
+         deadline_missed, ownership, shared, late_joiner, keep_last, lifespan, read_not_take, take_read,
+         final_states, killed_publisher, large_payload, two_machines]
+
+
+def tried(space, program, number, scenario):
+    case = Case(space, program, FIRST_DOMAIN + number)
+    try:
+        scenario(case)
+        return scenario.__name__, None
+    except AssertionError as fault:
+        return scenario.__name__, str(fault)
+    finally:
+        case.close()
+
+
+def main():
+    program = pathlib.Path(sys.argv[1]).resolve() / "bin" / "ddssec-shapes"
+    wanted = (sys.argv[2:] or [""])[0]
+    chosen = [(i, scenario) for i, scenario in enumerate(CASES) if wanted in scenario.__name__]
+    space = Namespace()
+    failed = 0
+    # They mostly wait.
+    with concurrent.futures.ThreadPoolExecutor(max_workers=5) as pool:
+        for name, fault in pool.map(lambda c: tried(space, program, *c), chosen):
+            print(f"{'FAILED' if fault else 'ok':8}{name.replace('_', ' ')}" + (f": {fault}" if fault else ""),
+                  flush=True)
+            failed += fault is not None
+    space.close()
+    return 1 if failed or not chosen else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,127 @@
+"""Runs shapes programs in a network namespace and reads what they say, line by line as it comes."""
+
+import pathlib
+import queue
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "interop"))
+from pair import Namespace  # noqa: E402
+
+PATIENCE = 10.0  # seconds until what must be said has been said
+SAMPLE = re.compile(r"^(\S+) +(\S+) +(\d{3}) (\d{3}) \[(\d+)\](?: \{(\d+)\})?$")
+
+
+class Shapes:
+    """One running program."""
+
+    def __init__(self, space, program, arguments):
+        self.arguments = arguments
+        self.lines = []
+        self._new = queue.Queue()
+        self.process = subprocess.Popen(space.enter([str(program), *arguments.split()]), text=True,
+                                        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                        stderr=subprocess.STDOUT)
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _read(self):
+        for line in self.process.stdout:
+            self._new.put(line.rstrip("\n"))
+        self._new.put(None)
+
+    def next_line(self, seconds=PATIENCE):
+        """The next line; None at the end of the output, or if none comes."""
+        try:
+            line = self._new.get(timeout=max(seconds, 0.001))
+        except queue.Empty:
+            return None
+        if line is not None:
+            self.lines.append(line)
+        return line
+
+    def says(self, pattern, seconds=PATIENCE):
+        """The match of the next line that the pattern fits; whatever comes before is passed over."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            line = self.next_line(end - time.monotonic())
+            found = re.search(pattern, line) if line is not None else None
+            if found:
+                return found
+            if line is None and self.process.poll() is not None:
+                break
+        raise AssertionError(f"{self.arguments}: never said /{pattern}/, but {self.lines[-5:]}")
+
+    def hears(self, count, seconds=PATIENCE):
+        """So many samples: (topic, color, size, last octet)."""
+        out = []
+        while len(out) < count:
+            topic, color, _, _, size, octet = self.says(SAMPLE.pattern, seconds).groups()
+            out.append((topic, color, int(size), octet))
+        return out
+
+    def says_within(self, pattern, seconds):
+        """Whether it says so in that time."""
+        try:
+            self.says(pattern, seconds)
+        except AssertionError:
+            return False
+        return True
+
+    def interrupt(self):
+        """SIGINT; the exit code, which must come at once."""
+        self.process.send_signal(signal.SIGINT)
+        return self.end(5)
+
+    def end(self, seconds=PATIENCE):
+        """Waits for its end; the exit code."""
+        try:
+            code = self.process.wait(seconds)
+        except subprocess.TimeoutExpired:
+            raise AssertionError(f"{self.arguments}: did not end") from None
+        while self.next_line(1) is not None:
+            pass
+        return code
+
+    def close(self):
+        if self.process.poll() is None:
+            self.process.kill()
+        self.process.wait()
+        self._reader.join()
+        self.process.stdout.close()
+
+
+class Case:
+    """A case's processes, all in one domain of its own; what tests are written in."""
+
+    def __init__(self, space, program, domain):
+        self.space, self.program, self.domain = space, program, domain
+        self.running = []
+
+    def start(self, arguments, program=None, domain=None, space=None):
+        words = f"{arguments} -d {self.domain if domain is None else domain}"
+        process = Shapes(space or self.space, program or self.program, words)
+        self.running.append(process)
+        return process
+
+    def pair(self, publisher, subscriber):
+        """Both, in the order of a careful person: the subscriber is there first."""
+        sub = self.start("-S " + subscriber)
+        sub.says("Create reader")
+        return self.start("-P " + publisher), sub
+
+    def close(self):
+        for process in self.running:
+            process.close()
+
+
+def check(what, is_so):
+    if not is_so:
+        raise AssertionError(what)
+
+
+__all__ = ["Case", "Namespace", "PATIENCE", "SAMPLE", "Shapes", "check"]
