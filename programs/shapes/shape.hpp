@@ -25,7 +25,9 @@ struct ddssec::rtps::TypeTraits<ddssec::shapes::ShapeType> {
   static constexpr auto extensibility = Extensibility::appendable;
   template <class Self, class Visit>
   static void members(Self& s, Visit&& visit) {
-    visit(key(s.color, 128), s.x, s.y, s.shapesize, s.additional_payload_size);
+    visit(named("color", key(s.color, 128)), named("x", s.x), named("y", s.y),
+          named("shapesize", s.shapesize),
+          named("additional_payload_size", s.additional_payload_size));
   }
 };
 
@@ -35,6 +37,7 @@ struct ddssec::rtps::TypeTraits<ddssec::shapes::FinalShapeType> {
   static constexpr auto extensibility = Extensibility::final_type;
   template <class Self, class Visit>
   static void members(Self& s, Visit&& visit) {
-    visit(key(s.color, 128), s.x, s.y, s.shapesize);
+    visit(named("color", key(s.color, 128)), named("x", s.x), named("y", s.y),
+          named("shapesize", s.shapesize));
   }
 };
