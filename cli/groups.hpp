@@ -25,5 +25,6 @@ std::vector<Command> expiry_commands();
 std::vector<Command> doctor_commands();
 std::vector<Command> explain_commands();
 std::vector<Command> completion_commands();  ///< completion, man
+std::vector<Command> version_commands();
 
 }  // namespace ddssec::cli

@@ -13,6 +13,7 @@
 #include "cli/participant.hpp"
 #include "cli/progress.hpp"
 #include "cli/transaction.hpp"
+#include "governance/doctor/meeting.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::cli {
@@ -41,9 +42,12 @@ Result<ParticipantSpec> spec_of(const Arguments& arguments, WallTime now) {
   spec.name = arguments.text("NAME");
   DDSSEC_TRY(check_name(spec.name));
   spec.subject = arguments.has("--subject") ? arguments.text("--subject") : "CN=" + spec.name;
-  if (arguments.has("--permissions"))
-    spec.permissions =
-        DDSSEC_TRY(read_file(arguments.text("--permissions"), pki::kMostDocumentOctets));
+  if (!arguments.has("--permissions")) return spec;
+  if (spec.has_permissions())
+    return fail(Code::usage,
+                {.field = "--permissions", .note = "it excludes --publish and --subscribe"});
+  spec.permissions =
+      DDSSEC_TRY(read_file(arguments.text("--permissions"), pki::kMostDocumentOctets));
   return spec;
 }
 
@@ -131,13 +135,15 @@ Result<Report> identity_show(const Arguments& arguments, const Context& context)
   const auto certificate = DDSSEC_TRY(read_certificate(path));
   const auto now = context.clock.now();
   const bool valid = certificate.not_before() <= now && now <= certificate.not_after();
+  const auto guid = fmt::format("{:012x}", governance::doctor::guid_start(certificate));
   Report report;
   report.exit = valid ? Exit::done : Exit::no;
   report.text = fmt::format(
-      "subject  {}\nissuer   {}\nkey      {}\nserial   {}\nvalid    {} .. {}\nsha256   {}\n",
+      "subject  {}\nissuer   {}\nkey      {}\nserial   {}\nvalid    {} .. {}\nsha256   {}\n"
+      "guid     {}...  (whose GUID is lower, starts the handshake)\n",
       certificate.subject(), certificate.issuer(), to_string(certificate.key_algorithm()),
       certificate.serial(), date(certificate.not_before()), date(certificate.not_after()),
-      to_hex(certificate.fingerprint()));
+      to_hex(certificate.fingerprint()), guid);
   report.result = {{"subject", certificate.subject()},
                    {"issuer", certificate.issuer()},
                    {"algorithm", to_string(certificate.key_algorithm())},
@@ -145,7 +151,8 @@ Result<Report> identity_show(const Arguments& arguments, const Context& context)
                    {"not_before", to_string(certificate.not_before())},
                    {"not_after", to_string(certificate.not_after())},
                    {"valid_now", valid},
-                   {"sha256", to_hex(certificate.fingerprint())}};
+                   {"sha256", to_hex(certificate.fingerprint())},
+                   {"guid_start", guid}};
   if (!valid)
     report.errors.emplace_back(now < certificate.not_before() ? Code::certificate_not_yet_valid
                                                               : Code::certificate_expired,

@@ -11,11 +11,10 @@
 #include "cli/inputs.hpp"
 #include "cli/keystore.hpp"
 #include "cli/options.hpp"
+#include "cli/ros_policy.hpp"
 #include "cli/transaction.hpp"
 #include "governance/doctor/diagnosis.hpp"
-#include "governance/grant.hpp"
 #include "governance/profile.hpp"
-#include "governance/read.hpp"
 #include "governance/write.hpp"
 #include "pki/source.hpp"
 
@@ -75,8 +74,30 @@ Result<Report> keystore_create(const Arguments& arguments, const Context& contex
   return report;
 }
 
-// Rights are given by name: an enclave that may do everything must be asked for.
-Status read_rights(ParticipantSpec& spec, const Arguments& arguments) {
+// Rights are given by name, in one way: an enclave that may do everything must be asked for.
+Status check_one_source(const Arguments& arguments) {
+  const bool given[] = {arguments.has("--publish") || arguments.has("--subscribe"),
+                        arguments.has("--permissions"), arguments.has("--policy"),
+                        arguments.has("--allow-all")};
+  if (std::ranges::count(given, true) == 1) return {};
+  return fail(Code::usage, {.field = "--publish",
+                            .note = "give --publish and --subscribe, or one of --permissions, "
+                                    "--policy and --allow-all"});
+}
+
+// What the policy says of the enclave, as one grant.
+Result<governance::Grant> grant_of_policy(const fs::path& file, const ParticipantSpec& spec,
+                                          Report& report) {
+  const auto& range = spec.domains.front();
+  if (spec.domains.size() > 1 || range.first != range.last)
+    return fail(Code::usage, {.field = "--domain", .note = "a policy is for one domain"});
+  const auto policy = DDSSEC_TRY(read_policy(file, {spec.name}));
+  add_findings(report, merged_profiles(policy), file);
+  return permissions_of(policy, {.domain = range.first}).grants.front();
+}
+
+Status read_rights(ParticipantSpec& spec, const Arguments& arguments, Report& report) {
+  DDSSEC_TRY(check_one_source(arguments));
   spec.domains = DDSSEC_TRY(domain_ranges(arguments, "--domain"));
   spec.publish = arguments.all("--publish");
   spec.subscribe = arguments.all("--subscribe");
@@ -84,9 +105,9 @@ Status read_rights(ParticipantSpec& spec, const Arguments& arguments) {
   if (arguments.has("--permissions"))
     spec.permissions =
         DDSSEC_TRY(read_file(arguments.text("--permissions"), pki::kMostDocumentOctets));
-  if (spec.has_permissions()) return {};
-  return fail(Code::usage, {.field = "--publish",
-                            .note = "give --publish, --subscribe, --permissions or --allow-all"});
+  if (arguments.has("--policy"))
+    spec.grant = DDSSEC_TRY(grant_of_policy(arguments.text("--policy"), spec, report));
+  return {};
 }
 
 // The new folder begins at the first part of the name that is not there yet, so that all of it
@@ -114,7 +135,8 @@ Result<Report> keystore_enclave(const Arguments& arguments, const Context& conte
                        .subject = "CN=" + name,
                        .life = DDSSEC_TRY(validity(arguments, now)),
                        .key = DDSSEC_TRY(key_spec(arguments))};
-  DDSSEC_TRY(read_rights(spec, arguments));
+  Report report;
+  DDSSEC_TRY(read_rights(spec, arguments, report));
   const auto target = keystore / enclave_folder(name);
   auto folder = DDSSEC_TRY(new_enclave(keystore, target));
   CaOpener opener(arguments);
@@ -129,7 +151,6 @@ Result<Report> keystore_enclave(const Arguments& arguments, const Context& conte
   DDSSEC_TRY(check_not_interrupted());
   DDSSEC_TRY(append_lines(identity.paths.log, log_line(made, target, now)));
   const auto& certificate = made.self.certificate;
-  Report report;
   report.text = fmt::format("{}  {}  expires {}\n", target.string(), certificate.subject(),
                             date(certificate.not_after()));
   report.result = {{"name", name},
@@ -159,24 +180,17 @@ Result<Report> keystore_permission(const Arguments& arguments, const Context& co
       pki::participant_folder(keystore / enclave_folder(name), pki::FolderLayout::sros2);
   const auto certificate = DDSSEC_TRY(read_certificate(files.certificate));
   ParticipantSpec spec{.name = name, .subject = {}, .life = {}};
-  DDSSEC_TRY(read_rights(spec, arguments));
+  Report report;
+  DDSSEC_TRY(read_rights(spec, arguments, report));
   const auto now = context.clock.now();
-  auto xml = permissions_xml(spec, certificate);
-  if (spec.permissions) {
-    const fs::path from = arguments.text("--permissions");
-    const auto document = DDSSEC_TRY(named(governance::read_permissions(*spec.permissions), from));
-    DDSSEC_TRY(named(governance::find_grant(document, pki::SubjectName::of(certificate),
-                                            certificate.subject(), now),
-                     from));
-    xml = as_text(*spec.permissions);
-  }
+  const auto xml =
+      DDSSEC_TRY(named(permissions_xml(spec, certificate, now), arguments.text("--permissions")));
   CaOpener opener(arguments);
   const auto ca = DDSSEC_TRY(opener.open(ca_paths(keystore, "permissions")));
   const auto document = DDSSEC_TRY(ca.authority.sign_document(as_bytes(xml), now, context.random));
   Replacement out;
   DDSSEC_TRY(out.put_public(files.folder / "permissions.xml", xml));
   DDSSEC_TRY(out.put(files.permissions, document, 0644));
-  Report report;
   report.text = fmt::format("{}  signed by {}; it counts when the participant starts again\n",
                             files.permissions.string(), ca.certificate().subject());
   report.result = {
@@ -288,6 +302,7 @@ std::vector<Option> rights_options() {
           repeated("--publish", "TOPIC", "a topic or expression it may publish (rt/chatter)"),
           repeated("--subscribe", "TOPIC", "a topic or expression it may subscribe to"),
           {"--permissions", "FILE", "a permissions document to sign instead"},
+          {"--policy", "FILE", "a ROS 2 policy (sros2), of which this enclave's part counts"},
           {"--allow-all", "", "it may publish and subscribe to everything"},
           kPassphraseFile,
           kPassphraseEnv,
@@ -337,7 +352,8 @@ std::vector<Command> keystore_commands() {
        .summary = "Gives an enclave other permissions, in place of those that it has.",
        .positionals = {kKeystore, kEnclave},
        .options = rights_options(),
-       .examples = {"ddssec keystore permission keystore /talker --permissions new.xml"},
+       .examples = {"ddssec keystore permission keystore /talker --policy policy.xml",
+                    "ddssec keystore permission keystore /talker --permissions new.xml"},
        .run = keystore_permission},
       {.group = "keystore",
        .name = "verify",

@@ -5,6 +5,8 @@
 #include <list>
 #include <numeric>
 
+#include <fmt/format.h>
+
 namespace ddssec::cli {
 namespace {
 
@@ -61,6 +63,7 @@ class CommandLine {
   }
 
   Result<Arguments> parse(std::span<const std::string> words) {
+    DDSSEC_TRY(check_values(words));
     std::vector<std::string> reversed(words.rbegin(), words.rend());  // as CLI11 takes them
     try {
       app_.parse(std::move(reversed));
@@ -95,6 +98,19 @@ class CommandLine {
     if (!positional.repeated) slot.option->expected(1)->allow_extra_args(false);
   }
 
+  // CLI11 takes the next word where nothing is behind the equals sign: that would be another
+  // option's name or a file.
+  Status check_values(std::span<const std::string> words) const {
+    for (const auto& word : words) {
+      const std::string_view name = std::string_view(word).substr(0, word.find('='));
+      const bool ends_there = name.starts_with("--") && name.size() + 1 == word.size();
+      if (ends_there && std::ranges::find(slots_, name, &Slot::name) != slots_.end())
+        return wrong(
+            fmt::format("nothing is behind \"{}\"; an empty value is written {} ''", word, name));
+    }
+    return {};
+  }
+
   // CLI11 does not say which option is unknown, only that there are too many words.
   std::unexpected<Error> explained(const CLI::ParseError& error,
                                    std::span<const std::string> words) const {
@@ -126,6 +142,27 @@ class CommandLine {
   std::list<Slot> slots_;  // CLI11 keeps references into it
 };
 
+// Options of every command may stand before it as well: from there they are put behind it.
+std::vector<std::string> command_first(std::span<const std::string> words) {
+  std::vector<std::string> options;
+  std::size_t at = 0;
+  while (at < words.size()) {
+    const auto& word = words[at];
+    const auto name = word.substr(0, word.find('='));
+    const auto option = std::ranges::find_if(common_options(), [&](const Option& o) {
+      return o.name == name || (!o.letter.empty() && o.letter == word);
+    });
+    if (option == common_options().end()) break;
+    const bool takes_next = !option->value.empty() && name.size() == word.size();
+    for (std::size_t i = 0; i <= (takes_next ? 1 : 0) && at < words.size(); ++i)
+      options.push_back(words[at++]);
+  }
+  std::vector<std::string> out(words.begin() + static_cast<std::ptrdiff_t>(at), words.end());
+  if (!out.empty() && out[0] == "--version") out[0] = "version";
+  out.insert(out.end(), options.begin(), options.end());
+  return out;
+}
+
 bool asks_for_help(std::span<const std::string> words) {
   return std::ranges::any_of(words, [](const auto& w) { return w == "--help" || w == "-h"; });
 }
@@ -144,7 +181,8 @@ Request help_request(std::string_view what) {
 
 }  // namespace
 
-Result<Request> parse(std::span<const std::string> words) {
+Result<Request> parse(std::span<const std::string> given) {
+  const auto words = command_first(given);
   if (words.empty() || words[0].starts_with("-"))
     return asks_for_help(words) ? Result<Request>(help_request("")) : wrong("no command is given");
   const Command* command = find(words[0]);
@@ -160,7 +198,7 @@ Result<Request> parse(std::span<const std::string> words) {
                : wrong("\"" + words[0] + "\" needs a second word");
   CommandLine line(*command);
   Request out;
-  out.arguments = DDSSEC_TRY(line.parse(words.subspan(used)));
+  out.arguments = DDSSEC_TRY(line.parse(std::span(words).subspan(used)));
   out.command = command;
   return out;
 }

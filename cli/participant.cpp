@@ -17,13 +17,15 @@ std::vector<governance::Text> texts(const std::vector<std::string>& expressions)
   return out;
 }
 
-Result<std::string> document_for(const ParticipantSpec& spec, const pki::Certificate& certificate,
-                                 WallTime now) {
-  if (!spec.permissions) return permissions_xml(spec, certificate);
-  const auto document = DDSSEC_TRY(governance::read_permissions(*spec.permissions));
-  DDSSEC_TRY(governance::find_grant(document, pki::SubjectName::of(certificate),
-                                    certificate.subject(), now));
-  return std::string(as_text(*spec.permissions));
+governance::Grant grant_from_lists(const ParticipantSpec& spec) {
+  governance::Rule rule{.allow = true, .domains = {.ranges = spec.domains}};
+  const auto partitions =
+      spec.partitions.empty() ? std::nullopt : std::optional(texts(spec.partitions));
+  if (!spec.publish.empty())
+    rule.publish.push_back({.topics = texts(spec.publish), .partitions = partitions});
+  if (!spec.subscribe.empty())
+    rule.subscribe.push_back({.topics = texts(spec.subscribe), .partitions = partitions});
+  return {.name = spec.name, .rules = {std::move(rule)}};
 }
 
 }  // namespace
@@ -39,18 +41,17 @@ Result<pki::Validity> within_ca(pki::Validity wanted, const pki::Certificate& ca
   return wanted;
 }
 
-std::string permissions_xml(const ParticipantSpec& spec, const pki::Certificate& certificate) {
-  governance::Rule rule{.allow = true, .domains = {.ranges = spec.domains}};
-  const auto partitions =
-      spec.partitions.empty() ? std::nullopt : std::optional(texts(spec.partitions));
-  if (!spec.publish.empty())
-    rule.publish.push_back({.topics = texts(spec.publish), .partitions = partitions});
-  if (!spec.subscribe.empty())
-    rule.subscribe.push_back({.topics = texts(spec.subscribe), .partitions = partitions});
-  governance::Grant grant{.name = spec.name,
-                          .subject_name = certificate.subject(),
-                          .validity = {certificate.not_before(), certificate.not_after()}};
-  grant.rules.push_back(std::move(rule));
+Result<std::string> permissions_xml(const ParticipantSpec& spec,
+                                    const pki::Certificate& certificate, WallTime now) {
+  if (spec.permissions) {
+    const auto document = DDSSEC_TRY(governance::read_permissions(*spec.permissions));
+    DDSSEC_TRY(governance::find_grant(document, pki::SubjectName::of(certificate),
+                                      certificate.subject(), now));
+    return std::string(as_text(*spec.permissions));
+  }
+  auto grant = spec.grant ? *spec.grant : grant_from_lists(spec);
+  grant.subject_name = certificate.subject();
+  grant.validity = {certificate.not_before(), certificate.not_after()};
   return to_xml(governance::Permissions{.grants = {std::move(grant)}});
 }
 
@@ -62,7 +63,7 @@ Result<NewParticipant> make_participant(const ParticipantSpec& spec, const Issue
                      .permissions = {}};
   if (!spec.has_permissions() || issuers.permissions == nullptr) return out;
   const auto now = context.clock.now();
-  out.permissions_xml = DDSSEC_TRY(document_for(spec, out.self.certificate, now));
+  out.permissions_xml = DDSSEC_TRY(permissions_xml(spec, out.self.certificate, now));
   out.permissions = DDSSEC_TRY(issuers.permissions->authority.sign_document(
       as_bytes(out.permissions_xml), now, context.random));
   return out;

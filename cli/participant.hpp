@@ -26,9 +26,11 @@ struct ParticipantSpec {
   std::vector<std::string> partitions = {};  ///< none: only endpoints without partitions
   /// A permissions document to sign instead of one made from the lists.
   std::optional<Bytes> permissions = std::nullopt;
+  /// Or rules from elsewhere; subject and validity are the certificate's.
+  std::optional<governance::Grant> grant = std::nullopt;
 
   bool has_permissions() const {
-    return permissions.has_value() || !publish.empty() || !subscribe.empty();
+    return permissions || grant || !publish.empty() || !subscribe.empty();
   }
 };
 
@@ -49,13 +51,15 @@ struct Issuers {
 /// the certificate would stop being believed before it says so. Error: outlives_ca.
 Result<pki::Validity> within_ca(pki::Validity wanted, const pki::Certificate& ca, bool clamp);
 
-/// One grant with one allow rule and default DENY. The subject is the certificate's own text, the
-/// form that every vendor reads.
-std::string permissions_xml(const ParticipantSpec& spec, const pki::Certificate& certificate);
-
-/// Key, certificate and signed permissions. A document of the spec must have a valid grant for the
-/// subject. Errors: those of Authority::issue and sign_document, of read_permissions and
+/// The permissions document of the spec, for this certificate: the one it brings, which must have a
+/// grant for the subject that is valid at `now`, or one grant with default DENY. The subject is the
+/// certificate's own text, the form that every vendor reads. Errors: those of read_permissions and
 /// find_grant.
+Result<std::string> permissions_xml(const ParticipantSpec& spec,
+                                    const pki::Certificate& certificate, WallTime now);
+
+/// Key, certificate and signed permissions. Errors: those of Authority::issue and sign_document,
+/// and of permissions_xml.
 Result<NewParticipant> make_participant(const ParticipantSpec& spec, const Issuers& issuers,
                                         const Context& context);
 

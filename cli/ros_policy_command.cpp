@@ -1,7 +1,6 @@
 // permissions from-ros-policy: what sros2's policy files come to in DDS.
 #include <algorithm>
 #include <filesystem>
-#include <map>
 
 #include <fmt/format.h>
 
@@ -9,32 +8,14 @@
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/options.hpp"
+#include "cli/ros_policy.hpp"
 #include "governance/lint.hpp"
-#include "governance/ros_policy.hpp"
 #include "governance/write.hpp"
-#include "governance/xml_check.hpp"
 
 namespace ddssec::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using governance::RosPolicy;
-
-Result<RosPolicy> chosen_enclaves(const Arguments& arguments, RosPolicy policy) {
-  if (!arguments.has("--enclave")) return policy;
-  const auto& wanted = arguments.all("--enclave");
-  for (const auto& path : wanted)
-    if (std::ranges::find(policy.enclaves, path, &governance::RosEnclave::path) ==
-        policy.enclaves.end())
-      return fail(Code::usage, {.field = "--enclave",
-                                .expected = "the path of an enclave of the policy",
-                                .found = '"' + path + '"'});
-  std::erase_if(policy.enclaves, [&](const governance::RosEnclave& enclave) {
-    return std::ranges::find(wanted, enclave.path) == wanted.end();
-  });
-  return policy;
-}
-
 // As long as the certificate, as sros2 does; else for --days from now.
 Result<governance::Validity> life(const Arguments& arguments, WallTime now) {
   if (arguments.has("--validity-from")) {
@@ -45,28 +26,9 @@ Result<governance::Validity> life(const Arguments& arguments, WallTime now) {
   return governance::Validity{days.not_before, days.not_after};
 }
 
-std::vector<Finding> merged(const RosPolicy& policy) {
-  std::map<std::string, std::size_t> lists;
-  for (const auto& enclave : policy.enclaves) lists[enclave.path] += enclave.profiles.size();
-  std::vector<Finding> out;
-  for (const auto& [path, count] : lists) {
-    if (count < 2) continue;
-    const auto enclave = std::ranges::find(policy.enclaves, path, &governance::RosEnclave::path);
-    out.push_back({.rule = Rule::PERM031,
-                   .message = fmt::format("enclave {}: {} <profiles> elements are one grant now",
-                                          path, count),
-                   .line = enclave->line});
-  }
-  return out;
-}
-
 Result<Report> from_ros_policy(const Arguments& arguments, const Context& context) {
   const fs::path file = arguments.text("FILE");
-  const auto read = [](const fs::path& path) {
-    return read_file(path, governance::kMostXmlOctets);
-  };
-  const auto policy =
-      DDSSEC_TRY(chosen_enclaves(arguments, DDSSEC_TRY(governance::read_ros_policy(file, read))));
+  const auto policy = DDSSEC_TRY(read_policy(file, arguments.all("--enclave")));
   const auto domain = DDSSEC_TRY(arguments.number("--domain", 0, governance::kHighestDomainId));
   const governance::RosPermissionsOptions options{
       .domain = static_cast<DomainId>(domain),
@@ -79,7 +41,7 @@ Result<Report> from_ros_policy(const Arguments& arguments, const Context& contex
   auto findings = lint(document, {.now = context.clock.now()});
   for (auto& finding : findings) finding.severity = std::min(finding.severity, Severity::warning);
   Report report;
-  if (!as_sros2) add_findings(report, merged(policy), file);
+  if (!as_sros2) add_findings(report, merged_profiles(policy), file);
   report.files_written = DDSSEC_TRY(write_document(xml, arguments, context));
   add_findings(report, std::move(findings), report.files_written.front().path);
   report.text = fmt::format("{}: {} grant{}\n", report.files_written.front().path,

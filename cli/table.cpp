@@ -57,6 +57,7 @@ const std::vector<Command>& commands() {
              doctor_commands(),
              explain_commands(),
              completion_commands(),
+             version_commands(),
          })
       add_to_groups(all, rows);
     return all;

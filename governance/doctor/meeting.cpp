@@ -266,15 +266,17 @@ bool Meeting::joined() const {
          differences.empty() && handshake_works && rules[0] != nullptr && rules[1] != nullptr;
 }
 
+// A 1 bit and the first 47 bits of the subject's hash.
+std::uint64_t guid_start(const pki::Certificate& certificate) {
+  constexpr std::uint64_t kAdjusted = std::uint64_t{1} << 47;
+  std::uint64_t bits = 0;
+  for (std::size_t i = 0; i < 6; ++i) bits = bits << 8 | certificate.subject_digest()[i];
+  return kAdjusted | bits >> 1;
+}
+
 Starter starter(const pki::Certificate& a, const pki::Certificate& b) {
-  // A 1 bit and the first 47 bits of the hash: the order of the GUIDs is the order of those bits.
-  const auto prefix = [](const Sha256Digest& digest) {
-    std::uint64_t bits = 0;
-    for (std::size_t i = 0; i < 6; ++i) bits = bits << 8 | digest[i];
-    return bits >> 1;
-  };
-  const auto first = prefix(a.subject_digest());
-  const auto second = prefix(b.subject_digest());
+  const auto first = guid_start(a);
+  const auto second = guid_start(b);
   if (first == second) return Starter::chance;
   return first < second ? Starter::first : Starter::second;
 }

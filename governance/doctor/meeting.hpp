@@ -84,6 +84,10 @@ inline constexpr std::size_t kMostTopics = 256;
 Meeting meet(const Party& a, const Party& b, const Settings& settings,
              std::vector<std::string> topics = {});
 
+/// The first 48 bits of the GUID of every participant with this certificate's subject, with any
+/// product (DDS-Security 9.3.3).
+std::uint64_t guid_start(const pki::Certificate& certificate);
+
 /// Who begins, by the subjects of two certificates (DDS-Security 9.3.3).
 Starter starter(const pki::Certificate& a, const pki::Certificate& b);
 

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """What every command has in common: help, usage errors, codes, times."""
 
+import json
+
 from transcript import Transcript, main
 
 
@@ -35,6 +37,24 @@ class Contract(Transcript):
         self.refused("usage", 2, "explain", "usage", "more")
         self.refused("usage", 2, "ca", "create", "x", "--days", "3", "--days", "4")
         self.refused("usage", 2, "identity", "issue", "x", "-o", "y")
+
+    def test_nothing_behind_the_equals_sign_takes_no_other_word(self):
+        for words in (("ca", "create", "x", "--days=", "--no-passphrase"),
+                      ("can", "x", "publish", "y", "--partition=", "z"), ("expiry", "--within=")):
+            told = self.refused("usage", 2, *words)["message"]
+            self.assertIn("an empty value is written --", told)
+        self.refused("file_not_found", 3, "can", "x", "publish", "y", "--partition", "")
+
+    def test_options_of_every_command_may_come_first(self):
+        out = self.run_program("--format", "json", "-q", "--now=2026-11-21T00:00:00Z", "version").stdout
+        self.assertEqual(json.loads(out)["result"]["schema"], "ddssec/1")
+        self.assertEqual(self.run_program("--version").stdout, self.run_program("version").stdout)
+        self.assertEqual(self.run_program("-h").stdout, self.run_program("--help").stdout)
+        self.assertEqual(self.run_program("-q", "ca", "--help").stdout,
+                         self.run_program("ca", "--help").stdout)
+        self.refused("usage", 2, "--format")
+        self.refused("usage", 2, "--quiet")
+        self.refused("usage", 2, "--days", "3", "ca", "create", "x")
 
     def test_times_and_formats_must_be_exact(self):
         self.refused("usage", 2, "explain", "usage", "--now", "tomorrow")

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """identity issue and show: a participant's folder, whole or not at all."""
 
+import hashlib
+
 from transcript import Transcript, main
 
 NOW = ("--now", "2026-11-21T00:00:00Z")
@@ -149,11 +151,22 @@ class Identity(Transcript):
                              "identity", "issue", "b", *own)
         self.run_with_secret(self.json, "identity", "issue", "talker", *own)
         self.json("can", "b", "publish", "x", *NOW, exit=3)  # no governance yet
+        self.refused("usage", 2, "identity", "issue", "c", *own, "--publish", "x")
         (self.at / "own.xml").write_text("<dds>")
         told = self.run_with_secret(lambda *w, **m: self.refused("xml_not_well_formed", 3, *w, **m),
                                     "identity", "issue", "c", "--ca", "ca", "-o", "c",
                                     "--permissions", "own.xml")
         self.assertEqual(told["file"], "own.xml")
+
+    def test_show_says_how_the_guid_begins(self):
+        self.run_with_secret(self.run_program, *self.issue())
+        value = b"\x0c\x06talker"
+        one = b"\x30" + bytes([len(value) + 5]) + b"\x06\x03\x55\x04\x03" + value
+        of_set = b"\x31" + bytes([len(one)]) + one
+        digest = hashlib.sha256(b"\x30" + bytes([len(of_set)]) + of_set).digest()
+        begins = (int.from_bytes(digest[:6], "big") >> 1) | 1 << 47  # DDS-Security 9.3.3
+        shown = self.json("identity", "show", "talker", *NOW)["result"]
+        self.assertEqual(shown["guid_start"], f"{begins:012x}")
 
     def test_existing_folders_and_foreign_keys_are_refused(self):
         self.run_with_secret(self.run_program, *self.issue())

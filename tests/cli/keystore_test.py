@@ -8,6 +8,7 @@ import shutil
 from transcript import Transcript, main
 
 DATA = pathlib.Path(__file__).resolve().parent.parent / "data/sros2/generated/keystore"
+POLICY = DATA.parent.parent / "upstream/policies/talker_listener.policy.xml"
 NOW = ("--now", "2026-11-21T00:00:00Z")
 NEEDED = ("public/permissions_ca.cert.pem", "public/identity_ca.cert.pem",
           "private/permissions_ca.key.pem", "private/identity_ca.key.pem", "enclaves/governance.p7s")
@@ -103,6 +104,42 @@ class Keystore(Transcript):
                                          .replace("CN=/a", "CN=/b"))
         self.refused("no_grant_for_subject", 1, "keystore", "permission", "ks", "/a", "--permissions",
                      "own.xml", *NOW)
+
+    def test_rights_come_straight_from_a_policy_of_sros2(self):
+        self.golden()
+        self.run_program("keystore", "import", "ks", *NOW)
+        self.json("keystore", "permission", "ks", "/talker_listener/talker", "--policy", POLICY, *NOW)
+        self.run_program("permissions", "from-ros-policy", POLICY, "--enclave", "/talker_listener/talker",
+                         "--validity-from", f"{TALKER}/cert.pem", "-o", "same.xml", *NOW)
+        self.assertEqual((self.at / TALKER / "permissions.xml").read_bytes(),
+                         (self.at / "same.xml").read_bytes())
+        self.healthy("/talker_listener/listener", "/talker_listener/talker", "/wildcard")
+        self.refused("usage", 2, "keystore", "permission", "ks", "/wildcard", "--policy", POLICY, *NOW)
+
+    def test_a_new_enclave_from_a_policy(self):
+        self.create("--domain", "3")
+        for name in ("talker", "listener"):
+            self.run_program("keystore", "enclave", "ks", f"/talker_listener/{name}", "--domain", "3",
+                             "--policy", POLICY, *NOW)
+        self.json("can", TALKER, "publish", "rt/chatter", "--domain", "3", *NOW)
+        self.json("can", TALKER, "subscribe", "rt/chatter", "--domain", "3", *NOW, exit=1)
+
+    def test_rights_have_one_source(self):
+        self.create()
+        new = ("keystore", "enclave", "ks", "/talker_listener/talker")
+        self.refused("usage", 2, *new, "--policy", POLICY, "--publish", "rt/x")
+        self.refused("usage", 2, *new, "--allow-all", "--publish", "rt/x")
+        self.refused("usage", 2, *new, "--policy", POLICY, "--domain", "0-3")
+        self.refused("file_not_found", 3, *new, "--policy", "none.xml")
+
+    def test_profiles_of_a_policy_that_are_merged_are_told(self):
+        self.create()
+        (self.at / "two.xml").write_text(
+            '<policy version="0.2.0"><enclaves><enclave path="/e">'
+            + 2 * '<profiles><profile ns="/" node="a"><topics publish="ALLOW"><topic>x</topic></topics>'
+                  '</profile></profiles>' + "</enclave></enclaves></policy>")
+        out = self.json("keystore", "enclave", "ks", "/e", "--policy", "two.xml", *NOW)
+        self.assertEqual([d["id"] for d in out["diagnostics"]], ["PERM031"])
 
     def test_a_keystore_of_sros2_is_taken_over(self):
         self.golden()

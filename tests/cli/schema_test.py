@@ -111,6 +111,7 @@ class EveryCommand(Transcript):
         self.ask("explain", "GOV010")
         self.ask("completion", "fish")
         self.ask("man")
+        self.ask("version")
 
     def test_each_result_is_of_a_closed_schema(self):
         self.ask_certificates()

@@ -1,0 +1,47 @@
+#include "cli/ros_policy.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "cli/inputs.hpp"
+#include "governance/xml_check.hpp"
+
+namespace ddssec::cli {
+
+using governance::RosEnclave;
+using governance::RosPolicy;
+
+Result<RosPolicy> read_policy(const std::filesystem::path& file,
+                              const std::vector<std::string>& wanted) {
+  auto policy = DDSSEC_TRY(governance::read_ros_policy(
+      file, [](const auto& path) { return read_file(path, governance::kMostXmlOctets); }));
+  if (wanted.empty()) return policy;
+  for (const auto& path : wanted)
+    if (std::ranges::find(policy.enclaves, path, &RosEnclave::path) == policy.enclaves.end())
+      return fail(Code::usage, {.document = file,
+                                .expected = "the path of an enclave of the policy",
+                                .found = '"' + path + '"'});
+  std::erase_if(policy.enclaves, [&](const RosEnclave& enclave) {
+    return std::ranges::find(wanted, enclave.path) == wanted.end();
+  });
+  return policy;
+}
+
+std::vector<Finding> merged_profiles(const RosPolicy& policy) {
+  std::map<std::string, std::size_t> lists;
+  for (const auto& enclave : policy.enclaves) lists[enclave.path] += enclave.profiles.size();
+  std::vector<Finding> out;
+  for (const auto& [path, count] : lists) {
+    if (count < 2) continue;
+    const auto enclave = std::ranges::find(policy.enclaves, path, &RosEnclave::path);
+    out.push_back({.rule = Rule::PERM031,
+                   .message = fmt::format("enclave {}: {} <profiles> elements are one grant now",
+                                          path, count),
+                   .line = enclave->line});
+  }
+  return out;
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,21 @@
+// ROS 2 policies as commands read them.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/finding.hpp"
+#include "governance/ros_policy.hpp"
+
+namespace ddssec::cli {
+
+/// The enclaves of a policy that are wanted: all of them if none is named. What the policy includes
+/// is read from below its folder. Errors: those of read_ros_policy; usage if one is not there.
+Result<governance::RosPolicy> read_policy(const std::filesystem::path& file,
+                                          const std::vector<std::string>& wanted);
+
+/// A finding for every enclave whose <profiles> elements become one grant.
+std::vector<Finding> merged_profiles(const governance::RosPolicy& policy);
+
+}  // namespace ddssec::cli
