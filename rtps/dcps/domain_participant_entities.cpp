@@ -61,7 +61,8 @@ Result<Topic*> DomainParticipant::create_topic(std::string name, TypeSupport typ
 
 Topic* DomainParticipant::lookup_topicdescription(std::string_view name) const {
   const auto held = lock();
-  const auto at = std::ranges::find(topics_, name, [](const auto& t) { return t->name(); });
+  const auto at =
+      std::ranges::find(topics_, name, [](const auto& t) -> std::string_view { return t->name(); });
   return at == topics_.end() ? nullptr : at->get();
 }
 

@@ -14,8 +14,9 @@ Qos builtin_qos() {
 
 }  // namespace
 
-BuiltinEndpoints::BuiltinEndpoints(const GuidPrefix& prefix, MessageSender& sender, Deliver deliver)
-    : prefix_(prefix), sender_(sender), deliver_(std::move(deliver)) {
+BuiltinEndpoints::BuiltinEndpoints(const GuidPrefix& prefix, MessageSender& sender,
+                                   TimerQueue& timers, Deliver deliver)
+    : prefix_(prefix), sender_(sender), timers_(timers), deliver_(std::move(deliver)) {
   for (const auto& info : kBuiltinTopics)
     if (!info.secure) add(info);
 }
@@ -28,10 +29,11 @@ void BuiltinEndpoints::secure() {
 void BuiltinEndpoints::add(const BuiltinTopicInfo& info) {
   const auto topic = info.topic;
   endpoints_[index(topic)] = {
-      std::make_unique<StatefulWriter>(Guid{prefix_, info.writer}, builtin_qos(), sender_),
+      std::make_unique<StatefulWriter>(Guid{prefix_, info.writer}, builtin_qos(), sender_,
+                                       &timers_),
       std::make_unique<StatefulReader>(
           Guid{prefix_, info.reader}, true, sender_,
-          [this, topic](Change& change) { return deliver_(topic, change); })};
+          [this, topic](Change& change) { return deliver_(topic, change); }, &timers_)};
 }
 
 StatefulWriter* BuiltinEndpoints::find_writer(const EntityId& id) {

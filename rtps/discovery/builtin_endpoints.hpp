@@ -49,7 +49,8 @@ inline constexpr std::array kBuiltinTopics = {
 class BuiltinEndpoints {
  public:
   using Deliver = std::function<bool(BuiltinTopic, Change&)>;
-  BuiltinEndpoints(const GuidPrefix& prefix, MessageSender& sender, Deliver deliver);
+  BuiltinEndpoints(const GuidPrefix& prefix, MessageSender& sender, TimerQueue& timers,
+                   Deliver deliver);
 
   /// Adds the secure doubles.
   void secure();
@@ -82,6 +83,7 @@ class BuiltinEndpoints {
 
   const GuidPrefix prefix_;
   MessageSender& sender_;
+  TimerQueue& timers_;
   Deliver deliver_;
   std::array<Endpoint, kBuiltinTopics.size()> endpoints_;
 };

@@ -12,7 +12,7 @@ Participant::Participant(ParticipantConfig config, Transport& transport, EventSi
     : config_(std::move(config)),
       events_(events),
       sender_(transport, config_.prefix),
-      builtin_(config_.prefix, sender_,
+      builtin_(config_.prefix, sender_, timers_,
                [this](BuiltinTopic topic, Change& change) { return on_builtin(topic, change); }) {}
 
 Participant::~Participant() = default;
@@ -140,7 +140,8 @@ void Participant::each_reader(const EntityId& id, const EntityId& writer, const 
     if (keys != nullptr) offer(*keys);
     return;
   }
-  for (auto& [own, local] : readers_) offer(*local.protocol);
+  if (auto* remote = find_remote(from))
+    for (auto* local : remote->readers) offer(*local->protocol);
 }
 
 Status Participant::process(const SubmessageView& view, Context& context) {
@@ -276,29 +277,15 @@ void Participant::tick(MonotonicTime now) {
   }
   if (now >= next_liveliness_) assert_liveliness(LivelinessKind::automatic, now);
   if (security_) security_->tick(now);
-  builtin_.each([&](auto&, auto& writer, auto& reader) {
-    writer.tick(now);
-    reader.tick(now);
-  });
-  for (auto& [id, local] : writers_) local.protocol->tick(now);
-  for (auto& [id, local] : readers_) local.protocol->tick(now);
-  std::vector<GuidPrefix> ended;
-  for (const auto& [prefix, remote] : remotes_)
-    if (remote.lease_end <= now) ended.push_back(prefix);
-  for (const auto& prefix : ended) remove_remote(prefix);
+  timers_.run(now);
+  remove_ended(now);
   for (const auto& prefix : std::exchange(gone_, {})) remove_remote(prefix);
 }
 
 MonotonicTime Participant::next_tick() const {
-  auto next = std::min({next_announcement_, next_liveliness_, sender_.flush_by()});
-  if (security_) next = std::min(next, security_->next_tick());
-  builtin_.each([&](auto&, const auto& writer, const auto& reader) {
-    next = std::min({next, writer.next_tick(), reader.next_tick()});
-  });
-  for (const auto& [id, local] : writers_) next = std::min(next, local.protocol->next_tick());
-  for (const auto& [id, local] : readers_) next = std::min(next, local.protocol->next_tick());
-  for (const auto& [prefix, remote] : remotes_) next = std::min(next, remote.lease_end);
-  return next;
+  const auto next = std::min(
+      {next_announcement_, next_liveliness_, next_lease_, sender_.flush_by(), timers_.next()});
+  return security_ ? std::min(next, security_->next_tick()) : next;
 }
 
 EndpointData Participant::local_data(EndpointRequest request, EndpointKind kind) {
@@ -324,9 +311,10 @@ Result<Guid> Participant::create_writer(EndpointRequest request, EndpointListene
   if (security_)
     data.security_info =
         DDSSEC_TRY(security_->create_endpoint(guid.entity, data.topic_name, data.qos.partition));
-  auto protocol = std::make_unique<StatefulWriter>(guid, data.qos, sender_);
+  auto protocol = std::make_unique<StatefulWriter>(guid, data.qos, sender_, &timers_);
   auto& local = writers_[guid.entity] = {std::move(data), &listener, std::move(protocol), {}};
-  next_liveliness_ = std::min(next_liveliness_, now);
+  topics_[local.data.topic_name].writers.push_back(&local);
+  expect_liveliness_of(local.data.qos.liveliness, now);
   publish(local.data, now);
   match_all(local);
   return guid;
@@ -344,22 +332,40 @@ Result<Guid> Participant::create_reader(EndpointRequest request, EndpointListene
         DDSSEC_TRY(security_->create_endpoint(guid.entity, data.topic_name, data.qos.partition));
   auto protocol = std::make_unique<StatefulReader>(
       guid, data.qos.is_reliable(), sender_,
-      [&listener](Change& change) { return listener.on_change(change); });
+      [&listener](Change& change) { return listener.on_change(change); }, &timers_);
   protocol->on_lost([&listener](std::int64_t count) { listener.on_sample_lost(count); });
   auto& local = readers_[guid.entity] = {std::move(data), &listener, std::move(protocol), {}};
+  topics_[local.data.topic_name].readers.push_back(&local);
   publish(local.data, now);
   match_all(local);
   return guid;
 }
 
+template <class Local>
+void Participant::take_off(Local& local, std::vector<Local*> TopicEnds::*where) {
+  const auto& name = local.data.topic_name;
+  std::erase(topics_[name].*where, &local);
+  forget_if_empty(name);
+}
+
 void Participant::remove(const Guid& endpoint, MonotonicTime now) {
   now_ = now;
-  if (const auto reader = readers_.find(endpoint.entity); reader != readers_.end())
+  const auto reader = readers_.find(endpoint.entity);
+  const auto writer = writers_.find(endpoint.entity);
+  if (reader != readers_.end()) {
     for (auto& [prefix, remote] : remotes_)
       std::erase_if(remote.watches,
                     [&](const auto& w) { return w.listener == reader->second.listener; });
-  if (writers_.erase(endpoint.entity) + readers_.erase(endpoint.entity) > 0)
+    for (const auto& guid : reader->second.matched)
+      if (auto* remote = find_remote(guid)) std::erase(remote->readers, &reader->second);
+    take_off(reader->second, &TopicEnds::readers);
+    readers_.erase(reader);
     unpublish(endpoint, now);
+  } else if (writer != writers_.end()) {
+    take_off(writer->second, &TopicEnds::writers);
+    writers_.erase(writer);
+    unpublish(endpoint, now);
+  }
   if (security_) security_->keyring().remove_local(endpoint.entity);
 }
 

@@ -65,7 +65,8 @@ MonotonicTime lease_end(const ParticipantData& data, MonotonicTime now);
 class Participant final : private SecurityHost {
  public:
   static constexpr std::size_t kMostParticipants = 512;
-  static constexpr std::size_t kMostEndpointsPerParticipant = 4096;
+  static constexpr std::size_t kMostEndpointsPerParticipant = 16384;
+  static constexpr std::size_t kMostEndpoints = 65536;  ///< of all of them
 
   Participant(ParticipantConfig config, Transport& transport, EventSink& events);
   ~Participant() override;
@@ -155,12 +156,23 @@ class Participant final : private SecurityHost {
     Guid writer;
     LivelinessKind kind;
   };
+  struct RemoteEndpoint {
+    EndpointData data;
+    std::vector<LocalReader*> readers = {};  ///< of ours, that a writer matched
+  };
+  /// Who can match at all; nobody else is looked at.
+  struct TopicEnds {
+    std::vector<LocalWriter*> writers;
+    std::vector<LocalReader*> readers;
+    std::vector<Guid> remotes;
+    bool empty() const { return writers.empty() && readers.empty() && remotes.empty(); }
+  };
   struct Remote {
     ParticipantData data;
     LocatorList metatraffic, user;
     MonotonicTime lease_end{};
     MonotonicTime since{};
-    std::map<EntityId, EndpointData> endpoints = {};
+    std::map<EntityId, RemoteEndpoint> endpoints = {};
     std::vector<Watch> watches = {};  ///< only where a lease is finite
   };
   /// RTPS 8.3.4: what earlier submessages of a message say about later ones.
@@ -230,25 +242,35 @@ class Participant final : private SecurityHost {
   void forget(Local& local, const Guid& remote);
   template <class Local>
   void match_all(Local& local);
+  RemoteEndpoint* find_remote(const Guid& guid);
+  template <class Local>
+  void take_off(Local& local, std::vector<Local*> TopicEnds::*where);
+  void forget_if_empty(const std::string& topic_name);
+  void remove_ended(MonotonicTime now);
   /// `remote` asserted the liveliness of all its writers of this kind: AUTOMATIC ones by any
   /// message, MANUAL_BY_PARTICIPANT ones by a sample of any of them or a ParticipantMessage.
   void note_alive(const Remote& remote, LivelinessKind kind);
   /// This writer asserted itself, by a sample or a heartbeat that says so.
   void note_alive(const GuidPrefix& from, const EntityId& writer);
+  void expect_liveliness_of(const Liveliness& liveliness, MonotonicTime now);
   EndpointData local_data(EndpointRequest request, EndpointKind kind);
 
   ParticipantConfig config_;
   EventSink& events_;
   MessageSender sender_;
+  TimerQueue timers_;
   ParticipantCounters counters_;
   std::map<GuidPrefix, Remote> remotes_;
   std::map<EntityId, LocalWriter> writers_;
   std::map<EntityId, LocalReader> readers_;
+  std::map<std::string, TopicEnds> topics_;
+  std::size_t remote_endpoints_ = 0;
   BuiltinEndpoints builtin_;
   std::unique_ptr<Security> security_;
   Bytes message_scratch_, submessage_scratch_, payload_scratch_;
   std::vector<GuidPrefix> gone_;  ///< to be removed when nothing of theirs is being read any more
   MonotonicTime next_liveliness_ = kNever;
+  MonotonicTime next_lease_ = kNever;  ///< no lease ends before
   std::uint32_t next_entity_ = 1;
   int announcements_ = 0;
   MonotonicTime next_announcement_{};

@@ -17,6 +17,14 @@ constexpr int kAssertionsPerLease = 3;
 
 }  // namespace
 
+// It is asserted for those who match it later: they count from then.
+void Participant::expect_liveliness_of(const Liveliness& liveliness, MonotonicTime now) {
+  if (liveliness.kind != LivelinessKind::automatic || liveliness.lease_duration.is_infinite())
+    return;
+  const auto period = liveliness.lease_duration.to_nanoseconds() / kAssertionsPerLease;
+  next_liveliness_ = std::min(next_liveliness_, now + period);
+}
+
 void Participant::assert_liveliness(LivelinessKind kind, MonotonicTime now) {
   now_ = now;
   auto shortest = kNever;

@@ -86,9 +86,9 @@ void Participant::on_keys(const EntityId& local, const Guid& remote) {
   const auto endpoint = at->second.endpoints.find(remote.entity);
   if (endpoint == at->second.endpoints.end()) return;
   if (const auto writer = writers_.find(local); writer != writers_.end())
-    match(writer->second, at->second, endpoint->second);
+    match(writer->second, at->second, endpoint->second.data);
   if (const auto reader = readers_.find(local); reader != readers_.end())
-    match(reader->second, at->second, endpoint->second);
+    match(reader->second, at->second, endpoint->second.data);
 }
 
 bool Participant::introduce(const EntityId& local, const EndpointData& remote, bool& keep) {

@@ -67,7 +67,7 @@ void Participant::on_sedp(const Change& change, bool publications, bool secure) 
   const auto may_change = [&](const EntityId& id) {
     const auto known = remote->second.endpoints.find(id);
     const bool good =
-        known == remote->second.endpoints.end() || known->second.by_secure_discovery == secure;
+        known == remote->second.endpoints.end() || known->second.data.by_secure_discovery == secure;
     counters_.refused_discovery += good ? 0 : 1;
     return good;
   };
@@ -90,37 +90,73 @@ void Participant::on_sedp(const Change& change, bool publications, bool secure) 
   if (may_change(data->guid.entity)) add_endpoint(remote->second, std::move(*data));
 }
 
+Participant::RemoteEndpoint* Participant::find_remote(const Guid& guid) {
+  const auto remote = remotes_.find(guid.prefix);
+  if (remote == remotes_.end()) return nullptr;
+  const auto endpoint = remote->second.endpoints.find(guid.entity);
+  return endpoint == remote->second.endpoints.end() ? nullptr : &endpoint->second;
+}
+
 void Participant::add_endpoint(Remote& remote, EndpointData data) {
   const auto id = data.guid.entity;
-  if (!remote.endpoints.contains(id) && remote.endpoints.size() >= kMostEndpointsPerParticipant) {
-    ++counters_.refused_discovery;
-    return;
+  auto known = remote.endpoints.find(id);
+  if (known != remote.endpoints.end() && known->second.data.topic_name != data.topic_name) {
+    remove_endpoint(remote, id);
+    known = remote.endpoints.end();
   }
-  const auto& stored = remote.endpoints[id] = std::move(data);
-  for (auto& [own, local] : writers_) match(local, remote, stored);
-  for (auto& [own, local] : readers_) match(local, remote, stored);
+  if (known == remote.endpoints.end()) {
+    if (remote.endpoints.size() >= kMostEndpointsPerParticipant ||
+        remote_endpoints_ >= kMostEndpoints) {
+      ++counters_.refused_discovery;
+      return;
+    }
+    ++remote_endpoints_;
+    topics_[data.topic_name].remotes.push_back(data.guid);
+    known = remote.endpoints.try_emplace(id).first;
+  }
+  auto& stored = known->second.data = std::move(data);
+  const auto& ends = topics_[stored.topic_name];
+  for (auto* local : ends.writers) match(*local, remote, stored);
+  for (auto* local : ends.readers) match(*local, remote, stored);
 }
 
 template <class Local>
 void Participant::forget(Local& local, const Guid& remote) {
   if (security_) security_->keyring().part(local.data.guid.entity, remote);
   if (std::erase(local.matched, remote) == 0) return;
+  if constexpr (std::is_same_v<Local, LocalReader>)
+    if (auto* endpoint = find_remote(remote)) std::erase(endpoint->readers, &local);
   local.protocol->unmatch(remote);
   local.listener->on_unmatched(remote);
 }
 
 void Participant::remove_endpoint(Remote& remote, const EntityId& id) {
-  const Guid guid{remote.data.guid.prefix, id};
-  for (auto& [own, local] : writers_) forget(local, guid);
-  for (auto& [own, local] : readers_) forget(local, guid);
-  std::erase_if(remote.watches, [&](const auto& w) { return w.writer == guid; });
-  remote.endpoints.erase(id);
+  const auto known = remote.endpoints.find(id);
+  if (known == remote.endpoints.end()) return;
+  const auto& data = known->second.data;
+  const auto topic_name = data.topic_name;
+  auto& ends = topics_[topic_name];
+  for (auto* local : ends.writers) forget(*local, data.guid);
+  for (auto* local : ends.readers) forget(*local, data.guid);
+  if (!data.qos.liveliness.lease_duration.is_infinite())
+    std::erase_if(remote.watches, [&](const auto& w) { return w.writer == data.guid; });
+  std::erase(ends.remotes, data.guid);
+  remote.endpoints.erase(known);
+  --remote_endpoints_;
+  forget_if_empty(topic_name);
+}
+
+void Participant::forget_if_empty(const std::string& topic_name) {
+  if (const auto at = topics_.find(topic_name); at != topics_.end() && at->second.empty())
+    topics_.erase(at);
 }
 
 template <class Local>
 void Participant::match_all(Local& local) {
-  for (auto& [prefix, remote] : remotes_)
-    for (const auto& [id, endpoint] : remote.endpoints) match(local, remote, endpoint);
+  for (const auto& guid : topics_[local.data.topic_name].remotes) {
+    auto& remote = remotes_.find(guid.prefix)->second;
+    match(local, remote, remote.endpoints.find(guid.entity)->second.data);
+  }
 }
 template void Participant::match_all(LocalWriter&);
 template void Participant::match_all(LocalReader&);
@@ -158,7 +194,7 @@ const EndpointData* Participant::remote_endpoint(const Guid& guid) const {
   const auto remote = remotes_.find(guid.prefix);
   if (remote == remotes_.end()) return nullptr;
   const auto endpoint = remote->second.endpoints.find(guid.entity);
-  return endpoint == remote->second.endpoints.end() ? nullptr : &endpoint->second;
+  return endpoint == remote->second.endpoints.end() ? nullptr : &endpoint->second.data;
 }
 
 void Participant::note_alive(const Remote& remote, LivelinessKind kind) {
@@ -171,7 +207,7 @@ void Participant::note_alive(const GuidPrefix& from, const EntityId& writer) {
   if (remote == remotes_.end() || remote->second.watches.empty()) return;
   const auto endpoint = remote->second.endpoints.find(writer);
   if (endpoint == remote->second.endpoints.end()) return;
-  if (endpoint->second.qos.liveliness.kind == LivelinessKind::manual_by_participant)
+  if (endpoint->second.data.qos.liveliness.kind == LivelinessKind::manual_by_participant)
     return note_alive(remote->second, LivelinessKind::manual_by_participant);
   for (const auto& watch : remote->second.watches)
     if (watch.writer.entity == writer) watch.listener->on_alive(watch.writer);
@@ -223,9 +259,12 @@ void Participant::match(LocalWriter& writer, Remote& remote, const EndpointData&
 
 void Participant::match(LocalReader& reader, Remote& remote, const EndpointData& data) {
   if (!is_writer(data.guid.entity)) return;
-  std::erase_if(remote.watches, [&](const auto& w) {
-    return w.listener == reader.listener && w.writer == data.guid;
-  });
+  auto& matched = remote.endpoints.find(data.guid.entity)->second.readers;
+  const bool known = std::ranges::find(matched, &reader) != matched.end();
+  if (known)
+    std::erase_if(remote.watches, [&](const auto& w) {
+      return w.listener == reader.listener && w.writer == data.guid;
+    });
   bool keep = compatible(reader, data, data.qos, reader.data.qos);
   const bool ready = keep && introduce(reader.data.guid.entity, data, keep);
   if (!keep) return forget(reader, data.guid);
@@ -233,8 +272,8 @@ void Participant::match(LocalReader& reader, Remote& remote, const EndpointData&
   const auto& liveliness = data.qos.liveliness;
   if (!liveliness.lease_duration.is_infinite())
     remote.watches.push_back({reader.listener, data.guid, liveliness.kind});
-  if (std::ranges::find(reader.matched, data.guid) != reader.matched.end())
-    return reader.listener->on_matched(data);
+  if (known) return reader.listener->on_matched(data);
+  matched.push_back(&reader);
   reader.matched.push_back(data.guid);
   reader.protocol->match(
       {data.guid, data.qos.is_reliable(), usable_locators(data.unicast, remote.user)}, now_);

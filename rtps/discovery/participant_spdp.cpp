@@ -115,6 +115,7 @@ void Participant::add_remote(ParticipantData data, MonotonicTime now) {
   }
   auto user = usable_locators(data.default_unicast, metatraffic);
   const auto end = lease_end(data, now);
+  next_lease_ = std::min(next_lease_, end);
   const auto verdict =
       security_ ? security_->judge(data) : Security::Verdict::admit_unauthenticated;
   auto& remote =
@@ -147,6 +148,7 @@ bool Participant::make_room() {
 void Participant::on_known(Remote& remote, const ParticipantData& data, MonotonicTime now) {
   const bool fixed = security_ && security_->is_authenticated(remote.data.guid.prefix);
   remote.lease_end = lease_end(fixed ? remote.data : data, now);
+  next_lease_ = std::min(next_lease_, remote.lease_end);
 }
 
 void Participant::match_builtin(Remote& remote) {
@@ -173,9 +175,23 @@ void Participant::match_builtin(const BuiltinTopicInfo& info, Remote& remote, bo
     builtin_.find_reader(own)->match({other, true, remote.metatraffic}, now_);
 }
 
+// Leases grow with everything that is heard: the time that was noted may be too early, never too
+// late.
+void Participant::remove_ended(MonotonicTime now) {
+  if (now < next_lease_) return;
+  next_lease_ = kNever;
+  for (const auto& [prefix, remote] : remotes_) {
+    if (remote.lease_end <= now)
+      gone_.push_back(prefix);
+    else
+      next_lease_ = std::min(next_lease_, remote.lease_end);
+  }
+}
+
 void Participant::remove_remote(const GuidPrefix& prefix) {
   const auto at = remotes_.find(prefix);
   if (at == remotes_.end()) return;
+  at->second.watches.clear();
   while (!at->second.endpoints.empty())
     remove_endpoint(at->second, at->second.endpoints.begin()->first);
   builtin_.each([&](const auto& info, auto& writer, auto& reader) {

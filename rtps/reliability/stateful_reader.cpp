@@ -21,8 +21,12 @@ Change change_of(const GuidPrefix& from, const Data& data, const std::optional<T
 }  // namespace
 
 StatefulReader::StatefulReader(const Guid& guid, bool reliable, MessageSender& sender,
-                               Deliver deliver)
-    : guid_(guid), reliable_(reliable), sender_(sender), deliver_(std::move(deliver)) {}
+                               Deliver deliver, TimerQueue* timers)
+    : Timed(timers),
+      guid_(guid),
+      reliable_(reliable),
+      sender_(sender),
+      deliver_(std::move(deliver)) {}
 
 StatefulReader::WriterProxy* StatefulReader::find(const Guid& writer) {
   const auto at = std::ranges::find(writers_, writer, [](const auto& p) { return p.writer.guid; });
@@ -33,12 +37,9 @@ void StatefulReader::match(MatchedWriter writer, MonotonicTime now) {
   if (find(writer.guid) != nullptr) return;
   WriterProxy proxy;
   proxy.writer = std::move(writer);
-  if (reliable_ && proxy.writer.reliable) {
-    proxy.next_question = now;
-    proxy.question_period = kFirstQuestion;
-  }
+  proxy.question_period = kFirstQuestion;
   writers_.push_back(std::move(proxy));
-  tick(now);
+  if (reliable_ && writers_.back().writer.reliable) ask(writers_.back(), now);
 }
 
 void StatefulReader::unmatch(const Guid& writer) {
@@ -230,17 +231,21 @@ void StatefulReader::on_gap(const GuidPrefix& from, const Gap& gap) {
   });
 }
 
+// Not final and nothing missing. All known peers answer with a heartbeat. (Fast DDS itself asks
+// with base 0, which Cyclone DDS calls malformed.)
+void StatefulReader::ask(WriterProxy& proxy, MonotonicTime now) {
+  sender_.add(proxy.destination(), AckNack{guid_.entity, proxy.writer.guid.entity,
+                                           SequenceNumberSet(proxy.next), ++proxy.count, false});
+  sender_.flush();
+  proxy.next_question = now + proxy.question_period;
+  proxy.question_period = std::min(proxy.question_period * 2, kLongestQuestion);
+  call_at(proxy.next_question);
+}
+
 void StatefulReader::tick(MonotonicTime now) {
-  for (auto& proxy : writers_) {
-    if (now < proxy.next_question) continue;
-    // Not final and nothing missing: "what is there?" All known peers answer with a heartbeat.
-    // (Fast DDS itself asks with base 0, which Cyclone DDS calls malformed.)
-    sender_.add(proxy.destination(), AckNack{guid_.entity, proxy.writer.guid.entity,
-                                             SequenceNumberSet(proxy.next), ++proxy.count, false});
-    sender_.flush();
-    proxy.next_question = now + proxy.question_period;
-    proxy.question_period = std::min(proxy.question_period * 2, kLongestQuestion);
-  }
+  for (auto& proxy : writers_)
+    if (now >= proxy.next_question) ask(proxy, now);
+  call_at(next_tick());
 }
 
 MonotonicTime StatefulReader::next_tick() const {

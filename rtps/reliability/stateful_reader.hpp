@@ -22,7 +22,7 @@ struct MatchedWriter {
 /// Delivers each writer's changes in order, each once. Bounded: changes that came too early and
 /// samples of which fragments are missing are kept up to the constants below, then dropped and
 /// asked for again. No clock, no lock.
-class StatefulReader {
+class StatefulReader final : private Timed {
  public:
   static constexpr std::size_t kMostEarlyChanges = 2048;
   static constexpr std::size_t kMostPartialSamples = 4;
@@ -31,7 +31,9 @@ class StatefulReader {
   /// Takes the change, or refuses it for now (a full history): then it is kept here, and offered
   /// again with the writer's next heartbeat. A best-effort change that is refused is lost.
   using Deliver = std::function<bool(Change&)>;
-  StatefulReader(const Guid& guid, bool reliable, MessageSender& sender, Deliver deliver);
+  /// Without timers somebody calls tick whenever next_tick says so.
+  StatefulReader(const Guid& guid, bool reliable, MessageSender& sender, Deliver deliver,
+                 TimerQueue* timers = nullptr);
 
   /// Told how many changes of a writer were given up that nobody declared irrelevant
   /// (SAMPLE_LOST of DDS 1.4, 2.2.4.1).
@@ -84,6 +86,9 @@ class StatefulReader {
     Destination destination() const { return {writer.guid.prefix, writer.locators}; }
   };
 
+  void on_time(MonotonicTime now) override { tick(now); }
+  /// "What is there?", and when to ask again.
+  void ask(WriterProxy& proxy, MonotonicTime now);
   WriterProxy* find(const Guid& writer);
   void accept(WriterProxy& proxy, SequenceNumber number, std::optional<Change> change);
   void advance(WriterProxy& proxy);

@@ -53,8 +53,10 @@ PayloadKind kind_of(const Change& change) {
 
 }  // namespace
 
-StatefulWriter::StatefulWriter(const Guid& guid, const Qos& qos, MessageSender& sender)
-    : guid_(guid),
+StatefulWriter::StatefulWriter(const Guid& guid, const Qos& qos, MessageSender& sender,
+                               TimerQueue* timers)
+    : Timed(timers),
+      guid_(guid),
       qos_(qos),
       sender_(sender),
       history_(qos),
@@ -91,7 +93,7 @@ void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
     send_heartbeat(matched.destination(), matched.reader.guid.entity, matched.first_relevant,
                    false);
     period_ = kFirstPeriod;
-    next_heartbeat_ = now + period_;
+    heartbeat_at(now + period_);
   }
   sender_.flush();
 }
@@ -152,8 +154,14 @@ void StatefulWriter::ask_for_acknowledgments() {
 void StatefulWriter::schedule_heartbeat(MonotonicTime now) {
   if (next_heartbeat_ == kNever || period_ != kFirstPeriod) {
     period_ = kFirstPeriod;
-    next_heartbeat_ = now + period_;
+    heartbeat_at(now + period_);
   }
+}
+
+// A later time than the one that was wanted stays asked for: one call too many now and then.
+void StatefulWriter::heartbeat_at(MonotonicTime when) {
+  next_heartbeat_ = when;
+  call_at(when);
 }
 
 void StatefulWriter::send_change(const Destination& to, const EntityId& reader,
@@ -227,14 +235,14 @@ void StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, 
   if (all_acknowledged())
     next_heartbeat_ = kNever;
   else if (next_heartbeat_ == kNever)
-    next_heartbeat_ = now + kFirstPeriod;
+    heartbeat_at(now + kFirstPeriod);
 }
 
 // A reader that asks is alive and needs us: the next heartbeat comes soon, whatever came before.
 void StatefulWriter::be_attentive(MonotonicTime now) {
   unanswered_ = 0;
   period_ = kFirstPeriod;
-  next_heartbeat_ = std::min(next_heartbeat_, now + period_);
+  heartbeat_at(std::min(next_heartbeat_, now + period_));
 }
 
 bool StatefulWriter::answer_requests(ReaderProxy& proxy, const SequenceNumberSet& missing,
@@ -289,7 +297,7 @@ void StatefulWriter::on_nack_frag(const GuidPrefix& from, const NackFrag& nack, 
 }
 
 void StatefulWriter::tick(MonotonicTime now) {
-  if (now < next_heartbeat_) return;
+  if (now < next_heartbeat_) return call_at(next_heartbeat_);
   for (const auto& proxy : readers_) {
     if (!proxy.reader.reliable || proxy.acknowledged >= history_.last()) continue;
     send_heartbeat(proxy.destination(), proxy.reader.guid.entity,
@@ -297,7 +305,7 @@ void StatefulWriter::tick(MonotonicTime now) {
   }
   sender_.flush();
   if (++unanswered_ > kUnansweredBeforeSlower) period_ = std::min(period_ * 2, kLongestPeriod);
-  next_heartbeat_ = all_acknowledged() ? kNever : now + period_;
+  heartbeat_at(all_acknowledged() ? kNever : now + period_);
 }
 
 bool StatefulWriter::is_ahead() const {

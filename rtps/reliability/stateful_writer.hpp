@@ -5,7 +5,7 @@
 
 #include "rtps/discovery/parameter_table.hpp"
 #include "rtps/qos/qos.hpp"
-#include "rtps/reliability/message_sender.hpp"
+#include "rtps/reliability/timer_queue.hpp"
 #include "rtps/reliability/writer_history.hpp"
 #include "rtps/wire/acknack.hpp"
 #include "rtps/wire/nack_frag.hpp"
@@ -21,12 +21,12 @@ struct MatchedReader {
 };
 
 /// No I/O but through the sender, no clock, no lock: the caller brings all three.
-class StatefulWriter {
+class StatefulWriter final : private Timed {
  public:
-  StatefulWriter(const Guid& guid, const Qos& qos, MessageSender& sender);
-  ~StatefulWriter() { sender_.flush(); }
-  StatefulWriter(const StatefulWriter&) = delete;
-  StatefulWriter& operator=(const StatefulWriter&) = delete;
+  /// Without timers somebody calls tick whenever next_tick says so.
+  StatefulWriter(const Guid& guid, const Qos& qos, MessageSender& sender,
+                 TimerQueue* timers = nullptr);
+  ~StatefulWriter() override { sender_.flush(); }
 
   const Guid& guid() const { return guid_; }
   const Qos& qos() const { return qos_; }
@@ -79,6 +79,8 @@ class StatefulWriter {
     Destination destination() const { return {reader.guid.prefix, reader.locators}; }
   };
 
+  void on_time(MonotonicTime now) override { tick(now); }
+  void heartbeat_at(MonotonicTime when);
   ReaderProxy* find(const Guid& reader);
   void rebuild_locators();
   void send_change(const Destination& to, const EntityId& reader, const Change& change,

@@ -1,31 +1,8 @@
 // The message path allocates nothing once matched. A program of its own: it replaces operator new.
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
 #include <gtest/gtest.h>
 
+#include "tests/support/counted_memory.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
-
-namespace {
-std::atomic<long> allocations = 0;
-
-void* counted(std::size_t size, std::size_t alignment) {
-  ++allocations;
-  void* const place = std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
-  if (place == nullptr) std::abort();
-  return place;
-}
-}  // namespace
-
-void* operator new(std::size_t size) { return counted(size, 16); }
-void* operator new(std::size_t size, std::align_val_t alignment) {
-  return counted(size, static_cast<std::size_t>(alignment));
-}
-void operator delete(void* place) noexcept { std::free(place); }
-void operator delete(void* place, std::size_t) noexcept { std::free(place); }
-void operator delete(void* place, std::align_val_t) noexcept { std::free(place); }
-void operator delete(void* place, std::size_t, std::align_val_t) noexcept { std::free(place); }
 
 namespace ddssec::cryptography::testing {
 namespace {
@@ -35,19 +12,12 @@ constexpr auto kSign = ProtectionKind::sign;
 constexpr std::array kKinds = {kSign, kEncrypt, ProtectionKind::sign_with_origin_authentication,
                                ProtectionKind::encrypt_with_origin_authentication};
 
-template <class F>
-long allocations_of(F&& f) {
-  const auto before = allocations.load();
-  f();
-  return allocations.load() - before;
-}
+using counted_memory::allocations_of;
 
 TEST(Allocations, AreCounted) {
-  EXPECT_EQ(allocations_of([] { delete new int(1); }), 1);
-  struct alignas(64) Aligned {
-    int value = 0;
-  };
-  EXPECT_EQ(allocations_of([] { delete new Aligned; }), 1);
+  EXPECT_EQ(allocations_of([] { ::operator delete(::operator new(1)); }), 1);
+  constexpr std::align_val_t kAligned{64};
+  EXPECT_EQ(allocations_of([] { ::operator delete(::operator new(1, kAligned), kAligned); }), 1);
 }
 
 TEST(Allocations, NoneOnTheMessagePath) {

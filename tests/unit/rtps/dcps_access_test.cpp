@@ -196,7 +196,7 @@ TEST_F(Access, TheNearestListenerThatWantsAStatusHearsIt) {
   b.participant->set_listener(&at_participant, StatusKind::data_available);
   b.subscriber->set_listener(&at_subscriber, StatusKind::sample_lost);
   write("a", 2);
-  EXPECT_THAT(at_participant.calls,ElementsAre("readers", "data"));
+  EXPECT_THAT(at_participant.calls, ElementsAre("readers", "data"));
   b.subscriber->set_listener(&at_subscriber, StatusKind::data_available);
   write("a", 3);
   EXPECT_THAT(at_subscriber.calls, ElementsAre("data"));

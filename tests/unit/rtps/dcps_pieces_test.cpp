@@ -4,9 +4,9 @@
 #include <gmock/gmock.h>
 
 #include "rtps/dcps/liveliness.hpp"
-#include "rtps/dcps/timer_queue.hpp"
 #include "rtps/dcps/wait_set.hpp"
 #include "rtps/dcps/writer_instances.hpp"
+#include "rtps/reliability/timer_queue.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
 
 namespace ddssec::rtps {

@@ -1,12 +1,7 @@
 // Two participants without sockets: discovery, matching, and what they make of forged messages.
-#include "rtps/discovery/participant.hpp"
-
-#include <deque>
-#include <set>
-
 #include <gmock/gmock.h>
 
-#include "tests/unit/rtps/wire_helpers.hpp"
+#include "tests/unit/rtps/participant_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -16,85 +11,8 @@ using std::chrono::seconds;
 using testing::code_of;
 using testing::message;
 using testing::written;
-
-struct Events final : EventSink {
-  std::vector<Event> seen;
-  void raise(const Event& event) override { seen.push_back(event); }
-  std::vector<Code> codes() const {
-    std::vector<Code> out;
-    for (const auto& event : seen) out.push_back(event.error.code());
-    return out;
-  }
-};
-
-struct Listener final : EndpointListener {
-  int matched = 0;
-  std::vector<QosMismatch> mismatches;
-  std::vector<Change> changes;
-  int inconsistent = 0;
-  std::vector<Guid> alive;
-  std::vector<Qos> announced;
-  std::int64_t lost = 0;
-  void on_matched(const EndpointData& remote) override {
-    matched += known.insert(remote.guid).second ? 1 : 0;
-    announced.push_back(remote.qos);
-  }
-  void on_unmatched(const Guid& remote) override { matched -= known.erase(remote) ? 1 : 0; }
-  void on_inconsistent_topic(const EndpointData&) override { ++inconsistent; }
-  void on_sample_lost(std::int64_t count) override { lost += count; }
-  void on_alive(const Guid& writer) override { alive.push_back(writer); }
-  std::set<Guid> known;
-  void on_incompatible_qos(const Guid&, const QosMismatch& m) override { mismatches.push_back(m); }
-  bool on_change(Change& change) override {
-    changes.push_back(std::move(change));
-    return true;
-  }
-  void on_acknowledged() override {}
-};
-
-/// A participant at port 7000 + n of a network that the test carries.
-struct Node {
-  struct Post final : Transport {
-    std::vector<std::pair<std::uint32_t, Bytes>> sent;
-    void send(BytesView octets, std::span<const Locator> to) override {
-      for (const auto& locator : to) sent.emplace_back(locator.port, to_bytes(octets));
-    }
-  };
-  Post post;
-  Events events;
-  std::uint32_t port;
-  Participant participant;
-  Listener listener;
-
-  static ParticipantConfig config(std::uint8_t n, DomainId domain, std::string tag) {
-    const auto at = [](std::uint32_t port) {
-      return *Locator::parse("127.0.0.1", static_cast<std::uint16_t>(port));
-    };
-    return {.prefix = GuidPrefix::from(Bytes(12, n)),
-            .domain_id = domain,
-            .domain_tag = std::move(tag),
-            .metatraffic_unicast = {at(7000u + n)},
-            .default_unicast = {at(7000u + n)},
-            .announce_to = {at(7001), at(7002), at(7003)}};
-  }
-  explicit Node(std::uint8_t n, DomainId domain = 0, std::string tag = {})
-      : port(7000u + n), participant(config(n, domain, std::move(tag)), post, events) {}
-};
-
-struct World {
-  std::vector<Node*> nodes;
-  MonotonicTime now = seconds(1);
-  void run(int steps = 30) {
-    for (int i = 0; i < steps; ++i) {
-      for (auto* from : nodes)
-        for (auto& [port, octets] : std::exchange(from->post.sent, {}))
-          for (auto* to : nodes)
-            if (to->port == port) to->participant.receive(octets, now);
-      now += milliseconds(10);
-      for (auto* node : nodes) node->participant.tick(now);
-    }
-  }
-};
+using testing::socketless::Node;
+using testing::socketless::World;
 
 Participant::EndpointRequest square(Qos qos) {
   return {"Square", "ShapeType", std::move(qos), true};

@@ -1,0 +1,103 @@
+// Who wants to be called when. No thread and no clock of its own.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "rtps/reliability/message_sender.hpp"
+
+namespace ddssec::rtps {
+
+class TimerQueue;
+
+/// Something that has to be done at a time.
+class Timed {
+ public:
+  virtual ~Timed() { cancel(); }
+  Timed(const Timed&) = delete;
+  Timed& operator=(const Timed&) = delete;
+
+ protected:
+  /// Without a queue nobody calls: then the owner does, whenever it likes.
+  explicit Timed(TimerQueue* queue) : queue_(queue) {}
+  explicit Timed(TimerQueue& queue) : queue_(&queue) {}
+  /// Its time has come, or a little earlier: it looks what is due, and says when it wants to be
+  /// called again.
+  virtual void on_time(MonotonicTime now) = 0;
+  /// To be called at `when` at the latest; a later time than the one wanted before is ignored.
+  void call_at(MonotonicTime when);
+  /// Leaves the queue; whoever shares it among threads does this before it dies, with the lock.
+  void cancel();
+
+ private:
+  friend class TimerQueue;
+  TimerQueue* queue_;
+  MonotonicTime wanted_ = kNever;
+  std::size_t place_ = 0;  ///< in the queue, if wanted
+};
+
+/// A heap whose members know their places: nobody is walked, and nothing is allocated but for more
+/// members than ever before.
+class TimerQueue {
+ public:
+  MonotonicTime next() const { return heap_.empty() ? kNever : heap_.front()->wanted_; }
+  void run(MonotonicTime now) {
+    while (next() <= now) {
+      auto& timed = *heap_.front();
+      timed.cancel();
+      timed.on_time(now);
+    }
+  }
+
+ private:
+  friend class Timed;
+  void put(std::size_t place, Timed* timed) {
+    heap_[place] = timed;
+    timed->place_ = place;
+  }
+  void raise(std::size_t place, Timed* timed) {
+    for (; place > 0 && timed->wanted_ < heap_[(place - 1) / 2]->wanted_; place = (place - 1) / 2)
+      put(place, heap_[(place - 1) / 2]);
+    put(place, timed);
+  }
+  void sink(std::size_t place, Timed* timed) {
+    for (auto child = 2 * place + 1; child < heap_.size(); child = 2 * place + 1) {
+      if (child + 1 < heap_.size() && heap_[child + 1]->wanted_ < heap_[child]->wanted_) ++child;
+      if (timed->wanted_ <= heap_[child]->wanted_) break;
+      put(place, heap_[child]);
+      place = child;
+    }
+    put(place, timed);
+  }
+  void add(Timed* timed) {
+    heap_.push_back(timed);
+    raise(heap_.size() - 1, timed);
+  }
+  void remove(std::size_t place) {
+    auto* last = heap_.back();
+    heap_.pop_back();
+    if (place == heap_.size()) return;
+    sink(place, last);
+    raise(last->place_, last);
+  }
+
+  std::vector<Timed*> heap_;
+};
+
+inline void Timed::cancel() {
+  if (wanted_ == kNever) return;
+  queue_->remove(place_);
+  wanted_ = kNever;
+}
+
+inline void Timed::call_at(MonotonicTime when) {
+  if (when >= wanted_ || queue_ == nullptr) return;
+  const bool waits = wanted_ != kNever;
+  wanted_ = when;
+  if (waits)
+    queue_->raise(place_, this);
+  else
+    queue_->add(this);
+}
+
+}  // namespace ddssec::rtps

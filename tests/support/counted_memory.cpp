@@ -1,0 +1,44 @@
+#include "tests/support/counted_memory.hpp"
+
+#include <atomic>
+#include <cstdlib>
+#include <malloc.h>
+#include <new>
+
+namespace ddssec::counted_memory {
+namespace {
+
+std::atomic<std::int64_t> calls = 0, held = 0;
+
+void* counted(void* place) {
+  if (place == nullptr) throw std::bad_alloc();
+  ++calls;
+  held += static_cast<std::int64_t>(malloc_usable_size(place));
+  return place;
+}
+
+void release(void* place) noexcept {
+  held -= static_cast<std::int64_t>(malloc_usable_size(place));
+  std::free(place);
+}
+
+}  // namespace
+
+std::int64_t allocations() { return calls; }
+std::int64_t octets() { return held; }
+
+}  // namespace ddssec::counted_memory
+
+namespace memory = ddssec::counted_memory;
+
+void* operator new(std::size_t size) { return memory::counted(std::malloc(size)); }
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  const auto unit = static_cast<std::size_t>(alignment);
+  return memory::counted(std::aligned_alloc(unit, (size + unit - 1) / unit * unit));
+}
+void operator delete(void* place) noexcept { memory::release(place); }
+void operator delete(void* place, std::size_t) noexcept { memory::release(place); }
+void operator delete(void* place, std::align_val_t) noexcept { memory::release(place); }
+void operator delete(void* place, std::size_t, std::align_val_t) noexcept {
+  memory::release(place);
+}

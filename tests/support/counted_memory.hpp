@@ -1,0 +1,21 @@
+// Counts what operator new does in the program that links counted_memory.
+#pragma once
+
+#include <cstdint>
+
+namespace ddssec::counted_memory {
+
+/// Calls of operator new so far, of all threads.
+std::int64_t allocations();
+/// What they hold now, in octets, with what the allocator rounds up.
+std::int64_t octets();
+
+/// Calls of operator new while `f` runs.
+template <class F>
+std::int64_t allocations_of(F&& f) {
+  const auto before = allocations();
+  f();
+  return allocations() - before;
+}
+
+}  // namespace ddssec::counted_memory

@@ -1,0 +1,112 @@
+// What discovery costs as endpoints become many, in work and not in time: this program is built
+// with a call at every branch of rtps/discovery, rtps/reliability and rtps/qos, and counts them.
+#include <gtest/gtest.h>
+
+#include "tests/unit/rtps/participant_fixture.hpp"
+
+namespace {
+std::uint64_t work = 0;
+}
+extern "C" void __sanitizer_cov_trace_pc();
+void __sanitizer_cov_trace_pc() { ++work; }
+
+namespace ddssec::rtps {
+namespace {
+
+using std::chrono::milliseconds;
+
+template <class F>
+std::uint64_t work_of(F&& f) {
+  const auto before = work;
+  f();
+  return work - before;
+}
+
+/// Writers of one participant and readers of another, each pair on a topic of its own.
+struct Pairs {
+  testing::socketless::Node a{1}, b{2};
+  testing::socketless::World world{{&a, &b}};
+  std::vector<Guid> writers, readers;
+  std::int64_t asked = 0;  ///< for the next tick, as dcps does after each change
+
+  void create(int count) {
+    for (int i = 0; i < count; ++i) {
+      const auto request = [&](const Qos& qos) {
+        return Participant::EndpointRequest{"Topic" + std::to_string(i), "Type", qos, true};
+      };
+      writers.push_back(
+          *a.participant.create_writer(request(default_writer_qos()), a.listener, world.now));
+      readers.push_back(
+          *b.participant.create_reader(request(default_reader_qos()), b.listener, world.now));
+      asked += a.participant.next_tick().count() + b.participant.next_tick().count();
+    }
+  }
+  void remove() {
+    for (const auto& guid : writers) a.participant.remove(guid, world.now);
+    for (const auto& guid : readers) b.participant.remove(guid, world.now);
+    world.run(5);
+    EXPECT_EQ(a.participant.remote_endpoint(readers.back()), nullptr);
+    EXPECT_EQ(b.participant.remote_endpoint(writers.back()), nullptr);
+  }
+  bool run_until_matched(int count) {
+    for (int i = 0; i < 1000 && a.listener.matched + b.listener.matched < 2 * count; ++i)
+      world.run(1);
+    return a.listener.matched == count && b.listener.matched == count;
+  }
+  void write() {
+    Change change;
+    change.payload = Payload::copy_of(Bytes(64));
+    a.participant.writer(writers.back())->write(std::move(change), world.now);
+    world.run(1);
+  }
+};
+
+struct Work {
+  std::uint64_t create, match, idle, write, late, remove, end;
+};
+
+Work work_of_pairs(int count) {
+  Work out{};
+  Pairs pairs;
+  pairs.world.run(10);
+  out.create = work_of([&] { pairs.create(count); });
+  out.match = work_of([&] { EXPECT_TRUE(pairs.run_until_matched(count)); });
+  pairs.world.run(100);
+  out.idle = work_of([&] { pairs.world.run(100); });
+  out.write = work_of([&] { pairs.write(); });
+  EXPECT_EQ(pairs.b.listener.changes.size(), 1u);
+  out.remove = work_of([&] { pairs.remove(); });
+  // Endpoints that were there before the participants met, and a participant that goes.
+  Pairs late;
+  late.create(count);
+  out.late = work_of([&] { EXPECT_TRUE(late.run_until_matched(count)); });
+  out.end = work_of([&] {
+    late.a.participant.leave();
+    late.world.run(2);
+  });
+  EXPECT_EQ(late.b.participant.remote_participants(), 0u);
+  return out;
+}
+
+TEST(Scale, TheWorkOfAnEndpointDoesNotGrowWithTheirNumber) {
+  ASSERT_GT(work_of([] { Pairs pairs; }), 0u) << "built without a call at every branch";
+  constexpr int kFew = 250, kMany = 5000;
+  const auto few = work_of_pairs(kFew), many = work_of_pairs(kMany);
+  // A search in n log n, and what a message brings of many, add a little.
+  const auto expect_alike = [&](const char* what, std::uint64_t Work::*part, int in_few,
+                                int in_many) {
+    const auto one = static_cast<double>(few.*part) / in_few;
+    const auto other = static_cast<double>(many.*part) / in_many;
+    EXPECT_LT(other, 1.5 * one) << what << ": " << one << " becomes " << other;
+  };
+  expect_alike("create", &Work::create, kFew, kMany);
+  expect_alike("match", &Work::match, kFew, kMany);
+  expect_alike("match what was there before", &Work::late, kFew, kMany);
+  expect_alike("remove", &Work::remove, kFew, kMany);
+  expect_alike("lose a participant", &Work::end, kFew, kMany);
+  expect_alike("a second without anything", &Work::idle, 1, 1);
+  expect_alike("one sample", &Work::write, 1, 1);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
