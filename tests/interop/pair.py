@@ -27,9 +27,11 @@ class Namespace:
     SETUP = ("ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo"
              " && echo ready && exec sleep 120")
 
-    def __init__(self):
+    def __init__(self, beside=None):
+        """`beside`: a namespace of the same owner, so that one process may enter both."""
         self.as_root = os.geteuid() == 0
-        unshare = ["unshare", "-n"] if self.as_root else ["unshare", "-rn"]
+        unshare = (["unshare", "-n"] if self.as_root else beside.enter(["unshare", "-n"]) if beside
+                   else ["unshare", "-rn"])
         self._holder = subprocess.Popen([*unshare, "sh", "-c", self.SETUP], text=True,
                                         stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                         stderr=subprocess.PIPE)
@@ -38,6 +40,10 @@ class Namespace:
             self.close()
             raise RuntimeError(f"cannot make a network namespace: {reason}; run this as root, "
                                "or allow user namespaces (sysctl kernel.unprivileged_userns_clone)")
+
+    @property
+    def path(self):
+        return f"/proc/{self._holder.pid}/ns/net"
 
     def enter(self, command):
         """The command line that runs `command` inside; its process id is the command's."""

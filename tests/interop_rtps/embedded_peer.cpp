@@ -72,6 +72,8 @@ Qos qos_of(const peer_options& options) {
   qos.reliability.kind = ReliabilityKind::reliable;
   qos.durability = DurabilityKind::transient_local;
   qos.history.kind = HistoryKind::keep_all;
+  if (options.publish && options.keep_last > 0)
+    qos.history = {HistoryKind::keep_last, static_cast<std::int32_t>(options.keep_last)};
   return qos;
 }
 
@@ -137,7 +139,11 @@ int run(const peer_options& options) {
   RateLimitedSink events(log, clock);
   const Environment environment{clock, random, events};
   const Plugins plugins(environment);
-  DomainParticipantOptions wanted{.domain_id = static_cast<DomainId>(options.domain)};
+  DomainParticipantOptions wanted{.domain_id = static_cast<DomainId>(options.domain),
+                                  .interface = options.address,
+                                  .peers = {options.peer}};
+  if (options.lease > 0)
+    wanted.lease_duration = Duration::from(std::chrono::seconds(options.lease));
   if (!options.plain)
     wanted.security.emplace(
         SecurityPlugins{*plugins.authentication, *plugins.access_control, *plugins.cryptography},

@@ -9,14 +9,14 @@
 #include "interop/peers/peer.h"
 #include "shape.h"
 
-// Loopback only, unicast, quick discovery. CYCLONEDDS_URI, if set, takes its place.
-static const char loopback[] =
+// One interface, unicast, quick discovery. CYCLONEDDS_URI, if set, takes its place.
+static const char configuration[] =
     "<CycloneDDS><Domain Id=\"any\">"
-    "<General><Interfaces><NetworkInterface address=\"127.0.0.1\" "
-    "multicast=\"false\"/></Interfaces>"
+    "<General><Interfaces><NetworkInterface address=\"%s\" multicast=\"false\"/></Interfaces>"
     "<AllowMulticast>false</AllowMulticast></General>"
-    "<Discovery><Peers><Peer address=\"127.0.0.1\"/></Peers>"
-    "<ParticipantIndex>auto</ParticipantIndex><SPDPInterval>500ms</SPDPInterval></Discovery>"
+    "<Discovery><Peers><Peer address=\"%s\"/></Peers>"
+    "<ParticipantIndex>auto</ParticipantIndex><SPDPInterval>500ms</SPDPInterval>"
+    "<LeaseDuration>%us</LeaseDuration></Discovery>"
     "</Domain></CycloneDDS>";
 
 struct cyclone {
@@ -113,7 +113,10 @@ static void set_security(dds_qos_t* qos, const struct peer_options* options) {
 
 static dds_entity_t create_participant(const struct peer_options* options) {
   if (getenv("CYCLONEDDS_URI") == NULL) {
-    const dds_entity_t domain = dds_create_domain(options->domain, loopback);
+    char text[1024];
+    snprintf(text, sizeof text, configuration, options->address, options->peer,
+             options->lease > 0 ? options->lease : 10);
+    const dds_entity_t domain = dds_create_domain(options->domain, text);
     if (domain < 0) return domain;
   }
   dds_qos_t* qos = dds_create_qos();
@@ -139,8 +142,11 @@ static dds_entity_t create_endpoint(dds_entity_t group, dds_entity_t topic,
   dds_qos_t* qos = dds_create_qos();
   dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
   dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
-  dds_qset_history(qos, DDS_HISTORY_KEEP_ALL, 0);
-  if (options->publish) dds_qset_durability_service(qos, 0, DDS_HISTORY_KEEP_ALL, 0, -1, -1, -1);
+  const bool all = !options->publish || options->keep_last == 0;
+  const dds_history_kind_t kind = all ? DDS_HISTORY_KEEP_ALL : DDS_HISTORY_KEEP_LAST;
+  const int32_t depth = all ? 0 : (int32_t)options->keep_last;
+  dds_qset_history(qos, kind, depth);
+  if (options->publish) dds_qset_durability_service(qos, 0, kind, depth, -1, -1, -1);
   // Cyclone hands the key size to the cryptography plugin with each endpoint's properties.
   if (!options->plain && options->security[PEER_KEYSIZE] != NULL)
     dds_qset_prop(qos, "dds.sec.crypto.keysize", options->security[PEER_KEYSIZE]);

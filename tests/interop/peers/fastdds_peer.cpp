@@ -21,7 +21,7 @@ namespace fdds = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
 using eprosima::fastrtps::Duration_t;
 using interop_fast::log_to_stderr;
-using interop_fast::set_loopback;
+using interop_fast::set_interface;
 using interop_fast::Shape;
 using interop_fast::ShapeType;
 
@@ -122,6 +122,10 @@ bool create_writer(fdds::DomainParticipant& participant, fdds::Topic* topic,
   if (!publisher) return false;
   fdds::DataWriterQos qos = fdds::DATAWRITER_QOS_DEFAULT;
   set_reliable(qos);
+  if (options.keep_last > 0) {
+    qos.history().kind = fdds::KEEP_LAST_HISTORY_QOS;
+    qos.history().depth = static_cast<int32_t>(options.keep_last);
+  }
   qos.reliable_writer_qos().times.heartbeatPeriod = Duration_t(0, 100'000'000);
   made.writer = publisher->create_datawriter(topic, qos);
   return made.writer != nullptr;
@@ -156,7 +160,10 @@ int use(fdds::DomainParticipant& participant, const peer_options& options) {
 
 int run(const peer_options& options) {
   fdds::DomainParticipantQos qos = fdds::PARTICIPANT_QOS_DEFAULT;
-  set_loopback(qos);
+  set_interface(qos, options.address, options.peer);
+  if (options.lease > 0)
+    qos.wire_protocol().builtin.discovery_config.leaseDuration =
+        Duration_t(static_cast<int32_t>(options.lease), 0);
   if (!options.plain) set_security(qos, options);
   for (std::size_t i = 0; i < options.properties; ++i)
     qos.properties().properties().emplace_back(options.property_name[i], options.property_value[i]);

@@ -98,20 +98,25 @@ class ShapeType : public fdds::TopicDataType {
   void deleteData(void* data) override { delete static_cast<Shape*>(data); }
 };
 
-// Loopback UDP, unicast: a metatraffic locator with port 0 keeps Fast DDS off multicast.
-inline void set_loopback(fdds::DomainParticipantQos& qos) {
+// UDP at one interface, unicast: a metatraffic locator with port 0 keeps Fast DDS off multicast.
+inline void set_interface(fdds::DomainParticipantQos& qos, const char* address, const char* peer) {
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
-  udp->interfaceWhiteList.emplace_back("127.0.0.1");
+  udp->interfaceWhiteList.emplace_back(address);
   qos.transport().use_builtin_transports = false;
   qos.transport().user_transports.push_back(udp);
-  rtps::Locator_t loopback;
-  rtps::IPLocator::setIPv4(loopback, "127.0.0.1");
+  rtps::Locator_t own, other;
+  rtps::IPLocator::setIPv4(own, address);
+  rtps::IPLocator::setIPv4(other, peer);
   auto& builtin = qos.wire_protocol().builtin;
-  builtin.metatrafficUnicastLocatorList.push_back(loopback);
-  builtin.initialPeersList.push_back(loopback);
+  builtin.metatrafficUnicastLocatorList.push_back(own);
+  builtin.initialPeersList.push_back(other);
   auto& discovery = builtin.discovery_config;
   discovery.leaseDuration_announcementperiod = Duration_t(0, 500'000'000);
   discovery.initial_announcements.period = Duration_t(0, 100'000'000);
+}
+
+inline void set_loopback(fdds::DomainParticipantQos& qos) {
+  set_interface(qos, "127.0.0.1", "127.0.0.1");
 }
 
 // Standard output is for the peer's own lines.

@@ -10,7 +10,7 @@
 #include <time.h>
 
 static const char color[] = "BLUE";
-enum { MAX_SAMPLES = 100000, MAX_PAYLOAD = 1 << 20 };
+enum { MAX_SAMPLES = 100000, MAX_PAYLOAD = 64 << 20, MAX_INTERVAL = 60000 };
 
 static volatile sig_atomic_t stopped;
 
@@ -50,6 +50,8 @@ static void usage(const char* program, int status) {
       status == 0 ? stdout : stderr,
       "usage: %s --publish|--subscribe [--topic T] [--domain D] [--partition P]\n"
       "       [--samples N] [--payload OCTETS] [--timeout SECONDS] [--hold]\n"
+      "       [--keep-last DEPTH] [--interval MS] [--lease SECONDS]\n"
+      "       [--address OF_INTERFACE] [--peer ADDRESS]\n"
       "       --plain | --identity_ca F --identity_certificate F --private_key F\n"
       "                 --permissions_ca F --governance F --permissions F\n"
       "                 [--password P] [--crl F] [--keysize 128|256]\n"
@@ -103,6 +105,11 @@ enum {
   OPT_SAMPLES,
   OPT_PAYLOAD,
   OPT_TIMEOUT,
+  OPT_KEEP_LAST,
+  OPT_LEASE,
+  OPT_INTERVAL,
+  OPT_ADDRESS,
+  OPT_PEER,
   OPT_PLUGINS,
   OPT_PROPERTY,
   OPT_HELP
@@ -128,6 +135,11 @@ static const struct option table[] = {
     {"samples", 1, NULL, OPT_SAMPLES},
     {"payload", 1, NULL, OPT_PAYLOAD},
     {"timeout", 1, NULL, OPT_TIMEOUT},
+    {"keep-last", 1, NULL, OPT_KEEP_LAST},
+    {"lease", 1, NULL, OPT_LEASE},
+    {"interval", 1, NULL, OPT_INTERVAL},
+    {"address", 1, NULL, OPT_ADDRESS},
+    {"peer", 1, NULL, OPT_PEER},
     {"plugins", 1, NULL, OPT_PLUGINS},
     {"property", 1, NULL, OPT_PROPERTY},
     {"help", 0, NULL, OPT_HELP},
@@ -171,6 +183,21 @@ static void apply(const char* program, int option, struct peer_options* options,
     case OPT_TIMEOUT:
       options->timeout = number(program, optarg, 86400);
       break;
+    case OPT_KEEP_LAST:
+      options->keep_last = number(program, optarg, MAX_SAMPLES);
+      break;
+    case OPT_LEASE:
+      options->lease = number(program, optarg, 3600);
+      break;
+    case OPT_INTERVAL:
+      options->interval = number(program, optarg, MAX_INTERVAL);
+      break;
+    case OPT_ADDRESS:
+      options->address = optarg;
+      break;
+    case OPT_PEER:
+      options->peer = optarg;
+      break;
     case OPT_PLUGINS:
       plugin_names(program, optarg, options);
       break;
@@ -190,6 +217,8 @@ void peer_parse(int argc, char** argv, struct peer_options* options) {
                                    .payload = 32,
                                    .timeout = 10,
                                    .topic = "Square",
+                                   .address = "127.0.0.1",
+                                   .peer = "127.0.0.1",
                                    .plugin_auth = "dds_security_auth",
                                    .plugin_ac = "dds_security_ac",
                                    .plugin_crypto = "dds_security_crypto"};
@@ -241,7 +270,9 @@ static bool publish_some(struct run* run) {
   const int32_t index = (int32_t)run->count;
   for (uint32_t i = 0; i < options->payload; ++i) run->payload[i] = pattern(index, i);
   if (run->stack->write(run->stack->self, index, run->payload, options->payload)) ++run->count;
-  run->next_write = now() + (options->hold ? 0.1 : 0.005);
+  if (run->count == options->samples) peer_say("written %u", run->count);
+  const double standard = options->hold ? 0.1 : 0.005;
+  run->next_write = now() + (options->interval ? options->interval * 1e-3 : standard);
   return false;
 }
 

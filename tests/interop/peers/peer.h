@@ -43,9 +43,14 @@ struct peer_options {
   bool plain;    ///< no security properties at all
   bool hold;     ///< keep running (and publishing) until the timeout or a signal
   uint32_t domain;
-  uint32_t samples;  ///< how many samples are sent or awaited
-  uint32_t payload;  ///< octets in each sample's payload
-  double timeout;    ///< seconds after which the peer ends whatever happened
+  uint32_t samples;     ///< how many samples are sent or awaited
+  uint32_t payload;     ///< octets in each sample's payload
+  uint32_t keep_last;   ///< history depth of the publisher; 0: keep all
+  uint32_t lease;       ///< lease of the participant in seconds; 0: the stack's own
+  uint32_t interval;    ///< milliseconds between two samples; 0: 5, with hold 100
+  double timeout;       ///< seconds after which the peer ends whatever happened
+  const char* address;  ///< of the interface to use
+  const char* peer;     ///< address that is announced to by unicast
   const char* topic;
   const char* partition;  ///< NULL: the default partition
   const char* plugin_auth;
