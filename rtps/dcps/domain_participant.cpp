@@ -85,10 +85,11 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
 Status DomainParticipant::open_sockets() {
   const auto domain = options_.domain_id;
   for (index_ = 0; index_ < ports::kMostIndexes; ++index_) {
-    auto metatraffic = UdpSocket::bind(with_port(interface_, ports::metatraffic(domain, index_)));
+    auto metatraffic =
+        UdpSocket::on_interface(with_port(interface_, ports::metatraffic(domain, index_)));
     if (!metatraffic && metatraffic.error().code() == Code::rtps_port_taken) continue;
     if (!metatraffic) return std::unexpected(metatraffic.error());
-    auto user = UdpSocket::bind(with_port(interface_, ports::user(domain, index_)));
+    auto user = UdpSocket::on_interface(with_port(interface_, ports::user(domain, index_)));
     if (!user && user.error().code() == Code::rtps_port_taken) continue;
     if (!user) return std::unexpected(user.error());
     sockets_ = std::make_unique<Sockets>(DDSSEC_TRY(EventLoop::create()), std::move(*metatraffic),

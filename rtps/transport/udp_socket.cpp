@@ -109,13 +109,18 @@ Result<UdpSocket> UdpSocket::open(const Locator& at, bool shared) {
   return UdpSocket(std::move(fd), locator_of(address.storage));
 }
 
-Result<UdpSocket> UdpSocket::bind(const Locator& at) {
-  auto socket = DDSSEC_TRY(open(at, false));
+Result<UdpSocket> UdpSocket::bind(const Locator& at) { return open(at, false); }
+
+Result<UdpSocket> UdpSocket::on_interface(const Locator& interface) {
+  if (interface.is_loopback() || interface.is_unspecified()) return bind(interface);
+  auto socket = DDSSEC_TRY(bind({interface.kind, interface.port, {}}));
+  socket.local_.address = interface.address;
   // What goes to a group leaves by this interface, whatever the routes say.
-  if (at.kind == LocatorKind::udp_v4 && !at.is_unspecified()) {
-    in_addr interface{};
-    std::memcpy(&interface, at.address.data() + 12, 4);
-    set_option(socket.fd(), IPPROTO_IP, IP_MULTICAST_IF, interface);
+  if (interface.kind == LocatorKind::udp_v4) {
+    in_addr address{};
+    std::memcpy(&address, interface.address.data() + 12, 4);
+    if (!set_option(socket.fd(), IPPROTO_IP, IP_MULTICAST_IF, address))
+      return failed(Code::rtps_socket_failed, "choose the interface", interface);
   }
   return socket;
 }

@@ -37,6 +37,10 @@ class UdpSocket {
   /// Bound to the address and port of `at`; port 0 chooses one. Errors: rtps_port_taken,
   /// rtps_socket_failed.
   static Result<UdpSocket> bind(const Locator& at);
+  /// Reachable at the port of `interface` by every address of this machine, as peers on it may use
+  /// another one than they were told (Fast DDS 2.9: loopback); `local` and multicast are those of
+  /// `interface`. On loopback: bound to it alone. Errors: as bind.
+  static Result<UdpSocket> on_interface(const Locator& interface);
   /// Bound to the port of `group` and joined to it on the interface with address `interface`.
   static Result<UdpSocket> join(const Locator& group, const Locator& interface);
 

@@ -269,7 +269,34 @@ def two_machines(case):
         there.close()
 
 
-CASES = [lines, writes_at_once, ends_by_itself, bad_arguments, not_supported, other_domain, other_topic,
+def vendors(case):
+    """Cyclone DDS and Fast DDS as they come, multicast discovery on an interface that is no loopback."""
+    space = Namespace()
+    try:
+        space.run("ip link add v0 type veth peer name v1")
+        space.run("ip addr add 10.78.0.1/24 dev v0")
+        space.run("ip link set v0 up")
+        space.run("ip link set v1 up")
+        for vendor in ("cyclone", "fastdds"):
+            theirs = case.program.parent / f"shapes_{vendor}"
+            sub = case.start(f"-S --final -k 0 -t {vendor}", space=space)
+            case.vendor(f"-P {case.domain} {vendor}", theirs, space)
+            got = sub.hears(5)
+            check(f"{vendor}: {got}", {sample[:2] for sample in got} == {(vendor, "GREEN")} and
+                  [b[2] - a[2] for a, b in zip(got, got[1:])] == [1] * 4)
+            heard = case.vendor(f"-S {case.domain} {vendor}2", theirs, space)
+            pub = case.start(f"-P --final -t {vendor}2 -k 0 --num-iterations 100 "
+                             "--final-instance-state d", space=space)
+            check("heard", {sample[:2] for sample in heard.hears(5)} == {(f"{vendor}2", "BLUE")})
+            pub.says("on_publication_matched")
+            heard.says("disposed$")
+            for process in (sub, pub):
+                check("exit code", process.interrupt() == 0 or process is pub)
+    finally:
+        space.close()
+
+
+CASES = [vendors, lines, writes_at_once, ends_by_itself, bad_arguments, not_supported, other_domain, other_topic,
          partitions, mismatch, match, nothing_lost, colours_instances_topics, size_modulo, moves,
          deadline_missed, ownership, shared, late_joiner, keep_last, lifespan, read_not_take, take_read,
          final_states, killed_publisher, large_payload, two_machines]

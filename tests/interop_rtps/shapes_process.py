@@ -108,6 +108,12 @@ class Case:
         self.running.append(process)
         return process
 
+    def vendor(self, arguments, program, space):
+        """Another vendor's program, which takes its domain as one of the words."""
+        process = Shapes(space, program, arguments)
+        self.running.append(process)
+        return process
+
     def pair(self, publisher, subscriber):
         """Both, in the order of a careful person: the subscriber is there first."""
         sub = self.start("-S " + subscriber)

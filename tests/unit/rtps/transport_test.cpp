@@ -37,7 +37,9 @@ TEST(UdpSocket, ATakenPortIsNamed) {
 }
 
 TEST(UdpSocket, AnAddressThatIsNotOursIsRefused) {
-  EXPECT_EQ(code_of(UdpSocket::bind(*Locator::parse("192.0.2.1", 0))), Code::rtps_socket_failed);
+  const auto foreign = *Locator::parse("192.0.2.1", 0);
+  EXPECT_EQ(code_of(UdpSocket::bind(foreign)), Code::rtps_socket_failed);
+  EXPECT_EQ(code_of(UdpSocket::on_interface(foreign)), Code::rtps_socket_failed);
 }
 
 TEST(DefaultInterface, IsAnAddressToBindTo) {
@@ -45,6 +47,23 @@ TEST(DefaultInterface, IsAnAddressToBindTo) {
   ASSERT_TRUE(address);
   EXPECT_EQ(address->kind, LocatorKind::udp_v4);
   EXPECT_TRUE(UdpSocket::bind(*address));
+}
+
+TEST(UdpSocket, OnAnInterfaceIsReachedByLoopbackTooAndShowsTheInterface) {
+  const auto address = *Locator::parse(default_interface(), 0);
+  auto socket = *UdpSocket::on_interface(address);
+  EXPECT_EQ(socket.local().address, address.address);
+  EXPECT_NE(socket.local().port, 0u);
+  auto from = *UdpSocket::bind(*Locator::parse("127.0.0.1", 0));
+  auto near = *Locator::parse("127.0.0.1", 0);
+  near.port = socket.local().port;
+  from.send(as_bytes("one"), std::span(&near, 1));
+  std::size_t came = 0;
+  for (int i = 0; i < 1000 && came == 0; ++i) {
+    came = socket.receive([](BytesView octets, const Locator&) { EXPECT_EQ(octets.size(), 3u); });
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_EQ(came, 1u);
 }
 
 TEST(EventLoop, WakesForASocketForACallAndForTime) {

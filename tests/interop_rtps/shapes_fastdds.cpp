@@ -1,0 +1,88 @@
+// A shapes program on Fast DDS in its default configuration: -P|-S DOMAIN TOPIC.
+#include <cstdio>
+#include <cstring>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/topic/TypeSupport.hpp>
+#include <thread>
+
+#include "interop/peers/fastdds_shape.hpp"
+
+namespace {
+
+using namespace interop_fast;
+
+/// shapes_type.idl: the interop type without its payload.
+class FinalShape final : public ShapeType {
+ public:
+  FinalShape() { setName("ShapeType"); }
+  bool serialize(void* data, rtps::SerializedPayload_t* payload) override {
+    const bool done = ShapeType::serialize(data, payload);
+    payload->length -= 4;  // the count of no payload
+    return done;
+  }
+  bool deserialize(rtps::SerializedPayload_t* payload, void* data) override {
+    Shape& shape = *static_cast<Shape*>(data);
+    FastBuffer buffer(reinterpret_cast<char*>(payload->data), payload->length);
+    Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
+    try {
+      cdr.read_encapsulation();
+      cdr >> shape.color >> shape.x >> shape.y >> shape.shapesize;
+    } catch (const eprosima::fastcdr::exception::Exception&) {
+      return false;
+    }
+    return true;
+  }
+};
+
+void publish(fdds::DataWriter& writer) {
+  Shape shape;
+  shape.color = "GREEN";
+  for (;; ++shape.shapesize, std::this_thread::sleep_for(std::chrono::milliseconds(33)))
+    writer.write(&shape);
+}
+
+void subscribe(fdds::DataReader& reader, const char* topic) {
+  for (;; std::this_thread::sleep_for(std::chrono::milliseconds(50))) {
+    Shape shape;
+    fdds::SampleInfo info;
+    while (reader.take_next_sample(&shape, &info) ==
+           eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK)
+      if (info.valid_data)
+        std::printf("%-10s %-10s %03d %03d [%d]\n", topic, shape.color.c_str(), shape.x, shape.y,
+                    shape.shapesize);
+      else
+        std::printf("%-10s %s\n", topic,
+                    info.instance_state == fdds::NOT_ALIVE_DISPOSED_INSTANCE_STATE ? "disposed"
+                                                                                   : "no writers");
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 4) return 1;
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
+  log_to_stderr();
+  auto* participant = fdds::DomainParticipantFactory::get_instance()->create_participant(
+      static_cast<unsigned>(std::atoi(argv[2])), fdds::PARTICIPANT_QOS_DEFAULT);
+  fdds::TypeSupport type(new FinalShape);
+  type.register_type(participant);
+  auto* topic = participant->create_topic(argv[3], "ShapeType", fdds::TOPIC_QOS_DEFAULT);
+  if (std::strcmp(argv[1], "-P") == 0) {
+    auto* publisher = participant->create_publisher(fdds::PUBLISHER_QOS_DEFAULT);
+    auto qos = fdds::DATAWRITER_QOS_DEFAULT;
+    publish(*publisher->create_datawriter(topic, qos));
+  } else {
+    auto* subscriber = participant->create_subscriber(fdds::SUBSCRIBER_QOS_DEFAULT);
+    auto qos = fdds::DATAREADER_QOS_DEFAULT;
+    qos.reliability().kind = fdds::RELIABLE_RELIABILITY_QOS;
+    subscribe(*subscriber->create_datareader(topic, qos), argv[3]);
+  }
+  return 0;
+}
