@@ -174,8 +174,9 @@ Result<Report> ca_show(const Arguments& arguments, const Context& context) {
   const auto key = describe_key(paths.key, has_key && DDSSEC_TRY(is_encrypted(paths.key)));
   const auto log = DDSSEC_TRY(read_issue_log(paths));
   const auto crl = DDSSEC_TRY(read_crl(paths.crl));
-  const auto left =
-      std::chrono::floor<std::chrono::days>(certificate.not_after() - context.clock.now());
+  const auto left = std::max(certificate.not_after() - context.clock.now(), {});
+  const auto days_left =
+      counted(static_cast<std::size_t>(std::chrono::floor<std::chrono::days>(left).count()), "day");
   Report report;
   report.result = describe(certificate);
   report.result["is_ca"] = certificate.is_ca();
@@ -191,11 +192,12 @@ Result<Report> ca_show(const Arguments& arguments, const Context& context) {
                        crl->next_update() ? date(*crl->next_update()) : "it is replaced");
   }
   report.text = fmt::format(
-      "subject  {}\nkey      {}, {}\nvalid    {} .. {}  ({} days left)\nissued   {} certificates, "
+      "subject  {}\nkey      {}, {}\nvalid    {} .. {}  ({} left)\nissued   {}, "
       "{} revoked, {}\nsha256   {}\n",
       certificate.subject(), to_string(certificate.key_algorithm()), key_words(key),
-      date(certificate.not_before()), date(certificate.not_after()), left.count(),
-      log.issued().size(), revoked_count(log), list, to_hex(certificate.fingerprint()));
+      date(certificate.not_before()), date(certificate.not_after()), days_left,
+      counted(log.issued().size(), "certificate"), revoked_count(log), list,
+      to_hex(certificate.fingerprint()));
   if (certificate.is_ca()) return report;
   report.exit = Exit::no;
   report.errors.emplace_back(Code::not_a_ca, ErrorDetails{.document = paths.certificate});

@@ -97,21 +97,31 @@ Result<Report> crl_verify(const Arguments& arguments, const Context& context) {
   return report;
 }
 
-// The folders of the command line, or all that the CA's log knows and that are still there.
-Result<std::vector<fs::path>> folders_of(const Arguments& arguments, const CaPaths& ca) {
-  std::vector<fs::path> out;
+/// Who is to get the list.
+struct Recipients {
+  std::vector<fs::path> here;
+  std::vector<std::string> elsewhere;  ///< the log knows them, and this machine has no such folder
+};
+
+// The folders of the command line, or all that the CA's log knows.
+Result<Recipients> recipients(const Arguments& arguments, const CaPaths& ca) {
+  Recipients out;
   for (const auto& given : arguments.all("DIRS")) {
     std::error_code ignored;
     if (!fs::is_directory(given, ignored)) return fail(Code::file_not_found, {.document = given});
-    out.emplace_back(given);
+    out.here.emplace_back(given);
   }
-  if (!out.empty()) return out;
+  if (!out.here.empty()) return out;
   const auto log = DDSSEC_TRY(read_issue_log(ca));
   for (const auto& folder : log.folders()) {
     std::error_code ignored;
-    if (fs::exists(fs::path(folder) / "cert.pem", ignored)) out.emplace_back(folder);
+    if (fs::exists(fs::path(folder) / "cert.pem", ignored))
+      out.here.emplace_back(folder);
+    else
+      out.elsewhere.push_back(folder);
   }
-  return out;
+  if (!out.here.empty() || !out.elsewhere.empty()) return out;
+  return fail(Code::usage, {.field = "DIRS", .note = "the CA's log knows no folder: name them"});
 }
 
 Result<Report> crl_distribute(const Arguments& arguments, const Context& context) {
@@ -119,16 +129,24 @@ Result<Report> crl_distribute(const Arguments& arguments, const Context& context
   const auto crl = DDSSEC_TRY(list_in(paths.crl));
   const auto ca = DDSSEC_TRY(read_certificate(paths.certificate));
   DDSSEC_TRY(named(crl.check(ca, context.clock.now()), paths.crl));
+  const auto recipient = DDSSEC_TRY(recipients(arguments, paths));
   Replacement out;
   Report report;
-  report.result = {{"number", crl.number().value_or(0)}, {"folders", Json::array()}};
-  for (const auto& folder : DDSSEC_TRY(folders_of(arguments, paths))) {
+  report.result = {{"number", crl.number().value_or(0)},
+                   {"folders", Json::array()},
+                   {"elsewhere", recipient.elsewhere}};
+  for (const auto& folder : recipient.here) {
     DDSSEC_TRY(out.put_public(pki::participant_folder(folder).crl, crl.pem()));
     report.result["folders"].push_back(folder.string());
     report.text += fmt::format("{}\n", folder.string());
   }
-  report.text += fmt::format("list {} of {} in {} folders, holds {}\n", crl.number().value_or(0),
-                             crl.issuer(), report.result["folders"].size(), words_until(crl));
+  report.text +=
+      fmt::format("list {} of {} is in {}, holds {}\n", crl.number().value_or(0), crl.issuer(),
+                  counted(recipient.here.size(), "folder"), words_until(crl));
+  for (const auto& folder : recipient.elsewhere)
+    report.text += fmt::format("not here: {}; copy {} to where it is now, as crl.pem\n", folder,
+                               paths.crl.string());
+  if (!recipient.elsewhere.empty() && recipient.here.empty()) report.exit = Exit::no;
   report.files_written = DDSSEC_TRY(out.commit());
   return report;
 }

@@ -96,11 +96,8 @@ std::size_t add_findings(Report& report, const doctor::Diagnosis& diagnosis,
 }
 
 std::string summary(std::size_t problems, std::size_t findings) {
-  const auto plural = [](std::size_t n, std::string_view word) {
-    return fmt::format("{} {}{}", n, word, n == 1 ? "" : "s");
-  };
-  return fmt::format("{}, {}\n", plural(problems, "problem"),
-                     plural(findings - problems, "warning"));
+  return fmt::format("{}, {}\n", counted(problems, "problem"),
+                     counted(findings - problems, "warning"));
 }
 
 bool is_good(const doctor::Diagnosis& diagnosis, const Vendors& vendors) {

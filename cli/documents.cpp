@@ -84,8 +84,7 @@ std::string counted(const std::vector<Finding>& findings) {
   std::string out;
   for (const auto& [count, word] :
        {std::pair(errors, "error"), std::pair(warnings, "warning"), std::pair(notes, "note")})
-    if (count > 0)
-      out += fmt::format("{}{} {}{}", out.empty() ? "" : ", ", count, word, count > 1 ? "s" : "");
+    if (count > 0) out += (out.empty() ? "" : ", ") + counted(count, word);
   return out.empty() ? "nothing found" : out;
 }
 

@@ -242,11 +242,12 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
                           {"next_update", to_string(*crl.next_update())}};
   report.result["folders"] = folders_in(log);
   report.text = fmt::format(
-      "{}  revoked ({} certificates); revocation list {} holds until {}\n"
-      "next: ddssec crl distribute --ca {}   ({} folders need it; a participant that runs looks "
-      "at it at its next handshake)\n",
-      what.subject, what.serials.size(), crl.number().value_or(0), date(*crl.next_update()),
-      arguments.text("--ca"), report.result["folders"].size());
+      "{}  revoked ({}); revocation list {} holds until {}\n"
+      "next: ddssec crl distribute --ca {}   (for {}; a participant that runs looks at it "
+      "at its next handshake)\n",
+      what.subject, counted(what.serials.size(), "certificate"), crl.number().value_or(0),
+      date(*crl.next_update()), arguments.text("--ca"),
+      counted(report.result["folders"].size(), "folder"));
   report.files_written = DDSSEC_TRY(out.commit());
   return report;
 }

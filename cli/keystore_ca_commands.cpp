@@ -77,9 +77,9 @@ Report report_of(const fs::path& keystore, std::string_view role, const pki::Cer
                  const std::vector<std::string>& enclaves) {
   Report report;
   report.text = fmt::format(
-      "{}  {} CA is {} now; {} enclaves follow\nEvery participant must start again with the new "
+      "{}  {} CA is {} now; {} signed anew\nEvery participant must start again with the new "
       "files.\n",
-      keystore.string(), role, ca.subject(), enclaves.size());
+      keystore.string(), role, ca.subject(), counted(enclaves.size(), "enclave"));
   report.result = {{"role", role},
                    {"subject", ca.subject()},
                    {"not_after", to_string(ca.not_after())},

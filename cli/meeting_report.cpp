@@ -130,8 +130,8 @@ std::size_t working_directions(const Meeting& meeting) {
 std::string result_line(const MeetingView& view) {
   const auto& meeting = view.meeting;
   if (!meeting.joined()) return "result: they do not match\n";
-  return fmt::format("result: they match and exchange {} of {} directions{}\n",
-                     working_directions(meeting), meeting.topics.size() * 2,
+  return fmt::format("result: they match and exchange {} of {}{}\n", working_directions(meeting),
+                     counted(meeting.topics.size() * 2, "direction"),
                      meeting.topics_complete ? "" : " (not every topic was looked at)");
 }
 
@@ -240,8 +240,8 @@ std::string meeting_text(const MeetingView& view) {
       out += topic_text(topic, view);
   }
   if (hidden > 0)
-    out +=
-        fmt::format("and {} topics that only one of them may use (--explain shows them)\n", hidden);
+    out += fmt::format("and {} that only one of them may use (--explain shows them)\n",
+                       counted(hidden, "topic"));
   return out + result_line(view);
 }
 

@@ -188,6 +188,10 @@ std::string diagnostics_text(const Report& report, Style style) {
   return out;
 }
 
+std::string counted(std::size_t count, std::string_view thing) {
+  return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
+}
+
 std::string dry_run_text(const Report& report) {
   std::string out = "dry run: nothing was written\n";
   for (const auto& file : report.files_written)

@@ -63,6 +63,9 @@ struct Style {
 /// one, "  hint: what to do".
 std::string diagnostics_text(const Report& report, Style style = {});
 
+/// "1 folder", "3 folders".
+std::string counted(std::size_t count, std::string_view thing);
+
 /// "would write 0600 path" for every file: what --dry-run says.
 std::string dry_run_text(const Report& report);
 

@@ -44,8 +44,8 @@ Result<Report> from_ros_policy(const Arguments& arguments, const Context& contex
   if (!as_sros2) add_findings(report, merged_profiles(policy), file);
   report.files_written = DDSSEC_TRY(write_document(xml, arguments, context));
   add_findings(report, std::move(findings), report.files_written.front().path);
-  report.text = fmt::format("{}: {} grant{}\n", report.files_written.front().path,
-                            document.grants.size(), document.grants.size() == 1 ? "" : "s");
+  report.text = fmt::format("{}: {}\n", report.files_written.front().path,
+                            counted(document.grants.size(), "grant"));
   report.result = {{"file", report.files_written.front().path}, {"grants", Json::array()}};
   for (const auto& grant : document.grants)
     report.result["grants"].push_back({{"name", grant.name}, {"subject", grant.subject_name}});

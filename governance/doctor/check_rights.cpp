@@ -381,7 +381,7 @@ void check_ends(const LoadedFolder& folder, const Settings& settings, Diagnosis&
   const auto left = std::chrono::floor<std::chrono::hours>(first->when - settings.now).count();
   out.report({},
              {.rule = Rule::DOC041,
-              .message = fmt::format("{} ends first, at {}: in {} days and {} hours; whoever is "
+              .message = fmt::format("{} ends first, at {}: in {} d {} h; whoever is "
                                      "connected then is cut off",
                                      first->what, to_string(first->when), left / 24, left % 24),
               .document = first->document});

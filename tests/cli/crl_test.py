@@ -107,6 +107,26 @@ class Revocation(Transcript):
         self.assertEqual([f["path"] for f in out["files_written"]], ["talker/crl.pem"])
         self.openssl("crl", "-in", "talker/crl.pem", "-noout", "-CAfile", "talker/identity_ca.pem")
 
+    def test_distribute_says_whom_it_cannot_reach(self):
+        self.run_program("crl", "new", "--ca", "ca", *NOW)
+        (self.at / "talker").rename(self.at / "robot")
+        done = self.run_program("crl", "distribute", "--ca", "ca", *NOW)
+        self.assertIn("is in 1 folder, holds until 2027-05-20\n", done.stdout)
+        self.assertIn(f"not here: {self.at}/talker; copy ca/identity/crl.pem to where it is", done.stdout)
+        (self.at / "listener").rename(self.at / "other")
+        out = self.json("crl", "distribute", "--ca", "ca", *NOW, exit=1)
+        self.assertEqual(out["result"]["elsewhere"], [f"{self.at}/{name}" for name in ("talker", "listener")])
+        self.json("crl", "distribute", "robot", "other", "--ca", "ca", *NOW)
+        (self.at / "ca/identity/issued.jsonl").unlink()
+        told = self.refused("usage", 2, "crl", "distribute", "--ca", "ca", *NOW)
+        self.assertIn("name them", told["message"])
+
+    def test_one_is_not_written_as_many(self):
+        done = self.run_program("identity", "revoke", "talker", "--ca", "ca", *LATER)
+        self.assertIn("revoked (1 certificate);", done.stdout)
+        self.assertIn("(for 1 folder;", done.stdout)
+        self.assertIn("issued   2 certificates, 1 revoked", self.run_program("ca", "show", "ca").stdout)
+
     def test_distribute_writes_through_no_link(self):
         self.run_program("crl", "new", "--ca", "ca", *NOW)
         (self.at / "mine").write_text("mine")
