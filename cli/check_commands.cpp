@@ -85,8 +85,9 @@ Result<Report> check(const Arguments& arguments, const Context& context) {
   const auto b = load_participant(folders[1], now);
   std::string names[2];
   name_parties(folders[0], folders[1], names);
-  const auto meeting = doctor::meet({a, vendors[0], names[0]}, {b, vendors[1], names[1]},
-                                    {.now = now, .domain = domain}, topics);
+  const auto meeting = doctor::meet(
+      {a, vendors[0], names[0]}, {b, vendors[1], names[1]},
+      {.now = now, .domain = domain, .partitions = arguments.all("--partition")}, topics);
   const MeetingView view{.meeting = meeting,
                          .names = {names[0], names[1]},
                          .domain = domain,
@@ -113,6 +114,7 @@ std::vector<Command> check_commands() {
        .options = {repeated("--topics", "LIST",
                             "names with commas between them, or a file with one on each line"),
                    kDomain,
+                   repeated("--partition", "P", "a partition of writers and readers"),
                    repeated("--vendor", "WHO",
                             "A= or B= and cyclonedds, fastdds or ours (without: ours)"),
                    {"--require", "WHAT", "any, both, writer=A or writer=B on every topic", "any"},

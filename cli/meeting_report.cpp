@@ -155,9 +155,9 @@ Json step_json(const Judgement& one) {
               {"reason", one.reason}};
   out["rule"] = {{"grant", one.grant},
                  {"index", one.rule},
-                 {"kind", one.rule == 0 ? "default"
-                          : one.ok      ? "allow"
-                                        : "deny"},
+                 {"kind", one.rule == 0       ? "default"
+                          : one.is_allow_rule ? "allow"
+                                              : "deny"},
                  {"expression", one.expression},
                  {"file", one.document},
                  {"line", one.line}};

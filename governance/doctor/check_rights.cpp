@@ -8,6 +8,7 @@
 #include "governance/decision.hpp"
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/subject_form.hpp"
+#include "governance/doctor/vendor_decision.hpp"
 #include "governance/grant.hpp"
 #include "governance/topic_sets.hpp"
 
@@ -257,20 +258,13 @@ void check_default(const Scene& scene, const Grant& grant) {
                     .line = grant.line});
 }
 
-bool names(const std::vector<Criteria>& list, std::string_view topic) {
-  return std::ranges::any_of(list, [&](const Criteria& criteria) {
-    return std::ranges::any_of(criteria.topics,
-                               [&](const Text& text) { return Pattern(text.text).matches(topic); });
-  });
-}
-
 // The rule by which Cyclone DDS 0.10.2 decides whether the topic may be created at all: the first
 // for the domain that names it in whatever direction.
 const governance::Rule* topic_rule_of_cyclonedds(const Grant& grant, DomainId domain,
                                                  std::string_view topic) {
   const auto found = std::ranges::find_if(grant.rules, [&](const governance::Rule& rule) {
     return rule.domains.contains(domain) &&
-           (names(rule.publish, topic) || names(rule.subscribe, topic));
+           (naming(rule.publish, topic) != nullptr || naming(rule.subscribe, topic) != nullptr);
   });
   return found == grant.rules.end() ? nullptr : &*found;
 }
@@ -379,12 +373,11 @@ void check_ends(const LoadedFolder& folder, const Settings& settings, Diagnosis&
   const auto first = std::ranges::min_element(ends, {}, &End::when);
   if (first->when > settings.now + kSoon) return out.pass(Rule::DOC041);
   const auto left = std::chrono::floor<std::chrono::hours>(first->when - settings.now).count();
-  out.report({},
-             {.rule = Rule::DOC041,
-              .message = fmt::format("{} ends first, at {}: in {} d {} h; whoever is "
-                                     "connected then is cut off",
-                                     first->what, to_string(first->when), left / 24, left % 24),
-              .document = first->document});
+  out.report({}, {.rule = Rule::DOC041,
+                  .message = fmt::format("{} ends first, at {}: in {} d {} h; whoever is "
+                                         "connected then is cut off",
+                                         first->what, to_string(first->when), left / 24, left % 24),
+                  .document = first->document});
 }
 
 }  // namespace ddssec::governance::doctor

@@ -27,6 +27,8 @@ struct Check {
 struct Settings {
   WallTime now;
   DomainId domain = 0;
+  /// Of the endpoints, where two participants meet; none: the partition "".
+  std::vector<std::string> partitions = {};
 };
 
 /// Everything that was looked at, in the order of a participant's start.

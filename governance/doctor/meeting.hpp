@@ -28,6 +28,7 @@ struct Judgement {
   std::string operation = {};   ///< "publish", "subscribe", or empty
   std::string grant = {};       ///< the deciding grant's name
   int rule = 0;                 ///< the deciding rule's number in the grant, from 1; 0 = default
+  bool is_allow_rule = false;   ///< that rule is one
   std::string expression = {};  ///< the expression that matched the topic
 };
 

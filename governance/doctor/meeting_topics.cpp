@@ -8,6 +8,7 @@
 #include "governance/decision.hpp"
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/meeting_steps.hpp"
+#include "governance/doctor/vendor_decision.hpp"
 #include "governance/grant.hpp"
 #include "governance/topic_sets.hpp"
 
@@ -61,6 +62,15 @@ struct Question {
   const std::string& topic;
 };
 
+// " in partition "a""; nothing if no partition was asked for.
+std::string in_partitions(const MeetingScene& scene) {
+  std::string out;
+  for (const auto& name : scene.settings.partitions)
+    out += fmt::format("{}\"{}\"", out.empty() ? "" : ", ", name);
+  if (out.empty()) return out;
+  return (scene.settings.partitions.size() == 1 ? " in partition " : " in partitions ") + out;
+}
+
 Judgement by_grant(const MeetingScene& scene, const Question& question) {
   const auto& folder = scene.folder(question.about);
   Judgement out{.judge = question.judge, .about = question.about};
@@ -72,22 +82,29 @@ Judgement by_grant(const MeetingScene& scene, const Question& question) {
     return out;
   }
   const auto& grant = compiled->grant();
-  const auto verdict = compiled->judge(question.action, {.topic = question.topic});
+  const auto& asked = scene.settings.partitions;
+  const std::vector<std::string_view> partitions(asked.begin(), asked.end());
+  const auto verdict =
+      judge_as(scene.party(question.judge).vendor, *compiled, scene.settings.domain,
+               question.action, {.topic = question.topic, .partitions = partitions});
   out.grant = grant.name;
   out.line = verdict.line(grant);
   out.ok = verdict.allowed;
   if (verdict.rule == nullptr) {
-    // Fast DDS 2.9.1 reads <default>ALLOW</default> and does not act on it.
-    if (scene.party(question.judge).vendor == Vendor::fastdds) out.ok = false;
-    out.reason = fmt::format("no {} rule of grant \"{}\" matches, default {}", out.operation,
-                             grant.name, grant.default_allow ? "ALLOW" : "DENY");
+    out.reason =
+        fmt::format("no {} rule of grant \"{}\" matches{}, default {}", out.operation, grant.name,
+                    in_partitions(scene), grant.default_allow ? "ALLOW" : "DENY");
     return out;
   }
   out.rule = static_cast<int>(verdict.rule - grant.rules.data()) + 1;
   if (verdict.criteria != nullptr)
     out.expression = matching_expression(*verdict.criteria, question.topic);
+  out.is_allow_rule = verdict.rule->allow;
   out.reason = fmt::format("grant \"{}\" rule {} ({}) {} \"{}\"", grant.name, out.rule,
-                           verdict.allowed ? "allow" : "deny", out.operation, out.expression);
+                           out.is_allow_rule ? "allow" : "deny", out.operation, out.expression);
+  if (out.is_allow_rule && !out.ok)
+    out.reason +=
+        fmt::format(" does not hold{}, and Fast DDS looks no further", in_partitions(scene));
   return out;
 }
 

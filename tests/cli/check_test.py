@@ -92,6 +92,22 @@ class Check(Transcript):
         self.listener.sign("permissions", permissions(grant("CN=listener", allow("Circle"))))
         self.apart("DOC086", "no topic that talker may publish and listener subscribe")
 
+    def test_partitions_of_writers_and_readers(self):
+        yard = allow("Square").replace("</topics></", "</topics><partitions>"
+                                       "<partition>yard*</partition></partitions></")
+        for made in (self.talker, self.listener):
+            made.sign("permissions", permissions(grant(made.subject, yard)))
+        ask = ("--topics", "Square")
+        self.check(*ask, "--partition", "yard1", exit=0)
+        self.check(*ask, "--partition", "yard1", "--partition", "yard2", "--vendor", "fastdds", exit=0)
+        self.apart("DOC086", "talker may not publish", 'matches in partition "street", default DENY',
+                   words=(*ask, "--partition", "street"))
+        self.apart("DOC086", "default DENY", words=ask)
+        result = self.apart("DOC086", 'does not hold in partitions "yard1", "", and Fast DDS looks no further',
+                            words=(*ask, "--partition", "yard1", "--partition", "", "--vendor", "fastdds"))
+        rule = result["topics"][0]["directions"][0]["steps"][0]["rule"]
+        self.assertEqual((rule["kind"], rule["index"]), ("allow", 1))
+
     def test_another_identity_ca(self):
         shutil.rmtree(self.at / "listener")
         made = self.participant("listener", "subscribe", label="stranger", ca=self.shop.ca("foreign"))

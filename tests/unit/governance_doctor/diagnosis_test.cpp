@@ -89,7 +89,7 @@ TEST_F(DiagnosisTest, WhatEndsFirstIsSaidAMonthAhead) {
   const auto folder = participant("talker");
   const auto all = diagnosis(folder, kNow + 340 * 24h);
   EXPECT_THAT(rules_of(all), ElementsAre(Rule::DOC041));
-  EXPECT_THAT(finding_of(all, Rule::DOC041).message, HasSubstr("in 25 days and 0 hours"));
+  EXPECT_THAT(finding_of(all, Rule::DOC041).message, HasSubstr("in 25 d 0 h"));
   EXPECT_TRUE(all.outcomes().all_ok());
 }
 

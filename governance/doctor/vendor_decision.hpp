@@ -1,0 +1,23 @@
+// What a product decides by a grant, where it differs from the standard.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "governance/decision.hpp"
+#include "governance/doctor/vendor.hpp"
+
+namespace ddssec::governance::doctor {
+
+/// The first of the list that names the topic, or nullptr.
+const Criteria* naming(const std::vector<Criteria>& list, std::string_view topic);
+
+/// As CompiledGrant::judge, but as `vendor` decides in `domain`. Cyclone DDS 0.10.2 takes a
+/// deny_rule without partitions for the partition "" only. With Fast DDS 2.9.1 the first rule whose
+/// topic matches decides whatever its partitions are: a deny_rule denies in all of them, an
+/// allow_rule that does not list the partitions denies too; and <default> is DENY. Neither looks at
+/// data tags.
+Verdict judge_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
+                 const Request& request);
+
+}  // namespace ddssec::governance::doctor

@@ -1,0 +1,100 @@
+#include "governance/doctor/vendor_decision.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ddssec::governance::doctor {
+namespace {
+
+using Partitions = std::vector<std::string_view>;
+
+Criteria criteria(std::string topic, std::optional<std::vector<Text>> partitions = {}) {
+  return {.topics = {{std::move(topic)}}, .partitions = std::move(partitions)};
+}
+
+/// A grant for domain 0 with publish rules only.
+class VendorDecision : public testing::Test {
+ protected:
+  void add(bool allow, std::vector<Criteria> publish, DomainId domain = 0) {
+    grant_.rules.push_back({.allow = allow, .domains = {.ranges = {{domain, domain}}}});
+    grant_.rules.back().publish = std::move(publish);
+  }
+  /// Whether Cyclone DDS, Fast DDS and ours allow it: "y" or "n" each.
+  std::string allowed(std::string_view topic, const Partitions& partitions = {}) {
+    const auto document = std::make_shared<const Permissions>(Permissions{.grants = {grant_}});
+    const CompiledGrant compiled(document, document->grants[0], 0);
+    std::string out;
+    for (const auto vendor : kVendors)
+      out +=
+          judge_as(vendor, compiled, 0, Action::publish, {.topic = topic, .partitions = partitions})
+                  .allowed
+              ? 'y'
+              : 'n';
+    return out;
+  }
+
+  Grant grant_;
+};
+
+TEST_F(VendorDecision, TheyAgreeAboutTopicsDomainsAndTheDefaultPartition) {
+  add(true, {criteria("Square")});
+  add(true, {criteria("Circle")}, 7);
+  EXPECT_EQ(allowed("Square"), "yyy");
+  EXPECT_EQ(allowed("Circle"), "nnn");
+  EXPECT_EQ(allowed("Square", {""}), "yyy");
+  EXPECT_EQ(allowed("Square", {"yard"}), "nnn");
+}
+
+TEST_F(VendorDecision, AnAllowRuleMustListEveryPartition) {
+  add(true, {criteria("Square", {{{"yard*"}, {"street"}}})});
+  EXPECT_EQ(allowed("Square", {"yard1", "street"}), "yyy");
+  EXPECT_EQ(allowed("Square", {"yard1", "road"}), "nnn");
+  EXPECT_EQ(allowed("Square"), "nnn");
+}
+
+TEST_F(VendorDecision, ADenyRuleWithoutPartitionsIsForTheDefaultOneInCycloneDds) {
+  add(false, {criteria("Square")});
+  add(true, {criteria("*", {{{"*"}}})});
+  EXPECT_EQ(allowed("Square", {"yard"}), "ynn");
+  EXPECT_EQ(allowed("Square"), "nnn");
+  EXPECT_EQ(allowed("Circle"), "yyy");
+}
+
+TEST_F(VendorDecision, FastDdsDeniesInEveryPartition) {
+  add(false, {criteria("Square", {{{"yard"}}})});
+  add(true, {criteria("*", {{{"*"}}})});
+  EXPECT_EQ(allowed("Square", {"street"}), "yny");
+  EXPECT_EQ(allowed("Square", {"street", "yard"}), "nnn");
+}
+
+TEST_F(VendorDecision, FastDdsLooksAtTheFirstRuleOfTheTopicOnly) {
+  add(true, {criteria("Square", {{{"yard"}}})});
+  add(true, {criteria("Square", {{{"street"}}})});
+  EXPECT_EQ(allowed("Square", {"yard"}), "yyy");
+  EXPECT_EQ(allowed("Square", {"street"}), "yny");
+}
+
+TEST_F(VendorDecision, FastDdsTakesTopicAndPartitionFromDifferentElements) {
+  add(true, {criteria("Square", {{{"yard"}}}), criteria("Circle", {{{"street"}}})});
+  EXPECT_EQ(allowed("Square", {"street"}), "nyn");
+}
+
+TEST_F(VendorDecision, FastDdsHasNoDefaultAllow) {
+  grant_.default_allow = true;
+  EXPECT_EQ(allowed("Square"), "yny");
+}
+
+TEST_F(VendorDecision, TheDecidingRuleIsTold) {
+  add(false, {criteria("Circle")});
+  add(true, {criteria("Square")});
+  const auto document = std::make_shared<const Permissions>(Permissions{.grants = {grant_}});
+  const CompiledGrant compiled(document, document->grants[0], 0);
+  for (const auto vendor : kVendors) {
+    const auto verdict = judge_as(vendor, compiled, 0, Action::publish, {.topic = "Square"});
+    EXPECT_EQ(verdict.rule, &document->grants[0].rules[1]);
+    EXPECT_EQ(verdict.criteria, &document->grants[0].rules[1].publish[0]);
+    EXPECT_EQ(judge_as(vendor, compiled, 0, Action::subscribe, {.topic = "Square"}).rule, nullptr);
+  }
+}
+
+}  // namespace
+}  // namespace ddssec::governance::doctor
