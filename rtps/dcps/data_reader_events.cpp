@@ -31,6 +31,7 @@ bool AnyDataReader::on_change(Change& change) {
   call_at(cache_->next_tick());
   if (stored.outcome == ReaderCache::Outcome::rejected) return reject(change, stored);
   if (stored.outcome == ReaderCache::Outcome::stored) data_came();
+  context_.attend();
   return true;
 }
 
@@ -60,6 +61,7 @@ void AnyDataReader::on_sample_lost(std::int64_t count) {
 void AnyDataReader::on_alive(const Guid& writer) {
   liveliness_.alive(writer, context_.now());
   liveliness_moved();
+  context_.attend();
 }
 
 void AnyDataReader::liveliness_moved() {

@@ -53,7 +53,7 @@ class DomainParticipant::Sockets final : public Transport {
 
 DomainParticipant::DomainParticipant(DomainParticipantOptions options,
                                      const Environment& environment)
-    : ContextHolder(environment, *this, options.own_thread),
+    : ContextHolder(environment, *this, options),
       Entity(own_context_),
       options_(std::move(options)),
       qos_{options_.user_data} {}
@@ -111,7 +111,8 @@ Status DomainParticipant::start(const GuidPrefix& prefix, std::unique_ptr<OwnSec
                            .user_data = options_.user_data,
                            .lease_duration = options_.lease_duration,
                            .metatraffic_unicast = {sockets_->metatraffic()},
-                           .default_unicast = {sockets_->user()}};
+                           .default_unicast = {sockets_->user()},
+                           .neighbourhood = context_.neighbourhood()};
   for (const auto& peer : options_.peers) {
     const auto address = Locator::parse(peer, 0);
     if (!address) return bad_option("peers", "IPv4 or IPv6 addresses", peer);
@@ -170,7 +171,9 @@ DomainParticipant::~DomainParticipant() {
   publishers_.clear();
   topics_.clear();
   const auto held = lock();
-  if (context_.has_protocol() && enabled()) context_.protocol().leave();
+  if (!context_.has_protocol()) return;
+  if (enabled()) context_.protocol().leave();
+  context_.leave();
 }
 
 void DomainParticipant::wake() { sockets_->loop().wake(); }

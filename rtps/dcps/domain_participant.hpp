@@ -19,7 +19,10 @@ struct DomainParticipantOptions {
   std::vector<std::string> peers = {"127.0.0.1"};
   Duration lease_duration{{10, 0}};
   bool own_thread = true;  ///< false: the application calls poll()
-  bool enabled = true;     ///< false: silent until enable()
+  /// Samples for participants of this process go there directly, in the writer's thread, unless
+  /// the topic is protected; false: always by the network.
+  bool in_process = true;
+  bool enabled = true;  ///< false: silent until enable()
   /// Nothing: not a secured participant.
   std::optional<SecurityOptions> security = {};
 };
@@ -45,8 +48,11 @@ constexpr std::uint32_t user(DomainId domain, int index) { return metatraffic(do
 namespace detail {
 /// Stands before Entity, which needs it.
 struct ContextHolder {
-  ContextHolder(const Environment& environment, ParticipantContext::Server& server, bool own_thread)
-      : own_context_(environment, server, own_thread) {}
+  ContextHolder(const Environment& environment, ParticipantContext::Server& server,
+                const DomainParticipantOptions& options)
+      : own_context_(environment, server, options.own_thread,
+                     options.in_process ? Neighbourhood::of(options.domain_id, options.domain_tag)
+                                        : std::make_shared<Neighbourhood>()) {}
   ParticipantContext own_context_;
 };
 }  // namespace detail

@@ -6,7 +6,15 @@ namespace ddssec::rtps {
 
 thread_local const ParticipantContext* ParticipantContext::dispatching_ = nullptr;
 
+void ParticipantContext::adopt(std::unique_ptr<Participant> protocol) {
+  protocol_ = std::move(protocol);
+  neighbourhood_->enter(*protocol_);
+}
+
+void ParticipantContext::leave() { neighbourhood_->leave(*protocol_); }
+
 MonotonicTime ParticipantContext::tick(std::chrono::nanoseconds most) {
+  woken_ = false;
   const auto time = now();
   if (protocol_->next_tick() <= time) protocol_->tick(time);
   timers_.run(time);
@@ -23,9 +31,14 @@ MonotonicTime ParticipantContext::next() {
 
 // Who serves looks at next() after the callbacks.
 void ParticipantContext::reschedule() {
-  if (in_callback()) return;
-  if (!pending_.empty() || std::min(protocol_->next_tick(), timers_.next()) < waiting_until_)
-    server_.wake();
+  if (!in_callback()) wake_if(protocol_->next_tick());
+}
+
+void ParticipantContext::wake_if(MonotonicTime other) {
+  if (woken_ || in_callback()) return;
+  if (pending_.empty() && std::min(other, timers_.next()) >= waiting_until_) return;
+  woken_ = true;
+  server_.wake();
 }
 
 bool ParticipantContext::dispatch() {

@@ -1,4 +1,5 @@
-// What the entities of one participant share: its lock, protocol, timers and callbacks.
+// What the entities of one participant share: its lock (which is its neighbours' too), protocol,
+// timers and callbacks.
 #pragma once
 
 #include <condition_variable>
@@ -26,17 +27,25 @@ class ParticipantContext {
     virtual void serve(std::chrono::nanoseconds most) = 0;
   };
 
-  ParticipantContext(const Environment& environment, Server& server, bool own_thread)
-      : environment_(environment), server_(server), own_thread_(own_thread) {}
+  ParticipantContext(const Environment& environment, Server& server, bool own_thread,
+                     std::shared_ptr<Neighbourhood> neighbourhood)
+      : environment_(environment),
+        server_(server),
+        own_thread_(own_thread),
+        neighbourhood_(std::move(neighbourhood)),
+        mutex_(neighbourhood_->mutex()) {}
 
   std::mutex& mutex() const { return mutex_; }
+  const std::shared_ptr<Neighbourhood>& neighbourhood() const { return neighbourhood_; }
   const Environment& environment() const { return environment_; }
   MonotonicTime now() const { return environment_.clock.monotonic(); }
   Moment moment() const { return {now(), Time::from(environment_.clock.wall())}; }
 
   // With the lock held:
   Participant& protocol() const { return *protocol_; }
-  void adopt(std::unique_ptr<Participant> protocol) { protocol_ = std::move(protocol); }
+  void adopt(std::unique_ptr<Participant> protocol);
+  /// Nobody calls it from outside any more.
+  void leave();
   bool has_protocol() const { return protocol_ != nullptr; }
   TimerQueue& timers() { return timers_; }
   /// Does what is due and says until when there is nothing to do, `most` from now at the latest.
@@ -45,6 +54,10 @@ class ParticipantContext {
   MonotonicTime next();
   /// After something that changes when tick wants to be called, or what listeners must be told.
   void reschedule();
+  /// The same after something that a neighbour did, which concerns timers and listeners only.
+  void attend() {
+    if (!serving_) wake_if(kNever);
+  }
   /// Waiting calls look again: at once, or when `serve` is done.
   void notify() {
     if (serving_)
@@ -80,10 +93,14 @@ class ParticipantContext {
   std::recursive_mutex& callbacks() const { return callbacks_; }
 
  private:
+  /// Unless it has been woken already, if listeners, timers or `other` cannot wait.
+  void wake_if(MonotonicTime other);
+
   const Environment environment_;
   Server& server_;
   const bool own_thread_;
-  mutable std::mutex mutex_;
+  const std::shared_ptr<Neighbourhood> neighbourhood_;
+  std::mutex& mutex_;
   std::condition_variable changed_;
   bool serving_ = false;
   bool changed_while_serving_ = false;
@@ -91,6 +108,7 @@ class ParticipantContext {
   TimerQueue timers_;
   LinkedList<Entity> pending_;
   MonotonicTime waiting_until_ = kNever;
+  bool woken_ = false;  ///< and did not look yet
   mutable std::recursive_mutex callbacks_;
   static thread_local const ParticipantContext* dispatching_;  ///< whose listeners it calls
 };

@@ -13,7 +13,9 @@ Participant::Participant(ParticipantConfig config, Transport& transport, EventSi
       events_(events),
       sender_(transport, config_.prefix),
       builtin_(config_.prefix, sender_, timers_,
-               [this](BuiltinTopic topic, Change& change) { return on_builtin(topic, change); }) {}
+               [this](BuiltinTopic topic, Change& change) { return on_builtin(topic, change); }) {
+  self_.data.guid = {config_.prefix, kEntityIdParticipant};
+}
 
 Participant::~Participant() = default;
 
@@ -312,6 +314,7 @@ Result<Guid> Participant::create_writer(EndpointRequest request, EndpointListene
     data.security_info =
         DDSSEC_TRY(security_->create_endpoint(guid.entity, data.topic_name, data.qos.partition));
   auto protocol = std::make_unique<StatefulWriter>(guid, data.qos, sender_, &timers_);
+  protocol->on_acknowledged([&listener] { listener.on_acknowledged(); });
   auto& local = writers_[guid.entity] = {std::move(data), &listener, std::move(protocol), {}};
   topics_[local.data.topic_name].writers.push_back(&local);
   expect_liveliness_of(local.data.qos.liveliness, now);
@@ -334,6 +337,7 @@ Result<Guid> Participant::create_reader(EndpointRequest request, EndpointListene
       guid, data.qos.is_reliable(), sender_,
       [&listener](Change& change) { return listener.on_change(change); }, &timers_);
   protocol->on_lost([&listener](std::int64_t count) { listener.on_sample_lost(count); });
+  protocol->on_alive([this](const Guid& writer) { note_alive(writer.prefix, writer.entity); });
   auto& local = readers_[guid.entity] = {std::move(data), &listener, std::move(protocol), {}};
   topics_[local.data.topic_name].readers.push_back(&local);
   publish(local.data, now);
@@ -353,15 +357,17 @@ void Participant::remove(const Guid& endpoint, MonotonicTime now) {
   const auto reader = readers_.find(endpoint.entity);
   const auto writer = writers_.find(endpoint.entity);
   if (reader != readers_.end()) {
-    for (auto& [prefix, remote] : remotes_)
-      std::erase_if(remote.watches,
-                    [&](const auto& w) { return w.listener == reader->second.listener; });
+    const auto is_its = [&](const auto& w) { return w.listener == reader->second.listener; };
+    for (auto& [prefix, remote] : remotes_) std::erase_if(remote.watches, is_its);
+    std::erase_if(self_.watches, is_its);
     for (const auto& guid : reader->second.matched)
       if (auto* remote = find_remote(guid)) std::erase(remote->readers, &reader->second);
+    part_from(topics_[reader->second.data.topic_name].writers, endpoint);
     take_off(reader->second, &TopicEnds::readers);
     readers_.erase(reader);
     unpublish(endpoint, now);
   } else if (writer != writers_.end()) {
+    part_from(topics_[writer->second.data.topic_name].readers, endpoint);
     take_off(writer->second, &TopicEnds::writers);
     writers_.erase(writer);
     unpublish(endpoint, now);

@@ -8,6 +8,7 @@
 #include "base/event.hpp"
 #include "rtps/discovery/builtin_endpoints.hpp"
 #include "rtps/discovery/endpoint_data.hpp"
+#include "rtps/discovery/neighbourhood.hpp"
 #include "rtps/discovery/participant_data.hpp"
 #include "rtps/qos/matching.hpp"
 #include "rtps/reliability/stateful_reader.hpp"
@@ -48,6 +49,9 @@ struct ParticipantConfig {
   LocatorList metatraffic_unicast = {}, metatraffic_multicast = {}, default_unicast = {};
   /// Where announcements go: multicast groups and the well-known ports of unicast peers.
   std::vector<Locator> announce_to = {};
+  /// Whose members are spoken to without the network where nothing is protected. The caller enters
+  /// the participant, and calls it with the neighbourhood's lock held.
+  std::shared_ptr<Neighbourhood> neighbourhood = {};
 };
 
 /// Counts of what was dropped; never reset.
@@ -126,8 +130,9 @@ class Participant final : private SecurityHost {
   std::vector<Guid> remote_guids() const;
   /// Remote endpoints that match one of ours.
   std::vector<Guid> matched(const Guid& endpoint) const;
-  /// What a remote endpoint announced; nullptr if it is not known (any more).
-  const EndpointData* remote_endpoint(const Guid& guid) const;
+  /// What an endpoint, remote or our own, announced; nullptr if it is not known (any more). Of our
+  /// own those are known that have a counterpart here.
+  const EndpointData* remote_endpoint(const Guid& guid);
 
   /// Tells all that our writers of this kind live (RTPS 8.4.13). Those of kind AUTOMATIC are
   /// asserted by tick.
@@ -227,6 +232,15 @@ class Participant final : private SecurityHost {
   void remove_endpoint(Remote& remote, const EntityId& id);
   void match(LocalWriter& writer, Remote& remote, const EndpointData& data);
   void match(LocalReader& reader, Remote& remote, const EndpointData& data);
+  bool is_open(const EntityId& endpoint) const;
+  /// The participant of this process that may be called directly for this pair, or nullptr.
+  Participant* neighbour(const EntityId& local, const Guid& remote);
+  /// The pair is fed directly, once both sides have matched, if it may be.
+  void join(const Guid& local, const Guid& remote);
+  void meet(LocalWriter& writer, LocalReader& reader);
+  /// Our endpoint is about to end.
+  template <class Local>
+  void part_from(const std::vector<Local*>& others, const Guid& endpoint);
   // SecurityHost
   void on_authenticated(const GuidPrefix& peer) override;
   void on_refused(const GuidPrefix& peer) override;
@@ -261,6 +275,7 @@ class Participant final : private SecurityHost {
   TimerQueue timers_;
   ParticipantCounters counters_;
   std::map<GuidPrefix, Remote> remotes_;
+  Remote self_;  ///< ourselves, as the other end of our own endpoints
   std::map<EntityId, LocalWriter> writers_;
   std::map<EntityId, LocalReader> readers_;
   std::map<std::string, TopicEnds> topics_;

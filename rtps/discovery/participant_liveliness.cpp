@@ -36,6 +36,7 @@ void Participant::assert_liveliness(LivelinessKind kind, MonotonicTime now) {
   if (kind == LivelinessKind::automatic)
     next_liveliness_ = shortest == kNever ? kNever : now + shortest / kAssertionsPerLease;
   if (shortest == kNever || kind == LivelinessKind::manual_by_topic) return;
+  note_alive(self_, kind);
   KeyHash key{};
   std::ranges::copy(config_.prefix.octets, key.begin());
   key.back() = kind == LivelinessKind::automatic ? kAutomatic : kManualByParticipant;

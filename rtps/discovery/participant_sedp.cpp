@@ -91,10 +91,13 @@ void Participant::on_sedp(const Change& change, bool publications, bool secure) 
 }
 
 Participant::RemoteEndpoint* Participant::find_remote(const Guid& guid) {
-  const auto remote = remotes_.find(guid.prefix);
-  if (remote == remotes_.end()) return nullptr;
-  const auto endpoint = remote->second.endpoints.find(guid.entity);
-  return endpoint == remote->second.endpoints.end() ? nullptr : &endpoint->second;
+  const auto known = remotes_.find(guid.prefix);
+  auto* remote = guid.prefix == config_.prefix ? &self_
+                 : known == remotes_.end()     ? nullptr
+                                               : &known->second;
+  if (remote == nullptr) return nullptr;
+  const auto endpoint = remote->endpoints.find(guid.entity);
+  return endpoint == remote->endpoints.end() ? nullptr : &endpoint->second;
 }
 
 void Participant::add_endpoint(Remote& remote, EndpointData data) {
@@ -130,6 +133,9 @@ void Participant::forget(Local& local, const Guid& remote) {
   local.listener->on_unmatched(remote);
 }
 
+template void Participant::forget(LocalWriter&, const Guid&);
+template void Participant::forget(LocalReader&, const Guid&);
+
 void Participant::remove_endpoint(Remote& remote, const EntityId& id) {
   const auto known = remote.endpoints.find(id);
   if (known == remote.endpoints.end()) return;
@@ -157,6 +163,10 @@ void Participant::match_all(Local& local) {
     auto& remote = remotes_.find(guid.prefix)->second;
     match(local, remote, remote.endpoints.find(guid.entity)->second.data);
   }
+  if constexpr (std::is_same_v<Local, LocalWriter>)
+    for (auto* reader : topics_[local.data.topic_name].readers) meet(local, *reader);
+  else
+    for (auto* writer : topics_[local.data.topic_name].writers) meet(*writer, local);
 }
 template void Participant::match_all(LocalWriter&);
 template void Participant::match_all(LocalReader&);
@@ -190,11 +200,9 @@ std::vector<Guid> Participant::matched(const Guid& endpoint) const {
   return {};
 }
 
-const EndpointData* Participant::remote_endpoint(const Guid& guid) const {
-  const auto remote = remotes_.find(guid.prefix);
-  if (remote == remotes_.end()) return nullptr;
-  const auto endpoint = remote->second.endpoints.find(guid.entity);
-  return endpoint == remote->second.endpoints.end() ? nullptr : &endpoint->second.data;
+const EndpointData* Participant::remote_endpoint(const Guid& guid) {
+  const auto* endpoint = find_remote(guid);
+  return endpoint == nullptr ? nullptr : &endpoint->data;
 }
 
 void Participant::note_alive(const Remote& remote, LivelinessKind kind) {
@@ -203,13 +211,16 @@ void Participant::note_alive(const Remote& remote, LivelinessKind kind) {
 }
 
 void Participant::note_alive(const GuidPrefix& from, const EntityId& writer) {
-  const auto remote = remotes_.find(from);
-  if (remote == remotes_.end() || remote->second.watches.empty()) return;
-  const auto endpoint = remote->second.endpoints.find(writer);
-  if (endpoint == remote->second.endpoints.end()) return;
-  if (endpoint->second.data.qos.liveliness.kind == LivelinessKind::manual_by_participant)
-    return note_alive(remote->second, LivelinessKind::manual_by_participant);
-  for (const auto& watch : remote->second.watches)
+  const auto known = remotes_.find(from);
+  const auto* remote = from == config_.prefix    ? &self_
+                       : known == remotes_.end() ? nullptr
+                                                 : &known->second;
+  if (remote == nullptr || remote->watches.empty()) return;
+  const auto* endpoint = remote_endpoint({from, writer});
+  if (endpoint == nullptr) return;
+  if (endpoint->qos.liveliness.kind == LivelinessKind::manual_by_participant)
+    return note_alive(*remote, LivelinessKind::manual_by_participant);
+  for (const auto& watch : remote->watches)
     if (watch.writer.entity == writer) watch.listener->on_alive(watch.writer);
 }
 
@@ -251,10 +262,12 @@ void Participant::match(LocalWriter& writer, Remote& remote, const EndpointData&
     return writer.listener->on_matched(data);
   writer.matched.push_back(data.guid);
   const bool history = data.qos.durability >= DurabilityKind::transient_local;
-  writer.protocol->match(
-      {data.guid, data.qos.is_reliable(), history, usable_locators(data.unicast, remote.user)},
-      now_);
+  const bool near = neighbour(writer.data.guid.entity, data.guid) != nullptr;
+  writer.protocol->match({data.guid, data.qos.is_reliable(), history,
+                          near ? LocatorList{} : usable_locators(data.unicast, remote.user), near},
+                         now_);
   writer.listener->on_matched(data);
+  join(writer.data.guid, data.guid);
 }
 
 void Participant::match(LocalReader& reader, Remote& remote, const EndpointData& data) {
@@ -275,9 +288,12 @@ void Participant::match(LocalReader& reader, Remote& remote, const EndpointData&
   if (known) return reader.listener->on_matched(data);
   matched.push_back(&reader);
   reader.matched.push_back(data.guid);
-  reader.protocol->match(
-      {data.guid, data.qos.is_reliable(), usable_locators(data.unicast, remote.user)}, now_);
+  const bool near = neighbour(reader.data.guid.entity, data.guid) != nullptr;
+  reader.protocol->match({data.guid, data.qos.is_reliable(),
+                          near ? LocatorList{} : usable_locators(data.unicast, remote.user), near},
+                         now_);
   reader.listener->on_matched(data);
+  join(reader.data.guid, data.guid);
 }
 
 }  // namespace ddssec::rtps

@@ -39,10 +39,13 @@ void StatefulReader::match(MatchedWriter writer, MonotonicTime now) {
   proxy.writer = std::move(writer);
   proxy.question_period = kFirstQuestion;
   writers_.push_back(std::move(proxy));
-  if (reliable_ && writers_.back().writer.reliable) ask(writers_.back(), now);
+  const auto& matched = writers_.back().writer;
+  if (reliable_ && matched.reliable && !matched.in_process) ask(writers_.back(), now);
 }
 
 void StatefulReader::unmatch(const Guid& writer) {
+  if (auto* proxy = find(writer); proxy != nullptr && proxy->local != nullptr)
+    proxy->local->detach(guid_);
   std::erase_if(writers_, [&](const auto& proxy) { return proxy.writer.guid == writer; });
 }
 
@@ -97,6 +100,7 @@ bool StatefulReader::has_history() const {
 
 void StatefulReader::offer_again() {
   for (auto& proxy : writers_) {
+    if (proxy.local != nullptr) proxy.local->feed(guid_);
     const auto before = proxy.next;
     advance(proxy);
     if (proxy.next != before) acknowledge(proxy, proxy.announced);

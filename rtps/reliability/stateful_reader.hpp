@@ -16,7 +16,8 @@ namespace ddssec::rtps {
 struct MatchedWriter {
   Guid guid;
   bool reliable = false;
-  LocatorList locators;
+  LocatorList locators = {};  ///< empty if it feeds us in this process
+  bool in_process = false;
 };
 
 /// Delivers each writer's changes in order, each once. Bounded: changes that came too early and
@@ -34,11 +35,15 @@ class StatefulReader final : private Timed {
   /// Without timers somebody calls tick whenever next_tick says so.
   StatefulReader(const Guid& guid, bool reliable, MessageSender& sender, Deliver deliver,
                  TimerQueue* timers = nullptr);
+  ~StatefulReader() override;
 
   /// Told how many changes of a writer were given up that nobody declared irrelevant
   /// (SAMPLE_LOST of DDS 1.4, 2.2.4.1).
   using Lost = std::function<void(std::int64_t count)>;
   void on_lost(Lost lost) { lost_ = std::move(lost); }
+  /// Told of each sign of life of a writer of this process.
+  using Alive = std::function<void(const Guid& writer)>;
+  void on_alive(Alive alive) { alive_ = std::move(alive); }
 
   const Guid& guid() const { return guid_; }
   std::size_t matched() const { return writers_.size(); }
@@ -54,6 +59,19 @@ class StatefulReader final : private Timed {
   void on_data_frag(const GuidPrefix& from, const DataFrag& frag, const std::optional<Time>& time);
   void on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat);
   void on_gap(const GuidPrefix& from, const Gap& gap);
+
+  // Called by a writer of this process (see StatefulWriter::attach).
+  /// False: it is not matched.
+  bool attach(StatefulWriter& writer);
+  void detach(const Guid& writer);
+  /// False: refused for now.
+  bool offer(const Change& change);
+  /// Everything below `next` was offered, or will never be.
+  void skip(const Guid& writer, SequenceNumber next);
+  void hear(const Guid& writer) {
+    if (alive_) alive_(writer);
+  }
+
   /// There is room again: what was refused for now is offered again, and acknowledged if taken.
   void offer_again();
   /// True once everything has come that the matched reliable writers held when they were first
@@ -81,6 +99,7 @@ class StatefulReader final : private Timed {
     SequenceNumber history_end;  ///< the same of its first heartbeat
     bool heard = false;          ///< a heartbeat of it came
     bool started = false;        ///< a change of it came, or a heartbeat said where it stands
+    StatefulWriter* local = nullptr;
     MonotonicTime next_question = kNever;
     MonotonicTime question_period{};
     Destination destination() const { return {writer.guid.prefix, writer.locators}; }
@@ -105,6 +124,7 @@ class StatefulReader final : private Timed {
   MessageSender& sender_;
   Deliver deliver_;
   Lost lost_;
+  Alive alive_;
   std::vector<WriterProxy> writers_;
 };
 

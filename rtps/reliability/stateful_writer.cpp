@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "rtps/reliability/stateful_reader.hpp"
 #include "rtps/wire/data_frag.hpp"
 #include "rtps/wire/entity_ids.hpp"
 #include "rtps/wire/gap.hpp"
@@ -62,6 +63,12 @@ StatefulWriter::StatefulWriter(const Guid& guid, const Qos& qos, MessageSender& 
       history_(qos),
       samples_per_question_(samples_per_question(qos)) {}
 
+StatefulWriter::~StatefulWriter() {
+  sender_.flush();
+  for (auto& proxy : readers_)
+    if (proxy.local != nullptr) proxy.local->detach(guid_);
+}
+
 StatefulWriter::ReaderProxy* StatefulWriter::find(const Guid& reader) {
   const auto at = std::ranges::find(readers_, reader, [](const auto& p) { return p.reader.guid; });
   return at == readers_.end() ? nullptr : &*at;
@@ -85,6 +92,7 @@ void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
   readers_.push_back(std::move(proxy));
   rebuild_locators();
   const auto& matched = readers_.back();
+  if (matched.reader.in_process) return;
   if (!matched.reader.reliable || !qos_.is_reliable()) {
     for (auto number = matched.first_relevant; number < next; number = number.next())
       if (const auto* change = history_.find(number))
@@ -99,6 +107,9 @@ void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
 }
 
 void StatefulWriter::unmatch(const Guid& reader) {
+  auto* proxy = find(reader);
+  if (proxy == nullptr) return;
+  if (proxy->local != nullptr) proxy->local->detach(guid_);
   std::erase_if(readers_, [&](const auto& proxy) { return proxy.reader.guid == reader; });
   rebuild_locators();
   release_acknowledged();
@@ -107,7 +118,9 @@ void StatefulWriter::unmatch(const Guid& reader) {
 SequenceNumber StatefulWriter::write(Change change, MonotonicTime now) {
   change.writer = guid_;
   const auto number = history_.add(std::move(change));
-  if (!readers_.empty()) {
+  for (auto& proxy : readers_)
+    if (proxy.local != nullptr) feed(proxy);
+  if (!all_locators_.empty()) {
     const auto& stored = *history_.find(number);
     const auto size = stored.payload.size();
     const Destination everybody{{}, all_locators_};
@@ -146,7 +159,7 @@ bool StatefulWriter::is_hurried(MonotonicTime now) {
 }
 
 void StatefulWriter::ask_for_acknowledgments() {
-  if (all_acknowledged()) return;
+  if (all_acknowledged() || all_locators_.empty()) return;
   send_heartbeat({{}, all_locators_}, kEntityIdUnknown, history_.first(), false);
   sender_.flush();
 }
@@ -209,7 +222,9 @@ void StatefulWriter::send_heartbeat(const Destination& to, const EntityId& reade
 }
 
 void StatefulWriter::assert_liveliness() {
-  if (readers_.empty()) return;
+  for (auto& proxy : readers_)
+    if (proxy.local != nullptr) proxy.local->hear(guid_);
+  if (all_locators_.empty()) return;
   send_heartbeat({{}, all_locators_}, kEntityIdUnknown, history_.first(), true, true);
   sender_.flush();
 }
@@ -299,7 +314,8 @@ void StatefulWriter::on_nack_frag(const GuidPrefix& from, const NackFrag& nack, 
 void StatefulWriter::tick(MonotonicTime now) {
   if (now < next_heartbeat_) return call_at(next_heartbeat_);
   for (const auto& proxy : readers_) {
-    if (!proxy.reader.reliable || proxy.acknowledged >= history_.last()) continue;
+    if (!proxy.reader.reliable || proxy.reader.in_process || proxy.acknowledged >= history_.last())
+      continue;
     send_heartbeat(proxy.destination(), proxy.reader.guid.entity,
                    std::max(history_.first(), proxy.first_relevant), false);
   }

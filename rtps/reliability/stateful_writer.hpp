@@ -1,6 +1,7 @@
 // The writer's side of the protocol: who has what, who asks for what (RTPS 8.4.9).
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "rtps/discovery/parameter_table.hpp"
@@ -17,8 +18,11 @@ struct MatchedReader {
   Guid guid;
   bool reliable = false;
   bool wants_history = false;  ///< transient-local or more
-  LocatorList locators;
+  LocatorList locators = {};   ///< empty if it is fed in this process
+  bool in_process = false;
 };
+
+class StatefulReader;
 
 /// No I/O but through the sender, no clock, no lock: the caller brings all three.
 class StatefulWriter final : private Timed {
@@ -26,7 +30,7 @@ class StatefulWriter final : private Timed {
   /// Without timers somebody calls tick whenever next_tick says so.
   StatefulWriter(const Guid& guid, const Qos& qos, MessageSender& sender,
                  TimerQueue* timers = nullptr);
-  ~StatefulWriter() override { sender_.flush(); }
+  ~StatefulWriter() override;
 
   const Guid& guid() const { return guid_; }
   const Qos& qos() const { return qos_; }
@@ -64,6 +68,18 @@ class StatefulWriter final : private Timed {
   /// Heartbeats that are due.
   void tick(MonotonicTime now);
   MonotonicTime next_tick() const { return next_heartbeat_; }
+  /// `f` whenever a reader of this process took what it had refused, or ended.
+  void on_acknowledged(std::function<void()> f) { on_acknowledged_ = std::move(f); }
+  /// Both must be matched with in_process; then the reader is fed directly until either unmatches
+  /// or ends. Whoever matches second calls this.
+  void attach(StatefulReader& reader);
+  /// The reader does not want to be fed any more.
+  void detach(const Guid& reader);
+  /// The reader ends.
+  void lose(const Guid& reader);
+  /// A reader that refused something has room again.
+  void feed(const Guid& reader);
+
   /// True if every reliable reader has everything.
   bool all_acknowledged() const;
 
@@ -76,12 +92,14 @@ class StatefulWriter final : private Timed {
     std::int32_t last_frag_count = 0;
     SequenceNumber last_answered;  ///< base of the request that was answered last, and when
     MonotonicTime last_answer{};
+    StatefulReader* local = nullptr;
     Destination destination() const { return {reader.guid.prefix, reader.locators}; }
   };
 
   void on_time(MonotonicTime now) override { tick(now); }
   void heartbeat_at(MonotonicTime when);
   ReaderProxy* find(const Guid& reader);
+  void feed(ReaderProxy& proxy);
   void rebuild_locators();
   void send_change(const Destination& to, const EntityId& reader, const Change& change,
                    std::uint32_t most_fragments = ~0u);
@@ -102,6 +120,7 @@ class StatefulWriter final : private Timed {
   WriterHistory history_;
   std::vector<ReaderProxy> readers_;
   LocatorList all_locators_;
+  std::function<void()> on_acknowledged_;
   std::int32_t heartbeat_count_ = 0;
   MonotonicTime next_heartbeat_ = kNever;
   MonotonicTime period_{};

@@ -11,7 +11,7 @@ using testing::reliable;
 using testing::taken;
 using Entities = testing::Polled;
 
-TEST_F(Entities, AreDeletedFromTheInsideOut) {
+TEST_P(Entities, AreDeletedFromTheInsideOut) {
   auto& participant = *a.participant;
   auto& writer = a.writer();
   auto& reader = a.reader(reliable());
@@ -30,7 +30,7 @@ TEST_F(Entities, AreDeletedFromTheInsideOut) {
   EXPECT_FALSE(participant.contains_entities());
 }
 
-TEST_F(Entities, AreDeletedByTheirOwnContainerAlone) {
+TEST_P(Entities, AreDeletedByTheirOwnContainerAlone) {
   auto& writer = a.writer();
   auto& reader = a.reader(reliable());
   auto& condition = reader.create_readcondition({});
@@ -46,7 +46,7 @@ TEST_F(Entities, AreDeletedByTheirOwnContainerAlone) {
             Code::rtps_precondition_not_met);
 }
 
-TEST_F(Entities, AllThatIsContainedGoesAtOnce) {
+TEST_P(Entities, AllThatIsContainedGoesAtOnce) {
   a.reader(reliable()).create_readcondition({});
   a.writer();
   EXPECT_TRUE(a.subscriber->delete_contained_entities());
@@ -57,7 +57,7 @@ TEST_F(Entities, AllThatIsContainedGoesAtOnce) {
   EXPECT_FALSE(a.participant->contains_entities());
 }
 
-TEST_F(Entities, AreFoundByName) {
+TEST_P(Entities, AreFoundByName) {
   EXPECT_EQ(a.participant->lookup_topicdescription("Readings"), a.topic);
   EXPECT_EQ(a.participant->lookup_topicdescription("Other"), nullptr);
   EXPECT_EQ(a.publisher->lookup_datawriter("Readings"), nullptr);
@@ -71,7 +71,7 @@ TEST_F(Entities, AreFoundByName) {
   EXPECT_EQ(&reader.status_condition().entity(), &reader);
 }
 
-TEST_F(Entities, TopicsHaveOneNameAndOneType) {
+TEST_P(Entities, TopicsHaveOneNameAndOneType) {
   EXPECT_EQ(code_of(a.participant->create_topic<Reading>("Readings")),
             Code::rtps_precondition_not_met);
   EXPECT_EQ(code_of(a.participant->create_topic<Reading>("")), Code::rtps_bad_parameter);
@@ -82,7 +82,7 @@ TEST_F(Entities, TopicsHaveOneNameAndOneType) {
   EXPECT_EQ(code_of(a.subscriber->create_datareader<Reading>(*other)), Code::rtps_bad_parameter);
 }
 
-TEST_F(Entities, TheFactoryKeepsParticipantsUntilTheyAreEmpty) {
+TEST_P(Entities, TheFactoryKeepsParticipantsUntilTheyAreEmpty) {
   DomainParticipantFactory factory(environment);
   auto* participant = *factory.create_participant(options());
   EXPECT_EQ(factory.lookup_participant(options().domain_id), participant);
@@ -97,7 +97,7 @@ TEST_F(Entities, TheFactoryKeepsParticipantsUntilTheyAreEmpty) {
   EXPECT_EQ(code_of(factory.create_participant({.domain_id = 999})), Code::invalid_property);
 }
 
-TEST_F(Entities, WhatIsNotEnabledIsSilentAndItsContainerComesFirst) {
+TEST_P(Entities, WhatIsNotEnabledIsSilentAndItsContainerComesFirst) {
   auto asleep = options();
   asleep.enabled = false;
   testing::End c(environment, asleep);
@@ -117,7 +117,7 @@ TEST_F(Entities, WhatIsNotEnabledIsSilentAndItsContainerComesFirst) {
   EXPECT_EQ(writer.guid().prefix, c.participant->guid().prefix);
 }
 
-TEST_F(Entities, AGroupMayLeaveEnablingToTheApplication) {
+TEST_P(Entities, AGroupMayLeaveEnablingToTheApplication) {
   auto* group = *a.participant->create_subscriber({.autoenable_created_entities = false});
   auto* reader = *group->create_datareader<Reading>(*a.topic, reliable());
   Samples<Reading> samples;
@@ -130,7 +130,7 @@ TEST_F(Entities, AGroupMayLeaveEnablingToTheApplication) {
   EXPECT_EQ(reader->read(samples), 0u);
 }
 
-TEST_F(Entities, PoliciesThatMayNotChangeAreNamed) {
+TEST_P(Entities, PoliciesThatMayNotChangeAreNamed) {
   auto& writer = a.writer();
   const auto refused = [&](auto&& change) {
     auto qos = writer.qos();
@@ -167,7 +167,7 @@ TEST_F(Entities, PoliciesThatMayNotChangeAreNamed) {
   EXPECT_TRUE(a.topic->set_qos(topic));
 }
 
-TEST_F(Entities, APolicyStandsAtItsOwnEntity) {
+TEST_P(Entities, APolicyStandsAtItsOwnEntity) {
   const auto refused = [&](auto&& change) {
     auto qos = reliable();
     change(qos);
@@ -184,7 +184,7 @@ TEST_F(Entities, APolicyStandsAtItsOwnEntity) {
             "RESOURCE_LIMITS.max_samples");
 }
 
-TEST_F(Entities, DefaultsArePassedOn) {
+TEST_P(Entities, DefaultsArePassedOn) {
   auto qos = reliable();
   qos.history.depth = 7;
   qos.ownership = OwnershipKind::exclusive;
@@ -204,7 +204,7 @@ TEST_F(Entities, DefaultsArePassedOn) {
   EXPECT_EQ(code_of(a.participant->set_default_topic_qos(qos)), Code::rtps_qos_inconsistent);
 }
 
-TEST_F(Entities, TheOtherSideIsKnownByWhatItAnnounced) {
+TEST_P(Entities, TheOtherSideIsKnownByWhatItAnnounced) {
   auto qos = default_writer_qos();
   qos.user_data = {1, 2};
   auto& writer = a.writer(qos);
@@ -226,7 +226,7 @@ TEST_F(Entities, TheOtherSideIsKnownByWhatItAnnounced) {
   EXPECT_EQ(a.participant->current_time(), Time::from(clock.wall()));
 }
 
-TEST_F(Entities, AChangedPartitionMatchesAnew) {
+TEST_P(Entities, AChangedPartitionMatchesAnew) {
   auto& writer = a.writer(reliable());
   auto& reader = b.reader(reliable());
   ASSERT_TRUE(match(writer, reader));
@@ -241,6 +241,10 @@ TEST_F(Entities, AChangedPartitionMatchesAnew) {
   EXPECT_THAT(taken(reader), ElementsAre(1));
   EXPECT_EQ(b.subscriber->qos().partition, std::vector<std::string>{"room*"});
 }
+
+INSTANTIATE_TEST_SUITE_P(Over, Entities,
+                         ::testing::Values(testing::Way::network, testing::Way::in_process),
+                         testing::name_of);
 
 }  // namespace
 }  // namespace ddssec::rtps

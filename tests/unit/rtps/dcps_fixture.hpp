@@ -1,5 +1,5 @@
-// Two participants over loopback UDP that the test polls, with a clock that the test moves: nothing
-// sleeps, and time passes only when a test says so.
+// Two participants that the test polls, with a clock that the test moves: nothing sleeps, and time
+// passes only when a test says so. Each test runs over loopback UDP and in process.
 #pragma once
 
 #include <unistd.h>
@@ -67,7 +67,13 @@ inline Qos reliable(HistoryKind history = HistoryKind::keep_all) {
   return qos;
 }
 
-struct Polled : ::testing::Test {
+enum class Way { network, in_process };
+
+inline std::string name_of(const ::testing::TestParamInfo<Way>& info) {
+  return info.param == Way::network ? "network" : "in_process";
+}
+
+struct Polled : ::testing::TestWithParam<Way> {
   ManualClock clock{WallTime(std::chrono::seconds(1'800'000'000))};
   SystemRandom random;
   Events events;
@@ -77,7 +83,8 @@ struct Polled : ::testing::Test {
   DomainParticipantOptions options() const {
     return {.domain_id = static_cast<DomainId>(::getpid() % 200 + 30),
             .domain_tag = std::to_string(::getpid()),
-            .own_thread = false};
+            .own_thread = false,
+            .in_process = GetParam() == Way::in_process};
   }
   End a{environment, options()}, b{environment, options()};
 
@@ -95,7 +102,8 @@ struct Polled : ::testing::Test {
   }
   bool match(AnyDataWriter& writer, AnyDataReader& reader) {
     return eventually([&] {
-      return !writer.matched_subscriptions().empty() && !reader.matched_publications().empty();
+      return writer.matched_subscription_data(reader.guid()) &&
+             reader.matched_publication_data(writer.guid());
     });
   }
 };

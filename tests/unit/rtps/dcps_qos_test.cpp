@@ -13,7 +13,7 @@ using testing::taken;
 using testing::values;
 using Policies = testing::Polled;
 
-TEST_F(Policies, DeadlineIsMissedOnBothSidesOncePerPeriodAndInstance) {
+TEST_P(Policies, DeadlineIsMissedOnBothSidesOncePerPeriodAndInstance) {
   auto qos = reliable();
   qos.deadline = Duration::from(100ms);
   auto& writer = a.writer(qos);
@@ -40,7 +40,7 @@ TEST_F(Policies, DeadlineIsMissedOnBothSidesOncePerPeriodAndInstance) {
   EXPECT_EQ(reader.requested_deadline_missed_status().total_count_change, 1);
 }
 
-TEST_F(Policies, DeadlineMayChangeWithinTheContract) {
+TEST_P(Policies, DeadlineMayChangeWithinTheContract) {
   auto& writer = a.writer(reliable());
   auto& reader = b.reader(reliable());
   ASSERT_TRUE(match(writer, reader));
@@ -60,7 +60,7 @@ TEST_F(Policies, DeadlineMayChangeWithinTheContract) {
   EXPECT_EQ(reader.requested_incompatible_qos_status().last.policy, "DEADLINE.period");
 }
 
-TEST_F(Policies, LifespanEndsWhatIsHeldAndWhatIsKeptForLateJoiners) {
+TEST_P(Policies, LifespanEndsWhatIsHeldAndWhatIsKeptForLateJoiners) {
   auto offered = reliable(), requested = reliable();
   offered.durability = requested.durability = DurabilityKind::transient_local;
   offered.lifespan = Duration::from(200ms);
@@ -86,7 +86,7 @@ TEST_F(Policies, LifespanEndsWhatIsHeldAndWhatIsKeptForLateJoiners) {
   EXPECT_TRUE(writer.wait_for_acknowledgments(0ms));
 }
 
-TEST_F(Policies, ExclusiveOwnershipFailsOverByStrengthDeadlineLivelinessAndDeparture) {
+TEST_P(Policies, ExclusiveOwnershipFailsOverByStrengthDeadlineLivelinessAndDeparture) {
   auto strong = reliable();
   strong.ownership = OwnershipKind::exclusive;
   auto requested = strong;
@@ -127,7 +127,7 @@ TEST_F(Policies, ExclusiveOwnershipFailsOverByStrengthDeadlineLivelinessAndDepar
   EXPECT_THAT(taken(reader), ElementsAre(21));
 }
 
-TEST_F(Policies, ManualLivelinessIsLostAndComesBack) {
+TEST_P(Policies, ManualLivelinessIsLostAndComesBack) {
   auto qos = reliable();
   qos.liveliness = {LivelinessKind::manual_by_topic, Duration::from(200ms)};
   auto& writer = a.writer(qos);
@@ -159,7 +159,7 @@ TEST_F(Policies, ManualLivelinessIsLostAndComesBack) {
   EXPECT_EQ(writer.liveliness_lost_status().total_count, 1);
 }
 
-TEST_F(Policies, AnyManualWriterOfAParticipantAssertsAll) {
+TEST_P(Policies, AnyManualWriterOfAParticipantAssertsAll) {
   auto qos = reliable();
   qos.liveliness = {LivelinessKind::manual_by_participant, Duration::from(200ms)};
   auto& idle = a.writer(qos);
@@ -181,7 +181,7 @@ TEST_F(Policies, AnyManualWriterOfAParticipantAssertsAll) {
   EXPECT_EQ(reader.liveliness_changed_status().not_alive_count, 2);
 }
 
-TEST_F(Policies, AutomaticLivelinessEndsWithItsParticipant) {
+TEST_P(Policies, AutomaticLivelinessEndsWithItsParticipant) {
   auto qos = reliable();
   qos.liveliness.lease_duration = Duration::from(1s);
   auto& writer = a.writer(qos);
@@ -196,7 +196,7 @@ TEST_F(Policies, AutomaticLivelinessEndsWithItsParticipant) {
   EXPECT_EQ(reader.liveliness_changed_status().alive_count, 1);
 }
 
-TEST_F(Policies, BySourceTimestampAnOlderSampleDoesNotComeLate) {
+TEST_P(Policies, BySourceTimestampAnOlderSampleDoesNotComeLate) {
   auto qos = reliable();
   qos.destination_order = DestinationOrderKind::by_source;
   auto& one = a.writer(qos);
@@ -218,7 +218,7 @@ TEST_F(Policies, BySourceTimestampAnOlderSampleDoesNotComeLate) {
   EXPECT_TRUE(one.write({"a", 4}));  // the calendar is behind the last time given
 }
 
-TEST_F(Policies, TransientLocalKeepsForLateJoinersWhatHistoryKeeps) {
+TEST_P(Policies, TransientLocalKeepsForLateJoinersWhatHistoryKeeps) {
   auto offered = reliable(HistoryKind::keep_last), requested = reliable();
   offered.history.depth = 2;
   offered.durability = requested.durability = DurabilityKind::transient_local;
@@ -237,7 +237,7 @@ TEST_F(Policies, TransientLocalKeepsForLateJoinersWhatHistoryKeeps) {
   EXPECT_THAT(taken(volatile_reader), IsEmpty());
 }
 
-TEST_F(Policies, HistoricalDataThatDoesNotComeIsATimeout) {
+TEST_P(Policies, HistoricalDataThatDoesNotComeIsATimeout) {
   auto qos = reliable();
   qos.durability = DurabilityKind::transient_local;
   auto& writer = a.writer(qos);
@@ -251,7 +251,7 @@ TEST_F(Policies, HistoricalDataThatDoesNotComeIsATimeout) {
   EXPECT_EQ(code_of(other.wait_for_historical_data(5ms)), Code::rtps_timeout);
 }
 
-TEST_F(Policies, ResourceLimitsHoldAtTheWriter) {
+TEST_P(Policies, ResourceLimitsHoldAtTheWriter) {
   auto qos = reliable();
   qos.durability = DurabilityKind::transient_local;
   qos.reliability.max_blocking_time = kDurationZero;
@@ -265,7 +265,7 @@ TEST_F(Policies, ResourceLimitsHoldAtTheWriter) {
   EXPECT_EQ(code_of(writer.register_instance({"c"})), Code::rtps_out_of_resources);
 }
 
-TEST_F(Policies, ResourceLimitsHoldAtTheReaderAndNothingIsLost) {
+TEST_P(Policies, ResourceLimitsHoldAtTheReaderAndNothingIsLost) {
   auto requested = reliable();
   requested.resource_limits = {.max_samples = 3, .max_instances = 2, .max_samples_per_instance = 2};
   auto& writer = a.writer(reliable());
@@ -282,7 +282,7 @@ TEST_F(Policies, ResourceLimitsHoldAtTheReaderAndNothingIsLost) {
   EXPECT_EQ(reader.sample_lost_status().total_count, 0);
 }
 
-TEST_F(Policies, DataRepresentationIsWhatTheWriterOffersFirst) {
+TEST_P(Policies, DataRepresentationIsWhatTheWriterOffersFirst) {
   auto offered = reliable(), requested = reliable();
   offered.data_representation = {DataRepresentation::xcdr2};
   auto& writer = a.writer(offered);
@@ -299,7 +299,7 @@ TEST_F(Policies, DataRepresentationIsWhatTheWriterOffersFirst) {
   EXPECT_EQ(samples[0].data.octets, (std::vector<std::uint8_t>{1, 2, 3}));
 }
 
-TEST_F(Policies, BestEffortLossIsCounted) {
+TEST_P(Policies, BestEffortLossIsCounted) {
   auto qos = reliable();
   qos.reliability.kind = ReliabilityKind::best_effort;
   auto& writer = a.writer(qos);
@@ -312,6 +312,10 @@ TEST_F(Policies, BestEffortLossIsCounted) {
   EXPECT_EQ(reader.sample_rejected_status().total_count, 2);
   EXPECT_EQ(reader.sample_lost_status().total_count, 0);
 }
+
+INSTANTIATE_TEST_SUITE_P(Over, Policies,
+                         ::testing::Values(testing::Way::network, testing::Way::in_process),
+                         testing::name_of);
 
 }  // namespace
 }  // namespace ddssec::rtps

@@ -12,14 +12,15 @@ using namespace std::chrono_literals;
 using testing::code_of;
 using testing::reliable;
 
-struct Dcps : ::testing::Test {
+struct Dcps : ::testing::TestWithParam<testing::Way> {
   SystemClock clock;
   SystemRandom random;
   testing::Events events;
   Environment environment{clock, random, events};
   static DomainParticipantOptions options() {
     return {.domain_id = static_cast<DomainId>(::getpid() % 200 + 30),
-            .domain_tag = std::to_string(::getpid())};
+            .domain_tag = std::to_string(::getpid()),
+            .in_process = GetParam() == testing::Way::in_process};
   }
   testing::End a{environment, options()}, b{environment, options()};
 
@@ -35,7 +36,7 @@ struct Dcps : ::testing::Test {
   }
 };
 
-TEST_F(Dcps, SamplesDisposesAndLargeSamplesArrive) {
+TEST_P(Dcps, SamplesDisposesAndLargeSamplesArrive) {
   auto& writer = a.writer(reliable());
   auto& reader = b.reader(reliable());
   ASSERT_TRUE(match(writer, reader));
@@ -58,7 +59,7 @@ TEST_F(Dcps, SamplesDisposesAndLargeSamplesArrive) {
   EXPECT_FALSE(reader.take_next_sample());
 }
 
-TEST_F(Dcps, AWriterWaitsForASlowReaderAndThenSaysSo) {
+TEST_P(Dcps, AWriterWaitsForASlowReaderAndThenSaysSo) {
   auto offered = reliable();
   offered.resource_limits.max_samples = 4;
   offered.reliability.max_blocking_time = Duration::from(50ms);
@@ -88,7 +89,7 @@ struct Answer final : DataReaderListener {
   }
 };
 
-TEST_F(Dcps, ListenersMayTakeAndWrite) {
+TEST_P(Dcps, ListenersMayTakeAndWrite) {
   auto* ping_there = *b.participant->create_topic<Reading>("Ping");
   auto* ping_here = *a.participant->create_topic<Reading>("Ping");
   auto& ping = **a.publisher->create_datawriter<Reading>(*ping_here, reliable());
@@ -105,7 +106,7 @@ TEST_F(Dcps, ListenersMayTakeAndWrite) {
   echo.set_listener(nullptr);
 }
 
-TEST_F(Dcps, AWaitSetWakesForDataForStatusesAndForTheApplication) {
+TEST_P(Dcps, AWaitSetWakesForDataForStatusesAndForTheApplication) {
   auto& reader = b.reader(reliable());
   auto& fresh = reader.create_readcondition({.sample = SampleState::not_read});
   reader.status_condition().set_enabled_statuses(StatusKind::subscription_matched);
@@ -129,7 +130,7 @@ TEST_F(Dcps, AWaitSetWakesForDataForStatusesAndForTheApplication) {
   other.join();
 }
 
-TEST_F(Dcps, ManyThreadsMayCreateWriteTakeAndDelete) {
+TEST_P(Dcps, ManyThreadsMayCreateWriteTakeAndDelete) {
   auto& reader = b.reader(reliable());
   std::atomic<int> received = 0;
   std::atomic<bool> over = false;
@@ -158,7 +159,7 @@ TEST_F(Dcps, ManyThreadsMayCreateWriteTakeAndDelete) {
   taker.join();
 }
 
-TEST_F(Dcps, BadOptionsAreNamed) {
+TEST_P(Dcps, BadOptionsAreNamed) {
   const auto refused = [&](DomainParticipantOptions options) {
     return code_of(DomainParticipant::create(std::move(options), environment));
   };
@@ -167,6 +168,10 @@ TEST_F(Dcps, BadOptionsAreNamed) {
   EXPECT_EQ(refused({.peers = {"host"}}), Code::invalid_property);
   EXPECT_EQ(refused({.interface = "192.0.2.1"}), Code::rtps_socket_failed);
 }
+
+INSTANTIATE_TEST_SUITE_P(Over, Dcps,
+                         ::testing::Values(testing::Way::network, testing::Way::in_process),
+                         testing::name_of);
 
 }  // namespace
 }  // namespace ddssec::rtps

@@ -1,0 +1,73 @@
+// Writers and readers of one process: the same histories without messages. A reader is fed in the
+// order of numbers, in the thread of whoever writes, takes or matches; what it refuses stays with
+// the writer until it asks again.
+#include <algorithm>
+
+#include "rtps/reliability/stateful_reader.hpp"
+
+namespace ddssec::rtps {
+
+void StatefulWriter::attach(StatefulReader& reader) {
+  auto* proxy = find(reader.guid());
+  if (proxy == nullptr || !proxy->reader.in_process || proxy->local != nullptr) return;
+  if (!reader.attach(*this)) return;
+  proxy->local = &reader;
+  feed(reader.guid());
+}
+
+void StatefulWriter::detach(const Guid& reader) {
+  if (auto* proxy = find(reader)) proxy->local = nullptr;
+}
+
+void StatefulWriter::lose(const Guid& reader) {
+  detach(reader);
+  unmatch(reader);
+  if (on_acknowledged_) on_acknowledged_();
+}
+
+void StatefulWriter::feed(const Guid& reader) {
+  auto* proxy = find(reader);
+  if (proxy == nullptr || proxy->local == nullptr) return;
+  feed(*proxy);
+  release_acknowledged();
+  if (on_acknowledged_) on_acknowledged_();
+}
+
+void StatefulWriter::feed(ReaderProxy& proxy) {
+  auto number = std::max(proxy.acknowledged.next(), history_.first());
+  for (; number <= history_.last(); number = number.next()) {
+    const auto* change = history_.find(number);
+    if (change != nullptr && !proxy.local->offer(*change)) break;
+  }
+  proxy.acknowledged = number.previous();
+  proxy.local->skip(guid_, number);
+}
+
+StatefulReader::~StatefulReader() {
+  for (auto& proxy : writers_)
+    if (proxy.local != nullptr) proxy.local->lose(guid_);
+}
+
+bool StatefulReader::attach(StatefulWriter& writer) {
+  auto* proxy = find(writer.guid());
+  if (proxy == nullptr) return false;
+  proxy->local = &writer;
+  if (!std::exchange(proxy->heard, true)) proxy->history_end = writer.history().last();
+  return true;
+}
+
+void StatefulReader::detach(const Guid& writer) {
+  if (auto* proxy = find(writer)) proxy->local = nullptr;
+}
+
+bool StatefulReader::offer(const Change& change) {
+  if (alive_) alive_(change.writer);
+  auto copy = change;
+  return deliver_(copy) || !reliable_;
+}
+
+void StatefulReader::skip(const Guid& writer, SequenceNumber next) {
+  if (auto* proxy = find(writer)) proxy->next = next;
+}
+
+}  // namespace ddssec::rtps
