@@ -57,11 +57,8 @@ function(ddssec_test name)
   target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR})
   # What is tested is optimised; the tests themselves only have to compile quickly.
   target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
-  target_link_libraries(test_${name} PRIVATE ${ARG_LIBS} GTest::gmock GTest::gtest_main
-                        ddssec_options)
-  target_compile_definitions(test_${name} PRIVATE
-    DDSSEC_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data"
-    DDSSEC_SHARED_TESTDATA="${PROJECT_SOURCE_DIR}/../shared/testdata")
+  target_link_libraries(test_${name} PRIVATE ${ARG_LIBS} ddssec_test_data GTest::gmock
+                        GTest::gtest_main ddssec_options)
   set(labels unit ${ARG_LABELS})
   gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60
                        PROPERTIES LABELS "${labels}" TIMEOUT 120)

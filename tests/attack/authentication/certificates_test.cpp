@@ -2,6 +2,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "tests/support/test_data.hpp"
 #include "tests/unit/authentication/fixture.hpp"
 
 namespace ddssec::authentication {
@@ -88,7 +89,7 @@ TEST(StrangeCertificate, AThousandAttributesAreRefusedOrNeverIssued) {
   // Our own authority does not make such a thing; OpenSSL's command did.
   ASSERT_FALSE(certificate);
   const auto pem = [] {
-    std::ifstream in(DDSSEC_TEST_DATA "/strange-certificates/thousand-rdns.pem");
+    std::ifstream in(test::data_path("strange-certificates/thousand-rdns.pem"));
     return std::string(std::istreambuf_iterator<char>(in), {});
   }();
   ASSERT_FALSE(pem.empty());
@@ -97,7 +98,7 @@ TEST(StrangeCertificate, AThousandAttributesAreRefusedOrNeverIssued) {
 
 TEST(StrangeCertificate, ANulInTheNameIsRefused) {
   Victim victim;
-  std::ifstream in(DDSSEC_TEST_DATA "/strange-certificates/nul-in-cn.pem");
+  std::ifstream in(test::data_path("strange-certificates/nul-in-cn.pem"));
   const std::string pem(std::istreambuf_iterator<char>(in), {});
   ASSERT_FALSE(pem.empty());
   EXPECT_CODE(victim.receive(bytes(pem), nullptr), name_not_allowed);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/support/test_data.hpp"
 #include "tests/unit/authentication/fixture.hpp"
 
 namespace ddssec::authentication {
@@ -316,7 +317,7 @@ TEST(Permissions, Refusals) {
 // ---- Cyclone DDS's own test identities
 
 std::string cyclone(const std::string& name) {
-  return "file:" DDSSEC_TEST_DATA "/cyclonedds/" + name;
+  return "file:" + test::data_path("cyclonedds/" + name);
 }
 PropertyList cyclone_identity(const std::string& ca, const std::string& certificate,
                               const std::string& key, const std::string& password = "") {
@@ -373,10 +374,10 @@ TEST(CycloneData, RevocationAndTrustedFolder) {
   expect_refused(properties, Code::certificate_revoked, property::kIdentityCertificate);
   auto folder = cyclone_identity("identity_ca", "identity_certificate", "private_key");
   set(folder, property::kTrustedCaDir,
-      DDSSEC_TEST_DATA "/cyclonedds/validate_local_identity/trusted_ca_dir");
+      test::data_path("cyclonedds/validate_local_identity/trusted_ca_dir"));
   EXPECT_TRUE(create(folder));
   set(folder, property::kTrustedCaDir,
-      DDSSEC_TEST_DATA "/cyclonedds/validate_local_identity/trusted_ca_dir_not_matching");
+      test::data_path("cyclonedds/validate_local_identity/trusted_ca_dir_not_matching"));
   expect_refused(folder, Code::own_ca_not_trusted, property::kTrustedCaDir);
 }
 

@@ -6,6 +6,7 @@
 
 #include "governance/write.hpp"
 #include "pki/source.hpp"
+#include "tests/support/test_data.hpp"
 #include "tests/unit/governance/schema.hpp"
 
 namespace ddssec::governance {
@@ -25,7 +26,7 @@ Result<Bytes> from_data(const std::filesystem::path& file) {
 }
 
 Result<RosPolicy> policy_of(const std::string& name) {
-  return read_ros_policy(std::string(DDSSEC_TEST_DATA) + "/sros2/" + name, from_data);
+  return read_ros_policy(test::data_path("sros2/" + name), from_data);
 }
 
 /// A policy made of files in memory; the first one is read.

@@ -6,6 +6,7 @@
 #include <random>
 #include <string>
 
+#include "tests/support/test_data.hpp"
 #include "tests/unit/governance/fixture.hpp"
 
 namespace ddssec::governance {
@@ -16,8 +17,8 @@ inline ::testing::AssertionResult is_valid(const std::string& xml, const std::st
                     ("ddssec_write_" + std::to_string(std::random_device()()) + ".xml");
   std::ofstream(file) << xml;
   const std::string command = std::string(DDSSEC_XMLLINT) + " --noout --nonet --schema " +
-                              DDSSEC_TEST_DATA + "/dds-security-xsd/" + schema + " " +
-                              file.string() + " 2>&1";
+                              test::data_path("dds-security-xsd/" + schema) + " " + file.string() +
+                              " 2>&1";
   const int status = std::system(command.c_str());
   std::filesystem::remove(file);
   if (status == 0) return ::testing::AssertionSuccess();

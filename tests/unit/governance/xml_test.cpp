@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "governance/xml_check.hpp"
+#include "tests/support/test_data.hpp"
 #include "tests/unit/governance/fixture.hpp"
 
 namespace ddssec::governance {
@@ -161,8 +162,7 @@ TEST(XmlText, GathersWhatIsThere) {
 TEST(HostileFiles, AreRefused) {
   int count = 0;
   for (const char* folder : {"libxml2/errors", "tinyxml2"}) {
-    for (const auto& entry :
-         std::filesystem::directory_iterator(std::string(DDSSEC_TEST_DATA "/") + folder)) {
+    for (const auto& entry : std::filesystem::directory_iterator(test::data_path(folder))) {
       const auto name = entry.path().filename().string();
       if (name == "utf8test.xml" || name == "README.md" || name == "LICENSE.txt") continue;
       EXPECT_FALSE(XmlDocument::parse(data_file(folder + ("/" + name)))) << name;

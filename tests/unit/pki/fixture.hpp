@@ -10,6 +10,7 @@
 #include "base/clock.hpp"
 #include "pki/authority.hpp"
 #include "pki/chain.hpp"
+#include "tests/support/test_data.hpp"
 
 /// Fails unless `result` is an error of exactly this code.
 #define EXPECT_CODE(result, expected_code)                                                     \
@@ -57,7 +58,7 @@ inline ChainVerifier make_verifier(std::vector<Certificate> anchors, std::vector
 
 /// A file below tests/data.
 inline Bytes data_file(const std::string& name) {
-  std::ifstream in(std::string(DDSSEC_TEST_DATA) + "/" + name, std::ios::binary);
+  std::ifstream in(test::data_path(name), std::ios::binary);
   EXPECT_TRUE(in) << name;
   return Bytes(std::istreambuf_iterator<char>(in), {});
 }

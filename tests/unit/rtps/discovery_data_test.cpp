@@ -4,6 +4,7 @@
 
 #include "rtps/discovery/endpoint_data.hpp"
 #include "rtps/discovery/participant_data.hpp"
+#include "tests/support/test_data.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
 
 namespace ddssec::rtps {
@@ -210,7 +211,7 @@ TEST(DiscoveryData, KeysOfDisposes) {
 TEST(DiscoveryData, WhatCycloneAnnouncesUnderRosIsRead) {
   int read = 0;
   for (const auto& entry :
-       std::filesystem::directory_iterator(DDSSEC_TEST_DATA "/fuzz/discovery_data")) {
+       std::filesystem::directory_iterator(test::data_path("fuzz/discovery_data"))) {
     std::ifstream in(entry.path(), std::ios::binary);
     const Bytes octets{std::istreambuf_iterator<char>(in), {}};
     EXPECT_TRUE(read_participant_data(octets) || read_publication_data(octets) ||

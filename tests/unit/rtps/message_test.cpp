@@ -9,6 +9,7 @@
 #include "rtps/wire/info_destination.hpp"
 #include "rtps/wire/info_source.hpp"
 #include "rtps/wire/info_timestamp.hpp"
+#include "tests/support/test_data.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
 
 namespace ddssec::rtps {
@@ -132,7 +133,7 @@ Status read_all(BytesView octets) {
 TEST(Message, ACapturedRosSystemIsUnderstoodCompletely) {
   int messages = 0;
   for (const auto& entry :
-       std::filesystem::directory_iterator(DDSSEC_TEST_DATA "/foxglove-rtps/messages")) {
+       std::filesystem::directory_iterator(test::data_path("foxglove-rtps/messages"))) {
     const auto status = read_all(content(entry.path()));
     EXPECT_TRUE(status) << entry.path() << " " << status.error().to_sentence();
     ++messages;

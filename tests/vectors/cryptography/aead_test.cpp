@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/test_data.hpp"
+
 namespace ddssec::cryptography {
 namespace {
 
@@ -50,10 +52,8 @@ class Aead : public ::testing::TestWithParam<const AeadBackend*> {
   }
 };
 
-std::string path(const std::string& name) { return std::string(DDSSEC_TEST_DATA) + "/" + name; }
-
 nlohmann::json json_file(const std::string& name) {
-  std::ifstream file(path(name));
+  std::ifstream file(test::data_path(name));
   return nlohmann::json::parse(file);
 }
 
@@ -95,7 +95,7 @@ TEST_P(Aead, WycheproofGmac) {
 }
 
 std::vector<Case> nist_file(const std::string& name) {
-  std::ifstream file(path("pyca-cryptography-vectors/" + name));
+  std::ifstream file(test::data_path("pyca-cryptography-vectors/" + name));
   std::vector<Case> cases;
   std::map<std::string, Bytes> fields;
   for (std::string line; std::getline(file, line);) {

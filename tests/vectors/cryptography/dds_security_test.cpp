@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "plugins/cryptography/derivation.hpp"
+#include "tests/support/test_data.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
 
 namespace ddssec::cryptography::testing {
@@ -16,7 +17,7 @@ using Json = nlohmann::json;
 
 const Json& kat() {
   static const Json kFile = [] {
-    std::ifstream file(std::string(DDSSEC_TEST_DATA) + "/dds-security-crypto/kat-crypto.json");
+    std::ifstream file(test::data_path("dds-security-crypto/kat-crypto.json"));
     return Json::parse(file);
   }();
   return kFile;

@@ -4,6 +4,7 @@
 
 #include "fixture.hpp"
 #include "pki/smime.hpp"
+#include "tests/support/test_data.hpp"
 
 namespace ddssec::pki {
 namespace {
@@ -42,7 +43,7 @@ std::vector<CycloneRow> cyclone_rows() {
 // The CA file of that name beside the document, or where the folder has none, the common one.
 std::string ca_beside(const CycloneRow& row) {
   const auto folder = row.file.substr(0, row.file.rfind('/') + 1);
-  const bool there = std::filesystem::exists(std::string(DDSSEC_TEST_DATA) + "/" + folder + row.ca);
+  const bool there = std::filesystem::exists(test::data_path(folder + row.ca));
   return there ? folder + row.ca : "cyclonedds/validate_local_permissions/Test_Permissions_ca.pem";
 }
 

@@ -7,6 +7,7 @@
 #include "fixture.hpp"
 #include "pki/mime.hpp"
 #include "pki/openssl.hpp"
+#include "tests/support/test_data.hpp"
 
 namespace ddssec::pki {
 namespace {
@@ -62,7 +63,7 @@ Message read(const std::string& name) {
 std::vector<Crl> all_crls() {
   std::vector<Crl> out;
   for (const auto& entry :
-       std::filesystem::directory_iterator(std::string(DDSSEC_TEST_DATA) + "/nist-pkits/crls")) {
+       std::filesystem::directory_iterator(test::data_path("nist-pkits/crls"))) {
     const auto crls =
         Crl::all_from(data_file("nist-pkits/crls/" + entry.path().filename().string()));
     if (crls) out.insert(out.end(), crls->begin(), crls->end());
@@ -104,8 +105,7 @@ TEST(Pkits, VerdictsAreThoseOfOpensslWithRevocationLists) {
     std::getline(columns, by_name, '\t');
     std::getline(columns, without_crl, '\t');
     std::getline(columns, with_crl, '\t');
-    if (!std::filesystem::exists(std::string(DDSSEC_TEST_DATA) + "/nist-pkits/smime/" + name))
-      continue;
+    if (!std::filesystem::exists(test::data_path("nist-pkits/smime/" + name))) continue;
     const auto reason = verdict(read(name), crls);
     EXPECT_EQ(reason.empty(), expected(name, with_crl == "ok")) << name << ": " << reason;
     (reason.empty() ? accepted : refused) += 1;

@@ -1,0 +1,12 @@
+// Where tests find what stands below tests/data.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace ddssec::test {
+
+/// The path of `name` below tests/data, on the machine that built the tests.
+std::string data_path(std::string_view name);
+
+}  // namespace ddssec::test
