@@ -274,8 +274,7 @@ void Participant::tick(MonotonicTime now) {
     constexpr int kFastAnnouncements = 6;
     announce(config_.announce_to);
     next_announcement_ =
-        now + (++announcements_ < kFastAnnouncements ? std::chrono::milliseconds(100)
-                                                     : std::chrono::milliseconds(3000));
+        now + (++announcements_ < kFastAnnouncements ? kFastPeriod : announcement_period());
   }
   if (now >= next_liveliness_) assert_liveliness(LivelinessKind::automatic, now);
   if (security_) security_->tick(now);

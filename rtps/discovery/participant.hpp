@@ -212,6 +212,7 @@ class Participant final : private SecurityHost {
 
   ParticipantData own_data() const;
   void announce(std::span<const Locator> to);
+  MonotonicTime announcement_period() const;
   void announce_securely(bool leaving);
   Status on_spdp(const Data& data, const Context& context);
   void add_remote(ParticipantData data, MonotonicTime now);
@@ -287,6 +288,8 @@ class Participant final : private SecurityHost {
   MonotonicTime next_liveliness_ = kNever;
   MonotonicTime next_lease_ = kNever;  ///< no lease ends before
   std::uint32_t next_entity_ = 1;
+  static constexpr MonotonicTime kFastPeriod = std::chrono::milliseconds(100);
+  static constexpr MonotonicTime kRepeatDelay = std::chrono::milliseconds(500);
   int announcements_ = 0;
   MonotonicTime next_announcement_{};
   MonotonicTime now_{};

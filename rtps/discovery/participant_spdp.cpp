@@ -6,6 +6,8 @@
 namespace ddssec::rtps {
 namespace {
 
+constexpr MonotonicTime kAnnouncementPeriod = std::chrono::seconds(3);
+
 KeyHash key_of(const Guid& guid) { return guid.octets(); }
 
 }  // namespace
@@ -55,6 +57,13 @@ void Participant::announce(std::span<const Locator> to) {
   const Data data{kSpdpReader, kSpdpWriter, {1}, {}, PayloadKind::data, payload.view()};
   sender_.add({{}, to}, data);
   sender_.flush();
+}
+
+// Several in each lease, so that lost ones do not end it.
+MonotonicTime Participant::announcement_period() const {
+  constexpr int kInALease = 4;
+  const auto share = config_.lease_duration.to_nanoseconds() / kInALease;
+  return std::clamp<MonotonicTime>(share, kFastPeriod, kAnnouncementPeriod);
 }
 
 void Participant::leave() {
@@ -121,6 +130,8 @@ void Participant::add_remote(ParticipantData data, MonotonicTime now) {
   auto& remote =
       remotes_[prefix] = {std::move(data), std::move(metatraffic), std::move(user), end, now};
   announce(remote.metatraffic);
+  // And once more soon: a participant may announce itself before it listens (Fast DDS 2.9).
+  next_announcement_ = std::min(next_announcement_, now + kRepeatDelay);
   if (verdict == Security::Verdict::authenticate)
     security_->discovered(remote.data, remote.metatraffic, now);
   if (verdict == Security::Verdict::admit_unauthenticated) match_builtin(remote);

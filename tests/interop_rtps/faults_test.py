@@ -127,8 +127,7 @@ def cases():
         for pair in PAIRS:
             for secured in (False, True):
                 if not secured or (scenario, pair) in SECURED:
-                    name = f"{scenario.__name__} {pair[0]}>{pair[1]}"
-                    yield name + " secured" * secured, (scenario, pair, secured)
+                    yield scenario, pair, secured
 
 
 def is_chosen(scenario, pair, secured):
@@ -137,43 +136,50 @@ def is_chosen(scenario, pair, secured):
     return scenario is not long_partition and (scenario is keep_all or pair in PAIRS[:2])
 
 
-def attempt(build, pki, seed, case):
-    """Whether it is as it must be, and what to print."""
+def attempt(build, pki, network, case):
+    """Whether it is as it must be, and what to print. `network()` makes the network."""
     scenario, pair, secured = case
     with tempfile.TemporaryDirectory() as folder:
-        world = World(build, folder, Link(build, seed), pki)
+        world = World(build, folder, network(), pki)
         world.starter = pair.index("embedded")
         try:
             good, text = True, scenario(world, pair, secured)
         except Failure as failure:
             good, text = False, str(failure)
         did = world.close()
-        return good, text if good else f"{text}\n  link: {did}\n{world.logs()}"
+        return good, text if good else f"{text}\n  {did}\n{world.logs()}"
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__)
+def name_of(case):
+    scenario, pair, secured = case
+    return f"{scenario.__name__} {'>'.join(pair)}{' secured' if secured else ''}"
+
+
+def run_cases(every, chosen_ones, network, text):
+    """Runs the cases that the command line asks for; the exit status. `network(build, seed)`."""
+    parser = argparse.ArgumentParser(description=text)
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--filter", default="")
     parser.add_argument("--chosen", action="store_true", help="the part that the normal tests run")
     parser.add_argument("--jobs", type=int, default=6)
     options = parser.parse_args()
-    chosen = [(name, case) for name, case in cases()
-              if options.filter in name and (not options.chosen or is_chosen(*case))]
+    chosen = [case for case in every if options.filter in name_of(case)
+              and (not options.chosen or chosen_ones(*case))]
     failed = 0
     with tempfile.TemporaryDirectory() as folder, \
             concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         pki, build = Pki(folder), options.build.resolve()
-        tried = [(name, pool.submit(attempt, build, pki, options.seed + i, case))
-                 for i, (name, case) in enumerate(chosen)]
+        tried = [(name_of(case), pool.submit(attempt, build, pki,
+                                             lambda seed=options.seed + i: network(build, seed), case))
+                 for i, case in enumerate(chosen)]
         for name, future in tried:
-            good, text = future.result()
-            print(f"{'ok' if good else 'FAILED':8}{name}: {text}", flush=True)
+            good, said = future.result()
+            print(f"{'ok' if good else 'FAILED':8}{name}: {said}", flush=True)
             failed += not good
     print(f"{len(chosen)} cases, {failed} failed, seed {options.seed}")
     return 1 if failed or not chosen else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_cases(cases(), is_chosen, Link, __doc__))

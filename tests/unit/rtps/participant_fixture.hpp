@@ -60,19 +60,21 @@ struct Node {
   Participant participant;
   Listener listener;
 
-  static ParticipantConfig config(std::uint8_t n, DomainId domain, std::string tag) {
+  static ParticipantConfig config(std::uint8_t n, DomainId domain, std::string tag,
+                                  std::int32_t lease) {
     const auto at = [](std::uint32_t port) {
       return *Locator::parse("127.0.0.1", static_cast<std::uint16_t>(port));
     };
     return {.prefix = GuidPrefix::from(Bytes(12, n)),
             .domain_id = domain,
             .domain_tag = std::move(tag),
+            .lease_duration = {{lease, 0}},
             .metatraffic_unicast = {at(7000u + n)},
             .default_unicast = {at(7000u + n)},
             .announce_to = {at(7001), at(7002), at(7003)}};
   }
-  explicit Node(std::uint8_t n, DomainId domain = 0, std::string tag = {})
-      : port(7000u + n), participant(config(n, domain, std::move(tag)), post, events) {}
+  explicit Node(std::uint8_t n, DomainId domain = 0, std::string tag = {}, std::int32_t lease = 10)
+      : port(7000u + n), participant(config(n, domain, std::move(tag), lease), post, events) {}
 };
 
 struct World {

@@ -81,6 +81,32 @@ TEST(Participant, ASilentParticipantIsGoneAfterItsLease) {
   EXPECT_EQ(b.participant.remote_participants(), 0u);
 }
 
+TEST(Participant, WhoIsIdleKeepsAShortLeaseThoughAnnouncementsAreLost) {
+  Node a(1, 0, {}, 1), b(2);
+  World world{{&a, &b}};
+  world.run();
+  for (int i = 0; i < 1000; ++i) {
+    if (i % 100 < 60) a.post.sent.clear();  // more than half of each second
+    world.run(1);
+    ASSERT_EQ(b.participant.remote_participants(), 1u) << "after " << i * 10 << " ms";
+  }
+}
+
+// Fast DDS announces itself before it listens: our first answer is lost.
+TEST(Participant, ANewParticipantIsAnsweredASecondTimeSoon) {
+  Node a(1), b(2);
+  World world{{&a}};
+  world.run(200);  // its quick announcements are over
+  world.nodes = {&a, &b};
+  int steps = 0;
+  const auto begin = world.now;
+  for (; b.participant.remote_participants() == 0 && steps < 300; ++steps) {
+    if (world.now < begin + milliseconds(100)) a.post.sent.clear();
+    world.run(1);
+  }
+  EXPECT_LE(steps, 60);
+}
+
 TEST(Participant, OtherDomainsAndTagsAreNotSeen) {
   Node a(1), other_domain(2, 1), other_tag(3, 0, "tag");
   World world{{&a, &other_domain, &other_tag}};
