@@ -6,10 +6,12 @@
 #include <fmt/format.h>
 
 #include "cli/doctor_options.hpp"
+#include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/meeting_report.hpp"
 #include "cli/options.hpp"
 #include "governance/doctor/diagnosis.hpp"
+#include "governance/doctor/lint_checks.hpp"
 #include "governance/doctor/plugin_probe.hpp"
 #include "governance/doctor/ros.hpp"
 #include "governance/model.hpp"
@@ -39,9 +41,12 @@ Result<Vendors> chosen_vendors(const Arguments& arguments) {
   return out;
 }
 
+// What concerns products that have no column (OpenDDS) is told if nobody chose.
 bool concerns(const Finding& finding, const Vendors& vendors) {
-  return finding.vendors.empty() || std::ranges::any_of(vendors, [&](Vendor vendor) {
-           return std::ranges::find(finding.vendors, doctor::id(vendor)) != finding.vendors.end();
+  return finding.vendors.empty() || std::ranges::any_of(finding.vendors, [&](const auto& word) {
+           const auto vendor = doctor::vendor_from(word);
+           return vendor ? std::ranges::find(vendors, *vendor) != vendors.end()
+                         : vendors.size() == doctor::kVendors.size();
          });
 }
 
@@ -82,22 +87,13 @@ std::string table(const doctor::Diagnosis& diagnosis, std::string_view title,
   return out + row("in all", diagnosis.outcomes(), vendors);
 }
 
-// The findings that concern the chosen products; how many of them are more than a warning.
-std::size_t add_findings(Report& report, const doctor::Diagnosis& diagnosis,
-                         const Vendors& vendors) {
-  std::size_t problems = 0;
+// The findings that concern the chosen products.
+std::vector<Finding> findings_for(const Vendors& vendors, const doctor::Diagnosis& diagnosis) {
+  std::vector<Finding> out;
   for (const auto& check : diagnosis.checks())
-    for (const auto& finding : check.findings) {
-      if (!concerns(finding, vendors)) continue;
-      report.findings.push_back(finding);
-      problems += finding.severity >= Severity::error ? 1 : 0;
-    }
-  return problems;
-}
-
-std::string summary(std::size_t problems, std::size_t findings) {
-  return fmt::format("{}, {}\n", counted(problems, "problem"),
-                     counted(findings - problems, "warning"));
+    std::ranges::copy_if(check.findings, std::back_inserter(out),
+                         [&](const Finding& finding) { return concerns(finding, vendors); });
+  return out;
 }
 
 bool is_good(const doctor::Diagnosis& diagnosis, const Vendors& vendors) {
@@ -115,12 +111,13 @@ Json ids(const Vendors& vendors) {
 /// What one folder comes to; findings and text are added to the report.
 Json add_diagnosis(Report& report, const fs::path& folder, const doctor::Diagnosis& diagnosis,
                    const doctor::Settings& settings, const Vendors& vendors) {
-  const auto before = report.findings.size();
-  const auto problems = add_findings(report, diagnosis, vendors);
+  auto findings = findings_for(vendors, diagnosis);
+  const auto count = counted(findings);
+  add_findings(report, std::move(findings), folder);
   if (!is_good(diagnosis, vendors)) report.exit = Exit::no;
   report.text +=
       table(diagnosis, fmt::format("{}, domain {}", folder.string(), settings.domain), vendors) +
-      summary(problems, report.findings.size() - before);
+      count + '\n';
   Json out = {{"vendors", ids(vendors)}, {"checks", Json::array()}};
   for (const auto& check : diagnosis.checks()) out["checks"].push_back(to_json(check, vendors));
   out["verdicts"] = verdicts(diagnosis.outcomes(), vendors);
@@ -160,8 +157,9 @@ Status add_peer(Report& report, const Arguments& arguments, const doctor::Loaded
   DDSSEC_TRY(check_folder(folders[1]));
   const auto peer = load_participant(folders[1], settings.now);
   report.text += '\n';
-  report.result["peer"] =
-      add_diagnosis(report, folders[1], doctor::diagnose(peer, settings), settings, vendors);
+  auto diagnosis = doctor::diagnose(peer, settings);
+  doctor::check_lint(peer, settings, diagnosis);
+  report.result["peer"] = add_diagnosis(report, folders[1], diagnosis, settings, vendors);
   std::string names[2];
   name_parties(folders[0], folders[1], names);
   report.text += '\n';
@@ -194,6 +192,7 @@ Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
   if (arguments.has("--plugins"))
     doctor::check_plugins(
         arguments.text("--plugins") == "system" ? "" : arguments.text("--plugins"), diagnosis);
+  doctor::check_lint(loaded, settings, diagnosis);
   report.result = add_diagnosis(report, folder, diagnosis, settings, vendors);
   if (arguments.has("--peer")) DDSSEC_TRY(add_peer(report, arguments, loaded, settings, vendors));
   return report;

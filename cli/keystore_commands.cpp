@@ -14,6 +14,7 @@
 #include "cli/ros_policy.hpp"
 #include "cli/transaction.hpp"
 #include "governance/doctor/diagnosis.hpp"
+#include "governance/doctor/lint_checks.hpp"
 #include "governance/profile.hpp"
 #include "governance/write.hpp"
 #include "pki/source.hpp"
@@ -233,8 +234,10 @@ Result<Report> keystore_verify(const Arguments& arguments, const Context& contex
   }
   for (const auto& name : enclaves_of(keystore)) {
     const auto folder = pki::participant_folder(keystore / enclave_folder(name));
-    const auto diagnosis =
-        doctor::diagnose(doctor::load_folder(folder, now), {.now = now, .domain = domain});
+    const doctor::Settings settings{.now = now, .domain = domain};
+    const auto loaded = doctor::load_folder(folder, now);
+    auto diagnosis = doctor::diagnose(loaded, settings);
+    doctor::check_lint(loaded, settings, diagnosis);
     Json verdicts = Json::object();
     std::string words;
     for (const auto vendor : doctor::kVendors) {
