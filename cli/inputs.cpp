@@ -144,7 +144,7 @@ Result<bool> is_encrypted(const fs::path& key) {
 }
 
 pki::Validity validity_of(int days, WallTime now) {
-  return {now - std::chrono::hours(1), now + std::chrono::days(days)};
+  return {now - kBackdated, now + std::chrono::days(days)};
 }
 
 Result<pki::Validity> validity(const Arguments& arguments, WallTime now) {

@@ -37,7 +37,11 @@ Result<pki::PrivateKey> read_key(const std::filesystem::path& path,
 /// The longest life of a certificate that can be asked for, in days.
 inline constexpr int kMostDays = 36'500;
 
-/// From one hour ago (clocks differ) for so many days.
+/// Whatever is issued begins so long ago: clocks differ, and Fast DDS reads the dates of a grant as
+/// local time, which is up to 14 hours from UTC.
+inline constexpr std::chrono::hours kBackdated{24};
+
+/// From kBackdated ago for so many days from now.
 pki::Validity validity_of(int days, WallTime now);
 /// The same for `--days`. Error: usage.
 Result<pki::Validity> validity(const Arguments& arguments, WallTime now);

@@ -70,7 +70,7 @@ Status put_enclave(Replacement& out, const fs::path& folder, const Change& chang
 }
 
 pki::Validity life_like(const pki::Certificate& old, WallTime now) {
-  return {now - std::chrono::hours(1), now + (old.not_after() - old.not_before())};
+  return {now - kBackdated, now + (old.not_after() - old.not_before())};
 }
 
 Report report_of(const fs::path& keystore, std::string_view role, const pki::Certificate& ca,
@@ -135,7 +135,7 @@ Result<Report> new_identity_ca(const fs::path& keystore, const Arguments& argume
                                          .found = "one of " + certificate.issuer()});
     if (log.is_revoked(certificate.serial())) continue;  // it was thrown out: it stays out
     const auto again = DDSSEC_TRY(authority.reissue(
-        certificate, {now - std::chrono::hours(1), certificate.not_after()}, context.random));
+        certificate, {now - kBackdated, certificate.not_after()}, context.random));
     DDSSEC_TRY(out.put_public(folder / "cert.pem", again.pem()));
     if (is_plain_file(folder / "identity_ca.cert.pem"))
       DDSSEC_TRY(out.put_public(folder / "identity_ca.cert.pem", authority.certificate().pem()));

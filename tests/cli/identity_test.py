@@ -46,7 +46,7 @@ class Identity(Transcript):
         self.assertEqual((shown["subject"], shown["issuer"], shown["valid_now"]),
                          ("CN=/a/b,O=Example", "CN=ca Identity CA", True))
         self.assertEqual(shown, self.json("identity", "show", "talker/cert.pem", *NOW)["result"])
-        for time, code in (("2026-11-20T00:00:00Z", "certificate_not_yet_valid"),
+        for time, code in (("2026-11-19T23:00:00Z", "certificate_not_yet_valid"),
                            ("2028-01-01T00:00:00Z", "certificate_expired")):
             late = self.json("identity", "show", "talker", "--now", time, exit=1)
             self.assertEqual([d["id"] for d in late["diagnostics"]], [code])

@@ -29,7 +29,7 @@ class Init(Transcript):
         self.assertEqual([p["not_after"] for p in out["result"]["participants"]],
                          ["2027-11-21T00:00:00Z"] * 2)
         for name in ("a", "b"):
-            self.json("doctor", f"demo/{name}", *NOW)
+            self.assertEqual(self.json("doctor", f"demo/{name}", *NOW)["diagnostics"], [])
             self.json("can", f"demo/{name}", "publish", "anything", *NOW)
             self.json("can", f"demo/{name}", "subscribe", "a", "--partition", "p", *NOW)
             self.openssl("verify", "-attime", "1795305600", "-CAfile", "demo/ca/identity/ca.pem",

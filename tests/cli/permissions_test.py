@@ -26,7 +26,7 @@ class NewPermissions(Transcript):
     def test_the_subject_and_the_dates_are_the_certificates(self):
         out = self.new("--publish", "rt/chatter", "--subscribe", "*")
         self.assertEqual(out["result"], {"file": "p.xml", "subject": "CN=talker,O=A & B,C=DE",
-                                         "not_before": "2026-11-20T23:00:00Z",
+                                         "not_before": "2026-11-20T00:00:00Z",
                                          "not_after": "2027-11-21T00:00:00Z"})
         root = self.document()
         self.assertEqual(root.findtext(".//subject_name"), "CN=talker,O=A & B,C=DE")
