@@ -21,9 +21,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Result<Bytes> governance_of(const Arguments& arguments) {
+// Only what the participant will believe is copied: a document that is not signed, or by another
+// CA, would be found out at its first start.
+Result<Bytes> governance_of(const Arguments& arguments, WallTime now) {
   if (!arguments.has("--governance")) return Bytes();
-  return read_file(arguments.text("--governance"), pki::kMostDocumentOctets);
+  const fs::path file = arguments.text("--governance");
+  const auto ca = ca_paths(arguments.text("--ca"), "permissions").certificate;
+  DDSSEC_TRY(verified(file, ca, now));
+  return read_file(file, pki::kMostDocumentOctets);
 }
 
 // What counts for every participant of the command.
@@ -68,7 +73,7 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
   const fs::path target = arguments.text("-o");
   auto specs = DDSSEC_TRY(read_fleet(from, DDSSEC_TRY(common_spec(arguments, now)), now));
   auto folder = DDSSEC_TRY(NewFolder::at(target));
-  const auto governance = DDSSEC_TRY(governance_of(arguments));
+  const auto governance = DDSSEC_TRY(governance_of(arguments, now));
   CaOpener opener(arguments);
   const auto identity = DDSSEC_TRY(opener.open("identity"));
   std::optional<OpenCa> permissions;
@@ -107,7 +112,7 @@ Result<Report> identity_issue(const Arguments& arguments, const Context& context
   auto spec = DDSSEC_TRY(spec_of(arguments, now));
   const fs::path target = arguments.text("-o");
   auto folder = DDSSEC_TRY(NewFolder::at(target));
-  const auto governance = DDSSEC_TRY(governance_of(arguments));
+  const auto governance = DDSSEC_TRY(governance_of(arguments, now));
   CaOpener opener(arguments);
   const auto identity = DDSSEC_TRY(opener.open("identity"));
   std::optional<OpenCa> permissions;

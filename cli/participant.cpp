@@ -52,7 +52,10 @@ Result<std::string> permissions_xml(const ParticipantSpec& spec,
   auto grant = spec.grant ? *spec.grant : grant_from_lists(spec);
   grant.subject_name = certificate.subject();
   grant.validity = {certificate.not_before(), certificate.not_after()};
-  return to_xml(governance::Permissions{.grants = {std::move(grant)}});
+  auto xml = to_xml(governance::Permissions{.grants = {std::move(grant)}});
+  // What was asked for may hold what no document can.
+  DDSSEC_TRY(governance::read_permissions(as_bytes(xml)));
+  return xml;
 }
 
 Result<NewParticipant> make_participant(const ParticipantSpec& spec, const Issuers& issuers,

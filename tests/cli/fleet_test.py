@@ -41,7 +41,7 @@ class Fleet(Transcript):
         return told["message"]
 
     def test_each_participant_gets_what_the_file_says(self):
-        (self.at / "governance.p7s").write_text("signed")
+        self.run_program("governance", "new", "--sign", "--ca", "ca", "-o", "governance.xml", *NOW)
         out = self.json(*self.issue(FLEET), "--governance", "governance.p7s")
         rows = out["result"]["participants"]
         self.assertEqual([(r["name"], r["dir"], r["subject"], r["not_after"]) for r in rows],

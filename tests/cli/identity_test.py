@@ -21,7 +21,8 @@ class Identity(Transcript):
         return function(*words, "--passphrase-env", "SECRET", environment={"SECRET": "x"})
 
     def test_issue_makes_a_complete_folder(self):
-        (self.at / "governance.p7s").write_text("signed")
+        self.run_with_secret(self.run_program, "governance", "new", "--domain", "7", "--sign", "--ca", "ca",
+                             "-o", "governance.xml", *NOW)
         out = self.run_with_secret(self.json, *self.issue(
             "--publish", "rt/chatter", "--publish", "rt/<a>&", "--subscribe", "*",
             "--domain", "7", "--governance", "governance.p7s"))
@@ -39,6 +40,13 @@ class Identity(Transcript):
         for text in ("<subject_name>CN=talker<", "<id>7<", "rt/&lt;a&gt;&amp;",
                      "<not_after>2027-11-21T00:00:00Z<", "<default>DENY<"):
             self.assertIn(text, permissions)
+
+    def test_only_a_governance_document_that_will_be_believed_is_copied(self):
+        self.run_program("init", "other", *NOW)
+        for file, code, exit in (("other/governance.xml", "smime_not_multipart", 3),
+                                 ("other/governance.p7s", "smime_signer_not_permissions_ca", 1)):
+            told = self.refused(code, exit, *self.issue("--governance", file))
+            self.assertEqual(told["file"], file)
 
     def test_show_says_what_the_certificate_says(self):
         self.run_with_secret(self.run_program, *self.issue("--subject", "CN=/a/b,O=Example"))

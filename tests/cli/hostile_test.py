@@ -1,0 +1,158 @@
+#!/usr/bin/env python3
+"""Whatever a file holds: an error with a hint, its exit code, and nothing written."""
+
+import signal
+import subprocess
+
+from transcript import DATA, PROGRAM, Transcript, main
+
+NOW = ("--now", "2026-11-21T00:00:00Z")
+HEAD = b'<?xml version="1.0" encoding="UTF-8"?>\n'
+HUGE = 100 * 1024 * 1024
+POLICY = DATA / "sros2/upstream/policies/talker_listener.policy.xml"
+
+# What no command can read, whatever it expects.
+CONTENTS = {
+    "empty": b"",
+    "nul": b"\0" * 4096,
+    "noise": bytes(range(256)) * 64,
+    "doctype": HEAD + b'<!DOCTYPE dds [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;">]><dds>&b;</dds>',
+    "entity": HEAD + b"<!DOCTYPE x SYSTEM 'file:///etc/passwd'><dds/>",
+    "deep": HEAD + b"<a>" * 100_000,
+    "html": b"<html><body>not found</body></html>",
+    "pem-cut": b"-----BEGIN CERTIFICATE-----\nMIIB",
+    "pem-empty": b"-----BEGIN CERTIFICATE-----\n-----END CERTIFICATE-----\n",
+    "mime-cut": b"MIME-Version: 1.0\r\nContent-Type: multipart/signed; boundary=\"x\"\r\n\r\n--x\r\n",
+    "toml-deep": b"participant = " + b"[" * 100_000,
+    "json": b'{"participant": [{"name": "a"}]}',
+}
+
+
+class Hostile(Transcript):
+    def setUp(self):
+        super().setUp()
+        self.run_program("ca", "create", "ca", "--no-passphrase", *NOW)
+        self.run_program("governance", "new", "-o", "g.xml", "--sign", "--ca", "ca", *NOW)
+        self.run_program("identity", "issue", "a", "--ca", "ca", "-o", "a", "--publish", "x", *NOW)
+        self.run_program("keystore", "create", "ks", "--no-passphrase", *NOW)
+
+    def readers(self, file):
+        """Every way to make the program read a file."""
+        trust = ("--ca", "ca/permissions/ca.pem")
+        for group in ("governance", "permissions"):
+            yield (group, "lint", file)
+            yield (group, "show", file)
+            yield (group, "diff", file, "g.xml")
+            yield (group, "sign", file, "--ca", "ca", "-o", "out")
+            yield (group, "verify", file, *trust)
+            yield (group, "verify", "g.p7s", "--ca", file)
+        yield ("permissions", "lint", "g.xml", "--cert", file)
+        yield ("permissions", "from-ros-policy", file, "-o", "out")
+        yield ("permissions", "new", "--cert", file, "-o", "out")
+        yield ("identity", "issue", "--from", file, "--ca", "ca", "-o", "out")
+        yield ("identity", "issue", "b", "--permissions", file, "--ca", "ca", "-o", "out")
+        yield ("identity", "issue", "b", "--governance", file, "--ca", "ca", "-o", "out")
+        yield ("identity", "sign-csr", file, "--ca", "ca", "--yes", "-o", "out")
+        yield ("identity", "show", file)
+        yield ("identity", "renew", file, "--ca", "ca")
+        yield ("identity", "revoke", file, "--ca", "ca")
+        yield ("ca", "import", "out", "--cert", file)
+        yield ("ca", "import", "out", "--cert", "ca/identity/ca.pem", "--key", file, "--no-passphrase")
+        yield ("crl", "show", file)
+        yield ("crl", "verify", file, "--ca", "ca")
+        yield ("keystore", "enclave", "ks", "/a", "--policy", file)
+        yield ("keystore", "enclave", "ks", "/a", "--permissions", file)
+
+    def refuse(self, words, why):
+        before = self.files()
+        done = subprocess.run([PROGRAM, *words, *NOW], cwd=self.at, text=True, capture_output=True,
+                              timeout=60, check=False, stdin=subprocess.DEVNULL)
+        self.assertEqual(self.files(), before, f"{words} on {why}")
+        self.assertIn(done.returncode, (1, 3), f"{words} on {why}: {done.stderr}")
+        self.assertRegex(done.stderr, r"(?m)^error\[\w+\]: .*\n(  --> .*\n)?  hint: .+$", f"{words} on {why}")
+        if done.returncode == 3 and "verify" not in words:
+            self.assertIn(f"  --> {why}", done.stderr, f"{words} on {why}")
+
+    def test_no_command_takes_them(self):
+        for name, content in CONTENTS.items():
+            (self.at / name).write_bytes(content)
+            for words in self.readers(name):
+                self.refuse(words, name)
+
+    def test_nor_what_is_too_large_no_file_or_not_there(self):
+        with open(self.at / "huge", "wb") as huge:
+            huge.truncate(HUGE)
+        (self.at / "dangling").symlink_to("nowhere")
+        (self.at / "round").symlink_to("round")
+        for name in ("huge", "dangling", "round", "/dev/zero"):
+            for words in self.readers(name):
+                self.refuse(words, name)
+
+    def test_lists_of_topics(self):
+        with open(self.at / "huge", "wb") as huge:
+            huge.truncate(HUGE)
+        (self.at / "empty").write_text("# nothing\n")
+        self.refuse(("governance", "diff", "g.xml", "g.xml", "--topics", "huge"), "huge")
+        self.refused("usage", 2, "governance", "diff", "g.xml", "g.xml", "--topics", "empty")
+        self.refuse(("check", "a", "a", "--topics", "huge"), "huge")
+
+    def test_nul_octets_and_paths_in_names(self):
+        def fleet(line, code, exit=3):
+            (self.at / "fleet.toml").write_text(f'[[participant]]\nname = "b"\n{line}\n')
+            told = self.refused(code, exit, "identity", "issue", "--from", "fleet.toml", "--ca", "ca",
+                                "-o", "out", *NOW)
+            self.assertEqual(told["file"], "fleet.toml")
+        for name in (r"a\u0000b", r"../a", r"a/b", r"/etc/a", r"..", r".", r"a\nb", r"\u202ea"):
+            (self.at / "fleet.toml").write_text(f'[[participant]]\nname = "{name}"\n')
+            self.refused("name_unusable", 2, "identity", "issue", "--from", "fleet.toml", "--ca", "ca",
+                         "-o", "out", *NOW)
+        fleet(r'subject = "CN=a\u0000b"', "subject_name_malformed", 2)
+        fleet(r'publish = ["a\u0000b"]', "xml_control_character")
+        (self.at / "fleet.toml").write_text('[[participant]]\nname = "b"\npermissions = "a\\u0000b"\n')
+        self.refused("file_unreadable", 3, "identity", "issue", "--from", "fleet.toml", "--ca", "ca",
+                     "-o", "out", *NOW)
+        text = POLICY.read_text()
+        (self.at / "policy.xml").write_text(text.replace("chatter", "chat\0ter"))
+        self.refused("xml_control_character", 3, "permissions", "from-ros-policy", "policy.xml", "-o", "out")
+
+    def test_links_at_the_target_are_not_followed(self):
+        (self.at / "mine").write_text("mine")
+        (self.at / "folder").mkdir()
+        for name, to in (("file-link", "mine"), ("folder-link", "folder"), ("dangling", "nowhere")):
+            (self.at / name).symlink_to(to)
+            for words in (("identity", "issue", "b", "--ca", "ca", "-o", name), ("init", name),
+                          ("identity", "csr", "b", "-o", name), ("ca", "create", name, "--no-passphrase"),
+                          ("keystore", "create", name, "--no-passphrase"),
+                          ("governance", "new", "-o", name), ("governance", "sign", "g.xml", "--ca", "ca", "-o", name),
+                          ("permissions", "new", "--cert", "a/cert.pem", "-o", name, "--publish", "x")):
+                self.refused("would_overwrite", 4, *words, *NOW)
+        for file, words in (("a/cert.pem", ("identity", "renew", "a", "--ca", "ca")),
+                            ("ks/public/permissions_ca.cert.pem", ("ca", "renew", "ks", "--role", "permissions"))):
+            elsewhere = self.at / "elsewhere" / file
+            elsewhere.parent.mkdir(parents=True)
+            content = (self.at / file).read_bytes()
+            (self.at / file).rename(elsewhere)
+            (self.at / file).symlink_to(elsewhere)
+            self.refused("would_overwrite", 4, *words, *NOW)
+            self.assertEqual(elsewhere.read_bytes(), content)
+
+    def test_an_interrupted_change_of_many_files_changes_none(self):
+        self.run_program("crl", "new", "--ca", "ca", *NOW)
+        folders = [f"many/{i}" for i in range(2000)]
+        for folder in folders:
+            (self.at / folder).mkdir(parents=True)
+            (self.at / folder / "crl.pem").write_text("old")
+        running = subprocess.Popen([PROGRAM, "crl", "distribute", *folders, "--ca", "ca", *NOW], cwd=self.at,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        draft = self.at / f"many/0/crl.pem.{running.pid}.new"
+        while running.poll() is None and not draft.exists():
+            pass
+        running.send_signal(signal.SIGINT)
+        out, said = running.communicate(timeout=60)
+        self.assertEqual((running.returncode, out), (5, ""))
+        self.assertIn("error[interrupted]", said)
+        self.assertEqual({(self.at / folder / "crl.pem").read_text() for folder in folders}, {"old"})
+
+
+if __name__ == "__main__":
+    main()
