@@ -117,7 +117,7 @@ void AnyDataWriter::after_write(const KeyHash& key, StatusInfo status, SequenceN
     instances_->disposed(key);
   if (status.unregistered) instances_->remove(key);
   if (alive && !qos_.lifespan.is_infinite()) {
-    expiring_.emplace_back(now + qos_.lifespan.to_nanoseconds(), number);
+    expiring_.push_back({now + qos_.lifespan.to_nanoseconds(), number});
     call_at(expiring_.front().first);
   }
   call_at(instances_->next_deadline());

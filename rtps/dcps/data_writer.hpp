@@ -1,8 +1,6 @@
 // DataWriter of DDS 1.4, 2.2.2.4.2.
 #pragma once
 
-#include <deque>
-
 #include "rtps/dcps/endpoint.hpp"
 #include "rtps/dcps/liveliness.hpp"
 #include "rtps/dcps/writer_instances.hpp"
@@ -88,7 +86,7 @@ class AnyDataWriter : public Endpoint {
   Listening<DataWriterListener> listening_;
   std::optional<WriterInstances> instances_;
   WriterLease lease_;
-  std::deque<std::pair<MonotonicTime, SequenceNumber>> expiring_;  ///< LIFESPAN, oldest first
+  Ring<std::pair<MonotonicTime, SequenceNumber>> expiring_;  ///< LIFESPAN, oldest first
   Time last_source_time_{};
   LivelinessLostStatus liveliness_lost_;
 };

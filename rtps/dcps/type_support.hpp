@@ -15,7 +15,8 @@ namespace ddssec::rtps {
 struct TypeSupport {
   std::string name;
   bool with_key = true;
-  /// Which instance a change belongs to; nothing if its payload cannot be read.
+  /// Which instance a change belongs to; nothing if its payload cannot be read. Keeps what it reads
+  /// into: one caller at a time.
   std::function<std::optional<KeyHash>(const Change&)> key_hash = nullptr;
   /// Its serialized key, with an encapsulation.
   std::function<Bytes(const Change&)> serialized_key = nullptr;
@@ -35,11 +36,13 @@ template <DdsType T>
 TypeSupport type_support() {
   TypeSupport support{.name = std::string(TypeTraits<T>::type_name), .with_key = has_key<T>()};
   if (!support.with_key) return support;
-  support.key_hash = [](const Change& change) -> std::optional<KeyHash> {
-    const auto value = detail::deserialize_change<T>(change);
-    if (!value) return std::nullopt;
-    Bytes scratch;
-    return key_hash(*value, scratch);
+  support.key_hash = [value = T{},
+                      scratch = Bytes{}](const Change& change) mutable -> std::optional<KeyHash> {
+    const auto octets = change.payload.view();
+    const auto read =
+        change.key_only ? deserialize_key_into(octets, value) : deserialize_into(octets, value);
+    if (!read) return std::nullopt;
+    return key_hash(value, scratch);
   };
   support.serialized_key = [](const Change& change) {
     Bytes out;

@@ -2,21 +2,13 @@
 
 #include <algorithm>
 
+#include "rtps/wire/entity_ids.hpp"
+
 namespace ddssec::rtps {
 namespace {
 
 constexpr MonotonicTime kFirstQuestion = std::chrono::milliseconds(20);
 constexpr MonotonicTime kLongestQuestion = std::chrono::seconds(5);
-
-Change change_of(const GuidPrefix& from, const Data& data, const std::optional<Time>& time) {
-  return {{from, data.writer},
-          data.sequence_number,
-          data.inline_qos.status,
-          data.inline_qos.key_hash,
-          time,
-          data.kind == PayloadKind::key,
-          Payload::copy_of(data.payload)};
-}
 
 }  // namespace
 
@@ -56,29 +48,57 @@ void StatefulReader::on_data(const GuidPrefix& from, const Data& data,
   accept(*proxy, data.sequence_number, change_of(from, data, time));
 }
 
+// Key tokens come by the volatile secure endpoint.
+Change StatefulReader::change_of(const GuidPrefix& from, const Data& data,
+                                 const std::optional<Time>& time) const {
+  Change out{{from, data.writer},
+             data.sequence_number,
+             data.inline_qos.status,
+             data.inline_qos.key_hash,
+             time,
+             data.kind == PayloadKind::key,
+             Payload::copy_of(data.payload)};
+  if (guid_.entity == kVolatileMessageReader) out.payload.wipe_at_end();
+  return out;
+}
+
+StatefulReader::Partial* StatefulReader::find_partial(WriterProxy& proxy, SequenceNumber number) {
+  const auto at = std::ranges::find(proxy.partial, number, &Partial::number);
+  return at == proxy.partial.end() ? nullptr : &*at;
+}
+
+void StatefulReader::forget_partials(WriterProxy& proxy, SequenceNumber below) {
+  std::erase_if(proxy.partial, [&](const auto& partial) { return partial.number() < below; });
+}
+
+void StatefulReader::keep_early(WriterProxy& proxy, SequenceNumber number,
+                                std::optional<Change> change) {
+  if (!proxy.early.contains(number)) spare_.insert(proxy.early, number) = std::move(change);
+}
+
 void StatefulReader::accept(WriterProxy& proxy, SequenceNumber number,
                             std::optional<Change> change) {
-  proxy.partial.erase(number);
+  std::erase_if(proxy.partial, [&](const auto& partial) { return partial.number() == number; });
   if (!reliable_ || !proxy.writer.reliable) {
     note_lost(proxy, number);
     proxy.next = number.next();  // best effort: what is older now is lost
-    proxy.partial.erase(proxy.partial.begin(), proxy.partial.lower_bound(proxy.next));
+    forget_partials(proxy, proxy.next);
     if (change) deliver_(*change);
     return;
   }
   if (number == proxy.next && proxy.early.empty() && (!change || deliver_(*change))) {
     proxy.next = number.next();
   } else if (number == proxy.next) {
-    proxy.early.try_emplace(number, std::move(change));
+    keep_early(proxy, number, std::move(change));
     advance(proxy);
   } else if (proxy.early.size() < kMostEarlyChanges) {
-    proxy.early.try_emplace(number, std::move(change));
+    keep_early(proxy, number, std::move(change));
   }
 }
 
 void StatefulReader::advance(WriterProxy& proxy) {
   for (auto at = proxy.early.begin(); at != proxy.early.end() && at->first == proxy.next;
-       at = proxy.early.erase(at)) {
+       at = spare_.erase(proxy.early, at)) {
     if (at->second && !deliver_(*at->second)) return;
     proxy.next = proxy.next.next();
   }
@@ -111,21 +131,19 @@ void StatefulReader::offer_again() {
 void StatefulReader::skip_to(WriterProxy& proxy, SequenceNumber number) {
   if (number <= proxy.next) return;
   for (auto at = proxy.early.begin(); at != proxy.early.end() && at->first < number;
-       at = proxy.early.erase(at))
+       at = spare_.erase(proxy.early, at))
     if (at->second && !deliver_(*at->second)) return;
-  proxy.partial.erase(proxy.partial.begin(), proxy.partial.lower_bound(number));
+  forget_partials(proxy, number);
   proxy.next = number;
   advance(proxy);
 }
 
 StatefulReader::Partial* StatefulReader::partial_of(WriterProxy& proxy, const DataFrag& frag,
                                                     const std::optional<Time>& time) {
-  const auto known = proxy.partial.find(frag.sequence_number);
-  if (known != proxy.partial.end()) {
-    const auto& partial = known->second;
-    const bool same = partial.fragment_size == frag.fragment_size &&
-                      partial.change.payload.size() == frag.sample_size;
-    return same ? &known->second : nullptr;
+  if (auto* known = find_partial(proxy, frag.sequence_number)) {
+    const bool same = known->fragment_size == frag.fragment_size &&
+                      known->change.payload.size() == frag.sample_size;
+    return same ? known : nullptr;
   }
   if (frag.sample_size > kLargestSample) {
     accept(proxy, frag.sequence_number, std::nullopt);  // never asked for again
@@ -133,13 +151,12 @@ StatefulReader::Partial* StatefulReader::partial_of(WriterProxy& proxy, const Da
   }
   if (proxy.partial.size() >= kMostPartialSamples) {
     // The lowest number is needed first; a best-effort reader prefers the newest.
-    const auto last = std::prev(proxy.partial.end());
     if (!reliable_)
       proxy.partial.erase(proxy.partial.begin());
-    else if (last->first < frag.sequence_number)
+    else if (proxy.partial.back().number() < frag.sequence_number)
       return nullptr;
     else
-      proxy.partial.erase(last);
+      proxy.partial.pop_back();
   }
   Partial partial;
   partial.change = {proxy.writer.guid,
@@ -150,9 +167,12 @@ StatefulReader::Partial* StatefulReader::partial_of(WriterProxy& proxy, const Da
                     frag.is_key,
                     Payload::uninitialized(frag.sample_size)};
   partial.fragment_size = frag.fragment_size;
-  partial.have.resize(frag.total());
+  partial.have = Payload::uninitialized(frag.total());
+  std::ranges::fill(partial.have.fill(), std::uint8_t{0});
   partial.missing = frag.total();
-  return &proxy.partial.emplace(frag.sequence_number, std::move(partial)).first->second;
+  const auto before =
+      std::ranges::lower_bound(proxy.partial, frag.sequence_number, {}, &Partial::number);
+  return &*proxy.partial.insert(before, std::move(partial));
 }
 
 void StatefulReader::on_data_frag(const GuidPrefix& from, const DataFrag& frag,
@@ -165,11 +185,8 @@ void StatefulReader::on_data_frag(const GuidPrefix& from, const DataFrag& frag,
   if (partial == nullptr) return;
   const auto begin = std::size_t{frag.first.value - 1} * frag.fragment_size;
   std::ranges::copy(frag.payload, partial->change.payload.fill().subspan(begin).begin());
-  for (std::uint32_t i = 0; i < frag.count; ++i) {
-    auto have = partial->have[frag.first.value - 1 + i];
-    partial->missing -= have ? 0 : 1;
-    have = true;
-  }
+  for (auto& have : partial->have.fill().subspan(frag.first.value - 1, frag.count))
+    partial->missing -= std::exchange(have, 1) ^ 1u;
   if (partial->missing > 0) return;
   auto change = std::move(partial->change);
   accept(*proxy, frag.sequence_number, std::move(change));
@@ -192,7 +209,7 @@ void StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heart
 
 bool StatefulReader::misses_any(const WriterProxy& proxy, SequenceNumber last) {
   if (proxy.next > last) return false;
-  if (!proxy.partial.empty() && proxy.partial.begin()->first <= last) return true;
+  if (!proxy.partial.empty() && proxy.partial.front().number() <= last) return true;
   const auto held = std::ranges::distance(proxy.early.begin(), proxy.early.upper_bound(last));
   return held <= last.value - proxy.next.value;
 }
@@ -200,23 +217,23 @@ bool StatefulReader::misses_any(const WriterProxy& proxy, SequenceNumber last) {
 void StatefulReader::acknowledge(WriterProxy& proxy, SequenceNumber last) {
   SequenceNumberSet missing(proxy.next);
   for (auto number = proxy.next; number <= last && missing.reaches(number); number = number.next())
-    if (!proxy.early.contains(number) && !proxy.partial.contains(number)) missing.insert(number);
+    if (!proxy.early.contains(number) && find_partial(proxy, number) == nullptr)
+      missing.insert(number);
   sender_.add(proxy.destination(), AckNack{guid_.entity, proxy.writer.guid.entity, missing,
                                            ++proxy.count, missing.empty()});
-  for (const auto& [number, partial] : proxy.partial)
-    if (number <= last) ask_for_fragments(proxy, number, partial);
+  for (const auto& partial : proxy.partial)
+    if (partial.number() <= last) ask_for_fragments(proxy, partial);
   sender_.flush();
 }
 
-void StatefulReader::ask_for_fragments(WriterProxy& proxy, SequenceNumber number,
-                                       const Partial& partial) {
-  const auto first = std::ranges::find(partial.have, false);
-  const auto index = static_cast<std::uint32_t>(first - partial.have.begin());
+void StatefulReader::ask_for_fragments(WriterProxy& proxy, const Partial& partial) {
+  const auto have = partial.have.view();
+  const auto index = static_cast<std::uint32_t>(std::ranges::find(have, 0) - have.begin());
   FragmentNumberSet missing(FragmentNumber{index + 1});
-  for (auto i = index; i < partial.have.size() && missing.reaches({i + 1}); ++i)
-    if (!partial.have[i]) missing.insert({i + 1});
-  sender_.add(proxy.destination(),
-              NackFrag{guid_.entity, proxy.writer.guid.entity, number, missing, ++proxy.count});
+  for (auto i = index; i < have.size() && missing.reaches({i + 1}); ++i)
+    if (have[i] == 0) missing.insert({i + 1});
+  sender_.add(proxy.destination(), NackFrag{guid_.entity, proxy.writer.guid.entity,
+                                            partial.number(), missing, ++proxy.count});
 }
 
 // A range is skipped as a whole where we stand before it; ahead of us only the 256 numbers of the

@@ -85,14 +85,16 @@ class StatefulReader final : private Timed {
   struct Partial {
     Change change;
     std::uint16_t fragment_size = 0;
-    std::vector<bool> have;
+    Payload have;  ///< an octet a fragment: 0 or 1
     std::uint32_t missing = 0;
+    SequenceNumber number() const { return change.sequence_number; }
   };
+  using Early = std::map<SequenceNumber, std::optional<Change>>;  ///< nothing: irrelevant
   struct WriterProxy {
     MatchedWriter writer;
     SequenceNumber next{1};  ///< everything below was delivered or given up
-    std::map<SequenceNumber, std::optional<Change>> early;  ///< nothing: irrelevant
-    std::map<SequenceNumber, Partial> partial;
+    Early early;
+    std::vector<Partial> partial;  ///< by their numbers
     std::int32_t count = 0;
     std::int32_t last_heartbeat = 0;
     SequenceNumber announced;    ///< the last that a heartbeat spoke of
@@ -113,11 +115,15 @@ class StatefulReader final : private Timed {
   void advance(WriterProxy& proxy);
   void skip_to(WriterProxy& proxy, SequenceNumber number);
   void note_lost(WriterProxy& proxy, SequenceNumber until);
+  static Partial* find_partial(WriterProxy& proxy, SequenceNumber number);
+  static void forget_partials(WriterProxy& proxy, SequenceNumber below);
+  void keep_early(WriterProxy& proxy, SequenceNumber number, std::optional<Change> change);
+  Change change_of(const GuidPrefix& from, const Data& data, const std::optional<Time>& time) const;
   Partial* partial_of(WriterProxy& proxy, const DataFrag& frag, const std::optional<Time>& time);
   /// Samples or parts of them, up to `last`.
   static bool misses_any(const WriterProxy& proxy, SequenceNumber last);
   void acknowledge(WriterProxy& proxy, SequenceNumber last);
-  void ask_for_fragments(WriterProxy& proxy, SequenceNumber number, const Partial& partial);
+  void ask_for_fragments(WriterProxy& proxy, const Partial& partial);
 
   const Guid guid_;
   const bool reliable_;
@@ -125,6 +131,7 @@ class StatefulReader final : private Timed {
   Deliver deliver_;
   Lost lost_;
   Alive alive_;
+  SpareNodes<Early> spare_;
   std::vector<WriterProxy> writers_;
 };
 

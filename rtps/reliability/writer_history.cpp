@@ -19,7 +19,7 @@ bool WriterHistory::has_room(std::size_t payload_size, const KeyHash& instance) 
   if (history_.kind == HistoryKind::keep_last) return true;
   if (by_instance_) {
     const auto held = instances_.find(instance);
-    if (held != instances_.end() && held->second.size() >= most_per_instance_) return false;
+    if (held != instances_.end() && held->second.count >= most_per_instance_) return false;
   }
   return count_ < most_changes_ && (count_ == 0 || octets_ + payload_size <= kMostOctets);
 }
@@ -29,33 +29,53 @@ SequenceNumber WriterHistory::add(Change change) {
   next_ = next_.next();
   octets_ += change.payload.size();
   ++count_;
-  if (by_instance_) {
-    auto& numbers = instances_[change.key_hash.value_or(KeyHash{})];
-    numbers.push_back(change.sequence_number);
-    if (history_.kind == HistoryKind::keep_last &&
-        numbers.size() > static_cast<std::size_t>(history_.depth)) {
-      drop(numbers.front());
-      numbers.pop_front();
-    }
-  }
-  changes_.push_back(std::move(change));
+  auto& added = changes_.push_back({std::move(change), {0}, {0}});
+  if (by_instance_) join_instance(added);
   trim_front();
   while (count_ > most_changes_) remove_through(first());
   return last();
 }
 
-void WriterHistory::drop(SequenceNumber number) {
-  if (number < base_ || number.value - base_.value >= static_cast<std::int64_t>(changes_.size()))
+// With KEEP_LAST the oldest of the instance goes.
+void WriterHistory::join_instance(Slot& added) {
+  const auto key = added.change->key_hash.value_or(KeyHash{});
+  const auto number = added.change->sequence_number;
+  const auto known = instances_.find(key);
+  auto& instance = known == instances_.end() ? spare_.insert(instances_, key) : known->second;
+  added.previous = instance.last;
+  if (instance.count++ == 0)
+    instance.first = number;
+  else
+    slot(instance.last).next = number;
+  instance.last = number;
+  if (history_.kind == HistoryKind::keep_last &&
+      instance.count > static_cast<std::size_t>(history_.depth))
+    drop(instance.first);
+}
+
+void WriterHistory::leave_instance(const Slot& leaving) {
+  const auto at = instances_.find(leaving.change->key_hash.value_or(KeyHash{}));
+  auto& instance = at->second;
+  if (--instance.count == 0) {
+    spare_.erase(instances_, at);
     return;
-  auto& slot = changes_[static_cast<std::size_t>(number.value - base_.value)];
-  if (!slot) return;
-  octets_ -= slot->payload.size();
+  }
+  (leaving.previous.value > 0 ? slot(leaving.previous).next : instance.first) = leaving.next;
+  (leaving.next.value > 0 ? slot(leaving.next).previous : instance.last) = leaving.previous;
+}
+
+void WriterHistory::drop(SequenceNumber number) {
+  if (number < base_ || number >= next_) return;
+  auto& dropped = slot(number);
+  if (!dropped.change) return;
+  octets_ -= dropped.change->payload.size();
   --count_;
-  slot.reset();
+  if (by_instance_) leave_instance(dropped);
+  dropped = {};
 }
 
 void WriterHistory::trim_front() {
-  while (!changes_.empty() && !changes_.front()) {
+  while (!changes_.empty() && !changes_.front().change) {
     changes_.pop_front();
     base_ = base_.next();
   }
@@ -63,7 +83,6 @@ void WriterHistory::trim_front() {
 
 void WriterHistory::remove_through(SequenceNumber number) {
   while (!changes_.empty() && base_ <= number) {
-    forget_in_instance(base_);
     drop(base_);
     changes_.pop_front();
     base_ = base_.next();
@@ -71,25 +90,15 @@ void WriterHistory::remove_through(SequenceNumber number) {
   trim_front();
 }
 
-void WriterHistory::forget_in_instance(SequenceNumber number) {
-  const auto* change = by_instance_ ? find(number) : nullptr;
-  if (change == nullptr) return;
-  const auto instance = instances_.find(change->key_hash.value_or(KeyHash{}));
-  if (instance == instances_.end()) return;
-  std::erase(instance->second, number);
-  if (instance->second.empty()) instances_.erase(instance);
-}
-
 void WriterHistory::discard(SequenceNumber number) {
-  forget_in_instance(number);
   drop(number);
   trim_front();
 }
 
 const Change* WriterHistory::find(SequenceNumber number) const {
   if (number < base_ || number >= next_) return nullptr;
-  const auto& slot = changes_[static_cast<std::size_t>(number.value - base_.value)];
-  return slot ? &*slot : nullptr;
+  const auto& change = changes_[static_cast<std::size_t>(number.value - base_.value)].change;
+  return change ? &*change : nullptr;
 }
 
 SequenceNumber WriterHistory::first() const { return changes_.empty() ? next_ : base_; }

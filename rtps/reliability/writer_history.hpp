@@ -1,11 +1,13 @@
 // What a writer still holds: bounded, in the order of sequence numbers.
 #pragma once
 
-#include <deque>
 #include <map>
+#include <optional>
 
 #include "rtps/qos/qos.hpp"
 #include "rtps/reliability/change.hpp"
+#include "rtps/reliability/ring.hpp"
+#include "rtps/reliability/spare_nodes.hpp"
 
 namespace ddssec::rtps {
 
@@ -36,20 +38,36 @@ class WriterHistory {
   std::size_t octets() const { return octets_; }
 
  private:
+  /// A change, and its neighbours of the same instance if instances are counted; 0: none.
+  struct Slot {
+    std::optional<Change> change;
+    SequenceNumber previous, next;
+  };
+  struct Instance {
+    SequenceNumber first, last;
+    std::size_t count = 0;
+  };
+  using Instances = std::map<KeyHash, Instance>;
+
+  Slot& slot(SequenceNumber number) {
+    return changes_[static_cast<std::size_t>(number.value - base_.value)];
+  }
+  void join_instance(Slot& added);
+  void leave_instance(const Slot& slot);
   void drop(SequenceNumber number);
   void trim_front();
-  void forget_in_instance(SequenceNumber number);
 
   const History history_;
   const std::size_t most_changes_;
   const std::size_t most_per_instance_;
-  const bool by_instance_;                     ///< instances are counted
-  std::deque<std::optional<Change>> changes_;  ///< base_ onwards, with holes
+  const bool by_instance_;  ///< instances are counted
+  Ring<Slot> changes_;      ///< base_ onwards, with holes
   SequenceNumber base_{1};
   SequenceNumber next_{1};
   std::size_t count_ = 0;
   std::size_t octets_ = 0;
-  std::map<KeyHash, std::deque<SequenceNumber>> instances_;  ///< if by_instance_
+  Instances instances_;  ///< if by_instance_
+  SpareNodes<Instances> spare_;
 };
 
 }  // namespace ddssec::rtps

@@ -268,6 +268,7 @@ void Security::send_tokens(Peer& peer, std::string_view message_class, const Gui
   message.data = std::move(tokens);
   Change change;
   change.payload = Payload::copy_of(write_generic_message(message));
+  change.payload.wipe_at_end();
   peer.volatile_writer->write(std::move(change), now_);
 }
 
@@ -428,14 +429,15 @@ Result<Security::Admission> Security::check_permissions(const EntityId& local, c
 
 void Security::tick(MonotonicTime now) {
   now_ = now;
-  std::vector<GuidPrefix> prefixes;
-  for (const auto& [prefix, peer] : peers_) prefixes.push_back(prefix);
-  for (const auto& prefix : prefixes) {
-    auto* peer = find(prefix);
-    if (peer == nullptr) continue;
-    if (!peer->refused) tick_handshake(*peer, now);
-    if (peer->volatile_writer) peer->volatile_writer->tick(now);
-    if (peer->volatile_reader) peer->volatile_reader->tick(now);
+  // A peer may go meanwhile.
+  for (auto at = peers_.begin(); at != peers_.end();) {
+    const auto prefix = at->first;
+    if (!at->second.refused) tick_handshake(at->second, now);
+    if (auto* peer = find(prefix); peer != nullptr && peer->volatile_writer) {
+      peer->volatile_writer->tick(now);
+      peer->volatile_reader->tick(now);
+    }
+    at = peers_.upper_bound(prefix);
   }
   if (now >= next_expiry_) expire();
 }

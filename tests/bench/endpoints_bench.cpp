@@ -48,7 +48,7 @@ struct World {
 
   std::unique_ptr<rtps::DomainParticipant> participant() {
     auto made = rtps::DomainParticipant::create(
-        {.domain_id = kDomain, .domain_tag = std::to_string(getpid())},
+        {.domain_id = kDomain, .domain_tag = std::to_string(getpid()), .in_process = false},
         Environment{clock, random, events});
     if (!made) std::fprintf(stderr, "%s\n", made.error().to_sentence().c_str()), std::exit(1);
     return std::move(*made);

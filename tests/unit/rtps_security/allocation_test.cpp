@@ -1,43 +1,47 @@
-// Protection allocates nothing for each message: a secured sample costs what a plain one costs.
-#include "tests/support/counted_memory.hpp"
+// Protection allocates nothing for a sample: not to write it, not on the wire, not to take it.
+#include "tests/unit/rtps/sample_flow.hpp"
 #include "tests/unit/rtps_security/fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {
 
 using namespace testing;
-using counted_memory::allocations;
 
-/// Allocations of one sample, sent and received, averaged over many.
-std::int64_t allocations_per_sample(const Rules& rules) {
-  Pair pair(rules);
-  EXPECT_TRUE(pair.match());
-  pair.world.run(100);
-  pair.b.listener.changes.reserve(4096);
-  std::int64_t counted = 0;
-  constexpr std::int64_t kSamples = 64;
-  for (std::int64_t i = 0; i < kSamples + 8; ++i) {
-    const auto before = allocations();
-    pair.write(64);
-    auto sent = allocations() - before;
-    // What the test's own network allocates to keep datagrams is not counted.
-    sent -= std::min<std::int64_t>(sent, 2 * std::ssize(pair.a.post.sent));
-    auto messages = std::exchange(pair.a.post.sent, {});
-    const auto at = allocations();
-    for (const auto& [port, octets] : messages) pair.b->receive(octets, pair.world.now);
-    if (i >= 8) counted += sent + (allocations() - at);
-    pair.b.post.sent.clear();
+/// A secured DomainParticipant with engines of its own.
+struct Secured {
+  Secured(ManualClock& clock, std::uint8_t seed, const std::string& subject, const Rules& rules)
+      : random(seed),
+        environment{clock, random, events},
+        authentication(authentication::make_authentication(environment)),
+        access_control(access_control::make_access_control(environment)),
+        cryptography(cryptography::make_cryptography(environment)) {
+    const SecurityPlugins plugins{*authentication, *access_control, *cryptography};
+    auto options = undisturbed();
+    options.security.emplace(plugins, properties_of(subject, rules));
+    participant = *DomainParticipant::create(std::move(options), environment);
   }
-  EXPECT_EQ(std::ssize(pair.b.listener.changes), kSamples + 8);
-  return counted / kSamples;
+  Events events;
+  SeededRandom random;
+  Environment environment;
+  std::unique_ptr<spi::Authentication> authentication;
+  std::unique_ptr<spi::AccessControl> access_control;
+  std::unique_ptr<spi::Cryptography> cryptography;
+  std::unique_ptr<DomainParticipant> participant;
+};
+
+std::int64_t allocations(ProtectionKind kind, const Flow& flow) {
+  ManualClock clock{pki::kNow};
+  const auto rules = everything(kind);
+  Secured a(clock, 1, "CN=alice,O=Example", rules), b(clock, 2, "CN=bob,O=Example", rules);
+  return SampleFlow<Keyed>(clock, *a.participant, *b.participant, flow).allocations();
 }
 
 TEST(Allocation, ProtectionAddsNone) {
-  const auto plain = allocations_per_sample({});
-  EXPECT_LE(plain, 8);
   for (auto kind : {ProtectionKind::sign, ProtectionKind::encrypt,
-                    ProtectionKind::encrypt_with_origin_authentication})
-    EXPECT_LE(allocations_per_sample(everything(kind)), plain) << to_string(kind);
+                    ProtectionKind::encrypt_with_origin_authentication}) {
+    EXPECT_EQ(allocations(kind, {HistoryKind::keep_all, 64, 10'000}), 0) << to_string(kind);
+    EXPECT_EQ(allocations(kind, {HistoryKind::keep_last, 40'000, 2'000}), 0) << to_string(kind);
+  }
 }
 
 }  // namespace

@@ -1,0 +1,37 @@
+// The nodes of a map that were erased, for those that are inserted next.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+namespace ddssec::rtps {
+
+template <class Map>
+class SpareNodes {
+ public:
+  static constexpr std::size_t kMost = 256;
+
+  /// The value of a key that is not in the map yet.
+  typename Map::mapped_type& insert(Map& map, const typename Map::key_type& key) {
+    if (spare_.empty()) return map[key];
+    auto node = std::move(spare_.back());
+    spare_.pop_back();
+    node.key() = key;
+    return map.insert(std::move(node)).position->second;
+  }
+  /// What follows `at`.
+  typename Map::iterator erase(Map& map, typename Map::iterator at) {
+    const auto next = std::next(at);
+    auto node = map.extract(at);
+    if (spare_.size() < kMost) {
+      node.mapped() = {};
+      spare_.push_back(std::move(node));
+    }
+    return next;
+  }
+
+ private:
+  std::vector<typename Map::node_type> spare_;
+};
+
+}  // namespace ddssec::rtps
