@@ -182,7 +182,8 @@ Result<ChainValid> ChainVerifier::Impl::judge_path(const Certificate& certificat
   if (check_crls)
     flags |= X509_V_FLAG_CRL_CHECK | X509_V_FLAG_CRL_CHECK_ALL | X509_V_FLAG_USE_DELTAS;
   X509_VERIFY_PARAM_set_flags(parameters, flags);
-  X509_VERIFY_PARAM_set_time(parameters, std::chrono::system_clock::to_time_t(now));
+  // Not by system_clock, whose nanoseconds end in 2262.
+  X509_VERIFY_PARAM_set_time(parameters, now.time_since_epoch().count());
   // Level 2 is 112 bits: it refuses SHA-1 everywhere but in an anchor's signature on itself.
   X509_VERIFY_PARAM_set_auth_level(parameters, 2);
   if (X509_verify_cert(context.get()) != 1) {

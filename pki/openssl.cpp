@@ -44,7 +44,8 @@ Result<WallTime> to_wall_time(const ASN1_TIME* time) {
 }
 
 Result<Asn1TimePtr> to_asn1_time(WallTime time) {
-  Asn1TimePtr out(ASN1_TIME_set(nullptr, std::chrono::system_clock::to_time_t(time)));
+  // Not by system_clock, whose nanoseconds end in 2262.
+  Asn1TimePtr out(ASN1_TIME_set(nullptr, time.time_since_epoch().count()));
   if (!out) return openssl_failure(Code::internal);
   return out;
 }

@@ -70,6 +70,19 @@ TEST_P(AuthorityOfKind, SignsRequests) {
   EXPECT_TRUE(key->matches(*certificate));
 }
 
+TEST(AuthorityDates, ReachTheLastYearThatACertificateCanName) {
+  using namespace std::chrono;
+  const WallTime end = sys_days(year(9999) / December / 30) + hours(23);
+  const auto ca = Authority::create_root("CN=Long", {}, {kNow, end}, test_random());
+  ASSERT_TRUE(ca) << ca.error().to_sentence();
+  EXPECT_EQ(ca->certificate().not_after(), end);
+  const auto leaf = ca->issue("CN=talker", {}, {kNow, end}, test_random());
+  ASSERT_TRUE(leaf) << leaf.error().to_sentence();
+  const auto verifier = make_verifier({ca->certificate()});
+  EXPECT_TRUE(verifier.verify(leaf->certificate, end - hours(1)));
+  EXPECT_CODE(verifier.verify(leaf->certificate, end + hours(1)), certificate_expired);
+}
+
 class Agreement : public testing::TestWithParam<KeyAgreementKind> {};
 INSTANTIATE_TEST_SUITE_P(Kinds, Agreement,
                          testing::Values(KeyAgreementKind::ecdh_p256, KeyAgreementKind::ecdh_p384,
