@@ -1,7 +1,9 @@
 #include "pki/key_agreement.hpp"
 
 #include <array>
+#include <mutex>
 #include <string_view>
+#include <utility>
 
 #include <openssl/core_names.h>
 #include <openssl/ec.h>
@@ -29,24 +31,32 @@ std::size_t point_octets(KeyAgreementKind kind) {
   return kind == KeyAgreementKind::ecdh_p384 ? 97 : 65;
 }
 
-// RFC 5114 2.3 for MODP. Parameters are made once; keys copy them.
+// RFC 5114 2.3 for MODP. Null if there is no memory.
+PkeyPtr make_parameters(KeyAgreementKind kind) {
+  constexpr std::array<std::pair<const char*, const char*>, 3> kGroups{
+      {{"EC", "P-256"}, {"EC", "P-384"}, {"DHX", "dh_2048_256"}}};
+  const auto& [type, group] = kGroups.at(static_cast<std::size_t>(kind));
+  const PkeyContextPtr context(EVP_PKEY_CTX_new_from_name(nullptr, type, nullptr));
+  std::string name(group);
+  const OSSL_PARAM list[] = {
+      OSSL_PARAM_construct_utf8_string(OSSL_PKEY_PARAM_GROUP_NAME, name.data(), 0),
+      OSSL_PARAM_construct_end()};
+  EVP_PKEY* out = nullptr;
+  if (!context || EVP_PKEY_fromdata_init(context.get()) != 1 ||
+      EVP_PKEY_fromdata(context.get(), &out, EVP_PKEY_KEY_PARAMETERS,
+                        const_cast<OSSL_PARAM*>(list)) != 1)
+    take_openssl_reason();
+  return PkeyPtr(out);
+}
+
+// Parameters are made once; keys copy them. What could not be made is tried again at the next call.
 EVP_PKEY* parameters_for(KeyAgreementKind kind) {
-  const auto make = [](const char* type, const char* group) {
-    const PkeyContextPtr context(EVP_PKEY_CTX_new_from_name(nullptr, type, nullptr));
-    std::string name(group);
-    const OSSL_PARAM list[] = {
-        OSSL_PARAM_construct_utf8_string(OSSL_PKEY_PARAM_GROUP_NAME, name.data(), 0),
-        OSSL_PARAM_construct_end()};
-    EVP_PKEY* out = nullptr;
-    if (!context || EVP_PKEY_fromdata_init(context.get()) != 1 ||
-        EVP_PKEY_fromdata(context.get(), &out, EVP_PKEY_KEY_PARAMETERS,
-                          const_cast<OSSL_PARAM*>(list)) != 1)
-      take_openssl_reason();
-    return PkeyPtr(out);
-  };
-  static const std::array<PkeyPtr, 3> all = {make("EC", "P-256"), make("EC", "P-384"),
-                                             make("DHX", "dh_2048_256")};
-  return all[static_cast<std::size_t>(kind)].get();
+  static std::mutex mutex;
+  static std::array<PkeyPtr, 3> made;
+  const std::lock_guard lock(mutex);
+  auto& parameters = made.at(static_cast<std::size_t>(kind));
+  if (!parameters) parameters = make_parameters(kind);
+  return parameters.get();
 }
 
 Error not_in_group(const char* note) {
