@@ -18,10 +18,12 @@ endforeach()
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/ddssec)
 install(EXPORT ddssecTargets NAMESPACE ddssec:: DESTINATION ${package_dir})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/ddssecConfig.cmake.in
-  ${CMAKE_BINARY_DIR}/ddssecConfig.cmake INSTALL_DESTINATION ${package_dir})
+  ${CMAKE_BINARY_DIR}/ddssecConfig.cmake INSTALL_DESTINATION ${package_dir}
+  PATH_VARS CMAKE_INSTALL_LIBDIR)
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/ddssecConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/ddssecConfig.cmake ${CMAKE_BINARY_DIR}/ddssecConfigVersion.cmake
+              ${CMAKE_CURRENT_LIST_DIR}/ddssecIdl.cmake
         DESTINATION ${package_dir})
 
 # The static libraries by their file names: -l would find the plugins for Cyclone DDS, which have the

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "programs/peer/options.hpp"
-#include "programs/peer/types.hpp"
+#include <peer_types.hpp>
 #include "rtps/dcps/domain_participant.hpp"
 #include "secured/engines.hpp"
 

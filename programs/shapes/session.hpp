@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "programs/shapes/options.hpp"
-#include "programs/shapes/shape.hpp"
+#include "programs/shapes/types.hpp"
 #include "rtps/dcps/domain_participant.hpp"
 
 namespace ddssec::shapes {

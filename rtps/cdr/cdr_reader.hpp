@@ -16,6 +16,8 @@ template <class T>
 std::size_t least_size() {
   if constexpr (Primitive<T>) {
     return sizeof(T);
+  } else if constexpr (std::is_enum_v<T>) {
+    return sizeof(typename EnumOnWire<T>::type);
   } else if constexpr (Array<T>) {
     return std::tuple_size_v<T> * least_size<typename T::value_type>();
   } else if constexpr (DdsType<T>) {
@@ -29,7 +31,7 @@ std::size_t least_size() {
     }();
     return std::max<std::size_t>(1, size);
   } else {
-    return 4;  // enumerations, and the lengths of strings and sequences
+    return 4;  // the lengths of strings and sequences
   }
 }
 
@@ -50,20 +52,21 @@ class CdrReader {
   bool ended_early() const { return ended_early_; }
 
   template <class T>
-  void take(T& value, std::size_t bound = kUnbounded) {
+  void take(T& value, std::size_t bound = kUnbounded, std::size_t element_bound = kUnbounded) {
     if (!status_) return;
     if constexpr (detail::Primitive<T>) {
       take_number(value);
     } else if constexpr (std::is_enum_v<T>) {
-      std::int32_t number = 0;
+      typename detail::EnumOnWire<T>::type number = 0;
       take_number(number);
       value = static_cast<T>(number);
     } else if constexpr (std::is_same_v<T, std::string>) {
       take_text(value, bound);
     } else if constexpr (detail::Sequence<T>) {
-      take_sequence(value, bound);
+      take_sequence(value, bound, element_bound);
     } else if constexpr (detail::Array<T>) {
-      take_array(value);
+      const Delimited delimited(*this, !detail::kArrayNeedsNoHeader<typename T::value_type>);
+      take_array(value, bound, element_bound);
     } else {
       take_struct(value);
     }
@@ -79,7 +82,7 @@ class CdrReader {
       if constexpr (DdsType<M>) {
         take_key(member.value);
       } else {
-        take(member.value, member.bound);
+        take(member.value, member.bound, member.element_bound);
       }
     });
   }
@@ -129,8 +132,7 @@ class CdrReader {
   }
 
   template <class E>
-  void take_sequence(std::vector<E>& value, std::size_t bound) {
-    static_assert(!std::is_enum_v<E>, "collections of enumerations are not supported");
+  void take_sequence(std::vector<E>& value, std::size_t bound, std::size_t element_bound) {
     const Delimited delimited(*this, !detail::kNeedsNoHeader<E>);
     const auto count = take_count(detail::least_size<E>(), bound);
     if (!status_) return;
@@ -141,17 +143,20 @@ class CdrReader {
       value.clear();
       for (std::uint32_t i = 0; i < count && status_; ++i) {
         E element{};
-        take(element);
+        take(element, element_bound);
         if (status_) value.push_back(std::move(element));
       }
     }
   }
 
+  // The bounds are those of its elements.
   template <class E, std::size_t N>
-  void take_array(std::array<E, N>& value) {
-    static_assert(!std::is_enum_v<E>, "collections of enumerations are not supported");
-    const Delimited delimited(*this, !detail::kNeedsNoHeader<E>);
-    for (auto& element : value) take(element);
+  void take_array(std::array<E, N>& value, std::size_t bound, std::size_t element_bound) {
+    for (auto& element : value)
+      if constexpr (detail::Array<E>)
+        take_array(element, bound, element_bound);
+      else
+        take(element, bound, element_bound);
   }
 
   template <DdsType T>
@@ -165,7 +170,7 @@ class CdrReader {
       if (appendable && remaining() == 0)
         ended_early_ = true;
       else
-        take(member.value, member.bound);
+        take(member.value, member.bound, member.element_bound);
     });
     --depth_;
   }

@@ -21,13 +21,13 @@ class CdrWriter {
     if constexpr (detail::Primitive<T>) {
       put_number(value);
     } else if constexpr (std::is_enum_v<T>) {
-      put_number(static_cast<std::int32_t>(value));
+      put_number(static_cast<typename detail::EnumOnWire<T>::type>(value));
     } else if constexpr (std::is_same_v<T, std::string>) {
       put_text(value);
     } else if constexpr (detail::Sequence<T>) {
-      put_elements(value, true);
+      put_sequence(value);
     } else if constexpr (detail::Array<T>) {
-      put_elements(value, false);
+      put_array(value);
     } else {
       put_struct(value);
     }
@@ -92,18 +92,31 @@ class CdrWriter {
     out_.push_back(0);
   }
 
-  template <class C>
-  void put_elements(const C& elements, bool with_count) {
-    using E = typename C::value_type;
-    static_assert(!std::is_enum_v<E>, "collections of enumerations are not supported");
+  template <class E>
+  void put_sequence(const std::vector<E>& elements) {
     const auto header = begin_delimited(!detail::kNeedsNoHeader<E>);
-    if (with_count) put_bits(static_cast<std::uint32_t>(elements.size()));
+    put_bits(static_cast<std::uint32_t>(elements.size()));
+    put_elements(elements);
+    end_delimited(header);
+  }
+
+  template <class E, std::size_t N>
+  void put_array(const std::array<E, N>& elements) {
+    const auto header = begin_delimited(!detail::kArrayNeedsNoHeader<E>);
+    put_elements(elements);
+    end_delimited(header);
+  }
+
+  template <class C>
+  void put_elements(const C& elements) {
+    using E = typename C::value_type;
     if constexpr (std::is_same_v<E, std::uint8_t>) {
       out_.insert(out_.end(), elements.begin(), elements.end());
+    } else if constexpr (detail::Array<C> && detail::Array<E>) {
+      for (const auto& inner : elements) put_elements(inner);
     } else {
       for (const auto& element : elements) put<E>(element);
     }
-    end_delimited(header);
   }
 
   template <DdsType T>

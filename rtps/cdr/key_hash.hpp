@@ -9,19 +9,22 @@ namespace ddssec::rtps {
 
 namespace detail {
 
-/// Octets that the key of T can take at most in XCDR1 from `offset` on, or kUnbounded.
-template <class T>
+/// Octets that the key of T can take at most from `offset` on, or kUnbounded.
+template <class T, XcdrVersion version>
 std::size_t most_key_size(std::size_t offset, std::size_t bound, bool keys_only) {
-  const auto aligned = [](std::size_t at, std::size_t to) { return (at + to - 1) & ~(to - 1); };
+  const auto aligned = [](std::size_t at, std::size_t size) {
+    const auto to = std::min<std::size_t>(size, version == XcdrVersion::xcdr1 ? 8 : 4);
+    return (at + to - 1) & ~(to - 1);
+  };
   if constexpr (Primitive<T>) {
     return aligned(offset, sizeof(T)) + sizeof(T);
   } else if constexpr (std::is_enum_v<T>) {
-    return aligned(offset, 4) + 4;
+    return most_key_size<typename EnumOnWire<T>::type, version>(offset, bound, keys_only);
   } else if constexpr (std::is_same_v<T, std::string>) {
     return bound == kUnbounded ? kUnbounded : aligned(offset, 4) + 4 + bound + 1;
   } else if constexpr (Array<T>) {
     for (std::size_t i = 0; i < std::tuple_size_v<T> && offset != kUnbounded; ++i)
-      offset = most_key_size<typename T::value_type>(offset, kUnbounded, false);
+      offset = most_key_size<typename T::value_type, version>(offset, bound, keys_only);
     return offset;
   } else if constexpr (DdsType<T>) {
     T value{};
@@ -29,7 +32,7 @@ std::size_t most_key_size(std::size_t offset, std::size_t bound, bool keys_only)
     for_each_member(value, [&](const auto& member) {
       using M = std::remove_cvref_t<decltype(member.value)>;
       if (offset != kUnbounded && (member.is_key || all))
-        offset = most_key_size<M>(offset, member.bound, keys_only);
+        offset = most_key_size<M, version>(offset, member.bound, keys_only);
     });
     return offset;
   } else {
@@ -42,13 +45,17 @@ KeyHash key_hash_of(BytesView big_endian_key, bool always_md5);
 }  // namespace detail
 
 /// The key hash of `value`'s instance. `scratch` keeps its capacity. `always_md5`: for topics whose
-/// key is protected (DDS-Security 7.4.4).
+/// key is protected (DDS-Security 7.4.4). `version`: that of the samples, as peers do it; it makes
+/// a difference where 8 octets follow 4.
 template <DdsType T>
-KeyHash key_hash(const T& value, Bytes& scratch, bool always_md5 = false) {
-  static const bool fits = detail::most_key_size<T>(0, kUnbounded, true) <= 16;
+KeyHash key_hash(const T& value, Bytes& scratch, bool always_md5 = false,
+                 XcdrVersion version = XcdrVersion::xcdr1) {
+  static const bool fits1 = detail::most_key_size<T, XcdrVersion::xcdr1>(0, kUnbounded, true) <= 16;
+  static const bool fits2 = detail::most_key_size<T, XcdrVersion::xcdr2>(0, kUnbounded, true) <= 16;
   scratch.clear();
-  CdrWriter(scratch, XcdrVersion::xcdr1, Endian::big).put_key(value);
-  return detail::key_hash_of(scratch, always_md5 || !fits);
+  CdrWriter(scratch, version, Endian::big).put_key(value);
+  return detail::key_hash_of(scratch,
+                             always_md5 || !(version == XcdrVersion::xcdr1 ? fits1 : fits2));
 }
 
 }  // namespace ddssec::rtps

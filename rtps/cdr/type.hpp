@@ -40,8 +40,9 @@ template <class T>
 struct Member {
   T& value;
   bool is_key = false;
-  std::size_t bound = kUnbounded;  ///< most characters or elements
-  std::string_view name = {};      ///< in the IDL; empty: no filter can speak of it
+  std::size_t bound = kUnbounded;          ///< most characters or elements
+  std::string_view name = {};              ///< in the IDL; empty: no filter can speak of it
+  std::size_t element_bound = kUnbounded;  ///< of a sequence's elements
 };
 
 template <class T>
@@ -62,6 +63,16 @@ constexpr Member<T> named(std::string_view name, Member<T> member) {
   return member;
 }
 
+template <class T>
+constexpr Member<T> with_element_bound(T& value, std::size_t bound) {
+  return {value, false, kUnbounded, {}, bound};
+}
+template <class T>
+constexpr Member<T> with_element_bound(Member<T> member, std::size_t bound) {
+  member.element_bound = bound;
+  return member;
+}
+
 /// An enumerator as the IDL names it.
 struct EnumLabel {
   std::string_view name;
@@ -70,6 +81,8 @@ struct EnumLabel {
 
 /// May be specialised for enumerations, so that filters know their labels:
 ///   static constexpr EnumLabel labels[] = {{"RED", 0}, {"GREEN", 1}};
+/// An enumeration takes 32 bits on the wire, whatever its C++ type, unless these say otherwise:
+///   static constexpr bool by_width = true;  // @bit_bound: as many as the C++ type
 template <class E>
 struct EnumTraits {
   static constexpr std::array<EnumLabel, 0> labels = {};
@@ -106,9 +119,24 @@ concept Sequence = IsVector<T>::value;
 template <class T>
 concept Array = IsArray<T>::value;
 
-/// True if XCDR2 puts no DHEADER before a collection of these.
+/// What of an enumeration is on the wire.
+template <class E>
+struct EnumOnWire {
+  using type = std::int32_t;
+};
+template <class E>
+requires(EnumTraits<E>::by_width) struct EnumOnWire<E> {
+  using type = std::underlying_type_t<E>;
+};
+
+/// True if XCDR2 puts no DHEADER before a collection of these. An array of arrays is one array with
+/// several dimensions: what lies in it decides.
 template <class T>
 inline constexpr bool kNeedsNoHeader = Primitive<T>;
+template <class T>
+inline constexpr bool kArrayNeedsNoHeader = kNeedsNoHeader<T>;
+template <class T, std::size_t N>
+inline constexpr bool kArrayNeedsNoHeader<std::array<T, N>> = kArrayNeedsNoHeader<T>;
 
 /// Calls `f(Member)` for each member of `self`.
 template <class Self, class F>

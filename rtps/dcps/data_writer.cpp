@@ -7,12 +7,6 @@ namespace {
 
 constexpr std::chrono::nanoseconds kBrake = std::chrono::milliseconds(20);
 
-XcdrVersion version_of(const Qos& qos) {
-  const auto& list = qos.data_representation;
-  return list.empty() || list.front() != DataRepresentation::xcdr2 ? XcdrVersion::xcdr1
-                                                                   : XcdrVersion::xcdr2;
-}
-
 std::unexpected<Error> bad_parameter(std::string field, std::string expected, std::string found) {
   return fail(Code::rtps_bad_parameter, {.document = "writer",
                                          .field = std::move(field),

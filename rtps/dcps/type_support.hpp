@@ -6,6 +6,7 @@
 #include "rtps/cdr/cdr_reader.hpp"
 #include "rtps/cdr/cdr_writer.hpp"
 #include "rtps/cdr/key_hash.hpp"
+#include "rtps/qos/qos.hpp"
 #include "rtps/reliability/change.hpp"
 
 namespace ddssec::rtps {
@@ -21,6 +22,13 @@ struct TypeSupport {
   /// Its serialized key, with an encapsulation.
   std::function<Bytes(const Change&)> serialized_key = nullptr;
 };
+
+/// The encoding of a writer's samples, and the one that a reader asks for first.
+inline XcdrVersion version_of(const Qos& qos) {
+  const auto& list = qos.data_representation;
+  return list.empty() || list.front() != DataRepresentation::xcdr2 ? XcdrVersion::xcdr1
+                                                                   : XcdrVersion::xcdr2;
+}
 
 namespace detail {
 
@@ -42,7 +50,8 @@ TypeSupport type_support() {
     const auto read =
         change.key_only ? deserialize_key_into(octets, value) : deserialize_into(octets, value);
     if (!read) return std::nullopt;
-    return key_hash(value, scratch);
+    const auto opened = open_payload(octets);
+    return key_hash(value, scratch, false, version_of(opened->encapsulation));
   };
   support.serialized_key = [](const Change& change) {
     Bytes out;

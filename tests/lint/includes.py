@@ -19,6 +19,7 @@ ARROWS = {
     "secured": ["base", "pki", "rtps", "plugins/spi", "plugins/authentication",
                 "plugins/access_control", "plugins/cryptography"],
     "programs": ["base", "pki", "governance", "rtps", "secured", "plugins"],
+    "idl": [],
     "cli": ["base", "pki", "governance", "plugins/spi", "plugins/authentication",
             "plugins/access_control", "plugins/cryptography", "rtps"],
 }

@@ -5,7 +5,7 @@ import pathlib
 import re
 import sys
 
-SOURCES = ["base", "pki", "governance", "plugins", "rtps", "secured", "cli", "programs",
+SOURCES = ["base", "idl", "pki", "governance", "plugins", "rtps", "secured", "cli", "programs",
            "examples"]
 MOST_LINES = 600
 

@@ -1,0 +1,178 @@
+#include "idl/header.hpp"
+
+#include <array>
+#include <filesystem>
+
+namespace ddssec::idl {
+namespace {
+
+// An enumeration's width on the wire (XTypes 7.2.2.4.1.2).
+const char* underlying(const void* enumeration) {
+  const auto bits = tree_bit_bound(enumeration);
+  if (bits == 0 || bits > 16) return "std::int32_t";
+  return bits <= 8 ? "std::int8_t" : "std::int16_t";
+}
+
+std::string stem_of(const char* path) { return std::filesystem::path(path).stem().string(); }
+
+struct Refused {
+  tree_flag flag;
+  const char* what;
+  const char* to_do;
+};
+constexpr std::array kRefused = {
+    Refused{tree_inherits, "inheritance", "make the base type a member"},
+    Refused{tree_mutable, "@mutable", "make it @appendable"},
+    Refused{tree_keylist, "#pragma keylist", "write @key before the members"},
+    Refused{tree_hashed_ids, "@autoid(HASH)", "leave it out: ids follow the order of members"},
+    Refused{tree_optional, "@optional", "use a sequence with the bound 1"},
+    Refused{tree_external, "@external", "leave it out"},
+    Refused{tree_own_id, "@id and @hashid", "leave it out: ids follow the order of members"}};
+
+}  // namespace
+
+Header::Header(const tree_state* state, const std::string& root)
+    : state_(state), root_(root), refusals_(state), types_(root, refusals_) {}
+
+std::optional<std::string> Header::make() {
+  definitions(tree_root(state_));
+  if (refusals_.any()) return std::nullopt;
+  std::string out = "// Made from " + stem_of(tree_file(state_)) +
+                    ".idl by ddssec_idl_generate: change that one instead.\n#pragma once\n\n"
+                    "#include \"rtps/cdr/type.hpp\"\n";
+  for (unsigned i = 0; const auto* file = tree_included_file(state_, i); ++i)
+    out += "#include \"" + stem_of(file) + ".hpp\"\n";
+  if (!root_.empty())
+    declared_ = "namespace " + root_ + " {\n" + declared_ + "}  // namespace " + root_ + "\n";
+  return out + "\n" + declared_ + traits_;
+}
+
+void Header::definitions(const void* first) {
+  for (const auto* node = first; node != nullptr; node = tree_next(node)) {
+    if (tree_kind_of(node) != tree_module) {
+      if (tree_is_own(state_, node)) definition(node);
+      continue;
+    }
+    const auto name = cpp_name(node);
+    const auto before = declared_.size();
+    declared_ += "namespace " + name + " {\n";
+    const auto inside = declared_.size();
+    definitions(tree_first(node));
+    if (declared_.size() == inside)
+      declared_.resize(before);
+    else
+      declared_ += "}  // namespace " + name + "\n";
+  }
+}
+
+void Header::definition(const void* node) {
+  switch (tree_kind_of(node)) {
+    case tree_forward:
+      declared_ += "struct " + cpp_name(node) + ";\n";
+      break;
+    case tree_enum:
+      return enumeration(node);
+    case tree_struct:
+      return structure(node);
+    case tree_typedef:
+      return aliases(node);
+    case tree_const:
+      return constant(node);
+    case tree_union:
+    case tree_bitmask:
+      static_cast<void>(types_.of(node, nullptr));  // says what to do instead
+      break;
+    default:
+      break;
+  }
+}
+
+void Header::enumeration(const void* which) {
+  std::string values, labels;
+  std::size_t count = 0;
+  for (const auto* at = tree_first(which); at != nullptr; at = tree_next(at), ++count) {
+    const auto value = std::to_string(tree_integer(at));
+    values += "  " + cpp_name(at) + " = " + value + ",\n";
+    labels += (count == 0 ? "{\"" : ", {\"") + std::string(tree_name(at)) + "\", " + value + "}";
+  }
+  declared_ +=
+      "enum class " + cpp_name(which) + " : " + underlying(which) + " {\n" + values + "};\n";
+  traits_ +=
+      "template <>\nstruct ddssec::rtps::EnumTraits<" + types_.qualified(which) +
+      "> {\n  static constexpr std::string_view type_name = \"" + scoped_name(which) +
+      "\";\n  static constexpr bool by_width = true;\n  static constexpr std::array<EnumLabel, " +
+      std::to_string(count) + "> labels = {{" + labels + "}};\n};\n";
+}
+
+bool Header::check(const void* node) {
+  const auto flags = tree_flags(node);
+  for (const auto& each : kRefused)
+    if ((flags & each.flag) != 0) refusals_.refuse(node, each.what, each.to_do);
+  return !refusals_.any();
+}
+
+std::string Header::value_text(const void* value, const CppType& type) {
+  if (value == nullptr) return type.initial;
+  if (tree_kind_of(value) == tree_enumerator) return " = " + type.text + "::" + cpp_name(value);
+  const auto text = literal_text(value);
+  return text ? " = " + *text : type.initial;
+}
+
+// Says the member in the struct and returns what the traits say of it.
+std::string Header::member(const void* member, const void* name) {
+  const auto type = types_.of(tree_type(member), name);
+  const auto cpp = cpp_name(name);
+  declared_ += "  " + type.text + " " + cpp + value_text(tree_value(member), type) + ";\n";
+  auto text = "self." + cpp;
+  if ((tree_flags(member) & tree_key) != 0)
+    text = "key(" + text + (type.bound > 0 ? ", " + std::to_string(type.bound) : "") + ")";
+  else if (type.bound > 0)
+    text = "bounded(" + text + ", " + std::to_string(type.bound) + ")";
+  if (type.element_bound > 0)
+    text = "with_element_bound(" + text + ", " + std::to_string(type.element_bound) + ")";
+  return "named(\"" + std::string(tree_name(name)) + "\", " + text + ")";
+}
+
+void Header::structure(const void* which) {
+  if (!check(which)) return;
+  std::vector<std::string> members;
+  declared_ += "struct " + cpp_name(which) + " {\n";
+  for (const auto* at = tree_first(which); at != nullptr; at = tree_next(at)) {
+    if (!check(at)) continue;
+    for (const auto* name = tree_first(at); name != nullptr; name = tree_next(name))
+      if (check(name)) members.push_back(member(at, name));
+  }
+  declared_ += "\n  bool operator==(const " + cpp_name(which) + "&) const = default;\n};\n";
+  if (members.empty())
+    refusals_.refuse(which, "a struct without members", "give it one");
+  else
+    traits(which, members);
+}
+
+void Header::traits(const void* which, const std::vector<std::string>& members) {
+  std::string list;
+  for (const auto& each : members) list += (list.empty() ? "" : ",\n          ") + each;
+  const bool appendable = (tree_flags(which) & tree_appendable) != 0;
+  traits_ += "template <>\nstruct ddssec::rtps::TypeTraits<" + types_.qualified(which) +
+             "> {\n  static constexpr std::string_view type_name = \"" + scoped_name(which) +
+             "\";\n  static constexpr auto extensibility = Extensibility::" +
+             (appendable ? "appendable" : "final_type") +
+             ";\n  template <class Self, class Visit>\n"
+             "  static void members(Self& self, Visit&& visit) {\n    visit(" +
+             list + ");\n  }\n};\n";
+}
+
+void Header::aliases(const void* which) {
+  for (const auto* name = tree_first(which); name != nullptr; name = tree_next(name))
+    declared_ += "using " + cpp_name(name) + " = " + types_.of(tree_type(name), name).text + ";\n";
+}
+
+void Header::constant(const void* which) {
+  const auto* spec = tree_type(which);
+  auto type = tree_kind_of(spec) == tree_string ? CppType{"std::string_view", ""}
+                                                : types_.of(spec, nullptr);
+  const auto value = value_text(tree_value(which), type);
+  declared_ += "inline constexpr " + type.text + " " + cpp_name(which) + value + ";\n";
+}
+
+}  // namespace ddssec::idl

@@ -1,0 +1,38 @@
+// One C++ header from one IDL file.
+#pragma once
+
+#include <vector>
+
+#include "idl/cpp_type.hpp"
+
+namespace ddssec::idl {
+
+class Header {
+ public:
+  /// `root`: the namespace that everything lies in, "" or "a::b".
+  Header(const tree_state* state, const std::string& root);
+
+  /// Its text; nothing after a refusal, which idlc was told.
+  std::optional<std::string> make();
+
+ private:
+  void definitions(const void* first);
+  void definition(const void* node);
+  void enumeration(const void* which);
+  void structure(const void* which);
+  bool check(const void* node);
+  std::string member(const void* member, const void* name);
+  void traits(const void* which, const std::vector<std::string>& members);
+  void aliases(const void* which);
+  void constant(const void* which);
+  std::string value_text(const void* value, const CppType& type);
+
+  const tree_state* state_;
+  const std::string root_;
+  Refusals refusals_;
+  CppTypes types_;
+  std::string declared_;  ///< within the namespaces
+  std::string traits_;    ///< behind them
+};
+
+}  // namespace ddssec::idl

@@ -1,0 +1,11 @@
+// The types of shape.idl and final_shape.idl: both are "ShapeType" on the wire.
+#pragma once
+
+#include <final_shape.hpp>
+#include <shape.hpp>
+
+namespace ddssec::shapes {
+
+using FinalShapeType = finals::ShapeType;
+
+}  // namespace ddssec::shapes
