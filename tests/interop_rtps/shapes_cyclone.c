@@ -20,7 +20,8 @@ static void subscribe(dds_entity_t reader, const char* topic) {
       const ShapeType* s = raw;
       if (info.valid_data)
         printf("%-10s %-10s %03d %03d [%d]\n", topic, s->color, s->x, s->y, s->shapesize);
-      else
+      // What has ended may come with the last sample.
+      if (info.instance_state != DDS_IST_ALIVE)
         printf("%-10s %-10s %s\n", topic, s->color,
                info.instance_state == DDS_IST_NOT_ALIVE_DISPOSED ? "disposed" : "no writers");
       dds_return_loan(reader, &raw, 1);

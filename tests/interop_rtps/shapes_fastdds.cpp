@@ -52,14 +52,16 @@ void subscribe(fdds::DataReader& reader, const char* topic) {
     Shape shape;
     fdds::SampleInfo info;
     while (reader.take_next_sample(&shape, &info) ==
-           eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK)
+           eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
       if (info.valid_data)
         std::printf("%-10s %-10s %03d %03d [%d]\n", topic, shape.color.c_str(), shape.x, shape.y,
                     shape.shapesize);
-      else
+      // What has ended may come with the last sample.
+      if (info.instance_state != fdds::ALIVE_INSTANCE_STATE)
         std::printf("%-10s %s\n", topic,
                     info.instance_state == fdds::NOT_ALIVE_DISPOSED_INSTANCE_STATE ? "disposed"
                                                                                    : "no writers");
+    }
   }
 }
 

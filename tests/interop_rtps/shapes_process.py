@@ -24,7 +24,7 @@ class Shapes:
         self.lines = []
         self._new = queue.Queue()
         self.process = subprocess.Popen(space.enter([str(program), *arguments.split()]), text=True,
-                                        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                         stderr=subprocess.STDOUT)
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
@@ -72,6 +72,11 @@ class Shapes:
             return False
         return True
 
+    def tell(self, line):
+        """Writes a line to its standard input."""
+        self.process.stdin.write(line + "\n")
+        self.process.stdin.flush()
+
     def interrupt(self):
         """SIGINT; the exit code, which must come at once."""
         self.process.send_signal(signal.SIGINT)
@@ -92,6 +97,7 @@ class Shapes:
             self.process.kill()
         self.process.wait()
         self._reader.join()
+        self.process.stdin.close()
         self.process.stdout.close()
 
 
@@ -111,6 +117,12 @@ class Case:
     def vendor(self, arguments, program, space):
         """Another vendor's program, which takes its domain as one of the words."""
         process = Shapes(space, program, arguments)
+        self.running.append(process)
+        return process
+
+    def tool(self, arguments):
+        """scenario_publisher, beside the program."""
+        process = Shapes(self.space, self.program.parent / "scenario_publisher", f"{self.domain} {arguments}")
         self.running.append(process)
         return process
 
