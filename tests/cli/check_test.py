@@ -7,8 +7,8 @@ import shutil
 import ssl
 import tempfile
 
-from golden_folders import GOVERNANCE, Folder, Workshop, allow, grant, permissions
 from transcript import Transcript, main
+from workshop import GOVERNANCE, Folder, Workshop, allow, grant, permissions
 
 ONE_WAY = """<allow_rule>
         <domains><id>0</id></domains>

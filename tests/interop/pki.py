@@ -31,6 +31,7 @@ default_crl_days = 365
 policy = any
 unique_subject = no
 [any]
+countryName = optional
 organizationName = optional
 commonName = supplied
 """
