@@ -1,0 +1,89 @@
+// What a participant costs OpenSSL at least. "bare": a key and two signatures, on its certificate
+// and on its permissions. "forms": the same as the files that participants have: X.509, PKCS#8 and
+// S/MIME. Prints the processor seconds of COUNT of either.
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <string>
+
+#include <openssl/cms.h>
+#include <openssl/ec.h>
+#include <openssl/pem.h>
+
+#include "pki/openssl.hpp"
+
+namespace {
+
+using namespace ddssec::pki;
+using DigestContext = std::unique_ptr<EVP_MD_CTX, Deleter<EVP_MD_CTX_free>>;
+
+const std::string kSigned(1024, 'x');
+
+/// A CA and what stands for its certificate.
+struct Ca {
+  PkeyPtr key;
+  X509Ptr certificate;
+};
+
+bool sign(EVP_PKEY* key) {
+  const DigestContext context(EVP_MD_CTX_new());
+  unsigned char signature[128];
+  std::size_t size = sizeof signature;
+  return context && EVP_DigestSignInit(context.get(), nullptr, EVP_sha256(), nullptr, key) == 1 &&
+         EVP_DigestSign(context.get(), signature, &size, ddssec::as_bytes(kSigned).data(),
+                        kSigned.size()) == 1;
+}
+
+bool bare(const Ca& ca) {
+  const PkeyPtr own(EVP_EC_gen("P-256"));
+  return own && sign(ca.key.get()) && sign(ca.key.get());
+}
+
+X509Ptr certificate_of(EVP_PKEY* own, EVP_PKEY* issuer) {
+  X509Ptr out(X509_new());
+  const bool made =
+      out && X509_set_version(out.get(), X509_VERSION_3) == 1 &&
+      ASN1_INTEGER_set(X509_get_serialNumber(out.get()), 4711) == 1 &&
+      X509_gmtime_adj(X509_getm_notBefore(out.get()), 0) != nullptr &&
+      X509_gmtime_adj(X509_getm_notAfter(out.get()), 86400) != nullptr &&
+      X509_NAME_add_entry_by_txt(X509_get_subject_name(out.get()), "CN", MBSTRING_UTF8,
+                                 reinterpret_cast<const unsigned char*>("talker"), -1, -1,
+                                 0) == 1 &&
+      X509_set_pubkey(out.get(), own) == 1 && X509_sign(out.get(), issuer, EVP_sha256()) > 0;
+  return made ? std::move(out) : nullptr;
+}
+
+bool forms(const Ca& ca) {
+  const PkeyPtr own(EVP_EC_gen("P-256"));
+  const auto certificate = own ? certificate_of(own.get(), ca.key.get()) : nullptr;
+  const BioPtr out(BIO_new(BIO_s_mem()));
+  const BioPtr text(BIO_new_mem_buf(kSigned.data(), static_cast<int>(kSigned.size())));
+  if (!certificate || !out || !text) return false;
+  constexpr unsigned kFlags = CMS_DETACHED | CMS_TEXT | CMS_STREAM;
+  const CmsPtr document(CMS_sign(ca.certificate.get(), ca.key.get(), nullptr, text.get(), kFlags));
+  return document && PEM_write_bio_X509(out.get(), certificate.get()) == 1 &&
+         PEM_write_bio_PKCS8PrivateKey(out.get(), own.get(), nullptr, nullptr, 0, nullptr,
+                                       nullptr) == 1 &&
+         SMIME_write_CMS(out.get(), document.get(), text.get(), kFlags) == 1;
+}
+
+bool measure(const char* name, bool (*participant)(const Ca&), const Ca& ca, long count) {
+  const auto began = std::clock();
+  for (long i = 0; i < count; ++i)
+    if (!participant(ca)) return false;
+  std::printf("%s %.6f\n", name, static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC);
+  return true;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const long count = argc == 2 ? std::strtol(argv[1], nullptr, 10) : 0;
+  Ca ca{PkeyPtr(EVP_EC_gen("P-256")), nullptr};
+  if (ca.key) ca.certificate = certificate_of(ca.key.get(), ca.key.get());
+  if (count < 1 || !ca.certificate) {
+    std::fputs("usage: bench_openssl_operations COUNT\n", stderr);
+    return 2;
+  }
+  return measure("bare", bare, ca, count) && measure("forms", forms, ca, count) ? 0 : 1;
+}
