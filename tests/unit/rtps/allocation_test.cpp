@@ -15,8 +15,12 @@ struct Allocations : ::testing::Test {
   SystemRandom random;
   Silent events;
 
+  bool in_process = false;
+
   std::unique_ptr<DomainParticipant> participant() {
-    return *DomainParticipant::create(testing::undisturbed(), Environment{clock, random, events});
+    auto options = testing::undisturbed();
+    options.in_process = in_process;
+    return *DomainParticipant::create(std::move(options), Environment{clock, random, events});
   }
   template <DdsType T>
   std::int64_t of(const Flow& flow) {
