@@ -19,8 +19,8 @@ struct Options {
 };
 
 /// Most handshakes of one pair that were answered or begun and not finished; the oldest gives way
-/// when it has waited for kPendingAge.
-inline constexpr std::size_t kMostPendingPerPair = 4;
+/// when it has waited for kPendingAge. A host with a judgement of its own returns handles earlier.
+inline constexpr std::size_t kMostPendingPerPair = 40;
 inline constexpr std::chrono::seconds kPendingAge{5};
 
 /// Every refusal raises one event and changes nothing.

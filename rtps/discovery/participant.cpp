@@ -101,7 +101,7 @@ void Participant::note_heard(const Context& context) {
                       !security_->own().attributes().is_rtps_protected() ||
                       !security_->is_authenticated(context.source);
   if (!proven) return;
-  known->second.lease_end = lease_end(known->second.data, context.now);
+  renew_lease(known->second, known->second.data, context.now);
   note_alive(known->second, LivelinessKind::automatic);
 }
 
@@ -273,6 +273,7 @@ void Participant::tick(MonotonicTime now) {
   if (now >= next_announcement_) {
     constexpr int kFastAnnouncements = 6;
     announce(config_.announce_to);
+    last_announcement_ = now;
     next_announcement_ =
         now + (++announcements_ < kFastAnnouncements ? kFastPeriod : announcement_period());
   }

@@ -2,6 +2,7 @@
 // told of datagrams and of time and sends through a transport; no socket, clock, thread or lock.
 #pragma once
 
+#include <deque>
 #include <map>
 #include <memory>
 
@@ -71,6 +72,16 @@ class Participant final : private SecurityHost {
   static constexpr std::size_t kMostParticipants = 512;
   static constexpr std::size_t kMostEndpointsPerParticipant = 16384;
   static constexpr std::size_t kMostEndpoints = 65536;  ///< of all of them
+  /// Announcements that are answered, to addresses that anybody may have named.
+  static constexpr int kMostAnswers = 100;
+  static constexpr MonotonicTime kAnswerPeriod = std::chrono::milliseconds(10);
+  /// Between two announcements, when there are more to answer.
+  static constexpr MonotonicTime kHurry = std::chrono::milliseconds(250);
+  /// Of a peer that authenticates, whatever is announced in its name.
+  static constexpr MonotonicTime kLeastLease = std::chrono::seconds(10);
+  /// How long a peer that only a clear message says has left must keep silent to be believed gone:
+  /// longer than Fast DDS between two announcements.
+  static constexpr MonotonicTime kDoubt = std::chrono::seconds(4);
 
   Participant(ParticipantConfig config, Transport& transport, EventSink& events);
   ~Participant() override;
@@ -217,9 +228,13 @@ class Participant final : private SecurityHost {
   Status on_spdp(const Data& data, const Context& context);
   void add_remote(ParticipantData data, MonotonicTime now);
   bool make_room();
-  void on_known(Remote& remote, const ParticipantData& data, MonotonicTime now);
+  std::map<GuidPrefix, Remote>::iterator oldest_unproven();
+  void on_known(Remote& remote, ParticipantData data, MonotonicTime now);
+  void on_dispose(const GuidPrefix& prefix);
+  void renew_lease(Remote& remote, const ParticipantData& data, MonotonicTime now);
   void match_builtin(Remote& remote);
   void match_builtin(const BuiltinTopicInfo& info, Remote& remote, bool writer);
+  void unmatch(Remote& remote);
   void remove_remote(const GuidPrefix& prefix);
 
   void publish(const EndpointData& data, MonotonicTime now);
@@ -245,6 +260,8 @@ class Participant final : private SecurityHost {
   // SecurityHost
   void on_authenticated(const GuidPrefix& peer) override;
   void on_refused(const GuidPrefix& peer) override;
+  LocatorList on_proven(const GuidPrefix& peer, const ParticipantData& proven) override;
+  void on_replaced(const GuidPrefix& peer) override;
   void on_keys(const EntityId& local, const Guid& remote) override;
   void on_ended(const GuidPrefix& peer) override;
 
@@ -284,6 +301,9 @@ class Participant final : private SecurityHost {
   BuiltinEndpoints builtin_;
   std::unique_ptr<Security> security_;
   Bytes message_scratch_, submessage_scratch_, payload_scratch_;
+  WorkBudget answers_{kMostAnswers, kAnswerPeriod, {}};
+  /// In the order of their announcements; some have spoken since, or left.
+  std::deque<GuidPrefix> silent_;
   std::vector<GuidPrefix> gone_;  ///< to be removed when nothing of theirs is being read any more
   MonotonicTime next_liveliness_ = kNever;
   MonotonicTime next_lease_ = kNever;  ///< no lease ends before
@@ -291,7 +311,7 @@ class Participant final : private SecurityHost {
   static constexpr MonotonicTime kFastPeriod = std::chrono::milliseconds(100);
   static constexpr MonotonicTime kRepeatDelay = std::chrono::milliseconds(500);
   int announcements_ = 0;
-  MonotonicTime next_announcement_{};
+  MonotonicTime next_announcement_{}, last_announcement_{};
   MonotonicTime now_{};
 };
 

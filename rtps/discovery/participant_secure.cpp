@@ -72,6 +72,24 @@ void Participant::on_refused(const GuidPrefix& peer) {
   if (at != remotes_.end() && security_->admits_unauthenticated()) match_builtin(at->second);
 }
 
+LocatorList Participant::on_proven(const GuidPrefix& peer, const ParticipantData& proven) {
+  const auto at = remotes_.find(peer);
+  auto metatraffic = usable_locators(proven.metatraffic_unicast, {});
+  if (at == remotes_.end()) return metatraffic;
+  auto& remote = at->second;
+  remote.data.vendor = proven.vendor;
+  remote.data.builtin_endpoints = proven.builtin_endpoints;
+  remote.user = usable_locators(proven.default_unicast, remote.user);
+  // Cyclone DDS leaves it to DCPSParticipantsSecure.
+  if (proven.vendor != kVendorCyclone) remote.data.lease_duration = proven.lease_duration;
+  if (!metatraffic.empty()) remote.metatraffic = metatraffic;
+  return metatraffic;
+}
+
+void Participant::on_replaced(const GuidPrefix& peer) {
+  if (const auto at = remotes_.find(peer); at != remotes_.end()) unmatch(at->second);
+}
+
 void Participant::on_ended(const GuidPrefix& peer) { gone_.push_back(peer); }
 
 void Participant::on_keys(const EntityId& local, const Guid& remote) {

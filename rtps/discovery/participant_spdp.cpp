@@ -10,6 +10,16 @@ constexpr MonotonicTime kAnnouncementPeriod = std::chrono::seconds(3);
 
 KeyHash key_of(const Guid& guid) { return guid.octets(); }
 
+/// The first few stay, of the others the latest.
+void add_locators(LocatorList& known, const LocatorList& more) {
+  constexpr std::size_t kMost = 8;
+  for (const auto& locator : more) {
+    if (std::ranges::find(known, locator) != known.end()) continue;
+    if (known.size() >= kMost) known.erase(known.begin() + kMost / 2);
+    known.push_back(locator);
+  }
+}
+
 }  // namespace
 
 // An announcement may name any address; only what one can send to, and little of it, is used.
@@ -88,14 +98,7 @@ Status Participant::on_spdp(const Data& data, const Context& context) {
     const auto guid = data.inline_qos.key_hash
                           ? GuidPrefix::from(BytesView(*data.inline_qos.key_hash).first(12))
                           : DDSSEC_TRY(read_participant_key(data.payload)).prefix;
-    // Only itself can say that a participant is gone, and once it is authenticated only by the
-    // secure topic, which Fast DDS does not have.
-    const auto known = remotes_.find(guid);
-    if (guid != context.source || known == remotes_.end()) return {};
-    if (is_authenticated(guid) && known->second.data.vendor != kVendorFastDds)
-      ++counters_.refused_discovery;
-    else
-      gone_.push_back(guid);
+    if (guid == context.source) on_dispose(guid);
     return {};
   }
   if (data.kind != PayloadKind::data) return {};
@@ -112,11 +115,26 @@ Status Participant::on_spdp(const Data& data, const Context& context) {
   return {};
 }
 
+// Only itself can say that a participant is gone; once it is authenticated only by the secure
+// topic. Fast DDS does not have that, so it is taken at its word if it keeps silent from now on.
+void Participant::on_dispose(const GuidPrefix& prefix) {
+  const auto known = remotes_.find(prefix);
+  if (known == remotes_.end()) return;
+  auto& remote = known->second;
+  const bool proven = is_authenticated(prefix);
+  if (proven && remote.data.vendor == kVendorFastDds)
+    next_lease_ =
+        std::min(next_lease_, remote.lease_end = std::min(remote.lease_end, now_ + kDoubt));
+  else if (proven || (security_ && security_->is_authenticating(prefix)))
+    ++counters_.refused_discovery;
+  else
+    gone_.push_back(prefix);
+}
+
 void Participant::add_remote(ParticipantData data, MonotonicTime now) {
   const auto prefix = data.guid.prefix;
-  if (const auto known = remotes_.find(prefix); known != remotes_.end()) {
-    return on_known(known->second, data, now);
-  }
+  if (const auto known = remotes_.find(prefix); known != remotes_.end())
+    return on_known(known->second, std::move(data), now);
   auto metatraffic = usable_locators(data.metatraffic_unicast, {});
   if (metatraffic.empty() || (remotes_.size() >= kMostParticipants && !make_room())) {
     ++counters_.refused_discovery;
@@ -129,11 +147,17 @@ void Participant::add_remote(ParticipantData data, MonotonicTime now) {
       security_ ? security_->judge(data) : Security::Verdict::admit_unauthenticated;
   auto& remote =
       remotes_[prefix] = {std::move(data), std::move(metatraffic), std::move(user), end, now};
-  announce(remote.metatraffic);
-  // And once more soon: a participant may announce itself before it listens (Fast DDS 2.9).
-  next_announcement_ = std::min(next_announcement_, now + kRepeatDelay);
+  // Too many at once are all told the way that we chose ourselves; the others once more soon: a
+  // participant may announce itself before it listens (Fast DDS 2.9).
+  const bool room = answers_.take(now);
+  if (room) announce(remote.metatraffic);
+  next_announcement_ = std::min(
+      next_announcement_, room ? now + kRepeatDelay : std::max(now, last_announcement_ + kHurry));
+  if (security_) silent_.push_back(prefix);
+  if (silent_.size() > 4 * kMostParticipants) silent_.pop_front();
   if (verdict == Security::Verdict::authenticate)
     security_->discovered(remote.data, remote.metatraffic, now);
+  renew_lease(remote, remote.data, now);
   if (verdict == Security::Verdict::admit_unauthenticated) match_builtin(remote);
 }
 
@@ -141,25 +165,48 @@ void Participant::add_remote(ParticipantData data, MonotonicTime now) {
 // whose handshake takes longest. Without security nobody can prove anything.
 bool Participant::make_room() {
   if (!security_) return false;
-  const auto rank = [&](const auto& entry) {
-    return std::pair(security_->has_spoken(entry.first), entry.second.since);
-  };
   auto victim = remotes_.end();
-  for (auto at = remotes_.begin(); at != remotes_.end(); ++at)
-    if (!security_->is_authenticated(at->first) &&
-        (victim == remotes_.end() || rank(*at) < rank(*victim)))
-      victim = at;
+  for (; victim == remotes_.end() && !silent_.empty(); silent_.pop_front())
+    if (!security_->has_spoken(silent_.front())) victim = remotes_.find(silent_.front());
+  if (victim == remotes_.end()) victim = oldest_unproven();
   if (victim == remotes_.end()) return false;
   ++counters_.refused_discovery;
   remove_remote(GuidPrefix(victim->first));
   return true;
 }
 
-// What was authenticated stays as it was: anybody can send announcements in its name.
-void Participant::on_known(Remote& remote, const ParticipantData& data, MonotonicTime now) {
-  const bool fixed = security_ && security_->is_authenticated(remote.data.guid.prefix);
-  remote.lease_end = lease_end(fixed ? remote.data : data, now);
+// Until it has proven itself its lease is at least one in which it could have.
+void Participant::renew_lease(Remote& remote, const ParticipantData& data, MonotonicTime now) {
+  const auto end = lease_end(data, now);
+  const bool proven = !security_ || !security_->is_authenticating(data.guid.prefix);
+  remote.lease_end = proven ? end : std::max({remote.lease_end, end, now + kLeastLease});
   next_lease_ = std::min(next_lease_, remote.lease_end);
+}
+
+std::map<GuidPrefix, Participant::Remote>::iterator Participant::oldest_unproven() {
+  auto oldest = remotes_.end();
+  for (auto at = remotes_.begin(); at != remotes_.end(); ++at)
+    if (!security_->is_authenticated(at->first) &&
+        (oldest == remotes_.end() || at->second.since < oldest->second.since))
+      oldest = at;
+  return oldest;
+}
+
+// What was authenticated stays as it was: anybody can send announcements in its name. And anybody
+// may have been the first to do so: as long as nothing is proven, all that is announced counts, and
+// no lease becomes shorter.
+void Participant::on_known(Remote& remote, ParticipantData data, MonotonicTime now) {
+  const auto prefix = data.guid.prefix;
+  const bool fixed = security_ && security_->is_authenticated(prefix);
+  renew_lease(remote, fixed ? remote.data : data, now);
+  if (fixed || !security_ || data == remote.data || !security_->may_authenticate(data)) return;
+  if (!security_->knows(prefix)) {
+    remove_remote(prefix);
+    return add_remote(std::move(data), now);
+  }
+  add_locators(remote.metatraffic, usable_locators(data.metatraffic_unicast, {}));
+  add_locators(remote.user, usable_locators(data.default_unicast, {}));
+  security_->announced_again(data, remote.metatraffic, now);
 }
 
 void Participant::match_builtin(Remote& remote) {
@@ -199,16 +246,20 @@ void Participant::remove_ended(MonotonicTime now) {
   }
 }
 
-void Participant::remove_remote(const GuidPrefix& prefix) {
-  const auto at = remotes_.find(prefix);
-  if (at == remotes_.end()) return;
-  at->second.watches.clear();
-  while (!at->second.endpoints.empty())
-    remove_endpoint(at->second, at->second.endpoints.begin()->first);
+void Participant::unmatch(Remote& remote) {
+  const auto prefix = remote.data.guid.prefix;
+  remote.watches.clear();
+  while (!remote.endpoints.empty()) remove_endpoint(remote, remote.endpoints.begin()->first);
   builtin_.each([&](const auto& info, auto& writer, auto& reader) {
     writer.unmatch({prefix, info.reader});
     reader.unmatch({prefix, info.writer});
   });
+}
+
+void Participant::remove_remote(const GuidPrefix& prefix) {
+  const auto at = remotes_.find(prefix);
+  if (at == remotes_.end()) return;
+  unmatch(at->second);
   if (security_) security_->lost(prefix);
   remotes_.erase(at);
 }

@@ -7,8 +7,28 @@
 namespace ddssec::rtps {
 namespace {
 
+constexpr int kMostDoublings = 5;
+
 bool ends_with(const spi::Token& token, std::string_view suffix) {
   return token.class_id.ends_with(suffix);
+}
+
+Bytes octets_of(const spi::Token& token, std::string_view name) {
+  const auto* found = spi::find_binary_property(token, name);
+  return found != nullptr ? *found : Bytes();
+}
+
+/// Both have it, and it is the same.
+bool same(const spi::Token& a, const spi::Token& b, std::string_view name) {
+  const auto* in_a = spi::find_binary_property(a, name);
+  const auto* in_b = spi::find_binary_property(b, name);
+  return in_a != nullptr && in_b != nullptr && *in_a == *in_b;
+}
+
+Sha256Digest digest_of(const spi::Token& token) {
+  Writer out;
+  spi::write_token(out, token);
+  return sha256(out.view());
 }
 
 }  // namespace
@@ -21,16 +41,14 @@ PeerHandshake::PeerHandshake(spi::Authentication& plugin, Sides sides,
       own_data_(std::move(own_data)),
       numbers_(numbers),
       give_up_(now + kGiveUp),
-      next_(now + kDelay),
-      budget_(kBurst, kRefill, now) {}
+      next_(now + kDelay) {}
 
 PeerHandshake::~PeerHandshake() {
   if (peer_) static_cast<void>(plugin_.return_identity_handle(peer_));
 }
 
 spi::HandshakeHandle PeerHandshake::handle() const {
-  const auto* finished = std::get_if<Finished>(&state_);
-  return finished != nullptr ? finished->handle : spi::HandshakeHandle{};
+  return finished_ ? finished_->handle : spi::HandshakeHandle{};
 }
 
 GenericMessage PeerHandshake::message_of(std::string_view message_class, spi::Token token,
@@ -49,7 +67,10 @@ void PeerHandshake::fail_with(Error error) {
   next_ = kNever;
 }
 
+// ---- time
+
 void PeerHandshake::start(MonotonicTime now, Messages& out) {
+  started_ = true;
   // The peer's own auth_request is not handed over: whoever forges one could otherwise shut out the
   // honest peer, and nothing but its signatures proves anything.
   auto peer = plugin_.validate_remote_identity(sides_.own, std::nullopt, sides_.peer_identity_token,
@@ -60,103 +81,210 @@ void PeerHandshake::start(MonotonicTime now, Messages& out) {
     auth_request_ = message_of(message_class::kAuthRequest, *peer->local_auth_request, {});
     out.push_back(*auth_request_);
   }
-  if (peer->result != spi::ValidationResult::pending_handshake_request) {
-    state_ = Awaiting{};
-  } else {
-    auto step = plugin_.begin_handshake_request(sides_.own, peer_, *own_data_);
-    if (!step) return fail_with(step.error());
-    auto request = message_of(message_class::kAuthentication, std::move(*step->message), {});
-    out.push_back(request);
-    state_ = Requesting{step->handle, std::move(request)};
+  next_ = now + pause();
+  if (begins() && make_request(kNever)) out.push_back(request_->message);
+}
+
+bool PeerHandshake::make_request(MonotonicTime until) {
+  auto step = plugin_.begin_handshake_request(sides_.own, peer_, *own_data_);
+  if (!step) {
+    if (!finished_) fail_with(step.error());
+    return false;
   }
-  next_ = now + kResend;
+  request_ =
+      Request{step->handle,
+              message_of(message_class::kAuthentication, std::move(*step->message), {}), until};
+  return true;
+}
+
+// Whoever never said a word is asked more and more rarely: its address may be somebody else's.
+MonotonicTime PeerHandshake::pause() {
+  const auto round = repetitions_++;
+  if (round == 0) return kFirstResend;
+  return heard_ ? kResend : kResend * (1 << std::min(round - 1, kMostDoublings));
 }
 
 void PeerHandshake::tick(MonotonicTime now, Messages& out) {
   if (now < next_) return;
-  if (now >= give_up_)
+  if (!started_) return start(now, out);
+  if (!finished_ && now >= give_up_)
     return fail_with(Error(Code::rtps_authentication_timeout,
                            {.expected = "a finished handshake within 100 s"}));
-  if (std::holds_alternative<Starting>(state_)) return start(now, out);
-  next_ = now + kResend;
-  if (const auto* requesting = std::get_if<Requesting>(&state_)) {
-    out.push_back(requesting->request);
-  } else if (const auto* awaiting = std::get_if<Awaiting>(&state_)) {
-    for (const auto& answer : awaiting->answers) out.push_back(answer.reply);
-    if (awaiting->answers.empty() && auth_request_) out.push_back(*auth_request_);
+  while (!answers_.empty() && now - answers_.front().since >= kAnswerLife) drop(answers_.begin());
+  if (request_ && now >= request_->until) {
+    static_cast<void>(plugin_.return_handshake_handle(request_->handle));
+    request_.reset();
   }
+  if (request_) out.push_back(request_->message);
+  repeat_answers(out);
+  const bool waits = !begins() && !finished_ && auth_request_;
+  if (waits && (answers_.empty() || std::exchange(hastened_, false))) out.push_back(*auth_request_);
+  next_ = finished_ && !request_ && answers_.empty() ? kNever : now + pause();
+  if (!finished_) next_ = std::min(next_, give_up_);
 }
 
-void PeerHandshake::receive(const GenericMessage& message, MonotonicTime now, Messages& out) {
-  if (message.data.size() != 1 || failure_) return;
-  if (std::holds_alternative<Starting>(state_)) start(now, out);
-  // Every message costs public-key work before it can be told from a forged one.
-  if (failure_ || !budget_.take(now)) return;
+void PeerHandshake::repeat_answers(Messages& out) {
+  const auto count = std::min(answers_.size(), kMostRepeated);
+  for (std::size_t i = 0; i < count; ++i)
+    out.push_back(answers_[next_answer_++ % answers_.size()].reply);
+}
+
+void PeerHandshake::hasten(MonotonicTime now) {
+  if (!started_ || failure_) return;
+  hastened_ = true;
+  if (next_ != kNever) next_ = std::min(next_, now);
+}
+
+void PeerHandshake::begin_again(MonotonicTime now) {
+  if (!begins() || !finished_ || request_ || !make_request(now + kSecondTry)) return;
+  next_ = now;
+}
+
+// ---- messages
+
+Effort PeerHandshake::effort(const GenericMessage& message) const {
+  if (message.data.size() != 1 || failure_) return Effort::none;
   const auto& token = message.data.front();
-  if (ends_with(token, "+Req"))
-    on_request(message, out);
-  else if (ends_with(token, "+Reply"))
-    on_reply(message, out);
-  else if (ends_with(token, "+Final"))
-    on_final(message);
-}
-
-// awaiting --Req--> awaiting, with one more answer or the same one again
-void PeerHandshake::on_request(const GenericMessage& message, Messages& out) {
-  if (!std::holds_alternative<Awaiting>(state_)) return;
-  auto step = plugin_.begin_handshake_reply(message.data.front(), peer_, sides_.own, *own_data_);
-  refusals_ += step ? 0 : 1;
-  if (step && step->message) answer(std::move(*step), message.identity, out);
-}
-
-void PeerHandshake::answer(spi::Authentication::HandshakeStep step, const MessageIdentity& to,
-                           Messages& out) {
-  auto& answers = std::get<Awaiting>(state_).answers;
-  const auto known = std::ranges::find(answers, step.handle, &Answer::handle);
-  if (known != answers.end()) {
-    known->reply.related = to;  // Cyclone DDS numbers its repetitions anew
-    out.push_back(known->reply);
-    return;
+  if (begins()) {
+    if (!ends_with(token, "+Reply")) return Effort::none;
+    if (request_ && same(token, request_->message.data.front(), "challenge1")) return Effort::echo;
+    return finished_ && finished_->last == digest_of(token) ? Effort::memory : Effort::none;
   }
-  if (answers.size() >= kMostAnswers) answers.erase(answers.begin());
-  answers.push_back(
-      {step.handle, message_of(message_class::kAuthentication, std::move(*step.message), to)});
-  out.push_back(answers.back().reply);
+  if (ends_with(token, "+Req")) {
+    const auto digest = digest_of(token);
+    if (finished_ && finished_->last == digest) return Effort::none;  // it comes late
+    return answer_to(digest) != nullptr ? Effort::memory : Effort::request;
+  }
+  const bool is_echo =
+      ends_with(token, "+Final") &&
+      std::ranges::any_of(answers_, [&](const auto& a) { return is_echo_of(a, token); });
+  return is_echo ? Effort::echo : Effort::none;
 }
 
-// requesting --Reply--> finished; finished --Reply--> finished, with the Final again
+bool PeerHandshake::is_echo_of(const Answer& answer, const spi::Token& final) const {
+  const auto& reply = answer.reply.data.front();
+  return same(final, reply, "challenge1") && same(final, reply, "challenge2");
+}
+
+bool PeerHandshake::receive(const GenericMessage& message, MonotonicTime now, Messages& out) {
+  const auto needed = effort(message);
+  if (needed == Effort::none) return true;
+  heard_ = true;
+  if (!started_) start(now, out);
+  if (failure_) return true;
+  if (needed == Effort::memory) {
+    repeat_known(message, out);
+    return true;
+  }
+  if (needed == Effort::request) return on_request(message, now, out);
+  if (begins())
+    on_reply(message, out);
+  else
+    on_final(message);
+  return true;
+}
+
+PeerHandshake::Answer* PeerHandshake::answer_to(const Sha256Digest& request) {
+  const auto at = std::ranges::find(answers_, request, &Answer::request);
+  return at == answers_.end() ? nullptr : &*at;
+}
+
+const PeerHandshake::Answer* PeerHandshake::answer_to(const Sha256Digest& request) const {
+  const auto at = std::ranges::find(answers_, request, &Answer::request);
+  return at == answers_.end() ? nullptr : &*at;
+}
+
+// Cyclone DDS numbers its repetitions anew.
+void PeerHandshake::repeat_known(const GenericMessage& message, Messages& out) {
+  if (begins()) {
+    finished_->final->related = message.identity;
+    return out.push_back(*finished_->final);
+  }
+  auto* answer = answer_to(digest_of(message.data.front()));
+  answer->reply.related = message.identity;
+  out.push_back(answer->reply);
+}
+
+// One more answer beside the others.
+bool PeerHandshake::on_request(const GenericMessage& message, MonotonicTime now, Messages& out) {
+  const auto& token = message.data.front();
+  auto challenge = octets_of(token, "challenge1");
+  if (!make_room(challenge, now)) return false;
+  auto step = plugin_.begin_handshake_reply(token, peer_, sides_.own, *own_data_);
+  refusals_ += step ? 0 : 1;
+  if (!step || !step->message) return true;
+  // A request that says the same in other words has an answer already.
+  const auto known = std::ranges::find(answers_, step->handle, &Answer::handle);
+  if (known != answers_.end()) {
+    known->reply.related = message.identity;
+    out.push_back(known->reply);
+    return true;
+  }
+  answers_.push_back(
+      {step->handle,
+       message_of(message_class::kAuthentication, std::move(*step->message), message.identity),
+       digest_of(token), std::move(challenge), octets_of(token, "c.pdata"), now});
+  out.push_back(answers_.back().reply);
+  next_ = std::min(next_, now + kResend);
+  return true;
+}
+
+bool PeerHandshake::make_room(const Bytes& challenge, MonotonicTime now) {
+  const auto old_enough = [&](auto at) { return now - at->since >= kAnswerAge; };
+  const auto alike = std::ranges::count(answers_, challenge, &Answer::challenge);
+  auto victim = answers_.end();
+  if (static_cast<std::size_t>(alike) >= kMostAnswersPerChallenge)
+    victim = std::ranges::find(answers_, challenge, &Answer::challenge);
+  else if (answers_.size() >= kMostAnswers)
+    victim = answers_.begin();
+  else
+    return true;
+  if (!old_enough(victim)) return false;
+  drop(victim);
+  return true;
+}
+
+void PeerHandshake::drop(std::vector<Answer>::iterator answer) {
+  static_cast<void>(plugin_.return_handshake_handle(answer->handle));
+  answers_.erase(answer);
+}
+
 void PeerHandshake::on_reply(const GenericMessage& message, Messages& out) {
-  const auto* requesting = std::get_if<Requesting>(&state_);
-  auto* finished = std::get_if<Finished>(&state_);
-  if (requesting == nullptr && (finished == nullptr || !finished->final)) return;
-  const auto handle = requesting != nullptr ? requesting->handle : finished->handle;
-  auto step = plugin_.process_handshake(handle, message.data.front());
+  const auto& token = message.data.front();
+  auto step = plugin_.process_handshake(request_->handle, token);
   refusals_ += step ? 0 : 1;
   if (!step || step->result != spi::ValidationResult::ok_final_message || !step->message) return;
-  if (finished != nullptr) {
-    finished->final->related = message.identity;
-    return out.push_back(*finished->final);
-  }
   auto final =
       message_of(message_class::kAuthentication, std::move(*step->message), message.identity);
   out.push_back(final);
-  state_ = Finished{handle, std::move(final)};
-  next_ = kNever;
+  const auto handle = request_->handle;
+  request_.reset();
+  finish({handle, digest_of(token), std::move(final)}, octets_of(token, "c.pdata"));
 }
 
-// awaiting --Final--> finished, by whichever answer it belongs to
+// By whichever answer it belongs to.
 void PeerHandshake::on_final(const GenericMessage& message) {
-  const auto* awaiting = std::get_if<Awaiting>(&state_);
-  if (awaiting == nullptr) return;
-  for (const auto& answer : awaiting->answers) {
-    const auto handle = answer.handle;
-    const auto step = plugin_.process_handshake(handle, message.data.front());
+  const auto& token = message.data.front();
+  for (auto& answer : answers_) {
+    if (!is_echo_of(answer, token)) continue;
+    const auto step = plugin_.process_handshake(answer.handle, token);
     if (!step || step->result != spi::ValidationResult::ok) continue;
-    state_ = Finished{handle, std::nullopt};
-    next_ = kNever;
-    return;
+    const auto handle = answer.handle;
+    const auto request = answer.request;
+    auto peer_data = std::move(answer.peer_data);
+    std::erase_if(answers_, [&](const auto& a) { return a.handle == handle; });
+    while (!answers_.empty()) drop(answers_.begin());
+    return finish({handle, request, std::nullopt}, std::move(peer_data));
   }
   ++refusals_;
+}
+
+void PeerHandshake::finish(Finished finished, Bytes peer_data) {
+  if (finished_) static_cast<void>(plugin_.return_handshake_handle(finished_->handle));
+  finished_ = std::move(finished);
+  peer_data_ = std::move(peer_data);
+  ++generation_;
+  next_ = kNever;
 }
 
 }  // namespace ddssec::rtps

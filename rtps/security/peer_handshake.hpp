@@ -4,12 +4,11 @@
 #pragma once
 
 #include <memory>
-#include <variant>
 
+#include "base/hash.hpp"
 #include "plugins/spi/authentication.hpp"
 #include "rtps/reliability/stateful_writer.hpp"
 #include "rtps/security/generic_message.hpp"
-#include "rtps/security/work_budget.hpp"
 
 namespace ddssec::rtps {
 
@@ -22,8 +21,17 @@ class MessageNumbers {
   std::int64_t last_ = 0;
 };
 
-/// States: starting -> requesting (we have the lower GUID) or awaiting (the peer has) -> finished,
-/// and failed from each of the first three. A message that is refused changes nothing.
+/// What a message asks for before it can be told from a forged one.
+enum class Effort : std::uint8_t {
+  none,     ///< it fits nothing that we wait for
+  memory,   ///< what we answered before is sent again
+  request,  ///< public-key work for anybody who knows how to ask
+  echo,     ///< public-key work for somebody who heard our last message
+};
+
+/// A message that is refused changes nothing. Requests, ours or the peer's, stand beside a
+/// handshake that is finished: whoever lost the other may authenticate again, and only a new proof
+/// replaces the old one.
 class PeerHandshake {
  public:
   struct Sides {
@@ -43,54 +51,87 @@ class PeerHandshake {
   using Messages = std::vector<GenericMessage>;
   /// What is due goes to `out`.
   void tick(MonotonicTime now, Messages& out);
-  /// A message of class dds.sec.auth that names us as its destination and the peer as its source.
-  void receive(const GenericMessage& message, MonotonicTime now, Messages& out);
+  /// Of a message of class dds.sec.auth that names us as its destination and the peer as its
+  /// source. No public-key work.
+  Effort effort(const GenericMessage& message) const;
+  /// Such a message, once its effort may be spent. False: there was no room for it.
+  bool receive(const GenericMessage& message, MonotonicTime now, Messages& out);
   MonotonicTime next_tick() const { return next_; }
-  bool started() const { return !std::holds_alternative<Starting>(state_); }
+  bool started() const { return started_; }
   /// Starts at that time instead.
   void start_at(MonotonicTime time) { next_ = time; }
+  /// The peer said something: it is worth more than a few repetitions.
+  void note_heard() { heard_ = true; }
+  /// Something of the peer had to be dropped: what waits for an answer is sent again at once.
+  void hasten(MonotonicTime now);
+  /// A new handshake beside the finished one, if we are the side that begins.
+  void begin_again(MonotonicTime now);
+  /// We have the lower GUID (DDS-Security 10.3.3).
+  bool begins() const { return sides_.own_guid < sides_.peer_guid; }
   /// How many messages of the peer the plugin did not take.
   std::uint64_t refusals() const { return refusals_; }
 
-  bool finished() const { return std::holds_alternative<Finished>(state_); }
+  bool finished() const { return finished_.has_value(); }
+  /// How often a handshake was finished.
+  unsigned generation() const { return generation_; }
   /// Why it will never be, if so.
   const std::optional<Error>& failure() const { return failure_; }
   /// Valid when finished.
   spi::HandshakeHandle handle() const;
   /// The peer's, once it was validated; nil before.
   spi::IdentityHandle peer_identity() const { return peer_; }
+  /// The peer's c.pdata, proven when finished; empty before.
+  BytesView peer_data() const { return peer_data_; }
 
   static constexpr MonotonicTime kDelay = std::chrono::milliseconds(10);
+  static constexpr MonotonicTime kFirstResend = std::chrono::milliseconds(300);
   static constexpr MonotonicTime kResend = std::chrono::seconds(1);
   static constexpr MonotonicTime kGiveUp = std::chrono::seconds(100);
-  static constexpr std::size_t kMostAnswers = 4;
-  /// Handshake messages of one peer that are looked at: so many at once, then so many a second.
-  static constexpr int kBurst = 12;
-  static constexpr MonotonicTime kRefill = std::chrono::milliseconds(250);
+  /// Answers to different requests, of which one is honest. One that is younger does not give way,
+  /// so that a final comes in time; one that is older than its life is nobody's.
+  static constexpr std::size_t kMostAnswers = 32;
+  static constexpr std::size_t kMostAnswersPerChallenge = 4;
+  static constexpr MonotonicTime kAnswerAge = std::chrono::milliseconds(50);
+  static constexpr MonotonicTime kAnswerLife = std::chrono::seconds(5);
+  /// Answers that are repeated at once.
+  static constexpr std::size_t kMostRepeated = 4;
+  /// How long a new request beside a finished handshake is repeated.
+  static constexpr MonotonicTime kSecondTry = std::chrono::seconds(5);
 
  private:
+  struct Request {
+    spi::HandshakeHandle handle;
+    GenericMessage message;
+    MonotonicTime until;  ///< not repeated any more; kNever for the first
+  };
   struct Answer {
     spi::HandshakeHandle handle;
     GenericMessage reply;
-  };
-  struct Starting {};
-  struct Requesting {
-    spi::HandshakeHandle handle;
-    GenericMessage request;
-  };
-  struct Awaiting {
-    std::vector<Answer> answers;  ///< to different requests, of which one is honest
+    Sha256Digest request;
+    Bytes challenge;
+    Bytes peer_data;
+    MonotonicTime since;
   };
   struct Finished {
     spi::HandshakeHandle handle;
+    Sha256Digest last;                    ///< the peer's message that we answer again, or request
     std::optional<GenericMessage> final;  ///< ours, if we began
   };
 
   void start(MonotonicTime now, Messages& out);
-  void on_request(const GenericMessage& message, Messages& out);
+  bool make_request(MonotonicTime until);
+  void repeat_answers(Messages& out);
+  void repeat_known(const GenericMessage& message, Messages& out);
+  bool on_request(const GenericMessage& message, MonotonicTime now, Messages& out);
   void on_reply(const GenericMessage& message, Messages& out);
   void on_final(const GenericMessage& message);
-  void answer(spi::Authentication::HandshakeStep step, const MessageIdentity& to, Messages& out);
+  bool make_room(const Bytes& challenge, MonotonicTime now);
+  void drop(std::vector<Answer>::iterator answer);
+  void finish(Finished finished, Bytes peer_data);
+  Answer* answer_to(const Sha256Digest& request);
+  const Answer* answer_to(const Sha256Digest& request) const;
+  bool is_echo_of(const Answer& answer, const spi::Token& final) const;
+  MonotonicTime pause();
   GenericMessage message_of(std::string_view message_class, spi::Token token,
                             const MessageIdentity& related);
   void fail_with(Error error);
@@ -103,9 +144,17 @@ class PeerHandshake {
   MonotonicTime next_;
   spi::IdentityHandle peer_;
   std::optional<GenericMessage> auth_request_;
-  std::variant<Starting, Requesting, Awaiting, Finished> state_;
+  bool started_ = false;
+  bool heard_ = false;
+  bool hastened_ = false;
+  int repetitions_ = 0;
+  std::optional<Request> request_;
+  std::vector<Answer> answers_;  ///< oldest first
+  std::size_t next_answer_ = 0;  ///< to be repeated
+  std::optional<Finished> finished_;
+  unsigned generation_ = 0;
+  Bytes peer_data_;
   std::optional<Error> failure_;
-  WorkBudget budget_;
   std::uint64_t refusals_ = 0;
 };
 

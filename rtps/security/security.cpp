@@ -45,6 +45,14 @@ std::string text_of(const spi::SecurityInfo& info) {
   return hex(info.mask) + " " + hex(info.plugin_mask);
 }
 
+std::unexpected<Error> mismatch(const ParticipantData& data, const spi::SecurityInfo& own) {
+  return fail(Code::rtps_security_info_mismatch,
+              {.document = "participant " + data.guid.to_string(),
+               .field = "participant_security_info",
+               .expected = text_of(own),
+               .found = text_of(data.security_info.value_or(spi::SecurityInfo{}))});
+}
+
 std::vector<std::string_view> views_of(const std::vector<std::string>& texts) {
   return {texts.begin(), texts.end()};
 }
@@ -86,10 +94,14 @@ bool Security::admits_unauthenticated() const {
   return attributes.allow_unauthenticated_participants && !attributes.is_rtps_protected();
 }
 
+bool Security::may_authenticate(const ParticipantData& data) const {
+  return data.identity_token && spi::compatible(spi::security_info(own_->attributes()),
+                                                data.security_info.value_or(spi::SecurityInfo{}));
+}
+
 Security::Verdict Security::judge(const ParticipantData& data) {
   const auto own_info = spi::security_info(own_->attributes());
-  const auto info = data.security_info.value_or(spi::SecurityInfo{});
-  if (data.identity_token && spi::compatible(own_info, info)) return Verdict::authenticate;
+  if (may_authenticate(data)) return Verdict::authenticate;
   if (admits_unauthenticated()) return Verdict::admit_unauthenticated;
   ++counters_.failed;
   const auto guid = data.guid.to_string();
@@ -99,43 +111,72 @@ Security::Verdict Security::judge(const ParticipantData& data) {
                                                             .found = "none"}),
                         {}, guid));
   else
-    events_.raise(
-        Event(Error(Code::rtps_security_info_mismatch, {.document = "participant " + guid,
-                                                        .field = "participant_security_info",
-                                                        .expected = text_of(own_info),
-                                                        .found = text_of(info)}),
-              {}, guid));
+    events_.raise(Event(mismatch(data, own_info).error(), {}, guid));
   return Verdict::refuse;
+}
+
+std::unique_ptr<PeerHandshake> Security::handshake_with(const ParticipantData& data,
+                                                        MonotonicTime now) {
+  return std::make_unique<PeerHandshake>(
+      own_->plugins().authentication,
+      PeerHandshake::Sides{own_->guid(), data.guid, own_->identity(),
+                           data.identity_token.value_or(spi::Token{}),
+                           data.vendor != kVendorFastDds},
+      own_data_, numbers_, now);
 }
 
 void Security::discovered(const ParticipantData& data, const LocatorList& metatraffic,
                           MonotonicTime now) {
   now_ = now;
   const auto prefix = data.guid.prefix;
-  if (peers_.contains(prefix)) return;
-  auto handshake = std::make_unique<PeerHandshake>(
-      own_->plugins().authentication,
-      PeerHandshake::Sides{own_->guid(), data.guid, own_->identity(),
-                           data.identity_token.value_or(spi::Token{}),
-                           data.vendor != kVendorFastDds},
-      own_data_, numbers_, now);
-  peers_.emplace(prefix, Peer{data, metatraffic, std::move(handshake)});
+  if (!peers_.contains(prefix))
+    peers_.emplace(prefix, Peer{data, metatraffic, handshake_with(data, now)});
+}
+
+// Anybody may announce in anybody's name, and may have been the first. So a handshake that failed
+// is begun anew with what is announced now, and one under way is carried on at both addresses.
+void Security::announced_again(const ParticipantData& data, const LocatorList& metatraffic,
+                               MonotonicTime now) {
+  auto* peer = find(data.guid.prefix);
+  if (peer == nullptr || peer->established) return;
+  now_ = now;
+  peer->metatraffic = metatraffic;
+  if (!peer->refused || !starts_.take(now)) return;
+  host_.on_replaced(GuidPrefix(data.guid.prefix));  // it may have been admitted without
+  peer->handshake.reset();                          // gives the identity back
+  peer->handshake = handshake_with(data, now);
+  peer->data = data;
+  peer->generation = 0;
+  peer->refused = false;
 }
 
 void Security::lost(const GuidPrefix& prefix) {
-  keyring_.remove_remote(prefix);
   const auto at = peers_.find(prefix);
-  if (at == peers_.end()) return;
-  if (at->second.permissions)
-    static_cast<void>(
-        own_->plugins().access_control.return_permissions_handle(at->second.permissions));
+  if (at == peers_.end()) return keyring_.remove_remote(prefix);
+  close(at->second);
   fragments_.forget(prefix);
   peers_.erase(at);
+}
+
+void Security::close(Peer& peer) {
+  keyring_.remove_remote(peer.data.guid.prefix);
+  if (peer.permissions)
+    static_cast<void>(own_->plugins().access_control.return_permissions_handle(peer.permissions));
+  peer.permissions = {};
+  peer.volatile_writer.reset();
+  peer.volatile_reader.reset();
+  peer.early.clear();
+  peer.established = peer.authenticated = false;
 }
 
 bool Security::is_authenticated(const GuidPrefix& prefix) const {
   const auto at = peers_.find(prefix);
   return at != peers_.end() && at->second.authenticated;
+}
+
+bool Security::is_authenticating(const GuidPrefix& prefix) const {
+  const auto at = peers_.find(prefix);
+  return at != peers_.end() && !at->second.authenticated && !at->second.refused;
 }
 
 bool Security::has_spoken(const GuidPrefix& prefix) const {
@@ -166,18 +207,49 @@ void Security::on_stateless(const GuidPrefix& source, BytesView payload, Monoton
   const bool ours = message && message->identity.source.prefix == source &&
                     message->destination_participant == own_->guid();
   if (!ours) return;
+  peer->handshake->note_heard();
   if (!std::exchange(peer->spoke, true) && !peer->handshake->started())
     peer->handshake->start_at(now);
-  if (message->message_class != message_class::kAuthentication) return;
-  auto& ration = peer->failed ? second_tries_ : messages_;
-  if (!peer->authenticated && !ration.take(now)) return;
+  if (message->message_class == message_class::kAuthRequest)
+    on_auth_request(*peer);
+  else if (message->message_class == message_class::kAuthentication)
+    on_authentication(*peer, *message);
+}
+
+// It waits for our request. If we are done with it, it may have lost us.
+void Security::on_auth_request(Peer& peer) {
+  if (!peer.handshake->begins()) return;
+  if (!peer.established) return nudge(peer);
+  if (!peer.authenticated || now_ < peer.next_second || !starts_.take(now_)) return;
+  peer.next_second = now_ + kSecondHandshake;
+  peer.handshake->begin_again(now_);
+}
+
+void Security::on_authentication(Peer& peer, const GenericMessage& message) {
+  const auto effort = peer.handshake->effort(message);
+  if (effort == Effort::none) return;
   PeerHandshake::Messages out;
-  peer->handshake->receive(*message, now, out);
-  if (peer->handshake->refusals() > 0 && !peer->established) note_failure(*peer);
+  if (!may_spend(peer, effort) || !peer.handshake->receive(message, now_, out)) return nudge(peer);
+  if (peer.handshake->refusals() > 0 && !peer.established) note_failure(peer);
   // A Final goes out when the keys are ready for what the peer sends next.
-  const bool newly = advance(*peer);
-  if (!peer->refused) send(*peer, out);
-  if (newly) open_volatile(*peer, now);
+  const bool newly = advance(peer);
+  if (!peer.refused) send(peer, out);
+  if (newly) open_volatile(peer, now_);
+}
+
+// Before anything is known to be true, public-key work is rationed. A flood leaves a ration to
+// those who send little; in a flood that is in the name of an honest peer, its messages are taken
+// as often as any other.
+bool Security::may_spend(Peer& peer, Effort effort) {
+  if (effort == Effort::memory) return repetitions_.take(now_);
+  auto& ration = effort == Effort::echo ? echoes_ : requests_;
+  const bool few = peer.few.take(now_) && !peer.failed;
+  return (few ? ration.few : ration.loud).take(now_);
+}
+
+// Its next message may be the lucky one: it gets a reason to send it soon.
+void Security::nudge(Peer& peer) {
+  if (nudges_.take(now_)) peer.handshake->hasten(now_);
 }
 
 void Security::on_stateless_frag(const GuidPrefix& source, const DataFrag& frag,
@@ -187,10 +259,16 @@ void Security::on_stateless_frag(const GuidPrefix& source, const DataFrag& frag,
 }
 
 bool Security::advance(Peer& peer) {
-  if (peer.refused || peer.established) return false;
+  if (peer.refused) return false;
   if (const auto& failure = peer.handshake->failure()) return refuse(peer, *failure);
-  if (!peer.handshake->finished()) return false;
+  if (peer.handshake->generation() == peer.generation) return false;
+  peer.generation = peer.handshake->generation();
+  if (peer.established) {
+    host_.on_replaced(GuidPrefix(peer.data.guid.prefix));
+    close(peer);
+  }
   if (auto status = establish(peer); !status) return refuse(peer, status.error());
+  peer.since = now_;
   return peer.established = true;
 }
 
@@ -211,6 +289,7 @@ void Security::note_failure(Peer& peer) {
 
 Status Security::establish(Peer& peer) {
   auto& [authentication, access_control, cryptography] = own_->plugins();
+  DDSSEC_TRY(adopt_proven_data(peer));
   const auto handle = peer.handshake->handle();
   auto secret = DDSSEC_TRY(authentication.shared_secret(handle));
   const auto credential = DDSSEC_TRY(authentication.authenticated_peer_credential_token(handle));
@@ -223,6 +302,21 @@ Status Security::establish(Peer& peer) {
       prefix, {identity, peer.permissions, std::move(secret), peer.data.vendor != kVendorCyclone}));
   DDSSEC_TRY(keyring_.introduce(kVolatileMessageWriter, {prefix, kVolatileMessageReader}));
   DDSSEC_TRY(keyring_.introduce(kVolatileMessageReader, {prefix, kVolatileMessageWriter}));
+  return {};
+}
+
+// What was announced in the clear anybody could have said; this both sides have signed.
+Status Security::adopt_proven_data(Peer& peer) {
+  const auto proven = read_participant_list(peer.handshake->peer_data(), Endian::big);
+  if (!proven || proven->guid != peer.data.guid)
+    return {};  // without it, what was announced counts
+  const auto own_info = spi::security_info(own_->attributes());
+  const auto info = proven->security_info.value_or(spi::SecurityInfo{});
+  if (!spi::compatible(own_info, info)) return mismatch(*proven, own_info);
+  if (proven->vendor != VendorId{}) peer.data.vendor = proven->vendor;
+  if (proven->permissions_token) peer.data.permissions_token = proven->permissions_token;
+  if (auto proven_at = host_.on_proven(peer.data.guid.prefix, *proven); !proven_at.empty())
+    peer.metatraffic = std::move(proven_at);
   return {};
 }
 
@@ -444,10 +538,16 @@ void Security::tick(MonotonicTime now) {
 
 void Security::tick_handshake(Peer& peer, MonotonicTime now) {
   auto& handshake = *peer.handshake;
+  if (peer.established && !peer.authenticated && now >= peer.since + kConfirmation) {
+    peer.since = now;
+    handshake.begin_again(now);
+  }
   if (now < handshake.next_tick()) return;
-  // Announcements cost their sender nothing; keys cost us something.
-  if (!handshake.started() && !peer.spoke && !starts_.take(now))
-    return handshake.start_at(now + kStartPeriod);
+  // Announcements cost their sender nothing, and words little; keys cost us something.
+  auto& starts = peer.spoke ? spoken_starts_ : starts_;
+  if (!handshake.started() && !starts.take(now)) return handshake.start_at(now + kStartPeriod);
+  const bool is_silent = handshake.started() && !peer.spoke;
+  if (is_silent && !silent_.take(now)) return handshake.start_at(now + PeerHandshake::kResend);
   PeerHandshake::Messages out;
   handshake.tick(now, out);
   send(peer, out);

@@ -7,6 +7,7 @@
 #include "rtps/security/fragment_store.hpp"
 #include "rtps/security/keyring.hpp"
 #include "rtps/security/peer_handshake.hpp"
+#include "rtps/security/work_budget.hpp"
 
 namespace ddssec::rtps {
 
@@ -18,6 +19,10 @@ class SecurityHost {
   virtual void on_authenticated(const GuidPrefix& peer) = 0;
   /// It did not authenticate, or is not allowed to join.
   virtual void on_refused(const GuidPrefix& peer) = 0;
+  /// It authenticated, and this is what it says of itself, proven; where it can be reached.
+  virtual LocatorList on_proven(const GuidPrefix& peer, const ParticipantData& proven) = 0;
+  /// It authenticated once more: nothing that was agreed on before holds any longer.
+  virtual void on_replaced(const GuidPrefix& peer) = 0;
   /// The keys of a pair that was introduced are here.
   virtual void on_keys(const EntityId& local, const Guid& remote) = 0;
   /// What let a peer take part, or us, has ended.
@@ -35,12 +40,28 @@ class Security {
   /// Token messages that are kept for endpoints we do not know yet, of one peer.
   static constexpr std::size_t kMostEarlyTokens = 1024;
   /// Handshakes that we begin with peers that never spoke: so many at once, one each so long.
-  static constexpr int kMostStarts = 64;
-  static constexpr MonotonicTime kStartPeriod = std::chrono::milliseconds(10);
-  /// Handshake messages of all peers that are not authenticated; those of whom something was
-  /// refused share a ration of their own.
+  static constexpr int kMostStarts = 32;
+  static constexpr MonotonicTime kStartPeriod = std::chrono::milliseconds(25);
+  /// Messages repeated to peers that never spoke, of all.
+  static constexpr MonotonicTime kSilentPeriod = std::chrono::milliseconds(200);
+  /// Handshake messages of all peers that cost public-key work.
   static constexpr int kMostMessages = 200;
   static constexpr MonotonicTime kMessagePeriod = std::chrono::microseconds(2500);
+  /// So many messages of one peer count as few.
+  static constexpr int kFewMessages = 12;
+  static constexpr MonotonicTime kFewPeriod = std::chrono::milliseconds(250);
+  /// Those of whom something was refused, or who send more than a few, have rations of their own.
+  static constexpr MonotonicTime kLoudRequestPeriod = std::chrono::microseconds(1500);
+  static constexpr MonotonicTime kLoudEchoPeriod = std::chrono::microseconds(1000);
+  /// Messages that are repeated because something had to be dropped, of all peers.
+  static constexpr int kMostNudges = 20;
+  static constexpr MonotonicTime kNudgePeriod = std::chrono::milliseconds(20);
+  /// Answers known by heart, of all peers.
+  static constexpr MonotonicTime kRepetitionPeriod = std::chrono::milliseconds(2);
+  /// A peer whose keys do not come for so long after its handshake is asked for another.
+  static constexpr MonotonicTime kConfirmation = std::chrono::seconds(10);
+  /// How often a peer that asks again, as if it had forgotten us, is believed.
+  static constexpr MonotonicTime kSecondHandshake = std::chrono::seconds(5);
 
   Security(std::unique_ptr<OwnSecurity> own, MessageSender& sender, SecurityHost& host,
            EventSink& events);
@@ -57,12 +78,21 @@ class Security {
   enum class Verdict { authenticate, admit_unauthenticated, refuse };
   /// What to do with a participant that announced itself; a refusal raises an event.
   Verdict judge(const ParticipantData& data);
+  /// It says that it can, in the way that our governance wants.
+  bool may_authenticate(const ParticipantData& data) const;
   /// Without authentication: only where nothing at all is protected.
   bool admits_unauthenticated() const;
 
   void discovered(const ParticipantData& data, const LocatorList& metatraffic, MonotonicTime now);
+  /// Of a peer that is not authenticated something else was announced: perhaps what is right.
+  void announced_again(const ParticipantData& data, const LocatorList& metatraffic,
+                       MonotonicTime now);
   void lost(const GuidPrefix& peer);
   bool is_authenticated(const GuidPrefix& peer) const;
+  /// It was discovered as one that authenticates, and was not lost since.
+  bool knows(const GuidPrefix& peer) const { return peers_.contains(peer); }
+  /// Its handshake has not come to an end, good or bad.
+  bool is_authenticating(const GuidPrefix& peer) const;
   /// It sent a handshake message once: whoever only announces itself gives way to it.
   bool has_spoken(const GuidPrefix& peer) const;
   const AuthenticationCounters& authentication_counters() const { return counters_; }
@@ -107,10 +137,18 @@ class Security {
     std::unique_ptr<StatefulReader> volatile_reader = {};
     std::vector<GenericMessage> early = {};
     bool established = false;    ///< handshake done, permissions good
+    MonotonicTime since = {};    ///< of that
+    unsigned generation = 0;     ///< which of its handshakes
     bool authenticated = false;  ///< and its participant key is here
     bool refused = false;
     bool spoke = false;
     bool failed = false;  ///< something of it was refused
+    WorkBudget few = {kFewMessages, kFewPeriod, {}};
+    MonotonicTime next_second = {};  ///< handshake beside this one
+  };
+  /// For those who behave, and for the loud.
+  struct Ration {
+    WorkBudget few, loud;
   };
 
   Status check_open(const EntityId& local, const Endpoint& remote) const;
@@ -118,10 +156,17 @@ class Security {
                           const Endpoint& remote) const;
   Result<Admission> check_permissions(const EntityId& local, const Peer& peer,
                                       const Endpoint& remote);
+  std::unique_ptr<PeerHandshake> handshake_with(const ParticipantData& data, MonotonicTime now);
   void send(Peer& peer, const PeerHandshake::Messages& messages);
+  void on_auth_request(Peer& peer);
+  void on_authentication(Peer& peer, const GenericMessage& message);
+  bool may_spend(Peer& peer, Effort effort);
+  void nudge(Peer& peer);
   /// True: the handshake has just succeeded, and the peer may join.
   bool advance(Peer& peer);
   Status establish(Peer& peer);
+  Status adopt_proven_data(Peer& peer);
+  void close(Peer& peer);
   void open_volatile(Peer& peer, MonotonicTime now);
   bool refuse(Peer& peer, const Error& error);
   void note_failure(Peer& peer);
@@ -148,8 +193,12 @@ class Security {
   FragmentStore fragments_;
   AuthenticationCounters counters_;
   WorkBudget starts_{kMostStarts, kStartPeriod, {}};
-  WorkBudget messages_{kMostMessages, kMessagePeriod, {}};
-  WorkBudget second_tries_{kMostMessages, kMessagePeriod, {}};
+  WorkBudget silent_{kMostStarts, kSilentPeriod, {}};
+  WorkBudget spoken_starts_{kMostMessages, kMessagePeriod, {}};
+  Ration requests_{{kMostMessages, kMessagePeriod, {}}, {kMostMessages, kLoudRequestPeriod, {}}};
+  Ration echoes_{{kMostMessages, kMessagePeriod, {}}, {kMostMessages, kLoudEchoPeriod, {}}};
+  WorkBudget repetitions_{kMostMessages, kRepetitionPeriod, {}};
+  WorkBudget nudges_{kMostNudges, kNudgePeriod, {}};
   MonotonicTime now_{};
   MonotonicTime next_expiry_{};
 };

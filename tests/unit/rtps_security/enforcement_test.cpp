@@ -3,7 +3,7 @@
 #include "rtps/wire/gap.hpp"
 #include "rtps/wire/heartbeat.hpp"
 #include "rtps/wire/info_source.hpp"
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -12,18 +12,6 @@ using namespace testing;
 
 constexpr auto kSign = ProtectionKind::sign;
 constexpr auto kEncrypt = ProtectionKind::encrypt;
-
-/// A plain message in somebody's name.
-template <class... S>
-Bytes forged(const GuidPrefix& from, const S&... submessages) {
-  Bytes buffer(65536);
-  SpanWriter out(buffer);
-  Header header;
-  header.prefix = from;
-  write(out, header);
-  (write(out, submessages), ...);
-  return to_bytes(out.view());
-}
 
 struct Matched : Pair {
   explicit Matched(const Rules& rules) : Pair(rules) { EXPECT_TRUE(match()); }

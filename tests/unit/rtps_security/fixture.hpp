@@ -202,15 +202,21 @@ struct World {
   MonotonicTime now = seconds(1);
   Filter filter = {};
 
+  using Traffic = std::vector<std::pair<std::uint32_t, Bytes>>;
+  /// Sees what arrives in one step, by port, and may add to it or change its order.
+  std::function<void(Traffic&)> attack = {};
+
   void run(int steps = 60) {
     for (int i = 0; i < steps; ++i) {
+      Traffic traffic;
       for (auto* from : nodes)
-        for (auto& [port, octets] : std::exchange(from->post.sent, {})) {
-          const auto datagrams = filter ? filter(*from, std::move(octets)) : one(std::move(octets));
-          for (auto* to : nodes)
-            if (to->port == port)
-              for (const auto& datagram : datagrams) (*to)->receive(datagram, now);
-        }
+        for (auto& [port, octets] : std::exchange(from->post.sent, {}))
+          for (auto& datagram : filter ? filter(*from, std::move(octets)) : one(std::move(octets)))
+            traffic.emplace_back(port, std::move(datagram));
+      if (attack) attack(traffic);
+      for (const auto& [port, datagram] : traffic)
+        for (auto* to : nodes)
+          if (to->port == port) (*to)->receive(datagram, now);
       now += milliseconds(10);
       for (auto* node : nodes) (*node)->tick(now);
     }

@@ -1,0 +1,104 @@
+// Announcements, disposes and leases in the name of a peer, before and while it authenticates.
+#include "tests/unit/rtps_security/attacker.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+/// Joins although `first` came before anything that the other said.
+void expect_joined_after(const std::function<ParticipantData(const GuidPrefix&)>& first) {
+  Pair pair({});
+  pair.a->receive(announcement(first(pair.b->prefix())), pair.world.now);
+  pair.b->receive(announcement(first(pair.a->prefix())), pair.world.now);
+  const auto begin = pair.world.now;
+  EXPECT_TRUE(pair.world.run_until([&] { return know_each_other(pair); }, 500));
+  EXPECT_LT(pair.world.now - begin, seconds(2));
+  pair.create_endpoints();
+  EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.matched == 1; }, 300));
+}
+
+TEST(ForgedAnnouncement, OfAnotherAddressDoesNotKeepThePeerOut) {
+  expect_joined_after([](const GuidPrefix& name) { return secured_data(name); });
+}
+
+TEST(ForgedAnnouncement, WithoutATokenDoesNotKeepThePeerOut) {
+  expect_joined_after([](const GuidPrefix& name) {
+    auto data = secured_data(name);
+    data.identity_token.reset();
+    data.lease_duration = kDurationInfinite;
+    return data;
+  });
+}
+
+TEST(ForgedAnnouncement, OfOtherProtectionDoesNotKeepThePeerOut) {
+  expect_joined_after([](const GuidPrefix& name) {
+    auto data = secured_data(name);
+    data.security_info->mask |= 1;
+    return data;
+  });
+}
+
+TEST(ForgedAnnouncement, WithATokenThatCannotBeDoesNotKeepThePeerOut) {
+  expect_joined_after([](const GuidPrefix& name) {
+    auto data = secured_data(name);
+    data.identity_token->class_id = "DDS:Auth:Nothing:9.9";
+    return data;
+  });
+}
+
+// A vendor that would let clear messages end it, and none of the endpoints.
+TEST(ForgedAnnouncement, OfAnotherVendorAndNoEndpointsIsForgottenOnceThePeerHasProvenItself) {
+  Pair pair({});
+  auto data = secured_data(pair.a->prefix());
+  data.vendor = kVendorFastDds;
+  data.builtin_endpoints = 0;
+  pair.b->receive(announcement(data), pair.world.now);
+  ASSERT_TRUE(pair.match());
+  const Guid victim{pair.a->prefix(), kEntityIdParticipant};
+  pair.b->receive(forged(victim.prefix, Data{kSpdpReader,
+                                             kSpdpWriter,
+                                             {9},
+                                             {victim.octets(), {true, true}},
+                                             PayloadKind::none,
+                                             {}}),
+                  pair.world.now);
+  pair.world.filter = [](const Node&, Bytes) { return std::vector<Bytes>{}; };
+  pair.world.run(500);
+  EXPECT_EQ(pair.b.listener.matched, 1);
+}
+
+// Every few milliseconds: it left, and its lease is over (T20).
+TEST(ForgedAnnouncement, DisposesAndEmptyLeasesDoNotStopAHandshake) {
+  Pair pair({});
+  pair.world.attack = [&](World::Traffic& traffic) {
+    for (auto* victim : {&pair.a, &pair.b}) {
+      const auto& prefix = (*victim)->prefix();
+      const auto to = victim == &pair.a ? pair.b.port : pair.a.port;
+      auto data = secured_data(prefix, static_cast<std::uint16_t>(victim->port));
+      data.lease_duration = Duration{{0, 1}};
+      const Guid guid{prefix, kEntityIdParticipant};
+      traffic.emplace_back(to, announcement(data));
+      traffic.emplace_back(to, forged(prefix, Data{kSpdpReader,
+                                                   kSpdpWriter,
+                                                   {9},
+                                                   {guid.octets(), {true, true}},
+                                                   PayloadKind::none,
+                                                   {}}));
+    }
+  };
+  // The first messages of the handshake get lost, so that the rest has to wait.
+  int lost = 0;
+  pair.world.filter = [&](const Node&, Bytes datagram) {
+    const bool spdp = datagram.size() > 30 && lost++ % 3 == 0;
+    return spdp ? std::vector<Bytes>{} : one(std::move(datagram));
+  };
+  EXPECT_TRUE(pair.world.run_until([&] { return know_each_other(pair); }, 200));
+  pair.create_endpoints();
+  EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.matched == 1; }, 500));
+  pair.world.run(200);
+  EXPECT_EQ(pair.b.listener.matched, 1);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps

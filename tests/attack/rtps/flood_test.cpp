@@ -1,0 +1,224 @@
+// Floods against secured participants that authenticate: memory is bounded, public-key work is
+// rationed before it is done, and an honest peer joins within two seconds of simulated time, also
+// when the flood is in its own name.
+#include <malloc.h>
+
+#include "tests/unit/rtps_security/attacker.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+constexpr int kPerStep = 100;  // of 10 ms: 10,000 a second
+
+// 100,000 participants that do not exist, 10,000 a second (T22).
+TEST(Flood, AnHonestPeerJoinsAmongFakeParticipants) {
+  Pair pair({});
+  std::uint32_t fakes = 0;
+  const auto step = [&] {
+    for (int i = 0; i < kPerStep; ++i) pair.a->receive(fake_announcement(fakes++), pair.world.now);
+    pair.world.run(1);
+  };
+  pair.world.nodes = {&pair.a};
+  while (fakes < 50'000) step();
+  EXPECT_LE(pair.a->remote_participants(), Participant::kMostParticipants);
+  pair.world.nodes = {&pair.a, &pair.b};
+  const auto begin = pair.world.now;
+  while (!know_each_other(pair) && fakes < 90'000) step();
+  EXPECT_TRUE(know_each_other(pair));
+  EXPECT_LT(pair.world.now - begin, seconds(2));
+  while (fakes < 100'000) step();
+  EXPECT_TRUE(know_each_other(pair));
+  EXPECT_LE(pair.a->remote_participants(), Participant::kMostParticipants);
+}
+
+spi::Token bogus_request(std::uint32_t i) {
+  Bytes certificate(900, 0x41);
+  certificate[i % 900] ^= static_cast<std::uint8_t>(i >> 10);
+  return {"DDS:Auth:PKI-DH:1.0+Req", {}, {{"c.id", certificate}}};
+}
+
+// From a hundred announced participants (T33).
+TEST(Flood, BogusHandshakesAreRationedAndAnHonestPeerJoins) {
+  Pair pair({});
+  const auto& target = pair.a->prefix();
+  pair.world.nodes = {&pair.a};
+  pair.world.run(2);
+  for (std::uint32_t i = 0; i < 100; ++i) pair.a->receive(fake_announcement(i), pair.world.now);
+  pair.world.nodes = {&pair.a, &pair.b};
+  std::uint32_t sent = 0;
+  const auto flood = [&] {
+    for (std::uint32_t i = 0; i < 100; ++i)
+      pair.a->receive(handshake_message(fake_prefix(i), target, bogus_request(sent++)),
+                      pair.world.now);
+    pair.world.run(1);
+  };
+  const auto begin = pair.world.now;
+  while (!know_each_other(pair) && pair.world.now - begin < seconds(5)) flood();
+  EXPECT_TRUE(know_each_other(pair));
+  EXPECT_LT(pair.world.now - begin, seconds(2));
+  // Far fewer refusals than messages: the rest was not looked at.
+  const auto looked_at = pair.a.events.seen.size();
+  for (int round = 0; round < 100; ++round) flood();
+  EXPECT_LT(pair.a.events.seen.size() - looked_at, 1000u);
+}
+
+// Every refusal, and still nothing grows (T32).
+TEST(Flood, TenThousandFailingHandshakesLeaveNothingBehind) {
+  Pair pair({});
+  pair.world.nodes = {&pair.a};
+  std::uint32_t sent = 0;
+  const auto in_use = [] { return static_cast<std::ptrdiff_t>(::mallinfo2().uordblks); };
+  const auto flood = [&](int messages) {
+    for (int i = 0; i < messages; ++i, ++sent) {
+      const auto from = fake_prefix(sent % 700);
+      pair.a->receive(fake_announcement(sent % 700), pair.world.now);
+      pair.a->receive(handshake_message(from, pair.a->prefix(), bogus_request(sent)),
+                      pair.world.now);
+      if (sent % 50 == 0) pair.world.run(1);
+      pair.a.events.seen.clear();
+    }
+  };
+  flood(5'000);
+  const auto before = in_use();
+  flood(5'000);
+  EXPECT_LT(in_use() - before, 512 << 10);
+}
+
+/// In the names of both, to both, so many messages a second in random order.
+class OwnNameFlood {
+ public:
+  /// Which of the two begins is a matter of their names.
+  explicit OwnNameFlood(Pair& pair, std::uint32_t seed)
+      : pair_(pair),
+        begins_(pair.a->prefix() < pair.b->prefix() ? pair.a : pair.b),
+        answers_(&begins_ == &pair.a ? pair.b : pair.a),
+        random_(seed) {}
+
+  using Forge = std::function<std::optional<spi::Token>(std::mt19937&)>;
+  void to_the_one_who_answers(Forge forge) { to_answerer_.push_back(std::move(forge)); }
+  void to_the_one_who_begins(Forge forge) { to_beginner_.push_back(std::move(forge)); }
+
+  /// How long it took; nothing if it never happened.
+  std::optional<MonotonicTime> until_they_know_each_other() {
+    pair_.world.attack = [this](World::Traffic& traffic) {
+      for (const auto& [port, datagram] : traffic) ears_.hear(datagram);
+      add(traffic, answers_, begins_, to_answerer_);
+      add(traffic, begins_, answers_, to_beginner_);
+      std::ranges::shuffle(traffic, random_);
+    };
+    const auto begin = pair_.world.now;
+    if (!pair_.world.run_until([&] { return know_each_other(pair_); }, 1000)) return std::nullopt;
+    return pair_.world.now - begin;
+  }
+  const Eavesdropper& ears() const { return ears_; }
+
+ private:
+  void add(World::Traffic& traffic, Node& to, Node& from, const std::vector<Forge>& forges) {
+    for (int i = 0; i < kPerStep && !forges.empty(); ++i)
+      if (auto token = forges[static_cast<std::size_t>(i) % forges.size()](random_))
+        traffic.emplace_back(to.port,
+                             handshake_message(from->prefix(), to->prefix(), std::move(*token)));
+  }
+
+  Pair& pair_;
+  Node& begins_;
+  Node& answers_;
+  std::mt19937 random_;
+  Eavesdropper ears_;
+  std::vector<Forge> to_answerer_, to_beginner_;
+};
+
+void scramble(Bytes& octets, std::mt19937& random) {
+  for (auto& octet : octets) octet = static_cast<std::uint8_t>(random());
+}
+
+// Somebody who heard another handshake and not this one.
+TEST(Flood, InThePeersOwnNameByOneWhoHearsNothing) {
+  Eavesdropper other;
+  {
+    Pair before({});
+    before.world.filter = [&](const Node&, Bytes datagram) {
+      other.hear(datagram);
+      return one(std::move(datagram));
+    };
+    ASSERT_TRUE(before.world.run_until([&] { return know_each_other(before); }));
+  }
+  Pair pair({});
+  OwnNameFlood flood(pair, 1);
+  for (const auto* kind : {"+Req", "+Final"})
+    flood.to_the_one_who_answers([&other, kind](std::mt19937& random) {
+      auto token = *other.heard(kind);
+      scramble(*field(token, "challenge1"), random);
+      return std::optional(token);
+    });
+  flood.to_the_one_who_begins([&other](std::mt19937& random) {
+    auto token = *other.heard("+Reply");
+    scramble(*field(token, "challenge1"), random);
+    return std::optional(token);
+  });
+  const auto took = flood.until_they_know_each_other();
+  ASSERT_TRUE(took);
+  EXPECT_LT(*took, seconds(2));
+}
+
+// Somebody who hears every message before it arrives, and has everything but the keys.
+TEST(Flood, InThePeersOwnNameByOneWhoHearsAll) {
+  for (std::uint32_t seed = 1; seed <= 3; ++seed) {
+    Pair pair({});
+    OwnNameFlood flood(pair, seed);
+    const auto& ears = flood.ears();
+    flood.to_the_one_who_answers([&](std::mt19937& random) -> std::optional<spi::Token> {
+      if (ears.heard("+Req") == nullptr) return std::nullopt;
+      auto token = *ears.heard("+Req");  // as good as the honest one, until its Final is asked for
+      scramble(*field(token, "challenge1"), random);
+      return token;
+    });
+    flood.to_the_one_who_answers([&](std::mt19937& random) -> std::optional<spi::Token> {
+      const auto* reply = ears.heard("+Reply");
+      if (reply == nullptr) return std::nullopt;
+      spi::Token token{"DDS:Auth:PKI-DH:1.0+Final", {}, {}};
+      for (const auto& property : reply->binary_properties)
+        if (!property.name.starts_with("c.")) token.binary_properties.push_back(property);
+      (*field(token, "signature"))[20] = static_cast<std::uint8_t>(random());
+      return token;
+    });
+    flood.to_the_one_who_begins([&](std::mt19937& random) -> std::optional<spi::Token> {
+      if (ears.heard("+Reply") == nullptr) return std::nullopt;
+      auto token = *ears.heard("+Reply");
+      (*field(token, "signature"))[20] ^= static_cast<std::uint8_t>(1 + random() % 255);
+      return token;
+    });
+    const auto took = flood.until_they_know_each_other();
+    ASSERT_TRUE(took) << seed;
+    EXPECT_LT(*took, seconds(2)) << seed;
+  }
+}
+
+// Announcements in the names of others make nobody send much to whom they name (T60).
+TEST(Flood, IsNotReflected) {
+  Pair pair({});
+  pair.world.nodes = {&pair.a};
+  std::size_t in = 0, out = 0;
+  const auto run = [&](int steps) {
+    for (int i = 0; i < steps; ++i) {
+      for (const auto& [port, octets] : pair.a.post.sent) out += port == 7999 ? octets.size() : 0;
+      pair.world.run(1);
+    }
+  };
+  run(1);
+  for (std::uint32_t fake = 0; fake < 10'000; ++fake) {
+    const auto datagram = fake_announcement(fake);
+    in += datagram.size();
+    pair.a->receive(datagram, pair.world.now);
+    if (fake % 10 == 9) run(1);
+  }
+  run(12'000);  // the leases of those who are left end
+  EXPECT_GT(out, 0u);
+  EXPECT_LT(out, 3 * in);
+  EXPECT_EQ(pair.a->remote_participants(), 0u);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps

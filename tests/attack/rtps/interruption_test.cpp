@@ -1,0 +1,65 @@
+// A side that starts again, or forgets the other, at any time (T30).
+#include "tests/unit/rtps_security/attacker.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+std::vector<Bytes> nothing() { return {}; }
+
+// At every step of the handshake either side starts again, with another GUID.
+TEST(Interruption, ARestartAtAnyStepIsFollowedByAnotherHandshake) {
+  const auto alice = properties_of("CN=alice,O=Example", {});
+  const auto bob = properties_of("CN=bob,O=Example", {});
+  for (int step = 1; step <= 8; ++step)
+    for (const bool first : {false, true}) {
+      auto a = std::make_unique<Node>(1, alice);
+      auto b = std::make_unique<Node>(2, bob);
+      World world{.nodes = {a.get(), b.get()}};
+      world.run(step);
+      auto& restarted = first ? a : b;
+      restarted = std::make_unique<Node>(3, first ? alice : bob);
+      world.nodes = {a.get(), b.get()};
+      const auto begin = world.now;
+      ASSERT_TRUE(world.run_until([&] { return a->knows(*b) && b->knows(*a); }, 1000)) << step;
+      EXPECT_LT(world.now - begin, seconds(4)) << step << (first ? " a" : " b");
+    }
+}
+
+// Whatever `one` sends is lost until the other has given it up; the other is heard all the time.
+void expect_recovery(bool a_is_unheard, int steps_before) {
+  Pair pair({});
+  auto& unheard = a_is_unheard ? pair.a : pair.b;
+  auto& deaf = a_is_unheard ? pair.b : pair.a;
+  pair.create_endpoints();
+  pair.world.run(steps_before);
+  pair.world.filter = [&](const Node& from, Bytes datagram) {
+    return &from == &unheard ? nothing() : one(std::move(datagram));
+  };
+  ASSERT_TRUE(pair.world.run_until([&] { return deaf->remote_participants() == 0; }, 3000));
+  pair.world.filter = {};
+  const auto begin = pair.world.now;
+  EXPECT_TRUE(pair.world.run_until(
+      [&] {
+        return know_each_other(pair) && pair.a.listener.matched == 1 &&
+               pair.b.listener.matched == 1;
+      },
+      3000));
+  EXPECT_LT(pair.world.now - begin, seconds(12)) << a_is_unheard << " " << steps_before;
+  pair.b.listener.changes.clear();
+  pair.write();
+  EXPECT_TRUE(pair.world.run_until([&] { return !pair.b.listener.changes.empty(); }, 500));
+}
+
+TEST(Interruption, WhoeverWasForgottenWhileItRemembersAuthenticatesAgain) {
+  for (const bool a_is_unheard : {false, true}) expect_recovery(a_is_unheard, 200);
+}
+
+TEST(Interruption, ALeaseThatEndsInTheMiddleOfAHandshakeIsNoEnd) {
+  for (const bool a_is_unheard : {false, true})
+    for (int step = 2; step <= 7; ++step) expect_recovery(a_is_unheard, step);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps

@@ -1,0 +1,112 @@
+// What somebody without keys can do to two secured participants: hear all, and send in any name.
+#pragma once
+
+#include <algorithm>
+#include <random>
+
+#include "rtps/wire/message_reader.hpp"
+#include "tests/unit/rtps_security/fixture.hpp"
+
+namespace ddssec::rtps::testing {
+
+/// A plain message in somebody's name.
+template <class... S>
+Bytes forged(const GuidPrefix& from, const S&... submessages) {
+  Bytes buffer(65536);
+  SpanWriter out(buffer);
+  Header header;
+  header.prefix = from;
+  write(out, header);
+  (write(out, submessages), ...);
+  return to_bytes(out.view());
+}
+
+inline Bytes stateless(const GuidPrefix& from, const GenericMessage& message) {
+  const auto payload = write_generic_message(message);
+  return forged(
+      from,
+      Data{kStatelessMessageReader, kStatelessMessageWriter, {1}, {}, PayloadKind::data, payload});
+}
+
+/// A handshake message of `from` to `to`.
+inline Bytes handshake_message(const GuidPrefix& from, const GuidPrefix& to, spi::Token token,
+                               std::string_view message_class = message_class::kAuthentication) {
+  GenericMessage message;
+  message.identity = {{from, kStatelessMessageWriter}, 99};
+  message.destination_participant = {to, kEntityIdParticipant};
+  message.message_class = message_class;
+  message.data = {std::move(token)};
+  return stateless(from, message);
+}
+
+inline Bytes announcement(const ParticipantData& data) {
+  Bytes buffer(4096);
+  SpanWriter out(buffer);
+  write_payload(out, data);
+  return forged(data.guid.prefix,
+                Data{kSpdpReader, kSpdpWriter, {1}, {}, PayloadKind::data, out.view()});
+}
+
+inline GuidPrefix fake_prefix(std::uint32_t i) {
+  GuidPrefix prefix;
+  prefix.octets[0] = static_cast<std::uint8_t>(0x80 | (i & 0x7f));
+  for (std::size_t octet = 0; octet < 4; ++octet)
+    prefix.octets[octet + 2] = static_cast<std::uint8_t>(i >> (8 * octet));
+  return prefix;
+}
+
+/// What a secured participant of that name would say in a domain where nothing is protected.
+inline ParticipantData secured_data(const GuidPrefix& prefix, std::uint16_t port = 7999) {
+  ParticipantData data;
+  data.guid = {prefix, kEntityIdParticipant};
+  data.builtin_endpoints = builtin_endpoints::kWithSecurity;
+  data.metatraffic_unicast = {*Locator::parse("127.0.0.1", port)};
+  data.identity_token = spi::Token{"DDS:Auth:PKI-DH:1.0", {}, {}};
+  data.permissions_token = spi::Token{"DDS:Access:Permissions:1.0", {}, {}};
+  data.security_info = spi::security_info(spi::ParticipantSecurityAttributes{});
+  return data;
+}
+
+/// An announcement of somebody who will never prove anything.
+inline Bytes fake_announcement(std::uint32_t i) {
+  return announcement(secured_data(fake_prefix(i)));
+}
+
+/// Every handshake token that was sent, the latest of its kind.
+class Eavesdropper {
+ public:
+  void hear(BytesView datagram) {
+    auto reader = MessageReader::open(datagram);
+    while (reader) {
+      const auto view = reader->next();
+      if (!view || !*view) return;
+      if ((*view)->id != SubmessageId::data) continue;
+      const auto data = read_data(**view);
+      if (!data || data->writer != kStatelessMessageWriter) continue;
+      const auto message = read_generic_message(data->payload);
+      if (message && message->data.size() == 1) note(message->data.front());
+    }
+  }
+  /// "+Req", "+Reply", "+Final"; nullptr: not heard yet.
+  const spi::Token* heard(std::string_view kind) const {
+    const auto at = heard_.find(std::string(kind));
+    return at == heard_.end() ? nullptr : &at->second;
+  }
+
+ private:
+  void note(const spi::Token& token) {
+    const auto plus = token.class_id.rfind('+');
+    if (plus != std::string::npos) heard_[token.class_id.substr(plus)] = token;
+  }
+  std::map<std::string, spi::Token> heard_;
+};
+
+inline Bytes* field(spi::Token& token, std::string_view name) {
+  for (auto& property : token.binary_properties)
+    if (property.name == name) return &property.value;
+  return nullptr;
+}
+
+inline bool know_each_other(Pair& pair) { return pair.a.knows(pair.b) && pair.b.knows(pair.a); }
+
+}  // namespace ddssec::rtps::testing
