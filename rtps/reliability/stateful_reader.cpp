@@ -221,8 +221,9 @@ void StatefulReader::acknowledge(WriterProxy& proxy, SequenceNumber last) {
       missing.insert(number);
   sender_.add(proxy.destination(), AckNack{guid_.entity, proxy.writer.guid.entity, missing,
                                            ++proxy.count, missing.empty()});
-  for (const auto& partial : proxy.partial)
-    if (partial.number() <= last) ask_for_fragments(proxy, partial);
+  // Of one sample at a time: each answer ends with a heartbeat, which brings the next question.
+  if (!proxy.partial.empty() && proxy.partial.front().number() <= last)
+    ask_for_fragments(proxy, proxy.partial.front());
   sender_.flush();
 }
 

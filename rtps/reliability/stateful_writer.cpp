@@ -31,6 +31,9 @@ constexpr std::size_t kOctetsPerAnswer = 128 << 10;
 constexpr std::uint32_t kFragmentsPerAnswer = 8;
 // Requests that crossed the answer on the way are not answered again.
 constexpr MonotonicTime kAnswerTime = milliseconds(2);
+// The next portion goes out after this time also if nobody asks: Cyclone DDS asks ten times a
+// second.
+constexpr MonotonicTime kRepairPause = milliseconds(1);
 
 int samples_per_question(const Qos& qos) {
   if (qos.history.kind == HistoryKind::keep_last) return kMostSamplesPerQuestion;
@@ -87,7 +90,7 @@ void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
   unmatch(reader.guid);
   const auto next = history_.last().next();
   const bool history = reader.wants_history && qos_.durability >= DurabilityKind::transient_local;
-  ReaderProxy proxy{std::move(reader), history ? history_.first() : next, {}, 0, 0, {}, {}};
+  ReaderProxy proxy{std::move(reader), history ? history_.first() : next, {}, 0, 0, {}, {}, {}};
   proxy.acknowledged = proxy.first_relevant.previous();
   readers_.push_back(std::move(proxy));
   rebuild_locators();
@@ -294,25 +297,55 @@ void StatefulWriter::on_nack_frag(const GuidPrefix& from, const NackFrag& nack, 
   if (nack.count - proxy->last_frag_count <= 0 && proxy->last_frag_count != 0) return;
   proxy->last_frag_count = nack.count;
   be_attentive(now);
-  const auto* change = history_.find(nack.sequence_number);
-  if (change == nullptr) {
-    sender_.add(proxy->destination(), Gap{nack.reader, guid_.entity, nack.sequence_number,
-                                          SequenceNumberSet(nack.sequence_number.next())});
-  } else {
-    std::uint32_t sent = 0;
-    nack.missing.for_each([&](FragmentNumber number) {
-      if (sent++ < kFragmentsPerAnswer)
-        send_fragment(proxy->destination(), nack.reader, *change, number);
-    });
-    // The reader can ask for the next ones at once.
-    send_heartbeat(proxy->destination(), nack.reader,
-                   std::max(history_.first(), proxy->first_relevant), false);
-  }
+  auto& repair = proxy->repair;
+  const bool crossed = nack.sequence_number == repair.sample &&
+                       nack.missing.base() == repair.missing.base() &&
+                       now - repair.begun < kAnswerTime;
+  if (crossed) return;
+  repair = {nack.sequence_number, nack.missing, nack.missing.base(), now, kNever};
+  continue_repair(*proxy, now);
   sender_.flush();
 }
 
+// A portion, and a heartbeat: the reader can ask for the next ones at once.
+void StatefulWriter::continue_repair(ReaderProxy& proxy, MonotonicTime now) {
+  auto& repair = proxy.repair;
+  const auto to = proxy.destination();
+  const auto& reader = proxy.reader.guid.entity;
+  repair.due = kNever;
+  if (proxy.acknowledged >= repair.sample) return;
+  const auto* change = history_.find(repair.sample);
+  if (change == nullptr) {
+    sender_.add(to,
+                Gap{reader, guid_.entity, repair.sample, SequenceNumberSet(repair.sample.next())});
+    return;
+  }
+  std::uint32_t sent = 0;
+  repair.missing.for_each([&](FragmentNumber number) {
+    if (number < repair.next) return;
+    if (sent++ >= kFragmentsPerAnswer) return;
+    send_fragment(to, reader, *change, number);
+    repair.next = {number.value + 1};
+  });
+  send_heartbeat(to, reader, std::max(history_.first(), proxy.first_relevant), false);
+  if (sent <= kFragmentsPerAnswer) return;
+  repair.due = now + kRepairPause;
+  call_at(repair.due);
+}
+
+MonotonicTime StatefulWriter::next_tick() const {
+  auto next = next_heartbeat_;
+  for (const auto& proxy : readers_) next = std::min(next, proxy.repair.due);
+  return next;
+}
+
 void StatefulWriter::tick(MonotonicTime now) {
-  if (now < next_heartbeat_) return call_at(next_heartbeat_);
+  for (auto& proxy : readers_)
+    if (now >= proxy.repair.due) continue_repair(proxy, now);
+  if (now < next_heartbeat_) {
+    sender_.flush();
+    return call_at(next_tick());
+  }
   for (const auto& proxy : readers_) {
     if (!proxy.reader.reliable || proxy.reader.in_process || proxy.acknowledged >= history_.last())
       continue;
@@ -322,6 +355,7 @@ void StatefulWriter::tick(MonotonicTime now) {
   sender_.flush();
   if (++unanswered_ > kUnansweredBeforeSlower) period_ = std::min(period_ * 2, kLongestPeriod);
   heartbeat_at(all_acknowledged() ? kNever : now + period_);
+  call_at(next_tick());
 }
 
 bool StatefulWriter::is_ahead() const {

@@ -67,7 +67,7 @@ class StatefulWriter final : private Timed {
   void on_nack_frag(const GuidPrefix& from, const NackFrag& nack, MonotonicTime now);
   /// Heartbeats that are due.
   void tick(MonotonicTime now);
-  MonotonicTime next_tick() const { return next_heartbeat_; }
+  MonotonicTime next_tick() const;
   /// `f` whenever a reader of this process took what it had refused, or ended.
   void on_acknowledged(std::function<void()> f) { on_acknowledged_ = std::move(f); }
   /// Both must be matched with in_process; then the reader is fed directly until either unmatches
@@ -84,6 +84,14 @@ class StatefulWriter final : private Timed {
   bool all_acknowledged() const;
 
  private:
+  /// Fragments that a reader asked for and gets in portions.
+  struct Repair {
+    SequenceNumber sample;
+    FragmentNumberSet missing;
+    FragmentNumber next;
+    MonotonicTime begun{};
+    MonotonicTime due = kNever;  ///< the next portion; nothing is left: never
+  };
   struct ReaderProxy {
     MatchedReader reader;
     SequenceNumber first_relevant;  ///< what a late joiner does not get lies below
@@ -92,6 +100,7 @@ class StatefulWriter final : private Timed {
     std::int32_t last_frag_count = 0;
     SequenceNumber last_answered;  ///< base of the request that was answered last, and when
     MonotonicTime last_answer{};
+    Repair repair;
     StatefulReader* local = nullptr;
     Destination destination() const { return {reader.guid.prefix, reader.locators}; }
   };
@@ -109,6 +118,7 @@ class StatefulWriter final : private Timed {
                       bool is_final, bool asserts_liveliness = false);
   bool wants_acknowledgments(std::size_t written, const KeyHash& instance);
   bool is_hurried(MonotonicTime now);
+  void continue_repair(ReaderProxy& proxy, MonotonicTime now);
   void be_attentive(MonotonicTime now);
   bool answer_requests(ReaderProxy& proxy, const SequenceNumberSet& missing, MonotonicTime now);
   void schedule_heartbeat(MonotonicTime now);

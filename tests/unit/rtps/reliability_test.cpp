@@ -180,6 +180,40 @@ TEST(Reliability, LargeSamplesComeInFragmentsAndAreRepairedSelectively) {
   }
 }
 
+// Cyclone DDS asks for 256 fragments and then not again for 100 ms.
+TEST(Reliability, OneRequestIsAnsweredInPortionsWithoutAnother) {
+  Pair pair(keep_all());
+  pair.match();
+  pair.run(3);
+  pair.write(Bytes(1'000'000));
+  pair.net.a.sent.clear();
+  FragmentNumberSet all(FragmentNumber{1});
+  for (std::uint32_t i = 1; i <= 70; ++i) all.insert({i});
+  pair.writer.on_nack_frag(kB, {testing::kReader, testing::kWriter, {1}, all, 1}, pair.now);
+  std::size_t most = 0;
+  for (int i = 0; i < 12; ++i) {
+    most = std::max(most, pair.net.a.sent.size());
+    pair.net.carry(pair.net.a, [&](const Bytes& message) { pair.receive(message); });
+    pair.net.b.sent.clear();
+    pair.now += milliseconds(1);
+    pair.writer.tick(pair.now);
+  }
+  EXPECT_EQ(pair.delivered.size(), 1u);
+  EXPECT_LE(most, 10u) << "a portion at a time";
+}
+
+TEST(Reliability, RepairOfSeveralLargeSamplesStaysInProportion) {
+  Pair pair(keep_all());
+  pair.match();
+  pair.run(3);
+  pair.net.messages = 0;
+  pair.net.loss_percent = 30;
+  for (int i = 0; i < 4; ++i) pair.write(Bytes(1'000'000));
+  pair.run(1000);
+  ASSERT_THAT(pair.numbers(), ElementsAre(1, 2, 3, 4));
+  EXPECT_LT(pair.net.messages, 2 * 4 * 70u);
+}
+
 TEST(Reliability, ALateJoinerOfAVolatileWriterGetsOnlyWhatIsNew) {
   Pair pair(keep_all());
   for (int i = 0; i < 5; ++i) pair.write({1});
