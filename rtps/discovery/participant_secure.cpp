@@ -41,7 +41,10 @@ void Participant::announce_securely(bool leaving) {
     change.status = {true, true};
     write_participant_key(payload, guid);
   } else {
-    write_payload(payload, own_data());
+    auto own = own_data();
+    own.entity_name = config_.entity_name;
+    own.user_data = config_.user_data;
+    write_payload(payload, own);
   }
   change.payload = Payload::copy_of(payload.view());
   builtin_.writer(BuiltinTopic::participants_secure).write(std::move(change), now_);
@@ -59,6 +62,7 @@ void Participant::on_secure_participant(const Change& change) {
     return;
   }
   remote->second.data.user_data = std::move(data->user_data);
+  remote->second.data.entity_name = std::move(data->entity_name);
   remote->second.data.lease_duration = data->lease_duration;
 }
 

@@ -49,8 +49,11 @@ ParticipantData Participant::own_data() const {
   own.metatraffic_unicast = config_.metatraffic_unicast;
   own.metatraffic_multicast = config_.metatraffic_multicast;
   own.default_unicast = config_.default_unicast;
-  own.entity_name = config_.entity_name;
-  own.user_data = config_.user_data;
+  // Where discovery is protected the rest is for DCPSParticipantsSecure alone.
+  if (!security_ || !security_->own().attributes().is_discovery_protected()) {
+    own.entity_name = config_.entity_name;
+    own.user_data = config_.user_data;
+  }
   if (security_) {
     own.identity_token = security_->own().identity_token();
     own.permissions_token = security_->own().permissions_token();

@@ -1,0 +1,191 @@
+// Against participants that know each other: replays, keys by the wrong way, claims to be another
+// writer, octets that are cut or lie about lengths, and what is readable for everybody.
+#include "tests/unit/rtps_security/attacker.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+constexpr auto kSign = ProtectionKind::sign;
+constexpr auto kEncrypt = ProtectionKind::encrypt;
+constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
+
+bool is_announcement(BytesView datagram) {
+  auto reader = MessageReader::open(datagram);
+  while (reader) {
+    const auto view = reader->next();
+    if (!view || !*view) return false;
+    if ((*view)->id != SubmessageId::data) continue;
+    const auto data = read_data(**view);
+    if (data && data->writer == kSpdpWriter) return true;
+  }
+  return false;
+}
+
+// All that was ever sent, in both directions, three times more (T41).
+TEST(Session, ReplaysOfEverythingChangeNothing) {
+  for (const auto& rules : {Rules{}, everything(kSign), everything(kEncrypt),
+                            everything(kEncryptOa), Rules{.data = kEncrypt}}) {
+    Pair pair(rules);
+    std::vector<Bytes> to_a, to_b;
+    pair.world.filter = [&](const Node& from, Bytes datagram) {
+      (&from == &pair.a ? to_b : to_a).push_back(datagram);
+      return one(std::move(datagram));
+    };
+    ASSERT_TRUE(pair.match());
+    for (int i = 0; i < 3; ++i) pair.write();
+    ASSERT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 3; }));
+    pair.world.filter = {};
+    for (int round = 0; round < 3; ++round) {
+      for (const auto& datagram : to_b) pair.b->receive(datagram, pair.world.now);
+      for (const auto& datagram : to_a) pair.a->receive(datagram, pair.world.now);
+      pair.world.run(20);
+    }
+    EXPECT_EQ(pair.b.listener.changes.size(), 3u);
+    EXPECT_EQ(pair.a.listener.matched, 1);
+    EXPECT_EQ(pair.b.listener.matched, 1);
+    EXPECT_EQ(pair.a->remote_participants(), 1u);
+    pair.write();
+    EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 4; }, 300));
+  }
+}
+
+// To a participant of the same certificate that started later: the keys are others (T41).
+TEST(Session, ReplaysToASuccessorChangeNothing) {
+  const auto rules = everything(kEncrypt);
+  const auto bob = properties_of("CN=bob,O=Example", rules);
+  std::vector<Bytes> heard;
+  {
+    Node a(1, properties_of("CN=alice,O=Example", rules)), b(2, bob);
+    World world{.nodes = {&a, &b}};
+    world.filter = [&](const Node& from, Bytes datagram) {
+      if (&from == &a) heard.push_back(datagram);
+      return one(std::move(datagram));
+    };
+    ASSERT_TRUE(world.run_until([&] { return a.knows(b) && b.knows(a); }));
+    a->create_writer(square(default_writer_qos()), a.listener, world.now).value();
+    world.run(100);
+  }
+  Node successor(3, bob);
+  World world{.nodes = {&successor}};
+  for (const auto& datagram : heard) {
+    successor->receive(datagram, world.now);
+    world.run(1);
+  }
+  EXPECT_EQ(successor->authentication_counters().authenticated, 0u);
+  EXPECT_GT(successor->protection_counters().undecodable, 0u);
+}
+
+// Keys that come by the stateless endpoint, or in the clear (T46).
+TEST(Session, KeysOutsideOfTheVolatileSecureChannelAreIgnored) {
+  Pair pair(everything(kEncrypt));
+  ASSERT_TRUE(pair.match());
+  for (const auto message_class :
+       {message_class::kParticipantTokens, message_class::kDatawriterTokens,
+        message_class::kDatareaderTokens}) {
+    GenericMessage message;
+    message.identity = {{pair.a->prefix(), kVolatileMessageWriter}, 1};
+    message.destination_participant = {pair.b->prefix(), kEntityIdParticipant};
+    message.destination_endpoint = pair.reader;
+    message.source_endpoint = pair.writer;
+    message.message_class = message_class;
+    message.data = {{"DDS:Crypto:AES_GCM_GMAC", {}, {{"dds.cryp.keymat", Bytes(88, 0x11)}}}};
+    pair.b->receive(stateless(pair.a->prefix(), message), pair.world.now);
+    const auto payload = write_generic_message(message);
+    const auto before = pair.b->protection_counters().unprotected;
+    pair.b->receive(forged(pair.a->prefix(), Data{kVolatileMessageReader,
+                                                  kVolatileMessageWriter,
+                                                  {1000},
+                                                  {},
+                                                  PayloadKind::data,
+                                                  payload}),
+                    pair.world.now);
+    EXPECT_EQ(pair.b->protection_counters().unprotected, before + 1);
+  }
+  pair.write();
+  EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 300));
+}
+
+// ORIGINAL_WRITER_INFO names a writer that did not send it (T11).
+TEST(Session, AnOriginalWriterThatASampleClaimsIsNotItsWriter) {
+  Pair pair({});
+  ASSERT_TRUE(pair.match());
+  const Guid claimed{GuidPrefix::from(Bytes(12, 0x77)), {{0, 0, 1, 0x02}}};
+  Bytes buffer(512);
+  SpanWriter out(buffer);
+  Header header;
+  header.prefix = pair.a->prefix();
+  write(out, header);
+  // DATA with inline QoS and data, little-endian.
+  const Bytes head = {0x15, 0x07, 60, 0, 0, 0, 16, 0, 0, 0, 0, 0};
+  out.write_bytes(head);
+  out.write_bytes(pair.writer.entity.octets);
+  out.write_bytes(Bytes{0, 0, 0, 0, 1, 0, 0, 0, 0x61, 0, 24, 0});
+  out.write_bytes(claimed.octets());
+  out.write_bytes(Bytes{0, 0, 0, 0, 9, 0, 0, 0, 1, 0, 0, 0});
+  out.write_bytes(Bytes{0, 1, 0, 0, 1, 2, 3, 4});
+  pair.b->receive(out.view(), pair.world.now);
+  ASSERT_EQ(pair.b.listener.changes.size(), 1u);
+  EXPECT_EQ(pair.b.listener.changes[0].writer, pair.writer);
+}
+
+/// Every truncation, and every word at its extremes.
+std::vector<Bytes> broken_forms_of(const Bytes& datagram) {
+  std::vector<Bytes> out;
+  const std::size_t step = datagram.size() > 1000 ? 7 : 1;
+  for (std::size_t size = 0; size < datagram.size(); size += step)
+    out.emplace_back(datagram.begin(), datagram.begin() + static_cast<std::ptrdiff_t>(size));
+  for (std::size_t at = kHeaderSize; at + 4 <= datagram.size(); at += 4)
+    for (const std::uint8_t high : {0x00, 0x7f, 0x80, 0xff}) {
+      auto changed = datagram;
+      const auto low = static_cast<std::uint8_t>(high == 0x00 || high == 0x80 ? 0x00 : 0xff);
+      std::fill_n(changed.begin() + static_cast<std::ptrdiff_t>(at), 4, low);
+      changed[at + 3] = high;
+      if (changed != datagram) out.push_back(std::move(changed));
+    }
+  return out;
+}
+
+// Of each handshake message, each message with keys, and everything that is protected.
+TEST(Session, WhatIsCutOrLiesAboutLengthsChangesNothing) {
+  for (const auto& rules : {everything(kSign), everything(kEncryptOa)}) {
+    Pair pair(rules);
+    int broken_ones = 0;
+    pair.world.filter = [&](const Node& from, Bytes datagram) {
+      if (is_announcement(datagram)) return one(std::move(datagram));
+      auto& to = &from == &pair.a ? pair.b : pair.a;
+      if (++broken_ones > 60) return one(std::move(datagram));
+      // The first of two groups is whole when only the second is cut: so it may match.
+      const auto matched = to.listener.matched;
+      const auto changes = to.listener.changes.size();
+      for (const auto& broken : broken_forms_of(datagram)) to->receive(broken, pair.world.now);
+      EXPECT_GE(to.listener.matched, matched);
+      EXPECT_EQ(to.listener.changes.size(), changes);
+      EXPECT_LE(to->remote_participants(), 1u);
+      return one(std::move(datagram));
+    };
+    ASSERT_TRUE(pair.match());
+    broken_ones = 40;
+    pair.write();
+    EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 300));
+  }
+}
+
+// What a participant is called and carries with it, where discovery is protected (T63).
+TEST(Session, UserDataAndNameAreNotReadableForEverybody) {
+  const Rules rules{.discovery = kEncrypt};
+  Pair pair(rules);
+  bool seen = false;
+  pair.world.filter = [&](const Node&, Bytes datagram) {
+    seen = seen || as_text(datagram).find("frobnicate") != std::string_view::npos;
+    return one(std::move(datagram));
+  };
+  pair.a->change_user_data(to_bytes(as_bytes("frobnicate")));
+  ASSERT_TRUE(pair.match());
+  pair.world.run(100);
+  EXPECT_FALSE(seen);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
