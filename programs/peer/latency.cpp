@@ -146,8 +146,11 @@ int run_pong(Session& session) {
   }
   auto& reader = **listening;
   while (!session.over()) {
-    session.note_matched("ping", matched(reader));
-    if (session.counts.ever_matched && matched(reader) == 0) break;
+    const auto status = reader.subscription_matched_status();
+    session.note_matched("ping", status.current_count);
+    // A ping may have come, had its answers and gone since the last look.
+    session.counts.ever_matched = session.counts.ever_matched || status.total_count > 0;
+    if (session.counts.ever_matched && status.current_count == 0) break;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   reader.set_listener(nullptr);
