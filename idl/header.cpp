@@ -1,7 +1,11 @@
 #include "idl/header.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <filesystem>
+#include <memory>
+#include <span>
 
 namespace ddssec::idl {
 namespace {
@@ -12,6 +16,19 @@ const char* underlying(const void* enumeration) {
   if (bits == 0 || bits > 16) return "std::int32_t";
   return bits <= 8 ? "std::int8_t" : "std::int16_t";
 }
+
+// "  static constexpr std::array<std::uint8_t, 3> NAME = {1, 2, 3};"
+std::string octets_named(const char* name, std::span<const std::uint8_t> octets) {
+  std::string out = "  static constexpr std::array<std::uint8_t, " + std::to_string(octets.size()) +
+                    "> " + name + " = {";
+  for (std::size_t i = 0; i < octets.size(); ++i)
+    out += (i % 24 == 0 ? "\n      " : " ") + std::to_string(octets[i]) + ",";
+  return out + "};\n";
+}
+
+struct Free {
+  void operator()(std::uint8_t* octets) const { std::free(octets); }
+};
 
 std::string stem_of(const char* path) { return std::filesystem::path(path).stem().string(); }
 
@@ -149,6 +166,18 @@ void Header::structure(const void* which) {
     traits(which, members);
 }
 
+// Of the map only what is minimal: its first member, a sequence whose octets its DHEADER counts.
+std::string Header::type_description(const void* which) {
+  std::uint8_t* octets[2] = {};
+  std::size_t sizes[2] = {};
+  if (!tree_type_description(state_, which, octets, sizes)) return {};
+  const std::unique_ptr<std::uint8_t, Free> information(octets[0]), map(octets[1]);
+  std::size_t minimal = 0;
+  for (int i = 3; i >= 0 && sizes[1] >= 4; --i) minimal = minimal << 8 | map.get()[i];
+  return octets_named("type_information", {information.get(), sizes[0]}) +
+         octets_named("type_objects", {map.get(), std::min(sizes[1], minimal + 4)});
+}
+
 void Header::traits(const void* which, const std::vector<std::string>& members) {
   std::string list;
   for (const auto& each : members) list += (list.empty() ? "" : ",\n          ") + each;
@@ -156,8 +185,8 @@ void Header::traits(const void* which, const std::vector<std::string>& members) 
   traits_ += "template <>\nstruct ddssec::rtps::TypeTraits<" + types_.qualified(which) +
              "> {\n  static constexpr std::string_view type_name = \"" + scoped_name(which) +
              "\";\n  static constexpr auto extensibility = Extensibility::" +
-             (appendable ? "appendable" : "final_type") +
-             ";\n  template <class Self, class Visit>\n"
+             (appendable ? "appendable" : "final_type") + ";\n" + type_description(which) +
+             "  template <class Self, class Visit>\n"
              "  static void members(Self& self, Visit&& visit) {\n    visit(" +
              list + ");\n  }\n};\n";
 }

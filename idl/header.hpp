@@ -23,6 +23,7 @@ class Header {
   bool check(const void* node);
   std::string member(const void* member, const void* name);
   void traits(const void* which, const std::vector<std::string>& members);
+  std::string type_description(const void* which);
   void aliases(const void* which);
   void constant(const void* which);
   std::string value_text(const void* value, const CppType& type);

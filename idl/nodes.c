@@ -1,6 +1,10 @@
 #include "idl/nodes.h"
 
-#include <idl/processor.h>
+#include <idlc/generator.h>
+
+static const idlc_generator_config_t* settings;
+
+void tree_begin(const struct idlc_generator_config* config) { settings = config; }
 
 static const struct {
   idl_type_t type;
@@ -115,6 +119,19 @@ const void* tree_value(const void* node) {
   if (!idl_is_enum(node)) return NULL;
   const idl_enum_t* which = node;
   return which->default_enumerator != NULL ? which->default_enumerator : which->enumerators;
+}
+
+bool tree_type_description(const tree_state* state, const void* node, uint8_t* octets[2],
+                           size_t sizes[2]) {
+  idl_typeinfo_typemap_t out = {0};
+  if (settings->generate_typeinfo_typemap == NULL || !idl_is_topic(node, state->keylists) ||
+      settings->generate_typeinfo_typemap(state, node, &out) != IDL_RETCODE_OK)
+    return false;
+  octets[0] = out.typeinfo;
+  sizes[0] = out.typeinfo_size;
+  octets[1] = out.typemap;
+  sizes[1] = out.typemap_size;
+  return true;
 }
 
 int64_t tree_integer(const void* value) {

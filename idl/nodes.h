@@ -4,6 +4,7 @@
 #define DDSSEC_IDL_NODES_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
@@ -12,6 +13,10 @@ extern "C" {
 
 struct idl_pstate;
 typedef struct idl_pstate tree_state;
+
+// idlc's settings for the file; before anything else.
+struct idlc_generator_config;
+void tree_begin(const struct idlc_generator_config* config);
 
 enum tree_kind {
   tree_other,
@@ -87,6 +92,11 @@ unsigned tree_flags(const void* node);
 unsigned tree_bit_bound(const void* node);
 // What a member, a constant or an enumeration is without being told.
 const void* tree_value(const void* node);
+
+// What XTypes says of a struct that may be a topic's type, as Cyclone DDS announces it: the
+// serialized TypeInformation, and TypeMapping. False: idlc has none. The caller frees both.
+bool tree_type_description(const tree_state* state, const void* node, uint8_t* octets[2],
+                           size_t sizes[2]);
 
 // Of an enumerator or an integer, a character, a boolean.
 int64_t tree_integer(const void* value);

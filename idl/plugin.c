@@ -19,6 +19,7 @@ const idlc_option_t** generator_options(void) {
 }
 
 int generate(const idl_pstate_t* state, const idlc_generator_config_t* config) {
+  tree_begin(config);
   return write_header(state, wanted_namespace, config->output_dir) ? IDL_RETCODE_OK
                                                                    : IDL_RETCODE_SEMANTIC_ERROR;
 }

@@ -28,7 +28,8 @@ Status Session::open() {
   end_ = nanoseconds() + static_cast<std::int64_t>(options_.timeout * 1e9);
   const Environment environment{clock_, random_, limited_};
   rtps::DomainParticipantOptions wanted{.domain_id = options_.domain,
-                                        .entity_name = "ddssec-peer " + options_.role};
+                                        .entity_name = "ddssec-peer " + options_.role,
+                                        .announce_types = false};
   if (options_.security != "off") {
     engines_ = std::make_unique<secured::Engines>(environment);
     wanted.security.emplace(engines_->view(),

@@ -18,6 +18,9 @@ struct DomainParticipantOptions {
   /// Addresses that are announced to by unicast, at the ports of participant indexes 0 to 9.
   std::vector<std::string> peers = {"127.0.0.1"};
   Duration lease_duration{{10, 0}};
+  /// TypeInformation of types made from IDL is announced. Cyclone DDS then matches no endpoint
+  /// whose type is another one, be it in a bound alone.
+  bool announce_types = true;
   bool own_thread = true;  ///< false: the application calls poll()
   /// Samples for participants of this process go there directly, in the writer's thread, unless
   /// the topic is protected; false: always by the network.

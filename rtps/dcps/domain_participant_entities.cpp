@@ -50,6 +50,7 @@ Result<Topic*> DomainParticipant::create_topic(std::string name, TypeSupport typ
   const std::lock_guard members(context_.callbacks());
   if (lookup_topicdescription(name) != nullptr)
     return precondition_not_met("topic " + name, "a new name", "one that is taken");
+  if (!options_.announce_types) type.description = {};
   std::unique_ptr<Topic> topic(
       new Topic(*this, context_, std::move(name), std::move(type), policies));
   topic->set_listener(listener, mask);

@@ -44,8 +44,8 @@ Status Endpoint::enable() {
   auto announced = DDSSEC_TRY(announced_qos(qos(), group_.qos(), topic_));
   const auto held = lock();
   if (enabled()) return {};
-  guid_ = DDSSEC_TRY(
-      create({topic_.name(), topic_.type_name(), std::move(announced), topic_.type().with_key}));
+  guid_ = DDSSEC_TRY(create({topic_.name(), topic_.type_name(), std::move(announced),
+                             topic_.type().with_key, topic_.type().description}));
   mark_enabled();
   context_.reschedule();
   return {};

@@ -8,6 +8,7 @@
 #include "rtps/cdr/key_hash.hpp"
 #include "rtps/qos/qos.hpp"
 #include "rtps/reliability/change.hpp"
+#include "rtps/types/type_consistency.hpp"
 
 namespace ddssec::rtps {
 
@@ -21,6 +22,8 @@ struct TypeSupport {
   std::function<std::optional<KeyHash>(const Change&)> key_hash = nullptr;
   /// Its serialized key, with an encapsulation.
   std::function<Bytes(const Change&)> serialized_key = nullptr;
+  /// What peers are told of the type besides its name; too long ones are not told.
+  TypeDescription description = {};
 };
 
 /// The encoding of a writer's samples, and the one that a reader asks for first.
@@ -43,6 +46,12 @@ Result<T> deserialize_change(const Change& change) {
 template <DdsType T>
 TypeSupport type_support() {
   TypeSupport support{.name = std::string(TypeTraits<T>::type_name), .with_key = has_key<T>()};
+  if constexpr (requires { TypeTraits<T>::type_information; }) {
+    support.description = {to_bytes(TypeTraits<T>::type_information),
+                           to_bytes(TypeTraits<T>::type_objects)};
+    if (support.description.information.size() > kMostTypeInformation) support.description = {};
+    if (support.description.objects.size() > kMostTypeObjects) support.description.objects.clear();
+  }
   if (!support.with_key) return support;
   support.key_hash = [value = T{},
                       scratch = Bytes{}](const Change& change) mutable -> std::optional<KeyHash> {

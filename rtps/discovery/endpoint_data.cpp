@@ -180,6 +180,27 @@ Status read_liveliness(Reader& r, Announced& a) {
   return read_duration_into(r, a.data.qos.liveliness.lease_duration);
 }
 
+constexpr ParameterId kPidTypeInformation = 0x0075;
+// Ours alone: the minimal TypeObjects, behind a mark that another vendor's number would not have.
+constexpr ParameterId kPidTypeObjects = pid::kVendorSpecific | 0x0d75;
+constexpr std::array<std::uint8_t, 8> kTypeObjectsMark = {'d', 'd', 's', 's', 'e', 'c', 'T', 'O'};
+
+// Nobody's announcement is refused for what is wrong with its type: then names decide.
+Status read_type_information(Reader& r, Announced& a) {
+  if (r.endian() == Endian::little && r.remaining() <= kMostTypeInformation)
+    a.data.type.information = to_bytes(r.rest());
+  return {};
+}
+
+Status read_type_objects(Reader& r, Announced& a) {
+  const auto octets = r.rest();
+  const auto mark = kTypeObjectsMark.size();
+  if (octets.size() > mark && octets.size() - mark <= kMostTypeObjects &&
+      std::ranges::equal(octets.first(mark), kTypeObjectsMark))
+    a.data.type.objects = to_bytes(octets.subspan(mark));
+  return {};
+}
+
 Status read_durability_service(Reader& r, Announced& a) {
   auto& value = a.data.qos.durability_service;
   DDSSEC_TRY(read_duration_into(r, value.cleanup_delay));
@@ -219,6 +240,19 @@ constexpr Row kTable[] = {
      }},
     text_row<0x0005, &EndpointData::topic_name>(true),
     text_row<0x0007, &EndpointData::type_name>(true),
+    {kPidTypeInformation, read_type_information,
+     [](SpanWriter& w, const Announced& a) {
+       if (a.data.type.information.empty()) return;
+       const ParameterScope scope(w, kPidTypeInformation);
+       w.write_bytes(a.data.type.information);
+     }},
+    {kPidTypeObjects, read_type_objects,
+     [](SpanWriter& w, const Announced& a) {
+       if (a.data.type.objects.empty()) return;
+       const ParameterScope scope(w, kPidTypeObjects);
+       w.write_bytes(kTypeObjectsMark);
+       w.write_bytes(a.data.type.objects);
+     }},
     {0x001a, read_reliability,
      [](SpanWriter& w, const Announced& a) {
        const ParameterScope scope(w, 0x001a);

@@ -4,6 +4,7 @@
 #include "rtps/discovery/parameter_table.hpp"
 #include "rtps/discovery/security_parameters.hpp"
 #include "rtps/qos/qos.hpp"
+#include "rtps/types/type_consistency.hpp"
 
 namespace ddssec::rtps {
 
@@ -12,6 +13,7 @@ struct EndpointData {
   Guid guid;
   std::string topic_name = {};
   std::string type_name = {};
+  TypeDescription type = {};
   Qos qos = {};
   LocatorList unicast = {}, multicast = {};  ///< empty: the participant's defaults
   bool expects_inline_qos = false;

@@ -300,6 +300,7 @@ EndpointData Participant::local_data(EndpointRequest request, EndpointKind kind)
   data.topic_name = std::move(request.topic_name);
   data.type_name = std::move(request.type_name);
   data.qos = std::move(request.qos);
+  data.type = std::move(request.type);
   return data;
 }
 

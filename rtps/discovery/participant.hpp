@@ -121,6 +121,7 @@ class Participant final : private SecurityHost {
     std::string type_name;
     Qos qos;
     bool with_key = true;
+    TypeDescription type = {};
   };
   Result<Guid> create_writer(EndpointRequest request, EndpointListener& listener,
                              MonotonicTime now);

@@ -245,6 +245,14 @@ bool Participant::compatible(Local& local, const EndpointData& remote, const Qos
   if (keyed != has_key(remote.guid.entity))
     return refuse(Code::rtps_type_mismatch, "type", keyed ? "with key" : "without key",
                   keyed ? "without key" : "with key");
+  const bool writes = is_writer(local.data.guid.entity);
+  if (judge_types(writes ? local.data.type : remote.type, writes ? remote.type : local.data.type) ==
+      TypeVerdict::different) {
+    local.listener->on_inconsistent_topic(remote);
+    return refuse(Code::rtps_type_mismatch, "type",
+                  describe_type(local.data.type_name, local.data.type),
+                  describe_type(remote.type_name, remote.type));
+  }
   const auto why = mismatch(offered, requested);
   if (!why) return true;
   if (why->id != QosPolicyId::partition) local.listener->on_incompatible_qos(remote.guid, *why);
