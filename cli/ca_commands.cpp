@@ -48,8 +48,8 @@ Json describe(const pki::Certificate& certificate) {
 
 std::string subject_of(const Arguments& arguments, const NewCa& ca, const fs::path& folder) {
   if (arguments.has("--subject")) return arguments.text("--subject");
-  const auto name = (folder.has_filename() ? folder : folder.parent_path()).filename().string();
-  return fmt::format("CN={} {} CA", name, ca.role == "identity" ? "Identity" : "Permissions");
+  return fmt::format("CN={} {} CA", folder_name(folder),
+                     ca.role == "identity" ? "Identity" : "Permissions");
 }
 
 /// What the CAs of one command have in common. `above` null: they are roots.

@@ -77,8 +77,7 @@ Result<Report> can(const Arguments& arguments, const Context& context) {
   const auto folder = pki::participant_folder(arguments.text("SUBJECT"));
   const auto topic = arguments.text("TOPIC");
   const auto action = DDSSEC_TRY(action_of(arguments));
-  const auto domain = static_cast<DomainId>(
-      DDSSEC_TRY(arguments.number("--domain", 0, governance::kHighestDomainId)));
+  const auto domain = DDSSEC_TRY(domain_of(arguments));
   const auto& names = arguments.all("--partition");
   const std::vector<std::string_view> partitions(names.begin(), names.end());
   const auto now = context.clock.now();
@@ -86,14 +85,13 @@ Result<Report> can(const Arguments& arguments, const Context& context) {
   if (!answer)
     answer = DDSSEC_TRY(
         by_permissions(folder, action, {.topic = topic, .partitions = partitions}, domain, now));
-  return Report{
-      .exit = answer->allowed ? Exit::done : Exit::no,
-      .text = fmt::format("{}: {} ({}, line {})\n", answer->allowed ? "allowed" : "denied",
-                          answer->because, answer->document.string(), answer->line),
-      .result = {{"allowed", answer->allowed},
-                 {"because", answer->because},
-                 {"file", answer->document.string()},
-                 {"line", answer->line}}};
+  return Report{.exit = answer->allowed ? Exit::done : Exit::no,
+                .text = fmt::format("{}: {} ({}:{})\n", answer->allowed ? "allowed" : "denied",
+                                    answer->because, answer->document.string(), answer->line),
+                .result = {{"allowed", answer->allowed},
+                           {"because", answer->because},
+                           {"file", answer->document.string()},
+                           {"line", answer->line}}};
 }
 
 }  // namespace
@@ -106,8 +104,7 @@ std::vector<Command> can_commands() {
        .positionals = {{"SUBJECT", "the participant's folder"},
                        {"ACTION", "publish or subscribe"},
                        {"TOPIC", "the topic's name"}},
-       .options = {{"--domain", "N", "the domain", "0"},
-                   repeated("--partition", "P", "a partition of the endpoint")},
+       .options = {kDomain, repeated("--partition", "P", "a partition of the endpoint")},
        .examples = {"ddssec can talker publish rt/chatter"},
        .run = can}};
 }

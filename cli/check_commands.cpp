@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "cli/doctor_options.hpp"
+#include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/meeting_report.hpp"
@@ -16,8 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 namespace doctor = governance::doctor;
-
-constexpr std::size_t kMostTopicFile = 1024 * 1024;
 
 // "A=cyclonedds" sets vendors[0]; a bare name both.
 Status set_vendor(const std::string& word, doctor::Vendor (&vendors)[2]) {
@@ -44,9 +43,9 @@ Result<Wanted> wanted_of(const Arguments& arguments) {
                             .found = '"' + word + '"'});
 }
 
-void add_parts(std::string_view text, std::string_view separators, std::vector<std::string>& out) {
+void add_parts(std::string_view text, std::vector<std::string>& out) {
   while (!text.empty()) {
-    const auto end = std::min(text.find_first_of(separators), text.size());
+    const auto end = std::min(text.find(','), text.size());
     if (end > 0) out.emplace_back(text.substr(0, end));
     text.remove_prefix(std::min(end + 1, text.size()));
   }
@@ -57,10 +56,12 @@ Result<std::vector<std::string>> topics_of(const Arguments& arguments) {
   std::vector<std::string> out;
   for (const auto& word : arguments.all("--topics")) {
     std::error_code ignored;
-    if (fs::is_regular_file(word, ignored))
-      add_parts(as_text(DDSSEC_TRY(read_file(word, kMostTopicFile))), "\r\n", out);
-    else
-      add_parts(word, ",", out);
+    if (fs::is_regular_file(word, ignored)) {
+      const auto topics = DDSSEC_TRY(read_topics(word));
+      out.insert(out.end(), topics.begin(), topics.end());
+    } else {
+      add_parts(word, out);
+    }
   }
   const bool is_bad =
       (arguments.has("--topics") && out.empty()) || out.size() > doctor::kMostTopics;

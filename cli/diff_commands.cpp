@@ -14,25 +14,6 @@ namespace {
 
 using governance::ChangeClass;
 
-constexpr std::size_t kMostTopicListOctets = 4 * 1024 * 1024;
-
-/// One topic a line; blank lines and such that begin with '#' are passed over.
-Result<std::vector<std::string>> topics_in(const std::filesystem::path& path) {
-  const auto octets = DDSSEC_TRY(read_file(path, kMostTopicListOctets));
-  std::vector<std::string> topics;
-  std::string_view rest = as_text(octets);
-  while (!rest.empty()) {
-    const auto end = std::min(rest.find('\n'), rest.size());
-    auto line = rest.substr(0, end);
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    if (!line.empty() && line.front() != '#') topics.emplace_back(line);
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-  }
-  if (!topics.empty()) return topics;
-  return fail(Code::usage,
-              {.document = path.string(), .field = "--topics", .expected = "a topic on each line"});
-}
-
 bool is_worse(ChangeClass verdict, ChangeClass direction) {
   return verdict == direction || verdict == ChangeClass::mixed || verdict == ChangeClass::unknown;
 }
@@ -40,7 +21,8 @@ bool is_worse(ChangeClass verdict, ChangeClass direction) {
 Result<Report> governance_diff(const Arguments& arguments, const Context& context) {
   const auto threshold = DDSSEC_TRY(fail_on(arguments, {"weaker", "breaking", "any"}));
   governance::GovernanceDiffOptions options;
-  if (arguments.has("--topics")) options.topics = DDSSEC_TRY(topics_in(arguments.text("--topics")));
+  if (arguments.has("--topics"))
+    options.topics = DDSSEC_TRY(read_topics(arguments.text("--topics")));
   const auto sides = DDSSEC_TRY(diff_sides(arguments, context));
   const auto before =
       DDSSEC_TRY(named(governance::read_governance(sides.before.text), sides.before.path));

@@ -8,6 +8,7 @@
 #include "cli/doctor_options.hpp"
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
+#include "cli/inputs.hpp"
 #include "cli/meeting_report.hpp"
 #include "cli/options.hpp"
 #include "governance/doctor/diagnosis.hpp"
@@ -211,20 +212,11 @@ doctor::LoadedFolder load_participant(const fs::path& folder, WallTime now) {
 }
 
 void name_parties(const fs::path& a, const fs::path& b, std::string (&names)[2]) {
-  const auto last = [](const fs::path& path) {
-    const auto clean = path.lexically_normal();
-    return (clean.has_filename() ? clean : clean.parent_path()).filename().string();
-  };
-  names[0] = last(a);
-  names[1] = last(b);
+  names[0] = folder_name(a);
+  names[1] = folder_name(b);
   if (names[0] != names[1]) return;
   names[0] = a.string();
   names[1] = b.string();
-}
-
-Result<DomainId> domain_of(const Arguments& arguments) {
-  return static_cast<DomainId>(
-      DDSSEC_TRY(arguments.number("--domain", 0, governance::kHighestDomainId)));
 }
 
 std::vector<Command> doctor_commands() {

@@ -16,8 +16,6 @@ governance::doctor::LoadedFolder load_participant(const std::filesystem::path& f
 /// What sentences call the folders: their last parts, or the whole paths where those are equal.
 void name_parties(const std::filesystem::path& a, const std::filesystem::path& b,
                   std::string (&names)[2]);
-/// Error: usage.
-Result<DomainId> domain_of(const Arguments& arguments);
 /// The vendors that --vendor may name, for an error.
 inline constexpr std::string_view kVendorWords = "cyclonedds@0.10.2, fastdds@2.9.1 or ours";
 

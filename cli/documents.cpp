@@ -93,10 +93,22 @@ Json counts_json(const std::vector<Finding>& findings) {
   return {{"errors", errors}, {"warnings", warnings}, {"notes", notes}};
 }
 
-Result<std::optional<DomainId>> domain_option(const Arguments& arguments) {
-  if (!arguments.has("--domain")) return std::nullopt;
+Result<governance::Profile> profile_option(const Arguments& arguments) {
+  const auto word = arguments.text("--profile");
+  if (const auto profile = governance::profile_from(word)) return *profile;
+  return fail(
+      Code::usage,
+      {.field = "--profile", .expected = "open, balanced or strict", .found = '"' + word + '"'});
+}
+
+Result<DomainId> domain_of(const Arguments& arguments) {
   return static_cast<DomainId>(
       DDSSEC_TRY(arguments.number("--domain", 0, governance::kHighestDomainId)));
+}
+
+Result<std::optional<DomainId>> domain_option(const Arguments& arguments) {
+  if (!arguments.has("--domain")) return std::nullopt;
+  return DDSSEC_TRY(domain_of(arguments));
 }
 
 Result<std::vector<governance::DomainRange>> domain_ranges(const Arguments& arguments,

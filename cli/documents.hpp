@@ -9,6 +9,7 @@
 #include "base/clock.hpp"
 #include "cli/command.hpp"
 #include "governance/model.hpp"
+#include "governance/profile.hpp"
 #include "governance/read.hpp"
 #include "pki/smime.hpp"
 
@@ -56,6 +57,11 @@ std::string counted(const std::vector<Finding>& findings);
 /// errors, warnings, notes: how many.
 Json counts_json(const std::vector<Finding>& findings);
 
+/// What --profile says. Error: usage.
+Result<governance::Profile> profile_option(const Arguments& arguments);
+
+/// What --domain, which has a fallback, says. Error: usage.
+Result<DomainId> domain_of(const Arguments& arguments);
 /// What --domain says, or nothing. Error: usage.
 Result<std::optional<DomainId>> domain_option(const Arguments& arguments);
 

@@ -97,17 +97,12 @@ Result<TopicRule> topic_rule_from(const std::string& text, governance::Profile p
 
 // Topics that no rule names are refused, so the profile's rule for all of them comes last.
 Result<governance::Governance> document_from(const Arguments& arguments) {
-  const auto profile = governance::profile_from(arguments.text("--profile"));
-  if (!profile)
-    return fail(Code::usage, {.field = "--profile",
-                              .expected = "open, balanced or strict",
-                              .found = '"' + arguments.text("--profile") + '"'});
-  auto rule =
-      governance::domain_rule_of(*profile, DDSSEC_TRY(domain_ranges(arguments, "--domain")));
+  const auto profile = DDSSEC_TRY(profile_option(arguments));
+  auto rule = governance::domain_rule_of(profile, DDSSEC_TRY(domain_ranges(arguments, "--domain")));
   for (const auto& text : arguments.all("--topic"))
-    rule.topic_rules.push_back(DDSSEC_TRY(topic_rule_from(text, *profile)));
+    rule.topic_rules.push_back(DDSSEC_TRY(topic_rule_from(text, profile)));
   if (rule.topic_rules.empty() || rule.topic_rules.back().topic_expression != "*")
-    rule.topic_rules.push_back(governance::topic_rule_of(*profile, "*"));
+    rule.topic_rules.push_back(governance::topic_rule_of(profile, "*"));
   governance::Governance out;
   out.domain_rules.push_back(std::move(rule));
   return out;

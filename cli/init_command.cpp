@@ -40,15 +40,6 @@ Result<pki::FolderLayout> layout_of(const Arguments& arguments) {
   return fail(Code::usage, {.field = "--layout", .expected = "flat or sros2", .found = word});
 }
 
-Result<governance::Profile> profile_of(const Arguments& arguments) {
-  const auto word = arguments.text("--profile");
-  const auto profile = governance::profile_from(word);
-  if (!profile)
-    return fail(Code::usage,
-                {.field = "--profile", .expected = "open, balanced or strict", .found = word});
-  return *profile;
-}
-
 // In a keystore the names are enclaves', which begin with a slash.
 Result<std::vector<std::string>> names_of(const Arguments& arguments, pki::FolderLayout layout) {
   auto names = arguments.all("--participant");
@@ -74,10 +65,10 @@ Result<Plan> plan_of(const Arguments& arguments, WallTime now) {
   const auto layout = DDSSEC_TRY(layout_of(arguments));
   const fs::path target = arguments.text("DIR");
   return Plan{.target = target,
-              .title = (target.has_filename() ? target : target.parent_path()).filename().string(),
+              .title = folder_name(target),
               .names = DDSSEC_TRY(names_of(arguments, layout)),
               .layout = layout,
-              .profile = DDSSEC_TRY(profile_of(arguments)),
+              .profile = DDSSEC_TRY(profile_option(arguments)),
               .domains = DDSSEC_TRY(domain_ranges(arguments, "--domain")),
               .topics = arguments.all("--allow-topics"),
               .ca_life = validity_of(3650, now),

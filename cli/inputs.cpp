@@ -24,12 +24,8 @@ constexpr std::size_t kMostPassphraseLine = pki::Passphrase::capacity + 2;
 
 std::string uri(const fs::path& path) { return "file://" + path.string(); }
 
-// pki::load says the path as what it found; here it is the document's name.
 std::unexpected<Error> about(const Error& error, const fs::path& path) {
-  auto details = error.details();
-  details.document = path;
-  if (details.found == path) details.found.clear();
-  return std::unexpected(Error(error.code(), std::move(details)));
+  return std::unexpected(pki::about_file(error, path));
 }
 
 std::string_view without_line_end(std::string_view text) {
@@ -178,6 +174,28 @@ Status confirm(const std::string& question) {
   DDSSEC_TRY(check_not_interrupted());
   if (said && (answer == 'y' || answer == 'Y')) return {};
   return fail(Code::confirmation_needed, {.note = question});
+}
+
+std::string folder_name(const fs::path& folder) {
+  const auto clean = folder.lexically_normal();
+  return (clean.has_filename() ? clean : clean.parent_path()).filename().string();
+}
+
+Result<std::vector<std::string>> read_topics(const fs::path& file) {
+  constexpr std::size_t kMostOctets = 4 * 1024 * 1024;
+  const auto octets = DDSSEC_TRY(read_file(file, kMostOctets));
+  std::vector<std::string> out;
+  std::string_view rest = as_text(octets);
+  while (!rest.empty()) {
+    const auto end = std::min(rest.find('\n'), rest.size());
+    auto line = rest.substr(0, end);
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    if (!line.empty() && line.front() != '#') out.emplace_back(line);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  if (!out.empty()) return out;
+  return fail(Code::usage,
+              {.document = file, .field = "--topics", .expected = "a topic on each line"});
 }
 
 Status check_name(std::string_view name) {

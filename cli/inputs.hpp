@@ -58,6 +58,13 @@ std::filesystem::path certificate_path(const std::filesystem::path& given);
 /// nobody to ask.
 Status confirm(const std::string& question);
 
+/// What a folder is called: the last part of its path.
+std::string folder_name(const std::filesystem::path& folder);
+
+/// A file of topics, one a line; empty lines and those that begin with '#' do not count. Errors:
+/// those of read_file; usage if there is none.
+Result<std::vector<std::string>> read_topics(const std::filesystem::path& file);
+
 /// Success if `name` may name a participant's folder. Error: name_unusable.
 Status check_name(std::string_view name);
 

@@ -27,9 +27,7 @@ namespace doctor = governance::doctor;
 
 Result<pki::Authority> make_ca(const fs::path& keystore, std::string_view role,
                                const Arguments& arguments, const Context& context) {
-  const auto name =
-      (keystore.has_filename() ? keystore : keystore.parent_path()).filename().string();
-  return pki::Authority::create_root(fmt::format("CN={} {}CA", name, role), {},
+  return pki::Authority::create_root(fmt::format("CN={} {}CA", folder_name(keystore), role), {},
                                      DDSSEC_TRY(validity(arguments, context.clock.now())),
                                      context.random);
 }
@@ -43,11 +41,7 @@ Json describe(std::string_view role, const pki::Certificate& ca) {
 
 Result<Report> keystore_create(const Arguments& arguments, const Context& context) {
   const fs::path target = arguments.text("KEYSTORE");
-  const auto profile = governance::profile_from(arguments.text("--profile"));
-  if (!profile)
-    return fail(Code::usage, {.field = "--profile",
-                              .expected = "open, balanced or strict",
-                              .found = arguments.text("--profile")});
+  const auto profile = DDSSEC_TRY(profile_option(arguments));
   const auto domains = DDSSEC_TRY(domain_ranges(arguments, "--domain"));
   auto folder = DDSSEC_TRY(NewFolder::at(target));
   std::optional<pki::Passphrase> secret;
@@ -58,7 +52,7 @@ Result<Report> keystore_create(const Arguments& arguments, const Context& contex
       single ? identity : DDSSEC_TRY(make_ca(target, "Permissions ", arguments, context));
   DDSSEC_TRY(
       add_keystore_cas(folder, {identity, permissions, single}, secret ? &*secret : nullptr));
-  const auto xml = to_xml(governance::governance_of(*profile, domains));
+  const auto xml = to_xml(governance::governance_of(profile, domains));
   const auto document =
       DDSSEC_TRY(permissions.sign_document(as_bytes(xml), context.clock.now(), context.random));
   DDSSEC_TRY(add_keystore_governance(folder, xml, document));
@@ -222,8 +216,7 @@ bool is_for_others(const fs::path& path) {
 Result<Report> keystore_verify(const Arguments& arguments, const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
   DDSSEC_TRY(check_keystore(keystore));
-  const auto domain = static_cast<DomainId>(
-      DDSSEC_TRY(arguments.number("--domain", 0, governance::kHighestDomainId)));
+  const auto domain = DDSSEC_TRY(domain_of(arguments));
   const auto now = context.clock.now();
   Report report;
   report.result = {{"enclaves", Json::array()}, {"keys_for_others", Json::array()}};

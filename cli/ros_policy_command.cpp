@@ -29,9 +29,8 @@ Result<governance::Validity> life(const Arguments& arguments, WallTime now) {
 Result<Report> from_ros_policy(const Arguments& arguments, const Context& context) {
   const fs::path file = arguments.text("FILE");
   const auto policy = DDSSEC_TRY(read_policy(file, arguments.all("--enclave")));
-  const auto domain = DDSSEC_TRY(arguments.number("--domain", 0, governance::kHighestDomainId));
   const governance::RosPermissionsOptions options{
-      .domain = static_cast<DomainId>(domain),
+      .domain = DDSSEC_TRY(domain_of(arguments)),
       .validity = DDSSEC_TRY(life(arguments, context.clock.now())),
       .discovery_topic = !arguments.has("--no-discovery-topic")};
   const bool as_sros2 = arguments.has("--sros2-order");

@@ -32,9 +32,8 @@ std::string reason(int error) { return std::generic_category().message(error); }
 
 Result<std::size_t> file_size(const File& file, const std::string& path) {
   if (file.descriptor() < 0) {
-    const Code code =
-        errno == ENOENT || errno == ENOTDIR ? Code::file_not_found : Code::file_unreadable;
-    return fail(code, {.found = path, .note = reason(errno)});
+    if (errno == ENOENT || errno == ENOTDIR) return fail(Code::file_not_found, {.found = path});
+    return fail(Code::file_unreadable, {.found = path, .note = reason(errno)});
   }
   struct stat status {};
   if (::fstat(file.descriptor(), &status) != 0)
@@ -140,6 +139,13 @@ Result<Bytes> load(std::string_view uri, std::string_view property, std::size_t 
 
 Result<KeyPem> load_key(std::string_view uri, std::string_view property) {
   return named(load_key_unnamed(uri), property);
+}
+
+Error about_file(const Error& error, const std::filesystem::path& path) {
+  auto details = error.details();
+  details.document = path;
+  if (details.found == path) details.found.clear();
+  return Error(error.code(), std::move(details));
 }
 
 }  // namespace ddssec::pki

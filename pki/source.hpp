@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <string_view>
 
 #include "base/bytes.hpp"
@@ -29,5 +30,9 @@ Result<Bytes> load(std::string_view uri, std::string_view property, std::size_t 
 
 /// The same for a private key; nothing of it stays behind in memory.
 Result<KeyPem> load_key(std::string_view uri, std::string_view property);
+
+/// An error of load() or of what was loaded, as one about the file: the path is its document, and
+/// not what was found.
+Error about_file(const Error& error, const std::filesystem::path& path);
 
 }  // namespace ddssec::pki

@@ -12,12 +12,8 @@ namespace fs = std::filesystem;
 
 std::string uri(const fs::path& path) { return "file://" + path.string(); }
 
-// pki::load says the path as what it found; here it is the document's name.
 std::unexpected<Error> about(const Error& error, const fs::path& path) {
-  auto details = error.details();
-  details.document = path;
-  if (details.found == path) details.found.clear();
-  return std::unexpected(Error(error.code(), std::move(details)));
+  return std::unexpected(pki::about_file(error, path));
 }
 
 template <class T>
