@@ -87,6 +87,12 @@ class CdrReader {
     });
   }
 
+  /// The first `members` of it; the reader is of no further use.
+  template <DdsType T>
+  void take_first(T& value, std::size_t members) {
+    take_struct<true>(value, members);
+  }
+
  private:
   std::size_t remaining() const { return end_ - reader_.position(); }
   void refuse(Code code) {
@@ -159,14 +165,17 @@ class CdrReader {
         take(element, bound, element_bound);
   }
 
-  template <DdsType T>
-  void take_struct(T& value) {
+  template <bool limited = false, DdsType T>
+  void take_struct(T& value, [[maybe_unused]] std::size_t most = kUnbounded) {
     constexpr bool appendable = TypeTraits<T>::extensibility == Extensibility::appendable;
     if (depth_ >= kDeepestNesting) return refuse(Code::length_out_of_range);
     ++depth_;
     const Delimited delimited(*this, appendable);
+    [[maybe_unused]] std::size_t taken = 0;
     // XTypes 7.6.3.4: an older writer's appendable type ends early; the rest keeps its defaults.
     detail::for_each_member(value, [&](const auto& member) {
+      if constexpr (limited)
+        if (taken++ >= most) return;
       if (appendable && remaining() == 0)
         ended_early_ = true;
       else
@@ -210,6 +219,9 @@ template <DdsType T>
 Status deserialize_into(BytesView payload, T& value);
 template <DdsType T>
 Status deserialize_key_into(BytesView payload, T& value);
+/// The first `members` of it; the others keep what they held, and their octets are not looked at.
+template <DdsType T>
+Status deserialize_first(BytesView payload, std::size_t members, T& value);
 
 namespace detail {
 
@@ -218,18 +230,29 @@ Status check_encapsulation(Encapsulation kind, Extensibility extensibility);
 /// A reader behind the encapsulation.
 Result<CdrReader> open_reader(BytesView payload, Extensibility extensibility);
 
+template <DdsType T, class Take>
+Status deserialize_with(BytesView payload, T& value, Take take) {
+  auto reader = open_reader(payload, TypeTraits<T>::extensibility);
+  if (!reader) return std::unexpected(reader.error());
+  auto again = *reader;
+  take(*reader);
+  if (!reader->ended_early()) return reader->status();
+  value = T{};  // absent members must not show what was there before
+  take(again);
+  return again.status();
+}
+
 }  // namespace detail
 
 template <DdsType T>
+Status deserialize_first(BytesView payload, std::size_t members, T& value) {
+  return detail::deserialize_with(payload, value,
+                                  [&](CdrReader& reader) { reader.take_first(value, members); });
+}
+
+template <DdsType T>
 Status deserialize_into(BytesView payload, T& value) {
-  auto reader = detail::open_reader(payload, TypeTraits<T>::extensibility);
-  if (!reader) return std::unexpected(reader.error());
-  auto again = *reader;
-  reader->take(value);
-  if (!reader->ended_early()) return reader->status();
-  value = T{};  // absent members must not show what was there before
-  again.take(value);
-  return again.status();
+  return detail::deserialize_with(payload, value, [&](CdrReader& reader) { reader.take(value); });
 }
 
 template <DdsType T>

@@ -1,0 +1,355 @@
+// Filter::compile: a parser by recursive descent that emits the program as it goes.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "rtps/filter/filter.hpp"
+#include "rtps/filter/lexer.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using Kind = FilterToken::Kind;
+
+/// What values can be compared with.
+enum class Family : std::uint8_t { integer, real, text, character, boolean, enumeration };
+
+constexpr std::string_view kFamilyNames[] = {"an integer",  "a number",      "a text",
+                                             "a character", "TRUE or FALSE", "a label"};
+std::string name_of(Family family) {
+  return std::string(kFamilyNames[static_cast<std::size_t>(family)]);
+}
+
+Family family_of(const Leaf& leaf) {
+  return std::visit(
+      []<class P>(const P&) {
+        if constexpr (std::is_same_v<P, EnumLeaf>) return Family::enumeration;
+        if constexpr (std::is_same_v<P, const std::string*>) return Family::text;
+        if constexpr (std::is_same_v<P, const bool*>) return Family::boolean;
+        if constexpr (std::is_same_v<P, const char*>) return Family::character;
+        if constexpr (std::is_same_v<P, const float*> || std::is_same_v<P, const double*>)
+          return Family::real;
+        return Family::integer;
+      },
+      leaf.at);
+}
+
+bool is_number(Family family) { return family == Family::integer || family == Family::real; }
+
+// Fields of different families are not compared, but numbers of all kinds are, and the integers
+// that enumerations stand for.
+bool comparable(Family a, Family b) {
+  if (a == b || (is_number(a) && is_number(b))) return true;
+  const auto pair = std::minmax(a, b);
+  return pair.first == Family::integer && pair.second == Family::enumeration;
+}
+
+bool is_operand(Kind kind) {
+  return kind == Kind::field || kind == Kind::integer || kind == Kind::real || kind == Kind::text ||
+         kind == Kind::parameter || kind == Kind::true_ || kind == Kind::false_;
+}
+
+}  // namespace
+
+class FilterCompiler {
+ public:
+  FilterCompiler(const FilterText& text, std::span<const Leaf> leaves)
+      : text_(text), lexer_(text.expression), leaves_(leaves) {}
+
+  Result<Filter> run() {
+    DDSSEC_TRY(check_sizes());
+    DDSSEC_TRY(advance());
+    DDSSEC_TRY(alternatives(0));
+    if (token_.kind != Kind::end) return expected("AND, OR or the end");
+    return std::move(out_);
+  }
+
+ private:
+  using Step = Filter::Step;
+  using Relation = Filter::Relation;
+  using Domain = Filter::Domain;
+
+  Status check_sizes() const {
+    const auto refuse = [](std::string field, std::size_t most, std::size_t found) {
+      return fail(Code::rtps_filter_invalid, {.document = "filter expression",
+                                              .field = std::move(field),
+                                              .expected = "at most " + std::to_string(most),
+                                              .found = std::to_string(found)});
+    };
+    if (text_.expression.size() > Filter::kLongestExpression)
+      return refuse("length", Filter::kLongestExpression, text_.expression.size());
+    if (text_.parameters.size() > Filter::kMostParameters)
+      return refuse("number of parameters", Filter::kMostParameters, text_.parameters.size());
+    for (const auto& parameter : text_.parameters)
+      if (parameter.size() > Filter::kLongestParameter)
+        return refuse("length of a parameter", Filter::kLongestParameter, parameter.size());
+    return {};
+  }
+
+  Status advance() {
+    token_ = DDSSEC_TRY(lexer_.next());
+    return {};
+  }
+  std::unexpected<Error> expected(std::string what) const {
+    return filter_error(token_.position, std::move(what), token_.text);
+  }
+  void emit(Step::Kind kind, std::size_t index = 0) {
+    out_.steps_.push_back({kind, static_cast<std::uint16_t>(index)});
+  }
+
+  /// `part`s with `word` between them; `skip` leaves the rest out once the answer is known.
+  template <class Part>
+  Status chain(Kind word, Step::Kind skip, Part part) {
+    DDSSEC_TRY(part());
+    while (token_.kind == word) {
+      DDSSEC_TRY(advance());
+      const auto jump = out_.steps_.size();
+      emit(skip);
+      DDSSEC_TRY(part());
+      out_.steps_[jump].index = static_cast<std::uint16_t>(out_.steps_.size());
+    }
+    return {};
+  }
+  Status alternatives(std::size_t depth) {
+    return chain(Kind::or_, Step::Kind::skip_if_true, [&]() -> Status {
+      return chain(Kind::and_, Step::Kind::skip_if_false, [&] { return condition(depth); });
+    });
+  }
+
+  Status condition(std::size_t depth) {
+    if (depth >= Filter::kDeepestNesting)
+      return expected("at most " + std::to_string(Filter::kDeepestNesting) + " levels of nesting");
+    if (token_.kind == Kind::not_) {
+      DDSSEC_TRY(advance());
+      DDSSEC_TRY(condition(depth + 1));
+      emit(Step::Kind::negate);
+      return {};
+    }
+    if (token_.kind != Kind::open) return predicate();
+    DDSSEC_TRY(advance());
+    DDSSEC_TRY(alternatives(depth + 1));
+    if (token_.kind != Kind::close) return expected("AND, OR or )");
+    return advance();
+  }
+
+  Status predicate() {
+    const auto left = DDSSEC_TRY(operand("a field, a value, NOT or ("));
+    if (token_.kind == Kind::not_ || token_.kind == Kind::between) return range(left);
+    const auto relation = DDSSEC_TRY(this->relation());
+    const auto right = DDSSEC_TRY(operand("a field, a value or a parameter"));
+    return test(left, relation, right);
+  }
+
+  Result<FilterToken> operand(std::string what) {
+    if (!is_operand(token_.kind)) return expected(std::move(what));
+    const auto token = token_;
+    DDSSEC_TRY(advance());
+    return token;
+  }
+
+  Result<Relation> relation() {
+    static constexpr std::pair<std::string_view, Relation> kRelations[] = {
+        {"=", Relation::equal},    {"==", Relation::equal},     {"<>", Relation::unequal},
+        {"!=", Relation::unequal}, {"<", Relation::less},       {"<=", Relation::less_equal},
+        {">", Relation::more},     {">=", Relation::more_equal}};
+    auto relation = Relation::like;
+    if (token_.kind == Kind::relation)
+      relation =
+          std::ranges::find(kRelations, token_.text, [](const auto& r) { return r.first; })->second;
+    else if (token_.kind != Kind::like)
+      return expected("=, <>, <, <=, >, >=, LIKE or BETWEEN");
+    DDSSEC_TRY(advance());
+    return relation;
+  }
+
+  Status range(const FilterToken& field) {
+    const bool negated = token_.kind == Kind::not_;
+    if (negated) DDSSEC_TRY(advance());
+    if (token_.kind != Kind::between) return expected("BETWEEN");
+    if (field.kind != Kind::field)
+      return filter_error(field.position, "a field before BETWEEN", field.text);
+    DDSSEC_TRY(advance());
+    const auto low = DDSSEC_TRY(bound());
+    if (token_.kind != Kind::and_) return expected("AND");
+    DDSSEC_TRY(advance());
+    const auto high = DDSSEC_TRY(bound());
+    DDSSEC_TRY(test(field, Relation::more_equal, low));
+    const auto jump = out_.steps_.size();
+    emit(Step::Kind::skip_if_false);
+    DDSSEC_TRY(test(field, Relation::less_equal, high));
+    out_.steps_[jump].index = static_cast<std::uint16_t>(out_.steps_.size());
+    if (negated) emit(Step::Kind::negate);
+    return {};
+  }
+
+  Result<FilterToken> bound() {
+    auto token = DDSSEC_TRY(operand("a value or a parameter"));
+    if (token.kind == Kind::field)
+      return filter_error(token.position, "a value or a parameter", token.text);
+    return token;
+  }
+
+  Status test(const FilterToken& left, Relation relation, const FilterToken& right) {
+    const auto* left_leaf = DDSSEC_TRY(leaf_of(left));
+    const auto* right_leaf = DDSSEC_TRY(leaf_of(right));
+    if (left_leaf == nullptr && right_leaf == nullptr)
+      return filter_error(left.position, "a field on one side", left.text);
+    const auto& leaf = left_leaf != nullptr ? *left_leaf : *right_leaf;
+    const auto family = family_of(leaf);
+    if (relation == Relation::like && family != Family::text)
+      return filter_error(left.position, "texts on both sides of LIKE", left.text);
+    if (left_leaf != nullptr && right_leaf != nullptr &&
+        !comparable(family, family_of(*right_leaf)))
+      return filter_error(right.position, name_of(family) + ", as " + leaf.path + " is",
+                          right.text);
+    Filter::Test out{.relation = relation};
+    out.left = DDSSEC_TRY(bind(left, left_leaf, leaf));
+    out.right = DDSSEC_TRY(bind(right, right_leaf, leaf));
+    out.domain = DDSSEC_TRY(domain_of(out));
+    if (relation == Relation::like) DDSSEC_TRY(check_pattern(out.right, right));
+    emit(Step::Kind::test, out_.tests_.size());
+    out_.tests_.push_back(out);
+    return {};
+  }
+
+  Result<const Leaf*> leaf_of(const FilterToken& token) {
+    if (token.kind != Kind::field) return nullptr;
+    const auto leaf = std::ranges::find(leaves_, token.text, &Leaf::path);
+    if (leaf != leaves_.end()) return &*leaf;
+    return filter_error(token.position, "a member of the type that can be compared", token.text);
+  }
+
+  Result<Filter::Operand> bind(const FilterToken& token, const Leaf* leaf, const Leaf& other) {
+    if (leaf != nullptr) {
+      out_.members_ = std::max(out_.members_, leaf->top + 1);
+      return Filter::Operand{true, static_cast<std::uint16_t>(leaf - leaves_.data())};
+    }
+    const auto literal = DDSSEC_TRY(literal_of(token));
+    const auto index = static_cast<std::uint16_t>(out_.constants_.size());
+    out_.constants_.push_back(DDSSEC_TRY(constant_of(literal, other)));
+    return Filter::Operand{false, index};
+  }
+
+  /// The literal that a parameter stands for, at the place of the parameter; others as they are.
+  Result<FilterToken> literal_of(const FilterToken& token) {
+    if (token.kind != Kind::parameter) return token;
+    std::size_t number = 0;
+    std::from_chars(token.text.data(), token.text.data() + token.text.size(), number);
+    if (number >= text_.parameters.size())
+      return filter_error(token.position,
+                          "one of " + std::to_string(text_.parameters.size()) + " parameters",
+                          std::string("%").append(token.text));
+    const auto& parameter = text_.parameters[number];
+    FilterLexer lexer(parameter);
+    auto literal = lexer.next();
+    const auto end = literal ? lexer.next() : literal;
+    const bool one = end && end->kind == Kind::end && is_operand(literal->kind) &&
+                     literal->kind != Kind::field && literal->kind != Kind::parameter;
+    if (!one)
+      return filter_error(
+          token.position,
+          "a literal (5, 2.5, 'text', TRUE) as parameter %" + std::string(token.text),
+          parameter.empty() ? "nothing" : parameter);
+    literal->position = token.position;
+    return *literal;
+  }
+
+  Result<Filter::Constant> constant_of(const FilterToken& literal, const Leaf& leaf) {
+    const auto family = family_of(leaf);
+    const auto refuse = [&] {
+      return filter_error(literal.position, name_of(family) + " for " + leaf.path, literal.text);
+    };
+    switch (literal.kind) {
+      case Kind::integer:
+        if (family == Family::text || family == Family::character) return refuse();
+        return integer(literal);
+      case Kind::real:
+        if (!is_number(family)) return refuse();
+        return real(literal, std::holds_alternative<const float*>(leaf.at));
+      case Kind::true_:
+      case Kind::false_:
+        if (family != Family::boolean) return refuse();
+        return Filter::Constant{.integer =
+                                    Filter::Integer::of(std::int64_t{literal.kind == Kind::true_})};
+      default:
+        break;
+    }
+    if (family == Family::text) return Filter::Constant{.text = std::string(literal.text)};
+    if (family == Family::character && literal.text.size() == 1)
+      return Filter::Constant{.integer = Filter::Integer::of(
+                                  std::int64_t{static_cast<unsigned char>(literal.text.front())})};
+    if (family == Family::enumeration) return label(literal, leaf);
+    return refuse();
+  }
+
+  static Result<Filter::Constant> label(const FilterToken& literal, const Leaf& leaf) {
+    const auto labels = std::get<EnumLeaf>(leaf.at).labels;
+    const auto found = std::ranges::find(labels, literal.text, &EnumLabel::name);
+    if (found == labels.end())
+      return filter_error(literal.position, "a label of " + leaf.path, literal.text);
+    return Filter::Constant{.integer = Filter::Integer::of(std::int64_t{found->value})};
+  }
+
+  static Result<Filter::Constant> integer(const FilterToken& literal) {
+    auto text = literal.text;
+    const bool negative = text.starts_with('-');
+    if (negative || text.starts_with('+')) text.remove_prefix(1);
+    const bool hex = text.starts_with("0x") || text.starts_with("0X");
+    if (hex) text.remove_prefix(2);
+    std::uint64_t value = 0;
+    const auto read = std::from_chars(text.data(), text.data() + text.size(), value, hex ? 16 : 10);
+    constexpr auto kLowest = std::uint64_t{1} << 63;
+    if (read.ec != std::errc{} || (negative && value > kLowest))
+      return filter_error(literal.position, "an integer of 64 bits", literal.text);
+    if (negative) return Filter::Constant{.integer = {false, -value}};
+    return Filter::Constant{.integer = Filter::Integer::of(value)};
+  }
+
+  static Result<Filter::Constant> real(const FilterToken& literal, bool single) {
+    auto text = literal.text;
+    if (text.starts_with('+')) text.remove_prefix(1);
+    double value = 0;
+    const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (read.ec != std::errc{} || !std::isfinite(value))
+      return filter_error(literal.position, "a number that a double can hold", literal.text);
+    if (single && std::abs(value) <= std::numeric_limits<float>::max())
+      value = static_cast<float>(value);
+    return Filter::Constant{.real = value, .is_real = true};
+  }
+
+  Result<Domain> domain_of(const Filter::Test& test) const {
+    bool real = false, text = false;
+    for (const auto& operand : {test.left, test.right}) {
+      if (!operand.is_leaf) {
+        real = real || out_.constants_[operand.index].is_real;
+        continue;
+      }
+      const auto family = family_of(leaves_[operand.index]);
+      real = real || family == Family::real;
+      text = text || family == Family::text;
+    }
+    if (text) return Domain::texts;
+    return real ? Domain::reals : Domain::integers;
+  }
+
+  Status check_pattern(const Filter::Operand& operand, const FilterToken& token) const {
+    if (operand.is_leaf) return filter_error(token.position, "a pattern in quotes", token.text);
+    const auto size = out_.constants_[operand.index].text.size();
+    if (size <= Filter::kLongestPattern) return {};
+    return filter_error(token.position,
+                        "a pattern of at most " + std::to_string(Filter::kLongestPattern),
+                        token.text);
+  }
+
+  const FilterText& text_;
+  FilterLexer lexer_;
+  std::span<const Leaf> leaves_;
+  FilterToken token_;
+  Filter out_;
+};
+
+Result<Filter> Filter::compile(const FilterText& text, std::span<const Leaf> leaves) {
+  return FilterCompiler(text, leaves).run();
+}
+
+}  // namespace ddssec::rtps

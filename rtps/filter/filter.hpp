@@ -1,0 +1,91 @@
+// Content filters and queries: the SQL subset of DDS 1.4, Annex B.
+#pragma once
+
+#include "rtps/filter/sample_view.hpp"
+
+namespace ddssec::rtps {
+
+/// An expression and what its parameters %0, %1, ... stand for, as literals: 5, 2.5, 'BLUE', TRUE.
+struct FilterText {
+  std::string expression;
+  std::vector<std::string> parameters = {};
+  bool operator==(const FilterText&) const = default;
+};
+
+/// An expression, parsed and bound to the members of one type. Evaluation allocates nothing.
+///
+/// Comparisons (= <> < <= > >=, also == and !=), LIKE (% any characters, _ any one), BETWEEN and
+/// NOT BETWEEN, AND, OR, NOT, parentheses; AND binds more tightly than OR, NOT more than both.
+/// Integers compare by value whatever their types; real literals are rounded to a float before they
+/// are compared with one. Enumerations compare with their labels, in quotes, or with integers.
+class Filter {
+ public:
+  // Bounds: expressions come from applications and, for filtering by writers, from remote readers.
+  static constexpr std::size_t kLongestExpression = 4096;
+  static constexpr std::size_t kDeepestNesting = 32;
+  static constexpr std::size_t kMostParameters = 100;
+  static constexpr std::size_t kLongestParameter = 256;
+  static constexpr std::size_t kLongestPattern = 256;  ///< of LIKE
+
+  /// For samples that a view of these leaves shows. An empty expression is refused. Errors:
+  /// rtps_filter_invalid, with the position, what was expected and what was found.
+  static Result<Filter> compile(const FilterText& text, std::span<const Leaf> leaves);
+
+  /// Of the sample that `view` holds; a view of the same type as the leaves were of.
+  bool passes(const SampleView& view) const;
+  /// How many members of the type it has to see: for SampleView::decode.
+  std::size_t members() const { return members_; }
+
+ private:
+  friend class FilterCompiler;
+
+  /// All 64-bit integers, signed and not, in their order.
+  struct Integer {
+    bool above = false;  ///< above those that are signed
+    std::uint64_t bits = 0;
+    static Integer of(std::int64_t value) { return {false, static_cast<std::uint64_t>(value)}; }
+    static Integer of(std::uint64_t value) { return {(value >> 63) != 0, value}; }
+    std::strong_ordering operator<=>(const Integer& other) const;
+    bool operator==(const Integer&) const = default;
+    long double real() const;
+  };
+  struct Constant {
+    Integer integer = {};
+    double real = 0;
+    std::string text = {};
+    bool is_real = false;
+  };
+  struct Operand {
+    bool is_leaf = false;
+    std::uint16_t index = 0;
+  };
+  enum class Relation : std::uint8_t { equal, unequal, less, less_equal, more, more_equal, like };
+  enum class Domain : std::uint8_t { integers, reals, texts };
+  struct Test {
+    Relation relation = Relation::equal;
+    Domain domain = Domain::integers;
+    Operand left = {}, right = {};
+  };
+  /// The program: an accumulator, and jumps that only go forward.
+  struct Step {
+    enum class Kind : std::uint8_t { test, negate, skip_if_false, skip_if_true } kind = Kind::test;
+    std::uint16_t index = 0;  ///< of the test, or of the step to go on with
+  };
+
+  template <class T>
+  static bool compare(const T& left, const T& right, Relation relation);
+  bool holds(const Test& test, std::span<const Leaf> leaves) const;
+  Integer integer_of(const Operand& operand, std::span<const Leaf> leaves) const;
+  long double real_of(const Operand& operand, std::span<const Leaf> leaves) const;
+  std::string_view text_of(const Operand& operand, std::span<const Leaf> leaves) const;
+
+  std::vector<Step> steps_;
+  std::vector<Test> tests_;
+  std::vector<Constant> constants_;
+  std::size_t members_ = 0;
+};
+
+/// LIKE: % stands for any characters, _ for any one.
+bool matches_pattern(std::string_view text, std::string_view pattern);
+
+}  // namespace ddssec::rtps

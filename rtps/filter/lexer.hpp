@@ -1,0 +1,60 @@
+// The words of a filter expression (DDS 1.4, Annex B).
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "base/result.hpp"
+
+namespace ddssec::rtps {
+
+struct FilterToken {
+  enum class Kind : std::uint8_t {
+    end,
+    field,      ///< a name, or names with dots between
+    integer,    ///< decimal or 0x..., maybe signed
+    real,       ///< with a point or an exponent
+    text,       ///< in single quotes, without them in `text`
+    parameter,  ///< %0 to %99; `text` are the digits
+    relation,   ///< = == <> != < <= > >=
+    open,
+    close,
+    and_,
+    or_,
+    not_,
+    between,
+    like,
+    true_,
+    false_,
+  };
+  Kind kind = Kind::end;
+  std::string_view text = {};
+  std::size_t position = 1;  ///< of its first character, from 1
+};
+
+/// Reads one word after the other. Keywords are so in any case.
+class FilterLexer {
+ public:
+  explicit FilterLexer(std::string_view expression) : all_(expression) {}
+
+  /// Errors: rtps_filter_invalid.
+  Result<FilterToken> next();
+
+ private:
+  FilterToken take(FilterToken::Kind kind, std::size_t length);
+  Result<FilterToken> word();
+  Result<FilterToken> number();
+  Result<FilterToken> quoted();
+  Result<FilterToken> parameter();
+  std::string_view rest() const { return all_.substr(at_); }
+
+  std::string_view all_;
+  std::size_t at_ = 0;
+};
+
+/// rtps_filter_invalid at a character of the expression. `found` is shortened, and shown without
+/// what a terminal would obey.
+std::unexpected<Error> filter_error(std::size_t position, std::string expected,
+                                    std::string_view found);
+
+}  // namespace ddssec::rtps
