@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "rtps/dcps/status.hpp"
+#include "rtps/filter/bound_filter.hpp"
 
 namespace ddssec::rtps {
 
@@ -58,17 +59,40 @@ class StatusCondition final : public Condition {
 };
 
 /// Triggered while its reader holds samples in these states. The reader makes and deletes it.
-class ReadCondition final : public Condition {
+class ReadCondition : public Condition {
  public:
   AnyDataReader& datareader() const { return reader_; }
   const States& states() const { return states_; }
+  /// nullptr if it is no QueryCondition, or one whose expression is empty. Only for the reader.
+  BoundFilter* query() const { return query_.get(); }
 
- private:
+ protected:
   friend class AnyDataReader;
   ReadCondition(AnyDataReader& reader, const States& states) : reader_(reader), states_(states) {}
 
   AnyDataReader& reader_;
   const States states_;
+  std::unique_ptr<BoundFilter> query_;
+};
+
+/// Triggered while its reader holds samples in these states that a query finds; samples without
+/// data are found by none (DDS 1.4, 2.2.2.5.9).
+class QueryCondition final : public ReadCondition {
+ public:
+  const std::string& query_expression() const { return text_.expression; }
+  std::vector<std::string> query_parameters() const;
+  /// Errors: rtps_filter_invalid; then all is as before.
+  Status set_query_parameters(std::vector<std::string> parameters);
+
+ private:
+  friend class AnyDataReader;
+  QueryCondition(AnyDataReader& reader, const States& states, FilterText text,
+                 std::unique_ptr<BoundFilter> query)
+      : ReadCondition(reader, states), text_(std::move(text)) {
+    query_ = std::move(query);
+  }
+
+  FilterText text_;
 };
 
 }  // namespace ddssec::rtps

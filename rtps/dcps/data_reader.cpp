@@ -23,7 +23,11 @@ AnyDataReader::AnyDataReader(Group& subscriber, ParticipantContext& context, Top
   make_cache();
 }
 
-AnyDataReader::~AnyDataReader() { retire(); }
+AnyDataReader::~AnyDataReader() {
+  retire();
+  const auto held = lock();
+  if (filtered_topic_ != nullptr) std::erase(filtered_topic_->readers_, this);
+}
 
 Subscriber& AnyDataReader::subscriber() const { return static_cast<Subscriber&>(group_); }
 
@@ -34,13 +38,31 @@ void AnyDataReader::make_cache() {
 }
 
 Result<Guid> AnyDataReader::create(Participant::EndpointRequest request) {
+  if (filtered_topic_ != nullptr) request.content_filter = filtered_topic_->property();
   return context_.protocol().create_reader(std::move(request), *this, context_.now());
 }
 
 void AnyDataReader::on_own_qos(const Qos& before) {
   if (!enabled()) return make_cache();
   if (qos_.deadline != before.deadline) cache_->set_deadline(qos_.deadline, context_.now());
+  if (qos_.time_based_filter != before.time_based_filter)
+    cache_->set_minimum_separation(qos_.time_based_filter);
   call_at(cache_->next_tick());
+}
+
+Status AnyDataReader::filter_by(ContentFilteredTopic& topic) {
+  const auto held = lock();
+  filter_.emplace(DDSSEC_TRY(topic.compile(topic.text_)));
+  filtered_topic_ = &topic;
+  topic.readers_.push_back(this);
+  return {};
+}
+
+Status AnyDataReader::on_filter_changed() {
+  filter_.emplace(DDSSEC_TRY(filtered_topic_->compile(filtered_topic_->text_)));
+  if (enabled())
+    context_.protocol().change_filter(guid_, filtered_topic_->property(), context_.now());
+  return {};
 }
 
 Status AnyDataReader::check_unused() const {
@@ -86,6 +108,40 @@ ReadCondition& AnyDataReader::create_readcondition(const States& states) {
   return *conditions_.back();
 }
 
+Result<std::unique_ptr<BoundFilter>> AnyDataReader::compile_query(const FilterText& text) const {
+  if (text.expression.find_first_not_of(" \t\r\n") == std::string::npos) return nullptr;
+  const auto& view = topic_.type().view;
+  return std::make_unique<BoundFilter>(
+      DDSSEC_TRY(BoundFilter::compile(text, view ? view() : nullptr)));
+}
+
+Result<QueryCondition*> AnyDataReader::create_querycondition(const States& states,
+                                                             FilterText query) {
+  auto compiled = DDSSEC_TRY(compile_query(query));
+  std::unique_ptr<QueryCondition> condition(
+      new QueryCondition(*this, states, std::move(query), std::move(compiled)));
+  auto* out = condition.get();
+  const auto held = lock();
+  conditions_.push_back(std::move(condition));
+  update_conditions();
+  return out;
+}
+
+std::vector<std::string> QueryCondition::query_parameters() const {
+  const auto held = reader_.lock();
+  return text_.parameters;
+}
+
+Status QueryCondition::set_query_parameters(std::vector<std::string> parameters) {
+  FilterText text{text_.expression, std::move(parameters)};
+  auto compiled = DDSSEC_TRY(reader_.compile_query(text));
+  const auto held = reader_.lock();
+  if (compiled) *query_ = std::move(*compiled);  // its place is known to whoever reads now
+  text_ = std::move(text);
+  reader_.update_conditions();
+  return {};
+}
+
 Status AnyDataReader::delete_readcondition(ReadCondition& condition) {
   const auto held = lock();
   if (std::erase_if(conditions_, [&](const auto& c) { return c.get() == &condition; }) > 0)
@@ -104,7 +160,8 @@ Status AnyDataReader::check_own(const ReadCondition& condition) const {
 }
 
 void AnyDataReader::update_conditions() {
-  for (auto& condition : conditions_) condition->trigger(cache_->any(condition->states()));
+  for (auto& condition : conditions_)
+    condition->trigger(cache_->any(condition->states(), condition->query()));
 }
 
 Status AnyDataReader::wait_for_historical_data(std::chrono::nanoseconds most) {

@@ -1,6 +1,7 @@
 // DataReader of DDS 1.4, 2.2.2.5.3, on octets.
 #pragma once
 
+#include "rtps/dcps/content_filtered_topic.hpp"
 #include "rtps/dcps/endpoint.hpp"
 #include "rtps/dcps/liveliness.hpp"
 #include "rtps/dcps/sample_access.hpp"
@@ -16,6 +17,8 @@ class AnyDataReader : public Endpoint {
   ~AnyDataReader() override;
 
   Subscriber& subscriber() const;
+  /// nullptr if it gets everything.
+  ContentFilteredTopic* content_filtered_topic() const { return filtered_topic_; }
   void set_listener(DataReaderListener* listener, StatusMask mask = kAnyStatus);
 
   /// Appends what the query asks for to `out` and says how much that is. Errors: rtps_not_enabled,
@@ -28,6 +31,9 @@ class AnyDataReader : public Endpoint {
 
   /// Triggered while samples in these states are held.
   ReadCondition& create_readcondition(const States& states);
+  /// Triggered while samples in these states that the query finds are held; an empty expression
+  /// finds all. Errors: rtps_filter_invalid.
+  Result<QueryCondition*> create_querycondition(const States& states, FilterText query);
   /// Errors: rtps_precondition_not_met (another reader's).
   Status delete_readcondition(ReadCondition& condition);
   /// Its conditions.
@@ -63,6 +69,15 @@ class AnyDataReader : public Endpoint {
   Status check_own(const ReadCondition& condition) const;
 
  private:
+  friend class ContentFilteredTopic;
+  friend class QueryCondition;
+  /// Before it is enabled.
+  Status filter_by(ContentFilteredTopic& topic);
+  Status on_filter_changed();
+  /// Of an alive change.
+  bool passes_filter(const Change& change);
+  /// nullptr for an empty expression.
+  Result<std::unique_ptr<BoundFilter>> compile_query(const FilterText& text) const;
   void on_matched(const EndpointData& remote) override;
   void on_unmatched(const Guid& remote) override;
   bool on_change(Change& change) override;
@@ -86,6 +101,8 @@ class AnyDataReader : public Endpoint {
 
   Listening<DataReaderListener> listening_;
   std::optional<ReaderCache> cache_;
+  ContentFilteredTopic* filtered_topic_ = nullptr;
+  std::optional<BoundFilter> filter_;
   LivelinessMonitor liveliness_;
   std::vector<std::unique_ptr<ReadCondition>> conditions_;
   bool refused_ = false;  ///< a writer waits for room

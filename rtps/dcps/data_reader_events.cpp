@@ -20,13 +20,23 @@ void AnyDataReader::on_unmatched(const Guid& remote) {
   Endpoint::on_unmatched(remote);
 }
 
+bool AnyDataReader::passes_filter(const Change& change) {
+  const auto passes = filter_->passes(change.payload.view());
+  if (!passes) ++malformed_;
+  return passes.value_or(false);
+}
+
 bool AnyDataReader::on_change(Change& change) {
+  if (filter_ && change.is_alive() && !passes_filter(change)) return true;
   const auto& type = topic_.type();
   if (type.with_key && !change.key_hash && type.key_hash) change.key_hash = type.key_hash(change);
   if (type.with_key && !change.key_hash) {
     ++malformed_;
     return true;
   }
+  // The end of an instance of which nothing passed the filter is not news.
+  if (filter_ && !change.is_alive() && cache_->lookup(change.key_hash.value_or(KeyHash{})).is_nil())
+    return true;
   const auto stored = cache_->store(change, context_.moment());
   call_at(cache_->next_tick());
   if (stored.outcome == ReaderCache::Outcome::rejected) return reject(change, stored);
@@ -71,6 +81,7 @@ void AnyDataReader::liveliness_moved() {
 
 void AnyDataReader::on_time(MonotonicTime now) {
   if (cache_->expire(now)) update_conditions();
+  if (cache_->release(context_.moment())) data_came();
   cache_->check_deadlines(now, [&](InstanceHandle instance) { miss_deadline(instance); });
   bool changed = false;
   liveliness_.check(

@@ -67,6 +67,7 @@ class AnyDataWriter : public Endpoint {
   void on_sample_lost(std::int64_t) override {}
   void on_alive(const Guid&) override {}
   void on_acknowledged() override { context_.notify(); }
+  std::shared_ptr<ChangeFilter> filter_for(const EndpointData& reader) override;
   void on_time(MonotonicTime now) override;
 
   Result<Guid> create(Participant::EndpointRequest request) override;

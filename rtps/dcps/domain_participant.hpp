@@ -2,6 +2,7 @@
 // begin.
 #pragma once
 
+#include "rtps/dcps/content_filtered_topic.hpp"
 #include "rtps/dcps/publisher.hpp"
 #include "rtps/dcps/subscriber.hpp"
 #include "rtps/transport/event_loop.hpp"
@@ -101,6 +102,14 @@ class DomainParticipant final : private ParticipantContext::Server,
                               TopicListener* listener = nullptr, StatusMask mask = kAnyStatus);
   /// nullptr if there is none.
   Topic* lookup_topicdescription(std::string_view name) const;
+  /// For readers of `related` that want only what passes the filter. Errors: rtps_filter_invalid,
+  /// and those of create_topic.
+  Result<ContentFilteredTopic*> create_contentfilteredtopic(std::string name, Topic& related,
+                                                            FilterText filter);
+  /// nullptr if there is none.
+  ContentFilteredTopic* lookup_contentfilteredtopic(std::string_view name) const;
+  /// Errors: rtps_precondition_not_met (it has readers, or is another participant's).
+  Status delete_contentfilteredtopic(ContentFilteredTopic& topic);
   /// Errors: rtps_qos_inconsistent.
   Result<Publisher*> create_publisher(GroupQos qos = {}, PublisherListener* listener = nullptr,
                                       StatusMask mask = kAnyStatus);
@@ -139,6 +148,11 @@ class DomainParticipant final : private ParticipantContext::Server,
   void assert_manual_leases(MonotonicTime now, bool explicitly);
   bool has_listener(StatusKind) const override { return false; }  // contained entities tell them
   void tell_listeners() override {}
+  /// Errors: rtps_bad_parameter.
+  static Status check_name(std::string_view name);
+  bool is_taken(std::string_view name) const {
+    return lookup_topicdescription(name) != nullptr || lookup_contentfilteredtopic(name) != nullptr;
+  }
   template <class Child>
   Status delete_child(std::vector<std::unique_ptr<Child>>& children, Child& child, bool unused);
 
@@ -152,6 +166,7 @@ class DomainParticipant final : private ParticipantContext::Server,
   Listening<DomainParticipantListener> listening_;
   std::unique_ptr<Sockets> sockets_;
   std::vector<std::unique_ptr<Topic>> topics_;
+  std::vector<std::unique_ptr<ContentFilteredTopic>> filtered_topics_;  // refer to topics
   std::vector<std::unique_ptr<Publisher>> publishers_;
   std::vector<std::unique_ptr<Subscriber>> subscribers_;
   std::atomic<bool> stopping_ = false;

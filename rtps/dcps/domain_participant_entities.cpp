@@ -36,19 +36,23 @@ Status DomainParticipant::set_default_topic_qos(const Qos& qos) {
   return {};
 }
 
+Status DomainParticipant::check_name(std::string_view name) {
+  if (!name.empty() && name.size() <= kMostNameLength) return {};
+  return fail(Code::rtps_bad_parameter, {.document = "topic " + std::string(name),
+                                         .field = "name of topic or type",
+                                         .expected = "1 to 256 characters",
+                                         .found = std::to_string(name.size())});
+}
+
 Result<Topic*> DomainParticipant::create_topic(std::string name, TypeSupport type,
                                                std::optional<Qos> qos, TopicListener* listener,
                                                StatusMask mask) {
-  for (const auto& text : {name, type.name})
-    if (text.empty() || text.size() > kMostNameLength)
-      return fail(Code::rtps_bad_parameter, {.document = "topic " + name,
-                                             .field = "name of topic or type",
-                                             .expected = "1 to 256 characters",
-                                             .found = std::to_string(text.size())});
+  DDSSEC_TRY(check_name(name));
+  DDSSEC_TRY(check_name(type.name));
   const auto policies = std::move(qos).value_or(default_topic_qos());
   DDSSEC_TRY(check_consistency(policies));
   const std::lock_guard members(context_.callbacks());
-  if (lookup_topicdescription(name) != nullptr)
+  if (is_taken(name))
     return precondition_not_met("topic " + name, "a new name", "one that is taken");
   if (!options_.announce_types) type.description = {};
   std::unique_ptr<Topic> topic(
@@ -105,6 +109,9 @@ Status DomainParticipant::delete_child(std::vector<std::unique_ptr<Child>>& chil
   return {};  // the lock ends before the entity does
 }
 
+template Status DomainParticipant::delete_child(std::vector<std::unique_ptr<ContentFilteredTopic>>&,
+                                                ContentFilteredTopic&, bool);
+
 Status DomainParticipant::delete_topic(Topic& topic) {
   const std::lock_guard members(context_.callbacks());
   bool unused = false;
@@ -129,10 +136,12 @@ Status DomainParticipant::delete_contained_entities() {
   DDSSEC_TRY(check_not_in_callback(context_));
   const std::lock_guard members(context_.callbacks());
   decltype(topics_) topics;
+  decltype(filtered_topics_) filtered;
   decltype(publishers_) publishers;
   decltype(subscribers_) subscribers;
   const auto held = lock();
   topics.swap(topics_);
+  filtered.swap(filtered_topics_);
   publishers.swap(publishers_);
   subscribers.swap(subscribers_);
   return {};  // subscribers and publishers go before the topics
@@ -140,7 +149,8 @@ Status DomainParticipant::delete_contained_entities() {
 
 bool DomainParticipant::contains_entities() const {
   const auto held = lock();
-  return !topics_.empty() || !publishers_.empty() || !subscribers_.empty();
+  return !topics_.empty() || !filtered_topics_.empty() || !publishers_.empty() ||
+         !subscribers_.empty();
 }
 
 // Samples assert their writer's participant to the readers that they reach; the others must hear it

@@ -51,11 +51,19 @@ class Group : public Entity {
   template <class E, class L>
   Result<E*> create(Topic& topic, std::string_view type, std::optional<Qos> qos, L* listener,
                     StatusMask mask) {
+    return create<E>(topic, type, std::move(qos), [&](E& member) -> Status {
+      member.set_listener(listener, mask);
+      return {};
+    });
+  }
+  /// The same; `prepare` it before it may be enabled.
+  template <class E, class Prepare>
+  Result<E*> create(Topic& topic, std::string_view type, std::optional<Qos> qos, Prepare prepare) {
     if (auto fits = check_topic(topic, type); !fits) return std::unexpected(fits.error());
     std::unique_ptr<E> member(
         new E(*this, context_, topic, std::move(qos).value_or(default_endpoint_qos())));
     auto* out = member.get();
-    member->set_listener(listener, mask);
+    if (auto ready = prepare(*out); !ready) return std::unexpected(ready.error());
     if (auto adopted = adopt(std::move(member)); !adopted) return std::unexpected(adopted.error());
     return out;
   }

@@ -28,7 +28,9 @@ ReaderCache::ReaderCache(const Qos& qos, KeyOf key_of)
       most_per_instance_(limit_of(qos.resource_limits.max_samples_per_instance, kMostSamples)),
       exclusive_(qos.ownership == OwnershipKind::exclusive),
       by_source_(qos.destination_order == DestinationOrderKind::by_source),
-      key_of_(std::move(key_of)) {
+      key_of_(std::move(key_of)),
+      reliable_(qos.is_reliable()) {
+  set_minimum_separation(qos.time_based_filter);
   set_deadline(qos.deadline, {});
 }
 
@@ -150,6 +152,10 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
     return {Outcome::dropped, {}, handle};
   }
   if (instance != nullptr && is_too_old(*instance, change)) return {Outcome::dropped, {}, handle};
+  if (instance != nullptr && at.now < instance->quiet_until && change.is_alive()) {
+    if (reliable_) hold_back(*instance, std::move(change));
+    return {Outcome::dropped, {}, handle};
+  }
   if (const auto reason = rejects(instance, change); reason != SampleRejectedReason::not_rejected)
     return {Outcome::rejected, reason, handle};
   if (instance == nullptr) instance = create(change);
@@ -180,11 +186,13 @@ void ReaderCache::store_alive(Instance& instance, Change& change, MonotonicTime 
             expires};
   insert(instance, std::move(held));
   restart_deadline(instance, now);
+  if (separation_.count() > 0) begin_quiet(instance, now);
 }
 
 // A dispose, an unregister, or both at once.
 void ReaderCache::store_end(Instance& instance, const Change& change) {
   const Recount recount(*this, instance);
+  hold_back(instance, std::nullopt);
   if (change.status.disposed) {
     join(instance, change.writer);
     if (instance.state != InstanceState::not_alive_disposed) {
@@ -224,6 +232,7 @@ bool ReaderCache::leave(Instance& instance, const Guid& writer) {
   const bool ends = instance.writers.empty() && instance.state == InstanceState::alive;
   if (ends) {
     const Recount recount(*this, instance);
+    hold_back(instance, std::nullopt);
     instance.state = InstanceState::not_alive_no_writers;
     instance.due.leave();
     add_invalid(instance, writer, std::nullopt);

@@ -10,6 +10,7 @@
 
 #include "rtps/dcps/link.hpp"
 #include "rtps/dcps/status.hpp"
+#include "rtps/filter/bound_filter.hpp"
 #include "rtps/qos/qos.hpp"
 #include "rtps/reliability/stateful_writer.hpp"
 
@@ -27,7 +28,8 @@ struct Query {
   std::size_t most = ~std::size_t{0};
   bool take = false;
   enum class Scope : std::uint8_t { all, instance, next_instance } scope = Scope::all;
-  InstanceHandle instance = {};  ///< of `instance`; or the one after which the next is wanted
+  InstanceHandle instance = {};     ///< of `instance`; or the one after which the next is wanted
+  BoundFilter* matching = nullptr;  ///< only samples with data that pass it; nullptr: all
 };
 
 class ReaderCache {
@@ -60,6 +62,8 @@ class ReaderCache {
   void select(const Query& query, const Moment& at, std::vector<OctetSample>& out);
   /// True if a select with these states would find something.
   bool any(const States& states) const;
+  /// The same of a query; looks at the samples one by one if there is one.
+  bool any(const States& states, BoundFilter* matching) const;
 
   /// Removes what LIFESPAN ended; true if there was any.
   bool expire(MonotonicTime now);
@@ -68,6 +72,12 @@ class ReaderCache {
   /// The next moment at which expire or check_deadlines has something to do.
   MonotonicTime next_tick() const;
   void set_deadline(Duration period, MonotonicTime now);
+
+  /// TIME_BASED_FILTER: samples of an instance that come sooner than this after the last are
+  /// dropped; a reliable reader gets the latest of them when the time is over.
+  void set_minimum_separation(Duration separation);
+  /// Stores what was held back until now; true if there was any.
+  bool release(const Moment& at);
 
   /// HANDLE_NIL if the instance is not known.
   InstanceHandle lookup(const KeyHash& key) const;
@@ -101,9 +111,12 @@ class ReaderCache {
     std::optional<Guid> owner;       ///< EXCLUSIVE only
     std::optional<Time> seen_until;  ///< source time of the newest sample that was handed out
     MonotonicTime deadline = kNever;
-    Link<Instance> ready{this};  ///< has samples
-    Link<Instance> idle{this};   ///< has none and is not alive: the first to go
-    Link<Instance> due{this};    ///< in the order of deadlines
+    MonotonicTime quiet_until{};      ///< TIME_BASED_FILTER
+    std::optional<Change> held_back;  ///< until then
+    Link<Instance> ready{this};       ///< has samples
+    Link<Instance> idle{this};        ///< has none and is not alive: the first to go
+    Link<Instance> due{this};         ///< in the order of deadlines
+    Link<Instance> quiet{this};       ///< in the order of quiet_until
     std::size_t valid() const { return held.size() - invalid; }
   };
   struct Writer {
@@ -139,6 +152,9 @@ class ReaderCache {
   void insert(Instance& instance, Held held);
   void add_invalid(Instance& instance, const Guid& writer, const std::optional<Time>& time);
   void revive(Instance& instance);
+  void hold_back(Instance& instance, std::optional<Change> change);
+  void begin_quiet(Instance& instance, MonotonicTime now);
+  static bool is_asked(const Held& held, const Query& query);
   void join(Instance& instance, const Guid& writer);
   bool leave(Instance& instance, const Guid& writer);
   HeldList::iterator erase(Instance& instance, HeldList::const_iterator at);
@@ -153,7 +169,9 @@ class ReaderCache {
   const bool exclusive_, by_source_;
   MonotonicTime deadline_ = kNever;  ///< period
   KeyOf key_of_;
-  LinkedList<Instance> ready_, idle_, due_;  ///< outlive the instances that are in them
+  const bool reliable_;
+  MonotonicTime separation_{};                       ///< TIME_BASED_FILTER; 0: none
+  LinkedList<Instance> ready_, idle_, due_, quiet_;  ///< outlive the instances that are in them
   std::map<InstanceHandle, Instance> instances_;
   std::map<KeyHash, Instance*> by_key_;
   std::map<Guid, Writer> writers_;

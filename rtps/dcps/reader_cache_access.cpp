@@ -24,6 +24,22 @@ bool ReaderCache::any(const States& states) const {
   return false;
 }
 
+bool ReaderCache::is_asked(const Held& held, const Query& query) {
+  if (!query.states.sample.contains(state_of(held.is_read))) return false;
+  if (query.matching == nullptr) return true;
+  return held.valid && query.matching->passes(held.change.payload.view()).value_or(false);
+}
+
+bool ReaderCache::any(const States& states, BoundFilter* matching) const {
+  if (matching == nullptr || !any(states)) return any(states);
+  const Query query{.states = states, .matching = matching};
+  return std::ranges::any_of(ready_, [&](const Instance* instance) {
+    return states.view.contains(instance->view) && states.instance.contains(instance->state) &&
+           std::ranges::any_of(instance->held,
+                               [&](const Held& held) { return is_asked(held, query); });
+  });
+}
+
 void ReaderCache::select(const Query& query, const Moment& at, std::vector<OctetSample>& out) {
   expire(at.now);
   const auto begin = out.size();
@@ -58,7 +74,7 @@ void ReaderCache::select_from(Instance& instance, const Query& query,
     for (auto at = instance.held.begin();
          at != instance.held.end() && out.size() - begin < query.most;) {
       auto& held = *at;
-      if (!states.sample.contains(state_of(held.is_read))) {
+      if (!is_asked(held, query)) {
         ++at;
         continue;
       }
@@ -140,7 +156,47 @@ void ReaderCache::check_deadlines(MonotonicTime now,
 }
 
 MonotonicTime ReaderCache::next_tick() const {
-  return std::min(next_expiry_, due_.empty() ? kNever : due_.front()->deadline);
+  auto next = std::min(next_expiry_, due_.empty() ? kNever : due_.front()->deadline);
+  if (!quiet_.empty()) next = std::min(next, quiet_.front()->quiet_until);
+  return next;
+}
+
+void ReaderCache::set_minimum_separation(Duration separation) {
+  separation_ = separation.to_nanoseconds();
+  for (auto& [handle, instance] : instances_) instance.quiet_until = {};
+}
+
+void ReaderCache::begin_quiet(Instance& instance, MonotonicTime now) {
+  hold_back(instance, std::nullopt);
+  instance.quiet_until = now + separation_;
+  instance.quiet.append_to(quiet_);
+}
+
+void ReaderCache::hold_back(Instance& instance, std::optional<Change> change) {
+  if (instance.held_back) octets_ -= instance.held_back->payload.size();
+  instance.held_back.reset();
+  if (!change || octets_ + change->payload.size() > kMostOctets) return;
+  octets_ += change->payload.size();
+  instance.held_back = std::move(change);
+}
+
+// DDS 1.4, 2.2.3.12: a reliable reader gets the last sample in the end.
+bool ReaderCache::release(const Moment& at) {
+  bool any = false;
+  while (!quiet_.empty() && quiet_.front()->quiet_until <= at.now) {
+    auto& instance = *quiet_.front();
+    instance.quiet.leave();
+    if (!instance.held_back) continue;
+    auto change = std::move(*instance.held_back);
+    octets_ -= change.payload.size();
+    instance.held_back.reset();
+    const auto outcome = store(change, at).outcome;
+    any = any || outcome == Outcome::stored;
+    if (outcome != Outcome::rejected) continue;
+    begin_quiet(instance, at.now);
+    hold_back(instance, std::move(change));
+  }
+  return any;
 }
 
 }  // namespace ddssec::rtps

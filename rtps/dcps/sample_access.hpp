@@ -110,6 +110,7 @@ class SampleAccess {
     if (condition != nullptr) {
       if (auto own = reader.check_own(*condition); !own) return std::unexpected(own.error());
       query.states = condition->states();
+      query.matching = condition->query();
     }
     return reader.fill(query, out);
   }

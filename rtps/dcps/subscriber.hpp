@@ -29,6 +29,21 @@ class Subscriber final : public Group {
                                              StatusMask mask = kAnyStatus) {
     return create<OctetDataReader>(topic, topic.type_name(), std::move(qos), listener, mask);
   }
+  /// Readers of what passes the filter.
+  template <DdsType T>
+  Result<DataReader<T>*> create_datareader(ContentFilteredTopic& topic, std::optional<Qos> qos = {},
+                                           DataReaderListener* listener = nullptr,
+                                           StatusMask mask = kAnyStatus) {
+    return create_filtered<DataReader<T>>(topic, TypeTraits<T>::type_name, std::move(qos), listener,
+                                          mask);
+  }
+  Result<OctetDataReader*> create_datareader(ContentFilteredTopic& topic,
+                                             std::optional<Qos> qos = {},
+                                             DataReaderListener* listener = nullptr,
+                                             StatusMask mask = kAnyStatus) {
+    return create_filtered<OctetDataReader>(topic, topic.related_topic().type_name(),
+                                            std::move(qos), listener, mask);
+  }
   /// Errors: rtps_precondition_not_met (another subscriber's, one with read conditions, or from
   /// within a callback).
   Status delete_datareader(AnyDataReader& reader) { return delete_member(reader); }
@@ -45,6 +60,15 @@ class Subscriber final : public Group {
   friend class DomainParticipant;
   Subscriber(DomainParticipant& participant, ParticipantContext& context, GroupQos qos);
 
+  template <class R>
+  Result<R*> create_filtered(ContentFilteredTopic& topic, std::string_view type,
+                             std::optional<Qos> qos, DataReaderListener* listener,
+                             StatusMask mask) {
+    return create<R>(topic.related_topic(), type, std::move(qos), [&](R& reader) -> Status {
+      reader.set_listener(listener, mask);
+      return static_cast<AnyDataReader&>(reader).filter_by(topic);
+    });
+  }
   /// For DATA_ON_READERS alone.
   SubscriberListener* listener_for(StatusKind kind) const;
 

@@ -26,6 +26,7 @@ class Topic final : public Entity {
   InconsistentTopicStatus inconsistent_topic_status();
 
  private:
+  friend class ContentFilteredTopic;
   friend class DomainParticipant;
   friend class Endpoint;
   Topic(DomainParticipant& participant, ParticipantContext& context, std::string name,

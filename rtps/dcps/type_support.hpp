@@ -6,6 +6,7 @@
 #include "rtps/cdr/cdr_reader.hpp"
 #include "rtps/cdr/cdr_writer.hpp"
 #include "rtps/cdr/key_hash.hpp"
+#include "rtps/filter/sample_view.hpp"
 #include "rtps/qos/qos.hpp"
 #include "rtps/reliability/change.hpp"
 #include "rtps/types/type_consistency.hpp"
@@ -22,6 +23,8 @@ struct TypeSupport {
   std::function<std::optional<KeyHash>(const Change&)> key_hash = nullptr;
   /// Its serialized key, with an encapsulation.
   std::function<Bytes(const Change&)> serialized_key = nullptr;
+  /// What filters see samples through; they need names in the traits.
+  std::function<std::unique_ptr<SampleView>()> view = nullptr;
   /// What peers are told of the type besides its name; too long ones are not told.
   TypeDescription description = {};
 };
@@ -46,6 +49,7 @@ Result<T> deserialize_change(const Change& change) {
 template <DdsType T>
 TypeSupport type_support() {
   TypeSupport support{.name = std::string(TypeTraits<T>::type_name), .with_key = has_key<T>()};
+  support.view = [] { return std::make_unique<SampleViewOf<T>>(); };
   if constexpr (requires { TypeTraits<T>::type_information; }) {
     support.description = {to_bytes(TypeTraits<T>::type_information),
                            to_bytes(TypeTraits<T>::type_objects)};

@@ -321,6 +321,14 @@ constexpr Row kTable[] = {
        const ParameterScope scope(w, 0x0043);
        w.write(std::uint8_t{1});
      }},
+    {pid::kContentFilterProperty,
+     [](Reader& r, Announced& a) -> Status {
+       a.data.content_filter = DDSSEC_TRY(read_content_filter_property(r));
+       return {};
+     },
+     [](SpanWriter& w, const Announced& a) {
+       if (a.data.content_filter) write_content_filter_property(w, *a.data.content_filter);
+     }},
     {pid::kEndpointSecurityInfo,
      [](Reader& r, Announced& a) { return read_security_info_into(r, a.data.security_info); },
      [](SpanWriter& w, const Announced& a) {

@@ -1,7 +1,7 @@
 // Publication- and SubscriptionBuiltinTopicData: what SEDP announces (RTPS 8.5.4.4).
 #pragma once
 
-#include "rtps/discovery/parameter_table.hpp"
+#include "rtps/discovery/content_filter_property.hpp"
 #include "rtps/discovery/security_parameters.hpp"
 #include "rtps/qos/qos.hpp"
 #include "rtps/types/type_consistency.hpp"
@@ -17,6 +17,7 @@ struct EndpointData {
   Qos qos = {};
   LocatorList unicast = {}, multicast = {};  ///< empty: the participant's defaults
   bool expects_inline_qos = false;
+  std::optional<ContentFilterProperty> content_filter = {};  ///< a reader's
   std::optional<spi::SecurityInfo> security_info = {};
   bool by_secure_discovery = false;  ///< how a remote one was announced; not part of what is sent
   bool operator==(const EndpointData&) const = default;

@@ -301,6 +301,7 @@ EndpointData Participant::local_data(EndpointRequest request, EndpointKind kind)
   data.type_name = std::move(request.type_name);
   data.qos = std::move(request.qos);
   data.type = std::move(request.type);
+  data.content_filter = std::move(request.content_filter);
   return data;
 }
 

@@ -38,6 +38,9 @@ class EndpointListener {
   virtual void on_alive(const Guid& writer) = 0;
   /// A writer's: there may be room again.
   virtual void on_acknowledged() = 0;
+  /// A writer's: what keeps a matching reader's samples from being sent to it; nullptr: nothing.
+  /// Asked before on_matched, and again whenever the reader announces itself anew.
+  virtual std::shared_ptr<ChangeFilter> filter_for(const EndpointData&) { return nullptr; }
 };
 
 struct ParticipantConfig {
@@ -122,6 +125,7 @@ class Participant final : private SecurityHost {
     Qos qos;
     bool with_key = true;
     TypeDescription type = {};
+    std::optional<ContentFilterProperty> content_filter = {};  ///< a reader's
   };
   Result<Guid> create_writer(EndpointRequest request, EndpointListener& listener,
                              MonotonicTime now);
@@ -133,6 +137,8 @@ class Participant final : private SecurityHost {
   /// Announces other policies of an endpoint of ours and matches it anew. Which ones may change is
   /// the caller's business. Errors: rtps_qos_inconsistent.
   Status change_qos(const Guid& endpoint, Qos qos, MonotonicTime now);
+  /// Announces another content filter of a reader of ours.
+  void change_filter(const Guid& reader, ContentFilterProperty filter, MonotonicTime now);
   /// Announces other user data of the participant, soon.
   void change_user_data(Bytes user_data) {
     config_.user_data = std::move(user_data);

@@ -4,9 +4,15 @@
 #include "rtps/discovery/participant.hpp"
 
 namespace ddssec::rtps {
+namespace {
+
+// Above whatever the bounds of its parameters allow.
+constexpr std::size_t kMostEndpointOctets = 128 << 10;
+
+}  // namespace
 
 void Participant::publish(const EndpointData& data, MonotonicTime now) {
-  std::array<std::uint8_t, MessageSender::kLargestMessage> buffer;
+  Bytes buffer(kMostEndpointOctets);
   SpanWriter payload(buffer);
   write_payload(payload, data);
   Change change;
@@ -186,6 +192,14 @@ Status Participant::change_qos(const Guid& endpoint, Qos qos, MonotonicTime now)
   return {};
 }
 
+void Participant::change_filter(const Guid& reader, ContentFilterProperty filter,
+                                MonotonicTime now) {
+  const auto local = readers_.find(reader.entity);
+  if (local == readers_.end()) return;
+  local->second.data.content_filter = std::move(filter);
+  publish(local->second.data, now);
+}
+
 std::vector<Guid> Participant::remote_guids() const {
   std::vector<Guid> out;
   for (const auto& [prefix, remote] : remotes_) out.push_back(remote.data.guid);
@@ -266,13 +280,18 @@ void Participant::match(LocalWriter& writer, Remote& remote, const EndpointData&
   const bool ready = keep && introduce(writer.data.guid.entity, data, keep);
   if (!keep) return forget(writer, data.guid);
   if (!ready) return;
-  if (std::ranges::find(writer.matched, data.guid) != writer.matched.end())
+  // Who is fed in this process sees each sample, and filters itself.
+  const bool near = neighbour(writer.data.guid.entity, data.guid) != nullptr;
+  auto filter = data.content_filter && !near ? writer.listener->filter_for(data) : nullptr;
+  if (std::ranges::find(writer.matched, data.guid) != writer.matched.end()) {
+    writer.protocol->set_filter(data.guid, std::move(filter));
     return writer.listener->on_matched(data);
+  }
   writer.matched.push_back(data.guid);
   const bool history = data.qos.durability >= DurabilityKind::transient_local;
-  const bool near = neighbour(writer.data.guid.entity, data.guid) != nullptr;
   writer.protocol->match({data.guid, data.qos.is_reliable(), history,
-                          near ? LocatorList{} : usable_locators(data.unicast, remote.user), near},
+                          near ? LocatorList{} : usable_locators(data.unicast, remote.user), near,
+                          std::move(filter)},
                          now_);
   writer.listener->on_matched(data);
   join(writer.data.guid, data.guid);

@@ -45,6 +45,8 @@ void StatefulReader::on_data(const GuidPrefix& from, const Data& data,
                              const std::optional<Time>& time) {
   auto* proxy = find({from, data.writer});
   if (proxy == nullptr || data.sequence_number < proxy->next) return;
+  // DDS 1.4 knows no instance state for what did not pass a filter: there is nothing to tell.
+  if (data.inline_qos.status.filtered) return accept(*proxy, data.sequence_number, std::nullopt);
   accept(*proxy, data.sequence_number, change_of(from, data, time));
 }
 

@@ -44,10 +44,11 @@ int samples_per_question(const Qos& qos) {
   return out;
 }
 
-InlineQos inline_qos_of(const Change& change) {
+InlineQos inline_qos_of(const Change& change, std::span<const FilterResult> filters) {
   // Alive samples carry their key in the payload; a dispose needs the hash (Fast DDS ignores
   // others).
-  return change.is_alive() ? InlineQos{} : InlineQos{change.key_hash, change.status};
+  return change.is_alive() ? InlineQos{{}, {}, {filters}}
+                           : InlineQos{change.key_hash, change.status, {}};
 }
 
 PayloadKind kind_of(const Change& change) {
@@ -79,6 +80,7 @@ StatefulWriter::ReaderProxy* StatefulWriter::find(const Guid& reader) {
 
 void StatefulWriter::rebuild_locators() {
   sender_.flush();  // what lingers has borrowed them
+  wanted_locators_.clear();
   all_locators_.clear();
   for (const auto& proxy : readers_)
     for (const auto& locator : proxy.reader.locators)
@@ -88,17 +90,19 @@ void StatefulWriter::rebuild_locators() {
 
 void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
   unmatch(reader.guid);
+  if (filters_ >= kMostFilters) reader.filter = nullptr;
   const auto next = history_.last().next();
   const bool history = reader.wants_history && qos_.durability >= DurabilityKind::transient_local;
   ReaderProxy proxy{std::move(reader), history ? history_.first() : next, {}, 0, 0, {}, {}, {}};
   proxy.acknowledged = proxy.first_relevant.previous();
   readers_.push_back(std::move(proxy));
+  count_filters();
   rebuild_locators();
   const auto& matched = readers_.back();
   if (matched.reader.in_process) return;
   if (!matched.reader.reliable || !qos_.is_reliable()) {
     for (auto number = matched.first_relevant; number < next; number = number.next())
-      if (const auto* change = history_.find(number))
+      if (const auto* change = history_.find(number); change && matched.accepts(*change))
         send_change(matched.destination(), matched.reader.guid.entity, *change);
   } else {
     send_heartbeat(matched.destination(), matched.reader.guid.entity, matched.first_relevant,
@@ -114,6 +118,7 @@ void StatefulWriter::unmatch(const Guid& reader) {
   if (proxy == nullptr) return;
   if (proxy->local != nullptr) proxy->local->detach(guid_);
   std::erase_if(readers_, [&](const auto& proxy) { return proxy.reader.guid == reader; });
+  count_filters();
   rebuild_locators();
   release_acknowledged();
 }
@@ -127,11 +132,15 @@ SequenceNumber StatefulWriter::write(Change change, MonotonicTime now) {
     const auto& stored = *history_.find(number);
     const auto size = stored.payload.size();
     const Destination everybody{{}, all_locators_};
-    send_change(everybody, kEntityIdUnknown, stored);
+    if (filters_ == 0)
+      send_change(everybody, kEntityIdUnknown, stored);
+    else
+      send_filtered(stored);
     const bool asks = wants_acknowledgments(size, stored.key_hash.value_or(KeyHash{}));
     const bool speaks = asks || (qos_.is_reliable() && now - last_heartbeat_ >= kHeartbeatEvery);
     if (qos_.is_reliable()) schedule_heartbeat(now);
     if (speaks) {
+      send_filtered_gaps();
       send_heartbeat(everybody, kEntityIdUnknown, history_.first(), !asks);
       last_heartbeat_ = now;
     }
@@ -163,6 +172,7 @@ bool StatefulWriter::is_hurried(MonotonicTime now) {
 
 void StatefulWriter::ask_for_acknowledgments() {
   if (all_acknowledged() || all_locators_.empty()) return;
+  send_filtered_gaps();
   send_heartbeat({{}, all_locators_}, kEntityIdUnknown, history_.first(), false);
   sender_.flush();
 }
@@ -189,9 +199,12 @@ void StatefulWriter::send_change(const Destination& to, const EntityId& reader,
       send_fragment(to, reader, change, {number});
     return;
   }
-  const Data data{
-      reader,          guid_.entity,         change.sequence_number, inline_qos_of(change),
-      kind_of(change), change.payload.view()};
+  const Data data{reader,
+                  guid_.entity,
+                  change.sequence_number,
+                  inline_qos_of(change, filter_results_),
+                  kind_of(change),
+                  change.payload.view()};
   sender_.add(to, InfoTimestamp{change.source_time}, data);
 }
 
@@ -208,7 +221,7 @@ void StatefulWriter::send_fragment(const Destination& to, const EntityId& reader
                       1,
                       kFragmentSize,
                       static_cast<std::uint32_t>(octets.size()),
-                      inline_qos_of(change),
+                      inline_qos_of(change, filter_results_),
                       change.key_only,
                       octets.subspan(begin, size)};
   sender_.add(to, InfoTimestamp{change.source_time}, frag);
@@ -281,7 +294,7 @@ bool StatefulWriter::answer_requests(ReaderProxy& proxy, const SequenceNumberSet
       if (!gap_below_sent)
         sender_.add(to, Gap{reader, guid_.entity, number, SequenceNumberSet(lowest)});
       gap_below_sent = true;
-    } else if (const auto* change = history_.find(number)) {
+    } else if (const auto* change = history_.find(number); change && proxy.accepts(*change)) {
       send_change(to, reader, *change, kFragmentsPerAnswer);
       octets += change->payload.size();
     } else {
@@ -315,7 +328,7 @@ void StatefulWriter::continue_repair(ReaderProxy& proxy, MonotonicTime now) {
   repair.due = kNever;
   if (proxy.acknowledged >= repair.sample) return;
   const auto* change = history_.find(repair.sample);
-  if (change == nullptr) {
+  if (change == nullptr || !proxy.accepts(*change)) {
     sender_.add(to,
                 Gap{reader, guid_.entity, repair.sample, SequenceNumberSet(repair.sample.next())});
     return;
@@ -346,6 +359,7 @@ void StatefulWriter::tick(MonotonicTime now) {
     sender_.flush();
     return call_at(next_tick());
   }
+  send_filtered_gaps();
   for (const auto& proxy : readers_) {
     if (!proxy.reader.reliable || proxy.reader.in_process || proxy.acknowledged >= history_.last())
       continue;

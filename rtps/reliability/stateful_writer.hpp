@@ -6,6 +6,7 @@
 
 #include "rtps/discovery/parameter_table.hpp"
 #include "rtps/qos/qos.hpp"
+#include "rtps/reliability/change_filter.hpp"
 #include "rtps/reliability/timer_queue.hpp"
 #include "rtps/reliability/writer_history.hpp"
 #include "rtps/wire/acknack.hpp"
@@ -20,6 +21,7 @@ struct MatchedReader {
   bool wants_history = false;  ///< transient-local or more
   LocatorList locators = {};   ///< empty if it is fed in this process
   bool in_process = false;
+  std::shared_ptr<ChangeFilter> filter = {};  ///< nullptr: it gets everything
 };
 
 class StatefulReader;
@@ -27,6 +29,9 @@ class StatefulReader;
 /// No I/O but through the sender, no clock, no lock: the caller brings all three.
 class StatefulWriter final : private Timed {
  public:
+  /// Content filters that it applies; further readers get everything, and filter themselves.
+  static constexpr std::size_t kMostFilters = 32;
+
   /// Without timers somebody calls tick whenever next_tick says so.
   StatefulWriter(const Guid& guid, const Qos& qos, MessageSender& sender,
                  TimerQueue* timers = nullptr);
@@ -44,6 +49,8 @@ class StatefulWriter final : private Timed {
   /// A reliable reader is told at once what there is.
   void match(MatchedReader reader, MonotonicTime now);
   void unmatch(const Guid& reader);
+  /// Another filter of a matched reader, for what is sent from now on.
+  void set_filter(const Guid& reader, std::shared_ptr<ChangeFilter> filter);
 
   /// True while so much is unacknowledged that more would only be lost: a writer in a hurry should
   /// wait a moment. Never true for transient-local writers, which keep what is acknowledged too.
@@ -102,6 +109,12 @@ class StatefulWriter final : private Timed {
     MonotonicTime last_answer{};
     Repair repair;
     StatefulReader* local = nullptr;
+    bool wanted = true;  ///< the last change passed its filter
+    /// It was not told yet that from here on nothing passed its filter; or 0.
+    SequenceNumber filtered_from = {};
+    bool accepts(const Change& change) const {
+      return !reader.filter || !change.is_alive() || reader.filter->passes(change);
+    }
     Destination destination() const { return {reader.guid.prefix, reader.locators}; }
   };
 
@@ -112,6 +125,12 @@ class StatefulWriter final : private Timed {
   void rebuild_locators();
   void send_change(const Destination& to, const EntityId& reader, const Change& change,
                    std::uint32_t most_fragments = ~0u);
+  void count_filters();
+  void send_filtered(const Change& change);
+  bool filter(const Change& change);
+  void send_filtered_gap(ReaderProxy& proxy, SequenceNumber next);
+  /// Before a heartbeat that would make readers ask for what they must not get.
+  void send_filtered_gaps();
   void send_fragment(const Destination& to, const EntityId& reader, const Change& change,
                      FragmentNumber number);
   void send_heartbeat(const Destination& to, const EntityId& reader, SequenceNumber first,
@@ -131,6 +150,9 @@ class StatefulWriter final : private Timed {
   std::vector<ReaderProxy> readers_;
   LocatorList all_locators_;
   std::function<void()> on_acknowledged_;
+  std::size_t filters_ = 0;                     ///< readers that have one
+  LocatorList wanted_locators_, locators_now_;  ///< of whoever wanted the last change
+  std::vector<FilterResult> filter_results_;
   std::int32_t heartbeat_count_ = 0;
   MonotonicTime next_heartbeat_ = kNever;
   MonotonicTime period_{};

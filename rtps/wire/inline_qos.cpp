@@ -5,6 +5,7 @@ namespace {
 
 constexpr std::uint8_t kDisposed = 0x01;
 constexpr std::uint8_t kUnregistered = 0x02;
+constexpr std::uint8_t kFiltered = 0x04;
 
 // Standard ids below 0x4000 may be ignored; only those that must be understood stop us.
 bool must_be_understood(ParameterId id) {
@@ -23,7 +24,8 @@ Result<InlineQos> read_inline_qos(BytesView list, Endian endian) {
       std::copy_n(value.begin(), 16, qos.key_hash.emplace().begin());
     } else if (parameter->id == pid::kStatusInfo) {
       if (value.size() < 4) return fail(Code::rtps_parameter_invalid);
-      qos.status = {(value[3] & kDisposed) != 0, (value[3] & kUnregistered) != 0};
+      qos.status = {(value[3] & kDisposed) != 0, (value[3] & kUnregistered) != 0,
+                    (value[3] & kFiltered) != 0};
     } else if (must_be_understood(parameter->id)) {
       return fail(Code::rtps_parameter_not_understood);
     }
@@ -39,10 +41,12 @@ void write(SpanWriter& out, const InlineQos& qos) {
   if (qos.status != StatusInfo{}) {
     const ParameterScope scope(out, pid::kStatusInfo);
     const auto flags = static_cast<std::uint8_t>((qos.status.disposed ? kDisposed : 0) |
-                                                 (qos.status.unregistered ? kUnregistered : 0));
+                                                 (qos.status.unregistered ? kUnregistered : 0) |
+                                                 (qos.status.filtered ? kFiltered : 0));
     const std::array<std::uint8_t, 4> octets{0, 0, 0, flags};
     out.write_bytes(octets);
   }
+  write_content_filter_info(out, qos.filters);
   write_sentinel(out);
 }
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <optional>
 
-#include "rtps/wire/parameter_list.hpp"
+#include "rtps/wire/content_filter_info.hpp"
 
 namespace ddssec::rtps {
 
@@ -16,13 +16,16 @@ using KeyHash = std::array<std::uint8_t, 16>;
 struct StatusInfo {
   bool disposed = false;
   bool unregistered = false;
+  /// Alive, but a writer found that the sample does not pass the reader's content filter.
+  bool filtered = false;
   bool operator==(const StatusInfo&) const = default;
 };
 
 struct InlineQos {
   std::optional<KeyHash> key_hash = {};
   StatusInfo status = {};
-  bool empty() const { return !key_hash && status == StatusInfo{}; }
+  FilterResults filters = {};  ///< written only
+  bool empty() const { return !key_hash && status == StatusInfo{} && filters.list.empty(); }
   bool operator==(const InlineQos&) const = default;
 };
 

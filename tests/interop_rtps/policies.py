@@ -307,8 +307,49 @@ def representation_2(case):
     yield from case.comes(reader, "RED:1:A")
 
 
+def content_filter(case):
+    if case.r.kind == CYCLONE:  # its filters are functions of the application's own
+        return
+    few = case.reader("history=all filter=x>=3")
+    blue = case.reader("history=all filter=color='BLUE'")
+    writer = case.writer("history=all")
+    for reader in (few, blue):
+        yield from case.matched(writer, reader, readers=2)
+    for x in range(6):
+        case.w.ask(f"write {writer} RED {x}")
+    case.w.ask(f"write {writer} BLUE 1")
+    yield from case.comes(few, "RED:3:A", "RED:4:A", "RED:5:A")
+    yield from case.comes(blue, "BLUE:1:A")
+    if case.r.kind == OURS:
+        case.check("what was filtered counts as lost", case.r.status(few)["samples_lost"] == 0)
+
+
+def filtered_history(case):
+    """A late joiner asks for what its filter lets pass, and the writer answers with GAP for the rest."""
+    if case.r.kind == CYCLONE:
+        return
+    writer = case.writer("durability=transient_local history=all")
+    for x in range(6):
+        case.w.ask(f"write {writer} RED {x}")
+    few = case.reader("durability=transient_local history=all filter=x>3")
+    yield from case.matched(writer, few)
+    yield from case.comes(few, "RED:4:A", "RED:5:A")
+
+
+def time_based_filter(case):
+    if case.r.kind != OURS:
+        return
+    writer, reader = yield from case.pair("history=all", "history=all separation=700")
+    for x in range(10):
+        case.w.ask(f"write {writer} RED {x}")
+    yield 0.3
+    case.check("more than one came", case.collect(reader) == ["RED:0:A"])
+    yield from case.comes(reader, "RED:0:A", "RED:9:A")
+
+
 EFFECTS = [partitions, deadline, lifespan, ownership, states, late_joiner, keep_last, resource_limits,
-           manual_by_topic, manual_by_participant, automatic, by_source, representation_2]
+           manual_by_topic, manual_by_participant, automatic, by_source, representation_2,
+           content_filter, filtered_history, time_based_filter]
 
 
 # ---- all at once --------------------------------------------------------------------------------------

@@ -48,6 +48,7 @@ Qos qos_of(const Policies& p) {
   if (p.has("strength")) qos.ownership_strength = static_cast<std::int32_t>(p.number("strength"));
   if (p.is("order", "source")) qos.destination_order = DestinationOrderKind::by_source;
   if (p.is("representation", "2")) qos.data_representation = {DataRepresentation::xcdr2};
+  if (p.has("separation")) qos.time_based_filter = milliseconds(p.number("separation"));
   if (p.has("samples"))
     qos.resource_limits.max_samples = static_cast<std::int32_t>(p.number("samples"));
   qos.autodispose_unregistered_instances = false;
@@ -72,7 +73,9 @@ class Embedded final : public policy_peer::Stack {
   }
   bool reader(const std::string& id, const std::string& topic, const Policies& p) override {
     const auto group = participant_.create_subscriber(group_of(p));
-    const auto made = (*group)->create_datareader<Shape>(topic_of(topic), qos_of(p));
+    const auto made = p.has("filter")
+                          ? (*group)->create_datareader<Shape>(filtered(id, topic, p), qos_of(p))
+                          : (*group)->create_datareader<Shape>(topic_of(topic), qos_of(p));
     if (made) readers_[id] = *made;
     return made.has_value();
   }
@@ -123,6 +126,7 @@ class Embedded final : public policy_peer::Stack {
     describe(out, reader.subscription_matched_status(), reader.requested_incompatible_qos_status(),
              reader.requested_deadline_missed_status());
     const auto lives = reader.liveliness_changed_status();
+    out << " samples_lost=" << reader.sample_lost_status().total_count;
     out << " alive=" << lives.alive_count << " not_alive=" << lives.not_alive_count
         << " rejected=" << reader.sample_rejected_status().total_count;
     return out.str();
@@ -141,6 +145,12 @@ class Embedded final : public policy_peer::Stack {
   Topic& topic_of(const std::string& name) {
     auto* known = participant_.lookup_topicdescription(name);
     return known != nullptr ? *known : **participant_.create_topic<Shape>(name);
+  }
+
+  ContentFilteredTopic& filtered(const std::string& id, const std::string& topic,
+                                 const Policies& p) {
+    return **participant_.create_contentfilteredtopic("filtered_" + id, topic_of(topic),
+                                                      {p.text("filter")});
   }
 
   DomainParticipant& participant_;

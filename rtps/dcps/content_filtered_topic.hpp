@@ -1,0 +1,45 @@
+// ContentFilteredTopic of DDS 1.4, 2.2.2.3.3.
+#pragma once
+
+#include "rtps/dcps/topic.hpp"
+#include "rtps/discovery/content_filter_property.hpp"
+#include "rtps/filter/bound_filter.hpp"
+
+namespace ddssec::rtps {
+
+class AnyDataReader;
+
+/// A topic of which readers get only what passes a filter. Made and deleted by its participant. Any
+/// thread may call.
+class ContentFilteredTopic {
+ public:
+  ~ContentFilteredTopic();
+  ContentFilteredTopic(const ContentFilteredTopic&) = delete;
+  ContentFilteredTopic& operator=(const ContentFilteredTopic&) = delete;
+
+  const std::string& name() const { return name_; }
+  Topic& related_topic() const { return related_; }
+  const std::string& filter_expression() const { return text_.expression; }
+  std::vector<std::string> expression_parameters() const;
+  /// For all its readers, from the next sample on. Errors: rtps_filter_invalid; then all is as
+  /// before.
+  Status set_expression_parameters(std::vector<std::string> parameters);
+
+ private:
+  friend class AnyDataReader;
+  friend class DomainParticipant;
+  ContentFilteredTopic(ParticipantContext& context, std::string name, Topic& related,
+                       FilterText text);
+
+  Result<BoundFilter> compile(const FilterText& text) const;
+  ContentFilterProperty property() const;
+  std::unique_lock<std::mutex> lock() const { return std::unique_lock(context_.mutex()); }
+
+  ParticipantContext& context_;
+  const std::string name_;
+  Topic& related_;
+  FilterText text_;
+  std::vector<AnyDataReader*> readers_;
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,36 @@
+// AnyDataWriter, the part that applies readers' content filters.
+#include "rtps/dcps/data_writer.hpp"
+#include "rtps/filter/bound_filter.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+class SqlFilter final : public ChangeFilter {
+ public:
+  SqlFilter(BoundFilter filter, const FilterSignature& of) : filter_(std::move(filter)) {
+    signature = of;
+  }
+  // What cannot be read here is the reader's to judge.
+  bool passes(const Change& change) override {
+    return filter_.passes(change.payload.view()).value_or(true);
+  }
+
+ private:
+  BoundFilter filter_;
+};
+
+}  // namespace
+
+// RTPS 2.5, 8.7.3.4: a filter that we cannot apply is no reason to refuse its reader.
+std::shared_ptr<ChangeFilter> AnyDataWriter::filter_for(const EndpointData& reader) {
+  const auto& property = *reader.content_filter;
+  const auto& view = topic_.type().view;
+  if (!view || property.filter_class_name != kDdsSql ||
+      property.related_topic_name != topic_.name())
+    return nullptr;
+  auto filter = BoundFilter::compile(property.filter, view());
+  if (!filter) return nullptr;
+  return std::make_shared<SqlFilter>(*std::move(filter), signature_of(property));
+}
+
+}  // namespace ddssec::rtps

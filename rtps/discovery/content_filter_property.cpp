@@ -1,0 +1,54 @@
+#include "rtps/discovery/content_filter_property.hpp"
+
+#include "base/hash.hpp"
+#include "rtps/qos/qos.hpp"
+
+namespace ddssec::rtps {
+
+FilterSignature signature_of(const ContentFilterProperty& property) {
+  Bytes all;
+  const auto add = [&](std::string_view text) {
+    all.insert(all.end(), text.begin(), text.end());
+    all.push_back(0);
+  };
+  add(property.content_filtered_topic_name);
+  add(property.related_topic_name);
+  add(property.filter_class_name);
+  add(property.filter.expression);
+  for (const auto& parameter : property.filter.parameters) add(parameter);
+  return md5(all);
+}
+
+Result<std::optional<ContentFilterProperty>> read_content_filter_property(Reader& reader) {
+  ContentFilterProperty out;
+  bool usable = true;
+  const auto take = [&](std::string& text, std::size_t most, bool required) -> Status {
+    const auto read = DDSSEC_TRY(reader.read_string());
+    usable = usable && read.size() <= most && !(required && read.empty());
+    if (usable) text = read;
+    return {};
+  };
+  DDSSEC_TRY(take(out.content_filtered_topic_name, kMostNameLength, true));
+  DDSSEC_TRY(take(out.related_topic_name, kMostNameLength, true));
+  DDSSEC_TRY(take(out.filter_class_name, kMostNameLength, true));
+  DDSSEC_TRY(take(out.filter.expression, Filter::kLongestExpression, true));
+  const auto count = DDSSEC_TRY(reader.read_count(4));
+  usable = usable && count <= Filter::kMostParameters;
+  for (std::uint32_t i = 0; i < count && usable; ++i)
+    DDSSEC_TRY(take(out.filter.parameters.emplace_back(), Filter::kLongestParameter, false));
+  if (!usable) return std::nullopt;
+  return out;
+}
+
+void write_content_filter_property(SpanWriter& out, const ContentFilterProperty& property) {
+  const ParameterScope scope(out, pid::kContentFilterProperty);
+  write_text(out, property.content_filtered_topic_name);
+  write_text(out, property.related_topic_name);
+  write_text(out, property.filter_class_name);
+  write_text(out, property.filter.expression);
+  out.align(4);
+  out.write(static_cast<std::uint32_t>(property.filter.parameters.size()));
+  for (const auto& parameter : property.filter.parameters) write_text(out, parameter);
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,32 @@
+// CONTENT_FILTER_PROPERTY: what a reader announces of its filter (RTPS 2.5, 8.7.3.1).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "rtps/discovery/parameter_table.hpp"
+#include "rtps/filter/filter.hpp"
+#include "rtps/wire/content_filter_info.hpp"
+
+namespace ddssec::rtps {
+
+/// The only filter class there is: DDS 1.4, Annex B.
+inline constexpr std::string_view kDdsSql = "DDSSQL";
+
+struct ContentFilterProperty {
+  std::string content_filtered_topic_name;
+  std::string related_topic_name;
+  std::string filter_class_name = std::string(kDdsSql);
+  FilterText filter;
+  bool operator==(const ContentFilterProperty&) const = default;
+};
+
+/// RTPS 2.5, 9.6.4.1: over all strings in their order, each with its NUL.
+FilterSignature signature_of(const ContentFilterProperty& property);
+
+/// Nothing for a property that is longer than a filter may be, or has an empty string where there
+/// must be none: who announces it filters itself. Errors: those of Reader.
+Result<std::optional<ContentFilterProperty>> read_content_filter_property(Reader& reader);
+void write_content_filter_property(SpanWriter& out, const ContentFilterProperty& property);
+
+}  // namespace ddssec::rtps

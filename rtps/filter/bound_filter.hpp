@@ -1,0 +1,34 @@
+// A filter with the view through which it sees samples.
+#pragma once
+
+#include "rtps/filter/filter.hpp"
+
+namespace ddssec::rtps {
+
+/// Not thread-safe: it decodes into memory of its own.
+class BoundFilter {
+ public:
+  /// `view` may be nullptr: then the type has no members with names. Errors: rtps_filter_invalid.
+  static Result<BoundFilter> compile(const FilterText& text, std::unique_ptr<SampleView> view) {
+    static const std::span<const Leaf> kNone;
+    auto filter = Filter::compile(text, view ? view->leaves() : kNone);
+    if (!filter) return std::unexpected(filter.error());
+    return BoundFilter(*std::move(filter), std::move(view));
+  }
+
+  /// Of a serialized sample. Errors: those of deserialize.
+  Result<bool> passes(BytesView payload) {
+    if (auto read = view_->decode(payload, filter_.members()); !read)
+      return std::unexpected(read.error());
+    return filter_.passes(*view_);
+  }
+
+ private:
+  BoundFilter(Filter filter, std::unique_ptr<SampleView> view)
+      : filter_(std::move(filter)), view_(std::move(view)) {}
+
+  Filter filter_;
+  std::unique_ptr<SampleView> view_;  // never null: without leaves no expression compiles
+};
+
+}  // namespace ddssec::rtps

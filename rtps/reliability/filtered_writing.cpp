@@ -1,0 +1,75 @@
+// StatefulWriter, the part for readers whose content filters it applies (RTPS 2.5, 8.7.3.3).
+#include <algorithm>
+
+#include "rtps/reliability/stateful_writer.hpp"
+#include "rtps/wire/entity_ids.hpp"
+#include "rtps/wire/gap.hpp"
+
+namespace ddssec::rtps {
+
+void StatefulWriter::set_filter(const Guid& reader, std::shared_ptr<ChangeFilter> filter) {
+  auto* proxy = find(reader);
+  if (proxy == nullptr) return;
+  if (proxy->filtered_from.value != 0) send_filtered_gap(*proxy, history_.last().next());
+  sender_.flush();
+  if (!proxy->reader.filter && filters_ >= kMostFilters) return;
+  proxy->reader.filter = std::move(filter);
+  count_filters();
+}
+
+void StatefulWriter::count_filters() {
+  filters_ = static_cast<std::size_t>(
+      std::ranges::count_if(readers_, [](const auto& p) { return p.reader.filter != nullptr; }));
+}
+
+// Disposed and unregistered instances concern all: 8.7.4 asks for less, and a reader knows best
+// whether it ever saw the instance.
+bool StatefulWriter::filter(const Change& change) {
+  filter_results_.clear();
+  locators_now_.clear();
+  bool all = true;
+  for (auto& proxy : readers_) {
+    const bool passed = proxy.wanted = proxy.accepts(change);
+    if (proxy.reader.filter && change.is_alive())
+      filter_results_.push_back({proxy.reader.filter->signature, passed});
+    all = all && passed;
+    if (!passed && proxy.filtered_from.value == 0) proxy.filtered_from = change.sequence_number;
+    if (!passed) continue;
+    for (const auto& locator : proxy.reader.locators)
+      if (std::ranges::find(locators_now_, locator) == locators_now_.end())
+        locators_now_.push_back(locator);
+  }
+  return all;
+}
+
+// Readers that share a locator with one that wants the sample get it too, and drop it: it says that
+// it did not pass, and their own filter says so as well.
+void StatefulWriter::send_filtered(const Change& change) {
+  const bool all = filter(change);
+  for (auto& proxy : readers_)
+    if (proxy.wanted && proxy.filtered_from.value != 0)
+      send_filtered_gap(proxy, change.sequence_number);
+  if (!all && locators_now_ != wanted_locators_) {
+    sender_.flush();  // what lingers has borrowed them
+    wanted_locators_.swap(locators_now_);
+  }
+  if (all)
+    send_change({{}, all_locators_}, kEntityIdUnknown, change);
+  else if (!wanted_locators_.empty())
+    send_change({{}, wanted_locators_}, kEntityIdUnknown, change);
+  filter_results_.clear();  // what is sent again goes to one reader, which it passed
+}
+
+void StatefulWriter::send_filtered_gap(ReaderProxy& proxy, SequenceNumber next) {
+  const auto from = std::exchange(proxy.filtered_from, SequenceNumber{});
+  sender_.add(proxy.destination(),
+              Gap{proxy.reader.guid.entity, guid_.entity, from, SequenceNumberSet(next)});
+}
+
+void StatefulWriter::send_filtered_gaps() {
+  if (filters_ == 0) return;
+  for (auto& proxy : readers_)
+    if (proxy.filtered_from.value != 0) send_filtered_gap(proxy, history_.last().next());
+}
+
+}  // namespace ddssec::rtps
