@@ -24,12 +24,16 @@ AnyDataWriter::AnyDataWriter(Group& publisher, ParticipantContext& context, Topi
       instances_(qos_),
       lease_(qos_.liveliness, context.now()) {}
 
-AnyDataWriter::~AnyDataWriter() { retire(); }
+AnyDataWriter::~AnyDataWriter() {
+  retire();
+  if (store_ != nullptr) store_->close_stream(stream_);
+}
 
 Publisher& AnyDataWriter::publisher() const { return static_cast<Publisher&>(group_); }
 
 Result<Guid> AnyDataWriter::create(Participant::EndpointRequest request) {
   const auto now = context_.now();
+  if (qos_.durability >= DurabilityKind::transient) DDSSEC_TRY(restore(request));
   const auto guid = context_.protocol().create_writer(std::move(request), *this, now);
   lease_ = WriterLease(qos_.liveliness, now);
   if (guid) call_at(lease_.next_tick());
@@ -87,6 +91,7 @@ Result<Time> AnyDataWriter::source_time_of(const OctetWrite& change) {
 Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {
   auto held = lock();
   DDSSEC_TRY(check_enabled(topic_.name()));
+  if (store_ != nullptr) DDSSEC_TRY(wait_for_store(held));
   DDSSEC_TRY(instance_of(request));
   DDSSEC_TRY(wait_for_room(held, request));
   Change change;
@@ -96,6 +101,7 @@ Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {
   change.key_only = status != StatusInfo{};
   change.payload = Payload::copy_of(request.payload);
   const auto now = context_.now();
+  if (store_ != nullptr) store_->append(stream_, change, context_.moment().wall);
   const auto number = protocol().write(std::move(change), now);
   after_write(request.key.value_or(KeyHash{}), status, number, now);
   context_.reschedule();
@@ -169,7 +175,10 @@ Status AnyDataWriter::wait_for_acknowledgments(std::chrono::nanoseconds most) {
   auto held = lock();
   DDSSEC_TRY(check_enabled(topic_.name()));
   protocol().ask_for_acknowledgments();
-  if (context_.wait(held, most, [&] { return protocol().all_acknowledged(); })) return {};
+  if (context_.wait(held, most, [&] { return protocol().all_acknowledged(); })) {
+    held.unlock();
+    return store_ == nullptr ? Status{} : store_->flush(most);
+  }
   return fail(Code::rtps_timeout, {.document = "writer " + guid_.to_string()});
 }
 

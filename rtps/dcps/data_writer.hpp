@@ -4,6 +4,7 @@
 #include "rtps/dcps/endpoint.hpp"
 #include "rtps/dcps/liveliness.hpp"
 #include "rtps/dcps/writer_instances.hpp"
+#include "rtps/durability/durable_store.hpp"
 
 namespace ddssec::rtps {
 
@@ -40,7 +41,8 @@ class AnyDataWriter : public Endpoint {
   /// The serialized key. Errors: rtps_bad_parameter (no such instance).
   Result<Bytes> octets_of_key(InstanceHandle instance) const;
 
-  /// Errors: rtps_timeout, rtps_not_enabled.
+  /// With DURABILITY PERSISTENT also that all is stored. Errors: rtps_timeout, rtps_not_enabled,
+  /// rtps_store_failed.
   Status wait_for_acknowledgments(std::chrono::nanoseconds most);
   /// Errors: rtps_not_enabled.
   Status assert_liveliness();
@@ -71,6 +73,10 @@ class AnyDataWriter : public Endpoint {
   void on_time(MonotonicTime now) override;
 
   Result<Guid> create(Participant::EndpointRequest request) override;
+  /// What a writer before it left in the store becomes its history.
+  Status restore(Participant::EndpointRequest& request);
+  /// Errors: those of DurableStore::wait_for_room.
+  Status wait_for_store(std::unique_lock<std::mutex>& lock);
   void on_own_qos(const Qos& before) override;
   Status submit(const OctetWrite& change, StatusInfo status);
   Result<InstanceHandle> instance_of(const OctetWrite& change);
@@ -86,6 +92,8 @@ class AnyDataWriter : public Endpoint {
   const XcdrVersion version_;
   Listening<DataWriterListener> listening_;
   std::optional<WriterInstances> instances_;
+  DurableStore* store_ = nullptr;  ///< TRANSIENT and PERSISTENT
+  StreamId stream_;
   WriterLease lease_;
   Ring<std::pair<MonotonicTime, SequenceNumber>> expiring_;  ///< LIFESPAN, oldest first
   Time last_source_time_{};

@@ -70,6 +70,9 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
   std::ranges::copy(kVendorDdssec.octets, prefix.octets.begin());
   std::unique_ptr<DomainParticipant> out(new DomainParticipant(std::move(options), environment));
   out->interface_ = *interface;
+  if (const auto& options = out->options_; !options.durability_store.empty())
+    out->persistent_ = DDSSEC_TRY(DurableStore::open(options.durability_store, environment.events,
+                                                     options.durability_store_octets));
   DDSSEC_TRY(out->open_sockets());
   std::unique_ptr<OwnSecurity> security;
   if (const auto& wanted = out->options_.security) {

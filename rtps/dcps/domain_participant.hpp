@@ -5,6 +5,7 @@
 #include "rtps/dcps/content_filtered_topic.hpp"
 #include "rtps/dcps/publisher.hpp"
 #include "rtps/dcps/subscriber.hpp"
+#include "rtps/durability/durable_store.hpp"
 #include "rtps/transport/event_loop.hpp"
 
 namespace ddssec::rtps {
@@ -27,6 +28,10 @@ struct DomainParticipantOptions {
   /// the topic is protected; false: always by the network.
   bool in_process = true;
   bool enabled = true;  ///< false: silent until enable()
+  /// The file in which samples of writers with DURABILITY PERSISTENT are kept; made if it is
+  /// missing, and for one participant at a time. Empty: they last as long as the participant.
+  std::string durability_store = {};
+  std::size_t durability_store_octets = SampleStore::kDefaultOctets;
   /// Nothing: not a secured participant.
   std::optional<SecurityOptions> security = {};
 };
@@ -70,7 +75,7 @@ class DomainParticipant final : private ParticipantContext::Server,
   static constexpr int kAnnouncedIndexes = 10;
 
   /// Errors: invalid_property (no such domain or address), rtps_port_taken (all indexes),
-  /// rtps_socket_failed, random_failed.
+  /// rtps_socket_failed, random_failed, rtps_store_unusable, rtps_store_failed.
   static Result<std::unique_ptr<DomainParticipant>> create(DomainParticipantOptions options,
                                                            const Environment& environment);
   ~DomainParticipant() override;
@@ -148,6 +153,8 @@ class DomainParticipant final : private ParticipantContext::Server,
   void assert_manual_leases(MonotonicTime now, bool explicitly);
   bool has_listener(StatusKind) const override { return false; }  // contained entities tell them
   void tell_listeners() override {}
+  /// With the lock held. Errors: those of DurableStore::open.
+  Result<DurableStore*> store_for(DurabilityKind kind);
   /// Errors: rtps_bad_parameter.
   static Status check_name(std::string_view name);
   bool is_taken(std::string_view name) const {
@@ -165,6 +172,7 @@ class DomainParticipant final : private ParticipantContext::Server,
   Guid guid_;
   Listening<DomainParticipantListener> listening_;
   std::unique_ptr<Sockets> sockets_;
+  std::unique_ptr<DurableStore> persistent_, transient_;
   std::vector<std::unique_ptr<Topic>> topics_;
   std::vector<std::unique_ptr<ContentFilteredTopic>> filtered_topics_;  // refer to topics
   std::vector<std::unique_ptr<Publisher>> publishers_;

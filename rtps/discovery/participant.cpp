@@ -310,12 +310,14 @@ Result<Guid> Participant::create_writer(EndpointRequest request, EndpointListene
   now_ = now;
   DDSSEC_TRY(check_consistency(request.qos));
   const auto kind = request.with_key ? EndpointKind::writer_with_key : EndpointKind::writer_no_key;
+  auto history = std::move(request.history);
   auto data = local_data(std::move(request), kind);
   const auto guid = data.guid;
   if (security_)
     data.security_info =
         DDSSEC_TRY(security_->create_endpoint(guid.entity, data.topic_name, data.qos.partition));
   auto protocol = std::make_unique<StatefulWriter>(guid, data.qos, sender_, &timers_);
+  for (auto& change : history) protocol->write(std::move(change), now);
   protocol->on_acknowledged([&listener] { listener.on_acknowledged(); });
   auto& local = writers_[guid.entity] = {std::move(data), &listener, std::move(protocol), {}};
   topics_[local.data.topic_name].writers.push_back(&local);

@@ -126,6 +126,7 @@ class Participant final : private SecurityHost {
     bool with_key = true;
     TypeDescription type = {};
     std::optional<ContentFilterProperty> content_filter = {};  ///< a reader's
+    std::vector<Change> history = {};  ///< a writer's, from before: only for who asks for history
   };
   Result<Guid> create_writer(EndpointRequest request, EndpointListener& listener,
                              MonotonicTime now);

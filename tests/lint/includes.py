@@ -30,6 +30,7 @@ FOREIGN = {
                  ".cpp": ["base", "pki", "plugins/cryptography"]},
     "sodium": {".hpp": [], ".cpp": ["base", "plugins/cryptography"]},
     "intel-ipsec-mb": {".hpp": [], ".cpp": ["plugins/cryptography"]},
+    "sqlite3": {".hpp": [], ".cpp": ["rtps"]},
     "tinyxml2": {".hpp": ["governance"], ".cpp": ["governance"]},
     "dds/": {".hpp": ["plugins/cyclonedds"], ".cpp": ["plugins/cyclonedds"]},
 }

@@ -1,0 +1,85 @@
+// SQLite, as far as the store of samples needs it: handles that end by themselves, errors as
+// values.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "base/bytes.hpp"
+#include "base/result.hpp"
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace ddssec::rtps {
+
+/// A prepared statement. Texts and octets that are bound are borrowed until the next reset.
+class SqlStatement {
+ public:
+  SqlStatement() = default;
+  SqlStatement& bind(int index, std::int64_t value);
+  SqlStatement& bind(int index, std::string_view text);
+  SqlStatement& bind(int index, BytesView octets);
+  /// True: there is a row.
+  Result<bool> step();
+  /// For what has no rows; resets it.
+  Status run();
+  void reset();
+
+  std::int64_t number(int column) const;
+  std::string text(int column) const;
+  /// Valid until the next step.
+  BytesView octets(int column) const;
+
+ private:
+  friend class Database;
+  struct Finalize {
+    void operator()(sqlite3_stmt* statement) const;
+  };
+  std::unique_ptr<sqlite3_stmt, Finalize> statement_;
+  std::string path_;
+};
+
+/// One connection, for one thread at a time.
+class Database {
+ public:
+  /// An empty path: in memory. The file must exist; links are not followed. Errors:
+  /// rtps_store_unusable.
+  static Result<Database> open(const std::string& path);
+
+  /// Errors: rtps_store_failed (no room), rtps_store_unusable (anything else).
+  Result<SqlStatement> prepare(std::string_view sql);
+  /// One statement of which no row is wanted. Errors: those of prepare.
+  Status run(std::string_view sql);
+  /// The first column of the first row. Errors: those of prepare, rtps_store_unusable (no row).
+  Result<std::int64_t> number(std::string_view sql);
+  std::int64_t last_row() const;
+
+  /// Begins a transaction that is rolled back unless it is committed.
+  class Transaction {
+   public:
+    static Result<Transaction> begin(Database& database);
+    Transaction(Transaction&& other) noexcept
+        : database_(std::exchange(other.database_, nullptr)) {}
+    Transaction& operator=(Transaction&&) = delete;
+    ~Transaction();
+    Status commit();
+
+   private:
+    explicit Transaction(Database& database) : database_(&database) {}
+    Database* database_;
+  };
+
+ private:
+  struct Close {
+    void operator()(sqlite3* database) const;
+  };
+  Database(sqlite3* database, std::string path) : database_(database), path_(std::move(path)) {}
+
+  std::unique_ptr<sqlite3, Close> database_;
+  std::string path_;
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,153 @@
+#include "rtps/durability/durable_store.hpp"
+
+#include <algorithm>
+
+namespace ddssec::rtps {
+namespace {
+
+// A disk that is full may have room later.
+constexpr std::chrono::milliseconds kRetry{200};
+constexpr std::chrono::seconds kLongestOpen{5};
+constexpr std::uint32_t kMostAlike = 64;
+
+}  // namespace
+
+Result<std::unique_ptr<DurableStore>> DurableStore::open(const std::string& path, EventSink& events,
+                                                         std::size_t most_octets) {
+  auto store = DDSSEC_TRY(SampleStore::open(path, most_octets));
+  return std::unique_ptr<DurableStore>(new DurableStore(std::move(store), events));
+}
+
+DurableStore::DurableStore(SampleStore store, EventSink& events)
+    : store_(std::move(store)), events_(events), thread_([this] { run(); }) {}
+
+DurableStore::~DurableStore() {
+  {
+    const std::lock_guard held(mutex_);
+    stopping_ = true;
+  }
+  work_.notify_all();
+  thread_.join();
+}
+
+Result<DurableStore::Opened> DurableStore::open_stream(StreamKey key,
+                                                       const DurabilityService& service) {
+  DDSSEC_TRY(flush(kLongestOpen));  // what a writer before this one left behind
+  const std::lock_guard store(store_mutex_);
+  for (key.ordinal = 0; key.ordinal < kMostAlike; ++key.ordinal) {
+    const auto id = DDSSEC_TRY(store_.stream(key, service));
+    {
+      const std::lock_guard held(mutex_);
+      if (!open_.insert(id).second) continue;
+    }
+    auto history = store_.load(id);
+    if (history) return Opened{id, *std::move(history)};
+    close_stream(id);
+    return std::unexpected(history.error());
+  }
+  return fail(Code::rtps_store_failed, {.document = store_.path(),
+                                        .field = "writers of topic " + key.topic,
+                                        .expected = "at most " + std::to_string(kMostAlike),
+                                        .found = "one more"});
+}
+
+void DurableStore::close_stream(StreamId stream) {
+  const std::lock_guard held(mutex_);
+  open_.erase(stream);
+}
+
+void DurableStore::append(StreamId stream, const Change& change, Time now) {
+  {
+    const std::lock_guard held(mutex_);
+    octets_ += change.payload.size();
+    pending_.push_back({stream, change});
+    now_ = now;
+    ++appended_;
+  }
+  work_.notify_one();
+}
+
+bool DurableStore::is_behind() const {
+  const std::lock_guard held(mutex_);
+  return over();
+}
+
+Status DurableStore::status() const {
+  const std::lock_guard held(mutex_);
+  return status_;
+}
+
+std::uint64_t DurableStore::groups() const {
+  const std::lock_guard held(mutex_);
+  return groups_;
+}
+
+template <class Ready>
+Status DurableStore::wait(std::chrono::nanoseconds most, Ready ready) {
+  // What does not fit the clock waits as long as it can.
+  constexpr std::chrono::nanoseconds kLongest = std::chrono::hours(24 * 365);
+  std::unique_lock held(mutex_);
+  const bool done =
+      done_.wait_for(held, std::min(most, kLongest), [&] { return ready() || !status_; });
+  if (ready()) return {};
+  if (done) return status_;
+  return fail(Code::rtps_timeout, {.document = store_.path()});
+}
+
+Status DurableStore::flush(std::chrono::nanoseconds most) {
+  std::uint64_t until = 0;
+  {
+    const std::lock_guard held(mutex_);
+    until = appended_;
+  }
+  return wait(most, [&] { return committed_ >= until; });
+}
+
+Status DurableStore::wait_for_room(std::chrono::nanoseconds most) {
+  return wait(most, [&] { return !over(); });
+}
+
+void DurableStore::run() {
+  std::unique_lock held(mutex_);
+  for (;;) {
+    work_.wait(held, [&] { return stopping_ || !pending_.empty(); });
+    if (!pending_.empty()) commit(held);
+    if (stopping_ && (pending_.empty() || !status_)) return;
+    if (!status_) work_.wait_for(held, kRetry, [&] { return stopping_; });
+  }
+}
+
+// A group that fails stays, before whatever comes after it.
+void DurableStore::commit(std::unique_lock<std::mutex>& held) {
+  std::vector<StoredChange> group;
+  group.swap(pending_);
+  const auto octets = std::exchange(octets_, 0);
+  const auto now = now_;
+  held.unlock();
+  std::unique_lock store(store_mutex_);
+  auto written = store_.commit(group, now);
+  const auto left_out = store_.left_out();
+  store.unlock();
+  if (!written && status_) events_.raise(Event(written.error()));
+  if (left_out != left_out_)
+    events_.raise(Event(
+        Error(Code::rtps_store_failed, {.document = store_.path(),
+                                        .field = "DURABILITY_SERVICE",
+                                        .expected = "samples within its limits",
+                                        .found = std::to_string(left_out - left_out_) + " more"})));
+  held.lock();
+  left_out_ = left_out;
+  status_ = std::move(written);
+  if (status_) {
+    committed_ += group.size();
+    ++groups_;
+  } else {
+    group.insert(group.end(), std::make_move_iterator(pending_.begin()),
+                 std::make_move_iterator(pending_.end()));
+    pending_.swap(group);
+    octets_ += octets;
+  }
+  done_.notify_all();
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,325 @@
+#include "rtps/durability/sample_store.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "base/hash.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+constexpr std::int64_t kApplicationId = 0x44445353;  // "DDSS"
+constexpr std::int64_t kVersion = 1;
+constexpr std::size_t kPageSize = 4096;
+constexpr std::size_t kSumSize = 8;
+constexpr std::size_t kLargestPayload = 64u << 20;
+
+constexpr std::string_view kSchema[] = {
+    "CREATE TABLE stream(id INTEGER PRIMARY KEY, domain INTEGER NOT NULL, topic TEXT NOT NULL, "
+    "type TEXT NOT NULL, partition BLOB NOT NULL, ordinal INTEGER NOT NULL, "
+    "UNIQUE(domain, topic, type, partition, ordinal))",
+    "CREATE TABLE sample(id INTEGER PRIMARY KEY, stream INTEGER NOT NULL, key BLOB NOT NULL, "
+    "keyed INTEGER NOT NULL, disposed INTEGER NOT NULL, seconds INTEGER NOT NULL, "
+    "fraction INTEGER NOT NULL, payload BLOB NOT NULL, sum BLOB NOT NULL)",
+    "CREATE INDEX sample_of_stream ON sample(stream, id)"};
+
+std::size_t limit_of(std::int32_t value, std::size_t otherwise) {
+  return value == kLengthUnlimited ? otherwise : static_cast<std::size_t>(value);
+}
+
+/// Names with their lengths, so that no two lists are alike.
+Bytes partition_octets(const std::vector<std::string>& names) {
+  Bytes out;
+  for (const auto& name : names) {
+    out.push_back(static_cast<std::uint8_t>(name.size() >> 8));
+    out.push_back(static_cast<std::uint8_t>(name.size()));
+    out.insert(out.end(), name.begin(), name.end());
+  }
+  return out;
+}
+
+/// SQLite notices damage to its own structures, not to what they hold.
+std::array<std::uint8_t, kSumSize> sum_of(std::int64_t row, StreamId stream, const Change& change) {
+  const auto key = change.key_hash.value_or(KeyHash{});
+  const auto time = change.source_time.value_or(Time{});
+  Bytes head(key.begin(), key.end());
+  for (const std::int64_t number :
+       {row, stream.value, std::int64_t{time.seconds}, std::int64_t{time.fraction}})
+    for (int shift = 0; shift < 64; shift += 8)
+      head.push_back(static_cast<std::uint8_t>(static_cast<std::uint64_t>(number) >> shift));
+  head.push_back(
+      static_cast<std::uint8_t>((change.key_hash ? 1 : 0) | (change.status.disposed ? 2 : 0)));
+  const auto digest = sha256({head, change.payload.view()});
+  std::array<std::uint8_t, kSumSize> out{};
+  std::ranges::copy_n(digest.begin(), kSumSize, out.begin());
+  return out;
+}
+
+std::unexpected<Error> unusable(const std::string& path, std::string expected, std::string found) {
+  return fail(Code::rtps_store_unusable,
+              {.document = path, .expected = std::move(expected), .found = std::move(found)});
+}
+
+/// Not left to SQLite, which would let everybody read it, and takes a few octets for an empty
+/// database.
+Status make_file(const std::string& path) {
+  constexpr std::string_view kMagic("SQLite format 3\0", 16);
+  const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+  if (file < 0) return unusable(path, "a file that can be written", std::strerror(errno));
+  std::array<char, 512> head{};
+  const auto size = ::read(file, head.data(), head.size());
+  ::close(file);
+  const bool ours = size == static_cast<ssize_t>(head.size()) &&
+                    std::string_view(head.data(), kMagic.size()) == kMagic;
+  if (size == 0 || ours) return {};
+  return unusable(path, "a store of samples, or an empty file", "neither");
+}
+
+}  // namespace
+
+Result<SampleStore> SampleStore::open(const std::string& path, std::size_t most_octets) {
+  if (!path.empty()) DDSSEC_TRY(make_file(path));
+  SampleStore store(DDSSEC_TRY(Database::open(path)), path);
+  DDSSEC_TRY(store.prepare(most_octets));
+  return store;
+}
+
+// First only looks; what is not ours has not been changed when it is refused.
+Status SampleStore::prepare(std::size_t most_octets) {
+  for (const auto* pragma : {"PRAGMA trusted_schema=OFF", "PRAGMA cell_size_check=ON"})
+    DDSSEC_TRY(database_.run(pragma));
+  DDSSEC_TRY(check_origin());
+  const auto pages = std::max<std::size_t>(most_octets / kPageSize, 16);
+  for (const auto& pragma :
+       {std::string("PRAGMA locking_mode=EXCLUSIVE"), std::string("PRAGMA journal_mode=WAL"),
+        std::string("PRAGMA synchronous=FULL"), std::string("PRAGMA journal_size_limit=16777216"),
+        "PRAGMA max_page_count=" + std::to_string(pages)})
+    DDSSEC_TRY(database_.run(pragma));
+  {
+    auto transaction = DDSSEC_TRY(Database::Transaction::begin(database_));
+    if (DDSSEC_TRY(database_.number("SELECT count(*) FROM sqlite_master")) == 0)
+      DDSSEC_TRY(create_schema());
+    DDSSEC_TRY(transaction.commit());
+  }
+  insert_ = DDSSEC_TRY(database_.prepare(
+      "INSERT INTO sample(stream, key, keyed, disposed, seconds, fraction, payload, sum, id) "
+      "VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?)"));
+  last_row_ = DDSSEC_TRY(database_.number("SELECT coalesce(max(id), 0) FROM sample"));
+  erase_ = DDSSEC_TRY(database_.prepare("DELETE FROM sample WHERE id = ?"));
+  return {};
+}
+
+Status SampleStore::check_origin() {
+  if (DDSSEC_TRY(database_.number("SELECT count(*) FROM sqlite_master")) == 0 &&
+      DDSSEC_TRY(database_.number("PRAGMA application_id")) == 0)
+    return {};
+  const auto id = DDSSEC_TRY(database_.number("PRAGMA application_id"));
+  if (id != kApplicationId)
+    return unusable(path_, "a store of samples", "a database of another application");
+  const auto version = DDSSEC_TRY(database_.number("PRAGMA user_version"));
+  if (version != kVersion)
+    return unusable(path_, "version " + std::to_string(kVersion),
+                    "version " + std::to_string(version));
+  DDSSEC_TRY(check_schema());
+  auto check = DDSSEC_TRY(database_.prepare("PRAGMA integrity_check(1)"));
+  DDSSEC_TRY(check.step());
+  if (check.text(0) != "ok") return unusable(path_, "a store that is whole", check.text(0));
+  return {};
+}
+
+// No trigger and no view that somebody put there is ever run.
+Status SampleStore::check_schema() {
+  auto statement = DDSSEC_TRY(
+      database_.prepare("SELECT sql FROM sqlite_master WHERE sql IS NOT NULL ORDER BY rowid"));
+  std::size_t count = 0;
+  for (; DDSSEC_TRY(statement.step()); ++count)
+    if (count >= std::size(kSchema) || statement.text(0) != kSchema[count])
+      return unusable(path_, "the tables of a store of samples", statement.text(0));
+  if (count == std::size(kSchema)) return {};
+  return unusable(path_, std::to_string(std::size(kSchema)) + " tables and indexes",
+                  std::to_string(count));
+}
+
+Status SampleStore::create_schema() {
+  for (const auto sql : kSchema) DDSSEC_TRY(database_.run(sql));
+  DDSSEC_TRY(database_.run("PRAGMA application_id=" + std::to_string(kApplicationId)));
+  return database_.run("PRAGMA user_version=" + std::to_string(kVersion));
+}
+
+Result<StreamId> SampleStore::stream(const StreamKey& key, const DurabilityService& service) {
+  const auto partition = partition_octets(key.partition);
+  const auto bind = [&](SqlStatement& statement) -> SqlStatement& {
+    return statement.bind(1, std::int64_t{key.domain})
+        .bind(2, std::string_view(key.topic))
+        .bind(3, std::string_view(key.type))
+        .bind(4, BytesView(partition))
+        .bind(5, std::int64_t{key.ordinal});
+  };
+  auto find = DDSSEC_TRY(
+      database_.prepare("SELECT id FROM stream WHERE domain = ? AND topic = ? AND type = ? AND "
+                        "partition = ? AND ordinal = ?"));
+  StreamId id;
+  if (DDSSEC_TRY(bind(find).step())) {
+    id.value = find.number(0);
+  } else {
+    if (DDSSEC_TRY(database_.number("SELECT count(*) FROM stream")) >=
+        static_cast<std::int64_t>(kMostStreams))
+      return fail(Code::rtps_store_failed, {.document = path_,
+                                            .field = "writers",
+                                            .expected = "at most " + std::to_string(kMostStreams),
+                                            .found = "one more"});
+    auto insert =
+        DDSSEC_TRY(database_.prepare("INSERT INTO stream(domain, topic, type, partition, ordinal) "
+                                     "VALUES(?, ?, ?, ?, ?)"));
+    DDSSEC_TRY(bind(insert).run());
+    id.value = database_.last_row();
+  }
+  Stream stream;
+  stream.service = service;
+  DDSSEC_TRY(read_index(id, stream));
+  streams_[id] = std::move(stream);
+  return id;
+}
+
+Status SampleStore::read_index(StreamId id, Stream& stream) {
+  stream.instances.clear();
+  stream.ended.clear();
+  stream.samples = 0;
+  auto rows = DDSSEC_TRY(database_.prepare(
+      "SELECT id, key, disposed, seconds FROM sample WHERE stream = ? ORDER BY id"));
+  rows.bind(1, id.value);
+  while (DDSSEC_TRY(rows.step())) {
+    const auto key = rows.octets(1);
+    if (key.size() != KeyHash{}.size()) return damaged(rows.number(0));
+    KeyHash hash{};
+    std::ranges::copy(key, hash.begin());
+    stream.instances[hash].push_back(rows.number(0));
+    ++stream.samples;
+    if (rows.number(2) == 0 || stream.service.cleanup_delay.is_infinite()) continue;
+    const auto since = std::chrono::seconds(rows.number(3));
+    stream.ended.push_back({(since + stream.service.cleanup_delay.to_nanoseconds()).count(), hash});
+  }
+  return {};
+}
+
+std::unexpected<Error> SampleStore::damaged(std::int64_t row) const {
+  return unusable(path_, "what was stored", "sample " + std::to_string(row) + " is damaged");
+}
+
+Result<std::vector<Change>> SampleStore::load(StreamId stream) {
+  auto rows = DDSSEC_TRY(
+      database_.prepare("SELECT id, key, keyed, disposed, seconds, fraction, payload, sum "
+                        "FROM sample WHERE stream = ? ORDER BY id"));
+  rows.bind(1, stream.value);
+  std::vector<Change> out;
+  while (DDSSEC_TRY(rows.step())) {
+    Change change;
+    const auto key = rows.octets(1), payload = rows.octets(6);
+    if (key.size() != KeyHash{}.size() || payload.size() > kLargestPayload)
+      return damaged(rows.number(0));
+    if (rows.number(2) != 0) std::ranges::copy(key, change.key_hash.emplace().begin());
+    change.status.disposed = rows.number(3) != 0;
+    change.key_only = change.status.disposed;
+    change.source_time = Time{
+        {static_cast<std::int32_t>(rows.number(4)), static_cast<std::uint32_t>(rows.number(5))}};
+    change.payload = Payload::copy_of(payload);
+    if (!std::ranges::equal(sum_of(rows.number(0), stream, change), rows.octets(7)))
+      return damaged(rows.number(0));
+    out.push_back(std::move(change));
+  }
+  return out;
+}
+
+Status SampleStore::commit(std::span<const StoredChange> changes, Time now) {
+  const auto left_out = left_out_;
+  const auto write = [&]() -> Status {
+    auto transaction = DDSSEC_TRY(Database::Transaction::begin(database_));
+    for (const auto& [id, change] : changes)
+      if (const auto stream = streams_.find(id); stream != streams_.end())
+        DDSSEC_TRY(add(id, stream->second, change, now));
+    for (auto& [id, stream] : streams_) DDSSEC_TRY(clean_up(stream, now.to_nanoseconds().count()));
+    return transaction.commit();
+  };
+  auto written = write();
+  if (written) return written;
+  left_out_ = left_out;
+  for (auto& [id, stream] : streams_) DDSSEC_TRY(read_index(id, stream));
+  return written;
+}
+
+bool SampleStore::has_room(const Stream& stream, const KeyHash& key) const {
+  const auto& limits = stream.service.limits;
+  const auto held = stream.instances.find(key);
+  if (stream.samples >= limit_of(limits.max_samples, kMostSamples)) return false;
+  if (held == stream.instances.end())
+    return stream.instances.size() < limit_of(limits.max_instances, kMostSamples);
+  return held->second.size() < limit_of(limits.max_samples_per_instance, kMostSamples);
+}
+
+Status SampleStore::add(StreamId id, Stream& stream, const Change& change, Time now) {
+  const auto key = change.key_hash.value_or(KeyHash{});
+  const auto& service = stream.service;
+  if (!change.is_alive() && !change.status.disposed) return {};
+  if (change.status.disposed && service.cleanup_delay == kDurationZero)
+    return erase_instance(stream, key);
+  if (service.history.kind == HistoryKind::keep_last) {
+    const auto held = stream.instances.find(key);
+    while (held != stream.instances.end() &&
+           held->second.size() >= static_cast<std::size_t>(service.history.depth)) {
+      DDSSEC_TRY(erase_row(held->second.front()));
+      held->second.pop_front();
+      --stream.samples;
+    }
+  }
+  if (!has_room(stream, key)) return ++left_out_, Status{};
+  const auto time = change.source_time.value_or(now);
+  auto stored = change;
+  stored.source_time = time;
+  stored.status.unregistered = false;
+  const auto sum = sum_of(++last_row_, id, stored);
+  DDSSEC_TRY(insert_.bind(1, id.value)
+                 .bind(2, BytesView(key))
+                 .bind(3, std::int64_t{change.key_hash.has_value()})
+                 .bind(4, std::int64_t{change.status.disposed})
+                 .bind(5, std::int64_t{time.seconds})
+                 .bind(6, std::int64_t{time.fraction})
+                 .bind(7, change.payload.view())
+                 .bind(8, BytesView(sum))
+                 .bind(9, last_row_)
+                 .run());
+  stream.instances[key].push_back(last_row_);
+  ++stream.samples;
+  std::erase_if(stream.ended, [&](const Ended& ended) { return ended.key == key; });
+  if (change.status.disposed && !service.cleanup_delay.is_infinite())
+    stream.ended.push_back(
+        {(now.to_nanoseconds() + service.cleanup_delay.to_nanoseconds()).count(), key});
+  return {};
+}
+
+Status SampleStore::erase_row(std::int64_t row) { return erase_.bind(1, row).run(); }
+
+Status SampleStore::erase_instance(Stream& stream, const KeyHash& key) {
+  const auto held = stream.instances.find(key);
+  if (held == stream.instances.end()) return {};
+  for (const auto row : held->second) DDSSEC_TRY(erase_row(row));
+  stream.samples -= held->second.size();
+  stream.instances.erase(held);
+  std::erase_if(stream.ended, [&](const Ended& ended) { return ended.key == key; });
+  return {};
+}
+
+Status SampleStore::clean_up(Stream& stream, std::int64_t now) {
+  while (!stream.ended.empty() && stream.ended.front().due <= now)
+    DDSSEC_TRY(erase_instance(stream, KeyHash(stream.ended.front().key)));
+  return {};
+}
+
+std::size_t SampleStore::size(StreamId stream) const {
+  const auto found = streams_.find(stream);
+  return found == streams_.end() ? 0 : found->second.samples;
+}
+
+}  // namespace ddssec::rtps

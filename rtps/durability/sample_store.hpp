@@ -1,0 +1,105 @@
+// The samples of durable writers, in a SQLite file (PERSISTENT) or in memory (TRANSIENT): DDS 1.4,
+// 2.2.3.4 and 2.2.3.5.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "base/ids.hpp"
+#include "rtps/durability/database.hpp"
+#include "rtps/qos/qos.hpp"
+#include "rtps/reliability/change.hpp"
+
+namespace ddssec::rtps {
+
+/// Whose samples belong together: those of one writer, before and after it was restarted.
+struct StreamKey {
+  std::uint32_t domain = 0;
+  std::string topic, type;
+  std::vector<std::string> partition = {};
+  std::uint32_t ordinal = 0;  ///< among the participant's writers that are alike in all that
+};
+
+/// Names a stream in one opened store.
+struct StreamId {
+  std::int64_t value = 0;
+  auto operator<=>(const StreamId&) const = default;
+};
+
+struct StoredChange {
+  StreamId stream;
+  Change change;
+};
+
+/// Whatever a commit wrote survives the end of the process or, for a file, of the machine; whatever
+/// it did not is not there at all. One thread at a time; one process a file.
+class SampleStore {
+ public:
+  static constexpr std::size_t kMostStreams = 1024;
+  static constexpr std::size_t kMostSamples = 1 << 20;  ///< of a stream without RESOURCE_LIMITS
+  static constexpr std::size_t kDefaultOctets = std::size_t{4} << 30;
+
+  /// An empty path: in memory. A file that is missing or empty becomes a store, readable by its
+  /// owner alone; another is checked: that it is ours, of this version, whole, and nobody else's at
+  /// the moment. What does not pass is left as it is. Errors: rtps_store_unusable,
+  /// rtps_store_failed.
+  static Result<SampleStore> open(const std::string& path,
+                                  std::size_t most_octets = kDefaultOctets);
+  SampleStore(SampleStore&&) noexcept = default;
+
+  /// The stream of a writer, new or with what it held; how much is kept of it from now on `service`
+  /// says. Errors: rtps_store_failed, rtps_store_unusable.
+  Result<StreamId> stream(const StreamKey& key, const DurabilityService& service);
+  /// In the order in which they were stored, oldest first, without sequence numbers and writer.
+  /// Errors: rtps_store_unusable (one is not what was stored), rtps_store_failed.
+  Result<std::vector<Change>> load(StreamId stream);
+  /// All of them or, if it fails, none. What exceeds DURABILITY_SERVICE's limits is left out and
+  /// counted; with KEEP_LAST the oldest goes instead. Disposed instances go when
+  /// service_cleanup_delay is over: `now` is the calendar time. Errors: rtps_store_failed,
+  /// rtps_store_unusable.
+  Status commit(std::span<const StoredChange> changes, Time now);
+
+  /// Samples held of it.
+  std::size_t size(StreamId stream) const;
+  /// Changes that did not fit the limits; never reset.
+  std::uint64_t left_out() const { return left_out_; }
+  const std::string& path() const { return path_; }
+
+ private:
+  using Rows = std::deque<std::int64_t>;
+  struct Ended {
+    std::int64_t due = 0;  ///< nanoseconds of the calendar
+    KeyHash key{};
+  };
+  struct Stream {
+    DurabilityService service;
+    std::map<KeyHash, Rows> instances;
+    std::deque<Ended> ended;  ///< disposed instances that are still here
+    std::size_t samples = 0;
+  };
+
+  SampleStore(Database database, std::string path)
+      : database_(std::move(database)), path_(std::move(path)) {}
+  Status prepare(std::size_t most_octets);
+  Status check_origin();
+  Status check_schema();
+  Status create_schema();
+  Status read_index(StreamId id, Stream& stream);
+  Status add(StreamId id, Stream& stream, const Change& change, Time now);
+  bool has_room(const Stream& stream, const KeyHash& key) const;
+  Status erase_instance(Stream& stream, const KeyHash& key);
+  Status erase_row(std::int64_t row);
+  Status clean_up(Stream& stream, std::int64_t now);
+  std::unexpected<Error> damaged(std::int64_t row) const;
+
+  Database database_;
+  std::string path_;
+  SqlStatement insert_, erase_;
+  std::map<StreamId, Stream> streams_;
+  std::int64_t last_row_ = 0;
+  std::uint64_t left_out_ = 0;
+};
+
+}  // namespace ddssec::rtps

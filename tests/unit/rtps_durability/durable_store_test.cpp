@@ -1,0 +1,114 @@
+#include <csignal>
+#include <sys/resource.h>
+
+#include "tests/unit/rtps_durability/store_fixture.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+using namespace std::chrono_literals;
+
+struct DurableStoreTest : StoreTest {
+  Events events;
+  std::unique_ptr<DurableStore> open() {
+    auto store = DurableStore::open(path, events);
+    EXPECT_TRUE(store) << store.error().to_sentence();
+    return *std::move(store);
+  }
+};
+
+TEST_F(DurableStoreTest, WhatFlushWaitedForIsThere) {
+  {
+    auto store = open();
+    const auto stream = *store->open_stream(kMap, keep_all());
+    EXPECT_TRUE(stream.history.empty());
+    for (std::uint32_t i = 0; i < 1000; ++i) store->append(stream.id, sample(i), seconds(0));
+    ASSERT_TRUE(store->flush(10s));
+    EXPECT_LT(store->groups(), 1000u);
+  }
+  EXPECT_EQ(open()->open_stream(kMap, keep_all())->history.size(), 1000u);
+}
+
+TEST_F(DurableStoreTest, ANextWriterGetsWhatTheOneBeforeLeft) {
+  auto store = open();
+  const auto first = *store->open_stream(kMap, keep_all());
+  const auto alike = *store->open_stream(kMap, keep_all());
+  EXPECT_NE(first.id, alike.id);
+  store->append(first.id, sample(1), seconds(0));
+  store->append(alike.id, sample(2), seconds(0));
+  store->close_stream(first.id);
+  const auto next = *store->open_stream(kMap, keep_all());
+  EXPECT_EQ(next.id, first.id);
+  EXPECT_EQ(numbers(next.history), std::vector<std::uint32_t>{1});
+}
+
+// As on a disk without room: no file of this process may grow.
+TEST_F(DurableStoreTest, WithoutRoomItSaysSoAndGoesOnWhenThereIsSome) {
+  std::signal(SIGXFSZ, SIG_IGN);
+  auto store = open();
+  const auto stream = *store->open_stream(kMap, keep_all());
+  std::uint32_t next = 0;
+  for (; next < 100; ++next) store->append(stream.id, sample(next), seconds(0));
+  ASSERT_TRUE(store->flush(10s));
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit tight{64 << 10, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &tight), 0);
+  for (; next < 5000; ++next) store->append(stream.id, sample(next), seconds(0));
+  const auto failed = store->flush(10s);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  ASSERT_EQ(code_of(failed), Code::rtps_store_failed);
+  EXPECT_EQ(failed.error().details().document, path);
+  {
+    const std::lock_guard held(events.mutex);
+    ASSERT_FALSE(events.seen.empty());
+    EXPECT_EQ(events.seen[0].error.code(), Code::rtps_store_failed);
+  }
+  Status status;
+  for (int i = 0; i < 100 && !(status = store->flush(100ms)); ++i) ::usleep(20'000);
+  EXPECT_TRUE(status);
+  store = nullptr;
+  const auto history = open()->open_stream(kMap, keep_all())->history;
+  ASSERT_EQ(history.size(), 5000u);
+  for (std::uint32_t i = 0; i < 5000; ++i) ASSERT_EQ(number_of(history[i]), i);
+}
+
+TEST_F(DurableStoreTest, IsBehindWhenItsQueueIsFull) {
+  auto store = open();
+  const auto stream = *store->open_stream(kMap, keep_last(1));
+  EXPECT_FALSE(store->is_behind());
+  Change large = sample(0);
+  large.payload = Payload::copy_of(Bytes(DurableStore::kMostPendingOctets / 4));
+  bool behind = false;
+  for (int i = 0; i < 8; ++i) {
+    store->append(stream.id, large, seconds(0));
+    behind = behind || store->is_behind();
+  }
+  EXPECT_TRUE(behind);
+  EXPECT_TRUE(store->wait_for_room(30s));
+  EXPECT_FALSE(store->is_behind());
+}
+
+TEST_F(DurableStoreTest, LimitsThatAreReachedAreAnEvent) {
+  auto service = keep_all();
+  service.limits.max_samples = 1;
+  auto store = open();
+  const auto stream = *store->open_stream(kMap, service);
+  for (std::uint32_t i = 0; i < 3; ++i) store->append(stream.id, sample(i), seconds(0));
+  ASSERT_TRUE(store->flush(10s));
+  const std::lock_guard held(events.mutex);
+  ASSERT_FALSE(events.seen.empty());
+  EXPECT_EQ(events.seen[0].error.details().field, "DURABILITY_SERVICE");
+}
+
+TEST_F(DurableStoreTest, InMemoryItLastsAsLongAsItself) {
+  auto store = *DurableStore::open("", events);
+  const auto stream = *store->open_stream(kMap, keep_all());
+  store->append(stream.id, sample(1), seconds(0));
+  store->close_stream(stream.id);
+  EXPECT_EQ(store->open_stream(kMap, keep_all())->history.size(), 1u);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps

@@ -1,0 +1,150 @@
+// DURABILITY TRANSIENT and PERSISTENT between participants, over the end of writers and of whole
+// participants.
+#include "tests/unit/rtps/dcps_fixture.hpp"
+#include "tests/unit/rtps_durability/store_fixture.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+struct DurableWriterTest : Polled {
+  DurableWriterTest() { std::filesystem::create_directory(folder); }
+  ~DurableWriterTest() override { std::filesystem::remove_all(folder); }
+
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("ddssec-writer-" + std::to_string(::getpid()));
+
+  DomainParticipantOptions with_store() const {
+    auto out = options();
+    out.durability_store = folder / "samples";
+    return out;
+  }
+  static Qos durable(DurabilityKind kind, std::int32_t depth = 10) {
+    auto qos = default_writer_qos();
+    qos.durability = kind;
+    qos.history.depth = depth;
+    qos.durability_service.history.depth = depth;
+    return qos;
+  }
+  static Qos late(DurabilityKind kind) {
+    auto qos = reliable();
+    qos.durability = kind;
+    return qos;
+  }
+  /// All that a reader of b gets from `writer`'s participant, which is served as well.
+  std::vector<std::int64_t> all_of(End& end, DataReader<Reading>& reader, std::size_t count) {
+    std::vector<std::int64_t> out;
+    for (int i = 0; i < 300 && out.size() < count; ++i) {
+      end.participant->poll(0ms);
+      run(10ms);
+      for (auto value : taken(reader)) out.push_back(value);
+    }
+    for (int i = 0; i < 10; ++i) end.participant->poll(0ms), run(10ms);
+    for (auto value : taken(reader)) out.push_back(value);
+    return out;
+  }
+};
+
+TEST_P(DurableWriterTest, ALateJoinerGetsWhatWasWrittenBeforeARestart) {
+  const auto qos = durable(DurabilityKind::persistent);
+  {
+    End end(environment, with_store());
+    auto& writer = end.writer(qos);
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(writer.write({"north", i}));
+    ASSERT_TRUE(writer.write({"south", 7}));
+    ASSERT_TRUE(writer.dispose({"south"}));
+    ASSERT_TRUE(writer.wait_for_acknowledgments(10s));
+  }
+  End end(environment, with_store());
+  auto& writer = end.writer(qos);
+  EXPECT_FALSE(writer.lookup_instance({"north"}).is_nil());
+  EXPECT_TRUE(writer.lookup_instance({"south"}).is_nil());
+  auto& old = b.reader(late(DurabilityKind::persistent));
+  auto& young = b.reader(reliable());
+  EXPECT_EQ(all_of(end, old, 3), (std::vector<std::int64_t>{0, 1, 2}));
+  EXPECT_TRUE(taken(young).empty());
+  ASSERT_TRUE(writer.write({"north", 3}));
+  EXPECT_EQ(all_of(end, old, 1), (std::vector<std::int64_t>{3}));
+  EXPECT_EQ(taken(young), (std::vector<std::int64_t>{3}));
+}
+
+TEST_P(DurableWriterTest, SourceTimesAndLifespansOutliveARestart) {
+  auto qos = durable(DurabilityKind::persistent);
+  qos.lifespan = Duration::from(10s);
+  std::optional<Time> written;
+  {
+    End end(environment, with_store());
+    auto& writer = end.writer(qos);
+    ASSERT_TRUE(writer.write({"north", 1}));
+    clock.advance(6s);
+    written = Time::from(clock.wall());
+    ASSERT_TRUE(writer.write({"north", 2}));
+    ASSERT_TRUE(writer.wait_for_acknowledgments(10s));
+  }
+  clock.advance(6s);
+  End end(environment, with_store());
+  end.writer(qos);
+  auto& reader = b.reader(late(DurabilityKind::persistent));
+  Samples<Reading> samples;
+  for (int i = 0; i < 300 && samples.empty(); ++i) {
+    end.participant->poll(0ms);
+    run(1ms);
+    ASSERT_TRUE(reader.take(samples));
+  }
+  ASSERT_EQ(samples.size(), 1u);
+  EXPECT_EQ(samples[0].data.value, 2);
+  EXPECT_EQ(samples[0].info.source_timestamp, written);
+}
+
+TEST_P(DurableWriterTest, TransientSamplesOutliveTheirWriterButNotTheParticipant) {
+  const auto qos = durable(DurabilityKind::transient);
+  {
+    End end(environment, options());
+    ASSERT_TRUE(end.writer(qos).write({"north", 1}));
+    ASSERT_TRUE(end.publisher->delete_contained_entities());
+    end.writer(qos);
+    EXPECT_EQ(all_of(end, b.reader(late(DurabilityKind::transient)), 1),
+              (std::vector<std::int64_t>{1}));
+  }
+  End end(environment, options());
+  auto& writer = end.writer(qos);
+  ASSERT_TRUE(writer.write({"north", 2}));
+  EXPECT_EQ(all_of(end, b.reader(late(DurabilityKind::transient)), 1),
+            (std::vector<std::int64_t>{2}));
+}
+
+TEST_P(DurableWriterTest, DurabilityServiceSaysHowMuchIsKept) {
+  const auto qos = durable(DurabilityKind::persistent, 2);
+  {
+    End end(environment, with_store());
+    auto& writer = end.writer(qos);
+    for (int i = 0; i < 9; ++i) ASSERT_TRUE(writer.write({"north", i}));
+  }  // what is left is stored at the end
+  End end(environment, with_store());
+  end.writer(qos);
+  EXPECT_EQ(all_of(end, b.reader(late(DurabilityKind::persistent)), 2),
+            (std::vector<std::int64_t>{7, 8}));
+}
+
+TEST_P(DurableWriterTest, WithoutAStorePersistentSamplesAreKeptInMemoryAndSomebodyIsTold) {
+  ASSERT_TRUE(a.writer(durable(DurabilityKind::persistent)).write({"north", 1}));
+  const std::lock_guard held(events.mutex);
+  ASSERT_EQ(std::ranges::count(events.seen, Code::rtps_store_unusable,
+                               [](const Event& event) { return event.error.code(); }),
+            1);
+}
+
+TEST_P(DurableWriterTest, AStoreThatCannotBeUsedIsAnErrorAtTheStart) {
+  std::ofstream(folder / "samples") << std::string(5000, 'x');
+  const auto participant = DomainParticipant::create(with_store(), environment);
+  ASSERT_FALSE(participant);
+  EXPECT_EQ(participant.error().code(), Code::rtps_store_unusable);
+  EXPECT_EQ(participant.error().details().document, folder / "samples");
+}
+
+INSTANTIATE_TEST_SUITE_P(Over, DurableWriterTest, ::testing::Values(Way::network, Way::in_process),
+                         name_of);
+
+}  // namespace
+}  // namespace ddssec::rtps

@@ -1,0 +1,259 @@
+#include <random>
+#include <sys/stat.h>
+
+#include "tests/unit/rtps_durability/store_fixture.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+using Numbers = std::vector<std::uint32_t>;
+
+struct SampleStoreTest : StoreTest {
+  /// What the stream holds when the store is opened anew.
+  Numbers stored(std::uint32_t instances = 1, const DurabilityService& service = keep_all()) {
+    auto store = SampleStore::open(path);
+    EXPECT_TRUE(store) << store.error().to_sentence();
+    if (!store) return {};
+    const auto held = store->load(*store->stream(kMap, service));
+    EXPECT_TRUE(held) << held.error().to_sentence();
+    return held ? numbers(*held, instances) : Numbers{};
+  }
+  /// Stores samples `from` up to `to` in one commit.
+  void store(std::uint32_t from, std::uint32_t to, const DurabilityService& service = keep_all(),
+             std::uint32_t instances = 1) {
+    auto opened = SampleStore::open(path);
+    ASSERT_TRUE(opened) << opened.error().to_sentence();
+    const auto id = *opened->stream(kMap, service);
+    std::vector<StoredChange> all;
+    for (auto i = from; i < to; ++i) all.push_back({id, sample(i, instances)});
+    const auto written = opened->commit(all, seconds(100));
+    ASSERT_TRUE(written) << written.error().to_sentence();
+  }
+  Bytes octets() const {
+    std::ifstream in(path, std::ios::binary);
+    return Bytes(std::istreambuf_iterator<char>(in), {});
+  }
+  void write_octets(const Bytes& octets) const {
+    std::ofstream out(path, std::ios::binary | std::ios::trunc);
+    const auto text = as_text(octets);
+    out.write(text.data(), static_cast<std::streamsize>(text.size()));
+  }
+};
+
+TEST_F(SampleStoreTest, KeepsSamplesInTheirOrder) {
+  store(0, 10);
+  store(10, 20);
+  Numbers all(20);
+  for (std::uint32_t i = 0; i < 20; ++i) all[i] = i;
+  EXPECT_EQ(stored(), all);
+}
+
+TEST_F(SampleStoreTest, IsReadableByItsOwnerAlone) {
+  store(0, 1);
+  struct stat status {};
+  ASSERT_EQ(::stat(path.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777, 0600u);
+}
+
+TEST_F(SampleStoreTest, KeepLastKeepsTheLastOfEachInstance) {
+  store(0, 10, keep_last(2), 3);
+  EXPECT_EQ(stored(3, keep_last(2)), (Numbers{4, 5, 6, 7, 8, 9}));
+  store(10, 11, keep_last(1), 3);  // less from now on
+  EXPECT_EQ(stored(3, keep_last(2)), (Numbers{5, 6, 8, 9, 10}));
+}
+
+TEST_F(SampleStoreTest, StreamsDoNotMix) {
+  auto opened = SampleStore::open("");
+  ASSERT_TRUE(opened);
+  std::vector<StreamKey> keys(5, kMap);
+  keys[1].topic = "Other";
+  keys[2].partition = {"a", "bc"};
+  keys[3].partition = {"ab", "c"};
+  keys[4].ordinal = 1;
+  std::vector<StreamId> ids;
+  for (const auto& key : keys) ids.push_back(*opened->stream(key, keep_all()));
+  for (std::uint32_t i = 0; i < 5; ++i)
+    ASSERT_TRUE(opened->commit({{StoredChange{ids[i], sample(i)}}}, seconds(0)));
+  for (std::uint32_t i = 0; i < 5; ++i)
+    EXPECT_EQ(numbers(*opened->load(*opened->stream(keys[i], keep_all()))), Numbers{i});
+}
+
+TEST_F(SampleStoreTest, LimitsLeaveOutWhatDoesNotFit) {
+  auto service = keep_all();
+  service.limits = {.max_samples = 5, .max_instances = 2, .max_samples_per_instance = 3};
+  auto opened = *SampleStore::open("");
+  const auto id = *opened.stream(kMap, service);
+  const auto write = [&](std::uint32_t number, std::uint8_t instance) {
+    auto change = sample(number);
+    change.key_hash->fill(instance);
+    ASSERT_TRUE(opened.commit({{StoredChange{id, change}}}, seconds(0)));
+  };
+  for (std::uint32_t i = 0; i < 4; ++i) write(i, 1);
+  EXPECT_EQ(opened.size(id), 3u);  // of an instance
+  for (std::uint32_t i = 0; i < 3; ++i) write(i, 2);
+  EXPECT_EQ(opened.size(id), 5u);  // in all
+  EXPECT_EQ(opened.left_out(), 2u);
+  auto end = dispose(0);
+  end.key_hash->fill(1);
+  ASSERT_TRUE(opened.commit({{StoredChange{id, end}}}, seconds(0)));
+  EXPECT_EQ(opened.size(id), 2u);
+  write(0, 3);
+  write(0, 4);
+  EXPECT_EQ(opened.size(id), 3u);  // instances
+  EXPECT_EQ(opened.left_out(), 3u);
+}
+
+// DDS 1.4, 2.2.3.5: service_cleanup_delay.
+TEST_F(SampleStoreTest, DisposedInstancesGoWhenTheirDelayIsOver) {
+  auto service = keep_all();
+  service.cleanup_delay = Duration{{10, 0}};
+  auto opened = *SampleStore::open(path);
+  const auto id = *opened.stream(kMap, service);
+  ASSERT_TRUE(
+      opened.commit({{StoredChange{id, sample(0)}, StoredChange{id, dispose(0)}}}, seconds(0)));
+  EXPECT_EQ(opened.size(id), 2u);
+  const auto held = *opened.load(id);
+  EXPECT_TRUE(held[1].status.disposed);
+  EXPECT_TRUE(held[1].key_only);
+  ASSERT_TRUE(opened.commit({}, seconds(9)));
+  EXPECT_EQ(opened.size(id), 2u);
+  ASSERT_TRUE(opened.commit({}, seconds(10)));
+  EXPECT_EQ(opened.size(id), 0u);
+}
+
+TEST_F(SampleStoreTest, AnInstanceThatComesBackStays) {
+  auto service = keep_all();
+  service.cleanup_delay = Duration{{10, 0}};
+  auto opened = *SampleStore::open("");
+  const auto id = *opened.stream(kMap, service);
+  ASSERT_TRUE(opened.commit(
+      {{StoredChange{id, sample(0)}, StoredChange{id, dispose(0)}, StoredChange{id, sample(0)}}},
+      seconds(0)));
+  ASSERT_TRUE(opened.commit({}, seconds(100)));
+  EXPECT_EQ(opened.size(id), 3u);
+}
+
+TEST_F(SampleStoreTest, WithoutDelayDisposedInstancesGoAtOnce) {
+  auto opened = *SampleStore::open("");
+  const auto id = *opened.stream(kMap, keep_all());
+  ASSERT_TRUE(
+      opened.commit({{StoredChange{id, sample(0)}, StoredChange{id, dispose(0)}}}, seconds(0)));
+  EXPECT_EQ(opened.size(id), 0u);
+}
+
+TEST_F(SampleStoreTest, AFullStoreSaysSoAndLosesNothing) {
+  store(0, 10);
+  {
+    auto small = SampleStore::open(path, 64 << 10);
+    ASSERT_TRUE(small);
+    const auto id = *small->stream(kMap, keep_all());
+    std::vector<StoredChange> many;
+    for (std::uint32_t i = 10; i < 5000; ++i) many.push_back({id, sample(i)});
+    const auto written = small->commit(many, seconds(0));
+    ASSERT_EQ(code_of(written), Code::rtps_store_failed);
+    EXPECT_EQ(written.error().details().document, path);
+    EXPECT_NE(written.error().details().found.find("full"), std::string::npos);
+    EXPECT_EQ(small->size(id), 10u);
+    ASSERT_TRUE(small->commit({{StoredChange{id, sample(10)}}}, seconds(0)));  // this one fits
+  }
+  EXPECT_EQ(stored().size(), 11u);
+}
+
+TEST_F(SampleStoreTest, IsForOneProcessAtATime) {
+  const auto first = SampleStore::open(path);
+  ASSERT_TRUE(first);
+  const auto second = SampleStore::open(path);
+  ASSERT_EQ(code_of(second), Code::rtps_store_unusable);
+  EXPECT_EQ(second.error().details().document, path);
+  EXPECT_NE(second.error().details().found.find("locked"), std::string::npos);
+}
+
+TEST_F(SampleStoreTest, WhatIsNotOursIsRefusedAndLeftAsItIs) {
+  const auto refuse = [&](const char* what, const Bytes& octets) {
+    write_octets(octets);
+    const auto opened = SampleStore::open(path);
+    EXPECT_EQ(code_of(opened), Code::rtps_store_unusable) << what;
+    EXPECT_EQ(this->octets(), octets) << what;
+  };
+  refuse("text", to_bytes(as_bytes(std::string(5000, 'x'))));
+  std::filesystem::remove(path);
+  write_octets({});
+  {
+    auto other = *Database::open(path);
+    ASSERT_TRUE(other.run("CREATE TABLE accounts(id INTEGER)"));
+  }
+  refuse("another application's", octets());
+  {
+    auto other = *Database::open(path);
+    ASSERT_TRUE(other.run("PRAGMA application_id=1145328467"));
+    ASSERT_TRUE(other.run("PRAGMA user_version=1"));
+  }
+  refuse("another schema", octets());
+  {
+    auto other = *Database::open(path);
+    ASSERT_TRUE(other.run("PRAGMA user_version=2"));
+  }
+  refuse("a later version's", octets());
+}
+
+TEST_F(SampleStoreTest, ATriggerInAStoreIsNeverRun) {
+  store(0, 3);
+  {
+    auto other = *Database::open(path);
+    ASSERT_TRUE(
+        other.run("CREATE TRIGGER evil AFTER INSERT ON sample BEGIN DELETE FROM sample; END"));
+  }
+  EXPECT_EQ(code_of(SampleStore::open(path)), Code::rtps_store_unusable);
+}
+
+TEST_F(SampleStoreTest, FoldersAndLinksAreRefused) {
+  std::filesystem::create_directory(folder / "folder");
+  EXPECT_EQ(code_of(SampleStore::open(folder / "folder")), Code::rtps_store_unusable);
+  EXPECT_EQ(code_of(SampleStore::open(folder / "no" / "folder")), Code::rtps_store_unusable);
+  store(0, 1);
+  std::filesystem::create_symlink(path, folder / "link");
+  EXPECT_EQ(code_of(SampleStore::open(folder / "link")), Code::rtps_store_unusable);
+}
+
+// Either it is noticed, or what is read is what was written.
+TEST_F(SampleStoreTest, DamageIsNoticed) {
+  store(0, 200);
+  const auto whole = octets();
+  const auto before = stored();
+  std::mt19937 random(1);
+  int noticed = 0;
+  for (int i = 0; i < 150; ++i) {
+    auto damaged = whole;
+    damaged[random() % damaged.size()] ^= static_cast<std::uint8_t>(1u << random() % 8);
+    std::filesystem::remove(path + "-wal");
+    write_octets(damaged);
+    auto opened = SampleStore::open(path);
+    if (!opened) {
+      EXPECT_EQ(opened.error().code(), Code::rtps_store_unusable);
+      ++noticed;
+      continue;
+    }
+    const auto id = opened->stream(kMap, keep_all());
+    const auto held = id ? opened->load(*id) : Result<std::vector<Change>>(std::vector<Change>{});
+    const bool good = id && held;
+    noticed += good ? 0 : 1;
+    if (good && !held->empty()) {
+      EXPECT_EQ(numbers(*held), before);
+    }
+  }
+  EXPECT_GT(noticed, 50);
+}
+
+TEST_F(SampleStoreTest, ATruncatedStoreIsRefusedOrWhole) {
+  store(0, 200);
+  const auto whole = octets();
+  for (std::size_t size = 1; size < whole.size(); size += 997) {
+    std::filesystem::remove(path + "-wal");
+    write_octets(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)));
+    EXPECT_EQ(code_of(SampleStore::open(path)), Code::rtps_store_unusable) << size;
+  }
+}
+
+}  // namespace
+}  // namespace ddssec::rtps

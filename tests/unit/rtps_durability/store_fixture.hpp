@@ -1,0 +1,74 @@
+// A folder of its own for each test, and samples that say what they are.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <unistd.h>
+
+#include <gtest/gtest.h>
+
+#include "rtps/durability/durable_store.hpp"
+#include "tests/unit/rtps/dcps_fixture.hpp"
+
+namespace ddssec::rtps::testing {
+
+struct StoreTest : ::testing::Test {
+  StoreTest() { std::filesystem::create_directory(folder); }
+  ~StoreTest() override { std::filesystem::remove_all(folder); }
+
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("ddssec-store-" + std::to_string(::getpid()));
+  const std::string path = folder / "samples";
+};
+
+inline const StreamKey kMap{.domain = 140, .topic = "Map", .type = "Grid"};
+
+inline DurabilityService keep_all() {
+  DurabilityService service;
+  service.history.kind = HistoryKind::keep_all;
+  return service;
+}
+inline DurabilityService keep_last(std::int32_t depth) {
+  DurabilityService service;
+  service.history.depth = depth;
+  return service;
+}
+
+inline Time seconds(std::int32_t count) { return Time{{count, 0}}; }
+
+/// The n-th sample: of instance n % instances, with octets that follow from n.
+inline Change sample(std::uint32_t number, std::uint32_t instances = 1) {
+  Change change;
+  change.key_hash.emplace().fill(static_cast<std::uint8_t>(number % instances));
+  change.source_time = seconds(static_cast<std::int32_t>(number));
+  Bytes octets(8 + number % 50, static_cast<std::uint8_t>(number * 7));
+  for (int i = 0; i < 4; ++i)
+    octets[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(number >> (8 * i));
+  change.payload = Payload::copy_of(octets);
+  return change;
+}
+inline Change dispose(std::uint32_t instance) {
+  auto change = sample(instance, instance + 1);
+  change.status.disposed = true;
+  change.key_only = true;
+  return change;
+}
+/// Its number, or nothing if it is not as it was made.
+inline std::optional<std::uint32_t> number_of(const Change& change, std::uint32_t instances = 1) {
+  const auto octets = change.payload.view();
+  if (octets.size() < 8) return std::nullopt;
+  std::uint32_t number = 0;
+  for (std::size_t i = 0; i < 4; ++i) number |= std::uint32_t{octets[i]} << (8 * i);
+  const auto made = sample(number, instances);
+  const bool same = std::ranges::equal(made.payload.view(), octets) &&
+                    made.key_hash == change.key_hash && made.source_time == change.source_time;
+  return same ? std::optional(number) : std::nullopt;
+}
+inline std::vector<std::uint32_t> numbers(const std::vector<Change>& changes,
+                                          std::uint32_t instances = 1) {
+  std::vector<std::uint32_t> out;
+  for (const auto& change : changes) out.push_back(number_of(change, instances).value_or(~0u));
+  return out;
+}
+
+}  // namespace ddssec::rtps::testing
