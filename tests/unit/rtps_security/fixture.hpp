@@ -150,20 +150,24 @@ struct Node {
   };
 
   static GuidPrefix candidate(std::uint8_t n) { return GuidPrefix::from(Bytes(12, n)); }
-  static ParticipantConfig config(std::uint8_t n, const GuidPrefix& prefix) {
+  /// Announces itself to the first `others`.
+  static ParticipantConfig config(std::uint8_t n, const GuidPrefix& prefix, int others = 3) {
     const auto at = [](std::uint32_t port) {
       return *Locator::parse("127.0.0.1", static_cast<std::uint16_t>(port));
     };
+    LocatorList announce_to;
+    for (int i = 1; i <= others; ++i) announce_to.push_back(at(7000u + static_cast<unsigned>(i)));
     return {.prefix = prefix,
             .metatraffic_unicast = {at(7000u + n)},
             .default_unicast = {at(7000u + n)},
-            .announce_to = {at(7001), at(7002), at(7003)}};
+            .announce_to = std::move(announce_to)};
   }
   /// Unsecured.
   explicit Node(std::uint8_t n) : port(7000u + n), random(n) {
     participant = std::make_unique<Participant>(config(n, candidate(n)), post, events);
   }
-  Node(std::uint8_t n, const spi::PropertyList& properties) : port(7000u + n), random(n) {
+  Node(std::uint8_t n, const spi::PropertyList& properties, int others = 3)
+      : port(7000u + n), random(n) {
     const Environment environment{clock, random, events};
     authentication = authentication::make_authentication(environment);
     access_control = access_control::make_access_control(environment);
@@ -172,7 +176,8 @@ struct Node {
                                    0, candidate(n));
     EXPECT_TRUE(own) << own.error().to_sentence();
     if (!own) return;
-    participant = std::make_unique<Participant>(config(n, (*own)->guid().prefix), post, events);
+    participant =
+        std::make_unique<Participant>(config(n, (*own)->guid().prefix, others), post, events);
     const auto secured = participant->secure(std::move(*own));
     EXPECT_TRUE(secured) << secured.error().to_sentence();
   }
