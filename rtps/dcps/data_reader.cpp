@@ -82,7 +82,7 @@ Result<std::size_t> AnyDataReader::access(const Query& query, std::vector<OctetS
   clear(StatusKind::data_available);
   subscriber().clear(StatusKind::data_on_readers);
   if (query.take && std::exchange(refused_, false)) {
-    context_.protocol().reader(guid_)->offer_again();
+    if (auto* reader = context_.protocol().reader(guid_)) reader->offer_again();
     context_.reschedule();
   }
   update_conditions();
@@ -170,7 +170,10 @@ Status AnyDataReader::wait_for_historical_data(std::chrono::nanoseconds most) {
   if (qos_.durability == DurabilityKind::volatile_) return {};
   // A heartbeat alone can complete it, and tells nobody.
   constexpr std::chrono::nanoseconds kStep = std::chrono::milliseconds(10);
-  const auto complete = [&] { return context_.protocol().reader(guid_)->has_history(); };
+  const auto complete = [&] {
+    const auto* reader = context_.protocol().reader(guid_);
+    return reader == nullptr || reader->has_history();
+  };
   for (auto left = most;; left -= kStep) {
     if (context_.wait(held, std::min(left, kStep), complete)) return {};
     if (left <= kStep || context_.in_callback()) break;

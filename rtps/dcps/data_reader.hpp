@@ -60,6 +60,7 @@ class AnyDataReader : public Endpoint {
   std::uint64_t malformed() const { return malformed_; }
 
  protected:
+  friend class BuiltinTopics;
   friend class Group;
   friend class Subscriber;
   AnyDataReader(Group& subscriber, ParticipantContext& context, Topic& topic, Qos qos);

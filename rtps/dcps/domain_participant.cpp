@@ -160,6 +160,7 @@ Status DomainParticipant::enable() {
     });
   }
   if (!all) return {};
+  if (builtin_topics_) DDSSEC_TRY(builtin_topics_->subscriber().enable());
   for (auto& topic : topics_) DDSSEC_TRY(topic->enable());
   for (auto& publisher : publishers_) DDSSEC_TRY(publisher->enable());
   for (auto& subscriber : subscribers_) DDSSEC_TRY(subscriber->enable());
@@ -170,6 +171,7 @@ DomainParticipant::~DomainParticipant() {
   stopping_ = true;
   if (sockets_) wake();
   if (thread_.joinable()) thread_.join();
+  builtin_topics_.reset();
   subscribers_.clear();
   publishers_.clear();
   topics_.clear();
@@ -213,11 +215,6 @@ AuthenticationCounters DomainParticipant::authentication_counters() const {
 std::size_t DomainParticipant::remote_participants() const {
   const auto held = lock();
   return context_.protocol().remote_participants();
-}
-
-std::vector<Guid> DomainParticipant::discovered_participants() const {
-  const auto held = lock();
-  return context_.protocol().remote_guids();
 }
 
 }  // namespace ddssec::rtps

@@ -2,6 +2,7 @@
 // begin.
 #pragma once
 
+#include "rtps/dcps/builtin_topics.hpp"
 #include "rtps/dcps/content_filtered_topic.hpp"
 #include "rtps/dcps/publisher.hpp"
 #include "rtps/dcps/subscriber.hpp"
@@ -88,7 +89,6 @@ class DomainParticipant final : private ParticipantContext::Server,
   ProtectionCounters protection_counters() const;
   AuthenticationCounters authentication_counters() const;
   std::size_t remote_participants() const;
-  std::vector<Guid> discovered_participants() const;
   Time current_time() const { return context_.moment().wall; }
 
   DomainParticipantQos qos() const;
@@ -131,6 +131,32 @@ class DomainParticipant final : private ParticipantContext::Server,
   /// Errors: rtps_qos_inconsistent.
   Status set_default_topic_qos(const Qos& qos);
 
+  /// What discovery found, as samples: readers of DCPSParticipant, DCPSTopic, DCPSPublication and
+  /// DCPSSubscription. They cannot be deleted.
+  Subscriber& builtin_subscriber() { return builtin_topics().subscriber(); }
+  /// Its reader of ParticipantBuiltinTopicData, TopicBuiltinTopicData, PublicationBuiltinTopicData
+  /// or SubscriptionBuiltinTopicData; nullptr once the application has deleted it with the rest.
+  template <class T>
+  BuiltinDataReader<T>* builtin_datareader() {
+    return builtin_topics().reader<T>();
+  }
+  /// Those that were accepted: if this participant is secured, authenticated or admitted without.
+  std::vector<Guid> discovered_participants() const;
+  /// Errors: rtps_bad_parameter (none of them).
+  Result<ParticipantBuiltinTopicData> discovered_participant_data(const Guid& participant) const;
+  /// Topics of which a remote endpoint is known.
+  std::vector<TopicBuiltinTopicData> discovered_topics() const;
+  // For good, and as if it had never been found. Errors: rtps_not_enabled.
+  /// Our own GUID: our writers and readers do not match each other.
+  Status ignore_participant(const Guid& participant);
+  Status ignore_topic(const std::string& name);
+  Status ignore_publication(const Guid& writer);
+  Status ignore_subscription(const Guid& reader);
+  /// A topic of this participant, or a new one of octets with the type that others announce for
+  /// that name, as soon as there is one. To be deleted as often as it was created or found.
+  /// Errors: rtps_timeout, those of create_topic.
+  Result<Topic*> find_topic(const std::string& name, std::chrono::nanoseconds most);
+
   /// Asserts its writers with LIVELINESS MANUAL_BY_PARTICIPANT. Errors: rtps_not_enabled.
   Status assert_liveliness();
 
@@ -160,6 +186,9 @@ class DomainParticipant final : private ParticipantContext::Server,
   bool is_taken(std::string_view name) const {
     return lookup_topicdescription(name) != nullptr || lookup_contentfilteredtopic(name) != nullptr;
   }
+  BuiltinTopics& builtin_topics();
+  template <class F>
+  Status ignore(F&& f);
   template <class Child>
   Status delete_child(std::vector<std::unique_ptr<Child>>& children, Child& child, bool unused);
 
@@ -177,6 +206,7 @@ class DomainParticipant final : private ParticipantContext::Server,
   std::vector<std::unique_ptr<ContentFilteredTopic>> filtered_topics_;  // refer to topics
   std::vector<std::unique_ptr<Publisher>> publishers_;
   std::vector<std::unique_ptr<Subscriber>> subscribers_;
+  std::unique_ptr<BuiltinTopics> builtin_topics_;
   std::atomic<bool> stopping_ = false;
   std::thread thread_;
 };

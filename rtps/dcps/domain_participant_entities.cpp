@@ -61,6 +61,7 @@ Result<Topic*> DomainParticipant::create_topic(std::string name, TypeSupport typ
   if (is_enabled() && this->qos().autoenable_created_entities) DDSSEC_TRY(topic->enable());
   const auto held = lock();
   topics_.push_back(std::move(topic));
+  context_.notify();  // somebody may be looking for it
   return topics_.back().get();
 }
 
@@ -118,6 +119,10 @@ Status DomainParticipant::delete_topic(Topic& topic) {
   {
     const auto held = lock();
     unused = topic.users_ == 0;
+    if (unused && topic.references_ > 1) {
+      --topic.references_;
+      return {};
+    }
   }
   return delete_child(topics_, topic, unused);
 }

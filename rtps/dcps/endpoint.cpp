@@ -22,7 +22,7 @@ void Endpoint::retire() {
   const auto held = lock();
   --topic_.users_;
   cancel();
-  if (!enabled()) return;
+  if (!enabled() || is_builtin(guid_.entity)) return;
   context_.protocol().remove(guid_, context_.now());
   context_.reschedule();
 }

@@ -39,6 +39,7 @@ class Group : public Entity {
   Status delete_contained_entities();
 
  protected:
+  friend class BuiltinTopics;
   friend class DomainParticipant;
   Group(DomainParticipant& participant, ParticipantContext& context, GroupQos qos,
         const Qos& default_endpoint_qos, std::string_view name);

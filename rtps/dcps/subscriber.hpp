@@ -57,6 +57,7 @@ class Subscriber final : public Group {
 
  private:
   friend class AnyDataReader;
+  friend class BuiltinTopics;
   friend class DomainParticipant;
   Subscriber(DomainParticipant& participant, ParticipantContext& context, GroupQos qos);
 

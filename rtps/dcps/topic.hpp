@@ -26,6 +26,7 @@ class Topic final : public Entity {
   InconsistentTopicStatus inconsistent_topic_status();
 
  private:
+  friend class BuiltinTopics;
   friend class ContentFilteredTopic;
   friend class DomainParticipant;
   friend class Endpoint;
@@ -43,7 +44,8 @@ class Topic final : public Entity {
   Qos qos_;
   Listening<TopicListener> listening_;
   InconsistentTopicStatus inconsistent_;
-  int users_ = 0;  ///< writers and readers of it
+  int users_ = 0;       ///< writers and readers of it
+  int references_ = 1;  ///< how often it was created or found
 };
 
 }  // namespace ddssec::rtps

@@ -5,10 +5,11 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <set>
 
 #include "base/event.hpp"
 #include "rtps/discovery/builtin_endpoints.hpp"
-#include "rtps/discovery/endpoint_data.hpp"
+#include "rtps/discovery/discovery_listener.hpp"
 #include "rtps/discovery/neighbourhood.hpp"
 #include "rtps/discovery/participant_data.hpp"
 #include "rtps/qos/matching.hpp"
@@ -146,7 +147,17 @@ class Participant final : private SecurityHost {
     next_announcement_ = {};
     announce_securely(false);
   }
-  std::vector<Guid> remote_guids() const;
+  /// Tells `listener`, from now on and what is known already; nullptr: nobody.
+  void listen(DiscoveryListener* listener);
+  /// Those that were accepted (see DiscoveryListener).
+  std::vector<ParticipantData> known_participants() const;
+  std::vector<EndpointData> known_endpoints() const;
+  /// Any remote endpoint on that topic.
+  std::optional<EndpointData> endpoint_on(const std::string& topic_name) const;
+  /// For good: as if it had never been found. Our own prefix: our endpoints ignore each other.
+  void ignore_participant(const GuidPrefix& prefix);
+  void ignore_endpoint(const Guid& guid);
+  void ignore_topic(const std::string& name);
   /// Remote endpoints that match one of ours.
   std::vector<Guid> matched(const Guid& endpoint) const;
   /// What an endpoint, remote or our own, announced; nullptr if it is not known (any more). Of our
@@ -198,6 +209,7 @@ class Participant final : private SecurityHost {
     MonotonicTime since{};
     std::map<EntityId, RemoteEndpoint> endpoints = {};
     std::vector<Watch> watches = {};  ///< only where a lease is finite
+    bool accepted = false;            ///< authenticated, or admitted without
   };
   /// RTPS 8.3.4: what earlier submessages of a message say about later ones.
   struct Context {
@@ -241,6 +253,9 @@ class Participant final : private SecurityHost {
   void on_dispose(const GuidPrefix& prefix);
   void renew_lease(Remote& remote, const ParticipantData& data, MonotonicTime now);
   void match_builtin(Remote& remote);
+  void accept(Remote& remote);
+  void tell_of(const Remote& remote);
+  bool is_ignored(const EndpointData& data) const;
   void match_builtin(const BuiltinTopicInfo& info, Remote& remote, bool writer);
   void unmatch(Remote& remote);
   void remove_remote(const GuidPrefix& prefix);
@@ -301,6 +316,12 @@ class Participant final : private SecurityHost {
   TimerQueue timers_;
   ParticipantCounters counters_;
   std::map<GuidPrefix, Remote> remotes_;
+  struct {
+    std::set<GuidPrefix> participants;
+    std::set<Guid> endpoints;
+    std::set<std::string> topics;
+  } ignored_;
+  DiscoveryListener* discovery_ = nullptr;
   Remote self_;  ///< ourselves, as the other end of our own endpoints
   std::map<EntityId, LocalWriter> writers_;
   std::map<EntityId, LocalReader> readers_;

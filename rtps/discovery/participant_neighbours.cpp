@@ -33,6 +33,11 @@ void Participant::join(const Guid& local, const Guid& remote) {
 }
 
 void Participant::meet(LocalWriter& writer, LocalReader& reader) {
+  if (is_ignored(writer.data) || is_ignored(reader.data)) {
+    forget(writer, reader.data.guid);
+    forget(reader, writer.data.guid);
+    return;
+  }
   self_.endpoints[writer.data.guid.entity].data = writer.data;
   self_.endpoints[reader.data.guid.entity].data = reader.data;
   match(writer, self_, reader.data);

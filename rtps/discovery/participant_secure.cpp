@@ -64,6 +64,7 @@ void Participant::on_secure_participant(const Change& change) {
   remote->second.data.user_data = std::move(data->user_data);
   remote->second.data.entity_name = std::move(data->entity_name);
   remote->second.data.lease_duration = data->lease_duration;
+  tell_of(remote->second);
 }
 
 void Participant::on_authenticated(const GuidPrefix& peer) {

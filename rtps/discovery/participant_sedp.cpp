@@ -107,6 +107,7 @@ Participant::RemoteEndpoint* Participant::find_remote(const Guid& guid) {
 }
 
 void Participant::add_endpoint(Remote& remote, EndpointData data) {
+  if (is_ignored(data)) return;
   const auto id = data.guid.entity;
   auto known = remote.endpoints.find(id);
   if (known != remote.endpoints.end() && known->second.data.topic_name != data.topic_name) {
@@ -124,6 +125,7 @@ void Participant::add_endpoint(Remote& remote, EndpointData data) {
     known = remote.endpoints.try_emplace(id).first;
   }
   auto& stored = known->second.data = std::move(data);
+  if (discovery_ != nullptr) discovery_->on_endpoint(stored);
   const auto& ends = topics_[stored.topic_name];
   for (auto* local : ends.writers) match(*local, remote, stored);
   for (auto* local : ends.readers) match(*local, remote, stored);
@@ -153,6 +155,7 @@ void Participant::remove_endpoint(Remote& remote, const EntityId& id) {
   if (!data.qos.liveliness.lease_duration.is_infinite())
     std::erase_if(remote.watches, [&](const auto& w) { return w.writer == data.guid; });
   std::erase(ends.remotes, data.guid);
+  if (discovery_ != nullptr) discovery_->on_endpoint_gone(data);
   remote.endpoints.erase(known);
   --remote_endpoints_;
   forget_if_empty(topic_name);
@@ -200,10 +203,11 @@ void Participant::change_filter(const Guid& reader, ContentFilterProperty filter
   publish(local->second.data, now);
 }
 
-std::vector<Guid> Participant::remote_guids() const {
-  std::vector<Guid> out;
-  for (const auto& [prefix, remote] : remotes_) out.push_back(remote.data.guid);
-  return out;
+std::optional<EndpointData> Participant::endpoint_on(const std::string& topic_name) const {
+  const auto at = topics_.find(topic_name);
+  if (at == topics_.end() || at->second.remotes.empty()) return std::nullopt;
+  const auto& guid = at->second.remotes.front();
+  return remotes_.find(guid.prefix)->second.endpoints.find(guid.entity)->second.data;
 }
 
 std::vector<Guid> Participant::matched(const Guid& endpoint) const {
@@ -289,10 +293,10 @@ void Participant::match(LocalWriter& writer, Remote& remote, const EndpointData&
   }
   writer.matched.push_back(data.guid);
   const bool history = data.qos.durability >= DurabilityKind::transient_local;
-  writer.protocol->match({data.guid, data.qos.is_reliable(), history,
-                          near ? LocatorList{} : usable_locators(data.unicast, remote.user), near,
-                          std::move(filter)},
-                         now_);
+  writer.protocol->match(
+      {data.guid, data.qos.is_reliable(), history,
+       near ? LocatorList{} : usable_locators(data.unicast, remote.user), near, std::move(filter)},
+      now_);
   writer.listener->on_matched(data);
   join(writer.data.guid, data.guid);
 }

@@ -136,6 +136,7 @@ void Participant::on_dispose(const GuidPrefix& prefix) {
 
 void Participant::add_remote(ParticipantData data, MonotonicTime now) {
   const auto prefix = data.guid.prefix;
+  if (ignored_.participants.contains(prefix)) return;
   if (const auto known = remotes_.find(prefix); known != remotes_.end())
     return on_known(known->second, std::move(data), now);
   auto metatraffic = usable_locators(data.metatraffic_unicast, {});
@@ -202,6 +203,10 @@ void Participant::on_known(Remote& remote, ParticipantData data, MonotonicTime n
   const auto prefix = data.guid.prefix;
   const bool fixed = security_ && security_->is_authenticated(prefix);
   renew_lease(remote, fixed ? remote.data : data, now);
+  if (!fixed && remote.accepted && remote.data.user_data != data.user_data) {
+    remote.data.user_data = data.user_data;
+    tell_of(remote);
+  }
   if (fixed || !security_ || data == remote.data || !security_->may_authenticate(data)) return;
   if (!security_->knows(prefix)) {
     remove_remote(prefix);
@@ -213,6 +218,7 @@ void Participant::on_known(Remote& remote, ParticipantData data, MonotonicTime n
 }
 
 void Participant::match_builtin(Remote& remote) {
+  accept(remote);
   builtin_.each([&](const auto& info, auto&, auto&) {
     match_builtin(info, remote, true);
     match_builtin(info, remote, false);
@@ -264,6 +270,8 @@ void Participant::remove_remote(const GuidPrefix& prefix) {
   if (at == remotes_.end()) return;
   unmatch(at->second);
   if (security_) security_->lost(prefix);
+  if (at->second.accepted && discovery_ != nullptr)
+    discovery_->on_participant_gone(at->second.data.guid);
   remotes_.erase(at);
 }
 
