@@ -47,6 +47,7 @@ void AnyDataReader::on_own_qos(const Qos& before) {
   if (qos_.deadline != before.deadline) cache_->set_deadline(qos_.deadline, context_.now());
   if (qos_.time_based_filter != before.time_based_filter)
     cache_->set_minimum_separation(qos_.time_based_filter);
+  cache_->set_lifecycle(qos_.reader_data_lifecycle);
   call_at(cache_->next_tick());
 }
 

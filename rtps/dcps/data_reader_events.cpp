@@ -16,7 +16,8 @@ void AnyDataReader::on_matched(const EndpointData& remote) {
 void AnyDataReader::on_unmatched(const Guid& remote) {
   liveliness_.remove(remote);
   liveliness_moved();
-  if (cache_->lose_writer(remote, true)) data_came();
+  if (cache_->lose_writer(remote, true, context_.now())) data_came();
+  call_at(cache_->next_tick());
   Endpoint::on_unmatched(remote);
 }
 
@@ -84,8 +85,9 @@ void AnyDataReader::on_time(MonotonicTime now) {
   if (cache_->release(context_.moment())) data_came();
   cache_->check_deadlines(now, [&](InstanceHandle instance) { miss_deadline(instance); });
   bool changed = false;
-  liveliness_.check(
-      now, [&](const Guid& writer) { changed = cache_->lose_writer(writer, false) || changed; });
+  liveliness_.check(now, [&](const Guid& writer) {
+    changed = cache_->lose_writer(writer, false, now) || changed;
+  });
   if (changed) data_came();
   call_at(cache_->next_tick());
   liveliness_moved();

@@ -49,6 +49,35 @@ void AnyDataWriter::on_own_qos(const Qos& before) {
   call_at(instances_->next_deadline());
 }
 
+// DDS 1.4, 2.2.3.21: deleting a writer unregisters its instances, which readers see by its leaving;
+// that they are disposed as well must be said.
+void AnyDataWriter::conclude() {
+  const auto held = lock();
+  const bool outlived = qos_.durability >= DurabilityKind::transient;  // by what is stored
+  if (!enabled() || !qos_.autodispose_unregistered_instances || matched_none() || outlived) return;
+  const auto moment = context_.moment();
+  for (const auto& [key, octets] : instances_->keys()) {
+    if (!protocol().has_room(octets.size(), key)) break;
+    Change change;
+    change.source_time = std::max(moment.wall, last_source_time_);
+    change.status = {.disposed = true, .unregistered = true};
+    if (topic_.type().with_key) change.key_hash = key;
+    change.key_only = true;
+    change.payload = Payload::copy_of(octets);
+    protocol().write(std::move(change), moment.now);
+    concluded_ = true;
+  }
+  protocol().ask_for_acknowledgments();
+}
+
+void AnyDataWriter::linger(std::chrono::steady_clock::time_point deadline) {
+  if (!concluded_) return;
+  auto held = lock();
+  const std::chrono::nanoseconds left = deadline - std::chrono::steady_clock::now();
+  context_.wait(held, std::max(left, std::chrono::nanoseconds::zero()),
+                [&] { return protocol().all_acknowledged(); });
+}
+
 Result<InstanceHandle> AnyDataWriter::instance_of(const OctetWrite& change) {
   if (topic_.type().with_key && !change.key)
     return bad_parameter("key", "a key hash, as the type has keys", "none");

@@ -78,6 +78,8 @@ class AnyDataWriter : public Endpoint {
   /// Errors: those of DurableStore::wait_for_room.
   Status wait_for_store(std::unique_lock<std::mutex>& lock);
   void on_own_qos(const Qos& before) override;
+  void conclude() override;
+  void linger(std::chrono::steady_clock::time_point deadline) override;
   Status submit(const OctetWrite& change, StatusInfo status);
   Result<InstanceHandle> instance_of(const OctetWrite& change);
   Status wait_for_room(std::unique_lock<std::mutex>& lock, const OctetWrite& change);
@@ -95,6 +97,7 @@ class AnyDataWriter : public Endpoint {
   DurableStore* store_ = nullptr;  ///< TRANSIENT and PERSISTENT
   StreamId stream_;
   WriterLease lease_;
+  bool concluded_ = false;                                   ///< there was something to say
   Ring<std::pair<MonotonicTime, SequenceNumber>> expiring_;  ///< LIFESPAN, oldest first
   Time last_source_time_{};
   LivelinessLostStatus liveliness_lost_;

@@ -168,6 +168,7 @@ Status DomainParticipant::enable() {
 }
 
 DomainParticipant::~DomainParticipant() {
+  if (context_.has_protocol()) conclude();
   stopping_ = true;
   if (sockets_) wake();
   if (thread_.joinable()) thread_.join();

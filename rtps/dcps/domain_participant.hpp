@@ -187,6 +187,9 @@ class DomainParticipant final : private ParticipantContext::Server,
     return lookup_topicdescription(name) != nullptr || lookup_contentfilteredtopic(name) != nullptr;
   }
   BuiltinTopics& builtin_topics();
+  /// All its writers end, and say so.
+  void conclude();
+  Status announce_again(const Topic& topic);
   template <class F>
   Status ignore(F&& f);
   template <class Child>

@@ -139,6 +139,7 @@ Status DomainParticipant::delete_subscriber(Subscriber& subscriber) {
 
 Status DomainParticipant::delete_contained_entities() {
   DDSSEC_TRY(check_not_in_callback(context_));
+  conclude();
   const std::lock_guard members(context_.callbacks());
   decltype(topics_) topics;
   decltype(filtered_topics_) filtered;
@@ -150,6 +151,32 @@ Status DomainParticipant::delete_contained_entities() {
   publishers.swap(publishers_);
   subscribers.swap(subscribers_);
   return {};  // subscribers and publishers go before the topics
+}
+
+void DomainParticipant::conclude() {
+  std::vector<std::unique_ptr<Endpoint>> dying;
+  {
+    const std::lock_guard members(context_.callbacks());
+    const auto held = lock();
+    for (auto& publisher : publishers_)
+      std::ranges::move(std::exchange(publisher->members_, {}), std::back_inserter(dying));
+  }
+  Group::conclude(dying);
+  const std::lock_guard members(context_.callbacks());
+  dying.clear();
+}
+
+// Others learn of it with the endpoints (DDS 1.4, 2.2.3.2).
+Status DomainParticipant::announce_again(const Topic& topic) {
+  const std::lock_guard members(context_.callbacks());
+  const auto each = [&](auto& groups) -> Status {
+    for (auto& group : groups)
+      for (auto& member : group->members_)
+        if (&member->topic() == &topic) DDSSEC_TRY(member->regroup(group->qos()));
+    return {};
+  };
+  DDSSEC_TRY(each(publishers_));
+  return each(subscribers_);
 }
 
 bool DomainParticipant::contains_entities() const {

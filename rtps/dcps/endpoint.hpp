@@ -22,6 +22,7 @@ class Endpoint : public Entity, protected EndpointListener, protected Timed {
   Status enable() override;
 
  protected:
+  friend class DomainParticipant;
   friend class Group;
   /// What differs between the two ends.
   struct Side {
@@ -36,6 +37,10 @@ class Endpoint : public Entity, protected EndpointListener, protected Timed {
   virtual Result<Guid> create(Participant::EndpointRequest request) = 0;
   /// After its own policies changed.
   virtual void on_own_qos(const Qos& before) = 0;
+  /// Before it is deleted: says what its end means to others ...
+  virtual void conclude() {}
+  /// ... and waits until they know, or until `deadline`.
+  virtual void linger(std::chrono::steady_clock::time_point deadline) { (void)deadline; }
   /// Errors: rtps_precondition_not_met (it must not be deleted now).
   virtual Status check_unused() const { return {}; }
 
@@ -44,6 +49,7 @@ class Endpoint : public Entity, protected EndpointListener, protected Timed {
   void on_incompatible_qos(const Guid& remote, const QosMismatch& mismatch) override;
   void on_inconsistent_topic(const EndpointData& remote) override;
   void miss_deadline(InstanceHandle instance);
+  bool matched_none() const { return remotes_.empty(); }
 
   // Without the lock:
   template <class Status>

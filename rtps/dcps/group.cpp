@@ -125,8 +125,16 @@ Status Group::adopt(std::unique_ptr<Endpoint> member) {
 
 Status Group::delete_member(Endpoint& member) {
   DDSSEC_TRY(check_not_in_callback(context_));
-  const std::lock_guard members(context_.callbacks());
   std::unique_ptr<Endpoint> dying;
+  DDSSEC_TRY(take_out(member, dying));
+  conclude({&dying, 1});
+  const std::lock_guard members(context_.callbacks());
+  dying.reset();
+  return {};
+}
+
+Status Group::take_out(Endpoint& member, std::unique_ptr<Endpoint>& dying) {
+  const std::lock_guard members(context_.callbacks());
   const auto held = lock();
   const auto at = std::ranges::find(members_, &member, &std::unique_ptr<Endpoint>::get);
   if (at == members_.end())
@@ -135,15 +143,25 @@ Status Group::delete_member(Endpoint& member) {
   DDSSEC_TRY(member.check_unused());
   dying = std::move(*at);
   members_.erase(at);
-  return {};  // the lock ends before the member does
+  return {};
+}
+
+void Group::conclude(std::span<const std::unique_ptr<Endpoint>> members) {
+  for (const auto& member : members) member->conclude();
+  const auto deadline = std::chrono::steady_clock::now() + kLongestLinger;
+  for (const auto& member : members) member->linger(deadline);
 }
 
 Status Group::delete_contained_entities() {
   DDSSEC_TRY(check_not_in_callback(context_));
-  const std::lock_guard members(context_.callbacks());
   std::vector<std::unique_ptr<Endpoint>> dying;
-  const auto held = lock();
-  dying.swap(members_);
+  {
+    const auto held = lock();
+    dying.swap(members_);
+  }
+  conclude(dying);
+  const std::lock_guard members(context_.callbacks());
+  dying.clear();
   return {};
 }
 

@@ -73,12 +73,17 @@ class Group : public Entity {
   /// Any of them on that topic; nullptr if there is none.
   Endpoint* lookup(std::string_view topic_name) const;
 
+  /// The members will be deleted. Waits kLongestLinger at most.
+  static void conclude(std::span<const std::unique_ptr<Endpoint>> members);
+  static constexpr std::chrono::milliseconds kLongestLinger{100};
+
   DomainParticipant& participant_;
   std::vector<std::unique_ptr<Endpoint>> members_;
 
  private:
   Status check_topic(const Topic& topic, std::string_view type) const;
   Status adopt(std::unique_ptr<Endpoint> member);
+  Status take_out(Endpoint& member, std::unique_ptr<Endpoint>& dying);
   bool has_listener(StatusKind) const override { return false; }  // its members tell them
   void tell_listeners() override {}
 

@@ -28,6 +28,7 @@ ReaderCache::ReaderCache(const Qos& qos, KeyOf key_of)
       most_per_instance_(limit_of(qos.resource_limits.max_samples_per_instance, kMostSamples)),
       exclusive_(qos.ownership == OwnershipKind::exclusive),
       by_source_(qos.destination_order == DestinationOrderKind::by_source),
+      lifecycle_(qos.reader_data_lifecycle),
       key_of_(std::move(key_of)),
       reliable_(qos.is_reliable()) {
   set_minimum_separation(qos.time_based_filter);
@@ -71,6 +72,7 @@ const Payload* ReaderCache::key_value(InstanceHandle instance) const {
 ReaderCache::Instance* ReaderCache::create(const Change& change) {
   if (instances_.size() >= most_instances_) {
     auto& oldest = *idle_.front();
+    keep(oldest);
     by_key_.erase(oldest.key);
     octets_ -= oldest.key_value.size();
     instances_.erase(oldest.handle);
@@ -146,7 +148,7 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
   if (expires <= at.now || of_nobody) return {Outcome::dropped, {}, handle};
   if (instance != nullptr && !may_own(*instance, change.writer)) {
     if (change.status.unregistered)
-      leave(*instance, change.writer);
+      leave(*instance, change.writer, at.now);
     else
       join(*instance, change.writer);
     return {Outcome::dropped, {}, handle};
@@ -162,7 +164,7 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
   if (change.is_alive())
     store_alive(*instance, change, expires, at.now);
   else
-    store_end(*instance, change);
+    store_end(*instance, change, at.now);
   const Stored stored{Outcome::stored, {}, instance->handle};
   settle(*instance);
   return stored;
@@ -190,14 +192,14 @@ void ReaderCache::store_alive(Instance& instance, Change& change, MonotonicTime 
 }
 
 // A dispose, an unregister, or both at once.
-void ReaderCache::store_end(Instance& instance, const Change& change) {
+void ReaderCache::store_end(Instance& instance, const Change& change, MonotonicTime now) {
   const Recount recount(*this, instance);
   hold_back(instance, std::nullopt);
   if (change.status.disposed) {
     join(instance, change.writer);
     if (instance.state != InstanceState::not_alive_disposed) {
       if (instance.state == InstanceState::not_alive_no_writers) revive(instance);
-      instance.state = InstanceState::not_alive_disposed;
+      end(instance, InstanceState::not_alive_disposed, now);
       add_invalid(instance, change.writer, change.source_time);
     }
     instance.deadline = kNever;
@@ -207,9 +209,40 @@ void ReaderCache::store_end(Instance& instance, const Change& change) {
   std::erase(instance.writers, change.writer);
   if (instance.owner == change.writer) instance.owner.reset();
   if (!instance.writers.empty() || instance.state != InstanceState::alive) return;
-  instance.state = InstanceState::not_alive_no_writers;
+  end(instance, InstanceState::not_alive_no_writers, now);
   instance.due.leave();
   add_invalid(instance, change.writer, change.source_time);
+}
+
+// DDS 1.4, 2.2.3.22.
+void ReaderCache::end(Instance& instance, InstanceState state, MonotonicTime now) {
+  instance.state = state;
+  keep(instance);
+  const auto& delay = state == InstanceState::not_alive_disposed
+                          ? lifecycle_.autopurge_disposed_samples_delay
+                          : lifecycle_.autopurge_nowriter_samples_delay;
+  if (delay.is_infinite()) return;
+  instance.purge = purges_.emplace(now + delay.to_nanoseconds(), &instance);
+  instance.purged = true;
+}
+
+void ReaderCache::keep(Instance& instance) {
+  if (std::exchange(instance.purged, false)) purges_.erase(instance.purge);
+}
+
+bool ReaderCache::purge(MonotonicTime now) {
+  bool any = false;
+  while (!purges_.empty() && purges_.begin()->first <= now) {
+    auto& instance = *purges_.begin()->second;
+    keep(instance);
+    {
+      const Recount recount(*this, instance);
+      for (auto at = instance.held.begin(); at != instance.held.end();) at = erase(instance, at);
+    }
+    any = true;
+    settle(instance);
+  }
+  return any;
 }
 
 // DDS 1.4, 2.2.2.5.1.5: an instance that comes back is a new generation, and new to be seen.
@@ -219,6 +252,7 @@ void ReaderCache::revive(Instance& instance) {
                                                          : instance.no_writers_generations);
   instance.state = InstanceState::alive;
   instance.view = ViewState::new_;
+  keep(instance);
 }
 
 void ReaderCache::join(Instance& instance, const Guid& writer) {
@@ -226,14 +260,14 @@ void ReaderCache::join(Instance& instance, const Guid& writer) {
     instance.writers.push_back(writer);
 }
 
-bool ReaderCache::leave(Instance& instance, const Guid& writer) {
+bool ReaderCache::leave(Instance& instance, const Guid& writer, MonotonicTime now) {
   if (instance.owner == writer) instance.owner.reset();
   if (std::erase(instance.writers, writer) == 0) return false;
   const bool ends = instance.writers.empty() && instance.state == InstanceState::alive;
   if (ends) {
     const Recount recount(*this, instance);
     hold_back(instance, std::nullopt);
-    instance.state = InstanceState::not_alive_no_writers;
+    end(instance, InstanceState::not_alive_no_writers, now);
     instance.due.leave();
     add_invalid(instance, writer, std::nullopt);
   }
@@ -241,12 +275,12 @@ bool ReaderCache::leave(Instance& instance, const Guid& writer) {
   return ends;
 }
 
-bool ReaderCache::lose_writer(const Guid& writer, bool unmatched) {
+bool ReaderCache::lose_writer(const Guid& writer, bool unmatched, MonotonicTime now) {
   if (unmatched) writers_.erase(writer);
   bool changed = false;
   for (auto at = instances_.begin(); at != instances_.end();) {
     auto& instance = (at++)->second;  // leave() may end it
-    changed = leave(instance, writer) || changed;
+    changed = leave(instance, writer, now) || changed;
   }
   return changed;
 }
@@ -310,6 +344,7 @@ void ReaderCache::settle(Instance& instance) {
     if (!instance.idle.linked()) instance.idle.append_to(idle_);
     return;
   }
+  keep(instance);
   by_key_.erase(instance.key);
   octets_ -= instance.key_value.size();
   instances_.erase(InstanceHandle(instance.handle));

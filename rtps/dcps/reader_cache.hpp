@@ -46,7 +46,7 @@ class ReaderCache {
   /// A matched writer, or its changed OWNERSHIP_STRENGTH.
   void set_writer(const Guid& writer, std::int32_t strength, Duration lifespan);
   /// Is gone, or not alive any more: it leaves all its instances. True if any state changed.
-  bool lose_writer(const Guid& writer, bool unmatched);
+  bool lose_writer(const Guid& writer, bool unmatched, MonotonicTime now);
 
   enum class Outcome : std::uint8_t { stored, dropped, rejected };
   struct Stored {
@@ -65,13 +65,15 @@ class ReaderCache {
   /// The same of a query; looks at the samples one by one if there is one.
   bool any(const States& states, BoundFilter* matching) const;
 
-  /// Removes what LIFESPAN ended; true if there was any.
+  /// Removes what LIFESPAN or READER_DATA_LIFECYCLE ended; true if there was any.
   bool expire(MonotonicTime now);
   /// Calls `missed` for each instance whose DEADLINE passed, and takes it from its owner.
   void check_deadlines(MonotonicTime now, const std::function<void(InstanceHandle)>& missed);
   /// The next moment at which expire or check_deadlines has something to do.
   MonotonicTime next_tick() const;
   void set_deadline(Duration period, MonotonicTime now);
+  /// For instances that end from now on.
+  void set_lifecycle(const ReaderDataLifecycle& lifecycle) { lifecycle_ = lifecycle; }
 
   /// TIME_BASED_FILTER: samples of an instance that come sooner than this after the last are
   /// dropped; a reliable reader gets the latest of them when the time is over.
@@ -117,6 +119,8 @@ class ReaderCache {
     Link<Instance> idle{this};        ///< has none and is not alive: the first to go
     Link<Instance> due{this};         ///< in the order of deadlines
     Link<Instance> quiet{this};       ///< in the order of quiet_until
+    std::multimap<MonotonicTime, Instance*>::iterator purge;  ///< if purged
+    bool purged = false;                                      ///< at a time of purges_
     std::size_t valid() const { return held.size() - invalid; }
   };
   struct Writer {
@@ -148,7 +152,7 @@ class ReaderCache {
   bool is_too_old(const Instance& instance, const Change& change) const;
   MonotonicTime expiry_of(const Change& change, const Moment& at) const;
   void store_alive(Instance& instance, Change& change, MonotonicTime expires, MonotonicTime now);
-  void store_end(Instance& instance, const Change& change);
+  void store_end(Instance& instance, const Change& change, MonotonicTime now);
   void insert(Instance& instance, Held held);
   void add_invalid(Instance& instance, const Guid& writer, const std::optional<Time>& time);
   void revive(Instance& instance);
@@ -156,7 +160,10 @@ class ReaderCache {
   void begin_quiet(Instance& instance, MonotonicTime now);
   static bool is_asked(const Held& held, const Query& query);
   void join(Instance& instance, const Guid& writer);
-  bool leave(Instance& instance, const Guid& writer);
+  bool leave(Instance& instance, const Guid& writer, MonotonicTime now);
+  void end(Instance& instance, InstanceState state, MonotonicTime now);
+  void keep(Instance& instance);
+  bool purge(MonotonicTime now);
   HeldList::iterator erase(Instance& instance, HeldList::const_iterator at);
   void settle(Instance& instance);
   void restart_deadline(Instance& instance, MonotonicTime now);
@@ -168,7 +175,9 @@ class ReaderCache {
   const std::size_t most_samples_, most_instances_, most_per_instance_;
   const bool exclusive_, by_source_;
   MonotonicTime deadline_ = kNever;  ///< period
+  ReaderDataLifecycle lifecycle_;
   KeyOf key_of_;
+  std::multimap<MonotonicTime, Instance*> purges_;
   const bool reliable_;
   MonotonicTime separation_{};                       ///< TIME_BASED_FILTER; 0: none
   LinkedList<Instance> ready_, idle_, due_, quiet_;  ///< outlive the instances that are in them

@@ -111,9 +111,9 @@ void ReaderCache::select_from(Instance& instance, const Query& query,
 }
 
 bool ReaderCache::expire(MonotonicTime now) {
-  if (now < next_expiry_) return false;
+  bool any = purge(now);
+  if (now < next_expiry_) return any;
   next_expiry_ = kNever;
-  bool any = false;
   for (auto next = ready_.begin(); next != ready_.end();) {
     auto& instance = **next++;
     {
@@ -158,6 +158,7 @@ void ReaderCache::check_deadlines(MonotonicTime now,
 MonotonicTime ReaderCache::next_tick() const {
   auto next = std::min(next_expiry_, due_.empty() ? kNever : due_.front()->deadline);
   if (!quiet_.empty()) next = std::min(next, quiet_.front()->quiet_until);
+  if (!purges_.empty()) next = std::min(next, purges_.begin()->first);
   return next;
 }
 

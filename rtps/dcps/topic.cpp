@@ -21,9 +21,14 @@ Qos Topic::qos() const {
 
 Status Topic::set_qos(const Qos& qos) {
   DDSSEC_TRY(check_consistency(qos));
-  const auto held = lock();
-  if (enabled()) DDSSEC_TRY(check_mutable(qos_, qos));
-  qos_ = qos;
+  bool announced = false;
+  {
+    const auto held = lock();
+    if (enabled()) DDSSEC_TRY(check_mutable(qos_, qos));
+    announced = qos_.topic_data != qos.topic_data;
+    qos_ = qos;
+  }
+  if (announced) return participant_.announce_again(*this);
   return {};
 }
 

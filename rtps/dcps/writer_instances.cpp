@@ -33,6 +33,12 @@ const Bytes* WriterInstances::key_value(InstanceHandle instance) const {
   return at == by_handle_.end() ? nullptr : &at->second->key_value;
 }
 
+std::vector<std::pair<KeyHash, Bytes>> WriterInstances::keys() const {
+  std::vector<std::pair<KeyHash, Bytes>> out;
+  for (const auto& [key, instance] : by_key_) out.emplace_back(key, instance.key_value);
+  return out;
+}
+
 void WriterInstances::remove(const KeyHash& key) {
   const auto at = by_key_.find(key);
   if (at == by_key_.end()) return;

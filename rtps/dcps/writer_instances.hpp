@@ -27,6 +27,8 @@ class WriterInstances {
   const Bytes* key_value(InstanceHandle instance) const;
   void remove(const KeyHash& key);
   std::size_t size() const { return by_key_.size(); }
+  /// Of all: the key hash and the serialized key.
+  std::vector<std::pair<KeyHash, Bytes>> keys() const;
 
   /// The instance was written at `now`: its DEADLINE starts again.
   void written(const KeyHash& key, MonotonicTime now);

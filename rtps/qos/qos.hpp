@@ -50,6 +50,12 @@ struct DurabilityService {
   ResourceLimits limits;
   bool operator==(const DurabilityService&) const = default;
 };
+/// How long a reader keeps the samples of an instance that has no writers, or is disposed.
+struct ReaderDataLifecycle {
+  Duration autopurge_nowriter_samples_delay = kDurationInfinite;
+  Duration autopurge_disposed_samples_delay = kDurationInfinite;
+  bool operator==(const ReaderDataLifecycle&) const = default;
+};
 struct Presentation {
   PresentationScope scope = PresentationScope::instance;
   bool coherent_access = false;
@@ -78,7 +84,9 @@ struct Qos {
   std::int32_t transport_priority = 0;
   std::vector<DataRepresentation> data_representation = {DataRepresentation::xcdr1};
   Bytes user_data, topic_data, group_data;
-  /// WRITER_DATA_LIFECYCLE; not announced: unregistering an instance also disposes it.
+  ReaderDataLifecycle reader_data_lifecycle;  ///< not announced
+  /// WRITER_DATA_LIFECYCLE; not announced: unregistering an instance, or deleting the writer, also
+  /// disposes it.
   bool autodispose_unregistered_instances = true;
   bool operator==(const Qos&) const = default;
 

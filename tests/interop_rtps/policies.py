@@ -213,6 +213,29 @@ def states(case):
     yield from case.until("left alone", lambda: any(s.endswith(":-:N") for s in case.collect(reader)))
 
 
+def deletion_disposes(case):
+    if case.w.kind == FAST:  # only unregisters
+        return
+    writer, reader = yield from case.pair("history=all autodispose=on")
+    case.w.ask(f"write {writer} RED 1")
+    yield from case.comes(reader, "RED:1:A")
+    case.w.ask(f"delete {writer}")
+    yield from case.until("disposed", lambda: any(s.endswith(":-:D") for s in case.collect(reader)))
+
+
+def purge(case):
+    if case.r.kind != OURS:  # what others do with what they hold is not between us
+        return
+    writer, reader = yield from case.pair("history=all purge=300")
+    kept = case.reader("history=all")
+    yield from case.matched(writer, kept, readers=2)
+    case.w.ask(f"write {writer} RED 1")
+    case.w.ask(f"dispose {writer} RED")
+    yield 1.0
+    yield from case.until("kept", lambda: "RED:1:D" in case.collect(kept))
+    case.check(f"not purged: {case.collect(reader)}", not case.collect(reader))
+
+
 def late_joiner(case):
     writer = case.writer("durability=transient_local history=2")
     for x in range(5):
@@ -347,7 +370,8 @@ def time_based_filter(case):
     yield from case.comes(reader, "RED:0:A", "RED:9:A")
 
 
-EFFECTS = [partitions, deadline, lifespan, ownership, states, late_joiner, keep_last, resource_limits,
+EFFECTS = [partitions, deadline, lifespan, ownership, states, deletion_disposes, purge,
+           late_joiner, keep_last, resource_limits,
            manual_by_topic, manual_by_participant, automatic, by_source, representation_2,
            content_filter, filtered_history, time_based_filter]
 

@@ -51,7 +51,7 @@ void set_qos(dds_qos_t* qos, const Policies& p) {
         p.is("representation", "2") ? DDS_DATA_REPRESENTATION_XCDR2 : DDS_DATA_REPRESENTATION_XCDR1;
     dds_qset_data_representation(qos, 1, &id);
   }
-  dds_qset_writer_data_lifecycle(qos, false);
+  dds_qset_writer_data_lifecycle(qos, p.is("autodispose", "on"));
 }
 
 class Cyclone final : public policy_peer::Stack {

@@ -51,7 +51,9 @@ Qos qos_of(const Policies& p) {
   if (p.has("separation")) qos.time_based_filter = milliseconds(p.number("separation"));
   if (p.has("samples"))
     qos.resource_limits.max_samples = static_cast<std::int32_t>(p.number("samples"));
-  qos.autodispose_unregistered_instances = false;
+  qos.autodispose_unregistered_instances = p.is("autodispose", "on");
+  if (p.has("purge"))
+    qos.reader_data_lifecycle.autopurge_disposed_samples_delay = milliseconds(p.number("purge"));
   return qos;
 }
 

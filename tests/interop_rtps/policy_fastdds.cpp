@@ -89,7 +89,7 @@ class Fast final : public policy_peer::Stack {
     set_qos(qos, p);
     if (p.has("strength"))
       qos.ownership_strength().value = static_cast<uint32_t>(p.number("strength"));
-    qos.writer_data_lifecycle().autodispose_unregistered_instances = false;
+    qos.writer_data_lifecycle().autodispose_unregistered_instances = p.is("autodispose", "on");
     qos.reliable_writer_qos().times.heartbeatPeriod = Duration_t(0, 100'000'000);
     auto* publisher = participant_.create_publisher(group);
     return (writers_[id] = publisher->create_datawriter(topic_of(topic), qos)) != nullptr;

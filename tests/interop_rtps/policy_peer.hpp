@@ -7,7 +7,8 @@
 // Policies: reliability=reliable|best_effort durability=volatile|transient_local history=all|DEPTH
 // deadline=MS lifespan=MS liveliness=automatic|participant|topic lease=MS
 // ownership=shared|exclusive strength=N order=reception|source partition=NAME representation=1|2
-// samples=N separation=MS filter=EXPRESSION (a reader's, without spaces)
+// samples=N autodispose=on purge=MS (of disposed samples) separation=MS
+// filter=EXPRESSION (a reader's, without spaces)
 #pragma once
 
 #include <cstdint>

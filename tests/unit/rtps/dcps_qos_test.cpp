@@ -313,6 +313,91 @@ TEST_P(Policies, BestEffortLossIsCounted) {
   EXPECT_EQ(reader.sample_lost_status().total_count, 0);
 }
 
+TEST_P(Policies, ReaderDataLifecyclePurges) {
+  auto& writer = a.writer(reliable());
+  auto requested = reliable();
+  requested.reader_data_lifecycle.autopurge_disposed_samples_delay = Duration::from(100ms);
+  auto& reader = b.reader(requested);
+  auto& other = b.reader(reliable());
+  ASSERT_TRUE(match(writer, reader) && match(writer, other));
+  auto& condition = reader.create_readcondition({});
+  ASSERT_TRUE(writer.write({"a", 1}));
+  ASSERT_TRUE(writer.dispose({"a"}));
+  run(50ms);
+  EXPECT_TRUE(condition.trigger_value());
+  run(100ms);
+  EXPECT_FALSE(condition.trigger_value());
+  EXPECT_THAT(taken(reader), IsEmpty());
+  EXPECT_THAT(taken(other), ElementsAre(1));
+  requested.reader_data_lifecycle = {};  // may change
+  ASSERT_TRUE(reader.set_qos(requested));
+  ASSERT_TRUE(writer.write({"a", 2}));
+  ASSERT_TRUE(writer.dispose({"a"}));
+  run(200ms);
+  EXPECT_THAT(taken(reader), ElementsAre(2));
+}
+
+TEST_P(Policies, DeletingAWriterDisposesUnlessItIsToldNotTo) {
+  auto offered = reliable();
+  auto& disposing = a.writer(offered);
+  offered.autodispose_unregistered_instances = false;
+  auto& leaving = a.writer(offered);
+  auto& reader = b.reader(reliable());
+  ASSERT_TRUE(match(disposing, reader) && match(leaving, reader));
+  ASSERT_TRUE(disposing.write({"a", 1}));
+  ASSERT_TRUE(disposing.register_instance({"b"}));
+  ASSERT_TRUE(leaving.write({"c", 3}));
+  run(20ms);
+  EXPECT_EQ(taken(reader).size(), 2u);
+  ASSERT_TRUE(a.publisher->delete_datawriter(disposing));
+  ASSERT_TRUE(a.publisher->delete_contained_entities());
+  run(50ms);
+  Samples<Reading> samples;
+  ASSERT_EQ(reader.take(samples), 3u);
+  std::map<std::string, InstanceState> states;
+  for (const auto& sample : samples) states[sample.data.sensor] = sample.info.instance_state;
+  EXPECT_EQ(states["a"], InstanceState::not_alive_disposed);
+  EXPECT_EQ(states["b"], InstanceState::not_alive_disposed);
+  EXPECT_EQ(states["c"], InstanceState::not_alive_no_writers);
+}
+
+TEST_P(Policies, AParticipantThatEndsDisposesToo) {
+  auto& reader = b.reader(reliable());
+  auto c = std::make_unique<testing::End>(environment, options());
+  auto& writer = c->writer(reliable());
+  ASSERT_TRUE(eventually([&] {
+    c->participant->poll(0ms);
+    return writer.matched_subscription_data(reader.guid()) &&
+           reader.matched_publication_data(writer.guid());
+  }));
+  ASSERT_TRUE(writer.write({"a", 1}));
+  run(20ms);
+  EXPECT_THAT(taken(reader), ElementsAre(1));
+  c.reset();
+  run(50ms);
+  Samples<Reading> samples;
+  ASSERT_EQ(reader.take(samples), 1u);
+  EXPECT_EQ(samples[0].info.instance_state, InstanceState::not_alive_disposed);
+}
+
+TEST_P(Policies, ChangedDataOfTopicGroupAndEndpointIsSeenByPeers) {
+  auto& writer = a.writer(reliable());
+  auto& reader = b.reader(reliable());
+  ASSERT_TRUE(match(writer, reader));
+  auto of_topic = a.topic->qos();
+  of_topic.topic_data = {1};
+  ASSERT_TRUE(a.topic->set_qos(of_topic));
+  ASSERT_TRUE(a.publisher->set_qos({.group_data = {2}}));
+  auto qos = writer.qos();
+  qos.user_data = {3};
+  ASSERT_TRUE(writer.set_qos(qos));
+  run(20ms);
+  const auto seen = reader.matched_publication_data(writer.guid())->qos;
+  EXPECT_EQ(seen.topic_data, Bytes{1});
+  EXPECT_EQ(seen.group_data, Bytes{2});
+  EXPECT_EQ(seen.user_data, Bytes{3});
+}
+
 INSTANTIATE_TEST_SUITE_P(Over, Policies,
                          ::testing::Values(testing::Way::network, testing::Way::in_process),
                          testing::name_of);

@@ -147,9 +147,9 @@ TEST_F(ReaderCacheTest, RanksCountTheCollectionAndTheReader) {
 
 TEST_F(ReaderCacheTest, AnInstanceWithoutWritersSaysSoAndIsForgottenOnceTaken) {
   put(1, 10, {}, 1), put(1, 11, {}, 2), put(2, 20, {}, 2);
-  EXPECT_FALSE(cache().lose_writer(writer(1), true));
+  EXPECT_FALSE(cache().lose_writer(writer(1), true, now));
   EXPECT_EQ(read({.instance = InstanceState::alive}).size(), 3u);
-  EXPECT_TRUE(cache().lose_writer(writer(2), true));
+  EXPECT_TRUE(cache().lose_writer(writer(2), true, now));
   const auto samples = take();
   ASSERT_EQ(samples.size(), 5u);
   EXPECT_EQ(samples[0].info.instance_state, InstanceState::not_alive_no_writers);
@@ -259,7 +259,7 @@ TEST_F(ReaderCacheTest, OwnershipPassesOnWhenItsOwnerGoesUnregistersOrIsLate) {
   };
   EXPECT_TRUE(weak_is_heard());
   EXPECT_FALSE(weak_is_heard());
-  cache().lose_writer(writer(2), false);
+  cache().lose_writer(writer(2), false, now);
   EXPECT_TRUE(weak_is_heard());
   put(1, 0, kUnregister, 2);
   EXPECT_TRUE(weak_is_heard());
@@ -345,6 +345,40 @@ TEST_F(ReaderCacheTest, AMillionSamplesThroughAFewInstancesGrowNothing) {
   take();
   EXPECT_EQ(cache().octets(), 7u);  // the keys
   EXPECT_FALSE(cache().any({}));
+}
+
+TEST_F(ReaderCacheTest, WhatEndedIsPurgedAfterItsDelay) {
+  qos.reader_data_lifecycle = {Duration::from(milliseconds(100)), Duration::from(milliseconds(50))};
+  put(1, 10), put(2, 20), put(3, 30);
+  put(1, 1, kDispose), put(2, 2, kUnregister);
+  EXPECT_EQ(cache().next_tick(), now + milliseconds(50));
+  now += milliseconds(50);
+  EXPECT_TRUE(cache().expire(now));
+  EXPECT_THAT(values(read()), ElementsAre(20, 2, 30));
+  put(2, 21);  // comes back in time
+  now += milliseconds(100);
+  EXPECT_FALSE(cache().expire(now));
+  EXPECT_EQ(cache().next_tick(), kNever);
+  cache().lose_writer(writer(1), true, now);
+  now += milliseconds(100);
+  EXPECT_TRUE(cache().expire(now));
+  EXPECT_THAT(read(), IsEmpty());
+  EXPECT_EQ(cache().instances(), 0u);
+  EXPECT_EQ(cache().octets(), 0u);
+  EXPECT_FALSE(cache().any({}));
+}
+
+TEST_F(ReaderCacheTest, ADisposedInstanceThatLosesItsWritersIsPurgedAsDisposed) {
+  qos.reader_data_lifecycle = {Duration::from(milliseconds(10)), Duration::from(milliseconds(50))};
+  put(1, 10), put(1, 1, kDispose);
+  cache().lose_writer(writer(1), true, now);
+  now += milliseconds(20);
+  EXPECT_FALSE(cache().expire(now));
+  qos.reader_data_lifecycle = {};
+  cache().set_lifecycle(qos.reader_data_lifecycle);  // for later ends
+  now += milliseconds(30);
+  EXPECT_TRUE(cache().expire(now));
+  EXPECT_EQ(cache().instances(), 0u);
 }
 
 }  // namespace
