@@ -26,6 +26,7 @@ AnyDataReader::AnyDataReader(Group& subscriber, ParticipantContext& context, Top
 AnyDataReader::~AnyDataReader() {
   retire();
   const auto held = lock();
+  if (presenter_ != nullptr) presenter_->remove(*this, context_.now());
   if (filtered_topic_ != nullptr) std::erase(filtered_topic_->readers_, this);
 }
 
@@ -38,16 +39,30 @@ void AnyDataReader::make_cache() {
 }
 
 Result<Guid> AnyDataReader::create(Participant::EndpointRequest request) {
+  choose_presenter(request.qos.presentation);
   if (filtered_topic_ != nullptr) request.content_filter = filtered_topic_->property();
   return context_.protocol().create_reader(std::move(request), *this, context_.now());
+}
+
+// Without coherent or ordered access nothing stands between protocol and cache.
+void AnyDataReader::choose_presenter(const Presentation& presentation) {
+  const bool by_group = presentation.scope == PresentationScope::group;
+  if (presentation.ordered_access && presentation.scope != PresentationScope::instance)
+    cache_->order_by_arrival(by_group ? subscriber().arrivals_ : arrivals_);
+  if (by_group) {
+    presenter_ = subscriber().presenter(presentation);
+  } else if (presentation.coherent_access) {
+    own_presenter_ = std::make_unique<Presenter>(false, true, presentation.ordered_access);
+    presenter_ = own_presenter_.get();
+  }
 }
 
 void AnyDataReader::on_own_qos(const Qos& before) {
   if (!enabled()) return make_cache();
   if (qos_.deadline != before.deadline) cache_->set_deadline(qos_.deadline, context_.now());
+  cache_->set_lifecycle(qos_.reader_data_lifecycle);
   if (qos_.time_based_filter != before.time_based_filter)
     cache_->set_minimum_separation(qos_.time_based_filter);
-  cache_->set_lifecycle(qos_.reader_data_lifecycle);
   call_at(cache_->next_tick());
 }
 
@@ -76,6 +91,7 @@ Status AnyDataReader::check_unused() const {
 Result<std::size_t> AnyDataReader::access(const Query& query, std::vector<OctetSample>& out) {
   const auto held = lock();
   DDSSEC_TRY(check_enabled(topic_.name()));
+  DDSSEC_TRY(subscriber().check_access());
   if (query.scope == Query::Scope::instance && cache_->key_value(query.instance) == nullptr)
     return no_such_instance();
   const auto before = out.size();
@@ -86,6 +102,7 @@ Result<std::size_t> AnyDataReader::access(const Query& query, std::vector<OctetS
     if (auto* reader = context_.protocol().reader(guid_)) reader->offer_again();
     context_.reschedule();
   }
+  if (query.take && presenter_ != nullptr) presenter_->release(context_.now());
   update_conditions();
   return out.size() - before;
 }

@@ -4,6 +4,7 @@
 #include "rtps/dcps/content_filtered_topic.hpp"
 #include "rtps/dcps/endpoint.hpp"
 #include "rtps/dcps/liveliness.hpp"
+#include "rtps/dcps/presenter.hpp"
 #include "rtps/dcps/sample_access.hpp"
 
 namespace ddssec::rtps {
@@ -12,7 +13,7 @@ class Subscriber;
 
 /// A reader of octets; what DataReader<T> stands on. Made and deleted by its subscriber. Any thread
 /// may call.
-class AnyDataReader : public Endpoint {
+class AnyDataReader : public Endpoint, private PresentedReader {
  public:
   ~AnyDataReader() override;
 
@@ -22,7 +23,8 @@ class AnyDataReader : public Endpoint {
   void set_listener(DataReaderListener* listener, StatusMask mask = kAnyStatus);
 
   /// Appends what the query asks for to `out` and says how much that is. Errors: rtps_not_enabled,
-  /// rtps_bad_parameter (no such instance).
+  /// rtps_bad_parameter (no such instance), rtps_precondition_not_met (with coherent or ordered
+  /// access of GROUP scope: outside of begin_access and end_access).
   Result<std::size_t> access(const Query& query, std::vector<OctetSample>& out);
   /// HANDLE_NIL if the instance is not known.
   InstanceHandle lookup_key(const KeyHash& key) const;
@@ -85,12 +87,18 @@ class AnyDataReader : public Endpoint {
   void on_sample_lost(std::int64_t count) override;
   void on_alive(const Guid& writer) override;
   void on_acknowledged() override {}
+  void on_group(const Guid& writer, SequenceNumber group) override;
+  bool has_room(std::size_t samples) const override { return cache_->has_room(samples); }
+  void present(Change& change) override { store(change); }
+  void lose(std::size_t samples) override { on_sample_lost(static_cast<std::int64_t>(samples)); }
   void on_time(MonotonicTime now) override;
 
   Result<Guid> create(Participant::EndpointRequest request) override;
   void on_own_qos(const Qos& before) override;
   Status check_unused() const override;
   void make_cache();
+  void choose_presenter(const Presentation& presentation);
+  bool store(Change& change);
   bool reject(const Change& change, const ReaderCache::Stored& stored);
   void data_came();
   void update_conditions();
@@ -105,6 +113,9 @@ class AnyDataReader : public Endpoint {
   ContentFilteredTopic* filtered_topic_ = nullptr;
   std::optional<BoundFilter> filter_;
   LivelinessMonitor liveliness_;
+  Presenter* presenter_ = nullptr;  ///< own, or the subscriber's; nothing: not needed
+  std::unique_ptr<Presenter> own_presenter_;
+  std::uint64_t arrivals_ = 0;
   std::vector<std::unique_ptr<ReadCondition>> conditions_;
   bool refused_ = false;  ///< a writer waits for room
   std::pair<Guid, SequenceNumber> last_rejected_;

@@ -10,10 +10,12 @@ void AnyDataReader::on_matched(const EndpointData& remote) {
   cache_->set_writer(remote.guid, remote.qos.ownership_strength, remote.qos.lifespan);
   liveliness_.add(remote.guid, remote.qos.liveliness.lease_duration, context_.now());
   liveliness_moved();
+  if (presenter_ != nullptr) presenter_->add(*this, remote.guid, remote.group_guid);
   Endpoint::on_matched(remote);
 }
 
 void AnyDataReader::on_unmatched(const Guid& remote) {
+  if (presenter_ != nullptr) presenter_->remove(*this, remote, context_.now());
   liveliness_.remove(remote);
   liveliness_moved();
   if (cache_->lose_writer(remote, true, context_.now())) data_came();
@@ -28,6 +30,21 @@ bool AnyDataReader::passes_filter(const Change& change) {
 }
 
 bool AnyDataReader::on_change(Change& change) {
+  if (presenter_ == nullptr) return change.is_marker() || store(change);
+  const bool taken = presenter_->on_change(*this, change, context_.now());
+  if (!taken) refused_ = true;
+  call_at(presenter_->next_tick());
+  context_.attend();
+  return taken;
+}
+
+void AnyDataReader::on_group(const Guid& writer, SequenceNumber group) {
+  if (presenter_ == nullptr) return;
+  presenter_->on_progress(*this, writer, group, context_.now());
+  context_.attend();
+}
+
+bool AnyDataReader::store(Change& change) {
   if (filter_ && change.is_alive() && !passes_filter(change)) return true;
   const auto& type = topic_.type();
   if (type.with_key && !change.key_hash && type.key_hash) change.key_hash = type.key_hash(change);
@@ -81,6 +98,10 @@ void AnyDataReader::liveliness_moved() {
 }
 
 void AnyDataReader::on_time(MonotonicTime now) {
+  if (presenter_ != nullptr) {
+    presenter_->release(now);
+    call_at(presenter_->next_tick());
+  }
   if (cache_->expire(now)) update_conditions();
   if (cache_->release(context_.moment())) data_came();
   cache_->check_deadlines(now, [&](InstanceHandle instance) { miss_deadline(instance); });

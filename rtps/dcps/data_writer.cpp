@@ -34,7 +34,9 @@ Publisher& AnyDataWriter::publisher() const { return static_cast<Publisher&>(gro
 Result<Guid> AnyDataWriter::create(Participant::EndpointRequest request) {
   const auto now = context_.now();
   if (qos_.durability >= DurabilityKind::transient) DDSSEC_TRY(restore(request));
+  request.group = publisher().group_guid();
   const auto guid = context_.protocol().create_writer(std::move(request), *this, now);
+  if (guid) publisher().admit(*context_.protocol().writer(*guid), now);
   lease_ = WriterLease(qos_.liveliness, now);
   if (guid) call_at(lease_.next_tick());
   return guid;
@@ -64,6 +66,8 @@ void AnyDataWriter::conclude() {
     if (topic_.type().with_key) change.key_hash = key;
     change.key_only = true;
     change.payload = Payload::copy_of(octets);
+    if (publisher().presents_)
+      change.coherence = publisher().stamp(set_begin_, protocol().history().last().next());
     protocol().write(std::move(change), moment.now);
     concluded_ = true;
   }
@@ -130,6 +134,8 @@ Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {
   change.key_only = status != StatusInfo{};
   change.payload = Payload::copy_of(request.payload);
   const auto now = context_.now();
+  if (publisher().presents_)
+    change.coherence = publisher().stamp(set_begin_, protocol().history().last().next());
   if (store_ != nullptr) store_->append(stream_, change, context_.moment().wall);
   const auto number = protocol().write(std::move(change), now);
   after_write(request.key.value_or(KeyHash{}), status, number, now);
@@ -151,6 +157,15 @@ void AnyDataWriter::after_write(const KeyHash& key, StatusInfo status, SequenceN
   }
   call_at(instances_->next_deadline());
   assert_lease(now, false);
+}
+
+// The numbers of a set are over; a group's marker comes from all writers (RTPS 8.7.6).
+void AnyDataWriter::end_set(Coherence marker, MonotonicTime now) {
+  const bool wrote = std::exchange(set_begin_, {}).value > 0;
+  if (!enabled() || (!wrote && marker.group_set.value == 0)) return;
+  Change change;
+  change.coherence = marker;
+  protocol().write(std::move(change), now);
 }
 
 void AnyDataWriter::assert_lease(MonotonicTime now, bool explicitly) {

@@ -86,6 +86,7 @@ class AnyDataWriter : public Endpoint {
   Result<Time> source_time_of(const OctetWrite& change);
   void after_write(const KeyHash& key, StatusInfo status, SequenceNumber number, MonotonicTime now);
   void assert_lease(MonotonicTime now, bool explicitly);
+  void end_set(Coherence marker, MonotonicTime now);
   StatefulWriter& protocol() const { return *context_.protocol().writer(guid_); }
   DataWriterListener* listener_for(StatusKind kind) const;
   bool has_listener(StatusKind kind) const override { return listener_for(kind) != nullptr; }
@@ -97,7 +98,8 @@ class AnyDataWriter : public Endpoint {
   DurableStore* store_ = nullptr;  ///< TRANSIENT and PERSISTENT
   StreamId stream_;
   WriterLease lease_;
-  bool concluded_ = false;                                   ///< there was something to say
+  SequenceNumber set_begin_;  ///< of the open coherent set; 0: wrote nothing in it
+  bool concluded_ = false;    ///< there was something to say
   Ring<std::pair<MonotonicTime, SequenceNumber>> expiring_;  ///< LIFESPAN, oldest first
   Time last_source_time_{};
   LivelinessLostStatus liveliness_lost_;

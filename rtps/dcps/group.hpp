@@ -44,6 +44,8 @@ class Group : public Entity {
   Group(DomainParticipant& participant, ParticipantContext& context, GroupQos qos,
         const Qos& default_endpoint_qos, std::string_view name);
 
+  /// With the lock held.
+  const Presentation& presentation_of_members() const { return qos_.presentation; }
   Qos default_endpoint_qos() const;
   Status set_default_endpoint_qos(const Qos& qos);
 

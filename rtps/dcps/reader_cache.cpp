@@ -307,6 +307,7 @@ void ReaderCache::insert(Instance& instance, Held held) {
     while (before != instance.held.begin() && order(held) < order(*std::prev(before))) --before;
   }
   ++instance.unread;
+  if (arrivals_ != nullptr) held.arrival = ++*arrivals_;
   octets_ += held.change.payload.size();
   ++(held.valid ? samples_ : instance.invalid);
   if (spare_.empty()) {

@@ -58,6 +58,15 @@ class ReaderCache {
   /// Dropped is what a reader must not see: another owner's, too late, expired.
   Stored store(Change& change, const Moment& at);
 
+  /// Samples come out in the order in which they came in, whatever their instance (ordered access
+  /// with TOPIC or GROUP scope). `arrivals` counts them, also those of other readers.
+  void order_by_arrival(std::uint64_t& arrivals) { arrivals_ = &arrivals; }
+  /// When the samples in these states arrived.
+  std::vector<std::uint64_t> arrivals(const States& states) const;
+  /// True if so many more samples can be stored, of whatever instance.
+  bool has_room(std::size_t samples) const {
+    return samples_ + samples <= most_samples_ || history_.kind == HistoryKind::keep_last;
+  }
   /// Appends what is asked for to `out`, samples of one instance together.
   void select(const Query& query, const Moment& at, std::vector<OctetSample>& out);
   /// True if a select with these states would find something.
@@ -97,6 +106,7 @@ class ReaderCache {
     bool valid = true;
     std::int32_t disposed_generations = 0, no_writers_generations = 0;
     MonotonicTime expires = kNever;
+    std::uint64_t arrival = 0;  ///< if ordered
     std::int32_t generations() const { return disposed_generations + no_writers_generations; }
   };
   using HeldList = std::list<Held>;
@@ -158,7 +168,6 @@ class ReaderCache {
   void revive(Instance& instance);
   void hold_back(Instance& instance, std::optional<Change> change);
   void begin_quiet(Instance& instance, MonotonicTime now);
-  static bool is_asked(const Held& held, const Query& query);
   void join(Instance& instance, const Guid& writer);
   bool leave(Instance& instance, const Guid& writer, MonotonicTime now);
   void end(Instance& instance, InstanceState state, MonotonicTime now);
@@ -167,6 +176,10 @@ class ReaderCache {
   HeldList::iterator erase(Instance& instance, HeldList::const_iterator at);
   void settle(Instance& instance);
   void restart_deadline(Instance& instance, MonotonicTime now);
+  void select_ordered(const Query& query, std::vector<OctetSample>& out);
+  static bool is_asked_for(const Instance& instance, const Held& held, const Query& query);
+  HeldList::iterator hand_out(Instance& instance, HeldList::iterator at, bool take,
+                              std::vector<OctetSample>& out);
   void select_from(Instance& instance, const Query& query, std::vector<OctetSample>& out);
   std::int32_t strength_of(const Guid& writer) const;
   void count(const Instance& instance, int sign);
@@ -177,9 +190,10 @@ class ReaderCache {
   MonotonicTime deadline_ = kNever;  ///< period
   ReaderDataLifecycle lifecycle_;
   KeyOf key_of_;
-  std::multimap<MonotonicTime, Instance*> purges_;
   const bool reliable_;
-  MonotonicTime separation_{};                       ///< TIME_BASED_FILTER; 0: none
+  MonotonicTime separation_{};  ///< TIME_BASED_FILTER; 0: none
+  std::uint64_t* arrivals_ = nullptr;
+  std::multimap<MonotonicTime, Instance*> purges_;
   LinkedList<Instance> ready_, idle_, due_, quiet_;  ///< outlive the instances that are in them
   std::map<InstanceHandle, Instance> instances_;
   std::map<KeyHash, Instance*> by_key_;

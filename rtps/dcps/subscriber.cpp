@@ -1,5 +1,7 @@
 #include "rtps/dcps/subscriber.hpp"
 
+#include <algorithm>
+
 #include "rtps/dcps/domain_participant.hpp"
 
 namespace ddssec::rtps {
@@ -24,12 +26,56 @@ AnyDataReader* Subscriber::lookup_datareader(std::string_view topic_name) const 
 
 std::vector<AnyDataReader*> Subscriber::datareaders(const States& states) const {
   const auto held = lock();
-  std::vector<AnyDataReader*> out;
+  const auto& presentation = presentation_of_members();
+  const bool one_by_one =
+      presentation.ordered_access && presentation.scope == PresentationScope::group;
+  std::vector<std::pair<std::uint64_t, AnyDataReader*>> found;
   for (const auto& member : members_) {
     auto& reader = static_cast<AnyDataReader&>(*member);  // a subscriber creates nothing else
-    if (reader.cache_->any(states)) out.push_back(&reader);
+    if (!one_by_one && reader.cache_->any(states)) found.emplace_back(0, &reader);
+    if (one_by_one)
+      for (const auto arrival : reader.cache_->arrivals(states))
+        found.emplace_back(arrival, &reader);
   }
+  if (one_by_one) std::ranges::sort(found);
+  std::vector<AnyDataReader*> out;
+  for (const auto& [arrival, reader] : found) out.push_back(reader);
   return out;
+}
+
+Presenter* Subscriber::presenter(const Presentation& presentation) {
+  const bool needed = presentation.coherent_access || presentation.ordered_access;
+  if (needed && !presenter_)
+    presenter_ = std::make_unique<Presenter>(true, presentation.coherent_access,
+                                             presentation.ordered_access);
+  return presenter_.get();
+}
+
+// DDS 1.4, 2.2.2.5.2.8.
+Status Subscriber::check_access() const {
+  if (!presenter_ || accesses_ > 0) return {};
+  return precondition_not_met("subscriber with GROUP access", "begin_access before", "none");
+}
+
+Status Subscriber::begin_access() {
+  const auto held = lock();
+  DDSSEC_TRY(check_enabled("subscriber"));
+  ++accesses_;
+  if (presenter_) presenter_->pause(true, context_.now());
+  return {};
+}
+
+Status Subscriber::end_access() {
+  const auto held = lock();
+  DDSSEC_TRY(check_enabled("subscriber"));
+  if (accesses_ == 0) return precondition_not_met("subscriber", "begin_access before", "none");
+  if (--accesses_ == 0 && presenter_) {
+    presenter_->pause(false, context_.now());
+    if (!members_.empty())
+      static_cast<AnyDataReader&>(*members_.front()).call_at(presenter_->next_tick());
+  }
+  context_.reschedule();
+  return {};
 }
 
 void Subscriber::notify_datareaders() {

@@ -9,6 +9,8 @@ namespace ddssec::rtps {
 /// Made and deleted by its participant.
 class Subscriber final : public Group {
  public:
+  ~Subscriber() override { members_.clear(); }  // they know parts of this
+
   void set_listener(SubscriberListener* listener, StatusMask mask = kAnyStatus);
 
   Qos default_datareader_qos() const { return default_endpoint_qos(); }
@@ -49,7 +51,13 @@ class Subscriber final : public Group {
   Status delete_datareader(AnyDataReader& reader) { return delete_member(reader); }
   /// Any of its readers on that topic; nullptr if there is none.
   AnyDataReader* lookup_datareader(std::string_view topic_name) const;
-  /// Those that hold samples in these states.
+  /// Until end_access nothing new is seen of the coherent or ordered samples of a group. May be
+  /// nested. Errors: rtps_not_enabled.
+  Status begin_access();
+  /// Errors: rtps_not_enabled, rtps_precondition_not_met (none was begun).
+  Status end_access();
+  /// Those that hold samples in these states; with ordered access of GROUP scope one for each
+  /// sample, in the order in which they should be read or taken one by one.
   std::vector<AnyDataReader*> datareaders(const States& states = {}) const;
   /// Calls on_data_available of the readers that have data, as if nobody listened for
   /// DATA_ON_READERS.
@@ -73,7 +81,15 @@ class Subscriber final : public Group {
   /// For DATA_ON_READERS alone.
   SubscriberListener* listener_for(StatusKind kind) const;
 
+  // With the lock held:
+  /// For its readers, if its PRESENTATION has GROUP scope and needs one.
+  Presenter* presenter(const Presentation& presentation);
+  Status check_access() const;
+
   Listening<SubscriberListener> listening_;
+  std::unique_ptr<Presenter> presenter_;
+  std::uint64_t arrivals_ = 0;
+  int accesses_ = 0;
 };
 
 }  // namespace ddssec::rtps

@@ -21,11 +21,12 @@ class SqlFilter final : public ChangeFilter {
 
 }  // namespace
 
-// RTPS 2.5, 8.7.3.4: a filter that we cannot apply is no reason to refuse its reader.
+// RTPS 2.5, 8.7.3.4: a filter that we cannot apply is no reason to refuse its reader. One of
+// coherent sets must see that none of their changes is missing.
 std::shared_ptr<ChangeFilter> AnyDataWriter::filter_for(const EndpointData& reader) {
   const auto& property = *reader.content_filter;
   const auto& view = topic_.type().view;
-  if (!view || property.filter_class_name != kDdsSql ||
+  if (!view || reader.qos.presentation.coherent_access || property.filter_class_name != kDdsSql ||
       property.related_topic_name != topic_.name())
     return nullptr;
   auto filter = BoundFilter::compile(property.filter, view());

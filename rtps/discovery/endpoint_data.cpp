@@ -311,6 +311,16 @@ constexpr Row kTable[] = {
     opaque_row<0x002e, &Qos::topic_data>(),
     locator_row<0x002f, &EndpointData::unicast>(),
     locator_row<0x0030, &EndpointData::multicast>(),
+    {0x0052,
+     [](Reader& r, Announced& a) -> Status {
+       a.data.group_guid = DDSSEC_TRY(read_guid(r));
+       return {};
+     },
+     [](SpanWriter& w, const Announced& a) {
+       if (!a.data.group_guid) return;
+       const ParameterScope scope(w, 0x0052);
+       w.write_bytes(a.data.group_guid->octets());
+     }},
     {0x0043,
      [](Reader& r, Announced& a) -> Status {
        a.data.expects_inline_qos = DDSSEC_TRY(r.read<std::uint8_t>()) != 0;

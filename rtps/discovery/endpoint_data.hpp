@@ -17,6 +17,7 @@ struct EndpointData {
   Qos qos = {};
   LocatorList unicast = {}, multicast = {};  ///< empty: the participant's defaults
   bool expects_inline_qos = false;
+  std::optional<Guid> group_guid = {};  ///< its publisher's; sent with GROUP access only
   std::optional<ContentFilterProperty> content_filter = {};  ///< a reader's
   std::optional<spi::SecurityInfo> security_info = {};
   bool by_secure_discovery = false;  ///< how a remote one was announced; not part of what is sent

@@ -209,7 +209,9 @@ Status Participant::on_data(const SubmessageView& view, const Context& context) 
   }
   each_reader(data.reader, data.writer, context, [&](auto& reader) {
     auto plain = data;
-    const auto payload = opened(reader, {from, data.writer}, data.payload);
+    // The end of a coherent set has no payload; a GAP could say no less.
+    const bool marker = data.payload.empty() && data.inline_qos.status == StatusInfo{};
+    const auto payload = marker ? data.payload : opened(reader, {from, data.writer}, data.payload);
     if (!payload) return;
     plain.payload = *payload;
     sender_.note_sample();
@@ -290,6 +292,14 @@ MonotonicTime Participant::next_tick() const {
   return security_ ? std::min(next, security_->next_tick()) : next;
 }
 
+Guid Participant::create_group() {
+  constexpr std::uint8_t kWriterGroup = 0x08;  // RTPS 9.3.1.2
+  const auto number = next_entity_++;
+  return {config_.prefix,
+          EntityId{{static_cast<std::uint8_t>(number >> 16), static_cast<std::uint8_t>(number >> 8),
+                    static_cast<std::uint8_t>(number), kWriterGroup}}};
+}
+
 EndpointData Participant::local_data(EndpointRequest request, EndpointKind kind) {
   const auto number = next_entity_++;
   EndpointData data;
@@ -302,6 +312,7 @@ EndpointData Participant::local_data(EndpointRequest request, EndpointKind kind)
   data.qos = std::move(request.qos);
   data.type = std::move(request.type);
   data.content_filter = std::move(request.content_filter);
+  data.group_guid = request.group;
   return data;
 }
 
@@ -341,6 +352,10 @@ Result<Guid> Participant::create_reader(EndpointRequest request, EndpointListene
       guid, data.qos.is_reliable(), sender_,
       [&listener](Change& change) { return listener.on_change(change); }, &timers_);
   protocol->on_lost([&listener](std::int64_t count) { listener.on_sample_lost(count); });
+  if (data.qos.presentation.scope == PresentationScope::group)
+    protocol->on_group([&listener](const Guid& writer, SequenceNumber group) {
+      listener.on_group(writer, group);
+    });
   protocol->on_alive([this](const Guid& writer) { note_alive(writer.prefix, writer.entity); });
   auto& local = readers_[guid.entity] = {std::move(data), &listener, std::move(protocol), {}};
   topics_[local.data.topic_name].readers.push_back(&local);

@@ -37,6 +37,8 @@ class EndpointListener {
   /// A reader's: the matched writer showed, in the way of its LIVELINESS.kind, that it lives. Only
   /// for writers that offer a finite lease_duration.
   virtual void on_alive(const Guid& writer) = 0;
+  /// A reader's: the writer has nothing undelivered up to that group sequence number.
+  virtual void on_group(const Guid&, SequenceNumber) {}
   /// A writer's: there may be room again.
   virtual void on_acknowledged() = 0;
   /// A writer's: what keeps a matching reader's samples from being sent to it; nullptr: nothing.
@@ -128,6 +130,7 @@ class Participant final : private SecurityHost {
     TypeDescription type = {};
     std::optional<ContentFilterProperty> content_filter = {};  ///< a reader's
     std::vector<Change> history = {};  ///< a writer's, from before: only for who asks for history
+    std::optional<Guid> group = {};    ///< of a publisher with GROUP access
   };
   Result<Guid> create_writer(EndpointRequest request, EndpointListener& listener,
                              MonotonicTime now);
@@ -168,6 +171,8 @@ class Participant final : private SecurityHost {
   /// asserted by tick.
   void assert_liveliness(LivelinessKind kind, MonotonicTime now);
 
+  /// A name for a publisher.
+  Guid create_group();
   /// nullptr: not one of ours.
   StatefulWriter* writer(const Guid& guid);
   StatefulReader* reader(const Guid& guid);

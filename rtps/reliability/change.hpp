@@ -19,8 +19,11 @@ struct Change {
   std::optional<Time> source_time;
   bool key_only = false;  ///< the payload is a serialized key
   Payload payload;        ///< with its encapsulation
+  Coherence coherence = {};
 
   bool is_alive() const { return status == StatusInfo{}; }
+  /// Ends a coherent set, and is nothing else.
+  bool is_marker() const { return is_alive() && payload.size() == 0; }
 };
 
 }  // namespace ddssec::rtps

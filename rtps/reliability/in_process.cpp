@@ -34,6 +34,7 @@ void StatefulWriter::feed(const Guid& reader) {
 }
 
 void StatefulWriter::feed(ReaderProxy& proxy) {
+  if (held_back_) return;
   auto number = std::max(proxy.acknowledged.next(), history_.first());
   for (; number <= history_.last(); number = number.next()) {
     const auto* change = history_.find(number);
@@ -41,6 +42,7 @@ void StatefulWriter::feed(ReaderProxy& proxy) {
   }
   proxy.acknowledged = number.previous();
   proxy.local->skip(guid_, number);
+  if (group_ != nullptr && number > history_.last()) proxy.local->pass(guid_, group_->current);
 }
 
 StatefulReader::~StatefulReader() {

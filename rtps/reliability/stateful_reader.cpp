@@ -59,7 +59,8 @@ Change StatefulReader::change_of(const GuidPrefix& from, const Data& data,
              data.inline_qos.key_hash,
              time,
              data.kind == PayloadKind::key,
-             Payload::copy_of(data.payload)};
+             Payload::copy_of(data.payload),
+             data.inline_qos.coherence};
   if (guid_.entity == kVolatileMessageReader) out.payload.wipe_at_end();
   return out;
 }
@@ -167,7 +168,8 @@ StatefulReader::Partial* StatefulReader::partial_of(WriterProxy& proxy, const Da
                     frag.inline_qos.key_hash,
                     time,
                     frag.is_key,
-                    Payload::uninitialized(frag.sample_size)};
+                    Payload::uninitialized(frag.sample_size),
+                    frag.inline_qos.coherence};
   partial.fragment_size = frag.fragment_size;
   partial.have = Payload::uninitialized(frag.total());
   std::ranges::fill(partial.have.fill(), std::uint8_t{0});
@@ -205,6 +207,8 @@ void StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heart
   advance(*proxy);
   note_lost(*proxy, heartbeat.first);
   skip_to(*proxy, heartbeat.first);
+  if (heartbeat.group && proxy->next > heartbeat.last && on_group_)
+    on_group_(proxy->writer.guid, heartbeat.group->current);
   if (!heartbeat.is_final || misses_any(*proxy, heartbeat.last))
     acknowledge(*proxy, heartbeat.last);
 }

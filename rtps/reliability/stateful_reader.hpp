@@ -41,6 +41,9 @@ class StatefulReader final : private Timed {
   /// (SAMPLE_LOST of DDS 1.4, 2.2.4.1).
   using Lost = std::function<void(std::int64_t count)>;
   void on_lost(Lost lost) { lost_ = std::move(lost); }
+  /// Told that a writer has nothing undelivered up to that group sequence number.
+  using Group = std::function<void(const Guid& writer, SequenceNumber group)>;
+  void on_group(Group group) { on_group_ = std::move(group); }
   /// Told of each sign of life of a writer of this process.
   using Alive = std::function<void(const Guid& writer)>;
   void on_alive(Alive alive) { alive_ = std::move(alive); }
@@ -66,6 +69,9 @@ class StatefulReader final : private Timed {
   void detach(const Guid& writer);
   /// False: refused for now.
   bool offer(const Change& change);
+  void pass(const Guid& writer, SequenceNumber group) {
+    if (on_group_) on_group_(writer, group);
+  }
   /// Everything below `next` was offered, or will never be.
   void skip(const Guid& writer, SequenceNumber next);
   void hear(const Guid& writer) {
@@ -131,6 +137,7 @@ class StatefulReader final : private Timed {
   Deliver deliver_;
   Lost lost_;
   Alive alive_;
+  Group on_group_;
   SpareNodes<Early> spare_;
   std::vector<WriterProxy> writers_;
 };

@@ -47,8 +47,8 @@ int samples_per_question(const Qos& qos) {
 InlineQos inline_qos_of(const Change& change, std::span<const FilterResult> filters) {
   // Alive samples carry their key in the payload; a dispose needs the hash (Fast DDS ignores
   // others).
-  return change.is_alive() ? InlineQos{{}, {}, {filters}}
-                           : InlineQos{change.key_hash, change.status, {}};
+  if (change.is_alive()) return {{}, {}, change.coherence, {filters}};
+  return {change.key_hash, change.status, change.coherence, {}};
 }
 
 PayloadKind kind_of(const Change& change) {
@@ -128,7 +128,7 @@ SequenceNumber StatefulWriter::write(Change change, MonotonicTime now) {
   const auto number = history_.add(std::move(change));
   for (auto& proxy : readers_)
     if (proxy.local != nullptr) feed(proxy);
-  if (!all_locators_.empty()) {
+  if (!all_locators_.empty() && !held_back_) {
     const auto& stored = *history_.find(number);
     const auto size = stored.payload.size();
     const Destination everybody{{}, all_locators_};
@@ -234,7 +234,7 @@ void StatefulWriter::send_heartbeat(const Destination& to, const EntityId& reade
     octets_since_question_ = 0;
   }
   sender_.add(to, Heartbeat{reader, guid_.entity, first, history_.last(), ++heartbeat_count_,
-                            is_final, asserts_liveliness});
+                            is_final, asserts_liveliness, group_state()});
 }
 
 void StatefulWriter::assert_liveliness() {
@@ -291,14 +291,13 @@ bool StatefulWriter::answer_requests(ReaderProxy& proxy, const SequenceNumberSet
   missing.for_each([&](SequenceNumber number) {
     if (number > history_.last() || !is_valid(number) || octets >= kOctetsPerAnswer) return;
     if (number < lowest) {
-      if (!gap_below_sent)
-        sender_.add(to, Gap{reader, guid_.entity, number, SequenceNumberSet(lowest)});
+      if (!gap_below_sent) sender_.add(to, gap_of(reader, number, lowest));
       gap_below_sent = true;
     } else if (const auto* change = history_.find(number); change && proxy.accepts(*change)) {
       send_change(to, reader, *change, kFragmentsPerAnswer);
       octets += change->payload.size();
     } else {
-      sender_.add(to, Gap{reader, guid_.entity, number, SequenceNumberSet(number.next())});
+      sender_.add(to, gap_of(reader, number, number.next()));
     }
   });
   return true;
@@ -329,8 +328,7 @@ void StatefulWriter::continue_repair(ReaderProxy& proxy, MonotonicTime now) {
   if (proxy.acknowledged >= repair.sample) return;
   const auto* change = history_.find(repair.sample);
   if (change == nullptr || !proxy.accepts(*change)) {
-    sender_.add(to,
-                Gap{reader, guid_.entity, repair.sample, SequenceNumberSet(repair.sample.next())});
+    sender_.add(to, gap_of(reader, repair.sample, repair.sample.next()));
     return;
   }
   std::uint32_t sent = 0;
@@ -388,7 +386,7 @@ bool StatefulWriter::all_acknowledged() const {
 // Nobody will ask again: late joiners of a volatile writer get nothing old.
 void StatefulWriter::release_acknowledged() {
   if (qos_.durability >= DurabilityKind::transient_local) return;
-  auto through = history_.last();
+  auto through = held_back_ ? held_from_.previous() : history_.last();
   for (const auto& proxy : readers_)
     if (proxy.reader.reliable && qos_.is_reliable())
       through = std::min(through, proxy.acknowledged);

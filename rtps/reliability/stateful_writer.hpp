@@ -10,6 +10,8 @@
 #include "rtps/reliability/timer_queue.hpp"
 #include "rtps/reliability/writer_history.hpp"
 #include "rtps/wire/acknack.hpp"
+#include "rtps/wire/gap.hpp"
+#include "rtps/wire/heartbeat.hpp"
 #include "rtps/wire/nack_frag.hpp"
 
 namespace ddssec::rtps {
@@ -25,6 +27,12 @@ struct MatchedReader {
 };
 
 class StatefulReader;
+
+/// What the writers of one publisher with GROUP access have in common.
+struct WriterGroup {
+  SequenceNumber current;  ///< group sequence number that was given last; 0 none
+  GroupDigest writers = {};
+};
 
 /// No I/O but through the sender, no clock, no lock: the caller brings all three.
 class StatefulWriter final : private Timed {
@@ -80,6 +88,10 @@ class StatefulWriter final : private Timed {
   /// Both must be matched with in_process; then the reader is fed directly until either unmatches
   /// or ends. Whoever matches second calls this.
   void attach(StatefulReader& reader);
+  /// Its heartbeats and gaps tell where it stands in the group, which outlives it.
+  void join(const WriterGroup& group) { group_ = &group; }
+  /// While held back nothing is sent; then all of it (suspend_publications).
+  void hold_back(bool held_back, MonotonicTime now);
   /// The reader does not want to be fed any more.
   void detach(const Guid& reader);
   /// The reader ends.
@@ -121,6 +133,8 @@ class StatefulWriter final : private Timed {
   void on_time(MonotonicTime now) override { tick(now); }
   void heartbeat_at(MonotonicTime when);
   ReaderProxy* find(const Guid& reader);
+  std::optional<GroupState> group_state() const;
+  Gap gap_of(const EntityId& reader, SequenceNumber first, SequenceNumber end) const;
   void feed(ReaderProxy& proxy);
   void rebuild_locators();
   void send_change(const Destination& to, const EntityId& reader, const Change& change,
@@ -150,6 +164,9 @@ class StatefulWriter final : private Timed {
   std::vector<ReaderProxy> readers_;
   LocatorList all_locators_;
   std::function<void()> on_acknowledged_;
+  const WriterGroup* group_ = nullptr;
+  bool held_back_ = false;
+  SequenceNumber held_from_;                    ///< the first that was not sent
   std::size_t filters_ = 0;                     ///< readers that have one
   LocatorList wanted_locators_, locators_now_;  ///< of whoever wanted the last change
   std::vector<FilterResult> filter_results_;

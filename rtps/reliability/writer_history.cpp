@@ -21,7 +21,8 @@ bool WriterHistory::has_room(std::size_t payload_size, const KeyHash& instance) 
     const auto held = instances_.find(instance);
     if (held != instances_.end() && held->second.count >= most_per_instance_) return false;
   }
-  return count_ < most_changes_ && (count_ == 0 || octets_ + payload_size <= kMostOctets);
+  return count_ - markers_ < most_changes_ &&
+         (count_ == 0 || octets_ + payload_size <= kMostOctets);
 }
 
 SequenceNumber WriterHistory::add(Change change) {
@@ -29,11 +30,23 @@ SequenceNumber WriterHistory::add(Change change) {
   next_ = next_.next();
   octets_ += change.payload.size();
   ++count_;
+  const bool marker = change.is_marker();
+  markers_ += marker ? 1 : 0;
+  if (marker) keep_marker(change.sequence_number);
   auto& added = changes_.push_back({std::move(change), {0}, {0}});
-  if (by_instance_) join_instance(added);
+  if (by_instance_ && !marker) join_instance(added);
   trim_front();
-  while (count_ > most_changes_) remove_through(first());
+  while (count_ - markers_ > most_changes_) remove_through(first());
   return last();
+}
+
+// A late joiner discards a set whose end is forgotten.
+void WriterHistory::keep_marker(SequenceNumber number) {
+  while (!marks_.empty() && (marks_.front() < base_ || markers_ > kMostMarkers)) {
+    drop(marks_.front());
+    marks_.pop_front();
+  }
+  marks_.push_back(number);
 }
 
 // With KEEP_LAST the oldest of the instance goes.
@@ -70,7 +83,9 @@ void WriterHistory::drop(SequenceNumber number) {
   if (!dropped.change) return;
   octets_ -= dropped.change->payload.size();
   --count_;
-  if (by_instance_) leave_instance(dropped);
+  const bool marker = dropped.change->is_marker();
+  markers_ -= marker ? 1 : 0;
+  if (by_instance_ && !marker) leave_instance(dropped);
   dropped = {};
 }
 

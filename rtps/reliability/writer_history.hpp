@@ -16,6 +16,8 @@ class WriterHistory {
   /// Where RESOURCE_LIMITS says "unlimited", memory is bounded all the same.
   static constexpr std::size_t kMostChanges = 65536;
   static constexpr std::size_t kMostOctets = std::size_t{256} << 20;
+  /// Ends of coherent sets.
+  static constexpr std::size_t kMostMarkers = 1024;
 
   explicit WriterHistory(const Qos& qos);
 
@@ -55,6 +57,7 @@ class WriterHistory {
   void join_instance(Slot& added);
   void leave_instance(const Slot& slot);
   void drop(SequenceNumber number);
+  void keep_marker(SequenceNumber number);
   void trim_front();
 
   const History history_;
@@ -65,6 +68,8 @@ class WriterHistory {
   SequenceNumber base_{1};
   SequenceNumber next_{1};
   std::size_t count_ = 0;
+  std::size_t markers_ = 0;  ///< among them; they count for no limit
+  Ring<SequenceNumber> marks_;
   std::size_t octets_ = 0;
   Instances instances_;  ///< if by_instance_
   SpareNodes<Instances> spare_;

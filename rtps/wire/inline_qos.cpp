@@ -12,6 +12,35 @@ bool must_be_understood(ParameterId id) {
   return (id & pid::kMustUnderstand) != 0 && (id & pid::kVendorSpecific) == 0;
 }
 
+Result<SequenceNumber> read_number(BytesView value, Endian endian) {
+  Reader reader(value, endian);
+  const auto number = DDSSEC_TRY(read_any_sequence_number(reader));
+  constexpr SequenceNumber kUnknown{-(std::int64_t{1} << 32)};
+  if (number == kUnknown) return SequenceNumber{};
+  if (!is_valid(number)) return fail(Code::rtps_number_invalid);
+  return number;
+}
+
+// Which number of Coherence a parameter is, or nullptr.
+constexpr SequenceNumber Coherence::*number_of(ParameterId id) {
+  switch (id) {
+    case pid::kCoherentSet:
+      return &Coherence::set;
+    case pid::kGroupCoherentSet:
+      return &Coherence::group_set;
+    case pid::kGroupSeqNum:
+      return &Coherence::group;
+    default:
+      return nullptr;
+  }
+}
+
+void write_number(SpanWriter& out, ParameterId id, SequenceNumber number) {
+  if (number.value == 0) return;
+  const ParameterScope scope(out, id);
+  write_sequence_number(out, number);
+}
+
 }  // namespace
 
 Result<InlineQos> read_inline_qos(BytesView list, Endian endian) {
@@ -26,6 +55,12 @@ Result<InlineQos> read_inline_qos(BytesView list, Endian endian) {
       if (value.size() < 4) return fail(Code::rtps_parameter_invalid);
       qos.status = {(value[3] & kDisposed) != 0, (value[3] & kUnregistered) != 0,
                     (value[3] & kFiltered) != 0};
+    } else if (const auto number = number_of(parameter->id)) {
+      if (value.size() < 8) return fail(Code::rtps_parameter_invalid);
+      qos.coherence.*number = DDSSEC_TRY(read_number(value, endian));
+    } else if (parameter->id == pid::kWriterGroupInfo) {
+      if (value.size() < 4) return fail(Code::rtps_parameter_invalid);
+      std::copy_n(value.begin(), 4, qos.coherence.writers.begin());
     } else if (must_be_understood(parameter->id)) {
       return fail(Code::rtps_parameter_not_understood);
     }
@@ -45,6 +80,15 @@ void write(SpanWriter& out, const InlineQos& qos) {
                                                  (qos.status.filtered ? kFiltered : 0));
     const std::array<std::uint8_t, 4> octets{0, 0, 0, flags};
     out.write_bytes(octets);
+  }
+  if (qos.coherence != Coherence{}) {
+    write_number(out, pid::kCoherentSet, qos.coherence.set);
+    write_number(out, pid::kGroupCoherentSet, qos.coherence.group_set);
+    write_number(out, pid::kGroupSeqNum, qos.coherence.group);
+    if (qos.coherence.writers != GroupDigest{}) {
+      const ParameterScope scope(out, pid::kWriterGroupInfo);
+      out.write_bytes(qos.coherence.writers);
+    }
   }
   write_content_filter_info(out, qos.filters);
   write_sentinel(out);

@@ -1,11 +1,12 @@
-// What a DATA carries besides its payload: key hash and status of the instance
-// (RTPS 9.6.3.4, 9.6.3.9).
+// What a DATA carries besides its payload: key hash and status of the instance, and where it stands
+// among the changes of its publisher (RTPS 9.6.4, 8.7.5, 8.7.6).
 #pragma once
 
 #include <array>
 #include <optional>
 
 #include "rtps/wire/content_filter_info.hpp"
+#include "rtps/wire/numbers.hpp"
 
 namespace ddssec::rtps {
 
@@ -21,16 +22,32 @@ struct StatusInfo {
   bool operator==(const StatusInfo&) const = default;
 };
 
+/// GroupDigest_t: which writers a publisher has; zero without any.
+using GroupDigest = std::array<std::uint8_t, 4>;
+
+/// PRESENTATION's part of a change; 0 everywhere: none, as with SEQUENCENUMBER_UNKNOWN.
+struct Coherence {
+  SequenceNumber set = {};  ///< COHERENT_SET: of the first change of the writer's set
+  SequenceNumber group_set =
+      {};                     ///< GROUP_COHERENT_SET: of the first change of the publisher's set
+  SequenceNumber group = {};  ///< GROUP_SEQ_NUM: of this change among the publisher's
+  GroupDigest writers = {};   ///< WRITER_GROUP_INFO
+  bool operator==(const Coherence&) const = default;
+};
+
 struct InlineQos {
   std::optional<KeyHash> key_hash = {};
   StatusInfo status = {};
+  Coherence coherence = {};
   FilterResults filters = {};  ///< written only
-  bool empty() const { return !key_hash && status == StatusInfo{} && filters.list.empty(); }
+  bool empty() const {
+    return !key_hash && status == StatusInfo{} && coherence == Coherence{} && filters.list.empty();
+  }
   bool operator==(const InlineQos&) const = default;
 };
 
-/// Errors: those of ParameterReader, rtps_parameter_invalid (a key hash or status too short),
-/// rtps_parameter_not_understood.
+/// Errors: those of ParameterReader, rtps_parameter_invalid (a value too short),
+/// rtps_number_invalid, rtps_parameter_not_understood.
 Result<InlineQos> read_inline_qos(BytesView list, Endian endian);
 /// With its sentinel.
 void write(SpanWriter& out, const InlineQos& qos);

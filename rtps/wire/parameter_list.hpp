@@ -17,6 +17,10 @@ inline constexpr ParameterId kPad = 0x0000;
 inline constexpr ParameterId kSentinel = 0x0001;
 inline constexpr ParameterId kContentFilterProperty = 0x0035;
 inline constexpr ParameterId kContentFilterInfo = 0x0055;
+inline constexpr ParameterId kCoherentSet = 0x0056;
+inline constexpr ParameterId kGroupCoherentSet = 0x0063;
+inline constexpr ParameterId kGroupSeqNum = 0x0064;
+inline constexpr ParameterId kWriterGroupInfo = 0x0065;
 inline constexpr ParameterId kKeyHash = 0x0070;
 inline constexpr ParameterId kStatusInfo = 0x0071;
 /// A reader that does not know such an id must not use the sample (RTPS 9.6.3.1).

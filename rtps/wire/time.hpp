@@ -27,7 +27,8 @@ SecondsAndFraction from_nanoseconds(std::chrono::nanoseconds time);
 /// A length of time; negative ones do not occur in valid QoS.
 struct Duration : detail::SecondsAndFraction {
   auto operator<=>(const Duration&) const = default;
-  /// Rounded up to a multiple of 2^-32 s; what does not fit becomes infinite (or the most negative).
+  /// Rounded up to a multiple of 2^-32 s; what does not fit becomes infinite (or the most
+  /// negative).
   static Duration from(std::chrono::nanoseconds time);
   bool is_infinite() const;
   /// infinite becomes nanoseconds::max().

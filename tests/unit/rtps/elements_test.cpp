@@ -120,6 +120,30 @@ TEST(ParameterList, OddAndLyingLengthsAreRefused) {
             Code::truncated);
 }
 
+TEST(InlineQos, CoherenceRoundTrips) {
+  for (auto endian : {Endian::big, Endian::little}) {
+    Bytes octets(128);
+    SpanWriter out(octets, endian);
+    const InlineQos qos{{}, {}, {{5}, {(1ll << 40) + 6}, {7}, {1, 2, 3, 4}}};
+    write(out, qos);
+    EXPECT_FALSE(qos.empty());
+    EXPECT_EQ(*read_inline_qos(out.view(), endian), qos);
+  }
+}
+
+TEST(InlineQos, AnUnknownSetIsNoneAndAnImpossibleOneIsRefused) {
+  const Bytes unknown = {0, 0x56, 0, 8, 0xff, 0xff, 0xff, 0xff, 0, 0, 0, 0, 0, 1, 0, 0};
+  EXPECT_TRUE(read_inline_qos(unknown, Endian::big)->empty());
+  for (const std::uint8_t id : {0x56, 0x63, 0x64}) {
+    const Bytes zero = {0, id, 0, 8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0};
+    EXPECT_EQ(code_of(read_inline_qos(zero, Endian::big)), Code::rtps_number_invalid);
+    const Bytes tiny = {0, id, 0, 4, 0, 0, 0, 0, 0, 1, 0, 0};
+    EXPECT_EQ(code_of(read_inline_qos(tiny, Endian::big)), Code::rtps_parameter_invalid);
+  }
+  const Bytes empty = {0, 0x65, 0, 0, 0, 1, 0, 0};
+  EXPECT_EQ(code_of(read_inline_qos(empty, Endian::big)), Code::rtps_parameter_invalid);
+}
+
 TEST(InlineQos, RefusesWhatItMustUnderstandAndShortValues) {
   EXPECT_EQ(code_of(read_inline_qos(list({{0x40, 0x77, 0, 0}, kSentinel}), Endian::big)),
             Code::rtps_parameter_not_understood);

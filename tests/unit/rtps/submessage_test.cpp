@@ -64,6 +64,47 @@ TEST(Submessage, Heartbeat) {
 
 TEST(Submessage, Gap) { expect_round_trip(Gap{kReader, kWriter, {4}, set_of({8, 10})}, read_gap); }
 
+TEST(Submessage, GapOfAGroup) {
+  Gap gap{kReader, kWriter, {4}, set_of({8, 10}), {}};
+  gap.group = {{7}, {9}};
+  expect_round_trip(gap, read_gap);
+  gap.group = {{7}, {6}};  // none
+  expect_round_trip(gap, read_gap);
+  for (const auto& bad : {std::pair(SequenceNumber{0}, SequenceNumber{6}),
+                          std::pair(SequenceNumber{7}, SequenceNumber{5}),
+                          std::pair(SequenceNumber{7}, SequenceNumber{(1ll << 62) + 1})}) {
+    gap.group = bad;
+    EXPECT_EQ(code_of(read_gap(view_of(written(gap)))), Code::rtps_number_invalid);
+  }
+}
+
+TEST(Submessage, HeartbeatOfAGroup) {
+  Heartbeat heartbeat{kReader, kWriter, {1}, {9}, 3, true, false, {}};
+  heartbeat.group = GroupState{{40}, {12}, {30}, {1, 2, 3, 4}, {5, 6, 7, 8}};
+  for (auto endian : {Endian::big, Endian::little}) {
+    const auto octets = written(heartbeat, endian);
+    const auto view = view_of(octets);
+    EXPECT_EQ(*read_heartbeat(view), heartbeat);
+    for (std::size_t size = 0; size < view.body.size(); ++size) {
+      auto cut = view;
+      cut.body = view.body.first(size);
+      // Some say nothing of the writers.
+      const bool without_writers = size == view.body.size() - 8;
+      EXPECT_EQ(read_heartbeat(cut).has_value(), without_writers) << size;
+    }
+  }
+  const auto refused = [&](const GroupState& group) {
+    heartbeat.group = group;
+    return code_of(read_heartbeat(view_of(written(heartbeat))));
+  };
+  constexpr SequenceNumber kHuge{(1ll << 62) + 1};
+  EXPECT_EQ(refused({{-1}, {1}, {1}, {}, {}}), Code::rtps_number_invalid);
+  EXPECT_EQ(refused({kHuge, {1}, {1}, {}, {}}), Code::rtps_number_invalid);
+  EXPECT_EQ(refused({{1}, {0}, {1}, {}, {}}), Code::rtps_number_invalid);
+  EXPECT_EQ(refused({{1}, {3}, {1}, {}, {}}), Code::rtps_number_invalid);
+  EXPECT_EQ(refused({{1}, {1}, kHuge, {}, {}}), Code::rtps_number_invalid);
+}
+
 TEST(Submessage, NackFrag) {
   FragmentNumberSet missing(FragmentNumber{2});
   missing.insert({40});

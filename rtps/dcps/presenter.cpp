@@ -1,0 +1,204 @@
+#include "rtps/dcps/presenter.hpp"
+
+#include <algorithm>
+
+namespace ddssec::rtps {
+
+void Presenter::add(PresentedReader& reader, const Guid& writer, const std::optional<Guid>& group) {
+  const bool grouped = by_group_ && group;
+  const SourceKey key{grouped ? nullptr : &reader, grouped ? *group : writer};
+  if (!source_of_.try_emplace({&reader, writer}, key).second) return;
+  sources_[key].streams.try_emplace({&reader, writer});
+}
+
+void Presenter::remove(PresentedReader& reader, const Guid& writer, MonotonicTime now) {
+  const StreamKey key{&reader, writer};
+  const auto at = source_of_.find(key);
+  if (at == source_of_.end()) return;
+  auto& source = sources_[at->second];
+  source.streams.erase(key);
+  for (auto next = source.sets.begin(); next != source.sets.end();) {
+    auto& [id, set] = *next++;
+    const auto is_its = [&](const Item& item) {
+      return item.reader == &reader && item.change.writer == writer;
+    };
+    set.broken = set.broken || (!set.ended.contains(key) && std::ranges::any_of(set.items, is_its));
+    set.ended.erase(key);
+    settle(source, id, now);
+  }
+  release(source, now);
+  if (source.streams.empty()) {
+    for (auto& [id, set] : source.sets) drop(source, set);
+    for (auto& [id, batch] : source.ready) present(source, batch);
+    sources_.erase(at->second);
+  }
+  source_of_.erase(at);
+}
+
+void Presenter::remove(PresentedReader& reader, MonotonicTime now) {
+  for (auto& [key, source] : sources_) {
+    const auto forget = [&, &from = source](const Item& item) {
+      if (item.reader != &reader) return false;
+      --from.held, from.octets -= item.change.payload.size();
+      return true;
+    };
+    for (auto& [id, set] : source.sets) std::erase_if(set.items, forget);
+    for (auto& [id, batch] : source.ready) std::erase_if(batch.items, forget);
+  }
+  std::vector<Guid> writers;
+  for (const auto& [key, source] : source_of_)
+    if (key.first == &reader) writers.push_back(key.second);
+  for (const auto& writer : writers) remove(reader, writer, now);
+}
+
+Presenter::Source* Presenter::find(PresentedReader& reader, const Guid& writer) {
+  const auto at = source_of_.find({&reader, writer});
+  return at == source_of_.end() ? nullptr : &sources_[at->second];
+}
+
+bool Presenter::on_change(PresentedReader& reader, Change& change, MonotonicTime now) {
+  auto* source = find(reader, change.writer);
+  if (source == nullptr) return true;  // not matched any more
+  // What is held because of readers without room will be taken; a set that grows without end ends.
+  if (is_full(*source) && !source->ready.empty()) return false;
+  gather(*source, {&reader, change.writer}, change, now);
+  release(*source, now);
+  return true;
+}
+
+// RTPS 8.7.6: a set ends with a change that is of another set, of none, or has no data; its numbers
+// have no holes.
+void Presenter::gather(Source& source, const StreamKey& key, Change& change, MonotonicTime now) {
+  auto& stream = source.streams[key];
+  const auto& in = change.coherence;
+  const auto number = change.sequence_number;
+  const bool follows = number == stream.last.next();
+  stream.progress = std::max(stream.progress, in.group);
+  const auto id = !coherent_                            ? SequenceNumber{}
+                  : by_group_ && in.group_set.value > 0 ? in.group_set
+                                                        : in.set;
+  const bool ends = change.is_marker() || id.value == 0;
+  const auto before = std::exchange(stream.last, number);
+  if (stream.set.value > 0 && (ends || id != stream.set))
+    end_set(source, key, std::exchange(stream.set, {}), follows, now);
+  else if (change.is_marker() && id.value > 0)  // wrote nothing in it
+    end_set(source, key, id, follows || before.value == 0, now);
+  if (change.is_marker()) return;
+  const auto octets = change.payload.size();
+  ++source.held, source.octets += octets;
+  if (id.value == 0) {
+    std::vector<Item> one;
+    one.push_back({key.first, std::move(change)});
+    return enqueue(source, in.group.value > 0 && ordered_ && by_group_ ? in.group : number,
+                   {std::move(one), in.group, now});
+  }
+  auto& set = source.sets[id];
+  const bool begins = stream.set.value == 0;
+  stream.set = id;
+  set.broken = set.broken || (begins ? number != in.set : !follows);
+  set.items.push_back({key.first, std::move(change)});
+  if (is_full(source)) {
+    set.broken = true;
+    drop(source, set);
+  }
+}
+
+void Presenter::end_set(Source& source, const StreamKey& key, SequenceNumber id, bool whole,
+                        MonotonicTime now) {
+  auto& set = source.sets[id];
+  set.ended.insert(key);
+  set.broken = set.broken || !whole;
+  settle(source, id, now);
+}
+
+void Presenter::settle(Source& source, SequenceNumber id, MonotonicTime now) {
+  const auto at = source.sets.find(id);
+  if (at == source.sets.end() || at->second.ended.size() < source.streams.size()) return;
+  auto& set = at->second;
+  if (set.broken) drop(source, set);
+  std::ranges::sort(set.items, {}, [](const Item& item) {
+    return std::pair(item.change.coherence.group, item.change.sequence_number);
+  });
+  if (!set.items.empty()) {
+    const auto last = set.items.back().change.coherence.group;
+    const auto first = by_group_ ? id : set.items.front().change.sequence_number;
+    enqueue(source, first, {std::move(set.items), last.value > 0 ? last.next() : last, now});
+  }
+  source.sets.erase(at);
+}
+
+void Presenter::drop(Source& source, Set& set) {
+  std::map<PresentedReader*, std::size_t> lost;
+  for (const auto& item : set.items) {
+    ++lost[item.reader];
+    --source.held, source.octets -= item.change.payload.size();
+  }
+  set.items.clear();
+  for (const auto& [reader, count] : lost) reader->lose(count);
+}
+
+void Presenter::enqueue(Source& source, SequenceNumber at, Batch batch) {
+  while (!source.ready.try_emplace(at, std::move(batch)).second) at = at.next();
+}
+
+// RTPS 8.7.5: nothing before it can come any more, or has been waited for.
+bool Presenter::may_present(const Source& source, SequenceNumber first, const Batch& batch,
+                            MonotonicTime now) const {
+  if (!by_group_ || batch.last.value == 0) return true;
+  if (first <= source.presented.next()) return true;
+  const auto passed = [&](const auto& entry) { return entry.second.progress >= first.previous(); };
+  return std::ranges::all_of(source.streams, passed) || now >= batch.since + kPatience;
+}
+
+bool Presenter::has_room(const Batch& batch) {
+  std::map<PresentedReader*, std::size_t> wanted;
+  for (const auto& item : batch.items) ++wanted[item.reader];
+  return std::ranges::all_of(wanted,
+                             [](const auto& entry) { return entry.first->has_room(entry.second); });
+}
+
+void Presenter::present(Source& source, Batch& batch) {
+  for (auto& item : batch.items) {
+    --source.held, source.octets -= item.change.payload.size();
+    item.reader->present(item.change);
+  }
+  source.presented = std::max(source.presented, batch.last);
+}
+
+void Presenter::release(Source& source, MonotonicTime now) {
+  while (!paused_ && !source.ready.empty()) {
+    auto& [first, batch] = *source.ready.begin();
+    if (!may_present(source, first, batch, now) || !has_room(batch)) return;
+    present(source, batch);
+    source.ready.erase(source.ready.begin());
+  }
+}
+
+void Presenter::on_progress(PresentedReader& reader, const Guid& writer, SequenceNumber group,
+                            MonotonicTime now) {
+  auto* source = find(reader, writer);
+  if (source == nullptr) return;
+  auto& stream = source->streams[{&reader, writer}];
+  stream.progress = std::max(stream.progress, group);
+  release(*source, now);
+}
+
+void Presenter::pause(bool paused, MonotonicTime now) {
+  paused_ = paused;
+  release(now);
+}
+
+void Presenter::release(MonotonicTime now) {
+  for (auto& [key, source] : sources_) release(source, now);
+}
+
+MonotonicTime Presenter::next_tick() const {
+  auto next = kNever;
+  if (paused_) return next;
+  for (const auto& [key, source] : sources_)
+    if (!source.ready.empty() && has_room(source.ready.begin()->second))
+      next = std::min(next, source.ready.begin()->second.since + kPatience);
+  return next;
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,196 @@
+// Coherent and ordered access, end to end, and what is held back.
+#include "tests/unit/rtps/dcps_fixture.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::code_of;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using testing::reliable;
+using testing::taken;
+
+struct Presenting : testing::Polled {
+  DataWriter<Reading>& writer_on(Topic& topic, Publisher& publisher) {
+    return **publisher.create_datawriter<Reading>(topic, reliable());
+  }
+  DataReader<Reading>& reader_on(Topic& topic, Subscriber& subscriber) {
+    return **subscriber.create_datareader<Reading>(topic, reliable());
+  }
+  Publisher& publisher(const Presentation& presentation) {
+    return **a.participant->create_publisher({.presentation = presentation});
+  }
+  Subscriber& subscriber(const Presentation& presentation) {
+    return **b.participant->create_subscriber({.presentation = presentation});
+  }
+};
+
+TEST_P(Presenting, ACoherentSetComesAsAWhole) {
+  for (const auto scope : {PresentationScope::instance, PresentationScope::topic}) {
+    auto& pub = publisher({scope, true, false});
+    auto& writer = writer_on(*a.topic, pub);
+    auto& coherent = reader_on(*b.topic, subscriber({scope, true, false}));
+    auto& plain = b.reader(reliable());
+    ASSERT_TRUE(match(writer, coherent) && match(writer, plain));
+    ASSERT_TRUE(pub.begin_coherent_changes());
+    ASSERT_TRUE(pub.begin_coherent_changes());  // nested
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(writer.write({"a", i}));
+    ASSERT_TRUE(pub.end_coherent_changes());
+    run(20ms);
+    EXPECT_THAT(taken(plain), ElementsAre(0, 1, 2));
+    EXPECT_THAT(taken(coherent), IsEmpty());
+    ASSERT_TRUE(pub.end_coherent_changes());
+    run(20ms);
+    EXPECT_THAT(taken(coherent), ElementsAre(0, 1, 2));
+    ASSERT_TRUE(writer.write({"a", 3}));  // in no set
+    run(20ms);
+    EXPECT_THAT(taken(coherent), ElementsAre(3));
+    EXPECT_THAT(taken(plain), ElementsAre(3));
+    EXPECT_TRUE(writer.wait_for_acknowledgments(1s));
+    ASSERT_TRUE(a.publisher->delete_contained_entities());
+    ASSERT_TRUE(pub.delete_contained_entities());
+    ASSERT_TRUE(b.subscriber->delete_contained_entities());
+    run(50ms);
+  }
+}
+
+TEST_P(Presenting, AReaderThatComesInTheMiddleOfASetGetsTheNext) {
+  const Presentation access{PresentationScope::topic, true, false};
+  auto& pub = publisher(access);
+  auto& writer = writer_on(*a.topic, pub);
+  auto& early = reader_on(*b.topic, subscriber(access));
+  ASSERT_TRUE(match(writer, early));
+  ASSERT_TRUE(pub.begin_coherent_changes());
+  ASSERT_TRUE(writer.write({"a", 1}));
+  auto& late = reader_on(*b.topic, subscriber(access));
+  ASSERT_TRUE(match(writer, late));
+  ASSERT_TRUE(writer.write({"a", 2}));
+  ASSERT_TRUE(pub.end_coherent_changes());
+  run(20ms);
+  EXPECT_THAT(taken(early), ElementsAre(1, 2));
+  EXPECT_THAT(taken(late), IsEmpty());
+  EXPECT_EQ(late.sample_lost_status().total_count, 1);
+  ASSERT_TRUE(pub.begin_coherent_changes());
+  ASSERT_TRUE(writer.write({"a", 3}));
+  ASSERT_TRUE(pub.end_coherent_changes());
+  run(20ms);
+  EXPECT_THAT(taken(late), ElementsAre(3));
+}
+
+TEST_P(Presenting, AWriterThatEndsInTheMiddleOfASetLeavesNothing) {
+  const Presentation access{PresentationScope::topic, true, false};
+  auto& pub = publisher(access);
+  auto qos = reliable();
+  qos.autodispose_unregistered_instances = false;
+  auto& writer = **pub.create_datawriter<Reading>(*a.topic, qos);
+  auto& reader = reader_on(*b.topic, subscriber(access));
+  ASSERT_TRUE(match(writer, reader));
+  ASSERT_TRUE(pub.begin_coherent_changes());
+  ASSERT_TRUE(writer.write({"a", 1}));
+  run(20ms);
+  ASSERT_TRUE(pub.delete_datawriter(writer));
+  run(50ms);
+  EXPECT_THAT(taken(reader), IsEmpty());
+  EXPECT_EQ(reader.sample_lost_status().total_count, 1);
+}
+
+TEST_P(Presenting, AGroupsSetComesAsAWholeToAllReaders) {
+  const Presentation access{PresentationScope::group, true, true};
+  auto& pub = publisher(access);
+  auto& sub = subscriber(access);
+  auto& other_a = **a.participant->create_topic<Reading>("Others");
+  auto& other_b = **b.participant->create_topic<Reading>("Others");
+  auto& one = writer_on(*a.topic, pub);
+  auto& two = writer_on(other_a, pub);
+  auto& of_one = reader_on(*b.topic, sub);
+  auto& of_two = reader_on(other_b, sub);
+  ASSERT_TRUE(match(one, of_one) && match(two, of_two));
+  EXPECT_FALSE(of_one.take_next_sample());
+  Samples<Reading> samples;
+  EXPECT_EQ(code_of(of_one.take(samples)), Code::rtps_precondition_not_met);
+  const auto take_all = [&] {
+    std::vector<std::int64_t> out;
+    EXPECT_TRUE(sub.begin_access());
+    for (auto* reader : sub.datareaders()) {
+      auto& typed = *static_cast<DataReader<Reading>*>(reader);
+      EXPECT_EQ(typed.take(samples, 1), 1u);
+      if (samples[0].info.valid_data) out.push_back(samples[0].data.value);
+    }
+    EXPECT_TRUE(sub.end_access());
+    return out;
+  };
+  ASSERT_TRUE(pub.begin_coherent_changes());
+  ASSERT_TRUE(one.write({"a", 1}));
+  ASSERT_TRUE(two.write({"a", 2}));
+  ASSERT_TRUE(one.write({"b", 3}));
+  ASSERT_TRUE(two.write({"b", 4}));
+  run(20ms);
+  EXPECT_THAT(take_all(), IsEmpty());
+  ASSERT_TRUE(pub.end_coherent_changes());
+  run(20ms);
+  EXPECT_THAT(take_all(), ElementsAre(1, 2, 3, 4));
+  ASSERT_TRUE(pub.begin_coherent_changes());
+  ASSERT_TRUE(two.write({"a", 5}));  // the other one has nothing in this set
+  ASSERT_TRUE(pub.end_coherent_changes());
+  ASSERT_TRUE(one.write({"a", 6}));  // and this is in none
+  run(20ms);
+  EXPECT_THAT(take_all(), ElementsAre(5, 6));
+}
+
+TEST_P(Presenting, NothingNewIsSeenDuringAnAccess) {
+  const Presentation access{PresentationScope::group, false, true};
+  auto& pub = publisher(access);
+  auto& sub = subscriber(access);
+  auto& writer = writer_on(*a.topic, pub);
+  auto& reader = reader_on(*b.topic, sub);
+  ASSERT_TRUE(match(writer, reader));
+  ASSERT_TRUE(sub.begin_access());
+  ASSERT_TRUE(writer.write({"a", 1}));
+  run(20ms);
+  EXPECT_THAT(taken(reader), IsEmpty());
+  ASSERT_TRUE(sub.end_access());
+  ASSERT_TRUE(sub.begin_access());
+  EXPECT_THAT(taken(reader), ElementsAre(1));
+  ASSERT_TRUE(sub.end_access());
+  EXPECT_EQ(code_of(sub.end_access()), Code::rtps_precondition_not_met);
+}
+
+TEST_P(Presenting, OrderedByTopicSamplesOfAllInstancesComeInOrder) {
+  const Presentation access{PresentationScope::topic, false, true};
+  auto& writer = writer_on(*a.topic, publisher(access));
+  auto& ordered = reader_on(*b.topic, subscriber(access));
+  auto& plain = b.reader(reliable());
+  ASSERT_TRUE(match(writer, ordered) && match(writer, plain));
+  for (int i = 0; i < 6; ++i) ASSERT_TRUE(writer.write({i % 2 == 0 ? "a" : "b", i}));
+  run(20ms);
+  Samples<Reading> samples;
+  ASSERT_EQ(ordered.read(samples, 4), 4u);
+  EXPECT_THAT(testing::values(samples), ElementsAre(0, 1, 2, 3));
+  EXPECT_EQ(samples[0].info.sample_rank, 1);
+  EXPECT_EQ(samples[3].info.sample_rank, 0);
+  EXPECT_THAT(taken(ordered), ElementsAre(0, 1, 2, 3, 4, 5));
+  EXPECT_THAT(taken(plain), ElementsAre(0, 2, 4, 1, 3, 5));
+}
+
+TEST_P(Presenting, SuspendedPublicationsComeWhenTheyAreResumed) {
+  auto& writer = a.writer(reliable());
+  auto& reader = b.reader(reliable());
+  ASSERT_TRUE(match(writer, reader));
+  ASSERT_TRUE(a.publisher->suspend_publications());
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(writer.write({"a", i}));
+  run();
+  EXPECT_THAT(taken(reader), IsEmpty());
+  ASSERT_TRUE(a.publisher->resume_publications());
+  run(20ms);
+  EXPECT_THAT(taken(reader), ElementsAre(0, 1, 2));
+  EXPECT_EQ(code_of(a.publisher->resume_publications()), Code::rtps_precondition_not_met);
+  EXPECT_EQ(code_of(a.publisher->end_coherent_changes()), Code::rtps_precondition_not_met);
+}
+
+INSTANTIATE_TEST_SUITE_P(Over, Presenting,
+                         ::testing::Values(testing::Way::network, testing::Way::in_process),
+                         testing::name_of);
+
+}  // namespace
+}  // namespace ddssec::rtps

@@ -1,0 +1,184 @@
+// What is held back of coherent sets and of groups, by itself.
+#include "rtps/dcps/presenter.hpp"
+
+#include <gmock/gmock.h>
+
+namespace ddssec::rtps {
+namespace {
+
+using std::chrono::milliseconds;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+Guid writer(std::uint8_t n) { return {GuidPrefix::from(Bytes(12, n)), EntityId{{0, 0, 1, 2}}}; }
+const Guid kGroup{GuidPrefix::from(Bytes(12, 9)), EntityId{{0, 0, 1, 8}}};
+
+struct Reader final : PresentedReader {
+  std::vector<std::int64_t>* seen;
+  std::size_t room = 100;
+  std::size_t lost = 0;
+  explicit Reader(std::vector<std::int64_t>& to) : seen(&to) {}
+  bool has_room(std::size_t samples) const override { return samples <= room; }
+  void present(Change& change) override { seen->push_back(change.payload.view()[0]); }
+  void lose(std::size_t samples) override { lost += samples; }
+};
+
+struct Presenting : ::testing::Test {
+  std::vector<std::int64_t> seen;
+  Reader one{seen}, two{seen};
+  MonotonicTime now = std::chrono::seconds(1);
+
+  static Change change(std::uint8_t from, std::int64_t number, std::uint8_t value,
+                       Coherence coherence) {
+    Change out;
+    out.writer = writer(from);
+    out.sequence_number = {number};
+    out.coherence = coherence;
+    if (value > 0) out.payload = Payload::copy_of(Bytes{value});
+    return out;
+  }
+  std::vector<std::int64_t> take() { return std::exchange(seen, {}); }
+};
+
+struct Coherent : Presenting {
+  Presenter presenter{false, true, false};
+  void SetUp() override { presenter.add(one, writer(1), {}); }
+  bool put(std::int64_t number, std::uint8_t value, std::int64_t set) {
+    auto next = change(1, number, value, {{set}, {}, {}, {}});
+    return presenter.on_change(one, next, now);
+  }
+};
+
+TEST_F(Coherent, ASetEndsWithAMarkerAnotherSetOrNone) {
+  put(1, 1, 1), put(2, 2, 1);
+  EXPECT_THAT(take(), IsEmpty());
+  put(3, 0, 0);
+  EXPECT_THAT(take(), ElementsAre(1, 2));
+  put(4, 4, 4), put(5, 5, 5);
+  EXPECT_THAT(take(), ElementsAre(4));
+  put(6, 6, 0);
+  EXPECT_THAT(take(), ElementsAre(5, 6));
+}
+
+TEST_F(Coherent, ASetWithAHoleIsNeverSeen) {
+  put(2, 2, 1), put(3, 0, 0);  // without its first
+  put(4, 4, 4), put(6, 6, 4), put(7, 0, 0);
+  put(8, 8, 8), put(10, 0, 0);  // without its last
+  EXPECT_THAT(take(), IsEmpty());
+  EXPECT_EQ(one.lost, 4u);
+  put(11, 11, 11), put(12, 0, 0);
+  EXPECT_THAT(take(), ElementsAre(11));
+}
+
+TEST_F(Coherent, WhatDoesNotFitWaitsAndRefusesMore) {
+  one.room = 1;
+  put(1, 1, 1), put(2, 2, 1);
+  EXPECT_TRUE(put(3, 0, 0));
+  EXPECT_THAT(take(), IsEmpty());
+  one.room = 2;
+  presenter.release(now);
+  EXPECT_THAT(take(), ElementsAre(1, 2));
+}
+
+TEST_F(Coherent, ASetWithoutEndIsGivenUp) {
+  for (std::size_t i = 1; i <= Presenter::kMostHeld; ++i)
+    ASSERT_TRUE(put(static_cast<std::int64_t>(i), 1, 1));
+  EXPECT_EQ(one.lost, Presenter::kMostHeld);
+  const auto next = static_cast<std::int64_t>(Presenter::kMostHeld) + 1;
+  put(next, 0, 0);
+  EXPECT_THAT(take(), IsEmpty());
+  put(next + 1, 7, 0);
+  EXPECT_THAT(take(), ElementsAre(7));
+}
+
+TEST_F(Coherent, AWriterThatGoesTakesItsOpenSetAlong) {
+  put(1, 1, 1);
+  presenter.remove(one, writer(1), now);
+  EXPECT_EQ(one.lost, 1u);
+  EXPECT_TRUE(put(2, 2, 0));  // comes too late
+  EXPECT_THAT(take(), IsEmpty());
+}
+
+struct Grouped : Presenting {
+  Presenter presenter{true, true, true};
+  void SetUp() override {
+    presenter.add(one, writer(1), kGroup);
+    presenter.add(two, writer(2), kGroup);
+  }
+  /// `set`: of the writer; `group_set` of the group; value 0 is a marker.
+  void put(std::uint8_t from, std::int64_t number, std::uint8_t value, std::int64_t set,
+           std::int64_t group_set, std::int64_t group) {
+    auto next = change(from, number, value, {{set}, {group_set}, {group}, {}});
+    EXPECT_TRUE(presenter.on_change(from == 1 ? one : two, next, now));
+  }
+};
+
+TEST_F(Grouped, ASetIsSeenWhenAllWritersEndedIt) {
+  put(1, 1, 1, 1, 1, 1), put(1, 2, 3, 1, 1, 3);
+  put(1, 3, 0, 0, 1, 4);
+  EXPECT_THAT(take(), IsEmpty());
+  put(2, 1, 2, 1, 1, 2);
+  EXPECT_THAT(take(), IsEmpty());
+  put(2, 2, 0, 0, 1, 4);
+  EXPECT_THAT(take(), ElementsAre(1, 2, 3));
+  // In the next one the second has nothing to say.
+  put(1, 4, 5, 4, 5, 5), put(1, 5, 0, 0, 5, 6), put(2, 3, 0, 0, 5, 6);
+  EXPECT_THAT(take(), ElementsAre(5));
+}
+
+TEST_F(Grouped, OneHoleSpoilsTheSetForAll) {
+  put(1, 1, 1, 1, 1, 1), put(1, 2, 0, 0, 1, 4);
+  put(2, 2, 3, 1, 1, 3), put(2, 3, 0, 0, 1, 4);  // its first is missing
+  EXPECT_THAT(take(), IsEmpty());
+  EXPECT_EQ(one.lost + two.lost, 2u);
+}
+
+TEST_F(Grouped, AWriterThatGoesIsNotWaitedFor) {
+  put(1, 1, 1, 1, 1, 1), put(1, 2, 0, 0, 1, 2);
+  presenter.remove(two, writer(2), now);
+  EXPECT_THAT(take(), ElementsAre(1));
+  presenter.add(two, writer(2), kGroup);
+  put(2, 1, 3, 1, 3, 3);
+  put(1, 3, 0, 0, 3, 5);
+  presenter.remove(two, writer(2), now);  // in the middle
+  EXPECT_THAT(take(), IsEmpty());
+}
+
+TEST_F(Grouped, PausedNothingIsSeen) {
+  presenter.pause(true, now);
+  put(1, 1, 1, 0, 0, 1);
+  EXPECT_THAT(take(), IsEmpty());
+  EXPECT_EQ(presenter.next_tick(), kNever);
+  presenter.pause(false, now);
+  EXPECT_THAT(take(), ElementsAre(1));
+}
+
+TEST_F(Grouped, WhatComesTooEarlyWaitsForWhatIsBefore) {
+  put(2, 1, 2, 0, 0, 2);
+  EXPECT_THAT(take(), IsEmpty());
+  put(1, 1, 1, 0, 0, 1);
+  EXPECT_THAT(take(), ElementsAre(1, 2));
+  put(1, 2, 4, 0, 0, 4);  // 3 was for nobody here, as the other one's heartbeat shows
+  EXPECT_THAT(take(), IsEmpty());
+  presenter.on_progress(two, writer(2), {4}, now);
+  EXPECT_THAT(take(), ElementsAre(4));
+}
+
+TEST_F(Grouped, AHoleIsWaitedForOnlySoLong) {
+  put(1, 1, 3, 0, 0, 3);
+  EXPECT_EQ(presenter.next_tick(), now + Presenter::kPatience);
+  now += Presenter::kPatience;
+  presenter.release(now);
+  EXPECT_THAT(take(), ElementsAre(3));
+}
+
+TEST_F(Grouped, AReaderThatGoesTakesItsSamplesAlong) {
+  put(1, 1, 1, 1, 1, 1), put(2, 1, 2, 1, 1, 2), put(1, 2, 0, 0, 1, 3);
+  presenter.remove(one, now);
+  put(2, 2, 0, 0, 1, 3);
+  EXPECT_THAT(take(), ElementsAre(2));
+  EXPECT_EQ(one.lost, 0u);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
