@@ -26,7 +26,8 @@ ParticipantFolder participant_folder(const fs::path& folder, FolderLayout layout
           .permissions_ca = folder / (flat ? "permissions_ca.pem" : "permissions_ca.cert.pem"),
           .governance = folder / "governance.p7s",
           .permissions = folder / "permissions.p7s",
-          .crl = folder / "crl.pem"};
+          .crl = folder / "crl.pem",
+          .properties = folder / "security.properties"};
 }
 
 ParticipantFolder participant_folder(const fs::path& folder) {

@@ -22,7 +22,8 @@ struct ParticipantFolder {
   std::filesystem::path permissions_ca;
   std::filesystem::path governance;
   std::filesystem::path permissions;
-  std::filesystem::path crl;  ///< optional in both layouts
+  std::filesystem::path crl;         ///< optional in both layouts
+  std::filesystem::path properties;  ///< security.properties; optional, and ours alone
 };
 
 /// The paths of `folder` in a layout.

@@ -1,6 +1,10 @@
 #include "secured/engines.hpp"
 
+#include <algorithm>
+#include <iterator>
+
 #include "pki/participant_folder.hpp"
+#include "plugins/spi/property_file.hpp"
 #include "plugins/spi/property_names.hpp"
 
 namespace ddssec::secured {
@@ -26,6 +30,10 @@ Result<spi::PropertyList> folder_properties(const std::filesystem::path& path) {
   if (std::filesystem::symlink_status(folder.crl, error).type() >
       std::filesystem::file_type::not_found)
     add(property::kCrl, folder.crl);
+  if (std::filesystem::symlink_status(folder.properties, error).type() >
+      std::filesystem::file_type::not_found)
+    std::ranges::move(DDSSEC_TRY(spi::read_property_file(folder.properties)),
+                      std::back_inserter(out));
   return out;
 }
 

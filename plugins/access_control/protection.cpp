@@ -74,6 +74,12 @@ Status check_listed(int line, std::string_view element, const std::vector<govern
   return {};
 }
 
+spi::CipherMask ciphers_in(const std::vector<governance::Text>& names) {
+  spi::CipherMask out = 0;
+  for (const auto& name : names) out |= spi::cipher_of(name.text).value_or(0);
+  return out;
+}
+
 Status check_algorithms(const governance::AllowedAlgorithms& allowed) {
   DDSSEC_TRY(check_listed(allowed.line, "<digital_signature>", allowed.digital_signature,
                           {{"RSASSA-PSS-MGF1SHA256+2048+SHA256", "RSA-2048", "RSASSA-PSS-SHA256"},
@@ -92,7 +98,10 @@ spi::ParticipantSecurityAttributes participant_attributes(const governance::Doma
           .is_access_protected = rule.enable_join_access_control,
           .rtps = rule.rtps_protection_kind,
           .discovery = rule.discovery_protection_kind,
-          .liveliness = rule.liveliness_protection_kind};
+          .liveliness = rule.liveliness_protection_kind,
+          .allowed_ciphers = rule.allowed_algorithms
+                                 ? ciphers_in(rule.allowed_algorithms->symmetric_cipher)
+                                 : spi::kAllCiphers};
 }
 
 spi::EndpointSecurityAttributes endpoint_attributes(const governance::TopicRule& rule) {
@@ -110,6 +119,7 @@ std::optional<spi::EndpointSecurityAttributes> builtin_attributes(
   if (row == kBuiltinTopics.end()) return std::nullopt;
   spi::EndpointSecurityAttributes attributes;
   attributes.submessage = kind_of(row->by, rule);
+  attributes.is_builtin = true;
   return attributes;
 }
 

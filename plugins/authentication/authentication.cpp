@@ -43,7 +43,7 @@ class PkiDh final : public spi::Authentication {
   Result<LocalIdentity> validate_local_identity(DomainId domain_id,
                                                 const spi::PropertyList& properties,
                                                 const Guid& candidate_guid) override;
-  Result<Token> identity_token(IdentityHandle local) override;
+  Result<Token> identity_token(IdentityHandle local, spi::CipherMask ciphers) override;
   Result<Token> identity_status_token(IdentityHandle local) override;
   Status set_permissions_credential_and_token(IdentityHandle local, const Token& credential,
                                               const Token& permissions_token) override;
@@ -117,9 +117,9 @@ Result<PkiDh::LocalIdentity> PkiDh::load_local(const spi::PropertyList& properti
   return LocalIdentity{handle, identity->guid()};
 }
 
-Result<Token> PkiDh::identity_token(IdentityHandle local) {
+Result<Token> PkiDh::identity_token(IdentityHandle local, spi::CipherMask ciphers) {
   const auto identity = DDSSEC_TRY(reported(table_.local(local)));
-  return identity->identity_token();
+  return identity->identity_token(ciphers);
 }
 
 Result<Token> PkiDh::identity_status_token(IdentityHandle local) {

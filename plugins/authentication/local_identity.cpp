@@ -154,12 +154,12 @@ LocalIdentity::LocalIdentity(IdentityFiles files, const Guid& candidate)
       guid_(adjusted_guid(files_.certificate.subject_digest(), candidate)),
       permissions_(std::make_shared<const Bytes>(1)) {}
 
-spi::Token LocalIdentity::identity_token() const {
+spi::Token LocalIdentity::identity_token(spi::CipherMask ciphers) const {
   const auto& anchors = files_.own_trust->anchors();
   const auto issuer =
       std::ranges::find(anchors, files_.certificate.issuer(), &pki::Certificate::subject);
   return write_identity_token(files_.certificate,
-                              issuer == anchors.end() ? anchors.front() : *issuer);
+                              issuer == anchors.end() ? anchors.front() : *issuer, ciphers);
 }
 
 Result<pki::ChainValid> LocalIdentity::verify(WallTime now) const {

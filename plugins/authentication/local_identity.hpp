@@ -9,6 +9,7 @@
 #include "pki/private_key.hpp"
 #include "plugins/authentication/credentials.hpp"
 #include "plugins/authentication/trust_store.hpp"
+#include "plugins/spi/symmetric_cipher.hpp"
 #include "plugins/spi/token.hpp"
 
 namespace ddssec::authentication {
@@ -38,7 +39,7 @@ class LocalIdentity {
   const pki::Certificate& certificate() const { return files_.certificate; }
   const pki::PrivateKey& key() const { return files_.key; }
   const TrustStore& peer_trust() const { return *files_.peer_trust; }
-  spi::Token identity_token() const;
+  spi::Token identity_token(spi::CipherMask ciphers) const;
 
   /// Judges our own certificate again. Errors of ChainVerifier::verify.
   Result<pki::ChainValid> verify(WallTime now) const;

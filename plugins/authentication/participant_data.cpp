@@ -3,12 +3,14 @@
 #include <optional>
 
 #include "base/reader.hpp"
+#include "plugins/authentication/identity_token.hpp"
 
 namespace ddssec::authentication {
 namespace {
 
 constexpr std::uint16_t kPidSentinel = 0x0001;
 constexpr std::uint16_t kPidParticipantGuid = 0x0050;
+constexpr std::uint16_t kPidIdentityToken = 0x1001;
 
 std::unexpected<Error> malformed(std::string found) {
   return fail(Code::participant_data_malformed, {.field = "c.pdata", .found = std::move(found)});
@@ -49,6 +51,21 @@ Result<Guid> participant_guid_in(BytesView participant_data) {
   }
   if (!found) return fail(Code::participant_guid_missing, {.field = "c.pdata"});
   return *found;
+}
+
+spi::CipherMask ciphers_in_participant_data(BytesView participant_data) {
+  Reader reader(participant_data, Endian::big);
+  std::optional<spi::Token> found;
+  for (;;) {
+    const auto parameter = next_parameter(reader);
+    if (!parameter || !*parameter) break;
+    if ((*parameter)->id != kPidIdentityToken) continue;
+    Reader value((*parameter)->value, Endian::big);
+    auto token = spi::read_token(value);
+    if (!token || found) return spi::kStandardCiphers;
+    found = std::move(*token);
+  }
+  return found ? announced_ciphers(*found) : spi::kStandardCiphers;
 }
 
 }  // namespace ddssec::authentication

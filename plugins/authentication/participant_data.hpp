@@ -1,9 +1,10 @@
-// The one thing authentication reads in c.pdata: whose participant data it is.
+// What authentication reads in c.pdata: whose participant data it is, and the token in it.
 #pragma once
 
 #include "base/bytes.hpp"
 #include "base/ids.hpp"
 #include "base/result.hpp"
+#include "plugins/spi/symmetric_cipher.hpp"
 
 namespace ddssec::authentication {
 
@@ -14,5 +15,10 @@ inline constexpr std::size_t kMostParticipantDataOctets = 64 * 1024;
 /// that we do not know are passed over whatever their number, a missing sentinel is tolerated.
 /// Errors: participant_data_malformed, participant_guid_missing.
 Result<Guid> participant_guid_in(BytesView participant_data);
+
+/// The ciphers in the IdentityToken of such a list. Of a list without one, or with one that cannot
+/// be read, or with two: the standard's. Unlike the token that discovery brings, this one stands
+/// under the handshake's signatures.
+spi::CipherMask ciphers_in_participant_data(BytesView participant_data);
 
 }  // namespace ddssec::authentication

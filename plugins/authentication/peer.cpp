@@ -42,7 +42,8 @@ Result<JudgedPeer> JudgedPeer::judge(const Credentials& credentials, const Guid&
   add_field(credential, "c.id", as_bytes(certificate.pem()));
   add_field(credential, "c.perm",
             without_trailing_nul(credentials.permissions.value_or(BytesView())));
-  return JudgedPeer(std::move(chain), std::move(credential));
+  return JudgedPeer(std::move(chain), std::move(credential),
+                    ciphers_in_participant_data(credentials.participant_data));
 }
 
 }  // namespace ddssec::authentication

@@ -25,12 +25,16 @@ class JudgedPeer {
   /// without the NUL that Cyclone DDS appends; it is empty if the peer has no permissions.
   const spi::Token& credential() const { return credential_; }
 
+  /// What its participant data says that it can decrypt; proven once a signature is.
+  spi::CipherMask ciphers() const { return ciphers_; }
+
  private:
-  JudgedPeer(pki::ChainValid chain, spi::Token credential)
-      : chain_(std::move(chain)), credential_(std::move(credential)) {}
+  JudgedPeer(pki::ChainValid chain, spi::Token credential, spi::CipherMask ciphers)
+      : chain_(std::move(chain)), credential_(std::move(credential)), ciphers_(ciphers) {}
 
   pki::ChainValid chain_;
   spi::Token credential_;
+  spi::CipherMask ciphers_;
 };
 
 }  // namespace ddssec::authentication

@@ -30,17 +30,17 @@ const AeadBackend* aead_backend(AeadChoice choice) {
   return nullptr;
 }
 
-Status ExpandedKey::expand(const AeadBackend& backend, BytesView key) {
-  if (key.size() != 16 && key.size() != 32) return fail(Code::length_out_of_range);
+Status ExpandedKey::expand(const AeadBackend& backend, Cipher cipher, BytesView key) {
+  if (key.size() != key_size_of(cipher)) return fail(Code::length_out_of_range);
   clear();
-  if (!backend.expand(storage_.data(), key)) return fail(Code::internal);
+  if (!backend.expand(storage_.data(), cipher, key)) return fail(Code::internal);
   backend_ = &backend;
-  key_size_ = key.size();
+  cipher_ = cipher;
   return {};
 }
 
 bool ExpandedKey::seal(const SealRequest& request) const {
-  return backend_ != nullptr && backend_->seal(storage_.data(), key_size_, request);
+  return backend_ != nullptr && backend_->seal(storage_.data(), cipher_, request);
 }
 
 bool ExpandedKey::open(const Iv& iv, BytesView aad, BytesView cipher, std::uint8_t* out,
@@ -48,7 +48,7 @@ bool ExpandedKey::open(const Iv& iv, BytesView aad, BytesView cipher, std::uint8
   if (backend_ == nullptr) return false;
   std::array<std::uint8_t, kTagSize> computed{};
   const OpenRequest request{iv, aad, cipher, out, computed};
-  const bool opened = backend_->open(storage_.data(), key_size_, request, tag);
+  const bool opened = backend_->open(storage_.data(), cipher_, request, tag);
   // Backends write plaintext before anybody knows whether the tag is right.
   if (opened && constant_time_equal(computed, tag)) [[likely]]
     return true;
@@ -73,7 +73,6 @@ void ExpandedKey::clear() noexcept {
   backend_->destroy(storage_.data());
   wipe({static_cast<std::uint8_t*>(static_cast<void*>(storage_.data())), storage_.size()});
   backend_ = nullptr;
-  key_size_ = 0;
 }
 
 }  // namespace ddssec::cryptography

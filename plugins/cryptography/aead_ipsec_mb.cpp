@@ -1,7 +1,9 @@
+#include <cstring>
 #include <memory>
 
 #include <intel-ipsec-mb.h>
 
+#include "base/hash.hpp"
 #include "plugins/cryptography/aead_backends.hpp"
 
 namespace ddssec::cryptography {
@@ -18,31 +20,49 @@ gcm_key_data* key_in(KeyStorage storage) {
   return static_cast<gcm_key_data*>(static_cast<void*>(storage));
 }
 
-/// The direct GCM calls: one function call a message, no state but the key, which they only read.
+/// What a message leaves behind: the one-time key of its MAC, and key stream.
+struct ChachaContext {
+  chacha20_poly1305_context_data data;
+  ~ChachaContext() { wipe({static_cast<std::uint8_t*>(static_cast<void*>(&data)), sizeof data}); }
+};
+
+/// The direct calls: one, or three, a message, no state but the key, which they only read.
 class IpsecMb final : public AeadBackend {
  public:
   explicit IpsecMb(Manager manager) : manager_(std::move(manager)) {}
   std::string_view name() const override { return "ipsec-mb"; }
+  bool has(Cipher) const override { return true; }
 
  protected:
-  bool expand(KeyStorage storage, BytesView key) const override {
+  bool expand(KeyStorage storage, Cipher cipher, BytesView key) const override {
+    if (cipher == Cipher::chacha20_poly1305) {
+      std::memcpy(storage, key.data(), key.size());
+      return true;
+    }
     auto* const place = new (storage) gcm_key_data;
-    (key.size() == 16 ? manager_->gcm128_pre : manager_->gcm256_pre)(key.data(), place);
+    (cipher == Cipher::aes128_gcm ? manager_->gcm128_pre : manager_->gcm256_pre)(key.data(), place);
     return true;
   }
 
-  bool seal(KeyStorage storage, std::size_t key_size, const SealRequest& request) const override {
+  bool seal(KeyStorage storage, Cipher cipher, const SealRequest& request) const override {
+    if (cipher == Cipher::chacha20_poly1305) {
+      chacha(storage, request, request.plain, manager_->chacha20_poly1305_enc_update);
+      return true;
+    }
     gcm_context_data context;
-    (key_size == 16 ? manager_->gcm128_enc : manager_->gcm256_enc)(
+    (cipher == Cipher::aes128_gcm ? manager_->gcm128_enc : manager_->gcm256_enc)(
         key_in(storage), &context, request.out, request.plain.data(), request.plain.size(),
         request.iv.data(), request.aad.data(), request.aad.size(), request.tag.data(), kTagSize);
     return true;
   }
 
-  bool open(KeyStorage storage, std::size_t key_size, const OpenRequest& request,
-            TagView) const override {
+  bool open(KeyStorage storage, Cipher cipher, const OpenRequest& request, TagView) const override {
+    if (cipher == Cipher::chacha20_poly1305) {
+      chacha(storage, request, request.cipher, manager_->chacha20_poly1305_dec_update);
+      return true;
+    }
     gcm_context_data context;
-    (key_size == 16 ? manager_->gcm128_dec : manager_->gcm256_dec)(
+    (cipher == Cipher::aes128_gcm ? manager_->gcm128_dec : manager_->gcm256_dec)(
         key_in(storage), &context, request.out, request.cipher.data(), request.cipher.size(),
         request.iv.data(), request.aad.data(), request.aad.size(), request.tag.data(), kTagSize);
     return true;
@@ -51,6 +71,16 @@ class IpsecMb final : public AeadBackend {
   void destroy(KeyStorage) const noexcept override {}
 
  private:
+  template <class Request>
+  void chacha(KeyStorage key, const Request& request, BytesView in,
+              chacha_poly_enc_dec_update_t update) const {
+    ChachaContext context;
+    manager_->chacha20_poly1305_init(key, &context.data, request.iv.data(), request.aad.data(),
+                                     request.aad.size());
+    if (!in.empty()) update(key, &context.data, request.out, in.data(), in.size());
+    manager_->chacha20_poly1305_finalize(&context.data, request.tag.data(), kTagSize);
+  }
+
   Manager manager_;
 };
 

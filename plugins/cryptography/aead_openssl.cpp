@@ -18,12 +18,13 @@ struct Deleter {
   }
 };
 using Context = std::unique_ptr<EVP_CIPHER_CTX, Deleter<EVP_CIPHER_CTX_free>>;
-using Cipher = std::unique_ptr<EVP_CIPHER, Deleter<EVP_CIPHER_free>>;
+using Fetched = std::unique_ptr<EVP_CIPHER, Deleter<EVP_CIPHER_free>>;
 
 /// A context with the key in it costs a third of a new one, but serves one thread at a time. Who
 /// finds it taken makes a context of its own rather than wait.
 struct OpensslKey {
   Context context;
+  const EVP_CIPHER* cipher;
   std::atomic_flag taken;
   Secret<struct AeadKeyTag, 32> key;
 };
@@ -35,20 +36,24 @@ OpensslKey* key_in(KeyStorage storage) {
 
 class Openssl final : public AeadBackend {
  public:
-  Openssl(Cipher gcm128, Cipher gcm256) : gcm128_(std::move(gcm128)), gcm256_(std::move(gcm256)) {}
+  Openssl(Fetched gcm128, Fetched gcm256, Fetched chacha)
+      : gcm128_(std::move(gcm128)), gcm256_(std::move(gcm256)), chacha_(std::move(chacha)) {}
   std::string_view name() const override { return "openssl"; }
+  bool has(Cipher cipher) const override { return fetched(cipher) != nullptr; }
 
  protected:
-  bool expand(KeyStorage storage, BytesView key) const override {
+  bool expand(KeyStorage storage, Cipher cipher, BytesView key) const override {
+    const auto* const implementation = fetched(cipher);
+    if (implementation == nullptr) return false;
     auto copy = Secret<struct AeadKeyTag, 32>::copy_of(key);
     if (!copy) return false;
-    auto context = context_with(*copy);
+    auto context = context_with(implementation, *copy);
     if (!context) return false;
-    new (storage) OpensslKey{std::move(context), {}, std::move(*copy)};
+    new (storage) OpensslKey{std::move(context), implementation, {}, std::move(*copy)};
     return true;
   }
 
-  bool seal(KeyStorage storage, std::size_t, const SealRequest& request) const override {
+  bool seal(KeyStorage storage, Cipher, const SealRequest& request) const override {
     return with_context(*key_in(storage), [&](EVP_CIPHER_CTX* context) {
       int octets = 0;
       return start(context, request.iv, request.aad, 1) &&
@@ -59,7 +64,7 @@ class Openssl final : public AeadBackend {
   }
 
   /// EVP compares the tag itself, so that the tag to return is the expected one, or none.
-  bool open(KeyStorage storage, std::size_t, const OpenRequest& request,
+  bool open(KeyStorage storage, Cipher, const OpenRequest& request,
             TagView expected) const override {
     std::array<std::uint8_t, kTagSize> tag;
     std::ranges::copy(expected, tag.begin());
@@ -77,9 +82,13 @@ class Openssl final : public AeadBackend {
   void destroy(KeyStorage storage) const noexcept override { std::destroy_at(key_in(storage)); }
 
  private:
-  Context context_with(const Secret<struct AeadKeyTag, 32>& key) const {
+  const EVP_CIPHER* fetched(Cipher cipher) const {
+    if (cipher == Cipher::chacha20_poly1305) return chacha_.get();
+    return cipher == Cipher::aes128_gcm ? gcm128_.get() : gcm256_.get();
+  }
+
+  static Context context_with(const EVP_CIPHER* cipher, const Secret<struct AeadKeyTag, 32>& key) {
     Context context(EVP_CIPHER_CTX_new());
-    const auto* cipher = key.size() == 16 ? gcm128_.get() : gcm256_.get();
     const bool ready = context && key.expose([&](BytesView octets) {
       return EVP_EncryptInit_ex(context.get(), cipher, nullptr, octets.data(), nullptr) == 1;
     });
@@ -93,7 +102,7 @@ class Openssl final : public AeadBackend {
       key.taken.clear(std::memory_order_release);
       return done;
     }
-    const auto own = context_with(key.key);
+    const auto own = context_with(key.cipher, key.key);
     return own && f(own.get());
   }
 
@@ -117,18 +126,20 @@ class Openssl final : public AeadBackend {
     return true;
   }
 
-  Cipher gcm128_;
-  Cipher gcm256_;
+  Fetched gcm128_;
+  Fetched gcm256_;
+  Fetched chacha_;  ///< may be null
 };
 
 }  // namespace
 
 const AeadBackend* openssl_backend() {
   static const auto kBackend = []() -> std::unique_ptr<const AeadBackend> {
-    Cipher gcm128(EVP_CIPHER_fetch(nullptr, "AES-128-GCM", nullptr));
-    Cipher gcm256(EVP_CIPHER_fetch(nullptr, "AES-256-GCM", nullptr));
+    Fetched gcm128(EVP_CIPHER_fetch(nullptr, "AES-128-GCM", nullptr));
+    Fetched gcm256(EVP_CIPHER_fetch(nullptr, "AES-256-GCM", nullptr));
+    Fetched chacha(EVP_CIPHER_fetch(nullptr, "ChaCha20-Poly1305", nullptr));
     if (!gcm128 || !gcm256) return nullptr;
-    return std::make_unique<Openssl>(std::move(gcm128), std::move(gcm256));
+    return std::make_unique<Openssl>(std::move(gcm128), std::move(gcm256), std::move(chacha));
   }();
   return kBackend.get();
 }

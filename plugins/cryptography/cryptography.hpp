@@ -9,7 +9,7 @@
 
 namespace ddssec::cryptography {
 
-/// Which AES-GCM implementation to use.
+/// Which AEAD implementation to use.
 enum class AeadChoice : std::uint8_t { automatic, ipsec_mb, openssl };
 
 struct Options {
@@ -24,6 +24,9 @@ struct Options {
   /// Sessions under one key before it refuses to go on; at most 2^32, at least 1.
   std::uint64_t most_sessions_per_key = std::uint64_t{1} << 32;
 };
+
+/// What an engine made with `choice` can decrypt.
+spi::CipherMask supported_ciphers(AeadChoice choice = AeadChoice::automatic);
 
 /// Never nullptr. `environment` outlives it; its events hear of nothing but a missing
 /// implementation: refusals of transformations are returned, and the host decides what to say of

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "plugins/cryptography/cipher_choice.hpp"
+
 namespace ddssec::cryptography {
 namespace {
 
@@ -73,6 +75,12 @@ void Shared::publish_routes(RemoteParticipant& participant) {
   std::ranges::sort(table->rows, {},
                     [](const auto& row) { return std::tuple(row.key_id, row.kind, row.handle); });
   participant.routes.replace(std::move(table), graveyard);
+}
+
+spi::CipherMask supported_ciphers(AeadChoice choice) {
+  const auto* aead = aead_backend(choice);
+  if (aead == nullptr) aead = aead_backend(AeadChoice::automatic);
+  return aead == nullptr ? 0 : ciphers_of(*aead);
 }
 
 std::unique_ptr<spi::Cryptography> make_cryptography(const Environment& environment,

@@ -81,6 +81,10 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   Result<spi::DatawriterCryptoHandle> register_matched_remote_datawriter(
       spi::DatareaderCryptoHandle local_datareader, spi::ParticipantCryptoHandle remote_participant,
       const spi::SharedSecret& shared_secret) override;
+  spi::CipherMask supported_ciphers() const override;
+  Result<spi::SymmetricCipherInfo> cipher_info(spi::ParticipantCryptoHandle local) override;
+  Result<spi::CipherMask> required_ciphers(spi::DatawriterCryptoHandle local) override;
+  Result<spi::CipherMask> required_ciphers(spi::DatareaderCryptoHandle local) override;
   Status unregister_participant(spi::ParticipantCryptoHandle participant) override;
   Status unregister_datawriter(spi::DatawriterCryptoHandle datawriter) override;
   Status unregister_datareader(spi::DatareaderCryptoHandle datareader) override;
@@ -91,9 +95,11 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   template <class Key>
   Result<Key> random_key(std::size_t size);
   KeyId fresh_key_id();
-  Result<KeyMaterial> fresh_material(bool encrypts, std::size_t key_size);
+  Result<KeyMaterial> fresh_material(bool encrypts, Cipher cipher);
   Result<std::unique_ptr<SendKey>> send_key(KeyMaterial material);
-  Result<std::unique_ptr<ReceiverKey>> receiver_key(std::size_t size);
+  Result<std::unique_ptr<ReceiverKey>> receiver_key(Cipher cipher);
+  /// Is it there, and allowed? Errors: cipher_unavailable, cipher_not_allowed.
+  Status check_cipher(Cipher cipher, spi::CipherMask allowed) const;
   Result<std::unique_ptr<Pair>> make_pair(const LocalParticipant& local,
                                           const spi::SharedSecret& shared_secret);
   Result<RemoteParticipant*> remote_with_identity(spi::IdentityHandle identity);
@@ -102,7 +108,7 @@ class KeyFactory final : public spi::CryptoKeyFactory {
                                                spi::ParticipantCryptoHandle participant,
                                                const spi::PropertyList& properties,
                                                const spi::EndpointSecurityAttributes& attributes);
-  Status make_endpoint_keys(LocalEndpoint& endpoint, std::size_t key_size);
+  Status make_endpoint_keys(LocalEndpoint& endpoint);
   Result<std::int64_t> match(LocalEndpoint& local, EntityKind remote_kind,
                              spi::ParticipantCryptoHandle remote_participant);
   void drop(const Entity& entity);
@@ -145,8 +151,8 @@ class KeyExchange final : public spi::CryptoKeyExchange {
   Result<std::vector<spi::Token>> create(Local local, Remote remote);
   template <class Local, class Remote>
   Status set(Local local, Remote remote, std::span<const spi::Token> tokens);
-  Result<std::unique_ptr<ReceiveKey>> receive_key(KeyMaterial material,
-                                                  spi::ProtectionKind due) const;
+  Result<std::unique_ptr<ReceiveKey>> receive_key(KeyMaterial material, spi::ProtectionKind due,
+                                                  const Pair& from) const;
   Result<std::unique_ptr<RemoteKeys>> endpoint_keys(const RemoteEndpoint& remote,
                                                     std::vector<KeyMaterial> materials) const;
 

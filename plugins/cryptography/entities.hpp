@@ -31,7 +31,9 @@ struct RemoteKeys final : Retirable {
 struct LocalParticipant final : Entity {
   LocalParticipant() : Entity(EntityKind::local_participant) {}
   spi::ProtectionKind rtps = spi::ProtectionKind::none;
-  std::size_t key_size = 32;
+  Cipher cipher = Cipher::aes256_gcm;           ///< of messages and builtin endpoints
+  Cipher endpoint_cipher = Cipher::aes256_gcm;  ///< of the application's endpoints
+  spi::CipherMask allowed_ciphers = spi::kAllCiphers;
   std::unique_ptr<SendKey> key;  ///< null if RTPS messages are not protected
   std::unordered_set<std::int64_t> endpoints;
   std::unordered_set<std::int64_t> matched;  ///< remote participants
@@ -41,6 +43,7 @@ struct LocalParticipant final : Entity {
 struct Pair final : Retirable {
   explicit Pair(const LocalParticipant& local_participant) : local(local_participant) {}
   const LocalParticipant& local;
+  spi::CipherMask peer_ciphers = spi::kStandardCiphers;
   std::unique_ptr<ReceiverKey> receiver_key;  ///< ours towards the remote; null without need
   std::unique_ptr<SendKey> key_exchange_send;
   std::unique_ptr<ReceiveKey> key_exchange_receive;
@@ -93,12 +96,14 @@ struct LocalEndpoint final : Entity {
   spi::ProtectionKind submessage = spi::ProtectionKind::none;
   spi::ProtectionKind payload = spi::ProtectionKind::none;
   bool is_volatile = false;  ///< ParticipantVolatileMessageSecure: keys of the key exchange
+  Cipher cipher = Cipher::aes256_gcm;
   std::unique_ptr<SendKey> submessage_key;
   std::unique_ptr<SendKey> payload_key;
   /// A reader's key that is only ever sent, where only payloads are protected.
   std::optional<KeyMaterial> token_only;
   std::unordered_set<std::int64_t> matched;  ///< remote endpoints
 
+  bool sends_protected() const { return submessage_key != nullptr || payload_key != nullptr; }
   bool has_tokens() const {
     return !is_volatile && (is_protected(submessage) || is_protected(payload));
   }

@@ -36,17 +36,32 @@ bool fits(const KeyMaterial& material, spi::ProtectionKind due) {
   return traits && traits->encrypts == is_encrypted(due);
 }
 
+/// AES is everybody's.
+Status check_cipher(const KindTraits& traits, const Pair& from) {
+  if (traits.cipher != Cipher::chacha20_poly1305) return {};
+  if ((from.peer_ciphers & spi::kChaCha20Poly1305Bit) == 0)
+    return fail(Code::cipher_not_announced,
+                {.expected = spi::names_of(from.peer_ciphers), .found = traits.kind.to_string()});
+  if ((from.local.allowed_ciphers & spi::kChaCha20Poly1305Bit) == 0)
+    return fail(Code::cipher_not_allowed, {.expected = spi::names_of(from.local.allowed_ciphers),
+                                           .found = traits.kind.to_string()});
+  return {};
+}
+
 }  // namespace
 
-/// A key that does exactly what the governance demands.
+/// A key that does exactly what the governance demands, by a cipher that the peer announced: a
+/// vendor's number means what we mean by it only then.
 Result<std::unique_ptr<ReceiveKey>> KeyExchange::receive_key(KeyMaterial material,
-                                                             spi::ProtectionKind due) const {
+                                                             spi::ProtectionKind due,
+                                                             const Pair& from) const {
   if (!fits(material, due))
     return fail(Code::key_material_kind_mismatch,
                 {.expected = std::string(to_string(due)), .found = material.kind.to_string()});
   if (is_origin_authenticated(due) && !material.has_receiver_key())
     return fail(Code::receiver_specific_key_missing);
   const auto traits = *traits_of(material.kind);
+  DDSSEC_TRY(check_cipher(traits, from));
   return std::make_unique<ReceiveKey>(std::move(material), traits, shared_.keys);
 }
 
@@ -76,7 +91,7 @@ Status KeyExchange::set_remote_participant_crypto_tokens(spi::ParticipantCryptoH
   // Fast DDS sends a GMAC key even where nothing is protected.
   if (!is_protected(participant->rtps)) return {};
   auto keys = std::make_unique<RemoteKeys>();
-  keys->submessage = DDSSEC_TRY(receive_key(std::move(material), participant->rtps));
+  keys->submessage = DDSSEC_TRY(receive_key(std::move(material), participant->rtps, *pair));
   pair->remote_keys.replace(std::move(keys), shared_.graveyard);
   return {};
 }
@@ -109,15 +124,18 @@ Result<std::vector<spi::Token>> KeyExchange::create(Local local, Remote remote) 
 Result<std::unique_ptr<RemoteKeys>> KeyExchange::endpoint_keys(
     const RemoteEndpoint& remote, std::vector<KeyMaterial> materials) const {
   const auto& local = remote.local;
+  const auto* const pair = remote.participant.pair(local.participant.handle());
+  if (pair == nullptr) return fail(Code::crypto_not_matched);
   auto keys = std::make_unique<RemoteKeys>();
   if (remote.kind() == EntityKind::remote_writer && is_protected(local.payload)) {
     auto payload = materials.back().clone();
     payload.receiver_key_id = {};  // payloads have no receiver-specific MACs
     payload.receiver_key = {};
-    keys->payload = DDSSEC_TRY(receive_key(std::move(payload), local.payload));
+    keys->payload = DDSSEC_TRY(receive_key(std::move(payload), local.payload, *pair));
   }
   if (is_protected(local.submessage))
-    keys->submessage = DDSSEC_TRY(receive_key(std::move(materials.front()), local.submessage));
+    keys->submessage =
+        DDSSEC_TRY(receive_key(std::move(materials.front()), local.submessage, *pair));
   return keys;
 }
 

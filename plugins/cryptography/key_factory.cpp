@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "base/rollback.hpp"
+#include "plugins/cryptography/cipher_choice.hpp"
 #include "plugins/cryptography/engine.hpp"
 #include "plugins/spi/property_names.hpp"
 
@@ -10,17 +11,6 @@ namespace {
 
 constexpr std::string_view kVolatileWriter = "BuiltinParticipantVolatileMessageSecureWriter";
 constexpr std::string_view kVolatileReader = "BuiltinParticipantVolatileMessageSecureReader";
-
-/// Octets of the keys: what the property says, or `otherwise`.
-Result<std::size_t> key_size(const spi::PropertyList& properties, std::size_t otherwise) {
-  const auto* const value = spi::find_property(properties, spi::property::kKeySize);
-  if (value == nullptr) return otherwise;
-  if (*value == "128") return 16;
-  if (*value == "256") return 32;
-  return fail(
-      Code::invalid_property,
-      {.field = std::string(spi::property::kKeySize), .expected = "128 or 256", .found = *value});
-}
 
 /// The only mark of the volatile secure endpoints (DDS-Security 8.8.8.1).
 bool is_volatile(EntityKind kind, const spi::PropertyList& properties) {
@@ -60,8 +50,9 @@ KeyId KeyFactory::fresh_key_id() {
   return id;
 }
 
-Result<KeyMaterial> KeyFactory::fresh_material(bool encrypts, std::size_t size) {
-  KeyMaterial material{.kind = kind_for(encrypts, size)};
+Result<KeyMaterial> KeyFactory::fresh_material(bool encrypts, Cipher cipher) {
+  const auto size = key_size_of(cipher);
+  KeyMaterial material{.kind = kind_for(cipher, encrypts)};
   material.salt = DDSSEC_TRY(random_key<MasterSalt>(size));
   material.sender_key_id = fresh_key_id();
   material.sender_key = DDSSEC_TRY(random_key<MasterKey>(size));
@@ -73,9 +64,38 @@ Result<std::unique_ptr<SendKey>> KeyFactory::send_key(KeyMaterial material) {
   return SendKey::create(std::move(material), start, shared_.keys);
 }
 
-Result<std::unique_ptr<ReceiverKey>> KeyFactory::receiver_key(std::size_t size) {
-  auto key = DDSSEC_TRY(random_key<MasterReceiverKey>(size));
+Result<std::unique_ptr<ReceiverKey>> KeyFactory::receiver_key(Cipher cipher) {
+  auto key = DDSSEC_TRY(random_key<MasterReceiverKey>(key_size_of(cipher)));
   return std::make_unique<ReceiverKey>(fresh_key_id(), std::move(key), shared_.keys);
+}
+
+Status KeyFactory::check_cipher(Cipher cipher, spi::CipherMask allowed) const {
+  const auto here = allowed & supported_ciphers();
+  if ((here & bit_of(cipher)) != 0) return {};
+  return fail(Code::cipher_not_allowed, {.field = "symmetric cipher",
+                                         .expected = spi::names_of(here),
+                                         .found = spi::names_of(bit_of(cipher))});
+}
+
+spi::CipherMask KeyFactory::supported_ciphers() const { return ciphers_of(shared_.keys.aead); }
+
+Result<spi::SymmetricCipherInfo> KeyFactory::cipher_info(spi::ParticipantCryptoHandle local) {
+  const std::lock_guard lock(shared_.mutex);
+  const auto& participant = *DDSSEC_TRY(shared_.local_participant(local));
+  return spi::SymmetricCipherInfo{.supported = supported_ciphers() & participant.allowed_ciphers,
+                                  .builtin_required = bit_of(participant.cipher),
+                                  .key_exchange_required = spi::kAes256Bit,
+                                  .user_default_required = bit_of(participant.endpoint_cipher)};
+}
+
+Result<spi::CipherMask> KeyFactory::required_ciphers(spi::DatawriterCryptoHandle local) {
+  const std::lock_guard lock(shared_.mutex);
+  return bit_of(DDSSEC_TRY(shared_.local_endpoint(local, EntityKind::local_writer))->cipher);
+}
+
+Result<spi::CipherMask> KeyFactory::required_ciphers(spi::DatareaderCryptoHandle local) {
+  const std::lock_guard lock(shared_.mutex);
+  return bit_of(DDSSEC_TRY(shared_.local_endpoint(local, EntityKind::local_reader))->cipher);
 }
 
 Result<spi::ParticipantCryptoHandle> KeyFactory::register_local_participant(
@@ -83,11 +103,16 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_local_participant(
     const spi::ParticipantSecurityAttributes& attributes) {
   const std::lock_guard lock(shared_.mutex);
   auto participant = std::make_unique<LocalParticipant>();
-  participant->key_size = DDSSEC_TRY(key_size(properties, participant->key_size));
+  const auto ciphers = DDSSEC_TRY(participant_ciphers(properties));
+  participant->cipher = ciphers.message;
+  participant->endpoint_cipher = ciphers.endpoint;
+  participant->allowed_ciphers = attributes.allowed_ciphers;
+  for (const auto cipher : {ciphers.message, ciphers.endpoint})
+    DDSSEC_TRY(check_cipher(cipher, attributes.allowed_ciphers));
   participant->rtps = attributes.rtps;
   if (is_protected(attributes.rtps))
     participant->key = DDSSEC_TRY(
-        send_key(DDSSEC_TRY(fresh_material(is_encrypted(attributes.rtps), participant->key_size))));
+        send_key(DDSSEC_TRY(fresh_material(is_encrypted(attributes.rtps), participant->cipher))));
   const auto& added = *participant;
   DDSSEC_TRY(shared_.registry.add(std::move(participant)));
   return spi::ParticipantCryptoHandle{added.handle()};
@@ -96,14 +121,16 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_local_participant(
 Result<std::unique_ptr<Pair>> KeyFactory::make_pair(const LocalParticipant& local,
                                                     const spi::SharedSecret& shared_secret) {
   if (shared_secret.secret.empty()) return fail(Code::length_out_of_range);
+  if (local.key) DDSSEC_TRY(check_peer(local.cipher, shared_secret.peer_ciphers));
   auto pair = std::make_unique<Pair>(local);
+  pair->peer_ciphers = shared_secret.peer_ciphers;
   auto material = derive_key_exchange_material(shared_secret);
   pair->key_exchange_receive =
       std::make_unique<ReceiveKey>(material.clone(), *traits_of(material.kind), shared_.keys);
   // Both directions share the key: a random session id and suffix keep their IVs apart.
   pair->key_exchange_send = DDSSEC_TRY(send_key(std::move(material)));
   if (is_origin_authenticated(local.rtps))
-    pair->receiver_key = DDSSEC_TRY(receiver_key(local.key_size));
+    pair->receiver_key = DDSSEC_TRY(receiver_key(local.cipher));
   return pair;
 }
 
@@ -147,19 +174,20 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_matched_remote_partici
   return handle;
 }
 
-Status KeyFactory::make_endpoint_keys(LocalEndpoint& endpoint, std::size_t size) {
+Status KeyFactory::make_endpoint_keys(LocalEndpoint& endpoint) {
   if (endpoint.is_volatile) return {};
+  const auto cipher = endpoint.cipher;
   const bool protects_submessages = is_protected(endpoint.submessage);
   if (protects_submessages)
     endpoint.submessage_key =
-        DDSSEC_TRY(send_key(DDSSEC_TRY(fresh_material(is_encrypted(endpoint.submessage), size))));
+        DDSSEC_TRY(send_key(DDSSEC_TRY(fresh_material(is_encrypted(endpoint.submessage), cipher))));
   if (!is_protected(endpoint.payload)) return {};
   if (endpoint.kind() == EntityKind::local_writer)
     endpoint.payload_key =
-        DDSSEC_TRY(send_key(DDSSEC_TRY(fresh_material(is_encrypted(endpoint.payload), size))));
+        DDSSEC_TRY(send_key(DDSSEC_TRY(fresh_material(is_encrypted(endpoint.payload), cipher))));
   else if (!protects_submessages)
     // Fast DDS 2.9 pairs its writer only after a token of the reader, even if it needs none.
-    endpoint.token_only = DDSSEC_TRY(fresh_material(false, size));
+    endpoint.token_only = DDSSEC_TRY(fresh_material(false, Cipher::aes256_gcm));
   return {};
 }
 
@@ -173,8 +201,10 @@ Result<std::int64_t> KeyFactory::register_local_endpoint(
   endpoint->submessage =
       endpoint->is_volatile ? spi::ProtectionKind::encrypt : attributes.submessage;
   if (!endpoint->is_volatile) endpoint->payload = attributes.payload;
-  const auto size = DDSSEC_TRY(key_size(properties, parent->key_size));
-  DDSSEC_TRY(make_endpoint_keys(*endpoint, size));
+  const auto otherwise = attributes.is_builtin ? parent->cipher : parent->endpoint_cipher;
+  endpoint->cipher = DDSSEC_TRY(cipher_asked(properties)).value_or(otherwise);
+  DDSSEC_TRY(check_cipher(endpoint->cipher, parent->allowed_ciphers));
+  DDSSEC_TRY(make_endpoint_keys(*endpoint));
   const auto& added = *endpoint;
   DDSSEC_TRY(shared_.registry.add(std::move(endpoint)));
   Rollback forget([&] { drop(added); });
@@ -202,10 +232,12 @@ Result<spi::DatareaderCryptoHandle> KeyFactory::register_local_datareader(
 Result<std::int64_t> KeyFactory::match(LocalEndpoint& local, EntityKind kind,
                                        spi::ParticipantCryptoHandle remote_participant) {
   auto* const parent = DDSSEC_TRY(shared_.remote_participant(remote_participant));
-  if (parent->pair(local.participant.handle()) == nullptr) return fail(Code::crypto_not_matched);
+  const auto* const pair = parent->pair(local.participant.handle());
+  if (pair == nullptr) return fail(Code::crypto_not_matched);
+  if (local.sends_protected()) DDSSEC_TRY(check_peer(local.cipher, pair->peer_ciphers));
   auto remote = std::make_unique<RemoteEndpoint>(kind, local, *parent);
   if (!local.is_volatile && is_origin_authenticated(local.submessage))
-    remote->receiver_key = DDSSEC_TRY(receiver_key(local.submessage_key->traits().key_size));
+    remote->receiver_key = DDSSEC_TRY(receiver_key(local.cipher));
   const auto& added = *remote;
   DDSSEC_TRY(shared_.registry.add(std::move(remote)));
   Rollback forget([&] {

@@ -13,12 +13,14 @@ constexpr std::string_view kKeyMaterialProperty = "dds.cryp.keymat";
 constexpr std::size_t kLeastNoneSize = 24;
 constexpr std::size_t kMostNoneSize = 128;
 
-/// By the last octet of the kind, from 1.
+/// The first four by the last octet of the kind, from 1.
 constexpr std::array kKinds = {
-    KindTraits{kAes128Gmac, 16, false},
-    KindTraits{kAes128Gcm, 16, true},
-    KindTraits{kAes256Gmac, 32, false},
-    KindTraits{kAes256Gcm, 32, true},
+    KindTraits{kAes128Gmac, Cipher::aes128_gcm, false},
+    KindTraits{kAes128Gcm, Cipher::aes128_gcm, true},
+    KindTraits{kAes256Gmac, Cipher::aes256_gcm, false},
+    KindTraits{kAes256Gcm, Cipher::aes256_gcm, true},
+    KindTraits{kChachaPoly1305Mac, Cipher::chacha20_poly1305, false},
+    KindTraits{kChachaPoly1305, Cipher::chacha20_poly1305, true},
 };
 
 bool all_zero(BytesView octets) {
@@ -53,16 +55,19 @@ Result<Key> read_key(Reader& reader, std::size_t size) {
 
 std::optional<KindTraits> traits_of(TransformKind kind) {
   // The first three octets are a key revision in later versions; ours is 0.
-  const auto index = kind.octets[3];
-  const bool known = (kind.octets[0] | kind.octets[1] | kind.octets[2]) == 0 && index != 0 &&
-                     index <= kKinds.size();
-  if (!known) return std::nullopt;
-  return kKinds[index - 1u];
+  if ((kind.octets[0] | kind.octets[1] | kind.octets[2]) != 0) return std::nullopt;
+  const unsigned last = kind.octets[3];
+  const unsigned first_of_ours = kChachaPoly1305Mac.octets[3];
+  const unsigned index = last >= first_of_ours ? last - first_of_ours + 4 : last - 1;
+  if (index >= kKinds.size() || kKinds[index].kind != kind) return std::nullopt;
+  return kKinds[index];
 }
 
-TransformKind kind_for(bool encrypts, std::size_t key_size) {
-  if (key_size == 16) return encrypts ? kAes128Gcm : kAes128Gmac;
-  return encrypts ? kAes256Gcm : kAes256Gmac;
+TransformKind kind_for(Cipher cipher, bool encrypts) {
+  return std::ranges::find_if(
+             kKinds,
+             [&](const auto& row) { return row.cipher == cipher && row.encrypts == encrypts; })
+      ->kind;
 }
 
 KeyMaterial KeyMaterial::clone() const {
@@ -97,13 +102,13 @@ Result<KeyMaterial> parse_key_material(BytesView octets) {
   const auto traits = traits_of(kind);
   if (!traits) return fail(Code::key_material_kind_unknown, {.found = kind.to_string()});
   KeyMaterial material{.kind = kind};
-  material.salt = DDSSEC_TRY(read_key<MasterSalt>(reader, traits->key_size));
+  material.salt = DDSSEC_TRY(read_key<MasterSalt>(reader, traits->key_size()));
   material.sender_key_id = DDSSEC_TRY(read_id<KeyId>(reader));
-  material.sender_key = DDSSEC_TRY(read_key<MasterKey>(reader, traits->key_size));
+  material.sender_key = DDSSEC_TRY(read_key<MasterKey>(reader, traits->key_size()));
   material.receiver_key_id = DDSSEC_TRY(read_id<KeyId>(reader));
   // Id 0 is "no receiver-specific key": then there must be none.
   material.receiver_key = DDSSEC_TRY(
-      read_key<MasterReceiverKey>(reader, material.has_receiver_key() ? traits->key_size : 0));
+      read_key<MasterReceiverKey>(reader, material.has_receiver_key() ? traits->key_size() : 0));
   if (!reader.at_end()) return fail(Code::key_material_length);
   if (material.sender_key_id.is_zero()) return fail(Code::key_material_key_id);
   return material;

@@ -6,6 +6,7 @@
 
 #include "base/ids.hpp"
 #include "base/secret.hpp"
+#include "plugins/cryptography/aead.hpp"
 #include "plugins/spi/token.hpp"
 
 namespace ddssec::cryptography {
@@ -15,16 +16,23 @@ inline constexpr TransformKind kAes128Gmac{{0, 0, 0, 1}};
 inline constexpr TransformKind kAes128Gcm{{0, 0, 0, 2}};
 inline constexpr TransformKind kAes256Gmac{{0, 0, 0, 3}};
 inline constexpr TransformKind kAes256Gcm{{0, 0, 0, 4}};
+// Ours, from the range that is left to vendors (DDS-Security 1.2 7.3.7). Both go only to peers that
+// announced them: others may mean something else by the same numbers.
+inline constexpr TransformKind kChachaPoly1305Mac{{0, 0, 0, 0x91}};
+inline constexpr TransformKind kChachaPoly1305{{0, 0, 0, 0x92}};
 
 /// What a transformation kind does.
 struct KindTraits {
   TransformKind kind;
-  std::size_t key_size;  ///< octets of salt and keys: 16 or 32
-  bool encrypts;         ///< GCM, or else GMAC
+  Cipher cipher;
+  bool encrypts;  ///< or else a MAC only
+
+  /// Octets of salt and keys: 16 or 32.
+  std::size_t key_size() const { return key_size_of(cipher); }
 };
 /// Nothing for NONE and for kinds we do not know.
 std::optional<KindTraits> traits_of(TransformKind kind);
-TransformKind kind_for(bool encrypts, std::size_t key_size);
+TransformKind kind_for(Cipher cipher, bool encrypts);
 
 using MasterSalt = Secret<struct MasterSaltTag, 32>;
 using MasterKey = Secret<struct MasterKeyTag, 32>;

@@ -18,12 +18,14 @@ Result<ReceiveKey::Candidate> ReceiveKey::session(SessionId id) {
   auto fresh = blank();
   fresh->id = id;
   const auto key = derive_session_key(material_.sender_key, material_.salt, id);
-  DDSSEC_TRY(
-      key.expose([&](BytesView octets) { return fresh->key.expand(environment_.aead, octets); }));
+  DDSSEC_TRY(key.expose([&](BytesView octets) {
+    return fresh->key.expand(environment_.aead, traits_.cipher, octets);
+  }));
   if (material_.has_receiver_key()) {
     const auto receiver = derive_session_receiver_key(material_.receiver_key, material_.salt, id);
-    DDSSEC_TRY(receiver.expose(
-        [&](BytesView octets) { return fresh->receiver->expand(environment_.aead, octets); }));
+    DDSSEC_TRY(receiver.expose([&](BytesView octets) {
+      return fresh->receiver->expand(environment_.aead, traits_.cipher, octets);
+    }));
   }
   candidate.session_ = fresh.get();
   candidate.fresh_ = std::move(fresh);

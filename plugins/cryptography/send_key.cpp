@@ -41,8 +41,9 @@ Result<std::unique_ptr<SendSession>> SendKey::session(std::uint64_t number) cons
   next->number = number;
   next->id = big_endian_id<SessionId>(start_.session + static_cast<std::uint32_t>(number));
   const auto key = derive_session_key(material_.sender_key, material_.salt, next->id);
-  DDSSEC_TRY(
-      key.expose([&](BytesView octets) { return next->key.expand(environment_.aead, octets); }));
+  DDSSEC_TRY(key.expose([&](BytesView octets) {
+    return next->key.expand(environment_.aead, traits_.cipher, octets);
+  }));
   return next;
 }
 
@@ -83,8 +84,9 @@ Result<const ReceiverKey::Session*> ReceiverKey::expand(const SendKey& sender, S
   auto next = std::make_unique<Session>();
   next->id = id;
   const auto key = derive_session_receiver_key(key_, sender.material().salt, id);
-  DDSSEC_TRY(
-      key.expose([&](BytesView octets) { return next->key.expand(environment_.aead, octets); }));
+  DDSSEC_TRY(key.expose([&](BytesView octets) {
+    return next->key.expand(environment_.aead, sender.traits().cipher, octets);
+  }));
   const auto* const made = next.get();
   current_.replace(std::move(next), environment_.graveyard);
   return made;

@@ -2,6 +2,7 @@
 // the later versions), and the layout that its three plugins share behind a handle.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include <dds/security/dds_security_api_access_control.h>
@@ -18,6 +19,11 @@ namespace ddssec::cyclonedds {
 
 using Exception = DDS_Security_SecurityException;
 
+/// Our cryptography library exports this beside its entry points, for our authentication library:
+/// the spi::CipherMask of what it can decrypt.
+using SupportedCiphers = std::uint32_t();
+inline constexpr const char* kSupportedCiphersSymbol = "ddssec_supported_ciphers";
+
 /// What a DDS_Security_SharedSecretHandle points to: Cyclone's own cryptography plugin reads it,
 /// and its authentication plugin hands it out, so that ours can stand beside either.
 struct SharedSecretLayout {
@@ -26,5 +32,24 @@ struct SharedSecretLayout {
   DDS_Security_octet challenge1[DDS_SECURITY_AUTHENTICATION_CHALLENGE_SIZE];
   DDS_Security_octet challenge2[DDS_SECURITY_AUTHENTICATION_CHALLENGE_SIZE];
 };
+
+/// Ours, with what only our own cryptography looks for. Cyclone's plugin allocates its octets apart
+/// from the layout, at addresses that are a multiple of the word: it never points to where this
+/// one's are.
+struct ExtendedSharedSecret {
+  SharedSecretLayout layout;
+  std::uint32_t peer_ciphers;  ///< spi::CipherMask
+  DDS_Security_octet octets[64];
+
+  /// The whole behind a layout, or nullptr for another's.
+  static const ExtendedSharedSecret* of(const SharedSecretLayout& layout);
+};
+static_assert(offsetof(ExtendedSharedSecret, octets) % alignof(std::max_align_t) == 4);
+
+inline const ExtendedSharedSecret* ExtendedSharedSecret::of(const SharedSecretLayout& layout) {
+  const auto* const begin = reinterpret_cast<const DDS_Security_octet*>(&layout);
+  if (layout.shared_secret != begin + offsetof(ExtendedSharedSecret, octets)) return nullptr;
+  return reinterpret_cast<const ExtendedSharedSecret*>(&layout);
+}
 
 }  // namespace ddssec::cyclonedds

@@ -298,7 +298,7 @@ DDS_Security_boolean get_datareader_sec_attributes(
   });
 }
 
-/// Attributes hold nothing of ours: ac_endpoint_properties is always empty.
+/// What ac_endpoint_properties holds lives as long as the library.
 template <class Attributes>
 DDS_Security_boolean return_attributes(Instance* instance, const Attributes*, Exception* ex) {
   return allow(instance, ex);

@@ -1,5 +1,7 @@
 #include "plugins/cyclonedds/authentication_adapter.hpp"
 
+#include <dlfcn.h>
+
 #include "plugins/cyclonedds/token_translation.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
 
@@ -63,12 +65,22 @@ CResult validate_local_identity(Instance* instance, CIdentity* handle,
   });
 }
 
+/// What our cryptography in this process can decrypt; the standard's ciphers where a stock one
+/// stands in its place. Looked up late: the host loads it after us.
+spi::CipherMask ciphers_of_process() {
+  void* const symbol = dlsym(RTLD_DEFAULT, kSupportedCiphersSymbol);
+  if (symbol == nullptr) return spi::kStandardCiphers;
+  return reinterpret_cast<SupportedCiphers*>(symbol)();
+}
+
 DDS_Security_boolean get_identity_token(Instance* instance, CToken* token, const CIdentity handle,
                                         Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     DDSSEC_TRY(require(token));
     *token = {};
-    return copy_token(DDSSEC_TRY(adapter.engine().identity_token(identity(handle))), *token);
+    return copy_token(
+        DDSSEC_TRY(adapter.engine().identity_token(identity(handle), ciphers_of_process())),
+        *token);
   });
 }
 

@@ -13,6 +13,8 @@ DDSSEC_EXPORT int init_crypto(const char*, void** context, ddsi_domaingv* domain
       });
 }
 
+DDSSEC_EXPORT std::uint32_t ddssec_supported_ciphers() { return cryptography::supported_ciphers(); }
+
 DDSSEC_EXPORT int finalize_crypto(void* context) {
   return cyclonedds::finalize<CryptographyAdapter, dds_security_cryptography>(context);
 }

@@ -1,5 +1,9 @@
 // CryptoKeyFactory: registration of participants and endpoints.
+#include <algorithm>
+#include <iterator>
+
 #include "plugins/cyclonedds/cryptography_adapter.hpp"
+#include "plugins/cyclonedds/process_properties.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
 
@@ -10,7 +14,6 @@ using Adapter = CryptographyAdapter;
 using Instance = dds_security_crypto_key_factory;
 using CHandle = DDS_Security_CryptoHandle;
 
-/// Cyclone passes no properties for participants.
 Result<spi::PropertyList> optional_properties(const DDS_Security_PropertySeq* properties) {
   if (properties == nullptr) return spi::PropertyList{};
   return properties_from(*properties);
@@ -21,13 +24,14 @@ CHandle register_local_participant(Instance* instance, const DDS_Security_Identi
                                    const DDS_Security_PropertySeq* properties,
                                    const DDS_Security_ParticipantSecurityAttributes* attributes,
                                    Exception* ex) {
-  return ask_handle<Adapter>(instance, ex,
-                             [&](Adapter& adapter) -> Result<spi::ParticipantCryptoHandle> {
-                               DDSSEC_TRY(require(attributes));
-                               const auto list = DDSSEC_TRY(optional_properties(properties));
-                               return adapter.key_factory().register_local_participant(
-                                   {identity}, {permissions}, list, attributes_from(*attributes));
-                             });
+  return ask_handle<Adapter>(
+      instance, ex, [&](Adapter& adapter) -> Result<spi::ParticipantCryptoHandle> {
+        DDSSEC_TRY(require(attributes));
+        auto list = DDSSEC_TRY(optional_properties(properties));
+        std::ranges::move(DDSSEC_TRY(process_properties()), std::back_inserter(list));
+        return adapter.key_factory().register_local_participant({identity}, {permissions}, list,
+                                                                attributes_from(*attributes));
+      });
 }
 
 CHandle register_matched_remote_participant(Instance* instance, const CHandle local,

@@ -8,14 +8,17 @@
 namespace ddssec::cyclonedds {
 
 SharedSecrets::Block::Block(const spi::SharedSecret& secret) {
-  secret.secret.expose([&](BytesView view) { std::ranges::copy(view, octets.begin()); });
-  layout.shared_secret = octets.data();
+  static_assert(sizeof content.octets == spi::SharedSecretOctets::capacity);
+  auto& layout = content.layout;
+  secret.secret.expose([&](BytesView view) { std::ranges::copy(view, content.octets); });
+  layout.shared_secret = content.octets;
   layout.shared_secret_size = static_cast<DDS_Security_long>(secret.secret.size());
   std::ranges::copy(secret.challenge1, layout.challenge1);
   std::ranges::copy(secret.challenge2, layout.challenge2);
+  content.peer_ciphers = secret.peer_ciphers;
 }
 
-SharedSecrets::Block::~Block() { wipe(octets); }
+SharedSecrets::Block::~Block() { wipe(content.octets); }
 
 void SharedSecrets::note(spi::HandshakeHandle handshake, spi::IdentityHandle initiator,
                          spi::IdentityHandle replier) {
@@ -46,7 +49,7 @@ Result<DDS_Security_SharedSecretHandle> SharedSecrets::hand_out(spi::HandshakeHa
   auto& entries = entries_[pair->second];
   auto& block = std::ranges::find(entries, handshake, &Entry::handshake)->block;
   if (!block) block = std::make_unique<Block>(secret);
-  return reinterpret_cast<DDS_Security_SharedSecretHandle>(&block->layout);
+  return reinterpret_cast<DDS_Security_SharedSecretHandle>(&block->content.layout);
 }
 
 void SharedSecrets::drop(spi::IdentityHandle identity) {

@@ -41,8 +41,7 @@ class SharedSecrets {
     Block(const Block&) = delete;
     Block& operator=(const Block&) = delete;
 
-    SharedSecretLayout layout{};
-    std::array<std::uint8_t, spi::SharedSecretOctets::capacity> octets{};
+    ExtendedSharedSecret content{};
   };
   struct Entry {
     spi::HandshakeHandle handshake;

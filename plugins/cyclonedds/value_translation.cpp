@@ -13,6 +13,29 @@ std::uint32_t valid_or_nothing(std::uint32_t mask) {
   return has(mask, spi::kMaskIsValid) ? mask : 0;
 }
 
+// What our access control tells our cryptography of an entity. The host hands the attributes of the
+// one to the other without looking at their properties; others' cryptography passes them over.
+using NoProperties = DDS_Security_PropertySeq;
+constexpr std::string_view kBuiltinEndpoint = "org.ddssec.builtin_endpoint";
+constexpr std::string_view kStandardCiphersOnly = "org.ddssec.standard_ciphers_only";
+
+/// One property that lives as long as the library; C has no const here, nobody writes to it.
+template <const std::string_view& name>
+DDS_Security_PropertySeq marker() {
+  static char value[] = "true";
+  static DDS_Security_Property_t property{const_cast<char*>(name.data()), value, false};
+  return {1, 1, &property};
+}
+DDS_Security_PropertySeq builtin_endpoint() { return marker<kBuiltinEndpoint>(); }
+DDS_Security_PropertySeq standard_ciphers_only() { return marker<kStandardCiphersOnly>(); }
+
+bool has(const DDS_Security_PropertySeq& properties, std::string_view name) {
+  const auto list = elements_of(properties);
+  return list && std::ranges::any_of(*list, [&](const auto& property) {
+           return property.name != nullptr && property.name == name;
+         });
+}
+
 }  // namespace
 
 Result<BytesView> octets_from(const DDS_Security_OctetSeq* octets) {
@@ -36,13 +59,14 @@ DDS_Security_GUID_t to_c(const Guid& guid) {
 }
 
 DDS_Security_ParticipantSecurityAttributes to_c(const spi::ParticipantSecurityAttributes& a) {
+  const bool only_standard = (a.allowed_ciphers & ~spi::kStandardCiphers) == 0;
   return {.allow_unauthenticated_participants = a.allow_unauthenticated_participants,
           .is_access_protected = a.is_access_protected,
           .is_rtps_protected = a.is_rtps_protected(),
           .is_discovery_protected = a.is_discovery_protected(),
           .is_liveliness_protected = a.is_liveliness_protected(),
           .plugin_participant_attributes = spi::plugin_mask(a),
-          .ac_endpoint_properties = {}};
+          .ac_endpoint_properties = only_standard ? standard_ciphers_only() : NoProperties{}};
 }
 
 DDS_Security_TopicSecurityAttributes to_c(const spi::TopicSecurityAttributes& a) {
@@ -61,7 +85,7 @@ DDS_Security_EndpointSecurityAttributes to_c(const spi::EndpointSecurityAttribut
           .is_payload_protected = a.is_payload_protected(),
           .is_key_protected = a.is_key_protected(),
           .plugin_endpoint_attributes = spi::plugin_mask(a),
-          .ac_endpoint_properties = {}};
+          .ac_endpoint_properties = a.is_builtin ? builtin_endpoint() : NoProperties{}};
 }
 
 spi::ParticipantSecurityAttributes attributes_from(
@@ -81,7 +105,9 @@ spi::ParticipantSecurityAttributes attributes_from(
       .liveliness = spi::protection_kind(
           a.is_liveliness_protected,
           has(mask, DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_LIVELINESS_ENCRYPTED),
-          has(mask, DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_LIVELINESS_AUTHENTICATED))};
+          has(mask, DDS_SECURITY_PLUGIN_PARTICIPANT_ATTRIBUTES_FLAG_IS_LIVELINESS_AUTHENTICATED)),
+      .allowed_ciphers = has(a.ac_endpoint_properties, kStandardCiphersOnly) ? spi::kStandardCiphers
+                                                                             : spi::kAllCiphers};
 }
 
 spi::EndpointSecurityAttributes attributes_from(const DDS_Security_EndpointSecurityAttributes& a) {
@@ -97,7 +123,8 @@ spi::EndpointSecurityAttributes attributes_from(const DDS_Security_EndpointSecur
                   DDS_SECURITY_PLUGIN_ENDPOINT_ATTRIBUTES_FLAG_IS_SUBMESSAGE_ORIGIN_AUTHENTICATED)),
           .payload = spi::protection_kind(
               a.is_payload_protected,
-              has(mask, DDS_SECURITY_PLUGIN_ENDPOINT_ATTRIBUTES_FLAG_IS_PAYLOAD_ENCRYPTED), false)};
+              has(mask, DDS_SECURITY_PLUGIN_ENDPOINT_ATTRIBUTES_FLAG_IS_PAYLOAD_ENCRYPTED), false),
+          .is_builtin = has(a.ac_endpoint_properties, kBuiltinEndpoint)};
 }
 
 Result<EndpointQuestion> EndpointQuestion::from(const char* topic_name,
@@ -132,6 +159,8 @@ Result<spi::SharedSecret> shared_secret_from(DDS_Security_SharedSecretHandle han
   secret.secret = DDSSEC_TRY(spi::SharedSecretOctets::copy_of({layout->shared_secret, size}));
   std::ranges::copy(layout->challenge1, secret.challenge1.begin());
   std::ranges::copy(layout->challenge2, secret.challenge2.begin());
+  if (const auto* const ours = ExtendedSharedSecret::of(*layout))
+    secret.peer_ciphers = ours->peer_ciphers;
   return secret;
 }
 

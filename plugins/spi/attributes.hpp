@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "base/protection_kind.hpp"
+#include "plugins/spi/symmetric_cipher.hpp"
 #include "plugins/spi/token.hpp"
 
 namespace ddssec::spi {
@@ -24,6 +25,8 @@ struct ParticipantSecurityAttributes {
   ProtectionKind rtps = ProtectionKind::none;
   ProtectionKind discovery = ProtectionKind::none;
   ProtectionKind liveliness = ProtectionKind::none;
+  /// <allowed_crypto_algorithms> (DDS-Security 1.2); all without one.
+  CipherMask allowed_ciphers = kAllCiphers;
   bool operator==(const ParticipantSecurityAttributes&) const = default;
 
   bool is_rtps_protected() const { return is_protected(rtps); }
@@ -47,6 +50,8 @@ struct EndpointSecurityAttributes {
   TopicSecurityAttributes topic;
   ProtectionKind submessage = ProtectionKind::none;
   ProtectionKind payload = ProtectionKind::none;
+  /// Of the middleware itself, not of the application.
+  bool is_builtin = false;
   bool operator==(const EndpointSecurityAttributes&) const = default;
 
   bool is_submessage_protected() const { return is_protected(submessage); }

@@ -51,7 +51,9 @@ class Authentication {
   virtual Result<LocalIdentity> validate_local_identity(DomainId domain_id,
                                                         const PropertyList& properties,
                                                         const Guid& candidate_guid) = 0;
-  virtual Result<Token> identity_token(IdentityHandle local) = 0;
+  /// `ciphers`: what the cryptography plugin of the same participant can decrypt.
+  virtual Result<Token> identity_token(IdentityHandle local,
+                                       CipherMask ciphers = kStandardCiphers) = 0;
   virtual Result<Token> identity_status_token(IdentityHandle local) = 0;
   /// The signed permissions that go into the handshake as c.perm.
   virtual Status set_permissions_credential_and_token(IdentityHandle local,
@@ -84,7 +86,8 @@ class Authentication {
   /// When the next certificate in use ends, if any; the host calls `expire` then (and after the
   /// calendar was set): it raises the events and returns the identities to be revoked. A local
   /// identity is followed by the peers that deal with nobody else here: a host may keep the writers
-  /// of a participant that it removed (Cyclone DDS does), and then nobody must be left to hear them.
+  /// of a participant that it removed (Cyclone DDS does), and then nobody must be left to hear
+  /// them.
   virtual std::optional<WallTime> next_expiry() = 0;
   virtual std::vector<IdentityHandle> expire() = 0;
 };

@@ -41,6 +41,13 @@ class CryptoKeyFactory {
       DatareaderCryptoHandle local_datareader, ParticipantCryptoHandle remote_participant,
       const SharedSecret& shared_secret) = 0;
 
+  /// What discovery announces: what we understand, and what one must understand to hear us.
+  virtual CipherMask supported_ciphers() const = 0;
+  virtual Result<SymmetricCipherInfo> cipher_info(ParticipantCryptoHandle local) = 0;
+  /// The cipher of a local endpoint's keys.
+  virtual Result<CipherMask> required_ciphers(DatawriterCryptoHandle local) = 0;
+  virtual Result<CipherMask> required_ciphers(DatareaderCryptoHandle local) = 0;
+
   virtual Status unregister_participant(ParticipantCryptoHandle participant) = 0;
   virtual Status unregister_datawriter(DatawriterCryptoHandle datawriter) = 0;
   virtual Status unregister_datareader(DatareaderCryptoHandle datareader) = 0;

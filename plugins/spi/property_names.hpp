@@ -14,6 +14,9 @@ inline constexpr std::string_view kTrustedCaDir = "dds.sec.auth.trusted_ca_dir";
 /// Cyclone DDS's name; rmw_cyclonedds sets it too.
 inline constexpr std::string_view kCrl = "org.eclipse.cyclonedds.sec.auth.crl";
 
+/// Ours, in the IdentityToken: ciphers that are not the standard's.
+inline constexpr std::string_view kAnnouncedCiphers = "org.ddssec.symmetric_ciphers";
+
 // DDS-Security 9.4.1
 inline constexpr std::string_view kPermissionsCa = "dds.sec.access.permissions_ca";
 inline constexpr std::string_view kGovernance = "dds.sec.access.governance";
@@ -21,6 +24,11 @@ inline constexpr std::string_view kPermissions = "dds.sec.access.permissions";
 
 // Cryptography
 inline constexpr std::string_view kKeySize = "dds.sec.crypto.keysize";
+/// Of a writer's or reader's keys; of a participant, for its user endpoints (DDS-Security 1.2).
+inline constexpr std::string_view kSymmetricCipher = "dds.sec.crypto.symmetric_cipher_algorithm";
+/// Ours: of a participant's protected messages and builtin endpoints; AES unless asked for.
+inline constexpr std::string_view kMessageCipher =
+    "org.ddssec.crypto.message_symmetric_cipher_algorithm";
 inline constexpr std::string_view kBuiltinEndpointName = "dds.sec.builtin_endpoint_name";
 
 }  // namespace ddssec::spi::property

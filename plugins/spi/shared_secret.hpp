@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "base/secret.hpp"
+#include "plugins/spi/symmetric_cipher.hpp"
 
 namespace ddssec::spi {
 
@@ -18,6 +19,8 @@ struct SharedSecret {
   SharedSecretOctets secret;
   Challenge challenge1{};
   Challenge challenge2{};
+  /// What the authenticated peer can decrypt, as it said under its signature.
+  CipherMask peer_ciphers = kStandardCiphers;
 };
 
 }  // namespace ddssec::spi

@@ -344,6 +344,9 @@ constexpr Row kTable[] = {
      [](SpanWriter& w, const Announced& a) {
        write_security_info(w, pid::kEndpointSecurityInfo, a.data.security_info);
      }},
+    {pid::kEndpointCiphers,
+     [](Reader& r, Announced& a) { return read_ciphers_into(r, a.data.required_ciphers); },
+     [](SpanWriter& w, const Announced& a) { write_ciphers(w, a.data.required_ciphers); }},
 };
 
 Result<EndpointData> read_endpoint(BytesView payload, bool (*is_kind)(const EntityId&),

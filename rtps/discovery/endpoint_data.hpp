@@ -20,6 +20,7 @@ struct EndpointData {
   std::optional<Guid> group_guid = {};  ///< its publisher's; sent with GROUP access only
   std::optional<ContentFilterProperty> content_filter = {};  ///< a reader's
   std::optional<spi::SecurityInfo> security_info = {};
+  std::optional<spi::CipherMask> required_ciphers = {};
   bool by_secure_discovery = false;  ///< how a remote one was announced; not part of what is sent
   bool operator==(const EndpointData&) const = default;
 };

@@ -316,6 +316,14 @@ EndpointData Participant::local_data(EndpointRequest request, EndpointKind kind)
   return data;
 }
 
+Status Participant::secure_endpoint(EndpointData& data) {
+  const auto made = DDSSEC_TRY(security_->create_endpoint(
+      data.guid.entity, {data.topic_name, data.qos.partition, data.qos.properties}));
+  data.security_info = made.info;
+  data.required_ciphers = made.required_ciphers;
+  return {};
+}
+
 Result<Guid> Participant::create_writer(EndpointRequest request, EndpointListener& listener,
                                         MonotonicTime now) {
   now_ = now;
@@ -324,9 +332,7 @@ Result<Guid> Participant::create_writer(EndpointRequest request, EndpointListene
   auto history = std::move(request.history);
   auto data = local_data(std::move(request), kind);
   const auto guid = data.guid;
-  if (security_)
-    data.security_info =
-        DDSSEC_TRY(security_->create_endpoint(guid.entity, data.topic_name, data.qos.partition));
+  if (security_) DDSSEC_TRY(secure_endpoint(data));
   auto protocol = std::make_unique<StatefulWriter>(guid, data.qos, sender_, &timers_);
   for (auto& change : history) protocol->write(std::move(change), now);
   protocol->on_acknowledged([&listener] { listener.on_acknowledged(); });
@@ -345,9 +351,7 @@ Result<Guid> Participant::create_reader(EndpointRequest request, EndpointListene
   const auto kind = request.with_key ? EndpointKind::reader_with_key : EndpointKind::reader_no_key;
   auto data = local_data(std::move(request), kind);
   const auto guid = data.guid;
-  if (security_)
-    data.security_info =
-        DDSSEC_TRY(security_->create_endpoint(guid.entity, data.topic_name, data.qos.partition));
+  if (security_) DDSSEC_TRY(secure_endpoint(data));
   auto protocol = std::make_unique<StatefulReader>(
       guid, data.qos.is_reliable(), sender_,
       [&listener](Change& change) { return listener.on_change(change); }, &timers_);

@@ -314,6 +314,7 @@ class Participant final : private SecurityHost {
   void note_alive(const GuidPrefix& from, const EntityId& writer);
   void expect_liveliness_of(const Liveliness& liveliness, MonotonicTime now);
   EndpointData local_data(EndpointRequest request, EndpointKind kind);
+  Status secure_endpoint(EndpointData& data);
 
   ParticipantConfig config_;
   EventSink& events_;

@@ -159,6 +159,9 @@ constexpr Row kTable[] = {
      [](SpanWriter& w, const ParticipantData& d) {
        write_security_info(w, pid::kParticipantSecurityInfo, d.security_info);
      }},
+    {pid::kParticipantCiphers,
+     [](Reader& r, ParticipantData& d) { return read_ciphers_into(r, d.ciphers); },
+     [](SpanWriter& w, const ParticipantData& d) { write_ciphers(w, d.ciphers); }},
 };
 
 }  // namespace

@@ -29,6 +29,7 @@ struct ParticipantData {
   // A secured participant's.
   std::optional<spi::Token> identity_token = {}, permissions_token = {};
   std::optional<spi::SecurityInfo> security_info = {};
+  std::optional<spi::SymmetricCipherInfo> ciphers = {};
   bool operator==(const ParticipantData&) const = default;
 };
 

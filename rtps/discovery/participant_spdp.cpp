@@ -58,6 +58,7 @@ ParticipantData Participant::own_data() const {
     own.identity_token = security_->own().identity_token();
     own.permissions_token = security_->own().permissions_token();
     own.security_info = spi::security_info(security_->own().attributes());
+    own.ciphers = security_->own().ciphers();
   }
   return own;
 }

@@ -32,6 +32,34 @@ void write_security_info(SpanWriter& out, ParameterId id,
   out.write(info->plugin_mask);
 }
 
+Status read_ciphers_into(Reader& reader, std::optional<spi::SymmetricCipherInfo>& info) {
+  spi::SymmetricCipherInfo read;
+  for (auto* mask : {&read.supported, &read.builtin_required, &read.key_exchange_required,
+                     &read.user_default_required})
+    *mask = DDSSEC_TRY(reader.read<std::uint32_t>());
+  info = read;
+  return {};
+}
+
+Status read_ciphers_into(Reader& reader, std::optional<spi::CipherMask>& required) {
+  required = DDSSEC_TRY(reader.read<std::uint32_t>());
+  return {};
+}
+
+void write_ciphers(SpanWriter& out, const std::optional<spi::SymmetricCipherInfo>& info) {
+  if (!info) return;
+  const ParameterScope scope(out, pid::kParticipantCiphers);
+  for (const auto mask : {info->supported, info->builtin_required, info->key_exchange_required,
+                          info->user_default_required})
+    out.write(mask);
+}
+
+void write_ciphers(SpanWriter& out, const std::optional<spi::CipherMask>& required) {
+  if (!required) return;
+  const ParameterScope scope(out, pid::kEndpointCiphers);
+  out.write(*required);
+}
+
 Result<Guid> read_guid_key(BytesView payload, ParameterId id) {
   const auto opened = DDSSEC_TRY(open_pl_cdr(payload));
   ParameterReader parameters(opened.body, opened.endian);

@@ -15,6 +15,9 @@ inline constexpr ParameterId kIdentityToken = 0x1001;
 inline constexpr ParameterId kPermissionsToken = 0x1002;
 inline constexpr ParameterId kEndpointSecurityInfo = 0x1004;
 inline constexpr ParameterId kParticipantSecurityInfo = 0x1005;
+// DDS-Security 1.2 7.4.1.6 and 7.4.1.7; stock peers pass them over.
+inline constexpr ParameterId kParticipantCiphers = 0x1012;
+inline constexpr ParameterId kEndpointCiphers = 0x1013;
 }  // namespace pid
 
 Status read_token_into(Reader& reader, std::optional<spi::Token>& token);
@@ -23,6 +26,12 @@ void write_token(SpanWriter& out, ParameterId id, const std::optional<spi::Token
 Status read_security_info_into(Reader& reader, std::optional<spi::SecurityInfo>& info);
 void write_security_info(SpanWriter& out, ParameterId id,
                          const std::optional<spi::SecurityInfo>& info);
+
+/// Symmetric cipher algorithm info of a participant, and of an endpoint: only what it requires.
+Status read_ciphers_into(Reader& reader, std::optional<spi::SymmetricCipherInfo>& info);
+Status read_ciphers_into(Reader& reader, std::optional<spi::CipherMask>& required);
+void write_ciphers(SpanWriter& out, const std::optional<spi::SymmetricCipherInfo>& info);
+void write_ciphers(SpanWriter& out, const std::optional<spi::CipherMask>& required);
 
 /// A PL_CDR payload with one GUID: the key of a builtin topic's instance. Errors: those of
 /// ParameterReader, rtps_parameter_missing.

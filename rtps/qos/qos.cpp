@@ -38,6 +38,7 @@ Status check_mutable(const Qos& from, const Qos& to) {
   if (from.ownership != to.ownership) return immutable("OWNERSHIP");
   if (from.destination_order != to.destination_order) return immutable("DESTINATION_ORDER");
   if (from.presentation != to.presentation) return immutable("PRESENTATION");
+  if (from.properties != to.properties) return immutable("PROPERTY");
   if (from.data_representation != to.data_representation) return immutable("DATA_REPRESENTATION");
   return {};
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/bytes.hpp"
+#include "plugins/spi/token.hpp"
 #include "rtps/wire/time.hpp"
 
 namespace ddssec::rtps {
@@ -84,6 +85,8 @@ struct Qos {
   std::int32_t transport_priority = 0;
   std::vector<DataRepresentation> data_representation = {DataRepresentation::xcdr1};
   Bytes user_data, topic_data, group_data;
+  /// PROPERTY (DDS-Security 7.2.5), for our own plugins; not announced.
+  spi::PropertyList properties;
   ReaderDataLifecycle reader_data_lifecycle;  ///< not announced
   /// WRITER_DATA_LIFECYCLE; not announced: unregistering an instance, or deleting the writer, also
   /// disposes it.

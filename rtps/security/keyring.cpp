@@ -37,10 +37,9 @@ const spi::EndpointSecurityAttributes* Keyring::attributes(const EntityId& id) c
 // ---- local endpoints
 
 Status Keyring::add_local(const EntityId& id, const spi::EndpointSecurityAttributes& attributes,
-                          std::string_view builtin_name) {
+                          std::string_view builtin_name, spi::PropertyList properties) {
   Local local{attributes, !builtin_name.empty()};
   if (needs_keys(attributes)) {
-    auto properties = own_.properties();
     if (local.is_volatile)
       properties.push_back(
           {std::string(spi::property::kBuiltinEndpointName), std::string(builtin_name), false});
@@ -53,6 +52,16 @@ Status Keyring::add_local(const EntityId& id, const spi::EndpointSecurityAttribu
   }
   locals_[id] = std::move(local);
   return {};
+}
+
+Result<std::optional<spi::CipherMask>> Keyring::required_ciphers(const EntityId& id) {
+  const auto* local = find(id);
+  if (local == nullptr || local->handle == 0) return std::nullopt;
+  if (is_writer(id))
+    return DDSSEC_TRY(factory().required_ciphers(spi::DatawriterCryptoHandle{local->handle}));
+  // A reader sends nothing under a payload key.
+  if (!local->attributes.is_submessage_protected()) return std::nullopt;
+  return DDSSEC_TRY(factory().required_ciphers(spi::DatareaderCryptoHandle{local->handle}));
 }
 
 void Keyring::unregister(const EntityId& id, std::int64_t handle) {

@@ -32,10 +32,12 @@ class Keyring final : public SendProtection {
   ~Keyring() override;
 
   // Local endpoints.
-  /// `builtin_name`: the property that marks the volatile secure endpoints.
+  /// `properties`: the endpoint's own; the volatile secure ones are marked by `builtin_name`.
   Status add_local(const EntityId& id, const spi::EndpointSecurityAttributes& attributes,
-                   std::string_view builtin_name = {});
+                   std::string_view builtin_name = {}, spi::PropertyList properties = {});
   void remove_local(const EntityId& id);
+  /// What one must understand to hear it; nothing if it protects nothing itself.
+  Result<std::optional<spi::CipherMask>> required_ciphers(const EntityId& id);
   /// nullptr: never added.
   const spi::EndpointSecurityAttributes* attributes(const EntityId& id) const;
 

@@ -24,7 +24,8 @@ Status OwnSecurity::authenticate(const GuidPrefix& candidate) {
                                                                {candidate, kEntityIdParticipant}));
   identity_ = local.handle;
   guid_ = local.adjusted_guid;
-  identity_token_ = DDSSEC_TRY(plugin.identity_token(identity_));
+  identity_token_ = DDSSEC_TRY(plugin.identity_token(
+      identity_, options_.plugins.cryptography.key_factory().supported_ciphers()));
   return {};
 }
 
@@ -40,6 +41,7 @@ Status OwnSecurity::authorize() {
   attributes_ = DDSSEC_TRY(access_control.participant_sec_attributes(permissions_));
   crypto_ = DDSSEC_TRY(cryptography.key_factory().register_local_participant(
       identity_, permissions_, options_.properties, attributes_));
+  ciphers_ = DDSSEC_TRY(cryptography.key_factory().cipher_info(crypto_));
   return {};
 }
 

@@ -45,6 +45,7 @@ class OwnSecurity {
   spi::PermissionsHandle permissions() const { return permissions_; }
   spi::ParticipantCryptoHandle crypto() const { return crypto_; }
   const spi::ParticipantSecurityAttributes& attributes() const { return attributes_; }
+  const spi::SymmetricCipherInfo& ciphers() const { return ciphers_; }
   const spi::Token& identity_token() const { return identity_token_; }
   const spi::Token& permissions_token() const { return permissions_token_; }
 
@@ -64,6 +65,7 @@ class OwnSecurity {
   spi::PermissionsHandle permissions_;
   spi::ParticipantCryptoHandle crypto_;
   spi::ParticipantSecurityAttributes attributes_;
+  spi::SymmetricCipherInfo ciphers_;
   spi::Token identity_token_, permissions_token_;
 };
 

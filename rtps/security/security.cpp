@@ -95,12 +95,10 @@ bool Security::admits_unauthenticated() const {
 }
 
 bool Security::may_authenticate(const ParticipantData& data) const {
-  return data.identity_token && spi::compatible(spi::security_info(own_->attributes()),
-                                                data.security_info.value_or(spi::SecurityInfo{}));
+  return data.identity_token && check_participant(data);
 }
 
 Security::Verdict Security::judge(const ParticipantData& data) {
-  const auto own_info = spi::security_info(own_->attributes());
   if (may_authenticate(data)) return Verdict::authenticate;
   if (admits_unauthenticated()) return Verdict::admit_unauthenticated;
   ++counters_.failed;
@@ -111,8 +109,28 @@ Security::Verdict Security::judge(const ParticipantData& data) {
                                                             .found = "none"}),
                         {}, guid));
   else
-    events_.raise(Event(mismatch(data, own_info).error(), {}, guid));
+    events_.raise(Event(check_participant(data).error().in("participant " + guid), {}, guid));
   return Verdict::refuse;
+}
+
+/// Does it announce what lets it talk with us?
+Status Security::check_participant(const ParticipantData& data) const {
+  const auto own_info = spi::security_info(own_->attributes());
+  const auto info = data.security_info.value_or(spi::SecurityInfo{});
+  if (!spi::compatible(own_info, info)) return mismatch(data, own_info);
+  if (!data.ciphers) return {};
+  DDSSEC_TRY(check_ciphers(data.vendor, data.ciphers->builtin_required));
+  return check_ciphers(data.vendor, data.ciphers->key_exchange_required);
+}
+
+// A vendor's bits mean something to that vendor only. What a peer understands of ours, cryptography
+// knows from the handshake.
+Status Security::check_ciphers(VendorId vendor, spi::CipherMask required) const {
+  auto supported = own_->ciphers().supported;
+  if (vendor != kVendorDdssec) supported &= spi::kStandardCiphers;
+  if (spi::understands(supported, required)) return {};
+  return fail(Code::rtps_cipher_unsupported,
+              {.field = "symmetric_cipher", .expected = hex(supported), .found = hex(required)});
 }
 
 std::unique_ptr<PeerHandshake> Security::handshake_with(const ParticipantData& data,
@@ -310,9 +328,7 @@ Status Security::adopt_proven_data(Peer& peer) {
   const auto proven = read_participant_list(peer.handshake->peer_data(), Endian::big);
   if (!proven || proven->guid != peer.data.guid)
     return {};  // without it, what was announced counts
-  const auto own_info = spi::security_info(own_->attributes());
-  const auto info = proven->security_info.value_or(spi::SecurityInfo{});
-  if (!spi::compatible(own_info, info)) return mismatch(*proven, own_info);
+  DDSSEC_TRY(check_participant(*proven));
   if (proven->vendor != VendorId{}) peer.data.vendor = proven->vendor;
   if (proven->permissions_token) peer.data.permissions_token = proven->permissions_token;
   if (auto proven_at = host_.on_proven(peer.data.guid.prefix, *proven); !proven_at.empty())
@@ -445,12 +461,12 @@ bool Security::introduce(const EntityId& local, const Guid& remote, bool relay_o
 
 // ---- endpoints
 
-Result<spi::SecurityInfo> Security::create_endpoint(const EntityId& id, std::string_view topic,
-                                                    const std::vector<std::string>& partitions) {
+Result<Security::Announced> Security::create_endpoint(const EntityId& id,
+                                                      const NewEndpoint& endpoint) {
   auto& plugin = own_->plugins().access_control;
-  const auto names = views_of(partitions);
-  const spi::EndpointRequest request{.topic_name = topic, .partitions = names};
-  DDSSEC_TRY(plugin.check_create_topic(own_->permissions(), own_->domain_id(), topic));
+  const auto names = views_of(endpoint.partitions);
+  const spi::EndpointRequest request{.topic_name = endpoint.topic, .partitions = names};
+  DDSSEC_TRY(plugin.check_create_topic(own_->permissions(), own_->domain_id(), endpoint.topic));
   spi::EndpointSecurityAttributes attributes;
   if (is_writer(id)) {
     DDSSEC_TRY(plugin.check_create_datawriter(own_->permissions(), own_->domain_id(), request));
@@ -459,8 +475,8 @@ Result<spi::SecurityInfo> Security::create_endpoint(const EntityId& id, std::str
     DDSSEC_TRY(plugin.check_create_datareader(own_->permissions(), own_->domain_id(), request));
     attributes = DDSSEC_TRY(plugin.datareader_sec_attributes(own_->permissions(), request));
   }
-  DDSSEC_TRY(keyring_.add_local(id, attributes));
-  return spi::security_info(attributes);
+  DDSSEC_TRY(keyring_.add_local(id, attributes, {}, endpoint.properties));
+  return Announced{spi::security_info(attributes), DDSSEC_TRY(keyring_.required_ciphers(id))};
 }
 
 std::optional<Security::Admission> Security::admit(const EntityId& local, const Endpoint& remote) {
@@ -468,8 +484,8 @@ std::optional<Security::Admission> Security::admit(const EntityId& local, const 
   const auto* attributes = keyring_.attributes(local);
   if (attributes == nullptr) return std::nullopt;
   const bool authenticated = peer != nullptr && peer->authenticated;
-  const auto status =
-      authenticated ? check_protection(*attributes, remote) : check_open(local, remote);
+  const auto status = authenticated ? check_protection(*attributes, remote, peer->data.vendor)
+                                    : check_open(local, remote);
   if (!status) {
     events_.raise(Event(status.error().in("topic " + std::string(remote.topic)), {},
                         remote.guid.to_string()));
@@ -494,10 +510,11 @@ Status Security::check_open(const EntityId& local, const Endpoint& remote) const
 }
 
 Status Security::check_protection(const spi::EndpointSecurityAttributes& attributes,
-                                  const Endpoint& remote) const {
+                                  const Endpoint& remote, VendorId vendor) const {
   if (attributes.topic.is_discovery_protected && !remote.is_secure)
     return fail(Code::rtps_protection_missing,
                 {.expected = "an announcement by secure discovery", .found = "a plain one"});
+  if (remote.required_ciphers) DDSSEC_TRY(check_ciphers(vendor, *remote.required_ciphers));
   const auto own = spi::security_info(attributes);
   if (spi::compatible(own, remote.info)) return {};
   return fail(

@@ -117,15 +117,24 @@ class Security {
     const std::vector<std::string>& partitions;
     spi::SecurityInfo info;
     bool is_secure = false;
+    std::optional<spi::CipherMask> required_ciphers = {};
   };
   struct Admission {
     bool relay_only = false;
   };
   /// Nothing: no, and an event says why.
   std::optional<Admission> admit(const EntityId& local, const Endpoint& remote);
-  /// May we create this endpoint? Registers it. The masks that discovery announces.
-  Result<spi::SecurityInfo> create_endpoint(const EntityId& id, std::string_view topic,
-                                            const std::vector<std::string>& partitions);
+  /// May we create this endpoint? Registers it. What discovery announces of it.
+  struct NewEndpoint {
+    std::string_view topic;
+    const std::vector<std::string>& partitions;
+    const spi::PropertyList& properties;
+  };
+  struct Announced {
+    spi::SecurityInfo info;
+    std::optional<spi::CipherMask> required_ciphers;
+  };
+  Result<Announced> create_endpoint(const EntityId& id, const NewEndpoint& endpoint);
 
  private:
   struct Peer {
@@ -151,9 +160,11 @@ class Security {
     WorkBudget few, loud;
   };
 
+  Status check_ciphers(VendorId vendor, spi::CipherMask required) const;
+  Status check_participant(const ParticipantData& data) const;
   Status check_open(const EntityId& local, const Endpoint& remote) const;
-  Status check_protection(const spi::EndpointSecurityAttributes& attributes,
-                          const Endpoint& remote) const;
+  Status check_protection(const spi::EndpointSecurityAttributes& attributes, const Endpoint& remote,
+                          VendorId vendor) const;
   Result<Admission> check_permissions(const EntityId& local, const Peer& peer,
                                       const Endpoint& remote);
   std::unique_ptr<PeerHandshake> handshake_with(const ParticipantData& data, MonotonicTime now);

@@ -13,14 +13,21 @@ constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kSign = ProtectionKind::sign;
 constexpr auto kNone = ProtectionKind::none;
 
+/// range(1): bits of AES, or 20 for ChaCha20-Poly1305.
+constexpr int kChaCha = 20;
 PropertyList bits(benchmark::State& state) {
+  if (state.range(1) == kChaCha) return cipher(spi::kChaCha20Poly1305Name, true);
   return key_size(state.range(1) == 128 ? "128" : "256");
 }
 
 /// The floor: one seal, one allocation and release of the output.
 void raw_seal(benchmark::State& state, bool encrypts) {
   ExpandedKey key;
-  if (!key.expand(*aead_backend(AeadChoice::automatic), Bytes(state.range(1) / 8, 1))) std::abort();
+  const auto with = state.range(1) == kChaCha ? Cipher::chacha20_poly1305
+                    : state.range(1) == 128   ? Cipher::aes128_gcm
+                                              : Cipher::aes256_gcm;
+  if (!key.expand(*aead_backend(AeadChoice::automatic), with, Bytes(key_size_of(with), 1)))
+    std::abort();
   const auto size = static_cast<std::size_t>(state.range(0));
   const Bytes plain(size, 7);
   Bytes tag(kTagSize);
@@ -190,6 +197,7 @@ void threads_decode(benchmark::State& state) {
 void sizes(::benchmark::internal::Benchmark* one) {
   for (const int size : {64, 256, 1024, 8192, 65000}) one->Args({size, 256});
   one->Args({64, 128});
+  for (const int size : {64, 1024, 8192}) one->Args({size, kChaCha});
 }
 
 BENCHMARK(raw_gcm)->Apply(sizes);

@@ -134,6 +134,8 @@ class Side:
     password: bool = False
     partition: str = ""
     keysize: int = 0
+    cipher: str = ""                    # of the endpoint (Cyclone DDS), of the participant (embedded)
+    process_cipher: str = ""            # by an environment variable, which only ours in Cyclone has
     data_uris: bool = False             # certificates and documents as data:, URIs
     identity_seconds: int = 0           # the certificate expires so soon after it was made
     permissions_seconds: int = 0        # so do the permissions
@@ -161,6 +163,8 @@ class Side:
             shared += ["--password", PASSWORD]
         if self.keysize:
             shared += ["--keysize", str(self.keysize)]
+        if self.cipher:
+            shared += ["--cipher", self.cipher]
         return shared + [part for name, path in documents.items()
                          for part in ("--" + name, self._value(path))]
 

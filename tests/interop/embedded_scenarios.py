@@ -45,7 +45,10 @@ def _choose(cases):
               ("permissions-expired", "embedded>embedded"),
               ("permissions-deny-publish", "embedded>embedded"),
               ("other-domain-remote-only", "embedded>stock"),
-              ("publisher-on-crl", "fast>embedded")}
+              ("publisher-on-crl", "fast>embedded"),
+              ("both-everything-encrypt-oa", "embedded>embedded"),
+              ("both-sros2", "embedded>ours"), ("by-environment", "ours>embedded"),
+              ("peer-has-aes-only", "embedded>stock"), ("peer-has-aes-only", "fast>embedded")}
     return [replace(case, chosen=(case.row, case.variant, case.pair) in wanted or
                     (case.row, case.pair) in always) for case in cases]
 
@@ -53,7 +56,8 @@ def _choose(cases):
 def all_cases():
     cases = []
     for case in scenarios.all_cases():
-        if case.table == "mixed" or case.stock_only:
+        mixed = {case.publisher, case.subscriber} & set(scenarios.MIXES)
+        if mixed or case.stock_only or case.row == "by-environment-peer-has-aes-only":
             continue
         cases += [_instead(case, pair) for pair in _pairs_for(case)]
     return _choose(cases)

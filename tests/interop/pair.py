@@ -18,7 +18,8 @@ STOP_LIMIT = 4.0        # seconds from SIGTERM to SIGKILL
 SILENCE = 2.5           # seconds without a sample after which a flow (10 samples/s) is cut
 CUT_LIMIT = EXPIRY_SECONDS + 5.0  # seconds a flow may take to be cut, SILENCE not counted
 
-CRASHED, HUNG = "crashed", "hung"
+CRASHED, HUNG, SILENT = "crashed", "hung", "silent"
+CIPHER_VARIABLE = "DDSSEC_SYMMETRIC_CIPHER_ALGORITHM"
 
 
 class Namespace:
@@ -141,7 +142,8 @@ class Programs:
 
     def environment(self, kind):
         environment = dict(os.environ)
-        for name in ("CYCLONEDDS_URI", "FASTRTPS_DEFAULT_PROFILES_FILE", "LD_LIBRARY_PATH"):
+        for name in ("CYCLONEDDS_URI", "FASTRTPS_DEFAULT_PROFILES_FILE", "LD_LIBRARY_PATH",
+                     CIPHER_VARIABLE):
             environment.pop(name, None)
         environment["TZ"] = "UTC"  # Fast DDS reads the dates of permissions as local time
         environment.setdefault("ASAN_OPTIONS", "detect_leaks=0")
@@ -154,7 +156,7 @@ class Programs:
         return self.dropin if kind == "ours" else os.path.join(self.logs, "dropin-" + kind)
 
 
-def start(programs, namespace, kind, arguments, log):
+def start(programs, namespace, kind, arguments, log, variables=None):
     """Starts a peer inside the namespace; its log begins with its command line."""
     limit = str(int(POSITIVE_LIMIT + CREATION_LIMIT))
     command = [*programs.command(kind), *arguments, "--topic", TOPIC, "--domain", str(DOMAIN),
@@ -164,7 +166,7 @@ def start(programs, namespace, kind, arguments, log):
         errors.flush()
         process = subprocess.Popen(namespace.enter(command), stdin=subprocess.DEVNULL,
                                    stdout=subprocess.PIPE, stderr=errors,
-                                   env=programs.environment(kind))
+                                   env=programs.environment(kind) | (variables or {}))
     return Peer(process, log)
 
 
@@ -268,6 +270,21 @@ def _report(case, peers):
     return "\n".join(parts)
 
 
+def _variables(side):
+    return {CIPHER_VARIABLE: side.process_cipher} if side.process_cipher else {}
+
+
+def _gives_reason(case, peers):
+    """Whether a peer of ours says why, where it has to."""
+    if not case.reason:
+        return True
+    for peer in peers:
+        with open(peer.log, errors="replace") as file:
+            if case.reason in file.read():
+                return True
+    return False
+
+
 def run(case, programs, pki, number):
     """Runs the case and returns its Outcome."""
     publisher_side, subscriber_side = case.sides
@@ -278,17 +295,21 @@ def run(case, programs, pki, number):
     peers = []
     try:
         begin = time.monotonic()
-        for kind, role, arguments in ((case.subscriber, "--subscribe", subscribe),
-                                      (case.publisher, "--publish", publish)):
+        for kind, role, arguments, side in (
+                (case.subscriber, "--subscribe", subscribe, subscriber_side),
+                (case.publisher, "--publish", publish, publisher_side)):
             log = os.path.join(programs.logs, f"{number}{role}.log")
             hold = ["--hold"] if case.expires else []
-            peers.append(start(programs, namespace, kind, [role, *hold, *arguments], log))
+            peers.append(start(programs, namespace, kind, [role, *hold, *arguments], log,
+                               _variables(side)))
         subscriber, publisher = peers
         watch = _Watch(publisher, subscriber, case)
         watch.follow()
         was_cut = watch.cut()
         watch.stop()
         word, detail = judge(publisher, subscriber, was_cut)
+        if not _gives_reason(case, (publisher, subscriber)):
+            word, detail = SILENT, f"{word}, and nobody said {case.reason}"
         first = subscriber.first_sample - begin if subscriber.first_sample else 0.0
         return Outcome(word, time.monotonic() - begin, first, detail,
                        _report(case, (publisher, subscriber)))

@@ -136,7 +136,8 @@ TITLES = {"governance": "Governance rows: valid documents, data must flow",
           "mixed": "One plugin of ours beside two stock ones: data must flow",
           "negative": "Negatives: what must be refused",
           "accepted": "Unusual but valid, with one control",
-         "expiry": "The publisher's right ends while data flows: it must be cut off"}
+         "expiry": "The publisher's right ends while data flows: it must be cut off",
+         "cipher": "ChaCha20-Poly1305: between ours, and refused towards who did not announce it"}
 
 
 TITLES |= {f"embedded-{table}": f"Embedded participant: {title}"

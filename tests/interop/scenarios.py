@@ -35,6 +35,7 @@ class Case:
     chosen: bool = False
     known: tuple = ()   # (outcome, reason)
     expires: bool = False  # data must flow first and stop later
+    reason: str = ""       # a code that the log of a peer of ours must show
 
     @property
     def pair(self):
@@ -378,6 +379,42 @@ def negative_cases():
     return cases
 
 
+# ---- ChaCha20-Poly1305 --------------------------------------------------------------------------
+
+CHACHA = "org.ddssec.ChaCha20-Poly1305"
+
+
+def cipher_cases():
+    """Between two of ours it works, whoever of them chose it; a peer that did not announce it is
+    refused with that reason."""
+    def case(row, pair, sides, outcomes=frozenset({DATA}), **more):
+        starts = pair[0] != "fast" or pair[1] == "fast"
+        return Case("cipher", row, "", *pair, sides, Keys(), starts, outcomes, **more)
+
+    cases, both = [], ("ours", "ours")
+    for row in ("everything-encrypt-oa", "everything-sign-oa", "sros2", "data-encrypt",
+                "metadata-sign"):
+        side = Side(GOVERNANCES[row], cipher=CHACHA)
+        cases.append(case("both-" + row, both, (side, side), chosen=row == "everything-encrypt-oa"))
+    aes, chacha = Side(SROS2), Side(SROS2, cipher=CHACHA)
+    cases.append(case("publisher-only", both, (chacha, aes)))
+    cases.append(case("subscriber-only", both, (aes, chacha)))
+    process = Side(SROS2, process_cipher=CHACHA)
+    cases.append(case("by-environment", both, (process, process), chosen=True))
+    unmatched = frozenset({NONE, HALF})
+    cases.append(case("by-environment-peer-has-aes-only", ("ours", "stock"), (process, aes),
+                      unmatched, reason="cipher_not_understood_by_peer"))
+    for pair in (("ours", "stock"), ("stock", "ours"), ("ours", "fast"), ("fast", "ours"),
+                 ("ours", "ours-auth")):
+        sides = (chacha, aes) if pair[0] == "ours" else (aes, chacha)
+        cases.append(case("peer-has-aes-only", pair, sides, unmatched,
+                          chosen=pair in (("ours", "stock"), ("fast", "ours"),
+                                          ("ours", "ours-auth")),
+                          reason="cipher_not_understood_by_peer"))
+    return cases
+
+
 def all_cases():
     """Every case, those of two stock peers included."""
-    return _choose_governance(governance_cases()) + mixed_cases() + negative_cases()
+    return (_choose_governance(governance_cases()) + mixed_cases() + negative_cases() +
+            cipher_cases())

@@ -121,6 +121,7 @@ spi::PropertyList properties_of(const peer_options& options) {
       {PEER_GOVERNANCE, property::kGovernance},
       {PEER_PERMISSIONS, property::kPermissions},
       {PEER_KEYSIZE, property::kKeySize, false},
+      {PEER_CIPHER, property::kSymmetricCipher, false},
   };
   spi::PropertyList out;
   for (const auto& [option, name, is_file] : kDocuments) {

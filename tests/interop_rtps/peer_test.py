@@ -191,6 +191,20 @@ class SecuredTest(PeerTest):
         code, _ = self.end(self.start("--role", "pub", "--timeout", "2", "--security", "off"))
         self.assertEqual((code, self.end(sub)[0]), (1, 1))
 
+    def test_further_properties_come_from_a_file_in_the_folder(self):
+        for name, code in (("org.ddssec.ChaCha20-Poly1305", 0), ("Rijndael", 3)):
+            folders = []
+            for starts in (True, False):
+                folder = self.make(f"{name}-{starts}", Side(ENCRYPT, ALLOWED), starts)
+                with open(folder + "/security.properties", "w") as file:
+                    for what in ("dds.sec", "org.ddssec"):
+                        middle = "message_" if what == "org.ddssec" else ""
+                        file.write(f"{what}.crypto.{middle}symmetric_cipher_algorithm = {name}\n")
+                folders.append(folder)
+            sub = self.start("--role", "sub", "--count", "5", "--security", folders[0])
+            pub = self.start("--role", "pub", "--count", "5", "--security", folders[1])
+            self.assertEqual((self.end(sub)[0], self.end(pub)[0]), (code, code))
+
     def test_what_cannot_be_created_is_refused_by_name(self):
         silent = self.make("silent", Side(ENCRYPT, Permissions(domain=3, publish=())), True)
         for folder in ("/nowhere", silent):

@@ -33,11 +33,15 @@ struct Target {
 class AllKinds : public ::testing::Test {
  protected:
   void SetUp() override {
+    for (const auto name : {spi::kAes128Name, spi::kAes256Name, spi::kChaCha20Poly1305Name})
+      add_all_kinds(name);
+  }
+  void add_all_kinds(std::string_view cipher_name) {
     for (const auto kind : kKinds) {
-      auto& two = *sides_.emplace_back(std::make_unique<TwoSides>(kind));
+      auto& two = *sides_.emplace_back(std::make_unique<TwoSides>(kind, cipher(cipher_name, true)));
       const auto e =
           two.endpoints(endpoint_attributes(kind, is_encrypted(kind) ? kEncrypt : kSign));
-      const auto name = std::string(to_string(kind));
+      const auto name = std::string(cipher_name) + " " + std::string(to_string(kind));
       targets_.push_back({name + " payload", encode_payload(two, e, Bytes(22, 3)).value(),
                           [&two, e](const Bytes& in) { return decode_payload(two, e, in); }});
       targets_.push_back({name + " submessage",
@@ -269,7 +273,7 @@ struct Insider {
   std::unique_ptr<SendKey> key;
 
   explicit Insider(TransformKind kind) {
-    const auto size = traits_of(kind)->key_size;
+    const auto size = traits_of(kind)->key_size();
     KeyMaterial material{.kind = kind};
     material.salt = MasterSalt::copy_of(Bytes(size, 1)).value();
     material.sender_key_id = KeyId{{9, 9, 9, 9}};
@@ -307,7 +311,7 @@ struct Insider {
 TEST(InsiderMessages, MustBeginWithTheirSource) {
   for (const auto kind : {kSign, kEncrypt}) {
     TwoSides two(kind);
-    Insider insider(kind_for(is_encrypted(kind), 32));
+    Insider insider(kind_for(Cipher::aes256_gcm, is_encrypted(kind)));
     const auto token = insider.token();
     ASSERT_TRUE(two.b.exchange().set_remote_participant_crypto_tokens(two.b.participant,
                                                                       two.b.remote, {&token, 1}));
@@ -322,7 +326,7 @@ TEST(InsiderSubmessages, MustBeOneThatTheOwnerOfTheKeySends) {
   for (const auto kind : {kSign, kEncrypt}) {
     TwoSides two;
     const auto e = two.endpoints(endpoint_attributes(kind, kNone));
-    Insider insider(kind_for(is_encrypted(kind), 16));
+    Insider insider(kind_for(Cipher::aes128_gcm, is_encrypted(kind)));
     const auto token = insider.token();
     ASSERT_TRUE(two.b.exchange().set_remote_datawriter_crypto_tokens(e.reader, e.remote_writer,
                                                                      {&token, 1}));

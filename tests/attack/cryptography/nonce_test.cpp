@@ -47,28 +47,30 @@ std::size_t sessions(const std::vector<Nonce>& nonces) {
   return ids.size();
 }
 
-class Nonces : public ::testing::TestWithParam<std::uint64_t> {
+class Nonces : public ::testing::TestWithParam<std::tuple<std::uint64_t, std::string_view>> {
  protected:
-  Options options() const { return {.most_blocks_per_session = GetParam()}; }
+  static std::uint64_t limit() { return std::get<0>(GetParam()); }
+  static Options options() { return {.most_blocks_per_session = limit()}; }
+  static PropertyList properties() { return cipher(std::get<1>(GetParam()), true); }
   static constexpr int kMessages = 3000;
 };
 
 TEST_P(Nonces, OfOneWriterInFourThreads) {
-  TwoSides two(kNone, {}, options());
+  TwoSides two(kNone, properties(), options());
   const auto e = two.endpoints(endpoint_attributes(kNone, kEncrypt));
   const auto all = nonces_of_four_threads(kMessages, [&](std::size_t i) {
     return nonce_at(encode_payload(two, e, Bytes(i % 100, 1)).value(), 0);
   });
   EXPECT_EQ(std::ranges::adjacent_find(all), all.end());
   EXPECT_EQ(all.size(), 4u * kMessages);
-  if (GetParam() < 1000) {
+  if (limit() < 1000) {
     EXPECT_GT(sessions(all), 100u);
   }
   EXPECT_TRUE(decode_payload(two, e, encode_payload(two, e, Bytes(8)).value()));
 }
 
 TEST_P(Nonces, OfOneParticipantWithReceivers) {
-  TwoSides two(ProtectionKind::encrypt_with_origin_authentication, {}, options());
+  TwoSides two(ProtectionKind::encrypt_with_origin_authentication, properties(), options());
   const auto plain = rtps_message({data_submessage(40)});
   const auto all = nonces_of_four_threads(kMessages / 4, [&](std::size_t) {
     const auto encoded = encode_message(two, plain).value();
@@ -80,7 +82,7 @@ TEST_P(Nonces, OfOneParticipantWithReceivers) {
 
 /// Writer and reader of a pair's volatile channel encrypt under one and the same key.
 TEST_P(Nonces, OfBothVolatileEndpoints) {
-  TwoSides two(kNone, {}, options());
+  TwoSides two(kNone, properties(), options());
   auto writing = two.volatile_endpoints();
   auto& a = two.a;
   const auto reader =
@@ -102,10 +104,17 @@ TEST_P(Nonces, OfBothVolatileEndpoints) {
   EXPECT_EQ(std::ranges::adjacent_find(all), all.end());
 }
 
-INSTANTIATE_TEST_SUITE_P(Limits, Nonces, ::testing::Values(1, 2, 7, 64, std::uint64_t{1} << 32));
+INSTANTIATE_TEST_SUITE_P(Limits, Nonces,
+                         ::testing::Combine(::testing::Values(1, 2, 7, 64, std::uint64_t{1} << 32),
+                                            ::testing::Values(spi::kAes256Name,
+                                                              spi::kChaCha20Poly1305Name)));
 
-TEST(Sessions, RollOverAtTheLimitAndNotBefore) {
-  TwoSides two(kNone, {}, {.most_blocks_per_session = 12});
+class Sessions : public ::testing::TestWithParam<std::string_view> {};
+INSTANTIATE_TEST_SUITE_P(Ciphers, Sessions,
+                         ::testing::Values(spi::kAes256Name, spi::kChaCha20Poly1305Name));
+
+TEST_P(Sessions, RollOverAtTheLimitAndNotBefore) {
+  TwoSides two(kNone, cipher(GetParam()), {.most_blocks_per_session = 12});
   const auto e = two.endpoints(endpoint_attributes(kNone, kEncrypt));
   std::vector<Nonce> nonces;
   for (int i = 0; i < 7; ++i)  // 4 blocks each: 3 a session
@@ -115,8 +124,8 @@ TEST(Sessions, RollOverAtTheLimitAndNotBefore) {
   EXPECT_EQ(sessions(nonces), 3u);
 }
 
-TEST(Sessions, AMessageLargerThanASessionIsAloneInIt) {
-  TwoSides two(kNone, {}, {.most_blocks_per_session = 4});
+TEST_P(Sessions, AMessageLargerThanASessionIsAloneInIt) {
+  TwoSides two(kNone, cipher(GetParam()), {.most_blocks_per_session = 4});
   const auto e = two.endpoints(endpoint_attributes(kNone, kEncrypt));
   std::vector<Nonce> nonces;
   for (int i = 0; i < 3; ++i) {
@@ -127,8 +136,9 @@ TEST(Sessions, AMessageLargerThanASessionIsAloneInIt) {
   EXPECT_EQ(sessions(nonces), 3u);
 }
 
-TEST(Sessions, EndWithAnErrorRatherThanComeAgain) {
-  TwoSides two(kNone, {}, {.most_blocks_per_session = 2, .most_sessions_per_key = 3});
+TEST_P(Sessions, EndWithAnErrorRatherThanComeAgain) {
+  TwoSides two(kNone, cipher(GetParam()),
+               {.most_blocks_per_session = 2, .most_sessions_per_key = 3});
   const auto e = two.endpoints(endpoint_attributes(kNone, kEncrypt));
   std::set<Nonce> nonces;
   for (int i = 0; i < 3; ++i) nonces.insert(nonce_at(encode_payload(two, e, Bytes(8)).value(), 0));
@@ -137,10 +147,10 @@ TEST(Sessions, EndWithAnErrorRatherThanComeAgain) {
     EXPECT_EQ(encode_payload(two, e, Bytes(8)).error().code(), Code::session_ids_exhausted);
 }
 
-TEST(Sessions, StartElsewhereAfterARestart) {
+TEST_P(Sessions, StartElsewhereAfterARestart) {
   std::set<std::array<std::uint8_t, 12>> starts;
   for (int i = 0; i < 50; ++i) {
-    TwoSides two(kEncrypt);
+    TwoSides two(kEncrypt, cipher(GetParam(), true));
     const auto encoded = encode_message(two, rtps_message({data_submessage(8)})).value();
     std::array<std::uint8_t, 12> iv;
     std::copy_n(encoded.begin() + 32, 12, iv.begin());

@@ -150,6 +150,8 @@ static dds_entity_t create_endpoint(dds_entity_t group, dds_entity_t topic,
   // Cyclone hands the key size to the cryptography plugin with each endpoint's properties.
   if (!options->plain && options->security[PEER_KEYSIZE] != NULL)
     dds_qset_prop(qos, "dds.sec.crypto.keysize", options->security[PEER_KEYSIZE]);
+  if (!options->plain && options->security[PEER_CIPHER] != NULL)
+    dds_qset_prop(qos, "dds.sec.crypto.symmetric_cipher_algorithm", options->security[PEER_CIPHER]);
   const dds_entity_t endpoint = options->publish ? dds_create_writer(group, topic, qos, NULL)
                                                  : dds_create_reader(group, topic, qos, NULL);
   dds_delete_qos(qos);

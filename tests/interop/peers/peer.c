@@ -54,7 +54,7 @@ static void usage(const char* program, int status) {
       "       [--address OF_INTERFACE] [--peer ADDRESS]\n"
       "       --plain | --identity_ca F --identity_certificate F --private_key F\n"
       "                 --permissions_ca F --governance F --permissions F\n"
-      "                 [--password P] [--crl F] [--keysize 128|256]\n"
+      "                 [--password P] [--crl F] [--keysize 128|256] [--cipher NAME]\n"
       "       [--plugins auth=NAME,ac=NAME,crypto=NAME]   (Cyclone DDS only)\n"
       "       [--property NAME=VALUE]...\n"
       "exit: 0 all samples seen or acknowledged, 2 usage, 3 refused, 4 no match, 5 no samples\n",
@@ -125,6 +125,7 @@ static const struct option table[] = {
     {"governance", 1, NULL, OPT_SECURITY + PEER_GOVERNANCE},
     {"permissions", 1, NULL, OPT_SECURITY + PEER_PERMISSIONS},
     {"keysize", 1, NULL, OPT_SECURITY + PEER_KEYSIZE},
+    {"cipher", 1, NULL, OPT_SECURITY + PEER_CIPHER},
     {"publish", 0, NULL, OPT_PUBLISH},
     {"subscribe", 0, NULL, OPT_SUBSCRIBE},
     {"plain", 0, NULL, OPT_PLAIN},

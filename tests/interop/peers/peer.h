@@ -32,6 +32,7 @@ enum peer_security {
   PEER_GOVERNANCE,
   PEER_PERMISSIONS,
   PEER_KEYSIZE,
+  PEER_CIPHER,  ///< of the endpoint (Cyclone DDS) or of the participant (embedded)
   PEER_SECURITY_COUNT
 };
 

@@ -127,7 +127,8 @@ inline Guid candidate(std::uint8_t number) {
 }
 
 /// ParticipantBuiltinTopicData as a big-endian parameter list.
-inline Bytes participant_data(const Guid& guid) {
+/// With an IdentityToken in it, if there is one.
+inline Bytes participant_data(const Guid& guid, const Token* identity_token = nullptr) {
   Writer writer(Endian::big);
   const auto parameter = [&](std::uint16_t id, BytesView value) {
     writer.write(id);
@@ -138,6 +139,11 @@ inline Bytes participant_data(const Guid& guid) {
   parameter(0x0016, Bytes{1, 15, 0, 0});
   parameter(0x1005, Bytes(12));  // the 1.2 form of PARTICIPANT_SECURITY_INFO
   parameter(0x0050, guid.octets());
+  if (identity_token != nullptr) {
+    Writer token(Endian::big);
+    spi::write_token(token, *identity_token);
+    parameter(0x1001, token.take());
+  }
   parameter(0x4014, Bytes{0, 0, 0, 1, 0, 0, 0, 0});  // unknown, must-understand bit set
   writer.write(std::uint16_t{1});
   writer.write(std::uint16_t{0});
@@ -171,14 +177,16 @@ inline Bytes bytes(std::string_view text) { return to_bytes(as_bytes(text)); }
 
 /// A participant in an engine of its own or a shared one.
 struct Participant {
-  Participant(Engine& where, const Identity& identity, std::uint8_t number = 1) : engine(&where) {
+  Participant(Engine& where, const Identity& identity, std::uint8_t number = 1,
+              spi::CipherMask ciphers = spi::kStandardCiphers)
+      : engine(&where) {
     const auto local = where->validate_local_identity(0, identity.properties, candidate(number));
     EXPECT_TRUE(local) << local.error().to_sentence();
     if (!local) return;
     handle = local->handle;
     guid = local->adjusted_guid;
-    token = where->identity_token(handle).value();
-    data = participant_data(guid);
+    token = where->identity_token(handle, ciphers).value();
+    data = participant_data(guid, &token);
   }
   Result<spi::Authentication::RemoteIdentity> discover(const Participant& other,
                                                        std::optional<Token> auth_request = {}) {

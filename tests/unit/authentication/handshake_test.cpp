@@ -71,6 +71,33 @@ TEST(Handshake, PermissionsTravelBothWays) {
   EXPECT_EQ(field(*at_low, "c.id"), field(*rep->message, "c.id"));
 }
 
+/// The ciphers that each side holds the other able to decrypt, after a handshake in which
+/// discovery's tokens were replaced by `announced`, if there is one.
+std::pair<spi::CipherMask, spi::CipherMask> ciphers_after(const Token* announced) {
+  Engine first{1}, second{2};
+  Participant able(first, make_identity(test_ca(), "CN=alice,O=Example"), 1, spi::kAllCiphers);
+  Participant plain(second, make_identity(test_ca(), "CN=bob,O=Example", {}, kYear, 1), 2);
+  if (announced != nullptr) able.token = *announced;
+  Two two(able, plain);
+  const auto req = two.request();
+  const auto rep = two.reply(*req->message);
+  const auto fin = two.at_low(req->handle, *rep->message);
+  EXPECT_TRUE(two.at_high(rep->handle, *fin->message));
+  const auto at = [&](Participant& one) {
+    const auto handle = &one == &two.low ? req->handle : rep->handle;
+    return (*one.engine)->shared_secret(handle).value()->peer_ciphers;
+  };
+  return {at(plain), at(able)};
+}
+
+TEST(Handshake, TellsEachSideWhatTheOtherCanDecrypt) {
+  const std::pair right{spi::kAllCiphers, spi::kStandardCiphers};
+  EXPECT_EQ(ciphers_after(nullptr), right);
+  // Nobody vouches for what discovery brought: it neither takes away nor adds.
+  const Token bare{std::string(spi::class_id::kIdentity)};
+  EXPECT_EQ(ciphers_after(&bare), right);
+}
+
 TEST(Handshake, SecretOutlivesTheHandle) {
   Pairing pairing;
   const auto req = pairing.two.request();

@@ -172,7 +172,8 @@ TEST(AuthRequest, Refusals) {
 
 TEST(IdentityToken, SpeaksCyclonesWords) {
   const auto identity = make_identity(test_ca(), "CN=alice,O=Example");
-  const auto token = write_identity_token(identity.certificate, test_ca().certificate());
+  const auto token =
+      write_identity_token(identity.certificate, test_ca().certificate(), spi::kStandardCiphers);
   EXPECT_EQ(token.class_id, "DDS:Auth:PKI-DH:1.0");
   const PropertyList expected = {{"dds.cert.sn", "/O=Example/CN=alice"},
                                  {"dds.cert.algo", "EC-prime256v1"},
@@ -180,6 +181,38 @@ TEST(IdentityToken, SpeaksCyclonesWords) {
                                  {"dds.ca.algo", "EC-prime256v1"}};
   EXPECT_EQ(token.properties, expected);
   EXPECT_EQ(read_identity_token(token)->subject, "/O=Example/CN=alice");
+}
+
+TEST(IdentityToken, AnnouncesCiphersThatAreNotTheStandards) {
+  const auto identity = make_identity(test_ca(), "CN=alice,O=Example");
+  const auto& ca = test_ca().certificate();
+  const auto token = write_identity_token(identity.certificate, ca, spi::kAllCiphers);
+  ASSERT_EQ(token.properties.size(), 5u);
+  EXPECT_EQ(token.properties[4],
+            (spi::Property{"org.ddssec.symmetric_ciphers", "org.ddssec.ChaCha20-Poly1305"}));
+  EXPECT_EQ(announced_ciphers(token), spi::kAllCiphers);
+  EXPECT_EQ(announced_ciphers({}), spi::kStandardCiphers);
+  auto other = token;
+  other.properties[4].value = "com.example.Cipher";
+  EXPECT_EQ(announced_ciphers(other), spi::kStandardCiphers);
+}
+
+TEST(IdentityToken, InParticipantDataSaysWhatCounts) {
+  Token token{"DDS:Auth:PKI-DH:1.0"};
+  token.properties.push_back({"org.ddssec.symmetric_ciphers", "org.ddssec.ChaCha20-Poly1305"});
+  const auto data = participant_data(candidate(7), &token);
+  EXPECT_EQ(ciphers_in_participant_data(data), spi::kAllCiphers);
+  EXPECT_EQ(ciphers_in_participant_data(participant_data(candidate(7))), spi::kStandardCiphers);
+  EXPECT_EQ(ciphers_in_participant_data({}), spi::kStandardCiphers);
+  // Two of them, or half of one, announce nothing.
+  auto twice = data;
+  twice.resize(twice.size() - 4);
+  twice.insert(twice.end(), data.begin(), data.end());
+  EXPECT_EQ(ciphers_in_participant_data(twice), spi::kStandardCiphers);
+  for (std::size_t size = 0; size < data.size(); ++size) {
+    const auto seen = ciphers_in_participant_data(BytesView(data).first(size));
+    EXPECT_TRUE(seen == spi::kStandardCiphers || seen == spi::kAllCiphers) << size;
+  }
 }
 
 TEST(IdentityToken, PropertiesMayBeAbsentTheClassMayNot) {

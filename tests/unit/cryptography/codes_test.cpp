@@ -18,7 +18,7 @@ Code code_of(const Result<T>& result) {
 }
 
 KeyMaterial material(TransformKind kind, std::uint8_t id = 1, bool receiver = false) {
-  const auto size = traits_of(kind)->key_size;
+  const auto size = traits_of(kind)->key_size();
   KeyMaterial out{.kind = kind};
   out.salt = MasterSalt::copy_of(Bytes(size, 1)).value();
   out.sender_key_id = KeyId{{0, 0, 0, id}};
@@ -267,7 +267,7 @@ TEST(CryptoTokens, VolatileAndUnprotectedEndpointsHaveNone) {
 // Key material
 
 TEST(KeyMaterialOctets, TruncatedAnywhereIsRefused) {
-  for (const auto kind : {kAes128Gmac, kAes256Gcm})
+  for (const auto kind : {kAes128Gmac, kAes256Gcm, kChachaPoly1305Mac, kChachaPoly1305})
     for (const bool receiver : {false, true}) {
       auto octets = serialize_key_material(material(kind, 1, receiver));
       for (std::size_t size = 0; size < octets.size(); ++size)

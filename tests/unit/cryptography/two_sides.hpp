@@ -39,16 +39,26 @@ inline EndpointSecurityAttributes endpoint_attributes(ProtectionKind submessage,
   return attributes;
 }
 
-inline spi::SharedSecret shared_secret(std::uint8_t seed = 1) {
+/// With a peer that understands every cipher, or as said.
+inline spi::SharedSecret shared_secret(std::uint8_t seed = 1,
+                                       spi::CipherMask peer_ciphers = spi::kAllCiphers) {
   spi::SharedSecret shared;
   shared.secret = spi::SharedSecretOctets::copy_of(Bytes(32, seed)).value();
   shared.challenge1.fill(static_cast<std::uint8_t>(seed + 1));
   shared.challenge2.fill(static_cast<std::uint8_t>(seed + 2));
+  shared.peer_ciphers = peer_ciphers;
   return shared;
 }
 
 inline PropertyList key_size(std::string_view bits) {
   return {{"dds.sec.crypto.keysize", std::string(bits)}};
+}
+/// By the name of the algorithm; a participant's `messages` too, if asked for.
+inline PropertyList cipher(std::string_view name, bool messages = false) {
+  PropertyList out = {{"dds.sec.crypto.symmetric_cipher_algorithm", std::string(name)}};
+  if (messages)
+    out.push_back({"org.ddssec.crypto.message_symmetric_cipher_algorithm", std::string(name)});
+  return out;
 }
 inline PropertyList builtin_endpoint(std::string_view name) {
   return {{"dds.sec.builtin_endpoint_name", std::string(name)}};

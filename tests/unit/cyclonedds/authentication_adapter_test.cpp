@@ -121,7 +121,8 @@ TEST_F(AuthenticationAdapterTest, NullArgumentsAreRefusedNotFollowed) {
 }
 
 TEST_F(AuthenticationAdapterTest, TokensComeOutAndGoIn) {
-  EXPECT_CALL(engine, identity_token(spi::IdentityHandle{4})).WillOnce(Return(sample_token()));
+  EXPECT_CALL(engine, identity_token(spi::IdentityHandle{4}, spi::kStandardCiphers))
+      .WillOnce(Return(sample_token()));
   EXPECT_CALL(engine, identity_status_token(spi::IdentityHandle{4}))
       .WillOnce(Return(sample_token()));
   HostToken identity, status;

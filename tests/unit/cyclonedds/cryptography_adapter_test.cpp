@@ -1,8 +1,11 @@
 #include "plugins/cyclonedds/cryptography_adapter.hpp"
 
 #include <algorithm>
+#include <cstdlib>
+#include <fstream>
 #include <stdexcept>
 
+#include "plugins/cyclonedds/process_properties.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
 #include "tests/unit/cyclonedds/support.hpp"
 
@@ -93,6 +96,45 @@ TEST_F(CryptographyAdapterTest, Registration) {
       .WillOnce(Return(spi::DatawriterCryptoHandle{31}));
   EXPECT_EQ(factory->register_matched_remote_datawriter(factory, 21, 11, secret_handle, nullptr),
             31);
+}
+
+/// Sets a variable for one test.
+struct Variable {
+  Variable(const char* name, const std::string& value) : name(name) {
+    setenv(name, value.c_str(), 1);
+  }
+  ~Variable() { unsetenv(name); }
+  const char* name;
+};
+
+TEST_F(CryptographyAdapterTest, AParticipantsPropertiesComeFromTheEnvironment) {
+  const auto file = testing::TempDir() + "ddssec-cyclonedds.properties";
+  std::ofstream(file) << "dds.sec.crypto.symmetric_cipher_algorithm = AES128+GCM\nother = 1\n";
+  const auto registers_with = [&](const spi::PropertyList& expected) {
+    EXPECT_CALL(engine, register_local_participant(_, _, expected, _))
+        .WillOnce(Return(spi::ParticipantCryptoHandle{10}));
+    EXPECT_EQ(factory->register_local_participant(factory, 1, 2, nullptr, &participant, nullptr),
+              10);
+  };
+  const spi::Property other{"other", "1", false};
+  const auto cipher = [](std::string name) {
+    return spi::Property{"dds.sec.crypto.symmetric_cipher_algorithm", std::move(name), false};
+  };
+  {
+    const Variable from(kPropertiesVariable, file);
+    registers_with({cipher("AES128+GCM"), other});
+    const Variable over(kCipherVariable, "org.ddssec.ChaCha20-Poly1305");
+    registers_with({other, cipher("org.ddssec.ChaCha20-Poly1305")});
+  }
+  {
+    const Variable over(kCipherVariable, "AUTO");
+    registers_with({cipher("AUTO")});
+    const Variable nothing(kPropertiesVariable, "");
+    registers_with({cipher("AUTO")});
+  }
+  const Variable missing(kPropertiesVariable, file + ".not-there");
+  EXPECT_EQ(factory->register_local_participant(factory, 1, 2, nullptr, &participant, &refusal), 0);
+  EXPECT_EQ(refusal.reason(), Code::file_not_found);
 }
 
 TEST_F(CryptographyAdapterTest, RegistrationRefusesNullAndForeignSecrets) {

@@ -13,7 +13,8 @@ class MockAuthentication : public spi::Authentication {
  public:
   MOCK_METHOD(Result<LocalIdentity>, validate_local_identity,
               (DomainId, const spi::PropertyList&, const Guid&), (override));
-  MOCK_METHOD(Result<spi::Token>, identity_token, (spi::IdentityHandle), (override));
+  MOCK_METHOD(Result<spi::Token>, identity_token, (spi::IdentityHandle, spi::CipherMask),
+              (override));
   MOCK_METHOD(Result<spi::Token>, identity_status_token, (spi::IdentityHandle), (override));
   MOCK_METHOD(Status, set_permissions_credential_and_token,
               (spi::IdentityHandle, const spi::Token&, const spi::Token&), (override));
@@ -103,6 +104,10 @@ class MockCryptography : public spi::Cryptography,
               (override));
   MOCK_METHOD(Result<Datawriter>, register_matched_remote_datawriter,
               (Datareader, Participant, const spi::SharedSecret&), (override));
+  MOCK_METHOD(spi::CipherMask, supported_ciphers, (), (const, override));
+  MOCK_METHOD(Result<spi::SymmetricCipherInfo>, cipher_info, (Participant), (override));
+  MOCK_METHOD(Result<spi::CipherMask>, required_ciphers, (Datawriter), (override));
+  MOCK_METHOD(Result<spi::CipherMask>, required_ciphers, (Datareader), (override));
   MOCK_METHOD(Status, unregister_participant, (Participant), (override));
   MOCK_METHOD(Status, unregister_datawriter, (Datawriter), (override));
   MOCK_METHOD(Status, unregister_datareader, (Datareader), (override));

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "plugins/cyclonedds/value_translation.hpp"
+
 namespace ddssec::cyclonedds {
 namespace {
 
@@ -37,6 +39,23 @@ TEST(SharedSecrets, OnlyTheIdentitysOwnGo) {
   EXPECT_TRUE(secrets.hand_out({2}, secret_of(1)));
   secrets.drop(IdentityHandle{10});
   EXPECT_FALSE(secrets.hand_out({2}, secret_of(1)));
+}
+
+TEST(SharedSecrets, CarryWhatThePeerCanDecryptToOurCryptographyOnly) {
+  SharedSecrets secrets;
+  secrets.note({1}, IdentityHandle{10}, IdentityHandle{20});
+  auto secret = secret_of(7);
+  secret.peer_ciphers = spi::kAllCiphers;
+  const auto handle = secrets.hand_out({1}, secret);
+  EXPECT_EQ(shared_secret_from(*handle)->peer_ciphers, spi::kAllCiphers);
+  EXPECT_EQ(shared_secret_from(*handle)->secret, secret.secret);
+  // The same octets as Cyclone's plugin lays them out say nothing of ciphers.
+  auto layout = *reinterpret_cast<SharedSecretLayout*>(*handle);
+  Bytes octets(32, 7);
+  layout.shared_secret = octets.data();
+  const auto foreign = reinterpret_cast<DDS_Security_SharedSecretHandle>(&layout);
+  EXPECT_EQ(shared_secret_from(foreign)->peer_ciphers, spi::kStandardCiphers);
+  EXPECT_EQ(shared_secret_from(foreign)->secret, secret.secret);
 }
 
 }  // namespace

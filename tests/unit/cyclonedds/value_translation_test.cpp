@@ -55,6 +55,27 @@ TEST(ValueTranslation, EndpointAttributesOfEveryKind) {
   }
 }
 
+TEST(ValueTranslation, WhatOurPluginsTellEachOtherComesThrough) {
+  for (const bool builtin : {false, true}) {
+    spi::EndpointSecurityAttributes attributes;
+    attributes.is_builtin = builtin;
+    const auto c = to_c(attributes);
+    EXPECT_EQ(c.ac_endpoint_properties._length, builtin ? 1u : 0u);
+    EXPECT_EQ(attributes_from(c), attributes);
+  }
+  for (const auto ciphers : {spi::kStandardCiphers, spi::kAllCiphers}) {
+    spi::ParticipantSecurityAttributes attributes;
+    attributes.allowed_ciphers = ciphers;
+    EXPECT_EQ(attributes_from(to_c(attributes)), attributes);
+  }
+  DDS_Security_EndpointSecurityAttributes foreign{};
+  DDS_Security_Property_t property{nullptr, nullptr, false};
+  foreign.ac_endpoint_properties = {1, 1, &property};
+  EXPECT_FALSE(attributes_from(foreign).is_builtin);
+  foreign.ac_endpoint_properties = {1, 1, nullptr};
+  EXPECT_FALSE(attributes_from(foreign).is_builtin);
+}
+
 TEST(ValueTranslation, MaskWithoutValidBitMeansSigning) {
   DDS_Security_EndpointSecurityAttributes c{};
   c.is_submessage_protected = 1;

@@ -32,6 +32,7 @@ ParticipantData participant() {
   data.identity_token = spi::Token{"DDS:Auth:PKI-DH:1.0", {{"dds.cert.sn", "CN=a"}}, {}};
   data.permissions_token = spi::Token{"DDS:Access:Permissions:1.0", {}, {}};
   data.security_info = spi::SecurityInfo{0x80000007, 0x80000001};
+  data.ciphers = spi::SymmetricCipherInfo{0x00010003, 0x2, 0x1, 0x00010000};
   return data;
 }
 
@@ -61,6 +62,7 @@ EndpointData publication() {
   data.unicast = {*Locator::parse("10.0.0.1", 1)};
   data.multicast = {*Locator::parse("239.1.1.1", 2)};
   data.security_info = spi::SecurityInfo{0x8000001b, 0x80000001};
+  data.required_ciphers = 0x00010000;
   return data;
 }
 

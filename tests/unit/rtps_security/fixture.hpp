@@ -67,6 +67,7 @@ struct Rules {
   ProtectionKind data = ProtectionKind::none;
   bool allow_unauthenticated = false;
   bool access_control = true;
+  bool only_aes = false;  ///< <allowed_crypto_algorithms> without ChaCha20-Poly1305
 
   governance::Governance document() const {
     governance::DomainRule rule;
@@ -83,6 +84,11 @@ struct Rules {
     topic.metadata_protection_kind = metadata;
     topic.data_protection_kind = data;
     rule.topic_rules.push_back(topic);
+    if (only_aes)
+      rule.allowed_algorithms = governance::AllowedAlgorithms{
+          .digital_signature = {{"RSASSA-PSS-SHA256"}, {"ECDSA-SHA256"}},
+          .key_establishment = {{"DH+MODP-2048-256"}, {"ECDH+prime256v1-CEUM"}},
+          .symmetric_cipher = {{"AES128+GCM"}, {"AES256+GCM"}}};
     return {.domain_rules = {rule}};
   }
 };
@@ -256,6 +262,17 @@ struct Pair {
       : a(1, properties_of("CN=alice,O=Example", of_a)),
         b(2, properties_of("CN=bob,O=Example", of_b)) {
     world.nodes = {&a, &b};
+  }
+  /// With further properties of each participant.
+  Pair(const Rules& of_a, const Rules& of_b, const spi::PropertyList& more_of_a,
+       const spi::PropertyList& more_of_b)
+      : a(1, both(properties_of("CN=alice,O=Example", of_a), more_of_a)),
+        b(2, both(properties_of("CN=bob,O=Example", of_b), more_of_b)) {
+    world.nodes = {&a, &b};
+  }
+  static spi::PropertyList both(spi::PropertyList one, const spi::PropertyList& other) {
+    one.insert(one.end(), other.begin(), other.end());
+    return one;
   }
   void create_endpoints() {
     writer = a->create_writer(square(default_writer_qos()), a.listener, world.now).value();

@@ -55,6 +55,19 @@ TEST(FolderProperties, AListOfRevokedCertificatesCountsEvenAsABrokenLink) {
   EXPECT_THAT(value_of(*properties, spi::property::kCrl), EndsWith("/crl.pem"));
 }
 
+TEST(FolderProperties, FurtherOnesComeFromAFile) {
+  const Folder folder;
+  std::ofstream(folder.path / "security.properties") << "dds.sec.crypto.keysize = 128\n";
+  const auto properties = folder_properties(folder.path);
+  ASSERT_TRUE(properties);
+  EXPECT_EQ(value_of(*properties, spi::property::kKeySize), "128");
+  folder.put("security.properties");
+  EXPECT_EQ(folder_properties(folder.path).error().code(), Code::invalid_property);
+  fs::remove(folder.path / "security.properties");
+  fs::create_symlink("nowhere", folder.path / "security.properties");
+  EXPECT_EQ(folder_properties(folder.path).error().code(), Code::file_not_found);
+}
+
 TEST(SecuredParticipant, WithoutAFolderThereIsNone) {
   Quiet quiet;
   const auto participant = Participant::join("/nowhere/at/all", {.domain_id = 122}, &quiet);

@@ -17,8 +17,15 @@ using Json = nlohmann::json;
 
 const Json& kat() {
   static const Json kFile = [] {
-    std::ifstream file(test::data_path("dds-security-crypto/kat-crypto.json"));
-    return Json::parse(file);
+    const auto read = [](const char* name) {
+      std::ifstream file(test::data_path(std::string("dds-security-crypto/") + name));
+      return Json::parse(file);
+    };
+    auto all = read("kat-crypto.json");
+    const auto ours = read("kat-chacha.json");
+    for (const auto& [section, entries] : ours.items())
+      for (const auto& entry : entries) all[section].push_back(entry);
+    return all;
   }();
   return kFile;
 }
@@ -38,7 +45,7 @@ TransformKind kind_of(const Json& entry) {
 
 KeyMaterial material_of(const Json& entry, bool receiver_specific) {
   KeyMaterial material{.kind = kind_of(entry)};
-  const auto size = traits_of(material.kind)->key_size;
+  const auto size = traits_of(material.kind)->key_size();
   material.salt = key_input<MasterSalt>("master_salt32", size);
   material.sender_key_id = KeyId::from(input("sender_key_id"));
   material.sender_key = key_input<MasterKey>("master_sender_key32", size);
@@ -137,7 +144,9 @@ ProtectionKind protection(const Json& entry, bool origin = false) {
 }
 
 std::size_t key_octets(const Json& entry) { return entry["kind"].get<int>() <= 2 ? 16 : 32; }
-PropertyList size_property(const Json& entry) {
+/// For an endpoint or a participant.
+PropertyList cipher_property(const Json& entry) {
+  if (entry["kind"] > 4) return cipher(spi::kChaCha20Poly1305Name, true);
   return key_size(key_octets(entry) == 16 ? "128" : "256");
 }
 
@@ -168,7 +177,7 @@ TEST_P(KatTransform, PayloadsEncode) {
     side.random.key(key_octets(entry));
     const auto writer =
         factory
-            .register_local_datawriter(participant, size_property(entry),
+            .register_local_datawriter(participant, cipher_property(entry),
                                        endpoint_attributes(ProtectionKind::none, protection(entry)))
             .value();
     const auto plain = entry.contains("plain") ? hex(entry["plain"]) : input("plain_payload");
@@ -200,7 +209,7 @@ TEST_P(KatTransform, SubmessagesEncode) {
     side.random.key(key_octets(entry));
     const auto writer =
         factory
-            .register_local_datawriter(participant, size_property(entry),
+            .register_local_datawriter(participant, cipher_property(entry),
                                        endpoint_attributes(protection(entry), ProtectionKind::none))
             .value();
     const auto plain = input("plain_data_submessage");
@@ -235,7 +244,7 @@ TEST_P(KatTransform, MessagesEncode) {
     side.random.key(key_octets(entry));
     const auto participant =
         side.engine->key_factory()
-            .register_local_participant({}, {}, size_property(entry),
+            .register_local_participant({}, {}, cipher_property(entry),
                                         participant_attributes(protection(entry)))
             .value();
     const auto plain = input("plain_rtps_message");

@@ -1,0 +1,30 @@
+#include "plugins/cyclonedds/process_properties.hpp"
+
+#include <cstdlib>
+#include <string_view>
+
+#include "plugins/spi/property_file.hpp"
+#include "plugins/spi/property_names.hpp"
+
+namespace ddssec::cyclonedds {
+namespace {
+
+std::string_view variable(const char* name) {
+  const char* const value = std::getenv(name);
+  return value == nullptr ? std::string_view() : value;
+}
+
+}  // namespace
+
+Result<spi::PropertyList> process_properties() {
+  spi::PropertyList out;
+  if (const auto file = variable(kPropertiesVariable); !file.empty())
+    out = DDSSEC_TRY(spi::read_property_file(file));
+  const auto cipher = variable(kCipherVariable);
+  if (cipher.empty()) return out;
+  std::erase_if(out, [](const auto& one) { return one.name == spi::property::kSymmetricCipher; });
+  out.push_back({std::string(spi::property::kSymmetricCipher), std::string(cipher), false});
+  return out;
+}
+
+}  // namespace ddssec::cyclonedds

@@ -1,0 +1,19 @@
+// What a participant's cryptography is told where the host tells it nothing: Cyclone's core passes
+// no participant properties to the cryptography plugin.
+#pragma once
+
+#include "base/result.hpp"
+#include "plugins/spi/token.hpp"
+
+namespace ddssec::cyclonedds {
+
+/// The value of dds.sec.crypto.symmetric_cipher_algorithm; goes before the file.
+inline constexpr const char* kCipherVariable = "DDSSEC_SYMMETRIC_CIPHER_ALGORITHM";
+/// The path of a file of properties.
+inline constexpr const char* kPropertiesVariable = "DDSSEC_PROPERTIES";
+
+/// What the two environment variables say; an empty one says nothing. Errors: those of
+/// spi::read_property_file.
+Result<spi::PropertyList> process_properties();
+
+}  // namespace ddssec::cyclonedds

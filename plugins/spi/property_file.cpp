@@ -1,0 +1,70 @@
+#include "plugins/spi/property_file.hpp"
+
+#include <algorithm>
+#include <fstream>
+
+namespace ddssec::spi {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r";
+
+std::string_view trimmed(std::string_view text) {
+  const auto begin = std::min(text.find_first_not_of(kBlanks), text.size());
+  text.remove_prefix(begin);
+  return text.substr(0, text.find_last_not_of(kBlanks) + 1);
+}
+
+bool has_control_character(std::string_view text) {
+  return std::ranges::any_of(
+      text, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
+}
+
+Status add_line(std::string_view text, int line, PropertyList& out) {
+  const auto content = trimmed(text);
+  if (content.empty() || content.front() == '#') return {};
+  const auto equals = content.find('=');
+  const auto name = trimmed(content.substr(0, equals));
+  const auto bad = [&](std::string expected) {
+    return fail(
+        Code::invalid_property,
+        {.line = line, .expected = std::move(expected), .found = std::string(name.substr(0, 64))});
+  };
+  if (equals == content.npos || name.empty()) return bad("name = value");
+  const auto value = trimmed(content.substr(equals + 1));
+  if (has_control_character(name) || has_control_character(value))
+    return bad("no control characters");
+  if (find_property(out, name) != nullptr) return bad("each name once");
+  if (out.size() >= kMostPropertiesPerFile) return bad("fewer properties");
+  out.push_back({std::string(name), std::string(value), false});
+  return {};
+}
+
+}  // namespace
+
+Result<PropertyList> parse_properties(std::string_view text) {
+  PropertyList out;
+  for (int line = 1; !text.empty(); ++line) {
+    const auto end = std::min(text.find('\n'), text.size());
+    DDSSEC_TRY(add_line(text.substr(0, end), line, out));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return out;
+}
+
+Result<PropertyList> read_property_file(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto in_file = [&](Code code) { return fail(code, {.document = path.string()}); };
+  if (!std::filesystem::exists(path, error)) return in_file(Code::file_not_found);
+  std::ifstream file(path, std::ios::binary);
+  std::string text(kMostPropertyFileOctets + 1, '\0');
+  if (!file || std::filesystem::is_directory(path, error)) return in_file(Code::file_unreadable);
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (file.bad()) return in_file(Code::file_unreadable);
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  if (text.size() > kMostPropertyFileOctets) return in_file(Code::file_too_large);
+  auto properties = parse_properties(text);
+  if (!properties) return std::unexpected(properties.error().in(path.string()));
+  return properties;
+}
+
+}  // namespace ddssec::spi

@@ -1,0 +1,37 @@
+#include "plugins/spi/symmetric_cipher.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ddssec::spi {
+namespace {
+
+TEST(SymmetricCipher, NamesAndBitsBelongTogether) {
+  for (const auto bit : {kAes128Bit, kAes256Bit, kChaCha20Poly1305Bit})
+    EXPECT_EQ(cipher_of(names_of(bit)), bit);
+  EXPECT_EQ(names_of(kAllCiphers), "AES128+GCM,AES256+GCM,org.ddssec.ChaCha20-Poly1305");
+  EXPECT_EQ(names_of(0), "none");
+  EXPECT_EQ(names_of(0x00020000), "none");
+  for (const auto* const unknown : {"", "AUTO", "aes128+gcm", "AES128+GCM,", "none"})
+    EXPECT_EQ(cipher_of(unknown), std::nullopt) << unknown;
+}
+
+TEST(SymmetricCipher, AListMayNameWhatWeDoNotKnow) {
+  EXPECT_EQ(ciphers_in(names_of(kAllCiphers)), kAllCiphers);
+  EXPECT_EQ(ciphers_in("com.example.X,org.ddssec.ChaCha20-Poly1305,"), kChaCha20Poly1305Bit);
+  for (const auto* const nothing : {"", ",", ",,", "none", " AES128+GCM", "AES128+GCM AES256+GCM"})
+    EXPECT_EQ(ciphers_in(nothing), 0u) << nothing;
+}
+
+// DDS-Security 1.2 7.3.9
+TEST(SymmetricCipher, AllThatIsRequiredOrAnyInCompatibilityMode) {
+  constexpr CipherMask kCompatible = CipherMask{1} << 31;
+  EXPECT_TRUE(understands(0x3, 0x2));
+  EXPECT_TRUE(understands(0x3, 0x0));
+  EXPECT_FALSE(understands(0x2, 0x3));
+  EXPECT_FALSE(understands(kStandardCiphers, kChaCha20Poly1305Bit));
+  EXPECT_TRUE(understands(0x2, kCompatible | 0x3));
+  EXPECT_FALSE(understands(0x4, kCompatible | 0x3));
+}
+
+}  // namespace
+}  // namespace ddssec::spi
