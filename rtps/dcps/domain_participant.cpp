@@ -30,6 +30,7 @@ class DomainParticipant::Sockets final : public Transport {
   void send(BytesView message, std::span<const Locator> to) override {
     sockets_.front().send(message, to);
   }
+  void send_all(const Outgoing& out) override { sockets_.front().send_all(out); }
   Status join(const Locator& group, const Locator& interface) {
     sockets_.push_back(DDSSEC_TRY(UdpSocket::join(group, interface)));
     return {};
@@ -44,6 +45,7 @@ class DomainParticipant::Sockets final : public Transport {
   EventLoop& loop() { return loop_; }
   const Locator& metatraffic() const { return sockets_[0].local(); }
   const Locator& user() const { return sockets_[1].local(); }
+  Status check_receive_buffer() const { return sockets_[1].check_receive_buffer(); }
 
  private:
   EventLoop loop_;
@@ -88,15 +90,18 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
 Status DomainParticipant::open_sockets() {
   const auto domain = options_.domain_id;
   for (index_ = 0; index_ < ports::kMostIndexes; ++index_) {
-    auto metatraffic =
-        UdpSocket::on_interface(with_port(interface_, ports::metatraffic(domain, index_)));
+    auto metatraffic = UdpSocket::on_interface(
+        with_port(interface_, ports::metatraffic(domain, index_)), options_.receive_buffer);
     if (!metatraffic && metatraffic.error().code() == Code::rtps_port_taken) continue;
     if (!metatraffic) return std::unexpected(metatraffic.error());
-    auto user = UdpSocket::on_interface(with_port(interface_, ports::user(domain, index_)));
+    auto user = UdpSocket::on_interface(with_port(interface_, ports::user(domain, index_)),
+                                        options_.receive_buffer);
     if (!user && user.error().code() == Code::rtps_port_taken) continue;
     if (!user) return std::unexpected(user.error());
     sockets_ = std::make_unique<Sockets>(DDSSEC_TRY(EventLoop::create()), std::move(*metatraffic),
                                          std::move(*user));
+    if (const auto enough = sockets_->check_receive_buffer(); !enough)
+      context_.environment().events.raise(Event(enough.error()));
     return {};
   }
   return fail(Code::rtps_port_taken, {.document = to_string(interface_),
@@ -125,9 +130,15 @@ Status DomainParticipant::start(const GuidPrefix& prefix, std::unique_ptr<OwnSec
   if (options_.multicast) {
     const auto group = Locator::udp_v4({239, 255, 0, 1},
                                        static_cast<std::uint16_t>(ports::base(options_.domain_id)));
-    DDSSEC_TRY(sockets_->join(group, interface_));
-    config.metatraffic_multicast = {group};
-    config.announce_to.push_back(group);
+    // With peers to announce to, others are found all the same.
+    const auto joined = sockets_->join(group, interface_);
+    if (!joined && config.announce_to.empty()) return joined;
+    if (joined) {
+      config.metatraffic_multicast = {group};
+      config.announce_to.push_back(group);
+    } else {
+      context_.environment().events.raise(Event(joined.error()));
+    }
   }
   auto protocol =
       std::make_unique<Participant>(std::move(config), *sockets_, context_.environment().events);

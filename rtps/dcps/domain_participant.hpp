@@ -24,6 +24,9 @@ struct DomainParticipantOptions {
   /// TypeInformation of types made from IDL is announced. Cyclone DDS then matches no endpoint
   /// whose type is another one, be it in a bound alone.
   bool announce_types = true;
+  /// Octets to ask the system for, for each socket; a warning if it grants less than large samples
+  /// need.
+  std::size_t receive_buffer = UdpSocket::kWantedBuffer;
   bool own_thread = true;  ///< false: the application calls poll()
   /// Samples for participants of this process go there directly, in the writer's thread, unless
   /// the topic is protected; false: always by the network.

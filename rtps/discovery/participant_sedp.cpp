@@ -187,6 +187,8 @@ Status Participant::change_qos(const Guid& endpoint, Qos qos, MonotonicTime now)
     const auto local = locals.find(endpoint.entity);
     if (local == locals.end()) return;
     local->second.data.qos = qos;
+    if constexpr (requires { local->second.protocol->hurry_as(qos); })
+      local->second.protocol->hurry_as(qos);
     publish(local->second.data, now);
     match_all(local->second);
   };

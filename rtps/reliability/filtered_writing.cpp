@@ -54,7 +54,7 @@ void StatefulWriter::send_filtered(const Change& change) {
     wanted_locators_.swap(locators_now_);
   }
   if (all)
-    send_change({{}, all_locators_}, kEntityIdUnknown, change);
+    send_change(to_all(), kEntityIdUnknown, change);
   else if (!wanted_locators_.empty())
     send_change({{}, wanted_locators_}, kEntityIdUnknown, change);
   filter_results_.clear();  // what is sent again goes to one reader, which it passed
@@ -62,7 +62,7 @@ void StatefulWriter::send_filtered(const Change& change) {
 
 void StatefulWriter::send_filtered_gap(ReaderProxy& proxy, SequenceNumber next) {
   const auto from = std::exchange(proxy.filtered_from, SequenceNumber{});
-  sender_.add(proxy.destination(),
+  sender_.add(to(proxy),
               Gap{proxy.reader.guid.entity, guid_.entity, from, SequenceNumberSet(next)});
 }
 

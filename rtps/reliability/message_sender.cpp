@@ -3,21 +3,29 @@
 namespace ddssec::rtps {
 
 MessageSender::MessageSender(Transport& transport, const GuidPrefix& prefix)
-    : transport_(transport), buffer_(kLargestMessage), out_(buffer_) {
+    : transport_(transport), out_(slot(0)) {
   header_.prefix = prefix;
 }
 
 void MessageSender::protect_with(SendProtection& protection) {
   protection_ = &protection;
-  for (auto* buffer : {&buffer_, &payload_, &plain_, &message_}) buffer->resize(kLargestProtected);
-  out_ = SpanWriter(buffer_);
+  for (auto* buffer : {&buffer_, &payload_, &plain_}) buffer->resize(kLargestProtected);
+  slot_size_ = kLargestProtected;
+  out_ = SpanWriter(slot(0));
 }
 
 void MessageSender::begin(const Destination& to, bool wrapped) {
-  const bool other = !std::ranges::equal(to.locators, to_.locators) || wrapped != wrapped_;
-  if (out_.size() > 0 && (other || out_.size() >= kLargestMessage)) flush();
+  const bool other =
+      !std::ranges::equal(to.locators, to_.locators) || wrapped != wrapped_ || to.dscp != to_.dscp;
+  if ((out_.size() > 0 || waiting_ > 0) && other)
+    flush();
+  else if (out_.size() >= kLargestMessage)
+    finish_message();
   const bool empty = out_.size() == 0;
-  if (empty) write(out_, header_);
+  if (empty) {
+    out_ = SpanWriter(wrapped ? MutableBytes(buffer_) : slot(waiting_));
+    write(out_, header_);
+  }
   // INFO_DST lasts until the next one or the end of the message.
   if ((empty && !to.prefix.is_zero()) || (!empty && to.prefix != to_.prefix))
     write(out_, InfoDestination{to.prefix});
@@ -57,18 +65,37 @@ bool MessageSender::write_protected_submessage(const EntityId& sender, const Gui
   return false;
 }
 
-void MessageSender::flush() {
+MutableBytes MessageSender::slot(std::size_t index) {
+  auto& octets = slots_[index];
+  if (octets.size() < slot_size_) octets.resize(slot_size_);
+  return octets;
+}
+
+void MessageSender::finish_message() {
   const bool any = out_.size() > kHeaderSize && !out_.overflowed();
   if (any && wrapped_) {
-    const auto size = protection_->protect_message(receiver_, out_.view(), message_);
+    const auto out = slot(waiting_);
+    const auto size = protection_->protect_message(receiver_, out_.view(), out);
     if (size)
-      transport_.send(BytesView(message_).first(*size), to_.locators);
+      messages_[waiting_++] = out.first(*size);
     else
       protection_->on_unprotectable(size.error());
   } else if (any) {
-    transport_.send(out_.view(), to_.locators);
+    messages_[waiting_++] = out_.view();
   }
   out_.rewind(0);
+  if (waiting_ == kMostWaiting) send_waiting();
+}
+
+void MessageSender::send_waiting() {
+  if (waiting_ > 0)
+    transport_.send_all({std::span(messages_).first(waiting_), to_.locators, to_.dscp});
+  waiting_ = 0;
+}
+
+void MessageSender::flush() {
+  finish_message();
+  send_waiting();
   to_ = {};  // what it borrowed may end now
   flush_by_ = kNever;
 }

@@ -1,6 +1,7 @@
 // Packs submessages into messages and hands these to a transport.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <optional>
 #include <span>
@@ -20,10 +21,12 @@ inline constexpr MonotonicTime kNever = MonotonicTime::max();
 struct Destination {
   GuidPrefix prefix = {};                  ///< zero: everybody at the locators
   std::span<const Locator> locators = {};  ///< borrowed until the flush
+  std::uint8_t dscp = 0;                   ///< see Outgoing
 };
 
-/// Submessages for the same locators share a message until it is full or flushed. Nothing is
-/// allocated but at construction and by protect_with. Not thread-safe.
+/// Submessages for the same locators share a message until it is full or flushed, and the messages
+/// of a large sample a call of the transport. Nothing is allocated but for more messages at once
+/// than ever before. Not thread-safe.
 class MessageSender {
  public:
   /// As Cyclone DDS: fits two jumbo frames; larger samples go in fragments.
@@ -31,6 +34,9 @@ class MessageSender {
   /// Of protected messages; leaves room for what UDP and origin authentication need. Only single
   /// submessages that are larger than kLargestMessage and receivers' MACs make them so long.
   static constexpr std::size_t kLargestProtected = 64000;
+
+  /// Full messages that wait for more of the same sample.
+  static constexpr std::size_t kMostWaiting = 8;
 
   MessageSender(Transport& transport, const GuidPrefix& prefix);
 
@@ -87,7 +93,7 @@ class MessageSender {
       }
       if (!out_.overflowed()) return;
       out_.rewind(before);
-      flush();
+      finish_message();
     }
   }
   /// False: it could not be protected.
@@ -111,12 +117,20 @@ class MessageSender {
   std::optional<BytesView> protected_payload(const EntityId& writer, BytesView plain);
   bool write_protected_submessage(const EntityId& sender, const Guid& receiver, BytesView plain);
   void begin(const Destination& to, bool wrapped);
+  /// It waits for the flush, or for kMostWaiting of its like.
+  void finish_message();
+  void send_waiting();
+  MutableBytes slot(std::size_t index);
 
   Transport& transport_;
   Header header_;
   SendProtection* protection_ = nullptr;
-  Bytes buffer_, payload_, plain_, message_;
-  SpanWriter out_;
+  Bytes buffer_, payload_, plain_;
+  std::array<Bytes, kMostWaiting> slots_;         ///< messages as they are sent
+  std::array<BytesView, kMostWaiting> messages_;  ///< those that wait
+  std::size_t waiting_ = 0;
+  std::size_t slot_size_ = kLargestMessage;
+  SpanWriter out_;  ///< the message that is written, in the next slot or to be protected into it
   Destination to_;
   GuidPrefix receiver_;  ///< of all submessages in the message, or zero
   bool wrapped_ = false;

@@ -74,6 +74,22 @@ void StatefulReader::forget_partials(WriterProxy& proxy, SequenceNumber below) {
   std::erase_if(proxy.partial, [&](const auto& partial) { return partial.number() < below; });
 }
 
+std::size_t StatefulReader::partial_octets(const WriterProxy& proxy) {
+  std::size_t out = 0;
+  for (const auto& partial : proxy.partial) out += partial.change.payload.size();
+  return out;
+}
+
+void StatefulReader::make_room_for(std::size_t octets) {
+  const auto held = [&] {
+    std::size_t out = 0;
+    for (const auto& proxy : writers_) out += partial_octets(proxy);
+    return out;
+  };
+  while (held() + octets > kMostPartialOctets)
+    std::ranges::max_element(writers_, {}, partial_octets)->partial.pop_back();
+}
+
 void StatefulReader::keep_early(WriterProxy& proxy, SequenceNumber number,
                                 std::optional<Change> change) {
   if (!proxy.early.contains(number)) spare_.insert(proxy.early, number) = std::move(change);
@@ -161,6 +177,7 @@ StatefulReader::Partial* StatefulReader::partial_of(WriterProxy& proxy, const Da
     else
       proxy.partial.pop_back();
   }
+  make_room_for(frag.sample_size);
   Partial partial;
   partial.change = {proxy.writer.guid,
                     frag.sequence_number,

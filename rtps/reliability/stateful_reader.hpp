@@ -28,6 +28,8 @@ class StatefulReader final : private Timed {
   static constexpr std::size_t kMostEarlyChanges = 2048;
   static constexpr std::size_t kMostPartialSamples = 4;
   static constexpr std::uint32_t kLargestSample = 64u << 20;
+  /// Of samples of which fragments are missing, of all writers.
+  static constexpr std::size_t kMostPartialOctets = std::size_t{256} << 20;
 
   /// Takes the change, or refuses it for now (a full history): then it is kept here, and offered
   /// again with the writer's next heartbeat. A best-effort change that is refused is lost.
@@ -123,6 +125,9 @@ class StatefulReader final : private Timed {
   void note_lost(WriterProxy& proxy, SequenceNumber until);
   static Partial* find_partial(WriterProxy& proxy, SequenceNumber number);
   static void forget_partials(WriterProxy& proxy, SequenceNumber below);
+  static std::size_t partial_octets(const WriterProxy& proxy);
+  /// Whoever holds most gives up its latest: they are asked for again.
+  void make_room_for(std::size_t octets);
   void keep_early(WriterProxy& proxy, SequenceNumber number, std::optional<Change> change);
   Change change_of(const GuidPrefix& from, const Data& data, const std::optional<Time>& time) const;
   Partial* partial_of(WriterProxy& proxy, const DataFrag& frag, const std::optional<Time>& time);

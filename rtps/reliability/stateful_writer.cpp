@@ -65,7 +65,15 @@ StatefulWriter::StatefulWriter(const Guid& guid, const Qos& qos, MessageSender& 
       qos_(qos),
       sender_(sender),
       history_(qos),
-      samples_per_question_(samples_per_question(qos)) {}
+      samples_per_question_(samples_per_question(qos)) {
+  hurry_as(qos);
+}
+
+void StatefulWriter::hurry_as(const Qos& qos) {
+  const auto& budget = qos.latency_budget;
+  budget_ = budget.is_infinite() ? kMostBudget : std::min(budget.to_nanoseconds(), kMostBudget);
+  dscp_ = static_cast<std::uint8_t>(std::clamp(qos.transport_priority, 0, 63));
+}
 
 StatefulWriter::~StatefulWriter() {
   sender_.flush();
@@ -103,10 +111,9 @@ void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
   if (!matched.reader.reliable || !qos_.is_reliable()) {
     for (auto number = matched.first_relevant; number < next; number = number.next())
       if (const auto* change = history_.find(number); change && matched.accepts(*change))
-        send_change(matched.destination(), matched.reader.guid.entity, *change);
+        send_change(to(matched), matched.reader.guid.entity, *change);
   } else {
-    send_heartbeat(matched.destination(), matched.reader.guid.entity, matched.first_relevant,
-                   false);
+    send_heartbeat(to(matched), matched.reader.guid.entity, matched.first_relevant, false);
     period_ = kFirstPeriod;
     heartbeat_at(now + period_);
   }
@@ -131,7 +138,7 @@ SequenceNumber StatefulWriter::write(Change change, MonotonicTime now) {
   if (!all_locators_.empty() && !held_back_) {
     const auto& stored = *history_.find(number);
     const auto size = stored.payload.size();
-    const Destination everybody{{}, all_locators_};
+    const auto everybody = to_all();
     if (filters_ == 0)
       send_change(everybody, kEntityIdUnknown, stored);
     else
@@ -145,8 +152,10 @@ SequenceNumber StatefulWriter::write(Change change, MonotonicTime now) {
       last_heartbeat_ = now;
     }
     const bool fits_again = size < MessageSender::kLargestMessage / 3;
-    if (is_hurried(now) && fits_again && !speaks)
-      sender_.linger(now + kLinger);
+    const bool is_quick = is_hurried(now) && !speaks;
+    const bool has_time = budget_ > MonotonicTime::zero() && sender_.may_linger() && !asks;
+    if (fits_again && (is_quick || has_time))
+      sender_.linger(now + std::max(kLinger, budget_));
     else
       sender_.flush();
   }
@@ -173,7 +182,7 @@ bool StatefulWriter::is_hurried(MonotonicTime now) {
 void StatefulWriter::ask_for_acknowledgments() {
   if (all_acknowledged() || all_locators_.empty()) return;
   send_filtered_gaps();
-  send_heartbeat({{}, all_locators_}, kEntityIdUnknown, history_.first(), false);
+  send_heartbeat(to_all(), kEntityIdUnknown, history_.first(), false);
   sender_.flush();
 }
 
@@ -241,7 +250,7 @@ void StatefulWriter::assert_liveliness() {
   for (auto& proxy : readers_)
     if (proxy.local != nullptr) proxy.local->hear(guid_);
   if (all_locators_.empty()) return;
-  send_heartbeat({{}, all_locators_}, kEntityIdUnknown, history_.first(), true, true);
+  send_heartbeat(to_all(), kEntityIdUnknown, history_.first(), true, true);
   sender_.flush();
 }
 
@@ -259,7 +268,7 @@ void StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, 
   }
   const bool answered = answer_requests(*proxy, acknack.missing, now);
   if (answered || pre_emptive || (!acknack.is_final && acknack.missing.empty()))
-    send_heartbeat(proxy->destination(), proxy->reader.guid.entity,
+    send_heartbeat(to(*proxy), proxy->reader.guid.entity,
                    std::max(history_.first(), proxy->first_relevant), !answered && !pre_emptive);
   sender_.flush();
   release_acknowledged();
@@ -283,7 +292,7 @@ bool StatefulWriter::answer_requests(ReaderProxy& proxy, const SequenceNumberSet
   if (missing.base() == proxy.last_answered && now - proxy.last_answer < kAnswerTime) return false;
   proxy.last_answered = missing.base();
   proxy.last_answer = now;
-  const auto to = proxy.destination();
+  const auto destination = to(proxy);
   const auto& reader = proxy.reader.guid.entity;
   const auto lowest = std::max(history_.first(), proxy.first_relevant);
   std::size_t octets = 0;
@@ -291,13 +300,13 @@ bool StatefulWriter::answer_requests(ReaderProxy& proxy, const SequenceNumberSet
   missing.for_each([&](SequenceNumber number) {
     if (number > history_.last() || !is_valid(number) || octets >= kOctetsPerAnswer) return;
     if (number < lowest) {
-      if (!gap_below_sent) sender_.add(to, gap_of(reader, number, lowest));
+      if (!gap_below_sent) sender_.add(destination, gap_of(reader, number, lowest));
       gap_below_sent = true;
     } else if (const auto* change = history_.find(number); change && proxy.accepts(*change)) {
-      send_change(to, reader, *change, kFragmentsPerAnswer);
+      send_change(destination, reader, *change, kFragmentsPerAnswer);
       octets += change->payload.size();
     } else {
-      sender_.add(to, gap_of(reader, number, number.next()));
+      sender_.add(destination, gap_of(reader, number, number.next()));
     }
   });
   return true;
@@ -322,23 +331,23 @@ void StatefulWriter::on_nack_frag(const GuidPrefix& from, const NackFrag& nack, 
 // A portion, and a heartbeat: the reader can ask for the next ones at once.
 void StatefulWriter::continue_repair(ReaderProxy& proxy, MonotonicTime now) {
   auto& repair = proxy.repair;
-  const auto to = proxy.destination();
+  const auto destination = to(proxy);
   const auto& reader = proxy.reader.guid.entity;
   repair.due = kNever;
   if (proxy.acknowledged >= repair.sample) return;
   const auto* change = history_.find(repair.sample);
   if (change == nullptr || !proxy.accepts(*change)) {
-    sender_.add(to, gap_of(reader, repair.sample, repair.sample.next()));
+    sender_.add(destination, gap_of(reader, repair.sample, repair.sample.next()));
     return;
   }
   std::uint32_t sent = 0;
   repair.missing.for_each([&](FragmentNumber number) {
     if (number < repair.next) return;
     if (sent++ >= kFragmentsPerAnswer) return;
-    send_fragment(to, reader, *change, number);
+    send_fragment(destination, reader, *change, number);
     repair.next = {number.value + 1};
   });
-  send_heartbeat(to, reader, std::max(history_.first(), proxy.first_relevant), false);
+  send_heartbeat(destination, reader, std::max(history_.first(), proxy.first_relevant), false);
   if (sent <= kFragmentsPerAnswer) return;
   repair.due = now + kRepairPause;
   call_at(repair.due);
@@ -361,7 +370,7 @@ void StatefulWriter::tick(MonotonicTime now) {
   for (const auto& proxy : readers_) {
     if (!proxy.reader.reliable || proxy.reader.in_process || proxy.acknowledged >= history_.last())
       continue;
-    send_heartbeat(proxy.destination(), proxy.reader.guid.entity,
+    send_heartbeat(to(proxy), proxy.reader.guid.entity,
                    std::max(history_.first(), proxy.first_relevant), false);
   }
   sender_.flush();

@@ -70,6 +70,10 @@ class StatefulWriter final : private Timed {
   /// writer in a hurry wait up to kLinger for more, if the sender may linger.
   SequenceNumber write(Change change, MonotonicTime now);
   static constexpr MonotonicTime kLinger = std::chrono::microseconds(100);
+  /// LATENCY_BUDGET: small samples wait that long for more, but no longer than this.
+  static constexpr MonotonicTime kMostBudget = std::chrono::milliseconds(100);
+  /// Takes LATENCY_BUDGET and TRANSPORT_PRIORITY; 0 to 63 is the DSCP of what is sent.
+  void hurry_as(const Qos& qos);
   /// Readers answer heartbeats that ask for it, not each sample: for whoever waits for them now.
   void ask_for_acknowledgments();
 
@@ -127,11 +131,14 @@ class StatefulWriter final : private Timed {
     bool accepts(const Change& change) const {
       return !reader.filter || !change.is_alive() || reader.filter->passes(change);
     }
-    Destination destination() const { return {reader.guid.prefix, reader.locators}; }
   };
 
   void on_time(MonotonicTime now) override { tick(now); }
   void heartbeat_at(MonotonicTime when);
+  Destination to(const ReaderProxy& proxy) const {
+    return {proxy.reader.guid.prefix, proxy.reader.locators, dscp_};
+  }
+  Destination to_all() const { return {{}, all_locators_, dscp_}; }
   ReaderProxy* find(const Guid& reader);
   std::optional<GroupState> group_state() const;
   Gap gap_of(const EntityId& reader, SequenceNumber first, SequenceNumber end) const;
@@ -175,6 +182,8 @@ class StatefulWriter final : private Timed {
   MonotonicTime period_{};
   int unanswered_ = 0;  ///< heartbeats since a reader was heard
   const int samples_per_question_;
+  MonotonicTime budget_{};
+  std::uint8_t dscp_ = 0;
   int written_since_question_ = 0;  ///< a question: a heartbeat that wants an answer
   std::size_t octets_since_question_ = 0;
   MonotonicTime last_heartbeat_{std::chrono::hours(-1)};

@@ -8,9 +8,20 @@
 
 namespace ddssec::rtps {
 
+/// Messages for the same receivers, borrowed for the call.
+struct Outgoing {
+  std::span<const BytesView> messages = {};
+  std::span<const Locator> to = {};
+  std::uint8_t dscp = 0;  ///< differentiated services code point (RFC 2474), 0 to 63
+};
+
 class Transport {
  public:
   virtual ~Transport() = default;
+  /// Sends each message to each locator, as `send` does.
+  virtual void send_all(const Outgoing& out) {
+    for (const auto& message : out.messages) send(message, out.to);
+  }
   /// Sends one message to each of the locators, at once or not at all: what cannot be sent is lost,
   /// as on any network. `message` is borrowed for the call.
   virtual void send(BytesView message, std::span<const Locator> to) = 0;

@@ -56,12 +56,27 @@ std::unexpected<Error> failed(Code code, const char* call, const Locator& at) {
   return fail(code, {.document = to_string(at), .field = call, .found = std::strerror(errno)});
 }
 
+Code code_of_errno() {
+  switch (errno) {
+    case EADDRINUSE:
+      return Code::rtps_port_taken;
+    case EADDRNOTAVAIL:
+      return Code::rtps_address_not_here;
+    default:
+      return Code::rtps_socket_failed;
+  }
+}
+
 template <class T>
 bool set_option(int fd, int level, int option, const T& value) {
   return setsockopt(fd, level, option, &value, sizeof value) == 0;
 }
 
 bool join_group(int fd, const Locator& group, const Locator& interface) {
+  if (group.kind != interface.kind) {
+    errno = EADDRNOTAVAIL;
+    return false;
+  }
   if (group.kind == LocatorKind::udp_v4) {
     ip_mreq request{};
     std::memcpy(&request.imr_multiaddr, group.address.data() + 12, 4);
@@ -91,44 +106,45 @@ void UdpSocket::BatchDelete::operator()(Batch* batch) const noexcept { delete ba
 UdpSocket::UdpSocket(FileDescriptor fd, const Locator& local)
     : fd_(std::move(fd)), local_(local), batch_(new Batch) {}
 
-Result<UdpSocket> UdpSocket::open(const Locator& at, bool shared) {
-  constexpr int kWantedBuffer = 4 << 20;
+Result<UdpSocket> UdpSocket::open(const Locator& at, bool shared, std::size_t buffer) {
+  const auto octets = static_cast<int>(buffer);
   const int family = at.kind == LocatorKind::udp_v6 ? AF_INET6 : AF_INET;
   FileDescriptor fd(::socket(family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (fd.value() < 0) return failed(Code::rtps_socket_failed, "socket", at);
   if (shared) set_option(fd.value(), SOL_SOCKET, SO_REUSEADDR, 1);
   if (family == AF_INET6) set_option(fd.value(), IPPROTO_IPV6, IPV6_V6ONLY, 1);
-  set_option(fd.value(), SOL_SOCKET, SO_RCVBUF, kWantedBuffer);
-  set_option(fd.value(), SOL_SOCKET, SO_SNDBUF, kWantedBuffer);
+  set_option(fd.value(), SOL_SOCKET, SO_RCVBUF, octets);
+  set_option(fd.value(), SOL_SOCKET, SO_SNDBUF, octets);
   auto address = address_of(at);
   if (::bind(fd.value(), address.raw(), address.size) != 0)
-    return failed(errno == EADDRINUSE ? Code::rtps_port_taken : Code::rtps_socket_failed, "bind",
-                  at);
+    return failed(code_of_errno(), "bind", at);
   if (::getsockname(fd.value(), address.raw(), &address.size) != 0)
     return failed(Code::rtps_socket_failed, "getsockname", at);
   return UdpSocket(std::move(fd), locator_of(address.storage));
 }
 
-Result<UdpSocket> UdpSocket::bind(const Locator& at) { return open(at, false); }
+Result<UdpSocket> UdpSocket::bind(const Locator& at, std::size_t buffer) {
+  return open(at, false, buffer);
+}
 
-Result<UdpSocket> UdpSocket::on_interface(const Locator& interface) {
-  if (interface.is_loopback() || interface.is_unspecified()) return bind(interface);
-  auto socket = DDSSEC_TRY(bind({interface.kind, interface.port, {}}));
+Result<UdpSocket> UdpSocket::on_interface(const Locator& interface, std::size_t buffer) {
+  if (interface.is_loopback() || interface.is_unspecified()) return bind(interface, buffer);
+  auto socket = DDSSEC_TRY(bind({interface.kind, interface.port, {}}, buffer));
   socket.local_.address = interface.address;
   // What goes to a group leaves by this interface, whatever the routes say.
   if (interface.kind == LocatorKind::udp_v4) {
     in_addr address{};
     std::memcpy(&address, interface.address.data() + 12, 4);
     if (!set_option(socket.fd(), IPPROTO_IP, IP_MULTICAST_IF, address))
-      return failed(Code::rtps_socket_failed, "choose the interface", interface);
+      return failed(code_of_errno(), "choose the interface", interface);
   }
   return socket;
 }
 
 Result<UdpSocket> UdpSocket::join(const Locator& group, const Locator& interface) {
-  auto socket = DDSSEC_TRY(open(group, true));
+  auto socket = DDSSEC_TRY(open(group, true, kWantedBuffer));
   if (!join_group(socket.fd(), group, interface))
-    return failed(Code::rtps_socket_failed, "join multicast group", group);
+    return failed(Code::rtps_no_multicast, "join multicast group", group);
   return socket;
 }
 
@@ -137,6 +153,15 @@ std::size_t UdpSocket::receive_buffer_size() const {
   socklen_t length = sizeof size;
   ::getsockopt(fd(), SOL_SOCKET, SO_RCVBUF, &size, &length);
   return static_cast<std::size_t>(size) / 2;  // Linux counts its book-keeping in: socket(7)
+}
+
+Status UdpSocket::check_receive_buffer() const {
+  const auto granted = receive_buffer_size();
+  if (granted >= kNeededBuffer) return {};
+  return fail(Code::rtps_receive_buffer_small, {.document = to_string(local_),
+                                                .field = "SO_RCVBUF",
+                                                .expected = fmt::format("{} octets", kNeededBuffer),
+                                                .found = fmt::format("{} octets", granted)});
 }
 
 std::size_t UdpSocket::fetch() {
@@ -160,31 +185,63 @@ BytesView UdpSocket::datagram(std::size_t index) const {
 
 Locator UdpSocket::source(std::size_t index) const { return locator_of(batch_->sources[index]); }
 
-void UdpSocket::send(BytesView message, std::span<const Locator> to) const {
-  for (; to.size() > kBatch; to = to.subspan(kBatch)) send_batch(message, to.first(kBatch));
-  send_batch(message, to);
-}
-
-void UdpSocket::send_batch(BytesView message, std::span<const Locator> to) const {
-  std::array<Address, kBatch> addresses;
-  std::array<mmsghdr, kBatch> headers{};
-  iovec vector{const_cast<std::uint8_t*>(message.data()), message.size()};
-  unsigned count = 0;
-  for (const auto& locator : to) {
-    if (locator.kind != local_.kind) continue;
-    addresses[count] = address_of(locator);
-    auto& header = headers[count].msg_hdr;
-    header.msg_name = addresses[count].raw();
-    header.msg_namelen = addresses[count].size;
-    header.msg_iov = &vector;
+/// Datagrams of one sendmmsg call.
+class UdpSocket::Sending {
+ public:
+  Sending(int fd, LocatorKind kind, std::uint8_t dscp) : fd_(fd), has_class_(dscp != 0) {
+    if (!has_class_) return;
+    const bool v6 = kind == LocatorKind::udp_v6;
+    msghdr message{};
+    message.msg_control = control_.data();
+    message.msg_controllen = control_.size();
+    auto& header = *CMSG_FIRSTHDR(&message);
+    header.cmsg_level = v6 ? IPPROTO_IPV6 : IPPROTO_IP;
+    header.cmsg_type = v6 ? IPV6_TCLASS : IP_TOS;
+    header.cmsg_len = CMSG_LEN(sizeof(int));
+    const int traffic_class = dscp << 2;  // the lower two bits are for congestion: RFC 3168
+    std::memcpy(CMSG_DATA(&header), &traffic_class, sizeof traffic_class);
+  }
+  void add(BytesView message, const Locator& to) {
+    if (count_ == kBatch) flush();
+    addresses_[count_] = address_of(to);
+    vectors_[count_] = {const_cast<std::uint8_t*>(message.data()), message.size()};
+    auto& header = headers_[count_].msg_hdr;
+    header = {};
+    header.msg_name = addresses_[count_].raw();
+    header.msg_namelen = addresses_[count_].size;
+    header.msg_iov = &vectors_[count_];
     header.msg_iovlen = 1;
-    ++count;
+    if (has_class_) {
+      header.msg_control = control_.data();
+      header.msg_controllen = control_.size();
+    }
+    ++count_;
   }
-  for (unsigned sent = 0; sent < count;) {
-    const int done = ::sendmmsg(fd(), headers.data() + sent, count - sent, 0);
-    // A refused address must not keep the others from their message.
-    sent += done > 0 ? static_cast<unsigned>(done) : 1;
+  void flush() {
+    for (unsigned sent = 0; sent < count_;) {
+      const int done = ::sendmmsg(fd_, headers_.data() + sent, count_ - sent, 0);
+      // A refused address must not keep the others from their message.
+      sent += done > 0 ? static_cast<unsigned>(done) : 1;
+    }
+    count_ = 0;
   }
+
+ private:
+  const int fd_;
+  const bool has_class_;
+  alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof(int))> control_{};
+  unsigned count_ = 0;
+  std::array<Address, kBatch> addresses_;
+  std::array<iovec, kBatch> vectors_;
+  std::array<mmsghdr, kBatch> headers_;
+};
+
+void UdpSocket::send_all(const Outgoing& out) const {
+  Sending sending(fd(), local_.kind, out.dscp);
+  for (const auto& message : out.messages)
+    for (const auto& locator : out.to)
+      if (locator.kind == local_.kind) sending.add(message, locator);
+  sending.flush();
 }
 
 }  // namespace ddssec::rtps

@@ -8,7 +8,7 @@
 
 #include "base/bytes.hpp"
 #include "base/result.hpp"
-#include "rtps/wire/locator.hpp"
+#include "rtps/transport/transport.hpp"
 
 namespace ddssec::rtps {
 
@@ -34,20 +34,29 @@ class UdpSocket {
   static constexpr std::size_t kLargestDatagram = 65507;
   static constexpr std::size_t kBatch = 16;
 
-  /// Bound to the address and port of `at`; port 0 chooses one. Errors: rtps_port_taken,
-  /// rtps_socket_failed.
-  static Result<UdpSocket> bind(const Locator& at);
+  /// Octets of the receive buffer that large samples need: what a writer sends before it waits
+  /// (StatefulWriter::is_ahead), and the kernel's book-keeping for it.
+  static constexpr std::size_t kNeededBuffer = std::size_t{1} << 20;
+  static constexpr std::size_t kWantedBuffer = std::size_t{4} << 20;
+
+  /// Bound to the address and port of `at`; port 0 chooses one. `buffer`: octets to ask the system
+  /// for. Errors: rtps_port_taken, rtps_address_not_here, rtps_socket_failed.
+  static Result<UdpSocket> bind(const Locator& at, std::size_t buffer = kWantedBuffer);
   /// Reachable at the port of `interface` by every address of this machine, as peers on it may use
   /// another one than they were told (Fast DDS 2.9: loopback); `local` and multicast are those of
   /// `interface`. On loopback: bound to it alone. Errors: as bind.
-  static Result<UdpSocket> on_interface(const Locator& interface);
+  static Result<UdpSocket> on_interface(const Locator& interface,
+                                        std::size_t buffer = kWantedBuffer);
   /// Bound to the port of `group` and joined to it on the interface with address `interface`.
+  /// Errors besides: rtps_no_multicast.
   static Result<UdpSocket> join(const Locator& group, const Locator& interface);
 
   int fd() const { return fd_.value(); }
   const Locator& local() const { return local_; }
   /// What the system granted, in octets.
   std::size_t receive_buffer_size() const;
+  /// rtps_receive_buffer_small if large samples need more.
+  Status check_receive_buffer() const;
 
   /// Passes each datagram that waits to `f(datagram, source)`, at most kBatch; returns how many.
   /// The datagram is valid during the call.
@@ -63,18 +72,19 @@ class UdpSocket {
   std::size_t fetch();
   BytesView datagram(std::size_t index) const;
 
-  /// One message to each locator of this socket's family.
-  void send(BytesView message, std::span<const Locator> to) const;
+  /// To each locator of this socket's family, kBatch datagrams a system call.
+  void send_all(const Outgoing& out) const;
+  void send(BytesView message, std::span<const Locator> to) const { send_all({{&message, 1}, to}); }
 
  private:
   struct Batch;
+  class Sending;
   struct BatchDelete {
     void operator()(Batch* batch) const noexcept;
   };
   UdpSocket(FileDescriptor fd, const Locator& local);
-  static Result<UdpSocket> open(const Locator& at, bool shared);
+  static Result<UdpSocket> open(const Locator& at, bool shared, std::size_t buffer);
 
-  void send_batch(BytesView message, std::span<const Locator> to) const;
   Locator source(std::size_t index) const;
 
   FileDescriptor fd_;

@@ -166,7 +166,7 @@ TEST_P(Dcps, BadOptionsAreNamed) {
   EXPECT_EQ(refused({.domain_id = 233}), Code::invalid_property);
   EXPECT_EQ(refused({.interface = "eth0"}), Code::invalid_property);
   EXPECT_EQ(refused({.peers = {"host"}}), Code::invalid_property);
-  EXPECT_EQ(refused({.interface = "192.0.2.1"}), Code::rtps_socket_failed);
+  EXPECT_EQ(refused({.interface = "192.0.2.1"}), Code::rtps_address_not_here);
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, Dcps,

@@ -17,8 +17,13 @@ const Locator kHere = *Locator::parse("127.0.0.1", 1);
 
 struct Recorder final : Transport {
   std::vector<Bytes> sent;
+  std::vector<std::uint8_t> calls;  ///< of send_all, with what DSCP
   void send(BytesView message, std::span<const Locator>) override {
     sent.push_back(to_bytes(message));
+  }
+  void send_all(const Outgoing& out) override {
+    calls.push_back(out.dscp);
+    Transport::send_all(out);
   }
 };
 
@@ -166,6 +171,86 @@ TEST_F(SmallHistory, AsksBeforeAndWhenItIsFull) {
   EXPECT_EQ(count(transport.sent, SubmessageId::data), 8u);
   EXPECT_EQ(questions(transport.sent), 4u);
   EXPECT_EQ(questions({transport.sent.back()}), 1u);
+}
+
+TEST_F(Packing, TheFragmentsOfASampleShareCallsOfTheTransport) {
+  transport.calls.clear();
+  write(1 << 20);
+  constexpr std::size_t kFragments = 74;
+  EXPECT_EQ(count(transport.sent, SubmessageId::data_frag), kFragments);
+  EXPECT_EQ(transport.sent.size(), kFragments);
+  EXPECT_EQ(transport.calls.size(), kFragments / MessageSender::kMostWaiting + 1);
+  std::uint32_t last = 0;
+  for (const auto& octets : transport.sent)
+    for (const auto& view : submessages(octets, SubmessageId::data_frag))
+      EXPECT_EQ(read_data_frag(view)->first.value, ++last);
+}
+
+TEST_F(Packing, WhatIsForOthersDoesNotWaitWithAFullMessage) {
+  const Locator there = *Locator::parse("127.0.0.1", 2);
+  const Locator one[] = {kHere}, other[] = {there};
+  const Bytes octets(10'000);
+  const auto data = [&](std::int64_t number) {
+    return Data{{}, testing::kWriter, {number}, {}, PayloadKind::data, octets};
+  };
+  sender.add({{}, one}, data(1));
+  sender.add({{}, one}, data(2));
+  EXPECT_TRUE(transport.sent.empty());
+  sender.add({{}, other}, data(3));
+  EXPECT_EQ(count(transport.sent, SubmessageId::data), 2u);
+  sender.flush();
+  EXPECT_EQ(count(transport.sent, SubmessageId::data), 3u);
+}
+
+class Unhurried : public Packing {
+ protected:
+  static Qos qos() {
+    auto out = keep_all();
+    out.latency_budget = Duration::from(milliseconds(10));
+    return out;
+  }
+  Unhurried() : Packing(qos()) {}
+};
+
+TEST_F(Unhurried, SmallSamplesWaitForOthersWithinTheLatencyBudget) {
+  const auto first = now;
+  for (int i = 0; i < 8; ++i, now += milliseconds(1)) write();
+  EXPECT_TRUE(transport.sent.empty());
+  EXPECT_EQ(sender.flush_by(), first + milliseconds(10));
+  sender.flush();
+  EXPECT_EQ(transport.sent.size(), 1u);
+  EXPECT_EQ(count(transport.sent, SubmessageId::data), 8u);
+  write(8192);
+  EXPECT_EQ(transport.sent.size(), 2u) << "large ones do not wait";
+}
+
+TEST_F(Unhurried, ABudgetMayChangeAndIsNeverLong) {
+  auto changed = qos();
+  changed.latency_budget = kDurationInfinite;
+  writer.hurry_as(changed);
+  write();
+  EXPECT_EQ(sender.flush_by(), now + StatefulWriter::kMostBudget);
+  sender.flush();
+  changed.latency_budget = kDurationZero;
+  writer.hurry_as(changed);
+  now += milliseconds(1);
+  write();
+  EXPECT_EQ(transport.sent.size(), 2u);
+}
+
+TEST_F(Packing, ThePriorityOfAWriterGoesWithItsMessages) {
+  auto urgent = keep_all();
+  urgent.transport_priority = 46;
+  writer.hurry_as(urgent);
+  StatefulWriter plain({kA, testing::kWriter}, keep_all(), sender);
+  plain.match({{kB, testing::kReader}, true, false, {kHere}}, now);
+  transport.calls.clear();
+  write();
+  plain.write({}, now);
+  urgent.transport_priority = 1000;
+  writer.hurry_as(urgent);
+  write();
+  EXPECT_THAT(transport.calls, ::testing::ElementsAre(46, 0, 63));
 }
 
 TEST(PackingReader, AnswersWhatAsksOrWhatItMisses) {

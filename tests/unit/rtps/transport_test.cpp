@@ -1,4 +1,9 @@
+#include <netinet/in.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
 #include <thread>
+
+#include <gmock/gmock.h>
 
 #include "rtps/transport/event_loop.hpp"
 #include "rtps/transport/interfaces.hpp"
@@ -38,8 +43,8 @@ TEST(UdpSocket, ATakenPortIsNamed) {
 
 TEST(UdpSocket, AnAddressThatIsNotOursIsRefused) {
   const auto foreign = *Locator::parse("192.0.2.1", 0);
-  EXPECT_EQ(code_of(UdpSocket::bind(foreign)), Code::rtps_socket_failed);
-  EXPECT_EQ(code_of(UdpSocket::on_interface(foreign)), Code::rtps_socket_failed);
+  EXPECT_EQ(code_of(UdpSocket::bind(foreign)), Code::rtps_address_not_here);
+  EXPECT_EQ(code_of(UdpSocket::on_interface(foreign)), Code::rtps_address_not_here);
 }
 
 TEST(DefaultInterface, IsAnAddressToBindTo) {
@@ -64,6 +69,89 @@ TEST(UdpSocket, OnAnInterfaceIsReachedByLoopbackTooAndShowsTheInterface) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   EXPECT_EQ(came, 1u);
+}
+
+TEST(UdpSocket, ManyMessagesToManyLeaveInOrder) {
+  const auto loopback = *Locator::parse("127.0.0.1", 0);
+  auto a = *UdpSocket::bind(loopback), b = *UdpSocket::bind(loopback);
+  const auto from = *UdpSocket::bind(loopback);
+  std::vector<std::string> texts;
+  std::vector<BytesView> messages;
+  for (int i = 0; i < 21; ++i) texts.push_back(std::to_string(i) + " ");
+  for (const auto& text : texts) messages.push_back(as_bytes(text));
+  const Locator to[] = {a.local(), b.local()};
+  from.send_all({messages, to});
+  for (auto* socket : {&a, &b}) {
+    std::string seen;
+    while (seen.size() < 53)
+      socket->receive([&](BytesView datagram, const Locator&) { seen += as_text(datagram); });
+    EXPECT_EQ(seen, "0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 ");
+  }
+}
+
+// The traffic class with which the next datagram came.
+int traffic_class_at(const UdpSocket& socket, int type) {
+  std::array<std::uint8_t, 64> octets;
+  alignas(cmsghdr) std::array<std::uint8_t, 64> control{};
+  iovec vector{octets.data(), octets.size()};
+  msghdr header{};
+  header.msg_iov = &vector;
+  header.msg_iovlen = 1;
+  header.msg_control = control.data();
+  header.msg_controllen = control.size();
+  while (::recvmsg(socket.fd(), &header, 0) < 0) {
+    if (errno != EAGAIN) return -1;
+  }
+  for (auto* at = CMSG_FIRSTHDR(&header); at != nullptr; at = CMSG_NXTHDR(&header, at))
+    if (at->cmsg_type == type) return at->cmsg_len > CMSG_LEN(0) ? *CMSG_DATA(at) : -1;
+  return -1;
+}
+
+TEST(UdpSocket, APriorityIsTheTrafficClassOfItsDatagrams) {
+  struct Family {
+    const char* address;
+    int level, option, type;
+  };
+  for (const auto& family : {Family{"127.0.0.1", IPPROTO_IP, IP_RECVTOS, IP_TOS},
+                             Family{"::1", IPPROTO_IPV6, IPV6_RECVTCLASS, IPV6_TCLASS}}) {
+    const auto to = UdpSocket::bind(*Locator::parse(family.address, 0));
+    if (!to) continue;  // a machine without IPv6
+    const auto from = *UdpSocket::bind(*Locator::parse(family.address, 0));
+    const int on = 1;
+    ASSERT_EQ(::setsockopt(to->fd(), family.level, family.option, &on, sizeof on), 0);
+    const auto message = as_bytes("x");
+    const Locator locators[] = {to->local()};
+    for (std::uint8_t dscp : {46, 0, 63}) {
+      from.send_all({{&message, 1}, locators, dscp});
+      EXPECT_EQ(traffic_class_at(*to, family.type), dscp << 2);
+    }
+  }
+}
+
+TEST(UdpSocket, ASmallReceiveBufferIsSaidWithItsRemedy) {
+  const auto small = *UdpSocket::bind(*Locator::parse("127.0.0.1", 0), 64 << 10);
+  const auto checked = small.check_receive_buffer();
+  ASSERT_EQ(code_of(checked), Code::rtps_receive_buffer_small);
+  EXPECT_EQ(checked.error().details().found, "65536 octets");
+  EXPECT_THAT(checked.error().to_sentence(),
+              ::testing::HasSubstr("sysctl -w net.core.rmem_max=4194304"));
+}
+
+TEST(UdpSocket, AGroupThatCannotBeJoinedIsNamed) {
+  const auto group = *Locator::parse("239.255.0.1", 7400);
+  const auto joined = UdpSocket::join(group, *Locator::parse("::1", 0));
+  ASSERT_EQ(code_of(joined), Code::rtps_no_multicast);
+  EXPECT_THAT(joined.error().to_sentence(), ::testing::HasSubstr("peers"));
+}
+
+TEST(UdpSocket, WhatTheSystemRefusesIsNamed) {
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit none{0, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  const auto code = code_of(UdpSocket::bind(*Locator::parse("127.0.0.1", 0)));
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_EQ(code, Code::rtps_socket_failed);
 }
 
 TEST(EventLoop, WakesForASocketForACallAndForTime) {
