@@ -75,8 +75,10 @@ void Participant::announce(std::span<const Locator> to) {
 
 // Several in each lease, so that lost ones do not end it.
 MonotonicTime Participant::announcement_period() const {
-  constexpr int kInALease = 4;
+  constexpr int kInALease = 6;
   const auto share = config_.lease_duration.to_nanoseconds() / kInALease;
+  const MonotonicTime wanted = config_.announcement_period;
+  if (wanted > MonotonicTime::zero()) return std::min(wanted, share);
   return std::clamp<MonotonicTime>(share, kFastPeriod, kAnnouncementPeriod);
 }
 

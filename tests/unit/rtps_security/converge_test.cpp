@@ -73,7 +73,7 @@ TEST_P(ConvergeInDisorder, WithLossReorderingAndDuplicates) {
 
 #ifdef DDSSEC_LARGE_CROWDS
 INSTANTIATE_TEST_SUITE_P(Many, Converge, ::testing::Values(20, 50));
-INSTANTIATE_TEST_SUITE_P(Many, ConvergeInDisorder, ::testing::Values(20));
+INSTANTIATE_TEST_SUITE_P(Many, ConvergeInDisorder, ::testing::Values(20, 50));
 #else
 INSTANTIATE_TEST_SUITE_P(Few, Converge, ::testing::Values(2, 5, 10));
 INSTANTIATE_TEST_SUITE_P(Few, ConvergeInDisorder, ::testing::Values(2, 5, 10));
