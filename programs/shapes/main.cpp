@@ -20,10 +20,6 @@ int run(Session& session) {
 int main(int argc, char** argv) {
   const auto parsed = parse(argc, argv);
   if (!parsed.options) return parsed.exit_code;
-  if (const auto option = unsupported(*parsed.options)) {
-    say("%s: not supported", option->c_str());
-    return kNotInitialised;
-  }
   hold_signals();
   Session session(*parsed.options);
   if (const auto opened = session.open(); !opened)

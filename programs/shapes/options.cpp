@@ -139,15 +139,4 @@ Parsed parse(int argc, char** argv) {
   return {options, kDone};
 }
 
-std::optional<std::string> unsupported(const Options& o) {
-  if (o.presentation.coherent_access) return "--coherent";
-  if (o.presentation.ordered_access) return "--ordered";
-  if (!o.publish && o.time_filter > 0) return "--time-filter";
-  if (!o.publish && !o.color.empty()) return "-c of a subscriber";
-  if (!o.filter.empty()) return "--cft";
-  if (o.announcement_period) return "--periodic-announcement";
-  if (o.fragment_size) return "--datafrag-size";
-  return std::nullopt;
-}
-
 }  // namespace ddssec::shapes

@@ -62,7 +62,4 @@ struct Parsed {
 };
 Parsed parse(int argc, char** argv);
 
-/// The option that needs what the participant cannot do yet; nothing if there is none.
-std::optional<std::string> unsupported(const Options& options);
-
 }  // namespace ddssec::shapes

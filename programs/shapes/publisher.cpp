@@ -60,17 +60,22 @@ class PublisherRun {
       if (!writer) return not_created("datawriter", writer.error());
       writers_.push_back(*writer);
     }
-    const auto code = write();
+    const auto code = write(**publisher);
     for (auto* writer : writers_) finish(*writer);
     return code;
   }
 
  private:
-  int write() {
+  int write(rtps::Publisher& publisher) {
+    const auto& presentation = options_.presentation;
+    const auto count = presentation.coherent_access ? options_.coherent_samples : 0;
     for (std::uint64_t n = 0; options_.iterations == 0 || n < options_.iterations; ++n) {
       next_shape();
+      if (count != 0 && n % count == 0 && !publisher.begin_coherent_changes()) return kRunFailed;
       for (auto* writer : writers_)
         if (!write_instances(*writer)) return kRunFailed;
+      if (count != 0 && n % count == count - 1 && !publisher.end_coherent_changes())
+        return kRunFailed;
       if (!session_.pause(options_.write_period)) break;
     }
     return kDone;

@@ -110,6 +110,9 @@ Status Session::open() {
                                         .interface = interface,
                                         .multicast = true,
                                         .peers = {interface}};
+  if (options_.announcement_period)
+    wanted.announcement_period = std::chrono::milliseconds(*options_.announcement_period);
+  if (options_.fragment_size) wanted.fragment_size = *options_.fragment_size;
   // Peers of this machine that speak over loopback alone.
   if (interface != "127.0.0.1") wanted.peers.push_back("127.0.0.1");
   const Environment environment{clock_, random_, limited_};
@@ -125,6 +128,12 @@ Status Session::open() {
 
 Session::~Session() {
   if (participant_) participant_->set_listener(nullptr);
+}
+
+std::optional<rtps::FilterText> Session::filter() const {
+  if (!options_.filter.empty()) return rtps::FilterText{options_.filter, {}};
+  if (!options_.color.empty()) return rtps::FilterText{"color = %0", {"'" + options_.color + "'"}};
+  return std::nullopt;
 }
 
 rtps::GroupQos Session::group_qos() const {

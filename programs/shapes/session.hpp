@@ -65,6 +65,8 @@ class Session final : private EventSink {
     }
     return out;
   }
+  /// What -c of a subscriber and --cft ask for.
+  std::optional<rtps::FilterText> filter() const;
   rtps::GroupQos group_qos() const;
   rtps::Qos writer_qos() const;
   rtps::Qos reader_qos() const;

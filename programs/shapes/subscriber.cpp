@@ -15,19 +15,42 @@ class SubscriberRun {
     const auto subscriber = session_.participant().create_subscriber(session_.group_qos());
     if (!subscriber) return not_created("subscriber", subscriber.error());
     for (auto* topic : *topics) {
-      say("Create reader for topic: %s", topic->name().c_str());
-      auto reader = (*subscriber)->template create_datareader<T>(*topic, session_.reader_qos());
+      auto reader = create_reader(**subscriber, *topic);
       if (!reader) return not_created("datareader", reader.error());
       readers_.push_back(*reader);
     }
-    return read();
+    return read(**subscriber);
   }
 
  private:
-  int read() {
+  Result<rtps::DataReader<T>*> create_reader(rtps::Subscriber& subscriber, rtps::Topic& topic) {
+    const auto filter = session_.filter();
+    if (!filter) {
+      say("Create reader for topic: %s", topic.name().c_str());
+      return subscriber.create_datareader<T>(topic, session_.reader_qos());
+    }
+    const auto filtered = session_.participant().create_contentfilteredtopic(
+        topic.name() + "_filtered", topic, *filter);
+    if (!filtered) {
+      say("failed to create content filtered topic");
+      return std::unexpected(filtered.error());
+    }
+    say("Create reader for topic: %s", topic.name().c_str());
+    return subscriber.create_datareader<T>(**filtered, session_.reader_qos());
+  }
+
+  int read(rtps::Subscriber& subscriber) {
+    const auto& presentation = options_.presentation;
+    const bool accesses = presentation.coherent_access || presentation.ordered_access;
     for (std::uint64_t n = 0; options_.iterations == 0 || n < options_.iterations; ++n) {
+      const auto iteration = static_cast<unsigned long long>(n);
+      if (presentation.coherent_access) say("Reading coherent sets, iteration %llu", iteration);
+      if (presentation.ordered_access)
+        say("Reading with ordered access, iteration %llu", iteration);
+      if (accesses && !subscriber.begin_access()) return kRunFailed;
       for (auto* reader : readers_)
         if (!read_all(*reader)) return kRunFailed;
+      if (accesses && !subscriber.end_access()) return kRunFailed;
       if (!session_.pause(options_.read_period)) break;
     }
     return kDone;

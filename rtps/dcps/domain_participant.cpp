@@ -121,6 +121,8 @@ Status DomainParticipant::start(const GuidPrefix& prefix, std::unique_ptr<OwnSec
                            .metatraffic_unicast = {sockets_->metatraffic()},
                            .default_unicast = {sockets_->user()},
                            .neighbourhood = context_.neighbourhood()};
+  config.announcement_period = options_.announcement_period;
+  config.fragment_size = options_.fragment_size;
   for (const auto& peer : options_.peers) {
     const auto address = Locator::parse(peer, 0);
     if (!address) return bad_option("peers", "IPv4 or IPv6 addresses", peer);

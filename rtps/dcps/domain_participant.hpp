@@ -21,6 +21,10 @@ struct DomainParticipantOptions {
   /// Addresses that are announced to by unicast, at the ports of participant indexes 0 to 9.
   std::vector<std::string> peers = {"127.0.0.1"};
   Duration lease_duration{{10, 0}};
+  /// Between announcements of the participant, after the first few; 0: as the lease wants it.
+  std::chrono::nanoseconds announcement_period{};
+  /// Samples above this many octets go in fragments of it; 14336 at most.
+  std::uint32_t fragment_size = MessageSender::kLargestFragment;
   /// TypeInformation of types made from IDL is announced. Cyclone DDS then matches no endpoint
   /// whose type is another one, be it in a bound alone.
   bool announce_types = true;

@@ -15,6 +15,7 @@ Participant::Participant(ParticipantConfig config, Transport& transport, EventSi
       builtin_(config_.prefix, sender_, timers_,
                [this](BuiltinTopic topic, Change& change) { return on_builtin(topic, change); }) {
   self_.data.guid = {config_.prefix, kEntityIdParticipant};
+  sender_.fragment_at(config_.fragment_size);
 }
 
 Participant::~Participant() = default;

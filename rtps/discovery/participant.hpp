@@ -56,6 +56,9 @@ struct ParticipantConfig {
   LocatorList metatraffic_unicast = {}, metatraffic_multicast = {}, default_unicast = {};
   /// Where announcements go: multicast groups and the well-known ports of unicast peers.
   std::vector<Locator> announce_to = {};
+  /// Of announcements, after the first few, which come quickly; 0: as the lease wants it.
+  std::chrono::nanoseconds announcement_period{};
+  std::uint32_t fragment_size = MessageSender::kLargestFragment;
   /// Whose members are spoken to without the network where nothing is protected. The caller enters
   /// the participant, and calls it with the neighbourhood's lock held.
   std::shared_ptr<Neighbourhood> neighbourhood = {};

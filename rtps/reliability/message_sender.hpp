@@ -1,6 +1,7 @@
 // Packs submessages into messages and hands these to a transport.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <optional>
@@ -31,6 +32,8 @@ class MessageSender {
  public:
   /// As Cyclone DDS: fits two jumbo frames; larger samples go in fragments.
   static constexpr std::size_t kLargestMessage = 14720;
+  /// The largest fragment that fits such a message.
+  static constexpr std::uint16_t kLargestFragment = 14336;
   /// Of protected messages; leaves room for what UDP and origin authentication need. Only single
   /// submessages that are larger than kLargestMessage and receivers' MACs make them so long.
   static constexpr std::size_t kLargestProtected = 64000;
@@ -53,6 +56,12 @@ class MessageSender {
     put(to, &time, submessage);
   }
   void flush();
+  /// Samples above this many octets go in fragments of it; at most kLargestFragment.
+  void fragment_at(std::uint32_t size) {
+    fragment_size_ =
+        static_cast<std::uint16_t>(std::clamp<std::uint32_t>(size, 1, kLargestFragment));
+  }
+  std::uint16_t fragment_size() const { return fragment_size_; }
 
   /// From now on what was added may wait for more, as somebody calls flush when flush_by says so.
   void allow_lingering() { may_linger_ = true; }
@@ -137,6 +146,7 @@ class MessageSender {
   bool may_linger_ = false;
   MonotonicTime flush_by_ = kNever;
   std::uint32_t samples_heard_ = 0;
+  std::uint16_t fragment_size_ = kLargestFragment;
 };
 
 }  // namespace ddssec::rtps

@@ -24,7 +24,6 @@ constexpr std::size_t kOctetsPerQuestion = 128 << 10;
 // Whoever writes so many samples so quickly, and hears none between them, waits for no answer.
 constexpr MonotonicTime kHurry = std::chrono::microseconds(50);
 constexpr int kHurriedWrites = 3;
-constexpr std::uint16_t kFragmentSize = 14336;
 // A receiver that lost something has small buffers: answers come in portions, each followed by a
 // heartbeat that asks for the next request, so that the reader's pace sets ours.
 constexpr std::size_t kOctetsPerAnswer = 128 << 10;
@@ -201,9 +200,9 @@ void StatefulWriter::heartbeat_at(MonotonicTime when) {
 
 void StatefulWriter::send_change(const Destination& to, const EntityId& reader,
                                  const Change& change, std::uint32_t most_fragments) {
-  if (change.payload.size() > kFragmentSize) {
-    const auto total =
-        DataFrag::fragments_of(static_cast<std::uint32_t>(change.payload.size()), kFragmentSize);
+  if (change.payload.size() > sender_.fragment_size()) {
+    const auto total = DataFrag::fragments_of(static_cast<std::uint32_t>(change.payload.size()),
+                                              sender_.fragment_size());
     for (std::uint32_t number = 1; number <= std::min(total, most_fragments); ++number)
       send_fragment(to, reader, change, {number});
     return;
@@ -220,15 +219,15 @@ void StatefulWriter::send_change(const Destination& to, const EntityId& reader,
 void StatefulWriter::send_fragment(const Destination& to, const EntityId& reader,
                                    const Change& change, FragmentNumber number) {
   const auto octets = change.payload.view();
-  const auto begin = std::size_t{number.value - 1} * kFragmentSize;
+  const auto begin = std::size_t{number.value - 1} * sender_.fragment_size();
   if (begin >= octets.size()) return;
-  const auto size = std::min<std::size_t>(kFragmentSize, octets.size() - begin);
+  const auto size = std::min<std::size_t>(sender_.fragment_size(), octets.size() - begin);
   const DataFrag frag{reader,
                       guid_.entity,
                       change.sequence_number,
                       number,
                       1,
-                      kFragmentSize,
+                      sender_.fragment_size(),
                       static_cast<std::uint32_t>(octets.size()),
                       inline_qos_of(change, filter_results_),
                       change.key_only,

@@ -11,9 +11,6 @@ import time
 from shapes_process import Case, Namespace, check
 
 FIRST_DOMAIN, OTHER_DOMAIN = 160, 189
-NOT_SUPPORTED = ["-P --coherent", "-S --coherent", "-P --ordered", "-S --ordered", "-S --time-filter 100",
-                 "-S -c RED", "-S --cft shapesize>20", "-P --periodic-announcement 100",
-                 "-P --datafrag-size 1000"]
 
 
 # ---- lines and codes ----------------------------------------------------------------------------------
@@ -60,13 +57,6 @@ def bad_arguments(case):
         check(f"the code of '{arguments}'", process.end() == 1)
         check(f"the words for '{arguments}'", process.lines)
     check("help", case.start("-h").end() == 0)
-
-
-def not_supported(case):
-    for arguments in NOT_SUPPORTED:
-        process = case.start(arguments)
-        check(f"the code of '{arguments}'", process.end() == 2)
-        check(f"the line of '{arguments}'", process.lines[-1].endswith(": not supported"))
 
 
 # ---- who talks to whom --------------------------------------------------------------------------------
@@ -214,6 +204,51 @@ def lifespan(case):
     check(f"2 or 3 a read: {sizes}", gaps and all(b - a in (2, 3) for a, b in zip(gaps, gaps[1:])))
 
 
+def filters(case):
+    case.start("-P -c BLUE -k 0 -z 0 --write-period 10 --size-modulo 50")
+    case.start("-P -c RED -k 0 -z 0 --write-period 10")
+    red = case.start("-S -c RED -k 0")
+    check("another colour", {color for _, color, *_ in red.hears(30)} == {"RED"})
+    words = case.start("-S -k 0 --cft shapesize<=20")
+    check("too large", all(size <= 20 for _, color, size, _ in words.hears(30) if color == "BLUE"))
+    bad = case.start("-S --cft nothing=3")
+    check("its code", bad.end() == 2)
+    check("its line", "failed to create content filtered topic" in bad.lines)
+
+
+def time_filter(case):
+    _, sub = case.pair("-k 0 -z 0 --write-period 20", "-k 0 --time-filter 500 --read-period 10")
+    sizes = [size for _, _, size, _ in sub.hears(4)]
+    check(f"too near: {sizes}", all(b - a > 10 for a, b in zip(sizes, sizes[1:])))
+
+
+def ordered(case):
+    case.start("-P -k 0 --ordered --access-scope t -z 0 --num-instances 4 --write-period 50")
+    for scope, changes in (("i", False), ("t", True)):
+        sub = case.start(f"-S -k 0 --ordered --access-scope {scope} --take-read --read-period 400")
+        sub.says("^Reading with ordered access, iteration 0$")
+        sub.says("^Reading with ordered access, iteration [3-9]$")
+        colors = [color for _, color, *_ in sub.hears(16)]
+        differ = sum(a != b for a, b in zip(colors, colors[1:]))
+        check(f"scope {scope}: {colors}", (differ > 8) == changes)
+
+
+def coherent(case):
+    for scope in "itg":
+        case.start(f"-P -k 0 --coherent --access-scope {scope} --coherent-sample-count 3 -t {scope} "
+                   "--num-topics 2 --num-instances 2 -z 0 --write-period 60")
+        sub = case.start(f"-S -k 0 --coherent --access-scope {scope} --take-read --read-period 60 "
+                         f"-t {scope} --num-topics 2")
+        sub.says("^Reading coherent sets, iteration 0$")
+        sub.hears(1)
+        for _ in range(4):  # whole sets: 3 of each instance of each topic
+            sub.says("^Reading coherent sets")
+            count = 0
+            while (line := sub.next_line()) is not None and not line.startswith("Reading"):
+                count += "[" in line
+            check(f"scope {scope}: {count} at once", count % 12 == 0)
+
+
 def read_not_take(case):
     case.start("-P -D l --write-period 60000")
     for how in ("-R", "-R --take-read"):
@@ -251,6 +286,12 @@ def large_payload(case):
         _, sub = case.pair(f"-k 0 -t T{size} --write-period 100 --additional-payload-size {size}",
                            f"-k 0 -t T{size}")
         check("the last octet", {octet for *_, octet in sub.hears(3)} == {"255"})
+
+
+def fragments_and_announcements(case):
+    _, sub = case.pair("-k 0 --datafrag-size 1000 --periodic-announcement 200 --additional-payload-size 5500",
+                       "-k 0 --periodic-announcement 200")
+    check("the last octet", {octet for *_, octet in sub.hears(3)} == {"255"})
 
 
 def two_machines(case):
@@ -296,10 +337,11 @@ def vendors(case):
         space.close()
 
 
-CASES = [vendors, lines, writes_at_once, ends_by_itself, bad_arguments, not_supported, other_domain, other_topic,
+CASES = [vendors, lines, writes_at_once, ends_by_itself, bad_arguments, other_domain, other_topic,
          partitions, mismatch, match, nothing_lost, colours_instances_topics, size_modulo, moves,
          deadline_missed, ownership, shared, late_joiner, keep_last, lifespan, read_not_take, take_read,
-         final_states, ended_publisher, large_payload, two_machines]
+         final_states, filters, time_filter, ordered, coherent, ended_publisher, large_payload,
+         fragments_and_announcements, two_machines]
 
 
 def tried(space, program, number, scenario):
