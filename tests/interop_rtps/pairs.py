@@ -10,6 +10,7 @@ import tempfile
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "interop"))
+import fields  # noqa: E402
 from pair import Namespace  # noqa: E402
 
 OURS, CYCLONE, FAST = "embedded_peer", "cyclone_peer", "fastdds_peer"
@@ -46,7 +47,7 @@ class Capture:
                               capture_output=True, text=True, check=False)
         return read.stdout.splitlines()
 
-    def faults(self):
+    def faults(self, topics):
         time.sleep(1.0)  # what the kernel still holds
         self.process.terminate()
         self.process.communicate()
@@ -55,12 +56,16 @@ class Capture:
         for kind, name in ((0x15, "DATA"), (0x07, "HEARTBEAT"), (0x06, "ACKNACK")):
             if not self._packets(f"rtps.vendorId == 0x01d5 && rtps.sm.id == {kind}"):
                 faults.append(f"the capture holds no {name} of ours")
-        return faults
+        return faults + fields.faults_in(self.path, topics)
 
 
 def start(space, build, peer, role, arguments, log):
     command = [str(build / "bin" / peer), role, "--plain", "--timeout", str(TIMEOUT), *arguments]
     return subprocess.Popen(space.enter(command), stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+
+
+def topic_of(arguments):
+    return arguments[arguments.index("--topic") + 1] if "--topic" in arguments else "Square"
 
 
 def run(build, pair, case, folder):
@@ -83,7 +88,8 @@ def run(build, pair, case, folder):
             end.kill()
             end.wait()
     if capture is not None:
-        faults += capture.faults()
+        ends_of_ours = [arguments for peer, arguments in zip(pair, (publish, subscribe)) if peer == OURS]
+        faults += capture.faults({topic_of(arguments) for arguments in ends_of_ours})
     space.close()
     for log in logs:
         log.seek(0)
