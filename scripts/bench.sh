@@ -24,3 +24,6 @@ tests/bench/measure_cyclone_plugins.sh "$rounds" "$json" || die "the measurement
 python3 tests/bench/end_to_end.py --rounds "$rounds" ${json:+--json "$json/end_to_end.json"}
 python3 tests/bench/participants.py --rounds "$rounds" ${json:+--json "$json/participants.json"}
 python3 tests/bench/tool_speed.py build/release
+build/release/bin/bench_in_process
+build/release/bin/bench_endpoints
+build/release/bin/bench_durability build/release/durability_bench.sqlite
