@@ -1,4 +1,6 @@
-// A datagram: every submessage is read or refused; what was read is written and read alike.
+// A datagram: every submessage is read or refused; what was read is written and read alike. Built
+// once for all kinds, and once for each with DDSSEC_FUZZ_KIND: then the octets are its flags and
+// body.
 #include <array>
 #include <cstdlib>
 
@@ -79,6 +81,17 @@ void check(const SubmessageView& view, std::size_t message_size) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+#ifdef DDSSEC_FUZZ_KIND
+  if (size == 0 || size > 0xffff) return 0;
+  const auto length = static_cast<std::uint16_t>(size - 1);
+  const bool little = (data[0] & 1) != 0;
+  const auto low = static_cast<std::uint8_t>(length), high = static_cast<std::uint8_t>(length >> 8);
+  Bytes one{static_cast<std::uint8_t>(SubmessageId::DDSSEC_FUZZ_KIND), data[0], little ? low : high,
+            little ? high : low};
+  one.insert(one.end(), data + 1, data + size);
+  const auto view = MessageReader::over_submessages({}, one).next();
+  if (view && *view) check(**view, one.size() + 20);
+#endif
   auto reader = MessageReader::open({data, size});
   if (!reader) return 0;
   for (auto next = reader->next(); next && *next; next = reader->next()) check(**next, size);
