@@ -92,7 +92,7 @@ void Presenter::gather(Source& source, const StreamKey& key, Change& change, Mon
     return enqueue(source, in.group.value > 0 && ordered_ && by_group_ ? in.group : number,
                    {std::move(one), in.group, now});
   }
-  auto& set = source.sets[id];
+  auto& set = set_of(source, id);
   const bool begins = stream.set.value == 0;
   stream.set = id;
   set.broken = set.broken || (begins ? number != in.set : !follows);
@@ -105,10 +105,19 @@ void Presenter::gather(Source& source, const StreamKey& key, Change& change, Mon
 
 void Presenter::end_set(Source& source, const StreamKey& key, SequenceNumber id, bool whole,
                         MonotonicTime now) {
-  auto& set = source.sets[id];
+  auto& set = set_of(source, id);
   set.ended.insert(key);
   set.broken = set.broken || !whole;
   settle(source, id, now);
+}
+
+// One that is given up cannot become whole any more: who ended it does not end it again.
+Presenter::Set& Presenter::set_of(Source& source, SequenceNumber id) {
+  if (source.sets.size() >= kMostSets && !source.sets.contains(id)) {
+    drop(source, source.sets.begin()->second);
+    source.sets.erase(source.sets.begin());
+  }
+  return source.sets[id];
 }
 
 void Presenter::settle(Source& source, SequenceNumber id, MonotonicTime now) {

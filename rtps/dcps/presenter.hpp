@@ -29,6 +29,8 @@ class Presenter {
   /// that is larger is given up.
   static constexpr std::size_t kMostHeld = 65536;
   static constexpr std::size_t kMostOctets = std::size_t{64} << 20;
+  /// Sets of one publisher that not all of its writers ended; beyond, the oldest is given up.
+  static constexpr std::size_t kMostSets = 1024;
   /// How long a hole among a group's numbers holds up what is behind it.
   static constexpr MonotonicTime kPatience = std::chrono::milliseconds(200);
 
@@ -92,6 +94,7 @@ class Presenter {
   void gather(Source& source, const StreamKey& key, Change& change, MonotonicTime now);
   void end_set(Source& source, const StreamKey& key, SequenceNumber id, bool whole,
                MonotonicTime now);
+  Set& set_of(Source& source, SequenceNumber id);
   void settle(Source& source, SequenceNumber id, MonotonicTime now);
   void drop(Source& source, Set& set);
   void enqueue(Source& source, SequenceNumber at, Batch batch);

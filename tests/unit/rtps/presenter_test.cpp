@@ -133,6 +133,16 @@ TEST_F(Grouped, OneHoleSpoilsTheSetForAll) {
   EXPECT_EQ(one.lost + two.lost, 2u);
 }
 
+TEST_F(Grouped, SetsThatNotAllEndAreBounded) {
+  const auto most = static_cast<std::int64_t>(Presenter::kMostSets);
+  for (std::int64_t n = 1; n <= most; ++n) put(1, n, 1, n, n, n);
+  EXPECT_EQ(one.lost, 0u);
+  put(1, most + 1, 1, most + 1, most + 1, most + 1);
+  EXPECT_EQ(one.lost, 1u);
+  put(2, 1, 0, 0, 1, most + 2);  // ends the one that was given up
+  EXPECT_THAT(take(), IsEmpty());
+}
+
 TEST_F(Grouped, AWriterThatGoesIsNotWaitedFor) {
   put(1, 1, 1, 1, 1, 1), put(1, 2, 0, 0, 1, 2);
   presenter.remove(two, writer(2), now);
