@@ -62,8 +62,7 @@ void StatefulWriter::send_filtered(const Change& change) {
 
 void StatefulWriter::send_filtered_gap(ReaderProxy& proxy, SequenceNumber next) {
   const auto from = std::exchange(proxy.filtered_from, SequenceNumber{});
-  sender_.add(to(proxy),
-              Gap{proxy.reader.guid.entity, guid_.entity, from, SequenceNumberSet(next)});
+  sender_.add(to(proxy), gap_of(proxy.reader.guid.entity, from, next));
 }
 
 void StatefulWriter::send_filtered_gaps() {

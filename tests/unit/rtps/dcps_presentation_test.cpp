@@ -81,6 +81,29 @@ TEST_P(Presenting, AReaderThatComesInTheMiddleOfASetGetsTheNext) {
   EXPECT_THAT(taken(late), ElementsAre(3));
 }
 
+// A writer's GAPs would be holes.
+TEST_P(Presenting, AFilteredReaderGetsWhatPassesOfAWholeSetOrGroup) {
+  auto* large = *b.participant->create_contentfilteredtopic("large", *b.topic, {"value >= 2", {}});
+  for (const auto& access : {Presentation{PresentationScope::topic, true, false},
+                             Presentation{PresentationScope::group, false, true}}) {
+    auto& pub = publisher(access);
+    auto& writer = writer_on(*a.topic, pub);
+    auto& sub = subscriber(access);
+    auto& reader = **sub.create_datareader<Reading>(*large, reliable());
+    ASSERT_TRUE(match(writer, reader));
+    ASSERT_TRUE(pub.begin_coherent_changes());
+    for (int i = 0; i < 5; ++i) ASSERT_TRUE(writer.write({"a", i % 4}));
+    ASSERT_TRUE(pub.end_coherent_changes());
+    run(20ms);
+    ASSERT_TRUE(sub.begin_access());
+    EXPECT_THAT(taken(reader), ElementsAre(2, 3));
+    ASSERT_TRUE(sub.end_access());
+    ASSERT_TRUE(pub.delete_contained_entities());
+    ASSERT_TRUE(sub.delete_contained_entities());
+    run(50ms);
+  }
+}
+
 TEST_P(Presenting, AWriterThatEndsInTheMiddleOfASetLeavesNothing) {
   const Presentation access{PresentationScope::topic, true, false};
   auto& pub = publisher(access);
