@@ -32,10 +32,10 @@ ContentFilterProperty ContentFilteredTopic::property() const {
 }
 
 Status ContentFilteredTopic::set_expression_parameters(std::vector<std::string> parameters) {
+  const auto held = lock();
   FilterText text{text_.expression, std::move(parameters)};
   DDSSEC_TRY(compile(text));
-  const auto held = lock();
-  text_ = std::move(text);
+  text_.parameters = std::move(text.parameters);
   for (auto* reader : readers_) DDSSEC_TRY(reader->on_filter_changed());
   context_.reschedule();
   return {};

@@ -151,11 +151,11 @@ std::vector<std::string> QueryCondition::query_parameters() const {
 }
 
 Status QueryCondition::set_query_parameters(std::vector<std::string> parameters) {
+  const auto held = reader_.lock();
   FilterText text{text_.expression, std::move(parameters)};
   auto compiled = DDSSEC_TRY(reader_.compile_query(text));
-  const auto held = reader_.lock();
   if (compiled) *query_ = std::move(*compiled);  // its place is known to whoever reads now
-  text_ = std::move(text);
+  text_.parameters = std::move(text.parameters);
   reader_.update_conditions();
   return {};
 }
