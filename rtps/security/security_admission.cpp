@@ -1,0 +1,155 @@
+// Security, the part that decides: who may try to authenticate, which endpoints may match.
+#include "rtps/security/security.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+std::string hex(std::uint32_t value) {
+  Writer out;
+  out.write(value);
+  return to_hex(out.view());
+}
+
+/// Both masks.
+std::string text_of(const spi::SecurityInfo& info) {
+  return hex(info.mask) + " " + hex(info.plugin_mask);
+}
+
+std::unexpected<Error> mismatch(const ParticipantData& data, const spi::SecurityInfo& own) {
+  return fail(Code::rtps_security_info_mismatch,
+              {.document = "participant " + data.guid.to_string(),
+               .field = "participant_security_info",
+               .expected = text_of(own),
+               .found = text_of(data.security_info.value_or(spi::SecurityInfo{}))});
+}
+
+std::vector<std::string_view> views_of(const std::vector<std::string>& texts) {
+  return {texts.begin(), texts.end()};
+}
+
+}  // namespace
+
+// ---- who may try
+
+bool Security::admits_unauthenticated() const {
+  const auto& attributes = own_->attributes();
+  return attributes.allow_unauthenticated_participants && !attributes.is_rtps_protected();
+}
+
+bool Security::may_authenticate(const ParticipantData& data) const {
+  return data.identity_token && check_participant(data);
+}
+
+Security::Verdict Security::judge(const ParticipantData& data) {
+  if (may_authenticate(data)) return Verdict::authenticate;
+  if (admits_unauthenticated()) return Verdict::admit_unauthenticated;
+  ++counters_.failed;
+  const auto guid = data.guid.to_string();
+  if (!data.identity_token)
+    events_.raise(Event(Error(Code::rtps_peer_not_secured, {.document = "participant " + guid,
+                                                            .expected = "an identity token",
+                                                            .found = "none"}),
+                        {}, guid));
+  else
+    events_.raise(Event(check_participant(data).error().in("participant " + guid), {}, guid));
+  return Verdict::refuse;
+}
+
+/// Does it announce what lets it talk with us?
+Status Security::check_participant(const ParticipantData& data) const {
+  const auto own_info = spi::security_info(own_->attributes());
+  const auto info = data.security_info.value_or(spi::SecurityInfo{});
+  if (!spi::compatible(own_info, info)) return mismatch(data, own_info);
+  if (!data.ciphers) return {};
+  DDSSEC_TRY(check_ciphers(data.vendor, data.ciphers->builtin_required));
+  return check_ciphers(data.vendor, data.ciphers->key_exchange_required);
+}
+
+// A vendor's bits mean something to that vendor only. What a peer understands of ours, cryptography
+// knows from the handshake.
+Status Security::check_ciphers(VendorId vendor, spi::CipherMask required) const {
+  auto supported = own_->ciphers().supported;
+  if (vendor != kVendorDdssec) supported &= spi::kStandardCiphers;
+  if (spi::understands(supported, required)) return {};
+  return fail(Code::rtps_cipher_unsupported,
+              {.field = "symmetric_cipher", .expected = hex(supported), .found = hex(required)});
+}
+
+// ---- endpoints
+
+Result<Security::Announced> Security::create_endpoint(const EntityId& id,
+                                                      const NewEndpoint& endpoint) {
+  auto& plugin = own_->plugins().access_control;
+  const auto names = views_of(endpoint.partitions);
+  const spi::EndpointRequest request{.topic_name = endpoint.topic, .partitions = names};
+  DDSSEC_TRY(plugin.check_create_topic(own_->permissions(), own_->domain_id(), endpoint.topic));
+  spi::EndpointSecurityAttributes attributes;
+  if (is_writer(id)) {
+    DDSSEC_TRY(plugin.check_create_datawriter(own_->permissions(), own_->domain_id(), request));
+    attributes = DDSSEC_TRY(plugin.datawriter_sec_attributes(own_->permissions(), request));
+  } else {
+    DDSSEC_TRY(plugin.check_create_datareader(own_->permissions(), own_->domain_id(), request));
+    attributes = DDSSEC_TRY(plugin.datareader_sec_attributes(own_->permissions(), request));
+  }
+  DDSSEC_TRY(keyring_.add_local(id, attributes, {}, endpoint.properties));
+  return Announced{spi::security_info(attributes), DDSSEC_TRY(keyring_.required_ciphers(id))};
+}
+
+std::optional<Security::Admission> Security::admit(const EntityId& local, const Endpoint& remote) {
+  const auto* peer = find(remote.guid.prefix);
+  const auto* attributes = keyring_.attributes(local);
+  if (attributes == nullptr) return std::nullopt;
+  const bool authenticated = peer != nullptr && peer->authenticated;
+  const auto status = authenticated ? check_protection(*attributes, remote, peer->data.vendor)
+                                    : check_open(local, remote);
+  if (!status) {
+    events_.raise(Event(status.error().in("topic " + std::string(remote.topic)), {},
+                        remote.guid.to_string()));
+    return std::nullopt;
+  }
+  if (!authenticated) return Admission{};
+  const auto admission = check_permissions(local, *peer, remote);  // raises its own event
+  return admission ? std::optional(*admission) : std::nullopt;
+}
+
+// DDS-Security 8.8.7: unauthenticated participants get topics without access control and without
+// protection of any kind.
+Status Security::check_open(const EntityId& local, const Endpoint& remote) const {
+  const auto& attributes = *keyring_.attributes(local);
+  const auto& topic = attributes.topic;
+  const bool open = !topic.is_read_protected && !topic.is_write_protected &&
+                    !topic.is_discovery_protected && !attributes.is_submessage_protected() &&
+                    !attributes.is_payload_protected();
+  if (open && admits_unauthenticated()) return {};
+  return fail(Code::rtps_peer_not_secured,
+              {.expected = "an authenticated participant", .found = remote.guid.to_string()});
+}
+
+Status Security::check_protection(const spi::EndpointSecurityAttributes& attributes,
+                                  const Endpoint& remote, VendorId vendor) const {
+  if (attributes.topic.is_discovery_protected && !remote.is_secure)
+    return fail(Code::rtps_protection_missing,
+                {.expected = "an announcement by secure discovery", .found = "a plain one"});
+  if (remote.required_ciphers) DDSSEC_TRY(check_ciphers(vendor, *remote.required_ciphers));
+  const auto own = spi::security_info(attributes);
+  if (spi::compatible(own, remote.info)) return {};
+  return fail(
+      Code::rtps_security_info_mismatch,
+      {.field = "endpoint_security_info", .expected = text_of(own), .found = text_of(remote.info)});
+}
+
+Result<Security::Admission> Security::check_permissions(const EntityId& local, const Peer& peer,
+                                                        const Endpoint& remote) {
+  auto& plugin = own_->plugins().access_control;
+  const auto names = views_of(remote.partitions);
+  const spi::EndpointRequest request{.topic_name = remote.topic, .partitions = names};
+  if (is_reader(local)) {
+    DDSSEC_TRY(plugin.check_remote_datawriter(peer.permissions, own_->domain_id(), request));
+    return Admission{};
+  }
+  const auto answer =
+      DDSSEC_TRY(plugin.check_remote_datareader(peer.permissions, own_->domain_id(), request));
+  return Admission{answer.relay_only};
+}
+
+}  // namespace ddssec::rtps
