@@ -1,6 +1,7 @@
 // What a participant costs OpenSSL at least. "bare": a key and two signatures, on its certificate
 // and on its permissions. "forms": the same as the files that participants have: X.509, PKCS#8 and
-// S/MIME. Prints the processor seconds of COUNT of either.
+// S/MIME. "handshake": what the two sides of one handshake do with keys; the message, the
+// certificate and the permissions are signed octets. Prints the processor seconds of COUNT of each.
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -14,6 +15,7 @@
 
 namespace {
 
+using namespace ddssec;
 using namespace ddssec::pki;
 using DigestContext = std::unique_ptr<EVP_MD_CTX, Deleter<EVP_MD_CTX_free>>;
 
@@ -25,19 +27,52 @@ struct Ca {
   X509Ptr certificate;
 };
 
-bool sign(EVP_PKEY* key) {
+/// Empty: it failed.
+Bytes sign(EVP_PKEY* key) {
   const DigestContext context(EVP_MD_CTX_new());
-  unsigned char signature[128];
-  std::size_t size = sizeof signature;
-  return context && EVP_DigestSignInit(context.get(), nullptr, EVP_sha256(), nullptr, key) == 1 &&
-         EVP_DigestSign(context.get(), signature, &size, ddssec::as_bytes(kSigned).data(),
-                        kSigned.size()) == 1;
+  Bytes signature(128);
+  std::size_t size = signature.size();
+  const bool made = context &&
+                    EVP_DigestSignInit(context.get(), nullptr, EVP_sha256(), nullptr, key) == 1 &&
+                    EVP_DigestSign(context.get(), signature.data(), &size, as_bytes(kSigned).data(),
+                                   kSigned.size()) == 1;
+  signature.resize(made ? size : 0);
+  return signature;
+}
+
+bool verify(EVP_PKEY* key, BytesView signature) {
+  const DigestContext context(EVP_MD_CTX_new());
+  return context && EVP_DigestVerifyInit(context.get(), nullptr, EVP_sha256(), nullptr, key) == 1 &&
+         EVP_DigestVerify(context.get(), signature.data(), signature.size(),
+                          as_bytes(kSigned).data(), kSigned.size()) == 1;
+}
+
+bool derive(EVP_PKEY* own, EVP_PKEY* peer) {
+  const std::unique_ptr<EVP_PKEY_CTX, Deleter<EVP_PKEY_CTX_free>> context(
+      EVP_PKEY_CTX_new(own, nullptr));
+  unsigned char secret[32];
+  std::size_t size = sizeof secret;
+  return context && EVP_PKEY_derive_init(context.get()) == 1 &&
+         EVP_PKEY_derive_set_peer(context.get(), peer) == 1 &&
+         EVP_PKEY_derive(context.get(), secret, &size) == 1;
 }
 
 bool bare(const Ca& ca) {
   const PkeyPtr own(EVP_EC_gen("P-256"));
-  return own && sign(ca.key.get()) && sign(ca.key.get());
+  return own && !sign(ca.key.get()).empty() && !sign(ca.key.get()).empty();
 }
+
+/// One side's part: the peer's message, certificate and permissions each bear a signature.
+bool half_a_handshake(const Ca& ca) {
+  constexpr int kVerified = 3;
+  const PkeyPtr own(EVP_EC_gen("P-256"));
+  const auto signature = sign(ca.key.get());
+  for (int i = 0; i < kVerified; ++i)
+    if (!verify(ca.key.get(), signature)) return false;
+  return own && derive(own.get(), ca.key.get());
+}
+
+bool handshake(const Ca& ca) { return half_a_handshake(ca) && half_a_handshake(ca); }
 
 X509Ptr certificate_of(EVP_PKEY* own, EVP_PKEY* issuer) {
   X509Ptr out(X509_new());
@@ -85,5 +120,7 @@ int main(int argc, char** argv) {
     std::fputs("usage: bench_openssl_operations COUNT\n", stderr);
     return 2;
   }
-  return measure("bare", bare, ca, count) && measure("forms", forms, ca, count) ? 0 : 1;
+  const bool good = measure("bare", bare, ca, count) && measure("forms", forms, ca, count) &&
+                    measure("handshake", handshake, ca, count);
+  return good ? 0 : 1;
 }

@@ -27,15 +27,16 @@ static const struct {
 } roles[] = {{"ping", "PerfPing", "PerfPong"},
              {"pong", "PerfPong", "PerfPing"},
              {"tput-pub", "PerfTput", NULL},
-             {"tput-sub", NULL, "PerfTput"}};
+             {"tput-sub", NULL, "PerfTput"},
+             {"matched", "PerfMatched", "PerfMatched"}};
 
 const char* bench_written(enum bench_role role) { return roles[role].written; }
 const char* bench_read(enum bench_role role) { return roles[role].read; }
 
 static void usage(const char* program) {
   fprintf(stderr,
-          "usage: %s --role ping|pong|tput-pub|tput-sub --domain N [--count N] [--size OCTETS]\n"
-          "       [--duration S] [--timeout S] [--security DIR|off]\n",
+          "usage: %s --role ping|pong|tput-pub|tput-sub|matched --domain N [--count N]\n"
+          "       [--size OCTETS] [--duration S] [--timeout S] [--security DIR|off]\n",
           program);
   exit(BENCH_USAGE);
 }
@@ -274,8 +275,37 @@ static int run_tput_sub(struct run* run) {
   return ended && sent == run->received ? BENCH_DONE : BENCH_MISSING;
 }
 
+static double cpu_seconds(void) {
+  struct timespec time;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+}
+
+// Until --count writers and readers are matched, its own among them. It stays, silent, until it is
+// killed: the others' time is what is measured.
+static int run_matched(struct run* run) {
+  const struct bench_stack* stack = run->stack;
+  const double created = cpu_seconds();
+  uint32_t readers, writers;
+  for (;;) {
+    readers = stack->readers(stack->self);
+    writers = stack->writers(stack->self);
+    run->ever_matched = readers >= run->options->count && writers >= run->options->count;
+    if (run->ever_matched || over(run)) break;
+    nap(10);
+  }
+  printf("{\"event\":\"%s\",\"readers\":%" PRIu32 ",\"writers\":%" PRIu32
+         ",\"at_s\":%.4f,\"created_cpu_s\":%.4f}\n",
+         run->ever_matched ? "matched" : "incomplete", readers, writers, (double)now() * 1e-9,
+         created);
+  fflush(stdout);
+  while (run->ever_matched && !over(run)) nap(50);
+  return run->ever_matched ? BENCH_DONE : BENCH_NEVER_MATCHED;
+}
+
 int bench_run(const struct bench_options* options, const struct bench_stack* stack) {
-  static int (*const run_role[])(struct run*) = {run_ping, run_pong, run_tput_pub, run_tput_sub};
+  static int (*const run_role[])(struct run*) = {run_ping, run_pong, run_tput_pub, run_tput_sub,
+                                                 run_matched};
   struct sigaction action = {.sa_handler = on_signal};
   sigaction(SIGTERM, &action, NULL);
   sigaction(SIGINT, &action, NULL);

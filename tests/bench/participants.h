@@ -1,6 +1,6 @@
 // What the measuring peers of other makes share: ddssec-peer's command line and output for its
-// roles ping, pong, tput-pub and tput-sub, and their loops. A stack supplies a few calls and
-// nothing else, so that all makes do the same.
+// roles ping, pong, tput-pub and tput-sub, one more that only waits for matches, and their loops. A
+// stack supplies a few calls and nothing else, so that all makes do the same.
 #ifndef DDSSEC_BENCH_PARTICIPANTS_H
 #define DDSSEC_BENCH_PARTICIPANTS_H
 
@@ -22,7 +22,7 @@ enum bench_exit {
   BENCH_WRONG = 5
 };
 
-enum bench_role { BENCH_PING, BENCH_PONG, BENCH_TPUT_PUB, BENCH_TPUT_SUB };
+enum bench_role { BENCH_PING, BENCH_PONG, BENCH_TPUT_PUB, BENCH_TPUT_SUB, BENCH_MATCHED };
 
 /// The command line, parsed. Strings belong to argv.
 struct bench_options {

@@ -10,22 +10,14 @@ import argparse
 import json
 import os
 import pathlib
-import shutil
 import statistics
 import subprocess
 import sys
 import tempfile
 
-HERE = pathlib.Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent / "interop"))
-from documents import Governance, Permissions  # noqa: E402
-from end_to_end import in_own_namespace, machine  # noqa: E402
-from pki import Pki  # noqa: E402
+from surroundings import DOMAIN, in_own_namespace, machine, make_folders
 
-DOMAIN = 7
 MAKES = {"ours": "ddssec-peer", "Cyclone": "bench_cyclone_peer", "Fast DDS": "bench_fastdds_peer"}
-SROS2 = Governance(discovery="ENCRYPT", liveliness="ENCRYPT", rtps="SIGN", metadata="ENCRYPT",
-                   data="ENCRYPT")
 LIMIT = 30  # seconds a pair may take
 
 
@@ -33,35 +25,17 @@ class Failed(Exception):
     """A pair did not do what it should."""
 
 
-def make_folders(base, names=("one", "other")):
-    """A folder as --security wants it for each of two participants."""
-    pki = Pki(base)
-    identity, authority = pki.ca("identity", "ec"), pki.ca("permissions", "ec")
-    signer = f"{authority}/cert.pem", f"{authority}/key.pem"
-    topics = ("*",)
-    folders = []
-    for name in names:
-        folder = os.path.join(base, "participant-" + name)
-        os.mkdir(folder)
-        permissions = Permissions(topics, topics, domain=DOMAIN).xml(name)
-        documents = {"identity_ca.pem": f"{identity}/cert.pem", "cert.pem": pki.leaf(name, "ec", identity),
-                     "key.pem": pki.key(name, "ec"), "permissions_ca.pem": signer[0],
-                     "governance.p7s": pki.sign(SROS2.xml(), *signer),
-                     "permissions.p7s": pki.sign(permissions, *signer)}
-        for document, source in documents.items():
-            shutil.copy(source, os.path.join(folder, document))
-        folders.append(folder)
-    return folders
-
-
-def start(program, role, security, arguments):
+def start(program, role, security, arguments, libraries=None, errors=subprocess.PIPE):
+    """`libraries`: the folder of plugins that stand before the stock ones."""
     command = [program, "--role", role, "--domain", str(DOMAIN), "--timeout", str(LIMIT),
                "--security", security, *arguments]
     environment = {k: v for k, v in os.environ.items()
                    if k not in ("CYCLONEDDS_URI", "LD_LIBRARY_PATH", "FASTRTPS_DEFAULT_PROFILES_FILE")}
+    if libraries:
+        environment["LD_LIBRARY_PATH"] = str(libraries)
     environment["TZ"] = "UTC"  # Fast DDS reads the dates of permissions as local time
     return subprocess.Popen(command, env=environment, text=True, stdin=subprocess.DEVNULL,
-                            stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+                            stdout=subprocess.PIPE, stderr=errors)
 
 
 def run_pair(program, roles, folders, arguments):

@@ -173,13 +173,17 @@ void set_security(fdds::DomainParticipantQos& qos, const char* folder) {
   document(access + "permissions", "permissions.p7s");
 }
 
-// Loopback UDP, unicast: a metatraffic locator with port 0 keeps Fast DDS off multicast.
+// Loopback UDP alone.
 void set_loopback(fdds::DomainParticipantQos& qos) {
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
   udp->interfaceWhiteList.emplace_back("127.0.0.1");
   udp->sendBufferSize = udp->receiveBufferSize = 4 << 20;
   qos.transport().use_builtin_transports = false;
   qos.transport().user_transports.push_back(udp);
+}
+
+// Unicast: a metatraffic locator with port 0 keeps Fast DDS off multicast.
+void set_unicast(fdds::DomainParticipantQos& qos) {
   rtps::Locator_t loopback;
   rtps::IPLocator::setIPv4(loopback, "127.0.0.1");
   auto& builtin = qos.wire_protocol().builtin;
@@ -214,7 +218,9 @@ void set_endpoint(Qos& qos, const bench_options& options) {
 bool create_endpoints(fdds::DomainParticipant& participant, fdds::TypeSupport& type,
                       const bench_options& options, Fast& made, fdds::DataReaderListener* echo) {
   const auto topic = [&](const char* name) {
-    return participant.create_topic(name, type.get_type_name(), fdds::TOPIC_QOS_DEFAULT);
+    auto* known = dynamic_cast<fdds::Topic*>(participant.lookup_topicdescription(name));
+    return known ? known
+                 : participant.create_topic(name, type.get_type_name(), fdds::TOPIC_QOS_DEFAULT);
   };
   if (const char* written = bench_written(options.role)) {
     auto* publisher = participant.create_publisher(fdds::PUBLISHER_QOS_DEFAULT);
@@ -254,6 +260,7 @@ int use(fdds::DomainParticipant& participant, const bench_options& options) {
 int run(const bench_options& options) {
   fdds::DomainParticipantQos qos = fdds::PARTICIPANT_QOS_DEFAULT;
   set_loopback(qos);
+  if (options.role != BENCH_MATCHED) set_unicast(qos);
   if (options.security) set_security(qos, options.security);
   auto* factory = fdds::DomainParticipantFactory::get_instance();
   auto* participant = factory->create_participant(static_cast<uint32_t>(options.domain), qos);

@@ -1,0 +1,65 @@
+// The measuring peer on the embedded participant: role matched alone, as ddssec-peer has the
+// others.
+#include "bench/participants.h"
+#include "peer_types.hpp"
+#include "secured/participant.hpp"
+
+namespace {
+
+using namespace ddssec;
+using peer::Blob;
+
+struct Embedded {
+  rtps::DataWriter<Blob>* writer = nullptr;
+  rtps::DataReader<Blob>* reader = nullptr;
+
+  static std::uint32_t readers(void* self) {
+    const auto status = static_cast<Embedded*>(self)->writer->publication_matched_status();
+    return static_cast<std::uint32_t>(status.current_count);
+  }
+  static std::uint32_t writers(void* self) {
+    const auto status = static_cast<Embedded*>(self)->reader->subscription_matched_status();
+    return static_cast<std::uint32_t>(status.current_count);
+  }
+};
+
+Result<Embedded> create(rtps::DomainParticipant& participant, bench_role role) {
+  auto& written = *DDSSEC_TRY(participant.create_topic<Blob>(bench_written(role)));
+  auto& publisher = *DDSSEC_TRY(participant.create_publisher());
+  auto& subscriber = *DDSSEC_TRY(participant.create_subscriber());
+  auto reliable = rtps::default_reader_qos();
+  reliable.reliability.kind = rtps::ReliabilityKind::reliable;
+  return Embedded{DDSSEC_TRY(publisher.create_datawriter<Blob>(written)),
+                  DDSSEC_TRY(subscriber.create_datareader<Blob>(written, reliable))};
+}
+
+int run(const bench_options& options) {
+  const SystemClock clock;
+  SystemRandom random;
+  secured::StandardErrorEvents log;
+  RateLimitedSink events(log, clock);
+  const Environment environment{clock, random, events};
+  secured::Engines engines(environment);
+  rtps::DomainParticipantOptions wanted{
+      .domain_id = static_cast<DomainId>(options.domain), .multicast = true, .peers = {}};
+  if (options.security != nullptr)
+    wanted.security.emplace(engines.view(),
+                            secured::or_exit(secured::folder_properties(options.security)));
+  auto participant = rtps::DomainParticipant::create(std::move(wanted), environment);
+  if (!participant) return bench_refused("participant", participant.error().to_sentence().c_str());
+  auto embedded = create(**participant, options.role);
+  if (!embedded) return bench_refused("endpoint", embedded.error().to_sentence().c_str());
+  const bench_stack stack = {
+      &*embedded, Embedded::readers, Embedded::writers, nullptr, nullptr, nullptr, nullptr};
+  return bench_run(&options, &stack);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  bench_options options;
+  bench_parse(argc, argv, &options);
+  if (options.role == BENCH_MATCHED) return run(options);
+  std::fputs("bench_embedded_peer: ddssec-peer has the other roles\n", stderr);
+  return BENCH_USAGE;
+}
