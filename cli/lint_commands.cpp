@@ -24,7 +24,8 @@ Report report_on(const fs::path& file, std::vector<Finding> findings) {
 
 Result<Report> governance_lint(const Arguments& arguments, const Context&) {
   const fs::path file = arguments.text("FILE");
-  const governance::GovernanceUse use{.domain = DDSSEC_TRY(domain_option(arguments))};
+  const governance::GovernanceUse use{.domain = DDSSEC_TRY(domain_option(arguments)),
+                                      .choices = true};
   const auto document = DDSSEC_TRY(unverified_document<GovernanceKind>(file));
   return report_on(file, lint(document, use));
 }

@@ -240,6 +240,24 @@ void check_kinds(Findings& out, const Place& place, std::size_t i) {
   }
 }
 
+// All readers of a topic share its writer's key, so that each of them can make what the others take
+// for the writer's, unless every reader is given a MAC of its own (DDS-Security 8.1.3, 9.5.3.3.4).
+void check_origin(Findings& out, const Place& place) {
+  if (is_origin_authenticated(place.rule.rtps_protection_kind)) return;
+  std::vector<std::string> names;
+  for (const auto& topic : place.rule.topic_rules)
+    if (topic.enable_write_access_control && !is_plain(topic) &&
+        !is_origin_authenticated(topic.metadata_protection_kind))
+      names.push_back(quoted(topic.topic_expression));
+  if (names.empty()) return;
+  const auto more = names.size() > 3 ? fmt::format(" and {} more", names.size() - 3) : "";
+  if (names.size() > 3) names.resize(3);
+  out.add(place.about(
+      GOV042, fmt::format("{}{}: writing is controlled, and whoever may read has the key to write "
+                          "in a writer's name",
+                          fmt::join(names, ", "), more)));
+}
+
 void check_topics(Findings& out, const Place& place) {
   for (std::size_t i = 0; i < place.rule.topic_rules.size(); ++i) {
     const auto& topic = place.rule.topic_rules[i];
@@ -264,6 +282,7 @@ std::vector<Finding> lint(const Governance& governance, const GovernanceUse& use
     check_dead_rules(out, place);
     check_topics_without_rule(out, place);
     check_domain_kinds(out, place);
+    if (use.choices) check_origin(out, place);
     check_topics(out, place);
   }
   if (use.domain && !governance.find(*use.domain))

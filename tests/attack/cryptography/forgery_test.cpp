@@ -1,9 +1,6 @@
 // What somebody on the wire, or an authenticated peer gone bad, may send (T27, T28, T29, T42, T43,
 // T45 of the catalogue of attacks).
-#include <gtest/gtest.h>
-
-#include "plugins/cryptography/send_key.hpp"
-#include "plugins/cryptography/wire.hpp"
+#include "tests/unit/cryptography/insider.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
 
 namespace ddssec::cryptography::testing {
@@ -264,49 +261,6 @@ TEST(Reasons, PostfixLengthZeroMeansToTheEnd) {
   encoded[encoded.size() - 22] = 0;
   EXPECT_TRUE(decode_message(two, encoded)) << "OpenDDS writes it so";
 }
-
-// An insider holds the keys and builds what our encoders would not.
-
-struct Insider {
-  Graveyard graveyard;
-  KeyEnvironment environment{*aead_backend(AeadChoice::automatic), graveyard, 1u << 20, 1u << 20};
-  std::unique_ptr<SendKey> key;
-
-  explicit Insider(TransformKind kind) {
-    const auto size = traits_of(kind)->key_size();
-    KeyMaterial material{.kind = kind};
-    material.salt = MasterSalt::copy_of(Bytes(size, 1)).value();
-    material.sender_key_id = KeyId{{9, 9, 9, 9}};
-    material.sender_key = MasterKey::copy_of(Bytes(size, 2)).value();
-    key = std::move(SendKey::create(std::move(material), {5, 6}, environment).value());
-  }
-  spi::Token token() const { return crypto_token(key->material()); }
-
-  /// A group whose tag is right around any content.
-  Bytes group(Frame frame, const Bytes& content) {
-    const ReadGuard guard;
-    const auto reserved = key->reserve(content.size()).value();
-    const bool encrypts = key->traits().encrypts;
-    Bytes out(content.size() + 100);
-    Pen pen(out);
-    pen.submessage_header(frame.prefix, 20);
-    pen.crypto_header(key->material().kind, key->material().sender_key_id, reserved.iv);
-    if (encrypts) {
-      pen.submessage_header(0x30, 4 + padded(content.size()));
-      pen.u32(static_cast<std::uint32_t>(content.size()));
-    }
-    auto* const place = pen.skip(content.size());
-    if (encrypts) pen.zeros(padded(content.size()) - content.size());
-    pen.submessage_header(frame.postfix, 20);
-    const TagOut tag(pen.skip(16), 16);
-    if (!encrypts) std::ranges::copy(content, place);
-    EXPECT_TRUE(encrypts ? reserved.session->key.seal({reserved.iv, {}, content, place, tag})
-                         : reserved.session->key.mac(reserved.iv, content, tag));
-    pen.u32(0);
-    out.resize(pen.written());
-    return out;
-  }
-};
 
 TEST(InsiderMessages, MustBeginWithTheirSource) {
   for (const auto kind : {kSign, kEncrypt}) {

@@ -170,6 +170,30 @@ TEST(LintGovernance, OriginAuthentication) {
             2u);
 }
 
+// T44 of docs/attacks.md: a note, and only for who asks what a document leaves open.
+TEST(LintGovernance, ReadersThatCanWrite) {
+  const GovernanceUse use{.choices = true};
+  const auto found = only(changed([](auto&) {}), use);
+  EXPECT_EQ(found.rule, ddssec::Rule::GOV042);
+  EXPECT_EQ(found.severity, Severity::informational);
+  EXPECT_EQ(found.message,
+            "\"*\": writing is controlled, and whoever may read has the key to write in a writer's "
+            "name");
+  std::vector<TopicRule> rules;
+  for (const auto* name : {"a", "b", "c", "d", "e", "*"}) rules.push_back(strict(name));
+  rules[1].metadata_protection_kind = sign_with_origin_authentication;
+  rules[2].enable_write_access_control = false;
+  const auto several = of(ddssec::Rule::GOV042, with_rules(rules), use);
+  ASSERT_EQ(several.size(), 1u);
+  EXPECT_TRUE(several[0].message.starts_with("\"a\", \"d\", \"e\" and 1 more: "));
+  EXPECT_TRUE(of(ddssec::Rule::GOV042, changed([](DomainRule& rule) {
+                   rule.rtps_protection_kind = sign_with_origin_authentication;
+                 }),
+                 use)
+                  .empty());
+  EXPECT_TRUE(of(ddssec::Rule::GOV042, governance_of(Profile::open, {{0, 0}}), use).empty());
+}
+
 TEST(LintGovernance, DataProtectionAlone) {
   const auto found =
       only(changed([](DomainRule& rule) { rule.topic_rules[0].metadata_protection_kind = none; }));

@@ -172,12 +172,16 @@ struct Node {
   explicit Node(std::uint8_t n) : port(7000u + n), random(n) {
     participant = std::make_unique<Participant>(config(n, candidate(n)), post, events);
   }
-  Node(std::uint8_t n, const spi::PropertyList& properties, int others = 3)
+  /// What may stand between a participant and its keys.
+  using Wrap =
+      std::function<std::unique_ptr<spi::Cryptography>(std::unique_ptr<spi::Cryptography>)>;
+  Node(std::uint8_t n, const spi::PropertyList& properties, int others = 3, const Wrap& wrap = {})
       : port(7000u + n), random(n) {
     const Environment environment{clock, random, events};
     authentication = authentication::make_authentication(environment);
     access_control = access_control::make_access_control(environment);
     cryptography = cryptography::make_cryptography(environment);
+    if (wrap) cryptography = wrap(std::move(cryptography));
     auto own = OwnSecurity::create({{*authentication, *access_control, *cryptography}, properties},
                                    0, candidate(n));
     EXPECT_TRUE(own) << own.error().to_sentence();

@@ -1,0 +1,161 @@
+// A reader that is one of ours, and writes with the key that its writer gave to all readers (T44).
+#include "tests/unit/cryptography/insider.hpp"
+
+#include "rtps/wire/info_source.hpp"
+#include "tests/unit/rtps_security/attacker.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+using cryptography::testing::Insider;
+
+constexpr auto kSign = ProtectionKind::sign;
+constexpr auto kEncrypt = ProtectionKind::encrypt;
+constexpr auto kSignOa = ProtectionKind::sign_with_origin_authentication;
+constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
+
+/// Keeps the keys that come from others.
+class KeyThief final : public spi::Cryptography, spi::CryptoKeyExchange {
+ public:
+  using Tokens = std::vector<spi::Token>;
+  struct Stolen {
+    Tokens of_participant, of_writer;  ///< the latest
+  };
+  KeyThief(std::unique_ptr<spi::Cryptography> engine, Stolen& stolen)
+      : engine_(std::move(engine)), stolen_(stolen) {}
+
+  spi::CryptoKeyFactory& key_factory() override { return engine_->key_factory(); }
+  spi::CryptoKeyExchange& key_exchange() override { return *this; }
+  spi::CryptoTransform& transform() override { return engine_->transform(); }
+
+ private:
+  using Participant = spi::ParticipantCryptoHandle;
+  using DataWriter = spi::DatawriterCryptoHandle;
+  using DataReader = spi::DatareaderCryptoHandle;
+  Result<Tokens> create_local_participant_crypto_tokens(Participant a, Participant b) override {
+    return exchange().create_local_participant_crypto_tokens(a, b);
+  }
+  Status set_remote_participant_crypto_tokens(Participant a, Participant b,
+                                              std::span<const spi::Token> tokens) override {
+    stolen_.of_participant.assign(tokens.begin(), tokens.end());
+    return exchange().set_remote_participant_crypto_tokens(a, b, tokens);
+  }
+  Result<Tokens> create_local_datawriter_crypto_tokens(DataWriter a, DataReader b) override {
+    return exchange().create_local_datawriter_crypto_tokens(a, b);
+  }
+  Status set_remote_datawriter_crypto_tokens(DataReader a, DataWriter b,
+                                             std::span<const spi::Token> tokens) override {
+    stolen_.of_writer.assign(tokens.begin(), tokens.end());
+    return exchange().set_remote_datawriter_crypto_tokens(a, b, tokens);
+  }
+  Result<Tokens> create_local_datareader_crypto_tokens(DataReader a, DataWriter b) override {
+    return exchange().create_local_datareader_crypto_tokens(a, b);
+  }
+  Status set_remote_datareader_crypto_tokens(DataWriter a, DataReader b,
+                                             std::span<const spi::Token> tokens) override {
+    return exchange().set_remote_datareader_crypto_tokens(a, b, tokens);
+  }
+  spi::CryptoKeyExchange& exchange() { return engine_->key_exchange(); }
+
+  std::unique_ptr<spi::Cryptography> engine_;
+  Stolen& stolen_;
+};
+
+/// A writer, an honest reader, and the one that gives away what it was told. The readers know the
+/// writer only.
+struct Three {
+  using Stolen = KeyThief::Stolen;
+  explicit Three(const Rules& rules)
+      : alice(1, properties_of("CN=alice,O=Example", rules)),
+        bob(2, properties_of("CN=bob,O=Example", rules), 1, thief(of_bob)),
+        mallory(3, properties_of("CN=mallory,O=Example", rules), 1, thief(of_mallory)) {
+    world.nodes = {&alice, &bob, &mallory};
+    auto qos = default_reader_qos();
+    qos.reliability.kind = ReliabilityKind::reliable;
+    writer = alice->create_writer(square(default_writer_qos()), alice.listener, world.now).value();
+    for (auto* node : {&bob, &mallory})
+      (*node)->create_reader(square(qos), node->listener, world.now).value();
+    EXPECT_TRUE(world.run_until([&] { return alice.listener.matched == 2; }));
+    world.run(50);
+  }
+  static Node::Wrap thief(Stolen& into) {
+    return [&into](auto engine) { return std::make_unique<KeyThief>(std::move(engine), into); };
+  }
+
+  /// The next sample of alice's writer.
+  Bytes sample(bool with_source) const {
+    static const Bytes lie = {0, 1, 0, 0, 'l', 'i', 'e', '!'};
+    const Data data{kEntityIdUnknown, writer.entity, {1}, {}, PayloadKind::data, lie};
+    const auto& prefix = alice.participant->prefix();
+    InfoSource source;
+    source.source.prefix = prefix;
+    const auto whole = with_source ? forged(prefix, source, data) : forged(prefix, data);
+    return Bytes(whole.begin() + kHeaderSize, whole.end());
+  }
+  Bytes in_alices_name(const Bytes& group) const {
+    auto datagram = forged(alice.participant->prefix());
+    datagram.insert(datagram.end(), group.begin(), group.end());
+    return datagram;
+  }
+  /// What mallory can make of the key of alice's writer, or of alice.
+  std::vector<Bytes> forgeries(bool by_message) {
+    const auto key = [&](const Stolen& of) {
+      const auto& tokens = by_message ? of.of_participant : of.of_writer;
+      EXPECT_EQ(tokens.size(), 1u);
+      return cryptography::read_crypto_token(tokens.front()).value();
+    };
+    const auto of_bob_id = key(of_bob).receiver_key_id;
+    auto material = key(of_mallory);
+    std::vector<std::vector<KeyId>> receivers = {{}};
+    if (material.has_receiver_key()) {
+      const auto own = material.receiver_key_id;
+      receivers.insert(receivers.end(), {{own}, {of_bob_id}, {of_bob_id, of_bob_id, own}});
+    }
+    Insider insider(std::move(material));
+    const auto frame = by_message ? cryptography::kMessageFrame : cryptography::kSubmessageFrame;
+    std::vector<Bytes> out;
+    for (const auto& one : receivers)
+      out.push_back(in_alices_name(insider.group(frame, sample(by_message), one)));
+    return out;
+  }
+
+  Stolen of_bob, of_mallory;
+  Node alice, bob, mallory;
+  World world;
+  Guid writer;
+};
+
+TEST(InsiderWriter, PassesForTheWriterWithoutOriginAuthentication) {
+  for (const auto& rules : {Rules{.metadata = kSign}, Rules{.metadata = kEncrypt},
+                            Rules{.rtps = kSign}, Rules{.rtps = kEncrypt}}) {
+    Three three(rules);
+    const auto forgeries = three.forgeries(is_protected(rules.rtps));
+    ASSERT_EQ(forgeries.size(), 1u);
+    three.bob->receive(forgeries[0], three.world.now);
+    // Open by design of the standard: GOV042 tells who writes such a governance.
+    ASSERT_EQ(three.bob.listener.changes.size(), 1u) << three.bob.events.text();
+    EXPECT_EQ(three.bob.listener.changes[0].writer, three.writer);
+  }
+}
+
+TEST(InsiderWriter, IsRefusedWithOriginAuthentication) {
+  for (const auto& rules : {Rules{.metadata = kSignOa}, Rules{.metadata = kEncryptOa},
+                            Rules{.rtps = kSignOa}, Rules{.rtps = kEncryptOa}}) {
+    Three three(rules);
+    const auto forgeries = three.forgeries(is_protected(rules.rtps));
+    ASSERT_EQ(forgeries.size(), 4u);
+    const auto before = three.bob->protection_counters().undecodable;
+    for (const auto& forgery : forgeries) three.bob->receive(forgery, three.world.now);
+    EXPECT_TRUE(three.bob.listener.changes.empty());
+    EXPECT_EQ(three.bob->protection_counters().undecodable, before + 4);
+    Change change;
+    change.payload = payload();
+    three.alice->writer(three.writer)->write(std::move(change), three.world.now);
+    for (const auto* reader : {&three.bob, &three.mallory})
+      EXPECT_TRUE(three.world.run_until([&] { return reader->listener.changes.size() == 1; }, 300));
+  }
+}
+
+}  // namespace
+}  // namespace ddssec::rtps

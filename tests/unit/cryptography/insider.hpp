@@ -1,0 +1,69 @@
+// Who holds a sender's key, as each of its receivers does, and builds what our encoders would not.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "plugins/cryptography/send_key.hpp"
+#include "plugins/cryptography/wire.hpp"
+
+namespace ddssec::cryptography::testing {
+
+struct Insider {
+  Graveyard graveyard;
+  KeyEnvironment environment{*aead_backend(AeadChoice::automatic), graveyard, 1u << 20, 1u << 20};
+  std::unique_ptr<SendKey> key;
+
+  /// With somebody's key, as one of its receivers has it.
+  explicit Insider(KeyMaterial material)
+      : own_(material.receiver_key_id, material.clone().receiver_key, environment) {
+    key = std::move(SendKey::create(std::move(material), {5, 6}, environment).value());
+  }
+  /// With a key of its own.
+  explicit Insider(TransformKind kind) : Insider(material_of(kind)) {}
+  spi::Token token() const { return crypto_token(key->material()); }
+
+  /// A group whose tag is right around any content. For each of `receivers` a MAC by the only
+  /// receiver-specific key that an insider has: its own.
+  Bytes group(Frame frame, const Bytes& content, const std::vector<KeyId>& receivers = {}) {
+    const ReadGuard guard;
+    const auto reserved = key->reserve(content.size()).value();
+    const bool encrypts = key->traits().encrypts;
+    const auto macs_size = kReceiverMacSize * receivers.size();
+    Bytes out(content.size() + macs_size + 100);
+    Pen pen(out);
+    pen.submessage_header(frame.prefix, 20);
+    pen.crypto_header(key->material().kind, key->material().sender_key_id, reserved.iv);
+    if (encrypts) {
+      pen.submessage_header(0x30, 4 + padded(content.size()));
+      pen.u32(static_cast<std::uint32_t>(content.size()));
+    }
+    auto* const place = pen.skip(content.size());
+    if (encrypts) pen.zeros(padded(content.size()) - content.size());
+    pen.submessage_header(frame.postfix, 20 + macs_size);
+    const TagOut tag(pen.skip(16), 16);
+    if (!encrypts) std::ranges::copy(content, place);
+    EXPECT_TRUE(encrypts ? reserved.session->key.seal({reserved.iv, {}, content, place, tag})
+                         : reserved.session->key.mac(reserved.iv, content, tag));
+    pen.u32(static_cast<std::uint32_t>(receivers.size()));
+    for (const auto& receiver : receivers) {
+      pen.put(receiver.octets);
+      EXPECT_TRUE(own_.mac(*key, reserved, tag, TagOut(pen.skip(16), 16)));
+    }
+    out.resize(pen.written());
+    return out;
+  }
+
+ private:
+  ReceiverKey own_;
+
+  static KeyMaterial material_of(TransformKind kind) {
+    const auto size = traits_of(kind)->key_size();
+    KeyMaterial material{.kind = kind};
+    material.salt = MasterSalt::copy_of(Bytes(size, 1)).value();
+    material.sender_key_id = KeyId{{9, 9, 9, 9}};
+    material.sender_key = MasterKey::copy_of(Bytes(size, 2)).value();
+    return material;
+  }
+};
+
+}  // namespace ddssec::cryptography::testing
