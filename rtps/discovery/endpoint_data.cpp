@@ -201,6 +201,33 @@ Status read_type_objects(Reader& r, Announced& a) {
   return {};
 }
 
+// kind, then five booleans; elder versions of the policy end earlier. Elder OpenDDS counts the
+// kinds from 1: 2 is its ALLOW_TYPE_COERCION.
+Status read_type_consistency(Reader& r, Announced& a) {
+  auto& value = a.data.qos.type_consistency;
+  const auto kind = DDSSEC_TRY(r.read<std::uint16_t>());
+  if (kind > 2) return fail(Code::rtps_parameter_invalid);
+  if (kind == 0) value.kind = TypeConsistencyKind::disallow_type_coercion;
+  for (auto* flag :
+       {&value.ignore_sequence_bounds, &value.ignore_string_bounds, &value.ignore_member_names,
+        &value.prevent_type_widening, &value.force_type_validation}) {
+    if (r.remaining() == 0) break;
+    *flag = DDSSEC_TRY(r.read<std::uint8_t>()) != 0;
+  }
+  return {};
+}
+
+void write_type_consistency(SpanWriter& w, const Announced& a) {
+  const auto& value = a.data.qos.type_consistency;
+  if (value == TypeConsistency{} || !is_reader(a.data.guid.entity)) return;
+  const ParameterScope scope(w, 0x0074);
+  w.write(static_cast<std::uint16_t>(value.kind));
+  for (const bool flag :
+       {value.ignore_sequence_bounds, value.ignore_string_bounds, value.ignore_member_names,
+        value.prevent_type_widening, value.force_type_validation})
+    w.write(std::uint8_t{flag});
+}
+
 Status read_durability_service(Reader& r, Announced& a) {
   auto& value = a.data.qos.durability_service;
   DDSSEC_TRY(read_duration_into(r, value.cleanup_delay));
@@ -306,6 +333,7 @@ constexpr Row kTable[] = {
     {0x0029, read_partition, write_partition},
     number_row<0x0049, &Qos::transport_priority>(),
     {0x0073, read_representation, write_representation},
+    {0x0074, read_type_consistency, write_type_consistency},
     opaque_row<0x002c, &Qos::user_data>(),
     opaque_row<0x002d, &Qos::group_data>(),
     opaque_row<0x002e, &Qos::topic_data>(),

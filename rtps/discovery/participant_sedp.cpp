@@ -1,6 +1,8 @@
 // Participant, the half that finds endpoints and matches them (RTPS 8.5.4).
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "rtps/discovery/participant.hpp"
 
 namespace ddssec::rtps {
@@ -8,6 +10,15 @@ namespace {
 
 // Above whatever the bounds of its parameters allow.
 constexpr std::size_t kMostEndpointOctets = 128 << 10;
+
+// XTypes calls the topic inconsistent then; as the reader's policy is the reason, it is named.
+std::optional<QosMismatch> refusal(const TypeJudgement& types, const EndpointData& writer,
+                                   const EndpointData& reader) {
+  return QosMismatch{
+      QosPolicyId::type_consistency_enforcement, "TYPE_CONSISTENCY_ENFORCEMENT",
+      describe_type(writer.type_name, writer.type),
+      fmt::format("{} for {}", types.refused_by, describe_type(reader.type_name, reader.type))};
+}
 
 }  // namespace
 
@@ -266,14 +277,15 @@ bool Participant::compatible(Local& local, const EndpointData& remote, const Qos
     return refuse(Code::rtps_type_mismatch, "type", keyed ? "with key" : "without key",
                   keyed ? "without key" : "with key");
   const bool writes = is_writer(local.data.guid.entity);
-  if (judge_types(writes ? local.data.type : remote.type, writes ? remote.type : local.data.type) ==
-      TypeVerdict::different) {
-    local.listener->on_inconsistent_topic(remote);
+  const auto& writer = writes ? local.data : remote;
+  const auto& reader = writes ? remote : local.data;
+  const auto types = judge_types(writer.type, reader.type, requested.type_consistency);
+  if (!types.fits()) local.listener->on_inconsistent_topic(remote);
+  if (!types.fits() && types.refused_by.empty())
     return refuse(Code::rtps_type_mismatch, "type",
                   describe_type(local.data.type_name, local.data.type),
                   describe_type(remote.type_name, remote.type));
-  }
-  const auto why = mismatch(offered, requested);
+  const auto why = types.fits() ? mismatch(offered, requested) : refusal(types, writer, reader);
   if (!why) return true;
   if (why->id != QosPolicyId::partition) local.listener->on_incompatible_qos(remote.guid, *why);
   return refuse(Code::rtps_qos_incompatible, why->policy, "requested " + why->requested,

@@ -20,6 +20,7 @@ enum class QosPolicyId : std::int32_t {
   reliability = 11,
   destination_order = 12,
   data_representation = 23,
+  type_consistency_enforcement = 24,
 };
 
 /// Why a writer and a reader do not match: the policy and both values, for a person.

@@ -40,6 +40,8 @@ Status check_mutable(const Qos& from, const Qos& to) {
   if (from.presentation != to.presentation) return immutable("PRESENTATION");
   if (from.properties != to.properties) return immutable("PROPERTY");
   if (from.data_representation != to.data_representation) return immutable("DATA_REPRESENTATION");
+  if (from.type_consistency != to.type_consistency)
+    return immutable("TYPE_CONSISTENCY_ENFORCEMENT");
   return {};
 }
 

@@ -20,6 +20,7 @@ enum class LivelinessKind : std::uint32_t { automatic, manual_by_participant, ma
 enum class OwnershipKind : std::uint32_t { shared, exclusive };
 enum class DestinationOrderKind : std::uint32_t { by_reception, by_source };
 enum class PresentationScope : std::uint32_t { instance, topic, group };
+enum class TypeConsistencyKind : std::uint16_t { disallow_type_coercion, allow_type_coercion };
 enum class DataRepresentation : std::int16_t { xcdr1 = 0, xml = 1, xcdr2 = 2 };
 
 inline constexpr std::int32_t kLengthUnlimited = -1;
@@ -64,6 +65,18 @@ struct Presentation {
   bool operator==(const Presentation&) const = default;
 };
 
+/// TYPE_CONSISTENCY_ENFORCEMENT of a reader (XTypes 7.6.3.4): which writers' types it takes. All
+/// but kind and force_type_validation count with ALLOW_TYPE_COERCION only.
+struct TypeConsistency {
+  TypeConsistencyKind kind = TypeConsistencyKind::allow_type_coercion;
+  bool ignore_sequence_bounds = true;
+  bool ignore_string_bounds = true;
+  bool ignore_member_names = false;
+  bool prevent_type_widening = false;  ///< refuses writers whose type has more members
+  bool force_type_validation = false;  ///< refuses what cannot be judged; else names decide
+  bool operator==(const TypeConsistency&) const = default;
+};
+
 /// Of a reader or a writer, with the topic's, the publisher's and the subscriber's policies that
 /// discovery announces with it. Default-constructed: a reader's defaults.
 struct Qos {
@@ -84,6 +97,7 @@ struct Qos {
   Duration time_based_filter = kDurationZero;
   std::int32_t transport_priority = 0;
   std::vector<DataRepresentation> data_representation = {DataRepresentation::xcdr1};
+  TypeConsistency type_consistency;  ///< a reader's
   Bytes user_data, topic_data, group_data;
   /// PROPERTY (DDS-Security 7.2.5), for our own plugins; not announced.
   spi::PropertyList properties;

@@ -10,7 +10,7 @@ namespace ddssec::rtps {
 namespace {
 
 constexpr std::uint8_t kMinimal = 0xf1, kStructure = 0x51, kString8Small = 0x70,
-                       kString8Large = 0x71;
+                       kString8Large = 0x71, kSequenceSmall = 0x80, kSequenceLarge = 0x81;
 constexpr std::uint32_t kMinimalMember = 0x1001;
 constexpr std::uint16_t kFinal = 1, kExtensibility = 7;
 constexpr std::uint16_t kOptional = 0x08, kKey = 0x20;
@@ -59,7 +59,8 @@ Result<EquivalenceHash> read_minimal_hash(BytesView type_information) {
 struct Member {
   std::uint32_t id = 0;
   std::uint16_t flags = 0;
-  BytesView type = {}, name_hash = {};
+  Reader type{BytesView()};  ///< where its TypeIdentifier begins
+  BytesView name_hash = {};
 };
 struct Structure {
   std::uint16_t flags = 0;
@@ -74,8 +75,10 @@ Result<Member> read_struct_member(BytesView octets) {
   out.id = DDSSEC_TRY(reader.read<std::uint32_t>());
   out.flags = DDSSEC_TRY(reader.read<std::uint16_t>());
   if (reader.remaining() < 5) return fail(Code::truncated);
-  out.type = DDSSEC_TRY(reader.read_bytes(reader.remaining() - 4));
-  out.name_hash = reader.rest();
+  const auto end = octets.size() - 4;
+  out.type = Reader(octets.first(end), Endian::little);
+  DDSSEC_TRY(out.type.skip(reader.position()));
+  out.name_hash = octets.subspan(end);
   return out;
 }
 
@@ -109,12 +112,26 @@ Result<Structures> read_objects(BytesView octets) {
   return out;
 }
 
-bool is_string(BytesView type) { return type[0] == kString8Small || type[0] == kString8Large; }
+bool is_string(std::uint8_t kind) { return kind == kString8Small || kind == kString8Large; }
+bool is_sequence(std::uint8_t kind) { return kind == kSequenceSmall || kind == kSequenceLarge; }
 
+// 0: none.
+Result<std::uint32_t> read_bound(Reader& type, std::uint8_t kind) {
+  if (kind == kString8Large || kind == kSequenceLarge) return type.read_aligned<std::uint32_t>();
+  return DDSSEC_TRY(type.read<std::uint8_t>());
+}
+
+Status skip_collection_header(Reader& type) {
+  DDSSEC_TRY(type.read<std::uint8_t>());
+  DDSSEC_TRY(type.read_aligned<std::uint16_t>());
+  return {};
+}
+
+// XTypes 7.2.4.4: whether a reader's type can take what a writer's type says.
 class Comparison {
  public:
-  Comparison(const Structures& writer, const Structures& reader)
-      : writer_(writer), reader_(reader) {}
+  Comparison(const Structures& writer, const Structures& reader, const TypeConsistency& policy)
+      : writer_(writer), reader_(reader), policy_(policy) {}
 
   bool assignable(const EquivalenceHash& writer, const EquivalenceHash& reader, int depth = 0) {
     if (writer == reader) return true;
@@ -123,10 +140,10 @@ class Comparison {
     return depth < kDeepest && from != writer_.end() && to != reader_.end() &&
            assignable(from->second, to->second, depth);
   }
+  std::string_view refused_by() const { return refused_by_; }
 
  private:
-  // XTypes 7.2.4.4.8, with the defaults of TYPE_CONSISTENCY_ENFORCEMENT: bounds of strings do not
-  // count; what one side has more, at the end of an appendable type, is no key.
+  // What one side has more, at the end of an appendable type, is no key.
   bool assignable(const Structure& from, const Structure& to, int depth) {
     if ((from.flags & kExtensibility) != (to.flags & kExtensibility)) return false;
     const auto common = std::min(from.members.size(), to.members.size());
@@ -135,25 +152,69 @@ class Comparison {
     for (std::size_t i = 0; i < common; ++i)
       if (!assignable(from.members[i], to.members[i], depth)) return false;
     const auto& longer = from.members.size() > common ? from.members : to.members;
-    return common > 0 &&
-           std::none_of(longer.begin() + static_cast<std::ptrdiff_t>(common), longer.end(),
-                        [](const Member& m) { return (m.flags & kKey) != 0; });
+    const auto is_key = [](const Member& m) { return (m.flags & kKey) != 0; };
+    if (common == 0 ||
+        std::any_of(longer.begin() + static_cast<std::ptrdiff_t>(common), longer.end(), is_key))
+      return false;
+    return from.members.size() == common ||
+           allowed(!policy_.prevent_type_widening, "prevent_type_widening = true");
   }
 
   bool assignable(const Member& from, const Member& to, int depth) {
     constexpr std::uint16_t kCounts = kOptional | kKey;
-    if (from.id != to.id || (from.flags & kCounts) != (to.flags & kCounts) ||
-        !std::ranges::equal(from.name_hash, to.name_hash))
-      return false;
-    if (std::ranges::equal(from.type, to.type) || (is_string(from.type) && is_string(to.type)))
-      return true;
-    const auto writer = hash_in(from.type), reader = hash_in(to.type);
+    return from.id == to.id && (from.flags & kCounts) == (to.flags & kCounts) &&
+           (policy_.ignore_member_names || std::ranges::equal(from.name_hash, to.name_hash)) &&
+           assignable(from.type, to.type, depth).value_or(false);
+  }
+
+  Result<bool> assignable(Reader from, Reader to, int depth) {
+    if (std::ranges::equal(from.rest(), to.rest())) return true;
+    if (const auto flat = DDSSEC_TRY(assignable_but_for_bounds(from, to, depth))) return *flat;
+    const auto writer = hash_in(from.rest()), reader = hash_in(to.rest());
     return writer && reader && assignable(*writer, *reader, depth + 1);
+  }
+
+  // Strings, and sequences of what is the same or again such; nothing for other types.
+  Result<std::optional<bool>> assignable_but_for_bounds(Reader from, Reader to, int depth) {
+    const auto written = DDSSEC_TRY(from.read<std::uint8_t>());
+    const auto read = DDSSEC_TRY(to.read<std::uint8_t>());
+    if (is_string(written) && is_string(read)) {
+      const auto most = DDSSEC_TRY(read_bound(from, written));
+      const auto room = DDSSEC_TRY(read_bound(to, read));
+      return fits(most, room) ||
+             allowed(policy_.ignore_string_bounds, "ignore_string_bounds = false");
+    }
+    if (!is_sequence(written) || !is_sequence(read)) return std::optional<bool>();
+    DDSSEC_TRY(skip_collection_header(from));
+    DDSSEC_TRY(skip_collection_header(to));
+    const auto most = DDSSEC_TRY(read_bound(from, written));
+    const auto room = DDSSEC_TRY(read_bound(to, read));
+    const bool same = std::ranges::equal(from.rest(), to.rest());
+    if (!same && (depth >= kDeepest ||
+                  !DDSSEC_TRY(assignable_but_for_bounds(from, to, depth + 1)).value_or(false)))
+      return false;
+    return fits(most, room) ||
+           allowed(policy_.ignore_sequence_bounds, "ignore_sequence_bounds = false");
+  }
+
+  static bool fits(std::uint32_t most, std::uint32_t room) {
+    return room == 0 || (most != 0 && most <= room);
+  }
+  bool allowed(bool is_allowed, std::string_view setting) {
+    if (!is_allowed) refused_by_ = setting;
+    return is_allowed;
   }
 
   const Structures& writer_;
   const Structures& reader_;
+  const TypeConsistency& policy_;
+  std::string_view refused_by_;
 };
+
+TypeJudgement unknown(const TypeConsistency& policy) {
+  return {TypeVerdict::unknown,
+          policy.force_type_validation ? std::string_view("force_type_validation = true") : ""};
+}
 
 }  // namespace
 
@@ -162,15 +223,19 @@ std::optional<EquivalenceHash> minimal_hash(BytesView type_information) {
   return hash ? std::optional(*hash) : std::nullopt;
 }
 
-TypeVerdict judge_types(const TypeDescription& writer, const TypeDescription& reader) {
+TypeJudgement judge_types(const TypeDescription& writer, const TypeDescription& reader,
+                          const TypeConsistency& policy) {
   const auto from = minimal_hash(writer.information), to = minimal_hash(reader.information);
-  if (!from || !to) return TypeVerdict::unknown;
-  if (*from == *to) return TypeVerdict::same;
+  if (!from || !to) return unknown(policy);
+  if (*from == *to) return {TypeVerdict::same};
+  if (policy.kind == TypeConsistencyKind::disallow_type_coercion)
+    return {TypeVerdict::different, "kind = DISALLOW_TYPE_COERCION"};
   const auto writers = read_objects(writer.objects), readers = read_objects(reader.objects);
   if (!writers || !readers || !writers->contains(*from) || !readers->contains(*to))
-    return TypeVerdict::unknown;
-  return Comparison(*writers, *readers).assignable(*from, *to) ? TypeVerdict::assignable
-                                                               : TypeVerdict::different;
+    return unknown(policy);
+  Comparison comparison(*writers, *readers, policy);
+  if (comparison.assignable(*from, *to)) return {TypeVerdict::assignable};
+  return {TypeVerdict::different, comparison.refused_by()};
 }
 
 std::string describe_type(const std::string& name, const TypeDescription& type) {

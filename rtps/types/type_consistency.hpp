@@ -6,8 +6,10 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "base/bytes.hpp"
+#include "rtps/qos/qos.hpp"
 
 namespace ddssec::rtps {
 
@@ -34,7 +36,17 @@ enum class TypeVerdict : std::uint8_t {
   assignable,  ///< samples of the writer can be read as the reader's
   different
 };
-TypeVerdict judge_types(const TypeDescription& writer, const TypeDescription& reader);
+struct TypeJudgement {
+  TypeVerdict verdict = TypeVerdict::unknown;
+  /// The setting of TYPE_CONSISTENCY_ENFORCEMENT that refuses what its default would allow, such as
+  /// "prevent_type_widening = true"; empty: none.
+  std::string_view refused_by = {};
+  bool fits() const { return verdict != TypeVerdict::different && refused_by.empty(); }
+};
+/// Under the reader's policy. What only the TypeObjects tell, and those are not known, is unknown:
+/// refused with force_type_validation, else names decide. (DISALLOW_TYPE_COERCION needs none.)
+TypeJudgement judge_types(const TypeDescription& writer, const TypeDescription& reader,
+                          const TypeConsistency& policy = {});
 
 /// "Shape (minimal type 0af3...)".
 std::string describe_type(const std::string& name, const TypeDescription& type);

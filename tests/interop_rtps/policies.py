@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Every QoS policy that DCPS puts in force, between the embedded participant and Cyclone DDS and Fast
-DDS, each way: match, mismatch (the status names the policy), effect. All at once in one network
+"""Every QoS policy that DCPS puts in force, between the embedded participant and itself, and Cyclone DDS
+and Fast DDS each way: match, mismatch (the status names the policy), effect. All at once in one network
 namespace and one discovery, each case on topics of its own. Usage: policies.py BUILD [FILTER]"""
 
 import heapq
@@ -17,11 +17,11 @@ from pair import Namespace  # noqa: E402
 OURS, CYCLONE, FAST = "embedded", "cyclone", "fastdds"
 PATIENCE = 10.0  # seconds until what must happen has happened
 (DURABILITY, DEADLINE, OWNERSHIP, LIVELINESS, RELIABILITY, DESTINATION_ORDER,
- DATA_REPRESENTATION) = 2, 4, 6, 8, 11, 12, 23
-# Cyclone DDS counts this policy behind two of its own; Fast DDS 2.9 checks neither of the two below,
-# and refuses a reader that orders by source.
+ DATA_REPRESENTATION, TYPE_CONSISTENCY) = 2, 4, 6, 8, 11, 12, 23, 24
+# Cyclone DDS counts this policy behind two of its own; Fast DDS 2.9 checks none of those below, and
+# refuses a reader that orders by source.
 NUMBER_AT = {(CYCLONE, DATA_REPRESENTATION): 25}
-FAST_DOES_NOT_CHECK = (DESTINATION_ORDER, DATA_REPRESENTATION)
+FAST_DOES_NOT_CHECK = (DESTINATION_ORDER, DATA_REPRESENTATION, TYPE_CONSISTENCY)
 
 
 class Peer:
@@ -128,6 +128,7 @@ MISMATCHES = [
     ("liveliness lease", "lease=20000", "lease=10000", LIVELINESS),
     ("destination order", "order=reception", "order=source", DESTINATION_ORDER),
     ("data representation", "representation=2", "representation=1", DATA_REPRESENTATION),
+    ("type consistency", "describe=no", "describe=no types=known", TYPE_CONSISTENCY),
 ]
 
 def mismatch(case, offered, requested, policy):
@@ -330,6 +331,15 @@ def representation_2(case):
     yield from case.comes(reader, "RED:1:A")
 
 
+def type_consistency(case):
+    """A reader that wants to know the type, and the same: Fast DDS 2.9 tells nothing of types."""
+    if FAST in (case.w.kind, case.r.kind):
+        return
+    writer, reader = yield from case.pair("history=all", "history=all types=same")
+    case.w.ask(f"write {writer} RED 1")
+    yield from case.comes(reader, "RED:1:A")
+
+
 def content_filter(case):
     if case.r.kind == CYCLONE:  # its filters are functions of the application's own
         return
@@ -373,17 +383,18 @@ def time_based_filter(case):
 EFFECTS = [partitions, deadline, lifespan, ownership, states, deletion_disposes, purge,
            late_joiner, keep_last, resource_limits,
            manual_by_topic, manual_by_participant, automatic, by_source, representation_2,
+           type_consistency,
            content_filter, filtered_history, time_based_filter]
 
 
 # ---- all at once --------------------------------------------------------------------------------------
 
-def scenarios(peers, wanted):
-    for writer, reader in ((OURS, CYCLONE), (CYCLONE, OURS), (OURS, FAST), (FAST, OURS)):
-        ends = peers[writer], peers[reader]
+def scenarios(peers, second, wanted):
+    for writer, reader in ((OURS, OURS), (OURS, CYCLONE), (CYCLONE, OURS), (OURS, FAST), (FAST, OURS)):
+        ends = peers[writer], second if writer == reader else peers[reader]
         for name, offered, requested, policy in MISMATCHES:
             if (FAST in (writer, reader) and policy == DATA_REPRESENTATION or
-                    reader == FAST and policy == DESTINATION_ORDER):
+                    reader == FAST and policy in (DESTINATION_ORDER, TYPE_CONSISTENCY)):
                 continue
             case = Case(*ends, f"{name} mismatch")
             if wanted in case.name:
@@ -416,8 +427,9 @@ def main():
     space = Namespace()
     with tempfile.TemporaryFile("w+") as log:
         peers = {kind: Peer(space, build, kind, log) for kind in (OURS, CYCLONE, FAST)}
-        faults = run(list(scenarios(peers, wanted)))
-        for peer in peers.values():
+        second = Peer(space, build, OURS, log)
+        faults = run(list(scenarios(peers, second, wanted)))
+        for peer in (*peers.values(), second):
             peer.close()
         space.close()
         log.seek(0)

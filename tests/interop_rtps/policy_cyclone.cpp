@@ -51,6 +51,11 @@ void set_qos(dds_qos_t* qos, const Policies& p) {
         p.is("representation", "2") ? DDS_DATA_REPRESENTATION_XCDR2 : DDS_DATA_REPRESENTATION_XCDR1;
     dds_qset_data_representation(qos, 1, &id);
   }
+  if (p.has("types"))
+    dds_qset_type_consistency(qos,
+                              p.is("types", "same") ? DDS_TYPE_CONSISTENCY_DISALLOW_TYPE_COERCION
+                                                    : DDS_TYPE_CONSISTENCY_ALLOW_TYPE_COERCION,
+                              true, true, false, false, true);
   dds_qset_writer_data_lifecycle(qos, p.is("autodispose", "on"));
 }
 

@@ -1,27 +1,13 @@
 // The policy peer on the embedded participant.
 #include "interop_rtps/policy_peer.hpp"
 #include "rtps/dcps/domain_participant.hpp"
+#include "shape.hpp"
 
 namespace ddssec::rtps {
 
-struct Shape {
-  std::string color;
-  std::int32_t x = 0, y = 0, shapesize = 0;
-  std::vector<std::uint8_t> payload = {};
-};
-template <>
-struct TypeTraits<Shape> {
-  static constexpr std::string_view type_name = "interop::Shape";
-  static constexpr auto extensibility = Extensibility::final_type;
-  template <class Self, class Visit>
-  static void members(Self& s, Visit&& visit) {
-    visit(named("color", key(s.color)), named("x", s.x), named("y", s.y),
-          named("shapesize", s.shapesize), named("payload", s.payload));
-  }
-};
-
 namespace {
 
+using interop::Shape;
 using policy_peer::End;
 using policy_peer::Policies;
 
@@ -48,6 +34,9 @@ Qos qos_of(const Policies& p) {
   if (p.has("strength")) qos.ownership_strength = static_cast<std::int32_t>(p.number("strength"));
   if (p.is("order", "source")) qos.destination_order = DestinationOrderKind::by_source;
   if (p.is("representation", "2")) qos.data_representation = {DataRepresentation::xcdr2};
+  if (p.is("types", "same"))
+    qos.type_consistency.kind = TypeConsistencyKind::disallow_type_coercion;
+  qos.type_consistency.force_type_validation = p.has("types");
   if (p.has("separation")) qos.time_based_filter = milliseconds(p.number("separation"));
   if (p.has("samples"))
     qos.resource_limits.max_samples = static_cast<std::int32_t>(p.number("samples"));
@@ -69,7 +58,7 @@ class Embedded final : public policy_peer::Stack {
 
   bool writer(const std::string& id, const std::string& topic, const Policies& p) override {
     const auto group = participant_.create_publisher(group_of(p));
-    const auto made = (*group)->create_datawriter<Shape>(topic_of(topic), qos_of(p));
+    const auto made = (*group)->create_datawriter<Shape>(topic_of(topic, p), qos_of(p));
     if (made) writers_[id] = *made;
     return made.has_value();
   }
@@ -77,7 +66,7 @@ class Embedded final : public policy_peer::Stack {
     const auto group = participant_.create_subscriber(group_of(p));
     const auto made = p.has("filter")
                           ? (*group)->create_datareader<Shape>(filtered(id, topic, p), qos_of(p))
-                          : (*group)->create_datareader<Shape>(topic_of(topic), qos_of(p));
+                          : (*group)->create_datareader<Shape>(topic_of(topic, p), qos_of(p));
     if (made) readers_[id] = *made;
     return made.has_value();
   }
@@ -89,7 +78,7 @@ class Embedded final : public policy_peer::Stack {
   }
   bool write(const std::string& id, const std::string& color, int x,
              std::int64_t source_ms) override {
-    const Shape shape{color, x, 2 * x, 30};
+    const Shape shape{color, x, 2 * x, 30, {}};
     auto& writer = *writers_.at(id);
     if (source_ms < 0) return writer.write(shape).has_value();
     return writer.write_w_timestamp(shape, {}, Time::from(std::chrono::milliseconds(source_ms)))
@@ -97,7 +86,9 @@ class Embedded final : public policy_peer::Stack {
   }
   bool end(const std::string& id, const std::string& color, End how) override {
     auto& writer = *writers_.at(id);
-    return (how == End::dispose ? writer.dispose({color}) : writer.unregister_instance({color}))
+    Shape shape;
+    shape.color = color;
+    return (how == End::dispose ? writer.dispose(shape) : writer.unregister_instance(shape))
         .has_value();
   }
   bool assert_liveliness(const std::string& id) override {
@@ -144,14 +135,16 @@ class Embedded final : public policy_peer::Stack {
       std::cerr << qos.last.policy << ": offered " << qos.last.offered << ", requested "
                 << qos.last.requested << "\n";
   }
-  Topic& topic_of(const std::string& name) {
-    auto* known = participant_.lookup_topicdescription(name);
-    return known != nullptr ? *known : **participant_.create_topic<Shape>(name);
+  Topic& topic_of(const std::string& name, const Policies& p) {
+    if (auto* known = participant_.lookup_topicdescription(name)) return *known;
+    auto support = type_support<Shape>();
+    if (p.is("describe", "no")) support.description = {};
+    return **participant_.create_topic(name, std::move(support));
   }
 
   ContentFilteredTopic& filtered(const std::string& id, const std::string& topic,
                                  const Policies& p) {
-    return **participant_.create_contentfilteredtopic("filtered_" + id, topic_of(topic),
+    return **participant_.create_contentfilteredtopic("filtered_" + id, topic_of(topic, p),
                                                       {p.text("filter")});
   }
 

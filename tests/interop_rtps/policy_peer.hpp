@@ -8,6 +8,8 @@
 // deadline=MS lifespan=MS liveliness=automatic|participant|topic lease=MS
 // ownership=shared|exclusive strength=N order=reception|source partition=NAME representation=1|2
 // samples=N autodispose=on purge=MS (of disposed samples) separation=MS
+// types=same|known (a reader's TYPE_CONSISTENCY_ENFORCEMENT: no coercion, only what can be judged)
+// describe=no (our own: announces no TypeInformation)
 // filter=EXPRESSION (a reader's, without spaces)
 #pragma once
 

@@ -72,6 +72,8 @@ EndpointData subscription() {
   data.topic_name = "Square";
   data.type_name = "ShapeType";
   data.qos.time_based_filter = {{1, 0}};
+  data.qos.type_consistency = {
+      TypeConsistencyKind::disallow_type_coercion, false, false, true, true, true};
   data.expects_inline_qos = true;
   return data;
 }
@@ -126,6 +128,28 @@ Bytes replaced(Bytes octets, const Bytes& what, const Bytes& by) {
   EXPECT_FALSE(at.empty());
   std::ranges::copy(by, at.begin());
   return octets;
+}
+
+TEST(DiscoveryData, TypeConsistencyMayEndEarlyAndItsKindsAreBounded) {
+  const auto octets = payload_of(subscription());
+  const Bytes whole = {0x74, 0, 8, 0, 0, 0, 0, 0, 1, 1, 1};
+  const auto read = [&](const Bytes& by) {
+    return read_subscription_data(replaced(octets, whole, by));
+  };
+  // Two flags; then a parameter that nobody knows.
+  EXPECT_EQ(read({0x74, 0, 4, 0, 0, 0, 0, 0, 0x00, 0x00, 0x00})->qos.type_consistency,
+            (TypeConsistency{TypeConsistencyKind::disallow_type_coercion, false, false}));
+  EXPECT_EQ(read({0x74, 0, 8, 0, 2, 0, 1, 1})->qos.type_consistency.kind,
+            TypeConsistencyKind::allow_type_coercion);
+  EXPECT_EQ(code_of(read({0x74, 0, 8, 0, 3, 0})), Code::rtps_parameter_invalid);
+  EXPECT_EQ(code_of(read({0x74, 0, 8, 0, 0xff, 0xff})), Code::rtps_parameter_invalid);
+  EXPECT_EQ(payload_of(EndpointData{.guid = subscription().guid}).size() + 12,
+            payload_of([] {
+              EndpointData data{.guid = subscription().guid};
+              data.qos.type_consistency.force_type_validation = true;
+              return data;
+            }())
+                .size());
 }
 
 TEST(DiscoveryData, AnotherParticipantsGuidIsRefused) {

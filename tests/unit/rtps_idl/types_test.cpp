@@ -20,7 +20,7 @@ TypeDescription description() {
 
 template <class Writer, class Reader>
 TypeVerdict verdict() {
-  return judge_types(description<Writer>(), description<Reader>());
+  return judge_types(description<Writer>(), description<Reader>()).verdict;
 }
 
 TEST(Types, TheSameFileIsTheSameType) {
@@ -46,12 +46,67 @@ TEST(Types, OtherMembersAnotherOrderOrAnotherTypeWithinIsAnotherType) {
   EXPECT_EQ((verdict<one::Where, other::Where>()), TypeVerdict::different);
 }
 
+// By the reader's policy, as a word of what it refuses.
+template <class Writer, class Reader>
+std::string refused(const TypeConsistency& policy) {
+  const auto judged = judge_types(description<Writer>(), description<Reader>(), policy);
+  return judged.fits() ? "" : judged.refused_by.empty() ? "type" : std::string(judged.refused_by);
+}
+
+TEST(Types, WithoutCoercionOnlyTheSameTypeFits) {
+  const TypeConsistency same{.kind = TypeConsistencyKind::disallow_type_coercion};
+  EXPECT_EQ((refused<one::Track, one::Track>(same)), "");
+  EXPECT_EQ((refused<one::Track, newer::Track>(same)), "kind = DISALLOW_TYPE_COERCION");
+  auto without_objects = description<newer::Track>();
+  without_objects.objects.clear();
+  EXPECT_EQ(judge_types(without_objects, description<one::Track>(), same).verdict,
+            TypeVerdict::different);
+}
+
+TEST(Types, AWiderTypeIsPreventedOneWayOnly) {
+  const TypeConsistency narrow{.prevent_type_widening = true};
+  EXPECT_EQ((refused<newer::Track, one::Track>(narrow)), "prevent_type_widening = true");
+  EXPECT_EQ((refused<one::Track, newer::Track>(narrow)), "");
+}
+
+TEST(Types, BoundsCountWhereTheReaderSaysSo) {
+  EXPECT_EQ((refused<newer::Bounds, one::Bounds>({})), "");
+  EXPECT_EQ((refused<other::Bounds, one::Bounds>({})), "");
+  const TypeConsistency sequences{.ignore_sequence_bounds = false};
+  EXPECT_EQ((refused<newer::Bounds, one::Bounds>(sequences)), "ignore_sequence_bounds = false");
+  EXPECT_EQ((refused<one::Bounds, newer::Bounds>(sequences)), "");
+  EXPECT_EQ((refused<other::Bounds, one::Bounds>(sequences)), "");
+  const TypeConsistency strings{.ignore_string_bounds = false};
+  EXPECT_EQ((refused<other::Bounds, one::Bounds>(strings)), "ignore_string_bounds = false");
+  EXPECT_EQ((refused<newer::Track, one::Track>(strings)), "ignore_string_bounds = false");
+  EXPECT_EQ((refused<one::Track, newer::Track>(strings)), "");
+  EXPECT_EQ((refused<newer::Bounds, one::Bounds>(strings)), "");
+}
+
+TEST(Types, NamesOfMembersCountUnlessTheReaderSaysOtherwise) {
+  const TypeConsistency any_name{.ignore_member_names = true};
+  EXPECT_EQ((refused<one::Named, newer::Named>({})), "type");
+  EXPECT_EQ((refused<one::Named, newer::Named>(any_name)), "");
+  EXPECT_EQ((refused<one::Named, other::Named>(any_name)), "type");
+}
+
+TEST(Types, WhatCannotBeJudgedIsRefusedWhereValidationIsForced) {
+  const TypeConsistency forced{.force_type_validation = true};
+  auto known = description<one::Track>(), silent = description<newer::Track>();
+  EXPECT_TRUE(judge_types(known, silent, forced).fits());
+  EXPECT_TRUE(judge_types(known, known, forced).fits());
+  silent.objects.clear();
+  EXPECT_EQ(judge_types(known, silent, forced).refused_by, "force_type_validation = true");
+  EXPECT_EQ(judge_types({}, known, forced).refused_by, "force_type_validation = true");
+  EXPECT_TRUE(judge_types({}, known).fits());
+}
+
 TEST(Types, WithoutTypeInformationOrWithoutTheObjectsNamesDecide) {
   auto known = description<one::Solid>(), silent = description<other::Solid>();
   silent.objects.clear();
-  EXPECT_EQ(judge_types(known, silent), TypeVerdict::unknown);
-  EXPECT_EQ(judge_types(known, {}), TypeVerdict::unknown);
-  EXPECT_EQ(judge_types({}, {}), TypeVerdict::unknown);
+  EXPECT_EQ(judge_types(known, silent).verdict, TypeVerdict::unknown);
+  EXPECT_EQ(judge_types(known, {}).verdict, TypeVerdict::unknown);
+  EXPECT_EQ(judge_types({}, {}).verdict, TypeVerdict::unknown);
 }
 
 // Cut off anywhere or with any octet changed: never a crash, and never "the same" with another
@@ -67,7 +122,7 @@ TEST(Types, HostileDescriptionsAreJudgedWithoutHarm) {
   for (std::size_t size = 0; size < good.objects.size(); ++size) {
     auto cut = description<newer::Track>();
     cut.objects.resize(std::min(size, cut.objects.size()));
-    EXPECT_NE(judge_types(good, cut), TypeVerdict::same);
+    EXPECT_NE(judge_types(good, cut).verdict, TypeVerdict::same);
   }
   for (std::size_t at = 0; at < good.objects.size(); ++at)
     for (const std::uint8_t flip : {0x01, 0x80, 0xff}) {
@@ -146,6 +201,26 @@ TEST_F(TypesOnTheWire, EndpointsThatDisagreeDoNotMatchAndBothTypesAreNamed) {
   ASSERT_TRUE(track.write({7, "seven", {1, 2}, {}}));
   ASSERT_TRUE(agrees.wait_for_unread(std::chrono::seconds(5)));
   EXPECT_EQ(agrees.take_next_sample()->data, (newer::Track{7, "seven", {1, 2}, {}, 0}));
+}
+
+TEST_F(TypesOnTheWire, ThePolicyThatRefusesIsNamedWithBothTypes) {
+  const auto a = participant(187), b = participant(187);
+  auto& writes = writer<newer::Track>(*a, "Narrow");
+  auto qos = default_reader_qos();
+  qos.type_consistency.prevent_type_widening = true;
+  auto& reads = **(*b->create_subscriber())
+                      ->create_datareader<one::Track>(**b->create_topic<one::Track>("Narrow"), qos);
+  EXPECT_EQ(reads.set_qos(default_reader_qos()).error().code(), Code::rtps_immutable_policy);
+  EXPECT_TRUE(soon([&] { return reads.requested_incompatible_qos_status().total_count > 0; }));
+  EXPECT_TRUE(soon([&] { return writes.offered_incompatible_qos_status().total_count > 0; }));
+  const auto why = reads.requested_incompatible_qos_status().last;
+  EXPECT_EQ(why.id, QosPolicyId::type_consistency_enforcement);
+  EXPECT_EQ(why.policy, "TYPE_CONSISTENCY_ENFORCEMENT");
+  EXPECT_TRUE(why.offered.starts_with("Track (minimal type ")) << why.offered;
+  EXPECT_TRUE(why.requested.starts_with("prevent_type_widening = true for Track (minimal type "))
+      << why.requested;
+  EXPECT_GT(writes.topic().inconsistent_topic_status().total_count, 0);
+  EXPECT_TRUE(reads.matched_publications().empty());
 }
 
 TEST_F(TypesOnTheWire, CycloneDdsAnnouncesTheSameOctetsAndMatches) {
