@@ -82,5 +82,19 @@ TEST_F(Source, APastedKeyDoesNotReachTheError) {
   EXPECT_EQ(item.error().to_sentence().find("MIGH"), std::string::npos);
 }
 
+TEST_F(Source, KnowsWhoElseMayReadAFile) {
+  const auto path = write("key", "hello");
+  const auto after = [&](::mode_t mode) {
+    EXPECT_EQ(::chmod(path.c_str(), mode), 0);
+    return readable_by_others("file:" + path);
+  };
+  EXPECT_FALSE(after(0600));
+  EXPECT_FALSE(after(0611));
+  EXPECT_TRUE(after(0640));
+  EXPECT_TRUE(after(0604));
+  EXPECT_FALSE(readable_by_others("file:" + path + ".not"));
+  EXPECT_FALSE(readable_by_others("data:," + path));
+}
+
 }  // namespace
 }  // namespace ddssec::pki

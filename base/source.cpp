@@ -1,0 +1,127 @@
+#include "base/source.hpp"
+
+#include <cerrno>
+#include <fcntl.h>
+#include <string>
+#include <sys/stat.h>
+#include <system_error>
+#include <unistd.h>
+
+namespace ddssec {
+namespace {
+
+class File {
+ public:
+  // O_NONBLOCK: a FIFO put in the way of the file must not hang the process.
+  explicit File(const std::string& path)
+      : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}
+  ~File() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+  int descriptor() const { return descriptor_; }
+
+ private:
+  int descriptor_;
+};
+
+std::string reason(int error) { return std::generic_category().message(error); }
+
+Result<std::size_t> file_size(const File& file, const std::string& path) {
+  if (file.descriptor() < 0) {
+    if (errno == ENOENT || errno == ENOTDIR) return fail(Code::file_not_found, {.found = path});
+    return fail(Code::file_unreadable, {.found = path, .note = reason(errno)});
+  }
+  struct stat status {};
+  if (::fstat(file.descriptor(), &status) != 0)
+    return fail(Code::file_unreadable, {.found = path, .note = reason(errno)});
+  if (!S_ISREG(status.st_mode))
+    return fail(Code::file_unreadable, {.expected = "a regular file", .found = path});
+  return static_cast<std::size_t>(status.st_size);
+}
+
+// Fills `out` up to the end of the file; how many octets that were.
+Result<std::size_t> read_up_to(const File& file, const std::string& path, MutableBytes out) {
+  std::size_t done = 0;
+  while (done < out.size()) {
+    const auto got = ::read(file.descriptor(), out.data() + done, out.size() - done);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return fail(Code::file_unreadable, {.found = path, .note = reason(errno)});
+    if (got == 0) break;
+    done += static_cast<std::size_t>(got);
+  }
+  return done;
+}
+
+enum class Scheme { file, data };
+struct Uri {
+  Scheme scheme;
+  std::string_view rest;
+};
+
+Result<Uri> parse_uri(std::string_view uri) {
+  const auto first = uri.find_first_not_of(" \t\r\n");
+  if (first == uri.npos) return fail(Code::missing_property);
+  uri.remove_prefix(first);
+  if (uri.starts_with("data:,")) return Uri{Scheme::data, uri.substr(6)};
+  if (uri.starts_with("file://")) return Uri{Scheme::file, uri.substr(7)};
+  if (uri.starts_with("file:")) return Uri{Scheme::file, uri.substr(5)};
+  const std::string start(uri.substr(0, 64));
+  if (uri.starts_with("pkcs11:")) return fail(Code::pkcs11_unsupported, {.found = start});
+  // A key pasted without "data:," must not reach a log.
+  const bool pasted = uri.find("-----BEGIN") != uri.npos;
+  return fail(Code::unsupported_uri, {.expected = "file:PATH or data:,TEXT",
+                                      .found = pasted ? "PEM text without data:," : start});
+}
+
+Error too_large(std::size_t most, std::size_t found) {
+  return Error(Code::file_too_large, {.expected = "at most " + std::to_string(most) + " octets",
+                                      .found = std::to_string(found)});
+}
+
+Result<Bytes> load_file(const std::string& path, std::size_t most) {
+  const File file(path);
+  const std::size_t size = DDSSEC_TRY(file_size(file, path));
+  if (size > most) return std::unexpected(too_large(most, size));
+  Bytes octets(size);
+  octets.resize(DDSSEC_TRY(read_up_to(file, path, octets)));
+  if (octets.empty()) return fail(Code::item_empty, {.found = path});
+  return octets;
+}
+
+Result<Bytes> load_unnamed(std::string_view text, std::size_t most) {
+  const Uri uri = DDSSEC_TRY(parse_uri(text));
+  if (uri.scheme == Scheme::file) return load_file(std::string(uri.rest), most);
+  if (uri.rest.empty()) return fail(Code::item_empty);
+  if (uri.rest.size() > most) return std::unexpected(too_large(most, uri.rest.size()));
+  return to_bytes(as_bytes(uri.rest));
+}
+
+}  // namespace
+
+Result<Bytes> load(std::string_view uri, std::string_view property, std::size_t most) {
+  auto octets = load_unnamed(uri, most);
+  if (octets) return octets;
+  return std::unexpected(octets.error().in(std::string(property)));
+}
+
+Result<Bytes> load_secret_octets(std::string_view uri, std::string_view property,
+                                 std::size_t most) {
+  auto octets = load(uri, property, most);
+  // A secret pasted without "data:," must not reach a log.
+  if (octets || octets.error().code() != Code::unsupported_uri) return octets;
+  return fail(Code::unsupported_uri, {.document = std::string(property),
+                                      .expected = "file:PATH or data:,TEXT",
+                                      .found = "neither"});
+}
+
+bool readable_by_others(std::string_view text) {
+  const auto uri = parse_uri(text);
+  if (!uri || uri->scheme != Scheme::file) return false;
+  struct stat status {};
+  return ::stat(std::string(uri->rest).c_str(), &status) == 0 &&
+         (status.st_mode & (S_IRGRP | S_IROTH)) != 0;
+}
+
+}  // namespace ddssec
