@@ -64,6 +64,11 @@ Result<ParticipantCiphers> participant_ciphers(const spi::PropertyList& properti
   return ParticipantCiphers{asked.value_or(message), endpoint};
 }
 
+Result<Cipher> pre_shared_cipher(const spi::PropertyList& properties) {
+  const auto asked = DDSSEC_TRY(cipher_by_name(properties, spi::property::kPskCipher));
+  return asked.value_or(Cipher::aes256_gcm);
+}
+
 Status check_peer(Cipher cipher, spi::CipherMask peer) {
   if ((peer & bit_of(cipher)) != 0) return {};
   return fail(Code::cipher_not_understood_by_peer, {.field = "symmetric cipher",

@@ -25,6 +25,9 @@ struct ParticipantCiphers {
 };
 Result<ParticipantCiphers> participant_ciphers(const spi::PropertyList& properties);
 
+/// The cipher of a domain's pre-shared keys; AES-256 unless asked for. Errors: invalid_property.
+Result<Cipher> pre_shared_cipher(const spi::PropertyList& properties);
+
 /// Does a peer with these understand what we would send? Error: cipher_not_understood_by_peer.
 Status check_peer(Cipher cipher, spi::CipherMask peer);
 

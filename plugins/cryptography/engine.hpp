@@ -85,6 +85,8 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   Result<spi::SymmetricCipherInfo> cipher_info(spi::ParticipantCryptoHandle local) override;
   Result<spi::CipherMask> required_ciphers(spi::DatawriterCryptoHandle local) override;
   Result<spi::CipherMask> required_ciphers(spi::DatareaderCryptoHandle local) override;
+  Result<std::unique_ptr<spi::PreSharedKeys>> pre_shared_keys(
+      const spi::PreSharedKeyRequest& request) override;
   Status unregister_participant(spi::ParticipantCryptoHandle participant) override;
   Status unregister_datawriter(spi::DatawriterCryptoHandle datawriter) override;
   Status unregister_datareader(spi::DatareaderCryptoHandle datareader) override;

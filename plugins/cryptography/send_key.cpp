@@ -29,7 +29,7 @@ std::uint64_t blocks(std::size_t size) { return size / 16 + 2; }
 
 Result<std::unique_ptr<SendKey>> SendKey::create(KeyMaterial material, SendStart start,
                                                  const KeyEnvironment& environment) {
-  const auto traits = traits_of(material.kind);
+  const auto traits = traits_of_algorithm(material.kind);
   if (!traits) return fail(Code::internal);
   std::unique_ptr<SendKey> key(new SendKey(std::move(material), *traits, start, environment));
   key->current_.replace(DDSSEC_TRY(key->session(0)), environment.graveyard);

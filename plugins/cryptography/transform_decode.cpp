@@ -2,6 +2,7 @@
 #include <array>
 
 #include "plugins/cryptography/engine.hpp"
+#include "plugins/cryptography/message.hpp"
 
 namespace ddssec::cryptography {
 namespace {
@@ -142,6 +143,26 @@ const RouteTable::Row* choose(std::span<const RouteTable::Row> rows, std::int64_
 
 }  // namespace
 
+Result<std::size_t> open_message(BytesView encoded, Frame frame, ReceiveKey& key, MutableBytes out,
+                                 bool prefix_is_network_order) {
+  if (encoded.size() < kRtpsHeaderSize || as_text(encoded.first(4)) != "RTPS")
+    return fail(Code::secure_group_malformed);
+  const auto message = DDSSEC_TRY(read_protected_group(encoded.subspan(kRtpsHeaderSize), frame));
+  if (out.size() < kRtpsHeaderSize) return fail(Code::length_out_of_range);
+  const auto content = out.subspan(kRtpsHeaderSize);
+  const auto size = DDSSEC_TRY(open(message, key, content));
+  const auto source = source_of(encoded, prefix_is_network_order);
+  if (auto status = check_source(content.first(size), source); !status) {
+    wipe(content.first(size));
+    return std::unexpected(std::move(status).error());
+  }
+  // INFO_SRC stays first, and the header says what it says, in network order.
+  Pen pen(out);
+  pen.put(encoded.first(4));
+  pen.put(source);
+  return kRtpsHeaderSize + size;
+}
+
 Result<std::size_t> Transform::decode_serialized_payload(spi::DatareaderCryptoHandle receiver,
                                                          spi::DatawriterCryptoHandle sender,
                                                          BytesView encoded, MutableBytes out) {
@@ -175,23 +196,7 @@ Result<std::size_t> Transform::decode_rtps_message(spi::ParticipantCryptoHandle 
   if (pair == nullptr) return fail(Code::crypto_not_matched);
   if (!is_protected(local.rtps)) return fail(Code::not_protected);
   auto& key = *DDSSEC_TRY(received(pair->remote_keys, &RemoteKeys::submessage));
-  if (encoded.size() < kRtpsHeaderSize || as_text(encoded.first(4)) != "RTPS")
-    return fail(Code::secure_group_malformed);
-  const auto message =
-      DDSSEC_TRY(read_protected_group(encoded.subspan(kRtpsHeaderSize), kMessageFrame));
-  if (out.size() < kRtpsHeaderSize) return fail(Code::length_out_of_range);
-  const auto content = out.subspan(kRtpsHeaderSize);
-  const auto size = DDSSEC_TRY(open(message, key, content));
-  const auto source = source_of(encoded, shared_.header_prefix_is_network_order);
-  if (auto status = check_source(content.first(size), source); !status) {
-    wipe(content.first(size));
-    return std::unexpected(std::move(status).error());
-  }
-  // INFO_SRC stays first, and the header says what it says, in network order.
-  Pen pen(out);
-  pen.put(encoded.first(4));
-  pen.put(source);
-  return kRtpsHeaderSize + size;
+  return open_message(encoded, kMessageFrame, key, out, shared_.header_prefix_is_network_order);
 }
 
 Result<spi::SecureSubmessage> Transform::preprocess_secure_submessage(

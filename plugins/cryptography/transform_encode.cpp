@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "plugins/cryptography/engine.hpp"
+#include "plugins/cryptography/message.hpp"
 
 namespace ddssec::cryptography {
 namespace {
@@ -66,7 +67,7 @@ Result<std::size_t> encode_group(const GroupRequest& request, SendKey& key, Muta
   if (out.size() < encoded_size(request, encrypts)) return fail(Code::length_out_of_range);
   const auto reserved = DDSSEC_TRY(key.reserve(request.size()));
   Pen pen(out);
-  pen.submessage_header(request.frame.prefix, kCryptoHeaderSize);
+  pen.submessage_header(request.frame.prefix, kCryptoHeaderSize, request.frame.prefix_flags);
   pen.crypto_header(key.material().kind, key.material().sender_key_id, reserved.iv);
   if (encrypts) {
     pen.submessage_header(submessage_id::kSecBody, 4 + padded(request.size()));
@@ -159,9 +160,11 @@ Result<std::size_t> encode_submessage(const Shared& shared, Local handle,
 }
 
 /// The RTPS message as what stands between its header and SRTPS_POSTFIX.
-Result<GroupRequest> message_request(BytesView plain, bool encrypts) {
+Result<GroupRequest> message_request(BytesView plain, Frame frame, bool encrypts) {
+  if (plain.size() < kRtpsHeaderSize || as_text(plain.first(4)) != "RTPS")
+    return fail(Code::plaintext_malformed);
   const auto body = plain.subspan(kRtpsHeaderSize);
-  GroupRequest request{kMessageFrame, plain.subspan(4, 16), body, std::nullopt, 0};
+  GroupRequest request{frame, plain.subspan(4, 16), body, std::nullopt, 0};
   if (!encrypts)
     request.open_length = DDSSEC_TRY(check_submessages(body));
   else if (body.empty() || 4 + padded(request.size()) > kMostSubmessageContent)
@@ -169,7 +172,24 @@ Result<GroupRequest> message_request(BytesView plain, bool encrypts) {
   return request;
 }
 
+/// The header as it is, then the group.
+template <class Receiver>
+Result<std::size_t> seal_message(BytesView plain, const GroupRequest& request, SendKey& key,
+                                 MutableBytes out, Receiver&& receiver) {
+  if (out.size() < kRtpsHeaderSize) return fail(Code::length_out_of_range);
+  const auto written =
+      DDSSEC_TRY(encode_group(request, key, out.subspan(kRtpsHeaderSize), receiver));
+  Pen(out).put(plain.first(kRtpsHeaderSize));
+  return kRtpsHeaderSize + written;
+}
+
 }  // namespace
+
+Result<std::size_t> seal_message(BytesView plain, Frame frame, SendKey& key, MutableBytes out) {
+  const auto request = DDSSEC_TRY(message_request(plain, frame, key.traits().encrypts));
+  return seal_message(plain, request, key, out,
+                      [](std::size_t) -> Result<ReceiverKey*> { return fail(Code::internal); });
+}
 
 Result<std::size_t> Transform::encode_serialized_payload(spi::DatawriterCryptoHandle sender,
                                                          BytesView plain, MutableBytes out) {
@@ -213,22 +233,17 @@ Result<std::size_t> Transform::encode_rtps_message(
   const ReadGuard guard;
   const auto& participant = *DDSSEC_TRY(shared_.local_participant(sender));
   if (!participant.key) return fail(Code::not_protected);
-  if (plain.size() < kRtpsHeaderSize || as_text(plain.first(4)) != "RTPS")
-    return fail(Code::plaintext_malformed);
   DDSSEC_TRY(check_receivers(participant.rtps, receivers.size()));
-  auto request = DDSSEC_TRY(message_request(plain, participant.key->traits().encrypts));
+  auto request =
+      DDSSEC_TRY(message_request(plain, kMessageFrame, participant.key->traits().encrypts));
   if (is_origin_authenticated(participant.rtps)) request.receivers = receivers.size();
-  if (out.size() < kRtpsHeaderSize) return fail(Code::length_out_of_range);
-  const auto written = DDSSEC_TRY(
-      encode_group(request, *participant.key, out.subspan(kRtpsHeaderSize),
-                   [&](std::size_t i) -> Result<ReceiverKey*> {
-                     const auto* const pair =
-                         DDSSEC_TRY(shared_.remote_participant(receivers[i]))->pair(sender.value);
-                     if (pair == nullptr) return fail(Code::crypto_not_matched);
-                     return pair->receiver_key.get();
-                   }));
-  Pen(out).put(plain.first(kRtpsHeaderSize));
-  return kRtpsHeaderSize + written;
+  return seal_message(
+      plain, request, *participant.key, out, [&](std::size_t i) -> Result<ReceiverKey*> {
+        const auto* const pair =
+            DDSSEC_TRY(shared_.remote_participant(receivers[i]))->pair(sender.value);
+        if (pair == nullptr) return fail(Code::crypto_not_matched);
+        return pair->receiver_key.get();
+      });
 }
 
 }  // namespace ddssec::cryptography

@@ -27,9 +27,10 @@ CryptoHeader crypto_header_at(BytesView octets) {
   return header;
 }
 
-/// GCM or GMAC; the only thing needed to find one's way through the octets.
-Result<bool> encrypts(const CryptoHeader& header) {
-  const auto traits = traits_of(header.kind);
+/// GCM or GMAC; the only thing needed to find one's way through the octets. The key revision of
+/// pre-shared keys is part of their passphrase's id.
+Result<bool> encrypts(const CryptoHeader& header, bool with_revision = false) {
+  const auto traits = with_revision ? traits_of_algorithm(header.kind) : traits_of(header.kind);
   if (!traits) return fail(Code::crypto_header_kind_unknown);
   return traits->encrypts;
 }
@@ -52,8 +53,8 @@ Result<BytesView> content_from(BytesView body) {
 }
 
 /// Bits of the flags other than E change the meaning in later versions (P and A of SRTPS_PREFIX).
-Status check_flags(const SubmessageHeader& header) {
-  if ((header.flags & ~kEndianFlag) != 0) return fail(Code::secure_flags_unsupported);
+Status check_flags(const SubmessageHeader& header, std::uint8_t due = 0) {
+  if ((header.flags & ~kEndianFlag) != due) return fail(Code::secure_flags_unsupported);
   return {};
 }
 
@@ -129,7 +130,7 @@ Result<CryptoHeader> read_prefix(BytesView encoded, Frame frame) {
   const auto header = read_submessage_header(encoded);
   if (header.id != frame.prefix || header.length != kCryptoHeaderSize)
     return fail(Code::secure_group_malformed);
-  DDSSEC_TRY(check_flags(header));
+  DDSSEC_TRY(check_flags(header, frame.prefix_flags));
   return crypto_header_at(encoded.subspan(kSubmessageHeaderSize));
 }
 
@@ -138,7 +139,7 @@ Result<Protected> read_protected_group(BytesView encoded, Frame frame) {
                 .is_encrypted = false,
                 .content = {},
                 .footer = {}};
-  out.is_encrypted = DDSSEC_TRY(encrypts(out.header));
+  out.is_encrypted = DDSSEC_TRY(encrypts(out.header, frame.prefix_flags == kPreSharedKeyFlag));
   const auto rest = encoded.subspan(kSubmessageHeaderSize + kCryptoHeaderSize);
   const auto postfix = DDSSEC_TRY(find_postfix(rest, frame));
   out.footer = DDSSEC_TRY(postfix_from(rest.subspan(postfix), frame));

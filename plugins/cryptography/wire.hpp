@@ -39,13 +39,19 @@ inline constexpr std::uint8_t kAckNack = 0x06, kHeartbeat = 0x07, kGap = 0x08,
 /// E of a submessage's flags.
 inline constexpr std::uint8_t kEndianFlag = 0x01;
 
+/// P of SRTPS_PREFIX: by a pre-shared key (DDS-Security 1.2 7.4.7.8).
+inline constexpr std::uint8_t kPreSharedKeyFlag = 0x04;
+
 /// The ids of a prefix and its postfix.
 struct Frame {
   std::uint8_t prefix;
   std::uint8_t postfix;
+  std::uint8_t prefix_flags = 0;  ///< besides E
 };
 inline constexpr Frame kSubmessageFrame{submessage_id::kSecPrefix, submessage_id::kSecPostfix};
 inline constexpr Frame kMessageFrame{submessage_id::kSrtpsPrefix, submessage_id::kSrtpsPostfix};
+inline constexpr Frame kPreSharedKeyFrame{submessage_id::kSrtpsPrefix, submessage_id::kSrtpsPostfix,
+                                          kPreSharedKeyFlag};
 
 /// CryptoHeader.
 struct CryptoHeader {
@@ -124,8 +130,9 @@ class Pen {
     put(iv);
   }
   /// Little endian: E flag 1.
-  void submessage_header(std::uint8_t id, std::size_t length) {
-    u32(static_cast<std::uint32_t>(id) << 24 | kEndianFlag << 16 |
+  void submessage_header(std::uint8_t id, std::size_t length, std::uint8_t flags = 0) {
+    u32(static_cast<std::uint32_t>(id) << 24 |
+        static_cast<std::uint32_t>(flags | kEndianFlag) << 16 |
         std::byteswap(static_cast<std::uint16_t>(length)));
   }
   void zeros(std::size_t count) { std::fill_n(skip(count), count, std::uint8_t{0}); }

@@ -18,7 +18,8 @@ std::uint32_t plugin_mask(const ParticipantSecurityAttributes& a) {
   return bit(is_encrypted(a.rtps), 0) | bit(is_encrypted(a.discovery), 1) |
          bit(is_encrypted(a.liveliness), 2) | bit(is_origin_authenticated(a.rtps), 3) |
          bit(is_origin_authenticated(a.discovery), 4) |
-         bit(is_origin_authenticated(a.liveliness), 5) | kMaskIsValid;
+         bit(is_origin_authenticated(a.liveliness), 5) | bit(is_encrypted(a.rtps_psk), 6) |
+         kMaskIsValid;
 }
 
 // DDS-Security 9.4.2.5 and 9.4.2.6
@@ -29,7 +30,8 @@ std::uint32_t plugin_mask(const EndpointSecurityAttributes& a) {
 
 SecurityInfo security_info(const ParticipantSecurityAttributes& a) {
   return {.mask = bit(a.is_rtps_protected(), 0) | bit(a.is_discovery_protected(), 1) |
-                  bit(a.is_liveliness_protected(), 2) | kMaskIsValid,
+                  bit(a.is_liveliness_protected(), 2) | bit(is_protected(a.rtps_psk), 4) |
+                  kMaskIsValid,
           .plugin_mask = plugin_mask(a)};
 }
 

@@ -25,6 +25,9 @@ struct ParticipantSecurityAttributes {
   ProtectionKind rtps = ProtectionKind::none;
   ProtectionKind discovery = ProtectionKind::none;
   ProtectionKind liveliness = ProtectionKind::none;
+  /// By a pre-shared key, of messages that are not protected otherwise (DDS-Security 1.2); none,
+  /// sign or encrypt.
+  ProtectionKind rtps_psk = ProtectionKind::none;
   /// <allowed_crypto_algorithms> (DDS-Security 1.2); all without one.
   CipherMask allowed_ciphers = kAllCiphers;
   bool operator==(const ParticipantSecurityAttributes&) const = default;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "base/result.hpp"
 #include "plugins/spi/attributes.hpp"
 #include "plugins/spi/handles.hpp"
+#include "plugins/spi/pre_shared_key.hpp"
 #include "plugins/spi/shared_secret.hpp"
 #include "plugins/spi/token.hpp"
 
@@ -47,6 +49,11 @@ class CryptoKeyFactory {
   /// The cipher of a local endpoint's keys.
   virtual Result<CipherMask> required_ciphers(DatawriterCryptoHandle local) = 0;
   virtual Result<CipherMask> required_ciphers(DatareaderCryptoHandle local) = 0;
+
+  /// Reads the passphrases that the properties name, once; the keys die before the factory. Errors:
+  /// missing_property, invalid_property, those of load(), cipher_not_allowed, not_protected.
+  virtual Result<std::unique_ptr<PreSharedKeys>> pre_shared_keys(
+      const PreSharedKeyRequest& request) = 0;
 
   virtual Status unregister_participant(ParticipantCryptoHandle participant) = 0;
   virtual Status unregister_datawriter(DatawriterCryptoHandle datawriter) = 0;

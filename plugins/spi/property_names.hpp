@@ -29,6 +29,12 @@ inline constexpr std::string_view kSymmetricCipher = "dds.sec.crypto.symmetric_c
 /// Ours: of a participant's protected messages and builtin endpoints; AES unless asked for.
 inline constexpr std::string_view kMessageCipher =
     "org.ddssec.crypto.message_symmetric_cipher_algorithm";
+// DDS-Security 1.2 10.5.1: of a domain's pre-shared keys. ID:PASSPHRASE, by file: or data:.
+inline constexpr std::string_view kPskPassphrase = "dds.sec.crypto.rtps_psk_secret_passphrase";
+/// A line each: accepted besides, while passphrases are changed.
+inline constexpr std::string_view kPskExtraPassphrases =
+    "dds.sec.crypto.rtps_psk_secret_passphrase_extra";
+inline constexpr std::string_view kPskCipher = "dds.sec.crypto.rtps_psk_symmetric_cipher_algorithm";
 inline constexpr std::string_view kBuiltinEndpointName = "dds.sec.builtin_endpoint_name";
 
 }  // namespace ddssec::spi::property

@@ -108,6 +108,8 @@ class MockCryptography : public spi::Cryptography,
   MOCK_METHOD(Result<spi::SymmetricCipherInfo>, cipher_info, (Participant), (override));
   MOCK_METHOD(Result<spi::CipherMask>, required_ciphers, (Datawriter), (override));
   MOCK_METHOD(Result<spi::CipherMask>, required_ciphers, (Datareader), (override));
+  MOCK_METHOD(Result<std::unique_ptr<spi::PreSharedKeys>>, pre_shared_keys,
+              (const spi::PreSharedKeyRequest&), (override));
   MOCK_METHOD(Status, unregister_participant, (Participant), (override));
   MOCK_METHOD(Status, unregister_datawriter, (Datawriter), (override));
   MOCK_METHOD(Status, unregister_datareader, (Datareader), (override));

@@ -31,6 +31,11 @@ TEST(SecurityInfo, ParticipantMasksAsTheStandardNumbersThem) {
                                           .discovery = encrypt,
                                           .liveliness = sign_with_origin_authentication};
   EXPECT_EQ(security_info(all), (SecurityInfo{0x80000007u, 0x8000002bu}));
+  const auto psk = [](ProtectionKind kind) {
+    return security_info(ParticipantSecurityAttributes{.rtps_psk = kind});
+  };
+  EXPECT_EQ(psk(sign), (SecurityInfo{0x80000010u, 0x80000000u}));
+  EXPECT_EQ(psk(encrypt), (SecurityInfo{0x80000010u, 0x80000040u}));
 }
 
 TEST(SecurityInfo, EndpointMasksAsTheStandardNumbersThem) {

@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "plugins/cryptography/derivation.hpp"
+#include "plugins/cryptography/pre_shared_key.hpp"
+#include "plugins/spi/property_names.hpp"
 #include "tests/support/test_data.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
 
@@ -307,7 +309,64 @@ TEST_P(KatTransform, VolatileSubmessage) {
   EXPECT_EQ(to_hex(*decoded), to_hex(plain));
 }
 
-/// Kinds with a key revision other than 0, as pre-shared keys have, and their flags are not ours.
+Passphrase passphrase_of(const Json& entry) {
+  return {entry["passphrase_id"].get<std::uint32_t>(),
+          Passphrase::Text::copy_of(as_bytes(entry["passphrase"].get<std::string>())).value()};
+}
+
+/// The example of DDS-Security 1.2 10.5.2.1.3.
+TEST(Kat, PreSharedKeyExample) {
+  const auto& entry = kat()["psk_spec_example"];
+  const auto passphrase = passphrase_of(entry);
+  const auto key_id = pre_shared_key_id(passphrase.id, entry["domain_id"].get<DomainId>(),
+                                        entry["domain_tag"].get<std::string>());
+  EXPECT_EQ(key_id.to_string(), entry["sender_key_id"].get<std::string>());
+  const auto kind = pre_shared_kind(kAes256Gcm, passphrase.id);
+  EXPECT_EQ(kind.to_string(), entry["key_revision"].get<std::string>() + "04");
+  const auto header =
+      hex(entry["protocol_version"].get<std::string>() + entry["vendor_id"].get<std::string>() +
+          entry["guid_prefix"].get<std::string>());
+  MessageSource source;
+  std::ranges::copy(header, source.begin());
+  const auto material = derive_pre_shared_material(passphrase, kind, key_id, source);
+  EXPECT_EQ(hex_of(material.salt), entry["spec_master_salt"].get<std::string>());
+  EXPECT_EQ(hex_of(material.sender_key), entry["spec_master_sender_key"].get<std::string>());
+  const auto half =
+      derive_pre_shared_material(passphrase, pre_shared_kind(kAes128Gcm, 0), key_id, source);
+  EXPECT_EQ(hex_of(half.sender_key), hex_of(material.sender_key).substr(0, 32));
+}
+
+/// Additional authenticated data (flag A) is not ours.
+TEST_P(KatTransform, PreSharedKeyMessages) {
+  for (const auto& entry : kat()["psk_messages"]) {
+    Scripted side(options());
+    side.random.start();
+    ParticipantSecurityAttributes attributes;
+    attributes.rtps_psk = protection(entry);
+    const PropertyList properties = {{std::string(spi::property::kPskPassphrase),
+                                      "data:," + std::to_string(entry["passphrase_id"].get<int>()) +
+                                          ":" + entry["passphrase"].get<std::string>()}};
+    auto keys = side.engine->key_factory()
+                    .pre_shared_keys({properties, attributes, entry["domain_id"].get<DomainId>(),
+                                      entry["domain_tag"].get<std::string>()})
+                    .value();
+    const auto plain = hex(entry["plain"]);
+    const auto expected = hex(entry["encoded"]);
+    const auto decoded =
+        into_bytes(expected.size(), [&](MutableBytes out) { return keys->decode(expected, out); });
+    if (entry["aad"].get<bool>()) {
+      EXPECT_EQ(decoded.error().code(), Code::secure_flags_unsupported);
+      continue;
+    }
+    EXPECT_EQ(to_hex(decoded.value()), to_hex(with_info_source(plain)));
+    const auto encoded = into_bytes(plain.size() + spi::protection_overhead(0),
+                                    [&](MutableBytes out) { return keys->encode(plain, out); });
+    EXPECT_EQ(to_hex(encoded.value()), to_hex(expected));
+  }
+}
+
+/// Kinds with a key revision other than 0, as pre-shared keys have, and their flags are not those
+/// of participants' keys.
 TEST_P(KatTransform, PreSharedKeyMessagesAreRefused) {
   TwoSides two(ProtectionKind::encrypt, {}, options());
   for (const auto& entry : kat()["psk_messages"])

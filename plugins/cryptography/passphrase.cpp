@@ -1,0 +1,110 @@
+#include "plugins/cryptography/passphrase.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include "base/source.hpp"
+#include "plugins/spi/property_names.hpp"
+
+namespace ddssec::cryptography {
+namespace {
+
+constexpr std::size_t kMostPassphraseOctets = Passphrase::Text::capacity;
+constexpr std::size_t kMostLineOctets = 10 + 1 + kMostPassphraseOctets + 2;
+using Lines = Secret<struct PassphraseLinesTag, kMostLineOctets*(kMostExtraPassphrases + 1)>;
+
+/// Where a passphrase stands. What it says is never part of an error.
+struct Place {
+  std::string_view property;
+  int line;
+
+  std::unexpected<Error> refuse(std::string expected, std::string found) const {
+    return fail(Code::invalid_property, {.document = std::string(property),
+                                         .line = line,
+                                         .expected = std::move(expected),
+                                         .found = std::move(found)});
+  }
+};
+
+bool is_printable(char c) { return c >= ' ' && c <= '~'; }
+
+Result<std::uint32_t> parse_id(std::string_view text, const Place& place) {
+  std::uint32_t id = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
+  if (error != std::errc() || end != text.data() + text.size())
+    return place.refuse("ID:PASSPHRASE with a decimal ID from 0 to 4294967294", "no such ID");
+  if ((id & 0xff) == 0xff)
+    return place.refuse("an ID that is not reserved",
+                        std::to_string(id) + ", whose last octet is 255");
+  return id;
+}
+
+Result<Passphrase> parse_line(std::string_view line, const Place& place) {
+  const auto colon = line.find(':');
+  if (colon == line.npos) return place.refuse("ID:PASSPHRASE", "no colon");
+  const auto id = DDSSEC_TRY(parse_id(line.substr(0, colon), place));
+  const auto text = line.substr(colon + 1);
+  if (text.empty() || text.size() > kMostPassphraseOctets)
+    return place.refuse("1 to " + std::to_string(kMostPassphraseOctets) + " characters",
+                        std::to_string(text.size()));
+  if (!std::ranges::all_of(text, is_printable) || text.front() == ' ' || text.back() == ' ')
+    return place.refuse("printable ASCII without a blank at either end", "something else");
+  return Passphrase{id, DDSSEC_TRY(Passphrase::Text::copy_of(as_bytes(text)))};
+}
+
+/// The same one twice does no harm: it may be both the one to send with and one that is accepted.
+Status add(Passphrase passphrase, const Place& place, std::vector<Passphrase>& out) {
+  const auto known = std::ranges::find(out, passphrase.id, &Passphrase::id);
+  if (known == out.end())
+    out.push_back(std::move(passphrase));
+  else if (known->text != passphrase.text)
+    return place.refuse("another ID for another passphrase", std::to_string(passphrase.id));
+  return {};
+}
+
+Status parse_lines(std::string_view text, std::string_view property, std::size_t most,
+                   std::vector<Passphrase>& out) {
+  constexpr std::string_view kEnds = "\r\n";
+  std::size_t found = 0;
+  for (int line = 1; !text.empty(); ++line) {
+    const auto size = std::min(text.find_first_of(kEnds), text.size());
+    const Place place{property, line};
+    if (size > 0) {
+      if (++found > most)
+        return place.refuse("at most " + std::to_string(most) + (most == 1 ? " line" : " lines"),
+                            "more");
+      DDSSEC_TRY(add(DDSSEC_TRY(parse_line(text.substr(0, size), place)), place, out));
+    }
+    const bool pair = text.substr(size).starts_with("\r\n");
+    text.remove_prefix(std::min(size + (pair ? 2 : 1), text.size()));
+  }
+  if (found == 0) return Place{property, 0}.refuse("ID:PASSPHRASE", "nothing");
+  return {};
+}
+
+Status load(std::string_view uri, std::string_view property, std::size_t most, EventSink& events,
+            std::vector<Passphrase>& out) {
+  if (readable_by_others(uri))
+    events.raise(Event(Error(Code::psk_passphrase_exposed,
+                             {.document = std::string(property), .found = std::string(uri)})));
+  const auto lines = DDSSEC_TRY(load_secret<Lines>(uri, property));
+  return lines.expose(
+      [&](BytesView octets) { return parse_lines(as_text(octets), property, most, out); });
+}
+
+}  // namespace
+
+Result<std::vector<Passphrase>> load_passphrases(const spi::PropertyList& properties,
+                                                 EventSink& events) {
+  namespace property = spi::property;
+  std::vector<Passphrase> out;
+  const auto* const own = spi::find_property(properties, property::kPskPassphrase);
+  DDSSEC_TRY(
+      load(own == nullptr ? std::string_view() : *own, property::kPskPassphrase, 1, events, out));
+  const auto* const extra = spi::find_property(properties, property::kPskExtraPassphrases);
+  if (extra != nullptr && !extra->empty())
+    DDSSEC_TRY(load(*extra, property::kPskExtraPassphrases, kMostExtraPassphrases, events, out));
+  return out;
+}
+
+}  // namespace ddssec::cryptography

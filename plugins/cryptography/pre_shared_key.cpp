@@ -1,0 +1,178 @@
+#include "plugins/cryptography/pre_shared_key.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+
+#include "base/hash.hpp"
+#include "plugins/cryptography/cipher_choice.hpp"
+#include "plugins/cryptography/engine.hpp"
+#include "plugins/spi/property_names.hpp"
+
+namespace ddssec::cryptography {
+namespace {
+
+/// Extract and one block of expand (RFC 5869), with the sender as the salt.
+template <class Key>
+Key derive(std::string_view label, std::string_view info, const Passphrase& passphrase,
+           BytesView context, std::size_t size) {
+  Bytes salt = to_bytes(as_bytes(label));
+  salt.insert(salt.end(), context.begin(), context.end());
+  auto extracted =
+      passphrase.text.expose([&](BytesView text) { return hmac_sha256(salt, {text}); });
+  constexpr std::uint8_t kFirstBlock[] = {1};
+  auto expanded = hmac_sha256(extracted, {as_bytes(info), kFirstBlock});
+  auto key = Key::copy_of(BytesView(expanded).first(size));
+  wipe(extracted);
+  wipe(expanded);
+  return std::move(*key);
+}
+
+MessageSource source_of(BytesView message) {
+  MessageSource source;
+  std::ranges::copy(message.subspan(4, source.size()), source.begin());
+  return source;
+}
+
+bool is_message(BytesView octets) {
+  return octets.size() >= kRtpsHeaderSize && as_text(octets.first(4)) == "RTPS";
+}
+
+template <class T>
+Result<T> random_number(Random& random) {
+  std::array<std::uint8_t, sizeof(T)> octets;
+  DDSSEC_TRY(random.fill(octets));
+  T value;
+  std::memcpy(&value, octets.data(), sizeof value);
+  return value;
+}
+
+}  // namespace
+
+KeyId pre_shared_key_id(std::uint32_t passphrase_id, DomainId domain_id,
+                        std::string_view domain_tag) {
+  const auto domain = std::to_string(domain_id);
+  const auto digest = sha256(
+      {as_bytes("DomainId="), as_bytes(domain), as_bytes(";DomainTag="), as_bytes(domain_tag)});
+  return {{digest[0], digest[1], digest[2], static_cast<std::uint8_t>(passphrase_id)}};
+}
+
+TransformKind pre_shared_kind(TransformKind algorithm, std::uint32_t passphrase_id) {
+  const auto octet = [&](unsigned shift) {
+    return static_cast<std::uint8_t>(passphrase_id >> shift);
+  };
+  return {{octet(24), octet(16), octet(8), algorithm.octets[3]}};
+}
+
+KeyMaterial derive_pre_shared_material(const Passphrase& passphrase, TransformKind kind,
+                                       KeyId key_id, const MessageSource& source) {
+  Bytes context = to_bytes(key_id.view());
+  for (const auto part : {as_bytes("RTPS"), BytesView(source)})
+    context.insert(context.end(), part.begin(), part.end());
+  const auto size = traits_of_algorithm(kind)->key_size();
+  KeyMaterial material{.kind = kind};
+  material.sender_key_id = key_id;
+  material.salt =
+      derive<MasterSalt>("PSK-SALT", "master salt derivation", passphrase, context, size);
+  material.sender_key =
+      derive<MasterKey>("PSK-SKEY", "master sender key derivation", passphrase, context, size);
+  return material;
+}
+
+PreSharedKeyRing::PreSharedKeyRing(std::vector<Passphrase> passphrases, const Domain& domain,
+                                   const KeyEnvironment& environment, Random& random)
+    : environment_(environment), random_(random) {
+  for (auto& passphrase : passphrases) {
+    const auto kind = pre_shared_kind(domain.algorithm, passphrase.id);
+    const auto key_id = pre_shared_key_id(passphrase.id, domain.id, domain.tag);
+    entries_.push_back({std::move(passphrase), kind, key_id});
+  }
+}
+
+// A participant has one name for all its life. Who bears the same one later, after a restart, has
+// the same master key: random starts keep its IVs apart.
+Result<SendKey*> PreSharedKeyRing::send_key(const MessageSource& source) {
+  if (send_ && source == own_) return send_.get();
+  const auto& entry = entries_.front();
+  const SendStart start{DDSSEC_TRY(random_number<std::uint32_t>(random_)),
+                        DDSSEC_TRY(random_number<std::uint64_t>(random_))};
+  send_ = DDSSEC_TRY(SendKey::create(
+      derive_pre_shared_material(entry.passphrase, entry.kind, entry.key_id, source), start,
+      environment_));
+  own_ = source;
+  return send_.get();
+}
+
+Result<std::size_t> PreSharedKeyRing::encode(BytesView plain, MutableBytes out) {
+  if (!is_message(plain)) return fail(Code::plaintext_malformed);
+  auto* const key = DDSSEC_TRY(send_key(source_of(plain)));
+  const ReadGuard guard;
+  return seal_message(plain, kPreSharedKeyFrame, *key, out);
+}
+
+// The key revision is part of the passphrase's id: the rest of the kind is judged with the key.
+Result<const PreSharedKeyRing::Entry*> PreSharedKeyRing::entry_of(BytesView encoded) const {
+  if (!is_message(encoded)) return fail(Code::secure_group_malformed);
+  const auto header = DDSSEC_TRY(read_prefix(encoded.subspan(kRtpsHeaderSize), kPreSharedKeyFrame));
+  const auto revision = BytesView(header.kind.octets).first(3);
+  const auto at = std::ranges::find_if(entries_, [&](const Entry& entry) {
+    return entry.key_id == header.key_id &&
+           std::ranges::equal(revision, BytesView(entry.kind.octets).first(3));
+  });
+  if (at != entries_.end()) return &*at;
+  const auto& octets = header.kind.octets;
+  const auto id = std::uint32_t{octets[0]} << 24 | std::uint32_t{octets[1]} << 16 |
+                  std::uint32_t{octets[2]} << 8 | header.key_id.octets[3];
+  return fail(Code::psk_passphrase_unknown,
+              {.field = "pre-shared key of passphrase " + std::to_string(id),
+               .expected = entries_.front().key_id.to_string(),
+               .found = header.key_id.to_string()});
+}
+
+bool PreSharedKeyRing::remembers(BytesView encoded) const {
+  const auto entry = entry_of(encoded);
+  return entry && senders_.contains({source_of(encoded), (*entry)->passphrase.id});
+}
+
+Result<std::size_t> PreSharedKeyRing::decode(BytesView encoded, MutableBytes out) {
+  const auto& entry = *DDSSEC_TRY(entry_of(encoded));
+  const SenderId id{source_of(encoded), entry.passphrase.id};
+  const ReadGuard guard;
+  const auto known = senders_.find(id);
+  if (known == senders_.end()) return open_first(id, entry, encoded, out);
+  known->second.last_used = ++time_;
+  return open_message(encoded, kPreSharedKeyFrame, *known->second.key, out);
+}
+
+Result<std::size_t> PreSharedKeyRing::open_first(const SenderId& id, const Entry& entry,
+                                                 BytesView encoded, MutableBytes out) {
+  auto key = std::make_unique<ReceiveKey>(
+      derive_pre_shared_material(entry.passphrase, entry.kind, entry.key_id, id.source),
+      *traits_of_algorithm(entry.kind), environment_);
+  const auto size = DDSSEC_TRY(open_message(encoded, kPreSharedKeyFrame, *key, out));
+  remember(id, std::move(key));
+  return size;
+}
+
+void PreSharedKeyRing::remember(const SenderId& id, std::unique_ptr<ReceiveKey> key) {
+  if (senders_.size() >= kMostSenders)
+    senders_.erase(std::ranges::min_element(
+        senders_, {}, [](const auto& entry) { return entry.second.last_used; }));
+  senders_.emplace(id, Sender{std::move(key), ++time_});
+}
+
+Result<std::unique_ptr<spi::PreSharedKeys>> KeyFactory::pre_shared_keys(
+    const spi::PreSharedKeyRequest& request) {
+  const auto kind = request.attributes.rtps_psk;
+  if (!is_protected(kind)) return fail(Code::not_protected);
+  const auto cipher = DDSSEC_TRY(pre_shared_cipher(request.properties));
+  DDSSEC_TRY(check_cipher(cipher, request.attributes.allowed_ciphers));
+  auto passphrases = DDSSEC_TRY(load_passphrases(request.properties, shared_.environment.events));
+  return std::make_unique<PreSharedKeyRing>(
+      std::move(passphrases),
+      PreSharedKeyRing::Domain{request.domain_id, request.domain_tag,
+                               kind_for(cipher, is_encrypted(kind))},
+      shared_.keys, shared_.environment.random);
+}
+
+}  // namespace ddssec::cryptography

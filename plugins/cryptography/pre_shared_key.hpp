@@ -1,0 +1,83 @@
+// Messages protected by a key that a whole domain shares (DDS-Security 1.2 10.5.2.1.3).
+#pragma once
+
+#include <array>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "plugins/cryptography/message.hpp"
+#include "plugins/cryptography/passphrase.hpp"
+#include "plugins/spi/pre_shared_key.hpp"
+
+namespace ddssec::cryptography {
+
+/// Version, vendor and GUID prefix, as they stand in an RTPS header.
+using MessageSource = std::array<std::uint8_t, 16>;
+
+/// SenderKeyId: three octets that depend on the domain, and the low octet of the passphrase's id.
+KeyId pre_shared_key_id(std::uint32_t passphrase_id, DomainId domain_id,
+                        std::string_view domain_tag);
+
+/// `algorithm` with the other three octets of the passphrase's id as its key revision.
+TransformKind pre_shared_kind(TransformKind algorithm, std::uint32_t passphrase_id);
+
+/// The keys of one sender. `kind` and `key_id` as above.
+KeyMaterial derive_pre_shared_material(const Passphrase& passphrase, TransformKind kind,
+                                       KeyId key_id, const MessageSource& source);
+
+/// What senders' keys are derived from, and those that were. A sender's keys are remembered once a
+/// tag under them was right: who does not know a passphrase takes nobody's place.
+class PreSharedKeyRing final : public spi::PreSharedKeys {
+ public:
+  static constexpr std::size_t kMostSenders = 1024;
+
+  struct Domain {
+    DomainId id;
+    std::string_view tag;
+    TransformKind algorithm;
+  };
+  /// `passphrases`: at least one, the first to send with. `environment` and `random` outlive it.
+  PreSharedKeyRing(std::vector<Passphrase> passphrases, const Domain& domain,
+                   const KeyEnvironment& environment, Random& random);
+
+  Result<std::size_t> encode(BytesView plain, MutableBytes out) override;
+  bool remembers(BytesView encoded) const override;
+  Result<std::size_t> decode(BytesView encoded, MutableBytes out) override;
+  /// Senders that are remembered.
+  std::size_t senders() const { return senders_.size(); }
+
+ private:
+  struct Entry {
+    Passphrase passphrase;
+    TransformKind kind;
+    KeyId key_id;
+  };
+  /// A sender under one passphrase.
+  struct SenderId {
+    MessageSource source;
+    std::uint32_t passphrase_id;
+    auto operator<=>(const SenderId&) const = default;
+  };
+  struct Sender {
+    std::unique_ptr<ReceiveKey> key;
+    std::uint64_t last_used;
+  };
+
+  Result<SendKey*> send_key(const MessageSource& source);
+  Result<const Entry*> entry_of(BytesView encoded) const;
+  Result<std::size_t> open_first(const SenderId& id, const Entry& entry, BytesView encoded,
+                                 MutableBytes out);
+  void remember(const SenderId& id, std::unique_ptr<ReceiveKey> key);
+
+  std::vector<Entry> entries_;
+  const KeyEnvironment& environment_;
+  Random& random_;
+  MessageSource own_{};
+  std::unique_ptr<SendKey> send_;
+  std::map<SenderId, Sender> senders_;
+  std::uint64_t time_ = 0;
+};
+
+}  // namespace ddssec::cryptography

@@ -1,0 +1,335 @@
+// Messages under a domain's pre-shared key: who can open them, and who cannot.
+#include "plugins/cryptography/pre_shared_key.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <gtest/gtest.h>
+
+#include "plugins/spi/property_names.hpp"
+#include "tests/unit/cryptography/two_sides.hpp"
+
+namespace ddssec::cryptography::testing {
+namespace {
+
+namespace property = spi::property;
+constexpr auto kEncrypt = ProtectionKind::encrypt;
+constexpr auto kSign = ProtectionKind::sign;
+
+template <class T>
+Code code_of(const Result<T>& result) {
+  return result ? Code{0} : result.error().code();
+}
+
+PropertyList passphrase(std::string_view text, std::string_view extra = {},
+                        std::string_view cipher = {}) {
+  PropertyList out = {{std::string(property::kPskPassphrase), "data:," + std::string(text)}};
+  if (!extra.empty())
+    out.push_back({std::string(property::kPskExtraPassphrases), "data:," + std::string(extra)});
+  if (!cipher.empty()) out.push_back({std::string(property::kPskCipher), std::string(cipher)});
+  return out;
+}
+
+/// One participant's keys, in an engine of its own.
+struct Member {
+  explicit Member(const PropertyList& properties, ProtectionKind kind = kEncrypt,
+                  DomainId domain = 7, std::string_view tag = "", const Options& options = {})
+      : side(options) {
+    ParticipantSecurityAttributes attributes;
+    attributes.rtps_psk = kind;
+    auto made = side.factory().pre_shared_keys({properties, attributes, domain, tag});
+    EXPECT_TRUE(made) << made.error().to_sentence();
+    if (made) keys = std::move(*made);
+  }
+  Bytes encode(BytesView plain) {
+    return into_bytes(plain.size() + spi::protection_overhead(0),
+                      [&](MutableBytes out) { return keys->encode(plain, out); })
+        .value();
+  }
+  Result<Bytes> decode(BytesView encoded) {
+    return into_bytes(encoded.size(), [&](MutableBytes out) { return keys->decode(encoded, out); });
+  }
+  Side side;
+  std::unique_ptr<spi::PreSharedKeys> keys;
+};
+
+Bytes hello() { return rtps_message({data_submessage(12), data_submessage(8)}); }
+/// In the name of the `i`-th participant.
+Bytes hello_from(std::uint32_t i) {
+  auto out = hello();
+  for (std::size_t octet = 0; octet < 4; ++octet)
+    out[8 + octet] = static_cast<std::uint8_t>(i >> (8 * octet));
+  return out;
+}
+/// As decoded: INFO_SRC, which repeats the header, comes first.
+Bytes with_source(const Bytes& plain) {
+  Bytes out(plain.begin(), plain.begin() + 20);
+  for (std::uint8_t octet : {0x0c, 0x01, 20, 0, 0, 0, 0, 0}) out.push_back(octet);
+  out.insert(out.end(), plain.begin() + 4, plain.end());
+  return out;
+}
+
+TEST(PreSharedKey, EveryCipherOpensWithTheSamePassphraseAndNoOther) {
+  for (const auto kind : {kSign, kEncrypt})
+    for (const auto cipher : {spi::kAes128Name, spi::kAes256Name, spi::kChaCha20Poly1305Name}) {
+      Member a(passphrase("5612:Open Sesame", {}, cipher), kind);
+      Member b(passphrase("5612:Open Sesame", {}, cipher), kind);
+      Member c(passphrase("5612:Open sesame", {}, cipher), kind);
+      const auto encoded = a.encode(hello());
+      EXPECT_TRUE(spi::has_pre_shared_key_flag(encoded));
+      EXPECT_EQ(b.decode(encoded), with_source(hello()));
+      EXPECT_EQ(code_of(c.decode(encoded)), Code::tag_mismatch);
+      const auto clear = std::ranges::search(encoded, data_submessage(12));
+      EXPECT_EQ(clear.empty(), kind == kEncrypt);
+    }
+}
+
+TEST(PreSharedKey, AnotherIdDomainOrTagIsAnotherKey) {
+  Member a(passphrase("5612:Open Sesame"));
+  const auto encoded = a.encode(hello());
+  const auto refusal = [&](Member other) { return code_of(other.decode(encoded)); };
+  EXPECT_EQ(refusal(Member(passphrase("5613:Open Sesame"))), Code::psk_passphrase_unknown);
+  // The same low octet, which is the key id: the rest is the key revision.
+  EXPECT_EQ(refusal(Member(passphrase("5868:Open Sesame"))), Code::psk_passphrase_unknown);
+  EXPECT_EQ(refusal(Member(passphrase("5612:Open Sesame"), kEncrypt, 8)),
+            Code::psk_passphrase_unknown);
+  EXPECT_EQ(refusal(Member(passphrase("5612:Open Sesame"), kEncrypt, 7, "yard")),
+            Code::psk_passphrase_unknown);
+}
+
+TEST(PreSharedKey, ProtectionAndCipherMustBeOurs) {
+  const auto same = passphrase("1:Open Sesame");
+  EXPECT_EQ(code_of(Member(same, kSign).decode(Member(same).encode(hello()))),
+            Code::encrypted_where_signature_is_due);
+  EXPECT_EQ(code_of(Member(same).decode(Member(same, kSign).encode(hello()))),
+            Code::signed_where_encryption_is_due);
+  Member weak(passphrase("1:Open Sesame", {}, spi::kAes128Name));
+  EXPECT_EQ(code_of(Member(same).decode(weak.encode(hello()))), Code::transform_kind_mismatch);
+}
+
+TEST(PreSharedKey, NothingThatWasChangedOrCutOffIsOpened) {
+  for (const auto kind : {kSign, kEncrypt}) {
+    Member a(passphrase("5632:Open Sesame"), kind), b(passphrase("5632:Open Sesame"), kind);
+    const auto genuine = a.encode(hello());
+    for (int round = 0; round < 2; ++round) {  // from a stranger, then from somebody known
+      for (std::size_t size = 0; size < genuine.size(); ++size)
+        EXPECT_FALSE(b.decode(BytesView(genuine).first(size))) << size;
+      for (std::size_t bit = 0; bit < 8 * genuine.size(); ++bit) {
+        auto changed = genuine;
+        changed[bit / 8] ^= static_cast<std::uint8_t>(1 << (bit % 8));
+        EXPECT_FALSE(b.decode(changed)) << "bit " << bit;
+      }
+      EXPECT_TRUE(b.decode(genuine));
+    }
+  }
+}
+
+TEST(PreSharedKey, WhatIsNoMessageIsNotEncodedAndNoSmallBufferIsOverrun) {
+  Member a(passphrase("1:Open Sesame")), b(passphrase("1:Open Sesame"));
+  const auto plain = hello();
+  const auto encoded = a.encode(plain);
+  Bytes out(encoded.size());
+  for (std::size_t size = 0; size < encoded.size(); ++size)
+    EXPECT_EQ(code_of(a.keys->encode(plain, MutableBytes(out).first(size))),
+              Code::length_out_of_range);
+  EXPECT_EQ(code_of(a.keys->encode(BytesView(plain).first(19), out)), Code::plaintext_malformed);
+  EXPECT_EQ(code_of(a.keys->encode(BytesView(plain).first(20), out)), Code::plaintext_malformed);
+  auto other = plain;
+  other[0] = 'X';
+  EXPECT_EQ(code_of(a.keys->encode(other, out)), Code::plaintext_malformed);
+  for (std::size_t size = 0; size < plain.size() + 24; ++size)
+    EXPECT_EQ(code_of(b.keys->decode(encoded, MutableBytes(out).first(size))),
+              Code::length_out_of_range);
+}
+
+TEST(PreSharedKey, APassphraseIsChangedWithoutLosingAMessage) {
+  Member before(passphrase("1:old passphrase", "2:new passphrase"));
+  Member between(passphrase("2:new passphrase", "1:old passphrase"));
+  Member after(passphrase("2:new passphrase"));
+  Member old_only(passphrase("1:old passphrase"));
+  EXPECT_TRUE(between.decode(before.encode(hello_from(1))));
+  EXPECT_TRUE(before.decode(between.encode(hello_from(2))));
+  EXPECT_TRUE(after.decode(between.encode(hello_from(2))));
+  EXPECT_TRUE(before.decode(after.encode(hello_from(3))));
+  EXPECT_TRUE(old_only.decode(before.encode(hello_from(1))));
+  EXPECT_EQ(code_of(after.decode(before.encode(hello_from(1)))), Code::psk_passphrase_unknown);
+  EXPECT_EQ(code_of(old_only.decode(after.encode(hello_from(3)))), Code::psk_passphrase_unknown);
+  // One name under both.
+  EXPECT_TRUE(between.decode(old_only.encode(hello_from(4))));
+  EXPECT_TRUE(between.decode(after.encode(hello_from(4))));
+}
+
+TEST(PreSharedKey, OnlyWhoKnowsThePassphraseIsRememberedAndOnlySoMany) {
+  Member a(passphrase("1:Open Sesame")), b(passphrase("1:Open Sesame"));
+  auto& ring = dynamic_cast<PreSharedKeyRing&>(*b.keys);
+  const auto first = a.encode(hello_from(0));
+  EXPECT_FALSE(ring.remembers(first));
+  auto forged = first;
+  forged.back() ^= 0xff;  // of the footer's count
+  forged[60] ^= 1;
+  EXPECT_FALSE(b.decode(forged));
+  EXPECT_FALSE(ring.remembers(first));
+  EXPECT_TRUE(b.decode(first));
+  EXPECT_TRUE(ring.remembers(first));
+  EXPECT_FALSE(ring.remembers(Bytes(first.begin(), first.begin() + 30)));
+  constexpr auto kMost = static_cast<std::uint32_t>(PreSharedKeyRing::kMostSenders);
+  for (std::uint32_t i = 1; i <= kMost; ++i) {
+    EXPECT_TRUE(b.decode(first));  // it is heard all the time
+    EXPECT_TRUE(b.decode(a.encode(hello_from(i))));
+  }
+  EXPECT_EQ(ring.senders(), kMost);
+  EXPECT_TRUE(ring.remembers(first));
+  EXPECT_FALSE(ring.remembers(a.encode(hello_from(1))));
+  EXPECT_TRUE(b.decode(a.encode(hello_from(1))));
+}
+
+TEST(PreSharedKey, NoIvComesTwiceNotEvenAfterARestartOrANewSession) {
+  const auto iv = [](const Bytes& message) {
+    return std::string(message.begin() + 32, message.begin() + 44);
+  };
+  std::set<std::string> seen;
+  for (int restart = 0; restart < 4; ++restart) {
+    Member a(passphrase("1:Open Sesame"), kEncrypt, 7, "", {.most_blocks_per_session = 20});
+    Member b(passphrase("1:Open Sesame"));
+    for (int i = 0; i < 10; ++i) {
+      const auto encoded = a.encode(hello());
+      EXPECT_TRUE(b.decode(encoded));
+      EXPECT_TRUE(seen.insert(iv(encoded)).second);
+    }
+  }
+}
+
+TEST(PreSharedKey, InsideAndOutsideNameTheSameSource) {
+  Member b(passphrase("1:Open Sesame"));
+  // Under the key of the outer name, as one who knows the passphrase could make it.
+  const auto source = [](const Bytes& message) {
+    MessageSource out;
+    std::copy_n(message.begin() + 4, 16, out.begin());
+    return out;
+  };
+  const Passphrase phrase{1, Passphrase::Text::copy_of(as_bytes("Open Sesame")).value()};
+  const auto kind = pre_shared_kind(kAes256Gcm, 1);
+  Graveyard graveyard;
+  const KeyEnvironment environment{*aead_backend(AeadChoice::openssl), graveyard, 1000, 1000};
+  auto key = SendKey::create(derive_pre_shared_material(phrase, kind, pre_shared_key_id(1, 7, ""),
+                                                        source(hello_from(5))),
+                             {1, 1}, environment)
+                 .value();
+  const auto plain = hello_from(6);
+  auto encoded = into_bytes(plain.size() + 112, [&](MutableBytes out) {
+                   const ReadGuard guard;
+                   return seal_message(plain, kPreSharedKeyFrame, *key, out);
+                 }).value();
+  std::copy_n(hello_from(5).begin(), 20, encoded.begin());
+  EXPECT_EQ(code_of(b.decode(encoded)), Code::info_source_mismatch);
+  EXPECT_FALSE(b.keys->remembers(encoded));
+}
+
+TEST(PreSharedKey, WhatTheGovernanceDoesNotAskForOrAllowIsNotMade) {
+  Side side;
+  const auto made = [&](const PropertyList& properties, ProtectionKind kind,
+                        spi::CipherMask allowed = spi::kAllCiphers) {
+    ParticipantSecurityAttributes attributes;
+    attributes.rtps_psk = kind;
+    attributes.allowed_ciphers = allowed;
+    return code_of(side.factory().pre_shared_keys({properties, attributes, 0, ""}));
+  };
+  const auto good = passphrase("1:Open Sesame");
+  EXPECT_EQ(made(good, kEncrypt), Code{0});
+  EXPECT_EQ(made(good, ProtectionKind::none), Code::not_protected);
+  EXPECT_EQ(made(good, kEncrypt, spi::kAes128Bit), Code::cipher_not_allowed);
+  EXPECT_EQ(made(passphrase("1:Open Sesame", {}, "AUTO"), kEncrypt), Code{0});
+  EXPECT_EQ(made(passphrase("1:Open Sesame", {}, "DES"), kEncrypt), Code::invalid_property);
+  EXPECT_EQ(made({}, kEncrypt), Code::missing_property);
+  EXPECT_EQ(made({{std::string(property::kPskExtraPassphrases), "data:,1:Open Sesame"}}, kEncrypt),
+            Code::missing_property);
+}
+
+// Passphrases
+
+Result<std::vector<Passphrase>> load(const PropertyList& properties) {
+  CountingSink events;
+  return load_passphrases(properties, events);
+}
+std::string text_of(const Passphrase& passphrase) {
+  return passphrase.text.expose([](BytesView octets) { return std::string(as_text(octets)); });
+}
+
+TEST(Passphrases, AreReadWithTheirIds) {
+  const auto all = load(
+      passphrase("5612:Open: Sesame~\r\n", "0:a\n4294967294:b\r\n\r\n7:c d\r5612:Open: Sesame~\n"));
+  ASSERT_TRUE(all) << all.error().to_sentence();
+  ASSERT_EQ(all->size(), 4u);
+  EXPECT_EQ((*all)[0].id, 5612u);
+  EXPECT_EQ(text_of((*all)[0]), "Open: Sesame~");
+  EXPECT_EQ((*all)[1].id, 0u);
+  EXPECT_EQ((*all)[2].id, 4294967294u);
+  EXPECT_EQ(text_of((*all)[3]), "c d");
+  EXPECT_TRUE(load(passphrase("1:" + std::string(512, '!'))));
+}
+
+TEST(Passphrases, WhatIsWrongIsNamedAndNotRepeated) {
+  const std::string secret = "xyzzy";
+  const auto refused = [&](const PropertyList& properties) {
+    const auto all = load(properties);
+    ASSERT_FALSE(all);
+    EXPECT_EQ(all.error().code(), Code::invalid_property) << all.error().to_sentence();
+    EXPECT_EQ(all.error().to_sentence().find(secret), std::string::npos);
+    EXPECT_NE(all.error().to_sentence().find("rtps_psk_secret_passphrase"), std::string::npos);
+  };
+  for (const auto& line : {secret,
+                           ":" + secret,
+                           "x:" + secret,
+                           "-1:" + secret,
+                           " 1:" + secret,
+                           "1 :" + secret,
+                           "0x1:" + secret,
+                           "4294967296:" + secret,
+                           "255:" + secret,
+                           "4294967295:" + secret,
+                           "511:" + secret,
+                           std::string("1:"),
+                           "1: " + secret,
+                           "1:" + secret + " ",
+                           "1:" + secret + "\t",
+                           "1:" + secret + "\x7f",
+                           "1:" + secret + "\xc3\xa4",
+                           "1:" + secret + std::string(508, 'x'),
+                           "1:" + secret + "\n2:" + secret,
+                           std::string("\n")})
+    refused(passphrase(line));
+  refused(passphrase("1:" + secret, "2:" + secret + "\n1:another"));
+  refused(passphrase("1:" + secret, secret));
+  std::string many;
+  for (int id = 2; id < 18; ++id) many += std::to_string(id) + ":" + secret + "\n";
+  refused(passphrase("1:" + secret, many));
+  const auto pasted = load({{std::string(property::kPskPassphrase), "1:" + secret}});
+  EXPECT_EQ(code_of(pasted), Code::unsupported_uri);
+  EXPECT_EQ(pasted.error().to_sentence().find(secret), std::string::npos);
+}
+
+TEST(Passphrases, AFileThatOthersMayReadIsNotPassedOverInSilence) {
+  const auto path =
+      (std::filesystem::temp_directory_path() / ("ddssec-psk-" + std::to_string(::getpid())))
+          .string();
+  std::ofstream(path) << "5612:Open Sesame\n";
+  const auto events_with = [&](::mode_t mode) {
+    EXPECT_EQ(::chmod(path.c_str(), mode), 0);
+    CountingSink events;
+    const auto all =
+        load_passphrases({{std::string(property::kPskPassphrase), "file:" + path}}, events);
+    EXPECT_TRUE(all && text_of(all->front()) == "Open Sesame");
+    return events.codes;
+  };
+  EXPECT_EQ(events_with(0600), std::vector<Code>{});
+  EXPECT_EQ(events_with(0640), std::vector{Code::psk_passphrase_exposed});
+  std::filesystem::remove(path);
+  EXPECT_EQ(code_of(load({{std::string(property::kPskPassphrase), "file:" + path}})),
+            Code::file_not_found);
+}
+
+}  // namespace
+}  // namespace ddssec::cryptography::testing
