@@ -1,9 +1,11 @@
-// Puts fragmented messages of the stateless endpoint together. Anybody may send them, so little is
-// kept of each sender and of all.
+// Puts fragmented messages of the stateless endpoint together (Cyclone DDS sends such). Anybody may
+// send fragments in anybody's name, so that of each fragment several are kept, and little of each
+// sender and of all.
 #pragma once
 
 #include <deque>
 
+#include "rtps/security/work_budget.hpp"
 #include "rtps/wire/data_frag.hpp"
 
 namespace ddssec::rtps {
@@ -12,27 +14,60 @@ class FragmentStore {
  public:
   /// Certificates, permissions and more fit.
   static constexpr std::uint32_t kLargestMessage = 256 << 10;
-  static constexpr std::size_t kMostPerSender = 2;
-  static constexpr std::size_t kMost = 32;
+  /// Octets of each sender, with a price for each fragment so that small ones are few, too.
+  static constexpr std::size_t kMostOctetsPerSender = 2 * kLargestMessage;
+  static constexpr std::size_t kPricePerFragment = 512;
+  static constexpr std::size_t kMostSenders = 16;
+  /// The fragments of a message follow each other closely.
+  static constexpr MonotonicTime kLife = std::chrono::seconds(2);
+  /// Of one fragment that is there in several forms, so many are looked at, and so many messages
+  /// are made of one that comes: the first of what came latest.
+  static constexpr std::size_t kMostForms = 8;
+  static constexpr std::size_t kMostMessages = 8;
+  /// Messages other than the first, and large ones, of all senders.
+  static constexpr int kMostMore = 256;
+  static constexpr MonotonicTime kMorePeriod = std::chrono::microseconds(250);
+  static constexpr std::uint32_t kLarge = 16 << 10;
 
-  /// The whole message, once its last fragment came. The oldest unfinished one gives way to a new
-  /// one, those of the same sender first.
-  std::optional<Bytes> add(const GuidPrefix& sender, const DataFrag& frag);
+  /// What the fragments may come to, the likeliest first: nothing as long as one is missing. Nobody
+  /// can say yet which of them is honest, so what they were made of stays.
+  std::vector<Bytes> add(const GuidPrefix& sender, const DataFrag& frag, MonotonicTime now);
   void forget(const GuidPrefix& sender);
-  std::size_t size() const { return partial_.size(); }
+  /// Fragments that are kept.
+  std::size_t size() const;
 
  private:
-  struct Partial {
-    GuidPrefix sender;
+  struct Fragment {
     SequenceNumber number;
-    std::uint16_t fragment_size = 0;
+    std::uint16_t fragment_size;
+    std::uint32_t sample_size;
+    std::uint32_t index;
     Bytes octets;
-    std::vector<bool> have;
-    std::size_t missing = 0;
-  };
-  std::deque<Partial>::iterator place_for(const GuidPrefix& sender, const DataFrag& frag);
+    MonotonicTime since;
 
-  std::deque<Partial> partial_;
+    bool belongs_to(const DataFrag& frag) const {
+      return number == frag.sequence_number && fragment_size == frag.fragment_size &&
+             sample_size == frag.sample_size;
+    }
+    std::size_t price() const { return octets.size() + kPricePerFragment; }
+  };
+  struct Sender {
+    GuidPrefix prefix;
+    std::deque<Fragment> fragments = {};  ///< the latest last
+    std::size_t price = 0;
+
+    void drop_first();
+    void keep(Fragment fragment);
+  };
+  /// For each fragment of a message those that came, the latest first.
+  using Forms = std::vector<std::vector<const Fragment*>>;
+
+  Sender& place_for(const GuidPrefix& prefix, MonotonicTime now);
+  static std::optional<Forms> forms_of(const Sender& sender, const DataFrag& frag);
+  std::vector<Bytes> messages_of(const Forms& forms, MonotonicTime now);
+
+  std::deque<Sender> senders_;  ///< who spoke latest last
+  WorkBudget more_{kMostMore, kMorePeriod, {}};
 };
 
 }  // namespace ddssec::rtps

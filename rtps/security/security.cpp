@@ -198,7 +198,7 @@ void Security::nudge(Peer& peer) {
 void Security::on_stateless_frag(const GuidPrefix& source, const DataFrag& frag,
                                  MonotonicTime now) {
   if (find(source) == nullptr) return;
-  if (const auto whole = fragments_.add(source, frag)) on_stateless(source, *whole, now);
+  for (const auto& whole : fragments_.add(source, frag, now)) on_stateless(source, whole, now);
 }
 
 bool Security::advance(Peer& peer) {
@@ -211,6 +211,7 @@ bool Security::advance(Peer& peer) {
     close(peer);
   }
   if (auto status = establish(peer); !status) return refuse(peer, status.error());
+  fragments_.forget(peer.data.guid.prefix);
   peer.since = now_;
   return peer.established = true;
 }

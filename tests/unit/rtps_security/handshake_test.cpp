@@ -91,38 +91,5 @@ TEST(Handshake, ARestartedPeerJoinsAnew) {
   EXPECT_TRUE(world.run_until([&] { return a.knows(*b) && b->knows(a); }, 1500));
 }
 
-TEST(FragmentStore, PutsAMessageTogetherAndForgetsTheOldest) {
-  FragmentStore store;
-  const auto sender = GuidPrefix::from(Bytes(12, 1));
-  const Bytes whole = {1, 2, 3, 4, 5, 6, 7, 8, 9};
-  const auto frag = [&](std::int64_t number, std::uint32_t first) {
-    const auto begin = (first - 1) * 4;
-    return DataFrag{kStatelessMessageReader,
-                    kStatelessMessageWriter,
-                    {number},
-                    {first},
-                    1,
-                    4,
-                    9,
-                    {},
-                    false,
-                    BytesView(whole).subspan(begin, std::min<std::size_t>(4, 9 - begin))};
-  };
-  EXPECT_FALSE(store.add(sender, frag(1, 3)));
-  EXPECT_FALSE(store.add(sender, frag(1, 1)));
-  EXPECT_FALSE(store.add(sender, frag(1, 1)));
-  EXPECT_EQ(store.add(sender, frag(1, 2)), whole);
-  EXPECT_EQ(store.size(), 0u);
-  for (std::int64_t number = 1; number <= 10; ++number) store.add(sender, frag(number, 1));
-  EXPECT_EQ(store.size(), FragmentStore::kMostPerSender);
-  for (std::uint8_t i = 0; i < 100; ++i) store.add(GuidPrefix::from(Bytes(12, i)), frag(1, 1));
-  EXPECT_EQ(store.size(), FragmentStore::kMost);
-  auto huge = frag(1, 1);
-  huge.sample_size = FragmentStore::kLargestMessage + 1;
-  EXPECT_FALSE(store.add(GuidPrefix::from(Bytes(12, 200)), huge));
-  store.forget(GuidPrefix::from(Bytes(12, 99)));
-  EXPECT_EQ(store.size(), FragmentStore::kMost - 1);
-}
-
 }  // namespace
 }  // namespace ddssec::rtps

@@ -1,0 +1,146 @@
+// Handshake messages in fragments, as Cyclone DDS sends them, among forged ones in the peer's name.
+#include "tests/unit/rtps_security/attacker.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+constexpr std::uint16_t kFragmentSize = 1344;
+
+/// A handshake message as Cyclone DDS would send it: each fragment in a message of its own.
+struct Fragments {
+  GuidPrefix from;
+  std::int64_t number = 0;
+  Bytes whole;
+
+  std::uint32_t count() const {
+    return DataFrag::fragments_of(static_cast<std::uint32_t>(whole.size()), kFragmentSize);
+  }
+  Bytes datagram(std::uint32_t index, const Bytes& content) const {
+    const auto begin = std::size_t{index} * kFragmentSize;
+    const auto octets = BytesView(content).subspan(begin);
+    return forged(
+        from,
+        DataFrag{.reader = kStatelessMessageReader,
+                 .writer = kStatelessMessageWriter,
+                 .sequence_number = {number},
+                 .first = {index + 1},
+                 .fragment_size = kFragmentSize,
+                 .sample_size = static_cast<std::uint32_t>(content.size()),
+                 .payload = octets.first(std::min<std::size_t>(kFragmentSize, octets.size()))});
+  }
+};
+
+/// Of a datagram with a handshake message that has to be cut.
+std::optional<Fragments> fragments_of(BytesView datagram) {
+  auto reader = MessageReader::open(datagram);
+  while (reader) {
+    const auto view = reader->next();
+    if (!view || !*view) return std::nullopt;
+    if ((*view)->id != SubmessageId::data) continue;
+    const auto data = read_data(**view);
+    if (!data || data->writer != kStatelessMessageWriter) continue;
+    if (data->payload.size() <= kFragmentSize) return std::nullopt;
+    return Fragments{reader->header().prefix, data->sequence_number.value, to_bytes(data->payload)};
+  }
+  return std::nullopt;
+}
+
+/// Everything is sent in fragments; whoever hears them adds others in the same name.
+class Forger {
+ public:
+  /// `between`: so many at most between two honest ones; `per_step`: so many more.
+  Forger(Pair& pair, int between, int per_step, std::uint32_t seed)
+      : between_(between), per_step_(per_step), random_(seed) {
+    pair.world.attack = [this](World::Traffic& traffic) { change(traffic); };
+  }
+  int honest = 0, forgeries = 0;
+
+ private:
+  using Victim = std::pair<std::uint32_t, Fragments>;  // to that port
+
+  void change(World::Traffic& traffic) {
+    World::Traffic out;
+    for (auto& [port, datagram] : traffic) {
+      if (random_() % 2 == 0) flood(out, per_step_ / 4);
+      const auto message = fragments_of(datagram);
+      if (!message) {
+        out.emplace_back(port, std::move(datagram));
+        continue;
+      }
+      remember({port, *message});
+      for (std::uint32_t i = 0; i < message->count(); ++i) {
+        for (auto n = between_ > 0 ? random_() % static_cast<unsigned>(between_ + 1) : 0; n > 0;
+             --n)
+          out.push_back(forgery(heard_.back()));
+        out.emplace_back(port, message->datagram(i, message->whole));
+        ++honest;
+      }
+    }
+    flood(out, per_step_);
+    traffic = std::move(out);
+  }
+  void remember(Victim victim) {
+    if (heard_.size() > 3) heard_.erase(heard_.begin());
+    heard_.push_back(std::move(victim));
+  }
+  void flood(World::Traffic& out, int count) {
+    for (int i = 0; i < count && !heard_.empty(); ++i)
+      out.push_back(forgery(heard_[random_() % heard_.size()]));
+  }
+  /// One fragment with an octet changed; of this message, or of the next one before it is sent.
+  std::pair<std::uint32_t, Bytes> forgery(const Victim& victim) {
+    ++forgeries;
+    auto [port, message] = victim;
+    if (random_() % 4 == 0) ++message.number;
+    const auto index = static_cast<std::uint32_t>(random_() % message.count());
+    auto content = message.whole;
+    const auto begin = std::size_t{index} * kFragmentSize;
+    const auto size = std::min<std::size_t>(kFragmentSize, content.size() - begin);
+    content[begin + random_() % size] ^= static_cast<std::uint8_t>(1 + random_() % 255);
+    return {port, message.datagram(index, content)};
+  }
+
+  const int between_, per_step_;
+  std::mt19937 random_;
+  std::vector<Victim> heard_;
+};
+
+/// How long it took; nothing if it never happened.
+std::optional<MonotonicTime> joined_after(int between, int per_step, std::uint32_t seed) {
+  Pair pair({});
+  Forger forger(pair, between, per_step, seed);
+  const auto begin = pair.world.now;
+  const bool joined = pair.world.run_until([&] { return know_each_other(pair); }, 1000);
+  EXPECT_GT(forger.honest, 4);
+  EXPECT_EQ(forger.forgeries > 0, between + per_step > 0);
+  return joined ? std::optional(pair.world.now - begin) : std::nullopt;
+}
+
+TEST(Fragments, OfAHandshakeArePutTogether) {
+  const auto took = joined_after(0, 0, 1);
+  ASSERT_TRUE(took);
+  EXPECT_LT(*took, 200ms);
+}
+
+// One who reacts to each honest fragment before the next one comes.
+TEST(Fragments, ForgedOnesBetweenTheHonestDoNotKeepThePeerOut) {
+  for (std::uint32_t seed = 1; seed <= 5; ++seed) {
+    const auto took = joined_after(2, 0, seed);
+    ASSERT_TRUE(took) << seed;
+    EXPECT_LT(*took, seconds(2)) << seed;
+  }
+}
+
+// 10,000 a second.
+TEST(Fragments, AFloodOfForgedOnesDoesNotKeepThePeerOut) {
+  for (std::uint32_t seed = 1; seed <= 3; ++seed) {
+    const auto took = joined_after(1, 100, seed);
+    ASSERT_TRUE(took) << seed;
+    EXPECT_LT(*took, seconds(2)) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
