@@ -11,18 +11,6 @@ constexpr auto kSign = ProtectionKind::sign;
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
 
-bool is_announcement(BytesView datagram) {
-  auto reader = MessageReader::open(datagram);
-  while (reader) {
-    const auto view = reader->next();
-    if (!view || !*view) return false;
-    if ((*view)->id != SubmessageId::data) continue;
-    const auto data = read_data(**view);
-    if (data && data->writer == kSpdpWriter) return true;
-  }
-  return false;
-}
-
 // All that was ever sent, in both directions, three times more (T41).
 TEST(Session, ReplaysOfEverythingChangeNothing) {
   for (const auto& rules : {Rules{}, everything(kSign), everything(kEncrypt),
@@ -128,48 +116,6 @@ TEST(Session, AnOriginalWriterThatASampleClaimsIsNotItsWriter) {
   pair.b->receive(out.view(), pair.world.now);
   ASSERT_EQ(pair.b.listener.changes.size(), 1u);
   EXPECT_EQ(pair.b.listener.changes[0].writer, pair.writer);
-}
-
-/// Every truncation, and every word at its extremes.
-std::vector<Bytes> broken_forms_of(const Bytes& datagram) {
-  std::vector<Bytes> out;
-  const std::size_t step = datagram.size() > 1000 ? 7 : 1;
-  for (std::size_t size = 0; size < datagram.size(); size += step)
-    out.emplace_back(datagram.begin(), datagram.begin() + static_cast<std::ptrdiff_t>(size));
-  for (std::size_t at = kHeaderSize; at + 4 <= datagram.size(); at += 4)
-    for (const std::uint8_t high : {0x00, 0x7f, 0x80, 0xff}) {
-      auto changed = datagram;
-      const auto low = static_cast<std::uint8_t>(high == 0x00 || high == 0x80 ? 0x00 : 0xff);
-      std::fill_n(changed.begin() + static_cast<std::ptrdiff_t>(at), 4, low);
-      changed[at + 3] = high;
-      if (changed != datagram) out.push_back(std::move(changed));
-    }
-  return out;
-}
-
-// Of each handshake message, each message with keys, and everything that is protected.
-TEST(Session, WhatIsCutOrLiesAboutLengthsChangesNothing) {
-  for (const auto& rules : {everything(kSign), everything(kEncryptOa)}) {
-    Pair pair(rules);
-    int broken_ones = 0;
-    pair.world.filter = [&](const Node& from, Bytes datagram) {
-      if (is_announcement(datagram)) return one(std::move(datagram));
-      auto& to = &from == &pair.a ? pair.b : pair.a;
-      if (++broken_ones > 60) return one(std::move(datagram));
-      // The first of two groups is whole when only the second is cut: so it may match.
-      const auto matched = to.listener.matched;
-      const auto changes = to.listener.changes.size();
-      for (const auto& broken : broken_forms_of(datagram)) to->receive(broken, pair.world.now);
-      EXPECT_GE(to.listener.matched, matched);
-      EXPECT_EQ(to.listener.changes.size(), changes);
-      EXPECT_LE(to->remote_participants(), 1u);
-      return one(std::move(datagram));
-    };
-    ASSERT_TRUE(pair.match());
-    broken_ones = 40;
-    pair.write();
-    EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 300));
-  }
 }
 
 // What a participant is called and carries with it, where discovery is protected (T63).
