@@ -31,6 +31,9 @@ class DomainParticipant::Sockets final : public Transport {
     sockets_.front().send(message, to);
   }
   void send_all(const Outgoing& out) override { sockets_.front().send_all(out); }
+  bool stays_here(const Locator& to) const override {
+    return to.is_loopback() || to.address == metatraffic().address;
+  }
   Status join(const Locator& group, const Locator& interface) {
     sockets_.push_back(DDSSEC_TRY(UdpSocket::join(group, interface)));
     return {};

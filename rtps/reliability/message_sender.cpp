@@ -9,8 +9,8 @@ MessageSender::MessageSender(Transport& transport, const GuidPrefix& prefix)
 
 void MessageSender::protect_with(SendProtection& protection) {
   protection_ = &protection;
-  for (auto* buffer : {&buffer_, &payload_, &plain_}) buffer->resize(kLargestProtected);
-  slot_size_ = kLargestProtected;
+  for (auto* buffer : {&buffer_, &payload_, &plain_}) buffer->resize(kLargestDatagram);
+  slot_size_ = kLargestDatagram;
   out_ = SpanWriter(slot(0));
 }
 
@@ -19,19 +19,26 @@ void MessageSender::begin(const Destination& to, bool wrapped) {
       !std::ranges::equal(to.locators, to_.locators) || wrapped != wrapped_ || to.dscp != to_.dscp;
   if ((out_.size() > 0 || waiting_ > 0) && other)
     flush();
-  else if (out_.size() >= kLargestMessage)
+  else if (out_.size() >= full_size_)
     finish_message();
   const bool empty = out_.size() == 0;
-  if (empty) {
-    out_ = SpanWriter(wrapped ? MutableBytes(buffer_) : slot(waiting_));
-    write(out_, header_);
-  }
+  if (empty) begin_message(to.locators, wrapped);
   // INFO_DST lasts until the next one or the end of the message.
   if ((empty && !to.prefix.is_zero()) || (!empty && to.prefix != to_.prefix))
     write(out_, InfoDestination{to.prefix});
   receiver_ = empty || to.prefix == receiver_ ? to.prefix : GuidPrefix{};
   to_ = to;
   wrapped_ = wrapped;
+}
+
+void MessageSender::begin_message(std::span<const Locator> to, bool wrapped) {
+  const bool here =
+      std::ranges::all_of(to, [&](const auto& locator) { return transport_.stays_here(locator); });
+  if (here && protection_ == nullptr) slot_size_ = kLargestDatagram;
+  const auto room = protection_ != nullptr || here ? kLargestDatagram : kLargestMessage;
+  full_size_ = !here ? kLargestMessage : protection_ != nullptr ? kFullProtected : room;
+  out_ = SpanWriter((wrapped ? MutableBytes(buffer_) : slot(waiting_)).first(room));
+  write(out_, header_);
 }
 
 // DDS-Security 9.5.3.3.4.3: what is signed without its length ends in whole words.
@@ -77,20 +84,26 @@ void MessageSender::finish_message() {
     const auto out = slot(waiting_);
     const auto size = protection_->protect_message(receiver_, out_.view(), out);
     if (size)
-      messages_[waiting_++] = out.first(*size);
+      wait_for_more(out.first(*size));
     else
       protection_->on_unprotectable(size.error());
   } else if (any) {
-    messages_[waiting_++] = out_.view();
+    wait_for_more(out_.view());
   }
   out_.rewind(0);
-  if (waiting_ == kMostWaiting) send_waiting();
+  if (waiting_ == kMostWaiting || waiting_octets_ + full_size_ > kMostWaitingOctets) send_waiting();
+}
+
+void MessageSender::wait_for_more(BytesView message) {
+  messages_[waiting_++] = message;
+  waiting_octets_ += message.size();
 }
 
 void MessageSender::send_waiting() {
   if (waiting_ > 0)
     transport_.send_all({std::span(messages_).first(waiting_), to_.locators, to_.dscp});
   waiting_ = 0;
+  waiting_octets_ = 0;
 }
 
 void MessageSender::flush() {

@@ -34,12 +34,16 @@ class MessageSender {
   static constexpr std::size_t kLargestMessage = 14720;
   /// The largest fragment that fits such a message.
   static constexpr std::uint16_t kLargestFragment = 14336;
-  /// Of protected messages; leaves room for what UDP and origin authentication need. Only single
-  /// submessages that are larger than kLargestMessage and receivers' MACs make them so long.
-  static constexpr std::size_t kLargestProtected = 64000;
+  /// What fits a UDP datagram: where all receivers are on this machine, and of protected messages.
+  static constexpr std::size_t kLargestDatagram = 64000;
+  /// A protected message of so many octets to receivers on this machine is full: what was added
+  /// last and the receivers' MACs (DDS-Security 9.5.3.3.4) have room behind it.
+  static constexpr std::size_t kFullProtected = 46000;
 
-  /// Full messages that wait for more of the same sample.
+  /// Full messages that wait for more of the same sample, and their octets: receivers' buffers are
+  /// small.
   static constexpr std::size_t kMostWaiting = 8;
+  static constexpr std::size_t kMostWaitingOctets = std::size_t{128} << 10;
 
   MessageSender(Transport& transport, const GuidPrefix& prefix);
 
@@ -62,6 +66,8 @@ class MessageSender {
         static_cast<std::uint16_t>(std::clamp<std::uint32_t>(size, 1, kLargestFragment));
   }
   std::uint16_t fragment_size() const { return fragment_size_; }
+  /// How many octets make the message full that waits, or the last that did.
+  std::size_t full_size() const { return full_size_; }
 
   /// From now on what was added may wait for more, as somebody calls flush when flush_by says so.
   void allow_lingering() { may_linger_ = true; }
@@ -126,8 +132,10 @@ class MessageSender {
   std::optional<BytesView> protected_payload(const EntityId& writer, BytesView plain);
   bool write_protected_submessage(const EntityId& sender, const Guid& receiver, BytesView plain);
   void begin(const Destination& to, bool wrapped);
+  void begin_message(std::span<const Locator> to, bool wrapped);
   /// It waits for the flush, or for kMostWaiting of its like.
   void finish_message();
+  void wait_for_more(BytesView message);
   void send_waiting();
   MutableBytes slot(std::size_t index);
 
@@ -138,7 +146,9 @@ class MessageSender {
   std::array<Bytes, kMostWaiting> slots_;         ///< messages as they are sent
   std::array<BytesView, kMostWaiting> messages_;  ///< those that wait
   std::size_t waiting_ = 0;
+  std::size_t waiting_octets_ = 0;
   std::size_t slot_size_ = kLargestMessage;
+  std::size_t full_size_ = kLargestMessage;
   SpanWriter out_;  ///< the message that is written, in the next slot or to be protected into it
   Destination to_;
   GuidPrefix receiver_;  ///< of all submessages in the message, or zero

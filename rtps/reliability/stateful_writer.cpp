@@ -150,7 +150,7 @@ SequenceNumber StatefulWriter::write(Change change, MonotonicTime now) {
       send_heartbeat(everybody, kEntityIdUnknown, history_.first(), !asks);
       last_heartbeat_ = now;
     }
-    const bool fits_again = size < MessageSender::kLargestMessage / 3;
+    const bool fits_again = size < sender_.full_size() / 3;
     const bool is_quick = is_hurried(now) && !speaks;
     const bool has_time = budget_ > MonotonicTime::zero() && sender_.may_linger() && !asks;
     if (fits_again && (is_quick || has_time))

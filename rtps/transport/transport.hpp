@@ -25,6 +25,11 @@ class Transport {
   /// Sends one message to each of the locators, at once or not at all: what cannot be sent is lost,
   /// as on any network. `message` is borrowed for the call.
   virtual void send(BytesView message, std::span<const Locator> to) = 0;
+  /// What is sent there does not leave this machine: no link's frames limit a message.
+  virtual bool stays_here(const Locator& to) const {
+    (void)to;
+    return false;
+  }
 };
 
 }  // namespace ddssec::rtps

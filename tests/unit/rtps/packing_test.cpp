@@ -18,6 +18,7 @@ const Locator kHere = *Locator::parse("127.0.0.1", 1);
 struct Recorder final : Transport {
   std::vector<Bytes> sent;
   std::vector<std::uint8_t> calls;  ///< of send_all, with what DSCP
+  bool is_here = false;
   void send(BytesView message, std::span<const Locator>) override {
     sent.push_back(to_bytes(message));
   }
@@ -25,6 +26,7 @@ struct Recorder final : Transport {
     calls.push_back(out.dscp);
     Transport::send_all(out);
   }
+  bool stays_here(const Locator&) const override { return is_here; }
 };
 
 std::vector<SubmessageView> submessages(const Bytes& octets, SubmessageId id) {
@@ -184,6 +186,61 @@ TEST_F(Packing, TheFragmentsOfASampleShareCallsOfTheTransport) {
   for (const auto& octets : transport.sent)
     for (const auto& view : submessages(octets, SubmessageId::data_frag))
       EXPECT_EQ(read_data_frag(view)->first.value, ++last);
+}
+
+TEST_F(Packing, ToThisMachineMessagesAreAsLargeAsADatagram) {
+  transport.is_here = true;
+  write_quickly(10, 8192);
+  transport.sent.clear();
+  write_quickly(70, 8192);
+  sender.flush();
+  EXPECT_GE(count(transport.sent, SubmessageId::data), 70u);
+  EXPECT_LE(transport.sent.size(), 20u) << "a question each 128 KiB leaves at once";
+  transport.sent.clear();
+  transport.calls.clear();
+  write(1 << 20);
+  EXPECT_EQ(transport.sent.size(), 19u) << "four of the 74 fragments in each";
+  EXPECT_EQ(transport.calls.size(), 10u) << "no more octets in a call than elsewhere";
+  for (const auto& octets : transport.sent)
+    EXPECT_LE(octets.size(), MessageSender::kLargestDatagram);
+}
+
+/// Protects messages as a plugin that needs a MAC of each of many receivers.
+struct Wrapping final : SendProtection {
+  static constexpr std::size_t kMacs = 200 * 20;
+  Levels levels(const EntityId&) const override { return {.message = true}; }
+  Result<std::size_t> protect_payload(const EntityId&, BytesView, MutableBytes) override {
+    return fail(Code::length_out_of_range);
+  }
+  Result<std::size_t> protect_submessage(const EntityId&, const Guid&, BytesView,
+                                         MutableBytes) override {
+    return fail(Code::length_out_of_range);
+  }
+  Result<std::size_t> protect_message(const GuidPrefix&, BytesView plain,
+                                      MutableBytes out) override {
+    if (plain.size() + kMacs > out.size()) return fail(Code::length_out_of_range);
+    std::ranges::copy(plain, out.begin());
+    return plain.size() + kMacs;
+  }
+  void on_unprotectable(const Error&) override { ++refused; }
+  int refused = 0;
+};
+
+TEST_F(Packing, ProtectedMessagesToThisMachineLeaveRoomForTheirMacs) {
+  Wrapping protection;
+  transport.is_here = true;
+  sender.protect_with(protection);
+  for (const auto size : {100, 8192, 14'300, 14'700}) {
+    transport.sent.clear();
+    write_quickly(50, static_cast<std::size_t>(size));
+    sender.flush();
+    EXPECT_EQ(protection.refused, 0) << size;
+    EXPECT_GE(
+        count(transport.sent, SubmessageId::data) + count(transport.sent, SubmessageId::data_frag),
+        50u)
+        << size;
+  }
+  EXPECT_LT(transport.sent.size(), 50u);
 }
 
 TEST_F(Packing, WhatIsForOthersDoesNotWaitWithAFullMessage) {
