@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text.hpp"
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/options.hpp"
@@ -20,12 +21,6 @@ using governance::TopicRule;
 std::unexpected<Error> wrong_topic(const std::string& text, std::string expected) {
   return fail(Code::usage,
               {.field = "--topic", .expected = std::move(expected), .found = '"' + text + '"'});
-}
-
-std::string upper(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](char c) { return c >= 'a' && c <= 'z' ? char(c - 32) : c; });
-  return text;
 }
 
 /// A key of --topic, under its short name and the document's.
@@ -62,7 +57,7 @@ Status set_key(TopicRule& rule, const std::string& text, std::string_view pair) 
   const auto name = pair.substr(0, equals);
   const std::string value(pair.substr(equals + 1));
   if (const auto* key = find_key(kKindKeys, name)) {
-    const auto kind = protection_kind_from(upper(value));
+    const auto kind = protection_kind_from(ascii_upper(value));
     const bool is_data = key->member == &TopicRule::data_protection_kind;
     if (!kind || (is_data && is_origin_authenticated(*kind)))
       return wrong_topic(text, fmt::format("{}=NONE, SIGN{}", key->name,

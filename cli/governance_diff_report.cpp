@@ -1,9 +1,9 @@
 #include "cli/governance_diff_report.hpp"
 
-#include <algorithm>
 
 #include <fmt/format.h>
 
+#include "base/text.hpp"
 #include "plugins/access_control/protection.hpp"
 
 namespace ddssec::cli {
@@ -13,17 +13,10 @@ using governance::ChangeClass;
 using governance::GovernanceChange;
 using governance::Interop;
 
-std::string capitals(std::string_view word) {
-  std::string text(word);
-  std::ranges::transform(text, text.begin(),
-                         [](char c) { return c >= 'a' && c <= 'z' ? char(c - 32) : c; });
-  return text;
-}
-
 /// Whatever is not harmless stands out.
 std::string class_word(ChangeClass change) {
   const auto word = governance::to_string(change);
-  return change == ChangeClass::neutral ? std::string(word) : capitals(word);
+  return change == ChangeClass::neutral ? std::string(word) : ascii_upper(word);
 }
 
 std::string hex(std::uint32_t mask) { return fmt::format("0x{:08x}", mask); }
@@ -115,7 +108,7 @@ std::string to_text(const governance::RewrittenRules& rules) {
 }
 
 std::string verdict_text(const governance::GovernanceDiff& diff) {
-  auto verdict = capitals(governance::to_string(diff.verdict)) + ';';
+  auto verdict = ascii_upper(governance::to_string(diff.verdict)) + ';';
   if (diff.flag_day_domains.empty()) {
     return wrapped("verdict: ",
                    {verdict + (diff.unknown_domains.empty()

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text.hpp"
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
@@ -181,9 +182,7 @@ Result<Doomed> doomed(const std::string& what, const OpenCa& ca, const pki::Issu
                       WallTime now) {
   if (is_there(what) || !is_serial(what))
     return doomed_participant(certificate_path(what), ca, log, now);
-  auto serial = what;
-  std::ranges::transform(serial, serial.begin(),
-                         [](char c) { return 'a' <= c ? static_cast<char>(c - 'a' + 'A') : c; });
+  const auto serial = ascii_upper(what);
   const auto* issued = log.find(serial);
   if (issued == nullptr)
     return fail(Code::serial_unknown, {.document = ca.paths.log, .found = serial});

@@ -3,27 +3,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <list>
-#include <numeric>
 
 #include <fmt/format.h>
 
+#include "base/text.hpp"
+
 namespace ddssec::cli {
 namespace {
-
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const auto above = row[j + 1];
-      row[j + 1] = std::min({above + 1, row[j] + 1, diagonal + (a[i] == b[j] ? 0 : 1)});
-      diagonal = above;
-    }
-  }
-  return row.back();
-}
 
 std::vector<std::string> words_after(std::string_view group) {
   std::vector<std::string> out;

@@ -1,9 +1,10 @@
 #include "cli/permissions_diff_report.hpp"
 
-#include <algorithm>
 #include <map>
 
 #include <fmt/format.h>
+
+#include "base/text.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -89,25 +90,18 @@ std::vector<std::string> parts_of(const PermissionChange& change) {
 }
 
 std::string to_text(const PermissionChange& change) {
-  const auto word = std::string(governance::to_string(change.change));
-  std::string capitals = word;
+  const auto word = governance::to_string(change.change);
   const bool harmless =
       change.change == ChangeClass::neutral || change.change == ChangeClass::interop;
-  if (!harmless) {
-    std::ranges::transform(word, capitals.begin(),
-                           [](char c) { return static_cast<char>(c - 'a' + 'A'); });
-  }
   auto parts = parts_of(change);
   if (change.element != "default" && !change.domains.empty())
     parts.push_back(shown(change.domains));
   parts.push_back(shown_lines(change.old_line, change.new_line));
-  return wrapped(fmt::format("  {:<9} ", capitals), parts);
+  return wrapped(fmt::format("  {:<9} ", harmless ? std::string(word) : ascii_upper(word)), parts);
 }
 
 std::string verdict_text(const governance::PermissionsDiff& diff) {
-  std::string word(governance::to_string(diff.verdict));
-  std::ranges::transform(word, word.begin(),
-                         [](char c) { return static_cast<char>(c - 'a' + 'A'); });
+  const auto word = ascii_upper(governance::to_string(diff.verdict));
   std::string text;
   if (!diff.is_complete) text += "more rules than are named here changed in the same ways\n";
   if (!diff.is_exact) {

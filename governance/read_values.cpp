@@ -3,22 +3,13 @@
 #include <algorithm>
 #include <charconv>
 
+#include "base/text.hpp"
 #include "governance/read.hpp"
 
 namespace ddssec::governance {
 namespace {
 
 using Count = ChildSpec::Count;
-
-std::string with_case(std::string text, int (*change)(int)) {
-  std::ranges::transform(text, text.begin(), [&](char c) {
-    return static_cast<char>(change(static_cast<unsigned char>(c)));
-  });
-  return text;
-}
-
-int ascii_lower(int c) { return c >= 'A' && c <= 'Z' ? c + 32 : c; }
-int ascii_upper(int c) { return c >= 'a' && c <= 'z' ? c - 32 : c; }
 
 Result<DomainId> read_domain_id(XmlElement element) {
   const std::string text = DDSSEC_TRY(element.nonempty_text());
@@ -120,7 +111,7 @@ Result<XmlElement> document_body(const XmlDocument& document, std::string_view n
 
 Result<bool> read_boolean(ReadContext& context, XmlElement element) {
   const std::string text = DDSSEC_TRY(element.nonempty_text());
-  const std::string lower = with_case(text, ascii_lower);
+  const std::string lower = ascii_lower(text);
   const bool value = lower == "true" || lower == "1";
   if (!value && lower != "false" && lower != "0") {
     return fail(Code::value_not_boolean, {.line = element.line(),
@@ -138,7 +129,7 @@ Result<bool> read_boolean(ReadContext& context, XmlElement element) {
 Result<ProtectionKind> read_protection_kind(ReadContext& context, XmlElement element, bool basic) {
   const std::string text = DDSSEC_TRY(element.nonempty_text());
   note_padding(context, element);
-  const std::string upper = with_case(text, ascii_upper);
+  const std::string upper = ascii_upper(text);
   const auto kind = protection_kind_from(upper);
   if (!kind || (basic && is_origin_authenticated(*kind))) {
     return fail(Code::value_not_protection_kind,

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "base/text.hpp"
+
 namespace ddssec::pki {
 namespace {
 
@@ -16,19 +18,6 @@ constexpr std::size_t kMostBoundaryOctets = 70;  // RFC 2046 5.1.1
 
 Error refusal(Code code, std::string expected, std::string_view found = {}) {
   return Error(code, {.expected = std::move(expected), .found = std::string(found.substr(0, 128))});
-}
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == text.npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
-std::string lower(std::string_view text) {
-  std::string out(text);
-  std::ranges::transform(out, out.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
-  return out;
 }
 
 // The next line without its break; `text` moves behind it.
@@ -66,7 +55,8 @@ Result<std::vector<Header>> take_headers(std::string_view& text) {
     const auto colon = line.find(':');
     if (colon == line.npos || !is_header_name(line.substr(0, colon)))
       return std::unexpected(refusal(Code::smime_malformed, "a header line", line));
-    headers.push_back({lower(line.substr(0, colon)), std::string(trimmed(line.substr(colon + 1)))});
+    headers.push_back(
+        {ascii_lower(line.substr(0, colon)), std::string(trimmed(line.substr(colon + 1)))});
   }
   return std::unexpected(refusal(Code::smime_malformed, "a short header and a blank line"));
 }
@@ -112,14 +102,14 @@ Result<MediaType> parse_media_type(std::string_view text) {
     return std::unexpected(refusal(Code::smime_content_type, "a well-formed Content-Type", text));
   };
   const auto end = std::min(text.find(';'), text.size());
-  MediaType out{lower(trimmed(text.substr(0, end))), {}};
+  MediaType out{ascii_lower(trimmed(text.substr(0, end))), {}};
   for (auto rest = trimmed(text.substr(end)); !rest.empty(); rest = trimmed(rest)) {
     if (rest[0] != ';') return bad();
     rest = trimmed(rest.substr(1));
     if (rest.empty()) break;
     const auto equals = rest.find('=');
     if (equals == rest.npos || !is_header_name(trimmed(rest.substr(0, equals)))) return bad();
-    auto name = lower(trimmed(rest.substr(0, equals)));
+    auto name = ascii_lower(trimmed(rest.substr(0, equals)));
     rest = trimmed(rest.substr(equals + 1));
     auto value = take_parameter_value(rest);
     const bool twice =
@@ -141,7 +131,7 @@ Result<std::string> boundary_of(const std::vector<Header>& headers) {
   if (type.type != "multipart/signed")
     return std::unexpected(
         refusal(Code::smime_not_multipart, "Content-Type: multipart/signed", text));
-  if (const auto protocol = lower(type.parameter("protocol")); !is_pkcs7_signature(protocol))
+  if (const auto protocol = ascii_lower(type.parameter("protocol")); !is_pkcs7_signature(protocol))
     return std::unexpected(
         refusal(Code::smime_content_type, "protocol application/x-pkcs7-signature", protocol));
   auto boundary = type.parameter("boundary");
@@ -210,7 +200,7 @@ Result<std::string_view> signature_text(std::string_view part) {
     return std::unexpected(
         refusal(Code::smime_content_type, "application/x-pkcs7-signature", text));
   const auto encoding = DDSSEC_TRY(only_header(headers, "content-transfer-encoding"));
-  if (lower(encoding) != "base64")
+  if (ascii_lower(encoding) != "base64")
     return std::unexpected(
         refusal(Code::smime_content_type, "Content-Transfer-Encoding: base64", encoding));
   return part;
@@ -275,9 +265,9 @@ Result<std::size_t> text_header_octets(std::string_view canonical_part) {
   const auto text = DDSSEC_TRY(only_header(*headers, "content-type"));
   const auto type = DDSSEC_TRY(parse_media_type(text));
   const auto encoding = DDSSEC_TRY(only_header(*headers, "content-transfer-encoding"));
-  if (type.type != "text/plain" || !is_plain_charset(lower(type.parameter("charset"))))
+  if (type.type != "text/plain" || !is_plain_charset(ascii_lower(type.parameter("charset"))))
     return bad(text);
-  if (!is_plain_encoding(lower(encoding))) return bad(encoding);
+  if (!is_plain_encoding(ascii_lower(encoding))) return bad(encoding);
   return canonical_part.size() - rest.size();
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "base/text.hpp"
 #include "pki/openssl.hpp"
 
 namespace ddssec::pki {
@@ -13,19 +14,6 @@ constexpr std::string_view kBlanks = " \t\r\n";
 Error malformed(std::string note, std::string_view found) {
   return Error(Code::subject_name_malformed,
                {.found = std::string(found.substr(0, 256)), .note = std::move(note)});
-}
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(kBlanks);
-  if (first == text.npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
-
-std::string upper(std::string_view text) {
-  std::string out(text);
-  std::ranges::transform(out, out.begin(),
-                         [](char c) { return c >= 'a' && c <= 'z' ? char(c - 'a' + 'A') : c; });
-  return out;
 }
 
 std::string type_name(const ASN1_OBJECT* object) {
@@ -46,7 +34,7 @@ std::optional<std::string> canonical_type(std::string_view text) {
   };
   constexpr std::size_t kMostTypeOctets = 64;
   if (text.empty() || text.size() > kMostTypeOctets) return std::nullopt;
-  const auto capitals = upper(text);
+  const auto capitals = ascii_upper(text);
   if (capitals == "E" || capitals == "EMAIL" || capitals == "EMAILADDRESS")
     return OBJ_nid2sn(NID_pkcs9_emailAddress);
   if (capitals == "S") return OBJ_nid2sn(NID_stateOrProvinceName);
@@ -100,7 +88,7 @@ class Rfc4514 {
   Result<NameAttribute> attribute() {
     const auto equals = text_.find('=', at_);
     if (equals == text_.npos) return std::unexpected(malformed("there is no '='", text_));
-    const auto type = trimmed(text_.substr(at_, equals - at_));
+    const auto type = trimmed(text_.substr(at_, equals - at_), kBlanks);
     auto name = canonical_type(type);
     if (!name) return std::unexpected(malformed("the attribute type is unknown", type));
     at_ = equals + 1;
@@ -135,7 +123,7 @@ class Rfc4514 {
 
   Result<std::string> hexadecimal() {
     const auto end = std::min(text_.find_first_of(",+", at_), text_.size());
-    auto value = hex_value(trimmed(text_.substr(at_ + 1, end - at_ - 1)));
+    auto value = hex_value(trimmed(text_.substr(at_ + 1, end - at_ - 1), kBlanks));
     if (!value) return std::unexpected(malformed("a '#' value is no DER text", text_));
     at_ = end;
     return *std::move(value);
@@ -187,7 +175,7 @@ std::size_t next_slash_type(std::string_view text, std::size_t from) {
     if (at > 0 && text[at - 1] == '\\') continue;
     const auto equals = text.find('=', at);
     if (equals == text.npos) return text.npos;
-    if (canonical_type(trimmed(text.substr(at + 1, equals - at - 1)))) return at;
+    if (canonical_type(trimmed(text.substr(at + 1, equals - at - 1), kBlanks))) return at;
   }
   return text.npos;
 }
@@ -225,8 +213,8 @@ Result<std::vector<NameAttribute>> parse_one_line(std::string_view text) {
     if (out.size() == kMostNameAttributes) return std::unexpected(too_many(text));
     const auto equals = text.find('=', at);
     const auto next = next_slash_type(text, equals);
-    auto type = canonical_type(trimmed(text.substr(at + 1, equals - at - 1)));
-    const auto value = trimmed(text.substr(equals + 1, next - equals - 1));
+    auto type = canonical_type(trimmed(text.substr(at + 1, equals - at - 1), kBlanks));
+    const auto value = trimmed(text.substr(equals + 1, next - equals - 1), kBlanks);
     out.push_back({*std::move(type), DDSSEC_TRY(unescape_one_line(value))});
     at = next;
   }

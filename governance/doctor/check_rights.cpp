@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text.hpp"
 #include "governance/decision.hpp"
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/subject_form.hpp"
@@ -49,20 +50,6 @@ std::vector<Candidate> candidates(const Permissions& permissions,
     if (outcomes != kNobody) out.push_back({&grant, outcomes});
   }
   return out;
-}
-
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t corner = row[0]++;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const auto best = std::min({row[j], row[j - 1], corner - (a[i - 1] == b[j - 1])}) + 1;
-      corner = row[j];
-      row[j] = best;
-    }
-  }
-  return row.back();
 }
 
 // The grant whose subject is written most like the certificate's.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "base/text.hpp"
+
 namespace ddssec::rtps {
 namespace {
 
@@ -19,7 +21,6 @@ constexpr bool is_of_name(char c) { return begins_name(c) || is_digit(c); }
 constexpr bool is_hex(char c) {
   return is_digit(c) || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F');
 }
-constexpr char upper(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c; }
 
 struct Keyword {
   std::string_view text;
@@ -75,7 +76,7 @@ Result<FilterToken> FilterLexer::word() {
   auto length = span_of(rest(), is_of_name);
   const auto first = rest().substr(0, length);
   for (const auto& keyword : kKeywords)
-    if (std::ranges::equal(first, keyword.text, {}, upper)) return take(keyword.kind, length);
+    if (ascii_upper(first) == keyword.text) return take(keyword.kind, length);
   while (rest().substr(length).starts_with('.')) {
     const auto name = rest().substr(length + 1);
     if (name.empty() || !begins_name(name.front()))
@@ -106,7 +107,7 @@ Result<FilterToken> FilterLexer::number() {
       ++length;
       good = digits(is_digit) > 0 || good;
     }
-    if (good && length < text.size() && upper(text[length]) == 'E') {
+    if (good && length < text.size() && ascii_upper(text[length]) == 'E') {
       kind = Kind::real;
       ++length;
       if (length < text.size() && (text[length] == '+' || text[length] == '-')) ++length;
