@@ -26,12 +26,13 @@ Result<spi::PropertyList> folder_properties(const std::filesystem::path& path) {
   add(property::kPermissionsCa, folder.permissions_ca);
   add(property::kGovernance, folder.governance);
   add(property::kPermissions, folder.permissions);
-  // A link to nothing is a list that somebody meant to be there.
-  if (std::filesystem::symlink_status(folder.crl, error).type() >
-      std::filesystem::file_type::not_found)
-    add(property::kCrl, folder.crl);
-  if (std::filesystem::symlink_status(folder.properties, error).type() >
-      std::filesystem::file_type::not_found)
+  // A link to nothing is a file that somebody meant to be there.
+  const auto is_meant = [&](const std::filesystem::path& file) {
+    return std::filesystem::symlink_status(file, error).type() >
+           std::filesystem::file_type::not_found;
+  };
+  if (is_meant(folder.crl)) add(property::kCrl, folder.crl);
+  if (is_meant(folder.properties))
     std::ranges::move(DDSSEC_TRY(spi::read_property_file(folder.properties)),
                       std::back_inserter(out));
   return out;
