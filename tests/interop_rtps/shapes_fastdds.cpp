@@ -22,21 +22,14 @@ class FinalShape final : public ShapeType {
  public:
   FinalShape() { setName("ShapeType"); }
   bool serialize(void* data, rtps::SerializedPayload_t* payload) override {
-    const bool done = ShapeType::serialize(data, payload);
-    payload->length -= 4;  // the count of no payload
-    return done;
+    const Shape& shape = *static_cast<Shape*>(data);
+    return write_cdr(
+        *payload, [&](Cdr& cdr) { cdr << shape.color << shape.x << shape.y << shape.shapesize; });
   }
   bool deserialize(rtps::SerializedPayload_t* payload, void* data) override {
     Shape& shape = *static_cast<Shape*>(data);
-    FastBuffer buffer(reinterpret_cast<char*>(payload->data), payload->length);
-    Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
-    try {
-      cdr.read_encapsulation();
-      cdr >> shape.color >> shape.x >> shape.y >> shape.shapesize;
-    } catch (const eprosima::fastcdr::exception::Exception&) {
-      return false;
-    }
-    return true;
+    return read_cdr(*payload,
+                    [&](Cdr& cdr) { cdr >> shape.color >> shape.x >> shape.y >> shape.shapesize; });
   }
 };
 

@@ -3,8 +3,6 @@
 #ifndef DDSSEC_INTEROP_FASTDDS_SHAPE_HPP
 #define DDSSEC_INTEROP_FASTDDS_SHAPE_HPP
 
-#include <fastcdr/Cdr.h>
-#include <fastcdr/FastBuffer.h>
 #include <fastdds/dds/domain/qos/DomainParticipantQos.hpp>
 #include <fastdds/dds/log/Log.hpp>
 #include <fastdds/dds/log/StdoutErrConsumer.hpp>
@@ -16,12 +14,12 @@
 #include <string>
 #include <vector>
 
+#include "interop/peers/fastdds_cdr.hpp"
+
 namespace interop_fast {
 
 namespace fdds = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
-using eprosima::fastcdr::Cdr;
-using eprosima::fastcdr::FastBuffer;
 using eprosima::fastrtps::Duration_t;
 
 struct Shape {
@@ -32,7 +30,7 @@ struct Shape {
   std::vector<uint8_t> payload = {};
 };
 
-// shape.idl in XCDR1, by hand: Debian has no Fast DDS code generator.
+// shape.idl in XCDR1.
 class ShapeType : public fdds::TopicDataType {
  public:
   ShapeType() {
@@ -45,31 +43,16 @@ class ShapeType : public fdds::TopicDataType {
 
   bool serialize(void* data, rtps::SerializedPayload_t* payload) override {
     const Shape& shape = *static_cast<Shape*>(data);
-    FastBuffer buffer(reinterpret_cast<char*>(payload->data), payload->max_size);
-    Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
-    payload->encapsulation = cdr.endianness() == Cdr::BIG_ENDIANNESS ? CDR_BE : CDR_LE;
-    try {
-      cdr.serialize_encapsulation();
+    return write_cdr(*payload, [&](Cdr& cdr) {
       cdr << shape.color << shape.x << shape.y << shape.shapesize << shape.payload;
-    } catch (const eprosima::fastcdr::exception::Exception&) {
-      return false;
-    }
-    payload->length = static_cast<uint32_t>(cdr.getSerializedDataLength());
-    return true;
+    });
   }
 
   bool deserialize(rtps::SerializedPayload_t* payload, void* data) override {
     Shape& shape = *static_cast<Shape*>(data);
-    FastBuffer buffer(reinterpret_cast<char*>(payload->data), payload->length);
-    Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
-    try {
-      cdr.read_encapsulation();
-      payload->encapsulation = cdr.endianness() == Cdr::BIG_ENDIANNESS ? CDR_BE : CDR_LE;
+    return read_cdr(*payload, [&](Cdr& cdr) {
       cdr >> shape.color >> shape.x >> shape.y >> shape.shapesize >> shape.payload;
-    } catch (const eprosima::fastcdr::exception::Exception&) {
-      return false;
-    }
-    return true;
+    });
   }
 
   std::function<uint32_t()> getSerializedSizeProvider(void* data) override {
