@@ -47,6 +47,8 @@ void add_qos(CLI::App& app, Options& o) {
                    {"t", rtps::DurabilityKind::transient},
                    {"p", rtps::DurabilityKind::persistent}},
              "durability: VOLATILE, TRANSIENT_LOCAL, TRANSIENT, PERSISTENT");
+  app.add_option("--durability-directory", o.durability_directory,
+                 "with -D p: where a publisher keeps its samples; without, they end with it");
   add_choice(app, "-x", o.representation,
              Representations{{"1", rtps::DataRepresentation::xcdr1},
                              {"2", rtps::DataRepresentation::xcdr2}},

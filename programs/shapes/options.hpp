@@ -27,6 +27,7 @@ struct Options {
   std::string partition;
   rtps::DurabilityKind durability = rtps::DurabilityKind::volatile_;
   rtps::DataRepresentation representation = rtps::DataRepresentation::xcdr1;
+  std::string durability_directory;  ///< empty: samples last as long as the publisher
   bool print_written = false;
   std::int32_t size = 20;  ///< 0: grows by one a write
   bool read = false;       ///< instead of take

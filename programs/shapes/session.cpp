@@ -1,8 +1,10 @@
 #include "programs/shapes/session.hpp"
 
+#include <algorithm>
 #include <csignal>
 #include <cstdarg>
 #include <cstdio>
+#include <filesystem>
 
 #include "rtps/transport/interfaces.hpp"
 
@@ -110,6 +112,7 @@ Status Session::open() {
                                         .interface = interface,
                                         .multicast = true,
                                         .peers = {interface}};
+  wanted.durability_store = DDSSEC_TRY(store());
   if (options_.announcement_period)
     wanted.announcement_period = std::chrono::milliseconds(*options_.announcement_period);
   if (options_.fragment_size) wanted.fragment_size = *options_.fragment_size;
@@ -124,6 +127,23 @@ Status Session::open() {
   participant_ = DDSSEC_TRY(std::move(created));
   participant_->set_listener(&lines_);
   return {};
+}
+
+// A store is one process's: each topic and colour has its own.
+Result<std::string> Session::store() const {
+  if (!options_.publish || options_.durability != rtps::DurabilityKind::persistent ||
+      options_.durability_directory.empty())
+    return std::string();
+  auto name = options_.topic + "-" + options_.color;
+  std::ranges::replace(name, '/', '_');
+  const std::filesystem::path directory(options_.durability_directory);
+  std::error_code error;
+  std::filesystem::create_directories(directory, error);
+  if (error)
+    return fail(Code::rtps_store_unusable, {.document = directory,
+                                            .expected = "a directory that can be written",
+                                            .found = error.message()});
+  return (directory / ("shapes-" + std::to_string(options_.domain) + "-" + name)).string();
 }
 
 Session::~Session() {
@@ -154,6 +174,7 @@ rtps::Qos Session::common_qos() const {
   } else if (options_.history_depth) {
     qos.history.depth = *options_.history_depth;
   }
+  qos.durability_service.history = qos.history;
   if (options_.deadline.value_or(0) > 0) qos.deadline = duration_of(*options_.deadline);
   if (options_.ownership_strength >= 0) qos.ownership = rtps::OwnershipKind::exclusive;
   return qos;

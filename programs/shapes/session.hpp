@@ -76,6 +76,8 @@ class Session final : private EventSink {
 
  private:
   void raise(const Event& event) override;
+  /// The file of --durability-directory; empty: none. Errors: rtps_store_unusable.
+  Result<std::string> store() const;
   rtps::Qos common_qos() const;
 
   const Options options_;

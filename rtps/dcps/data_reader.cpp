@@ -40,6 +40,7 @@ void AnyDataReader::make_cache() {
 
 Result<Guid> AnyDataReader::create(Participant::EndpointRequest request) {
   choose_presenter(request.qos.presentation);
+  if (qos_.durability != DurabilityKind::volatile_) seen_.emplace();
   if (filtered_topic_ != nullptr) request.content_filter = filtered_topic_->property();
   return context_.protocol().create_reader(std::move(request), *this, context_.now());
 }

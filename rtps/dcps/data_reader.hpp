@@ -6,6 +6,7 @@
 #include "rtps/dcps/liveliness.hpp"
 #include "rtps/dcps/presenter.hpp"
 #include "rtps/dcps/sample_access.hpp"
+#include "rtps/dcps/seen_originals.hpp"
 
 namespace ddssec::rtps {
 
@@ -112,6 +113,7 @@ class AnyDataReader : public Endpoint, private PresentedReader {
   std::optional<ReaderCache> cache_;
   ContentFilteredTopic* filtered_topic_ = nullptr;
   std::optional<BoundFilter> filter_;
+  std::optional<SeenOriginals> seen_;  ///< of who asks for history
   LivelinessMonitor liveliness_;
   Presenter* presenter_ = nullptr;  ///< own, or the subscriber's; nothing: not needed
   std::unique_ptr<Presenter> own_presenter_;

@@ -45,6 +45,7 @@ void AnyDataReader::on_group(const Guid& writer, SequenceNumber group) {
 }
 
 bool AnyDataReader::store(Change& change) {
+  if (seen_ && seen_->contains(change.origin())) return true;
   if (filter_ && change.is_alive() && !passes_filter(change)) return true;
   const auto& type = topic_.type();
   if (type.with_key && !change.key_hash && type.key_hash) change.key_hash = type.key_hash(change);
@@ -55,9 +56,11 @@ bool AnyDataReader::store(Change& change) {
   // The end of an instance of which nothing passed the filter is not news.
   if (filter_ && !change.is_alive() && cache_->lookup(change.key_hash.value_or(KeyHash{})).is_nil())
     return true;
+  const auto origin = change.origin();
   const auto stored = cache_->store(change, context_.moment());
   call_at(cache_->next_tick());
   if (stored.outcome == ReaderCache::Outcome::rejected) return reject(change, stored);
+  if (seen_) seen_->add(origin);
   if (stored.outcome == ReaderCache::Outcome::stored) data_came();
   context_.attend();
   return true;

@@ -173,6 +173,7 @@ class DomainParticipant final : private ParticipantContext::Server,
  private:
   friend class AnyDataReader;
   friend class AnyDataWriter;
+  friend class Keeper;
   friend class Subscriber;
   friend class Topic;
   class Sockets;

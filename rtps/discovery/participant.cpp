@@ -331,11 +331,13 @@ Result<Guid> Participant::create_writer(EndpointRequest request, EndpointListene
   DDSSEC_TRY(check_consistency(request.qos));
   const auto kind = request.with_key ? EndpointKind::writer_with_key : EndpointKind::writer_no_key;
   auto history = std::move(request.history);
+  const bool history_only = request.history_only;
   auto data = local_data(std::move(request), kind);
   const auto guid = data.guid;
   if (security_) DDSSEC_TRY(secure_endpoint(data));
   auto protocol = std::make_unique<StatefulWriter>(guid, data.qos, sender_, &timers_);
   for (auto& change : history) protocol->write(std::move(change), now);
+  if (history_only) protocol->serve_history_only();
   protocol->on_acknowledged([&listener] { listener.on_acknowledged(); });
   auto& local = writers_[guid.entity] = {std::move(data), &listener, std::move(protocol), {}};
   topics_[local.data.topic_name].writers.push_back(&local);

@@ -133,6 +133,7 @@ class Participant final : private SecurityHost {
     TypeDescription type = {};
     std::optional<ContentFilterProperty> content_filter = {};  ///< a reader's
     std::vector<Change> history = {};  ///< a writer's, from before: only for who asks for history
+    bool history_only = false;         ///< a writer's: see StatefulWriter::serve_history_only
     std::optional<Guid> group = {};    ///< of a publisher with GROUP access
   };
   Result<Guid> create_writer(EndpointRequest request, EndpointListener& listener,

@@ -12,7 +12,7 @@ namespace ddssec::rtps {
 namespace {
 
 constexpr std::int64_t kApplicationId = 0x44445353;  // "DDSS"
-constexpr std::int64_t kVersion = 1;
+constexpr std::int64_t kVersion = 2;
 constexpr std::size_t kPageSize = 4096;
 constexpr std::size_t kSumSize = 8;
 constexpr std::size_t kLargestPayload = 64u << 20;
@@ -23,7 +23,8 @@ constexpr std::string_view kSchema[] = {
     "UNIQUE(domain, topic, type, partition, ordinal))",
     "CREATE TABLE sample(id INTEGER PRIMARY KEY, stream INTEGER NOT NULL, key BLOB NOT NULL, "
     "keyed INTEGER NOT NULL, disposed INTEGER NOT NULL, seconds INTEGER NOT NULL, "
-    "fraction INTEGER NOT NULL, payload BLOB NOT NULL, sum BLOB NOT NULL)",
+    "fraction INTEGER NOT NULL, writer BLOB NOT NULL, number INTEGER NOT NULL, "
+    "payload BLOB NOT NULL, sum BLOB NOT NULL)",
     "CREATE INDEX sample_of_stream ON sample(stream, id)"};
 
 std::size_t limit_of(std::int32_t value, std::size_t otherwise) {
@@ -45,9 +46,11 @@ Bytes partition_octets(const std::vector<std::string>& names) {
 std::array<std::uint8_t, kSumSize> sum_of(std::int64_t row, StreamId stream, const Change& change) {
   const auto key = change.key_hash.value_or(KeyHash{});
   const auto time = change.source_time.value_or(Time{});
+  const auto origin = change.origin();
   Bytes head(key.begin(), key.end());
-  for (const std::int64_t number :
-       {row, stream.value, std::int64_t{time.seconds}, std::int64_t{time.fraction}})
+  std::ranges::copy(origin.writer.octets(), std::back_inserter(head));
+  for (const std::int64_t number : {row, stream.value, std::int64_t{time.seconds},
+                                    std::int64_t{time.fraction}, origin.number.value})
     for (int shift = 0; shift < 64; shift += 8)
       head.push_back(static_cast<std::uint8_t>(static_cast<std::uint64_t>(number) >> shift));
   head.push_back(
@@ -104,9 +107,10 @@ Status SampleStore::prepare(std::size_t most_octets) {
       DDSSEC_TRY(create_schema());
     DDSSEC_TRY(transaction.commit());
   }
-  insert_ = DDSSEC_TRY(database_.prepare(
-      "INSERT INTO sample(stream, key, keyed, disposed, seconds, fraction, payload, sum, id) "
-      "VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?)"));
+  insert_ =
+      DDSSEC_TRY(database_.prepare("INSERT INTO sample(stream, key, keyed, disposed, seconds, "
+                                   "fraction, payload, sum, id, writer, "
+                                   "number) VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"));
   last_row_ = DDSSEC_TRY(database_.number("SELECT coalesce(max(id), 0) FROM sample"));
   erase_ = DDSSEC_TRY(database_.prepare("DELETE FROM sample WHERE id = ?"));
   return {};
@@ -211,20 +215,23 @@ std::unexpected<Error> SampleStore::damaged(std::int64_t row) const {
 
 Result<std::vector<Change>> SampleStore::load(StreamId stream) {
   auto rows = DDSSEC_TRY(
-      database_.prepare("SELECT id, key, keyed, disposed, seconds, fraction, payload, sum "
-                        "FROM sample WHERE stream = ? ORDER BY id"));
+      database_.prepare("SELECT id, key, keyed, disposed, seconds, fraction, payload, sum, "
+                        "writer, number FROM sample WHERE stream = ? ORDER BY id"));
   rows.bind(1, stream.value);
   std::vector<Change> out;
   while (DDSSEC_TRY(rows.step())) {
     Change change;
-    const auto key = rows.octets(1), payload = rows.octets(6);
-    if (key.size() != KeyHash{}.size() || payload.size() > kLargestPayload)
+    const auto key = rows.octets(1), payload = rows.octets(6), writer = rows.octets(8);
+    if (key.size() != KeyHash{}.size() || payload.size() > kLargestPayload ||
+        writer.size() != Guid{}.octets().size())
       return damaged(rows.number(0));
     if (rows.number(2) != 0) std::ranges::copy(key, change.key_hash.emplace().begin());
     change.status.disposed = rows.number(3) != 0;
     change.key_only = change.status.disposed;
     change.source_time = Time{
         {static_cast<std::int32_t>(rows.number(4)), static_cast<std::uint32_t>(rows.number(5))}};
+    change.original = {{GuidPrefix::from(writer.first(12)), EntityId::from(writer.subspan(12))},
+                       {rows.number(9)}};
     change.payload = Payload::copy_of(payload);
     if (!std::ranges::equal(sum_of(rows.number(0), stream, change), rows.octets(7)))
       return damaged(rows.number(0));
@@ -280,6 +287,8 @@ Status SampleStore::add(StreamId id, Stream& stream, const Change& change, Time 
   stored.source_time = time;
   stored.status.unregistered = false;
   const auto sum = sum_of(++last_row_, id, stored);
+  const auto origin = change.origin();
+  const auto writer = origin.writer.octets();
   DDSSEC_TRY(insert_.bind(1, id.value)
                  .bind(2, BytesView(key))
                  .bind(3, std::int64_t{change.key_hash.has_value()})
@@ -289,6 +298,8 @@ Status SampleStore::add(StreamId id, Stream& stream, const Change& change, Time 
                  .bind(7, change.payload.view())
                  .bind(8, BytesView(sum))
                  .bind(9, last_row_)
+                 .bind(10, BytesView(writer))
+                 .bind(11, origin.number.value)
                  .run());
   stream.instances[key].push_back(last_row_);
   ++stream.samples;

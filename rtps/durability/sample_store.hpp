@@ -52,8 +52,8 @@ class SampleStore {
   /// The stream of a writer, new or with what it held; how much is kept of it from now on `service`
   /// says. Errors: rtps_store_failed, rtps_store_unusable.
   Result<StreamId> stream(const StreamKey& key, const DurabilityService& service);
-  /// In the order in which they were stored, oldest first, without sequence numbers and writer.
-  /// Errors: rtps_store_unusable (one is not what was stored), rtps_store_failed.
+  /// In the order in which they were stored, oldest first, each as its original writer's. Errors:
+  /// rtps_store_unusable (one is not what was stored), rtps_store_failed.
   Result<std::vector<Change>> load(StreamId stream);
   /// All of them or, if it fails, none. What exceeds DURABILITY_SERVICE's limits is left out and
   /// counted; with KEEP_LAST the oldest goes instead. Disposed instances go when

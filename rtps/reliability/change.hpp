@@ -20,6 +20,12 @@ struct Change {
   bool key_only = false;  ///< the payload is a serialized key
   Payload payload;        ///< with its encapsulation
   Coherence coherence = {};
+  Original original = {};
+
+  /// Who wrote it, as which number, whoever sent it.
+  Original origin() const {
+    return original.number.value > 0 ? original : Original{writer, sequence_number};
+  }
 
   bool is_alive() const { return status == StatusInfo{}; }
   /// Ends a coherent set, and is nothing else.

@@ -18,8 +18,8 @@ void StatefulWriter::set_filter(const Guid& reader, std::shared_ptr<ChangeFilter
 }
 
 void StatefulWriter::count_filters() {
-  filters_ = static_cast<std::size_t>(
-      std::ranges::count_if(readers_, [](const auto& p) { return p.reader.filter != nullptr; }));
+  filters_ = static_cast<std::size_t>(std::ranges::count_if(
+      readers_, [](const auto& p) { return p.reader.filter != nullptr || p.until.value != 0; }));
 }
 
 // Disposed and unregistered instances concern all: 8.7.4 asks for less, and a reader knows best

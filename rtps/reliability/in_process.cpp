@@ -38,7 +38,8 @@ void StatefulWriter::feed(ReaderProxy& proxy) {
   auto number = std::max(proxy.acknowledged.next(), history_.first());
   for (; number <= history_.last(); number = number.next()) {
     const auto* change = history_.find(number);
-    if (change != nullptr && !proxy.local->offer(*change)) break;
+    const bool beyond = proxy.until.value != 0 && number >= proxy.until;
+    if (change != nullptr && !beyond && !proxy.local->offer(*change)) break;
   }
   proxy.acknowledged = number.previous();
   proxy.local->skip(guid_, number);

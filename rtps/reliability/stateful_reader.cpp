@@ -60,7 +60,8 @@ Change StatefulReader::change_of(const GuidPrefix& from, const Data& data,
              time,
              data.kind == PayloadKind::key,
              Payload::copy_of(data.payload),
-             data.inline_qos.coherence};
+             data.inline_qos.coherence,
+             data.inline_qos.original};
   if (guid_.entity == kVolatileMessageReader) out.payload.wipe_at_end();
   return out;
 }
@@ -186,7 +187,8 @@ StatefulReader::Partial* StatefulReader::partial_of(WriterProxy& proxy, const Da
                     time,
                     frag.is_key,
                     Payload::uninitialized(frag.sample_size),
-                    frag.inline_qos.coherence};
+                    frag.inline_qos.coherence,
+                    frag.inline_qos.original};
   partial.fragment_size = frag.fragment_size;
   partial.have = Payload::uninitialized(frag.total());
   std::ranges::fill(partial.have.fill(), std::uint8_t{0});

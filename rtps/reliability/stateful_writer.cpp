@@ -43,11 +43,15 @@ int samples_per_question(const Qos& qos) {
   return out;
 }
 
-InlineQos inline_qos_of(const Change& change, std::span<const FilterResult> filters) {
+InlineQos inline_qos_of(const Change& change, DurabilityKind durability,
+                        std::span<const FilterResult> filters) {
   // Alive samples carry their key in the payload; a dispose needs the hash (Fast DDS ignores
-  // others).
-  if (change.is_alive()) return {{}, {}, change.coherence, {filters}};
-  return {change.key_hash, change.status, change.coherence, {}};
+  // others), and so does who keeps samples without knowing their type.
+  if (!change.is_alive())
+    return {change.key_hash, change.status, change.coherence, change.original, {}};
+  const bool is_kept = durability >= DurabilityKind::transient;
+  return {
+      is_kept ? change.key_hash : std::nullopt, {}, change.coherence, change.original, {filters}};
 }
 
 PayloadKind kind_of(const Change& change) {
@@ -102,6 +106,7 @@ void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
   const bool history = reader.wants_history && qos_.durability >= DurabilityKind::transient_local;
   ReaderProxy proxy{std::move(reader), history ? history_.first() : next, {}, 0, 0, {}, {}, {}};
   proxy.acknowledged = proxy.first_relevant.previous();
+  if (history_only_) proxy.until = next;
   readers_.push_back(std::move(proxy));
   count_filters();
   rebuild_locators();
@@ -210,7 +215,7 @@ void StatefulWriter::send_change(const Destination& to, const EntityId& reader,
   const Data data{reader,
                   guid_.entity,
                   change.sequence_number,
-                  inline_qos_of(change, filter_results_),
+                  inline_qos_of(change, qos_.durability, filter_results_),
                   kind_of(change),
                   change.payload.view()};
   sender_.add(to, InfoTimestamp{change.source_time}, data);
@@ -229,7 +234,7 @@ void StatefulWriter::send_fragment(const Destination& to, const EntityId& reader
                       1,
                       sender_.fragment_size(),
                       static_cast<std::uint32_t>(octets.size()),
-                      inline_qos_of(change, filter_results_),
+                      inline_qos_of(change, qos_.durability, filter_results_),
                       change.key_only,
                       octets.subspan(begin, size)};
   sender_.add(to, InfoTimestamp{change.source_time}, frag);

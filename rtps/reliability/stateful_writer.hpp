@@ -56,6 +56,8 @@ class StatefulWriter final : private Timed {
 
   /// A reliable reader is told at once what there is.
   void match(MatchedReader reader, MonotonicTime now);
+  /// Readers that match from now on get what is held then, and nothing later.
+  void serve_history_only() { history_only_ = true; }
   void unmatch(const Guid& reader);
   /// Another filter of a matched reader, for what is sent from now on.
   void set_filter(const Guid& reader, std::shared_ptr<ChangeFilter> filter);
@@ -128,7 +130,9 @@ class StatefulWriter final : private Timed {
     bool wanted = true;  ///< the last change passed its filter
     /// It was not told yet that from here on nothing passed its filter; or 0.
     SequenceNumber filtered_from = {};
+    SequenceNumber until = {};  ///< it gets nothing from here on; 0: everything
     bool accepts(const Change& change) const {
+      if (until.value != 0 && change.sequence_number >= until) return false;
       return !reader.filter || !change.is_alive() || reader.filter->passes(change);
     }
   };
@@ -173,8 +177,9 @@ class StatefulWriter final : private Timed {
   std::function<void()> on_acknowledged_;
   const WriterGroup* group_ = nullptr;
   bool held_back_ = false;
-  SequenceNumber held_from_;                    ///< the first that was not sent
-  std::size_t filters_ = 0;                     ///< readers that have one
+  SequenceNumber held_from_;  ///< the first that was not sent
+  bool history_only_ = false;
+  std::size_t filters_ = 0;                     ///< readers that do not get everything
   LocatorList wanted_locators_, locators_now_;  ///< of whoever wanted the last change
   std::vector<FilterResult> filter_results_;
   std::int32_t heartbeat_count_ = 0;

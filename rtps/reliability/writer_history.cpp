@@ -1,11 +1,30 @@
 #include "rtps/reliability/writer_history.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace ddssec::rtps {
+namespace {
+
+// What a late joiner gets of a durable writer DURABILITY_SERVICE says, whatever HISTORY keeps for
+// those that are there (DDS 1.4, 2.2.3.5).
+History kept_by(const Qos& qos) {
+  auto out = qos.history;
+  const auto& service = qos.durability_service;
+  if (qos.durability < DurabilityKind::transient || out.kind == HistoryKind::keep_all) return out;
+  const auto most = service.limits.max_samples_per_instance;
+  const auto unlimited = std::numeric_limits<std::int32_t>::max();
+  out.depth =
+      std::max(out.depth, service.history.kind == HistoryKind::keep_last ? service.history.depth
+                          : most == kLengthUnlimited                     ? unlimited
+                                                                         : most);
+  return out;
+}
+
+}  // namespace
 
 WriterHistory::WriterHistory(const Qos& qos)
-    : history_(qos.history),
+    : history_(kept_by(qos)),
       most_changes_(qos.resource_limits.max_samples == kLengthUnlimited
                         ? kMostChanges
                         : static_cast<std::size_t>(qos.resource_limits.max_samples)),

@@ -1,5 +1,7 @@
 #include "rtps/wire/inline_qos.hpp"
 
+#include "rtps/wire/submessage.hpp"
+
 namespace ddssec::rtps {
 namespace {
 
@@ -19,6 +21,15 @@ Result<SequenceNumber> read_number(BytesView value, Endian endian) {
   if (number == kUnknown) return SequenceNumber{};
   if (!is_valid(number)) return fail(Code::rtps_number_invalid);
   return number;
+}
+
+// GUID and number; the list that may follow has nothing for us.
+Result<Original> read_original(BytesView value, Endian endian) {
+  if (value.size() < 24) return fail(Code::rtps_parameter_invalid);
+  Reader reader(value, endian);
+  Original out{DDSSEC_TRY(read_guid(reader)), {}};
+  out.number = DDSSEC_TRY(read_sequence_number(reader));
+  return out;
 }
 
 // Which number of Coherence a parameter is, or nullptr.
@@ -61,6 +72,8 @@ Result<InlineQos> read_inline_qos(BytesView list, Endian endian) {
     } else if (parameter->id == pid::kWriterGroupInfo) {
       if (value.size() < 4) return fail(Code::rtps_parameter_invalid);
       std::copy_n(value.begin(), 4, qos.coherence.writers.begin());
+    } else if (parameter->id == pid::kOriginalWriterInfo) {
+      qos.original = DDSSEC_TRY(read_original(value, endian));
     } else if (must_be_understood(parameter->id)) {
       return fail(Code::rtps_parameter_not_understood);
     }
@@ -89,6 +102,11 @@ void write(SpanWriter& out, const InlineQos& qos) {
       const ParameterScope scope(out, pid::kWriterGroupInfo);
       out.write_bytes(qos.coherence.writers);
     }
+  }
+  if (qos.original.number.value > 0) {
+    const ParameterScope scope(out, pid::kOriginalWriterInfo);
+    out.write_bytes(qos.original.writer.octets());
+    write_sequence_number(out, qos.original.number);
   }
   write_content_filter_info(out, qos.filters);
   write_sentinel(out);

@@ -5,6 +5,7 @@
 #include <array>
 #include <optional>
 
+#include "base/ids.hpp"
 #include "rtps/wire/content_filter_info.hpp"
 #include "rtps/wire/numbers.hpp"
 
@@ -35,13 +36,23 @@ struct Coherence {
   bool operator==(const Coherence&) const = default;
 };
 
+/// ORIGINAL_WRITER_INFO: who wrote what somebody else keeps for late joiners (RTPS 8.7.9); number
+/// 0: whoever sends it wrote it.
+struct Original {
+  Guid writer = {};
+  SequenceNumber number = {};
+  bool operator==(const Original&) const = default;
+};
+
 struct InlineQos {
   std::optional<KeyHash> key_hash = {};
   StatusInfo status = {};
   Coherence coherence = {};
+  Original original = {};
   FilterResults filters = {};  ///< written only
   bool empty() const {
-    return !key_hash && status == StatusInfo{} && coherence == Coherence{} && filters.list.empty();
+    return !key_hash && status == StatusInfo{} && coherence == Coherence{} &&
+           original.number.value == 0 && filters.list.empty();
   }
   bool operator==(const InlineQos&) const = default;
 };

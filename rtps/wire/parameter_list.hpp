@@ -18,6 +18,7 @@ inline constexpr ParameterId kSentinel = 0x0001;
 inline constexpr ParameterId kContentFilterProperty = 0x0035;
 inline constexpr ParameterId kContentFilterInfo = 0x0055;
 inline constexpr ParameterId kCoherentSet = 0x0056;
+inline constexpr ParameterId kOriginalWriterInfo = 0x0061;
 inline constexpr ParameterId kGroupCoherentSet = 0x0063;
 inline constexpr ParameterId kGroupSeqNum = 0x0064;
 inline constexpr ParameterId kWriterGroupInfo = 0x0065;

@@ -6,6 +6,7 @@ import concurrent.futures
 import pathlib
 import re
 import sys
+import tempfile
 import time
 
 from shapes_process import Case, Namespace, check
@@ -188,6 +189,56 @@ def late_joiner(case):
         check(f"-D {durability}: begins at {first}", first == 1 if durability == "l" else first > 5)
 
 
+def sizes(process, count):
+    return [size for _, _, size, _ in process.hears(count)]
+
+
+def persistent(case):
+    """What a publisher wrote before it was killed, and the next one's, in one order."""
+    with tempfile.TemporaryDirectory() as folder:
+        words = f"-P -D p --durability-directory {folder} -k 0 -z 0 -w --write-period 20"
+        pub = case.start(words)
+        pub.hears(30)
+        pub.process.kill()
+        pub.process.wait()
+        again = case.start(words)
+        again.hears(10)
+        got = sizes(case.start("-S -D p -k 0 -r"), 30)
+        kept = got[:got.index(1, 1)] if 1 in got[1:] else got
+        check(f"not what was written: {got}", kept == list(range(1, len(kept) + 1)) and len(kept) > 20)
+        other = case.start(words)
+        check("a store has one owner", other.end() == 2 and "locked" in " ".join(other.lines))
+
+
+def keeper(case):
+    """A durability service: the writer is killed, the service too; a late joiner has all of it."""
+    with tempfile.TemporaryDirectory() as folder:
+        program = case.program.parent / "ddssec-keeper"
+
+        def start():
+            service = case.start(f"--store {folder}/kept", program=program)
+            return service, int(service.says(r"^Keeping domain \d+: (\d+) topics known$")[1])
+
+        service, known = start()
+        check("knows something", known == 0)
+        stays = case.start("-S -D t -k 0")
+        for kind in "tp":
+            pub = case.start(f"-P -D {kind} -k 0 -z 0 -w --write-period 10 --num-iterations 60 -c {kind} -p {kind}")
+            check("its code", pub.end() == 0)
+        time.sleep(1)
+        service.process.kill()
+        service.process.wait()
+        service, known = start()
+        check(f"{known} topics", known == 2)
+        for kind in "tp":
+            late = case.start(f"-S -D {kind} -k 0 -p {kind}")
+            got = sizes(late, 50)
+            check(f"{kind}: {got}", got == list(range(got[0], got[0] + 50)) and got[0] <= 10)
+            check("more than there was", not late.says_within(r"\[61\]", 0.3))
+        check("heard another partition", not stays.says_within(r"\[", 0.1))
+        check("its code", service.interrupt() == 0)
+
+
 def keep_last(case):
     _, sub = case.pair("-k 3 -z 0 --write-period 10", "-k 3 --read-period 500")
     sub.hears(6)
@@ -339,7 +390,7 @@ def vendors(case):
 
 CASES = [vendors, lines, writes_at_once, ends_by_itself, bad_arguments, other_domain, other_topic,
          partitions, mismatch, match, nothing_lost, colours_instances_topics, size_modulo, moves,
-         deadline_missed, ownership, shared, late_joiner, keep_last, lifespan, read_not_take, take_read,
+         deadline_missed, ownership, shared, late_joiner, persistent, keeper, keep_last, lifespan, read_not_take, take_read,
          final_states, filters, time_filter, ordered, coherent, ended_publisher, large_payload,
          fragments_and_announcements, two_machines]
 

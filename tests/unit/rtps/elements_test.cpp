@@ -131,6 +131,33 @@ TEST(InlineQos, CoherenceRoundTrips) {
   }
 }
 
+TEST(InlineQos, TheOriginalWriterRoundTripsAndImpossibleOnesAreRefused) {
+  InlineQos qos;
+  qos.original = {{GuidPrefix::from(Bytes(12, 7)), EntityId{{1, 2, 3, 4}}}, {(1ll << 40) + 6}};
+  for (auto endian : {Endian::little, Endian::big}) {
+    std::array<std::uint8_t, 64> buffer{};
+    SpanWriter out(buffer, endian);
+    write(out, qos);
+    const auto octets = to_bytes(out.view());
+    EXPECT_EQ(octets.size(), 4u + 24 + 4);
+    EXPECT_EQ(read_inline_qos(octets, endian), qos);
+    for (std::size_t size = 0; size < octets.size(); ++size)
+      EXPECT_FALSE(read_inline_qos(BytesView(octets).first(size), endian)) << size;
+  }
+  Bytes with_list{0x61, 0, 28, 0};
+  with_list.resize(4 + 16, 9);
+  for (const std::uint8_t octet : {0, 0, 0, 0, 5, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0})
+    with_list.push_back(octet);
+  EXPECT_EQ(read_inline_qos(with_list, Endian::little)->original.number, SequenceNumber{5});
+  auto bad = with_list;
+  bad[24] = 0;
+  EXPECT_EQ(code_of(read_inline_qos(bad, Endian::little)), Code::rtps_number_invalid);
+  bad[20] = bad[21] = bad[22] = bad[23] = bad[24] = 0xff;
+  EXPECT_EQ(code_of(read_inline_qos(bad, Endian::little)), Code::rtps_number_invalid);
+  const Bytes tiny{0x61, 0, 4, 0, 1, 2, 3, 4, 1, 0, 0, 0};
+  EXPECT_EQ(code_of(read_inline_qos(tiny, Endian::little)), Code::rtps_parameter_invalid);
+}
+
 TEST(InlineQos, AnUnknownSetIsNoneAndAnImpossibleOneIsRefused) {
   const Bytes unknown = {0, 0x56, 0, 8, 0xff, 0xff, 0xff, 0xff, 0, 0, 0, 0, 0, 1, 0, 0};
   EXPECT_TRUE(read_inline_qos(unknown, Endian::big)->empty());

@@ -1,50 +1,13 @@
 // DURABILITY TRANSIENT and PERSISTENT between participants, over the end of writers and of whole
 // participants.
-#include "tests/unit/rtps/dcps_fixture.hpp"
-#include "tests/unit/rtps_durability/store_fixture.hpp"
+#include "tests/unit/rtps_durability/durable_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {
 
 using namespace testing;
 
-struct DurableWriterTest : Polled {
-  DurableWriterTest() { std::filesystem::create_directory(folder); }
-  ~DurableWriterTest() override { std::filesystem::remove_all(folder); }
-
-  const std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / ("ddssec-writer-" + std::to_string(::getpid()));
-
-  DomainParticipantOptions with_store() const {
-    auto out = options();
-    out.durability_store = folder / "samples";
-    return out;
-  }
-  static Qos durable(DurabilityKind kind, std::int32_t depth = 10) {
-    auto qos = default_writer_qos();
-    qos.durability = kind;
-    qos.history.depth = depth;
-    qos.durability_service.history.depth = depth;
-    return qos;
-  }
-  static Qos late(DurabilityKind kind) {
-    auto qos = reliable();
-    qos.durability = kind;
-    return qos;
-  }
-  /// All that a reader of b gets from `writer`'s participant, which is served as well.
-  std::vector<std::int64_t> all_of(End& end, DataReader<Reading>& reader, std::size_t count) {
-    std::vector<std::int64_t> out;
-    for (int i = 0; i < 300 && out.size() < count; ++i) {
-      end.participant->poll(0ms);
-      run(10ms);
-      for (auto value : taken(reader)) out.push_back(value);
-    }
-    for (int i = 0; i < 10; ++i) end.participant->poll(0ms), run(10ms);
-    for (auto value : taken(reader)) out.push_back(value);
-    return out;
-  }
-};
+struct DurableWriterTest : DurableFixture {};
 
 TEST_P(DurableWriterTest, ALateJoinerGetsWhatWasWrittenBeforeARestart) {
   const auto qos = durable(DurabilityKind::persistent);
@@ -125,6 +88,41 @@ TEST_P(DurableWriterTest, DurabilityServiceSaysHowMuchIsKept) {
   end.writer(qos);
   EXPECT_EQ(all_of(end, b.reader(late(DurabilityKind::persistent)), 2),
             (std::vector<std::int64_t>{7, 8}));
+}
+
+// DDS 1.4, 2.2.3.5: HISTORY is for those that are there, DURABILITY_SERVICE for those that come
+// late.
+TEST_P(DurableWriterTest, ALateJoinerGetsMoreThanHistoryKeepsIfTheServiceKeepsMore) {
+  auto qos = durable(DurabilityKind::transient, 1);
+  for (const auto& [service, count] :
+       {std::pair(keep_last(3), 3u), std::pair(keep_all(), 5u), std::pair(keep_last(1), 1u)}) {
+    qos.durability_service = service;
+    End end(environment, options());
+    auto& writer = end.writer(qos);
+    for (int i = 0; i < 5; ++i) ASSERT_TRUE(writer.write({"north", i}));
+    auto& reader = end.reader(late(DurabilityKind::transient));
+    std::vector<std::int64_t> got;
+    for (int i = 0; i < 50 && got.size() < count; ++i) {
+      end.participant->poll(0ms), run(10ms);
+      for (auto value : taken(reader)) got.push_back(value);
+    }
+    EXPECT_EQ(got.size(), count);
+    EXPECT_EQ(got.back(), 4);
+  }
+}
+
+TEST_P(DurableWriterTest, AReaderThatStaysGetsNothingTwiceFromARestartedWriter) {
+  const auto qos = durable(DurabilityKind::persistent);
+  auto& stays = b.reader(late(DurabilityKind::persistent));
+  for (int round = 0; round < 3; ++round) {
+    End end(environment, with_store());
+    auto& writer = end.writer(qos);
+    ASSERT_TRUE(writer.write({"north", round}));
+    EXPECT_EQ(all_of(end, stays, 1), (std::vector<std::int64_t>{round}));
+    auto& late_one = b.reader(late(DurabilityKind::persistent));
+    EXPECT_EQ(all_of(end, late_one, static_cast<std::size_t>(round) + 1).size(), round + 1u);
+    ASSERT_TRUE(b.subscriber->delete_datareader(late_one));
+  }
 }
 
 TEST_P(DurableWriterTest, WithoutAStorePersistentSamplesAreKeptInMemoryAndSomebodyIsTold) {

@@ -1,0 +1,103 @@
+// ddssec-keeper: a durability service. Keeps what TRANSIENT and PERSISTENT writers of a domain
+// write, in a file, and gives it to late joiners, also when those writers are gone.
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+
+#include "rtps/keeper/keeper.hpp"
+#include "rtps/transport/interfaces.hpp"
+#include "secured/engines.hpp"
+
+namespace {
+
+using namespace ddssec;
+
+enum Exit : int { kDone = 0, kBadArguments = 1, kNotInitialised = 2 };
+
+struct Options {
+  std::int32_t domain = 0;
+  rtps::KeeperOptions keeps;
+  std::string security = "off";
+};
+
+class Log final : public EventSink {
+ public:
+  void raise(const Event& event) override { std::fprintf(stderr, "%s\n", event.to_line().c_str()); }
+};
+
+sigset_t hold_signals() {
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, SIGINT);
+  sigaddset(&set, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  return set;
+}
+
+Result<rtps::DomainParticipantOptions> participant_options(const Options& options,
+                                                           secured::Engines& engines) {
+  const auto interface = rtps::default_interface();
+  rtps::DomainParticipantOptions out{.domain_id = options.domain,
+                                     .entity_name = "ddssec-keeper",
+                                     .interface = interface,
+                                     .multicast = true,
+                                     .peers = {interface}};
+  if (interface != "127.0.0.1") out.peers.push_back("127.0.0.1");
+  if (options.security != "off")
+    out.security.emplace(engines.view(), DDSSEC_TRY(secured::folder_properties(options.security)));
+  return out;
+}
+
+int refused(const Error& error) {
+  std::fprintf(stderr, "ddssec-keeper: %s\n", error.to_sentence().c_str());
+  return kNotInitialised;
+}
+
+int run(const Options& options) {
+  const auto signals = hold_signals();
+  const SystemClock clock;
+  SystemRandom random;
+  Log log;
+  RateLimitedSink events(log, clock);
+  const Environment environment{clock, random, events};
+  secured::Engines engines(environment);
+  auto wanted = participant_options(options, engines);
+  if (!wanted) return refused(wanted.error());
+  auto keeper = rtps::Keeper::create(*wanted, options.keeps, environment);
+  if (!keeper && keeper.error().code() == Code::rtps_socket_failed) {
+    wanted->multicast = false;
+    keeper = rtps::Keeper::create(*std::move(wanted), options.keeps, environment);
+  }
+  if (!keeper) return refused(keeper.error());
+  std::printf("Keeping domain %d: %zu topics known\n", options.domain, (*keeper)->topics());
+  std::fflush(stdout);
+  int signal = 0;
+  sigwait(&signals, &signal);
+  const auto topics = (*keeper)->topics();
+  keeper->reset();
+  std::printf("Done: %zu topics kept\n", topics);
+  return kDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app(
+      "A durability service: keeps what TRANSIENT and PERSISTENT writers write and gives it to late"
+      " joiners, whether those writers are still there or not.",
+      "ddssec-keeper");
+  app.add_option("-d,--domain", options.domain, "DDS domain (default 0)")
+      ->check(CLI::Range(0, 232));
+  app.add_option("--store", options.keeps.store, "file to keep samples in; none: memory");
+  app.add_option("--store-octets", options.keeps.store_octets, "most octets of the store");
+  app.add_option("-t,--topic", options.keeps.topics,
+                 "topic to keep, may have * and ?; default all");
+  app.add_option("--security", options.security, "folder with keys and documents, or off");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? int{kDone} : int{kBadArguments};
+  }
+  return run(options);
+}

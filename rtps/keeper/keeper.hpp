@@ -1,0 +1,60 @@
+// A durability service (DDS 1.4, 2.2.3.4): keeps what TRANSIENT and PERSISTENT writers of a domain
+// write and gives it to late joiners, whether those writers are still there or not.
+#pragma once
+
+#include "rtps/dcps/domain_participant.hpp"
+
+namespace ddssec::rtps {
+
+class KeptTopic;
+
+struct KeeperOptions {
+  std::string store = {};  ///< a file that outlives the keeper; empty: memory
+  std::size_t store_octets = SampleStore::kDefaultOctets;
+  std::vector<std::string> topics = {"*"};  ///< names, which may have wildcards
+};
+
+/// A participant of its own. It needs no types: what it keeps are octets, with the key hashes that
+/// our durable writers send. Each sample says who wrote it (ORIGINAL_WRITER_INFO), so that our
+/// readers get none twice; other vendors' readers, which do not look at that, get twice what a
+/// writer that is still there has kept for them as well. How much is kept DURABILITY_SERVICE of the
+/// first writer of a topic says. One keeper a file.
+class Keeper final : private DataReaderListener {
+ public:
+  static constexpr std::size_t kMostTopics = 256;
+
+  /// What the store has of before is served at once. Errors: those of DomainParticipant::create and
+  /// of DurableStore::open.
+  static Result<std::unique_ptr<Keeper>> create(DomainParticipantOptions options,
+                                                KeeperOptions keeps,
+                                                const Environment& environment);
+  ~Keeper() override;
+
+  /// Topics (of different types and partitions) that are kept.
+  std::size_t topics() const;
+  /// Samples that were not kept: of a type with keys, and without key hash.
+  std::uint64_t without_key() const;
+  /// All that came before is stored. Errors: those of DurableStore::flush.
+  Status flush(std::chrono::nanoseconds most) { return store_->flush(most); }
+  /// See DomainParticipant.
+  void poll(std::chrono::nanoseconds timeout) { participant_->poll(timeout); }
+
+ private:
+  Keeper(std::unique_ptr<DomainParticipant> participant, std::unique_ptr<DurableStore> store,
+         std::vector<std::string> topics);
+  /// Serves what the store knows, and listens for more.
+  Status start();
+  void on_data_available(AnyDataReader& reader) override;
+  bool wants(const EndpointData& writer) const;
+  /// Keeps its topic from now on, unless it does.
+  Status keep(const EndpointData& writer);
+
+  std::unique_ptr<DomainParticipant> participant_;
+  std::unique_ptr<DurableStore> store_;
+  const std::vector<std::string> patterns_;
+  StreamId known_;            ///< of announcements of what is kept
+  mutable std::mutex mutex_;  ///< of topics_
+  std::map<KeyHash, std::unique_ptr<KeptTopic>> topics_;
+};
+
+}  // namespace ddssec::rtps

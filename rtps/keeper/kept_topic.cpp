@@ -1,0 +1,92 @@
+#include "rtps/keeper/kept_topic.hpp"
+
+#include <limits>
+
+namespace ddssec::rtps {
+
+KeptTopic::KeptTopic(ParticipantContext& context, DurableStore& store, EndpointData writer)
+    : context_(context),
+      store_(store),
+      like_(std::move(writer)),
+      with_key_(has_key(like_.guid.entity)) {}
+
+KeptTopic::~KeptTopic() {
+  const std::lock_guard held(context_.mutex());
+  for (const auto& guid : {reader_, writer_})
+    if (guid != Guid{}) context_.protocol().remove(guid, context_.now());
+  context_.reschedule();
+  if (stream_) store_.close_stream(*stream_);
+}
+
+Status KeptTopic::open(DomainId domain) {
+  StreamKey key{.domain = static_cast<std::uint32_t>(domain),
+                .topic = like_.topic_name,
+                .type = like_.type_name,
+                .partition = like_.qos.partition};
+  auto opened = DDSSEC_TRY(store_.open_stream(std::move(key), like_.qos.durability_service));
+  stream_ = opened.id;
+  const std::lock_guard held(context_.mutex());
+  for (const auto& change : opened.history) seen_.add(change.origin());
+  auto serving = request(serving_qos());
+  serving.history = std::move(opened.history);
+  serving.history_only = true;
+  const auto now = context_.now();
+  writer_ = DDSSEC_TRY(context_.protocol().create_writer(std::move(serving), *this, now));
+  reader_ = DDSSEC_TRY(context_.protocol().create_reader(request(reading_qos()), *this, now));
+  context_.reschedule();
+  return {};
+}
+
+Participant::EndpointRequest KeptTopic::request(Qos qos) const {
+  return {.topic_name = like_.topic_name,
+          .type_name = like_.type_name,
+          .qos = std::move(qos),
+          .with_key = with_key_,
+          .type = like_.type};
+}
+
+// What the original offers, so that whoever matches it matches this one; and of an instance that
+// somebody owns, this is the last to speak.
+Qos KeptTopic::serving_qos() const {
+  auto qos = like_.qos;
+  qos.reliability.kind = ReliabilityKind::reliable;
+  qos.history = qos.durability_service.history;
+  qos.resource_limits = qos.durability_service.limits;
+  qos.ownership_strength = std::numeric_limits<std::int32_t>::min();
+  qos.presentation = {};
+  qos.user_data.clear();
+  return qos;
+}
+
+Qos KeptTopic::reading_qos() const {
+  Qos qos;
+  qos.reliability = like_.qos.reliability;
+  qos.durability = DurabilityKind::transient;
+  qos.history.kind = HistoryKind::keep_all;
+  qos.ownership = like_.qos.ownership;
+  qos.partition = like_.qos.partition;
+  qos.data_representation = {DataRepresentation::xcdr1, DataRepresentation::xcdr2};
+  return qos;
+}
+
+bool KeptTopic::on_change(Change& change) {
+  const auto origin = change.origin();
+  if (change.is_marker() || seen_.contains(origin)) return true;
+  if (with_key_ && !change.key_hash) {
+    ++without_key_;
+    return true;
+  }
+  if (store_.is_behind()) return false;  // it is offered again
+  seen_.add(origin);
+  change.original = origin;
+  change.coherence = {};
+  const auto [now, wall] = context_.moment();
+  if (!change.source_time) change.source_time = wall;
+  store_.append(*stream_, change, wall);
+  auto& writer = *context_.protocol().writer(writer_);
+  if (writer.has_room(change.payload.size(), change.key_hash.value_or(KeyHash{})))
+    writer.write(change, now);
+  return true;
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,47 @@
+// What a keeper has of one topic: a reader of all its durable writers, and a writer for late
+// joiners.
+#pragma once
+
+#include "rtps/dcps/participant_context.hpp"
+#include "rtps/dcps/seen_originals.hpp"
+#include "rtps/durability/durable_store.hpp"
+
+namespace ddssec::rtps {
+
+/// Called by the participant, with its lock held.
+class KeptTopic final : private EndpointListener {
+ public:
+  /// `writer`: an announcement of one of its writers.
+  KeptTopic(ParticipantContext& context, DurableStore& store, EndpointData writer);
+  ~KeptTopic() override;
+
+  /// Without the lock. Errors: those of DurableStore::open_stream, Participant::create_writer and
+  /// create_reader.
+  Status open(DomainId domain);
+  /// With the lock.
+  std::uint64_t without_key() const { return without_key_; }
+
+ private:
+  bool on_change(Change& change) override;
+  void on_matched(const EndpointData&) override {}
+  void on_unmatched(const Guid&) override {}
+  void on_incompatible_qos(const Guid&, const QosMismatch&) override {}
+  void on_inconsistent_topic(const EndpointData&) override {}
+  void on_sample_lost(std::int64_t) override {}
+  void on_alive(const Guid&) override {}
+  void on_acknowledged() override {}
+  Participant::EndpointRequest request(Qos qos) const;
+  Qos serving_qos() const;
+  Qos reading_qos() const;
+
+  ParticipantContext& context_;
+  DurableStore& store_;
+  const EndpointData like_;
+  const bool with_key_;
+  std::optional<StreamId> stream_;
+  Guid reader_, writer_;
+  SeenOriginals seen_;
+  std::uint64_t without_key_ = 0;
+};
+
+}  // namespace ddssec::rtps
