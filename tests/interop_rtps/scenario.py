@@ -2,15 +2,12 @@
 """Small systems as they are built with DDS, each process a process: what happens to them when something
 breaks. Usage: scenario.py BUILD [FILTER]"""
 
-import concurrent.futures
-import pathlib
 import signal
 import sys
 import time
 
-from shapes_process import Case, Namespace, check
+from shapes_process import Namespace, check, run
 
-FIRST_DOMAIN = 170
 DEADLINE = 0.3  # seconds
 # What a loaded machine and the reader's own period may add to it.
 SLACK = 1.5
@@ -138,31 +135,5 @@ def latched_map(case):
 CASES = [long_partition, redundant_pipelines, radar_that_degrades, alarms, short_partition, latched_map]
 
 
-def tried(space, program, number, scenario):
-    case = Case(space, program, FIRST_DOMAIN + number)
-    try:
-        scenario(case)
-        return scenario.__name__, None
-    except AssertionError as fault:
-        return scenario.__name__, str(fault)
-    finally:
-        case.close()
-
-
-def main():
-    program = pathlib.Path(sys.argv[1]).resolve() / "bin" / "ddssec-shapes"
-    wanted = (sys.argv[2:] or [""])[0]
-    chosen = [(i, scenario) for i, scenario in enumerate(CASES) if wanted in scenario.__name__]
-    space, failed = Namespace(), 0
-    # They mostly wait.
-    with concurrent.futures.ThreadPoolExecutor(max_workers=6) as pool:
-        for name, fault in pool.map(lambda c: tried(space, program, *c), chosen):
-            print(f"{'FAILED' if fault else 'ok':8}{name.replace('_', ' ')}" + (f": {fault}" if fault else ""),
-                  flush=True)
-            failed += fault is not None
-    space.close()
-    return 1 if failed or not chosen else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run(CASES, range(170, 176), workers=6))

@@ -2,16 +2,14 @@
 """Every option of ddssec-shapes, two processes at a time, each case in a domain of its own.
 Usage: shapes.py BUILD [FILTER]"""
 
-import concurrent.futures
-import pathlib
 import re
 import sys
 import tempfile
 import time
 
-from shapes_process import Case, Namespace, check
+from shapes_process import Namespace, check, run
 
-FIRST_DOMAIN, OTHER_DOMAIN = 160, 189
+OTHER_DOMAIN = 189
 
 
 # ---- lines and codes ----------------------------------------------------------------------------------
@@ -395,32 +393,5 @@ CASES = [vendors, lines, writes_at_once, ends_by_itself, bad_arguments, other_do
          fragments_and_announcements, two_machines]
 
 
-def tried(space, program, number, scenario):
-    case = Case(space, program, FIRST_DOMAIN + number % 28)
-    try:
-        scenario(case)
-        return scenario.__name__, None
-    except AssertionError as fault:
-        return scenario.__name__, str(fault)
-    finally:
-        case.close()
-
-
-def main():
-    program = pathlib.Path(sys.argv[1]).resolve() / "bin" / "ddssec-shapes"
-    wanted = (sys.argv[2:] or [""])[0]
-    chosen = [(i, scenario) for i, scenario in enumerate(CASES) if wanted in scenario.__name__]
-    space = Namespace()
-    failed = 0
-    # They mostly wait.
-    with concurrent.futures.ThreadPoolExecutor(max_workers=5) as pool:
-        for name, fault in pool.map(lambda c: tried(space, program, *c), chosen):
-            print(f"{'FAILED' if fault else 'ok':8}{name.replace('_', ' ')}" + (f": {fault}" if fault else ""),
-                  flush=True)
-            failed += fault is not None
-    space.close()
-    return 1 if failed or not chosen else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run(CASES, range(160, 188), workers=5))

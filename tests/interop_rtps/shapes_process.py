@@ -1,5 +1,6 @@
 """Runs shapes programs in a network namespace and reads what they say, line by line as it comes."""
 
+import concurrent.futures
 import pathlib
 import queue
 import re
@@ -142,4 +143,33 @@ def check(what, is_so):
         raise AssertionError(what)
 
 
-__all__ = ["Case", "Namespace", "PATIENCE", "SAMPLE", "Shapes", "check"]
+def tried(space, program, domain, scenario):
+    """The scenario's name, and what went wrong or None."""
+    case = Case(space, program, domain)
+    try:
+        scenario(case)
+        return scenario.__name__, None
+    except AssertionError as fault:
+        return scenario.__name__, str(fault)
+    finally:
+        case.close()
+
+
+def run(scenarios, domains, workers):
+    """The main program of a file of scenarios: BUILD [FILTER]; its exit code. Each scenario has one of
+    the domains, and they mostly wait."""
+    program = pathlib.Path(sys.argv[1]).resolve() / "bin" / "ddssec-shapes"
+    wanted = (sys.argv[2:] or [""])[0]
+    chosen = [(domains[i % len(domains)], scenario) for i, scenario in enumerate(scenarios)
+              if wanted in scenario.__name__]
+    space, failed = Namespace(), 0
+    with concurrent.futures.ThreadPoolExecutor(max_workers=workers) as pool:
+        for name, fault in pool.map(lambda c: tried(space, program, *c), chosen):
+            print(f"{'FAILED' if fault else 'ok':8}{name.replace('_', ' ')}" + (f": {fault}" if fault else ""),
+                  flush=True)
+            failed += fault is not None
+    space.close()
+    return 1 if failed or not chosen else 0
+
+
+__all__ = ["Case", "Namespace", "PATIENCE", "SAMPLE", "Shapes", "check", "run"]
