@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Every QoS policy that DCPS puts in force, between the embedded participant and itself, and Cyclone DDS
-and Fast DDS each way: match, mismatch (the status names the policy), effect. All at once in one network
-namespace and one discovery, each case on topics of its own. Usage: policies.py BUILD [FILTER]"""
+"""Every QoS policy of DDS 1.4, and two of XTypes, between the embedded participant and itself, and Cyclone
+DDS and Fast DDS each way: match, mismatch (the status names the policy), effect. All at once in one network
+namespace and one discovery, each case on topics of its own. Usage: policies.py BUILD [FILTER], or
+policies.py --table README.md [--write]: that its table is of these cases."""
 
 import heapq
 import itertools
@@ -15,13 +16,27 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "interop
 from pair import Namespace  # noqa: E402
 
 OURS, CYCLONE, FAST = "embedded", "cyclone", "fastdds"
+ALL = OURS, CYCLONE, FAST
 PATIENCE = 10.0  # seconds until what must happen has happened
-(DURABILITY, DEADLINE, OWNERSHIP, LIVELINESS, RELIABILITY, DESTINATION_ORDER,
- DATA_REPRESENTATION, TYPE_CONSISTENCY) = 2, 4, 6, 8, 11, 12, 23, 24
+(DURABILITY, PRESENTATION, DEADLINE, LATENCY_BUDGET, OWNERSHIP, LIVELINESS, RELIABILITY, DESTINATION_ORDER,
+ DATA_REPRESENTATION, TYPE_CONSISTENCY) = 2, 3, 4, 5, 6, 8, 11, 12, 23, 24
 # Cyclone DDS counts this policy behind two of its own; Fast DDS 2.9 checks none of those below, and
 # refuses a reader that orders by source.
 NUMBER_AT = {(CYCLONE, DATA_REPRESENTATION): 25}
-FAST_DOES_NOT_CHECK = (DESTINATION_ORDER, DATA_REPRESENTATION, TYPE_CONSISTENCY)
+FAST_DOES_NOT_CHECK = (PRESENTATION, LATENCY_BUDGET, DESTINATION_ORDER, DATA_REPRESENTATION, TYPE_CONSISTENCY)
+# A reader of Fast DDS is not told, and believes that it matched.
+NOT_FAST = OURS, CYCLONE
+
+
+CASES = []
+
+
+def case_of(policy, writers=ALL, readers=ALL, because=""):
+    """What follows tries `policy`, with these stacks as writers and readers, as the others cannot."""
+    def register(steps):
+        CASES.append((policy, steps.__name__.replace("_", " "), steps, writers, readers, because))
+        return steps
+    return register
 
 
 class Peer:
@@ -65,8 +80,8 @@ class Case:
     """What the scenarios are written in: `w` and `r` are the writer's and the reader's side; the
     generators yield how many seconds to wait."""
 
-    def __init__(self, writer, reader, name):
-        self.w, self.r = writer, reader
+    def __init__(self, writer, reader, name, space):
+        self.w, self.r, self.space = writer, reader, space
         self.name = f"{name}: {writer.kind} > {reader.kind}"
         self.topic = "".join(c if c.isalnum() else "_" for c in self.name)
         self.endpoints = itertools.count()
@@ -116,20 +131,21 @@ class Case:
         if not is_so:
             raise AssertionError(what)
 
+    def packets_with(self, text):
+        """Says the traffic class of each IPv4 packet on the loopback that holds the text."""
+        program = ("import socket, sys\n"
+                   "s = socket.socket(socket.AF_PACKET, socket.SOCK_DGRAM, socket.htons(0x0800))\n"
+                   "print('ready', flush=True)\n"
+                   "while True:\n"
+                   "    packet = s.recv(65535)\n"
+                   "    if sys.argv[1].encode() in packet: print(packet[1], flush=True)\n")
+        seen = subprocess.Popen(self.space.enter([sys.executable, "-c", program, text]), text=True,
+                                stdout=subprocess.PIPE)
+        self.check("no packets", seen.stdout.readline() == "ready\n")
+        return seen
+
 
 # ---- mismatch ---------------------------------------------------------------------------------------
-
-MISMATCHES = [
-    ("reliability", "reliability=best_effort", "reliability=reliable", RELIABILITY),
-    ("durability", "durability=volatile", "durability=transient_local", DURABILITY),
-    ("deadline", "deadline=2000", "deadline=1000", DEADLINE),
-    ("ownership", "ownership=exclusive", "ownership=shared", OWNERSHIP),
-    ("liveliness kind", "liveliness=automatic", "liveliness=topic", LIVELINESS),
-    ("liveliness lease", "lease=20000", "lease=10000", LIVELINESS),
-    ("destination order", "order=reception", "order=source", DESTINATION_ORDER),
-    ("data representation", "representation=2", "representation=1", DATA_REPRESENTATION),
-    ("type consistency", "describe=no", "describe=no types=known", TYPE_CONSISTENCY),
-]
 
 def mismatch(case, offered, requested, policy):
     writer, reader = case.writer(offered), case.reader(requested)
@@ -142,6 +158,37 @@ def mismatch(case, offered, requested, policy):
         case.check(f"{peer.kind} matched", peer.status(endpoint)["matched"] == 0)
 
 
+UNCHECKED = "Fast DDS 2.9 does not check it"
+
+
+def mismatch_of(policy, what, offered, requested, number, writers=ALL, readers=ALL, because=""):
+    def steps(case):
+        return mismatch(case, offered, requested, number)
+    CASES.append((policy, f"{what}, mismatch", steps, writers, readers, because))
+
+
+mismatch_of("RELIABILITY", "kind", "reliability=best_effort", "reliability=reliable", RELIABILITY)
+mismatch_of("DURABILITY", "kind", "durability=volatile", "durability=transient_local", DURABILITY)
+mismatch_of("PRESENTATION", "access scope", "", "scope=topic", PRESENTATION, readers=NOT_FAST, because=UNCHECKED)
+mismatch_of("PRESENTATION", "coherent access", "", "coherent=on", PRESENTATION, writers=NOT_FAST, readers=NOT_FAST,
+            because=UNCHECKED)
+mismatch_of("DEADLINE", "period", "deadline=2000", "deadline=1000", DEADLINE)
+mismatch_of("LATENCY_BUDGET", "duration", "budget=300", "budget=100", LATENCY_BUDGET, readers=NOT_FAST,
+            because=UNCHECKED)
+mismatch_of("OWNERSHIP", "kind", "ownership=exclusive", "ownership=shared", OWNERSHIP)
+mismatch_of("LIVELINESS", "kind", "liveliness=automatic", "liveliness=topic", LIVELINESS)
+mismatch_of("LIVELINESS", "lease", "lease=20000", "lease=10000", LIVELINESS)
+mismatch_of("DESTINATION_ORDER", "kind", "order=reception", "order=source", DESTINATION_ORDER, readers=NOT_FAST,
+            because="Fast DDS 2.9 refuses readers that order by source")
+mismatch_of("DATA_REPRESENTATION", "XCDR2", "representation=2", "representation=1", DATA_REPRESENTATION,
+            writers=NOT_FAST, readers=NOT_FAST, because=UNCHECKED)
+mismatch_of("TYPE_CONSISTENCY_ENFORCEMENT", "forced validation", "describe=no", "describe=no types=known",
+            TYPE_CONSISTENCY, readers=NOT_FAST, because=UNCHECKED)
+
+
+# ---- effect -----------------------------------------------------------------------------------------
+
+@case_of("PARTITION")
 def partitions(case):
     writer = case.writer("partition=room1")
     elsewhere, reader = case.reader("partition=hall"), case.reader("partition=room*")
@@ -155,6 +202,7 @@ def partitions(case):
 
 # ---- effect -----------------------------------------------------------------------------------------
 
+@case_of("DEADLINE")
 def deadline(case):
     writer, reader = yield from case.pair("deadline=300")
     case.w.ask(f"write {writer} RED 1")
@@ -162,6 +210,7 @@ def deadline(case):
                           case.w.status(writer)["deadline"] >= 1)
 
 
+@case_of("LIFESPAN")
 def lifespan(case):
     offered = "durability=transient_local history=all lifespan=400"
     requested = "durability=transient_local history=all"
@@ -177,6 +226,7 @@ def lifespan(case):
     yield from case.comes(late, "RED:2:A")
 
 
+@case_of("OWNERSHIP_STRENGTH")
 def ownership(case):
     weak = case.writer("ownership=exclusive strength=5 history=all")
     strong = case.writer("ownership=exclusive strength=10 history=all")
@@ -195,6 +245,7 @@ def ownership(case):
     yield from case.until("taken over", lambda: "RED:200:A" in case.collect(reader))
 
 
+@case_of("WRITER_DATA_LIFECYCLE")
 def states(case):
     writer, reader = yield from case.pair("history=all")
     case.w.ask(f"write {writer} RED 1")
@@ -214,6 +265,7 @@ def states(case):
     yield from case.until("left alone", lambda: any(s.endswith(":-:N") for s in case.collect(reader)))
 
 
+@case_of("WRITER_DATA_LIFECYCLE")
 def deletion_disposes(case):
     """Fast DDS only unregisters, and Cyclone DDS tells its own kind alone, by a vendor's parameter."""
     ends = "D" if case.w.kind == OURS else "N"
@@ -224,9 +276,8 @@ def deletion_disposes(case):
     yield from case.until("ended", lambda: any(s.endswith(":-:" + ends) for s in case.collect(reader)))
 
 
+@case_of("READER_DATA_LIFECYCLE", readers=(OURS,), because="what others do with what they hold is not between us")
 def purge(case):
-    if case.r.kind != OURS:  # what others do with what they hold is not between us
-        return
     writer, reader = yield from case.pair("history=all purge=300")
     kept = case.reader("history=all")
     yield from case.matched(writer, kept, readers=2)
@@ -237,6 +288,7 @@ def purge(case):
     case.check(f"not purged: {case.collect(reader)}", not case.collect(reader))
 
 
+@case_of("DURABILITY")
 def late_joiner(case):
     writer = case.writer("durability=transient_local history=2")
     for x in range(5):
@@ -256,6 +308,7 @@ def late_joiner(case):
                set(case.got[young]) <= {"RED:9:A", *old})
 
 
+@case_of("HISTORY")
 def keep_last(case):
     writer, reader = yield from case.pair("history=all", "history=2")
     for x in range(6):
@@ -265,9 +318,8 @@ def keep_last(case):
     case.check("not the newest two", sorted(case.r.take(reader)) == ["BLUE:1:A", "RED:4:A", "RED:5:A"])
 
 
+@case_of("RESOURCE_LIMITS", readers=(OURS,), because="what others hold is not between us")
 def resource_limits(case):
-    if case.r.kind != OURS:
-        return
     writer, reader = yield from case.pair("history=all", "history=all samples=2")
     for x in range(5):
         case.w.ask(f"write {writer} RED {x}")
@@ -275,6 +327,7 @@ def resource_limits(case):
     yield from case.comes(reader, *(f"RED:{x}:A" for x in range(5)))
 
 
+@case_of("LIVELINESS")
 def manual_by_topic(case):
     writer, reader = yield from case.pair("liveliness=topic lease=600 history=all",
                                           "history=all lease=600")
@@ -291,6 +344,7 @@ def manual_by_topic(case):
     yield from case.until("found its writer again", lambda: case.r.status(reader)["alive"] == 1)
 
 
+@case_of("LIVELINESS")
 def manual_by_participant(case):
     writer, reader = yield from case.pair("liveliness=participant lease=600 history=all",
                                           "history=all lease=600")
@@ -300,6 +354,7 @@ def manual_by_participant(case):
     case.check("not asserted", case.r.status(reader)["alive"] == 1)
 
 
+@case_of("LIVELINESS")
 def automatic(case):
     writer, reader = yield from case.pair("liveliness=automatic lease=700")
     case.w.ask(f"write {writer} RED 1")
@@ -308,9 +363,8 @@ def automatic(case):
         case.check("not asserted", case.r.status(reader)["alive"] == 1)
 
 
+@case_of("DESTINATION_ORDER", writers=NOT_FAST, readers=NOT_FAST, because="Fast DDS 2.9 has no source order")
 def by_source(case):
-    if FAST in (case.w.kind, case.r.kind):
-        return
     writer = case.writer("order=source history=all")
     other = case.writer("order=source history=all")
     reader = case.reader("order=source history=all")
@@ -323,26 +377,23 @@ def by_source(case):
     yield from case.comes(reader, "RED:3:A")
 
 
+@case_of("DATA_REPRESENTATION", writers=NOT_FAST, readers=NOT_FAST, because="Fast DDS 2.9 has no XCDR2")
 def representation_2(case):
-    if FAST in (case.w.kind, case.r.kind):
-        return
     writer, reader = yield from case.pair("representation=2 history=all")
     case.w.ask(f"write {writer} RED 1")
     yield from case.comes(reader, "RED:1:A")
 
 
+@case_of("TYPE_CONSISTENCY_ENFORCEMENT", writers=NOT_FAST, readers=NOT_FAST, because="Fast DDS 2.9 tells nothing of types")
 def type_consistency(case):
-    """A reader that wants to know the type, and the same: Fast DDS 2.9 tells nothing of types."""
-    if FAST in (case.w.kind, case.r.kind):
-        return
+    """A reader that wants to know the type, and the same."""
     writer, reader = yield from case.pair("history=all", "history=all types=same")
     case.w.ask(f"write {writer} RED 1")
     yield from case.comes(reader, "RED:1:A")
 
 
+@case_of("content filter", readers=(OURS, FAST), because="filters of Cyclone DDS are functions of its application")
 def content_filter(case):
-    if case.r.kind == CYCLONE:  # its filters are functions of the application's own
-        return
     few = case.reader("history=all filter=x>2")  # Fast DDS cannot read x>=2 without spaces
     blue = case.reader("history=all filter=color='BLUE'")
     writer = case.writer("history=all")
@@ -357,10 +408,9 @@ def content_filter(case):
         case.check("what was filtered counts as lost", case.r.status(few)["samples_lost"] == 0)
 
 
+@case_of("content filter", readers=(OURS, FAST), because="filters of Cyclone DDS are functions of its application")
 def filtered_history(case):
     """A late joiner asks for what its filter lets pass, and the writer answers with GAP for the rest."""
-    if case.r.kind == CYCLONE:
-        return
     writer = case.writer("durability=transient_local history=all")
     for x in range(6):
         case.w.ask(f"write {writer} RED {x}")
@@ -369,9 +419,8 @@ def filtered_history(case):
     yield from case.comes(few, "RED:4:A", "RED:5:A")
 
 
+@case_of("TIME_BASED_FILTER", readers=(OURS,), because="neither Cyclone DDS 0.10 nor Fast DDS 2.9 has it")
 def time_based_filter(case):
-    if case.r.kind != OURS:
-        return
     writer, reader = yield from case.pair("history=all", "history=all separation=700")
     for x in range(10):
         case.w.ask(f"write {writer} RED {x}")
@@ -380,35 +429,128 @@ def time_based_filter(case):
     yield from case.comes(reader, "RED:0:A", "RED:9:A")
 
 
-EFFECTS = [partitions, deadline, lifespan, ownership, states, deletion_disposes, purge,
-           late_joiner, keep_last, resource_limits,
-           manual_by_topic, manual_by_participant, automatic, by_source, representation_2,
-           type_consistency,
-           content_filter, filtered_history, time_based_filter]
+@case_of("RELIABILITY")
+def in_order_and_whole(case):
+    writer, reader = yield from case.pair("history=all")
+    for x in range(100):
+        case.w.ask(f"write {writer} RED {x}")
+        if x % 5 == 4:
+            yield 0.01  # others have leases to keep
+    yield from case.comes(reader, *(f"RED:{x}:A" for x in range(100)))
+
+
+@case_of("LATENCY_BUDGET", writers=(OURS, FAST), because="Cyclone DDS may batch until its application flushes")
+def batching(case):
+    """Ours waits for more to send; what was written comes all the same, and in time."""
+    writer, reader = yield from case.pair("budget=200 history=all", "budget=400 history=all")
+    for x in range(5):
+        case.w.ask(f"write {writer} RED {x}")
+    yield from case.comes(reader, *(f"RED:{x}:A" for x in range(5)))
+
+
+@case_of("DURABILITY_SERVICE", writers=NOT_FAST, because="Fast DDS 2.9 does not use it")
+def service_depth(case):
+    """HISTORY keeps one for those that are there, the service three for who comes late."""
+    kind = "transient" if case.w.kind == OURS else "transient_local"
+    writer = case.writer(f"durability={kind} history=1 service=3")
+    for x in range(5):
+        case.w.ask(f"write {writer} RED {x}")
+    reader = case.reader("durability=transient_local history=all")
+    yield from case.comes(reader, "RED:2:A", "RED:3:A", "RED:4:A")
+
+
+def told(policy, word, readers=ALL, because=""):
+    def steps(case):
+        writer, reader = yield from case.pair(f"{word}=from_writer", f"{word}=from_reader")
+        for peer, endpoint, data in ((case.w, writer, "from_reader"), (case.r, reader, "from_writer")):
+            yield from case.until(f"told {peer.kind}, but {peer.ask(f'told {endpoint}')}",
+                                  lambda p=peer, e=endpoint, d=data: f"{word}={d}" in p.ask(f"told {e}").split())
+    CASES.append((policy, "told to the other", steps, ALL, readers, because))
+
+
+told("USER_DATA", "user")
+told("TOPIC_DATA", "topic", readers=NOT_FAST, because="readers of Fast DDS 2.9 do not announce it")
+told("GROUP_DATA", "group")
+
+
+@case_of("ENTITY_FACTORY", writers=(OURS, FAST), because="Cyclone DDS 0.10 has none")
+def born_disabled(case):
+    writer, reader = case.writer("factory=off history=all"), case.reader("history=all")
+    yield 1.0
+    case.check("announced before it was enabled", case.r.status(reader)["matched"] == 0)
+    case.w.ask(f"enable {writer}")
+    yield from case.matched(writer, reader)
+    case.w.ask(f"write {writer} RED 1")
+    yield from case.comes(reader, "RED:1:A")
+
+
+@case_of("TRANSPORT_PRIORITY", writers=(OURS,), because="neither Cyclone DDS 0.10 nor Fast DDS 2.9 marks what it sends")
+def marked_packets(case):
+    """What goes over the network says so in its traffic class."""
+    color = "C" + case.topic[-12:]
+    seen = case.packets_with(color)
+    try:
+        writer, reader = yield from case.pair("priority=46 history=all", "history=all")
+        case.w.ask(f"write {writer} {color} 1")
+        yield from case.comes(reader, f"{color}:1:A")
+        case.check("no packet of the highest class", seen.stdout.readline().strip() == str(46 << 2))
+    finally:
+        seen.kill()
+        seen.wait()
+        seen.stdout.close()
 
 
 # ---- all at once --------------------------------------------------------------------------------------
 
-def scenarios(peers, second, wanted):
-    for writer, reader in ((OURS, OURS), (OURS, CYCLONE), (CYCLONE, OURS), (OURS, FAST), (FAST, OURS)):
+# Options of ddssec-shapes, whose driver tries them with two processes of ours.
+SHAPES = {"PRESENTATION": ("coherent", "ordered"), "DURABILITY": ("persistent", "keeper"),
+          "OWNERSHIP": ("ownership", "shared"), "TIME_BASED_FILTER": ("time_filter",)}
+PAIRS = (OURS, OURS), (OURS, CYCLONE), (CYCLONE, OURS), (OURS, FAST), (FAST, OURS)
+
+
+def scenarios(peers, second, wanted, space):
+    for writer, reader in PAIRS:
         ends = peers[writer], second if writer == reader else peers[reader]
-        for name, offered, requested, policy in MISMATCHES:
-            if (FAST in (writer, reader) and policy == DATA_REPRESENTATION or
-                    reader == FAST and policy in (DESTINATION_ORDER, TYPE_CONSISTENCY)):
-                continue
-            case = Case(*ends, f"{name} mismatch")
-            if wanted in case.name:
-                yield case, mismatch(case, offered, requested, policy)
-        for effect in EFFECTS:
-            case = Case(*ends, effect.__name__.replace("_", " "))
-            if wanted in case.name:
-                yield case, effect(case)
+        for policy, name, steps, writers, readers, _ in CASES:
+            case = Case(*ends, f"{policy}: {name}", space)
+            if wanted in case.name and writer in writers and reader in readers:
+                yield case, steps(case)
+
+
+def table():
+    """A line for each case: who tries it with whom, and why others do not."""
+    lines = ["| policy | case | ours to ours | to Cyclone DDS | from Cyclone DDS | to Fast DDS | from Fast DDS | |",
+             "|---|---|---|---|---|---|---|---|"]
+    rows = [(policy, name, ["yes" if w in writers and r in readers else "" for w, r in PAIRS], because)
+            for policy, name, _, writers, readers, because in CASES]
+    rows += [(policy, f"`shapes.py {name}`", ["yes", "", "", "", ""], "") for policy, names in SHAPES.items()
+             for name in names]
+    for policy, name, marks, because in sorted(rows, key=lambda row: row[0].lower()):
+        lines.append(f"| {policy} | {name} | " + " | ".join(marks) + f" | {because} |")
+    return "\n".join(lines) + "\n"
+
+
+def compare_table(readme, write):
+    import shapes
+    known = {scenario.__name__ for scenario in shapes.CASES}
+    missing = [name for names in SHAPES.values() for name in names if name not in known]
+    begin, end = "<!-- policies.py --table -->\n", "<!-- end -->"
+    text = readme.read_text()
+    before, rest = text.split(begin)
+    stands, after = rest.split(end)
+    if write:
+        readme.write_text(before + begin + table() + end + after)
+    elif stands != table() or missing:
+        print(f"{readme}: not the table of policies.py; write it with --write", *missing)
+        return 1
+    return 0
 
 
 def run(all_scenarios):
-    """Steps each scenario when its time has come; the faults, by name."""
-    order = itertools.count()
-    waiting = [(0.0, next(order), case, steps) for case, steps in all_scenarios]
+    """Steps each scenario when its time has come; the faults, by name. They begin one by one: who has a
+    lease to keep cannot wait until all have begun."""
+    order, begin = itertools.count(), time.monotonic()
+    waiting = [(begin + i * 0.02, next(order), case, steps) for i, (case, steps) in enumerate(all_scenarios)]
     faults = {case.name: None for _, _, case, _ in waiting}
     while waiting:
         due, _, case, steps = heapq.heappop(waiting)
@@ -423,12 +565,14 @@ def run(all_scenarios):
 
 
 def main():
+    if sys.argv[1] == "--table":
+        return compare_table(pathlib.Path(sys.argv[2]), "--write" in sys.argv)
     build, wanted = pathlib.Path(sys.argv[1]).resolve(), (sys.argv[2:] or [""])[0]
     space = Namespace()
     with tempfile.TemporaryFile("w+") as log:
         peers = {kind: Peer(space, build, kind, log) for kind in (OURS, CYCLONE, FAST)}
         second = Peer(space, build, OURS, log)
-        faults = run(list(scenarios(peers, second, wanted)))
+        faults = run(list(scenarios(peers, second, wanted, space)))
         for peer in (*peers.values(), second):
             peer.close()
         space.close()

@@ -32,8 +32,16 @@ void set_qos(dds_qos_t* qos, const Policies& p) {
   dds_qset_history(qos, kind, depth);
   if (p.is("durability", "transient_local")) {
     dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
-    dds_qset_durability_service(qos, 0, kind, depth, -1, -1, -1);
+    // Also for who is late: Cyclone DDS applies it to this kind.
+    if (p.has("service"))
+      dds_qset_durability_service(qos, 0, DDS_HISTORY_KEEP_LAST,
+                                  static_cast<int32_t>(p.number("service")), -1, -1, -1);
+    else
+      dds_qset_durability_service(qos, 0, kind, depth, -1, -1, -1);
   }
+  if (p.has("budget")) dds_qset_latency_budget(qos, DDS_MSECS(p.number("budget")));
+  if (const auto user = p.text("user"); !user.empty())
+    dds_qset_userdata(qos, user.data(), user.size());
   if (p.has("deadline")) dds_qset_deadline(qos, DDS_MSECS(p.number("deadline")));
   if (p.has("lifespan")) dds_qset_lifespan(qos, DDS_MSECS(p.number("lifespan")));
   const auto liveliness = p.is("liveliness", "topic")         ? DDS_LIVELINESS_MANUAL_BY_TOPIC
@@ -85,6 +93,29 @@ class Cyclone final : public policy_peer::Stack {
   }
   bool assert_liveliness(const std::string& id) override {
     return dds_assert_liveliness(entities_.at(id)) == 0;
+  }
+  bool enable(const std::string&) override { return false; }  // has no ENTITY_FACTORY
+  std::string told(const std::string& id) override {
+    const auto entity = entities_.at(id);
+    dds_instance_handle_t remote = 0;
+    const bool writes = is_writer_.at(id);
+    if ((writes ? dds_get_matched_subscriptions(entity, &remote, 1)
+                : dds_get_matched_publications(entity, &remote, 1)) < 1)
+      return "";
+    auto* data = writes ? dds_get_matched_subscription_data(entity, remote)
+                        : dds_get_matched_publication_data(entity, remote);
+    std::string out;
+    for (const auto& [name, ask] :
+         {std::pair(" user=", &dds_qget_userdata), std::pair(" topic=", &dds_qget_topicdata),
+          std::pair(" group=", &dds_qget_groupdata)}) {
+      void* octets = nullptr;
+      size_t size = 0;
+      out += name;
+      if (ask(data->qos, &octets, &size) && size > 0) out.append(static_cast<char*>(octets), size);
+      dds_free(octets);
+    }
+    dds_builtintopic_free_endpoint(data);
+    return out.substr(1);
   }
   std::string take(const std::string& id) override {
     std::string out;
@@ -145,8 +176,17 @@ class Cyclone final : public policy_peer::Stack {
     const Qos qos, group;
     set_qos(qos.value, p);
     if (p.has("partition")) dds_qset_partition1(group.value, p.text("partition").c_str());
+    const auto scope = p.is("scope", "topic")   ? DDS_PRESENTATION_TOPIC
+                       : p.is("scope", "group") ? DDS_PRESENTATION_GROUP
+                                                : DDS_PRESENTATION_INSTANCE;
+    dds_qset_presentation(group.value, scope, p.is("coherent", "on"), false);
+    if (const auto data = p.text("group"); !data.empty())
+      dds_qset_groupdata(group.value, data.data(), data.size());
+    const Qos of_topic;
+    if (const auto data = p.text("topic"); !data.empty())
+      dds_qset_topicdata(of_topic.value, data.data(), data.size());
     const auto on =
-        dds_create_topic(participant_, &interop_Shape_desc, topic.c_str(), nullptr, nullptr);
+        dds_create_topic(participant_, &interop_Shape_desc, topic.c_str(), of_topic.value, nullptr);
     const auto parent = make_group(participant_, group.value, nullptr);
     const auto entity = make(parent, on, qos.value, nullptr);
     entities_[id] = entity;

@@ -20,6 +20,12 @@ Qos qos_of(const Policies& p) {
   qos.reliability.kind =
       p.is("reliability", "best_effort") ? ReliabilityKind::best_effort : ReliabilityKind::reliable;
   if (p.is("durability", "transient_local")) qos.durability = DurabilityKind::transient_local;
+  if (p.is("durability", "transient")) qos.durability = DurabilityKind::transient;
+  if (p.has("service"))
+    qos.durability_service.history.depth = static_cast<std::int32_t>(p.number("service"));
+  if (p.has("budget")) qos.latency_budget = milliseconds(p.number("budget"));
+  if (p.has("priority")) qos.transport_priority = static_cast<std::int32_t>(p.number("priority"));
+  qos.user_data = to_bytes(as_bytes(p.text("user")));
   if (p.is("history", "all"))
     qos.history.kind = HistoryKind::keep_all;
   else if (p.has("history"))
@@ -49,6 +55,11 @@ Qos qos_of(const Policies& p) {
 GroupQos group_of(const Policies& p) {
   GroupQos group;
   if (p.has("partition")) group.partition = {p.text("partition")};
+  if (p.is("scope", "topic")) group.presentation.scope = PresentationScope::topic;
+  if (p.is("scope", "group")) group.presentation.scope = PresentationScope::group;
+  group.presentation.coherent_access = p.is("coherent", "on");
+  group.group_data = to_bytes(as_bytes(p.text("group")));
+  group.autoenable_created_entities = !p.is("factory", "off");
   return group;
 }
 
@@ -95,6 +106,22 @@ class Embedded final : public policy_peer::Stack {
     auto& writer = *writers_.at(id);
     return writer.assert_liveliness().has_value();
   }
+  bool enable(const std::string& id) override { return writers_.at(id)->enable().has_value(); }
+  std::string told(const std::string& id) override {
+    const auto data_of = [](const auto& remotes, const auto& ask) {
+      return remotes.empty() ? Qos{} : ask(remotes.front())->qos;
+    };
+    const auto writer = writers_.find(id);
+    const auto qos =
+        writer != writers_.end()
+            ? data_of(writer->second->matched_subscriptions(),
+                      [&](const Guid& g) { return writer->second->matched_subscription_data(g); })
+            : data_of(readers_.at(id)->matched_publications(),
+                      [&](const Guid& g) { return readers_.at(id)->matched_publication_data(g); });
+    const auto text = [](const Bytes& octets) { return std::string(as_text(octets)); };
+    return "user=" + text(qos.user_data) + " topic=" + text(qos.topic_data) +
+           " group=" + text(qos.group_data);
+  }
   std::string take(const std::string& id) override {
     Samples<Shape> samples;
     std::string out;
@@ -139,7 +166,9 @@ class Embedded final : public policy_peer::Stack {
     if (auto* known = participant_.lookup_topicdescription(name)) return *known;
     auto support = type_support<Shape>();
     if (p.is("describe", "no")) support.description = {};
-    return **participant_.create_topic(name, std::move(support));
+    Qos qos;
+    qos.topic_data = to_bytes(as_bytes(p.text("topic")));
+    return **participant_.create_topic(name, std::move(support), qos);
   }
 
   ContentFilteredTopic& filtered(const std::string& id, const std::string& topic,

@@ -1,6 +1,7 @@
 // The policy peer on Fast DDS.
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
@@ -8,6 +9,8 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/ContentFilteredTopic.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
+#include <fastdds/rtps/reader/ReaderDiscoveryInfo.h>
+#include <fastdds/rtps/writer/WriterDiscoveryInfo.h>
 #include <fastrtps/types/DynamicType.h>
 #include <fastrtps/types/DynamicTypeBuilder.h>
 #include <fastrtps/types/DynamicTypeBuilderFactory.h>
@@ -71,20 +74,62 @@ void set_qos(Q& qos, const Policies& p) {
     qos.liveliness().announcement_period = milliseconds(p.number("lease") / 2);
   }
   if (p.is("ownership", "exclusive")) qos.ownership().kind = fdds::EXCLUSIVE_OWNERSHIP_QOS;
+  if (p.has("budget")) qos.latency_budget().duration = milliseconds(p.number("budget"));
+  const auto user = p.text("user");
+  qos.user_data().assign(user.begin(), user.end());
   if (p.is("order", "source"))
     qos.destination_order().kind = fdds::BY_SOURCE_TIMESTAMP_DESTINATIONORDER_QOS;
   qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   qos.data_sharing().off();
 }
 
+template <class Q>
+void set_group(Q& group, const Policies& p) {
+  if (p.has("partition")) group.partition().push_back(p.text("partition").c_str());
+  const auto data = p.text("group");
+  group.group_data().assign(data.begin(), data.end());
+  group.entity_factory().autoenable_created_entities = !p.is("factory", "off");
+}
+
+// What others announced, by topic: of each kind of endpoint the last.
+class Discovered final : public fdds::DomainParticipantListener {
+ public:
+  void on_publisher_discovery(fdds::DomainParticipant*, rtps::WriterDiscoveryInfo&& info) override {
+    note("reader", info.info);
+  }
+  void on_subscriber_discovery(fdds::DomainParticipant*,
+                               rtps::ReaderDiscoveryInfo&& info) override {
+    note("writer", info.info);
+  }
+  /// `to`: "reader" or "writer".
+  std::string told(const std::string& to, const std::string& topic) {
+    const std::lock_guard held(mutex_);
+    return told_[to + topic];
+  }
+
+ private:
+  template <class Info>
+  void note(const std::string& to, const Info& info) {
+    const auto text = [](const auto& data) {
+      return std::string(data.data_vec().begin(), data.data_vec().end());
+    };
+    const std::lock_guard held(mutex_);
+    told_[to + info.topicName().to_string()] = "user=" + text(info.m_qos.m_userData) +
+                                               " topic=" + text(info.m_qos.m_topicData) +
+                                               " group=" + text(info.m_qos.m_groupData);
+  }
+  std::mutex mutex_;
+  std::map<std::string, std::string> told_;
+};
+
 class Fast final : public policy_peer::Stack {
  public:
-  Fast(fdds::DomainParticipant& participant, const std::string& type)
-      : participant_(participant), type_(type) {}
+  Fast(fdds::DomainParticipant& participant, const std::string& type, Discovered& discovered)
+      : participant_(participant), type_(type), discovered_(discovered) {}
 
   bool writer(const std::string& id, const std::string& topic, const Policies& p) override {
     fdds::PublisherQos group = fdds::PUBLISHER_QOS_DEFAULT;
-    if (p.has("partition")) group.partition().push_back(p.text("partition").c_str());
+    set_group(group, p);
     fdds::DataWriterQos qos = fdds::DATAWRITER_QOS_DEFAULT;
     set_qos(qos, p);
     if (p.has("strength"))
@@ -92,17 +137,17 @@ class Fast final : public policy_peer::Stack {
     qos.writer_data_lifecycle().autodispose_unregistered_instances = p.is("autodispose", "on");
     qos.reliable_writer_qos().times.heartbeatPeriod = Duration_t(0, 100'000'000);
     auto* publisher = participant_.create_publisher(group);
-    return (writers_[id] = publisher->create_datawriter(topic_of(topic), qos)) != nullptr;
+    return (writers_[id] = publisher->create_datawriter(topic_of(topic, p), qos)) != nullptr;
   }
   bool reader(const std::string& id, const std::string& topic, const Policies& p) override {
     fdds::SubscriberQos group = fdds::SUBSCRIBER_QOS_DEFAULT;
-    if (p.has("partition")) group.partition().push_back(p.text("partition").c_str());
+    set_group(group, p);
     fdds::DataReaderQos qos = fdds::DATAREADER_QOS_DEFAULT;
     set_qos(qos, p);
     auto* subscriber = participant_.create_subscriber(group);
-    fdds::TopicDescription* wanted = topic_of(topic);
+    fdds::TopicDescription* wanted = topic_of(topic, p);
     if (p.has("filter"))
-      wanted = participant_.create_contentfilteredtopic("filtered_" + id, topic_of(topic),
+      wanted = participant_.create_contentfilteredtopic("filtered_" + id, topic_of(topic, p),
                                                         p.text("filter"), {});
     return wanted != nullptr &&
            (readers_[id] = subscriber->create_datareader(wanted, qos)) != nullptr;
@@ -126,6 +171,12 @@ class Fast final : public policy_peer::Stack {
   }
   bool assert_liveliness(const std::string& id) override {
     return ok(writers_.at(id)->assert_liveliness());
+  }
+  bool enable(const std::string& id) override { return ok(writers_.at(id)->enable()); }
+  std::string told(const std::string& id) override {
+    if (const auto at = writers_.find(id); at != writers_.end())
+      return discovered_.told("writer", at->second->get_topic()->get_name());
+    return discovered_.told("reader", readers_.at(id)->get_topicdescription()->get_name());
   }
   std::string take(const std::string& id) override {
     std::ostringstream out;
@@ -178,14 +229,18 @@ class Fast final : public policy_peer::Stack {
   void count(const std::string& id, int policy) {
     if (policy != 0) incompatible_[id] = policy;
   }
-  fdds::Topic* topic_of(const std::string& name) {
+  fdds::Topic* topic_of(const std::string& name, const Policies& p) {
     auto& topic = topics_[name];
-    if (topic == nullptr) topic = participant_.create_topic(name, type_, fdds::TOPIC_QOS_DEFAULT);
+    fdds::TopicQos qos = fdds::TOPIC_QOS_DEFAULT;
+    const auto data = p.text("topic");
+    qos.topic_data().assign(data.begin(), data.end());
+    if (topic == nullptr) topic = participant_.create_topic(name, type_, qos);
     return topic;
   }
 
   fdds::DomainParticipant& participant_;
   const std::string type_;
+  Discovered& discovered_;
   std::map<std::string, fdds::Topic*> topics_;
   std::map<std::string, fdds::DataWriter*> writers_;
   std::map<std::string, fdds::DataReader*> readers_;
@@ -199,11 +254,12 @@ int main() {
   fdds::DomainParticipantQos qos = fdds::PARTICIPANT_QOS_DEFAULT;
   set_loopback(qos);
   auto* factory = fdds::DomainParticipantFactory::get_instance();
-  auto* participant = factory->create_participant(0, qos);
+  Discovered discovered;
+  auto* participant = factory->create_participant(0, qos, &discovered, fdds::StatusMask::none());
   fdds::TypeSupport type(new ShapeType);
   if (participant == nullptr || !ok(type.register_type(participant))) return 3;
   describe_type();
-  Fast stack(*participant, type.get_type_name());
+  Fast stack(*participant, type.get_type_name(), discovered);
   const int code = policy_peer::serve(stack);
   participant->delete_contained_entities();
   factory->delete_participant(participant);

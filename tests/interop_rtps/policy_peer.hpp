@@ -3,10 +3,13 @@
 // two of them within one discovery.
 //   writer ID TOPIC [policy=value ...]     reader ID TOPIC [policy=value ...]     delete ID
 //   write ID COLOR X [SOURCE_TIME_MS]      dispose ID COLOR     unregister ID COLOR
-//   assert ID     take ID     status ID     quit
-// Policies: reliability=reliable|best_effort durability=volatile|transient_local history=all|DEPTH
-// deadline=MS lifespan=MS liveliness=automatic|participant|topic lease=MS
+//   assert ID     take ID     status ID     enable ID     quit
+//   told ID: USER_DATA, TOPIC_DATA and GROUP_DATA that one who matched it announced
+// Policies: reliability=reliable|best_effort durability=volatile|transient_local|transient
+// history=all|DEPTH deadline=MS lifespan=MS liveliness=automatic|participant|topic lease=MS
 // ownership=shared|exclusive strength=N order=reception|source partition=NAME representation=1|2
+// service=DEPTH (DURABILITY_SERVICE) scope=instance|topic|group coherent=on budget=MS priority=N
+// user=TEXT topic=TEXT group=TEXT (data) factory=off (a writer's: is born disabled)
 // samples=N autodispose=on purge=MS (of disposed samples) separation=MS
 // types=same|known (a reader's TYPE_CONSISTENCY_ENFORCEMENT: no coercion, only what can be judged)
 // describe=no (our own: announces no TypeInformation)
@@ -48,6 +51,9 @@ class Stack {
                      std::int64_t source_ms) = 0;
   virtual bool end(const std::string& id, const std::string& color, End how) = 0;
   virtual bool assert_liveliness(const std::string& id) = 0;
+  virtual bool enable(const std::string& id) = 0;
+  /// "user=TEXT topic=TEXT group=TEXT"
+  virtual std::string told(const std::string& id) = 0;
   /// "COLOR:X:STATE ...": X is - without data, the state A, D or N.
   virtual std::string take(const std::string& id) = 0;
   /// "name=value ..."
@@ -82,6 +88,8 @@ inline std::string answer(Stack& stack, std::istringstream& line) {
   }
   if (command == "delete") return said(stack.remove(id));
   if (command == "assert") return said(stack.assert_liveliness(id));
+  if (command == "enable") return said(stack.enable(id));
+  if (command == "told") return "told " + stack.told(id);
   if (command == "take") return "samples" + stack.take(id);
   if (command == "status") return "status " + stack.status(id);
   return "unknown command";
