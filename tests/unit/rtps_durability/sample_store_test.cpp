@@ -1,4 +1,7 @@
+#include <csignal>
+#include <numeric>
 #include <random>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include "tests/unit/rtps_durability/store_fixture.hpp"
@@ -158,6 +161,41 @@ TEST_F(SampleStoreTest, AFullStoreSaysSoAndLosesNothing) {
     ASSERT_TRUE(small->commit({{StoredChange{id, sample(10)}}}, seconds(0)));  // this one fits
   }
   EXPECT_EQ(stored().size(), 11u);
+}
+
+// No file of this process may grow beyond a size, as on a disk without room.
+TEST_F(SampleStoreTest, ADiskWithoutRoomIsNamedAndNothingStoredIsLost) {
+  store(0, 10);
+  std::uint32_t next = 10;
+  {
+    auto opened = SampleStore::open(path);
+    ASSERT_TRUE(opened);
+    const auto id = *opened->stream(kMap, keep_all());
+    const auto commit = [&] {
+      std::vector<StoredChange> group;
+      for (auto i = next; i < next + 100; ++i) group.push_back({id, sample(i)});
+      return opened->commit(group, seconds(0));
+    };
+    struct rlimit before;
+    ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+    const struct rlimit small = {512 << 10, before.rlim_max};
+    const auto signal = std::signal(SIGXFSZ, SIG_IGN);
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+    Status written;
+    for (; next < 100'000 && (written = commit()); next += 100) {
+    }
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+    std::signal(SIGXFSZ, signal);
+    ASSERT_EQ(code_of(written), Code::rtps_store_failed);
+    EXPECT_EQ(written.error().details().document, path);
+    EXPECT_FALSE(written.error().details().found.empty());
+    EXPECT_EQ(opened->size(id), next);
+    ASSERT_TRUE(commit());  // there is room again
+    next += 100;
+  }
+  Numbers all(next);
+  std::iota(all.begin(), all.end(), 0u);
+  EXPECT_EQ(stored(), all);
 }
 
 TEST_F(SampleStoreTest, IsForOneProcessAtATime) {
