@@ -23,6 +23,9 @@ struct Options {
   /// Answer relay_only to a reader that only a relay element lets in. Set it only if the
   /// cryptography then keeps the payload key to itself; otherwise such a reader could read.
   bool accept_relays = false;
+  /// Take a governance that enables key revision: the host drives it. Otherwise such a document is
+  /// refused, since nobody would be shut out.
+  bool host_revises_keys = false;
   /// SHA-256 of signed documents that count no longer although their dates are good.
   std::vector<Sha256Digest> withdrawn_documents = {};
 };

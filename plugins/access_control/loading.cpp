@@ -57,12 +57,12 @@ Result<Subject> local_subject(const spi::PropertyList& properties) {
 }
 
 Result<std::shared_ptr<const governance::CompiledGovernance>> compile_governance(
-    const PermissionsCa& ca, BytesView file, DomainId domain, WallTime now) {
-  const auto document = DDSSEC_TRY(ca.verifier().verify(file, now));
+    const LoadContext& context, const PermissionsCa& ca, BytesView file, DomainId domain) {
+  const auto document = DDSSEC_TRY(ca.verifier().verify(file, context.now));
   auto content = std::make_shared<const governance::Governance>(
       DDSSEC_TRY(governance::read_governance(document.content())));
   auto compiled = DDSSEC_TRY(governance::CompiledGovernance::make(std::move(content), domain));
-  DDSSEC_TRY(check_enforceable(compiled->domain_rule()));
+  DDSSEC_TRY(check_enforceable(compiled->domain_rule(), context.options));
   return compiled;
 }
 
@@ -118,9 +118,9 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
   participant->governance_name = document_name(spi::property::kGovernance, governance_uri);
   const auto governance_file =
       DDSSEC_TRY(pki::load(governance_uri, spi::property::kGovernance, pki::kMostDocumentOctets));
-  participant->governance = DDSSEC_TRY(
-      in_document(compile_governance(*participant->ca, governance_file, domain, context.now),
-                  participant->governance_name));
+  participant->governance =
+      DDSSEC_TRY(in_document(compile_governance(context, *participant->ca, governance_file, domain),
+                             participant->governance_name));
   const auto name = document_name(spi::property::kPermissions, permissions_uri);
   const auto file =
       DDSSEC_TRY(pki::load(permissions_uri, spi::property::kPermissions, pki::kMostDocumentOctets));

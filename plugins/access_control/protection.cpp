@@ -101,7 +101,8 @@ spi::ParticipantSecurityAttributes participant_attributes(const governance::Doma
           .liveliness = rule.liveliness_protection_kind,
           .allowed_ciphers = rule.allowed_algorithms
                                  ? ciphers_in(rule.allowed_algorithms->symmetric_cipher)
-                                 : spi::kAllCiphers};
+                                 : spi::kAllCiphers,
+          .is_key_revision_enabled = rule.enable_key_revision};
 }
 
 spi::EndpointSecurityAttributes endpoint_attributes(const governance::TopicRule& rule) {
@@ -123,12 +124,12 @@ std::optional<spi::EndpointSecurityAttributes> builtin_attributes(
   return attributes;
 }
 
-Status check_enforceable(const governance::DomainRule& rule) {
+Status check_enforceable(const governance::DomainRule& rule, const Options& options) {
   if (is_protected(rule.rtps_psk_protection_kind)) {
     return not_enforceable(rule.line, "<rtps_psk_protection_kind>", "NONE",
                            std::string(to_string(rule.rtps_psk_protection_kind)));
   }
-  if (rule.enable_key_revision) {
+  if (rule.enable_key_revision && !options.host_revises_keys) {
     return not_enforceable(rule.line, "<enable_key_revision>", "false", "true");
   }
   return rule.allowed_algorithms ? check_algorithms(*rule.allowed_algorithms) : Status();

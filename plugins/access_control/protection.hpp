@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "governance/model.hpp"
+#include "plugins/access_control/access_control.hpp"
 #include "plugins/spi/attributes.hpp"
 
 namespace ddssec::access_control {
@@ -18,8 +19,9 @@ spi::EndpointSecurityAttributes endpoint_attributes(const governance::TopicRule&
 std::optional<spi::EndpointSecurityAttributes> builtin_attributes(
     const governance::DomainRule& rule, std::string_view topic);
 
-/// Refuses what the plugins would not do: pre-shared keys, key revision, and lists of allowed
-/// algorithms that leave out one that they may use. Error: governance_not_enforceable.
-Status check_enforceable(const governance::DomainRule& rule);
+/// Refuses what would not be done: pre-shared keys, key revision unless the host drives it, and
+/// lists of allowed algorithms that leave out one that the plugins may use. Error:
+/// governance_not_enforceable.
+Status check_enforceable(const governance::DomainRule& rule, const Options& options);
 
 }  // namespace ddssec::access_control

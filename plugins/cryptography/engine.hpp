@@ -34,12 +34,16 @@ struct Shared {
   /// Sorts the remote's endpoints by their submessage key ids anew. Mutex held.
   void publish_routes(RemoteParticipant& participant);
 
+  /// To be called when a remote entity got new keys. Mutex held.
+  void note_former(std::int64_t handle, const RemoteKeys& keys);
+
   const Environment environment;
   const bool header_prefix_is_network_order;
   Graveyard graveyard;  // before whatever retires into it
   const KeyEnvironment keys;
   Registry registry;
   std::mutex mutex;
+  std::unordered_map<std::int64_t, std::chrono::nanoseconds> former_until;  ///< guarded by it
 };
 
 /// Local handle kinds and the remote ones they match.
@@ -87,6 +91,10 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   Result<spi::CipherMask> required_ciphers(spi::DatareaderCryptoHandle local) override;
   Result<std::unique_ptr<spi::PreSharedKeys>> pre_shared_keys(
       const spi::PreSharedKeyRequest& request) override;
+  Result<spi::KeyRevision> revise_local_entity_keys(spi::ParticipantCryptoHandle local) override;
+  Status activate_key_revision(spi::ParticipantCryptoHandle local,
+                               spi::KeyRevision revision) override;
+  void forget_former_keys() override;
   Status unregister_participant(spi::ParticipantCryptoHandle participant) override;
   Status unregister_datawriter(spi::DatawriterCryptoHandle datawriter) override;
   Status unregister_datareader(spi::DatareaderCryptoHandle datareader) override;
@@ -98,8 +106,15 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   Result<Key> random_key(std::size_t size);
   KeyId fresh_key_id();
   Result<KeyMaterial> fresh_material(bool encrypts, Cipher cipher);
+  Result<KeyMaterial> fresh_material(TransformKind kind, KeyId id);
   Result<std::unique_ptr<SendKey>> send_key(KeyMaterial material);
   Result<std::unique_ptr<ReceiverKey>> receiver_key(Cipher cipher);
+  /// A key to follow that one, if there is one.
+  Result<std::unique_ptr<SendKey>> revised(const Published<SendKey>& key);
+  Status revise(LocalEndpoint& endpoint);
+  template <class F>
+  void each_endpoint(const LocalParticipant& participant, F&& f);
+  void forget_former_keys(std::int64_t handle, std::chrono::nanoseconds now);
   /// Is it there, and allowed? Errors: cipher_unavailable, cipher_not_allowed.
   Status check_cipher(Cipher cipher, spi::CipherMask allowed) const;
   Result<std::unique_ptr<Pair>> make_pair(const LocalParticipant& local,
@@ -131,17 +146,20 @@ class KeyExchange final : public spi::CryptoKeyExchange {
   explicit KeyExchange(Shared& shared) : shared_(shared) {}
 
   Result<std::vector<spi::Token>> create_local_participant_crypto_tokens(
-      spi::ParticipantCryptoHandle local, spi::ParticipantCryptoHandle remote) override;
+      spi::ParticipantCryptoHandle local, spi::ParticipantCryptoHandle remote,
+      spi::KeyStage stage) override;
   Status set_remote_participant_crypto_tokens(spi::ParticipantCryptoHandle local,
                                               spi::ParticipantCryptoHandle remote,
                                               std::span<const spi::Token> tokens) override;
   Result<std::vector<spi::Token>> create_local_datawriter_crypto_tokens(
-      spi::DatawriterCryptoHandle local, spi::DatareaderCryptoHandle remote) override;
+      spi::DatawriterCryptoHandle local, spi::DatareaderCryptoHandle remote,
+      spi::KeyStage stage) override;
   Status set_remote_datawriter_crypto_tokens(spi::DatareaderCryptoHandle local,
                                              spi::DatawriterCryptoHandle remote,
                                              std::span<const spi::Token> tokens) override;
   Result<std::vector<spi::Token>> create_local_datareader_crypto_tokens(
-      spi::DatareaderCryptoHandle local, spi::DatawriterCryptoHandle remote) override;
+      spi::DatareaderCryptoHandle local, spi::DatawriterCryptoHandle remote,
+      spi::KeyStage stage) override;
   Status set_remote_datareader_crypto_tokens(spi::DatawriterCryptoHandle local,
                                              spi::DatareaderCryptoHandle remote,
                                              std::span<const spi::Token> tokens) override;
@@ -150,7 +168,7 @@ class KeyExchange final : public spi::CryptoKeyExchange {
   template <class Local, class Remote>
   Result<RemoteEndpoint*> matched(Local local, Remote remote) const;
   template <class Local, class Remote>
-  Result<std::vector<spi::Token>> create(Local local, Remote remote);
+  Result<std::vector<spi::Token>> create(Local local, Remote remote, spi::KeyStage stage);
   template <class Local, class Remote>
   Status set(Local local, Remote remote, std::span<const spi::Token> tokens);
   Result<std::unique_ptr<ReceiveKey>> receive_key(KeyMaterial material, spi::ProtectionKind due,

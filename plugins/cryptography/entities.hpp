@@ -3,12 +3,13 @@
 // Ownership and life: the registry owns entities, entities own their keys. All changes are made by
 // one thread at a time, under Engine's mutex. The message path follows pointers under a ReadGuard
 // without any lock. What it may follow either never changes during an entity's life (handle, kind,
-// protection, own keys, the pointers up to the parents) or is Published: key material that tokens
+// protection, the pointers up to the parents) or is Published: own keys, key material that tokens
 // bring, pairs and routes are replaced as a whole, and the former object dies after its last
 // reader. An entity is unlinked from all tables and from the registry before it is retired, and
 // children are retired with their parents, so that a pointer up never dangles within a guard.
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <unordered_map>
@@ -19,13 +20,24 @@
 #include "plugins/cryptography/registry.hpp"
 #include "plugins/cryptography/send_key.hpp"
 #include "plugins/spi/attributes.hpp"
+#include "plugins/spi/cryptography.hpp"
 
 namespace ddssec::cryptography {
 
-/// The keys of a remote entity, as its tokens said. Null: none came, or none is due at that level.
-struct RemoteKeys final : Retirable {
-  std::unique_ptr<ReceiveKey> submessage;  ///< or, for a participant, of RTPS messages
-  std::unique_ptr<ReceiveKey> payload;
+/// Keys of one revision of a remote entity. Null: none came, or none is due at that level.
+struct LevelKeys {
+  std::shared_ptr<ReceiveKey> submessage;  ///< or, for a participant, of RTPS messages
+  std::shared_ptr<ReceiveKey> payload;
+};
+using KeyLevel = std::shared_ptr<ReceiveKey> LevelKeys::*;
+
+/// The keys of a remote entity, as its tokens said: the newest, and former revisions that still
+/// count for a while (key_revision.hpp).
+struct RemoteKeys final : Retirable, LevelKeys {
+  struct Former : LevelKeys {
+    std::chrono::nanoseconds until;  ///< by the monotonic clock
+  };
+  std::vector<Former> former;  ///< newest first
 };
 
 struct LocalParticipant final : Entity {
@@ -34,7 +46,11 @@ struct LocalParticipant final : Entity {
   Cipher cipher = Cipher::aes256_gcm;           ///< of messages and builtin endpoints
   Cipher endpoint_cipher = Cipher::aes256_gcm;  ///< of the application's endpoints
   spi::CipherMask allowed_ciphers = spi::kAllCiphers;
-  std::unique_ptr<SendKey> key;  ///< null if RTPS messages are not protected
+  Published<SendKey> key;  ///< null if RTPS messages are not protected
+  bool revises_keys = false;
+  bool is_revising = false;  ///< the next keys are not in use yet
+  spi::KeyRevision revision = 0;
+  std::unique_ptr<SendKey> next_key = {};
   std::unordered_set<std::int64_t> endpoints;
   std::unordered_set<std::int64_t> matched;  ///< remote participants
 };
@@ -97,13 +113,16 @@ struct LocalEndpoint final : Entity {
   spi::ProtectionKind payload = spi::ProtectionKind::none;
   bool is_volatile = false;  ///< ParticipantVolatileMessageSecure: keys of the key exchange
   Cipher cipher = Cipher::aes256_gcm;
-  std::unique_ptr<SendKey> submessage_key;
-  std::unique_ptr<SendKey> payload_key;
+  Published<SendKey> submessage_key;
+  Published<SendKey> payload_key;
+  std::unique_ptr<SendKey> next_submessage_key = {}, next_payload_key = {};
   /// A reader's key that is only ever sent, where only payloads are protected.
   std::optional<KeyMaterial> token_only;
   std::unordered_set<std::int64_t> matched;  ///< remote endpoints
 
-  bool sends_protected() const { return submessage_key != nullptr || payload_key != nullptr; }
+  bool sends_protected() const {
+    return submessage_key.read() != nullptr || payload_key.read() != nullptr;
+  }
   bool has_tokens() const {
     return !is_volatile && (is_protected(submessage) || is_protected(payload));
   }

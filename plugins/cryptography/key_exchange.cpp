@@ -2,6 +2,7 @@
 
 #include "base/rollback.hpp"
 #include "plugins/cryptography/engine.hpp"
+#include "plugins/cryptography/key_revision.hpp"
 
 namespace ddssec::cryptography {
 namespace {
@@ -60,22 +61,26 @@ Result<std::unique_ptr<ReceiveKey>> KeyExchange::receive_key(KeyMaterial materia
                 {.expected = std::string(to_string(due)), .found = material.kind.to_string()});
   if (is_origin_authenticated(due) && !material.has_receiver_key())
     return fail(Code::receiver_specific_key_missing);
+  if (!from.local.revises_keys && revision_of(material.kind) != 0)
+    return fail(Code::key_revision_not_enabled, {.found = material.kind.to_string()});
   const auto traits = *traits_of(material.kind);
   DDSSEC_TRY(check_cipher(traits, from));
   return std::make_unique<ReceiveKey>(std::move(material), traits, shared_.keys);
 }
 
 Result<std::vector<spi::Token>> KeyExchange::create_local_participant_crypto_tokens(
-    spi::ParticipantCryptoHandle local, spi::ParticipantCryptoHandle remote) {
+    spi::ParticipantCryptoHandle local, spi::ParticipantCryptoHandle remote, spi::KeyStage stage) {
   const std::lock_guard lock(shared_.mutex);
   const auto* const participant = DDSSEC_TRY(shared_.local_participant(local));
   const auto* const pair = DDSSEC_TRY(shared_.remote_participant(remote))->pair(local.value);
   if (pair == nullptr) return fail(Code::crypto_not_matched);
-  // Always exactly one: Fast DDS refuses any other number. NONE where there is nothing to protect.
+  const bool revised = stage == spi::KeyStage::revised;
+  const auto* const key = revised ? participant->next_key.get() : participant->key.read();
   std::vector<spi::Token> tokens;
-  tokens.push_back(participant->key
-                       ? token_for(participant->key->material(), pair->receiver_key.get())
-                       : crypto_token(KeyMaterial{}));
+  if (key == nullptr && revised) return tokens;
+  // Always exactly one: Fast DDS refuses any other number. NONE where there is nothing to protect.
+  tokens.push_back(key != nullptr ? token_for(key->material(), pair->receiver_key.get())
+                                  : crypto_token(KeyMaterial{}));
   return tokens;
 }
 
@@ -92,6 +97,8 @@ Status KeyExchange::set_remote_participant_crypto_tokens(spi::ParticipantCryptoH
   if (!is_protected(participant->rtps)) return {};
   auto keys = std::make_unique<RemoteKeys>();
   keys->submessage = DDSSEC_TRY(receive_key(std::move(material), participant->rtps, *pair));
+  DDSSEC_TRY(inherit(*keys, pair->remote_keys.read(), shared_.environment.clock.monotonic()));
+  shared_.note_former(remote.value, *keys);
   pair->remote_keys.replace(std::move(keys), shared_.graveyard);
   return {};
 }
@@ -105,16 +112,19 @@ Result<RemoteEndpoint*> KeyExchange::matched(Local local, Remote remote) const {
 }
 
 template <class Local, class Remote>
-Result<std::vector<spi::Token>> KeyExchange::create(Local local, Remote remote) {
+Result<std::vector<spi::Token>> KeyExchange::create(Local local, Remote remote,
+                                                    spi::KeyStage stage) {
   const std::lock_guard lock(shared_.mutex);
   const auto& endpoint = *DDSSEC_TRY(matched(local, remote));
   std::vector<spi::Token> tokens;
   // Submessage before payload: receivers route by the first.
-  if (const auto* const key = endpoint.local.submessage_key.get())
+  const auto& own = endpoint.local;
+  const bool revised = stage == spi::KeyStage::revised;
+  if (const auto* key = revised ? own.next_submessage_key.get() : own.submessage_key.read())
     tokens.push_back(token_for(key->material(), endpoint.receiver_key.get()));
-  if (const auto* const key = endpoint.local.payload_key.get())
+  if (const auto* key = revised ? own.next_payload_key.get() : own.payload_key.read())
     tokens.push_back(token_for(key->material(), nullptr));
-  if (const auto& material = endpoint.local.token_only)
+  if (const auto& material = own.token_only; material && !revised)
     tokens.push_back(token_for(*material, nullptr));
   return tokens;
 }
@@ -147,6 +157,8 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
   if (tokens.empty() || tokens.size() > kMostTokensPerEndpoint)
     return fail(Code::crypto_token_count);
   auto keys = DDSSEC_TRY(endpoint_keys(endpoint, DDSSEC_TRY(read_all(tokens))));
+  DDSSEC_TRY(inherit(*keys, endpoint.remote_keys.read(), shared_.environment.clock.monotonic()));
+  shared_.note_former(remote.value, *keys);
   auto former = endpoint.remote_keys.exchange(std::move(keys));
   Rollback take_back([&] { endpoint.remote_keys.replace(std::move(former), shared_.graveyard); });
   if (is_protected(endpoint.local.submessage)) shared_.publish_routes(endpoint.participant);
@@ -156,8 +168,8 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
 }
 
 Result<std::vector<spi::Token>> KeyExchange::create_local_datawriter_crypto_tokens(
-    spi::DatawriterCryptoHandle local, spi::DatareaderCryptoHandle remote) {
-  return create(local, remote);
+    spi::DatawriterCryptoHandle local, spi::DatareaderCryptoHandle remote, spi::KeyStage stage) {
+  return create(local, remote, stage);
 }
 
 Status KeyExchange::set_remote_datawriter_crypto_tokens(spi::DatareaderCryptoHandle local,
@@ -167,8 +179,8 @@ Status KeyExchange::set_remote_datawriter_crypto_tokens(spi::DatareaderCryptoHan
 }
 
 Result<std::vector<spi::Token>> KeyExchange::create_local_datareader_crypto_tokens(
-    spi::DatareaderCryptoHandle local, spi::DatawriterCryptoHandle remote) {
-  return create(local, remote);
+    spi::DatareaderCryptoHandle local, spi::DatawriterCryptoHandle remote, spi::KeyStage stage) {
+  return create(local, remote, stage);
 }
 
 Status KeyExchange::set_remote_datareader_crypto_tokens(spi::DatawriterCryptoHandle local,

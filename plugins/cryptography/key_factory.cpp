@@ -51,10 +51,14 @@ KeyId KeyFactory::fresh_key_id() {
 }
 
 Result<KeyMaterial> KeyFactory::fresh_material(bool encrypts, Cipher cipher) {
-  const auto size = key_size_of(cipher);
-  KeyMaterial material{.kind = kind_for(cipher, encrypts)};
+  return fresh_material(kind_for(cipher, encrypts), fresh_key_id());
+}
+
+Result<KeyMaterial> KeyFactory::fresh_material(TransformKind kind, KeyId id) {
+  const auto size = traits_of(kind)->key_size();
+  KeyMaterial material{.kind = kind};
   material.salt = DDSSEC_TRY(random_key<MasterSalt>(size));
-  material.sender_key_id = fresh_key_id();
+  material.sender_key_id = id;
   material.sender_key = DDSSEC_TRY(random_key<MasterKey>(size));
   return material;
 }
@@ -110,9 +114,11 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_local_participant(
   for (const auto cipher : {ciphers.message, ciphers.endpoint})
     DDSSEC_TRY(check_cipher(cipher, attributes.allowed_ciphers));
   participant->rtps = attributes.rtps;
+  participant->revises_keys = attributes.is_key_revision_enabled;
   if (is_protected(attributes.rtps))
-    participant->key = DDSSEC_TRY(
-        send_key(DDSSEC_TRY(fresh_material(is_encrypted(attributes.rtps), participant->cipher))));
+    participant->key.replace(DDSSEC_TRY(send_key(DDSSEC_TRY(fresh_material(
+                                 is_encrypted(attributes.rtps), participant->cipher)))),
+                             shared_.graveyard);
   const auto& added = *participant;
   DDSSEC_TRY(shared_.registry.add(std::move(participant)));
   return spi::ParticipantCryptoHandle{added.handle()};
@@ -121,7 +127,7 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_local_participant(
 Result<std::unique_ptr<Pair>> KeyFactory::make_pair(const LocalParticipant& local,
                                                     const spi::SharedSecret& shared_secret) {
   if (shared_secret.secret.empty()) return fail(Code::length_out_of_range);
-  if (local.key) DDSSEC_TRY(check_peer(local.cipher, shared_secret.peer_ciphers));
+  if (local.key.read() != nullptr) DDSSEC_TRY(check_peer(local.cipher, shared_secret.peer_ciphers));
   auto pair = std::make_unique<Pair>(local);
   pair->peer_ciphers = shared_secret.peer_ciphers;
   auto material = derive_key_exchange_material(shared_secret);
@@ -178,13 +184,14 @@ Status KeyFactory::make_endpoint_keys(LocalEndpoint& endpoint) {
   if (endpoint.is_volatile) return {};
   const auto cipher = endpoint.cipher;
   const bool protects_submessages = is_protected(endpoint.submessage);
+  const auto fresh = [&](spi::ProtectionKind kind) -> Result<std::unique_ptr<SendKey>> {
+    return send_key(DDSSEC_TRY(fresh_material(is_encrypted(kind), cipher)));
+  };
   if (protects_submessages)
-    endpoint.submessage_key =
-        DDSSEC_TRY(send_key(DDSSEC_TRY(fresh_material(is_encrypted(endpoint.submessage), cipher))));
+    endpoint.submessage_key.replace(DDSSEC_TRY(fresh(endpoint.submessage)), shared_.graveyard);
   if (!is_protected(endpoint.payload)) return {};
   if (endpoint.kind() == EntityKind::local_writer)
-    endpoint.payload_key =
-        DDSSEC_TRY(send_key(DDSSEC_TRY(fresh_material(is_encrypted(endpoint.payload), cipher))));
+    endpoint.payload_key.replace(DDSSEC_TRY(fresh(endpoint.payload)), shared_.graveyard);
   else if (!protects_submessages)
     // Fast DDS 2.9 pairs its writer only after a token of the reader, even if it needs none.
     endpoint.token_only = DDSSEC_TRY(fresh_material(false, Cipher::aes256_gcm));

@@ -54,12 +54,6 @@ Result<Key> read_key(Reader& reader, std::size_t size) {
 }  // namespace
 
 std::optional<KindTraits> traits_of(TransformKind kind) {
-  // The first three octets are a key revision in later versions; ours is 0.
-  if ((kind.octets[0] | kind.octets[1] | kind.octets[2]) != 0) return std::nullopt;
-  return traits_of_algorithm(kind);
-}
-
-std::optional<KindTraits> traits_of_algorithm(TransformKind kind) {
   const unsigned last = kind.octets[3];
   const unsigned first_of_ours = kChachaPoly1305Mac.octets[3];
   const unsigned index = last >= first_of_ours ? last - first_of_ours + 4 : last - 1;

@@ -30,10 +30,9 @@ struct KindTraits {
   /// Octets of salt and keys: 16 or 32.
   std::size_t key_size() const { return key_size_of(cipher); }
 };
-/// Nothing for NONE and for kinds we do not know.
+/// The same for every key revision, the first three octets (DDS-Security 1.2 7.3.17). Nothing for
+/// NONE and for kinds we do not know.
 std::optional<KindTraits> traits_of(TransformKind kind);
-/// The same whatever its key revision, the first three octets (DDS-Security 1.2 7.3.17).
-std::optional<KindTraits> traits_of_algorithm(TransformKind kind);
 TransformKind kind_for(Cipher cipher, bool encrypts);
 
 using MasterSalt = Secret<struct MasterSaltTag, 32>;

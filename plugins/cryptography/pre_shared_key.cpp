@@ -69,7 +69,7 @@ KeyMaterial derive_pre_shared_material(const Passphrase& passphrase, TransformKi
   Bytes context = to_bytes(key_id.view());
   for (const auto part : {as_bytes("RTPS"), BytesView(source)})
     context.insert(context.end(), part.begin(), part.end());
-  const auto size = traits_of_algorithm(kind)->key_size();
+  const auto size = traits_of(kind)->key_size();
   KeyMaterial material{.kind = kind};
   material.sender_key_id = key_id;
   material.salt =
@@ -148,7 +148,7 @@ Result<std::size_t> PreSharedKeyRing::open_first(const SenderId& id, const Entry
                                                  BytesView encoded, MutableBytes out) {
   auto key = std::make_unique<ReceiveKey>(
       derive_pre_shared_material(entry.passphrase, entry.kind, entry.key_id, id.source),
-      *traits_of_algorithm(entry.kind), environment_);
+      *traits_of(entry.kind), environment_);
   const auto size = DDSSEC_TRY(open_message(encoded, kPreSharedKeyFrame, *key, out));
   remember(id, std::move(key));
   return size;

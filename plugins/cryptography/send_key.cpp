@@ -29,7 +29,7 @@ std::uint64_t blocks(std::size_t size) { return size / 16 + 2; }
 
 Result<std::unique_ptr<SendKey>> SendKey::create(KeyMaterial material, SendStart start,
                                                  const KeyEnvironment& environment) {
-  const auto traits = traits_of_algorithm(material.kind);
+  const auto traits = traits_of(material.kind);
   if (!traits) return fail(Code::internal);
   std::unique_ptr<SendKey> key(new SendKey(std::move(material), *traits, start, environment));
   key->current_.replace(DDSSEC_TRY(key->session(0)), environment.graveyard);
@@ -71,7 +71,7 @@ Status SendKey::roll_over(const SendSession* exhausted) {
 Status ReceiverKey::mac(const SendKey& sender, const SendKey::Reservation& reservation,
                         TagView common_mac, TagOut out) {
   const Session* session = current_.read();
-  if (session == nullptr || session->id != reservation.session->id) [[unlikely]]
+  if (session == nullptr || !session->is_of(sender, reservation.session->id)) [[unlikely]]
     session = DDSSEC_TRY(expand(sender, reservation.session->id));
   if (!session->key.mac(reservation.iv, common_mac, out)) return fail(Code::internal);
   return {};
@@ -79,10 +79,11 @@ Status ReceiverKey::mac(const SendKey& sender, const SendKey::Reservation& reser
 
 Result<const ReceiverKey::Session*> ReceiverKey::expand(const SendKey& sender, SessionId id) {
   const std::lock_guard lock(mutex_);
-  if (const auto* const current = current_.read(); current != nullptr && current->id == id)
+  if (const auto* const current = current_.read(); current != nullptr && current->is_of(sender, id))
     return current;
   auto next = std::make_unique<Session>();
   next->id = id;
+  next->kind = sender.material().kind;
   const auto key = derive_session_receiver_key(key_, sender.material().salt, id);
   DDSSEC_TRY(key.expose([&](BytesView octets) {
     return next->key.expand(environment_.aead, sender.traits().cipher, octets);

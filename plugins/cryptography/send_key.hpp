@@ -91,9 +91,14 @@ class ReceiverKey final : public Retirable {
              TagOut out);
 
  private:
+  /// The salt is the sender's: another revision's session of the same number is another one.
   struct Session final : Retirable {
     SessionId id;
+    TransformKind kind;
     ExpandedKey key;
+    bool is_of(const SendKey& sender, SessionId session) const {
+      return id == session && kind == sender.material().kind;
+    }
   };
   Result<const Session*> expand(const SendKey& sender, SessionId id);
 

@@ -2,6 +2,7 @@
 #include <array>
 
 #include "plugins/cryptography/engine.hpp"
+#include "plugins/cryptography/key_revision.hpp"
 #include "plugins/cryptography/message.hpp"
 
 namespace ddssec::cryptography {
@@ -46,16 +47,37 @@ Result<std::size_t> open(const Protected& message, ReceiveKey& key, MutableBytes
   return message.content.size();
 }
 
-/// The keys of a remote entity at one level, if its tokens came.
-Result<ReceiveKey*> received(const Published<RemoteKeys>& keys,
-                             std::unique_ptr<ReceiveKey> RemoteKeys::*level) {
+/// The newest keys of a remote entity at one level, if its tokens came.
+Result<ReceiveKey*> received(const Published<RemoteKeys>& keys, KeyLevel level) {
   const auto* const published = keys.read();
   if (published == nullptr || !(published->*level)) return fail(Code::key_material_not_received);
   return (published->*level).get();
 }
 
+/// The key of the revision that the message names, or the newest if it disagrees with that in
+/// anything else: that is for check_header to name.
+[[gnu::cold]] Result<ReceiveKey*> of_revision(const Shared& shared,
+                                              const Published<RemoteKeys>& keys, KeyLevel level,
+                                              ReceiveKey& newest, TransformKind named) {
+  if (named.octets[3] != newest.material().kind.octets[3]) return &newest;
+  if (const auto* const published = keys.read(); published != nullptr)
+    if (auto* const key =
+            former_key(*published, level, named, shared.environment.clock.monotonic()))
+      return key;
+  return fail(Code::key_revision_unknown);
+}
+
+/// Opens a message by the newest keys, or former ones if it names them.
+Result<std::size_t> open(const Shared& shared, const Published<RemoteKeys>& keys, KeyLevel level,
+                         const Protected& message, ReceiveKey& newest, MutableBytes out) {
+  auto* key = &newest;
+  if (message.header.kind != newest.material().kind) [[unlikely]]
+    key = DDSSEC_TRY(of_revision(shared, keys, level, newest, message.header.kind));
+  return open(message, *key, out);
+}
+
 Result<ReceiveKey*> submessage_key(const RemoteEndpoint& sender) {
-  if (!sender.local.is_volatile) return received(sender.remote_keys, &RemoteKeys::submessage);
+  if (!sender.local.is_volatile) return received(sender.remote_keys, &LevelKeys::submessage);
   const auto* const pair = sender.participant.pair(sender.local.participant.handle());
   if (pair == nullptr) return fail(Code::crypto_not_matched);
   return pair->key_exchange_receive.get();
@@ -95,7 +117,8 @@ Result<std::size_t> decode_submessage(const Shared& shared, Local receiver, Remo
   if (!is_protected(local.submessage)) return fail(Code::not_protected);
   auto& key = *DDSSEC_TRY(submessage_key(remote));
   const auto message = DDSSEC_TRY(read_protected_group(encoded, kSubmessageFrame));
-  const auto size = DDSSEC_TRY(open(message, key, out));
+  const auto size =
+      DDSSEC_TRY(open(shared, remote.remote_keys, &LevelKeys::submessage, message, key, out));
   if (auto status = check_submessage(remote, out.first(size)); !status) {
     wipe(out.first(size));
     return std::unexpected(std::move(status).error());
@@ -141,16 +164,16 @@ const RouteTable::Row* choose(std::span<const RouteTable::Row> rows, std::int64_
   return meant == rows.end() ? &*first : &*meant;
 }
 
-}  // namespace
-
-Result<std::size_t> open_message(BytesView encoded, Frame frame, ReceiveKey& key, MutableBytes out,
-                                 bool prefix_is_network_order) {
+/// `open_group(message, out)`: by which key is the caller's business.
+template <class F>
+Result<std::size_t> open_message(BytesView encoded, Frame frame, MutableBytes out,
+                                 bool prefix_is_network_order, F&& open_group) {
   if (encoded.size() < kRtpsHeaderSize || as_text(encoded.first(4)) != "RTPS")
     return fail(Code::secure_group_malformed);
   const auto message = DDSSEC_TRY(read_protected_group(encoded.subspan(kRtpsHeaderSize), frame));
   if (out.size() < kRtpsHeaderSize) return fail(Code::length_out_of_range);
   const auto content = out.subspan(kRtpsHeaderSize);
-  const auto size = DDSSEC_TRY(open(message, key, content));
+  const auto size = DDSSEC_TRY(open_group(message, content));
   const auto source = source_of(encoded, prefix_is_network_order);
   if (auto status = check_source(content.first(size), source); !status) {
     wipe(content.first(size));
@@ -163,6 +186,15 @@ Result<std::size_t> open_message(BytesView encoded, Frame frame, ReceiveKey& key
   return kRtpsHeaderSize + size;
 }
 
+}  // namespace
+
+Result<std::size_t> open_message(BytesView encoded, Frame frame, ReceiveKey& key, MutableBytes out,
+                                 bool prefix_is_network_order) {
+  return open_message(
+      encoded, frame, out, prefix_is_network_order,
+      [&](const Protected& message, MutableBytes to) { return open(message, key, to); });
+}
+
 Result<std::size_t> Transform::decode_serialized_payload(spi::DatareaderCryptoHandle receiver,
                                                          spi::DatawriterCryptoHandle sender,
                                                          BytesView encoded, MutableBytes out) {
@@ -171,8 +203,9 @@ Result<std::size_t> Transform::decode_serialized_payload(spi::DatareaderCryptoHa
   const auto& remote = *DDSSEC_TRY(shared_.remote_endpoint(sender, EntityKind::remote_writer));
   if (&remote.local != &local) return fail(Code::crypto_not_matched);
   if (!is_protected(local.payload)) return fail(Code::not_protected);
-  auto& key = *DDSSEC_TRY(received(remote.remote_keys, &RemoteKeys::payload));
-  return open(DDSSEC_TRY(read_protected_payload(encoded)), key, out);
+  auto& key = *DDSSEC_TRY(received(remote.remote_keys, &LevelKeys::payload));
+  return open(shared_, remote.remote_keys, &LevelKeys::payload,
+              DDSSEC_TRY(read_protected_payload(encoded)), key, out);
 }
 
 Result<std::size_t> Transform::decode_datawriter_submessage(spi::DatareaderCryptoHandle receiver,
@@ -195,8 +228,12 @@ Result<std::size_t> Transform::decode_rtps_message(spi::ParticipantCryptoHandle 
   const auto* const pair = DDSSEC_TRY(shared_.remote_participant(sender))->pair(receiver.value);
   if (pair == nullptr) return fail(Code::crypto_not_matched);
   if (!is_protected(local.rtps)) return fail(Code::not_protected);
-  auto& key = *DDSSEC_TRY(received(pair->remote_keys, &RemoteKeys::submessage));
-  return open_message(encoded, kMessageFrame, key, out, shared_.header_prefix_is_network_order);
+  auto& key = *DDSSEC_TRY(received(pair->remote_keys, &LevelKeys::submessage));
+  return open_message(encoded, kMessageFrame, out, shared_.header_prefix_is_network_order,
+                      [&](const Protected& message, MutableBytes to) {
+                        return open(shared_, pair->remote_keys, &LevelKeys::submessage, message,
+                                    key, to);
+                      });
 }
 
 Result<spi::SecureSubmessage> Transform::preprocess_secure_submessage(

@@ -151,7 +151,7 @@ Result<std::size_t> encode_submessage(const Shared& shared, Local handle,
   DDSSEC_TRY(check_receivers(sender.submessage, receivers.size()));
   if (is_origin_authenticated(sender.submessage)) request.receivers = receivers.size();
   return encode_group(
-      request, *sender.submessage_key, out, [&](std::size_t i) -> Result<ReceiverKey*> {
+      request, *sender.submessage_key.read(), out, [&](std::size_t i) -> Result<ReceiverKey*> {
         const auto& remote =
             *DDSSEC_TRY(shared.remote_endpoint(receivers[i], remote_kind(Remote{})));
         if (&remote.local != &sender) return fail(Code::crypto_not_matched);
@@ -195,8 +195,9 @@ Result<std::size_t> Transform::encode_serialized_payload(spi::DatawriterCryptoHa
                                                          BytesView plain, MutableBytes out) {
   const ReadGuard guard;
   const auto& writer = *DDSSEC_TRY(shared_.local_endpoint(sender, EntityKind::local_writer));
-  if (!writer.payload_key) return fail(Code::not_protected);
-  auto& key = *writer.payload_key;
+  auto* const current = writer.payload_key.read();
+  if (current == nullptr) return fail(Code::not_protected);
+  auto& key = *current;
   const bool encrypts = key.traits().encrypts;
   const auto size = kCryptoHeaderSize + (encrypts ? 4 : 0) + plain.size() + kFooterSize;
   if (plain.size() > std::numeric_limits<std::uint32_t>::max() || out.size() < size)
@@ -232,18 +233,17 @@ Result<std::size_t> Transform::encode_rtps_message(
     BytesView plain, MutableBytes out) {
   const ReadGuard guard;
   const auto& participant = *DDSSEC_TRY(shared_.local_participant(sender));
-  if (!participant.key) return fail(Code::not_protected);
+  auto* const key = participant.key.read();
+  if (key == nullptr) return fail(Code::not_protected);
   DDSSEC_TRY(check_receivers(participant.rtps, receivers.size()));
-  auto request =
-      DDSSEC_TRY(message_request(plain, kMessageFrame, participant.key->traits().encrypts));
+  auto request = DDSSEC_TRY(message_request(plain, kMessageFrame, key->traits().encrypts));
   if (is_origin_authenticated(participant.rtps)) request.receivers = receivers.size();
-  return seal_message(
-      plain, request, *participant.key, out, [&](std::size_t i) -> Result<ReceiverKey*> {
-        const auto* const pair =
-            DDSSEC_TRY(shared_.remote_participant(receivers[i]))->pair(sender.value);
-        if (pair == nullptr) return fail(Code::crypto_not_matched);
-        return pair->receiver_key.get();
-      });
+  return seal_message(plain, request, *key, out, [&](std::size_t i) -> Result<ReceiverKey*> {
+    const auto* const pair =
+        DDSSEC_TRY(shared_.remote_participant(receivers[i]))->pair(sender.value);
+    if (pair == nullptr) return fail(Code::crypto_not_matched);
+    return pair->receiver_key.get();
+  });
 }
 
 }  // namespace ddssec::cryptography

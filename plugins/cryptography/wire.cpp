@@ -27,10 +27,9 @@ CryptoHeader crypto_header_at(BytesView octets) {
   return header;
 }
 
-/// GCM or GMAC; the only thing needed to find one's way through the octets. The key revision of
-/// pre-shared keys is part of their passphrase's id.
-Result<bool> encrypts(const CryptoHeader& header, bool with_revision = false) {
-  const auto traits = with_revision ? traits_of_algorithm(header.kind) : traits_of(header.kind);
+/// GCM or GMAC; the only thing needed to find one's way through the octets.
+Result<bool> encrypts(const CryptoHeader& header) {
+  const auto traits = traits_of(header.kind);
   if (!traits) return fail(Code::crypto_header_kind_unknown);
   return traits->encrypts;
 }
@@ -139,7 +138,7 @@ Result<Protected> read_protected_group(BytesView encoded, Frame frame) {
                 .is_encrypted = false,
                 .content = {},
                 .footer = {}};
-  out.is_encrypted = DDSSEC_TRY(encrypts(out.header, frame.prefix_flags == kPreSharedKeyFlag));
+  out.is_encrypted = DDSSEC_TRY(encrypts(out.header));
   const auto rest = encoded.subspan(kSubmessageHeaderSize + kCryptoHeaderSize);
   const auto postfix = DDSSEC_TRY(find_postfix(rest, frame));
   out.footer = DDSSEC_TRY(postfix_from(rest.subspan(postfix), frame));

@@ -30,8 +30,9 @@ std::uint32_t plugin_mask(const EndpointSecurityAttributes& a) {
 
 SecurityInfo security_info(const ParticipantSecurityAttributes& a) {
   return {.mask = bit(a.is_rtps_protected(), 0) | bit(a.is_discovery_protected(), 1) |
-                  bit(a.is_liveliness_protected(), 2) | bit(is_protected(a.rtps_psk), 4) |
-                  kMaskIsValid,
+                  bit(a.is_liveliness_protected(), 2) |
+                  (a.is_key_revision_enabled ? kKeyRevisionBit : 0) |
+                  bit(is_protected(a.rtps_psk), 4) | kMaskIsValid,
           .plugin_mask = plugin_mask(a)};
 }
 

@@ -30,6 +30,8 @@ struct ParticipantSecurityAttributes {
   ProtectionKind rtps_psk = ProtectionKind::none;
   /// <allowed_crypto_algorithms> (DDS-Security 1.2); all without one.
   CipherMask allowed_ciphers = kAllCiphers;
+  /// Keys are revised when somebody loses its trust (DDS-Security 1.2).
+  bool is_key_revision_enabled = false;
   bool operator==(const ParticipantSecurityAttributes&) const = default;
 
   bool is_rtps_protected() const { return is_protected(rtps); }
@@ -70,6 +72,8 @@ struct SecurityInfo {
 };
 
 inline constexpr std::uint32_t kMaskIsValid = 1u << 31;
+/// Of a participant's `mask`.
+inline constexpr std::uint32_t kKeyRevisionBit = 1u << 3;
 
 SecurityInfo security_info(const ParticipantSecurityAttributes& attributes);
 SecurityInfo security_info(const EndpointSecurityAttributes& attributes);

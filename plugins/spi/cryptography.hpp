@@ -17,6 +17,13 @@
 
 namespace ddssec::spi {
 
+/// transformation_key_revision (DDS-Security 1.2 7.3.17): 0 for the first keys, then 1 to 2^24 - 1
+/// and 1 again.
+using KeyRevision = std::uint32_t;
+
+/// Which of a local entity's keys: those it encodes with, or those that will take their place.
+enum class KeyStage : std::uint8_t { in_use, revised };
+
 /// Thread-safe.
 class CryptoKeyFactory {
  public:
@@ -54,29 +61,44 @@ class CryptoKeyFactory {
   /// missing_property, invalid_property, those of load(), cipher_not_allowed, not_protected.
   virtual Result<std::unique_ptr<PreSharedKeys>> pre_shared_keys(
       const PreSharedKeyRequest& request) = 0;
+  /// Makes new keys, of the next revision, for a local participant and all its endpoints but the
+  /// volatile ones (DDS-Security 1.2 9.5.1.8.7); what one receiver has for itself stays. Nothing is
+  /// encoded with them before activate_key_revision. 0: the governance does not enable it, and
+  /// nothing was done. Error: key_revision_out_of_turn (the former one is not activated yet).
+  virtual Result<KeyRevision> revise_local_entity_keys(ParticipantCryptoHandle local) = 0;
+  /// From now on everything is encoded with the keys that revise_local_entity_keys made; the
+  /// former are wiped (DDS-Security 1.2 9.5.1.8.8). Error: key_revision_out_of_turn.
+  virtual Status activate_key_revision(ParticipantCryptoHandle local, KeyRevision revision) = 0;
+  /// Wipes what no longer counts of remote entities' former keys; to be called now and then. They
+  /// are refused in time without it.
+  virtual void forget_former_keys() = 0;
 
   virtual Status unregister_participant(ParticipantCryptoHandle participant) = 0;
   virtual Status unregister_datawriter(DatawriterCryptoHandle datawriter) = 0;
   virtual Status unregister_datareader(DatareaderCryptoHandle datareader) = 0;
 };
 
-/// Thread-safe. A refused token changes nothing.
+/// Thread-safe. A refused token changes nothing. Tokens of the stage `revised` are none if the
+/// entity has no keys, or was made since the revision began.
 class CryptoKeyExchange {
  public:
   virtual ~CryptoKeyExchange() = default;
 
   virtual Result<std::vector<Token>> create_local_participant_crypto_tokens(
-      ParticipantCryptoHandle local, ParticipantCryptoHandle remote) = 0;
+      ParticipantCryptoHandle local, ParticipantCryptoHandle remote,
+      KeyStage stage = KeyStage::in_use) = 0;
   virtual Status set_remote_participant_crypto_tokens(ParticipantCryptoHandle local,
                                                       ParticipantCryptoHandle remote,
                                                       std::span<const Token> tokens) = 0;
   virtual Result<std::vector<Token>> create_local_datawriter_crypto_tokens(
-      DatawriterCryptoHandle local, DatareaderCryptoHandle remote) = 0;
+      DatawriterCryptoHandle local, DatareaderCryptoHandle remote,
+      KeyStage stage = KeyStage::in_use) = 0;
   virtual Status set_remote_datawriter_crypto_tokens(DatareaderCryptoHandle local,
                                                      DatawriterCryptoHandle remote,
                                                      std::span<const Token> tokens) = 0;
   virtual Result<std::vector<Token>> create_local_datareader_crypto_tokens(
-      DatareaderCryptoHandle local, DatawriterCryptoHandle remote) = 0;
+      DatareaderCryptoHandle local, DatawriterCryptoHandle remote,
+      KeyStage stage = KeyStage::in_use) = 0;
   virtual Status set_remote_datareader_crypto_tokens(DatawriterCryptoHandle local,
                                                      DatareaderCryptoHandle remote,
                                                      std::span<const Token> tokens) = 0;
@@ -106,7 +128,8 @@ constexpr std::size_t protection_overhead(std::size_t receivers) { return 112 + 
 /// begin with the RTPS header; a decoded message has INFO_SRC behind its header. Without origin
 /// authentication `receivers` is not looked at; with it, an empty one is refused (receiver_count).
 /// Errors a host acts upon: receiver_specific_mac_missing and receiver_specific_mac_mismatch (try
-/// the next local participant), key_material_not_received and unknown_key_id (too early, drop).
+/// the next local participant), key_material_not_received, unknown_key_id and key_revision_unknown
+/// (too early, drop).
 class CryptoTransform {
  public:
   virtual ~CryptoTransform() = default;

@@ -146,7 +146,7 @@ TEST(Reasons, KindAndKeyId) {
     EXPECT_EQ(encrypts.decode(with_kind(sealed, kind)), Code::crypto_header_kind_unknown);
   auto revised = sealed;
   revised[2] = 1;
-  EXPECT_EQ(encrypts.decode(revised), Code::crypto_header_kind_unknown);
+  EXPECT_EQ(encrypts.decode(revised), Code::key_revision_unknown);
   auto other_key = sealed;
   other_key[7] ^= 1;
   EXPECT_EQ(encrypts.decode(other_key), Code::transform_key_id_mismatch);

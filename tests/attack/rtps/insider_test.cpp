@@ -3,6 +3,7 @@
 
 #include "rtps/wire/info_source.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
+#include "tests/unit/rtps_security/key_thief.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -15,61 +16,14 @@ constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kSignOa = ProtectionKind::sign_with_origin_authentication;
 constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
 
-/// Keeps the keys that come from others.
-class KeyThief final : public spi::Cryptography, spi::CryptoKeyExchange {
- public:
-  using Tokens = std::vector<spi::Token>;
-  struct Stolen {
-    Tokens of_participant, of_writer;  ///< the latest
-  };
-  KeyThief(std::unique_ptr<spi::Cryptography> engine, Stolen& stolen)
-      : engine_(std::move(engine)), stolen_(stolen) {}
-
-  spi::CryptoKeyFactory& key_factory() override { return engine_->key_factory(); }
-  spi::CryptoKeyExchange& key_exchange() override { return *this; }
-  spi::CryptoTransform& transform() override { return engine_->transform(); }
-
- private:
-  using Participant = spi::ParticipantCryptoHandle;
-  using DataWriter = spi::DatawriterCryptoHandle;
-  using DataReader = spi::DatareaderCryptoHandle;
-  Result<Tokens> create_local_participant_crypto_tokens(Participant a, Participant b) override {
-    return exchange().create_local_participant_crypto_tokens(a, b);
-  }
-  Status set_remote_participant_crypto_tokens(Participant a, Participant b,
-                                              std::span<const spi::Token> tokens) override {
-    stolen_.of_participant.assign(tokens.begin(), tokens.end());
-    return exchange().set_remote_participant_crypto_tokens(a, b, tokens);
-  }
-  Result<Tokens> create_local_datawriter_crypto_tokens(DataWriter a, DataReader b) override {
-    return exchange().create_local_datawriter_crypto_tokens(a, b);
-  }
-  Status set_remote_datawriter_crypto_tokens(DataReader a, DataWriter b,
-                                             std::span<const spi::Token> tokens) override {
-    stolen_.of_writer.assign(tokens.begin(), tokens.end());
-    return exchange().set_remote_datawriter_crypto_tokens(a, b, tokens);
-  }
-  Result<Tokens> create_local_datareader_crypto_tokens(DataReader a, DataWriter b) override {
-    return exchange().create_local_datareader_crypto_tokens(a, b);
-  }
-  Status set_remote_datareader_crypto_tokens(DataWriter a, DataReader b,
-                                             std::span<const spi::Token> tokens) override {
-    return exchange().set_remote_datareader_crypto_tokens(a, b, tokens);
-  }
-  spi::CryptoKeyExchange& exchange() { return engine_->key_exchange(); }
-
-  std::unique_ptr<spi::Cryptography> engine_;
-  Stolen& stolen_;
-};
-
 /// A writer, an honest reader, and the one that gives away what it was told. The readers know the
 /// writer only.
 struct Three {
   using Stolen = KeyThief::Stolen;
   explicit Three(const Rules& rules)
       : alice(1, properties_of("CN=alice,O=Example", rules)),
-        bob(2, properties_of("CN=bob,O=Example", rules), 1, thief(of_bob)),
-        mallory(3, properties_of("CN=mallory,O=Example", rules), 1, thief(of_mallory)) {
+        bob(2, properties_of("CN=bob,O=Example", rules), 1, KeyThief::into(of_bob)),
+        mallory(3, properties_of("CN=mallory,O=Example", rules), 1, KeyThief::into(of_mallory)) {
     world.nodes = {&alice, &bob, &mallory};
     auto qos = default_reader_qos();
     qos.reliability.kind = ReliabilityKind::reliable;
@@ -78,9 +32,6 @@ struct Three {
       (*node)->create_reader(square(qos), node->listener, world.now).value();
     EXPECT_TRUE(world.run_until([&] { return alice.listener.matched == 2; }));
     world.run(50);
-  }
-  static Node::Wrap thief(Stolen& into) {
-    return [&into](auto engine) { return std::make_unique<KeyThief>(std::move(engine), into); };
   }
 
   /// The next sample of alice's writer.

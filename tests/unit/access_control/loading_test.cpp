@@ -123,6 +123,10 @@ TEST_F(LocalPermissions, WhatPluginsDoNotDoIsNotSilentlyLeftOut) {
   content = protected_governance();
   content.domain_rules[0].enable_key_revision = true;
   EXPECT_REFUSED(local(content, open_permissions(kTalker)), governance_not_enforceable);
+  make({.host_revises_keys = true});
+  const auto handle = local(content, open_permissions(kTalker));
+  ASSERT_TRUE(handle) << handle.error().to_sentence();
+  EXPECT_TRUE(plugin->participant_sec_attributes(*handle)->is_key_revision_enabled);
 }
 
 TEST_F(LocalPermissions, AlgorithmListMustHoldAllThatAreUsed) {

@@ -293,8 +293,8 @@ TEST(KeyMaterialOctets, NoneIsReadInBothSizesOfThePeers) {
 TEST(KeyMaterialOctets, UnknownKindsAreRefused) {
   auto octets = serialize_key_material(material(kAes256Gcm));
   for (const TransformKind kind : {TransformKind{{0, 0, 0, 5}}, TransformKind{{0, 0, 0, 0x80}},
-                                   TransformKind{{0x56, 0, 0, 0x80}}, TransformKind{{0, 0, 1, 4}},
-                                   TransformKind{{1, 0, 0, 4}}}) {
+                                   TransformKind{{0x56, 0, 0, 0x80}}, TransformKind{{0, 0, 1, 0}},
+                                   TransformKind{{1, 0, 0, 5}}}) {
     std::ranges::copy(kind.octets, octets.begin());
     EXPECT_EQ(code_of(parse_key_material(octets)), Code::key_material_kind_unknown);
   }

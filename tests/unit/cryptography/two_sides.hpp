@@ -74,7 +74,7 @@ struct Side {
   spi::CryptoKeyExchange& exchange() { return engine->key_exchange(); }
   spi::CryptoTransform& transform() { return engine->transform(); }
 
-  SystemClock clock;
+  ManualClock clock{WallTime{}};
   SystemRandom random;
   CountingSink events;
   Environment environment;
@@ -94,8 +94,10 @@ struct WriterToReader {
 struct TwoSides {
   explicit TwoSides(ProtectionKind rtps = ProtectionKind::none, const PropertyList& properties = {},
                     const Options& options = {})
+      : TwoSides(participant_attributes(rtps), properties, options) {}
+  explicit TwoSides(const ParticipantSecurityAttributes& attributes,
+                    const PropertyList& properties = {}, const Options& options = {})
       : a(options), b(options) {
-    const auto attributes = participant_attributes(rtps);
     for (auto* side : {&a, &b})
       side->participant =
           side->factory().register_local_participant({1}, {1}, properties, attributes).value();

@@ -110,20 +110,23 @@ class MockCryptography : public spi::Cryptography,
   MOCK_METHOD(Result<spi::CipherMask>, required_ciphers, (Datareader), (override));
   MOCK_METHOD(Result<std::unique_ptr<spi::PreSharedKeys>>, pre_shared_keys,
               (const spi::PreSharedKeyRequest&), (override));
+  MOCK_METHOD(Result<spi::KeyRevision>, revise_local_entity_keys, (Participant), (override));
+  MOCK_METHOD(Status, activate_key_revision, (Participant, spi::KeyRevision), (override));
+  MOCK_METHOD(void, forget_former_keys, (), (override));
   MOCK_METHOD(Status, unregister_participant, (Participant), (override));
   MOCK_METHOD(Status, unregister_datawriter, (Datawriter), (override));
   MOCK_METHOD(Status, unregister_datareader, (Datareader), (override));
 
-  MOCK_METHOD(Result<Tokens>, create_local_participant_crypto_tokens, (Participant, Participant),
-              (override));
+  MOCK_METHOD(Result<Tokens>, create_local_participant_crypto_tokens,
+              (Participant, Participant, spi::KeyStage), (override));
   MOCK_METHOD(Status, set_remote_participant_crypto_tokens,
               (Participant, Participant, std::span<const spi::Token>), (override));
-  MOCK_METHOD(Result<Tokens>, create_local_datawriter_crypto_tokens, (Datawriter, Datareader),
-              (override));
+  MOCK_METHOD(Result<Tokens>, create_local_datawriter_crypto_tokens,
+              (Datawriter, Datareader, spi::KeyStage), (override));
   MOCK_METHOD(Status, set_remote_datawriter_crypto_tokens,
               (Datareader, Datawriter, std::span<const spi::Token>), (override));
-  MOCK_METHOD(Result<Tokens>, create_local_datareader_crypto_tokens, (Datareader, Datawriter),
-              (override));
+  MOCK_METHOD(Result<Tokens>, create_local_datareader_crypto_tokens,
+              (Datareader, Datawriter, spi::KeyStage), (override));
   MOCK_METHOD(Status, set_remote_datareader_crypto_tokens,
               (Datawriter, Datareader, std::span<const spi::Token>), (override));
 

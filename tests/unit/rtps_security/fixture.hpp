@@ -67,6 +67,7 @@ struct Rules {
   ProtectionKind data = ProtectionKind::none;
   bool allow_unauthenticated = false;
   bool access_control = true;
+  bool revises_keys = false;
   bool only_aes = false;  ///< <allowed_crypto_algorithms> without ChaCha20-Poly1305
 
   governance::Governance document() const {
@@ -74,6 +75,7 @@ struct Rules {
     rule.domains.ranges = {{0, 230}};
     rule.allow_unauthenticated_participants = allow_unauthenticated;
     rule.enable_join_access_control = access_control;
+    rule.enable_key_revision = revises_keys;
     rule.rtps_protection_kind = rtps;
     rule.discovery_protection_kind = discovery;
     rule.liveliness_protection_kind = liveliness;
@@ -113,9 +115,10 @@ struct Authorities {
 
 inline std::string data_uri(std::string_view text) { return "data:," + std::string(text); }
 
-/// `topics`: what may be published and subscribed.
+/// `topics`: what may be published and subscribed, and how long.
 inline spi::PropertyList properties_of(const std::string& subject, const Rules& rules,
-                                       std::vector<std::string> topics = {"*"}) {
+                                       std::vector<std::string> topics = {"*"},
+                                       std::chrono::hours valid = 24h) {
   const auto& [identity_ca, permissions_ca] = Authorities::shared();
   const auto leaf = pki::make_leaf(identity_ca, subject);
   governance::Criteria criteria;
@@ -128,7 +131,7 @@ inline spi::PropertyList properties_of(const std::string& subject, const Rules& 
   governance::Grant grant;
   grant.name = "test";
   grant.subject_name = subject;
-  grant.validity = {pki::kNow - 24h, pki::kNow + 24h};
+  grant.validity = {pki::kNow - 24h, pki::kNow + valid};
   grant.rules = {rule};
   const auto sign = [&](const std::string& xml) {
     return data_uri(
@@ -179,7 +182,7 @@ struct Node {
       : port(7000u + n), random(n) {
     const Environment environment{clock, random, events};
     authentication = authentication::make_authentication(environment);
-    access_control = access_control::make_access_control(environment);
+    access_control = access_control::make_access_control(environment, {.host_revises_keys = true});
     cryptography = cryptography::make_cryptography(environment);
     if (wrap) cryptography = wrap(std::move(cryptography));
     auto own = OwnSecurity::create({{*authentication, *access_control, *cryptography}, properties},

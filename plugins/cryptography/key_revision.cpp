@@ -1,0 +1,172 @@
+#include "plugins/cryptography/key_revision.hpp"
+
+#include <algorithm>
+
+#include "base/rollback.hpp"
+#include "plugins/cryptography/engine.hpp"
+
+namespace ddssec::cryptography {
+namespace {
+
+/// What stands for all keys of an entity: they are revised together.
+const ReceiveKey* any_of(const LevelKeys& keys) {
+  return keys.submessage ? keys.submessage.get() : keys.payload.get();
+}
+
+bool revises(const KeyMaterial& next, const KeyMaterial& present) {
+  return next.sender_key_id == present.sender_key_id &&
+         next.kind.octets[3] == present.kind.octets[3];
+}
+
+void keep_living(RemoteKeys& out, const RemoteKeys& of, std::chrono::nanoseconds now) {
+  for (const auto& former : of.former)
+    if (now < former.until && out.former.size() < kMostFormerRevisions)
+      out.former.push_back(former);
+}
+
+}  // namespace
+
+KeyRevision revision_of(TransformKind kind) {
+  return static_cast<KeyRevision>(kind.octets[0] << 16 | kind.octets[1] << 8 | kind.octets[2]);
+}
+
+TransformKind with_revision(TransformKind kind, KeyRevision revision) {
+  for (std::size_t i = 0; i < 3; ++i)
+    kind.octets[i] = static_cast<std::uint8_t>(revision >> (16 - 8 * i));
+  return kind;
+}
+
+bool is_later(KeyRevision revision, KeyRevision than) {
+  if (revision == 0 || than == 0) return revision != 0;
+  const auto ahead = (revision + kLastKeyRevision - than) % kLastKeyRevision;
+  return ahead != 0 && ahead <= kLastKeyRevision / 2;
+}
+
+Status inherit(RemoteKeys& next, const RemoteKeys* present, std::chrono::nanoseconds now) {
+  const auto* const to = any_of(next);
+  const auto* const from = present != nullptr ? any_of(*present) : nullptr;
+  if (to == nullptr || from == nullptr || !revises(to->material(), from->material())) return {};
+  const auto fresh = revision_of(to->material().kind);
+  const auto old = revision_of(from->material().kind);
+  if (fresh != old) {
+    if (!is_later(fresh, old))
+      return fail(Code::key_revision_stale, {.field = "transformation_key_revision",
+                                             .expected = "later than " + std::to_string(old),
+                                             .found = std::to_string(fresh)});
+    next.former.push_back({*present, now + kFormerKeyLife});
+  }
+  keep_living(next, *present, now);
+  return {};
+}
+
+std::unique_ptr<RemoteKeys> without_ended(const RemoteKeys& keys, std::chrono::nanoseconds now) {
+  auto out = std::make_unique<RemoteKeys>();
+  static_cast<LevelKeys&>(*out) = keys;
+  keep_living(*out, keys, now);
+  return out;
+}
+
+ReceiveKey* former_key(const RemoteKeys& keys, KeyLevel level, TransformKind kind,
+                       std::chrono::nanoseconds now) {
+  for (const auto& former : keys.former) {
+    auto* const key = (former.*level).get();
+    if (key != nullptr && key->material().kind == kind && now < former.until) return key;
+  }
+  return nullptr;
+}
+
+// ---- our own
+
+Result<std::unique_ptr<SendKey>> KeyFactory::revised(const Published<SendKey>& key) {
+  const auto* const present = key.read();
+  if (present == nullptr) return nullptr;
+  const auto& of = present->material();
+  const auto kind = with_revision(of.kind, next_revision(revision_of(of.kind)));
+  return send_key(DDSSEC_TRY(fresh_material(kind, of.sender_key_id)));
+}
+
+template <class F>
+void KeyFactory::each_endpoint(const LocalParticipant& participant, F&& f) {
+  for (const auto handle : participant.endpoints)
+    for (const auto kind : {EntityKind::local_writer, EntityKind::local_reader})
+      if (const auto found = shared_.registry.find<LocalEndpoint>(handle, kind)) f(**found);
+}
+
+// All are made before any counts: a failure leaves everything as it was.
+Result<KeyRevision> KeyFactory::revise_local_entity_keys(spi::ParticipantCryptoHandle local) {
+  const std::lock_guard lock(shared_.mutex);
+  auto& participant = *DDSSEC_TRY(shared_.local_participant(local));
+  if (!participant.revises_keys) return KeyRevision{0};
+  if (participant.is_revising) return fail(Code::key_revision_out_of_turn);
+  const auto take_back = [&] {
+    participant.next_key.reset();
+    each_endpoint(participant, [](auto& endpoint) {
+      endpoint.next_submessage_key.reset();
+      endpoint.next_payload_key.reset();
+    });
+  };
+  Rollback rollback(take_back);
+  Status status;
+  participant.next_key = DDSSEC_TRY(revised(participant.key));
+  each_endpoint(participant, [&](LocalEndpoint& endpoint) {
+    if (status) status = revise(endpoint);
+  });
+  DDSSEC_TRY(std::move(status));
+  rollback.release();
+  participant.is_revising = true;
+  return participant.revision = next_revision(participant.revision);
+}
+
+Status KeyFactory::revise(LocalEndpoint& endpoint) {
+  endpoint.next_submessage_key = DDSSEC_TRY(revised(endpoint.submessage_key));
+  endpoint.next_payload_key = DDSSEC_TRY(revised(endpoint.payload_key));
+  return {};
+}
+
+Status KeyFactory::activate_key_revision(spi::ParticipantCryptoHandle local, KeyRevision revision) {
+  const std::lock_guard lock(shared_.mutex);
+  auto& participant = *DDSSEC_TRY(shared_.local_participant(local));
+  if (!participant.is_revising || revision != participant.revision)
+    return fail(Code::key_revision_out_of_turn,
+                {.field = "key_revision", .found = std::to_string(revision)});
+  const auto put_to_use = [&](Published<SendKey>& key, std::unique_ptr<SendKey>& next) {
+    if (next) key.replace(std::move(next), shared_.graveyard);
+  };
+  put_to_use(participant.key, participant.next_key);
+  each_endpoint(participant, [&](LocalEndpoint& endpoint) {
+    put_to_use(endpoint.submessage_key, endpoint.next_submessage_key);
+    put_to_use(endpoint.payload_key, endpoint.next_payload_key);
+  });
+  participant.is_revising = false;
+  return {};
+}
+
+// ---- others'
+
+void Shared::note_former(std::int64_t handle, const RemoteKeys& keys) {
+  if (!keys.former.empty()) former_until[handle] = keys.former.front().until;
+}
+
+void KeyFactory::forget_former_keys() {
+  const std::lock_guard lock(shared_.mutex);
+  const auto now = shared_.environment.clock.monotonic();
+  std::erase_if(shared_.former_until, [&](const auto& note) {
+    if (now < note.second) return false;
+    forget_former_keys(note.first, now);
+    return true;
+  });
+}
+
+void KeyFactory::forget_former_keys(std::int64_t handle, std::chrono::nanoseconds now) {
+  const auto prune = [&](Published<RemoteKeys>& keys) {
+    if (const auto* const present = keys.read())
+      keys.replace(without_ended(*present, now), shared_.graveyard);
+  };
+  if (const auto participant = shared_.remote_participant(spi::ParticipantCryptoHandle{handle}))
+    for (const auto& [local, pair] : (*participant)->pairs) prune(pair->remote_keys);
+  for (const auto kind : {EntityKind::remote_writer, EntityKind::remote_reader})
+    if (const auto endpoint = shared_.registry.find<RemoteEndpoint>(handle, kind))
+      prune((*endpoint)->remote_keys);
+}
+
+}  // namespace ddssec::cryptography

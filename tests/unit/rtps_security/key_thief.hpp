@@ -1,0 +1,73 @@
+// A cryptography plugin that keeps the keys it is given.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "plugins/spi/cryptography.hpp"
+
+namespace ddssec::rtps::testing {
+
+/// Does what the plugin it stands before does.
+class KeyThief final : public spi::Cryptography, spi::CryptoKeyExchange {
+ public:
+  using Tokens = std::vector<spi::Token>;
+  struct Stolen {
+    Tokens of_participant, of_writer;  ///< the latest
+    Tokens all;
+  };
+  KeyThief(std::unique_ptr<spi::Cryptography> engine, Stolen& stolen)
+      : engine_(std::move(engine)), stolen_(stolen) {}
+  /// To wrap a plugin.
+  static auto into(Stolen& stolen) {
+    return [&stolen](std::unique_ptr<spi::Cryptography> engine) {
+      return std::make_unique<KeyThief>(std::move(engine), stolen);
+    };
+  }
+
+  spi::CryptoKeyFactory& key_factory() override { return engine_->key_factory(); }
+  spi::CryptoKeyExchange& key_exchange() override { return *this; }
+  spi::CryptoTransform& transform() override { return engine_->transform(); }
+
+ private:
+  using Participant = spi::ParticipantCryptoHandle;
+  using DataWriter = spi::DatawriterCryptoHandle;
+  using DataReader = spi::DatareaderCryptoHandle;
+  using Given = std::span<const spi::Token>;
+
+  Result<Tokens> create_local_participant_crypto_tokens(Participant a, Participant b,
+                                                        spi::KeyStage stage) override {
+    return exchange().create_local_participant_crypto_tokens(a, b, stage);
+  }
+  Status set_remote_participant_crypto_tokens(Participant a, Participant b, Given tokens) override {
+    stolen_.of_participant = kept(tokens);
+    return exchange().set_remote_participant_crypto_tokens(a, b, tokens);
+  }
+  Result<Tokens> create_local_datawriter_crypto_tokens(DataWriter a, DataReader b,
+                                                       spi::KeyStage stage) override {
+    return exchange().create_local_datawriter_crypto_tokens(a, b, stage);
+  }
+  Status set_remote_datawriter_crypto_tokens(DataReader a, DataWriter b, Given tokens) override {
+    stolen_.of_writer = kept(tokens);
+    return exchange().set_remote_datawriter_crypto_tokens(a, b, tokens);
+  }
+  Result<Tokens> create_local_datareader_crypto_tokens(DataReader a, DataWriter b,
+                                                       spi::KeyStage stage) override {
+    return exchange().create_local_datareader_crypto_tokens(a, b, stage);
+  }
+  Status set_remote_datareader_crypto_tokens(DataWriter a, DataReader b, Given tokens) override {
+    kept(tokens);
+    return exchange().set_remote_datareader_crypto_tokens(a, b, tokens);
+  }
+  spi::CryptoKeyExchange& exchange() { return engine_->key_exchange(); }
+  Tokens kept(Given tokens) {
+    stolen_.all.insert(stolen_.all.end(), tokens.begin(), tokens.end());
+    return {tokens.begin(), tokens.end()};
+  }
+
+  std::unique_ptr<spi::Cryptography> engine_;
+  Stolen& stolen_;
+};
+
+}  // namespace ddssec::rtps::testing
