@@ -44,6 +44,9 @@ class Participant {
                                                     std::move(qos).value_or(reliable_reader_qos()));
   }
 
+  /// Makes new keys for those who are trusted now; see rtps::DomainParticipant::revise_keys.
+  Status revise_keys() { return dds().revise_keys(); }
+
   rtps::DomainParticipant& dds() { return *state_->participant; }
 
  private:

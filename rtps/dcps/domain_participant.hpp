@@ -153,6 +153,11 @@ class DomainParticipant final : private ParticipantContext::Server,
   Result<ParticipantBuiltinTopicData> discovered_participant_data(const Guid& participant) const;
   /// Topics of which a remote endpoint is known.
   std::vector<TopicBuiltinTopicData> discovered_topics() const;
+  /// Secured participants of a domain whose governance enables it: makes new keys and puts them to
+  /// use once all trusted peers have them, after 5 s at the latest. Happens by itself when a peer's
+  /// identity or permissions end and when one is ignored (DDS-Security 1.2 9.8.10.4); this is for
+  /// what only the application knows. Errors: rtps_not_enabled, rtps_key_revision_disabled.
+  Status revise_keys();
   // For good, and as if it had never been found. Errors: rtps_not_enabled.
   /// Our own GUID: our writers and readers do not match each other.
   Status ignore_participant(const Guid& participant);

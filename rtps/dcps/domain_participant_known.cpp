@@ -48,6 +48,14 @@ Status DomainParticipant::ignore(F&& f) {
   return {};
 }
 
+Status DomainParticipant::revise_keys() {
+  const auto held = lock();
+  DDSSEC_TRY(check_enabled("participant"));
+  const auto status = context_.protocol().revise_keys();
+  context_.reschedule();
+  return status;
+}
+
 Status DomainParticipant::ignore_participant(const Guid& participant) {
   return ignore([&](Participant& protocol) { protocol.ignore_participant(participant.prefix); });
 }

@@ -163,6 +163,8 @@ class Participant final : private SecurityHost {
   std::optional<EndpointData> endpoint_on(const std::string& topic_name) const;
   /// For good: as if it had never been found. Our own prefix: our endpoints ignore each other.
   void ignore_participant(const GuidPrefix& prefix);
+  /// See Security.
+  Status revise_keys();
   void ignore_endpoint(const Guid& guid);
   void ignore_topic(const std::string& name);
   /// Remote endpoints that match one of ours.

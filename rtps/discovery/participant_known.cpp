@@ -37,6 +37,7 @@ std::vector<EndpointData> Participant::known_endpoints() const {
 
 void Participant::ignore_participant(const GuidPrefix& prefix) {
   if (!ignored_.participants.insert(prefix).second) return;
+  if (security_) security_->distrust(prefix);
   if (prefix != config_.prefix) return remove_remote(prefix);
   for (auto& [id, writer] : writers_)
     for (auto& [other, reader] : readers_) meet(writer, reader);

@@ -29,6 +29,10 @@ Status Participant::secure(std::unique_ptr<OwnSecurity> own) {
   return {};
 }
 
+Status Participant::revise_keys() {
+  return security_ ? security_->revise_keys() : fail(Code::rtps_key_revision_disabled);
+}
+
 void Participant::announce_securely(bool leaving) {
   if (!security_) return;
   std::array<std::uint8_t, MessageSender::kLargestMessage> buffer;

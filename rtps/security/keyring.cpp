@@ -105,10 +105,11 @@ void Keyring::remove_remote(const GuidPrefix& prefix) {
   remotes_.erase(at);
 }
 
-Result<std::vector<spi::Token>> Keyring::participant_tokens(const GuidPrefix& prefix) {
+Result<std::vector<spi::Token>> Keyring::participant_tokens(const GuidPrefix& prefix,
+                                                            spi::KeyStage stage) {
   const auto at = remotes_.find(prefix);
   if (at == remotes_.end()) return fail(Code::crypto_not_matched);
-  return exchange().create_local_participant_crypto_tokens(own_.crypto(), at->second.crypto);
+  return exchange().create_local_participant_crypto_tokens(own_.crypto(), at->second.crypto, stage);
 }
 
 Status Keyring::set_participant_tokens(const GuidPrefix& prefix,
@@ -132,10 +133,10 @@ Result<std::int64_t> Keyring::register_pair(const EntityId& id, const Local& loc
 }
 
 Result<std::vector<spi::Token>> Keyring::tokens_for(const EntityId& id, const Local& local,
-                                                    const Pair& pair) {
+                                                    const Pair& pair, spi::KeyStage stage) {
   if (is_writer(id))
-    return exchange().create_local_datawriter_crypto_tokens({local.handle}, {pair.handle});
-  return exchange().create_local_datareader_crypto_tokens({local.handle}, {pair.handle});
+    return exchange().create_local_datawriter_crypto_tokens({local.handle}, {pair.handle}, stage);
+  return exchange().create_local_datareader_crypto_tokens({local.handle}, {pair.handle}, stage);
 }
 
 Result<Keyring::Introduction> Keyring::introduce(const EntityId& id, const Guid& remote,
@@ -212,6 +213,39 @@ Result<bool> Keyring::set_endpoint_tokens(const EntityId& id, const Guid& remote
   const bool was_ready = std::exchange(pair->second.ready, true);
   rebuild_receivers(id, at->second);
   return !was_ready;
+}
+
+// ---- key revision
+
+Result<spi::KeyRevision> Keyring::revise() {
+  return factory().revise_local_entity_keys(own_.crypto());
+}
+
+Status Keyring::activate(spi::KeyRevision revision) {
+  return factory().activate_key_revision(own_.crypto(), revision);
+}
+
+Result<std::vector<Keyring::EndpointTokens>> Keyring::revised_tokens(const GuidPrefix& prefix) {
+  std::vector<EndpointTokens> out;
+  for (const auto& [id, local] : locals_) {
+    if (local.is_volatile) continue;
+    for (auto at = local.pairs.lower_bound({prefix, {}}); at != local.pairs.end(); ++at) {
+      if (at->first.prefix != prefix) break;
+      if (at->second.handle == 0) continue;
+      out.push_back(
+          {id, at->first, DDSSEC_TRY(tokens_for(id, local, at->second, spi::KeyStage::revised))});
+    }
+  }
+  return out;
+}
+
+Result<std::vector<spi::Token>> Keyring::revised_tokens(const EntityId& id, const Guid& remote) {
+  const auto* local = find(id);
+  const bool known = local != nullptr && local->pairs.contains(remote);
+  if (!known) return fail(Code::crypto_not_matched);
+  const auto& pair = local->pairs.at(remote);
+  if (local->is_volatile || pair.handle == 0) return std::vector<spi::Token>{};
+  return tokens_for(id, *local, pair, spi::KeyStage::revised);
 }
 
 }  // namespace ddssec::rtps

@@ -51,7 +51,8 @@ class Keyring final : public SendProtection {
   };
   Status add_remote(const GuidPrefix& prefix, RemoteParticipant remote);
   void remove_remote(const GuidPrefix& prefix);
-  Result<std::vector<spi::Token>> participant_tokens(const GuidPrefix& prefix);
+  Result<std::vector<spi::Token>> participant_tokens(const GuidPrefix& prefix,
+                                                     spi::KeyStage stage = spi::KeyStage::in_use);
   Status set_participant_tokens(const GuidPrefix& prefix, std::span<const spi::Token> tokens);
 
   // Pairs of a local and a remote endpoint.
@@ -68,6 +69,20 @@ class Keyring final : public SendProtection {
   /// True: the pair has become ready.
   Result<bool> set_endpoint_tokens(const EntityId& local, const Guid& remote,
                                    std::span<const spi::Token> tokens);
+
+  // Key revision (DDS-Security 1.2 9.8.10.4); see spi::CryptoKeyFactory.
+  Result<spi::KeyRevision> revise();
+  Status activate(spi::KeyRevision revision);
+  void forget_former_keys() { factory().forget_former_keys(); }
+  struct EndpointTokens {
+    EntityId local;
+    Guid remote;
+    std::vector<spi::Token> tokens;
+  };
+  /// What a peer's endpoints need of the revision under way.
+  Result<std::vector<EndpointTokens>> revised_tokens(const GuidPrefix& prefix);
+  /// The same for one of them.
+  Result<std::vector<spi::Token>> revised_tokens(const EntityId& local, const Guid& remote);
 
   // Receiving. Each writes to `scratch`, which needs as many octets as the input has.
   Result<BytesView> open_message(const GuidPrefix& sender, BytesView message, MutableBytes scratch);
@@ -117,7 +132,8 @@ class Keyring final : public SendProtection {
   Result<std::int64_t> register_pair(const EntityId& id, const Local& local, const Remote& remote,
                                      bool relay_only);
   Result<std::vector<spi::Token>> tokens_for(const EntityId& id, const Local& local,
-                                             const Pair& pair);
+                                             const Pair& pair,
+                                             spi::KeyStage stage = spi::KeyStage::in_use);
   void rebuild_receivers(const EntityId& id, Local& local);
   void unregister(const EntityId& id, std::int64_t remote);
   spi::CryptoKeyFactory& factory() { return own_.plugins().cryptography.key_factory(); }

@@ -9,8 +9,8 @@ namespace {
 // What comes too early or is meant for others is nothing to tell anybody.
 bool is_expected(Code code) {
   return code == Code::key_material_not_received || code == Code::unknown_key_id ||
-         code == Code::receiver_specific_mac_missing || code == Code::receiver_count ||
-         code == Code::crypto_not_matched;
+         code == Code::key_revision_unknown || code == Code::receiver_specific_mac_missing ||
+         code == Code::receiver_count || code == Code::crypto_not_matched;
 }
 
 // Cyclone DDS sends these outside of protected messages, Fast DDS inside.

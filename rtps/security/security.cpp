@@ -40,6 +40,7 @@ Security::Security(std::unique_ptr<OwnSecurity> own, MessageSender& sender, Secu
 
 Security::~Security() {
   while (!peers_.empty()) lost(GuidPrefix(peers_.begin()->first));
+  forget_absent();
 }
 
 Status Security::start(Bytes own_data) {
@@ -72,8 +73,9 @@ void Security::discovered(const ParticipantData& data, const LocatorList& metatr
                           MonotonicTime now) {
   now_ = now;
   const auto prefix = data.guid.prefix;
-  if (!peers_.contains(prefix))
-    peers_.emplace(prefix, Peer{data, metatraffic, handshake_with(data, now)});
+  if (peers_.contains(prefix)) return;
+  drop_absent(prefix);
+  peers_.emplace(prefix, Peer{data, metatraffic, handshake_with(data, now)});
 }
 
 // Anybody may announce in anybody's name, and may have been the first. So a handshake that failed
@@ -96,6 +98,7 @@ void Security::announced_again(const ParticipantData& data, const LocatorList& m
 void Security::lost(const GuidPrefix& prefix) {
   const auto at = peers_.find(prefix);
   if (at == peers_.end()) return keyring_.remove_remote(prefix);
+  note_absent(at->second);
   close(at->second);
   fragments_.forget(prefix);
   peers_.erase(at);
@@ -206,11 +209,15 @@ bool Security::advance(Peer& peer) {
   if (const auto& failure = peer.handshake->failure()) return refuse(peer, *failure);
   if (peer.handshake->generation() == peer.generation) return false;
   peer.generation = peer.handshake->generation();
-  if (peer.established) {
+  const bool had_keys = peer.established;
+  if (had_keys) {
     host_.on_replaced(GuidPrefix(peer.data.guid.prefix));
     close(peer);
   }
-  if (auto status = establish(peer); !status) return refuse(peer, status.error());
+  if (auto status = establish(peer); !status) {
+    if (had_keys) want_revision();
+    return refuse(peer, status.error());
+  }
   fragments_.forget(peer.data.guid.prefix);
   peer.since = now_;
   return peer.established = true;
@@ -220,6 +227,7 @@ bool Security::advance(Peer& peer) {
 // know nothing.
 bool Security::refuse(Peer& peer, const Error& error) {
   peer.refused = true;
+  if (peer.established) want_revision();
   note_failure(peer);
   if (error.code() == Code::rtps_authentication_timeout)
     events_.raise(Event(error, {}, peer.data.guid.to_string()));
@@ -276,6 +284,8 @@ void Security::tick(MonotonicTime now) {
     }
     at = peers_.upper_bound(prefix);
   }
+  // Whom expire() finds is gone before keys are sent.
+  tick_revision();
   if (now >= next_expiry_) expire();
 }
 
@@ -298,7 +308,7 @@ void Security::tick_handshake(Peer& peer, MonotonicTime now) {
 }
 
 MonotonicTime Security::next_tick() const {
-  auto next = next_expiry_;
+  auto next = std::min(next_expiry_, next_revision());
   for (const auto& [prefix, peer] : peers_) {
     if (!peer.refused) next = std::min(next, peer.handshake->next_tick());
     if (peer.volatile_writer) next = std::min(next, peer.volatile_writer->next_tick());
@@ -318,8 +328,14 @@ void Security::expire() {
   };
   std::vector<GuidPrefix> gone;
   const bool all = ended(own_->identity(), own_->permissions());
-  for (const auto& [prefix, peer] : peers_)
-    if (all || ended(peer.handshake->peer_identity(), peer.permissions)) gone.push_back(prefix);
+  for (auto& [prefix, peer] : peers_)
+    if (all || ended(peer.handshake->peer_identity(), peer.permissions)) {
+      gone.push_back(prefix);
+      if (!all) distrust(prefix);
+    }
+  for (const auto& absent : absent_)
+    if (ended(absent.handshake->peer_identity(), absent.permissions)) want_revision();
+  if (revises()) keyring_.forget_former_keys();
   for (const auto& prefix : gone) host_.on_ended(prefix);
 }
 

@@ -60,6 +60,16 @@ class Security {
   static constexpr MonotonicTime kRepetitionPeriod = std::chrono::milliseconds(2);
   /// A peer whose keys do not come for so long after its handshake is asked for another.
   static constexpr MonotonicTime kConfirmation = std::chrono::seconds(10);
+  /// Endpoints' tokens that are kept of a pair: those in use and revised ones.
+  static constexpr std::size_t kMostEarlyOfPair = 2;
+  /// Revised keys are in use so long after they were sent at the latest. Receivers let the former
+  /// ones count twice as long.
+  static constexpr MonotonicTime kRevisionPatience = std::chrono::seconds(5);
+  /// When making revised keys failed.
+  static constexpr MonotonicTime kRevisionRetry = std::chrono::seconds(1);
+  /// Peers that left with our keys and whose trust is still watched; one more, and keys are
+  /// revised.
+  static constexpr std::size_t kMostAbsent = 256;
   /// How often a peer that asks again, as if it had forgotten us, is believed.
   static constexpr MonotonicTime kSecondHandshake = std::chrono::seconds(5);
 
@@ -102,6 +112,11 @@ class Security {
   /// The volatile secure endpoints exist once for each peer; nullptr before authentication.
   StatefulWriter* volatile_writer(const GuidPrefix& peer);
   StatefulReader* volatile_reader(const GuidPrefix& peer);
+
+  /// The application does not trust it any longer. Before it is lost.
+  void distrust(const GuidPrefix& peer);
+  /// New keys for whoever is trusted now. Error: rtps_key_revision_disabled.
+  Status revise_keys();
 
   void tick(MonotonicTime now);
   MonotonicTime next_tick() const;
@@ -152,8 +167,20 @@ class Security {
     bool refused = false;
     bool spoke = false;
     bool failed = false;  ///< something of it was refused
+    bool distrusted = false;
     WorkBudget few = {kFewMessages, kFewPeriod, {}};
     MonotonicTime next_second = {};  ///< handshake beside this one
+  };
+  /// Left, and not because its trust ended: what it knows of our keys is still good.
+  struct Absent {
+    GuidPrefix prefix;
+    std::unique_ptr<PeerHandshake> handshake;  ///< holds its identity
+    spi::PermissionsHandle permissions;
+  };
+  /// Revised keys on their way to those who are trusted.
+  struct Revision {
+    spi::KeyRevision number;
+    MonotonicTime deadline;
   };
   /// For those who behave, and for the loud.
   struct Ration {
@@ -184,11 +211,30 @@ class Security {
   void tick_handshake(Peer& peer, MonotonicTime now);
   void send_tokens(Peer& peer, std::string_view message_class, const Guid& from, const Guid& to,
                    std::vector<spi::Token> tokens);
+  void send_endpoint_tokens(Peer& peer, const EntityId& local, const Guid& remote,
+                            std::vector<spi::Token> tokens);
   bool on_volatile(const GuidPrefix& prefix, const Change& change);
   void on_participant_tokens(Peer& peer, const GenericMessage& message);
   void on_endpoint_tokens(Peer& peer, GenericMessage message);
   void apply_tokens(Peer& peer, const GenericMessage& message);
+  void apply_early_tokens(Peer& peer, const EntityId& local, const Guid& remote, bool& ready);
   void expire();
+  bool revises() const { return own_->attributes().is_key_revision_enabled; }
+  void want_revision() { revision_due_ = revises(); }
+  void tick_revision();
+  void begin_revision();
+  void finish_revision();
+  void send_revised(Peer& peer);
+  void send_revised(Peer& peer, const EntityId& local, const Guid& remote);
+  /// It has our keys, and shall have the next.
+  static bool is_trusted(const Peer& peer);
+  bool has_revised(const Peer& peer) const;
+  bool all_have_revised() const;
+  MonotonicTime next_revision() const;
+  void note_absent(Peer& peer);
+  void forget_absent();
+  void drop_absent(const GuidPrefix& prefix);
+  void give_back(Absent& absent);
   Peer* find(const GuidPrefix& prefix);
 
   std::unique_ptr<OwnSecurity> own_;
@@ -210,6 +256,10 @@ class Security {
   Ration echoes_{{kMostMessages, kMessagePeriod, {}}, {kMostMessages, kLoudEchoPeriod, {}}};
   WorkBudget repetitions_{kMostMessages, kRepetitionPeriod, {}};
   WorkBudget nudges_{kMostNudges, kNudgePeriod, {}};
+  std::vector<Absent> absent_;
+  bool revision_due_ = false;  ///< somebody lost its trust
+  std::optional<Revision> revision_;
+  MonotonicTime revision_retry_{};
   MonotonicTime now_{};
   MonotonicTime next_expiry_{};
 };

@@ -23,6 +23,19 @@ std::unexpected<Error> mismatch(const ParticipantData& data, const spi::Security
                .found = text_of(data.security_info.value_or(spi::SecurityInfo{}))});
 }
 
+/// Both revise their keys, or neither: who does not would lose touch with who does.
+Status check_key_revision(const ParticipantData& data, const spi::SecurityInfo& own,
+                          const spi::SecurityInfo& remote) {
+  constexpr auto kEnabled = spi::kMaskIsValid | spi::kKeyRevisionBit;
+  const bool ours = (own.mask & kEnabled) == kEnabled;
+  const bool theirs = (remote.mask & kEnabled) == kEnabled;
+  if (ours == theirs) return {};
+  return fail(Code::rtps_key_revision_mismatch, {.document = "participant " + data.guid.to_string(),
+                                                 .field = "enable_key_revision",
+                                                 .expected = ours ? "true" : "false",
+                                                 .found = theirs ? "true" : "false"});
+}
+
 std::vector<std::string_view> views_of(const std::vector<std::string>& texts) {
   return {texts.begin(), texts.end()};
 }
@@ -59,6 +72,7 @@ Security::Verdict Security::judge(const ParticipantData& data) {
 Status Security::check_participant(const ParticipantData& data) const {
   const auto own_info = spi::security_info(own_->attributes());
   const auto info = data.security_info.value_or(spi::SecurityInfo{});
+  DDSSEC_TRY(check_key_revision(data, own_info, info));
   if (!spi::compatible(own_info, info)) return mismatch(data, own_info);
   if (!data.ciphers) return {};
   DDSSEC_TRY(check_ciphers(data.vendor, data.ciphers->builtin_required));

@@ -30,6 +30,7 @@ void Security::open_volatile(Peer& peer, MonotonicTime now) {
     return;
   }
   send_tokens(peer, message_class::kParticipantTokens, {}, {}, std::move(*tokens));
+  if (revision_) send_revised(peer);
 }
 
 StatefulWriter* Security::volatile_writer(const GuidPrefix& prefix) {
@@ -56,6 +57,13 @@ void Security::send_tokens(Peer& peer, std::string_view message_class, const Gui
   change.payload = Payload::copy_of(write_generic_message(message));
   change.payload.wipe_at_end();
   peer.volatile_writer->write(std::move(change), now_);
+}
+
+void Security::send_endpoint_tokens(Peer& peer, const EntityId& local, const Guid& remote,
+                                    std::vector<spi::Token> tokens) {
+  send_tokens(
+      peer, is_writer(local) ? message_class::kDatawriterTokens : message_class::kDatareaderTokens,
+      {own_->guid().prefix, local}, remote, std::move(tokens));
 }
 
 // It was protected by the key of this pair of participants; what is in it is checked all the same.
@@ -95,9 +103,11 @@ void Security::on_endpoint_tokens(Peer& peer, GenericMessage message) {
                     is_reader(local.entity) == to_reader && is_writer(remote.entity) == to_reader;
   if (!fits) return;
   if (keyring_.is_introduced(local.entity, remote)) return apply_tokens(peer, message);
-  std::erase_if(peer.early, [&](const auto& held) {
+  const auto of_pair = [&](const auto& held) {
     return held.destination_endpoint == local && held.source_endpoint == remote;
-  });
+  };
+  if (std::ranges::count_if(peer.early, of_pair) >= std::ptrdiff_t{kMostEarlyOfPair})
+    peer.early.erase(std::ranges::find_if(peer.early, of_pair));
   if (peer.early.size() >= kMostEarlyTokens) peer.early.erase(peer.early.begin());
   peer.early.push_back(std::move(message));
 }
@@ -121,18 +131,22 @@ bool Security::introduce(const EntityId& local, const Guid& remote, bool relay_o
   }
   auto* peer = find(remote.prefix);
   if (!introduced->is_new || peer == nullptr) return introduced->ready;
-  send_tokens(
-      *peer, is_writer(local) ? message_class::kDatawriterTokens : message_class::kDatareaderTokens,
-      {own_->guid().prefix, local}, remote, std::move(introduced->tokens));
-  const auto held = std::ranges::find_if(peer->early, [&](const auto& message) {
-    return message.destination_endpoint.entity == local && message.source_endpoint == remote;
+  send_endpoint_tokens(*peer, local, remote, std::move(introduced->tokens));
+  if (revision_) send_revised(*peer, local, remote);
+  apply_early_tokens(*peer, local, remote, introduced->ready);
+  return introduced->ready;
+}
+
+void Security::apply_early_tokens(Peer& peer, const EntityId& local, const Guid& remote,
+                                  bool& ready) {
+  std::erase_if(peer.early, [&](const auto& message) {
+    if (message.destination_endpoint.entity != local || message.source_endpoint != remote)
+      return false;
+    const auto set = keyring_.set_endpoint_tokens(local, remote, message.data);
+    if (!set) events_.raise(Event(set.error(), {}, peer.data.guid.to_string()));
+    ready = ready || (set && *set);
+    return true;
   });
-  if (held == peer->early.end()) return introduced->ready;
-  const auto message = std::move(*held);
-  peer->early.erase(held);
-  const auto ready = keyring_.set_endpoint_tokens(local, remote, message.data);
-  if (!ready) events_.raise(Event(ready.error(), {}, peer->data.guid.to_string()));
-  return introduced->ready || (ready && *ready);
 }
 
 }  // namespace ddssec::rtps

@@ -154,6 +154,11 @@ TEST_P(Builtin, NothingIsIgnoredBeforeTheParticipantIsEnabled) {
   disabled.enabled = false;
   const auto participant = *DomainParticipant::create(disabled, environment);
   EXPECT_EQ(code_of(participant->ignore_topic("x")), Code::rtps_not_enabled);
+  EXPECT_EQ(code_of(participant->revise_keys()), Code::rtps_not_enabled);
+}
+
+TEST_P(Builtin, WhoHasNoKeysHasNoneToRevise) {
+  EXPECT_EQ(code_of(a.participant->revise_keys()), Code::rtps_key_revision_disabled);
 }
 
 TEST_P(Builtin, ATopicIsFoundHereOrThere) {
