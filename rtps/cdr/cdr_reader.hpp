@@ -157,12 +157,17 @@ class CdrReader {
 
   // The bounds are those of its elements.
   template <class E, std::size_t N>
-  void take_array(std::array<E, N>& value, std::size_t bound, std::size_t element_bound) {
-    for (auto& element : value)
-      if constexpr (detail::Array<E>)
-        take_array(element, bound, element_bound);
-      else
-        take(element, bound, element_bound);
+  void take_array(std::array<E, N>& value, [[maybe_unused]] std::size_t bound,
+                  [[maybe_unused]] std::size_t element_bound) {
+    if constexpr (std::is_same_v<E, std::uint8_t>) {
+      if (N > remaining() || !reader_.read_into(value)) refuse(Code::truncated);
+    } else {
+      for (auto& element : value)
+        if constexpr (detail::Array<E>)
+          take_array(element, bound, element_bound);
+        else
+          take(element, bound, element_bound);
+    }
   }
 
   template <bool limited = false, DdsType T>

@@ -128,8 +128,6 @@ Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {
   DDSSEC_TRY(instance_of(request));
   DDSSEC_TRY(wait_for_room(held, request));
   Change change;
-  change.writer = guid_;
-  change.sequence_number = protocol().history().last().next();
   change.source_time = DDSSEC_TRY(source_time_of(request));
   change.status = status;
   change.key_hash = request.key;
@@ -137,8 +135,12 @@ Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {
   change.payload = Payload::copy_of(request.payload);
   const auto now = context_.now();
   if (publisher().presents_)
-    change.coherence = publisher().stamp(set_begin_, change.sequence_number);
-  if (store_ != nullptr) store_->append(stream_, change, context_.moment().wall);
+    change.coherence = publisher().stamp(set_begin_, protocol().history().last().next());
+  if (store_ != nullptr) {
+    change.original = {guid_, protocol().history().last().next()};
+    store_->append(stream_, change, context_.moment().wall);
+    change.original = {};
+  }
   const auto number = protocol().write(std::move(change), now);
   after_write(request.key.value_or(KeyHash{}), status, number, now);
   context_.reschedule();
