@@ -36,6 +36,8 @@ TEST(SecurityInfo, ParticipantMasksAsTheStandardNumbersThem) {
   };
   EXPECT_EQ(psk(sign), (SecurityInfo{0x80000010u, 0x80000000u}));
   EXPECT_EQ(psk(encrypt), (SecurityInfo{0x80000010u, 0x80000040u}));
+  EXPECT_EQ(security_info(ParticipantSecurityAttributes{.is_key_revision_enabled = true}),
+            (SecurityInfo{0x80000008u, 0x80000000u}));
 }
 
 TEST(SecurityInfo, EndpointMasksAsTheStandardNumbersThem) {
