@@ -146,8 +146,9 @@ class Security {
     const spi::PropertyList& properties;
   };
   struct Announced {
-    spi::SecurityInfo info;
+    std::optional<spi::SecurityInfo> info;
     std::optional<spi::CipherMask> required_ciphers;
+    bool key_is_protected = false;
   };
   Result<Announced> create_endpoint(const EntityId& id, const NewEndpoint& endpoint);
 

@@ -40,6 +40,13 @@ std::vector<std::string_view> views_of(const std::vector<std::string>& texts) {
   return {texts.begin(), texts.end()};
 }
 
+/// Nothing of it is protected or controlled.
+bool is_open(const spi::EndpointSecurityAttributes& attributes) {
+  const auto& topic = attributes.topic;
+  return !topic.is_read_protected && !topic.is_write_protected && !topic.is_discovery_protected &&
+         !attributes.is_submessage_protected() && !attributes.is_payload_protected();
+}
+
 }  // namespace
 
 // ---- who may try
@@ -106,7 +113,12 @@ Result<Security::Announced> Security::create_endpoint(const EntityId& id,
     attributes = DDSSEC_TRY(plugin.datareader_sec_attributes(own_->permissions(), request));
   }
   DDSSEC_TRY(keyring_.add_local(id, attributes, {}, endpoint.properties));
-  return Announced{spi::security_info(attributes), DDSSEC_TRY(keyring_.required_ciphers(id))};
+  Announced out{spi::security_info(attributes), DDSSEC_TRY(keyring_.required_ciphers(id)),
+                attributes.is_key_protected()};
+  // An endpoint of Fast DDS without security matches one that announces masks only if these ask for
+  // access control.
+  if (admits_unauthenticated() && is_open(attributes)) out.info.reset();
+  return out;
 }
 
 std::optional<Security::Admission> Security::admit(const EntityId& local, const Endpoint& remote) {
@@ -129,12 +141,7 @@ std::optional<Security::Admission> Security::admit(const EntityId& local, const 
 // DDS-Security 8.8.7: unauthenticated participants get topics without access control and without
 // protection of any kind.
 Status Security::check_open(const EntityId& local, const Endpoint& remote) const {
-  const auto& attributes = *keyring_.attributes(local);
-  const auto& topic = attributes.topic;
-  const bool open = !topic.is_read_protected && !topic.is_write_protected &&
-                    !topic.is_discovery_protected && !attributes.is_submessage_protected() &&
-                    !attributes.is_payload_protected();
-  if (open && admits_unauthenticated()) return {};
+  if (is_open(*keyring_.attributes(local)) && admits_unauthenticated()) return {};
   return fail(Code::rtps_peer_not_secured,
               {.expected = "an authenticated participant", .found = remote.guid.to_string()});
 }

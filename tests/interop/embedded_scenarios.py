@@ -11,8 +11,11 @@ PAIRS = [(EMBEDDED, EMBEDDED), (EMBEDDED, "ours"), ("ours", EMBEDDED), (EMBEDDED
 
 def _instead(case, pair):
     """The case with `pair`; what a host may not be able to do, the embedded participant must."""
+    allowed = case.allowed
+    if case.row.startswith("plain-") and case.row.endswith("-allowed-open-topic"):
+        allowed = frozenset({scenarios.DATA})
     return replace(case, publisher=pair[0], subscriber=pair[1], table="embedded-" + case.table,
-                   known=(), chosen=False)
+                   allowed=allowed, known=(), chosen=False)
 
 
 def _pairs_for(case):
@@ -41,6 +44,8 @@ def _choose(cases):
     always = {("self-signed-permissions", "fast>embedded"), ("unknown-identity-ca", "stock>embedded"),
               ("plain-publisher-allowed-controlled-topic", "stock>embedded"),
               ("plain-publisher-not-allowed", "fast>embedded"),
+              ("plain-publisher-allowed-open-topic", "fast>embedded"),
+              ("plain-subscriber-allowed-open-topic", "embedded>fast"),
               ("governance-differs-rtps-none-sign", "embedded>embedded"),
               ("permissions-expired", "embedded>embedded"),
               ("permissions-deny-publish", "embedded>embedded"),

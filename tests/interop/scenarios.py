@@ -292,6 +292,7 @@ def _accepted_rows():
         wild = Permissions(publish=(pattern,), subscribe=(pattern,))
         yield Row(f"topic-pattern-{name}", *[Side(SROS2, wild)] * 2, ALL_DATA, MUST_DATA,
                   quick=False)
+    yield Row("members-where-strangers-are-allowed", Side(GUESTS), Side(GUESTS), ALL_DATA, MUST_DATA)
     inside = Side(SROS2, Permissions(partition="yard"), partition="yard")
     yield Row("partition-allowed", inside, inside, ALL_DATA, MUST_DATA)
     outside = replace(inside, partition="street")

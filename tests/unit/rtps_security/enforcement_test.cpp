@@ -120,6 +120,20 @@ TEST(Enforcement, AnEndpointOfAProtectedTopicMustBeAnnouncedSecurely) {
   EXPECT_TRUE(pair.b.events.has(Code::rtps_protection_missing));
 }
 
+// Fast DDS without security matches no endpoint that announces masks of nothing.
+TEST(Enforcement, MasksAreLeftOutWhereStrangersMayReadAndNothingIsProtected) {
+  const auto announced = [](const Rules& rules) {
+    Pair pair(rules);
+    EXPECT_TRUE(pair.match());
+    return pair.b->remote_endpoint(pair.writer)->security_info.has_value();
+  };
+  EXPECT_FALSE(announced({.allow_unauthenticated = true, .access_control = false}));
+  EXPECT_TRUE(announced({.allow_unauthenticated = true}));
+  EXPECT_TRUE(announced({.access_control = false}));
+  EXPECT_TRUE(
+      announced({.metadata = kSign, .allow_unauthenticated = true, .access_control = false}));
+}
+
 TEST(Enforcement, InfoSourceInAClearMessageGivesNobodysRights) {
   Matched pair({.metadata = kSign});
   InfoSource source;
