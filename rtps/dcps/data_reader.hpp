@@ -148,7 +148,7 @@ class DataReader final : public AnyDataReader, public SampleAccess<DataReader<T>
   std::optional<Sample<T>> read_next_sample() { return next(false); }
   InstanceHandle lookup_instance(const T& sample) const {
     Bytes scratch;
-    return lookup_key(has_key<T>() ? key_hash(sample, scratch, false, version_of(qos()))
+    return lookup_key(has_key<T>() ? key_hash(sample, scratch, key_is_protected_, version_of(qos()))
                                    : KeyHash{});
   }
   /// A sample with its key alone. Errors: rtps_bad_parameter.

@@ -48,7 +48,10 @@ bool AnyDataReader::store(Change& change) {
   if (seen_ && seen_->contains(change.origin())) return true;
   if (filter_ && change.is_alive() && !passes_filter(change)) return true;
   const auto& type = topic_.type();
-  if (type.with_key && !change.key_hash && type.key_hash) change.key_hash = type.key_hash(change);
+  // What was encrypted is what its writer said; the hash beside it may be anybody's.
+  const bool from_payload = key_is_protected_ && change.payload.size() > 0;
+  if (type.with_key && type.key_hash && (!change.key_hash || from_payload))
+    change.key_hash = type.key_hash(change, key_is_protected_);
   if (type.with_key && !change.key_hash) {
     ++malformed_;
     return true;

@@ -152,7 +152,7 @@ class DataWriter final : public AnyDataWriter {
   std::optional<KeyHash> key_of(const T& sample) {
     static const bool keyed = has_key<T>();
     if (!keyed) return std::nullopt;
-    return key_hash(sample, scratch_, false, version());
+    return key_hash(sample, scratch_, key_is_protected_, version());
   }
   OctetWrite change_of(const T& sample, InstanceHandle handle, std::optional<Time> time) {
     return {payload_, key_of(sample),

@@ -1,6 +1,8 @@
 // What writers and readers have in common.
 #pragma once
 
+#include <atomic>
+
 #include "rtps/dcps/topic.hpp"
 
 namespace ddssec::rtps {
@@ -48,6 +50,7 @@ class Endpoint : public Entity, protected EndpointListener, protected Timed {
   void on_unmatched(const Guid& remote) override;
   void on_incompatible_qos(const Guid& remote, const QosMismatch& mismatch) override;
   void on_inconsistent_topic(const EndpointData& remote) override;
+  void on_key_protected() override { key_is_protected_ = true; }
   void miss_deadline(InstanceHandle instance);
   bool matched_none() const { return remotes_.empty(); }
 
@@ -73,6 +76,8 @@ class Endpoint : public Entity, protected EndpointListener, protected Timed {
   const Side side_;
   Guid guid_;
   Qos qos_;
+  /// Key hashes must not show short keys.
+  std::atomic<bool> key_is_protected_ = false;
 
  private:
   std::vector<Guid> remotes_;

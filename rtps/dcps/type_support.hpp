@@ -20,7 +20,7 @@ struct TypeSupport {
   bool with_key = true;
   /// Which instance a change belongs to; nothing if its payload cannot be read. Keeps what it reads
   /// into: one caller at a time.
-  std::function<std::optional<KeyHash>(const Change&)> key_hash = nullptr;
+  std::function<std::optional<KeyHash>(const Change&, bool always_md5)> key_hash = nullptr;
   /// Its serialized key, with an encapsulation.
   std::function<Bytes(const Change&)> serialized_key = nullptr;
   /// What filters see samples through; they need names in the traits.
@@ -57,14 +57,14 @@ TypeSupport type_support() {
     if (support.description.objects.size() > kMostTypeObjects) support.description.objects.clear();
   }
   if (!support.with_key) return support;
-  support.key_hash = [value = T{},
-                      scratch = Bytes{}](const Change& change) mutable -> std::optional<KeyHash> {
+  support.key_hash = [value = T{}, scratch = Bytes{}](
+                         const Change& change, bool always_md5) mutable -> std::optional<KeyHash> {
     const auto octets = change.payload.view();
     const auto read =
         change.key_only ? deserialize_key_into(octets, value) : deserialize_into(octets, value);
     if (!read) return std::nullopt;
     const auto opened = open_payload(octets);
-    return key_hash(value, scratch, false, version_of(opened->encapsulation));
+    return key_hash(value, scratch, always_md5, version_of(opened->encapsulation));
   };
   support.serialized_key = [](const Change& change) {
     Bytes out;

@@ -317,11 +317,12 @@ EndpointData Participant::local_data(EndpointRequest request, EndpointKind kind)
   return data;
 }
 
-Status Participant::secure_endpoint(EndpointData& data) {
+Status Participant::secure_endpoint(EndpointData& data, EndpointListener& listener) {
   const auto made = DDSSEC_TRY(security_->create_endpoint(
       data.guid.entity, {data.topic_name, data.qos.partition, data.qos.properties}));
   data.security_info = made.info;
   data.required_ciphers = made.required_ciphers;
+  if (made.key_is_protected) listener.on_key_protected();
   return {};
 }
 
@@ -334,7 +335,7 @@ Result<Guid> Participant::create_writer(EndpointRequest request, EndpointListene
   const bool history_only = request.history_only;
   auto data = local_data(std::move(request), kind);
   const auto guid = data.guid;
-  if (security_) DDSSEC_TRY(secure_endpoint(data));
+  if (security_) DDSSEC_TRY(secure_endpoint(data, listener));
   auto protocol = std::make_unique<StatefulWriter>(guid, data.qos, sender_, &timers_);
   for (auto& change : history) protocol->write(std::move(change), now);
   if (history_only) protocol->serve_history_only();
@@ -354,7 +355,7 @@ Result<Guid> Participant::create_reader(EndpointRequest request, EndpointListene
   const auto kind = request.with_key ? EndpointKind::reader_with_key : EndpointKind::reader_no_key;
   auto data = local_data(std::move(request), kind);
   const auto guid = data.guid;
-  if (security_) DDSSEC_TRY(secure_endpoint(data));
+  if (security_) DDSSEC_TRY(secure_endpoint(data, listener));
   auto protocol = std::make_unique<StatefulReader>(
       guid, data.qos.is_reliable(), sender_,
       [&listener](Change& change) { return listener.on_change(change); }, &timers_);

@@ -41,6 +41,9 @@ class EndpointListener {
   virtual void on_group(const Guid&, SequenceNumber) {}
   /// A writer's: there may be room again.
   virtual void on_acknowledged() = 0;
+  /// Its payloads are encrypted, and with them its keys (DDS-Security 7.4.4). Said before anything
+  /// else.
+  virtual void on_key_protected() {}
   /// A writer's: what keeps a matching reader's samples from being sent to it; nullptr: nothing.
   /// Asked before on_matched, and again whenever the reader announces itself anew.
   virtual std::shared_ptr<ChangeFilter> filter_for(const EndpointData&) { return nullptr; }
@@ -320,7 +323,7 @@ class Participant final : private SecurityHost {
   void note_alive(const GuidPrefix& from, const EntityId& writer);
   void expect_liveliness_of(const Liveliness& liveliness, MonotonicTime now);
   EndpointData local_data(EndpointRequest request, EndpointKind kind);
-  Status secure_endpoint(EndpointData& data);
+  Status secure_endpoint(EndpointData& data, EndpointListener& listener);
 
   ParticipantConfig config_;
   EventSink& events_;

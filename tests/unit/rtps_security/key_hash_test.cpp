@@ -1,0 +1,141 @@
+// What a key hash says of a key where payloads are encrypted (DDS-Security 7.4.4).
+#include <filesystem>
+#include <unistd.h>
+
+#include "rtps/dcps/domain_participant_factory.hpp"
+#include "tests/unit/rtps_security/fixture.hpp"
+
+namespace ddssec::rtps {
+
+struct Sensor {
+  std::int32_t id = 0;
+  std::int32_t value = 0;
+};
+template <>
+struct TypeTraits<Sensor> {
+  static constexpr std::string_view type_name = "Sensor";
+  static constexpr auto extensibility = Extensibility::appendable;
+  template <class Self, class Visit>
+  static void members(Self& s, Visit&& visit) {
+    visit(named("id", key(s.id)), named("value", s.value));
+  }
+};
+
+namespace {
+
+using namespace testing;
+
+constexpr auto kEncrypt = ProtectionKind::encrypt;
+
+/// A secured participant with its entities, polled by the test.
+struct Secured {
+  Secured(const std::string& subject, const Rules& rules, ManualClock& clock,
+          std::string store = {})
+      : environment{clock, random, events},
+        authentication(authentication::make_authentication(environment)),
+        access_control(access_control::make_access_control(environment)),
+        cryptography(cryptography::make_cryptography(environment)) {
+    participant =
+        DomainParticipant::create(
+            {.domain_id = kDomain,
+             .domain_tag = std::to_string(::getpid()),
+             .own_thread = false,
+             .durability_store = std::move(store),
+             .security = SecurityOptions{{*authentication, *access_control, *cryptography},
+                                         properties_of(subject, rules)}},
+            environment)
+            .value();
+    topic = participant->create_topic<Sensor>("Sensors").value();
+  }
+  DataWriter<Sensor>& writer(const Qos& qos) {
+    return **participant->create_publisher().value()->create_datawriter<Sensor>(*topic, qos);
+  }
+  DataReader<Sensor>& reader(const Qos& qos) {
+    return **participant->create_subscriber().value()->create_datareader<Sensor>(*topic, qos);
+  }
+
+  static inline const auto kDomain = static_cast<DomainId>(::getpid() % 200 + 30);
+  SystemRandom random;
+  Events events;
+  Environment environment;
+  std::unique_ptr<spi::Authentication> authentication;
+  std::unique_ptr<spi::AccessControl> access_control;
+  std::unique_ptr<spi::Cryptography> cryptography;
+  std::unique_ptr<DomainParticipant> participant;
+  Topic* topic = nullptr;
+};
+
+/// That of instance 7, as its writer gives it to what sends and stores it.
+KeyHash hash_under(const Rules& rules) {
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("ddssec-key-" + std::to_string(::getpid()));
+  std::filesystem::create_directory(folder);
+  const std::string file = folder / "samples";
+  ManualClock clock{pki::kNow};
+  {
+    Secured end("CN=alice,O=Example", rules, clock, file);
+    auto qos = default_writer_qos();
+    qos.durability = DurabilityKind::persistent;
+    EXPECT_TRUE(end.writer(qos).write({7, 1}));
+  }
+  Events events;
+  KeyHash out{};
+  if (auto store = DurableStore::open(file, events)) {
+    const auto stream =
+        (*store)->open_stream({.domain = static_cast<std::uint32_t>(Secured::kDomain),
+                               .topic = "Sensors",
+                               .type = "Sensor"},
+                              {});
+    EXPECT_TRUE(stream && stream->history.size() == 1);
+    if (stream && !stream->history.empty()) out = stream->history[0].key_hash.value_or(KeyHash{});
+  }
+  std::filesystem::remove_all(folder);
+  return out;
+}
+
+TEST(KeyHashes, OfEncryptedPayloadsDoNotShowShortKeys) {
+  const KeyHash plain = {0, 0, 0, 7};
+  const auto digest = md5(Bytes{0, 0, 0, 7});
+  EXPECT_EQ(hash_under({}), plain);
+  EXPECT_EQ(hash_under({.data = ProtectionKind::sign}), plain);
+  EXPECT_EQ(hash_under({.data = kEncrypt}), digest);
+  EXPECT_EQ(hash_under({.metadata = kEncrypt, .data = kEncrypt}), digest);
+}
+
+TEST(KeyHashes, OfEncryptedPayloadsNameTheInstanceThatEnds) {
+  for (const auto& rules : {Rules{.data = kEncrypt}, everything(kEncrypt)}) {
+    ManualClock clock{pki::kNow};
+    Secured a("CN=alice,O=Example", rules, clock), b("CN=bob,O=Example", rules, clock);
+    auto qos = default_reader_qos();
+    qos.reliability.kind = ReliabilityKind::reliable;
+    qos.history.kind = HistoryKind::keep_all;
+    auto& writer = a.writer(default_writer_qos());
+    auto& reader = b.reader(qos);
+    const auto eventually = [&](const auto& done) {
+      for (int i = 0; i < 500 && !done(); ++i) {
+        clock.advance(10ms);
+        for (int n = 0; n < 4; ++n) a.participant->poll(0ms), b.participant->poll(0ms);
+      }
+      return done();
+    };
+    ASSERT_TRUE(eventually([&] {
+      return writer.matched_subscription_data(reader.guid()) &&
+             reader.matched_publication_data(writer.guid());
+    })) << a.events.text();
+    ASSERT_TRUE(writer.write({7, 1}));
+    ASSERT_TRUE(writer.write({8, 1}));
+    ASSERT_TRUE(writer.dispose({7, 1}));
+    std::vector<std::pair<InstanceHandle, bool>> came;
+    ASSERT_TRUE(eventually([&] {
+      while (const auto sample = reader.take_next_sample())
+        came.emplace_back(sample->info.instance_handle, sample->info.valid_data);
+      return came.size() == 3;
+    }));
+    const auto seven = reader.lookup_instance({7, 0}), eight = reader.lookup_instance({8, 0});
+    EXPECT_EQ(came, (std::vector<std::pair<InstanceHandle, bool>>{
+                        {seven, true}, {seven, false}, {eight, true}}));
+  }
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
