@@ -16,8 +16,8 @@ class Engines {
   /// The environment's parts outlive the engines.
   explicit Engines(const Environment& environment)
       : authentication_(authentication::make_authentication(environment)),
-        access_control_(
-            access_control::make_access_control(environment, {.host_revises_keys = true})),
+        access_control_(access_control::make_access_control(
+            environment, {.host_revises_keys = true, .host_has_pre_shared_keys = true})),
         cryptography_(cryptography::make_cryptography(environment)) {}
 
   rtps::SecurityPlugins view() { return {*authentication_, *access_control_, *cryptography_}; }

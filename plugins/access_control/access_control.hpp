@@ -26,6 +26,9 @@ struct Options {
   /// Take a governance that enables key revision: the host drives it. Otherwise such a document is
   /// refused, since nobody would be shut out.
   bool host_revises_keys = false;
+  /// Take a governance that demands pre-shared keys: the host protects messages by them. Otherwise
+  /// such a document is refused, since nothing would be protected.
+  bool host_has_pre_shared_keys = false;
   /// SHA-256 of signed documents that count no longer although their dates are good.
   std::vector<Sha256Digest> withdrawn_documents = {};
 };

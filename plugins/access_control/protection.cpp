@@ -99,6 +99,7 @@ spi::ParticipantSecurityAttributes participant_attributes(const governance::Doma
           .rtps = rule.rtps_protection_kind,
           .discovery = rule.discovery_protection_kind,
           .liveliness = rule.liveliness_protection_kind,
+          .rtps_psk = rule.rtps_psk_protection_kind,
           .allowed_ciphers = rule.allowed_algorithms
                                  ? ciphers_in(rule.allowed_algorithms->symmetric_cipher)
                                  : spi::kAllCiphers,
@@ -125,8 +126,9 @@ std::optional<spi::EndpointSecurityAttributes> builtin_attributes(
 }
 
 Status check_enforceable(const governance::DomainRule& rule, const Options& options) {
-  if (is_protected(rule.rtps_psk_protection_kind)) {
-    return not_enforceable(rule.line, "<rtps_psk_protection_kind>", "NONE",
+  if (is_protected(rule.rtps_psk_protection_kind) && !options.host_has_pre_shared_keys) {
+    return not_enforceable(rule.line, "<rtps_psk_protection_kind>",
+                           "NONE (only embedded participants of ddssec have pre-shared keys)",
                            std::string(to_string(rule.rtps_psk_protection_kind)));
   }
   if (rule.enable_key_revision && !options.host_revises_keys) {

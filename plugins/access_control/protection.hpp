@@ -19,7 +19,7 @@ spi::EndpointSecurityAttributes endpoint_attributes(const governance::TopicRule&
 std::optional<spi::EndpointSecurityAttributes> builtin_attributes(
     const governance::DomainRule& rule, std::string_view topic);
 
-/// Refuses what would not be done: pre-shared keys, key revision unless the host drives it, and
+/// Refuses what would not be done: pre-shared keys and key revision unless the host has them, and
 /// lists of allowed algorithms that leave out one that the plugins may use. Error:
 /// governance_not_enforceable.
 Status check_enforceable(const governance::DomainRule& rule, const Options& options);

@@ -81,7 +81,8 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
   DDSSEC_TRY(out->open_sockets());
   std::unique_ptr<OwnSecurity> security;
   if (const auto& wanted = out->options_.security) {
-    security = DDSSEC_TRY(OwnSecurity::create(*wanted, out->options_.domain_id, prefix));
+    security = DDSSEC_TRY(
+        OwnSecurity::create(*wanted, out->options_.domain_id, prefix, out->options_.domain_tag));
     prefix = security->guid().prefix;
   }
   DDSSEC_TRY(out->start(prefix, std::move(security)));

@@ -41,13 +41,12 @@ void Participant::receive(BytesView datagram, MonotonicTime now) {
     status = std::unexpected(header.error());
   } else if (header->prefix != config_.prefix) {
     Context context{header->prefix, true, {}, now, datagram.size()};
-    constexpr auto kProtected = static_cast<std::uint8_t>(SubmessageId::secure_rtps_prefix);
-    if (security_ && datagram.size() > kHeaderSize && datagram[kHeaderSize] == kProtected) {
-      const auto plain =
-          security_->keyring().open_message(header->prefix, datagram, message_scratch_);
-      if (!plain) return;  // counted, and said where it is worth an event
-      datagram = *plain;
-      context.shield.message = true;
+    if (security_) {
+      const auto opened =
+          security_->keyring().open_message(*header, datagram, message_scratch_, now);
+      if (!opened) return;  // counted, and said where it is worth an event
+      datagram = opened->plain;
+      context.shield.message = opened->by_participant;
     }
     status = walk(datagram, context);
     note_heard(context);

@@ -1,6 +1,11 @@
 #include "rtps/reliability/message_sender.hpp"
 
 namespace ddssec::rtps {
+namespace {
+
+bool is_wrapped(SendProtection::Wrap wrap) { return wrap != SendProtection::Wrap::none; }
+
+}  // namespace
 
 MessageSender::MessageSender(Transport& transport, const GuidPrefix& prefix)
     : transport_(transport), out_(slot(0)) {
@@ -14,21 +19,21 @@ void MessageSender::protect_with(SendProtection& protection) {
   out_ = SpanWriter(slot(0));
 }
 
-void MessageSender::begin(const Destination& to, bool wrapped) {
+void MessageSender::begin(const Destination& to, SendProtection::Wrap wrap) {
   const bool other =
-      !std::ranges::equal(to.locators, to_.locators) || wrapped != wrapped_ || to.dscp != to_.dscp;
+      !std::ranges::equal(to.locators, to_.locators) || wrap != wrap_ || to.dscp != to_.dscp;
   if ((out_.size() > 0 || waiting_ > 0) && other)
     flush();
   else if (out_.size() >= full_size_)
     finish_message();
   const bool empty = out_.size() == 0;
-  if (empty) begin_message(to.locators, wrapped);
+  if (empty) begin_message(to.locators, is_wrapped(wrap));
   // INFO_DST lasts until the next one or the end of the message.
   if ((empty && !to.prefix.is_zero()) || (!empty && to.prefix != to_.prefix))
     write(out_, InfoDestination{to.prefix});
   receiver_ = empty || to.prefix == receiver_ ? to.prefix : GuidPrefix{};
   to_ = to;
-  wrapped_ = wrapped;
+  wrap_ = wrap;
 }
 
 void MessageSender::begin_message(std::span<const Locator> to, bool wrapped) {
@@ -80,9 +85,9 @@ MutableBytes MessageSender::slot(std::size_t index) {
 
 void MessageSender::finish_message() {
   const bool any = out_.size() > kHeaderSize && !out_.overflowed();
-  if (any && wrapped_) {
+  if (any && is_wrapped(wrap_)) {
     const auto out = slot(waiting_);
-    const auto size = protection_->protect_message(receiver_, out_.view(), out);
+    const auto size = protection_->protect_message(wrap_, receiver_, out_.view(), out);
     if (size)
       wait_for_more(out.first(*size));
     else

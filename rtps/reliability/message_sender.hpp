@@ -131,7 +131,7 @@ class MessageSender {
   }
   std::optional<BytesView> protected_payload(const EntityId& writer, BytesView plain);
   bool write_protected_submessage(const EntityId& sender, const Guid& receiver, BytesView plain);
-  void begin(const Destination& to, bool wrapped);
+  void begin(const Destination& to, SendProtection::Wrap wrap);
   void begin_message(std::span<const Locator> to, bool wrapped);
   /// It waits for the flush, or for kMostWaiting of its like.
   void finish_message();
@@ -152,7 +152,7 @@ class MessageSender {
   SpanWriter out_;  ///< the message that is written, in the next slot or to be protected into it
   Destination to_;
   GuidPrefix receiver_;  ///< of all submessages in the message, or zero
-  bool wrapped_ = false;
+  SendProtection::Wrap wrap_ = SendProtection::Wrap::none;
   bool may_linger_ = false;
   MonotonicTime flush_by_ = kNever;
   std::uint32_t samples_heard_ = 0;

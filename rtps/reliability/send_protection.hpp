@@ -11,10 +11,12 @@ namespace ddssec::rtps {
 /// Allocates nothing. Whatever cannot be protected must not be sent.
 class SendProtection {
  public:
+  /// By what a whole message is protected.
+  enum class Wrap : std::uint8_t { none, pre_shared_key, participant_key };
   struct Levels {
     bool payload = false;
     bool submessage = false;
-    bool message = false;
+    Wrap message = Wrap::none;
   };
 
   virtual ~SendProtection() = default;
@@ -25,8 +27,9 @@ class SendProtection {
   /// A receiver without a prefix or an entity stands for all that are matched.
   virtual Result<std::size_t> protect_submessage(const EntityId& sender, const Guid& receiver,
                                                  BytesView plain, MutableBytes out) = 0;
-  virtual Result<std::size_t> protect_message(const GuidPrefix& receiver, BytesView plain,
-                                              MutableBytes out) = 0;
+  /// `wrap` is not none.
+  virtual Result<std::size_t> protect_message(Wrap wrap, const GuidPrefix& receiver,
+                                              BytesView plain, MutableBytes out) = 0;
   /// Something was not sent because it could not be protected.
   virtual void on_unprotectable(const Error& error) = 0;
 };

@@ -8,7 +8,9 @@
 #include "base/event.hpp"
 #include "rtps/reliability/send_protection.hpp"
 #include "rtps/security/own_security.hpp"
+#include "rtps/security/work_budget.hpp"
 #include "rtps/wire/entity_ids.hpp"
+#include "rtps/wire/header.hpp"
 
 namespace ddssec::rtps {
 
@@ -28,6 +30,14 @@ struct ProtectionCounters {
 /// No I/O, clock or lock. Of the message path nothing allocates.
 class Keyring final : public SendProtection {
  public:
+  /// Senders under a pre-shared key that were not heard before cost us keys: so many at once, then
+  /// one each so long.
+  static constexpr int kMostDerivations = 1000;
+  static constexpr MonotonicTime kDerivationPeriod = std::chrono::microseconds(100);
+  /// Events of messages that anybody can send.
+  static constexpr int kMostComplaints = 16;
+  static constexpr MonotonicTime kComplaintPeriod = std::chrono::milliseconds(250);
+
   Keyring(OwnSecurity& own, EventSink& events) : own_(own), events_(events) {}
   ~Keyring() override;
 
@@ -85,7 +95,15 @@ class Keyring final : public SendProtection {
   Result<std::vector<spi::Token>> revised_tokens(const EntityId& local, const Guid& remote);
 
   // Receiving. Each writes to `scratch`, which needs as many octets as the input has.
-  Result<BytesView> open_message(const GuidPrefix& sender, BytesView message, MutableBytes scratch);
+  /// A whole message; one that is not protected, and need not be, as it is. Errors: those of the
+  /// plugin, rtps_protection_missing (no pre-shared key where one is due), secure_flags_unsupported
+  /// (one where none is); counted, and an event where it is worth one.
+  struct OpenMessage {
+    BytesView plain;
+    bool by_participant = false;  ///< by its sender's own key
+  };
+  Result<OpenMessage> open_message(const Header& header, BytesView message, MutableBytes scratch,
+                                   MonotonicTime now);
   struct OpenSubmessage {
     BytesView plain;
     Guid by;
@@ -105,7 +123,7 @@ class Keyring final : public SendProtection {
                                       MutableBytes out) override;
   Result<std::size_t> protect_submessage(const EntityId& sender, const Guid& receiver,
                                          BytesView plain, MutableBytes out) override;
-  Result<std::size_t> protect_message(const GuidPrefix& receiver, BytesView plain,
+  Result<std::size_t> protect_message(Wrap wrap, const GuidPrefix& receiver, BytesView plain,
                                       MutableBytes out) override;
   void on_unprotectable(const Error& error) override;
 
@@ -140,6 +158,15 @@ class Keyring final : public SendProtection {
   spi::CryptoKeyExchange& exchange() { return own_.plugins().cryptography.key_exchange(); }
   spi::CryptoTransform& transform() { return own_.plugins().cryptography.transform(); }
   std::unexpected<Error> undecodable(const Error& error, const GuidPrefix& sender);
+  Result<BytesView> open_pre_shared(const Header& header, BytesView message, MutableBytes scratch,
+                                    MonotonicTime now);
+  std::unexpected<Error> refuse_bare(const Header& header, MonotonicTime now);
+  std::unexpected<Error> complain(Code code, const Header& header, std::string_view expected,
+                                  MonotonicTime now);
+  /// Of what the endpoints' rules leave unprotected.
+  Wrap default_wrap() const {
+    return own_.pre_shared_keys() == nullptr ? Wrap::none : Wrap::pre_shared_key;
+  }
 
   OwnSecurity& own_;
   EventSink& events_;
@@ -148,6 +175,8 @@ class Keyring final : public SendProtection {
   std::vector<spi::ParticipantCryptoHandle> all_remotes_;
   std::unordered_map<std::int64_t, Guid> endpoint_of_;
   ProtectionCounters counters_;
+  WorkBudget derivations_{kMostDerivations, kDerivationPeriod, {}};
+  WorkBudget complaints_{kMostComplaints, kComplaintPeriod, {}};
 };
 
 }  // namespace ddssec::rtps

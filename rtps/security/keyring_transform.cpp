@@ -28,16 +28,6 @@ std::unexpected<Error> Keyring::undecodable(const Error& error, const GuidPrefix
   return std::unexpected(error);
 }
 
-Result<BytesView> Keyring::open_message(const GuidPrefix& sender, BytesView message,
-                                        MutableBytes scratch) {
-  const auto remote = remotes_.find(sender);
-  if (remote == remotes_.end()) return undecodable(Error(Code::crypto_not_matched), sender);
-  const auto size =
-      transform().decode_rtps_message(own_.crypto(), remote->second.crypto, message, scratch);
-  if (!size) return undecodable(size.error(), sender);
-  return scratch.first(*size);
-}
-
 Result<Keyring::OpenSubmessage> Keyring::open_submessage(const GuidPrefix& sender, BytesView group,
                                                          MutableBytes scratch) {
   const auto remote = remotes_.find(sender);
@@ -98,10 +88,11 @@ bool Keyring::accepts(const EntityId& id, const Guid& remote, const Shield& shie
 Keyring::Levels Keyring::levels(const EntityId& sender) const {
   const auto* local = find(sender);
   // SPDP and the stateless endpoint: whoever is not authenticated yet must be able to read them.
-  if (local == nullptr) return {};
+  if (local == nullptr) return {.message = default_wrap()};
+  const bool by_participant = own_.attributes().is_rtps_protected() && !local->is_volatile;
   return {.payload = local->attributes.is_payload_protected(),
           .submessage = local->attributes.is_submessage_protected(),
-          .message = own_.attributes().is_rtps_protected() && !local->is_volatile};
+          .message = by_participant ? Wrap::participant_key : default_wrap()};
 }
 
 Result<std::size_t> Keyring::protect_payload(const EntityId& writer, BytesView plain,
@@ -130,16 +121,6 @@ Result<std::size_t> Keyring::protect_submessage(const EntityId& sender, const Gu
   const spi::DatawriterCryptoHandle writer{one};
   return transform().encode_datareader_submessage(
       {local->handle}, to_all ? std::span(local->writers) : std::span(&writer, 1), plain, out);
-}
-
-Result<std::size_t> Keyring::protect_message(const GuidPrefix& receiver, BytesView plain,
-                                             MutableBytes out) {
-  if (receiver.is_zero())
-    return transform().encode_rtps_message(own_.crypto(), all_remotes_, plain, out);
-  const auto remote = remotes_.find(receiver);
-  if (remote == remotes_.end()) return fail(Code::crypto_not_matched);
-  return transform().encode_rtps_message(own_.crypto(), std::span(&remote->second.crypto, 1), plain,
-                                         out);
 }
 
 void Keyring::on_unprotectable(const Error& error) {

@@ -4,10 +4,12 @@ namespace ddssec::rtps {
 
 Result<std::unique_ptr<OwnSecurity>> OwnSecurity::create(const SecurityOptions& options,
                                                          DomainId domain_id,
-                                                         const GuidPrefix& candidate) {
+                                                         const GuidPrefix& candidate,
+                                                         std::string_view domain_tag) {
   std::unique_ptr<OwnSecurity> out(new OwnSecurity(options, domain_id));
   DDSSEC_TRY(out->authenticate(candidate));
   DDSSEC_TRY(out->authorize());
+  DDSSEC_TRY(out->share_keys(domain_tag));
   return out;
 }
 
@@ -42,6 +44,13 @@ Status OwnSecurity::authorize() {
   crypto_ = DDSSEC_TRY(cryptography.key_factory().register_local_participant(
       identity_, permissions_, options_.properties, attributes_));
   ciphers_ = DDSSEC_TRY(cryptography.key_factory().cipher_info(crypto_));
+  return {};
+}
+
+Status OwnSecurity::share_keys(std::string_view domain_tag) {
+  if (!is_protected(attributes_.rtps_psk)) return {};
+  pre_shared_keys_ = DDSSEC_TRY(options_.plugins.cryptography.key_factory().pre_shared_keys(
+      {options_.properties, attributes_, domain_id_, domain_tag}));
   return {};
 }
 

@@ -31,7 +31,8 @@ class OwnSecurity {
   /// Errors: those of the plugins (each has raised its event already).
   static Result<std::unique_ptr<OwnSecurity>> create(const SecurityOptions& options,
                                                      DomainId domain_id,
-                                                     const GuidPrefix& candidate);
+                                                     const GuidPrefix& candidate,
+                                                     std::string_view domain_tag = {});
   ~OwnSecurity();
   OwnSecurity(const OwnSecurity&) = delete;
   OwnSecurity& operator=(const OwnSecurity&) = delete;
@@ -46,6 +47,8 @@ class OwnSecurity {
   spi::ParticipantCryptoHandle crypto() const { return crypto_; }
   const spi::ParticipantSecurityAttributes& attributes() const { return attributes_; }
   const spi::SymmetricCipherInfo& ciphers() const { return ciphers_; }
+  /// nullptr: the governance asks for none.
+  spi::PreSharedKeys* pre_shared_keys() const { return pre_shared_keys_.get(); }
   const spi::Token& identity_token() const { return identity_token_; }
   const spi::Token& permissions_token() const { return permissions_token_; }
 
@@ -57,6 +60,7 @@ class OwnSecurity {
       : options_(options), domain_id_(domain_id) {}
   Status authenticate(const GuidPrefix& candidate);
   Status authorize();
+  Status share_keys(std::string_view domain_tag);
 
   SecurityOptions options_;
   const DomainId domain_id_;
@@ -66,6 +70,7 @@ class OwnSecurity {
   spi::ParticipantCryptoHandle crypto_;
   spi::ParticipantSecurityAttributes attributes_;
   spi::SymmetricCipherInfo ciphers_;
+  std::unique_ptr<spi::PreSharedKeys> pre_shared_keys_;
   spi::Token identity_token_, permissions_token_;
 };
 

@@ -129,6 +129,15 @@ TEST_F(LocalPermissions, WhatPluginsDoNotDoIsNotSilentlyLeftOut) {
   EXPECT_TRUE(plugin->participant_sec_attributes(*handle)->is_key_revision_enabled);
 }
 
+TEST_F(LocalPermissions, PreSharedKeysAreForHostsThatHaveThem) {
+  make({.host_has_pre_shared_keys = true});
+  auto content = protected_governance();
+  content.domain_rules[0].rtps_psk_protection_kind = ProtectionKind::encrypt;
+  const auto handle = local(content, open_permissions(kTalker));
+  ASSERT_TRUE(handle) << handle.error().to_sentence();
+  EXPECT_EQ(plugin->participant_sec_attributes(*handle)->rtps_psk, ProtectionKind::encrypt);
+}
+
 TEST_F(LocalPermissions, AlgorithmListMustHoldAllThatAreUsed) {
   auto content = protected_governance();
   auto& allowed = content.domain_rules[0].allowed_algorithms.emplace();

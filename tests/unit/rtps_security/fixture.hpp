@@ -61,6 +61,7 @@ struct Listener final : EndpointListener {
 /// One governance for all topics.
 struct Rules {
   ProtectionKind rtps = ProtectionKind::none;
+  ProtectionKind rtps_psk = ProtectionKind::none;
   ProtectionKind discovery = ProtectionKind::none;
   ProtectionKind liveliness = ProtectionKind::none;
   ProtectionKind metadata = ProtectionKind::none;
@@ -77,6 +78,7 @@ struct Rules {
     rule.enable_join_access_control = access_control;
     rule.enable_key_revision = revises_keys;
     rule.rtps_protection_kind = rtps;
+    rule.rtps_psk_protection_kind = rtps_psk;
     rule.discovery_protection_kind = discovery;
     rule.liveliness_protection_kind = liveliness;
     governance::TopicRule topic{.topic_expression = "*"};
@@ -182,7 +184,8 @@ struct Node {
       : port(7000u + n), random(n) {
     const Environment environment{clock, random, events};
     authentication = authentication::make_authentication(environment);
-    access_control = access_control::make_access_control(environment, {.host_revises_keys = true});
+    access_control = access_control::make_access_control(
+        environment, {.host_revises_keys = true, .host_has_pre_shared_keys = true});
     cryptography = cryptography::make_cryptography(environment);
     if (wrap) cryptography = wrap(std::move(cryptography));
     auto own = OwnSecurity::create({{*authentication, *access_control, *cryptography}, properties},
