@@ -90,10 +90,21 @@ Result<TopicRule> topic_rule_from(const std::string& text, governance::Profile p
   return rule;
 }
 
+/// Of messages that no participant's own key protects.
+Result<ProtectionKind> pre_shared_key_kind(const Arguments& arguments) {
+  const auto text = arguments.text("--pre-shared-key");
+  const auto kind = protection_kind_from(upper(text));
+  if (kind && !is_origin_authenticated(*kind)) return *kind;
+  return fail(Code::usage, {.field = "--pre-shared-key",
+                            .expected = "NONE, SIGN or ENCRYPT",
+                            .found = '"' + text + '"'});
+}
+
 // Topics that no rule names are refused, so the profile's rule for all of them comes last.
 Result<governance::Governance> document_from(const Arguments& arguments) {
   const auto profile = DDSSEC_TRY(profile_option(arguments));
   auto rule = governance::domain_rule_of(profile, DDSSEC_TRY(domain_ranges(arguments, "--domain")));
+  rule.rtps_psk_protection_kind = DDSSEC_TRY(pre_shared_key_kind(arguments));
   for (const auto& text : arguments.all("--topic"))
     rule.topic_rules.push_back(DDSSEC_TRY(topic_rule_from(text, profile)));
   if (rule.topic_rules.empty() || rule.topic_rules.back().topic_expression != "*")
@@ -132,6 +143,10 @@ std::vector<Command> governance_commands() {
        .options = {{.name = "-o", .value = "FILE", .summary = "the new document", .required = true},
                    kDomains,
                    {"--profile", "NAME", "open, balanced or strict", "strict"},
+                   {"--pre-shared-key", "KIND",
+                    "NONE, SIGN or ENCRYPT what is said before participants are authenticated; "
+                    "embedded participants of ddssec only",
+                    "NONE"},
                    repeated("--topic", "EXPR:KEY=VALUE,...",
                             "a rule for some topics, before the one for all others"),
                    kSign,

@@ -35,13 +35,22 @@ Json to_json(const TopicRule& rule) {
 }
 
 Json to_json(const DomainRule& rule) {
-  return {{"domains", range_list(rule.domains)},
-          {"line", rule.line},
-          {"allow_unauthenticated", rule.allow_unauthenticated_participants},
-          {"join_access_control", rule.enable_join_access_control},
-          {"discovery", to_string(rule.discovery_protection_kind)},
-          {"liveliness", to_string(rule.liveliness_protection_kind)},
-          {"rtps", to_string(rule.rtps_protection_kind)}};
+  Json out = {{"domains", range_list(rule.domains)},
+              {"line", rule.line},
+              {"allow_unauthenticated", rule.allow_unauthenticated_participants},
+              {"join_access_control", rule.enable_join_access_control},
+              {"discovery", to_string(rule.discovery_protection_kind)},
+              {"liveliness", to_string(rule.liveliness_protection_kind)},
+              {"rtps", to_string(rule.rtps_protection_kind)}};
+  if (is_protected(rule.rtps_psk_protection_kind))
+    out["pre_shared_key"] = to_string(rule.rtps_psk_protection_kind);
+  return out;
+}
+
+/// Nothing where there is none, as everywhere but in domains of embedded participants.
+std::string pre_shared_key(const DomainRule& rule) {
+  if (!is_protected(rule.rtps_psk_protection_kind)) return "";
+  return fmt::format("  pre-shared key {}", to_string(rule.rtps_psk_protection_kind));
 }
 
 std::string_view yes(bool value) { return value ? "yes" : "no"; }
@@ -49,11 +58,11 @@ std::string_view yes(bool value) { return value ? "yes" : "no"; }
 std::string domain_text(const DomainRule& rule, std::size_t number, const fs::path& file) {
   return fmt::format(
       "domain rule {}: {} ({}:{})\n"
-      "  discovery {}  liveliness {}  rtps {}\n"
+      "  discovery {}  liveliness {}  rtps {}{}\n"
       "  strangers {}, permissions needed to join: {}\n",
       number, shown(rule.domains.ranges), file.string(), rule.line,
       to_string(rule.discovery_protection_kind), to_string(rule.liveliness_protection_kind),
-      to_string(rule.rtps_protection_kind),
+      to_string(rule.rtps_protection_kind), pre_shared_key(rule),
       rule.allow_unauthenticated_participants ? "allowed" : "refused",
       yes(rule.enable_join_access_control));
 }

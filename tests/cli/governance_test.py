@@ -51,6 +51,17 @@ class NewGovernance(Transcript):
         self.new("--topic", "rt/a:data=SIGN", "--topic", "*:data=NONE")
         self.assertEqual(self.values("data_protection_kind"), {"rt/a": "SIGN", "*": "NONE"})
 
+    def test_a_pre_shared_key_is_asked_for_by_name(self):
+        self.new("--pre-shared-key", "encrypt")
+        self.assertEqual(ElementTree.parse(self.at / "g.xml").getroot()
+                         .findtext(".//rtps_psk_protection_kind"), "ENCRYPT")
+        self.assertIn("rtps SIGN  pre-shared key ENCRYPT\n",
+                      self.run_program("governance", "show", "g.xml").stdout)
+        rule = self.json("governance", "show", "g.xml")["result"]["domain_rules"][0]
+        self.assertEqual(rule["pre_shared_key"], "ENCRYPT")
+        for kind in ("yes", "SIGN_WITH_ORIGIN_AUTHENTICATION"):
+            self.refused("usage", 2, "governance", "new", "-o", "h.xml", "--pre-shared-key", kind)
+
     def test_signed_at_once(self):
         self.run_program("ca", "create", "ca", "--no-passphrase", *NOW)
         out = self.new("--sign", "--ca", "ca", *NOW)

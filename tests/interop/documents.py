@@ -30,9 +30,12 @@ class Governance:
     read: bool = True
     write: bool = True
     domains: tuple = (0, 230)
+    psk: str = "NONE"  # rtps_psk_protection_kind, of DDS-Security 1.2
 
     def xml(self):
         low, high = self.domains
+        psk = ("" if self.psk == "NONE" else
+               f"\n      <rtps_psk_protection_kind>{self.psk}</rtps_psk_protection_kind>")
         topic_discovery = self.topic_discovery and self.discovery != "NONE"
         return f"""<?xml version="1.0" encoding="utf-8"?>
 <dds>
@@ -43,7 +46,7 @@ class Governance:
       <enable_join_access_control>{_boolean(self.join)}</enable_join_access_control>
       <discovery_protection_kind>{self.discovery}</discovery_protection_kind>
       <liveliness_protection_kind>{self.liveliness}</liveliness_protection_kind>
-      <rtps_protection_kind>{self.rtps}</rtps_protection_kind>
+      <rtps_protection_kind>{self.rtps}</rtps_protection_kind>{psk}
       <topic_access_rules>
         <topic_rule>
           <topic_expression>*</topic_expression>

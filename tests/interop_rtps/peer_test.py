@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The interface of ddssec-peer: events, exit codes, end on SIGTERM. Usage: peer_test.py BUILD"""
 
+import dataclasses
 import json
 import pathlib
 import shutil
@@ -204,6 +205,33 @@ class SecuredTest(PeerTest):
             sub = self.start("--role", "sub", "--count", "5", "--security", folders[0])
             pub = self.start("--role", "pub", "--count", "5", "--security", folders[1])
             self.assertEqual((self.end(sub)[0], self.end(pub)[0]), (code, code))
+
+    def start_hidden(self, *phrases, psk="ENCRYPT"):
+        """A subscriber and a publisher under a governance with pre-shared keys."""
+        governance = dataclasses.replace(ENCRYPT, psk=psk)
+        running = []
+        for role, phrase in zip(("sub", "pub"), phrases):
+            folder = self.make(f"{self.id()}-{psk}-{role}-{len(self.running)}",
+                               Side(governance, ALLOWED), role == "sub")
+            if phrase:
+                file = pathlib.Path(folder) / "domain.psk"
+                file.touch(mode=0o600)
+                file.write_text(phrase + "\n")
+                (pathlib.Path(folder) / "security.properties").write_text(
+                    f"dds.sec.crypto.rtps_psk_secret_passphrase = file:{file}\n")
+            running.append(self.start("--role", role, "--count", "5", "--timeout", "4",
+                                      "--security", folder))
+        return [self.end(process) for process in running]
+
+    def test_pre_shared_keys(self):
+        good = "5632:castle super radar denial"
+        for psk in ("SIGN", "ENCRYPT"):
+            self.assertEqual([code for code, _ in self.start_hidden(good, good, psk=psk)], [0, 0])
+        self.assertEqual([code for code, _ in self.start_hidden(good, good + "!")], [1, 1])
+        (first, _), (second, lines) = self.start_hidden(good, "")
+        self.assertEqual((first, second), (1, 3))
+        self.assertIn("dds.sec.crypto.rtps_psk_secret_passphrase",
+                      self.events(lines, "error")[0]["what"])
 
     def test_what_cannot_be_created_is_refused_by_name(self):
         silent = self.make("silent", Side(ENCRYPT, Permissions(domain=3, publish=())), True)
