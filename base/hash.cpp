@@ -1,6 +1,7 @@
 #include "base/hash.hpp"
 
 #include <cstdlib>
+#include <memory>
 
 #include <openssl/crypto.h>
 #include <openssl/evp.h>
@@ -8,13 +9,37 @@
 
 namespace ddssec {
 
-Sha256Digest sha256(std::initializer_list<BytesView> parts) {
+namespace {
+
+struct FreeContext {
+  void operator()(EVP_MD_CTX* context) const noexcept { EVP_MD_CTX_free(context); }
+};
+
+/// OpenSSL uses a CPU's SHA instructions. False: it cannot, as when a process ends around it.
+bool sha256_by_openssl(std::initializer_list<BytesView> parts, Sha256Digest& digest) {
+  static const EVP_MD* const algorithm = EVP_MD_fetch(nullptr, "SHA256", nullptr);
+  thread_local const std::unique_ptr<EVP_MD_CTX, FreeContext> context(EVP_MD_CTX_new());
+  if (!algorithm || !context || EVP_DigestInit_ex(context.get(), algorithm, nullptr) != 1)
+    return false;
+  for (auto part : parts)
+    if (EVP_DigestUpdate(context.get(), part.data(), part.size()) != 1) return false;
+  return EVP_DigestFinal_ex(context.get(), digest.data(), nullptr) == 1;
+}
+
+Sha256Digest sha256_by_libsodium(std::initializer_list<BytesView> parts) {
   crypto_hash_sha256_state state;
   crypto_hash_sha256_init(&state);
   for (auto part : parts) crypto_hash_sha256_update(&state, part.data(), part.size());
   Sha256Digest digest;
   crypto_hash_sha256_final(&state, digest.data());
   return digest;
+}
+
+}  // namespace
+
+Sha256Digest sha256(std::initializer_list<BytesView> parts) {
+  Sha256Digest digest;
+  return sha256_by_openssl(parts, digest) ? digest : sha256_by_libsodium(parts);
 }
 
 Sha256Digest hmac_sha256(BytesView key, std::initializer_list<BytesView> parts) {

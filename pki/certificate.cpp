@@ -1,5 +1,9 @@
 #include "pki/certificate.hpp"
 
+#include <algorithm>
+#include <map>
+#include <mutex>
+
 #include "pki/openssl.hpp"
 #include "pki/source.hpp"
 
@@ -43,7 +47,7 @@ Result<WallTime> time_of(const ASN1_TIME* time, const char* field) {
 }
 
 // Everything that can be asked later is worked out once; a certificate is used many times.
-Result<Certificate> finish(X509Ptr x509, BytesView der) {
+Result<std::shared_ptr<const Certificate::Impl>> finish(X509Ptr x509, BytesView der) {
   auto out = std::make_shared<Certificate::Impl>();
   const X509_NAME* subject = X509_get_subject_name(x509.get());
   const X509_NAME* issuer = X509_get_issuer_name(x509.get());
@@ -66,8 +70,39 @@ Result<Certificate> finish(X509Ptr x509, BytesView der) {
   out->fingerprint = sha256(der);
   out->pem = pem_text(x509.get());
   out->x509 = std::move(x509);
-  return Certificate(std::move(out));
+  return out;
 }
+
+/// The certificates that somebody holds. To parse one takes longer than to verify a signature, so
+/// whoever meets one again shares it. Thread-safe.
+class Held {
+ public:
+  static Held& by_anybody() {
+    static auto* const all = new Held;  // outlives every thread
+    return *all;
+  }
+
+  std::shared_ptr<const Certificate::Impl> find(const Sha256Digest& fingerprint) {
+    const std::scoped_lock lock(mutex_);
+    const auto known = known_.find(fingerprint);
+    return known == known_.end() ? nullptr : known->second.lock();
+  }
+
+  void add(const std::shared_ptr<const Certificate::Impl>& made) {
+    const std::scoped_lock lock(mutex_);
+    if (known_.size() >= sweep_at_) {
+      std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
+      sweep_at_ = std::max(kLeast, 2 * known_.size());
+    }
+    known_.insert_or_assign(made->fingerprint, made);
+  }
+
+ private:
+  static constexpr std::size_t kLeast = 64;
+  std::mutex mutex_;
+  std::map<Sha256Digest, std::weak_ptr<const Certificate::Impl>> known_;
+  std::size_t sweep_at_ = kLeast;
+};
 
 Error too_large(std::size_t most, std::size_t found) {
   return Error(
@@ -103,7 +138,11 @@ std::string to_string(KeyAlgorithm algorithm) {
 Result<Certificate> Certificate::from_der(BytesView octets) {
   if (octets.size() > kMostCertificateOctets)
     return std::unexpected(too_large(kMostCertificateOctets, octets.size()));
-  return finish(DDSSEC_TRY(decode(octets)), octets);
+  auto& held = Held::by_anybody();
+  if (auto known = held.find(sha256(octets))) return Certificate(std::move(known));
+  auto made = DDSSEC_TRY(finish(DDSSEC_TRY(decode(octets)), octets));
+  held.add(made);
+  return Certificate(std::move(made));
 }
 
 Result<Certificate> Certificate::from_pem(BytesView octets) {
@@ -156,9 +195,9 @@ bool Certificate::is_self_issued() const {
 
 bool Certificate::is_issued_by(const Certificate& ca) const {
   X509* issuer = ca.impl().x509.get();
-  const bool is_by = X509_NAME_cmp(X509_get_issuer_name(impl_->x509.get()),
-                                   X509_get_subject_name(issuer)) == 0 &&
-                     X509_verify(impl_->x509.get(), X509_get0_pubkey(issuer)) == 1;
+  const bool is_by =
+      X509_NAME_cmp(X509_get_issuer_name(impl_->x509.get()), X509_get_subject_name(issuer)) == 0 &&
+      X509_verify(impl_->x509.get(), X509_get0_pubkey(issuer)) == 1;
   take_openssl_reason();
   return is_by;
 }

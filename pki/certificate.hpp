@@ -32,7 +32,8 @@ inline constexpr std::size_t kMostCertificatesInBundle = 256;
 /// The largest number of attributes in a subject or issuer name.
 inline constexpr std::size_t kMostNameAttributes = 64;
 
-/// An immutable certificate; copies share it. A certificate exists only if its form, names and
+/// An immutable certificate; copies share it, and so do those that are read from the same octets
+/// while there is one. A certificate exists only if its form, names and
 /// key passed our rules: RSA of at least 2048 bits, EC P-256, EC P-384; no NUL in a name; at most
 /// kMostNameAttributes attributes in a name. Whether anybody vouches for it is pki/chain.hpp's
 /// matter.

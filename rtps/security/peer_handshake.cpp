@@ -142,23 +142,29 @@ void PeerHandshake::begin_again(MonotonicTime now) {
 
 // ---- messages
 
-Effort PeerHandshake::effort(const GenericMessage& message) const {
-  if (message.data.size() != 1 || failure_) return Effort::none;
+PeerHandshake::Weighed PeerHandshake::weigh(const GenericMessage& message) const {
+  if (message.data.size() != 1 || failure_) return {};
   const auto& token = message.data.front();
-  if (begins()) {
-    if (!ends_with(token, "+Reply")) return Effort::none;
-    if (request_ && same(token, request_->message.data.front(), "challenge1")) return Effort::echo;
-    return finished_ && finished_->last == digest_of(token) ? Effort::memory : Effort::none;
-  }
-  if (ends_with(token, "+Req")) {
-    const auto digest = digest_of(token);
-    if (finished_ && finished_->last == digest) return Effort::none;  // it comes late
-    return answer_to(digest) != nullptr ? Effort::memory : Effort::request;
-  }
+  if (begins()) return ends_with(token, "+Reply") ? weigh_reply(token) : Weighed{};
+  if (ends_with(token, "+Req")) return weigh_request(token);
   const bool is_echo =
       ends_with(token, "+Final") &&
       std::ranges::any_of(answers_, [&](const auto& a) { return is_echo_of(a, token); });
-  return is_echo ? Effort::echo : Effort::none;
+  return {is_echo ? Effort::echo : Effort::none};
+}
+
+PeerHandshake::Weighed PeerHandshake::weigh_reply(const spi::Token& token) const {
+  const bool is_echo = request_ && same(token, request_->message.data.front(), "challenge1");
+  if (!is_echo && !finished_) return {};
+  const auto digest = digest_of(token);
+  if (is_echo) return {Effort::echo, digest};
+  return {finished_->last == digest ? Effort::memory : Effort::none, digest};
+}
+
+PeerHandshake::Weighed PeerHandshake::weigh_request(const spi::Token& token) const {
+  const auto digest = digest_of(token);
+  if (finished_ && finished_->last == digest) return {};  // it comes late
+  return {answer_to(digest) != nullptr ? Effort::memory : Effort::request, digest};
 }
 
 bool PeerHandshake::is_echo_of(const Answer& answer, const spi::Token& final) const {
@@ -166,19 +172,20 @@ bool PeerHandshake::is_echo_of(const Answer& answer, const spi::Token& final) co
   return same(final, reply, "challenge1") && same(final, reply, "challenge2");
 }
 
-bool PeerHandshake::receive(const GenericMessage& message, MonotonicTime now, Messages& out) {
-  const auto needed = effort(message);
+bool PeerHandshake::receive(const GenericMessage& message, const Weighed& weighed,
+                            MonotonicTime now, Messages& out) {
+  const auto& [needed, digest] = weighed;
   if (needed == Effort::none) return true;
   heard_ = true;
   if (!started_) start(now, out);
   if (failure_) return true;
   if (needed == Effort::memory) {
-    repeat_known(message, out);
+    repeat_known(message, digest, out);
     return true;
   }
-  if (needed == Effort::request) return on_request(message, now, out);
+  if (needed == Effort::request) return on_request(message, digest, now, out);
   if (begins())
-    on_reply(message, out);
+    on_reply(message, digest, out);
   else
     on_final(message);
   return true;
@@ -195,18 +202,20 @@ const PeerHandshake::Answer* PeerHandshake::answer_to(const Sha256Digest& reques
 }
 
 // Cyclone DDS numbers its repetitions anew.
-void PeerHandshake::repeat_known(const GenericMessage& message, Messages& out) {
+void PeerHandshake::repeat_known(const GenericMessage& message, const Sha256Digest& digest,
+                                 Messages& out) {
   if (begins()) {
     finished_->final->related = message.identity;
     return out.push_back(*finished_->final);
   }
-  auto* answer = answer_to(digest_of(message.data.front()));
+  auto* answer = answer_to(digest);
   answer->reply.related = message.identity;
   out.push_back(answer->reply);
 }
 
 // One more answer beside the others.
-bool PeerHandshake::on_request(const GenericMessage& message, MonotonicTime now, Messages& out) {
+bool PeerHandshake::on_request(const GenericMessage& message, const Sha256Digest& digest,
+                               MonotonicTime now, Messages& out) {
   const auto& token = message.data.front();
   auto challenge = octets_of(token, "challenge1");
   if (!make_room(challenge, now)) return false;
@@ -223,7 +232,7 @@ bool PeerHandshake::on_request(const GenericMessage& message, MonotonicTime now,
   answers_.push_back(
       {step->handle,
        message_of(message_class::kAuthentication, std::move(*step->message), message.identity),
-       digest_of(token), std::move(challenge), octets_of(token, "c.pdata"), now});
+       digest, std::move(challenge), octets_of(token, "c.pdata"), now});
   out.push_back(answers_.back().reply);
   next_ = std::min(next_, now + kResend);
   return true;
@@ -249,7 +258,8 @@ void PeerHandshake::drop(std::vector<Answer>::iterator answer) {
   answers_.erase(answer);
 }
 
-void PeerHandshake::on_reply(const GenericMessage& message, Messages& out) {
+void PeerHandshake::on_reply(const GenericMessage& message, const Sha256Digest& digest,
+                             Messages& out) {
   const auto& token = message.data.front();
   auto step = plugin_.process_handshake(request_->handle, token);
   refusals_ += step ? 0 : 1;
@@ -259,7 +269,7 @@ void PeerHandshake::on_reply(const GenericMessage& message, Messages& out) {
   out.push_back(final);
   const auto handle = request_->handle;
   request_.reset();
-  finish({handle, digest_of(token), std::move(final)}, octets_of(token, "c.pdata"));
+  finish({handle, digest, std::move(final)}, octets_of(token, "c.pdata"));
 }
 
 // By whichever answer it belongs to.

@@ -51,11 +51,17 @@ class PeerHandshake {
   using Messages = std::vector<GenericMessage>;
   /// What is due goes to `out`.
   void tick(MonotonicTime now, Messages& out);
-  /// Of a message of class dds.sec.auth that names us as its destination and the peer as its
-  /// source. No public-key work.
-  Effort effort(const GenericMessage& message) const;
+  /// What is known of a message before anything is spent on it.
+  struct Weighed {
+    Effort effort = Effort::none;
+    Sha256Digest digest = {};  ///< of a peer's request or reply that is worth something
+  };
+  /// A message of class dds.sec.auth that names us as its destination and the peer as its source.
+  /// No public-key work.
+  Weighed weigh(const GenericMessage& message) const;
   /// Such a message, once its effort may be spent. False: there was no room for it.
-  bool receive(const GenericMessage& message, MonotonicTime now, Messages& out);
+  bool receive(const GenericMessage& message, const Weighed& weighed, MonotonicTime now,
+               Messages& out);
   MonotonicTime next_tick() const { return next_; }
   bool started() const { return started_; }
   /// Starts at that time instead.
@@ -121,9 +127,12 @@ class PeerHandshake {
   void start(MonotonicTime now, Messages& out);
   bool make_request(MonotonicTime until);
   void repeat_answers(Messages& out);
-  void repeat_known(const GenericMessage& message, Messages& out);
-  bool on_request(const GenericMessage& message, MonotonicTime now, Messages& out);
-  void on_reply(const GenericMessage& message, Messages& out);
+  Weighed weigh_reply(const spi::Token& token) const;
+  Weighed weigh_request(const spi::Token& token) const;
+  void repeat_known(const GenericMessage& message, const Sha256Digest& digest, Messages& out);
+  bool on_request(const GenericMessage& message, const Sha256Digest& digest, MonotonicTime now,
+                  Messages& out);
+  void on_reply(const GenericMessage& message, const Sha256Digest& digest, Messages& out);
   void on_final(const GenericMessage& message);
   bool make_room(const Bytes& challenge, MonotonicTime now);
   void drop(std::vector<Answer>::iterator answer);

@@ -172,10 +172,11 @@ void Security::on_auth_request(Peer& peer) {
 }
 
 void Security::on_authentication(Peer& peer, const GenericMessage& message) {
-  const auto effort = peer.handshake->effort(message);
-  if (effort == Effort::none) return;
+  const auto weighed = peer.handshake->weigh(message);
+  if (weighed.effort == Effort::none) return;
   PeerHandshake::Messages out;
-  if (!may_spend(peer, effort) || !peer.handshake->receive(message, now_, out)) return nudge(peer);
+  if (!may_spend(peer, weighed.effort) || !peer.handshake->receive(message, weighed, now_, out))
+    return nudge(peer);
   if (peer.handshake->refusals() > 0 && !peer.established) note_failure(peer);
   // A Final goes out when the keys are ready for what the peer sends next.
   const bool newly = advance(peer);

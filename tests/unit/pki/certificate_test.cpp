@@ -29,6 +29,24 @@ TEST(Certificate, SaysWhatItHolds) {
   EXPECT_EQ(again->issuer(), ca.certificate().subject());
 }
 
+TEST(Certificate, WhoReadsOneThatIsHeldSharesIt) {
+  const auto ca = make_ca("CN=Root");
+  const auto pem = make_leaf(ca, "CN=talker").certificate.pem();
+  {
+    const auto held = Certificate::from_pem(as_bytes(pem)).value();
+    const auto again = Certificate::from_der(held.der()).value();
+    EXPECT_EQ(&held.impl(), &again.impl());
+    EXPECT_NE(&held.impl(), &ca.certificate().impl());
+  }
+  // Nobody held it any longer, so it was read anew; however many come, each is right.
+  for (int i = 0; i < 200; ++i) {
+    const auto leaf = make_leaf(ca, "CN=talker " + std::to_string(i));
+    const auto read = Certificate::from_pem(as_bytes(leaf.certificate.pem())).value();
+    EXPECT_EQ(read.subject(), "CN=talker " + std::to_string(i));
+  }
+  EXPECT_EQ(Certificate::from_pem(as_bytes(pem))->subject(), "CN=talker");
+}
+
 TEST(Certificate, SubjectDigestIsOverTheDerName) {
   // CN=abc as PrintableString would differ from UTF8String: take the DER as the library encodes it.
   const auto ca = make_ca("CN=abc");
