@@ -156,6 +156,7 @@ Status DomainParticipant::start(const GuidPrefix& prefix, std::unique_ptr<OwnSec
     context_.serve([&] {
       const auto now = context_.now();
       for (std::size_t i = 0; i < count; ++i) context_.protocol().receive(socket.datagram(i), now);
+      context_.protocol().note_backlog(count == UdpSocket::kBatch);
     });
   });
 }

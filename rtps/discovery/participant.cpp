@@ -272,6 +272,7 @@ Participant::LocalWriter* Participant::local_writer(const EntityId& id) {
 void Participant::tick(MonotonicTime now) {
   now_ = now;
   if (now >= sender_.flush_by()) sender_.flush();
+  if (std::exchange(reads_first_, false)) return;
   if (now >= next_announcement_) {
     constexpr int kFastAnnouncements = 6;
     announce(config_.announce_to);

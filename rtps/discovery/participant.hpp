@@ -94,6 +94,7 @@ class Participant final : private SecurityHost {
   /// How long a peer that only a clear message says has left must keep silent to be believed gone:
   /// longer than Fast DDS between two announcements.
   static constexpr MonotonicTime kDoubt = std::chrono::seconds(4);
+  static constexpr unsigned kMostBacklog = 16;  ///< batches that are read before anything is due
 
   Participant(ParticipantConfig config, Transport& transport, EventSink& events);
   ~Participant() override;
@@ -120,6 +121,12 @@ class Participant final : private SecurityHost {
 
   /// One datagram, from anybody.
   void receive(BytesView datagram, MonotonicTime now);
+  /// Told after each batch of datagrams: more wait to be received. The answers to what we would
+  /// repeat may be among them, so nothing is due before they are read, or many batches of them.
+  void note_backlog(bool any) {
+    backlog_ = any ? backlog_ + 1 : 0;
+    reads_first_ = backlog_ % kMostBacklog != 0;
+  }
   /// Whatever is due: announcements, heartbeats, leases.
   void tick(MonotonicTime now);
   MonotonicTime next_tick() const;
@@ -357,6 +364,8 @@ class Participant final : private SecurityHost {
   int announcements_ = 0;
   MonotonicTime next_announcement_{}, last_announcement_{};
   MonotonicTime now_{};
+  unsigned backlog_ = 0;      ///< batches since there was none
+  bool reads_first_ = false;  ///< before the next tick counts
 };
 
 }  // namespace ddssec::rtps

@@ -61,6 +61,27 @@ TEST(Participant, FindsOthersMatchesAndDelivers) {
   EXPECT_EQ(b.participant.counters().malformed, 0u);
 }
 
+// What waits to be read may be the answer.
+TEST(Participant, NothingIsDueBeforeABacklogIsRead) {
+  Node a(1);
+  a.participant.note_backlog(true);
+  a.participant.tick(seconds(1));
+  EXPECT_TRUE(a.post.sent.empty());
+  a.participant.tick(seconds(1));
+  EXPECT_FALSE(a.post.sent.empty()) << "there was nothing more to read";
+  a.post.sent.clear();
+  for (unsigned i = 0; i < 2 * Participant::kMostBacklog; ++i) {
+    a.participant.note_backlog(true);
+    a.participant.tick(seconds(2 + i));
+  }
+  EXPECT_EQ(a.post.sent.size(), 2u * 3u) << "now and then, whatever waits: to three addresses";
+  a.participant.note_backlog(true);
+  a.participant.note_backlog(false);
+  a.post.sent.clear();
+  a.participant.tick(seconds(90));
+  EXPECT_FALSE(a.post.sent.empty());
+}
+
 TEST(Participant, ASilentParticipantIsGoneAfterItsLease) {
   Node a(1), b(2);
   World world{{&a, &b}};
