@@ -63,6 +63,18 @@ class Process:
         return used.ru_utime + used.ru_stime
 
 
+def wait_for_all(processes, deadline):
+    """How many of them were matched with all at the deadline, by time.monotonic()."""
+    with selectors.DefaultSelector() as selector:
+        for process in processes:
+            selector.register(process.popen.stdout, selectors.EVENT_READ, process)
+        while selector.get_map() and (left := deadline - time.monotonic()) > 0:
+            for key, _ in selector.select(left):
+                if not key.data.read():
+                    selector.unregister(key.fileobj)
+    return sum(process.line is not None for process in processes)
+
+
 def match(build, make, folders, limit):
     """All processes of one row, from the first's start to the last's match."""
     name, plugins = MAKES[make]
@@ -71,19 +83,13 @@ def match(build, make, folders, limit):
     processes = [Process(start(build / "bin" / name, "matched", folder, arguments, plugins and build / plugins,
                                subprocess.DEVNULL))
                  for folder in folders]
-    with selectors.DefaultSelector() as selector:
-        for process in processes:
-            selector.register(process.popen.stdout, selectors.EVENT_READ, process)
-        while selector.get_map() and (left := begin + limit - time.monotonic()) > 0:
-            for key, _ in selector.select(left):
-                if not key.data.read():
-                    selector.unregister(key.fileobj)
+    complete = wait_for_all(processes, begin + limit)
     took = time.monotonic() - begin
     cpu = sum(process.end() for process in processes)
-    matched = [process.line for process in processes if process.line]
-    if len(matched) == len(folders):
-        took = max(line["at_s"] for line in matched) - begin
-    return Outcome(took, cpu, sum(line["created_cpu_s"] for line in matched), len(matched))
+    lines = [process.line for process in processes if process.line]
+    if complete == len(folders):
+        took = max(line["at_s"] for line in lines) - begin
+    return Outcome(took, cpu, sum(line["created_cpu_s"] for line in lines), complete)
 
 
 def raw_microseconds(build, count=200):

@@ -36,7 +36,8 @@ const char* bench_read(enum bench_role role) { return roles[role].read; }
 static void usage(const char* program) {
   fprintf(stderr,
           "usage: %s --role ping|pong|tput-pub|tput-sub|matched --domain N [--count N]\n"
-          "       [--size OCTETS] [--duration S] [--timeout S] [--security DIR|off]\n",
+          "       [--size OCTETS] [--duration S] [--timeout S] [--security DIR|off]\n"
+          "       [--address IP]\n",
           program);
   exit(BENCH_USAGE);
 }
@@ -78,17 +79,21 @@ static void apply(const char* program, int option, struct bench_options* options
     case 'k':
       options->security = strcmp(optarg, "off") == 0 ? NULL : optarg;
       break;
+    case 'a':
+      options->address = optarg;
+      break;
     default:
       usage(program);
   }
 }
 
 void bench_parse(int argc, char** argv, struct bench_options* options) {
-  static const struct option table[] = {{"role", 1, NULL, 'r'},     {"domain", 1, NULL, 'd'},
-                                        {"count", 1, NULL, 'c'},    {"size", 1, NULL, 's'},
-                                        {"timeout", 1, NULL, 't'},  {"duration", 1, NULL, 'u'},
-                                        {"security", 1, NULL, 'k'}, {NULL, 0, NULL, 0}};
-  *options = (struct bench_options){.count = 10, .size = 64, .timeout = 30, .duration = 2};
+  static const struct option table[] = {
+      {"role", 1, NULL, 'r'},     {"domain", 1, NULL, 'd'},  {"count", 1, NULL, 'c'},
+      {"size", 1, NULL, 's'},     {"timeout", 1, NULL, 't'}, {"duration", 1, NULL, 'u'},
+      {"security", 1, NULL, 'k'}, {"address", 1, NULL, 'a'}, {NULL, 0, NULL, 0}};
+  *options = (struct bench_options){
+      .count = 10, .size = 64, .timeout = 30, .duration = 2, .address = "127.0.0.1"};
   bool role = false;
   for (int option; (option = getopt_long(argc, argv, "", table, NULL)) != -1;) {
     role = role || option == 'r';

@@ -33,6 +33,7 @@ struct bench_options {
   double timeout;
   double duration;
   const char* security;  ///< a folder, or NULL
+  const char* address;   ///< of the interface; counts for role matched alone
 };
 
 /// What both makes keep at most of unacknowledged samples: as ddssec-peer, and 64 MiB.

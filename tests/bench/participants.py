@@ -25,16 +25,18 @@ class Failed(Exception):
     """A pair did not do what it should."""
 
 
-def start(program, role, security, arguments, libraries=None, errors=subprocess.PIPE):
-    """`libraries`: the folder of plugins that stand before the stock ones."""
-    command = [program, "--role", role, "--domain", str(DOMAIN), "--timeout", str(LIMIT),
+def start(program, role, security, arguments, libraries=None, errors=subprocess.PIPE,
+          enter=lambda command: command):
+    """`libraries`: the folder of plugins that stand before the stock ones; `enter` makes the command
+    one that runs somewhere else."""
+    command = [str(program), "--role", role, "--domain", str(DOMAIN), "--timeout", str(LIMIT),
                "--security", security, *arguments]
     environment = {k: v for k, v in os.environ.items()
                    if k not in ("CYCLONEDDS_URI", "LD_LIBRARY_PATH", "FASTRTPS_DEFAULT_PROFILES_FILE")}
     if libraries:
         environment["LD_LIBRARY_PATH"] = str(libraries)
     environment["TZ"] = "UTC"  # Fast DDS reads the dates of permissions as local time
-    return subprocess.Popen(command, env=environment, text=True, stdin=subprocess.DEVNULL,
+    return subprocess.Popen(enter(command), env=environment, text=True, stdin=subprocess.DEVNULL,
                             stdout=subprocess.PIPE, stderr=errors)
 
 

@@ -17,7 +17,7 @@ static const char loopback[] =
 
 // Many processes: by multicast, as stock Cyclone finds them, and with its own periods.
 static const char multicast[] =
-    "<CycloneDDS><Domain Id=\"any\"><General><Interfaces><NetworkInterface address=\"127.0.0.1\" "
+    "<CycloneDDS><Domain Id=\"any\"><General><Interfaces><NetworkInterface address=\"%s\" "
     "multicast=\"true\"/></Interfaces></General></Domain></CycloneDDS>";
 
 enum { MOST_LOANS = 256 };
@@ -153,7 +153,9 @@ static bool create_endpoints(dds_entity_t participant, const struct bench_option
 }
 
 static int run(const struct bench_options* options) {
-  if (dds_create_domain(options->domain, options->role == BENCH_MATCHED ? multicast : loopback) < 0)
+  char shared[sizeof multicast + 64];
+  snprintf(shared, sizeof shared, multicast, options->address);
+  if (dds_create_domain(options->domain, options->role == BENCH_MATCHED ? shared : loopback) < 0)
     return bench_refused("domain", "Cyclone DDS does not take its configuration");
   if (options->role == BENCH_TPUT_PUB) dds_write_set_batch(true);
   dds_qos_t* qos = dds_create_qos();

@@ -40,8 +40,11 @@ int run(const bench_options& options) {
   RateLimitedSink events(log, clock);
   const Environment environment{clock, random, events};
   secured::Engines engines(environment);
-  rtps::DomainParticipantOptions wanted{
-      .domain_id = static_cast<DomainId>(options.domain), .multicast = true, .peers = {}};
+  rtps::DomainParticipantOptions wanted{.domain_id = static_cast<DomainId>(options.domain),
+                                        .interface = options.address,
+                                        .multicast = true,
+                                        .peers = {},
+                                        .announce_types = false};
   if (options.security != nullptr)
     wanted.security.emplace(engines.view(),
                             secured::or_exit(secured::folder_properties(options.security)));

@@ -1,5 +1,7 @@
 // The measuring peer on Fast DDS 2.9 with its own plugins.
 #include <cstdlib>
+#include <fastcdr/Cdr.h>
+#include <fastcdr/FastBuffer.h>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/log/Log.hpp>
@@ -19,12 +21,12 @@
 #include <vector>
 
 #include "bench/participants.h"
-#include "interop/peers/fastdds_cdr.hpp"
 
 namespace fdds = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
+using eprosima::fastcdr::Cdr;
+using eprosima::fastcdr::FastBuffer;
 using eprosima::fastrtps::Duration_t;
-using namespace interop_fast;
 
 namespace {
 
@@ -37,7 +39,7 @@ struct Blob {
   uint32_t length = 0;
 };
 
-// blob.idl in XCDR1.
+// blob.idl in XCDR1, by hand: Debian has no Fast DDS code generator.
 class BlobType : public fdds::TopicDataType {
  public:
   static constexpr uint32_t kOverhead = 4 + 4 + 4 + 8 + 4 + 4;
@@ -52,16 +54,31 @@ class BlobType : public fdds::TopicDataType {
 
   bool serialize(void* data, rtps::SerializedPayload_t* payload) override {
     const Blob& blob = *static_cast<Blob*>(data);
-    return write_cdr(*payload, [&](Cdr& cdr) {
+    FastBuffer buffer(reinterpret_cast<char*>(payload->data), payload->max_size);
+    Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
+    payload->encapsulation = cdr.endianness() == Cdr::BIG_ENDIANNESS ? CDR_BE : CDR_LE;
+    try {
+      cdr.serialize_encapsulation();
       cdr << blob.seq << blob.pad << blob.t_ns << blob.length;
       cdr.serializeArray(blob.borrowed, blob.length);
-    });
+    } catch (const eprosima::fastcdr::exception::Exception&) {
+      return false;
+    }
+    payload->length = static_cast<uint32_t>(cdr.getSerializedDataLength());
+    return true;
   }
 
   bool deserialize(rtps::SerializedPayload_t* payload, void* data) override {
     Blob& blob = *static_cast<Blob*>(data);
-    return read_cdr(*payload,
-                    [&](Cdr& cdr) { cdr >> blob.seq >> blob.pad >> blob.t_ns >> blob.data; });
+    FastBuffer buffer(reinterpret_cast<char*>(payload->data), payload->length);
+    Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
+    try {
+      cdr.read_encapsulation();
+      cdr >> blob.seq >> blob.pad >> blob.t_ns >> blob.data;
+    } catch (const eprosima::fastcdr::exception::Exception&) {
+      return false;
+    }
+    return true;
   }
 
   std::function<uint32_t()> getSerializedSizeProvider(void* data) override {

@@ -76,14 +76,17 @@ def alone(namespace, paths):
 
 
 def meet(namespace, products, folders):
-    """Whether a publisher and a subscriber exchanged all samples; a repeat of Fast DDS's or Cyclone's
-    handshake or key exchange takes some of them beyond four seconds."""
+    """Whether a publisher and a subscriber exchanged all samples. Fast DDS starts first: one in ten
+    times it and a Cyclone DDS that runs already, stock or with ours, miss each other's handshake.
+    README.md of this folder says what else takes some pairs beyond four seconds."""
     limit = 10
-    running = [subprocess.Popen(namespace.enter(peer(product, folder, role, seconds=limit)), text=True,
-                                stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                                env=environment(product))
-               for product, folder, role in zip(products, folders, ("--publish", "--subscribe"))]
-    return [one.communicate(timeout=60)[0] and one.returncode for one in running] == [0, 0]
+    running = {}
+    for product, folder, role in sorted(zip(products, folders, ("--publish", "--subscribe")),
+                                        key=lambda one: one[0] != "fastdds"):
+        one = subprocess.Popen(namespace.enter(peer(product, folder, role, seconds=limit)), text=True,
+                               stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env=environment(product))
+        running[role] = one, one.stdout.readline()  # it says that it was created
+    return [one.communicate(timeout=60)[0] is not None and one.returncode for one, _ in running.values()] == [0, 0]
 
 
 def foretold(products, folders):

@@ -1,9 +1,10 @@
-// A link between two network namespaces that loses, repeats, delays and reorders what it carries.
-// A tun device in each namespace, this program between them: real peers with real sockets, and no
-// help of the kernel's traffic control.
-//   faulty_link NAMESPACE_A NAMESPACE_B SEED      (paths such as /proc/123/ns/net)
+// A link between two or more network namespaces that loses, repeats, delays and reorders what it
+// carries. A tun device in each namespace, this program between them: real peers with real sockets,
+// and no help of the kernel's traffic control. The n-th namespace has the IPv4 address that ends in
+// n; what goes to a group goes to all others, to each with faults of its own.
+//   faulty_link SEED NAMESPACE NAMESPACE...       (paths such as /proc/123/ns/net)
 // Prints "ready" once both devices "link0" are there; then takes commands, one a line:
-//   loss P   duplicate P   delay P MS   ...       probabilities from 0 to 1, for both directions
+//   loss P   duplicate P   delay P MS   ...       probabilities from 0 to 1, for all directions
 //   cut      heal      quit
 // Ends at the end of its input and then prints what it did.
 #include <algorithm>
@@ -61,19 +62,22 @@ struct Counts {
   unsigned long carried = 0, lost = 0, repeated = 0, delayed = 0;
 };
 
-/// One way across the link, with a random sequence of its own.
+/// The way to one namespace, with a random sequence of its own.
 class Direction {
  public:
-  Direction(int from, int to, unsigned seed) : from_(from), to_(to), random_(seed) {}
+  Direction(int to, unsigned seed) : to_(to), random_(seed) {}
 
-  /// Takes what arrived, a share of it at a time.
-  void receive(const Faults& faults, Clock::time_point now) {
-    static std::array<char, kGreatestPacket> buffer;
-    for (int i = 0; i < 64; ++i) {
-      const auto size = read(from_, buffer.data(), buffer.size());
-      if (size <= 0) return;
-      take({buffer.data(), buffer.data() + size}, faults, now);
+  void take(const Packet& packet, const Faults& faults, Clock::time_point now) {
+    const bool lost = happens(faults.loss), twice = happens(faults.duplicate);
+    if (faults.cut || lost || waiting_.size() >= kMostWaiting) {
+      ++counts_.lost;
+      return;
     }
+    if (twice) {
+      ++counts_.repeated;
+      put(packet, faults, now);
+    }
+    put(packet, faults, now);
   }
 
   void send_due(Clock::time_point now) {
@@ -105,19 +109,6 @@ class Direction {
     return std::uniform_real_distribution<>(0, 1)(random_) < probability;
   }
 
-  void take(Packet packet, const Faults& faults, Clock::time_point now) {
-    const bool lost = happens(faults.loss), twice = happens(faults.duplicate);
-    if (faults.cut || lost || waiting_.size() >= kMostWaiting) {
-      ++counts_.lost;
-      return;
-    }
-    if (twice) {
-      ++counts_.repeated;
-      put(packet, faults, now);
-    }
-    put(std::move(packet), faults, now);
-  }
-
   void put(Packet packet, const Faults& faults, Clock::time_point now) {
     if (happens(faults.delayed)) {
       ++counts_.delayed;
@@ -127,7 +118,7 @@ class Direction {
     waiting_.push({now, ++number_, std::move(packet)});
   }
 
-  int from_, to_;
+  int to_;
   std::mt19937 random_;
   unsigned long number_ = 0;
   std::priority_queue<Waiting> waiting_;
@@ -167,7 +158,7 @@ bool read_commands(std::string& rest, Faults& faults) {
   return true;
 }
 
-int milliseconds_until(const std::array<Direction, 2>& ways) {
+int milliseconds_until(const std::vector<Direction>& ways) {
   auto until = Clock::time_point::max();
   for (const auto& way : ways) until = std::min(until, way.next().value_or(until));
   if (until == Clock::time_point::max()) return -1;
@@ -175,14 +166,34 @@ int milliseconds_until(const std::array<Direction, 2>& ways) {
   return std::max(0, static_cast<int>(left.count()));
 }
 
-void carry(std::array<Direction, 2>& ways, std::array<pollfd, 3> watched) {
+/// Takes what arrived at the device of the n-th namespace, a share of it at a time.
+void receive(int device, std::size_t n, std::vector<Direction>& ways, const Faults& faults) {
+  static std::array<char, kGreatestPacket> buffer;
+  constexpr std::size_t kDestination = 16, kLeastPacket = 20;
+  const auto now = Clock::now();
+  for (int i = 0; i < 64; ++i) {
+    const auto size = read(device, buffer.data(), buffer.size());
+    if (size <= 0) return;
+    if (static_cast<std::size_t>(size) < kLeastPacket || buffer[0] >> 4 != 4) continue;
+    const Packet packet(buffer.data(), buffer.data() + size);
+    const auto high = static_cast<unsigned char>(packet[kDestination]);
+    const std::size_t last = static_cast<unsigned char>(packet[kDestination + 3]);
+    const bool is_group = high >= 224;
+    for (std::size_t to = 0; to < ways.size(); ++to)
+      if (to != n && (is_group || last == to + 1)) ways[to].take(packet, faults, now);
+  }
+}
+
+void carry(const std::vector<int>& devices, std::vector<Direction>& ways) {
+  std::vector<pollfd> watched{{STDIN_FILENO, POLLIN, 0}};
+  for (const int device : devices) watched.push_back({device, POLLIN, 0});
   Faults faults;
   std::string rest;
   for (;;) {
     if (poll(watched.data(), watched.size(), milliseconds_until(ways)) < 0) return;
-    if (watched[2].revents != 0 && !read_commands(rest, faults)) return;
-    for (std::size_t i = 0; i < ways.size(); ++i)
-      if (watched[i].revents != 0) ways[i].receive(faults, Clock::now());
+    if (watched[0].revents != 0 && !read_commands(rest, faults)) return;
+    for (std::size_t i = 0; i < devices.size(); ++i)
+      if (watched[i + 1].revents != 0) receive(devices[i], i, ways, faults);
     for (auto& way : ways) way.send_due(Clock::now());
   }
 }
@@ -190,16 +201,21 @@ void carry(std::array<Direction, 2>& ways, std::array<pollfd, 3> watched) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4) {
-    std::fprintf(stderr, "usage: %s NAMESPACE_A NAMESPACE_B SEED\n", argv[0]);
+  if (argc < 4) {
+    std::fprintf(stderr, "usage: %s SEED NAMESPACE NAMESPACE...\n", argv[0]);
     return 2;
   }
-  const int a = open_device(argv[1]), b = a < 0 ? -1 : open_device(argv[2]);
-  if (b < 0) return 3;
-  const auto seed = static_cast<unsigned>(std::strtoul(argv[3], nullptr, 10));
+  const auto seed = static_cast<unsigned>(std::strtoul(argv[1], nullptr, 10));
+  std::vector<int> devices;
+  std::vector<Direction> ways;
+  for (int i = 2; i < argc; ++i) {
+    devices.push_back(open_device(argv[i]));
+    if (devices.back() < 0) return 3;
+    ways.emplace_back(devices.back(),
+                      seed * static_cast<unsigned>(argc) + static_cast<unsigned>(i));
+  }
   std::puts("ready"), std::fflush(stdout);
-  std::array ways{Direction(a, b, 2 * seed), Direction(b, a, 2 * seed + 1)};
-  carry(ways, {pollfd{a, POLLIN, 0}, {b, POLLIN, 0}, {STDIN_FILENO, POLLIN, 0}});
+  carry(devices, ways);
   for (const auto& way : ways)
     std::printf("carried %lu lost %lu repeated %lu delayed %lu\n", way.counts().carried,
                 way.counts().lost, way.counts().repeated, way.counts().delayed);

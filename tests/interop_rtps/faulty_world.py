@@ -1,5 +1,5 @@
-"""Two peers with a faulty link between them, or on one loopback: each runs in the background and
-says what it saw."""
+"""Peers with a faulty link between them, or on one loopback: each runs in the background and says
+what it saw."""
 
 import pathlib
 import subprocess
@@ -13,29 +13,30 @@ from documents import DOMAIN, TOPIC, Keys, Side  # noqa: E402
 from pair import Namespace, Programs  # noqa: E402
 from scenarios import GOVERNANCES  # noqa: E402
 
-ADDRESSES = ("10.80.0.1", "10.80.0.2")
+ADDRESSES = tuple(f"10.80.0.{n}" for n in range(1, 51))
 # Each way. The 30 % are of IP packets; the devices take whole RTPS messages (65,535 octets).
 FAULTS = "loss 0.3 duplicate 0.1 delay 0.3 25"
 
 
 class Link:
-    """Two namespaces and the program that carries packets between them."""
+    """Namespaces and the program that carries packets between them."""
 
-    def __init__(self, build, seed):
+    def __init__(self, build, seed, ends=2):
         self.spaces = [Namespace()]
-        self.spaces.append(Namespace(beside=self.spaces[0]))
-        program = [str(build / "bin" / "faulty_link"), *(space.path for space in self.spaces)]
-        self._process = subprocess.Popen(self.spaces[0].enter([*program, str(seed)]), text=True,
+        self.spaces += [Namespace(beside=self.spaces[0]) for _ in range(ends - 1)]
+        program = [str(build / "bin" / "faulty_link"), str(seed), *(space.path for space in self.spaces)]
+        self._process = subprocess.Popen(self.spaces[0].enter(program), text=True,
                                          stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                          stderr=subprocess.PIPE)
         if self._process.stdout.readline() != "ready\n":
             reason = self._process.stderr.read().strip()
             self.close()
-            raise RuntimeError(f"cannot make a link of two tun devices: {reason}; run this as root "
+            raise RuntimeError(f"cannot make a link of {ends} tun devices: {reason}; run this as root "
                                "where /dev/net/tun is")
-        for space, own, other in zip(self.spaces, ADDRESSES, reversed(ADDRESSES)):
-            setup = (f"ip addr add {own} peer {other} dev link0 && "
-                     "ip link set link0 up mtu 65535 txqueuelen 10000")
+        for space, own in zip(self.spaces, ADDRESSES):
+            setup = (f"ip addr add {own}/24 dev link0 && "
+                     "ip link set link0 up multicast on mtu 65535 txqueuelen 10000 && "
+                     "ip route replace 224.0.0.0/4 dev link0")
             subprocess.run(space.enter(["sh", "-c", setup]), check=True)
 
     def do(self, command):
