@@ -29,7 +29,8 @@ bool open_content(const Protected& message, const ExpandedKey& key, std::uint8_t
 
 /// Decrypts or verifies into the beginning of `out`: all that must be right about a protected
 /// message is checked here, and only then is its session remembered. Octets written.
-Result<std::size_t> open(const Protected& message, ReceiveKey& key, MutableBytes out) {
+[[gnu::always_inline]] inline Result<std::size_t> open(const Protected& message, ReceiveKey& key,
+                                                       MutableBytes out) {
   DDSSEC_TRY(check_header(key, message.header, message.is_encrypted));
   if (out.size() < message.content.size()) return fail(Code::length_out_of_range);
   const bool origin = key.material().has_receiver_key();

@@ -208,7 +208,7 @@ TEST_F(Packing, ToThisMachineMessagesAreAsLargeAsADatagram) {
 /// Protects messages as a plugin that needs a MAC of each of many receivers.
 struct Wrapping final : SendProtection {
   static constexpr std::size_t kMacs = 200 * 20;
-  Levels levels(const EntityId&) const override { return {.message = true}; }
+  Levels levels(const EntityId&) const override { return {.message = Wrap::participant_key}; }
   Result<std::size_t> protect_payload(const EntityId&, BytesView, MutableBytes) override {
     return fail(Code::length_out_of_range);
   }
@@ -216,7 +216,7 @@ struct Wrapping final : SendProtection {
                                          MutableBytes) override {
     return fail(Code::length_out_of_range);
   }
-  Result<std::size_t> protect_message(const GuidPrefix&, BytesView plain,
+  Result<std::size_t> protect_message(Wrap, const GuidPrefix&, BytesView plain,
                                       MutableBytes out) override {
     if (plain.size() + kMacs > out.size()) return fail(Code::length_out_of_range);
     std::ranges::copy(plain, out.begin());
