@@ -93,7 +93,7 @@ Result<TopicRule> topic_rule_from(const std::string& text, governance::Profile p
 /// Of messages that no participant's own key protects.
 Result<ProtectionKind> pre_shared_key_kind(const Arguments& arguments) {
   const auto text = arguments.text("--pre-shared-key");
-  const auto kind = protection_kind_from(upper(text));
+  const auto kind = protection_kind_from(ascii_upper(text));
   if (kind && !is_origin_authenticated(*kind)) return *kind;
   return fail(Code::usage, {.field = "--pre-shared-key",
                             .expected = "NONE, SIGN or ENCRYPT",
