@@ -18,7 +18,7 @@ struct FreeContext {
 /// OpenSSL uses a CPU's SHA instructions. False: it cannot, as when a process ends around it.
 bool sha256_by_openssl(std::initializer_list<BytesView> parts, Sha256Digest& digest) {
   static const EVP_MD* const algorithm = EVP_MD_fetch(nullptr, "SHA256", nullptr);
-  thread_local const std::unique_ptr<EVP_MD_CTX, FreeContext> context(EVP_MD_CTX_new());
+  const std::unique_ptr<EVP_MD_CTX, FreeContext> context(EVP_MD_CTX_new());
   if (!algorithm || !context || EVP_DigestInit_ex(context.get(), algorithm, nullptr) != 1)
     return false;
   for (auto part : parts)

@@ -1,6 +1,5 @@
 #include "pki/certificate.hpp"
 
-#include <algorithm>
 #include <map>
 #include <mutex>
 
@@ -47,8 +46,8 @@ Result<WallTime> time_of(const ASN1_TIME* time, const char* field) {
 }
 
 // Everything that can be asked later is worked out once; a certificate is used many times.
-Result<std::shared_ptr<const Certificate::Impl>> finish(X509Ptr x509, BytesView der) {
-  auto out = std::make_shared<Certificate::Impl>();
+Result<std::unique_ptr<const Certificate::Impl>> finish(X509Ptr x509, BytesView der) {
+  auto out = std::make_unique<Certificate::Impl>();
   const X509_NAME* subject = X509_get_subject_name(x509.get());
   const X509_NAME* issuer = X509_get_issuer_name(x509.get());
   DDSSEC_TRY(check_name(subject, "subject"));
@@ -88,20 +87,27 @@ class Held {
     return known == known_.end() ? nullptr : known->second.lock();
   }
 
-  void add(const std::shared_ptr<const Certificate::Impl>& made) {
+  /// Whoever lets go of it last takes it off the list.
+  std::shared_ptr<const Certificate::Impl> share(std::unique_ptr<const Certificate::Impl> made) {
+    const std::shared_ptr<const Certificate::Impl> out(made.release(), [this](const auto* last) {
+      forget(last->fingerprint);
+      delete last;
+    });
     const std::scoped_lock lock(mutex_);
-    if (known_.size() >= sweep_at_) {
-      std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
-      sweep_at_ = std::max(kLeast, 2 * known_.size());
-    }
-    known_.insert_or_assign(made->fingerprint, made);
+    known_.insert_or_assign(out->fingerprint, out);
+    return out;
   }
 
  private:
-  static constexpr std::size_t kLeast = 64;
+  // Somebody may have made another meanwhile.
+  void forget(const Sha256Digest& fingerprint) {
+    const std::scoped_lock lock(mutex_);
+    const auto known = known_.find(fingerprint);
+    if (known != known_.end() && known->second.expired()) known_.erase(known);
+  }
+
   std::mutex mutex_;
   std::map<Sha256Digest, std::weak_ptr<const Certificate::Impl>> known_;
-  std::size_t sweep_at_ = kLeast;
 };
 
 Error too_large(std::size_t most, std::size_t found) {
@@ -140,9 +146,7 @@ Result<Certificate> Certificate::from_der(BytesView octets) {
     return std::unexpected(too_large(kMostCertificateOctets, octets.size()));
   auto& held = Held::by_anybody();
   if (auto known = held.find(sha256(octets))) return Certificate(std::move(known));
-  auto made = DDSSEC_TRY(finish(DDSSEC_TRY(decode(octets)), octets));
-  held.add(made);
-  return Certificate(std::move(made));
+  return Certificate(held.share(DDSSEC_TRY(finish(DDSSEC_TRY(decode(octets)), octets))));
 }
 
 Result<Certificate> Certificate::from_pem(BytesView octets) {
