@@ -125,6 +125,7 @@ Parsed parse(int argc, char** argv) {
   app.add_option("-d", options.domain, "domain (default 0)")->check(CLI::Range(0, 232));
   add_choice(app, "-v", options.verbose, std::map<std::string, bool>{{"e", false}, {"d", true}},
              "verbosity: errors, debug (to standard error)");
+  app.add_option("--security", options.security, "folder with keys and documents, or off");
   add_qos(app, options);
   add_samples(app, options);
   add_timing(app, options);

@@ -46,7 +46,8 @@ struct Options {
   std::uint32_t payload_size = 0;
   std::optional<std::int64_t> announcement_period = {};
   std::optional<std::uint32_t> fragment_size = {};
-  std::string filter;  ///< expression of a content filter
+  std::string filter;            ///< expression of a content filter
+  std::string security = "off";  ///< or a folder with keys and documents
   std::int32_t size_modulo = 0;
   bool final_type = false;
 

@@ -113,6 +113,9 @@ Status Session::open() {
                                         .multicast = true,
                                         .peers = {interface}};
   wanted.durability_store = DDSSEC_TRY(store());
+  if (options_.security != "off")
+    wanted.security.emplace(engines_.view(),
+                            DDSSEC_TRY(secured::folder_properties(options_.security)));
   if (options_.announcement_period)
     wanted.announcement_period = std::chrono::milliseconds(*options_.announcement_period);
   if (options_.fragment_size) wanted.fragment_size = *options_.fragment_size;

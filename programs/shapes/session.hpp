@@ -6,6 +6,7 @@
 #include "programs/shapes/options.hpp"
 #include "programs/shapes/types.hpp"
 #include "rtps/dcps/domain_participant.hpp"
+#include "secured/engines.hpp"
 
 namespace ddssec::shapes {
 
@@ -48,7 +49,7 @@ class Session final : private EventSink {
   explicit Session(const Options& options) : options_(options) {}
   ~Session() override;
 
-  /// Errors: those of DomainParticipant::create.
+  /// Errors: those of secured::folder_properties and DomainParticipant::create.
   Status open();
   const Options& options() const { return options_; }
   rtps::DomainParticipant& participant() { return *participant_; }
@@ -85,6 +86,7 @@ class Session final : private EventSink {
   SystemRandom random_;
   RateLimitedSink limited_{*this, clock_};
   StatusLines lines_;
+  secured::Engines engines_{{clock_, random_, limited_}};
   std::unique_ptr<rtps::DomainParticipant> participant_;
 };
 

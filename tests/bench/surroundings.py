@@ -26,22 +26,23 @@ def many_topics(count):
 
 def make_folders(base, names=("one", "other"), governance=SROS2, topics=("*",)):
     """A folder as --security wants it for each of the participants."""
-    pki = Pki(base)
+    pki, permissions = Pki(base), Permissions(topics, topics[:1], domain=DOMAIN)
+    return [make_folder(pki, name, governance, permissions) for name in names]
+
+
+def make_folder(pki, name, governance, permissions):
+    """The folder of one participant of the keystore."""
     identity, authority = pki.ca("identity", "ec"), pki.ca("permissions", "ec")
     signer = f"{authority}/cert.pem", f"{authority}/key.pem"
-    folders = []
-    for name in names:
-        folder = os.path.join(base, "participant-" + name)
-        os.mkdir(folder)
-        permissions = Permissions(topics, topics[:1], domain=DOMAIN).xml(name)
-        documents = {"identity_ca.pem": f"{identity}/cert.pem", "cert.pem": pki.leaf(name, "ec", identity),
-                     "key.pem": pki.key(name, "ec"), "permissions_ca.pem": signer[0],
-                     "governance.p7s": pki.sign(governance.xml(), *signer),
-                     "permissions.p7s": pki.sign(permissions, *signer)}
-        for document, source in documents.items():
-            shutil.copy(source, os.path.join(folder, document))
-        folders.append(folder)
-    return folders
+    folder = os.path.join(pki.folder, "participant-" + name)
+    os.makedirs(folder, exist_ok=True)
+    documents = {"identity_ca.pem": f"{identity}/cert.pem", "cert.pem": pki.leaf(name, "ec", identity),
+                 "key.pem": pki.key(name, "ec"), "permissions_ca.pem": signer[0],
+                 "governance.p7s": pki.sign(governance.xml(), *signer),
+                 "permissions.p7s": pki.sign(permissions.xml(name), *signer)}
+    for document, source in documents.items():
+        shutil.copy(source, os.path.join(folder, document))
+    return folder
 
 
 def in_own_namespace():

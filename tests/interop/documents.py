@@ -31,11 +31,13 @@ class Governance:
     write: bool = True
     domains: tuple = (0, 230)
     psk: str = "NONE"  # rtps_psk_protection_kind, of DDS-Security 1.2
+    revises_keys: bool = False  # enable_key_revision, of DDS-Security 1.2
 
     def xml(self):
         low, high = self.domains
         psk = ("" if self.psk == "NONE" else
                f"\n      <rtps_psk_protection_kind>{self.psk}</rtps_psk_protection_kind>")
+        revision = "\n      <enable_key_revision>true</enable_key_revision>" if self.revises_keys else ""
         topic_discovery = self.topic_discovery and self.discovery != "NONE"
         return f"""<?xml version="1.0" encoding="utf-8"?>
 <dds>
@@ -43,7 +45,7 @@ class Governance:
     <domain_rule>
       <domains><id_range><min>{low}</min><max>{high}</max></id_range></domains>
       <allow_unauthenticated_participants>{_boolean(self.allow_unauthenticated)}</allow_unauthenticated_participants>
-      <enable_join_access_control>{_boolean(self.join)}</enable_join_access_control>
+      <enable_join_access_control>{_boolean(self.join)}</enable_join_access_control>{revision}
       <discovery_protection_kind>{self.discovery}</discovery_protection_kind>
       <liveliness_protection_kind>{self.liveliness}</liveliness_protection_kind>
       <rtps_protection_kind>{self.rtps}</rtps_protection_kind>{psk}

@@ -14,16 +14,6 @@ SLACK = 1.5
 EXCLUSIVE = "-k 0 -r -f 300"
 
 
-def sizes_for(process, seconds):
-    """The sizes of the samples that come in that time."""
-    end, out = time.monotonic() + seconds, []
-    while (left := end - time.monotonic()) > 0:
-        line = process.next_line(left)
-        if line is not None and "[" in line:
-            out.append(int(line.split("[")[1].split("]")[0]))
-    return out
-
-
 def redundant_pipelines(case):
     """Two perception pipelines see the same; the better one is killed: within the deadline and what a
     read takes, the other is heard, and nothing of it before."""
@@ -31,7 +21,7 @@ def redundant_pipelines(case):
     case.start(f"-P -t Objects -s 5 -z 50 {EXCLUSIVE} --write-period 20")
     better = case.start(f"-P -t Objects -s 10 -z 100 {EXCLUSIVE} --write-period 20")
     sub.says(r"\[100\]")
-    check("the worse one was heard", set(sizes_for(sub, 1)) == {100})
+    check("the worse one was heard", set(sub.sizes_for(1)) == {100})
     better.process.send_signal(signal.SIGKILL)
     begin = time.monotonic()
     sub.says(r"\[50\]")
@@ -39,7 +29,7 @@ def redundant_pipelines(case):
     check(f"the other one took over after {took:.2f} s", took < DEADLINE + SLACK)
     again = case.start(f"-P -t Objects -s 10 -z 101 {EXCLUSIVE} --write-period 20")
     sub.says(r"\[101\]")
-    check("two are heard", set(sizes_for(sub, 1)) == {101})
+    check("two are heard", set(sub.sizes_for(1)) == {101})
     check("exit codes", again.interrupt() == 0 and sub.interrupt() == 0)
 
 
@@ -48,13 +38,13 @@ def radar_that_degrades(case):
     sub = case.start(f"-S -t Track -s 0 {EXCLUSIVE} --read-period 10")
     strong, weak = case.tool("Track 200 20"), case.tool("Track 100 10")
     sub.says(r"\[200\]")
-    check("the weak one was heard", set(sizes_for(sub, 1)) == {200})
+    check("the weak one was heard", set(sub.sizes_for(1)) == {200})
     strong.tell("5")
     sub.says(r"\[100\]")
-    check("the degraded one was heard", set(sizes_for(sub, 1)) == {100})
+    check("the degraded one was heard", set(sub.sizes_for(1)) == {100})
     strong.tell("20")
     sub.says(r"\[200\]")
-    check("the weak one was heard again", set(sizes_for(sub, 1)) == {200})
+    check("the weak one was heard again", set(sub.sizes_for(1)) == {200})
     weak.tell("30")
     sub.says(r"\[100\]")
 
@@ -92,20 +82,20 @@ def partition(case, seconds):
             case.start(f"-P -t Leader -z {size} -s {strength} {EXCLUSIVE}", space=space)
         for sub in subs:
             sub.says(r"\[10\]")
-            check("two leaders", set(sizes_for(sub, 1)) <= {10})
+            check("two leaders", set(sub.sizes_for(1)) <= {10})
         here.run("ip link set v0 down")
         subs[1].says(r"\[5\]")
         end = time.monotonic() + seconds
-        sizes_for(subs[0], 0.5)
-        check("a half lost its leader", set(sizes_for(subs[0], 0.5)) == {10} and
-              set(sizes_for(subs[1], 0.5)) == {5})
+        subs[0].sizes_for(0.5)
+        check("a half lost its leader", set(subs[0].sizes_for(0.5)) == {10} and
+              set(subs[1].sizes_for(0.5)) == {5})
         time.sleep(max(0.0, end - time.monotonic()))
         here.run("ip link set v0 up")
-        sizes_for(subs[1], 0.2)
+        subs[1].sizes_for(0.2)
         subs[1].says(r"\[10\]", 20)
         for sub in subs:
-            sizes_for(sub, 0.3)
-            check("split", set(sizes_for(sub, 1)) == {10})
+            sub.sizes_for(0.3)
+            check("split", set(sub.sizes_for(1)) == {10})
     finally:
         here.close()
         there.close()

@@ -65,6 +65,16 @@ class Shapes:
             out.append((topic, color, int(size), octet))
         return out
 
+    def sizes_for(self, seconds):
+        """The sizes of the samples that come in that time."""
+        end, out = time.monotonic() + seconds, []
+        while (left := end - time.monotonic()) > 0:
+            line = self.next_line(left)
+            found = SAMPLE.match(line) if line is not None else None
+            if found:
+                out.append(int(found[5]))
+        return out
+
     def says_within(self, pattern, seconds):
         """Whether it says so in that time."""
         try:
