@@ -116,12 +116,16 @@ Result<Bytes> load_secret_octets(std::string_view uri, std::string_view property
                                       .found = "neither"});
 }
 
-bool readable_by_others(std::string_view text) {
+std::optional<std::string> file_named_by(std::string_view text) {
   const auto uri = parse_uri(text);
-  if (!uri || uri->scheme != Scheme::file) return false;
+  if (!uri || uri->scheme != Scheme::file) return std::nullopt;
+  return std::string(uri->rest);
+}
+
+bool readable_by_others(std::string_view text) {
+  const auto path = file_named_by(text);
   struct stat status {};
-  return ::stat(std::string(uri->rest).c_str(), &status) == 0 &&
-         (status.st_mode & (S_IRGRP | S_IROTH)) != 0;
+  return path && ::stat(path->c_str(), &status) == 0 && (status.st_mode & (S_IRGRP | S_IROTH)) != 0;
 }
 
 }  // namespace ddssec

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
+#include <string>
 #include <string_view>
 
 #include "base/bytes.hpp"
@@ -30,6 +32,9 @@ Result<S> load_secret(std::string_view uri, std::string_view property) {
   wipe(*octets);
   return secret;
 }
+
+/// The path that `uri` names; nothing if it names no file.
+std::optional<std::string> file_named_by(std::string_view uri);
 
 /// True if `uri` names a file whose mode lets its group or everybody read it.
 bool readable_by_others(std::string_view uri);

@@ -1,9 +1,7 @@
 // Identities of our own: what the properties name must exist, fit together and be believed.
 #include "plugins/authentication/local_identity.hpp"
 
-#include <filesystem>
-#include <fstream>
-
+#include "tests/support/temporary_folder.hpp"
 #include "tests/support/test_data.hpp"
 #include "tests/unit/authentication/fixture.hpp"
 
@@ -40,22 +38,7 @@ void expect_refused(const PropertyList& properties, Code code, std::string_view 
   EXPECT_FALSE(engine->next_expiry());
 }
 
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "ddssec-XXXXXX").string();
-    path_ = mkdtemp(name.data());
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  std::string write(const std::string& name, std::string_view text) const {
-    std::ofstream(path_ / name, std::ios::binary) << text;
-    return (path_ / name).string();
-  }
-  std::string path() const { return path_.string(); }
-
- private:
-  std::filesystem::path path_;
-};
+using test::TemporaryFolder;
 
 TEST(LocalIdentity, BindsTheGuidToTheSubject) {
   Engine engine;

@@ -1,11 +1,9 @@
 #include "pki/participant_folder.hpp"
 
-#include <cstdlib>
-#include <fstream>
-
 #include <gtest/gtest.h>
 
 #include "fixture.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace ddssec::pki {
 namespace {
@@ -14,14 +12,10 @@ namespace fs = std::filesystem;
 
 class Folder : public testing::Test {
  protected:
-  Folder() {
-    auto name = (fs::temp_directory_path() / "ddssec-folder-XXXXXX").string();
-    at_ = ::mkdtemp(name.data()) != nullptr ? name : "";
-  }
-  ~Folder() override { fs::remove_all(at_); }
-  void touch(const char* name) { std::ofstream(at_ / name) << "x"; }
+  void touch(const char* name) { folder_.write(name, "x"); }
 
-  fs::path at_;
+  const test::TemporaryFolder folder_;
+  const fs::path at_ = folder_.path();
 };
 
 TEST_F(Folder, AnEmptyOneIsTakenAsFlat) {

@@ -1,0 +1,122 @@
+#include "base/file_watch.hpp"
+
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/temporary_folder.hpp"
+
+namespace ddssec {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Looks once an interval, and once more when it said yes: as its user's program would.
+class Looker {
+ public:
+  explicit Looker(const std::string& path) : watch_("file:" + path, 5s) { settle(); }
+  bool look() { return watch_.may_have_changed(now_ += 5s); }
+  /// Whatever just happened is seen within two looks, and then there is quiet.
+  bool sees_a_change() {
+    const bool seen = look();
+    settle();
+    return seen;
+  }
+  void settle() {
+    std::this_thread::sleep_for(20ms);  // so that the next change has another time
+    for (int i = 0; i < 2; ++i) look();
+    EXPECT_FALSE(look());
+  }
+
+ private:
+  FileWatch watch_;
+  std::chrono::nanoseconds now_ = 1h;
+};
+
+TEST(FileWatch, SeesEveryKindOfChange) {
+  const test::TemporaryFolder folder;
+  const auto path = folder.write("list", "one");
+  Looker looker(path);
+  folder.write("list", "two");  // the same size
+  EXPECT_TRUE(looker.sees_a_change());
+  folder.replace("list", "two");
+  EXPECT_TRUE(looker.sees_a_change());
+  std::ofstream(path, std::ios::app) << "more";
+  EXPECT_TRUE(looker.sees_a_change());
+  std::filesystem::permissions(path, std::filesystem::perms::owner_read);
+  EXPECT_TRUE(looker.sees_a_change());
+  std::filesystem::remove(path);
+  EXPECT_TRUE(looker.sees_a_change());
+  folder.write("list", "back");
+  EXPECT_TRUE(looker.sees_a_change());
+}
+
+TEST(FileWatch, SeesAnOldTimePutOnNewContent) {
+  const test::TemporaryFolder folder;
+  const auto path = folder.write("list", "one");
+  const auto before = std::filesystem::last_write_time(path);
+  Looker looker(path);
+  folder.replace("list", "two");
+  std::filesystem::last_write_time(path, before);
+  EXPECT_TRUE(looker.sees_a_change());
+}
+
+TEST(FileWatch, FollowsLinks) {
+  const test::TemporaryFolder folder;
+  folder.write("a", "same");
+  folder.write("b", "same");
+  const auto link = folder.path() + "/list";
+  std::filesystem::create_symlink("a", link);
+  Looker looker(link);
+  std::filesystem::create_symlink("b", folder.path() + "/new");
+  std::filesystem::rename(folder.path() + "/new", link);
+  EXPECT_TRUE(looker.sees_a_change());
+  folder.write("b", "else");
+  EXPECT_TRUE(looker.sees_a_change());
+}
+
+// Of two changes within one tick of the file system's clock only the first may be visible.
+TEST(FileWatch, LooksOnceMoreAfterAChange) {
+  const test::TemporaryFolder folder;
+  FileWatch watch("file:" + folder.write("list", "one"), 5s);
+  EXPECT_TRUE(watch.may_have_changed(5s));
+  EXPECT_FALSE(watch.may_have_changed(10s));
+  folder.write("list", "three");
+  EXPECT_TRUE(watch.may_have_changed(15s));
+  EXPECT_TRUE(watch.may_have_changed(20s));
+  EXPECT_FALSE(watch.may_have_changed(25s));
+}
+
+TEST(FileWatch, AsksAtMostOnceAnInterval) {
+  const test::TemporaryFolder folder;
+  FileWatch watch("file:" + folder.write("list", "one"), 5s);
+  EXPECT_TRUE(watch.may_have_changed(0s));
+  folder.write("list", "two");
+  EXPECT_FALSE(watch.may_have_changed(4999ms));
+  EXPECT_TRUE(watch.may_have_changed(5s));
+}
+
+TEST(FileWatch, LooksAgainAtWhatCouldNotBeUsed) {
+  const test::TemporaryFolder folder;
+  FileWatch watch("file:" + folder.write("list", "one"), 1s);
+  EXPECT_TRUE(watch.may_have_changed(1s));
+  EXPECT_FALSE(watch.may_have_changed(2s));
+  watch.look_again();
+  EXPECT_FALSE(watch.may_have_changed(2500ms));
+  EXPECT_TRUE(watch.may_have_changed(3s));
+  EXPECT_FALSE(watch.may_have_changed(4s));
+}
+
+TEST(FileWatch, IsQuietWithoutAFileOrAnInterval) {
+  const test::TemporaryFolder folder;
+  const auto path = folder.write("list", "one");
+  FileWatch off("file:" + path, 0s), text("data:,one", 5s), none("", 5s), wrong("http://x", 5s);
+  folder.replace("list", "two");
+  for (auto* watch : {&off, &text, &none, &wrong}) {
+    watch->look_again();
+    for (int i = 1; i < 4; ++i) EXPECT_FALSE(watch->may_have_changed(i * 5s));
+  }
+}
+
+}  // namespace
+}  // namespace ddssec
