@@ -14,6 +14,10 @@ inline constexpr std::string_view kTrustedCaDir = "dds.sec.auth.trusted_ca_dir";
 /// Cyclone DDS's name; rmw_cyclonedds sets it too.
 inline constexpr std::string_view kCrl = "org.eclipse.cyclonedds.sec.auth.crl";
 
+/// Ours: seconds between looks at the files that a running participant reads again when they were
+/// changed; 0: never.
+inline constexpr std::string_view kFilesPollInterval = "org.ddssec.files_poll_interval";
+
 /// Ours, in the IdentityToken: ciphers that are not the standard's.
 inline constexpr std::string_view kAnnouncedCiphers = "org.ddssec.symmetric_ciphers";
 
