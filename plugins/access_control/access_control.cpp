@@ -20,6 +20,8 @@ using governance::Action;
 using spi::EndpointRequest;
 using spi::PermissionsHandle;
 using Holder = std::shared_ptr<PermissionsHolder>;
+using Entries = std::vector<std::pair<PermissionsHandle, Holder>>;
+using Participants = std::set<const Participant*>;
 
 /// All handles that are out. Thread-safe; looking up does not keep others from looking up.
 class HandleTable {
@@ -56,9 +58,10 @@ class HandleTable {
     return holders_.erase(handle.value) == 1;
   }
 
-  std::vector<std::pair<PermissionsHandle, Holder>> all() const {
+  /// In the order of handles.
+  Entries all() const {
     const std::shared_lock lock(mutex_);
-    std::vector<std::pair<PermissionsHandle, Holder>> out;
+    Entries out;
     for (const auto& [value, holder] : holders_) out.emplace_back(PermissionsHandle{value}, holder);
     std::ranges::sort(out, {}, [](const auto& entry) { return entry.first; });
     return out;
@@ -175,7 +178,7 @@ class Plugin final : public spi::AccessControl {
   }
 
   std::optional<WallTime> next_expiry() override;
-  std::vector<PermissionsHandle> expire() override;
+  std::vector<PermissionsHandle> expire(PermissionsHandle local) override;
 
  private:
   LoadContext context() { return {documents_, options_, environment_.clock.now()}; }
@@ -217,7 +220,8 @@ class Plugin final : public spi::AccessControl {
   Status judge_participant(PermissionsHolder& holder);
   Status judge_endpoint(PermissionsHolder& holder, Action action, const EndpointRequest& request);
   Status judge_topic(PermissionsHolder& holder, std::string_view topic);
-  std::vector<PermissionsHandle> peers_of_only(const PermissionsHolder& local) const;
+  std::vector<PermissionsHandle> peers_of_only(const Participants& gone, const Entries& all,
+                                               WallTime now);
   bool may_relay(PermissionsHolder& holder, const EndpointRequest& request);
   Result<spi::EndpointSecurityAttributes> attributes(PermissionsHandle local,
                                                      std::string_view topic);
@@ -330,36 +334,44 @@ std::optional<WallTime> Plugin::next_expiry() {
   return earliest;
 }
 
-// Peers that another local participant deals with too stay: the host knows each peer once only.
-std::vector<PermissionsHandle> Plugin::peers_of_only(const PermissionsHolder& local) const {
-  std::vector<std::pair<PermissionsHandle, spi::IdentityHandle>> own;
-  std::set<spi::IdentityHandle> shared;
-  for (const auto& [handle, holder] : handles_.all()) {
-    if (!holder->remote()) continue;
-    if (holder->participant() == local.participant())
-      own.emplace_back(handle, *holder->remote());
-    else
-      shared.insert(*holder->remote());
-  }
+// Peers that a participant which stays deals with under the same identity stay too: such a host
+// knows each peer once only.
+std::vector<PermissionsHandle> Plugin::peers_of_only(const Participants& gone, const Entries& all,
+                                                     WallTime now) {
+  Participants staying;
+  for (const auto& [handle, holder] : all)
+    if (!holder->remote() && holder->grant(now)) staying.insert(holder->participant().get());
+  std::set<spi::IdentityHandle> kept;
+  for (const auto& [handle, holder] : all)
+    if (holder->remote() && staying.contains(holder->participant().get()))
+      kept.insert(*holder->remote());
   std::vector<PermissionsHandle> peers;
-  for (const auto& [handle, identity] : own)
-    if (!shared.contains(identity)) peers.push_back(handle);
+  for (const auto& [handle, holder] : all)
+    if (holder->remote() && gone.contains(holder->participant().get()) &&
+        !kept.contains(*holder->remote()))
+      peers.push_back(handle);
   return peers;
 }
 
-std::vector<PermissionsHandle> Plugin::expire() {
+std::vector<PermissionsHandle> Plugin::expire(PermissionsHandle local) {
   const WallTime now = environment_.clock.now();
   const auto all = handles_.all();
+  const Holder own = handles_.find(local);
   // Without the memory to tell, none is marked: the next call finds them again.
   std::vector<PermissionsHandle> ended;
+  Participants gone;
   std::vector<std::pair<Event, PermissionsHolder*>> reasons;
   for (const auto& [handle, holder] : all) {
+    if (local && (!own || own->participant() != holder->participant())) continue;
     const auto reason = holder->newly_ended(now);
     if (!reason) continue;
-    ended.push_back(handle);
-    if (!holder->remote()) std::ranges::copy(peers_of_only(*holder), std::back_inserter(ended));
+    ended.push_back(handle);  // in order
+    if (!holder->remote()) gone.insert(holder->participant().get());
     reasons.emplace_back(Event(*reason, holder->peer_subject()), holder.get());
   }
+  if (!gone.empty())
+    std::ranges::set_difference(peers_of_only(gone, all, now), std::vector(ended),
+                                std::back_inserter(ended));
   for (const auto& [event, holder] : reasons) holder->mark_reported();
   for (const auto& [event, holder] : reasons) environment_.events.raise(event);
   return ended;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <set>
 
 #include "plugins/authentication/adjusted_guid.hpp"
 #include "plugins/authentication/auth_request.hpp"
@@ -63,7 +64,7 @@ class PkiDh final : public spi::Authentication {
   Status return_handshake_handle(HandshakeHandle handshake) override;
   Status return_identity_handle(IdentityHandle identity) override;
   std::optional<WallTime> next_expiry() override { return table_.next_end(); }
-  std::vector<IdentityHandle> expire() override;
+  std::vector<IdentityHandle> expire(IdentityHandle local) override;
 
  private:
   template <class T>
@@ -153,12 +154,12 @@ Result<PkiDh::RemoteIdentity> PkiDh::admit(IdentityHandle local,
   spi::Challenge own_challenge{};
   DDSSEC_TRY(environment_.random.fill(own_challenge));
 
-  const auto handle =
-      DDSSEC_TRY(table_.admit_remote({guid, identity_token, std::move(claim.subject)}));
-  const auto pair = DDSSEC_TRY(table_.pair(local, handle, own_challenge));
+  const auto pair = DDSSEC_TRY(
+      table_.admit_remote(local, {guid, identity_token, std::move(claim.subject)}, own_challenge));
   const std::scoped_lock lock(pair->mutex);
   if (announced) pair->announced_challenge = announced;
-  RemoteIdentity result{handle, ValidationResult::pending_handshake_message, std::nullopt};
+  RemoteIdentity result{pair->remote_handle, ValidationResult::pending_handshake_message,
+                        std::nullopt};
   if (initiates(identity->guid(), guid))
     result.result = ValidationResult::pending_handshake_request;
   if (!announced) result.local_auth_request = write_auth_request(pair->own_challenge);
@@ -170,15 +171,19 @@ Status PkiDh::return_identity_handle(IdentityHandle identity) {
   return fail(Code::unknown_identity);
 }
 
-std::vector<IdentityHandle> PkiDh::expire() {
+std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
   const auto now = environment_.clock.now();
-  const auto all = table_.ended_by(now);
+  const auto all = table_.ended_by(now, local);
   // Without the memory to tell, none is marked: the next call finds them again.
   std::vector<IdentityHandle> handles;
+  std::set<IdentityHandle> told;
+  const auto tell = [&](IdentityHandle handle) {
+    if (told.insert(handle).second) handles.push_back(handle);
+  };
   std::vector<Event> events;
   for (const auto& ended : all) {
-    handles.push_back(ended.handle);
-    std::ranges::copy(table_.peers_of_only(ended.handle), std::back_inserter(handles));
+    tell(ended.handle);
+    std::ranges::for_each(table_.peers_of(ended.handle), tell);
     events.emplace_back(Error(Code::identity_ended, {.document = ended.whose,
                                                      .field = "notAfter",
                                                      .expected = to_string(ended.end),

@@ -13,7 +13,8 @@ namespace ddssec::authentication {
 struct Options {
   /// What a missing or outdated revocation list means where one is configured.
   pki::CrlPolicy crl_policy = pki::CrlPolicy::hard_fail;
-  /// More are refused, so that announcements nobody authenticated cannot use up memory.
+  /// Of each local identity. More are refused, so that announcements nobody authenticated cannot
+  /// use up memory, nor what another local identity has room for.
   std::size_t most_remote_identities = 10'000;
   std::size_t most_local_identities = 256;
 };
@@ -34,9 +35,10 @@ inline constexpr std::chrono::seconds kPendingAge{5};
 ///   keep the honest peer out. A final is tried on each pending handle; those it does not belong
 ///   to refuse it without public-key work.
 /// - The same request gets the same reply, the same reply the same final, without new work.
-/// - validate_remote_identity for a GUID seen before returns the same handle. Another identity
-///   token replaces the first one as long as nobody authenticated under that GUID (neither token
-///   proves anything); afterwards it is refused until return_identity_handle.
+/// - validate_remote_identity for a GUID that this local identity has seen before returns the same
+///   handle. Another identity token replaces the first one as long as nobody authenticated under
+///   that GUID (neither token proves anything); afterwards it is refused until
+///   return_identity_handle.
 std::unique_ptr<spi::Authentication> make_authentication(const Environment& environment,
                                                          Options options = {});
 

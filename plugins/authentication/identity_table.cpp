@@ -65,41 +65,38 @@ Result<std::shared_ptr<LocalIdentity>> IdentityTable::local(spi::IdentityHandle 
   return DDSSEC_TRY(live_local(handle))->identity;
 }
 
-Result<spi::IdentityHandle> IdentityTable::admit_remote(RemoteClaim claim) {
-  const std::unique_lock lock(mutex_);
-  if (const auto known = remote_by_guid_.find(claim.guid); known != remote_by_guid_.end()) {
-    const spi::IdentityHandle handle{known->second};
-    DDSSEC_TRY(live_remote(handle));
-    Remote& remote = remotes_.at(handle.value);
-    if (remote.claim.identity_token == claim.identity_token) return handle;
-    if (remote.authenticated)
-      return fail(Code::identity_token_changed,
-                  {.expected = remote.claim.subject, .found = claim.subject});
-    remote.claim = std::move(claim);
-    return handle;
-  }
-  if (remotes_.size() >= most_remote_)
-    return too_many(Code::too_many_remote_identities, most_remote_);
-  const auto handle = next_handle();
-  const auto known = remote_by_guid_.emplace(claim.guid, handle).first;
-  Rollback forget([&] { remote_by_guid_.erase(known); });
-  remotes_[handle].claim = std::move(claim);
-  forget.release();
-  return spi::IdentityHandle{handle};
+Status IdentityTable::renew_claim(spi::IdentityHandle handle, RemoteClaim claim) {
+  DDSSEC_TRY(live_remote(handle));
+  Remote& remote = remotes_.at(handle.value);
+  if (remote.claim.identity_token == claim.identity_token) return {};
+  if (remote.authenticated)
+    return fail(Code::identity_token_changed,
+                {.expected = remote.claim.subject, .found = claim.subject});
+  remote.claim = std::move(claim);
+  return {};
 }
 
-Result<std::shared_ptr<Pair>> IdentityTable::pair(spi::IdentityHandle local,
-                                                  spi::IdentityHandle remote,
-                                                  const spi::Challenge& own_challenge) {
+Result<std::shared_ptr<Pair>> IdentityTable::admit_remote(spi::IdentityHandle local_handle,
+                                                          RemoteClaim claim,
+                                                          const spi::Challenge& own_challenge) {
   const std::unique_lock lock(mutex_);
-  const auto* our = DDSSEC_TRY(live_local(local));
-  DDSSEC_TRY(live_remote(remote));
-  auto& theirs = remotes_.at(remote.value);
-  if (const auto known = theirs.pairs.find(local.value); known != theirs.pairs.end())
-    return known->second;
+  DDSSEC_TRY(live_local(local_handle));
+  Local& local = locals_.at(local_handle.value);
+  if (const auto known = local.remotes.find(claim.guid); known != local.remotes.end()) {
+    DDSSEC_TRY(renew_claim({known->second}, std::move(claim)));
+    return remotes_.at(known->second).pair;
+  }
+  if (local.remotes.size() >= most_remote_)
+    return too_many(Code::too_many_remote_identities, most_remote_);
+  const auto handle = next_handle();
   std::shared_ptr<Pair> pair(
-      new Pair{local, remote, our->identity, theirs.claim.guid, own_challenge, {}});
-  theirs.pairs.emplace(local.value, pair);
+      new Pair{local_handle, {handle}, local.identity, claim.guid, own_challenge, {}});
+  const auto known = local.remotes.emplace(claim.guid, handle).first;
+  Rollback forget([&] { local.remotes.erase(known); });
+  Remote& remote = remotes_[handle];
+  remote.claim = std::move(claim);
+  remote.pair = pair;
+  forget.release();
   return pair;
 }
 
@@ -107,11 +104,10 @@ Result<std::shared_ptr<Pair>> IdentityTable::pair(spi::IdentityHandle local,
                                                   spi::IdentityHandle remote) const {
   const std::shared_lock lock(mutex_);
   DDSSEC_TRY(live_local(local));
-  const auto* theirs = DDSSEC_TRY(live_remote(remote));
-  const auto found = theirs->pairs.find(local.value);
-  if (found == theirs->pairs.end())
+  const auto& pair = DDSSEC_TRY(live_remote(remote))->pair;
+  if (pair->local_handle != local)
     return fail(Code::unknown_identity, {.note = "validate_remote_identity was not called"});
-  return found->second;
+  return pair;
 }
 
 Result<std::shared_ptr<Pair>> IdentityTable::pair_of(spi::HandshakeHandle handle) const {
@@ -127,9 +123,7 @@ spi::HandshakeHandle IdentityTable::add_handshake(const std::shared_ptr<Pair>& p
   const std::unique_lock lock(mutex_);
   const auto handle = next_handle();
   // Meanwhile the host may have returned an identity: then nobody will ask for the handshake.
-  const auto remote = remotes_.find(pair->remote_handle.value);
-  if (remote == remotes_.end() || !remote->second.pairs.contains(pair->local_handle.value))
-    return {handle};
+  if (!remotes_.contains(pair->remote_handle.value)) return {handle};
   const auto added = handshakes_.emplace(handle, pair).first;
   Rollback forget([&] { handshakes_.erase(added); });
   handshakes_of_[pair.get()].push_back(handle);
@@ -163,25 +157,25 @@ void IdentityTable::note_authenticated(spi::IdentityHandle handle, const pki::Ch
   found->second.claim.subject = std::move(subject);
 }
 
+void IdentityTable::forget(Remotes::iterator remote) {
+  drop_handshakes(*remote->second.pair);
+  drop_end(remote->first, remote->second);
+  remotes_.erase(remote);
+}
+
 bool IdentityTable::remove(spi::IdentityHandle handle) {
   const std::unique_lock lock(mutex_);
-  if (const auto found = remotes_.find(handle.value); found != remotes_.end()) {
-    for (const auto& [local, pair] : found->second.pairs) drop_handshakes(*pair);
-    drop_end(handle.value, found->second);
-    remote_by_guid_.erase(found->second.claim.guid);
-    remotes_.erase(found);
+  if (const auto remote = remotes_.find(handle.value); remote != remotes_.end()) {
+    const auto& pair = *remote->second.pair;
+    locals_.at(pair.local_handle.value).remotes.erase(pair.remote_guid);
+    forget(remote);
     return true;
   }
-  const auto found = locals_.find(handle.value);
-  if (found == locals_.end()) return false;
-  for (auto& [value, remote] : remotes_) {
-    const auto pair = remote.pairs.find(handle.value);
-    if (pair == remote.pairs.end()) continue;
-    drop_handshakes(*pair->second);
-    remote.pairs.erase(pair);
-  }
-  drop_end(handle.value, found->second);
-  locals_.erase(found);
+  const auto local = locals_.find(handle.value);
+  if (local == locals_.end()) return false;
+  for (const auto& [guid, remote] : local->second.remotes) forget(remotes_.find(remote));
+  drop_end(handle.value, local->second);
+  locals_.erase(local);
   return true;
 }
 
@@ -197,20 +191,23 @@ IdentityTable::Common* IdentityTable::find(std::int64_t handle) {
   return remote == remotes_.end() ? nullptr : &remote->second;
 }
 
-std::vector<IdentityTable::Ended> IdentityTable::ended_by(WallTime now) const {
+std::vector<IdentityTable::Ended> IdentityTable::ended_by(WallTime now,
+                                                          spi::IdentityHandle local) const {
   const std::shared_lock lock(mutex_);
   std::vector<Ended> ended;
   for (const auto& [end, handle] : ends_) {
     if (end > now) break;
-    Ended entry{{handle}, {}, {}, end};
-    if (const auto remote = remotes_.find(handle); remote != remotes_.end()) {
-      entry.peer = {remote->second.claim.subject, remote->second.claim.guid.to_string()};
-      entry.whose = remote->second.first_to_end;
-    } else if (const auto local = locals_.find(handle); local != locals_.end()) {
-      entry.peer.guid = local->second.identity->guid().to_string();
-      entry.whose = local->second.first_to_end;
+    const auto remote = remotes_.find(handle);
+    const bool is_remote = remote != remotes_.end();
+    const auto owner = is_remote ? remote->second.pair->local_handle : spi::IdentityHandle{handle};
+    if (local && owner != local) continue;
+    if (is_remote) {
+      const auto& [guid, token, subject] = remote->second.claim;
+      ended.push_back({{handle}, {subject, guid.to_string()}, remote->second.first_to_end, end});
+    } else {
+      const auto& own = locals_.at(handle);
+      ended.push_back({{handle}, {{}, own.identity->guid().to_string()}, own.first_to_end, end});
     }
-    ended.push_back(std::move(entry));
   }
   return ended;
 }
@@ -223,11 +220,13 @@ void IdentityTable::mark_ended(std::span<const Ended> ended) {
   }
 }
 
-std::vector<spi::IdentityHandle> IdentityTable::peers_of_only(spi::IdentityHandle local) const {
+std::vector<spi::IdentityHandle> IdentityTable::peers_of(spi::IdentityHandle handle) const {
   const std::shared_lock lock(mutex_);
   std::vector<spi::IdentityHandle> peers;
-  for (const auto& [handle, remote] : remotes_)
-    if (remote.pairs.size() == 1 && remote.pairs.contains(local.value)) peers.push_back({handle});
+  const auto local = locals_.find(handle.value);
+  if (local == locals_.end()) return peers;
+  for (const auto& [guid, remote] : local->second.remotes)
+    if (!remotes_.at(remote).has_ended) peers.push_back({remote});
   return peers;
 }
 

@@ -26,7 +26,8 @@ struct PairHandshake {
   std::chrono::nanoseconds since;
 };
 
-/// A local and a remote participant. Lock order: a pair's mutex before the table's.
+/// A remote participant as one local participant knows it. Lock order: a pair's mutex before the
+/// table's.
 struct Pair {
   const spi::IdentityHandle local_handle;
   const spi::IdentityHandle remote_handle;
@@ -45,9 +46,11 @@ struct PeerName {
   std::string guid;
 };
 
-/// Thread-safe.
+/// A remote identity belongs to the local one that met it: another local one that meets the same
+/// participant has a remote identity, a handle, handshakes and an end of its own. Thread-safe.
 class IdentityTable {
  public:
+  /// `most_remote`: of each local identity.
   IdentityTable(std::size_t most_local, std::size_t most_remote)
       : most_local_(most_local), most_remote_(most_remote) {}
 
@@ -62,14 +65,11 @@ class IdentityTable {
     spi::Token identity_token;
     std::string subject;
   };
-  /// The remote's one handle. Errors: too_many_remote_identities, identity_token_changed,
-  /// identity_ended.
-  Result<spi::IdentityHandle> admit_remote(RemoteClaim claim);
-
-  /// The pair, made with `own_challenge` if it is new. Errors: unknown_identity, identity_ended.
-  Result<std::shared_ptr<Pair>> pair(spi::IdentityHandle local, spi::IdentityHandle remote,
-                                     const spi::Challenge& own_challenge);
-  /// A pair that exists. Errors: unknown_identity, identity_ended.
+  /// The pair, made with `own_challenge` if it is new. Errors: unknown_identity, identity_ended,
+  /// too_many_remote_identities, identity_token_changed.
+  Result<std::shared_ptr<Pair>> admit_remote(spi::IdentityHandle local, RemoteClaim claim,
+                                             const spi::Challenge& own_challenge);
+  /// A pair that exists. Errors: unknown_identity, also for another's remote; identity_ended.
   Result<std::shared_ptr<Pair>> pair(spi::IdentityHandle local, spi::IdentityHandle remote) const;
   /// Error: unknown_handshake, identity_ended.
   Result<std::shared_ptr<Pair>> pair_of(spi::HandshakeHandle handle) const;
@@ -81,7 +81,7 @@ class IdentityTable {
   /// The remote proved who it is; from now on its end counts.
   void note_authenticated(spi::IdentityHandle remote, const pki::ChainValid& chain);
 
-  /// False if there is no such identity.
+  /// A local one goes with its remote ones. False if there is no such identity.
   bool remove(spi::IdentityHandle handle);
 
   std::optional<WallTime> next_end() const;
@@ -92,13 +92,14 @@ class IdentityTable {
     std::string whose;  ///< subject whose certificate ended
     WallTime end;
   };
-  /// Those that ended at `now` or before and were not marked.
-  std::vector<Ended> ended_by(WallTime now) const;
+  /// Those that ended at `now` or before and were not marked; of one local identity and its remote
+  /// ones, or (nil) of all.
+  std::vector<Ended> ended_by(WallTime now, spi::IdentityHandle local) const;
   /// From now on they are refused. Needs no memory.
   void mark_ended(std::span<const Ended> ended);
 
-  /// The remote identities that deal with `local` and with no other local identity.
-  std::vector<spi::IdentityHandle> peers_of_only(spi::IdentityHandle local) const;
+  /// The remote identities of a local one that did not end; none for a remote one.
+  std::vector<spi::IdentityHandle> peers_of(spi::IdentityHandle local) const;
 
   PeerName name_of(spi::IdentityHandle remote) const;
 
@@ -110,14 +111,18 @@ class IdentityTable {
   };
   struct Local : Common {
     std::shared_ptr<LocalIdentity> identity;
+    std::map<Guid, std::int64_t> remotes = {};
   };
   struct Remote : Common {
     RemoteClaim claim;
     bool authenticated = false;
-    std::unordered_map<std::int64_t, std::shared_ptr<Pair>> pairs;  ///< by local handle
+    std::shared_ptr<Pair> pair;
   };
+  using Remotes = std::unordered_map<std::int64_t, Remote>;
 
   std::int64_t next_handle() { return ++last_handle_; }
+  Status renew_claim(spi::IdentityHandle remote, RemoteClaim claim);
+  void forget(Remotes::iterator remote);
   void set_end(std::int64_t handle, Common& identity, WallTime end, std::string whose);
   void drop_end(std::int64_t handle, const Common& identity);
   void drop_handshakes(const Pair& pair);
@@ -130,8 +135,7 @@ class IdentityTable {
   mutable std::shared_mutex mutex_;
   std::int64_t last_handle_ = 0;
   std::unordered_map<std::int64_t, Local> locals_;
-  std::unordered_map<std::int64_t, Remote> remotes_;
-  std::map<Guid, std::int64_t> remote_by_guid_;
+  Remotes remotes_;
   std::unordered_map<std::int64_t, std::shared_ptr<Pair>> handshakes_;
   std::map<const Pair*, std::vector<std::int64_t>> handshakes_of_;
   std::set<std::pair<WallTime, std::int64_t>> ends_;

@@ -119,15 +119,17 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
     std::optional<spi::Token> request;
     if (!is_nil(remote_auth_request)) request = DDSSEC_TRY(token_from(remote_auth_request));
     const auto token = DDSSEC_TRY(token_from(remote_token));
-    const auto remote = DDSSEC_TRY(adapter.engine().validate_remote_identity(
-        identity(local_handle), request, token, guid_from(*remote_guid)));
+    const auto guid = guid_from(*remote_guid);
+    const auto remote = DDSSEC_TRY(
+        adapter.engine().validate_remote_identity(identity(local_handle), request, token, guid));
+    const auto of_host = adapter.remotes().note(identity(local_handle), guid, remote.handle);
     if (remote.local_auth_request) {
       CToken sent{};
       DDSSEC_TRY(copy_token(*remote.local_auth_request, sent));
       std::swap(*local_auth_request, sent);
       free_token(sent);
     }
-    *remote_handle = remote.handle.value;
+    *remote_handle = of_host.value;
     return to_c(remote.result);
   });
 }
@@ -140,8 +142,9 @@ CResult begin_handshake_request(Instance* instance, CHandshake* handle, CToken* 
     *handle = DDS_SECURITY_HANDLE_NIL;
     *message = {};
     const auto data = DDSSEC_TRY(octets_from(participant_data));
-    const auto step = DDSSEC_TRY(
-        adapter.engine().begin_handshake_request(identity(initiator), identity(replier), data));
+    const auto remote = adapter.remotes().pair(identity(initiator), identity(replier));
+    const auto step =
+        DDSSEC_TRY(adapter.engine().begin_handshake_request(identity(initiator), remote, data));
     adapter.secrets().note(step.handle, identity(initiator), identity(replier));
     DDSSEC_TRY(hand_out(step.message, *message));
     *handle = step.handle.value;
@@ -159,8 +162,9 @@ CResult begin_handshake_reply(Instance* instance, CHandshake* handle, CToken* me
     *message_out = {};
     const auto request = DDSSEC_TRY(token_from(message_in));
     const auto data = DDSSEC_TRY(octets_from(participant_data));
-    const auto step = DDSSEC_TRY(adapter.engine().begin_handshake_reply(
-        request, identity(initiator), identity(replier), data));
+    const auto remote = adapter.remotes().pair(identity(replier), identity(initiator));
+    const auto step = DDSSEC_TRY(
+        adapter.engine().begin_handshake_reply(request, remote, identity(replier), data));
     adapter.secrets().note(step.handle, identity(initiator), identity(replier));
     DDSSEC_TRY(hand_out(step.message, *message_out));
     *handle = step.handle.value;
@@ -233,7 +237,11 @@ DDS_Security_boolean return_identity_handle(Instance* instance, const CIdentity 
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     if (handle == DDS_SECURITY_HANDLE_NIL) return {};
     adapter.secrets().drop(identity(handle));
-    return adapter.engine().return_identity_handle(identity(handle));
+    Status status;
+    for (const auto one : adapter.remotes().take(identity(handle)))
+      if (auto returned = adapter.engine().return_identity_handle(one); !returned)
+        status = std::move(returned);
+    return status;
   });
 }
 
@@ -280,8 +288,12 @@ AuthenticationAdapter::AuthenticationAdapter(std::unique_ptr<Host> host,
 void AuthenticationAdapter::listen(const dds_security_authentication_listener* listener) {
   if (listener == nullptr || listener->on_revoke_identity == nullptr) return timer_.stop();
   const auto revoke = listener->on_revoke_identity;
-  timer_.start(ExpiryTimer::tasks_of(
-      *engine_, [this, revoke](std::int64_t handle) { revoke(this, handle); }));
+  timer_.start({.revoke_ended =
+                    [this, revoke](const std::stop_token& stop) {
+                      for (const auto ended : remotes_.to_revoke(engine_->expire()))
+                        if (!stop.stop_requested()) revoke(this, ended.value);
+                    },
+                .next_expiry = [this] { return engine_->next_expiry(); }});
 }
 
 }  // namespace ddssec::cyclonedds

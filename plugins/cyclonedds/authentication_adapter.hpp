@@ -3,6 +3,7 @@
 
 #include "plugins/cyclonedds/context.hpp"
 #include "plugins/cyclonedds/expiry_timer.hpp"
+#include "plugins/cyclonedds/remote_identities.hpp"
 #include "plugins/cyclonedds/shared_secrets.hpp"
 #include "plugins/spi/authentication.hpp"
 
@@ -20,6 +21,7 @@ class AuthenticationAdapter final : public dds_security_authentication {
   Host& host() { return *host_; }
   spi::Authentication& engine() { return *engine_; }
   SharedSecrets& secrets() { return secrets_; }
+  RemoteIdentities& remotes() { return remotes_; }
 
   /// Null stops the timer; returns when no revocation is running any more.
   void listen(const dds_security_authentication_listener* listener);
@@ -27,7 +29,8 @@ class AuthenticationAdapter final : public dds_security_authentication {
  private:
   std::unique_ptr<Host> host_;
   std::unique_ptr<spi::Authentication> engine_;
-  SharedSecrets secrets_;
+  SharedSecrets secrets_;  ///< by the host's handles
+  RemoteIdentities remotes_;
   ExpiryTimer timer_;  ///< last: it ends before what it uses
 };
 

@@ -22,6 +22,9 @@ struct EndpointRequest {
   std::span<const Property> data_tags = {};
 };
 
+/// One engine may serve several local identities, each by its own documents; what is judged of a
+/// remote identity belongs to the pair of the two.
+///
 /// Thread-safe. Every check is success, or an error that names document, line and rule that
 /// decided.
 class AccessControl {
@@ -34,7 +37,8 @@ class AccessControl {
                                                                DomainId domain_id,
                                                                const PropertyList& properties) = 0;
   /// `credential` holds c.id and c.perm as binary or as text properties. Judges the remote's
-  /// permissions by the governance and the permissions CA of the local identity.
+  /// permissions by the governance and the permissions CA of the local identity. Each call gives
+  /// out a handle of its own, to be returned by who called.
   virtual Result<PermissionsHandle> validate_remote_permissions(IdentityHandle local_identity,
                                                                 IdentityHandle remote_identity,
                                                                 const Token& permissions_token,
@@ -77,9 +81,12 @@ class AccessControl {
 
   /// When the next grant in use ends, if any; `expire` raises the events and returns the handles to
   /// be revoked, each once; a local participant's is followed by those of its peers, as with
-  /// Authentication::expire.
+  /// Authentication::expire, but for peers under whose remote identity another local participant
+  /// has permissions too: a host that gives all its participants one remote identity (Cyclone DDS)
+  /// can only remove the peer for all of them. `local`: that handle and those of its peers only;
+  /// nil: all.
   virtual std::optional<WallTime> next_expiry() = 0;
-  virtual std::vector<PermissionsHandle> expire() = 0;
+  virtual std::vector<PermissionsHandle> expire(PermissionsHandle local = {}) = 0;
 };
 
 }  // namespace ddssec::spi

@@ -22,6 +22,10 @@ enum class ValidationResult : std::uint8_t {
   ok_final_message,           ///< done; the message goes out all the same
 };
 
+/// One engine may serve several local identities. What is known of a remote participant belongs to
+/// the pair of a local and a remote one: handle, handshakes, shared secret, its end; nothing that
+/// happens to a pair touches another. Only judged documents are shared.
+///
 /// Thread-safe. No call does I/O beyond reading the configured files in validate_local_identity,
 /// none waits, none calls back. Retransmission belongs to the host: it sends the same token again.
 /// A refused message changes nothing: an honest one still succeeds afterwards.
@@ -32,7 +36,8 @@ class Authentication {
     Guid adjusted_guid;
   };
   struct RemoteIdentity {
-    /// The same for the same remote GUID, whichever local identity asks.
+    /// The pair's: the same for the same local identity and remote GUID until it is returned.
+    /// Another local identity has another one, and is refused with this one.
     IdentityHandle handle;
     ValidationResult result;
     /// To be sent as dds.sec.auth_request, if the peer's own was not seen yet.
@@ -80,16 +85,18 @@ class Authentication {
   virtual Result<Token> authenticated_peer_credential_token(HandshakeHandle handshake) = 0;
 
   virtual Status return_handshake_handle(HandshakeHandle handshake) = 0;
-  /// Drops a local or remote identity with all its handshakes and secrets.
+  /// Drops a remote identity with the pair's handshakes and secrets, or a local one with all its
+  /// remote ones: nobody has to return those any more.
   virtual Status return_identity_handle(IdentityHandle identity) = 0;
 
   /// When the next certificate in use ends, if any; the host calls `expire` then (and after the
-  /// calendar was set): it raises the events and returns the identities to be revoked. A local
-  /// identity is followed by the peers that deal with nobody else here: a host may keep the writers
-  /// of a participant that it removed (Cyclone DDS does), and then nobody must be left to hear
-  /// them.
+  /// calendar was set): it raises the events and returns the identities to be revoked, each once. A
+  /// local identity is followed by all its remote ones: a host may keep the writers of a
+  /// participant that it removed (Cyclone DDS does), and then nobody must be left to hear them.
+  /// `local`: that identity and its remote ones only, for a host with no say over others that use
+  /// the engine; nil: all.
   virtual std::optional<WallTime> next_expiry() = 0;
-  virtual std::vector<IdentityHandle> expire() = 0;
+  virtual std::vector<IdentityHandle> expire(IdentityHandle local = {}) = 0;
 };
 
 }  // namespace ddssec::spi

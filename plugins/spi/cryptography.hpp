@@ -32,8 +32,11 @@ class CryptoKeyFactory {
   virtual Result<ParticipantCryptoHandle> register_local_participant(
       IdentityHandle identity, PermissionsHandle permissions, const PropertyList& properties,
       const ParticipantSecurityAttributes& attributes) = 0;
-  /// The same handle for the same remote identity, whichever local participant asks; what is
-  /// particular to the pair hangs below it.
+  /// One handle for one remote identity handle. Authentication gives out one for each pair of a
+  /// local and a remote participant, and so the handle is the pair's. A host that has one remote
+  /// identity for all its local participants (Cyclone DDS) gets one handle for all of them, and
+  /// what they have with the remote (keys of the key exchange, tokens, MACs) stays apart below it,
+  /// by the local participant or endpoint that every call names too.
   virtual Result<ParticipantCryptoHandle> register_matched_remote_participant(
       ParticipantCryptoHandle local, IdentityHandle remote_identity,
       PermissionsHandle remote_permissions, const SharedSecret& shared_secret) = 0;
@@ -73,6 +76,8 @@ class CryptoKeyFactory {
   /// are refused in time without it.
   virtual void forget_former_keys() = 0;
 
+  /// A local participant goes with its endpoints and with what it has with remote ones. A remote
+  /// one goes with its endpoints, for all local participants that have this handle.
   virtual Status unregister_participant(ParticipantCryptoHandle participant) = 0;
   virtual Status unregister_datawriter(DatawriterCryptoHandle datawriter) = 0;
   virtual Status unregister_datareader(DatareaderCryptoHandle datareader) = 0;

@@ -321,8 +321,8 @@ MonotonicTime Security::next_tick() const {
 // The plugins know the calendar and raise the events.
 void Security::expire() {
   next_expiry_ = now_ + kExpiryPeriod;
-  const auto identities = own_->plugins().authentication.expire();
-  const auto permissions = own_->plugins().access_control.expire();
+  const auto identities = own_->plugins().authentication.expire(own_->identity());
+  const auto permissions = own_->plugins().access_control.expire(own_->permissions());
   const auto ended = [&](spi::IdentityHandle identity, spi::PermissionsHandle handle) {
     return (identity && std::ranges::find(identities, identity) != identities.end()) ||
            (handle && std::ranges::find(permissions, handle) != permissions.end());

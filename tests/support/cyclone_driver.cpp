@@ -558,11 +558,11 @@ Link::~Link() {
   }
   for (auto& [self, peer] : {std::pair<Participant&, Peer&>{a_, a_of_b}, {b_, b_of_a}}) {
     auto* factory = self.domain.cryptography().crypto_key_factory;
-    factory->unregister_participant(factory, peer.crypto, nullptr);
+    if (peer.crypto != 0) factory->unregister_participant(factory, peer.crypto, nullptr);
     auto& access = self.domain.access_control();
     access.return_permissions_handle(&access, peer.permissions, nullptr);
     auto& auth = self.domain.authentication();
-    auth.return_identity_handle(&auth, peer.identity, nullptr);
+    if (peer.identity != 0) auth.return_identity_handle(&auth, peer.identity, nullptr);
   }
 }
 

@@ -1,4 +1,6 @@
-// Hosts call from many threads: one engine, many peers, handshakes, expiry and departures at once.
+// Hosts call from many threads: one engine with two local participants, many peers that both of
+// them know, handshakes, expiry and departures at once.
+#include <array>
 #include <atomic>
 #include <thread>
 
@@ -11,7 +13,7 @@ struct Discard final : EventSink {
   void raise(const Event&) override {}
 };
 
-TEST(Threads, ManyPeersAtOnceOnOneEngine) {
+TEST(Threads, ManyPeersOfTwoLocalsAtOnceOnOneEngine) {
   constexpr int kThreads = 4, kRounds = 25;
   const SystemClock clock;
   SystemRandom random;
@@ -21,19 +23,21 @@ TEST(Threads, ManyPeersAtOnceOnOneEngine) {
   const auto ca = make_ca("CN=Identity CA", {}, validity);
   const auto ours = make_authentication({clock, random, events});
   const auto hub = make_identity(ca, "CN=hub", {}, validity);
-  const auto local = ours->validate_local_identity(0, hub.properties, candidate(1));
-  ASSERT_OK(local);
+  const std::array locals{*ours->validate_local_identity(0, hub.properties, candidate(1)),
+                          *ours->validate_local_identity(0, hub.properties, candidate(2))};
   std::vector<Identity> spokes;
-  for (int i = 0; i < kThreads; ++i)
+  for (int i = 0; i < kThreads / 2; ++i)
     spokes.push_back(make_identity(ca, "CN=spoke " + std::to_string(i), {}, validity, 1));
 
   std::atomic<int> done = 0;
   const auto work = [&](int index) {
     const auto theirs = make_authentication({clock, random, events});
+    const auto* const local = &locals[static_cast<std::size_t>(index % 2)];
+    const int spoke = index / 2;
     for (int round = 0; round < kRounds; ++round) {
       const auto remote = theirs->validate_local_identity(
-          0, spokes[static_cast<std::size_t>(index)].properties,
-          candidate(static_cast<std::uint8_t>(index * kRounds + round)));
+          0, spokes[static_cast<std::size_t>(spoke)].properties,
+          candidate(static_cast<std::uint8_t>(3 + spoke * kRounds + round)));
       if (!remote) return;
       const auto of_hub = ours->validate_remote_identity(
           local->handle, {}, *theirs->identity_token(remote->handle), remote->adjusted_guid);
@@ -59,7 +63,7 @@ TEST(Threads, ManyPeersAtOnceOnOneEngine) {
       done += (*first.shared_secret(req->handle))->secret ==
               (*second.shared_secret(rep->handle))->secret;
       (void)ours->next_expiry();
-      (void)ours->expire();
+      (void)ours->expire(local->handle);
       if (round % 2 == 0) (void)ours->return_identity_handle(of_hub->handle);
     }
   };

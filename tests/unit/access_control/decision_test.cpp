@@ -217,7 +217,38 @@ TEST_F(Decisions, BuiltinSecureTopicsHaveAttributes) {
                  topic_not_covered);
 }
 
-class Expiry : public AccessControlTest {};
+class Expiry : public AccessControlTest {
+ protected:
+  std::string brief() const {
+    auto ends = grant(kTalker, {rule(true)});
+    ends.validity.not_after = kNow + 10s;
+    return signed_permissions({ends});
+  }
+
+  /// Two participants of the talker, and the listener as a peer of both.
+  struct TwoLocals {
+    TwoLocals(Expiry& test, const std::string& own,
+              spi::IdentityHandle remote_of_second = kRemoteIdentity,
+              const std::string& of_peer = {}) {
+      const auto document = of_peer.empty() ? test.open_permissions(kListener) : of_peer;
+      constexpr spi::IdentityHandle kSecond{3};
+      first = test.local(own).value();
+      at_first = test.remote(document).value();
+      second = test.plugin
+                   ->validate_local_permissions(
+                       kSecond, 0,
+                       test.properties(
+                           test.signed_document(governance::to_xml(test.governance_document)), own))
+                   .value();
+      at_second =
+          test.plugin
+              ->validate_remote_permissions(kSecond, remote_of_second, test.permissions_token(),
+                                            test.credential(test.authorities().listener, document))
+              .value();
+    }
+    spi::PermissionsHandle first, second, at_first, at_second;
+  };
+};
 
 // T3
 TEST_F(Expiry, IsToldReportedOnceAndDeniesEvenIfTheHostForgets) {
@@ -314,6 +345,32 @@ TEST_F(Expiry, OfALocalParticipantLeavesThePeersOfAnotherOne) {
       credential(authorities().listener, open_permissions(kListener))));
   clock.advance(10s);
   EXPECT_EQ(plugin->expire(), std::vector{*own});
+}
+
+TEST_F(Expiry, OfLocalParticipantsThatEndTogetherEndsThePeersThatTheyShare) {
+  TwoLocals two(*this, brief());
+  clock.advance(10s);
+  EXPECT_EQ(plugin->expire(), (std::vector{two.first, two.second, two.at_first, two.at_second}));
+  EXPECT_TRUE(plugin->expire().empty());
+}
+
+// Hosts of one participant each must not be told of others', nor take what others have to hear.
+TEST_F(Expiry, IsToldToWhomItConcerns) {
+  TwoLocals two(*this, brief(), spi::IdentityHandle{9});
+  clock.advance(10s);
+  EXPECT_EQ(plugin->expire(two.second), (std::vector{two.second, two.at_second}));
+  EXPECT_EQ(plugin->expire(two.first), (std::vector{two.first, two.at_first}));
+  EXPECT_TRUE(plugin->expire().empty());
+  EXPECT_TRUE(plugin->expire({99}).empty());
+}
+
+TEST_F(Expiry, OfThePeerIsToldToEachThatKnowsIt) {
+  auto ends = grant(kListener, {rule(true)});
+  ends.validity.not_after = kNow + 10s;
+  TwoLocals two(*this, open_permissions(kTalker), kRemoteIdentity, signed_permissions({ends}));
+  clock.advance(10s);
+  EXPECT_EQ(plugin->expire(two.first), std::vector{two.at_first});
+  EXPECT_EQ(plugin->expire(two.second), std::vector{two.at_second});
 }
 
 TEST_F(Expiry, NobodyNoEnd) { EXPECT_EQ(plugin->next_expiry(), std::nullopt); }

@@ -254,6 +254,40 @@ TEST_F(RemotePermissions, EachLocalParticipantJudgesByItsOwnCa) {
       smime_signer_not_permissions_ca);
 }
 
+// The open governance of the one lets nobody in at the other, whoever leaves first.
+TEST_F(RemotePermissions, EachLocalParticipantJudgesByItsOwnGovernance) {
+  auto open = governance_document;
+  for (auto& domain : open.domain_rules) {
+    domain.enable_join_access_control = false;
+    for (auto& topic : domain.topic_rules)
+      topic.enable_read_access_control = topic.enable_write_access_control = false;
+  }
+  constexpr spi::IdentityHandle kSecond{7};
+  const auto reader_only = signed_permissions({grant(kListener, {subscribe_rule(true, {"t"})})});
+  for (const bool strict_leaves_first : {false, true}) {
+    make();
+    ASSERT_TRUE(local(open_permissions(kTalker)));
+    ASSERT_TRUE(plugin->validate_local_permissions(
+        kSecond, 0,
+        properties(signed_document(governance::to_xml(open)), open_permissions(kTalker))));
+    const auto strict = remote(reader_only);
+    const auto lenient =
+        plugin->validate_remote_permissions(kSecond, kRemoteIdentity, permissions_token(),
+                                            credential(authorities().listener, reader_only));
+    ASSERT_TRUE(strict && lenient);
+    const auto expect_strict = [&] {
+      EXPECT_REFUSED(plugin->check_remote_datawriter(*strict, 0, {.topic_name = "t"}),
+                     publish_not_allowed);
+    };
+    const auto expect_lenient = [&] {
+      EXPECT_TRUE(plugin->check_remote_datawriter(*lenient, 0, {.topic_name = "t"}));
+    };
+    expect_strict(), expect_lenient();
+    EXPECT_TRUE(plugin->return_permissions_handle(strict_leaves_first ? *strict : *lenient));
+    strict_leaves_first ? expect_lenient() : expect_strict();
+  }
+}
+
 using Handles = AccessControlTest;
 
 TEST_F(Handles, OfNobodyAreRefusedEverywhere) {

@@ -99,17 +99,6 @@ TEST(Expiry, EveryStepJudgesAgain) {
   }
 }
 
-TEST(Expiry, OfOneLocalIdentityLeavesThePeersThatAnotherOneDealsWith) {
-  Ending ending;
-  auto& pairing = ending.pairing;
-  Participant steady(pairing.second_engine, make_identity(test_ca(), "CN=steady,O=Example"), 3);
-  const auto shared = steady.discover(pairing.a);
-  ASSERT_TRUE(shared);
-  EXPECT_EQ(shared->handle, ending.alice_at_bob());
-  ending.advance(10s);
-  EXPECT_EQ(pairing.second_engine->expire(), std::vector{pairing.b.handle});
-}
-
 TEST(Expiry, TheCasEndCounts) {
   const auto ca = make_ca("CN=Short CA", {}, {kNow - 24h, kNow + 5s});
   Engine engine;

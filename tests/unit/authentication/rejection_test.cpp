@@ -467,27 +467,6 @@ TEST(RemoteIdentity, AnotherTokenIsRefusedOnlyAfterSomebodyAuthenticated) {
   EXPECT_NE(fresh->handle, two.high_at_low);
 }
 
-TEST(RemoteIdentity, IsOneHandleForAllLocalParticipants) {
-  Engine shared(1), far(2);
-  Participant first(shared, make_identity(test_ca(), "CN=first"), 1);
-  Participant second(shared, make_identity(test_ca(), "CN=second"), 2);
-  Participant peer(far, make_identity(test_ca(), "CN=peer", {}, kYear, 1), 3);
-  Two one(first, peer), other(second, peer);
-  const auto a = first.discover(peer), b = second.discover(peer);
-  ASSERT_OK(a);
-  ASSERT_OK(b);
-  EXPECT_EQ(a->handle, b->handle);
-  for (auto* two : {&one, &other}) {
-    const auto req = two->request();
-    ASSERT_OK(req);
-    const auto rep = two->reply(*req->message);
-    ASSERT_OK(rep);
-    const auto fin = two->at_low(req->handle, *rep->message);
-    ASSERT_OK(fin);
-    ASSERT_OK(two->at_high(rep->handle, *fin->message));
-  }
-}
-
 TEST(RemoteIdentity, OfAnotherCaIsRefused) {
   static const pki::Authority other_ca = make_ca("CN=Other CA");
   Pairing pairing(make_identity(test_ca(), "CN=alice"),

@@ -118,6 +118,116 @@ TEST(Matching, TwoLocalParticipantsReadTheSameRemoteEachWithItsOwnMac) {
   EXPECT_TRUE(decode_message(two, encoded));
 }
 
+/// A second local participant at `b`, which has the remote under `identity`, and a reader of its
+/// own.
+struct SecondReader {
+  SecondReader(TwoSides& two, IdentityHandle identity) : two_(two) {
+    auto& b = two.b;
+    auto& a = two.a;
+    const auto attributes = endpoint_attributes(kEncrypt, kEncrypt);
+    participant = b.factory()
+                      .register_local_participant({5}, {}, {}, participant_attributes(kEncrypt))
+                      .value();
+    remote = b.factory()
+                 .register_matched_remote_participant(participant, identity, {}, shared_secret(9))
+                 .value();
+    at_a = a.factory()
+               .register_matched_remote_participant(a.participant, {8}, {}, shared_secret(9))
+               .value();
+    of_participant =
+        a.exchange().create_local_participant_crypto_tokens(a.participant, at_a).value();
+    b.exchange().set_remote_participant_crypto_tokens(participant, remote, of_participant).value();
+    ends.writer = a.factory().register_local_datawriter(a.participant, {}, attributes).value();
+    ends.reader = b.factory().register_local_datareader(participant, {}, attributes).value();
+    ends.remote_reader =
+        a.factory()
+            .register_matched_remote_datareader(ends.writer, at_a, shared_secret(9), false)
+            .value();
+    ends.remote_writer =
+        b.factory()
+            .register_matched_remote_datawriter(ends.reader, remote, shared_secret(9))
+            .value();
+    const auto tokens =
+        a.exchange().create_local_datawriter_crypto_tokens(ends.writer, ends.remote_reader).value();
+    b.exchange()
+        .set_remote_datawriter_crypto_tokens(ends.reader, ends.remote_writer, tokens)
+        .value();
+  }
+  bool reads() {
+    const auto message = encode_message(two_, rtps_message({data_submessage(16)})).value();
+    Bytes out(message.size());
+    return two_.b.transform().decode_rtps_message(participant, remote, message, out) &&
+           decode_submessage(two_, ends,
+                             encode_submessage(two_, ends, data_submessage(8)).value()) &&
+           decode_payload(two_, ends, encode_payload(two_, ends, Bytes(8)).value());
+  }
+
+  ParticipantCryptoHandle participant, remote, at_a;
+  std::vector<spi::Token> of_participant;
+  WriterToReader ends;
+
+ private:
+  TwoSides& two_;
+};
+
+/// Whether the first local participant reads what is for it.
+bool first_reads(TwoSides& two, const WriterToReader& e) {
+  return decode_message(two, encode_message(two, rtps_message({data_submessage(16)})).value()) &&
+         decode_submessage(two, e, encode_submessage(two, e, data_submessage(8)).value()) &&
+         decode_payload(two, e, encode_payload(two, e, Bytes(8)).value());
+}
+
+// 7 is the remote to the first local participant: one identity for both, or one for each pair.
+TEST(TwoLocals, OfOneRemoteHaveKeysOfTheirOwn) {
+  for (const IdentityHandle identity : {IdentityHandle{7}, IdentityHandle{17}}) {
+    TwoSides two(kEncrypt);
+    const auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
+    SecondReader second(two, identity);
+    EXPECT_EQ(second.remote == two.b.remote, identity == IdentityHandle{7});
+    EXPECT_TRUE(first_reads(two, e) && second.reads());
+    // Neither reads as the other, nor takes the other's tokens.
+    const auto& ends = second.ends;
+    const auto encoded = encode_payload(two, ends, Bytes(8)).value();
+    Bytes out(encoded.size());
+    EXPECT_EQ(code_of(two.b.transform().decode_serialized_payload(e.reader, ends.remote_writer,
+                                                                  encoded, out)),
+              Code::crypto_not_matched);
+    EXPECT_EQ(code_of(decode_payload(two, e, encoded)), Code::transform_key_id_mismatch);
+    const auto tokens =
+        two.a.exchange().create_local_datawriter_crypto_tokens(ends.writer, ends.remote_reader);
+    EXPECT_EQ(code_of(two.b.exchange().set_remote_datawriter_crypto_tokens(
+                  e.reader, ends.remote_writer, *tokens)),
+              Code::crypto_not_matched);
+    EXPECT_TRUE(first_reads(two, e) && second.reads());
+  }
+}
+
+TEST(TwoLocals, WhicheverGoesTheOtherReadsOn) {
+  for (const bool second_goes : {false, true})
+    for (const IdentityHandle identity : {IdentityHandle{7}, IdentityHandle{17}}) {
+      TwoSides two(kEncrypt);
+      const auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
+      SecondReader second(two, identity);
+      auto& factory = two.b.factory();
+      ASSERT_TRUE(
+          factory.unregister_participant(second_goes ? second.participant : two.b.participant));
+      EXPECT_EQ(first_reads(two, e), second_goes);
+      EXPECT_EQ(second.reads(), !second_goes);
+    }
+}
+
+TEST(TwoLocals, WithAnIdentityForEachPairGiveTheRemoteBackEachForItself) {
+  for (const bool second_gives : {false, true}) {
+    TwoSides two(kEncrypt);
+    const auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
+    SecondReader second(two, {17});
+    ASSERT_TRUE(
+        two.b.factory().unregister_participant(second_gives ? second.remote : two.b.remote));
+    EXPECT_EQ(first_reads(two, e), second_gives);
+    EXPECT_EQ(second.reads(), !second_gives);
+  }
+}
+
 TEST(Unregistering, AParticipantTakesItsOwnWithIt) {
   TwoSides two(kEncrypt);
   const auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));

@@ -24,7 +24,9 @@ struct Mortal : MockAuthentication {
   }
   Status return_identity_handle(spi::IdentityHandle) override { return {}; }
   std::optional<WallTime> next_expiry() override { return WallTime(); }
-  std::vector<spi::IdentityHandle> expire() override { return {{last_identity.load()}}; }
+  std::vector<spi::IdentityHandle> expire(spi::IdentityHandle) override {
+    return {{last_identity.load()}};
+  }
 };
 
 std::atomic<int> revocations = 0;

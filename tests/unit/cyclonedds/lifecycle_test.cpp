@@ -141,6 +141,113 @@ TEST(OurLife, EveryGovernance) {
     live(kAllOurs, kAllOurs, governance);
 }
 
+/// Two local participants of one domain and a remote one that talks to both. Cyclone's core has one
+/// identity and one cryptography handle for the remote, whichever of its own met it.
+struct TwoLocals {
+  explicit TwoLocals(int stock, const std::string& governance)
+      : domain(mix(stock)),
+        first(std::make_unique<Participant>(domain, kPki, "a", governance, 1)),
+        second(std::make_unique<Participant>(domain, kPki, "a", governance, 2)),
+        remote(far, kPki, "b", governance),
+        of_first(std::make_unique<Link>(*first, remote, "Square")),
+        of_second(std::make_unique<Link>(*second, remote, "Square")) {}
+
+  ~TwoLocals() {
+    if (of_first && of_second) keep_remote(*of_first);
+  }
+
+  static void talk(const Link& link, const Participant& from) {
+    send_payload(link, 64);
+    send_submessage(link, 128);
+    send_message(link, from, 256);
+  }
+  /// The core returns what it has of the remote once.
+  static void keep_remote(Link& link) {
+    link.a_of_b.identity = link.a_of_b.crypto = DDS_SECURITY_HANDLE_NIL;
+  }
+  /// As the core lets a participant of its own go.
+  static void leave(std::unique_ptr<Link>& link, std::unique_ptr<Participant>& local) {
+    keep_remote(*link);
+    link.reset();
+    local.reset();
+  }
+
+  Domain domain, far{mix(kAllOurs)};
+  std::unique_ptr<Participant> first, second;
+  Participant remote;
+  std::unique_ptr<Link> of_first, of_second;
+};
+
+class TwoLocalsLife : public testing::TestWithParam<int> {};
+/// Stock access control frees what its local participants share with the first that goes.
+class OneOfTwoLeaves : public TwoLocalsLife {};
+
+TEST_P(TwoLocalsLife, HaveOneRemoteForTheHostAndTwoOfEverythingBehindIt) {
+  TwoLocals two(GetParam(), "encrypt");
+  const auto& first = two.of_first->a_of_b;
+  const auto& second = two.of_second->a_of_b;
+  EXPECT_EQ(first.identity, second.identity);
+  EXPECT_EQ(first.crypto, second.crypto);
+  EXPECT_NE(first.secret, second.secret);
+  EXPECT_NE(first.handshake, second.handshake);
+  for (int i = 0; i < 2; ++i) {
+    TwoLocals::talk(*two.of_first, *two.first);
+    TwoLocals::talk(*two.of_second, *two.second);
+  }
+  // What the remote encrypted for the one, the other cannot read.
+  const auto encoded = two.of_first->sender.encode_payload(numbered(64));
+  EXPECT_TRUE(is_refused([&] { two.of_second->receiver.decode_payload(encoded); }));
+}
+
+TEST_P(OneOfTwoLeaves, AndTheOtherGoesOn) {
+  for (const bool second_leaves : {false, true}) {
+    TwoLocals two(GetParam(), "encrypt");
+    auto& leaving = second_leaves ? two.of_second : two.of_first;
+    auto& staying = second_leaves ? two.of_first : two.of_second;
+    auto& local = second_leaves ? two.first : two.second;
+    TwoLocals::leave(leaving, second_leaves ? two.second : two.first);
+    TwoLocals::talk(*staying, *local);
+    // It may authenticate again under the handle that the host has. (Stock authentication sends its
+    // old request again.)
+    if ((GetParam() & 1) == 0) {
+      Peer again, at_remote;
+      authenticate(*local, two.remote, again, at_remote);
+      EXPECT_EQ(again.identity, staying->a_of_b.identity);
+      TwoLocals::talk(*staying, *local);
+    }
+    // And a third one may come.
+    Participant third(two.domain, kPki, "a", "encrypt", 3);
+    Link of_third(third, two.remote, "Square");
+    EXPECT_EQ(of_third.a_of_b.identity, staying->a_of_b.identity);
+    TwoLocals::talk(of_third, third);
+    TwoLocals::keep_remote(of_third);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Mixes, TwoLocalsLife, testing::Values(kAllOurs, 1, 4, kAllStock),
+                         [](const auto& info) { return mix_name(info.param); });
+INSTANTIATE_TEST_SUITE_P(Mixes, OneOfTwoLeaves, testing::Values(kAllOurs, 1, 4),
+                         [](const auto& info) { return mix_name(info.param); });
+
+TEST(OurLife, TheRemoteIsReturnedOnceForAllAndIsThenUnknownToAll) {
+  TwoLocals two(kAllOurs, "encrypt");
+  auto& auth = two.domain.authentication();
+  const auto identity = two.of_first->a_of_b.identity;
+  TwoLocals::leave(two.of_first, two.first);
+  EXPECT_EQ(auth.return_identity_handle(&auth, identity, nullptr), 1);
+  EXPECT_EQ(auth.return_identity_handle(&auth, identity, nullptr), 0);
+  Token message;
+  DDS_Security_HandshakeHandle handshake = 0;
+  const auto data = view(two.second->data);
+  EXPECT_EQ(auth.begin_handshake_request(&auth, &handshake, &message, two.second->identity,
+                                         identity, &data, nullptr),
+            DDS_SECURITY_VALIDATION_FAILED);
+  Peer again, at_remote;
+  authenticate(*two.second, two.remote, again, at_remote);
+  EXPECT_NE(again.identity, identity);
+  two.of_second->a_of_b.identity = again.identity;
+}
+
 TEST(OurLife, TwoDomainsOfOneProcessAreSeparate) {
   Domain first(mix(kAllOurs));
   Participant a(first, kPki, "a", "encrypt");

@@ -35,7 +35,7 @@ class MockAuthentication : public spi::Authentication {
   MOCK_METHOD(Status, return_handshake_handle, (spi::HandshakeHandle), (override));
   MOCK_METHOD(Status, return_identity_handle, (spi::IdentityHandle), (override));
   MOCK_METHOD(std::optional<WallTime>, next_expiry, (), (override));
-  MOCK_METHOD(std::vector<spi::IdentityHandle>, expire, (), (override));
+  MOCK_METHOD(std::vector<spi::IdentityHandle>, expire, (spi::IdentityHandle), (override));
 };
 
 class MockAccessControl : public spi::AccessControl {
@@ -70,7 +70,7 @@ class MockAccessControl : public spi::AccessControl {
               (Handle, const spi::EndpointRequest&), (override));
   MOCK_METHOD(Status, return_permissions_handle, (Handle), (override));
   MOCK_METHOD(std::optional<WallTime>, next_expiry, (), (override));
-  MOCK_METHOD(std::vector<Handle>, expire, (), (override));
+  MOCK_METHOD(std::vector<Handle>, expire, (Handle), (override));
 };
 
 class MockCryptography : public spi::Cryptography,

@@ -188,14 +188,12 @@ struct Node {
         environment, {.host_revises_keys = true, .host_has_pre_shared_keys = true});
     cryptography = cryptography::make_cryptography(environment);
     if (wrap) cryptography = wrap(std::move(cryptography));
-    auto own = OwnSecurity::create({{*authentication, *access_control, *cryptography}, properties},
-                                   0, candidate(n));
-    EXPECT_TRUE(own) << own.error().to_sentence();
-    if (!own) return;
-    participant =
-        std::make_unique<Participant>(config(n, (*own)->guid().prefix, others), post, events);
-    const auto secured = participant->secure(std::move(*own));
-    EXPECT_TRUE(secured) << secured.error().to_sentence();
+    join(n, *this, properties, others);
+  }
+  /// With the engines, and so the clock, of another one, which lives longer.
+  Node(std::uint8_t n, const spi::PropertyList& properties, Node& host)
+      : port(7000u + n), random(n) {
+    join(n, host, properties, 3);
   }
   Participant* operator->() { return participant.get(); }
   bool knows(const Node& other) const {
@@ -212,6 +210,19 @@ struct Node {
   std::unique_ptr<spi::Cryptography> cryptography;
   Listener listener;
   std::unique_ptr<Participant> participant;
+
+ private:
+  void join(std::uint8_t n, Node& host, const spi::PropertyList& properties, int others) {
+    auto own = OwnSecurity::create(
+        {{*host.authentication, *host.access_control, *host.cryptography}, properties}, 0,
+        candidate(n));
+    EXPECT_TRUE(own) << own.error().to_sentence();
+    if (!own) return;
+    participant =
+        std::make_unique<Participant>(config(n, (*own)->guid().prefix, others), post, events);
+    const auto secured = participant->secure(std::move(*own));
+    EXPECT_TRUE(secured) << secured.error().to_sentence();
+  }
 };
 
 inline std::vector<Bytes> one(Bytes datagram) { return std::vector<Bytes>(1, std::move(datagram)); }

@@ -1,0 +1,87 @@
+#include "plugins/cyclonedds/remote_identities.hpp"
+
+#include <algorithm>
+
+#include "base/rollback.hpp"
+
+namespace ddssec::cyclonedds {
+
+using spi::IdentityHandle;
+
+IdentityHandle RemoteIdentities::note(IdentityHandle local, const Guid& guid, IdentityHandle pair) {
+  const std::lock_guard lock(mutex_);
+  const auto [named, is_new_pair] = guid_of_.try_emplace(pair, guid);
+  Rollback forget_pair([&] {
+    if (is_new_pair) guid_of_.erase(named);
+  });
+  const auto [remote, is_new] = remotes_.try_emplace(guid, Remote{pair});
+  Rollback forget_remote([&] {
+    if (is_new) remotes_.erase(remote);
+  });
+  remote->second.pairs[local] = pair;
+  forget_remote.release();
+  forget_pair.release();
+  return remote->second.of_host;
+}
+
+const RemoteIdentities::Remote* RemoteIdentities::find(IdentityHandle handle) const {
+  const auto guid = guid_of_.find(handle);
+  if (guid == guid_of_.end()) return nullptr;
+  const auto remote = remotes_.find(guid->second);
+  return remote == remotes_.end() ? nullptr : &remote->second;
+}
+
+IdentityHandle RemoteIdentities::pair(IdentityHandle local, IdentityHandle handle) const {
+  const std::lock_guard lock(mutex_);
+  const auto* const remote = find(handle);
+  if (remote == nullptr || remote->of_host != handle) return handle;
+  const auto known = remote->pairs.find(local);
+  return known == remote->pairs.end() ? handle : known->second;
+}
+
+std::vector<IdentityHandle> RemoteIdentities::take(IdentityHandle handle) {
+  const std::lock_guard lock(mutex_);
+  const auto* const remote = find(handle);
+  if (remote == nullptr || remote->of_host != handle) {
+    forget_local(handle);
+    return {handle};
+  }
+  std::vector<IdentityHandle> pairs;
+  for (const auto& [local, pair] : remote->pairs) pairs.push_back(pair);
+  remotes_.erase(guid_of_.at(handle));
+  guid_of_.erase(handle);
+  for (const auto pair : pairs) guid_of_.erase(pair);
+  return pairs;
+}
+
+void RemoteIdentities::forget_local(IdentityHandle local) {
+  ended_locals_.erase(local);
+  for (auto& [guid, remote] : remotes_) {
+    const auto pair = remote.pairs.extract(local);
+    if (pair && pair.mapped() != remote.of_host) guid_of_.erase(pair.mapped());
+  }
+}
+
+/// Does a local participant that did not end have the remote of this pair too?
+bool RemoteIdentities::stays(const Remote& remote, IdentityHandle pair) const {
+  const auto ended = [&](const auto& entry) { return ended_locals_.contains(entry.first); };
+  const auto own = std::ranges::find(remote.pairs, pair, [](auto& entry) { return entry.second; });
+  return own != remote.pairs.end() && ended(*own) && !std::ranges::all_of(remote.pairs, ended);
+}
+
+std::vector<IdentityHandle> RemoteIdentities::to_revoke(std::span<const IdentityHandle> ended) {
+  const std::lock_guard lock(mutex_);
+  for (const auto handle : ended)
+    if (find(handle) == nullptr) ended_locals_.insert(handle);
+  std::vector<IdentityHandle> out;
+  std::set<IdentityHandle> told;
+  for (const auto handle : ended) {
+    const auto* const remote = find(handle);
+    if (remote != nullptr && stays(*remote, handle)) continue;
+    const auto of_host = remote == nullptr ? handle : remote->of_host;
+    if (told.insert(of_host).second) out.push_back(of_host);
+  }
+  return out;
+}
+
+}  // namespace ddssec::cyclonedds

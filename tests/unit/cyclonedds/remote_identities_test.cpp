@@ -1,0 +1,82 @@
+#include "plugins/cyclonedds/remote_identities.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ddssec::cyclonedds {
+namespace {
+
+using spi::IdentityHandle;
+using Handles = std::vector<IdentityHandle>;
+
+constexpr IdentityHandle kFirst{1}, kSecond{2};
+
+Guid guid_of(std::uint8_t octet) {
+  Guid guid;
+  guid.prefix.octets.fill(octet);
+  return guid;
+}
+
+/// The remote that both local participants met: 11 for the first, 12 for the second.
+struct RemoteIdentitiesTest : testing::Test {
+  void SetUp() override {
+    ASSERT_EQ(remotes.note(kFirst, guid_of(7), {11}), IdentityHandle{11});
+    ASSERT_EQ(remotes.note(kSecond, guid_of(7), {12}), IdentityHandle{11});
+  }
+  RemoteIdentities remotes;
+};
+
+TEST_F(RemoteIdentitiesTest, AreOneToTheHostAndOneForEachPairToTheEngine) {
+  EXPECT_EQ(remotes.pair(kFirst, {11}), IdentityHandle{11});
+  EXPECT_EQ(remotes.pair(kSecond, {11}), IdentityHandle{12});
+  EXPECT_EQ(remotes.note(kFirst, guid_of(8), {13}), IdentityHandle{13});
+  EXPECT_EQ(remotes.note(kSecond, guid_of(7), {12}), IdentityHandle{11});  // seen again
+}
+
+TEST_F(RemoteIdentitiesTest, ThatNobodyGaveOutStayWhatTheyAre) {
+  EXPECT_EQ(remotes.pair(kFirst, {99}), IdentityHandle{99});
+  EXPECT_EQ(remotes.pair({3}, {11}), IdentityHandle{11}) << "the engine knows whose that is";
+  EXPECT_EQ(remotes.pair(kFirst, {12}), IdentityHandle{12}) << "never given to the host";
+  EXPECT_EQ(remotes.take({99}), Handles{{99}});
+}
+
+TEST_F(RemoteIdentitiesTest, AreReturnedToTheEngineForAllPairsAtOnce) {
+  EXPECT_EQ(remotes.take({11}), (Handles{{11}, {12}}));
+  EXPECT_EQ(remotes.take({11}), Handles{{11}}) << "unknown, for the engine to say";
+  EXPECT_EQ(remotes.pair(kSecond, {11}), IdentityHandle{11});
+  EXPECT_EQ(remotes.note(kSecond, guid_of(7), {14}), IdentityHandle{14});
+}
+
+TEST_F(RemoteIdentitiesTest, OutliveTheLocalOneThatMetThemFirst) {
+  EXPECT_EQ(remotes.take(kFirst), Handles{kFirst});
+  EXPECT_EQ(remotes.pair(kSecond, {11}), IdentityHandle{12});
+  EXPECT_EQ(remotes.note({3}, guid_of(7), {15}), IdentityHandle{11});
+  EXPECT_EQ(remotes.take(kSecond), Handles{kSecond});
+  EXPECT_EQ(remotes.take({3}), Handles{IdentityHandle{3}});
+  EXPECT_TRUE(remotes.take({11}).empty()) << "known to the host, with nothing behind it";
+  EXPECT_EQ(remotes.take({11}), Handles{{11}});
+}
+
+TEST_F(RemoteIdentitiesTest, ThatEndAreRevokedOnce) {
+  EXPECT_EQ(remotes.to_revoke(Handles{{11}, {12}}), Handles{{11}});
+  EXPECT_EQ(remotes.to_revoke(Handles{{12}}), Handles{{11}});
+  EXPECT_EQ(remotes.to_revoke({}), Handles{});
+}
+
+TEST_F(RemoteIdentitiesTest, StayForTheOtherWhenALocalOneEnds) {
+  EXPECT_EQ(remotes.to_revoke(Handles{kFirst, {11}}), Handles{kFirst});
+  // The host may not have taken the first one away yet.
+  EXPECT_EQ(remotes.to_revoke(Handles{kSecond, {12}}), (Handles{kSecond, {11}}));
+}
+
+TEST_F(RemoteIdentitiesTest, GoWhenAllTheLocalOnesEndTogether) {
+  EXPECT_EQ(remotes.to_revoke(Handles{kFirst, {11}, kSecond, {12}}),
+            (Handles{kFirst, {11}, kSecond}));
+}
+
+TEST_F(RemoteIdentitiesTest, GoWhenTheOtherLocalOneWasReturned) {
+  remotes.take(kFirst);
+  EXPECT_EQ(remotes.to_revoke(Handles{kSecond, {12}}), (Handles{kSecond, {11}}));
+}
+
+}  // namespace
+}  // namespace ddssec::cyclonedds
