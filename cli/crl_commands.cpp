@@ -178,7 +178,8 @@ std::vector<Command> crl_commands() {
            .run = crl_verify},
           {.group = "crl",
            .name = "distribute",
-           .summary = "Puts the CA's revocation list into participants' folders.",
+           .summary = "Puts the CA's revocation list into participants' folders; running ones "
+                      "look every 5 s.",
            .positionals = {{"DIRS", "the folders; without any, all that the CA's log knows", true,
                             true}},
            .options = {ca_option("the CA")},

@@ -242,8 +242,8 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
   report.result["folders"] = folders_in(log);
   report.text = fmt::format(
       "{}  revoked ({}); revocation list {} holds until {}\n"
-      "next: ddssec crl distribute --ca {}   (for {}; a participant that runs looks at it "
-      "at its next handshake)\n",
+      "next: ddssec crl distribute --ca {}   (for {}; an embedded participant, or Cyclone DDS with "
+      "our plugins, that runs looks at its list every 5 s, others read it when they start)\n",
       what.subject, counted(what.serials.size(), "certificate"), crl.number().value_or(0),
       date(*crl.next_update()), arguments.text("--ca"),
       counted(report.result["folders"].size(), "folder"));

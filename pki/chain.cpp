@@ -110,8 +110,8 @@ Status check_key_usage(const Certificate& certificate) {
 
 struct ChainVerifier::Impl {
   std::vector<Certificate> anchors;
+  std::vector<Crl> crls;
   StorePtr store;
-  bool check_crls = false;
   std::optional<WallTime> crls_from;   // the latest thisUpdate
   std::optional<WallTime> crls_until;  // the earliest nextUpdate
 
@@ -119,7 +119,8 @@ struct ChainVerifier::Impl {
   std::map<Sha256Digest, ChainValid> remembered;
   std::deque<Sha256Digest> order;  // oldest first
 
-  Status fill_store(const std::vector<Crl>& crls, CrlPolicy policy);
+  Status fill_store(CrlPolicy policy);
+  bool is_listed(const Certificate& certificate) const;
   Result<ChainValid> judge(const Certificate& certificate, WallTime now) const;
   Result<ChainValid> judge_path(const Certificate& certificate, WallTime now,
                                 unsigned long flags) const;
@@ -128,7 +129,7 @@ struct ChainVerifier::Impl {
   void remember(const ChainValid& proof);
 };
 
-Status ChainVerifier::Impl::fill_store(const std::vector<Crl>& crls, CrlPolicy policy) {
+Status ChainVerifier::Impl::fill_store(CrlPolicy policy) {
   store.reset(X509_STORE_new());
   if (!store) return openssl_failure(Code::internal);
   for (const auto& anchor : anchors) {
@@ -145,11 +146,18 @@ Status ChainVerifier::Impl::fill_store(const std::vector<Crl>& crls, CrlPolicy p
     if (const auto next = crl.next_update())
       crls_until = std::min(crls_until.value_or(*next), *next);
   }
-  check_crls = !crls.empty();
   X509_STORE_set_verify_cb(store.get(), policy == CrlPolicy::hard_fail
                                             ? on_fault<CrlPolicy::hard_fail>
                                             : on_fault<CrlPolicy::soft_fail>);
   return {};
+}
+
+// An entry counts for whom it names and whoever issued the list: `verify` knows better.
+bool ChainVerifier::Impl::is_listed(const Certificate& certificate) const {
+  return std::ranges::any_of(crls, [&](const Crl& crl) {
+    X509_REVOKED* entry = nullptr;
+    return X509_CRL_get0_by_cert(crl.impl().crl.get(), &entry, certificate.impl().x509.get()) != 0;
+  });
 }
 
 ChainValid ChainVerifier::Impl::prove(const Certificate& certificate,
@@ -179,7 +187,7 @@ Result<ChainValid> ChainVerifier::Impl::judge_path(const Certificate& certificat
       X509_STORE_CTX_init(context.get(), store.get(), certificate.impl().x509.get(), nullptr) != 1)
     return openssl_failure(Code::internal);
   auto* parameters = X509_STORE_CTX_get0_param(context.get());
-  if (check_crls)
+  if (!crls.empty())
     flags |= X509_V_FLAG_CRL_CHECK | X509_V_FLAG_CRL_CHECK_ALL | X509_V_FLAG_USE_DELTAS;
   X509_VERIFY_PARAM_set_flags(parameters, flags);
   // Not by system_clock, whose nanoseconds end in 2262.
@@ -233,7 +241,8 @@ Result<ChainVerifier> ChainVerifier::make(std::vector<Certificate> anchors, std:
                                           CrlPolicy policy) {
   auto impl = std::make_unique<Impl>();
   impl->anchors = std::move(anchors);
-  DDSSEC_TRY(impl->fill_store(crls, policy));
+  impl->crls = std::move(crls);
+  DDSSEC_TRY(impl->fill_store(policy));
   return ChainVerifier(std::move(impl));
 }
 
@@ -242,6 +251,11 @@ Result<ChainValid> ChainVerifier::verify(const Certificate& certificate, WallTim
   auto proof = DDSSEC_TRY(impl_->judge(certificate, now));
   impl_->remember(proof);
   return proof;
+}
+
+bool ChainVerifier::may_be_revoked(const Certificate& certificate) const {
+  return impl_->is_listed(certificate) ||
+         std::ranges::any_of(anchors(), [&](const auto& ca) { return impl_->is_listed(ca); });
 }
 
 const std::vector<Certificate>& ChainVerifier::anchors() const { return impl_->anchors; }

@@ -62,6 +62,10 @@ class ChainVerifier {
   /// digest_too_weak, chain_refused (anything else, with OpenSSL's reason).
   Result<ChainValid> verify(const Certificate& certificate, WallTime now) const;
 
+  /// False: no configured list names it or one of the CAs, so `verify` does not say
+  /// certificate_revoked. Costs a look-up in each list.
+  bool may_be_revoked(const Certificate& certificate) const;
+
   const std::vector<Certificate>& anchors() const;
 
   ~ChainVerifier();

@@ -78,6 +78,24 @@ Result<std::vector<Crl>> from_pem(BytesView octets) {
   }
 }
 
+Asn1IntegerPtr number_of(const X509_CRL* crl) {
+  return Asn1IntegerPtr(
+      static_cast<ASN1_INTEGER*>(X509_CRL_get_ext_d2i(crl, NID_crl_number, nullptr, nullptr)));
+}
+
+// The octets of an extension; nullptr without it.
+const ASN1_OCTET_STRING* extension(const X509_CRL* crl, int nid) {
+  const int at = X509_CRL_get_ext_by_NID(crl, nid, -1);
+  return at < 0 ? nullptr : X509_EXTENSION_get_data(X509_CRL_get_ext(crl, at));
+}
+
+bool have_same_scope(const X509_CRL* a, const X509_CRL* b) {
+  const auto* of_a = extension(a, NID_issuing_distribution_point);
+  const auto* of_b = extension(b, NID_issuing_distribution_point);
+  if (X509_NAME_cmp(X509_CRL_get_issuer(a), X509_CRL_get_issuer(b)) != 0) return false;
+  return of_a == nullptr || of_b == nullptr ? of_a == of_b : ASN1_OCTET_STRING_cmp(of_a, of_b) == 0;
+}
+
 }  // namespace
 
 std::string_view to_string(RevocationReason reason) {
@@ -105,8 +123,7 @@ WallTime Crl::this_update() const { return impl_->this_update; }
 std::optional<WallTime> Crl::next_update() const { return impl_->next_update; }
 
 std::optional<std::uint64_t> Crl::number() const {
-  const Asn1IntegerPtr number(static_cast<ASN1_INTEGER*>(
-      X509_CRL_get_ext_d2i(impl_->crl.get(), NID_crl_number, nullptr, nullptr)));
+  const auto number = number_of(impl_->crl.get());
   std::uint64_t out = 0;
   const bool fits = number && ASN1_INTEGER_get_uint64(&out, number.get()) == 1;
   ERR_clear_error();
@@ -121,12 +138,30 @@ Result<std::vector<Revocation>> Crl::revoked() const {
   return out;
 }
 
+bool Crl::supersedes(const Crl& former) const {
+  const auto* mine = impl_->crl.get();
+  const auto* other = former.impl_->crl.get();
+  const auto is_delta = [](const X509_CRL* crl) {
+    return extension(crl, NID_delta_crl) != nullptr;
+  };
+  if (!have_same_scope(mine, other) || (is_delta(mine) && !is_delta(other))) return false;
+  const auto number = number_of(mine), former_number = number_of(other);
+  ERR_clear_error();
+  if (former_number && (!number || ASN1_INTEGER_cmp(number.get(), former_number.get()) < 0))
+    return false;
+  return this_update() >= former.this_update();
+}
+
+bool Crl::is_named_after(const Certificate& ca) const {
+  return X509_NAME_cmp(X509_CRL_get_issuer(impl_->crl.get()),
+                       X509_get_subject_name(ca.impl().x509.get())) == 0;
+}
+
 Status Crl::check(const Certificate& issuer, WallTime now) const {
   X509* x509 = issuer.impl().x509.get();
   const ErrorDetails details{.expected = "a list signed by " + issuer.subject(),
                              .found = "a list of " + impl_->issuer};
-  if (X509_NAME_cmp(X509_CRL_get_issuer(impl_->crl.get()), X509_get_subject_name(x509)) != 0 ||
-      (X509_get_key_usage(x509) & KU_CRL_SIGN) == 0 ||
+  if (!is_named_after(issuer) || (X509_get_key_usage(x509) & KU_CRL_SIGN) == 0 ||
       X509_CRL_verify(impl_->crl.get(), X509_get0_pubkey(x509)) != 1)
     return openssl_failure(Code::crl_signature_invalid, details);
   if (now < impl_->this_update)

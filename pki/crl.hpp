@@ -65,6 +65,14 @@ class Crl {
   /// PEM text.
   std::string pem() const;
 
+  /// True if this list may take the place of `former`: of the same issuer, about the same
+  /// certificates, complete if that one is, and neither its number nor its thisUpdate is lower
+  /// (RFC 5280 5.2.3 to 5.2.5). Says nothing of who signed it.
+  bool supersedes(const Crl& former) const;
+
+  /// True if it bears the name of `ca`, which then is to be asked whether it signed it.
+  bool is_named_after(const Certificate& ca) const;
+
   /// Success if `issuer` signed the list, may do so, and the list is of this time.
   /// Errors: crl_signature_invalid, crl_not_yet_valid, crl_expired.
   Status check(const Certificate& issuer, WallTime now) const;

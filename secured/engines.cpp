@@ -31,7 +31,7 @@ Result<spi::PropertyList> folder_properties(const std::filesystem::path& path) {
     return std::filesystem::symlink_status(file, error).type() >
            std::filesystem::file_type::not_found;
   };
-  if (is_meant(folder.crl)) add(property::kCrl, folder.crl);
+  add(is_meant(folder.crl) ? property::kCrl : property::kLaterCrl, folder.crl);
   if (is_meant(folder.properties))
     std::ranges::move(DDSSEC_TRY(spi::read_property_file(folder.properties)),
                       std::back_inserter(out));

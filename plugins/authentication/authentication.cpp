@@ -9,6 +9,7 @@
 #include "plugins/authentication/identity_table.hpp"
 #include "plugins/authentication/identity_token.hpp"
 #include "plugins/authentication/participant_data.hpp"
+#include "plugins/authentication/revocation.hpp"
 #include "plugins/spi/property_names.hpp"
 
 namespace ddssec::authentication {
@@ -173,24 +174,34 @@ Status PkiDh::return_identity_handle(IdentityHandle identity) {
 
 std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
   const auto now = environment_.clock.now();
+  const auto revocations = find_revocations(table_, local, stores_, environment_);
   const auto all = table_.ended_by(now, local);
   // Without the memory to tell, none is marked: the next call finds them again.
   std::vector<IdentityHandle> handles;
   std::set<IdentityHandle> told;
-  const auto tell = [&](IdentityHandle handle) {
+  const auto tell_one = [&](IdentityHandle handle) {
     if (told.insert(handle).second) handles.push_back(handle);
   };
+  const auto tell = [&](IdentityHandle handle) {
+    tell_one(handle);
+    std::ranges::for_each(table_.peers_of(handle), tell_one);
+  };
   std::vector<Event> events;
+  for (const auto& revoked : revocations.identities) {
+    tell(revoked.handle);
+    events.emplace_back(revoked.reason, revoked.peer.subject, revoked.peer.guid);
+  }
   for (const auto& ended : all) {
     tell(ended.handle);
-    std::ranges::for_each(table_.peers_of(ended.handle), tell);
     events.emplace_back(Error(Code::identity_ended, {.document = ended.whose,
                                                      .field = "notAfter",
                                                      .expected = to_string(ended.end),
                                                      .found = to_string(now)}),
                         ended.peer.subject, ended.peer.guid);
   }
+  table_.mark_revoked(revocations.identities);
   table_.mark_ended(all);
+  for (const auto& judgement : revocations.judgements) judgement.note_applied();
   for (const auto& event : events) environment_.events.raise(event);
   return handles;
 }

@@ -89,8 +89,8 @@ Result<HandshakeOutcome> on(const AwaitReply& state, const HandshakeReply& reply
                  .found = std::string(algorithm_text(credentials.key_agreement_algorithm))});
   auto transcript = DDSSEC_TRY(reply.verify(state.transcript));
   DDSSEC_TRY(check_announced(context, reply.challenge2, kChallenge2));
-  auto peer = DDSSEC_TRY(
-      JudgedPeer::judge(credentials, context.remote_guid, context.local.peer_trust(), context.now));
+  auto peer = DDSSEC_TRY(JudgedPeer::judge(credentials, context.remote_guid,
+                                           *context.local.peer_trust(), context.now));
   const auto peer_key = DDSSEC_TRY(pki::PeerPublicKey::parse(state.key.kind(), reply.dh2));
   auto proof =
       DDSSEC_TRY(pki::verify(peer.certificate(), transcript.reply_input(), reply.signature));
@@ -120,7 +120,7 @@ Result<HandshakeOutcome> on(const AwaitFinal& state, const HandshakeFinal& final
                             const HandshakeContext& context) {
   DDSSEC_TRY(final.verify(state.transcript));
   // Its certificate may have ended since the request.
-  DDSSEC_TRY(context.local.peer_trust().verify(state.peer.certificate(), context.now));
+  DDSSEC_TRY(context.local.peer_trust()->verify(state.peer.certificate(), context.now));
   auto proof = DDSSEC_TRY(
       pki::verify(state.peer.certificate(), state.transcript.final_input(), final.signature));
   auto secret = DDSSEC_TRY(shared_secret(state.key, state.peer_key, state.transcript, state.peer));
@@ -192,7 +192,7 @@ Result<HandshakeOutcome> start_reply(const HandshakeContext& context, const spi:
   auto transcript = DDSSEC_TRY(request.verify());
   DDSSEC_TRY(check_announced(context, request.challenge1, kChallenge1));
   auto peer = DDSSEC_TRY(JudgedPeer::judge(request.credentials, context.remote_guid,
-                                           context.local.peer_trust(), context.now));
+                                           *context.local.peer_trust(), context.now));
   const auto kind = request.credentials.key_agreement;
   auto peer_key = DDSSEC_TRY(pki::PeerPublicKey::parse(kind, request.dh1));
   auto key = DDSSEC_TRY(pki::EphemeralKey::generate(kind));

@@ -16,6 +16,7 @@ Result<const typename Map::mapped_type*> find_live(const Map& map, spi::Identity
   const auto found = map.find(handle.value);
   if (found == map.end()) return fail(Code::unknown_identity);
   const auto& identity = found->second;
+  if (identity.revoked) return std::unexpected(*identity.revoked);
   if (identity.has_ended)
     return fail(Code::identity_ended, {.field = "notAfter",
                                        .found = to_string(identity.ends.value_or(WallTime())),
@@ -153,7 +154,7 @@ void IdentityTable::note_authenticated(spi::IdentityHandle handle, const pki::Ch
   if (found == remotes_.end()) return;
   auto subject = chain.certificate().subject();
   set_end(handle.value, found->second, chain.not_after(), chain.first_to_expire());
-  found->second.authenticated = true;
+  found->second.authenticated = chain.certificate();
   found->second.claim.subject = std::move(subject);
 }
 
@@ -217,6 +218,48 @@ void IdentityTable::mark_ended(std::span<const Ended> ended) {
   for (const auto& one : ended) {
     ends_.erase({one.end, one.handle.value});
     if (Common* identity = find(one.handle.value)) identity->has_ended = true;
+  }
+}
+
+std::vector<IdentityTable::OurOwn> IdentityTable::locals(spi::IdentityHandle one) const {
+  const std::shared_lock lock(mutex_);
+  std::vector<OurOwn> locals;
+  for (const auto& [handle, local] : locals_)
+    if (!local.has_ended && (!one || one.value == handle))
+      locals.push_back({{handle}, local.identity});
+  return locals;
+}
+
+std::vector<std::shared_ptr<Pair>> IdentityTable::pairs_of(spi::IdentityHandle handle) const {
+  const std::shared_lock lock(mutex_);
+  std::vector<std::shared_ptr<Pair>> pairs;
+  const auto local = locals_.find(handle.value);
+  if (local == locals_.end()) return pairs;
+  for (const auto& [guid, remote] : local->second.remotes)
+    pairs.push_back(remotes_.at(remote).pair);
+  return pairs;
+}
+
+std::vector<IdentityTable::Authenticated> IdentityTable::authenticated_with(
+    spi::IdentityHandle handle) const {
+  const std::shared_lock lock(mutex_);
+  std::vector<Authenticated> peers;
+  const auto local = locals_.find(handle.value);
+  if (local == locals_.end()) return peers;
+  for (const auto& [guid, value] : local->second.remotes)
+    if (const auto& remote = remotes_.at(value); remote.authenticated && !remote.has_ended)
+      peers.push_back({{value}, {remote.claim.subject, guid.to_string()}, *remote.authenticated});
+  return peers;
+}
+
+void IdentityTable::mark_revoked(std::span<const Revoked> revoked) {
+  const std::unique_lock lock(mutex_);
+  for (const auto& one : revoked) {
+    Common* identity = find(one.handle.value);
+    if (identity == nullptr) continue;
+    drop_end(one.handle.value, *identity);
+    identity->has_ended = true;
+    identity->revoked = one.reason;
   }
 }
 

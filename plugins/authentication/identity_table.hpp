@@ -98,6 +98,29 @@ class IdentityTable {
   /// From now on they are refused. Needs no memory.
   void mark_ended(std::span<const Ended> ended);
 
+  struct OurOwn {
+    spi::IdentityHandle handle;
+    std::shared_ptr<LocalIdentity> identity;
+  };
+  /// One local identity or (nil) all, as far as they have not ended.
+  std::vector<OurOwn> locals(spi::IdentityHandle local) const;
+  std::vector<std::shared_ptr<Pair>> pairs_of(spi::IdentityHandle local) const;
+  struct Authenticated {
+    spi::IdentityHandle handle;
+    PeerName name;
+    pki::Certificate certificate;
+  };
+  /// The remote identities of a local one that authenticated and have not ended.
+  std::vector<Authenticated> authenticated_with(spi::IdentityHandle local) const;
+
+  struct Revoked {
+    spi::IdentityHandle handle;
+    PeerName peer;  ///< subject empty for a local identity
+    Error reason;
+  };
+  /// From now on they are refused, with their reason. Needs no memory.
+  void mark_revoked(std::span<const Revoked> revoked);
+
   /// The remote identities of a local one that did not end; none for a remote one.
   std::vector<spi::IdentityHandle> peers_of(spi::IdentityHandle local) const;
 
@@ -108,6 +131,7 @@ class IdentityTable {
     std::optional<WallTime> ends = {};
     std::string first_to_end = {};
     bool has_ended = false;
+    std::optional<Error> revoked = {};  ///< why it ended, if not by time
   };
   struct Local : Common {
     std::shared_ptr<LocalIdentity> identity;
@@ -115,7 +139,7 @@ class IdentityTable {
   };
   struct Remote : Common {
     RemoteClaim claim;
-    bool authenticated = false;
+    std::optional<pki::Certificate> authenticated = {};  ///< by which it did
     std::shared_ptr<Pair> pair;
   };
   using Remotes = std::unordered_map<std::int64_t, Remote>;

@@ -64,18 +64,6 @@ Result<pki::PrivateKey> load_key(const spi::PropertyList& properties) {
   return in(pki::PrivateKey::from_pem(pem, &passphrase), kName);
 }
 
-Result<std::vector<pki::Crl>> load_crls(const spi::PropertyList& properties) {
-  constexpr auto kName = property::kCrl;
-  const auto uri = value_of(properties, kName);
-  if (uri.empty()) return std::vector<pki::Crl>();
-  const Bytes octets = DDSSEC_TRY(pki::load(uri, kName, pki::kMostDocumentOctets));
-  auto lists = DDSSEC_TRY(in(pki::Crl::all_from(octets), kName));
-  // A file that lists nobody because it is no list must not look like "nobody is revoked".
-  if (lists.empty())
-    return fail(Code::crl_file_empty, {.document = std::string(kName), .found = std::string(uri)});
-  return lists;
-}
-
 /// Certificate authorities among the readable PEM files of a folder, the others passed over.
 Result<std::vector<pki::Certificate>> load_folder(std::string_view folder) {
   constexpr auto kName = property::kTrustedCaDir;
@@ -106,22 +94,22 @@ Result<std::vector<pki::Certificate>> load_folder(std::string_view folder) {
 }
 
 Result<std::shared_ptr<const TrustStore>> load_own_trust(const spi::PropertyList& properties,
+                                                         const RevocationLists& lists,
                                                          TrustStores& stores) {
   constexpr auto kName = property::kIdentityCa;
   auto anchors = DDSSEC_TRY(load_bundle(value_of(properties, kName), kName));
-  auto crls = DDSSEC_TRY(load_crls(properties));
-  return in(stores.open(std::move(anchors), std::move(crls)), kName);
+  return in(stores.open(std::move(anchors), lists.in_force()), kName);
 }
 
 /// The trusted_ca_dir, if one is named; our own CA must be in it, else we would believe peers that
 /// do not believe us.
 Result<std::shared_ptr<const TrustStore>> load_peer_trust(
-    const spi::PropertyList& properties, const std::shared_ptr<const TrustStore>& own,
-    TrustStores& stores) {
+    const spi::PropertyList& properties, const RevocationLists& lists,
+    const std::shared_ptr<const TrustStore>& own, TrustStores& stores) {
   constexpr auto kName = property::kTrustedCaDir;
   const auto folder = value_of(properties, kName);
   if (folder.empty()) return own;
-  if (!value_of(properties, property::kCrl).empty())
+  if (!lists.in_force().empty())
     return fail(Code::trusted_ca_dir_with_crl, {.document = std::string(kName)});
   auto anchors = DDSSEC_TRY(load_folder(folder));
   for (const auto& ca : own->anchors())
@@ -140,13 +128,15 @@ Status check_belongs(const pki::PrivateKey& key, const pki::Certificate& certifi
 
 Result<IdentityFiles> IdentityFiles::load(const spi::PropertyList& properties, TrustStores& stores,
                                           WallTime now) {
-  auto own = DDSSEC_TRY(load_own_trust(properties, stores));
-  auto peers = DDSSEC_TRY(load_peer_trust(properties, own, stores));
+  auto lists = DDSSEC_TRY(RevocationLists::load(properties));
+  auto own = DDSSEC_TRY(load_own_trust(properties, lists, stores));
+  auto peers = DDSSEC_TRY(load_peer_trust(properties, lists, own, stores));
   auto certificate = DDSSEC_TRY(load_certificate(properties));
   auto key = DDSSEC_TRY(load_key(properties));
   DDSSEC_TRY(check_belongs(key, certificate));
   DDSSEC_TRY(in(own->verify(certificate, now), property::kIdentityCertificate));
-  return IdentityFiles{std::move(certificate), std::move(key), std::move(own), std::move(peers)};
+  return IdentityFiles{std::move(certificate), std::move(key), std::move(lists), std::move(own),
+                       std::move(peers)};
 }
 
 LocalIdentity::LocalIdentity(IdentityFiles files, const Guid& candidate)
@@ -155,7 +145,8 @@ LocalIdentity::LocalIdentity(IdentityFiles files, const Guid& candidate)
       permissions_(std::make_shared<const Bytes>(1)) {}
 
 spi::Token LocalIdentity::identity_token(spi::CipherMask ciphers) const {
-  const auto& anchors = files_.own_trust->anchors();
+  const auto trust = own_trust();
+  const auto& anchors = trust->anchors();
   const auto issuer =
       std::ranges::find(anchors, files_.certificate.issuer(), &pki::Certificate::subject);
   return write_identity_token(files_.certificate,
@@ -163,7 +154,53 @@ spi::Token LocalIdentity::identity_token(spi::CipherMask ciphers) const {
 }
 
 Result<pki::ChainValid> LocalIdentity::verify(WallTime now) const {
-  return in(files_.own_trust->verify(files_.certificate, now), property::kIdentityCertificate);
+  return in(own_trust()->verify(files_.certificate, now), property::kIdentityCertificate);
+}
+
+std::shared_ptr<const TrustStore> LocalIdentity::own_trust() const {
+  const std::scoped_lock lock(mutex_);
+  return files_.own_trust;
+}
+
+std::shared_ptr<const TrustStore> LocalIdentity::peer_trust() const {
+  const std::scoped_lock lock(mutex_);
+  return files_.peer_trust;
+}
+
+std::string LocalIdentity::revocation_list_path() const {
+  const std::scoped_lock lock(renewal_mutex_);
+  return files_.revocation_lists.path();
+}
+
+Result<bool> LocalIdentity::renew_revocation_lists(TrustStores& stores, const Clock& clock) {
+  const std::scoped_lock lock(renewal_mutex_);
+  return files_.revocation_lists.look(clock.monotonic(), [&](const std::vector<pki::Crl>& lists) {
+    return adopt(lists, stores, clock.now());
+  });
+}
+
+/// A new store has no memory of whom the former one believed.
+Status LocalIdentity::adopt(const std::vector<pki::Crl>& lists, TrustStores& stores, WallTime now) {
+  const auto former = own_trust();
+  if (peer_trust() != former) return fail(Code::trusted_ca_dir_with_crl);
+  DDSSEC_TRY(check_renewal(lists, files_.revocation_lists.in_force(), former->anchors(), now));
+  auto renewed = DDSSEC_TRY(stores.open(former->anchors(), lists));
+  const auto own = renewed->verify(files_.certificate, now);
+  if (!own && own.error().code() != Code::certificate_revoked) return std::unexpected(own.error());
+  const std::scoped_lock lock(mutex_);
+  files_.own_trust = files_.peer_trust = std::move(renewed);
+  ++renewals_;
+  return {};
+}
+
+std::optional<std::uint64_t> LocalIdentity::unapplied_renewal() const {
+  const std::scoped_lock lock(mutex_);
+  return renewals_ > applied_renewals_ ? std::optional(renewals_) : std::nullopt;
+}
+
+void LocalIdentity::note_applied(std::uint64_t renewal) {
+  const std::scoped_lock lock(mutex_);
+  applied_renewals_ = std::max(applied_renewals_, renewal);
 }
 
 Status LocalIdentity::set_permissions(const spi::Token& credential) {

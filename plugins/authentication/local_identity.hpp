@@ -8,6 +8,7 @@
 #include "base/ids.hpp"
 #include "pki/private_key.hpp"
 #include "plugins/authentication/credentials.hpp"
+#include "plugins/authentication/revocation_lists.hpp"
 #include "plugins/authentication/trust_store.hpp"
 #include "plugins/spi/symmetric_cipher.hpp"
 #include "plugins/spi/token.hpp"
@@ -18,6 +19,7 @@ namespace ddssec::authentication {
 struct IdentityFiles {
   pki::Certificate certificate;
   pki::PrivateKey key;
+  RevocationLists revocation_lists;
   std::shared_ptr<const TrustStore> own_trust;   ///< identity_ca, with the revocation lists
   std::shared_ptr<const TrustStore> peer_trust;  ///< the same, or the trusted_ca_dir
 
@@ -30,7 +32,7 @@ struct IdentityFiles {
                                     WallTime now);
 };
 
-/// Thread-safe; immutable but for the permissions.
+/// Thread-safe; immutable but for the permissions and the revocation lists.
 class LocalIdentity {
  public:
   LocalIdentity(IdentityFiles files, const Guid& candidate);
@@ -38,11 +40,24 @@ class LocalIdentity {
   const Guid& guid() const { return guid_; }
   const pki::Certificate& certificate() const { return files_.certificate; }
   const pki::PrivateKey& key() const { return files_.key; }
-  const TrustStore& peer_trust() const { return *files_.peer_trust; }
+  /// Whom we believe now.
+  std::shared_ptr<const TrustStore> peer_trust() const;
   spi::Token identity_token(spi::CipherMask ciphers) const;
 
   /// Judges our own certificate again. Errors of ChainVerifier::verify.
   Result<pki::ChainValid> verify(WallTime now) const;
+
+  /// Puts newer revocation lists in force if their file holds any: from then on every check is
+  /// made by them. True: it did. Errors: those of RevocationLists::look and check_renewal,
+  /// trusted_ca_dir_with_crl, and those of ChainVerifier::verify if we could not believe ourselves
+  /// any longer, but for being revoked.
+  Result<bool> renew_revocation_lists(TrustStores& stores, const Clock& clock);
+  /// The path of their file, if there is one.
+  std::string revocation_list_path() const;
+
+  /// How often lists came into force, if nobody was judged by the last ones yet.
+  std::optional<std::uint64_t> unapplied_renewal() const;
+  void note_applied(std::uint64_t renewal);
 
   /// From a PermissionsCredentialToken. Errors: permissions_credential_wrong, token_field_length.
   Status set_permissions(const spi::Token& credential);
@@ -62,9 +77,15 @@ class LocalIdentity {
     Sha256Digest digest;
   };
 
-  IdentityFiles files_;
+  std::shared_ptr<const TrustStore> own_trust() const;
+  Status adopt(const std::vector<pki::Crl>& lists, TrustStores& stores, WallTime now);
+
+  IdentityFiles files_;  ///< the trust stores: guarded by mutex_
   Guid guid_;
+  mutable std::mutex renewal_mutex_;  ///< guards the revocation lists; before mutex_
   mutable std::mutex mutex_;
+  std::uint64_t renewals_ = 0;
+  std::uint64_t applied_renewals_ = 0;
   std::shared_ptr<const Bytes> permissions_;
   mutable std::optional<KnownHash> known_hash_;
 };

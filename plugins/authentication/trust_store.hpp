@@ -29,6 +29,11 @@ class TrustStore {
     return verifier_.verify(certificate, now);
   }
 
+  /// As ChainVerifier's.
+  bool may_be_revoked(const pki::Certificate& certificate) const {
+    return verifier_.may_be_revoked(certificate);
+  }
+
   /// Call after `verify` said yes: nothing unproven takes up room.
   void remember(BytesView pem, const pki::Certificate& certificate) const;
 

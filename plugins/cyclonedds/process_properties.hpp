@@ -1,5 +1,5 @@
-// What a participant's cryptography is told where the host tells it nothing: Cyclone's core passes
-// no participant properties to the cryptography plugin.
+// What a participant is told where the host tells it nothing: Cyclone's core passes no participant
+// properties to the cryptography plugin, and its configuration file knows only its own names.
 #pragma once
 
 #include "base/result.hpp"

@@ -26,9 +26,10 @@ enum class ValidationResult : std::uint8_t {
 /// the pair of a local and a remote one: handle, handshakes, shared secret, its end; nothing that
 /// happens to a pair touches another. Only judged documents are shared.
 ///
-/// Thread-safe. No call does I/O beyond reading the configured files in validate_local_identity,
-/// none waits, none calls back. Retransmission belongs to the host: it sends the same token again.
-/// A refused message changes nothing: an honest one still succeeds afterwards.
+/// Thread-safe. No call does I/O beyond reading the configured files in validate_local_identity and
+/// a revocation list that has changed in `expire`; none waits, none calls back. Retransmission
+/// belongs to the host: it sends the same token again. A refused message changes nothing: an honest
+/// one still succeeds afterwards.
 class Authentication {
  public:
   struct LocalIdentity {
@@ -89,8 +90,9 @@ class Authentication {
   /// remote ones: nobody has to return those any more.
   virtual Status return_identity_handle(IdentityHandle identity) = 0;
 
-  /// When the next certificate in use ends, if any; the host calls `expire` then (and after the
-  /// calendar was set): it raises the events and returns the identities to be revoked, each once. A
+  /// When the next certificate in use ends, if any; the host calls `expire` then, and once a second
+  /// in any case (somebody may set the calendar, or revoke a certificate): it raises the events and
+  /// returns the identities to be revoked, each once. A
   /// local identity is followed by all its remote ones: a host may keep the writers of a
   /// participant that it removed (Cyclone DDS does), and then nobody must be left to hear them.
   /// `local`: that identity and its remote ones only, for a host with no say over others that use

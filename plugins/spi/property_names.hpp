@@ -13,6 +13,8 @@ inline constexpr std::string_view kPassword = "dds.sec.auth.password";
 inline constexpr std::string_view kTrustedCaDir = "dds.sec.auth.trusted_ca_dir";
 /// Cyclone DDS's name; rmw_cyclonedds sets it too.
 inline constexpr std::string_view kCrl = "org.eclipse.cyclonedds.sec.auth.crl";
+/// Ours: a list that need not be there yet when the participant is made.
+inline constexpr std::string_view kLaterCrl = "org.ddssec.auth.later_crl";
 
 /// Ours: seconds between looks at the files that a running participant reads again when they were
 /// changed; 0: never.

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <functional>
 #include <map>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -104,7 +105,11 @@ inline Identity make_identity(const pki::Authority& ca, std::string subject, Key
 }
 
 struct Collector final : EventSink {
-  void raise(const Event& event) override { events.push_back(event); }
+  void raise(const Event& event) override {
+    const std::scoped_lock lock(mutex);
+    events.push_back(event);
+  }
+  std::mutex mutex;
   std::vector<Event> events;
 };
 

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include "plugins/cyclonedds/process_properties.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/unit/cyclonedds/support.hpp"
 
 namespace ddssec::cyclonedds {
@@ -66,6 +68,28 @@ TEST_F(AuthenticationAdapterTest, LocalIdentity) {
             DDS_SECURITY_VALIDATION_OK);
   EXPECT_EQ(handle, 55);
   EXPECT_EQ(guid_from(adjusted), guid_of(2));
+}
+
+// Cyclone's configuration file has no place for properties that are not its own.
+TEST_F(AuthenticationAdapterTest, TheFileOfTheProcessAddsWhatTheHostDoesNotName) {
+  const test::TemporaryFolder folder;
+  setenv(kPropertiesVariable, folder.write("file", "n = other\nm = w\n").c_str(), 1);
+  std::string name = "n", value = "v";
+  DDS_Security_Property_t property{name.data(), value.data(), 1};
+  DDS_Security_Qos qos{};
+  qos.property.value = {1, 1, &property};
+  EXPECT_CALL(engine,
+              validate_local_identity(7, spi::PropertyList{{"n", "v"}, {"m", "w", false}}, _))
+      .WillOnce(Return(spi::Authentication::LocalIdentity{{55}, guid_of(2)}));
+  DDS_Security_IdentityHandle handle = -1;
+  DDS_Security_GUID_t guid{};
+  EXPECT_EQ(c->validate_local_identity(c, &handle, &guid, 7, &qos, &guid, &refusal),
+            DDS_SECURITY_VALIDATION_OK);
+  setenv(kPropertiesVariable, (folder.path() + "/none").c_str(), 1);
+  EXPECT_EQ(c->validate_local_identity(c, &handle, &guid, 7, &qos, &guid, &refusal),
+            DDS_SECURITY_VALIDATION_FAILED);
+  EXPECT_EQ(refusal.reason(), Code::file_not_found);
+  unsetenv(kPropertiesVariable);
 }
 
 TEST_F(AuthenticationAdapterTest, AFailureIsFailedNilAndExplained) {

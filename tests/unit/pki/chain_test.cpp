@@ -223,6 +223,28 @@ TEST_F(Revocation, CasAreLookedUpWhereTheirIssuerHasAList) {
   EXPECT_CODE(make_verifier(anchors, {list(ca_, {})}).verify(leaf, kNow + 1s), crl_missing);
 }
 
+TEST(MayBeRevoked, SaysNoOnlyWhereNoListNamesItOrACa) {
+  const auto root = make_ca("CN=Root");
+  const auto sub = *root.subordinate("CN=Sub", {}, kYear, test_random());
+  const auto good = make_leaf(sub, "CN=good").certificate,
+             bad = make_leaf(sub, "CN=bad").certificate;
+  const auto verifier_with = [&](std::vector<Crl> lists) {
+    return make_verifier({root.certificate(), sub.certificate()}, std::move(lists));
+  };
+  const auto list = [](const Authority& ca, const std::vector<Certificate>& revoked) {
+    return *ca.make_crl({.revoked = revoked, .this_update = kNow, .next_update = kNow + 24h});
+  };
+  const auto none = verifier_with({});
+  EXPECT_FALSE(none.may_be_revoked(bad));
+  const auto of_sub = verifier_with({list(root, {}), list(sub, {bad})});
+  EXPECT_FALSE(of_sub.may_be_revoked(good));
+  EXPECT_TRUE(of_sub.may_be_revoked(bad));
+  // A CA's revocation concerns everybody.
+  const auto of_root = verifier_with({list(root, {sub.certificate()}), list(sub, {})});
+  EXPECT_TRUE(of_root.may_be_revoked(good));
+  EXPECT_CODE(of_root.verify(good, kNow), certificate_revoked);
+}
+
 TEST_F(Revocation, FilesHoldSeveralListsAmongOtherBlocks) {
   const auto sub = *ca_.subordinate("CN=Sub", {}, kYear, test_random());
   const auto text = ca_.certificate().pem() + list(ca_, {}).pem() + list(sub, {}).pem();

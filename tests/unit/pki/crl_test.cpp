@@ -140,5 +140,52 @@ TEST(Request, IsReadOnlyIfItsKeySignedIt) {
   }
 }
 
+// ---- one list in the place of another
+
+TEST(CrlSupersedes, ByNumberAndTime) {
+  const auto ca = make_ca();
+  const auto list = [&](std::uint64_t number, WallTime from) {
+    return make_crl(ca, {.this_update = from, .next_update = kNow + 24h, .number = number});
+  };
+  const auto held = list(7, kNow);
+  EXPECT_TRUE(list(8, kNow + 1s).supersedes(held));
+  EXPECT_TRUE(list(8, kNow).supersedes(held));
+  EXPECT_TRUE(list(7, kNow).supersedes(held));
+  EXPECT_FALSE(list(6, kNow + 1s).supersedes(held));
+  EXPECT_FALSE(list(8, kNow - 1s).supersedes(held));
+  // As numbers, whatever their lengths.
+  EXPECT_TRUE(list(0x1'0000'0000, kNow).supersedes(list(0xff, kNow)));
+  EXPECT_FALSE(list(0xff, kNow).supersedes(list(0x100, kNow)));
+}
+
+TEST(CrlSupersedes, OnlyOfTheSameIssuer) {
+  EXPECT_TRUE(make_crl(make_ca(), kMonth).is_named_after(make_ca().certificate()));
+  EXPECT_FALSE(make_crl(make_ca(), kMonth).is_named_after(make_ca("CN=Other").certificate()));
+  const auto held = make_crl(make_ca(), kMonth);
+  auto later = kMonth;
+  later.number = 8;
+  EXPECT_FALSE(make_crl(make_ca("CN=Other"), later).supersedes(held));
+}
+
+Crl pkits(const std::string& name) {
+  return Crl::all_from(data_file("nist-pkits/crls/" + name + ".crl"))->front();
+}
+
+TEST(CrlSupersedes, ADifferenceDoesNotTakeThePlaceOfAWholeList) {
+  const auto whole = pkits("deltaCRLCA1CRL"), difference = pkits("deltaCRLCA1deltaCRL");
+  EXPECT_TRUE(whole.supersedes(whole));
+  EXPECT_TRUE(difference.supersedes(difference));
+  EXPECT_FALSE(difference.supersedes(whole));
+}
+
+TEST(CrlSupersedes, OnlyAboutTheSameCertificates) {
+  const auto some = pkits("onlySomeReasonsCA1compromiseCRL");
+  const auto others = pkits("onlySomeReasonsCA1otherreasonsCRL");
+  ASSERT_EQ(some.issuer(), others.issuer());
+  EXPECT_TRUE(some.supersedes(some));
+  EXPECT_FALSE(some.supersedes(others));
+  EXPECT_FALSE(others.supersedes(some));
+}
+
 }  // namespace
 }  // namespace ddssec::pki

@@ -39,7 +39,7 @@ TEST(FolderProperties, NameTheFilesOfEitherLayout) {
   const Folder folder;
   auto properties = folder_properties(folder.path);
   ASSERT_TRUE(properties);
-  EXPECT_EQ(properties->size(), 6u);
+  EXPECT_EQ(properties->size(), 7u);
   EXPECT_THAT(value_of(*properties, spi::property::kIdentityCa), EndsWith("/identity_ca.pem"));
   EXPECT_THAT(value_of(*properties, spi::property::kPrivateKey), EndsWith("/key.pem"));
   folder.put("identity_ca.cert.pem");
@@ -53,6 +53,17 @@ TEST(FolderProperties, AListOfRevokedCertificatesCountsEvenAsABrokenLink) {
   fs::create_symlink("nowhere", folder.path / "crl.pem");
   const auto properties = folder_properties(folder.path);
   EXPECT_THAT(value_of(*properties, spi::property::kCrl), EndsWith("/crl.pem"));
+}
+
+TEST(FolderProperties, AListOfRevokedCertificatesMayComeLater) {
+  const Folder folder;
+  const auto before = folder_properties(folder.path);
+  EXPECT_EQ(value_of(*before, spi::property::kCrl), "");
+  EXPECT_THAT(value_of(*before, spi::property::kLaterCrl), EndsWith("/crl.pem"));
+  folder.put("crl.pem");
+  const auto after = folder_properties(folder.path);
+  EXPECT_THAT(value_of(*after, spi::property::kCrl), EndsWith("/crl.pem"));
+  EXPECT_EQ(value_of(*after, spi::property::kLaterCrl), "");
 }
 
 TEST(FolderProperties, FurtherOnesComeFromAFile) {

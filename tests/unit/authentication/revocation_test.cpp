@@ -1,0 +1,443 @@
+// Revocation lists that come while identities are in use.
+#include <thread>
+
+#include "tests/support/temporary_folder.hpp"
+#include "tests/unit/authentication/fixture.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+namespace property = spi::property;
+
+const Identity& alice() {
+  static const auto identity = make_identity(test_ca(), "CN=alice,O=Example");
+  return identity;
+}
+const Identity& bob() {
+  static const auto identity = make_identity(test_ca(), "CN=bob,O=Example", {}, kYear, 1);
+  return identity;
+}
+
+struct List {
+  std::uint64_t number = 1;
+  std::vector<pki::Certificate> revoked = {};
+  WallTime from = kNow - 1h;
+  WallTime until = kYear.not_after;
+};
+std::string pem(const List& list, const pki::Authority& ca = test_ca()) {
+  return ca
+      .make_crl({.revoked = list.revoked,
+                 .this_update = list.from,
+                 .next_update = list.until,
+                 .number = list.number})
+      .value()
+      .pem();
+}
+
+Identity with_list(Identity identity, const std::string& uri,
+                   std::string_view name = property::kCrl) {
+  set(identity.properties, name, uri);
+  return identity;
+}
+
+/// Alice has a file with a list; Bob has none.
+class Running : public testing::Test {
+ protected:
+  explicit Running(const std::string& first = pem({}))
+      : path_(folder_.write("crl.pem", first)),
+        pairing_(with_list(alice(), "file:" + path_), bob()) {}
+
+  /// Alice looks at her list as often as a host would in a quarter of a minute.
+  std::vector<IdentityHandle> wait() {
+    std::vector<IdentityHandle> ended;
+    for (int i = 0; i < 3; ++i) {
+      engine().clock.advance(5s);
+      for (const auto handle : engine()->expire()) ended.push_back(handle);
+    }
+    return ended;
+  }
+  std::vector<IdentityHandle> put(std::string_view text) {
+    folder_.replace("crl.pem", text);
+    return wait();
+  }
+  /// Once more the handshake of the two, from the first message to the end or the first refusal.
+  Status handshake() {
+    auto& two = pairing_.two;
+    DDSSEC_TRY(two.low.discover(two.high));
+    DDSSEC_TRY(two.high.discover(two.low));
+    const auto request = DDSSEC_TRY(two.request());
+    const auto reply = DDSSEC_TRY(two.reply(*request.message));
+    const auto final = DDSSEC_TRY(two.at_low(request.handle, *reply.message));
+    DDSSEC_TRY(two.at_high(reply.handle, *final.message));
+    return {};
+  }
+  Engine& engine() { return pairing_.first_engine; }
+  const std::vector<Event>& events() { return engine().events.events; }
+  std::vector<Code> codes() {
+    std::vector<Code> out;
+    for (const auto& event : events()) out.push_back(event.error.code());
+    return out;
+  }
+  IdentityHandle& bob_at_alice() {
+    return &pairing_.two.low == &pairing_.a ? pairing_.two.high_at_low : pairing_.two.low_at_high;
+  }
+  /// The host gave the handle back, and Bob is discovered again.
+  void rediscover_bob() {
+    ASSERT_OK(engine()->return_identity_handle(bob_at_alice()));
+    const auto again = pairing_.a.discover(pairing_.b);
+    ASSERT_OK(again);
+    bob_at_alice() = again->handle;
+  }
+
+  const test::TemporaryFolder folder_;
+  const std::string path_;
+  Pairing pairing_;
+};
+
+TEST_F(Running, ARevokedPeerIsEndedAndDoesNotComeBack) {
+  pairing_.expect_success();
+  EXPECT_TRUE(wait().empty());
+  EXPECT_EQ(put(pem({2, {bob().certificate}})), std::vector{bob_at_alice()});
+  ASSERT_EQ(codes(), (std::vector{Code::crl_renewed, Code::certificate_revoked}));
+  const auto& event = events()[1];
+  EXPECT_EQ(event.peer_subject, "CN=bob,O=Example");
+  EXPECT_EQ(event.guid, pairing_.b.guid.to_string());
+  EXPECT_EQ(event.error.details().document, path_);
+  EXPECT_EQ(event.error.details().field, "CN=bob,O=Example");
+  EXPECT_NE(event.error.to_sentence().find(bob().certificate.serial()), std::string::npos);
+
+  EXPECT_TRUE(wait().empty()) << "ended twice";
+  EXPECT_CODE(pairing_.a.discover(pairing_.b), certificate_revoked);
+  rediscover_bob();
+  EXPECT_CODE(handshake(), certificate_revoked);
+}
+
+TEST_F(Running, WhoeverIsNotOnTheListStays) {
+  pairing_.expect_success();
+  EXPECT_TRUE(put(pem({2, {alice().certificate, bob().certificate}}, make_ca("CN=X"))).empty());
+  EXPECT_TRUE(put(pem({3, {make_identity(test_ca(), "CN=carol").certificate}})).empty());
+  EXPECT_TRUE(handshake());
+}
+
+// What was judged before is not believed for having been judged.
+TEST_F(Running, AHandshakeUnderWayIsJudgedByTheNewList) {
+  auto& two = pairing_.two;
+  const auto request = two.request();
+  ASSERT_OK(request);
+  const auto reply = two.reply(*request->message);
+  ASSERT_OK(reply);
+  EXPECT_TRUE(put(pem({2, {bob().certificate}})).empty());
+  const auto final = two.at_low(request->handle, *reply->message);
+  if (&two.low == &pairing_.a) {
+    EXPECT_CODE(final, certificate_revoked);
+  } else {
+    ASSERT_OK(final);
+    EXPECT_CODE(two.at_high(reply->handle, *final->message), certificate_revoked);
+  }
+}
+
+TEST_F(Running, OurOwnRevocationEndsUsAndOurPeers) {
+  pairing_.expect_success();
+  EXPECT_EQ(put(pem({2, {alice().certificate}})), (std::vector{pairing_.a.handle, bob_at_alice()}));
+  EXPECT_EQ(events().back().error.code(), Code::certificate_revoked);
+  EXPECT_EQ(events().back().peer_subject, "");
+  EXPECT_EQ(events().back().guid, pairing_.a.guid.to_string());
+  EXPECT_CODE(pairing_.a.discover(pairing_.b), certificate_revoked);
+  EXPECT_CODE(engine()->identity_token(pairing_.a.handle), certificate_revoked);
+  EXPECT_TRUE(wait().empty());
+}
+
+// Each goes by its own list, and each is told by itself.
+TEST_F(Running, TwoOfOneEngineGoByTheirOwnLists) {
+  Participant second(engine(), make_identity(test_ca(), "CN=second"), 7);
+  Two other(second, pairing_.b);
+  pairing_.expect_success();
+  const auto request = other.request();
+  const auto reply = other.reply(*request->message);
+  const auto final = other.at_low(request->handle, *reply->message);
+  ASSERT_OK(other.at_high(reply->handle, *final->message));
+  folder_.replace("crl.pem", pem({2, {bob().certificate}}));
+  engine().clock.advance(5s);
+  EXPECT_TRUE(engine()->expire(second.handle).empty());
+  EXPECT_EQ(engine()->expire(pairing_.a.handle), std::vector{bob_at_alice()});
+  EXPECT_TRUE(wait().empty());
+  EXPECT_TRUE(second.discover(pairing_.b));
+}
+
+// ---- files that loosen nothing
+
+class Refused : public Running {
+ protected:
+  Refused() : Running(pem({5, {bob().certificate}})) {}
+  /// Said once, however often it is looked at; Bob stays out.
+  void expect_refused(std::string_view text, Code code) {
+    put(text);
+    expect_refused(code);
+  }
+  void expect_refused(Code code) {
+    wait();
+    ASSERT_EQ(codes(), std::vector{code}) << events().size();
+    EXPECT_EQ(events()[0].error.details().document, path_);
+    EXPECT_NE(events()[0].error.details().note.find("stay in force"), std::string::npos);
+    EXPECT_EQ(events()[0].guid, pairing_.a.guid.to_string());
+    EXPECT_CODE(handshake(), certificate_revoked);
+    engine().events.events.clear();
+  }
+};
+
+TEST_F(Refused, LowerNumbersAndEarlierTimes) {
+  expect_refused(pem({4}), Code::crl_older);
+  expect_refused(pem({6, {}, kNow - 2h}), Code::crl_older);
+  expect_refused(pem({5, {}, kNow - 2h}), Code::crl_older);
+}
+
+TEST_F(Refused, ForgedOnes) {
+  const auto twin = make_ca();
+  expect_refused(pem({6}, twin), Code::crl_signature_invalid);
+  expect_refused(pem({6}) + pem({7}, twin), Code::crl_signature_invalid);
+  expect_refused(pem({6}, make_ca("CN=Other CA")), Code::crl_missing);
+}
+
+TEST_F(Refused, OutOfTheirTime) {
+  expect_refused(pem({6, {}, kNow - 30min, kNow - 1s}), Code::crl_expired);
+  expect_refused(pem({6, {}, kNow + 1h}), Code::crl_not_yet_valid);
+}
+
+// Its time comes without anybody touching the file.
+TEST_F(Refused, AListOfTheFutureIsTakenWhenItsTimeHasCome) {
+  expect_refused(pem({6, {}, kNow + 1h}), Code::crl_not_yet_valid);
+  engine().clock.advance(1h);
+  wait();
+  EXPECT_EQ(codes(), std::vector{Code::crl_renewed});
+  EXPECT_TRUE(handshake());
+}
+
+TEST_F(Refused, WhatIsNoList) {
+  expect_refused("", Code::item_empty);
+  expect_refused("nothing", Code::crl_file_empty);
+  expect_refused(test_ca().certificate().pem(), Code::crl_file_empty);
+  expect_refused("-----BEGIN X509 CRL-----\nAAAA\n-----END X509 CRL-----\n", Code::crl_malformed);
+  std::filesystem::remove(path_);
+  wait();
+  expect_refused(Code::file_not_found);
+  std::filesystem::create_directory(path_);
+  wait();
+  expect_refused(Code::file_unreadable);
+}
+
+TEST_F(Refused, CutOffAnywhere) {
+  const auto whole = pem({6});
+  for (std::size_t size = 0; size < whole.size() - 2; ++size) {
+    folder_.replace("crl.pem", whole.substr(0, size));
+    EXPECT_TRUE(wait().empty());
+    EXPECT_EQ(std::ranges::count(codes(), Code::crl_renewed), 0) << size;
+    engine().events.events.clear();
+  }
+  EXPECT_CODE(handshake(), certificate_revoked);
+  engine().events.events.clear();
+  put(whole);
+  EXPECT_EQ(codes(), std::vector{Code::crl_renewed});
+}
+
+TEST_F(Refused, AnyBitChanged) {
+  const auto whole = pem({6});
+  for (std::size_t at = 0; at < whole.size(); at += 7) {
+    auto changed = whole;
+    changed[at] = static_cast<char>(changed[at] ^ 2);
+    put(changed);
+    EXPECT_EQ(std::ranges::count(codes(), Code::crl_renewed), 0) << at;
+    engine().events.events.clear();
+  }
+  EXPECT_CODE(handshake(), certificate_revoked);
+}
+
+// Half of the file at one look, all of it at the next: nobody hears of the half.
+TEST_F(Running, AFileThatIsJustBeingWrittenIsNoReasonToComplain) {
+  const auto whole = pem({2, {bob().certificate}});
+  pairing_.expect_success();
+  wait();
+  folder_.write("crl.pem", whole.substr(0, whole.size() / 2));
+  engine().clock.advance(5s);
+  EXPECT_TRUE(engine()->expire().empty());
+  folder_.write("crl.pem", whole);
+  engine().clock.advance(5s);
+  EXPECT_EQ(engine()->expire(), std::vector{bob_at_alice()});
+  EXPECT_EQ(codes(), (std::vector{Code::crl_renewed, Code::certificate_revoked}));
+}
+
+// ---- authorities
+
+struct Authorities {
+  pki::Authority root = make_ca("CN=Root");
+  pki::Authority sub = root.subordinate("CN=Sub", {}, kYear, test_random()).value();
+  std::string bundle = "data:," + root.certificate().pem() + sub.certificate().pem();
+  Identity of(const pki::Authority& ca, const std::string& name, int key) const {
+    auto identity = make_identity(ca, name, {}, kYear, key);
+    set(identity.properties, property::kIdentityCa, bundle);
+    return identity;
+  }
+};
+
+TEST(RevokedAuthority, EndsWhoeverItIssued) {
+  const Authorities cas;
+  const test::TemporaryFolder folder;
+  const auto path = folder.write("crl.pem", pem({}, cas.root) + pem({}, cas.sub));
+  Pairing pairing(with_list(cas.of(cas.root, "CN=alice", 0), "file:" + path),
+                  cas.of(cas.sub, "CN=bob", 1));
+  pairing.expect_success();
+  auto& engine = pairing.first_engine;
+  const auto look = [&] {
+    engine.clock.advance(5s);
+    return engine->expire();
+  };
+  folder.replace("crl.pem", pem({2, {cas.sub.certificate()}}, cas.root) + pem({}, cas.sub));
+  EXPECT_EQ(look().size(), 1u);
+  ASSERT_EQ(engine.events.events.size(), 2u);
+  const auto& event = engine.events.events[1];
+  EXPECT_EQ(event.error.code(), Code::certificate_revoked);
+  EXPECT_EQ(event.error.details().field, "CN=Sub");
+  EXPECT_EQ(event.peer_subject, "CN=bob");
+}
+
+// Who takes a list away would hide a revocation.
+TEST(RevokedAuthority, TheListOfEachMustStay) {
+  const Authorities cas;
+  const test::TemporaryFolder folder;
+  const auto path = folder.write("crl.pem", pem({}, cas.root) + pem({}, cas.sub));
+  Engine engine;
+  Participant alice(engine, with_list(cas.of(cas.root, "CN=alice", 0), "file:" + path));
+  folder.replace("crl.pem", pem({2}, cas.root));
+  for (int i = 0; i < 3; ++i) {
+    engine.clock.advance(5s);
+    EXPECT_TRUE(engine->expire().empty());
+  }
+  ASSERT_EQ(engine.events.events.size(), 1u);
+  EXPECT_EQ(engine.events.events[0].error.code(), Code::crl_missing);
+}
+
+// ---- properties
+
+struct Watcher {
+  Watcher(const test::TemporaryFolder& folder, std::string_view name, const std::string& interval)
+      : identity(with_list(alice(), "file:" + folder.path() + "/crl.pem", name)) {
+    set(identity.properties, property::kFilesPollInterval, interval);
+  }
+  /// How long after alice's list came she ended, if she did within a minute.
+  std::optional<std::chrono::seconds> ends_after(const test::TemporaryFolder& folder) {
+    Participant us(engine, identity);
+    for (int i = 0; i < 30; ++i) look();
+    folder.replace("crl.pem", pem({9, {alice().certificate}}));
+    for (int i = 1; i < 60; ++i)
+      if (look()) return std::chrono::seconds(i);
+    return std::nullopt;
+  }
+  bool look() {
+    engine.clock.advance(1s);
+    return !engine->expire().empty();
+  }
+  Identity identity;
+  Engine engine;
+};
+
+TEST(PollInterval, SaysHowOftenToLook) {
+  const test::TemporaryFolder folder;
+  const auto ends_after = [&](const std::string& interval) {
+    folder.replace("crl.pem", pem({}));
+    return Watcher(folder, property::kCrl, interval).ends_after(folder);
+  };
+  EXPECT_LE(ends_after("5").value(), 5s);
+  EXPECT_EQ(ends_after("1").value(), 1s);
+  EXPECT_LE(ends_after("20").value(), 20s);
+  EXPECT_GT(ends_after("20").value(), 1s);
+  EXPECT_FALSE(ends_after("0"));
+}
+
+TEST(PollInterval, MustBeANumberOfSeconds) {
+  auto identity = alice();
+  set(identity.properties, property::kFilesPollInterval, "5s");
+  Engine engine;
+  const auto result = engine->validate_local_identity(0, identity.properties, candidate(1));
+  EXPECT_CODE(result, invalid_property);
+}
+
+TEST(LaterCrl, IsTakenWhenItComes) {
+  const test::TemporaryFolder folder;
+  Watcher watcher(folder, property::kLaterCrl, "1");
+  EXPECT_EQ(watcher.ends_after(folder), 1s);
+  EXPECT_EQ(watcher.engine.events.events.front().error.code(), Code::crl_renewed);
+}
+
+TEST(LaterCrl, ThatIsThereAlreadyCounts) {
+  const test::TemporaryFolder folder;
+  folder.write("crl.pem", pem({1, {alice().certificate}}));
+  const Watcher watcher(folder, property::kLaterCrl, "1");
+  Engine engine;
+  const auto create = [&] {
+    return engine->validate_local_identity(0, watcher.identity.properties, candidate(1));
+  };
+  EXPECT_CODE(create(), certificate_revoked);
+  folder.replace("crl.pem", "nothing");
+  EXPECT_CODE(create(), crl_file_empty);
+}
+
+TEST(LaterCrl, GoesWithNoFolderOfAuthorities) {
+  const test::TemporaryFolder folder, cas;
+  cas.write("ca.pem", test_ca().certificate().pem());
+  cas.write("other.pem", make_ca("CN=Other").certificate().pem());
+  Watcher watcher(folder, property::kLaterCrl, "1");
+  set(watcher.identity.properties, property::kTrustedCaDir, cas.path());
+  EXPECT_FALSE(watcher.ends_after(folder));
+  EXPECT_EQ(watcher.engine.events.events.front().error.code(), Code::trusted_ca_dir_with_crl);
+}
+
+// ---- many
+
+TEST(ManyRevoked, EndAtOnce) {
+  constexpr int kPeers = 100;
+  const test::TemporaryFolder folder;
+  const auto path = folder.write("crl.pem", pem({}));
+  Engine ours(1), theirs(2);
+  Participant us(ours, with_list(alice(), "file:" + path));
+  List list{2};
+  for (int i = 0; i < kPeers; ++i) {
+    const auto identity = make_identity(test_ca(), "CN=peer" + std::to_string(i), {}, kYear, 1);
+    if (i % 2 == 0) list.revoked.push_back(identity.certificate);
+    Participant peer(theirs, identity, static_cast<std::uint8_t>(i + 2));
+    Two two(us, peer);
+    const auto request = two.request();
+    const auto reply = two.reply(*request->message);
+    const auto final = two.at_low(request->handle, *reply->message);
+    ASSERT_OK(two.at_high(reply->handle, *final->message));
+  }
+  folder.replace("crl.pem", pem(list));
+  ours.clock.advance(5s);
+  EXPECT_EQ(ours->expire().size(), kPeers / 2u);
+}
+
+// Lists come in while other threads shake hands: whoever is revoked at the end is out.
+TEST(ManyRevoked, WhileOthersShakeHands) {
+  const test::TemporaryFolder folder;
+  const auto path = folder.write("crl.pem", pem({}));
+  for (int round = 0; round < 20; ++round) {
+    folder.replace("crl.pem", pem({}));
+    auto first = with_list(alice(), "file:" + path);
+    set(first.properties, property::kFilesPollInterval, "1");
+    Pairing pairing(first, bob());
+    auto& two = pairing.two;
+    folder.replace("crl.pem", pem({2, {bob().certificate}}));
+    bool is_in = false;
+    std::thread hands([&] {
+      const auto request = two.request();
+      const auto reply = two.reply(*request->message);
+      if (!reply) return;
+      const auto final = two.at_low(request->handle, *reply->message);
+      is_in = final && two.at_high(reply->handle, *final->message);
+    });
+    const auto ended = pairing.first_engine->expire();
+    hands.join();
+    EXPECT_TRUE(!is_in || !ended.empty());
+  }
+}
+
+}  // namespace
+}  // namespace ddssec::authentication
