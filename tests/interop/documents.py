@@ -10,6 +10,7 @@ DOMAIN = 7
 OTHER_DOMAIN = 8
 TOPIC = "Square"
 PASSWORD = "interop"
+COMPANION = "companion"
 
 
 def _boolean(value):
@@ -172,6 +173,14 @@ class Side:
             shared += ["--cipher", self.cipher]
         return shared + [part for name, path in documents.items()
                          for part in ("--" + name, self._value(path))]
+
+    def companion(self, pki, keys, samples):
+        """The peer's value of --companion: another participant of the process under this governance,
+        which leaves after so many samples."""
+        certificate = pki.leaf(COMPANION, keys.leaf, self._identity_ca(pki, keys, self.signed_by),
+                               until=_soon(self.identity_seconds))
+        permissions = self._signed_permissions(pki, keys, COMPANION, certificate)
+        return ",".join((certificate, pki.key(COMPANION, keys.leaf), permissions, str(samples)))
 
     def _value(self, path):
         if not self.data_uris:

@@ -19,9 +19,17 @@ static const char configuration[] =
     "<LeaseDuration>%us</LeaseDuration></Discovery>"
     "</Domain></CycloneDDS>";
 
+// A second participant of the process, which leaves before the first one does.
+struct companion {
+  dds_entity_t participant;  // 0: there is none, or it has left
+  dds_entity_t reader;
+  uint32_t samples, stays_for;
+};
+
 struct cyclone {
   dds_entity_t endpoint;  // the writer or the reader
   interop_Shape* loan;    // the sample handed out by take
+  struct companion companion;
 };
 
 static uint32_t matched_readers(void* self) {
@@ -58,8 +66,27 @@ static void return_loan(struct cyclone* cyclone) {
   cyclone->loan = NULL;
 }
 
+static void watch_companion(struct companion* companion) {
+  if (companion->participant == 0) return;
+  void* raw = NULL;
+  dds_sample_info_t info;
+  while (dds_take(companion->reader, &raw, &info, 1, 1) == 1) {
+    if (info.valid_data) {
+      peer_say("companion hears %d", ((const interop_Shape*)raw)->x);
+      ++companion->samples;
+    }
+    dds_return_loan(companion->reader, &raw, 1);
+    raw = NULL;
+  }
+  if (companion->samples < companion->stays_for) return;
+  dds_delete(companion->participant);
+  companion->participant = 0;
+  peer_say("companion left");
+}
+
 static bool take_sample(void* self, struct peer_sample* sample) {
   struct cyclone* cyclone = self;
+  watch_companion(&cyclone->companion);
   return_loan(cyclone);
   void* raw = NULL;
   dds_sample_info_t info;
@@ -111,14 +138,15 @@ static void set_security(dds_qos_t* qos, const struct peer_options* options) {
     dds_qset_prop(qos, "dds.sec.auth.password", security[PEER_PASSWORD]);
 }
 
+static dds_entity_t create_domain(const struct peer_options* options) {
+  if (getenv("CYCLONEDDS_URI") != NULL) return 0;
+  char text[1024];
+  snprintf(text, sizeof text, configuration, options->address, options->peer,
+           options->lease > 0 ? options->lease : 10);
+  return dds_create_domain(options->domain, text);
+}
+
 static dds_entity_t create_participant(const struct peer_options* options) {
-  if (getenv("CYCLONEDDS_URI") == NULL) {
-    char text[1024];
-    snprintf(text, sizeof text, configuration, options->address, options->peer,
-             options->lease > 0 ? options->lease : 10);
-    const dds_entity_t domain = dds_create_domain(options->domain, text);
-    if (domain < 0) return domain;
-  }
   dds_qos_t* qos = dds_create_qos();
   if (!options->plain) set_security(qos, options);
   for (size_t i = 0; i < options->properties; ++i)
@@ -158,16 +186,45 @@ static dds_entity_t create_endpoint(dds_entity_t group, dds_entity_t topic,
   return endpoint;
 }
 
-static int run(const struct peer_options* options) {
-  const dds_entity_t participant = create_participant(options);
-  if (participant < 0) return peer_refused("participant", dds_strretcode(-participant));
+// The endpoint of a participant that it makes too; peer_refused says what could not be made.
+static dds_entity_t join(const struct peer_options* options, dds_entity_t* participant) {
+  *participant = create_participant(options);
+  if (*participant < 0) return -peer_refused("participant", dds_strretcode(-*participant));
   const dds_entity_t topic =
-      dds_create_topic(participant, &interop_Shape_desc, options->topic, NULL, NULL);
-  if (topic < 0) return peer_refused("topic", dds_strretcode(-topic));
-  const dds_entity_t group = create_group(participant, options);
-  if (group < 0) return peer_refused("publisher or subscriber", dds_strretcode(-group));
-  struct cyclone cyclone = {.endpoint = create_endpoint(group, topic, options)};
-  if (cyclone.endpoint < 0) return peer_refused("endpoint", dds_strretcode(-cyclone.endpoint));
+      dds_create_topic(*participant, &interop_Shape_desc, options->topic, NULL, NULL);
+  if (topic < 0) return -peer_refused("topic", dds_strretcode(-topic));
+  const dds_entity_t group = create_group(*participant, options);
+  if (group < 0) return -peer_refused("publisher or subscriber", dds_strretcode(-group));
+  const dds_entity_t endpoint = create_endpoint(group, topic, options);
+  if (endpoint < 0) return -peer_refused("endpoint", dds_strretcode(-endpoint));
+  return endpoint;
+}
+
+static int join_companion(const struct peer_options* options, struct companion* companion) {
+  struct peer_options own = *options;
+  own.publish = false;
+  own.security[PEER_CRL] = NULL;
+  own.security[PEER_IDENTITY_CERTIFICATE] = strtok(options->companion, ",");
+  own.security[PEER_PRIVATE_KEY] = strtok(NULL, ",");
+  own.security[PEER_PERMISSIONS] = strtok(NULL, ",");
+  const char* const samples = strtok(NULL, ",");
+  if (samples == NULL) return peer_refused("companion", "not four words");
+  companion->stays_for = (uint32_t)strtoul(samples, NULL, 10);
+  companion->reader = join(&own, &companion->participant);
+  return companion->reader < 0 ? -companion->reader : 0;
+}
+
+static int run(const struct peer_options* options) {
+  const dds_entity_t domain = create_domain(options);
+  if (domain < 0) return peer_refused("domain", dds_strretcode(-domain));
+  struct cyclone cyclone = {0};
+  if (options->companion != NULL) {
+    const int refused = join_companion(options, &cyclone.companion);
+    if (refused != 0) return refused;
+  }
+  dds_entity_t participant;
+  cyclone.endpoint = join(options, &participant);
+  if (cyclone.endpoint < 0) return -cyclone.endpoint;
   const struct peer_stack stack = {&cyclone, options->publish ? matched_readers : matched_writers,
                                    write_sample, acknowledged, take_sample};
   const int status = peer_run(options, &stack);

@@ -56,6 +56,7 @@ static void usage(const char* program, int status) {
       "                 --permissions_ca F --governance F --permissions F\n"
       "                 [--password P] [--crl F] [--keysize 128|256] [--cipher NAME]\n"
       "       [--plugins auth=NAME,ac=NAME,crypto=NAME]   (Cyclone DDS only)\n"
+      "       [--companion CERTIFICATE,KEY,PERMISSIONS,SAMPLES]   (Cyclone DDS only)\n"
       "       [--property NAME=VALUE]...\n"
       "exit: 0 all samples seen or acknowledged, 2 usage, 3 refused, 4 no match, 5 no samples\n",
       program);
@@ -111,6 +112,7 @@ enum {
   OPT_ADDRESS,
   OPT_PEER,
   OPT_PLUGINS,
+  OPT_COMPANION,
   OPT_PROPERTY,
   OPT_HELP
 };
@@ -142,6 +144,7 @@ static const struct option table[] = {
     {"address", 1, NULL, OPT_ADDRESS},
     {"peer", 1, NULL, OPT_PEER},
     {"plugins", 1, NULL, OPT_PLUGINS},
+    {"companion", 1, NULL, OPT_COMPANION},
     {"property", 1, NULL, OPT_PROPERTY},
     {"help", 0, NULL, OPT_HELP},
     {NULL, 0, NULL, 0}};
@@ -201,6 +204,9 @@ static void apply(const char* program, int option, struct peer_options* options,
       break;
     case OPT_PLUGINS:
       plugin_names(program, optarg, options);
+      break;
+    case OPT_COMPANION:
+      options->companion = optarg;
       break;
     case OPT_PROPERTY:
       raw_property(program, optarg, options);

@@ -54,6 +54,9 @@ struct peer_options {
   const char* peer;     ///< address that is announced to by unicast
   const char* topic;
   const char* partition;  ///< NULL: the default partition
+  /// CERTIFICATE,KEY,PERMISSIONS,SAMPLES: a second participant of the process, which subscribes as
+  /// well, knows no CRL and is deleted after so many samples (Cyclone DDS only); NULL: none
+  char* companion;
   const char* plugin_auth;
   const char* plugin_ac;
   const char* plugin_crypto;
