@@ -1,6 +1,8 @@
 """Governance and permissions in the form both stock implementations read, and what one participant
 is given on its command line."""
 
+import os
+import uuid
 from dataclasses import dataclass, field, replace
 from datetime import datetime, timedelta, timezone
 
@@ -132,7 +134,8 @@ class Side:
     trusts: str = "main"                # identity CA file configured
     expired: bool = False
     foreign_key: bool = False           # the private key of another certificate
-    crl: str = ""                       # "peer" or "stranger": whom the configured CRL names
+    crl: str = ""                       # "peer" or "stranger": whom the configured CRL names;
+                                        # "later": a stranger, and the peer once data flows
     permissions_by: str = "main"        # signer: a permissions CA, or "leaf" for itself
     permissions_ca: str = "main"        # permissions CA file configured
     governance_by: str = ""             # signer, if not the configured permissions CA
@@ -164,7 +167,8 @@ class Side:
         }
         if self.crl:
             named = peer if self.crl == "peer" else "stranger"
-            documents["crl"] = pki.crl(issuer, pki.leaf(named, keys.leaf, issuer))
+            own = f"list-{uuid.uuid4()}" if self.crl == "later" else None
+            documents["crl"] = pki.crl(issuer, pki.leaf(named, keys.leaf, issuer), own)
         if self.password:
             shared += ["--password", PASSWORD]
         if self.keysize:
@@ -181,6 +185,12 @@ class Side:
                                until=_soon(self.identity_seconds))
         permissions = self._signed_permissions(pki, keys, COMPANION, certificate)
         return ",".join((certificate, pki.key(COMPANION, keys.leaf), permissions, str(samples)))
+
+    def revoke_peer(self, pki, keys, starts, path):
+        """Puts a CRL that names the peer in the place of the one configured."""
+        issuer = self._identity_ca(pki, keys, self.signed_by)
+        peer = pki.leaf(WAITER if starts else STARTER, keys.leaf, issuer)
+        os.replace(pki.crl(issuer, peer, f"list-{uuid.uuid4()}"), path)
 
     def _value(self, path):
         if not self.data_uris:

@@ -51,6 +51,7 @@ def _choose(cases):
               ("permissions-deny-publish", "embedded>embedded"),
               ("other-domain-remote-only", "embedded>stock"),
               ("publisher-on-crl", "fast>embedded"),
+              ("certificate-revoked-meanwhile", "fast>embedded"),
               ("both-everything-encrypt-oa", "embedded>embedded"),
               ("both-sros2", "embedded>ours"), ("by-environment", "ours>embedded"),
               ("peer-has-aes-only", "embedded>stock"), ("peer-has-aes-only", "fast>embedded")}

@@ -16,7 +16,7 @@ NEGATIVE_LIMIT = 3.0    # seconds after both were created until "nothing came" i
 CREATION_LIMIT = 12.0   # seconds until both must have been created or refused
 STOP_LIMIT = 4.0        # seconds from SIGTERM to SIGKILL
 SILENCE = 2.5           # seconds without a sample after which a flow (10 samples/s) is cut
-CUT_LIMIT = EXPIRY_SECONDS + 5.0  # seconds a flow may take to be cut, SILENCE not counted
+CUT_LIMIT = EXPIRY_SECONDS + 15.0  # seconds a flow may take to be cut, SILENCE not counted
 
 CRASHED, HUNG, SILENT = "crashed", "hung", "silent"
 CIPHER_VARIABLE = "DDSSEC_SYMMETRIC_CIPHER_ALGORITHM"
@@ -171,13 +171,15 @@ def start(programs, namespace, kind, arguments, log, variables=None):
 
 
 class _Watch:
-    """Follows both peers until the outcome is clear, then stops them."""
+    """Follows both peers until the outcome is clear, then stops them. `on_data` is called when the
+    first sample has come."""
 
-    def __init__(self, publisher, subscriber, case):
+    def __init__(self, publisher, subscriber, case, on_data=None):
         self.publisher, self.subscriber = publisher, subscriber
         self.both = (publisher, subscriber)
         self.wants_data = DATA in case.allowed
         self.expires = case.expires
+        self.on_data = on_data
         self.begin = time.monotonic()
 
     def deadline(self):
@@ -216,6 +218,9 @@ class _Watch:
                 for key, _ in selector.select(0.05):
                     if not key.data.read():
                         selector.unregister(key.fileobj)
+                if self.on_data and self.subscriber.last_sample:
+                    self.on_data()
+                    self.on_data = None
                 if self.publisher.said("acknowledged") and self.subscriber.said("received"):
                     self.subscriber.stop()  # ends its linger
 
@@ -285,6 +290,15 @@ def _gives_reason(case, peers):
     return False
 
 
+def _revocation(case, pki, subscribe):
+    """What revokes the publisher for the subscriber, if that is the case."""
+    side = case.sides[1]
+    if side.crl != "later":
+        return None
+    path = subscribe[subscribe.index("--crl") + 1]
+    return lambda: side.revoke_peer(pki, case.keys, not case.publisher_starts, path)
+
+
 def run(case, programs, pki, number):
     """Runs the case and returns its Outcome."""
     publisher_side, subscriber_side = case.sides
@@ -303,7 +317,7 @@ def run(case, programs, pki, number):
             peers.append(start(programs, namespace, kind, [role, *hold, *arguments], log,
                                _variables(side)))
         subscriber, publisher = peers
-        watch = _Watch(publisher, subscriber, case)
+        watch = _Watch(publisher, subscriber, case, _revocation(case, pki, subscribe))
         watch.follow()
         was_cut = watch.cut()
         watch.stop()

@@ -163,9 +163,10 @@ class Pki:
                 assert der_name(common_name) in ssl.PEM_cert_to_DER_cert(file.read())
         return self._once(path, make)
 
-    def crl(self, ca, revoked):
-        """A CRL of `ca` that names the certificate file `revoked` (a CA may have several CRLs)."""
-        path = self._path(f"{os.path.basename(revoked)}.crl")
+    def crl(self, ca, revoked, name=None):
+        """A CRL of `ca` that names the certificate file `revoked` (a CA may have several CRLs), in a
+        file of its own if it is given a name."""
+        path = self._path(f"{name or os.path.basename(revoked)}.crl")
 
         def make():
             configuration = f"{ca}/openssl.cnf"

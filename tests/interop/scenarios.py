@@ -192,6 +192,7 @@ class Row:
     known: tuple = ()
     keys: Keys = Keys()
     pairs: tuple = ()   # only these pairs of ours; empty: all that make sense
+    reason: str = ""    # as in Case
 
 
 def _pub(row_name, stock, ours, base=SROS2, quick=True, **fault):
@@ -314,6 +315,11 @@ def _expiry_rows():
     for what in ("identity", "permissions"):
         yield _pub(f"{what}-expires", (DATA, CUT, DATA, CUT), MUST_CUT, quick=False,
                    **{f"{what}_seconds": EXPIRY_SECONDS})
+    # The stock ones read their list once.
+    good = Side(SROS2)
+    yield Row("certificate-revoked-meanwhile", good, replace(good, crl="later"), ALL_DATA, MUST_CUT,
+              quick=False, pairs=(("ours", "ours"), ("stock", "ours"), ("fast", "ours")),
+              reason="certificate_revoked")
 
 
 STOCK_ORDER = [("fast", "fast"), ("fast", "stock"), ("stock", "fast"), ("stock", "stock")]
@@ -358,6 +364,7 @@ def _meaningful(row, pair):
 ALWAYS = {("self-signed-permissions", ("stock", "ours")),
           ("self-signed-permissions", ("fast", "ours")),
           ("self-signed-permissions", ("ours", "stock")),
+          ("certificate-revoked-meanwhile", ("stock", "ours")),
           ("identity-expires", ("stock", "ours")), ("permissions-expires", ("fast", "ours")),
           ("plain-publisher-not-allowed", ("stock", "ours")),
           ("plain-publisher-allowed-controlled-topic", ("stock", "ours"))}
@@ -376,7 +383,7 @@ def negative_cases():
                 chosen |= (row.name, pair) in ALWAYS
                 cases.append(Case(table, row.name, "", *pair, (row.publisher, row.subscriber),
                                   row.keys, starts, _allowed(row, pair), chosen, row.known,
-                                  table == "expiry"))
+                                  table == "expiry", row.reason if "ours" in pair else ""))
     return cases
 
 

@@ -13,6 +13,7 @@
 #include "plugins/cryptography/cryptography.hpp"
 #include "plugins/spi/property_names.hpp"
 #include "rtps/discovery/participant.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/unit/pki/fixture.hpp"
 
 namespace ddssec::rtps::testing {
@@ -150,6 +151,35 @@ inline spi::PropertyList properties_of(const std::string& subject, const Rules& 
       {std::string(property::kPermissions),
        sign(governance::to_xml(governance::Permissions{.grants = {grant}})), false}};
 }
+
+/// The CA's revocation list in a file that a participant may be made without, and whoever looks at
+/// it once a second.
+class RevocationFile {
+ public:
+  spi::PropertyList watched_by(spi::PropertyList properties) const {
+    namespace property = spi::property;
+    properties.push_back(
+        {std::string(property::kLaterCrl), "file:" + folder_.path() + "/crl.pem", false});
+    properties.push_back({std::string(property::kFilesPollInterval), "1", false});
+    return properties;
+  }
+  /// Puts the next list there.
+  void revoke(const spi::PropertyList& whose) {
+    const auto* uri = spi::find_property(whose, spi::property::kIdentityCertificate);
+    revoked_.push_back(
+        *pki::Certificate::from_pem(as_bytes(std::string_view(*uri).substr(data_uri("").size()))));
+    const pki::CrlTemplate content{.revoked = revoked_,
+                                   .this_update = pki::kNow,
+                                   .next_update = pki::kNow + 24h,
+                                   .number = ++number_};
+    folder_.replace("crl.pem", Authorities::shared().identity_ca.make_crl(content)->pem());
+  }
+
+ private:
+  const test::TemporaryFolder folder_;
+  std::vector<pki::Certificate> revoked_;
+  std::uint64_t number_ = 0;
+};
 
 /// A participant at port 7000 + n, with engines of its own if it is secured.
 struct Node {

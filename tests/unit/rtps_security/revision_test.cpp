@@ -43,9 +43,10 @@ spi::PropertyList member(const std::string& name, const Rules& rules, Short what
 struct Trio {
   explicit Trio(const Rules& rules, Short of_carol = Short::nothing)
       : rules(rules),
-        a(1, member("alice", rules), 4),
-        b(2, member("bob", rules), 4),
-        c(3, member("carol", rules, of_carol), 4, KeyThief::into(stolen)) {
+        carol(member("carol", rules, of_carol)),
+        a(1, list.watched_by(member("alice", rules)), 4),
+        b(2, list.watched_by(member("bob", rules)), 4),
+        c(3, carol, 4, KeyThief::into(stolen)) {
     world.nodes = {&a, &b, &c};
   }
 
@@ -85,6 +86,10 @@ struct Trio {
         },
         steps);
   }
+  void revoke_carol() {
+    list.revoke(carol);
+    for (auto* node : {&a, &b}) node->clock.advance(1s);
+  }
   void ignore(Node& whom) {
     for (auto* node : {&a, &b})
       if (node != &whom) (*node)->ignore_participant(whom->prefix());
@@ -92,6 +97,8 @@ struct Trio {
   std::string text() { return a.events.text() + b.events.text() + c.events.text(); }
 
   const Rules rules;
+  const spi::PropertyList carol;
+  RevocationFile list;
   KeyThief::Stolen stolen;
   Node a, b, c;
   World world;
@@ -170,6 +177,20 @@ TEST(KeyRevision, FollowsTheEndOfACertificate) {
   ASSERT_TRUE(trio.match()) << trio.text();
   for (auto* node : {&trio.a, &trio.b}) node->clock.advance(13h);
   EXPECT_TRUE(trio.revised(1)) << trio.text();
+}
+
+TEST(KeyRevision, FollowsARevocation) {
+  Trio trio(revising({.data = kEncrypt}));
+  ASSERT_TRUE(trio.match()) << trio.text();
+  Recorder recorder(trio.stolen);
+  record(trio, recorder);
+  trio.revoke_carol();
+  ASSERT_TRUE(trio.revised(1)) << trio.text();
+  recorder.forget();
+  trio.write();
+  EXPECT_TRUE(trio.bob_has_all());
+  EXPECT_GT(recorder.payloads.seen, 0);
+  EXPECT_EQ(recorder.payloads.opened, 0);
 }
 
 TEST(KeyRevision, FollowsTheApplicationsVerdict) {
@@ -361,6 +382,18 @@ TEST(KeyRevision, FollowsTheEndOfWhoHasLeft) {
   trio.world.run(200);
   EXPECT_FALSE(trio.a.events.has(Code::rtps_keys_revised)) << "nobody lost its trust";
   for (auto* node : {&trio.a, &trio.b}) node->clock.advance(13h);
+  EXPECT_TRUE(trio.revised(1)) << trio.text();
+}
+
+TEST(KeyRevision, FollowsTheRevocationOfWhoHasLeft) {
+  Trio trio(revising(everything(kEncrypt)));
+  ASSERT_TRUE(trio.match()) << trio.text();
+  trio.c->leave();
+  ASSERT_TRUE(trio.world.run_until([&] { return trio.a->remote_participants() == 1; }, 300));
+  trio.world.nodes = {&trio.a, &trio.b};
+  trio.world.run(200);
+  EXPECT_FALSE(trio.a.events.has(Code::rtps_keys_revised)) << "nobody lost its trust";
+  trio.revoke_carol();
   EXPECT_TRUE(trio.revised(1)) << trio.text();
 }
 
