@@ -172,6 +172,11 @@ std::string LocalIdentity::revocation_list_path() const {
   return files_.revocation_lists.path();
 }
 
+std::string LocalIdentity::revocation_lists() const {
+  const std::scoped_lock lock(renewal_mutex_);
+  return files_.revocation_lists.description();
+}
+
 Result<bool> LocalIdentity::renew_revocation_lists(TrustStores& stores, const Clock& clock) {
   const std::scoped_lock lock(renewal_mutex_);
   return files_.revocation_lists.look(clock.monotonic(), [&](const std::vector<pki::Crl>& lists) {

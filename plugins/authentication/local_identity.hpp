@@ -54,6 +54,8 @@ class LocalIdentity {
   Result<bool> renew_revocation_lists(TrustStores& stores, const Clock& clock);
   /// The path of their file, if there is one.
   std::string revocation_list_path() const;
+  /// Number and date of each, for a person.
+  std::string revocation_lists() const;
 
   /// How often lists came into force, if nobody was judged by the last ones yet.
   std::optional<std::uint64_t> unapplied_renewal() const;

@@ -23,9 +23,11 @@ void look_at_lists(const OurOwn& local, TrustStores& stores, const Environment& 
   const auto renewed = local.identity->renew_revocation_lists(stores, environment.clock);
   const auto guid = local.identity->guid().to_string();
   if (!renewed) return environment.events.raise(Event(renewed.error(), {}, guid));
-  if (*renewed)
-    environment.events.raise(Event(
-        Error(Code::crl_renewed, {.document = local.identity->revocation_list_path()}), {}, guid));
+  if (!*renewed) return;
+  environment.events.raise(
+      Event(Error(Code::crl_renewed, {.document = local.identity->revocation_list_path(),
+                                      .found = local.identity->revocation_lists()}),
+            {}, guid));
 }
 
 void judge(const IdentityTable& table, const OurOwn& local, WallTime now, Revocations& out) {

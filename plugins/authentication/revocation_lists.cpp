@@ -13,6 +13,9 @@ namespace {
 
 namespace property = spi::property;
 
+/// What an event says of many lists.
+constexpr std::size_t kMostDescription = 512;
+
 std::string value_of(const spi::PropertyList& properties, std::string_view name) {
   const std::string* value = spi::find_property(properties, name);
   return value == nullptr ? std::string() : *value;
@@ -81,6 +84,13 @@ Result<RevocationLists> RevocationLists::load(const spi::PropertyList& propertie
   out.lists_ = *std::move(lists);
   out.content_ = sha256(*octets);
   return out;
+}
+
+std::string RevocationLists::description() const {
+  std::string text;
+  for (const auto& crl : lists_)
+    text += (text.empty() ? "" : "; ") + describe(crl) + " by " + crl.issuer();
+  return text.substr(0, kMostDescription);
 }
 
 Result<bool> RevocationLists::look(std::chrono::nanoseconds now, const Accept& accept) {

@@ -30,6 +30,8 @@ class RevocationLists {
   static Result<RevocationLists> load(const spi::PropertyList& properties);
 
   const std::vector<pki::Crl>& in_force() const { return lists_; }
+  /// Number and date of each, for a person.
+  std::string description() const;
   /// The path of their file; empty if they come from no file.
   const std::string& path() const { return path_; }
 

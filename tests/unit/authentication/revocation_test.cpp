@@ -99,6 +99,8 @@ TEST_F(Running, ARevokedPeerIsEndedAndDoesNotComeBack) {
   EXPECT_TRUE(wait().empty());
   EXPECT_EQ(put(pem({2, {bob().certificate}})), std::vector{bob_at_alice()});
   ASSERT_EQ(codes(), (std::vector{Code::crl_renewed, Code::certificate_revoked}));
+  EXPECT_EQ(events()[0].error.details().found,
+            "number 2 of 2026-11-20T23:00:00Z by CN=Identity CA,O=Example");
   const auto& event = events()[1];
   EXPECT_EQ(event.peer_subject, "CN=bob,O=Example");
   EXPECT_EQ(event.guid, pairing_.b.guid.to_string());
