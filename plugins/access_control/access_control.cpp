@@ -372,8 +372,9 @@ std::vector<PermissionsHandle> Plugin::expire(PermissionsHandle local) {
   if (!gone.empty())
     std::ranges::set_difference(peers_of_only(gone, all, now), std::vector(ended),
                                 std::back_inserter(ended));
-  for (const auto& [event, holder] : reasons) holder->mark_reported();
+  // Last what needs no memory: whoever is marked is told.
   for (const auto& [event, holder] : reasons) environment_.events.raise(event);
+  for (const auto& [event, holder] : reasons) holder->mark_reported();
   return ended;
 }
 

@@ -199,10 +199,11 @@ std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
                                                      .found = to_string(now)}),
                         ended.peer.subject, ended.peer.guid);
   }
+  // Last what needs no memory: whoever is marked is told.
+  for (const auto& event : events) environment_.events.raise(event);
   table_.mark_revoked(revocations.identities);
   table_.mark_ended(all);
   for (const auto& judgement : revocations.judgements) judgement.note_applied();
-  for (const auto& event : events) environment_.events.raise(event);
   return handles;
 }
 

@@ -7,16 +7,18 @@ namespace {
 
 using OurOwn = IdentityTable::OurOwn;
 
-/// Nothing if `trust` does not call it revoked: of all else its end or its next handshake tells.
-std::optional<Error> revoked(const pki::Certificate& certificate, const TrustStore& trust,
+/// Why it must go, if it is on a list and not believed, be it that there is no memory to judge it.
+/// Whoever is on none stays: its end or its next handshake tells.
+std::optional<Error> refusal(const pki::Certificate& certificate, const TrustStore& trust,
                              const LocalIdentity& whose, WallTime now) {
   if (!trust.may_be_revoked(certificate)) return std::nullopt;
   const auto verdict = trust.verify(certificate, now);
-  if (verdict || verdict.error().code() != Code::certificate_revoked) return std::nullopt;
-  return Error(Code::certificate_revoked, {.document = whose.revocation_list_path(),
-                                           .field = verdict.error().details().field,
-                                           .found = "serial number " + certificate.serial(),
-                                           .note = "it is in use, and cut off"});
+  if (verdict) return std::nullopt;
+  const auto& error = verdict.error();
+  return Error(error.code(), {.document = whose.revocation_list_path(),
+                              .field = error.details().field,
+                              .found = "serial number " + certificate.serial(),
+                              .note = "it is in use, and cut off"});
 }
 
 void look_at_lists(const OurOwn& local, TrustStores& stores, const Environment& environment) {
@@ -34,11 +36,11 @@ void judge(const IdentityTable& table, const OurOwn& local, WallTime now, Revoca
   // A step of a handshake that began under the former lists ends before anybody is judged.
   for (const auto& pair : table.pairs_of(local.handle)) const std::scoped_lock wait(pair->mutex);
   const auto trust = local.identity->peer_trust();
-  if (auto reason = revoked(local.identity->certificate(), *trust, *local.identity, now))
+  if (auto reason = refusal(local.identity->certificate(), *trust, *local.identity, now))
     out.identities.push_back(
         {local.handle, {{}, local.identity->guid().to_string()}, *std::move(reason)});
   for (auto& peer : table.authenticated_with(local.handle))
-    if (auto reason = revoked(peer.certificate, *trust, *local.identity, now))
+    if (auto reason = refusal(peer.certificate, *trust, *local.identity, now))
       out.identities.push_back({peer.handle, std::move(peer.name), *std::move(reason)});
 }
 

@@ -1,0 +1,74 @@
+// Memory fails at any moment while a revoked certificate is found: it is found all the same, later.
+// A program of its own: it replaces malloc and operator new.
+#include <new>
+
+#include "tests/support/failing_memory.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/unit/authentication/fixture.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+using failing_memory::Extent;
+using failing_memory::Source;
+
+/// Alice's list comes to name bob, who has authenticated.
+struct Scene {
+  Scene() : pairing(alice(), bob()) {
+    pairing.expect_success();
+    put({bob().certificate}, 2);
+  }
+  const Identity& bob() {
+    static const auto identity = make_identity(test_ca(), "CN=bob,O=Example", {}, kYear, 1);
+    return identity;
+  }
+  Identity alice() {
+    put({}, 1);
+    static const auto identity = make_identity(test_ca(), "CN=alice,O=Example");
+    auto ours = identity;
+    set(ours.properties, spi::property::kCrl, "file:" + folder.path() + "/crl.pem");
+    return ours;
+  }
+  void put(const std::vector<pki::Certificate>& revoked, std::uint64_t number) {
+    const pki::CrlTemplate content{.revoked = revoked,
+                                   .this_update = kNow - 1h,
+                                   .next_update = kYear.not_after,
+                                   .number = number};
+    folder.replace("crl.pem", test_ca().make_crl(content)->pem());
+  }
+  /// What a host would do once more after five seconds.
+  std::size_t look() {
+    pairing.first_engine.clock.advance(5s);
+    try {
+      return pairing.first_engine->expire().size();
+    } catch (const std::bad_alloc&) {
+      return 0;
+    }
+  }
+
+  const test::TemporaryFolder folder;
+  Pairing pairing;
+};
+
+class OutOfMemory : public testing::TestWithParam<std::tuple<Source, Extent>> {};
+INSTANTIATE_TEST_SUITE_P(All, OutOfMemory,
+                         testing::Combine(testing::ValuesIn(failing_memory::sources()),
+                                          testing::Values(Extent::once, Extent::from_then_on)));
+
+TEST_P(OutOfMemory, DelaysARevocationAndLosesNone) {
+  const auto [source, extent] = GetParam();
+  long number = 0;
+  for (bool failed = true; failed;) {
+    Scene scene;
+    failing_memory::fail_at(source, extent, ++number);
+    std::size_t ended = scene.look();
+    failed = failing_memory::relent();
+    for (int i = 0; i < 3; ++i) ended += scene.look();
+    EXPECT_EQ(ended, 1u) << "allocation " << number;
+    EXPECT_FALSE(scene.pairing.a.discover(scene.pairing.b)) << "allocation " << number;
+  }
+  EXPECT_GT(number, 10);
+}
+
+}  // namespace
+}  // namespace ddssec::authentication
