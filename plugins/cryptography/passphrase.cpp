@@ -82,29 +82,57 @@ Status parse_lines(std::string_view text, std::string_view property, std::size_t
   return {};
 }
 
-Status load(std::string_view uri, std::string_view property, std::size_t most, EventSink& events,
+Status load(std::string_view uri, std::string_view property, std::size_t most,
             std::vector<Passphrase>& out) {
-  if (readable_by_others(uri))
-    events.raise(Event(Error(Code::psk_passphrase_exposed,
-                             {.document = std::string(property), .found = std::string(uri)})));
   const auto lines = DDSSEC_TRY(load_secret<Lines>(uri, property));
   return lines.expose(
       [&](BytesView octets) { return parse_lines(as_text(octets), property, most, out); });
 }
 
+void warn_if_exposed(std::string_view uri, std::string_view property, EventSink& events) {
+  if (readable_by_others(uri))
+    events.raise(Event(Error(Code::psk_passphrase_exposed,
+                             {.document = std::string(property), .found = std::string(uri)})));
+}
+
+std::string value_of(const spi::PropertyList& properties, std::string_view name) {
+  const auto* const value = spi::find_property(properties, name);
+  return value == nullptr ? std::string() : *value;
+}
+
 }  // namespace
 
-Result<std::vector<Passphrase>> load_passphrases(const spi::PropertyList& properties,
-                                                 EventSink& events) {
+PassphraseFiles::PassphraseFiles(const spi::PropertyList& properties,
+                                 std::chrono::nanoseconds poll_interval)
+    : own_(value_of(properties, spi::property::kPskPassphrase)),
+      extra_(value_of(properties, spi::property::kPskExtraPassphrases)),
+      watches_{FileWatch(own_, poll_interval), FileWatch(extra_, poll_interval)} {}
+
+Result<std::vector<Passphrase>> PassphraseFiles::load(EventSink& events) const {
   namespace property = spi::property;
   std::vector<Passphrase> out;
-  const auto* const own = spi::find_property(properties, property::kPskPassphrase);
-  DDSSEC_TRY(
-      load(own == nullptr ? std::string_view() : *own, property::kPskPassphrase, 1, events, out));
-  const auto* const extra = spi::find_property(properties, property::kPskExtraPassphrases);
-  if (extra != nullptr && !extra->empty())
-    DDSSEC_TRY(load(*extra, property::kPskExtraPassphrases, kMostExtraPassphrases, events, out));
+  DDSSEC_TRY(cryptography::load(own_, property::kPskPassphrase, 1, out));
+  if (!extra_.empty())
+    DDSSEC_TRY(
+        cryptography::load(extra_, property::kPskExtraPassphrases, kMostExtraPassphrases, out));
+  warn_if_exposed(own_, property::kPskPassphrase, events);
+  warn_if_exposed(extra_, property::kPskExtraPassphrases, events);
   return out;
+}
+
+bool PassphraseFiles::may_have_changed(std::chrono::nanoseconds now) {
+  bool out = false;
+  for (auto& watch : watches_) out = watch.may_have_changed(now) || out;
+  return out;
+}
+
+void PassphraseFiles::look_again() {
+  for (auto& watch : watches_) watch.look_again();
+}
+
+std::string PassphraseFiles::place_of(std::string_view property) const {
+  const auto& uri = property == spi::property::kPskPassphrase ? own_ : extra_;
+  return file_named_by(uri).value_or(std::string(property));
 }
 
 }  // namespace ddssec::cryptography

@@ -7,7 +7,7 @@
 #include "base/hash.hpp"
 #include "plugins/cryptography/cipher_choice.hpp"
 #include "plugins/cryptography/engine.hpp"
-#include "plugins/spi/property_names.hpp"
+#include "plugins/spi/files_poll_interval.hpp"
 
 namespace ddssec::cryptography {
 namespace {
@@ -79,14 +79,64 @@ KeyMaterial derive_pre_shared_material(const Passphrase& passphrase, TransformKi
   return material;
 }
 
-PreSharedKeyRing::PreSharedKeyRing(std::vector<Passphrase> passphrases, const Domain& domain,
-                                   const KeyEnvironment& environment, Random& random)
-    : environment_(environment), random_(random) {
+Result<std::unique_ptr<PreSharedKeyRing>> PreSharedKeyRing::create(PassphraseFiles files,
+                                                                   Domain domain,
+                                                                   const Environment& environment,
+                                                                   const KeyEnvironment& keys) {
+  auto passphrases = DDSSEC_TRY(files.load(environment.events));
+  std::unique_ptr<PreSharedKeyRing> out(
+      new PreSharedKeyRing(std::move(files), std::move(domain), environment, keys));
+  out->use(std::move(passphrases));
+  return out;
+}
+
+void PreSharedKeyRing::use(std::vector<Passphrase> passphrases) {
+  if (!entries_.empty() && passphrases.front() != entries_.front().passphrase) send_.reset();
+  std::erase_if(senders_, [&](const auto& sender) {
+    const auto id = sender.first.passphrase_id;
+    const auto is_its = [&](const Passphrase& passphrase) { return passphrase.id == id; };
+    const auto now = std::ranges::find_if(passphrases, is_its);
+    return now == passphrases.end() ||
+           std::ranges::find_if(entries_, is_its, &Entry::passphrase)->passphrase != *now;
+  });
+  entries_.clear();
   for (auto& passphrase : passphrases) {
-    const auto kind = pre_shared_kind(domain.algorithm, passphrase.id);
-    const auto key_id = pre_shared_key_id(passphrase.id, domain.id, domain.tag);
+    const auto kind = pre_shared_kind(domain_.algorithm, passphrase.id);
+    const auto key_id = pre_shared_key_id(passphrase.id, domain_.id, domain_.tag);
     entries_.push_back({std::move(passphrase), kind, key_id});
   }
+}
+
+bool PreSharedKeyRing::uses(const std::vector<Passphrase>& passphrases) const {
+  return std::ranges::equal(entries_, passphrases, {}, &Entry::passphrase);
+}
+
+// What cannot be used changes nothing. It is read again every time, since what was wrong may have
+// been the moment, and told once.
+void PreSharedKeyRing::refresh() {
+  if (!files_.may_have_changed(environment_.clock.monotonic())) return;
+  auto passphrases = files_.load(environment_.events);
+  if (!passphrases) return keep_despite(passphrases.error());
+  complaint_.clear();
+  if (uses(*passphrases)) return;
+  use(std::move(*passphrases));
+  std::string understood;
+  for (const auto& entry : entries_)
+    understood += (understood.empty() ? "" : ", ") + std::to_string(entry.passphrase.id);
+  environment_.events.raise(Event(Error(Code::psk_passphrases_changed,
+                                        {.found = std::to_string(entries_.front().passphrase.id) +
+                                                  " to send with, understood are " + understood})));
+}
+
+void PreSharedKeyRing::keep_despite(const Error& error) {
+  files_.look_again();
+  auto details = error.details();
+  details.document = files_.place_of(details.document);
+  details.note =
+      std::string(info(error.code()).summary) + (details.note.empty() ? "" : ": " + details.note);
+  const Error complaint(Code::psk_passphrases_kept, std::move(details));
+  const auto before = std::exchange(complaint_, complaint.to_sentence());
+  if (complaint_ != before) environment_.events.raise(Event(complaint));
 }
 
 // A participant has one name for all its life. Who bears the same one later, after a restart, has
@@ -94,11 +144,11 @@ PreSharedKeyRing::PreSharedKeyRing(std::vector<Passphrase> passphrases, const Do
 Result<SendKey*> PreSharedKeyRing::send_key(const MessageSource& source) {
   if (send_ && source == own_) return send_.get();
   const auto& entry = entries_.front();
-  const SendStart start{DDSSEC_TRY(random_number<std::uint32_t>(random_)),
-                        DDSSEC_TRY(random_number<std::uint64_t>(random_))};
+  const SendStart start{DDSSEC_TRY(random_number<std::uint32_t>(environment_.random)),
+                        DDSSEC_TRY(random_number<std::uint64_t>(environment_.random))};
   send_ = DDSSEC_TRY(SendKey::create(
       derive_pre_shared_material(entry.passphrase, entry.kind, entry.key_id, source), start,
-      environment_));
+      keys_));
   own_ = source;
   return send_.get();
 }
@@ -148,7 +198,7 @@ Result<std::size_t> PreSharedKeyRing::open_first(const SenderId& id, const Entry
                                                  BytesView encoded, MutableBytes out) {
   auto key = std::make_unique<ReceiveKey>(
       derive_pre_shared_material(entry.passphrase, entry.kind, entry.key_id, id.source),
-      *traits_of(entry.kind), environment_);
+      *traits_of(entry.kind), keys_);
   const auto size = DDSSEC_TRY(open_message(encoded, kPreSharedKeyFrame, *key, out));
   remember(id, std::move(key));
   return size;
@@ -167,12 +217,12 @@ Result<std::unique_ptr<spi::PreSharedKeys>> KeyFactory::pre_shared_keys(
   if (!is_protected(kind)) return fail(Code::not_protected);
   const auto cipher = DDSSEC_TRY(pre_shared_cipher(request.properties));
   DDSSEC_TRY(check_cipher(cipher, request.attributes.allowed_ciphers));
-  auto passphrases = DDSSEC_TRY(load_passphrases(request.properties, shared_.environment.events));
-  return std::make_unique<PreSharedKeyRing>(
-      std::move(passphrases),
-      PreSharedKeyRing::Domain{request.domain_id, request.domain_tag,
-                               kind_for(cipher, is_encrypted(kind))},
-      shared_.keys, shared_.environment.random);
+  PassphraseFiles files(request.properties,
+                        DDSSEC_TRY(spi::files_poll_interval(request.properties)));
+  return DDSSEC_TRY(PreSharedKeyRing::create(
+      std::move(files),
+      {request.domain_id, std::string(request.domain_tag), kind_for(cipher, is_encrypted(kind))},
+      shared_.environment, shared_.keys));
 }
 
 }  // namespace ddssec::cryptography

@@ -35,16 +35,18 @@ class PreSharedKeyRing final : public spi::PreSharedKeys {
 
   struct Domain {
     DomainId id;
-    std::string_view tag;
+    std::string tag;
     TransformKind algorithm;
   };
-  /// `passphrases`: at least one, the first to send with. `environment` and `random` outlive it.
-  PreSharedKeyRing(std::vector<Passphrase> passphrases, const Domain& domain,
-                   const KeyEnvironment& environment, Random& random);
+  /// Errors: those of PassphraseFiles::load. `environment` and `keys` outlive it.
+  static Result<std::unique_ptr<PreSharedKeyRing>> create(PassphraseFiles files, Domain domain,
+                                                          const Environment& environment,
+                                                          const KeyEnvironment& keys);
 
   Result<std::size_t> encode(BytesView plain, MutableBytes out) override;
   bool remembers(BytesView encoded) const override;
   Result<std::size_t> decode(BytesView encoded, MutableBytes out) override;
+  void refresh() override;
   /// Senders that are remembered.
   std::size_t senders() const { return senders_.size(); }
 
@@ -65,15 +67,28 @@ class PreSharedKeyRing final : public spi::PreSharedKeys {
     std::uint64_t last_used;
   };
 
+  PreSharedKeyRing(PassphraseFiles files, Domain domain, const Environment& environment,
+                   const KeyEnvironment& keys)
+      : files_(std::move(files)),
+        domain_(std::move(domain)),
+        environment_(environment),
+        keys_(keys) {}
+  /// At least one, the first to send with. Forgets what was derived from others.
+  void use(std::vector<Passphrase> passphrases);
+  bool uses(const std::vector<Passphrase>& passphrases) const;
+  void keep_despite(const Error& error);
   Result<SendKey*> send_key(const MessageSource& source);
   Result<const Entry*> entry_of(BytesView encoded) const;
   Result<std::size_t> open_first(const SenderId& id, const Entry& entry, BytesView encoded,
                                  MutableBytes out);
   void remember(const SenderId& id, std::unique_ptr<ReceiveKey> key);
 
+  PassphraseFiles files_;
+  const Domain domain_;
+  const Environment& environment_;
+  const KeyEnvironment& keys_;
   std::vector<Entry> entries_;
-  const KeyEnvironment& environment_;
-  Random& random_;
+  std::string complaint_;  ///< about what could not be used; empty: nothing
   MessageSource own_{};
   std::unique_ptr<SendKey> send_;
   std::map<SenderId, Sender> senders_;

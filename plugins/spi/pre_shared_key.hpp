@@ -36,6 +36,10 @@ class PreSharedKeys {
   /// Under any passphrase, as the message says. Errors: psk_passphrase_unknown, those of
   /// CryptoTransform::decode_rtps_message.
   virtual Result<std::size_t> decode(BytesView encoded, MutableBytes out) = 0;
+  /// Reads the passphrases again if their files may have changed; to be called every second or so.
+  /// Events: psk_passphrases_changed; psk_passphrases_kept, if they cannot be used: then nothing
+  /// changes.
+  virtual void refresh() = 0;
 };
 
 /// Does a message say that it is protected so? Flag P of an SRTPS_PREFIX behind the RTPS header.

@@ -1,15 +1,14 @@
 // Messages under a domain's pre-shared key: who can open them, and who cannot.
 #include "plugins/cryptography/pre_shared_key.hpp"
 
-#include <filesystem>
-#include <fstream>
 #include <set>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <gtest/gtest.h>
 
+#include "plugins/spi/files_poll_interval.hpp"
 #include "plugins/spi/property_names.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
 
 namespace ddssec::cryptography::testing {
@@ -252,7 +251,7 @@ TEST(PreSharedKey, WhatTheGovernanceDoesNotAskForOrAllowIsNotMade) {
 
 Result<std::vector<Passphrase>> load(const PropertyList& properties) {
   CountingSink events;
-  return load_passphrases(properties, events);
+  return PassphraseFiles(properties, {}).load(events);
 }
 std::string text_of(const Passphrase& passphrase) {
   return passphrase.text.expose([](BytesView octets) { return std::string(as_text(octets)); });
@@ -312,23 +311,159 @@ TEST(Passphrases, WhatIsWrongIsNamedAndNotRepeated) {
 }
 
 TEST(Passphrases, AFileThatOthersMayReadIsNotPassedOverInSilence) {
-  const auto path =
-      (std::filesystem::temp_directory_path() / ("ddssec-psk-" + std::to_string(::getpid())))
-          .string();
-  std::ofstream(path) << "5612:Open Sesame\n";
+  const test::TemporaryFolder folder;
+  const auto path = folder.write("psk", "5612:Open Sesame\n");
+  const PropertyList properties = {{std::string(property::kPskPassphrase), "file:" + path}};
   const auto events_with = [&](::mode_t mode) {
     EXPECT_EQ(::chmod(path.c_str(), mode), 0);
     CountingSink events;
-    const auto all =
-        load_passphrases({{std::string(property::kPskPassphrase), "file:" + path}}, events);
+    const auto all = PassphraseFiles(properties, {}).load(events);
     EXPECT_TRUE(all && text_of(all->front()) == "Open Sesame");
     return events.codes;
   };
   EXPECT_EQ(events_with(0600), std::vector<Code>{});
   EXPECT_EQ(events_with(0640), std::vector{Code::psk_passphrase_exposed});
   std::filesystem::remove(path);
-  EXPECT_EQ(code_of(load({{std::string(property::kPskPassphrase), "file:" + path}})),
-            Code::file_not_found);
+  EXPECT_EQ(code_of(load(properties)), Code::file_not_found);
+}
+
+// Changed while running
+
+/// A member whose passphrases are in files.
+struct Running {
+  explicit Running(std::string_view first, const PropertyList& more = {})
+      : member((put("own", first), put("extra", first), properties(more))) {}
+  PropertyList properties(PropertyList more) const {
+    more.push_back({std::string(property::kPskPassphrase), "file:" + folder.path() + "/own"});
+    more.push_back(
+        {std::string(property::kPskExtraPassphrases), "file:" + folder.path() + "/extra"});
+    return more;
+  }
+  void put(const std::string& name, std::string_view text) const {
+    ::chmod(folder.replace(name, text).c_str(), 0600);
+  }
+  /// What was raised meanwhile.
+  std::vector<Code> after(std::chrono::seconds time = spi::kDefaultFilesPollInterval) {
+    member.side.events.codes.clear();
+    member.side.clock.advance(time);
+    member.keys->refresh();
+    return member.side.events.codes;
+  }
+  const std::string& said() const { return member.side.events.last; }
+
+  test::TemporaryFolder folder;
+  Member member;
+};
+
+constexpr auto kChanged = Code::psk_passphrases_changed;
+constexpr auto kKept = Code::psk_passphrases_kept;
+using Codes = std::vector<Code>;
+
+TEST(ChangedPassphrases, AreUsedStepByStepWithoutAGap) {
+  Running running("1:old");
+  Member old(passphrase("1:old")), fresh(passphrase("2:new"));
+  const auto understands = [&](Member& other, std::uint32_t name) {
+    return bool(running.member.decode(other.encode(hello_from(name))));
+  };
+  EXPECT_EQ(running.after(), Codes{});
+  EXPECT_TRUE(understands(old, 1));
+  EXPECT_FALSE(understands(fresh, 2));
+  running.put("extra", "1:old\n2:new\n");
+  EXPECT_EQ(running.after(), Codes{kChanged});
+  EXPECT_NE(running.said().find("1 to send with, understood are 1, 2"), std::string::npos);
+  EXPECT_TRUE(old.decode(running.member.encode(hello())));
+  EXPECT_TRUE(understands(old, 1) && understands(fresh, 1));
+  running.put("own", "2:new");
+  EXPECT_EQ(running.after(), Codes{kChanged});
+  EXPECT_EQ(code_of(old.decode(running.member.encode(hello()))), Code::psk_passphrase_unknown);
+  EXPECT_TRUE(fresh.decode(running.member.encode(hello())));
+  EXPECT_TRUE(understands(old, 1) && understands(fresh, 1));
+  running.put("extra", "2:new");
+  EXPECT_EQ(running.after(), Codes{kChanged});
+  EXPECT_FALSE(running.member.keys->remembers(old.encode(hello_from(1))));
+  EXPECT_TRUE(running.member.keys->remembers(fresh.encode(hello_from(1))));
+  EXPECT_FALSE(understands(old, 1));
+  EXPECT_TRUE(understands(fresh, 1));
+  EXPECT_EQ(running.after(), Codes{});
+}
+
+TEST(ChangedPassphrases, OfTheSameIdReplaceIt) {
+  Running running("1:odl");
+  Member old(passphrase("1:odl")), fresh(passphrase("1:old"));
+  EXPECT_TRUE(running.member.decode(old.encode(hello())));
+  EXPECT_TRUE(old.decode(running.member.encode(hello())));
+  running.put("own", "1:old");
+  EXPECT_EQ(running.after(), Codes{kKept}) << "one id for two passphrases";
+  running.put("extra", "1:old");
+  EXPECT_EQ(running.after(), Codes{kChanged});
+  EXPECT_FALSE(running.member.keys->remembers(old.encode(hello())));
+  EXPECT_TRUE(running.member.decode(fresh.encode(hello())));
+  EXPECT_TRUE(fresh.decode(running.member.encode(hello())));
+}
+
+TEST(ChangedPassphrases, ThatCannotBeUsedChangeNothingAndAreToldOnce) {
+  Running running("1:old");
+  Member old(passphrase("1:old"));
+  const auto path = running.folder.path() + "/own";
+  const auto refused = [&](std::string_view why) {
+    EXPECT_EQ(running.after(), Codes{kKept}) << why;
+    EXPECT_TRUE(running.said().starts_with(path)) << running.said();
+    EXPECT_NE(running.said().find(why), std::string::npos) << running.said();
+    EXPECT_EQ(running.said().find("xyzzy"), std::string::npos) << running.said();
+    for (int again = 0; again < 3; ++again) EXPECT_EQ(running.after(), Codes{}) << why;
+    EXPECT_TRUE(running.member.decode(old.encode(hello())));
+    EXPECT_TRUE(old.decode(running.member.encode(hello())));
+  };
+  running.put("own", "2xyzzy");
+  refused("ID:PASSPHRASE");
+  running.put("own", "255:xyzzy");
+  refused("255");
+  running.put("own", "2:xyzzy\n3:xyzzy\n");
+  refused("at most 1 line");
+  running.put("own", "");
+  refused("empty");
+  running.put("own", "1:xyzzy");
+  EXPECT_EQ(running.after(), Codes{kKept});
+  EXPECT_TRUE(running.said().starts_with(running.folder.path() + "/extra")) << running.said();
+  std::filesystem::remove(path);
+  refused("not");
+  std::filesystem::create_directory(path);
+  refused("regular file");
+  std::filesystem::remove(path);
+  running.put("own", "1:old");
+  EXPECT_EQ(running.after(), Codes{}) << "as it was";
+  running.put("own", "2:new");
+  EXPECT_EQ(running.after(), Codes{kChanged});
+  running.put("own", "2xyzzy");
+  EXPECT_EQ(running.after(), Codes{kKept}) << "told once more, since it was good meanwhile";
+}
+
+TEST(ChangedPassphrases, AreLookedForAsOftenAsTheyShallBe) {
+  const auto every = [](std::string seconds) {
+    return PropertyList{{std::string(property::kFilesPollInterval), std::move(seconds)}};
+  };
+  Running seldom("1:old", every("60")), never("1:old", every("0"));
+  EXPECT_EQ(seldom.after(), Codes{});  // a first look
+  for (auto* running : {&seldom, &never}) {
+    running->put("extra", "1:old\n2:new");
+    EXPECT_EQ(running->after(std::chrono::seconds(59)), Codes{});
+  }
+  EXPECT_EQ(seldom.after(std::chrono::seconds(1)), Codes{kChanged});
+  EXPECT_EQ(never.after(std::chrono::hours(24)), Codes{});
+  auto bad = every("often");
+  bad.push_back({std::string(property::kPskPassphrase), "data:,1:old"});
+  ParticipantSecurityAttributes attributes;
+  attributes.rtps_psk = kEncrypt;
+  EXPECT_EQ(code_of(Side().factory().pre_shared_keys({bad, attributes, 0, ""})),
+            Code::invalid_property);
+}
+
+TEST(ChangedPassphrases, OfDataUrisThereAreNone) {
+  Member member(passphrase("1:old", "2:new"));
+  member.side.clock.advance(std::chrono::hours(1));
+  member.keys->refresh();
+  EXPECT_EQ(member.side.events.codes, Codes{});
+  EXPECT_TRUE(Member(passphrase("1:old")).decode(member.encode(hello())));
 }
 
 }  // namespace

@@ -21,8 +21,12 @@ using spi::PropertyList;
 using spi::ProtectionKind;
 
 struct CountingSink final : EventSink {
-  void raise(const Event& event) override { codes.push_back(event.error.code()); }
+  void raise(const Event& event) override {
+    codes.push_back(event.error.code());
+    last = event.error.to_sentence();
+  }
   std::vector<Code> codes;
+  std::string last;
 };
 
 inline ParticipantSecurityAttributes participant_attributes(ProtectionKind rtps) {

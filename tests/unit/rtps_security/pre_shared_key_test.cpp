@@ -1,5 +1,7 @@
 // A domain whose bootstrapping messages are protected by a pre-shared key (T62 of the catalogue of
 // attacks): who joins, and what others see.
+#include "plugins/spi/files_poll_interval.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
@@ -17,7 +19,8 @@ spi::PropertyList phrase(std::string_view text, std::string_view extra = {}) {
     out.push_back({std::string(spi::property::kPskExtraPassphrases), data_uri(extra), false});
   return out;
 }
-const spi::PropertyList kPhrase = phrase("5632:castle super radar denial");
+constexpr std::string_view kText = "5632:castle super radar denial";
+const spi::PropertyList kPhrase = phrase(kText);
 
 struct Domain : Pair {
   explicit Domain(const Rules& rules, const spi::PropertyList& of_a = kPhrase,
@@ -34,11 +37,16 @@ struct Domain : Pair {
   }
 };
 
+/// What one has who knows that passphrase.
+std::unique_ptr<spi::PreSharedKeys> keys_of(Node& node, std::string_view text) {
+  return node.cryptography->key_factory()
+      .pre_shared_keys({phrase(text), {.rtps_psk = kEncrypt}, 0, ""})
+      .value();
+}
+
 /// As somebody in the domain of `of` could have made it.
 Bytes sealed(BytesView plain, Node& of) {
-  auto keys = of.cryptography->key_factory()
-                  .pre_shared_keys({kPhrase, {.rtps_psk = kEncrypt}, 0, ""})
-                  .value();
+  auto keys = keys_of(of, kText);
   Bytes out(plain.size() + spi::protection_overhead(0));
   out.resize(keys->encode(plain, out).value());
   return out;
@@ -170,6 +178,62 @@ TEST(PreSharedKey, APassphraseIsChangedInARunningDomain) {
   apart.world.run(200);
   EXPECT_TRUE(apart.b.events.has(Code::psk_passphrase_unknown));
   EXPECT_EQ(apart.b->remote_participants(), 0u);
+}
+
+// The writer never pauses, and each participant looks at its files when it comes to it.
+TEST(PreSharedKey, IsChangedWhileParticipantsTalkAndNothingIsLost) {
+  constexpr std::string_view kOld = "1:old passphrase", kNew = "2:new passphrase";
+  const test::TemporaryFolder of_a, of_b;
+  const auto put = [&](const std::string& name, std::string_view text) {
+    for (const auto* folder : {&of_a, &of_b}) folder->replace(name, text);
+  };
+  const auto files = [](const test::TemporaryFolder& folder) {
+    return spi::PropertyList{
+        {std::string(spi::property::kPskPassphrase), "file:" + folder.path() + "/own", false},
+        {std::string(spi::property::kPskExtraPassphrases), "file:" + folder.path() + "/extra",
+         false}};
+  };
+  put("own", kOld);
+  put("extra", kOld);
+  Domain domain(kHidden, files(of_a), files(of_b));
+  ASSERT_TRUE(domain.match()) << domain.a.events.text() << domain.b.events.text();
+  const auto recorder = keys_of(domain.a, kOld);
+  int seen = 0, read = 0;
+  domain.world.filter = [&](const Node&, Bytes datagram) {
+    Bytes plain(datagram.size());
+    ++seen;
+    read += recorder->decode(datagram, plain) ? 1 : 0;
+    return one(std::move(datagram));
+  };
+  std::size_t written = 0;
+  // One looks after the other: until the second has they are a step apart.
+  const auto both_look = [&](int changes) {
+    for (auto* node : {&domain.a, &domain.b}) {
+      for (int i = 0; i < 120; ++i, ++written) {
+        node->clock.advance(100ms);
+        domain.write();
+        domain.world.run(1);
+      }
+      EXPECT_EQ(node->events.count(Code::psk_passphrases_changed), changes) << node->events.text();
+    }
+  };
+  both_look(0);
+  EXPECT_EQ(read, seen);
+  put("extra", std::string(kOld) + "\n" + std::string(kNew) + "\n");
+  both_look(1);
+  EXPECT_EQ(read, seen);
+  put("own", kNew);
+  both_look(2);
+  EXPECT_LT(read, seen);
+  put("extra", kNew);
+  both_look(3);
+  seen = read = 0;
+  both_look(3);
+  EXPECT_TRUE(domain.world.run_until([&] { return domain.b.listener.changes.size() == written; }))
+      << domain.b.listener.changes.size() << " of " << written;
+  EXPECT_EQ(domain.b->protection_counters().undecodable, 0u) << domain.b.events.text();
+  EXPECT_GT(seen, 200);
+  EXPECT_EQ(read, 0) << "by who knows the old passphrase alone";
 }
 
 TEST(PreSharedKey, WithoutAPassphraseThereIsNoParticipant) {
