@@ -1,7 +1,9 @@
-// Protected payloads, submessages and messages, any octets and genuine ones with changes: nothing
-// opens but what was sealed, and the genuine one opens after every attack.
+// Protected payloads, submessages and messages, also under a pre-shared key, any octets and genuine
+// ones with changes: nothing opens but what was sealed, and the genuine one opens after every
+// attack.
 #include <cstdlib>
 
+#include "plugins/spi/property_names.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
 
 namespace {
@@ -27,8 +29,24 @@ struct Pair {
         [this](const Bytes& in) { return decode_submessage(two, ends, in); });
     add(encode_reply(two, ends, data_submessage(24, 0x06)).value(),
         [this](const Bytes& in) { return decode_reply(two, ends, in); });
-    add(encode_message(two, rtps_message({data_submessage(12), data_submessage(8)})).value(),
+    const auto message = rtps_message({data_submessage(12), data_submessage(8)});
+    add(encode_message(two, message).value(),
         [this](const Bytes& in) { return decode_message(two, in); });
+    const auto encode = [&](MutableBytes out) {
+      return pre_shared_keys(two.a, kind)->encode(message, out);
+    };
+    add(into_bytes(message.size() + spi::protection_overhead(0), encode).value(),
+        [keys = pre_shared_keys(two.b, kind)](const Bytes& in) {
+          (void)keys->remembers(in);
+          return into_bytes(in.size(), [&](MutableBytes out) { return keys->decode(in, out); });
+        });
+  }
+  static std::shared_ptr<spi::PreSharedKeys> pre_shared_keys(Side& side, ProtectionKind kind) {
+    ParticipantSecurityAttributes attributes;
+    attributes.rtps_psk = is_encrypted(kind) ? ProtectionKind::encrypt : ProtectionKind::sign;
+    const PropertyList passphrase = {
+        {std::string(spi::property::kPskPassphrase), "data:,1:Sesame"}};
+    return side.factory().pre_shared_keys({passphrase, attributes, 0, ""}).value();
   }
   Pair(Pair&&) = delete;
   void add(Bytes sealed, std::function<Result<Bytes>(const Bytes&)> open) {
@@ -64,7 +82,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                                       Pair(encrypt_with_origin_authentication)};
   if (size < 2) return 0;
   auto& pair = pairs[data[0] % 4];
-  const auto& target = pair.targets[data[0] / 4 % 4];
+  const auto& target = pair.targets[data[0] / 4 % 5];
   const BytesView rest(data + 2, size - 2);
   must_not_open(target, to_bytes(rest));
   const auto length = data[1] == 0 ? target.sealed.size() : std::size_t{data[1]} * 2;

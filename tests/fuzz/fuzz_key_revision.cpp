@@ -1,0 +1,116 @@
+// Revised keys gone bad: an authenticated peer's tokens with changes laid over them. What is
+// refused changes nothing, and the honest revision still comes through; what is taken as a later
+// revision leaves what is on its way readable.
+#include <cstdlib>
+
+#include "plugins/cryptography/key_revision.hpp"
+#include "tests/unit/cryptography/two_sides.hpp"
+
+namespace {
+
+using namespace ddssec;
+using namespace ddssec::cryptography;
+using namespace ddssec::cryptography::testing;
+using Tokens = std::vector<spi::Token>;
+
+constexpr auto kEncrypt = ProtectionKind::encrypt_with_origin_authentication;
+
+ParticipantSecurityAttributes revising() {
+  auto attributes = participant_attributes(kEncrypt);
+  attributes.is_key_revision_enabled = true;
+  return attributes;
+}
+
+/// `a` is revising its keys.
+struct Revision {
+  Revision()
+      : two(revising()),
+        ends(two.endpoints(endpoint_attributes(kEncrypt, ProtectionKind::encrypt))) {
+    former = sent();
+    number = two.a.factory().revise_local_entity_keys(two.a.participant).value();
+    of_participant = two.a.exchange()
+                         .create_local_participant_crypto_tokens(two.a.participant, two.a.remote,
+                                                                 spi::KeyStage::revised)
+                         .value();
+    of_writer = two.a.exchange()
+                    .create_local_datawriter_crypto_tokens(ends.writer, ends.remote_reader,
+                                                           spi::KeyStage::revised)
+                    .value();
+  }
+  struct Sent {
+    Bytes message, submessage, payload;
+  };
+  Sent sent() {
+    return {encode_message(two, rtps_message({data_submessage(16)})).value(),
+            encode_submessage(two, ends, data_submessage(16)).value(),
+            encode_payload(two, ends, Bytes(16, 3)).value()};
+  }
+  bool set_participant(const Tokens& tokens) {
+    return two.b.exchange()
+        .set_remote_participant_crypto_tokens(two.b.participant, two.b.remote, tokens)
+        .has_value();
+  }
+  bool set_writer(const Tokens& tokens) {
+    return two.b.exchange()
+        .set_remote_datawriter_crypto_tokens(ends.reader, ends.remote_writer, tokens)
+        .has_value();
+  }
+  void must_read_message(const Sent& sent) {
+    if (!decode_message(two, sent.message)) std::abort();
+  }
+  void must_read_data(const Sent& sent) {
+    if (!decode_submessage(two, ends, sent.submessage) || !decode_payload(two, ends, sent.payload))
+      std::abort();
+  }
+  void activate() {
+    if (!two.a.factory().activate_key_revision(two.a.participant, number)) std::abort();
+  }
+
+  TwoSides two;
+  WriterToReader ends;
+  Sent former;
+  KeyRevision number = 0;
+  Tokens of_participant, of_writer;
+};
+
+/// `change` laid over the key material of each token.
+Tokens changed(Tokens tokens, BytesView change) {
+  for (auto& token : tokens) {
+    auto& octets = token.binary_properties.front().value;
+    for (std::size_t i = 0; i < std::min(octets.size(), change.size()); ++i) octets[i] ^= change[i];
+  }
+  return tokens;
+}
+
+/// Of the honest keys, as they were before: not the same revision once more, not other keys.
+bool is_revision_of(const Tokens& tokens, const Tokens& honest) {
+  for (std::size_t i = 0; i < tokens.size(); ++i) {
+    const auto made = read_crypto_token(tokens[i]), of = read_crypto_token(honest[i]);
+    if (!made || made->sender_key_id != of->sender_key_id ||
+        made->kind.octets[3] != of->kind.octets[3] || revision_of(made->kind) == 0)
+      return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const BytesView change(data, size);
+  Revision it;
+  const auto bad_participant = changed(it.of_participant, change);
+  const auto bad_writer = changed(it.of_writer, change);
+  const bool took_participant = it.set_participant(bad_participant);
+  const bool took_writer = it.set_writer(bad_writer);
+  if (!took_participant || is_revision_of(bad_participant, it.of_participant))
+    it.must_read_message(it.former);
+  if (!took_writer || is_revision_of(bad_writer, it.of_writer)) it.must_read_data(it.former);
+  if (took_participant || took_writer) return 0;
+  if (!it.set_participant(it.of_participant) || !it.set_writer(it.of_writer)) std::abort();
+  it.activate();
+  for (const auto& sent : {it.former, it.sent()}) {
+    it.must_read_message(sent);
+    it.must_read_data(sent);
+  }
+  return 0;
+}
