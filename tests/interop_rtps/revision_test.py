@@ -4,7 +4,6 @@ nothing, and from then on send nothing that is protected by the keys it was give
 Usage: revision_test.py BUILD [FILTER]"""
 
 import json
-import pathlib
 import subprocess
 import sys
 import tempfile
@@ -12,13 +11,10 @@ import time
 from dataclasses import replace
 from datetime import datetime, timedelta, timezone
 
-sys.dont_write_bytecode = True
-HERE = pathlib.Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parent / "interop"), str(HERE.parent / "bench")]
-from documents import DOMAIN, TOPIC, Governance, Permissions  # noqa: E402
-from pki import Pki  # noqa: E402
-from shapes_process import SAMPLE, check, run  # noqa: E402
-from surroundings import ENCRYPT, make_folder  # noqa: E402
+from shapes_process import SAMPLE, check, run  # puts the folders of what follows in place
+from documents import DOMAIN, TOPIC, Permissions
+from pki import Pki
+from surroundings import ENCRYPT, make_folder
 
 PATIENCE = 40  # seconds; nothing that comes takes so long
 ON_ITS_WAY = 1.0  # seconds a message under the former keys may be late
@@ -58,11 +54,6 @@ class Wire:
                 for sender in json.loads(said or "[]")]
 
 
-def sizes(process):
-    """The sizes of all samples that it has said; they grow by one a sample."""
-    return [int(found[5]) for found in map(SAMPLE.match, process.lines) if found]
-
-
 def start_third(case, pki):
     """A subscriber whose permissions end in a few seconds, and which has heard something before."""
     for seconds in (4, 16, 64):
@@ -94,7 +85,7 @@ def permissions_end(case):
         finally:
             senders = wire.close()
         check("codes", alice.interrupt() == 0 and bob.interrupt() == 0)
-        got = sizes(bob)
+        got = bob.samples()
         check(f"lost some: {got}", got == list(range(got[0], got[0] + len(got))))
         revised = [sender for sender in senders if max(sender) > 0]
         check(f"not two revised: {senders}", len(revised) == 2)

@@ -2,12 +2,17 @@
 """Every option of ddssec-shapes, two processes at a time, each case in a domain of its own.
 Usage: shapes.py BUILD [FILTER]"""
 
+import pathlib
 import re
+import stat
 import sys
 import tempfile
 import time
 
-from shapes_process import Namespace, check, run
+from shapes_process import Namespace, check, run  # puts the folders of what follows in place
+from documents import Permissions
+from pki import Pki
+from surroundings import ENCRYPT, make_folder
 
 OTHER_DOMAIN = 189
 
@@ -208,33 +213,45 @@ def persistent(case):
         check("a store has one owner", other.end() == 2 and "locked" in " ".join(other.lines))
 
 
-def keeper(case):
-    """A durability service: the writer is killed, the service too; a late joiner has all of it."""
+def keeper(case, security=lambda who: ""):
+    """A durability service: the writer goes, the service is killed; a late joiner has all of it."""
     with tempfile.TemporaryDirectory() as folder:
-        program = case.program.parent / "ddssec-keeper"
+        store = pathlib.Path(folder) / "kept"
 
         def start():
-            service = case.start(f"--store {folder}/kept", program=program)
+            service = case.start(f"--store {store} {security('keeper')}", case.program.parent / "ddssec-keeper")
             return service, int(service.says(r"^Keeping domain \d+: (\d+) topics known$")[1])
 
         service, known = start()
         check("knows something", known == 0)
-        stays = case.start("-S -D t -k 0")
+        stays = case.start("-S -D t -k 0 " + security("stays"))
+        written = {}
         for kind in "tp":
-            pub = case.start(f"-P -D {kind} -k 0 -z 0 -w --write-period 10 --num-iterations 60 -c {kind} -p {kind}")
-            check("its code", pub.end() == 0)
+            pub = case.start(f"-P -D {kind} -k 0 -z 0 -w --write-period 10 -c {kind} -p {kind} {security(kind)}")
+            pub.says("matched readers")
+            pub.hears(60)
+            check("its code", pub.interrupt() == 0)
+            written[kind] = pub.samples()
         time.sleep(1)
         service.process.kill()
         service.process.wait()
         service, known = start()
         check(f"{known} topics", known == 2)
         for kind in "tp":
-            late = case.start(f"-S -D {kind} -k 0 -p {kind}")
-            got = sizes(late, 50)
-            check(f"{kind}: {got}", got == list(range(got[0], got[0] + 50)) and got[0] <= 10)
-            check("more than there was", not late.says_within(r"\[61\]", 0.3))
+            late = case.start(f"-S -D {kind} -k 0 -p {kind} {security('late')}")
+            late.hears(50)
+            late.sizes_for(0.3)
+            got = late.samples()
+            check(f"{kind}: {got} of {written[kind]}", got == written[kind][:len(got)])
         check("heard another partition", not stays.says_within(r"\[", 0.1))
         check("its code", service.interrupt() == 0)
+        check("its file is for others too", stat.S_IMODE(store.stat().st_mode) == 0o600)
+
+
+def secured_keeper(case):
+    with tempfile.TemporaryDirectory() as base:
+        pki, allowed = Pki(base), Permissions(("*",), ("*",), "*", case.domain)
+        keeper(case, lambda who: "--security " + make_folder(pki, who, ENCRYPT, allowed))
 
 
 def keep_last(case):
@@ -388,7 +405,7 @@ def vendors(case):
 
 CASES = [vendors, lines, writes_at_once, ends_by_itself, bad_arguments, other_domain, other_topic,
          partitions, mismatch, match, nothing_lost, colours_instances_topics, size_modulo, moves,
-         deadline_missed, ownership, shared, late_joiner, persistent, keeper, keep_last, lifespan, read_not_take, take_read,
+         deadline_missed, ownership, shared, late_joiner, persistent, keeper, secured_keeper, keep_last, lifespan, read_not_take, take_read,
          final_states, filters, time_filter, ordered, coherent, ended_publisher, large_payload,
          fragments_and_announcements, two_machines]
 

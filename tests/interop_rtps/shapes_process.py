@@ -10,7 +10,8 @@ import sys
 import threading
 import time
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "interop"))
+TESTS = pathlib.Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TESTS / "interop"), str(TESTS / "bench")]
 from pair import Namespace  # noqa: E402
 
 PATIENCE = 10.0  # seconds until what must be said has been said
@@ -64,6 +65,10 @@ class Shapes:
             topic, color, _, _, size, octet = self.says(SAMPLE.pattern, seconds).groups()
             out.append((topic, color, int(size), octet))
         return out
+
+    def samples(self):
+        """The sizes of all samples that it has said."""
+        return [int(found[5]) for found in map(SAMPLE.match, self.lines) if found]
 
     def sizes_for(self, seconds):
         """The sizes of the samples that come in that time."""
