@@ -28,8 +28,12 @@ std::string pem_text(X509* x509) {
 
 Result<X509Ptr> decode(BytesView der) {
   const auto* position = der.data();
-  X509Ptr x509(d2i_X509(nullptr, &position, static_cast<long>(der.size())));
-  if (!x509) return openssl_failure(Code::certificate_malformed);
+  // What is no certificate, OpenSSL frees; what is one with bad extensions, not.
+  X509* made = X509_new_ex(certificate_context(), nullptr);
+  const bool read =
+      made != nullptr && d2i_X509(&made, &position, static_cast<long>(der.size())) != nullptr;
+  X509Ptr x509(made);
+  if (!read) return openssl_failure(Code::certificate_malformed);
   if (position != der.data() + der.size())
     return std::unexpected(malformed("octets follow the certificate"));
   // Reads the extensions now, so that later use by several threads only reads.

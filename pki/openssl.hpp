@@ -95,6 +95,14 @@ struct Crl::Impl {
 /// OpenSSL's own last reason (its queue is empty afterwards); "" if there is none.
 std::string take_openssl_reason();
 
+/// Where certificates are read. OpenSSL 3.0 asks every decoder of every provider for the public key
+/// of a certificate, which takes several times as long as to verify the certificate's signature.
+/// This context has the algorithms of OpenSSL's default provider, but of its decoders only those of
+/// public keys that we allow (see judge_key). nullptr, OpenSSL's own context, if that is configured
+/// for FIPS or without the default provider, or memory is short. Never freed: certificates outlive
+/// all else. Thread-safe.
+OSSL_LIB_CTX* certificate_context();
+
 /// An error with OpenSSL's last reason as its note.
 std::unexpected<Error> openssl_failure(Code code, ErrorDetails details = {});
 

@@ -62,7 +62,7 @@ Result<SignatureValid> verify(const Certificate& signer, BytesView message, Byte
   const KeyKind kind = signer.key_algorithm().kind;
   if (signature.size() > kMostSignatureOctets)
     return fail(Code::signature_invalid, {.note = "it is too long"});
-  const PkeyContextPtr context(EVP_PKEY_CTX_new_from_pkey(nullptr, pkey, nullptr));
+  const PkeyContextPtr context(EVP_PKEY_CTX_new_from_pkey(certificate_context(), pkey, nullptr));
   Digest digest;
   if (!context || !hash(digest_for(kind), message, digest) ||
       EVP_PKEY_verify_init(context.get()) != 1 ||

@@ -155,6 +155,7 @@ Status DomainParticipant::start(const GuidPrefix& prefix, std::unique_ptr<OwnSec
     const auto count = socket.fetch();
     context_.serve([&] {
       const auto now = context_.now();
+      const auto gathering = context_.protocol().gather();
       for (std::size_t i = 0; i < count; ++i) context_.protocol().receive(socket.datagram(i), now);
       context_.protocol().note_backlog(count == UdpSocket::kBatch);
     });

@@ -34,6 +34,7 @@ StatefulReader* Participant::reader(const Guid& guid) {
 
 void Participant::receive(BytesView datagram, MonotonicTime now) {
   now_ = now;
+  const auto gathering = gather();
   ++counters_.messages;
   const auto header = read_header(datagram);
   Status status;
@@ -272,6 +273,7 @@ Participant::LocalWriter* Participant::local_writer(const EntityId& id) {
 void Participant::tick(MonotonicTime now) {
   now_ = now;
   if (now >= sender_.flush_by()) sender_.flush();
+  const auto gathering = gather();
   if (std::exchange(reads_first_, false)) return;
   if (now >= next_announcement_) {
     constexpr int kFastAnnouncements = 6;
@@ -329,6 +331,7 @@ Status Participant::secure_endpoint(EndpointData& data, EndpointListener& listen
 Result<Guid> Participant::create_writer(EndpointRequest request, EndpointListener& listener,
                                         MonotonicTime now) {
   now_ = now;
+  const auto gathering = gather();
   DDSSEC_TRY(check_consistency(request.qos));
   const auto kind = request.with_key ? EndpointKind::writer_with_key : EndpointKind::writer_no_key;
   auto history = std::move(request.history);
@@ -351,6 +354,7 @@ Result<Guid> Participant::create_writer(EndpointRequest request, EndpointListene
 Result<Guid> Participant::create_reader(EndpointRequest request, EndpointListener& listener,
                                         MonotonicTime now) {
   now_ = now;
+  const auto gathering = gather();
   DDSSEC_TRY(check_consistency(request.qos));
   const auto kind = request.with_key ? EndpointKind::reader_with_key : EndpointKind::reader_no_key;
   auto data = local_data(std::move(request), kind);

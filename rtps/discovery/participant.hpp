@@ -119,6 +119,8 @@ class Participant final : private SecurityHost {
   void allow_lingering() { sender_.allow_lingering(); }
   std::size_t remote_participants() const { return remotes_.size(); }
 
+  /// While it lives, what is to be sent waits for its end and shares messages.
+  MessageSender::Gathering gather() { return MessageSender::Gathering(sender_); }
   /// One datagram, from anybody.
   void receive(BytesView datagram, MonotonicTime now);
   /// Told after each batch of datagrams: more wait to be received. The answers to what we would

@@ -2,7 +2,6 @@
 #include <algorithm>
 
 #include "rtps/reliability/stateful_writer.hpp"
-#include "rtps/wire/entity_ids.hpp"
 #include "rtps/wire/gap.hpp"
 
 namespace ddssec::rtps {
@@ -26,7 +25,7 @@ void StatefulWriter::count_filters() {
 // whether it ever saw the instance.
 bool StatefulWriter::filter(const Change& change) {
   filter_results_.clear();
-  locators_now_.clear();
+  wanted_locators_.clear();
   bool all = true;
   for (auto& proxy : readers_) {
     const bool passed = proxy.wanted = proxy.accepts(change);
@@ -36,8 +35,8 @@ bool StatefulWriter::filter(const Change& change) {
     if (!passed && proxy.filtered_from.value == 0) proxy.filtered_from = change.sequence_number;
     if (!passed) continue;
     for (const auto& locator : proxy.reader.locators)
-      if (std::ranges::find(locators_now_, locator) == locators_now_.end())
-        locators_now_.push_back(locator);
+      if (std::ranges::find(wanted_locators_, locator) == wanted_locators_.end())
+        wanted_locators_.push_back(locator);
   }
   return all;
 }
@@ -49,12 +48,8 @@ void StatefulWriter::send_filtered(const Change& change) {
   for (auto& proxy : readers_)
     if (proxy.wanted && proxy.filtered_from.value != 0)
       send_filtered_gap(proxy, change.sequence_number);
-  if (!all && locators_now_ != wanted_locators_) {
-    sender_.flush();  // what lingers has borrowed them
-    wanted_locators_.swap(locators_now_);
-  }
   if (all)
-    send_change(to_all(), kEntityIdUnknown, change);
+    send_change(to_all(), all_readers(), change);
   else if (!wanted_locators_.empty())
     send_change({{}, wanted_locators_}, kEntityIdUnknown, change);
   filter_results_.clear();  // what is sent again goes to one reader, which it passed

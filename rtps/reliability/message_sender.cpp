@@ -20,19 +20,20 @@ void MessageSender::protect_with(SendProtection& protection) {
 }
 
 void MessageSender::begin(const Destination& to, SendProtection::Wrap wrap) {
-  const bool other =
-      !std::ranges::equal(to.locators, to_.locators) || wrap != wrap_ || to.dscp != to_.dscp;
-  if ((out_.size() > 0 || waiting_ > 0) && other)
-    flush();
+  const bool other = !std::ranges::equal(to.locators, to_) || wrap != wrap_ || to.dscp != dscp_;
+  if (other && (out_.size() > 0 || waiting_ > 0))
+    flush_now();
   else if (out_.size() >= full_size_)
     finish_message();
   const bool empty = out_.size() == 0;
-  if (empty) begin_message(to.locators, is_wrapped(wrap));
+  if (other) to_.assign(to.locators.begin(), to.locators.end());
+  if (empty) begin_message(to_, is_wrapped(wrap));
   // INFO_DST lasts until the next one or the end of the message.
-  if ((empty && !to.prefix.is_zero()) || (!empty && to.prefix != to_.prefix))
+  if ((empty && !to.prefix.is_zero()) || (!empty && to.prefix != destination_))
     write(out_, InfoDestination{to.prefix});
   receiver_ = empty || to.prefix == receiver_ ? to.prefix : GuidPrefix{};
-  to_ = to;
+  destination_ = to.prefix;
+  dscp_ = to.dscp;
   wrap_ = wrap;
 }
 
@@ -105,17 +106,23 @@ void MessageSender::wait_for_more(BytesView message) {
 }
 
 void MessageSender::send_waiting() {
-  if (waiting_ > 0)
-    transport_.send_all({std::span(messages_).first(waiting_), to_.locators, to_.dscp});
+  if (waiting_ > 0) transport_.send_all({std::span(messages_).first(waiting_), to_, dscp_});
   waiting_ = 0;
   waiting_octets_ = 0;
 }
 
 void MessageSender::flush() {
+  if (gatherings_ == 0)
+    flush_now();
+  else
+    flush_wanted_ = true;
+}
+
+void MessageSender::flush_now() {
   finish_message();
   send_waiting();
-  to_ = {};  // what it borrowed may end now
   flush_by_ = kNever;
+  flush_wanted_ = false;
 }
 
 }  // namespace ddssec::rtps

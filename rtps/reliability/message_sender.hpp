@@ -6,6 +6,7 @@
 #include <chrono>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "rtps/reliability/send_protection.hpp"
 #include "rtps/transport/transport.hpp"
@@ -21,7 +22,7 @@ inline constexpr MonotonicTime kNever = MonotonicTime::max();
 /// Whom a submessage is for.
 struct Destination {
   GuidPrefix prefix = {};                  ///< zero: everybody at the locators
-  std::span<const Locator> locators = {};  ///< borrowed until the flush
+  std::span<const Locator> locators = {};  ///< borrowed for the call
   std::uint8_t dscp = 0;                   ///< see Outgoing
 };
 
@@ -59,7 +60,23 @@ class MessageSender {
   void add(const Destination& to, const InfoTimestamp& time, const S& submessage) {
     put(to, &time, submessage);
   }
+  /// What was added goes out; while something gathers, at the end of that.
   void flush();
+  /// At once, as what protects it ends.
+  void flush_now();
+  /// While one lives nothing is flushed: what one event brings about shares messages.
+  class Gathering {
+   public:
+    explicit Gathering(MessageSender& sender) : sender_(sender) { ++sender_.gatherings_; }
+    ~Gathering() {
+      if (--sender_.gatherings_ == 0 && sender_.flush_wanted_) sender_.flush_now();
+    }
+    Gathering(const Gathering&) = delete;
+    Gathering& operator=(const Gathering&) = delete;
+
+   private:
+    MessageSender& sender_;
+  };
   /// Samples above this many octets go in fragments of it; at most kLargestFragment.
   void fragment_at(std::uint32_t size) {
     fragment_size_ =
@@ -72,7 +89,7 @@ class MessageSender {
   /// From now on what was added may wait for more, as somebody calls flush when flush_by says so.
   void allow_lingering() { may_linger_ = true; }
   bool may_linger() const { return may_linger_; }
-  /// Instead of a flush: at `deadline` at the latest. The destination stays borrowed until then.
+  /// Instead of a flush: at `deadline` at the latest.
   void linger(MonotonicTime deadline) { flush_by_ = std::min(flush_by_, deadline); }
   /// kNever: nothing waits.
   MonotonicTime flush_by() const { return flush_by_; }
@@ -150,11 +167,15 @@ class MessageSender {
   std::size_t slot_size_ = kLargestMessage;
   std::size_t full_size_ = kLargestMessage;
   SpanWriter out_;  ///< the message that is written, in the next slot or to be protected into it
-  Destination to_;
-  GuidPrefix receiver_;  ///< of all submessages in the message, or zero
+  std::vector<Locator> to_;  ///< of all that waits
+  std::uint8_t dscp_ = 0;    ///< the same
+  GuidPrefix destination_;   ///< of the last submessage
+  GuidPrefix receiver_;      ///< of all submessages in the message, or zero
   SendProtection::Wrap wrap_ = SendProtection::Wrap::none;
   bool may_linger_ = false;
   MonotonicTime flush_by_ = kNever;
+  int gatherings_ = 0;
+  bool flush_wanted_ = false;
   std::uint32_t samples_heard_ = 0;
   std::uint16_t fragment_size_ = kLargestFragment;
 };

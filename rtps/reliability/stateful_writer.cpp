@@ -4,7 +4,6 @@
 
 #include "rtps/reliability/stateful_reader.hpp"
 #include "rtps/wire/data_frag.hpp"
-#include "rtps/wire/entity_ids.hpp"
 #include "rtps/wire/gap.hpp"
 #include "rtps/wire/heartbeat.hpp"
 
@@ -90,8 +89,6 @@ StatefulWriter::ReaderProxy* StatefulWriter::find(const Guid& reader) {
 }
 
 void StatefulWriter::rebuild_locators() {
-  sender_.flush();  // what lingers has borrowed them
-  wanted_locators_.clear();
   all_locators_.clear();
   for (const auto& proxy : readers_)
     for (const auto& locator : proxy.reader.locators)
@@ -127,6 +124,7 @@ void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
 void StatefulWriter::unmatch(const Guid& reader) {
   auto* proxy = find(reader);
   if (proxy == nullptr) return;
+  sender_.flush();
   if (proxy->local != nullptr) proxy->local->detach(guid_);
   std::erase_if(readers_, [&](const auto& proxy) { return proxy.reader.guid == reader; });
   count_filters();
@@ -144,7 +142,7 @@ SequenceNumber StatefulWriter::write(Change change, MonotonicTime now) {
     const auto size = stored.payload.size();
     const auto everybody = to_all();
     if (filters_ == 0)
-      send_change(everybody, kEntityIdUnknown, stored);
+      send_change(everybody, all_readers(), stored);
     else
       send_filtered(stored);
     const bool asks = wants_acknowledgments(size, stored.key_hash.value_or(KeyHash{}));
@@ -152,7 +150,7 @@ SequenceNumber StatefulWriter::write(Change change, MonotonicTime now) {
     if (qos_.is_reliable()) schedule_heartbeat(now);
     if (speaks) {
       send_filtered_gaps();
-      send_heartbeat(everybody, kEntityIdUnknown, history_.first(), !asks);
+      send_heartbeat(everybody, all_readers(), history_.first(), !asks);
       last_heartbeat_ = now;
     }
     const bool fits_again = size < sender_.full_size() / 3;
@@ -186,7 +184,7 @@ bool StatefulWriter::is_hurried(MonotonicTime now) {
 void StatefulWriter::ask_for_acknowledgments() {
   if (all_acknowledged() || all_locators_.empty()) return;
   send_filtered_gaps();
-  send_heartbeat(to_all(), kEntityIdUnknown, history_.first(), false);
+  send_heartbeat(to_all(), all_readers(), history_.first(), false);
   sender_.flush();
 }
 
@@ -254,7 +252,7 @@ void StatefulWriter::assert_liveliness() {
   for (auto& proxy : readers_)
     if (proxy.local != nullptr) proxy.local->hear(guid_);
   if (all_locators_.empty()) return;
-  send_heartbeat(to_all(), kEntityIdUnknown, history_.first(), true, true);
+  send_heartbeat(to_all(), all_readers(), history_.first(), true, true);
   sender_.flush();
 }
 

@@ -10,6 +10,7 @@
 #include "rtps/reliability/timer_queue.hpp"
 #include "rtps/reliability/writer_history.hpp"
 #include "rtps/wire/acknack.hpp"
+#include "rtps/wire/entity_ids.hpp"
 #include "rtps/wire/gap.hpp"
 #include "rtps/wire/heartbeat.hpp"
 #include "rtps/wire/nack_frag.hpp"
@@ -142,7 +143,16 @@ class StatefulWriter final : private Timed {
   Destination to(const ReaderProxy& proxy) const {
     return {proxy.reader.guid.prefix, proxy.reader.locators, dscp_};
   }
-  Destination to_all() const { return {{}, all_locators_, dscp_}; }
+  Destination to_all() const {
+    return is_pairwise() ? to(readers_.front()) : Destination{{}, all_locators_, dscp_};
+  }
+  EntityId all_readers() const {
+    return is_pairwise() ? readers_.front().reader.guid.entity : kEntityIdUnknown;
+  }
+  /// Its reader is the only one, and what it gets is protected by the key of that pair.
+  bool is_pairwise() const {
+    return guid_.entity == kVolatileMessageWriter && readers_.size() == 1;
+  }
   ReaderProxy* find(const Guid& reader);
   std::optional<GroupState> group_state() const;
   Gap gap_of(const EntityId& reader, SequenceNumber first, SequenceNumber end) const;
@@ -179,8 +189,8 @@ class StatefulWriter final : private Timed {
   bool held_back_ = false;
   SequenceNumber held_from_;  ///< the first that was not sent
   bool history_only_ = false;
-  std::size_t filters_ = 0;                     ///< readers that do not get everything
-  LocatorList wanted_locators_, locators_now_;  ///< of whoever wanted the last change
+  std::size_t filters_ = 0;      ///< readers that do not get everything
+  LocatorList wanted_locators_;  ///< of whoever wanted the last change
   std::vector<FilterResult> filter_results_;
   std::int32_t heartbeat_count_ = 0;
   MonotonicTime next_heartbeat_ = kNever;

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "rtps/reliability/stateful_writer.hpp"
-#include "rtps/wire/entity_ids.hpp"
 
 namespace ddssec::rtps {
 
@@ -40,13 +39,13 @@ void StatefulWriter::hold_back(bool held_back, MonotonicTime now) {
   for (auto& proxy : readers_)
     if (proxy.local != nullptr) feed(proxy);
   if (!all_locators_.empty() && held_from_ <= history_.last()) {
-    const Destination everybody{{}, all_locators_};
+    const auto everybody = to_all();
     for (auto number = std::max(held_from_, history_.first()); number <= history_.last();
          number = number.next())
       if (const auto* change = history_.find(number))
-        send_change(everybody, kEntityIdUnknown, *change);
+        send_change(everybody, all_readers(), *change);
     if (qos_.is_reliable()) {
-      send_heartbeat(everybody, kEntityIdUnknown, history_.first(), false);
+      send_heartbeat(everybody, all_readers(), history_.first(), false);
       schedule_heartbeat(now);
     }
     sender_.flush();

@@ -71,6 +71,7 @@ void PeerHandshake::fail_with(Error error) {
 
 void PeerHandshake::start(MonotonicTime now, Messages& out) {
   started_ = true;
+  began_ = now;
   // The peer's own auth_request is not handed over: whoever forges one could otherwise shut out the
   // honest peer, and nothing but its signatures proves anything.
   auto peer = plugin_.validate_remote_identity(sides_.own, std::nullopt, sides_.peer_identity_token,
@@ -132,7 +133,7 @@ void PeerHandshake::repeat_answers(Messages& out) {
 void PeerHandshake::hasten(MonotonicTime now) {
   if (!started_ || failure_) return;
   hastened_ = true;
-  if (next_ != kNever) next_ = std::min(next_, now);
+  if (next_ != kNever) next_ = std::min(next_, std::max(now, began_ + kDelay));
 }
 
 void PeerHandshake::begin_again(MonotonicTime now) {

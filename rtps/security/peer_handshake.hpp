@@ -68,7 +68,8 @@ class PeerHandshake {
   void start_at(MonotonicTime time) { next_ = time; }
   /// The peer said something: it is worth more than a few repetitions.
   void note_heard() { heard_ = true; }
-  /// Something of the peer had to be dropped: what waits for an answer is sent again at once.
+  /// Something of the peer had to be dropped: what waits for an answer is sent again at once,
+  /// if there was time for an answer.
   void hasten(MonotonicTime now);
   /// A new handshake beside the finished one, if we are the side that begins.
   void begin_again(MonotonicTime now);
@@ -151,6 +152,7 @@ class PeerHandshake {
   MessageNumbers& numbers_;
   const MonotonicTime give_up_;
   MonotonicTime next_;
+  MonotonicTime began_{};
   spi::IdentityHandle peer_;
   std::optional<GenericMessage> auth_request_;
   bool started_ = false;

@@ -105,6 +105,7 @@ void Security::lost(const GuidPrefix& prefix) {
 }
 
 void Security::close(Peer& peer) {
+  sender_.flush_now();  // what waits needs its keys
   keyring_.remove_remote(peer.data.guid.prefix);
   if (peer.permissions)
     static_cast<void>(own_->plugins().access_control.return_permissions_handle(peer.permissions));
@@ -132,6 +133,7 @@ bool Security::has_spoken(const GuidPrefix& prefix) const {
 
 // ---- handshake
 
+// In a flood each of them has its own chance to be among those that are looked at.
 void Security::send(Peer& peer, const PeerHandshake::Messages& messages) {
   for (const auto& message : messages) {
     const auto payload = write_generic_message(message);
@@ -141,7 +143,7 @@ void Security::send(Peer& peer, const PeerHandshake::Messages& messages) {
                                                                 {},
                                                                 PayloadKind::data,
                                                                 payload});
-    sender_.flush();
+    sender_.flush_now();
   }
 }
 

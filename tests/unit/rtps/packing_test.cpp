@@ -119,6 +119,30 @@ TEST_F(Packing, WhoWritesSlowlyOrAnswersIsNotKeptWaiting) {
   }
 }
 
+TEST_F(Packing, WhatOneEventBringsAboutSharesMessages) {
+  const auto other = *Locator::parse("127.0.0.1", 2);
+  const auto speak = [&](const Locator& to) {
+    sender.add({kB, {&to, 1}}, AckNack{testing::kReader, testing::kWriter, {}, 1, true});
+    sender.flush();
+  };
+  {
+    const MessageSender::Gathering event(sender);
+    {
+      const MessageSender::Gathering part_of_it(sender);
+      for (int i = 0; i < 5; ++i) speak(kHere);
+    }
+    EXPECT_TRUE(transport.sent.empty());
+    speak(other);
+    EXPECT_EQ(transport.sent.size(), 1u) << "another address";
+    speak(kHere);
+    sender.flush_now();
+    EXPECT_EQ(transport.sent.size(), 3u);
+  }
+  EXPECT_EQ(transport.sent.size(), 3u);
+  EXPECT_EQ(count({transport.sent.front()}, SubmessageId::acknack), 5u);
+  EXPECT_EQ(count({transport.sent.front()}, SubmessageId::info_destination), 1u);
+}
+
 TEST_F(Packing, LargeSamplesDoNotWait) {
   write_quickly(20, 8192);
   EXPECT_EQ(transport.sent.size(), 20u);

@@ -332,7 +332,8 @@ TEST(KeyRevision, OfWhoJoinsInTheMiddleNothingIsLost) {
     trio.world.run(30);
     trio.world.nodes.push_back(&d);
     trio.read(d);
-    ASSERT_TRUE(trio.world.run_until([&] { return d.listener.matched == 1; }, 400)) << trio.text();
+    const auto both = [&] { return d.listener.matched == 1 && trio.a.listener.matched == 2; };
+    ASSERT_TRUE(trio.world.run_until(both, 400)) << trio.text();
     ASSERT_FALSE(trio.a.events.has(Code::rtps_keys_revised));
     trio.write();
     trio.world.run(30);
