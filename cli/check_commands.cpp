@@ -10,6 +10,7 @@
 #include "cli/inputs.hpp"
 #include "cli/meeting_report.hpp"
 #include "cli/options.hpp"
+#include "cli/pre_shared_keys.hpp"
 #include "governance/model.hpp"
 
 namespace ddssec::cli {
@@ -86,7 +87,7 @@ Result<Report> check(const Arguments& arguments, const Context& context) {
   const auto b = load_participant(folders[1], now);
   std::string names[2];
   name_parties(folders[0], folders[1], names);
-  const auto meeting = doctor::meet(
+  const auto meeting = meet_with_keys(
       {a, vendors[0], names[0]}, {b, vendors[1], names[1]},
       {.now = now, .domain = domain, .partitions = arguments.all("--partition")}, topics);
   const MeetingView view{.meeting = meeting,

@@ -11,6 +11,7 @@
 #include "cli/inputs.hpp"
 #include "cli/meeting_report.hpp"
 #include "cli/options.hpp"
+#include "cli/pre_shared_keys.hpp"
 #include "governance/doctor/diagnosis.hpp"
 #include "governance/doctor/lint_checks.hpp"
 #include "governance/doctor/plugin_probe.hpp"
@@ -134,7 +135,7 @@ void add_meetings(Report& report, const doctor::Party& self, const doctor::Party
   for (const auto a : vendors)
     for (const auto b : vendors) {
       const auto meeting =
-          doctor::meet({self.folder, a, self.name}, {peer.folder, b, peer.name}, settings);
+          meet_with_keys({self.folder, a, self.name}, {peer.folder, b, peer.name}, settings);
       const MeetingView view{
           .meeting = meeting, .names = {self.name, peer.name}, .domain = settings.domain};
       const bool talk = would_talk(view);
@@ -144,7 +145,8 @@ void add_meetings(Report& report, const doctor::Party& self, const doctor::Party
       report.result["peer"]["meetings"].push_back(
           {{"self", doctor::id(a)}, {"peer", doctor::id(b)}, {"talk", talk}});
       for (const auto& finding : meeting.findings) {
-        if (finding.rule == Rule::DOC090) continue;  // said by the diagnosis
+        if (finding.rule == Rule::DOC090 || finding.rule == Rule::DOC091)
+          continue;  // said by the diagnosis
         if (std::ranges::find(said, finding.message) != said.end()) continue;
         said.push_back(finding.message);
         report.findings.push_back(finding);
@@ -159,6 +161,7 @@ Status add_peer(Report& report, const Arguments& arguments, const doctor::Loaded
   const auto peer = load_participant(folders[1], settings.now);
   report.text += '\n';
   auto diagnosis = doctor::diagnose(peer, settings);
+  check_pre_shared_keys(peer, settings, diagnosis);
   doctor::check_lint(peer, settings, diagnosis);
   report.result["peer"] = add_diagnosis(report, folders[1], diagnosis, settings, vendors);
   std::string names[2];
@@ -188,6 +191,7 @@ Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
   const auto loaded = load_participant(folder, settings.now);
   Report report;
   auto diagnosis = doctor::diagnose(loaded, settings);
+  check_pre_shared_keys(loaded, settings, diagnosis);
   if (arguments.has("--ros"))
     doctor::check_ros(loaded, doctor::ros_environment(), settings, diagnosis);
   if (arguments.has("--plugins"))

@@ -158,6 +158,7 @@ constexpr std::array kSpellings{
     Spelling{"Fast DDS refuses it", {.fastdds = Outcome::fail}},
     Spelling{"has no <default>", {.fastdds = Outcome::fail}},
     Spelling{"has no <min>", {.cyclonedds = Outcome::fail}},
+    Spelling{"came with DDS-Security 1.2", {.cyclonedds = Outcome::fail, .fastdds = Outcome::fail}},
     Spelling{"is not in capitals", {.cyclonedds = Outcome::fail, .fastdds = Outcome::fail}},
 };
 

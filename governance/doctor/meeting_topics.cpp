@@ -229,6 +229,8 @@ std::vector<Difference> differences(const DomainRule& a, const DomainRule& b) {
       .element("discovery_protection_kind", &DomainRule::discovery_protection_kind)
       .element("liveliness_protection_kind", &DomainRule::liveliness_protection_kind)
       .element("rtps_protection_kind", &DomainRule::rtps_protection_kind)
+      .element("rtps_psk_protection_kind", &DomainRule::rtps_psk_protection_kind)
+      .element("enable_key_revision", &DomainRule::enable_key_revision)
       .found();
 }
 

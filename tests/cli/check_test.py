@@ -144,6 +144,54 @@ class Check(Transcript):
         self.assertEqual(result["join"]["masks"], ["0x80000007/0x80000006", "0x80000006/0x80000006"])
         self.assertEqual(result["join"]["differences"][0]["element"], "rtps_protection_kind")
 
+    def test_governance_of_which_one_asks_for_more(self):
+        for element, where, values in (("rtps_psk_protection_kind", "</rtps_protection_kind>", ("NONE", "SIGN")),
+                                       ("enable_key_revision", "</enable_join_access_control>", ("false", "true"))):
+            self.listener.sign("governance", GOVERNANCE.replace(
+                where, f"{where}<{element}>{values[1]}</{element}>"))
+            self.apart("DOC082", f"<{element}> is {values[0]} at talker", f"{values[1]} at listener")
+
+    def test_pre_shared_keys(self):
+        words = GOVERNANCE.replace("</rtps_protection_kind>", "</rtps_protection_kind>"
+                                   "<rtps_psk_protection_kind>ENCRYPT</rtps_psk_protection_kind>")
+        properties = "dds.sec.crypto.rtps_psk_secret_passphrase"
+
+        def have(passphrase, extra="", cipher=""):
+            for made, line in ((self.talker, "1:xyzzy"), (self.listener, passphrase)):
+                made.sign("governance", words)
+                text = f"{properties} = data:,{line}\n"
+                if made is self.listener:
+                    text += f"{properties}_extra = data:,{extra}\n" if extra else ""
+                    text += f"dds.sec.crypto.rtps_psk_symmetric_cipher_algorithm = {cipher}\n" if cipher else ""
+                (made.path / "security.properties").write_text(text)
+
+        have("1:xyzzy", cipher="AES256+GCM")
+        self.check(exit=0)
+        self.assertEqual(self.json("doctor", "listener", "--vendor", "ours", exit=0)["diagnostics"], [])
+        for what, sentence in (
+                (("2:plugh",), "talker sends under passphrase 1, and listener understands 2 only"),
+                (("2:plugh", "1:xyzzy"), "listener sends under passphrase 2, and talker understands 1 only"),
+                (("1:plugh",), "talker and listener have different passphrases under id 1"),
+                (("1:xyzzy", "", "AES128+GCM"),
+                 "pre-shared keys are for AES256+GCM at talker and for AES128+GCM at listener")):
+            have(*what)
+            self.apart("DOC092", sentence, document="security.properties")
+            out = self.json("doctor", "talker", "--peer", "listener", "--vendor", "ours", exit=1)
+            self.assertIn(sentence, [d["message"] for d in out["diagnostics"]])
+            self.assertFalse("xyzzy" in str(out) or "plugh" in str(out))
+        (self.listener.path / "security.properties").unlink()
+        self.apart("DOC091", "<rtps_psk_protection_kind> is ENCRYPT", properties)
+        open_file = self.at / "open.psk"
+        open_file.write_text("1:xyzzy\n")
+        open_file.chmod(0o644)
+        (self.listener.path / "security.properties").write_text(f"{properties} = file:{open_file}\n")
+        self.check(exit=0)
+        out = self.json("doctor", "listener", "--vendor", "ours", exit=0)
+        self.assertEqual([(d["id"], d["severity"]) for d in out["diagnostics"]], [("DOC091", "warning")])
+        # Who cannot is told so, whatever is in the properties.
+        self.apart("DOC090", "listener does not work with Cyclone DDS 0.10.2 by itself",
+                   words=("--vendor", "B=cyclonedds"))
+
     def test_governance_that_differs_for_a_topic(self):
         self.listener.sign("governance", GOVERNANCE.replace("<data_protection_kind>ENCRYPT",
                                                             "<data_protection_kind>SIGN"))

@@ -439,6 +439,10 @@ governance("order", """<enable_read_access_control>true</enable_read_access_cont
           <enable_write_access_control>true</enable_write_access_control>""",
            """<enable_write_access_control>true</enable_write_access_control>
           <enable_read_access_control>true</enable_read_access_control>""")
+governance("pre-shared-key", "</rtps_protection_kind>",
+           "</rtps_protection_kind>\n      <rtps_psk_protection_kind>ENCRYPT</rtps_psk_protection_kind>")
+governance("key-revision", "</enable_join_access_control>",
+           "</enable_join_access_control>\n      <enable_key_revision>true</enable_key_revision>")
 governance("payload-only", "<metadata_protection_kind>ENCRYPT<", "<metadata_protection_kind>NONE<")
 
 

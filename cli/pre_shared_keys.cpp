@@ -1,0 +1,129 @@
+#include "cli/pre_shared_keys.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "plugins/cryptography/passphrase.hpp"
+#include "plugins/spi/property_file.hpp"
+#include "plugins/spi/property_names.hpp"
+#include "plugins/spi/symmetric_cipher.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace doctor = governance::doctor;
+namespace property = spi::property;
+using cryptography::Passphrase;
+using doctor::LoadedFolder;
+using doctor::Outcome;
+
+/// What a folder's properties say, and what there is to warn of.
+struct PreSharedKeys final : EventSink {
+  std::vector<Passphrase> passphrases;
+  std::string cipher;
+  std::vector<Error> warnings;
+  void raise(const Event& event) override { warnings.push_back(event.error); }
+
+  std::vector<std::uint32_t> ids() const {
+    std::vector<std::uint32_t> out;
+    for (const auto& passphrase : passphrases) out.push_back(passphrase.id);
+    return out;
+  }
+};
+
+/// NONE: it asks for none.
+ProtectionKind asked_for(const LoadedFolder& folder, DomainId domain) {
+  if (!folder.governance.model) return ProtectionKind::none;
+  const auto* const rule = folder.governance.model->find(domain);
+  return rule == nullptr ? ProtectionKind::none : rule->rtps_psk_protection_kind;
+}
+
+Result<PreSharedKeys> keys_of(const LoadedFolder& folder) {
+  PreSharedKeys out;
+  std::error_code ignored;
+  spi::PropertyList properties;
+  if (std::filesystem::exists(folder.paths.properties, ignored))
+    properties = DDSSEC_TRY(spi::read_property_file(folder.paths.properties));
+  out.passphrases = DDSSEC_TRY(cryptography::PassphraseFiles(properties, {}).load(out));
+  const auto* const cipher = spi::find_property(properties, property::kPskCipher);
+  out.cipher = cipher == nullptr || *cipher == "AUTO" ? std::string(spi::kAes256Name) : *cipher;
+  return out;
+}
+
+Finding missing(const LoadedFolder& folder, ProtectionKind kind, const Error& error) {
+  const auto& place = error.details().document;
+  return {.rule = Rule::DOC091,
+          .message = fmt::format("<rtps_psk_protection_kind> is {}, and {}: {}", to_string(kind),
+                                 place.empty() ? "the properties" : place, error.message()),
+          .document = folder.paths.properties.string(),
+          .line = error.details().line};
+}
+
+/// Why the second does not hear the first; empty: it does.
+std::string obstacle(const doctor::Party& from, const PreSharedKeys& of_from,
+                     const doctor::Party& to, const PreSharedKeys& of_to) {
+  const auto& sends = of_from.passphrases.front();
+  const auto known = std::ranges::find(of_to.passphrases, sends.id, &Passphrase::id);
+  if (known == of_to.passphrases.end())
+    return fmt::format("{} sends under passphrase {}, and {} understands {} only", from.name,
+                       sends.id, to.name, fmt::join(of_to.ids(), ", "));
+  if (known->text != sends.text)
+    return fmt::format("{} and {} have different passphrases under id {}", from.name, to.name,
+                       sends.id);
+  if (of_from.cipher != of_to.cipher)
+    return fmt::format("pre-shared keys are for {} at {} and for {} at {}", of_from.cipher,
+                       from.name, of_to.cipher, to.name);
+  return {};
+}
+
+void refuse(doctor::Meeting& out, Finding finding) {
+  out.pre_shared_keys_fit = false;
+  const auto same = [&](const Finding& said) { return said.message == finding.message; };
+  if (std::ranges::none_of(out.findings, same)) out.findings.push_back(std::move(finding));
+}
+
+void compare(const doctor::Party& a, const doctor::Party& b, DomainId domain,
+             doctor::Meeting& out) {
+  const auto kind = asked_for(a.folder, domain);
+  const auto of_a = keys_of(a.folder), of_b = keys_of(b.folder);
+  if (!of_a) refuse(out, missing(a.folder, kind, of_a.error()));
+  if (!of_b) refuse(out, missing(b.folder, kind, of_b.error()));
+  if (!of_a || !of_b) return;
+  for (const auto& why : {obstacle(a, *of_a, b, *of_b), obstacle(b, *of_b, a, *of_a)})
+    if (!why.empty())
+      refuse(
+          out,
+          {.rule = Rule::DOC092, .message = why, .document = b.folder.paths.properties.string()});
+}
+
+}  // namespace
+
+void check_pre_shared_keys(const LoadedFolder& folder, const doctor::Settings& settings,
+                           doctor::Diagnosis& out) {
+  const auto kind = asked_for(folder, settings.domain);
+  if (!is_protected(kind)) return;
+  out.pass(Rule::DOC091);
+  const auto keys = keys_of(folder);
+  if (!keys) return out.report({.ours = Outcome::fail}, missing(folder, kind, keys.error()));
+  for (const auto& warning : keys->warnings)
+    out.report({}, {.rule = Rule::DOC091,
+                    .message = warning.message(),
+                    .document = folder.paths.properties.string(),
+                    .severity = Severity::warning});
+}
+
+doctor::Meeting meet_with_keys(const doctor::Party& a, const doctor::Party& b,
+                               const doctor::Settings& settings, std::vector<std::string> topics) {
+  auto out = doctor::meet(a, b, settings, std::move(topics));
+  const auto needs_keys = [&](const doctor::Party& party) {
+    return party.vendor == doctor::Vendor::ours &&
+           is_protected(asked_for(party.folder, settings.domain));
+  };
+  if (needs_keys(a) && needs_keys(b)) compare(a, b, settings.domain, out);
+  return out;
+}
+
+}  // namespace ddssec::cli
