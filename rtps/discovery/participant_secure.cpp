@@ -15,7 +15,7 @@ constexpr std::size_t kMostOwnData = 16384;
 
 Status Participant::secure(std::unique_ptr<OwnSecurity> own) {
   SecurityHost& host = *this;
-  security_ = std::make_unique<Security>(std::move(own), sender_, host, events_);
+  security_ = std::make_unique<Security>(std::move(own), sender_, timers_, host, events_);
   builtin_.secure();
   for (auto* scratch : {&message_scratch_, &submessage_scratch_, &payload_scratch_})
     scratch->resize(kScratch);

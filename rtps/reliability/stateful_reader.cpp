@@ -7,7 +7,7 @@
 namespace ddssec::rtps {
 namespace {
 
-constexpr MonotonicTime kFirstQuestion = std::chrono::milliseconds(20);
+constexpr MonotonicTime kFirstQuestion = std::chrono::milliseconds(50);
 constexpr MonotonicTime kLongestQuestion = std::chrono::seconds(5);
 
 }  // namespace

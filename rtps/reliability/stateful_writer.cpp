@@ -88,12 +88,10 @@ StatefulWriter::ReaderProxy* StatefulWriter::find(const Guid& reader) {
   return at == readers_.end() ? nullptr : &*at;
 }
 
-void StatefulWriter::rebuild_locators() {
-  all_locators_.clear();
-  for (const auto& proxy : readers_)
-    for (const auto& locator : proxy.reader.locators)
-      if (std::ranges::find(all_locators_, locator) == all_locators_.end())
-        all_locators_.push_back(locator);
+void StatefulWriter::add_locators(const MatchedReader& reader) {
+  for (const auto& locator : reader.locators)
+    if (std::ranges::find(all_locators_, locator) == all_locators_.end())
+      all_locators_.push_back(locator);
 }
 
 void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
@@ -106,8 +104,8 @@ void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
   if (history_only_) proxy.until = next;
   readers_.push_back(std::move(proxy));
   count_filters();
-  rebuild_locators();
   const auto& matched = readers_.back();
+  add_locators(matched.reader);
   if (matched.reader.in_process) return;
   if (!matched.reader.reliable || !qos_.is_reliable()) {
     for (auto number = matched.first_relevant; number < next; number = number.next())
@@ -128,7 +126,8 @@ void StatefulWriter::unmatch(const Guid& reader) {
   if (proxy->local != nullptr) proxy->local->detach(guid_);
   std::erase_if(readers_, [&](const auto& proxy) { return proxy.reader.guid == reader; });
   count_filters();
-  rebuild_locators();
+  all_locators_.clear();
+  for (const auto& left : readers_) add_locators(left.reader);
   release_acknowledged();
 }
 

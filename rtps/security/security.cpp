@@ -30,10 +30,11 @@ constexpr MonotonicTime kExpiryPeriod = std::chrono::seconds(1);
 
 }  // namespace
 
-Security::Security(std::unique_ptr<OwnSecurity> own, MessageSender& sender, SecurityHost& host,
-                   EventSink& events)
+Security::Security(std::unique_ptr<OwnSecurity> own, MessageSender& sender, TimerQueue& timers,
+                   SecurityHost& host, EventSink& events)
     : own_(std::move(own)),
       sender_(sender),
+      timers_(timers),
       host_(host),
       events_(events),
       keyring_(*own_, events) {}
@@ -75,7 +76,8 @@ void Security::discovered(const ParticipantData& data, const LocatorList& metatr
   const auto prefix = data.guid.prefix;
   if (peers_.contains(prefix)) return;
   drop_absent(prefix);
-  peers_.emplace(prefix, Peer{data, metatraffic, handshake_with(data, now)});
+  look_after(
+      peers_.emplace(prefix, Peer{data, metatraffic, handshake_with(data, now)}).first->second);
 }
 
 // Anybody may announce in anybody's name, and may have been the first. So a handshake that failed
@@ -93,6 +95,7 @@ void Security::announced_again(const ParticipantData& data, const LocatorList& m
   peer->data = data;
   peer->generation = 0;
   peer->refused = false;
+  look_after(*peer);
 }
 
 void Security::lost(const GuidPrefix& prefix) {
@@ -162,6 +165,7 @@ void Security::on_stateless(const GuidPrefix& source, BytesView payload, Monoton
     on_auth_request(*peer);
   else if (message->message_class == message_class::kAuthentication)
     on_authentication(*peer, *message);
+  look_after(*peer);
 }
 
 // It waits for our request. If we are done with it, it may have lost us.
@@ -277,19 +281,28 @@ Status Security::adopt_proven_data(Peer& peer) {
 
 void Security::tick(MonotonicTime now) {
   now_ = now;
-  // A peer may go meanwhile.
-  for (auto at = peers_.begin(); at != peers_.end();) {
-    const auto prefix = at->first;
-    if (!at->second.refused) tick_handshake(at->second, now);
-    if (auto* peer = find(prefix); peer != nullptr && peer->volatile_writer) {
-      peer->volatile_writer->tick(now);
-      peer->volatile_reader->tick(now);
-    }
-    at = peers_.upper_bound(prefix);
-  }
+  if (now >= next_handshake_) tick_handshakes();
   // Whom expire() finds is gone before keys are sent.
   tick_revision();
   if (now >= next_expiry_) expire();
+}
+
+void Security::look_after(const Peer& peer) {
+  if (peer.refused) return;
+  next_handshake_ = std::min(next_handshake_, peer.handshake->next_tick());
+  if (peer.established && !peer.authenticated)
+    next_handshake_ = std::min(next_handshake_, peer.since + kConfirmation);
+}
+
+// A peer may go meanwhile.
+void Security::tick_handshakes() {
+  next_handshake_ = kNever;
+  for (auto at = peers_.begin(); at != peers_.end();) {
+    const auto prefix = at->first;
+    if (!at->second.refused) tick_handshake(at->second, now_);
+    if (const auto* peer = find(prefix)) look_after(*peer);
+    at = peers_.upper_bound(prefix);
+  }
 }
 
 void Security::tick_handshake(Peer& peer, MonotonicTime now) {
@@ -311,13 +324,7 @@ void Security::tick_handshake(Peer& peer, MonotonicTime now) {
 }
 
 MonotonicTime Security::next_tick() const {
-  auto next = std::min(next_expiry_, next_revision());
-  for (const auto& [prefix, peer] : peers_) {
-    if (!peer.refused) next = std::min(next, peer.handshake->next_tick());
-    if (peer.volatile_writer) next = std::min(next, peer.volatile_writer->next_tick());
-    if (peer.volatile_reader) next = std::min(next, peer.volatile_reader->next_tick());
-  }
-  return next;
+  return std::min({next_expiry_, next_revision(), next_handshake_});
 }
 
 // The plugins know the calendar and raise the events.

@@ -73,8 +73,9 @@ class Security {
   /// How often a peer that asks again, as if it had forgotten us, is believed.
   static constexpr MonotonicTime kSecondHandshake = std::chrono::seconds(5);
 
-  Security(std::unique_ptr<OwnSecurity> own, MessageSender& sender, SecurityHost& host,
-           EventSink& events);
+  /// Somebody runs `timers` whenever they say so, and tick whenever next_tick does.
+  Security(std::unique_ptr<OwnSecurity> own, MessageSender& sender, TimerQueue& timers,
+           SecurityHost& host, EventSink& events);
   ~Security();
 
   OwnSecurity& own() { return *own_; }
@@ -210,6 +211,9 @@ class Security {
   bool refuse(Peer& peer, const Error& error);
   void note_failure(Peer& peer);
   void tick_handshake(Peer& peer, MonotonicTime now);
+  void tick_handshakes();
+  /// Its handshake may have something to do earlier than all did before.
+  void look_after(const Peer& peer);
   void send_tokens(Peer& peer, std::string_view message_class, const Guid& from, const Guid& to,
                    std::vector<spi::Token> tokens);
   void send_endpoint_tokens(Peer& peer, const EntityId& local, const Guid& remote,
@@ -240,6 +244,7 @@ class Security {
 
   std::unique_ptr<OwnSecurity> own_;
   MessageSender& sender_;
+  TimerQueue& timers_;
   SecurityHost& host_;
   EventSink& events_;
   Keyring keyring_;
@@ -263,6 +268,7 @@ class Security {
   MonotonicTime revision_retry_{};
   MonotonicTime now_{};
   MonotonicTime next_expiry_{};
+  MonotonicTime next_handshake_ = kNever;  ///< none of them wants anything before
 };
 
 }  // namespace ddssec::rtps

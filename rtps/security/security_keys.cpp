@@ -18,10 +18,10 @@ void Security::open_volatile(Peer& peer, MonotonicTime now) {
   const auto prefix = peer.data.guid.prefix;
   const Guid writer{prefix, kVolatileMessageWriter}, reader{prefix, kVolatileMessageReader};
   peer.volatile_writer = std::make_unique<StatefulWriter>(
-      Guid{own_->guid().prefix, kVolatileMessageWriter}, volatile_qos(), sender_);
+      Guid{own_->guid().prefix, kVolatileMessageWriter}, volatile_qos(), sender_, &timers_);
   peer.volatile_reader = std::make_unique<StatefulReader>(
       Guid{own_->guid().prefix, kVolatileMessageReader}, true, sender_,
-      [this, prefix](Change& change) { return on_volatile(prefix, change); });
+      [this, prefix](Change& change) { return on_volatile(prefix, change); }, &timers_);
   peer.volatile_writer->match({reader, true, false, peer.metatraffic}, now);
   peer.volatile_reader->match({writer, true, peer.metatraffic}, now);
   auto tokens = keyring_.participant_tokens(prefix);
