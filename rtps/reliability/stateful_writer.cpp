@@ -111,7 +111,8 @@ void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
     for (auto number = matched.first_relevant; number < next; number = number.next())
       if (const auto* change = history_.find(number); change && matched.accepts(*change))
         send_change(to(matched), matched.reader.guid.entity, *change);
-  } else {
+  } else if (!is_builtin(guid_.entity) || history_.last().value > 0) {
+    // Of a builtin writer that has nothing, readers learn when they ask.
     send_heartbeat(to(matched), matched.reader.guid.entity, matched.first_relevant, false);
     period_ = kFirstPeriod;
     heartbeat_at(now + period_);
