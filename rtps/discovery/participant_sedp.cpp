@@ -23,8 +23,9 @@ std::optional<QosMismatch> refusal(const TypeJudgement& types, const EndpointDat
 }  // namespace
 
 void Participant::publish(const EndpointData& data, MonotonicTime now) {
-  Bytes buffer(kMostEndpointOctets);
-  SpanWriter payload(buffer);
+  // Of so many octets few are written, and only those are to cost anything.
+  const auto buffer = std::make_unique_for_overwrite<std::uint8_t[]>(kMostEndpointOctets);
+  SpanWriter payload({buffer.get(), kMostEndpointOctets});
   write_payload(payload, data);
   Change change;
   change.key_hash = data.guid.octets();
