@@ -62,7 +62,7 @@ class MessageSender {
   }
   /// What was added goes out; while something gathers, at the end of that.
   void flush();
-  /// At once, as what protects it ends.
+  /// At once: before keys that it needs are forgotten, or where it is not to share a message.
   void flush_now();
   /// While one lives nothing is flushed: what one event brings about shares messages.
   class Gathering {
