@@ -218,7 +218,7 @@ void StatefulReader::on_data_frag(const GuidPrefix& from, const DataFrag& frag,
 void StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat) {
   auto* proxy = find({from, heartbeat.writer});
   if (proxy == nullptr || !reliable_ || !proxy->writer.reliable) return;
-  if (proxy->heard && heartbeat.count - proxy->last_heartbeat <= 0) return;
+  if (proxy->heard && !is_later(heartbeat.count, proxy->last_heartbeat)) return;
   if (!std::exchange(proxy->heard, true)) proxy->history_end = heartbeat.last;
   proxy->next_question = kNever;
   proxy->last_heartbeat = heartbeat.count;

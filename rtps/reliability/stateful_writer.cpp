@@ -262,7 +262,7 @@ void StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, 
   const auto base = acknack.missing.base();
   // A reader that knows nothing yet asks what there is (base 0: Fast DDS; count 0: Cyclone DDS).
   const bool pre_emptive = base.value < 1 || acknack.count == 0;
-  if (!pre_emptive && acknack.count - proxy->last_count <= 0 && proxy->last_count != 0) return;
+  if (!pre_emptive && !is_later(acknack.count, proxy->last_count) && proxy->last_count != 0) return;
   proxy->last_count = acknack.count;
   if (!pre_emptive && base <= history_.last().next() && base.previous() > proxy->acknowledged) {
     proxy->acknowledged = base.previous();
@@ -317,7 +317,7 @@ bool StatefulWriter::answer_requests(ReaderProxy& proxy, const SequenceNumberSet
 void StatefulWriter::on_nack_frag(const GuidPrefix& from, const NackFrag& nack, MonotonicTime now) {
   auto* proxy = find({from, nack.reader});
   if (proxy == nullptr || !proxy->reader.reliable) return;
-  if (nack.count - proxy->last_frag_count <= 0 && proxy->last_frag_count != 0) return;
+  if (!is_later(nack.count, proxy->last_frag_count) && proxy->last_frag_count != 0) return;
   proxy->last_frag_count = nack.count;
   be_attentive(now);
   auto& repair = proxy->repair;

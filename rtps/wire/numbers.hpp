@@ -1,4 +1,5 @@
-// Sequence and fragment numbers and the bounded sets of them (RTPS 9.4.2.5, 9.4.2.6, 9.4.2.8).
+// Sequence and fragment numbers, the bounded sets of them, and counts (RTPS 9.4.2.5, 9.4.2.6,
+// 9.4.2.8, 8.3.5.10).
 #pragma once
 
 #include <array>
@@ -25,6 +26,12 @@ inline constexpr SequenceNumber kGreatestSequenceNumber{std::int64_t{1} << 62};
 
 constexpr bool is_valid(SequenceNumber number) {
   return number.value >= 1 && number <= kGreatestSequenceNumber;
+}
+
+/// Counts of heartbeats and requests begin again behind their greatest; any may come from a wire.
+constexpr bool is_later(std::int32_t count, std::int32_t than) {
+  const auto ahead = static_cast<std::uint32_t>(count) - static_cast<std::uint32_t>(than);
+  return static_cast<std::int32_t>(ahead) > 0;
 }
 
 /// Counts the fragments of one sample from 1.

@@ -1,4 +1,6 @@
 // Times, numbers, locators, entity ids, parameter lists and inline QoS.
+#include <limits>
+
 #include "rtps/wire/entity_ids.hpp"
 #include "rtps/wire/inline_qos.hpp"
 #include "rtps/wire/locator.hpp"
@@ -51,6 +53,18 @@ TEST(NumberSet, HoldsWhatItReaches) {
   EXPECT_TRUE(set.contains({42}));
   EXPECT_FALSE(set.contains({43}));
   EXPECT_FALSE(set.contains({INT64_MIN}));
+}
+
+TEST(Count, BeginsAgainBehindItsGreatest) {
+  constexpr auto kGreatest = std::numeric_limits<std::int32_t>::max();
+  constexpr auto kLeast = std::numeric_limits<std::int32_t>::min();
+  EXPECT_TRUE(is_later(2, 1));
+  EXPECT_FALSE(is_later(1, 1));
+  EXPECT_FALSE(is_later(1, 2));
+  EXPECT_TRUE(is_later(kLeast, kGreatest));
+  EXPECT_FALSE(is_later(kGreatest, kLeast));
+  EXPECT_TRUE(is_later(-kGreatest, kGreatest - 65535));
+  EXPECT_TRUE(is_later(kGreatest, 1));
 }
 
 TEST(NumberSet, BitsBeyondTheCountAreDropped) {
