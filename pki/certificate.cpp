@@ -49,6 +49,13 @@ Result<WallTime> time_of(const ASN1_TIME* time, const char* field) {
   return out;
 }
 
+// How the certificate itself calls its key: of a type that we do not allow, that is all there is.
+std::string_view key_type(const X509* x509) {
+  ASN1_OBJECT* algorithm = nullptr;
+  X509_PUBKEY_get0_param(&algorithm, nullptr, nullptr, nullptr, X509_get_X509_PUBKEY(x509));
+  return OBJ_nid2ln(OBJ_obj2nid(algorithm));
+}
+
 // Everything that can be asked later is worked out once; a certificate is used many times.
 Result<std::unique_ptr<const Certificate::Impl>> finish(X509Ptr x509, BytesView der) {
   auto out = std::make_unique<Certificate::Impl>();
@@ -59,7 +66,7 @@ Result<std::unique_ptr<const Certificate::Impl>> finish(X509Ptr x509, BytesView 
   out->subject = name_rfc2253(subject);
   out->subject_one_line = one_line(subject);
   out->issuer = name_rfc2253(issuer);
-  auto key = judge_key(X509_get0_pubkey(x509.get()));
+  auto key = judge_key(X509_get0_pubkey(x509.get()), key_type(x509.get()));
   if (!key) return std::unexpected(key.error().in("certificate of " + out->subject));
   out->key = *key;
   out->not_before = DDSSEC_TRY(time_of(X509_get0_notBefore(x509.get()), "notBefore"));

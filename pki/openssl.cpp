@@ -112,11 +112,13 @@ std::string serial_text(const ASN1_INTEGER* serial) {
   return hex ? hex.get() : "";
 }
 
-Result<KeyAlgorithm> judge_key(EVP_PKEY* key) {
+Result<KeyAlgorithm> judge_key(EVP_PKEY* key, std::string_view type) {
+  constexpr const char* kAllowed = "RSA of 2048 bits or more, EC P-256 or EC P-384";
   constexpr int kLeastRsaBits = 2048;
   constexpr int kMostRsaBits = 16384;
   if (key == nullptr)
-    return openssl_failure(Code::key_not_allowed, {.found = "a key of unknown type"});
+    return openssl_failure(Code::key_not_allowed,
+                           {.expected = kAllowed, .found = "a key of " + std::string(type)});
   const int bits = EVP_PKEY_get_bits(key);
   if (EVP_PKEY_is_a(key, "RSA") && bits >= kLeastRsaBits && bits <= kMostRsaBits)
     return KeyAlgorithm{KeyKind::rsa, bits};
@@ -126,8 +128,7 @@ Result<KeyAlgorithm> judge_key(EVP_PKEY* key) {
     if (group == "secp384r1") return KeyAlgorithm{KeyKind::ec_p384, 384};
   }
   take_openssl_reason();
-  return fail(Code::key_not_allowed, {.expected = "RSA of 2048 bits or more, EC P-256 or EC P-384",
-                                      .found = describe(key)});
+  return fail(Code::key_not_allowed, {.expected = kAllowed, .found = describe(key)});
 }
 
 Result<std::optional<PemBlock>> next_pem_block(BIO* bio) {

@@ -131,8 +131,9 @@ std::string serial_text(const ASN1_INTEGER* serial);
 std::optional<std::string> to_utf8(const ASN1_STRING* value);
 
 /// The kind of a public key by our rules: RSA of 2048 to 16384 bits, EC P-256 and P-384 with a
-/// named curve. Else key_not_allowed with algorithm and size.
-Result<KeyAlgorithm> judge_key(EVP_PKEY* key);
+/// named curve. Else key_not_allowed with algorithm and size, or with `type` if OpenSSL could not
+/// decode it (nullptr).
+Result<KeyAlgorithm> judge_key(EVP_PKEY* key, std::string_view type = "unknown type");
 
 /// One block of a PEM text.
 struct PemBlock {

@@ -150,6 +150,22 @@ TEST(Certificate, NamesAreBoundedAndHoldNoNul) {
   EXPECT_EQ(good->subject(), "CN=a,CN=a");
 }
 
+// Its key is of a type that certificates are read without decoders for.
+TEST(Certificate, AKeyOfAnotherTypeIsNamed) {
+  const auto ca = make_ca();
+  const X509Ptr x509(X509_dup(ca.certificate().impl().x509.get()));
+  const PkeyPtr key(EVP_PKEY_Q_keygen(nullptr, nullptr, "ED25519"));
+  ASSERT_EQ(X509_set_pubkey(x509.get(), key.get()), 1);
+  ASSERT_GT(X509_sign(x509.get(), ca.key().impl().pkey.get(), EVP_sha256()), 0);
+  unsigned char* raw = nullptr;
+  const int size = i2d_X509(x509.get(), &raw);
+  const OpensslMemory owner(raw);
+  const auto refused = Certificate::from_der(BytesView(raw, static_cast<std::size_t>(size)));
+  EXPECT_CODE(refused, key_not_allowed);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().details().found, "a key of ED25519") << refused.error().to_sentence();
+}
+
 TEST(Certificate, KeysOutsideTheRulesAreNamed) {
   const auto check = [](const std::string& file, const char* found) {
     const auto certificate = Certificate::from_pem(data_file(file));
