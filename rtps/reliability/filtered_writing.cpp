@@ -33,10 +33,7 @@ bool StatefulWriter::filter(const Change& change) {
       filter_results_.push_back({proxy.reader.filter->signature, passed});
     all = all && passed;
     if (!passed && proxy.filtered_from.value == 0) proxy.filtered_from = change.sequence_number;
-    if (!passed) continue;
-    for (const auto& locator : proxy.reader.locators)
-      if (std::ranges::find(wanted_locators_, locator) == wanted_locators_.end())
-        wanted_locators_.push_back(locator);
+    if (passed) add_locators(wanted_locators_, proxy.reader);
   }
   return all;
 }

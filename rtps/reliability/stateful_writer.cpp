@@ -88,10 +88,9 @@ StatefulWriter::ReaderProxy* StatefulWriter::find(const Guid& reader) {
   return at == readers_.end() ? nullptr : &*at;
 }
 
-void StatefulWriter::add_locators(const MatchedReader& reader) {
+void StatefulWriter::add_locators(LocatorList& to, const MatchedReader& reader) {
   for (const auto& locator : reader.locators)
-    if (std::ranges::find(all_locators_, locator) == all_locators_.end())
-      all_locators_.push_back(locator);
+    if (std::ranges::find(to, locator) == to.end()) to.push_back(locator);
 }
 
 void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
@@ -105,7 +104,7 @@ void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
   readers_.push_back(std::move(proxy));
   count_filters();
   const auto& matched = readers_.back();
-  add_locators(matched.reader);
+  add_locators(all_locators_, matched.reader);
   if (matched.reader.in_process) return;
   if (!matched.reader.reliable || !qos_.is_reliable()) {
     for (auto number = matched.first_relevant; number < next; number = number.next())
@@ -128,7 +127,7 @@ void StatefulWriter::unmatch(const Guid& reader) {
   std::erase_if(readers_, [&](const auto& proxy) { return proxy.reader.guid == reader; });
   count_filters();
   all_locators_.clear();
-  for (const auto& left : readers_) add_locators(left.reader);
+  for (const auto& left : readers_) add_locators(all_locators_, left.reader);
   release_acknowledged();
 }
 

@@ -157,7 +157,7 @@ class StatefulWriter final : private Timed {
   std::optional<GroupState> group_state() const;
   Gap gap_of(const EntityId& reader, SequenceNumber first, SequenceNumber end) const;
   void feed(ReaderProxy& proxy);
-  void add_locators(const MatchedReader& reader);
+  static void add_locators(LocatorList& to, const MatchedReader& reader);
   void send_change(const Destination& to, const EntityId& reader, const Change& change,
                    std::uint32_t most_fragments = ~0u);
   void count_filters();
