@@ -23,6 +23,7 @@ cmake --build --preset release || die "the release build failed"
 tests/bench/measure_cyclone_plugins.sh "$rounds" "$json" || die "the measurement of the plugins failed"
 python3 tests/bench/end_to_end.py --rounds "$rounds" ${json:+--json "$json/end_to_end.json"}
 python3 tests/bench/matching.py --rounds "$(( (rounds + 1) / 2 ))" ${json:+--json "$json/matching.json"}
+build/release/bin/bench_handshake 300
 python3 tests/bench/participants.py --rounds "$rounds" ${json:+--json "$json/participants.json"}
 python3 tests/bench/tool_speed.py build/release
 build/release/bin/bench_in_process
