@@ -35,6 +35,20 @@ if(DDSSEC_SANITIZE)
                       $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-maybe-uninitialized>)
   add_link_options(-fsanitize=${DDSSEC_SANITIZE})
 endif()
+if(DDSSEC_BUILD_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link)  # what is fuzzed tells which branches it took
+endif()
+
+# ddssec_not_sanitized(TARGETS...): for what a stock program loads, or what holds none of our code
+# and is made of a product that does not pass.
+function(ddssec_not_sanitized)
+  if(DDSSEC_SANITIZE)
+    foreach(target ${ARGN})
+      target_compile_options(${target} PRIVATE -fno-sanitize=all)
+      target_link_options(${target} PRIVATE -fno-sanitize=all)
+    endforeach()
+  endif()
+endfunction()
 
 # ddssec_library(NAME SOURCES ... [PUBLIC libs ...] [PRIVATE libs ...])
 # A static library ddssec_NAME whose headers are included as "folder/file.hpp" from the root.
@@ -56,7 +70,8 @@ function(ddssec_test name)
   add_executable(test_${name} ${ARG_SOURCES})
   target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR})
   # What is tested is optimised; the tests themselves only have to compile quickly.
-  target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>
+                         "$<$<CONFIG:RelWithDebInfo>:-O1;-g1>")
   target_link_libraries(test_${name} PRIVATE ${ARG_LIBS} ddssec_test_data GTest::gmock
                         GTest::gtest_main ddssec_options)
   set(labels unit ${ARG_LABELS})

@@ -8,15 +8,16 @@ die() { printf 'fuzz.sh: %s\n' "$*" >&2; exit 1; }
 seconds=${1:-30}
 command -v clang++-19 >/dev/null || die "clang 19 is missing: apt-get install clang-19 libclang-rt-19-dev"
 cmake --preset fuzz >/dev/null || die "cmake could not configure the fuzz preset"
-cmake --build --preset fuzz || die "the fuzz build failed"
-for target in build/fuzz/bin/fuzz_*; do
+cmake --build --preset fuzz --target ddssec_fuzzers || die "the fuzz build failed"
+for list in build/fuzz/bin/fuzz_*.seeds; do
+  target=${list%.seeds}
   name=$(basename "$target")
+  mapfile -t seeds <"$list"
   corpus=build/fuzz/corpus/$name
   mkdir -p "$corpus"
   echo "== $name, $seconds s"
-  seeds=tests/data/fuzz/${name#fuzz_}
   "$target" -max_total_time="$seconds" -rss_limit_mb=2048 -timeout=10 -print_final_stats=1 \
-    "$corpus" $([ -d "$seeds" ] && echo "$seeds") >"$corpus.log" 2>&1 ||
+    "$corpus" "${seeds[@]}" >"$corpus.log" 2>&1 ||
     { tail -n 40 "$corpus.log" >&2; die "$name found something; see $corpus.log"; }
   grep -E 'stat::(number|peak)' "$corpus.log"
 done
