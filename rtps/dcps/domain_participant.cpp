@@ -194,6 +194,7 @@ DomainParticipant::~DomainParticipant() {
   builtin_topics_.reset();
   subscribers_.clear();
   publishers_.clear();
+  filtered_topics_.clear();
   topics_.clear();
   const auto held = lock();
   if (!context_.has_protocol()) return;
