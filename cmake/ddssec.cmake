@@ -25,7 +25,7 @@ add_library(ddssec_options INTERFACE)
 target_compile_options(ddssec_options INTERFACE
   -Wall -Wextra -Wpedantic -Werror
   $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor -Woverloaded-virtual>
-  # GNU-unique symbols would pin a plugin in memory after dlclose.
+  # GNU-unique symbols would bind to whichever plugin was loaded first.
   $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-gnu-unique>
   -fstack-protector-strong $<$<NOT:$<CONFIG:Debug>>:-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2>)
 if(DDSSEC_SANITIZE)
@@ -37,6 +37,7 @@ if(DDSSEC_SANITIZE)
 endif()
 if(DDSSEC_BUILD_FUZZ)
   add_compile_options(-fsanitize=fuzzer-no-link)  # what is fuzzed tells which branches it took
+  add_compile_definitions(_GLIBCXX_ASSERTIONS)
 endif()
 
 # ddssec_not_sanitized(TARGETS...): for what a stock program loads, or what holds none of our code
