@@ -9,6 +9,7 @@
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
+#include "cli/key_limits.hpp"
 #include "cli/meeting_report.hpp"
 #include "cli/options.hpp"
 #include "cli/pre_shared_keys.hpp"
@@ -145,7 +146,8 @@ void add_meetings(Report& report, const doctor::Party& self, const doctor::Party
       report.result["peer"]["meetings"].push_back(
           {{"self", doctor::id(a)}, {"peer", doctor::id(b)}, {"talk", talk}});
       for (const auto& finding : meeting.findings) {
-        if (finding.rule == Rule::DOC090 || finding.rule == Rule::DOC091)
+        if (finding.rule == Rule::DOC090 || finding.rule == Rule::DOC091 ||
+            finding.rule == Rule::DOC093)
           continue;  // said by the diagnosis
         if (std::ranges::find(said, finding.message) != said.end()) continue;
         said.push_back(finding.message);
@@ -162,6 +164,7 @@ Status add_peer(Report& report, const Arguments& arguments, const doctor::Loaded
   report.text += '\n';
   auto diagnosis = doctor::diagnose(peer, settings);
   check_pre_shared_keys(peer, settings, diagnosis);
+  check_key_limits(peer, settings, diagnosis);
   doctor::check_lint(peer, settings, diagnosis);
   report.result["peer"] = add_diagnosis(report, folders[1], diagnosis, settings, vendors);
   std::string names[2];
@@ -192,6 +195,7 @@ Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
   Report report;
   auto diagnosis = doctor::diagnose(loaded, settings);
   check_pre_shared_keys(loaded, settings, diagnosis);
+  check_key_limits(loaded, settings, diagnosis);
   if (arguments.has("--ros"))
     doctor::check_ros(loaded, doctor::ros_environment(), settings, diagnosis);
   if (arguments.has("--plugins"))

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "cli/key_limits.hpp"
 #include "plugins/cryptography/passphrase.hpp"
 #include "plugins/spi/property_file.hpp"
 #include "plugins/spi/property_names.hpp"
@@ -80,7 +81,7 @@ std::string obstacle(const doctor::Party& from, const PreSharedKeys& of_from,
 }
 
 void refuse(doctor::Meeting& out, Finding finding) {
-  out.pre_shared_keys_fit = false;
+  out.properties_fit = false;
   const auto same = [&](const Finding& said) { return said.message == finding.message; };
   if (std::ranges::none_of(out.findings, same)) out.findings.push_back(std::move(finding));
 }
@@ -118,6 +119,10 @@ void check_pre_shared_keys(const LoadedFolder& folder, const doctor::Settings& s
 doctor::Meeting meet_with_keys(const doctor::Party& a, const doctor::Party& b,
                                const doctor::Settings& settings, std::vector<std::string> topics) {
   auto out = doctor::meet(a, b, settings, std::move(topics));
+  for (const auto* party : {&a, &b})
+    if (auto finding = key_limits_obstacle(party->folder, settings.domain);
+        finding && party->vendor == doctor::Vendor::ours)
+      refuse(out, std::move(*finding));
   const auto needs_keys = [&](const doctor::Party& party) {
     return party.vendor == doctor::Vendor::ours &&
            is_protected(asked_for(party.folder, settings.domain));

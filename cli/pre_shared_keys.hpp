@@ -12,7 +12,7 @@ void check_pre_shared_keys(const governance::doctor::LoadedFolder& folder,
                            const governance::doctor::Settings& settings,
                            governance::doctor::Diagnosis& out);
 
-/// doctor::meet, and what pre-shared keys make of it.
+/// doctor::meet, and what pre-shared keys and the limits of keys (key_limits.hpp) make of it.
 governance::doctor::Meeting meet_with_keys(const governance::doctor::Party& a,
                                            const governance::doctor::Party& b,
                                            const governance::doctor::Settings& settings,

@@ -263,7 +263,7 @@ bool all_ok(const std::vector<Judgement>& judgements) {
 
 bool Meeting::joined() const {
   return all_ok(start) && all_ok(authentication) && all_ok(permissions) && all_ok(join) &&
-         differences.empty() && handshake_works && pre_shared_keys_fit && rules[0] != nullptr &&
+         differences.empty() && handshake_works && properties_fit && rules[0] != nullptr &&
          rules[1] != nullptr;
 }
 

@@ -68,7 +68,7 @@ struct Meeting {
   const DomainRule* rules[2] = {};        ///< of the domain, if the documents have one
   std::optional<Starter> starter;         ///< if both certificates can be read
   bool handshake_works = true;            ///< between these two products
-  bool pre_shared_keys_fit = true;        ///< judged by who can read them, not by meet()
+  bool properties_fit = true;             ///< judged by who can read them, not by meet()
   std::vector<TopicMeeting> topics;
   bool topics_complete = true;    ///< false: more topics than are looked at
   std::vector<Finding> findings;  ///< what keeps them apart

@@ -94,6 +94,7 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   Result<spi::KeyRevision> revise_local_entity_keys(spi::ParticipantCryptoHandle local) override;
   Status activate_key_revision(spi::ParticipantCryptoHandle local,
                                spi::KeyRevision revision) override;
+  bool is_key_revision_due(spi::ParticipantCryptoHandle local) override;
   void forget_former_keys() override;
   Status unregister_participant(spi::ParticipantCryptoHandle participant) override;
   Status unregister_datawriter(spi::DatawriterCryptoHandle datawriter) override;
@@ -112,6 +113,11 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   /// A key to follow that one, if there is one.
   Result<std::unique_ptr<SendKey>> revised(const Published<SendKey>& key);
   Status revise(LocalEndpoint& endpoint);
+  /// Errors: invalid_property, key_limits_without_revision, those of the random source.
+  Status limit_keys(LocalParticipant& participant, const spi::PropertyList& properties);
+  Status begin_life(LocalParticipant& participant);
+  /// Of that key of the participant and its endpoints that protected most.
+  std::uint64_t blocks_used(const LocalParticipant& participant);
   template <class F>
   void each_endpoint(const LocalParticipant& participant, F&& f);
   void forget_former_keys(std::int64_t handle, std::chrono::nanoseconds now);

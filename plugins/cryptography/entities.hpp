@@ -16,6 +16,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "plugins/cryptography/key_life.hpp"
 #include "plugins/cryptography/receive_key.hpp"
 #include "plugins/cryptography/registry.hpp"
 #include "plugins/cryptography/send_key.hpp"
@@ -50,6 +51,7 @@ struct LocalParticipant final : Entity {
   bool revises_keys = false;
   bool is_revising = false;  ///< the next keys are not in use yet
   spi::KeyRevision revision = 0;
+  KeyLife life;
   std::unique_ptr<SendKey> next_key = {};
   std::unordered_set<std::int64_t> endpoints;
   std::unordered_set<std::int64_t> matched;  ///< remote participants

@@ -115,6 +115,7 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_local_participant(
     DDSSEC_TRY(check_cipher(cipher, attributes.allowed_ciphers));
   participant->rtps = attributes.rtps;
   participant->revises_keys = attributes.is_key_revision_enabled;
+  DDSSEC_TRY(limit_keys(*participant, properties));
   if (is_protected(attributes.rtps))
     participant->key.replace(DDSSEC_TRY(send_key(DDSSEC_TRY(fresh_material(
                                  is_encrypted(attributes.rtps), participant->cipher)))),
@@ -122,6 +123,13 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_local_participant(
   const auto& added = *participant;
   DDSSEC_TRY(shared_.registry.add(std::move(participant)));
   return spi::ParticipantCryptoHandle{added.handle()};
+}
+
+Status KeyFactory::begin_life(LocalParticipant& participant) {
+  if (!participant.life.is_limited()) return {};
+  participant.life.begin(shared_.environment.clock.monotonic(),
+                         DDSSEC_TRY(random<std::uint64_t>()));
+  return {};
 }
 
 Result<std::unique_ptr<Pair>> KeyFactory::make_pair(const LocalParticipant& local,

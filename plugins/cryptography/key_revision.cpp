@@ -4,8 +4,12 @@
 
 #include "base/rollback.hpp"
 #include "plugins/cryptography/engine.hpp"
+#include "plugins/spi/property_names.hpp"
 
 namespace ddssec::cryptography {
+
+namespace property = spi::property;
+
 namespace {
 
 /// What stands for all keys of an entity: they are revised together.
@@ -112,6 +116,7 @@ Result<KeyRevision> KeyFactory::revise_local_entity_keys(spi::ParticipantCryptoH
     if (status) status = revise(endpoint);
   });
   DDSSEC_TRY(std::move(status));
+  DDSSEC_TRY(begin_life(participant));
   rollback.release();
   participant.is_revising = true;
   return participant.revision = next_revision(participant.revision);
@@ -139,6 +144,41 @@ Status KeyFactory::activate_key_revision(spi::ParticipantCryptoHandle local, Key
   });
   participant.is_revising = false;
   return {};
+}
+
+// ---- how long
+
+Status KeyFactory::limit_keys(LocalParticipant& participant, const spi::PropertyList& properties) {
+  const auto limits = DDSSEC_TRY(spi::key_limits(properties));
+  if (limits.any() && !participant.revises_keys) {
+    const auto name = limits.blocks != 0 ? property::kMostBlocksPerKey : property::kKeyLifetime;
+    return fail(Code::key_limits_without_revision, {.field = std::string(name)});
+  }
+  participant.life = KeyLife(limits);
+  return begin_life(participant);
+}
+
+bool KeyFactory::is_key_revision_due(spi::ParticipantCryptoHandle local) {
+  const std::lock_guard lock(shared_.mutex);
+  const auto found = shared_.local_participant(local);
+  if (!found || (*found)->is_revising) return false;
+  const auto& life = (*found)->life;
+  const auto now = shared_.environment.clock.monotonic();
+  return life.has_ended(now) || (life.counts_blocks(now) && life.is_used_up(blocks_used(**found)));
+}
+
+std::uint64_t KeyFactory::blocks_used(const LocalParticipant& participant) {
+  const ReadGuard guard;  // whoever sends may go on to the next session
+  std::uint64_t most = 0;
+  const auto count = [&](const Published<SendKey>& published) {
+    if (const auto* const key = published.read()) most = std::max(most, key->blocks_used());
+  };
+  count(participant.key);
+  each_endpoint(participant, [&](const LocalEndpoint& endpoint) {
+    count(endpoint.submessage_key);
+    count(endpoint.payload_key);
+  });
+  return most;
 }
 
 // ---- others'

@@ -1,5 +1,8 @@
 #include "plugins/cryptography/send_key.hpp"
 
+#include <algorithm>
+#include <limits>
+
 #include "plugins/cryptography/wire.hpp"
 
 namespace ddssec::cryptography {
@@ -57,6 +60,14 @@ Result<SendKey::Reservation> SendKey::reserve(std::size_t size) {
       return Reservation{session, iv_from(session->id, start_.suffix + first)};
     DDSSEC_TRY(roll_over(session));
   }
+}
+
+std::uint64_t SendKey::blocks_used() const {
+  const auto* const session = current_.read();
+  const auto most = environment_.most_blocks_per_session;
+  const auto of_session = std::min(session->used.load(std::memory_order_relaxed), most);
+  const auto before = session->number * most;  // below 2^64
+  return before + std::min(of_session, std::numeric_limits<std::uint64_t>::max() - before);
 }
 
 Status SendKey::roll_over(const SendSession* exhausted) {

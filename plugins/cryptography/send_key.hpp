@@ -58,6 +58,8 @@ class SendKey final : public Retirable {
   /// Under a ReadGuard: an IV for a message of `size` octets and its receiver-specific MACs.
   /// Errors: session_ids_exhausted.
   Result<Reservation> reserve(std::size_t size);
+  /// Under a ReadGuard: AES blocks promised so far, and what finished sessions left over.
+  std::uint64_t blocks_used() const;
 
  private:
   SendKey(KeyMaterial material, KindTraits traits, SendStart start,

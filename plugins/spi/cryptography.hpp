@@ -72,6 +72,10 @@ class CryptoKeyFactory {
   /// From now on everything is encoded with the keys that revise_local_entity_keys made; the
   /// former are wiped (DDS-Security 1.2 9.5.1.8.8). Error: key_revision_out_of_turn.
   virtual Status activate_key_revision(ParticipantCryptoHandle local, KeyRevision revision) = 0;
+  /// Have the keys in use served as long, or for as much, as the participant's properties let them?
+  /// To be asked once a second; new ones are in use well before the end if they are made then.
+  /// False while a revision is under way, and for who is not known.
+  virtual bool is_key_revision_due(ParticipantCryptoHandle local) = 0;
   /// Wipes what no longer counts of remote entities' former keys; to be called now and then. They
   /// are refused in time without it.
   virtual void forget_former_keys() = 0;

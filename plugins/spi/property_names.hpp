@@ -41,6 +41,10 @@ inline constexpr std::string_view kPskPassphrase = "dds.sec.crypto.rtps_psk_secr
 inline constexpr std::string_view kPskExtraPassphrases =
     "dds.sec.crypto.rtps_psk_secret_passphrase_extra";
 inline constexpr std::string_view kPskCipher = "dds.sec.crypto.rtps_psk_symmetric_cipher_algorithm";
+/// Ours: how long (seconds) and for how much (blocks of 16 octets) keys are used before a
+/// participant revises them; 0: no limit. Only where the governance enables key revision.
+inline constexpr std::string_view kKeyLifetime = "org.ddssec.crypto.key_lifetime";
+inline constexpr std::string_view kMostBlocksPerKey = "org.ddssec.crypto.max_blocks_per_key";
 inline constexpr std::string_view kBuiltinEndpointName = "dds.sec.builtin_endpoint_name";
 
 }  // namespace ddssec::spi::property

@@ -83,6 +83,7 @@ class Keyring final : public SendProtection {
   // Key revision (DDS-Security 1.2 9.8.10.4); see spi::CryptoKeyFactory.
   Result<spi::KeyRevision> revise();
   Status activate(spi::KeyRevision revision);
+  bool is_revision_due() { return factory().is_key_revision_due(own_.crypto()); }
   void forget_former_keys() { factory().forget_former_keys(); }
   struct EndpointTokens {
     EntityId local;

@@ -345,7 +345,10 @@ void Security::expire() {
     }
   for (const auto& absent : absent_)
     if (ended(absent.handshake->peer_identity(), absent.permissions)) want_revision();
-  if (revises()) keyring_.forget_former_keys();
+  if (revises()) {
+    keyring_.forget_former_keys();
+    if (keyring_.is_revision_due()) want_revision();
+  }
   if (auto* const keys = own_->pre_shared_keys()) keys->refresh();
   for (const auto& prefix : gone) host_.on_ended(prefix);
 }

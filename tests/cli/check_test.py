@@ -192,6 +192,35 @@ class Check(Transcript):
         self.apart("DOC090", "listener does not work with Cyclone DDS 0.10.2 by itself",
                    words=("--vendor", "B=cyclonedds"))
 
+    def test_limits_of_keys(self):
+        revising = GOVERNANCE.replace("</enable_join_access_control>", "</enable_join_access_control>"
+                                      "<enable_key_revision>true</enable_key_revision>")
+        properties = self.listener.path / "security.properties"
+        for governance, text, sentence in (
+                (GOVERNANCE, "org.ddssec.crypto.key_lifetime = 3600\n", "<enable_key_revision>"),
+                (GOVERNANCE, "org.ddssec.crypto.max_blocks_per_key = 1\n", "<enable_key_revision>"),
+                (GOVERNANCE, "org.ddssec.crypto.key_lifetime = 0\n", None),
+                (revising, "org.ddssec.crypto.key_lifetime = 3600\n", None),
+                (revising, "org.ddssec.crypto.key_lifetime = 1h\n", "from 20 to 31536000"),
+                (revising, "org.ddssec.crypto.max_blocks_per_key = -1\n", "org.ddssec.crypto.max_blocks_per_key"),
+                (revising, "no equals sign\n", "security.properties")):
+            for made in (self.talker, self.listener):
+                made.sign("governance", governance)
+            properties.write_text(text)
+            with self.subTest(text=text, sentence=sentence):
+                out = self.json("doctor", "listener", "--vendor", "ours", exit=1 if sentence else 0)
+                found = [d for d in out["diagnostics"] if d["id"] == "DOC093"]
+                self.assertEqual(len(found), 1 if sentence else 0)
+                if not sentence:
+                    self.check(exit=0)
+                    continue
+                self.assertIn(sentence, found[0]["message"])
+                self.apart("DOC093", sentence, document="security.properties")
+        # Cyclone DDS and Fast DDS do not read the file.
+        self.listener.sign("governance", GOVERNANCE)
+        self.talker.sign("governance", GOVERNANCE)
+        self.check("--vendor", "A=cyclonedds", "--vendor", "B=cyclonedds", exit=0)
+
     def test_governance_that_differs_for_a_topic(self):
         self.listener.sign("governance", GOVERNANCE.replace("<data_protection_kind>ENCRYPT",
                                                             "<data_protection_kind>SIGN"))

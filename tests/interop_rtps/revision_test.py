@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Key revision between processes: one of three loses its trust while they talk. The other two lose
-nothing, and from then on send nothing that is protected by the keys it was given.
+"""Key revision between processes: one of three loses its trust while they talk, or the keys of two
+come to the end of their time. They lose nothing, and from then on send nothing that is protected by
+the former keys.
 Usage: revision_test.py BUILD [FILTER]"""
 
 import json
+import pathlib
 import subprocess
 import sys
 import tempfile
@@ -66,33 +68,60 @@ def start_third(case, pki):
     raise AssertionError(f"the third was never heard: {carol.lines[-5:]}")
 
 
+def two_revise(case, pki, then):
+    """Two talk; whatever comes `then`, both revise their keys, once or more, and lose nothing."""
+    alice, bob = (make_folder(pki, name, GOVERNANCE, Permissions()) for name in ("alice", "bob"))
+    for folder in (alice, bob):
+        pathlib.Path(folder, "security.properties").write_text(PROPERTIES.get(then, ""))
+    wire = Wire(case.space)
+    try:
+        bob = case.start(f"-S -k 0 --read-period 10 -v d --security {bob}")
+        alice = case.start(f"-P -k 0 -z 0 --write-period 10 -v d --security {alice}")
+        bob.hears(10, PATIENCE)
+        then(case, pki, alice, bob)
+    finally:
+        senders = wire.close()
+    check("codes", alice.interrupt() == 0 and bob.interrupt() == 0)
+    got = bob.samples()
+    check(f"lost some: {got}", got == list(range(got[0], got[0] + len(got))))
+    revised = [sender for sender in senders if max(sender) > 0]
+    check(f"not two revised: {senders}", len(revised) == 2)
+    for sender in revised:
+        late = sender[0][1] - min(first for revision, (first, _) in sender.items() if revision > 0)
+        check(f"sends under the former keys {late:.1f} s after the new ones", late < ON_ITS_WAY)
+
+
+def both_have_revised(alice, bob):
+    for process in (alice, bob):
+        process.says("our keys were revised", PATIENCE)
+    time.sleep(2 * ON_ITS_WAY)
+
+
+def third_loses_its_trust(case, pki, alice, bob):
+    carol = start_third(case, pki)
+    both_have_revised(alice, bob)
+    carol.sizes_for(0.5)
+    bob.hears(100, PATIENCE)
+    check("the third hears on", not carol.sizes_for(0.5))
+
+
+def time_ends(_case, _pki, alice, bob):
+    both_have_revised(alice, bob)
+    bob.hears(100, PATIENCE)
+
+
+PROPERTIES = {time_ends: "org.ddssec.crypto.key_lifetime = 20\n"}
+
+
 def permissions_end(case):
     with tempfile.TemporaryDirectory() as base:
-        pki = Pki(base)
-        alice, bob = (make_folder(pki, name, GOVERNANCE, Permissions()) for name in ("alice", "bob"))
-        wire = Wire(case.space)
-        try:
-            bob = case.start(f"-S -k 0 --read-period 10 -v d --security {bob}")
-            alice = case.start(f"-P -k 0 -z 0 --write-period 10 -v d --security {alice}")
-            bob.hears(10, PATIENCE)
-            carol = start_third(case, pki)
-            for process in (alice, bob):
-                process.says("our keys were revised", PATIENCE)
-            time.sleep(2 * ON_ITS_WAY)
-            carol.sizes_for(0.5)
-            bob.hears(100, PATIENCE)
-            check("the third hears on", not carol.sizes_for(0.5))
-        finally:
-            senders = wire.close()
-        check("codes", alice.interrupt() == 0 and bob.interrupt() == 0)
-        got = bob.samples()
-        check(f"lost some: {got}", got == list(range(got[0], got[0] + len(got))))
-        revised = [sender for sender in senders if max(sender) > 0]
-        check(f"not two revised: {senders}", len(revised) == 2)
-        for sender in revised:
-            late = sender[0][1] - min(first for revision, (first, _) in sender.items() if revision > 0)
-            check(f"sends under the former keys {late:.1f} s after the new ones", late < ON_ITS_WAY)
+        two_revise(case, Pki(base), third_loses_its_trust)
+
+
+def keys_end(case):
+    with tempfile.TemporaryDirectory() as base:
+        two_revise(case, Pki(base), time_ends)
 
 
 if __name__ == "__main__":
-    sys.exit(run([permissions_end], [DOMAIN], 1))
+    sys.exit(run([permissions_end, keys_end], [DOMAIN], 1))

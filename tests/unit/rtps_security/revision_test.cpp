@@ -2,8 +2,7 @@
 // others lose nothing.
 #include <random>
 
-#include "tests/unit/rtps_security/fixture.hpp"
-#include "tests/unit/rtps_security/recorder.hpp"
+#include "tests/unit/rtps_security/trio.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -14,119 +13,6 @@ constexpr auto kSign = ProtectionKind::sign;
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kSignOa = ProtectionKind::sign_with_origin_authentication;
 constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
-
-Rules revising(Rules rules) {
-  rules.revises_keys = true;
-  return rules;
-}
-
-/// What is good for half a day only.
-enum class Short { nothing, permissions, certificate };
-
-spi::PropertyList member(const std::string& name, const Rules& rules, Short what = Short::nothing) {
-  const auto subject = "CN=" + name + ",O=Example";
-  if (what == Short::permissions) return properties_of(subject, rules, {"*"}, 12h);
-  auto properties = properties_of(subject, rules);
-  if (what == Short::nothing) return properties;
-  const auto leaf = pki::make_leaf(Authorities::shared().identity_ca, subject, {},
-                                   {pki::kNow - 24h, pki::kNow + 12h});
-  const auto key = leaf.key.to_pem()->expose([](BytesView pem) { return data_uri(as_text(pem)); });
-  for (auto& property : properties) {
-    if (property.name == spi::property::kIdentityCertificate)
-      property.value = data_uri(leaf.certificate.pem());
-    if (property.name == spi::property::kPrivateKey) property.value = key;
-  }
-  return properties;
-}
-
-/// Alice writes to bob and carol; carol's plugin keeps every key it is given.
-struct Trio {
-  explicit Trio(const Rules& rules, Short of_carol = Short::nothing)
-      : rules(rules),
-        carol(member("carol", rules, of_carol)),
-        a(1, list.watched_by(member("alice", rules)), 4),
-        b(2, list.watched_by(member("bob", rules)), 4),
-        c(3, carol, 4, KeyThief::into(stolen)) {
-    world.nodes = {&a, &b, &c};
-  }
-
-  void read(Node& node) {
-    auto qos = default_reader_qos();
-    qos.reliability.kind = ReliabilityKind::reliable;
-    qos.history.kind = HistoryKind::keep_all;
-    EXPECT_TRUE(node->create_reader(square(qos), node.listener, world.now));
-  }
-  bool match() {
-    auto qos = default_writer_qos();
-    qos.history.kind = HistoryKind::keep_all;
-    qos.liveliness.lease_duration = Duration{{1, 0}};
-    writer = a->create_writer(square(qos), a.listener, world.now).value();
-    read(b);
-    read(c);
-    const bool done = world.run_until([&] {
-      return a.listener.matched == 2 && b.listener.matched == 1 && c.listener.matched == 1;
-    });
-    world.run(100);
-    return done;
-  }
-  void write(std::size_t size = 64) {
-    Change change;
-    change.payload = payload(size);
-    a->writer(writer)->write(std::move(change), world.now);
-    ++written;
-  }
-  bool bob_has_all() {
-    return world.run_until([&] { return b.listener.changes.size() == written; }, 3000);
-  }
-  bool revised(int times, int steps = 1500) {
-    return world.run_until(
-        [&] {
-          return a.events.count(Code::rtps_keys_revised) >= times &&
-                 b.events.count(Code::rtps_keys_revised) >= times;
-        },
-        steps);
-  }
-  void revoke_carol() {
-    list.revoke(carol);
-    for (auto* node : {&a, &b}) node->clock.advance(1s);
-  }
-  void ignore(Node& whom) {
-    for (auto* node : {&a, &b})
-      if (node != &whom) (*node)->ignore_participant(whom->prefix());
-  }
-  std::string text() { return a.events.text() + b.events.text() + c.events.text(); }
-
-  const Rules rules;
-  const spi::PropertyList carol;
-  RevocationFile list;
-  KeyThief::Stolen stolen;
-  Node a, b, c;
-  World world;
-  Guid writer;
-  std::size_t written = 0;
-};
-
-/// Whatever alice and bob send is given to the recorder.
-void record(Trio& trio, Recorder& recorder) {
-  trio.world.filter = [&](const Node& from, Bytes datagram) {
-    if (&from != &trio.c) recorder.read(datagram);
-    return one(std::move(datagram));
-  };
-}
-
-/// Some of everything: samples, announcements, liveliness, acknowledgements.
-void traffic(Trio& trio) {
-  for (int i = 0; i < 3; ++i) {
-    trio.write();
-    trio.world.run(20);
-  }
-  const auto extra = trio.a->create_writer({"Circle", "ShapeType", default_writer_qos(), true},
-                                           trio.a.listener, trio.world.now);
-  ASSERT_TRUE(extra);
-  trio.world.run(300);
-  trio.a->remove(*extra, trio.world.now);
-  trio.world.run(50);
-}
 
 struct Row {
   Rules rules;

@@ -1,0 +1,22 @@
+#include "plugins/spi/key_limits.hpp"
+
+#include <limits>
+
+#include "plugins/spi/number_property.hpp"
+#include "plugins/spi/property_names.hpp"
+
+namespace ddssec::spi {
+
+Result<KeyLimits> key_limits(const PropertyList& properties) {
+  constexpr NumberRange kLifetime{"seconds", kShortestKeyLifetime.count(),
+                                  kLongestKeyLifetime.count()};
+  constexpr NumberRange kBlocks{"blocks of 16 octets", 1,
+                                std::numeric_limits<std::uint64_t>::max()};
+  const auto lifetime =
+      DDSSEC_TRY(number_property(properties, property::kKeyLifetime, kLifetime, 0));
+  const auto blocks =
+      DDSSEC_TRY(number_property(properties, property::kMostBlocksPerKey, kBlocks, 0));
+  return KeyLimits{std::chrono::seconds(lifetime), blocks};
+}
+
+}  // namespace ddssec::spi
