@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/hash.hpp"
+#include "base/ordered.hpp"
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
@@ -72,7 +73,7 @@ class Search {
   std::vector<Ending> endings() const {
     std::vector<Ending> out;
     for (const auto& [key, ending] : found_) out.push_back(ending);
-    std::ranges::stable_sort(out, {}, &Ending::end);
+    order_by_least(out, &Ending::end);
     return out;
   }
   const std::vector<Error>& unreadable() const { return unreadable_; }

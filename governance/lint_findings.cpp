@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/ordered.hpp"
 #include "governance/dialect.hpp"
 #include "governance/lint.hpp"
 
@@ -60,7 +61,7 @@ std::vector<Finding> Findings::take() {
     last->message += fmt::format(" (and {} more like this)", count - kMostFindingsPerRule);
   }
   count_.clear();
-  std::ranges::stable_sort(all_, {}, &Finding::line);
+  order_by_least(all_, &Finding::line);
   return std::move(all_);
 }
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/ordered.hpp"
 #include "governance/write.hpp"
 
 namespace ddssec::governance {
@@ -106,7 +107,7 @@ std::vector<Text> each_once(const std::vector<Group>& groups) {
 }
 
 std::vector<Text> in_order(std::vector<Group> groups) {
-  std::ranges::stable_sort(groups, {}, [](const Group& group) { return group.front(); });
+  order_by_least(groups, [](const Group& group) { return group.front(); });
   return each_once(groups);
 }
 

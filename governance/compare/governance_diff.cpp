@@ -6,8 +6,8 @@
 #include <set>
 #include <tuple>
 
+#include "base/ordered.hpp"
 #include "governance/compare/domain_pieces.hpp"
-#include "governance/compare/ordered.hpp"
 #include "governance/compare/topic_pairs.hpp"
 #include "governance/matcher.hpp"
 

@@ -4,8 +4,8 @@
 #include <map>
 #include <set>
 
+#include "base/ordered.hpp"
 #include "governance/compare/domain_pieces.hpp"
-#include "governance/compare/ordered.hpp"
 #include "governance/grant.hpp"
 #include "pki/subject_name.hpp"
 

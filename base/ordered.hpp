@@ -1,0 +1,36 @@
+// Stable sorting. The library's own does not compile with clang 19 on g++ 12's library when
+// warnings are errors: it calls what C++17 deprecates.
+#pragma once
+
+#include <algorithm>
+#include <functional>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace ddssec {
+
+/// Sorts by key_of(item), which is copied, least first; equal ones keep their order. Takes the
+/// place of a second list.
+template <class T, class KeyOf>
+void order_by_least(std::vector<T>& items, KeyOf&& key_of) {
+  using Key = std::decay_t<decltype(std::invoke(key_of, items.front()))>;
+  std::vector<std::pair<Key, std::size_t>> order;
+  order.reserve(items.size());
+  for (const auto& item : items) order.emplace_back(std::invoke(key_of, item), order.size());
+  std::ranges::sort(order);
+  std::vector<T> sorted;
+  sorted.reserve(items.size());
+  for (const auto& [key, index] : order) sorted.push_back(std::move(items[index]));
+  items = std::move(sorted);
+}
+
+/// Likewise, greatest first.
+template <class T, class KeyOf>
+void order_by_greatest(std::vector<T>& items, KeyOf&& key_of) {
+  std::ranges::reverse(items);
+  order_by_least(items, std::forward<KeyOf>(key_of));
+  std::ranges::reverse(items);
+}
+
+}  // namespace ddssec
