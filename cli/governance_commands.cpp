@@ -105,6 +105,7 @@ Result<governance::Governance> document_from(const Arguments& arguments) {
   const auto profile = DDSSEC_TRY(profile_option(arguments));
   auto rule = governance::domain_rule_of(profile, DDSSEC_TRY(domain_ranges(arguments, "--domain")));
   rule.rtps_psk_protection_kind = DDSSEC_TRY(pre_shared_key_kind(arguments));
+  rule.enable_key_revision = arguments.has("--key-revision");
   for (const auto& text : arguments.all("--topic"))
     rule.topic_rules.push_back(DDSSEC_TRY(topic_rule_from(text, profile)));
   if (rule.topic_rules.empty() || rule.topic_rules.back().topic_expression != "*")
@@ -147,6 +148,9 @@ std::vector<Command> governance_commands() {
                     "NONE, SIGN or ENCRYPT what is said before participants are authenticated; "
                     "embedded participants of ddssec only",
                     "NONE"},
+                   {"--key-revision", "",
+                    "new keys for whoever is still trusted when somebody loses its trust; embedded "
+                    "participants of ddssec only"},
                    repeated("--topic", "EXPR:KEY=VALUE,...",
                             "a rule for some topics, before the one for all others"),
                    kSign,

@@ -44,13 +44,18 @@ Json to_json(const DomainRule& rule) {
               {"rtps", to_string(rule.rtps_protection_kind)}};
   if (is_protected(rule.rtps_psk_protection_kind))
     out["pre_shared_key"] = to_string(rule.rtps_psk_protection_kind);
+  if (rule.enable_key_revision) out["key_revision"] = true;
   return out;
 }
 
-/// Nothing where there is none, as everywhere but in domains of embedded participants.
-std::string pre_shared_key(const DomainRule& rule) {
-  if (!is_protected(rule.rtps_psk_protection_kind)) return "";
-  return fmt::format("  pre-shared key {}", to_string(rule.rtps_psk_protection_kind));
+/// Of DDS-Security 1.2: nothing where there is none, as everywhere but in domains of embedded
+/// participants.
+std::string newer_elements(const DomainRule& rule) {
+  std::string out;
+  if (is_protected(rule.rtps_psk_protection_kind))
+    out += fmt::format("  pre-shared key {}", to_string(rule.rtps_psk_protection_kind));
+  if (rule.enable_key_revision) out += "  keys are revised";
+  return out;
 }
 
 std::string_view yes(bool value) { return value ? "yes" : "no"; }
@@ -62,7 +67,7 @@ std::string domain_text(const DomainRule& rule, std::size_t number, const fs::pa
       "  strangers {}, permissions needed to join: {}\n",
       number, shown(rule.domains.ranges), file.string(), rule.line,
       to_string(rule.discovery_protection_kind), to_string(rule.liveliness_protection_kind),
-      to_string(rule.rtps_protection_kind), pre_shared_key(rule),
+      to_string(rule.rtps_protection_kind), newer_elements(rule),
       rule.allow_unauthenticated_participants ? "allowed" : "refused",
       yes(rule.enable_join_access_control));
 }

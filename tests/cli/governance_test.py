@@ -62,6 +62,15 @@ class NewGovernance(Transcript):
         for kind in ("yes", "SIGN_WITH_ORIGIN_AUTHENTICATION"):
             self.refused("usage", 2, "governance", "new", "-o", "h.xml", "--pre-shared-key", kind)
 
+    def test_key_revision_is_asked_for(self):
+        self.new("--key-revision")
+        self.assertEqual(ElementTree.parse(self.at / "g.xml").getroot()
+                         .findtext(".//enable_key_revision"), "true")
+        self.assertIn("rtps SIGN  keys are revised\n",
+                      self.run_program("governance", "show", "g.xml").stdout)
+        self.assertIs(self.json("governance", "show", "g.xml")["result"]["domain_rules"][0]["key_revision"],
+                      True)
+
     def test_signed_at_once(self):
         self.run_program("ca", "create", "ca", "--no-passphrase", *NOW)
         out = self.new("--sign", "--ca", "ca", *NOW)
