@@ -270,7 +270,9 @@ DDS_Security_boolean get_topic_sec_attributes(Instance* instance, const CPermiss
   });
 }
 
-DDS_Security_boolean get_datawriter_sec_attributes(
+/// get_datawriter_sec_attributes and get_datareader_sec_attributes.
+template <auto kAttributes>
+DDS_Security_boolean get_endpoint_sec_attributes(
     Instance* instance, const CPermissions handle, const char* topic_name,
     const Partition* partition, const Tags* tags,
     DDS_Security_EndpointSecurityAttributes* attributes, Exception* ex) {
@@ -278,22 +280,8 @@ DDS_Security_boolean get_datawriter_sec_attributes(
     DDSSEC_TRY(require(attributes));
     *attributes = {};
     const auto question = DDSSEC_TRY(EndpointQuestion::from(topic_name, partition, tags));
-    *attributes = to_c(DDSSEC_TRY(
-        adapter.engine().datawriter_sec_attributes(permissions(handle), question.request())));
-    return {};
-  });
-}
-
-DDS_Security_boolean get_datareader_sec_attributes(
-    Instance* instance, const CPermissions handle, const char* topic_name,
-    const Partition* partition, const Tags* tags,
-    DDS_Security_EndpointSecurityAttributes* attributes, Exception* ex) {
-  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_TRY(require(attributes));
-    *attributes = {};
-    const auto question = DDSSEC_TRY(EndpointQuestion::from(topic_name, partition, tags));
-    *attributes = to_c(DDSSEC_TRY(
-        adapter.engine().datareader_sec_attributes(permissions(handle), question.request())));
+    *attributes =
+        to_c(DDSSEC_TRY((adapter.engine().*kAttributes)(permissions(handle), question.request())));
     return {};
   });
 }
@@ -337,8 +325,10 @@ constexpr dds_security_access_control kTable = {
     .return_permissions_credential_token = return_token,
     .get_participant_sec_attributes = get_participant_sec_attributes,
     .get_topic_sec_attributes = get_topic_sec_attributes,
-    .get_datawriter_sec_attributes = get_datawriter_sec_attributes,
-    .get_datareader_sec_attributes = get_datareader_sec_attributes,
+    .get_datawriter_sec_attributes =
+        get_endpoint_sec_attributes<&spi::AccessControl::datawriter_sec_attributes>,
+    .get_datareader_sec_attributes =
+        get_endpoint_sec_attributes<&spi::AccessControl::datareader_sec_attributes>,
     .return_participant_sec_attributes =
         return_attributes<DDS_Security_ParticipantSecurityAttributes>,
     .return_topic_sec_attributes = return_attributes<DDS_Security_TopicSecurityAttributes>,

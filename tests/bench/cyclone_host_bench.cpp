@@ -14,6 +14,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/bench/command_line.hpp"
 #include "tests/support/cyclone_driver.hpp"
 
 namespace ddssec::driver {
@@ -157,7 +158,7 @@ class Bench {
   Json json_;
 };
 
-int run(const std::map<std::string, std::string>& options) {
+int run(const bench::Options& options) {
   const auto &ours = options.at("--ours"), &stock = options.at("--stock");
   Bench bench({ours + "/libddssec_authentication.so", ours + "/libddssec_access_control.so",
                ours + "/libddssec_cryptography.so"},
@@ -177,17 +178,6 @@ int run(const std::map<std::string, std::string>& options) {
 }  // namespace ddssec::driver
 
 int main(int argc, char** argv) {
-  std::map<std::string, std::string> options = {{"--rounds", "5"}};
-  for (int i = 1; i + 1 < argc; i += 2) options[argv[i]] = argv[i + 1];
-  for (const auto* needed : {"--ours", "--stock", "--pki", "--rules"})
-    if (!options.contains(needed)) {
-      std::fprintf(stderr, "cyclone_host_bench: %s FOLDER is missing\n", needed);
-      return 2;
-    }
-  try {
-    return ddssec::driver::run(options);
-  } catch (const std::exception& failure) {
-    std::fprintf(stderr, "cyclone_host_bench: %s\n", failure.what());
-    return 1;
-  }
+  return ddssec::bench::main_of(argc, argv, {{"--rounds", "5"}},
+                                {"--ours", "--stock", "--pki", "--rules"}, ddssec::driver::run);
 }

@@ -16,6 +16,7 @@
 #include <intel-ipsec-mb.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/bench/command_line.hpp"
 #include "tests/support/cyclone_driver.hpp"
 
 namespace ddssec::driver {
@@ -294,7 +295,7 @@ class Bench {
   Json json_;
 };
 
-int run(const std::map<std::string, std::string>& options) {
+int run(const bench::Options& options) {
   Bench bench(options.at("--ours"), options.at("--stock"), std::stoi(options.at("--rounds")));
   bench.transformations();
   bench.origin_authentication();
@@ -309,18 +310,6 @@ int run(const std::map<std::string, std::string>& options) {
 }  // namespace ddssec::driver
 
 int main(int argc, char** argv) {
-  std::map<std::string, std::string> options = {{"--rounds", "9"}};
-  for (int i = 1; i + 1 < argc; i += 2) options[argv[i]] = argv[i + 1];
-  if (!options.contains("--ours") || !options.contains("--stock")) {
-    std::fputs(
-        "usage: cyclone_plugin_bench --ours LIBRARY --stock LIBRARY [--rounds N] [--json FILE]\n",
-        stderr);
-    return 2;
-  }
-  try {
-    return ddssec::driver::run(options);
-  } catch (const std::exception& failure) {
-    std::fprintf(stderr, "cyclone_plugin_bench: %s\n", failure.what());
-    return 1;
-  }
+  return ddssec::bench::main_of(argc, argv, {{"--rounds", "9"}}, {"--ours", "--stock"},
+                                ddssec::driver::run);
 }

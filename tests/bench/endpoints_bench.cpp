@@ -12,6 +12,7 @@
 #include "rtps/cdr/type.hpp"
 #include "rtps/dcps/domain_participant.hpp"
 #include "tests/support/counted_memory.hpp"
+#include "tests/support/silent.hpp"
 
 namespace {
 
@@ -37,14 +38,10 @@ struct ddssec::rtps::TypeTraits<Value> {
 
 namespace {
 
-struct Silent final : EventSink {
-  void raise(const Event&) override {}
-};
-
 struct World {
   SystemClock clock;
   SystemRandom random;
-  Silent events;
+  test::Silent events;
 
   std::unique_ptr<rtps::DomainParticipant> participant() {
     auto made = rtps::DomainParticipant::create(

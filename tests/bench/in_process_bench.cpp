@@ -9,6 +9,7 @@
 
 #include "rtps/cdr/type.hpp"
 #include "rtps/dcps/domain_participant.hpp"
+#include "tests/support/silent.hpp"
 
 namespace {
 
@@ -45,10 +46,6 @@ struct ddssec::rtps::TypeTraits<Keyless> {
 };
 
 namespace {
-
-struct Silent final : EventSink {
-  void raise(const Event&) override {}
-};
 
 template <class T>
 T must(Result<T> made) {
@@ -89,7 +86,7 @@ void measure(const Environment& environment, const char* name) {
 int main() {
   SystemClock clock;
   SystemRandom random;
-  Silent events;
+  test::Silent events;
   measure<Keyed>({clock, random, events}, "keyed");
   measure<Keyless>({clock, random, events}, "keyless");
 }

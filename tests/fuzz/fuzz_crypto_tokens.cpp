@@ -10,7 +10,6 @@ namespace {
 using namespace ddssec;
 using namespace ddssec::cryptography;
 using namespace ddssec::cryptography::testing;
-using Tokens = std::vector<spi::Token>;
 
 struct Pair {
   explicit Pair(ProtectionKind kind)
@@ -19,36 +18,14 @@ struct Pair {
         message(encode_message(two, rtps_message({data_submessage(16)})).value()),
         submessage(encode_submessage(two, ends, data_submessage(16)).value()),
         reply(encode_reply(two, ends, data_submessage(16, 0x06)).value()),
-        of_participant(two.a.exchange()
-                           .create_local_participant_crypto_tokens(two.a.participant, two.a.remote)
-                           .value()),
-        of_writer(two.a.exchange()
-                      .create_local_datawriter_crypto_tokens(ends.writer, ends.remote_reader)
-                      .value()),
-        of_reader(two.b.exchange()
-                      .create_local_datareader_crypto_tokens(ends.reader, ends.remote_writer)
-                      .value()) {}
-
-  bool set_participant(const Tokens& tokens) {
-    return two.b.exchange()
-        .set_remote_participant_crypto_tokens(two.b.participant, two.b.remote, tokens)
-        .has_value();
-  }
-  bool set_writer(const Tokens& tokens) {
-    return two.b.exchange()
-        .set_remote_datawriter_crypto_tokens(ends.reader, ends.remote_writer, tokens)
-        .has_value();
-  }
-  bool set_reader(const Tokens& tokens) {
-    return two.a.exchange()
-        .set_remote_datareader_crypto_tokens(ends.writer, ends.remote_reader, tokens)
-        .has_value();
-  }
+        of_participant(two.participant_tokens().value()),
+        of_writer(two.writer_tokens(ends).value()),
+        of_reader(two.reader_tokens(ends).value()) {}
 
   void attack(const Tokens& tokens) {
-    if (set_participant(tokens) && !set_participant(of_participant)) std::abort();
-    if (set_writer(tokens) && !set_writer(of_writer)) std::abort();
-    if (set_reader(tokens) && !set_reader(of_reader)) std::abort();
+    if (two.take_participant(tokens) && !two.take_participant(of_participant)) std::abort();
+    if (two.take_writer(ends, tokens) && !two.take_writer(ends, of_writer)) std::abort();
+    if (two.take_reader(ends, tokens) && !two.take_reader(ends, of_reader)) std::abort();
     if (!decode_message(two, message) || !decode_submessage(two, ends, submessage) ||
         !decode_reply(two, ends, reply))
       std::abort();

@@ -11,31 +11,18 @@ namespace {
 using namespace ddssec;
 using namespace ddssec::cryptography;
 using namespace ddssec::cryptography::testing;
-using Tokens = std::vector<spi::Token>;
 
 constexpr auto kEncrypt = ProtectionKind::encrypt_with_origin_authentication;
-
-ParticipantSecurityAttributes revising() {
-  auto attributes = participant_attributes(kEncrypt);
-  attributes.is_key_revision_enabled = true;
-  return attributes;
-}
 
 /// `a` is revising its keys.
 struct Revision {
   Revision()
-      : two(revising()),
+      : two(participant_attributes(kEncrypt, true)),
         ends(two.endpoints(endpoint_attributes(kEncrypt, ProtectionKind::encrypt))) {
     former = sent();
     number = two.a.factory().revise_local_entity_keys(two.a.participant).value();
-    of_participant = two.a.exchange()
-                         .create_local_participant_crypto_tokens(two.a.participant, two.a.remote,
-                                                                 spi::KeyStage::revised)
-                         .value();
-    of_writer = two.a.exchange()
-                    .create_local_datawriter_crypto_tokens(ends.writer, ends.remote_reader,
-                                                           spi::KeyStage::revised)
-                    .value();
+    of_participant = two.participant_tokens(KeyStage::revised).value();
+    of_writer = two.writer_tokens(ends, KeyStage::revised).value();
   }
   struct Sent {
     Bytes message, submessage, payload;
@@ -44,16 +31,6 @@ struct Revision {
     return {encode_message(two, rtps_message({data_submessage(16)})).value(),
             encode_submessage(two, ends, data_submessage(16)).value(),
             encode_payload(two, ends, Bytes(16, 3)).value()};
-  }
-  bool set_participant(const Tokens& tokens) {
-    return two.b.exchange()
-        .set_remote_participant_crypto_tokens(two.b.participant, two.b.remote, tokens)
-        .has_value();
-  }
-  bool set_writer(const Tokens& tokens) {
-    return two.b.exchange()
-        .set_remote_datawriter_crypto_tokens(ends.reader, ends.remote_writer, tokens)
-        .has_value();
   }
   void must_read_message(const Sent& sent) {
     if (!decode_message(two, sent.message)) std::abort();
@@ -100,13 +77,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Revision it;
   const auto bad_participant = changed(it.of_participant, change);
   const auto bad_writer = changed(it.of_writer, change);
-  const bool took_participant = it.set_participant(bad_participant);
-  const bool took_writer = it.set_writer(bad_writer);
+  const bool took_participant = it.two.take_participant(bad_participant).has_value();
+  const bool took_writer = it.two.take_writer(it.ends, bad_writer).has_value();
   if (!took_participant || is_revision_of(bad_participant, it.of_participant))
     it.must_read_message(it.former);
   if (!took_writer || is_revision_of(bad_writer, it.of_writer)) it.must_read_data(it.former);
   if (took_participant || took_writer) return 0;
-  if (!it.set_participant(it.of_participant) || !it.set_writer(it.of_writer)) std::abort();
+  if (!it.two.take_participant(it.of_participant) || !it.two.take_writer(it.ends, it.of_writer))
+    std::abort();
   it.activate();
   for (const auto& sent : {it.former, it.sent()}) {
     it.must_read_message(sent);

@@ -9,15 +9,12 @@
 
 #include "rtps/dcps/domain_participant.hpp"
 #include "rtps/transport/interfaces.hpp"
+#include "tests/support/silent.hpp"
 
 namespace {
 
 using namespace ddssec;
 using namespace ddssec::rtps;
-
-class Silent final : public EventSink {
-  void raise(const Event&) override {}
-};
 
 int publish(DomainParticipant& participant, char** argv, int argc) {
   auto* topic = *participant.create_topic<shapes::ShapeType>(argv[2]);
@@ -50,7 +47,7 @@ int main(int argc, char** argv) {
   if (argc < 5) return 1;
   const SystemClock clock;
   SystemRandom random;
-  Silent events;
+  test::Silent events;
   const auto interface = default_interface();
   auto participant = DomainParticipant::create({.domain_id = std::atoi(argv[1]),
                                                 .interface = interface,

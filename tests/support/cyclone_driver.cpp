@@ -237,6 +237,19 @@ void carry_tokens(dds_security_cryptography* from, CreateTokens create, std::int
   setting.check(ok);
 }
 
+/// The writer's to the reader, and the reader's to the writer.
+void carry_endpoint_tokens(const Sender& sender, const Receiver& receiver,
+                           DDS_Security_DatareaderCryptoHandle remote_reader) {
+  auto* make = sender.plugin->crypto_key_exchange;
+  auto* set = receiver.plugin->crypto_key_exchange;
+  carry_tokens(sender.plugin, make->create_local_datawriter_crypto_tokens, sender.writer,
+               remote_reader, receiver.plugin, set->set_remote_datawriter_crypto_tokens,
+               receiver.reader, receiver.remote_writer);
+  carry_tokens(receiver.plugin, set->create_local_datareader_crypto_tokens, receiver.reader,
+               receiver.remote_writer, sender.plugin, make->set_remote_datareader_crypto_tokens,
+               sender.writer, remote_reader);
+}
+
 std::int64_t made(const Call& call, std::int64_t handle) {
   call.check(handle != DDS_SECURITY_HANDLE_NIL);
   return handle;
@@ -300,12 +313,7 @@ void CryptoLink::match(std::size_t number, const Keys& keys) {
   receiver.remote_writer =
       made(call, theirs->register_matched_remote_datawriter(
                      theirs, receiver.reader, receiver.remote_participant, secret, call));
-  carry_tokens(sender.plugin, make->create_local_datawriter_crypto_tokens, sender.writer,
-               remote_reader, receiver.plugin, set->set_remote_datawriter_crypto_tokens,
-               receiver.reader, receiver.remote_writer);
-  carry_tokens(receiver.plugin, set->create_local_datareader_crypto_tokens, receiver.reader,
-               receiver.remote_writer, sender.plugin, make->set_remote_datareader_crypto_tokens,
-               sender.writer, remote_reader);
+  carry_endpoint_tokens(sender, receiver, remote_reader);
 }
 
 CryptoLink::~CryptoLink() {
@@ -530,14 +538,7 @@ void Link::add_endpoints(const std::string& topic) {
   receiver.remote_writer =
       made(call, theirs->register_matched_remote_datawriter(theirs, receiver.reader, b_of_a.crypto,
                                                             b_of_a.secret, call));
-  auto* make = sender.plugin->crypto_key_exchange;
-  auto* set = receiver.plugin->crypto_key_exchange;
-  carry_tokens(sender.plugin, make->create_local_datawriter_crypto_tokens, sender.writer,
-               remote_reader, receiver.plugin, set->set_remote_datawriter_crypto_tokens,
-               receiver.reader, receiver.remote_writer);
-  carry_tokens(receiver.plugin, set->create_local_datareader_crypto_tokens, receiver.reader,
-               receiver.remote_writer, sender.plugin, make->set_remote_datareader_crypto_tokens,
-               sender.writer, remote_reader);
+  carry_endpoint_tokens(sender, receiver, remote_reader);
 }
 
 Link::~Link() {

@@ -4,20 +4,17 @@
 #include <atomic>
 #include <thread>
 
+#include "tests/support/silent.hpp"
 #include "tests/unit/authentication/fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {
 
-struct Discard final : EventSink {
-  void raise(const Event&) override {}
-};
-
 TEST(Threads, ManyPeersOfTwoLocalsAtOnceOnOneEngine) {
   constexpr int kThreads = 4, kRounds = 25;
   const SystemClock clock;
   SystemRandom random;
-  Discard events;
+  test::Silent events;
   const auto now = clock.now();
   const pki::Validity validity{now - 24h, now + 240h};
   const auto ca = make_ca("CN=Identity CA", {}, validity);

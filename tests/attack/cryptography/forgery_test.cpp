@@ -13,11 +13,6 @@ constexpr auto kSignOrigin = ProtectionKind::sign_with_origin_authentication;
 constexpr auto kEncryptOrigin = ProtectionKind::encrypt_with_origin_authentication;
 constexpr std::array kKinds = {kSign, kEncrypt, kSignOrigin, kEncryptOrigin};
 
-template <class T>
-Code code_of(const Result<T>& result) {
-  return result ? Code{0} : result.error().code();
-}
-
 using Decode = std::function<Result<Bytes>(const Bytes&)>;
 
 struct Target {
@@ -267,8 +262,7 @@ TEST(InsiderMessages, MustBeginWithTheirSource) {
     TwoSides two(kind);
     Insider insider(kind_for(Cipher::aes256_gcm, is_encrypted(kind)));
     const auto token = insider.token();
-    ASSERT_TRUE(two.b.exchange().set_remote_participant_crypto_tokens(two.b.participant,
-                                                                      two.b.remote, {&token, 1}));
+    ASSERT_TRUE(two.take_participant({&token, 1}));
     for (const auto& content : {data_submessage(40), data_submessage(0), Bytes{}}) {
       auto encoded = rtps_message({insider.group(kMessageFrame, content)});
       EXPECT_EQ(code_of(decode_message(two, encoded)), Code::info_source_missing);
@@ -282,10 +276,8 @@ TEST(InsiderSubmessages, MustBeOneThatTheOwnerOfTheKeySends) {
     const auto e = two.endpoints(endpoint_attributes(kind, kNone));
     Insider insider(kind_for(Cipher::aes128_gcm, is_encrypted(kind)));
     const auto token = insider.token();
-    ASSERT_TRUE(two.b.exchange().set_remote_datawriter_crypto_tokens(e.reader, e.remote_writer,
-                                                                     {&token, 1}));
-    ASSERT_TRUE(two.a.exchange().set_remote_datareader_crypto_tokens(e.writer, e.remote_reader,
-                                                                     {&token, 1}));
+    ASSERT_TRUE(two.take_writer(e, {&token, 1}));
+    ASSERT_TRUE(two.take_reader(e, {&token, 1}));
     const auto by_writer = [&](const Bytes& content) {
       return code_of(decode_submessage(two, e, insider.group(kSubmessageFrame, content)));
     };
@@ -310,8 +302,7 @@ TEST(InsiderSubmessages, MustBeExactlyOne) {
   const auto e = two.endpoints(endpoint_attributes(kEncrypt, kNone));
   Insider insider(kAes256Gcm);
   const auto token = insider.token();
-  ASSERT_TRUE(
-      two.b.exchange().set_remote_datawriter_crypto_tokens(e.reader, e.remote_writer, {&token, 1}));
+  ASSERT_TRUE(two.take_writer(e, {&token, 1}));
   auto pair = data_submessage(8);
   const auto second = data_submessage(8);
   pair.insert(pair.end(), second.begin(), second.end());
@@ -354,8 +345,7 @@ TEST(Tokens, OfAnySizeAndContent) {
       if (attempt > 1) random.fill(octets).value();
       if (attempt > 2 && size > 8) octets[0] = octets[1] = octets[2] = 0, octets[3] = 4;
       if (attempt > 3 && size > 8) octets[4] = octets[5] = octets[6] = 0, octets[7] = 32;
-      EXPECT_FALSE(two.b.exchange().set_remote_participant_crypto_tokens(
-          two.b.participant, two.b.remote, {&token, 1}));
+      EXPECT_FALSE(two.take_participant({&token, 1}));
     }
   EXPECT_TRUE(decode_message(two, encode_message(two, rtps_message({data_submessage(8)})).value()));
 }

@@ -12,11 +12,6 @@ constexpr auto kSign = ProtectionKind::sign;
 constexpr auto kNone = ProtectionKind::none;
 constexpr auto kChaCha = spi::kChaCha20Poly1305Name;
 
-template <class T>
-Code code_of(const Result<T>& result) {
-  return result ? Code{0} : result.error().code();
-}
-
 PropertyList operator+(PropertyList a, const PropertyList& b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;
@@ -33,16 +28,14 @@ EndpointSecurityAttributes builtin(ProtectionKind kind) {
 
 /// The kind of a participant's own message key.
 TransformKind message_kind(TwoSides& two) {
-  const auto tokens =
-      two.a.exchange().create_local_participant_crypto_tokens(two.a.participant, two.a.remote);
+  const auto tokens = two.participant_tokens();
   return read_crypto_token(tokens->front())->kind;
 }
 /// The kind of a writer's first key.
 TransformKind writer_kind(TwoSides& two, const EndpointSecurityAttributes& attributes,
                           const PropertyList& properties) {
   const auto e = two.endpoints(attributes, properties);
-  const auto tokens =
-      two.a.exchange().create_local_datawriter_crypto_tokens(e.writer, e.remote_reader);
+  const auto tokens = two.writer_tokens(e);
   return read_crypto_token(tokens->front())->kind;
 }
 

@@ -12,11 +12,6 @@ constexpr auto kSign = ProtectionKind::sign;
 constexpr auto kNone = ProtectionKind::none;
 constexpr auto kEncryptOrigin = ProtectionKind::encrypt_with_origin_authentication;
 
-template <class T>
-Code code_of(const Result<T>& result) {
-  return result ? Code{0} : result.error().code();
-}
-
 KeyMaterial material(TransformKind kind, std::uint8_t id = 1, bool receiver = false) {
   const auto size = traits_of(kind)->key_size();
   KeyMaterial out{.kind = kind};
@@ -132,8 +127,7 @@ TEST(CryptoHandles, UnmatchedPairsAreRefused) {
 // Tokens
 
 Code set_writer(TwoSides& two, const WriterToReader& e, std::vector<spi::Token> tokens) {
-  return code_of(
-      two.b.exchange().set_remote_datawriter_crypto_tokens(e.reader, e.remote_writer, tokens));
+  return code_of(two.take_writer(e, tokens));
 }
 
 TEST(CryptoTokens, CountClassAndFormAreChecked) {
@@ -158,12 +152,8 @@ TEST(CryptoTokens, CountClassAndFormAreChecked) {
   bad.binary_properties.clear();
   EXPECT_EQ(set_writer(two, e, {bad}), Code::crypto_token_form);
   EXPECT_EQ(set_writer(two, e, {good}), Code{0}) << "Fast DDS shares one key";
-  EXPECT_EQ(code_of(two.b.exchange().set_remote_participant_crypto_tokens(
-                two.b.participant, two.b.remote, std::vector{good, good})),
-            Code::crypto_token_count);
-  EXPECT_EQ(code_of(two.b.exchange().set_remote_participant_crypto_tokens(two.b.participant,
-                                                                          two.b.remote, {})),
-            Code::crypto_token_count);
+  EXPECT_EQ(code_of(two.take_participant(std::vector{good, good})), Code::crypto_token_count);
+  EXPECT_EQ(code_of(two.take_participant({})), Code::crypto_token_count);
 }
 
 TEST(CryptoTokens, ARefusedTokenChangesNothing) {
@@ -196,8 +186,7 @@ TEST(CryptoTokens, KindsMustFitTheGovernance) {
       Code::key_material_kind_mismatch);
   const auto set_participant = [&](const KeyMaterial& m) {
     const auto token = crypto_token(m);
-    return code_of(two.b.exchange().set_remote_participant_crypto_tokens(
-        two.b.participant, two.b.remote, {&token, 1}));
+    return code_of(two.take_participant({&token, 1}));
   };
   EXPECT_EQ(set_participant(material(kAes256Gmac)), Code::key_material_kind_mismatch);
   EXPECT_EQ(set_participant(KeyMaterial{}), Code::key_material_kind_mismatch);
@@ -216,30 +205,25 @@ TEST(CryptoTokens, WhatPeersSendOnUnprotectedLevelsIsTolerated) {
   TwoSides two;  // RTPS messages unprotected: Fast DDS sends a GMAC key, Cyclone DDS none
   for (const auto& m : {material(kAes256Gmac), KeyMaterial{}}) {
     const auto token = crypto_token(m);
-    EXPECT_TRUE(two.b.exchange().set_remote_participant_crypto_tokens(two.b.participant,
-                                                                      two.b.remote, {&token, 1}));
+    EXPECT_TRUE(two.take_participant({&token, 1}));
   }
   const auto e = two.endpoints(endpoint_attributes(kNone, kEncrypt));
   const auto token = crypto_token(material(kAes256Gmac));
-  EXPECT_TRUE(
-      two.a.exchange().set_remote_datareader_crypto_tokens(e.writer, e.remote_reader, {&token, 1}));
+  EXPECT_TRUE(two.take_reader(e, {&token, 1}));
 }
 
 TEST(CryptoTokens, AreWhatPeersExpect) {
   TwoSides two;
   const auto count = [&](ProtectionKind submessage, ProtectionKind payload) {
     const auto e = two.endpoints(endpoint_attributes(submessage, payload));
-    return std::pair(
-        two.a.exchange().create_local_datawriter_crypto_tokens(e.writer, e.remote_reader)->size(),
-        two.b.exchange().create_local_datareader_crypto_tokens(e.reader, e.remote_writer)->size());
+    return std::pair(two.writer_tokens(e)->size(), two.reader_tokens(e)->size());
   };
   EXPECT_EQ(count(kNone, kNone), std::pair(0ul, 0ul));
   EXPECT_EQ(count(kSign, kNone), std::pair(1ul, 1ul));
   EXPECT_EQ(count(kNone, kEncrypt), std::pair(1ul, 1ul)) << "Fast DDS waits for a reader's token";
   EXPECT_EQ(count(kEncrypt, kEncrypt), std::pair(2ul, 1ul));
   const auto e = two.endpoints(endpoint_attributes(kEncryptOrigin, kSign));
-  const auto tokens =
-      two.a.exchange().create_local_datawriter_crypto_tokens(e.writer, e.remote_reader).value();
+  const auto tokens = two.writer_tokens(e).value();
   const auto first = read_crypto_token(tokens[0]).value(),
              second = read_crypto_token(tokens[1]).value();
   EXPECT_EQ(first.kind, kAes256Gcm) << "the submessage's comes first";
@@ -247,8 +231,7 @@ TEST(CryptoTokens, AreWhatPeersExpect) {
   EXPECT_EQ(second.kind, kAes256Gmac);
   EXPECT_FALSE(second.has_receiver_key());
   EXPECT_NE(first.sender_key_id, second.sender_key_id);
-  const auto participant =
-      two.a.exchange().create_local_participant_crypto_tokens(two.a.participant, two.a.remote);
+  const auto participant = two.participant_tokens();
   ASSERT_EQ(participant->size(), 1u);
   EXPECT_EQ(to_hex(participant->front().binary_properties.front().value), to_hex(Bytes(24)));
 }
@@ -257,8 +240,7 @@ TEST(CryptoTokens, VolatileAndUnprotectedEndpointsHaveNone) {
   TwoSides two;
   const auto token = crypto_token(material(kAes256Gcm));
   const auto e = two.volatile_endpoints();
-  EXPECT_TRUE(
-      two.a.exchange().create_local_datawriter_crypto_tokens(e.writer, e.remote_reader)->empty());
+  EXPECT_TRUE(two.writer_tokens(e)->empty());
   EXPECT_EQ(set_writer(two, e, {token}), Code::crypto_tokens_not_expected);
   const auto open = two.endpoints(endpoint_attributes(kNone, kNone));
   EXPECT_EQ(set_writer(two, open, {token}), Code::crypto_tokens_not_expected);
@@ -332,8 +314,7 @@ TEST(CryptoProperties, KeySizeIs128Or256) {
   const auto attributes = endpoint_attributes(kEncrypt, kNone);
   const auto kind_with = [&](const PropertyList& properties) {
     const auto e = two.endpoints(attributes, properties);
-    const auto tokens =
-        two.a.exchange().create_local_datawriter_crypto_tokens(e.writer, e.remote_reader);
+    const auto tokens = two.writer_tokens(e);
     return read_crypto_token(tokens->front())->kind;
   };
   EXPECT_EQ(kind_with({}), kAes256Gcm);

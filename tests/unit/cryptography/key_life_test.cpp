@@ -85,15 +85,9 @@ PropertyList most_blocks(std::string value) {
   return {{std::string(property::kMostBlocksPerKey), std::move(value)}};
 }
 
-ParticipantSecurityAttributes attributes(bool revises) {
-  auto out = participant_attributes(kEncrypt);
-  out.is_key_revision_enabled = revises;
-  return out;
-}
-
 struct Limited {
   explicit Limited(const PropertyList& properties, const Options& options = {})
-      : two(attributes(true), properties, options) {}
+      : two(participant_attributes(kEncrypt, true), properties, options) {}
   bool is_due() { return factory().is_key_revision_due(two.a.participant); }
   spi::CryptoKeyFactory& factory() { return two.a.factory(); }
   void revise() {
@@ -107,14 +101,15 @@ struct Limited {
 TEST(KeyLimits, AreForGovernancesThatEnableRevision) {
   for (const auto& properties : {lifetime("3600"), most_blocks("1")}) {
     Side side;
-    const auto refused =
-        side.factory().register_local_participant({1}, {1}, properties, attributes(false));
+    const auto refused = side.factory().register_local_participant(
+        {1}, {1}, properties, participant_attributes(kEncrypt, false));
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code(), Code::key_limits_without_revision);
     EXPECT_EQ(refused.error().details().field, properties[0].name);
-    EXPECT_TRUE(side.factory().register_local_participant({1}, {1}, properties, attributes(true)));
-    EXPECT_TRUE(
-        side.factory().register_local_participant({1}, {1}, lifetime("0"), attributes(false)))
+    EXPECT_TRUE(side.factory().register_local_participant({1}, {1}, properties,
+                                                          participant_attributes(kEncrypt, true)));
+    EXPECT_TRUE(side.factory().register_local_participant({1}, {1}, lifetime("0"),
+                                                          participant_attributes(kEncrypt, false)))
         << "nothing is asked for";
   }
 }
@@ -123,8 +118,8 @@ TEST(KeyLimits, ThatAreMalformedMakeNoParticipant) {
   for (const auto& properties : {lifetime("soon"), lifetime("19"), most_blocks("-1")}) {
     Side side;
     for (const bool revises : {false, true}) {
-      const auto refused =
-          side.factory().register_local_participant({1}, {1}, properties, attributes(revises));
+      const auto refused = side.factory().register_local_participant(
+          {1}, {1}, properties, participant_attributes(kEncrypt, revises));
       ASSERT_FALSE(refused);
       EXPECT_EQ(refused.error().code(), Code::invalid_property);
     }

@@ -18,11 +18,6 @@ namespace property = spi::property;
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kSign = ProtectionKind::sign;
 
-template <class T>
-Code code_of(const Result<T>& result) {
-  return result ? Code{0} : result.error().code();
-}
-
 PropertyList passphrase(std::string_view text, std::string_view extra = {},
                         std::string_view cipher = {}) {
   PropertyList out = {{std::string(property::kPskPassphrase), "data:," + std::string(text)}};

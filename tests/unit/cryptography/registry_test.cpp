@@ -14,11 +14,6 @@ namespace {
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kNone = ProtectionKind::none;
 
-template <class T>
-Code code_of(const Result<T>& result) {
-  return result ? Code{0} : result.error().code();
-}
-
 struct Thing final : Entity {
   Thing() : Entity(EntityKind::local_writer) {}
 };
@@ -193,8 +188,7 @@ TEST(TwoLocals, OfOneRemoteHaveKeysOfTheirOwn) {
                                                                   encoded, out)),
               Code::crypto_not_matched);
     EXPECT_EQ(code_of(decode_payload(two, e, encoded)), Code::transform_key_id_mismatch);
-    const auto tokens =
-        two.a.exchange().create_local_datawriter_crypto_tokens(ends.writer, ends.remote_reader);
+    const auto tokens = two.writer_tokens(ends);
     EXPECT_EQ(code_of(two.b.exchange().set_remote_datawriter_crypto_tokens(
                   e.reader, ends.remote_writer, *tokens)),
               Code::crypto_not_matched);
@@ -253,18 +247,13 @@ TEST(Tokens, ComingAgainReplaceTheKeys) {
   const auto encoded = encode_submessage(two, e, data_submessage(8)).value();
   two.exchange_participant_tokens();
   for (int i = 0; i < 3; ++i) {
-    const auto tokens =
-        two.a.exchange().create_local_datawriter_crypto_tokens(e.writer, e.remote_reader).value();
-    ASSERT_TRUE(
-        two.b.exchange().set_remote_datawriter_crypto_tokens(e.reader, e.remote_writer, tokens));
+    const auto tokens = two.writer_tokens(e).value();
+    ASSERT_TRUE(two.take_writer(e, tokens));
     EXPECT_TRUE(decode_submessage(two, e, encoded));
   }
   const auto other = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
-  const auto others = two.a.exchange()
-                          .create_local_datawriter_crypto_tokens(other.writer, other.remote_reader)
-                          .value();
-  ASSERT_TRUE(
-      two.b.exchange().set_remote_datawriter_crypto_tokens(e.reader, e.remote_writer, others));
+  const auto others = two.writer_tokens(other).value();
+  ASSERT_TRUE(two.take_writer(e, others));
   EXPECT_EQ(code_of(decode_submessage(two, e, encoded)), Code::transform_key_id_mismatch);
 }
 

@@ -15,26 +15,14 @@ constexpr auto kSign = ProtectionKind::sign;
 constexpr auto kNone = ProtectionKind::none;
 constexpr auto kSignOrigin = ProtectionKind::sign_with_origin_authentication;
 constexpr auto kEncryptOrigin = ProtectionKind::encrypt_with_origin_authentication;
-using spi::KeyStage;
-using Tokens = std::vector<spi::Token>;
-
-template <class T>
-Code code_of(const Result<T>& result) {
-  return result ? Code{0} : result.error().code();
-}
-
-ParticipantSecurityAttributes revising(ProtectionKind rtps, bool enabled = true) {
-  auto attributes = participant_attributes(rtps);
-  attributes.is_key_revision_enabled = enabled;
-  return attributes;
-}
 
 ProtectionKind payload_kind(ProtectionKind kind) { return is_encrypted(kind) ? kEncrypt : kSign; }
 
 /// Everything protected by one kind; `a` revises its keys, and `b` hears of it or not.
 struct Revising {
   explicit Revising(ProtectionKind kind = kEncrypt)
-      : two(revising(kind)), e(two.endpoints(endpoint_attributes(kind, payload_kind(kind)))) {}
+      : two(participant_attributes(kind, true)),
+        e(two.endpoints(endpoint_attributes(kind, payload_kind(kind)))) {}
 
   spi::CryptoKeyFactory& factory() { return two.a.factory(); }
   KeyRevision begin() { return factory().revise_local_entity_keys(two.a.participant).value(); }
@@ -42,22 +30,13 @@ struct Revising {
     return factory().activate_key_revision(two.a.participant, revision);
   }
   Tokens of_participant(KeyStage stage = KeyStage::revised) {
-    return two.a.exchange()
-        .create_local_participant_crypto_tokens(two.a.participant, two.a.remote, stage)
-        .value();
+    return two.participant_tokens(stage).value();
   }
   Tokens of_writer(KeyStage stage = KeyStage::revised) {
-    return two.a.exchange()
-        .create_local_datawriter_crypto_tokens(e.writer, e.remote_reader, stage)
-        .value();
+    return two.writer_tokens(e, stage).value();
   }
-  Status tell_participant(const Tokens& tokens) {
-    return two.b.exchange().set_remote_participant_crypto_tokens(two.b.participant, two.b.remote,
-                                                                 tokens);
-  }
-  Status tell_reader(const Tokens& tokens) {
-    return two.b.exchange().set_remote_datawriter_crypto_tokens(e.reader, e.remote_writer, tokens);
-  }
+  Status tell_participant(const Tokens& tokens) { return two.take_participant(tokens); }
+  Status tell_reader(const Tokens& tokens) { return two.take_writer(e, tokens); }
   void tell() {
     ASSERT_TRUE(tell_participant(of_participant()));
     ASSERT_TRUE(tell_reader(of_writer()));
@@ -209,8 +188,7 @@ TEST(KeyRevision, OfAReaderIsForItsWriters) {
       b.exchange()
           .create_local_datareader_crypto_tokens(r.e.reader, r.e.remote_writer, KeyStage::revised)
           .value();
-  ASSERT_TRUE(r.two.a.exchange().set_remote_datareader_crypto_tokens(r.e.writer, r.e.remote_reader,
-                                                                     tokens));
+  ASSERT_TRUE(r.two.take_reader(r.e, tokens));
   ASSERT_TRUE(b.factory().activate_key_revision(b.participant, revision));
   const auto reply = encode_reply(r.two, r.e, data_submessage(8, 0x06)).value();
   EXPECT_EQ(reply[6], 1);
@@ -221,10 +199,7 @@ TEST(KeyRevision, AnEndpointMadeMeanwhileNeedsNone) {
   Revising r;
   const auto revision = r.begin();
   auto late = r.two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
-  EXPECT_TRUE(
-      r.two.a.exchange()
-          .create_local_datawriter_crypto_tokens(late.writer, late.remote_reader, KeyStage::revised)
-          ->empty());
+  EXPECT_TRUE(r.two.writer_tokens(late, KeyStage::revised)->empty());
   ASSERT_TRUE(r.activate(revision));
   EXPECT_TRUE(decode_payload(r.two, late, encode_payload(r.two, late, Bytes(8)).value()));
   // The next one is for it, too.
@@ -242,17 +217,14 @@ TEST(KeyRevision, WhatIsUnregisteredMeanwhileIsForgotten) {
 }
 
 TEST(KeyRevision, OfParticipantsThatProtectNoMessagesIsForTheirEndpoints) {
-  TwoSides two(revising(kNone));
+  TwoSides two(participant_attributes(kNone, true));
   const auto revision = two.a.factory().revise_local_entity_keys(two.a.participant);
   EXPECT_EQ(*revision, 1u);
-  EXPECT_TRUE(two.a.exchange()
-                  .create_local_participant_crypto_tokens(two.a.participant, two.a.remote,
-                                                          KeyStage::revised)
-                  ->empty());
+  EXPECT_TRUE(two.participant_tokens(KeyStage::revised)->empty());
 }
 
 TEST(KeyRevision, IsNotDoneUnlessTheGovernanceEnablesIt) {
-  TwoSides two(revising(kEncrypt, false));
+  TwoSides two(participant_attributes(kEncrypt, false));
   EXPECT_EQ(two.a.factory().revise_local_entity_keys(two.a.participant).value(), 0u);
   EXPECT_EQ(code_of(two.a.factory().activate_key_revision(two.a.participant, 1)),
             Code::key_revision_out_of_turn);
@@ -347,13 +319,9 @@ TEST(RevisedTokens, FollowTheLastNumberByTheFirst) {
 }
 
 TEST(RevisedTokens, ToWhoseGovernanceDoesNotEnableItAreRefused) {
-  TwoSides two(revising(kEncrypt, false));
-  const auto tokens =
-      two.a.exchange().create_local_participant_crypto_tokens(two.a.participant, two.a.remote);
-  const auto set = [&](const Tokens& given) {
-    return code_of(two.b.exchange().set_remote_participant_crypto_tokens(two.b.participant,
-                                                                         two.b.remote, given));
-  };
+  TwoSides two(participant_attributes(kEncrypt, false));
+  const auto tokens = two.participant_tokens();
+  const auto set = [&](const Tokens& given) { return code_of(two.take_participant(given)); };
   EXPECT_EQ(set(renumbered(*tokens, 1)), Code::key_revision_not_enabled);
   EXPECT_EQ(set(*tokens), kGood);
 }

@@ -35,8 +35,7 @@ TEST_P(Threads, TokensComeAgainWhileDecoding) {
   TwoSides two(kOrigin, {}, options());
   const auto e = two.endpoints(endpoint_attributes(kOrigin, kEncrypt));
   const auto plain = data_submessage(40);
-  const auto tokens =
-      two.a.exchange().create_local_datawriter_crypto_tokens(e.writer, e.remote_reader).value();
+  const auto tokens = two.writer_tokens(e).value();
   while_changing(
       300,
       [&] {
@@ -46,9 +45,7 @@ TEST_P(Threads, TokensComeAgainWhileDecoding) {
         EXPECT_TRUE(decode_message(two, encode_message(two, rtps_message({plain})).value()));
       },
       [&](int) {
-        two.b.exchange()
-            .set_remote_datawriter_crypto_tokens(e.reader, e.remote_writer, tokens)
-            .value();
+        two.take_writer(e, tokens).value();
         two.exchange_participant_tokens();
       });
 }

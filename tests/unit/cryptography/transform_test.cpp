@@ -12,11 +12,6 @@ constexpr auto kNone = ProtectionKind::none;
 constexpr std::array kKinds = {kSign, kEncrypt, ProtectionKind::sign_with_origin_authentication,
                                ProtectionKind::encrypt_with_origin_authentication};
 
-template <class T>
-Code code_of(const Result<T>& result) {
-  return result ? Code{0} : result.error().code();
-}
-
 TEST(Payload, ComesBackAtEverySize) {
   for (const auto kind : {kSign, kEncrypt})
     for (const auto* const bits : {"128", "256"}) {

@@ -8,6 +8,7 @@
 
 #include "base/event.hpp"
 #include "plugins/cryptography/cryptography.hpp"
+#include "tests/support/code_of.hpp"
 
 namespace ddssec::cryptography::testing {
 
@@ -15,10 +16,13 @@ using spi::DatareaderCryptoHandle;
 using spi::DatawriterCryptoHandle;
 using spi::EndpointSecurityAttributes;
 using spi::IdentityHandle;
+using spi::KeyStage;
 using spi::ParticipantCryptoHandle;
 using spi::ParticipantSecurityAttributes;
 using spi::PropertyList;
 using spi::ProtectionKind;
+using test::code_of;
+using Tokens = std::vector<spi::Token>;
 
 struct CountingSink final : EventSink {
   void raise(const Event& event) override {
@@ -29,9 +33,11 @@ struct CountingSink final : EventSink {
   std::string last;
 };
 
-inline ParticipantSecurityAttributes participant_attributes(ProtectionKind rtps) {
+inline ParticipantSecurityAttributes participant_attributes(ProtectionKind rtps,
+                                                            bool revises_keys = false) {
   ParticipantSecurityAttributes attributes;
   attributes.rtps = rtps;
+  attributes.is_key_revision_enabled = revises_keys;
   return attributes;
 }
 
@@ -149,18 +155,29 @@ struct TwoSides {
         b.factory()
             .register_matched_remote_datawriter(out.reader, b.remote, shared_secret())
             .value();
-    const auto of_writer =
-        a.exchange().create_local_datawriter_crypto_tokens(out.writer, out.remote_reader).value();
-    if (!of_writer.empty())
-      b.exchange()
-          .set_remote_datawriter_crypto_tokens(out.reader, out.remote_writer, of_writer)
-          .value();
-    const auto of_reader =
-        b.exchange().create_local_datareader_crypto_tokens(out.reader, out.remote_writer).value();
-    if (!of_reader.empty())
-      a.exchange()
-          .set_remote_datareader_crypto_tokens(out.writer, out.remote_reader, of_reader)
-          .value();
+    const auto of_writer = writer_tokens(out).value(), of_reader = reader_tokens(out).value();
+    if (!of_writer.empty()) take_writer(out, of_writer).value();
+    if (!of_reader.empty()) take_reader(out, of_reader).value();
+  }
+
+  /// What `a` gives `b` of itself and of a writer, `b` gives `a` of a reader; and its taking.
+  Result<Tokens> participant_tokens(KeyStage stage = KeyStage::in_use) {
+    return a.exchange().create_local_participant_crypto_tokens(a.participant, a.remote, stage);
+  }
+  Result<Tokens> writer_tokens(const WriterToReader& e, KeyStage stage = KeyStage::in_use) {
+    return a.exchange().create_local_datawriter_crypto_tokens(e.writer, e.remote_reader, stage);
+  }
+  Result<Tokens> reader_tokens(const WriterToReader& e, KeyStage stage = KeyStage::in_use) {
+    return b.exchange().create_local_datareader_crypto_tokens(e.reader, e.remote_writer, stage);
+  }
+  Status take_participant(std::span<const spi::Token> tokens) {
+    return b.exchange().set_remote_participant_crypto_tokens(b.participant, b.remote, tokens);
+  }
+  Status take_writer(const WriterToReader& e, std::span<const spi::Token> tokens) {
+    return b.exchange().set_remote_datawriter_crypto_tokens(e.reader, e.remote_writer, tokens);
+  }
+  Status take_reader(const WriterToReader& e, std::span<const spi::Token> tokens) {
+    return a.exchange().set_remote_datareader_crypto_tokens(e.writer, e.remote_reader, tokens);
   }
 
   WriterToReader volatile_endpoints() {

@@ -16,30 +16,12 @@ using Kind = ProtectionKind;
 constexpr DomainId kDomains = 4;  // 0 to 3, and 9 for all others
 constexpr std::size_t kLongest = 5;
 
-/// Expressions by their text, with what they match.
-class Pool {
- public:
-  Pool() : words_(words::all_words("abc", kLongest)), all_(words::all_expressions(words_, 3)) {
-    for (std::size_t i = 0; i < all_.size(); ++i) by_text_[all_[i].text] = i;
-  }
-  const std::vector<std::string>& words() const { return words_; }
-  const std::string& random(words::Dice& dice) const { return all_[dice.below(all_.size())].text; }
-  const std::vector<bool>& matches(const std::string& text) const {
-    return all_[by_text_.at(text)].matches;
-  }
-
- private:
-  std::vector<std::string> words_;
-  std::vector<words::KnownExpression> all_;
-  std::map<std::string, std::size_t> by_text_;
-};
-
 Kind any_kind(words::Dice& dice, std::size_t kinds) { return static_cast<Kind>(dice.below(kinds)); }
 
 /// Changes few things, so that most of two documents is the same.
 class Author {
  public:
-  Author(const Pool& pool, std::uint32_t seed) : pool_(pool), dice_(seed) {}
+  Author(const words::Pool& pool, std::uint32_t seed) : pool_(pool), dice_(seed) {}
 
   Governance document() {
     Governance governance;
@@ -143,7 +125,7 @@ class Author {
     }
   }
 
-  const Pool& pool_;
+  const words::Pool& pool_;
   words::Dice dice_;
 };
 
@@ -222,7 +204,7 @@ struct Moves {
 
 class Reference {
  public:
-  Reference(const Pool& pool, const Governance& old_document, const Governance& new_document)
+  Reference(const words::Pool& pool, const Governance& old_document, const Governance& new_document)
       : pool_(pool), old_(old_document), new_(new_document) {}
 
   Story story() {
@@ -344,7 +326,7 @@ class Reference {
     take(certain);
   }
 
-  const Pool& pool_;
+  const words::Pool& pool_;
   const Governance& old_;
   const Governance& new_;
   Story story_;
@@ -402,7 +384,7 @@ class GovernanceReference : public ::testing::TestWithParam<std::uint32_t> {};
 
 // Words of five letters reach whatever two lists of expressions of three parts tell apart.
 TEST_P(GovernanceReference, AgreesOnTenThousandPairs) {
-  static const Pool pool;
+  static const words::Pool pool(kLongest, 3);
   Author author(pool, GetParam());
   std::map<ChangeClass, int> seen;
   for (int round = 0; round < 10'000; ++round) {

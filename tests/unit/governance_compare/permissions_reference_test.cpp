@@ -20,31 +20,12 @@ constexpr const char* kSubjects[] = {"CN=a", "CN=b"};
 
 WallTime at(int time) { return WallTime(std::chrono::seconds(time)); }
 
-/// Expressions by their text, with the words that they match.
-class Pool {
- public:
-  Pool(std::size_t longest, std::size_t most_parts)
-      : words_(words::all_words("abc", longest)), all_(words::all_expressions(words_, most_parts)) {
-    for (std::size_t i = 0; i < all_.size(); ++i) by_text_[all_[i].text] = i;
-  }
-  const std::vector<std::string>& words() const { return words_; }
-  const std::string& random(words::Dice& dice) const { return all_[dice.below(all_.size())].text; }
-  const std::vector<bool>& matches(const std::string& text) const {
-    return all_[by_text_.at(text)].matches;
-  }
-
- private:
-  std::vector<std::string> words_;
-  std::vector<words::KnownExpression> all_;
-  std::map<std::string, std::size_t> by_text_;
-};
-
-const Pool& topics() {
-  static const Pool pool(5, 2);
+const words::Pool& topics() {
+  static const words::Pool pool(5, 2);
   return pool;
 }
-const Pool& partitions() {
-  static const Pool pool(3, 2);
+const words::Pool& partitions() {
+  static const words::Pool pool(3, 2);
   return pool;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <random>
 #include <string>
 #include <string_view>
@@ -59,6 +60,25 @@ class Dice {
 
  private:
   std::mt19937 generator_;
+};
+
+/// Expressions by their text, with the words that they match.
+class Pool {
+ public:
+  Pool(std::size_t longest, std::size_t most_parts)
+      : words_(all_words("abc", longest)), all_(all_expressions(words_, most_parts)) {
+    for (std::size_t i = 0; i < all_.size(); ++i) by_text_[all_[i].text] = i;
+  }
+  const std::vector<std::string>& words() const { return words_; }
+  const std::string& random(Dice& dice) const { return all_[dice.below(all_.size())].text; }
+  const std::vector<bool>& matches(const std::string& text) const {
+    return all_[by_text_.at(text)].matches;
+  }
+
+ private:
+  std::vector<std::string> words_;
+  std::vector<KnownExpression> all_;
+  std::map<std::string, std::size_t> by_text_;
 };
 
 }  // namespace ddssec::governance::words

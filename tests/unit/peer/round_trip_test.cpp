@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "programs/peer/session.hpp"
+#include "tests/support/silent.hpp"
 
 namespace ddssec::peer {
 namespace {
@@ -13,12 +14,9 @@ using namespace std::chrono_literals;
 
 /// The other side, by hand.
 struct Other {
-  struct Silent final : EventSink {
-    void raise(const Event&) override {}
-  };
   SystemClock clock;
   SystemRandom random;
-  Silent events;
+  test::Silent events;
   std::unique_ptr<rtps::DomainParticipant> participant;
   rtps::Qos qos = rtps::default_writer_qos();
 

@@ -10,17 +10,8 @@
 #include "base/clock.hpp"
 #include "pki/authority.hpp"
 #include "pki/chain.hpp"
+#include "tests/support/expect_code.hpp"
 #include "tests/support/test_data.hpp"
-
-/// Fails unless `result` is an error of exactly this code.
-#define EXPECT_CODE(result, expected_code)                                                     \
-  do {                                                                                         \
-    const auto& result_ = (result);                                                            \
-    if (result_)                                                                               \
-      ADD_FAILURE() << #result " succeeded";                                                   \
-    else                                                                                       \
-      EXPECT_EQ(result_.error().code(), Code::expected_code) << result_.error().to_sentence(); \
-  } while (false)
 
 namespace ddssec::pki {
 

@@ -1,4 +1,5 @@
 // Once samples flow, none costs an allocation: not to write it, not on the wire, not to take it.
+#include "tests/support/silent.hpp"
 #include "tests/unit/rtps/sample_flow.hpp"
 
 namespace ddssec::rtps {
@@ -8,12 +9,9 @@ using testing::Flow;
 using testing::SampleFlow;
 
 struct Allocations : ::testing::Test {
-  struct Silent final : EventSink {
-    void raise(const Event&) override {}
-  };
   ManualClock clock{WallTime(std::chrono::seconds(1'800'000'000))};
   SystemRandom random;
-  Silent events;
+  test::Silent events;
 
   bool in_process = false;
 

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "rtps/wire/message_reader.hpp"
+#include "tests/support/code_of.hpp"
 
 namespace ddssec::rtps::testing {
 
@@ -36,10 +37,6 @@ inline SubmessageView view_of(const Bytes& octets) {
   return **MessageReader::over_submessages({}, octets).next();
 }
 
-inline Code code_of(const Status& status) { return status ? Code{} : status.error().code(); }
-template <class T>
-Code code_of(const Result<T>& result) {
-  return result ? Code{} : result.error().code();
-}
+using test::code_of;
 
 }  // namespace ddssec::rtps::testing

@@ -13,6 +13,7 @@
 #include "plugins/cryptography/cryptography.hpp"
 #include "plugins/spi/property_names.hpp"
 #include "rtps/discovery/participant.hpp"
+#include "tests/support/code_of.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/pki/fixture.hpp"
 
@@ -300,11 +301,7 @@ inline Payload payload(std::size_t size = 8) {
   octets[2] = octets[3] = 0;
   return Payload::copy_of(octets);
 }
-inline Code code_of(const Status& status) { return status ? Code{} : status.error().code(); }
-template <class T>
-Code code_of(const Result<T>& result) {
-  return result ? Code{} : result.error().code();
-}
+using test::code_of;
 
 /// A publisher and a subscriber of one topic under one governance.
 struct Pair {

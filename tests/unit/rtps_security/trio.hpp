@@ -80,6 +80,12 @@ struct Trio {
         },
         steps);
   }
+  /// Nothing of it arrives any more.
+  void silence(const Node& whom) {
+    world.filter = [&whom](const Node& from, Bytes datagram) {
+      return &from == &whom ? std::vector<Bytes>{} : one(std::move(datagram));
+    };
+  }
   void revoke_carol() {
     list.revoke(carol);
     for (auto* node : {&a, &b}) node->clock.advance(1s);

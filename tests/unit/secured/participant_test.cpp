@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 
 #include "plugins/spi/property_names.hpp"
+#include "tests/support/silent.hpp"
 
 namespace ddssec::secured {
 namespace {
@@ -23,10 +24,6 @@ struct Folder {
   Folder() { fs::create_directories(path); }
   ~Folder() { fs::remove_all(path); }
   void put(const char* name) const { std::ofstream(path / name) << "nothing good"; }
-};
-
-struct Quiet final : EventSink {
-  void raise(const Event&) override {}
 };
 
 std::string value_of(const spi::PropertyList& properties, std::string_view name) {
@@ -80,7 +77,7 @@ TEST(FolderProperties, FurtherOnesComeFromAFile) {
 }
 
 TEST(SecuredParticipant, WithoutAFolderThereIsNone) {
-  Quiet quiet;
+  test::Silent quiet;
   const auto participant = Participant::join("/nowhere/at/all", {.domain_id = 122}, &quiet);
   ASSERT_FALSE(participant);
   EXPECT_EQ(participant.error().code(), Code::file_unreadable);
@@ -89,7 +86,7 @@ TEST(SecuredParticipant, WithoutAFolderThereIsNone) {
 
 TEST(SecuredParticipant, AFileThatIsMissingIsNamed) {
   const Folder folder;
-  Quiet quiet;
+  test::Silent quiet;
   const auto participant = Participant::join(folder.path, {.domain_id = 122}, &quiet);
   ASSERT_FALSE(participant);
   EXPECT_THAT(participant.error().to_sentence(), HasSubstr("identity_ca.pem"));

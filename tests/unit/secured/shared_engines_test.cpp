@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include "secured/participant.hpp"
+#include "tests/support/silent.hpp"
 #include "tests/unit/rtps_security/fixture.hpp"
 
 namespace ddssec::rtps {
@@ -39,14 +40,10 @@ struct TestClock final : Clock {
   std::chrono::nanoseconds monotonic() const override { return system.monotonic(); }
 };
 
-struct Silent final : EventSink {
-  void raise(const Event&) override {}
-};
-
 struct World {
   TestClock clock;
   SystemRandom random;
-  Silent events;
+  test::Silent events;
   const Environment environment{clock, random, events};
   Engines shared{environment}, own{environment};
 

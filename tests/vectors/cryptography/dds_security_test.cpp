@@ -195,8 +195,7 @@ TEST_P(KatTransform, PayloadsDecode) {
     TwoSides two(ProtectionKind::none, {}, options());
     const auto e = two.endpoints(endpoint_attributes(ProtectionKind::none, protection(entry)));
     const auto token = crypto_token(material_of(entry, false));
-    ASSERT_TRUE(two.b.exchange().set_remote_datawriter_crypto_tokens(e.reader, e.remote_writer,
-                                                                     {&token, 1}));
+    ASSERT_TRUE(two.take_writer(e, {&token, 1}));
     const auto plain = entry.contains("plain") ? hex(entry["plain"]) : input("plain_payload");
     EXPECT_EQ(to_hex(decode_payload(two, e, hex(entry["encoded"])).value()), to_hex(plain));
   }
@@ -229,8 +228,7 @@ TEST_P(KatTransform, SubmessagesDecode) {
     const auto e =
         two.endpoints(endpoint_attributes(protection(entry, origin), ProtectionKind::none));
     const auto token = crypto_token(material_of(entry, origin));
-    ASSERT_TRUE(two.b.exchange().set_remote_datawriter_crypto_tokens(e.reader, e.remote_writer,
-                                                                     {&token, 1}));
+    ASSERT_TRUE(two.take_writer(e, {&token, 1}));
     const auto encoded = hex(entry["encoded"]);
     const auto whose = two.b.transform().preprocess_secure_submessage({}, two.b.remote, encoded);
     EXPECT_EQ(whose.value().datawriter, e.remote_writer);
@@ -271,8 +269,7 @@ TEST_P(KatTransform, MessagesDecode) {
     const bool origin = entry["receiver_specific"];
     TwoSides two(protection(entry, origin), {}, options());
     const auto token = crypto_token(material_of(entry, origin));
-    ASSERT_TRUE(two.b.exchange().set_remote_participant_crypto_tokens(two.b.participant,
-                                                                      two.b.remote, {&token, 1}));
+    ASSERT_TRUE(two.take_participant({&token, 1}));
     EXPECT_EQ(to_hex(decode_message(two, hex(entry["encoded"])).value()),
               to_hex(with_info_source(input("plain_rtps_message"))));
   }

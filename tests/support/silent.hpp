@@ -1,0 +1,12 @@
+// For whom events say nothing.
+#pragma once
+
+#include "base/event.hpp"
+
+namespace ddssec::test {
+
+struct Silent final : EventSink {
+  void raise(const Event&) override {}
+};
+
+}  // namespace ddssec::test
