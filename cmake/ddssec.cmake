@@ -35,6 +35,13 @@ if(DDSSEC_SANITIZE)
                       $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-maybe-uninitialized>)
   add_link_options(-fsanitize=${DDSSEC_SANITIZE})
 endif()
+# ddssec_test_unfit_for_sanitizers(TEST REASON): under them ctest names it as disabled.
+function(ddssec_test_unfit_for_sanitizers test reason)
+  if(DDSSEC_SANITIZE)
+    message(STATUS "${test} does not run sanitized: ${reason}")
+    set_tests_properties(${test} PROPERTIES DISABLED TRUE)
+  endif()
+endfunction()
 if(DDSSEC_BUILD_FUZZ)
   add_compile_options(-fsanitize=fuzzer-no-link)  # what is fuzzed tells which branches it took
   add_compile_definitions(_GLIBCXX_ASSERTIONS)

@@ -99,7 +99,8 @@ TEST_F(AccessControlAdapterTest, AnEndpointThatUnauthenticatedPeersWouldReachIsR
     return c->check_create_datawriter(c, 8, 5, "Square", &qos, nullptr, nullptr, &refusal) != 0;
   };
   const auto may_read = [&] {
-    return c->check_create_datareader(c, 8, 5, "Square", &qos, nullptr, nullptr, &refusal) != 0;
+    Refusal unread;
+    return c->check_create_datareader(c, 8, 5, "Square", &qos, nullptr, nullptr, &unread) != 0;
   };
   EXPECT_TRUE(may_write());
   EXPECT_TRUE(may_read());
