@@ -54,8 +54,9 @@ Json or_null(const std::string& text) { return text.empty() ? Json() : Json(text
 
 Result<DiffSides> diff_sides(const Arguments& arguments, const Context& context) {
   const auto now = context.clock.now();
-  return DiffSides{DDSSEC_TRY(read_side(arguments.text("OLD"), arguments, now)),
-                   DDSSEC_TRY(read_side(arguments.text("NEW"), arguments, now))};
+  auto before = DDSSEC_TRY(read_side(arguments.text("OLD"), arguments, now));
+  auto after = DDSSEC_TRY(read_side(arguments.text("NEW"), arguments, now));
+  return DiffSides{std::move(before), std::move(after)};
 }
 
 Json signer_json(const DiffSides& sides) {

@@ -64,15 +64,19 @@ Result<std::vector<std::string>> names_of(const Arguments& arguments, pki::Folde
 Result<Plan> plan_of(const Arguments& arguments, WallTime now) {
   const auto layout = DDSSEC_TRY(layout_of(arguments));
   const fs::path target = arguments.text("DIR");
+  auto names = DDSSEC_TRY(names_of(arguments, layout));
+  const auto profile = DDSSEC_TRY(profile_option(arguments));
+  auto domains = DDSSEC_TRY(domain_ranges(arguments, "--domain"));
+  const auto life = DDSSEC_TRY(validity(arguments, now));
   return Plan{.target = target,
               .title = folder_name(target),
-              .names = DDSSEC_TRY(names_of(arguments, layout)),
+              .names = std::move(names),
               .layout = layout,
-              .profile = DDSSEC_TRY(profile_option(arguments)),
-              .domains = DDSSEC_TRY(domain_ranges(arguments, "--domain")),
+              .profile = profile,
+              .domains = std::move(domains),
               .topics = arguments.all("--allow-topics"),
               .ca_life = validity_of(3650, now),
-              .life = DDSSEC_TRY(validity(arguments, now))};
+              .life = life};
 }
 
 Result<OpenCa> make_ca(const Plan& plan, std::string_view role, const Context& context) {

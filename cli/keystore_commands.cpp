@@ -126,10 +126,9 @@ Result<Report> keystore_enclave(const Arguments& arguments, const Context& conte
   DDSSEC_TRY(check_enclave(name));
   if (name == "/") return fail(Code::enclave_name_unusable, {.found = name});
   DDSSEC_TRY(check_keystore(keystore));
-  ParticipantSpec spec{.name = name,
-                       .subject = "CN=" + name,
-                       .life = DDSSEC_TRY(validity(arguments, now)),
-                       .key = DDSSEC_TRY(key_spec(arguments))};
+  const auto life = DDSSEC_TRY(validity(arguments, now));
+  const auto key = DDSSEC_TRY(key_spec(arguments));
+  ParticipantSpec spec{.name = name, .subject = "CN=" + name, .life = life, .key = key};
   Report report;
   DDSSEC_TRY(read_rights(spec, arguments, report));
   const auto target = keystore / enclave_folder(name);

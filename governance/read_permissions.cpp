@@ -51,8 +51,9 @@ Status read_tag(ReadContext& context, XmlElement element, std::vector<DataTag>& 
           {.line = element.line(), .field = "<tag>", .expected = "a <name> and then a <value>"});
     }
     DDSSEC_TRY(context.count(all[i].second));
-    tags.push_back(
-        {DDSSEC_TRY(all[i].second.nonempty_text()), DDSSEC_TRY(all[i + 1].second.text())});
+    auto name = DDSSEC_TRY(all[i].second.nonempty_text());
+    auto value = DDSSEC_TRY(all[i + 1].second.text());
+    tags.push_back({std::move(name), std::move(value)});
   }
   return {};
 }

@@ -86,9 +86,10 @@ Status IssueLog::add_line(std::string_view line) {
   auto serial = DDSSEC_TRY(serial_of(object));
   const auto event = text_of(object, "event");
   if (event == "issued") {
+    const auto not_after = DDSSEC_TRY(time_of(object, "not_after"));
     IssuedCertificate one{.serial = serial,
                           .subject = text_of(object, "subject"),
-                          .not_after = DDSSEC_TRY(time_of(object, "not_after")),
+                          .not_after = not_after,
                           .folder = text_of(object, "folder")};
     if (issued_by_serial_.emplace(std::move(serial), issued_.size()).second)
       issued_.push_back(std::move(one));
@@ -97,7 +98,8 @@ Status IssueLog::add_line(std::string_view line) {
   if (event != "revoked") return malformed("event is neither issued nor revoked");
   const auto reason = revocation_reason_from(text_of(object, "reason"));
   if (!reason) return malformed("reason is none of RFC 5280");
-  const Revocation revocation{serial, DDSSEC_TRY(time_of(object, "time")), *reason};
+  const auto time = DDSSEC_TRY(time_of(object, "time"));
+  const Revocation revocation{serial, time, *reason};
   if (!revoked_by_serial_.emplace(serial, revocations_.size()).second) return {};
   revocations_.push_back(revocation);
   const auto issued = issued_by_serial_.find(serial);

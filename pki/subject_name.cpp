@@ -214,8 +214,9 @@ Result<std::vector<NameAttribute>> parse_one_line(std::string_view text) {
     const auto equals = text.find('=', at);
     const auto next = next_slash_type(text, equals);
     auto type = canonical_type(trimmed(text.substr(at + 1, equals - at - 1), kBlanks));
-    const auto value = trimmed(text.substr(equals + 1, next - equals - 1), kBlanks);
-    out.push_back({*std::move(type), DDSSEC_TRY(unescape_one_line(value))});
+    auto value =
+        DDSSEC_TRY(unescape_one_line(trimmed(text.substr(equals + 1, next - equals - 1), kBlanks)));
+    out.push_back({*std::move(type), std::move(value)});
     at = next;
   }
   return out;

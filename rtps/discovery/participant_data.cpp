@@ -15,7 +15,8 @@ Status read_property_list(Reader& reader, spi::PropertyList& out) {
   if (count > kMostProperties) return fail(Code::length_out_of_range);
   for (std::uint32_t i = 0; i < count; ++i) {
     auto name = DDSSEC_TRY(read_bounded_string(reader, kMostOpaqueOctets));
-    out.push_back({std::move(name), DDSSEC_TRY(read_bounded_string(reader, kMostOpaqueOctets))});
+    auto value = DDSSEC_TRY(read_bounded_string(reader, kMostOpaqueOctets));
+    out.push_back({std::move(name), std::move(value)});
   }
   return {};  // binary properties may follow; nobody needs them
 }

@@ -69,6 +69,17 @@ TEST(Bounds, AMillionFakeParticipantsTakeABoundedPlace) {
   EXPECT_LT(octets() - before, 8 * kMiB);
 }
 
+// g++ 12 does not destroy the members of an aggregate that a return in its middle leaves.
+TEST(Bounds, APropertyWhoseValueIsCutOffIsForgotten) {
+  Bytes payload = {0, 3, 0, 0, 0x59, 0, 44, 0, 1, 0, 0, 0, 32, 0, 0, 0};
+  payload.insert(payload.end(), 31, 'n');
+  payload.insert(payload.end(), {0, 0xff, 0, 0, 0, 1, 0, 0, 0});
+  ASSERT_FALSE(read_participant_data(payload));
+  const auto before = octets();
+  for (int i = 0; i < 100; ++i) EXPECT_FALSE(read_participant_data(payload));
+  EXPECT_EQ(octets(), before);
+}
+
 /// A reader here, and many writers of another participant that matched it.
 struct Matched : ::testing::Test {
   static constexpr int kWriters = 16;
