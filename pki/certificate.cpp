@@ -1,5 +1,6 @@
 #include "pki/certificate.hpp"
 
+#include <algorithm>
 #include <map>
 #include <mutex>
 
@@ -20,10 +21,20 @@ std::string one_line(const X509_NAME* name) {
   return text ? text.get() : "";
 }
 
-std::string pem_text(X509* x509) {
+std::string pem_text(BytesView der) {
   const BioPtr bio(BIO_new(BIO_s_mem()));
-  if (!bio || PEM_write_bio_X509(bio.get(), x509) != 1) return {};
+  if (!bio ||
+      PEM_write_bio(bio.get(), kLabel.data(), "", der.data(), static_cast<long>(der.size())) <= 0)
+    return {};
   return std::string(as_text(bio_octets(bio)));
+}
+
+// One certificate in other octets would be another by its fingerprint.
+bool is_distinguished(const X509* x509, BytesView der) {
+  unsigned char* again = nullptr;
+  const int size = i2d_X509(x509, &again);
+  const OpensslMemory owner(again);
+  return size > 0 && std::ranges::equal(BytesView(again, static_cast<std::size_t>(size)), der);
 }
 
 Result<X509Ptr> decode(BytesView der) {
@@ -36,6 +47,8 @@ Result<X509Ptr> decode(BytesView der) {
   if (!read) return openssl_failure(Code::certificate_malformed);
   if (position != der.data() + der.size())
     return std::unexpected(malformed("octets follow the certificate"));
+  if (!is_distinguished(x509.get(), der))
+    return std::unexpected(malformed("it is not in the distinguished encoding"));
   // Reads the extensions now, so that later use by several threads only reads.
   if (X509_check_purpose(x509.get(), -1, 0) != 1 ||
       (X509_get_extension_flags(x509.get()) & EXFLAG_INVALID) != 0)
@@ -78,7 +91,7 @@ Result<std::unique_ptr<const Certificate::Impl>> finish(X509Ptr x509, BytesView 
   out->subject_digest = sha256(BytesView(name_der, name_size));
   out->der = to_bytes(der);
   out->fingerprint = sha256(der);
-  out->pem = pem_text(x509.get());
+  out->pem = pem_text(der);
   out->x509 = std::move(x509);
   return out;
 }

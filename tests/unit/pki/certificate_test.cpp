@@ -104,6 +104,18 @@ TEST(Certificate, OctetsBehindItAreRefused) {
               certificate_malformed);
 }
 
+// Found by fuzzing: bits of the signature that do not count are not written again.
+TEST(Certificate, OtherOctetsThanTheDistinguishedOnesAreRefused) {
+  auto der = to_bytes(make_leaf(make_ca(), "CN=talker").certificate.der());
+  const Bytes begin = {0x00, 0x30};  // no bits left over, and the two integers of the signature
+  const auto bits_left = std::find_end(der.begin(), der.end(), begin.begin(), begin.end());
+  ASSERT_EQ(bits_left[-2], 0x03);
+  ASSERT_EQ(bits_left[-1], der.end() - bits_left);
+  *bits_left = 1;
+  der.back() |= 1;
+  EXPECT_CODE(Certificate::from_der(der), certificate_malformed);
+}
+
 // T34: a megabyte of certificate.
 TEST(Certificate, SizesAreBounded) {
   const auto pem = make_ca().certificate().pem();
