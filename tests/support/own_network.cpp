@@ -51,20 +51,19 @@ bool bring_up(int socket) {
          ::ioctl(socket, SIOCADDRT, &multicast) == 0;
 }
 
+void complain(const char* what) {
+  const int why = errno;
+  std::ios_base::Init init;  // this runs before other constructors
+  std::cerr << what << ": " << std::strerror(why) << '\n';
+}
+
+// Never ends the program: it is run while it is built, too, to list its tests.
 [[gnu::constructor]] void enter() {
-  if (::unshare(CLONE_NEWNET) != 0 && !unshare_as_user()) {
-    std::ios_base::Init init;  // this runs before other constructors
-    std::cerr << "in the host's network, where other runs are heard: " << std::strerror(errno)
-              << '\n';
-    return;
-  }
+  if (::unshare(CLONE_NEWNET) != 0 && !unshare_as_user())
+    return complain("in the host's network, where other runs are heard");
   const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  const bool is_up = socket >= 0 && bring_up(socket);
+  if (socket < 0 || !bring_up(socket)) complain("the loopback interface does not come up");
   if (socket >= 0) ::close(socket);
-  if (is_up) return;
-  std::ios_base::Init init;
-  std::cerr << "the loopback interface does not come up: " << std::strerror(errno) << '\n';
-  std::_Exit(1);
 }
 
 }  // namespace
