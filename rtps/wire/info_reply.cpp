@@ -10,7 +10,7 @@ Result<Locator> read_list(Reader& reader) {
   if (count == 0) return Locator{};
   const auto first = DDSSEC_TRY(read_locator(reader));
   DDSSEC_TRY(reader.skip((count - 1) * kLocatorSize));
-  return first;
+  return first.kind == LocatorKind::invalid ? Locator{} : first;
 }
 
 void write_list(SpanWriter& out, const Locator& locator) {
