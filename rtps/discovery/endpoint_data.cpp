@@ -387,6 +387,8 @@ Result<EndpointData> read_endpoint(BytesView payload, bool (*is_kind)(const Enti
   if (announced.participant && *announced.participant != owner)
     return fail(Code::rtps_parameter_invalid);
   if (!announced.has_reliability) data.qos.reliability.kind = default_reliability;
+  // The policy is a reader's (XTypes 7.6.3.4); a writer that sends it says nothing by it.
+  if (!is_reader(data.guid.entity)) data.qos.type_consistency = {};
   return std::move(data);
 }
 

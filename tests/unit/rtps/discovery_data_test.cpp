@@ -152,6 +152,19 @@ TEST(DiscoveryData, TypeConsistencyMayEndEarlyAndItsKindsAreBounded) {
                 .size());
 }
 
+// Found by fuzzing: it was kept, and not written again.
+TEST(DiscoveryData, AWritersTypeConsistencySaysNothing) {
+  const auto octets = payload_of(publication());
+  // In the place of PRESENTATION: the kind DISALLOW_TYPE_COERCION and no flag.
+  const auto with = replaced(octets, {0x21, 0, 8, 0, 1, 0, 0, 0, 1, 1},  //
+                             {0x74, 0, 8, 0, 0, 0, 0, 0, 0, 0});
+  auto expected = publication();
+  expected.qos.presentation = {};
+  EXPECT_EQ(read_publication_data(with), expected);
+  EXPECT_EQ(code_of(read_publication_data(replaced(with, {0x74, 0, 8, 0, 0}, {0x74, 0, 8, 0, 3}))),
+            Code::rtps_parameter_invalid);
+}
+
 TEST(DiscoveryData, AnotherParticipantsGuidIsRefused) {
   EXPECT_EQ(code_of(read_publication_data(
                 replaced(payload_of(publication()), {0x50, 0, 16, 0, 1}, {0x50, 0, 16, 0, 2}))),
