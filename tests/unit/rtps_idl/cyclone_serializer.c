@@ -18,6 +18,7 @@ static const dds_topic_descriptor_t* const descriptors[] = {
     &rich_Everything_desc, &rich_Primitives_desc, &rich_Collections_desc, &rich_EnumKey_desc,
     &rich_ArrayKey_desc,   &rich_PointKey_desc,   &rich_Extended_desc,    &rich_inner_Id_desc,
     &rich_Nested_desc,     &rich_MixedKey_desc};
+enum { descriptor_count = sizeof descriptors / sizeof descriptors[0] };
 
 struct cyclone_type {
   const dds_topic_descriptor_t* descriptor;
@@ -54,11 +55,12 @@ static struct ddsi_serdata* any_sample(const dds_topic_descriptor_t* descriptor,
 }
 
 const struct cyclone_type* cyclone_type(const char* name, bool xcdr2) {
-  for (size_t i = 0; i < sizeof descriptors / sizeof descriptors[0]; ++i) {
+  static struct cyclone_type types[descriptor_count][2];  // [xcdr2], each made when first asked for
+  for (size_t i = 0; i < descriptor_count; ++i) {
     if (strcmp(descriptors[i]->m_typename, name) != 0) continue;
-    struct cyclone_type* type = malloc(sizeof *type);
+    struct cyclone_type* type = &types[i][xcdr2];
     type->descriptor = descriptors[i];
-    type->sample = any_sample(descriptors[i], xcdr2);
+    if (type->sample == NULL) type->sample = any_sample(descriptors[i], xcdr2);
     return type->sample != NULL ? type : NULL;
   }
   return NULL;

@@ -10,7 +10,7 @@
 extern "C" {
 #endif
 
-// "rich::Everything" and so on; nothing has to be closed: the process ends.
+// "rich::Everything" and so on; the same each time, for as long as the process lasts.
 struct cyclone_type;
 const struct cyclone_type* cyclone_type(const char* name, bool xcdr2);
 
