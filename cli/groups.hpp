@@ -23,6 +23,7 @@ std::vector<Command> can_commands();
 std::vector<Command> check_commands();
 std::vector<Command> expiry_commands();
 std::vector<Command> doctor_commands();
+std::vector<Command> inspect_commands();
 std::vector<Command> explain_commands();
 std::vector<Command> completion_commands();  ///< completion, man
 std::vector<Command> version_commands();

@@ -147,6 +147,7 @@ Exit exit_of(Code code) {
     case Code::issue_log_malformed:
     case Code::fleet_malformed:
     case Code::keystore_incomplete:
+    case Code::capture_unreadable:
     case Code::certificate_malformed:
     case Code::certificate_too_large:
     case Code::private_key_malformed:

@@ -55,6 +55,7 @@ const std::vector<Command>& commands() {
              check_commands(),
              expiry_commands(),
              doctor_commands(),
+             inspect_commands(),
              explain_commands(),
              completion_commands(),
              version_commands(),

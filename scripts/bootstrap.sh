@@ -6,7 +6,7 @@ set -euo pipefail
 die() { printf 'bootstrap.sh: %s\n' "$*" >&2; exit 1; }
 
 packages=(g++ cmake ninja-build ccache pkg-config git ca-certificates
-          libssl-dev openssl libsodium-dev libtinyxml2-dev libfmt-dev libsqlite3-dev nlohmann-json3-dev libcli11-dev libtomlplusplus-dev
+          libssl-dev openssl libsodium-dev libtinyxml2-dev libfmt-dev libsqlite3-dev nlohmann-json3-dev libcli11-dev libtomlplusplus-dev libpcap-dev
           cyclonedds-dev cyclonedds-tools libfastrtps-dev iproute2 procps)
 # Fast AEAD backend; x86-64 only, OpenSSL stands in elsewhere.
 [ "$(dpkg --print-architecture 2>/dev/null)" = amd64 ] && packages+=(libipsec-mb-dev)

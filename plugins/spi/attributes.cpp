@@ -44,6 +44,24 @@ SecurityInfo security_info(const EndpointSecurityAttributes& a) {
           .plugin_mask = plugin_mask(a)};
 }
 
+std::optional<ParticipantSecurityAttributes> attributes_in(const SecurityInfo& info) {
+  if ((info.mask & info.plugin_mask & kMaskIsValid) == 0) return std::nullopt;
+  const auto has = [](std::uint32_t mask, unsigned position) {
+    return (mask >> position & 1) != 0;
+  };
+  const auto kind = [&](unsigned position) {
+    return protection_kind(has(info.mask, position), has(info.plugin_mask, position),
+                           has(info.plugin_mask, position + 3));
+  };
+  ParticipantSecurityAttributes out;
+  out.rtps = kind(0);
+  out.discovery = kind(1);
+  out.liveliness = kind(2);
+  out.rtps_psk = protection_kind(has(info.mask, 4), has(info.plugin_mask, 6), false);
+  out.is_key_revision_enabled = (info.mask & kKeyRevisionBit) != 0;
+  return out;
+}
+
 ProtectionKind protection_kind(bool is_protected, bool is_encrypted, bool is_origin_authenticated) {
   if (!is_protected) return ProtectionKind::none;
   if (is_origin_authenticated)

@@ -78,6 +78,10 @@ inline constexpr std::uint32_t kKeyRevisionBit = 1u << 3;
 SecurityInfo security_info(const ParticipantSecurityAttributes& attributes);
 SecurityInfo security_info(const EndpointSecurityAttributes& attributes);
 
+/// What a participant's masks say of itself; of the rest they say nothing. Nothing: a mask that is
+/// not valid.
+std::optional<ParticipantSecurityAttributes> attributes_in(const SecurityInfo& info);
+
 /// The plugin mask alone, valid bit included (what a host asks for).
 std::uint32_t plugin_mask(const ParticipantSecurityAttributes& attributes);
 std::uint32_t plugin_mask(const EndpointSecurityAttributes& attributes);

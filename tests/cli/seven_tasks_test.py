@@ -15,16 +15,14 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "interop
 DROPIN = pathlib.Path(sys.argv.pop(2)).resolve()
 
 from pair import Namespace  # noqa: E402
-from transcript import PROGRAM, Transcript, main  # noqa: E402
+from products import start  # noqa: E402
+from transcript import Transcript, main  # noqa: E402
 
 FLEET = "\n".join(f"""[[participant]]
 name = "p{i}"
 {"publish" if i % 2 == 0 else "subscribe"} = ["Square"]
 """ for i in range(10))
 PASSPHRASE = ("--passphrase-file", "passphrase")
-FILES = {"identity_ca": "identity_ca.pem", "identity_certificate": "cert.pem", "private_key": "key.pem",
-         "permissions_ca": "permissions_ca.pem", "governance": "governance.p7s",
-         "permissions": "permissions.p7s", "crl": "crl.pem"}
 SECONDS = 8
 
 
@@ -49,16 +47,7 @@ class SevenTasks(Transcript):
         self.count = 0
 
     def peer(self, product, folder, role):
-        files = [part for option, file in FILES.items() if (self.at / folder / file).exists()
-                 for part in ("--" + option, str(self.at / folder / file))]
-        program = PROGRAM.parent / ("fastdds_peer" if product == "fastdds" else "cyclone_peer")
-        environment = {**os.environ, "TZ": "UTC"}
-        environment.pop("LD_LIBRARY_PATH", None)
-        if product == "ours":
-            environment["LD_LIBRARY_PATH"] = str(DROPIN)
-        command = [str(program), role, "--topic", "Square", "--timeout", str(SECONDS), *files]
-        return subprocess.Popen(self.namespace.enter(command), env=environment, text=True,
-                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        return start(self.namespace, product, self.at / folder, role, SECONDS, DROPIN)
 
     def exchange(self, writer, reader, products=(("cyclonedds",) * 2, ("fastdds",) * 2), works=True):
         """The products do what `check` says: all samples arrive, or nobody matches."""

@@ -1,0 +1,101 @@
+#include "cli/capture.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <pcap/pcap.h>
+#include <poll.h>
+#include <system_error>
+
+#include "cli/transaction.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+constexpr int kSnapshotOctets = 262'144;
+constexpr int kWaitMilliseconds = 100;
+constexpr int kBufferOctets = 16 << 20;
+
+struct ClosePcap {
+  void operator()(pcap_t* pcap) const noexcept { pcap_close(pcap); }
+};
+struct CloseDump {
+  void operator()(pcap_dumper_t* dump) const noexcept { pcap_dump_close(dump); }
+};
+
+std::unexpected<Error> unreadable(const std::string& what, std::string note) {
+  return fail(Code::capture_unreadable, {.document = what, .note = std::move(note)});
+}
+
+}  // namespace
+
+struct Capture::Impl {
+  std::string name;
+  bool is_live;
+  std::unique_ptr<pcap_t, ClosePcap> pcap;
+  std::unique_ptr<pcap_dumper_t, CloseDump> dump = {};
+};
+
+Capture::Capture(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Capture::~Capture() = default;
+Capture::Capture(Capture&&) noexcept = default;
+
+Result<Capture> Capture::open(const std::string& file) {
+  char why[PCAP_ERRBUF_SIZE] = {};
+  std::unique_ptr<pcap_t, ClosePcap> pcap(
+      pcap_open_offline_with_tstamp_precision(file.c_str(), PCAP_TSTAMP_PRECISION_NANO, why));
+  if (!pcap) return unreadable(file, why);
+  return Capture(std::make_unique<Impl>(Impl{file, false, std::move(pcap)}));
+}
+
+Result<Capture> Capture::listen(const std::string& interface) {
+  char why[PCAP_ERRBUF_SIZE] = {};
+  std::unique_ptr<pcap_t, ClosePcap> pcap(pcap_create(interface.c_str(), why));
+  if (!pcap) return unreadable(interface, why);
+  pcap_set_snaplen(pcap.get(), kSnapshotOctets);
+  pcap_set_timeout(pcap.get(), kWaitMilliseconds);
+  pcap_set_buffer_size(pcap.get(), kBufferOctets);
+  pcap_set_tstamp_precision(pcap.get(), PCAP_TSTAMP_PRECISION_NANO);
+  if (pcap_activate(pcap.get()) < 0 || pcap_setnonblock(pcap.get(), 1, why) < 0)
+    return unreadable(interface, pcap_geterr(pcap.get()));
+  return Capture(std::make_unique<Impl>(Impl{interface, true, std::move(pcap)}));
+}
+
+int Capture::link() const { return pcap_datalink(impl_->pcap.get()); }
+
+// Never over a file that is there.
+Status Capture::save_to(const std::string& file) {
+  auto* stream = std::fopen(file.c_str(), "wx");
+  const int error = errno;
+  if (stream == nullptr && error == EEXIST) return fail(Code::would_overwrite, {.document = file});
+  if (stream == nullptr)
+    return fail(Code::file_unwritable,
+                {.document = file, .note = std::generic_category().message(error)});
+  impl_->dump.reset(pcap_dump_fopen(impl_->pcap.get(), stream));
+  if (impl_->dump) return {};
+  std::fclose(stream);
+  return fail(Code::file_unwritable, {.document = file, .note = pcap_geterr(impl_->pcap.get())});
+}
+
+Status Capture::each(std::chrono::nanoseconds how_long,
+                     const std::function<void(const Frame&)>& take) {
+  using Steady = std::chrono::steady_clock;
+  const auto end = Steady::now() + how_long;
+  pollfd ready{pcap_get_selectable_fd(impl_->pcap.get()), POLLIN, 0};
+  while (check_not_interrupted() && (!impl_->is_live || Steady::now() < end)) {
+    pcap_pkthdr* header = nullptr;
+    const unsigned char* octets = nullptr;
+    const int result = pcap_next_ex(impl_->pcap.get(), &header, &octets);
+    if (result == PCAP_ERROR_BREAK) break;  // the end of the file
+    if (result < 0) return unreadable(impl_->name, pcap_geterr(impl_->pcap.get()));
+    if (result == 0) {
+      ::poll(&ready, 1, kWaitMilliseconds);
+      continue;
+    }
+    if (impl_->dump) pcap_dump(reinterpret_cast<unsigned char*>(impl_->dump.get()), header, octets);
+    take({std::chrono::seconds(header->ts.tv_sec) + std::chrono::nanoseconds(header->ts.tv_usec),
+          BytesView(octets, header->caplen), header->caplen == header->len});
+  }
+  return {};
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,207 @@
+#include "rtps/observer/meetings.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+/// A step that is not answered for so long is not going to be: both known vendors repeat theirs
+/// after a second.
+constexpr MonotonicTime kPatience = std::chrono::milliseconds(2500);
+
+struct Side {
+  const GuidPrefix& prefix;
+  const ObservedParticipant& participant;
+  const HandshakeFlow& sent;  ///< to the other one
+
+  std::string name() const { return name_of(prefix, participant); }
+  const std::string* claims(std::string_view property) const {
+    const auto& token = participant.data->identity_token;
+    return token ? spi::find_property(token->properties, property) : nullptr;
+  }
+  const std::string* permissions_ca() const {
+    const auto& token = participant.data->permissions_token;
+    return token ? spi::find_property(token->properties, "dds.perm_ca.sn") : nullptr;
+  }
+};
+
+/// "O=Example,CN=CA" and "/CN=CA/O=Example" name the same: vendors write names in several ways.
+std::vector<std::string_view> attributes_of(std::string_view name) {
+  std::vector<std::string_view> out;
+  for (std::size_t begin = 0; begin < name.size();) {
+    const auto end = std::min(name.find_first_of(",/", begin), name.size());
+    if (const auto part = trimmed(name.substr(begin, end - begin)); !part.empty())
+      out.push_back(part);
+    begin = end + 1;
+  }
+  std::ranges::sort(out);
+  return out;
+}
+
+bool differ(const std::string* a, const std::string* b) {
+  return a != nullptr && b != nullptr && attributes_of(*a) != attributes_of(*b);
+}
+
+std::string protection(const ObservedParticipant& participant) {
+  const auto info = participant.data->security_info.value_or(spi::SecurityInfo{});
+  const auto attributes = spi::attributes_in(info);
+  if (!attributes) return "nothing that is valid";
+  return fmt::format("rtps {}, discovery {}, liveliness {}{}{}", to_string(attributes->rtps),
+                     to_string(attributes->discovery), to_string(attributes->liveliness),
+                     is_protected(attributes->rtps_psk) ? ", pre-shared keys" : "",
+                     attributes->is_key_revision_enabled ? ", key revision" : "");
+}
+
+double seconds(MonotonicTime time) { return std::chrono::duration<double>(time).count(); }
+
+/// What the two announce of themselves and cannot both be right.
+std::optional<Finding> contradiction(const Side& a, const Side& b) {
+  if (a.participant.is_secured() != b.participant.is_secured()) {
+    const auto& without = a.participant.is_secured() ? b : a;
+    return Finding{Rule::CAP001,
+                   fmt::format("{} announces no identity, so {} does not authenticate it",
+                               without.name(), (&without == &a ? b : a).name())};
+  }
+  const auto *ca_of_a = a.claims("dds.ca.sn"), *ca_of_b = b.claims("dds.ca.sn");
+  if (differ(ca_of_a, ca_of_b))
+    return Finding{Rule::CAP002,
+                   fmt::format("the certificate of {} is issued by \"{}\", that of {} "
+                               "by \"{}\"",
+                               a.name(), *ca_of_a, b.name(), *ca_of_b)};
+  if (differ(a.permissions_ca(), b.permissions_ca()))
+    return Finding{Rule::CAP003,
+                   fmt::format("the permissions of {} are signed by \"{}\", those of "
+                               "{} by \"{}\"",
+                               a.name(), *a.permissions_ca(), b.name(), *b.permissions_ca())};
+  const auto info = [](const Side& side) {
+    return side.participant.data->security_info.value_or(spi::SecurityInfo{});
+  };
+  if (!spi::compatible(info(a), info(b)))
+    return Finding{Rule::CAP004,
+                   fmt::format("{} announces {}; {} announces {}", a.name(),
+                               protection(a.participant), b.name(), protection(b.participant))};
+  return std::nullopt;
+}
+
+std::string times(const Seen& seen) {
+  return seen.count == 1 ? "once" : fmt::format("{} times", seen.count);
+}
+
+/// Where the handshake that `a` began stopped; nothing: not there, or not for long enough.
+std::optional<Finding> standstill(const Side& a, const Side& b, MonotonicTime end) {
+  const auto& request = a.sent.at(HandshakeStep::request);
+  const auto& reply = b.sent.at(HandshakeStep::reply);
+  const auto& final = a.sent.at(HandshakeStep::final);
+  const auto waited = [&](const Seen& seen) { return end - seen.first >= kPatience; };
+  if (final && waited(final)) {
+    const auto& silent = a.sent.at(HandshakeStep::keys) ? b : a;
+    return Finding{Rule::CAP012, fmt::format("the handshake of {} with {} is done, and {} sends no "
+                                             "keys",
+                                             a.name(), b.name(), silent.name())};
+  }
+  if (final) return std::nullopt;
+  if (reply && waited(reply))
+    return Finding{Rule::CAP011,
+                   fmt::format("{} replied {} to the handshake of {}, which sends no final",
+                               b.name(), times(reply), a.name())};
+  if (request && !reply && waited(request))
+    return Finding{Rule::CAP010,
+                   fmt::format("{} sent its handshake request {} in {:.1f} s, and {} "
+                               "does not reply",
+                               a.name(), times(request), seconds(end - request.first), b.name())};
+  return std::nullopt;
+}
+
+void judge(Meeting& meeting, const Side& a, const Side& b, MonotonicTime end) {
+  if (!a.participant.is_secured() && !b.participant.is_secured()) {
+    meeting.state = MeetingState::unsecured;
+    return;
+  }
+  const auto &keys_of_a = a.sent.at(HandshakeStep::keys),
+             &keys_of_b = b.sent.at(HandshakeStep::keys);
+  if (keys_of_a && keys_of_b) {
+    meeting.state = MeetingState::authenticated;
+    meeting.took = std::max(keys_of_a.first, keys_of_b.first) - meeting.met;
+    return;
+  }
+  meeting.finding = contradiction(a, b);
+  if (!meeting.finding) meeting.finding = standstill(a, b, end);
+  if (!meeting.finding) meeting.finding = standstill(b, a, end);
+  const auto began = [](const Side& side) {
+    return side.sent.at(HandshakeStep::request) || side.sent.at(HandshakeStep::reply);
+  };
+  if (!meeting.finding && !began(a) && !began(b) && end - meeting.met >= kPatience)
+    meeting.finding = Finding{
+        Rule::CAP013, fmt::format("{} and {} announce themselves for {:.1f} s, and neither sends a "
+                                  "handshake request",
+                                  a.name(), b.name(), seconds(end - meeting.met))};
+  if (meeting.finding) meeting.state = MeetingState::apart;
+}
+
+}  // namespace
+
+std::string_view to_string(MeetingState state) {
+  switch (state) {
+    case MeetingState::unsecured:
+      return "unsecured";
+    case MeetingState::apart:
+      return "apart";
+    case MeetingState::under_way:
+      return "under way";
+    case MeetingState::authenticated:
+      break;
+  }
+  return "authenticated";
+}
+
+std::string name_of(const GuidPrefix& prefix, const ObservedParticipant& participant) {
+  if (participant.certificate) return participant.certificate->subject;
+  if (participant.data && participant.data->identity_token)
+    if (const auto* subject =
+            spi::find_property(participant.data->identity_token->properties, "dds.cert.sn"))
+      if (!subject->empty()) return *subject;
+  if (participant.data && !participant.data->entity_name.empty())
+    return participant.data->entity_name;
+  return prefix.to_string();
+}
+
+std::vector<Meeting> meetings_of(const Observer& observer) {
+  std::vector<Meeting> out;
+  const auto& all = observer.participants();
+  for (auto a = all.begin(); a != all.end(); ++a)
+    for (auto b = std::next(a); b != all.end() && out.size() < kMostMeetings; ++b) {
+      if (!a->second.data || !b->second.data || a->second.domain != b->second.domain) continue;
+      Meeting meeting{.a = a->first, .b = b->first};
+      meeting.met = std::max(a->second.messages.first, b->second.messages.first);
+      const auto end =
+          std::min(a->second.left ? a->second.messages.last : observer.datagrams().last,
+                   b->second.left ? b->second.messages.last : observer.datagrams().last);
+      judge(meeting, {a->first, a->second, observer.flow(a->first, b->first)},
+            {b->first, b->second, observer.flow(b->first, a->first)}, end);
+      out.push_back(std::move(meeting));
+    }
+  return out;
+}
+
+std::vector<Finding> leaks_of(const Observer& observer) {
+  std::vector<Finding> out;
+  for (const auto& [prefix, participant] : observer.participants()) {
+    if (!participant.is_secured()) continue;
+    const auto name = name_of(prefix, participant);
+    if (const auto& topics = participant.clear_topics; !topics.empty())
+      out.push_back(
+          {Rule::CAP020, fmt::format("{} announces {} of its topics to everybody, such as "
+                                     "\"{}\"",
+                                     name, topics.size(), topics.begin()->first)});
+    if (participant.clear_samples > 0)
+      out.push_back({Rule::CAP021, fmt::format("{} sent {} samples that everybody can read", name,
+                                               participant.clear_samples)});
+  }
+  return out;
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,131 @@
+// What somebody who only listens learns of secured participants: who announces what, how far
+// handshakes get, what goes in the clear. Nothing of it is proven: anybody may have sent anything
+// in anybody's name. No I/O, clock or lock.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <map>
+#include <set>
+
+#include "rtps/discovery/participant_data.hpp"
+#include "rtps/reliability/message_sender.hpp"
+#include "rtps/security/fragment_store.hpp"
+#include "rtps/wire/data.hpp"
+#include "rtps/wire/message_reader.hpp"
+
+namespace ddssec::rtps {
+
+/// Something that was seen so often.
+struct Seen {
+  std::uint64_t count = 0;
+  MonotonicTime first{}, last{};
+  explicit operator bool() const { return count > 0; }
+  void note(MonotonicTime at);
+};
+
+/// What makes two participants trust each other, in this order (DDS-Security 8.3.2.9, 8.5.1.9).
+enum class HandshakeStep : std::uint8_t {
+  auth_request,
+  request,
+  reply,
+  final,
+  keys,  ///< protected submessages meant for the other one; the first ones carry keys
+};
+std::string_view to_string(HandshakeStep step);
+
+/// What one participant sent to another one.
+struct HandshakeFlow {
+  std::array<Seen, 5> steps = {};
+  Seen& at(HandshakeStep step) { return steps[static_cast<std::size_t>(step)]; }
+  const Seen& at(HandshakeStep step) const { return steps[static_cast<std::size_t>(step)]; }
+};
+
+/// What a certificate says of itself.
+struct CertificateNames {
+  std::string subject, issuer;
+};
+/// Reads a certificate in PEM; nothing if it is none. (This folder knows no certificates.)
+using ReadCertificate = std::function<std::optional<CertificateNames>(BytesView pem)>;
+
+struct ObservedTopic {
+  std::string type;
+  bool is_written = false, is_read = false;
+};
+
+struct ObservedParticipant {
+  /// As it announced itself last; nothing if it never did.
+  std::optional<ParticipantData> data;
+  VendorId vendor;
+  DomainId domain = -1;             ///< -1: it was not announced
+  std::set<std::string> addresses;  ///< from which it was heard
+  Seen messages;
+  std::uint64_t protected_messages = 0;
+  std::uint64_t protected_submessages = 0;
+  std::set<TransformKind> kinds;         ///< of what is protected
+  std::uint64_t clear_samples = 0;       ///< of user topics
+  std::uint64_t encrypted_payloads = 0;  ///< of user topics, in submessages that are not protected
+  /// Announced by plain discovery, by name.
+  std::map<std::string, ObservedTopic> clear_topics;
+  /// Of its handshake messages, where everybody can read it.
+  std::optional<CertificateNames> certificate;
+  bool left = false;
+
+  bool is_secured() const { return data && data->identity_token; }
+};
+
+class Observer {
+ public:
+  /// More than these are not kept; what is kept goes on being counted.
+  static constexpr std::size_t kMostParticipants = 1024;
+  static constexpr std::size_t kMostFlows = 65536;
+  static constexpr std::size_t kMostTopicsEach = 4096;
+  static constexpr std::size_t kMostAddressesEach = 16;
+  static constexpr std::size_t kMostKindsEach = 16;
+
+  explicit Observer(ReadCertificate read_certificate = {})
+      : read_certificate_(std::move(read_certificate)) {}
+
+  struct Arrival {
+    std::string_view from;   ///< an address, as people write it
+    std::uint16_t port = 0;  ///< to which it was sent
+    MonotonicTime at{};
+  };
+  /// Any datagram; what is not RTPS is only counted.
+  void on_datagram(BytesView datagram, const Arrival& arrival);
+
+  using Participants = std::map<GuidPrefix, ObservedParticipant>;
+  const Participants& participants() const { return participants_; }
+  /// From the first to the second.
+  const HandshakeFlow& flow(const GuidPrefix& from, const GuidPrefix& to) const;
+  const Seen& datagrams() const { return datagrams_; }
+  std::uint64_t rtps_messages() const { return rtps_messages_; }
+  /// Participants that found no room.
+  std::uint64_t left_out() const { return left_out_; }
+
+ private:
+  struct Message {
+    GuidPrefix source, destination;  ///< destination: zero for everybody
+    ObservedParticipant* sender;
+    const Arrival& arrival;
+  };
+  ObservedParticipant* find(const GuidPrefix& prefix);
+  HandshakeFlow* flow_to(const Message& message, const GuidPrefix& to);
+  void walk(MessageReader reader, Message& message);
+  void on_submessage(const SubmessageView& view, Message& message);
+  void on_data(const Data& data, const Message& message);
+  void on_announcement(const Data& data, const Message& message);
+  void on_topic(const Data& data, const Message& message);
+  void on_stateless(BytesView payload, const Message& message);
+  void on_protected(const SubmessageView& prefix, const Message& message);
+
+  ReadCertificate read_certificate_;
+  Participants participants_;
+  std::map<std::pair<GuidPrefix, GuidPrefix>, HandshakeFlow> flows_;
+  FragmentStore fragments_;
+  Seen datagrams_;
+  std::uint64_t rtps_messages_ = 0;
+  std::uint64_t left_out_ = 0;
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,233 @@
+// What a listener makes of participants that meet, or do not.
+#include "rtps/observer/meetings.hpp"
+#include "rtps/wire/data.hpp"
+#include "tests/unit/rtps_security/fixture.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+bool contains(const Bytes& datagram, std::string_view text) {
+  return as_text(datagram).find(text) != std::string_view::npos;
+}
+
+/// Hears what gets through of a pair's messages.
+struct Listening {
+  using Lets = std::function<bool(const Node& from, const Bytes& datagram)>;
+  explicit Listening(Pair& pair, Lets lets = {}) {
+    pair.world.filter = [this, &pair, lets](const Node& from, Bytes datagram) {
+      if (lets && !lets(from, datagram)) return std::vector<Bytes>{};
+      observer.on_datagram(datagram, {"127.0.0.1", 7400, pair.world.now});
+      return one(std::move(datagram));
+    };
+  }
+  Meeting meeting() const {
+    const auto all = meetings_of(observer);
+    EXPECT_EQ(all.size(), 1u);
+    return all.empty() ? Meeting{} : all.front();
+  }
+  /// They do not talk, for this reason; the sentence.
+  std::string reason(Rule rule) const {
+    const auto found = meeting();
+    EXPECT_EQ(found.state, MeetingState::apart);
+    EXPECT_TRUE(found.finding && found.finding->rule == rule)
+        << (found.finding ? found.finding->message : to_string(found.state));
+    return found.finding ? found.finding->message : "";
+  }
+  std::vector<Rule> leaks() const {
+    std::vector<Rule> out;
+    for (const auto& finding : leaks_of(observer)) out.push_back(finding.rule);
+    return out;
+  }
+  Observer observer;
+};
+
+TEST(Observer, SeesWhoAuthenticatesAndHowLongItTook) {
+  Pair pair(everything(ProtectionKind::encrypt));
+  Listening listening(pair);
+  ASSERT_TRUE(pair.match());
+  pair.write();
+  pair.world.run(5);
+  const auto meeting = listening.meeting();
+  EXPECT_EQ(meeting.state, MeetingState::authenticated);
+  EXPECT_FALSE(meeting.finding);
+  EXPECT_GT(meeting.took.value_or(0s), 0s);
+  EXPECT_LT(meeting.took.value_or(0s), 1s);
+  EXPECT_THAT(listening.leaks(), ::testing::IsEmpty());
+  for (const auto& [prefix, participant] : listening.observer.participants()) {
+    EXPECT_TRUE(participant.is_secured());
+    EXPECT_EQ(participant.domain, 0);
+    EXPECT_GT(participant.protected_messages, 0u);
+    EXPECT_GT(participant.protected_submessages, 0u);
+    EXPECT_TRUE(participant.kinds.contains(TransformKind{{0, 0, 0, 4}}));
+    EXPECT_EQ(participant.clear_samples + participant.encrypted_payloads, 0u);
+    EXPECT_TRUE(participant.clear_topics.empty());
+    EXPECT_THAT(name_of(prefix, participant), ::testing::AnyOf(::testing::HasSubstr("CN=alice"),
+                                                               ::testing::HasSubstr("CN=bob")));
+  }
+}
+
+TEST(Observer, TellsWhatTwoGovernancesDifferIn) {
+  Pair pair(everything(ProtectionKind::encrypt), everything(ProtectionKind::sign));
+  Listening listening(pair);
+  pair.create_endpoints();
+  pair.world.run(300);
+  const auto reason = listening.reason(Rule::CAP004);
+  EXPECT_THAT(reason, ::testing::HasSubstr("announces rtps ENCRYPT, discovery ENCRYPT"));
+  EXPECT_THAT(reason, ::testing::HasSubstr("announces rtps SIGN, discovery SIGN"));
+}
+
+TEST(Observer, TellsThatARequestIsNotAnswered) {
+  Pair pair(everything(ProtectionKind::encrypt));
+  Listening listening(
+      pair, [](const Node&, const Bytes& datagram) { return !contains(datagram, "1.0+Reply"); });
+  pair.create_endpoints();
+  pair.world.run(100);
+  EXPECT_EQ(listening.meeting().state, MeetingState::under_way) << "too early to judge";
+  pair.world.run(300);
+  EXPECT_THAT(listening.reason(Rule::CAP010), ::testing::HasSubstr("does not reply"));
+}
+
+TEST(Observer, TellsThatAReplyIsNotAccepted) {
+  Pair pair(everything(ProtectionKind::encrypt));
+  Listening listening(
+      pair, [](const Node&, const Bytes& datagram) { return !contains(datagram, "1.0+Final"); });
+  pair.create_endpoints();
+  pair.world.run(400);
+  EXPECT_THAT(listening.reason(Rule::CAP011), ::testing::HasSubstr("sends no final"));
+}
+
+TEST(Observer, TellsWhoSendsNoKeys) {
+  Pair pair(everything(ProtectionKind::encrypt));
+  bool done = false;
+  Listening listening(pair, [&](const Node& from, const Bytes& datagram) {
+    done = done || contains(datagram, "1.0+Final");
+    return !done || &from != &pair.b || contains(datagram, "dds.sec.auth");
+  });
+  pair.create_endpoints();
+  pair.world.run(600);
+  EXPECT_THAT(listening.reason(Rule::CAP012), ::testing::HasSubstr("and /O=Example/CN=bob sends no keys"));
+}
+
+TEST(Observer, TellsThatNobodyBegins) {
+  Pair pair(everything(ProtectionKind::encrypt));
+  Listening listening(pair);
+  pair.world.filter = [&](const Node&, const Bytes& datagram) {
+    listening.observer.on_datagram(datagram, {"127.0.0.1", 7400, pair.world.now});
+    return std::vector<Bytes>{};
+  };
+  pair.create_endpoints();
+  pair.world.run(400);
+  EXPECT_THAT(listening.reason(Rule::CAP013), ::testing::HasSubstr("neither sends"));
+}
+
+TEST(Observer, TellsWhoIsNotSecured) {
+  Pair pair(everything(ProtectionKind::encrypt));
+  Node plain(2);
+  pair.world.nodes = {&pair.a, &plain};
+  Listening listening(pair);
+  pair.world.run(300);
+  EXPECT_THAT(listening.reason(Rule::CAP001), ::testing::HasSubstr("announces no identity"));
+}
+
+TEST(Observer, TellsWhatEverybodyCanRead) {
+  Pair open(Rules{});
+  Listening hears_all(open);
+  ASSERT_TRUE(open.match());
+  open.write();
+  open.world.run(5);
+  EXPECT_THAT(hears_all.leaks(), ::testing::UnorderedElementsAre(Rule::CAP020, Rule::CAP020,
+                                                                 Rule::CAP021));
+  Pair closed(Rules{.data = ProtectionKind::encrypt});
+  Listening hears_topics(closed);
+  ASSERT_TRUE(closed.match());
+  closed.write();
+  closed.world.run(5);
+  EXPECT_THAT(hears_topics.leaks(), ::testing::Each(Rule::CAP020));
+  std::uint64_t encrypted = 0;
+  for (const auto& [prefix, participant] : hears_topics.observer.participants()) {
+    encrypted += participant.encrypted_payloads;
+    EXPECT_TRUE(participant.clear_topics.contains("Square"));
+  }
+  EXPECT_GT(encrypted, 0u);
+}
+
+/// An announcement as somebody might send it.
+Bytes announcement(const ParticipantData& data) {
+  std::array<std::uint8_t, 4096> payload_octets, octets;
+  SpanWriter payload(payload_octets), out(octets);
+  write_payload(payload, data);
+  write(out, Header{.prefix = data.guid.prefix});
+  write(out, Data{.reader = kSpdpReader,
+                  .writer = kSpdpWriter,
+                  .kind = PayloadKind::data,
+                  .payload = payload.view()});
+  return to_bytes(out.view());
+}
+
+ParticipantData claims(std::uint8_t n, const std::string& identity_ca,
+                       const std::string& permissions_ca) {
+  ParticipantData data;
+  data.guid = {GuidPrefix::from(Bytes(12, n)), kEntityIdParticipant};
+  data.builtin_endpoints = builtin_endpoints::kWithSecurity;
+  data.identity_token = spi::Token{"DDS:Auth:PKI-DH:1.0", {{"dds.ca.sn", identity_ca}}};
+  data.permissions_token =
+      spi::Token{"DDS:Access:Permissions:1.0", {{"dds.perm_ca.sn", permissions_ca}}};
+  data.security_info = spi::security_info(spi::ParticipantSecurityAttributes{});
+  return data;
+}
+
+/// What two that only announce themselves come to.
+std::optional<Rule> rule_of(const ParticipantData& a, const ParticipantData& b,
+                            std::uint16_t port_of_b = 7400) {
+  Observer observer;
+  observer.on_datagram(announcement(a), {"10.0.0.1", 7400, 1s});
+  observer.on_datagram(announcement(b), {"10.0.0.2", port_of_b, 2s});
+  const auto all = meetings_of(observer);
+  return all.empty() || !all.front().finding ? std::nullopt
+                                             : std::optional(all.front().finding->rule);
+}
+
+TEST(Observer, ComparesWhoIssuedAndSigned) {
+  const auto a = claims(1, "CN=Identity CA,O=Example", "CN=Permissions CA");
+  EXPECT_EQ(rule_of(a, claims(2, "CN=Other CA,O=Example", "CN=Permissions CA")), Rule::CAP002);
+  EXPECT_EQ(rule_of(a, claims(2, "/O=Example/CN=Identity CA", "CN=Other CA")), Rule::CAP003);
+  EXPECT_EQ(rule_of(a, claims(2, "O = x, CN=Identity CA", "CN=Permissions CA")), Rule::CAP002);
+  EXPECT_EQ(rule_of(a, claims(2, "/O=Example/CN=Identity CA", "/CN=Permissions CA")),
+            std::nullopt);
+}
+
+TEST(Observer, DomainsDoNotMeet) {
+  const auto a = claims(1, "CN=Identity CA", ""), b = claims(2, "CN=Other CA", "");
+  EXPECT_EQ(rule_of(a, b), Rule::CAP002);
+  EXPECT_EQ(rule_of(a, b, 7650), std::nullopt);
+}
+
+TEST(Observer, NobodyTakesItsMemory) {
+  Observer observer;
+  for (std::uint32_t i = 0; i < 5000; ++i) {
+    auto data = claims(1, "CN=CA", "");
+    data.guid.prefix.octets[0] = static_cast<std::uint8_t>(i);
+    data.guid.prefix.octets[1] = static_cast<std::uint8_t>(i >> 8);
+    observer.on_datagram(announcement(data), {"10.0.0.1", 7400, 1s});
+  }
+  EXPECT_EQ(observer.participants().size(), Observer::kMostParticipants);
+  EXPECT_EQ(observer.left_out(), 5000 - Observer::kMostParticipants);
+  EXPECT_EQ(meetings_of(observer).size(), kMostMeetings);
+}
+
+TEST(Observer, AnnouncementsCutAtEachOctet) {
+  const auto whole = announcement(claims(1, "CN=Identity CA", "CN=Permissions CA"));
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    Observer observer;
+    observer.on_datagram(BytesView(whole).first(size), {"10.0.0.1", 7400, 1s});
+    EXPECT_EQ(observer.rtps_messages(), size >= kHeaderSize ? 1u : 0u);
+    EXPECT_EQ(meetings_of(observer).size(), 0u);
+    for (const auto& [prefix, participant] : observer.participants())
+      EXPECT_FALSE(participant.data) << size;
+  }
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
