@@ -107,6 +107,7 @@ class EveryCommand(Transcript):
         self.ask("check", "demo/talker", "demo/listener", "--topics", "x")
         self.ask("expiry", "demo")
         self.ask("doctor", "demo/talker", "--peer", "demo/listener")
+        self.ask("inspect", DATA / "captures/two_participants.pcap")
         self.ask("explain", "usage")
         self.ask("explain", "GOV010")
         self.ask("completion", "fish")
