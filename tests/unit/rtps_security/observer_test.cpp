@@ -63,8 +63,8 @@ TEST(Observer, SeesWhoAuthenticatesAndHowLongItTook) {
     EXPECT_TRUE(participant.kinds.contains(TransformKind{{0, 0, 0, 4}}));
     EXPECT_EQ(participant.clear_samples + participant.encrypted_payloads, 0u);
     EXPECT_TRUE(participant.clear_topics.empty());
-    EXPECT_THAT(name_of(prefix, participant), ::testing::AnyOf(::testing::HasSubstr("CN=alice"),
-                                                               ::testing::HasSubstr("CN=bob")));
+    EXPECT_THAT(name_of(prefix, participant),
+                ::testing::AnyOf(::testing::HasSubstr("CN=alice"), ::testing::HasSubstr("CN=bob")));
   }
 }
 
@@ -107,7 +107,8 @@ TEST(Observer, TellsWhoSendsNoKeys) {
   });
   pair.create_endpoints();
   pair.world.run(600);
-  EXPECT_THAT(listening.reason(Rule::CAP012), ::testing::HasSubstr("and /O=Example/CN=bob sends no keys"));
+  EXPECT_THAT(listening.reason(Rule::CAP012),
+              ::testing::HasSubstr("and /O=Example/CN=bob sends no keys"));
 }
 
 TEST(Observer, TellsThatNobodyBegins) {
@@ -137,8 +138,8 @@ TEST(Observer, TellsWhatEverybodyCanRead) {
   ASSERT_TRUE(open.match());
   open.write();
   open.world.run(5);
-  EXPECT_THAT(hears_all.leaks(), ::testing::UnorderedElementsAre(Rule::CAP020, Rule::CAP020,
-                                                                 Rule::CAP021));
+  EXPECT_THAT(hears_all.leaks(),
+              ::testing::UnorderedElementsAre(Rule::CAP020, Rule::CAP020, Rule::CAP021));
   Pair closed(Rules{.data = ProtectionKind::encrypt});
   Listening hears_topics(closed);
   ASSERT_TRUE(closed.match());
@@ -194,8 +195,7 @@ TEST(Observer, ComparesWhoIssuedAndSigned) {
   EXPECT_EQ(rule_of(a, claims(2, "CN=Other CA,O=Example", "CN=Permissions CA")), Rule::CAP002);
   EXPECT_EQ(rule_of(a, claims(2, "/O=Example/CN=Identity CA", "CN=Other CA")), Rule::CAP003);
   EXPECT_EQ(rule_of(a, claims(2, "O = x, CN=Identity CA", "CN=Permissions CA")), Rule::CAP002);
-  EXPECT_EQ(rule_of(a, claims(2, "/O=Example/CN=Identity CA", "/CN=Permissions CA")),
-            std::nullopt);
+  EXPECT_EQ(rule_of(a, claims(2, "/O=Example/CN=Identity CA", "/CN=Permissions CA")), std::nullopt);
 }
 
 TEST(Observer, DomainsDoNotMeet) {
