@@ -91,7 +91,8 @@ Status Capture::each(std::chrono::nanoseconds how_long,
       ::poll(&ready, 1, kWaitMilliseconds);
       continue;
     }
-    if (impl_->dump) pcap_dump(static_cast<unsigned char*>(static_cast<void*>(impl_->dump.get())), header, octets);
+    if (impl_->dump)
+      pcap_dump(static_cast<unsigned char*>(static_cast<void*>(impl_->dump.get())), header, octets);
     take({std::chrono::seconds(header->ts.tv_sec) + std::chrono::nanoseconds(header->ts.tv_usec),
           BytesView(octets, header->caplen), header->caplen == header->len});
   }

@@ -1,6 +1,5 @@
 #include "cli/governance_diff_report.hpp"
 
-
 #include <fmt/format.h>
 
 #include "base/text.hpp"

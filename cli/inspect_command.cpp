@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text.hpp"
 #include "cli/capture.hpp"
 #include "cli/groups.hpp"
 #include "cli/progress.hpp"
@@ -52,10 +53,10 @@ std::vector<std::string> kinds_of(const rtps::ObservedParticipant& participant) 
 
 /// Who issued its certificate, as far as it said; "" if it did not.
 std::string issuer_of(const rtps::ObservedParticipant& participant) {
-  if (participant.certificate) return participant.certificate->issuer;
+  if (participant.certificate) return printable(participant.certificate->issuer);
   const auto& token = participant.data->identity_token;
   const auto* ca = token ? spi::find_property(token->properties, "dds.ca.sn") : nullptr;
-  return ca != nullptr ? *ca : "";
+  return ca != nullptr ? printable(*ca) : "";
 }
 
 std::optional<rtps::CertificateNames> names_in(BytesView pem) {
@@ -209,6 +210,9 @@ Report report_of(const Watched& watched, const std::string& source) {
     out.text += '\n' + text_of(prefix, participant);
     out.result["participants"].push_back(to_json(prefix, participant));
   }
+  if (observer.left_out() > 0)
+    out.text += fmt::format("\n{} of further participants are left out\n",
+                            counted(observer.left_out(), "message"));
   const auto meetings = meetings_of(observer);
   if (!meetings.empty()) out.text += '\n';
   for (const auto& meeting : meetings) {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "base/text.hpp"
+
 namespace ddssec::cli {
 namespace {
 
@@ -19,13 +21,6 @@ std::string_view hint_of(Code code) {
     default:
       return info(code).hint;
   }
-}
-
-// Names from files and the command line must not reach a terminal as control sequences.
-std::string printable(std::string text) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  return text;
 }
 
 /// An error or a finding, as both forms of output show it.

@@ -159,13 +159,12 @@ std::string_view to_string(MeetingState state) {
 }
 
 std::string name_of(const GuidPrefix& prefix, const ObservedParticipant& participant) {
-  if (participant.certificate) return participant.certificate->subject;
-  if (participant.data && participant.data->identity_token)
-    if (const auto* subject =
-            spi::find_property(participant.data->identity_token->properties, "dds.cert.sn"))
-      if (!subject->empty()) return *subject;
+  if (participant.certificate) return printable(participant.certificate->subject);
+  const auto& token = participant.data ? participant.data->identity_token : std::nullopt;
+  const auto* subject = token ? spi::find_property(token->properties, "dds.cert.sn") : nullptr;
+  if (subject != nullptr && !subject->empty()) return printable(*subject);
   if (participant.data && !participant.data->entity_name.empty())
-    return participant.data->entity_name;
+    return printable(participant.data->entity_name);
   return prefix.to_string();
 }
 

@@ -110,8 +110,7 @@ void Observer::on_submessage(const SubmessageView& view, Message& message) {
       if (const auto info = read_info_destination(view)) message.destination = info->prefix;
       return;
     case SubmessageId::info_source:
-      if (const auto info = read_info_source(view)) message.source = info->source.prefix;
-      return;
+      return on_source(view, message);
     case SubmessageId::secure_prefix:
     case SubmessageId::secure_rtps_prefix:
       return on_protected(view, message);
@@ -132,6 +131,14 @@ void Observer::on_submessage(const SubmessageView& view, Message& message) {
     default:
       return;
   }
+}
+
+void Observer::on_source(const SubmessageView& view, Message& message) {
+  const auto info = read_info_source(view);
+  auto* sender = info ? find(info->source.prefix) : nullptr;
+  if (sender == nullptr) return;
+  message.source = info->source.prefix;
+  message.sender = sender;
 }
 
 void Observer::on_protected(const SubmessageView& prefix, const Message& message) {

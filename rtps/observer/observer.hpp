@@ -100,7 +100,7 @@ class Observer {
   const HandshakeFlow& flow(const GuidPrefix& from, const GuidPrefix& to) const;
   const Seen& datagrams() const { return datagrams_; }
   std::uint64_t rtps_messages() const { return rtps_messages_; }
-  /// Participants that found no room.
+  /// Messages of participants that found no room.
   std::uint64_t left_out() const { return left_out_; }
 
  private:
@@ -113,6 +113,7 @@ class Observer {
   HandshakeFlow* flow_to(const Message& message, const GuidPrefix& to);
   void walk(MessageReader reader, Message& message);
   void on_submessage(const SubmessageView& view, Message& message);
+  void on_source(const SubmessageView& view, Message& message);
   void on_data(const Data& data, const Message& message);
   void on_announcement(const Data& data, const Message& message);
   void on_topic(const Data& data, const Message& message);

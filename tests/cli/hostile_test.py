@@ -54,6 +54,7 @@ class Hostile(Transcript):
         yield ("identity", "issue", "b", "--governance", file, "--ca", "ca", "-o", "out")
         yield ("identity", "sign-csr", file, "--ca", "ca", "--yes", "-o", "out")
         yield ("identity", "show", file)
+        yield ("inspect", file)
         yield ("identity", "renew", file, "--ca", "ca")
         yield ("identity", "revoke", file, "--ca", "ca")
         yield ("ca", "import", "out", "--cert", file)

@@ -17,6 +17,10 @@ TEST(Text, IsTrimmedOfWhatOneNames) {
   EXPECT_EQ(trimmed("\none", " "), "\none");
 }
 
+TEST(Text, WhatATerminalMustNotSee) {
+  EXPECT_EQ(printable("CN=a\nb\033[31m\x7f, \xc3\xa4"), "CN=a?b?[31m?, \xc3\xa4");
+}
+
 TEST(Text, DistanceCountsInsertionsRemovalsAndChanges) {
   EXPECT_EQ(edit_distance("", ""), 0u);
   EXPECT_EQ(edit_distance("", "abc"), 3u);

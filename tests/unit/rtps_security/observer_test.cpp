@@ -1,6 +1,7 @@
 // What a listener makes of participants that meet, or do not.
 #include "rtps/observer/meetings.hpp"
 #include "rtps/wire/data.hpp"
+#include "rtps/wire/info_source.hpp"
 #include "tests/unit/rtps_security/fixture.hpp"
 
 namespace ddssec::rtps {
@@ -196,6 +197,32 @@ TEST(Observer, ComparesWhoIssuedAndSigned) {
   EXPECT_EQ(rule_of(a, claims(2, "/O=Example/CN=Identity CA", "CN=Other CA")), Rule::CAP003);
   EXPECT_EQ(rule_of(a, claims(2, "O = x, CN=Identity CA", "CN=Permissions CA")), Rule::CAP002);
   EXPECT_EQ(rule_of(a, claims(2, "/O=Example/CN=Identity CA", "/CN=Permissions CA")), std::nullopt);
+}
+
+TEST(Observer, ANameIsOneLine) {
+  auto data = claims(1, "CN=CA", "");
+  data.identity_token->properties.push_back({"dds.cert.sn", "CN=a\nerror[x]: \033[31mforged"});
+  Observer observer;
+  observer.on_datagram(announcement(data), {"10.0.0.1", 7400, 1s});
+  const auto& [prefix, participant] = *observer.participants().begin();
+  EXPECT_EQ(name_of(prefix, participant), "CN=a?error[x]: ?[31mforged");
+}
+
+// A relay's message: what follows INFO_SRC is another's (RTPS 8.3.8.9.4).
+TEST(Observer, WhoSpeaksForAnother) {
+  const auto data = claims(1, "CN=CA", "");
+  std::array<std::uint8_t, 64> head_octets;
+  SpanWriter head(head_octets);
+  write(head, Header{.prefix = GuidPrefix::from(Bytes(12, 9))});
+  write(head, InfoSource{Header{.prefix = data.guid.prefix}});
+  auto message = to_bytes(head.view());
+  const auto said = announcement(data);
+  message.insert(message.end(), said.begin() + kHeaderSize, said.end());
+  Observer observer;
+  observer.on_datagram(message, {"10.0.0.1", 7400, 1s});
+  ASSERT_EQ(observer.participants().size(), 2u);
+  EXPECT_TRUE(observer.participants().at(data.guid.prefix).data);
+  EXPECT_FALSE(observer.participants().at(GuidPrefix::from(Bytes(12, 9))).data);
 }
 
 TEST(Observer, DomainsDoNotMeet) {
