@@ -159,6 +159,8 @@ CryptoTokens::~CryptoTokens() {
 }
 
 Result<spi::Token> with_text_properties(spi::Token token) {
+  if (token.properties.size() + token.binary_properties.size() > spi::kMostPropertiesPerToken)
+    return fail(Code::length_out_of_range);
   for (const auto& property : token.binary_properties) {
     const auto text = as_text(property.value);
     if (text.find('\0') != text.npos)

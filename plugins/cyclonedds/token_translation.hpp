@@ -48,7 +48,8 @@ class CryptoTokens {
 };
 
 /// The token with its binary properties turned into text properties, in their order: Cyclone's
-/// access control looks for c.id and c.perm there. Error: text_holds_nul.
+/// access control looks for c.id and c.perm there. Errors: text_holds_nul, length_out_of_range
+/// (more than token_from takes).
 Result<spi::Token> with_text_properties(spi::Token token);
 
 /// The text properties of a QoS; a null QoS has none.

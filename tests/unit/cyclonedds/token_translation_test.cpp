@@ -128,6 +128,20 @@ TEST(TokenTranslation, CredentialsTravelAsTextInTheirOrder) {
   EXPECT_EQ(refused.error().details().document, "c.perm");
 }
 
+// Found by fuzzing: the host was given more than it may give back.
+TEST(TokenTranslation, TextPropertiesAreAsManyAsATokenHolds) {
+  spi::Token token{.class_id = "DDS:Auth:PKI-DH:1.0",
+                   .properties = spi::PropertyList(spi::kMostPropertiesPerToken - 1),
+                   .binary_properties = {{"c.id", {'p'}, true}}};
+  const auto text = with_text_properties(token);
+  ASSERT_TRUE(text);
+  EXPECT_EQ(text->properties.size(), spi::kMostPropertiesPerToken);
+  token.binary_properties.push_back({"c.perm", {'x'}, true});
+  const auto refused = with_text_properties(token);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code(), Code::length_out_of_range);
+}
+
 TEST(TokenTranslation, PropertiesOfAQos) {
   EXPECT_TRUE(properties_from(static_cast<const DDS_Security_Qos*>(nullptr))->empty());
   std::string name = "dds.sec.auth.identity_ca";
