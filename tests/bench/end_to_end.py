@@ -17,7 +17,6 @@ import tempfile
 
 from surroundings import DOMAIN, ENCRYPT, in_own_namespace, machine, make_folders, many_topics
 
-BUILD = pathlib.Path("build/release")
 URI = """<CycloneDDS><Domain Id="any"><General><Interfaces><NetworkInterface name="lo" multicast="true"/>
 </Interfaces></General>{security}</Domain></CycloneDDS>"""
 SECURITY = """<Security><Authentication>
@@ -41,7 +40,7 @@ class Variant:
         security = SECURITY.format(d=self.folders[n]) if self.folders else ""
         environment["CYCLONEDDS_URI"] = URI.format(security=security)
         if self.library_folder:
-            environment["LD_LIBRARY_PATH"] = str(self.library_folder.resolve())
+            environment["LD_LIBRARY_PATH"] = str(self.library_folder)
         return environment
 
     def start(self, n, *words):
@@ -79,15 +78,18 @@ def show(title, unit, rows, ratio):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--build", type=pathlib.Path, default="build/release")
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--seconds", type=int, default=4, help="of each ddsperf run")
     parser.add_argument("--json", help="write the figures there")
     options = parser.parse_args()
     in_own_namespace()
+    options.build = options.build.resolve()
     results = []
     with tempfile.TemporaryDirectory() as pki:
-        folders = make_folders(pki, governance=ENCRYPT, topics=many_topics(420))
-        variants = [Variant("off", None), Variant("stock", folders), Variant("ours", folders, BUILD / "dropin")]
+        # ddsperf's endpoints are in partitions of their own.
+        folders = make_folders(pki, governance=ENCRYPT, topics=many_topics(420), partition="*")
+        variants = [Variant("off", None), Variant("stock", folders), Variant("ours", folders, options.build / "dropin")]
         print(f"Cyclone DDS, everything ENCRYPT; {machine()}\n"
               f"{'median of ' + str(options.rounds) + ' rounds':<34}{'off':>12}{'stock':>12}{'ours':>12}   ratio")
         measurements = [

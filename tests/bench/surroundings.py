@@ -24,9 +24,9 @@ def many_topics(count):
     return ("*", *(f"unused/by/this/participant/{i:04}" for i in range(count)))
 
 
-def make_folders(base, names=("one", "other"), governance=SROS2, topics=("*",)):
+def make_folders(base, names=("one", "other"), governance=SROS2, topics=("*",), partition=""):
     """A folder as --security wants it for each of the participants."""
-    pki, permissions = Pki(base), Permissions(topics, topics[:1], domain=DOMAIN)
+    pki, permissions = Pki(base), Permissions(topics, topics[:1], partition, DOMAIN)
     return [make_folder(pki, name, governance, permissions) for name in names]
 
 
