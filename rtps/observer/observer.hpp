@@ -24,7 +24,7 @@ struct Seen {
   void note(MonotonicTime at);
 };
 
-/// What makes two participants trust each other, in this order (DDS-Security 8.3.2.9, 8.5.1.9).
+/// What makes two participants trust each other, in this order (DDS-Security 8.8).
 enum class HandshakeStep : std::uint8_t {
   auth_request,
   request,
