@@ -2,15 +2,25 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <fcntl.h>
+#include <filesystem>
+#include <limits>
 #include <pcap/pcap.h>
 #include <poll.h>
 #include <system_error>
 
+#include <fmt/format.h>
+
+#include "base/hash.hpp"
+#include "cli/inputs.hpp"
 #include "cli/transaction.hpp"
 
 namespace ddssec::cli {
 namespace {
 
+namespace fs = std::filesystem;
+
+constexpr unsigned kMode = 0600;  // what goes over a network is nobody else's business
 constexpr int kSnapshotOctets = 262'144;
 constexpr int kWaitMilliseconds = 100;
 constexpr int kBufferOctets = 16 << 20;
@@ -26,6 +36,10 @@ std::unexpected<Error> unreadable(const std::string& what, std::string note) {
   return fail(Code::capture_unreadable, {.document = what, .note = std::move(note)});
 }
 
+std::unexpected<Error> unwritable(const std::string& file, std::string note) {
+  return fail(Code::file_unwritable, {.document = file, .note = std::move(note)});
+}
+
 }  // namespace
 
 struct Capture::Impl {
@@ -33,6 +47,7 @@ struct Capture::Impl {
   bool is_live;
   std::unique_ptr<pcap_t, ClosePcap> pcap;
   std::unique_ptr<pcap_dumper_t, CloseDump> dump = {};
+  std::string file = {};  ///< to which `dump` writes
 };
 
 Capture::Capture(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -64,16 +79,37 @@ int Capture::link() const { return pcap_datalink(impl_->pcap.get()); }
 
 // Never over a file that is there.
 Status Capture::save_to(const std::string& file) {
-  auto* stream = std::fopen(file.c_str(), "wx");
+  impl_->file = file;
+  std::error_code ignored;
+  if (writes_nothing()) {
+    if (fs::symlink_status(file, ignored).type() == fs::file_type::not_found) return {};
+    return fail(Code::would_overwrite, {.document = file});
+  }
+  const int number =
+      ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, kMode);
   const int error = errno;
-  if (stream == nullptr && error == EEXIST) return fail(Code::would_overwrite, {.document = file});
-  if (stream == nullptr)
-    return fail(Code::file_unwritable,
-                {.document = file, .note = std::generic_category().message(error)});
+  if (number < 0 && error == EEXIST) return fail(Code::would_overwrite, {.document = file});
+  auto* stream = number < 0 ? nullptr : ::fdopen(number, "w");
+  if (stream == nullptr) return unwritable(file, std::generic_category().message(error));
   impl_->dump.reset(pcap_dump_fopen(impl_->pcap.get(), stream));
   if (impl_->dump) return {};
   std::fclose(stream);
-  return fail(Code::file_unwritable, {.document = file, .note = pcap_geterr(impl_->pcap.get())});
+  return unwritable(file, pcap_geterr(impl_->pcap.get()));
+}
+
+Result<WrittenFile> Capture::saved() {
+  WrittenFile out{.path = impl_->file, .mode = fmt::format("{:04o}", kMode)};
+  if (!impl_->dump) return out;
+  const bool whole = pcap_dump_flush(impl_->dump.get()) == 0;
+  const int error = errno;
+  impl_->dump.reset();
+  if (!whole) {
+    std::remove(impl_->file.c_str());
+    return unwritable(impl_->file, std::generic_category().message(error));
+  }
+  out.sha256 =
+      to_hex(sha256(DDSSEC_TRY(read_file(impl_->file, std::numeric_limits<std::size_t>::max()))));
+  return out;
 }
 
 Status Capture::each(std::chrono::nanoseconds how_long,

@@ -8,6 +8,7 @@
 
 #include "base/bytes.hpp"
 #include "base/result.hpp"
+#include "cli/report.hpp"
 
 namespace ddssec::cli {
 
@@ -29,8 +30,11 @@ class Capture {
 
   /// LINKTYPE_ of libpcap.
   int link() const;
-  /// Writes every frame that is read to a new pcap file as well. Error: file_unwritable.
+  /// From here on writes every frame that is read to a new pcap file, for its owner only; in a dry
+  /// run only sees whether there is room for one. Errors: would_overwrite, file_unwritable.
   Status save_to(const std::string& file);
+  /// Ends that file. Error: file_unwritable; then it is removed.
+  Result<WrittenFile> saved();
   /// Hands over frames until the end of the file, or for so long when listening, or until somebody
   /// interrupts. Error: capture_unreadable.
   Status each(std::chrono::nanoseconds how_long, const std::function<void(const Frame&)>& take);

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "base/text.hpp"
 #include "cli/capture.hpp"
 #include "cli/groups.hpp"
 #include "cli/progress.hpp"
@@ -11,6 +10,7 @@
 #include "pki/certificate.hpp"
 #include "rtps/observer/frames.hpp"
 #include "rtps/observer/meetings.hpp"
+#include "rtps/wire/vendor_name.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -19,13 +19,6 @@ using rtps::MeetingState;
 using rtps::MonotonicTime;
 
 constexpr int kLongest = 86'400;
-
-std::string vendor_name(rtps::VendorId vendor) {
-  if (vendor == rtps::kVendorCyclone) return "Cyclone DDS";
-  if (vendor == rtps::kVendorFastDds) return "Fast DDS";
-  if (vendor == rtps::kVendorDdssec) return "ddssec";
-  return "vendor " + vendor.to_string();
-}
 
 /// CryptoTransformKind (DDS-Security 9.5.2.1.1), whatever its key revision.
 std::string kind_name(TransformKind kind) {
@@ -51,14 +44,6 @@ std::vector<std::string> kinds_of(const rtps::ObservedParticipant& participant) 
   return out;
 }
 
-/// Who issued its certificate, as far as it said; "" if it did not.
-std::string issuer_of(const rtps::ObservedParticipant& participant) {
-  if (participant.certificate) return printable(participant.certificate->issuer);
-  const auto& token = participant.data->identity_token;
-  const auto* ca = token ? spi::find_property(token->properties, "dds.ca.sn") : nullptr;
-  return ca != nullptr ? printable(*ca) : "";
-}
-
 std::optional<rtps::CertificateNames> names_in(BytesView pem) {
   const auto certificate = pki::Certificate::from_pem(pem);
   if (!certificate) return std::nullopt;
@@ -73,7 +58,7 @@ double milliseconds(MonotonicTime time) {
 
 std::string text_of(const GuidPrefix& prefix, const rtps::ObservedParticipant& participant) {
   auto out = fmt::format("{}\n  {} at {}, GUID prefix {}\n", name_of(prefix, participant),
-                         vendor_name(participant.vendor), fmt::join(participant.addresses, ", "),
+                         name_of(participant.vendor), fmt::join(participant.addresses, ", "),
                          prefix.to_string());
   if (!participant.data) return out + "  did not announce itself\n";
   if (participant.is_secured()) {
@@ -114,7 +99,7 @@ std::string text_of(const rtps::Meeting& meeting, const rtps::Observer& observer
 Json to_json(const GuidPrefix& prefix, const rtps::ObservedParticipant& participant) {
   Json out = {{"guid_prefix", prefix.to_string()},
               {"name", name_of(prefix, participant)},
-              {"vendor", vendor_name(participant.vendor)},
+              {"vendor", name_of(participant.vendor)},
               {"domain", participant.domain < 0 ? Json(nullptr) : Json(participant.domain)},
               {"addresses", participant.addresses},
               {"announced", participant.data.has_value()},
@@ -239,11 +224,14 @@ Result<Report> inspect(const Arguments& arguments, const Context&) {
   const auto source = is_live ? arguments.text("--listen") : file;
   const int seconds = DDSSEC_TRY(arguments.number("--for", 1, kLongest));
   auto capture = DDSSEC_TRY(is_live ? Capture::listen(source) : Capture::open(source));
-  if (arguments.has("--save")) DDSSEC_TRY(capture.save_to(arguments.text("--save")));
+  const auto saved = arguments.text("--save");
+  if (!saved.empty()) DDSSEC_TRY(capture.save_to(saved));
   Watched watched;
   if (auto status = watch(capture, seconds, is_live, watched); !status)
     return std::unexpected(status.error().in(source));
-  return report_of(watched, source);
+  auto report = report_of(watched, source);
+  if (!saved.empty()) report.files_written.push_back(DDSSEC_TRY(capture.saved()));
+  return report;
 }
 
 }  // namespace

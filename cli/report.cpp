@@ -107,7 +107,9 @@ Json to_json(const Diagnostic& d) {
 Json to_json(const WrittenFile& file) {
   if (!file.link_to.empty())
     return {{"path", file.path}, {"mode", file.mode}, {"link_to", file.link_to}};
-  return {{"path", file.path}, {"mode", file.mode}, {"sha256", file.sha256}};
+  Json out = {{"path", file.path}, {"mode", file.mode}};
+  if (!file.sha256.empty()) out["sha256"] = file.sha256;
+  return out;
 }
 
 template <class T>

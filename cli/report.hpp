@@ -30,8 +30,9 @@ Exit exit_of(Code code);
 /// A file that the command made.
 struct WrittenFile {
   std::string path;
-  std::string mode;          ///< octal, such as "0600"; "link" for a symbolic link
-  std::string sha256 = {};   ///< lower-case hexadecimal
+  std::string mode;  ///< octal, such as "0600"; "link" for a symbolic link
+  std::string sha256 =
+      {};  ///< lower-case hexadecimal; empty: not made (--dry-run) and not foreseen
   std::string link_to = {};  ///< of a symbolic link
 };
 

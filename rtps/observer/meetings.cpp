@@ -13,16 +13,21 @@ namespace {
 /// after a second.
 constexpr MonotonicTime kPatience = std::chrono::milliseconds(2500);
 
+// What an identity token says (DDS-Security 9.3.2.1).
+constexpr std::string_view kSubject = "dds.cert.sn", kIdentityCa = "dds.ca.sn";
+
+const std::string* claim_of(const ObservedParticipant& participant, std::string_view property) {
+  if (!participant.is_secured()) return nullptr;
+  return spi::find_property(participant.data->identity_token->properties, property);
+}
+
 struct Side {
   const GuidPrefix& prefix;
   const ObservedParticipant& participant;
   const HandshakeFlow& sent;  ///< to the other one
 
   std::string name() const { return name_of(prefix, participant); }
-  const std::string* claims(std::string_view property) const {
-    const auto& token = participant.data->identity_token;
-    return token ? spi::find_property(token->properties, property) : nullptr;
-  }
+  const std::string* identity_ca() const { return claim_of(participant, kIdentityCa); }
   const std::string* permissions_ca() const {
     const auto& token = participant.data->permissions_token;
     return token ? spi::find_property(token->properties, "dds.perm_ca.sn") : nullptr;
@@ -66,7 +71,7 @@ std::optional<Finding> contradiction(const Side& a, const Side& b) {
                    fmt::format("{} announces no identity, so {} does not authenticate it",
                                without.name(), (&without == &a ? b : a).name())};
   }
-  const auto *ca_of_a = a.claims("dds.ca.sn"), *ca_of_b = b.claims("dds.ca.sn");
+  const auto *ca_of_a = a.identity_ca(), *ca_of_b = b.identity_ca();
   if (differ(ca_of_a, ca_of_b))
     return Finding{Rule::CAP002,
                    fmt::format("the certificate of {} is issued by \"{}\", that of {} "
@@ -160,12 +165,17 @@ std::string_view to_string(MeetingState state) {
 
 std::string name_of(const GuidPrefix& prefix, const ObservedParticipant& participant) {
   if (participant.certificate) return printable(participant.certificate->subject);
-  const auto& token = participant.data ? participant.data->identity_token : std::nullopt;
-  const auto* subject = token ? spi::find_property(token->properties, "dds.cert.sn") : nullptr;
+  const auto* subject = claim_of(participant, kSubject);
   if (subject != nullptr && !subject->empty()) return printable(*subject);
   if (participant.data && !participant.data->entity_name.empty())
     return printable(participant.data->entity_name);
   return prefix.to_string();
+}
+
+std::string issuer_of(const ObservedParticipant& participant) {
+  if (participant.certificate) return printable(participant.certificate->issuer);
+  const auto* ca = claim_of(participant, kIdentityCa);
+  return ca != nullptr ? printable(*ca) : "";
 }
 
 std::vector<Meeting> meetings_of(const Observer& observer) {

@@ -25,6 +25,9 @@ struct Meeting {
 /// How people know it: by its certificate's subject, its name, or else its GUID prefix.
 std::string name_of(const GuidPrefix& prefix, const ObservedParticipant& participant);
 
+/// Who issued its certificate, as far as it said; "" if it did not.
+std::string issuer_of(const ObservedParticipant& participant);
+
 /// Every two participants of one domain that announced themselves, at most so many.
 inline constexpr std::size_t kMostMeetings = 10'000;
 std::vector<Meeting> meetings_of(const Observer& observer);

@@ -2,16 +2,10 @@
 // domain shares (DDS-Security 1.2 10.4.1.2.5.8).
 #include "rtps/security/keyring.hpp"
 #include "rtps/wire/submessage.hpp"
+#include "rtps/wire/vendor_name.hpp"
 
 namespace ddssec::rtps {
 namespace {
-
-std::string name_of(VendorId vendor) {
-  if (vendor == kVendorCyclone) return "Cyclone DDS";
-  if (vendor == kVendorFastDds) return "Fast DDS";
-  if (vendor == kVendorDdssec) return "ddssec";
-  return "vendor " + vendor.to_string();
-}
 
 bool begins_protected(BytesView message) {
   constexpr auto kProtected = static_cast<std::uint8_t>(SubmessageId::secure_rtps_prefix);

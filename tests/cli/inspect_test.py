@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """inspect: what a capture shows, and captures that are broken."""
 
+import hashlib
 import struct
+import subprocess
 
 from transcript import DATA, PROGRAM, Transcript, main
-
-import subprocess  # noqa: E402
 
 CAPTURE = DATA / "captures/two_participants.pcap"
 
@@ -52,8 +52,9 @@ class Inspect(Transcript):
         self.assertRegex(text, r"CN=talker and CN=listener: authenticated within \d+ ms\n$")
 
     def test_standard_input(self):
-        done = subprocess.run([PROGRAM, "inspect", "-"], stdin=CAPTURE.open("rb"), capture_output=True, text=True,
-                              timeout=60, check=True)
+        with CAPTURE.open("rb") as capture:
+            done = subprocess.run([PROGRAM, "inspect", "-"], stdin=capture, capture_output=True, text=True,
+                                  timeout=60, check=True)
         self.assertIn("CN=talker and CN=listener: authenticated", done.stdout)
 
     def test_where_a_handshake_stops(self):
@@ -118,7 +119,13 @@ class Inspect(Transcript):
         self.refused("usage", 2, "inspect", "--listen", "lo", "--for", "0")
         (self.at / "kept.pcap").write_text("")
         self.refused("would_overwrite", 4, "inspect", CAPTURE, "--save", "kept.pcap")
-        self.run_program("inspect", CAPTURE, "--save", "copy.pcap")
+        would = self.json("inspect", CAPTURE, "--save", "copy.pcap", "--dry-run")["files_written"]
+        self.assertEqual([(file["path"], file["mode"]) for file in would], [("copy.pcap", "0600")])
+        self.assertNotIn("copy.pcap", self.files())
+        self.refused("would_overwrite", 4, "inspect", CAPTURE, "--save", "kept.pcap", "--dry-run")
+        (written,) = self.json("inspect", CAPTURE, "--save", "copy.pcap")["files_written"]
+        self.assertEqual(self.files()["copy.pcap"], 0o600)
+        self.assertEqual(written["sha256"], hashlib.sha256((self.at / "copy.pcap").read_bytes()).hexdigest())
         self.assertEqual(self.json("inspect", "copy.pcap")["result"]["pairs"],
                          self.json("inspect", CAPTURE)["result"]["pairs"])
 
