@@ -8,6 +8,7 @@
 #include "rtps/dcps/subscriber.hpp"
 #include "rtps/durability/durable_store.hpp"
 #include "rtps/transport/event_loop.hpp"
+#include "rtps/transport/ports.hpp"
 
 namespace ddssec::rtps {
 
@@ -49,18 +50,6 @@ struct DomainParticipantQos {
   bool autoenable_created_entities = true;
   bool operator==(const DomainParticipantQos&) const = default;
 };
-
-/// Well-known ports (RTPS 9.6.2.3).
-namespace ports {
-inline constexpr int kMostIndexes = 120;
-constexpr std::uint32_t base(DomainId domain) {
-  return 7400 + 250 * static_cast<std::uint32_t>(domain);
-}
-constexpr std::uint32_t metatraffic(DomainId domain, int index) {
-  return base(domain) + 10 + 2 * static_cast<std::uint32_t>(index);
-}
-constexpr std::uint32_t user(DomainId domain, int index) { return metatraffic(domain, index) + 1; }
-}  // namespace ports
 
 namespace detail {
 /// Stands before Entity, which needs it.

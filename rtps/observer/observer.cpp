@@ -2,6 +2,7 @@
 
 #include "rtps/discovery/endpoint_data.hpp"
 #include "rtps/security/generic_message.hpp"
+#include "rtps/transport/ports.hpp"
 #include "rtps/wire/data_frag.hpp"
 #include "rtps/wire/entity_ids.hpp"
 #include "rtps/wire/info_destination.hpp"
@@ -10,13 +11,9 @@
 namespace ddssec::rtps {
 namespace {
 
-// PB and DG of the well-known ports (RTPS 9.6.2.3).
-constexpr int kPortBase = 7400;
-constexpr int kDomainGain = 250;
-
 DomainId domain_of(const ParticipantData& data, std::uint16_t port) {
   if (data.domain_id) return static_cast<DomainId>(*data.domain_id);
-  return port >= kPortBase ? (port - kPortBase) / kDomainGain : -1;
+  return ports::domain_of(port);
 }
 
 std::optional<HandshakeStep> step_of(const GenericMessage& message) {
