@@ -47,7 +47,10 @@ class InspectLive(Transcript):
             namespace.close()
         self.assertEqual(listener.returncode, exit, out + said)
         live, again = json.loads(out), self.json("inspect", recording, exit=exit)
+        self.assertEqual([written["path"] for written in live["files_written"]], [str(self.at / recording)])
+        self.assertEqual(again["files_written"], [])
         for answer in (live, again):
+            answer.pop("files_written")
             answer["result"].pop("source")
             for finding in answer["diagnostics"]:
                 finding.pop("file")
