@@ -108,5 +108,45 @@ TEST(InsiderWriter, IsRefusedWithOriginAuthentication) {
   }
 }
 
+// Its own key protects what it says of itself, whatever INFO_SRC follows in the same message.
+TEST(InsiderSource, AProtectedMessageSpeaksForItsSenderOnly) {
+  for (const auto kind : {kSign, kEncrypt, kSignOa, kEncryptOa}) {
+    KeyThief::Stolen of_alice;
+    const Rules rules{.rtps = kind};
+    Node alice(1, properties_of("CN=alice,O=Example", rules), 3, KeyThief::into(of_alice));
+    Node bob(2, properties_of("CN=bob,O=Example", rules));
+    Node mallory(3, properties_of("CN=mallory,O=Example", rules));
+    World world;
+    world.nodes = {&alice, &bob};
+    const auto writer =
+        bob->create_writer(square(default_writer_qos()), bob.listener, world.now).value();
+    alice->create_reader(square(default_reader_qos()), alice.listener, world.now).value();
+    ASSERT_TRUE(world.run_until([&] { return alice.listener.matched == 1; }));
+    world.nodes.push_back(&mallory);
+    ASSERT_TRUE(world.run_until([&] { return alice.knows(mallory); }));
+
+    auto material = cryptography::read_crypto_token(of_alice.of_participant.front()).value();
+    const auto of_pair = material.receiver_key_id;
+    std::vector<KeyId> receivers;
+    if (material.has_receiver_key()) receivers.push_back(of_pair);
+    Insider insider(std::move(material));
+    static const Bytes lie = {0, 1, 0, 0, 'l', 'i', 'e', '!'};
+    InfoSource own, other;
+    own.source.prefix = mallory->prefix();
+    other.source.prefix = bob->prefix();
+    const Data data{kEntityIdUnknown, writer.entity, {1}, {}, PayloadKind::data, lie};
+    const auto plain = forged(mallory->prefix(), own, other, data);
+    auto datagram = forged(mallory->prefix());
+    const auto group = insider.group(cryptography::kMessageFrame,
+                                     Bytes(plain.begin() + kHeaderSize, plain.end()), receivers);
+    datagram.insert(datagram.end(), group.begin(), group.end());
+    const auto before = alice->protection_counters();
+    alice->receive(datagram, world.now);
+    EXPECT_EQ(alice->protection_counters().undecodable, before.undecodable + 1);
+    EXPECT_TRUE(alice.events.has(Code::info_source_mismatch));
+    EXPECT_TRUE(alice.listener.changes.empty());
+  }
+}
+
 }  // namespace
 }  // namespace ddssec::rtps
