@@ -62,6 +62,12 @@ Result<SendKey::Reservation> SendKey::reserve(std::size_t size) {
   }
 }
 
+bool SendKey::has_begun(SessionId session) const {
+  std::uint32_t id = 0;
+  for (const auto octet : session.octets) id = id << 8 | octet;
+  return id - start_.session <= current_.read()->number;  // ids count up, around 0 if need be
+}
+
 std::uint64_t SendKey::blocks_used() const {
   const auto* const session = current_.read();
   const auto most = environment_.most_blocks_per_session;

@@ -58,6 +58,9 @@ class SendKey final : public Retirable {
   /// Under a ReadGuard: an IV for a message of `size` octets and its receiver-specific MACs.
   /// Errors: session_ids_exhausted.
   Result<Reservation> reserve(std::size_t size);
+  /// Under a ReadGuard: is this session one of those used so far? They start at random, so that one
+  /// of another sender with the same master key is not, but for one chance in 2^32.
+  bool has_begun(SessionId session) const;
   /// Under a ReadGuard: AES blocks promised so far, and what finished sessions left over.
   std::uint64_t blocks_used() const;
 

@@ -77,10 +77,13 @@ Result<std::size_t> open(const Shared& shared, const Published<RemoteKeys>& keys
   return open(message, *key, out);
 }
 
-Result<ReceiveKey*> submessage_key(const RemoteEndpoint& sender) {
+/// Both sides of a key exchange have one key, and the host hears the other's name from an RTPS
+/// header that anybody can write: our own words, sent back, are told by their session.
+Result<ReceiveKey*> submessage_key(const RemoteEndpoint& sender, SessionId session) {
   if (!sender.local.is_volatile) return received(sender.remote_keys, &LevelKeys::submessage);
   const auto* const pair = sender.participant.pair(sender.local.participant.handle());
   if (pair == nullptr) return fail(Code::crypto_not_matched);
+  if (pair->key_exchange_send->has_begun(session)) return fail(Code::submessage_not_of_sender);
   return pair->key_exchange_receive.get();
 }
 
@@ -116,8 +119,8 @@ Result<std::size_t> decode_submessage(const Shared& shared, Local receiver, Remo
   const auto& remote = *DDSSEC_TRY(shared.remote_endpoint(sender, remote_kind(sender)));
   if (&remote.local != &local) return fail(Code::crypto_not_matched);
   if (!is_protected(local.submessage)) return fail(Code::not_protected);
-  auto& key = *DDSSEC_TRY(submessage_key(remote));
   const auto message = DDSSEC_TRY(read_protected_group(encoded, kSubmessageFrame));
+  auto& key = *DDSSEC_TRY(submessage_key(remote, message.header.session_id));
   const auto size =
       DDSSEC_TRY(open(shared, remote.remote_keys, &LevelKeys::submessage, message, key, out));
   if (auto status = check_submessage(remote, out.first(size)); !status) {

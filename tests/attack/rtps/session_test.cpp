@@ -65,6 +65,32 @@ TEST(Session, ReplaysToASuccessorChangeNothing) {
   EXPECT_GT(successor->protection_counters().undecodable, 0u);
 }
 
+// Both directions of the key exchange have one key (DDS-Security 9.5.2.1): what one side said must
+// not come back to it as said by the other, or the other's tokens count as heard.
+TEST(Reflection, OfKeyExchangeMessagesChangesNothing) {
+  for (const bool to_a : {true, false}) {
+    Pair pair(everything(kEncrypt));
+    auto& victim = to_a ? pair.a : pair.b;
+    const auto& other = to_a ? pair.b : pair.a;
+    std::size_t reflected = 0;
+    pair.world.filter = [&](const Node& from, Bytes datagram) {
+      const auto group =
+          std::ranges::search(datagram, Bytes{0x31, 1, 20, 0, 0, 0, 0, 4, 0, 0, 0, 0});
+      if (&from == &victim && !group.empty()) {
+        auto back = forged(other.participant->prefix());
+        back.insert(back.end(), group.begin(), datagram.end());
+        victim->receive(back, pair.world.now);
+        ++reflected;
+      }
+      return one(std::move(datagram));
+    };
+    pair.create_endpoints();
+    EXPECT_TRUE(pair.world.run_until(
+        [&] { return pair.a.listener.matched == 1 && pair.b.listener.matched == 1; }, 300));
+    EXPECT_GT(reflected, 0u);
+  }
+}
+
 // Keys that come by the stateless endpoint, or in the clear (T46).
 TEST(Session, KeysOutsideOfTheVolatileSecureChannelAreIgnored) {
   Pair pair(everything(kEncrypt));

@@ -277,32 +277,42 @@ TEST_P(KatTransform, MessagesDecode) {
 
 TEST_P(KatTransform, VolatileSubmessage) {
   const auto& entry = kat()["kx"];
-  Scripted side(options());
-  auto& factory = side.engine->key_factory();
-  const auto participant = factory.register_local_participant({}, {}, {}, {}).value();
-  side.random.start();
   const auto shared = shared_of(entry, "shared_secret_sha256");
-  const auto remote =
-      factory.register_matched_remote_participant(participant, {9}, {}, shared).value();
+  const auto matched = [&](Scripted& side) {
+    auto& factory = side.engine->key_factory();
+    const auto participant = factory.register_local_participant({}, {}, {}, {}).value();
+    return std::pair(
+        participant,
+        factory.register_matched_remote_participant(participant, {9}, {}, shared).value());
+  };
+  Scripted sender(options()), receiver(options());
+  sender.random.start();
+  receiver.random.number<std::uint32_t>(0x05060708);
+  receiver.random.number<std::uint64_t>(0);
+  const auto [from, to_remote] = matched(sender);
+  auto& at_sender = sender.engine->key_factory();
   const auto writer =
-      factory.register_local_datawriter(participant, builtin_endpoint(kVolatileWriter), {}).value();
-  const auto reader =
-      factory.register_local_datareader(participant, builtin_endpoint(kVolatileReader), {}).value();
+      at_sender.register_local_datawriter(from, builtin_endpoint(kVolatileWriter), {}).value();
   const auto remote_reader =
-      factory.register_matched_remote_datareader(writer, remote, shared, false).value();
-  const auto remote_writer =
-      factory.register_matched_remote_datawriter(reader, remote, shared).value();
+      at_sender.register_matched_remote_datareader(writer, to_remote, shared, false).value();
   const auto plain = hex(entry["plain"]);
   const auto encoded = into_bytes(plain.size() + 112, [&](MutableBytes out) {
-    return side.engine->transform().encode_datawriter_submessage(writer, {&remote_reader, 1}, plain,
-                                                                 out);
+    return sender.engine->transform().encode_datawriter_submessage(writer, {&remote_reader, 1},
+                                                                   plain, out);
   });
   EXPECT_EQ(to_hex(*encoded), entry["volatile_secure_submessage"].get<std::string>());
-  // One key for both directions: what we sent can be read back as the remote's.
+  // One key for both directions.
+  const auto [to, from_remote] = matched(receiver);
+  auto& at_receiver = receiver.engine->key_factory();
+  const auto reader =
+      at_receiver.register_local_datareader(to, builtin_endpoint(kVolatileReader), {}).value();
+  const auto remote_writer =
+      at_receiver.register_matched_remote_datawriter(reader, from_remote, shared).value();
   const auto decoded = into_bytes(encoded->size(), [&](MutableBytes out) {
-    return side.engine->transform().decode_datawriter_submessage(reader, remote_writer, *encoded,
-                                                                 out);
+    return receiver.engine->transform().decode_datawriter_submessage(reader, remote_writer,
+                                                                     *encoded, out);
   });
+  ASSERT_TRUE(decoded);
   EXPECT_EQ(to_hex(*decoded), to_hex(plain));
 }
 
