@@ -39,6 +39,8 @@ class Security {
  public:
   /// Token messages that are kept for endpoints we do not know yet, of one peer.
   static constexpr std::size_t kMostEarlyTokens = 1024;
+  /// Of one message with tokens: many times what keys take, so that those kept are few octets, too.
+  static constexpr std::size_t kMostTokenOctets = 4096;
   /// Handshakes that we begin with peers that never spoke: so many at once, one each so long.
   static constexpr int kMostStarts = 32;
   static constexpr MonotonicTime kStartPeriod = std::chrono::milliseconds(25);

@@ -69,8 +69,19 @@ void Security::send_endpoint_tokens(Peer& peer, const EntityId& local, const Gui
 // It was protected by the key of this pair of participants; what is in it is checked all the same.
 bool Security::on_volatile(const GuidPrefix& prefix, const Change& change) {
   auto* peer = find(prefix);
+  if (peer == nullptr || !peer->established) return true;
+  const auto size = change.payload.size();
+  if (size > kMostTokenOctets) {
+    events_.raise(
+        Event(Error(Code::length_out_of_range,
+                    {.document = "key tokens",
+                     .expected = "at most " + std::to_string(kMostTokenOctets) + " octets",
+                     .found = std::to_string(size)}),
+              {}, peer->data.guid.to_string()));
+    return true;
+  }
   auto message = read_generic_message(change.payload.view());
-  if (peer == nullptr || !peer->established || !message) return true;
+  if (!message) return true;
   // Fast DDS names its stateless writer as the source.
   if (message->identity.source.prefix != prefix || message->destination_participant != own_->guid())
     return true;

@@ -148,5 +148,32 @@ TEST(InsiderSource, AProtectedMessageSpeaksForItsSenderOnly) {
   }
 }
 
+/// Tells more than the keys of its writers.
+class Talker final : public KeyThief {
+ public:
+  using KeyThief::KeyThief;
+
+ private:
+  Result<Tokens> create_local_datawriter_crypto_tokens(DataWriter a, DataReader b,
+                                                       spi::KeyStage stage) override {
+    auto tokens = KeyThief::create_local_datawriter_crypto_tokens(a, b, stage);
+    for (auto& token : *tokens) token.properties.push_back({"more", std::string(50'000, 'x')});
+    return tokens;
+  }
+};
+
+// Tokens that come early are kept, a thousand of each peer.
+TEST(InsiderTokens, AreNotKeptIfTheyAreLarge) {
+  const auto rules = everything(kEncrypt);
+  KeyThief::Stolen of_mallory;
+  Node alice(1, properties_of("CN=alice,O=Example", rules));
+  Node mallory(2, properties_of("CN=mallory,O=Example", rules), 3, [&](auto engine) {
+    return std::make_unique<Talker>(std::move(engine), of_mallory);
+  });
+  World world{.nodes = {&alice, &mallory}};
+  EXPECT_TRUE(world.run_until([&] { return alice.events.has(Code::length_out_of_range); }, 300));
+  EXPECT_FALSE(alice.events.has(Code::crypto_token_form)) << alice.events.text();
+}
+
 }  // namespace
 }  // namespace ddssec::rtps

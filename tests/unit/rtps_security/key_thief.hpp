@@ -10,7 +10,7 @@
 namespace ddssec::rtps::testing {
 
 /// Does what the plugin it stands before does.
-class KeyThief final : public spi::Cryptography, spi::CryptoKeyExchange {
+class KeyThief : public spi::Cryptography, protected spi::CryptoKeyExchange {
  public:
   using Tokens = std::vector<spi::Token>;
   struct Stolen {
@@ -30,7 +30,7 @@ class KeyThief final : public spi::Cryptography, spi::CryptoKeyExchange {
   spi::CryptoKeyExchange& key_exchange() override { return *this; }
   spi::CryptoTransform& transform() override { return engine_->transform(); }
 
- private:
+ protected:
   using Participant = spi::ParticipantCryptoHandle;
   using DataWriter = spi::DatawriterCryptoHandle;
   using DataReader = spi::DatareaderCryptoHandle;
@@ -60,6 +60,8 @@ class KeyThief final : public spi::Cryptography, spi::CryptoKeyExchange {
     kept(tokens);
     return exchange().set_remote_datareader_crypto_tokens(a, b, tokens);
   }
+
+ private:
   spi::CryptoKeyExchange& exchange() { return engine_->key_exchange(); }
   Tokens kept(Given tokens) {
     stolen_.all.insert(stolen_.all.end(), tokens.begin(), tokens.end());
