@@ -2,7 +2,31 @@
 
 #include <algorithm>
 
+#include "governance/grant.hpp"
+
 namespace ddssec::access_control {
+namespace {
+
+bool say_the_same(const governance::Criteria& a, const governance::Criteria& b) {
+  return a.topics == b.topics && a.partitions == b.partitions && a.data_tags == b.data_tags;
+}
+
+bool say_the_same(const governance::Rule& a, const governance::Rule& b) {
+  const auto equal = [](const auto& of_a, const auto& of_b) {
+    return std::ranges::equal(of_a, of_b,
+                              [](const auto& x, const auto& y) { return say_the_same(x, y); });
+  };
+  return a.allow == b.allow && a.domains == b.domains && equal(a.publish, b.publish) &&
+         equal(a.subscribe, b.subscribe) && equal(a.relay, b.relay);
+}
+
+bool give_the_same(const governance::Grant& a, const governance::Grant& b) {
+  return a.default_allow == b.default_allow &&
+         std::ranges::equal(a.rules, b.rules,
+                            [](const auto& x, const auto& y) { return say_the_same(x, y); });
+}
+
+}  // namespace
 
 Result<Grant> PermissionsHolder::grant(WallTime now) {
   if (!document_) return fail(Code::peer_has_no_permissions);
@@ -12,6 +36,10 @@ Result<Grant> PermissionsHolder::grant(WallTime now) {
   }
   auto found = document_->grant_for(subject_.name, subject_.shown, participant_->domain, now);
   if (!found) return std::unexpected(found.error().in(document_name_));
+  // Hosts do not judge again what they have matched.
+  if (remote_ && grant_ && !give_the_same(grant_->grant(), (*found)->grant()))
+    if (auto ended = governance::check_validity(grant_->grant(), now); !ended)
+      return std::unexpected(ended.error().in(document_name_));
   grant_ = *found;
   return grant_;
 }

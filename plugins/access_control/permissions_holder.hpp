@@ -50,7 +50,8 @@ class PermissionsHolder {
 
   /// The grant that is valid at `now`: by the wall clock at every call, so that neither a host that
   /// forgets to call expire nor a clock that jumps lets anybody in. When a grant ends, another of
-  /// the same document takes over. Errors: those of PermissionsDocument::grant_for,
+  /// the same document takes over; a peer's only if it gives the same: else the peer ends, and what
+  /// it may have is judged when it comes again. Errors: those of PermissionsDocument::grant_for,
   /// peer_has_no_permissions.
   Result<Grant> grant(WallTime now);
 

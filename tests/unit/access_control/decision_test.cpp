@@ -302,6 +302,38 @@ TEST_F(Expiry, AnotherGrantOfTheDocumentTakesOver) {
   EXPECT_TRUE(plugin->check_create_participant(*own, 0));
 }
 
+// What was matched under the first grant is not judged again under the second.
+TEST_F(Expiry, OfAPeersGrantEndsThePeerUnlessTheNextOneGivesTheSame) {
+  const auto own = local(open_permissions(kTalker));
+  ASSERT_TRUE(own);
+  const auto first_then = [&](governance::Rule rule, bool default_allow) {
+    auto first = grant(kListener, {publish_rule(true, {"t", "u"})}), next = first;
+    first.validity.not_after = clock.now() + 10s;
+    next.validity.not_before = clock.now() + 5s;
+    next.rules = {std::move(rule)};
+    next.default_allow = default_allow;
+    next.line = 99;
+    return remote(signed_permissions({first, next})).value();
+  };
+  auto elsewhere = publish_rule(true, {"t", "u"});
+  elsewhere.publish[0].partitions = {{"p", 0}};
+  const auto same = first_then(publish_rule(true, {"t", "u"}), false);
+  const std::vector others = {first_then(publish_rule(true, {"t"}), false),
+                              first_then(elsewhere, false),
+                              first_then(subscribe_rule(true, {"t", "u"}), false),
+                              first_then(publish_rule(false, {"t", "u"}), false),
+                              first_then(publish_rule(true, {"t", "u"}), true)};
+  EXPECT_TRUE(plugin->expire().empty());
+  clock.advance(10s);
+  EXPECT_REFUSED(plugin->check_remote_datawriter(others[0], 0, {.topic_name = "t"}), grant_expired);
+  log.events.clear();
+  EXPECT_EQ(plugin->expire(), others);
+  EXPECT_EQ(log.events.size(), others.size());
+  for (const auto& event : log.events) EXPECT_EQ(event.error.code(), Code::grant_expired);
+  EXPECT_TRUE(plugin->check_remote_datawriter(same, 0, {.topic_name = "u"}));
+  EXPECT_TRUE(plugin->expire().empty());
+}
+
 // T2: the permissions CA ends.
 TEST_F(Expiry, OfThePermissionsCaEndsWhatItSigned) {
   auto ca = pki::make_ca("CN=Brief CA", {}, {kNow - 24h, kNow + 10s});
