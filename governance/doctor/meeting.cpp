@@ -19,11 +19,12 @@ namespace fs = std::filesystem;
 constexpr int kBoth[] = {0, 1};
 
 void add_finding(const MeetingScene& scene, Rule rule, const Judgement& judgement,
-                 std::string message) {
+                 std::string message, std::string hint = {}) {
   scene.out.findings.push_back({.rule = rule,
                                 .message = std::move(message),
                                 .document = judgement.document,
-                                .line = judgement.line});
+                                .line = judgement.line,
+                                .hint = std::move(hint)});
 }
 
 std::string files_missing(const LoadedFolder& folder) {
@@ -90,6 +91,17 @@ std::string ca_subjects(const Result<std::vector<pki::Certificate>>& cas) {
   return out;
 }
 
+// The rule's own hint is for the one cause that has to do with which CAs there are.
+std::string hint_unless(Code about_the_cas, const Error& error) {
+  return error.code() == about_the_cas ? std::string() : std::string(info(error.code()).hint);
+}
+
+std::string held_if(Code about_the_cas, const Error& error, std::string_view party,
+                    const fs::path& file, const Result<std::vector<pki::Certificate>>& cas) {
+  if (error.code() != about_the_cas) return {};
+  return fmt::format("; {} of {} holds {}", file.filename().string(), party, ca_subjects(cas));
+}
+
 void judge_authentication(const MeetingScene& scene, int judge) {
   const auto& self = scene.party(judge);
   const auto& other = scene.party(1 - judge);
@@ -100,16 +112,17 @@ void judge_authentication(const MeetingScene& scene, int judge) {
     const bool revoked = status.error().code() == Code::certificate_revoked;
     if (revoked) out.document = self.folder.paths.crl.string();
     out.reason = status.error().message();
+    // Files that cannot be read are DOC090's, of whose they are.
     const auto& certificate = other.folder.certificate;
-    add_finding(
-        scene, Rule::DOC080, out,
-        fmt::format(
-            "{} does not believe {}'s certificate{}: {}; {} of {} holds {}", self.name, other.name,
-            certificate ? fmt::format(" ({} serial {}, issued by \"{}\")", certificate->subject(),
-                                      certificate->serial(), certificate->issuer())
-                        : "",
-            out.reason, self.folder.paths.identity_ca.filename().string(), self.name,
-            ca_subjects(self.folder.identity_cas)));
+    if (certificate && self.folder.identity_cas)
+      add_finding(scene, Rule::DOC080, out,
+                  fmt::format("{} does not believe {}'s certificate ({} serial {}, issued by "
+                              "\"{}\"): {}{}",
+                              self.name, other.name, certificate->subject(), certificate->serial(),
+                              certificate->issuer(), out.reason,
+                              held_if(Code::issuer_unknown, status.error(), self.name,
+                                      self.folder.paths.identity_ca, self.folder.identity_cas)),
+                  hint_unless(Code::issuer_unknown, status.error()));
   }
   scene.out.authentication.push_back(std::move(out));
 }
@@ -148,11 +161,16 @@ void judge_permissions(const MeetingScene& scene, int judge) {
   if (!status) {
     out.reason = status.error().message();
     out.line = status.error().details().line;
-    add_finding(
-        scene, Rule::DOC081, out,
-        fmt::format("{} does not believe {}'s permissions: {}; {} of {} holds {}", self.name,
-                    other.name, out.reason, self.folder.paths.permissions_ca.filename().string(),
-                    self.name, ca_subjects(self.folder.permissions_cas)));
+    constexpr auto kForeign = Code::smime_signer_not_permissions_ca;
+    if (other.folder.permissions.readable && other.folder.certificate &&
+        self.folder.permissions_cas)
+      add_finding(
+          scene, Rule::DOC081, out,
+          fmt::format("{} does not believe {}'s permissions: {}{}", self.name, other.name,
+                      out.reason,
+                      held_if(kForeign, status.error(), self.name, self.folder.paths.permissions_ca,
+                              self.folder.permissions_cas)),
+          hint_unless(kForeign, status.error()));
   }
   scene.out.permissions.push_back(std::move(out));
 }

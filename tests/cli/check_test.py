@@ -47,6 +47,7 @@ class Check(Transcript):
         if document:
             self.assertEqual(pathlib.Path(told[0]["file"]).name, document)
         self.assertTrue(told[0]["hint"])
+        self.hint = told[0]["hint"]
         return out["result"]
 
     def test_they_talk_and_the_deciding_lines_are_named(self):
@@ -126,6 +127,21 @@ class Check(Transcript):
         self.talker.put("crl.pem", self.shop.crl("listener", self.talker.identity_ca,
                                                  self.listener.certificate))
         self.apart("DOC080", "CN=listener serial", "revoked", document="crl.pem")
+        self.assertEqual(self.hint, "issue a new certificate if its holder is still to be trusted")
+
+    def test_the_hint_is_for_the_cause(self):
+        self.apart("DOC080", "CN=listener serial", "expired", words=("--now", "2050-01-01T00:00:00Z"))
+        self.assertIn("renew the certificate", self.hint)
+        self.listener.sign("permissions", permissions(grant("CN=somebody", ONE_WAY.format("subscribe"))))
+        self.apart("DOC081", "no grant for the subject", "CN=somebody")
+        self.assertIn("write the subject name exactly", self.hint)
+
+    def test_a_file_that_is_missing_is_said_once_of_whose_it_is(self):
+        (self.at / "listener/cert.pem").unlink()
+        out = self.check(exit=1)
+        self.assertEqual([(d["id"], d["file"]) for d in out["diagnostics"] if d["severity"] == "error"],
+                         [("DOC090", "listener/cert.pem")])
+        self.assertEqual([a["ok"] for a in out["result"]["authentication"]], [True, False])
 
     def test_permissions_signed_by_another_ca(self):
         ca = self.shop.ca("foreign")
