@@ -45,6 +45,11 @@ CaPaths ca_paths(const fs::path& given, std::string_view role) {
   return ca_paths_in(ca_folder(from_init ? inner : given, role));
 }
 
+fs::path ca_certificate_path(const fs::path& given, std::string_view role) {
+  std::error_code ignored;
+  return fs::is_directory(given, ignored) ? ca_paths(given, role).certificate : given;
+}
+
 Result<pki::PrivateKey> CaOpener::key(const fs::path& path) {
   DDSSEC_TRY(check_key_mode(path, arguments_));
   if (!passphrase_ && DDSSEC_TRY(is_encrypted(path)))
@@ -86,6 +91,20 @@ Result<std::optional<pki::Crl>> read_crl(const fs::path& path) {
   if (lists.empty())
     return fail(Code::crl_malformed, {.document = path, .note = "there is no list in it"});
   return lists.front();
+}
+
+Result<FolderLock> lock_records(const CaPaths& paths) {
+  return FolderLock::of(paths.log.has_parent_path() ? paths.log.parent_path() : fs::path("."));
+}
+
+Result<bool> lists_all(const CaPaths& paths, const pki::IssueLog& log) {
+  if (log.revocations().empty()) return true;
+  const auto crl = DDSSEC_TRY(read_crl(paths.crl));
+  if (!crl) return false;
+  const auto listed = DDSSEC_TRY(named(crl->revoked(), paths.crl));
+  return std::ranges::all_of(log.revocations(), [&](const auto& revocation) {
+    return std::ranges::find(listed, revocation.serial, &pki::Revocation::serial) != listed.end();
+  });
 }
 
 Result<pki::Crl> next_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now, int days) {

@@ -30,6 +30,10 @@ CaPaths ca_paths_in(const std::filesystem::path& folder);
 /// `keystore create` made, or a folder with ca.pem.
 CaPaths ca_paths(const std::filesystem::path& given, std::string_view role);
 
+/// The certificate of a CA, given that or what ca_paths() takes.
+std::filesystem::path ca_certificate_path(const std::filesystem::path& given,
+                                          std::string_view role);
+
 /// A CA that can sign.
 struct OpenCa {
   CaPaths paths;
@@ -75,6 +79,15 @@ Result<pki::IssueLog> read_issue_log(const CaPaths& paths);
 /// The list in a file, or nothing if there is no such file. Errors: those of read_file and
 /// Crl::all_from; crl_malformed if the file holds no list.
 Result<std::optional<pki::Crl>> read_crl(const std::filesystem::path& path);
+
+/// No other command revokes, renews or lists anything of this CA while the lock lives. Taken when
+/// the CA is open, since a passphrase may be waited for, and before the log is read. Errors: those
+/// of FolderLock::of.
+Result<FolderLock> lock_records(const CaPaths& paths);
+
+/// Whether the CA's present list names everything that its log says is revoked; it does not if a
+/// crash came between the two. Errors: those of read_crl and Crl::revoked.
+Result<bool> lists_all(const CaPaths& paths, const pki::IssueLog& log);
 
 /// The list that follows the CA's present one: everything revoked by the log and by that list.
 /// Errors: those of read_crl and Authority::make_crl.

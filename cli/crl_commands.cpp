@@ -45,6 +45,7 @@ Result<Report> crl_new(const Arguments& arguments, const Context& context) {
   const int days = DDSSEC_TRY(arguments.number("--next-update", 1, kMostDays));
   CaOpener opener(arguments);
   const auto ca = DDSSEC_TRY(opener.open("identity"));
+  const auto lock = DDSSEC_TRY(lock_records(ca.paths));
   const auto log = DDSSEC_TRY(read_issue_log(ca.paths));
   const auto crl = DDSSEC_TRY(next_crl(ca, log, context.clock.now(), days));
   Replacement out;
@@ -82,10 +83,7 @@ Result<Report> crl_show(const Arguments& arguments, const Context&) {
 
 Result<Report> crl_verify(const Arguments& arguments, const Context& context) {
   const auto path = list_at(arguments.text("PATH"));
-  const fs::path ca_given = arguments.text("--ca");
-  std::error_code ignored;
-  const auto ca_file =
-      fs::is_directory(ca_given, ignored) ? ca_paths(ca_given, "identity").certificate : ca_given;
+  const auto ca_file = ca_certificate_path(arguments.text("--ca"), "identity");
   const auto crl = DDSSEC_TRY(list_in(path));
   const auto ca = DDSSEC_TRY(read_certificate(ca_file));
   DDSSEC_TRY(named(crl.check(ca, context.clock.now()), path));
@@ -107,8 +105,7 @@ struct Recipients {
 Result<Recipients> recipients(const Arguments& arguments, const CaPaths& ca) {
   Recipients out;
   for (const auto& given : arguments.all("DIRS")) {
-    std::error_code ignored;
-    if (!fs::is_directory(given, ignored)) return fail(Code::file_not_found, {.document = given});
+    DDSSEC_TRY(check_directory(given, "a participant's folder"));
     out.here.emplace_back(given);
   }
   if (!out.here.empty()) return out;
@@ -129,6 +126,8 @@ Result<Report> crl_distribute(const Arguments& arguments, const Context& context
   const auto crl = DDSSEC_TRY(list_in(paths.crl));
   const auto ca = DDSSEC_TRY(read_certificate(paths.certificate));
   DDSSEC_TRY(named(crl.check(ca, context.clock.now()), paths.crl));
+  if (!DDSSEC_TRY(lists_all(paths, DDSSEC_TRY(read_issue_log(paths)))))
+    return fail(Code::crl_incomplete, {.document = paths.crl});
   const auto recipient = DDSSEC_TRY(recipients(arguments, paths));
   Replacement out;
   Report report;

@@ -23,7 +23,7 @@ Result<Report> governance_diff(const Arguments& arguments, const Context& contex
   governance::GovernanceDiffOptions options;
   if (arguments.has("--topics"))
     options.topics = DDSSEC_TRY(read_topics(arguments.text("--topics")));
-  const auto sides = DDSSEC_TRY(diff_sides(arguments, context));
+  const auto sides = DDSSEC_TRY(diff_sides(document_path<GovernanceKind>, arguments, context));
   const auto before =
       DDSSEC_TRY(named(governance::read_governance(sides.before.text), sides.before.path));
   const auto after =
@@ -42,7 +42,7 @@ Result<Report> governance_diff(const Arguments& arguments, const Context& contex
 
 Result<Report> permissions_diff(const Arguments& arguments, const Context& context) {
   const auto threshold = DDSSEC_TRY(fail_on(arguments, {"wider", "narrower", "any"}));
-  const auto sides = DDSSEC_TRY(diff_sides(arguments, context));
+  const auto sides = DDSSEC_TRY(diff_sides(document_path<PermissionsKind>, arguments, context));
   const auto before =
       DDSSEC_TRY(named(governance::read_permissions(sides.before.text), sides.before.path));
   const auto after =
@@ -59,7 +59,7 @@ Result<Report> permissions_diff(const Arguments& arguments, const Context& conte
   return report;
 }
 
-const Positional kOld{"OLD", "the document as it was, XML or signed"};
+const Positional kOld{"OLD", "the document as it was, XML or signed, or a participant's folder"};
 const Positional kNew{"NEW", "the document as it will be"};
 constexpr Option kCa{"--ca", "CERT", "verify signed documents against this permissions CA"};
 

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/ca_folder.hpp"
 #include "cli/documents.hpp"
 #include "cli/inputs.hpp"
 #include "pki/smime_diagnosis.hpp"
@@ -33,7 +34,8 @@ Result<DiffSide> read_side(const fs::path& path, const Arguments& arguments, Wal
   if (!side.is_signed) {
     side.text = std::move(octets);
   } else if (arguments.has("--ca")) {
-    const auto proof = DDSSEC_TRY(verified(path, arguments.text("--ca"), now));
+    const auto ca = ca_certificate_path(arguments.text("--ca"), "permissions");
+    const auto proof = DDSSEC_TRY(verified(path, ca, now));
     side.is_verified = true;
     side.signer = to_hex(proof.signer().fingerprint());
     side.text = to_bytes(proof.content());
@@ -52,10 +54,11 @@ Json or_null(const std::string& text) { return text.empty() ? Json() : Json(text
 
 }  // namespace
 
-Result<DiffSides> diff_sides(const Arguments& arguments, const Context& context) {
+Result<DiffSides> diff_sides(fs::path (*document)(const fs::path&), const Arguments& arguments,
+                             const Context& context) {
   const auto now = context.clock.now();
-  auto before = DDSSEC_TRY(read_side(arguments.text("OLD"), arguments, now));
-  auto after = DDSSEC_TRY(read_side(arguments.text("NEW"), arguments, now));
+  auto before = DDSSEC_TRY(read_side(document(arguments.text("OLD")), arguments, now));
+  auto after = DDSSEC_TRY(read_side(document(arguments.text("NEW")), arguments, now));
   return DiffSides{std::move(before), std::move(after)};
 }
 

@@ -26,10 +26,11 @@ struct DiffSides {
   DiffSide before, after;
 };
 
-/// Reads OLD and NEW. Signed files are verified if --ca is given, else taken without; unsigned XML
-/// is always taken. Errors: those of read_file, Certificate::bundle_from_pem and
-/// DocumentVerifier::verify.
-Result<DiffSides> diff_sides(const Arguments& arguments, const Context& context);
+/// Reads OLD and NEW, which `document` finds if a participant's folder is given. Signed files are
+/// verified if --ca is given, else taken without; unsigned XML is always taken. Errors: those of
+/// read_file, Certificate::bundle_from_pem and DocumentVerifier::verify.
+Result<DiffSides> diff_sides(std::filesystem::path (*document)(const std::filesystem::path&),
+                             const Arguments& arguments, const Context& context);
 
 /// {"old", "new", "same", "verified"}.
 Json signer_json(const DiffSides& sides);

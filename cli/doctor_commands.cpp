@@ -210,9 +210,7 @@ Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
 }  // namespace
 
 Status check_folder(const fs::path& folder) {
-  std::error_code ignored;
-  if (fs::is_directory(folder, ignored)) return {};
-  return fail(Code::file_not_found, {.document = folder, .expected = "a participant's folder"});
+  return check_directory(folder, "a participant's folder");
 }
 
 doctor::LoadedFolder load_participant(const fs::path& folder, WallTime now) {

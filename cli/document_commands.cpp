@@ -107,7 +107,7 @@ Result<std::vector<Finding>> lint_for_vendors(const governance::Governance& docu
 Result<std::vector<Finding>> lint_for_vendors(const governance::Permissions& document,
                                               const Arguments& arguments, WallTime now) {
   if (!arguments.has("--cert")) return lint(document, {.now = now});
-  const auto certificate = DDSSEC_TRY(read_certificate(arguments.text("--cert")));
+  const auto certificate = DDSSEC_TRY(read_certificate(certificate_path(arguments.text("--cert"))));
   auto findings = lint(document, {.now = now, .certificate = &certificate});
   name_vendors(findings, document, certificate);
   return findings;
@@ -115,9 +115,10 @@ Result<std::vector<Finding>> lint_for_vendors(const governance::Permissions& doc
 
 template <class Kind>
 Result<Report> verify(const Arguments& arguments, const Context& context) {
-  const fs::path file = arguments.text("FILE");
+  const auto file = document_path<Kind>(arguments.text("FILE"));
   const auto now = context.clock.now();
-  const auto [proof, stock] = DDSSEC_TRY(beliefs(file, arguments.text("--ca"), now));
+  const auto [proof, stock] =
+      DDSSEC_TRY(beliefs(file, ca_certificate_path(arguments.text("--ca"), "permissions"), now));
   if (!proof) return refused(proof.error(), stock);
   const auto document = DDSSEC_TRY(named(Kind::read(proof->content()), file));
   Report report;
@@ -161,7 +162,7 @@ std::vector<Command> document_commands() {
       {.group = "governance",
        .name = "verify",
        .summary = "Verifies a signed governance document, and says which product refuses what.",
-       .positionals = {{"FILE", "the signed document"}},
+       .positionals = {{"FILE", "the signed document, or the participant's folder"}},
        .options = {kCaCertificate},
        .examples = {"ddssec governance verify governance.p7s --ca ca/permissions/ca.pem"},
        .run = verify<GovernanceKind>},
@@ -175,7 +176,7 @@ std::vector<Command> document_commands() {
       {.group = "permissions",
        .name = "verify",
        .summary = "Verifies a signed permissions document, and says which product refuses what.",
-       .positionals = {{"FILE", "the signed document"}},
+       .positionals = {{"FILE", "the signed document, or the participant's folder"}},
        .options = {kCaCertificate, {"--cert", "FILE", "the certificate that it is for"}},
        .examples = {"ddssec permissions verify permissions.p7s --ca ca/permissions/ca.pem "
                     "--cert cert.pem"},

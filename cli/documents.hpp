@@ -11,6 +11,7 @@
 #include "governance/model.hpp"
 #include "governance/profile.hpp"
 #include "governance/read.hpp"
+#include "pki/participant_folder.hpp"
 #include "pki/smime.hpp"
 
 namespace ddssec::cli {
@@ -34,12 +35,23 @@ Result<Bytes> unverified_text(const std::filesystem::path& file);
 /// A kind of document, for commands that do the same to both.
 struct GovernanceKind {
   using Document = governance::Governance;
+  static constexpr auto kInFolder = &pki::ParticipantFolder::governance;
   static Result<Document> read(BytesView xml) { return governance::read_governance(xml); }
 };
 struct PermissionsKind {
   using Document = governance::Permissions;
+  static constexpr auto kInFolder = &pki::ParticipantFolder::permissions;
   static Result<Document> read(BytesView xml) { return governance::read_permissions(xml); }
 };
+
+/// The document of a participant's folder; `given` itself if it is none.
+template <class Kind>
+std::filesystem::path document_path(const std::filesystem::path& given) {
+  std::error_code ignored;
+  return std::filesystem::is_directory(given, ignored)
+             ? pki::participant_folder(given).*Kind::kInFolder
+             : given;
+}
 
 /// The document in a file, plain or signed, NOT verified. Errors: those of unverified_text,
 /// read_governance and read_permissions.

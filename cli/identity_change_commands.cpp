@@ -108,6 +108,7 @@ Result<Report> identity_renew(const Arguments& arguments, const Context& context
   CaOpener opener(arguments);
   const auto ca = DDSSEC_TRY(opener.open("identity"));
   DDSSEC_TRY(check_issuer(old, ca, path));
+  const auto lock = DDSSEC_TRY(lock_records(ca.paths));
   if (DDSSEC_TRY(read_issue_log(ca.paths)).is_revoked(old.serial()))
     return fail(Code::certificate_revoked, {.document = path, .found = old.subject()});
   const auto life = DDSSEC_TRY(within_ca(wanted, ca.certificate(), arguments.has("--clamp")));
@@ -216,11 +217,12 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
   const int days = DDSSEC_TRY(arguments.number("--next-update", 1, kMostDays));
   CaOpener opener(arguments);
   const auto ca = DDSSEC_TRY(opener.open("identity"));
+  const auto lock = DDSSEC_TRY(lock_records(ca.paths));
   auto log = DDSSEC_TRY(read_issue_log(ca.paths));
   const auto what = DDSSEC_TRY(doomed(arguments.text("WHAT"), ca, log, now));
   Report report;
   report.result = {{"subject", what.subject}, {"serials", what.serials}};
-  if (what.serials.empty()) {
+  if (what.serials.empty() && DDSSEC_TRY(lists_all(ca.paths, log))) {
     report.text = fmt::format("{}  revoked already\n", what.subject);
     return report;
   }
@@ -235,17 +237,19 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
   DDSSEC_TRY(out.put_public(ca.paths.crl, crl.pem()));
   DDSSEC_TRY(check_not_interrupted());
   // First the log: should the machine stop here, the next list is made from it.
-  DDSSEC_TRY(append_lines(ca.paths.log, lines));
+  if (!lines.empty()) DDSSEC_TRY(append_lines(ca.paths.log, lines));
   report.result["crl"] = {{"file", ca.paths.crl.string()},
                           {"number", crl.number().value_or(0)},
                           {"next_update", to_string(*crl.next_update())}};
   report.result["folders"] = folders_in(log);
   report.text = fmt::format(
-      "{}  revoked ({}); revocation list {} holds until {}\n"
+      "{}  revoked {}; revocation list {} holds until {}\n"
       "next: ddssec crl distribute --ca {}   (for {}; an embedded participant, or Cyclone DDS with "
       "our plugins, that runs looks at its list every 5 s, others read it when they start)\n",
-      what.subject, counted(what.serials.size(), "certificate"), crl.number().value_or(0),
-      date(*crl.next_update()), arguments.text("--ca"),
+      what.subject,
+      lines.empty() ? "already, but the list did not say so"
+                    : fmt::format("({})", counted(what.serials.size(), "certificate")),
+      crl.number().value_or(0), date(*crl.next_update()), arguments.text("--ca"),
       counted(report.result["folders"].size(), "folder"));
   report.files_written = DDSSEC_TRY(out.commit());
   return report;

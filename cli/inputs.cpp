@@ -5,6 +5,8 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -40,11 +42,11 @@ Result<pki::Passphrase> passphrase_from(std::string_view text) {
   return pki::Passphrase::copy_of(as_bytes(text));
 }
 
-// One line of standard input, read octet by octet: what follows is not ours.
-Result<pki::Passphrase> passphrase_from_stdin() {
+// One line, read octet by octet: what follows is not ours.
+Result<pki::Passphrase> passphrase_from_stream(int file) {
   std::array<std::uint8_t, kMostPassphraseLine> line{};
   std::size_t size = 0;
-  while (size < line.size() && ::read(STDIN_FILENO, &line[size], 1) == 1)
+  while (size < line.size() && ::read(file, &line[size], 1) == 1)
     if (line[size++] == '\n') break;
   auto out = passphrase_from(without_line_end(as_text(BytesView(line).first(size))));
   wipe(line);
@@ -52,8 +54,21 @@ Result<pki::Passphrase> passphrase_from_stdin() {
   return out;
 }
 
+// A pipe of the shell's: --passphrase-file <(pass show ca).
+Result<pki::Passphrase> passphrase_from_pipe(const std::string& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0)
+    return fail(Code::file_unreadable,
+                {.document = path, .note = std::generic_category().message(errno)});
+  auto out = passphrase_from_stream(file);
+  ::close(file);
+  return out;
+}
+
 Result<pki::Passphrase> passphrase_from_file(const std::string& path) {
-  if (path == "-") return passphrase_from_stdin();
+  if (path == "-") return passphrase_from_stream(STDIN_FILENO);
+  std::error_code ignored;
+  if (fs::is_fifo(path, ignored)) return passphrase_from_pipe(path);
   auto octets = DDSSEC_TRY(read_file(path, kMostPassphraseLine));
   auto out = passphrase_from(without_line_end(as_text(octets)));
   wipe(octets);
@@ -83,7 +98,7 @@ class EchoOff {
 Result<pki::Passphrase> typed_passphrase(const char* prompt) {
   std::fputs(prompt, stderr);
   const EchoOff echo_off;
-  return passphrase_from_stdin();
+  return passphrase_from_stream(STDIN_FILENO);
 }
 
 }  // namespace
@@ -92,6 +107,19 @@ Result<Bytes> read_file(const fs::path& path, std::size_t most) {
   auto octets = pki::load(uri(path), "", most);
   if (!octets) return about(octets.error(), path);
   return octets;
+}
+
+Status check_directory(const fs::path& folder, std::string_view expected) {
+  std::error_code error;
+  const auto type = fs::status(folder, error).type();
+  if (type == fs::file_type::directory) return {};
+  ErrorDetails details{.document = folder, .expected = std::string(expected)};
+  if (type == fs::file_type::not_found) return fail(Code::file_not_found, std::move(details));
+  if (type == fs::file_type::none)
+    details.note = error.message();
+  else
+    details.found = "a file";
+  return fail(Code::file_unreadable, std::move(details));
 }
 
 Result<pki::Certificate> read_certificate(const fs::path& path) {
@@ -115,6 +143,19 @@ Result<pki::Passphrase> passphrase(const Arguments& arguments, Typed typed) {
   const auto second = DDSSEC_TRY(typed_passphrase("the same again: "));
   return first == second ? Result<pki::Passphrase>(std::move(first))
                          : fail(Code::passphrase_unusable);
+}
+
+std::optional<Error> passphrase_warning(const Arguments& arguments) {
+  if (!arguments.has("--passphrase-file")) return std::nullopt;
+  const auto path = arguments.text("--passphrase-file");
+  struct stat status {};
+  if (path == "-" || ::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode) ||
+      (status.st_mode & 077) == 0)
+    return std::nullopt;
+  return Error(Code::passphrase_readable_by_others,
+               {.document = path,
+                .expected = "mode 0600",
+                .found = fmt::format("mode {:04o}", status.st_mode & 07777)});
 }
 
 fs::path ca_folder(const fs::path& folder, std::string_view role) {

@@ -16,11 +16,18 @@ Result<Bytes> read_file(const std::filesystem::path& path, std::size_t most);
 /// The first certificate of a PEM file. Errors: those of read_file and Certificate::from_pem.
 Result<pki::Certificate> read_certificate(const std::filesystem::path& path);
 
+/// Nothing is wrong with a folder that is to be read. Errors: file_not_found, file_unreadable (no
+/// folder, or one that may not be reached); both say what was `expected`.
+Status check_directory(const std::filesystem::path& folder, std::string_view expected);
+
 /// What `--passphrase-file` or `--passphrase-env` gives, without its line end; else, on a terminal,
 /// what a person types (twice if it is a `new_one`). Errors: passphrase_needed,
 /// passphrase_unusable, and those of read_file.
 enum class Typed : std::uint8_t { once, twice };
 Result<pki::Passphrase> passphrase(const Arguments& arguments, Typed typed);
+/// A warning (passphrase_readable_by_others) if others than its owner can read the file of
+/// `--passphrase-file`.
+std::optional<Error> passphrase_warning(const Arguments& arguments);
 
 /// The role's CA below `folder`: folder/identity or folder/permissions, or `folder` itself if it
 /// holds ca.pem.

@@ -122,6 +122,7 @@ Result<Report> new_identity_ca(const fs::path& keystore, const Arguments& argume
   auto authority = DDSSEC_TRY(pki::Authority::create_root(
       old.certificate().subject(), {}, life_like(old.certificate(), now), context.random));
   const auto enclaves = enclaves_of(keystore);
+  const auto lock = DDSSEC_TRY(lock_records(paths));
   const auto log = DDSSEC_TRY(read_issue_log(paths));
   Replacement out;
   DDSSEC_TRY(put_ca(out, paths, authority, opener.used_passphrase()));

@@ -23,7 +23,7 @@ Report report_on(const fs::path& file, std::vector<Finding> findings) {
 }
 
 Result<Report> governance_lint(const Arguments& arguments, const Context&) {
-  const fs::path file = arguments.text("FILE");
+  const auto file = document_path<GovernanceKind>(arguments.text("FILE"));
   const governance::GovernanceUse use{.domain = DDSSEC_TRY(domain_option(arguments)),
                                       .choices = true};
   const auto document = DDSSEC_TRY(unverified_document<GovernanceKind>(file));
@@ -31,19 +31,22 @@ Result<Report> governance_lint(const Arguments& arguments, const Context&) {
 }
 
 Result<Report> permissions_lint(const Arguments& arguments, const Context& context) {
-  const fs::path file = arguments.text("FILE");
+  const auto file = document_path<PermissionsKind>(arguments.text("FILE"));
   std::optional<pki::Certificate> certificate;
   std::optional<governance::Governance> governance;
-  if (arguments.has("--cert")) certificate = DDSSEC_TRY(read_certificate(arguments.text("--cert")));
+  if (arguments.has("--cert"))
+    certificate = DDSSEC_TRY(read_certificate(certificate_path(arguments.text("--cert"))));
   if (arguments.has("--governance"))
-    governance = DDSSEC_TRY(unverified_document<GovernanceKind>(arguments.text("--governance")));
+    governance = DDSSEC_TRY(unverified_document<GovernanceKind>(
+        document_path<GovernanceKind>(arguments.text("--governance"))));
   const auto document = DDSSEC_TRY(unverified_document<PermissionsKind>(file));
   return report_on(file, lint(document, {.now = context.clock.now(),
                                          .certificate = certificate ? &*certificate : nullptr,
                                          .governance = governance ? &*governance : nullptr}));
 }
 
-const Positional kDocument{"FILE", "the document, XML or signed (the signature is not verified)"};
+const Positional kDocument{
+    "FILE", "the document, XML or signed, or a participant's folder (no signature is verified)"};
 
 }  // namespace
 

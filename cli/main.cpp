@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/inputs.hpp"
 #include "cli/parse.hpp"
 #include "cli/progress.hpp"
 #include "cli/transaction.hpp"
@@ -86,7 +87,10 @@ Result<cli::Report> run(const cli::Request& request) {
   SystemRandom random;
   if (request.arguments.has("--dry-run")) cli::write_nothing();
   if (request.arguments.has("--quiet")) cli::say_no_progress();
-  return request.command->run(request.arguments, {clock, random});
+  auto report = DDSSEC_TRY(request.command->run(request.arguments, {clock, random}));
+  if (auto warning = cli::passphrase_warning(request.arguments))
+    report.errors.push_back(std::move(*warning));
+  return report;
 }
 
 int finish(const cli::Report& report, std::string_view command, bool json, cli::Style style) {

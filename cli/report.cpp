@@ -14,6 +14,10 @@ std::string_view hint_of(Code code) {
   switch (code) {
     case Code::file_not_found:
       return "check the path";
+    case Code::file_unreadable:
+      return "check that it is of the kind that is expected, and that you may read it and enter "
+             "the "
+             "folders above it";
     case Code::passphrase_wrong:
       return "check what --passphrase-file or --passphrase-env gives";
     case Code::smime_not_multipart:

@@ -186,7 +186,7 @@ Result<Report> one_topic(const Governance& document, const fs::path& file, const
 }
 
 Result<Report> governance_show(const Arguments& arguments, const Context&) {
-  const fs::path file = arguments.text("FILE");
+  const auto file = document_path<GovernanceKind>(arguments.text("FILE"));
   const auto wanted = DDSSEC_TRY(domain_option(arguments));
   const auto document = DDSSEC_TRY(unverified_document<GovernanceKind>(file));
   if (arguments.has("--topic"))
@@ -268,7 +268,7 @@ Json to_json(const Grant& grant, WallTime now) {
 }
 
 Result<Report> permissions_show(const Arguments& arguments, const Context& context) {
-  const fs::path file = arguments.text("FILE");
+  const auto file = document_path<PermissionsKind>(arguments.text("FILE"));
   const auto document = DDSSEC_TRY(unverified_document<PermissionsKind>(file));
   std::optional<pki::SubjectName> subject;
   if (arguments.has("--subject"))
@@ -286,7 +286,8 @@ Result<Report> permissions_show(const Arguments& arguments, const Context& conte
   return report;
 }
 
-const Positional kDocument{"FILE", "the document, XML or signed (the signature is not verified)"};
+const Positional kDocument{
+    "FILE", "the document, XML or signed, or a participant's folder (no signature is verified)"};
 
 }  // namespace
 

@@ -218,6 +218,20 @@ Replacement::~Replacement() {
     if (!draft.empty()) ::unlink(draft.c_str());
 }
 
+Result<FolderLock> FolderLock::of(const fs::path& folder) {
+  FolderLock out(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (out.folder_ >= 0 && ::flock(out.folder_, LOCK_EX) == 0) return out;
+  const int error = errno;
+  DDSSEC_TRY(check_not_interrupted());
+  return unwritable(folder, error);
+}
+
+FolderLock::~FolderLock() {
+  if (folder_ >= 0) ::close(folder_);
+}
+
+FolderLock::FolderLock(FolderLock&& other) noexcept : folder_(std::exchange(other.folder_, -1)) {}
+
 Status append_lines(const fs::path& target, std::string_view lines) {
   if (dry_run) return {};
   const File file(target, O_RDWR | O_CREAT, 0644);

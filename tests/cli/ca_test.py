@@ -60,12 +60,29 @@ class Ca(Transcript):
         for ca in ("one", "two"):
             self.openssl("pkey", "-in", f"{ca}/identity/ca.key.pem", "-passin", "pass:correct horse",
                          "-noout")
+        subprocess.run(["bash", "-c", f'"{PROGRAM}" ca create piped --passphrase-file <(cat secret)'],
+                       cwd=self.at, check=True, capture_output=True, timeout=60)
+        self.openssl("pkey", "-in", "piped/identity/ca.key.pem", "-passin", "pass:correct horse", "-noout")
         self.refused("passphrase_needed", 4, "ca", "create", "three")
         self.refused("passphrase_unusable", 4, "ca", "create", "three", "--passphrase-file", "-",
                      stdin="\n")
         self.refused("passphrase_unusable", 4, "ca", "create", "three", "--passphrase-env", "SECRET",
                      environment={"SECRET": "x" * 1025})
         self.refused("file_not_found", 3, "ca", "create", "three", "--passphrase-file", "none")
+
+    def test_a_passphrase_that_others_can_read_is_told(self):
+        (self.at / "secret").write_text("correct horse\n")
+        (self.at / "secret").chmod(0o640)
+        out = self.json("ca", "create", "one", "--passphrase-file", "secret")
+        self.assertEqual([(d["id"], d["severity"], d["file"]) for d in out["diagnostics"]],
+                         [("passphrase_readable_by_others", "warning", "secret")])
+        self.assertIn("(expected mode 0600, found mode 0640)", out["diagnostics"][0]["message"])
+        done = self.run_program("ca", "show", "one")
+        self.assertEqual(done.stderr, "")
+        done = self.run_program("crl", "new", "--ca", "one", "--passphrase-file", "secret")
+        self.assertIn("warning[passphrase_readable_by_others]", done.stderr)
+        (self.at / "secret").chmod(0o400)
+        self.assertEqual(self.json("ca", "create", "two", "--passphrase-file", "secret")["diagnostics"], [])
 
     def test_odd_values_are_usage_errors(self):
         for option, value in (("--days", "0"), ("--days", "1e3"), ("--key", "dsa"), ("--role", "all")):

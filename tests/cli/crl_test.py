@@ -2,8 +2,9 @@
 """identity revoke and crl: from one command to a peer that is refused."""
 
 import json
+import subprocess
 
-from transcript import Transcript, main
+from transcript import PROGRAM, Transcript, main
 
 NOW = ("--now", "2026-11-21T00:00:00Z")
 LATER = ("--now", "2026-11-22T00:00:00Z")
@@ -81,6 +82,28 @@ class Revocation(Transcript):
         shown = self.json("crl", "show", "ca")["result"]
         self.assertEqual([e["time"] for e in sorted(shown["revoked"], key=lambda e: e["time"])],
                          ["2026-11-21T00:00:00Z", "2026-11-22T00:00:00Z"])
+
+    def test_revoked_by_several_at_once_all_are_on_the_list(self):
+        names = [f"robot{i}" for i in range(12)]
+        for name in names:
+            self.issue(name)
+        running = [subprocess.Popen([PROGRAM, "identity", "revoke", name, "--ca", "ca", *NOW], cwd=self.at,
+                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) for name in names]
+        self.assertEqual([(p.communicate()[1], p.returncode) for p in running], [(b"", 0)] * len(names))
+        shown = self.json("crl", "show", "ca")["result"]
+        self.assertEqual((len(shown["revoked"]), shown["number"]), (len(names), len(names)))
+
+    def test_a_list_that_lacks_what_the_log_says_is_made_anew_and_not_given_to_anybody(self):
+        self.run_program("crl", "new", "--ca", "ca", *NOW)
+        before = (self.at / "ca/identity/crl.pem").read_bytes()
+        self.run_program("identity", "revoke", "talker", "--ca", "ca", *NOW)
+        (self.at / "ca/identity/crl.pem").write_bytes(before)  # the machine stopped between the two
+        self.refused("crl_incomplete", 1, "crl", "distribute", "--ca", "ca", *NOW)
+        done = self.run_program("identity", "revoke", "talker", "--ca", "ca", *LATER)
+        self.assertIn("CN=talker  revoked already, but the list did not say so; revocation list 2", done.stdout)
+        self.assertEqual([e["event"] for e in self.log()], ["issued", "issued", "revoked"])
+        self.assertEqual(self.json("crl", "distribute", "--ca", "ca", *LATER)["result"]["number"], 2)
+        self.assertIn(f"Serial Number: {self.log()[0]['serial']}", self.crl_text("listener/crl.pem"))
 
     def test_a_log_cut_short_by_a_crash_is_taken_up_again(self):
         log = self.at / "ca/identity/issued.jsonl"

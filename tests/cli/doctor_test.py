@@ -253,6 +253,9 @@ class Golden(Transcript):
 
     def test_wrong_command_lines(self):
         self.refused("file_not_found", 3, "doctor", "nowhere")
+        (self.at / "cert.pem").write_text("a file")
+        told = self.refused("file_unreadable", 3, "doctor", "cert.pem")
+        self.assertIn("(expected a participant's folder, found a file)", told["message"])
         self.refused("usage", 2, "doctor", self.paths["correct"], "--vendor", "connext")
         self.refused("usage", 2, "doctor", self.paths["correct"], "--domain", "231")
 

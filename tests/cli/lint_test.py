@@ -112,7 +112,7 @@ class Lint(Transcript):
             huge.truncate(100 * 1024 * 1024)
         self.refused("file_too_large", 3, "governance", "lint", "huge.xml")
         self.refused("file_not_found", 3, "governance", "lint", "none.xml")
-        self.refused("file_unreadable", 3, "governance", "lint", "ca")
+        self.assertEqual(self.refused("file_not_found", 3, "governance", "lint", "ca")["file"], "ca/governance.p7s")
         self.refused("document_kind", 3, "governance", "lint", "p.xml")
         self.refused("usage", 2, "governance", "lint", "g.xml", "--domain", "231")
 

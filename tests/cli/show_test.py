@@ -88,5 +88,23 @@ class Show(Transcript):
 
 SLOWNESS = 10 if "asan" in str(PROGRAM) else 1
 
+class Folders(Transcript):
+    """A participant's folder is taken wherever a document of it is asked for."""
+
+    def test_commands_find_the_document_of_a_folder(self):
+        self.run_program("init", "demo", *NOW)
+        for kind in ("governance", "permissions"):
+            file = f"demo/talker/{kind}.p7s"
+            for command in (("show",), ("lint",), ("verify", "--ca", "demo")):
+                out = self.json(kind, command[0], "demo/talker", *command[1:], *NOW)["result"]
+                self.assertEqual(out["file"], file)
+            out = self.json(kind, "diff", "demo/talker", file, "--ca", "demo", *NOW)["result"]
+            self.assertEqual(out["signer"]["verified"], {"old": True, "new": True})
+        self.json("permissions", "lint", "demo/talker", "--cert", "demo/talker", "--governance", "demo/talker",
+                  *NOW)
+        told = self.refused("file_not_found", 3, "permissions", "show", "demo")
+        self.assertEqual(told["file"], "demo/permissions.p7s")
+
+
 if __name__ == "__main__":
     main()

@@ -17,7 +17,7 @@ NOT_THE_PLUGINS = {"all.def", "rtps.def"}
 ROW = re.compile(r"^X\(\s*(\w+),", re.M)
 EXPECTED = re.compile(r"\bCode::(\w+)|\bHasSubstr\(\"(\w+)\"\)|"
                       r"\b(?:EXPECT|ASSERT)_(?:CODE|REFUSED)\([^;]*?,\s*(\w+)\s*\)\s*(?:<<|;)", re.S)
-REFUSED_BY_TOOL = re.compile(r'\brefused\(\s*"(\w+)"|"error\[(\w+)\]"')
+REFUSED_BY_TOOL = re.compile(r'\brefused\(\s*"(\w+)"|"(?:error|warning)\[(\w+)\]"')
 RULE = re.compile(r'\bRule::(\w+)|"([A-Z]+\d{3})"')
 NOT_EXPECTED = re.compile(r"//[^\n]*|\bfail\(Code::\w+|\bError\(Code::\w+|\b\w+_NE\([^;]*;")
 
