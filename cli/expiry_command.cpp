@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <set>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -25,6 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr int kDeepest = 16;
 constexpr std::size_t kMostFiles = 500'000;
+constexpr auto kKinds = "a certificate, a revocation list or permissions";
 
 /// Something with an end.
 struct Ending {
@@ -50,35 +52,58 @@ std::optional<std::chrono::seconds> duration_from(std::string_view text) {
 /// All that ends below some paths; the same thing in many files is one row.
 class Search {
  public:
-  /// Errors: file_not_found for a path that is not there.
-  Status look_at(const fs::path& path) {
+  /// What cannot be read, and a path under which nothing ends, is told by unreadable(): a watch
+  /// that sees nothing must not say that all is well.
+  void look_at(const fs::path& path) {
+    const auto before = hits_ + unreadable_.size();
     std::error_code error;
-    if (!fs::exists(path, error)) return fail(Code::file_not_found, {.document = path});
-    if (!fs::is_directory(path, error)) {
-      look_into(path);
-      return {};
-    }
-    fs::recursive_directory_iterator at(path, error);
-    for (; !error && at != fs::recursive_directory_iterator() && files_ < kMostFiles;
-         at.increment(error)) {
-      if (at.depth() >= kDeepest) at.disable_recursion_pending();
-      std::error_code ignored;
-      if (may_have_an_end(at->path()) && at->is_regular_file(ignored)) paths_.insert(at->path());
-    }
+    const auto type = fs::status(path, error).type();
+    if (type == fs::file_type::directory)
+      collect(path, 0);
+    else if (type == fs::file_type::none)
+      unreadable_.push_back(unreadable_file(path, error));
+    else
+      paths_.insert(path);
     for (const auto& file : paths_) look_into(file);
     paths_.clear();
-    return {};
+    if (hits_ + unreadable_.size() > before) return;
+    unreadable_.emplace_back(Code::file_not_found,
+                             ErrorDetails{.document = path, .expected = kKinds});
   }
 
   std::vector<Ending> endings() const {
     std::vector<Ending> out;
     for (const auto& [key, ending] : found_) out.push_back(ending);
-    order_by_least(out, &Ending::end);
+    order_by_least(out, [](const Ending& e) { return std::tuple(e.end, e.file.string()); });
     return out;
   }
   const std::vector<Error>& unreadable() const { return unreadable_; }
 
  private:
+  static Error unreadable_file(const fs::path& path, const std::error_code& error) {
+    return Error(Code::file_unreadable, {.document = path, .note = error.message()});
+  }
+
+  // Folders behind symbolic links are left out.
+  void collect(const fs::path& folder, int depth) {
+    std::error_code error, ignored;
+    fs::directory_iterator at(folder, error);
+    for (; !error && at != fs::directory_iterator() && paths_.size() < kMostFiles;
+         at.increment(error)) {
+      if (at->is_directory(ignored) && !at->is_symlink(ignored)) {
+        if (depth < kDeepest) collect(at->path(), depth + 1);
+      } else if (may_have_an_end(at->path()) && at->is_regular_file(ignored)) {
+        paths_.insert(at->path());
+      }
+    }
+    if (error) unreadable_.push_back(unreadable_file(folder, error));
+  }
+
+  // Keys are for their owner only, and have no end.
+  static bool is_closed_key(const fs::path& file, Code code) {
+    return code == Code::file_unreadable && file.stem().string().ends_with("key");
+  }
+
   static bool may_have_an_end(const fs::path& file) {
     const auto ending = file.extension();
     return ending == ".pem" || ending == ".crt" || ending == ".cer" || ending == ".crl" ||
@@ -88,14 +113,17 @@ class Search {
   // Links to one file count once.
   void look_into(const fs::path& file) {
     std::error_code ignored;
-    ++files_;
-    if (!seen_.insert(fs::weakly_canonical(file, ignored).string()).second) return;
+    if (!seen_.insert(fs::weakly_canonical(file, ignored).string()).second) {
+      ++hits_;
+      return;
+    }
     const auto octets = read_file(file, pki::kMostDocumentOctets);
     const auto status = !octets ? Status(std::unexpected(octets.error()))
                         : file.extension() == ".p7s" || file.extension() == ".smime"
                             ? look_into_document(file, *octets)
                             : look_into_pem(file, *octets);
-    if (!status) unreadable_.push_back(status.error().in(file));
+    if (!status && !is_closed_key(file, status.error().code()))
+      unreadable_.push_back(status.error().in(file));
   }
 
   Status look_into_pem(const fs::path& file, BytesView octets) {
@@ -125,6 +153,7 @@ class Search {
   }
 
   void add(Ending ending, const std::string& key) {
+    ++hits_;
     const auto [at, is_new] = found_.try_emplace(key, std::move(ending));
     if (!is_new) ++at->second.places;
   }
@@ -133,7 +162,7 @@ class Search {
   std::set<fs::path> paths_;
   std::set<std::string> seen_;
   std::vector<Error> unreadable_;
-  std::size_t files_ = 0;
+  std::size_t hits_ = 0;
 };
 
 std::string_view state_of(const Ending& ending, WallTime now, WallTime horizon) {
@@ -156,7 +185,7 @@ Result<Report> expiry(const Arguments& arguments, const Context& context) {
   Search search;
   auto paths = arguments.all("PATHS");
   if (paths.empty()) paths = {"."};
-  for (const auto& path : paths) DDSSEC_TRY(search.look_at(path));
+  for (const auto& path : paths) search.look_at(path);
   const auto now = context.clock.now();
   const auto horizon = now + *within;
   Report report;

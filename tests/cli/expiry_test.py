@@ -63,7 +63,41 @@ class Expiry(Transcript):
                 self.refused("usage", 2, "expiry", "demo", "--within", time)
         self.refused("file_not_found", 3, "expiry", "nothing")
         (self.at / "empty").mkdir()
-        self.assertEqual(self.entries("empty", *NOW), [])
+        (self.at / "empty/notes.txt").write_text("no certificate")
+        told = self.json("expiry", "demo", "empty", "empty/notes.txt", *NOW, exit=3)
+        self.assertEqual([(d["id"], d["file"]) for d in told["diagnostics"]],
+                         [("file_not_found", "empty"), ("file_not_found", "empty/notes.txt")])
+        self.assertIn("expected a certificate, a revocation list or permissions", told["diagnostics"][0]["message"])
+        self.assertEqual(len(told["result"]["entries"]), 7)
+        self.assertEqual(len(self.entries("demo", "demo", "demo/talker/cert.pem", *NOW)), 7)
+
+    def test_what_ends_at_once_stands_in_the_order_of_the_files(self):
+        files = [e["file"] for e in self.entries("demo", *NOW)]
+        self.assertEqual(files[1:5], sorted(files[1:5]))
+        self.assertEqual(files[5:], sorted(files[5:]))
+
+    def close(self, folder):
+        (self.at / folder).chmod(0)
+        self.addCleanup((self.at / folder).chmod, 0o700)
+
+    def test_who_may_not_look_is_not_told_that_all_is_well(self):
+        self.at.chmod(0o755)
+        (self.at / "demo").chmod(0o755)
+        out = self.json_as_nobody("expiry", "demo/talker", "demo/listener", *NOW, exit=0)
+        self.assertEqual(len(out["result"]["entries"]), 6)  # the keys are closed, and have no end
+        self.close("demo/listener")
+        out = self.json_as_nobody("expiry", "demo", *NOW, exit=3)
+        self.assertIn(("file_unreadable", "demo/listener"), [(d["id"], d["file"]) for d in out["diagnostics"]])
+        self.assertIn("CN=talker", [e["subject"] for e in out["result"]["entries"]])
+        self.close("demo")
+        for path in ("demo", "demo/talker"):
+            out = self.json_as_nobody("expiry", path, *NOW, exit=3)
+            self.assertEqual([(d["id"], d["file"]) for d in out["diagnostics"]], [("file_unreadable", path)])
+            self.assertIn("Permission denied", out["diagnostics"][0]["message"])
+        for command in (("doctor", "demo/talker"), ("check", "demo/talker", "demo/listener")):
+            out = self.json_as_nobody(*command, *NOW, exit=3)
+            self.assertEqual([(d["id"], d["file"]) for d in out["diagnostics"]],
+                             [("file_unreadable", "demo/talker")])
 
 
 if __name__ == "__main__":
