@@ -120,6 +120,13 @@ Result<pki::Crl> next_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime n
                                 .entries = entries});
 }
 
+Result<std::string> list_for_newcomers(const CaPaths& paths, WallTime now) {
+  const auto crl = DDSSEC_TRY(read_crl(paths.crl));
+  if (!crl || DDSSEC_TRY(named(crl->revoked(), paths.crl)).empty()) return std::string();
+  const bool is_over = crl->next_update() && *crl->next_update() <= now;
+  return is_over ? std::string() : crl->pem();
+}
+
 Status add_ca(NewFolder& folder, const CaPaths& names, std::string_view trust_pem,
               const pki::PrivateKey& key, const pki::Passphrase* passphrase) {
   DDSSEC_TRY(folder.add_public(names.certificate, trust_pem));

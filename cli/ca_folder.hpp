@@ -93,6 +93,10 @@ Result<bool> lists_all(const CaPaths& paths, const pki::IssueLog& log);
 /// Errors: those of read_crl and Authority::make_crl.
 Result<pki::Crl> next_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now, int days);
 
+/// The CA's present list, in PEM, for who joins after somebody was revoked; empty if nobody was or
+/// the list is over. Errors: those of read_crl and Crl::revoked.
+Result<std::string> list_for_newcomers(const CaPaths& paths, WallTime now);
+
 /// Puts a new CA's certificate and key into a folder to be.
 Status add_ca(NewFolder& folder, const CaPaths& names, std::string_view trust_pem,
               const pki::PrivateKey& key, const pki::Passphrase* passphrase);

@@ -79,6 +79,7 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
   std::optional<OpenCa> permissions;
   if (std::ranges::any_of(specs, &ParticipantSpec::has_permissions))
     permissions = DDSSEC_TRY(opener.open("permissions"));
+  const auto crl = DDSSEC_TRY(list_for_newcomers(identity.paths, now));
   Report report;
   report.result = {{"dir", target.string()}, {"participants", Json::array()}};
   std::string lines;
@@ -86,7 +87,7 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
   for (auto& spec : specs) {
     spec.life = DDSSEC_TRY(within_ca(spec.life, identity.certificate(), arguments.has("--clamp")));
     const bool has_rights = spec.has_permissions();
-    const Issuers issuers{identity, permissions && has_rights ? &*permissions : nullptr};
+    const Issuers issuers{identity, permissions && has_rights ? &*permissions : nullptr, crl};
     const auto made = DDSSEC_TRY(named(make_participant(spec, issuers, context), from));
     DDSSEC_TRY(add_flat(folder, spec.name, made, issuers, governance));
     lines += log_line(made, target / spec.name, now);
@@ -118,7 +119,8 @@ Result<Report> identity_issue(const Arguments& arguments, const Context& context
   std::optional<OpenCa> permissions;
   if (spec.has_permissions()) permissions = DDSSEC_TRY(opener.open("permissions"));
   spec.life = DDSSEC_TRY(within_ca(spec.life, identity.certificate(), arguments.has("--clamp")));
-  const Issuers issuers{identity, permissions ? &*permissions : nullptr};
+  const auto crl = DDSSEC_TRY(list_for_newcomers(identity.paths, now));
+  const Issuers issuers{identity, permissions ? &*permissions : nullptr, crl};
   const auto made =
       DDSSEC_TRY(named(make_participant(spec, issuers, context), arguments.text("--permissions")));
   DDSSEC_TRY(add_flat(folder, "", made, issuers, governance));

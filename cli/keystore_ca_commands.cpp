@@ -124,9 +124,13 @@ Result<Report> new_identity_ca(const fs::path& keystore, const Arguments& argume
   const auto enclaves = enclaves_of(keystore);
   const auto lock = DDSSEC_TRY(lock_records(paths));
   const auto log = DDSSEC_TRY(read_issue_log(paths));
+  const auto crl =
+      DDSSEC_TRY(next_crl({paths, authority, authority.certificate().pem()}, log, now, 180));
   Replacement out;
   DDSSEC_TRY(put_ca(out, paths, authority, opener.used_passphrase()));
+  DDSSEC_TRY(out.put_public(paths.crl, crl.pem()));
   std::string lines;
+  std::vector<std::string> again_in, left_out;
   for (const auto& name : enclaves) {
     const auto folder = keystore / enclave_folder(name);
     const auto certificate = DDSSEC_TRY(read_certificate(folder / "cert.pem"));
@@ -134,22 +138,26 @@ Result<Report> new_identity_ca(const fs::path& keystore, const Arguments& argume
       return fail(Code::issuer_unknown, {.document = folder / "cert.pem",
                                          .expected = "one that the old CA issued",
                                          .found = "one of " + certificate.issuer()});
-    if (log.is_revoked(certificate.serial())) continue;  // it was thrown out: it stays out
+    if (log.is_revoked(certificate.serial())) {
+      left_out.push_back(name);
+      continue;
+    }
+    again_in.push_back(name);
     const auto again = DDSSEC_TRY(authority.reissue(
         certificate, {now - kBackdated, certificate.not_after()}, context.random));
     DDSSEC_TRY(out.put_public(folder / "cert.pem", again.pem()));
     if (is_plain_file(folder / "identity_ca.cert.pem"))
       DDSSEC_TRY(out.put_public(folder / "identity_ca.cert.pem", authority.certificate().pem()));
+    if (is_plain_file(folder / "crl.pem"))  // the old CA's list would shut everybody out
+      DDSSEC_TRY(out.put_public(folder / "crl.pem", crl.pem()));
     std::error_code ignored;
     lines += pki::IssueLog::issued_line(
         again, fs::absolute(folder, ignored).lexically_normal().string(), now);
   }
-  const auto crl =
-      DDSSEC_TRY(next_crl({paths, authority, authority.certificate().pem()}, log, now, 180));
-  DDSSEC_TRY(out.put_public(paths.crl, crl.pem()));
   DDSSEC_TRY(check_not_interrupted());
   DDSSEC_TRY(append_lines(paths.log, lines));
-  auto report = report_of(keystore, "identity", authority.certificate(), enclaves);
+  auto report = report_of(keystore, "identity", authority.certificate(), again_in);
+  for (const auto& name : left_out) report.text += name + " is revoked and was left out\n";
   report.files_written = DDSSEC_TRY(out.commit());
   return report;
 }

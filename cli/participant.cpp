@@ -84,6 +84,7 @@ Status add_flat(NewFolder& folder, const fs::path& below, const NewParticipant& 
   if (!participant.permissions.empty())
     DDSSEC_TRY(folder.add(files.permissions, participant.permissions, 0644));
   if (!governance.empty()) DDSSEC_TRY(folder.add(files.governance, governance, 0644));
+  if (!issuers.crl.empty()) DDSSEC_TRY(folder.add_public(files.crl, issuers.crl));
   return {};
 }
 

@@ -45,6 +45,7 @@ struct NewParticipant {
 struct Issuers {
   const OpenCa& identity;
   const OpenCa* permissions = nullptr;  ///< null: nobody can sign permissions
+  std::string_view crl = {};            ///< list_for_newcomers
 };
 
 /// `wanted`, beginning not before the CA. An end after the CA's is cut if `clamp`, else refused:

@@ -105,6 +105,21 @@ class Revocation(Transcript):
         self.assertEqual(self.json("crl", "distribute", "--ca", "ca", *LATER)["result"]["number"], 2)
         self.assertIn(f"Serial Number: {self.log()[0]['serial']}", self.crl_text("listener/crl.pem"))
 
+    def test_who_joins_later_knows_who_was_revoked(self):
+        self.run_program("crl", "new", "--ca", "ca", *NOW)
+        self.issue("third")
+        self.assertNotIn("third/crl.pem", self.files())
+        self.run_program("identity", "revoke", "talker", "--ca", "ca", *NOW)
+        self.issue("fourth")
+        (self.at / "fleet.toml").write_text('[[participant]]\nname = "fifth"\n')
+        self.run_program("identity", "issue", "--from", "fleet.toml", "--ca", "ca", "-o", "fleet", *NOW)
+        for folder in ("fourth", "fleet/fifth"):
+            self.assertEqual(self.files()[folder + "/crl.pem"], 0o644)
+            self.json("crl", "verify", folder, "--ca", "ca", *NOW)
+        after = ("--now", "2027-06-01T00:00:00Z")  # a list that is over would shut everybody out
+        self.run_program("identity", "issue", "sixth", "--ca", "ca", "-o", "sixth", *after)
+        self.assertNotIn("sixth/crl.pem", self.files())
+
     def test_a_log_cut_short_by_a_crash_is_taken_up_again(self):
         log = self.at / "ca/identity/issued.jsonl"
         whole = log.read_text()

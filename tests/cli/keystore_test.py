@@ -145,6 +145,9 @@ class Keystore(Transcript):
         self.golden()
         told = self.json("keystore", "verify", "ks", *NOW, exit=1)
         self.assertEqual(len(told["result"]["keys_for_others"]), 4)
+        self.assertEqual([d["file"] for d in told["diagnostics"] if d["id"] == "key_readable_by_others"],
+                         ["ks/private/ca.key.pem"])
+        self.assertEqual([d["id"] for d in told["diagnostics"]].count("DOC003"), 3)
         self.refused("key_readable_by_others", 4, "keystore", "split-ca", "ks", *NOW)
         out = self.json("keystore", "import", "ks", *NOW)["result"]
         self.assertEqual(out["logged"], ["/talker_listener/listener", "/talker_listener/talker", "/wildcard"])
@@ -202,6 +205,30 @@ class Keystore(Transcript):
         self.run_program("keystore", "rotate", "ks", "--role", "identity", *NOW)
         self.json("keystore", "verify", "ks", *NOW, exit=1)  # /b stays with a CA that nobody has
         self.json("doctor", "ks/enclaves/a", *NOW)
+
+    def test_rotate_takes_the_revocation_list_along(self):
+        self.create()
+        for name in ("/a", "/b", "/c"):
+            self.run_program("keystore", "enclave", "ks", name, "--allow-all", *NOW)
+        self.run_program("identity", "revoke", "ks/enclaves/b", "--ca", "ks", *NOW)
+        self.run_program("crl", "distribute", "--ca", "ks", *NOW)
+        done = self.run_program("keystore", "rotate", "ks", "--role", "identity", *NOW)
+        self.assertIn("2 enclaves signed anew", done.stdout)
+        self.assertIn("/b is revoked and was left out", done.stdout)
+        for name in ("a", "c"):
+            self.json("crl", "verify", f"ks/enclaves/{name}", "--ca", "ks", *NOW)
+        self.json("check", "ks/enclaves/a", "ks/enclaves/c", *NOW)
+        self.json("check", "ks/enclaves/a", "ks/enclaves/b", *NOW, exit=1)
+
+    def test_a_new_enclave_knows_who_was_revoked(self):
+        self.create()
+        for name in ("/a", "/b"):
+            self.run_program("keystore", "enclave", "ks", name, "--allow-all", *NOW)
+            self.assertNotIn(f"ks/enclaves{name}/crl.pem", self.files())
+        self.run_program("identity", "revoke", "ks/enclaves/b", "--ca", "ks", *NOW)
+        self.run_program("keystore", "enclave", "ks", "/c", "--allow-all", *NOW)
+        self.json("crl", "verify", "ks/enclaves/c", "--ca", "ks", *NOW)
+        self.json("check", "ks/enclaves/b", "ks/enclaves/c", *NOW, exit=1)
 
     def test_a_document_that_the_old_ca_did_not_sign_is_not_signed(self):
         self.create()
