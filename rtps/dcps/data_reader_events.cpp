@@ -45,7 +45,6 @@ void AnyDataReader::on_group(const Guid& writer, SequenceNumber group) {
 }
 
 bool AnyDataReader::store(Change& change) {
-  if (seen_ && seen_->contains(change.origin())) return true;
   if (filter_ && change.is_alive() && !passes_filter(change)) return true;
   const auto& type = topic_.type();
   // What was encrypted is what its writer said; the hash beside it may be anybody's.
@@ -56,14 +55,17 @@ bool AnyDataReader::store(Change& change) {
     ++malformed_;
     return true;
   }
+  if (seen_ && seen_->contains(change)) return true;
   // The end of an instance of which nothing passed the filter is not news.
   if (filter_ && !change.is_alive() && cache_->lookup(change.key_hash.value_or(KeyHash{})).is_nil())
     return true;
-  const auto origin = change.origin();
+  const auto sighting = seen_ ? SeenOriginals::of(change) : SeenOriginals::Sighting{};
   const auto stored = cache_->store(change, context_.moment());
   call_at(cache_->next_tick());
   if (stored.outcome == ReaderCache::Outcome::rejected) return reject(change, stored);
-  if (seen_) seen_->add(origin);
+  // What a reader does not see takes nobody's place.
+  const bool counts = stored.outcome == ReaderCache::Outcome::stored || !sighting.claim;
+  if (seen_ && counts) seen_->add(sighting);
   if (stored.outcome == ReaderCache::Outcome::stored) data_came();
   context_.attend();
   return true;

@@ -1,10 +1,76 @@
 #include "rtps/dcps/seen_originals.hpp"
 
 #include <algorithm>
+#include <array>
+
+#include "base/writer.hpp"
 
 namespace ddssec::rtps {
+namespace {
 
-bool SeenOriginals::contains(const Original& original) const {
+bool is_claim(const Change& change) {
+  return change.original.number.value > 0 && change.original.writer != change.writer;
+}
+
+/// All of it that a reader sees. Who keeps a dispose keeps no unregistration with it.
+Sha256Digest digest_of(const Change& change, BytesView padding = {}) {
+  const auto& status = change.status;
+  const auto key = change.key_hash.value_or(KeyHash{});
+  const auto time = change.source_time.value_or(kTimeInvalid);
+  Writer head;
+  head.write(static_cast<std::uint8_t>(status.disposed       ? 2
+                                       : status.unregistered ? 1
+                                       : change.key_only     ? 3
+                                                             : 0));
+  head.write(std::uint8_t{change.key_hash.has_value()});
+  head.write_bytes(key);
+  head.write(time.seconds);
+  head.write(time.fraction);
+  return sha256({head.view(), change.payload.view(), padding});
+}
+
+/// On its way to who claims it, it may have got the padding of a submessage.
+bool says(const Change& change, const Sha256Digest& claim) {
+  constexpr std::array<std::uint8_t, 3> kZeros{};
+  const auto missing = (4 - change.payload.size() % 4) % 4;
+  return digest_of(change) == claim ||
+         (missing != 0 && digest_of(change, BytesView(kZeros).first(missing)) == claim);
+}
+
+}  // namespace
+
+SeenOriginals::Sighting SeenOriginals::of(const Change& change) {
+  Sighting out{change.origin(), std::nullopt};
+  if (is_claim(change)) out.claim = digest_of(change);
+  return out;
+}
+
+bool SeenOriginals::contains(const Change& change) const {
+  const auto origin = change.origin();
+  if (heard(origin)) return true;
+  if (claims_.empty()) return false;
+  const auto claim = claims_.find({origin.writer, origin.number});
+  return claim != claims_.end() && says(change, claim->second);
+}
+
+void SeenOriginals::add(const Sighting& sighting) {
+  if (sighting.claim)
+    note_claim(sighting.origin, *sighting.claim);
+  else
+    hear(sighting.origin);
+}
+
+void SeenOriginals::note_claim(const Original& original, const Sha256Digest& digest) {
+  const std::pair key(original.writer, original.number);
+  const auto [at, is_new] = claims_.insert_or_assign(key, digest);
+  if (!is_new) return;
+  order_.push_back(key);
+  if (order_.size() <= kMostClaims) return;
+  claims_.erase(order_.front());
+  order_.pop_front();
+}
+
+bool SeenOriginals::heard(const Original& original) const {
   const auto at = writers_.find(original.writer);
   if (at == writers_.end()) return false;
   const auto number = original.number.value;
@@ -13,7 +79,7 @@ bool SeenOriginals::contains(const Original& original) const {
   return range != ranges.end() && range->first <= number;
 }
 
-void SeenOriginals::add(const Original& original) {
+void SeenOriginals::hear(const Original& original) {
   if (writers_.size() >= kMostWriters && !writers_.contains(original.writer)) forget_oldest();
   auto& [ranges, used] = writers_[original.writer];
   used = ++uses_;

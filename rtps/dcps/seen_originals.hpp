@@ -2,23 +2,36 @@
 // keep samples for others may all send the same sample to a late joiner (ORIGINAL_WRITER_INFO).
 #pragma once
 
+#include <deque>
 #include <map>
 #include <vector>
 
+#include "base/hash.hpp"
 #include "rtps/reliability/change.hpp"
 
 namespace ddssec::rtps {
 
-/// Ranges of numbers for each original writer. Where the bounds are exceeded the oldest is
-/// forgotten: then a sample may come twice, but none is missed.
+/// Ranges of numbers for each writer that was heard itself. What only others said of a writer is a
+/// claim: it takes the place of what the writer says, or another claims, only if that is the same,
+/// so that nobody who may write a topic keeps others' samples away. Where the bounds are exceeded
+/// the oldest is forgotten: then a sample may come twice, but none is missed.
 class SeenOriginals {
  public:
   static constexpr std::size_t kMostWriters = 1024;
   static constexpr std::size_t kMostRanges = 256;  ///< of a writer
+  static constexpr std::size_t kMostClaims = 65536;
 
-  bool contains(const Original& original) const;
-  void add(const Original& original);
+  /// What is to be known of a change when it has been given away.
+  struct Sighting {
+    Original origin;
+    std::optional<Sha256Digest> claim;  ///< what it says, if not its own writer does
+  };
+  static Sighting of(const Change& change);
+
+  bool contains(const Change& change) const;
+  void add(const Sighting& sighting);
   std::size_t writers() const { return writers_.size(); }
+  std::size_t claims() const { return claims_.size(); }
 
  private:
   struct Range {
@@ -28,10 +41,15 @@ class SeenOriginals {
     std::vector<Range> ranges;  ///< ascending, not adjacent
     std::uint64_t used = 0;
   };
+  bool heard(const Original& original) const;
+  void hear(const Original& original);
+  void note_claim(const Original& original, const Sha256Digest& digest);
   void forget_oldest();
 
   std::map<Guid, Writer> writers_;
   std::uint64_t uses_ = 0;
+  std::map<std::pair<Guid, SequenceNumber>, Sha256Digest> claims_;
+  std::deque<std::pair<Guid, SequenceNumber>> order_;  ///< of claims, the oldest first
 };
 
 }  // namespace ddssec::rtps

@@ -26,7 +26,7 @@ Status KeptTopic::open(DomainId domain) {
   auto opened = DDSSEC_TRY(store_.open_stream(std::move(key), like_.qos.durability_service));
   stream_ = opened.id;
   const std::lock_guard held(context_.mutex());
-  for (const auto& change : opened.history) seen_.add(change.origin());
+  for (const auto& change : opened.history) seen_.add(SeenOriginals::of(change));
   auto serving = request(serving_qos());
   serving.history = std::move(opened.history);
   serving.history_only = true;
@@ -70,15 +70,14 @@ Qos KeptTopic::reading_qos() const {
 }
 
 bool KeptTopic::on_change(Change& change) {
-  const auto origin = change.origin();
-  if (change.is_marker() || seen_.contains(origin)) return true;
+  if (change.is_marker() || seen_.contains(change)) return true;
   if (with_key_ && !change.key_hash) {
     ++without_key_;
     return true;
   }
   if (store_.is_behind()) return false;  // it is offered again
-  seen_.add(origin);
-  change.original = origin;
+  seen_.add(SeenOriginals::of(change));
+  change.original = change.origin();
   change.coherence = {};
   const auto [now, wall] = context_.moment();
   if (!change.source_time) change.source_time = wall;

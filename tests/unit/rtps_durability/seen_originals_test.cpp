@@ -8,13 +8,31 @@
 namespace ddssec::rtps {
 namespace {
 
-Original original(std::uint32_t writer, std::int64_t number) {
-  Guid guid;
-  guid.prefix =
+Guid guid_of(std::uint32_t writer) {
+  return {
       GuidPrefix::from(Bytes{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, static_cast<std::uint8_t>(writer >> 8),
-                             static_cast<std::uint8_t>(writer)});
-  return {guid, {number}};
+                             static_cast<std::uint8_t>(writer)}),
+      {}};
 }
+
+Change heard(std::uint32_t writer, std::int64_t number) {
+  Change change;
+  change.writer = guid_of(writer);
+  change.sequence_number = {number};
+  change.source_time = Time{{7, 0}};
+  change.payload = Payload::copy_of(Bytes{0, 1, 0, 0, 1, 2, 3, 4});
+  return change;
+}
+
+/// The same, as `relay` says it.
+Change claimed(std::uint32_t relay, Change change) {
+  change.original = {change.writer, change.sequence_number};
+  change.writer = guid_of(relay);
+  change.sequence_number = {1};
+  return change;
+}
+
+void add(SeenOriginals& seen, const Change& change) { seen.add(SeenOriginals::of(change)); }
 
 TEST(SeenOriginals, KnowsExactlyWhatWasAddedInWhateverOrder) {
   std::mt19937 random(3);
@@ -22,28 +40,109 @@ TEST(SeenOriginals, KnowsExactlyWhatWasAddedInWhateverOrder) {
   std::set<std::int64_t> added;
   for (int i = 0; i < 400; ++i) {
     const std::int64_t number = 1 + static_cast<std::int64_t>(random() % 300);
-    EXPECT_EQ(seen.contains(original(1, number)), added.contains(number));
-    seen.add(original(1, number));
+    EXPECT_EQ(seen.contains(heard(1, number)), added.contains(number));
+    add(seen, heard(1, number));
     added.insert(number);
-    EXPECT_FALSE(seen.contains(original(2, number)));
+    EXPECT_FALSE(seen.contains(heard(2, number)));
   }
   for (std::int64_t number = 0; number < 302; ++number)
-    EXPECT_EQ(seen.contains(original(1, number)), added.contains(number)) << number;
+    EXPECT_EQ(seen.contains(heard(1, number)), added.contains(number)) << number;
 }
 
 TEST(SeenOriginals, ForgetsTheOldestBeyondItsBounds) {
   SeenOriginals seen;
   for (std::int64_t i = 0; i <= static_cast<std::int64_t>(SeenOriginals::kMostRanges); ++i)
-    seen.add(original(1, 1 + 2 * i));
-  EXPECT_FALSE(seen.contains(original(1, 1)));
-  EXPECT_TRUE(seen.contains(original(1, 3)));
+    add(seen, heard(1, 1 + 2 * i));
+  EXPECT_FALSE(seen.contains(heard(1, 1)));
+  EXPECT_TRUE(seen.contains(heard(1, 3)));
   SeenOriginals many;
-  for (std::uint32_t i = 0; i < SeenOriginals::kMostWriters; ++i) many.add(original(i, 1));
-  many.add(original(0, 2));
-  many.add(original(60000, 1));
+  for (std::uint32_t i = 0; i < SeenOriginals::kMostWriters; ++i) add(many, heard(i, 1));
+  add(many, heard(0, 2));
+  add(many, heard(60000, 1));
   EXPECT_EQ(many.writers(), SeenOriginals::kMostWriters);
-  EXPECT_TRUE(many.contains(original(0, 1)));
-  EXPECT_FALSE(many.contains(original(1, 1)));
+  EXPECT_TRUE(many.contains(heard(0, 1)));
+  EXPECT_FALSE(many.contains(heard(1, 1)));
+}
+
+TEST(SeenOriginals, WhatTheWriterSaidItselfNobodySaysAgain) {
+  SeenOriginals seen;
+  add(seen, heard(1, 5));
+  EXPECT_TRUE(seen.contains(claimed(2, heard(1, 5))));
+  auto other = heard(1, 5);
+  other.payload = Payload::copy_of(Bytes{0, 1, 0, 0, 9});
+  EXPECT_TRUE(seen.contains(claimed(2, other)));
+  EXPECT_FALSE(seen.contains(claimed(2, heard(1, 6))));
+}
+
+// Who may write a topic must not keep others' samples away by saying that they were there.
+TEST(SeenOriginals, AClaimTakesThePlaceOfWhatSaysTheSameOnly) {
+  const auto honest = heard(1, 5);
+  const auto changed = [&](auto&& change_it) {
+    auto change = honest;
+    change_it(change);
+    return change;
+  };
+  const std::vector<Change> lies = {changed([](auto& c) {
+                                      c.payload = Payload::copy_of(Bytes{0, 1, 0, 0, 1, 2, 3, 5});
+                                    }),
+                                    changed([](auto& c) {
+                                      c.payload = Payload::copy_of(Bytes{0, 1, 0, 0, 1, 2, 3});
+                                    }),
+                                    changed([](auto& c) { c.payload = {}; }),
+                                    changed([](auto& c) { c.key_hash = KeyHash{1}; }),
+                                    changed([](auto& c) {
+                                      c.source_time = Time{{6, 0}};
+                                    }),
+                                    changed([](auto& c) { c.source_time.reset(); }),
+                                    changed([](auto& c) { c.key_only = true; }),
+                                    changed([](auto& c) {
+                                      c.status = {true, false};
+                                    }),
+                                    changed([](auto& c) {
+                                      c.status = {false, true};
+                                    })};
+  for (const auto& lie : lies) {
+    SeenOriginals seen;
+    add(seen, claimed(3, lie));
+    EXPECT_TRUE(seen.contains(claimed(4, lie)));
+    EXPECT_FALSE(seen.contains(honest));
+    EXPECT_FALSE(seen.contains(claimed(2, honest)));
+    add(seen, claimed(2, honest));
+    EXPECT_TRUE(seen.contains(honest));
+  }
+}
+
+// Padding that a submessage brought does not make it another sample; what is cut off does.
+TEST(SeenOriginals, PaddingOnTheWayIsNoDifference) {
+  auto at_home = heard(1, 5), on_the_way = at_home;
+  at_home.payload = Payload::copy_of(Bytes{0, 1, 0, 0, 7});
+  on_the_way.payload = Payload::copy_of(Bytes{0, 1, 0, 0, 7, 0, 0, 0});
+  SeenOriginals seen;
+  add(seen, claimed(2, on_the_way));
+  EXPECT_TRUE(seen.contains(at_home));
+  SeenOriginals cut;
+  add(cut, claimed(2, at_home));
+  EXPECT_FALSE(cut.contains(on_the_way));
+}
+
+TEST(SeenOriginals, ADisposeWithItsUnregistrationIsTheDisposeThatIsKept) {
+  auto both = heard(1, 5), kept = both;
+  both.status = {true, true};
+  kept.status = {true, false};
+  kept.key_only = true;
+  SeenOriginals seen;
+  add(seen, claimed(2, kept));
+  EXPECT_TRUE(seen.contains(both));
+}
+
+TEST(SeenOriginals, ClaimsAreBounded) {
+  SeenOriginals seen;
+  const auto most = static_cast<std::int64_t>(SeenOriginals::kMostClaims);
+  for (std::int64_t i = 1; i <= most + 1; ++i) add(seen, claimed(2, heard(1, i)));
+  EXPECT_EQ(seen.claims(), SeenOriginals::kMostClaims);
+  EXPECT_FALSE(seen.contains(heard(1, 1)));
+  EXPECT_TRUE(seen.contains(heard(1, 2)));
+  EXPECT_TRUE(seen.contains(heard(1, most + 1)));
 }
 
 }  // namespace
