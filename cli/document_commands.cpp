@@ -35,6 +35,9 @@ Result<Report> sign(const Arguments& arguments, const Context& context) {
   const fs::path from = arguments.text("FILE");
   const fs::path to = arguments.has("-o") ? fs::path(arguments.text("-o")) : signed_path(from);
   const auto octets = DDSSEC_TRY(read_file(from, pki::kMostDocumentOctets));
+  if (pki::examine_document(octets).wrapping == pki::DocumentWrapping::multipart)
+    return fail(Code::usage,
+                {.document = from, .field = "FILE", .note = "it is signed already; give the XML"});
   const auto document = DDSSEC_TRY(named(Kind::read(octets), from));
   Report report;
   if (!arguments.has("--no-lint")) {

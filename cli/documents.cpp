@@ -125,6 +125,15 @@ Result<std::vector<governance::DomainRange>> domain_ranges(const Arguments& argu
   return out;
 }
 
+Result<std::vector<std::string>> topics_of(const Arguments& arguments, std::string_view option) {
+  for (const auto& topic : arguments.all(option))
+    if (topic.find(',') != topic.npos)
+      return fail(Code::usage, {.field = std::string(option),
+                                .expected = fmt::format("one topic; {} may be repeated", option),
+                                .found = '"' + topic + '"'});
+  return arguments.all(option);
+}
+
 fs::path signed_path(const fs::path& document) {
   return fs::path(document).replace_extension("p7s");
 }

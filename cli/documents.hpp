@@ -81,6 +81,10 @@ Result<std::optional<DomainId>> domain_option(const Arguments& arguments);
 Result<std::vector<governance::DomainRange>> domain_ranges(const Arguments& arguments,
                                                            std::string_view option);
 
+/// The topics of a repeated option. Error: usage, for two with a comma between them, which would be
+/// the name of one topic that nobody has.
+Result<std::vector<std::string>> topics_of(const Arguments& arguments, std::string_view option);
+
 /// The signature that stands beside a document: its path with the ending p7s.
 std::filesystem::path signed_path(const std::filesystem::path& document);
 

@@ -1,6 +1,5 @@
 // expiry: what ends, and when, in one table; for people, cron and systemd.
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -36,18 +35,6 @@ struct Ending {
   fs::path file;
   std::size_t places = 1;  ///< how many files hold the same
 };
-
-std::optional<std::chrono::seconds> duration_from(std::string_view text) {
-  int number = 0;
-  const auto* const end = text.data() + text.size();
-  const auto [at, error] = std::from_chars(text.data(), end, number);
-  if (error != std::errc() || number < 0 || number > 100'000) return std::nullopt;
-  const std::string_view unit(at, static_cast<std::size_t>(end - at));
-  if (unit.empty() || unit == "d") return std::chrono::days(number);
-  if (unit == "h") return std::chrono::hours(number);
-  if (unit == "w") return std::chrono::weeks(number);
-  return std::nullopt;
-}
 
 /// All that ends below some paths; the same thing in many files is one row.
 class Search {
@@ -177,17 +164,13 @@ std::string row(const Ending& ending, std::string_view state, std::int64_t days)
 }
 
 Result<Report> expiry(const Arguments& arguments, const Context& context) {
-  const auto within = duration_from(arguments.text("--within"));
-  if (!within)
-    return fail(Code::usage, {.field = "--within",
-                              .expected = "a time such as 30d, 12h or 4w",
-                              .found = '"' + arguments.text("--within") + '"'});
+  const auto within = DDSSEC_TRY(duration(arguments, "--within"));
   Search search;
   auto paths = arguments.all("PATHS");
   if (paths.empty()) paths = {"."};
   for (const auto& path : paths) search.look_at(path);
   const auto now = context.clock.now();
-  const auto horizon = now + *within;
+  const auto horizon = now + within;
   Report report;
   report.result = {{"until", to_string(horizon)}, {"entries", Json::array()}};
   std::size_t due = 0;

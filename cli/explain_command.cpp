@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "base/finding.hpp"
+#include "base/text.hpp"
 #include "cli/groups.hpp"
 
 namespace ddssec::cli {
@@ -18,10 +19,17 @@ struct Row {
   std::string_view hint;
 };
 
+// As messages show it ("error[usage]:"), in any case.
+std::string bare(std::string_view given) {
+  if (const auto open = given.find('['); open != given.npos)
+    given = given.substr(open + 1, given.find(']') - open - 1);
+  return ascii_upper(given);
+}
+
 std::optional<Row> find(const std::string& wanted) {
   for (const auto& code : all_codes()) {
     const auto number = static_cast<int>(code.code);
-    if (code.name == wanted || std::to_string(number) == wanted)
+    if (ascii_upper(code.name) == wanted || std::to_string(number) == wanted)
       return Row{code.name, number, code.severity, code.summary, code.hint};
   }
   for (const auto& rule : all_rules())
@@ -31,7 +39,7 @@ std::optional<Row> find(const std::string& wanted) {
 
 Result<Report> explain(const Arguments& arguments, const Context&) {
   const auto wanted = arguments.text("CODE");
-  const auto row = find(wanted);
+  const auto row = find(bare(wanted));
   if (!row)
     return fail(Code::usage, {.field = "CODE",
                               .expected = "a name or number as messages show it in brackets",

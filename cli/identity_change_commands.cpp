@@ -80,9 +80,10 @@ Status put_key(Replacement& out, const fs::path& path, const pki::PrivateKey& ke
   return pem.expose([&](BytesView octets) { return out.put(path, octets, 0600); });
 }
 
-bool is_needed(const Arguments& arguments, int within, const pki::Certificate& certificate,
-               WallTime now) {
-  return !arguments.has("--within") || certificate.not_after() < now + std::chrono::days(within);
+Result<bool> is_needed(const Arguments& arguments, const pki::Certificate& certificate,
+                       WallTime now) {
+  if (!arguments.has("--within")) return true;
+  return certificate.not_after() < now + DDSSEC_TRY(duration(arguments, "--within"));
 }
 
 Report not_needed(const fs::path& path, const pki::Certificate& certificate) {
@@ -101,9 +102,7 @@ Result<Report> identity_renew(const Arguments& arguments, const Context& context
   const auto files = pki::participant_folder(path.parent_path());
   const auto now = context.clock.now();
   const auto old = DDSSEC_TRY(read_certificate(path));
-  const int within =
-      arguments.has("--within") ? DDSSEC_TRY(arguments.number("--within", 0, kMostDays)) : 0;
-  if (!is_needed(arguments, within, old, now)) return not_needed(path, old);
+  if (!DDSSEC_TRY(is_needed(arguments, old, now))) return not_needed(path, old);
   const auto wanted = DDSSEC_TRY(validity(arguments, now));
   CaOpener opener(arguments);
   const auto ca = DDSSEC_TRY(opener.open("identity"));
@@ -265,7 +264,7 @@ std::vector<Command> identity_change_commands() {
        .positionals = {{"PATH", "a participant's folder or its certificate"}},
        .options = {ca_option("the CA that issued it"),
                    days("365"),
-                   {"--within", "N", "only if it expires within so many days"},
+                   {"--within", "TIME", "only if it expires within this time: 30d, 12h, 4w"},
                    {"--rekey", "", "with a new key; otherwise the key stays"},
                    {"--permissions", "", "permissions that end before it are extended too"},
                    {"--clamp", "", "end with the CA if it ends before"},
@@ -273,7 +272,7 @@ std::vector<Command> identity_change_commands() {
                    kPassphraseEnv,
                    kInsecureKeyMode},
        .examples = {"ddssec identity renew talker --ca ca --permissions",
-                    "ddssec identity renew talker --ca ca --within 30"},
+                    "ddssec identity renew talker --ca ca --within 30d"},
        .run = identity_renew},
       {.group = "identity",
        .name = "revoke",

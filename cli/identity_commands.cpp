@@ -38,8 +38,8 @@ Result<ParticipantSpec> common_spec(const Arguments& arguments, WallTime now) {
                          .life = DDSSEC_TRY(validity(arguments, now)),
                          .key = DDSSEC_TRY(key_spec(arguments)),
                          .domains = DDSSEC_TRY(domain_ranges(arguments, "--domain")),
-                         .publish = arguments.all("--publish"),
-                         .subscribe = arguments.all("--subscribe")};
+                         .publish = DDSSEC_TRY(topics_of(arguments, "--publish")),
+                         .subscribe = DDSSEC_TRY(topics_of(arguments, "--subscribe"))};
 }
 
 Result<ParticipantSpec> spec_of(const Arguments& arguments, WallTime now) {

@@ -74,7 +74,7 @@ Result<Plan> plan_of(const Arguments& arguments, WallTime now) {
               .layout = layout,
               .profile = profile,
               .domains = std::move(domains),
-              .topics = arguments.all("--allow-topics"),
+              .topics = DDSSEC_TRY(topics_of(arguments, "--allow-topics")),
               .ca_life = validity_of(3650, now),
               .life = life};
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <cstdio>
 #include <cstdlib>
 #include <fcntl.h>
@@ -73,6 +74,18 @@ Result<pki::Passphrase> passphrase_from_file(const std::string& path) {
   auto out = passphrase_from(without_line_end(as_text(octets)));
   wipe(octets);
   return out;
+}
+
+std::optional<std::chrono::seconds> duration_from(std::string_view text) {
+  int number = 0;
+  const auto* const end = text.data() + text.size();
+  const auto [at, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc() || number < 0 || number > 100'000) return std::nullopt;
+  const std::string_view unit(at, static_cast<std::size_t>(end - at));
+  if (unit.empty() || unit == "d") return std::chrono::days(number);
+  if (unit == "h") return std::chrono::hours(number);
+  if (unit == "w") return std::chrono::weeks(number);
+  return std::nullopt;
 }
 
 class EchoOff {
@@ -178,6 +191,14 @@ Result<bool> is_encrypted(const fs::path& key) {
     const auto text = as_text(octets);
     return text.find("BEGIN ENCRYPTED") != text.npos || text.find(",ENCRYPTED") != text.npos;
   });
+}
+
+Result<std::chrono::seconds> duration(const Arguments& arguments, std::string_view option) {
+  const auto text = arguments.text(option);
+  if (const auto out = duration_from(text)) return *out;
+  return fail(Code::usage, {.field = std::string(option),
+                            .expected = "a time such as 30d, 12h or 4w",
+                            .found = '"' + text + '"'});
 }
 
 pki::Validity validity_of(int days, WallTime now) {

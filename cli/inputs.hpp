@@ -48,6 +48,9 @@ inline constexpr int kMostDays = 36'500;
 /// local time, which is up to 14 hours from UTC.
 inline constexpr std::chrono::hours kBackdated{24};
 
+/// What an option such as --within says: 30d, 12h or 4w; a bare number is days. Error: usage.
+Result<std::chrono::seconds> duration(const Arguments& arguments, std::string_view option);
+
 /// From kBackdated ago for so many days from now.
 pki::Validity validity_of(int days, WallTime now);
 /// The same for `--days`. Error: usage.

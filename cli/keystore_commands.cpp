@@ -94,8 +94,8 @@ Result<governance::Grant> grant_of_policy(const fs::path& file, const Participan
 Status read_rights(ParticipantSpec& spec, const Arguments& arguments, Report& report) {
   DDSSEC_TRY(check_one_source(arguments));
   spec.domains = DDSSEC_TRY(domain_ranges(arguments, "--domain"));
-  spec.publish = arguments.all("--publish");
-  spec.subscribe = arguments.all("--subscribe");
+  spec.publish = DDSSEC_TRY(topics_of(arguments, "--publish"));
+  spec.subscribe = DDSSEC_TRY(topics_of(arguments, "--subscribe"));
   if (arguments.has("--allow-all")) spec.publish = spec.subscribe = {"*"};
   if (arguments.has("--permissions"))
     spec.permissions =

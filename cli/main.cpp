@@ -103,8 +103,14 @@ int finish(const cli::Report& report, std::string_view command, bool json, cli::
     print(stdout, is_dry ? cli::dry_run_text(report) : report.text);
     print(stderr, cli::diagnostics_text(report, style));
   }
-  const bool flushed = std::fflush(stdout) == 0;
+  const bool flushed = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
   return static_cast<int>(flushed ? report.exit : cli::Exit::failed);
+}
+
+cli::Report failed(const Error& error, const std::vector<std::string>& words) {
+  auto report = cli::report_of(error);
+  report.help_on = cli::command_named(words);
+  return report;
 }
 
 }  // namespace
@@ -114,13 +120,10 @@ int main(int argc, char** argv) {
   std::setlocale(LC_CTYPE, "");  // which letters the terminal takes
   cli::note_interruptions();
   const auto request = cli::parse(words);
-  if (!request) return finish(cli::report_of(request.error()), "", wants_json(words), {});
-  if (request->command == nullptr) {
-    print(stdout, request->help);
-    return 0;
-  }
+  if (!request) return finish(failed(request.error(), words), "", wants_json(words), {});
+  if (request->command == nullptr) return finish({.text = request->help}, "", false, {});
   const auto style = style_of(request->arguments);
   const auto report = style ? run(*request) : std::unexpected(style.error());
-  return finish(report ? *report : cli::report_of(report.error()), request->command->full_name(),
+  return finish(report ? *report : failed(report.error(), words), request->command->full_name(),
                 wants_json(words), style.value_or(cli::Style()));
 }

@@ -167,8 +167,19 @@ Request help_request(std::string_view what) {
 
 }  // namespace
 
-Result<Request> parse(std::span<const std::string> given) {
+std::string command_named(std::span<const std::string> given) {
   const auto words = command_first(given);
+  if (words.size() > 1 && find(words[0] + " " + words[1]) != nullptr)
+    return words[0] + " " + words[1];
+  return words.empty() || help_on(words[0]).empty() ? std::string() : words[0];
+}
+
+Result<Request> parse(std::span<const std::string> given) {
+  auto words = command_first(given);
+  if (!words.empty() && words[0] == "help") {
+    words.erase(words.begin());
+    words.emplace_back("--help");
+  }
   if (words.empty() || words[0].starts_with("-"))
     return asks_for_help(words) ? Result<Request>(help_request("")) : wrong("no command is given");
   const Command* command = find(words[0]);

@@ -19,6 +19,9 @@ struct Request {
 /// near.
 Result<Request> parse(std::span<const std::string> words);
 
+/// The command, or the group of commands, that these words begin with; "" if they name none.
+std::string command_named(std::span<const std::string> words);
+
 /// Help on everything, on a group ("ca") or on a command ("ca create"); "" if there is no such.
 std::string help_on(std::string_view what);
 

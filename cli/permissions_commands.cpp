@@ -22,10 +22,10 @@ Result<governance::Rights> rights_from(const Arguments& arguments) {
   if (arguments.has("--partition") && !arguments.has("--publish") && !arguments.has("--subscribe"))
     return fail(Code::usage, {.field = "--partition", .note = "there is nothing that it is for"});
   return governance::Rights{.domains = DDSSEC_TRY(domain_ranges(arguments, "--domain")),
-                            .publish = arguments.all("--publish"),
-                            .subscribe = arguments.all("--subscribe"),
-                            .deny_publish = arguments.all("--deny-publish"),
-                            .deny_subscribe = arguments.all("--deny-subscribe"),
+                            .publish = DDSSEC_TRY(topics_of(arguments, "--publish")),
+                            .subscribe = DDSSEC_TRY(topics_of(arguments, "--subscribe")),
+                            .deny_publish = DDSSEC_TRY(topics_of(arguments, "--deny-publish")),
+                            .deny_subscribe = DDSSEC_TRY(topics_of(arguments, "--deny-subscribe")),
                             .partitions = arguments.all("--partition")};
 }
 
@@ -52,7 +52,7 @@ Result<governance::Validity> life(const Arguments& arguments, const pki::Certifi
 }
 
 Result<Report> permissions_new(const Arguments& arguments, const Context& context) {
-  const auto certificate = DDSSEC_TRY(read_certificate(arguments.text("--cert")));
+  const auto certificate = DDSSEC_TRY(read_certificate(certificate_path(arguments.text("--cert"))));
   const auto grant = grant_of("participant", certificate, DDSSEC_TRY(rights_from(arguments)),
                               DDSSEC_TRY(life(arguments, certificate, context.clock.now())));
   const auto xml = to_xml(governance::Permissions{.grants = {grant}});

@@ -39,7 +39,7 @@ struct Diagnostic {
   std::vector<std::string> vendors;
 };
 
-Diagnostic diagnostic(const Error& error) {
+Diagnostic diagnostic(const Error& error, const std::string& help_on) {
   const auto& row = info(error.code());
   const auto& details = error.details();
   const auto message = details.field.empty()
@@ -51,7 +51,9 @@ Diagnostic diagnostic(const Error& error) {
           details.document,
           details.line,
           {},
-          std::string(hint_of(error.code())),
+          error.code() == Code::usage && !help_on.empty()
+              ? fmt::format("ddssec {} --help says more", help_on)
+              : std::string(hint_of(error.code())),
           {}};
 }
 
@@ -69,7 +71,7 @@ Diagnostic diagnostic(const Finding& finding) {
 
 std::vector<Diagnostic> diagnostics_of(const Report& report) {
   std::vector<Diagnostic> out;
-  for (const auto& error : report.errors) out.push_back(diagnostic(error));
+  for (const auto& error : report.errors) out.push_back(diagnostic(error, report.help_on));
   for (const auto& finding : report.findings) out.push_back(diagnostic(finding));
   return out;
 }

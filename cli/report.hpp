@@ -44,6 +44,7 @@ struct Report {
   std::vector<Error> errors = {};
   std::vector<Finding> findings = {};  ///< of lint and doctor
   std::vector<WrittenFile> files_written = {};
+  std::string help_on = {};  ///< the command or group of the command line, for the hint of `usage`
 };
 
 /// The report of a command that failed.

@@ -2,8 +2,9 @@
 """What every command has in common: help, usage errors, codes, times."""
 
 import json
+import subprocess
 
-from transcript import Transcript, main
+from transcript import PROGRAM, Transcript, main
 
 
 class Contract(Transcript):
@@ -31,6 +32,23 @@ class Contract(Transcript):
         self.assertIn("needs a second word", self.refused("usage", 2, "ca")["message"])
         self.assertIn('did you mean "--days"?',
                       self.refused("usage", 2, "ca", "create", "x", "--dais", "3")["message"])
+
+    def test_help_is_a_word_too(self):
+        for words in ((), ("ca",), ("ca", "create"), ("check",)):
+            self.assertEqual(self.run_program("help", *words).stdout, self.run_program(*words, "--help").stdout)
+        self.assertIn('did you mean "check"?', self.refused("usage", 2, "help", "chek")["message"])
+
+    def test_the_hint_names_the_command_whose_help_says_more(self):
+        for words, named in ((("check", "a"), "check"), (("ca", "create", "x", "--dais", "3"), "ca create"),
+                             (("expiry", "--within", "soon"), "expiry"), (("ca",), "ca"), (("ca", "shw"), "ca")):
+            self.assertEqual(self.refused("usage", 2, *words)["hint"], f"ddssec {named} --help says more")
+        self.assertIn("ddssec --help lists", self.refused("usage", 2, "chek")["hint"])
+
+    def test_what_cannot_be_written_is_a_failure(self):
+        for words in (("--help",), ("ca", "create", "--help"), ("version",)):
+            with open("/dev/full", "w", encoding="utf-8") as full:
+                done = subprocess.run([PROGRAM, *words], stdout=full, timeout=60, check=False)
+            self.assertEqual(done.returncode, 5, words)
 
     def test_missing_twofold_and_superfluous_arguments_are_usage_errors(self):
         self.refused("usage", 2, "ca", "show")
@@ -67,6 +85,9 @@ class Contract(Transcript):
         self.assertEqual(by_name["number"], 1242)
         self.assertIn("write the subject name exactly", self.run_program("explain", "1242").stdout)
         self.refused("usage", 2, "explain", "99999")
+        for spelling in ("error[no_grant_for_subject]:", "[1242]", "NO_GRANT_FOR_SUBJECT"):
+            self.assertEqual(self.json("explain", spelling)["result"], by_name)
+        self.assertEqual(self.json("explain", "doc080")["result"], self.json("explain", "DOC080")["result"])
 
     def test_no_control_sequence_reaches_the_terminal(self):
         self.assertIn('"??[31m"', self.refused("usage", 2, "explain", "\n\x1b[31m")["message"])

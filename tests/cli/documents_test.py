@@ -53,6 +53,8 @@ class Documents(Transcript):
                             "governance.p7s", "-CAfile", "ca/permissions/ca.pem", "-purpose", "any")
         self.assertEqual(text.replace("\r", ""), GOVERNANCE)
         self.refused("would_overwrite", 4, "governance", "sign", "governance.xml", "--ca", "ca")
+        told = self.refused("usage", 2, "governance", "sign", "governance.p7s", "--ca", "ca", "-o", "again.p7s")
+        self.assertIn("signed already", told["message"])
 
     def test_only_documents_of_the_right_kind_are_signed(self):
         self.refused("document_kind", 3, "permissions", "sign", "governance.xml", "--ca", "ca")

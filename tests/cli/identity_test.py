@@ -134,6 +134,10 @@ class Identity(Transcript):
         key = (self.at / "talker/key.pem").read_bytes()
         early = self.json("identity", "renew", "talker", "--ca", "ca", "--within", "30", *NOW)
         self.assertEqual((early["result"]["renewed"], early["files_written"]), (False, []))
+        for time in ("30d", "48h", "4w"):  # as expiry takes it
+            out = self.json("identity", "renew", "talker", "--ca", "ca", "--within", time, *NOW)
+            self.assertFalse(out["result"]["renewed"])
+        self.refused("usage", 2, "identity", "renew", "talker", "--ca", "ca", "--within", "soon", *NOW)
         renew = ("identity", "renew", "talker/cert.pem", "--ca", "ca", "--within", "30", "--rekey",
                  "--now", "2027-11-01T00:00:00Z")
         out = self.run_with_secret(self.json, *renew)

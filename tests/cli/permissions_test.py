@@ -57,12 +57,19 @@ class NewPermissions(Transcript):
         self.assertEqual(out["result"]["not_after"], "2026-12-31T23:00:00Z")
 
     def test_signed_permissions_complete_a_folder(self):
-        out = self.json("permissions", "new", "--cert", "talker/cert.pem", "-o",
+        out = self.json("permissions", "new", "--cert", "talker", "-o",
                         "talker/permissions.p7s", "--publish", "rt/a", "--sign", "--ca", "ca", *NOW)
         self.assertEqual([f["path"] for f in out["files_written"]],
                          ["talker/permissions.xml", "talker/permissions.p7s"])
         self.run_program("permissions", "verify", "talker/permissions.p7s", "--ca",
                          "ca/permissions/ca.pem", *NOW)
+
+    def test_a_comma_makes_no_list_of_topics(self):
+        for option in ("--publish", "--subscribe", "--deny-publish", "--deny-subscribe"):
+            told = self.refused("usage", 2, "permissions", "new", "--cert", "talker", option, "rt/a,rt/b", "-o", "x")
+            self.assertIn(f"{option} may be repeated", told["message"])
+        self.refused("usage", 2, "identity", "issue", "x", "--ca", "ca", "-o", "x", "--publish", "a,b")
+        self.refused("usage", 2, "init", "x", "--allow-topics", "a,b")
 
     def test_wrong_words_are_refused_and_nothing_is_written(self):
         new = ("permissions", "new", "--cert", "talker/cert.pem", "-o", "p.xml", *NOW)
