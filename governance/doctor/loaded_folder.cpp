@@ -43,7 +43,9 @@ bool is_there(const fs::path& path) {
 
 Result<std::vector<pki::Crl>> load_crls(const fs::path& path) {
   if (!is_there(path)) return std::vector<pki::Crl>();
-  return load_with(path, pki::kMostDocumentOctets, &pki::Crl::all_from);
+  auto lists = load_with(path, pki::kMostDocumentOctets, &pki::Crl::all_from);
+  if (lists && lists->empty()) return fail(Code::crl_file_empty, {.document = path.string()});
+  return lists;
 }
 
 using Certificates = Result<std::vector<pki::Certificate>>;

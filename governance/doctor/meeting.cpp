@@ -102,6 +102,11 @@ std::string held_if(Code about_the_cas, const Error& error, std::string_view par
   return fmt::format("; {} of {} holds {}", file.filename().string(), party, ca_subjects(cas));
 }
 
+bool is_about_lists(Code code) {
+  return code == Code::certificate_revoked ||
+         (Code::crl_malformed <= code && code <= Code::crl_signature_invalid);
+}
+
 void judge_authentication(const MeetingScene& scene, int judge) {
   const auto& self = scene.party(judge);
   const auto& other = scene.party(1 - judge);
@@ -109,12 +114,11 @@ void judge_authentication(const MeetingScene& scene, int judge) {
   Judgement out{.judge = judge, .about = 1 - judge, .ok = status.has_value()};
   out.document = self.folder.paths.identity_ca.string();
   if (!status) {
-    const bool revoked = status.error().code() == Code::certificate_revoked;
-    if (revoked) out.document = self.folder.paths.crl.string();
+    if (is_about_lists(status.error().code())) out.document = self.folder.paths.crl.string();
     out.reason = status.error().message();
     // Files that cannot be read are DOC090's, of whose they are.
     const auto& certificate = other.folder.certificate;
-    if (certificate && self.folder.identity_cas)
+    if (certificate && self.folder.identity_cas && self.folder.crls)
       add_finding(scene, Rule::DOC080, out,
                   fmt::format("{} does not believe {}'s certificate ({} serial {}, issued by "
                               "\"{}\"): {}{}",

@@ -129,6 +129,21 @@ class Check(Transcript):
         self.apart("DOC080", "CN=listener serial", "revoked", document="crl.pem")
         self.assertEqual(self.hint, "issue a new certificate if its holder is still to be trusted")
 
+    def test_a_list_that_is_none_is_not_taken_for_nobody_was_revoked(self):
+        for text in ("no list", "", "-----BEGIN X509 CRL-----\n"):
+            (self.at / "talker/crl.pem").write_text(text)
+            out = self.check(exit=1)
+            self.assertEqual([(d["id"], d["file"]) for d in out["diagnostics"] if d["severity"] == "error"],
+                             [("DOC090", "talker/crl.pem")])
+            out = self.json("doctor", "talker", exit=1)
+            self.assertEqual([(d["id"], d["file"]) for d in out["diagnostics"] if d["severity"] == "error"],
+                             [("DOC002", "talker/crl.pem")])
+            self.assertEqual(out["result"]["verdicts"]["ours"], "fail")
+
+    def test_a_list_of_another_ca(self):
+        self.talker.put("crl.pem", self.shop.crl("foreign", self.shop.ca("foreign")))
+        self.apart("DOC080", "CN=listener serial", "no revocation list", document="crl.pem")
+
     def test_the_hint_is_for_the_cause(self):
         self.apart("DOC080", "CN=listener serial", "expired", words=("--now", "2050-01-01T00:00:00Z"))
         self.assertIn("renew the certificate", self.hint)
