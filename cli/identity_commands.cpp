@@ -63,6 +63,18 @@ Json describe(const pki::Certificate& certificate) {
           {"sha256", to_hex(certificate.fingerprint())}};
 }
 
+// What a participant cannot start without, and this command was not told of.
+std::string not_in_it(bool has_permissions, bool has_governance) {
+  std::string out;
+  if (!has_governance)
+    out += "no governance.p7s is in it yet: --governance FILE copies a signed one\n";
+  if (!has_permissions)
+    out +=
+        "no permissions are in it yet: --publish and --subscribe, or --permissions FILE, make "
+        "them\n";
+  return out;
+}
+
 // One command, many participants: all of them or none.
 Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
   const auto now = context.clock.now();
@@ -131,6 +143,7 @@ Result<Report> identity_issue(const Arguments& arguments, const Context& context
   const auto& certificate = made.self.certificate;
   report.text = fmt::format("{}  {}  expires {}\n", target.string(), certificate.subject(),
                             date(certificate.not_after()));
+  report.text += not_in_it(permissions.has_value(), !governance.empty());
   report.result = {{"name", spec.name}, {"dir", target.string()}};
   report.result.update(describe(certificate));
   report.files_written = DDSSEC_TRY(folder.commit());
@@ -201,7 +214,9 @@ Status confirm_request(const pki::RequestContent& content, const Arguments& argu
 }
 
 Result<Report> identity_sign_csr(const Arguments& arguments, const Context& context) {
-  const fs::path from = arguments.text("CSR");
+  std::error_code ignored;
+  const fs::path given = arguments.text("CSR");
+  const auto from = fs::is_directory(given, ignored) ? given / "request.pem" : given;
   const fs::path to =
       arguments.has("-o") ? fs::path(arguments.text("-o")) : from.parent_path() / "cert.pem";
   const auto now = context.clock.now();
@@ -213,7 +228,6 @@ Result<Report> identity_sign_csr(const Arguments& arguments, const Context& cont
   const auto ca = DDSSEC_TRY(opener.open("identity"));
   const auto life = DDSSEC_TRY(within_ca(wanted, ca.certificate(), arguments.has("--clamp")));
   const auto certificate = DDSSEC_TRY(ca.authority.sign_request(request, life, context.random));
-  std::error_code ignored;
   const auto folder = fs::absolute(to, ignored).lexically_normal().parent_path();
   // Checked before the log is written, so that a refusal leaves nothing.
   if (fs::symlink_status(to, ignored).type() > fs::file_type::not_found)
@@ -222,8 +236,15 @@ Result<Report> identity_sign_csr(const Arguments& arguments, const Context& cont
       append_lines(ca.paths.log, pki::IssueLog::issued_line(certificate, folder.string(), now)));
   Report report;
   report.files_written.push_back(DDSSEC_TRY(write_new_file(to, as_bytes(certificate.pem()), 0644)));
-  report.text = fmt::format("{}  {}  expires {}\n", to.string(), certificate.subject(),
-                            date(certificate.not_after()));
+  report.text = fmt::format(
+      "{0}  {1}  expires {2}\n"
+      "next, for its permissions: ddssec permissions new --cert {0} --publish TOPIC --sign --ca "
+      "{3} -o {4}\n"
+      "and to the device, beside its key: {0}, {5} as identity_ca.pem, {6} as permissions_ca.pem, "
+      "permissions.p7s, governance.p7s\n",
+      to.string(), certificate.subject(), date(certificate.not_after()), arguments.text("--ca"),
+      fs::path(to).replace_filename("permissions.xml").string(), ca.paths.certificate.string(),
+      ca_paths(arguments.text("--ca"), "permissions").certificate.string());
   report.result = {{"file", to.string()}, {"algorithm", to_string(content.key)}};
   report.result.update(describe(certificate));
   return report;
@@ -278,7 +299,7 @@ std::vector<Command> identity_commands() {
           {.group = "identity",
            .name = "sign-csr",
            .summary = "Issues the certificate that a request asks for.",
-           .positionals = {{"CSR", "the request, in PEM"}},
+           .positionals = {{"CSR", "the request, in PEM, or the folder with request.pem"}},
            .options = {ca_option("the folder that ca create made"),
                        {"-o", "FILE", "the certificate, if not cert.pem beside the request"},
                        {"--yes", "", "do not ask whether subject and key are right"},

@@ -2,6 +2,8 @@
 """identity issue and show: a participant's folder, whole or not at all."""
 
 import hashlib
+import re
+import shutil
 
 from transcript import Transcript, main
 
@@ -98,6 +100,28 @@ class Identity(Transcript):
         self.assertEqual(public, self.openssl("x509", "-in", "device/cert.pem", "-noout", "-pubkey"))
         self.run_with_secret(lambda *w, **m: self.refused("would_overwrite", 4, *w, **m), *sign, "--yes")
         self.assertEqual(self.json("ca", "show", "ca", *NOW)["result"]["issued"], 1)
+
+    def test_what_a_device_needs_besides_is_told_and_is_all(self):
+        self.run_program("identity", "csr", "device", "-o", "device")
+        done = self.run_with_secret(self.run_program, "identity", "sign-csr", "device", "--ca", "ca", "--yes", *NOW)
+        first, permissions, rest = done.stdout.splitlines()
+        self.assertIn("device/cert.pem  CN=device", first)
+        command = permissions.split("ddssec ")[1].replace("TOPIC", "Square").split()
+        self.run_with_secret(self.run_program, *command, *NOW)
+        for source, name in re.findall(r"(\S+) as (\w+\.pem)", rest):
+            shutil.copy(self.at / source, self.at / "device" / name)
+        self.run_with_secret(self.run_program, "governance", "new", "-o", "governance.xml", "--sign", "--ca", "ca", *NOW)
+        shutil.copy(self.at / "governance.p7s", self.at / "device")
+        self.json("doctor", "device", *NOW)
+
+    def test_issue_says_what_is_not_in_the_folder_yet(self):
+        done = self.run_with_secret(self.run_program, *self.issue())
+        self.assertRegex(done.stdout, "no governance.p7s is in it yet: --governance FILE.*\nno permissions are in it yet")
+        self.run_with_secret(self.run_program, "governance", "new", "-o", "governance.xml", "--sign", "--ca", "ca", *NOW)
+        done = self.run_with_secret(self.run_program, "identity", "issue", "whole", "--ca", "ca", "-o", "whole", "--publish",
+                                    "x", "--governance", "governance.p7s", *NOW)
+        self.assertEqual(len(done.stdout.splitlines()), 1)
+        self.json("doctor", "whole", *NOW)
 
     def test_a_request_that_its_key_did_not_sign_gets_nothing(self):
         self.run_program("identity", "csr", "device", "-o", "device")
