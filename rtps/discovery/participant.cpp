@@ -249,7 +249,11 @@ std::optional<BytesView> Participant::opened(const StatefulReader& reader, const
 }
 
 bool Participant::accepts(const EntityId& local, const Guid& remote, const Context& context) {
-  return !security_ || security_->keyring().accepts(local, remote, context.shield);
+  if (!security_) return true;
+  if (!security_->keyring().accepts(local, remote, context.shield)) return false;
+  if (local == kVolatileMessageReader || local == kVolatileMessageWriter)
+    security_->note_key_exchange(remote.prefix);
+  return true;
 }
 
 StatefulWriter* Participant::addressed(const EntityId& writer, const EntityId& reader,

@@ -116,7 +116,7 @@ void Security::close(Peer& peer) {
   peer.volatile_writer.reset();
   peer.volatile_reader.reset();
   peer.early.clear();
-  peer.established = peer.authenticated = false;
+  peer.established = peer.exchanges_keys = peer.authenticated = false;
 }
 
 bool Security::is_authenticated(const GuidPrefix& prefix) const {
@@ -291,7 +291,8 @@ void Security::look_after(const Peer& peer) {
   if (peer.refused) return;
   next_handshake_ = std::min(next_handshake_, peer.handshake->next_tick());
   if (peer.established && !peer.authenticated)
-    next_handshake_ = std::min(next_handshake_, peer.since + kConfirmation);
+    next_handshake_ = std::min(
+        next_handshake_, peer.since + (needs_no_tokens(peer) ? kTokenPatience : kConfirmation));
 }
 
 // A peer may go meanwhile.
@@ -307,6 +308,7 @@ void Security::tick_handshakes() {
 
 void Security::tick_handshake(Peer& peer, MonotonicTime now) {
   auto& handshake = *peer.handshake;
+  if (needs_no_tokens(peer) && now >= peer.since + kTokenPatience) note_authenticated(peer);
   if (peer.established && !peer.authenticated && now >= peer.since + kConfirmation) {
     peer.since = now;
     handshake.begin_again(now);

@@ -62,6 +62,9 @@ class Security {
   static constexpr MonotonicTime kRepetitionPeriod = std::chrono::milliseconds(2);
   /// A peer whose keys do not come for so long after its handshake is asked for another.
   static constexpr MonotonicTime kConfirmation = std::chrono::seconds(10);
+  /// Where messages are not protected a peer without participant tokens has joined after so long,
+  /// if the key exchange works: OpenDDS sends none there.
+  static constexpr MonotonicTime kTokenPatience = std::chrono::seconds(1);
   /// Endpoints' tokens that are kept of a pair: those in use and revised ones.
   static constexpr std::size_t kMostEarlyOfPair = 2;
   /// Revised keys are in use so long after they were sent at the latest. Receivers let the former
@@ -115,6 +118,8 @@ class Security {
   /// The volatile secure endpoints exist once for each peer; nullptr before authentication.
   StatefulWriter* volatile_writer(const GuidPrefix& peer);
   StatefulReader* volatile_reader(const GuidPrefix& peer);
+  /// Something that only the peer can say came by the volatile secure channel.
+  void note_key_exchange(const GuidPrefix& peer);
 
   /// The application does not trust it any longer. Before it is lost.
   void distrust(const GuidPrefix& peer);
@@ -164,10 +169,11 @@ class Security {
     std::unique_ptr<StatefulWriter> volatile_writer = {};
     std::unique_ptr<StatefulReader> volatile_reader = {};
     std::vector<GenericMessage> early = {};
-    bool established = false;    ///< handshake done, permissions good
-    MonotonicTime since = {};    ///< of that
-    unsigned generation = 0;     ///< which of its handshakes
-    bool authenticated = false;  ///< and its participant key is here
+    bool established = false;     ///< handshake done, permissions good
+    MonotonicTime since = {};     ///< of that
+    unsigned generation = 0;      ///< which of its handshakes
+    bool exchanges_keys = false;  ///< it showed that it has the secret
+    bool authenticated = false;   ///< and its participant key is here, or none is needed
     bool refused = false;
     bool spoke = false;
     bool failed = false;  ///< something of it was refused
@@ -207,6 +213,8 @@ class Security {
   /// True: the handshake has just succeeded, and the peer may join.
   bool advance(Peer& peer);
   Status establish(Peer& peer);
+  void note_authenticated(Peer& peer);
+  bool needs_no_tokens(const Peer& peer) const;
   Status adopt_proven_data(Peer& peer);
   void close(Peer& peer);
   void open_volatile(Peer& peer, MonotonicTime now);

@@ -100,9 +100,24 @@ void Security::on_participant_tokens(Peer& peer, const GenericMessage& message) 
     events_.raise(Event(status.error(), {}, peer.data.guid.to_string()));
     return;
   }
+  note_authenticated(peer);
+}
+
+void Security::note_authenticated(Peer& peer) {
   if (std::exchange(peer.authenticated, true)) return;
   ++counters_.authenticated;
-  host_.on_authenticated(prefix);
+  host_.on_authenticated(GuidPrefix(peer.data.guid.prefix));
+}
+
+void Security::note_key_exchange(const GuidPrefix& prefix) {
+  auto* peer = find(prefix);
+  if (peer == nullptr || std::exchange(peer->exchanges_keys, true)) return;
+  look_after(*peer);
+}
+
+bool Security::needs_no_tokens(const Peer& peer) const {
+  return peer.established && !peer.authenticated && peer.exchanges_keys &&
+         !own_->attributes().is_rtps_protected();
 }
 
 // For endpoints that we do not know yet they are kept: discovery and keys come in any order.
