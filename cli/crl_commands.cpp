@@ -111,8 +111,8 @@ Result<Recipients> recipients(const Arguments& arguments, const CaPaths& ca) {
   if (!out.here.empty()) return out;
   const auto log = DDSSEC_TRY(read_issue_log(ca));
   for (const auto& folder : log.folders()) {
-    std::error_code ignored;
-    if (fs::exists(fs::path(folder) / "cert.pem", ignored))
+    std::error_code error;  // a folder that may not be entered is here
+    if (fs::exists(fs::path(folder) / "cert.pem", error) || error)
       out.here.emplace_back(folder);
     else
       out.elsewhere.push_back(folder);
@@ -121,6 +121,7 @@ Result<Recipients> recipients(const Arguments& arguments, const CaPaths& ca) {
   return fail(Code::usage, {.field = "DIRS", .note = "the CA's log knows no folder: name them"});
 }
 
+// One folder that cannot be written keeps the list from nobody else.
 Result<Report> crl_distribute(const Arguments& arguments, const Context& context) {
   const auto paths = ca_paths(arguments.text("--ca"), "identity");
   const auto crl = DDSSEC_TRY(list_in(paths.crl));
@@ -135,13 +136,19 @@ Result<Report> crl_distribute(const Arguments& arguments, const Context& context
                    {"folders", Json::array()},
                    {"elsewhere", recipient.elsewhere}};
   for (const auto& folder : recipient.here) {
-    DDSSEC_TRY(out.put_public(pki::participant_folder(folder).crl, crl.pem()));
+    const auto drafted = out.put_public(pki::participant_folder(folder).crl, crl.pem());
+    if (!drafted && drafted.error().code() == Code::interrupted) return report_of(drafted.error());
+    if (!drafted) {
+      report.errors.push_back(drafted.error());
+      report.exit = exit_of(drafted.error().code());
+      continue;
+    }
     report.result["folders"].push_back(folder.string());
     report.text += fmt::format("{}\n", folder.string());
   }
   report.text +=
       fmt::format("list {} of {} is in {}, holds {}\n", crl.number().value_or(0), crl.issuer(),
-                  counted(recipient.here.size(), "folder"), words_until(crl));
+                  counted(report.result["folders"].size(), "folder"), words_until(crl));
   for (const auto& folder : recipient.elsewhere)
     report.text += fmt::format("not here: {}; copy {} to where it is now, as crl.pem\n", folder,
                                paths.crl.string());

@@ -66,15 +66,17 @@ int write_all(int file, BytesView octets) {
 
 enum class Flush : std::uint8_t { now, later };
 
-Status write_exclusively(const fs::path& path, BytesView octets, unsigned mode, Flush flush) {
+// Errors name the file that is meant in the end.
+Status write_exclusively(const fs::path& path, const fs::path& meant, BytesView octets,
+                         unsigned mode, Flush flush) {
   DDSSEC_TRY(check_not_interrupted());
   const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, mode);
-  if (file < 0) return unwritable(path, errno);
+  if (file < 0) return unwritable(meant, errno);
   int error = write_all(file, octets);
   if (error == 0 && flush == Flush::now && ::fsync(file) != 0) error = errno;
   if (::close(file) == 0 && error == 0) return {};
   ::unlink(path.c_str());
-  return unwritable(path, error != 0 ? error : EIO);
+  return unwritable(meant, error != 0 ? error : EIO);
 }
 
 fs::path draft_of(const fs::path& target) {
@@ -137,7 +139,7 @@ Status NewFolder::make_parent(const fs::path& name) {
 Status NewFolder::add(const fs::path& name, BytesView octets, unsigned mode) {
   if (!dry_run) {
     DDSSEC_TRY(make_parent(name));
-    DDSSEC_TRY(write_exclusively(staging_ / name, octets, mode, Flush::later));
+    DDSSEC_TRY(write_exclusively(staging_ / name, target_ / name, octets, mode, Flush::later));
     drafts_.push_back(staging_ / name);
   }
   files_.push_back(written(target_ / name, octets, mode));
@@ -191,13 +193,14 @@ NewFolder::NewFolder(NewFolder&& other) noexcept
       files_(std::move(other.files_)) {}
 
 Status Replacement::put(const fs::path& target, BytesView octets, unsigned mode, Links links) {
-  std::error_code ignored;
-  const auto type = fs::symlink_status(target, ignored).type();
+  std::error_code error;
+  const auto type = fs::symlink_status(target, error).type();
+  if (type == fs::file_type::none) return unwritable(target, error.value());
   const bool may_go = type == fs::file_type::symlink && links == Links::replaced;
   if (type != fs::file_type::not_found && type != fs::file_type::regular && !may_go)
     return fail(Code::would_overwrite, {.document = target, .note = "it is not a plain file"});
   if (!dry_run) {
-    DDSSEC_TRY(write_exclusively(draft_of(target), octets, mode, Flush::now));
+    DDSSEC_TRY(write_exclusively(draft_of(target), target, octets, mode, Flush::now));
     drafts_.push_back({draft_of(target), target});
   }
   files_.push_back(written(target, octets, mode));
@@ -249,7 +252,7 @@ Result<WrittenFile> write_new_file(const fs::path& target, BytesView octets, uns
   if (exists_at_all(target)) return fail(Code::would_overwrite, {.document = target});
   if (dry_run) return written(target, octets, mode);
   const auto draft = draft_of(target);
-  const auto drafted = write_exclusively(draft, octets, mode, Flush::now);
+  const auto drafted = write_exclusively(draft, target, octets, mode, Flush::now);
   const bool placed = drafted && ::renameat2(AT_FDCWD, draft.c_str(), AT_FDCWD, target.c_str(),
                                              RENAME_NOREPLACE) == 0;
   const int error = errno;

@@ -169,9 +169,27 @@ class Revocation(Transcript):
         self.run_program("crl", "new", "--ca", "ca", *NOW)
         (self.at / "mine").write_text("mine")
         (self.at / "talker/crl.pem").symlink_to("../mine")
-        self.refused("would_overwrite", 4, "crl", "distribute", "listener", "talker", "--ca", "ca", *NOW)
+        out = self.json("crl", "distribute", "talker", "listener", "--ca", "ca", *NOW, exit=4)
+        self.assertEqual([(d["id"], d["file"]) for d in out["diagnostics"]], [("would_overwrite", "talker/crl.pem")])
+        self.assertEqual(out["result"]["folders"], ["listener"])  # which the other does not keep from it
+        self.assertEqual([f["path"] for f in out["files_written"]], ["listener/crl.pem"])
+        self.json("crl", "verify", "listener", "--ca", "ca", *NOW)
+        done = self.run_program("crl", "distribute", "talker", "listener", "--ca", "ca", *NOW, exit=4)
+        self.assertIn("is in 1 folder, holds until", done.stdout)
         self.assertEqual((self.at / "mine").read_text(), "mine")
         self.refused("file_not_found", 3, "crl", "distribute", "nobody", "--ca", "ca", *NOW)
+
+    def test_distribute_reaches_whom_it_can_and_names_the_others(self):
+        self.run_program("crl", "new", "--ca", "ca", *NOW)
+        for folder, mode in ((".", 0o755), ("ca", 0o755), ("listener", 0o777), ("talker", 0)):
+            (self.at / folder).chmod(mode)
+        self.addCleanup((self.at / "talker").chmod, 0o700)
+        out = self.json_as_nobody("crl", "distribute", "--ca", "ca", *NOW, exit=5)
+        self.assertEqual([(d["id"], d["file"]) for d in out["diagnostics"]],
+                         [("file_unwritable", str(self.at / "talker/crl.pem"))])
+        self.assertIn("Permission denied", out["diagnostics"][0]["message"])
+        self.assertEqual((out["result"]["folders"], out["result"]["elsewhere"]), ([str(self.at / "listener")], []))
+        self.json("crl", "verify", "listener", "--ca", "ca", *NOW)
 
     def test_verify_refuses_old_early_foreign_and_broken_lists(self):
         self.refused("file_not_found", 3, "crl", "verify", "ca", "--ca", "ca", *NOW)
