@@ -35,11 +35,10 @@ class Capture:
         self.path = path
         self.process = subprocess.Popen(
             space.enter(["tshark", "-q", "-i", "lo", "-w", str(path)]),
-            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-        for line in self.process.stderr:
-            if "Capturing" in line or "Capture started" in line:
-                break
-        time.sleep(0.5)
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        # It says "Capturing" before it does; its file comes after.
+        while not path.exists() and self.process.poll() is None:
+            time.sleep(0.01)
 
     def _packets(self, display_filter):
         read = subprocess.run(["tshark", "-r", str(self.path), "-Y", display_filter, "-T", "fields",
@@ -50,7 +49,7 @@ class Capture:
     def faults(self, topics):
         time.sleep(1.0)  # what the kernel still holds
         self.process.terminate()
-        self.process.communicate()
+        self.process.wait()
         faults = [f"tshark calls packet {line} malformed" for line in self._packets("_ws.malformed")]
         # The submessages that every pair must have exchanged, so that "no fault" means something.
         for kind, name in ((0x15, "DATA"), (0x07, "HEARTBEAT"), (0x06, "ACKNACK")):
