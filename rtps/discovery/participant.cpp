@@ -111,10 +111,14 @@ Status Participant::process_info(const SubmessageView& view, Context& context) {
     case SubmessageId::info_timestamp:
       context.time = DDSSEC_TRY(read_info_timestamp(view)).time;
       return {};
-    case SubmessageId::info_source:
-      context.source = DDSSEC_TRY(read_info_source(view)).source.prefix;
+    case SubmessageId::info_source: {
+      // Whose key protected the message has spoken for itself only.
+      const auto source = DDSSEC_TRY(read_info_source(view)).source.prefix;
+      context.shield.message = context.shield.message && source == context.source;
+      context.source = source;
       context.time.reset();
       return {};
+    }
     case SubmessageId::info_destination: {
       const auto destination = DDSSEC_TRY(read_info_destination(view)).prefix;
       context.for_us = destination.is_zero() || destination == config_.prefix;

@@ -270,43 +270,6 @@ TEST(InsiderMessages, MustBeginWithTheirSource) {
   }
 }
 
-// Hosts hear what follows an INFO_SRC in the name of whom it names.
-TEST(InsiderMessages, SpeakForTheirSenderOnly) {
-  for (const auto kind : {kSign, kEncrypt}) {
-    TwoSides two(kind);
-    Insider insider(kind_for(Cipher::aes256_gcm, is_encrypted(kind)));
-    const auto token = insider.token();
-    ASSERT_TRUE(two.take_participant({&token, 1}));
-    const auto header = rtps_message({});
-    Bytes own = {0x0c, 1, 20, 0, 0, 0, 0, 0};
-    own.insert(own.end(), header.begin() + 4, header.end());
-    auto other = own;
-    other.back() ^= 1;
-    auto to_the_end = other;
-    to_the_end[2] = 0;
-    auto big_endian = other;
-    big_endian[1] = big_endian[2] = 0;
-    big_endian[3] = 20;
-    const Bytes empty_pad = {1, 1, 0, 0}, empty_time = {9, 3, 0, 0},
-                half = {0x0c, 1, 4, 0, 0, 0, 0, 0};
-    const auto said = [&](std::initializer_list<Bytes> submessages) {
-      Bytes content = own;
-      for (const auto& one : submessages) content.insert(content.end(), one.begin(), one.end());
-      return code_of(decode_message(two, rtps_message({insider.group(kMessageFrame, content)})));
-    };
-    const auto data = data_submessage(40);
-    EXPECT_EQ(said({own, data}), Code{0});
-    EXPECT_EQ(said({empty_pad, empty_time, data}), Code{0});
-    std::vector<Bytes> lies = {other, big_endian, half};
-    // Who signs says where its submessages end, or there is no finding the postfix.
-    if (is_encrypted(kind)) lies.push_back(to_the_end);
-    for (const auto& lie : lies)
-      for (const auto& before : {Bytes{}, empty_pad, empty_time, data, own})
-        EXPECT_EQ(said({before, lie}), Code::info_source_mismatch);
-    EXPECT_EQ(said({other, own, data}), Code::info_source_mismatch);
-  }
-}
-
 TEST(InsiderSubmessages, MustBeOneThatTheOwnerOfTheKeySends) {
   for (const auto kind : {kSign, kEncrypt}) {
     TwoSides two;
