@@ -106,7 +106,7 @@ std::string reason(const Dead& dead) {
   std::vector<std::string> names;
   for (const auto& by : dead.by)
     names.push_back(
-        fmt::format("{} ({}, line {})", quoted(by.topic->text), rule_name(by), by.topic->line));
+        fmt::format("{} ({}, line {})", in_quotes(by.topic->text), rule_name(by), by.topic->line));
   return fmt::format("{} already decide{} for every name it matches", fmt::join(names, ", "),
                      names.size() == 1 ? "s" : "");
 }
@@ -121,10 +121,10 @@ std::size_t entries_of(const GrantPlace& place, std::size_t rule_number) {
 
 void add_rule(Findings& out, const GrantPlace& place, const std::vector<const Dead*>& all) {
   const auto& first = *all.front();
-  auto finding =
-      place.about_rule(PERM012, first.entry.rule_number,
-                       fmt::format("{} can never apply: to {} {}, {}", rule_name(first.entry),
-                                   first.action, quoted(first.entry.topic->text), reason(first)));
+  auto finding = place.about_rule(
+      PERM012, first.entry.rule_number,
+      fmt::format("{} can never apply: to {} {}, {}", rule_name(first.entry), first.action,
+                  in_quotes(first.entry.topic->text), reason(first)));
   finding.severity = Severity::informational;
   for (const auto* dead : all) finding.severity = std::max(finding.severity, severity_of(*dead));
   out.add(std::move(finding));
@@ -145,7 +145,7 @@ void lint_dead_rules(Findings& out, const GrantPlace& place) {
       auto finding = place.about(
           PERM012, one->entry,
           fmt::format("to {} {} can never apply in {}: {}", one->action,
-                      quoted(one->entry.topic->text), rule_name(one->entry), reason(*one)));
+                      in_quotes(one->entry.topic->text), rule_name(one->entry), reason(*one)));
       finding.severity = severity_of(*one);
       out.add(std::move(finding));
     }

@@ -27,14 +27,14 @@ void Findings::add_if_unportable(ddssec::Rule rule, const Text& expression,
   const auto found = unportable(expression.text);
   if (!found) return;
   Finding finding{.rule = rule,
-                  .message = fmt::format("{}: {}", quoted(expression.text), found->reason),
+                  .message = fmt::format("{}: {}", in_quotes(expression.text), found->reason),
                   .line = expression.line,
                   .path = path};
   if (found->witness) {
     const bool cyclone = found->cyclone_matches_it;
     finding.message +=
         fmt::format("; Cyclone DDS {} {} and Fast DDS {}", cyclone ? "matches" : "does not match",
-                    quoted(*found->witness), cyclone ? "does not" : "does");
+                    in_quotes(*found->witness), cyclone ? "does not" : "does");
     finding.vendors = {kCyclone};
   } else if (expression.text.find('\\') != expression.text.npos) {
     finding.vendors = {kOpenDds};
@@ -48,7 +48,7 @@ void Findings::add_if_ros_name(ddssec::Rule rule, const Text& expression, const 
   if (!expression.text.starts_with('/')) return;
   add({.rule = rule,
        .message = fmt::format("{} begins with a slash, as names of ROS do and DDS topics do not",
-                              quoted(expression.text)),
+                              in_quotes(expression.text)),
        .line = expression.line,
        .path = path});
 }
@@ -65,7 +65,7 @@ std::vector<Finding> Findings::take() {
   return std::move(all_);
 }
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   constexpr std::size_t kMost = 80;
   return fmt::format("\"{}{}\"", text.substr(0, kMost), text.size() > kMost ? "..." : "");
 }

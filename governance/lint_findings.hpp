@@ -35,7 +35,7 @@ class Findings {
 };
 
 /// `"rt/a"`, cut if it is long.
-std::string quoted(std::string_view text);
+std::string in_quotes(std::string_view text);
 /// "3" or "0-5", several with commas.
 std::string to_text(const std::vector<DomainRange>& ranges);
 

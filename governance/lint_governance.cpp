@@ -124,13 +124,13 @@ void check_dead_rules(Findings& out, const Place& place) {
     if (!found[i].is_dead) continue;
     std::vector<std::string> names;
     for (const auto by : found[i].by)
-      names.push_back(fmt::format("{} (rule {})", quoted(rules[by].topic_expression), by + 1));
+      names.push_back(fmt::format("{} (rule {})", in_quotes(rules[by].topic_expression), by + 1));
     const bool is_harmless = std::ranges::all_of(
         found[i].by, [&](std::uint32_t by) { return same_protection(rules[by], rules[i]); });
     auto finding = place.about(
         GOV010, i,
         fmt::format("topic_rule {} {} can never apply: {} already {} every name it matches{}",
-                    i + 1, quoted(rules[i].topic_expression), fmt::join(names, ", "),
+                    i + 1, in_quotes(rules[i].topic_expression), fmt::join(names, ", "),
                     names.size() == 1 ? "matches" : "together match",
                     is_harmless ? ", with the same protection" : ""));
     if (is_harmless) finding.severity = Severity::warning;
@@ -146,7 +146,7 @@ void check_topics_without_rule(Findings& out, const Place& place) {
   const auto answer = contained(all_names, expressions, {.states = 20'000, .steps = 10'000'000});
   if (answer.kind == SetAnswer::Kind::yes) return;
   const auto example =
-      answer.kind == SetAnswer::Kind::no ? " such as " + quoted(answer.witness) : std::string();
+      answer.kind == SetAnswer::Kind::no ? " such as " + in_quotes(answer.witness) : std::string();
   out.add(place.about(
       GOV011, fmt::format("the last topic_rule is not \"*\": topics{} have no rule", example)));
 }
@@ -190,7 +190,7 @@ void check_flags(Findings& out, const Place& place, std::size_t i) {
       out.add(place.about(
           GOV020, i,
           fmt::format("{}: enable_{}_protection is true while {}_protection_kind is NONE",
-                      quoted(topic.topic_expression), what, what)));
+                      in_quotes(topic.topic_expression), what, what)));
   };
   check(topic.enable_discovery_protection, place.rule.discovery_protection_kind, "discovery");
   check(topic.enable_liveliness_protection, place.rule.liveliness_protection_kind, "liveliness");
@@ -198,7 +198,7 @@ void check_flags(Findings& out, const Place& place, std::size_t i) {
 
 void check_access(Findings& out, const Place& place, std::size_t i) {
   const auto& topic = place.rule.topic_rules[i];
-  const auto name = quoted(topic.topic_expression);
+  const auto name = in_quotes(topic.topic_expression);
   if (controls_access(topic) && !place.rule.enable_join_access_control)
     out.add(place.about(GOV021, i,
                         fmt::format("{}: access to topics is controlled and joining the domain "
@@ -222,7 +222,7 @@ void check_access(Findings& out, const Place& place, std::size_t i) {
 
 void check_kinds(Findings& out, const Place& place, std::size_t i) {
   const auto& topic = place.rule.topic_rules[i];
-  const auto name = quoted(topic.topic_expression);
+  const auto name = in_quotes(topic.topic_expression);
   if (is_origin_authenticated(topic.metadata_protection_kind)) {
     auto finding = place.about(GOV030, i,
                                fmt::format("{}: metadata_protection_kind is {}", name,
@@ -248,7 +248,7 @@ void check_origin(Findings& out, const Place& place) {
   for (const auto& topic : place.rule.topic_rules)
     if (topic.enable_write_access_control && !is_plain(topic) &&
         !is_origin_authenticated(topic.metadata_protection_kind))
-      names.push_back(quoted(topic.topic_expression));
+      names.push_back(in_quotes(topic.topic_expression));
   if (names.empty()) return;
   const auto more = names.size() > 3 ? fmt::format(" and {} more", names.size() - 3) : "";
   if (names.size() > 3) names.resize(3);

@@ -75,7 +75,7 @@ void check_repeated_subjects(Findings& out, const std::vector<GrantPlace>& place
                             earlier.validity.not_before >= own.not_after;
     auto finding = place.about(
         PERM010, fmt::format("the grant for {} is dead: there is one in line {} already",
-                             quoted(place.grant().subject_name), earlier.line));
+                             in_quotes(place.grant().subject_name), earlier.line));
     if (is_renewal) {
       finding.severity = Severity::warning;
       finding.vendors = {kCyclone};
@@ -121,20 +121,20 @@ bool is_root_first(const pki::SubjectName& name) {
 
 std::optional<Spelling> misspelt(const std::string& text) {
   const auto name = pki::SubjectName::parse(text);
-  if (!name) return Spelling{quoted(text) + " is no subject name"};
+  if (!name) return Spelling{in_quotes(text) + " is no subject name"};
   if (name->root_first())
-    return Spelling{quoted(text) + " is in the form with slashes, which Fast DDS does not read",
+    return Spelling{in_quotes(text) + " is in the form with slashes, which Fast DDS does not read",
                     canonical(*name, true),
                     {kFastDds}};
   if (is_root_first(*name))
-    return Spelling{quoted(text) +
+    return Spelling{in_quotes(text) +
                         " begins with the country or organisation: Fast DDS does not "
                         "recognise a certificate by it",
                     canonical(*name, true),
                     {kFastDds}};
   const auto plain = canonical(*name, false);
   if (text.size() > plain.size() && text.find(' ') != text.npos)
-    return Spelling{quoted(text) + " has blanks beside ',' or '=', and Cyclone DDS keeps them",
+    return Spelling{in_quotes(text) + " has blanks beside ',' or '=', and Cyclone DDS keeps them",
                     plain,
                     {kCyclone}};
   return std::nullopt;
@@ -164,8 +164,8 @@ void check_subject(Findings& out, const std::vector<GrantPlace>& places,
     out.add({.rule = PERM011,
              .message = fmt::format("no grant is for the certificate's subject {}; the first is "
                                     "for {}",
-                                    quoted(certificate.subject()),
-                                    quoted(places.front().grant().subject_name)),
+                                    in_quotes(certificate.subject()),
+                                    in_quotes(places.front().grant().subject_name)),
              .line = places.front().grant().line,
              .path = places.front().path(),
              .hint = hint,
@@ -174,9 +174,9 @@ void check_subject(Findings& out, const std::vector<GrantPlace>& places,
   }
   const auto& grant = own->grant();
   if (grant.subject_is_expression || grant.subject_name == certificate.subject()) return;
-  auto finding =
-      own->about(PERM011, fmt::format("{} means the certificate's subject {} in other words",
-                                      quoted(grant.subject_name), quoted(certificate.subject())));
+  auto finding = own->about(
+      PERM011, fmt::format("{} means the certificate's subject {} in other words",
+                           in_quotes(grant.subject_name), in_quotes(certificate.subject())));
   finding.hint = hint;
   finding.vendors = {kCyclone, kFastDds};
   out.add(std::move(finding));

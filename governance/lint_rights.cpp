@@ -74,7 +74,7 @@ void check_partitions_by_rule(Findings& out, const GrantPlace& place,
     auto finding = place.about(
         PERM015, entry,
         fmt::format("{}: {} matches it for other partitions, and Fast DDS goes no further",
-                    quoted(entry.topic->text), rule_name(earlier)));
+                    in_quotes(entry.topic->text), rule_name(earlier)));
     finding.vendors = {kFastDds};
     out.add(std::move(finding));
   }
@@ -125,7 +125,7 @@ void check_half_denied(Findings& out, const GrantPlace& place, std::size_t at, b
       PERM020, at + 1,
       fmt::format("deny_rule {} denies to {} {}, and a later allow_rule allows to {} it: Cyclone "
                   "DDS refuses the topic altogether",
-                  at + 1, publish ? "publish" : "subscribe", quoted(*witness),
+                  at + 1, publish ? "publish" : "subscribe", in_quotes(*witness),
                   publish ? "subscribe" : "publish"));
   finding.vendors = {kCyclone};
   out.add(std::move(finding));
@@ -159,8 +159,9 @@ void check_open_denial(Findings& out, const GrantPlace& place,
         PERM021, entry,
         fmt::format("{} denies {} in every partition, but in Cyclone DDS in the default partition "
                     "only, and {} allows {} in partition {}",
-                    rule_name(entry), quoted(entry.topic->text), rule_name(*later),
-                    quoted(later->topic->text), quoted(later->criteria->partitions->front().text)));
+                    rule_name(entry), in_quotes(entry.topic->text), rule_name(*later),
+                    in_quotes(later->topic->text),
+                    in_quotes(later->criteria->partitions->front().text)));
     finding.vendors = {kCyclone};
     out.add(std::move(finding));
     return;  // one example for each direction
@@ -255,7 +256,7 @@ void check_topic_rules(Findings& out, const GrantPlace& place, const Governance&
       out.add(place.about(
           PERM025, entry,
           fmt::format("{} is allowed, and no topic_rule of the governance document matches it",
-                      quoted(entry.topic->text))));
+                      in_quotes(entry.topic->text))));
     }
 }
 

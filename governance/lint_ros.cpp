@@ -53,8 +53,8 @@ void check_services(Findings& out, const GrantPlace& place, std::size_t action) 
     if (found[allowed + i].is_dead) continue;
     out.add(place.about(PERM030, *halves[i],
                         fmt::format("to {} {} is allowed, to {} {} is not", kActionNames.at(action),
-                                    quoted(halves[i]->topic->text), kActionNames.at(1 - action),
-                                    quoted(others[i]))));
+                                    in_quotes(halves[i]->topic->text), kActionNames.at(1 - action),
+                                    in_quotes(others[i]))));
   }
 }
 
@@ -79,7 +79,7 @@ void check_log_topic(Findings& out, const GrantPlace& place) {
     if (entry.rule->allow && text.starts_with("rt/") && text.ends_with("/rosout"))
       out.add(place.about(
           PERM033, entry,
-          fmt::format("{} is allowed, and rt/rosout, where nodes log, is not", quoted(text))));
+          fmt::format("{} is allowed, and rt/rosout, where nodes log, is not", in_quotes(text))));
   }
 }
 

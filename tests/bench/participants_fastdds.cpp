@@ -1,34 +1,24 @@
-// The measuring peer on Fast DDS 2.9 with its own plugins.
+// The measuring peer on Fast DDS with its own plugins.
 #include <cstdlib>
-#include <fastcdr/Cdr.h>
-#include <fastcdr/FastBuffer.h>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
-#include <fastdds/dds/log/Log.hpp>
-#include <fastdds/dds/log/StdoutErrConsumer.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/DataReaderListener.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
-#include <fastdds/dds/topic/TopicDataType.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastrtps/utils/IPLocator.h>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "bench/participants.h"
-
-namespace fdds = eprosima::fastdds::dds;
-namespace rtps = eprosima::fastrtps::rtps;
-using eprosima::fastcdr::Cdr;
-using eprosima::fastcdr::FastBuffer;
-using eprosima::fastrtps::Duration_t;
+#include "interop/peers/fastdds_api.hpp"
 
 namespace {
+
+using namespace interop_fast;
 
 /// As received; to be sent it borrows its octets.
 struct Blob {
@@ -39,54 +29,26 @@ struct Blob {
   uint32_t length = 0;
 };
 
-// blob.idl in XCDR1, by hand: Debian has no Fast DDS code generator.
-class BlobType : public fdds::TopicDataType {
+/// blob.idl.
+class BlobType final : public TypeOf<Blob> {
  public:
-  static constexpr uint32_t kOverhead = 4 + 4 + 4 + 8 + 4 + 4;
+  static constexpr std::uint32_t kOverhead = 4 + 4 + 4 + 8 + 4 + 4;
 
-  explicit BlobType(uint32_t size) {
-    setName("Blob");
-    m_typeSize = kOverhead + size;
-    m_isGetKeyDefined = false;
-    auto_fill_type_object(false);
-    auto_fill_type_information(false);
-  }
+  explicit BlobType(std::uint32_t size) : TypeOf("Blob", kOverhead + size, false) {}
 
-  bool serialize(void* data, rtps::SerializedPayload_t* payload) override {
-    const Blob& blob = *static_cast<Blob*>(data);
-    FastBuffer buffer(reinterpret_cast<char*>(payload->data), payload->max_size);
-    Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
-    payload->encapsulation = cdr.endianness() == Cdr::BIG_ENDIANNESS ? CDR_BE : CDR_LE;
-    try {
-      cdr.serialize_encapsulation();
-      cdr << blob.seq << blob.pad << blob.t_ns << blob.length;
-      cdr.serializeArray(blob.borrowed, blob.length);
-    } catch (const eprosima::fastcdr::exception::Exception&) {
-      return false;
-    }
-    payload->length = static_cast<uint32_t>(cdr.getSerializedDataLength());
-    return true;
+ private:
+  void write(Cdr& cdr, const void* sample) const override {
+    const auto& blob = *static_cast<const Blob*>(sample);
+    cdr << blob.seq << blob.pad << blob.t_ns << blob.length;
+    write_octets(cdr, blob.borrowed, blob.length);
   }
-
-  bool deserialize(rtps::SerializedPayload_t* payload, void* data) override {
-    Blob& blob = *static_cast<Blob*>(data);
-    FastBuffer buffer(reinterpret_cast<char*>(payload->data), payload->length);
-    Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
-    try {
-      cdr.read_encapsulation();
-      cdr >> blob.seq >> blob.pad >> blob.t_ns >> blob.data;
-    } catch (const eprosima::fastcdr::exception::Exception&) {
-      return false;
-    }
-    return true;
+  void read(Cdr& cdr, void* sample) const override {
+    auto& blob = *static_cast<Blob*>(sample);
+    cdr >> blob.seq >> blob.pad >> blob.t_ns >> blob.data;
   }
-
-  std::function<uint32_t()> getSerializedSizeProvider(void* data) override {
-    return [blob = static_cast<Blob*>(data)] { return kOverhead + blob->length; };
+  std::uint32_t most_octets(const void* sample) const override {
+    return kOverhead + static_cast<const Blob*>(sample)->length;
   }
-  bool getKey(void*, rtps::InstanceHandle_t*, bool) override { return false; }
-  void* createData() override { return new Blob; }
-  void deleteData(void* data) override { delete static_cast<Blob*>(data); }
 };
 
 struct Fast {
@@ -117,13 +79,13 @@ bool write_blob(void* self, const bench_blob* blob) {
   sent.t_ns = blob->t_ns;
   sent.borrowed = blob->data;
   sent.length = blob->length;
-  return fast(self).writer->write(&sent);
+  return ok(fast(self).writer->write(&sent));
 }
 
 bool take_blob(void* self, bench_blob* blob) {
   Blob& got = fast(self).received;
   fdds::SampleInfo info;
-  while (fast(self).reader->take_next_sample(&got, &info) == ReturnCode_t::RETCODE_OK) {
+  while (ok(fast(self).reader->take_next_sample(&got, &info))) {
     if (!info.valid_data) continue;
     *blob = {got.seq, got.pad, got.t_ns, got.data.data(), static_cast<uint32_t>(got.data.size())};
     return true;
@@ -136,8 +98,7 @@ void wait_for_data(void* self) {
 }
 
 bool acknowledged(void* self) {
-  return fast(self).writer->wait_for_acknowledgments(Duration_t(0, 10'000'000)) ==
-         ReturnCode_t::RETCODE_OK;
+  return ok(fast(self).writer->wait_for_acknowledgments(Duration_t(0, 10'000'000)));
 }
 
 class Echo : public fdds::DataReaderListener {
@@ -173,35 +134,6 @@ void set_security(fdds::DomainParticipantQos& qos, const char* folder) {
   document(access + "permissions", "permissions.p7s");
 }
 
-// Loopback UDP alone.
-void set_loopback(fdds::DomainParticipantQos& qos) {
-  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
-  udp->interfaceWhiteList.emplace_back("127.0.0.1");
-  udp->sendBufferSize = udp->receiveBufferSize = 4 << 20;
-  qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports.push_back(udp);
-}
-
-// Unicast: a metatraffic locator with port 0 keeps Fast DDS off multicast.
-void set_unicast(fdds::DomainParticipantQos& qos) {
-  rtps::Locator_t loopback;
-  rtps::IPLocator::setIPv4(loopback, "127.0.0.1");
-  auto& builtin = qos.wire_protocol().builtin;
-  builtin.metatrafficUnicastLocatorList.push_back(loopback);
-  builtin.initialPeersList.push_back(loopback);
-  auto& discovery = builtin.discovery_config;
-  discovery.leaseDuration_announcementperiod = Duration_t(0, 500'000'000);
-  discovery.initial_announcements.period = Duration_t(0, 100'000'000);
-}
-
-void log_to_stderr() {
-  auto consumer = std::make_unique<fdds::StdoutErrConsumer>();
-  consumer->stderr_threshold(fdds::Log::Kind::Info);
-  fdds::Log::ClearConsumers();
-  fdds::Log::RegisterConsumer(std::move(consumer));
-  fdds::Log::SetVerbosity(fdds::Log::Kind::Error);
-}
-
 template <class Qos>
 void set_endpoint(Qos& qos, const bench_options& options) {
   qos.reliability().kind = fdds::RELIABLE_RELIABILITY_QOS;
@@ -227,7 +159,7 @@ bool create_endpoints(fdds::DomainParticipant& participant, fdds::TypeSupport& t
     auto* on = topic(written);
     fdds::DataWriterQos qos = fdds::DATAWRITER_QOS_DEFAULT;
     set_endpoint(qos, options);
-    qos.reliable_writer_qos().times.heartbeatPeriod = Duration_t(0, 100'000'000);
+    set_heartbeat_period(qos, Duration_t(0, 100'000'000));
     if (publisher && on) made.writer = publisher->create_datawriter(on, qos);
     if (!made.writer) return false;
   }
@@ -244,8 +176,7 @@ bool create_endpoints(fdds::DomainParticipant& participant, fdds::TypeSupport& t
 
 int use(fdds::DomainParticipant& participant, const bench_options& options) {
   fdds::TypeSupport type(new BlobType(options.size));
-  if (type.register_type(&participant) != ReturnCode_t::RETCODE_OK)
-    return bench_refused("type", "register_type failed");
+  if (!ok(type.register_type(&participant))) return bench_refused("type", "register_type failed");
   Fast made;
   made.stack = {&made, readers, writers, write_blob, take_blob, wait_for_data, acknowledged};
   Echo echo(made);
@@ -259,8 +190,10 @@ int use(fdds::DomainParticipant& participant, const bench_options& options) {
 
 int run(const bench_options& options) {
   fdds::DomainParticipantQos qos = fdds::PARTICIPANT_QOS_DEFAULT;
-  set_loopback(qos);
-  if (options.role != BENCH_MATCHED) set_unicast(qos);
+  constexpr const char* kLoopback = "127.0.0.1";
+  const auto udp = use_udp_alone(qos, kLoopback);
+  udp->sendBufferSize = udp->receiveBufferSize = 4 << 20;
+  if (options.role != BENCH_MATCHED) use_unicast_alone(qos, kLoopback, kLoopback);
   if (options.security) set_security(qos, options.security);
   auto* factory = fdds::DomainParticipantFactory::get_instance();
   auto* participant = factory->create_participant(static_cast<uint32_t>(options.domain), qos);
@@ -276,7 +209,7 @@ int run(const bench_options& options) {
 int main(int argc, char** argv) {
   bench_options options;
   bench_parse(argc, argv, &options);
-  log_to_stderr();
+  log_to_stderr(fdds::Log::Kind::Error);
   const int code = run(options);
   fdds::Log::Flush();
   return code;

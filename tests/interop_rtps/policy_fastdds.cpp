@@ -9,6 +9,14 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/ContentFilteredTopic.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
+#if DDSSEC_FASTDDS >= 3
+#include <fastdds/dds/xtypes/dynamic_types/DynamicType.hpp>
+#include <fastdds/dds/xtypes/dynamic_types/DynamicTypeBuilder.hpp>
+#include <fastdds/dds/xtypes/dynamic_types/DynamicTypeBuilderFactory.hpp>
+#include <fastdds/dds/xtypes/dynamic_types/MemberDescriptor.hpp>
+#include <fastdds/dds/xtypes/dynamic_types/TypeDescriptor.hpp>
+#include <fastdds/dds/xtypes/type_representation/ITypeObjectRegistry.hpp>
+#else
 #include <fastdds/rtps/reader/ReaderDiscoveryInfo.h>
 #include <fastdds/rtps/writer/WriterDiscoveryInfo.h>
 #include <fastrtps/types/DynamicType.h>
@@ -16,6 +24,7 @@
 #include <fastrtps/types/DynamicTypeBuilderFactory.h>
 #include <fastrtps/types/DynamicTypeBuilderPtr.h>
 #include <fastrtps/types/TypeObjectFactory.h>
+#endif
 
 #include "interop/peers/fastdds_shape.hpp"
 #include "interop_rtps/policy_peer.hpp"
@@ -31,9 +40,40 @@ Duration_t milliseconds(std::int64_t count) {
                     static_cast<uint32_t>(count % 1000 * 1'000'000));
 }
 
-bool ok(const ReturnCode_t& code) { return code == ReturnCode_t::RETCODE_OK; }
-
 // Content filters of Fast DDS look at samples through the type's description.
+#if DDSSEC_FASTDDS >= 3
+class DescribedShape final : public ShapeType {
+  void register_type_object_representation() override {
+    const auto factory = fdds::DynamicTypeBuilderFactory::get_instance();
+    const auto shape = fdds::traits<fdds::TypeDescriptor>::make_shared();
+    shape->kind(fdds::TK_STRUCTURE);
+    shape->name(get_name());
+    shape->extensibility_kind(fdds::ExtensibilityKind::FINAL);
+    const auto builder = factory->create_type(shape);
+    const auto add = [&](const char* name, const fdds::DynamicType::_ref_type& type) {
+      const auto member = fdds::traits<fdds::MemberDescriptor>::make_shared();
+      member->name(name);
+      member->type(type);
+      member->is_key(std::string_view(name) == "color");
+      builder->add_member(member);
+    };
+    const auto number = factory->get_primitive_type(fdds::TK_INT32);
+    add("color", factory->create_string_type(fdds::LENGTH_UNLIMITED)->build());
+    for (const auto* name : {"x", "y", "shapesize"}) add(name, number);
+    add("payload", factory
+                       ->create_sequence_type(factory->get_primitive_type(fdds::TK_BYTE),
+                                              fdds::LENGTH_UNLIMITED)
+                       ->build());
+    auto& registry = fdds::DomainParticipantFactory::get_instance()->type_object_registry();
+    if (!ok(registry.register_typeobject_w_dynamic_type(builder->build(), type_identifiers_)))
+      std::fprintf(stderr, "Fast DDS does not know its type\n");
+  }
+};
+
+void describe_type() {}
+#else
+using DescribedShape = ShapeType;
+
 void describe_type() {
   namespace types = eprosima::fastrtps::types;
   auto& factory = *types::DynamicTypeBuilderFactory::get_instance();
@@ -52,6 +92,7 @@ void describe_type() {
       types::TypeObjectFactory::get_instance()->get_type_identifier("interop::Shape", true);
   if (id == nullptr) std::fprintf(stderr, "Fast DDS does not know its type\n");
 }
+#endif
 
 template <class Q>
 void set_qos(Q& qos, const Policies& p) {
@@ -94,13 +135,33 @@ void set_group(Q& group, const Policies& p) {
 // What others announced, by topic: of each kind of endpoint the last.
 class Discovered final : public fdds::DomainParticipantListener {
  public:
+#if DDSSEC_FASTDDS >= 3
+  void on_data_writer_discovery(fdds::DomainParticipant*, rtps::WriterDiscoveryStatus,
+                                const rtps::PublicationBuiltinTopicData& info, bool&) override {
+    note("reader", info.topic_name.to_string(), info);
+  }
+  void on_data_reader_discovery(fdds::DomainParticipant*, rtps::ReaderDiscoveryStatus,
+                                const rtps::SubscriptionBuiltinTopicData& info, bool&) override {
+    note("writer", info.topic_name.to_string(), info);
+  }
+#else
+  struct Data {
+    const fdds::UserDataQosPolicy& user_data;
+    const fdds::TopicDataQosPolicy& topic_data;
+    const fdds::GroupDataQosPolicy& group_data;
+  };
+  template <class Qos>
+  static Data data_in(const Qos& qos) {
+    return {qos.m_userData, qos.m_topicData, qos.m_groupData};
+  }
   void on_publisher_discovery(fdds::DomainParticipant*, rtps::WriterDiscoveryInfo&& info) override {
-    note("reader", info.info);
+    note("reader", info.info.topicName().to_string(), data_in(info.info.m_qos));
   }
   void on_subscriber_discovery(fdds::DomainParticipant*,
                                rtps::ReaderDiscoveryInfo&& info) override {
-    note("writer", info.info);
+    note("writer", info.info.topicName().to_string(), data_in(info.info.m_qos));
   }
+#endif
   /// `to`: "reader" or "writer".
   std::string told(const std::string& to, const std::string& topic) {
     const std::lock_guard held(mutex_);
@@ -108,15 +169,14 @@ class Discovered final : public fdds::DomainParticipantListener {
   }
 
  private:
-  template <class Info>
-  void note(const std::string& to, const Info& info) {
-    const auto text = [](const auto& data) {
-      return std::string(data.data_vec().begin(), data.data_vec().end());
+  template <class Data>
+  void note(const std::string& to, const std::string& topic, const Data& data) {
+    const auto text = [](const auto& octets) {
+      return std::string(octets.data_vec().begin(), octets.data_vec().end());
     };
     const std::lock_guard held(mutex_);
-    told_[to + info.topicName().to_string()] = "user=" + text(info.m_qos.m_userData) +
-                                               " topic=" + text(info.m_qos.m_topicData) +
-                                               " group=" + text(info.m_qos.m_groupData);
+    told_[to + topic] = "user=" + text(data.user_data) + " topic=" + text(data.topic_data) +
+                        " group=" + text(data.group_data);
   }
   std::mutex mutex_;
   std::map<std::string, std::string> told_;
@@ -135,7 +195,7 @@ class Fast final : public policy_peer::Stack {
     if (p.has("strength"))
       qos.ownership_strength().value = static_cast<uint32_t>(p.number("strength"));
     qos.writer_data_lifecycle().autodispose_unregistered_instances = p.is("autodispose", "on");
-    qos.reliable_writer_qos().times.heartbeatPeriod = Duration_t(0, 100'000'000);
+    set_heartbeat_period(qos, Duration_t(0, 100'000'000));
     auto* publisher = participant_.create_publisher(group);
     return (writers_[id] = publisher->create_datawriter(topic_of(topic, p), qos)) != nullptr;
   }
@@ -161,7 +221,7 @@ class Fast final : public policy_peer::Stack {
   }
   bool write(const std::string& id, const std::string& color, int x, std::int64_t) override {
     Shape shape{.color = color, .x = x, .y = 2 * x};
-    return writers_.at(id)->write(&shape);
+    return ok(writers_.at(id)->write(&shape));
   }
   bool end(const std::string& id, const std::string& color, End how) override {
     Shape shape{.color = color};
@@ -256,7 +316,7 @@ int main() {
   auto* factory = fdds::DomainParticipantFactory::get_instance();
   Discovered discovered;
   auto* participant = factory->create_participant(0, qos, &discovered, fdds::StatusMask::none());
-  fdds::TypeSupport type(new ShapeType);
+  fdds::TypeSupport type(new DescribedShape);
   if (participant == nullptr || !ok(type.register_type(participant))) return 3;
   describe_type();
   Fast stack(*participant, type.get_type_name(), discovered);

@@ -20,16 +20,16 @@ using namespace interop_fast;
 /// shapes_type.idl: the interop type without its payload.
 class FinalShape final : public ShapeType {
  public:
-  FinalShape() { setName("ShapeType"); }
-  bool serialize(void* data, rtps::SerializedPayload_t* payload) override {
-    const Shape& shape = *static_cast<Shape*>(data);
-    return write_cdr(
-        *payload, [&](Cdr& cdr) { cdr << shape.color << shape.x << shape.y << shape.shapesize; });
+  FinalShape() : ShapeType("ShapeType") {}
+
+ private:
+  void write(Cdr& cdr, const void* sample) const override {
+    const auto& shape = *static_cast<const Shape*>(sample);
+    cdr << shape.color << shape.x << shape.y << shape.shapesize;
   }
-  bool deserialize(rtps::SerializedPayload_t* payload, void* data) override {
-    Shape& shape = *static_cast<Shape*>(data);
-    return read_cdr(*payload,
-                    [&](Cdr& cdr) { cdr >> shape.color >> shape.x >> shape.y >> shape.shapesize; });
+  void read(Cdr& cdr, void* sample) const override {
+    auto& shape = *static_cast<Shape*>(sample);
+    cdr >> shape.color >> shape.x >> shape.y >> shape.shapesize;
   }
 };
 
@@ -44,8 +44,7 @@ void subscribe(fdds::DataReader& reader, const char* topic) {
   for (;; std::this_thread::sleep_for(std::chrono::milliseconds(50))) {
     Shape shape;
     fdds::SampleInfo info;
-    while (reader.take_next_sample(&shape, &info) ==
-           eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
+    while (ok(reader.take_next_sample(&shape, &info))) {
       if (info.valid_data)
         std::printf("%-10s %-10s %03d %03d [%d]\n", topic, shape.color.c_str(), shape.x, shape.y,
                     shape.shapesize);

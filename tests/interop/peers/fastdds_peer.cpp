@@ -1,4 +1,4 @@
-// Test peer on Fast DDS 2.9, with the same command line and output as the Cyclone peer. Fast DDS
+// Test peer on Fast DDS, with the same command line and output as the Cyclone peer. Fast DDS
 // has its security plugins compiled in, so it is always a stock peer.
 #include <cstdlib>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
@@ -17,15 +17,9 @@
 #include "interop/peers/fastdds_shape.hpp"
 #include "interop/peers/peer.h"
 
-namespace fdds = eprosima::fastdds::dds;
-namespace rtps = eprosima::fastrtps::rtps;
-using eprosima::fastrtps::Duration_t;
-using interop_fast::log_to_stderr;
-using interop_fast::set_interface;
-using interop_fast::Shape;
-using interop_fast::ShapeType;
-
 namespace {
+
+using namespace interop_fast;
 
 class AuthenticationWatch : public fdds::DomainParticipantListener {
  public:
@@ -57,18 +51,17 @@ uint32_t matched(void* self) {
 
 bool write_sample(void* self, int32_t index, const uint8_t* payload, uint32_t length) {
   Shape shape{.x = index, .y = 2 * index, .payload = {payload, payload + length}};
-  return fast(self).writer->write(&shape);
+  return ok(fast(self).writer->write(&shape));
 }
 
 bool acknowledged(void* self) {
-  return fast(self).writer->wait_for_acknowledgments(Duration_t(0, 5'000'000)) ==
-         ReturnCode_t::RETCODE_OK;
+  return ok(fast(self).writer->wait_for_acknowledgments(Duration_t(0, 5'000'000)));
 }
 
 bool take_sample(void* self, peer_sample* sample) {
   Shape& shape = fast(self).received;
   fdds::SampleInfo info;
-  while (fast(self).reader->take_next_sample(&shape, &info) == ReturnCode_t::RETCODE_OK) {
+  while (ok(fast(self).reader->take_next_sample(&shape, &info))) {
     if (!info.valid_data) continue;
     *sample = {shape.color.c_str(), shape.x, shape.payload.data(),
                static_cast<uint32_t>(shape.payload.size())};
@@ -126,7 +119,7 @@ bool create_writer(fdds::DomainParticipant& participant, fdds::Topic* topic,
     qos.history().kind = fdds::KEEP_LAST_HISTORY_QOS;
     qos.history().depth = static_cast<int32_t>(options.keep_last);
   }
-  qos.reliable_writer_qos().times.heartbeatPeriod = Duration_t(0, 100'000'000);
+  set_heartbeat_period(qos, Duration_t(0, 100'000'000));
   made.writer = publisher->create_datawriter(topic, qos);
   return made.writer != nullptr;
 }
@@ -145,8 +138,7 @@ bool create_reader(fdds::DomainParticipant& participant, fdds::Topic* topic,
 
 int use(fdds::DomainParticipant& participant, const peer_options& options) {
   fdds::TypeSupport type(new ShapeType);
-  if (type.register_type(&participant) != ReturnCode_t::RETCODE_OK)
-    return peer_refused("type", "register_type failed");
+  if (!ok(type.register_type(&participant))) return peer_refused("type", "register_type failed");
   fdds::Topic* topic =
       participant.create_topic(options.topic, type.get_type_name(), fdds::TOPIC_QOS_DEFAULT);
   if (!topic) return peer_refused("topic", "create_topic failed");

@@ -1,0 +1,18 @@
+# Fast DDS for the peers of tests and benchmarks: target ddssec_fastdds. Its package is called
+# fastdds since version 3 (Debian 13), fastrtps before (Debian 12).
+if(TARGET ddssec_fastdds)
+  return()
+endif()
+set(CMAKE_FIND_PACKAGE_TARGETS_GLOBAL TRUE)
+find_package(fastcdr REQUIRED)
+find_package(fastdds QUIET)
+add_library(ddssec_fastdds INTERFACE)
+if(fastdds_FOUND)
+  target_link_libraries(ddssec_fastdds INTERFACE fastdds fastcdr)
+  target_compile_definitions(ddssec_fastdds INTERFACE DDSSEC_FASTDDS=3)
+else()
+  find_package(fastrtps REQUIRED)
+  target_link_libraries(ddssec_fastdds INTERFACE fastrtps fastcdr)
+  target_compile_definitions(ddssec_fastdds INTERFACE DDSSEC_FASTDDS=2)
+endif()
+unset(CMAKE_FIND_PACKAGE_TARGETS_GLOBAL)
