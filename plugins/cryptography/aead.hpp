@@ -25,7 +25,7 @@ using TagView = std::span<const std::uint8_t, kTagSize>;
 using TagOut = std::span<std::uint8_t, kTagSize>;
 
 /// Octets an expanded key may take up, whatever the implementation.
-inline constexpr std::size_t kKeyStorage = 1008;
+inline constexpr std::size_t kKeyStorage = 1264;
 using KeyStorage = std::byte*;
 
 struct SealRequest {

@@ -161,6 +161,8 @@ Status Participant::process(const SubmessageView& view, Context& context) {
     case SubmessageId::heartbeat: {
       const auto heartbeat = DDSSEC_TRY(read_heartbeat(view));
       if (!context.for_us) return {};
+      if (security_ && heartbeat.writer == kParticipantsSecureWriter)
+        note_participants_secure(from);
       each_reader(heartbeat.reader, heartbeat.writer, context, [&](auto& reader) {
         reader.on_heartbeat(from, heartbeat);
         if (heartbeat.asserts_liveliness) note_alive(from, heartbeat.writer);

@@ -233,6 +233,7 @@ class Participant final : private SecurityHost {
     std::map<EntityId, RemoteEndpoint> endpoints = {};
     std::vector<Watch> watches = {};  ///< only where a lease is finite
     bool accepted = false;            ///< authenticated, or admitted without
+    bool heard_participants_secure = false;
   };
   /// RTPS 8.3.4: what earlier submessages of a message say about later ones.
   struct Context {
@@ -280,6 +281,7 @@ class Participant final : private SecurityHost {
   void tell_of(const Remote& remote);
   bool is_ignored(const EndpointData& data) const;
   void match_builtin(const BuiltinTopicInfo& info, Remote& remote, bool writer);
+  void note_participants_secure(const GuidPrefix& peer);
   void unmatch(Remote& remote);
   void remove_remote(const GuidPrefix& prefix);
 
@@ -309,6 +311,7 @@ class Participant final : private SecurityHost {
   LocatorList on_proven(const GuidPrefix& peer, const ParticipantData& proven) override;
   void on_replaced(const GuidPrefix& peer) override;
   void on_keys(const EntityId& local, const Guid& remote) override;
+  void on_early_keys(const Guid& remote) override;
   void on_ended(const GuidPrefix& peer) override;
 
   /// False: security keeps them apart, or their keys are not here yet.

@@ -118,6 +118,11 @@ void Participant::on_keys(const EntityId& local, const Guid& remote) {
     match(reader->second, at->second, endpoint->second.data);
 }
 
+void Participant::on_early_keys(const Guid& remote) {
+  if (remote.entity == kParticipantsSecureWriter || remote.entity == kParticipantsSecureReader)
+    note_participants_secure(remote.prefix);
+}
+
 bool Participant::introduce(const EntityId& local, const EndpointData& remote, bool& keep) {
   if (!security_ || remote.guid.prefix == config_.prefix) return true;
   const auto admission =

@@ -230,8 +230,8 @@ void Participant::match_builtin(Remote& remote) {
 
 void Participant::match_builtin(const BuiltinTopicInfo& info, Remote& remote, bool with_writer) {
   const auto& prefix = remote.data.guid.prefix;
-  // Fast DDS announces DCPSParticipantsSecure and does not have it.
-  if (info.topic == BuiltinTopic::participants_secure && remote.data.vendor == kVendorFastDds)
+  if (info.topic == BuiltinTopic::participants_secure && remote.data.vendor == kVendorFastDds &&
+      !remote.heard_participants_secure)
     return;
   // The reader of a pair is the bit above its writer.
   const auto mask = with_writer ? 0xaaaaaaaau : 0x55555555u;
@@ -243,6 +243,20 @@ void Participant::match_builtin(const BuiltinTopicInfo& info, Remote& remote, bo
     builtin_.writer(info.topic).match({other, true, true, remote.metatraffic}, now_);
   else
     builtin_.find_reader(own)->match({other, true, remote.metatraffic}, now_);
+}
+
+// Fast DDS announces DCPSParticipantsSecure. Up to 2.9 it does not have it; later it has, and takes
+// part in nothing else until it has our data from there. So it is matched once it is heard there.
+void Participant::note_participants_secure(const GuidPrefix& peer) {
+  const auto at = remotes_.find(peer);
+  if (at == remotes_.end() || std::exchange(at->second.heard_participants_secure, true)) return;
+  auto& remote = at->second;
+  if (!remote.accepted || remote.data.vendor != kVendorFastDds) return;
+  for (const auto& info : kBuiltinTopics) {
+    if (info.topic != BuiltinTopic::participants_secure) continue;
+    match_builtin(info, remote, true);
+    match_builtin(info, remote, false);
+  }
 }
 
 // Leases grow with everything that is heard: the time that was noted may be too early, never too

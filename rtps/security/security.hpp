@@ -25,6 +25,8 @@ class SecurityHost {
   virtual void on_replaced(const GuidPrefix& peer) = 0;
   /// The keys of a pair that was introduced are here.
   virtual void on_keys(const EntityId& local, const Guid& remote) = 0;
+  /// Keys of its endpoint came, and are kept, for a pair that was not introduced.
+  virtual void on_early_keys(const Guid& remote) = 0;
   /// What let a peer take part, or us, has ended.
   virtual void on_ended(const GuidPrefix& peer) = 0;
 };

@@ -135,7 +135,9 @@ void Security::on_endpoint_tokens(Peer& peer, GenericMessage message) {
   if (std::ranges::count_if(peer.early, of_pair) >= std::ptrdiff_t{kMostEarlyOfPair})
     peer.early.erase(std::ranges::find_if(peer.early, of_pair));
   if (peer.early.size() >= kMostEarlyTokens) peer.early.erase(peer.early.begin());
+  const Guid source = remote;
   peer.early.push_back(std::move(message));
+  host_.on_early_keys(source);
 }
 
 void Security::apply_tokens(Peer& peer, const GenericMessage& message) {
