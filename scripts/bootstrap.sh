@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs the Debian 12 packages ddssec is built and run with; --dev adds what the tests need.
+# Installs the packages of Debian 12 or 13 that ddssec is built and run with; --dev adds what the tests need.
 # Usage: scripts/bootstrap.sh [--dev]     Works as root or with sudo; can be run again.
 set -euo pipefail
 
@@ -18,7 +18,7 @@ while [ $# -gt 0 ]; do
   shift
 done
 
-command -v dpkg-query >/dev/null || die "this needs Debian 12 (dpkg is not here)"
+command -v dpkg-query >/dev/null || die "this needs Debian 12 or 13 (dpkg is not here)"
 missing=()
 for package in "${packages[@]}"; do
   [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")

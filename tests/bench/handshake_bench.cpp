@@ -16,6 +16,7 @@
 
 #include "tests/bench/public_key_operations.hpp"
 #include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/forwarding_authentication.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -46,71 +47,39 @@ void expect(bool ok, const char* what) {
 }
 
 /// What the plugins' authentication takes of a participant's time.
-class MeteredAuthentication final : public spi::Authentication {
+class MeteredAuthentication final : public ForwardingAuthentication {
  public:
-  explicit MeteredAuthentication(std::unique_ptr<spi::Authentication> real)
-      : real_(std::move(real)) {}
+  using ForwardingAuthentication::ForwardingAuthentication;
   Us used = 0;
 
-  Result<LocalIdentity> validate_local_identity(DomainId domain,
-                                                const spi::PropertyList& properties,
-                                                const Guid& candidate) override {
-    return real_->validate_local_identity(domain, properties, candidate);
-  }
-  Result<spi::Token> identity_token(spi::IdentityHandle local, spi::CipherMask ciphers) override {
-    return real_->identity_token(local, ciphers);
-  }
-  Result<spi::Token> identity_status_token(spi::IdentityHandle local) override {
-    return real_->identity_status_token(local);
-  }
-  Status set_permissions_credential_and_token(spi::IdentityHandle local,
-                                              const spi::Token& credential,
-                                              const spi::Token& token) override {
-    return real_->set_permissions_credential_and_token(local, credential, token);
-  }
   Result<RemoteIdentity> validate_remote_identity(spi::IdentityHandle local,
                                                   const std::optional<spi::Token>& request,
                                                   const spi::Token& token,
                                                   const Guid& remote) override {
-    return timed(used,
-                 [&] { return real_->validate_remote_identity(local, request, token, remote); });
+    return timed(used, [&] {
+      return ForwardingAuthentication::validate_remote_identity(local, request, token, remote);
+    });
   }
   Result<HandshakeStep> begin_handshake_request(spi::IdentityHandle initiator,
                                                 spi::IdentityHandle replier,
                                                 BytesView data) override {
-    return timed(used, [&] { return real_->begin_handshake_request(initiator, replier, data); });
+    return timed(used, [&] {
+      return ForwardingAuthentication::begin_handshake_request(initiator, replier, data);
+    });
   }
   Result<HandshakeStep> begin_handshake_reply(const spi::Token& request,
                                               spi::IdentityHandle initiator,
                                               spi::IdentityHandle replier,
                                               BytesView data) override {
-    return timed(used,
-                 [&] { return real_->begin_handshake_reply(request, initiator, replier, data); });
+    return timed(used, [&] {
+      return ForwardingAuthentication::begin_handshake_reply(request, initiator, replier, data);
+    });
   }
   Result<HandshakeStep> process_handshake(spi::HandshakeHandle handshake,
                                           const spi::Token& message) override {
-    return timed(used, [&] { return real_->process_handshake(handshake, message); });
+    return timed(used,
+                 [&] { return ForwardingAuthentication::process_handshake(handshake, message); });
   }
-  Result<std::shared_ptr<const spi::SharedSecret>> shared_secret(
-      spi::HandshakeHandle handshake) override {
-    return real_->shared_secret(handshake);
-  }
-  Result<spi::Token> authenticated_peer_credential_token(spi::HandshakeHandle handshake) override {
-    return real_->authenticated_peer_credential_token(handshake);
-  }
-  Status return_handshake_handle(spi::HandshakeHandle handshake) override {
-    return real_->return_handshake_handle(handshake);
-  }
-  Status return_identity_handle(spi::IdentityHandle identity) override {
-    return real_->return_identity_handle(identity);
-  }
-  std::optional<WallTime> next_expiry() override { return real_->next_expiry(); }
-  std::vector<spi::IdentityHandle> expire(spi::IdentityHandle local) override {
-    return real_->expire(local);
-  }
-
- private:
-  std::unique_ptr<spi::Authentication> real_;
 };
 
 /// One end of the way between the processes.

@@ -1,5 +1,6 @@
-// Test peer on Fast DDS, with the same command line and output as the Cyclone peer. Fast DDS
-// has its security plugins compiled in, so it is always a stock peer.
+// Test peer on Fast DDS, with the same command line and output as the Cyclone peer, and --version.
+// Fast DDS has its security plugins compiled in, so it is always a stock peer.
+#include <cstdio>
 #include <cstdlib>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -12,6 +13,7 @@
 #include <fastdds/dds/topic/TypeSupport.hpp>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "interop/peers/fastdds_shape.hpp"
@@ -174,6 +176,10 @@ int run(const peer_options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc == 2 && std::string_view(argv[1]) == "--version") {
+    std::printf("%d\n", DDSSEC_FASTDDS);
+    return 0;
+  }
   peer_options options;
   peer_parse(argc, argv, &options);
   log_to_stderr();
