@@ -14,7 +14,7 @@ cmake --install "$build" --prefix "$scratch/first" >"$scratch/install.log"
 mv "$scratch/first" "$scratch/installed"
 installed=$scratch/installed
 
-cmake -S "$consumer" -B "$scratch/cmake" -DCMAKE_PREFIX_PATH="$installed" >"$scratch/configure.log"
+cmake -G Ninja -S "$consumer" -B "$scratch/cmake" -DCMAKE_PREFIX_PATH="$installed" >"$scratch/configure.log"
 cmake --build "$scratch/cmake" >"$scratch/build.log" || { cat "$scratch/build.log"; die "find_package"; }
 "$scratch/cmake/consumer" || die "the consumer built with find_package"
 
@@ -25,7 +25,7 @@ ${CXX:-c++} "$consumer/main.cpp" -o "$scratch/consumer" $flags || die "pkg-confi
 "$scratch/consumer" || die "the consumer built with pkg-config"
 
 # The examples, as their README says: built with the installed package, secured by the installed tool.
-cmake -S "$examples" -B "$scratch/examples" -DCMAKE_PREFIX_PATH="$installed" >"$scratch/configure.log"
+cmake -G Ninja -S "$examples" -B "$scratch/examples" -DCMAKE_PREFIX_PATH="$installed" >"$scratch/configure.log"
 cmake --build "$scratch/examples" >"$scratch/build.log" || { cat "$scratch/build.log"; die "examples"; }
 "$installed/bin/ddssec" init "$scratch/demo" --domain 121 --quiet >/dev/null || die "ddssec init"
 "$scratch/examples/publisher" "$scratch/demo/talker" 121 2>"$scratch/publisher.log" &

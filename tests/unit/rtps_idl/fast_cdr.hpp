@@ -8,17 +8,27 @@
 
 namespace ddssec::rtps {
 
+#if DDSSEC_FASTCDR >= 2
+constexpr auto kFastXcdr1 = eprosima::fastcdr::CdrVersion::XCDRv1;
+inline std::size_t size_of(const eprosima::fastcdr::Cdr& cdr) {
+  return cdr.get_serialized_data_length();
+}
+#else
+constexpr auto kFastXcdr1 = eprosima::fastcdr::Cdr::DDS_CDR;
+inline std::size_t size_of(const eprosima::fastcdr::Cdr& cdr) {
+  return cdr.getSerializedDataLength();
+}
+#endif
+
 /// `write(cdr)` puts the values.
 template <class F>
 Bytes fast_cdr(F&& write) {
   std::vector<char> room(65536);
   eprosima::fastcdr::FastBuffer buffer(room.data(), room.size());
-  eprosima::fastcdr::Cdr cdr(buffer, eprosima::fastcdr::Cdr::LITTLE_ENDIANNESS,
-                             eprosima::fastcdr::Cdr::DDS_CDR);
+  eprosima::fastcdr::Cdr cdr(buffer, eprosima::fastcdr::Cdr::LITTLE_ENDIANNESS, kFastXcdr1);
   cdr.serialize_encapsulation();
   write(cdr);
-  Bytes out(room.begin(),
-            room.begin() + static_cast<std::ptrdiff_t>(cdr.getSerializedDataLength()));
+  Bytes out(room.begin(), room.begin() + static_cast<std::ptrdiff_t>(size_of(cdr)));
   // Our payloads are padded and say so in their options.
   const auto padding = -out.size() & 3u;
   out.resize(out.size() + padding);
