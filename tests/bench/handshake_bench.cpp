@@ -119,7 +119,9 @@ enum Word : std::uint8_t { go_on, matched };
 class Side {
  public:
   Side(std::uint8_t n, const spi::PropertyList& properties)
-      : authentication_(metered(host_)), node_(n, properties, host_) {
+      : host_(static_cast<std::uint8_t>(200 + n)),
+        authentication_(metered(host_)),
+        node_(n, properties, host_) {
     auto requested = default_reader_qos();
     requested.reliability.kind = ReliabilityKind::reliable;
     expect(node_->create_writer(square(default_writer_qos()), node_.listener, now_).has_value() &&
@@ -171,7 +173,7 @@ class Side {
     return out;
   }
 
-  Node host_{200};
+  Node host_;  // with random numbers of its own
   MeteredAuthentication& authentication_;
   Node node_;
   MonotonicTime now_ = seconds(1);
