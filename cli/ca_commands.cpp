@@ -31,13 +31,6 @@ Result<std::vector<NewCa>> wanted(const std::string& role) {
               {.field = "--role", .expected = "identity, permissions or both", .found = role});
 }
 
-Result<std::string> one_role(const Arguments& arguments) {
-  auto role = arguments.text("--role");
-  if (role == "identity" || role == "permissions") return role;
-  return fail(Code::usage,
-              {.field = "--role", .expected = "identity or permissions", .found = role});
-}
-
 Json describe(const pki::Certificate& certificate) {
   return {{"subject", certificate.subject()},
           {"algorithm", to_string(certificate.key_algorithm())},

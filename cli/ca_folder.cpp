@@ -50,6 +50,13 @@ fs::path ca_certificate_path(const fs::path& given, std::string_view role) {
   return fs::is_directory(given, ignored) ? ca_paths(given, role).certificate : given;
 }
 
+Result<std::string> one_role(const Arguments& arguments) {
+  auto role = arguments.text("--role");
+  if (role == "identity" || role == "permissions") return role;
+  return fail(Code::usage,
+              {.field = "--role", .expected = "identity or permissions", .found = role});
+}
+
 Result<pki::PrivateKey> CaOpener::key(const fs::path& path) {
   DDSSEC_TRY(check_key_mode(path, arguments_));
   if (!passphrase_ && DDSSEC_TRY(is_encrypted(path)))

@@ -34,6 +34,9 @@ CaPaths ca_paths(const std::filesystem::path& given, std::string_view role);
 std::filesystem::path ca_certificate_path(const std::filesystem::path& given,
                                           std::string_view role);
 
+/// What --role says where it must be one of both. Error: usage.
+Result<std::string> one_role(const Arguments& arguments);
+
 /// A CA that can sign.
 struct OpenCa {
   CaPaths paths;

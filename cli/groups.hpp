@@ -7,6 +7,7 @@ namespace ddssec::cli {
 
 std::vector<Command> init_commands();
 std::vector<Command> ca_commands();
+std::vector<Command> ca_rotate_commands();
 std::vector<Command> identity_commands();
 std::vector<Command> governance_commands();
 std::vector<Command> permissions_commands();

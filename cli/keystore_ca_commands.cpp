@@ -1,10 +1,10 @@
 // keystore split-ca, keystore rotate: new CAs for a keystore that is in use, and everything signed
 // anew.
-#include <algorithm>
 #include <filesystem>
 
 #include <fmt/format.h>
 
+#include "cli/ca_rotation.hpp"
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
@@ -16,12 +16,6 @@ namespace ddssec::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using Links = Replacement::Links;
-
-bool is_plain_file(const fs::path& path) {
-  std::error_code ignored;
-  return fs::symlink_status(path, ignored).type() == fs::file_type::regular;
-}
 
 // Upstream links both roles to one CA.
 bool has_one_ca(const fs::path& keystore) {
@@ -30,47 +24,12 @@ bool has_one_ca(const fs::path& keystore) {
                         keystore / "private/permissions_ca.key.pem", ignored);
 }
 
-Status put_ca(Replacement& out, const CaPaths& paths, const pki::Authority& ca,
-              const pki::Passphrase* passphrase) {
-  const auto pem = DDSSEC_TRY(ca.key().to_pem(passphrase));
-  DDSSEC_TRY(pem.expose(
-      [&](BytesView octets) { return out.put(paths.key, octets, 0600, Links::replaced); }));
-  return out.put(paths.certificate, as_bytes(ca.certificate().pem()), 0644, Links::replaced);
-}
-
-/// Who signed until now, who signs from now on.
-struct Change {
-  fs::path old_ca;
-  const pki::Authority& now_signs;
-  const Context& context;
-};
-
-// Only what the old CA signed is signed by the new one.
-Result<Bytes> signed_anew(const fs::path& file, const Change& change) {
-  const auto now = change.context.clock.now();
-  const auto proof = DDSSEC_TRY(verified(file, change.old_ca, now));
-  std::string text(as_text(proof.content()));
-  std::erase(text, '\r');
-  return change.now_signs.sign_document(as_bytes(text), now, change.context.random);
-}
-
-Status put_signed_anew(Replacement& out, const fs::path& file, const Change& change) {
-  return out.put(file, DDSSEC_TRY(signed_anew(file, change)), 0644);
-}
-
-// An enclave that was copied has files where there would be links.
-Status put_enclave(Replacement& out, const fs::path& folder, const Change& change) {
-  const auto files = pki::participant_folder(folder, pki::FolderLayout::sros2);
-  DDSSEC_TRY(put_signed_anew(out, files.permissions, change));
-  if (is_plain_file(files.permissions_ca))
-    DDSSEC_TRY(out.put_public(files.permissions_ca, change.now_signs.certificate().pem()));
-  if (is_plain_file(files.governance) && folder.filename() != "enclaves")
-    DDSSEC_TRY(put_signed_anew(out, files.governance, change));
-  return {};
-}
-
-pki::Validity life_like(const pki::Certificate& old, WallTime now) {
-  return {now - kBackdated, now + (old.not_after() - old.not_before())};
+std::vector<Follower> enclaves_in(const fs::path& keystore) {
+  std::vector<Follower> out;
+  for (const auto& name : enclaves_of(keystore))
+    out.push_back(
+        {name, pki::participant_folder(keystore / enclave_folder(name), pki::FolderLayout::sros2)});
+  return out;
 }
 
 Report report_of(const fs::path& keystore, std::string_view role, const pki::Certificate& ca,
@@ -96,68 +55,29 @@ std::string subject_for(const fs::path& keystore, std::string_view role) {
 
 Result<Report> new_permissions_ca(const fs::path& keystore, const std::string& subject,
                                   const Arguments& arguments, const Context& context) {
-  const auto paths = ca_paths(keystore, "permissions");
   CaOpener opener(arguments);
-  const auto old = DDSSEC_TRY(opener.open(paths));
-  const auto ca = DDSSEC_TRY(pki::Authority::create_root(
-      subject, {}, life_like(old.certificate(), context.clock.now()), context.random));
-  const Change change{paths.certificate, ca, context};
-  const auto enclaves = enclaves_of(keystore);
+  const auto old = DDSSEC_TRY(opener.open(ca_paths(keystore, "permissions")));
+  const auto ca = DDSSEC_TRY(new_root(old.certificate(), subject, context));
+  const Succession change{old, ca, ca.certificate().pem(), opener.used_passphrase()};
   Replacement out;
-  DDSSEC_TRY(put_ca(out, paths, ca, opener.used_passphrase()));
-  DDSSEC_TRY(put_signed_anew(out, keystore / "enclaves/governance.p7s", change));
-  for (const auto& name : enclaves)
-    DDSSEC_TRY(put_enclave(out, keystore / enclave_folder(name), change));
-  auto report = report_of(keystore, "permissions", ca.certificate(), enclaves);
+  const auto followed = DDSSEC_TRY(follow_permissions_ca(
+      out, change, enclaves_in(keystore), {keystore / "enclaves/governance.p7s"}, context));
+  auto report = report_of(keystore, "permissions", ca.certificate(), followed.again);
   report.files_written = DDSSEC_TRY(out.commit());
   return report;
 }
 
 Result<Report> new_identity_ca(const fs::path& keystore, const Arguments& arguments,
                                const Context& context) {
-  const auto paths = ca_paths(keystore, "identity");
-  const auto now = context.clock.now();
   CaOpener opener(arguments);
-  const auto old = DDSSEC_TRY(opener.open(paths));
-  auto authority = DDSSEC_TRY(pki::Authority::create_root(
-      old.certificate().subject(), {}, life_like(old.certificate(), now), context.random));
-  const auto enclaves = enclaves_of(keystore);
-  const auto lock = DDSSEC_TRY(lock_records(paths));
-  const auto log = DDSSEC_TRY(read_issue_log(paths));
-  const auto crl =
-      DDSSEC_TRY(next_crl({paths, authority, authority.certificate().pem()}, log, now, 180));
+  const auto old = DDSSEC_TRY(opener.open(ca_paths(keystore, "identity")));
+  const auto ca = DDSSEC_TRY(new_root(old.certificate(), old.certificate().subject(), context));
+  const Succession change{old, ca, ca.certificate().pem(), opener.used_passphrase()};
+  const auto lock = DDSSEC_TRY(lock_records(old.paths));
   Replacement out;
-  DDSSEC_TRY(put_ca(out, paths, authority, opener.used_passphrase()));
-  DDSSEC_TRY(out.put_public(paths.crl, crl.pem()));
-  std::string lines;
-  std::vector<std::string> again_in, left_out;
-  for (const auto& name : enclaves) {
-    const auto folder = keystore / enclave_folder(name);
-    const auto certificate = DDSSEC_TRY(read_certificate(folder / "cert.pem"));
-    if (!certificate.is_issued_by(old.certificate()))
-      return fail(Code::issuer_unknown, {.document = folder / "cert.pem",
-                                         .expected = "one that the old CA issued",
-                                         .found = "one of " + certificate.issuer()});
-    if (log.is_revoked(certificate.serial())) {
-      left_out.push_back(name);
-      continue;
-    }
-    again_in.push_back(name);
-    const auto again = DDSSEC_TRY(authority.reissue(
-        certificate, {now - kBackdated, certificate.not_after()}, context.random));
-    DDSSEC_TRY(out.put_public(folder / "cert.pem", again.pem()));
-    if (is_plain_file(folder / "identity_ca.cert.pem"))
-      DDSSEC_TRY(out.put_public(folder / "identity_ca.cert.pem", authority.certificate().pem()));
-    if (is_plain_file(folder / "crl.pem"))  // the old CA's list would shut everybody out
-      DDSSEC_TRY(out.put_public(folder / "crl.pem", crl.pem()));
-    std::error_code ignored;
-    lines += pki::IssueLog::issued_line(
-        again, fs::absolute(folder, ignored).lexically_normal().string(), now);
-  }
-  DDSSEC_TRY(check_not_interrupted());
-  DDSSEC_TRY(append_lines(paths.log, lines));
-  auto report = report_of(keystore, "identity", authority.certificate(), again_in);
-  for (const auto& name : left_out) report.text += name + " is revoked and was left out\n";
+  const auto followed = DDSSEC_TRY(follow_identity_ca(out, change, enclaves_in(keystore), context));
+  auto report = report_of(keystore, "identity", ca.certificate(), followed.again);
+  for (const auto& name : followed.revoked) report.text += name + " is revoked and was left out\n";
   report.files_written = DDSSEC_TRY(out.commit());
   return report;
 }
@@ -176,11 +96,13 @@ Result<Report> keystore_split_ca(const Arguments& arguments, const Context& cont
 
 Result<Report> keystore_rotate(const Arguments& arguments, const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
+  const auto role = DDSSEC_TRY(one_role(arguments));
+  std::error_code ignored;
+  if (fs::is_directory(keystore, ignored) && !fs::exists(keystore / "public", ignored))
+    return fail(Code::usage, {.field = "KEYSTORE",
+                              .note = "without a folder public it is no keystore of ROS 2; for a "
+                                      "CA of ca create or init it is: ddssec ca rotate"});
   DDSSEC_TRY(check_keystore(keystore));
-  const auto role = arguments.text("--role");
-  if (role != "identity" && role != "permissions")
-    return fail(Code::usage,
-                {.field = "--role", .expected = "identity or permissions", .found = role});
   if (has_one_ca(keystore))
     return fail(Code::usage, {.field = "KEYSTORE",
                               .note = "it has one CA for both: ddssec keystore split-ca first"});

@@ -71,6 +71,7 @@ class EveryCommand(Transcript):
         self.ask("crl", "show", "ca")
         self.ask("crl", "verify", "ca", "--ca", "ca")
         self.ask("crl", "distribute", "--ca", "ca")
+        self.ask("ca", "rotate", "ca", "--role", "identity")
 
     def ask_documents(self):
         trust = ("--ca", "ca/permissions/ca.pem")

@@ -1,0 +1,191 @@
+// ca rotate: a new CA and key in place of one whose participants have folders of their own.
+#include <filesystem>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "cli/ca_rotation.hpp"
+#include "cli/documents.hpp"
+#include "cli/groups.hpp"
+#include "cli/inputs.hpp"
+#include "cli/options.hpp"
+#include "cli/participant.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_there(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+/// Who goes with the CA, and whom the log knows in vain.
+struct Known {
+  std::vector<Follower> here;
+  std::vector<std::string> elsewhere;  ///< folders, or subjects of CAs below
+};
+
+Follower follower_in(const fs::path& folder) {
+  return {folder.string(), pki::participant_folder(folder)};
+}
+
+// A folder may have moved, or be another CA's participant's by now.
+bool has_certificate_of(const pki::Certificate& ca, const fs::path& folder) {
+  const auto certificate = read_certificate(folder / "cert.pem");
+  return certificate && certificate->is_issued_by(ca);
+}
+
+Known known_to(const pki::IssueLog& log, const pki::Certificate& identity, WallTime now) {
+  Known out;
+  std::set<std::string> seen;
+  for (const auto& issued : log.issued()) {
+    const auto& place = issued.folder.empty() ? issued.subject : issued.folder;
+    if (!seen.insert(place).second) continue;
+    if (!issued.folder.empty() && has_certificate_of(identity, issued.folder))
+      out.here.push_back(follower_in(issued.folder));
+    else if (!issued.revoked && now < issued.not_after)
+      out.elsewhere.push_back(place);
+  }
+  return out;
+}
+
+// The folders of the command line, or all that the identity CA's log knows.
+Result<Known> followers_of(const Arguments& arguments, const fs::path& given, WallTime now) {
+  Known out;
+  for (const auto& folder : arguments.all("DIRS")) {
+    DDSSEC_TRY(check_directory(folder, "a participant's folder"));
+    out.here.push_back(follower_in(folder));
+  }
+  if (!out.here.empty()) return out;
+  const auto paths = ca_paths(given, "identity");
+  const auto log = DDSSEC_TRY(read_issue_log(paths));
+  if (!log.issued().empty()) {
+    const auto certificate = DDSSEC_TRY(read_certificate(paths.certificate));
+    out = known_to(log, certificate, now);
+  }
+  if (!out.here.empty()) return out;
+  return fail(Code::usage, {.field = "DIRS",
+                            .note = "no participant's folder that the CA's log knows is here: "
+                                    "name them, or make a new CA with ddssec ca create"});
+}
+
+Status check_no_other_kind(const fs::path& given) {
+  if (is_there(given / "public/identity_ca.cert.pem"))
+    return fail(Code::usage,
+                {.field = "DIR", .note = "it is a keystore of ROS 2: ddssec keystore rotate"});
+  if (is_there(given / "cert.pem"))
+    return fail(Code::usage,
+                {.field = "DIR",
+                 .note = "it is a participant's folder: name the folder of its CA, and the "
+                         "participants' behind it unless the CA's log knows them"});
+  return {};
+}
+
+/// The new CA, and what participants are given of it.
+struct Successor {
+  pki::Authority ca;
+  std::string trust_pem;
+};
+
+Result<Successor> successor_of(const pki::Certificate& old, const Arguments& arguments,
+                               const Context& context) {
+  if (old.is_self_issued()) {
+    auto ca = DDSSEC_TRY(new_root(old, old.subject(), context));
+    auto trust = ca.certificate().pem();
+    return Successor{std::move(ca), std::move(trust)};
+  }
+  if (!arguments.has("--issuer"))
+    return fail(Code::usage, {.field = "--issuer",
+                              .note = "the CA is an intermediate one: the CA above it must sign"});
+  const auto now = context.clock.now();
+  CaOpener opener(arguments);
+  const auto above = DDSSEC_TRY(opener.open(ca_paths(arguments.text("--issuer"), "identity")));
+  const auto life = DDSSEC_TRY(within_ca(life_like(old, now), above.certificate(), true));
+  const auto key = old.key_algorithm();
+  auto ca = DDSSEC_TRY(
+      above.authority.subordinate(old.subject(), {key.kind, key.bits}, life, context.random));
+  DDSSEC_TRY(append_lines(above.paths.log, pki::IssueLog::issued_line(ca.certificate(), "", now)));
+  auto trust = ca.certificate().pem() + above.trust_pem;
+  return Successor{std::move(ca), std::move(trust)};
+}
+
+// What `init` made has the signed governance document, which new participants get, beside the CAs.
+std::vector<fs::path> shared_documents(const fs::path& given) {
+  std::vector<fs::path> out;
+  if (is_there(given / "ca") && is_there(given / "governance.p7s"))
+    out.push_back(given / "governance.p7s");
+  return out;
+}
+
+Report report_of(const std::string& role, const pki::Certificate& ca, const Followed& followed,
+                 const std::vector<std::string>& elsewhere) {
+  Report report;
+  report.result = {{"role", role},
+                   {"subject", ca.subject()},
+                   {"not_after", to_string(ca.not_after())},
+                   {"sha256", to_hex(ca.fingerprint())},
+                   {"folders", followed.again},
+                   {"revoked", followed.revoked},
+                   {"elsewhere", elsewhere}};
+  report.text = fmt::format("{} CA is {} with a new key now; {} signed anew\n", role, ca.subject(),
+                            counted(followed.again.size(), "folder"));
+  for (const auto& name : followed.again) report.text += fmt::format("  {}\n", name);
+  for (const auto& name : followed.revoked)
+    report.text += fmt::format("revoked and left out: {}\n", name);
+  for (const auto& name : elsewhere)
+    report.errors.emplace_back(Code::participant_elsewhere, ErrorDetails{.found = name});
+  report.text +=
+      "Every participant must start again with the new files: old ones and new ones do not meet.\n";
+  if (role == "permissions")
+    report.text += "A signed document that lies elsewhere is still the old CA's: sign it again.\n";
+  return report;
+}
+
+Result<Report> ca_rotate(const Arguments& arguments, const Context& context) {
+  const fs::path given = arguments.text("DIR");
+  const auto role = DDSSEC_TRY(one_role(arguments));
+  DDSSEC_TRY(check_no_other_kind(given));
+  const auto now = context.clock.now();
+  CaOpener opener(arguments);
+  const auto old = DDSSEC_TRY(opener.open(ca_paths(given, role)));
+  const auto lock = DDSSEC_TRY(lock_records(old.paths));
+  const auto known = DDSSEC_TRY(followers_of(arguments, given, now));
+  const auto [ca, trust] = DDSSEC_TRY(successor_of(old.certificate(), arguments, context));
+  const Succession change{old, ca, trust, opener.used_passphrase()};
+  Replacement out;
+  const auto followed = role == "identity"
+                            ? DDSSEC_TRY(follow_identity_ca(out, change, known.here, context))
+                            : DDSSEC_TRY(follow_permissions_ca(out, change, known.here,
+                                                               shared_documents(given), context));
+  auto report = report_of(role, ca.certificate(), followed, known.elsewhere);
+  report.files_written = DDSSEC_TRY(out.commit());
+  return report;
+}
+
+}  // namespace
+
+std::vector<Command> ca_rotate_commands() {
+  return {{.group = "ca",
+           .name = "rotate",
+           .summary = "Replaces a CA and its key; issues or signs everything of it anew.",
+           .positionals = {{"DIR", "the CA's folder, or one with both"},
+                           {"DIRS",
+                            "the participants' folders; without any, all that the identity CA's "
+                            "log knows",
+                            true, true}},
+           .options = {{.name = "--role",
+                        .value = "ROLE",
+                        .summary = "identity or permissions",
+                        .required = true},
+                       {"--issuer", "DIR", "the CA above, for an intermediate one"},
+                       kPassphraseFile,
+                       kPassphraseEnv,
+                       kInsecureKeyMode},
+           .examples = {"ddssec ca rotate ca --role permissions",
+                        "ddssec ca rotate ca talker listener --role identity"},
+           .run = ca_rotate}};
+}
+
+}  // namespace ddssec::cli

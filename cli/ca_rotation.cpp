@@ -1,0 +1,123 @@
+#include "cli/ca_rotation.hpp"
+
+#include <algorithm>
+
+#include "cli/documents.hpp"
+#include "cli/inputs.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Links = Replacement::Links;
+
+bool is_there(const fs::path& path) {
+  std::error_code ignored;
+  return fs::symlink_status(path, ignored).type() > fs::file_type::not_found;
+}
+
+bool is_plain_file(const fs::path& path) {
+  std::error_code ignored;
+  return fs::symlink_status(path, ignored).type() == fs::file_type::regular;
+}
+
+Status put_ca(Replacement& out, const Succession& change) {
+  const auto& paths = change.old.paths;
+  const auto pem = DDSSEC_TRY(change.ca.key().to_pem(change.passphrase));
+  DDSSEC_TRY(pem.expose(
+      [&](BytesView octets) { return out.put(paths.key, octets, 0600, Links::replaced); }));
+  return out.put(paths.certificate, as_bytes(change.trust_pem), 0644, Links::replaced);
+}
+
+// Only what the old CA signed is signed by the new one.
+Status put_signed_anew(Replacement& out, const fs::path& file, const Succession& change,
+                       const Context& context) {
+  const auto now = context.clock.now();
+  const auto proof = DDSSEC_TRY(verified(file, change.old.paths.certificate, now));
+  std::string text(as_text(proof.content()));
+  std::erase(text, '\r');
+  const auto octets = DDSSEC_TRY(change.ca.sign_document(as_bytes(text), now, context.random));
+  return out.put(file, octets, 0644);
+}
+
+Status put_if_plain(Replacement& out, const fs::path& file, const std::string& text) {
+  return is_plain_file(file) ? out.put_public(file, text) : Status{};
+}
+
+Result<pki::Certificate> issued_anew(const Follower& follower, const pki::Certificate& certificate,
+                                     const Succession& change, const Context& context) {
+  const auto& before = change.old.certificate();
+  if (!certificate.is_issued_by(before))
+    return fail(Code::issuer_unknown,
+                {.document = follower.files.certificate,
+                 .expected = "one that the old CA, " + before.subject() + ", issued",
+                 .found = "one of " + certificate.issuer()});
+  return change.ca.reissue(certificate, {context.clock.now() - kBackdated, certificate.not_after()},
+                           context.random);
+}
+
+}  // namespace
+
+pki::Validity life_like(const pki::Certificate& old, WallTime now) {
+  return {now - kBackdated, now + (old.not_after() - old.not_before())};
+}
+
+Result<pki::Authority> new_root(const pki::Certificate& old, const std::string& subject,
+                                const Context& context) {
+  const auto key = old.key_algorithm();
+  return pki::Authority::create_root(subject, {key.kind, key.bits},
+                                     life_like(old, context.clock.now()), context.random);
+}
+
+Result<Followed> follow_permissions_ca(Replacement& out, const Succession& change,
+                                       const std::vector<Follower>& followers,
+                                       const std::vector<fs::path>& shared,
+                                       const Context& context) {
+  DDSSEC_TRY(put_ca(out, change));
+  for (const auto& file : shared) DDSSEC_TRY(put_signed_anew(out, file, change, context));
+  Followed followed;
+  for (const auto& [name, files] : followers) {
+    if (is_there(files.permissions))
+      DDSSEC_TRY(put_signed_anew(out, files.permissions, change, context));
+    const bool is_shared = std::ranges::find(shared, files.governance) != shared.end();
+    if (is_plain_file(files.governance) && !is_shared)
+      DDSSEC_TRY(put_signed_anew(out, files.governance, change, context));
+    DDSSEC_TRY(put_if_plain(out, files.permissions_ca, change.trust_pem));
+    followed.again.push_back(name);
+  }
+  return followed;
+}
+
+Result<Followed> follow_identity_ca(Replacement& out, const Succession& change,
+                                    const std::vector<Follower>& followers,
+                                    const Context& context) {
+  const auto& paths = change.old.paths;
+  const auto now = context.clock.now();
+  const auto log = DDSSEC_TRY(read_issue_log(paths));
+  const auto crl = DDSSEC_TRY(next_crl({paths, change.ca, change.trust_pem}, log, now, 180));
+  DDSSEC_TRY(put_ca(out, change));
+  DDSSEC_TRY(out.put_public(paths.crl, crl.pem()));
+  Followed followed;
+  std::string lines;
+  for (const auto& follower : followers) {
+    const auto& files = follower.files;
+    const auto certificate = DDSSEC_TRY(read_certificate(files.certificate));
+    if (log.is_revoked(certificate.serial())) {
+      followed.revoked.push_back(follower.name);
+      continue;
+    }
+    const auto again = DDSSEC_TRY(issued_anew(follower, certificate, change, context));
+    followed.again.push_back(follower.name);
+    DDSSEC_TRY(out.put_public(files.certificate, again.pem()));
+    DDSSEC_TRY(put_if_plain(out, files.identity_ca, change.trust_pem));
+    DDSSEC_TRY(put_if_plain(out, files.crl, crl.pem()));  // the old list would shut everybody out
+    std::error_code ignored;
+    lines += pki::IssueLog::issued_line(
+        again, fs::absolute(files.folder, ignored).lexically_normal().string(), now);
+  }
+  DDSSEC_TRY(check_not_interrupted());
+  DDSSEC_TRY(append_lines(paths.log, lines));
+  return followed;
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,58 @@
+// A new CA and key in place of an old one, and everything that the old one issued or signed issued
+// or signed anew: the same for ROS 2's keystores as for participants' folders.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "cli/ca_folder.hpp"
+#include "cli/command.hpp"
+#include "cli/transaction.hpp"
+#include "pki/participant_folder.hpp"
+
+namespace ddssec::cli {
+
+/// A participant whose files go with the CA. Links among them stay as they are: what they lead to
+/// is replaced where it lies.
+struct Follower {
+  std::string name;  ///< as reports call it
+  pki::ParticipantFolder files;
+};
+
+/// Whose place is taken, and by whom.
+struct Succession {
+  const OpenCa& old;
+  const pki::Authority& ca;
+  std::string trust_pem;              ///< what participants are given of `ca`
+  const pki::Passphrase* passphrase;  ///< of the new key; null: it is not encrypted
+};
+
+/// What became of the followers, by their names.
+struct Followed {
+  std::vector<std::string> again;    ///< have new files
+  std::vector<std::string> revoked;  ///< left as they are
+};
+
+/// The life of a CA that begins now and lasts as long as `old` did.
+pki::Validity life_like(const pki::Certificate& old, WallTime now);
+
+/// A new root: the old CA's kind of key and length of life. Errors as Authority::create_root.
+Result<pki::Authority> new_root(const pki::Certificate& old, const std::string& subject,
+                                const Context& context);
+
+/// Drafts the new permissions CA, and every document of the followers and of `shared` signed anew.
+/// Nothing is signed that the old CA did not sign. Errors: those of verified().
+Result<Followed> follow_permissions_ca(Replacement& out, const Succession& change,
+                                       const std::vector<Follower>& followers,
+                                       const std::vector<std::filesystem::path>& shared,
+                                       const Context& context);
+
+/// Drafts the new identity CA with its revocation list, and the followers' certificates with the
+/// same subject, key and end; then writes the log. Who is revoked gets none. The caller has the CA
+/// to itself (lock_records). Errors: issuer_unknown (a certificate that the old CA did not issue),
+/// those of read_certificate and Authority::reissue.
+Result<Followed> follow_identity_ca(Replacement& out, const Succession& change,
+                                    const std::vector<Follower>& followers, const Context& context);
+
+}  // namespace ddssec::cli
