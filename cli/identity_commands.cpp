@@ -1,6 +1,7 @@
 // identity: a participant's key, certificate and permissions, from the first day.
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <optional>
 
 #include <fmt/format.h>
@@ -15,6 +16,7 @@
 #include "cli/transaction.hpp"
 #include "governance/doctor/meeting.hpp"
 #include "pki/source.hpp"
+#include "pki/subject_name.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -75,6 +77,27 @@ std::string not_in_it(bool has_permissions, bool has_governance) {
   return out;
 }
 
+/// Finds participants that neither permissions nor a revocation tell apart.
+class Subjects {
+ public:
+  explicit Subjects(fs::path fleet) : fleet_(std::move(fleet)) {}
+
+  void add(const std::string& name, const pki::Certificate& certificate, Report& report) {
+    auto attributes = pki::SubjectName::of(certificate).attributes();
+    std::ranges::sort(attributes);  // permissions compare without regard to the order
+    const auto [first, is_new] = names_.try_emplace(std::move(attributes), name);
+    if (is_new) return;
+    report.errors.emplace_back(Code::subject_shared,
+                               ErrorDetails{.document = fleet_,
+                                            .found = fmt::format("{} and {}: {}", first->second,
+                                                                 name, certificate.subject())});
+  }
+
+ private:
+  fs::path fleet_;
+  std::map<std::vector<pki::NameAttribute>, std::string> names_;
+};
+
 // One command, many participants: all of them or none.
 Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
   const auto now = context.clock.now();
@@ -95,6 +118,7 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
   Report report;
   report.result = {{"dir", target.string()}, {"participants", Json::array()}};
   std::string lines;
+  Subjects subjects(from);
   Progress progress("participants", specs.size());
   for (auto& spec : specs) {
     spec.life = DDSSEC_TRY(within_ca(spec.life, identity.certificate(), arguments.has("--clamp")));
@@ -104,6 +128,7 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
     DDSSEC_TRY(add_flat(folder, spec.name, made, issuers, governance));
     lines += log_line(made, target / spec.name, now);
     const auto& certificate = made.self.certificate;
+    subjects.add(spec.name, certificate, report);
     report.text += fmt::format("{}  {}  expires {}\n", (target / spec.name).string(),
                                certificate.subject(), date(certificate.not_after()));
     Json row = {{"name", spec.name}, {"dir", (target / spec.name).string()}};

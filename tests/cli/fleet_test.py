@@ -55,6 +55,19 @@ class Fleet(Transcript):
         self.assertFalse((self.at / "out/listener/permissions.p7s").exists())
         self.assertEqual(self.json("ca", "show", "ca", *NOW)["result"]["issued"], 2)
 
+    def test_two_with_one_subject_are_told(self):
+        fleet = ('[[participant]]\nname = "a"\nsubject = "CN=x,O=Acme"\n[[participant]]\nname = "b"\n'
+                 '[[participant]]\nname = "c"\nsubject = "O=Acme,CN=x"\n')
+        told = self.json(*self.issue(fleet), "--dry-run")["diagnostics"]
+        self.assertEqual([(d["id"], d["severity"], d["file"]) for d in told],
+                         [("subject_shared", "warning", "fleet.toml")])
+        self.assertIn("(found a and c: O=Acme,CN=x)", told[0]["message"])
+        fleet = fleet.replace("O=Acme,CN=x", "CN=x,O=Acme")
+        self.assertIn("warning[subject_shared]", self.run_program(*self.issue(fleet)).stderr)
+        # What the warning says is so: who revokes one revokes both.
+        self.run_program("identity", "revoke", "out/a", "--ca", "ca", *NOW)
+        self.assertEqual(self.json("ca", "show", "ca", *NOW)["result"]["revoked"], 2)
+
     def test_a_document_of_ones_own_stands_beside_the_file(self):
         self.run_program("identity", "issue", "a", "--ca", "ca", "-o", "a", "--publish", "x", *NOW)
         signed = (self.at / "a/permissions.p7s").read_text()
