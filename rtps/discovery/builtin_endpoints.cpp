@@ -34,6 +34,7 @@ void BuiltinEndpoints::add(const BuiltinTopicInfo& info) {
       std::make_unique<StatefulReader>(
           Guid{prefix_, info.reader}, true, sender_,
           [this, topic](Change& change) { return deliver_(topic, change); }, &timers_)};
+  endpoints_[index(topic)].reader->limit(kBuiltinLimits);
 }
 
 StatefulWriter* BuiltinEndpoints::find_writer(const EntityId& id) {

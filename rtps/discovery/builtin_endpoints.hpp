@@ -10,6 +10,10 @@
 
 namespace ddssec::rtps {
 
+/// Of what discovery keeps of announcements that came too early or in part, of all participants.
+inline constexpr StatefulReader::Limits kBuiltinLimits{.largest_sample = 256 << 10,
+                                                       .held_octets = std::size_t{16} << 20};
+
 enum class BuiltinTopic : std::uint8_t {
   publications,
   subscriptions,

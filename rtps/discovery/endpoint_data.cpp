@@ -392,7 +392,27 @@ Result<EndpointData> read_endpoint(BytesView payload, bool (*is_kind)(const Enti
   return std::move(data);
 }
 
+std::size_t octets_of(const std::vector<std::string>& texts) {
+  std::size_t out = 0;
+  for (const auto& text : texts) out += sizeof(text) + text.capacity();
+  return out;
+}
+
 }  // namespace
+
+std::size_t octets_of(const EndpointData& data) {
+  auto out = sizeof(data) + data.topic_name.capacity() + data.type_name.capacity();
+  for (const auto* octets : {&data.type.information, &data.type.objects, &data.qos.user_data,
+                             &data.qos.topic_data, &data.qos.group_data})
+    out += octets->capacity();
+  out += octets_of(data.qos.partition);
+  out += (data.unicast.capacity() + data.multicast.capacity()) * sizeof(Locator);
+  if (const auto& filter = data.content_filter)
+    out += filter->content_filtered_topic_name.capacity() + filter->related_topic_name.capacity() +
+           filter->filter_class_name.capacity() + filter->filter.expression.capacity() +
+           octets_of(filter->filter.parameters);
+  return out;
+}
 
 void write_payload(SpanWriter& out, const EndpointData& data) {
   write_pl_cdr_encapsulation(out);

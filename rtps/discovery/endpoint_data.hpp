@@ -25,6 +25,9 @@ struct EndpointData {
   bool operator==(const EndpointData&) const = default;
 };
 
+/// About what it takes in memory.
+std::size_t octets_of(const EndpointData& data);
+
 void write_payload(SpanWriter& out, const EndpointData& data);
 
 /// ENDPOINT_GUID, TOPIC_NAME and TYPE_NAME must be there, the GUID must be a writer's (a reader's),

@@ -84,6 +84,12 @@ class Participant final : private SecurityHost {
   static constexpr std::size_t kMostParticipants = 512;
   static constexpr std::size_t kMostEndpointsPerParticipant = 16384;
   static constexpr std::size_t kMostEndpoints = 65536;  ///< of all of them
+  /// What their announcements take in memory, with a price for each.
+  static constexpr std::size_t kMostEndpointOctetsPerParticipant = std::size_t{64} << 20;
+  static constexpr std::size_t kMostEndpointOctets = std::size_t{256} << 20;
+  static constexpr std::size_t kPricePerEndpoint = 1024;
+  /// So much of each participant is kept whatever the others announce.
+  static constexpr std::size_t kEndpointOctetsOfEach = std::size_t{256} << 10;
   /// Announcements that are answered, to addresses that anybody may have named.
   static constexpr int kMostAnswers = 100;
   static constexpr MonotonicTime kAnswerPeriod = std::chrono::milliseconds(10);
@@ -217,6 +223,7 @@ class Participant final : private SecurityHost {
   struct RemoteEndpoint {
     EndpointData data;
     std::vector<LocalReader*> readers = {};  ///< of ours, that a writer matched
+    std::size_t price = 0;
   };
   /// Who can match at all; nobody else is looked at.
   struct TopicEnds {
@@ -234,6 +241,8 @@ class Participant final : private SecurityHost {
     std::vector<Watch> watches = {};  ///< only where a lease is finite
     bool accepted = false;            ///< authenticated, or admitted without
     bool heard_participants_secure = false;
+    std::size_t endpoint_octets = 0;  ///< their price
+    bool exceeds = false;             ///< there were more, which was said
   };
   /// RTPS 8.3.4: what earlier submessages of a message say about later ones.
   struct Context {
@@ -293,6 +302,7 @@ class Participant final : private SecurityHost {
   void on_participant_message(const Change& change, bool secure);
   void on_secure_participant(const Change& change);
   void add_endpoint(Remote& remote, EndpointData data);
+  bool has_room(Remote& remote, const RemoteEndpoint* known, std::size_t price);
   void remove_endpoint(Remote& remote, const EntityId& id);
   void match(LocalWriter& writer, Remote& remote, const EndpointData& data);
   void match(LocalReader& reader, Remote& remote, const EndpointData& data);
@@ -354,6 +364,7 @@ class Participant final : private SecurityHost {
   std::map<EntityId, LocalReader> readers_;
   std::map<std::string, TopicEnds> topics_;
   std::size_t remote_endpoints_ = 0;
+  std::size_t endpoint_octets_ = 0;  ///< their price
   BuiltinEndpoints builtin_;
   std::unique_ptr<Security> security_;
   Bytes message_scratch_, submessage_scratch_, payload_scratch_;

@@ -9,7 +9,7 @@ namespace ddssec::rtps {
 namespace {
 
 // Above whatever the bounds of its parameters allow.
-constexpr std::size_t kMostEndpointOctets = 128 << 10;
+constexpr std::size_t kLargestAnnouncement = 128 << 10;
 
 // XTypes calls the topic inconsistent then; as the reader's policy is the reason, it is named.
 std::optional<QosMismatch> refusal(const TypeJudgement& types, const EndpointData& writer,
@@ -24,8 +24,8 @@ std::optional<QosMismatch> refusal(const TypeJudgement& types, const EndpointDat
 
 void Participant::publish(const EndpointData& data, MonotonicTime now) {
   // Of so many octets few are written, and only those are to cost anything.
-  const auto buffer = std::make_unique_for_overwrite<std::uint8_t[]>(kMostEndpointOctets);
-  SpanWriter payload({buffer.get(), kMostEndpointOctets});
+  const auto buffer = std::make_unique_for_overwrite<std::uint8_t[]>(kLargestAnnouncement);
+  SpanWriter payload({buffer.get(), kLargestAnnouncement});
   write_payload(payload, data);
   Change change;
   change.key_hash = data.guid.octets();
@@ -118,24 +118,43 @@ Participant::RemoteEndpoint* Participant::find_remote(const Guid& guid) {
   return endpoint == remote->endpoints.end() ? nullptr : &endpoint->second;
 }
 
+// Who announces much takes no place from those who announce little.
+bool Participant::has_room(Remote& remote, const RemoteEndpoint* known, std::size_t price) {
+  const auto before = known == nullptr ? 0 : known->price;
+  const auto of_it = remote.endpoint_octets - before + price;
+  const auto of_all = endpoint_octets_ - before + price;
+  const bool fits = of_it <= kMostEndpointOctetsPerParticipant && of_all <= kMostEndpointOctets &&
+                    (known != nullptr || (remote.endpoints.size() < kMostEndpointsPerParticipant &&
+                                          remote_endpoints_ < kMostEndpoints));
+  if (fits || of_it <= kEndpointOctetsOfEach) return true;
+  ++counters_.refused_discovery;
+  if (!std::exchange(remote.exceeds, true))
+    events_.raise(
+        Event(Error(Code::rtps_too_many_endpoints,
+                    {.found = fmt::format("{} endpoints of {} octets", remote.endpoints.size(),
+                                          remote.endpoint_octets)}),
+              {}, remote.data.guid.to_string()));
+  return false;
+}
+
 void Participant::add_endpoint(Remote& remote, EndpointData data) {
   if (is_ignored(data)) return;
   const auto id = data.guid.entity;
   auto known = remote.endpoints.find(id);
+  const auto price = kPricePerEndpoint + octets_of(data);
+  if (!has_room(remote, known == remote.endpoints.end() ? nullptr : &known->second, price)) return;
   if (known != remote.endpoints.end() && known->second.data.topic_name != data.topic_name) {
     remove_endpoint(remote, id);
     known = remote.endpoints.end();
   }
   if (known == remote.endpoints.end()) {
-    if (remote.endpoints.size() >= kMostEndpointsPerParticipant ||
-        remote_endpoints_ >= kMostEndpoints) {
-      ++counters_.refused_discovery;
-      return;
-    }
     ++remote_endpoints_;
     topics_[data.topic_name].remotes.push_back(data.guid);
     known = remote.endpoints.try_emplace(id).first;
   }
+  remote.endpoint_octets += price - known->second.price;
+  endpoint_octets_ += price - known->second.price;
+  known->second.price = price;
   auto& stored = known->second.data = std::move(data);
   if (discovery_ != nullptr) discovery_->on_endpoint(stored);
   const auto& ends = topics_[stored.topic_name];
@@ -168,6 +187,8 @@ void Participant::remove_endpoint(Remote& remote, const EntityId& id) {
     std::erase_if(remote.watches, [&](const auto& w) { return w.writer == data.guid; });
   std::erase(ends.remotes, data.guid);
   if (discovery_ != nullptr) discovery_->on_endpoint_gone(data);
+  remote.endpoint_octets -= known->second.price;
+  endpoint_octets_ -= known->second.price;
   remote.endpoints.erase(known);
   --remote_endpoints_;
   forget_if_empty(topic_name);

@@ -36,8 +36,10 @@ void StatefulReader::match(MatchedWriter writer, MonotonicTime now) {
 }
 
 void StatefulReader::unmatch(const Guid& writer) {
-  if (auto* proxy = find(writer); proxy != nullptr && proxy->local != nullptr)
-    proxy->local->detach(guid_);
+  auto* proxy = find(writer);
+  if (proxy == nullptr) return;
+  if (proxy->local != nullptr) proxy->local->detach(guid_);
+  held_ -= proxy->held;
   std::erase_if(writers_, [&](const auto& proxy) { return proxy.writer.guid == writer; });
 }
 
@@ -71,38 +73,59 @@ StatefulReader::Partial* StatefulReader::find_partial(WriterProxy& proxy, Sequen
   return at == proxy.partial.end() ? nullptr : &*at;
 }
 
-void StatefulReader::forget_partials(WriterProxy& proxy, SequenceNumber below) {
-  std::erase_if(proxy.partial, [&](const auto& partial) { return partial.number() < below; });
+void StatefulReader::forget_partials(WriterProxy& proxy, SequenceNumber first,
+                                     SequenceNumber last) {
+  std::erase_if(proxy.partial, [&](const auto& partial) {
+    const bool gone = first <= partial.number() && partial.number() <= last;
+    if (gone) let_go(proxy, partial.price);
+    return gone;
+  });
 }
 
-std::size_t StatefulReader::partial_octets(const WriterProxy& proxy) {
-  std::size_t out = 0;
-  for (const auto& partial : proxy.partial) out += partial.change.payload.size();
-  return out;
+StatefulReader::Early::iterator StatefulReader::forget_early(WriterProxy& proxy,
+                                                             Early::iterator at) {
+  let_go(proxy, at->second.price);
+  return spare_.erase(proxy.early, at);
 }
 
-void StatefulReader::make_room_for(std::size_t octets) {
-  const auto held = [&] {
-    std::size_t out = 0;
-    for (const auto& proxy : writers_) out += partial_octets(proxy);
-    return out;
-  };
-  while (held() + octets > kMostPartialOctets)
-    std::ranges::max_element(writers_, {}, partial_octets)->partial.pop_back();
+void StatefulReader::hold(WriterProxy& proxy, std::size_t price) {
+  proxy.held += price;
+  held_ += price;
+}
+
+void StatefulReader::let_go(WriterProxy& proxy, std::size_t price) {
+  proxy.held -= price;
+  held_ -= price;
+}
+
+void StatefulReader::trim() {
+  while (held_ > limits_.held_octets)
+    forget_latest(*std::ranges::max_element(writers_, {}, &WriterProxy::held));
+}
+
+void StatefulReader::forget_latest(WriterProxy& proxy) {
+  const auto early = proxy.early.empty() ? SequenceNumber{0} : proxy.early.rbegin()->first;
+  if (!proxy.partial.empty() && proxy.partial.back().number() > early)
+    forget_partials(proxy, proxy.partial.back().number(), proxy.partial.back().number());
+  else
+    forget_early(proxy, std::prev(proxy.early.end()));
 }
 
 void StatefulReader::keep_early(WriterProxy& proxy, SequenceNumber number,
                                 std::optional<Change> change) {
-  if (!proxy.early.contains(number)) spare_.insert(proxy.early, number) = std::move(change);
+  if (proxy.early.contains(number)) return;
+  const auto price = kPricePerChange + (change ? change->payload.size() : 0);
+  spare_.insert(proxy.early, number) = {std::move(change), price};
+  hold(proxy, price);
 }
 
 void StatefulReader::accept(WriterProxy& proxy, SequenceNumber number,
                             std::optional<Change> change) {
-  std::erase_if(proxy.partial, [&](const auto& partial) { return partial.number() == number; });
+  forget_partials(proxy, number, number);
   if (!reliable_ || !proxy.writer.reliable) {
     note_lost(proxy, number);
     proxy.next = number.next();  // best effort: what is older now is lost
-    forget_partials(proxy, proxy.next);
+    forget_partials(proxy, {0}, number);
     if (change) deliver_(*change);
     return;
   }
@@ -111,15 +134,17 @@ void StatefulReader::accept(WriterProxy& proxy, SequenceNumber number,
   } else if (number == proxy.next) {
     keep_early(proxy, number, std::move(change));
     advance(proxy);
+    trim();
   } else if (proxy.early.size() < kMostEarlyChanges) {
     keep_early(proxy, number, std::move(change));
+    trim();
   }
 }
 
 void StatefulReader::advance(WriterProxy& proxy) {
   for (auto at = proxy.early.begin(); at != proxy.early.end() && at->first == proxy.next;
-       at = spare_.erase(proxy.early, at)) {
-    if (at->second && !deliver_(*at->second)) return;
+       at = forget_early(proxy, at)) {
+    if (at->second.change && !deliver_(*at->second.change)) return;
     proxy.next = proxy.next.next();
   }
 }
@@ -151,9 +176,9 @@ void StatefulReader::offer_again() {
 void StatefulReader::skip_to(WriterProxy& proxy, SequenceNumber number) {
   if (number <= proxy.next) return;
   for (auto at = proxy.early.begin(); at != proxy.early.end() && at->first < number;
-       at = spare_.erase(proxy.early, at))
-    if (at->second && !deliver_(*at->second)) return;
-  forget_partials(proxy, number);
+       at = forget_early(proxy, at))
+    if (at->second.change && !deliver_(*at->second.change)) return;
+  forget_partials(proxy, {0}, number.previous());
   proxy.next = number;
   advance(proxy);
 }
@@ -165,20 +190,16 @@ StatefulReader::Partial* StatefulReader::partial_of(WriterProxy& proxy, const Da
                       known->change.payload.size() == frag.sample_size;
     return same ? known : nullptr;
   }
-  if (frag.sample_size > kLargestSample) {
+  if (frag.sample_size > limits_.largest_sample) {
     accept(proxy, frag.sequence_number, std::nullopt);  // never asked for again
     return nullptr;
   }
   if (proxy.partial.size() >= kMostPartialSamples) {
     // The lowest number is needed first; a best-effort reader prefers the newest.
-    if (!reliable_)
-      proxy.partial.erase(proxy.partial.begin());
-    else if (proxy.partial.back().number() < frag.sequence_number)
-      return nullptr;
-    else
-      proxy.partial.pop_back();
+    if (reliable_ && proxy.partial.back().number() < frag.sequence_number) return nullptr;
+    const auto gone = (reliable_ ? proxy.partial.back() : proxy.partial.front()).number();
+    forget_partials(proxy, gone, gone);
   }
-  make_room_for(frag.sample_size);
   Partial partial;
   partial.change = {proxy.writer.guid,
                     frag.sequence_number,
@@ -193,9 +214,13 @@ StatefulReader::Partial* StatefulReader::partial_of(WriterProxy& proxy, const Da
   partial.have = Payload::uninitialized(frag.total());
   std::ranges::fill(partial.have.fill(), std::uint8_t{0});
   partial.missing = frag.total();
+  partial.price = kPricePerChange + frag.sample_size + frag.total();
+  hold(proxy, partial.price);
   const auto before =
       std::ranges::lower_bound(proxy.partial, frag.sequence_number, {}, &Partial::number);
-  return &*proxy.partial.insert(before, std::move(partial));
+  proxy.partial.insert(before, std::move(partial));
+  trim();
+  return find_partial(proxy, frag.sequence_number);
 }
 
 void StatefulReader::on_data_frag(const GuidPrefix& from, const DataFrag& frag,

@@ -21,15 +21,22 @@ struct MatchedWriter {
 };
 
 /// Delivers each writer's changes in order, each once. Bounded: changes that came too early and
-/// samples of which fragments are missing are kept up to the constants below, then dropped and
-/// asked for again. No clock, no lock.
+/// samples of which fragments are missing are kept up to the limits below, then those of whoever
+/// has most of them are dropped and asked for again. No clock, no lock.
 class StatefulReader final : private Timed {
  public:
   static constexpr std::size_t kMostEarlyChanges = 2048;
   static constexpr std::size_t kMostPartialSamples = 4;
   static constexpr std::uint32_t kLargestSample = 64u << 20;
-  /// Of samples of which fragments are missing, of all writers.
-  static constexpr std::size_t kMostPartialOctets = std::size_t{256} << 20;
+  /// Of what is kept, of all writers.
+  static constexpr std::size_t kMostHeldOctets = std::size_t{256} << 20;
+  /// What each change that is kept counts beside its octets.
+  static constexpr std::size_t kPricePerChange = 256;
+  /// For readers whose samples are small.
+  struct Limits {
+    std::uint32_t largest_sample = kLargestSample;  ///< in fragments; larger ones are given up
+    std::size_t held_octets = kMostHeldOctets;
+  };
 
   /// Takes the change, or refuses it for now (a full history): then it is kept here, and offered
   /// again with the writer's next heartbeat. A best-effort change that is refused is lost.
@@ -39,6 +46,7 @@ class StatefulReader final : private Timed {
                  TimerQueue* timers = nullptr);
   ~StatefulReader() override;
 
+  void limit(const Limits& limits) { limits_ = limits; }
   /// Told how many changes of a writer were given up that nobody declared irrelevant
   /// (SAMPLE_LOST of DDS 1.4, 2.2.4.1).
   using Lost = std::function<void(std::int64_t count)>;
@@ -95,14 +103,20 @@ class StatefulReader final : private Timed {
     std::uint16_t fragment_size = 0;
     Payload have;  ///< an octet a fragment: 0 or 1
     std::uint32_t missing = 0;
+    std::size_t price = 0;
     SequenceNumber number() const { return change.sequence_number; }
   };
-  using Early = std::map<SequenceNumber, std::optional<Change>>;  ///< nothing: irrelevant
+  struct Waiting {
+    std::optional<Change> change;  ///< nothing: irrelevant
+    std::size_t price = 0;
+  };
+  using Early = std::map<SequenceNumber, Waiting>;
   struct WriterProxy {
     MatchedWriter writer;
     SequenceNumber next{1};  ///< everything below was delivered or given up
     Early early;
     std::vector<Partial> partial;  ///< by their numbers
+    std::size_t held = 0;          ///< the price of both
     std::int32_t count = 0;
     std::int32_t last_heartbeat = 0;
     SequenceNumber announced;    ///< the last that a heartbeat spoke of
@@ -124,10 +138,13 @@ class StatefulReader final : private Timed {
   void skip_to(WriterProxy& proxy, SequenceNumber number);
   void note_lost(WriterProxy& proxy, SequenceNumber until);
   static Partial* find_partial(WriterProxy& proxy, SequenceNumber number);
-  static void forget_partials(WriterProxy& proxy, SequenceNumber below);
-  static std::size_t partial_octets(const WriterProxy& proxy);
+  void forget_partials(WriterProxy& proxy, SequenceNumber first, SequenceNumber last);
+  Early::iterator forget_early(WriterProxy& proxy, Early::iterator at);
+  void hold(WriterProxy& proxy, std::size_t price);
+  void let_go(WriterProxy& proxy, std::size_t price);
   /// Whoever holds most gives up its latest: they are asked for again.
-  void make_room_for(std::size_t octets);
+  void trim();
+  void forget_latest(WriterProxy& proxy);
   void keep_early(WriterProxy& proxy, SequenceNumber number, std::optional<Change> change);
   Change change_of(const GuidPrefix& from, const Data& data, const std::optional<Time>& time) const;
   Partial* partial_of(WriterProxy& proxy, const DataFrag& frag, const std::optional<Time>& time);
@@ -143,8 +160,10 @@ class StatefulReader final : private Timed {
   Lost lost_;
   Alive alive_;
   Group on_group_;
+  Limits limits_;
   SpareNodes<Early> spare_;
   std::vector<WriterProxy> writers_;
+  std::size_t held_ = 0;  ///< of all of them
 };
 
 }  // namespace ddssec::rtps

@@ -116,6 +116,7 @@ void Security::close(Peer& peer) {
   peer.volatile_writer.reset();
   peer.volatile_reader.reset();
   peer.early.clear();
+  peer.early_octets = 0;
   peer.established = peer.exchanges_keys = peer.authenticated = false;
 }
 

@@ -39,10 +39,14 @@ struct AuthenticationCounters {
 
 class Security {
  public:
-  /// Token messages that are kept for endpoints we do not know yet, of one peer.
+  /// Token messages that are kept for endpoints we do not know yet, of one peer, and their octets.
   static constexpr std::size_t kMostEarlyTokens = 1024;
+  static constexpr std::size_t kMostEarlyOctets = std::size_t{512} << 10;
   /// Of one message with tokens: many times what keys take, so that those kept are few octets, too.
   static constexpr std::size_t kMostTokenOctets = 4096;
+  /// Of the messages of one peer that came before others of it.
+  static constexpr StatefulReader::Limits kVolatileLimits{.largest_sample = 64 << 10,
+                                                          .held_octets = std::size_t{1} << 20};
   /// Handshakes that we begin with peers that never spoke: so many at once, one each so long.
   static constexpr int kMostStarts = 32;
   static constexpr MonotonicTime kStartPeriod = std::chrono::milliseconds(25);
@@ -163,6 +167,10 @@ class Security {
   Result<Announced> create_endpoint(const EntityId& id, const NewEndpoint& endpoint);
 
  private:
+  struct EarlyTokens {
+    GenericMessage message;
+    std::size_t octets;
+  };
   struct Peer {
     ParticipantData data;
     LocatorList metatraffic;
@@ -170,7 +178,8 @@ class Security {
     spi::PermissionsHandle permissions = {};
     std::unique_ptr<StatefulWriter> volatile_writer = {};
     std::unique_ptr<StatefulReader> volatile_reader = {};
-    std::vector<GenericMessage> early = {};
+    std::vector<EarlyTokens> early = {};
+    std::size_t early_octets = 0;
     bool established = false;     ///< handshake done, permissions good
     MonotonicTime since = {};     ///< of that
     unsigned generation = 0;      ///< which of its handshakes
@@ -232,7 +241,8 @@ class Security {
                             std::vector<spi::Token> tokens);
   bool on_volatile(const GuidPrefix& prefix, const Change& change);
   void on_participant_tokens(Peer& peer, const GenericMessage& message);
-  void on_endpoint_tokens(Peer& peer, GenericMessage message);
+  void on_endpoint_tokens(Peer& peer, GenericMessage message, std::size_t octets);
+  static void drop_early(Peer& peer, std::vector<EarlyTokens>::iterator at);
   void apply_tokens(Peer& peer, const GenericMessage& message);
   void apply_early_tokens(Peer& peer, const EntityId& local, const Guid& remote, bool& ready);
   void expire();

@@ -22,6 +22,7 @@ void Security::open_volatile(Peer& peer, MonotonicTime now) {
   peer.volatile_reader = std::make_unique<StatefulReader>(
       Guid{own_->guid().prefix, kVolatileMessageReader}, true, sender_,
       [this, prefix](Change& change) { return on_volatile(prefix, change); }, &timers_);
+  peer.volatile_reader->limit(kVolatileLimits);
   peer.volatile_writer->match({reader, true, false, peer.metatraffic}, now);
   peer.volatile_reader->match({writer, true, peer.metatraffic}, now);
   auto tokens = keyring_.participant_tokens(prefix);
@@ -89,7 +90,7 @@ bool Security::on_volatile(const GuidPrefix& prefix, const Change& change) {
     on_participant_tokens(*peer, *message);
   else if (message->message_class == message_class::kDatawriterTokens ||
            message->message_class == message_class::kDatareaderTokens)
-    on_endpoint_tokens(*peer, std::move(*message));
+    on_endpoint_tokens(*peer, std::move(*message), size);
   return true;
 }
 
@@ -121,7 +122,7 @@ bool Security::needs_no_tokens(const Peer& peer) const {
 }
 
 // For endpoints that we do not know yet they are kept: discovery and keys come in any order.
-void Security::on_endpoint_tokens(Peer& peer, GenericMessage message) {
+void Security::on_endpoint_tokens(Peer& peer, GenericMessage message, std::size_t octets) {
   const auto& local = message.destination_endpoint;
   const auto& remote = message.source_endpoint;
   const bool to_reader = message.message_class == message_class::kDatawriterTokens;
@@ -130,14 +131,21 @@ void Security::on_endpoint_tokens(Peer& peer, GenericMessage message) {
   if (!fits) return;
   if (keyring_.is_introduced(local.entity, remote)) return apply_tokens(peer, message);
   const auto of_pair = [&](const auto& held) {
-    return held.destination_endpoint == local && held.source_endpoint == remote;
+    return held.message.destination_endpoint == local && held.message.source_endpoint == remote;
   };
   if (std::ranges::count_if(peer.early, of_pair) >= std::ptrdiff_t{kMostEarlyOfPair})
-    peer.early.erase(std::ranges::find_if(peer.early, of_pair));
-  if (peer.early.size() >= kMostEarlyTokens) peer.early.erase(peer.early.begin());
+    drop_early(peer, std::ranges::find_if(peer.early, of_pair));
+  while (peer.early.size() >= kMostEarlyTokens || peer.early_octets + octets > kMostEarlyOctets)
+    drop_early(peer, peer.early.begin());
   const Guid source = remote;
-  peer.early.push_back(std::move(message));
+  peer.early.push_back({std::move(message), octets});
+  peer.early_octets += octets;
   host_.on_early_keys(source);
+}
+
+void Security::drop_early(Peer& peer, std::vector<EarlyTokens>::iterator at) {
+  peer.early_octets -= at->octets;
+  peer.early.erase(at);
 }
 
 void Security::apply_tokens(Peer& peer, const GenericMessage& message) {
@@ -167,12 +175,14 @@ bool Security::introduce(const EntityId& local, const Guid& remote, bool relay_o
 
 void Security::apply_early_tokens(Peer& peer, const EntityId& local, const Guid& remote,
                                   bool& ready) {
-  std::erase_if(peer.early, [&](const auto& message) {
+  std::erase_if(peer.early, [&](const auto& held) {
+    const auto& message = held.message;
     if (message.destination_endpoint.entity != local || message.source_endpoint != remote)
       return false;
     const auto set = keyring_.set_endpoint_tokens(local, remote, message.data);
     if (!set) events_.raise(Event(set.error(), {}, peer.data.guid.to_string()));
     ready = ready || (set && *set);
+    peer.early_octets -= held.octets;
     return true;
   });
 }

@@ -2,6 +2,7 @@
 #include "tests/unit/cryptography/insider.hpp"
 
 #include "rtps/wire/info_source.hpp"
+#include "tests/support/counted_memory.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "tests/unit/rtps_security/key_thief.hpp"
 
@@ -148,31 +149,65 @@ TEST(InsiderSource, AProtectedMessageSpeaksForItsSenderOnly) {
   }
 }
 
-/// Tells more than the keys of its writers.
+/// Tells more than the keys of its writers, and counts how often.
 class Talker final : public KeyThief {
  public:
-  using KeyThief::KeyThief;
+  struct Told {
+    std::size_t more;
+    int times = 0;
+    Stolen stolen = {};
+  };
+  Talker(std::unique_ptr<spi::Cryptography> engine, Told& told)
+      : KeyThief(std::move(engine), told.stolen), told_(told) {}
+  static Node::Wrap into(Told& told) {
+    return [&told](auto engine) { return std::make_unique<Talker>(std::move(engine), told); };
+  }
 
  private:
   Result<Tokens> create_local_datawriter_crypto_tokens(DataWriter a, DataReader b,
                                                        spi::KeyStage stage) override {
     auto tokens = KeyThief::create_local_datawriter_crypto_tokens(a, b, stage);
-    for (auto& token : *tokens) token.properties.push_back({"more", std::string(50'000, 'x')});
+    for (auto& token : *tokens) token.properties.push_back({"more", std::string(told_.more, 'x')});
+    ++told_.times;
     return tokens;
   }
+
+  Told& told_;
 };
 
 // Tokens that come early are kept, a thousand of each peer.
 TEST(InsiderTokens, AreNotKeptIfTheyAreLarge) {
   const auto rules = everything(kEncrypt);
-  KeyThief::Stolen of_mallory;
+  Talker::Told told{50'000};
   Node alice(1, properties_of("CN=alice,O=Example", rules));
-  Node mallory(2, properties_of("CN=mallory,O=Example", rules), 3, [&](auto engine) {
-    return std::make_unique<Talker>(std::move(engine), of_mallory);
-  });
+  Node mallory(2, properties_of("CN=mallory,O=Example", rules), 3, Talker::into(told));
   World world{.nodes = {&alice, &mallory}};
   EXPECT_TRUE(world.run_until([&] { return alice.events.has(Code::length_out_of_range); }, 300));
   EXPECT_FALSE(alice.events.has(Code::crypto_token_form)) << alice.events.text();
+}
+
+// Alice never hears which endpoints they belong to.
+TEST(InsiderTokens, OfEndpointsThatNeverComeTakeABoundedPlace) {
+  const Rules rules{.metadata = kEncrypt};
+  Talker::Told told{3'000};
+  Node alice(1, properties_of("CN=alice,O=Example", rules));
+  Node mallory(2, properties_of("CN=mallory,O=Example", rules), 3, Talker::into(told));
+  World world{.nodes = {&alice, &mallory}};
+  ASSERT_TRUE(alice->create_reader(square(default_reader_qos()), alice.listener, world.now));
+  ASSERT_TRUE(world.run_until([&] { return alice.knows(mallory) && mallory.knows(alice); }));
+  world.filter = [&](const Node& from, Bytes datagram) {
+    const bool names_them =
+        !std::ranges::search(datagram, kPublicationsWriter.octets).empty() && &from == &mallory;
+    return names_them ? std::vector<Bytes>{} : one(std::move(datagram));
+  };
+  for (int i = 0; i < 900; ++i)
+    ASSERT_TRUE(mallory->create_writer(square(default_writer_qos()), mallory.listener, world.now));
+  world.run(300);
+  ASSERT_GE(told.times, 900);
+  EXPECT_EQ(alice.listener.matched, 0);
+  const auto before = counted_memory::octets();
+  alice.participant.reset();
+  EXPECT_LT(before - counted_memory::octets(), std::int64_t{3} << 19) << "of 2.7 MB";
 }
 
 }  // namespace

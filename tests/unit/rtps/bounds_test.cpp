@@ -22,6 +22,19 @@ Bytes from(const GuidPrefix& source, Bytes message) {
   return message;
 }
 
+/// A message of any size with one submessage.
+template <class S>
+Bytes whole(const GuidPrefix& source, const S& submessage) {
+  static Bytes buffer(65536);
+  SpanWriter out(buffer);
+  Header header;
+  header.prefix = source;
+  write(out, header);
+  write(out, submessage);
+  EXPECT_FALSE(out.overflowed());
+  return to_bytes(out.view());
+}
+
 /// An announcement of whichever participant, to be changed in place.
 class Announcement {
  public:
@@ -104,7 +117,7 @@ struct Matched : ::testing::Test {
   }
   template <class S>
   void forge(const S& submessage) {
-    a.participant.receive(from(b.participant.prefix(), message({written(submessage)})), world.now);
+    a.participant.receive(whole(b.participant.prefix(), submessage), world.now);
   }
   void expect_that_samples_come() {
     a.post.sent = b.post.sent = {};
@@ -114,7 +127,7 @@ struct Matched : ::testing::Test {
       b.participant.writer(guid)->write(std::move(change), world.now);
     }
     world.run(100);
-    EXPECT_EQ(a.listener.changes.size(), writers.size());
+    EXPECT_GE(a.listener.changes.size(), writers.size());
   }
 };
 
@@ -138,10 +151,77 @@ TEST_F(Matched, FragmentsThatNeverCompleteTakeABoundedPlace) {
                      {},
                      false,
                      fragment});
-  const auto most = static_cast<std::int64_t>(StatefulReader::kMostPartialOctets);
+  const auto most = static_cast<std::int64_t>(StatefulReader::kMostHeldOctets);
   EXPECT_LT(octets() - before, most + static_cast<std::int64_t>(Payload::kMostKept) + kMiB);
   EXPECT_GT(octets() - before, most / 2) << "they are kept at all";
   EXPECT_EQ(a.participant.counters().malformed, 0u);
+  expect_that_samples_come();
+}
+
+// Of each writer the first sample is missing, and the others wait for it.
+TEST_F(Matched, SamplesThatCameTooEarlyTakeABoundedPlace) {
+  const Bytes large(60'000);
+  for (std::int64_t number = 2; number <= kIncomplete / 2; ++number)
+    for (const auto& guid : writers)
+      forge(Data{{}, guid.entity, {number}, {}, PayloadKind::data, large});
+  const auto most = static_cast<std::int64_t>(StatefulReader::kMostHeldOctets);
+  const auto rounded = most / 4;
+  EXPECT_LT(octets() - before, most + rounded + kMiB);
+  EXPECT_EQ(a.participant.counters().malformed, 0u);
+  expect_that_samples_come();
+}
+
+/// As large as announcements may be.
+EndpointData large_endpoint(const GuidPrefix& prefix, std::uint32_t number) {
+  EndpointData data;
+  data.guid = {prefix,
+               {{static_cast<std::uint8_t>(number >> 16), static_cast<std::uint8_t>(number >> 8),
+                 static_cast<std::uint8_t>(number), 0x02}}};
+  data.topic_name = "Topic " + std::to_string(number);
+  data.type_name = std::string(kMostNameLength, 't');
+  data.qos.user_data = data.qos.topic_data = data.qos.group_data = Bytes(kMostOpaqueOctets, 7);
+  data.qos.partition.assign(kMostPartitions, std::string(kMostNameLength, 'p'));
+  return data;
+}
+
+Data announced(const EndpointData& data, std::int64_t number, Bytes& buffer) {
+  buffer.resize(65'000);
+  SpanWriter out(buffer);
+  write_payload(out, data);
+  return {{},
+          is_writer(data.guid.entity) ? kPublicationsWriter : kSubscriptionsWriter,
+          {number},
+          {},
+          PayloadKind::data,
+          out.view()};
+}
+
+// Its heartbeat says where its numbers begin, so that all of them are taken at once.
+TEST_F(Matched, EndpointsOfOneParticipantTakeABoundedPlace) {
+  constexpr std::int64_t kFirst = 1000;
+  forge(Heartbeat{{}, kPublicationsWriter, {kFirst}, {kFirst}, 1000, true});
+  Bytes buffer;
+  for (std::uint32_t i = 0; i < 4000; ++i)
+    forge(announced(large_endpoint(b.participant.prefix(), 0x10000 + i), kFirst + i, buffer));
+  EXPECT_LT(octets() - before,
+            static_cast<std::int64_t>(Participant::kMostEndpointOctetsPerParticipant) + 8 * kMiB);
+  EXPECT_GT(a.participant.counters().refused_discovery, 0u);
+  const auto codes = a.events.codes();
+  EXPECT_EQ(std::ranges::count(codes, Code::rtps_too_many_endpoints), 1) << "said once";
+  expect_that_samples_come();
+}
+
+// Without its first one, announcements wait, and so do the messages that say who lives.
+TEST_F(Matched, AnnouncementsThatCameTooEarlyTakeABoundedPlace) {
+  Bytes buffer;
+  for (std::uint32_t i = 0; i < 1500; ++i)
+    forge(announced(large_endpoint(b.participant.prefix(), 0x10000 + i), 1000 + i, buffer));
+  const Bytes claimed(1024);
+  for (const auto& topic : {kSubscriptionsWriter, kParticipantMessageWriter})
+    for (std::int64_t number = 1000; number < 1004; ++number)
+      forge(DataFrag{
+          {}, topic, {number}, {1}, 1, 1024, StatefulReader::kLargestSample, {}, false, claimed});
+  EXPECT_LT(octets() - before, 24 * kMiB);
   expect_that_samples_come();
 }
 
@@ -157,6 +237,53 @@ TEST_F(Matched, AGapOverMoreNumbersThanThereAreIsNotWalked) {
   for (const auto& guid : writers) forge(Gap{{}, guid.entity, {2}, SequenceNumberSet(kFar)});
   EXPECT_EQ(a.listener.lost, 0);
   EXPECT_LT(octets() - before, kMiB);
+}
+
+// Eight small messages of each writer note two thousand numbers.
+TEST(Bounds, NumbersThatAreSkippedTakeABoundedPlace) {
+  Node a(1);
+  MessageSender sender(a.post, a.participant.prefix());
+  StatefulReader reader({a.participant.prefix(), testing::kReader}, true, sender,
+                        [](Change&) { return true; });
+  constexpr std::size_t kMost = 1 << 20;
+  reader.limit({.held_octets = kMost});
+  const auto crowd = GuidPrefix::from(Bytes(12, 0x77));
+  const auto writer = [](std::uint8_t i) { return EntityId{{0, 0, i, 0x02}}; };
+  for (std::uint8_t i = 0; i < 100; ++i) reader.match({{crowd, writer(i)}, true}, seconds(1));
+  const auto before = octets();
+  for (std::uint8_t i = 0; i < 100; ++i)
+    for (std::int64_t number = 10; number < 10 + 256 * 8; number += 256) {
+      SequenceNumberSet irrelevant{SequenceNumber{number}};
+      for (std::int64_t bit = 0; bit < 256; ++bit) irrelevant.insert({number + bit});
+      reader.on_gap(crowd, Gap{{}, writer(i), {number}, irrelevant});
+    }
+  EXPECT_LT(octets() - before, static_cast<std::int64_t>(kMost) + kMiB / 4);
+  EXPECT_GT(octets() - before, static_cast<std::int64_t>(kMost) / 2) << "they are noted at all";
+}
+
+// Four that announce all they can leave room for a fifth.
+TEST(Bounds, WhoAnnouncesMuchTakesNoPlaceFromOthers) {
+  Node a(1);
+  Announcement announcement;
+  const auto say = [&](std::uint32_t participant, std::uint32_t endpoints) {
+    const auto told = announcement.of(participant);
+    const auto prefix = GuidPrefix::from(told.subspan(8, 12));
+    a.participant.receive(told, seconds(1));
+    for (std::uint32_t i = 0; i < endpoints; ++i) {
+      Bytes buffer;
+      EndpointData data;
+      data.guid = {prefix,
+                   {{static_cast<std::uint8_t>(i >> 16), static_cast<std::uint8_t>(i >> 8),
+                     static_cast<std::uint8_t>(i), 0x02}}};
+      data.topic_name = data.type_name = "T";
+      a.participant.receive(whole(prefix, announced(data, 1 + i, buffer)), seconds(1));
+    }
+  };
+  for (std::uint32_t i = 1; i <= 4; ++i) say(i, Participant::kMostEndpointsPerParticipant);
+  EXPECT_EQ(a.participant.known_endpoints().size(), Participant::kMostEndpoints);
+  say(5, 50);
+  EXPECT_EQ(a.participant.known_endpoints().size(), Participant::kMostEndpoints + 50);
+  EXPECT_TRUE(a.events.seen.empty());
 }
 
 }  // namespace
