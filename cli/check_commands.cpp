@@ -24,10 +24,7 @@ Status set_vendor(const std::string& word, doctor::Vendor (&vendors)[2]) {
   const bool is_a = word.starts_with("A=");
   const bool is_b = word.starts_with("B=");
   const auto vendor = doctor::vendor_from(is_a || is_b ? word.substr(2) : word);
-  if (!vendor)
-    return fail(Code::usage, {.field = "--vendor",
-                              .expected = fmt::format("A= or B= and {}", kVendorWords),
-                              .found = '"' + word + '"'});
+  if (!vendor) return unknown_vendor(word, "A= or B= and ");
   if (!is_b) vendors[0] = *vendor;
   if (!is_a) vendors[1] = *vendor;
   return {};

@@ -34,10 +34,7 @@ Result<Vendors> chosen_vendors(const Arguments& arguments) {
   for (const auto& word : arguments.all("--vendor")) {
     if (word == "all") return Vendors(doctor::kVendors.begin(), doctor::kVendors.end());
     const auto vendor = doctor::vendor_from(word);
-    if (!vendor)
-      return fail(Code::usage, {.field = "--vendor",
-                                .expected = fmt::format("all, {}", kVendorWords),
-                                .found = '"' + word + '"'});
+    if (!vendor) return unknown_vendor(word, "all, ");
     out.push_back(*vendor);
   }
   if (out.empty()) out.assign(doctor::kVendors.begin(), doctor::kVendors.end());
@@ -145,7 +142,11 @@ void add_meetings(Report& report, const doctor::Party& self, const doctor::Party
                                  doctor::id(b), talk ? "they talk" : "they do NOT talk");
       report.result["peer"]["meetings"].push_back(
           {{"self", doctor::id(a)}, {"peer", doctor::id(b)}, {"talk", talk}});
-      for (const auto& finding : meeting.findings) {
+      auto findings = meeting.findings;
+      std::ranges::copy_if(meeting.notes, std::back_inserter(findings), [](const auto& note) {
+        return note.rule == Rule::DOC094;  // the others are of this pair alone
+      });
+      for (const auto& finding : findings) {
         if (finding.rule == Rule::DOC090 || finding.rule == Rule::DOC091 ||
             finding.rule == Rule::DOC093)
           continue;  // said by the diagnosis
@@ -215,6 +216,17 @@ Status check_folder(const fs::path& folder) {
 
 doctor::LoadedFolder load_participant(const fs::path& folder, WallTime now) {
   return doctor::load_folder(pki::participant_folder(folder), now);
+}
+
+std::unexpected<Error> unknown_vendor(const std::string& word, std::string_view before) {
+  const bool names_version = word.find('@') != word.npos;
+  return fail(Code::usage,
+              {.field = "--vendor",
+               .expected = fmt::format("{}cyclonedds@0.10.2, fastdds@2.9.1 or ours", before),
+               .found = '"' + word + '"',
+               .note = names_version ? "no other version was measured; what is known of Fast DDS "
+                                       "2.10 and later is in docs/why-they-do-not-talk.md"
+                                     : ""});
 }
 
 void name_parties(const fs::path& a, const fs::path& b, std::string (&names)[2]) {

@@ -1,6 +1,7 @@
 // What `doctor` and `check` share.
 #pragma once
 
+#include <expected>
 #include <filesystem>
 
 #include "cli/command.hpp"
@@ -16,7 +17,7 @@ governance::doctor::LoadedFolder load_participant(const std::filesystem::path& f
 /// What sentences call the folders: their last parts, or the whole paths where those are equal.
 void name_parties(const std::filesystem::path& a, const std::filesystem::path& b,
                   std::string (&names)[2]);
-/// The vendors that --vendor may name, for an error.
-inline constexpr std::string_view kVendorWords = "cyclonedds@0.10.2, fastdds@2.9.1 or ours";
+/// Error: usage, of a --vendor that is none: `before` and the vendors may be named.
+std::unexpected<Error> unknown_vendor(const std::string& word, std::string_view before);
 
 }  // namespace ddssec::cli

@@ -203,9 +203,8 @@ Report report_of(const Watched& watched, const std::string& source) {
   for (const auto& meeting : meetings) {
     out.text += text_of(meeting, observer);
     out.result["pairs"].push_back(to_json(meeting, observer));
-    if (!meeting.finding) continue;
-    out.findings.push_back(*meeting.finding);
-    out.exit = Exit::no;
+    if (meeting.finding) out.findings.push_back(*meeting.finding);
+    if (meeting.state == MeetingState::apart) out.exit = Exit::no;
   }
   std::ranges::move(leaks_of(observer), std::back_inserter(out.findings));
   if (watched.cut > 0)

@@ -264,6 +264,20 @@ void judge_handshake(const MeetingScene& scene) {
   for (const int i : kBoth) judge_handshake_from(scene, i);
 }
 
+// What was measured of Fast DDS is 2.9.1. Since 2.10 it waits for a peer's data of
+// DCPSParticipantsSecure, which Cyclone DDS 0.10 never writes; no plugin can change that.
+void note_versions(const MeetingScene& scene) {
+  const auto is = [&](int index, Vendor vendor) { return scene.party(index).vendor == vendor; };
+  const auto are_apart = [&](int fast) {
+    return is(fast, Vendor::fastdds) && !is(1 - fast, Vendor::fastdds);
+  };
+  if (!are_apart(0) && !are_apart(1)) return;
+  scene.out.notes.push_back(
+      {.rule = Rule::DOC094,
+       .message = "this is foretold of Fast DDS 2.9.1: secured, Fast DDS 2.10 and later discovers "
+                  "nothing of Cyclone DDS 0.10, with its own plugins or with ddssec's"});
+}
+
 void report_no_topic(const MeetingScene& scene) {
   const bool any = std::ranges::any_of(scene.out.topics, [](const TopicMeeting& topic) {
     return topic.directions[0].ok || topic.directions[1].ok;
@@ -320,6 +334,7 @@ Meeting meet(const Party& a, const Party& b, const Settings& settings,
   for (const int judge : kBoth)
     for (const int about : kBoth) judge_join(scene, judge, about);
   judge_handshake(scene);
+  note_versions(scene);
   const bool named = !topics.empty();
   if (!named) topics = topics_of_interest(scene);
   for (const auto& topic : topics) meet_on_topic(scene, topic, named);

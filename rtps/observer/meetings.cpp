@@ -1,6 +1,7 @@
 #include "rtps/observer/meetings.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -121,6 +122,21 @@ std::optional<Finding> standstill(const Side& a, const Side& b, MonotonicTime en
   return std::nullopt;
 }
 
+// Since 2.10 Fast DDS takes part in nothing before it has a peer's data of DCPSParticipantsSecure,
+// and Cyclone DDS 0.10 never writes there. No announcement says for certain which version it is.
+std::optional<Finding> doubt(const Side& a, const Side& b) {
+  const auto are = [&](VendorId first, VendorId second) {
+    return a.participant.vendor == first && b.participant.vendor == second;
+  };
+  const bool is_fast_first = are(kVendorFastDds, kVendorCyclone);
+  if (!is_fast_first && !are(kVendorCyclone, kVendorFastDds)) return std::nullopt;
+  const auto& [fast, cyclone] = is_fast_first ? std::tie(a, b) : std::tie(b, a);
+  return Finding{Rule::CAP014,
+                 fmt::format("{} is of Fast DDS, {} of Cyclone DDS: from Fast DDS 2.10 on, neither "
+                             "discovers the other's topics",
+                             fast.name(), cyclone.name())};
+}
+
 void judge(Meeting& meeting, const Side& a, const Side& b, MonotonicTime end) {
   if (!a.participant.is_secured() && !b.participant.is_secured()) {
     meeting.state = MeetingState::unsecured;
@@ -131,6 +147,7 @@ void judge(Meeting& meeting, const Side& a, const Side& b, MonotonicTime end) {
   if (keys_of_a && keys_of_b) {
     meeting.state = MeetingState::authenticated;
     meeting.took = std::max(keys_of_a.first, keys_of_b.first) - meeting.met;
+    meeting.finding = doubt(a, b);
     return;
   }
   meeting.finding = contradiction(a, b);

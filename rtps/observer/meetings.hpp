@@ -19,6 +19,8 @@ struct Meeting {
   MeetingState state = MeetingState::under_way;
   MonotonicTime met{};                     ///< when both had been heard
   std::optional<MonotonicTime> took = {};  ///< from then until both had sent keys
+  /// What keeps them apart; or, of two that authenticated, what may keep them from each other's
+  /// topics.
   std::optional<Finding> finding = {};
 };
 

@@ -5,9 +5,10 @@ import hashlib
 import pathlib
 import shutil
 import ssl
+import subprocess
 import tempfile
 
-from transcript import Transcript, main
+from transcript import PROGRAM, Transcript, main
 from workshop import GOVERNANCE, Folder, Workshop, allow, grant, permissions
 
 ONE_WAY = """<allow_rule>
@@ -294,6 +295,18 @@ class Check(Transcript):
         self.check("--vendor", f"{starts}=cyclonedds", "--vendor", f"{waits}=fastdds", exit=0)
         self.check("--vendor", f"{starts}=fastdds", "--vendor", f"{waits}=ours", exit=0)
 
+    def test_what_later_versions_of_fast_dds_do_is_told_where_it_matters(self):
+        for products, told in (("cyclonedds fastdds", True), ("fastdds ours", True), ("fastdds fastdds", False),
+                               ("ours cyclonedds", False)):
+            a, b = products.split()
+            words = ("check", "talker", "listener", "--vendor", f"A={a}", "--vendor", f"B={b}")
+            done = subprocess.run([PROGRAM, *words], cwd=self.at, capture_output=True, text=True, timeout=60,
+                                  check=False)
+            self.assertEqual("note[DOC094]: this is foretold of Fast DDS 2.9.1" in done.stderr, told, products)
+        for words in (("check", "talker", "listener"), ("doctor", "talker")):
+            said = self.refused("usage", 2, *words, "--vendor", "fastdds@3")
+            self.assertIn("docs/why-they-do-not-talk.md", said["message"])
+
     def subject_hash(self, name):
         def block(tag, content):
             return bytes([tag, len(content)]) + content
@@ -326,7 +339,7 @@ class Check(Transcript):
         mixed = [meetings["cyclonedds@0.10.2", "fastdds@2.9.1"],
                  meetings["fastdds@2.9.1", "cyclonedds@0.10.2"]]
         self.assertEqual(sorted(mixed), [False, True])
-        self.assertEqual([d["id"] for d in out["diagnostics"]], ["DOC083"])
+        self.assertEqual(sorted(d["id"] for d in out["diagnostics"]), ["DOC083", "DOC094"])
         self.json("doctor", "talker", "--peer", "listener", "--vendor", "fastdds", "--vendor",
                   "cyclonedds", exit=1)
         (self.at / "listener/key.pem").unlink()

@@ -51,6 +51,21 @@ class Inspect(Transcript):
         self.assertIn("protection   rtps SIGN, discovery ENCRYPT, liveliness ENCRYPT", text)
         self.assertRegex(text, r"CN=talker and CN=listener: authenticated within \d+ ms\n$")
 
+    def test_cyclone_dds_and_fast_dds(self):
+        """Which Fast DDS it is nobody announces: what its later versions do is a note."""
+        vendors, with_others = {}, []
+        for seconds, fraction, octets in packets(CAPTURE.read_bytes()):
+            at = octets.find(b"RTPS")
+            prefix = octets[at + 8:at + 20]
+            vendor = vendors.setdefault(prefix, b"\x01\x0f" if not vendors else b"\x01\x10")
+            with_others.append((seconds, fraction, octets[:at + 6] + vendor + octets[at + 8:]))
+        self.assertEqual(len(vendors), 2)
+        self.capture(with_others)
+        out = self.json("inspect", "some.pcap")
+        self.assertEqual(sorted(one["vendor"] for one in out["result"]["participants"]), ["Cyclone DDS", "Fast DDS"])
+        self.assertEqual([(d["id"], d["severity"]) for d in out["diagnostics"]], [("CAP014", "note")])
+        self.assertRegex(out["diagnostics"][0]["message"], r"CN=\w+ is of Fast DDS, CN=\w+ of Cyclone DDS")
+
     def test_standard_input(self):
         with CAPTURE.open("rb") as capture:
             done = subprocess.run([PROGRAM, "inspect", "-"], stdin=capture, capture_output=True, text=True,

@@ -1,5 +1,7 @@
 #include "governance/doctor/meeting.hpp"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 
 #include "fixture.hpp"
@@ -115,6 +117,16 @@ TEST_F(MeetingTest, OneOfTheTwoOrdersOfCycloneAndFastDdsWorks) {
   EXPECT_FALSE(bad.joined());
   ASSERT_TRUE(one.starter);
   EXPECT_EQ(one.handshake_works, *one.starter == Starter::first);
+}
+
+TEST_F(MeetingTest, VersionsOfFastDdsMatterToCycloneDdsWithAnyPlugins) {
+  const auto is_noted = [&](Vendor a, Vendor b) {
+    return std::ranges::count(meeting({}, a, b).notes, Rule::DOC094, &Finding::rule) == 1;
+  };
+  EXPECT_TRUE(is_noted(Vendor::fastdds, Vendor::cyclonedds));
+  EXPECT_TRUE(is_noted(Vendor::ours, Vendor::fastdds));
+  EXPECT_FALSE(is_noted(Vendor::fastdds, Vendor::fastdds));
+  EXPECT_FALSE(is_noted(Vendor::ours, Vendor::cyclonedds));
 }
 
 TEST_F(MeetingTest, PayloadProtectionAloneStopsAFastDdsWriterBeforeACycloneReader) {

@@ -69,6 +69,29 @@ TEST(Observer, SeesWhoAuthenticatesAndHowLongItTook) {
   }
 }
 
+TEST(Observer, TellsWhatLaterVersionsOfFastDdsDoToCycloneDds) {
+  Pair pair(everything(ProtectionKind::encrypt));
+  auto vendors = std::array{kVendorFastDds, kVendorCyclone};
+  Observer observer;
+  pair.world.filter = [&](const Node& from, Bytes datagram) {
+    auto seen = datagram;  // the vendor is not authenticated
+    const auto& vendor = vendors[&from == &pair.a ? 0 : 1];
+    std::ranges::copy(vendor.octets, seen.begin() + 6);
+    observer.on_datagram(seen, {"127.0.0.1", 7400, pair.world.now});
+    return one(std::move(datagram));
+  };
+  ASSERT_TRUE(pair.match());
+  pair.world.run(5);
+  const auto of_two = [&] { return meetings_of(observer).at(0); };
+  EXPECT_EQ(of_two().state, MeetingState::authenticated);
+  ASSERT_TRUE(of_two().finding);
+  EXPECT_EQ(of_two().finding->rule, Rule::CAP014);
+  EXPECT_EQ(of_two().finding->severity, Severity::informational);
+  vendors[1] = kVendorFastDds;
+  pair.world.run(200);
+  EXPECT_FALSE(of_two().finding);
+}
+
 TEST(Observer, TellsWhatTwoGovernancesDifferIn) {
   Pair pair(everything(ProtectionKind::encrypt), everything(ProtectionKind::sign));
   Listening listening(pair);
