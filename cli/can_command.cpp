@@ -66,7 +66,7 @@ Result<Answer> by_permissions(const pki::ParticipantFolder& folder, governance::
                        file));
   const governance::CompiledGrant compiled(document, *grant, domain);
   const auto verdict = compiled.judge(action, request);
-  const auto what = verdict.rule == nullptr ? "no rule matches; the grant's default"
+  const auto what = verdict.rule == nullptr ? "no rule matches; the default"
                     : verdict.allowed       ? "an allow_rule"
                                             : "a deny_rule";
   return Answer{verdict.allowed, fmt::format("{} of grant \"{}\"", what, grant->name), file,
