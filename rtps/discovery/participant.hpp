@@ -324,6 +324,10 @@ class Participant final : private SecurityHost {
   void on_early_keys(const Guid& remote) override;
   void on_ended(const GuidPrefix& peer) override;
 
+  /// See Keyring; nothing without security.
+  std::optional<Sha256Digest> keys_of(const EntityId& local, const Guid& remote) const {
+    return security_ ? security_->keyring().keys_of(local, remote) : std::nullopt;
+  }
   /// False: security keeps them apart, or their keys are not here yet.
   bool introduce(const EntityId& local, const EndpointData& remote, bool& keep);
   template <class Local>

@@ -164,11 +164,15 @@ void Participant::add_endpoint(Remote& remote, EndpointData data) {
 
 template <class Local>
 void Participant::forget(Local& local, const Guid& remote) {
+  const auto keys = keys_of(local.data.guid.entity, remote);
   if (security_) security_->keyring().part(local.data.guid.entity, remote);
   if (std::erase(local.matched, remote) == 0) return;
-  if constexpr (std::is_same_v<Local, LocalReader>)
+  if constexpr (std::is_same_v<Local, LocalReader>) {
     if (auto* endpoint = find_remote(remote)) std::erase(endpoint->readers, &local);
-  local.protocol->unmatch(remote);
+    local.protocol->unmatch(remote, keys);
+  } else {
+    local.protocol->unmatch(remote);
+  }
   local.listener->on_unmatched(remote);
 }
 
@@ -356,9 +360,12 @@ void Participant::match(LocalReader& reader, Remote& remote, const EndpointData&
   matched.push_back(&reader);
   reader.matched.push_back(data.guid);
   const bool near = neighbour(reader.data.guid.entity, data.guid) != nullptr;
+  const bool history =
+      std::min(data.qos.durability, reader.data.qos.durability) >= DurabilityKind::transient_local;
   reader.protocol->match({data.guid, data.qos.is_reliable(),
-                          near ? LocatorList{} : usable_locators(data.unicast, remote.user), near},
-                         now_);
+                          near ? LocatorList{} : usable_locators(data.unicast, remote.user), near,
+                          keys_of(reader.data.guid.entity, data.guid)},
+                         now_, history);
   reader.listener->on_matched(data);
   join(reader.data.guid, data.guid);
 }

@@ -25,21 +25,36 @@ StatefulReader::WriterProxy* StatefulReader::find(const Guid& writer) {
   return at == writers_.end() ? nullptr : &*at;
 }
 
-void StatefulReader::match(MatchedWriter writer, MonotonicTime now) {
+void StatefulReader::match(MatchedWriter writer, MonotonicTime now, bool wants_history) {
   if (find(writer.guid) != nullptr) return;
   WriterProxy proxy;
   proxy.writer = std::move(writer);
   proxy.question_period = kFirstQuestion;
   writers_.push_back(std::move(proxy));
+  resume(writers_.back(), wants_history);
   const auto& matched = writers_.back().writer;
   if (reliable_ && matched.reliable && !matched.in_process) ask(writers_.back(), now);
 }
 
-void StatefulReader::unmatch(const Guid& writer) {
+void StatefulReader::resume(WriterProxy& proxy, bool wants_history) {
+  const auto past = std::ranges::find(past_, proxy.writer.guid, &Past::writer);
+  if (past == past_.end()) return;
+  if (past->keys == proxy.writer.keys) {
+    const bool reliable = reliable_ && proxy.writer.reliable;
+    proxy.last_heartbeat = past->last_heartbeat;
+    proxy.waits = reliable && wants_history;
+    if (!proxy.waits) proxy.next = past->next;
+  }
+  past_.erase(past);
+}
+
+void StatefulReader::unmatch(const Guid& writer, const std::optional<Sha256Digest>& keys) {
   auto* proxy = find(writer);
   if (proxy == nullptr) return;
   if (proxy->local != nullptr) proxy->local->detach(guid_);
   held_ -= proxy->held;
+  if (keys) past_.push_back({writer, *keys, proxy->next, proxy->last_heartbeat});
+  if (past_.size() > kMostPast) past_.pop_front();
   std::erase_if(writers_, [&](const auto& proxy) { return proxy.writer.guid == writer; });
 }
 
@@ -111,6 +126,12 @@ void StatefulReader::forget_latest(WriterProxy& proxy) {
     forget_early(proxy, std::prev(proxy.early.end()));
 }
 
+// Somebody kept what the writer does not hold any more.
+void StatefulReader::forget_below(WriterProxy& proxy, SequenceNumber number) {
+  for (auto at = proxy.early.begin(); at != proxy.early.end() && at->first < number;)
+    at = forget_early(proxy, at);
+}
+
 void StatefulReader::keep_early(WriterProxy& proxy, SequenceNumber number,
                                 std::optional<Change> change) {
   if (proxy.early.contains(number)) return;
@@ -129,7 +150,8 @@ void StatefulReader::accept(WriterProxy& proxy, SequenceNumber number,
     if (change) deliver_(*change);
     return;
   }
-  if (number == proxy.next && proxy.early.empty() && (!change || deliver_(*change))) {
+  if (!proxy.waits && number == proxy.next && proxy.early.empty() &&
+      (!change || deliver_(*change))) {
     proxy.next = number.next();
   } else if (number == proxy.next) {
     keep_early(proxy, number, std::move(change));
@@ -142,6 +164,7 @@ void StatefulReader::accept(WriterProxy& proxy, SequenceNumber number,
 }
 
 void StatefulReader::advance(WriterProxy& proxy) {
+  if (proxy.waits) return;
   for (auto at = proxy.early.begin(); at != proxy.early.end() && at->first == proxy.next;
        at = forget_early(proxy, at)) {
     if (at->second.change && !deliver_(*at->second.change)) return;
@@ -243,11 +266,12 @@ void StatefulReader::on_data_frag(const GuidPrefix& from, const DataFrag& frag,
 void StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat) {
   auto* proxy = find({from, heartbeat.writer});
   if (proxy == nullptr || !reliable_ || !proxy->writer.reliable) return;
-  if (proxy->heard && !is_later(heartbeat.count, proxy->last_heartbeat)) return;
+  if ((proxy->heard || proxy->waits) && !is_later(heartbeat.count, proxy->last_heartbeat)) return;
   if (!std::exchange(proxy->heard, true)) proxy->history_end = heartbeat.last;
   proxy->next_question = kNever;
   proxy->last_heartbeat = heartbeat.count;
   proxy->announced = heartbeat.last;
+  if (std::exchange(proxy->waits, false)) forget_below(*proxy, heartbeat.first);
   advance(*proxy);
   note_lost(*proxy, heartbeat.first);
   skip_to(*proxy, heartbeat.first);
@@ -269,8 +293,8 @@ void StatefulReader::acknowledge(WriterProxy& proxy, SequenceNumber last) {
   for (auto number = proxy.next; number <= last && missing.reaches(number); number = number.next())
     if (!proxy.early.contains(number) && find_partial(proxy, number) == nullptr)
       missing.insert(number);
-  sender_.add(proxy.destination(), AckNack{guid_.entity, proxy.writer.guid.entity, missing,
-                                           ++proxy.count, missing.empty()});
+  sender_.add(proxy.destination(),
+              AckNack{guid_.entity, proxy.writer.guid.entity, missing, ++count_, missing.empty()});
   // Of one sample at a time: each answer ends with a heartbeat, which brings the next question.
   if (!proxy.partial.empty() && proxy.partial.front().number() <= last)
     ask_for_fragments(proxy, proxy.partial.front());
@@ -284,7 +308,7 @@ void StatefulReader::ask_for_fragments(WriterProxy& proxy, const Partial& partia
   for (auto i = index; i < have.size() && missing.reaches({i + 1}); ++i)
     if (have[i] == 0) missing.insert({i + 1});
   sender_.add(proxy.destination(), NackFrag{guid_.entity, proxy.writer.guid.entity,
-                                            partial.number(), missing, ++proxy.count});
+                                            partial.number(), missing, ++count_});
 }
 
 // A range is skipped as a whole where we stand before it; ahead of us only the 256 numbers of the
@@ -292,7 +316,7 @@ void StatefulReader::ask_for_fragments(WriterProxy& proxy, const Partial& partia
 void StatefulReader::on_gap(const GuidPrefix& from, const Gap& gap) {
   auto* proxy = find({from, gap.writer});
   if (proxy == nullptr) return;
-  if (gap.start <= proxy->next) {
+  if (gap.start <= proxy->next && !proxy->waits) {
     skip_to(*proxy, gap.list.base());
   } else if (gap.list.base().value - gap.start.value <= kMostBitsPerSet) {
     for (auto number = gap.start; number < gap.list.base(); number = number.next())
@@ -307,7 +331,7 @@ void StatefulReader::on_gap(const GuidPrefix& from, const Gap& gap) {
 // with base 0, which Cyclone DDS calls malformed.)
 void StatefulReader::ask(WriterProxy& proxy, MonotonicTime now) {
   sender_.add(proxy.destination(), AckNack{guid_.entity, proxy.writer.guid.entity,
-                                           SequenceNumberSet(proxy.next), ++proxy.count, false});
+                                           SequenceNumberSet(proxy.next), ++count_, false});
   sender_.flush();
   proxy.next_question = now + proxy.question_period;
   proxy.question_period = std::min(proxy.question_period * 2, kLongestQuestion);

@@ -2,9 +2,11 @@
 // (RTPS 8.4.12).
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <map>
 
+#include "base/hash.hpp"
 #include "rtps/reliability/stateful_writer.hpp"
 #include "rtps/wire/data_frag.hpp"
 #include "rtps/wire/gap.hpp"
@@ -18,6 +20,9 @@ struct MatchedWriter {
   bool reliable = false;
   LocatorList locators = {};  ///< empty if it feeds us in this process
   bool in_process = false;
+  /// What its samples are protected with, if anything: nobody but the writer made those that come
+  /// while it is the same, but anybody may have kept some of them.
+  std::optional<Sha256Digest> keys = {};
 };
 
 /// Delivers each writer's changes in order, each once. Bounded: changes that came too early and
@@ -30,6 +35,8 @@ class StatefulReader final : private Timed {
   static constexpr std::uint32_t kLargestSample = 64u << 20;
   /// Of what is kept, of all writers.
   static constexpr std::size_t kMostHeldOctets = std::size_t{256} << 20;
+  /// Writers that left with keys that they may come back with.
+  static constexpr std::size_t kMostPast = 1024;
   /// What each change that is kept counts beside its octets.
   static constexpr std::size_t kPricePerChange = 256;
   /// For readers whose samples are small.
@@ -65,8 +72,12 @@ class StatefulReader final : private Timed {
            writers_.end();
   }
 
-  void match(MatchedWriter writer, MonotonicTime now);
-  void unmatch(const Guid& writer);
+  /// A writer that comes back with the keys that it left with goes on where it was: what it sent
+  /// before that is not new, whoever sends it again. `wants_history`: it may say that it starts
+  /// anew with what it holds, but by a heartbeat that was not heard before.
+  void match(MatchedWriter writer, MonotonicTime now, bool wants_history = false);
+  /// `keys`: with what it is remembered, if at all.
+  void unmatch(const Guid& writer, const std::optional<Sha256Digest>& keys = {});
 
   void on_data(const GuidPrefix& from, const Data& data, const std::optional<Time>& time);
   void on_data_frag(const GuidPrefix& from, const DataFrag& frag, const std::optional<Time>& time);
@@ -117,19 +128,28 @@ class StatefulReader final : private Timed {
     Early early;
     std::vector<Partial> partial;  ///< by their numbers
     std::size_t held = 0;          ///< the price of both
-    std::int32_t count = 0;
     std::int32_t last_heartbeat = 0;
     SequenceNumber announced;    ///< the last that a heartbeat spoke of
     SequenceNumber history_end;  ///< the same of its first heartbeat
     bool heard = false;          ///< a heartbeat of it came
     bool started = false;        ///< a change of it came, or a heartbeat said where it stands
+    bool waits = false;          ///< for a heartbeat later than last_heartbeat, with all changes
     StatefulWriter* local = nullptr;
     MonotonicTime next_question = kNever;
     MonotonicTime question_period{};
     Destination destination() const { return {writer.guid.prefix, writer.locators}; }
   };
 
+  /// A writer that left.
+  struct Past {
+    Guid writer;
+    Sha256Digest keys;
+    SequenceNumber next;
+    std::int32_t last_heartbeat;
+  };
+
   void on_time(MonotonicTime now) override { tick(now); }
+  void resume(WriterProxy& proxy, bool wants_history);
   /// "What is there?", and when to ask again.
   void ask(WriterProxy& proxy, MonotonicTime now);
   WriterProxy* find(const Guid& writer);
@@ -145,6 +165,7 @@ class StatefulReader final : private Timed {
   /// Whoever holds most gives up its latest: they are asked for again.
   void trim();
   void forget_latest(WriterProxy& proxy);
+  void forget_below(WriterProxy& proxy, SequenceNumber number);
   void keep_early(WriterProxy& proxy, SequenceNumber number, std::optional<Change> change);
   Change change_of(const GuidPrefix& from, const Data& data, const std::optional<Time>& time) const;
   Partial* partial_of(WriterProxy& proxy, const DataFrag& frag, const std::optional<Time>& time);
@@ -163,7 +184,9 @@ class StatefulReader final : private Timed {
   Limits limits_;
   SpareNodes<Early> spare_;
   std::vector<WriterProxy> writers_;
-  std::size_t held_ = 0;  ///< of all of them
+  std::size_t held_ = 0;    ///< of all of them
+  std::deque<Past> past_;   ///< who left latest last
+  std::int32_t count_ = 0;  ///< of acknowledgements: whoever comes back hears later ones
 };
 
 }  // namespace ddssec::rtps

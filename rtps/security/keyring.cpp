@@ -17,6 +17,13 @@ bool waits_for_tokens(const EntityId& local, const spi::EndpointSecurityAttribut
   return is_writer(local) ? attributes.is_submessage_protected() : needs_keys(attributes);
 }
 
+Sha256Digest digest_of(std::span<const spi::Token> tokens) {
+  Sha256Digest out{};
+  for (const auto& token : tokens)
+    for (const auto& property : token.binary_properties) out = sha256({out, property.value});
+  return out;
+}
+
 }  // namespace
 
 Keyring::~Keyring() {
@@ -86,7 +93,7 @@ void Keyring::remove_local(const EntityId& id) {
 Status Keyring::add_remote(const GuidPrefix& prefix, RemoteParticipant remote) {
   const auto handle = DDSSEC_TRY(factory().register_matched_remote_participant(
       own_.crypto(), remote.identity, remote.permissions, *remote.secret));
-  remotes_[prefix] = {handle, std::move(remote.secret), remote.wraps_plain_builtin};
+  remotes_[prefix] = {handle, std::move(remote.secret), remote.wraps_plain_builtin, {}};
   all_remotes_.push_back(handle);
   return {};
 }
@@ -116,7 +123,10 @@ Status Keyring::set_participant_tokens(const GuidPrefix& prefix,
                                        std::span<const spi::Token> tokens) {
   const auto at = remotes_.find(prefix);
   if (at == remotes_.end()) return fail(Code::crypto_not_matched);
-  return exchange().set_remote_participant_crypto_tokens(own_.crypto(), at->second.crypto, tokens);
+  DDSSEC_TRY(
+      exchange().set_remote_participant_crypto_tokens(own_.crypto(), at->second.crypto, tokens));
+  at->second.keys = digest_of(tokens);
+  return {};
 }
 
 // ---- pairs
@@ -185,6 +195,20 @@ bool Keyring::is_introduced(const EntityId& id, const Guid& remote) const {
   return local != nullptr && local->pairs.contains(remote);
 }
 
+// Where only payloads are protected, anybody can give them another number.
+std::optional<Sha256Digest> Keyring::keys_of(const EntityId& id, const Guid& remote) const {
+  const auto* local = find(id);
+  const auto peer = remotes_.find(remote.prefix);
+  const bool known = local != nullptr && local->pairs.contains(remote) && peer != remotes_.end();
+  if (!known) return std::nullopt;
+  const bool by_message = own_.attributes().is_rtps_protected();
+  const bool by_submessage = local->attributes.is_submessage_protected();
+  if (!by_message && !by_submessage) return std::nullopt;
+  const Sha256Digest none{};
+  return sha256(
+      {by_message ? peer->second.keys : none, by_submessage ? local->pairs.at(remote).keys : none});
+}
+
 void Keyring::rebuild_receivers(const EntityId& id, Local& local) {
   local.readers.clear();
   local.writers.clear();
@@ -210,6 +234,7 @@ Result<bool> Keyring::set_endpoint_tokens(const EntityId& id, const Guid& remote
     DDSSEC_TRY(exchange().set_remote_datareader_crypto_tokens({own}, {peer}, tokens));
   else
     DDSSEC_TRY(exchange().set_remote_datawriter_crypto_tokens({own}, {peer}, tokens));
+  pair->second.keys = digest_of(tokens);
   const bool was_ready = std::exchange(pair->second.ready, true);
   rebuild_receivers(id, at->second);
   return !was_ready;

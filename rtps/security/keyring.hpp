@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "base/event.hpp"
+#include "base/hash.hpp"
 #include "rtps/reliability/send_protection.hpp"
 #include "rtps/security/own_security.hpp"
 #include "rtps/security/work_budget.hpp"
@@ -76,6 +77,9 @@ class Keyring final : public SendProtection {
                                  bool relay_only = false);
   void part(const EntityId& local, const Guid& remote);
   bool is_introduced(const EntityId& local, const Guid& remote) const;
+  /// Stands for the keys that protect what the remote endpoint says to the local one: the same as
+  /// long as they are. Nothing: anybody can say what it says.
+  std::optional<Sha256Digest> keys_of(const EntityId& local, const Guid& remote) const;
   /// True: the pair has become ready.
   Result<bool> set_endpoint_tokens(const EntityId& local, const Guid& remote,
                                    std::span<const spi::Token> tokens);
@@ -132,6 +136,7 @@ class Keyring final : public SendProtection {
   struct Pair {
     std::int64_t handle = 0;  ///< the remote endpoint's; 0: no keys at all
     bool ready = false;
+    Sha256Digest keys = {};  ///< of its tokens, the latest
   };
   struct Local {
     spi::EndpointSecurityAttributes attributes;
@@ -145,6 +150,7 @@ class Keyring final : public SendProtection {
     spi::ParticipantCryptoHandle crypto;
     std::shared_ptr<const spi::SharedSecret> secret;
     bool wraps_plain_builtin = true;
+    Sha256Digest keys = {};  ///< of its tokens, the latest
   };
 
   const Local* find(const EntityId& id) const;
