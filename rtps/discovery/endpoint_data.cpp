@@ -149,6 +149,27 @@ void write_partition(SpanWriter& w, const Announced& a) {
   for (const auto& name : a.data.qos.partition) write_text(w, name);
 }
 
+Status read_data_tags(Reader& r, Announced& a) {
+  const auto count = DDSSEC_TRY(r.read_count(8));
+  if (count > kMostDataTags) return fail(Code::length_out_of_range);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    auto name = DDSSEC_TRY(read_bounded_string(r, kMostNameLength));
+    auto value = DDSSEC_TRY(read_bounded_string(r, kMostNameLength));
+    a.data.qos.data_tags.push_back({std::move(name), std::move(value)});
+  }
+  return {};
+}
+
+void write_data_tags(SpanWriter& w, const Announced& a) {
+  if (a.data.qos.data_tags.empty()) return;
+  const ParameterScope scope(w, pid::kDataTags);
+  w.write(static_cast<std::uint32_t>(a.data.qos.data_tags.size()));
+  for (const auto& tag : a.data.qos.data_tags) {
+    write_text(w, tag.name);
+    write_text(w, tag.value);
+  }
+}
+
 Status read_representation(Reader& r, Announced& a) {
   const auto count = DDSSEC_TRY(r.read_count(2));
   if (count > 8) return fail(Code::length_out_of_range);
@@ -367,6 +388,7 @@ constexpr Row kTable[] = {
      [](SpanWriter& w, const Announced& a) {
        if (a.data.content_filter) write_content_filter_property(w, *a.data.content_filter);
      }},
+    {pid::kDataTags, read_data_tags, write_data_tags},
     {pid::kEndpointSecurityInfo,
      [](Reader& r, Announced& a) { return read_security_info_into(r, a.data.security_info); },
      [](SpanWriter& w, const Announced& a) {
@@ -406,6 +428,8 @@ std::size_t octets_of(const EndpointData& data) {
                              &data.qos.topic_data, &data.qos.group_data})
     out += octets->capacity();
   out += octets_of(data.qos.partition);
+  for (const auto& tag : data.qos.data_tags)
+    out += sizeof(tag) + tag.name.capacity() + tag.value.capacity();
   out += (data.unicast.capacity() + data.multicast.capacity()) * sizeof(Locator);
   if (const auto& filter = data.content_filter)
     out += filter->content_filtered_topic_name.capacity() + filter->related_topic_name.capacity() +

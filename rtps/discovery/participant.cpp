@@ -331,7 +331,8 @@ EndpointData Participant::local_data(EndpointRequest request, EndpointKind kind)
 
 Status Participant::secure_endpoint(EndpointData& data, EndpointListener& listener) {
   const auto made = DDSSEC_TRY(security_->create_endpoint(
-      data.guid.entity, {data.topic_name, data.qos.partition, data.qos.properties}));
+      data.guid.entity,
+      {data.topic_name, data.qos.partition, data.qos.data_tags, data.qos.properties}));
   data.security_info = made.info;
   data.required_ciphers = made.required_ciphers;
   if (made.key_is_protected) listener.on_key_protected();

@@ -296,6 +296,7 @@ class Participant final : private SecurityHost {
 
   void publish(const EndpointData& data, MonotonicTime now);
   void unpublish(const Guid& endpoint, MonotonicTime now);
+  bool is_announced_securely(const EntityId& endpoint) const;
   StatefulWriter& sedp_writer(const EntityId& endpoint);
   bool on_builtin(BuiltinTopic topic, const Change& change);
   void on_sedp(const Change& change, bool publications, bool secure);

@@ -125,10 +125,10 @@ void Participant::on_early_keys(const Guid& remote) {
 
 bool Participant::introduce(const EntityId& local, const EndpointData& remote, bool& keep) {
   if (!security_ || remote.guid.prefix == config_.prefix) return true;
-  const auto admission =
-      security_->admit(local, {remote.guid, remote.topic_name, remote.qos.partition,
-                               remote.security_info.value_or(spi::SecurityInfo{}),
-                               remote.by_secure_discovery, remote.required_ciphers});
+  const auto admission = security_->admit(
+      local, {remote.guid, remote.topic_name, remote.qos.partition, remote.qos.data_tags,
+              remote.security_info.value_or(spi::SecurityInfo{}), remote.by_secure_discovery,
+              remote.required_ciphers});
   keep = admission.has_value();
   return keep && security_->introduce(local, remote.guid, admission->relay_only);
 }

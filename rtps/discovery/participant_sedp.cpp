@@ -26,7 +26,13 @@ void Participant::publish(const EndpointData& data, MonotonicTime now) {
   // Of so many octets few are written, and only those are to cost anything.
   const auto buffer = std::make_unique_for_overwrite<std::uint8_t[]>(kLargestAnnouncement);
   SpanWriter payload({buffer.get(), kLargestAnnouncement});
-  write_payload(payload, data);
+  if (data.qos.data_tags.empty() || is_announced_securely(data.guid.entity)) {
+    write_payload(payload, data);
+  } else {
+    auto untagged = data;
+    untagged.qos.data_tags.clear();
+    write_payload(payload, untagged);
+  }
   Change change;
   change.key_hash = data.guid.octets();
   change.payload = Payload::copy_of(payload.view());
@@ -35,9 +41,13 @@ void Participant::publish(const EndpointData& data, MonotonicTime now) {
 
 // DDS-Security 7.4.1.8: the governance says which topics are announced where only authenticated
 // participants can read it.
-StatefulWriter& Participant::sedp_writer(const EntityId& endpoint) {
+bool Participant::is_announced_securely(const EntityId& endpoint) const {
   const auto* attributes = security_ ? security_->keyring().attributes(endpoint) : nullptr;
-  const bool secure = attributes != nullptr && attributes->topic.is_discovery_protected;
+  return attributes != nullptr && attributes->topic.is_discovery_protected;
+}
+
+StatefulWriter& Participant::sedp_writer(const EntityId& endpoint) {
+  const bool secure = is_announced_securely(endpoint);
   if (is_writer(endpoint))
     return builtin_.writer(secure ? BuiltinTopic::publications_secure : BuiltinTopic::publications);
   return builtin_.writer(secure ? BuiltinTopic::subscriptions_secure : BuiltinTopic::subscriptions);

@@ -13,6 +13,7 @@ namespace ddssec::rtps {
 namespace pid {
 inline constexpr ParameterId kIdentityToken = 0x1001;
 inline constexpr ParameterId kPermissionsToken = 0x1002;
+inline constexpr ParameterId kDataTags = 0x1003;
 inline constexpr ParameterId kEndpointSecurityInfo = 0x1004;
 inline constexpr ParameterId kParticipantSecurityInfo = 0x1005;
 // DDS-Security 1.2 7.4.1.6 and 7.4.1.7; stock peers pass them over.

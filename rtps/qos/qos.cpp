@@ -39,6 +39,7 @@ Status check_mutable(const Qos& from, const Qos& to) {
   if (from.destination_order != to.destination_order) return immutable("DESTINATION_ORDER");
   if (from.presentation != to.presentation) return immutable("PRESENTATION");
   if (from.properties != to.properties) return immutable("PROPERTY");
+  if (from.data_tags != to.data_tags) return immutable("DATA_TAGS");
   if (from.data_representation != to.data_representation) return immutable("DATA_REPRESENTATION");
   if (from.type_consistency != to.type_consistency)
     return immutable("TYPE_CONSISTENCY_ENFORCEMENT");
@@ -69,6 +70,9 @@ Status check_consistency(const Qos& qos) {
   if (qos.partition.size() > kMostPartitions)
     return inconsistent("PARTITION", fmt::format("at most {} names", kMostPartitions),
                         std::to_string(qos.partition.size()));
+  if (qos.data_tags.size() > kMostDataTags)
+    return inconsistent("DATA_TAGS", fmt::format("at most {} tags", kMostDataTags),
+                        std::to_string(qos.data_tags.size()));
   if (qos.data_representation.empty())
     return inconsistent("DATA_REPRESENTATION", "at least one", "none");
   return {};

@@ -101,6 +101,9 @@ struct Qos {
   Bytes user_data, topic_data, group_data;
   /// PROPERTY (DDS-Security 7.2.5), for our own plugins; not announced.
   spi::PropertyList properties;
+  /// DATA_TAGS (DDS-Security 7.2.4): what <data_tags> of the permissions speak of. Announced where
+  /// discovery of the topic is protected.
+  spi::PropertyList data_tags;
   ReaderDataLifecycle reader_data_lifecycle;  ///< not announced
   /// WRITER_DATA_LIFECYCLE; not announced: unregistering an instance, or deleting the writer, also
   /// disposes it.
@@ -120,6 +123,8 @@ inline Qos default_writer_qos() {
 /// Most partitions of one endpoint, and the most characters of a name (DDS 1.4, 2.2.3.13).
 inline constexpr std::size_t kMostPartitions = 64;
 inline constexpr std::size_t kMostNameLength = 256;
+/// Most data tags of one endpoint.
+inline constexpr std::size_t kMostDataTags = 64;
 
 /// Refuses a change of a policy that stays as it is once an entity is enabled (DDS 1.4, 2.2.3,
 /// "changeable"), naming it. Errors: rtps_immutable_policy.

@@ -144,6 +144,7 @@ class Security {
     Guid guid;
     std::string_view topic;
     const std::vector<std::string>& partitions;
+    const spi::PropertyList& data_tags;
     spi::SecurityInfo info;
     bool is_secure = false;
     std::optional<spi::CipherMask> required_ciphers = {};
@@ -157,6 +158,7 @@ class Security {
   struct NewEndpoint {
     std::string_view topic;
     const std::vector<std::string>& partitions;
+    const spi::PropertyList& data_tags;
     const spi::PropertyList& properties;
   };
   struct Announced {

@@ -102,7 +102,8 @@ Result<Security::Announced> Security::create_endpoint(const EntityId& id,
                                                       const NewEndpoint& endpoint) {
   auto& plugin = own_->plugins().access_control;
   const auto names = views_of(endpoint.partitions);
-  const spi::EndpointRequest request{.topic_name = endpoint.topic, .partitions = names};
+  const spi::EndpointRequest request{
+      .topic_name = endpoint.topic, .partitions = names, .data_tags = endpoint.data_tags};
   DDSSEC_TRY(plugin.check_create_topic(own_->permissions(), own_->domain_id(), endpoint.topic));
   spi::EndpointSecurityAttributes attributes;
   if (is_writer(id)) {
@@ -163,7 +164,8 @@ Result<Security::Admission> Security::check_permissions(const EntityId& local, c
                                                         const Endpoint& remote) {
   auto& plugin = own_->plugins().access_control;
   const auto names = views_of(remote.partitions);
-  const spi::EndpointRequest request{.topic_name = remote.topic, .partitions = names};
+  const spi::EndpointRequest request{
+      .topic_name = remote.topic, .partitions = names, .data_tags = remote.data_tags};
   if (is_reader(local)) {
     DDSSEC_TRY(plugin.check_remote_datawriter(peer.permissions, own_->domain_id(), request));
     return Admission{};

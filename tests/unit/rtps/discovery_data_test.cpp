@@ -56,6 +56,7 @@ EndpointData publication() {
   qos.destination_order = DestinationOrderKind::by_source;
   qos.presentation = {PresentationScope::topic, true, true};
   qos.partition = {"a", "b*"};
+  qos.data_tags = {{"level", "open"}, {"", ""}};
   qos.transport_priority = 2;
   qos.data_representation = {DataRepresentation::xcdr2, DataRepresentation::xcdr1};
   qos.user_data = {1}, qos.topic_data = {2, 2}, qos.group_data = {3, 3, 3};
@@ -225,6 +226,9 @@ TEST(DiscoveryData, ListsAreBounded) {
   EXPECT_EQ(code_of(read_participant_data(payload_of(data))), Code::length_out_of_range);
   auto endpoint = publication();
   endpoint.qos.partition.assign(kMostPartitions + 1, "p");
+  EXPECT_EQ(code_of(read_publication_data(payload_of(endpoint))), Code::length_out_of_range);
+  endpoint = publication();
+  endpoint.qos.data_tags.assign(kMostDataTags + 1, {"a", "b"});
   EXPECT_EQ(code_of(read_publication_data(payload_of(endpoint))), Code::length_out_of_range);
   endpoint = publication();
   endpoint.topic_name.assign(kMostNameLength + 1, 't');

@@ -135,6 +135,10 @@ TEST(Qos, ContradictionsAreRefused) {
        },
        "DEADLINE.period"},
       {[](Qos& q) { q.partition.assign(65, "p"); }, "PARTITION"},
+      {[](Qos& q) {
+         q.data_tags.assign(kMostDataTags + 1, {"a", "b"});
+       },
+       "DATA_TAGS"},
       {[](Qos& q) { q.data_representation.clear(); }, "DATA_REPRESENTATION"},
   };
   EXPECT_TRUE(check_consistency(default_writer_qos()));

@@ -119,14 +119,16 @@ struct Authorities {
 
 inline std::string data_uri(std::string_view text) { return "data:," + std::string(text); }
 
-/// `topics`: what may be published and subscribed, and how long.
+/// `topics`: what may be published and subscribed, and how long; `tags`: with which data tags.
 inline spi::PropertyList properties_of(const std::string& subject, const Rules& rules,
                                        std::vector<std::string> topics = {"*"},
-                                       std::chrono::hours valid = 24h) {
+                                       std::chrono::hours valid = 24h,
+                                       std::optional<std::vector<governance::DataTag>> tags = {}) {
   const auto& [identity_ca, permissions_ca] = Authorities::shared();
   const auto leaf = pki::make_leaf(identity_ca, subject);
   governance::Criteria criteria;
   for (auto& name : topics) criteria.topics.push_back({std::move(name), 0});
+  criteria.data_tags = std::move(tags);
   governance::Rule rule;
   rule.allow = true;
   rule.domains.ranges = {{0, 230}};
