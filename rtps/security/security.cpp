@@ -118,6 +118,7 @@ void Security::close(Peer& peer) {
   peer.early.clear();
   peer.early_octets = 0;
   peer.established = peer.exchanges_keys = peer.authenticated = false;
+  peer.doubted_until = kNever;
 }
 
 bool Security::is_authenticated(const GuidPrefix& prefix) const {
@@ -169,13 +170,21 @@ void Security::on_stateless(const GuidPrefix& source, BytesView payload, Monoton
   look_after(*peer);
 }
 
-// It waits for our request. If we are done with it, it may have lost us.
+// It waits for our request. If we are done with it, it may have lost us; or somebody says so in its
+// name, and it still answers by the keys that it has with us.
 void Security::on_auth_request(Peer& peer) {
   if (!peer.handshake->begins()) return;
   if (!peer.established) return nudge(peer);
-  if (!peer.authenticated || now_ < peer.next_second || !starts_.take(now_)) return;
+  if (!peer.authenticated || now_ < peer.next_second) return;
   peer.next_second = now_ + kSecondHandshake;
-  peer.handshake->begin_again(now_);
+  peer.doubted_until = now_ + kDoubt;
+  ask_over_volatile(peer);
+}
+
+void Security::end_doubt(Peer& peer) {
+  peer.doubted_until = kNever;
+  const bool answered = peer.volatile_writer && peer.volatile_writer->all_acknowledged();
+  if (!answered && peer.authenticated && starts_.take(now_)) peer.handshake->begin_again(now_);
 }
 
 void Security::on_authentication(Peer& peer, const GenericMessage& message) {
@@ -290,7 +299,7 @@ void Security::tick(MonotonicTime now) {
 
 void Security::look_after(const Peer& peer) {
   if (peer.refused) return;
-  next_handshake_ = std::min(next_handshake_, peer.handshake->next_tick());
+  next_handshake_ = std::min({next_handshake_, peer.handshake->next_tick(), peer.doubted_until});
   if (peer.established && !peer.authenticated)
     next_handshake_ = std::min(
         next_handshake_, peer.since + (needs_no_tokens(peer) ? kTokenPatience : kConfirmation));
@@ -309,6 +318,7 @@ void Security::tick_handshakes() {
 
 void Security::tick_handshake(Peer& peer, MonotonicTime now) {
   auto& handshake = *peer.handshake;
+  if (now >= peer.doubted_until) end_doubt(peer);
   if (needs_no_tokens(peer) && now >= peer.since + kTokenPatience) note_authenticated(peer);
   if (peer.established && !peer.authenticated && now >= peer.since + kConfirmation) {
     peer.since = now;

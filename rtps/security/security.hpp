@@ -83,6 +83,8 @@ class Security {
   static constexpr std::size_t kMostAbsent = 256;
   /// How often a peer that asks again, as if it had forgotten us, is believed.
   static constexpr MonotonicTime kSecondHandshake = std::chrono::seconds(5);
+  /// So long it may show that it has not, by keys of its own: what asks may be forged.
+  static constexpr MonotonicTime kDoubt = std::chrono::seconds(2);
 
   /// Somebody runs `timers` whenever they say so, and tick whenever next_tick does.
   Security(std::unique_ptr<OwnSecurity> own, MessageSender& sender, TimerQueue& timers,
@@ -192,7 +194,8 @@ class Security {
     bool failed = false;  ///< something of it was refused
     bool distrusted = false;
     WorkBudget few = {kFewMessages, kFewPeriod, {}};
-    MonotonicTime next_second = {};  ///< handshake beside this one
+    MonotonicTime next_second = {};        ///< handshake beside this one
+    MonotonicTime doubted_until = kNever;  ///< it is said to have forgotten us
   };
   /// Left, and not because its trust ended: what it knows of our keys is still good.
   struct Absent {
@@ -220,6 +223,7 @@ class Security {
   std::unique_ptr<PeerHandshake> handshake_with(const ParticipantData& data, MonotonicTime now);
   void send(Peer& peer, const PeerHandshake::Messages& messages);
   void on_auth_request(Peer& peer);
+  void end_doubt(Peer& peer);
   void on_authentication(Peer& peer, const GenericMessage& message);
   bool may_spend(Peer& peer, Effort effort);
   void nudge(Peer& peer);
@@ -237,6 +241,8 @@ class Security {
   void tick_handshakes();
   /// Its handshake may have something to do earlier than all did before.
   void look_after(const Peer& peer);
+  void ask_over_volatile(Peer& peer);
+  void send_volatile(Peer& peer, GenericMessage message);
   void send_tokens(Peer& peer, std::string_view message_class, const Guid& from, const Guid& to,
                    std::vector<spi::Token> tokens);
   void send_endpoint_tokens(Peer& peer, const EntityId& local, const Guid& remote,

@@ -48,12 +48,23 @@ void Security::send_tokens(Peer& peer, std::string_view message_class, const Gui
                            const Guid& to, std::vector<spi::Token> tokens) {
   if (tokens.empty() || !peer.volatile_writer) return;
   GenericMessage message;
-  message.identity = {{own_->guid().prefix, kVolatileMessageWriter}, ++volatile_number_};
-  message.destination_participant = peer.data.guid;
   message.destination_endpoint = to;
   message.source_endpoint = from;
   message.message_class = message_class;
   message.data = std::move(tokens);
+  send_volatile(peer, std::move(message));
+}
+
+// Nobody else can acknowledge it, and no acknowledgement was ever for it.
+void Security::ask_over_volatile(Peer& peer) {
+  GenericMessage message;
+  message.message_class = message_class::kQuestion;
+  if (peer.volatile_writer) send_volatile(peer, std::move(message));
+}
+
+void Security::send_volatile(Peer& peer, GenericMessage message) {
+  message.identity = {{own_->guid().prefix, kVolatileMessageWriter}, ++volatile_number_};
+  message.destination_participant = peer.data.guid;
   Change change;
   change.payload = Payload::copy_of(write_generic_message(message));
   change.payload.wipe_at_end();

@@ -61,5 +61,21 @@ TEST(Interruption, ALeaseThatEndsInTheMiddleOfAHandshakeIsNoEnd) {
     for (int step = 2; step <= 7; ++step) expect_recovery(a_is_unheard, step);
 }
 
+// In either's name, again and again: who it is said of still has its keys.
+TEST(Interruption, AForgedQuestionForAHandshakeLeadsToNone) {
+  Pair pair(everything(ProtectionKind::encrypt));
+  ASSERT_TRUE(pair.match());
+  spi::Token question{"DDS:Auth:PKI-DH:1.0+AuthReq", {}, {{"future_challenge", Bytes(32, 9)}}};
+  for (int i = 0; i < 300; ++i) {
+    for (auto& [to, from] : {std::pair(&pair.a, &pair.b), std::pair(&pair.b, &pair.a)})
+      (*to)->receive(handshake_message((*from)->prefix(), (*to)->prefix(), question,
+                                       message_class::kAuthRequest),
+                     pair.world.now);
+    pair.world.run(10);
+  }
+  EXPECT_EQ(pair.a->authentication_counters().authenticated, 1u);
+  EXPECT_EQ(pair.b->authentication_counters().authenticated, 1u);
+}
+
 }  // namespace
 }  // namespace ddssec::rtps
