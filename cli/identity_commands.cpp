@@ -35,13 +35,13 @@ Result<Bytes> governance_of(const Arguments& arguments, WallTime now) {
 
 // What counts for every participant of the command.
 Result<ParticipantSpec> common_spec(const Arguments& arguments, WallTime now) {
-  return ParticipantSpec{.name = {},
-                         .subject = {},
-                         .life = DDSSEC_TRY(validity(arguments, now)),
-                         .key = DDSSEC_TRY(key_spec(arguments)),
-                         .domains = DDSSEC_TRY(domain_ranges(arguments, "--domain")),
-                         .publish = DDSSEC_TRY(topics_of(arguments, "--publish")),
-                         .subscribe = DDSSEC_TRY(topics_of(arguments, "--subscribe"))};
+  ParticipantSpec out{.name = {}, .subject = {}, .life = {}};
+  out.life = DDSSEC_TRY(validity(arguments, now));
+  out.key = DDSSEC_TRY(key_spec(arguments));
+  out.domains = DDSSEC_TRY(domain_ranges(arguments, "--domain"));
+  out.publish = DDSSEC_TRY(topics_of(arguments, "--publish"));
+  out.subscribe = DDSSEC_TRY(topics_of(arguments, "--subscribe"));
+  return out;
 }
 
 Result<ParticipantSpec> spec_of(const Arguments& arguments, WallTime now) {

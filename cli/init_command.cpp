@@ -67,6 +67,7 @@ Result<Plan> plan_of(const Arguments& arguments, WallTime now) {
   auto names = DDSSEC_TRY(names_of(arguments, layout));
   const auto profile = DDSSEC_TRY(profile_option(arguments));
   auto domains = DDSSEC_TRY(domain_ranges(arguments, "--domain"));
+  auto topics = DDSSEC_TRY(topics_of(arguments, "--allow-topics"));
   const auto life = DDSSEC_TRY(validity(arguments, now));
   return Plan{.target = target,
               .title = folder_name(target),
@@ -74,7 +75,7 @@ Result<Plan> plan_of(const Arguments& arguments, WallTime now) {
               .layout = layout,
               .profile = profile,
               .domains = std::move(domains),
-              .topics = DDSSEC_TRY(topics_of(arguments, "--allow-topics")),
+              .topics = std::move(topics),
               .ca_life = validity_of(3650, now),
               .life = life};
 }

@@ -21,12 +21,14 @@ namespace fs = std::filesystem;
 Result<governance::Rights> rights_from(const Arguments& arguments) {
   if (arguments.has("--partition") && !arguments.has("--publish") && !arguments.has("--subscribe"))
     return fail(Code::usage, {.field = "--partition", .note = "there is nothing that it is for"});
-  return governance::Rights{.domains = DDSSEC_TRY(domain_ranges(arguments, "--domain")),
-                            .publish = DDSSEC_TRY(topics_of(arguments, "--publish")),
-                            .subscribe = DDSSEC_TRY(topics_of(arguments, "--subscribe")),
-                            .deny_publish = DDSSEC_TRY(topics_of(arguments, "--deny-publish")),
-                            .deny_subscribe = DDSSEC_TRY(topics_of(arguments, "--deny-subscribe")),
-                            .partitions = arguments.all("--partition")};
+  governance::Rights out;
+  out.domains = DDSSEC_TRY(domain_ranges(arguments, "--domain"));
+  out.publish = DDSSEC_TRY(topics_of(arguments, "--publish"));
+  out.subscribe = DDSSEC_TRY(topics_of(arguments, "--subscribe"));
+  out.deny_publish = DDSSEC_TRY(topics_of(arguments, "--deny-publish"));
+  out.deny_subscribe = DDSSEC_TRY(topics_of(arguments, "--deny-subscribe"));
+  out.partitions = arguments.all("--partition");
+  return out;
 }
 
 // As long as the certificate, unless told otherwise.

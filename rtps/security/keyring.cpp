@@ -257,8 +257,8 @@ Result<std::vector<Keyring::EndpointTokens>> Keyring::revised_tokens(const GuidP
     for (auto at = local.pairs.lower_bound({prefix, {}}); at != local.pairs.end(); ++at) {
       if (at->first.prefix != prefix) break;
       if (at->second.handle == 0) continue;
-      out.push_back(
-          {id, at->first, DDSSEC_TRY(tokens_for(id, local, at->second, spi::KeyStage::revised))});
+      auto tokens = DDSSEC_TRY(tokens_for(id, local, at->second, spi::KeyStage::revised));
+      out.push_back({id, at->first, std::move(tokens)});
     }
   }
   return out;
