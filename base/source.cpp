@@ -1,5 +1,6 @@
 #include "base/source.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <fcntl.h>
 #include <string>
@@ -60,15 +61,18 @@ struct Uri {
   std::string_view rest;
 };
 
+std::string_view without_blanks(std::string_view uri) {
+  return uri.substr(std::min(uri.find_first_not_of(" \t\r\n"), uri.size()));
+}
+
 Result<Uri> parse_uri(std::string_view uri) {
-  const auto first = uri.find_first_not_of(" \t\r\n");
-  if (first == uri.npos) return fail(Code::missing_property);
-  uri.remove_prefix(first);
+  uri = without_blanks(uri);
+  if (uri.empty()) return fail(Code::missing_property);
   if (uri.starts_with("data:,")) return Uri{Scheme::data, uri.substr(6)};
   if (uri.starts_with("file://")) return Uri{Scheme::file, uri.substr(7)};
   if (uri.starts_with("file:")) return Uri{Scheme::file, uri.substr(5)};
+  if (names_token(uri)) return fail(Code::pkcs11_unsupported, {.found = without_pin(uri)});
   const std::string start(uri.substr(0, 64));
-  if (uri.starts_with("pkcs11:")) return fail(Code::pkcs11_unsupported, {.found = start});
   // A key pasted without "data:," must not reach a log.
   const bool pasted = uri.find("-----BEGIN") != uri.npos;
   return fail(Code::unsupported_uri, {.expected = "file:PATH or data:,TEXT",
@@ -114,6 +118,15 @@ Result<Bytes> load_secret_octets(std::string_view uri, std::string_view property
   return fail(Code::unsupported_uri, {.document = std::string(property),
                                       .expected = "file:PATH or data:,TEXT",
                                       .found = "neither"});
+}
+
+bool names_token(std::string_view uri) { return without_blanks(uri).starts_with("pkcs11:"); }
+
+std::string without_pin(std::string_view uri) {
+  constexpr std::size_t kMost = 256;
+  uri = without_blanks(uri);
+  uri = uri.substr(0, std::min({uri.find('?'), uri.find(";pin-"), kMost}));
+  return std::string(uri);
 }
 
 std::optional<std::string> file_named_by(std::string_view text) {

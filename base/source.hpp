@@ -33,6 +33,12 @@ Result<S> load_secret(std::string_view uri, std::string_view property) {
   return secret;
 }
 
+/// True if `uri` names what a PKCS#11 token holds (RFC 7512); pki reads those.
+bool names_token(std::string_view uri);
+
+/// Of such a URI what may be shown: without its query and whatever may be a PIN.
+std::string without_pin(std::string_view uri);
+
 /// The path that `uri` names; nothing if it names no file.
 std::optional<std::string> file_named_by(std::string_view uri);
 

@@ -12,6 +12,7 @@
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
 #include "cli/transaction.hpp"
+#include "pki/source.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -47,15 +48,14 @@ std::string subject_of(const Arguments& arguments, const NewCa& ca, const fs::pa
 
 /// What the CAs of one command have in common. `above` null: they are roots.
 struct CaPlan {
-  pki::KeySpec key;
   pki::Validity life;
   const OpenCa* above;
 };
 
-Result<pki::Authority> make_ca(const std::string& subject, const CaPlan& plan, Random& random) {
-  return plan.above != nullptr
-             ? plan.above->authority.subordinate(subject, plan.key, plan.life, random)
-             : pki::Authority::create_root(subject, plan.key, plan.life, random);
+Result<pki::Authority> make_ca(const std::string& subject, const pki::PrivateKey& key,
+                               const CaPlan& plan, Random& random) {
+  return plan.above != nullptr ? plan.above->authority.subordinate(subject, key, plan.life, random)
+                               : pki::Authority::create_root(subject, key, plan.life, random);
 }
 
 // The CA above a new one: of --intermediate-of, which is one CA's own folder.
@@ -74,28 +74,35 @@ Result<Report> ca_create(const Arguments& arguments, const Context& context) {
   const auto cas = DDSSEC_TRY(wanted(arguments.text("--role")));
   if (cas.size() > 1 && arguments.has("--subject"))
     return fail(Code::usage, {.field = "--subject", .note = "two CAs need two names"});
+  const bool in_token = names_token(arguments.text("--key"));
+  if (cas.size() > 1 && in_token)
+    return fail(Code::usage,
+                {.field = "--key", .note = "two CAs need two keys: make one by one, with --role"});
   const auto now = context.clock.now();
   auto life = DDSSEC_TRY(validity(arguments, now));
-  const auto spec = DDSSEC_TRY(key_spec(arguments));
   auto folder = DDSSEC_TRY(NewFolder::at(target));
   CaOpener opener(arguments);
   const auto above = DDSSEC_TRY(ca_above(arguments, opener));
   if (above) life = DDSSEC_TRY(within_ca(life, above->certificate(), arguments.has("--clamp")));
   std::optional<pki::Passphrase> secret;
-  if (!arguments.has("--no-passphrase")) secret = DDSSEC_TRY(passphrase(arguments, Typed::twice));
+  if (!in_token && !arguments.has("--no-passphrase"))
+    secret = DDSSEC_TRY(passphrase(arguments, Typed::twice));
 
   Report report;
   report.text = fmt::format("created {}{}\n", target.string(),
-                            secret ? "" : "  (the CA keys are NOT encrypted)");
+                            in_token ? "  (its key stays in the token)"
+                            : secret ? ""
+                                     : "  (the CA keys are NOT encrypted)");
   report.result = {{"dir", target.string()}, {"encrypted", secret.has_value()}};
   report.result["cas"] = Json::array();
   std::string log_lines;
   for (const auto& wanted_ca : cas) {
-    const auto ca = DDSSEC_TRY(make_ca(subject_of(arguments, wanted_ca, target),
-                                       {spec, life, above ? &*above : nullptr}, context.random));
+    const auto key = DDSSEC_TRY(new_key(arguments));
+    const auto ca = DDSSEC_TRY(make_ca(subject_of(arguments, wanted_ca, target), key.key,
+                                       {life, above ? &*above : nullptr}, context.random));
     const auto trust = ca.certificate().pem() + (above ? above->trust_pem : "");
     DDSSEC_TRY(
-        add_ca(folder, ca_paths_in(wanted_ca.below), trust, ca.key(), secret ? &*secret : nullptr));
+        add_ca(folder, ca_paths_in(wanted_ca.below), trust, key, secret ? &*secret : nullptr));
     log_lines += pki::IssueLog::issued_line(ca.certificate(), "", now);
     report.text += fmt::format("  {:<12} {}  expires {}\n", wanted_ca.role,
                                ca.certificate().subject(), date(ca.certificate().not_after()));
@@ -106,6 +113,23 @@ Result<Report> ca_create(const Arguments& arguments, const Context& context) {
   if (above) DDSSEC_TRY(append_lines(above->paths.log, log_lines));
   report.files_written = DDSSEC_TRY(folder.commit());
   return report;
+}
+
+struct ImportedKey {
+  NewKey key;
+  std::optional<pki::Passphrase> secret;  ///< what it is kept under
+};
+
+Result<ImportedKey> imported_key(const Arguments& arguments) {
+  const auto given = arguments.text("--key");
+  if (names_token(given))
+    return ImportedKey{{DDSSEC_TRY(token_key(given, arguments)), given}, std::nullopt};
+  std::optional<pki::Passphrase> secret;
+  const bool is_plain = !DDSSEC_TRY(is_encrypted(given));
+  if (!is_plain || !arguments.has("--no-passphrase"))
+    secret = DDSSEC_TRY(passphrase(arguments, is_plain ? Typed::twice : Typed::once));
+  auto key = DDSSEC_TRY(read_key(given, secret ? &*secret : nullptr));
+  return ImportedKey{{std::move(key)}, std::move(secret)};
 }
 
 // Below a folder that exists, or with it: both roles can be imported one after the other.
@@ -123,13 +147,9 @@ Result<Report> ca_import(const Arguments& arguments, const Context&) {
     return fail(Code::not_a_ca, {.document = from, .expected = "basicConstraints CA:TRUE"});
   const bool has_key = arguments.has("--key");
   if (has_key) {
-    const fs::path key_file = arguments.text("--key");
-    std::optional<pki::Passphrase> secret;
-    const bool is_plain = !DDSSEC_TRY(is_encrypted(key_file));
-    if (!is_plain || !arguments.has("--no-passphrase"))
-      secret = DDSSEC_TRY(passphrase(arguments, is_plain ? Typed::twice : Typed::once));
-    const auto key = DDSSEC_TRY(read_key(key_file, secret ? &*secret : nullptr));
-    DDSSEC_TRY(named(key.matches(ca), key_file));
+    const auto [key, secret] = DDSSEC_TRY(imported_key(arguments));
+    const bool in_token = !key.token_uri.empty();
+    DDSSEC_TRY(named(key.key.matches(ca), in_token ? from : fs::path(arguments.text("--key"))));
     DDSSEC_TRY(add_ca(folder, names, to_pem(certificates), key, secret ? &*secret : nullptr));
   } else {
     DDSSEC_TRY(folder.add_public(names.certificate, to_pem(certificates)));
@@ -144,14 +164,20 @@ Result<Report> ca_import(const Arguments& arguments, const Context&) {
   return report;
 }
 
-Json describe_key(const fs::path& key, bool encrypted) {
+// Null: it is not here.
+Result<Json> describe_key(const fs::path& key) {
   struct stat status {};
-  if (::stat(key.c_str(), &status) != 0) return {};
-  return {{"encrypted", encrypted}, {"mode", fmt::format("{:04o}", status.st_mode & 07777)}};
+  if (::stat(key.c_str(), &status) != 0) return Json();
+  const bool in_token = key.extension() == ".p11";
+  Json out{{"encrypted", !in_token && DDSSEC_TRY(is_encrypted(key))},
+           {"mode", fmt::format("{:04o}", status.st_mode & 07777)}};
+  if (in_token) out["token"] = without_pin(DDSSEC_TRY(pki::uri_of(key)));
+  return out;
 }
 
 std::string key_words(const Json& key) {
   if (key.is_null()) return "not here";
+  if (key.contains("token")) return "in a token, " + std::string(key["token"]);
   return fmt::format("{}, mode {}", key["encrypted"] == true ? "encrypted" : "NOT encrypted",
                      std::string(key["mode"]));
 }
@@ -162,9 +188,7 @@ Result<Report> ca_show(const Arguments& arguments, const Context& context) {
   const auto role = DDSSEC_TRY(one_role(arguments));
   const auto paths = ca_paths(arguments.text("DIR"), role);
   const auto certificate = DDSSEC_TRY(read_certificate(paths.certificate));
-  std::error_code ignored;
-  const bool has_key = fs::exists(paths.key, ignored);
-  const auto key = describe_key(paths.key, has_key && DDSSEC_TRY(is_encrypted(paths.key)));
+  const auto key = DDSSEC_TRY(describe_key(paths.key));
   const auto log = DDSSEC_TRY(read_issue_log(paths));
   const auto crl = DDSSEC_TRY(read_crl(paths.crl));
   const auto left = std::max(certificate.not_after() - context.clock.now(), {});
@@ -257,7 +281,7 @@ std::vector<Command> ca_commands() {
            .options = {{"--role", "ROLE", "identity, permissions or both", "both"},
                        {"--subject", "DN", "the CA's name, such as \"CN=Plant CA,O=Example\""},
                        days("3650"),
-                       kKey,
+                       kKeyOrToken,
                        {"--intermediate-of", "DIR", "the CA that issues it; without it, a root"},
                        kClamp,
                        kPassphraseFile,
@@ -278,7 +302,9 @@ std::vector<Command> ca_commands() {
                         .value = "FILE",
                         .summary = "its certificate, and behind it those of the CAs above it",
                         .required = true},
-                       {"--key", "FILE", "its private key; without it, it cannot issue here"},
+                       {"--key", "FILE",
+                        "its private key, or the pkcs11: URI of one in a token; without it, it "
+                        "cannot issue here"},
                        kPassphraseFile,
                        kPassphraseEnv,
                        kNoPassphrase},

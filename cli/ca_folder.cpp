@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "cli/documents.hpp"
+#include "pki/participant_folder.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::cli {
@@ -31,7 +32,8 @@ Status check_key_mode(const fs::path& key, const Arguments& arguments) {
 }  // namespace
 
 CaPaths ca_paths_in(const fs::path& folder) {
-  return {folder / "ca.pem", folder / "ca.key.pem", folder / "issued.jsonl", folder / "crl.pem"};
+  return {folder / "ca.pem", pki::or_in_token(folder / "ca.key.pem"), folder / "issued.jsonl",
+          folder / "crl.pem"};
 }
 
 CaPaths ca_paths(const fs::path& given, std::string_view role) {
@@ -59,6 +61,8 @@ Result<std::string> one_role(const Arguments& arguments) {
 
 Result<pki::PrivateKey> CaOpener::key(const fs::path& path) {
   DDSSEC_TRY(check_key_mode(path, arguments_));
+  if (path.extension() == ".p11")
+    return named(token_key(DDSSEC_TRY(pki::uri_of(path)), arguments_), path);
   if (!passphrase_ && DDSSEC_TRY(is_encrypted(path)))
     passphrase_ = DDSSEC_TRY(passphrase(arguments_, Typed::once));
   return read_key(path, passphrase_ ? &*passphrase_ : nullptr);
@@ -134,11 +138,19 @@ Result<std::string> list_for_newcomers(const CaPaths& paths, WallTime now) {
   return is_over ? std::string() : crl->pem();
 }
 
+Status add_key(NewFolder& folder, const fs::path& name, const NewKey& key,
+               const pki::Passphrase* passphrase) {
+  if (!key.token_uri.empty())
+    return folder.add(fs::path(name).replace_extension(".p11"), as_bytes(key.token_uri + '\n'),
+                      0600);
+  const auto pem = DDSSEC_TRY(key.key.to_pem(passphrase));
+  return pem.expose([&](BytesView octets) { return folder.add(name, octets, 0600); });
+}
+
 Status add_ca(NewFolder& folder, const CaPaths& names, std::string_view trust_pem,
-              const pki::PrivateKey& key, const pki::Passphrase* passphrase) {
+              const NewKey& key, const pki::Passphrase* passphrase) {
   DDSSEC_TRY(folder.add_public(names.certificate, trust_pem));
-  const auto pem = DDSSEC_TRY(key.to_pem(passphrase));
-  return pem.expose([&](BytesView octets) { return folder.add(names.key, octets, 0600); });
+  return add_key(folder, names.key, key, passphrase);
 }
 
 }  // namespace ddssec::cli

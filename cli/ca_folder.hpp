@@ -100,8 +100,13 @@ Result<pki::Crl> next_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime n
 /// the list is over. Errors: those of read_crl and Crl::revoked.
 Result<std::string> list_for_newcomers(const CaPaths& paths, WallTime now);
 
+/// Puts a new key into a folder to be: as `name`, or if it is in a token, its URI as the *.p11 in
+/// that place.
+Status add_key(NewFolder& folder, const std::filesystem::path& name, const NewKey& key,
+               const pki::Passphrase* passphrase = nullptr);
+
 /// Puts a new CA's certificate and key into a folder to be.
 Status add_ca(NewFolder& folder, const CaPaths& names, std::string_view trust_pem,
-              const pki::PrivateKey& key, const pki::Passphrase* passphrase);
+              const NewKey& key, const pki::Passphrase* passphrase);
 
 }  // namespace ddssec::cli

@@ -112,6 +112,8 @@ Result<Report> identity_renew(const Arguments& arguments, const Context& context
     return fail(Code::certificate_revoked, {.document = path, .found = old.subject()});
   const auto life = DDSSEC_TRY(within_ca(wanted, ca.certificate(), arguments.has("--clamp")));
   std::optional<pki::PrivateKey> key;
+  if (arguments.has("--rekey") && files.key.extension() == ".p11")
+    return fail(Code::key_in_token, {.document = files.key});
   if (arguments.has("--rekey"))
     key = DDSSEC_TRY(pki::PrivateKey::generate(old.key_algorithm().kind, old.key_algorithm().bits));
   const auto renewed =

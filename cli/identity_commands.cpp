@@ -208,24 +208,22 @@ Result<Report> identity_show(const Arguments& arguments, const Context& context)
 Result<Report> identity_csr(const Arguments& arguments, const Context&) {
   const auto name = arguments.text("NAME");
   DDSSEC_TRY(check_name(name));
-  const auto spec = DDSSEC_TRY(key_spec(arguments));
   const fs::path target = arguments.text("-o");
   auto folder = DDSSEC_TRY(NewFolder::at(target));
   const auto subject = arguments.has("--subject") ? arguments.text("--subject") : "CN=" + name;
-  const auto key = DDSSEC_TRY(pki::PrivateKey::generate(spec.kind, spec.bits));
-  const auto request = DDSSEC_TRY(pki::make_request(key, subject));
-  const auto pem = DDSSEC_TRY(key.to_pem());
-  DDSSEC_TRY(pem.expose([&](BytesView octets) { return folder.add("key.pem", octets, 0600); }));
+  const auto made = DDSSEC_TRY(new_key(arguments));
+  const auto request = DDSSEC_TRY(pki::make_request(made.key, subject));
+  DDSSEC_TRY(add_key(folder, "key.pem", made));
   DDSSEC_TRY(folder.add_public("request.pem", request));
   Report report;
   report.text = fmt::format(
-      "{}  a key, which stays here, and request.pem for {}\n"
+      "{}  a key, which stays {}, and request.pem for {}\n"
       "next, where the CA is: ddssec identity sign-csr request.pem --ca CA\n",
-      target.string(), subject);
+      target.string(), made.token_uri.empty() ? "here" : "in its token", subject);
   report.result = {{"name", name},
                    {"dir", target.string()},
                    {"subject", subject},
-                   {"algorithm", to_string(key.algorithm())},
+                   {"algorithm", to_string(made.key.algorithm())},
                    {"request", (target / "request.pem").string()}};
   report.files_written = DDSSEC_TRY(folder.commit());
   return report;
@@ -318,8 +316,10 @@ std::vector<Command> identity_commands() {
            .name = "csr",
            .summary = "Makes a key on the device that will keep it, and a request for a CA.",
            .positionals = {{"NAME", "the participant's name"}},
-           .options = {kNewFolder, kSubject, kKey},
-           .examples = {"ddssec identity csr talker -o talker"},
+           .options = {kNewFolder, kSubject, kKeyOrToken, kPinFile, kPassphraseEnv},
+           .examples = {"ddssec identity csr talker -o talker",
+                        "ddssec identity csr talker -o talker --key "
+                        "'pkcs11:token=robot;object=talker?pin-source=file:/etc/robot/pin'"},
            .run = identity_csr},
           {.group = "identity",
            .name = "sign-csr",

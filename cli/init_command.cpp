@@ -134,9 +134,9 @@ Status add_cas(NewFolder& folder, const Plan& plan, const OpenCa& identity,
     return folder.add_public("public/identity_ca.crl.pem", crl.pem());
   }
   DDSSEC_TRY(add_ca(folder, ca_paths_in("ca/identity"), identity.trust_pem,
-                    identity.authority.key(), nullptr));
+                    {identity.authority.key()}, nullptr));
   DDSSEC_TRY(add_ca(folder, ca_paths_in("ca/permissions"), permissions.trust_pem,
-                    permissions.authority.key(), nullptr));
+                    {permissions.authority.key()}, nullptr));
   return folder.add_public("ca/identity/crl.pem", crl.pem());
 }
 

@@ -142,7 +142,7 @@ Result<pki::Certificate> read_certificate(const fs::path& path) {
   return certificate;
 }
 
-Result<pki::Passphrase> passphrase(const Arguments& arguments, Typed typed) {
+Result<pki::Passphrase> passphrase(const Arguments& arguments, Typed typed, const char* prompt) {
   if (arguments.has("--passphrase-file"))
     return passphrase_from_file(arguments.text("--passphrase-file"));
   if (arguments.has("--passphrase-env")) {
@@ -151,7 +151,7 @@ Result<pki::Passphrase> passphrase(const Arguments& arguments, Typed typed) {
   }
   if (::isatty(STDIN_FILENO) == 0 || ::isatty(STDERR_FILENO) == 0)
     return fail(Code::passphrase_needed);
-  auto first = DDSSEC_TRY(typed_passphrase("passphrase of the CA key: "));
+  auto first = DDSSEC_TRY(typed_passphrase(prompt));
   if (typed == Typed::once) return first;
   const auto second = DDSSEC_TRY(typed_passphrase("the same again: "));
   return first == second ? Result<pki::Passphrase>(std::move(first))
@@ -177,15 +177,15 @@ fs::path ca_folder(const fs::path& folder, std::string_view role) {
 }
 
 Result<pki::PrivateKey> read_key(const fs::path& path, const pki::Passphrase* passphrase) {
-  const auto pem = pki::load_key(uri(path), "");
-  if (!pem) return about(pem.error(), path);
-  auto key = pki::PrivateKey::from_pem(*pem, passphrase);
+  const auto uri = pki::uri_of(path);
+  if (!uri) return about(uri.error(), path);
+  auto key = pki::PrivateKey::load(*uri, "", passphrase);
   if (!key) return about(key.error(), path);
   return key;
 }
 
 Result<bool> is_encrypted(const fs::path& key) {
-  const auto pem = pki::load_key(uri(key), "");
+  const auto pem = load_secret<pki::KeyPem>(uri(key), "");
   if (!pem) return about(pem.error(), key);
   return pem->expose([](BytesView octets) {
     const auto text = as_text(octets);
@@ -220,6 +220,20 @@ Result<pki::KeySpec> key_spec_of(std::string_view key, std::string_view field) {
 
 Result<pki::KeySpec> key_spec(const Arguments& arguments) {
   return key_spec_of(arguments.text("--key"), "--key");
+}
+
+Result<pki::PrivateKey> token_key(const std::string& uri, const Arguments& arguments) {
+  const bool names_pin = uri.find("pin-") != uri.npos;
+  if (names_pin) return pki::PrivateKey::load(uri, "");
+  const auto pin = DDSSEC_TRY(passphrase(arguments, Typed::once, "PIN of the token: "));
+  return pki::PrivateKey::load(uri, "", &pin);
+}
+
+Result<NewKey> new_key(const Arguments& arguments) {
+  const auto wanted = arguments.text("--key");
+  if (names_token(wanted)) return NewKey{DDSSEC_TRY(token_key(wanted, arguments)), wanted};
+  const auto spec = DDSSEC_TRY(key_spec(arguments));
+  return NewKey{DDSSEC_TRY(pki::PrivateKey::generate(spec.kind, spec.bits)), {}};
 }
 
 fs::path certificate_path(const fs::path& given) {

@@ -24,7 +24,8 @@ Status check_directory(const std::filesystem::path& folder, std::string_view exp
 /// what a person types (twice if it is a `new_one`). Errors: passphrase_needed,
 /// passphrase_unusable, and those of read_file.
 enum class Typed : std::uint8_t { once, twice };
-Result<pki::Passphrase> passphrase(const Arguments& arguments, Typed typed);
+Result<pki::Passphrase> passphrase(const Arguments& arguments, Typed typed,
+                                   const char* prompt = "passphrase of the CA key: ");
 /// A warning (passphrase_readable_by_others) if others than its owner can read the file of
 /// `--passphrase-file`.
 std::optional<Error> passphrase_warning(const Arguments& arguments);
@@ -60,6 +61,18 @@ Result<pki::Validity> validity(const Arguments& arguments, WallTime now);
 Result<pki::KeySpec> key_spec_of(std::string_view key, std::string_view field);
 /// What --key says. Error: usage.
 Result<pki::KeySpec> key_spec(const Arguments& arguments);
+
+/// A key that a command makes, or finds in a token.
+struct NewKey {
+  pki::PrivateKey key;
+  std::string token_uri = {};  ///< empty: it is in no token
+};
+/// What --key says: a kind of key, or the `pkcs11:` URI of one, whose PIN is taken as a passphrase
+/// is unless the URI names it. Errors: usage; those of PrivateKey::load and passphrase().
+Result<NewKey> new_key(const Arguments& arguments);
+/// The key of a token, whose URI may name its PIN; else that is taken as a passphrase is. Errors:
+/// those of PrivateKey::load and passphrase().
+Result<pki::PrivateKey> token_key(const std::string& uri, const Arguments& arguments);
 
 /// The certificate that `given` means: the one of a participant's folder, or the file itself.
 std::filesystem::path certificate_path(const std::filesystem::path& given);

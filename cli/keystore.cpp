@@ -23,12 +23,6 @@ fs::path up_to_enclaves(std::string_view name) {
   return out;
 }
 
-Status add_key(NewFolder& keystore, const fs::path& name, const pki::PrivateKey& key,
-               const pki::Passphrase* passphrase) {
-  const auto pem = DDSSEC_TRY(key.to_pem(passphrase));
-  return pem.expose([&](BytesView octets) { return keystore.add(name, octets, 0600); });
-}
-
 }  // namespace
 
 Status check_enclave(std::string_view name) {
@@ -68,7 +62,7 @@ Status add_keystore_cas(NewFolder& keystore, const KeystoreCas& cas,
                         const pki::Passphrase* passphrase) {
   if (cas.are_one) {
     DDSSEC_TRY(keystore.add_public("public/ca.cert.pem", cas.identity.certificate().pem()));
-    DDSSEC_TRY(add_key(keystore, "private/ca.key.pem", cas.identity.key(), passphrase));
+    DDSSEC_TRY(add_key(keystore, "private/ca.key.pem", {cas.identity.key()}, passphrase));
     for (const std::string role : {"identity_ca", "permissions_ca"}) {
       DDSSEC_TRY(keystore.link("public/" + role + ".cert.pem", "ca.cert.pem"));
       DDSSEC_TRY(keystore.link("private/" + role + ".key.pem", "ca.key.pem"));
@@ -78,8 +72,8 @@ Status add_keystore_cas(NewFolder& keystore, const KeystoreCas& cas,
   DDSSEC_TRY(keystore.add_public("public/identity_ca.cert.pem", cas.identity.certificate().pem()));
   DDSSEC_TRY(
       keystore.add_public("public/permissions_ca.cert.pem", cas.permissions.certificate().pem()));
-  DDSSEC_TRY(add_key(keystore, "private/identity_ca.key.pem", cas.identity.key(), passphrase));
-  return add_key(keystore, "private/permissions_ca.key.pem", cas.permissions.key(), passphrase);
+  DDSSEC_TRY(add_key(keystore, "private/identity_ca.key.pem", {cas.identity.key()}, passphrase));
+  return add_key(keystore, "private/permissions_ca.key.pem", {cas.permissions.key()}, passphrase);
 }
 
 Status add_keystore_governance(NewFolder& keystore, std::string_view xml, BytesView signed_octets) {

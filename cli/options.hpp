@@ -9,12 +9,16 @@ inline constexpr Option kPassphraseFile{"--passphrase-file", "FILE",
                                         "the CA keys' passphrase (- reads standard input)"};
 inline constexpr Option kPassphraseEnv{"--passphrase-env", "NAME",
                                        "the environment variable that holds it"};
+inline constexpr Option kPinFile{"--passphrase-file", "FILE",
+                                 "the token's PIN (- reads standard input)"};
 inline constexpr Option kInsecureKeyMode{"--insecure-key-mode", "",
                                          "use a CA key that others can read"};
 inline constexpr Option kNoPassphrase{"--no-passphrase", "", "leave the CA's key unencrypted"};
 inline constexpr Option kNextUpdate{"--next-update", "N",
                                     "days until a newer revocation list must be there", "180"};
 inline constexpr Option kKey{"--key", "KIND", "p256, rsa2048 or rsa3072", "p256"};
+inline constexpr Option kKeyOrToken{
+    "--key", "KIND", "p256, rsa2048, rsa3072, or the pkcs11: URI of a key in a token", "p256"};
 inline constexpr Option kDomain{"--domain", "N", "the domain", "0"};
 
 inline constexpr Option kDomains{.name = "--domain",

@@ -256,11 +256,16 @@ Result<Credential> Authority::self_sign(const CertificateTemplate& content, Priv
 }
 
 Result<Authority> Authority::create_root(std::string_view subject, KeySpec key, Validity validity,
-                                    Random& random) {
-  auto own = DDSSEC_TRY(PrivateKey::generate(key.kind, key.bits));
+                                         Random& random) {
+  return create_root(subject, DDSSEC_TRY(PrivateKey::generate(key.kind, key.bits)), validity,
+                     random);
+}
+
+Result<Authority> Authority::create_root(std::string_view subject, PrivateKey key,
+                                         Validity validity, Random& random) {
   auto content = ca_template(subject, validity);
   content.path_length = 1;
-  return Authority(DDSSEC_TRY(self_sign(content, std::move(own), random)));
+  return Authority(DDSSEC_TRY(self_sign(content, std::move(key), random)));
 }
 
 Result<Authority> Authority::create(std::string_view subject, KeySpec key, Validity validity,
@@ -279,11 +284,16 @@ Result<Authority> Authority::load(Certificate certificate, PrivateKey key) {
 
 Result<Authority> Authority::subordinate(std::string_view subject, KeySpec key, Validity validity,
                                          Random& random) const {
-  auto own = DDSSEC_TRY(PrivateKey::generate(key.kind, key.bits));
+  return subordinate(subject, DDSSEC_TRY(PrivateKey::generate(key.kind, key.bits)), validity,
+                     random);
+}
+
+Result<Authority> Authority::subordinate(std::string_view subject, PrivateKey key,
+                                         Validity validity, Random& random) const {
   auto content = ca_template(subject, validity);
   content.path_length = 0;
-  auto certificate = DDSSEC_TRY(certify(content, own, random));
-  return Authority(Credential{std::move(certificate), std::move(own)});
+  auto certificate = DDSSEC_TRY(certify(content, key, random));
+  return Authority(Credential{std::move(certificate), std::move(key)});
 }
 
 Result<Credential> Authority::issue(std::string_view subject, KeySpec key, Validity validity,

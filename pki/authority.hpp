@@ -92,6 +92,10 @@ class Authority {
   static Result<Authority> create_root(std::string_view subject, KeySpec key, Validity validity,
                                        Random& random);
 
+  /// The same with a key that is there already.
+  static Result<Authority> create_root(std::string_view subject, PrivateKey key, Validity validity,
+                                       Random& random);
+
   /// A new self-signed certificate in every detail; for tests, which need odd ones.
   static Result<Credential> self_sign(const CertificateTemplate& content, PrivateKey key,
                                       Random& random);
@@ -101,6 +105,10 @@ class Authority {
 
   /// A new CA below this one, which may issue no further CA.
   Result<Authority> subordinate(std::string_view subject, KeySpec key, Validity validity,
+                                Random& random) const;
+
+  /// The same with a key that is there already.
+  Result<Authority> subordinate(std::string_view subject, PrivateKey key, Validity validity,
                                 Random& random) const;
 
   /// A new key and a certificate for it, for one participant.

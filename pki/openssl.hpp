@@ -83,6 +83,7 @@ struct Certificate::Impl {
 struct PrivateKey::Impl {
   PkeyPtr pkey;
   KeyAlgorithm algorithm;
+  bool in_token = false;
 };
 
 struct Crl::Impl {

@@ -16,14 +16,20 @@ bool is_there(const fs::path& path) {
 
 }  // namespace
 
+fs::path or_in_token(const fs::path& file) {
+  auto in_token = fs::path(file).replace_extension(".p11");
+  return is_there(in_token) && !is_there(file) ? in_token : file;
+}
+
 ParticipantFolder participant_folder(const fs::path& folder, FolderLayout layout) {
   const bool flat = layout == FolderLayout::flat;
   return {.layout = layout,
           .folder = folder,
-          .identity_ca = folder / (flat ? "identity_ca.pem" : "identity_ca.cert.pem"),
-          .certificate = folder / "cert.pem",
-          .key = folder / "key.pem",
-          .permissions_ca = folder / (flat ? "permissions_ca.pem" : "permissions_ca.cert.pem"),
+          .identity_ca = or_in_token(folder / (flat ? "identity_ca.pem" : "identity_ca.cert.pem")),
+          .certificate = or_in_token(folder / "cert.pem"),
+          .key = or_in_token(folder / "key.pem"),
+          .permissions_ca =
+              or_in_token(folder / (flat ? "permissions_ca.pem" : "permissions_ca.cert.pem")),
           .governance = folder / "governance.p7s",
           .permissions = folder / "permissions.p7s",
           .crl = folder / "crl.pem",

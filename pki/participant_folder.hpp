@@ -13,6 +13,8 @@ enum class FolderLayout : std::uint8_t {
 };
 
 /// The paths of a participant's files. They are where the files would be: none of them must exist.
+/// Keys and certificates end in .pem, or in .p11 where there is only a file of that name, which
+/// says in which token they are (see uri_of).
 struct ParticipantFolder {
   FolderLayout layout;
   std::filesystem::path folder;
@@ -25,6 +27,10 @@ struct ParticipantFolder {
   std::filesystem::path crl;         ///< optional in both layouts
   std::filesystem::path properties;  ///< security.properties; optional, and ours alone
 };
+
+/// `file`, a key or certificate; or, where there is none, the *.p11 in its place that says in which
+/// token it is.
+std::filesystem::path or_in_token(const std::filesystem::path& file);
 
 /// The paths of `folder` in a layout.
 ParticipantFolder participant_folder(const std::filesystem::path& folder, FolderLayout layout);

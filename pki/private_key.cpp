@@ -3,6 +3,7 @@
 #include <array>
 
 #include "pki/openssl.hpp"
+#include "pki/pkcs11.hpp"
 #include "pki/signature.hpp"
 
 namespace ddssec::pki {
@@ -29,6 +30,28 @@ Result<PrivateKey> finish(PkeyPtr pkey) {
   return PrivateKey(std::make_shared<PrivateKey::Impl>(std::move(pkey), algorithm));
 }
 
+// An engine's key does not tell how it calls its curve; its public half, read again, does.
+Result<KeyAlgorithm> judge_token_key(EVP_PKEY* key) {
+  unsigned char* der = nullptr;
+  const int size = i2d_PUBKEY(key, &der);
+  const OpensslMemory owner(der);
+  const unsigned char* at = der;
+  const PkeyPtr half(size > 0 ? d2i_PUBKEY(nullptr, &at, size) : nullptr);
+  return judge_key(half.get(), "a token");
+}
+
+Result<PrivateKey> from_token(std::string_view uri, const Passphrase* pin) {
+  auto pkey = DDSSEC_TRY(token_private_key(uri, pin));
+  const auto algorithm = DDSSEC_TRY(judge_token_key(pkey.get()));
+  return PrivateKey(std::make_shared<PrivateKey::Impl>(std::move(pkey), algorithm, true));
+}
+
+Result<PrivateKey> from_uri(std::string_view uri, const Passphrase* passphrase) {
+  if (names_token(uri)) return from_token(uri, passphrase);
+  const auto pem = DDSSEC_TRY(load_secret<KeyPem>(uri, ""));
+  return PrivateKey::from_pem(pem, passphrase);
+}
+
 BytesView self_test_message() { return as_bytes("ddssec: does this key fit this certificate?"); }
 
 }  // namespace
@@ -53,6 +76,13 @@ Result<PrivateKey> PrivateKey::from_pem(const KeyPem& pem, const Passphrase* pas
   return pem.expose([&](BytesView octets) { return from_pem(octets, passphrase); });
 }
 
+Result<PrivateKey> PrivateKey::load(std::string_view uri, std::string_view property,
+                                    const Passphrase* passphrase) {
+  auto key = from_uri(uri, passphrase);
+  if (key) return key;
+  return std::unexpected(key.error().in(std::string(property)));
+}
+
 Result<PrivateKey> PrivateKey::generate(KeyKind kind, int bits) {
   const char* group = kind == KeyKind::ec_p384 ? "P-384" : "P-256";
   PkeyPtr pkey(kind == KeyKind::rsa
@@ -63,6 +93,7 @@ Result<PrivateKey> PrivateKey::generate(KeyKind kind, int bits) {
 }
 
 Result<KeyPem> PrivateKey::to_pem(const Passphrase* passphrase) const {
+  if (in_token()) return fail(Code::key_in_token);
   // The secure-memory BIO wipes its buffer when it is freed.
   const BioPtr bio(BIO_new(BIO_s_secmem()));
   PassphraseRequest request{passphrase};
@@ -74,6 +105,8 @@ Result<KeyPem> PrivateKey::to_pem(const Passphrase* passphrase) const {
 }
 
 KeyAlgorithm PrivateKey::algorithm() const { return impl_->algorithm; }
+
+bool PrivateKey::in_token() const { return impl_->in_token; }
 
 Status PrivateKey::matches(const Certificate& certificate) const {
   const ErrorDetails details{.field = "private key for " + certificate.subject(),

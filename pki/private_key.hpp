@@ -23,13 +23,23 @@ class PrivateKey {
   static Result<PrivateKey> from_pem(BytesView pem, const Passphrase* passphrase = nullptr);
   static Result<PrivateKey> from_pem(const KeyPem& pem, const Passphrase* passphrase = nullptr);
 
+  /// The key that `uri` names, in a file, in the text or, with `pkcs11:` (RFC 7512), in a token,
+  /// which keeps it and signs; `passphrase` is its PIN, unless the URI names one. `property` is
+  /// what an error names as its document. Errors: those of load() and from_pem; pkcs11_unavailable,
+  /// pkcs11_not_found, pkcs11_pin_missing, pkcs11_pin_wrong.
+  static Result<PrivateKey> load(std::string_view uri, std::string_view property,
+                                 const Passphrase* passphrase = nullptr);
+
   /// A new key from OpenSSL's generator. `bits` counts for RSA only.
   static Result<PrivateKey> generate(KeyKind kind, int bits = 2048);
 
-  /// PKCS#8 PEM text, encrypted with AES-256-CBC under PBKDF2 if a passphrase is given.
+  /// PKCS#8 PEM text, encrypted with AES-256-CBC under PBKDF2 if a passphrase is given. Error:
+  /// key_in_token.
   Result<KeyPem> to_pem(const Passphrase* passphrase = nullptr) const;
 
   KeyAlgorithm algorithm() const;
+  /// It is in a token, which does not give it away.
+  bool in_token() const;
 
   /// Success if this is the private half of the certificate's key: the public halves are equal and
   /// a signature made with this key verifies with the certificate's. Error: key_mismatch.

@@ -1,9 +1,29 @@
 #include "pki/source.hpp"
 
+#include "pki/openssl.hpp"
+#include "pki/pkcs11.hpp"
+
 namespace ddssec::pki {
 
-Result<KeyPem> load_key(std::string_view uri, std::string_view property) {
-  return load_secret<KeyPem>(uri, property);
+Result<Bytes> load_certificates(std::string_view uri, std::string_view property, std::size_t most) {
+  if (!names_token(uri)) return load(uri, property, most);
+  const auto held = token_certificate(uri);
+  if (!held) return std::unexpected(held.error().in(std::string(property)));
+  const BioPtr bio(BIO_new(BIO_s_mem()));
+  if (!bio || PEM_write_bio_X509(bio.get(), held->get()) != 1)
+    return openssl_failure(Code::internal);
+  return to_bytes(bio_octets(bio));
+}
+
+Result<std::string> uri_of(const std::filesystem::path& path) {
+  const auto file = "file://" + path.string();
+  if (path.extension() != ".p11") return file;
+  constexpr std::size_t kMost = 4096;
+  const auto octets = DDSSEC_TRY(load(file, path.string(), kMost));
+  const auto text = as_text(octets);
+  auto uri = std::string(text.substr(0, text.find_first_of("\r\n")));
+  if (names_token(uri)) return uri;
+  return fail(Code::unsupported_uri, {.document = path, .expected = "a line pkcs11:..."});
 }
 
 Error about_file(const Error& error, const std::filesystem::path& path) {

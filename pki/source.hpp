@@ -22,8 +22,13 @@ using KeyPem = Secret<struct KeyPemTag, 16 * 1024>;
 
 using ddssec::load;
 
-/// A private key, by its URI; nothing of it stays behind in memory. Errors: those of load().
-Result<KeyPem> load_key(std::string_view uri, std::string_view property);
+/// Certificates in PEM, by their URI: as load(), and with `pkcs11:` (RFC 7512) the one that a token
+/// holds. Errors: those of load(); pkcs11_unavailable, pkcs11_not_found.
+Result<Bytes> load_certificates(std::string_view uri, std::string_view property, std::size_t most);
+
+/// The URI of a key or certificate that lies at `path`: of the file, or, if it is called *.p11 as
+/// in keystores of ROS 2, the `pkcs11:` URI in it. Errors: those of load(); unsupported_uri.
+Result<std::string> uri_of(const std::filesystem::path& path);
 
 /// An error of load() or of what was loaded, as one about the file: the path is its document, and
 /// not what was found.

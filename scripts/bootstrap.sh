@@ -12,7 +12,8 @@ packages=(g++ cmake ninja-build ccache pkg-config git ca-certificates
 [ "$(dpkg --print-architecture 2>/dev/null)" = amd64 ] && packages+=(libipsec-mb-dev)
 while [ $# -gt 0 ]; do
   case "$1" in
-    --dev) packages+=(libgtest-dev libgmock-dev libbenchmark-dev libxml2-utils faketime python3 python3-jsonschema tshark zsh fish) ;;
+    --dev) packages+=(libgtest-dev libgmock-dev libbenchmark-dev libxml2-utils faketime python3 python3-jsonschema tshark zsh fish
+                      libengine-pkcs11-openssl softhsm2 opensc) ;;
     *) die "unknown option $1; the only one is --dev" ;;
   esac
   shift

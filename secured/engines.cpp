@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "pki/participant_folder.hpp"
+#include "pki/source.hpp"
 #include "plugins/spi/property_file.hpp"
 #include "plugins/spi/property_names.hpp"
 
@@ -20,10 +21,14 @@ Result<spi::PropertyList> folder_properties(const std::filesystem::path& path) {
   const auto add = [&](std::string_view name, const std::filesystem::path& file) {
     out.push_back({std::string(name), "file:" + file.string(), false});
   };
-  add(property::kIdentityCa, folder.identity_ca);
-  add(property::kIdentityCertificate, folder.certificate);
-  add(property::kPrivateKey, folder.key);
-  add(property::kPermissionsCa, folder.permissions_ca);
+  const auto add_item = [&](std::string_view name, const std::filesystem::path& file) -> Status {
+    out.push_back({std::string(name), DDSSEC_TRY(pki::uri_of(file)), false});
+    return {};
+  };
+  DDSSEC_TRY(add_item(property::kIdentityCa, folder.identity_ca));
+  DDSSEC_TRY(add_item(property::kIdentityCertificate, folder.certificate));
+  DDSSEC_TRY(add_item(property::kPrivateKey, folder.key));
+  DDSSEC_TRY(add_item(property::kPermissionsCa, folder.permissions_ca));
   add(property::kGovernance, folder.governance);
   add(property::kPermissions, folder.permissions);
   // A link to nothing is a file that somebody meant to be there.

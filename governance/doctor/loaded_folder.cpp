@@ -25,15 +25,16 @@ Result<T> named(Result<T> result, const fs::path& path) {
 template <class Parse>
 auto load_with(const fs::path& path, std::size_t most, Parse parse)
     -> decltype(parse(BytesView())) {
-  const auto octets = pki::load(uri(path), path.string(), most);
+  const auto uri = pki::uri_of(path);
+  if (!uri) return about(uri.error(), path);
+  const auto octets = pki::load_certificates(*uri, path.string(), most);
   if (!octets) return about(octets.error(), path);
   return named(parse(*octets), path);
 }
 
 Result<pki::PrivateKey> load_key(const fs::path& path) {
-  const auto pem = pki::load_key(uri(path), path.string());
-  if (!pem) return about(pem.error(), path);
-  return named(pki::PrivateKey::from_pem(*pem), path);
+  const auto uri = DDSSEC_TRY(named(pki::uri_of(path), path));
+  return named(pki::PrivateKey::load(uri, path.string()), path);
 }
 
 bool is_there(const fs::path& path) {

@@ -11,8 +11,8 @@
 namespace ddssec::access_control {
 
 Result<std::shared_ptr<const PermissionsCa>> PermissionsCa::load(const std::string& uri) {
-  const auto file =
-      DDSSEC_TRY(pki::load(uri, spi::property::kPermissionsCa, pki::kMostBundleOctets));
+  const auto file = DDSSEC_TRY(
+      pki::load_certificates(uri, spi::property::kPermissionsCa, pki::kMostBundleOctets));
   auto certificates = DDSSEC_TRY(pki::Certificate::bundle_from_pem(file));
   Bytes fingerprints;
   for (const auto& certificate : certificates) {

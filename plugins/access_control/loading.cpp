@@ -50,7 +50,8 @@ Result<Subject> local_subject(const spi::PropertyList& properties) {
   constexpr auto kProperty = spi::property::kIdentityCertificate;
   const auto* uri = spi::find_property(properties, kProperty);
   if (!uri || uri->empty()) return fail(Code::missing_property, {.field = std::string(kProperty)});
-  const auto file = DDSSEC_TRY(pki::load(*uri, kProperty, pki::kMostCertificateOctets));
+  const auto file =
+      DDSSEC_TRY(pki::load_certificates(*uri, kProperty, pki::kMostCertificateOctets));
   const auto certificate =
       DDSSEC_TRY(in_document(pki::Certificate::from_pem(file), document_name(kProperty, *uri)));
   return Subject{pki::SubjectName::of(certificate), certificate.subject()};

@@ -39,29 +39,29 @@ Result<T> in(Result<T> result, std::string_view document) {
 }
 
 Result<std::vector<pki::Certificate>> load_bundle(std::string_view uri, std::string_view name) {
-  const Bytes octets = DDSSEC_TRY(pki::load(uri, name, pki::kMostBundleOctets));
+  const Bytes octets = DDSSEC_TRY(pki::load_certificates(uri, name, pki::kMostBundleOctets));
   return in(pki::Certificate::bundle_from_pem(octets), name);
 }
 
 Result<pki::Certificate> load_certificate(const spi::PropertyList& properties) {
   constexpr auto kName = property::kIdentityCertificate;
-  const Bytes octets =
-      DDSSEC_TRY(pki::load(value_of(properties, kName), kName, pki::kMostCertificateOctets));
+  const Bytes octets = DDSSEC_TRY(
+      pki::load_certificates(value_of(properties, kName), kName, pki::kMostCertificateOctets));
   return in(pki::Certificate::from_pem(octets), kName);
 }
 
 Result<pki::PrivateKey> load_key(const spi::PropertyList& properties) {
   constexpr auto kName = property::kPrivateKey;
-  const auto pem = DDSSEC_TRY(pki::load_key(value_of(properties, kName), kName));
+  const auto uri = value_of(properties, kName);
   const auto password = value_of(properties, property::kPassword);
-  if (password.empty()) return in(pki::PrivateKey::from_pem(pem), kName);
+  if (password.empty()) return in(pki::PrivateKey::load(uri, kName), kName);
   if (password.size() > pki::Passphrase::capacity)
     return fail(Code::invalid_property,
                 {.document = std::string(property::kPassword),
                  .expected = "at most " + std::to_string(pki::Passphrase::capacity) + " octets",
                  .found = std::to_string(password.size())});
   const auto passphrase = DDSSEC_TRY(pki::Passphrase::copy_of(as_bytes(password)));
-  return in(pki::PrivateKey::from_pem(pem, &passphrase), kName);
+  return in(pki::PrivateKey::load(uri, kName, &passphrase), kName);
 }
 
 /// Certificate authorities among the readable PEM files of a folder, the others passed over.

@@ -35,10 +35,10 @@ TEST_F(Source, ReadsFilesAndTexts) {
     EXPECT_EQ(load(uri, kProperty, 10), bytes("hello")) << uri;
   EXPECT_EQ(load("data:,a%20b\n", kProperty, 10), bytes("a%20b\n"));
   EXPECT_EQ(load(" data:,x", kProperty, 1), bytes("x"));
-  const auto key = load_key("file:" + path, kProperty);
+  const auto key = load_secret<KeyPem>("file:" + path, kProperty);
   ASSERT_TRUE(key);
   EXPECT_TRUE(key->expose([](BytesView octets) { return as_text(octets) == "hello"; }));
-  EXPECT_EQ(load_key("data:,abc", kProperty)->size(), 3u);
+  EXPECT_EQ(load_secret<KeyPem>("data:,abc", kProperty)->size(), 3u);
 }
 
 TEST_F(Source, EachRefusalHasItsCodeAndNamesTheProperty) {
@@ -47,7 +47,7 @@ TEST_F(Source, EachRefusalHasItsCodeAndNamesTheProperty) {
   const auto large = write("large", std::string(20000, 'x'));
   const auto check = [](const std::string& uri, Code code, std::size_t most = 16 * 1024) {
     const auto item = load(uri, kProperty, most);
-    const auto key = load_key(uri, kProperty);
+    const auto key = load_secret<KeyPem>(uri, kProperty);
     ASSERT_FALSE(item);
     EXPECT_EQ(item.error().code(), code) << item.error().to_sentence();
     EXPECT_EQ(item.error().details().document, kProperty);
@@ -77,7 +77,7 @@ TEST_F(Source, AFifoDoesNotHang) {
 }
 
 TEST_F(Source, APastedKeyDoesNotReachTheError) {
-  const auto item = load_key("-----BEGIN PRIVATE KEY-----\nMIGHAgEAMBMG", kProperty);
+  const auto item = load_secret<KeyPem>("-----BEGIN PRIVATE KEY-----\nMIGHAgEAMBMG", kProperty);
   EXPECT_CODE(item, unsupported_uri);
   EXPECT_EQ(item.error().to_sentence().find("MIGH"), std::string::npos);
 }

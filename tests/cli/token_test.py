@@ -1,0 +1,126 @@
+#!/usr/bin/env python3
+"""Keys in a PKCS#11 token (SoftHSM's): of participants and of CAs, from the request to a signed document."""
+
+import os
+import pathlib
+import subprocess
+
+from transcript import Transcript, main
+
+NOW = ("--now", "2026-11-21T00:00:00Z")
+PIN = "1234"
+TALKER = "pkcs11:token=robot;object=talker"
+
+
+class Token(Transcript):
+    def setUp(self):
+        super().setUp()
+        (self.at / "tokens").mkdir()
+        (self.at / "softhsm2.conf").write_text(f"directories.tokendir = {self.at}/tokens\nlog.level = ERROR\n")
+        os.environ["SOFTHSM2_CONF"] = str(self.at / "softhsm2.conf")
+        self.addCleanup(os.environ.pop, "SOFTHSM2_CONF")
+        self.softhsm("--init-token", "--free", "--label", "robot", "--so-pin", "87654321")
+        self.pin = f"?pin-source={self.at}/pin"
+        (self.at / "pin").write_text(PIN + "\n")
+
+    def softhsm(self, *words):
+        subprocess.run(["softhsm2-util", *words, "--pin", PIN], check=True, capture_output=True, timeout=60)
+
+    def put(self, name, *kind):
+        """A key, made outside and moved in."""
+        self.openssl("genpkey", "-algorithm", *(kind or ("EC", "-pkeyopt", "ec_paramgen_curve:P-256")), "-out",
+                     "outside.pem")
+        self.softhsm("--import", str(self.at / "outside.pem"), "--token", "robot", "--label", name, "--id",
+                     f"{len(name):02x}{ord(name[0]):02x}")
+        (self.at / "outside.pem").unlink()
+
+    def make_cas(self):
+        self.put("identity")
+        self.put("permissions", "RSA")
+        (self.at / "ca").mkdir()
+        for role in ("identity", "permissions"):
+            out = self.json("ca", "create", f"ca/{role}", "--role", role, "--key",
+                            f"pkcs11:token=robot;object={role}{self.pin}", *NOW)
+            self.assertFalse(out["result"]["encrypted"])
+            made = {file["path"]: file["mode"] for file in out["files_written"]}
+            self.assertEqual(made, {f"ca/{role}/ca.pem": "0644", f"ca/{role}/ca.key.p11": "0600"})
+
+    def make_talker(self):
+        self.put("talker")
+        self.json("identity", "csr", "talker", "-o", "talker", "--key", TALKER + self.pin)
+        self.assertEqual((self.at / "talker/key.p11").read_text(), TALKER + self.pin + "\n")
+        self.json("identity", "sign-csr", "talker", "--ca", "ca", "--yes", *NOW)
+
+    def test_a_whole_system_without_a_key_in_a_file(self):
+        self.make_cas()
+        self.make_talker()
+        self.json("governance", "new", "--sign", "--ca", "ca", "-o", "governance.xml", *NOW)
+        self.json("permissions", "new", "--cert", "talker/cert.pem", "--publish", "chatter", "--sign", "--ca", "ca",
+                  "-o", "talker/permissions.xml", *NOW)
+        for name, source in (("identity_ca.pem", "ca/identity/ca.pem"), ("governance.p7s", "governance.p7s"),
+                             ("permissions_ca.pem", "ca/permissions/ca.pem")):
+            (self.at / "talker" / name).write_bytes((self.at / source).read_bytes())
+        told = self.json("doctor", "talker", *NOW, exit=1)
+        self.assertEqual([one["id"] for one in told["diagnostics"]], ["DOC005"])
+        self.assertEqual(told["result"]["verdicts"], {"cyclonedds@0.10.2": "fail", "fastdds@2.9.1": "ok", "ours": "ok"})
+        self.openssl("verify", "-attime", "1795305600", "-CAfile", "ca/identity/ca.pem", "talker/cert.pem")
+        self.openssl("smime", "-verify", "-text", "-attime", "1795305600", "-in", "talker/governance.p7s", "-CAfile",
+                     "ca/permissions/ca.pem", "-purpose", "any")
+        self.json("identity", "revoke", "talker", "--ca", "ca", *NOW)
+        self.openssl("crl", "-in", "ca/identity/crl.pem", "-CAfile", "ca/identity/ca.pem", "-verify", "-noout")
+        key_files = [name for name in self.files() if name.endswith("key.pem")]
+        self.assertEqual(key_files, [])
+
+    def test_a_ca_is_shown_without_its_pin(self):
+        self.make_cas()
+        shown = self.json("ca", "show", "ca", *NOW)["result"]["key"]
+        self.assertEqual(shown, {"encrypted": False, "mode": "0600", "token": "pkcs11:token=robot;object=identity"})
+        text = self.run_program("ca", "show", "ca", *NOW).stdout
+        self.assertIn("in a token, pkcs11:token=robot;object=identity\n", text)
+
+    def test_a_ca_made_elsewhere_is_imported_with_its_token(self):
+        self.make_cas()
+        self.json("ca", "import", "other", "--cert", "ca/identity/ca.pem", "--key",
+                  "pkcs11:token=robot;object=identity", "--passphrase-file", "pin")
+        self.put("talker")
+        self.json("identity", "csr", "talker", "-o", "talker", "--key", TALKER, "--passphrase-file", "pin")
+        self.json("identity", "sign-csr", "talker", "--ca", "other", "--yes", "--passphrase-file", "pin", *NOW)
+        self.refused("key_mismatch", 1, "ca", "import", "wrong", "--cert", "ca/identity/ca.pem", "--key",
+                     TALKER + self.pin)
+
+    def test_refusals_say_what_is_wrong_and_never_the_pin(self):
+        self.put("talker")
+        csr = ("identity", "csr", "talker", "-o", "talker", "--key")
+        cases = (("pkcs11_pin_wrong", TALKER + "?pin-value=98765"),
+                 ("pkcs11_not_found", f"pkcs11:token=robot;object=nobody?pin-value={PIN}"),
+                 ("pkcs11_not_found", f"pkcs11:token=other;object=talker?pin-value={PIN}"),
+                 ("file_not_found", TALKER + "?pin-source=file:nowhere"))
+        for code, uri in cases:
+            told = self.refused(code, 3 if code == "file_not_found" else 1, *csr, uri)
+            self.assertNotIn("98765", str(told))
+        self.refused("passphrase_needed", 4, *csr, TALKER)
+        self.refused("pkcs11_unavailable", 1, *csr, TALKER + self.pin, environment={"OPENSSL_ENGINES": str(self.at)})
+        self.refused("usage", 2, "ca", "create", "ca", "--key", TALKER + self.pin)
+
+    def test_a_key_in_a_token_is_not_replaced_by_one_in_a_file(self):
+        self.make_cas()
+        self.make_talker()
+        self.refused("key_in_token", 1, "identity", "renew", "talker", "--ca", "ca", "--rekey", *NOW)
+        self.refused("key_in_token", 1, "ca", "rotate", "ca", "--role", "identity", "talker", *NOW)
+        renewed = self.json("identity", "renew", "talker", "--ca", "ca", "--days", "700", *NOW)
+        self.assertEqual([pathlib.Path(file["path"]).name for file in renewed["files_written"]], ["cert.pem"])
+
+    def test_doctor_says_why_a_token_cannot_be_used(self):
+        self.run_program("init", "demo", "--participant", "talker", *NOW)
+        folder = self.at / "demo/talker"
+        (folder / "key.pem").unlink()
+        (folder / "key.p11").write_text(f"{TALKER}?pin-value={PIN}\n")
+        (folder / "key.p11").chmod(0o644)
+        told = self.json("doctor", "demo/talker", *NOW, exit=1)["diagnostics"]
+        self.assertEqual([one["id"] for one in told], ["DOC005", "DOC005", "DOC003"])
+        self.assertIn("no token that is plugged in", told[0]["message"])
+        self.assertNotIn(PIN, str(told))
+
+
+if __name__ == "__main__":
+    main()
