@@ -169,8 +169,8 @@ Result<Json> describe_key(const fs::path& key) {
   struct stat status {};
   if (::stat(key.c_str(), &status) != 0) return Json();
   const bool in_token = key.extension() == ".p11";
-  Json out{{"encrypted", !in_token && DDSSEC_TRY(is_encrypted(key))},
-           {"mode", fmt::format("{:04o}", status.st_mode & 07777)}};
+  const bool encrypted = !in_token && DDSSEC_TRY(is_encrypted(key));
+  Json out{{"encrypted", encrypted}, {"mode", fmt::format("{:04o}", status.st_mode & 07777)}};
   if (in_token) out["token"] = without_pin(DDSSEC_TRY(pki::uri_of(key)));
   return out;
 }

@@ -22,7 +22,8 @@ Result<spi::PropertyList> folder_properties(const std::filesystem::path& path) {
     out.push_back({std::string(name), "file:" + file.string(), false});
   };
   const auto add_item = [&](std::string_view name, const std::filesystem::path& file) -> Status {
-    out.push_back({std::string(name), DDSSEC_TRY(pki::uri_of(file)), false});
+    auto uri = DDSSEC_TRY(pki::uri_of(file));
+    out.push_back({std::string(name), std::move(uri), false});
     return {};
   };
   DDSSEC_TRY(add_item(property::kIdentityCa, folder.identity_ca));
