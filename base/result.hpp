@@ -70,7 +70,7 @@ T take_value(const Result<T>& result) {
 
 }  // namespace ddssec
 
-/// The value of a Result, or return its error from the calling function (.cpp files only).
+/// The value of a Result, or return its error from the caller; .cpp only, and see lint/braces.py.
 #define DDSSEC_TRY(...)                                       \
   __extension__({                                             \
     auto&& ddssec_try_ = (__VA_ARGS__);                       \
