@@ -125,8 +125,9 @@ bool names_token(std::string_view uri) { return without_blanks(uri).starts_with(
 std::string without_pin(std::string_view uri) {
   constexpr std::size_t kMost = 256;
   uri = without_blanks(uri);
-  uri = uri.substr(0, std::min({uri.find('?'), uri.find(";pin-"), kMost}));
-  return std::string(uri);
+  auto end = std::min({uri.find('?'), uri.find(";pin-"), kMost});
+  if (const auto first = uri.find(":pin-"); first != uri.npos) end = std::min(end, first + 1);
+  return std::string(uri.substr(0, end));
 }
 
 std::optional<std::string> file_named_by(std::string_view text) {
