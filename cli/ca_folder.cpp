@@ -14,11 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_there(const fs::path& path) {
-  std::error_code ignored;
-  return fs::exists(path, ignored);
-}
-
 Status check_key_mode(const fs::path& key, const Arguments& arguments) {
   struct stat status {};
   if (arguments.has("--insecure-key-mode") || ::stat(key.c_str(), &status) != 0) return {};

@@ -11,7 +11,7 @@ namespace {
 namespace fs = std::filesystem;
 using Links = Replacement::Links;
 
-bool is_there(const fs::path& path) {
+bool is_file_or_link(const fs::path& path) {
   std::error_code ignored;
   return fs::symlink_status(path, ignored).type() > fs::file_type::not_found;
 }
@@ -77,7 +77,7 @@ Result<Followed> follow_permissions_ca(Replacement& out, const Succession& chang
   for (const auto& file : shared) DDSSEC_TRY(put_signed_anew(out, file, change, context));
   Followed followed;
   for (const auto& [name, files] : followers) {
-    if (is_there(files.permissions))
+    if (is_file_or_link(files.permissions))
       DDSSEC_TRY(put_signed_anew(out, files.permissions, change, context));
     const bool is_shared = std::ranges::find(shared, files.governance) != shared.end();
     if (is_plain_file(files.governance) && !is_shared)

@@ -16,8 +16,8 @@ std::vector<Command> crl_commands();
 std::vector<Command> document_commands();  ///< governance and permissions: sign, verify
 std::vector<Command> show_commands();      ///< governance and permissions: show
 std::vector<Command> ros_policy_commands();
-std::vector<Command> lint_commands();      ///< governance and permissions: lint
-std::vector<Command> diff_commands();      ///< governance and permissions: diff
+std::vector<Command> lint_commands();  ///< governance and permissions: lint
+std::vector<Command> diff_commands();  ///< governance and permissions: diff
 std::vector<Command> keystore_commands();
 std::vector<Command> keystore_ca_commands();  ///< split-ca, rotate
 std::vector<Command> can_commands();

@@ -21,11 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_there(const fs::path& path) {
-  std::error_code ignored;
-  return fs::exists(path, ignored);
-}
-
 // Only what this CA (or itself before it was renewed) issued, whatever its dates.
 Status check_issuer(const pki::Certificate& certificate, const OpenCa& ca, const fs::path& path) {
   if (!certificate.is_issued_by(ca.certificate()))

@@ -122,6 +122,11 @@ Result<Bytes> read_file(const fs::path& path, std::size_t most) {
   return octets;
 }
 
+bool is_there(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
 Status check_directory(const fs::path& folder, std::string_view expected) {
   std::error_code error;
   const auto type = fs::status(folder, error).type();
@@ -223,7 +228,7 @@ Result<pki::KeySpec> key_spec(const Arguments& arguments) {
 }
 
 Result<pki::PrivateKey> token_key(const std::string& uri, const Arguments& arguments) {
-  const bool names_pin = uri.find("pin-") != uri.npos;
+  const bool names_pin = uri.contains("pin-source=") || uri.contains("pin-value=");
   if (names_pin) return pki::PrivateKey::load(uri, "");
   const auto pin = DDSSEC_TRY(passphrase(arguments, Typed::once, "PIN of the token: "));
   return pki::PrivateKey::load(uri, "", &pin);

@@ -16,6 +16,9 @@ Result<Bytes> read_file(const std::filesystem::path& path, std::size_t most);
 /// The first certificate of a PEM file. Errors: those of read_file and Certificate::from_pem.
 Result<pki::Certificate> read_certificate(const std::filesystem::path& path);
 
+/// Something is at `path`; a link to nothing is not.
+bool is_there(const std::filesystem::path& path);
+
 /// Nothing is wrong with a folder that is to be read. Errors: file_not_found, file_unreadable (no
 /// folder, or one that may not be reached); both say what was `expected`.
 Status check_directory(const std::filesystem::path& folder, std::string_view expected);
