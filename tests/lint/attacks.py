@@ -1,24 +1,71 @@
 #!/usr/bin/env python3
-"""Holds docs/attacks.md to the tests: every `Suite.Case` named there must exist."""
+"""Holds docs/attacks.md to the tests: each test named there exists and runs against the host of its line."""
 
 import pathlib
 import re
 import sys
 
+# Folders of tests/ whose tests run against each host.
+FOLDERS = {
+    "Engine": ("attack/access_control", "attack/authentication", "attack/cryptography", "unit/access_control", "unit/authentication",
+               "unit/base", "unit/cryptography", "unit/governance", "unit/governance_compare", "unit/governance_doctor", "unit/pki",
+               "unit/spi", "vectors"),
+    "Cyclone DDS": ("attack/cyclonedds", "unit/cyclonedds"),
+    "Embedded": ("attack/rtps", "unit/rtps", "unit/rtps_durability", "unit/rtps_filter", "unit/rtps_security", "unit/secured"),
+    "Open": ("",),
+}
+# Entries of ctest that run real processes, by the beginning of their names.
+ENTRIES = {"Engine": (), "Cyclone DDS": ("interop.", "ros2."), "Embedded": ("interop_rtps.",), "Open": ("interop.", "interop_rtps.")}
+
+
+def tests_by_folder(root):
+    """{Suite.Case: folders below tests/ that define it}"""
+    out = {}
+    for file in (root / "tests").rglob("*_test.cpp"):
+        folder = file.parent.relative_to(root / "tests").as_posix()
+        for suite, case in re.findall(r"\bTEST(?:_F|_P)?\(\s*(\w+),\s*(\w+)", file.read_text(encoding="utf-8")):
+            out.setdefault(f"{suite}.{case}", set()).add(folder)
+    return out
+
+
+def ctest_entries(root):
+    """Names given to add_test, also by functions of CMakeLists.txt that take the name after the folder's prefix."""
+    text = "\n".join(file.read_text(encoding="utf-8") for file in (root / "tests").rglob("CMakeLists.txt"))
+    return set(re.findall(r"NAME\s+([\w.]+)", text)) | {
+        name.replace("${which}", which) for name in re.findall(r"NAME\s+([\w.${}]+)", text) for which in ("chosen", "all")}
+
+
+def lines_by_host(text):
+    """Each bullet with its continuation lines: (host, text)."""
+    for bullet in re.findall(r"^- (.+(?:\n  .+)*)", text.split("\n## ", 1)[1], re.MULTILINE):
+        host = re.match(r"(Engine|Cyclone DDS|Embedded|Open)[:,]", bullet)
+        yield (host.group(1) if host else None), bullet
+
+
+def faults(root):
+    tests, entries = tests_by_folder(root), ctest_entries(root)
+    for host, bullet in lines_by_host((root / "docs/attacks.md").read_text(encoding="utf-8")):
+        if host is None:
+            yield f"a line names no host: {bullet[:60]}"
+            continue
+        names = re.findall(r"`([A-Z]\w+\.\w+)`", bullet)
+        for name in names:
+            if not any(folder.startswith(FOLDERS[host]) for folder in tests.get(name, ())):
+                yield f"{name} does not exist in a test folder of the host {host}"
+        runs = re.findall(r"`((?:interop|interop_rtps|ros2)\.\w+)`", bullet)
+        for name in runs:
+            if name not in entries or not name.startswith(ENTRIES[host]):
+                yield f"{name} is no test entry of the host {host}"
+        if host != "Open" and not names and not runs and " rows in " not in bullet:
+            yield f"a line names no test: {bullet[:60]}"
+
 
 def main():
-    root = pathlib.Path(sys.argv[1])
-    named = set(re.findall(r"`([A-Z]\w+\.\w+)`", (root / "docs/attacks.md").read_text(encoding="utf-8")))
-    existing = set()
-    for file in (root / "tests").rglob("*_test.cpp"):
-        text = file.read_text(encoding="utf-8")
-        existing |= {f"{suite}.{case}" for suite, case in
-                     re.findall(r"\bTEST(?:_F|_P)?\(\s*(\w+),\s*(\w+)", text)}
-    missing = sorted(named - existing)
-    for name in missing:
-        print(f"docs/attacks.md names {name}, and there is no such test")
-    print(f"{len(named)} tests are named, {len(missing)} of them missing")
-    return 1 if missing or not named else 0
+    found = list(faults(pathlib.Path(sys.argv[1])))
+    for fault in found:
+        print(f"docs/attacks.md: {fault}")
+    print(f"{len(found)} faults")
+    return 1 if found else 0
 
 
 if __name__ == "__main__":
