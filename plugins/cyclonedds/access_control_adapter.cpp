@@ -20,14 +20,19 @@ using Tags = DDS_Security_DataTags;
 
 spi::PermissionsHandle permissions(CPermissions handle) { return {handle}; }
 
-/// Readers of Cyclone's builtin topics see what this process has discovered anyway; no such reader
-/// exists on the network, and users cannot name topics so. rmw_cyclonedds needs them, and no
-/// permissions document lists them.
-bool reads_local_builtin_topic(const spi::EndpointRequest& request) {
+/// Cyclone's builtin topics show an application what this process has discovered anyway; nothing of
+/// them is on the network. rmw_cyclonedds needs them, and no permissions document lists them.
+/// Applications cannot create topics of these names: the core refuses the prefix DCPS.
+bool is_local_builtin_topic(std::string_view name) {
   constexpr std::array<std::string_view, 4> kTopics = {"DCPSParticipant", "DCPSTopic",
                                                        "DCPSPublication", "DCPSSubscription"};
-  return std::ranges::find(kTopics, request.topic_name) != kTopics.end() &&
-         request.partitions.size() == 1 && request.partitions[0] == "__BUILT-IN PARTITION__";
+  return std::ranges::find(kTopics, name) != kTopics.end();
+}
+
+/// The core creates their readers in a partition of its own only.
+bool reads_local_builtin_topic(const spi::EndpointRequest& request) {
+  return is_local_builtin_topic(request.topic_name) && request.partitions.size() == 1 &&
+         request.partitions[0] == "__BUILT-IN PARTITION__";
 }
 
 CPermissions validate_local_permissions(Instance* instance, const dds_security_authentication*,
@@ -113,6 +118,7 @@ DDS_Security_boolean check_create_topic(Instance* instance, const CPermissions h
                                         const DDS_Security_Qos*, Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     DDSSEC_TRY(require(topic_name));
+    if (is_local_builtin_topic(topic_name)) return {};
     return adapter.engine().check_create_topic(permissions(handle), domain_id, topic_name);
   });
 }

@@ -171,6 +171,19 @@ TEST_F(AccessControlAdapterTest, CyclonesLocalBuiltinTopicsMayBeReadAndNothingEl
   EXPECT_FALSE(may_read("Square", {builtin.data()}));
 }
 
+TEST_F(AccessControlAdapterTest, CyclonesLocalBuiltinTopics_DefaultDeny_AreCreatedAndNoOthers) {
+  EXPECT_CALL(engine, check_create_topic).Times(4).WillRepeatedly([](auto&&...) -> Status {
+    return fail(Code::topic_not_allowed);
+  });
+  const auto may_create = [&](const char* name) {
+    return c->check_create_topic(c, 8, 5, name, &qos, nullptr) != 0;
+  };
+  for (const auto* name : {"DCPSParticipant", "DCPSTopic", "DCPSPublication", "DCPSSubscription"})
+    EXPECT_TRUE(may_create(name)) << name;
+  for (const auto* name : {"Square", "DCPS", "DCPSParticipantX", "dcpsparticipant"})
+    EXPECT_FALSE(may_create(name)) << name;
+}
+
 TEST_F(AccessControlAdapterTest, WhatNobodyCallsAllows) {
   EXPECT_EQ(c->check_local_datawriter_register_instance(c, 8, nullptr, nullptr, nullptr), 1);
   EXPECT_EQ(c->check_local_datawriter_dispose_instance(c, 8, nullptr, 0, nullptr), 1);
