@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Measures our plugins and Cyclone's own side by side and prints the tables of the README.
+# Measures our plugins and Cyclone's own side by side and prints the tables of docs/performance.md.
 # Usage: scripts/bench.sh [--quick] [--json FOLDER]
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
