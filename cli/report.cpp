@@ -155,6 +155,7 @@ Exit exit_of(Code code) {
     case Code::certificate_too_large:
     case Code::private_key_malformed:
     case Code::crl_malformed:
+    case Code::crl_is_delta:
     case Code::smime_malformed:
     case Code::smime_not_multipart:
       return Exit::unreadable;

@@ -187,8 +187,8 @@ Result<ChainValid> ChainVerifier::Impl::judge_path(const Certificate& certificat
       X509_STORE_CTX_init(context.get(), store.get(), certificate.impl().x509.get(), nullptr) != 1)
     return openssl_failure(Code::internal);
   auto* parameters = X509_STORE_CTX_get0_param(context.get());
-  if (!crls.empty())
-    flags |= X509_V_FLAG_CRL_CHECK | X509_V_FLAG_CRL_CHECK_ALL | X509_V_FLAG_USE_DELTAS;
+  // Not X509_V_FLAG_USE_DELTAS: Crl reads complete lists only.
+  if (!crls.empty()) flags |= X509_V_FLAG_CRL_CHECK | X509_V_FLAG_CRL_CHECK_ALL;
   X509_VERIFY_PARAM_set_flags(parameters, flags);
   // Not by system_clock, whose nanoseconds end in 2262.
   X509_VERIFY_PARAM_set_time(parameters, now.time_since_epoch().count());

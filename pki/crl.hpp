@@ -48,8 +48,10 @@ struct Revocation {
 class Crl {
  public:
   /// Every list of a file: one DER list, or any number of PEM blocks among others (certificates in
-  /// the same file are passed over). The result is empty for a PEM file without a list.
-  /// Errors: crl_malformed, crl_too_large.
+  /// the same file are passed over). The result is empty for a PEM file without a list. One delta
+  /// list (RFC 5280 5.2.4) refuses the file. A complete list may name delta lists (freshestCRL);
+  /// nothing fetches them.
+  /// Errors: crl_malformed, crl_too_large, crl_is_delta.
   static Result<std::vector<Crl>> all_from(BytesView octets);
 
   /// Issuer name, RFC 2253.
@@ -66,8 +68,8 @@ class Crl {
   std::string pem() const;
 
   /// True if this list may take the place of `former`: of the same issuer, about the same
-  /// certificates, complete if that one is, and neither its number nor its thisUpdate is lower
-  /// (RFC 5280 5.2.3 to 5.2.5). Says nothing of who signed it.
+  /// certificates, and neither its number nor its thisUpdate is lower (RFC 5280 5.2.3, 5.2.5).
+  /// Does not check the signature.
   bool supersedes(const Crl& former) const;
 
   /// True if it bears the name of `ca`, which then is to be asked whether it signed it.

@@ -103,7 +103,7 @@ std::string held_if(Code about_the_cas, const Error& error, std::string_view par
 }
 
 bool is_about_lists(Code code) {
-  return code == Code::certificate_revoked ||
+  return code == Code::certificate_revoked || code == Code::crl_is_delta ||
          (Code::crl_malformed <= code && code <= Code::crl_signature_invalid);
 }
 

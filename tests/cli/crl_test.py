@@ -2,10 +2,12 @@
 """identity revoke and crl: from one command to a peer that is refused."""
 
 import json
+import pathlib
 import subprocess
 
 from transcript import PROGRAM, Transcript, main
 
+DATA = pathlib.Path(__file__).resolve().parent.parent / "data"
 NOW = ("--now", "2026-11-21T00:00:00Z")
 LATER = ("--now", "2026-11-22T00:00:00Z")
 
@@ -202,6 +204,19 @@ class Revocation(Transcript):
         self.refused("crl_expired", 1, "crl", "distribute", "--ca", "ca", "--now", "2026-11-28T00:00:00Z")
         (self.at / "ca/identity/crl.pem").write_text("no list")
         self.refused("crl_malformed", 3, *verify, *NOW)
+
+    def test_delta_lists_are_refused(self):
+        delta = DATA / "nist-pkits/crls/deltaCRLCA1deltaCRL.crl"
+        self.run_program("crl", "new", "--ca", "ca", *NOW)
+        complete = (self.at / "ca/identity/crl.pem").read_text()
+        pem = self.openssl("crl", "-inform", "DER", "-in", delta)
+        (self.at / "ca/identity/crl.pem").write_text(complete + pem)
+        for command in (("show", "ca"), ("verify", "ca", "--ca", "ca", *NOW),
+                        ("distribute", "talker", "--ca", "ca", *NOW)):
+            told = self.refused("crl_is_delta", 3, "crl", *command)
+            self.assertEqual(told["file"], "ca/identity/crl.pem")
+            self.assertIn("expected a complete list of CN=deltaCRL CA1", told["message"])
+        self.assertNotIn("talker/crl.pem", self.files())
 
     def test_only_what_this_ca_issued_is_revoked_or_renewed(self):
         self.run_program("ca", "create", "other", "--no-passphrase", "--role", "identity",

@@ -147,6 +147,17 @@ class Golden(Transcript):
         found = [d["id"] for d in self.json("doctor", "broken", exit=1)["diagnostics"]]
         self.assertEqual(found, ["DOC001", "DOC021", "DOC023", "DOC030", "DOC050"])
 
+    # Not among the folders for the products: their verdict depends on the patch level of OpenSSL.
+    def test_a_delta_revocation_list_is_refused(self):
+        folder = self.at / "delta"
+        shutil.copytree(self.paths["correct"], folder)
+        shutil.copy(HERE.parent / "data/nist-pkits/crls/deltaCRLCA1deltaCRL.crl", folder / "crl.pem")
+        out = self.json("doctor", "delta", "--vendor", "ours", exit=1)
+        told = {d["id"]: d for d in out["diagnostics"]}
+        self.assertEqual((list(told), told["DOC002"]["file"]), (["DOC002"], "delta/crl.pem"))
+        self.assertIn("a delta revocation list", told["DOC002"]["message"])
+        self.assertIn("a complete list of CN=deltaCRL CA1", told["DOC002"]["message"])
+
     def test_lint_of_both_documents_is_part_of_it(self):
         folder = self.at / "dead"
         shutil.copytree(self.paths["correct"], folder)

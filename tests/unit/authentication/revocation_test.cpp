@@ -1,6 +1,7 @@
 // Revocation lists that come while identities are in use.
 #include <thread>
 
+#include "tests/support/delta_list.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/authentication/fixture.hpp"
 
@@ -198,6 +199,13 @@ TEST_F(Refused, ForgedOnes) {
   expect_refused(pem({6}, twin), Code::crl_signature_invalid);
   expect_refused(pem({6}) + pem({7}, twin), Code::crl_signature_invalid);
   expect_refused(pem({6}, make_ca("CN=Other CA")), Code::crl_missing);
+}
+
+TEST_F(Refused, DeltaLists) {
+  const auto newer = pki::Crl::all_from(as_bytes(pem({6})))->front();
+  const auto delta = test::delta_pem(newer, test_ca(), 5);
+  expect_refused(delta, Code::crl_is_delta);
+  expect_refused(pem({5, {bob().certificate}}) + delta, Code::crl_is_delta);
 }
 
 TEST_F(Refused, OutOfTheirTime) {

@@ -6,6 +6,7 @@
 
 #include "fixture.hpp"
 #include "pki/authority.hpp"
+#include "tests/support/delta_list.hpp"
 
 namespace ddssec::pki {
 namespace {
@@ -171,11 +172,34 @@ Crl pkits(const std::string& name) {
   return Crl::all_from(data_file("nist-pkits/crls/" + name + ".crl"))->front();
 }
 
-TEST(CrlSupersedes, ADifferenceDoesNotTakeThePlaceOfAWholeList) {
-  const auto whole = pkits("deltaCRLCA1CRL"), difference = pkits("deltaCRLCA1deltaCRL");
-  EXPECT_TRUE(whole.supersedes(whole));
-  EXPECT_TRUE(difference.supersedes(difference));
-  EXPECT_FALSE(difference.supersedes(whole));
+// OpenSSL 3.0.19 takes a delta list for a complete one: the certificate that the complete list
+// revokes is accepted if the newer delta list does not repeat it.
+TEST(DeltaCrl, IsRefusedWhereListsAreRead) {
+  const auto ca = make_ca();
+  const auto leaf = make_leaf(ca);
+  const std::array revoked = {leaf.certificate};
+  auto content = kMonth;
+  content.revoked = revoked;
+  const auto complete = make_crl(ca, content);
+  content = {.this_update = kNow + 1h, .next_update = kNow + 30 * 24h, .number = 8};
+  const auto delta = test::delta_pem(make_crl(ca, content), ca, *complete.number());
+  ASSERT_NE(delta, "");
+  const auto alone = Crl::all_from(as_bytes(delta));
+  EXPECT_CODE(alone, crl_is_delta);
+  EXPECT_EQ(alone.error().details().expected, "a complete list of CN=Test CA,O=Example");
+  for (const auto& file : {complete.pem() + delta, delta + complete.pem()})
+    EXPECT_CODE(Crl::all_from(as_bytes(file)), crl_is_delta);
+  EXPECT_CODE(Crl::all_from(data_file("nist-pkits/crls/deltaCRLCA1deltaCRL.crl")), crl_is_delta);
+  EXPECT_CODE(make_verifier({ca.certificate()}, *Crl::all_from(as_bytes(complete.pem())))
+                  .verify(leaf.certificate, kNow + 2h),
+              certificate_revoked);
+}
+
+// It stands for itself: the delta lists that it names are one more way to be up to date.
+TEST(DeltaCrl, ACompleteListThatNamesDeltaListsIsRead) {
+  const auto crls = Crl::all_from(data_file("nist-pkits/crls/deltaCRLCA1CRL.crl"));
+  ASSERT_TRUE(crls) << crls.error().to_sentence();
+  EXPECT_GE(X509_CRL_get_ext_by_NID(crls->front().impl().crl.get(), NID_freshest_crl, -1), 0);
 }
 
 TEST(CrlSupersedes, OnlyAboutTheSameCertificates) {
