@@ -49,6 +49,8 @@ bool relent() {
 
 long live_blocks() { return live; }
 
+bool counts_malloc() { return !DDSSEC_SANITIZED; }
+
 std::vector<Source> sources() {
   if (DDSSEC_SANITIZED) return {Source::cpp};
   return {Source::cpp, Source::c};

@@ -21,6 +21,9 @@ bool relent();
 /// sanitizer, whose own leak check counts the others.
 long live_blocks();
 
+/// Whether live_blocks() counts blocks of C's malloc in this build.
+bool counts_malloc();
+
 /// Those that can be told to fail in this build.
 std::vector<Source> sources();
 
