@@ -8,11 +8,11 @@
 namespace ddssec::cryptography {
 namespace {
 
-KeyEnvironment key_environment(const AeadBackend& aead, Graveyard& graveyard,
+KeyEnvironment key_environment(const AeadBackend& aead, Graveyard& graveyard, Random& random,
                                const Options& options) {
   constexpr auto kMost = std::uint64_t{1} << 32;
   return {aead, graveyard, std::clamp(options.most_blocks_per_session, std::uint64_t{1}, kMost),
-          std::clamp(options.most_sessions_per_key, std::uint64_t{1}, kMost)};
+          std::clamp(options.most_sessions_per_key, std::uint64_t{1}, kMost), random};
 }
 
 /// Unpredictable if possible. Nothing secret hangs on it: these numbers only make handles and key
@@ -51,7 +51,7 @@ Shared::Shared(const Environment& given, const AeadBackend& aead, const Options&
                std::uint64_t first_generation)
     : environment(given),
       header_prefix_is_network_order(options.header_prefix_is_network_order),
-      keys(key_environment(aead, graveyard, options)),
+      keys(key_environment(aead, graveyard, environment.random, options)),
       registry(first_generation) {}
 
 void Shared::publish_routes(RemoteParticipant& participant) {

@@ -64,7 +64,7 @@ Result<KeyMaterial> KeyFactory::fresh_material(TransformKind kind, KeyId id) {
 }
 
 Result<std::unique_ptr<SendKey>> KeyFactory::send_key(KeyMaterial material) {
-  const SendStart start{DDSSEC_TRY(random<std::uint32_t>()), DDSSEC_TRY(random<std::uint64_t>())};
+  const auto start = DDSSEC_TRY(SendStart::draw(shared_.environment.random));
   return SendKey::create(std::move(material), start, shared_.keys);
 }
 

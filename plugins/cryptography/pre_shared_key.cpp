@@ -1,7 +1,6 @@
 #include "plugins/cryptography/pre_shared_key.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <string>
 
 #include "base/hash.hpp"
@@ -36,15 +35,6 @@ MessageSource source_of(BytesView message) {
 
 bool is_message(BytesView octets) {
   return octets.size() >= kRtpsHeaderSize && as_text(octets.first(4)) == "RTPS";
-}
-
-template <class T>
-Result<T> random_number(Random& random) {
-  std::array<std::uint8_t, sizeof(T)> octets;
-  DDSSEC_TRY(random.fill(octets));
-  T value;
-  std::memcpy(&value, octets.data(), sizeof value);
-  return value;
 }
 
 }  // namespace
@@ -144,8 +134,7 @@ void PreSharedKeyRing::keep_despite(const Error& error) {
 Result<SendKey*> PreSharedKeyRing::send_key(const MessageSource& source) {
   if (send_ && source == own_) return send_.get();
   const auto& entry = entries_.front();
-  const SendStart start{DDSSEC_TRY(random_number<std::uint32_t>(environment_.random)),
-                        DDSSEC_TRY(random_number<std::uint64_t>(environment_.random))};
+  const auto start = DDSSEC_TRY(SendStart::draw(environment_.random));
   send_ = DDSSEC_TRY(SendKey::create(
       derive_pre_shared_material(entry.passphrase, entry.kind, entry.key_id, source), start,
       keys_));

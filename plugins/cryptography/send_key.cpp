@@ -1,6 +1,7 @@
 #include "plugins/cryptography/send_key.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
 
 #include "plugins/cryptography/wire.hpp"
@@ -8,9 +9,8 @@
 namespace ddssec::cryptography {
 namespace {
 
-template <class Id>
-Id big_endian_id(std::uint32_t value) {
-  Id id;
+SessionId id_from(std::uint32_t value) {
+  SessionId id;
   for (std::size_t i = 0; i < 4; ++i)
     id.octets[i] = static_cast<std::uint8_t>(value >> (24 - 8 * i));
   return id;
@@ -34,19 +34,53 @@ Result<std::unique_ptr<SendKey>> SendKey::create(KeyMaterial material, SendStart
                                                  const KeyEnvironment& environment) {
   const auto traits = traits_of(material.kind);
   if (!traits) return fail(Code::internal);
-  std::unique_ptr<SendKey> key(new SendKey(std::move(material), *traits, start, environment));
-  key->current_.replace(DDSSEC_TRY(key->session(0)), environment.graveyard);
+  std::unique_ptr<SendKey> key(new SendKey(std::move(material), *traits, environment));
+  key->current_.replace(DDSSEC_TRY(key->first_session(start)), environment.graveyard);
   return key;
 }
 
-Result<std::unique_ptr<SendSession>> SendKey::session(std::uint64_t number) const {
+Result<SendStart> SendStart::draw(Random& random) {
+  std::array<std::uint8_t, sizeof(session) + sizeof(suffix)> octets;
+  DDSSEC_TRY(random.fill(octets));
+  SendStart start;
+  std::memcpy(&start.session, octets.data(), sizeof start.session);
+  std::memcpy(&start.suffix, octets.data() + sizeof start.session, sizeof start.suffix);
+  return start;
+}
+
+Status SendKey::expand(SendSession& session) const {
+  session.id = id_from(session.begun.first + session.begun.further);
+  const auto key = derive_session_key(material_.sender_key, material_.salt, session.id);
+  return key.expose([&](BytesView octets) {
+    return session.key.expand(environment_.aead, traits_.cipher, octets);
+  });
+}
+
+Result<std::unique_ptr<SendSession>> SendKey::first_session(SendStart start) const {
+  auto first = std::make_unique<SendSession>();
+  first->generation = environment_.generation.current();
+  first->suffix = start.suffix;
+  first->begun.first = start.session;
+  DDSSEC_TRY(expand(*first));
+  return first;
+}
+
+/// In a child of fork() it begins at random; the sessions of its parents count as used.
+Result<std::unique_ptr<SendSession>> SendKey::session_after(const SendSession& former) const {
   auto next = std::make_unique<SendSession>();
-  next->number = number;
-  next->id = big_endian_id<SessionId>(start_.session + static_cast<std::uint32_t>(number));
-  const auto key = derive_session_key(material_.sender_key, material_.salt, next->id);
-  DDSSEC_TRY(key.expose([&](BytesView octets) {
-    return next->key.expand(environment_.aead, traits_.cipher, octets);
-  }));
+  next->number = former.number + 1;
+  next->generation = environment_.generation.current();
+  next->begun_by_parents = former.begun_by_parents;
+  if (former.generation == next->generation) {
+    next->suffix = former.suffix;
+    next->begun = {former.begun.first, former.begun.further + 1};
+  } else {
+    const auto start = DDSSEC_TRY(SendStart::draw(environment_.random));
+    next->suffix = start.suffix;
+    next->begun.first = start.session;
+    next->begun_by_parents.push_back(former.begun);
+  }
+  DDSSEC_TRY(expand(*next));
   return next;
 }
 
@@ -54,10 +88,12 @@ Result<SendKey::Reservation> SendKey::reserve(std::size_t size) {
   const auto wanted = blocks(size);
   for (;;) {
     auto* const session = current_.read();
-    const auto first = session->used.fetch_add(wanted, std::memory_order_relaxed);
-    // A message larger than a whole session may be the only one of it.
-    if (first == 0 || first + wanted <= environment_.most_blocks_per_session) [[likely]]
-      return Reservation{session, iv_from(session->id, start_.suffix + first)};
+    if (session->generation == environment_.generation.peek()) [[likely]] {
+      const auto first = session->used.fetch_add(wanted, std::memory_order_relaxed);
+      // A message larger than a whole session may be the only one of it.
+      if (first == 0 || first + wanted <= environment_.most_blocks_per_session) [[likely]]
+        return Reservation{session, iv_from(session->id, session->suffix + first)};
+    }
     DDSSEC_TRY(roll_over(session));
   }
 }
@@ -65,7 +101,9 @@ Result<SendKey::Reservation> SendKey::reserve(std::size_t size) {
 bool SendKey::has_begun(SessionId session) const {
   std::uint32_t id = 0;
   for (const auto octet : session.octets) id = id << 8 | octet;
-  return id - start_.session <= current_.read()->number;  // ids count up, around 0 if need be
+  const auto& current = *current_.read();
+  const auto has_it = [&](const SessionRange& range) { return range.contains(id); };
+  return has_it(current.begun) || std::ranges::any_of(current.begun_by_parents, has_it);
 }
 
 std::uint64_t SendKey::blocks_used() const {
@@ -76,12 +114,12 @@ std::uint64_t SendKey::blocks_used() const {
   return before + std::min(of_session, std::numeric_limits<std::uint64_t>::max() - before);
 }
 
-Status SendKey::roll_over(const SendSession* exhausted) {
+Status SendKey::roll_over(const SendSession* former) {
   const std::lock_guard lock(mutex_);
-  if (current_.read() != exhausted) return {};
-  const auto number = exhausted->number + 1;
-  if (number >= environment_.most_sessions_per_key) return fail(Code::session_ids_exhausted);
-  current_.replace(DDSSEC_TRY(session(number)), environment_.graveyard);
+  if (current_.read() != former) return {};
+  if (former->number + 1 >= environment_.most_sessions_per_key)
+    return fail(Code::session_ids_exhausted);
+  current_.replace(DDSSEC_TRY(session_after(*former)), environment_.graveyard);
   return {};
 }
 

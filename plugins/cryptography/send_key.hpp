@@ -5,9 +5,12 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <vector>
 
+#include "base/clock.hpp"
 #include "plugins/cryptography/aead.hpp"
 #include "plugins/cryptography/derivation.hpp"
+#include "plugins/cryptography/fork_generation.hpp"
 #include "plugins/cryptography/reclaim.hpp"
 
 namespace ddssec::cryptography {
@@ -18,18 +21,35 @@ struct KeyEnvironment {
   Graveyard& graveyard;
   std::uint64_t most_blocks_per_session;  ///< at least 1
   std::uint64_t most_sessions_per_key;    ///< at least 1, at most 2^32
+  Random& random;
+  ForkGeneration& generation = ForkGeneration::of_process();
 };
 
 /// Where a sender's numbers start; random.
 struct SendStart {
   std::uint32_t session = 0;
   std::uint64_t suffix = 0;
+
+  /// Errors: those of the random source.
+  static Result<SendStart> draw(Random& random);
+};
+
+/// Session ids that count up from `first`, around 0 if need be.
+struct SessionRange {
+  std::uint32_t first = 0;
+  std::uint32_t further = 0;  ///< how many after the first
+
+  bool contains(std::uint32_t id) const { return id - first <= further; }
 };
 
 /// One expanded session key with its counter. Immutable but for the counter.
 struct SendSession final : Retirable {
   SessionId id;
-  std::uint64_t number = 0;  ///< 0 for the first of its key
+  std::uint64_t number = 0;      ///< 0 for the first of its key
+  std::uint64_t suffix = 0;      ///< of the first IV
+  std::uint64_t generation = 0;  ///< of the process that may use it
+  SessionRange begun;            ///< by this process with this key, up to this session
+  std::vector<SessionRange> begun_by_parents;  ///< one for each fork() since the key was made
   ExpandedKey key;
   /// AES blocks promised so far. On a cache line of its own: all threads that send write it.
   alignas(64) std::atomic<std::uint64_t> used = 0;
@@ -42,6 +62,10 @@ struct SendSession final : Retirable {
 /// different numbers, and no more than most_blocks_per_session (plus one addition a thread, unused)
 /// are ever given out, far below the 2^64 after which suffixes would come again. No session id
 /// comes twice under one master key: ids count up and stop after most_sessions_per_key.
+///
+/// A child of fork() has the key and the numbers of its parent, which goes on to use them. Before
+/// its first message it leaves its parent's session for one whose id and suffix are random: the
+/// two would have to agree in 32 bits and to within 2^32 in 64 more.
 class SendKey final : public Retirable {
  public:
   /// Errors: internal.
@@ -56,25 +80,26 @@ class SendKey final : public Retirable {
     Iv iv;
   };
   /// Under a ReadGuard: an IV for a message of `size` octets and its receiver-specific MACs.
-  /// Errors: session_ids_exhausted.
+  /// Errors: session_ids_exhausted; in a child of fork() those of the random source.
   Result<Reservation> reserve(std::size_t size);
-  /// Under a ReadGuard: is this session one of those used so far? They start at random, so that one
-  /// of another sender with the same master key is not, but for one chance in 2^32.
+  /// Under a ReadGuard: is this session one of those used so far, by this process or a parent
+  /// before its fork()? They start at random, so that one of another sender with the same master
+  /// key is not, but for one chance in 2^32.
   bool has_begun(SessionId session) const;
   /// Under a ReadGuard: AES blocks promised so far, and what finished sessions left over.
   std::uint64_t blocks_used() const;
 
  private:
-  SendKey(KeyMaterial material, KindTraits traits, SendStart start,
-          const KeyEnvironment& environment)
-      : material_(std::move(material)), traits_(traits), start_(start), environment_(environment) {}
-  Result<std::unique_ptr<SendSession>> session(std::uint64_t number) const;
+  SendKey(KeyMaterial material, KindTraits traits, const KeyEnvironment& environment)
+      : material_(std::move(material)), traits_(traits), environment_(environment) {}
+  Result<std::unique_ptr<SendSession>> first_session(SendStart start) const;
+  Result<std::unique_ptr<SendSession>> session_after(const SendSession& former) const;
+  Status expand(SendSession& session) const;
   /// Goes on to the next session, unless another thread did.
-  Status roll_over(const SendSession* exhausted);
+  Status roll_over(const SendSession* former);
 
   const KeyMaterial material_;
   const KindTraits traits_;
-  const SendStart start_;
   const KeyEnvironment& environment_;
   Published<SendSession> current_;
   std::mutex mutex_;  // held by who rolls over

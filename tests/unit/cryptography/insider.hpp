@@ -10,7 +10,9 @@ namespace ddssec::cryptography::testing {
 
 struct Insider {
   Graveyard graveyard;
-  KeyEnvironment environment{*aead_backend(AeadChoice::automatic), graveyard, 1u << 20, 1u << 20};
+  SystemRandom random;
+  KeyEnvironment environment{*aead_backend(AeadChoice::automatic), graveyard, 1u << 20, 1u << 20,
+                             random};
   std::unique_ptr<SendKey> key;
 
   /// With somebody's key, as one of its receivers has it.

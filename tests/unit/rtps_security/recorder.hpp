@@ -100,9 +100,10 @@ class Recorder {
 
   std::vector<cryptography::KeyMaterial> materials_;
   cryptography::Graveyard graveyard_;
+  SystemRandom random_;
   cryptography::KeyEnvironment environment_{
       *cryptography::aead_backend(cryptography::AeadChoice::automatic), graveyard_, 1u << 20,
-      1u << 20};
+      1u << 20, random_};
 };
 
 }  // namespace ddssec::rtps::testing
