@@ -116,7 +116,7 @@ DDS_Security_boolean set_permissions_credential_and_token(Instance* instance,
 }
 
 CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
-                                 CToken* local_auth_request, const CToken* remote_auth_request,
+                                 CToken* local_auth_request, const CToken* /*remote_auth_request*/,
                                  const CIdentity local_handle, const CToken* remote_token,
                                  const DDS_Security_GUID_t* remote_guid, Exception* ex) {
   return validate(instance, ex, [&](Adapter& adapter) -> Result<CResult> {
@@ -125,12 +125,13 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
     DDSSEC_TRY(copy_token(spi::Token{}, *local_auth_request));
     DDSSEC_TRY(require(remote_handle, remote_token, remote_guid));
     *remote_handle = DDS_SECURITY_HANDLE_NIL;
-    std::optional<spi::Token> request;
-    if (!is_nil(remote_auth_request)) request = DDSSEC_TRY(token_from(remote_auth_request));
     const auto token = DDSSEC_TRY(token_from(remote_token));
     const auto guid = guid_from(*remote_guid);
-    const auto remote = DDSSEC_TRY(
-        adapter.engine().validate_remote_identity(identity(local_handle), request, token, guid));
+    // The peer's own auth_request is not handed over, nor looked at: anybody can forge one, and a
+    // challenge from it would be held against the honest peer's messages until its lease ends. What
+    // the handshake proves, its signatures prove. The core asks once: ours is always sent.
+    const auto remote = DDSSEC_TRY(adapter.engine().validate_remote_identity(
+        identity(local_handle), std::nullopt, token, guid));
     const auto of_host = adapter.remotes().note(identity(local_handle), guid, remote.handle);
     if (remote.local_auth_request) {
       CToken sent{};

@@ -1,6 +1,6 @@
 // T30 through Cyclone's C ABI: handshake messages lost, doubled, late and in any order, a side that
 // restarts, a lease that ends in between. Honest participants must all authenticate in bounded
-// time, and whoever is gone leaves nothing behind.
+// time, and whoever is gone leaves nothing behind. T31: auth_requests that an attacker forged.
 #include <algorithm>
 #include <map>
 #include <random>
@@ -33,13 +33,17 @@ class Node {
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
 
-  void meet(Node& other) {
+  /// With an auth_request that came in the other's name, if any.
+  void meet(Node& other, const Message* came = nullptr) {
     auto& peer = peers_[&other];
-    Token auth_request;
+    Token auth_request, announced;
+    if (came != nullptr) {
+      EXPECT_TRUE(cyclonedds::copy_token(*came, announced));
+    }
     Call call("validate_remote_identity");
     const auto result = auth().validate_remote_identity(
-        &auth(), &peer.identity, &auth_request, nullptr, self_.identity,
-        &other.self_.identity_token, &other.self_.guid, call);
+        &auth(), &peer.identity, &auth_request, came != nullptr ? &announced : nullptr,
+        self_.identity, &other.self_.identity_token, &other.self_.guid, call);
     call.check(result != DDS_SECURITY_VALIDATION_FAILED);
     peer.begins = result == DDS_SECURITY_VALIDATION_PENDING_HANDSHAKE_REQUEST;
   }
@@ -135,6 +139,36 @@ class Node {
   Participant self_;
   std::map<Node*, Peer> peers_;
 };
+
+/// Which of the two got the forged auth_request: one of them begins, the other replies.
+class HostForgedAuthRequest : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(T31, HostForgedAuthRequest, testing::Bool());
+
+TEST_P(HostForgedAuthRequest, LocksNobodyOut) {
+  constexpr auto kClass = "DDS:Auth:PKI-DH:1.0+AuthReq";
+  const auto with_challenge = [&](std::size_t size) {
+    return Message{.class_id = kClass,
+                   .binary_properties = {{"future_challenge", Octets(size, 0xee), true}}};
+  };
+  const Message all[] = {with_challenge(32),
+                         with_challenge(3),
+                         {.class_id = kClass},
+                         {.class_id = "DDS:Auth:PKI-DH:9.9+Nonsense"}};
+  for (const auto& forged : all) {
+    Node a(0), b(1);
+    a.meet(b, GetParam() ? &forged : nullptr);
+    b.meet(a, GetParam() ? nullptr : &forged);
+    for (auto* from : {&a, &b}) {
+      auto* speaker = from;
+      auto* listener = from == &a ? &b : &a;
+      auto said = speaker->due(*listener);
+      for (; !said.empty(); std::swap(speaker, listener))
+        said = listener->take(*speaker, said.front());
+    }
+    EXPECT_FALSE(a.secret(b).empty()) << "the peer is locked out";
+    EXPECT_EQ(a.secret(b), b.secret(a));
+  }
+}
 
 /// Datagrams on their way, treated badly.
 class Network {

@@ -163,7 +163,7 @@ TEST_F(AuthenticationAdapterTest, TokensComeOutAndGoIn) {
   EXPECT_EQ(c->set_permissions_credential_and_token(c, 4, &identity, &identity, &refusal), 1);
 }
 
-TEST_F(AuthenticationAdapterTest, RemoteIdentityWithAndWithoutAuthRequest) {
+TEST_F(AuthenticationAdapterTest, TheEngineNeverSeesAPeersAuthRequest) {
   const auto guid = to_c(guid_of(3));
   const HostToken token(sample_token());
   HostToken request;
@@ -177,9 +177,17 @@ TEST_F(AuthenticationAdapterTest, RemoteIdentityWithAndWithoutAuthRequest) {
   EXPECT_EQ(handle, 2);
   EXPECT_FALSE(is_nil(&request));
 
-  EXPECT_CALL(engine, validate_remote_identity(_, testing::Optional(sample_token()), _, _))
-      .WillOnce(Return(spi::Authentication::RemoteIdentity{
+  // Not even one that cannot be read: it proves nothing, so it refuses nothing.
+  DDS_Security_DataHolder unreadable{};
+  unreadable.binary_properties._length = 7;
+  EXPECT_CALL(engine, validate_remote_identity(_, testing::Eq(std::nullopt), _, _))
+      .Times(2)
+      .WillRepeatedly(Return(spi::Authentication::RemoteIdentity{
           {2}, spi::ValidationResult::pending_handshake_message, std::nullopt}));
+  HostToken answer;
+  EXPECT_EQ(
+      c->validate_remote_identity(c, &handle, &answer, &unreadable, 1, &token, &guid, &refusal),
+      DDS_SECURITY_VALIDATION_PENDING_HANDSHAKE_MESSAGE);
   HostToken none;
   EXPECT_EQ(c->validate_remote_identity(c, &handle, &none, &request, 1, &token, &guid, &refusal),
             DDS_SECURITY_VALIDATION_PENDING_HANDSHAKE_MESSAGE);
