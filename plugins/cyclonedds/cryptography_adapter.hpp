@@ -2,12 +2,14 @@
 #pragma once
 
 #include "plugins/cyclonedds/context.hpp"
+#include "plugins/cyclonedds/opened_message.hpp"
 #include "plugins/spi/cryptography.hpp"
 
 namespace ddssec::cyclonedds {
 
 /// The C struct is the base; the host sees only that and its three sub-tables, which know their
-/// way back. One for each domain.
+/// way back. One for each domain. Every call of the host comes in by `of`, which ends what its
+/// thread knew of an opened message: the host has gone on to something else.
 class CryptographyAdapter final : public dds_security_cryptography {
  public:
   CryptographyAdapter(std::unique_ptr<Host> host, const MakeEngine<spi::Cryptography>& make,
@@ -16,13 +18,13 @@ class CryptographyAdapter final : public dds_security_cryptography {
   CryptographyAdapter& operator=(const CryptographyAdapter&) = delete;
 
   static CryptographyAdapter& of(dds_security_crypto_key_factory& instance) {
-    return *static_cast<Table<dds_security_crypto_key_factory>&>(instance).owner;
+    return entered(*static_cast<Table<dds_security_crypto_key_factory>&>(instance).owner);
   }
   static CryptographyAdapter& of(dds_security_crypto_key_exchange& instance) {
-    return *static_cast<Table<dds_security_crypto_key_exchange>&>(instance).owner;
+    return entered(*static_cast<Table<dds_security_crypto_key_exchange>&>(instance).owner);
   }
   static CryptographyAdapter& of(dds_security_crypto_transform& instance) {
-    return *static_cast<Table<dds_security_crypto_transform>&>(instance).owner;
+    return entered(*static_cast<Table<dds_security_crypto_transform>&>(instance).owner);
   }
 
   Host& host() { return *host_; }
@@ -31,6 +33,11 @@ class CryptographyAdapter final : public dds_security_cryptography {
   spi::CryptoTransform& transform() { return transform_engine_; }
 
  private:
+  static CryptographyAdapter& entered(CryptographyAdapter& adapter) {
+    OpenedMessage::of_this_thread().forget();
+    return adapter;
+  }
+
   template <class CTable>
   struct Table : CTable {
     Table(const CTable& functions, CryptographyAdapter* adapter)

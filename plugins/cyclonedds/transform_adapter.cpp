@@ -1,6 +1,7 @@
 // CryptoTransform: the message path. One malloc block a result, nothing else.
 #include "plugins/cyclonedds/buffers.hpp"
 #include "plugins/cyclonedds/cryptography_adapter.hpp"
+#include "plugins/cyclonedds/opened_message.hpp"
 
 namespace ddssec::cyclonedds {
 namespace {
@@ -114,14 +115,19 @@ Status decode_submessage(Octets* plain, const Octets* encoded, Decode&& decode) 
   return check_decoded(*plain, octets.size() - kSecurePrefixSize, 4);
 }
 
-/// Cyclone asks for each local participant in turn: a message without a MAC for this one may be for
-/// the next, which is nothing to alarm anybody with. Any other code of the host ends the message.
+/// Makes the host ask for its next local participant. Any other code ends the message.
+constexpr DDS_Security_long kAskNext = DDS_SECURITY_ERR_INVALID_CRYPTO_RECEIVER_SIGN_CODE;
+
+/// Cyclone asks for each local participant in turn: a message without a MAC for this one, or from a
+/// sender whose keys have not come yet, may be for the next, which is nothing to alarm anybody
+/// with.
 Telling as_one_of_several_receivers(const Error& error) {
   auto telling = plainly(error);
   if (error.code() == Code::receiver_specific_mac_missing) telling.severity = Severity::debug;
   if (error.code() == Code::receiver_specific_mac_missing ||
-      error.code() == Code::receiver_specific_mac_mismatch)
-    telling.host_code = DDS_SECURITY_ERR_INVALID_CRYPTO_RECEIVER_SIGN_CODE;
+      error.code() == Code::receiver_specific_mac_mismatch ||
+      error.code() == Code::key_material_not_received)
+    telling.host_code = kAskNext;
   return telling;
 }
 
@@ -140,13 +146,24 @@ DDS_Security_boolean decode_rtps_message(Instance* instance, Octets* plain, cons
                                          const CHandle receiver, const CHandle sender,
                                          Exception* ex) {
   if (instance == nullptr) return ask<Adapter>(instance, ex, [](Adapter&) { return Status{}; });
+  auto& opened = OpenedMessage::of_this_thread();
+  const MessageCall call{
+      instance, receiver, sender,
+      encoded != nullptr ? octets_from(encoded).value_or(BytesView()) : BytesView()};
+  // The host has the plaintext: another result would take its place, and nothing would free it.
+  if (opened.was_opened_for_another(call)) {
+    if (ex != nullptr) *ex = {.message = nullptr, .code = kAskNext, .minor_code = 0};
+    return 0;
+  }
   auto& adapter = Adapter::of(*instance);
-  return at_c_boundary(
-             adapter.host(), ex,
-             [&] { return decode_rtps_message(adapter, plain, encoded, receiver, sender); },
-             as_one_of_several_receivers)
-             ? 1
-             : 0;
+  const bool done =
+      at_c_boundary(
+          adapter.host(), ex,
+          [&] { return decode_rtps_message(adapter, plain, encoded, receiver, sender); },
+          as_one_of_several_receivers)
+          .has_value();
+  if (done) opened.remember(call);
+  return done ? 1 : 0;
 }
 
 DDS_Security_boolean preprocess_secure_submsg(Instance* instance, CHandle* datawriter,

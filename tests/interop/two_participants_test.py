@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """A process with two secured participants of one domain on our plugins in Cyclone DDS, and another process
 that talks to both: one of the two leaves, or comes to its end, and the other goes on without losing anything.
+While both stay, the process takes no more memory with every message.
 
 Usage: two_participants_test.py BUILD [FILTER]
 """
@@ -30,6 +31,10 @@ VALID = (6, 16)  # seconds a companion's documents are valid; the first may be t
 ENDED = re.compile(r"identity_ended|grant_expired")
 REVOKED = re.compile(r"certificate_revoked")
 ON_ITS_WAY = 1.0  # seconds a sample may come after that
+# Large samples, as fast as the peers go: a result lost for each datagram is some 16 KiB a sample.
+FAST = ("--interval", "1", "--payload", "16000")
+WARM_UP, MEASURED = 200, 1000  # samples that both heard
+GROWTH = 4096  # KiB the process may take more for MEASURED samples, of 15625 KiB in all
 # What a host would have to be told of that used handles of somebody who has gone.
 MISTAKES = re.compile(r"unknown_identity|crypto_handle_unknown|crypto_not_matched|unknown_permissions")
 
@@ -65,6 +70,12 @@ class Watched:
     @property
     def samples(self):
         return [int(line.split()[1]) for line in self.subscriber.lines if line.startswith("sample ")]
+
+    @property
+    def kibibytes(self):
+        """The memory that the process of two has at this moment."""
+        status = pathlib.Path(f"/proc/{self.subscriber.process.pid}/status").read_text()
+        return int(re.search(r"^VmRSS:\s+(\d+) kB", status, re.MULTILINE).group(1))
 
     @property
     def companions_last(self):
@@ -131,19 +142,35 @@ def is_distrusted(watched, lists):
     watched.stop()
 
 
+def stays_small(watched):
+    """Cyclone's core asks for each message once for each of the two."""
+    def both_heard(count):
+        return len(watched.samples) >= count and watched.companions_last >= count - 1
+    watched.until("a start", lambda: both_heard(WARM_UP))
+    before, heard = watched.kibibytes, len(watched.samples)
+    watched.until("both hearing much more", lambda: both_heard(heard + MEASURED))
+    growth = watched.kibibytes - before
+    check(f"{growth} KiB more for {MEASURED} samples", growth <= GROWTH)
+    codes = watched.stop()
+    check(f"exit codes {codes}", codes == [0, 0])
+    got = watched.samples
+    check("lost some", got == list(range(got[0], got[0] + len(got))))
+    return f"{growth} KiB more for {len(got) - heard} samples"
+
+
 def revocation_lists(pki, keys):
     """The list in use, which names a stranger, and one that names the publisher."""
     ca = pki.ca("identity-main", keys.identity_ca)
     return [pki.crl(ca, pki.leaf(name, keys.leaf, ca)) for name in ("stranger", STARTER)]
 
 
-def run(story, publisher, side, companion, prepare=lambda pki, keys: None):
+def run(story, publisher, side, companion, prepare=lambda pki, keys: None, publish_words=()):
     """Runs one pair; raises what went wrong, with both logs. `story` gets what `prepare` made, too."""
     with tempfile.TemporaryDirectory(prefix="ddssec-two-") as folder:
         os.mkdir(os.path.join(folder, "logs"))
         pki, keys = Pki(folder), Keys()
         programs = pair.Programs(str(BUILD / "bin"), str(BUILD / "dropin"), os.path.join(folder, "logs"))
-        publish = replace(side, crl="").arguments(pki, keys, True)
+        publish = [*replace(side, crl="").arguments(pki, keys, True), *publish_words]
         subscribe = side.arguments(pki, keys, False)
         prepared = prepare(pki, keys)
         # Made last: it may not be valid for long.
@@ -155,7 +182,7 @@ def run(story, publisher, side, companion, prepare=lambda pki, keys: None):
                                         os.path.join(programs.logs, role.strip("-"))))
             watched = Watched(peers[1], peers[0])
             try:
-                story(watched) if prepared is None else story(watched, prepared)
+                return story(watched) if prepared is None else story(watched, prepared)
             except AssertionError as fault:
                 lines = "".join(f"\n    | {line[:200]}" for line in watched.logged(re.compile(""))[-30:])
                 raise type(fault)(f"{fault}{lines}") from None
@@ -182,6 +209,9 @@ def cases():
         yield f"leaves/everything-encrypt-oa/{publisher}", lambda p=publisher: run(leaves, p, everything, everything)
     sros2 = Side(GOVERNANCES["sros2"])
     yield "leaves/sros2/ours", lambda: run(leaves, "ours", sros2, sros2)
+    for name in ("rtps-encrypt", "rtps-sign", "everything-encrypt-oa"):
+        side = Side(GOVERNANCES[name])
+        yield f"memory/{name}", lambda s=side: run(stays_small, "ours", s, s, publish_words=FAST)
     listed = replace(everything, crl="stranger")
     yield "distrusted by one", lambda: run(is_distrusted, "embedded", listed, everything, revocation_lists)
     yield "permissions end", lambda: run_to_the_end(everything, "permissions_seconds")
@@ -190,13 +220,13 @@ def cases():
 
 def tried(case):
     name, story = case
-    begin, fault = time.monotonic(), None
+    begin, fault, said = time.monotonic(), None, None
     try:
-        story()
+        said = story()
     except AssertionError as one:
         fault = one
     print(f"{'FAILED' if fault else 'ok':8}{name} ({time.monotonic() - begin:.1f} s)"
-          + (f": {fault}" if fault else ""), flush=True)
+          + (f": {fault or said}" if fault or said else ""), flush=True)
     return fault is None
 
 
