@@ -13,7 +13,7 @@ packages=(g++ cmake ninja-build ccache pkg-config git ca-certificates
 while [ $# -gt 0 ]; do
   case "$1" in
     --dev) packages+=(libgtest-dev libgmock-dev libbenchmark-dev libxml2-utils faketime python3 python3-jsonschema tshark zsh fish
-                      libengine-pkcs11-openssl softhsm2 opensc) ;;
+                      libengine-pkcs11-openssl softhsm2 opensc iceoryx) ;;
     *) die "unknown option $1; the only one is --dev" ;;
   esac
   shift

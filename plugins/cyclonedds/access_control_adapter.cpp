@@ -4,6 +4,8 @@
 #include <array>
 #include <string_view>
 
+#include "base/rollback.hpp"
+#include "plugins/cyclonedds/process_properties.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
 
@@ -41,8 +43,14 @@ CPermissions validate_local_permissions(Instance* instance, const dds_security_a
                                         Exception* ex) {
   return ask_handle<Adapter>(instance, ex, [&](Adapter& adapter) -> Result<spi::PermissionsHandle> {
     DDSSEC_TRY(require(qos));
-    const auto properties = DDSSEC_TRY(properties_from(qos));
-    return adapter.engine().validate_local_permissions({identity}, domain_id, properties);
+    const auto properties = DDSSEC_TRY(with_process_properties(DDSSEC_TRY(properties_from(qos))));
+    const bool allow_shared_memory = DDSSEC_TRY(SharedMemoryGuard::is_allowed_by(properties));
+    const auto handle =
+        DDSSEC_TRY(adapter.engine().validate_local_permissions({identity}, domain_id, properties));
+    Rollback give_back([&] { (void)adapter.engine().return_permissions_handle(handle); });
+    if (allow_shared_memory) adapter.shared_memory().allow(handle);
+    give_back.release();
+    return handle;
   });
 }
 
@@ -84,24 +92,45 @@ Status refuse_what_nothing_guards(Adapter& adapter, spi::PermissionsHandle handl
                .found = "true"});
 }
 
+/// Cyclone DDS asks no plugin about samples that go through shared memory.
+Status refuse_what_shared_memory_exposes(Adapter& adapter, spi::PermissionsHandle handle,
+                                         std::string_view topic, const DDS_Security_Qos* qos,
+                                         const spi::EndpointSecurityAttributes& endpoint,
+                                         Direction direction) {
+  auto& guard = adapter.shared_memory();
+  if (guard.is_allowed(handle)) return {};
+  const auto participant = DDSSEC_TRY(adapter.engine().participant_sec_attributes(handle));
+  const auto promise = promise_for_samples(participant, endpoint, direction);
+  if (promise.empty()) return {};
+  if (qos != nullptr) {
+    const auto properties = DDSSEC_TRY(properties_from(qos));
+    if (DDSSEC_TRY(SharedMemoryGuard::is_allowed_by(properties))) return {};
+  }
+  return guard.check(topic, promise);
+}
+
 DDS_Security_boolean check_create_datawriter(Instance* instance, const CPermissions handle,
                                              const CDomain domain_id, const char* topic_name,
-                                             const DDS_Security_Qos*, const Partition* partition,
-                                             const Tags* tags, Exception* ex) {
+                                             const DDS_Security_Qos* qos,
+                                             const Partition* partition, const Tags* tags,
+                                             Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     const auto question = DDSSEC_TRY(EndpointQuestion::from(topic_name, partition, tags));
     const auto local = permissions(handle);
     auto& engine = adapter.engine();
     DDSSEC_TRY(engine.check_create_datawriter(local, domain_id, question.request()));
     const auto writer = DDSSEC_TRY(engine.datawriter_sec_attributes(local, question.request()));
-    return refuse_what_nothing_guards(adapter, local, writer, writer.topic.is_read_protected);
+    DDSSEC_TRY(refuse_what_nothing_guards(adapter, local, writer, writer.topic.is_read_protected));
+    return refuse_what_shared_memory_exposes(adapter, local, topic_name, qos, writer,
+                                             Direction::writes);
   });
 }
 
 DDS_Security_boolean check_create_datareader(Instance* instance, const CPermissions handle,
                                              const CDomain domain_id, const char* topic_name,
-                                             const DDS_Security_Qos*, const Partition* partition,
-                                             const Tags* tags, Exception* ex) {
+                                             const DDS_Security_Qos* qos,
+                                             const Partition* partition, const Tags* tags,
+                                             Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     const auto question = DDSSEC_TRY(EndpointQuestion::from(topic_name, partition, tags));
     if (reads_local_builtin_topic(question.request())) return {};
@@ -109,7 +138,9 @@ DDS_Security_boolean check_create_datareader(Instance* instance, const CPermissi
     auto& engine = adapter.engine();
     DDSSEC_TRY(engine.check_create_datareader(local, domain_id, question.request()));
     const auto reader = DDSSEC_TRY(engine.datareader_sec_attributes(local, question.request()));
-    return refuse_what_nothing_guards(adapter, local, reader, reader.topic.is_write_protected);
+    DDSSEC_TRY(refuse_what_nothing_guards(adapter, local, reader, reader.topic.is_write_protected));
+    return refuse_what_shared_memory_exposes(adapter, local, topic_name, qos, reader,
+                                             Direction::reads);
   });
 }
 
@@ -302,6 +333,7 @@ DDS_Security_boolean return_permissions_handle(Instance* instance, CPermissions 
                                                Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     if (handle == DDS_SECURITY_HANDLE_NIL) return {};
+    adapter.shared_memory().forget(permissions(handle));
     return adapter.engine().return_permissions_handle(permissions(handle));
   });
 }
@@ -347,10 +379,12 @@ constexpr dds_security_access_control kTable = {
 
 AccessControlAdapter::AccessControlAdapter(std::unique_ptr<Host> host,
                                            const MakeEngine<spi::AccessControl>& make,
-                                           ddsi_domaingv* domain)
+                                           ddsi_domaingv* domain,
+                                           SharedMemoryGuard::Probe find_bypass)
     : dds_security_access_control(kTable),
       host_(std::move(host)),
       engine_(make(host_->environment())),
+      shared_memory_(std::move(find_bypass)),
       timer_(host_->clock()) {
   gv = domain;
 }

@@ -3,6 +3,7 @@
 
 #include "plugins/cyclonedds/context.hpp"
 #include "plugins/cyclonedds/expiry_timer.hpp"
+#include "plugins/cyclonedds/shared_memory.hpp"
 #include "plugins/spi/access_control.hpp"
 
 namespace ddssec::cyclonedds {
@@ -10,14 +11,16 @@ namespace ddssec::cyclonedds {
 /// The C struct is the base; the host sees only that. One for each domain.
 class AccessControlAdapter final : public dds_security_access_control {
  public:
-  AccessControlAdapter(std::unique_ptr<Host> host, const MakeEngine<spi::AccessControl>& make,
-                       ddsi_domaingv* domain);
+  AccessControlAdapter(
+      std::unique_ptr<Host> host, const MakeEngine<spi::AccessControl>& make, ddsi_domaingv* domain,
+      SharedMemoryGuard::Probe find_bypass = [] { return cyclonedds::find_bypass(); });
 
   static AccessControlAdapter& of(dds_security_access_control& instance) {
     return static_cast<AccessControlAdapter&>(instance);
   }
   Host& host() { return *host_; }
   spi::AccessControl& engine() { return *engine_; }
+  SharedMemoryGuard& shared_memory() { return shared_memory_; }
 
   /// Null stops the timer; returns when no revocation is running any more.
   void listen(const dds_security_access_control_listener* listener);
@@ -25,6 +28,7 @@ class AccessControlAdapter final : public dds_security_access_control {
  private:
   std::unique_ptr<Host> host_;
   std::unique_ptr<spi::AccessControl> engine_;
+  SharedMemoryGuard shared_memory_;
   ExpiryTimer timer_;  ///< last: it ends before what it uses
 };
 

@@ -50,14 +50,6 @@ Status hand_out(const std::optional<spi::Token>& token, CToken& out) {
   return token ? copy_token(*token, out) : Status{};
 }
 
-/// The host's, and those of the process that the host does not name.
-Result<spi::PropertyList> all_properties(const DDS_Security_Qos* qos) {
-  auto properties = DDSSEC_TRY(properties_from(qos));
-  for (auto& one : DDSSEC_TRY(process_properties()))
-    if (spi::find_property(properties, one.name) == nullptr) properties.push_back(std::move(one));
-  return properties;
-}
-
 CResult validate_local_identity(Instance* instance, CIdentity* handle,
                                 DDS_Security_GUID_t* adjusted_guid,
                                 const DDS_Security_DomainId domain_id, const DDS_Security_Qos* qos,
@@ -65,7 +57,7 @@ CResult validate_local_identity(Instance* instance, CIdentity* handle,
   return validate(instance, ex, [&](Adapter& adapter) -> Result<CResult> {
     DDSSEC_TRY(require(handle, adjusted_guid, qos, candidate_guid));
     *handle = DDS_SECURITY_HANDLE_NIL;
-    const auto properties = DDSSEC_TRY(all_properties(qos));
+    const auto properties = DDSSEC_TRY(with_process_properties(DDSSEC_TRY(properties_from(qos))));
     const auto local = DDSSEC_TRY(adapter.engine().validate_local_identity(
         domain_id, properties, guid_from(*candidate_guid)));
     *handle = local.handle.value;

@@ -27,4 +27,10 @@ Result<spi::PropertyList> process_properties() {
   return out;
 }
 
+Result<spi::PropertyList> with_process_properties(spi::PropertyList of_host) {
+  for (auto& one : DDSSEC_TRY(process_properties()))
+    if (spi::find_property(of_host, one.name) == nullptr) of_host.push_back(std::move(one));
+  return of_host;
+}
+
 }  // namespace ddssec::cyclonedds

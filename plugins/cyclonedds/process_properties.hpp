@@ -16,4 +16,7 @@ inline constexpr const char* kPropertiesVariable = "DDSSEC_PROPERTIES";
 /// spi::read_property_file.
 Result<spi::PropertyList> process_properties();
 
+/// What the host says, and of the process what the host does not name.
+Result<spi::PropertyList> with_process_properties(spi::PropertyList of_host);
+
 }  // namespace ddssec::cyclonedds

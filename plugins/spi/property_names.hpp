@@ -27,6 +27,9 @@ inline constexpr std::string_view kAnnouncedCiphers = "org.ddssec.symmetric_ciph
 inline constexpr std::string_view kPermissionsCa = "dds.sec.access.permissions_ca";
 inline constexpr std::string_view kGovernance = "dds.sec.access.governance";
 inline constexpr std::string_view kPermissions = "dds.sec.access.permissions";
+/// Ours, of a participant, writer or reader in Cyclone DDS: "true" lets its protected samples pass
+/// through shared memory, where every process of the machine that may open it reads them.
+inline constexpr std::string_view kAllowSharedMemory = "org.ddssec.access.allow_shared_memory";
 
 // Cryptography
 inline constexpr std::string_view kKeySize = "dds.sec.crypto.keysize";

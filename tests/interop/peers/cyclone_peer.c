@@ -9,14 +9,15 @@
 #include "interop/peers/peer.h"
 #include "shape.h"
 
-// One interface, unicast, quick discovery. CYCLONEDDS_URI, if set, takes its place.
+// One interface, unicast, quick discovery, and what PEER_CYCLONEDDS_SETTINGS adds. CYCLONEDDS_URI,
+// if set, takes the place of all of it.
 static const char configuration[] =
     "<CycloneDDS><Domain Id=\"any\">"
     "<General><Interfaces><NetworkInterface address=\"%s\" multicast=\"false\"/></Interfaces>"
     "<AllowMulticast>false</AllowMulticast></General>"
     "<Discovery><Peers><Peer address=\"%s\"/></Peers>"
     "<ParticipantIndex>auto</ParticipantIndex><SPDPInterval>500ms</SPDPInterval>"
-    "<LeaseDuration>%us</LeaseDuration></Discovery>"
+    "<LeaseDuration>%us</LeaseDuration></Discovery>%s"
     "</Domain></CycloneDDS>";
 
 // A second participant of the process, which leaves before the first one does.
@@ -140,9 +141,10 @@ static void set_security(dds_qos_t* qos, const struct peer_options* options) {
 
 static dds_entity_t create_domain(const struct peer_options* options) {
   if (getenv("CYCLONEDDS_URI") != NULL) return 0;
-  char text[1024];
+  const char* const settings = getenv("PEER_CYCLONEDDS_SETTINGS");
+  char text[2048];
   snprintf(text, sizeof text, configuration, options->address, options->peer,
-           options->lease > 0 ? options->lease : 10);
+           options->lease > 0 ? options->lease : 10, settings != NULL ? settings : "");
   return dds_create_domain(options->domain, text);
 }
 
@@ -170,7 +172,7 @@ static dds_entity_t create_endpoint(dds_entity_t group, dds_entity_t topic,
   dds_qos_t* qos = dds_create_qos();
   dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
   dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
-  const bool all = !options->publish || options->keep_last == 0;
+  const bool all = options->keep_last == 0;
   const dds_history_kind_t kind = all ? DDS_HISTORY_KEEP_ALL : DDS_HISTORY_KEEP_LAST;
   const int32_t depth = all ? 0 : (int32_t)options->keep_last;
   dds_qset_history(qos, kind, depth);

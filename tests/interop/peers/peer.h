@@ -46,7 +46,7 @@ struct peer_options {
   uint32_t domain;
   uint32_t samples;     ///< how many samples are sent or awaited
   uint32_t payload;     ///< octets in each sample's payload
-  uint32_t keep_last;   ///< history depth of the publisher; 0: keep all
+  uint32_t keep_last;   ///< history depth (publishers, and subscribers of Cyclone DDS); 0: keep all
   uint32_t lease;       ///< lease of the participant in seconds; 0: the stack's own
   uint32_t interval;    ///< milliseconds between two samples; 0: 5, with hold 100
   double timeout;       ///< seconds after which the peer ends whatever happened

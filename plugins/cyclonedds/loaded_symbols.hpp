@@ -1,0 +1,20 @@
+// Functions that the libraries of this process export, by the end of their names.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace ddssec::cyclonedds {
+
+struct LoadedSymbol {
+  std::string library;  ///< its path; empty: the program itself
+  std::string name;
+};
+
+/// A symbol that a loaded library or the program defines and whose name ends with `suffix` (and is
+/// longer); nothing if there is none. Looks through every dynamic symbol table: some milliseconds
+/// in a large process.
+std::optional<LoadedSymbol> find_loaded_symbol(std::string_view suffix);
+
+}  // namespace ddssec::cyclonedds

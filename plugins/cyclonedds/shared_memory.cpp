@@ -1,0 +1,130 @@
+#include "plugins/cyclonedds/shared_memory.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "base/rollback.hpp"
+#include "plugins/cyclonedds/loaded_symbols.hpp"
+#include "plugins/spi/property_names.hpp"
+
+namespace ddssec::cyclonedds {
+namespace {
+
+constexpr std::string_view kIceoryxSetting = "<SharedMemory><Enable>";
+constexpr std::string_view kPsmxSetting = "<PubSubMessageExchange>";
+
+/// The last column; the others hold no slash but in it.
+std::string_view path_of(std::string_view mapping) {
+  const auto slash = mapping.find('/');
+  return slash == std::string_view::npos ? std::string_view() : mapping.substr(slash);
+}
+
+/// The management segment is "iceoryx_mgmt" up to iceoryx 2; later ones put the kind of resource
+/// before it. An unlinked one ends with " (deleted)".
+bool is_iceoryx_segment(std::string_view path) {
+  const auto name = path.substr(path.rfind('/') + 1);
+  return name.starts_with("iceoryx_mgmt") || name.starts_with("iox1_") || name.starts_with("iox2_");
+}
+
+/// The kernel's files have no length: this reads to their end. Nothing if one cannot be read.
+std::optional<std::string> whole_file(const char* path) {
+  const int file = open(path, O_RDONLY | O_CLOEXEC);
+  if (file < 0) return std::nullopt;
+  const Rollback close_it([&] { close(file); });
+  constexpr std::size_t kStep = 64 * 1024;
+  std::string text;
+  for (;;) {
+    const auto before = text.size();
+    text.resize(before + kStep);
+    const auto octets = read(file, text.data() + before, kStep);
+    if (octets < 0 && errno != EINTR) return std::nullopt;
+    text.resize(before + static_cast<std::size_t>(std::max<ssize_t>(octets, 0)));
+    if (octets == 0) break;
+  }
+  if (text.empty()) return std::nullopt;
+  return text;
+}
+
+}  // namespace
+
+std::optional<std::string> iceoryx_segment(std::string_view mappings) {
+  while (!mappings.empty()) {
+    const auto line = mappings.substr(0, mappings.find('\n'));
+    if (const auto path = path_of(line); is_iceoryx_segment(path)) return std::string(path);
+    mappings.remove_prefix(std::min(line.size() + 1, mappings.size()));
+  }
+  return std::nullopt;
+}
+
+Result<std::optional<Bypass>> find_bypass(const char* mappings_file) {
+  if (auto symbol = find_loaded_symbol("_create_psmx"))
+    return Bypass{kPsmxSetting, symbol->name + " in " +
+                                    (symbol->library.empty() ? "the program" : symbol->library)};
+  const auto mappings = whole_file(mappings_file);
+  if (!mappings) return fail(Code::shared_memory_undecidable, {.document = mappings_file});
+  if (auto segment = iceoryx_segment(*mappings))
+    return Bypass{kIceoryxSetting, *std::move(segment) + " is mapped"};
+  return std::nullopt;
+}
+
+std::string promise_for_samples(const spi::ParticipantSecurityAttributes& participant,
+                                const spi::EndpointSecurityAttributes& endpoint,
+                                Direction direction) {
+  const auto kind = [](std::string_view element, spi::ProtectionKind value) {
+    return std::string(element) + ' ' + std::string(spi::to_string(value));
+  };
+  if (endpoint.is_payload_protected()) return kind("data_protection_kind", endpoint.payload);
+  if (endpoint.is_submessage_protected())
+    return kind("metadata_protection_kind", endpoint.submessage);
+  if (participant.is_rtps_protected()) return kind("rtps_protection_kind", participant.rtps);
+  if (direction == Direction::writes && endpoint.topic.is_read_protected)
+    return "enable_read_access_control true";
+  if (direction == Direction::reads && endpoint.topic.is_write_protected)
+    return "enable_write_access_control true";
+  return {};
+}
+
+Result<bool> SharedMemoryGuard::is_allowed_by(const spi::PropertyList& properties) {
+  const auto* const text = spi::find_property(properties, spi::property::kAllowSharedMemory);
+  if (text == nullptr || *text == "false") return false;
+  if (*text == "true") return true;
+  return fail(Code::invalid_property, {.document = std::string(spi::property::kAllowSharedMemory),
+                                       .expected = "true or false",
+                                       .found = text->substr(0, 64)});
+}
+
+void SharedMemoryGuard::allow(spi::PermissionsHandle participant) {
+  const std::scoped_lock lock(mutex_);
+  allowed_.insert(participant.value);
+}
+
+bool SharedMemoryGuard::is_allowed(spi::PermissionsHandle participant) const {
+  const std::scoped_lock lock(mutex_);
+  return allowed_.contains(participant.value);
+}
+
+void SharedMemoryGuard::forget(spi::PermissionsHandle participant) {
+  const std::scoped_lock lock(mutex_);
+  allowed_.erase(participant.value);
+}
+
+Result<std::optional<Bypass>> SharedMemoryGuard::bypass() {
+  const std::scoped_lock lock(mutex_);
+  if (!known_) known_ = DDSSEC_TRY(probe_());
+  return *known_;
+}
+
+Status SharedMemoryGuard::check(std::string_view topic, std::string_view promise) {
+  const auto found = DDSSEC_TRY(bypass());
+  if (!found) return {};
+  return fail(Code::shared_memory_bypasses_protection,
+              {.document = "Cyclone DDS's configuration",
+               .field = std::string(found->setting),
+               .expected = "shared memory off, as governance promises " + std::string(promise) +
+                           " for topic " + std::string(topic),
+               .found = found->seen});
+}
+
+}  // namespace ddssec::cyclonedds

@@ -1,0 +1,309 @@
+#include "plugins/cyclonedds/shared_memory.hpp"
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "plugins/cyclonedds/access_control_adapter.hpp"
+#include "plugins/cyclonedds/loaded_symbols.hpp"
+#include "plugins/cyclonedds/process_properties.hpp"
+#include "plugins/spi/property_names.hpp"
+#include "tests/support/expect_code.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/unit/cyclonedds/support.hpp"
+
+namespace ddssec::cyclonedds {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kAllow = "org.ddssec.access.allow_shared_memory";
+
+/// A file of that name, mapped as a segment of shared memory is.
+class Mapping {
+ public:
+  explicit Mapping(const std::string& file) {
+    const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+    address_ = mmap(nullptr, 1, PROT_READ, MAP_SHARED, descriptor, 0);
+    close(descriptor);
+    EXPECT_NE(address_, MAP_FAILED);
+  }
+  ~Mapping() { munmap(address_, 1); }
+  Mapping(const Mapping&) = delete;
+  Mapping& operator=(const Mapping&) = delete;
+
+ private:
+  void* address_;
+};
+
+/// The library of a PSMX instance, loaded as Cyclone DDS 11 loads it.
+class PsmxLibrary {
+ public:
+  PsmxLibrary() : handle_(dlopen(DDSSEC_PSMX_LIKE, RTLD_GLOBAL | RTLD_NOW)) {
+    EXPECT_NE(handle_, nullptr) << dlerror();
+  }
+  ~PsmxLibrary() { dlclose(handle_); }
+  PsmxLibrary(const PsmxLibrary&) = delete;
+  PsmxLibrary& operator=(const PsmxLibrary&) = delete;
+
+ private:
+  void* handle_;
+};
+
+TEST(IceoryxSegment, IsKnownByItsName) {
+  const std::string before =
+      "7f00-7f01 r-xp 0000 08:01 11  /usr/lib/x86_64-linux-gnu/libiceoryx_posh.so.2.0.3\n"
+      "7f02-7f03 rw-p 0000 00:00 0 \n";
+  EXPECT_EQ(iceoryx_segment(before), std::nullopt);
+  EXPECT_EQ(
+      iceoryx_segment(before + "7f04-7f05 rw-s 0000 00:19 5  /dev/shm/iceoryx_mgmt\n" + before),
+      "/dev/shm/iceoryx_mgmt");
+  EXPECT_EQ(iceoryx_segment("7f04-7f05 rw-s 0000 00:19 5  /dev/shm/iceoryx_mgmt (deleted)"),
+            "/dev/shm/iceoryx_mgmt (deleted)");
+  // Seen from outside its mount namespace a segment has no folder.
+  EXPECT_EQ(iceoryx_segment("7f04-7f05 rw-s 0000 00:19 5  /iceoryx_mgmt"), "/iceoryx_mgmt");
+  EXPECT_EQ(iceoryx_segment("7f04-7f05 rw-s 0000 00:19 5  /dev/shm/iox1_0_i_mgmt"),
+            "/dev/shm/iox1_0_i_mgmt");
+  EXPECT_EQ(iceoryx_segment("7f04-7f05 rw-s 0000 00:19 5  /home/me/not_iceoryx_mgmt"),
+            std::nullopt);
+  EXPECT_EQ(iceoryx_segment(""), std::nullopt);
+}
+
+TEST(LoadedSymbol, IsFoundInTheLibraryThatDefinesIt) {
+  EXPECT_EQ(find_loaded_symbol("_create_psmx"), std::nullopt);
+  const PsmxLibrary library;
+  const auto found = find_loaded_symbol("_create_psmx");
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->name, "example_create_psmx");
+  EXPECT_EQ(found->library, DDSSEC_PSMX_LIKE);
+  EXPECT_EQ(find_loaded_symbol("example_create_psmx"), std::nullopt) << "no type before it";
+}
+
+TEST(LoadedSymbol, IsFoundWhereItIsDefinedAndNotWhereItIsUsed) {
+  // This program uses it, under no name that is longer.
+  const auto found = find_loaded_symbol("lose");
+  ASSERT_TRUE(found);
+  EXPECT_THAT(found->name, testing::EndsWith("lose"));
+  EXPECT_THAT(found->library, HasSubstr(".so"));
+  EXPECT_EQ(find_loaded_symbol("no_such_function_anywhere"), std::nullopt);
+}
+
+TEST(FindBypass, FindsNothingInAnOrdinaryProcess) {
+  const auto found = find_bypass();
+  ASSERT_TRUE(found);
+  EXPECT_FALSE(*found) << (*found)->seen;
+}
+
+TEST(FindBypass, FindsAMappedSegment) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("iceoryx_mgmt", "x");
+  const Mapping mapping(file);
+  const auto found = find_bypass();
+  ASSERT_TRUE(found);
+  ASSERT_TRUE(*found);
+  EXPECT_EQ((*found)->setting, "<SharedMemory><Enable>");
+  EXPECT_EQ((*found)->seen, file + " is mapped");
+}
+
+TEST(FindBypass, FindsALoadedPsmxLibrary) {
+  const PsmxLibrary library;
+  const auto found = find_bypass();
+  ASSERT_TRUE(found);
+  ASSERT_TRUE(*found);
+  EXPECT_EQ((*found)->setting, "<PubSubMessageExchange>");
+  EXPECT_EQ((*found)->seen, std::string("example_create_psmx in ") + DDSSEC_PSMX_LIKE);
+}
+
+TEST(FindBypass, MappingsThatCannotBeReadAreRefused) {
+  const test::TemporaryFolder folder;
+  EXPECT_CODE(find_bypass((folder.path() + "/none").c_str()), shared_memory_undecidable);
+  EXPECT_CODE(find_bypass(folder.write("empty", "").c_str()), shared_memory_undecidable);
+  EXPECT_CODE(find_bypass(folder.path().c_str()), shared_memory_undecidable);
+}
+
+TEST(PromiseForSamples, IsWhatSharedMemoryWouldBreak) {
+  spi::ParticipantSecurityAttributes participant;
+  // These say nothing about samples.
+  participant.discovery = participant.liveliness = ProtectionKind::encrypt;
+  spi::EndpointSecurityAttributes endpoint;
+  endpoint.topic.is_discovery_protected = endpoint.topic.is_liveliness_protected = true;
+  const auto promise = [&](Direction direction) {
+    return promise_for_samples(participant, endpoint, direction);
+  };
+  EXPECT_EQ(promise(Direction::writes), "");
+  EXPECT_EQ(promise(Direction::reads), "");
+  endpoint.topic.is_read_protected = true;
+  EXPECT_EQ(promise(Direction::writes), "enable_read_access_control true");
+  EXPECT_EQ(promise(Direction::reads), "");
+  endpoint.topic.is_read_protected = false;
+  endpoint.topic.is_write_protected = true;
+  EXPECT_EQ(promise(Direction::writes), "");
+  EXPECT_EQ(promise(Direction::reads), "enable_write_access_control true");
+  participant.rtps = ProtectionKind::sign;
+  EXPECT_EQ(promise(Direction::writes), "rtps_protection_kind SIGN");
+  endpoint.submessage = ProtectionKind::sign_with_origin_authentication;
+  EXPECT_EQ(promise(Direction::reads), "metadata_protection_kind SIGN_WITH_ORIGIN_AUTHENTICATION");
+  endpoint.payload = ProtectionKind::encrypt;
+  EXPECT_EQ(promise(Direction::reads), "data_protection_kind ENCRYPT");
+}
+
+TEST(SharedMemoryGuard, LooksOnceUnlessTheLookFails) {
+  int looks = 0;
+  Result<std::optional<Bypass>> answer = fail(Code::out_of_memory);
+  SharedMemoryGuard guard([&] {
+    ++looks;
+    return answer;
+  });
+  EXPECT_CODE(guard.check("Square", "data_protection_kind SIGN"), out_of_memory);
+  answer = std::optional<Bypass>();
+  EXPECT_TRUE(guard.check("Square", "data_protection_kind SIGN"));
+  answer = Bypass{"setting", "seen"};
+  EXPECT_TRUE(guard.check("Square", "data_protection_kind SIGN"));
+  EXPECT_EQ(looks, 2);
+}
+
+TEST(SharedMemoryGuard, ThePropertyIsTrueOrFalse) {
+  const auto allowed = [](spi::PropertyList properties) {
+    return SharedMemoryGuard::is_allowed_by(properties);
+  };
+  EXPECT_FALSE(allowed({}).value());
+  EXPECT_FALSE(allowed({{kAllow, "false", false}}).value());
+  EXPECT_TRUE(allowed({{kAllow, "true", false}}).value());
+  EXPECT_CODE(allowed({{kAllow, "yes", false}}), invalid_property);
+  EXPECT_CODE(allowed({{kAllow, "", false}}), invalid_property);
+}
+
+/// The adapter in a process whose samples bypass it, on a topic with encrypted data.
+struct AdapterWithSharedMemory : testing::Test {
+  AdapterWithSharedMemory() {
+    ON_CALL(*engine, validate_local_permissions).WillByDefault([this](auto&&...) {
+      return spi::PermissionsHandle{++last_handle};
+    });
+    ON_CALL(*engine, check_create_datawriter).WillByDefault([](auto&&...) { return Status{}; });
+    ON_CALL(*engine, check_create_datareader).WillByDefault([](auto&&...) { return Status{}; });
+    ON_CALL(*engine, return_permissions_handle).WillByDefault([](auto&&...) { return Status{}; });
+    ON_CALL(*engine, participant_sec_attributes).WillByDefault([this](auto&&...) {
+      return participant;
+    });
+    ON_CALL(*engine, datawriter_sec_attributes).WillByDefault([this](auto&&...) {
+      return endpoint;
+    });
+    ON_CALL(*engine, datareader_sec_attributes).WillByDefault([this](auto&&...) {
+      return endpoint;
+    });
+    endpoint.payload = ProtectionKind::encrypt;
+  }
+  ~AdapterWithSharedMemory() override { unsetenv(kPropertiesVariable); }
+
+  /// A participant's or an endpoint's QoS with the property.
+  struct Qos : DDS_Security_Qos {
+    explicit Qos(std::string value) : DDS_Security_Qos{}, text(std::move(value)) {
+      one.name = name.data();
+      one.value = text.data();
+      property.value._buffer = &one;
+      property.value._length = property.value._maximum = 1;
+    }
+    std::string name = kAllow, text;
+    DDS_Security_Property_t one{};
+  };
+
+  std::int64_t validate(const DDS_Security_Qos& with) {
+    return c->validate_local_permissions(c, nullptr, 1, 0, &with, nullptr);
+  }
+  bool may_write(std::int64_t handle, const DDS_Security_Qos& with = {}) {
+    Refusal refusal;
+    const bool may =
+        c->check_create_datawriter(c, handle, 0, "Square", &with, nullptr, nullptr, &refusal) != 0;
+    sentence = refusal.text();
+    return may;
+  }
+  bool may_read(std::int64_t handle, const DDS_Security_Qos& with = {}) {
+    Refusal refusal;
+    const bool may =
+        c->check_create_datareader(c, handle, 0, "Square", &with, nullptr, nullptr, &refusal) != 0;
+    sentence = refusal.text();
+    return may;
+  }
+
+  std::vector<Event> events;
+  testing::NiceMock<MockAccessControl>* engine = new testing::NiceMock<MockAccessControl>;
+  AccessControlAdapter adapter{
+      std::make_unique<Host>(std::make_unique<Recorder>(events)),
+      [this](const Environment&) { return std::unique_ptr<spi::AccessControl>(engine); }, nullptr,
+      []() -> Result<std::optional<Bypass>> {
+        return Bypass{"<SharedMemory><Enable>", "/dev/shm/iceoryx_mgmt is mapped"};
+      }};
+  dds_security_access_control* c = &adapter;
+  std::int64_t last_handle = 7;
+  spi::ParticipantSecurityAttributes participant;
+  spi::EndpointSecurityAttributes endpoint;
+  std::string sentence;
+};
+
+TEST_F(AdapterWithSharedMemory, RefusesProtectedEndpointsAndNamesTheSetting) {
+  const auto handle = validate({});
+  EXPECT_FALSE(may_write(handle));
+  for (const auto* part :
+       {"Cyclone DDS's configuration, <SharedMemory><Enable>: ",
+        "expected shared memory off, as governance promises data_protection_kind ENCRYPT for topic "
+        "Square, found /dev/shm/iceoryx_mgmt is mapped",
+        "org.ddssec.access.allow_shared_memory", "[shared_memory_bypasses_protection 1630]"})
+    EXPECT_THAT(sentence, HasSubstr(part));
+  EXPECT_FALSE(may_read(handle));
+  ASSERT_FALSE(events.empty());
+  EXPECT_EQ(events.front().error.code(), Code::shared_memory_bypasses_protection);
+}
+
+TEST_F(AdapterWithSharedMemory, LeavesUnprotectedEndpointsAlone) {
+  endpoint.payload = ProtectionKind::none;
+  const auto handle = validate({});
+  EXPECT_TRUE(may_write(handle)) << sentence;
+  EXPECT_TRUE(may_read(handle)) << sentence;
+  participant.rtps = ProtectionKind::encrypt;
+  EXPECT_FALSE(may_write(handle));
+  EXPECT_FALSE(may_read(handle));
+}
+
+TEST_F(AdapterWithSharedMemory, AWriterAnswersForItsReadersAndAReaderForItsWriters) {
+  endpoint.payload = ProtectionKind::none;
+  endpoint.topic.is_read_protected = true;
+  const auto handle = validate({});
+  EXPECT_FALSE(may_write(handle));
+  EXPECT_TRUE(may_read(handle)) << sentence;
+  endpoint.topic = {.is_write_protected = true};
+  EXPECT_TRUE(may_write(handle)) << sentence;
+  EXPECT_FALSE(may_read(handle));
+}
+
+TEST_F(AdapterWithSharedMemory, TheParticipantsPropertyAllowsItForThatParticipant) {
+  const auto accepts = validate(Qos("true"));
+  const auto other = validate(Qos("false"));
+  EXPECT_TRUE(may_write(accepts)) << sentence;
+  EXPECT_TRUE(may_read(accepts)) << sentence;
+  EXPECT_FALSE(may_write(other));
+  EXPECT_EQ(validate(Qos("maybe")), DDS_SECURITY_HANDLE_NIL);
+  c->return_permissions_handle(c, accepts, nullptr);
+  EXPECT_FALSE(may_write(accepts)) << "the handle may be another participant's now";
+}
+
+TEST_F(AdapterWithSharedMemory, TheEndpointsPropertyAllowsItForThatEndpoint) {
+  const auto handle = validate({});
+  EXPECT_TRUE(may_write(handle, Qos("true"))) << sentence;
+  EXPECT_TRUE(may_read(handle, Qos("true"))) << sentence;
+  EXPECT_FALSE(may_write(handle, Qos("false")));
+  EXPECT_FALSE(may_write(handle));
+}
+
+TEST_F(AdapterWithSharedMemory, TheFileOfPropertiesAllowsItWhereTheHostSaysNothing) {
+  const test::TemporaryFolder folder;
+  setenv(kPropertiesVariable, folder.write("properties", std::string(kAllow) + " = true\n").c_str(),
+         1);
+  EXPECT_TRUE(may_write(validate({}))) << sentence;
+  EXPECT_FALSE(may_write(validate(Qos("false")))) << "the host's word goes before";
+  setenv(kPropertiesVariable, (folder.path() + "/none").c_str(), 1);
+  EXPECT_EQ(validate({}), DDS_SECURITY_HANDLE_NIL);
+}
+
+}  // namespace
+}  // namespace ddssec::cyclonedds
