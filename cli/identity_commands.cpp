@@ -83,9 +83,7 @@ class Subjects {
   explicit Subjects(fs::path fleet) : fleet_(std::move(fleet)) {}
 
   void add(const std::string& name, const pki::Certificate& certificate, Report& report) {
-    auto attributes = pki::SubjectName::of(certificate).attributes();
-    std::ranges::sort(attributes);  // permissions compare without regard to the order
-    const auto [first, is_new] = names_.try_emplace(std::move(attributes), name);
+    const auto [first, is_new] = names_.try_emplace(pki::SubjectName::of(certificate).key(), name);
     if (is_new) return;
     report.errors.emplace_back(Code::subject_shared,
                                ErrorDetails{.document = fleet_,
@@ -95,7 +93,7 @@ class Subjects {
 
  private:
   fs::path fleet_;
-  std::map<std::vector<pki::NameAttribute>, std::string> names_;
+  std::map<std::string, std::string> names_;  // by SubjectName::key()
 };
 
 // One command, many participants: all of them or none.

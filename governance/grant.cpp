@@ -8,9 +8,8 @@ namespace ddssec::governance {
 namespace {
 
 /// Every attribute of the expression takes one attribute of the subject, and none is left over.
-bool expression_matches(const pki::SubjectName& expression, const pki::SubjectName& subject) {
-  auto left = subject.attributes();
-  for (const auto& wanted : expression.attributes()) {
+bool rdn_matches(const pki::Rdn& expression, pki::Rdn left) {
+  for (const auto& wanted : expression) {
     const Pattern pattern(wanted.value, Pattern::Slash::separate);
     const auto taken = std::ranges::find_if(left, [&](const pki::NameAttribute& a) {
       return a.type == wanted.type && pattern.matches(a.value);
@@ -19,6 +18,15 @@ bool expression_matches(const pki::SubjectName& expression, const pki::SubjectNa
     left.erase(taken);
   }
   return left.empty();
+}
+
+/// RDN for RDN, forwards or backwards, as names without wildcards.
+bool expression_matches(const pki::SubjectName& expression, const pki::SubjectName& subject) {
+  const auto wanted = expression.rdns();
+  auto rdns = subject.rdns();
+  if (std::ranges::equal(wanted, rdns, rdn_matches)) return true;
+  std::ranges::reverse(rdns);
+  return std::ranges::equal(wanted, rdns, rdn_matches);
 }
 
 /// False only if the text cannot be this subject's: without escapes it holds every value verbatim.

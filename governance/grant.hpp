@@ -9,8 +9,8 @@
 namespace ddssec::governance {
 
 /// The first grant for `subject` whose validity contains `now`; grants outside their validity are
-/// ignored (DDS-Security 1.2 9.4.1.3.2.2). Names compare as DDS-Security 1.2 says: the same
-/// attributes in any order. `shown` is how errors name the subject.
+/// ignored (DDS-Security 1.2 9.4.1.3.2.2). Names compare by SubjectName::matches, expressions RDN by
+/// RDN in the same way. `shown` is how errors name the subject.
 /// Errors: no_grant_for_subject; grant_expired or grant_not_yet_valid if there are only such.
 Result<const Grant*> find_grant(const Permissions& permissions, const pki::SubjectName& subject,
                                 std::string_view shown, WallTime now);

@@ -55,12 +55,7 @@ void check_dates(Findings& out, const GrantPlace& place, const PermissionsUse& u
 std::string key_of(const Grant& grant) {
   const auto name = pki::SubjectName::parse(grant.subject_name);
   if (!name || grant.subject_is_expression) return "text " + grant.subject_name;
-  auto attributes = name->attributes();
-  std::ranges::sort(attributes);
-  std::string out;
-  for (const auto& attribute : attributes)
-    out.append(attribute.type).append("=").append(attribute.value).push_back('\0');
-  return out;
+  return "name " + name->key();
 }
 
 // Grants one after the other in time are a renewal; Cyclone DDS knows the first only all the same.

@@ -169,9 +169,11 @@ class Rfc4514 {
   std::size_t at_ = 0;
 };
 
-// Where the next "/TYPE=" with a known type begins.
-std::size_t next_slash_type(std::string_view text, std::size_t from) {
-  for (auto at = text.find('/', from); at != text.npos; at = text.find('/', at + 1)) {
+// Where the next "/TYPE=" or "+TYPE=" with a known type begins.
+std::size_t next_one_line_type(std::string_view text, std::size_t from) {
+  constexpr std::string_view kSeparators = "/+";
+  for (auto at = text.find_first_of(kSeparators, from); at != text.npos;
+       at = text.find_first_of(kSeparators, at + 1)) {
     if (at > 0 && text[at - 1] == '\\') continue;
     const auto equals = text.find('=', at);
     if (equals == text.npos) return text.npos;
@@ -205,18 +207,24 @@ Error too_many(std::string_view text) {
                    text);
 }
 
-Result<std::vector<NameAttribute>> parse_one_line(std::string_view text) {
-  std::vector<NameAttribute> out;
-  std::size_t at = next_slash_type(text, 0);
+struct OneLine {
+  std::vector<NameAttribute> attributes;
+  std::vector<bool> joined;
+};
+
+Result<OneLine> parse_one_line(std::string_view text) {
+  OneLine out;
+  std::size_t at = next_one_line_type(text, 0);
   if (at != 0) return std::unexpected(malformed("it does not begin with /TYPE=", text));
   while (at != text.npos) {
-    if (out.size() == kMostNameAttributes) return std::unexpected(too_many(text));
+    if (out.attributes.size() == kMostNameAttributes) return std::unexpected(too_many(text));
     const auto equals = text.find('=', at);
-    const auto next = next_slash_type(text, equals);
+    const auto next = next_one_line_type(text, equals);
     auto type = canonical_type(trimmed(text.substr(at + 1, equals - at - 1), kBlanks));
     auto value =
         DDSSEC_TRY(unescape_one_line(trimmed(text.substr(equals + 1, next - equals - 1), kBlanks)));
-    out.push_back({*std::move(type), std::move(value)});
+    out.attributes.push_back({*std::move(type), std::move(value)});
+    out.joined.push_back(text[at] == '+');
     at = next;
   }
   return out;
@@ -232,8 +240,9 @@ Result<SubjectName> SubjectName::parse(std::string_view text) {
   SubjectName name;
   if (text.front() == '/') {
     name.root_first_ = true;
-    name.attributes_ = DDSSEC_TRY(parse_one_line(text));
-    name.joined_.assign(name.attributes_.size(), false);
+    auto read = DDSSEC_TRY(parse_one_line(text));
+    name.attributes_ = std::move(read.attributes);
+    name.joined_ = std::move(read.joined);
     return name;
   }
   Rfc4514 reader(text);
@@ -265,12 +274,38 @@ SubjectName SubjectName::of(const Certificate& certificate) {
   return name;
 }
 
+std::vector<Rdn> SubjectName::rdns() const {
+  std::vector<Rdn> out;
+  for (std::size_t i = 0; i < attributes_.size(); ++i) {
+    if (!joined_[i] || out.empty()) out.emplace_back();
+    out.back().push_back(attributes_[i]);
+  }
+  for (auto& rdn : out) std::ranges::sort(rdn);
+  return out;
+}
+
+std::string SubjectName::key() const {
+  auto sequence = rdns();
+  auto reversed = sequence;
+  std::ranges::reverse(reversed);
+  if (reversed < sequence) sequence = std::move(reversed);
+  std::string out;
+  for (const auto& rdn : sequence) {
+    out += ',';
+    // With the length, so that no value reads as another attribute.
+    for (const auto& [type, value] : rdn)
+      out += '+' + type + '=' + std::to_string(value.size()) + ':' + value;
+  }
+  return out;
+}
+
 bool SubjectName::matches(const SubjectName& other) const {
-  auto mine = attributes_;
-  auto theirs = other.attributes_;
-  std::ranges::sort(mine);
-  std::ranges::sort(theirs);
-  return mine == theirs && !mine.empty();
+  const auto mine = rdns();
+  auto theirs = other.rdns();
+  if (mine.empty()) return false;
+  if (mine == theirs) return true;
+  std::ranges::reverse(theirs);
+  return mine == theirs;
 }
 
 }  // namespace ddssec::pki

@@ -20,13 +20,17 @@ struct NameAttribute {
 /// The longest text of a subject name that is read, in octets.
 inline constexpr std::size_t kMostSubjectOctets = 16 * 1024;
 
-/// A distinguished name as a bag of attributes. DDS-Security 1.2 compares names without regard to
-/// the order; a multi-valued RDN counts as its attributes.
+/// The attributes of one relative distinguished name: a set, here sorted (X.501 9.3).
+using Rdn = std::vector<NameAttribute>;
+
+/// A distinguished name: a sequence of RDNs. Texts begin with the last RDN (RFC 4514) or with the
+/// first (OpenSSL's one line, and documents by hand), so a sequence equals its reverse, and no
+/// other permutation.
 class SubjectName {
  public:
   /// Reads `CN=talker,O=Example` (RFC 4514, blanks around pairs and '=' ignored, `+` between the
-  /// attributes of one RDN) or `/O=Example/CN=talker` (a '/' that does not begin a known
-  /// attribute belongs to the value). Error: subject_name_malformed.
+  /// attributes of one RDN) or `/O=Example/CN=talker+OU=x` (a '/' or '+' that does not begin a
+  /// known attribute belongs to the value). Error: subject_name_malformed.
   static Result<SubjectName> parse(std::string_view text);
 
   /// The subject of a certificate.
@@ -39,7 +43,12 @@ class SubjectName {
   /// True if the text was in the one-line form, where the first RDN comes first.
   bool root_first() const { return root_first_; }
 
-  /// Same attribute types and equal values, in any order; values compare octet by octet.
+  /// The RDNs in the text's order.
+  std::vector<Rdn> rdns() const;
+  /// The same text for names that match, and for no others.
+  std::string key() const;
+
+  /// The same RDNs, forwards or backwards; values compare octet by octet.
   bool matches(const SubjectName& other) const;
   bool matches(const Certificate& certificate) const { return matches(of(certificate)); }
 

@@ -23,13 +23,7 @@ struct Subject {
 std::optional<std::string> key_of(const Grant& grant) {
   const auto name = pki::SubjectName::parse(grant.subject_name);
   if (!name) return std::nullopt;
-  auto attributes = name->attributes();
-  std::ranges::sort(attributes);
-  std::string key(grant.subject_is_expression ? "*" : "=");
-  for (const auto& [type, value] : attributes) {
-    key += type + '=' + std::to_string(value.size()) + ':' + value;
-  }
-  return key;
+  return (grant.subject_is_expression ? "*" : "=") + name->key();
 }
 
 /// In the order of the old document, then of the new one.

@@ -44,6 +44,8 @@ INSTANTIATE_TEST_SUITE_P(Names, SubjectRow,
                                          Row{"CN=talker 1,O=Example,C=DE,OU=x", false, false},
                                          Row{"CN=Talker 1,O=Example,C=DE", false, false},
                                          Row{"CN=Example,O=talker 1,C=DE", false, false},
+                                         Row{"O=Example,CN=talker 1,C=DE", false, false},
+                                         Row{"CN=talker 1+O=Example,C=DE", false, false},
                                          Row{"CN=*,O=Example,C=DE", false, false},
                                          Row{"gibberish", false, false}, Row{"", false, false}));
 INSTANTIATE_TEST_SUITE_P(Expressions, SubjectRow,
@@ -51,6 +53,8 @@ INSTANTIATE_TEST_SUITE_P(Expressions, SubjectRow,
                                          Row{"C=D?,O=[E]xample,CN=*", true, true},
                                          Row{"CN=listener*,O=Example,C=DE", true, false},
                                          Row{"CN=*,O=Example", true, false},
+                                         Row{"O=Example,CN=talker*,C=DE", true, false},
+                                         Row{"CN=talker*+O=Example,C=DE", true, false},
                                          Row{"CN=*,O=*,C=*,OU=*", true, false},
                                          Row{"*=*", true, false}));
 

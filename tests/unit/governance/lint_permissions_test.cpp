@@ -81,7 +81,7 @@ TEST(LintPermissions, Dates) {
 TEST(LintPermissions, ASecondGrantIsDead) {
   auto grant = grant_for(rights({"a"}));
   auto other = grant;
-  other.subject_name = "C=DE, CN=talker, O=\"A, B\"";
+  other.subject_name = "C=DE, O=\"A, B\", CN=talker";
   auto found = lint(read_again({.grants = {grant, other}}));
   ASSERT_EQ(found.size(), 2u);
   EXPECT_EQ(found[0].rule, ddssec::Rule::PERM011);

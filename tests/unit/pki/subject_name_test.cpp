@@ -11,12 +11,12 @@ SubjectName name(std::string_view text) {
   return *std::move(out);
 }
 
-TEST(SubjectName, OrderAndBlanksDoNotMatter) {
+TEST(SubjectName, DirectionAndBlanksDoNotMatter) {
   const auto certificate = make_ca("CN=Alice B,O=Example,C=NL").certificate();
   for (const char* same :
        {"CN=Alice B,O=Example,C=NL", "C=NL,O=Example,CN=Alice B",
         " CN = Alice B , O= Example,C =NL ", "/C=NL/O=Example/CN=Alice B",
-        "cn=Alice B,o=Example,c=NL", "CN=Alice B+O=Example,C=NL", "2.5.4.3=Alice B,O=Example,C=NL",
+        "cn=Alice B,o=Example,c=NL", "2.5.4.3=Alice B,O=Example,C=NL",
         "CN=\"Alice B\",O=Example,C=NL", "CN=Alice\\ B,O=Example,C=NL",
         "CN=#0C07416C6963652042,O=Example,C=NL", "commonName=Alice B,O=Example,C=NL"})
     EXPECT_TRUE(name(same).matches(certificate)) << same;
@@ -29,8 +29,47 @@ TEST(SubjectName, EveryOtherNameDiffers) {
   for (const char* other :
        {"CN=Alice,O=Example", "CN=Alice,O=Example,C=NL,OU=x", "CN=alice,O=Example,C=NL",
         "CN=Alice,O=Example,C=BE", "CN=Alice,CN=Alice,O=Example,C=NL", "O=Alice,CN=Example,C=NL",
-        "CN=Alice\\ ,O=Example,C=NL", "CN=Alic,O=Example,C=NL"})
+        "CN=Alice\\ ,O=Example,C=NL", "CN=Alic,O=Example,C=NL", "CN=Alice,C=NL,O=Example",
+        "O=Example,CN=Alice,C=NL", "CN=Alice+O=Example,C=NL", "CN=Alice,O=Example+C=NL"}) {
     EXPECT_FALSE(name(other).matches(certificate)) << other;
+    EXPECT_NE(name(other).key(), SubjectName::of(certificate).key()) << other;
+  }
+}
+
+// X.501: a name is a sequence of RDNs, and an RDN is a set. A CA below another may name its own
+// subjects only, so a permutation may be the name of a subject of another CA.
+TEST(SubjectName, IsASequenceOfSets) {
+  const struct {
+    const char *a, *b;
+    bool same;
+  } kPairs[] = {{"CN=cam,OU=lab,OU=plant", "CN=cam,OU=plant,OU=lab", false},
+                {"CN=cam,OU=lab,OU=plant", "OU=plant,OU=lab,CN=cam", true},
+                {"CN=cam,OU=lab,OU=plant", "/OU=plant/OU=lab/CN=cam", true},
+                {"CN=cam,OU=lab,OU=plant", "/OU=lab/OU=plant/CN=cam", false},
+                {"CN=cam,OU=lab,OU=plant", "/CN=cam/OU=lab/OU=plant", true},
+                {"O=a+OU=b", "OU=b+O=a", true},
+                {"O=a+OU=b", "OU=b,O=a", false},
+                {"O=a+OU=b", "O=a,OU=b", false},
+                {"O=a+OU=b", "/O=a+OU=b", true},
+                {"O=a+OU=b", "/O=a/OU=b", false},
+                {"CN=x,O=a+OU=b", "OU=b+O=a,CN=x", true},
+                {"CN=x,O=a+OU=b", "O=a+CN=x,OU=b", false},
+                {"CN=x,CN=x,O=a", "CN=x,O=a,CN=x", false},
+                {"CN=x", "CN=x,CN=x", false},
+                {"CN=a:1+O=b", "CN=a:1,O=b", false}};
+  for (const auto& [a, b, same] : kPairs) {
+    EXPECT_EQ(name(a).matches(name(b)), same) << a << " | " << b;
+    EXPECT_EQ(name(b).matches(name(a)), same) << a << " | " << b;
+    EXPECT_EQ(name(a).key() == name(b).key(), same) << a << " | " << b;
+  }
+}
+
+TEST(SubjectName, APlusInOneLineJoinsOnlyBeforeAType) {
+  EXPECT_EQ(name("/CN=a+b").rdns(), (std::vector<Rdn>{{{"CN", "a+b"}}}));
+  EXPECT_EQ(name("/CN=a\\+OU=b").rdns(), (std::vector<Rdn>{{{"CN", "a+OU=b"}}}));
+  EXPECT_EQ(name("/O=c/CN=a+OU=b").rdns(),
+            (std::vector<Rdn>{{{"O", "c"}}, {{"CN", "a"}, {"OU", "b"}}}));
+  EXPECT_CODE(SubjectName::parse("+CN=a"), subject_name_malformed);
 }
 
 TEST(SubjectName, ASlashMayBePartOfAValue) {
@@ -58,6 +97,9 @@ TEST(SubjectName, EscapesAndMultiValuedRdnsSurviveTheCertificate) {
   const auto of = SubjectName::of(joined);
   EXPECT_TRUE(of.joined(2));
   EXPECT_TRUE(of.root_first());
+  EXPECT_TRUE(name("OU=b+CN=a,O=c").matches(joined));
+  EXPECT_FALSE(name("OU=b,CN=a,O=c").matches(joined));
+  EXPECT_TRUE(name("/O=c/CN=a+OU=b").matches(joined));
 }
 
 TEST(SubjectName, OtherTextsAreRefused) {
