@@ -71,20 +71,26 @@ std::string cache_key(Action action, const Request& request) {
 
 }  // namespace
 
+std::string describe_domain(DomainId domain, std::string_view tag) {
+  auto text = "domain " + std::to_string(domain);
+  if (!tag.empty()) text += " with the tag \"" + std::string(tag.substr(0, 256)) + '"';
+  return text;
+}
+
 std::string_view to_string(Action action) {
   constexpr std::array<std::string_view, 3> kNames = {"publish", "subscribe", "relay"};
   return kNames.at(static_cast<std::size_t>(action));
 }
 
 CompiledGrant::CompiledGrant(std::shared_ptr<const Permissions> permissions, const Grant& grant,
-                             DomainId domain, PartitionMatch partition_match)
+                             DomainId domain, PartitionMatch partition_match, std::string_view tag)
     : permissions_(std::move(permissions)), grant_(grant), partition_match_(partition_match) {
   for (const auto& rule : grant_.rules) {
-    if (rule.domains.contains(domain)) add_rule(rule);
+    if (rule.domains.contains(domain, tag)) add_rule(rule);
   }
   for (auto& index : actions_) index.topics.seal();
   partition_numbers_.clear();
-  participant_ = participant_verdict(domain);
+  participant_ = participant_verdict(domain, tag);
 }
 
 void CompiledGrant::add_rule(const Rule& rule) {
@@ -120,9 +126,9 @@ std::uint32_t CompiledGrant::partition_pattern(const std::string& text) {
   return entry->second;
 }
 
-Verdict CompiledGrant::participant_verdict(DomainId domain) const {
+Verdict CompiledGrant::participant_verdict(DomainId domain, std::string_view tag) const {
   for (const auto& rule : grant_.rules) {
-    if (!rule.domains.contains(domain)) continue;
+    if (!rule.domains.contains(domain, tag)) continue;
     if (rule.allow) return {true, &rule, nullptr};
     if (rule.publish.empty() && rule.subscribe.empty() && rule.relay.empty()) {
       return {false, &rule, nullptr};
@@ -212,7 +218,7 @@ Result<std::shared_ptr<const CompiledGovernance>> CompiledGovernance::make(
   const DomainRule* rule = governance->find(domain, tag);
   if (!rule) {
     return fail(Code::domain_not_covered,
-                {.field = "<domains>", .expected = "domain " + std::to_string(domain)});
+                {.field = "<domains>", .expected = describe_domain(domain, tag)});
   }
   return std::make_shared<const CompiledGovernance>(std::move(governance), *rule);
 }

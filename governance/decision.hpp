@@ -17,6 +17,8 @@
 namespace ddssec::governance {
 
 enum class Action : std::uint8_t { publish, subscribe, relay };
+/// "domain 0", or "domain 0 with the tag "line 3"".
+std::string describe_domain(DomainId domain, std::string_view tag);
 /// "publish", "subscribe", "relay".
 std::string_view to_string(Action action);
 
@@ -47,8 +49,9 @@ struct Verdict {
   }
 };
 
-/// One grant, ready to judge entities of one domain. Immutable and thread-safe.
+/// One grant, ready to judge entities of one domain and domain tag. Immutable and thread-safe.
 ///
+/// A rule that lists no domain tag is for the empty tag only (DDS-Security 1.2 10.4.1.2.5.1).
 /// Rules are tried in document order and the first that matches decides, else the default. A rule
 /// matches if domain, topic, partitions and data tags fit one of its elements at once.
 /// - Partitions: an allow rule must list all of the entity's (or one, see PartitionMatch), a deny
@@ -59,7 +62,7 @@ struct Verdict {
 class CompiledGrant {
  public:
   CompiledGrant(std::shared_ptr<const Permissions> permissions, const Grant& grant, DomainId domain,
-                PartitionMatch partition_match = PartitionMatch::all);
+                PartitionMatch partition_match = PartitionMatch::all, std::string_view tag = {});
 
   const Grant& grant() const { return grant_; }
 
@@ -85,7 +88,7 @@ class CompiledGrant {
   void add_rule(const Rule& rule);
   void add_entries(Action action, const Rule& rule, const std::vector<Criteria>& list);
   std::uint32_t partition_pattern(const std::string& text);
-  Verdict participant_verdict(DomainId domain) const;
+  Verdict participant_verdict(DomainId domain, std::string_view tag) const;
   template <class Fits>
   Verdict first_fitting(const ActionIndex& index, std::string_view topic, Fits&& fits) const;
   bool fits(const Entry& entry, const Request& request) const;

@@ -94,10 +94,11 @@ class Plugin final : public spi::AccessControl {
         documents_(options_.partition_match, kMostCachedDocuments, kMostCachedOctets),
         handles_(options_.most_handles) {}
 
-  Result<PermissionsHandle> validate_local_permissions(
-      spi::IdentityHandle identity, DomainId domain_id,
-      const spi::PropertyList& properties) override {
-    auto holder = load_local(context(), identity, domain_id, properties);
+  Result<PermissionsHandle> validate_local_permissions(spi::IdentityHandle identity,
+                                                       DomainId domain_id,
+                                                       const spi::PropertyList& properties,
+                                                       std::string_view domain_tag) override {
+    auto holder = load_local(context(), identity, domain_id, properties, domain_tag);
     if (!holder) return refuse(holder.error());
     return add(*std::move(holder));
   }

@@ -42,16 +42,17 @@ Status PermissionsDocument::check_signer(WallTime now) const {
 
 Result<Grant> PermissionsDocument::grant_for(const pki::SubjectName& subject,
                                              std::string_view shown, DomainId domain,
-                                             WallTime now) {
+                                             const std::string& tag, WallTime now) {
   DDSSEC_TRY(check_signer(now));
   const governance::Grant* grant =
       DDSSEC_TRY(governance::find_grant(*permissions_, subject, shown, now));
   const std::lock_guard lock(mutex_);
-  if (compiled_.size() >= kMostCompiled && !compiled_.contains({grant, domain})) compiled_.clear();
-  auto& compiled = compiled_[{grant, domain}];
+  const std::tuple key(grant, domain, tag);
+  if (compiled_.size() >= kMostCompiled && !compiled_.contains(key)) compiled_.clear();
+  auto& compiled = compiled_[key];
   if (!compiled) {
     compiled = std::make_shared<const governance::CompiledGrant>(permissions_, *grant, domain,
-                                                                 partition_match_);
+                                                                 partition_match_, tag);
   }
   return compiled;
 }

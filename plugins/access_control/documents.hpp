@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "base/clock.hpp"
@@ -43,11 +44,11 @@ class PermissionsDocument {
  public:
   PermissionsDocument(governance::Permissions permissions, const pki::SignedDocument& document);
 
-  /// The grant of the subject that is valid now, compiled at most once for a domain.
+  /// The grant of the subject that is valid now, compiled at most once for a domain and its tag.
   /// Errors: those of governance::find_grant, and certificate_expired, certificate_not_yet_valid
   /// for the CA that signed.
   Result<Grant> grant_for(const pki::SubjectName& subject, std::string_view shown, DomainId domain,
-                          WallTime now);
+                          const std::string& tag, WallTime now);
   /// Success while the signer's certificate is valid.
   Status check_signer(WallTime now) const;
   WallTime signer_not_after() const { return signer_not_after_; }
@@ -64,7 +65,7 @@ class PermissionsDocument {
   std::string signer_;
   governance::PartitionMatch partition_match_ = governance::PartitionMatch::all;
   std::mutex mutex_;
-  std::map<std::pair<const governance::Grant*, DomainId>, Grant> compiled_;
+  std::map<std::tuple<const governance::Grant*, DomainId, std::string>, Grant> compiled_;
 };
 
 /// Permissions documents judged before, by their octets and the CA. Bounded; the least recently

@@ -58,11 +58,12 @@ Result<Subject> local_subject(const spi::PropertyList& properties) {
 }
 
 Result<std::shared_ptr<const governance::CompiledGovernance>> compile_governance(
-    const LoadContext& context, const PermissionsCa& ca, BytesView file, DomainId domain) {
-  const auto document = DDSSEC_TRY(ca.verifier().verify(file, context.now));
+    const LoadContext& context, const Participant& participant, BytesView file) {
+  const auto document = DDSSEC_TRY(participant.ca->verifier().verify(file, context.now));
   auto content = std::make_shared<const governance::Governance>(
       DDSSEC_TRY(governance::read_governance(document.content())));
-  auto compiled = DDSSEC_TRY(governance::CompiledGovernance::make(std::move(content), domain));
+  auto compiled = DDSSEC_TRY(governance::CompiledGovernance::make(
+      std::move(content), participant.domain, participant.domain_tag));
   DDSSEC_TRY(check_enforceable(compiled->domain_rule(), context.options));
   return compiled;
 }
@@ -107,21 +108,22 @@ bool is_compatible_class(std::string_view class_id) {
 
 Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context,
                                                       spi::IdentityHandle identity, DomainId domain,
-                                                      const spi::PropertyList& properties) {
+                                                      const spi::PropertyList& properties,
+                                                      std::string_view domain_tag) {
   const auto uris = DDSSEC_TRY(document_uris(properties));
   const auto& [ca_uri, governance_uri, permissions_uri] = uris;
   auto subject = DDSSEC_TRY(local_subject(properties));
   auto participant = std::make_shared<Participant>();
   participant->identity = identity;
   participant->domain = domain;
+  participant->domain_tag = domain_tag;
   participant->ca = DDSSEC_TRY(in_document(PermissionsCa::load(ca_uri),
                                            document_name(spi::property::kPermissionsCa, ca_uri)));
   participant->governance_name = document_name(spi::property::kGovernance, governance_uri);
   const auto governance_file =
       DDSSEC_TRY(pki::load(governance_uri, spi::property::kGovernance, pki::kMostDocumentOctets));
-  participant->governance =
-      DDSSEC_TRY(in_document(compile_governance(context, *participant->ca, governance_file, domain),
-                             participant->governance_name));
+  participant->governance = DDSSEC_TRY(in_document(
+      compile_governance(context, *participant, governance_file), participant->governance_name));
   const auto name = document_name(spi::property::kPermissions, permissions_uri);
   const auto file =
       DDSSEC_TRY(pki::load(permissions_uri, spi::property::kPermissions, pki::kMostDocumentOctets));
@@ -160,7 +162,8 @@ Result<std::shared_ptr<PermissionsDocument>> judge_remote(const LoadContext& con
                  .found = std::to_string(file->size())});
   }
   auto document = DDSSEC_TRY(verified_permissions(context, *local.ca, *file));
-  DDSSEC_TRY(document->grant_for(subject.name, subject.shown, local.domain, context.now));
+  DDSSEC_TRY(document->grant_for(subject.name, subject.shown, local.domain, local.domain_tag,
+                                 context.now));
   return document;
 }
 

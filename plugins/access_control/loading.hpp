@@ -22,7 +22,8 @@ struct LoadContext {
 /// file.
 Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context,
                                                       spi::IdentityHandle identity, DomainId domain,
-                                                      const spi::PropertyList& properties);
+                                                      const spi::PropertyList& properties,
+                                                      std::string_view domain_tag);
 
 /// A peer's document as `local` judges it. `subject` is set as soon as it is known, for the event
 /// about an error. Nothing of the peer is kept unless the document is verified.

@@ -34,7 +34,8 @@ Result<Grant> PermissionsHolder::grant(WallTime now) {
   if (grant_ && grant_->grant().validity.contains(now) && document_->check_signer(now)) {
     return grant_;
   }
-  auto found = document_->grant_for(subject_.name, subject_.shown, participant_->domain, now);
+  auto found = document_->grant_for(subject_.name, subject_.shown, participant_->domain,
+                                    participant_->domain_tag, now);
   if (!found) return std::unexpected(found.error().in(document_name_));
   // Hosts do not judge again what they have matched.
   if (remote_ && grant_ && !give_the_same(grant_->grant(), (*found)->grant()))

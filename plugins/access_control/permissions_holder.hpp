@@ -15,6 +15,7 @@ namespace ddssec::access_control {
 struct Participant {
   spi::IdentityHandle identity;
   DomainId domain = 0;
+  std::string domain_tag;
   std::shared_ptr<const governance::CompiledGovernance> governance;
   std::string governance_name;  ///< the document's name in errors
   std::shared_ptr<const PermissionsCa> ca;

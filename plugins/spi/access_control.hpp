@@ -32,10 +32,12 @@ class AccessControl {
   virtual ~AccessControl() = default;
 
   /// Loads governance, permissions and permissions CA named by `properties` and finds the grant of
-  /// the subject in the identity certificate, also named there.
-  virtual Result<PermissionsHandle> validate_local_permissions(IdentityHandle identity,
-                                                               DomainId domain_id,
-                                                               const PropertyList& properties) = 0;
+  /// the subject in the identity certificate, also named there. Rules count if their domains
+  /// include `domain_id` with `domain_tag`, for remote participants too
+  /// (DDS-Security 1.2 10.4.1.2.5.1).
+  virtual Result<PermissionsHandle> validate_local_permissions(
+      IdentityHandle identity, DomainId domain_id, const PropertyList& properties,
+      std::string_view domain_tag = {}) = 0;
   /// `credential` holds c.id and c.perm as binary or as text properties. Judges the remote's
   /// permissions by the governance and the permissions CA of the local identity. Each call gives
   /// out a handle of its own, to be returned by who called.

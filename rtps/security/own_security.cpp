@@ -8,7 +8,7 @@ Result<std::unique_ptr<OwnSecurity>> OwnSecurity::create(const SecurityOptions& 
                                                          std::string_view domain_tag) {
   std::unique_ptr<OwnSecurity> out(new OwnSecurity(options, domain_id));
   DDSSEC_TRY(out->authenticate(candidate));
-  DDSSEC_TRY(out->authorize());
+  DDSSEC_TRY(out->authorize(domain_tag));
   DDSSEC_TRY(out->share_keys(domain_tag));
   return out;
 }
@@ -31,10 +31,10 @@ Status OwnSecurity::authenticate(const GuidPrefix& candidate) {
   return {};
 }
 
-Status OwnSecurity::authorize() {
+Status OwnSecurity::authorize(std::string_view domain_tag) {
   auto& [authentication, access_control, cryptography] = options_.plugins;
-  permissions_ = DDSSEC_TRY(
-      access_control.validate_local_permissions(identity_, domain_id_, options_.properties));
+  permissions_ = DDSSEC_TRY(access_control.validate_local_permissions(
+      identity_, domain_id_, options_.properties, domain_tag));
   DDSSEC_TRY(access_control.check_create_participant(permissions_, domain_id_));
   permissions_token_ = DDSSEC_TRY(access_control.permissions_token(permissions_));
   const auto credential = DDSSEC_TRY(access_control.permissions_credential_token(permissions_));

@@ -59,7 +59,7 @@ class OwnSecurity {
   OwnSecurity(const SecurityOptions& options, DomainId domain_id)
       : options_(options), domain_id_(domain_id) {}
   Status authenticate(const GuidPrefix& candidate);
-  Status authorize();
+  Status authorize(std::string_view domain_tag);
   Status share_keys(std::string_view domain_tag);
 
   SecurityOptions options_;

@@ -478,7 +478,7 @@ TEST_F(Cache, ManySubjectsOfOneDocumentAreCompiledWithinBounds) {
   ASSERT_TRUE(document) << document.error().to_sentence();
   for (int i = 0; i < 200; ++i) {
     const auto text = "CN=p" + std::to_string(i);
-    EXPECT_TRUE((*document)->grant_for(*pki::SubjectName::parse(text), text, 0, kNow));
+    EXPECT_TRUE((*document)->grant_for(*pki::SubjectName::parse(text), text, 0, "", kNow));
   }
 }
 

@@ -46,7 +46,7 @@ TEST_F(AccessControlAdapterTest, TableIsCompleteAndTheDomainIsInIt) {
 }
 
 TEST_F(AccessControlAdapterTest, PermissionsOfBothSides) {
-  EXPECT_CALL(engine, validate_local_permissions(spi::IdentityHandle{1}, 5, _))
+  EXPECT_CALL(engine, validate_local_permissions(spi::IdentityHandle{1}, 5, _, std::string_view()))
       .WillOnce(Return(Handle{8}));
   EXPECT_EQ(c->validate_local_permissions(c, nullptr, 1, 5, &qos, &refusal), 8);
   EXPECT_CALL(engine, validate_remote_permissions(spi::IdentityHandle{1}, spi::IdentityHandle{2},

@@ -42,7 +42,8 @@ class MockAccessControl : public spi::AccessControl {
  public:
   using Handle = spi::PermissionsHandle;
   MOCK_METHOD(Result<Handle>, validate_local_permissions,
-              (spi::IdentityHandle, DomainId, const spi::PropertyList&), (override));
+              (spi::IdentityHandle, DomainId, const spi::PropertyList&, std::string_view),
+              (override));
   MOCK_METHOD(Result<Handle>, validate_remote_permissions,
               (spi::IdentityHandle, spi::IdentityHandle, const spi::Token&, const spi::Token&),
               (override));
