@@ -29,8 +29,6 @@ struct Options {
   /// Take a governance that demands pre-shared keys: the host protects messages by them. Otherwise
   /// such a document is refused, since nothing would be protected.
   bool host_has_pre_shared_keys = false;
-  /// SHA-256 of signed documents that count no longer although their dates are good.
-  std::vector<Sha256Digest> withdrawn_documents = {};
 };
 
 /// How many judged documents, and octets of them, are kept for peers to come.

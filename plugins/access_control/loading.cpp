@@ -68,19 +68,6 @@ Result<std::shared_ptr<const governance::CompiledGovernance>> compile_governance
   return compiled;
 }
 
-Result<std::shared_ptr<PermissionsDocument>> verified_permissions(const LoadContext& context,
-                                                                  const PermissionsCa& ca,
-                                                                  BytesView file) {
-  const auto& withdrawn = context.options.withdrawn_documents;
-  if (!withdrawn.empty()) {
-    const auto digest = sha256(file);
-    if (std::ranges::find(withdrawn, digest) != withdrawn.end()) {
-      return fail(Code::permissions_withdrawn, {.found = "SHA-256 " + to_hex(digest)});
-    }
-  }
-  return context.documents.permissions(ca, file, context.now);
-}
-
 /// The octets of a property that a host may carry as binary or as text.
 std::optional<BytesView> octets_of(const spi::Token& token, std::string_view name) {
   std::optional<BytesView> octets;
@@ -128,8 +115,8 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
   const auto file =
       DDSSEC_TRY(pki::load(permissions_uri, spi::property::kPermissions, pki::kMostDocumentOctets));
   participant->permissions_text = as_text(file);
-  auto document =
-      DDSSEC_TRY(in_document(verified_permissions(context, *participant->ca, file), name));
+  auto document = DDSSEC_TRY(
+      in_document(context.documents.permissions(*participant->ca, file, context.now), name));
   auto holder = std::make_shared<PermissionsHolder>(std::move(participant), std::nullopt,
                                                     std::move(subject), name, std::move(document));
   DDSSEC_TRY(holder->grant(context.now));
@@ -161,7 +148,7 @@ Result<std::shared_ptr<PermissionsDocument>> judge_remote(const LoadContext& con
                  .expected = std::to_string(context.options.most_permissions_octets) + " octets",
                  .found = std::to_string(file->size())});
   }
-  auto document = DDSSEC_TRY(verified_permissions(context, *local.ca, *file));
+  auto document = DDSSEC_TRY(context.documents.permissions(*local.ca, *file, context.now));
   DDSSEC_TRY(document->grant_for(subject.name, subject.shown, local.domain, local.domain_tag,
                                  context.now));
   return document;

@@ -18,7 +18,7 @@ struct LoadContext {
 
 /// Reads what the properties name: certificate, permissions CA, governance and permissions, and
 /// finds the grant. Errors: access_not_configured, access_document_missing, missing_property,
-/// governance_not_enforceable, permissions_withdrawn, and those of the documents; each names the
+/// governance_not_enforceable, and those of the documents; each names the
 /// file.
 Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context,
                                                       spi::IdentityHandle identity, DomainId domain,
@@ -28,7 +28,7 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
 /// A peer's document as `local` judges it. `subject` is set as soon as it is known, for the event
 /// about an error. Nothing of the peer is kept unless the document is verified.
 /// Errors: permissions_token_class, peer_certificate_missing, permissions_missing,
-/// permissions_too_large, permissions_withdrawn, and those of certificate and document.
+/// permissions_too_large, and those of certificate and document.
 Result<std::shared_ptr<PermissionsDocument>> judge_remote(const LoadContext& context,
                                                           const Participant& local,
                                                           const spi::Token& permissions_token,

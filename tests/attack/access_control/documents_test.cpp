@@ -170,14 +170,18 @@ TEST_F(Attack, HostileXmlIsRefusedThoughSigned) {
   }
 }
 
-// T8: a document of somebody else, and an old one.
+// T8: the document of another participant, and one that has ended. A former document of the same
+// subject counts until it ends.
 TEST_F(Attack, PermissionsOfOthersAndOldOnesAreRefused) {
   EXPECT_REFUSED(remote(open_permissions(kTalker)), no_grant_for_subject);
-  const auto old = open_permissions(kListener);
-  make({.withdrawn_documents = {sha256(as_bytes(old))}});
-  ASSERT_TRUE(local(open_permissions(kTalker)));
-  EXPECT_REFUSED(remote(old), permissions_withdrawn);
-  // One octet more is still the same document to S/MIME, but not to the signature list.
+  auto all = rule(true);
+  all.publish = {topics({"*"})};
+  auto ended = grant(kListener, {all});
+  ended.validity = {kNow - 24h, kNow};
+  const auto old = signed_permissions({ended});
+  EXPECT_REFUSED(remote(old), grant_expired);
+  // Changed after signing, be it by one octet.
+  EXPECT_REFUSED(remote(replaced(old, "<topic>*", "<topic>+")), smime_signature_invalid);
   EXPECT_FALSE(remote(old + "x"));
 }
 

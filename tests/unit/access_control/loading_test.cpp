@@ -109,13 +109,6 @@ TEST_F(LocalPermissions, AnotherGrantOfTheSubjectMayBeValid) {
   EXPECT_TRUE(local(signed_permissions({old, grant(kTalker, {rule(true)})})));
 }
 
-TEST_F(LocalPermissions, WithdrawnDocumentIsRefused) {
-  const auto document = open_permissions(kTalker);
-  make({.withdrawn_documents = {sha256(as_bytes(document))}});
-  EXPECT_REFUSED(local(document), permissions_withdrawn);
-  EXPECT_TRUE(local(open_permissions("O=Example,CN=talker")));
-}
-
 TEST_F(LocalPermissions, WhatPluginsDoNotDoIsNotSilentlyLeftOut) {
   auto content = protected_governance();
   content.domain_rules[0].rtps_psk_protection_kind = ProtectionKind::sign;
