@@ -13,23 +13,34 @@
 
 namespace ddssec {
 
+/// Whether a peer has proven the subject name that an event gives it.
+enum class PeerProof : std::uint8_t {
+  claimed,        ///< the name is what an announcement says, which anyone can send
+  authenticated,  ///< the name is that of the certificate with which the peer authenticated
+  not_a_peer      ///< the GUID is our own
+};
+
 /// One refusal or notice.
 struct Event {
   Error error;
   Severity severity;
-  std::string peer_subject;  ///< subject name of the other side, RFC 2253; empty = local or unknown
+  std::string peer_subject;  ///< subject name of the other side; empty = local or unknown
   std::string guid;          ///< whose GUID, if known
+  PeerProof proof;
 
-  Event(Error reason, std::string subject = {}, std::string whose_guid = {})
+  Event(Error reason, std::string subject = {}, std::string whose_guid = {},
+        PeerProof subject_proof = PeerProof::claimed)
       : error(std::move(reason)),
         severity(info(error.code()).severity),
         peer_subject(std::move(subject)),
-        guid(std::move(whose_guid)) {}
+        guid(std::move(whose_guid)),
+        proof(subject_proof) {}
 
-  /// One line for a log.
+  /// One line for a log, without control characters. A name that is not proven is one that the peer
+  /// "claims to be".
   std::string to_line() const;
-  /// A JSON object of one line: code, name, severity, peer_subject, guid, document, line, field,
-  /// expected, found, hint, sentence.
+  /// A JSON object of one line, in ASCII: code, name, severity, peer_subject, peer_authenticated,
+  /// guid, document, line, field, expected, found, hint, sentence.
   std::string to_json() const;
 };
 
@@ -40,12 +51,15 @@ class EventSink {
   virtual void raise(const Event& event) = 0;
 };
 
-/// Passes an event on unless the same {code, peer, GUID, document, field, values} went through less
-/// than `interval` ago. Remembers at most kMostRemembered different ones; beyond that it lets one
-/// event each interval through for all the unknown ones together.
+/// Passes an event on unless one with the same reason about the same peer went through less than
+/// `interval` ago. Reason: code and document; where no unauthenticated peer can have chosen them,
+/// also field and expected value. Never what was found, nor a name that is only claimed.
+/// Remembers at most kMostRemembered different events, of peers without proof kMostClaimed apart
+/// from the others; beyond that one event each interval goes through for all the unknown ones.
 class RateLimitedSink final : public EventSink {
  public:
   static constexpr std::size_t kMostRemembered = 1024;
+  static constexpr std::size_t kMostClaimed = 128;
 
   RateLimitedSink(EventSink& next, const Clock& clock,
                   std::chrono::seconds interval = std::chrono::seconds(10))
@@ -53,13 +67,16 @@ class RateLimitedSink final : public EventSink {
   void raise(const Event& event) override;
 
  private:
-  bool may_pass(const std::string& key);
+  using Times = std::unordered_map<std::string, std::chrono::nanoseconds>;
+
+  bool may_pass(Times& last, std::size_t most, const std::string& key);
 
   EventSink& next_;
   const Clock& clock_;
   const std::chrono::nanoseconds interval_;
   std::mutex mutex_;
-  std::unordered_map<std::string, std::chrono::nanoseconds> last_;
+  Times last_;
+  Times last_claimed_;  // an attacker who invents peers crowds out none but such
 };
 
 /// What every engine is built with; all three outlive it.

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "base/text.hpp"
+
 namespace ddssec {
 
 const ErrorDetails& Error::details() const {
@@ -37,8 +39,9 @@ std::string Error::to_sentence() const {
   if (d.line > 0) text += fmt::format("{}line {}", text.empty() ? "" : ", ", d.line);
   if (!d.field.empty()) text += fmt::format("{}{}", text.empty() ? "" : ", ", d.field);
   if (!text.empty()) text += ": ";
-  return fmt::format("{}{}; {} [{} {}]", text, message(), row.hint, row.name,
-                     static_cast<int>(code_));
+  // Files and peers choose parts of it, and it goes to logs and terminals.
+  return printable(fmt::format("{}{}; {} [{} {}]", text, message(), row.hint, row.name,
+                               static_cast<int>(code_)));
 }
 
 }  // namespace ddssec

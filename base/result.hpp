@@ -39,7 +39,7 @@ class Error {
   /// What happened, with both values; neither where nor what to do.
   std::string message() const;
 
-  /// One sentence: what happened, where, both values and what to do.
+  /// One sentence: what happened, where, both values and what to do; without control characters.
   std::string to_sentence() const;
 
  private:

@@ -1,6 +1,8 @@
 #include "base/text.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <numeric>
 #include <vector>
 
@@ -11,6 +13,46 @@ std::string each(std::string_view text, char (*change)(char)) {
   std::string out(text);
   std::ranges::transform(out, out.begin(), change);
   return out;
+}
+
+/// What a text begins with.
+struct Character {
+  char32_t value = 0xfffd;
+  std::size_t octets = 1;
+  bool is_valid = false;
+};
+
+// RFC 3629: no overlong forms, no surrogates, nothing above U+10FFFF.
+Character first_character(std::string_view text) {
+  const auto octet = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned lead = octet(0);
+  if (lead < 0x80) return {lead, 1, true};
+  const std::size_t length = lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : 2;
+  if (lead < 0xc2 || lead > 0xf4 || text.size() < length) return {};
+  char32_t value = lead & (0xffu >> (length + 1));
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((octet(i) & 0xc0) != 0x80) return {};
+    value = value << 6 | (octet(i) & 0x3fu);
+  }
+  constexpr std::array<char32_t, 5> kLowest = {0, 0, 0x80, 0x800, 0x10000};
+  const bool is_surrogate = 0xd800 <= value && value <= 0xdfff;
+  if (value < kLowest.at(length) || value > 0x10ffff || is_surrogate) return {};
+  return {value, length, true};
+}
+
+void append_number(std::string& out, std::string_view prefix, std::uint32_t number, int digits) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  out += prefix;
+  for (int shift = 4 * (digits - 1); shift >= 0; shift -= 4)
+    out += kDigits[(number >> shift) & 0xf];
+}
+
+void append_octets(std::string& out, std::string_view octets) {
+  for (const char c : octets) append_number(out, "\\x", static_cast<unsigned char>(c), 2);
+}
+
+bool is_wanted(char32_t c, Printing as_is) {
+  return (as_is.lines && (c == '\n' || c == '\t')) || (as_is.escapes && c == '\033');
 }
 
 }  // namespace
@@ -24,10 +66,39 @@ std::string_view trimmed(std::string_view text, std::string_view blanks) {
   return text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
-std::string printable(std::string text) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  return text;
+bool is_misleading(char32_t c) {
+  const auto is_in = [&](char32_t first, char32_t last) { return first <= c && c <= last; };
+  return c < 0x20 || is_in(0x7f, 0x9f) || c == 0x061c || c == 0x200b || is_in(0x200e, 0x200f) ||
+         is_in(0x2028, 0x202e) || is_in(0x2066, 0x2069) || c == 0xfeff;
+}
+
+std::optional<char32_t> first_misleading(std::string_view text) {
+  while (!text.empty()) {
+    const auto next = first_character(text);
+    if (!next.is_valid || is_misleading(next.value)) return next.value;
+    text.remove_prefix(next.octets);
+  }
+  return std::nullopt;
+}
+
+std::string printable(std::string_view text, Printing as_is) {
+  std::string out;
+  out.reserve(text.size());
+  while (!text.empty()) {
+    const auto next = first_character(text);
+    const auto octets = text.substr(0, next.octets);
+    text.remove_prefix(next.octets);
+    const bool is_plain = next.is_valid && !is_misleading(next.value);
+    if (!next.is_valid || (is_plain && next.value >= 0x80 && !as_is.utf8))
+      append_octets(out, octets);
+    else if (is_plain || is_wanted(next.value, as_is))
+      out += octets;
+    else if (next.value <= 0x7f)
+      out += '?';
+    else
+      append_number(out, "\\u", next.value, 4);
+  }
+  return out;
 }
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {

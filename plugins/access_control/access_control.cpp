@@ -86,6 +86,12 @@ std::vector<governance::DataTag> data_tags_of(const EndpointRequest& request) {
   return tags;
 }
 
+/// Hosts ask for a peer's permissions after it has authenticated. `peer_subject` empty: about us.
+Event event_about(const std::string& peer_subject, const Error& error) {
+  return Event(error, peer_subject, {},
+               peer_subject.empty() ? PeerProof::not_a_peer : PeerProof::authenticated);
+}
+
 class Plugin final : public spi::AccessControl {
  public:
   Plugin(const Environment& environment, Options options)
@@ -186,7 +192,7 @@ class Plugin final : public spi::AccessControl {
 
   /// Raises the one event of a refusal.
   std::unexpected<Error> refuse(const Error& error, const std::string& peer_subject = {}) {
-    environment_.events.raise(Event(error, peer_subject));
+    environment_.events.raise(event_about(peer_subject, error));
     return std::unexpected(error);
   }
 
@@ -368,7 +374,7 @@ std::vector<PermissionsHandle> Plugin::expire(PermissionsHandle local) {
     if (!reason) continue;
     ended.push_back(handle);  // in order
     if (!holder->remote()) gone.insert(holder->participant().get());
-    reasons.emplace_back(Event(*reason, holder->peer_subject()), holder.get());
+    reasons.emplace_back(event_about(holder->peer_subject(), *reason), holder.get());
   }
   if (!gone.empty())
     std::ranges::set_difference(peers_of_only(gone, all, now), std::vector(ended),

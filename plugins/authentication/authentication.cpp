@@ -70,7 +70,7 @@ class PkiDh final : public spi::Authentication {
  private:
   template <class T>
   Result<T> reported(Result<T> result, const PeerName& peer = {}) const {
-    if (!result) environment_.events.raise(Event(result.error(), peer.subject, peer.guid));
+    if (!result) environment_.events.raise(event_about(peer, result.error()));
     return result;
   }
   template <class T>
@@ -189,15 +189,15 @@ std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
   std::vector<Event> events;
   for (const auto& revoked : revocations.identities) {
     tell(revoked.handle);
-    events.emplace_back(revoked.reason, revoked.peer.subject, revoked.peer.guid);
+    events.push_back(event_about(revoked.peer, revoked.reason));
   }
   for (const auto& ended : all) {
     tell(ended.handle);
-    events.emplace_back(Error(Code::identity_ended, {.document = ended.whose,
-                                                     .field = "notAfter",
-                                                     .expected = to_string(ended.end),
-                                                     .found = to_string(now)}),
-                        ended.peer.subject, ended.peer.guid);
+    events.push_back(
+        event_about(ended.peer, Error(Code::identity_ended, {.document = ended.whose,
+                                                             .field = "notAfter",
+                                                             .expected = to_string(ended.end),
+                                                             .found = to_string(now)})));
   }
   // Last what needs no memory: whoever is marked is told.
   for (const auto& event : events) environment_.events.raise(event);

@@ -61,6 +61,11 @@ Result<spi::IdentityHandle> IdentityTable::add_local(std::shared_ptr<LocalIdenti
   return spi::IdentityHandle{handle};
 }
 
+PeerName IdentityTable::Remote::name() const {
+  return {claim.subject, claim.guid.to_string(),
+          authenticated ? PeerProof::authenticated : PeerProof::claimed};
+}
+
 Result<std::shared_ptr<LocalIdentity>> IdentityTable::local(spi::IdentityHandle handle) const {
   const std::shared_lock lock(mutex_);
   return DDSSEC_TRY(live_local(handle))->identity;
@@ -203,11 +208,10 @@ std::vector<IdentityTable::Ended> IdentityTable::ended_by(WallTime now,
     const auto owner = is_remote ? remote->second.pair->local_handle : spi::IdentityHandle{handle};
     if (local && owner != local) continue;
     if (is_remote) {
-      const auto& [guid, token, subject] = remote->second.claim;
-      ended.push_back({{handle}, {subject, guid.to_string()}, remote->second.first_to_end, end});
+      ended.push_back({{handle}, remote->second.name(), remote->second.first_to_end, end});
     } else {
       const auto& own = locals_.at(handle);
-      ended.push_back({{handle}, {{}, own.identity->guid().to_string()}, own.first_to_end, end});
+      ended.push_back({{handle}, our_name(own.identity->guid()), own.first_to_end, end});
     }
   }
   return ended;
@@ -248,7 +252,7 @@ std::vector<IdentityTable::Authenticated> IdentityTable::authenticated_with(
   if (local == locals_.end()) return peers;
   for (const auto& [guid, value] : local->second.remotes)
     if (const auto& remote = remotes_.at(value); remote.authenticated && !remote.has_ended)
-      peers.push_back({{value}, {remote.claim.subject, guid.to_string()}, *remote.authenticated});
+      peers.push_back({{value}, remote.name(), *remote.authenticated});
   return peers;
 }
 
@@ -277,7 +281,7 @@ PeerName IdentityTable::name_of(spi::IdentityHandle remote) const {
   const std::shared_lock lock(mutex_);
   const auto found = remotes_.find(remote.value);
   if (found == remotes_.end()) return {};
-  return {found->second.claim.subject, found->second.claim.guid.to_string()};
+  return found->second.name();
 }
 
 }  // namespace ddssec::authentication

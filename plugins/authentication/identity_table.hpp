@@ -13,6 +13,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "base/event.hpp"
 #include "plugins/authentication/handshake.hpp"
 #include "plugins/spi/handles.hpp"
 
@@ -44,7 +45,12 @@ struct Pair {
 struct PeerName {
   std::string subject;
   std::string guid;
+  PeerProof proof = PeerProof::claimed;  ///< of the subject
 };
+inline PeerName our_name(const Guid& guid) { return {{}, guid.to_string(), PeerProof::not_a_peer}; }
+inline Event event_about(const PeerName& name, const Error& error) {
+  return Event(error, name.subject, name.guid, name.proof);
+}
 
 /// A remote identity belongs to the local one that met it: another local one that meets the same
 /// participant has a remote identity, a handle, handshakes and an end of its own. Thread-safe.
@@ -63,7 +69,7 @@ class IdentityTable {
   struct RemoteClaim {
     Guid guid;
     spi::Token identity_token;
-    std::string subject;
+    std::string subject;  ///< the certificate's once the remote has authenticated
   };
   /// The pair, made with `own_challenge` if it is new. Errors: unknown_identity, identity_ended,
   /// too_many_remote_identities, identity_token_changed.
@@ -141,6 +147,7 @@ class IdentityTable {
     RemoteClaim claim;
     std::optional<pki::Certificate> authenticated = {};  ///< by which it did
     std::shared_ptr<Pair> pair;
+    PeerName name() const;
   };
   using Remotes = std::unordered_map<std::int64_t, Remote>;
 

@@ -23,13 +23,12 @@ std::optional<Error> refusal(const pki::Certificate& certificate, const TrustSto
 
 void look_at_lists(const OurOwn& local, TrustStores& stores, const Environment& environment) {
   const auto renewed = local.identity->renew_revocation_lists(stores, environment.clock);
-  const auto guid = local.identity->guid().to_string();
-  if (!renewed) return environment.events.raise(Event(renewed.error(), {}, guid));
+  const auto us = our_name(local.identity->guid());
+  if (!renewed) return environment.events.raise(event_about(us, renewed.error()));
   if (!*renewed) return;
   environment.events.raise(
-      Event(Error(Code::crl_renewed, {.document = local.identity->revocation_list_path(),
-                                      .found = local.identity->revocation_lists()}),
-            {}, guid));
+      event_about(us, Error(Code::crl_renewed, {.document = local.identity->revocation_list_path(),
+                                                .found = local.identity->revocation_lists()})));
 }
 
 void judge(const IdentityTable& table, const OurOwn& local, WallTime now, Revocations& out) {
@@ -37,8 +36,7 @@ void judge(const IdentityTable& table, const OurOwn& local, WallTime now, Revoca
   for (const auto& pair : table.pairs_of(local.handle)) const std::scoped_lock wait(pair->mutex);
   const auto trust = local.identity->peer_trust();
   if (auto reason = refusal(local.identity->certificate(), *trust, *local.identity, now))
-    out.identities.push_back(
-        {local.handle, {{}, local.identity->guid().to_string()}, *std::move(reason)});
+    out.identities.push_back({local.handle, our_name(local.identity->guid()), *std::move(reason)});
   for (auto& peer : table.authenticated_with(local.handle))
     if (auto reason = refusal(peer.certificate, *trust, *local.identity, now))
       out.identities.push_back({peer.handle, std::move(peer.name), *std::move(reason)});

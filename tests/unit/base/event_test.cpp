@@ -1,5 +1,7 @@
 #include "base/event.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -17,23 +19,75 @@ Event event(std::string found, std::string subject = "CN=a") {
   return Event(Error(Code::malformed, {.found = std::move(found)}), std::move(subject), "01.02");
 }
 
+Event of_peer(int number, PeerProof proof) {
+  const auto name = std::to_string(number);
+  return Event(Error(Code::malformed), "CN=" + name, "01." + name, proof);
+}
+
 TEST(RateLimitedSink, LetsTheSameEventThroughOncePerInterval) {
   Recorder recorder;
   ManualClock clock(kStart);
   RateLimitedSink sink(recorder, clock, std::chrono::seconds(10));
   for (int i = 0; i < 5; ++i) sink.raise(event("x"));
-  sink.raise(event("y"));
-  EXPECT_EQ(recorder.events.size(), 2u);
+  sink.raise(Event(Error(Code::usage), "CN=a", "01.02"));
+  sink.raise(Event(Error(Code::malformed), "CN=a", "01.03"));
+  EXPECT_EQ(recorder.events.size(), 3u);
   clock.advance(std::chrono::seconds(10));
   sink.raise(event("x"));
-  EXPECT_EQ(recorder.events.size(), 3u);
+  EXPECT_EQ(recorder.events.size(), 4u);
+}
+
+// One peer, one reason, one line: however its messages and names differ.
+TEST(RateLimitedSink, WhatAnUnprovenPeerChoosesMakesNoEventNew) {
+  Recorder recorder;
+  ManualClock clock(kStart);
+  RateLimitedSink sink(recorder, clock);
+  for (int i = 0; i < 100; ++i) {
+    const auto text = std::to_string(i);
+    sink.raise(event(text));
+    sink.raise(event("x", "CN=" + text));
+    sink.raise(Event(Error(Code::malformed, {.field = text, .expected = text, .note = text}),
+                     "CN=a", "01.02"));
+  }
+  EXPECT_EQ(recorder.events.size(), 1u);
+}
+
+TEST(RateLimitedSink, WhatAPeerSentMakesNoEventNewAndADocumentOfOursDoes) {
+  Recorder recorder;
+  ManualClock clock(kStart);
+  RateLimitedSink sink(recorder, clock);
+  for (int i = 0; i < 100; ++i) {
+    sink.raise(Event(Error(Code::malformed, {.expected = "b", .found = std::to_string(i)})));
+    sink.raise(Event(Error(Code::malformed, {.found = std::to_string(i)}), "CN=a", "01.02",
+                     PeerProof::authenticated));
+  }
+  EXPECT_EQ(recorder.events.size(), 2u);
+  sink.raise(Event(Error(Code::malformed, {.expected = "c"})));
+  sink.raise(Event(Error(Code::malformed, {.document = "crl.pem"})));
+  EXPECT_EQ(recorder.events.size(), 4u);
+}
+
+TEST(RateLimitedSink, InventedPeersCrowdOutNeitherUsNorAuthenticatedPeers) {
+  Recorder recorder;
+  ManualClock clock(kStart);
+  RateLimitedSink sink(recorder, clock);
+  for (int i = 0; i < 5'000; ++i) sink.raise(of_peer(i, PeerProof::claimed));
+  EXPECT_LE(recorder.events.size(), RateLimitedSink::kMostClaimed + 1);
+  recorder.events.clear();
+  for (int i = 0; i < 10; ++i) {
+    sink.raise(of_peer(i, PeerProof::authenticated));
+    sink.raise(of_peer(100 + i, PeerProof::not_a_peer));
+    sink.raise(Event(Error(Code::malformed, {.document = std::to_string(i)})));
+  }
+  EXPECT_EQ(recorder.events.size(), 30u);
 }
 
 TEST(RateLimitedSink, AFloodOfDifferentEventsIsBounded) {
   Recorder recorder;
   ManualClock clock(kStart);
   RateLimitedSink sink(recorder, clock);
-  for (int i = 0; i < 100'000; ++i) sink.raise(event(std::to_string(i)));
+  for (int i = 0; i < 5'000; ++i) sink.raise(of_peer(i, PeerProof::authenticated));
+  EXPECT_GE(recorder.events.size(), RateLimitedSink::kMostRemembered);
   EXPECT_LE(recorder.events.size(), RateLimitedSink::kMostRemembered + 1);
 }
 
@@ -41,17 +95,51 @@ TEST(RateLimitedSink, ANewEventPassesAgainAfterAFlood) {
   Recorder recorder;
   ManualClock clock(kStart);
   RateLimitedSink sink(recorder, clock);
-  for (int i = 0; i < 5'000; ++i) sink.raise(event(std::to_string(i)));
-  clock.advance(std::chrono::seconds(11));
-  recorder.events.clear();
-  sink.raise(event("fresh"));
-  EXPECT_EQ(recorder.events.size(), 1u);
+  for (const auto proof : {PeerProof::claimed, PeerProof::authenticated}) {
+    for (int i = 0; i < 5'000; ++i) sink.raise(of_peer(i, proof));
+    clock.advance(std::chrono::seconds(11));
+    recorder.events.clear();
+    sink.raise(of_peer(-1, proof));
+    EXPECT_EQ(recorder.events.size(), 1u);
+  }
+}
+
+TEST(Event, OnlyAPeerThatAuthenticatedIsCalledByItsName) {
+  auto of_bob = event("x", "CN=bob");
+  EXPECT_TRUE(of_bob.to_line().starts_with("warning: peer claims to be \"CN=bob\" guid 01.02 "))
+      << of_bob.to_line();
+  EXPECT_EQ(nlohmann::json::parse(of_bob.to_json())["peer_authenticated"], false);
+  of_bob.proof = PeerProof::authenticated;
+  EXPECT_TRUE(of_bob.to_line().starts_with("warning: peer \"CN=bob\" guid 01.02 "))
+      << of_bob.to_line();
+  EXPECT_EQ(nlohmann::json::parse(of_bob.to_json())["peer_authenticated"], true);
+}
+
+TEST(Event, ANameNeitherEndsItsQuotationNorFillsTheLog) {
+  const auto line = event("x", "CN=a\" guid 09.09 \"").to_line();
+  EXPECT_EQ(std::ranges::count(line, '"'), 2) << line;
+  EXPECT_LT(event("x", std::string(60'000, 'a')).to_line().size(), 600u);
+}
+
+// Control characters of C0 and C1, DEL, a bidirectional override: in a log they would be lines of
+// their own, colours, or another text than was sent.
+TEST(Event, WhatAPeerSentIsNoLineOfOursAndNoControlSequence) {
+  const std::string evil =
+      "x\n0.1 [0] recv: operator logged in\r\x1b[31m\x7f\t\u009b31m\u202e\u2066";
+  const Event of_evil(Error(Code::malformed, {evil, 0, evil, evil, evil, evil}), evil, evil);
+  for (const auto& line : {of_evil.to_line(), of_evil.to_json(), of_evil.error.to_sentence()}) {
+    EXPECT_TRUE(std::ranges::none_of(line, [](unsigned char c) { return c < 0x20 || c == 0x7f; }))
+        << line;
+    for (const char* misleading : {"\u009b", "\u202e", "\u2066"})
+      EXPECT_EQ(line.find(misleading), line.npos) << line;
+    EXPECT_NE(line.find("operator logged in"), line.npos) << line;
+  }
 }
 
 TEST(Event, JsonHasEveryFieldAndSurvivesOctetsThatAreNotUtf8) {
   const auto json = nlohmann::json::parse(event("\xff\xfe").to_json());
-  for (const char* key : {"code", "name", "severity", "peer_subject", "guid", "document", "line",
-                          "field", "expected", "found", "hint", "sentence"})
+  for (const char* key : {"code", "name", "severity", "peer_subject", "peer_authenticated", "guid",
+                          "document", "line", "field", "expected", "found", "hint", "sentence"})
     EXPECT_TRUE(json.contains(key)) << key;
   EXPECT_EQ(json["peer_subject"], "CN=a");
   EXPECT_EQ(json["code"], 1003);

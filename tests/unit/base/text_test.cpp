@@ -21,6 +21,38 @@ TEST(Text, WhatATerminalMustNotSee) {
   EXPECT_EQ(printable("CN=a\nb\033[31m\x7f, \xc3\xa4"), "CN=a?b?[31m?, \xc3\xa4");
 }
 
+TEST(Text, WhatATerminalWouldObeyOrReorderIsEscaped) {
+  EXPECT_EQ(printable("\xc2\x9b" "31m"), "\\u009b31m");                 // C1: CSI
+  EXPECT_EQ(printable("\xc2\x80\xc2\x9f\xc2\xa0"), "\\u0080\\u009f\xc2\xa0");
+  EXPECT_EQ(printable("a\xe2\x80\xae" "b\xe2\x81\xa6"), "a\\u202eb\\u2066");  // RLO, LRI
+  EXPECT_EQ(printable("\xe2\x80\x8e\xe2\x80\x8f"), "\\u200e\\u200f");
+  EXPECT_EQ(printable("\xe2\x80\xa8\xef\xbb\xbf"), "\\u2028\\ufeff");
+  EXPECT_EQ(printable("\xf0\x9f\xa4\x96 \xd7\xa9"), "\xf0\x9f\xa4\x96 \xd7\xa9");  // letters stay
+}
+
+TEST(Text, OctetsThatAreNotUtf8AreEscaped) {
+  EXPECT_EQ(printable("\x9b" "31m"), "\\x9b31m");
+  EXPECT_EQ(printable("\xc3"), "\\xc3");                        // cut short
+  EXPECT_EQ(printable("\xc0\x9b"), "\\xc0\\x9b");               // overlong
+  EXPECT_EQ(printable("\xe0\x82\x9b"), "\\xe0\\x82\\x9b");      // overlong
+  EXPECT_EQ(printable("\xed\xa0\x80"), "\\xed\\xa0\\x80");      // a surrogate
+  EXPECT_EQ(printable("\xf4\x90\x80\x80"), "\\xf4\\x90\\x80\\x80");  // above U+10FFFF
+  EXPECT_EQ(printable("\xc3" "ab"), "\\xc3" "ab");
+}
+
+TEST(Text, WhatIsWantedIsPrintedAsItIs) {
+  EXPECT_EQ(printable("a\tb\n\033[1m", {.lines = true}), "a\tb\n?[1m");
+  EXPECT_EQ(printable("a\n\033[1m", {.escapes = true}), "a?\033[1m");
+  EXPECT_EQ(printable("\xc3\xa4\xc2\x9b", {.utf8 = false}), "\\xc3\\xa4\\u009b");
+}
+
+TEST(Text, TheFirstMisleadingCharacter) {
+  EXPECT_EQ(first_misleading("rt/\xc3\xa4"), std::nullopt);
+  EXPECT_EQ(first_misleading("rt/\xc3\xa4\xe2\x80\xae\x01"), char32_t{0x202e});
+  EXPECT_EQ(first_misleading("rt/\x7f"), char32_t{0x7f});
+  EXPECT_EQ(first_misleading("rt/\xff"), char32_t{0xfffd});
+}
+
 TEST(Text, DistanceCountsInsertionsRemovalsAndChanges) {
   EXPECT_EQ(edit_distance("", ""), 0u);
   EXPECT_EQ(edit_distance("", "abc"), 3u);
