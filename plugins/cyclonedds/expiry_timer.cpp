@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <pthread.h>
 
+#include "base/background_thread.hpp"
+
 namespace ddssec::cyclonedds {
 
 void ExpiryTimer::start(Tasks tasks) {
   stop();
   const std::lock_guard lock(control_);
-  thread_ = std::jthread(
+  thread_ = start_background_thread<std::jthread>(
       [this, tasks = std::move(tasks)](std::stop_token stop) { run(std::move(stop), tasks); });
   pthread_setname_np(thread_.native_handle(), "ddssec.expiry");
 }

@@ -1,5 +1,7 @@
 #include "rtps/dcps/domain_participant.hpp"
 
+#include "base/background_thread.hpp"
+
 namespace ddssec::rtps {
 namespace {
 
@@ -174,7 +176,7 @@ Status DomainParticipant::enable() {
   if (options_.own_thread) {
     const auto held = lock();
     context_.protocol().allow_lingering();
-    thread_ = std::thread([this] {
+    thread_ = start_background_thread<std::thread>([this] {
       while (!stopping_) serve(std::chrono::seconds(10));
     });
   }

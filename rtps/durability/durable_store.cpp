@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "base/background_thread.hpp"
+
 namespace ddssec::rtps {
 namespace {
 
@@ -19,7 +21,9 @@ Result<std::unique_ptr<DurableStore>> DurableStore::open(const std::string& path
 }
 
 DurableStore::DurableStore(SampleStore store, EventSink& events)
-    : store_(std::move(store)), events_(events), thread_([this] { run(); }) {}
+    : store_(std::move(store)),
+      events_(events),
+      thread_(start_background_thread<std::thread>([this] { run(); })) {}
 
 DurableStore::~DurableStore() {
   {

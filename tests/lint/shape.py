@@ -21,6 +21,9 @@ RULES = [
     (re.compile(r"(?<!std::)\bget_[a-z]"), "get_ says nothing: name what it is",
      lambda name: not name.startswith("plugins/cyclonedds/")),
     (re.compile(r"\bthrow\b"), "we throw nothing", lambda name: True),
+    (re.compile(r"\bstd::j?thread\s*[({]|\bpthread_create\b|\bstd::async\b"),
+     "a thread that takes the host's signals: use start_background_thread",
+     lambda name: not name.startswith("base/background_thread.")),
 ]
 
 

@@ -1,4 +1,8 @@
 // What a participant says where the machine does not give it what it needs.
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+
 #include "tests/unit/rtps/dcps_fixture.hpp"
 
 namespace ddssec::rtps {
@@ -42,6 +46,32 @@ TEST_F(NetworkTrouble, WhereAllPortsAreTakenIsSaid) {
   EXPECT_THAT(refused.error().to_sentence(), ::testing::HasSubstr("participant index"));
   taken.erase(taken.begin() + 7);
   EXPECT_TRUE(create({.domain_id = 74, .interface = address}));
+}
+
+/// The masks of blocked signals of all threads but the calling one.
+std::vector<std::uint64_t> masks_of_other_threads() {
+  std::vector<std::uint64_t> out;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    if (task.path().filename() == std::to_string(::gettid())) continue;
+    std::ifstream status(task.path() / "status");
+    for (std::string line; std::getline(status, line);)
+      if (line.starts_with("SigBlk:")) out.push_back(std::stoull(line.substr(7), nullptr, 16));
+  }
+  return out;
+}
+
+// The host's handler, or its sigwait, is to have them.
+TEST_F(NetworkTrouble, Thread_OfAParticipant_BlocksTheSignalsOfTheProcess) {
+  const auto before = masks_of_other_threads().size();
+  DomainParticipantOptions options{.domain_id = 76};
+  options.own_thread = true;
+  const auto participant =
+      DomainParticipant::create(std::move(options), Environment{clock, random, events});
+  ASSERT_TRUE(participant);
+  const auto masks = masks_of_other_threads();
+  ASSERT_EQ(masks.size(), before + 1);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGALRM})
+    EXPECT_TRUE(masks.back() >> (signal - 1) & 1) << signal;
 }
 
 TEST_F(NetworkTrouble, AnAddressOfNobodyIsSaid) {

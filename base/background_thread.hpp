@@ -1,0 +1,33 @@
+// Threads that a library starts inside somebody else's process.
+#pragma once
+
+#include <csignal>
+#include <thread>
+#include <utility>
+
+namespace ddssec {
+
+/// While it lives, the calling thread blocks every signal that may be meant for the process; a
+/// thread that is started meanwhile inherits that. Faults of a thread itself (SIGSEGV, SIGBUS,
+/// SIGFPE, SIGILL) stay deliverable, so that a host's crash handler still sees them.
+class SignalsBlocked {
+ public:
+  SignalsBlocked() noexcept;
+  ~SignalsBlocked();
+  SignalsBlocked(const SignalsBlocked&) = delete;
+  SignalsBlocked& operator=(const SignalsBlocked&) = delete;
+
+ private:
+  sigset_t former_;
+};
+
+/// Starts a std::thread or std::jthread that never handles the process's signals: a host that waits
+/// for SIGINT in sigwait, or has a thread for its handlers, gets them as if we were not there.
+/// Every thread of ours is started here. Throws what the thread's constructor throws.
+template <class Thread, class F>
+Thread start_background_thread(F&& f) {
+  const SignalsBlocked blocked;
+  return Thread(std::forward<F>(f));
+}
+
+}  // namespace ddssec
