@@ -38,6 +38,28 @@ Result<T> in(Result<T> result, std::string_view document) {
   return std::unexpected(in(result.error(), document));
 }
 
+/// Says in an error which files the properties name, unless it does already: a folder with the
+/// wrong file in it is found by its path. Never what a property holds itself.
+Error locate(const Error& error, const spi::PropertyList& properties,
+             std::initializer_list<std::string_view> names) {
+  auto details = error.details();
+  for (const auto name : names) {
+    const auto value = value_of(properties, name);
+    const auto place =
+        names_token(value) ? std::optional(without_pin(value)) : file_named_by(value);
+    if (!place || details.found.contains(*place) || details.note.contains(*place)) continue;
+    details.note += (details.note.empty() ? "" : "; ") + std::string(name) + " is " + *place;
+  }
+  return {error.code(), std::move(details)};
+}
+
+template <class T>
+Result<T> locate(Result<T> result, const spi::PropertyList& properties,
+                 std::initializer_list<std::string_view> names) {
+  if (result) return result;
+  return std::unexpected(locate(result.error(), properties, names));
+}
+
 Result<std::vector<pki::Certificate>> load_bundle(std::string_view uri, std::string_view name) {
   const Bytes octets = DDSSEC_TRY(pki::load_certificates(uri, name, pki::kMostBundleOctets));
   return in(pki::Certificate::bundle_from_pem(octets), name);
@@ -129,12 +151,15 @@ Status check_belongs(const pki::PrivateKey& key, const pki::Certificate& certifi
 Result<IdentityFiles> IdentityFiles::load(const spi::PropertyList& properties, TrustStores& stores,
                                           WallTime now) {
   auto lists = DDSSEC_TRY(RevocationLists::load(properties));
-  auto own = DDSSEC_TRY(load_own_trust(properties, lists, stores));
+  constexpr auto kCa = property::kIdentityCa, kKey = property::kPrivateKey;
+  constexpr auto kCertificate = property::kIdentityCertificate;
+  auto own = DDSSEC_TRY(locate(load_own_trust(properties, lists, stores), properties, {kCa}));
   auto peers = DDSSEC_TRY(load_peer_trust(properties, lists, own, stores));
-  auto certificate = DDSSEC_TRY(load_certificate(properties));
-  auto key = DDSSEC_TRY(load_key(properties));
-  DDSSEC_TRY(check_belongs(key, certificate));
-  DDSSEC_TRY(in(own->verify(certificate, now), property::kIdentityCertificate));
+  auto certificate = DDSSEC_TRY(locate(load_certificate(properties), properties, {kCertificate}));
+  auto key = DDSSEC_TRY(locate(load_key(properties), properties, {kKey}));
+  DDSSEC_TRY(locate(check_belongs(key, certificate), properties, {kKey, kCertificate}));
+  DDSSEC_TRY(
+      locate(in(own->verify(certificate, now), kCertificate), properties, {kCertificate, kCa}));
   return IdentityFiles{std::move(certificate), std::move(key), std::move(lists), std::move(own),
                        std::move(peers)};
 }

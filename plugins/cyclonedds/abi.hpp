@@ -24,6 +24,9 @@ using Exception = DDS_Security_SecurityException;
 using SupportedCiphers = std::uint32_t();
 inline constexpr const char* kSupportedCiphersSymbol = "ddssec_supported_ciphers";
 
+/// Each of our libraries exports one, for the line that says which are in use: the version.
+using PluginVersion = const char*();
+
 /// What a DDS_Security_SharedSecretHandle points to: Cyclone's own cryptography plugin reads it,
 /// and its authentication plugin hands it out, so that ours can stand beside either.
 struct SharedSecretLayout {

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "base/rollback.hpp"
+#include "plugins/cyclonedds/presence.hpp"
 #include "plugins/cyclonedds/process_properties.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
@@ -43,6 +44,7 @@ CPermissions validate_local_permissions(Instance* instance, const dds_security_a
                                         Exception* ex) {
   return ask_handle<Adapter>(instance, ex, [&](Adapter& adapter) -> Result<spi::PermissionsHandle> {
     DDSSEC_TRY(require(qos));
+    say_plugins_in_use(adapter.host(), PluginKind::access_control);
     const auto properties = DDSSEC_TRY(with_process_properties(DDSSEC_TRY(properties_from(qos))));
     const bool allow_shared_memory = DDSSEC_TRY(SharedMemoryGuard::is_allowed_by(properties));
     const auto handle =

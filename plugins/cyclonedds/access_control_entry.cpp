@@ -2,6 +2,7 @@
 #include "plugins/access_control/access_control.hpp"
 #include "plugins/cyclonedds/access_control_adapter.hpp"
 #include "plugins/cyclonedds/entry.hpp"
+#include "plugins/cyclonedds/presence.hpp"
 
 using namespace ddssec;
 using cyclonedds::AccessControlAdapter;
@@ -16,3 +17,5 @@ DDSSEC_EXPORT int init_access_control(const char*, void** context, ddsi_domaingv
 DDSSEC_EXPORT int finalize_access_control(void* context) {
   return cyclonedds::finalize<AccessControlAdapter, dds_security_access_control>(context);
 }
+
+DDSSEC_EXPORT const char* ddssec_access_control_version() { return cyclonedds::version(); }

@@ -2,6 +2,7 @@
 
 #include <dlfcn.h>
 
+#include "plugins/cyclonedds/presence.hpp"
 #include "plugins/cyclonedds/process_properties.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
@@ -57,6 +58,7 @@ CResult validate_local_identity(Instance* instance, CIdentity* handle,
   return validate(instance, ex, [&](Adapter& adapter) -> Result<CResult> {
     DDSSEC_TRY(require(handle, adjusted_guid, qos, candidate_guid));
     *handle = DDS_SECURITY_HANDLE_NIL;
+    say_plugins_in_use(adapter.host(), PluginKind::authentication);
     const auto properties = DDSSEC_TRY(with_process_properties(DDSSEC_TRY(properties_from(qos))));
     const auto local = DDSSEC_TRY(adapter.engine().validate_local_identity(
         domain_id, properties, guid_from(*candidate_guid)));

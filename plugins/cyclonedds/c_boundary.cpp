@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 #include <cstring>
+#include <string>
 #include <string_view>
 
 namespace ddssec::cyclonedds {
@@ -23,6 +24,19 @@ void fill_exception(Exception* ex, const Error& error, DDS_Security_long code) n
     ex->message = malloc_text(error.to_sentence());
   } catch (...) {
     ex->message = malloc_text(info(error.code()).summary);
+  }
+  ex->code = code;
+  ex->minor_code = 0;
+}
+
+void fill_exception_of_logged(Exception* ex, const Error& error, DDS_Security_long code) noexcept {
+  if (ex == nullptr) return;
+  const auto& row = info(error.code());
+  try {
+    ex->message = malloc_text(std::string(row.summary) + " [" + std::string(row.name) +
+                              "]; ddssec's own line says more ");
+  } catch (...) {
+    ex->message = malloc_text(row.summary);
   }
   ex->code = code;
   ex->minor_code = 0;

@@ -15,6 +15,10 @@ namespace ddssec::cyclonedds {
 /// Message (one malloc block, the host frees it), code and minor code. A null `ex` is fine.
 void fill_exception(Exception* ex, const Error& error, DDS_Security_long code) noexcept;
 
+/// The same for an error that an event tells in full: the host logs the message, too, so it is
+/// short.
+void fill_exception_of_logged(Exception* ex, const Error& error, DDS_Security_long code) noexcept;
+
 /// How a failure is told: the code in the host's exception, and the event's severity.
 struct Telling {
   DDS_Security_long host_code;
@@ -46,7 +50,7 @@ auto at_c_boundary(Host& host, Exception* ex, F&& f, Tell&& tell) noexcept
   }();
   if (!outcome) [[unlikely]] {
     const Telling telling = tell(outcome.error());
-    fill_exception(ex, outcome.error(), telling.host_code);
+    fill_exception_of_logged(ex, outcome.error(), telling.host_code);
     // An engine that raised its own event, with subject and GUID, has said it better.
     if (Host::raised_by_this_thread() == raised_before)
       host.refused(outcome.error(), telling.severity);

@@ -2,6 +2,7 @@
 #include "plugins/cryptography/cryptography.hpp"
 #include "plugins/cyclonedds/cryptography_adapter.hpp"
 #include "plugins/cyclonedds/entry.hpp"
+#include "plugins/cyclonedds/presence.hpp"
 
 using namespace ddssec;
 using cyclonedds::CryptographyAdapter;
@@ -18,3 +19,5 @@ DDSSEC_EXPORT std::uint32_t ddssec_supported_ciphers() { return cryptography::su
 DDSSEC_EXPORT int finalize_crypto(void* context) {
   return cyclonedds::finalize<CryptographyAdapter, dds_security_cryptography>(context);
 }
+
+DDSSEC_EXPORT const char* ddssec_cryptography_version() { return cyclonedds::version(); }

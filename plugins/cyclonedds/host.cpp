@@ -18,6 +18,14 @@ void Host::CountingSink::raise(const Event& event) {
 
 unsigned Host::raised_by_this_thread() noexcept { return raised_by_thread; }
 
+void Host::notice(const Event& event) noexcept {
+  try {
+    limited_.raise(event);
+  } catch (...) {
+    // As above: without the memory to tell, everything goes on.
+  }
+}
+
 void Host::refused(const Error& error, Severity severity) noexcept {
   Event event(error);  // copies no text
   event.severity = severity;

@@ -25,6 +25,9 @@ class Host {
   /// Raises one event; swallows whatever goes wrong meanwhile.
   void refused(const Error& error, Severity severity) noexcept;
 
+  /// Raises what belongs to no refusal: the call under way is not taken to have said its own.
+  void notice(const Event& event) noexcept;
+
   /// How many events the calling thread has raised so far, by any plugin of this library.
   static unsigned raised_by_this_thread() noexcept;
 

@@ -3,6 +3,7 @@
 #include <iterator>
 
 #include "plugins/cyclonedds/cryptography_adapter.hpp"
+#include "plugins/cyclonedds/presence.hpp"
 #include "plugins/cyclonedds/process_properties.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
@@ -27,6 +28,7 @@ CHandle register_local_participant(Instance* instance, const DDS_Security_Identi
   return ask_handle<Adapter>(
       instance, ex, [&](Adapter& adapter) -> Result<spi::ParticipantCryptoHandle> {
         DDSSEC_TRY(require(attributes));
+        say_plugins_in_use(adapter.host(), PluginKind::cryptography);
         auto list = DDSSEC_TRY(optional_properties(properties));
         std::ranges::move(DDSSEC_TRY(process_properties()), std::back_inserter(list));
         return adapter.key_factory().register_local_participant({identity}, {permissions}, list,

@@ -54,7 +54,7 @@ class HostLog final : public EventSink {
 
  private:
   void log_line(const Event& event) const {
-    const auto category = log_category(event.severity);
+    const auto category = log_category(event);
     if (category == 0) return;
     const auto line = event.to_line();
     if (log_ != nullptr) {
@@ -97,6 +97,11 @@ std::uint32_t log_category(Severity severity) {
       return DDS_LC_ERROR;  // never DDS_LC_FATAL: that aborts the process
   }
   return DDS_LC_ERROR;
+}
+
+std::uint32_t log_category(const Event& event) {
+  const auto of_severity = log_category(event.severity);
+  return event.error.code() == Code::plugins_in_use ? std::uint32_t{DDS_LC_WARNING} : of_severity;
 }
 
 std::unique_ptr<EventSink> make_host_log(LogFunction log, const char* json_path) {

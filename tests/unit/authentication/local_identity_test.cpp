@@ -1,6 +1,8 @@
 // Identities of our own: what the properties name must exist, fit together and be believed.
 #include "plugins/authentication/local_identity.hpp"
 
+#include <gmock/gmock.h>
+
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/test_data.hpp"
 #include "tests/unit/authentication/fixture.hpp"
@@ -39,6 +41,51 @@ void expect_refused(const PropertyList& properties, Code code, std::string_view 
 }
 
 using test::TemporaryFolder;
+
+/// What create() says of alice's documents in files, after `change(files, properties)`.
+template <class Change>
+std::string sentence_about_files(const TemporaryFolder& folder, Change&& change) {
+  auto properties = alice().properties;
+  for (const auto& [name, file] : {std::pair{property::kIdentityCa, "ca.pem"},
+                                   {property::kIdentityCertificate, "cert.pem"},
+                                   {property::kPrivateKey, "key.pem"}}) {
+    const auto text = spi::find_property(properties, name)->substr(6);  // after data:,
+    set(properties, name, "file:" + folder.replace(file, text));
+  }
+  change();
+  Engine engine;
+  const auto result = create(properties, engine);
+  return result ? "" : result.error().to_sentence();
+}
+
+TEST(IdentityFileErrors, Refused_NamesPropertyAndPath) {
+  const TemporaryFolder folder;
+  const auto names = [&](std::string_view property, std::string_view file) {
+    return testing::HasSubstr(std::string(property) + " is " + folder.path() + "/" +
+                              std::string(file));
+  };
+  const auto other_key = pem_text(make_identity(test_ca(), "CN=bob", {}, kYear, 1).key);
+  const auto mismatch = sentence_about_files(folder, [&] { folder.replace("key.pem", other_key); });
+  EXPECT_THAT(mismatch, names(property::kPrivateKey, "key.pem"));
+  EXPECT_THAT(mismatch, names(property::kIdentityCertificate, "cert.pem"));
+  const auto unknown = sentence_about_files(
+      folder, [&] { folder.replace("ca.pem", make_ca("CN=Other").certificate().pem()); });
+  EXPECT_THAT(unknown, names(property::kIdentityCertificate, "cert.pem"));
+  EXPECT_THAT(unknown, names(property::kIdentityCa, "ca.pem"));
+  for (const auto& [property, file] : {std::pair{property::kIdentityCa, "ca.pem"},
+                                       {property::kIdentityCertificate, "cert.pem"},
+                                       {property::kPrivateKey, "key.pem"}})
+    EXPECT_THAT(sentence_about_files(folder, [&] { folder.replace(file, "-----BEGIN"); }),
+                names(property, file));
+}
+
+TEST(IdentityFileErrors, PastedDocuments_AreNotRepeated) {
+  auto properties = alice_with(property::kPrivateKey, "data:,-----BEGIN SECRET");
+  Engine engine;
+  const auto result = create(properties, engine);
+  ASSERT_FALSE(result);
+  EXPECT_THAT(result.error().to_sentence(), testing::Not(testing::HasSubstr("SECRET")));
+}
 
 TEST(LocalIdentity, BindsTheGuidToTheSubject) {
   Engine engine;

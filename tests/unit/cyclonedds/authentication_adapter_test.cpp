@@ -102,7 +102,7 @@ TEST_F(AuthenticationAdapterTest, AFailureIsFailedNilAndExplained) {
             DDS_SECURITY_VALIDATION_FAILED);
   EXPECT_EQ(handle, DDS_SECURITY_HANDLE_NIL);
   EXPECT_EQ(refusal.reason(), Code::file_not_found);
-  EXPECT_THAT(refusal.text(), testing::HasSubstr("ca.pem"));
+  EXPECT_THAT(harness.events.back().error.to_sentence(), testing::HasSubstr("ca.pem"));
 }
 
 TEST_F(AuthenticationAdapterTest, AnEngineThatThrowsDenies) {

@@ -19,15 +19,15 @@ TEST_F(Boundary, SuccessTouchesNothing) {
   EXPECT_TRUE(events.empty());
 }
 
-TEST_F(Boundary, FailureIsASentenceACodeAndOneEvent) {
+TEST_F(Boundary, FailureIsACodeAndOneEventWithTheSentence) {
   const auto refuse = []() -> Status {
     return fail(Code::malformed, {.document = "c.pdata", .found = "3 octets"});
   };
   EXPECT_EQ(allowed_at_c_boundary(host, &refusal, refuse), 0);
   EXPECT_EQ(refusal.reason(), Code::malformed);
   EXPECT_EQ(refusal.minor_code, 0);
-  EXPECT_EQ(refusal.text(), refuse().error().to_sentence());
   ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].error.to_sentence(), refuse().error().to_sentence());
   EXPECT_EQ(events[0].error.code(), Code::malformed);
 
   // The same again within the interval says nothing new.
@@ -35,6 +35,27 @@ TEST_F(Boundary, FailureIsASentenceACodeAndOneEvent) {
   allowed_at_c_boundary(host, &again, refuse);
   EXPECT_EQ(again.reason(), Code::malformed);
   EXPECT_EQ(events.size(), 1u);
+}
+
+// The host logs the exception's message beside our line.
+TEST_F(Boundary, Failure_MessageForTheHost_NamesTheReasonAndNoDetails) {
+  const auto refuse = []() -> Status {
+    return fail(Code::malformed, {.document = "c.pdata", .found = "3 octets"});
+  };
+  allowed_at_c_boundary(host, &refusal, refuse);
+  EXPECT_THAT(refusal.text(), testing::HasSubstr(info(Code::malformed).summary));
+  EXPECT_THAT(refusal.text(), testing::HasSubstr("[malformed]"));
+  EXPECT_THAT(refusal.text(), testing::Not(testing::HasSubstr("c.pdata")));
+  EXPECT_THAT(refusal.text(), testing::Not(testing::HasSubstr(info(Code::malformed).hint)));
+}
+
+TEST_F(Boundary, Notice_BeforeARefusal_TakesNoEventFromIt) {
+  allowed_at_c_boundary(host, &refusal, [&]() -> Status {
+    host.notice(Event(Error(Code::plugins_in_use)));
+    return fail(Code::malformed);
+  });
+  ASSERT_EQ(events.size(), 2u);
+  EXPECT_EQ(events[1].error.code(), Code::malformed);
 }
 
 TEST_F(Boundary, NullExceptionIsTolerated) {
@@ -48,7 +69,8 @@ TEST_F(Boundary, ThrownExceptionsDeny) {
                                   []() -> Status { throw std::runtime_error("what it said"); }),
             0);
   EXPECT_EQ(refusal.reason(), Code::internal);
-  EXPECT_THAT(refusal.text(), testing::HasSubstr("what it said"));
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_THAT(events[0].error.to_sentence(), testing::HasSubstr("what it said"));
 
   Refusal unknown;
   EXPECT_EQ(allowed_at_c_boundary(host, &unknown, []() -> Status { throw 42; }), 0);

@@ -74,6 +74,16 @@ TEST_F(HostLog, NoSeverityAborts) {
   EXPECT_TRUE(logged.empty());
 }
 
+// Cyclone DDS shows errors and warnings only, unless it is asked for more.
+TEST_F(HostLog, PluginsInUse_ByDefault_IsShown) {
+  make_host_log(record, nullptr)->raise(Event(Error(Code::plugins_in_use)));
+  make_host_log(record, nullptr)->raise(Event(Error(Code::crl_renewed)));
+  ASSERT_EQ(logged.size(), 2u);
+  EXPECT_EQ(logged[0].category, DDS_LC_WARNING);
+  EXPECT_THAT(logged[0].text, testing::StartsWith("ddssec informational:"));
+  EXPECT_EQ(logged[1].category, DDS_LC_INFO);
+}
+
 TEST_F(HostLog, WithoutAHostItGoesToStderr) {
   testing::internal::CaptureStderr();
   make_host_log(nullptr, nullptr)->raise(Event(Error(Code::malformed)));

@@ -1,0 +1,76 @@
+#include "plugins/cyclonedds/presence.hpp"
+
+#include <atomic>
+#include <dlfcn.h>
+#include <string_view>
+#include <vector>
+
+#include "base/openssl_version.hpp"
+#include "plugins/cyclonedds/abi.hpp"
+
+namespace ddssec::cyclonedds {
+namespace {
+
+struct Library {
+  std::string_view name;
+  const char* version_symbol;
+};
+constexpr std::array<Library, 3> kLibraries = {{
+    {"authentication", "ddssec_authentication_version"},
+    {"access control", "ddssec_access_control_version"},
+    {"cryptography", "ddssec_cryptography_version"},
+}};
+
+/// The version of our library of that kind, if it is loaded; null where a stock one is in its
+/// place.
+const char* version_of(std::size_t kind) noexcept {
+  void* const symbol = dlsym(RTLD_DEFAULT, kLibraries[kind].version_symbol);
+  return symbol == nullptr ? nullptr : reinterpret_cast<PluginVersion*>(symbol)();
+}
+
+/// "a", "a and b", "a, b and c"
+std::string listed(const std::vector<std::string_view>& names) {
+  std::string list;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i > 0) list += i + 1 == names.size() ? " and " : ", ";
+    list += names[i];
+  }
+  return list;
+}
+
+}  // namespace
+
+const char* version() noexcept { return DDSSEC_VERSION; }
+
+bool speaks_for_all(PluginKind own) noexcept {
+  for (std::size_t kind = 0; kind < static_cast<std::size_t>(own); ++kind)
+    if (version_of(kind) != nullptr) return false;
+  return true;
+}
+
+Event plugins_in_use(const PluginVersions& found, const std::string& openssl) {
+  std::vector<std::string_view> ours, others;
+  std::string differing;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    (found[i] != nullptr ? ours : others).push_back(kLibraries[i].name);
+    if (found[i] != nullptr && std::string_view(found[i]) != version())
+      differing += ", but " + std::string(kLibraries[i].name) + " of " + found[i];
+  }
+  std::string note = listed(ours) + " of ddssec " + version() + differing;
+  if (!others.empty()) note += ", " + listed(others) + " of another product";
+  return Event(Error(Code::plugins_in_use, {.note = note + "; running on " + openssl}));
+}
+
+void say_plugins_in_use(Host& host, PluginKind own) noexcept {
+  static std::atomic_flag said;
+  if (said.test() || !speaks_for_all(own) || said.test_and_set()) return;
+  try {
+    PluginVersions found = {version_of(0), version_of(1), version_of(2)};
+    found[static_cast<std::size_t>(own)] = version();  // also where our symbols are not global
+    host.notice(plugins_in_use(found, openssl_version()));
+  } catch (...) {
+    // Without the memory to say so, the plugins work all the same.
+  }
+}
+
+}  // namespace ddssec::cyclonedds

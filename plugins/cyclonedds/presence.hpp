@@ -1,0 +1,31 @@
+// The line that says whose plugins a process uses.
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "plugins/cyclonedds/host.hpp"
+
+namespace ddssec::cyclonedds {
+
+/// In the order in which Cyclone DDS loads them.
+enum class PluginKind { authentication, access_control, cryptography };
+
+/// The project's version, which each library shows under a symbol of its own.
+const char* version() noexcept;
+
+/// True if no library of ours in this process comes before this one: it speaks for all three, so
+/// that what concerns the process is said once. Looked up late: the host loads the libraries one
+/// after the other.
+bool speaks_for_all(PluginKind own) noexcept;
+
+/// plugins_in_use, once a process: which of the three plugins are ours, their version, and the
+/// version of OpenSSL that they run on. Call it when a participant is made: by then all are loaded.
+void say_plugins_in_use(Host& host, PluginKind own) noexcept;
+
+/// Of each kind the version of our plugin; null: a stock one, or another's, is in its place.
+using PluginVersions = std::array<const char*, 3>;
+/// The event itself. `openssl`: what openssl_version() says.
+Event plugins_in_use(const PluginVersions& found, const std::string& openssl);
+
+}  // namespace ddssec::cyclonedds

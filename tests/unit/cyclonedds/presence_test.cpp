@@ -1,0 +1,56 @@
+#include "plugins/cyclonedds/presence.hpp"
+
+#include "base/openssl_version.hpp"
+#include "tests/unit/cyclonedds/support.hpp"
+
+namespace ddssec::cyclonedds {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+std::string said_of(const PluginVersions& found) {
+  return plugins_in_use(found, "OpenSSL 3.0.17 1 Jul 2025").to_line();
+}
+
+TEST(PluginsInUse, AllThree_AreNamedWithBothVersions) {
+  const auto line = said_of({version(), version(), version()});
+  EXPECT_THAT(line,
+              HasSubstr(std::string("authentication, access control and cryptography of ddssec ") +
+                        version() + "; running on OpenSSL 3.0.17 1 Jul 2025"));
+  EXPECT_THAT(line, HasSubstr("[plugins_in_use 1620]"));
+  EXPECT_THAT(line, Not(HasSubstr("another product")));
+}
+
+TEST(PluginsInUse, BesideStockOnes_SaysWhichAreWhose) {
+  EXPECT_THAT(said_of({version(), nullptr, nullptr}),
+              HasSubstr(std::string("authentication of ddssec ") + version() +
+                        ", access control and cryptography of another product"));
+  EXPECT_THAT(said_of({nullptr, version(), version()}),
+              HasSubstr("access control and cryptography of ddssec"));
+}
+
+TEST(PluginsInUse, OfAnotherVersion_IsSaid) {
+  EXPECT_THAT(said_of({version(), version(), "0.0.1"}), HasSubstr(", but cryptography of 0.0.1;"));
+}
+
+/// True if the first of several participants, of whatever domain, says it and no other does.
+bool is_said_once() {
+  std::vector<Event> events;
+  Host first{std::make_unique<Recorder>(events)}, second{std::make_unique<Recorder>(events)};
+  say_plugins_in_use(first, PluginKind::authentication);
+  say_plugins_in_use(first, PluginKind::access_control);
+  say_plugins_in_use(second, PluginKind::authentication);
+  return events.size() == 1 && events[0].error.code() == Code::plugins_in_use &&
+         events[0].severity == Severity::informational &&
+         events[0].error.to_sentence().contains(openssl_version());
+}
+
+// In a process of its own, whatever ran before in this one.
+TEST(PluginsInUse, SaidOnceAProcess) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(std::_Exit(is_said_once() ? 0 : 1), testing::ExitedWithCode(0), "");
+}
+
+}  // namespace
+}  // namespace ddssec::cyclonedds
