@@ -113,9 +113,11 @@ Result<PkiDh::LocalIdentity> PkiDh::load_local(const spi::PropertyList& properti
                                                const Guid& candidate) {
   const WallTime now = environment_.clock.now();
   auto files = DDSSEC_TRY(IdentityFiles::load(properties, stores_, now));
+  const auto no_list = files.revocation_lists.absence();
   auto identity = std::make_shared<authentication::LocalIdentity>(std::move(files), candidate);
   const auto chain = DDSSEC_TRY(identity->verify(now));
   const auto handle = DDSSEC_TRY(table_.add_local(identity, chain));
+  if (no_list) environment_.events.raise(Event(*no_list, {}, identity->guid().to_string()));
   return LocalIdentity{handle, identity->guid()};
 }
 

@@ -13,6 +13,8 @@ namespace {
 
 namespace property = spi::property;
 
+/// As in sros2's keystores and our own folders.
+constexpr std::string_view kUsualName = "crl.pem";
 /// What an event says of many lists.
 constexpr std::size_t kMostDescription = 512;
 
@@ -26,6 +28,20 @@ Result<std::vector<pki::Crl>> parse(BytesView octets, std::string_view uri) {
   // A file that lists nobody because it is no list must not look like "nobody is revoked".
   if (lists.empty()) return fail(Code::crl_file_empty, {.found = std::string(uri.substr(0, 256))});
   return lists;
+}
+
+/// Where a list may be that no property names: beside what is issued by the CA, or beside the CA.
+std::vector<std::string> usual_places(const spi::PropertyList& properties) {
+  std::vector<std::string> uris;
+  for (const auto name : {property::kIdentityCertificate, property::kIdentityCa}) {
+    const auto file = file_named_by(value_of(properties, name));
+    if (!file) continue;
+    const auto slash = file->rfind('/');
+    const auto folder = slash == std::string::npos ? std::string() : file->substr(0, slash + 1);
+    auto uri = "file:" + folder + std::string(kUsualName);
+    if (std::ranges::find(uris, uri) == uris.end()) uris.push_back(std::move(uri));
+  }
+  return uris;
 }
 
 std::string describe(const pki::Crl& crl) {
@@ -67,23 +83,60 @@ Status check_renewal(const std::vector<pki::Crl>& lists, const std::vector<pki::
   return {};
 }
 
-RevocationLists::RevocationLists(std::string uri, std::chrono::seconds interval)
-    : uri_(std::move(uri)), path_(file_named_by(uri_).value_or("")), watch_(uri_, interval) {}
+RevocationLists::Place::Place(std::string from, std::chrono::seconds interval)
+    : uri(std::move(from)), path(file_named_by(uri).value_or("")), watch(uri, interval) {}
 
 Result<RevocationLists> RevocationLists::load(const spi::PropertyList& properties) {
-  const auto interval = DDSSEC_TRY(spi::files_poll_interval(properties));
-  const bool may_come_later = value_of(properties, property::kCrl).empty();
-  const auto name = may_come_later ? property::kLaterCrl : property::kCrl;
-  RevocationLists out(value_of(properties, name), interval);
-  if (out.uri_.empty()) return out;
-  const auto octets = ddssec::load(out.uri_, name, pki::kMostDocumentOctets);
-  if (!octets && may_come_later && octets.error().code() == Code::file_not_found) return out;
-  if (!octets) return std::unexpected(octets.error());
-  auto lists = parse(*octets, out.uri_);
-  if (!lists) return std::unexpected(lists.error().in(std::string(name)));
-  out.lists_ = *std::move(lists);
-  out.content_ = sha256(*octets);
+  RevocationLists out;
+  out.interval_ = DDSSEC_TRY(spi::files_poll_interval(properties));
+  const auto must = value_of(properties, property::kCrl);
+  const auto may = value_of(properties, property::kLaterCrl);
+  const auto name = must.empty() ? property::kLaterCrl : property::kCrl;
+  if (!must.empty() || !may.empty()) {
+    out.places_.emplace_back(must.empty() ? may : must, out.interval_);
+    DDSSEC_TRY(out.read_first(out.places_.front(), name, must.empty()));
+    return out;
+  }
+  if (!value_of(properties, property::kTrustedCaDir).empty()) return out;
+  for (auto& uri : usual_places(properties))
+    out.places_.emplace_back(std::move(uri), out.interval_);
+  for (std::size_t i = 0; i < out.places_.size() && out.lists_.empty(); ++i)
+    DDSSEC_TRY(out.read_first(out.places_[i], out.places_[i].path, true));
   return out;
+}
+
+/// `name`: what an error calls the file.
+Status RevocationLists::read_first(Place& place, std::string_view name, bool may_come_later) {
+  const auto octets = ddssec::load(place.uri, name, pki::kMostDocumentOctets);
+  if (!octets && may_come_later && octets.error().code() == Code::file_not_found) return {};
+  if (!octets) return std::unexpected(octets.error());
+  auto lists = parse(*octets, place.uri);
+  if (!lists) return std::unexpected(lists.error().in(std::string(name)));
+  lists_ = *std::move(lists);
+  place.content = sha256(*octets);
+  keep_only(place);
+  return {};
+}
+
+/// A list in force is followed by later ones at the same place.
+void RevocationLists::keep_only(Place& place) {
+  Place kept = std::move(place);
+  places_.clear();
+  places_.push_back(std::move(kept));
+}
+
+std::string RevocationLists::path() const { return places_.empty() ? "" : places_.front().path; }
+
+std::optional<Error> RevocationLists::absence() const {
+  if (!lists_.empty() || path().empty()) return std::nullopt;
+  std::string paths;
+  for (const auto& place : places_) paths += (paths.empty() ? "" : " and ") + place.path;
+  const auto seconds = std::to_string(interval_.count());
+  return Error(
+      Code::no_revocation_list,
+      {.note = interval_.count() == 0 ? paths + " is not looked for, since " +
+                                            std::string(property::kFilesPollInterval) + " is 0"
+                                      : paths + " is looked for every " + seconds + " s"});
 }
 
 std::string RevocationLists::description() const {
@@ -94,38 +147,49 @@ std::string RevocationLists::description() const {
 }
 
 Result<bool> RevocationLists::look(std::chrono::nanoseconds now, const Accept& accept) {
-  if (!watch_.may_have_changed(now)) return false;
-  Rollback again([&] { watch_.look_again(); });
-  const auto octets = ddssec::load(uri_, path_, pki::kMostDocumentOctets);
+  for (auto& place : places_) {
+    if (!place.watch.may_have_changed(now)) continue;
+    if (!DDSSEC_TRY(look_at(place, accept))) continue;
+    keep_only(place);
+    return true;
+  }
+  return false;
+}
+
+Result<bool> RevocationLists::look_at(Place& place, const Accept& accept) {
+  Rollback again([&] { place.watch.look_again(); });
+  const auto octets = ddssec::load(place.uri, place.path, pki::kMostDocumentOctets);
   const bool not_yet = lists_.empty() && !octets && octets.error().code() == Code::file_not_found;
   const auto content = octets ? sha256(*octets) : Sha256Digest{};
   Result<bool> taken = false;
   if (!octets && !not_yet) taken = std::unexpected(octets.error());
-  if (octets && content != content_) taken = take(*octets, accept);
-  if (!taken) return refuse(taken.error(), content);
-  if (*taken) content_ = content;
-  was_refused_ = false;
-  told_.reset();
+  if (octets && content != place.content) taken = take(*octets, place.uri, accept);
+  if (!taken) return refuse(place, taken.error(), content);
+  if (*taken) place.content = content;
+  place.was_refused = false;
+  place.told.reset();
   again.release();
   return taken;
 }
 
-Result<bool> RevocationLists::take(BytesView octets, const Accept& accept) {
-  auto lists = DDSSEC_TRY(parse(octets, uri_));
+Result<bool> RevocationLists::take(BytesView octets, const std::string& uri, const Accept& accept) {
+  auto lists = DDSSEC_TRY(parse(octets, uri));
   DDSSEC_TRY(accept(lists));
   lists_ = std::move(lists);
   return true;
 }
 
-Result<bool> RevocationLists::refuse(const Error& error, const Sha256Digest& content) {
-  const bool is_lasting = std::exchange(was_refused_, true);
+Result<bool> RevocationLists::refuse(Place& place, const Error& error,
+                                     const Sha256Digest& content) {
+  const bool is_lasting = std::exchange(place.was_refused, true);
   const Refusal refusal{error.code(), content};
-  if (!is_lasting || told_ == refusal) return false;
-  told_ = refusal;
+  if (!is_lasting || place.told == refusal) return false;
+  place.told = refusal;
   auto details = error.details();
-  details.document = path_;
-  details.note +=
-      (details.note.empty() ? "" : "; ") + std::string("the lists read before stay in force");
+  details.document = place.path;
+  details.note += (details.note.empty() ? "" : "; ") +
+                  std::string(lists_.empty() ? "there is still no revocation list in force"
+                                             : "the lists read before stay in force");
   return fail(error.code(), std::move(details));
 }
 

@@ -24,16 +24,21 @@ Status check_renewal(const std::vector<pki::Crl>& lists, const std::vector<pki::
 /// Not thread-safe.
 class RevocationLists {
  public:
-  /// What the properties name: a list that must be there, or one that may come later, or none.
-  /// Errors name the property: invalid_property, those of ddssec::load and Crl::all_from,
-  /// crl_file_empty.
+  /// What the properties name: a list that must be there, or one that may come later. If they name
+  /// neither, crl.pem beside the identity certificate or beside the identity CA, which may come
+  /// later, too; not where a trusted_ca_dir is configured, which goes with no list. One that is
+  /// there counts from the start. Errors name the property or the path: invalid_property, those of
+  /// ddssec::load and Crl::all_from, crl_file_empty.
   static Result<RevocationLists> load(const spi::PropertyList& properties);
 
   const std::vector<pki::Crl>& in_force() const { return lists_; }
   /// Number and date of each, for a person.
   std::string description() const;
-  /// The path of their file; empty if they come from no file.
-  const std::string& path() const { return path_; }
+  /// The path of their file, or of the file that may come; empty if there is neither.
+  std::string path() const;
+  /// For a participant without any list: no_revocation_list, with where one is looked for. Nothing
+  /// if there is a list, or no folder to look in.
+  std::optional<Error> absence() const;
 
   /// Judges lists that would take the place of those in force, and uses them if they are good.
   using Accept = std::function<Status(const std::vector<pki::Crl>&)>;
@@ -51,17 +56,27 @@ class RevocationLists {
     bool operator==(const Refusal&) const = default;
   };
 
-  RevocationLists(std::string uri, std::chrono::seconds interval);
-  Result<bool> take(BytesView octets, const Accept& accept);
-  Result<bool> refuse(const Error& error, const Sha256Digest& content);
+  /// A file that holds lists, or may later.
+  struct Place {
+    Place(std::string from, std::chrono::seconds interval);
 
-  std::string uri_;
-  std::string path_;
-  FileWatch watch_;
-  Sha256Digest content_{};  ///< of what the lists are from
+    std::string uri;
+    std::string path;  ///< empty if it is no file
+    FileWatch watch;
+    Sha256Digest content{};    ///< of what the lists in force are from
+    bool was_refused = false;  ///< at the last look
+    std::optional<Refusal> told = {};
+  };
+
+  Status read_first(Place& place, std::string_view name, bool may_come_later);
+  void keep_only(Place& place);
+  Result<bool> look_at(Place& place, const Accept& accept);
+  Result<bool> take(BytesView octets, const std::string& uri, const Accept& accept);
+  Result<bool> refuse(Place& place, const Error& error, const Sha256Digest& content);
+
+  std::chrono::seconds interval_{0};
+  std::vector<Place> places_;  ///< one alone once a list is in force
   std::vector<pki::Crl> lists_;
-  bool was_refused_ = false;  ///< at the last look
-  std::optional<Refusal> told_;
 };
 
 }  // namespace ddssec::authentication
