@@ -1,6 +1,7 @@
 #include "base/clock.hpp"
 
 #include <array>
+#include <ctime>
 
 #include <fmt/chrono.h>
 #include <sodium.h>
@@ -25,6 +26,12 @@ std::chrono::nanoseconds SystemClock::wall() const {
 
 std::chrono::nanoseconds SystemClock::monotonic() const {
   return std::chrono::steady_clock::now().time_since_epoch();
+}
+
+std::chrono::nanoseconds SystemClock::since_boot() const {
+  timespec time{};
+  if (::clock_gettime(CLOCK_BOOTTIME, &time) != 0) return monotonic();
+  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
 }
 
 Status SystemRandom::fill(MutableBytes out) {

@@ -23,6 +23,8 @@ class Clock {
   virtual std::chrono::nanoseconds wall() const { return now().time_since_epoch(); }
   /// Never goes back; for time-outs and rate limits.
   virtual std::chrono::nanoseconds monotonic() const = 0;
+  /// The same with the time that the machine slept, if that is known: what has passed in the world.
+  virtual std::chrono::nanoseconds since_boot() const { return monotonic(); }
 };
 
 /// The operating system's clocks.
@@ -31,6 +33,7 @@ class SystemClock final : public Clock {
   WallTime now() const override;
   std::chrono::nanoseconds wall() const override;
   std::chrono::nanoseconds monotonic() const override;
+  std::chrono::nanoseconds since_boot() const override;
 };
 
 /// A clock that a test moves by hand.

@@ -9,6 +9,7 @@
 #include "plugins/cyclonedds/process_properties.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
+#include "plugins/spi/clock_step_grace.hpp"
 
 namespace ddssec::cyclonedds {
 namespace {
@@ -46,6 +47,7 @@ CPermissions validate_local_permissions(Instance* instance, const dds_security_a
     DDSSEC_TRY(require(qos));
     say_plugins_in_use(adapter.host(), PluginKind::access_control);
     const auto properties = DDSSEC_TRY(with_process_properties(DDSSEC_TRY(properties_from(qos))));
+    adapter.host().calendar().set_grace(DDSSEC_TRY(spi::clock_step_grace(properties)));
     const bool allow_shared_memory = DDSSEC_TRY(SharedMemoryGuard::is_allowed_by(properties));
     const auto handle =
         DDSSEC_TRY(adapter.engine().validate_local_permissions({identity}, domain_id, properties));
@@ -394,8 +396,13 @@ AccessControlAdapter::AccessControlAdapter(std::unique_ptr<Host> host,
 void AccessControlAdapter::listen(const dds_security_access_control_listener* listener) {
   if (listener == nullptr || listener->on_revoke_permissions == nullptr) return timer_.stop();
   const auto revoke = listener->on_revoke_permissions;
-  timer_.start(ExpiryTimer::tasks_of(
-      *engine_, [this, revoke](std::int64_t handle) { revoke(this, handle); }));
+  auto tasks = ExpiryTimer::tasks_of(*engine_,
+                                     [this, revoke](std::int64_t handle) { revoke(this, handle); });
+  tasks.revoke_ended = [this, revoke_ended = std::move(tasks.revoke_ended)](const auto& stop) {
+    say_clock_steps(*host_, PluginKind::access_control);
+    revoke_ended(stop);
+  };
+  timer_.start(std::move(tasks));
 }
 
 }  // namespace ddssec::cyclonedds

@@ -6,6 +6,7 @@
 #include "plugins/cyclonedds/process_properties.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
+#include "plugins/spi/clock_step_grace.hpp"
 
 namespace ddssec::cyclonedds {
 namespace {
@@ -60,6 +61,7 @@ CResult validate_local_identity(Instance* instance, CIdentity* handle,
     *handle = DDS_SECURITY_HANDLE_NIL;
     say_plugins_in_use(adapter.host(), PluginKind::authentication);
     const auto properties = DDSSEC_TRY(with_process_properties(DDSSEC_TRY(properties_from(qos))));
+    adapter.host().calendar().set_grace(DDSSEC_TRY(spi::clock_step_grace(properties)));
     const auto local = DDSSEC_TRY(adapter.engine().validate_local_identity(
         domain_id, properties, guid_from(*candidate_guid)));
     *handle = local.handle.value;
@@ -294,6 +296,7 @@ void AuthenticationAdapter::listen(const dds_security_authentication_listener* l
   const auto revoke = listener->on_revoke_identity;
   timer_.start({.revoke_ended =
                     [this, revoke](const std::stop_token& stop) {
+                      say_clock_steps(*host_, PluginKind::authentication);
                       for (const auto ended : remotes_.to_revoke(engine_->expire()))
                         if (!stop.stop_requested()) revoke(this, ended.value);
                     },

@@ -5,6 +5,7 @@
 
 #include "base/clock.hpp"
 #include "base/event.hpp"
+#include "base/steady_calendar.hpp"
 #include "plugins/cyclonedds/log.hpp"
 
 namespace ddssec::cyclonedds {
@@ -20,7 +21,8 @@ class Host {
 
   /// For the engine; lives as long as the host.
   const Environment& environment() const { return environment_; }
-  const Clock& clock() const { return clock_; }
+  const Clock& clock() const { return calendar_; }
+  SteadyCalendar& calendar() { return calendar_; }
 
   /// Raises one event; swallows whatever goes wrong meanwhile.
   void refused(const Error& error, Severity severity) noexcept;
@@ -42,11 +44,12 @@ class Host {
   };
 
   SystemClock clock_;
+  SteadyCalendar calendar_{clock_};
   SystemRandom random_;
   std::unique_ptr<EventSink> log_;
   RateLimitedSink limited_;
   CountingSink counted_;
-  const Environment environment_{clock_, random_, counted_};
+  const Environment environment_{calendar_, random_, counted_};
 };
 
 }  // namespace ddssec::cyclonedds

@@ -61,6 +61,11 @@ Event plugins_in_use(const PluginVersions& found, const std::string& openssl) {
   return Event(Error(Code::plugins_in_use, {.note = note + "; running on " + openssl}));
 }
 
+void say_clock_steps(Host& host, PluginKind own) noexcept {
+  const auto news = host.calendar().news();
+  if (news && speaks_for_all(own)) host.notice(Event(*news));
+}
+
 void say_plugins_in_use(Host& host, PluginKind own) noexcept {
   static std::atomic_flag said;
   if (said.test() || !speaks_for_all(own) || said.test_and_set()) return;

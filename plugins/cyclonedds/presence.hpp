@@ -23,6 +23,9 @@ bool speaks_for_all(PluginKind own) noexcept;
 /// version of OpenSSL that they run on. Call it when a participant is made: by then all are loaded.
 void say_plugins_in_use(Host& host, PluginKind own) noexcept;
 
+/// Reports that the calendar was set, and what came of it; the library that speaks for all does.
+void say_clock_steps(Host& host, PluginKind own) noexcept;
+
 /// Of each kind the version of our plugin; null: a stock one, or another's, is in its place.
 using PluginVersions = std::array<const char*, 3>;
 /// The event itself. `openssl`: what openssl_version() says.

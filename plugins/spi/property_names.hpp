@@ -20,6 +20,10 @@ inline constexpr std::string_view kLaterCrl = "org.ddssec.auth.later_crl";
 /// changed; 0: never.
 inline constexpr std::string_view kFilesPollInterval = "org.ddssec.files_poll_interval";
 
+/// Ours: seconds for which a calendar that was set while participants run is not believed; 0: it
+/// counts at once.
+inline constexpr std::string_view kClockStepGrace = "org.ddssec.clock_step_grace";
+
 /// Ours, in the IdentityToken: ciphers that are not the standard's.
 inline constexpr std::string_view kAnnouncedCiphers = "org.ddssec.symmetric_ciphers";
 

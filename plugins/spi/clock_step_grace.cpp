@@ -1,0 +1,16 @@
+#include "plugins/spi/clock_step_grace.hpp"
+
+#include "base/steady_calendar.hpp"
+#include "plugins/spi/number_property.hpp"
+#include "plugins/spi/property_names.hpp"
+
+namespace ddssec::spi {
+
+Result<std::chrono::seconds> clock_step_grace(const PropertyList& properties) {
+  return std::chrono::seconds(
+      DDSSEC_TRY(number_property(properties, property::kClockStepGrace,
+                                 {.unit = "seconds", .most = SteadyCalendar::kLongestGrace.count()},
+                                 SteadyCalendar::kDefaultGrace.count())));
+}
+
+}  // namespace ddssec::spi

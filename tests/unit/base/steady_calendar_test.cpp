@@ -1,0 +1,124 @@
+#include "base/steady_calendar.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ddssec {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr WallTime kStart{std::chrono::sys_days{std::chrono::January / 1 / 2026}};
+
+struct Calendar : testing::Test {
+  ManualClock clock{kStart};
+  SteadyCalendar calendar{clock};
+
+  std::optional<Code> news() {
+    const auto error = calendar.news();
+    return error ? std::optional(error->code()) : std::nullopt;
+  }
+  /// As a host looks, once a second.
+  void pass(std::chrono::seconds time) {
+    for (auto i = 0s; i < time; ++i) {
+      clock.advance(1s);
+      calendar.now();
+    }
+  }
+};
+
+TEST_F(Calendar, NobodySetsIt_IsTheClocks) {
+  clock.advance(400 * 24h + 3ns);
+  EXPECT_EQ(calendar.now(), kStart + 400 * 24h);
+  EXPECT_EQ(calendar.wall(), clock.wall());
+  EXPECT_EQ(calendar.monotonic(), clock.monotonic());
+  EXPECT_FALSE(news());
+}
+
+TEST_F(Calendar, SmallAdjustments_AreFollowedAtOnce) {
+  for (int i = 1; i <= 20; ++i) {
+    clock.set(clock.now() + 10s);
+    EXPECT_EQ(calendar.now(), kStart + i * 10s);
+  }
+  EXPECT_FALSE(news());
+}
+
+TEST_F(Calendar, SetForSomeSeconds_NothingIsJudgedByIt) {
+  for (const auto by : {365 * 24h, -72h}) {
+    const auto before = clock.now();
+    clock.set(before + by);
+    EXPECT_EQ(calendar.now(), before);
+    EXPECT_EQ(news(), Code::clock_stepped);
+    pass(6s);
+    EXPECT_EQ(calendar.now(), before + 6s);
+    EXPECT_FALSE(news()) << "said once";
+    clock.set(clock.now() - by);
+    EXPECT_EQ(calendar.now(), before + 6s);
+    EXPECT_EQ(news(), Code::clock_step_undone);
+    EXPECT_FALSE(news());
+  }
+}
+
+TEST_F(Calendar, SetToStay_CountsAfterTheGrace) {
+  clock.set(kStart + 1000h);
+  EXPECT_EQ(news(), Code::clock_stepped);
+  pass(59s);
+  EXPECT_EQ(calendar.now(), kStart + 59s);
+  EXPECT_FALSE(news());
+  pass(1s);
+  EXPECT_EQ(calendar.now(), kStart + 1000h + 60s);
+  EXPECT_EQ(news(), Code::clock_step_followed);
+  pass(10s);
+  EXPECT_EQ(calendar.now(), kStart + 1000h + 70s);
+  EXPECT_FALSE(news());
+}
+
+// Else the grace would never end.
+TEST_F(Calendar, SetAgainAndAgain_TheGraceIsOne) {
+  for (int i = 1; i <= 60; ++i) {
+    clock.set(kStart + i * 1000h);
+    EXPECT_LT(calendar.now(), kStart + 1h);
+    clock.advance(1s);
+  }
+  EXPECT_GT(calendar.now(), kStart + 59000h);
+}
+
+TEST_F(Calendar, GraceOfZero_FollowsAtOnceWithoutAWord) {
+  calendar.set_grace(0s);
+  clock.set(kStart + 1000h);
+  EXPECT_EQ(calendar.now(), kStart + 1000h);
+  EXPECT_FALSE(news());
+}
+
+TEST_F(Calendar, Step_SaysBothTimes) {
+  clock.set(kStart + 24h);
+  const auto error = calendar.news();
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->details().expected, "2026-01-01T00:00:00Z");
+  EXPECT_EQ(error->details().found, "2026-01-02T00:00:00Z");
+}
+
+/// A machine that slept: more time has passed than a monotonic clock counts.
+struct Asleep final : Clock {
+  std::chrono::nanoseconds slept{0};
+  WallTime now() const override { return std::chrono::floor<std::chrono::seconds>(kStart + slept); }
+  std::chrono::nanoseconds monotonic() const override { return 0ns; }
+  std::chrono::nanoseconds since_boot() const override { return slept; }
+};
+
+TEST(SleepingMachine, Wakes_TheTimeOfItsSleepHasPassed) {
+  Asleep clock;
+  SteadyCalendar calendar(clock);
+  clock.slept = 100h;
+  EXPECT_EQ(calendar.now(), kStart + 100h);
+  EXPECT_FALSE(calendar.news());
+}
+
+TEST(SystemClock, SinceBoot_GoesOn) {
+  const SystemClock clock;
+  const auto before = clock.since_boot();
+  EXPECT_GT(before, 0ns);
+  EXPECT_GE(clock.since_boot(), before);
+}
+
+}  // namespace
+}  // namespace ddssec
