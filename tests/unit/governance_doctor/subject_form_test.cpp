@@ -23,6 +23,7 @@ TEST(SubjectForm, EachProductReadsSomeOfThem) {
            Row{" CN=pub,O=Acme,C=DE\n", {kOk, kOk, kOk}},
            Row{"C=DE,O=Acme,CN=pub", {kOk, kFail, kOk}},
            Row{"/C=DE/O=Acme/CN=pub", {kOk, kFail, kOk}},
+           Row{"O=Acme,CN=pub,C=DE", {kOk, kFail, kFail}},
            Row{"CN=pub, O=Acme, C=DE", {kFail, kOk, kOk}},
            Row{"C = DE, O = Acme, CN = pub", {kFail, kFail, kOk}},
            Row{"cn=pub,o=Acme,c=DE", {kFail, kFail, kOk}},
