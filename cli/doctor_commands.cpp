@@ -17,6 +17,7 @@
 #include "governance/doctor/lint_checks.hpp"
 #include "governance/doctor/plugin_probe.hpp"
 #include "governance/doctor/ros.hpp"
+#include "governance/doctor/shared_memory.hpp"
 #include "governance/model.hpp"
 
 namespace ddssec::cli {
@@ -202,6 +203,7 @@ Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
   if (arguments.has("--plugins"))
     doctor::check_plugins(
         arguments.text("--plugins") == "system" ? "" : arguments.text("--plugins"), diagnosis);
+  doctor::check_shared_memory(loaded, doctor::cyclonedds_configuration(), settings, diagnosis);
   doctor::check_lint(loaded, settings, diagnosis);
   report.result = add_diagnosis(report, folder, diagnosis, settings, vendors);
   if (arguments.has("--peer")) DDSSEC_TRY(add_peer(report, arguments, loaded, settings, vendors));

@@ -245,6 +245,17 @@ class Golden(Transcript):
         variables["RMW_IMPLEMENTATION"] = "rmw_fastrtps_cpp"
         self.assertEqual(self.ros(enclave, exit=0, **variables), {})
 
+    def test_shared_memory_that_cyclone_dds_would_use(self):
+        def told(configuration, exit):
+            return self.json("doctor", self.paths["correct"], exit=exit,
+                             environment={"CYCLONEDDS_URI": configuration})
+        out = told("<SharedMemory><Enable>true</Enable></SharedMemory>", 1)
+        self.assertEqual([d["id"] for d in out["diagnostics"]], ["DOC100"])
+        self.assertEqual(out["result"]["verdicts"], dict(zip(VENDORS, ["unsafe", "ok", "late"])))
+        for part in ("<SharedMemory><Enable>true", "CYCLONEDDS_URI", "governance.p7s"):
+            self.assertIn(part, out["diagnostics"][0]["message"])
+        self.assertEqual(told("<General/>", 0)["diagnostics"], [])
+
     def test_plugin_libraries_are_loaded_apart(self):
         plugins = self.at / "plugins"
         plugins.mkdir()
