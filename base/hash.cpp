@@ -16,7 +16,7 @@ struct FreeContext {
 };
 
 /// OpenSSL uses a CPU's SHA instructions. False: it cannot, as when a process ends around it.
-bool sha256_by_openssl(std::initializer_list<BytesView> parts, Sha256Digest& digest) {
+bool sha256_by_openssl(std::initializer_list<BytesView> parts, std::span<std::uint8_t, 32> digest) {
   static const EVP_MD* const algorithm = EVP_MD_fetch(nullptr, "SHA256", nullptr);
   const std::unique_ptr<EVP_MD_CTX, FreeContext> context(EVP_MD_CTX_new());
   if (!algorithm || !context || EVP_DigestInit_ex(context.get(), algorithm, nullptr) != 1)
@@ -26,20 +26,25 @@ bool sha256_by_openssl(std::initializer_list<BytesView> parts, Sha256Digest& dig
   return EVP_DigestFinal_ex(context.get(), digest.data(), nullptr) == 1;
 }
 
-Sha256Digest sha256_by_libsodium(std::initializer_list<BytesView> parts) {
+void sha256_by_libsodium(std::initializer_list<BytesView> parts,
+                         std::span<std::uint8_t, 32> digest) {
   crypto_hash_sha256_state state;
   crypto_hash_sha256_init(&state);
   for (auto part : parts) crypto_hash_sha256_update(&state, part.data(), part.size());
-  Sha256Digest digest;
   crypto_hash_sha256_final(&state, digest.data());
-  return digest;
+  sodium_memzero(&state, sizeof state);
 }
 
 }  // namespace
 
 Sha256Digest sha256(std::initializer_list<BytesView> parts) {
   Sha256Digest digest;
-  return sha256_by_openssl(parts, digest) ? digest : sha256_by_libsodium(parts);
+  sha256(parts, digest);
+  return digest;
+}
+
+void sha256(std::initializer_list<BytesView> parts, std::span<std::uint8_t, 32> out) {
+  if (!sha256_by_openssl(parts, out)) sha256_by_libsodium(parts, out);
 }
 
 Sha256Digest hmac_sha256(BytesView key, std::initializer_list<BytesView> parts) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <initializer_list>
+#include <span>
 
 #include "base/bytes.hpp"
 
@@ -15,6 +16,8 @@ using Md5Digest = std::array<std::uint8_t, 16>;
 /// SHA-256 over the concatenation of `parts`.
 Sha256Digest sha256(std::initializer_list<BytesView> parts);
 inline Sha256Digest sha256(BytesView octets) { return sha256({octets}); }
+/// The same into its final place: for a digest that is a secret (see Secret::digest_of).
+void sha256(std::initializer_list<BytesView> parts, std::span<std::uint8_t, 32> out);
 
 /// HMAC-SHA256 over the concatenation of `parts`.
 Sha256Digest hmac_sha256(BytesView key, std::initializer_list<BytesView> parts);

@@ -51,6 +51,14 @@ class Secret {
     });
   }
 
+  /// SHA-256 of secret octets; it stands nowhere else.
+  static Result<Secret> digest_of(BytesView octets) requires(N >= 32) {
+    return fill(32, [&](MutableBytes out) -> Status {
+      sha256({octets}, out.first<32>());
+      return {};
+    });
+  }
+
   Secret clone() const {
     Secret copy;
     copy.octets_ = octets_;

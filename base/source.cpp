@@ -89,7 +89,12 @@ Result<Bytes> load_file(const std::string& path, std::size_t most) {
   const std::size_t size = DDSSEC_TRY(file_size(file, path));
   if (size > most) return std::unexpected(too_large(most, size));
   Bytes octets(size);
-  octets.resize(DDSSEC_TRY(read_up_to(file, path, octets)));
+  const auto read = read_up_to(file, path, octets);
+  if (!read) {
+    wipe(octets);  // it may be a key
+    return std::unexpected(read.error());
+  }
+  octets.resize(*read);
   if (octets.empty()) return fail(Code::item_empty, {.found = path});
   return octets;
 }

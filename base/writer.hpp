@@ -13,7 +13,10 @@ namespace ddssec {
 /// Appends to its own buffer. CDR alignment counts from the first octet written.
 class Writer {
  public:
-  explicit Writer(Endian endian = Endian::big) : endian_(endian) {}
+  /// `most`: octets that are certainly not exceeded, or 0; they are written without growing.
+  explicit Writer(Endian endian = Endian::big, std::size_t most = 0) : endian_(endian) {
+    octets_.reserve(most);
+  }
 
   /// An integer of 1, 2, 4 or 8 octets, without alignment.
   template <std::integral T>

@@ -257,7 +257,7 @@ Result<SharedSecret> EphemeralKey::derive(const PeerPublicKey& peer) const {
   std::size_t size = shared.size();
   const bool derived =
       EVP_PKEY_derive(context.get(), shared.data(), &size) == 1 && size <= shared.size();
-  auto secret = derived ? SharedSecret::copy_of(sha256(BytesView(shared.data(), size)))
+  auto secret = derived ? SharedSecret::digest_of(BytesView(shared.data(), size))
                         : Result<SharedSecret>(openssl_failure(Code::internal));
   wipe(shared);
   return secret;

@@ -21,10 +21,13 @@ gcm_key_data* key_in(KeyStorage storage) {
 }
 
 /// What a message leaves behind: the one-time key of its MAC, and key stream.
-struct ChachaContext {
-  chacha20_poly1305_context_data data;
-  ~ChachaContext() { wipe({static_cast<std::uint8_t*>(static_cast<void*>(&data)), sizeof data}); }
+template <class Data>
+struct WipedContext {
+  Data data;
+  ~WipedContext() { wipe({static_cast<std::uint8_t*>(static_cast<void*>(&data)), sizeof data}); }
 };
+using GcmContext = WipedContext<gcm_context_data>;
+using ChachaContext = WipedContext<chacha20_poly1305_context_data>;
 
 /// The direct calls: one, or three, a message, no state but the key, which they only read.
 class IpsecMb final : public AeadBackend {
@@ -49,9 +52,9 @@ class IpsecMb final : public AeadBackend {
       chacha(storage, request, request.plain, manager_->chacha20_poly1305_enc_update);
       return true;
     }
-    gcm_context_data context;
+    GcmContext context;
     (cipher == Cipher::aes128_gcm ? manager_->gcm128_enc : manager_->gcm256_enc)(
-        key_in(storage), &context, request.out, request.plain.data(), request.plain.size(),
+        key_in(storage), &context.data, request.out, request.plain.data(), request.plain.size(),
         request.iv.data(), request.aad.data(), request.aad.size(), request.tag.data(), kTagSize);
     return true;
   }
@@ -61,9 +64,9 @@ class IpsecMb final : public AeadBackend {
       chacha(storage, request, request.cipher, manager_->chacha20_poly1305_dec_update);
       return true;
     }
-    gcm_context_data context;
+    GcmContext context;
     (cipher == Cipher::aes128_gcm ? manager_->gcm128_dec : manager_->gcm256_dec)(
-        key_in(storage), &context, request.out, request.cipher.data(), request.cipher.size(),
+        key_in(storage), &context.data, request.out, request.cipher.data(), request.cipher.size(),
         request.iv.data(), request.aad.data(), request.aad.size(), request.tag.data(), kTagSize);
     return true;
   }

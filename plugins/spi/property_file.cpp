@@ -1,7 +1,9 @@
 #include "plugins/spi/property_file.hpp"
 
 #include <algorithm>
-#include <fstream>
+
+#include "base/rollback.hpp"
+#include "base/source.hpp"
 
 namespace ddssec::spi {
 namespace {
@@ -52,18 +54,13 @@ Result<PropertyList> parse_properties(std::string_view text) {
 }
 
 Result<PropertyList> read_property_file(const std::filesystem::path& path) {
-  std::error_code error;
-  const auto in_file = [&](Code code) { return fail(code, {.document = path.string()}); };
-  if (!std::filesystem::exists(path, error)) return in_file(Code::file_not_found);
-  std::ifstream file(path, std::ios::binary);
-  std::string text(kMostPropertyFileOctets + 1, '\0');
-  if (!file || std::filesystem::is_directory(path, error)) return in_file(Code::file_unreadable);
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (file.bad()) return in_file(Code::file_unreadable);
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  if (text.size() > kMostPropertyFileOctets) return in_file(Code::file_too_large);
-  auto properties = parse_properties(text);
-  if (!properties) return std::unexpected(properties.error().in(path.string()));
+  const auto name = path.string();
+  auto octets = load_secret_octets("file://" + name, name, kMostPropertyFileOctets);
+  if (!octets && octets.error().code() == Code::item_empty) return PropertyList{};
+  if (!octets) return std::unexpected(std::move(octets).error());
+  const Rollback at_the_end([&] { wipe(*octets); });  // one of the values may be a passphrase
+  auto properties = parse_properties(as_text(*octets));
+  if (!properties) return std::unexpected(properties.error().in(name));
   return properties;
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "base/hash.hpp"
+
 namespace ddssec::spi {
 namespace {
 
@@ -26,6 +28,13 @@ Result<std::uint32_t> read_property_count(Reader& reader) {
 }
 
 }  // namespace
+
+Property::~Property() {
+  void* const octets = value.data();
+  wipe({static_cast<std::uint8_t*>(octets), value.size()});
+}
+
+BinaryProperty::~BinaryProperty() { wipe(value); }
 
 const std::string* find_property(const PropertyList& properties, std::string_view name) {
   const auto found = std::ranges::find(properties, name, &Property::name);

@@ -20,6 +20,8 @@ struct Property {
   std::string value;
   bool propagate = true;
   bool operator==(const Property&) const = default;
+  /// A value may be a passphrase. (There is no move: copies wipe themselves, too.)
+  ~Property();
 };
 
 /// BinaryProperty_t (DDS-Security 7.3.2).
@@ -28,6 +30,8 @@ struct BinaryProperty {
   Bytes value;
   bool propagate = true;
   bool operator==(const BinaryProperty&) const = default;
+  /// A crypto token's value is key material. (There is no move: copies wipe themselves, too.)
+  ~BinaryProperty();
 };
 
 using PropertyList = std::vector<Property>;

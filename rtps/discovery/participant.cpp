@@ -90,6 +90,8 @@ Status Participant::open_group(const SubmessageView& prefix, MessageReader& mess
   context.shield.submessage = opened->by;
   const auto status = process(*inner, context);
   context.shield.submessage = {};
+  if (opened->by.entity == kVolatileMessageWriter)
+    wipe(MutableBytes(submessage_scratch_).first(opened->plain.size()));  // there were keys in it
   return status;
 }
 

@@ -8,8 +8,10 @@
 #include <span>
 #include <vector>
 
+#include "base/hash.hpp"
 #include "rtps/reliability/send_protection.hpp"
 #include "rtps/transport/transport.hpp"
+#include "rtps/wire/entity_ids.hpp"
 #include "rtps/wire/header.hpp"
 #include "rtps/wire/info_destination.hpp"
 #include "rtps/wire/info_timestamp.hpp"
@@ -144,7 +146,10 @@ class MessageSender {
     }
     SpanWriter plain(plain_);
     write(plain, submessage);
-    return !plain.overflowed() && write_protected_submessage(sender, receiver, plain.view());
+    const bool done =
+        !plain.overflowed() && write_protected_submessage(sender, receiver, plain.view());
+    if (sender == kVolatileMessageWriter) wipe(MutableBytes(plain_).first(plain.size()));  // keys
+    return done;
   }
   std::optional<BytesView> protected_payload(const EntityId& writer, BytesView plain);
   bool write_protected_submessage(const EntityId& sender, const Guid& receiver, BytesView plain);

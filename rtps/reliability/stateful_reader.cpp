@@ -233,6 +233,7 @@ StatefulReader::Partial* StatefulReader::partial_of(WriterProxy& proxy, const Da
                     Payload::uninitialized(frag.sample_size),
                     frag.inline_qos.coherence,
                     frag.inline_qos.original};
+  if (guid_.entity == kVolatileMessageReader) partial.change.payload.wipe_at_end();
   partial.fragment_size = frag.fragment_size;
   partial.have = Payload::uninitialized(frag.total());
   std::ranges::fill(partial.have.fill(), std::uint8_t{0});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/hash.hpp"
 #include "rtps/cdr/encapsulation.hpp"
 #include "rtps/wire/submessage.hpp"
 
@@ -22,10 +23,26 @@ Result<MessageIdentity> read_identity(Reader& reader) {
   return identity;
 }
 
+/// Of the name, the value and their lengths, each aligned and ended by NUL.
+std::size_t most_size_of(const auto& property) {
+  return property.name.size() + property.value.size() + 16;
+}
+
+std::size_t most_size_of(const GenericMessage& message) {
+  std::size_t size = 192 + message.message_class.size();
+  for (const auto& token : message.data) {
+    size += token.class_id.size() + 24;
+    for (const auto& property : token.properties) size += most_size_of(property);
+    for (const auto& property : token.binary_properties) size += most_size_of(property);
+  }
+  return size;
+}
+
 }  // namespace
 
 Bytes write_generic_message(const GenericMessage& message) {
-  Writer out(Endian::little);
+  // Reserved at once, so that no smaller block with some of the keys is left behind unwiped.
+  Writer out(Endian::little, most_size_of(message));
   write(out, message.identity);
   write(out, message.related);
   for (const auto* guid :
@@ -39,6 +56,8 @@ Bytes write_generic_message(const GenericMessage& message) {
   Bytes payload(kEncapsulationSize + out.size());
   payload[1] = 1;
   std::ranges::copy(out.view(), payload.begin() + kEncapsulationSize);
+  auto written = out.take();
+  wipe(written);
   return payload;
 }
 

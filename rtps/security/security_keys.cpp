@@ -66,8 +66,10 @@ void Security::send_volatile(Peer& peer, GenericMessage message) {
   message.identity = {{own_->guid().prefix, kVolatileMessageWriter}, ++volatile_number_};
   message.destination_participant = peer.data.guid;
   Change change;
-  change.payload = Payload::copy_of(write_generic_message(message));
+  auto octets = write_generic_message(message);
+  change.payload = Payload::copy_of(octets);
   change.payload.wipe_at_end();
+  wipe(octets);
   peer.volatile_writer->write(std::move(change), now_);
 }
 

@@ -1,0 +1,61 @@
+// What a message leaves behind once it is encrypted or decrypted: not the key stream of its last
+// block, and no session key, wherever the ciphers come from.
+#include "tests/support/remains.hpp"
+
+#include <tuple>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/cryptography/two_sides.hpp"
+
+namespace ddssec::cryptography::testing {
+namespace {
+
+using test::Remains;
+
+constexpr std::size_t kHeader = 24;  // CryptoHeader and the length of the ciphertext
+constexpr std::size_t kBlock = 16, kBlocks = 4, kPart = 15;
+
+/// The key stream of the part of a block that a payload ends with.
+Bytes last_stream(const Bytes& plain, const Bytes& encoded) {
+  Bytes out(kPart);
+  for (std::size_t i = 0; i < kPart; ++i) {
+    const auto at = kBlocks * kBlock + i;
+    out[i] = static_cast<std::uint8_t>(plain[at] ^ encoded[kHeader + at]);
+  }
+  return out;
+}
+
+class Leftovers : public ::testing::TestWithParam<std::tuple<AeadChoice, std::string_view>> {};
+INSTANTIATE_TEST_SUITE_P(EachCipher, Leftovers,
+                         ::testing::Combine(::testing::Values(AeadChoice::automatic,
+                                                              AeadChoice::openssl),
+                                            ::testing::Values(spi::kAes128Name, spi::kAes256Name,
+                                                              spi::kChaCha20Poly1305Name)));
+
+// OpenSSL's contexts keep it beside their key, and wipe both in the end.
+TEST_P(Leftovers, OfTheKeyStreamOfTheLastBlockThereAreNone) {
+  const auto [aead, algorithm] = GetParam();
+  auto two =
+      std::make_unique<TwoSides>(ProtectionKind::none, cipher(algorithm), Options{.aead = aead});
+  const auto e = two->endpoints(endpoint_attributes(ProtectionKind::none, ProtectionKind::encrypt),
+                                cipher(algorithm), cipher(algorithm));
+  Bytes plain(kBlocks * kBlock + kPart);
+  for (std::size_t i = 0; i < plain.size(); ++i) plain[i] = static_cast<std::uint8_t>(i * 7 + 1);
+  Bytes encoded, decoded;
+  test::at_depth([&] { encoded = encode_payload(*two, e, plain).value(); });
+  Remains remains;
+  auto stream = last_stream(plain, encoded);
+  remains.look_for("key stream", stream);
+  wipe(stream);
+  const bool keeps_it = aead == AeadChoice::openssl;
+  EXPECT_EQ(remains.find().empty(), !keeps_it);
+  test::at_depth([&] { decoded = decode_payload(*two, e, encoded).value(); });
+  EXPECT_EQ(remains.find().empty(), !keeps_it);
+  EXPECT_EQ(decoded, plain);
+  two.reset();
+  EXPECT_EQ(remains.find(), std::vector<std::string>());
+}
+
+}  // namespace
+}  // namespace ddssec::cryptography::testing

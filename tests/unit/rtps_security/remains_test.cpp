@@ -1,0 +1,161 @@
+// After participants have met, talked and gone, none of their secrets is left anywhere in memory:
+// stack, heap and every other page that this process can write to is searched.
+#include "tests/support/remains.hpp"
+
+#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/forwarding_authentication.hpp"
+
+namespace ddssec::rtps::testing {
+namespace {
+
+using test::Remains;
+
+/// Notes the shared secrets that it gives away.
+class SecretWatch final : public ForwardingAuthentication {
+ public:
+  SecretWatch(std::unique_ptr<spi::Authentication> real, Remains& remains)
+      : ForwardingAuthentication(std::move(real)), remains_(remains) {}
+  Result<std::shared_ptr<const spi::SharedSecret>> shared_secret(
+      spi::HandshakeHandle handshake) override {
+    auto out = ForwardingAuthentication::shared_secret(handshake);
+    if (out)
+      (*out)->secret.expose([&](BytesView octets) { remains_.look_for("shared secret", octets); });
+    return out;
+  }
+
+ private:
+  Remains& remains_;
+};
+
+/// Notes all keys that others' tokens bring.
+class KeyWatch final : public spi::Cryptography, spi::CryptoKeyExchange {
+ public:
+  KeyWatch(std::unique_ptr<spi::Cryptography> real, Remains& remains)
+      : real_(std::move(real)), remains_(remains) {}
+  spi::CryptoKeyFactory& key_factory() override { return real_->key_factory(); }
+  spi::CryptoKeyExchange& key_exchange() override { return *this; }
+  spi::CryptoTransform& transform() override { return real_->transform(); }
+
+ private:
+  using Tokens = std::vector<spi::Token>;
+  using Given = std::span<const spi::Token>;
+  using Participant = spi::ParticipantCryptoHandle;
+  using DataWriter = spi::DatawriterCryptoHandle;
+  using DataReader = spi::DatareaderCryptoHandle;
+
+  Result<Tokens> create_local_participant_crypto_tokens(Participant a, Participant b,
+                                                        spi::KeyStage stage) override {
+    return exchange().create_local_participant_crypto_tokens(a, b, stage);
+  }
+  Status set_remote_participant_crypto_tokens(Participant a, Participant b, Given tokens) override {
+    note("participant", tokens);
+    return exchange().set_remote_participant_crypto_tokens(a, b, tokens);
+  }
+  Result<Tokens> create_local_datawriter_crypto_tokens(DataWriter a, DataReader b,
+                                                       spi::KeyStage stage) override {
+    return exchange().create_local_datawriter_crypto_tokens(a, b, stage);
+  }
+  Status set_remote_datawriter_crypto_tokens(DataReader a, DataWriter b, Given tokens) override {
+    note("writer", tokens);
+    return exchange().set_remote_datawriter_crypto_tokens(a, b, tokens);
+  }
+  Result<Tokens> create_local_datareader_crypto_tokens(DataReader a, DataWriter b,
+                                                       spi::KeyStage stage) override {
+    return exchange().create_local_datareader_crypto_tokens(a, b, stage);
+  }
+  Status set_remote_datareader_crypto_tokens(DataWriter a, DataReader b, Given tokens) override {
+    note("reader", tokens);
+    return exchange().set_remote_datareader_crypto_tokens(a, b, tokens);
+  }
+
+  spi::CryptoKeyExchange& exchange() { return real_->key_exchange(); }
+  /// KeyMaterial_AES_GCM_GMAC (DDS-Security 9.5.2.1.2) with keys of 256 bits: the salt is public
+  /// to nobody else, either.
+  void note(const std::string& whose, Given tokens) {
+    constexpr std::size_t kSalt = 8, kSenderKey = 48, kReceiverKey = 88, kSize = 32;
+    for (const auto& token : tokens) {
+      const BytesView value(token.binary_properties.front().value);
+      if (value.size() < kSenderKey + kSize) continue;
+      remains_.look_for(whose + "'s salt", value.subspan(kSalt, kSize));
+      remains_.look_for(whose + "'s sender key", value.subspan(kSenderKey, kSize));
+      if (value.size() >= kReceiverKey + kSize)
+        remains_.look_for(whose + "'s receiver key", value.subspan(kReceiverKey, kSize));
+    }
+  }
+
+  std::unique_ptr<spi::Cryptography> real_;
+  Remains& remains_;
+};
+
+/// Written down nowhere as it is.
+std::string passphrase() {
+  std::string out(40, '\0');
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = static_cast<char>('!' + (i * 29 + 7) % 90);
+  return out;
+}
+
+/// The participant's private key is encrypted.
+spi::PropertyList with_passphrase(spi::PropertyList properties) {
+  namespace property = spi::property;
+  auto secret = spi::Property{std::string(property::kPassword), passphrase(), false};
+  const auto opened =
+      pki::PrivateKey::load(*spi::find_property(properties, property::kPrivateKey), "");
+  const auto phrase = pki::Passphrase::copy_of(as_bytes(secret.value));
+  for (auto& one : properties)
+    if (one.name == property::kPrivateKey)
+      one.value =
+          opened->to_pem(&*phrase)->expose([](BytesView pem) { return data_uri(as_text(pem)); });
+  properties.push_back(secret);
+  return properties;
+}
+
+/// Two secured participants match under everything encrypted, and talk.
+[[gnu::noinline]] void live(Remains& remains) {
+  auto phrase = spi::Property{"", passphrase()};
+  remains.look_for("passphrase", as_bytes(phrase.value));
+  Node engines(9);
+  const Environment environment{engines.clock, engines.random, engines.events};
+  engines.authentication =
+      std::make_unique<SecretWatch>(authentication::make_authentication(environment), remains);
+  engines.access_control = access_control::make_access_control(environment);
+  engines.cryptography =
+      std::make_unique<KeyWatch>(cryptography::make_cryptography(environment), remains);
+  const auto rules = everything(ProtectionKind::encrypt_with_origin_authentication);
+  Node a(1, with_passphrase(properties_of("CN=alice,O=Example", rules)), engines);
+  Node b(2, with_passphrase(properties_of("CN=bob,O=Example", rules)), engines);
+  World world;
+  world.nodes = {&a, &b};
+  const auto writer = a->create_writer(square(default_writer_qos()), a.listener, world.now).value();
+  auto qos = default_reader_qos();
+  qos.reliability.kind = ReliabilityKind::reliable;
+  EXPECT_TRUE(b->create_reader(square(qos), b.listener, world.now));
+  EXPECT_TRUE(world.run_until([&] { return a.listener.matched == 1 && b.listener.matched == 1; }));
+  for (int i = 0; i < 10; ++i) {
+    Change change;
+    change.payload = payload(100);
+    a->writer(writer)->write(std::move(change), world.now);
+  }
+  EXPECT_TRUE(world.run_until([&] { return b.listener.changes.size() == 10; }));
+}
+
+TEST(Remains, OfTheSecretsOfTwoParticipantsThereAreNone) {
+  Remains remains;
+  test::at_depth([&] { live(remains); });
+  // Both sides' shared secret, and at least participant's, writer's and reader's keys of each.
+  EXPECT_GE(remains.size(), 40u);
+  EXPECT_EQ(remains.find(), std::vector<std::string>());
+}
+
+/// The search itself: it finds what is on the heap, on the stack and in a thread's memory.
+TEST(Remains, AreFoundWhereTheyAre) {
+  Remains remains;
+  {
+    auto phrase = spi::Property{"", passphrase()};
+    remains.look_for("heap", as_bytes(phrase.value));
+    EXPECT_FALSE(remains.find().empty());
+  }
+  EXPECT_TRUE(remains.find().empty());
+}
+
+}  // namespace
+}  // namespace ddssec::rtps::testing
