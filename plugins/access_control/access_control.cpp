@@ -246,7 +246,10 @@ Result<PermissionsHandle> Plugin::validate_remote_permissions(spi::IdentityHandl
   const Holder local = handles_.find_local(local_identity);
   if (!local) return refuse(Error(Code::unknown_local_identity));
   const auto& participant = local->participant();
+  // Of the domain, whatever the peer asks for: join access control or not.
   Subject subject;
+  if (const auto status = check_remote_algorithms(*participant, credential, subject); !status)
+    return refuse(status.error().in(participant->governance_name), subject.shown);
   auto judged = judge_remote(context(), *participant, permissions_token, credential, subject);
   const std::string name = subject.shown.empty() ? "permissions of a peer without certificate"
                                                  : "permissions of " + subject.shown;

@@ -7,6 +7,7 @@
 
 #include "governance/read.hpp"
 #include "pki/source.hpp"
+#include "plugins/access_control/allowed_algorithms.hpp"
 #include "plugins/access_control/protection.hpp"
 #include "plugins/spi/property_names.hpp"
 
@@ -46,15 +47,35 @@ Result<std::array<std::string, 3>> document_uris(const spi::PropertyList& proper
   return values;
 }
 
-Result<Subject> local_subject(const spi::PropertyList& properties) {
-  constexpr auto kProperty = spi::property::kIdentityCertificate;
-  const auto* uri = spi::find_property(properties, kProperty);
-  if (!uri || uri->empty()) return fail(Code::missing_property, {.field = std::string(kProperty)});
-  const auto file =
-      DDSSEC_TRY(pki::load_certificates(*uri, kProperty, pki::kMostCertificateOctets));
-  const auto certificate =
-      DDSSEC_TRY(in_document(pki::Certificate::from_pem(file), document_name(kProperty, *uri)));
-  return Subject{pki::SubjectName::of(certificate), certificate.subject()};
+/// What `read` makes of the certificates that a property names.
+template <class Read>
+auto certificates_of(const spi::PropertyList& properties, std::string_view property,
+                     std::size_t most, Read&& read) -> decltype(read(BytesView())) {
+  const auto* uri = spi::find_property(properties, property);
+  if (!uri || uri->empty()) return fail(Code::missing_property, {.field = std::string(property)});
+  const auto file = DDSSEC_TRY(pki::load_certificates(*uri, property, most));
+  return in_document(read(file), document_name(property, *uri));
+}
+
+Result<pki::Certificate> local_certificate(const spi::PropertyList& properties) {
+  return certificates_of(properties, spi::property::kIdentityCertificate,
+                         pki::kMostCertificateOctets, pki::Certificate::from_pem);
+}
+
+/// Ours are refused here and not in authentication, which hosts ask before there is a governance.
+Status check_own_algorithms(Participant& own, const pki::Certificate& certificate,
+                            const spi::PropertyList& properties) {
+  const auto* const allowed = own.allowed_algorithms();
+  if (allowed == nullptr) return {};
+  own.identity_authorities =
+      DDSSEC_TRY(certificates_of(properties, spi::property::kIdentityCa, pki::kMostBundleOctets,
+                                 pki::Certificate::bundle_from_pem));
+  DDSSEC_TRY(check_identity(*allowed, certificate, own.identity_authorities));
+  const auto signers =
+      DDSSEC_TRY(certificates_of(properties, spi::property::kPermissionsCa, pki::kMostBundleOctets,
+                                 pki::Certificate::bundle_from_pem));
+  for (const auto& signer : signers) DDSSEC_TRY(check_authority(*allowed, signer));
+  return {};
 }
 
 Result<std::shared_ptr<const governance::CompiledGovernance>> compile_governance(
@@ -99,7 +120,8 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
                                                       std::string_view domain_tag) {
   const auto uris = DDSSEC_TRY(document_uris(properties));
   const auto& [ca_uri, governance_uri, permissions_uri] = uris;
-  auto subject = DDSSEC_TRY(local_subject(properties));
+  const auto certificate = DDSSEC_TRY(local_certificate(properties));
+  Subject subject{pki::SubjectName::of(certificate), certificate.subject()};
   auto participant = std::make_shared<Participant>();
   participant->identity = identity;
   participant->domain = domain;
@@ -109,8 +131,11 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
   participant->governance_name = document_name(spi::property::kGovernance, governance_uri);
   const auto governance_file =
       DDSSEC_TRY(pki::load(governance_uri, spi::property::kGovernance, pki::kMostDocumentOctets));
-  participant->governance = DDSSEC_TRY(in_document(
-      compile_governance(context, *participant, governance_file), participant->governance_name));
+  participant->governance =
+      DDSSEC_TRY(in_document(compile_governance(context, *participant, governance_file),
+                             participant->governance_name));
+  DDSSEC_TRY(in_document(check_own_algorithms(*participant, certificate, properties),
+                         participant->governance_name));
   const auto name = document_name(spi::property::kPermissions, permissions_uri);
   const auto file =
       DDSSEC_TRY(pki::load(permissions_uri, spi::property::kPermissions, pki::kMostDocumentOctets));
@@ -121,6 +146,19 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
                                                     std::move(subject), name, std::move(document));
   DDSSEC_TRY(holder->grant(context.now));
   return holder;
+}
+
+Status check_remote_algorithms(const Participant& local, const spi::Token& credential,
+                               Subject& subject) {
+  const auto* const allowed = local.allowed_algorithms();
+  const auto octets = octets_of(credential, "c.id");
+  if (allowed == nullptr || !octets) return {};
+  const auto certificate = DDSSEC_TRY(pki::Certificate::from_pem(*octets));
+  subject = {pki::SubjectName::of(certificate), certificate.subject()};
+  DDSSEC_TRY(check_identity(*allowed, certificate, local.identity_authorities));
+  const auto agreement = octets_of(credential, "c.kagree_algo");
+  return check_key_establishment(*allowed,
+                                 agreement ? std::optional(as_text(*agreement)) : std::nullopt);
 }
 
 Result<std::shared_ptr<PermissionsDocument>> judge_remote(const LoadContext& context,

@@ -18,8 +18,8 @@ struct LoadContext {
 
 /// Reads what the properties name: certificate, permissions CA, governance and permissions, and
 /// finds the grant. Errors: access_not_configured, access_document_missing, missing_property,
-/// governance_not_enforceable, and those of the documents; each names the
-/// file.
+/// governance_not_enforceable, identity_algorithm_not_allowed, trust_chain_algorithm_not_allowed,
+/// and those of the documents; each names the file.
 Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context,
                                                       spi::IdentityHandle identity, DomainId domain,
                                                       const spi::PropertyList& properties,
@@ -34,5 +34,11 @@ Result<std::shared_ptr<PermissionsDocument>> judge_remote(const LoadContext& con
                                                           const spi::Token& permissions_token,
                                                           const spi::Token& credential,
                                                           Subject& subject);
+
+/// What <allowed_crypto_algorithms> says to a peer's identity and its handshake; `subject` as
+/// above. Success if the credential holds no certificate: judge_remote refuses that. Errors: those
+/// of allowed_algorithms.hpp, of Certificate::from_pem.
+Status check_remote_algorithms(const Participant& local, const spi::Token& credential,
+                               Subject& subject);
 
 }  // namespace ddssec::access_control

@@ -5,6 +5,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "plugins/access_control/documents.hpp"
 #include "plugins/spi/handles.hpp"
@@ -20,6 +21,14 @@ struct Participant {
   std::string governance_name;  ///< the document's name in errors
   std::shared_ptr<const PermissionsCa> ca;
   std::string permissions_text;  ///< the signed file as it goes to peers
+  /// identity_ca, if the governance restricts algorithms
+  std::vector<pki::Certificate> identity_authorities;
+
+  /// Null: all algorithms.
+  const governance::AllowedAlgorithms* allowed_algorithms() const {
+    const auto& allowed = governance->domain_rule().allowed_algorithms;
+    return allowed ? &*allowed : nullptr;
+  }
 };
 
 /// Who is judged.

@@ -81,12 +81,10 @@ spi::CipherMask ciphers_in(const std::vector<governance::Text>& names) {
 }
 
 Status check_algorithms(const governance::AllowedAlgorithms& allowed) {
-  DDSSEC_TRY(check_listed(allowed.line, "<digital_signature>", allowed.digital_signature,
-                          {{"RSASSA-PSS-MGF1SHA256+2048+SHA256", "RSA-2048", "RSASSA-PSS-SHA256"},
-                           {"ECDSA+P256+SHA256", "EC-prime256v1", "ECDSA-SHA256"}}));
+  // What our own handshakes begin with, and what key tokens and peers may always use. The rest is
+  // held against what is used (allowed_algorithms.hpp).
   DDSSEC_TRY(check_listed(allowed.line, "<key_establishment>", allowed.key_establishment,
-                          {{"DHE+MODP-2048-256", "DH+MODP-2048-256"},
-                           {"ECDHE-CEUM+P256", "ECDH+prime256v1-CEUM", "ECDH+prime256v1"}}));
+                          {{"ECDHE-CEUM+P256", "ECDH+prime256v1-CEUM", "ECDH+prime256v1"}}));
   return check_listed(allowed.line, "<symmetric_cipher>", allowed.symmetric_cipher,
                       {{"AES128+GCM"}, {"AES256+GCM"}});
 }

@@ -20,7 +20,7 @@ std::optional<spi::EndpointSecurityAttributes> builtin_attributes(
     const governance::DomainRule& rule, std::string_view topic);
 
 /// Refuses what would not be done: pre-shared keys and key revision unless the host has them, and
-/// lists of allowed algorithms that leave out one that the plugins may use. Error:
+/// lists of allowed algorithms that leave out one that the plugins use without a choice. Error:
 /// governance_not_enforceable.
 Status check_enforceable(const governance::DomainRule& rule, const Options& options);
 

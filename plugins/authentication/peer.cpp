@@ -1,6 +1,7 @@
 #include "plugins/authentication/peer.hpp"
 
 #include "plugins/authentication/adjusted_guid.hpp"
+#include "plugins/authentication/algorithms.hpp"
 #include "plugins/authentication/participant_data.hpp"
 
 namespace ddssec::authentication {
@@ -42,6 +43,7 @@ Result<JudgedPeer> JudgedPeer::judge(const Credentials& credentials, const Guid&
   add_field(credential, "c.id", as_bytes(certificate.pem()));
   add_field(credential, "c.perm",
             without_trailing_nul(credentials.permissions.value_or(BytesView())));
+  add_field(credential, "c.kagree_algo", as_bytes(key_agreement_name(credentials.key_agreement)));
   return JudgedPeer(std::move(chain), std::move(credential),
                     ciphers_in_participant_data(credentials.participant_data));
 }

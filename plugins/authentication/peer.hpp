@@ -22,7 +22,8 @@ class JudgedPeer {
   const pki::Certificate& certificate() const { return chain_.certificate(); }
 
   /// AuthenticatedPeerCredentialToken: binary c.id and c.perm (DDS-Security 9.3.2.2). c.perm comes
-  /// without the NUL that Cyclone DDS appends; it is empty if the peer has no permissions.
+  /// without the NUL that Cyclone DDS appends; it is empty if the peer has no permissions. Then
+  /// c.kagree_algo, for access control, which knows what the governance allows.
   const spi::Token& credential() const { return credential_; }
 
   /// What its participant data says that it can decrypt; proven once a signature is.

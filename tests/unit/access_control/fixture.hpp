@@ -129,7 +129,9 @@ class AccessControlTest : public testing::Test {
             {std::string(spi::property::kPermissionsCa),
              "data:," + authorities().permissions_ca.certificate().pem()},
             {std::string(spi::property::kGovernance), "data:," + governance_file},
-            {std::string(spi::property::kPermissions), "data:," + permissions_file}};
+            {std::string(spi::property::kPermissions), "data:," + permissions_file},
+            {std::string(spi::property::kIdentityCa),
+             "data:," + authorities().identity_ca.certificate().pem()}};
   }
 
   void make(Options options = {}) { plugin = make_access_control(environment, std::move(options)); }

@@ -131,7 +131,7 @@ TEST_F(LocalPermissions, PreSharedKeysAreForHostsThatHaveThem) {
   EXPECT_EQ(plugin->participant_sec_attributes(*handle)->rtps_psk, ProtectionKind::encrypt);
 }
 
-TEST_F(LocalPermissions, AlgorithmListMustHoldAllThatAreUsed) {
+TEST_F(LocalPermissions, CipherListMustHoldAllThatAreUsed) {
   auto content = protected_governance();
   auto& allowed = content.domain_rules[0].allowed_algorithms.emplace();
   allowed.digital_signature = {{"RSASSA-PSS-MGF1SHA256+2048+SHA256", 0}, {"ECDSA+P256+SHA256", 0}};

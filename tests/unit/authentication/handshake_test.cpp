@@ -198,6 +198,11 @@ TEST_P(InitiatorStyle, GetsItsAnswer) {
   ASSERT_OK(credential);
   EXPECT_EQ(as_text(field(*credential, "c.perm")),
             param.style.permissions ? "signed document" : "");
+  // The kind by one name, however the peer spells it.
+  EXPECT_EQ(as_text(field(*credential, "c.kagree_algo")),
+            param.kind == KeyAgreementKind::ecdh_p256   ? "ECDH+prime256v1-CEUM"
+            : param.kind == KeyAgreementKind::ecdh_p384 ? "ECDHE-CEUM+P384"
+                                                        : "DH+MODP-2048-256");
 }
 
 const StyleCase kRepliers[] = {
