@@ -19,7 +19,7 @@ struct GovernanceUse {
   bool choices = false;  ///< also GOV042, which most documents have for good reasons
 };
 
-/// Findings GOV001 to GOV042, by line. Errors stop `governance sign`.
+/// Findings GOV001 to GOV043, by line. Errors stop `governance sign`.
 std::vector<Finding> lint(const Governance& governance, const GovernanceUse& use = {});
 
 /// What a permissions document is meant for. What is not given is not looked at.

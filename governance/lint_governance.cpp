@@ -210,6 +210,16 @@ void check_access(Findings& out, const Place& place, std::size_t i) {
     finding.vendors = kStock;
     out.add(std::move(finding));
   }
+  if (controls_access(topic) && is_plain(topic)) {
+    auto finding = place.about(
+        GOV043, i,
+        fmt::format("{}: access is controlled, and metadata_protection_kind and "
+                    "data_protection_kind are NONE, so that only the good will of peers keeps "
+                    "them out under Cyclone DDS",
+                    name));
+    finding.vendors = {kCyclone};
+    out.add(std::move(finding));
+  }
   const bool is_secret =
       is_encrypted(topic.data_protection_kind) || is_encrypted(topic.metadata_protection_kind);
   if (is_secret && !topic.enable_read_access_control)

@@ -201,6 +201,31 @@ void report_obstacles(const MeetingScene& scene, const TopicMeeting& topic) {
            .line = topic.rules[1]->line});
 }
 
+// Once for each topic rule. What such a participant runs under is not known here, so it is a note.
+void note_unguarded(const MeetingScene& scene, const TopicMeeting& topic) {
+  for (const int i : kBoth) {
+    const auto* rule = topic.rules[i];
+    if (rule == nullptr || scene.party(i).vendor != Vendor::ours) continue;
+    const bool controlled = rule->enable_read_access_control || rule->enable_write_access_control;
+    if (!controlled || is_protected(rule->metadata_protection_kind) ||
+        is_protected(rule->data_protection_kind))
+      continue;
+    const auto document = scene.folder(i).paths.governance.string();
+    const bool said = std::ranges::any_of(scene.out.notes, [&](const Finding& note) {
+      return note.rule == Rule::GOV043 && note.document == document && note.line == rule->line;
+    });
+    if (said) continue;
+    scene.out.notes.push_back(
+        {.rule = Rule::GOV043,
+         .message = fmt::format("topic \"{}\": access is controlled and nothing protects it; in a "
+                                "Cyclone DDS process ddssec's plugins refuse to make such an "
+                                "endpoint (1612)",
+                                topic.topic),
+         .document = document,
+         .line = rule->line});
+  }
+}
+
 /// The expressions about topics that a participant's documents hold.
 void add_expressions(const MeetingScene& scene, int index, std::vector<RankedExpression>& out) {
   const auto add = [&](std::string_view expression) {
@@ -278,6 +303,7 @@ void meet_on_topic(const MeetingScene& scene, const std::string& topic, bool nam
   if (named) report_refusals(scene, out);
   report_differences(scene, out);
   report_obstacles(scene, out);
+  note_unguarded(scene, out);
   scene.out.topics.push_back(std::move(out));
 }
 

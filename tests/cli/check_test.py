@@ -331,6 +331,18 @@ class Check(Transcript):
         if starter == "A":  # Cyclone DDS starts: the other direction works
             self.check("--vendor", "A=cyclonedds", "--vendor", "B=fastdds", exit=0)
 
+    def test_access_control_that_nothing_protects(self):
+        xml = GOVERNANCE
+        for kind in ("metadata", "data"):
+            xml = xml.replace(f"<{kind}_protection_kind>ENCRYPT", f"<{kind}_protection_kind>NONE")
+        for one in (self.talker, self.listener):
+            one.sign("governance", xml)
+        told = [d for d in self.check(exit=0)["diagnostics"] if d["id"] == "GOV043"]
+        self.assertEqual(len(told), 2)  # one for each governance document
+        self.assertIn("refuse to make such an endpoint (1612)", told[0]["message"])
+        stock = self.check("--vendor", "cyclonedds", exit=0)["diagnostics"]
+        self.assertNotIn("GOV043", [d["id"] for d in stock])
+
     def test_doctor_with_a_peer_is_both_and_the_check(self):
         out = self.json("doctor", "talker", "--peer", "listener", exit=0)
         self.assertEqual(out["result"]["peer"]["verdicts"]["ours"], "ok")

@@ -201,6 +201,35 @@ TEST(LintGovernance, DataProtectionAlone) {
   EXPECT_EQ(found.vendors, (std::vector<std::string>{"cyclonedds", "fastdds"}));
 }
 
+TEST(LintGovernance, AccessControlWithoutProtection) {
+  const auto plain = [](auto&& change) {
+    return of(ddssec::Rule::GOV043, changed([&](DomainRule& rule) {
+                auto& topic = rule.topic_rules[0];
+                topic.metadata_protection_kind = topic.data_protection_kind = none;
+                change(rule);
+              }));
+  };
+  const auto found = plain([](auto&) {});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].severity, Severity::warning);
+  EXPECT_EQ(found[0].vendors, std::vector<std::string>{"cyclonedds"});
+  // Protected messages have one key for everything a participant says.
+  EXPECT_EQ(plain([](DomainRule& rule) { rule.rtps_protection_kind = encrypt; }).size(), 1u);
+  EXPECT_EQ(plain([](DomainRule& rule) {
+              rule.topic_rules[0].enable_read_access_control = false;
+            }).size(),
+            1u);
+  EXPECT_TRUE(plain([](DomainRule& rule) {
+                rule.topic_rules[0].enable_read_access_control = false;
+                rule.topic_rules[0].enable_write_access_control = false;
+              }).empty());
+  EXPECT_TRUE(of(ddssec::Rule::GOV043, changed([](DomainRule& rule) {
+                   rule.topic_rules[0].metadata_protection_kind = none;
+                   rule.topic_rules[0].data_protection_kind = sign;
+                 }))
+                  .empty());
+}
+
 TEST(LintGovernance, EncryptedForEverybody) {
   EXPECT_EQ(only(changed([](DomainRule& rule) {
               rule.topic_rules[0].enable_read_access_control = false;
