@@ -87,8 +87,9 @@ std::vector<governance::DataTag> data_tags_of(const EndpointRequest& request) {
 }
 
 /// Hosts ask for a peer's permissions after it has authenticated. `peer_subject` empty: about us.
-Event event_about(const std::string& peer_subject, const Error& error) {
-  return Event(error, peer_subject, {},
+Event event_about(const std::string& peer_subject, const Error& error,
+                  const std::string& peer_guid = {}) {
+  return Event(error, peer_subject, peer_guid,
                peer_subject.empty() ? PeerProof::not_a_peer : PeerProof::authenticated);
 }
 
@@ -119,13 +120,14 @@ class Plugin final : public spi::AccessControl {
   }
   Status check_create_datawriter(PermissionsHandle local, DomainId domain_id,
                                  const EndpointRequest& request) override {
-    return check(local, domain_id,
-                 [&](PermissionsHolder& h) { return judge_endpoint(h, Action::publish, request); });
+    return check(local, domain_id, [&](PermissionsHolder& h) {
+      return judge_announced(h, Action::publish, request);
+    });
   }
   Status check_create_datareader(PermissionsHandle local, DomainId domain_id,
                                  const EndpointRequest& request) override {
     return check(local, domain_id, [&](PermissionsHolder& h) {
-      return judge_endpoint(h, Action::subscribe, request);
+      return judge_announced(h, Action::subscribe, request);
     });
   }
   Status check_create_topic(PermissionsHandle local, DomainId domain_id,
@@ -144,6 +146,7 @@ class Plugin final : public spi::AccessControl {
   }
   Result<RemoteDatareader> check_remote_datareader(PermissionsHandle remote, DomainId domain_id,
                                                    const EndpointRequest& request) override;
+  Status check_remote_match(PermissionsHandle remote, const Match& match) override;
   Status check_remote_topic(PermissionsHandle remote, DomainId domain_id,
                             std::string_view topic_name) override {
     return check_create_topic(remote, domain_id, topic_name);
@@ -191,8 +194,9 @@ class Plugin final : public spi::AccessControl {
   LoadContext context() { return {documents_, options_, environment_.clock.now()}; }
 
   /// Raises the one event of a refusal.
-  std::unexpected<Error> refuse(const Error& error, const std::string& peer_subject = {}) {
-    environment_.events.raise(event_about(peer_subject, error));
+  std::unexpected<Error> refuse(const Error& error, const std::string& peer_subject = {},
+                                const std::string& peer_guid = {}) {
+    environment_.events.raise(event_about(peer_subject, error, peer_guid));
     return std::unexpected(error);
   }
 
@@ -226,9 +230,11 @@ class Plugin final : public spi::AccessControl {
 
   Status judge_participant(PermissionsHolder& holder);
   Status judge_endpoint(PermissionsHolder& holder, Action action, const EndpointRequest& request);
+  Status judge_announced(PermissionsHolder& holder, Action action, const EndpointRequest& request);
   Status judge_topic(PermissionsHolder& holder, std::string_view topic);
   std::vector<PermissionsHandle> peers_of_only(const Participants& gone, const Entries& all,
                                                WallTime now);
+  bool may_as_announced(PermissionsHolder& holder, Action action, const EndpointRequest& local);
   bool may_relay(PermissionsHolder& holder, const EndpointRequest& request);
   Result<spi::EndpointSecurityAttributes> attributes(PermissionsHandle local,
                                                      std::string_view topic);
@@ -287,8 +293,38 @@ Status Plugin::judge_endpoint(PermissionsHolder& holder, Action action,
   const Grant grant = DDSSEC_TRY(grant_now(holder));
   const auto tags = data_tags_of(request);
   const auto verdict = grant->judge(action, {request.topic_name, request.partitions, tags});
-  if (verdict.allowed) return {};
-  return std::unexpected(endpoint_denied(holder, *grant, verdict, action, request));
+  if (!verdict.allowed)
+    return std::unexpected(endpoint_denied(holder, *grant, verdict, action, request));
+  return {};
+}
+
+/// What the host asks, as a peer announced it.
+Status Plugin::judge_announced(PermissionsHolder& holder, Action action,
+                               const EndpointRequest& request) {
+  DDSSEC_TRY(judge_endpoint(holder, action, request));
+  if (holder.remote()) holder.announced().note(action, request);
+  return {};
+}
+
+/// Judged anew by what was announced, since a grant may have ended.
+bool Plugin::may_as_announced(PermissionsHolder& holder, Action action,
+                              const EndpointRequest& local) {
+  const auto announced = holder.announced().meeting(action, local);
+  return std::ranges::any_of(announced, [&](const AnnouncedEndpoints::Announced& one) {
+    const auto partitions = one.partition_views();
+    return judge_endpoint(holder, action, {one.topic, partitions, one.data_tags}).has_value();
+  });
+}
+
+Status Plugin::check_remote_match(PermissionsHandle remote, const Match& match) {
+  const Holder holder = DDSSEC_TRY(known(remote));
+  const auto action = match.remote_writes ? Action::publish : Action::subscribe;
+  if (may_as_announced(*holder, action, match.local)) return {};
+  const auto status = judge_endpoint(*holder, action, match.local);
+  if (status) return {};
+  const auto guid =
+      match.remote ? Guid{*match.remote, kEntityIdParticipant}.to_string() : std::string();
+  return refuse(match_denied(status.error(), action, match.local), holder->peer_subject(), guid);
 }
 
 Status Plugin::judge_topic(PermissionsHolder& holder, std::string_view topic) {
@@ -316,7 +352,7 @@ Result<spi::AccessControl::RemoteDatareader> Plugin::check_remote_datareader(
     PermissionsHandle remote, DomainId domain_id, const EndpointRequest& request) {
   RemoteDatareader answer;
   const auto judge = [&](PermissionsHolder& holder) -> Status {
-    Status status = judge_endpoint(holder, Action::subscribe, request);
+    Status status = judge_announced(holder, Action::subscribe, request);
     if (status || status.error().code() != Code::subscribe_not_allowed) return status;
     answer.relay_only = options_.accept_relays && may_relay(holder, request);
     return answer.relay_only ? Status() : status;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "plugins/access_control/announced.hpp"
 #include "plugins/access_control/documents.hpp"
 #include "plugins/spi/handles.hpp"
 
@@ -56,6 +57,8 @@ class PermissionsHolder {
   /// Subject of a peer, for events; empty for a local participant.
   std::string peer_subject() const { return remote_ ? subject_.shown : std::string(); }
   bool has_document() const { return document_ != nullptr; }
+  /// Of a peer.
+  AnnouncedEndpoints& announced() { return announced_; }
   const std::string& document_name() const { return document_name_; }
 
   /// The grant that is valid at `now`: by the wall clock at every call, so that neither a host that
@@ -78,6 +81,7 @@ class PermissionsHolder {
   const Subject subject_;
   const std::string document_name_;
   const std::shared_ptr<PermissionsDocument> document_;
+  AnnouncedEndpoints announced_;
   mutable std::mutex mutex_;
   Grant grant_;
   bool reported_ = false;

@@ -61,6 +61,14 @@ Error endpoint_denied(const PermissionsHolder& holder, const CompiledGrant& gran
                 fmt::format("an allow_rule to {} {}", to_string(action), shown(request)));
 }
 
+Error match_denied(const Error& why, Action action, const spi::EndpointRequest& request) {
+  auto details = why.details();
+  if (details.expected.empty())
+    details.expected = fmt::format("permissions to {} {}", to_string(action), shown(request));
+  if (details.found.empty()) details.found = info(why.code()).summary;
+  return Error(Code::match_not_permitted, std::move(details));
+}
+
 Error topic_denied(const PermissionsHolder& holder, const CompiledGrant& grant,
                    const Verdict& verdict, std::string_view topic) {
   return denied(Code::topic_not_allowed, holder, grant, verdict,

@@ -15,6 +15,10 @@ Error topic_not_covered(const Participant& participant, std::string_view topic);
 Error endpoint_denied(const PermissionsHolder& holder, const governance::CompiledGrant& grant,
                       const governance::Verdict& verdict, governance::Action action,
                       const spi::EndpointRequest& request);
+/// Keys of a match that the peer's permissions do not allow, for the reason `why`. Code
+/// match_not_permitted.
+Error match_denied(const Error& why, governance::Action action,
+                   const spi::EndpointRequest& request);
 /// Code topic_not_allowed.
 Error topic_denied(const PermissionsHolder& holder, const governance::CompiledGrant& grant,
                    const governance::Verdict& verdict, std::string_view topic);

@@ -24,12 +24,14 @@ using spi::ValidationResult;
 Result<std::shared_ptr<const spi::SharedSecret>> shared_secret(const pki::EphemeralKey& key,
                                                                const pki::PeerPublicKey& peer_key,
                                                                const Transcript& transcript,
-                                                               const JudgedPeer& peer) {
+                                                               const JudgedPeer& peer,
+                                                               const Guid& peer_guid) {
   const auto derived = DDSSEC_TRY(key.derive(peer_key));
   auto octets = DDSSEC_TRY(
       derived.expose([](BytesView view) { return spi::SharedSecretOctets::copy_of(view); }));
-  return std::make_shared<const spi::SharedSecret>(spi::SharedSecret{
-      std::move(octets), transcript.challenge1, transcript.challenge2, peer.ciphers()});
+  return std::make_shared<const spi::SharedSecret>(
+      spi::SharedSecret{std::move(octets), transcript.challenge1, transcript.challenge2,
+                        peer.ciphers(), peer_guid.prefix});
 }
 
 /// A message without a key would be refused, and sent again and again.
@@ -94,7 +96,8 @@ Result<HandshakeOutcome> on(const AwaitReply& state, const HandshakeReply& reply
   const auto peer_key = DDSSEC_TRY(pki::PeerPublicKey::parse(state.key.kind(), reply.dh2));
   auto proof =
       DDSSEC_TRY(pki::verify(peer.certificate(), transcript.reply_input(), reply.signature));
-  auto secret = DDSSEC_TRY(shared_secret(state.key, peer_key, transcript, peer));
+  auto secret =
+      DDSSEC_TRY(shared_secret(state.key, peer_key, transcript, peer, context.remote_guid));
   auto final = DDSSEC_TRY(HandshakeFinal::write(transcript, context.local.key()));
   HandshakeOutcome outcome{ValidationResult::ok_final_message, final};
   outcome.next = Established{.secret = std::move(secret),
@@ -123,7 +126,8 @@ Result<HandshakeOutcome> on(const AwaitFinal& state, const HandshakeFinal& final
   DDSSEC_TRY(context.local.peer_trust()->verify(state.peer.certificate(), context.now));
   auto proof = DDSSEC_TRY(
       pki::verify(state.peer.certificate(), state.transcript.final_input(), final.signature));
-  auto secret = DDSSEC_TRY(shared_secret(state.key, state.peer_key, state.transcript, state.peer));
+  auto secret = DDSSEC_TRY(
+      shared_secret(state.key, state.peer_key, state.transcript, state.peer, context.remote_guid));
   HandshakeOutcome outcome{ValidationResult::ok};
   outcome.next = Established{.secret = std::move(secret),
                              .proof = std::move(proof),

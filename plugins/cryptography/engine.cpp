@@ -51,8 +51,14 @@ Shared::Shared(const Environment& given, const AeadBackend& aead, const Options&
                std::uint64_t first_generation)
     : environment(given),
       header_prefix_is_network_order(options.header_prefix_is_network_order),
+      host_checks_sources(options.host_checks_sources),
       keys(key_environment(aead, graveyard, environment.random, options)),
       registry(first_generation) {}
+
+void Shared::report(const Error& error, const std::optional<GuidPrefix>& prefix) const {
+  const auto guid = prefix ? Guid{*prefix, kEntityIdParticipant}.to_string() : std::string();
+  environment.events.raise(Event(error, {}, guid));
+}
 
 void Shared::publish_routes(RemoteParticipant& participant) {
   auto table = std::make_unique<RouteTable>();

@@ -34,11 +34,15 @@ struct Shared {
   /// Sorts the remote's endpoints by their submessage key ids anew. Mutex held.
   void publish_routes(RemoteParticipant& participant);
 
+  /// Raises an event about what the owner of `prefix` did.
+  void report(const Error& error, const std::optional<GuidPrefix>& prefix) const;
+
   /// To be called when a remote entity got new keys. Mutex held.
   void note_former(std::int64_t handle, const RemoteKeys& keys);
 
   const Environment environment;
   const bool header_prefix_is_network_order;
+  const bool host_checks_sources;
   Graveyard graveyard;  // before whatever retires into it
   const KeyEnvironment keys;
   Registry registry;
@@ -179,6 +183,9 @@ class KeyExchange final : public spi::CryptoKeyExchange {
   Status set(Local local, Remote remote, std::span<const spi::Token> tokens);
   Result<std::unique_ptr<ReceiveKey>> receive_key(KeyMaterial material, spi::ProtectionKind due,
                                                   const Pair& from) const;
+  /// May these take the place of the keys that are set? Error: keys_already_set, with an event.
+  Status check_replacement(const RemoteKeys& next, const RemoteKeys* present,
+                           const Pair* from) const;
   Result<std::unique_ptr<RemoteKeys>> endpoint_keys(const RemoteEndpoint& remote,
                                                     std::vector<KeyMaterial> materials) const;
 
@@ -218,6 +225,12 @@ class Transform final : public spi::CryptoTransform {
                                                 BytesView encoded, MutableBytes out) override;
 
  private:
+  /// The whole message, and then without what its sender may not say.
+  Result<std::size_t> open_message_of(spi::ParticipantCryptoHandle receiver,
+                                      spi::ParticipantCryptoHandle sender, BytesView encoded,
+                                      MutableBytes out);
+  std::size_t keep_part_of_sender(MutableBytes message);
+
   Shared& shared_;
 };
 

@@ -62,7 +62,9 @@ struct Pair final : Retirable {
   explicit Pair(const LocalParticipant& local_participant) : local(local_participant) {}
   const LocalParticipant& local;
   spi::CipherMask peer_ciphers = spi::kStandardCiphers;
-  std::unique_ptr<ReceiverKey> receiver_key;  ///< ours towards the remote; null without need
+  std::optional<GuidPrefix> peer_prefix = {};  ///< nothing: another vendor's authentication
+  spi::PermissionsHandle permissions = {};     ///< the remote's; under Engine's mutex
+  std::unique_ptr<ReceiverKey> receiver_key;   ///< ours towards the remote; null without need
   std::unique_ptr<SendKey> key_exchange_send;
   std::unique_ptr<ReceiveKey> key_exchange_receive;
   Published<RemoteKeys> remote_keys;
@@ -114,6 +116,7 @@ struct LocalEndpoint final : Entity {
   spi::ProtectionKind submessage = spi::ProtectionKind::none;
   spi::ProtectionKind payload = spi::ProtectionKind::none;
   bool is_volatile = false;  ///< ParticipantVolatileMessageSecure: keys of the key exchange
+  std::shared_ptr<const spi::MatchGate> gate = {};  ///< who gets keys; null: not asked here
   Cipher cipher = Cipher::aes256_gcm;
   Published<SendKey> submessage_key;
   Published<SendKey> payload_key;

@@ -37,6 +37,10 @@ bool fits(const KeyMaterial& material, spi::ProtectionKind due) {
   return traits && traits->encrypts == is_encrypted(due);
 }
 
+bool are_same(const std::shared_ptr<ReceiveKey>& a, const std::shared_ptr<ReceiveKey>& b) {
+  return (a == nullptr) == (b == nullptr) && (a == nullptr || a->material() == b->material());
+}
+
 /// AES is everybody's.
 Status check_cipher(const KindTraits& traits, const Pair& from) {
   if (traits.cipher != Cipher::chacha20_poly1305) return {};
@@ -68,6 +72,17 @@ Result<std::unique_ptr<ReceiveKey>> KeyExchange::receive_key(KeyMaterial materia
   return std::make_unique<ReceiveKey>(std::move(material), traits, shared_.keys);
 }
 
+Status KeyExchange::check_replacement(const RemoteKeys& next, const RemoteKeys* present,
+                                      const Pair* from) const {
+  if (shared_.host_checks_sources || present == nullptr) return {};
+  if (are_same(next.submessage, present->submessage) && are_same(next.payload, present->payload))
+    return {};
+  if (is_later_revision(next, *present)) return {};
+  const Error error(Code::keys_already_set, {.document = "crypto tokens"});
+  shared_.report(error, from != nullptr ? from->peer_prefix : std::nullopt);
+  return std::unexpected(error);
+}
+
 Result<std::vector<spi::Token>> KeyExchange::create_local_participant_crypto_tokens(
     spi::ParticipantCryptoHandle local, spi::ParticipantCryptoHandle remote, spi::KeyStage stage) {
   const std::lock_guard lock(shared_.mutex);
@@ -97,6 +112,7 @@ Status KeyExchange::set_remote_participant_crypto_tokens(spi::ParticipantCryptoH
   if (!is_protected(participant->rtps)) return {};
   auto keys = std::make_unique<RemoteKeys>();
   keys->submessage = DDSSEC_TRY(receive_key(std::move(material), participant->rtps, *pair));
+  DDSSEC_TRY(check_replacement(*keys, pair->remote_keys.read(), pair));
   DDSSEC_TRY(inherit(*keys, pair->remote_keys.read(), shared_.environment.clock.monotonic()));
   shared_.note_former(remote.value, *keys);
   pair->remote_keys.replace(std::move(keys), shared_.graveyard);
@@ -157,6 +173,8 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
   if (tokens.empty() || tokens.size() > kMostTokensPerEndpoint)
     return fail(Code::crypto_token_count);
   auto keys = DDSSEC_TRY(endpoint_keys(endpoint, DDSSEC_TRY(read_all(tokens))));
+  const auto* const pair = endpoint.participant.pair(endpoint.local.participant.handle());
+  DDSSEC_TRY(check_replacement(*keys, endpoint.remote_keys.read(), pair));
   DDSSEC_TRY(inherit(*keys, endpoint.remote_keys.read(), shared_.environment.clock.monotonic()));
   shared_.note_former(remote.value, *keys);
   auto former = endpoint.remote_keys.exchange(std::move(keys));

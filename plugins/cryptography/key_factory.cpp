@@ -138,6 +138,7 @@ Result<std::unique_ptr<Pair>> KeyFactory::make_pair(const LocalParticipant& loca
   if (local.key.read() != nullptr) DDSSEC_TRY(check_peer(local.cipher, shared_secret.peer_ciphers));
   auto pair = std::make_unique<Pair>(local);
   pair->peer_ciphers = shared_secret.peer_ciphers;
+  pair->peer_prefix = shared_secret.peer_prefix;
   auto material = derive_key_exchange_material(shared_secret);
   pair->key_exchange_receive =
       std::make_unique<ReceiveKey>(material.clone(), *traits_of(material.kind), shared_.keys);
@@ -170,15 +171,19 @@ void KeyFactory::publish_pairs(RemoteParticipant& remote, std::int64_t without) 
 }
 
 Result<spi::ParticipantCryptoHandle> KeyFactory::register_matched_remote_participant(
-    spi::ParticipantCryptoHandle local, spi::IdentityHandle remote_identity, spi::PermissionsHandle,
-    const spi::SharedSecret& shared_secret) {
+    spi::ParticipantCryptoHandle local, spi::IdentityHandle remote_identity,
+    spi::PermissionsHandle remote_permissions, const spi::SharedSecret& shared_secret) {
   const std::lock_guard lock(shared_.mutex);
   auto* const participant = DDSSEC_TRY(shared_.local_participant(local));
   auto fresh = DDSSEC_TRY(make_pair(*participant, shared_secret));
+  fresh->permissions = remote_permissions;
   auto* const remote = DDSSEC_TRY(remote_with_identity(remote_identity));
   const spi::ParticipantCryptoHandle handle{remote->handle()};
   auto& pair = remote->pairs[local.value];
-  if (pair && same_key_exchange(*pair, *fresh)) return handle;
+  if (pair && same_key_exchange(*pair, *fresh)) {
+    pair->permissions = remote_permissions;
+    return handle;
+  }
   participant->matched.insert(remote->handle());
   pair.swap(fresh);
   Rollback take_back([&] { pair.swap(fresh); });
@@ -216,6 +221,7 @@ Result<std::int64_t> KeyFactory::register_local_endpoint(
   endpoint->submessage =
       endpoint->is_volatile ? spi::ProtectionKind::encrypt : attributes.submessage;
   if (!endpoint->is_volatile) endpoint->payload = attributes.payload;
+  endpoint->gate = attributes.gate;
   const auto otherwise = attributes.is_builtin ? parent->cipher : parent->endpoint_cipher;
   endpoint->cipher = DDSSEC_TRY(cipher_asked(properties)).value_or(otherwise);
   DDSSEC_TRY(check_cipher(endpoint->cipher, parent->allowed_ciphers));
@@ -249,6 +255,10 @@ Result<std::int64_t> KeyFactory::match(LocalEndpoint& local, EntityKind kind,
   auto* const parent = DDSSEC_TRY(shared_.remote_participant(remote_participant));
   const auto* const pair = parent->pair(local.participant.handle());
   if (pair == nullptr) return fail(Code::crypto_not_matched);
+  if (local.gate)
+    DDSSEC_TRY(local.gate->check({.permissions = pair->permissions,
+                                  .prefix = pair->peer_prefix,
+                                  .writes = kind == EntityKind::remote_writer}));
   if (local.sends_protected()) DDSSEC_TRY(check_peer(local.cipher, pair->peer_ciphers));
   auto remote = std::make_unique<RemoteEndpoint>(kind, local, *parent);
   if (!local.is_volatile && is_origin_authenticated(local.submessage))

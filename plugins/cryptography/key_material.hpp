@@ -52,6 +52,7 @@ struct KeyMaterial {
   bool is_none() const { return kind == kKindNone; }
   bool has_receiver_key() const { return !receiver_key_id.is_zero(); }
   KeyMaterial clone() const;
+  bool operator==(const KeyMaterial&) const = default;  ///< secrets in constant time
 };
 
 /// A token to send. The octets in it are keys: it travels only by the volatile secure channel.

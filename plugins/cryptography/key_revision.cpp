@@ -63,6 +63,13 @@ Status inherit(RemoteKeys& next, const RemoteKeys* present, std::chrono::nanosec
   return {};
 }
 
+bool is_later_revision(const RemoteKeys& next, const RemoteKeys& present) {
+  const auto* const to = any_of(next);
+  const auto* const from = any_of(present);
+  return to != nullptr && from != nullptr && revises(to->material(), from->material()) &&
+         is_later(revision_of(to->material().kind), revision_of(from->material().kind));
+}
+
 std::unique_ptr<RemoteKeys> without_ended(const RemoteKeys& keys, std::chrono::nanoseconds now) {
   auto out = std::make_unique<RemoteKeys>();
   static_cast<LevelKeys&>(*out) = keys;

@@ -33,6 +33,9 @@ inline constexpr std::size_t kMostFormerRevisions = 4;
 /// make an end of it. Error: key_revision_stale.
 Status inherit(RemoteKeys& next, const RemoteKeys* present, std::chrono::nanoseconds now);
 
+/// Do these follow the present ones as a later revision does?
+bool is_later_revision(const RemoteKeys& next, const RemoteKeys& present);
+
 /// The same keys without former ones whose time is over.
 std::unique_ptr<RemoteKeys> without_ended(const RemoteKeys& keys, std::chrono::nanoseconds now);
 

@@ -4,6 +4,7 @@
 #include "plugins/cryptography/engine.hpp"
 #include "plugins/cryptography/key_revision.hpp"
 #include "plugins/cryptography/message.hpp"
+#include "plugins/cryptography/source_checks.hpp"
 
 namespace ddssec::cryptography {
 namespace {
@@ -111,6 +112,16 @@ Status check_submessage(const RemoteEndpoint& sender, BytesView plain) {
   return {};
 }
 
+/// The same for a host that would believe whatever source it names.
+Status check_source_named(const Shared& shared, const RemoteEndpoint& sender, BytesView plain) {
+  if (shared.host_checks_sources) return {};
+  const auto* const pair = sender.participant.pair(sender.local.participant.handle());
+  if (pair == nullptr) return fail(Code::crypto_not_matched);
+  auto status = check_token_source(plain, sender.local.is_volatile, pair->peer_prefix);
+  if (!status) shared.report(status.error(), pair->peer_prefix);
+  return status;
+}
+
 template <class Local, class Remote>
 Result<std::size_t> decode_submessage(const Shared& shared, Local receiver, Remote sender,
                                       BytesView encoded, MutableBytes out) {
@@ -123,8 +134,11 @@ Result<std::size_t> decode_submessage(const Shared& shared, Local receiver, Remo
   auto& key = *DDSSEC_TRY(submessage_key(remote, message.header.session_id));
   const auto size =
       DDSSEC_TRY(open(shared, remote.remote_keys, &LevelKeys::submessage, message, key, out));
-  if (auto status = check_submessage(remote, out.first(size)); !status) {
-    wipe(out.first(size));
+  const auto plain = out.first(size);
+  auto status = check_submessage(remote, plain);
+  if (status) status = check_source_named(shared, remote, plain);
+  if (!status) {
+    wipe(plain);
     return std::unexpected(std::move(status).error());
   }
   return size;
@@ -141,8 +155,8 @@ std::array<std::uint8_t, 16> source_of(BytesView rtps_header, bool prefix_is_net
 }
 
 /// The header is not authenticated, INFO_SRC inside is: they must name the same source. Another one
-/// may follow: Cyclone DDS puts what participants of one process say into one message. Whose key
-/// protects it all is the host's to remember.
+/// may follow: Cyclone DDS puts what participants of one process say into one message. A host that
+/// does not remember whose key protects it all gets the sender's part only (source_checks.hpp).
 Status check_source(BytesView content, const std::array<std::uint8_t, 16>& outside) {
   if (content.size() < kInfoSourceSize) return fail(Code::info_source_missing);
   const auto header = read_submessage_header(content);
@@ -229,6 +243,26 @@ Result<std::size_t> Transform::decode_datareader_submessage(spi::DatawriterCrypt
 Result<std::size_t> Transform::decode_rtps_message(spi::ParticipantCryptoHandle receiver,
                                                    spi::ParticipantCryptoHandle sender,
                                                    BytesView encoded, MutableBytes out) {
+  const auto size = DDSSEC_TRY(open_message_of(receiver, sender, encoded, out));
+  return shared_.host_checks_sources ? size : keep_part_of_sender(out.first(size));
+}
+
+/// What an insider says in another's name is lost, not what it says in its own: an honest process
+/// whose participants have different certificates goes on, since what is lost is repeated.
+std::size_t Transform::keep_part_of_sender(MutableBytes message) {
+  const auto content = message.subspan(kRtpsHeaderSize);
+  const auto prefix = GuidPrefix::from(message.subspan(8, GuidPrefix::size));
+  const auto part = part_of_sender(content, prefix);
+  if (part.ended) [[unlikely]] {
+    wipe(content.subspan(part.size));
+    shared_.report(*part.ended, prefix);
+  }
+  return kRtpsHeaderSize + part.size;
+}
+
+Result<std::size_t> Transform::open_message_of(spi::ParticipantCryptoHandle receiver,
+                                               spi::ParticipantCryptoHandle sender,
+                                               BytesView encoded, MutableBytes out) {
   const ReadGuard guard;
   const auto& local = *DDSSEC_TRY(shared_.local_participant(receiver));
   const auto* const pair = DDSSEC_TRY(shared_.remote_participant(sender))->pair(receiver.value);

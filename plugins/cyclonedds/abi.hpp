@@ -27,6 +27,22 @@ inline constexpr const char* kSupportedCiphersSymbol = "ddssec_supported_ciphers
 /// Each of our libraries exports one, for the line that says which are in use: the version.
 using PluginVersion = const char*();
 
+/// What our cryptography asks our access control before it hands out the keys of a match.
+struct MatchQuestion {
+  const DDS_Security_PropertySeq* scope;  ///< ac_endpoint_properties of our own endpoint
+  DDS_Security_PermissionsHandle remote_permissions;
+  DDS_Security_boolean remote_writes;     ///< to our reader, or else it reads from our writer
+  const DDS_Security_octet* peer_prefix;  ///< 12 octets of its GUID, or null
+};
+enum class MatchVerdict : std::int32_t {
+  allowed = 1,
+  refused = 0,  ///< and an event says why
+  unknown_access_control = -1,
+};
+/// Our access control library exports this beside its entry points. Any thread.
+using JudgeMatch = MatchVerdict(const MatchQuestion*);
+inline constexpr const char* kJudgeMatchSymbol = "ddssec_judge_match";
+
 /// What a DDS_Security_SharedSecretHandle points to: Cyclone's own cryptography plugin reads it,
 /// and its authentication plugin hands it out, so that ours can stand beside either.
 struct SharedSecretLayout {
@@ -42,6 +58,8 @@ struct SharedSecretLayout {
 struct ExtendedSharedSecret {
   SharedSecretLayout layout;
   std::uint32_t peer_ciphers;  ///< spi::CipherMask
+  std::uint32_t has_peer_prefix;
+  DDS_Security_octet peer_prefix[12];  ///< the GUID prefix that authentication proved
   DDS_Security_octet octets[64];
 
   /// The whole behind a layout, or nullptr for another's.

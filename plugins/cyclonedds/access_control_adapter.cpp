@@ -2,9 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <map>
+#include <mutex>
+#include <shared_mutex>
 #include <string_view>
 
 #include "base/rollback.hpp"
+#include "plugins/cyclonedds/endpoint_scope.hpp"
 #include "plugins/cyclonedds/presence.hpp"
 #include "plugins/cyclonedds/process_properties.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
@@ -79,21 +84,29 @@ DDS_Security_boolean check_create_participant(Instance* instance, const CPermiss
   });
 }
 
-/// Cyclone 0.10.2 matches endpoints of unauthenticated participants without asking the plugin; only
-/// protection keeps them out. Where governance wants them out of an unprotected topic, our own
-/// endpoint is what we can refuse (DDS-Security 8.4.2.9 gives them open topics only).
+/// Cyclone 0.10.2 asks about a remote endpoint only if the endpoint's announcement wants that, and
+/// matches those of unauthenticated participants without asking. Only keys keep either out: where
+/// governance controls the access to a topic that has none, our own endpoint is what we can refuse.
 Status refuse_what_nothing_guards(Adapter& adapter, spi::PermissionsHandle handle,
-                                  const spi::EndpointSecurityAttributes& endpoint,
-                                  bool is_controlled) {
+                                  const spi::EndpointRequest& request,
+                                  const spi::EndpointSecurityAttributes& endpoint, bool is_writer) {
+  const bool is_controlled =
+      is_writer ? endpoint.topic.is_read_protected : endpoint.topic.is_write_protected;
   if (!is_controlled || endpoint.is_submessage_protected() || endpoint.is_payload_protected())
     return {};
   const auto participant = DDSSEC_TRY(adapter.engine().participant_sec_attributes(handle));
-  if (!participant.allow_unauthenticated_participants) return {};
-  return fail(Code::unauthenticated_peers_unstoppable,
+  if (participant.allow_unauthenticated_participants)
+    return fail(Code::unauthenticated_peers_unstoppable,
+                {.document = "governance",
+                 .field = "allow_unauthenticated_participants",
+                 .expected = "false, or protection of the topic",
+                 .found = "true"});
+  return fail(Code::controlled_topic_unguarded,
               {.document = "governance",
-               .field = "allow_unauthenticated_participants",
+               .field = is_writer ? "enable_read_access_control" : "enable_write_access_control",
                .expected = "false, or protection of the topic",
-               .found = "true"});
+               .found = "true, with metadata_protection_kind and data_protection_kind NONE",
+               .note = "topic \"" + std::string(request.topic_name) + "\""});
 }
 
 /// Cyclone DDS asks no plugin about samples that go through shared memory.
@@ -124,7 +137,7 @@ DDS_Security_boolean check_create_datawriter(Instance* instance, const CPermissi
     auto& engine = adapter.engine();
     DDSSEC_TRY(engine.check_create_datawriter(local, domain_id, question.request()));
     const auto writer = DDSSEC_TRY(engine.datawriter_sec_attributes(local, question.request()));
-    DDSSEC_TRY(refuse_what_nothing_guards(adapter, local, writer, writer.topic.is_read_protected));
+    DDSSEC_TRY(refuse_what_nothing_guards(adapter, local, question.request(), writer, true));
     return refuse_what_shared_memory_exposes(adapter, local, topic_name, qos, writer,
                                              Direction::writes);
   });
@@ -142,7 +155,7 @@ DDS_Security_boolean check_create_datareader(Instance* instance, const CPermissi
     auto& engine = adapter.engine();
     DDSSEC_TRY(engine.check_create_datareader(local, domain_id, question.request()));
     const auto reader = DDSSEC_TRY(engine.datareader_sec_attributes(local, question.request()));
-    DDSSEC_TRY(refuse_what_nothing_guards(adapter, local, reader, reader.topic.is_write_protected));
+    DDSSEC_TRY(refuse_what_nothing_guards(adapter, local, question.request(), reader, false));
     return refuse_what_shared_memory_exposes(adapter, local, topic_name, qos, reader,
                                              Direction::reads);
   });
@@ -311,6 +324,13 @@ DDS_Security_boolean get_topic_sec_attributes(Instance* instance, const CPermiss
   });
 }
 
+/// Does access control decide who has keys of such an endpoint?
+bool needs_gate(const spi::EndpointSecurityAttributes& endpoint) {
+  return !endpoint.is_builtin &&
+         (endpoint.topic.is_read_protected || endpoint.topic.is_write_protected) &&
+         (endpoint.is_submessage_protected() || endpoint.is_payload_protected());
+}
+
 /// get_datawriter_sec_attributes and get_datareader_sec_attributes.
 template <auto kAttributes>
 DDS_Security_boolean get_endpoint_sec_attributes(
@@ -321,16 +341,30 @@ DDS_Security_boolean get_endpoint_sec_attributes(
     DDSSEC_TRY(require(attributes));
     *attributes = {};
     const auto question = DDSSEC_TRY(EndpointQuestion::from(topic_name, partition, tags));
-    *attributes =
-        to_c(DDSSEC_TRY((adapter.engine().*kAttributes)(permissions(handle), question.request())));
-    return {};
+    const auto found =
+        DDSSEC_TRY((adapter.engine().*kAttributes)(permissions(handle), question.request()));
+    *attributes = to_c(found);
+    if (!needs_gate(found)) return {};
+    auto status = make_scope(adapter.id(), question.request(), attributes->ac_endpoint_properties);
+    if (!status) *attributes = {};
+    return status;
   });
 }
 
-/// What ac_endpoint_properties holds lives as long as the library.
+/// What ac_endpoint_properties holds of these lives as long as the library.
 template <class Attributes>
 DDS_Security_boolean return_attributes(Instance* instance, const Attributes*, Exception* ex) {
   return allow(instance, ex);
+}
+
+/// The host declares what it returns const and never looks at it again.
+DDS_Security_boolean return_endpoint_attributes(
+    Instance* instance, const DDS_Security_EndpointSecurityAttributes* attributes, Exception* ex) {
+  return ask<Adapter>(instance, ex, [&](Adapter&) -> Status {
+    if (attributes != nullptr)
+      free_scope(const_cast<DDS_Security_PropertySeq&>(attributes->ac_endpoint_properties));
+    return {};
+  });
 }
 
 DDS_Security_boolean return_permissions_handle(Instance* instance, CPermissions handle,
@@ -374,23 +408,75 @@ constexpr dds_security_access_control kTable = {
     .return_participant_sec_attributes =
         return_attributes<DDS_Security_ParticipantSecurityAttributes>,
     .return_topic_sec_attributes = return_attributes<DDS_Security_TopicSecurityAttributes>,
-    .return_datawriter_sec_attributes = return_attributes<DDS_Security_EndpointSecurityAttributes>,
-    .return_datareader_sec_attributes = return_attributes<DDS_Security_EndpointSecurityAttributes>,
+    .return_datawriter_sec_attributes = return_endpoint_attributes,
+    .return_datareader_sec_attributes = return_endpoint_attributes,
     .return_permissions_handle = return_permissions_handle,
 };
 
+/// The adapters of the process, one for each domain.
+struct Adapters {
+  std::shared_mutex mutex;
+  std::map<std::uint64_t, Adapter*> by_id;
+};
+
+/// Never destroyed: a thread of the host may ask at the process's end.
+Adapters& adapters() {
+  static auto* const all = new Adapters;
+  return *all;
+}
+
+std::uint64_t next_id() {
+  static std::atomic<std::uint64_t> last = 0;
+  return ++last;
+}
+
+MatchVerdict judge_in(Adapter& adapter, const EndpointScope& scope, const MatchQuestion& question) {
+  const bool allowed = allowed_at_c_boundary(adapter.host(), nullptr, [&] {
+    spi::AccessControl::Match match{.remote_writes = question.remote_writes != 0,
+                                    .local = scope.request(),
+                                    .remote = std::nullopt};
+    if (question.peer_prefix != nullptr)
+      match.remote = GuidPrefix::from({question.peer_prefix, GuidPrefix::size});
+    return adapter.engine().check_remote_match({question.remote_permissions}, match);
+  });
+  return allowed ? MatchVerdict::allowed : MatchVerdict::refused;
+}
+
 }  // namespace
+
+MatchVerdict AccessControlAdapter::judge(const MatchQuestion* question) noexcept {
+  try {
+    if (question == nullptr || question->scope == nullptr)
+      return MatchVerdict::unknown_access_control;
+    const auto scope = EndpointScope::from(*question->scope);
+    if (!scope) return MatchVerdict::unknown_access_control;
+    const std::shared_lock lock(adapters().mutex);
+    const auto found = adapters().by_id.find(scope->access_control());
+    if (found == adapters().by_id.end()) return MatchVerdict::unknown_access_control;
+    return judge_in(*found->second, *scope, *question);
+  } catch (...) {
+    return MatchVerdict::unknown_access_control;  // not allowed, and cryptography says so
+  }
+}
 
 AccessControlAdapter::AccessControlAdapter(std::unique_ptr<Host> host,
                                            const MakeEngine<spi::AccessControl>& make,
                                            ddsi_domaingv* domain,
                                            SharedMemoryGuard::Probe find_bypass)
     : dds_security_access_control(kTable),
+      id_(next_id()),
       host_(std::move(host)),
       engine_(make(host_->environment())),
       shared_memory_(std::move(find_bypass)),
       timer_(host_->clock()) {
   gv = domain;
+  const std::unique_lock lock(adapters().mutex);
+  adapters().by_id.emplace(id_, this);
+}
+
+AccessControlAdapter::~AccessControlAdapter() {
+  const std::unique_lock lock(adapters().mutex);
+  adapters().by_id.erase(id_);
 }
 
 void AccessControlAdapter::listen(const dds_security_access_control_listener* listener) {

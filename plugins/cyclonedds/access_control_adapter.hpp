@@ -14,6 +14,13 @@ class AccessControlAdapter final : public dds_security_access_control {
   AccessControlAdapter(
       std::unique_ptr<Host> host, const MakeEngine<spi::AccessControl>& make, ddsi_domaingv* domain,
       SharedMemoryGuard::Probe find_bypass = [] { return cyclonedds::find_bypass(); });
+  ~AccessControlAdapter();
+  AccessControlAdapter(const AccessControlAdapter&) = delete;
+  AccessControlAdapter& operator=(const AccessControlAdapter&) = delete;
+
+  /// What cryptography asks (abi.hpp). Each adapter is asked about its own endpoints; one that is
+  /// gone, which Cyclone ends after cryptography, is unknown.
+  static MatchVerdict judge(const MatchQuestion* question) noexcept;
 
   static AccessControlAdapter& of(dds_security_access_control& instance) {
     return static_cast<AccessControlAdapter&>(instance);
@@ -21,11 +28,14 @@ class AccessControlAdapter final : public dds_security_access_control {
   Host& host() { return *host_; }
   spi::AccessControl& engine() { return *engine_; }
   SharedMemoryGuard& shared_memory() { return shared_memory_; }
+  /// Unique within the process.
+  std::uint64_t id() const { return id_; }
 
   /// Null stops the timer; returns when no revocation is running any more.
   void listen(const dds_security_access_control_listener* listener);
 
  private:
+  const std::uint64_t id_;
   std::unique_ptr<Host> host_;
   std::unique_ptr<spi::AccessControl> engine_;
   SharedMemoryGuard shared_memory_;

@@ -14,6 +14,11 @@ DDSSEC_EXPORT int init_access_control(const char*, void** context, ddsi_domaingv
       });
 }
 
+DDSSEC_EXPORT cyclonedds::MatchVerdict ddssec_judge_match(
+    const cyclonedds::MatchQuestion* question) {
+  return AccessControlAdapter::judge(question);
+}
+
 DDSSEC_EXPORT int finalize_access_control(void* context) {
   return cyclonedds::finalize<AccessControlAdapter, dds_security_access_control>(context);
 }

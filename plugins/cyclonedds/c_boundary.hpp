@@ -19,14 +19,16 @@ void fill_exception(Exception* ex, const Error& error, DDS_Security_long code) n
 /// short.
 void fill_exception_of_logged(Exception* ex, const Error& error, DDS_Security_long code) noexcept;
 
-/// How a failure is told: the code in the host's exception, and the event's severity.
+/// How a failure is told: the code in the host's exception, and the event, if there is to be one.
 struct Telling {
   DDS_Security_long host_code;
   Severity severity;
+  bool raises_event = true;
 };
-/// The number and the severity of the Code.
+/// The number and the severity of the Code. Why keys are not permitted is told by access control.
 inline Telling plainly(const Error& error) {
-  return {static_cast<DDS_Security_long>(error.code()), info(error.code()).severity};
+  return {static_cast<DDS_Security_long>(error.code()), info(error.code()).severity,
+          error.code() != Code::keys_not_permitted};
 }
 
 /// An Error for what somebody threw; never throws itself.
@@ -52,7 +54,7 @@ auto at_c_boundary(Host& host, Exception* ex, F&& f, Tell&& tell) noexcept
     const Telling telling = tell(outcome.error());
     fill_exception_of_logged(ex, outcome.error(), telling.host_code);
     // An engine that raised its own event, with subject and GUID, has said it better.
-    if (Host::raised_by_this_thread() == raised_before)
+    if (telling.raises_event && Host::raised_by_this_thread() == raised_before)
       host.refused(outcome.error(), telling.severity);
   }
   return outcome;

@@ -10,7 +10,8 @@ using cyclonedds::CryptographyAdapter;
 DDSSEC_EXPORT int init_crypto(const char*, void** context, ddsi_domaingv* domain) {
   return cyclonedds::init<CryptographyAdapter, dds_security_cryptography>(
       context, domain, __builtin_return_address(0), [](const Environment& environment) {
-        return cryptography::make_cryptography(environment, {});
+        // Cyclone's core remembers no key's owner.
+        return cryptography::make_cryptography(environment, {.host_checks_sources = false});
       });
 }
 

@@ -3,6 +3,7 @@
 #include <iterator>
 
 #include "plugins/cyclonedds/cryptography_adapter.hpp"
+#include "plugins/cyclonedds/match_gate.hpp"
 #include "plugins/cyclonedds/presence.hpp"
 #include "plugins/cyclonedds/process_properties.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
@@ -18,6 +19,13 @@ using CHandle = DDS_Security_CryptoHandle;
 Result<spi::PropertyList> optional_properties(const DDS_Security_PropertySeq* properties) {
   if (properties == nullptr) return spi::PropertyList{};
   return properties_from(*properties);
+}
+
+Result<spi::EndpointSecurityAttributes> gated_attributes_from(
+    const DDS_Security_EndpointSecurityAttributes& attributes) {
+  auto out = attributes_from(attributes);
+  out.gate = DDSSEC_TRY(MatchGate::of(attributes.ac_endpoint_properties));
+  return out;
 }
 
 CHandle register_local_participant(Instance* instance, const DDS_Security_IdentityHandle identity,
@@ -53,13 +61,13 @@ CHandle register_local_datawriter(Instance* instance, const CHandle participant,
                                   const DDS_Security_PropertySeq* properties,
                                   const DDS_Security_EndpointSecurityAttributes* attributes,
                                   Exception* ex) {
-  return ask_handle<Adapter>(instance, ex,
-                             [&](Adapter& adapter) -> Result<spi::DatawriterCryptoHandle> {
-                               DDSSEC_TRY(require(attributes));
-                               const auto list = DDSSEC_TRY(optional_properties(properties));
-                               return adapter.key_factory().register_local_datawriter(
-                                   {participant}, list, attributes_from(*attributes));
-                             });
+  return ask_handle<Adapter>(
+      instance, ex, [&](Adapter& adapter) -> Result<spi::DatawriterCryptoHandle> {
+        DDSSEC_TRY(require(attributes));
+        const auto list = DDSSEC_TRY(optional_properties(properties));
+        const auto gated = DDSSEC_TRY(gated_attributes_from(*attributes));
+        return adapter.key_factory().register_local_datawriter({participant}, list, gated);
+      });
 }
 
 CHandle register_matched_remote_datareader(Instance* instance, const CHandle local_datawriter,
@@ -78,13 +86,13 @@ CHandle register_local_datareader(Instance* instance, const CHandle participant,
                                   const DDS_Security_PropertySeq* properties,
                                   const DDS_Security_EndpointSecurityAttributes* attributes,
                                   Exception* ex) {
-  return ask_handle<Adapter>(instance, ex,
-                             [&](Adapter& adapter) -> Result<spi::DatareaderCryptoHandle> {
-                               DDSSEC_TRY(require(attributes));
-                               const auto list = DDSSEC_TRY(optional_properties(properties));
-                               return adapter.key_factory().register_local_datareader(
-                                   {participant}, list, attributes_from(*attributes));
-                             });
+  return ask_handle<Adapter>(
+      instance, ex, [&](Adapter& adapter) -> Result<spi::DatareaderCryptoHandle> {
+        DDSSEC_TRY(require(attributes));
+        const auto list = DDSSEC_TRY(optional_properties(properties));
+        const auto gated = DDSSEC_TRY(gated_attributes_from(*attributes));
+        return adapter.key_factory().register_local_datareader({participant}, list, gated);
+      });
 }
 
 CHandle register_matched_remote_datawriter(Instance* instance, const CHandle local_datareader,

@@ -16,6 +16,8 @@ SharedSecrets::Block::Block(const spi::SharedSecret& secret) {
   std::ranges::copy(secret.challenge1, layout.challenge1);
   std::ranges::copy(secret.challenge2, layout.challenge2);
   content.peer_ciphers = secret.peer_ciphers;
+  content.has_peer_prefix = secret.peer_prefix.has_value();
+  if (secret.peer_prefix) std::ranges::copy(secret.peer_prefix->octets, content.peer_prefix);
 }
 
 SharedSecrets::Block::~Block() { wipe(content.octets); }

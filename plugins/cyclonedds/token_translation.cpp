@@ -50,7 +50,7 @@ Status copy_property(const spi::BinaryProperty& property, DDS_Security_BinaryPro
 }
 
 template <class List, class Sequence>
-Status copy_properties(const List& list, Sequence& out) {
+Status copy_all(const List& list, Sequence& out) {
   DDSSEC_TRY(malloc_elements(out, list.size()));
   for (std::size_t i = 0; i < list.size(); ++i) DDSSEC_TRY(copy_property(list[i], out._buffer[i]));
   return {};
@@ -64,7 +64,7 @@ void free_value(DDS_Security_BinaryProperty_t& property) {
 }
 
 template <class Sequence>
-void free_properties(Sequence& properties) {
+void free_all(Sequence& properties) {
   for (DDS_Security_unsigned_long i = 0; properties._buffer && i < properties._length; ++i) {
     std::free(properties._buffer[i].name);
     free_value(properties._buffer[i]);
@@ -74,8 +74,8 @@ void free_properties(Sequence& properties) {
 
 Status fill_token(const spi::Token& token, DDS_Security_DataHolder& out) {
   out.class_id = DDSSEC_TRY(malloc_string(token.class_id));
-  DDSSEC_TRY(copy_properties(token.properties, out.properties));
-  return copy_properties(token.binary_properties, out.binary_properties);
+  DDSSEC_TRY(copy_all(token.properties, out.properties));
+  return copy_all(token.binary_properties, out.binary_properties);
 }
 
 Status fill_tokens(std::span<const spi::Token> tokens, DDS_Security_DataHolderSeq& out) {
@@ -113,8 +113,8 @@ Status copy_token(const spi::Token& token, DDS_Security_DataHolder& out) {
 
 void free_token(DDS_Security_DataHolder& token) noexcept {
   std::free(token.class_id);
-  free_properties(token.properties);
-  free_properties(token.binary_properties);
+  free_all(token.properties);
+  free_all(token.binary_properties);
   token = {};
 }
 
@@ -127,6 +127,18 @@ Result<spi::Token> token_from(const DDS_Security_DataHolder* token) {
   DDSSEC_TRY(append_properties(token->properties, copy.properties));
   DDSSEC_TRY(append_properties(token->binary_properties, copy.binary_properties));
   return copy;
+}
+
+Status copy_properties(const spi::PropertyList& list, DDS_Security_PropertySeq& out) {
+  out = {};
+  auto status = copy_all(list, out);
+  if (!status) free_properties(out);
+  return status;
+}
+
+void free_properties(DDS_Security_PropertySeq& properties) noexcept {
+  free_all(properties);
+  properties = {};
 }
 
 Status copy_tokens(std::span<const spi::Token> tokens, DDS_Security_DataHolderSeq& out) {

@@ -52,6 +52,12 @@ class CryptoTokens {
 /// (more than token_from takes).
 Result<spi::Token> with_text_properties(spi::Token token);
 
+/// Fills `out` with a copy in malloc blocks. Errors: out_of_memory, text_holds_nul; `out` is empty
+/// then.
+Status copy_properties(const spi::PropertyList& list, DDS_Security_PropertySeq& out);
+/// Frees what copy_properties made, and makes it empty.
+void free_properties(DDS_Security_PropertySeq& properties) noexcept;
+
 /// The text properties of a QoS; a null QoS has none.
 Result<spi::PropertyList> properties_from(const DDS_Security_PropertySeq& properties);
 Result<spi::PropertyList> properties_from(const DDS_Security_Qos* qos);

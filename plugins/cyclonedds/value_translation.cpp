@@ -159,8 +159,10 @@ Result<spi::SharedSecret> shared_secret_from(DDS_Security_SharedSecretHandle han
   secret.secret = DDSSEC_TRY(spi::SharedSecretOctets::copy_of({layout->shared_secret, size}));
   std::ranges::copy(layout->challenge1, secret.challenge1.begin());
   std::ranges::copy(layout->challenge2, secret.challenge2.begin());
-  if (const auto* const ours = ExtendedSharedSecret::of(*layout))
+  if (const auto* const ours = ExtendedSharedSecret::of(*layout)) {
     secret.peer_ciphers = ours->peer_ciphers;
+    if (ours->has_peer_prefix != 0) secret.peer_prefix = GuidPrefix::from(ours->peer_prefix);
+  }
   return secret;
 }
 

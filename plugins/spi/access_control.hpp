@@ -63,6 +63,16 @@ class AccessControl {
   virtual Result<RemoteDatareader> check_remote_datareader(PermissionsHandle remote,
                                                            DomainId domain_id,
                                                            const EndpointRequest& request) = 0;
+  /// A match as cryptography is about to give it keys.
+  struct Match {
+    bool remote_writes;                ///< to our reader, or else it reads from our writer
+    EndpointRequest local;             ///< what our own endpoint asks for
+    std::optional<GuidPrefix> remote;  ///< for the event
+  };
+  /// May a peer have the keys of this match, whether or not the host asked about its endpoint? By
+  /// what it announced, if that was allowed and meets our partitions, or else as if it were in our
+  /// endpoint's partitions. Error: match_not_permitted, unknown_permissions_handle.
+  virtual Status check_remote_match(PermissionsHandle remote, const Match& match) = 0;
   virtual Status check_remote_topic(PermissionsHandle remote, DomainId domain_id,
                                     std::string_view topic_name) = 0;
 

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string_view>
 
 #include "base/protection_kind.hpp"
+#include "plugins/spi/match_gate.hpp"
 #include "plugins/spi/symmetric_cipher.hpp"
 #include "plugins/spi/token.hpp"
 
@@ -57,6 +59,8 @@ struct EndpointSecurityAttributes {
   ProtectionKind payload = ProtectionKind::none;
   /// Of the middleware itself, not of the application.
   bool is_builtin = false;
+  /// To be asked before a remote participant gets keys; null: the host has asked.
+  std::shared_ptr<const MatchGate> gate = {};
   bool operator==(const EndpointSecurityAttributes&) const = default;
 
   bool is_submessage_protected() const { return is_protected(submessage); }

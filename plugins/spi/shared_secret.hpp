@@ -3,7 +3,9 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
+#include "base/ids.hpp"
 #include "base/secret.hpp"
 #include "plugins/spi/symmetric_cipher.hpp"
 
@@ -21,6 +23,8 @@ struct SharedSecret {
   Challenge challenge2{};
   /// What the authenticated peer can decrypt, as it said under its signature.
   CipherMask peer_ciphers = kStandardCiphers;
+  /// The GUID prefix that the authenticated peer holds. Nothing: another vendor's authentication.
+  std::optional<GuidPrefix> peer_prefix = {};
 };
 
 }  // namespace ddssec::spi

@@ -14,7 +14,12 @@ def _instead(case, pair):
     allowed = case.allowed
     if case.row.startswith("plain-") and case.row.endswith("-allowed-open-topic"):
         allowed = frozenset({scenarios.DATA})
-    return replace(case, publisher=pair[0], subscriber=pair[1], table="embedded-" + case.table,
+    reason = case.reason
+    if case.row.startswith("controlled-topic-unguarded"):
+        # The embedded participant judges each endpoint itself.
+        allowed = frozenset({scenarios.REFUSED if "ours" in pair else scenarios.DATA})
+        reason = case.reason if "ours" in pair else ""
+    return replace(case, reason=reason, publisher=pair[0], subscriber=pair[1], table="embedded-" + case.table,
                    allowed=allowed, known=(), chosen=False)
 
 

@@ -57,6 +57,12 @@ SO, EO = (f"{kind}_WITH_ORIGIN_AUTHENTICATION" for kind in (S, E))
 KINDS = {"sign": S, "encrypt": E, "sign-oa": SO, "encrypt-oa": EO}
 
 
+def _open(**kinds):
+    """Without access control: our plugins refuse endpoints of topics whose access is controlled and
+    which nothing protects (Cyclone DDS; the row controlled-topic-unguarded)."""
+    return Governance(read=False, write=False, **kinds)
+
+
 def _everything(kind):
     return Governance(discovery=kind, liveliness=kind, rtps=kind, metadata=kind,
                       data=E if kind.startswith(E) else S)
@@ -65,7 +71,7 @@ def _everything(kind):
 SROS2 = Governance(discovery=E, liveliness=E, rtps=S, metadata=E, data=E)
 
 GOVERNANCES = {
-    "all-none": Governance(),
+    "all-none": _open(),
     "data-sign": Governance(data=S),
     "data-encrypt": Governance(data=E),
     "rtps-sign+data-encrypt": Governance(rtps=S, data=E),
@@ -74,10 +80,10 @@ GOVERNANCES = {
     "metadata-sign+data-encrypt": Governance(metadata=S, data=E),
     "metadata-encrypt+data-encrypt": Governance(metadata=E, data=E),
     "metadata-encrypt-oa+data-encrypt": Governance(metadata=EO, data=E),
-    **{f"discovery-{name}": Governance(discovery=kind) for name, kind in KINDS.items()},
-    "discovery-encrypt-topic-off": Governance(discovery=E, topic_discovery=False),
-    **{f"liveliness-{name}": Governance(liveliness=kind) for name, kind in KINDS.items()},
-    **{f"rtps-{name}": Governance(rtps=kind) for name, kind in KINDS.items()},
+    **{f"discovery-{name}": _open(discovery=kind) for name, kind in KINDS.items()},
+    "discovery-encrypt-topic-off": _open(discovery=E, topic_discovery=False),
+    **{f"liveliness-{name}": _open(liveliness=kind) for name, kind in KINDS.items()},
+    **{f"rtps-{name}": _open(rtps=kind) for name, kind in KINDS.items()},
     "sros2": SROS2,
     **{f"everything-{name}": _everything(kind) for name, kind in KINDS.items()},
     "no-access-control": Governance(metadata=E, data=E, join=False, read=False, write=False),
@@ -215,7 +221,7 @@ GUESTS_ENCRYPTED = replace(GUESTS, metadata=E, data=E)
 
 def _negative_rows():
     yield _pub("unknown-identity-ca", ALL_NONE, MUST_NONE, signed_by="other", trusts="other")
-    yield _pub("unknown-identity-ca-all-none", ALL_NONE, MUST_NONE, Governance(), quick=False,
+    yield _pub("unknown-identity-ca-all-none", ALL_NONE, MUST_NONE, _open(), quick=False,
                signed_by="other", trusts="other")
     yield _pub("certificate-not-under-own-ca", ALL_REFUSED, MUST_REFUSE, quick=False,
                signed_by="other")
@@ -252,13 +258,17 @@ def _negative_rows():
     yield _pub("governance-domain-not-covered", ALL_REFUSED, MUST_REFUSE,
                governance=replace(SROS2, domains=(99, 99)))
     for name, mine, peers in (
-            ("rtps-none-sign", Governance(), Governance(rtps=S)),
-            ("rtps-sign-encrypt", Governance(rtps=S), Governance(rtps=E)),
+            ("rtps-none-sign", _open(), _open(rtps=S)),
+            ("rtps-sign-encrypt", _open(rtps=S), _open(rtps=E)),
             ("metadata", Governance(metadata=S), Governance(metadata=E)),
             ("data", Governance(metadata=S, data=S), Governance(metadata=S, data=E)),
-            ("discovery", Governance(discovery=S), Governance(discovery=E))):
+            ("discovery", _open(discovery=S), _open(discovery=E))):
         yield Row("governance-differs-" + name, Side(mine), Side(peers), ALL_NONE, MUST_NONE, 0,
                   name == "rtps-none-sign")
+    # What only keys can enforce under Cyclone's core: its peers say themselves whether they are asked.
+    for name, unguarded in (("", Governance()), ("-in-protected-messages", Governance(rtps=E))):
+        yield replace(_pub("controlled-topic-unguarded" + name, ALL_DATA, MUST_REFUSE, unguarded,
+                           quick=not name), reason="controlled_topic_unguarded")
     # CVE-2023-24011: one CA for both, permissions signed with the participant's own identity.
     one_ca = Side(SROS2, permissions_ca="identity", permissions_by="identity")
     forged = replace(one_ca, permissions_by="leaf", governance_by="identity")

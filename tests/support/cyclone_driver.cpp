@@ -510,7 +510,6 @@ void Link::add_endpoints(const std::string& topic) {
   checks.check(access_b.check_create_datareader(&access_b, b_.permissions, 0, topic.c_str(), &qos,
                                                 &partition, &tags, checks));
   Call get("get_sec_attributes");
-  DDS_Security_EndpointSecurityAttributes reader_attributes{};
   get.check(access_a.get_datawriter_sec_attributes(&access_a, a_.permissions, topic.c_str(),
                                                    &partition, nullptr, &writer_attributes, get));
   get.check(access_b.get_datareader_sec_attributes(&access_b, b_.permissions, topic.c_str(),
@@ -558,6 +557,10 @@ Link::~Link() {
     ours->unregister_datawriter(ours, sender.writer, nullptr);
     theirs->unregister_datareader(theirs, receiver.reader, nullptr);
   }
+  auto& access_a = a_.domain.access_control();
+  auto& access_b = b_.domain.access_control();
+  access_a.return_datawriter_sec_attributes(&access_a, &writer_attributes, nullptr);
+  access_b.return_datareader_sec_attributes(&access_b, &reader_attributes, nullptr);
   for (auto& [self, peer] : {std::pair<Participant&, Peer&>{a_, a_of_b}, {b_, b_of_a}}) {
     auto* factory = self.domain.cryptography().crypto_key_factory;
     if (peer.crypto != 0) factory->unregister_participant(factory, peer.crypto, nullptr);

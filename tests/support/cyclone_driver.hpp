@@ -214,6 +214,7 @@ class Link {
   Sender sender{};
   Receiver receiver{};
   DDS_Security_EndpointSecurityAttributes writer_attributes{};
+  DDS_Security_EndpointSecurityAttributes reader_attributes{};
   Peer a_of_b, b_of_a;
 
  private:

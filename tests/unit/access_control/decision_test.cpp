@@ -127,6 +127,63 @@ TEST_F(Decisions, PartitionsAndTagsOfPeersCount) {
       plugin->check_remote_datawriter(legacy, 0, {.topic_name = "closed", .partitions = both}));
 }
 
+spi::AccessControl::Match match(const EndpointRequest& local, bool remote_writes = true) {
+  return {.remote_writes = remote_writes,
+          .local = local,
+          .remote = GuidPrefix{{0x81, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}}};
+}
+
+TEST_F(Decisions, AMatchIsJudgedWhetherOrNotTheHostAskedBefore) {
+  const auto peer = peer_with({publish_rule(true, {"closed_out"})});
+  EXPECT_TRUE(plugin->check_remote_match(peer, match({.topic_name = "closed_out"})));
+  log.events.clear();
+  const auto refused = plugin->check_remote_match(peer, match({.topic_name = "closed_in"}));
+  EXPECT_CODE(refused, match_not_permitted);
+  ASSERT_EQ(log.events.size(), 1u);
+  const auto& event = log.events[0];
+  EXPECT_EQ(event.peer_subject, kListener);
+  EXPECT_EQ(event.guid, "810102030405060708090a0b.000001c1");
+  const auto& details = event.error.details();
+  EXPECT_EQ(details.expected, "an allow_rule to publish topic \"closed_in\"");
+  EXPECT_EQ(details.document, refused.error().details().document);
+  EXPECT_GT(details.line, 0);
+  EXPECT_REFUSED(plugin->check_remote_match(peer, match({.topic_name = "closed_out"}, false)),
+                 match_not_permitted);
+  // What governance leaves open is open; "written" may be read by all.
+  EXPECT_TRUE(plugin->check_remote_match(peer, match({.topic_name = "open"})));
+  EXPECT_TRUE(plugin->check_remote_match(peer, match({.topic_name = "written"}, false)));
+  EXPECT_REFUSED(plugin->check_remote_match(peer, match({.topic_name = "written"})),
+                 match_not_permitted);
+  EXPECT_TRUE(plugin->return_permissions_handle(peer));
+  EXPECT_REFUSED(plugin->check_remote_match(peer, match({.topic_name = "closed_out"})),
+                 unknown_permissions_handle);
+}
+
+TEST_F(Decisions, AMatchIsJudgedByOurPartitionsUnlessThePeerAnnouncedOthersThatMeetThem) {
+  auto allowed = publish_rule(true, {"closed"});
+  allowed.publish[0].partitions = {{{"p", 0}}};
+  const auto peer = peer_with({allowed});
+  const Partitions p = {"p"}, q = {"q"}, both = {"p", "q"}, all = {"*"};
+  const auto may = [&](const Partitions& ours) {
+    return plugin->check_remote_match(peer, match({.topic_name = "closed", .partitions = ours}));
+  };
+  const auto announce = [&](const Partitions& theirs) {
+    return plugin->check_remote_datawriter(peer, 0, {.topic_name = "closed", .partitions = theirs});
+  };
+  EXPECT_TRUE(may(p));
+  for (const auto& ours : {q, both, all, Partitions{}})
+    EXPECT_REFUSED(may(ours), match_not_permitted);
+  EXPECT_REFUSED(announce(both), publish_not_allowed);  // is not remembered
+  EXPECT_REFUSED(may(both), match_not_permitted);
+  EXPECT_TRUE(announce(p));
+  EXPECT_TRUE(may(both));
+  EXPECT_TRUE(may(all));
+  EXPECT_REFUSED(may(q), match_not_permitted);
+  EXPECT_REFUSED(may({}), match_not_permitted);
+  clock.set(kNow + 25h);  // and not longer than the grant
+  EXPECT_REFUSED(may(both), match_not_permitted);
+}
+
 TEST_F(Decisions, RelaysAreLetInOnlyIfAsked) {
   auto relay = rule(true);
   relay.relay = {topics({"closed_relay"})};

@@ -5,16 +5,32 @@
 #include <stdexcept>
 #include <thread>
 
+#include "plugins/cyclonedds/endpoint_scope.hpp"
+#include "plugins/cyclonedds/match_gate.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
+#include "tests/support/code_of.hpp"
 #include "tests/unit/cyclonedds/support.hpp"
 
 namespace ddssec::cyclonedds {
 namespace {
 
+using test::code_of;
 using testing::_;
 using testing::Field;
 using testing::Return;
 using Handle = spi::PermissionsHandle;
+
+/// What make_scope makes of a reader of "Square".
+spi::PropertyList scope_of(std::uint64_t adapter) {
+  DDS_Security_PropertySeq properties{};
+  const std::vector<std::string_view> partitions = {"p", "q"};
+  const spi::PropertyList tags = {{"colour", "red"}};
+  EXPECT_TRUE(make_scope(
+      adapter, {.topic_name = "Square", .partitions = partitions, .data_tags = tags}, properties));
+  auto list = properties_from(properties).value();
+  free_scope(properties);
+  return list;
+}
 
 struct AccessControlAdapterTest : testing::Test {
   AccessControlAdapterTest() {
@@ -83,6 +99,91 @@ TEST_F(AccessControlAdapterTest, ChecksPassTheQuestionAndTheAnswer) {
   EXPECT_EQ(c->check_remote_topic(c, 9, 5, &topic_data, nullptr), 1);
 }
 
+// What access control says of an endpoint, and what cryptography asks with it.
+TEST_F(AccessControlAdapterTest, CryptographyAsksAboutTheEndpointItself) {
+  spi::EndpointSecurityAttributes endpoint;
+  endpoint.topic.is_read_protected = true;
+  endpoint.payload = ProtectionKind::encrypt;
+  ON_CALL(engine, datareader_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
+  std::string first = "p", second = "q", tag = "colour", value = "red";
+  char* names[] = {first.data(), second.data()};
+  const DDS_Security_PartitionQosPolicy partition{{2, 2, names}};
+  DDS_Security_Tag tag_of_it{tag.data(), value.data()};
+  const DDS_Security_DataTags tags{{1, 1, &tag_of_it}};
+  DDS_Security_EndpointSecurityAttributes attributes{};
+  ASSERT_EQ(
+      c->get_datareader_sec_attributes(c, 8, "Square", &partition, &tags, &attributes, nullptr), 1);
+  const auto gate = MatchGate::of(attributes.ac_endpoint_properties);
+  ASSERT_TRUE(gate && *gate);
+  EXPECT_EQ(c->return_datareader_sec_attributes(c, &attributes, nullptr), 1);
+  EXPECT_FALSE(is_scope(attributes.ac_endpoint_properties));
+  EXPECT_EQ(c->return_datareader_sec_attributes(c, &attributes, nullptr), 1);  // once is enough
+
+  const auto scope = scope_of(harness.adapter.id());
+  const MatchGate asks(scope, AccessControlAdapter::judge);
+  const GuidPrefix prefix{{1, 2, 3}};
+  EXPECT_CALL(engine, check_remote_match(Handle{9}, _))
+      .WillOnce([&](Handle, const spi::AccessControl::Match& match) -> Status {
+        EXPECT_TRUE(match.remote_writes);
+        EXPECT_EQ(match.remote, prefix);
+        EXPECT_EQ(match.local.topic_name, "Square");
+        EXPECT_EQ(match.local.partitions.size(), 2u);
+        EXPECT_EQ(match.local.partitions[1], "q");
+        EXPECT_EQ(match.local.data_tags.size(), 1u);
+        EXPECT_EQ(match.local.data_tags[0].value, "red");
+        return {};
+      })
+      .WillOnce(Return(fail(Code::match_not_permitted)));
+  EXPECT_TRUE(asks.check({{9}, prefix, true}));
+  EXPECT_EQ(code_of(asks.check({{9}, {}, false})), Code::keys_not_permitted);
+  ASSERT_EQ(harness.events.size(), 1u);
+  EXPECT_EQ(harness.events[0].error.code(), Code::match_not_permitted);
+}
+
+TEST_F(AccessControlAdapterTest, EachAdapterIsAskedAboutItsOwnAndNoneThatIsGone) {
+  std::uint64_t gone = 0;
+  {
+    Harness<AccessControlAdapter, MockAccessControl, spi::AccessControl> other;
+    gone = other.adapter.id();
+    EXPECT_NE(gone, harness.adapter.id());
+    EXPECT_CALL(*other.engine, check_remote_match(_, _));
+    EXPECT_CALL(engine, check_remote_match(_, _)).Times(0);
+    EXPECT_TRUE(MatchGate(scope_of(gone), AccessControlAdapter::judge).check({}));
+  }
+  EXPECT_EQ(code_of(MatchGate(scope_of(gone), AccessControlAdapter::judge).check({})),
+            Code::access_control_missing);
+  auto broken = scope_of(harness.adapter.id());
+  broken[0].value += "x";
+  EXPECT_EQ(code_of(MatchGate(broken, AccessControlAdapter::judge).check({})),
+            Code::access_control_missing);
+  EXPECT_EQ(AccessControlAdapter::judge(nullptr), MatchVerdict::unknown_access_control);
+  // No library of this process exports it.
+  EXPECT_EQ(code_of(MatchGate(scope_of(harness.adapter.id())).check({})),
+            Code::access_control_missing);
+}
+
+TEST_F(AccessControlAdapterTest, OnlyEndpointsUnderAccessControlHaveAScope) {
+  spi::EndpointSecurityAttributes endpoint;
+  ON_CALL(engine, datawriter_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
+  const auto has_scope = [&] {
+    DDS_Security_EndpointSecurityAttributes attributes{};
+    EXPECT_EQ(
+        c->get_datawriter_sec_attributes(c, 8, "Square", nullptr, nullptr, &attributes, nullptr),
+        1);
+    const bool has = is_scope(attributes.ac_endpoint_properties);
+    EXPECT_EQ(MatchGate::of(attributes.ac_endpoint_properties).value() != nullptr, has);
+    EXPECT_EQ(c->return_datawriter_sec_attributes(c, &attributes, nullptr), 1);
+    return has;
+  };
+  EXPECT_FALSE(has_scope());
+  endpoint.payload = ProtectionKind::sign;
+  EXPECT_FALSE(has_scope());
+  endpoint.topic.is_write_protected = true;
+  EXPECT_TRUE(has_scope());
+  endpoint.is_builtin = true;
+  EXPECT_FALSE(has_scope());
+}
+
 // Cyclone never asks about endpoints of unauthenticated participants.
 TEST_F(AccessControlAdapterTest, AnEndpointThatUnauthenticatedPeersWouldReachIsRefused) {
   spi::EndpointSecurityAttributes endpoint;
@@ -115,6 +216,12 @@ TEST_F(AccessControlAdapterTest, AnEndpointThatUnauthenticatedPeersWouldReachIsR
   EXPECT_TRUE(may_read());
   endpoint.payload = ProtectionKind::none;
   allow_unauthenticated = false;
+  Refusal unguarded;
+  EXPECT_EQ(c->check_create_datawriter(c, 8, 5, "Square", &qos, nullptr, nullptr, &unguarded), 0);
+  EXPECT_EQ(unguarded.reason(), Code::controlled_topic_unguarded);
+  EXPECT_NE(unguarded.text().find("Square"), std::string::npos);
+  EXPECT_FALSE(may_read());
+  endpoint.submessage = ProtectionKind::sign;
   EXPECT_TRUE(may_write());
   EXPECT_TRUE(may_read());
 }

@@ -35,8 +35,10 @@ XML
   sign "permissions_$1"
 }
 
-# governance NAME DISCOVERY_LIVELINESS RTPS METADATA DATA
+# governance NAME DISCOVERY_LIVELINESS RTPS METADATA DATA; access to topics that nothing protects is open
 governance() {
+  local controlled=true
+  if [ "$4$5" = NONENONE ]; then controlled=false; fi
   cat > "governance_$1.xml" <<XML
 <?xml version="1.0" encoding="UTF-8"?>
 <dds><domain_access_rules><domain_rule>
@@ -50,8 +52,8 @@ governance() {
     <topic_expression>*</topic_expression>
     <enable_discovery_protection>true</enable_discovery_protection>
     <enable_liveliness_protection>true</enable_liveliness_protection>
-    <enable_read_access_control>true</enable_read_access_control>
-    <enable_write_access_control>true</enable_write_access_control>
+    <enable_read_access_control>$controlled</enable_read_access_control>
+    <enable_write_access_control>$controlled</enable_write_access_control>
     <metadata_protection_kind>$4</metadata_protection_kind>
     <data_protection_kind>$5</data_protection_kind>
   </topic_rule></topic_access_rules>

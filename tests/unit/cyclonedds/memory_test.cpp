@@ -320,6 +320,7 @@ void Life::check_endpoints() {
       return access->get_datawriter_sec_attributes(access, local, topic.c_str(), &partition, &tags,
                                                    &side->endpoint_attributes, ex);
     });
+    access->return_datawriter_sec_attributes(access, &side->endpoint_attributes, nullptr);
     attempt_check("get_datareader_sec_attributes", [&](Exception* ex) {
       return access->get_datareader_sec_attributes(access, local, topic.c_str(), &partition, &tags,
                                                    &side->endpoint_attributes, ex);
@@ -498,6 +499,7 @@ Life::~Life() {
     auto* access = side->access();
     access->return_permissions_handle(access, side->peer.permissions, nullptr);
     access->return_permissions_handle(access, side->permissions, nullptr);
+    access->return_datareader_sec_attributes(access, &side->endpoint_attributes, nullptr);
     auto* auth = side->auth();
     auth->return_identity_handle(auth, side->peer.identity, nullptr);
     auth->return_identity_handle(auth, side->identity, nullptr);

@@ -58,6 +58,7 @@ class MockAccessControl : public spi::AccessControl {
               (override));
   MOCK_METHOD(Result<RemoteDatareader>, check_remote_datareader,
               (Handle, DomainId, const spi::EndpointRequest&), (override));
+  MOCK_METHOD(Status, check_remote_match, (Handle, const Match&), (override));
   MOCK_METHOD(Status, check_remote_topic, (Handle, DomainId, std::string_view), (override));
   MOCK_METHOD(Result<spi::Token>, permissions_token, (Handle), (override));
   MOCK_METHOD(Result<spi::Token>, permissions_credential_token, (Handle), (override));

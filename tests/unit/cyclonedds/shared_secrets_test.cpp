@@ -46,8 +46,10 @@ TEST(SharedSecrets, CarryWhatThePeerCanDecryptToOurCryptographyOnly) {
   secrets.note({1}, IdentityHandle{10}, IdentityHandle{20});
   auto secret = secret_of(7);
   secret.peer_ciphers = spi::kAllCiphers;
+  secret.peer_prefix = GuidPrefix{{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
   const auto handle = secrets.hand_out({1}, secret);
   EXPECT_EQ(shared_secret_from(*handle)->peer_ciphers, spi::kAllCiphers);
+  EXPECT_EQ(shared_secret_from(*handle)->peer_prefix, secret.peer_prefix);
   EXPECT_EQ(shared_secret_from(*handle)->secret, secret.secret);
   // The same octets as Cyclone's plugin lays them out say nothing of ciphers.
   auto layout = *reinterpret_cast<SharedSecretLayout*>(*handle);
@@ -55,6 +57,7 @@ TEST(SharedSecrets, CarryWhatThePeerCanDecryptToOurCryptographyOnly) {
   layout.shared_secret = octets.data();
   const auto foreign = reinterpret_cast<DDS_Security_SharedSecretHandle>(&layout);
   EXPECT_EQ(shared_secret_from(foreign)->peer_ciphers, spi::kStandardCiphers);
+  EXPECT_FALSE(shared_secret_from(foreign)->peer_prefix);
   EXPECT_EQ(shared_secret_from(foreign)->secret, secret.secret);
 }
 

@@ -1,0 +1,36 @@
+// Who speaks in what was decrypted. A key proves its owner, not what the plaintext says of itself:
+// a host that believes the plaintext (Cyclone DDS) gets only what names the owner of the key.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "base/bytes.hpp"
+#include "base/ids.hpp"
+#include "base/result.hpp"
+
+namespace ddssec::cryptography {
+
+/// How much of a protected message's content its sender may say, and what ended it.
+struct SenderPart {
+  std::size_t size;            ///< octets from the beginning; all of them if nothing ended it
+  std::optional<Error> ended;  ///< info_source_mismatch, secure_group_malformed
+};
+
+/// Walks the submessages of a protected message as Cyclone DDS does. `content` is what follows the
+/// RTPS header. The sender's part ends before an INFO_SRC that names another participant, unless
+/// both prefixes begin with the same six octets: these are bound to the certificate's subject
+/// (DDS-Security 9.3.3), and Cyclone DDS puts what the participants of one process say into one
+/// message. Nothing is allocated unless something ended it.
+SenderPart part_of_sender(BytesView content, const GuidPrefix& sender);
+
+/// Checks one decrypted submessage of a writer. What the volatile secure writer sends must be
+/// protected by the key exchange, and nothing else may be. A token message must name as its source,
+/// twice, the participant at the other end of the key exchange; without `peer` (another vendor's
+/// authentication) both must at least agree. Key tokens are read from their first 100 octets, so no
+/// fragment may be smaller. Errors: submessage_not_of_sender, token_source_mismatch,
+/// token_source_unreadable.
+Status check_token_source(BytesView submessage, bool is_key_exchange,
+                          const std::optional<GuidPrefix>& peer);
+
+}  // namespace ddssec::cryptography

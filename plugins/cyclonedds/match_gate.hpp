@@ -1,0 +1,30 @@
+// spi::MatchGate across two shared libraries: ours of cryptography asks ours of access control.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "plugins/cyclonedds/abi.hpp"
+#include "plugins/spi/match_gate.hpp"
+#include "plugins/spi/token.hpp"
+
+namespace ddssec::cyclonedds {
+
+class MatchGate final : public spi::MatchGate {
+ public:
+  /// The gate of an endpoint with these ac_endpoint_properties; nullptr where a stock access
+  /// control plugin stands beside us, which cannot be asked. Errors: null_argument,
+  /// length_out_of_range.
+  static Result<std::shared_ptr<const MatchGate>> of(const DDS_Security_PropertySeq& properties);
+
+  /// `judge`: null to look it up in the process at each question.
+  explicit MatchGate(spi::PropertyList scope, JudgeMatch* judge = nullptr);
+  Status check(const Peer& peer) const override;
+
+ private:
+  spi::PropertyList scope_;
+  std::vector<DDS_Security_Property_t> as_c_;  ///< borrows from scope_
+  JudgeMatch* const judge_;
+};
+
+}  // namespace ddssec::cyclonedds

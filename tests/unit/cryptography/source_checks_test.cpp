@@ -1,0 +1,378 @@
+#include "plugins/cryptography/source_checks.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/cryptography/insider.hpp"
+#include "tests/unit/cryptography/two_sides.hpp"
+
+namespace ddssec::cryptography {
+namespace {
+
+using namespace testing;
+
+constexpr GuidPrefix kPeer{{0x81, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
+constexpr GuidPrefix kVictim{{0x82, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
+constexpr GuidPrefix kSibling{{0x81, 2, 3, 4, 5, 6, 70, 80, 90, 100, 110, 120}};  ///< one subject
+constexpr EntityId kTokenWriter{{0xff, 0x02, 0x02, 0xc3}};
+constexpr EntityId kOtherWriter{{0x00, 0x00, 0x01, 0x03}};
+
+void append(Bytes& out, BytesView octets) { out.insert(out.end(), octets.begin(), octets.end()); }
+void append(Bytes& out, std::uint64_t value, std::size_t size, bool little) {
+  for (std::size_t i = 0; i < size; ++i)
+    out.push_back(static_cast<std::uint8_t>(value >> (8 * (little ? i : size - 1 - i))));
+}
+
+/// The beginning of a ParticipantGenericMessage, with a class id behind the addresses.
+Bytes generic_message(const GuidPrefix& source, const GuidPrefix& endpoint, std::uint8_t encoding) {
+  Bytes out = {0, encoding, 0, 0};
+  append(out, source.view());
+  out.resize(84, 0x11);
+  append(out, endpoint.view());
+  out.resize(120, 0x22);
+  return out;
+}
+
+/// Of a DATA_FRAG.
+struct Fragment {
+  std::uint32_t first = 1;    ///< fragmentStartingNum
+  std::uint16_t size = 120;   ///< fragmentSize
+  std::uint32_t whole = 120;  ///< sampleSize
+};
+
+struct Token {
+  bool little = true;
+  EntityId writer = kTokenWriter;
+  std::uint8_t flags = 0x04;
+  std::uint16_t to_inline_qos = 16;
+  Bytes inline_qos = {};
+  Bytes payload = generic_message(kPeer, kPeer, 1);
+  std::optional<Fragment> fragment = {};
+
+  Bytes octets() const {
+    Bytes out = {fragment ? submessage_id::kDataFrag : submessage_id::kData,
+                 static_cast<std::uint8_t>(flags | (little ? 1 : 0)), 0, 0};
+    append(out, 0, 2, little);
+    append(out, fragment ? to_inline_qos + 12u : to_inline_qos, 2, little);
+    append(out, 0, 4, little);
+    append(out, writer.view());
+    append(out, 1, 8, little);
+    if (fragment) {
+      append(out, fragment->first, 4, little);
+      append(out, 1, 2, little);
+      append(out, fragment->size, 2, little);
+      append(out, fragment->whole, 4, little);
+    }
+    append(out, inline_qos);
+    append(out, payload);
+    const auto length = out.size() - 4;
+    out[little ? 2 : 3] = static_cast<std::uint8_t>(length);
+    out[little ? 3 : 2] = static_cast<std::uint8_t>(length >> 8);
+    return out;
+  }
+  Status check(const std::optional<GuidPrefix>& peer = kPeer) const {
+    return check_token_source(octets(), true, peer);
+  }
+};
+
+Bytes qos(bool little, std::uint16_t length, bool ends = true) {
+  Bytes out;
+  append(out, 0x70, 2, little);
+  append(out, length, 2, little);
+  out.resize(out.size() + 8, 0x33);
+  if (!ends) return out;
+  append(out, 1, 2, little);
+  append(out, 0xffff, 2, little);  // the sentinel's length means nothing
+  return out;
+}
+
+TEST(TokenSource, OfThePeerIsTakenInEachByteOrderAndEncapsulation) {
+  for (const bool little : {false, true}) {
+    for (const std::uint8_t encoding : {0, 1, 6, 7}) {
+      Token token{.little = little, .payload = generic_message(kPeer, kPeer, encoding)};
+      EXPECT_TRUE(token.check());
+      token.fragment.emplace();
+      token.flags = 0;
+      EXPECT_TRUE(token.check());
+      token.flags = 0x02;
+      token.inline_qos = qos(little, 8);
+      EXPECT_TRUE(token.check());
+      token.payload = generic_message(kVictim, kPeer, encoding);
+      EXPECT_EQ(code_of(token.check()), Code::token_source_mismatch);
+    }
+  }
+  EXPECT_TRUE((Token{.payload = generic_message(kPeer, {}, 1)}.check()));  // a participant's
+}
+
+TEST(TokenSource, OfAnotherIsRefusedWhereverItStands) {
+  for (const bool little : {false, true}) {
+    Token token{.little = little, .payload = generic_message(kVictim, {}, 0)};
+    const auto status = token.check();
+    ASSERT_EQ(code_of(status), Code::token_source_mismatch);
+    EXPECT_EQ(status.error().details().expected, kPeer.to_string());
+    EXPECT_EQ(status.error().details().found, kVictim.to_string());
+    token.payload = generic_message(kPeer, kVictim, 0);
+    EXPECT_EQ(code_of(token.check()), Code::token_source_mismatch);
+    token.flags = 0x08;  // serialized key
+    EXPECT_EQ(code_of(token.check()), Code::token_source_mismatch);
+    token.flags = 0x06;
+    token.inline_qos = qos(little, 8);
+    EXPECT_EQ(code_of(token.check()), Code::token_source_mismatch);
+  }
+  // Each octet counts.
+  for (const std::size_t begin : {4u, 84u}) {
+    for (std::size_t at = begin; at < begin + 12; ++at) {
+      Token token;
+      token.payload[at] ^= 1;
+      EXPECT_EQ(code_of(token.check()), Code::token_source_mismatch) << at;
+    }
+  }
+}
+
+TEST(TokenSource, BesideAnotherAuthenticationBothNamesMustAgree) {
+  Token token{.payload = generic_message(kVictim, kVictim, 1)};
+  EXPECT_TRUE(token.check(std::nullopt));
+  token.payload = generic_message(kVictim, kPeer, 1);
+  EXPECT_EQ(code_of(token.check(std::nullopt)), Code::token_source_mismatch);
+}
+
+TEST(TokenSource, CutOffAnywhereIsRefused) {
+  for (const bool little : {false, true}) {
+    for (const bool has_qos : {false, true}) {
+      for (const bool is_fragment : {false, true}) {
+        Token token{.little = little};
+        if (is_fragment) token.fragment.emplace(), token.flags = 0;
+        if (has_qos) token.flags |= 0x02, token.inline_qos = qos(little, 8);
+        const auto whole = token.octets();
+        const auto needed = whole.size() - token.payload.size() + 100;
+        for (std::size_t size = 4; size < whole.size(); ++size) {
+          const auto code = code_of(check_token_source(BytesView(whole).first(size), true, kPeer));
+          if (size < needed)
+            EXPECT_EQ(code, Code::token_source_unreadable) << size;
+          else
+            EXPECT_EQ(code, Code{}) << size;
+        }
+      }
+    }
+  }
+}
+
+TEST(TokenSource, LengthsThatLieAreRefused) {
+  const auto refused = [](const Token& token) {
+    return code_of(token.check()) == Code::token_source_unreadable;
+  };
+  EXPECT_TRUE(refused({.to_inline_qos = 12}));  // before the header's end
+  EXPECT_TRUE(refused({.to_inline_qos = 18}));  // not a word
+  EXPECT_TRUE(refused({.to_inline_qos = 60000}));
+  EXPECT_TRUE(refused({.flags = 0x06, .inline_qos = qos(true, 6)}));
+  EXPECT_TRUE(refused({.flags = 0x06, .inline_qos = qos(true, 60000)}));
+  EXPECT_TRUE(refused({.flags = 0x06, .inline_qos = qos(true, 8, false)}));
+  EXPECT_TRUE(refused({.payload = generic_message(kPeer, kPeer, 2)}));  // a parameter list
+  EXPECT_TRUE(refused({.payload = generic_message(kPeer, kPeer, 9)}));
+  EXPECT_TRUE(refused({.fragment = Fragment{.first = 0}}));
+  EXPECT_TRUE(refused({.fragment = Fragment{.size = 96}}));
+  EXPECT_TRUE(refused({.fragment = Fragment{.first = 3, .size = 96}}));
+  // What would come round to the beginning in 32 bits.
+  EXPECT_TRUE(refused({.fragment = Fragment{.first = 0x01000001, .size = 256, .whole = 4096}}));
+}
+
+TEST(TokenSource, LaterFragmentsAndEmptySamplesNameNobody) {
+  Token token{.payload = Bytes(40, 0x44)};
+  token.fragment = Fragment{.first = 2, .size = 120, .whole = 160};
+  EXPECT_TRUE(token.check());
+  EXPECT_TRUE((Token{.flags = 0, .payload = {}}.check()));
+}
+
+TEST(TokenSource, OnlyTheKeyExchangeProtectsTokensAndNothingElse) {
+  const auto token = Token{}.octets();
+  EXPECT_EQ(code_of(check_token_source(token, false, kPeer)), Code::submessage_not_of_sender);
+  const auto other = Token{.writer = kOtherWriter}.octets();
+  EXPECT_EQ(code_of(check_token_source(other, true, kPeer)), Code::submessage_not_of_sender);
+  EXPECT_TRUE(check_token_source(other, false, kPeer));
+  EXPECT_TRUE(check_token_source(data_submessage(28, submessage_id::kHeartbeat), true, kPeer));
+}
+
+// ---- INFO_SRC
+
+Bytes info_source(const GuidPrefix& prefix, bool little = true, std::size_t more = 0) {
+  Bytes out = {submessage_id::kInfoSource, static_cast<std::uint8_t>(little ? 1 : 0), 0, 0};
+  out[little ? 2 : 3] = static_cast<std::uint8_t>(20 + more);
+  append(out, 0, 4, little);
+  append(out, Bytes{2, 1, 1, 16});
+  append(out, prefix.view());
+  out.resize(out.size() + more);
+  return out;
+}
+Bytes joined(std::initializer_list<Bytes> parts) {
+  Bytes out;
+  for (const auto& part : parts) append(out, part);
+  return out;
+}
+
+TEST(SenderPart, GoesOnAsItselfAndAsSiblings) {
+  const auto content = joined({info_source(kPeer), data_submessage(16), info_source(kSibling),
+                               data_submessage(8), info_source(kPeer, false), Bytes{0x01, 1, 0, 0},
+                               Bytes{0x09, 0, 0, 0}, data_submessage(20)});
+  const auto part = part_of_sender(content, kPeer);
+  EXPECT_EQ(part.size, content.size());
+  EXPECT_FALSE(part.ended);
+}
+
+TEST(SenderPart, EndsWhereItSpeaksAsAnother) {
+  for (const bool little : {false, true}) {
+    for (const std::size_t more : {0u, 4u}) {
+      const auto own = joined({info_source(kPeer), data_submessage(16)});
+      const auto content = joined(
+          {own, info_source(kVictim, little, more), data_submessage(16), info_source(kPeer)});
+      const auto part = part_of_sender(content, kPeer);
+      EXPECT_EQ(part.size, own.size());
+      ASSERT_TRUE(part.ended);
+      EXPECT_EQ(part.ended->code(), Code::info_source_mismatch);
+      EXPECT_EQ(part.ended->details().found, kVictim.to_string());
+    }
+  }
+  // Six octets, not five.
+  auto near = kSibling;
+  near.octets[5] ^= 1;
+  EXPECT_TRUE(part_of_sender(info_source(near), kPeer).ended);
+}
+
+TEST(SenderPart, CutOffAnywhereSpeaksForNobodyElse) {
+  const auto own = joined({info_source(kPeer), data_submessage(16)});
+  const auto content = joined({own, info_source(kVictim), data_submessage(16)});
+  for (std::size_t size = 0; size <= content.size(); ++size) {
+    const auto part = part_of_sender(BytesView(content).first(size), kPeer);
+    EXPECT_LE(part.size, std::min(size, own.size()));
+    EXPECT_EQ(part.ended.has_value(), part.size < size) << size;
+  }
+}
+
+TEST(SenderPart, NothingHidesInAGroupThatIsReadInTwoWays) {
+  // SEC_PREFIX says little endian and SEC_BODY big endian: 16 octets or 4096.
+  const Bytes prefix = {0x31, 1, 4, 0, 0, 0, 0, 0}, postfix = {0x32, 1, 4, 0, 0, 0, 0, 0};
+  Bytes body = {0x30, 0, 16, 0};
+  body.resize(20);
+  auto content = joined({info_source(kPeer), prefix, body, postfix, info_source(kVictim)});
+  content.resize(24 + 8 + 4 + 4096 + 8);
+  const auto part = part_of_sender(content, kPeer);
+  EXPECT_EQ(part.size, 24u);
+  ASSERT_TRUE(part.ended);
+  EXPECT_EQ(part.ended->code(), Code::secure_group_malformed);
+  body[1] = 1;
+  const auto group = joined({info_source(kPeer), prefix, body, postfix, data_submessage(8)});
+  EXPECT_EQ(part_of_sender(group, kPeer).size, group.size());
+}
+
+// ---- in the engine
+
+constexpr Options kTrustingHost{.host_checks_sources = false};
+
+GuidPrefix header_prefix(const Bytes& message) {
+  return GuidPrefix::from(BytesView(message).subspan(8, 12));
+}
+
+TEST(TrustingHost, GetsTheSendersPartOfAMessage) {
+  for (const auto kind : {ProtectionKind::sign, ProtectionKind::encrypt,
+                          ProtectionKind::encrypt_with_origin_authentication}) {
+    TwoSides two(kind, {}, kTrustingHost);
+    const auto honest = rtps_message({data_submessage(16)});
+    const auto own = header_prefix(honest);
+    const auto forged =
+        rtps_message({data_submessage(16), info_source(kVictim), data_submessage(8)});
+    EXPECT_EQ(decode_message(two, encode_message(two, honest).value())->size(), honest.size() + 24);
+    EXPECT_TRUE(two.b.events.codes.empty());
+    const auto opened = decode_message(two, encode_message(two, forged).value());
+    ASSERT_TRUE(opened);
+    EXPECT_EQ(opened->size(), honest.size() + 24);
+    EXPECT_EQ(two.b.events.codes, std::vector{Code::info_source_mismatch});
+    EXPECT_NE(two.b.events.last.find(own.to_string()), std::string::npos);
+  }
+}
+
+TEST(TrustingHost, KeepsTheKeysThatAreSet) {
+  TwoSides two(ProtectionKind::encrypt, {}, kTrustingHost);
+  EXPECT_TRUE(two.take_participant(two.participant_tokens().value()));  // repeated
+  const std::vector<spi::Token> others = {Insider(kAes256Gcm).token()};
+  EXPECT_EQ(code_of(two.take_participant(others)), Code::keys_already_set);
+  EXPECT_EQ(two.b.events.codes, std::vector{Code::keys_already_set});
+  const auto message = encode_message(two, rtps_message({data_submessage(16)})).value();
+  EXPECT_TRUE(decode_message(two, message));
+
+  const auto attributes = endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::encrypt);
+  const auto ends = two.endpoints(attributes);
+  EXPECT_TRUE(two.take_writer(ends, two.writer_tokens(ends).value()));
+  EXPECT_EQ(code_of(two.take_writer(ends, others)), Code::keys_already_set);
+  EXPECT_EQ(code_of(two.take_reader(ends, others)), Code::keys_already_set);
+  const auto submessage = encode_submessage(two, ends, data_submessage(16)).value();
+  EXPECT_TRUE(decode_submessage(two, ends, submessage));
+}
+
+TEST(TrustingHost, TakesLaterRevisions) {
+  TwoSides two(participant_attributes(ProtectionKind::encrypt, true), {}, kTrustingHost);
+  ASSERT_TRUE(two.a.factory().revise_local_entity_keys(two.a.participant));
+  EXPECT_TRUE(two.take_participant(two.participant_tokens(KeyStage::revised).value()));
+}
+
+TEST(TrustingHost, AnotherRegistrationHasOtherKeys) {
+  TwoSides two(ProtectionKind::encrypt, {}, kTrustingHost);
+  TwoSides::match(two.b, 9);
+  const std::vector<spi::Token> others = {Insider(kAes256Gcm).token()};
+  EXPECT_TRUE(two.take_participant(others));
+}
+
+TEST(TrustingHost, GetsTokensOfThePeerOnly) {
+  TwoSides two(ProtectionKind::none, {}, kTrustingHost);
+  auto secret = shared_secret(5);
+  secret.peer_prefix = kPeer;
+  for (auto* side : {&two.a, &two.b})
+    side->remote = side->factory()
+                       .register_matched_remote_participant(side->participant, {8}, {7}, secret)
+                       .value();
+  const auto ends = two.volatile_endpoints();
+  const auto passes = [&](const Bytes& submessage) {
+    return decode_submessage(two, ends, encode_submessage(two, ends, submessage).value());
+  };
+  EXPECT_TRUE(passes(Token{}.octets()));
+  const auto forged = passes(Token{.payload = generic_message(kVictim, {}, 1)}.octets());
+  EXPECT_EQ(code_of(forged), Code::token_source_mismatch);
+  EXPECT_EQ(two.b.events.codes, std::vector{Code::token_source_mismatch});
+  EXPECT_EQ(code_of(passes(Token{.writer = kOtherWriter}.octets())),
+            Code::submessage_not_of_sender);
+}
+
+TEST(TrustingHost, TokensComeByTheKeyExchangeOnly) {
+  TwoSides two(ProtectionKind::none, {}, kTrustingHost);
+  const auto ends =
+      two.endpoints(endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none));
+  const auto encoded = encode_submessage(two, ends, Token{}.octets()).value();
+  EXPECT_EQ(code_of(decode_submessage(two, ends, encoded)), Code::submessage_not_of_sender);
+}
+
+struct Gate final : spi::MatchGate {
+  Status check(const Peer& peer) const override {
+    asked.push_back(peer);
+    return peer.permissions.value == 7 ? Status() : fail(Code::keys_not_permitted);
+  }
+  mutable std::vector<Peer> asked;
+};
+
+TEST(TrustingHost, AGateIsAskedAboutEachMatch) {
+  TwoSides two(ProtectionKind::none, {}, kTrustingHost);
+  const auto gate = std::make_shared<Gate>();
+  auto attributes = endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none);
+  attributes.gate = gate;
+  EXPECT_TRUE(two.endpoints(attributes).remote_writer);
+  ASSERT_EQ(gate->asked.size(), 2u);
+  EXPECT_FALSE(gate->asked[0].writes);
+  EXPECT_TRUE(gate->asked[1].writes);
+  // The same remote, after its permissions were judged anew.
+  auto& factory = two.b.factory();
+  ASSERT_TRUE(
+      factory.register_matched_remote_participant(two.b.participant, {7}, {6}, shared_secret()));
+  const auto reader = factory.register_local_datareader(two.b.participant, {}, attributes).value();
+  EXPECT_EQ(
+      code_of(factory.register_matched_remote_datawriter(reader, two.b.remote, shared_secret())),
+      Code::keys_not_permitted);
+}
+
+}  // namespace
+}  // namespace ddssec::cryptography
