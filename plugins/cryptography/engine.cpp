@@ -57,7 +57,7 @@ Shared::Shared(const Environment& given, const AeadBackend& aead, const Options&
 
 void Shared::report(const Error& error, const std::optional<GuidPrefix>& prefix) const {
   const auto guid = prefix ? Guid{*prefix, kEntityIdParticipant}.to_string() : std::string();
-  environment.events.raise(Event(error, {}, guid));
+  environment.events.raise(Event(error, {}, guid, PeerProof::authenticated));
 }
 
 void Shared::publish_routes(RemoteParticipant& participant) {

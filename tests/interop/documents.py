@@ -155,6 +155,14 @@ class Side:
         if self.plain:
             return shared + ["--plain"]
         me, peer = (STARTER, WAITER) if starts else (WAITER, STARTER)
+        return shared + self._of(me, peer, pki, keys)
+
+    def of(self, me, pki, keys):
+        """The options of a participant with another subject name than the two of a pair."""
+        return self._of(me, "", pki, keys)
+
+    def _of(self, me, peer, pki, keys):
+        shared = []
         issuer = self._identity_ca(pki, keys, self.signed_by)
         certificate = pki.leaf(me, keys.leaf, issuer, self.expired, _soon(self.identity_seconds))
         documents = {

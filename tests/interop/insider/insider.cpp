@@ -1,0 +1,241 @@
+// A participant with a valid certificate that does not keep to the rules: the three stock plugins,
+// with a few of their functions replaced. What it does is named by INSIDER_TAMPER:
+//   announce     its endpoints announce that nothing about them is access controlled
+//   participant  its participant's key tokens name the victim as their source
+//   endpoint     its writers' key tokens name the victim as their source
+//   source       its protected messages go on in the victim's name
+// INSIDER_VICTIM is how the victim's GUID begins, in hexadecimal digits. What it did is said on
+// stderr.
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <dlfcn.h>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "plugins/cyclonedds/abi.hpp"
+
+namespace {
+
+using Octets = DDS_Security_OctetSeq;
+using Bytes = std::vector<DDS_Security_octet>;
+using Exception = DDS_Security_SecurityException;
+
+bool tampers(std::string_view what) {
+  const char* const mode = std::getenv("INSIDER_TAMPER");
+  return mode != nullptr && mode == what;
+}
+
+void say_tampered() {
+  static std::atomic<int> count = 0;
+  if (++count == 1) std::fprintf(stderr, "insider: tampered\n");
+}
+
+std::string hex_of(const DDS_Security_octet* prefix) {
+  std::string hex;
+  for (int i = 0; i < 12; ++i) {
+    char two[3];
+    std::snprintf(two, sizeof two, "%02x", prefix[i]);
+    hex += two;
+  }
+  return hex;
+}
+
+void say_prefix(const char* whose, const DDS_Security_octet* prefix) {
+  std::fprintf(stderr, "insider: %s prefix %s\n", whose, hex_of(prefix).c_str());
+}
+
+/// The victim's GUID prefix, once it was met.
+class Victim {
+ public:
+  void meet(const DDS_Security_octet* prefix) {
+    const std::lock_guard lock(mutex_);
+    if (prefix_.empty()) say_prefix("victim", prefix);
+    prefix_.assign(prefix, prefix + 12);
+  }
+  Bytes prefix() {
+    const std::lock_guard lock(mutex_);
+    return prefix_;
+  }
+
+ private:
+  std::mutex mutex_;
+  Bytes prefix_;
+};
+Victim victim;
+
+/// A function of the stock library that stands under ours.
+template <class Function>
+Function* stock(const char* library, const char* name) {
+  const auto path = std::string(DDSSEC_STOCK_PLUGIN_DIR "/") + library;
+  void* const handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (handle == nullptr) std::fprintf(stderr, "insider: %s\n", dlerror());
+  return handle == nullptr ? nullptr : reinterpret_cast<Function*>(dlsym(handle, name));
+}
+using Init = int(const char*, void**, ddsi_domaingv*);
+using Finalize = int(void*);
+
+// ---- authentication: who is who
+
+decltype(dds_security_authentication::validate_local_identity) validate_local;
+decltype(dds_security_authentication::validate_remote_identity) validate_remote;
+
+DDS_Security_ValidationResult_t my_validate_local(
+    dds_security_authentication* instance, DDS_Security_IdentityHandle* handle,
+    DDS_Security_GUID_t* guid, const DDS_Security_DomainId domain, const DDS_Security_Qos* qos,
+    const DDS_Security_GUID_t* candidate, Exception* ex) {
+  const auto result = validate_local(instance, handle, guid, domain, qos, candidate, ex);
+  if (result == DDS_SECURITY_VALIDATION_OK) say_prefix("own", guid->prefix);
+  return result;
+}
+
+DDS_Security_ValidationResult_t my_validate_remote(
+    dds_security_authentication* instance, DDS_Security_IdentityHandle* handle,
+    DDS_Security_AuthRequestMessageToken* local_request,
+    const DDS_Security_AuthRequestMessageToken* remote_request,
+    const DDS_Security_IdentityHandle local, const DDS_Security_IdentityToken* token,
+    const DDS_Security_GUID_t* guid, Exception* ex) {
+  const char* const begin = std::getenv("INSIDER_VICTIM");
+  if (begin != nullptr && hex_of(guid->prefix).starts_with(begin)) victim.meet(guid->prefix);
+  return validate_remote(instance, handle, local_request, remote_request, local, token, guid, ex);
+}
+
+// ---- access control: nothing stops it at home
+
+DDS_Security_boolean allow_endpoint(dds_security_access_control*,
+                                    const DDS_Security_PermissionsHandle,
+                                    const DDS_Security_DomainId, const char*,
+                                    const DDS_Security_Qos*, const DDS_Security_PartitionQosPolicy*,
+                                    const DDS_Security_DataTags*, Exception*) {
+  return 1;
+}
+DDS_Security_boolean allow_topic(dds_security_access_control*, const DDS_Security_PermissionsHandle,
+                                 const DDS_Security_DomainId, const char*, const DDS_Security_Qos*,
+                                 Exception*) {
+  return 1;
+}
+
+// ---- cryptography: what it says before it is encrypted
+
+decltype(dds_security_crypto_transform::encode_datawriter_submessage) encode_submessage;
+decltype(dds_security_crypto_transform::encode_rtps_message) encode_message;
+
+bool holds(const Bytes& octets, std::string_view text) {
+  return std::string_view(reinterpret_cast<const char*>(octets.data()), octets.size()).find(text) !=
+         std::string_view::npos;
+}
+
+/// endpoint_security_info in a parameter list, either byte order.
+void hide_access_control(Bytes& octets) {
+  constexpr DDS_Security_octet kLittle[] = {0x04, 0x10, 8, 0}, kBig[] = {0x10, 0x04, 0, 8};
+  for (std::size_t at = 0; at + 12 <= octets.size(); at += 4) {
+    if (std::memcmp(&octets[at], kLittle, 4) != 0 && std::memcmp(&octets[at], kBig, 4) != 0)
+      continue;
+    std::memset(&octets[at + 4], 0, 8);
+    say_tampered();
+  }
+}
+
+/// The last octet of source_endpoint_guid in a DATA without inline QoS, whose payload begins at 24.
+constexpr std::size_t kEntityKindAt = 24 + 84 + 15;
+
+void name_victim(Bytes& octets, std::string_view token_class, std::size_t at) {
+  const auto prefix = victim.prefix();
+  if (prefix.empty() || !holds(octets, token_class) || octets.size() < at + 12) return;
+  std::memcpy(&octets[at], prefix.data(), prefix.size());
+  say_tampered();
+}
+
+DDS_Security_boolean my_encode_submessage(dds_security_crypto_transform* instance, Octets* encoded,
+                                          const Octets* plain,
+                                          const DDS_Security_DatawriterCryptoHandle sender,
+                                          const DDS_Security_DatareaderCryptoHandleSeq* receivers,
+                                          DDS_Security_long* index, Exception* ex) {
+  if (plain->_buffer == nullptr)
+    return encode_submessage(instance, encoded, plain, sender, receivers, index, ex);
+  Bytes octets(plain->_buffer, plain->_buffer + plain->_length);
+  if (tampers("announce")) hide_access_control(octets);
+  if (tampers("participant")) name_victim(octets, "dds.sec.participant_crypto_tokens", 24 + 4);
+  // Of the application's writers: those of discovery it needs.
+  if (tampers("endpoint") && octets.size() > kEntityKindAt &&
+      (octets[kEntityKindAt] == 0x02 || octets[kEntityKindAt] == 0x03))
+    name_victim(octets, "dds.sec.datawriter_crypto_tokens", 24 + 84);
+  const Octets mine{plain->_length, plain->_length, octets.data()};
+  return encode_submessage(instance, encoded, &mine, sender, receivers, index, ex);
+}
+
+/// Does a message hold a sample of an application's writer?
+bool is_of_application(const Bytes& message) {
+  for (std::size_t at = 20; at + 16 <= message.size();) {
+    const auto kind = message[at + 15];
+    if (message[at] == 0x15 && (kind == 0x02 || kind == 0x03)) return true;
+    const std::size_t length = message[at + 2] | message[at + 3] << 8;
+    if (length == 0) return false;
+    at += 4 + length;
+  }
+  return false;
+}
+
+DDS_Security_boolean my_encode_message(dds_security_crypto_transform* instance, Octets* encoded,
+                                       const Octets* plain,
+                                       const DDS_Security_ParticipantCryptoHandle sender,
+                                       const DDS_Security_ParticipantCryptoHandleSeq* receivers,
+                                       DDS_Security_long* index, Exception* ex) {
+  const auto prefix = victim.prefix();
+  if (plain->_buffer == nullptr || prefix.empty() || !tampers("source"))
+    return encode_message(instance, encoded, plain, sender, receivers, index, ex);
+  Bytes octets(plain->_buffer, plain->_buffer + plain->_length);
+  if (is_of_application(octets)) {
+    Bytes source = {0x0c, 0x01, 20, 0, 0, 0, 0, 0, 2, 1, 1, 16};
+    source.insert(source.end(), prefix.begin(), prefix.end());
+    octets.insert(octets.begin() + 20, source.begin(), source.end());
+    say_tampered();
+  }
+  const auto size = static_cast<DDS_Security_unsigned_long>(octets.size());
+  const Octets mine{size, size, octets.data()};
+  return encode_message(instance, encoded, &mine, sender, receivers, index, ex);
+}
+
+}  // namespace
+
+DDSSEC_EXPORT int init_authentication(const char* argument, void** context, ddsi_domaingv* domain) {
+  auto* const init = stock<Init>("libdds_security_auth.so", "init_authentication");
+  if (init == nullptr || init(argument, context, domain) != 0) return 1;
+  auto* const plugin = static_cast<dds_security_authentication*>(*context);
+  validate_local = std::exchange(plugin->validate_local_identity, my_validate_local);
+  validate_remote = std::exchange(plugin->validate_remote_identity, my_validate_remote);
+  return 0;
+}
+DDSSEC_EXPORT int finalize_authentication(void* context) {
+  return stock<Finalize>("libdds_security_auth.so", "finalize_authentication")(context);
+}
+
+DDSSEC_EXPORT int init_access_control(const char* argument, void** context, ddsi_domaingv* domain) {
+  auto* const init = stock<Init>("libdds_security_ac.so", "init_access_control");
+  if (init == nullptr || init(argument, context, domain) != 0) return 1;
+  auto* const plugin = static_cast<dds_security_access_control*>(*context);
+  plugin->check_create_datawriter = allow_endpoint;
+  plugin->check_create_datareader = allow_endpoint;
+  plugin->check_create_topic = allow_topic;
+  return 0;
+}
+DDSSEC_EXPORT int finalize_access_control(void* context) {
+  return stock<Finalize>("libdds_security_ac.so", "finalize_access_control")(context);
+}
+
+DDSSEC_EXPORT int init_crypto(const char* argument, void** context, ddsi_domaingv* domain) {
+  auto* const init = stock<Init>("libdds_security_crypto.so", "init_crypto");
+  if (init == nullptr || init(argument, context, domain) != 0) return 1;
+  auto* const plugin = static_cast<dds_security_cryptography*>(*context);
+  auto& transform = *plugin->crypto_transform;
+  encode_submessage = std::exchange(transform.encode_datawriter_submessage, my_encode_submessage);
+  encode_message = std::exchange(transform.encode_rtps_message, my_encode_message);
+  return 0;
+}
+DDSSEC_EXPORT int finalize_crypto(void* context) {
+  return stock<Finalize>("libdds_security_crypto.so", "finalize_crypto")(context);
+}

@@ -1,0 +1,263 @@
+#!/usr/bin/env python3
+"""A hostile insider against Cyclone DDS processes on our plugins: a participant with a valid certificate
+that does not keep to the rules (insider/insider.cpp). A subscriber and a publisher talk to each other; then
+the insider comes. It may read nothing and forge nothing, the two go on, and one event names it.
+
+Each story is told three times: with all of our plugins, with only our cryptography beside stock ones, and
+with only our access control. What a single plugin cannot prevent is not asserted there; plugins/README.md
+says what that is.
+
+Usage: insider_test.py BUILD [FILTER]
+"""
+
+import concurrent.futures
+import glob
+import hashlib
+import json
+import os
+import pathlib
+import re
+import selectors
+import shutil
+import sys
+import tempfile
+import time
+from dataclasses import replace
+
+sys.dont_write_bytecode = True
+
+import pair  # noqa: E402
+from documents import Governance, Keys, Permissions, Side  # noqa: E402
+from pki import STARTER, Pki, der_name  # noqa: E402
+from runner import LIBRARIES  # noqa: E402
+from scenarios import EO, GOVERNANCES  # noqa: E402
+
+BUILD = pathlib.Path(sys.argv[1]).resolve()
+LIBRARY = BUILD / "lib" / "libddssec_test_insider.so"
+PATIENCE = 20.0  # seconds
+HONEST, FORGED = 32, 48  # octets of payload, by which samples are told apart
+FURTHER = 12     # samples that must come after the attack, at ten a second
+INSIDER = "insider"
+EVERYTHING = GOVERNANCES["everything-encrypt-oa"]
+MESSAGES_ONLY = Governance(rtps=EO, read=False, write=False)
+ELSEWHERE = Permissions(publish=("Elsewhere",), subscribe=("Elsewhere",))
+
+
+class World:
+    """A network namespace with an honest pair, which the insider may join."""
+
+    def __init__(self, folder, kind, governance):
+        self.kind, self.folder = kind, folder
+        self.pki, self.keys = Pki(folder), Keys()
+        self.side = Side(governance)
+        logs = os.path.join(folder, "logs")
+        os.mkdir(logs)
+        self.programs = pair.Programs(str(BUILD / "bin"), str(BUILD / "dropin"), logs)
+        if kind in LIBRARIES:
+            os.mkdir(self.programs.plugins(kind))
+            shutil.copy(BUILD / "dropin" / LIBRARIES[kind], self.programs.plugins(kind))
+        self.namespace, self.peers = pair.Namespace(), []
+        self._selector = selectors.DefaultSelector()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for peer in self.peers:
+            peer.kill()
+            peer.process.stdout.close()
+        self._selector.close()
+        self.namespace.close()
+
+    def start(self, name, kind, words, variables):
+        peer = pair.start(self.programs, self.namespace, kind, ["--hold", *words],
+                          os.path.join(self.programs.logs, name), variables)
+        self.peers.append(peer)
+        self._selector.register(peer.process.stdout, selectors.EVENT_READ, peer)
+        return peer
+
+    def honest(self, role, starts):
+        events = {"DDSSEC_EVENT_LOG": os.path.join(self.folder, f"{role}.events")}
+        words = self.side.arguments(self.pki, self.keys, starts)
+        return self.start(role, self.kind, ["--" + role, "--payload", str(HONEST), *words], events)
+
+    def insider(self, role, tamper, permissions):
+        """Faster than the honest publisher, so that its numbers overtake the other's."""
+        words = replace(self.side, permissions=permissions).of(INSIDER, self.pki, self.keys)
+        plugins = ",".join(f"{part}={LIBRARY}" for part in ("auth", "ac", "crypto"))
+        return self.start(f"insider-{role}", "stock",
+                          ["--" + role, "--payload", str(FORGED), "--interval", "20", "--plugins", plugins, *words],
+                          {"INSIDER_TAMPER": tamper, "INSIDER_VICTIM": prefix_begin(STARTER)})
+
+    def until(self, what, is_so, patience=PATIENCE):
+        end = time.monotonic() + patience
+        while not is_so():
+            for key, _ in self._selector.select(0.05):
+                if not key.data.read():
+                    self._selector.unregister(key.fileobj)
+            if time.monotonic() > end:
+                raise AssertionError(f"{what} did not happen")
+
+    def passes(self, seconds):
+        end = time.monotonic() + seconds
+        self.until("time passing", lambda: time.monotonic() > end)
+
+    def events(self, *codes):
+        """The events of both honest processes with one of these codes."""
+        found = []
+        for path in glob.glob(os.path.join(self.folder, "*.events")):
+            with open(path) as file:
+                found += [event for event in map(json.loads, file) if event["name"] in codes]
+        return found
+
+    def logs(self):
+        texts = []
+        for peer in self.peers:
+            lines = pathlib.Path(peer.log).read_text(errors="replace").splitlines()
+            texts += [f"\n    | {os.path.basename(peer.log)}: {line[:180]}" for line in lines[1:][-12:]]
+        return "".join(texts)
+
+
+def prefix_begin(common_name):
+    """The first six octets of its GUID: a set bit and 47 bits of the subject's hash (DDS-Security 9.3.3)."""
+    number = int.from_bytes(hashlib.sha256(der_name(common_name)).digest()[:6], "big")
+    return f"{number >> 1 | 1 << 47:012x}"
+
+
+def samples(peer, octets):
+    """The numbers of the samples with that payload, in the order in which they came."""
+    found = (re.fullmatch(r"sample (\d+) (\d+)(.*)", line) for line in peer.lines)
+    return [int(one[1]) for one in found if one and int(one[2]) == octets]
+
+
+def said(peer, text):
+    return text in pathlib.Path(peer.log).read_text(errors="replace")
+
+
+def prefix_of(peer):
+    return re.search(r"insider: own prefix ([0-9a-f]{24})", pathlib.Path(peer.log).read_text())[1]
+
+
+def check(what, is_so):
+    if not is_so:
+        raise AssertionError(what)
+
+
+def go_on(world, subscriber):
+    """The honest pair, without a gap."""
+    before = len(samples(subscriber, HONEST))
+    world.until("the honest pair going on", lambda: len(samples(subscriber, HONEST)) >= before + FURTHER)
+    got = samples(subscriber, HONEST)
+    check(f"samples are lost: {got}", got == list(range(got[0], got[0] + len(got))))
+
+
+def one_event_names(world, code, insider, whose):
+    """Exactly one, and the insider in it by its GUID."""
+    world.until(f"an event {code}", lambda: world.events(code), 5)
+    world.passes(0.5)
+    events = world.events(code)
+    check(f"{len(events)} events {code}: {events}", len(events) == whose)
+    for event in events:
+        check(f"the event names {event['guid']}", event["guid"].startswith(prefix_of(insider)))
+
+
+def begin(world):
+    """The honest pair talks."""
+    subscriber = world.honest("subscribe", False)
+    world.honest("publish", True)
+    world.until("the honest pair talking", lambda: len(samples(subscriber, HONEST)) >= 3)
+    return subscriber
+
+
+def announce(world):
+    """What the host does not ask, cryptography does."""
+    subscriber = begin(world)
+    writer = world.insider("publish", "announce", ELSEWHERE)
+    reader = world.insider("subscribe", "announce", ELSEWHERE)
+    world.until("the insider's announcements", lambda: said(writer, "tampered") and said(reader, "tampered"))
+    if world.kind == "ours":
+        # One at the subscriber about the writer, one at the publisher about the reader.
+        world.until("the refusals", lambda: len(world.events("match_not_permitted")) >= 2, 8)
+        world.passes(1)
+        events = world.events("match_not_permitted")
+        check(f"not one event for each: {events}", len(events) == 2)
+        wanted = {prefix_of(peer) for peer in (writer, reader)}
+        check(f"they name others: {events}", {event["guid"].split(".")[0] for event in events} == wanted)
+        check("they name no subject", all(INSIDER in event["peer_subject"] for event in events))
+        check("they name no topic", all("Square" in event["sentence"] for event in events))
+        check("the insider reads", not samples(reader, HONEST))
+        check("the insider writes", not samples(subscriber, FORGED))
+    go_on(world, subscriber)
+
+
+def honest_announcement(world):
+    """The control: the same insider, announcing its endpoints as they are, is refused by every mix."""
+    subscriber = begin(world)
+    writer = world.insider("publish", "nothing", ELSEWHERE)
+    reader = world.insider("subscribe", "nothing", ELSEWHERE)
+    world.until("the insider being there", lambda: said(writer, "victim prefix") and said(reader, "victim prefix"))
+    go_on(world, subscriber)
+    check("the insider reads", not samples(reader, HONEST))
+    check("the insider writes", not samples(subscriber, FORGED))
+
+
+def tokens(world, tamper):
+    """Keys in another's name."""
+    subscriber = begin(world)
+    insider = world.insider("publish", tamper, Permissions())
+    world.until("the false tokens", lambda: said(insider, "tampered"))
+    if world.kind == "ours":
+        one_event_names(world, "token_source_mismatch", insider, 2 if tamper == "participant" else 1)
+    if world.kind == "ours-crypto":
+        # A stock authentication does not tell the GUID: the two names that disagree, and the keys, are left.
+        code = "keys_already_set" if tamper == "participant" else "token_source_mismatch"
+        world.until("a refusal", lambda: world.events(code), 5)
+        world.passes(0.5)
+        check("not one event", len(world.events(code)) == 1)
+    if world.kind != "ours-ac":
+        go_on(world, subscriber)
+        check("the insider's samples came", not samples(subscriber, FORGED))
+
+
+def source(world):
+    """A message that goes on in another's name."""
+    subscriber = begin(world)
+    insider = world.insider("publish", "source", Permissions())
+    world.until("a false source", lambda: said(insider, "tampered"))
+    if world.kind != "ours-ac":
+        one_event_names(world, "info_source_mismatch", insider, 1)
+        go_on(world, subscriber)
+        check("the insider speaks as another", not samples(subscriber, FORGED))
+
+
+def cases():
+    for kind in ("ours", "ours-crypto", "ours-ac"):
+        yield f"announce/{kind}", kind, EVERYTHING, announce
+        yield f"honest/{kind}", kind, EVERYTHING, honest_announcement
+        for tamper in ("participant", "endpoint"):
+            yield f"tokens-{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: tokens(world, t)
+        yield f"source/{kind}", kind, MESSAGES_ONLY, source
+
+
+def tried(case):
+    name, kind, governance, story = case
+    start, fault = time.monotonic(), None
+    with tempfile.TemporaryDirectory(prefix="ddssec-insider-") as folder, World(folder, kind, governance) as world:
+        try:
+            story(world)
+        except AssertionError as one:
+            fault = f"{one}{world.logs()}"
+    print(f"{'FAILED' if fault else 'ok':8}{name} ({time.monotonic() - start:.1f} s)"
+          + (f": {fault}" if fault else ""), flush=True)
+    return fault is None
+
+
+def main():
+    wanted = (sys.argv[2:] or [""])[0]
+    with concurrent.futures.ThreadPoolExecutor(max_workers=3) as pool:  # they mostly wait
+        outcomes = list(pool.map(tried, (case for case in cases() if wanted in case[0])))
+    return 0 if outcomes and all(outcomes) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
