@@ -78,9 +78,11 @@ void add_samples(CLI::App& app, Options& o) {
       ->check(CLI::Range(1u, 1000000u));
   app.add_option("--num-topics", o.topics, "topics: TOPIC, TOPIC1...")
       ->check(CLI::Range(1u, 1000u));
-  add_choice(app, "--final-instance-state", o.final_state,
-             States{{"u", FinalState::unregistered}, {"d", FinalState::disposed}},
-             "what a publisher does with its instances at the end: unregister, dispose");
+  add_choice(
+      app, "--final-instance-state", o.final_state,
+      States{{"u", FinalState::unregistered}, {"d", FinalState::disposed}},
+      "what a publisher does with its instances at the end: u unregisters, d disposes; without "
+      "it, they are unregistered as the writer leaves");
   app.add_option("--coherent-sample-count", o.coherent_samples, "iterations in a coherent set")
       ->check(at_least(2u));
   app.add_option("--additional-payload-size", o.payload_size, "octets added to each sample")

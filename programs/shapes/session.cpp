@@ -187,7 +187,7 @@ rtps::Qos Session::writer_qos() const {
   auto qos = common_qos();
   if (options_.ownership_strength >= 0) qos.ownership_strength = options_.ownership_strength;
   if (options_.lifespan > 0) qos.lifespan = duration_of(options_.lifespan);
-  qos.autodispose_unregistered_instances = options_.final_state != FinalState::unregistered;
+  qos.autodispose_unregistered_instances = false;  // as the OMG's shapes demo
   return qos;
 }
 
