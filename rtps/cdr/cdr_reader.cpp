@@ -43,5 +43,15 @@ Result<CdrReader> open_reader(BytesView payload, Extensibility extensibility) {
   return CdrReader(opened.body, version_of(kind), opened.endian);
 }
 
+Result<CdrReader> open_key_reader(BytesView payload, Extensibility extensibility) {
+  const auto opened = DDSSEC_TRY(open_payload(payload));
+  const auto kind = opened.encapsulation;
+  const bool appendable = extensibility == Extensibility::appendable;
+  const bool fits = kind == Encapsulation::cdr || kind == Encapsulation::cdr2 ||
+                    (appendable && kind == Encapsulation::delimited_cdr2);
+  if (!fits) return fail(Code::rtps_encapsulation_unsupported);
+  return CdrReader(opened.body, version_of(kind), opened.endian);
+}
+
 }  // namespace detail
 }  // namespace ddssec::rtps

@@ -50,6 +50,11 @@ class CdrReader {
   const Status& status() const { return status_; }
   /// True if members were absent, and so keep what they held.
   bool ended_early() const { return ended_early_; }
+  /// True if nothing is left but padding to whole words.
+  bool is_exhausted() const {
+    return status_ && (remaining() == 0 || (end_ % 4 == 0 && remaining() < 4));
+  }
+  XcdrVersion version() const { return version_; }
 
   template <class T>
   void take(T& value, std::size_t bound = kUnbounded, std::size_t element_bound = kUnbounded) {
@@ -74,13 +79,15 @@ class CdrReader {
 
   /// Key members only; see CdrWriter::put_key.
   template <DdsType T>
-  void take_key(T& value) {
+  void take_key(T& value, KeyLayout layout) {
+    constexpr bool appendable = TypeTraits<T>::extensibility == Extensibility::appendable;
+    const Delimited delimited(*this, appendable && layout == KeyLayout::delimited);
     const bool all = !has_key<T>();
     detail::for_each_member(value, [&](const auto& member) {
       using M = std::remove_reference_t<decltype(member.value)>;
       if (!member.is_key && !all) return;
       if constexpr (DdsType<M>) {
-        take_key(member.value);
+        take_key(member.value, layout);
       } else {
         take(member.value, member.bound, member.element_bound);
       }
@@ -216,7 +223,8 @@ class CdrReader {
 /// rtps_encapsulation_unsupported (a parameter list, or one that does not fit the type).
 template <DdsType T>
 Result<T> deserialize(BytesView payload);
-/// The same with the key alone; other members keep their defaults.
+/// The same with the key alone; other members keep their defaults. In XCDR2 it is read in either
+/// KeyLayout, and of an appendable type also as PLAIN_CDR2, which we once wrote.
 template <DdsType T>
 Result<T> deserialize_key(BytesView payload);
 /// The same into a value that keeps its memory. After an error its content means nothing.
@@ -234,6 +242,7 @@ Status check_encapsulation(Encapsulation kind, Extensibility extensibility);
 
 /// A reader behind the encapsulation.
 Result<CdrReader> open_reader(BytesView payload, Extensibility extensibility);
+Result<CdrReader> open_key_reader(BytesView payload, Extensibility extensibility);
 
 template <DdsType T, class Take>
 Status deserialize_with(BytesView payload, T& value, Take take) {
@@ -260,13 +269,23 @@ Status deserialize_into(BytesView payload, T& value) {
   return detail::deserialize_with(payload, value, [&](CdrReader& reader) { reader.take(value); });
 }
 
+// Nothing in the payload says which layout it has. The lengths do: a DHEADER counts what follows it
+// to the end, and no key with a DHEADER is as long as the same key without. So what is left over
+// counts.
 template <DdsType T>
 Status deserialize_key_into(BytesView payload, T& value) {
-  auto reader = detail::open_reader(payload, Extensibility::final_type);
-  if (!reader) return std::unexpected(reader.error());
+  auto delimited = detail::open_key_reader(payload, TypeTraits<T>::extensibility);
+  if (!delimited) return std::unexpected(delimited.error());
+  auto bare = *delimited;
   value = T{};
-  reader->take_key(value);
-  return reader->status();
+  delimited->take_key(value, KeyLayout::delimited);
+  if (delimited->is_exhausted()) return {};
+  value = T{};
+  bare.take_key(value, KeyLayout::bare);
+  const bool strict = TypeTraits<T>::extensibility == Extensibility::appendable &&
+                      bare.version() == XcdrVersion::xcdr2;
+  if (strict && bare.status() && !bare.is_exhausted()) return fail(Code::malformed);
+  return bare.status();
 }
 
 template <DdsType T>

@@ -35,17 +35,20 @@ class CdrWriter {
 
   /// Key members only; all members of a nested struct that marks none itself.
   template <DdsType T>
-  void put_key(const T& value) {
+  void put_key(const T& value, KeyLayout layout = KeyLayout::bare) {
+    constexpr bool appendable = TypeTraits<T>::extensibility == Extensibility::appendable;
+    const auto header = begin_delimited(appendable && layout == KeyLayout::delimited);
     const bool all = !has_key<T>();
     detail::for_each_member(value, [&](const auto& member) {
       using M = std::remove_cvref_t<decltype(member.value)>;
       if (!member.is_key && !all) return;
       if constexpr (DdsType<M>) {
-        put_key(member.value);
+        put_key(member.value, layout);
       } else {
         put(member.value);
       }
     });
+    end_delimited(header);
   }
 
  private:
@@ -170,10 +173,9 @@ void serialize(const T& value, Bytes& out, XcdrVersion version = XcdrVersion::xc
 /// The same with the key alone: the payload of a dispose or unregister.
 template <DdsType T>
 void serialize_key(const T& value, Bytes& out, XcdrVersion version = XcdrVersion::xcdr1,
-                   Endian endian = Endian::little) {
-  detail::begin_payload(
-      out, version == XcdrVersion::xcdr1 ? Encapsulation::cdr : Encapsulation::cdr2, endian);
-  CdrWriter(out, version, endian).put_key(value);
+                   Endian endian = Endian::little, KeyLayout layout = KeyLayout::delimited) {
+  detail::begin_payload(out, detail::encapsulation_of<T>(version), endian);
+  CdrWriter(out, version, endian).put_key(value, layout);
   detail::end_payload(out);
 }
 

@@ -15,6 +15,11 @@ namespace ddssec::rtps {
 
 enum class Extensibility : std::uint8_t { final_type, appendable };
 
+/// How the key alone is laid out in XCDR2: with a DHEADER where a type is appendable, as its
+/// samples are (XTypes 1.3, 7.6.3.4 and 7.6.8), or with none, as Cyclone DDS up to 0.10 reads and
+/// writes it. Key hashes are made of the second.
+enum class KeyLayout : std::uint8_t { delimited, bare };
+
 /// To be specialised for each user type:
 ///   static constexpr std::string_view type_name = "Module::Type";
 ///   static constexpr Extensibility extensibility = Extensibility::final_type;

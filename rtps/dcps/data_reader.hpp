@@ -100,6 +100,7 @@ class AnyDataReader : public Endpoint, private PresentedReader {
   void make_cache();
   void choose_presenter(const Presentation& presentation);
   bool store(Change& change);
+  void report_unreadable_key(const Change& change);
   bool reject(const Change& change, const ReaderCache::Stored& stored);
   void data_came();
   void update_conditions();

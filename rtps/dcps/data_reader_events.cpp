@@ -53,6 +53,7 @@ bool AnyDataReader::store(Change& change) {
     change.key_hash = type.key_hash(change, key_is_protected_);
   if (type.with_key && !change.key_hash) {
     ++malformed_;
+    if (!change.is_alive()) report_unreadable_key(change);
     return true;
   }
   if (seen_ && seen_->contains(change)) return true;
@@ -69,6 +70,20 @@ bool AnyDataReader::store(Change& change) {
   if (stored.outcome == ReaderCache::Outcome::stored) data_came();
   context_.attend();
   return true;
+}
+
+void AnyDataReader::report_unreadable_key(const Change& change) {
+  const auto octets = change.payload.view();
+  context_.environment().events.raise(Event(
+      Error(Code::rtps_key_unreadable,
+            {.document = "topic " + topic_.name(),
+             .field = change.status.disposed ? "dispose" : "unregister",
+             .expected = "a key of " + topic_.type_name() + " in XCDR1 or XCDR2, or a key hash",
+             .found = octets.empty()
+                          ? "neither"
+                          : std::to_string(octets.size()) + " octets that begin " +
+                                to_hex(octets.first(std::min(octets.size(), kEncapsulationSize)))}),
+      {}, change.writer.to_string()));
 }
 
 // A reliable writer keeps it, and it is offered again; it is counted once.

@@ -156,9 +156,9 @@ class DataWriter final : public AnyDataWriter {
   }
   OctetWrite change_of(const T& sample, InstanceHandle handle, std::optional<Time> time) {
     return {payload_, key_of(sample),
-            [&sample] {
+            [&sample, this] {
               Bytes out;
-              serialize_key(sample, out);
+              serialize_key(sample, out, version());
               return out;
             },
             handle, time};

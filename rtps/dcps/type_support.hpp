@@ -9,6 +9,7 @@
 #include "rtps/filter/sample_view.hpp"
 #include "rtps/qos/qos.hpp"
 #include "rtps/reliability/change.hpp"
+#include "rtps/reliability/key_payload.hpp"
 #include "rtps/types/type_consistency.hpp"
 
 namespace ddssec::rtps {
@@ -23,6 +24,8 @@ struct TypeSupport {
   std::function<std::optional<KeyHash>(const Change&, bool always_md5)> key_hash = nullptr;
   /// Its serialized key, with an encapsulation.
   std::function<Bytes(const Change&)> serialized_key = nullptr;
+  /// The same serialized key without any DHEADER (see KeyLayout); empty if it cannot be read.
+  KeyRewriter bare_key = nullptr;
   /// What filters see samples through; they need names in the traits.
   std::function<std::unique_ptr<SampleView>()> view = nullptr;
   /// What peers are told of the type besides its name; too long ones are not told.
@@ -68,7 +71,17 @@ TypeSupport type_support() {
   };
   support.serialized_key = [](const Change& change) {
     Bytes out;
-    if (const auto value = detail::deserialize_change<T>(change)) serialize_key(*value, out);
+    const auto opened = open_payload(change.payload.view());
+    if (const auto value = detail::deserialize_change<T>(change))
+      serialize_key(*value, out, version_of(opened->encapsulation));
+    return out;
+  };
+  support.bare_key = [](BytesView key) {
+    Bytes out;
+    const auto opened = open_payload(key);
+    if (const auto value = deserialize_key<T>(key))
+      serialize_key(*value, out, version_of(opened->encapsulation), opened->endian,
+                    KeyLayout::bare);
     return out;
   };
   return support;

@@ -349,12 +349,14 @@ Result<Guid> Participant::create_writer(EndpointRequest request, EndpointListene
   const auto kind = request.with_key ? EndpointKind::writer_with_key : EndpointKind::writer_no_key;
   auto history = std::move(request.history);
   const bool history_only = request.history_only;
+  auto bare_key = std::move(request.bare_key);
   auto data = local_data(std::move(request), kind);
   const auto guid = data.guid;
   if (security_) DDSSEC_TRY(secure_endpoint(data, listener));
   auto protocol = std::make_unique<StatefulWriter>(guid, data.qos, sender_, &timers_);
   for (auto& change : history) protocol->write(std::move(change), now);
   if (history_only) protocol->serve_history_only();
+  protocol->rewrite_keys_with(std::move(bare_key));
   protocol->on_acknowledged([&listener] { listener.on_acknowledged(); });
   auto& local = writers_[guid.entity] = {std::move(data), &listener, std::move(protocol), {}};
   topics_[local.data.topic_name].writers.push_back(&local);

@@ -153,6 +153,7 @@ class Participant final : private SecurityHost {
     std::vector<Change> history = {};  ///< a writer's, from before: only for who asks for history
     bool history_only = false;         ///< a writer's: see StatefulWriter::serve_history_only
     std::optional<Guid> group = {};    ///< of a publisher with GROUP access
+    KeyRewriter bare_key = {};         ///< a writer's: see StatefulWriter::rewrite_keys_with
   };
   Result<Guid> create_writer(EndpointRequest request, EndpointListener& listener,
                              MonotonicTime now);

@@ -9,6 +9,7 @@ namespace {
 
 using Row = ParameterRow<ParticipantData>;
 constexpr ParameterId kPidParticipantGuid = 0x0050;
+constexpr ParameterId kPidVendorVersion = 0x8007;  // PID_ADLINK_PARTICIPANT_VERSION_INFO
 
 Status read_property_list(Reader& reader, spi::PropertyList& out) {
   const auto count = DDSSEC_TRY(reader.read_count(8));
@@ -31,6 +32,20 @@ void write_property_list(SpanWriter& out, const spi::PropertyList& properties) {
     write_text(out, property.name);
     write_text(out, property.value);
   }
+}
+
+// Cyclone DDS: a version, flags, three words, and "HOST/VERSION/OS/CPU". Whatever else it may be is
+// passed over.
+Status read_vendor_version(Reader& reader, ParticipantData& data) {
+  constexpr std::size_t kFixedPart = 20, kMost = 512, kLongest = 32;
+  if (!reader.skip(kFixedPart)) return {};
+  const auto text = read_bounded_string(reader, kMost);
+  if (!text) return {};
+  const auto begin = text->find('/');
+  const auto end = begin == text->npos ? text->npos : text->find('/', begin + 1);
+  if (end != text->npos && end - begin <= kLongest)
+    data.vendor_version = text->substr(begin + 1, end - begin - 1);
+  return {};
 }
 
 // Value-less helpers for the table: each names one parameter.
@@ -59,6 +74,7 @@ constexpr Row kTable[] = {
        const ParameterScope scope(w, 0x0016);
        w.write_bytes(d.vendor.view());
      }},
+    {kPidVendorVersion, read_vendor_version, [](SpanWriter&, const ParticipantData&) {}, true},
     {kPidParticipantGuid,
      [](Reader& r, ParticipantData& d) -> Status {
        d.guid = DDSSEC_TRY(read_guid(r));

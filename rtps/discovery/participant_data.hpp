@@ -16,6 +16,7 @@ struct ParticipantData {
   Guid guid;
   ProtocolVersion version = kProtocolVersion;
   VendorId vendor;
+  std::string vendor_version = {};  ///< what Cyclone DDS says of itself: "0.10.2"; never announced
   std::optional<std::uint32_t> domain_id = {};
   std::string domain_tag = {};
   std::uint32_t builtin_endpoints = 0;

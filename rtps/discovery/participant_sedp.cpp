@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "rtps/discovery/participant.hpp"
+#include "rtps/wire/vendor_name.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -18,6 +19,11 @@ std::optional<QosMismatch> refusal(const TypeJudgement& types, const EndpointDat
       QosPolicyId::type_consistency_enforcement, "TYPE_CONSISTENCY_ENFORCEMENT",
       describe_type(writer.type_name, writer.type),
       fmt::format("{} for {}", types.refused_by, describe_type(reader.type_name, reader.type))};
+}
+
+KeyReading key_reading_of(const ParticipantData& data) {
+  return {data.vendor == kVendorCyclone && is_up_to(data.vendor_version, 0, 10),
+          data.vendor == kVendorFastDds};
 }
 
 }  // namespace
@@ -343,11 +349,11 @@ void Participant::match(LocalWriter& writer, Remote& remote, const EndpointData&
   }
   writer.matched.push_back(data.guid);
   const bool history = data.qos.durability >= DurabilityKind::transient_local;
-  writer.protocol->match(
-      {data.guid, data.qos.is_reliable(), history,
-       near ? LocatorList{} : usable_locators(data.unicast, remote.user), near, std::move(filter)},
-      now_);
-  writer.listener->on_matched(data);
+  writer.protocol->match({data.guid, data.qos.is_reliable(), history,
+                          near ? LocatorList{} : usable_locators(data.unicast, remote.user), near,
+                          std::move(filter), key_reading_of(remote.data)},
+                         now_);
+  if (!waits) writer.listener->on_matched(data);
   join(writer.data.guid, data.guid);
 }
 

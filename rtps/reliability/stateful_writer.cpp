@@ -105,6 +105,7 @@ void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
   count_filters();
   const auto& matched = readers_.back();
   add_locators(all_locators_, matched.reader);
+  key_reading_ |= matched.reader.keys;
   if (matched.reader.in_process) return;
   if (!matched.reader.reliable || !qos_.is_reliable()) {
     for (auto number = matched.first_relevant; number < next; number = number.next())
@@ -127,7 +128,11 @@ void StatefulWriter::unmatch(const Guid& reader) {
   std::erase_if(readers_, [&](const auto& proxy) { return proxy.reader.guid == reader; });
   count_filters();
   all_locators_.clear();
-  for (const auto& left : readers_) add_locators(all_locators_, left.reader);
+  key_reading_ = {};
+  for (const auto& left : readers_) {
+    add_locators(all_locators_, left.reader);
+    key_reading_ |= left.reader.keys;
+  }
   release_acknowledged();
 }
 
@@ -202,9 +207,10 @@ void StatefulWriter::heartbeat_at(MonotonicTime when) {
 
 void StatefulWriter::send_change(const Destination& to, const EntityId& reader,
                                  const Change& change, std::uint32_t most_fragments) {
-  if (change.payload.size() > sender_.fragment_size()) {
-    const auto total = DataFrag::fragments_of(static_cast<std::uint32_t>(change.payload.size()),
-                                              sender_.fragment_size());
+  const auto payload = payload_of(change);
+  if (payload.size() > sender_.fragment_size()) {
+    const auto total =
+        DataFrag::fragments_of(static_cast<std::uint32_t>(payload.size()), sender_.fragment_size());
     for (std::uint32_t number = 1; number <= std::min(total, most_fragments); ++number)
       send_fragment(to, reader, change, {number});
     return;
@@ -214,13 +220,19 @@ void StatefulWriter::send_change(const Destination& to, const EntityId& reader,
                   change.sequence_number,
                   inline_qos_of(change, qos_.durability, filter_results_),
                   kind_of(change),
-                  change.payload.view()};
+                  payload};
   sender_.add(to, InfoTimestamp{change.source_time}, data);
+}
+
+BytesView StatefulWriter::payload_of(const Change& change) {
+  const auto octets = change.payload.view();
+  if (!change.key_only || is_builtin(guid_.entity)) return octets;
+  return key_payload_for(key_reading_, octets, to_bare_key_, key_scratch_);
 }
 
 void StatefulWriter::send_fragment(const Destination& to, const EntityId& reader,
                                    const Change& change, FragmentNumber number) {
-  const auto octets = change.payload.view();
+  const auto octets = payload_of(change);
   const auto begin = std::size_t{number.value - 1} * sender_.fragment_size();
   if (begin >= octets.size()) return;
   const auto size = std::min<std::size_t>(sender_.fragment_size(), octets.size() - begin);

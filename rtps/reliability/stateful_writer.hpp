@@ -7,6 +7,7 @@
 #include "rtps/discovery/parameter_table.hpp"
 #include "rtps/qos/qos.hpp"
 #include "rtps/reliability/change_filter.hpp"
+#include "rtps/reliability/key_payload.hpp"
 #include "rtps/reliability/timer_queue.hpp"
 #include "rtps/reliability/writer_history.hpp"
 #include "rtps/wire/acknack.hpp"
@@ -25,6 +26,7 @@ struct MatchedReader {
   LocatorList locators = {};   ///< empty if it is fed in this process
   bool in_process = false;
   std::shared_ptr<ChangeFilter> filter = {};  ///< nullptr: it gets everything
+  KeyReading keys = {};
 };
 
 class StatefulReader;
@@ -60,6 +62,8 @@ class StatefulWriter final : private Timed {
   /// Readers that match from now on get what is held then, and nothing later.
   void serve_history_only() { history_only_ = true; }
   void unmatch(const Guid& reader);
+  /// For readers that read keys of its type in one layout only.
+  void rewrite_keys_with(KeyRewriter to_bare) { to_bare_key_ = std::move(to_bare); }
   /// Another filter of a matched reader, for what is sent from now on.
   void set_filter(const Guid& reader, std::shared_ptr<ChangeFilter> filter);
 
@@ -160,6 +164,8 @@ class StatefulWriter final : private Timed {
   static void add_locators(LocatorList& to, const MatchedReader& reader);
   void send_change(const Destination& to, const EntityId& reader, const Change& change,
                    std::uint32_t most_fragments = ~0u);
+  /// What of a change is sent.
+  BytesView payload_of(const Change& change);
   void count_filters();
   void send_filtered(const Change& change);
   bool filter(const Change& change);
@@ -189,6 +195,9 @@ class StatefulWriter final : private Timed {
   bool held_back_ = false;
   SequenceNumber held_from_;  ///< the first that was not sent
   bool history_only_ = false;
+  KeyReading key_reading_;  ///< of all matched readers together
+  KeyRewriter to_bare_key_;
+  Bytes key_scratch_;
   std::size_t filters_ = 0;      ///< readers that do not get everything
   LocatorList wanted_locators_;  ///< of whoever wanted the last change
   std::vector<FilterResult> filter_results_;

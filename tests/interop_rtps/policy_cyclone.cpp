@@ -1,6 +1,7 @@
 // The policy peer on Cyclone DDS.
 #include <dds/dds.h>
 
+#include "appendable_shape.h"
 #include "interop_rtps/policy_peer.hpp"
 #include "shape.h"
 
@@ -69,7 +70,8 @@ void set_qos(dds_qos_t* qos, const Policies& p) {
 
 class Cyclone final : public policy_peer::Stack {
  public:
-  explicit Cyclone(dds_entity_t participant) : participant_(participant) {}
+  Cyclone(dds_entity_t participant, const dds_topic_descriptor_t& type)
+      : participant_(participant), type_(type) {}
 
   bool writer(const std::string& id, const std::string& topic, const Policies& p) override {
     return create(id, topic, p, dds_create_publisher, dds_create_writer);
@@ -185,8 +187,7 @@ class Cyclone final : public policy_peer::Stack {
     const Qos of_topic;
     if (const auto data = p.text("topic"); !data.empty())
       dds_qset_topicdata(of_topic.value, data.data(), data.size());
-    const auto on =
-        dds_create_topic(participant_, &interop_Shape_desc, topic.c_str(), of_topic.value, nullptr);
+    const auto on = dds_create_topic(participant_, &type_, topic.c_str(), of_topic.value, nullptr);
     const auto parent = make_group(participant_, group.value, nullptr);
     const auto entity = make(parent, on, qos.value, nullptr);
     entities_[id] = entity;
@@ -196,17 +197,21 @@ class Cyclone final : public policy_peer::Stack {
   }
 
   const dds_entity_t participant_;
+  const dds_topic_descriptor_t& type_;
   std::map<std::string, dds_entity_t> entities_;
   std::map<std::string, bool> is_writer_;
 };
 
 }  // namespace
 
-int main() {
+// The same members, and so the same struct in C.
+static_assert(sizeof(interop_Shape) == sizeof(growing_Shape));
+
+int main(int argc, char**) {
   if (dds_create_domain(0, kLoopback) < 0) return 3;
   const auto participant = dds_create_participant(0, nullptr, nullptr);
   if (participant < 0) return 3;
-  Cyclone stack(participant);
+  Cyclone stack(participant, argc > 1 ? growing_Shape_desc : interop_Shape_desc);
   const int code = policy_peer::serve(stack);
   dds_delete(DDS_CYCLONEDDS_HANDLE);
   return code;

@@ -1,4 +1,5 @@
 // The policy peer on the embedded participant.
+#include "appendable_shape.hpp"
 #include "interop_rtps/policy_peer.hpp"
 #include "rtps/dcps/domain_participant.hpp"
 #include "shape.hpp"
@@ -7,7 +8,6 @@ namespace ddssec::rtps {
 
 namespace {
 
-using interop::Shape;
 using policy_peer::End;
 using policy_peer::Policies;
 
@@ -63,21 +63,23 @@ GroupQos group_of(const Policies& p) {
   return group;
 }
 
+template <DdsType Shape>
 class Embedded final : public policy_peer::Stack {
  public:
   explicit Embedded(DomainParticipant& participant) : participant_(participant) {}
 
   bool writer(const std::string& id, const std::string& topic, const Policies& p) override {
     const auto group = participant_.create_publisher(group_of(p));
-    const auto made = (*group)->create_datawriter<Shape>(topic_of(topic, p), qos_of(p));
+    const auto made = (*group)->template create_datawriter<Shape>(topic_of(topic, p), qos_of(p));
     if (made) writers_[id] = *made;
     return made.has_value();
   }
   bool reader(const std::string& id, const std::string& topic, const Policies& p) override {
     const auto group = participant_.create_subscriber(group_of(p));
-    const auto made = p.has("filter")
-                          ? (*group)->create_datareader<Shape>(filtered(id, topic, p), qos_of(p))
-                          : (*group)->create_datareader<Shape>(topic_of(topic, p), qos_of(p));
+    const auto made =
+        p.has("filter")
+            ? (*group)->template create_datareader<Shape>(filtered(id, topic, p), qos_of(p))
+            : (*group)->template create_datareader<Shape>(topic_of(topic, p), qos_of(p));
     if (made) readers_[id] = *made;
     return made.has_value();
   }
@@ -187,18 +189,22 @@ class StderrSink final : public EventSink {
   void raise(const Event& event) override { std::fprintf(stderr, "%s\n", event.to_line().c_str()); }
 };
 
-int run() {
+int run(bool appendable) {
   const SystemClock clock;
   SystemRandom random;
   StderrSink log;
   RateLimitedSink events(log, clock);
   const auto participant = DomainParticipant::create({}, Environment{clock, random, events});
   if (!participant) return 3;
-  Embedded stack(**participant);
+  if (appendable) {
+    Embedded<growing::Shape> stack(**participant);
+    return policy_peer::serve(stack);
+  }
+  Embedded<interop::Shape> stack(**participant);
   return policy_peer::serve(stack);
 }
 
 }  // namespace
 }  // namespace ddssec::rtps
 
-int main() { return ddssec::rtps::run(); }
+int main(int argc, char**) { return ddssec::rtps::run(argc > 1); }

@@ -246,10 +246,11 @@ class Fast final : public policy_peer::Stack {
       const auto state = info.instance_state == fdds::ALIVE_INSTANCE_STATE                ? 'A'
                          : info.instance_state == fdds::NOT_ALIVE_DISPOSED_INSTANCE_STATE ? 'D'
                                                                                           : 'N';
-      if (info.valid_data)
-        out << ' ' << shape.color << ':' << shape.x << ':' << state;
-      else
-        out << " ?:-:" << state;
+      // Without data only the handle says which instance it is.
+      auto& color = colors_[id][info.instance_handle];
+      if (info.valid_data) color = shape.color;
+      out << ' ' << (color.empty() ? "?" : color) << ':'
+          << (info.valid_data ? std::to_string(shape.x) : "-") << ':' << state;
     }
     return out.str();
   }
@@ -305,6 +306,7 @@ class Fast final : public policy_peer::Stack {
   std::map<std::string, fdds::DataWriter*> writers_;
   std::map<std::string, fdds::DataReader*> readers_;
   std::map<std::string, int> incompatible_;
+  std::map<std::string, std::map<rtps::InstanceHandle_t, std::string>> colors_;
 };
 
 }  // namespace

@@ -102,6 +102,39 @@ TEST_P(HostileInlineQos, NeitherStopsAReaderNorTouchesWhatHonestWritersSend) {
   EXPECT_EQ(got, (std::vector<std::int64_t>{0, 1, 2}));
 }
 
+// Nothing but the payload says which instance it is, and it is no key.
+TEST_P(HostileInlineQos, ADisposeWhoseKeyCannotBeReadIsReportedAndChangesNothing) {
+  auto& writer = a.writer(reliable());
+  auto& reader = b.reader(reliable());
+  ASSERT_TRUE(match(writer, reader));
+  const auto socket = *UdpSocket::on_interface(*Locator::parse("127.0.0.1", 0));
+  const auto port = ports::user(b.participant->domain_id(), b.participant->index());
+  const Locator to[] = {*Locator::parse("127.0.0.1", static_cast<std::uint16_t>(port))};
+  const Bytes payload = {0, 9, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+  const Data data{kEntityIdUnknown,
+                  writer.guid().entity,
+                  {1},
+                  {{}, {.disposed = true}, {}, {}, {}},
+                  PayloadKind::key,
+                  payload};
+  std::array<std::uint8_t, 256> buffer{};
+  SpanWriter out(buffer);
+  Header header;
+  header.prefix = writer.guid().prefix;
+  write(out, header);
+  write(out, data);
+  socket.send(out.view(), to);
+  EXPECT_TRUE(eventually([&] { return reader.malformed() == 1; }));
+  Samples<Reading> samples;
+  EXPECT_EQ(reader.take(samples), 0u);
+  const std::lock_guard held(events.mutex);
+  const auto report = std::ranges::find(events.seen, Code::rtps_key_unreadable,
+                                        [](const Event& event) { return event.error.code(); });
+  ASSERT_NE(report, events.seen.end());
+  EXPECT_EQ(report->error.details().found, "12 octets that begin 00090000");
+  EXPECT_EQ(report->guid, writer.guid().to_string());
+}
+
 INSTANTIATE_TEST_SUITE_P(Over, HostileInlineQos, ::testing::Values(Way::network), name_of);
 
 }  // namespace
