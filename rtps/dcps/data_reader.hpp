@@ -86,6 +86,7 @@ class AnyDataReader : public Endpoint, private PresentedReader {
   void on_unmatched(const Guid& remote) override;
   bool on_change(Change& change) override;
   void on_sample_lost(std::int64_t count) override;
+  void on_sample_dropped(const Guid& writer, std::uint32_t octets) override;
   void on_alive(const Guid& writer) override;
   void on_acknowledged() override {}
   void on_group(const Guid& writer, SequenceNumber group) override;

@@ -109,6 +109,17 @@ void AnyDataReader::on_sample_lost(std::int64_t count) {
   note(StatusKind::sample_lost);
 }
 
+void AnyDataReader::on_sample_dropped(const Guid& writer, std::uint32_t octets) {
+  on_sample_lost(1);
+  context_.environment().events.raise(
+      Event(Error(Code::rtps_sample_dropped,
+                  {.document = "topic " + topic_.name(),
+                   .field = "serialized size",
+                   .expected = "at most " + std::to_string(StatefulReader::kLargestSample),
+                   .found = std::to_string(octets)}),
+            {}, writer.to_string()));
+}
+
 void AnyDataReader::on_alive(const Guid& writer) {
   liveliness_.alive(writer, context_.now());
   liveliness_moved();

@@ -123,6 +123,13 @@ Result<Time> AnyDataWriter::source_time_of(const OctetWrite& change) {
 }
 
 Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {
+  // Readers give up what is larger, and a writer that sends it would hear that all is well.
+  if (request.payload.size() > StatefulReader::kLargestSample)
+    return fail(Code::rtps_sample_too_large,
+                {.document = "writer of topic " + topic_.name(),
+                 .field = "serialized size",
+                 .expected = "at most " + std::to_string(StatefulReader::kLargestSample),
+                 .found = std::to_string(request.payload.size())});
   auto held = lock();
   DDSSEC_TRY(check_enabled(topic_.name()));
   if (store_ != nullptr) DDSSEC_TRY(wait_for_store(held));

@@ -379,6 +379,9 @@ Result<Guid> Participant::create_reader(EndpointRequest request, EndpointListene
       guid, data.qos.is_reliable(), sender_,
       [&listener](Change& change) { return listener.on_change(change); }, &timers_);
   protocol->on_lost([&listener](std::int64_t count) { listener.on_sample_lost(count); });
+  protocol->on_dropped([&listener](const Guid& writer, std::uint32_t octets) {
+    listener.on_sample_dropped(writer, octets);
+  });
   if (data.qos.presentation.scope == PresentationScope::group)
     protocol->on_group([&listener](const Guid& writer, SequenceNumber group) {
       listener.on_group(writer, group);

@@ -34,6 +34,8 @@ class EndpointListener {
   virtual bool on_change(Change& change) = 0;
   /// A reader's: so many changes of a writer will never come.
   virtual void on_sample_lost(std::int64_t count) = 0;
+  /// A reader's: a change of so many octets was given up, as it is larger than readers take.
+  virtual void on_sample_dropped(const Guid&, std::uint32_t) { on_sample_lost(1); }
   /// A reader's: the matched writer showed, in the way of its LIVELINESS.kind, that it lives. Only
   /// for writers that offer a finite lease_duration.
   virtual void on_alive(const Guid& writer) = 0;

@@ -215,6 +215,7 @@ StatefulReader::Partial* StatefulReader::partial_of(WriterProxy& proxy, const Da
   }
   if (frag.sample_size > limits_.largest_sample) {
     accept(proxy, frag.sequence_number, std::nullopt);  // never asked for again
+    if (dropped_) dropped_(proxy.writer.guid, frag.sample_size);
     return nullptr;
   }
   if (proxy.partial.size() >= kMostPartialSamples) {

@@ -58,6 +58,15 @@ class StatefulReader final : private Timed {
   /// (SAMPLE_LOST of DDS 1.4, 2.2.4.1).
   using Lost = std::function<void(std::int64_t count)>;
   void on_lost(Lost lost) { lost_ = std::move(lost); }
+  /// Says of a writer the first change that was taken and must not be acknowledged yet; `next`, if
+  /// there is none before it.
+  using Unfinished = std::function<SequenceNumber(const Guid& writer, SequenceNumber next)>;
+  void acknowledge_before(Unfinished unfinished) { unfinished_ = std::move(unfinished); }
+  /// After there is less unfinished: tells the writers that were heard.
+  void acknowledge_again();
+  /// Told of a sample that was given up because it is larger than the limit.
+  using Dropped = std::function<void(const Guid& writer, std::uint32_t octets)>;
+  void on_dropped(Dropped dropped) { dropped_ = std::move(dropped); }
   /// Told that a writer has nothing undelivered up to that group sequence number.
   using Group = std::function<void(const Guid& writer, SequenceNumber group)>;
   void on_group(Group group) { on_group_ = std::move(group); }
@@ -179,6 +188,8 @@ class StatefulReader final : private Timed {
   MessageSender& sender_;
   Deliver deliver_;
   Lost lost_;
+  Dropped dropped_;
+  Unfinished unfinished_;
   Alive alive_;
   Group on_group_;
   Limits limits_;

@@ -137,6 +137,16 @@ TEST_P(Access, OctetsGoInAndComeOut) {
   EXPECT_EQ(reader.malformed(), 1u);
 }
 
+// Readers give up what is larger, after having acknowledged it.
+TEST_P(Access, ASampleBeyondTheLargestIsRefusedAtWrite) {
+  Reading large{"a", 1, Bytes(StatefulReader::kLargestSample)};
+  const auto refused = writer.write(large);
+  ASSERT_EQ(code_of(refused), Code::rtps_sample_too_large);
+  EXPECT_EQ(refused.error().details().expected, "at most 67108864");
+  EXPECT_TRUE(writer.lookup_instance(large).is_nil());
+  EXPECT_TRUE(writer.write({"a", 1}));
+}
+
 struct Heard final : DomainParticipantListener {
   std::vector<std::string> calls;
   MatchedStatus matched;
