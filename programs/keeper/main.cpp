@@ -12,7 +12,9 @@ namespace {
 
 using namespace ddssec;
 
-enum Exit : int { kDone = 0, kBadArguments = 1, kNotInitialised = 2 };
+enum Exit : int { kDone = 0, kBadArguments = 1, kNotInitialised = 2, kNotStored = 3 };
+
+constexpr auto kLastWords = std::chrono::seconds(5);
 
 struct Options {
   std::int32_t domain = 0;
@@ -31,6 +33,7 @@ sigset_t hold_signals() {
   sigaddset(&set, SIGINT);
   sigaddset(&set, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on files is an error like a full disk
   return set;
 }
 
@@ -53,6 +56,34 @@ int refused(const Error& error) {
   return kNotInitialised;
 }
 
+/// What was received and is in no store. Without it the file has all that was acknowledged.
+int finish(rtps::Keeper& keeper, EventSink& events) {
+  const auto stored = keeper.flush(kLastWords);
+  const auto topics = keeper.topics();
+  const auto unstored = keeper.unstored();
+  if (const auto count = keeper.without_key(); count > 0)
+    std::printf("Not kept: %llu samples without key hash\n",
+                static_cast<unsigned long long>(count));
+  if (const auto count = keeper.left_out(); count > 0)
+    std::printf("Not kept: %llu samples beyond DURABILITY_SERVICE\n",
+                static_cast<unsigned long long>(count));
+  if (const auto count = keeper.dropped(); count > 0)
+    std::printf("Not kept: %llu samples that are too large\n",
+                static_cast<unsigned long long>(count));
+  if (stored && unstored == 0) {
+    std::printf("Done: %zu topics kept\n", topics);
+    return kDone;
+  }
+  std::printf("Lost: %llu samples are not stored; none of them was acknowledged\n",
+              static_cast<unsigned long long>(unstored));
+  events.raise(
+      Event(Error(Code::rtps_samples_not_stored,
+                  {.expected = "all samples in the store",
+                   .found = std::to_string(unstored) + " that are not: " +
+                            (stored ? "still on their way" : stored.error().to_sentence())})));
+  return kNotStored;
+}
+
 int run(const Options& options) {
   const auto signals = hold_signals();
   const SystemClock clock;
@@ -73,10 +104,7 @@ int run(const Options& options) {
   std::fflush(stdout);
   int signal = 0;
   sigwait(&signals, &signal);
-  const auto topics = (*keeper)->topics();
-  keeper->reset();
-  std::printf("Done: %zu topics kept\n", topics);
-  return kDone;
+  return finish(**keeper, events);
 }
 
 }  // namespace

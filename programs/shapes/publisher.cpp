@@ -82,15 +82,17 @@ class PublisherRun {
   }
 
   bool write_instances(rtps::DataWriter<T>& writer) {
-    bool good = true;
+    Status failed;
     each_instance([&] {
       const auto written = writer.write(shape_);
       if (written && options_.print_written) say_sample(writer.topic().name(), shape_);
       // With KEEP_ALL a slow reader may hold the writer up; the next shape will do.
-      if (!written && written.error().code() != Code::rtps_history_full) good = false;
+      if (!written && written.error().code() != Code::rtps_history_full) failed = written;
     });
-    if (!good) say("failed to write");
-    return good;
+    if (failed) return true;
+    say("failed to write");
+    std::fprintf(stderr, "ddssec-shapes: %s\n", failed.error().to_sentence().c_str());
+    return false;
   }
 
   // What a reader should still hear before the writer is gone.

@@ -62,6 +62,7 @@ void say(const char* format, ...) {
 }
 
 void hold_signals() {
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on files is an error like a full disk
   const auto set = ending_signals();
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
 }

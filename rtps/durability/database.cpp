@@ -1,18 +1,46 @@
 #include "rtps/durability/database.hpp"
 
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
 #include <sqlite3.h>
 
 namespace ddssec::rtps {
 namespace {
+
+/// What the operating system said last of the write-ahead log or of the file; 0: nothing.
+int last_errno(sqlite3* database) {
+  int number = 0;
+  sqlite3_file* log = nullptr;
+  sqlite3_file_control(database, "main", SQLITE_FCNTL_JOURNAL_POINTER, &log);
+  if (log != nullptr && log->pMethods != nullptr)
+    log->pMethods->xFileControl(log, SQLITE_FCNTL_LAST_ERRNO, &number);
+  if (number == 0) sqlite3_file_control(database, "main", SQLITE_FCNTL_LAST_ERRNO, &number);
+  return number;
+}
+
+/// SQLite has one sentence for a disk without room and for the store's own limit.
+std::string reason(int kind, const std::string& path, sqlite3* database) {
+  if (database == nullptr || path.empty()) return {};
+  if (const int number = kind == SQLITE_IOERR ? last_errno(database) : 0; number != 0)
+    return std::string(": ") + std::strerror(number);
+  if (kind != SQLITE_FULL) return {};
+  constexpr std::uintmax_t kFew = 64 << 10;
+  std::error_code unknown;
+  const auto space = std::filesystem::space(path, unknown);
+  if (!unknown && space.available >= kFew) return ": the store has reached its limit";
+  return std::string(": ") + std::strerror(ENOSPC);
+}
 
 // What SQLite says is shown as it is: it speaks of files and limits, never of samples.
 std::unexpected<Error> refuse(int code, const std::string& path, sqlite3* database) {
   const int kind = code & 0xff;
   const bool no_room =
       kind == SQLITE_FULL || kind == SQLITE_IOERR || kind == SQLITE_NOMEM || kind == SQLITE_TOOBIG;
-  const char* text = database == nullptr ? sqlite3_errstr(code) : sqlite3_errmsg(database);
+  std::string text = database == nullptr ? sqlite3_errstr(code) : sqlite3_errmsg(database);
+  text += reason(kind, path, database);
   return fail(no_room ? Code::rtps_store_failed : Code::rtps_store_unusable,
-              {.document = path.empty() ? "store in memory" : path, .found = text});
+              {.document = path.empty() ? "store in memory" : path, .found = std::move(text)});
 }
 
 }  // namespace

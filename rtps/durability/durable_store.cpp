@@ -60,15 +60,32 @@ void DurableStore::close_stream(StreamId stream) {
   open_.erase(stream);
 }
 
-void DurableStore::append(StreamId stream, const Change& change, Time now) {
+std::uint64_t DurableStore::append(StreamId stream, const Change& change, Time now) {
+  std::uint64_t number = 0;
   {
     const std::lock_guard held(mutex_);
     octets_ += change.payload.size();
     pending_.push_back({stream, change});
     now_ = now;
-    ++appended_;
+    number = ++appended_;
   }
   work_.notify_one();
+  return number;
+}
+
+std::uint64_t DurableStore::committed() const {
+  const std::lock_guard held(mutex_);
+  return committed_;
+}
+
+std::uint64_t DurableStore::pending() const {
+  const std::lock_guard held(mutex_);
+  return appended_ - committed_;
+}
+
+std::uint64_t DurableStore::left_out() const {
+  const std::lock_guard held(mutex_);
+  return left_out_;
 }
 
 bool DurableStore::is_behind() const {

@@ -35,8 +35,14 @@ class DurableStore {
   Result<Opened> open_stream(StreamKey key, const DurabilityService& service);
   void close_stream(StreamId stream);
 
-  /// Never waits.
-  void append(StreamId stream, const Change& change, Time now);
+  /// Never waits. Returns a number that committed() reaches when the change is stored.
+  std::uint64_t append(StreamId stream, const Change& change, Time now);
+  /// How many of all that was appended is stored, in the order of append.
+  std::uint64_t committed() const;
+  /// How many are not.
+  std::uint64_t pending() const;
+  /// How many were left out for DURABILITY_SERVICE's limits; never reset.
+  std::uint64_t left_out() const;
   /// True: append would make the queue longer than it may be.
   bool is_behind() const;
   /// Of the last group; an error lasts until a group is committed again.

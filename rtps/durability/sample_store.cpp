@@ -92,13 +92,16 @@ Result<SampleStore> SampleStore::open(const std::string& path, std::size_t most_
 
 // First only looks; what is not ours has not been changed when it is refused.
 Status SampleStore::prepare(std::size_t most_octets) {
-  for (const auto* pragma : {"PRAGMA trusted_schema=OFF", "PRAGMA cell_size_check=ON"})
+  // EXCLUSIVE before anything is read: a write-ahead log of a process that was killed is then
+  // recovered in memory, without a file beside it, also on a disk without room.
+  for (const auto* pragma :
+       {"PRAGMA trusted_schema=OFF", "PRAGMA cell_size_check=ON", "PRAGMA locking_mode=EXCLUSIVE"})
     DDSSEC_TRY(database_.run(pragma));
   DDSSEC_TRY(check_origin());
   const auto pages = std::max<std::size_t>(most_octets / kPageSize, 16);
   for (const auto& pragma :
-       {std::string("PRAGMA locking_mode=EXCLUSIVE"), std::string("PRAGMA journal_mode=WAL"),
-        std::string("PRAGMA synchronous=FULL"), std::string("PRAGMA journal_size_limit=16777216"),
+       {std::string("PRAGMA journal_mode=WAL"), std::string("PRAGMA synchronous=FULL"),
+        std::string("PRAGMA journal_size_limit=16777216"),
         "PRAGMA max_page_count=" + std::to_string(pages)})
     DDSSEC_TRY(database_.run(pragma));
   {

@@ -1,6 +1,7 @@
 #include "rtps/keeper/keeper.hpp"
 
 #include <algorithm>
+#include <functional>
 
 #include "base/hash.hpp"
 #include "rtps/keeper/kept_topic.hpp"
@@ -62,7 +63,8 @@ Status Keeper::start() {
       store_->open_stream(stream_of_announcements(participant_->domain_id()), DurabilityService{}));
   known_ = known.id;
   for (const auto& change : known.history)
-    if (const auto writer = read_publication_data(change.payload.view())) DDSSEC_TRY(keep(*writer));
+    if (const auto writer = read_publication_data(change.payload.view()))
+      DDSSEC_TRY(keep(*writer, true));
   auto* reader = participant_->builtin_datareader<PublicationBuiltinTopicData>();
   reader->set_listener(this, StatusKind::data_available);
   on_data_available(*reader);
@@ -75,7 +77,7 @@ void Keeper::on_data_available(AnyDataReader& any) {
   if (!reader.take(found)) return;
   for (const auto& [writer, info] : found) {
     if (!info.valid_data || !wants(writer)) continue;
-    if (const auto kept = keep(writer); !kept)
+    if (const auto kept = keep(writer, false); !kept)
       participant_->context_.environment().events.raise(Event(kept.error()));
   }
 }
@@ -87,7 +89,7 @@ bool Keeper::wants(const EndpointData& writer) const {
          });
 }
 
-Status Keeper::keep(const EndpointData& writer) {
+Status Keeper::keep(const EndpointData& writer, bool is_known) {
   const auto key = key_of(writer);
   const std::lock_guard held(mutex_);
   if (topics_.contains(key)) return {};
@@ -98,7 +100,7 @@ Status Keeper::keep(const EndpointData& writer) {
                                           .found = writer.topic_name});
   auto topic = std::make_unique<KeptTopic>(participant_->context_, *store_, writer);
   DDSSEC_TRY(topic->open(participant_->domain_id()));
-  store_->append(known_, announcement(writer, key), participant_->current_time());
+  if (!is_known) store_->append(known_, announcement(writer, key), participant_->current_time());
   topics_.emplace(key, std::move(topic));
   return {};
 }
@@ -108,12 +110,16 @@ std::size_t Keeper::topics() const {
   return topics_.size();
 }
 
-std::uint64_t Keeper::without_key() const {
+template <class Count>
+std::uint64_t Keeper::sum(Count count) const {
   const std::lock_guard held(mutex_);
   const std::lock_guard lock(participant_->context_.mutex());
   std::uint64_t out = 0;
-  for (const auto& [key, topic] : topics_) out += topic->without_key();
+  for (const auto& [key, topic] : topics_) out += std::invoke(count, *topic);
   return out;
 }
+
+std::uint64_t Keeper::without_key() const { return sum(&KeptTopic::without_key); }
+std::uint64_t Keeper::dropped() const { return sum(&KeptTopic::dropped); }
 
 }  // namespace ddssec::rtps

@@ -34,6 +34,11 @@ class Keeper final : private DataReaderListener {
   std::size_t topics() const;
   /// Samples that were not kept: of a type with keys, and without key hash.
   std::uint64_t without_key() const;
+  /// Samples that were not kept: larger than readers take, or beyond DURABILITY_SERVICE.
+  std::uint64_t dropped() const;
+  std::uint64_t left_out() const { return store_->left_out(); }
+  /// Samples that are not in the store yet, and were not acknowledged.
+  std::uint64_t unstored() const { return store_->pending(); }
   /// All that came before is stored. Errors: those of DurableStore::flush.
   Status flush(std::chrono::nanoseconds most) { return store_->flush(most); }
   /// See DomainParticipant.
@@ -46,8 +51,10 @@ class Keeper final : private DataReaderListener {
   Status start();
   void on_data_available(AnyDataReader& reader) override;
   bool wants(const EndpointData& writer) const;
-  /// Keeps its topic from now on, unless it does.
-  Status keep(const EndpointData& writer);
+  /// Keeps its topic from now on, unless it does. `is_known`: to the store as well.
+  Status keep(const EndpointData& writer, bool is_known);
+  template <class Count>
+  std::uint64_t sum(Count count) const;
 
   std::unique_ptr<DomainParticipant> participant_;
   std::unique_ptr<DurableStore> store_;

@@ -1,17 +1,26 @@
 #include "rtps/keeper/kept_topic.hpp"
 
+#include <algorithm>
 #include <limits>
 
 namespace ddssec::rtps {
+namespace {
+
+// A commit takes about that long.
+constexpr MonotonicTime kLook = std::chrono::milliseconds(5);
+
+}  // namespace
 
 KeptTopic::KeptTopic(ParticipantContext& context, DurableStore& store, EndpointData writer)
-    : context_(context),
+    : Timed(&context.timers()),
+      context_(context),
       store_(store),
       like_(std::move(writer)),
       with_key_(has_key(like_.guid.entity)) {}
 
 KeptTopic::~KeptTopic() {
   const std::lock_guard held(context_.mutex());
+  cancel();
   for (const auto& guid : {reader_, writer_})
     if (guid != Guid{}) context_.protocol().remove(guid, context_.now());
   context_.reschedule();
@@ -33,6 +42,8 @@ Status KeptTopic::open(DomainId domain) {
   const auto now = context_.now();
   writer_ = DDSSEC_TRY(context_.protocol().create_writer(std::move(serving), *this, now));
   reader_ = DDSSEC_TRY(context_.protocol().create_reader(request(reading_qos()), *this, now));
+  context_.protocol().reader(reader_)->acknowledge_before(
+      [this](const Guid& from, SequenceNumber next) { return first_unstored(from, next); });
   context_.reschedule();
   return {};
 }
@@ -81,11 +92,41 @@ bool KeptTopic::on_change(Change& change) {
   change.coherence = {};
   const auto [now, wall] = context_.moment();
   if (!change.source_time) change.source_time = wall;
-  store_.append(*stream_, change, wall);
+  unstored_.push_back(
+      {store_.append(*stream_, change, wall), change.writer, change.sequence_number});
+  call_at(now + kLook);
   auto& writer = *context_.protocol().writer(writer_);
   if (writer.has_room(change.payload.size(), change.key_hash.value_or(KeyHash{})))
     writer.write(change, now);
   return true;
+}
+
+SequenceNumber KeptTopic::first_unstored(const Guid& writer, SequenceNumber next) {
+  const auto at = std::ranges::find(unstored_, writer, &Unstored::writer);
+  return at == unstored_.end() ? next : at->change;
+}
+
+void KeptTopic::on_time(MonotonicTime now) {
+  const auto stored = store_.committed();
+  const auto before = unstored_.size();
+  while (!unstored_.empty() && unstored_.front().number <= stored) unstored_.pop_front();
+  auto* reader = context_.protocol().reader(reader_);
+  if (unstored_.size() != before && reader != nullptr) {
+    reader->offer_again();
+    reader->acknowledge_again();
+  }
+  if (!unstored_.empty()) call_at(now + kLook);
+}
+
+void KeptTopic::on_sample_dropped(const Guid& writer, std::uint32_t octets) {
+  ++dropped_;
+  context_.environment().events.raise(
+      Event(Error(Code::rtps_sample_dropped,
+                  {.document = "topic " + like_.topic_name,
+                   .field = "serialized size",
+                   .expected = "at most " + std::to_string(StatefulReader::kLargestSample),
+                   .found = std::to_string(octets)}),
+            {}, writer.to_string()));
 }
 
 }  // namespace ddssec::rtps

@@ -2,14 +2,17 @@
 // joiners.
 #pragma once
 
+#include <deque>
+
 #include "rtps/dcps/participant_context.hpp"
 #include "rtps/dcps/seen_originals.hpp"
 #include "rtps/durability/durable_store.hpp"
 
 namespace ddssec::rtps {
 
-/// Called by the participant, with its lock held.
-class KeptTopic final : private EndpointListener {
+/// What is taken from a writer is acknowledged when it is stored, and not before: a writer whose
+/// samples are acknowledged may leave. Called by the participant, with its lock held.
+class KeptTopic final : private EndpointListener, private Timed {
  public:
   /// `writer`: an announcement of one of its writers.
   KeptTopic(ParticipantContext& context, DurableStore& store, EndpointData writer);
@@ -20,6 +23,7 @@ class KeptTopic final : private EndpointListener {
   Status open(DomainId domain);
   /// With the lock.
   std::uint64_t without_key() const { return without_key_; }
+  std::uint64_t dropped() const { return dropped_; }
 
  private:
   bool on_change(Change& change) override;
@@ -28,6 +32,9 @@ class KeptTopic final : private EndpointListener {
   void on_incompatible_qos(const Guid&, const QosMismatch&) override {}
   void on_inconsistent_topic(const EndpointData&) override {}
   void on_sample_lost(std::int64_t) override {}
+  void on_sample_dropped(const Guid& writer, std::uint32_t octets) override;
+  void on_time(MonotonicTime now) override;
+  SequenceNumber first_unstored(const Guid& writer, SequenceNumber next);
   void on_alive(const Guid&) override {}
   void on_acknowledged() override {}
   Participant::EndpointRequest request(Qos qos) const;
@@ -41,7 +48,14 @@ class KeptTopic final : private EndpointListener {
   std::optional<StreamId> stream_;
   Guid reader_, writer_;
   SeenOriginals seen_;
-  std::uint64_t without_key_ = 0;
+  std::uint64_t without_key_ = 0, dropped_ = 0;
+  /// Changes on their way to the disk.
+  struct Unstored {
+    std::uint64_t number;  ///< see DurableStore::append
+    Guid writer;
+    SequenceNumber change;
+  };
+  std::deque<Unstored> unstored_;
 };
 
 }  // namespace ddssec::rtps

@@ -291,7 +291,8 @@ bool StatefulReader::misses_any(const WriterProxy& proxy, SequenceNumber last) {
 }
 
 void StatefulReader::acknowledge(WriterProxy& proxy, SequenceNumber last) {
-  SequenceNumberSet missing(proxy.next);
+  const auto base = unfinished_ ? unfinished_(proxy.writer.guid, proxy.next) : proxy.next;
+  SequenceNumberSet missing(std::min(base, proxy.next));
   for (auto number = proxy.next; number <= last && missing.reaches(number); number = number.next())
     if (!proxy.early.contains(number) && find_partial(proxy, number) == nullptr)
       missing.insert(number);
@@ -301,6 +302,11 @@ void StatefulReader::acknowledge(WriterProxy& proxy, SequenceNumber last) {
   if (!proxy.partial.empty() && proxy.partial.front().number() <= last)
     ask_for_fragments(proxy, proxy.partial.front());
   sender_.flush();
+}
+
+void StatefulReader::acknowledge_again() {
+  for (auto& proxy : writers_)
+    if (reliable_ && proxy.writer.reliable && proxy.heard) acknowledge(proxy, proxy.announced);
 }
 
 void StatefulReader::ask_for_fragments(WriterProxy& proxy, const Partial& partial) {

@@ -4,6 +4,7 @@ Usage: shapes.py BUILD [FILTER]"""
 
 import pathlib
 import re
+import resource
 import stat
 import sys
 import tempfile
@@ -254,6 +255,49 @@ def secured_keeper(case):
         keeper(case, lambda who: "--security " + make_folder(pki, who, ENCRYPT, allowed))
 
 
+def keeper_without_room(case):
+    """A full store: what is not stored is counted, is no acknowledged sample, and costs the exit code; after
+    kill -9 the keeper starts without room and serves what it has."""
+    with tempfile.TemporaryDirectory() as folder:
+        store = pathlib.Path(folder) / "kept"
+
+        def start(octets):
+            service = case.start(f"--store {store} --store-octets {octets}", case.program.parent / "ddssec-keeper")
+            return service, int(service.says(r"^Keeping domain \d+: (\d+) topics known$")[1])
+
+        service, _ = start(200_000)
+        pub = case.start("-P -D t -k 0 -z 0 -w --write-period 10 --additional-payload-size 2000")
+        service.says("samples could not be stored.*reached its limit")
+        pub.hears(20)
+        check("its code", service.interrupt() == 3)
+        check(f"its last lines: {service.lines[-3:]}",
+              any(re.match(r"Lost: [1-9]\d* samples are not stored; none of them was acknowledged$", line)
+                  for line in service.lines))
+        check("said why", any("are not in the store" in line and "limit" in line for line in service.lines))
+        service, known = start(200_000)
+        check(f"{known} topics", known == 1)
+        service.says("samples could not be stored.*reached its limit")
+        service.process.kill()
+        service.process.wait()
+        check("the publisher's code", pub.interrupt() == 0)
+        service, known = start(200_000)
+        check(f"{known} topics after it was killed", known == 1)
+        late = case.start("-S -D t -k 0")
+        got = [size for _, _, size, _ in late.hears(20)]
+        check(f"what was kept: {got}", got == list(range(1, 21)))
+        check("its code with nothing to lose", service.interrupt() == 0)
+
+
+def full_disk(case):
+    """A persistent publisher whose file may not grow says why."""
+    with tempfile.TemporaryDirectory() as folder:
+        words = f"-P -D p --durability-directory {folder} -k 0 -z 0 --write-period 10 --additional-payload-size 2000"
+        pub = case.start(words, preexec=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, -1)))
+        pub.says("failed to write", 30)
+        pub.says("ddssec-shapes: .*File too large")
+        check("its code", pub.end() == 3)
+
+
 def keep_last(case):
     _, sub = case.pair("-k 3 -z 0 --write-period 10", "-k 3 --read-period 500")
     sub.hears(6)
@@ -408,7 +452,8 @@ def vendors(case):
 
 CASES = [vendors, lines, writes_at_once, ends_by_itself, bad_arguments, other_domain, other_topic,
          partitions, mismatch, match, nothing_lost, colours_instances_topics, size_modulo, moves,
-         deadline_missed, ownership, shared, late_joiner, persistent, keeper, secured_keeper, keep_last, lifespan, read_not_take, take_read,
+         deadline_missed, ownership, shared, late_joiner, persistent, keeper, secured_keeper, keeper_without_room,
+         full_disk, keep_last, lifespan, read_not_take, take_read,
          final_states, filters, time_filter, ordered, coherent, ended_publisher, large_payload,
          fragments_and_announcements, two_machines]
 

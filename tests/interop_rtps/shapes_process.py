@@ -21,13 +21,13 @@ SAMPLE = re.compile(r"^(\S+) +(\S+) +(\d{3}) (\d{3}) \[(\d+)\](?: \{(\d+)\})?$")
 class Shapes:
     """One running program."""
 
-    def __init__(self, space, program, arguments):
+    def __init__(self, space, program, arguments, preexec=None):
         self.arguments = arguments
         self.lines = []
         self._new = queue.Queue()
         self.process = subprocess.Popen(space.enter([str(program), *arguments.split()]), text=True,
                                         stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                        stderr=subprocess.STDOUT)
+                                        stderr=subprocess.STDOUT, preexec_fn=preexec)
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
@@ -124,9 +124,9 @@ class Case:
         self.space, self.program, self.domain = space, program, domain
         self.running = []
 
-    def start(self, arguments, program=None, domain=None, space=None):
+    def start(self, arguments, program=None, domain=None, space=None, preexec=None):
         words = f"{arguments} -d {self.domain if domain is None else domain}"
-        process = Shapes(space or self.space, program or self.program, words)
+        process = Shapes(space or self.space, program or self.program, words, preexec)
         self.running.append(process)
         return process
 

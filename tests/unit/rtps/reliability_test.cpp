@@ -440,6 +440,83 @@ TEST(Reliability, ASampleBeyondTheLargestIsGivenUpNotAskedForAgain) {
   EXPECT_THAT(pair.numbers(), ElementsAre(2));
 }
 
+TEST(Reliability, ASampleBeyondTheLargestIsReportedOnce) {
+  Pair pair(keep_all());
+  std::vector<std::uint32_t> dropped;
+  pair.reader.on_dropped([&](const Guid& writer, std::uint32_t octets) {
+    EXPECT_EQ(writer, pair.writer.guid());
+    dropped.push_back(octets);
+  });
+  pair.match();
+  const Bytes part(1000);
+  for (const std::uint32_t excess : {0u, 1u, 1u}) {
+    const auto number = SequenceNumber{1 + std::int64_t{excess}};
+    DataFrag frag{{},   testing::kWriter,     number, {1},   1,
+                  1000, (64u << 20) + excess, {},     false, part};
+    pair.reader.on_data_frag(kA, frag, {});
+  }
+  EXPECT_THAT(dropped, ElementsAre((64u << 20) + 1));
+}
+
+// A keeper's: what it has taken is acknowledged when it is stored.
+TEST(Reliability, WhatIsUnfinishedIsNotAcknowledged) {
+  Pair pair(keep_all());
+  SequenceNumber unfinished{3};
+  pair.reader.acknowledge_before(
+      [&](const Guid&, SequenceNumber next) { return std::min(next, unfinished); });
+  pair.match();
+  pair.run(3);
+  for (int i = 0; i < 5; ++i) pair.write(Bytes{1});
+  pair.run(300);
+  EXPECT_THAT(pair.numbers(), ElementsAre(1, 2, 3, 4, 5));
+  EXPECT_EQ(pair.writer.history().first(), SequenceNumber{3});
+  EXPECT_FALSE(pair.writer.all_acknowledged());
+  unfinished = {100};
+  pair.reader.acknowledge_again();
+  pair.run(1);
+  EXPECT_TRUE(pair.writer.all_acknowledged());
+  EXPECT_THAT(pair.numbers(), ElementsAre(1, 2, 3, 4, 5));
+}
+
+// With losses: what is missing is asked for although what came before is not acknowledged.
+TEST(Reliability, WhatIsUnfinishedHidesNoLoss) {
+  Pair pair(keep_all());
+  pair.reader.acknowledge_before([](const Guid&, SequenceNumber) { return SequenceNumber{1}; });
+  pair.net.loss_percent = 30;
+  pair.match();
+  for (int i = 0; i < 100; ++i) pair.write(Bytes{1});
+  pair.run(400);
+  EXPECT_EQ(pair.delivered.size(), 100u);
+  EXPECT_EQ(pair.writer.history().first(), SequenceNumber{1});
+}
+
+// What is sent depends on who reads; what is held does not.
+TEST(Reliability, AKeyGoesOutAsAllMatchedReadersReadIt) {
+  Pair pair(keep_all());
+  pair.writer.rewrite_keys_with([](BytesView) { return Bytes{0, 9, 0, 0, 'b', 'a', 'r', 'e'}; });
+  pair.match();
+  const Bytes delimited = {0, 9, 0, 0, 4, 0, 0, 0, 'b', 'a', 'r', 'e'};
+  const auto dispose = [&] {
+    Change change;
+    change.status.disposed = true;
+    change.key_only = true;
+    change.key_hash = KeyHash{};
+    change.payload = Payload::copy_of(delimited);
+    pair.writer.write(std::move(change), pair.now);
+    pair.run(3);
+    EXPECT_FALSE(pair.delivered.empty());
+    return to_bytes(pair.delivered.back().payload.view());
+  };
+  EXPECT_EQ(dispose(), delimited);
+  const Guid cyclone{GuidPrefix::from(Bytes(12, 0xcc)), testing::kReader};
+  MatchedReader second{cyclone, true, false, {kHere}};
+  second.keys.bare_only = true;
+  pair.writer.match(std::move(second), pair.now);
+  EXPECT_EQ(dispose(), (Bytes{0, 9, 0, 0, 'b', 'a', 'r', 'e'}));
+  pair.writer.unmatch(cyclone);
+  EXPECT_EQ(dispose(), delimited);
+}
+
 TEST(Reliability, AWriterKnowsWhenItIsAhead) {
   Pair pair(keep_all());
   pair.match();

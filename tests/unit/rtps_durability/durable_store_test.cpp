@@ -1,4 +1,6 @@
+#include <cerrno>
 #include <csignal>
+#include <cstring>
 #include <sys/resource.h>
 
 #include "tests/unit/rtps_durability/store_fixture.hpp"
@@ -60,6 +62,8 @@ TEST_F(DurableStoreTest, WithoutRoomItSaysSoAndGoesOnWhenThereIsSome) {
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
   ASSERT_EQ(code_of(failed), Code::rtps_store_failed);
   EXPECT_EQ(failed.error().details().document, path);
+  EXPECT_NE(failed.error().details().found.find(std::strerror(EFBIG)), std::string::npos)
+      << failed.error().details().found;
   {
     const std::lock_guard held(events.mutex);
     ASSERT_FALSE(events.seen.empty());

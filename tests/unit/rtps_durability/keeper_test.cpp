@@ -2,6 +2,9 @@
 // from those that are there.
 #include "rtps/keeper/keeper.hpp"
 
+#include <csignal>
+#include <sys/resource.h>
+
 #include "tests/unit/rtps_durability/durable_fixture.hpp"
 
 namespace ddssec::rtps {
@@ -82,6 +85,69 @@ TEST_P(KeeperTest, WhatIsKeptOutlivesTheKeeper) {
   const auto service = keeper();
   EXPECT_EQ(service->topics(), 1u);
   EXPECT_EQ(late_joiner(*service, b, 3), (Values{0, 1, 2}));
+}
+
+// Files of this process that may not grow: a disk without room.
+class NoRoom {
+ public:
+  NoRoom() {
+    std::signal(SIGXFSZ, SIG_IGN);
+    EXPECT_EQ(::getrlimit(RLIMIT_FSIZE, &before_), 0);
+    const rlimit none{0, before_.rlim_max};
+    EXPECT_EQ(::setrlimit(RLIMIT_FSIZE, &none), 0);
+  }
+  ~NoRoom() { EXPECT_EQ(::setrlimit(RLIMIT_FSIZE, &before_), 0); }
+  NoRoom(const NoRoom&) = delete;
+  NoRoom& operator=(const NoRoom&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST_P(KeeperTest, WhatIsNotStoredIsNotAcknowledged) {
+  if (GetParam() == testing::Way::in_process) return;  // there are no acknowledgments
+  const auto service = keeper();
+  auto& writer = a.writer(durable(DurabilityKind::transient, 100));
+  ASSERT_TRUE(keeps(*service, 1));
+  const auto acknowledged = [&] {
+    static_cast<void>(writer.wait_for_acknowledgments(0ms));  // asks
+    both(*service);
+    return writer.wait_for_acknowledgments(0ms).has_value();
+  };
+  {
+    const NoRoom full;
+    for (int i = 0; i < 30; ++i) ASSERT_TRUE(writer.write({"north", i}));
+    for (int i = 0; i < 10; ++i) EXPECT_FALSE(acknowledged());
+    EXPECT_EQ(service->unstored(), 30u);
+    EXPECT_EQ(code_of(service->flush(1s)), Code::rtps_store_failed);
+  }
+  for (int i = 0; i < 500 && !acknowledged(); ++i) ::usleep(10'000);
+  EXPECT_TRUE(acknowledged());
+  EXPECT_EQ(service->unstored(), 0u);
+  ASSERT_TRUE(a.publisher->delete_contained_entities());
+  EXPECT_EQ(late_joiner(*service, b, 30).size(), 30u);
+}
+
+TEST_P(KeeperTest, ItStartsAndServesWithoutRoom) {
+  {
+    const auto service = keeper();
+    auto& writer = a.writer(durable(DurabilityKind::persistent));
+    ASSERT_TRUE(keeps(*service, 1));
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(writer.write({"north", i}));
+    both(*service);
+    ASSERT_TRUE(service->flush(10s));
+    ASSERT_TRUE(a.publisher->delete_contained_entities());
+    // As a process that is killed leaves it: the write-ahead log beside the file.
+    for (const auto* suffix : {"", "-wal"})
+      std::filesystem::copy(folder / ("kept" + std::string(suffix)),
+                            folder / ("killed" + std::string(suffix)));
+  }
+  ASSERT_GT(std::filesystem::file_size(folder / "killed-wal"), 0u);
+  const NoRoom full;
+  auto service = Keeper::create(options(), {.store = folder / "killed"}, environment);
+  ASSERT_TRUE(service) << service.error().to_sentence();
+  EXPECT_EQ((*service)->topics(), 1u);
+  EXPECT_EQ(late_joiner(**service, b, 3), (Values{0, 1, 2}));
 }
 
 TEST_P(KeeperTest, DurabilityServiceSaysHowMuchIsKept) {
