@@ -55,7 +55,14 @@ void AnyDataReader::choose_presenter(const Presentation& presentation) {
   } else if (presentation.coherent_access) {
     own_presenter_ = std::make_unique<Presenter>(false, true, presentation.ordered_access);
     presenter_ = own_presenter_.get();
+    if (subscriber().is_accessing()) pause(true, context_.now());
   }
+}
+
+void AnyDataReader::pause(bool paused, MonotonicTime now) {
+  if (own_presenter_ == nullptr) return;
+  own_presenter_->pause(paused, now);
+  if (!paused) call_at(own_presenter_->next_tick());
 }
 
 void AnyDataReader::on_own_qos(const Qos& before) {

@@ -100,6 +100,8 @@ class AnyDataReader : public Endpoint, private PresentedReader {
   Status check_unused() const override;
   void make_cache();
   void choose_presenter(const Presentation& presentation);
+  /// Between begin_access and end_access, if it has a presenter of its own.
+  void pause(bool paused, MonotonicTime now);
   bool store(Change& change);
   void report_unreadable_key(const Change& change);
   bool reject(const Change& change, const ReaderCache::Stored& stored);

@@ -105,7 +105,11 @@ Status Publisher::end_coherent_changes() {
     marker.writers = group_.writers;
   }
   const auto now = context_.now();
-  for (const auto& member : members_) writer_of(member).end_set(marker, now);
+  {
+    // One message, and so one moment, for readers of several topics.
+    const auto gathering = context_.protocol().gather();
+    for (const auto& member : members_) writer_of(member).end_set(marker, now);
+  }
   context_.reschedule();
   return {};
 }

@@ -60,8 +60,7 @@ Status Subscriber::check_access() const {
 Status Subscriber::begin_access() {
   const auto held = lock();
   DDSSEC_TRY(check_enabled("subscriber"));
-  ++accesses_;
-  if (presenter_) presenter_->pause(true, context_.now());
+  if (accesses_++ == 0) pause(true);
   return {};
 }
 
@@ -69,13 +68,18 @@ Status Subscriber::end_access() {
   const auto held = lock();
   DDSSEC_TRY(check_enabled("subscriber"));
   if (accesses_ == 0) return precondition_not_met("subscriber", "begin_access before", "none");
-  if (--accesses_ == 0 && presenter_) {
-    presenter_->pause(false, context_.now());
-    if (!members_.empty())
-      static_cast<AnyDataReader&>(*members_.front()).call_at(presenter_->next_tick());
-  }
+  if (--accesses_ == 0) pause(false);
   context_.reschedule();
   return {};
+}
+
+void Subscriber::pause(bool paused) {
+  const auto now = context_.now();
+  for (const auto& member : members_) static_cast<AnyDataReader&>(*member).pause(paused, now);
+  if (!presenter_) return;
+  presenter_->pause(paused, now);
+  if (!paused && !members_.empty())
+    static_cast<AnyDataReader&>(*members_.front()).call_at(presenter_->next_tick());
 }
 
 void Subscriber::notify_datareaders() {

@@ -51,8 +51,9 @@ class Subscriber final : public Group {
   Status delete_datareader(AnyDataReader& reader) { return delete_member(reader); }
   /// Any of its readers on that topic; nullptr if there is none.
   AnyDataReader* lookup_datareader(std::string_view topic_name) const;
-  /// Until end_access nothing new is seen of the coherent or ordered samples of a group. May be
-  /// nested. Errors: rtps_not_enabled.
+  /// Until end_access nothing new is seen of coherent sets, whatever the scope, and of the ordered
+  /// samples of a group: all readers show what was there when it began. May be nested. Errors:
+  /// rtps_not_enabled.
   Status begin_access();
   /// Errors: rtps_not_enabled, rtps_precondition_not_met (none was begun).
   Status end_access();
@@ -84,7 +85,9 @@ class Subscriber final : public Group {
   // With the lock held:
   /// For its readers, if its PRESENTATION has GROUP scope and needs one.
   Presenter* presenter(const Presentation& presentation);
+  bool is_accessing() const { return accesses_ > 0; }
   Status check_access() const;
+  void pause(bool paused);
 
   Listening<SubscriberListener> listening_;
   std::unique_ptr<Presenter> presenter_;

@@ -1,4 +1,7 @@
 // Coherent and ordered access, end to end, and what is held back.
+#include <algorithm>
+#include <thread>
+
 #include "tests/unit/rtps/dcps_fixture.hpp"
 
 namespace ddssec::rtps {
@@ -164,6 +167,39 @@ TEST_P(Presenting, AGroupsSetComesAsAWholeToAllReaders) {
   EXPECT_THAT(take_all(), ElementsAre(5, 6));
 }
 
+// Each scope but GROUP has presenters of its own.
+TEST_P(Presenting, NothingOfACoherentSetIsSeenDuringAnAccessAtAnyScope) {
+  for (const auto scope :
+       {PresentationScope::instance, PresentationScope::topic, PresentationScope::group}) {
+    const Presentation access{scope, true, false};
+    auto& pub = publisher(access);
+    auto& sub = subscriber(access);
+    auto& writer = writer_on(*a.topic, pub);
+    auto& reader = reader_on(*b.topic, sub);
+    ASSERT_TRUE(match(writer, reader));
+    ASSERT_TRUE(sub.begin_access());
+    ASSERT_TRUE(sub.begin_access());
+    auto& late = reader_on(*b.topic, sub);
+    ASSERT_TRUE(match(writer, late));
+    ASSERT_TRUE(pub.begin_coherent_changes());
+    ASSERT_TRUE(writer.write({"a", 1}) && writer.write({"a", 2}));
+    ASSERT_TRUE(pub.end_coherent_changes());
+    run(20ms);
+    ASSERT_TRUE(sub.end_access());
+    EXPECT_THAT(taken(reader), IsEmpty());
+    EXPECT_THAT(taken(late), IsEmpty());
+    ASSERT_TRUE(sub.end_access());
+    run(20ms);
+    ASSERT_TRUE(sub.begin_access());
+    EXPECT_THAT(taken(reader), ElementsAre(1, 2));
+    EXPECT_THAT(taken(late), ElementsAre(1, 2));
+    ASSERT_TRUE(sub.end_access());
+    ASSERT_TRUE(pub.delete_contained_entities());
+    ASSERT_TRUE(sub.delete_contained_entities());
+    run(50ms);
+  }
+}
+
 TEST_P(Presenting, NothingNewIsSeenDuringAnAccess) {
   const Presentation access{PresentationScope::group, false, true};
   auto& pub = publisher(access);
@@ -212,6 +248,63 @@ TEST_P(Presenting, SuspendedPublicationsComeWhenTheyAreResumed) {
   EXPECT_THAT(taken(reader), ElementsAre(0, 1, 2));
   EXPECT_EQ(code_of(a.publisher->resume_publications()), Code::rtps_precondition_not_met);
   EXPECT_EQ(code_of(a.publisher->end_coherent_changes()), Code::rtps_precondition_not_met);
+}
+
+// Two topics that are written in one set, by one thread and read by another: no access sees one
+// topic's part without the other's.
+TEST(PresentingConcurrently, OneAccessSeesAllTopicsOfASetOrNone) {
+  constexpr std::int64_t kSets = 300;
+  const SystemClock clock;
+  SystemRandom random;
+  testing::Events events;
+  const Environment environment{clock, random, events};
+  for (const auto scope : {PresentationScope::instance, PresentationScope::topic}) {
+    for (const bool in_process : {true, false}) {
+      const DomainParticipantOptions options{
+          .domain_id = static_cast<DomainId>(::getpid() % 200 + 30),
+          .domain_tag = "sets" + std::to_string(::getpid()),
+          .in_process = in_process};
+      testing::End a(environment, options), b(environment, options);
+      const Presentation access{scope, true, false};
+      auto& pub = **a.participant->create_publisher({.presentation = access});
+      auto& sub = **b.participant->create_subscriber({.presentation = access});
+      std::vector<DataWriter<Reading>*> writers;
+      std::vector<DataReader<Reading>*> readers;
+      for (const auto* name : {"One", "Two", "Three"}) {
+        writers.push_back(*pub.create_datawriter<Reading>(
+            **a.participant->create_topic<Reading>(name), reliable()));
+        readers.push_back(*sub.create_datareader<Reading>(
+            **b.participant->create_topic<Reading>(name), reliable()));
+      }
+      const auto matched = [&] {
+        return std::ranges::all_of(
+                   writers, [](auto* w) { return w->matched_subscriptions().size() == 1; }) &&
+               std::ranges::all_of(readers,
+                                   [](auto* r) { return r->matched_publications().size() == 1; });
+      };
+      for (int i = 0; i < 2000 && !matched(); ++i) std::this_thread::sleep_for(5ms);
+      ASSERT_TRUE(matched());
+      std::jthread writing([&] {
+        for (std::int64_t i = 1; i <= kSets; ++i) {
+          EXPECT_TRUE(pub.begin_coherent_changes());
+          for (auto* writer : writers) EXPECT_TRUE(writer->write({"a", i}));
+          EXPECT_TRUE(pub.end_coherent_changes());
+          if (i % 8 == 0) std::this_thread::yield();
+        }
+      });
+      std::array<std::int64_t, 3> last{};
+      const auto end = std::chrono::steady_clock::now() + 60s;
+      while (last[2] < kSets && std::chrono::steady_clock::now() < end) {
+        ASSERT_TRUE(sub.begin_access());
+        for (std::size_t i = 0; i < readers.size(); ++i)
+          if (const auto values = taken(*readers[i]); !values.empty()) last[i] = values.back();
+        ASSERT_TRUE(sub.end_access());
+        ASSERT_EQ(last[0], last[1]) << in_process;
+        ASSERT_EQ(last[0], last[2]) << in_process;
+      }
+      EXPECT_EQ(last[0], kSets);
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, Presenting,
