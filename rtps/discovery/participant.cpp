@@ -196,7 +196,10 @@ Status Participant::on_acknack(const SubmessageView& view, const Context& contex
   auto* writer = addressed(acknack.writer, acknack.reader, context);
   if (writer == nullptr) return {};
   writer->on_acknack(context.source, acknack, context.now);
-  if (auto* local = local_writer(acknack.writer)) local->listener->on_acknowledged();
+  auto* local = local_writer(acknack.writer);
+  if (local == nullptr) return {};
+  note_ready(*local, {context.source, acknack.reader});
+  local->listener->on_acknowledged();
   return {};
 }
 
@@ -295,6 +298,7 @@ void Participant::tick(MonotonicTime now) {
         now + (++announcements_ < kFastAnnouncements ? kFastPeriod : announcement_period());
   }
   if (now >= next_liveliness_) assert_liveliness(LivelinessKind::automatic, now);
+  tick_readiness(now);
   if (security_) security_->tick(now);
   timers_.run(now);
   remove_ended(now);
@@ -302,8 +306,9 @@ void Participant::tick(MonotonicTime now) {
 }
 
 MonotonicTime Participant::next_tick() const {
-  const auto next = std::min(
-      {next_announcement_, next_liveliness_, next_lease_, sender_.flush_by(), timers_.next()});
+  const auto ready = readiness_.empty() ? kNever : readiness_.front().deadline;
+  const auto next = std::min({next_announcement_, next_liveliness_, next_lease_, sender_.flush_by(),
+                              timers_.next(), ready});
   return security_ ? std::min(next, security_->next_tick()) : next;
 }
 

@@ -102,6 +102,10 @@ class Participant final : private SecurityHost {
   /// How long a peer that only a clear message says has left must keep silent to be believed gone:
   /// longer than Fast DDS between two announcements.
   static constexpr MonotonicTime kDoubt = std::chrono::seconds(4);
+  /// Where messages are protected, another participant may be able to read what we say only some
+  /// time after we can read it, and what a volatile writer sends meanwhile is lost to its reader.
+  /// So a reliable reader counts as matched when it is heard, or after so long.
+  static constexpr MonotonicTime kReadiness = std::chrono::seconds(1);
   static constexpr unsigned kMostBacklog = 16;  ///< batches that are read before anything is due
 
   Participant(ParticipantConfig config, Transport& transport, EventSink& events);
@@ -210,6 +214,12 @@ class Participant final : private SecurityHost {
     EndpointListener* listener = nullptr;
     std::unique_ptr<StatefulWriter> protocol;
     std::vector<Guid> matched;
+    std::vector<Guid> unready = {};  ///< matched, and its owner does not know yet (see Readiness)
+  };
+  /// Of a reader that has not shown yet that it has matched our writer.
+  struct Readiness {
+    Guid writer, reader;
+    MonotonicTime deadline;
   };
   struct LocalReader {
     EndpointData data;
@@ -310,6 +320,9 @@ class Participant final : private SecurityHost {
   void remove_endpoint(Remote& remote, const EntityId& id);
   void match(LocalWriter& writer, Remote& remote, const EndpointData& data);
   void match(LocalReader& reader, Remote& remote, const EndpointData& data);
+  bool shows_readiness(const LocalWriter& writer, const EndpointData& reader) const;
+  void note_ready(LocalWriter& writer, const Guid& reader);
+  void tick_readiness(MonotonicTime now);
   bool is_open(const EntityId& endpoint) const;
   /// The participant of this process that may be called directly for this pair, or nullptr.
   Participant* neighbour(const EntityId& local, const Guid& remote);
@@ -380,6 +393,7 @@ class Participant final : private SecurityHost {
   /// In the order of their announcements; some have spoken since, or left.
   std::deque<GuidPrefix> silent_;
   std::vector<GuidPrefix> gone_;  ///< to be removed when nothing of theirs is being read any more
+  std::deque<Readiness> readiness_;  ///< by their deadlines
   MonotonicTime next_liveliness_ = kNever;
   MonotonicTime next_lease_ = kNever;  ///< no lease ends before
   std::uint32_t next_entity_ = 1;

@@ -187,6 +187,10 @@ void Participant::forget(Local& local, const Guid& remote) {
     if (auto* endpoint = find_remote(remote)) std::erase(endpoint->readers, &local);
     local.protocol->unmatch(remote, keys);
   } else {
+    std::erase(local.unready, remote);
+    std::erase_if(readiness_, [&](const Readiness& r) {
+      return r.writer == local.data.guid && r.reader == remote;
+    });
     local.protocol->unmatch(remote);
   }
   local.listener->on_unmatched(remote);
@@ -343,11 +347,18 @@ void Participant::match(LocalWriter& writer, Remote& remote, const EndpointData&
   // Who is fed in this process sees each sample, and filters itself.
   const bool near = neighbour(writer.data.guid.entity, data.guid) != nullptr;
   auto filter = data.content_filter && !near ? writer.listener->filter_for(data) : nullptr;
+  const bool waits = shows_readiness(writer, data);
   if (std::ranges::find(writer.matched, data.guid) != writer.matched.end()) {
     writer.protocol->set_filter(data.guid, std::move(filter));
-    return writer.listener->on_matched(data);
+    const bool known = std::ranges::find(writer.unready, data.guid) == writer.unready.end();
+    if (known) writer.listener->on_matched(data);
+    return;
   }
   writer.matched.push_back(data.guid);
+  if (waits) {
+    writer.unready.push_back(data.guid);
+    readiness_.push_back({writer.data.guid, data.guid, now_ + kReadiness});
+  }
   const bool history = data.qos.durability >= DurabilityKind::transient_local;
   writer.protocol->match({data.guid, data.qos.is_reliable(), history,
                           near ? LocatorList{} : usable_locators(data.unicast, remote.user), near,
@@ -355,6 +366,31 @@ void Participant::match(LocalWriter& writer, Remote& remote, const EndpointData&
                          now_);
   if (!waits) writer.listener->on_matched(data);
   join(writer.data.guid, data.guid);
+}
+
+// It says so by its first ACKNACK. A late joiner of a durable writer misses nothing.
+bool Participant::shows_readiness(const LocalWriter& writer, const EndpointData& reader) const {
+  return security_ && reader.guid.prefix != config_.prefix &&
+         security_->own().attributes().is_rtps_protected() &&
+         security_->is_authenticated(reader.guid.prefix) && reader.qos.is_reliable() &&
+         writer.data.qos.is_reliable() &&
+         std::min(writer.data.qos.durability, reader.qos.durability) == DurabilityKind::volatile_;
+}
+
+void Participant::note_ready(LocalWriter& writer, const Guid& reader) {
+  if (std::erase(writer.unready, reader) == 0) return;
+  std::erase_if(readiness_, [&](const Readiness& r) {
+    return r.writer == writer.data.guid && r.reader == reader;
+  });
+  if (const auto* data = remote_endpoint(reader)) writer.listener->on_matched(*data);
+}
+
+void Participant::tick_readiness(MonotonicTime now) {
+  while (!readiness_.empty() && readiness_.front().deadline <= now) {
+    const auto due = readiness_.front();
+    readiness_.pop_front();
+    if (auto* writer = local_writer(due.writer.entity)) note_ready(*writer, due.reader);
+  }
 }
 
 void Participant::match(LocalReader& reader, Remote& remote, const EndpointData& data) {

@@ -114,6 +114,8 @@ void Security::on_participant_tokens(Peer& peer, const GenericMessage& message) 
     events_.raise(Event(status.error(), {}, peer.data.guid.to_string()));
     return;
   }
+  // It can read ours by now: what it could not read before is offered again at once.
+  if (peer.volatile_writer) peer.volatile_writer->ask_for_acknowledgments();
   note_authenticated(peer);
 }
 
