@@ -64,6 +64,10 @@ class PeerHandshake {
                Messages& out);
   MonotonicTime next_tick() const { return next_; }
   bool started() const { return started_; }
+  /// When it did; nothing before.
+  std::optional<MonotonicTime> began() const {
+    return started_ ? std::optional(began_) : std::nullopt;
+  }
   /// Starts at that time instead.
   void start_at(MonotonicTime time) { next_ = time; }
   /// The peer said something: it is worth more than a few repetitions.

@@ -94,7 +94,7 @@ void Security::announced_again(const ParticipantData& data, const LocatorList& m
   peer->handshake = handshake_with(data, now);
   peer->data = data;
   peer->generation = 0;
-  peer->refused = false;
+  peer->refused = peer->admitted = false;
   look_after(*peer);
 }
 
@@ -227,10 +227,9 @@ bool Security::advance(Peer& peer) {
   if (peer.handshake->generation() == peer.generation) return false;
   peer.generation = peer.handshake->generation();
   const bool had_keys = peer.established;
-  if (had_keys) {
+  if (std::exchange(peer.admitted, false) || had_keys)
     host_.on_replaced(GuidPrefix(peer.data.guid.prefix));
-    close(peer);
-  }
+  if (had_keys) close(peer);
   if (auto status = establish(peer); !status) {
     if (had_keys) want_revision();
     return refuse(peer, status.error());
@@ -248,8 +247,30 @@ bool Security::refuse(Peer& peer, const Error& error) {
   note_failure(peer);
   if (error.code() == Code::rtps_authentication_timeout)
     events_.raise(Event(error, {}, peer.data.guid.to_string()));
-  host_.on_refused(GuidPrefix(peer.data.guid.prefix));
+  if (!peer.admitted) host_.on_refused(GuidPrefix(peer.data.guid.prefix));
   return false;
+}
+
+// DDS-Security 1.2, 9.8.3.1: a participant that could authenticate, and fails to, is matched as one
+// that cannot. No single message is a failure: anybody can send it in the peer's name. And a peer
+// that does not accept our certificate does not say so.
+MonotonicTime Security::next_admission(const Peer& peer) const {
+  const auto began = peer.handshake->began();
+  const bool open = began && !peer.established && !peer.admitted && admits_unauthenticated();
+  return open ? *began + kAdmissionPatience : kNever;
+}
+
+void Security::admit_meanwhile(Peer& peer) {
+  peer.admitted = true;
+  const auto guid = peer.data.guid.to_string();
+  events_.raise(Event(
+      Error(Code::rtps_admitted_unauthenticated,
+            {.document = "participant " + guid,
+             .field = "allow_unauthenticated_participants",
+             .expected = "a handshake that succeeds within 3 s",
+             .found = peer.handshake->refusals() > 0 ? "one whose messages were refused" : "none"}),
+      {}, guid));
+  host_.on_refused(GuidPrefix(peer.data.guid.prefix));
 }
 
 void Security::note_failure(Peer& peer) {
@@ -299,7 +320,8 @@ void Security::tick(MonotonicTime now) {
 
 void Security::look_after(const Peer& peer) {
   if (peer.refused) return;
-  next_handshake_ = std::min({next_handshake_, peer.handshake->next_tick(), peer.doubted_until});
+  next_handshake_ = std::min(
+      {next_handshake_, peer.handshake->next_tick(), peer.doubted_until, next_admission(peer)});
   if (peer.established && !peer.authenticated)
     next_handshake_ = std::min(
         next_handshake_, peer.since + (needs_no_tokens(peer) ? kTokenPatience : kConfirmation));
@@ -319,6 +341,7 @@ void Security::tick_handshakes() {
 void Security::tick_handshake(Peer& peer, MonotonicTime now) {
   auto& handshake = *peer.handshake;
   if (now >= peer.doubted_until) end_doubt(peer);
+  if (now >= next_admission(peer)) admit_meanwhile(peer);
   if (needs_no_tokens(peer) && now >= peer.since + kTokenPatience) note_authenticated(peer);
   if (peer.established && !peer.authenticated && now >= peer.since + kConfirmation) {
     peer.since = now;

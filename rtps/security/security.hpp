@@ -17,7 +17,7 @@ class SecurityHost {
   virtual ~SecurityHost() = default;
   /// Its keys are here: builtin endpoints may be matched.
   virtual void on_authenticated(const GuidPrefix& peer) = 0;
-  /// It did not authenticate, or is not allowed to join.
+  /// It did not authenticate, or not yet, or is not allowed to join.
   virtual void on_refused(const GuidPrefix& peer) = 0;
   /// It authenticated, and this is what it says of itself, proven; where it can be reached.
   virtual LocatorList on_proven(const GuidPrefix& peer, const ParticipantData& proven) = 0;
@@ -66,6 +66,10 @@ class Security {
   static constexpr MonotonicTime kNudgePeriod = std::chrono::milliseconds(20);
   /// Answers known by heart, of all peers.
   static constexpr MonotonicTime kRepetitionPeriod = std::chrono::milliseconds(2);
+  /// Where unauthenticated participants are allowed, a peer whose handshake has not succeeded after
+  /// so long is treated as one, and its handshake goes on: whatever anybody sends in its name makes
+  /// this neither sooner nor final.
+  static constexpr MonotonicTime kAdmissionPatience = std::chrono::seconds(3);
   /// A peer whose keys do not come for so long after its handshake is asked for another.
   static constexpr MonotonicTime kConfirmation = std::chrono::seconds(10);
   /// Where messages are not protected a peer without participant tokens has joined after so long,
@@ -190,6 +194,7 @@ class Security {
     bool exchanges_keys = false;  ///< it showed that it has the secret
     bool authenticated = false;   ///< and its participant key is here, or none is needed
     bool refused = false;
+    bool admitted = false;  ///< without authentication, until it succeeds
     bool spoke = false;
     bool failed = false;  ///< something of it was refused
     bool distrusted = false;
@@ -237,6 +242,9 @@ class Security {
   void open_volatile(Peer& peer, MonotonicTime now);
   bool refuse(Peer& peer, const Error& error);
   void note_failure(Peer& peer);
+  /// When it is to be admitted without authentication; never, if it is not.
+  MonotonicTime next_admission(const Peer& peer) const;
+  void admit_meanwhile(Peer& peer);
   void tick_handshake(Peer& peer, MonotonicTime now);
   void tick_handshakes();
   /// Its handshake may have something to do earlier than all did before.

@@ -176,6 +176,100 @@ TEST(Joining, APlainParticipantGetsWhatIsOpenAndNothingElse) {
   }
 }
 
+// The identity of a CA that the other side does not know.
+spi::PropertyList of_another_ca(const std::string& subject, const Rules& rules) {
+  static const auto ca = pki::make_ca("CN=Another CA,O=Example");
+  auto out = properties_of(subject, rules);
+  const auto leaf = pki::make_leaf(ca, subject);
+  const auto set = [&](std::string_view name, std::string value) {
+    for (auto& property : out)
+      if (property.name == name) property.value = data_uri(value);
+  };
+  set(spi::property::kIdentityCa, std::string(ca.certificate().pem()));
+  set(spi::property::kIdentityCertificate, std::string(leaf.certificate.pem()));
+  set(spi::property::kPrivateKey,
+      leaf.key.to_pem()->expose([](BytesView pem) { return std::string(as_text(pem)); }));
+  return out;
+}
+
+// DDS-Security 1.2, 9.8.3.1.
+TEST(Joining, WhoFailsToAuthenticateGetsWhatIsOpenWhereThatIsAllowed) {
+  struct Case {
+    bool allowed, open;
+  };
+  for (const auto& [allowed, open] : {Case{true, true}, Case{true, false}, Case{false, true}}) {
+    const Rules rules{
+        .data = open ? kNone : kSign, .allow_unauthenticated = allowed, .access_control = false};
+    for (const bool stranger_publishes : {true, false}) {
+      Node stranger(1, of_another_ca("CN=alice,O=Example", rules));
+      Node member(2, properties_of("CN=bob,O=Example", rules));
+      World world{{&stranger, &member}};
+      auto& from = stranger_publishes ? stranger : member;
+      auto& to = stranger_publishes ? member : stranger;
+      ASSERT_TRUE(from->create_writer(square(default_writer_qos()), from.listener, world.now));
+      ASSERT_TRUE(to->create_reader(square(default_reader_qos()), to.listener, world.now));
+      world.run(200);
+      EXPECT_EQ(from.listener.matched + to.listener.matched, 0) << "too early";
+      world.run(400);
+      const bool match = allowed && open;
+      EXPECT_EQ(from.listener.matched, match) << from.events.text();
+      EXPECT_EQ(to.listener.matched, match) << to.events.text();
+      EXPECT_FALSE(member.knows(stranger) || stranger.knows(member));
+      EXPECT_EQ(member.events.count(Code::rtps_admitted_unauthenticated), allowed ? 1 : 0);
+      EXPECT_EQ(stranger.events.count(Code::rtps_admitted_unauthenticated), allowed ? 1 : 0);
+    }
+  }
+}
+
+// Admission without authentication is no end: nothing that an attacker does to handshakes keeps a
+// member from what is protected.
+TEST(Joining, WhoIsAdmittedWithoutStillAuthenticates) {
+  const Rules rules{.discovery = kSign, .allow_unauthenticated = true, .access_control = false};
+  Pair pair(rules);
+  pair.create_endpoints();
+  pair.world.filter = [](const Node&, Bytes datagram) {
+    const bool handshake = as_text(datagram).find("dds.sec.auth") != std::string_view::npos;
+    return handshake ? std::vector<Bytes>{} : one(std::move(datagram));
+  };
+  pair.world.run(500);
+  EXPECT_FALSE(pair.a.knows(pair.b) || pair.b.knows(pair.a));
+  EXPECT_TRUE(pair.a.events.has(Code::rtps_admitted_unauthenticated));
+  EXPECT_EQ(pair.a.listener.matched + pair.b.listener.matched, 0);  // its discovery is protected
+  pair.world.filter = {};
+  ASSERT_TRUE(pair.world.run_until(
+      [&] { return pair.a.listener.matched == 1 && pair.b.listener.matched == 1; }, 1000))
+      << pair.a.events.text() << pair.b.events.text();
+  EXPECT_TRUE(pair.a.knows(pair.b) && pair.b.knows(pair.a));
+  pair.write(8);
+  EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }));
+}
+
+// A reader that does not know of the writer yet loses what a volatile writer sends: the writer's
+// owner hears of the match when the reader was heard.
+TEST(Joining, AWriterMatchesAProtectedReaderWhenItIsHeard) {
+  for (const bool comes_late : {true, false}) {
+    Pair pair(Rules{.rtps = kSign});
+    ASSERT_TRUE(
+        pair.world.run_until([&] { return pair.a.knows(pair.b) && pair.b.knows(pair.a); }, 300));
+    pair.world.run(30);
+    bool deaf = true;
+    pair.world.filter = [&](const Node& from, Bytes datagram) {
+      return deaf && &from == &pair.a ? std::vector<Bytes>{} : one(std::move(datagram));
+    };
+    pair.create_endpoints();
+    pair.world.run(50);
+    EXPECT_EQ(pair.a.listener.matched, 0);
+    EXPECT_EQ(pair.b.listener.matched, 0);
+    if (comes_late) {
+      deaf = false;
+      ASSERT_TRUE(pair.world.run_until([&] { return pair.a.listener.matched == 1; }, 40));
+      EXPECT_EQ(pair.b.listener.matched, 1);
+    } else {
+      EXPECT_TRUE(pair.world.run_until([&] { return pair.a.listener.matched == 1; }, 100));
+    }
+  }
+}
+
 TEST(Joining, WhatIsAccessControlledIsNotForUnauthenticatedParticipants) {
   const Rules rules{.allow_unauthenticated = true, .access_control = true};
   Node plain(1), secured(2, properties_of("CN=bob,O=Example", rules));
