@@ -23,7 +23,8 @@ struct Subject {
 std::optional<std::string> key_of(const Grant& grant) {
   const auto name = pki::SubjectName::parse(grant.subject_name);
   if (!name) return std::nullopt;
-  return (grant.subject_is_expression ? "*" : "=") + name->key();
+  std::string key(1, grant.subject_is_expression ? '*' : '=');
+  return key += name->key();
 }
 
 /// In the order of the old document, then of the new one.
