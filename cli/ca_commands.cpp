@@ -103,6 +103,10 @@ Result<Report> ca_create(const Arguments& arguments, const Context& context) {
     const auto trust = ca.certificate().pem() + (above ? above->trust_pem : "");
     DDSSEC_TRY(
         add_ca(folder, ca_paths_in(wanted_ca.below), trust, key, secret ? &*secret : nullptr));
+    if (wanted_ca.role == "identity") {
+      const auto list = DDSSEC_TRY(first_crl(ca));
+      DDSSEC_TRY(folder.add_public(ca_paths_in(wanted_ca.below).crl, list.pem()));
+    }
     log_lines += pki::IssueLog::issued_line(ca.certificate(), "", now);
     report.text += fmt::format("  {:<12} {}  expires {}\n", wanted_ca.role,
                                ca.certificate().subject(), date(ca.certificate().not_after()));

@@ -113,24 +113,55 @@ Result<bool> lists_all(const CaPaths& paths, const pki::IssueLog& log) {
   });
 }
 
-Result<pki::Crl> next_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now, int days) {
+namespace {
+
+/// What the list that follows the CA's present one holds.
+struct NextList {
+  std::uint64_t number;
+  std::vector<pki::Revocation> entries;  ///< of the log and of the present list
+};
+
+Result<NextList> next_list(const OpenCa& ca, const pki::IssueLog& log) {
   const auto before = DDSSEC_TRY(read_crl(ca.paths.crl));
   auto entries = log.revocations();
   if (before) {
     const auto listed = DDSSEC_TRY(named(before->revoked(), ca.paths.crl));
     entries.insert(entries.end(), listed.begin(), listed.end());
   }
-  return ca.authority.make_crl({.this_update = now,
-                                .next_update = now + std::chrono::days(days),
-                                .number = before ? before->number().value_or(0) + 1 : 1,
-                                .entries = entries});
+  return NextList{before ? before->number().value_or(0) + 1 : 1, std::move(entries)};
+}
+
+Result<pki::Crl> signed_list(const OpenCa& ca, const NextList& list, WallTime now, WallTime until) {
+  return ca.authority.make_crl(
+      {.this_update = now, .next_update = until, .number = list.number, .entries = list.entries});
+}
+
+}  // namespace
+
+Result<pki::Crl> next_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now, int days) {
+  const auto list = DDSSEC_TRY(next_list(ca, log));
+  return signed_list(ca, list, now, now + std::chrono::days(days));
+}
+
+Result<pki::Crl> routine_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now) {
+  const auto list = DDSSEC_TRY(next_list(ca, log));
+  return signed_list(
+      ca, list, now,
+      list.entries.empty() ? ca.certificate().not_after() : now + std::chrono::days(kListDays));
+}
+
+Result<pki::Crl> first_crl(const pki::Authority& ca) {
+  const auto& certificate = ca.certificate();
+  return ca.make_crl({.this_update = certificate.not_before(),
+                      .next_update = certificate.not_after(),
+                      .number = 1,
+                      .entries = {}});
 }
 
 Result<std::string> list_for_newcomers(const CaPaths& paths, WallTime now) {
   const auto crl = DDSSEC_TRY(read_crl(paths.crl));
-  if (!crl || DDSSEC_TRY(named(crl->revoked(), paths.crl)).empty()) return std::string();
-  const bool is_over = crl->next_update() && *crl->next_update() <= now;
-  return is_over ? std::string() : crl->pem();
+  const bool is_over = crl && crl->next_update() && *crl->next_update() <= now;
+  return crl && !is_over ? crl->pem() : std::string();
 }
 
 Status add_key(NewFolder& folder, const fs::path& name, const NewKey& key,

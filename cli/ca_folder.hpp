@@ -92,12 +92,22 @@ Result<FolderLock> lock_records(const CaPaths& paths);
 /// crash came between the two. Errors: those of read_crl and Crl::revoked.
 Result<bool> lists_all(const CaPaths& paths, const pki::IssueLog& log);
 
+/// How long a list holds that a command makes on its way.
+inline constexpr int kListDays = 180;
+
 /// The list that follows the CA's present one: everything revoked by the log and by that list.
 /// Errors: those of read_crl and Authority::make_crl.
 Result<pki::Crl> next_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now, int days);
 
-/// The CA's present list, in PEM, for who joins after somebody was revoked; empty if nobody was or
-/// the list is over. Errors: those of read_crl and Crl::revoked.
+/// The same, for kListDays; but a list that names nothing holds as long as the CA, so that it need
+/// not be renewed before a certificate is revoked.
+Result<pki::Crl> routine_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now);
+
+/// A new CA's list, which names nothing and holds as long as the CA. Errors: those of make_crl.
+Result<pki::Crl> first_crl(const pki::Authority& ca);
+
+/// The CA's present list, in PEM, for a participant that is made now; empty if there is none or it
+/// is over. Errors: those of read_crl.
 Result<std::string> list_for_newcomers(const CaPaths& paths, WallTime now);
 
 /// Puts a new key into a folder to be: as `name`, or if it is in a token, its URI as the *.p11 in

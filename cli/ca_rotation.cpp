@@ -94,7 +94,7 @@ Result<Followed> follow_identity_ca(Replacement& out, const Succession& change,
   const auto& paths = change.old.paths;
   const auto now = context.clock.now();
   const auto log = DDSSEC_TRY(read_issue_log(paths));
-  const auto crl = DDSSEC_TRY(next_crl({paths, change.ca, change.trust_pem}, log, now, 180));
+  const auto crl = DDSSEC_TRY(routine_crl({paths, change.ca, change.trust_pem}, log, now));
   DDSSEC_TRY(put_ca(out, change));
   DDSSEC_TRY(out.put_public(paths.crl, crl.pem()));
   Followed followed;

@@ -76,12 +76,13 @@ Result<Report> check(const Arguments& arguments, const Context& context) {
   for (const auto& word : arguments.all("--vendor")) DDSSEC_TRY(set_vendor(word, vendors));
   const auto wanted = DDSSEC_TRY(wanted_of(arguments));
   const auto topics = DDSSEC_TRY(topics_of(arguments));
-  const auto domain = DDSSEC_TRY(domain_of(arguments));
   for (const auto& folder : folders) DDSSEC_TRY(check_folder(folder));
 
   const auto now = context.clock.now();
   const auto a = load_participant(folders[0], now);
   const auto b = load_participant(folders[1], now);
+  Report report;
+  const auto domain = DDSSEC_TRY(domain_for(arguments, {&a, &b}, now, report));
   std::string names[2];
   name_parties(folders[0], folders[1], names);
   const auto meeting = meet_with_keys(
@@ -94,10 +95,10 @@ Result<Report> check(const Arguments& arguments, const Context& context) {
                          .wanted = wanted,
                          .explain = arguments.has("--explain")};
   const bool talk = would_talk(view);
-  Report report{.exit = talk ? Exit::done : Exit::no,
-                .text = meeting_text(view),
-                .result = meeting_json(view)};
-  report.findings = meeting.findings;
+  report.exit = talk ? Exit::done : Exit::no;
+  report.text = meeting_text(view);
+  report.result = meeting_json(view);
+  report.findings.insert(report.findings.end(), meeting.findings.begin(), meeting.findings.end());
   report.findings.insert(report.findings.end(), meeting.notes.begin(), meeting.notes.end());
   return report;
 }
@@ -112,7 +113,7 @@ std::vector<Command> check_commands() {
        .positionals = {{"A", "a participant's folder"}, {"B", "another's"}},
        .options = {repeated("--topics", "LIST",
                             "names with commas between them, or a file with one on each line"),
-                   kDomain,
+                   kDomainToCheck,
                    repeated("--partition", "P", "a partition of writers and readers"),
                    repeated("--vendor", "WHO",
                             "A= or B= and cyclonedds, fastdds or ours (without: ours)"),

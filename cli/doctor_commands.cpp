@@ -1,6 +1,7 @@
 // doctor: everything that is wrong with a participant's folder, for each product.
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -14,6 +15,7 @@
 #include "cli/options.hpp"
 #include "cli/pre_shared_keys.hpp"
 #include "governance/doctor/diagnosis.hpp"
+#include "governance/doctor/domains.hpp"
 #include "governance/doctor/lint_checks.hpp"
 #include "governance/doctor/plugin_probe.hpp"
 #include "governance/doctor/ros.hpp"
@@ -158,11 +160,10 @@ void add_meetings(Report& report, const doctor::Party& self, const doctor::Party
     }
 }
 
-Status add_peer(Report& report, const Arguments& arguments, const doctor::LoadedFolder& self,
-                const doctor::Settings& settings, const Vendors& vendors) {
+void add_peer(Report& report, const Arguments& arguments, const doctor::LoadedFolder& self,
+              const doctor::LoadedFolder& peer, const doctor::Settings& settings,
+              const Vendors& vendors) {
   const fs::path folders[] = {arguments.text("DIR"), arguments.text("--peer")};
-  DDSSEC_TRY(check_folder(folders[1]));
-  const auto peer = load_participant(folders[1], settings.now);
   report.text += '\n';
   auto diagnosis = doctor::diagnose(peer, settings);
   check_pre_shared_keys(peer, settings, diagnosis);
@@ -174,14 +175,13 @@ Status add_peer(Report& report, const Arguments& arguments, const doctor::Loaded
   report.text += '\n';
   add_meetings(report, {self, Vendor::ours, names[0]}, {peer, Vendor::ours, names[1]}, settings,
                vendors, arguments.has("--vendor"));
-  return {};
 }
 
-// With --ros the domain is that of the environment, if it has one.
-Result<DomainId> ros_domain_of(const Arguments& arguments) {
+// A node of ROS 2 asks its environment only, and runs in domain 0 if that names none.
+Result<DomainId> ros_domain() {
   const auto environment = doctor::ros_environment();
   const auto found = environment.find("ROS_DOMAIN_ID");
-  if (!arguments.has("--ros") || found == environment.end()) return domain_of(arguments);
+  if (found == environment.end() || found->second.empty()) return DomainId{0};
   const Arguments from_environment({{"ROS_DOMAIN_ID", {found->second}}});
   return static_cast<DomainId>(
       DDSSEC_TRY(from_environment.number("ROS_DOMAIN_ID", 0, governance::kHighestDomainId)));
@@ -190,11 +190,20 @@ Result<DomainId> ros_domain_of(const Arguments& arguments) {
 Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
   const fs::path folder = arguments.text("DIR");
   const auto vendors = DDSSEC_TRY(chosen_vendors(arguments));
-  const doctor::Settings settings{.now = context.clock.now(),
-                                  .domain = DDSSEC_TRY(ros_domain_of(arguments))};
+  const auto now = context.clock.now();
   DDSSEC_TRY(check_folder(folder));
-  const auto loaded = load_participant(folder, settings.now);
+  const auto loaded = load_participant(folder, now);
+  std::optional<doctor::LoadedFolder> peer;
+  if (arguments.has("--peer")) {
+    DDSSEC_TRY(check_folder(arguments.text("--peer")));
+    peer = load_participant(arguments.text("--peer"), now);
+  }
   Report report;
+  const bool is_of_ros = arguments.has("--ros") && !arguments.has("--domain");
+  const auto domain = DDSSEC_TRY(
+      is_of_ros ? ros_domain()
+                : domain_for(arguments, {&loaded, peer ? &*peer : &loaded}, now, report));
+  const doctor::Settings settings{.now = now, .domain = domain};
   auto diagnosis = doctor::diagnose(loaded, settings);
   check_pre_shared_keys(loaded, settings, diagnosis);
   check_key_limits(loaded, settings, diagnosis);
@@ -205,8 +214,9 @@ Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
         arguments.text("--plugins") == "system" ? "" : arguments.text("--plugins"), diagnosis);
   doctor::check_shared_memory(loaded, doctor::cyclonedds_configuration(), settings, diagnosis);
   doctor::check_lint(loaded, settings, diagnosis);
-  report.result = add_diagnosis(report, folder, diagnosis, settings, vendors);
-  if (arguments.has("--peer")) DDSSEC_TRY(add_peer(report, arguments, loaded, settings, vendors));
+  report.result = {{"domain", domain}};
+  report.result.update(add_diagnosis(report, folder, diagnosis, settings, vendors));
+  if (peer) add_peer(report, arguments, loaded, *peer, settings, vendors);
   return report;
 }
 
@@ -231,6 +241,21 @@ std::unexpected<Error> unknown_vendor(const std::string& word, std::string_view 
                                      : ""});
 }
 
+Result<DomainId> domain_for(const Arguments& arguments,
+                            std::initializer_list<const doctor::LoadedFolder*> folders,
+                            WallTime now, Report& report) {
+  if (arguments.has("--domain")) return domain_of(arguments);
+  std::vector<doctor::Domains> domains;
+  for (const auto* folder : folders) domains.push_back(domains_of(*folder, now));
+  const auto choice = doctor::choose_domain(domains);
+  if (choice.has_others())
+    report.findings.push_back(
+        {.rule = Rule::DOC095,
+         .message = fmt::format("the documents are for domains {}; domain {} was checked",
+                                doctor::in_words(choice.named), choice.domain)});
+  return choice.domain;
+}
+
 void name_parties(const fs::path& a, const fs::path& b, std::string (&names)[2]) {
   names[0] = folder_name(a);
   names[1] = folder_name(b);
@@ -246,7 +271,7 @@ std::vector<Command> doctor_commands() {
        .summary = "Finds what is wrong with a participant's folder, for each product; exit 1 if "
                   "something is.",
        .positionals = {{"DIR", "the participant's folder, flat or an enclave of sros2"}},
-       .options = {kDomain,
+       .options = {kDomainToCheck,
                    repeated("--vendor", "V", "all, cyclonedds@0.10.2, fastdds@2.9.1 or ours"),
                    {"--peer", "DIR", "another participant: would they talk?"},
                    {"--ros", "", "as an enclave of ROS 2, with its variables and ROS_DOMAIN_ID"},

@@ -200,11 +200,49 @@ Result<pki::RevocationReason> reason_of(const Arguments& arguments) {
   return *reason;
 }
 
-// Everybody who has a certificate of this CA must learn of it.
-Json folders_in(const pki::IssueLog& log) {
-  Json out = Json::array();
-  for (const auto& folder : log.folders()) out.push_back(folder);
+/// The participants' folders that the CA's log knows.
+struct Folders {
+  Json all = Json::array();
+  Json without_list = Json::array();  ///< on this machine, without a crl.pem
+  Json elsewhere = Json::array();     ///< not on this machine
+};
+
+// A folder that may not be entered counts as one with a list: crl distribute says what is wrong.
+Folders folders_in(const pki::IssueLog& log) {
+  Folders out;
+  for (const auto& folder : log.folders()) {
+    out.all.push_back(folder);
+    std::error_code error;
+    if (!fs::exists(fs::path(folder) / "cert.pem", error) && !error)
+      out.elsewhere.push_back(folder);
+    else if (!fs::exists(pki::participant_folder(folder).crl, error) && !error)
+      out.without_list.push_back(folder);
+  }
   return out;
+}
+
+std::string paths_text(std::string_view what, const Json& folders) {
+  constexpr std::size_t kMost = 10;
+  if (folders.empty()) return "";
+  auto out = fmt::format("  {}:\n", what);
+  for (std::size_t i = 0; i < std::min(kMost, folders.size()); ++i)
+    out += fmt::format("    {}\n", std::string(folders[i]));
+  if (folders.size() > kMost) out += fmt::format("    and {} more\n", folders.size() - kMost);
+  return out;
+}
+
+// Which participants notice the new list, and when.
+std::string next_steps(const std::string& ca, const Folders& folders) {
+  return fmt::format(
+             "next: ddssec crl distribute --ca {}   (puts the list into {})\n"
+             "when the list is in the folder, a participant reads it\n"
+             "  with ddssec's plugins (in Cyclone DDS, or embedded): within 5 s, also the first "
+             "crl.pem that appears beside its certificate\n"
+             "  with the stock plugins of Cyclone DDS or Fast DDS: only when it starts again, and "
+             "only if its configuration names the list (ROS 2 names crl.pem of the enclave)\n",
+             ca, counted(folders.all.size() - folders.elsewhere.size(), "folder")) +
+         paths_text("no list so far, so that nothing is revoked there", folders.without_list) +
+         paths_text("not on this machine, copy the list there as crl.pem", folders.elsewhere);
 }
 
 Result<Report> identity_revoke(const Arguments& arguments, const Context& context) {
@@ -237,16 +275,16 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
   report.result["crl"] = {{"file", ca.paths.crl.string()},
                           {"number", crl.number().value_or(0)},
                           {"next_update", to_string(*crl.next_update())}};
-  report.result["folders"] = folders_in(log);
-  report.text = fmt::format(
-      "{}  revoked {}; revocation list {} holds until {}\n"
-      "next: ddssec crl distribute --ca {}   (for {}; an embedded participant, or Cyclone DDS with "
-      "our plugins, that runs looks at its list every 5 s, others read it when they start)\n",
-      what.subject,
-      lines.empty() ? "already, but the list did not say so"
-                    : fmt::format("({})", counted(what.serials.size(), "certificate")),
-      crl.number().value_or(0), date(*crl.next_update()), arguments.text("--ca"),
-      counted(report.result["folders"].size(), "folder"));
+  const auto folders = folders_in(log);
+  report.result["folders"] = folders.all;
+  report.result["without_list"] = folders.without_list;
+  report.result["elsewhere"] = folders.elsewhere;
+  report.text =
+      fmt::format("{}  revoked {}; revocation list {} holds until {}\n{}", what.subject,
+                  lines.empty() ? "already, but the list did not say so"
+                                : fmt::format("({})", counted(what.serials.size(), "certificate")),
+                  crl.number().value_or(0), date(*crl.next_update()),
+                  next_steps(arguments.text("--ca"), folders));
   report.files_written = DDSSEC_TRY(out.commit());
   return report;
 }

@@ -112,6 +112,7 @@ Result<Members> add_members(NewFolder& folder, const Plan& plan, const Issuers& 
     const auto below = sros2 ? enclave_folder(name) : fs::path(name);
     DDSSEC_TRY(sros2 ? add_enclave(folder, below, name, made)
                      : add_flat(folder, below, made, issuers, governance));
+    if (sros2) DDSSEC_TRY(folder.add_public(below / "crl.pem", issuers.crl));
     out.log += log_line(made, plan.target / below, now);
     const auto& certificate = made.self.certificate;
     out.rows.push_back({{"name", name},
@@ -193,8 +194,9 @@ Result<Report> init(const Arguments& arguments, const Context& context) {
   auto folder = DDSSEC_TRY(NewFolder::at(plan.target));
   const auto identity = DDSSEC_TRY(make_ca(plan, "Identity", context));
   const auto permissions = DDSSEC_TRY(make_ca(plan, "Permissions", context));
-  const Issuers issuers{identity, &permissions};
-  const auto crl = DDSSEC_TRY(next_crl(identity, {}, now, 180));
+  const auto crl = DDSSEC_TRY(first_crl(identity.authority));
+  const auto list = crl.pem();
+  const Issuers issuers{identity, &permissions, list};
   DDSSEC_TRY(add_cas(folder, plan, identity, permissions, crl));
 
   const auto xml = to_xml(governance::governance_of(plan.profile, plan.domains));

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/doctor_options.hpp"
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
@@ -14,8 +15,11 @@
 #include "cli/ros_policy.hpp"
 #include "cli/transaction.hpp"
 #include "governance/doctor/diagnosis.hpp"
+#include "governance/doctor/domains.hpp"
 #include "governance/doctor/lint_checks.hpp"
 #include "governance/profile.hpp"
+#include "governance/read.hpp"
+#include "governance/ros_node.hpp"
 #include "governance/write.hpp"
 #include "pki/source.hpp"
 
@@ -56,6 +60,8 @@ Result<Report> keystore_create(const Arguments& arguments, const Context& contex
   const auto document =
       DDSSEC_TRY(permissions.sign_document(as_bytes(xml), context.clock.now(), context.random));
   DDSSEC_TRY(add_keystore_governance(folder, xml, document));
+  const auto list = DDSSEC_TRY(first_crl(identity));
+  DDSSEC_TRY(folder.add_public("public/identity_ca.crl.pem", list.pem()));
   Report report;
   report.result = {{"dir", target.string()},
                    {"encrypted", secret.has_value()},
@@ -82,18 +88,31 @@ Status check_one_source(const Arguments& arguments) {
 
 // What the policy says of the enclave, as one grant.
 Result<governance::Grant> grant_of_policy(const fs::path& file, const ParticipantSpec& spec,
-                                          Report& report) {
+                                          const Arguments& arguments, Report& report) {
   const auto& range = spec.domains.front();
   if (spec.domains.size() > 1 || range.first != range.last)
     return fail(Code::usage, {.field = "--domain", .note = "a policy is for one domain"});
-  const auto policy = DDSSEC_TRY(read_policy(file, {spec.name}));
+  const auto policy = with_options(DDSSEC_TRY(read_policy(file, {spec.name})), arguments);
   add_findings(report, merged_profiles(policy), file);
   return permissions_of(policy, {.domain = range.first}).grants.front();
 }
 
+// What --domain says; else one domain that the keystore's governance document is for.
+Result<std::vector<governance::DomainRange>> granted_domains(const Arguments& arguments) {
+  if (arguments.has("--domain")) return domain_ranges(arguments, "--domain");
+  const auto document = unverified_document<GovernanceKind>(fs::path(arguments.text("KEYSTORE")) /
+                                                            "enclaves/governance.p7s");
+  std::vector<doctor::Domains> named(1);
+  if (document)
+    for (const auto& rule : document->domain_rules)
+      named[0].insert(named[0].end(), rule.domains.ranges.begin(), rule.domains.ranges.end());
+  const auto domain = doctor::choose_domain(named).domain;
+  return std::vector<governance::DomainRange>{{domain, domain}};
+}
+
 Status read_rights(ParticipantSpec& spec, const Arguments& arguments, Report& report) {
   DDSSEC_TRY(check_one_source(arguments));
-  spec.domains = DDSSEC_TRY(domain_ranges(arguments, "--domain"));
+  spec.domains = DDSSEC_TRY(granted_domains(arguments));
   spec.publish = DDSSEC_TRY(topics_of(arguments, "--publish"));
   spec.subscribe = DDSSEC_TRY(topics_of(arguments, "--subscribe"));
   if (arguments.has("--allow-all")) spec.publish = spec.subscribe = {"*"};
@@ -101,7 +120,20 @@ Status read_rights(ParticipantSpec& spec, const Arguments& arguments, Report& re
     spec.permissions =
         DDSSEC_TRY(read_file(arguments.text("--permissions"), pki::kMostDocumentOctets));
   if (arguments.has("--policy"))
-    spec.grant = DDSSEC_TRY(grant_of_policy(arguments.text("--policy"), spec, report));
+    spec.grant = DDSSEC_TRY(grant_of_policy(arguments.text("--policy"), spec, arguments, report));
+  else if (arguments.has("--node-defaults"))
+    return fail(Code::usage, {.field = "--node-defaults",
+                              .note = "it takes the names of the nodes from --policy"});
+  return {};
+}
+
+// What was just made is valid, so that it can be read.
+Status warn_of_missing_rights(std::string_view xml, const fs::path& document, Report& report) {
+  if (xml.empty()) return {};
+  auto finding = missing_node_defaults(DDSSEC_TRY(governance::read_permissions(as_bytes(xml))));
+  if (!finding) return {};
+  finding->document = document;
+  report.findings.push_back(*std::move(finding));
   return {};
 }
 
@@ -139,6 +171,7 @@ Result<Report> keystore_enclave(const Arguments& arguments, const Context& conte
   spec.life = DDSSEC_TRY(within_ca(spec.life, identity.certificate(), arguments.has("--clamp")));
   const auto made = DDSSEC_TRY(named(make_participant(spec, {identity, &permissions}, context),
                                      arguments.text("--permissions")));
+  DDSSEC_TRY(warn_of_missing_rights(made.permissions_xml, target / "permissions.p7s", report));
   auto below = target.lexically_relative(folder.target());
   if (below == ".") below.clear();
   DDSSEC_TRY(add_enclave(folder, below, name, made));
@@ -184,6 +217,7 @@ Result<Report> keystore_permission(const Arguments& arguments, const Context& co
   CaOpener opener(arguments);
   const auto ca = DDSSEC_TRY(opener.open(ca_paths(keystore, "permissions")));
   const auto document = DDSSEC_TRY(ca.authority.sign_document(as_bytes(xml), now, context.random));
+  DDSSEC_TRY(warn_of_missing_rights(xml, files.permissions, report));
   Replacement out;
   DDSSEC_TRY(out.put_public(files.folder / "permissions.xml", xml));
   DDSSEC_TRY(out.put(files.permissions, document, 0644));
@@ -214,10 +248,17 @@ bool is_for_others(const fs::path& path) {
   return ::stat(path.c_str(), &status) == 0 && (status.st_mode & 077) != 0;
 }
 
+// What is true of every enclave is said once.
+void add_once(const std::vector<Finding>& findings, Report& report) {
+  for (const auto& finding : findings)
+    if (std::ranges::find(report.findings, finding.message, &Finding::message) ==
+        report.findings.end())
+      report.findings.push_back(finding);
+}
+
 Result<Report> keystore_verify(const Arguments& arguments, const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
   DDSSEC_TRY(check_keystore(keystore));
-  const auto domain = DDSSEC_TRY(domain_of(arguments));
   const auto now = context.clock.now();
   Report report;
   report.result = {{"enclaves", Json::array()}, {"keys_for_others", Json::array()}};
@@ -227,10 +268,12 @@ Result<Report> keystore_verify(const Arguments& arguments, const Context& contex
     if (key.parent_path() == keystore / "private")  // an enclave's own key is DOC003
       report.errors.emplace_back(Code::key_readable_by_others, ErrorDetails{.document = key});
   }
+  Report domains;
   for (const auto& name : enclaves_of(keystore)) {
     const auto folder = pki::participant_folder(keystore / enclave_folder(name));
-    const doctor::Settings settings{.now = now, .domain = domain};
     const auto loaded = doctor::load_folder(folder, now);
+    const auto domain = DDSSEC_TRY(domain_for(arguments, {&loaded}, now, domains));
+    const doctor::Settings settings{.now = now, .domain = domain};
     auto diagnosis = doctor::diagnose(loaded, settings);
     doctor::check_lint(loaded, settings, diagnosis);
     Json verdicts = Json::object();
@@ -243,9 +286,11 @@ Result<Report> keystore_verify(const Arguments& arguments, const Context& contex
     }
     for (const auto& check : diagnosis.checks())
       report.findings.insert(report.findings.end(), check.findings.begin(), check.findings.end());
-    report.text += fmt::format("{:<30}{}\n", name, words);
-    report.result["enclaves"].push_back({{"name", name}, {"verdicts", verdicts}});
+    report.text += fmt::format("{:<30}  domain {}{}\n", name, domain, words);
+    report.result["enclaves"].push_back(
+        {{"name", name}, {"domain", domain}, {"verdicts", verdicts}});
   }
+  add_once(domains.findings, report);
   if (!report.result["keys_for_others"].empty()) report.exit = Exit::no;
   return report;
 }
@@ -296,11 +341,13 @@ const Positional kKeystore{"KEYSTORE", "the keystore's folder"};
 const Positional kEnclave{"ENCLAVE", "the enclave's name, such as /robot/camera"};
 
 std::vector<Option> rights_options() {
-  return {kDomains,
+  return {repeated("--domain", "N|A-B",
+                   "a domain or a range of them; without it, the governance document's"),
           repeated("--publish", "TOPIC", "a topic or expression it may publish (rt/chatter)"),
           repeated("--subscribe", "TOPIC", "a topic or expression it may subscribe to"),
           {"--permissions", "FILE", "a permissions document to sign instead"},
           {"--policy", "FILE", "a ROS 2 policy (sros2), of which this enclave's part counts"},
+          kNodeDefaults,
           {"--allow-all", "", "it may publish and subscribe to everything"},
           kPassphraseFile,
           kPassphraseEnv,
@@ -350,14 +397,15 @@ std::vector<Command> keystore_commands() {
        .summary = "Gives an enclave other permissions, in place of those that it has.",
        .positionals = {kKeystore, kEnclave},
        .options = rights_options(),
-       .examples = {"ddssec keystore permission keystore /talker --policy policy.xml",
+       .examples = {"ddssec keystore permission keystore /talker --policy policy.xml "
+                    "--node-defaults",
                     "ddssec keystore permission keystore /talker --permissions new.xml"},
        .run = keystore_permission},
       {.group = "keystore",
        .name = "verify",
        .summary = "Looks at every enclave as doctor does; exit 1 if a product refuses one.",
        .positionals = {kKeystore},
-       .options = {kDomain},
+       .options = {kDomainToCheck},
        .examples = {"ddssec keystore verify keystore"},
        .run = keystore_verify},
       {.group = "keystore",

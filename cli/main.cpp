@@ -7,8 +7,7 @@
 #include <unistd.h>
 #include <vector>
 
-#include <fmt/format.h>
-
+#include "base/text.hpp"
 #include "cli/inputs.hpp"
 #include "cli/parse.hpp"
 #include "cli/progress.hpp"
@@ -19,25 +18,12 @@ namespace {
 
 using namespace ddssec;
 
-// Names from files must not reach a terminal as control sequences, nor as octets that it does not
-// take as letters.
-std::string for_terminal(const std::string& text, bool is_utf8, bool may_color) {
-  std::string out;
-  for (const char c : text) {
-    const auto octet = static_cast<unsigned char>(c);
-    if ((octet < 0x20 && c != '\n' && c != '\t' && (c != '\033' || !may_color)) || octet == 0x7f)
-      out += '?';
-    else if (octet >= 0x80 && !is_utf8)
-      out += fmt::format("\\x{:02x}", octet);
-    else
-      out += c;
-  }
-  return out;
-}
-
+// Names from files must not reach a terminal, or a log that a terminal shows later, as control
+// sequences; nor a terminal as octets that it does not take as letters.
 void print(std::FILE* to, const std::string& text) {
   static const bool is_utf8 = std::string_view(::nl_langinfo(CODESET)) == "UTF-8";
-  const auto shown = ::isatty(::fileno(to)) == 1 ? for_terminal(text, is_utf8, to == stderr) : text;
+  const bool letters = is_utf8 || ::isatty(::fileno(to)) != 1;
+  const auto shown = printable(text, {.lines = true, .escapes = to == stderr, .utf8 = letters});
   std::fwrite(shown.data(), 1, shown.size(), to);
 }
 
@@ -97,7 +83,8 @@ int finish(const cli::Report& report, std::string_view command, bool json, cli::
   if (json) {
     auto out = cli::envelope(report, command);
     if (cli::writes_nothing()) out["dry_run"] = true;
-    print(stdout, out.dump(1, ' ', false, cli::Json::error_handler_t::replace) + "\n");
+    // In ASCII, so that nothing in it can do anything to a terminal.
+    print(stdout, out.dump(1, ' ', true, cli::Json::error_handler_t::replace) + "\n");
   } else {
     const bool is_dry = cli::writes_nothing() && !report.files_written.empty();
     print(stdout, is_dry ? cli::dry_run_text(report) : report.text);

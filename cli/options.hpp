@@ -20,6 +20,12 @@ inline constexpr Option kKey{"--key", "KIND", "p256, rsa2048 or rsa3072", "p256"
 inline constexpr Option kKeyOrToken{
     "--key", "KIND", "p256, rsa2048, rsa3072, or the pkcs11: URI of a key in a token", "p256"};
 inline constexpr Option kDomain{"--domain", "N", "the domain", "0"};
+inline constexpr Option kDomainToCheck{
+    "--domain", "N", "the domain; without it, the one that the documents are for"};
+inline constexpr Option kNodeDefaults{
+    "--node-defaults", "",
+    "add what every rclcpp node of the policy needs to start: rosout, parameter_events and its "
+    "parameter services"};
 
 inline constexpr Option kDomains{.name = "--domain",
                                  .value = "N|A-B",

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "cli/inputs.hpp"
+#include "governance/ros_node.hpp"
 #include "governance/xml_check.hpp"
 
 namespace ddssec::cli {
@@ -27,6 +28,10 @@ Result<RosPolicy> read_policy(const std::filesystem::path& file,
     return std::ranges::find(wanted, enclave.path) == wanted.end();
   });
   return policy;
+}
+
+RosPolicy with_options(RosPolicy policy, const Arguments& arguments) {
+  return arguments.has("--node-defaults") ? with_node_defaults(std::move(policy)) : policy;
 }
 
 std::vector<Finding> merged_profiles(const RosPolicy& policy) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/finding.hpp"
+#include "cli/command.hpp"
 #include "governance/ros_policy.hpp"
 
 namespace ddssec::cli {
@@ -14,6 +15,9 @@ namespace ddssec::cli {
 /// is read from below its folder. Errors: those of read_ros_policy; usage if one is not there.
 Result<governance::RosPolicy> read_policy(const std::filesystem::path& file,
                                           const std::vector<std::string>& wanted);
+
+/// What --node-defaults asks for: the policy with what every rclcpp node needs, or as it is.
+governance::RosPolicy with_options(governance::RosPolicy policy, const Arguments& arguments);
 
 /// A finding for every enclave whose <profiles> elements become one grant.
 std::vector<Finding> merged_profiles(const governance::RosPolicy& policy);

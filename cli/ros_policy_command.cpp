@@ -28,7 +28,8 @@ Result<governance::Validity> life(const Arguments& arguments, WallTime now) {
 
 Result<Report> from_ros_policy(const Arguments& arguments, const Context& context) {
   const fs::path file = arguments.text("FILE");
-  const auto policy = DDSSEC_TRY(read_policy(file, arguments.all("--enclave")));
+  const auto policy =
+      with_options(DDSSEC_TRY(read_policy(file, arguments.all("--enclave"))), arguments);
   const governance::RosPermissionsOptions options{
       .domain = DDSSEC_TRY(domain_of(arguments)),
       .validity = DDSSEC_TRY(life(arguments, context.clock.now())),
@@ -64,6 +65,7 @@ std::vector<Command> ros_policy_commands() {
                    repeated("--enclave", "PATH", "this enclave only"),
                    {"--validity-from", "CERT", "valid as long as this certificate"},
                    days("365"),
+                   kNodeDefaults,
                    {"--no-discovery-topic", "", "do not allow ros_discovery_info"},
                    {"--sros2-order", "", "octet for octet as sros2 writes it"},
                    kSign,
@@ -72,7 +74,9 @@ std::vector<Command> ros_policy_commands() {
                    kPassphraseEnv,
                    kInsecureKeyMode},
        .examples = {"ddssec permissions from-ros-policy policy.xml --enclave /talker "
-                    "--validity-from cert.pem -o permissions.xml"},
+                    "--validity-from cert.pem -o permissions.xml",
+                    "ddssec permissions from-ros-policy policy.xml --node-defaults -o "
+                    "permissions.xml"},
        .run = from_ros_policy}};
 }
 

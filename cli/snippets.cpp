@@ -42,13 +42,13 @@ std::string cyclonedds_snippet(const pki::ParticipantFolder& folder) {
   };
   return fmt::format(
       "<CycloneDDS><Domain Id=\"any\"><Security>\n"
-      "    <Authentication>\n      {}\n{}{}{}    </Authentication>\n"
+      "    <Authentication>\n      {}\n{}{}{}{}    </Authentication>\n"
       "    <Cryptographic>\n      {}\n    </Cryptographic>\n"
       "    <AccessControl>\n      {}\n{}{}{}    </AccessControl>\n"
       "</Security></Domain></CycloneDDS>\n",
       library("auth", "authentication"), element("IdentityCA", folder.identity_ca),
       element("IdentityCertificate", folder.certificate), element("PrivateKey", folder.key),
-      library("crypto", "crypto"), library("ac", "access_control"),
+      element("CRL", folder.crl), library("crypto", "crypto"), library("ac", "access_control"),
       element("PermissionsCA", folder.permissions_ca), element("Governance", folder.governance),
       element("Permissions", folder.permissions));
 }
@@ -64,6 +64,7 @@ std::string fastdds_snippet(const pki::ParticipantFolder& folder) {
          property(pki + "identity_ca", file(folder.identity_ca)) +
          property(pki + "identity_certificate", file(folder.certificate)) +
          property(pki + "private_key", file(folder.key)) +
+         property(pki + "identity_crl", file(folder.crl)) +
          property("dds.sec.access.plugin", "builtin.Access-Permissions") +
          property(access + "permissions_ca", file(folder.permissions_ca)) +
          property(access + "governance", file(folder.governance)) +

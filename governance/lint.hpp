@@ -29,7 +29,7 @@ struct PermissionsUse {
   const Governance* governance = nullptr;
 };
 
-/// Findings PERM001 to PERM034 but PERM031, by line. Errors stop `permissions sign`.
+/// Findings PERM001 to PERM041 but PERM031, by line. Errors stop `permissions sign`.
 std::vector<Finding> lint(const Permissions& permissions, const PermissionsUse& use = {});
 
 /// True if one of them is an error.

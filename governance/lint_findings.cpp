@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/ordered.hpp"
+#include "base/text.hpp"
 #include "governance/dialect.hpp"
 #include "governance/lint.hpp"
 
@@ -50,6 +51,18 @@ void Findings::add_if_ros_name(ddssec::Rule rule, const Text& expression, const 
        .message = fmt::format("{} begins with a slash, as names of ROS do and DDS topics do not",
                               in_quotes(expression.text)),
        .line = expression.line,
+       .path = path});
+}
+
+void Findings::add_if_misleading(ddssec::Rule rule, std::string_view what, const Text& name,
+                                 const std::string& path) {
+  const auto found = first_misleading(name.text);
+  if (!found) return;
+  const auto character = *found == 0xfffd ? std::string("octets that are not UTF-8")
+                                          : fmt::format("U+{:04X}", std::uint32_t{*found});
+  add({.rule = rule,
+       .message = fmt::format("{} {} holds {}", what, in_quotes(name.text), character),
+       .line = name.line,
        .path = path});
 }
 

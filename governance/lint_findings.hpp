@@ -26,6 +26,10 @@ class Findings {
   /// Adds GOV013 or PERM034 if the expression begins like a name of ROS.
   void add_if_ros_name(ddssec::Rule rule, const Text& expression, const std::string& path);
 
+  /// Adds the rule if the name holds characters that a terminal hides or reorders.
+  void add_if_misleading(ddssec::Rule rule, std::string_view what, const Text& name,
+                         const std::string& path);
+
   /// All of them by line. Where some were left out, the last one of the rule says so.
   std::vector<Finding> take();
 

@@ -274,6 +274,7 @@ void check_topics(Findings& out, const Place& place) {
     const Text expression{topic.topic_expression, topic.line};
     out.add_if_unportable(GOV012, expression, place.topic_path(i));
     out.add_if_ros_name(GOV013, expression, place.topic_path(i));
+    out.add_if_misleading(DOC097, "the topic expression", expression, place.topic_path(i));
     check_flags(out, place, i);
     check_access(out, place, i);
     check_kinds(out, place, i);

@@ -6,6 +6,7 @@
 #include "governance/grant.hpp"
 #include "governance/lint.hpp"
 #include "governance/lint_grant.hpp"
+#include "governance/ros_node.hpp"
 #include "pki/subject_name.hpp"
 
 namespace ddssec::governance {
@@ -177,6 +178,22 @@ void check_subject(Findings& out, const std::vector<GrantPlace>& places,
   out.add(std::move(finding));
 }
 
+void check_names(Findings& out, const GrantPlace& place) {
+  const auto& grant = place.grant();
+  const auto check = [&](std::string_view what, const Text& name) {
+    out.add_if_misleading(PERM041, what, name, place.path());
+  };
+  check("the grant's name", {grant.name, grant.line});
+  check("the subject name", {grant.subject_name, grant.line});
+  for (const auto& rule : grant.rules)
+    for (const auto* list : {&rule.publish, &rule.subscribe, &rule.relay})
+      for (const auto& criteria : *list) {
+        for (const auto& topic : criteria.topics) check("the topic", topic);
+        if (!criteria.partitions) continue;
+        for (const auto& partition : *criteria.partitions) check("the partition", partition);
+      }
+}
+
 }  // namespace
 
 std::vector<Finding> lint(const Permissions& permissions, const PermissionsUse& use) {
@@ -188,12 +205,14 @@ std::vector<Finding> lint(const Permissions& permissions, const PermissionsUse& 
     places.emplace_back(permissions.grants[i], i + 1);
   for (const auto& place : places) {
     check_dates(out, place, use);
+    check_names(out, place);
     if (!use.certificate) check_spelling(out, place);
     lint_dead_rules(out, place);
     lint_rights(out, place, use.governance);
     lint_ros(out, place);
   }
   check_repeated_subjects(out, places);
+  if (auto finding = missing_node_defaults(permissions)) out.add(*std::move(finding));
   if (use.certificate && !places.empty()) check_subject(out, places, *use.certificate);
   return out.take();
 }

@@ -14,7 +14,8 @@ using enum ddssec::Rule;
 
 constexpr std::string_view kRequest = "Request", kReply = "Reply";
 
-bool speaks_of_ros(const GrantPlace& place) {
+/// Names a ROS topic; the discovery topic alone does not count, since it is what is looked for.
+bool names_ros_topics(const GrantPlace& place) {
   return std::ranges::any_of(place.actions(), [](const auto& entries) {
     return std::ranges::any_of(entries, [](const GrantEntry& entry) {
       const std::string_view text = entry.topic->text;
@@ -86,7 +87,7 @@ void check_log_topic(Findings& out, const GrantPlace& place) {
 }  // namespace
 
 void lint_ros(Findings& out, const GrantPlace& place) {
-  if (!speaks_of_ros(place)) return;
+  if (!names_ros_topics(place)) return;
   check_services(out, place, 0);
   check_services(out, place, 1);
   check_discovery(out, place);

@@ -8,6 +8,7 @@
 #include "base/text.hpp"
 #include "governance/decision.hpp"
 #include "governance/doctor/checks.hpp"
+#include "governance/doctor/domains.hpp"
 #include "governance/doctor/subject_form.hpp"
 #include "governance/doctor/vendor_decision.hpp"
 #include "governance/grant.hpp"
@@ -149,17 +150,6 @@ void check_second_grant(const Scene& scene, const std::vector<Candidate>& all) {
                     .line = all[1].grant->line});
 }
 
-std::string ranges_of(const std::vector<DomainRange>& ranges) {
-  std::string out;
-  for (const auto& range : ranges) {
-    if (out.size() > 128) return out + ", ...";
-    out += out.empty() ? "" : ", ";
-    out += range.first == range.last ? std::to_string(range.first)
-                                     : fmt::format("{}-{}", range.first, range.last);
-  }
-  return out;
-}
-
 void report_uncovered(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   std::vector<DomainRange> all;
   for (const auto& rule : folder.governance.model->domain_rules)
@@ -169,7 +159,7 @@ void report_uncovered(const LoadedFolder& folder, const Settings& settings, Diag
              {.rule = Rule::DOC050,
               .message = fmt::format("no <domain_rule> of {} covers domain {}; they cover {}",
                                      folder.paths.governance.filename().string(), settings.domain,
-                                     ranges_of(all)),
+                                     in_words(all)),
               .document = folder.paths.governance,
               .line = rules.empty() ? 0 : rules.front().domains.line});
 }
@@ -228,7 +218,7 @@ void check_join(const Scene& scene, const Grant& grant, const DomainRule* govern
       {.rule = Rule::DOC051,
        .message = fmt::format("no allow_rule of grant \"{}\" is for domain {}; they are for {}",
                               grant.name, scene.settings.domain,
-                              allowed.empty() ? "none" : ranges_of(allowed)),
+                              allowed.empty() ? "none" : in_words(allowed)),
        .document = scene.file(),
        .line = grant.line});
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstdlib>
 #include <system_error>
 
@@ -9,6 +10,7 @@
 
 #include "governance/decision.hpp"
 #include "governance/doctor/checks.hpp"
+#include "governance/doctor/domains.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
@@ -60,6 +62,25 @@ void check_enclave(const LoadedFolder& folder, const Environment& environment, D
         fmt::format("ROS_SECURITY_ENCLAVE_OVERRIDE is \"{}\"; this is the enclave \"/{}\"", name,
                     inside.string()));
   out.pass(Rule::DOC062);
+}
+
+// A node runs in the domain of its environment, whatever the documents say.
+void check_domain(const LoadedFolder& folder, const Environment& environment,
+                  const Settings& settings, Diagnosis& out) {
+  const auto found = value(environment, "ROS_DOMAIN_ID");
+  DomainId domain = 0;
+  std::from_chars(found.data(), found.data() + found.size(), domain);
+  const Domains named = domains_of(folder, settings.now);
+  const bool fits = named.empty() || contains(named, domain);
+  if (fits) return out.pass(Rule::DOC096);
+  out.report(kAll,
+             {.rule = Rule::DOC096,
+              .message = fmt::format("{}, so a node runs in domain {}; the documents are for {}",
+                                     found.empty() ? "ROS_DOMAIN_ID is not set"
+                                                   : fmt::format("ROS_DOMAIN_ID is \"{}\"", found),
+                                     domain, in_words(named)),
+              .hint = fmt::format("export ROS_DOMAIN_ID={} wherever the node starts",
+                                  named.front().first)});
 }
 
 void check_names(const LoadedFolder& folder, const Environment& environment, Diagnosis& out) {
@@ -158,6 +179,7 @@ void check_ros(const LoadedFolder& folder, const Environment& environment, const
   check_word(environment, "ROS_SECURITY_ENABLE", "true", Rule::DOC060, out);
   check_word(environment, "ROS_SECURITY_STRATEGY", "Enforce", Rule::DOC061, out);
   check_enclave(folder, environment, out);
+  check_domain(folder, environment, settings, out);
   check_names(folder, environment, out);
   const auto* grant = grant_of(folder, settings.now);
   if (grant == nullptr) return;

@@ -19,6 +19,7 @@ class Ca(Transcript):
     def test_create_makes_two_encrypted_cas_for_their_owner_only(self):
         out = self.create("--now", "2026-11-21T00:00:00Z")
         self.assertEqual(self.files(), {"ca/identity/ca.pem": 0o644, "ca/identity/ca.key.pem": 0o600,
+                                        "ca/identity/crl.pem": 0o644,
                                         "ca/permissions/ca.pem": 0o644,
                                         "ca/permissions/ca.key.pem": 0o600})
         self.assertEqual((self.at / "ca").stat().st_mode & 0o777, 0o700)

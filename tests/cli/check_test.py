@@ -264,6 +264,31 @@ class Check(Transcript):
         (self.at / "listener").mkdir()
         self.apart("DOC087", "listener runs without security and talker with it")
 
+    def test_the_domain_is_that_of_the_documents(self):
+        rule = allow(domain=7)
+        for party, name in ((self.talker, "talker"), (self.listener, "listener")):
+            party.sign("governance", GOVERNANCE.replace("<id>0</id>", "<id>7</id>"))
+            party.sign("permissions", permissions(grant(f"CN={name}", rule)))
+        out = self.json("check", "talker", "listener")
+        self.assertEqual((out["result"]["join"]["domain"], out["result"]["talk"]), (7, True))
+        self.json("check", "talker", "listener", "--domain", "0", exit=1)
+        self.assertEqual(self.json("doctor", "talker", "--peer", "listener", "--vendor", "ours")["result"]["domain"], 7)
+        for party in (self.talker, self.listener):
+            party.sign("governance", GOVERNANCE.replace("<id>0</id>", "<id>3</id><id>7</id>"))
+        self.assertEqual(self.notes("check", "talker", "listener"), [])
+        for party, name in ((self.talker, "talker"), (self.listener, "listener")):
+            party.sign("permissions", permissions(grant(f"CN={name}", rule + allow(domain=3))))
+        out = self.json("check", "talker", "listener")
+        self.assertEqual(out["result"]["join"]["domain"], 3)
+        told = self.notes("check", "talker", "listener")
+        self.assertEqual([d["message"] for d in told], ["the documents are for domains 3, 7; domain 3 was checked"])
+        self.assertIn("--domain N", told[0]["hint"])
+        self.assertEqual(self.notes("check", "talker", "listener", "--domain", "7"), [])
+
+    def notes(self, *words):
+        """What is said about the domain that was taken."""
+        return [d for d in self.json(*words)["diagnostics"] if d["id"] == "DOC095"]
+
     def test_a_domain_that_only_one_may_join(self):
         self.listener.sign("permissions", permissions(grant("CN=listener", allow(domain=7))))
         self.apart("DOC088", "talker does not let listener join domain 0", document="permissions.p7s")

@@ -34,14 +34,44 @@ class Revocation(Transcript):
                           ("issued", "CN=listener", "2027-11-21T00:00:00Z")])
         self.assertEqual(self.log()[0]["folder"], str(self.at / "talker"))
         shown = self.json("ca", "show", "ca", *NOW)["result"]
-        self.assertEqual((shown["issued"], shown["revoked"], shown["crl"]), (2, 0, None))
+        self.assertEqual((shown["issued"], shown["revoked"]), (2, 0))
+
+    def test_the_first_list_is_made_with_the_ca_and_names_nothing(self):
+        self.openssl("crl", "-in", "ca/identity/crl.pem", "-noout", "-CAfile", "ca/identity/ca.pem")
+        self.assertIn("No Revoked Certificates", self.crl_text())
+        shown = self.json("ca", "show", "ca", *NOW)["result"]
+        self.assertEqual(shown["crl"], {"number": 1, "next_update": shown["not_after"]})
+        self.assertNotIn("ca/permissions/crl.pem", self.files())
+        for name in ("talker", "listener"):
+            self.json("crl", "verify", name, "--ca", "ca", *NOW)
+        out = self.json("crl", "distribute", "--ca", "ca", *NOW)["result"]  # without crl new before
+        self.assertEqual((out["number"], len(out["folders"])), (1, 2))
+        self.run_program("ca", "create", "below", "--role", "identity", "--intermediate-of", "ca",
+                         "--no-passphrase", "--clamp", *NOW)
+        self.json("crl", "verify", "below", "--ca", "below", *NOW)
+
+    def test_revoke_says_which_participants_notice_it_when(self):
+        self.issue("third")
+        (self.at / "third/crl.pem").unlink()
+        self.issue("away")
+        (self.at / "away").rename(self.at / "robot")
+        out = self.json("identity", "revoke", "talker", "--ca", "ca", "--dry-run", *LATER)["result"]
+        self.assertEqual((out["without_list"], out["elsewhere"]), ([f"{self.at}/third"], [f"{self.at}/away"]))
+        told = self.run_program("identity", "revoke", "talker", "--ca", "ca", *LATER).stdout
+        self.assertRegex(told, r"ddssec's plugins .*within 5 s")
+        self.assertRegex(told, r"stock plugins .*only when it starts again")
+        self.assertIn(f"no list so far, so that nothing is revoked there:\n    {self.at}/third\n", told)
+        self.assertIn(f"copy the list there as crl.pem:\n    {self.at}/away\n", told)
+        self.run_program("crl", "distribute", "--ca", "ca", *LATER)
+        told = self.run_program("identity", "revoke", "listener", "--ca", "ca", *LATER).stdout
+        self.assertNotIn("no list so far", told)
 
     def test_revoke_makes_a_list_that_openssl_believes(self):
         out = self.json("identity", "revoke", "talker", "--ca", "ca", "--reason", "keyCompromise",
                         *LATER)
         serial = self.log()[0]["serial"]
         self.assertEqual(out["result"]["serials"], [serial])
-        self.assertEqual(out["result"]["crl"]["number"], 1)
+        self.assertEqual(out["result"]["crl"]["number"], 2)
         self.assertEqual(out["result"]["folders"], [str(self.at / "listener")])
         self.assertEqual([f["path"] for f in out["files_written"]], ["ca/identity/crl.pem"])
         text = self.crl_text()
@@ -51,7 +81,7 @@ class Revocation(Transcript):
         self.assertEqual(self.log()[-1], {"event": "revoked", "time": "2026-11-22T00:00:00Z",
                                           "serial": serial, "reason": "keyCompromise"})
         shown = self.json("ca", "show", "ca/identity", *LATER)["result"]
-        self.assertEqual(shown["crl"], {"number": 1, "next_update": "2027-05-21T00:00:00Z"})
+        self.assertEqual(shown["crl"], {"number": 2, "next_update": "2027-05-21T00:00:00Z"})
         self.assertEqual((shown["issued"], shown["revoked"]), (2, 1))
 
     def test_revoking_again_is_no_failure_and_no_new_list(self):
@@ -80,7 +110,7 @@ class Revocation(Transcript):
         self.run_program("identity", "revoke", "listener", "--ca", "ca", *LATER)
         out = self.json("crl", "new", "--ca", "ca", "--next-update", "7", *LATER)["result"]
         self.assertEqual((out["number"], out["revoked"], out["next_update"]),
-                         (3, 2, "2026-11-29T00:00:00Z"))
+                         (4, 2, "2026-11-29T00:00:00Z"))
         shown = self.json("crl", "show", "ca")["result"]
         self.assertEqual([e["time"] for e in sorted(shown["revoked"], key=lambda e: e["time"])],
                          ["2026-11-21T00:00:00Z", "2026-11-22T00:00:00Z"])
@@ -93,10 +123,9 @@ class Revocation(Transcript):
                                     stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) for name in names]
         self.assertEqual([(p.communicate()[1], p.returncode) for p in running], [(b"", 0)] * len(names))
         shown = self.json("crl", "show", "ca")["result"]
-        self.assertEqual((len(shown["revoked"]), shown["number"]), (len(names), len(names)))
+        self.assertEqual((len(shown["revoked"]), shown["number"]), (len(names), len(names) + 1))
 
     def test_a_list_that_lacks_what_the_log_says_is_made_anew_and_not_given_to_anybody(self):
-        self.run_program("crl", "new", "--ca", "ca", *NOW)
         before = (self.at / "ca/identity/crl.pem").read_bytes()
         self.run_program("identity", "revoke", "talker", "--ca", "ca", *NOW)
         (self.at / "ca/identity/crl.pem").write_bytes(before)  # the machine stopped between the two
@@ -110,7 +139,7 @@ class Revocation(Transcript):
     def test_who_joins_later_knows_who_was_revoked(self):
         self.run_program("crl", "new", "--ca", "ca", *NOW)
         self.issue("third")
-        self.assertNotIn("third/crl.pem", self.files())
+        self.json("crl", "verify", "third", "--ca", "ca", *NOW)
         self.run_program("identity", "revoke", "talker", "--ca", "ca", *NOW)
         self.issue("fourth")
         (self.at / "fleet.toml").write_text('[[participant]]\nname = "fifth"\n')
@@ -164,12 +193,13 @@ class Revocation(Transcript):
     def test_one_is_not_written_as_many(self):
         done = self.run_program("identity", "revoke", "talker", "--ca", "ca", *LATER)
         self.assertIn("revoked (1 certificate);", done.stdout)
-        self.assertIn("(for 1 folder;", done.stdout)
+        self.assertIn("(puts the list into 1 folder)", done.stdout)
         self.assertIn("issued   2 certificates, 1 revoked", self.run_program("ca", "show", "ca").stdout)
 
     def test_distribute_writes_through_no_link(self):
         self.run_program("crl", "new", "--ca", "ca", *NOW)
         (self.at / "mine").write_text("mine")
+        (self.at / "talker/crl.pem").unlink()
         (self.at / "talker/crl.pem").symlink_to("../mine")
         out = self.json("crl", "distribute", "talker", "listener", "--ca", "ca", *NOW, exit=4)
         self.assertEqual([(d["id"], d["file"]) for d in out["diagnostics"]], [("would_overwrite", "talker/crl.pem")])
@@ -194,6 +224,7 @@ class Revocation(Transcript):
         self.json("crl", "verify", "listener", "--ca", "ca", *NOW)
 
     def test_verify_refuses_old_early_foreign_and_broken_lists(self):
+        (self.at / "ca/identity/crl.pem").unlink()
         self.refused("file_not_found", 3, "crl", "verify", "ca", "--ca", "ca", *NOW)
         self.run_program("crl", "new", "--ca", "ca", "--next-update", "7", *NOW)
         verify = ("crl", "verify", "ca", "--ca", "ca")
@@ -210,13 +241,14 @@ class Revocation(Transcript):
         self.run_program("crl", "new", "--ca", "ca", *NOW)
         complete = (self.at / "ca/identity/crl.pem").read_text()
         pem = self.openssl("crl", "-inform", "DER", "-in", delta)
+        before = (self.at / "talker/crl.pem").read_bytes()
         (self.at / "ca/identity/crl.pem").write_text(complete + pem)
         for command in (("show", "ca"), ("verify", "ca", "--ca", "ca", *NOW),
                         ("distribute", "talker", "--ca", "ca", *NOW)):
             told = self.refused("crl_is_delta", 3, "crl", *command)
             self.assertEqual(told["file"], "ca/identity/crl.pem")
             self.assertIn("expected a complete list of CN=deltaCRL CA1", told["message"])
-        self.assertNotIn("talker/crl.pem", self.files())
+        self.assertEqual((self.at / "talker/crl.pem").read_bytes(), before)
 
     def test_only_what_this_ca_issued_is_revoked_or_renewed(self):
         self.run_program("ca", "create", "other", "--no-passphrase", "--role", "identity",

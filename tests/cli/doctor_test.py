@@ -221,7 +221,21 @@ class Golden(Transcript):
         self.assertIn('this is the enclave "/talker_listener/talker"', told["DOC062"])
         self.assertIn("is not below", self.ros(exit=1, ROS_SECURITY_KEYSTORE="/nowhere")["DOC062"])
         self.assertIn("not set", self.ros(exit=1, ROS_SECURITY_KEYSTORE="")["DOC062"])
-        self.assertIn("domain 5", self.ros(exit=1, ROS_DOMAIN_ID="5")["DOC050"])
+        told = self.ros(exit=1, ROS_DOMAIN_ID="5")
+        self.assertIn("domain 5", told["DOC050"])
+        self.assertEqual(told["DOC096"], 'ROS_DOMAIN_ID is "5", so a node runs in domain 5; the documents are for 0')
+
+    def test_a_node_runs_in_the_domain_of_its_environment(self):
+        self.run_program("init", "ks", "--layout", "sros2", "--domain", "7")
+        own = {"ROS_SECURITY_KEYSTORE": str(self.at / "ks")}
+        told = self.ros("ks/enclaves/talker", exit=1, **own)
+        self.assertEqual(told["DOC096"],
+                         "ROS_DOMAIN_ID is not set, so a node runs in domain 0; the documents are for 7")
+        self.assertEqual(self.ros("ks/enclaves/talker", exit=0, ROS_DOMAIN_ID="7", **own), {})
+        out = self.json("doctor", "ks/enclaves/talker", "--ros", exit=1,
+                        environment={"ROS_SECURITY_ENABLE": "true", "ROS_SECURITY_STRATEGY": "Enforce", **own})
+        hint = next(d["hint"] for d in out["diagnostics"] if d["id"] == "DOC096")
+        self.assertIn("export ROS_DOMAIN_ID=7", hint)
 
     def test_names_that_ros_needs(self):
         told = self.ros(self.paths["correct"], exit=1)

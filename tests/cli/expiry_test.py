@@ -10,13 +10,15 @@ class Expiry(Transcript):
     def setUp(self):
         super().setUp()
         self.run_program("init", "demo", *NOW)
+        self.run_program("crl", "new", "--ca", "demo", *NOW)
+        self.run_program("crl", "distribute", "--ca", "demo", *NOW)
 
     def entries(self, *words, exit=0):
         return self.json("expiry", *words, exit=exit)["result"]["entries"]
 
     def test_every_kind_is_in_the_table_once_soonest_first(self):
         rows = [(e["kind"], e["subject"], e["not_after"], e["places"]) for e in self.entries("demo", *NOW)]
-        self.assertEqual(rows[0], ("revocation list", "CN=demo Identity CA", "2027-05-20T00:00:00Z", 1))
+        self.assertEqual(rows[0], ("revocation list", "CN=demo Identity CA", "2027-05-20T00:00:00Z", 3))
         self.assertEqual(sorted(rows[1:5]),
                          [(kind, f"CN={name}", "2027-11-21T00:00:00Z", 1)
                           for kind in ("certificate", "permissions") for name in ("listener", "talker")])

@@ -31,7 +31,8 @@ class Identity(Transcript):
         made = {f["path"]: f["mode"] for f in out["files_written"]}
         self.assertEqual(made, {"talker/identity_ca.pem": "0644", "talker/cert.pem": "0644",
                                 "talker/key.pem": "0600", "talker/permissions_ca.pem": "0644",
-                                "talker/permissions.p7s": "0644", "talker/governance.p7s": "0644"})
+                                "talker/permissions.p7s": "0644", "talker/governance.p7s": "0644",
+                                "talker/crl.pem": "0644"})
         self.assertEqual((out["result"]["subject"], out["result"]["not_after"]),
                          ("CN=talker", "2027-11-21T00:00:00Z"))
         self.openssl("verify", "-attime", "1795305600", "-CAfile", "talker/identity_ca.pem",

@@ -8,7 +8,7 @@ from transcript import Transcript, main
 
 NOW = ("--now", "2026-11-21T00:00:00Z")
 FLAT = {"identity_ca.pem": 0o644, "cert.pem": 0o644, "key.pem": 0o600, "permissions_ca.pem": 0o644,
-        "governance.p7s": 0o644, "permissions.p7s": 0o644}
+        "governance.p7s": 0o644, "permissions.p7s": 0o644, "crl.pem": 0o644}
 
 
 class Init(Transcript):
@@ -50,6 +50,25 @@ class Init(Transcript):
         self.assertEqual(sorted(out["folders"]),
                          [str(self.at / "demo/listener"), str(self.at / "demo/third")])
 
+    def test_the_next_line_works_as_it_is_printed(self):
+        for more in ((), ("--domain", "7"), ("--domain", "7", "--layout", "sros2")):
+            with self.subTest(options=more):
+                folder = "demo" + str(len(more))
+                done = self.run_program("init", folder, *more, *NOW)
+                command = next(line for line in done.stdout.splitlines() if line.startswith("next: ddssec "))
+                out = self.json(*command.split()[2:], *NOW)
+                self.assertEqual(out["result"]["domain"], 7 if more else 0)
+                self.assertEqual([d["id"] for d in out["diagnostics"]], [])
+
+    def test_everybody_has_the_list_from_the_beginning(self):
+        for layout, talker in (("flat", "flat/talker"), ("sros2", "sros2/enclaves/talker")):
+            self.run_program("init", layout, "--layout", layout, *NOW)
+            self.json("crl", "verify", talker, "--ca", layout, *NOW)
+            shown = self.json("crl", "show", talker, *NOW)["result"]
+            self.assertEqual((shown["number"], shown["revoked"]), (1, []))
+            ca = self.json("ca", "show", layout, *NOW)["result"]
+            self.assertEqual(shown["next_update"], ca["not_after"])  # nothing to renew before
+
     def test_snippets_name_files_that_are_there(self):
         for layout in ("flat", "sros2"):
             out = self.json("init", layout, "--layout", layout, *NOW)["result"]["snippets"]
@@ -57,7 +76,7 @@ class Init(Transcript):
             files = [e.text for e in cyclone.iter() if (e.text or "").startswith("file:")]
             fast = xml.fromstring(out["fastdds"])
             files += [e.text for e in fast.iter() if (e.text or "").startswith("file:")]
-            self.assertEqual(len(files), 12)
+            self.assertEqual(len(files), 14)
             for file in files:
                 self.assertTrue(os.path.isfile(file.removeprefix("file:").removeprefix("//")), file)
         self.assertIn(f'ROS_SECURITY_KEYSTORE="{self.at}/sros2"', out["ros2"])

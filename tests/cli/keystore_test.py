@@ -13,6 +13,13 @@ NOW = ("--now", "2026-11-21T00:00:00Z")
 NEEDED = ("public/permissions_ca.cert.pem", "public/identity_ca.cert.pem",
           "private/permissions_ca.key.pem", "private/identity_ca.key.pem", "enclaves/governance.p7s")
 TALKER = "ks/enclaves/talker_listener/talker"
+SHORT = """<policy version="0.2.0"><enclaves>
+<enclave path="/demo/talker"><profiles><profile ns="/" node="talker">
+<topics publish="ALLOW"><topic>chatter</topic></topics></profile></profiles></enclave>
+<enclave path="/demo/listener"><profiles><profile ns="/" node="listener">
+<topics subscribe="ALLOW"><topic>chatter</topic></topics></profile></profiles></enclave>
+</enclaves></policy>
+"""
 
 
 def links_of(enclave):
@@ -74,7 +81,7 @@ class Keystore(Transcript):
         self.assertEqual((out["result"]["dir"], out["result"]["subject"]), (TALKER, "CN=/talker_listener/talker"))
         self.assertEqual(self.links(TALKER), links_of("talker_listener/talker"))
         self.assertEqual({p.name for p in (self.at / TALKER).iterdir() if not p.is_symlink()},
-                         {"cert.pem", "key.pem", "permissions.xml", "permissions.p7s"})
+                         {"cert.pem", "key.pem", "permissions.xml", "permissions.p7s", "crl.pem"})
         self.healthy("/talker_listener/talker")
         self.json("can", TALKER, "publish", "rt/chatter", *NOW)
         self.json("can", TALKER, "subscribe", "rt/chatter", *NOW, exit=1)
@@ -124,6 +131,47 @@ class Keystore(Transcript):
         self.json("can", TALKER, "publish", "rt/chatter", "--domain", "3", *NOW)
         self.json("can", TALKER, "subscribe", "rt/chatter", "--domain", "3", *NOW, exit=1)
 
+    def test_verify_takes_the_domain_of_the_documents(self):
+        self.create("--domain", "3")
+        for name in ("/a", "/b"):
+            self.run_program("keystore", "enclave", "ks", name, "--allow-all", *NOW)
+        out = self.json("keystore", "verify", "ks", *NOW)
+        self.assertEqual([(e["name"], e["domain"]) for e in out["result"]["enclaves"]], [("/a", 3), ("/b", 3)])
+        self.json("can", "ks/enclaves/a", "publish", "x", "--domain", "4", *NOW, exit=1)
+        self.assertEqual(out["diagnostics"], [])
+        self.json("keystore", "verify", "ks", "--domain", "0", *NOW, exit=1)
+
+    def test_verify_says_once_which_of_several_domains_it_took(self):
+        self.create("--domain", "2-4")
+        for name in ("/a", "/b"):
+            self.run_program("keystore", "enclave", "ks", name, "--allow-all", "--domain", "0-9", *NOW)
+        told = [d["message"] for d in self.json("keystore", "verify", "ks", *NOW)["diagnostics"]
+                if d["id"] == "DOC095"]
+        self.assertEqual(told, ["the documents are for domains 2-4; domain 2 was checked"])
+
+    def test_a_policy_with_what_every_node_needs(self):
+        (self.at / "short.xml").write_text(SHORT)
+        self.create()
+        out = self.json("keystore", "enclave", "ks", "/demo/talker", "--policy", "short.xml", *NOW)
+        told = out["diagnostics"][0]
+        self.assertEqual((told["id"], told["file"]), ("PERM040", "ks/enclaves/demo/talker/permissions.p7s"))
+        self.assertIn("rosout", told["message"])
+        self.assertIn("--node-defaults", told["hint"])
+        verify = self.json("keystore", "verify", "ks", *NOW)
+        self.assertEqual([d["id"] for d in verify["diagnostics"]], ["PERM040"])
+        out = self.json("keystore", "permission", "ks", "/demo/talker", "--policy", "short.xml", "--node-defaults",
+                        *NOW)
+        self.assertEqual(out["diagnostics"], [])
+        self.assertEqual(self.json("keystore", "verify", "ks", *NOW)["diagnostics"], [])
+        self.json("can", "ks/enclaves/demo/talker", "publish", "rr/talker/get_parametersReply", *NOW)
+        self.json("can", "ks/enclaves/demo/talker", "publish", "rr/other/get_parametersReply", *NOW, exit=1)
+        out = self.json("keystore", "enclave", "ks", "/demo/listener", "--policy", "short.xml", "--node-defaults",
+                        *NOW)
+        self.assertEqual(out["diagnostics"], [])
+        told = self.refused("usage", 2, "keystore", "permission", "ks", "/demo/talker", "--publish", "rt/x",
+                            "--node-defaults")
+        self.assertIn("--policy", told["message"])
+
     def test_rights_have_one_source(self):
         self.create()
         new = ("keystore", "enclave", "ks", "/talker_listener/talker")
@@ -139,7 +187,7 @@ class Keystore(Transcript):
             + 2 * '<profiles><profile ns="/" node="a"><topics publish="ALLOW"><topic>x</topic></topics>'
                   '</profile></profiles>' + "</enclave></enclaves></policy>")
         out = self.json("keystore", "enclave", "ks", "/e", "--policy", "two.xml", *NOW)
-        self.assertEqual([d["id"] for d in out["diagnostics"]], ["PERM031"])
+        self.assertEqual([d["id"] for d in out["diagnostics"]], ["PERM031", "PERM040"])
 
     def test_a_keystore_of_sros2_is_taken_over(self):
         self.golden()
@@ -224,7 +272,7 @@ class Keystore(Transcript):
         self.create()
         for name in ("/a", "/b"):
             self.run_program("keystore", "enclave", "ks", name, "--allow-all", *NOW)
-            self.assertNotIn(f"ks/enclaves{name}/crl.pem", self.files())
+            self.assertEqual(self.json("crl", "show", f"ks/enclaves{name}", *NOW)["result"]["revoked"], [])
         self.run_program("identity", "revoke", "ks/enclaves/b", "--ca", "ks", *NOW)
         self.run_program("keystore", "enclave", "ks", "/c", "--allow-all", *NOW)
         self.json("crl", "verify", "ks/enclaves/c", "--ca", "ks", *NOW)

@@ -86,9 +86,48 @@ class Output(Transcript):
         self.assertIn("a?[31m/identity/ca.pem", seen)
         self.assertNotIn("\033", seen)
 
+    def test_names_of_documents_neither_command_nor_reorder_a_terminal(self):
+        self.run_program("init", "demo", *NOW)
+        evil = "rt/\u009b2J\u202eneve\u2066\u200fx"
+        for kind, find, put in (("permissions", "<topic>*</topic>", f"<topic>{evil}</topic>"),
+                                ("governance", "<topic_expression>*<", f"<topic_expression>{evil}<")):
+            source = self.at / ("demo/governance.xml" if kind == "governance" else "p.xml")
+            if kind == "permissions":
+                self.run_program("permissions", "new", "-o", "p.xml", "--cert", "demo/talker/cert.pem",
+                                 "--publish", "*", *NOW)
+            text = source.read_text()
+            self.assertIn(find, text)
+            (self.at / "evil.xml").write_text(text.replace(find, put))
+            for words in (("show",), ("lint",)):
+                seen = self.on_terminal(kind, *words, "evil.xml", environment={"LC_ALL": "C.UTF-8"})
+                logged = self.run_program(kind, *words, "evil.xml")
+                for shown in (seen, logged.stdout + logged.stderr):
+                    self.assertIn(r"rt/\u009b2J\u202eneve\u2066\u200fx", shown)
+                    self.assertEqual([c for c in shown if c in "\u009b\u202e\u2066\u200f"], [])
+            told = self.json(kind, "lint", "evil.xml")["diagnostics"]
+            wanted = "PERM041" if kind == "permissions" else "DOC097"
+            self.assertEqual([d["severity"] for d in told if d["id"] == wanted], ["warning"])
+            self.assertIn("U+009B", next(d["message"] for d in told if d["id"] == wanted))
+
+    def test_json_on_a_terminal_is_ascii_and_means_the_same(self):
+        for locale in ("C", "C.UTF-8"):
+            seen = self.on_terminal("ca", "create", "stra\u00dfe\u202e\u009b", "--no-passphrase", "--dry-run",
+                                    "--format", "json", environment={"LC_ALL": locale})
+            self.assertTrue(seen.isascii())
+            self.assertEqual(json.loads(seen)["result"]["dir"], "stra\u00dfe\u202e\u009b")
+
+    def test_octets_that_are_not_utf_8_are_escaped(self):
+        wrong = ("ca", "show", b"a\x9b31m\xff")
+        seen = self.on_terminal(*wrong, "--color", "never", environment={"LC_ALL": "C.UTF-8"})
+        self.assertIn(r"a\x9b31m\xff", seen)
+        self.assertNotIn("\ufffd", seen)
+        out = subprocess.run([PROGRAM, *wrong, "--format", "json"], cwd=self.at, capture_output=True, timeout=60,
+                             check=False)
+        self.assertTrue(json.loads(out.stdout)["diagnostics"][0]["file"].startswith("a\ufffd31m\ufffd"))
+
     def test_quiet_and_verbose(self):
         done = self.run_program("ca", "create", "ca", "--no-passphrase", "-v")
-        self.assertEqual(len(done.stderr.splitlines()), 4)
+        self.assertEqual(len(done.stderr.splitlines()), 5)
         self.assertRegex(done.stderr, r"(?m)^wrote 0600 ca/identity/ca.key.pem  [0-9a-f]{64}$")
         self.assertEqual(self.run_program("ca", "create", "cb", "--no-passphrase", "-q").stderr, "")
         self.refused("usage", 2, "ca", "show", "ca/identity", "-q", "-v")

@@ -44,6 +44,33 @@ class RosPolicy(Transcript):
         self.assertEqual(len(out["result"]["grants"]), 2)
         self.assertIn("PERM010", [d["id"] for d in out["diagnostics"]])
 
+    def test_what_every_node_needs_is_added_on_demand(self):
+        bare = TWO.replace("publish=", "publish=").replace("</topics></profile></profiles>\n</enclave>",
+                           "</topics><services reply=\"DENY\"><service>~/set_parameters</service></services>"
+                           "</profile></profiles>\n</enclave>")
+        (self.at / "two.xml").write_text(bare)
+        out = self.convert("two.xml")
+        told = [d for d in out["diagnostics"] if d["id"] == "PERM040"]
+        self.assertEqual(len(told), 1)
+        for name in ("rosout", "subscribe to parameter_events", "~/list_parameters"):
+            self.assertIn(name, told[0]["message"])
+        (self.at / "p.xml").unlink()
+        out = self.convert("two.xml", "--node-defaults")
+        text = (self.at / "p.xml").read_text()
+        for topic in ("rt/rosout", "rt/parameter_events", "rr/a/set_parametersReply", "rq/b/get_parametersRequest"):
+            self.assertIn(f"<topic>{topic}</topic>", text)
+        denied = text[text.index("<deny_rule>"):text.index("</deny_rule>")]
+        self.assertIn("rr/b/set_parametersReply", denied)
+        self.assertIn("reply to /b/set_parameters",
+                      next(d["message"] for d in out["diagnostics"] if d["id"] == "PERM040"))
+        (self.at / "p.xml").unlink()
+        whole = POLICIES / "talker_listener.policy.xml"
+        self.assertNotIn("PERM040", [d["id"] for d in self.convert(whole)["diagnostics"]])
+        plain = (self.at / "p.xml").read_bytes()
+        (self.at / "p.xml").unlink()
+        self.convert(whole, "--node-defaults")
+        self.assertEqual((self.at / "p.xml").read_bytes(), plain)  # it has them already
+
     def test_signed_at_once(self):
         self.run_program("ca", "create", "ca", "--no-passphrase", *NOW)
         out = self.convert(POLICIES / "talker_listener.policy.xml", "--sign", "--ca", "ca")

@@ -22,22 +22,31 @@ TEST(Text, WhatATerminalMustNotSee) {
 }
 
 TEST(Text, WhatATerminalWouldObeyOrReorderIsEscaped) {
-  EXPECT_EQ(printable("\xc2\x9b" "31m"), "\\u009b31m");                 // C1: CSI
+  EXPECT_EQ(printable("\xc2\x9b"
+                      "31m"),
+            "\\u009b31m");  // C1: CSI
   EXPECT_EQ(printable("\xc2\x80\xc2\x9f\xc2\xa0"), "\\u0080\\u009f\xc2\xa0");
-  EXPECT_EQ(printable("a\xe2\x80\xae" "b\xe2\x81\xa6"), "a\\u202eb\\u2066");  // RLO, LRI
+  EXPECT_EQ(printable("a\xe2\x80\xae"
+                      "b\xe2\x81\xa6"),
+            "a\\u202eb\\u2066");  // RLO, LRI
   EXPECT_EQ(printable("\xe2\x80\x8e\xe2\x80\x8f"), "\\u200e\\u200f");
   EXPECT_EQ(printable("\xe2\x80\xa8\xef\xbb\xbf"), "\\u2028\\ufeff");
   EXPECT_EQ(printable("\xf0\x9f\xa4\x96 \xd7\xa9"), "\xf0\x9f\xa4\x96 \xd7\xa9");  // letters stay
 }
 
 TEST(Text, OctetsThatAreNotUtf8AreEscaped) {
-  EXPECT_EQ(printable("\x9b" "31m"), "\\x9b31m");
-  EXPECT_EQ(printable("\xc3"), "\\xc3");                        // cut short
-  EXPECT_EQ(printable("\xc0\x9b"), "\\xc0\\x9b");               // overlong
-  EXPECT_EQ(printable("\xe0\x82\x9b"), "\\xe0\\x82\\x9b");      // overlong
-  EXPECT_EQ(printable("\xed\xa0\x80"), "\\xed\\xa0\\x80");      // a surrogate
+  EXPECT_EQ(printable("\x9b"
+                      "31m"),
+            "\\x9b31m");
+  EXPECT_EQ(printable("\xc3"), "\\xc3");                             // cut short
+  EXPECT_EQ(printable("\xc0\x9b"), "\\xc0\\x9b");                    // overlong
+  EXPECT_EQ(printable("\xe0\x82\x9b"), "\\xe0\\x82\\x9b");           // overlong
+  EXPECT_EQ(printable("\xed\xa0\x80"), "\\xed\\xa0\\x80");           // a surrogate
   EXPECT_EQ(printable("\xf4\x90\x80\x80"), "\\xf4\\x90\\x80\\x80");  // above U+10FFFF
-  EXPECT_EQ(printable("\xc3" "ab"), "\\xc3" "ab");
+  EXPECT_EQ(printable("\xc3"
+                      "ab"),
+            "\\xc3"
+            "ab");
 }
 
 TEST(Text, WhatIsWantedIsPrintedAsItIs) {

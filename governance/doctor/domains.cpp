@@ -1,0 +1,106 @@
+#include "governance/doctor/domains.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "governance/doctor/checks.hpp"
+
+namespace ddssec::governance::doctor {
+namespace {
+
+constexpr std::size_t kMostCharacters = 128;
+
+Domains normal(Domains ranges) {
+  std::ranges::sort(ranges, {}, &DomainRange::first);
+  Domains out;
+  for (const auto& range : ranges) {
+    if (range.last < range.first) continue;
+    if (!out.empty() && range.first <= out.back().last + 1)
+      out.back().last = std::max(out.back().last, range.last);
+    else
+      out.push_back(range);
+  }
+  return out;
+}
+
+Domains intersection(const Domains& a, const Domains& b) {
+  Domains out;
+  for (auto i = a.begin(), j = b.begin(); i != a.end() && j != b.end();) {
+    const DomainRange both{std::max(i->first, j->first), std::min(i->last, j->last)};
+    if (both.first <= both.last) out.push_back(both);
+    if (i->last < j->last)
+      ++i;
+    else
+      ++j;
+  }
+  return out;
+}
+
+DomainId domain_of(const Domains& named) {
+  return named.empty() || contains(named, 0) ? 0 : named.front().first;
+}
+
+// Both lists are normal; so is the result. Where they contradict each other, one domain is as good
+// as another: what is wrong there is reported.
+Domains common(const Domains& a, const Domains& b) {
+  if (a.empty() || b.empty()) return a.empty() ? b : a;
+  auto both = intersection(a, b);
+  if (!both.empty()) return both;
+  const auto one = contains(b, 0) ? 0 : domain_of(a);
+  return {{one, one}};
+}
+
+void append(Domains& out, const DomainSet& domains) {
+  for (const auto& range : domains.ranges)
+    out.push_back(
+        {std::clamp(range.first, 0, kHighestDomainId), std::min(range.last, kHighestDomainId)});
+}
+
+Domains granted(const LoadedFolder& folder, WallTime now) {
+  const auto* grant = grant_of(folder, now);
+  if (grant == nullptr) return {};
+  if (grant->default_allow) return {{0, kHighestDomainId}};
+  Domains out;
+  for (const auto& rule : grant->rules)
+    if (rule.allow) append(out, rule.domains);
+  return normal(std::move(out));
+}
+
+Domains governed(const LoadedFolder& folder) {
+  Domains out;
+  if (folder.governance.model)
+    for (const auto& rule : folder.governance.model->domain_rules) append(out, rule.domains);
+  return normal(std::move(out));
+}
+
+}  // namespace
+
+Domains domains_of(const LoadedFolder& folder, WallTime now) {
+  return common(governed(folder), granted(folder, now));
+}
+
+DomainChoice choose_domain(std::span<const Domains> participants) {
+  DomainChoice out;
+  for (const auto& domains : participants) out.named = common(out.named, domains);
+  out.domain = domain_of(out.named);
+  return out;
+}
+
+bool contains(const Domains& domains, DomainId id) {
+  return std::ranges::any_of(
+      domains, [&](const DomainRange& range) { return range.first <= id && id <= range.last; });
+}
+
+std::string in_words(const Domains& domains) {
+  std::string out;
+  for (const auto& range : domains) {
+    if (out.size() > kMostCharacters) return out + ", ...";
+    out += out.empty() ? "" : ", ";
+    out += range.first == range.last ? std::to_string(range.first)
+                                     : fmt::format("{}-{}", range.first, range.last);
+  }
+  return out;
+}
+
+}  // namespace ddssec::governance::doctor

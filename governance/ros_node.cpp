@@ -1,0 +1,196 @@
+#include "governance/ros_node.hpp"
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "governance/decision.hpp"
+#include "governance/lint_findings.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+constexpr std::array<std::string_view, 6> kParameterServices = {
+    "describe_parameters", "get_parameter_types", "get_parameters",
+    "list_parameters",     "set_parameters",      "set_parameters_atomically"};
+constexpr std::string_view kReplies = "rr", kReply = "Reply";
+constexpr std::size_t kMostNodes = 64, kMostNamedNodes = 3, kMostNamedGrants = 3;
+
+std::string request_topic(std::string_view node, std::string_view service) {
+  return fmt::format("rq{}/{}Request", node, service);
+}
+std::string reply_topic(std::string_view node, std::string_view service) {
+  return fmt::format("{}{}/{}{}", kReplies, node, service, kReply);
+}
+
+template <class Each>
+void each_topic(const Grant& grant, Each&& each) {
+  for (const auto& rule : grant.rules)
+    for (const auto* list : {&rule.publish, &rule.subscribe})
+      for (const auto& criteria : *list)
+        for (const auto& topic : criteria.topics) each(rule, topic.text, list == &rule.publish);
+}
+
+/// Names of nodes whose services a grant may be about.
+struct Nodes {
+  std::set<std::string> named;    ///< one of the services is written out for it
+  std::set<std::string> guessed;  ///< an expression may mean it
+
+  void add(std::string_view expression) {
+    if (named.size() + guessed.size() >= kMostNodes) return;
+    for (const auto service : kParameterServices) {
+      const auto end = reply_topic("", service).substr(kReplies.size());
+      if (expression.starts_with("rr/") && expression.ends_with(end)) {
+        named.emplace(
+            expression.substr(kReplies.size(), expression.size() - kReplies.size() - end.size()));
+        return;
+      }
+    }
+    add_expression(expression);
+  }
+
+ private:
+  void add_expression(std::string_view expression) {
+    const auto wild = expression.find_first_of("*?[");
+    if (wild == expression.npos) return;
+    auto begin = expression.substr(0, wild);
+    if (std::string_view("rr/").starts_with(begin)) {
+      guessed.emplace("/node");
+      return;
+    }
+    if (!begin.starts_with("rr/")) return;
+    begin.remove_prefix(kReplies.size());
+    guessed.emplace(std::string(begin.substr(0, begin.rfind('/'))) + "/node");
+    guessed.emplace(begin.substr(0, begin.find_last_not_of('/') + 1));
+  }
+};
+
+std::vector<DomainId> domains_of(const Grant& grant) {
+  std::vector<DomainId> out;
+  for (const auto& rule : grant.rules)
+    if (rule.allow && !rule.domains.ranges.empty() &&
+        std::ranges::find(out, rule.domains.ranges.front().first) == out.end())
+      out.push_back(rule.domains.ranges.front().first);
+  constexpr std::size_t kMostDomains = 8;
+  if (out.size() > kMostDomains) out.resize(kMostDomains);
+  return out;
+}
+
+/// What the grant lets a node do in one domain.
+class Rights {
+ public:
+  Rights(const Permissions& document, const Grant& grant, DomainId domain)
+      // The document outlives this object, so that the pointer need not own it.
+      : grant_(std::shared_ptr<const Permissions>(std::shared_ptr<void>(), &document), grant,
+               domain) {}
+
+  std::vector<std::string> missing(const Nodes& nodes) const {
+    std::vector<std::string> out;
+    if (!may(Action::publish, "rt/rosout")) out.emplace_back("publish rosout");
+    if (!may(Action::publish, "rt/parameter_events")) out.emplace_back("publish parameter_events");
+    if (!may(Action::subscribe, "rt/parameter_events"))
+      out.emplace_back("subscribe to parameter_events");
+    add_services(nodes, out);
+    return out;
+  }
+
+ private:
+  bool may(Action action, const std::string& topic) const {
+    return grant_.judge(action, {.topic = topic}).allowed;
+  }
+  bool may_reply(std::string_view node, std::string_view service) const {
+    return may(Action::publish, reply_topic(node, service)) &&
+           may(Action::subscribe, request_topic(node, service));
+  }
+  bool may_reply_to_all(std::string_view node) const {
+    return std::ranges::all_of(kParameterServices,
+                               [&](auto service) { return may_reply(node, service); });
+  }
+  void add_services(const Nodes& nodes, std::vector<std::string>& out) const {
+    if (nodes.named.empty()) {
+      if (std::ranges::any_of(nodes.guessed, [&](const auto& n) { return may_reply_to_all(n); }))
+        return;
+      for (const auto service : kParameterServices)
+        out.push_back(fmt::format("reply to ~/{}", service));
+      return;
+    }
+    std::size_t incomplete = 0;
+    for (const auto& node : nodes.named) {
+      if (may_reply_to_all(node) || ++incomplete > kMostNamedNodes) continue;
+      for (const auto service : kParameterServices)
+        if (!may_reply(node, service)) out.push_back(fmt::format("reply to {}/{}", node, service));
+    }
+  }
+
+  CompiledGrant grant_;
+};
+
+std::vector<std::string> missing_in(const Permissions& document, const Grant& grant) {
+  Nodes nodes;
+  each_topic(grant, [&](const Rule& rule, const std::string& text, bool publish) {
+    if (rule.allow && publish) nodes.add(text);
+  });
+  std::vector<std::string> least;
+  bool is_first = true;
+  for (const auto domain : domains_of(grant)) {
+    auto missing = Rights(document, grant, domain).missing(nodes);
+    if (is_first || missing.size() < least.size()) least = std::move(missing);
+    is_first = false;
+  }
+  return least;
+}
+
+}  // namespace
+
+RosPolicy with_node_defaults(RosPolicy policy) {
+  using enum RosQualifier;
+  RosElement log{RosKind::topics, allow, unsaid, {"/rosout"}};
+  RosElement events{RosKind::topics, allow, allow, {"/parameter_events"}};
+  RosElement services{RosKind::services, allow, unsaid, {}};
+  for (const auto service : kParameterServices)
+    services.names.push_back(fmt::format("~/{}", service));
+  for (auto& enclave : policy.enclaves)
+    for (auto& list : enclave.profiles)
+      for (auto& profile : list)
+        profile.elements.insert(profile.elements.end(), {log, events, services});
+  return policy;
+}
+
+bool speaks_of_ros(const Grant& grant) {
+  bool out = false;
+  each_topic(grant, [&](const Rule&, std::string_view text, bool) {
+    out = out || text == "ros_discovery_info" || text.starts_with("rt/") ||
+          text.starts_with("rq/") || text.starts_with("rr/");
+  });
+  return out;
+}
+
+std::optional<Finding> missing_node_defaults(const Permissions& permissions) {
+  std::string said;
+  std::size_t grants = 0;
+  int line = 0;
+  std::string path;
+  for (const auto& grant : permissions.grants) {
+    if (!speaks_of_ros(grant)) continue;
+    const auto missing = missing_in(permissions, grant);
+    if (missing.empty() || ++grants > kMostNamedGrants) continue;
+    if (said.empty()) {
+      line = grant.line;
+      path = fmt::format("/dds/permissions/grant[{}]", &grant - permissions.grants.data() + 1);
+    }
+    said += fmt::format("{}grant {} does not allow it to {}", said.empty() ? "" : "; ",
+                        in_quotes(grant.name), fmt::join(missing, ", "));
+  }
+  if (grants == 0) return std::nullopt;
+  if (grants > kMostNamedGrants)
+    said += fmt::format("; {} more grants lack such rights", grants - kMostNamedGrants);
+  return Finding{.rule = ddssec::Rule::PERM040,
+                 .message = fmt::format("an rclcpp node would not start: {}", said),
+                 .line = line,
+                 .path = std::move(path)};
+}
+
+}  // namespace ddssec::governance
