@@ -86,7 +86,7 @@ class Expiry(Transcript):
         self.at.chmod(0o755)
         (self.at / "demo").chmod(0o755)
         out = self.json_as_nobody("expiry", "demo/talker", "demo/listener", *NOW, exit=0)
-        self.assertEqual(len(out["result"]["entries"]), 6)  # the keys are closed, and have no end
+        self.assertEqual(len(out["result"]["entries"]), 7)  # the keys are closed, and have no end
         self.close("demo/listener")
         out = self.json_as_nobody("expiry", "demo", *NOW, exit=3)
         self.assertIn(("file_unreadable", "demo/listener"), [(d["id"], d["file"]) for d in out["diagnostics"]])

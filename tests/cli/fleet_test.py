@@ -47,7 +47,7 @@ class Fleet(Transcript):
         self.assertEqual([(r["name"], r["dir"], r["subject"], r["not_after"]) for r in rows],
                          [("talker", "out/talker", "CN=talker", "2026-12-21T00:00:00Z"),
                           ("listener", "out/listener", "CN=listener,O=Acme", "2027-01-20T00:00:00Z")])
-        self.assertEqual(len(list((self.at / "out/talker").iterdir())), 6)
+        self.assertEqual(len(list((self.at / "out/talker").iterdir())), 7)
         document = (self.at / "out/talker/permissions.p7s").read_text()
         for text in ("<id>3</id>", "rt/chatter", "rt/&lt;a&gt;", "rt/clock"):
             self.assertIn(text, document)
