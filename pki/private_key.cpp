@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "base/hash.hpp"
 #include "pki/openssl.hpp"
 #include "pki/pkcs11.hpp"
 #include "pki/signature.hpp"
@@ -23,6 +24,13 @@ int give_passphrase(char* out, int room, int /*writing*/, void* user) {
     std::copy(octets.begin(), octets.end(), out);
     return static_cast<int>(octets.size());
   });
+}
+
+/// OpenSSL's readers of encrypted keys (3.0: epki2pki) leave the passphrase on the stack. This
+/// writes over what functions called before it from the same place have left there.
+[[gnu::noinline]] void wipe_stack() {
+  std::array<std::uint8_t, std::size_t{32} << 10> room;
+  wipe(room);
 }
 
 Result<PrivateKey> finish(PkeyPtr pkey) {
@@ -62,6 +70,7 @@ Result<PrivateKey> PrivateKey::from_pem(BytesView pem, const Passphrase* passphr
   const BioPtr bio = bio_over(pem);
   PassphraseRequest request{passphrase};
   PkeyPtr pkey(PEM_read_bio_PrivateKey(bio.get(), nullptr, give_passphrase, &request));
+  if (request.asked) wipe_stack();
   if (pkey) {
     take_openssl_reason();
     return finish(std::move(pkey));
@@ -101,6 +110,7 @@ Result<KeyPem> PrivateKey::to_pem(const Passphrase* passphrase) const {
   if (!bio || PEM_write_bio_PKCS8PrivateKey(bio.get(), impl_->pkey.get(), cipher, nullptr, 0,
                                             give_passphrase, &request) != 1)
     return openssl_failure(Code::internal);
+  if (passphrase != nullptr) wipe_stack();
   return KeyPem::copy_of(bio_octets(bio));
 }
 
