@@ -61,7 +61,7 @@ class Keystore:
     def run(self, *command):
         done = subprocess.run([self._ddssec, *command, "--passphrase-file", self._closed], text=True,
                               capture_output=True, check=False)
-        if done.returncode != 0 and "unknown option" not in done.stderr:
+        if done.returncode != 0:
             raise Fault(f"ddssec {' '.join(map(str, command))}: {done.stdout}{done.stderr}")
 
     def distribute(self):
