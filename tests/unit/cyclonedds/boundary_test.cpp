@@ -51,7 +51,7 @@ TEST_F(Boundary, Failure_MessageForTheHost_NamesTheReasonAndNoDetails) {
 
 TEST_F(Boundary, Notice_BeforeARefusal_TakesNoEventFromIt) {
   allowed_at_c_boundary(host, &refusal, [&]() -> Status {
-    host.notice(Event(Error(Code::plugins_in_use)));
+    host.notice(Event(Error(Code::clock_step_undone)));
     return fail(Code::malformed);
   });
   ASSERT_EQ(events.size(), 2u);
