@@ -38,6 +38,7 @@ enum class MatchVerdict : std::int32_t {
   allowed = 1,
   refused = 0,  ///< and an event says why
   unknown_access_control = -1,
+  out_of_memory = -2,
 };
 /// Our access control library exports this beside its entry points. Any thread.
 using JudgeMatch = MatchVerdict(const MatchQuestion*);

@@ -455,7 +455,7 @@ MatchVerdict AccessControlAdapter::judge(const MatchQuestion* question) noexcept
     if (found == adapters().by_id.end()) return MatchVerdict::unknown_access_control;
     return judge_in(*found->second, *scope, *question);
   } catch (...) {
-    return MatchVerdict::unknown_access_control;  // not allowed, and cryptography says so
+    return MatchVerdict::out_of_memory;  // not allowed, and cryptography says so
   }
 }
 

@@ -35,6 +35,8 @@ Status MatchGate::check(const Peer& peer) const {
       return {};
     case MatchVerdict::refused:
       return fail(Code::keys_not_permitted);
+    case MatchVerdict::out_of_memory:
+      return fail(Code::out_of_memory);
     case MatchVerdict::unknown_access_control:
       break;
   }

@@ -38,7 +38,6 @@ PROTECTED = {
     "data_protection_kind ENCRYPT": Governance(data="ENCRYPT"),
     "metadata_protection_kind ENCRYPT": Governance(metadata="ENCRYPT", read=False, write=False),
     "rtps_protection_kind ENCRYPT": Governance(rtps="ENCRYPT", read=False, write=False),
-    "enable_%_access_control true": Governance(),
 }
 SENTENCE = ("Cyclone DDS's configuration, <SharedMemory><Enable>",
             "/dev/shm/iceoryx_mgmt is mapped", "org.ddssec.access.allow_shared_memory",

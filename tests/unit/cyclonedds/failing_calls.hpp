@@ -35,9 +35,13 @@ class Caller {
 
   explicit Caller(std::optional<Plan> plan) : plan_(plan) {}
 
+  /// A call that succeeds although its notice (an informational event) found no memory.
+  static constexpr long kMostAllocationsOfNotices = 32;
+
   /// OpenSSL can do without some of its allocations: `undo` takes such a success back.
   void operator()(const std::string& name, const Call& call, const Undo& undo) {
     SCOPED_TRACE(name);
+    long done_without = 0;
     for (long number = 1;; number += stride(number)) {
       Exception ex{};
       if (plan_) memory::fail_at(plan_->source, plan_->extent, number);
@@ -55,7 +59,10 @@ class Caller {
             << "allocation " << number << ": " << ex.code << " " << message;
         continue;
       }
-      EXPECT_EQ(plan_->source, Source::c) << "can do without allocation " << number;
+      if (plan_->source != Source::c) {
+        EXPECT_LE(++done_without, kMostAllocationsOfNotices)
+            << "can do without allocation " << number;
+      }
       undo();
     }
   }

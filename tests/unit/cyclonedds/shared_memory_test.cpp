@@ -244,15 +244,15 @@ struct AdapterWithSharedMemory : testing::Test {
 TEST_F(AdapterWithSharedMemory, RefusesProtectedEndpointsAndNamesTheSetting) {
   const auto handle = validate({});
   EXPECT_FALSE(may_write(handle));
+  ASSERT_FALSE(events.empty());
+  EXPECT_EQ(events.back().error.code(), Code::shared_memory_bypasses_protection);
   for (const auto* part :
        {"Cyclone DDS's configuration, <SharedMemory><Enable>: ",
         "expected shared memory off, as governance promises data_protection_kind ENCRYPT for topic "
         "Square, found /dev/shm/iceoryx_mgmt is mapped",
         "org.ddssec.access.allow_shared_memory", "[shared_memory_bypasses_protection 1630]"})
-    EXPECT_THAT(events.at(0).error.to_sentence(), HasSubstr(part));
-  EXPECT_THAT(sentence, HasSubstr("[shared_memory_bypasses_protection]"));
+    EXPECT_THAT(events.back().error.to_sentence(), HasSubstr(part));
   EXPECT_FALSE(may_read(handle));
-  EXPECT_EQ(events.front().error.code(), Code::shared_memory_bypasses_protection);
 }
 
 TEST_F(AdapterWithSharedMemory, LeavesUnprotectedEndpointsAlone) {
