@@ -64,6 +64,9 @@ void RateLimitedSink::raise(const Event& event) {
   auto key =
       fmt::format("{}\n{}\n{}", static_cast<int>(event.error.code()), event.guid, d.document);
   if (!is_claimed) key += fmt::format("\n{}\n{}\n{}", event.peer_subject, d.field, d.expected);
+  // A notice about ourselves: no peer chooses what it says, and each change of state is news.
+  if (event.proof == PeerProof::not_a_peer && event.severity == Severity::informational)
+    key += "\n" + d.found;
   const bool passes = is_claimed ? may_pass(last_claimed_, kMostClaimed, key)
                                  : may_pass(last_, kMostRemembered, key);
   if (passes) next_.raise(event);

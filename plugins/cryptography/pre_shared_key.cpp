@@ -115,7 +115,8 @@ void PreSharedKeyRing::refresh() {
     understood += (understood.empty() ? "" : ", ") + std::to_string(entry.passphrase.id);
   environment_.events.raise(Event(Error(Code::psk_passphrases_changed,
                                         {.found = std::to_string(entries_.front().passphrase.id) +
-                                                  " to send with, understood are " + understood})));
+                                                  " to send with, understood are " + understood}),
+                                  {}, {}, PeerProof::not_a_peer));
 }
 
 void PreSharedKeyRing::keep_despite(const Error& error) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <atomic>
 #include <map>
 #include <mutex>
@@ -431,7 +432,8 @@ std::uint64_t next_id() {
 }
 
 MatchVerdict judge_in(Adapter& adapter, const EndpointScope& scope, const MatchQuestion& question) {
-  const bool allowed = allowed_at_c_boundary(adapter.host(), nullptr, [&] {
+  Exception why{};
+  const bool allowed = allowed_at_c_boundary(adapter.host(), &why, [&] {
     spi::AccessControl::Match match{.remote_writes = question.remote_writes != 0,
                                     .local = scope.request(),
                                     .remote = std::nullopt};
@@ -439,6 +441,9 @@ MatchVerdict judge_in(Adapter& adapter, const EndpointScope& scope, const MatchQ
       match.remote = GuidPrefix::from({question.peer_prefix, GuidPrefix::size});
     return adapter.engine().check_remote_match({question.remote_permissions}, match);
   });
+  std::free(why.message);
+  if (why.code == static_cast<DDS_Security_long>(Code::out_of_memory))
+    return MatchVerdict::out_of_memory;
   return allowed ? MatchVerdict::allowed : MatchVerdict::refused;
 }
 

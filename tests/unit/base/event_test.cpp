@@ -67,6 +67,16 @@ TEST(RateLimitedSink, WhatAPeerSentMakesNoEventNewAndADocumentOfOursDoes) {
   EXPECT_EQ(recorder.events.size(), 4u);
 }
 
+TEST(RateLimitedSink, ANoticeAboutOurselvesIsNewWithEachValue) {
+  Recorder recorder;
+  ManualClock clock(kStart);
+  RateLimitedSink sink(recorder, clock);
+  for (const char* value : {"1", "2", "2"})
+    sink.raise(Event(Error(Code::psk_passphrases_changed, {.found = value}), {}, {},
+                     PeerProof::not_a_peer));
+  EXPECT_EQ(recorder.events.size(), 2u);
+}
+
 TEST(RateLimitedSink, InventedPeersCrowdOutNeitherUsNorAuthenticatedPeers) {
   Recorder recorder;
   ManualClock clock(kStart);
