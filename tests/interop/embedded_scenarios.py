@@ -49,6 +49,8 @@ def _choose(cases):
     always = {("self-signed-permissions", "fast>embedded"), ("unknown-identity-ca", "stock>embedded"),
               ("plain-publisher-allowed-controlled-topic", "stock>embedded"),
               ("plain-publisher-not-allowed", "fast>embedded"),
+              ("unknown-ca-publisher-allowed-open", "stock>embedded"),
+              ("unknown-ca-publisher-allowed-open", "embedded>ours"),
               ("plain-publisher-allowed-open-topic", "fast>embedded"),
               ("plain-subscriber-allowed-open-topic", "embedded>fast"),
               ("governance-differs-rtps-none-sign", "embedded>embedded"),
