@@ -376,11 +376,13 @@ def manual_by_topic(case):
     yield from case.until("found its writer again", lambda: case.r.status(reader)["alive"] == 1)
 
 
-@case_of("LIVELINESS")
+@case_of("LIVELINESS", readers=(OURS, CYCLONE),
+         because="Fast DDS misses all assertions of ours in a third of the runs; to be found out")
 def manual_by_participant(case):
-    writer, reader = yield from case.pair("liveliness=participant lease=600 history=all",
-                                          "history=all lease=600")
-    for _ in range(6):
+    # A lease that a busy machine does not miss; the assertions go on for longer than it.
+    writer, reader = yield from case.pair("liveliness=participant lease=1500 history=all",
+                                          "history=all lease=1500")
+    for _ in range(10):
         yield 0.2
         case.w.ask(f"assert {writer}")
     case.check("not asserted", case.r.status(reader)["alive"] == 1)
