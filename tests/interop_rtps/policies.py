@@ -376,21 +376,29 @@ def manual_by_topic(case):
     yield from case.until("found its writer again", lambda: case.r.status(reader)["alive"] == 1)
 
 
-@case_of("LIVELINESS", readers=(OURS, CYCLONE),
-         because="Fast DDS misses all assertions of ours in a third of the runs; to be found out")
+def pair_with_older_reader(case, liveliness):
+    """A new reader of Fast DDS pairs with the writers it knows before its liveliness is watched, and for
+    good misses what any writer asserts in between. So the reader is there first."""
+    reader = case.reader(liveliness + " history=all")
+    yield 0.3
+    writer = case.writer(liveliness + " history=all")
+    yield from case.matched(writer, reader)
+    return writer, reader
+
+
+@case_of("LIVELINESS")
 def manual_by_participant(case):
     # A lease that a busy machine does not miss; the assertions go on for longer than it.
-    writer, reader = yield from case.pair("liveliness=participant lease=1500 history=all",
-                                          "history=all lease=1500")
+    writer, reader = yield from pair_with_older_reader(case, "liveliness=participant lease=1500")
     for _ in range(10):
         yield 0.2
         case.w.ask(f"assert {writer}")
     case.check("not asserted", case.r.status(reader)["alive"] == 1)
 
 
-@case_of("LIVELINESS", readers=(OURS, CYCLONE), because="Fast DDS misses ours now and then; to be found out")
+@case_of("LIVELINESS")
 def automatic(case):
-    writer, reader = yield from case.pair("liveliness=automatic lease=700")
+    writer, reader = yield from pair_with_older_reader(case, "liveliness=automatic lease=700")
     case.w.ask(f"write {writer} RED 1")
     for _ in range(10):
         yield 0.2
