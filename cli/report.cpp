@@ -153,6 +153,7 @@ Exit exit_of(Code code) {
     case Code::capture_unreadable:
     case Code::certificate_malformed:
     case Code::certificate_too_large:
+    case Code::certificate_distribution_points:
     case Code::private_key_malformed:
     case Code::crl_malformed:
     case Code::crl_is_delta:

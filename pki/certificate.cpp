@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "pki/openssl.hpp"
+#include "pki/openssl_guards.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::pki {
@@ -49,6 +50,7 @@ Result<X509Ptr> decode(BytesView der) {
     return std::unexpected(malformed("octets follow the certificate"));
   if (!is_distinguished(x509.get(), der))
     return std::unexpected(malformed("it is not in the distinguished encoding"));
+  DDSSEC_TRY(check_distribution_points(x509.get()));
   // Reads the extensions now, so that later use by several threads only reads.
   if (X509_check_purpose(x509.get(), -1, 0) != 1 ||
       (X509_get_extension_flags(x509.get()) & EXFLAG_INVALID) != 0)

@@ -41,7 +41,8 @@ class Certificate {
  public:
   /// The first PEM certificate in `octets`, as a peer's c.id or an identity_certificate file holds
   /// it; what follows its block is not looked at (peers behave so). One trailing NUL is tolerated.
-  /// Errors: certificate_malformed, certificate_too_large, key_not_allowed, name_not_allowed.
+  /// Errors: certificate_malformed, certificate_too_large, certificate_distribution_points,
+  /// key_not_allowed, name_not_allowed.
   static Result<Certificate> from_pem(BytesView octets);
 
   /// From exactly one DER certificate. Errors as above.

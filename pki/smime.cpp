@@ -4,6 +4,7 @@
 
 #include "pki/mime.hpp"
 #include "pki/openssl.hpp"
+#include "pki/openssl_guards.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::pki {
@@ -128,9 +129,7 @@ Status verify_with(const Certificate& ca, CMS_ContentInfo* cms, BytesView conten
   constexpr unsigned kFlags = CMS_NOINTERN | CMS_NO_SIGNER_CERT_VERIFY | CMS_BINARY;
   if (!trusted || !bio || sk_X509_push(trusted.get(), ca.impl().x509.get()) <= 0)
     return openssl_failure(Code::internal);
-  if (CMS_verify(cms, trusted.get(), nullptr, bio.get(), nullptr, kFlags) != 1)
-    return openssl_failure(Code::smime_signature_invalid, {.field = "signer " + ca.subject()});
-  return {};
+  return verify_cms(cms, trusted.get(), bio.get(), kFlags, "signer " + ca.subject());
 }
 
 Result<Certificate> verified_signer(const std::vector<Certificate>& cas, BytesView signature,

@@ -7,6 +7,7 @@
 #include <openssl/pkcs7.h>
 
 #include "pki/openssl.hpp"
+#include "pki/openssl_guards.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::pki {
@@ -158,10 +159,7 @@ Status stock_products_believe(BytesView file, const std::vector<Certificate>& ca
   const auto store = store_of(cas, now);
   const BioPtr out(BIO_new(BIO_s_mem()));
   if (!store || !out) return openssl_failure(Code::internal);
-  const bool believed = PKCS7_verify(parsed.pkcs7.get(), nullptr, store.get(), parsed.beside.get(),
-                                     out.get(), PKCS7_TEXT) == 1;
-  if (!believed) return openssl_failure(Code::smime_signature_invalid);
-  return {};
+  return verify_pkcs7(parsed.pkcs7.get(), store.get(), parsed.beside.get(), out.get(), PKCS7_TEXT);
 }
 
 }  // namespace ddssec::pki

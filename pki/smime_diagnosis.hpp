@@ -48,7 +48,8 @@ DocumentForm examine_document(BytesView file);
 /// Success if the file is believed by a reader made of OpenSSL's SMIME_read_PKCS7 and PKCS7_verify
 /// with PKCS7_TEXT over a store of `cas`, as Cyclone DDS 0.10.2 and Fast DDS 2.9.1 are: they
 /// believe whoever chains to the CA (CVE-2023-24010, CVE-2023-24011) and opaque documents.
-/// Errors: smime_malformed, smime_signature_invalid, each with OpenSSL's reason; internal.
+/// Errors: smime_malformed with OpenSSL's reason, those of verify_pkcs7 (pki/openssl_guards.hpp),
+/// internal.
 Status stock_products_believe(BytesView file, const std::vector<Certificate>& cas, WallTime now);
 
 }  // namespace ddssec::pki

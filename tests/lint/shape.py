@@ -24,6 +24,12 @@ RULES = [
     (re.compile(r"\bstd::j?thread\s*[({]|\bpthread_create\b|\bstd::async\b"),
      "a thread that takes the host's signals: use start_background_thread",
      lambda name: not name.startswith("base/background_thread.")),
+    (re.compile(r"\b(PKCS7_(verify|dataDecode|dataVerify|signatureVerify)|CMS_(verify|SignerInfo_verify\w*))\s*\("),
+     "OpenSSL reads a signature unguarded: use pki/openssl_guards.hpp",
+     lambda name: name != "pki/openssl_guards.cpp"),
+    (re.compile(r"\bX509_check_purpose\s*\("),
+     "OpenSSL reads extensions that check_distribution_points may not have seen",
+     lambda name: name != "pki/certificate.cpp"),
 ]
 
 

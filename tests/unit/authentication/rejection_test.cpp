@@ -1,4 +1,5 @@
 // Messages that must be refused, each with exactly its code, and without harm to the honest ones.
+#include "tests/support/hostile_pki.hpp"
 #include "tests/unit/authentication/fixture.hpp"
 
 namespace ddssec::authentication {
@@ -61,6 +62,12 @@ const Identity& stranger() {
 
 Bytes stranger_pem() { return bytes(stranger().certificate.pem()); }
 
+/// A certificate of 40 KB for which some patch levels of OpenSSL take many times as much memory.
+Bytes memory_bomb_pem() {
+  return bytes(test::with_distribution_points({stranger().certificate, stranger().key},
+                                              test::PointName::relative, 1500, 200));
+}
+
 Bytes off_curve() {
   Bytes point(65, 1);
   point[0] = 4;
@@ -87,6 +94,8 @@ std::vector<Forgery> of_credentials() {
   all.push_back(flips("c.pdata", Code::token_field_differs));
   all.push_back(
       unhashed(sets("GarbageCertificate", "c.id", bytes("garbage"), Code::certificate_malformed)));
+  all.push_back(unhashed(sets("CertificateOfManyDistributionPoints", "c.id", memory_bomb_pem(),
+                              Code::certificate_distribution_points)));
   all.push_back(unhashed(
       sets("StrangersCertificate", "c.id", stranger_pem(), Code::guid_not_bound_to_subject)));
   all.push_back(unhashed(
