@@ -10,6 +10,7 @@
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/options.hpp"
+#include "cli/participant_places.hpp"
 #include "cli/participant.hpp"
 #include "cli/transaction.hpp"
 #include "pki/source.hpp"
@@ -264,7 +265,9 @@ Result<Report> ca_renew(const Arguments& arguments, const Context& context) {
       renewed.subject(), date(renewed.not_after()), ca.paths.certificate.filename().string(),
       date(ca.certificate().not_after()));
   const auto log = DDSSEC_TRY(read_issue_log(ca.paths));
-  for (const auto& holder : log.folders()) {
+  const LoggedFolders folders(ca.paths, log);
+  for (const auto& logged : log.folders()) {
+    const auto holder = folders.today(logged).string();
     report.result["folders"].push_back(holder);
     report.text += fmt::format("  {}\n", holder);
   }

@@ -10,6 +10,7 @@
 #include "cli/inputs.hpp"
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
+#include "cli/participant_places.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -32,14 +33,18 @@ bool has_certificate_of(const pki::Certificate& ca, const fs::path& folder) {
   return certificate && certificate->is_issued_by(ca);
 }
 
-Known known_to(const pki::IssueLog& log, const pki::Certificate& identity, WallTime now) {
+Known known_to(const CaPaths& ca, const pki::IssueLog& log, const pki::Certificate& identity,
+               WallTime now) {
+  const LoggedFolders folders(ca, log);
   Known out;
   std::set<std::string> seen;
   for (const auto& issued : log.issued()) {
     const auto& place = issued.folder.empty() ? issued.subject : issued.folder;
     if (!seen.insert(place).second) continue;
-    if (!issued.folder.empty() && has_certificate_of(identity, issued.folder))
-      out.here.push_back(follower_in(issued.folder));
+    const auto folder = issued.folder.empty() ? fs::path() : folders.today(issued.folder);
+    if (!folder.empty() && !folders.is_of_another_copy(folder) &&
+        has_certificate_of(identity, folder))
+      out.here.push_back(follower_in(folder));
     else if (!issued.revoked && now < issued.not_after)
       out.elsewhere.push_back(place);
   }
@@ -58,7 +63,7 @@ Result<Known> followers_of(const Arguments& arguments, const fs::path& given, Wa
   const auto log = DDSSEC_TRY(read_issue_log(paths));
   if (!log.issued().empty()) {
     const auto certificate = DDSSEC_TRY(read_certificate(paths.certificate));
-    out = known_to(log, certificate, now);
+    out = known_to(paths, log, certificate, now);
   }
   if (!out.here.empty()) return out;
   return fail(Code::usage, {.field = "DIRS",

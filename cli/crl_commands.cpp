@@ -8,6 +8,7 @@
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/options.hpp"
+#include "cli/participant_places.hpp"
 #include "cli/transaction.hpp"
 #include "pki/participant_folder.hpp"
 
@@ -95,29 +96,16 @@ Result<Report> crl_verify(const Arguments& arguments, const Context& context) {
   return report;
 }
 
-/// Who is to get the list.
-struct Recipients {
-  std::vector<fs::path> here;
-  std::vector<std::string> elsewhere;  ///< the log knows them, and this machine has no such folder
-};
-
-// The folders of the command line, or all that the CA's log knows.
-Result<Recipients> recipients(const Arguments& arguments, const CaPaths& ca) {
-  Recipients out;
+// The folders of the command line, or all of this CA's participants that are here.
+Result<ParticipantPlaces> recipients(const Arguments& arguments, const CaPaths& ca) {
+  ParticipantPlaces out;
   for (const auto& given : arguments.all("DIRS")) {
     DDSSEC_TRY(check_directory(given, "a participant's folder"));
     out.here.emplace_back(given);
   }
   if (!out.here.empty()) return out;
-  const auto log = DDSSEC_TRY(read_issue_log(ca));
-  for (const auto& folder : log.folders()) {
-    std::error_code error;  // a folder that may not be entered is here
-    if (fs::exists(fs::path(folder) / "cert.pem", error) || error)
-      out.here.emplace_back(folder);
-    else
-      out.elsewhere.push_back(folder);
-  }
-  if (!out.here.empty() || !out.elsewhere.empty()) return out;
+  out = DDSSEC_TRY(participant_places(ca, DDSSEC_TRY(read_issue_log(ca))));
+  if (!out.here.empty() || !out.elsewhere.empty() || !out.other_copies.empty()) return out;
   return fail(Code::usage, {.field = "DIRS", .note = "the CA's log knows no folder: name them"});
 }
 
@@ -135,6 +123,7 @@ Result<Report> crl_distribute(const Arguments& arguments, const Context& context
   report.result = {{"number", crl.number().value_or(0)},
                    {"folders", Json::array()},
                    {"elsewhere", recipient.elsewhere}};
+  for (const auto& folder : recipient.other_copies) report.result["elsewhere"].push_back(folder);
   for (const auto& folder : recipient.here) {
     const auto drafted = out.put_public(pki::participant_folder(folder).crl, crl.pem());
     if (!drafted && drafted.error().code() == Code::interrupted) return report_of(drafted.error());
@@ -149,10 +138,8 @@ Result<Report> crl_distribute(const Arguments& arguments, const Context& context
   report.text +=
       fmt::format("list {} of {} is in {}, holds {}\n", crl.number().value_or(0), crl.issuer(),
                   counted(report.result["folders"].size(), "folder"), words_until(crl));
-  for (const auto& folder : recipient.elsewhere)
-    report.text += fmt::format("not here: {}; copy {} to where it is now, as crl.pem\n", folder,
-                               paths.crl.string());
-  if (!recipient.elsewhere.empty() && recipient.here.empty()) report.exit = Exit::no;
+  report.text += places_text(recipient, paths);
+  if (recipient.here.empty()) report.exit = Exit::no;
   report.files_written = DDSSEC_TRY(out.commit());
   return report;
 }
@@ -186,7 +173,7 @@ std::vector<Command> crl_commands() {
            .name = "distribute",
            .summary = "Puts the CA's revocation list into participants' folders; running ones "
                       "look every 5 s.",
-           .positionals = {{"DIRS", "the folders; without any, all that the CA's log knows", true,
+           .positionals = {{"DIRS", "the folders; without any, all of this CA's participants that are here", true,
                             true}},
            .options = {ca_option("the CA")},
            .examples = {"ddssec crl distribute --ca ca", "ddssec crl distribute talker --ca ca"},

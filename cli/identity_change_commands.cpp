@@ -11,6 +11,7 @@
 #include "cli/inputs.hpp"
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
+#include "cli/participant_places.hpp"
 #include "cli/transaction.hpp"
 #include "governance/grant.hpp"
 #include "governance/read.hpp"
@@ -200,49 +201,46 @@ Result<pki::RevocationReason> reason_of(const Arguments& arguments) {
   return *reason;
 }
 
-/// The participants' folders that the CA's log knows.
-struct Folders {
-  Json all = Json::array();
-  Json without_list = Json::array();  ///< on this machine, without a crl.pem
-  Json elsewhere = Json::array();     ///< not on this machine
-};
+// Which participants notice the new list, and when.
+std::string next_steps(const std::string& ca, const ParticipantPlaces& places,
+                       const std::vector<std::string>& without_list, const CaPaths& paths) {
+  auto out = fmt::format(
+      "next: ddssec crl distribute --ca {}   (puts the list into {})\n"
+      "when the list is in the folder, a participant reads it\n"
+      "  with ddssec's plugins (in Cyclone DDS, or embedded): within 5 s, also the first "
+      "crl.pem that appears beside its certificate\n"
+      "  with the stock plugins of Cyclone DDS or Fast DDS: only when it starts again, and "
+      "only if its configuration names the list (ROS 2 names crl.pem of the enclave)\n",
+      ca, counted(places.here.size(), "folder"));
+  if (!without_list.empty()) out += "  no list so far, so that nothing is revoked there:\n";
+  for (std::size_t i = 0; i < without_list.size() && i < 10; ++i)
+    out += fmt::format("    {}\n", without_list[i]);
+  if (without_list.size() > 10) out += fmt::format("    and {} more\n", without_list.size() - 10);
+  return out + places_text(places, paths);
+}
 
 // A folder that may not be entered counts as one with a list: crl distribute says what is wrong.
-Folders folders_in(const pki::IssueLog& log) {
-  Folders out;
-  for (const auto& folder : log.folders()) {
-    out.all.push_back(folder);
+std::vector<std::string> without_list(const ParticipantPlaces& places) {
+  std::vector<std::string> out;
+  for (const auto& folder : places.here) {
     std::error_code error;
-    if (!fs::exists(fs::path(folder) / "cert.pem", error) && !error)
-      out.elsewhere.push_back(folder);
-    else if (!fs::exists(pki::participant_folder(folder).crl, error) && !error)
-      out.without_list.push_back(folder);
+    if (!fs::exists(pki::participant_folder(folder).crl, error) && !error) out.push_back(folder);
   }
   return out;
 }
 
-std::string paths_text(std::string_view what, const Json& folders) {
-  constexpr std::size_t kMost = 10;
-  if (folders.empty()) return "";
-  auto out = fmt::format("  {}:\n", what);
-  for (std::size_t i = 0; i < std::min(kMost, folders.size()); ++i)
-    out += fmt::format("    {}\n", std::string(folders[i]));
-  if (folders.size() > kMost) out += fmt::format("    and {} more\n", folders.size() - kMost);
-  return out;
-}
-
-// Which participants notice the new list, and when.
-std::string next_steps(const std::string& ca, const Folders& folders) {
-  return fmt::format(
-             "next: ddssec crl distribute --ca {}   (puts the list into {})\n"
-             "when the list is in the folder, a participant reads it\n"
-             "  with ddssec's plugins (in Cyclone DDS, or embedded): within 5 s, also the first "
-             "crl.pem that appears beside its certificate\n"
-             "  with the stock plugins of Cyclone DDS or Fast DDS: only when it starts again, and "
-             "only if its configuration names the list (ROS 2 names crl.pem of the enclave)\n",
-             ca, counted(folders.all.size() - folders.elsewhere.size(), "folder")) +
-         paths_text("no list so far, so that nothing is revoked there", folders.without_list) +
-         paths_text("not on this machine, copy the list there as crl.pem", folders.elsewhere);
+Result<std::string> report_places(const CaPaths& ca, const pki::IssueLog& log,
+                                  const std::string& given, Report& report) {
+  const auto places = DDSSEC_TRY(participant_places(ca, log));
+  const auto bare = without_list(places);
+  auto& out = report.result;
+  out["folders"] = Json::array();
+  for (const auto& folder : places.here) out["folders"].push_back(folder.string());
+  out["without_list"] = bare;
+  out["elsewhere"] = places.elsewhere;
+  for (const auto& folder : places.other_copies) out["elsewhere"].push_back(folder);
+  for (const auto& folder : out["elsewhere"]) out["folders"].push_back(folder);
+  return next_steps(given, places, bare, ca);
 }
 
 Result<Report> identity_revoke(const Arguments& arguments, const Context& context) {
@@ -275,16 +273,13 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
   report.result["crl"] = {{"file", ca.paths.crl.string()},
                           {"number", crl.number().value_or(0)},
                           {"next_update", to_string(*crl.next_update())}};
-  const auto folders = folders_in(log);
-  report.result["folders"] = folders.all;
-  report.result["without_list"] = folders.without_list;
-  report.result["elsewhere"] = folders.elsewhere;
+  const auto next = DDSSEC_TRY(report_places(ca.paths, log, arguments.text("--ca"), report));
   report.text =
       fmt::format("{}  revoked {}; revocation list {} holds until {}\n{}", what.subject,
                   lines.empty() ? "already, but the list did not say so"
                                 : fmt::format("({})", counted(what.serials.size(), "certificate")),
                   crl.number().value_or(0), date(*crl.next_update()),
-                  next_steps(arguments.text("--ca"), folders));
+                  next);
   report.files_written = DDSSEC_TRY(out.commit());
   return report;
 }

@@ -50,6 +50,15 @@ class Rotate(Transcript):
                          "--governance", "demo/governance.p7s", *NOW)
         self.meet("demo/radar", "demo/listener")
 
+    def test_of_a_copy_only_its_own_folders_follow(self):
+        shutil.copytree(self.at / "demo", self.at / "copy")
+        shutil.rmtree(self.at / "copy/listener")
+        before = {p: p.read_bytes() for p in (self.at / "demo").rglob("*") if p.is_file()}
+        out = self.rotate("identity", at="copy")["result"]
+        self.assertEqual((out["folders"], out["elsewhere"]), ([str(self.at / "copy/talker")], self.folders("listener")))
+        self.assertEqual({p: p.read_bytes() for p in before}, before)
+        self.json("doctor", "copy/talker", *NOW)
+
     def test_a_permissions_ca_gets_a_new_key_and_every_document_is_signed_anew(self):
         rights = self.json("can", "demo/talker", "publish", "x", *NOW)["result"]["because"]
         certificate = self.text("demo/talker/cert.pem")

@@ -61,7 +61,7 @@ class Revocation(Transcript):
         self.assertRegex(told, r"ddssec's plugins .*within 5 s")
         self.assertRegex(told, r"stock plugins .*only when it starts again")
         self.assertIn(f"no list so far, so that nothing is revoked there:\n    {self.at}/third\n", told)
-        self.assertIn(f"copy the list there as crl.pem:\n    {self.at}/away\n", told)
+        self.assertIn(f"copy ca/identity/crl.pem there as crl.pem:\n    {self.at}/away\n", told)
         self.run_program("crl", "distribute", "--ca", "ca", *LATER)
         told = self.run_program("identity", "revoke", "listener", "--ca", "ca", *LATER).stdout
         self.assertNotIn("no list so far", told)
@@ -181,7 +181,8 @@ class Revocation(Transcript):
         (self.at / "talker").rename(self.at / "robot")
         done = self.run_program("crl", "distribute", "--ca", "ca", *NOW)
         self.assertIn("is in 1 folder, holds until 2027-05-20\n", done.stdout)
-        self.assertIn(f"not here: {self.at}/talker; copy ca/identity/crl.pem to where it is", done.stdout)
+        self.assertIn("not on this machine, copy ca/identity/crl.pem there as crl.pem:\n"
+                      f"    {self.at}/talker\n", done.stdout)
         (self.at / "listener").rename(self.at / "other")
         out = self.json("crl", "distribute", "--ca", "ca", *NOW, exit=1)
         self.assertEqual(out["result"]["elsewhere"], [f"{self.at}/{name}" for name in ("talker", "listener")])

@@ -215,6 +215,44 @@ class Keystore(Transcript):
         out = self.json("crl", "distribute", "--ca", "ks", *NOW)["result"]
         self.assertEqual(out["folders"], [str(self.at / TALKER), str(self.at / "ks/enclaves/wildcard")])
 
+    def test_a_copied_or_moved_keystore_keeps_to_its_own_enclaves(self):
+        self.create()
+        for name in ("/a", "/b", "/c"):
+            self.run_program("keystore", "enclave", "ks", name, "--allow-all", *NOW)
+        shutil.copytree(self.at / "ks", self.at / "copy", symlinks=True)
+        before = {p: p.read_bytes() for p in (self.at / "ks").rglob("*") if p.is_file()}
+        shutil.rmtree(self.at / "copy/enclaves/c")
+        own = [str(self.at / "copy/enclaves/b")]
+        out = self.json("identity", "revoke", "copy/enclaves/a", "--ca", "copy", *NOW)["result"]
+        left_out = [str(self.at / "ks/enclaves/c")]
+        self.assertEqual((out["folders"], out["elsewhere"]), (own + left_out, left_out))
+        out = self.json("crl", "distribute", "--ca", "copy", *NOW)
+        self.assertEqual((out["result"]["folders"], out["result"]["elsewhere"]), (own, left_out))
+        self.assertEqual([f["path"] for f in out["files_written"]], [own[0] + "/crl.pem"])
+        self.assertEqual({p: p.read_bytes() for p in before}, before)  # the original knows nothing of it
+        told = self.run_program("crl", "distribute", "--ca", "copy", *NOW).stdout
+        self.assertIn("another copy of this CA lies beside it", told)
+        (self.at / "copy").rename(self.at / "moved")
+        shutil.rmtree(self.at / "ks")
+        out = self.json("crl", "distribute", "--ca", "moved", *NOW)["result"]
+        self.assertEqual(out["folders"], [str(self.at / "moved/enclaves/b")])
+
+    def test_what_lies_outside_of_the_keystore_is_named(self):
+        self.create()
+        self.run_program("identity", "issue", "x", "--ca", "ks", "-o", "x", *NOW)
+        told = self.run_program("crl", "distribute", "--ca", "ks", *NOW).stdout
+        self.assertIn(f"  outside of the keystore:\n    {self.at}/x\n", told)
+
+    def test_a_keystore_that_was_not_taken_over_gets_the_list_too(self):
+        self.golden()
+        for key in (self.at / "ks").rglob("*key.pem"):
+            key.chmod(0o600)
+        told = self.run_program("identity", "revoke", TALKER, "--ca", "ks", *NOW).stdout
+        self.assertIn("(puts the list into 2 folders)", told)
+        self.assertIn("ddssec keystore import", told)
+        self.json("crl", "distribute", "--ca", "ks", *NOW)
+        self.json("check", TALKER, "ks/enclaves/talker_listener/listener", *NOW, exit=1)
+
     def test_split_ca_parts_what_sros2_joined(self):
         self.golden()
         self.run_program("keystore", "import", "ks", *NOW)
