@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/openssl_version.hpp"
+#include "base/openssl_advice.hpp"
 #include "plugins/cyclonedds/abi.hpp"
 
 namespace ddssec::cyclonedds {
@@ -61,18 +61,25 @@ Event plugins_in_use(const PluginVersions& found, const std::string& openssl) {
   return Event(Error(Code::plugins_in_use, {.note = note + "; running on " + openssl}));
 }
 
+std::optional<Event> openssl_warning(const std::string& openssl) {
+  const auto advice = openssl_advice(openssl);
+  return advice ? std::nullopt : std::optional(Event(advice.error()));
+}
+
 void say_clock_steps(Host& host, PluginKind own) noexcept {
   const auto news = host.calendar().news();
   if (news && speaks_for_all(own)) host.notice(Event(*news));
 }
 
-void say_plugins_in_use(Host& host, PluginKind own) noexcept {
+void say_plugins_in_use(Host& host, PluginKind own, std::string (*openssl)()) noexcept {
   static std::atomic_flag said;
   if (said.test() || !speaks_for_all(own) || said.test_and_set()) return;
   try {
     PluginVersions found = {version_of(0), version_of(1), version_of(2)};
     found[static_cast<std::size_t>(own)] = version();  // also where our symbols are not global
-    host.notice(plugins_in_use(found, openssl_version()));
+    const auto version_text = openssl();
+    host.notice(plugins_in_use(found, version_text));
+    if (const auto warning = openssl_warning(version_text)) host.notice(*warning);
   } catch (...) {
     // Without the memory to say so, the plugins work all the same.
   }

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 
+#include "base/openssl_version.hpp"
 #include "plugins/cyclonedds/host.hpp"
 
 namespace ddssec::cyclonedds {
@@ -20,8 +22,10 @@ const char* version() noexcept;
 bool speaks_for_all(PluginKind own) noexcept;
 
 /// plugins_in_use, once a process: which of the three plugins are ours, their version, and the
-/// version of OpenSSL that they run on. Call it when a participant is made: by then all are loaded.
-void say_plugins_in_use(Host& host, PluginKind own) noexcept;
+/// version of OpenSSL that they run on; then openssl_known_unsafe if that version has known flaws.
+/// Call it when a participant is made: by then all are loaded.
+void say_plugins_in_use(Host& host, PluginKind own,
+                        std::string (*openssl)() = openssl_version) noexcept;
 
 /// Reports that the calendar was set, and what came of it; the library that speaks for all does.
 void say_clock_steps(Host& host, PluginKind own) noexcept;
@@ -30,5 +34,7 @@ void say_clock_steps(Host& host, PluginKind own) noexcept;
 using PluginVersions = std::array<const char*, 3>;
 /// The event itself. `openssl`: what openssl_version() says.
 Event plugins_in_use(const PluginVersions& found, const std::string& openssl);
+/// openssl_known_unsafe, or nothing.
+std::optional<Event> openssl_warning(const std::string& openssl);
 
 }  // namespace ddssec::cyclonedds

@@ -77,7 +77,9 @@ def meet(enclave, kinds):
     for one in both:
         status, log = one.ends(), one.log()
         check(status == 0, f"exit status {status} on {one.kind} plugins:\n{log}")
-        check("ddssec error" not in log and "ddssec warning" not in log, f"complaints:\n{log}")
+        # About this machine's OpenSSL there may be a warning.
+        other = "".join(line for line in log.splitlines(True) if "[openssl_known_unsafe 1624]" not in line)
+        check("ddssec error" not in other and "ddssec warning" not in other, f"complaints:\n{log}")
         check(log.count("[plugins_in_use 1620]") == (one.kind == OURS), f"whose plugins are these?\n{log}")
 
 

@@ -9,6 +9,8 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
+constexpr const char* kFlawed = "OpenSSL 3.0.19 27 Jan 2026";
+
 std::string said_of(const PluginVersions& found) {
   return plugins_in_use(found, "OpenSSL 3.0.17 1 Jul 2025").to_line();
 }
@@ -34,7 +36,22 @@ TEST(PluginsInUse, OfAnotherVersion_IsSaid) {
   EXPECT_THAT(said_of({version(), version(), "0.0.1"}), HasSubstr(", but cryptography of 0.0.1;"));
 }
 
-/// True if the first of several participants, of whatever domain, says it and no other does.
+TEST(OpensslWarning, NamesTheVersionItsFlawsAndWhatToDo) {
+  const auto warning = openssl_warning(kFlawed);
+  ASSERT_TRUE(warning);
+  EXPECT_EQ(warning->severity, Severity::warning);
+  EXPECT_THAT(warning->to_line(), HasSubstr("found OpenSSL 3.0.19 27 Jan 2026"));
+  EXPECT_THAT(warning->to_line(), HasSubstr("CVE-2026-45447"));
+  EXPECT_THAT(warning->to_line(), HasSubstr("update the package of OpenSSL"));
+  EXPECT_THAT(warning->to_line(), HasSubstr("[openssl_known_unsafe 1624]"));
+}
+
+TEST(OpensslWarning, IsNotRaisedWithoutACertainFlaw) {
+  EXPECT_FALSE(openssl_warning("OpenSSL 3.0.22 25 Aug 2026"));
+  EXPECT_FALSE(openssl_warning("OpenSSL 3.0.23 29 Sep 2026"));
+}
+
+/// True if the first of several participants, of whatever domain, says both and no other does.
 bool is_said_once() {
   struct All final : EventSink {
     explicit All(std::vector<Event>& to) : events(to) {}
@@ -43,12 +60,14 @@ bool is_said_once() {
   };
   std::vector<Event> events;
   Host first{std::make_unique<All>(events)}, second{std::make_unique<All>(events)};
-  say_plugins_in_use(first, PluginKind::authentication);
-  say_plugins_in_use(first, PluginKind::access_control);
-  say_plugins_in_use(second, PluginKind::authentication);
-  return events.size() == 1 && events[0].error.code() == Code::plugins_in_use &&
+  const auto flawed = [] { return std::string(kFlawed); };
+  say_plugins_in_use(first, PluginKind::authentication, flawed);
+  say_plugins_in_use(first, PluginKind::access_control, flawed);
+  say_plugins_in_use(second, PluginKind::authentication, flawed);
+  return events.size() == 2 && events[0].error.code() == Code::plugins_in_use &&
          events[0].severity == Severity::informational &&
-         events[0].error.to_sentence().contains(openssl_version());
+         events[0].error.to_sentence().contains(kFlawed) &&
+         events[1].error.code() == Code::openssl_known_unsafe;
 }
 
 // In a process of its own, whatever ran before in this one.
