@@ -41,18 +41,20 @@ struct Nodes {
 
   void add(std::string_view expression) {
     if (named.size() + guessed.size() >= kMostNodes) return;
-    for (const auto service : kParameterServices) {
-      const auto end = reply_topic("", service).substr(kReplies.size());
-      if (expression.starts_with("rr/") && expression.ends_with(end)) {
-        named.emplace(
-            expression.substr(kReplies.size(), expression.size() - kReplies.size() - end.size()));
-        return;
-      }
-    }
-    add_expression(expression);
+    if (!expression.starts_with("rr/") || !add_name(expression)) add_expression(expression);
   }
 
  private:
+  bool add_name(std::string_view expression) {
+    for (const auto service : kParameterServices) {
+      const auto end = reply_topic("", service).substr(kReplies.size());
+      if (!expression.ends_with(end)) continue;
+      named.emplace(
+          expression.substr(kReplies.size(), expression.size() - kReplies.size() - end.size()));
+      return true;
+    }
+    return false;
+  }
   void add_expression(std::string_view expression) {
     const auto wild = expression.find_first_of("*?[");
     if (wild == expression.npos) return;
@@ -68,6 +70,53 @@ struct Nodes {
   }
 };
 
+/// The topics of the rights that nodes need, sorted.
+std::vector<std::string> asked_topics(const Nodes& nodes) {
+  std::vector<std::string> out = {"rt/parameter_events", "rt/rosout"};
+  for (const auto* names : {&nodes.named, &nodes.guessed})
+    for (const auto& node : *names)
+      for (const auto service : kParameterServices) {
+        out.push_back(request_topic(node, service));
+        out.push_back(reply_topic(node, service));
+      }
+  std::ranges::sort(out);
+  return out;
+}
+
+/// Whether the expression matches one of the sorted `topics`; true in doubt.
+bool may_match(std::string_view expression, const std::vector<std::string>& topics) {
+  const auto wild = expression.find_first_of("*?[");
+  const auto begin = expression.substr(0, wild);
+  const auto at = std::lower_bound(topics.begin(), topics.end(), begin);
+  if (at == topics.end()) return false;
+  return wild == expression.npos ? *at == expression : at->starts_with(begin);
+}
+
+std::vector<Criteria> only_about(const std::vector<std::string>& topics,
+                                 const std::vector<Criteria>& list) {
+  std::vector<Criteria> out;
+  for (const auto& criteria : list) {
+    std::vector<Text> kept;
+    for (const auto& topic : criteria.topics)
+      if (may_match(topic.text, topics)) kept.push_back(topic);
+    if (!kept.empty())
+      out.push_back({std::move(kept), criteria.partitions, criteria.data_tags, criteria.line});
+  }
+  return out;
+}
+
+/// The grant without expressions that match none of `topics`: it judges those alike. To compile
+/// tens of thousands of other expressions takes longer than all the rest of lint.
+Grant only_about(const std::vector<std::string>& topics, const Grant& grant) {
+  Grant out{.default_allow = grant.default_allow};
+  for (const auto& rule : grant.rules)
+    out.rules.push_back({.allow = rule.allow,
+                         .domains = rule.domains,
+                         .publish = only_about(topics, rule.publish),
+                         .subscribe = only_about(topics, rule.subscribe)});
+  return out;
+}
+
 std::vector<DomainId> domains_of(const Grant& grant) {
   std::vector<DomainId> out;
   for (const auto& rule : grant.rules)
@@ -82,10 +131,8 @@ std::vector<DomainId> domains_of(const Grant& grant) {
 /// What the grant lets a node do in one domain.
 class Rights {
  public:
-  Rights(const Permissions& document, const Grant& grant, DomainId domain)
-      // The document outlives this object, so that the pointer need not own it.
-      : grant_(std::shared_ptr<const Permissions>(std::shared_ptr<void>(), &document), grant,
-               domain) {}
+  /// `grant` outlives this object.
+  Rights(const Grant& grant, DomainId domain) : grant_(nullptr, grant, domain) {}
 
   std::vector<std::string> missing(const Nodes& nodes) const {
     std::vector<std::string> out;
@@ -128,15 +175,16 @@ class Rights {
   CompiledGrant grant_;
 };
 
-std::vector<std::string> missing_in(const Permissions& document, const Grant& grant) {
+std::vector<std::string> missing_in(const Grant& grant) {
   Nodes nodes;
   each_topic(grant, [&](const Rule& rule, const std::string& text, bool publish) {
     if (rule.allow && publish) nodes.add(text);
   });
+  const auto needed = only_about(asked_topics(nodes), grant);
   std::vector<std::string> least;
   bool is_first = true;
   for (const auto domain : domains_of(grant)) {
-    auto missing = Rights(document, grant, domain).missing(nodes);
+    auto missing = Rights(needed, domain).missing(nodes);
     if (is_first || missing.size() < least.size()) least = std::move(missing);
     is_first = false;
   }
@@ -175,7 +223,7 @@ std::optional<Finding> missing_node_defaults(const Permissions& permissions) {
   std::string path;
   for (const auto& grant : permissions.grants) {
     if (!speaks_of_ros(grant)) continue;
-    const auto missing = missing_in(permissions, grant);
+    const auto missing = missing_in(grant);
     if (missing.empty() || ++grants > kMostNamedGrants) continue;
     if (said.empty()) {
       line = grant.line;

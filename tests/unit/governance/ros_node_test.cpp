@@ -126,6 +126,7 @@ TEST(MissingNodeDefaults, ExpressionsMayGrantThem) {
   EXPECT_FALSE(lacks({"rt/*", "rr/talker/*"}, {"rt/*", "rq/talker/*"}));
   EXPECT_FALSE(lacks({"rt/*", "rr/talker/*Reply"}, {"rt/*", "rq/talker/*Request"}));
   EXPECT_FALSE(lacks({"rt/chatter", "*"}, {"*"}));
+  EXPECT_FALSE(lacks({"rt/ros?ut", "rt/parameter_event[s]", "[r]r/*"}, {"[r]t/*", "rq/*"}));
   EXPECT_TRUE(lacks({"rt/*", "rr/talker/*"}, {"rt/*", "rq/listener/*"}));
   EXPECT_TRUE(lacks({"rt/*", "rr/a*"}, {"rt/*"}));
 }
