@@ -12,7 +12,9 @@ namespace {
 constexpr EntityId kVolatileWriter{{0xff, 0x02, 0x02, 0xc3}};
 
 constexpr std::uint8_t kInlineQosFlag = 0x02;
-constexpr std::uint8_t kPayloadFlags = 0x04 | 0x08;  ///< of DATA: data, key
+constexpr std::uint8_t kDataFlag = 0x04;     ///< of DATA
+constexpr std::uint8_t kKeyFlag = 0x08;      ///< of DATA
+constexpr std::uint8_t kFragKeyFlag = 0x04;  ///< of DATA_FRAG
 constexpr std::uint16_t kSentinel = 1;
 
 // ParticipantGenericMessage (DDS-Security 7.4.4.4) begins with GUIDs and sequence numbers only:
@@ -76,21 +78,23 @@ std::optional<Error> end_before(BytesView rest, std::size_t size, const GuidPref
 
 // ---- key tokens
 
-/// Where a DATA or DATA_FRAG stands in its sample.
-struct Piece {
-  bool begins_sample = true;
-  bool has_payload = true;
-};
+/// Data, and nothing but data? Cyclone DDS reads a token message of which it got only the key, or
+/// the hash of one, through a null pointer.
+bool is_data(const SubmessageHeader& header) {
+  if (header.id == submessage_id::kDataFrag) return (header.flags & kFragKeyFlag) == 0;
+  return (header.flags & (kDataFlag | kKeyFlag)) == kDataFlag;
+}
 
-/// After writerSN. No fragment may end within the addresses, nor begin there.
-Result<Piece> read_fragment(Reader& in) {
+/// After writerSN: does it begin the sample? No fragment may end within the addresses, nor begin
+/// there.
+Result<bool> read_fragment(Reader& in) {
   const auto first = DDSSEC_TRY(in.read<std::uint32_t>());
   DDSSEC_TRY(in.skip(2));
   const auto size = DDSSEC_TRY(in.read<std::uint16_t>());
   const auto whole = DDSSEC_TRY(in.read<std::uint32_t>());
   if (first == 0 || size < kAddressesSize) return fail(Code::malformed);
   if (std::uint64_t{first - 1} * size >= whole) return fail(Code::malformed);
-  return Piece{.begins_sample = first == 1};
+  return first == 1;
 }
 
 Status skip_inline_qos(Reader& in) {
@@ -113,9 +117,7 @@ Result<BytesView> read_beginning(BytesView submessage) {
   const auto to_inline_qos = DDSSEC_TRY(in.read<std::uint16_t>());
   const auto counted_from = in.position();
   DDSSEC_TRY(in.skip(4 + 4 + 8));  // readerId, writerId, writerSN
-  Piece piece{.has_payload = is_fragment || (header.flags & kPayloadFlags) != 0};
-  if (is_fragment) piece = DDSSEC_TRY(read_fragment(in));
-  if (!piece.begins_sample || !piece.has_payload) return BytesView{};
+  if (is_fragment && !DDSSEC_TRY(read_fragment(in))) return BytesView{};
   if (to_inline_qos % 4 != 0 || counted_from + to_inline_qos < in.position())
     return fail(Code::malformed);
   DDSSEC_TRY(in.skip(counted_from + to_inline_qos - in.position()));
@@ -169,6 +171,8 @@ Status check_token_source(BytesView submessage, bool is_key_exchange,
   if ((writer == kVolatileWriter) != is_key_exchange)
     return fail(Code::submessage_not_of_sender, {.field = "writerId", .found = writer.to_string()});
   if (!is_key_exchange) return {};
+  if (!is_data(read_submessage_header(submessage)))
+    return unreadable_token("it is not data, but a key or nothing");
   const auto payload = read_beginning(submessage);
   if (!payload) return unreadable_token("its lengths contradict one another");
   if (payload->empty()) return {};

@@ -27,9 +27,9 @@ SenderPart part_of_sender(BytesView content, const GuidPrefix& sender);
 /// Checks one decrypted submessage of a writer. What the volatile secure writer sends must be
 /// protected by the key exchange, and nothing else may be. A token message must name as its source,
 /// twice, the participant at the other end of the key exchange; without `peer` (another vendor's
-/// authentication) both must at least agree. Key tokens are read from their first 100 octets, so no
-/// fragment may be smaller. Errors: submessage_not_of_sender, token_source_mismatch,
-/// token_source_unreadable.
+/// authentication) both must at least agree. It must be data, not a key. Key tokens are read from
+/// their first 100 octets, so no fragment may be smaller. Errors: submessage_not_of_sender,
+/// token_source_mismatch, token_source_unreadable.
 Status check_token_source(BytesView submessage, bool is_key_exchange,
                           const std::optional<GuidPrefix>& peer);
 

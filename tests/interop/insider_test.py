@@ -219,6 +219,16 @@ def tokens(world, tamper):
         check("the insider's samples came", not samples(subscriber, FORGED))
 
 
+def without_data(world, tamper):
+    """Tokens that are a key, or the hash of one: Cyclone DDS reads what is not there."""
+    subscriber = begin(world)
+    insider = world.insider("publish", tamper, ELSEWHERE)
+    world.until("the tokens without data", lambda: said(insider, "tampered"))
+    if world.kind == "ours":
+        one_event_names(world, "token_source_unreadable", insider, 2)
+    go_on(world, subscriber)
+
+
 def source(world):
     """A message that goes on in another's name."""
     subscriber = begin(world)
@@ -236,6 +246,9 @@ def cases():
         yield f"honest/{kind}", kind, EVERYTHING, honest_announcement
         for tamper in ("participant", "endpoint"):
             yield f"tokens-{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: tokens(world, t)
+        if kind != "ours-ac":
+            for tamper in ("key-only", "key-hash"):
+                yield f"{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: without_data(world, t)
         yield f"source/{kind}", kind, MESSAGES_ONLY, source
 
 

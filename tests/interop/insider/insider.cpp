@@ -4,6 +4,8 @@
 //   participant  its participant's key tokens name the victim as their source
 //   endpoint     its writers' key tokens name the victim as their source
 //   source       its protected messages go on in the victim's name
+//   key-only     its key tokens are sent as a key instead of data
+//   key-hash     its key tokens have no payload, but a key hash
 // INSIDER_VICTIM is how the victim's GUID begins, in hexadecimal digits. What it did is said on
 // stderr.
 #include <atomic>
@@ -150,6 +152,40 @@ void name_victim(Bytes& octets, std::string_view token_class, std::size_t at) {
   say_tampered();
 }
 
+void set_length(Bytes& submessage) {
+  const auto length = submessage.size() - 4;
+  submessage[2] = static_cast<DDS_Security_octet>(length);
+  submessage[3] = static_cast<DDS_Security_octet>(length >> 8);
+}
+
+bool is_of_writer(const Bytes& octets, std::uint32_t writer) {
+  constexpr DDS_Security_octet kData = 0x15;
+  if (octets.size() < 24 || octets[0] != kData) return false;
+  std::uint32_t id = 0;
+  for (int i = 12; i < 16; ++i) id = id << 8 | octets[i];
+  return id == writer;
+}
+
+constexpr DDS_Security_octet kInlineQosFlag = 2, kDataFlag = 4, kKeyFlag = 8;
+
+/// What the volatile writer sends, without its data. A stock host writes little endian and no
+/// inline QoS.
+void leave_key(Bytes& octets, bool only_hash) {
+  if (!is_of_writer(octets, 0xff0202c3) || (octets[1] & kInlineQosFlag) != 0) return;
+  octets[1] &= static_cast<DDS_Security_octet>(~kDataFlag);
+  if (!only_hash) {
+    octets[1] |= kKeyFlag;
+  } else {
+    octets[1] |= kInlineQosFlag;
+    Bytes qos = {0x70, 0, 16, 0};
+    qos.resize(20, 0x11);
+    qos.insert(qos.end(), {1, 0, 0, 0});
+    octets.insert(octets.begin() + 24, qos.begin(), qos.end());
+    set_length(octets);
+  }
+  say_tampered();
+}
+
 DDS_Security_boolean my_encode_submessage(dds_security_crypto_transform* instance, Octets* encoded,
                                           const Octets* plain,
                                           const DDS_Security_DatawriterCryptoHandle sender,
@@ -164,7 +200,10 @@ DDS_Security_boolean my_encode_submessage(dds_security_crypto_transform* instanc
   if (tampers("endpoint") && octets.size() > kEntityKindAt &&
       (octets[kEntityKindAt] == 0x02 || octets[kEntityKindAt] == 0x03))
     name_victim(octets, "dds.sec.datawriter_crypto_tokens", 24 + 84);
-  const Octets mine{plain->_length, plain->_length, octets.data()};
+  if (tampers("key-only")) leave_key(octets, false);
+  if (tampers("key-hash")) leave_key(octets, true);
+  const auto size = static_cast<DDS_Security_unsigned_long>(octets.size());
+  const Octets mine{size, size, octets.data()};
   return encode_submessage(instance, encoded, &mine, sender, receivers, index, ex);
 }
 
