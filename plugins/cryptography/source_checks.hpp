@@ -13,15 +13,18 @@ namespace ddssec::cryptography {
 
 /// How much of a protected message's content its sender may say, and what ended it.
 struct SenderPart {
-  std::size_t size;            ///< octets from the beginning; all of them if nothing ended it
-  std::optional<Error> ended;  ///< info_source_mismatch, secure_group_malformed
+  std::size_t size;  ///< octets from the beginning; all of them if nothing ended it
+  /// info_source_mismatch, secure_group_malformed, or one of check_builtin_source
+  std::optional<Error> ended;
 };
 
 /// Walks the submessages of a protected message as Cyclone DDS does. `content` is what follows the
 /// RTPS header. The sender's part ends before an INFO_SRC that names another participant, unless
 /// both prefixes begin with the same six octets: these are bound to the certificate's subject
 /// (DDS-Security 9.3.3), and Cyclone DDS puts what the participants of one process say into one
-/// message. Nothing is allocated unless something ended it.
+/// message. It also ends before discovery or liveliness, in the clear inside of the message, that
+/// speaks of another than the last INFO_SRC names (builtin_checks.hpp). Nothing is allocated unless
+/// something ended it.
 SenderPart part_of_sender(BytesView content, const GuidPrefix& sender);
 
 /// Checks one decrypted submessage of a writer. What the volatile secure writer sends must be

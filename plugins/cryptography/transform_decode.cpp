@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 
+#include "plugins/cryptography/builtin_checks.hpp"
 #include "plugins/cryptography/engine.hpp"
 #include "plugins/cryptography/key_revision.hpp"
 #include "plugins/cryptography/message.hpp"
@@ -118,6 +119,7 @@ Status check_source_named(const Shared& shared, const RemoteEndpoint& sender, By
   const auto* const pair = sender.participant.pair(sender.local.participant.handle());
   if (pair == nullptr) return fail(Code::crypto_not_matched);
   auto status = check_token_source(plain, sender.local.is_volatile, pair->peer_prefix);
+  if (status && pair->peer_prefix) status = check_builtin_source(plain, *pair->peer_prefix);
   if (!status) shared.report(status.error(), pair->peer_prefix);
   return status;
 }

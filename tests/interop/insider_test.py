@@ -229,6 +229,30 @@ def without_data(world, tamper):
     go_on(world, subscriber)
 
 
+def one_event_each(world, code, insider):
+    """At least one process refuses, each at most once, and names the insider."""
+    world.until(f"an event {code}", lambda: world.events(code), 8)
+    world.passes(0.5)
+    events = world.events(code)
+    check(f"{len(events)} events {code}: {events}", len(events) <= 2)
+    if world.kind == "ours":
+        check(f"they name others: {events}", all(event["guid"].startswith(prefix_of(insider)) for event in events))
+
+
+def names(world, tamper):
+    """Discovery and liveliness in another's name."""
+    subscriber = begin(world)
+    insider = world.insider("subscribe" if tamper == "speak-as" else "publish", tamper,
+                            ELSEWHERE if tamper == "speak-as" else Permissions())
+    if tamper == "dispose":
+        world.until("the insider's samples", lambda: samples(subscriber, FORGED))
+        insider.stop()
+    world.until("the false name", lambda: said(insider, "tampered"))
+    one_event_each(world, "builtin_source_mismatch", insider)
+    check("the victim is accused", not world.events("match_not_permitted"))
+    go_on(world, subscriber)
+
+
 def source(world):
     """A message that goes on in another's name."""
     subscriber = begin(world)
@@ -249,6 +273,11 @@ def cases():
         if kind != "ours-ac":
             for tamper in ("key-only", "key-hash"):
                 yield f"{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: without_data(world, t)
+        if kind == "ours":
+            for tamper in ("dispose", "speak-as"):
+                yield f"{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: names(world, t)
+        if kind != "ours-ac":
+            yield f"clear/{kind}", kind, EVERYTHING, lambda world: names(world, "clear")
         yield f"source/{kind}", kind, MESSAGES_ONLY, source
 
 

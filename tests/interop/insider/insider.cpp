@@ -6,6 +6,10 @@
 //   source       its protected messages go on in the victim's name
 //   key-only     its key tokens are sent as a key instead of data
 //   key-hash     its key tokens have no payload, but a key hash
+//   dispose      when its writer ends, it says so of the victim's
+//   speak-as     it announces its readers as the victim's, without access control
+//   clear        its protected messages hold a liveliness message, in the clear, that ends the
+//   victim
 // INSIDER_VICTIM is how the victim's GUID begins, in hexadecimal digits. What it did is said on
 // stderr.
 #include <atomic>
@@ -69,6 +73,7 @@ class Victim {
   Bytes prefix_;
 };
 Victim victim;
+DDS_Security_octet own_prefix[12];
 
 /// A function of the stock library that stands under ours.
 template <class Function>
@@ -91,7 +96,10 @@ DDS_Security_ValidationResult_t my_validate_local(
     DDS_Security_GUID_t* guid, const DDS_Security_DomainId domain, const DDS_Security_Qos* qos,
     const DDS_Security_GUID_t* candidate, Exception* ex) {
   const auto result = validate_local(instance, handle, guid, domain, qos, candidate, ex);
-  if (result == DDS_SECURITY_VALIDATION_OK) say_prefix("own", guid->prefix);
+  if (result == DDS_SECURITY_VALIDATION_OK) {
+    say_prefix("own", guid->prefix);
+    std::memcpy(own_prefix, guid->prefix, sizeof own_prefix);
+  }
   return result;
 }
 
@@ -186,6 +194,26 @@ void leave_key(Bytes& octets, bool only_hash) {
   say_tampered();
 }
 
+/// Every GUID in the payload.
+void speak_as_victim(Bytes& octets) {
+  const auto prefix = victim.prefix();
+  if (prefix.empty()) return;
+  for (std::size_t at = 24; at + 12 <= octets.size(); at += 4) {
+    if (std::memcmp(&octets[at], own_prefix, 12) != 0) continue;
+    std::memcpy(&octets[at], prefix.data(), 12);
+    say_tampered();
+  }
+}
+
+void speak_of_endpoints(Bytes& octets) {
+  constexpr std::uint32_t kPublications = 0xff0003c2, kSubscriptions = 0xff0004c2;
+  if (tampers("dispose") && is_of_writer(octets, kPublications) && (octets[1] & kKeyFlag) != 0)
+    speak_as_victim(octets);
+  if (!tampers("speak-as") || !is_of_writer(octets, kSubscriptions)) return;
+  hide_access_control(octets);
+  speak_as_victim(octets);
+}
+
 DDS_Security_boolean my_encode_submessage(dds_security_crypto_transform* instance, Octets* encoded,
                                           const Octets* plain,
                                           const DDS_Security_DatawriterCryptoHandle sender,
@@ -202,6 +230,7 @@ DDS_Security_boolean my_encode_submessage(dds_security_crypto_transform* instanc
     name_victim(octets, "dds.sec.datawriter_crypto_tokens", 24 + 84);
   if (tampers("key-only")) leave_key(octets, false);
   if (tampers("key-hash")) leave_key(octets, true);
+  speak_of_endpoints(octets);
   const auto size = static_cast<DDS_Security_unsigned_long>(octets.size());
   const Octets mine{size, size, octets.data()};
   return encode_submessage(instance, encoded, &mine, sender, receivers, index, ex);
@@ -219,16 +248,44 @@ bool is_of_application(const Bytes& message) {
   return false;
 }
 
+/// To all readers, by its own plain writer of liveliness: the victim is gone.
+Bytes end_of_victim(const Bytes& prefix, DDS_Security_octet number) {
+  Bytes out = {0x0e, 1, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};  // INFO_DST
+  Bytes data = {0x15, 7, 0, 0, 0, 0, 16, 0, 0, 0, 0, 0, 0, 2, 0, 0xc2, 0, 0, 0, 0, number, 0, 0, 0};
+  data.insert(data.end(), {0x71, 0, 4, 0, 0, 0, 0, 3, 1, 0, 0, 0});  // disposed, unregistered
+  data.insert(data.end(), {0, 1, 0, 0});
+  data.insert(data.end(), prefix.begin(), prefix.end());
+  data.insert(data.end(), {0, 0, 0, 1, 1, 0, 0, 0, 0, 0, 0, 0});
+  set_length(data);
+  out.insert(out.end(), data.begin(), data.end());
+  const Bytes heartbeat = {7, 1, 28, 0, 0, 0, 0, 0, 0,      2, 0, 0xc2, 0,      0, 0, 0,
+                           1, 0, 0,  0, 0, 0, 0, 0, number, 0, 0, 0,    number, 0, 0, 0};
+  out.insert(out.end(), heartbeat.begin(), heartbeat.end());
+  return out;
+}
+
+void append_end_of_victim(Bytes& message, const Bytes& prefix) {
+  constexpr int kTimes = 40;
+  static std::atomic<int> times = 0;
+  const int number = ++times;
+  if (number > kTimes) return;
+  const auto end = end_of_victim(prefix, static_cast<DDS_Security_octet>(number));
+  message.insert(message.end(), end.begin(), end.end());
+  say_tampered();
+}
+
 DDS_Security_boolean my_encode_message(dds_security_crypto_transform* instance, Octets* encoded,
                                        const Octets* plain,
                                        const DDS_Security_ParticipantCryptoHandle sender,
                                        const DDS_Security_ParticipantCryptoHandleSeq* receivers,
                                        DDS_Security_long* index, Exception* ex) {
   const auto prefix = victim.prefix();
-  if (plain->_buffer == nullptr || prefix.empty() || !tampers("source"))
+  const bool goes_on = tampers("source"), ends = tampers("clear");
+  if (plain->_buffer == nullptr || prefix.empty() || !(goes_on || ends))
     return encode_message(instance, encoded, plain, sender, receivers, index, ex);
   Bytes octets(plain->_buffer, plain->_buffer + plain->_length);
-  if (is_of_application(octets)) {
+  if (ends) append_end_of_victim(octets, prefix);
+  if (goes_on && is_of_application(octets)) {
     Bytes source = {0x0c, 0x01, 20, 0, 0, 0, 0, 0, 2, 1, 1, 16};
     source.insert(source.end(), prefix.begin(), prefix.end());
     octets.insert(octets.begin() + 20, source.begin(), source.end());

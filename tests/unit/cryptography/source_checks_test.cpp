@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/cryptography/data_message.hpp"
 #include "tests/unit/cryptography/insider.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
 
@@ -10,127 +11,56 @@ namespace {
 
 using namespace testing;
 
-constexpr GuidPrefix kPeer{{0x81, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
-constexpr GuidPrefix kVictim{{0x82, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
 constexpr GuidPrefix kSibling{{0x81, 2, 3, 4, 5, 6, 70, 80, 90, 100, 110, 120}};  ///< one subject
-constexpr EntityId kTokenWriter{{0xff, 0x02, 0x02, 0xc3}};
+using Token = DataMessage;
 constexpr EntityId kOtherWriter{{0x00, 0x00, 0x01, 0x03}};
-
-void append(Bytes& out, BytesView octets) { out.insert(out.end(), octets.begin(), octets.end()); }
-void append(Bytes& out, std::uint64_t value, std::size_t size, bool little) {
-  for (std::size_t i = 0; i < size; ++i)
-    out.push_back(static_cast<std::uint8_t>(value >> (8 * (little ? i : size - 1 - i))));
-}
-
-/// The beginning of a ParticipantGenericMessage, with a class id behind the addresses.
-Bytes generic_message(const GuidPrefix& source, const GuidPrefix& endpoint, std::uint8_t encoding) {
-  Bytes out = {0, encoding, 0, 0};
-  append(out, source.view());
-  out.resize(84, 0x11);
-  append(out, endpoint.view());
-  out.resize(120, 0x22);
-  return out;
-}
-
-/// Of a DATA_FRAG.
-struct Fragment {
-  std::uint32_t first = 1;    ///< fragmentStartingNum
-  std::uint16_t size = 120;   ///< fragmentSize
-  std::uint32_t whole = 120;  ///< sampleSize
-};
-
-struct Token {
-  bool little = true;
-  EntityId writer = kTokenWriter;
-  std::uint8_t flags = 0x04;
-  std::uint16_t to_inline_qos = 16;
-  Bytes inline_qos = {};
-  Bytes payload = generic_message(kPeer, kPeer, 1);
-  std::optional<Fragment> fragment = {};
-
-  Bytes octets() const {
-    Bytes out = {fragment ? submessage_id::kDataFrag : submessage_id::kData,
-                 static_cast<std::uint8_t>(flags | (little ? 1 : 0)), 0, 0};
-    append(out, 0, 2, little);
-    append(out, fragment ? to_inline_qos + 12u : to_inline_qos, 2, little);
-    append(out, 0, 4, little);
-    append(out, writer.view());
-    append(out, 1, 8, little);
-    if (fragment) {
-      append(out, fragment->first, 4, little);
-      append(out, 1, 2, little);
-      append(out, fragment->size, 2, little);
-      append(out, fragment->whole, 4, little);
-    }
-    append(out, inline_qos);
-    append(out, payload);
-    const auto length = out.size() - 4;
-    out[little ? 2 : 3] = static_cast<std::uint8_t>(length);
-    out[little ? 3 : 2] = static_cast<std::uint8_t>(length >> 8);
-    return out;
-  }
-  Status check(const std::optional<GuidPrefix>& peer = kPeer) const {
-    return check_token_source(octets(), true, peer);
-  }
-};
-
-Bytes qos(bool little, std::uint16_t length, bool ends = true) {
-  Bytes out;
-  append(out, 0x70, 2, little);
-  append(out, length, 2, little);
-  out.resize(out.size() + 8, 0x33);
-  if (!ends) return out;
-  append(out, 1, 2, little);
-  append(out, 0xffff, 2, little);  // the sentinel's length means nothing
-  return out;
-}
 
 TEST(TokenSource, OfThePeerIsTakenInEachByteOrderAndEncapsulation) {
   for (const bool little : {false, true}) {
     for (const std::uint8_t encoding : {0, 1, 6, 7}) {
       Token token{.little = little, .payload = generic_message(kPeer, kPeer, encoding)};
-      EXPECT_TRUE(token.check());
+      EXPECT_TRUE(token.check_token());
       token.fragment.emplace();
       token.flags = 0;
-      EXPECT_TRUE(token.check());
+      EXPECT_TRUE(token.check_token());
       token.flags = 0x02;
       token.inline_qos = qos(little, 8);
-      EXPECT_TRUE(token.check());
+      EXPECT_TRUE(token.check_token());
       token.payload = generic_message(kVictim, kPeer, encoding);
-      EXPECT_EQ(code_of(token.check()), Code::token_source_mismatch);
+      EXPECT_EQ(code_of(token.check_token()), Code::token_source_mismatch);
     }
   }
-  EXPECT_TRUE((Token{.payload = generic_message(kPeer, {}, 1)}.check()));  // a participant's
+  EXPECT_TRUE((Token{.payload = generic_message(kPeer, {}, 1)}.check_token()));  // a participant's
 }
 
 TEST(TokenSource, OfAnotherIsRefusedWhereverItStands) {
   for (const bool little : {false, true}) {
     Token token{.little = little, .payload = generic_message(kVictim, {}, 0)};
-    const auto status = token.check();
+    const auto status = token.check_token();
     ASSERT_EQ(code_of(status), Code::token_source_mismatch);
     EXPECT_EQ(status.error().details().expected, kPeer.to_string());
     EXPECT_EQ(status.error().details().found, kVictim.to_string());
     token.payload = generic_message(kPeer, kVictim, 0);
-    EXPECT_EQ(code_of(token.check()), Code::token_source_mismatch);
+    EXPECT_EQ(code_of(token.check_token()), Code::token_source_mismatch);
     token.flags = 0x06;
     token.inline_qos = qos(little, 8);
-    EXPECT_EQ(code_of(token.check()), Code::token_source_mismatch);
+    EXPECT_EQ(code_of(token.check_token()), Code::token_source_mismatch);
   }
   // Each octet counts.
   for (const std::size_t begin : {4u, 84u}) {
     for (std::size_t at = begin; at < begin + 12; ++at) {
       Token token;
       token.payload[at] ^= 1;
-      EXPECT_EQ(code_of(token.check()), Code::token_source_mismatch) << at;
+      EXPECT_EQ(code_of(token.check_token()), Code::token_source_mismatch) << at;
     }
   }
 }
 
 TEST(TokenSource, BesideAnotherAuthenticationBothNamesMustAgree) {
   Token token{.payload = generic_message(kVictim, kVictim, 1)};
-  EXPECT_TRUE(token.check(std::nullopt));
+  EXPECT_TRUE(token.check_token(std::nullopt));
   token.payload = generic_message(kVictim, kPeer, 1);
-  EXPECT_EQ(code_of(token.check(std::nullopt)), Code::token_source_mismatch);
+  EXPECT_EQ(code_of(token.check_token(std::nullopt)), Code::token_source_mismatch);
 }
 
 TEST(TokenSource, CutOffAnywhereIsRefused) {
@@ -156,7 +86,7 @@ TEST(TokenSource, CutOffAnywhereIsRefused) {
 
 TEST(TokenSource, LengthsThatLieAreRefused) {
   const auto refused = [](const Token& token) {
-    return code_of(token.check()) == Code::token_source_unreadable;
+    return code_of(token.check_token()) == Code::token_source_unreadable;
   };
   EXPECT_TRUE(refused({.to_inline_qos = 12}));  // before the header's end
   EXPECT_TRUE(refused({.to_inline_qos = 18}));  // not a word
@@ -178,12 +108,12 @@ TEST(TokenSource, LaterFragmentsNameNobody) {
   Token token{.payload = Bytes(40, 0x44)};
   token.fragment = Fragment{.first = 2, .size = 120, .whole = 160};
   token.flags = 0;
-  EXPECT_TRUE(token.check());
+  EXPECT_TRUE(token.check_token());
 }
 
 /// Cyclone DDS reads such a message through a null pointer.
 TEST(TokenSource, WithoutDataIsRefused) {
-  const auto code = [](const Token& token) { return code_of(token.check()); };
+  const auto code = [](const Token& token) { return code_of(token.check_token()); };
   for (const bool little : {false, true}) {
     for (const std::uint8_t flags : {0x00, 0x08, 0x0c}) {  // nothing, a key, both
       EXPECT_EQ(code({.little = little, .flags = flags}), Code::token_source_unreadable);

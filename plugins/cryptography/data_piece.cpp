@@ -1,0 +1,89 @@
+#include "plugins/cryptography/data_piece.hpp"
+
+#include <algorithm>
+
+#include "plugins/cryptography/wire.hpp"
+
+namespace ddssec::cryptography {
+namespace {
+
+constexpr std::uint8_t kInlineQosFlag = 0x02;
+constexpr std::uint8_t kDataFlag = 0x04;     ///< of DATA
+constexpr std::uint8_t kKeyFlag = 0x08;      ///< of DATA
+constexpr std::uint8_t kFragKeyFlag = 0x04;  ///< of DATA_FRAG
+constexpr std::uint16_t kSentinel = 1;
+constexpr std::size_t kWriterAt = 12;
+
+/// The octets of the sample that a DATA_FRAG holds, after writerSN.
+Result<std::uint64_t> read_fragment(Reader& in, DataPiece& piece) {
+  const auto first = DDSSEC_TRY(in.read<std::uint32_t>());
+  const auto count = DDSSEC_TRY(in.read<std::uint16_t>());
+  piece.fragment_size = DDSSEC_TRY(in.read<std::uint16_t>());
+  const std::uint64_t whole = DDSSEC_TRY(in.read<std::uint32_t>());
+  if (first == 0 || count == 0) return fail(Code::malformed);
+  const auto begin = std::uint64_t{first - 1} * piece.fragment_size;
+  if (begin >= whole) return fail(Code::malformed);
+  piece.begins_sample = first == 1;
+  return std::min(std::uint64_t{count} * piece.fragment_size, whole - begin);
+}
+
+Result<BytesView> read_inline_qos(Reader& in) {
+  const auto all = in.rest();
+  const auto begin = in.position();
+  for (;;) {
+    const auto size = in.position() - begin;
+    if (!DDSSEC_TRY(next_parameter(in))) return all.first(size);
+  }
+}
+
+}  // namespace
+
+std::optional<EntityId> writer_of_data(BytesView submessage) {
+  const auto id = submessage[0];
+  if (id != submessage_id::kData && id != submessage_id::kDataFrag) return std::nullopt;
+  if (submessage.size() < kWriterAt + EntityId::size) return std::nullopt;
+  return EntityId::from(submessage.subspan(kWriterAt, EntityId::size));
+}
+
+Result<DataPiece> read_data_piece(BytesView submessage) {
+  const auto header = read_submessage_header(submessage);
+  const bool is_fragment = header.id == submessage_id::kDataFrag;
+  const bool key = (header.flags & (is_fragment ? kFragKeyFlag : kKeyFlag)) != 0;
+  DataPiece piece{.writer = EntityId::from(submessage.subspan(kWriterAt, EntityId::size)),
+                  .number = 0,
+                  .has_data = is_fragment ? !key : (header.flags & kDataFlag) != 0,
+                  .has_key = key,
+                  .is_fragment = is_fragment,
+                  .endian = (header.flags & kEndianFlag) != 0 ? Endian::little : Endian::big,
+                  .inline_qos = {},
+                  .payload = {}};
+  Reader in(submessage, piece.endian);
+  DDSSEC_TRY(in.skip(kSubmessageHeaderSize + 2));
+  const auto to_inline_qos = DDSSEC_TRY(in.read<std::uint16_t>());
+  const auto counted_from = in.position();
+  DDSSEC_TRY(in.skip(2 * EntityId::size));
+  const std::uint64_t high = DDSSEC_TRY(in.read<std::uint32_t>());
+  piece.number = high << 32 | DDSSEC_TRY(in.read<std::uint32_t>());
+  auto most = static_cast<std::uint64_t>(submessage.size());
+  if (is_fragment) most = DDSSEC_TRY(read_fragment(in, piece));
+  if (to_inline_qos % 4 != 0 || counted_from + to_inline_qos < in.position())
+    return fail(Code::malformed);
+  DDSSEC_TRY(in.skip(counted_from + to_inline_qos - in.position()));
+  if ((header.flags & kInlineQosFlag) != 0) piece.inline_qos = DDSSEC_TRY(read_inline_qos(in));
+  if (!piece.has_data && !piece.has_key) return piece;
+  piece.payload = in.rest();
+  if (piece.payload.size() > most)
+    piece.payload = piece.payload.first(static_cast<std::size_t>(most));
+  return piece;
+}
+
+Result<std::optional<Parameter>> next_parameter(Reader& in) {
+  const auto id = DDSSEC_TRY(in.read<std::uint16_t>());
+  const auto length = DDSSEC_TRY(in.read<std::uint16_t>());
+  if (id == kSentinel) return std::nullopt;
+  if (length % 4 != 0) return fail(Code::malformed);
+  const auto value = DDSSEC_TRY(in.read_bytes(length));
+  return Parameter{id, value};
+}
+
+}  // namespace ddssec::cryptography
