@@ -40,8 +40,9 @@ std::string Error::to_sentence() const {
   if (!d.field.empty()) text += fmt::format("{}{}", text.empty() ? "" : ", ", d.field);
   if (!text.empty()) text += ": ";
   // Files and peers choose parts of it, and it goes to logs and terminals.
-  return printable(fmt::format("{}{}; {} [{} {}]", text, message(), row.hint, row.name,
-                               static_cast<int>(code_)));
+  const auto hint = row.hint == "none is needed" ? "" : fmt::format("; {}", row.hint);
+  return printable(
+      fmt::format("{}{}{} [{} {}]", text, message(), hint, row.name, static_cast<int>(code_)));
 }
 
 }  // namespace ddssec

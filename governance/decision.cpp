@@ -77,6 +77,19 @@ std::string describe_domain(DomainId domain, std::string_view tag) {
   return text;
 }
 
+// "0, 5 to 7": what the document is for instead.
+std::string describe_domains(const Governance& governance) {
+  constexpr std::size_t kMost = 128;
+  std::string out;
+  for (const auto& rule : governance.domain_rules)
+    for (const auto& range : rule.domains.ranges) {
+      if (out.size() > kMost) return out + ", ...";
+      out += (out.empty() ? "" : ", ") + std::to_string(range.first);
+      if (range.first != range.last) out += " to " + std::to_string(range.last);
+    }
+  return out.empty() ? "none" : out;
+}
+
 std::string_view to_string(Action action) {
   constexpr std::array<std::string_view, 3> kNames = {"publish", "subscribe", "relay"};
   return kNames.at(static_cast<std::size_t>(action));
@@ -218,7 +231,10 @@ Result<std::shared_ptr<const CompiledGovernance>> CompiledGovernance::make(
   const DomainRule* rule = governance->find(domain, tag);
   if (!rule) {
     return fail(Code::domain_not_covered,
-                {.field = "<domains>", .expected = describe_domain(domain, tag)});
+                {.line = governance->domain_rules.empty() ? 0 : governance->domain_rules[0].line,
+                 .field = "<domains>",
+                 .expected = describe_domain(domain, tag),
+                 .found = describe_domains(*governance)});
   }
   return std::make_shared<const CompiledGovernance>(std::move(governance), *rule);
 }

@@ -71,8 +71,41 @@ std::string subject_of(const X509* x509) {
   return x509 != nullptr ? name_rfc2253(X509_get_subject_name(x509)) : "";
 }
 
+std::string key_id(const ASN1_OCTET_STRING* id) {
+  if (id == nullptr) return {};
+  return to_hex({ASN1_STRING_get0_data(id), static_cast<std::size_t>(ASN1_STRING_length(id))});
+}
+
+// Two CAs of one name, as a keystore that was made twice has them: OpenSSL finds no issuer, or one
+// whose key does not fit. Empty if no anchor has the issuer's name, or the keys do not differ.
+std::string same_name_other_key(const X509* x509, const std::vector<Certificate>& anchors) {
+  const auto named = key_id(X509_get0_authority_key_id(const_cast<X509*>(x509)));
+  const auto issuer = name_rfc2253(X509_get_issuer_name(x509));
+  for (const auto& anchor : anchors) {
+    if (anchor.subject() != issuer) continue;
+    const auto held = key_id(X509_get0_subject_key_id(anchor.impl().x509.get()));
+    if (named.empty() || held.empty() || named == held) continue;
+    return "the CA of that name that is configured has another key: the certificate names the "
+           "key " +
+           named + ", configured is " + held + " (subject key identifiers)";
+  }
+  return {};
+}
+
+// "list 2 of CN=CA": which list decided.
+std::string list_words(X509_CRL* crl) {
+  if (crl == nullptr) return {};
+  auto* number =
+      static_cast<ASN1_INTEGER*>(X509_CRL_get_ext_d2i(crl, NID_crl_number, nullptr, nullptr));
+  std::uint64_t value = 0;
+  const bool has_number = number != nullptr && ASN1_INTEGER_get_uint64(&value, number) == 1;
+  ASN1_INTEGER_free(number);
+  return (has_number ? "list " + std::to_string(value) : std::string("the list")) + " of " +
+         name_rfc2253(X509_CRL_get_issuer(crl));
+}
+
 // The two values a person needs to see, by the kind of refusal.
-Error explain(X509_STORE_CTX* context, WallTime now) {
+Error explain(X509_STORE_CTX* context, const std::vector<Certificate>& anchors, WallTime now) {
   const int error = X509_STORE_CTX_get_error(context);
   const X509* at = X509_STORE_CTX_get_current_cert(context);
   const Code code = code_for(error);
@@ -90,6 +123,12 @@ Error explain(X509_STORE_CTX* context, WallTime now) {
     details.found = ddssec::to_string(now);
   } else if (code == Code::issuer_unknown) {
     details.found = "issuer " + name_rfc2253(X509_get_issuer_name(at));
+    details.note = same_name_other_key(at, anchors);
+  } else if (code == Code::certificate_revoked) {
+    details.found = "serial number " + serial_text(X509_get0_serialNumber(at));
+    details.note = list_words(X509_STORE_CTX_get0_current_crl(context));
+  } else if (code == Code::crl_expired) {
+    details.note = list_words(X509_STORE_CTX_get0_current_crl(context));
   } else {
     details.note = X509_verify_cert_error_string(error);
   }
@@ -196,7 +235,7 @@ Result<ChainValid> ChainVerifier::Impl::judge_path(const Certificate& certificat
   X509_VERIFY_PARAM_set_auth_level(parameters, 2);
   if (X509_verify_cert(context.get()) != 1) {
     take_openssl_reason();
-    return std::unexpected(explain(context.get(), now));
+    return std::unexpected(explain(context.get(), anchors, now));
   }
   return prove(certificate, context.get());
 }

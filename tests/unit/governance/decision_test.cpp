@@ -260,7 +260,10 @@ TEST(GovernanceRules, FirstTopicRuleWins) {
     EXPECT_EQ((*compiled)->topic_rule("ab")->line, 1);
     EXPECT_EQ((*compiled)->topic_rule("b")->line, 4);
   }
-  EXPECT_CODE(CompiledGovernance::make(governance, 6), domain_not_covered);
+  const auto none = CompiledGovernance::make(governance, 6);
+  EXPECT_CODE(none, domain_not_covered);
+  EXPECT_EQ(none.error().details().expected, "domain 6");
+  EXPECT_EQ(none.error().details().found, "0 to 5");
 }
 
 TEST(GovernanceRules, FirstDomainRuleWins) {

@@ -49,6 +49,16 @@ TEST(Chain, StrangersAreRefused) {
   EXPECT_FALSE(verifier.verify(make_leaf(twin).certificate, kNow));
 }
 
+TEST(Chain, AnotherCaOfTheSameName_IsToldByItsKey) {
+  const auto ca = make_ca("CN=Root");
+  const auto twin = make_ca("CN=Root");
+  const auto proof = make_verifier({ca.certificate()}).verify(make_leaf(twin).certificate, kNow);
+  ASSERT_FALSE(proof);
+  EXPECT_EQ(proof.error().code(), Code::issuer_unknown);
+  EXPECT_NE(proof.error().details().note.find("has another key"), std::string::npos)
+      << proof.error().to_sentence();
+}
+
 TEST(Chain, AForgedSignatureIsRefused) {
   const auto ca = make_ca();
   auto der = to_bytes(make_leaf(ca).certificate.der());
