@@ -100,8 +100,14 @@ std::uint32_t log_category(Severity severity) {
 }
 
 std::uint32_t log_category(const Event& event) {
-  const auto of_severity = log_category(event.severity);
-  return event.error.code() == Code::plugins_in_use ? std::uint32_t{DDS_LC_WARNING} : of_severity;
+  switch (event.error.code()) {
+    case Code::plugins_in_use:
+    case Code::no_revocation_list:
+    case Code::crl_renewed:
+      return DDS_LC_WARNING;  // Cyclone DDS shows nothing below, unless it is asked for more
+    default:
+      return log_category(event.severity);
+  }
 }
 
 std::unique_ptr<EventSink> make_host_log(LogFunction log, const char* json_path) {

@@ -20,8 +20,9 @@ LogFunction find_host_log(const void* caller) noexcept;
 
 /// Cyclone's log category of a severity; 0 = not worth a line there.
 std::uint32_t log_category(Severity severity);
-/// The same of an event. plugins_in_use is logged as a warning: Cyclone DDS shows no informational
-/// lines unless asked to, and which plugins are in use must be seen without asking.
+/// The same of an event. Cyclone DDS shows no informational lines unless asked to; logged as
+/// warnings, since they must be seen without asking: which plugins are in use, that there is no
+/// revocation list, and that a newer one is in force.
 std::uint32_t log_category(const Event& event);
 
 /// One line an event to `log` (stderr when null), and one JSON object a line appended to

@@ -75,13 +75,17 @@ TEST_F(HostLog, NoSeverityAborts) {
 }
 
 // Cyclone DDS shows errors and warnings only, unless it is asked for more.
-TEST_F(HostLog, PluginsInUse_ByDefault_IsShown) {
-  make_host_log(record, nullptr)->raise(Event(Error(Code::plugins_in_use)));
-  make_host_log(record, nullptr)->raise(Event(Error(Code::crl_renewed)));
-  ASSERT_EQ(logged.size(), 2u);
-  EXPECT_EQ(logged[0].category, DDS_LC_WARNING);
-  EXPECT_THAT(logged[0].text, testing::StartsWith("ddssec informational:"));
-  EXPECT_EQ(logged[1].category, DDS_LC_INFO);
+TEST_F(HostLog, NoticesThatMustBeSeen_ByDefault_AreShown) {
+  const Code shown[] = {Code::plugins_in_use, Code::no_revocation_list, Code::crl_renewed};
+  for (const auto code : shown) make_host_log(record, nullptr)->raise(Event(Error(code)));
+  make_host_log(record, nullptr)->raise(Event(Error(Code::clock_step_undone)));
+  ASSERT_EQ(logged.size(), 4u);
+  for (std::size_t i = 0; i < std::size(shown); ++i) {
+    EXPECT_EQ(logged[i].category, DDS_LC_WARNING);
+    EXPECT_THAT(logged[i].text, testing::StartsWith("ddssec informational:"));
+  }
+  EXPECT_THAT(logged[1].text, testing::HasSubstr("ddssec crl distribute"));
+  EXPECT_EQ(logged[3].category, DDS_LC_INFO);
 }
 
 TEST_F(HostLog, WithoutAHostItGoesToStderr) {
