@@ -10,8 +10,8 @@
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/options.hpp"
-#include "cli/participant_places.hpp"
 #include "cli/participant.hpp"
+#include "cli/participant_places.hpp"
 #include "cli/transaction.hpp"
 #include "pki/source.hpp"
 

@@ -79,7 +79,7 @@ Status check_no_other_kind(const fs::path& given) {
     return fail(Code::usage,
                 {.field = "DIR",
                  .note = "it is a participant's folder: name the folder of its CA, and the "
-                         "participants' behind it unless the CA's log knows them"});
+                         "participants' after it unless the CA's log knows them"});
   return {};
 }
 

@@ -3,11 +3,13 @@
 
 #include <fmt/format.h>
 
+#include "cli/ca_folder.hpp"
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/options.hpp"
 #include "governance/decision.hpp"
+#include "governance/doctor/ca_list.hpp"
 #include "governance/grant.hpp"
 #include "governance/read.hpp"
 #include "pki/participant_folder.hpp"
@@ -73,6 +75,28 @@ Result<Answer> by_permissions(const pki::ParticipantFolder& folder, governance::
                 verdict.line(*grant)};
 }
 
+// Documents give a revoked participant nothing, whatever they say: its peers refuse it. The CA's
+// own list counts where it lies beside the participant.
+std::optional<Answer> by_revocation(const pki::ParticipantFolder& folder) {
+  const auto certificate = read_certificate(folder.certificate);
+  const auto cas = read_certificates(folder.identity_ca);
+  const auto own = read_crl(folder.crl);
+  if (!certificate || !cas || !own) return std::nullopt;  // doctor's business
+  std::vector<pki::Crl> lists;
+  if (*own) lists.push_back(**own);
+  const auto newer = governance::doctor::newer_ca_list(folder, *cas, lists);
+  const auto answer = [&](const pki::Crl& list, const fs::path& file) {
+    return Answer{
+        false,
+        fmt::format("the certificate is revoked by list {} of the CA", list.number().value_or(0)),
+        file, 0};
+  };
+  if (newer && governance::doctor::names(newer->list, *certificate))
+    return answer(newer->list, newer->file);
+  if (*own && governance::doctor::names(**own, *certificate)) return answer(**own, folder.crl);
+  return std::nullopt;
+}
+
 Result<Report> can(const Arguments& arguments, const Context& context) {
   const auto folder = pki::participant_folder(arguments.text("SUBJECT"));
   const auto topic = arguments.text("TOPIC");
@@ -81,13 +105,15 @@ Result<Report> can(const Arguments& arguments, const Context& context) {
   const auto& names = arguments.all("--partition");
   const std::vector<std::string_view> partitions(names.begin(), names.end());
   const auto now = context.clock.now();
-  auto answer = DDSSEC_TRY(by_governance(folder, action, topic, domain, now));
+  auto answer = by_revocation(folder);
+  if (!answer) answer = DDSSEC_TRY(by_governance(folder, action, topic, domain, now));
   if (!answer)
     answer = DDSSEC_TRY(
         by_permissions(folder, action, {.topic = topic, .partitions = partitions}, domain, now));
   return Report{.exit = answer->allowed ? Exit::done : Exit::no,
-                .text = fmt::format("{}: {} ({}:{})\n", answer->allowed ? "allowed" : "denied",
-                                    answer->because, answer->document.string(), answer->line),
+                .text = fmt::format("{}: {} ({}{})\n", answer->allowed ? "allowed" : "denied",
+                                    answer->because, answer->document.string(),
+                                    answer->line > 0 ? fmt::format(":{}", answer->line) : ""),
                 .result = {{"allowed", answer->allowed},
                            {"because", answer->because},
                            {"file", answer->document.string()},

@@ -173,8 +173,9 @@ std::vector<Command> crl_commands() {
            .name = "distribute",
            .summary = "Puts the CA's revocation list into participants' folders; running ones "
                       "look every 5 s.",
-           .positionals = {{"DIRS", "the folders; without any, all of this CA's participants that are here", true,
-                            true}},
+           .positionals = {{"DIRS",
+                            "the folders; without any, all of this CA's participants that are here",
+                            true, true}},
            .options = {ca_option("the CA")},
            .examples = {"ddssec crl distribute --ca ca", "ddssec crl distribute talker --ca ca"},
            .run = crl_distribute}};

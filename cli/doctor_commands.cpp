@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "cli/doctor_options.hpp"
 #include "cli/documents.hpp"
@@ -84,7 +85,8 @@ std::string row(std::string_view title, const doctor::Outcomes& outcomes, const 
 std::string table(const doctor::Diagnosis& diagnosis, std::string_view title,
                   const Vendors& vendors) {
   auto out = fmt::format("{:<{}} ", title, kTitleWidth);
-  for (const auto vendor : vendors) out += fmt::format("{:<{}}", doctor::id(vendor), kColumnWidth);
+  for (const auto vendor : vendors)
+    out += fmt::format("{:<{}}", doctor::label(vendor), kColumnWidth);
   out = out.substr(0, out.find_last_not_of(' ') + 1) + '\n';
   for (const auto& check : diagnosis.checks()) out += row(check.title, check.outcomes, vendors);
   return out + row("in all", diagnosis.outcomes(), vendors);
@@ -141,8 +143,8 @@ void add_meetings(Report& report, const doctor::Party& self, const doctor::Party
           .meeting = meeting, .names = {self.name, peer.name}, .domain = settings.domain};
       const bool talk = would_talk(view);
       if (!talk && (a == b || products_chosen)) report.exit = Exit::no;
-      report.text += fmt::format("{} on {}, {} on {}: {}\n", self.name, doctor::id(a), peer.name,
-                                 doctor::id(b), talk ? "they talk" : "they do NOT talk");
+      report.text += fmt::format("{} on {}, {} on {}: {}\n", self.name, doctor::label(a), peer.name,
+                                 doctor::label(b), talk ? "they talk" : "they do NOT talk");
       report.result["peer"]["meetings"].push_back(
           {{"self", doctor::id(a)}, {"peer", doctor::id(b)}, {"talk", talk}});
       auto findings = meeting.findings;
@@ -183,8 +185,21 @@ Result<DomainId> ros_domain() {
   const auto found = environment.find("ROS_DOMAIN_ID");
   if (found == environment.end() || found->second.empty()) return DomainId{0};
   const Arguments from_environment({{"ROS_DOMAIN_ID", {found->second}}});
-  return static_cast<DomainId>(
-      DDSSEC_TRY(from_environment.number("ROS_DOMAIN_ID", 0, governance::kHighestDomainId)));
+  const auto number = from_environment.number("ROS_DOMAIN_ID", 0, governance::kHighestDomainId);
+  if (number) return static_cast<DomainId>(*number);
+  auto details = number.error().details();
+  details.field = "the environment variable ROS_DOMAIN_ID";
+  return fail(number.error().code(), std::move(details));
+}
+
+// The domain of the node; where the documents are for others, one of those, so that the wrong
+// variable (DOC096) is not said again for each piece of them.
+Result<DomainId> domain_of_node(const doctor::LoadedFolder& folder, WallTime now) {
+  const auto domain = DDSSEC_TRY(ros_domain());
+  const auto named = doctor::domains_of(folder, now);
+  if (named.empty() || doctor::contains(named, domain)) return domain;
+  const doctor::Domains participants[] = {named};
+  return doctor::choose_domain(participants).domain;
 }
 
 Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
@@ -201,7 +216,7 @@ Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
   Report report;
   const bool is_of_ros = arguments.has("--ros") && !arguments.has("--domain");
   const auto domain = DDSSEC_TRY(
-      is_of_ros ? ros_domain()
+      is_of_ros ? domain_of_node(loaded, now)
                 : domain_for(arguments, {&loaded, peer ? &*peer : &loaded}, now, report));
   const doctor::Settings settings{.now = now, .domain = domain};
   auto diagnosis = doctor::diagnose(loaded, settings);
@@ -222,8 +237,24 @@ Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
 
 }  // namespace
 
+// The folder of several participants, given in place of one of theirs, is a likely mistake.
 Status check_folder(const fs::path& folder) {
-  return check_directory(folder, "a participant's folder");
+  DDSSEC_TRY(check_directory(folder, "a participant's folder"));
+  const auto files = pki::participant_folder(folder);
+  if (is_there(files.certificate) || is_there(files.identity_ca)) return {};
+  constexpr std::size_t kMost = 5;
+  std::vector<std::string> inside;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (is_there(entry.path() / "cert.pem")) inside.push_back(entry.path().string());
+  if (inside.empty()) return {};
+  std::ranges::sort(inside);
+  const bool more = inside.size() > kMost;
+  if (more) inside.resize(kMost);
+  return fail(Code::file_not_found,
+              {.document = files.certificate,
+               .note = fmt::format("{} holds participants: {}{}", folder.string(),
+                                   fmt::join(inside, ", "), more ? ", ..." : "")});
 }
 
 doctor::LoadedFolder load_participant(const fs::path& folder, WallTime now) {
@@ -234,7 +265,7 @@ std::unexpected<Error> unknown_vendor(const std::string& word, std::string_view 
   const bool names_version = word.find('@') != word.npos;
   return fail(Code::usage,
               {.field = "--vendor",
-               .expected = fmt::format("{}cyclonedds@0.10.2, fastdds@2.9.1 or ours", before),
+               .expected = fmt::format("{}cyclonedds@0.10.2, fastdds@2.9.1 or ddssec", before),
                .found = '"' + word + '"',
                .note = names_version ? "no other version was measured; what is known of Fast DDS "
                                        "2.10 and later is in docs/why-they-do-not-talk.md"
@@ -272,7 +303,7 @@ std::vector<Command> doctor_commands() {
                   "something is.",
        .positionals = {{"DIR", "the participant's folder, flat or an enclave of sros2"}},
        .options = {kDomainToCheck,
-                   repeated("--vendor", "V", "all, cyclonedds@0.10.2, fastdds@2.9.1 or ours"),
+                   repeated("--vendor", "V", "all, cyclonedds@0.10.2, fastdds@2.9.1 or ddssec"),
                    {"--peer", "DIR", "another participant: would they talk?"},
                    {"--ros", "", "as an enclave of ROS 2, with its variables and ROS_DOMAIN_ID"},
                    {"--plugins", "WHERE",

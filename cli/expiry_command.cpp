@@ -34,6 +34,7 @@ struct Ending {
   WallTime end;
   fs::path file;
   std::size_t places = 1;  ///< how many files hold the same
+  std::string id = {};     ///< of a certificate: issuer and serial number
 };
 
 /// All that ends below some paths; the same thing in many files is one row.
@@ -65,6 +66,8 @@ class Search {
     return out;
   }
   const std::vector<Error>& unreadable() const { return unreadable_; }
+  /// True if one of the lists that were found names it, whoever signed that.
+  bool is_revoked(const Ending& ending) const { return revoked_.contains(ending.id); }
 
  private:
   static Error unreadable_file(const fs::path& path, const std::error_code& error) {
@@ -118,13 +121,16 @@ class Search {
     if (text.find("-----BEGIN CERTIFICATE-----") != text.npos)
       for (const auto& certificate : DDSSEC_TRY(pki::Certificate::bundle_from_pem(octets)))
         add({certificate.is_ca() ? "CA" : "certificate", certificate.subject(),
-             certificate.not_after(), file},
+             certificate.not_after(), file, 1, certificate.issuer() + ' ' + certificate.serial()},
             to_hex(certificate.fingerprint()));
     if (text.find("-----BEGIN X509 CRL-----") == text.npos) return {};
-    for (const auto& crl : DDSSEC_TRY(pki::Crl::all_from(octets)))
+    for (const auto& crl : DDSSEC_TRY(pki::Crl::all_from(octets))) {
+      for (const auto& entry : DDSSEC_TRY(crl.revoked()))
+        revoked_.insert(crl.issuer() + ' ' + entry.serial);
       if (crl.next_update())
         add({"revocation list", crl.issuer(), *crl.next_update(), file},
             to_hex(sha256(as_bytes(crl.pem()))));
+    }
     return {};
   }
 
@@ -148,6 +154,7 @@ class Search {
   std::map<std::string, Ending> found_;
   std::set<fs::path> paths_;
   std::set<std::string> seen_;
+  std::set<std::string> revoked_;  ///< as Ending::id
   std::vector<Error> unreadable_;
   std::size_t hits_ = 0;
 };
@@ -175,10 +182,11 @@ Result<Report> expiry(const Arguments& arguments, const Context& context) {
   report.result = {{"until", to_string(horizon)}, {"entries", Json::array()}};
   std::size_t due = 0;
   for (const auto& ending : search.endings()) {
-    const auto state = state_of(ending, now, horizon);
+    const auto by_time = state_of(ending, now, horizon);
+    const auto state = by_time == "ok" && search.is_revoked(ending) ? "revoked" : by_time;
     const auto days = std::chrono::floor<std::chrono::days>(ending.end - now).count();
-    if (state != "ok") ++due;
-    if (state != "ok" || !arguments.has("--quiet")) report.text += row(ending, state, days);
+    if (by_time != "ok") ++due;
+    if (by_time != "ok" || !arguments.has("--quiet")) report.text += row(ending, state, days);
     report.result["entries"].push_back({{"state", state},
                                         {"kind", ending.kind},
                                         {"subject", ending.subject},

@@ -45,9 +45,12 @@ Result<Report> explain(const Arguments& arguments, const Context&) {
                               .expected = "a name or number as messages show it in brackets",
                               .found = '"' + wanted.substr(0, 64) + '"'});
   Report report;
-  report.text = fmt::format("{}{} ({})\n  {}\n  {}\n", row->name,
-                            row->number == 0 ? "" : fmt::format(" {}", row->number),
-                            to_string(row->severity), row->summary, row->hint);
+  // A rule's title says what is looked at, not what was found.
+  const bool is_rule = row->number == 0;
+  report.text = fmt::format("{}{} ({})\n  {}{}\n  {}{}\n", row->name,
+                            is_rule ? "" : fmt::format(" {}", row->number),
+                            to_string(row->severity), is_rule ? "checks: " : "", row->summary,
+                            is_rule ? "if it fails: " : "", row->hint);
   report.result = {{"name", row->name}};
   if (row->number != 0) report.result["number"] = row->number;
   report.result["severity"] = to_string(row->severity);

@@ -145,7 +145,10 @@ Result<Report> identity_renew(const Arguments& arguments, const Context& context
     report.result["permissions_until"] = to_string(until);
     if (ends_before)
       report.text += fmt::format("permissions {} {}\n",
-                                 extend ? "extended to" : "end before it, on", date(until));
+                                 extend         ? "extended to"
+                                 : until <= now ? "expired and the participant cannot start, since"
+                                                : "end before it, on",
+                                 date(until));
     if (ends_before && !extend) report.text += "  --permissions extends them as well\n";
   }
   report.files_written = DDSSEC_TRY(out.commit());
@@ -278,8 +281,7 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
       fmt::format("{}  revoked {}; revocation list {} holds until {}\n{}", what.subject,
                   lines.empty() ? "already, but the list did not say so"
                                 : fmt::format("({})", counted(what.serials.size(), "certificate")),
-                  crl.number().value_or(0), date(*crl.next_update()),
-                  next);
+                  crl.number().value_or(0), date(*crl.next_update()), next);
   report.files_written = DDSSEC_TRY(out.commit());
   return report;
 }

@@ -52,7 +52,7 @@ Result<std::vector<std::string>> names_of(const Arguments& arguments, pki::Folde
     } else {
       DDSSEC_TRY(check_name(name));
       if (name == "ca")
-        return fail(Code::name_unusable, {.found = name, .note = "the CAs' folder is called so"});
+        return fail(Code::name_unusable, {.found = name, .note = "the CAs' folder has this name"});
     }
     if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), name) !=
         names.begin() + static_cast<std::ptrdiff_t>(i))

@@ -97,22 +97,41 @@ Result<governance::Grant> grant_of_policy(const fs::path& file, const Participan
   return permissions_of(policy, {.domain = range.first}).grants.front();
 }
 
-// What --domain says; else one domain that the keystore's governance document is for.
-Result<std::vector<governance::DomainRange>> granted_domains(const Arguments& arguments) {
-  if (arguments.has("--domain")) return domain_ranges(arguments, "--domain");
-  const auto document = unverified_document<GovernanceKind>(fs::path(arguments.text("KEYSTORE")) /
-                                                            "enclaves/governance.p7s");
+// What --domain says; else one domain that the keystore's governance document is for. Of a domain
+// that the document is not for, a participant would not start.
+Result<std::vector<governance::DomainRange>> granted_domains(const Arguments& arguments,
+                                                             Report& report) {
+  const auto file = fs::path(arguments.text("KEYSTORE")) / "enclaves/governance.p7s";
+  const auto document = unverified_document<GovernanceKind>(file);
   std::vector<doctor::Domains> named(1);
   if (document)
     for (const auto& rule : document->domain_rules)
       named[0].insert(named[0].end(), rule.domains.ranges.begin(), rule.domains.ranges.end());
+  if (arguments.has("--domain")) {
+    auto given = DDSSEC_TRY(domain_ranges(arguments, "--domain"));
+    const bool fits = named[0].empty() || std::ranges::any_of(given, [&](const auto& range) {
+                        return std::ranges::any_of(named[0], [&](const auto& one) {
+                          return one.first <= range.last && range.first <= one.last;
+                        });
+                      });
+    if (!fits)
+      report.findings.push_back(
+          {.rule = Rule::DOC050,
+           .message =
+               fmt::format("the permissions are for domain {}, and the keystore's governance "
+                           "document is for {}: the participant cannot start",
+                           doctor::in_words(given), doctor::in_words(named[0])),
+           .document = file.string(),
+           .severity = Severity::warning});
+    return given;
+  }
   const auto domain = doctor::choose_domain(named).domain;
   return std::vector<governance::DomainRange>{{domain, domain}};
 }
 
 Status read_rights(ParticipantSpec& spec, const Arguments& arguments, Report& report) {
   DDSSEC_TRY(check_one_source(arguments));
-  spec.domains = DDSSEC_TRY(granted_domains(arguments));
+  spec.domains = DDSSEC_TRY(granted_domains(arguments, report));
   spec.publish = DDSSEC_TRY(topics_of(arguments, "--publish"));
   spec.subscribe = DDSSEC_TRY(topics_of(arguments, "--subscribe"));
   if (arguments.has("--allow-all")) spec.publish = spec.subscribe = {"*"};
@@ -164,6 +183,11 @@ Result<Report> keystore_enclave(const Arguments& arguments, const Context& conte
   Report report;
   DDSSEC_TRY(read_rights(spec, arguments, report));
   const auto target = keystore / enclave_folder(name);
+  if (is_there(target / "cert.pem"))
+    return fail(Code::would_overwrite,
+                {.document = target,
+                 .note = "the enclave exists: ddssec keystore permission gives it other rights; to "
+                         "issue it again with a new key, remove its folder first"});
   auto folder = DDSSEC_TRY(new_enclave(keystore, target));
   CaOpener opener(arguments);
   const auto identity = DDSSEC_TRY(opener.open(ca_paths(keystore, "identity")));
@@ -282,7 +306,7 @@ Result<Report> keystore_verify(const Arguments& arguments, const Context& contex
       const auto outcome = diagnosis.outcomes().of(vendor);
       if (outcome != doctor::Outcome::ok) report.exit = Exit::no;
       verdicts[std::string(doctor::id(vendor))] = to_string(outcome);
-      words += fmt::format("  {}: {}", doctor::id(vendor), to_string(outcome));
+      words += fmt::format("  {}: {}", doctor::label(vendor), to_string(outcome));
     }
     for (const auto& check : diagnosis.checks())
       report.findings.insert(report.findings.end(), check.findings.begin(), check.findings.end());
@@ -327,8 +351,7 @@ Result<Report> keystore_import(const Arguments& arguments, const Context& contex
       return fail(Code::file_unwritable, {.document = key});
     report.result["keys_closed"].push_back(key.string());
     report.text += fmt::format(
-        "{} is for its owner only now; whoever could read it may have a "
-        "copy\n",
+        "{} is for its owner only now; other users of this machine may have copied it\n",
         key.string());
   }
   if (!writes_nothing()) ::chmod((keystore / "private").c_str(), 0700);
@@ -410,7 +433,8 @@ std::vector<Command> keystore_commands() {
        .run = keystore_verify},
       {.group = "keystore",
        .name = "import",
-       .summary = "Takes over a keystore of sros2: closes its keys, logs its certificates.",
+       .summary = "Takes over a keystore of sros2: restricts its keys' file modes and records its "
+                  "certificates.",
        .positionals = {kKeystore},
        .options = {},
        .examples = {"ddssec keystore import keystore"},

@@ -43,14 +43,14 @@ std::string place(const Judgement& judgement) {
                             : fmt::format(" ({})", file);
 }
 
-// "talker -> listener ok    listener -> talker ok": who is believed by whom.
+// "listener accepts talker: ok    talker accepts listener: ok".
 std::string step_line(std::string_view title, const std::vector<Judgement>& judgements,
                       const MeetingView& view) {
   auto out = fmt::format("{:<17}", title);
   for (const auto& one : judgements)
     out += one.judge == one.about
                ? fmt::format("{} {}    ", view.names[one.about], yes_or_no(one.ok))
-               : fmt::format("{} -> {} {}    ", view.names[one.about], view.names[one.judge],
+               : fmt::format("{} accepts {}: {}    ", view.names[one.judge], view.names[one.about],
                              yes_or_no(one.ok));
   return out.substr(0, out.find_last_not_of(' ') + 1) + '\n';
 }
@@ -66,9 +66,9 @@ std::string join_line(const MeetingView& view) {
   auto out = fmt::format("{:<17}domain {} {}", "join", view.domain, ok ? "ok (both)" : "NO");
   if (meeting.rules[0] != nullptr && meeting.rules[1] != nullptr)
     out += meeting.differences.empty()
-               ? fmt::format("    governance bits equal ({})", mask_of(*meeting.rules[0]))
-               : fmt::format("    governance bits DIFFER ({} and {})", mask_of(*meeting.rules[0]),
-                             mask_of(*meeting.rules[1]));
+               ? "    the governance documents agree"
+               : fmt::format("    the governance documents DIFFER (attributes {} and {})",
+                             mask_of(*meeting.rules[0]), mask_of(*meeting.rules[1]));
   return out + '\n';
 }
 
@@ -119,20 +119,48 @@ std::string topic_text(const TopicMeeting& topic, const MeetingView& view) {
          direction_text(topic, topic.directions[1], view);
 }
 
-std::size_t working_directions(const Meeting& meeting) {
+// Both may use it in one direction or the other, and nothing but the protection keeps them apart.
+bool differs(const TopicMeeting& topic) {
+  return std::ranges::any_of(topic.directions, [](const Direction& one) {
+    return !one.differences.empty() && std::ranges::all_of(one.steps, &Judgement::ok);
+  });
+}
+
+// What every node of ROS 2 has besides the topics that it is for.
+bool is_of_every_node(std::string_view topic) {
+  return topic == "ros_discovery_info" || topic == "rt/rosout" || topic == "rt/parameter_events" ||
+         ((topic.starts_with("rq/") || topic.starts_with("rr/")) &&
+          (topic.contains("/get_parameter") || topic.contains("/set_parameters") ||
+           topic.contains("/list_parameters") || topic.contains("/describe_parameters")));
+}
+
+// "talker publishes to listener: rt/chatter".
+std::string working_topics(const MeetingView& view, int writer) {
+  constexpr std::size_t kMost = 5;
   std::size_t count = 0;
-  for (const auto& topic : meeting.topics)
-    count += static_cast<std::size_t>(topic.directions[0].ok) +
-             static_cast<std::size_t>(topic.directions[1].ok);
-  return count;
+  std::size_t of_ros = 0;
+  std::string names;
+  for (const auto& topic : view.meeting.topics) {
+    if (!topic.directions[writer].ok) continue;
+    if (is_of_every_node(topic.topic)) {
+      ++of_ros;
+    } else if (++count <= kMost) {
+      names += fmt::format("{}{}", names.empty() ? "" : ", ", topic.topic);
+    }
+  }
+  if (count > kMost) names += fmt::format(" and {} more", count - kMost);
+  if (names.empty()) names = "nothing";
+  if (of_ros > 0) names += fmt::format(" (and {} of every ROS 2 node)", counted(of_ros, "topic"));
+  return fmt::format("{} publishes to {}: {}", view.names[writer], view.names[1 - writer], names);
 }
 
 std::string result_line(const MeetingView& view) {
   const auto& meeting = view.meeting;
   if (!meeting.joined()) return "result: they do not match\n";
-  return fmt::format("result: they match and exchange {} of {}{}\n", working_directions(meeting),
-                     counted(meeting.topics.size() * 2, "direction"),
-                     meeting.topics_complete ? "" : " (not every topic was looked at)");
+  return fmt::format("result: they match{}\n  {}\n  {}\n{}",
+                     protection_differs(meeting) ? ", but the protection of a topic differs" : "",
+                     working_topics(view, 0), working_topics(view, 1),
+                     meeting.topics_complete ? "" : "  (not every topic was looked at)\n");
 }
 
 Json reason_of(const Judgement& one) { return one.ok ? Json() : Json(one.reason); }
@@ -234,7 +262,7 @@ std::string meeting_text(const MeetingView& view) {
   std::size_t hidden = 0;
   for (const auto& topic : meeting.topics) {
     const bool idle = !topic.directions[0].ok && !topic.directions[1].ok;
-    if (idle && !view.topics_named && !view.explain)
+    if (idle && !differs(topic) && !view.topics_named && !view.explain)
       hidden += meeting.joined() ? 1 : 0;
     else
       out += topic_text(topic, view);
@@ -243,6 +271,10 @@ std::string meeting_text(const MeetingView& view) {
     out += fmt::format("and {} that only one of them may use (--explain shows them)\n",
                        counted(hidden, "topic"));
   return out + result_line(view);
+}
+
+bool protection_differs(const Meeting& meeting) {
+  return meeting.joined() && std::ranges::any_of(meeting.topics, differs);
 }
 
 Json meeting_json(const MeetingView& view) {

@@ -29,6 +29,8 @@ bool would_talk(const MeetingView& view);
 
 /// Steps, topics and a last line with the result.
 std::string meeting_text(const MeetingView& view);
+/// True if they meet, and both may use a topic that their governance documents protect differently.
+bool protection_differs(const governance::doctor::Meeting& meeting);
 /// authentication, permissions, join, handshake, topics, vendor_notes.
 Json meeting_json(const MeetingView& view);
 

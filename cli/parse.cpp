@@ -21,10 +21,10 @@ std::vector<std::string> words_after(std::string_view group) {
 }
 
 std::string nearest(std::string_view word, const std::vector<std::string>& known) {
-  constexpr std::size_t kNear = 2;
+  const std::size_t near = word.size() < 7 ? 1 : 2;  // "--foo" is not meant as "--now"
   const auto best = std::ranges::min_element(
       known, {}, [&](const std::string& k) { return edit_distance(word, k); });
-  return best != known.end() && edit_distance(word, *best) <= kNear ? *best : std::string();
+  return best != known.end() && edit_distance(word, *best) <= near ? *best : std::string();
 }
 
 std::unexpected<Error> wrong(std::string note) {
@@ -92,7 +92,7 @@ class CommandLine {
       const bool ends_there = name.starts_with("--") && name.size() + 1 == word.size();
       if (ends_there && std::ranges::find(slots_, name, &Slot::name) != slots_.end())
         return wrong(
-            fmt::format("nothing is behind \"{}\"; an empty value is written {} ''", word, name));
+            fmt::format("nothing follows \"{}\"; an empty value is written {} ''", word, name));
     }
     return {};
   }
@@ -109,7 +109,11 @@ class CommandLine {
       if (name.starts_with("-") && name != "-" && std::ranges::find(known, name) == known.end())
         return unknown(name, known);
     }
-    return wrong(error.what());
+    const std::string what = error.what();
+    constexpr std::string_view kRequired = " is required";
+    if (what.ends_with(kRequired))
+      return wrong("missing argument " + what.substr(0, what.size() - kRequired.size()));
+    return wrong(what);
   }
 
   Arguments::Values values() const {
@@ -144,7 +148,7 @@ std::vector<std::string> command_first(std::span<const std::string> words) {
       options.push_back(words[at++]);
   }
   std::vector<std::string> out(words.begin() + static_cast<std::ptrdiff_t>(at), words.end());
-  if (!out.empty() && out[0] == "--version") out[0] = "version";
+  if (!out.empty() && (out[0] == "--version" || out[0] == "-V")) out[0] = "version";
   out.insert(out.end(), options.begin(), options.end());
   return out;
 }

@@ -14,6 +14,20 @@ namespace ddssec::cli {
 using governance::RosEnclave;
 using governance::RosPolicy;
 
+namespace {
+
+std::string paths_of(const RosPolicy& policy) {
+  constexpr std::size_t kMost = 256;
+  std::string out;
+  for (const auto& enclave : policy.enclaves) {
+    if (out.size() > kMost) return out + ", ...";
+    out += (out.empty() ? "" : ", ") + enclave.path;
+  }
+  return out;
+}
+
+}  // namespace
+
 Result<RosPolicy> read_policy(const std::filesystem::path& file,
                               const std::vector<std::string>& wanted) {
   auto policy = DDSSEC_TRY(governance::read_ros_policy(
@@ -22,7 +36,7 @@ Result<RosPolicy> read_policy(const std::filesystem::path& file,
   for (const auto& path : wanted)
     if (std::ranges::find(policy.enclaves, path, &RosEnclave::path) == policy.enclaves.end())
       return fail(Code::usage, {.document = file,
-                                .expected = "the path of an enclave of the policy",
+                                .expected = "an enclave of the policy: " + paths_of(policy),
                                 .found = '"' + path + '"'});
   std::erase_if(policy.enclaves, [&](const RosEnclave& enclave) {
     return std::ranges::find(wanted, enclave.path) == wanted.end();

@@ -58,7 +58,7 @@ std::vector<Command> ros_policy_commands() {
   return {
       {.group = "permissions",
        .name = "from-ros-policy",
-       .summary = "Writes the permissions that a ROS 2 policy (sros2) comes to.",
+       .summary = "Writes the permissions that result from a ROS 2 policy (sros2).",
        .positionals = {{"FILE", "the policy; what it includes is read from below its folder"}},
        .options = {{.name = "-o", .value = "FILE", .summary = "the new document", .required = true},
                    kDomain,

@@ -32,12 +32,14 @@ std::string absence(const fs::path& path) {
 // One file that could not be loaded. An encrypted key and a key of a strange kind have rules of
 // their own.
 void report_unloaded(const fs::path& path, const Error& error, Diagnosis& out) {
-  const auto say = [&](Rule rule, std::string message) {
+  const auto say = [&](Rule rule, std::string message, std::string_view hint = {}) {
     // Fast DDS takes keys that DDS-Security does not know, short ones too. Measured.
     const auto outcomes = rule == Rule::DOC014
                               ? Outcomes{.cyclonedds = Outcome::fail, .ours = Outcome::fail}
                               : kNobody;
-    out.report(outcomes, {.rule = rule, .message = std::move(message), .document = path});
+    out.report(
+        outcomes,
+        {.rule = rule, .message = std::move(message), .document = path, .hint = std::string(hint)});
   };
   switch (error.code()) {
     case Code::file_not_found:
@@ -53,6 +55,9 @@ void report_unloaded(const fs::path& path, const Error& error, Diagnosis& out) {
     case Code::pkcs11_pin_missing:
     case Code::pkcs11_pin_wrong:
       return say(Rule::DOC005, fmt::format("{}: {}", name_of(path), error.message()));
+    case Code::file_unreadable:
+      return say(Rule::DOC002, fmt::format("{}: {}", name_of(path), error.message()),
+                 info(error.code()).hint);
     default:
       return say(Rule::DOC002, fmt::format("{}: {}", name_of(path), error.message()));
   }

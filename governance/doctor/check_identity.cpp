@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "governance/doctor/ca_list.hpp"
 #include "governance/doctor/chain_outcomes.hpp"
 #include "governance/doctor/checks.hpp"
 
@@ -155,7 +156,46 @@ std::string crl_wrong(const LoadedFolder& folder, const Error& error) {
   return fmt::format("{}: {}", file, error.message());
 }
 
+std::string own_list(const LoadedFolder& folder) {
+  const auto file = name_of(folder.paths.crl);
+  if (folder.crls->empty()) return fmt::format("there is no {} here", file);
+  return fmt::format("{} here is list {}", file, folder.crls->front().number().value_or(0));
+}
+
+// The CA's own list, if it lies beside the participant and is newer than the participant's.
+void check_ca_list(const LoadedFolder& folder, Diagnosis& out) {
+  if (!folder.crls || !folder.certificate || !folder.identity_cas) return;
+  const auto newer = newer_ca_list(folder.paths, *folder.identity_cas, *folder.crls);
+  if (!newer) return;
+  const auto number = newer->list.number().value_or(0);
+  if (names(newer->list, *folder.certificate))
+    return out.report(
+        kNobody, {.rule = Rule::DOC024,
+                  .message = fmt::format(
+                      "{} of {} (serial {}) is revoked by list {} of the CA, {}; "
+                      "{}",
+                      name_of(folder.paths.certificate), folder.certificate->subject(),
+                      folder.certificate->serial(), number, newer->file.string(), own_list(folder)),
+                  .document = newer->file});
+  if (!folder.has_crl_file) return;  // said by check_revocation
+  out.report({}, {.rule = Rule::DOC023,
+                  .message = fmt::format("the CA has list {}, {}; {}", number, newer->file.string(),
+                                         own_list(folder)),
+                  .document = folder.paths.crl,
+                  .hint = "put the CA's list into the participants' folders: ddssec crl distribute",
+                  .severity = Severity::warning});
+}
+
 void check_revocation(const LoadedFolder& folder, WallTime now, Diagnosis& out) {
+  if (!folder.has_crl_file && !folder.is_empty())
+    out.report({},
+               {.rule = Rule::DOC023,
+                .message = fmt::format("there is no {}: a revoked certificate still counts here",
+                                       name_of(folder.paths.crl)),
+                .document = folder.paths.folder,
+                .hint = "put the CA's list there: ddssec crl distribute --ca CA; without a "
+                        "list of it, ddssec crl new --ca CA makes one",
+                .severity = Severity::warning});
   if (!folder.has_crl_file || !folder.crls || !folder.certificate || !folder.identity_cas) return;
   const auto verifier = folder.chain();
   if (!verifier) return;  // said by check_chain
@@ -186,6 +226,7 @@ void check_identity(const LoadedFolder& folder, const Settings& settings, Diagno
   check_chain(folder, settings.now, out);
   check_dates(folder, settings.now, out);
   check_revocation(folder, settings.now, out);
+  check_ca_list(folder, out);
 }
 
 }  // namespace ddssec::governance::doctor

@@ -159,7 +159,7 @@ void report_uncovered(const LoadedFolder& folder, const Settings& settings, Diag
              {.rule = Rule::DOC050,
               .message = fmt::format("no <domain_rule> of {} covers domain {}; they cover {}",
                                      folder.paths.governance.filename().string(), settings.domain,
-                                     in_words(all)),
+                                     in_words(normal(std::move(all)))),
               .document = folder.paths.governance,
               .line = rules.empty() ? 0 : rules.front().domains.line});
 }
@@ -218,7 +218,7 @@ void check_join(const Scene& scene, const Grant& grant, const DomainRule* govern
       {.rule = Rule::DOC051,
        .message = fmt::format("no allow_rule of grant \"{}\" is for domain {}; they are for {}",
                               grant.name, scene.settings.domain,
-                              allowed.empty() ? "none" : in_words(allowed)),
+                              allowed.empty() ? "none" : in_words(normal(std::move(allowed)))),
        .document = scene.file(),
        .line = grant.line});
 }
@@ -351,8 +351,8 @@ void check_ends(const LoadedFolder& folder, const Settings& settings, Diagnosis&
   if (first->when > settings.now + kSoon) return out.pass(Rule::DOC041);
   const auto left = std::chrono::floor<std::chrono::hours>(first->when - settings.now).count();
   out.report({}, {.rule = Rule::DOC041,
-                  .message = fmt::format("{} ends first, at {}: in {} d {} h; whoever is "
-                                         "connected then is cut off",
+                  .message = fmt::format("{} ends first, at {}: in {} d {} h; a participant "
+                                         "that is connected then is cut off",
                                          first->what, to_string(first->when), left / 24, left % 24),
                   .document = first->document});
 }

@@ -11,19 +11,6 @@ namespace {
 
 constexpr std::size_t kMostCharacters = 128;
 
-Domains normal(Domains ranges) {
-  std::ranges::sort(ranges, {}, &DomainRange::first);
-  Domains out;
-  for (const auto& range : ranges) {
-    if (range.last < range.first) continue;
-    if (!out.empty() && range.first <= out.back().last + 1)
-      out.back().last = std::max(out.back().last, range.last);
-    else
-      out.push_back(range);
-  }
-  return out;
-}
-
 Domains intersection(const Domains& a, const Domains& b) {
   Domains out;
   for (auto i = a.begin(), j = b.begin(); i != a.end() && j != b.end();) {
@@ -75,6 +62,19 @@ Domains governed(const LoadedFolder& folder) {
 }
 
 }  // namespace
+
+Domains normal(Domains ranges) {
+  std::ranges::sort(ranges, {}, &DomainRange::first);
+  Domains out;
+  for (const auto& range : ranges) {
+    if (range.last < range.first) continue;
+    if (!out.empty() && range.first <= out.back().last + 1)
+      out.back().last = std::max(out.back().last, range.last);
+    else
+      out.push_back(range);
+  }
+  return out;
+}
 
 Domains domains_of(const LoadedFolder& folder, WallTime now) {
   return common(governed(folder), granted(folder, now));

@@ -29,6 +29,9 @@ struct DomainChoice {
 /// all): domain 0 if that is one of several, else the lowest; 0 if no document names a domain.
 DomainChoice choose_domain(std::span<const Domains> participants);
 
+/// In ascending order, with no two that touch.
+Domains normal(Domains ranges);
+
 bool contains(const Domains& domains, DomainId id);
 
 /// "0-5, 7": at most 128 characters or a little more, then "...".

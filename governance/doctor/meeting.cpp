@@ -62,7 +62,7 @@ void judge_start(const MeetingScene& scene, int index) {
     out.document = why->document;
     out.line = why->line;
     add_finding(scene, Rule::DOC090, out,
-                fmt::format("{} does not work with {} by itself: {}", party.name,
+                fmt::format("{} cannot start on its own with {}: {}", party.name,
                             name(party.vendor), out.reason));
   }
   scene.out.start.push_back(out);
@@ -120,7 +120,7 @@ void judge_authentication(const MeetingScene& scene, int judge) {
     const auto& certificate = other.folder.certificate;
     if (certificate && self.folder.identity_cas && self.folder.crls)
       add_finding(scene, Rule::DOC080, out,
-                  fmt::format("{} does not believe {}'s certificate ({} serial {}, issued by "
+                  fmt::format("{} does not accept {}'s certificate ({} serial {}, issued by "
                               "\"{}\"): {}{}",
                               self.name, other.name, certificate->subject(), certificate->serial(),
                               certificate->issuer(), out.reason,
@@ -170,7 +170,7 @@ void judge_permissions(const MeetingScene& scene, int judge) {
         self.folder.permissions_cas)
       add_finding(
           scene, Rule::DOC081, out,
-          fmt::format("{} does not believe {}'s permissions: {}{}", self.name, other.name,
+          fmt::format("{} does not accept {}'s permissions: {}{}", self.name, other.name,
                       out.reason,
                       held_if(kForeign, status.error(), self.name, self.folder.paths.permissions_ca,
                               self.folder.permissions_cas)),
@@ -274,8 +274,9 @@ void note_versions(const MeetingScene& scene) {
   if (!are_apart(0) && !are_apart(1)) return;
   scene.out.notes.push_back(
       {.rule = Rule::DOC094,
-       .message = "this is foretold of Fast DDS 2.9.1: secured, Fast DDS 2.10 and later discovers "
-                  "nothing of Cyclone DDS 0.10, with its own plugins or with ddssec's"});
+       .message =
+           "this is predicted for Fast DDS 2.9.1: secured, Fast DDS 2.10 and later discovers "
+           "nothing of Cyclone DDS 0.10, with its own plugins or with ddssec's"});
 }
 
 void report_no_topic(const MeetingScene& scene) {

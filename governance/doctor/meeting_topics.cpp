@@ -176,6 +176,14 @@ void report_refusals(const MeetingScene& scene, const TopicMeeting& topic) {
     }
 }
 
+// Topics of expressions are examples: their names are made up.
+std::string example_of_rule(const TopicMeeting& topic) {
+  const auto& expression = topic.rules[1]->topic_expression;
+  if (expression == topic.topic) return fmt::format("topic \"{}\"", topic.topic);
+  return fmt::format("topics under the <topic_rule> \"{}\", such as \"{}\"", expression,
+                     topic.topic);
+}
+
 // Every topic under the same two rules has the same difference: it is said once.
 void report_differences(const MeetingScene& scene, const TopicMeeting& topic) {
   for (const auto& difference : topic.directions[0].differences) {
@@ -185,7 +193,7 @@ void report_differences(const MeetingScene& scene, const TopicMeeting& topic) {
     });
     if (said) continue;
     scene.out.findings.push_back({.rule = Rule::DOC084,
-                                  .message = fmt::format("topic \"{}\": {}", topic.topic, message),
+                                  .message = fmt::format("{}: {}", example_of_rule(topic), message),
                                   .document = scene.folder(1).paths.governance.string(),
                                   .line = difference.lines[1]});
   }

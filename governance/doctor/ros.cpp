@@ -4,6 +4,8 @@
 #include <array>
 #include <charconv>
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -105,6 +107,60 @@ void check_names(const LoadedFolder& folder, const Environment& environment, Dia
                   .document = folder.paths.folder / file});
 }
 
+// What rmw_cyclonedds_cpp makes the loader look for.
+constexpr std::array<const char*, 3> kPluginFiles{
+    "libdds_security_auth.so", "libdds_security_ac.so", "libdds_security_crypto.so"};
+
+// Not by loading it: that would run its code.
+bool is_ours(const fs::path& library) {
+  constexpr std::string_view kMark = "ddssec_";
+  std::ifstream file(library, std::ios::binary);
+  const std::string octets{std::istreambuf_iterator<char>(file), {}};
+  return octets.find(kMark) != octets.npos;
+}
+
+// Where the loader finds a library, or empty: LD_LIBRARY_PATH comes first.
+fs::path found_on(std::string_view path, const char* library) {
+  while (!path.empty()) {
+    const auto end = std::min(path.find(':'), path.size());
+    const auto candidate = fs::path(path.substr(0, end)) / library;
+    std::error_code ignored;
+    if (end > 0 && fs::is_regular_file(candidate, ignored)) return candidate;
+    path.remove_prefix(std::min(end + 1, path.size()));
+  }
+  return {};
+}
+
+// Without ddssec's plugins a node runs all the same, on those of the installation.
+void check_plugins_of_node(const Environment& environment, Diagnosis& out) {
+  const auto rmw = value(environment, "RMW_IMPLEMENTATION");
+  if (rmw != "rmw_cyclonedds_cpp")
+    return out.report(
+        {.cyclonedds = Outcome::fail, .ours = Outcome::fail},
+        {.rule = Rule::DOC067,
+         .message = rmw.empty()
+                        ? "RMW_IMPLEMENTATION is not set: a node runs on the installation's "
+                          "default, as a rule Fast DDS with its own plugins"
+                        : fmt::format("RMW_IMPLEMENTATION is \"{}\": a node does not run on "
+                                      "Cyclone DDS, and not on ddssec's plugins",
+                                      rmw)});
+  out.pass(Rule::DOC067);
+  const auto path = value(environment, "LD_LIBRARY_PATH");
+  out.pass(Rule::DOC068);
+  for (const auto* library : kPluginFiles) {
+    const auto found = found_on(path, library);
+    if (!found.empty() && is_ours(found)) continue;
+    const auto why =
+        found.empty()
+            ? fmt::format("no folder of LD_LIBRARY_PATH (\"{}\") holds {}", path, library)
+            : fmt::format("{} comes first on LD_LIBRARY_PATH and is not of ddssec", found.string());
+    return out.report({.ours = Outcome::fail},
+                      {.rule = Rule::DOC068,
+                       .message = why + ": a node runs on the stock plugins, or does not start",
+                       .document = found});
+  }
+}
+
 void check_discovery_topic(const LoadedFolder& folder, const CompiledGrant& grant, Diagnosis& out) {
   out.pass(Rule::DOC064);
   for (const auto action : {Action::publish, Action::subscribe}) {
@@ -168,8 +224,9 @@ void check_rosout(const LoadedFolder& folder, const CompiledGrant& grant, Diagno
 
 Environment ros_environment() {
   Environment out;
-  for (const auto* name : {"ROS_SECURITY_ENABLE", "ROS_SECURITY_STRATEGY", "ROS_SECURITY_KEYSTORE",
-                           "ROS_SECURITY_ENCLAVE_OVERRIDE", "ROS_DOMAIN_ID", "RMW_IMPLEMENTATION"})
+  for (const auto* name :
+       {"ROS_SECURITY_ENABLE", "ROS_SECURITY_STRATEGY", "ROS_SECURITY_KEYSTORE",
+        "ROS_SECURITY_ENCLAVE_OVERRIDE", "ROS_DOMAIN_ID", "RMW_IMPLEMENTATION", "LD_LIBRARY_PATH"})
     if (const char* set = std::getenv(name)) out.emplace(name, set);
   return out;
 }
@@ -180,6 +237,7 @@ void check_ros(const LoadedFolder& folder, const Environment& environment, const
   check_word(environment, "ROS_SECURITY_STRATEGY", "Enforce", Rule::DOC061, out);
   check_enclave(folder, environment, out);
   check_domain(folder, environment, settings, out);
+  check_plugins_of_node(environment, out);
   check_names(folder, environment, out);
   const auto* grant = grant_of(folder, settings.now);
   if (grant == nullptr) return;

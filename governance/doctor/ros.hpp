@@ -12,12 +12,13 @@ namespace ddssec::governance::doctor {
 using Environment = std::map<std::string, std::string, std::less<>>;
 
 /// ROS_SECURITY_ENABLE, ROS_SECURITY_STRATEGY, ROS_SECURITY_KEYSTORE,
-/// ROS_SECURITY_ENCLAVE_OVERRIDE, ROS_DOMAIN_ID, RMW_IMPLEMENTATION, as far as this process has
-/// them.
+/// ROS_SECURITY_ENCLAVE_OVERRIDE, ROS_DOMAIN_ID, RMW_IMPLEMENTATION, LD_LIBRARY_PATH, as far as
+/// this process has them.
 Environment ros_environment();
 
-/// Whether a node started in this environment uses the folder, and whether its grant holds the
-/// names that ROS 2 needs.
+/// Whether a node started in this environment uses the folder and ddssec's plugins, and whether its
+/// grant holds the names that ROS 2 needs in settings.domain, one that the documents are for if
+/// ROS_DOMAIN_ID is not.
 void check_ros(const LoadedFolder& folder, const Environment& environment, const Settings& settings,
                Diagnosis& out);
 

@@ -15,9 +15,12 @@ std::string_view name(Vendor vendor) {
   return kNames.at(static_cast<std::size_t>(vendor));
 }
 
+std::string_view label(Vendor vendor) { return vendor == Vendor::ours ? "ddssec" : id(vendor); }
+
 std::optional<Vendor> vendor_from(std::string_view text) {
   const auto found = std::ranges::find_if(kVendors, [&](Vendor vendor) {
-    return text == id(vendor) || text == id(vendor).substr(0, id(vendor).find('@'));
+    return text == id(vendor) || text == label(vendor) ||
+           text == id(vendor).substr(0, id(vendor).find('@'));
   });
   return found == kVendors.end() ? std::nullopt : std::optional(*found);
 }

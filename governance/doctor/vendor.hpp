@@ -1,4 +1,4 @@
-// Whose reading of a participant's folder is foretold, and what it comes to.
+// The products whose reading of a participant's folder is predicted, and the prediction.
 #pragma once
 
 #include <array>
@@ -21,6 +21,10 @@ inline constexpr std::array kVendors{Vendor::cyclonedds, Vendor::fastdds, Vendor
 std::string_view id(Vendor vendor);
 /// "Cyclone DDS 0.10.2" and so on.
 std::string_view name(Vendor vendor);
+
+/// As columns show it to people: the id, and "ddssec" for ours, whose id is part of the JSON
+/// contract.
+std::string_view label(Vendor vendor);
 /// From an id, with or without its version. Nothing if it is neither.
 std::optional<Vendor> vendor_from(std::string_view text);
 

@@ -237,6 +237,76 @@ class Keystore(Transcript):
         out = self.json("crl", "distribute", "--ca", "moved", *NOW)["result"]
         self.assertEqual(out["folders"], [str(self.at / "moved/enclaves/b")])
 
+    def test_the_keystores_newer_list_counts_before_it_is_distributed(self):
+        self.create()
+        for name in ("/a", "/b"):
+            self.run_program("keystore", "enclave", "ks", name, "--allow-all", *NOW)
+        self.run_program("identity", "revoke", "ks/enclaves/a", "--ca", "ks", *NOW)
+        for distributed in (False, True):
+            for words in (("keystore", "verify", "ks"), ("doctor", "ks/enclaves/a")):
+                told = [d for d in self.json(*words, *NOW, exit=1)["diagnostics"] if d["id"] == "DOC024"]
+                self.assertEqual(len(told), 1, words)
+                self.assertRegex(told[0]["message"], "serial [0-9A-F]+\\) is revoked by list 2 of the CA, .*"
+                                 "/ks/public/identity_ca.crl.pem; crl.pem here is list 1$")
+            self.json("check", "ks/enclaves/a", "ks/enclaves/b", *NOW, exit=1)
+            told = self.json("can", "ks/enclaves/a", "publish", "x", *NOW, exit=1)["result"]
+            self.assertIn("is revoked by list 2", told["because"])
+            self.json("can", "ks/enclaves/b", "publish", "x", *NOW)
+            states = {e["subject"]: e["state"] for e in self.json("expiry", "ks", *NOW)["result"]["entries"]
+                      if e["kind"] == "certificate"}
+            self.assertEqual(states, {"CN=/a": "revoked", "CN=/b": "ok"})
+            told = [(d["id"], d["severity"]) for d in self.json("doctor", "ks/enclaves/b", *NOW)["diagnostics"]]
+            self.assertEqual(told, [] if distributed else [("DOC023", "warning")])
+            self.run_program("crl", "distribute", "--ca", "ks", *NOW)
+
+    def test_a_list_that_the_ca_did_not_sign_counts_for_nothing(self):
+        self.create()
+        self.run_program("keystore", "enclave", "ks", "/a", "--allow-all", *NOW)
+        (self.at / "other").mkdir()
+        self.run_program("keystore", "create", "other/ks", "--no-passphrase", *NOW)
+        serial = self.json("identity", "show", "ks/enclaves/a", *NOW)["result"]["serial"]
+        with open(self.at / "other/ks/private/identity_ca.issued.jsonl", "w", encoding="ascii") as log:
+            log.write(f'{{"event":"issued","serial":"{serial}","subject":"CN=/a",'
+                      '"not_after":"2027-11-21T00:00:00Z"}\n')
+        self.run_program("identity", "revoke", serial, "--ca", "other/ks", *NOW)
+        shutil.copy(self.at / "other/ks/public/identity_ca.crl.pem", self.at / "ks/public/identity_ca.crl.pem")
+        self.assertEqual(self.json("doctor", "ks/enclaves/a", *NOW)["diagnostics"], [])
+
+    def test_an_enclave_without_a_list_is_told(self):
+        self.create()
+        self.run_program("keystore", "enclave", "ks", "/a", "--allow-all", *NOW)
+        (self.at / "ks/enclaves/a/crl.pem").unlink()
+        told = self.json("doctor", "ks/enclaves/a", *NOW)["diagnostics"]
+        self.assertEqual([(d["id"], d["severity"]) for d in told], [("DOC023", "warning")])
+        self.assertIn("there is no crl.pem", told[0]["message"])
+        self.assertIn("ddssec crl distribute", told[0]["hint"])
+
+    def test_a_revoked_enclave_comes_back_with_a_new_key(self):
+        self.create()
+        self.run_program("keystore", "enclave", "ks", "/a", "--allow-all", *NOW)
+        self.run_program("identity", "revoke", "ks/enclaves/a", "--ca", "ks", *NOW)
+        told = self.refused("certificate_revoked", 1, "identity", "renew", "ks/enclaves/a", "--ca", "ks", *NOW)
+        self.assertIn("ddssec keystore enclave", told["hint"])
+        told = self.refused("would_overwrite", 4, "keystore", "enclave", "ks", "/a", "--allow-all", *NOW)
+        self.assertIn("ddssec keystore permission", told["message"])
+        self.assertIn("remove its folder first", told["message"])
+        shutil.rmtree(self.at / "ks/enclaves/a")
+        self.run_program("keystore", "enclave", "ks", "/a", "--allow-all", *NOW)
+        self.healthy("/a")
+
+    def test_another_domain_than_the_governance_documents_is_told(self):
+        self.create("--domain", "5")
+        self.assertEqual(self.json("keystore", "enclave", "ks", "/a", "--allow-all", *NOW)["diagnostics"], [])
+        told = self.json("keystore", "permission", "ks", "/a", "--allow-all", "--domain", "0", *NOW)["diagnostics"]
+        self.assertEqual([(d["id"], d["severity"]) for d in told], [("DOC050", "warning")])
+        self.assertIn("are for domain 0, and the keystore's governance document is for 5", told[0]["message"])
+
+    def test_an_enclave_that_the_policy_does_not_have(self):
+        self.create()
+        (self.at / "short.xml").write_text(SHORT)
+        told = self.refused("usage", 2, "keystore", "enclave", "ks", "/demo/talkr", "--policy", "short.xml", *NOW)
+        self.assertIn("expected an enclave of the policy: /demo/talker, /demo/listener", told["message"])
+
     def test_what_lies_outside_of_the_keystore_is_named(self):
         self.create()
         self.run_program("identity", "issue", "x", "--ca", "ks", "-o", "x", *NOW)

@@ -125,6 +125,18 @@ class Output(Transcript):
                              check=False)
         self.assertTrue(json.loads(out.stdout)["diagnostics"][0]["file"].startswith("a\ufffd31m\ufffd"))
 
+    def test_what_is_wrong_with_a_command_line_is_said_plainly(self):
+        self.assertIn("missing argument B", self.refused("usage", 2, "check", "a")["message"])
+        told = self.refused("usage", 2, "check", "--foo", "a", "b")["message"]
+        self.assertIn('"--foo" is unknown here', told)
+        self.assertNotIn("did you mean", told)
+        self.assertEqual(self.run_program("-V").stdout, self.run_program("--version").stdout)
+        self.run_program("init", "demo", *NOW)
+        for value in ("abc", "300"):
+            told = self.refused("usage", 2, "doctor", "demo/talker", "--ros", environment={"ROS_DOMAIN_ID": value})
+            self.assertIn("the environment variable ROS_DOMAIN_ID: ", told["message"])
+            self.assertIn(f'found "{value}"', told["message"])
+
     def test_quiet_and_verbose(self):
         done = self.run_program("ca", "create", "ca", "--no-passphrase", "-v")
         self.assertEqual(len(done.stderr.splitlines()), 5)

@@ -82,6 +82,13 @@ class Folders : public testing::Test {
     write(folder.identity_ca, identity_ca_.certificate().pem());
     write(folder.permissions_ca, permissions_ca_.certificate().pem());
     write(folder.certificate, self.certificate.pem());
+    const auto& ca = identity_ca_.certificate();
+    write(folder.crl, identity_ca_
+                          .make_crl({.this_update = ca.not_before(),
+                                     .next_update = ca.not_after(),
+                                     .number = 1,
+                                     .entries = {}})
+                          ->pem());
     self.key.to_pem()->expose(
         [&](BytesView octets) { write(folder.key, std::string(as_text(octets))); });
     fs::permissions(folder.key, fs::perms::owner_read | fs::perms::owner_write);

@@ -1,0 +1,73 @@
+#include "governance/doctor/ca_list.hpp"
+
+#include <algorithm>
+#include <system_error>
+
+#include "pki/source.hpp"
+
+namespace ddssec::governance::doctor {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kHighest = 18;  ///< folders above: the deepest enclave, enclaves/ and the keystore
+
+// Where lists of CAs lie by a folder with participants in it: keystore, init, ca create.
+constexpr const char* kPlaces[] = {"public/identity_ca.crl.pem", "ca/identity/crl.pem",
+                                   "ca/crl.pem"};
+
+std::vector<fs::path> places(const pki::ParticipantFolder& folder) {
+  std::vector<fs::path> out;
+  std::error_code error;
+  // An enclave's link leads to the keystore's certificate, wherever the link lies.
+  const auto ca = fs::canonical(folder.identity_ca, error);
+  if (!error) out.push_back(ca.parent_path() / "identity_ca.crl.pem");
+  auto at = fs::weakly_canonical(folder.folder, error);
+  for (int i = 0; !error && i < kHighest && at.has_relative_path(); ++i) {
+    at = at.parent_path();
+    for (const auto* place : kPlaces) out.push_back(at / place);
+  }
+  return out;
+}
+
+std::vector<pki::Crl> lists_in(const fs::path& file) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(file, ignored)) return {};
+  const auto octets = pki::load("file://" + file.string(), file.string(), pki::kMostDocumentOctets);
+  if (!octets) return {};
+  auto lists = pki::Crl::all_from(*octets);
+  return lists ? *std::move(lists) : std::vector<pki::Crl>();
+}
+
+// A list that is over still says who was revoked.
+bool is_signed_by(const pki::Crl& list, const std::vector<pki::Certificate>& cas) {
+  return std::ranges::any_of(cas, [&](const pki::Certificate& ca) {
+    return list.is_named_after(ca) && list.check(ca, list.this_update()).has_value();
+  });
+}
+
+}  // namespace
+
+std::optional<CaList> newer_ca_list(const pki::ParticipantFolder& folder,
+                                    const std::vector<pki::Certificate>& cas,
+                                    const std::vector<pki::Crl>& own) {
+  std::optional<CaList> out;
+  const auto is_newer = [&](const pki::Crl& list, const pki::Crl& than) {
+    return list.issuer() != than.issuer() || than.number().value_or(0) < list.number().value_or(0);
+  };
+  for (const auto& file : places(folder))
+    for (const auto& list : lists_in(file))
+      if (std::ranges::all_of(own, [&](const pki::Crl& one) { return is_newer(list, one); }) &&
+          (!out || is_newer(list, out->list)) && is_signed_by(list, cas))
+        out = {list, file};
+  return out;
+}
+
+bool names(const pki::Crl& list, const pki::Certificate& certificate) {
+  const auto entries = list.revoked();
+  return list.issuer() == certificate.issuer() && entries &&
+         std::ranges::find(*entries, certificate.serial(), &pki::Revocation::serial) !=
+             entries->end();
+}
+
+}  // namespace ddssec::governance::doctor
