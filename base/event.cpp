@@ -60,30 +60,56 @@ std::string Event::to_json() const {
 
 void RateLimitedSink::raise(const Event& event) {
   const auto& d = event.error.details();
+  const auto code = std::to_string(static_cast<int>(event.error.code()));
   const bool is_claimed = names_an_unproven_peer(event);
-  auto key =
-      fmt::format("{}\n{}\n{}", static_cast<int>(event.error.code()), event.guid, d.document);
-  if (!is_claimed) key += fmt::format("\n{}\n{}\n{}", event.peer_subject, d.field, d.expected);
+  const bool is_proven = event.proof == PeerProof::authenticated;
+  auto reason = fmt::format("{}\n{}\n{}", code, event.guid, d.document);
+  if (!is_claimed) reason += fmt::format("\n{}\n{}\n{}", event.peer_subject, d.field, d.expected);
   // A notice about ourselves: no peer chooses what it says, and each change of state is news.
   if (event.proof == PeerProof::not_a_peer && event.severity == Severity::informational)
-    key += "\n" + d.found;
-  const bool passes = is_claimed ? may_pass(last_claimed_, kMostClaimed, key)
-                                 : may_pass(last_, kMostRemembered, key);
+    reason += "\n" + d.found;
+
+  const std::lock_guard lock(mutex_);
+  const auto now = clock_.monotonic();
+  auto& share = is_claimed  ? claimed_
+                : is_proven ? share_of(code + "\n" + event.peer_subject, now)
+                            : ours_;
+  const auto most = is_claimed ? kMostClaimed : is_proven ? kMostOfAPeer : kMostRemembered;
+  const bool passes = has_room(share, most, reason, now)
+                          ? may_pass(share, reason, now)
+                          : may_pass(crowded_out_, code + (is_claimed ? " claimed" : ""), now);
   if (passes) next_.raise(event);
 }
 
-bool RateLimitedSink::may_pass(Times& last, std::size_t most, const std::string& key) {
-  const std::lock_guard lock(mutex_);
-  const auto now = clock_.monotonic();
-  auto known = last.find(key);
-  if (known == last.end() && last.size() >= most) {
-    std::erase_if(last, [&](const auto& entry) { return now - entry.second >= interval_; });
-    if (last.size() >= most) known = last.try_emplace("", now - interval_).first;
+// Where there are too many peers, one share is for all the others; it is always full.
+RateLimitedSink::Times& RateLimitedSink::share_of(const std::string& peer,
+                                                  std::chrono::nanoseconds now) {
+  if (const auto known = proven_.find(peer); known != proven_.end()) return known->second;
+  if (proven_.size() >= kMostRemembered) {
+    for (auto& [_, share] : proven_) forget_old(share, now);
+    std::erase_if(proven_, [](const auto& entry) { return entry.second.empty(); });
   }
-  if (known == last.end()) return last.emplace(key, now).second;
-  if (now - known->second < interval_) return false;
+  return proven_.size() >= kMostRemembered ? no_share_ : proven_[peer];
+}
+
+bool RateLimitedSink::has_room(Times& share, std::size_t most, const std::string& reason,
+                               std::chrono::nanoseconds now) const {
+  if (&share == &no_share_) return false;
+  if (share.contains(reason) || share.size() < most) return true;
+  forget_old(share, now);
+  return share.size() < most;
+}
+
+bool RateLimitedSink::may_pass(Times& share, const std::string& reason,
+                               std::chrono::nanoseconds now) const {
+  const auto [known, is_new] = share.try_emplace(reason, now);
+  if (!is_new && now - known->second < interval_) return false;
   known->second = now;
   return true;
+}
+
+void RateLimitedSink::forget_old(Times& share, std::chrono::nanoseconds now) const {
+  std::erase_if(share, [&](const auto& entry) { return now - entry.second >= interval_; });
 }
 
 }  // namespace ddssec

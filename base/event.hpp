@@ -54,12 +54,16 @@ class EventSink {
 /// Passes an event on unless one with the same reason about the same peer went through less than
 /// `interval` ago. Reason: code and document; where no unauthenticated peer can have chosen them,
 /// also field and expected value. Never what was found, nor a name that is only claimed.
-/// Remembers at most kMostRemembered different events, of peers without proof kMostClaimed apart
-/// from the others; beyond that one event each interval goes through for all the unknown ones.
+///
+/// What is remembered is bounded in shares, so that nobody crowds out what is told of others: one for
+/// ourselves, one for all peers without proof, and one for each code of each authenticated peer,
+/// which chooses the names of its topics and partitions. Of a full share, and of peers beyond
+/// kMostRemembered, each code still goes through once in each interval.
 class RateLimitedSink final : public EventSink {
  public:
-  static constexpr std::size_t kMostRemembered = 1024;
-  static constexpr std::size_t kMostClaimed = 128;
+  static constexpr std::size_t kMostRemembered = 1024;  ///< about ourselves; shares of peers
+  static constexpr std::size_t kMostClaimed = 128;      ///< about all peers without proof
+  static constexpr std::size_t kMostOfAPeer = 16;       ///< about an authenticated peer, each code
 
   RateLimitedSink(EventSink& next, const Clock& clock,
                   std::chrono::seconds interval = std::chrono::seconds(10))
@@ -69,14 +73,21 @@ class RateLimitedSink final : public EventSink {
  private:
   using Times = std::unordered_map<std::string, std::chrono::nanoseconds>;
 
-  bool may_pass(Times& last, std::size_t most, const std::string& key);
+  Times& share_of(const std::string& peer, std::chrono::nanoseconds now);
+  bool has_room(Times& share, std::size_t most, const std::string& reason,
+                std::chrono::nanoseconds now) const;
+  bool may_pass(Times& share, const std::string& reason, std::chrono::nanoseconds now) const;
+  void forget_old(Times& share, std::chrono::nanoseconds now) const;
 
   EventSink& next_;
   const Clock& clock_;
   const std::chrono::nanoseconds interval_;
   std::mutex mutex_;
-  Times last_;
-  Times last_claimed_;  // an attacker who invents peers crowds out none but such
+  Times ours_;
+  Times claimed_;
+  std::unordered_map<std::string, Times> proven_;  // by code and subject name
+  Times no_share_;
+  Times crowded_out_;  // by code; there are few
 };
 
 /// What every engine is built with; all three outlive it.

@@ -92,6 +92,36 @@ TEST(RateLimitedSink, InventedPeersCrowdOutNeitherUsNorAuthenticatedPeers) {
   EXPECT_EQ(recorder.events.size(), 30u);
 }
 
+Event on_topic(Code code, int topic, std::string subject) {
+  return Event(Error(code, {.expected = std::to_string(topic)}), std::move(subject), "01.02",
+               PeerProof::authenticated);
+}
+
+// It chooses its topics and partitions, which are what is expected of it.
+TEST(RateLimitedSink, AnAuthenticatedPeerCrowdsOutNeitherOthersNorItsOtherOffences) {
+  Recorder recorder;
+  ManualClock clock(kStart);
+  RateLimitedSink sink(recorder, clock);
+  for (int i = 0; i < 5'000; ++i) sink.raise(on_topic(Code::malformed, i, "CN=mallory"));
+  EXPECT_EQ(recorder.events.size(), RateLimitedSink::kMostOfAPeer + 1);
+  recorder.events.clear();
+  sink.raise(on_topic(Code::usage, 1, "CN=mallory"));
+  sink.raise(on_topic(Code::malformed, 1, "CN=eve"));
+  EXPECT_EQ(recorder.events.size(), 2u);
+}
+
+// Even if very many certificates work together.
+TEST(RateLimitedSink, OfACrowdOfAuthenticatedPeersEachCodeIsStillTold) {
+  Recorder recorder;
+  ManualClock clock(kStart);
+  RateLimitedSink sink(recorder, clock);
+  for (int i = 0; i < 5'000; ++i) sink.raise(of_peer(i, PeerProof::authenticated));
+  recorder.events.clear();
+  for (int i = 0; i < 3; ++i) sink.raise(on_topic(Code::usage, i, "CN=eve"));
+  ASSERT_EQ(recorder.events.size(), 1u);
+  EXPECT_EQ(recorder.events[0].error.code(), Code::usage);
+}
+
 TEST(RateLimitedSink, AFloodOfDifferentEventsIsBounded) {
   Recorder recorder;
   ManualClock clock(kStart);
