@@ -63,6 +63,7 @@ void RateLimitedSink::raise(const Event& event) {
   const auto code = std::to_string(static_cast<int>(event.error.code()));
   const bool is_claimed = names_an_unproven_peer(event);
   const bool is_proven = event.proof == PeerProof::authenticated;
+  const auto& peer = event.peer_subject.empty() ? event.guid : event.peer_subject;
   auto reason = fmt::format("{}\n{}\n{}", code, event.guid, d.document);
   if (!is_claimed) reason += fmt::format("\n{}\n{}\n{}", event.peer_subject, d.field, d.expected);
   // A notice about ourselves: no peer chooses what it says, and each change of state is news.
@@ -72,7 +73,7 @@ void RateLimitedSink::raise(const Event& event) {
   const std::lock_guard lock(mutex_);
   const auto now = clock_.monotonic();
   auto& share = is_claimed  ? claimed_
-                : is_proven ? share_of(code + "\n" + event.peer_subject, now)
+                : is_proven ? share_of(code + "\n" + peer, now)
                             : ours_;
   const auto most = is_claimed ? kMostClaimed : is_proven ? kMostOfAPeer : kMostRemembered;
   const bool passes = has_room(share, most, reason, now)

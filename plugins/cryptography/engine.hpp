@@ -181,6 +181,8 @@ class KeyExchange final : public spi::CryptoKeyExchange {
   Result<std::vector<spi::Token>> create(Local local, Remote remote, spi::KeyStage stage);
   template <class Local, class Remote>
   Status set(Local local, Remote remote, std::span<const spi::Token> tokens);
+  Status take(const LocalParticipant& participant, spi::ParticipantCryptoHandle remote, Pair& pair,
+              std::span<const spi::Token> tokens);
   Result<std::unique_ptr<ReceiveKey>> receive_key(KeyMaterial material, spi::ProtectionKind due,
                                                   const Pair& from) const;
   /// May these take the place of the keys that are set? Error: keys_already_set, with an event.

@@ -106,16 +106,24 @@ Status KeyExchange::set_remote_participant_crypto_tokens(spi::ParticipantCryptoH
   const auto* const participant = DDSSEC_TRY(shared_.local_participant(local));
   auto* const pair = DDSSEC_TRY(shared_.remote_participant(remote))->pair(local.value);
   if (pair == nullptr) return fail(Code::crypto_not_matched);
+  auto status = take(*participant, remote, *pair, tokens);
+  if (!status && !shared_.host_checks_sources && status.error().code() != Code::keys_already_set)
+    shared_.report(status.error(), pair->peer_prefix);
+  return status;
+}
+
+Status KeyExchange::take(const LocalParticipant& participant, spi::ParticipantCryptoHandle remote,
+                         Pair& pair, std::span<const spi::Token> tokens) {
   if (tokens.size() != 1) return fail(Code::crypto_token_count);
   auto material = DDSSEC_TRY(read_crypto_token(tokens.front()));
   // Fast DDS sends a GMAC key even where nothing is protected.
-  if (!is_protected(participant->rtps)) return {};
+  if (!is_protected(participant.rtps)) return {};
   auto keys = std::make_unique<RemoteKeys>();
-  keys->submessage = DDSSEC_TRY(receive_key(std::move(material), participant->rtps, *pair));
-  DDSSEC_TRY(check_replacement(*keys, pair->remote_keys.read(), pair));
-  DDSSEC_TRY(inherit(*keys, pair->remote_keys.read(), shared_.environment.clock.monotonic()));
+  keys->submessage = DDSSEC_TRY(receive_key(std::move(material), participant.rtps, pair));
+  DDSSEC_TRY(check_replacement(*keys, pair.remote_keys.read(), &pair));
+  DDSSEC_TRY(inherit(*keys, pair.remote_keys.read(), shared_.environment.clock.monotonic()));
   shared_.note_former(remote.value, *keys);
-  pair->remote_keys.replace(std::move(keys), shared_.graveyard);
+  pair.remote_keys.replace(std::move(keys), shared_.graveyard);
   return {};
 }
 

@@ -1,4 +1,7 @@
 // CryptoKeyExchange: crypto tokens out and in.
+#include <algorithm>
+#include <array>
+
 #include "plugins/cyclonedds/cryptography_adapter.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 
@@ -30,6 +33,19 @@ DDS_Security_boolean set(Instance* instance, const CTokens* in, Exception* ex, F
   });
 }
 
+Status set_participant_tokens(spi::CryptoKeyExchange& exchange, spi::ParticipantCryptoHandle local,
+                              spi::ParticipantCryptoHandle remote, const CTokens& in) {
+  const auto tokens = DDSSEC_TRY(CryptoTokens::from(&in));
+  return exchange.set_remote_participant_crypto_tokens(local, remote, tokens.view());
+}
+
+/// And not about how the host calls us.
+bool is_about_tokens(Code code) {
+  constexpr std::array kAboutHandles = {Code::crypto_handle_nil, Code::crypto_handle_unknown,
+                                        Code::crypto_handle_wrong_kind, Code::crypto_not_matched};
+  return std::ranges::find(kAboutHandles, code) == kAboutHandles.end();
+}
+
 DDS_Security_boolean create_local_participant_crypto_tokens(Instance* instance, CTokens* out,
                                                             const CHandle local,
                                                             const CHandle remote, Exception* ex) {
@@ -41,8 +57,16 @@ DDS_Security_boolean create_local_participant_crypto_tokens(Instance* instance, 
 DDS_Security_boolean set_remote_participant_crypto_tokens(Instance* instance, const CHandle local,
                                                           const CHandle remote, const CTokens* in,
                                                           Exception* ex) {
-  return set(instance, in, ex, [&](spi::CryptoKeyExchange& exchange, auto tokens) {
-    return exchange.set_remote_participant_crypto_tokens({local}, {remote}, tokens);
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
+    DDSSEC_TRY(require(in));
+    const auto events = Host::raised_by_this_thread();
+    const auto status = set_participant_tokens(adapter.key_exchange(), {local}, {remote}, *in);
+    if (status || !is_about_tokens(status.error().code())) return status;
+    // They had no effect. Of refused tokens of a participant Cyclone DDS logs each and frees none:
+    // a peer could fill log and memory.
+    if (Host::raised_by_this_thread() == events)
+      adapter.host().refused(status.error(), info(status.error().code()).severity);
+    return {};
   });
 }
 

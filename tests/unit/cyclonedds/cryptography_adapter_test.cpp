@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <stdexcept>
+#include <utility>
 
 #include "plugins/cyclonedds/process_properties.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
@@ -201,6 +202,28 @@ TEST_F(CryptographyAdapterTest, CryptoTokensOutAndIn) {
   EXPECT_EQ(exchange->create_local_participant_crypto_tokens(exchange, nullptr, 1, 2, nullptr), 0);
   EXPECT_EQ(exchange->set_remote_participant_crypto_tokens(exchange, 1, 2, nullptr, nullptr), 0);
   EXPECT_EQ(exchange->return_crypto_tokens(nullptr, &tokens, nullptr), 0);
+}
+
+// Of a participant's tokens that are refused, Cyclone DDS frees none and logs each.
+TEST_F(CryptographyAdapterTest, RefusedParticipantTokensAreToldOnceAndTakenFromTheHost) {
+  EXPECT_CALL(engine, set_remote_participant_crypto_tokens)
+      .WillOnce(Return(fail(Code::keys_already_set)))
+      .WillOnce(Return(fail(Code::crypto_handle_unknown)));
+  const std::vector<spi::Token> one = {sample_token()};
+  ON_CALL(engine, create_local_participant_crypto_tokens).WillByDefault(Return(one));
+  DDS_Security_CryptoTokenSeq tokens{};
+  ASSERT_EQ(exchange->create_local_participant_crypto_tokens(exchange, &tokens, 1, 2, nullptr), 1);
+  EXPECT_EQ(exchange->set_remote_participant_crypto_tokens(exchange, 1, 2, &tokens, &refusal), 1);
+  ASSERT_EQ(harness.events.size(), 1u);
+  EXPECT_EQ(harness.events[0].error.code(), Code::keys_already_set);
+  EXPECT_EQ(exchange->set_remote_participant_crypto_tokens(exchange, 1, 2, &tokens, &refusal), 0);
+  EXPECT_EQ(refusal.reason(), Code::crypto_handle_unknown);
+
+  const auto length = std::exchange(tokens._length, spi::kMostTokensPerMessage + 1);
+  EXPECT_EQ(exchange->set_remote_participant_crypto_tokens(exchange, 1, 2, &tokens, nullptr), 1);
+  EXPECT_EQ(harness.events.back().error.code(), Code::length_out_of_range);
+  tokens._length = length;
+  exchange->return_crypto_tokens(exchange, &tokens, nullptr);
 }
 
 TEST_F(CryptographyAdapterTest, PayloadIsOneBlockWithinItsBound) {
