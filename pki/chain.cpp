@@ -158,6 +158,7 @@ struct ChainVerifier::Impl {
   std::map<Sha256Digest, ChainValid> remembered;
   std::deque<Sha256Digest> order;  // oldest first
 
+  void drop_superseded();
   Status fill_store(CrlPolicy policy);
   bool is_listed(const Certificate& certificate) const;
   Result<ChainValid> judge(const Certificate& certificate, WallTime now) const;
@@ -167,6 +168,23 @@ struct ChainVerifier::Impl {
   std::optional<ChainValid> recall(const Certificate& certificate, WallTime now);
   void remember(const ChainValid& proof);
 };
+
+// OpenSSL takes any list that holds at the time. An older one beside the newest would count again once
+// the newest has ended, and whoever was revoked meanwhile would be believed. What an authority did not
+// sign takes no list's place.
+void ChainVerifier::Impl::drop_superseded() {
+  const auto is_genuine = [&](const Crl& crl) {
+    return std::ranges::any_of(anchors, [&](const auto& ca) { return crl.is_signed_by(ca); });
+  };
+  const auto takes_place_of = [&](const Crl& crl, const Crl& former) {
+    return crl.supersedes(former) && !former.supersedes(crl) && is_genuine(crl);
+  };
+  const auto all = crls;
+  std::erase_if(crls, [&](const Crl& former) {
+    return std::ranges::any_of(all, [&](const Crl& crl) { return takes_place_of(crl, former); });
+  });
+  ERR_clear_error();
+}
 
 Status ChainVerifier::Impl::fill_store(CrlPolicy policy) {
   store.reset(X509_STORE_new());
@@ -281,6 +299,7 @@ Result<ChainVerifier> ChainVerifier::make(std::vector<Certificate> anchors, std:
   auto impl = std::make_unique<Impl>();
   impl->anchors = std::move(anchors);
   impl->crls = std::move(crls);
+  impl->drop_superseded();
   DDSSEC_TRY(impl->fill_store(policy));
   return ChainVerifier(std::move(impl));
 }

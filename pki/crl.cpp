@@ -161,13 +161,16 @@ bool Crl::is_named_after(const Certificate& ca) const {
                        X509_get_subject_name(ca.impl().x509.get())) == 0;
 }
 
-Status Crl::check(const Certificate& issuer, WallTime now) const {
+bool Crl::is_signed_by(const Certificate& issuer) const {
   X509* x509 = issuer.impl().x509.get();
+  return is_named_after(issuer) && (X509_get_key_usage(x509) & KU_CRL_SIGN) != 0 &&
+         X509_CRL_verify(impl_->crl.get(), X509_get0_pubkey(x509)) == 1;
+}
+
+Status Crl::check(const Certificate& issuer, WallTime now) const {
   const ErrorDetails details{.expected = "a list signed by " + issuer.subject(),
                              .found = "a list of " + impl_->issuer};
-  if (!is_named_after(issuer) || (X509_get_key_usage(x509) & KU_CRL_SIGN) == 0 ||
-      X509_CRL_verify(impl_->crl.get(), X509_get0_pubkey(x509)) != 1)
-    return openssl_failure(Code::crl_signature_invalid, details);
+  if (!is_signed_by(issuer)) return openssl_failure(Code::crl_signature_invalid, details);
   if (now < impl_->this_update)
     return fail(Code::crl_not_yet_valid,
                 {.expected = "a time after " + ddssec::to_string(impl_->this_update),

@@ -75,6 +75,9 @@ class Crl {
   /// True if it bears the name of `ca`, which then is to be asked whether it signed it.
   bool is_named_after(const Certificate& ca) const;
 
+  /// True if `issuer` may sign lists and signed this one. May leave reasons in OpenSSL's queue.
+  bool is_signed_by(const Certificate& issuer) const;
+
   /// Success if `issuer` signed the list, may do so, and the list is of this time.
   /// Errors: crl_signature_invalid, crl_not_yet_valid, crl_expired.
   Status check(const Certificate& issuer, WallTime now) const;

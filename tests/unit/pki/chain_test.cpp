@@ -204,6 +204,34 @@ TEST_F(Revocation, ARevokedOneIsRefusedFromAnOldListToo) {
   EXPECT_CODE(verifier.verify(bad_.certificate, kNow + 25h), certificate_revoked);
 }
 
+// An attacker may still have the list of before; once the newest has ended it must not count again.
+TEST_F(Revocation, AnOlderListBesideTheNewestNeverCounts) {
+  const auto numbered = [&](std::uint64_t number, WallTime from, WallTime until,
+                            std::vector<Certificate> revoked) {
+    return *ca_.make_crl({std::move(revoked), from, until, number});
+  };
+  const auto newest = numbered(5, kNow + 1h, kNow + 48h, {bad_.certificate});
+  for (const auto& older : {numbered(4, kNow, kNow + 24h * 300, {}),
+                            numbered(4, kNow + 1h, kNow + 24h * 300, {})}) {
+    for (const auto& lists : {std::vector{older, newest}, std::vector{newest, older}}) {
+      const auto verifier = make_verifier({ca_.certificate()}, lists);
+      EXPECT_CODE(verifier.verify(bad_.certificate, kNow + 2h), certificate_revoked);
+      EXPECT_CODE(verifier.verify(bad_.certificate, kNow + 72h), crl_expired);
+      EXPECT_TRUE(verifier.verify(good_.certificate, kNow + 2h));
+    }
+  }
+}
+
+// Whoever can write to the file could otherwise take the list of the CA away.
+TEST_F(Revocation, AForgedNewerListTakesNoListsPlace) {
+  const auto twin = make_ca("CN=Root");
+  const auto genuine = list(ca_, {bad_.certificate});
+  const auto forged = *twin.make_crl({{}, kNow + 1h, kNow + 48h, 1'000'000});
+  EXPECT_CODE(make_verifier({ca_.certificate()}, {genuine, forged})
+                  .verify(bad_.certificate, kNow + 2h),
+              certificate_revoked);
+}
+
 TEST_F(Revocation, AForgedListIsRefusedUnderEitherPolicy) {
   const auto twin = make_ca("CN=Root");
   auto der = list(ca_, {});
