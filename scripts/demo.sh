@@ -109,9 +109,9 @@ main_job() {
   line "mallory: Cyclone DDS on our plugins" "itself" "refused at creation" "$(refused 3 self "refused at creation")"
   echo "   display says: $(grep -h -m1 smime_signer_not_permissions_ca "$work/wary.log" || echo nothing)"
 
-  printf '\n%-44s %-24s %-22s %s\n' "who" "what" "result" "as claimed?"
+  printf '\n%-44s %-24s %-22s %s\n' "who" "what" "result" "as expected?"
   printf '%s\n' "${rows[@]}"
-  [ "$failures" = 0 ] || die "$failures of ${#rows[@]} lines are not as claimed; the logs are in $work"
+  [ "$failures" = 0 ] || die "$failures of ${#rows[@]} lines are not as expected; the logs are in $work"
 }
 
 if [ "${1:-}" = --in-namespace ]; then
@@ -123,4 +123,5 @@ else
   namespace=(unshare --net)
   [ "$(id -u)" = 0 ] || namespace=(unshare --net --map-root-user)
   "${namespace[@]}" "$PWD/scripts/demo.sh" --in-namespace
+  printf '\nNext, the tool and the other programs: cmake --build --preset release --target ddssec_all\n'
 fi
