@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "plugins/cryptography/key_life.hpp"
+#include "plugins/cryptography/key_owner.hpp"
 #include "plugins/cryptography/receive_key.hpp"
 #include "plugins/cryptography/registry.hpp"
 #include "plugins/cryptography/send_key.hpp"
@@ -39,6 +40,7 @@ struct RemoteKeys final : Retirable, LevelKeys {
     std::chrono::nanoseconds until;  ///< by the monotonic clock
   };
   std::vector<Former> former;  ///< newest first
+  EntityId owner = {};         ///< of an endpoint's keys; zero: not known (key_owner.hpp)
 };
 
 struct LocalParticipant final : Entity {
@@ -68,6 +70,7 @@ struct Pair final : Retirable {
   std::unique_ptr<SendKey> key_exchange_send;
   std::unique_ptr<ReceiveKey> key_exchange_receive;
   Published<RemoteKeys> remote_keys;
+  KeyOwners owners;  ///< of the remote's keys
 };
 
 /// Local participant's handle -> pair. As many rows as local participants of one process.
@@ -115,6 +118,7 @@ struct LocalEndpoint final : Entity {
   LocalParticipant& participant;
   spi::ProtectionKind submessage = spi::ProtectionKind::none;
   spi::ProtectionKind payload = spi::ProtectionKind::none;
+  bool is_builtin = false;   ///< as access control says
   bool is_volatile = false;  ///< ParticipantVolatileMessageSecure: keys of the key exchange
   std::shared_ptr<const spi::MatchGate> gate = {};  ///< who gets keys; null: not asked here
   Cipher cipher = Cipher::aes256_gcm;

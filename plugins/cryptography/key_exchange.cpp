@@ -182,6 +182,10 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
     return fail(Code::crypto_token_count);
   auto keys = DDSSEC_TRY(endpoint_keys(endpoint, DDSSEC_TRY(read_all(tokens))));
   const auto* const pair = endpoint.participant.pair(endpoint.local.participant.handle());
+  if (keys->submessage)
+    keys->owner = DDSSEC_TRY(pair->owners.owner_of(keys->submessage->material().sender_key_id));
+  if (const auto* const present = endpoint.remote_keys.read(); present && keys->owner.is_zero())
+    keys->owner = present->owner;
   DDSSEC_TRY(check_replacement(*keys, endpoint.remote_keys.read(), pair));
   DDSSEC_TRY(inherit(*keys, endpoint.remote_keys.read(), shared_.environment.clock.monotonic()));
   shared_.note_former(remote.value, *keys);

@@ -218,6 +218,7 @@ Result<std::int64_t> KeyFactory::register_local_endpoint(
   auto* const parent = DDSSEC_TRY(shared_.local_participant(participant));
   auto endpoint = std::make_unique<LocalEndpoint>(kind, *parent);
   endpoint->is_volatile = is_volatile(kind, properties);
+  endpoint->is_builtin = attributes.is_builtin;
   endpoint->submessage =
       endpoint->is_volatile ? spi::ProtectionKind::encrypt : attributes.submessage;
   if (!endpoint->is_volatile) endpoint->payload = attributes.payload;

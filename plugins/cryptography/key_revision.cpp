@@ -73,6 +73,7 @@ bool is_later_revision(const RemoteKeys& next, const RemoteKeys& present) {
 std::unique_ptr<RemoteKeys> without_ended(const RemoteKeys& keys, std::chrono::nanoseconds now) {
   auto out = std::make_unique<RemoteKeys>();
   static_cast<LevelKeys&>(*out) = keys;
+  out->owner = keys.owner;
   keep_living(*out, keys, now);
   return out;
 }

@@ -113,15 +113,23 @@ Status check_submessage(const RemoteEndpoint& sender, BytesView plain) {
   return {};
 }
 
-/// The same for a host that would believe whatever source it names.
+/// The same for a host that would believe whatever source, and whatever endpoint, it names.
 Status check_source_named(const Shared& shared, const RemoteEndpoint& sender, BytesView plain) {
   if (shared.host_checks_sources) return {};
-  const auto* const pair = sender.participant.pair(sender.local.participant.handle());
+  auto* const pair = sender.participant.pair(sender.local.participant.handle());
   if (pair == nullptr) return fail(Code::crypto_not_matched);
   auto status = check_token_source(plain, sender.local.is_volatile, pair->peer_prefix);
-  if (status && pair->peer_prefix) status = check_builtin_source(plain, *pair->peer_prefix);
-  if (!status) shared.report(status.error(), pair->peer_prefix);
-  return status;
+  if (status) {
+    DDSSEC_TRY(check_speaker(sender, plain));
+    if (pair->peer_prefix) status = check_builtin_source(plain, *pair->peer_prefix);
+  }
+  if (!status) {
+    shared.report(status.error(), pair->peer_prefix);
+    return status;
+  }
+  if (sender.local.is_volatile)
+    if (const auto owner = owner_in_tokens(token_payload(plain))) pair->owners.note(*owner);
+  return {};
 }
 
 template <class Local, class Remote>

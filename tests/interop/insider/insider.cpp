@@ -10,6 +10,7 @@
 //   speak-as     it announces its readers as the victim's, without access control
 //   clear        its protected messages hold a liveliness message, in the clear, that ends the
 //   victim
+//   keys         nothing; but the keys that it is given are said on stderr (../keys_test.py)
 // INSIDER_VICTIM is how the victim's GUID begins, in hexadecimal digits. What it did is said on
 // stderr.
 #include <atomic>
@@ -109,6 +110,7 @@ DDS_Security_ValidationResult_t my_validate_remote(
     const DDS_Security_AuthRequestMessageToken* remote_request,
     const DDS_Security_IdentityHandle local, const DDS_Security_IdentityToken* token,
     const DDS_Security_GUID_t* guid, Exception* ex) {
+  if (tampers("keys")) say_prefix("other", guid->prefix);
   const char* const begin = std::getenv("INSIDER_VICTIM");
   if (begin != nullptr && hex_of(guid->prefix).starts_with(begin)) victim.meet(guid->prefix);
   return validate_remote(instance, handle, local_request, remote_request, local, token, guid, ex);
@@ -296,6 +298,35 @@ DDS_Security_boolean my_encode_message(dds_security_crypto_transform* instance, 
   return encode_message(instance, encoded, &mine, sender, receivers, index, ex);
 }
 
+// ---- key exchange: what others give it
+
+using Exchange = dds_security_crypto_key_exchange;
+decltype(Exchange::set_remote_datawriter_crypto_tokens) set_writer_tokens;
+
+/// The material of the first token, by which its owner protects submessages.
+void say_key(const DDS_Security_CryptoTokenSeq* tokens) {
+  if (!tampers("keys") || tokens->_length == 0) return;
+  const auto& properties = tokens->_buffer[0].binary_properties;
+  if (properties._length == 0) return;
+  const auto& value = properties._buffer[0].value;
+  std::string hex;
+  for (DDS_Security_unsigned_long i = 0; i < value._length; ++i) {
+    char two[3];
+    std::snprintf(two, sizeof two, "%02x", value._buffer[i]);
+    hex += two;
+  }
+  std::fprintf(stderr, "insider: writer key %s\n", hex.c_str());
+}
+
+DDS_Security_boolean my_set_writer_tokens(Exchange* instance,
+                                          const DDS_Security_DatareaderCryptoHandle local,
+                                          const DDS_Security_DatawriterCryptoHandle remote,
+                                          const DDS_Security_DatawriterCryptoTokenSeq* tokens,
+                                          Exception* ex) {
+  say_key(tokens);
+  return set_writer_tokens(instance, local, remote, tokens, ex);
+}
+
 }  // namespace
 
 DDSSEC_EXPORT int init_authentication(const char* argument, void** context, ddsi_domaingv* domain) {
@@ -330,6 +361,9 @@ DDSSEC_EXPORT int init_crypto(const char* argument, void** context, ddsi_domaing
   auto& transform = *plugin->crypto_transform;
   encode_submessage = std::exchange(transform.encode_datawriter_submessage, my_encode_submessage);
   encode_message = std::exchange(transform.encode_rtps_message, my_encode_message);
+  auto& exchange = *plugin->crypto_key_exchange;
+  set_writer_tokens =
+      std::exchange(exchange.set_remote_datawriter_crypto_tokens, my_set_writer_tokens);
   return 0;
 }
 DDSSEC_EXPORT int finalize_crypto(void* context) {

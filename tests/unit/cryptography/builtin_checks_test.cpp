@@ -288,7 +288,9 @@ struct Engine {
       side->remote = side->factory()
                          .register_matched_remote_participant(side->participant, {8}, {7}, secret)
                          .value();
-    ends = two.endpoints(endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none));
+    auto attributes = endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none);
+    attributes.is_builtin = true;
+    ends = two.endpoints(attributes);
   }
   Result<Bytes> pass(const DataMessage& message) {
     return decode_submessage(two, ends, encode_submessage(two, ends, message.octets()).value());

@@ -1,0 +1,317 @@
+#include "plugins/cryptography/key_owner.hpp"
+
+#include <gtest/gtest.h>
+
+#include "plugins/cryptography/key_material.hpp"
+#include "tests/unit/cryptography/insider.hpp"
+#include "tests/unit/cryptography/two_sides.hpp"
+
+namespace ddssec::cryptography {
+namespace {
+
+using namespace testing;
+
+constexpr Options kTrustingHost{.host_checks_sources = false};
+constexpr GuidPrefix kPeer{{0x81, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
+constexpr EntityId kTokenWriter{{0xff, 0x02, 0x02, 0xc3}};
+constexpr EntityId kTokenReader{{0xff, 0x02, 0x02, 0xc4}};
+constexpr EntityId kSquare{{0, 0, 1, 0x03}}, kOther{{0, 0, 2, 0x03}}, kReader{{0, 0, 3, 0x04}};
+constexpr EntityId kSecureLiveliness{{0xff, 0x02, 0x00, 0xc2}};
+constexpr KeyId kKey{{1, 2, 3, 4}}, kNextKey{{1, 2, 3, 5}};
+
+/// CDR of either byte order.
+class Writer {
+ public:
+  explicit Writer(bool little) : little_(little) {}
+  Writer& u32(std::uint32_t value) {
+    out.resize((out.size() + 3) / 4 * 4);
+    for (std::size_t i = 0; i < 4; ++i)
+      out.push_back(static_cast<std::uint8_t>(value >> (8 * (little_ ? i : 3 - i))));
+    return *this;
+  }
+  Writer& octets(BytesView view) {
+    out.insert(out.end(), view.begin(), view.end());
+    return *this;
+  }
+  Writer& text(std::string_view text) {
+    u32(static_cast<std::uint32_t>(text.size() + 1)).octets(as_bytes(text));
+    out.push_back(0);
+    return *this;
+  }
+  Bytes out;
+
+ private:
+  bool little_;
+};
+
+/// A ParticipantGenericMessage with its encapsulation header.
+Bytes token_message(const GuidPrefix& prefix, const EntityId& endpoint,
+                    std::span<const spi::Token> tokens, bool little = true) {
+  Writer cdr(little);
+  cdr.octets(kPeer.view());
+  cdr.out.resize(80, 0x11);
+  cdr.octets(prefix.view()).octets(endpoint.view());
+  cdr.text("dds.sec.datawriter_crypto_tokens").u32(static_cast<std::uint32_t>(tokens.size()));
+  for (const auto& token : tokens) {
+    cdr.text(token.class_id).u32(0).u32(1).text(token.binary_properties[0].name);
+    const auto& value = token.binary_properties[0].value;
+    cdr.u32(static_cast<std::uint32_t>(value.size())).octets(value);
+  }
+  Bytes out = {0, static_cast<std::uint8_t>(little ? 1 : 0), 0, 0};
+  out.insert(out.end(), cdr.out.begin(), cdr.out.end());
+  out.resize((out.size() + 3) / 4 * 4);
+  return out;
+}
+
+/// A submessage with `size` octets in all that names `entity` at that place.
+Bytes naming(std::uint8_t id, std::size_t at, const EntityId& entity, std::size_t size = 48) {
+  auto out = data_submessage(size - 4, id);
+  std::ranges::copy(entity.octets, out.begin() + static_cast<std::ptrdiff_t>(at));
+  return out;
+}
+Bytes data_of(const EntityId& writer) { return naming(submessage_id::kData, 12, writer); }
+
+/// A key token message as the key exchange protects it.
+Bytes token_submessage(const EntityId& owner, std::span<const spi::Token> tokens) {
+  auto out = naming(submessage_id::kData, 12, kTokenWriter, 24);
+  out[6] = 16, out[7] = 0;  // octetsToInlineQos
+  const auto payload = token_message(kPeer, owner, tokens);
+  out.insert(out.end(), payload.begin(), payload.end());
+  out[2] = static_cast<std::uint8_t>(out.size() - 4);
+  out[3] = static_cast<std::uint8_t>((out.size() - 4) >> 8);
+  return out;
+}
+
+// ---- reading
+
+TEST(OwnerInTokens, IsReadInEachByteOrder) {
+  Insider insider(kAes256Gcm);
+  const std::vector tokens = {insider.token(), crypto_token(KeyMaterial{})};
+  for (const bool little : {false, true}) {
+    const auto owner = owner_in_tokens(token_message(kPeer, kSquare, tokens, little));
+    ASSERT_TRUE(owner);
+    EXPECT_EQ(owner->key, insider.key->material().sender_key_id);
+    EXPECT_EQ(owner->endpoint, kSquare);
+  }
+}
+
+TEST(OwnerInTokens, OfAParticipantOrCutOffIsNothing) {
+  const std::vector tokens = {Insider(kAes256Gcm).token()};
+  EXPECT_FALSE(owner_in_tokens(token_message({}, {}, tokens)));
+  EXPECT_FALSE(owner_in_tokens(token_message(kPeer, kSquare, {})));
+  EXPECT_FALSE(owner_in_tokens(token_message(kPeer, kSquare, std::vector{crypto_token({})})));
+  const auto whole = token_message(kPeer, kSquare, tokens);
+  std::size_t needed = whole.size();
+  for (std::size_t size = 0; size <= whole.size(); ++size)
+    if (owner_in_tokens(BytesView(whole).first(size))) {
+      needed = size;
+      break;
+    }
+  EXPECT_LT(needed, whole.size());  // as soon as the key id is there
+  for (std::size_t size = needed; size <= whole.size(); ++size)
+    EXPECT_TRUE(owner_in_tokens(BytesView(whole).first(size))) << size;
+}
+
+TEST(KeyOwners, AKeyOfSeveralEndpointsIsRefused) {
+  KeyOwners owners;
+  EXPECT_TRUE(owners.owner_of(kKey)->is_zero());
+  owners.note({kKey, kSquare});
+  owners.note({kKey, kSquare});  // for each of its readers once more
+  EXPECT_EQ(owners.owner_of(kKey), kSquare);
+  owners.note({kKey, kOther});
+  const auto contested = owners.owner_of(kKey);
+  ASSERT_FALSE(contested);
+  EXPECT_EQ(contested.error().code(), Code::key_material_key_id);
+}
+
+TEST(KeyOwners, TheOldestGivesWay) {
+  KeyOwners owners;
+  owners.note({kKey, kSquare});
+  for (std::uint32_t i = 0; i < KeyOwners::kMaxKeys - 1; ++i)
+    owners.note(
+        {KeyId{{9, 9, static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i)}}, kOther});
+  EXPECT_EQ(owners.owner_of(kKey), kSquare);
+  owners.note({kNextKey, kOther});
+  EXPECT_TRUE(owners.owner_of(kKey)->is_zero());
+  EXPECT_EQ(owners.owner_of(kNextKey), kOther);
+}
+
+// ---- in the engine
+
+struct KeyOwnerTest : ::testing::Test {
+  explicit KeyOwnerTest(bool revises = false)
+      : two(participant_attributes(ProtectionKind::none, revises), {}, kTrustingHost) {}
+
+  static EndpointSecurityAttributes attributes(ProtectionKind kind = ProtectionKind::encrypt) {
+    return endpoint_attributes(kind, ProtectionKind::none);
+  }
+  /// The writer's tokens, in a message from `owner`; what the host hands over then.
+  void take(const WriterToReader& ends, const EntityId& owner,
+            spi::KeyStage stage = spi::KeyStage::in_use) {
+    const auto tokens = two.writer_tokens(ends, stage).value();
+    const auto message = token_submessage(owner, tokens);
+    ASSERT_TRUE(
+        decode_submessage(two, exchange, encode_submessage(two, exchange, message).value()));
+    EXPECT_TRUE(two.take_writer(ends, tokens));
+  }
+  Result<Bytes> passes(const WriterToReader& ends, const Bytes& submessage) {
+    return decode_submessage(two, ends, encode_submessage(two, ends, submessage).value());
+  }
+
+  TwoSides two;
+  WriterToReader exchange = two.volatile_endpoints();
+};
+
+TEST_F(KeyOwnerTest, SpeaksForItsEndpointOnly) {
+  for (const auto kind : {ProtectionKind::sign, ProtectionKind::encrypt,
+                          ProtectionKind::encrypt_with_origin_authentication}) {
+    const auto ends = two.endpoints(attributes(kind));
+    take(ends, kSquare);
+    for (const auto& [id, at] :
+         {std::pair(submessage_id::kData, 12), std::pair(submessage_id::kDataFrag, 12),
+          std::pair(submessage_id::kHeartbeat, 8), std::pair(submessage_id::kGap, 8),
+          std::pair(submessage_id::kHeartbeatFrag, 8)}) {
+      EXPECT_TRUE(passes(ends, naming(id, static_cast<std::size_t>(at), kSquare)));
+      for (const auto& other : {kOther, kSecureLiveliness, EntityId{}, kEntityIdParticipant}) {
+        const auto refused = passes(ends, naming(id, static_cast<std::size_t>(at), other));
+        ASSERT_EQ(code_of(refused), Code::submessage_not_of_sender) << int{id};
+        EXPECT_EQ(refused.error().details().expected, kSquare.to_string());
+        EXPECT_EQ(refused.error().details().found, other.to_string());
+      }
+    }
+    EXPECT_TRUE(passes(ends, naming(submessage_id::kInfoTimestamp, 4, kOther, 12)));
+  }
+}
+
+TEST_F(KeyOwnerTest, EachOfAWritersReadersKnowsIt) {
+  const auto ends = two.endpoints(attributes());
+  auto second = ends;
+  second.reader =
+      two.b.factory().register_local_datareader(two.b.participant, {}, attributes()).value();
+  two.match_endpoints(second);
+  take(ends, kSquare);
+  take(second, kSquare);
+  EXPECT_TRUE(passes(second, data_of(kSquare)));
+  EXPECT_EQ(code_of(passes(second, data_of(kOther))), Code::submessage_not_of_sender);
+  EXPECT_EQ(code_of(passes(ends, data_of(kOther))), Code::submessage_not_of_sender);
+}
+
+TEST_F(KeyOwnerTest, WithoutAnOwnerAKeySpeaksForItsKindOnly) {
+  const auto ends = two.endpoints(attributes());
+  EXPECT_TRUE(passes(ends, data_of(kSquare)));
+  EXPECT_TRUE(passes(ends, data_of(kOther)));
+  EXPECT_EQ(code_of(passes(ends, data_of(kSecureLiveliness))), Code::submessage_not_of_sender);
+  auto builtin = attributes();
+  builtin.is_builtin = true;
+  const auto of_discovery = two.endpoints(builtin);
+  EXPECT_TRUE(passes(of_discovery, data_of(kSecureLiveliness)));
+  EXPECT_EQ(code_of(passes(of_discovery, data_of(kSquare))), Code::submessage_not_of_sender);
+}
+
+TEST_F(KeyOwnerTest, AReaderAcknowledgesAsItselfOnly) {
+  const auto ends = two.endpoints(attributes());
+  const auto tokens = two.reader_tokens(ends).value();
+  // The same channel the other way round.
+  auto& b = two.b;
+  auto& a = two.a;
+  const auto channel = attributes();
+  const auto writer =
+      b.factory()
+          .register_local_datawriter(b.participant, builtin_endpoint(kVolatileWriter), channel)
+          .value();
+  const auto reader =
+      a.factory()
+          .register_local_datareader(a.participant, builtin_endpoint(kVolatileReader), channel)
+          .value();
+  const auto to =
+      b.factory().register_matched_remote_datareader(writer, b.remote, shared_secret(), false);
+  const auto from =
+      a.factory().register_matched_remote_datawriter(reader, a.remote, shared_secret());
+  const auto message = token_submessage(kReader, tokens);
+  const auto sent =
+      into_bytes(message.size() + spi::protection_overhead(1), [&](MutableBytes out) {
+        return b.transform().encode_datawriter_submessage(writer, {&*to, 1}, message, out);
+      }).value();
+  ASSERT_TRUE(into_bytes(sent.size(), [&](MutableBytes out) {
+    return a.transform().decode_datawriter_submessage(reader, *from, sent, out);
+  }));
+  ASSERT_TRUE(two.take_reader(ends, tokens));
+  const auto replies = [&](std::uint8_t id, const EntityId& as) {
+    return decode_reply(two, ends, encode_reply(two, ends, naming(id, 4, as)).value());
+  };
+  for (const auto id : {submessage_id::kAckNack, submessage_id::kNackFrag}) {
+    EXPECT_TRUE(replies(id, kReader));
+    EXPECT_EQ(code_of(replies(id, kOther)), Code::submessage_not_of_sender);
+  }
+}
+
+TEST_F(KeyOwnerTest, TheKeyExchangeSpeaksForItselfOnly) {
+  const auto passes_exchange = [&](const Bytes& one) { return passes(exchange, one); };
+  EXPECT_TRUE(passes_exchange(naming(submessage_id::kHeartbeat, 8, kTokenWriter)));
+  EXPECT_TRUE(passes_exchange(naming(submessage_id::kAckNack, 4, kTokenReader)));
+  EXPECT_EQ(code_of(passes_exchange(naming(submessage_id::kHeartbeat, 8, kSquare))),
+            Code::submessage_not_of_sender);
+  EXPECT_EQ(code_of(passes_exchange(naming(submessage_id::kAckNack, 4, kReader))),
+            Code::submessage_not_of_sender);
+}
+
+TEST_F(KeyOwnerTest, AKeyThatTwoEndpointsClaimIsNotTaken) {
+  const auto ends = two.endpoints(attributes());
+  take(ends, kSquare);
+  const auto tokens = two.writer_tokens(ends).value();
+  ASSERT_TRUE(passes(exchange, token_submessage(kOther, tokens)));
+  EXPECT_EQ(code_of(two.take_writer(ends, tokens)), Code::key_material_key_id);
+  EXPECT_TRUE(passes(ends, data_of(kSquare)));  // what was taken stays
+  EXPECT_EQ(code_of(passes(ends, data_of(kOther))), Code::submessage_not_of_sender);
+}
+
+struct RevisedKeyOwnerTest : KeyOwnerTest {
+  RevisedKeyOwnerTest() : KeyOwnerTest(true) {}
+};
+
+TEST_F(RevisedKeyOwnerTest, StaysWithFormerAndLaterKeys) {
+  const auto ends = two.endpoints(attributes());
+  take(ends, kSquare);
+  const auto before = encode_submessage(two, ends, data_of(kOther)).value();
+  const auto revision = two.a.factory().revise_local_entity_keys(two.a.participant);
+  ASSERT_TRUE(revision);
+  // Even if the message with the revised tokens shows no owner.
+  ASSERT_TRUE(two.take_writer(ends, two.writer_tokens(ends, spi::KeyStage::revised).value()));
+  EXPECT_EQ(code_of(decode_submessage(two, ends, before)), Code::submessage_not_of_sender);
+  ASSERT_TRUE(two.a.factory().activate_key_revision(two.a.participant, *revision));
+  EXPECT_TRUE(passes(ends, data_of(kSquare)));
+  EXPECT_EQ(code_of(passes(ends, data_of(kOther))), Code::submessage_not_of_sender);
+  two.b.clock.advance(std::chrono::seconds(11));
+  two.b.factory().forget_former_keys();
+  EXPECT_EQ(code_of(passes(ends, data_of(kOther))), Code::submessage_not_of_sender);
+}
+
+TEST_F(KeyOwnerTest, ASubmessageHasAllItsFields) {
+  const auto ends = two.endpoints(attributes());
+  take(ends, kSquare);
+  Insider insider(read_crypto_token(two.writer_tokens(ends).value()[0]).value());
+  const auto opens = [&](const Bytes& submessage) {
+    return decode_submessage(two, ends, insider.group(kSubmessageFrame, submessage));
+  };
+  struct Case {
+    std::uint8_t id;
+    std::size_t at, fields;
+  };
+  for (const auto& [id, at, fields] :
+       {Case{submessage_id::kData, 12, 24}, Case{submessage_id::kDataFrag, 12, 36},
+        Case{submessage_id::kHeartbeat, 8, 32}, Case{submessage_id::kGap, 8, 32},
+        Case{submessage_id::kHeartbeatFrag, 8, 28}}) {
+    // Length 0: the host would read the rest of the fields from what follows the group.
+    for (std::size_t size = 4; size <= fields; size += 4) {
+      auto submessage = naming(id, at, kSquare, std::max(size, at + 4));
+      submessage.resize(size);
+      submessage[2] = submessage[3] = 0;
+      EXPECT_EQ(code_of(opens(submessage)), size < fields ? Code::secure_group_malformed : Code{})
+          << int{id} << " " << size;
+    }
+    EXPECT_EQ(code_of(opens(data_submessage(at - 4, id))), Code::secure_group_malformed);
+  }
+}
+
+}  // namespace
+}  // namespace ddssec::cryptography
