@@ -22,8 +22,9 @@ struct Options {
   /// the keys it has handed out, as Cyclone DDS does. Then the engine checks in its place: a
   /// protected message ends where it begins to speak for another participant, key tokens name the
   /// participant at the other end of the key exchange, discovery and liveliness speak of the owner
-  /// of the key, and keys that are set give way to later revisions only. Of each refusal the engine
-  /// raises an event that names the peer.
+  /// of the key, keys that are set give way to later revisions only, and key tokens do not come
+  /// again before the host used the former ones. Of each refusal the engine raises an event that
+  /// names the peer.
   bool host_checks_sources = true;
   /// AES blocks under one session key before the next session (DDS-Security 9.5.3.3.4); at most
   /// 2^32, at least 1.

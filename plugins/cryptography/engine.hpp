@@ -6,6 +6,7 @@
 
 #include "plugins/cryptography/cryptography.hpp"
 #include "plugins/cryptography/entities.hpp"
+#include "plugins/cryptography/token_ledger.hpp"
 #include "plugins/cryptography/wire.hpp"
 
 namespace ddssec::cryptography {
@@ -48,6 +49,8 @@ struct Shared {
   Registry registry;
   std::mutex mutex;
   std::unordered_map<std::int64_t, std::chrono::nanoseconds> former_until;  ///< guarded by it
+  std::uint64_t pairs_made = 0;                                             ///< guarded by it
+  mutable TokenLedger ledger;  ///< for a host that does not check
 };
 
 /// Local handle kinds and the remote ones they match.

@@ -63,6 +63,7 @@ struct LocalParticipant final : Entity {
 struct Pair final : Retirable {
   explicit Pair(const LocalParticipant& local_participant) : local(local_participant) {}
   const LocalParticipant& local;
+  std::uint64_t number = 0;  ///< of the key exchange: no two have one
   spi::CipherMask peer_ciphers = spi::kStandardCiphers;
   std::optional<GuidPrefix> peer_prefix = {};  ///< nothing: another vendor's authentication
   spi::PermissionsHandle permissions = {};     ///< the remote's; under Engine's mutex

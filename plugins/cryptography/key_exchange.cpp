@@ -102,6 +102,7 @@ Result<std::vector<spi::Token>> KeyExchange::create_local_participant_crypto_tok
 Status KeyExchange::set_remote_participant_crypto_tokens(spi::ParticipantCryptoHandle local,
                                                          spi::ParticipantCryptoHandle remote,
                                                          std::span<const spi::Token> tokens) {
+  if (!shared_.host_checks_sources) shared_.ledger.note_used(tokens);
   const std::lock_guard lock(shared_.mutex);
   const auto* const participant = DDSSEC_TRY(shared_.local_participant(local));
   auto* const pair = DDSSEC_TRY(shared_.remote_participant(remote))->pair(local.value);
@@ -175,6 +176,7 @@ Result<std::unique_ptr<RemoteKeys>> KeyExchange::endpoint_keys(
 
 template <class Local, class Remote>
 Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> tokens) {
+  if (!shared_.host_checks_sources) shared_.ledger.note_used(tokens);
   const std::lock_guard lock(shared_.mutex);
   auto& endpoint = *DDSSEC_TRY(matched(local, remote));
   if (!endpoint.local.has_tokens()) return fail(Code::crypto_tokens_not_expected);

@@ -137,6 +137,7 @@ Result<std::unique_ptr<Pair>> KeyFactory::make_pair(const LocalParticipant& loca
   if (shared_secret.secret.empty()) return fail(Code::length_out_of_range);
   if (local.key.read() != nullptr) DDSSEC_TRY(check_peer(local.cipher, shared_secret.peer_ciphers));
   auto pair = std::make_unique<Pair>(local);
+  pair->number = ++shared_.pairs_made;
   pair->peer_ciphers = shared_secret.peer_ciphers;
   pair->peer_prefix = shared_secret.peer_prefix;
   auto material = derive_key_exchange_material(shared_secret);

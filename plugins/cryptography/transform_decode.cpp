@@ -113,8 +113,24 @@ Status check_submessage(const RemoteEndpoint& sender, BytesView plain) {
   return {};
 }
 
+/// Tokens that the host must not hold besides those it holds come to it as a message of a class
+/// that it does not know: one that is missing would hold up all that follow.
+Status check_repetition(const Shared& shared, const Pair& pair, MutableBytes submessage) {
+  if (!writer_of_data(submessage)) return {};
+  const auto piece = DDSSEC_TRY(read_data_piece(submessage));
+  const auto message = DDSSEC_TRY(read_token_message(piece));
+  if (!message) return {};
+  const auto now = shared.environment.clock.monotonic();
+  auto status = shared.ledger.note(*message, pair.number, now);
+  if (status || status.error().code() != Code::crypto_tokens_repeated) return status;
+  const auto payload_at = static_cast<std::size_t>(piece.payload.data() - submessage.data());
+  submessage[payload_at + message->class_at] = '-';
+  shared.report(status.error(), pair.peer_prefix);
+  return {};
+}
+
 /// The same for a host that would believe whatever source, and whatever endpoint, it names.
-Status check_source_named(const Shared& shared, const RemoteEndpoint& sender, BytesView plain) {
+Status check_source_named(const Shared& shared, const RemoteEndpoint& sender, MutableBytes plain) {
   if (shared.host_checks_sources) return {};
   auto* const pair = sender.participant.pair(sender.local.participant.handle());
   if (pair == nullptr) return fail(Code::crypto_not_matched);
@@ -123,6 +139,7 @@ Status check_source_named(const Shared& shared, const RemoteEndpoint& sender, By
     DDSSEC_TRY(check_speaker(sender, plain));
     if (pair->peer_prefix) status = check_builtin_source(plain, *pair->peer_prefix);
   }
+  if (status && sender.local.is_volatile) status = check_repetition(shared, *pair, plain);
   if (!status) {
     shared.report(status.error(), pair->peer_prefix);
     return status;

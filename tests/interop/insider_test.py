@@ -229,6 +229,20 @@ def without_data(world, tamper):
     go_on(world, subscriber)
 
 
+def repeat(world):
+    """Tokens come again while the host holds the former ones, which corrupts its memory."""
+    subscriber = begin(world)
+    for turn in range(3):
+        insider = world.insider("publish", "repeat", ELSEWHERE)
+        world.until("the repeated tokens", lambda: said(insider, "tampered"))
+        if turn == 0:
+            one_event_each(world, "crypto_tokens_repeated", insider)
+        insider.stop()
+        world.until("the insider's end", lambda: insider.ended)
+        world.passes(0.3)
+    go_on(world, subscriber)
+
+
 def one_event_each(world, code, insider):
     """At least one process refuses, each at most once, and names the insider."""
     world.until(f"an event {code}", lambda: world.events(code), 8)
@@ -244,9 +258,6 @@ def names(world, tamper):
     subscriber = begin(world)
     insider = world.insider("subscribe" if tamper == "speak-as" else "publish", tamper,
                             ELSEWHERE if tamper == "speak-as" else Permissions())
-    if tamper == "dispose":
-        world.until("the insider's samples", lambda: samples(subscriber, FORGED))
-        insider.stop()
     world.until("the false name", lambda: said(insider, "tampered"))
     one_event_each(world, "builtin_source_mismatch", insider)
     check("the victim is accused", not world.events("match_not_permitted"))
@@ -277,6 +288,7 @@ def cases():
             for tamper in ("dispose", "speak-as"):
                 yield f"{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: names(world, t)
         if kind != "ours-ac":
+            yield f"repeat/{kind}", kind, EVERYTHING, repeat
             yield f"clear/{kind}", kind, EVERYTHING, lambda world: names(world, "clear")
         yield f"source/{kind}", kind, MESSAGES_ONLY, source
 

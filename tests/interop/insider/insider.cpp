@@ -6,7 +6,8 @@
 //   source       its protected messages go on in the victim's name
 //   key-only     its key tokens are sent as a key instead of data
 //   key-hash     its key tokens have no payload, but a key hash
-//   dispose      when its writer ends, it says so of the victim's
+//   repeat       its builtin writers' key tokens come several times for two that are never matched
+//   dispose      instead of announcing its writers, it says that the victim's are gone
 //   speak-as     it announces its readers as the victim's, without access control
 //   clear        its protected messages hold a liveliness message, in the clear, that ends the
 //   victim
@@ -18,6 +19,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <dlfcn.h>
+#include <map>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -196,6 +198,30 @@ void leave_key(Bytes& octets, bool only_hash) {
   say_tampered();
 }
 
+/// Of the key tokens of builtin writers to one participant, all name one reader that never matches,
+/// and as their writer one of two by turns. A retransmission stays what it was.
+void repeat_tokens(Bytes& octets) {
+  constexpr std::size_t kLocalAt = 24 + 68, kRemoteAt = 24 + 84, kGuid = 16, kPrefix = 12;
+  constexpr DDS_Security_octet kReader[] = {0xff, 0, 4, 0xc7};
+  constexpr DDS_Security_octet kWriters[2][4] = {{0xff, 0, 3, 0xc2}, {0xff, 1, 1, 0xc2}};
+  if (octets.size() < kRemoteAt + kGuid || octets[kEntityKindAt] != 0xc2 ||
+      !holds(octets, "dds.sec.datawriter_crypto_tokens"))
+    return;
+  static std::mutex mutex;
+  static std::map<std::string, std::map<std::string, std::size_t>>
+      turns;  // by participant, then by the GUIDs
+  const auto at = [&](std::size_t begin, std::size_t size) {
+    return std::string(octets.begin() + static_cast<std::ptrdiff_t>(begin),
+                       octets.begin() + static_cast<std::ptrdiff_t>(begin + size));
+  };
+  const std::lock_guard lock(mutex);
+  auto& known = turns[at(kLocalAt, kPrefix)];
+  const auto turn = known.try_emplace(at(kLocalAt, 2 * kGuid), known.size()).first->second;
+  std::memcpy(&octets[kLocalAt + kPrefix], kReader, sizeof kReader);
+  std::memcpy(&octets[kRemoteAt + kPrefix], kWriters[turn % 2], 4);
+  if (turn >= 2) say_tampered();
+}
+
 /// Every GUID in the payload.
 void speak_as_victim(Bytes& octets) {
   const auto prefix = victim.prefix();
@@ -207,10 +233,20 @@ void speak_as_victim(Bytes& octets) {
   }
 }
 
+void dispose(Bytes& octets) {
+  if ((octets[1] & kInlineQosFlag) != 0) return;
+  const DDS_Security_octet qos[] = {0x71, 0, 4, 0, 0, 0, 0, 3, 1, 0, 0, 0};
+  octets.insert(octets.begin() + 24, std::begin(qos), std::end(qos));
+  octets[1] |= kInlineQosFlag;
+  set_length(octets);
+}
+
 void speak_of_endpoints(Bytes& octets) {
   constexpr std::uint32_t kPublications = 0xff0003c2, kSubscriptions = 0xff0004c2;
-  if (tampers("dispose") && is_of_writer(octets, kPublications) && (octets[1] & kKeyFlag) != 0)
+  if (tampers("dispose") && is_of_writer(octets, kPublications)) {
     speak_as_victim(octets);
+    dispose(octets);
+  }
   if (!tampers("speak-as") || !is_of_writer(octets, kSubscriptions)) return;
   hide_access_control(octets);
   speak_as_victim(octets);
@@ -224,6 +260,8 @@ DDS_Security_boolean my_encode_submessage(dds_security_crypto_transform* instanc
   if (plain->_buffer == nullptr)
     return encode_submessage(instance, encoded, plain, sender, receivers, index, ex);
   Bytes octets(plain->_buffer, plain->_buffer + plain->_length);
+  // Its announcements wait: the readers ask for them again.
+  if (tampers("dispose") && is_of_writer(octets, 0xff0003c2) && victim.prefix().empty()) return 0;
   if (tampers("announce")) hide_access_control(octets);
   if (tampers("participant")) name_victim(octets, "dds.sec.participant_crypto_tokens", 24 + 4);
   // Of the application's writers: those of discovery it needs.
@@ -232,6 +270,7 @@ DDS_Security_boolean my_encode_submessage(dds_security_crypto_transform* instanc
     name_victim(octets, "dds.sec.datawriter_crypto_tokens", 24 + 84);
   if (tampers("key-only")) leave_key(octets, false);
   if (tampers("key-hash")) leave_key(octets, true);
+  if (tampers("repeat")) repeat_tokens(octets);
   speak_of_endpoints(octets);
   const auto size = static_cast<DDS_Security_unsigned_long>(octets.size());
   const Octets mine{size, size, octets.data()};

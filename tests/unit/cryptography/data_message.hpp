@@ -27,6 +27,10 @@ inline Bytes generic_message(const GuidPrefix& source, const GuidPrefix& endpoin
   append(out, source.view());
   out.resize(84, 0x11);
   append(out, endpoint.view());
+  out.resize(100, 0x11);
+  const std::string_view class_id("class", 6);  // with its NUL
+  append(out, class_id.size(), 4, (encoding & 1) != 0);
+  append(out, as_bytes(class_id));
   out.resize(120, 0x22);
   return out;
 }
