@@ -16,10 +16,10 @@ inline constexpr std::size_t kMostFindingsPerRule = 20;
 /// What a governance document is meant for.
 struct GovernanceUse {
   std::optional<DomainId> domain = std::nullopt;
-  bool choices = false;  ///< also GOV042, which most documents have for good reasons
+  bool choices = false;  ///< also GOV042 and GOV044, which most documents have for good reasons
 };
 
-/// Findings GOV001 to GOV043, by line. Errors stop `governance sign`.
+/// Findings GOV001 to GOV044, by line. Errors stop `governance sign`.
 std::vector<Finding> lint(const Governance& governance, const GovernanceUse& use = {});
 
 /// What a permissions document is meant for. What is not given is not looked at.

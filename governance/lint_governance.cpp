@@ -268,6 +268,22 @@ void check_origin(Findings& out, const Place& place) {
                           fmt::join(names, ", "), more)));
 }
 
+// The same of the builtin writers, whose keys go to every participant that may join.
+void check_builtin_origin(Findings& out, const Place& place) {
+  const auto& rule = place.rule;
+  if (is_origin_authenticated(rule.rtps_protection_kind)) return;
+  std::vector<std::string> kinds;
+  for (const auto& [name, kind] :
+       {std::pair("discovery_protection_kind", rule.discovery_protection_kind),
+        std::pair("liveliness_protection_kind", rule.liveliness_protection_kind)})
+    if (is_protected(kind) && !is_origin_authenticated(kind))
+      kinds.push_back(fmt::format("{} is {}", name, to_string(kind)));
+  if (kinds.empty()) return;
+  out.add(place.about(GOV044, fmt::format("{}: each participant that may join has the keys to send "
+                                          "such messages in the name of any other",
+                                          fmt::join(kinds, " and "))));
+}
+
 void check_topics(Findings& out, const Place& place) {
   for (std::size_t i = 0; i < place.rule.topic_rules.size(); ++i) {
     const auto& topic = place.rule.topic_rules[i];
@@ -293,7 +309,10 @@ std::vector<Finding> lint(const Governance& governance, const GovernanceUse& use
     check_dead_rules(out, place);
     check_topics_without_rule(out, place);
     check_domain_kinds(out, place);
-    if (use.choices) check_origin(out, place);
+    if (use.choices) {
+      check_origin(out, place);
+      check_builtin_origin(out, place);
+    }
     check_topics(out, place);
   }
   if (use.domain && !governance.find(*use.domain))

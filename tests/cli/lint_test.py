@@ -37,15 +37,15 @@ class Lint(Transcript):
 
     def test_what_a_good_document_leaves_open_is_a_note(self):
         out = self.lint("governance", "lint", "g.xml", "--domain", "0")
-        self.assertEqual(out["result"], {"file": "g.xml", "errors": 0, "warnings": 0, "notes": 1})
-        self.assertEqual([d["id"] for d in out["diagnostics"]], ["GOV042"])
+        self.assertEqual(out["result"], {"file": "g.xml", "errors": 0, "warnings": 0, "notes": 2})
+        self.assertEqual([d["id"] for d in out["diagnostics"]], ["GOV042", "GOV044"])
 
     def test_a_finding_has_all_that_it_takes(self):
         self.edit("g.xml", ("<topic_expression>*<", "<topic_expression>rt/[^a]<"))
         out = self.lint("governance", "lint", "g.xml", "--domain", "7", exit=1)
-        self.assertEqual(out["result"], {"file": "g.xml", "errors": 1, "warnings": 2, "notes": 1})
+        self.assertEqual(out["result"], {"file": "g.xml", "errors": 1, "warnings": 2, "notes": 2})
         told = {d["id"]: d for d in out["diagnostics"]}
-        self.assertEqual(sorted(told), ["GOV003", "GOV011", "GOV012", "GOV042"])
+        self.assertEqual(sorted(told), ["GOV003", "GOV011", "GOV012", "GOV042", "GOV044"])
         told = told["GOV012"]
         self.assertEqual(told, {
             "id": "GOV012", "severity": "warning",
@@ -55,7 +55,7 @@ class Lint(Transcript):
             "path": "/dds/domain_access_rules/domain_rule[1]/topic_access_rules/topic_rule[1]",
             "hint": told["hint"], "vendors": ["cyclonedds"]})
         text = self.run_program("governance", "lint", "g.xml")
-        self.assertEqual(text.stdout, "g.xml: 2 warnings, 1 note\n")
+        self.assertEqual(text.stdout, "g.xml: 2 warnings, 2 notes\n")
         self.assertRegex(text.stderr, r"(?m)^warning\[GOV012\]: .*\n  --> g.xml:14\n"
                                       r"  concerns: cyclonedds\n  hint: use only ")
 

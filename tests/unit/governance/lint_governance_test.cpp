@@ -173,10 +173,10 @@ TEST(LintGovernance, OriginAuthentication) {
 // T44 of docs/attacks.md: a note, and only for who asks what a document leaves open.
 TEST(LintGovernance, ReadersThatCanWrite) {
   const GovernanceUse use{.choices = true};
-  const auto found = only(changed([](auto&) {}), use);
-  EXPECT_EQ(found.rule, ddssec::Rule::GOV042);
-  EXPECT_EQ(found.severity, Severity::informational);
-  EXPECT_EQ(found.message,
+  const auto notes = of(ddssec::Rule::GOV042, changed([](auto&) {}), use);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_EQ(notes[0].severity, Severity::informational);
+  EXPECT_EQ(notes[0].message,
             "\"*\": writing is controlled, and whoever may read has the key to write in a writer's "
             "name");
   std::vector<TopicRule> rules;
@@ -192,6 +192,34 @@ TEST(LintGovernance, ReadersThatCanWrite) {
                  use)
                   .empty());
   EXPECT_TRUE(of(ddssec::Rule::GOV042, governance_of(Profile::open, {{0, 0}}), use).empty());
+}
+
+TEST(LintGovernance, DiscoveryThatEveryParticipantCanForge) {
+  const GovernanceUse use{.choices = true};
+  const auto of_kinds = [&](ProtectionKind discovery, ProtectionKind liveliness,
+                            ProtectionKind rtps) {
+    return of(ddssec::Rule::GOV044, changed([&](DomainRule& rule) {
+                rule.discovery_protection_kind = discovery;
+                rule.liveliness_protection_kind = liveliness;
+                rule.rtps_protection_kind = rtps;
+              }),
+              use);
+  };
+  const auto both = of_kinds(encrypt, sign, encrypt);
+  ASSERT_EQ(both.size(), 1u);
+  EXPECT_EQ(both[0].severity, Severity::informational);
+  EXPECT_EQ(both[0].message,
+            "discovery_protection_kind is ENCRYPT and liveliness_protection_kind is SIGN: each "
+            "participant that may join has the keys to send such messages in the name of any "
+            "other");
+  const auto one = of_kinds(encrypt_with_origin_authentication, encrypt, none);
+  ASSERT_EQ(one.size(), 1u);
+  EXPECT_TRUE(one[0].message.starts_with("liveliness_protection_kind is ENCRYPT: "));
+  EXPECT_TRUE(of_kinds(encrypt, encrypt, sign_with_origin_authentication).empty());
+  EXPECT_TRUE(
+      of_kinds(encrypt_with_origin_authentication, sign_with_origin_authentication, none).empty());
+  EXPECT_TRUE(of_kinds(none, none, encrypt).empty());
+  EXPECT_TRUE(of(ddssec::Rule::GOV044, changed([](auto&) {})).empty());  // not asked for
 }
 
 TEST(LintGovernance, DataProtectionAlone) {
