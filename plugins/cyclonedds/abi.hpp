@@ -24,6 +24,10 @@ using Exception = DDS_Security_SecurityException;
 using SupportedCiphers = std::uint32_t();
 inline constexpr const char* kSupportedCiphersSymbol = "ddssec_supported_ciphers";
 
+/// What libddssec_cryptography shows our authentication: did that remote participant send its keys?
+using HasKeysOf = bool(DDS_Security_IdentityHandle);
+inline constexpr const char* kHasKeysOfSymbol = "ddssec_has_keys_of";
+
 /// Each of our libraries exports one, for the line that says which are in use: the version.
 using PluginVersion = const char*();
 

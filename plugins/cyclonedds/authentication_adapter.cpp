@@ -78,6 +78,13 @@ spi::CipherMask ciphers_of_process() {
   return reinterpret_cast<SupportedCiphers*>(symbol)();
 }
 
+/// Where a stock cryptography stands in its place, no keys are waited for.
+HandshakeWatch::HasKeys keys_of_process() {
+  void* const symbol = dlsym(RTLD_DEFAULT, kHasKeysOfSymbol);
+  if (symbol == nullptr) return {};
+  return [ask = reinterpret_cast<HasKeysOf*>(symbol)](auto remote) { return ask(remote.value); };
+}
+
 DDS_Security_boolean get_identity_token(Instance* instance, CToken* token, const CIdentity handle,
                                         Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
@@ -135,6 +142,7 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
       std::swap(*local_auth_request, sent);
       free_token(sent);
     }
+    adapter.watch().met(of_host, guid);
     *remote_handle = of_host.value;
     return to_c(remote.result);
   });
@@ -149,9 +157,12 @@ CResult begin_handshake_request(Instance* instance, CHandshake* handle, CToken* 
     *message = {};
     const auto data = DDSSEC_TRY(octets_from(participant_data));
     const auto remote = adapter.remotes().pair(identity(initiator), identity(replier));
-    const auto step =
-        DDSSEC_TRY(adapter.engine().begin_handshake_request(identity(initiator), remote, data));
+    auto begun = adapter.engine().begin_handshake_request(identity(initiator), remote, data);
+    // The core gives this peer up. No stranger can cause that: there is nothing to begin again.
+    if (!begun) adapter.watch().forget(identity(replier));
+    const auto step = DDSSEC_TRY(std::move(begun));
     adapter.secrets().note(step.handle, identity(initiator), identity(replier));
+    adapter.watch().progressed(identity(replier), step.handle);
     DDSSEC_TRY(hand_out(step.message, *message));
     *handle = step.handle.value;
     return to_c(step.result);
@@ -169,9 +180,11 @@ CResult begin_handshake_reply(Instance* instance, CHandshake* handle, CToken* me
     const auto request = DDSSEC_TRY(token_from(message_in));
     const auto data = DDSSEC_TRY(octets_from(participant_data));
     const auto remote = adapter.remotes().pair(identity(replier), identity(initiator));
-    const auto step = DDSSEC_TRY(
-        adapter.engine().begin_handshake_reply(request, remote, identity(replier), data));
+    auto begun = adapter.engine().begin_handshake_reply(request, remote, identity(replier), data);
+    if (!begun) adapter.watch().refused(identity(initiator));
+    const auto step = DDSSEC_TRY(std::move(begun));
     adapter.secrets().note(step.handle, identity(initiator), identity(replier));
+    adapter.watch().progressed(identity(initiator), step.handle);
     DDSSEC_TRY(hand_out(step.message, *message_out));
     *handle = step.handle.value;
     return to_c(step.result);
@@ -184,8 +197,13 @@ CResult process_handshake(Instance* instance, CToken* message_out, const CToken*
     DDSSEC_TRY(require(message_out, message_in));
     *message_out = {};
     const auto message = DDSSEC_TRY(token_from(message_in));
-    const auto step = DDSSEC_TRY(adapter.engine().process_handshake(handshake(handle), message));
+    auto processed = adapter.engine().process_handshake(handshake(handle), message);
+    if (!processed) adapter.watch().refused(handshake(handle));
+    const auto step = DDSSEC_TRY(std::move(processed));
     DDSSEC_TRY(hand_out(step.message, *message_out));
+    if (step.result == spi::ValidationResult::ok ||
+        step.result == spi::ValidationResult::ok_final_message)
+      adapter.watch().finished(handshake(handle));
     return to_c(step.result);
   });
 }
@@ -234,6 +252,7 @@ DDS_Security_boolean return_handshake_handle(Instance* instance, const CHandshak
                                              Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     if (handle == DDS_SECURITY_HANDLE_NIL) return {};
+    adapter.watch().forget(handshake(handle));
     return adapter.engine().return_handshake_handle(handshake(handle));
   });
 }
@@ -243,6 +262,7 @@ DDS_Security_boolean return_identity_handle(Instance* instance, const CIdentity 
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     if (handle == DDS_SECURITY_HANDLE_NIL) return {};
     adapter.secrets().drop(identity(handle));
+    adapter.watch().forget(identity(handle));
     Status status;
     for (const auto one : adapter.remotes().take(identity(handle)))
       if (auto returned = adapter.engine().return_identity_handle(one); !returned)
@@ -287,8 +307,29 @@ AuthenticationAdapter::AuthenticationAdapter(std::unique_ptr<Host> host,
     : dds_security_authentication(kTable),
       host_(std::move(host)),
       engine_(make(host_->environment())),
+      watch_(host_->clock()),
       timer_(host_->clock()) {
   gv = domain;
+}
+
+void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revoke& revoke) {
+  for (const auto& stuck : watch_.give_up(keys_of_process())) {
+    if (stop.stop_requested()) return;
+    if (stuck.is_first) {
+      const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(stuck.waited);
+      host_->notice(Event(
+          Error(Code::handshake_begun_again,
+                {.document = "the handshake with a discovered participant",
+                 .expected = "that it ends",
+                 .found = std::string(stuck.was_disturbed ? "a refused message and then nothing"
+                                                          : "nothing") +
+                          " for " + std::to_string(waited.count()) + " ms",
+                 .note = "from now on it is begun again at growing intervals, without another "
+                         "event"}),
+          {}, stuck.guid.to_string()));
+    }
+    revoke(stuck.remote.value);
+  }
 }
 
 void AuthenticationAdapter::listen(const dds_security_authentication_listener* listener) {
@@ -299,6 +340,7 @@ void AuthenticationAdapter::listen(const dds_security_authentication_listener* l
                       say_clock_steps(*host_, PluginKind::authentication);
                       for (const auto ended : remotes_.to_revoke(engine_->expire()))
                         if (!stop.stop_requested()) revoke(this, ended.value);
+                      revoke_stuck(stop, [&](std::int64_t remote) { revoke(this, remote); });
                     },
                 .next_expiry = [this] { return engine_->next_expiry(); }});
 }

@@ -3,6 +3,7 @@
 
 #include "plugins/cyclonedds/context.hpp"
 #include "plugins/cyclonedds/expiry_timer.hpp"
+#include "plugins/cyclonedds/handshake_watch.hpp"
 #include "plugins/cyclonedds/remote_identities.hpp"
 #include "plugins/cyclonedds/shared_secrets.hpp"
 #include "plugins/spi/authentication.hpp"
@@ -22,15 +23,21 @@ class AuthenticationAdapter final : public dds_security_authentication {
   spi::Authentication& engine() { return *engine_; }
   SharedSecrets& secrets() { return secrets_; }
   RemoteIdentities& remotes() { return remotes_; }
+  HandshakeWatch& watch() { return watch_; }
 
   /// Null stops the timer; returns when no revocation is running any more.
   void listen(const dds_security_authentication_listener* listener);
 
  private:
+  using Revoke = std::function<void(std::int64_t)>;
+  /// Makes the host begin again with peers whose handshake came to no end.
+  void revoke_stuck(const std::stop_token& stop, const Revoke& revoke);
+
   std::unique_ptr<Host> host_;
   std::unique_ptr<spi::Authentication> engine_;
   SharedSecrets secrets_;  ///< by the host's handles
   RemoteIdentities remotes_;
+  HandshakeWatch watch_;
   ExpiryTimer timer_;  ///< last: it ends before what it uses
 };
 

@@ -2,6 +2,7 @@
 #include "plugins/cryptography/cryptography.hpp"
 #include "plugins/cyclonedds/cryptography_adapter.hpp"
 #include "plugins/cyclonedds/entry.hpp"
+#include "plugins/cyclonedds/peers_with_keys.hpp"
 #include "plugins/cyclonedds/presence.hpp"
 
 using namespace ddssec;
@@ -16,6 +17,10 @@ DDSSEC_EXPORT int init_crypto(const char*, void** context, ddsi_domaingv* domain
 }
 
 DDSSEC_EXPORT std::uint32_t ddssec_supported_ciphers() { return cryptography::supported_ciphers(); }
+
+DDSSEC_EXPORT bool ddssec_has_keys_of(DDS_Security_IdentityHandle remote) {
+  return cyclonedds::PeersWithKeys::of_process().contains({remote});
+}
 
 DDSSEC_EXPORT int finalize_crypto(void* context) {
   return cyclonedds::finalize<CryptographyAdapter, dds_security_cryptography>(context);

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "plugins/cyclonedds/cryptography_adapter.hpp"
+#include "plugins/cyclonedds/peers_with_keys.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 
 namespace ddssec::cyclonedds {
@@ -61,6 +62,7 @@ DDS_Security_boolean set_remote_participant_crypto_tokens(Instance* instance, co
     DDSSEC_TRY(require(in));
     const auto events = Host::raised_by_this_thread();
     const auto status = set_participant_tokens(adapter.key_exchange(), {local}, {remote}, *in);
+    if (status) PeersWithKeys::of_process().sent_keys({remote});
     if (status || !is_about_tokens(status.error().code())) return status;
     // They had no effect. Of refused tokens of a participant Cyclone DDS logs each and frees none:
     // a peer could fill log and memory.

@@ -4,6 +4,7 @@
 
 #include "plugins/cyclonedds/cryptography_adapter.hpp"
 #include "plugins/cyclonedds/match_gate.hpp"
+#include "plugins/cyclonedds/peers_with_keys.hpp"
 #include "plugins/cyclonedds/presence.hpp"
 #include "plugins/cyclonedds/process_properties.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
@@ -49,12 +50,14 @@ CHandle register_matched_remote_participant(Instance* instance, const CHandle lo
                                             const DDS_Security_PermissionsHandle permissions,
                                             const DDS_Security_SharedSecretHandle secret_handle,
                                             Exception* ex) {
-  return ask_handle<Adapter>(instance, ex,
-                             [&](Adapter& adapter) -> Result<spi::ParticipantCryptoHandle> {
-                               const auto secret = DDSSEC_TRY(shared_secret_from(secret_handle));
-                               return adapter.key_factory().register_matched_remote_participant(
-                                   {local}, {remote_identity}, {permissions}, secret);
-                             });
+  return ask_handle<Adapter>(
+      instance, ex, [&](Adapter& adapter) -> Result<spi::ParticipantCryptoHandle> {
+        const auto secret = DDSSEC_TRY(shared_secret_from(secret_handle));
+        const auto peer = DDSSEC_TRY(adapter.key_factory().register_matched_remote_participant(
+            {local}, {remote_identity}, {permissions}, secret));
+        PeersWithKeys::of_process().met(peer, {remote_identity});
+        return peer;
+      });
 }
 
 CHandle register_local_datawriter(Instance* instance, const CHandle participant,
@@ -112,6 +115,7 @@ DDS_Security_boolean unregister_participant(Instance* instance, const CHandle ha
                                             Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     if (handle == DDS_SECURITY_HANDLE_NIL) return {};
+    PeersWithKeys::of_process().left({handle});
     return adapter.key_factory().unregister_participant({handle});
   });
 }

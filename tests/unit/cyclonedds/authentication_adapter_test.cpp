@@ -313,5 +313,67 @@ TEST_F(AuthenticationAdapterTest, ExpiredIdentityIsRevokedThroughTheListener) {
   EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);
 }
 
+// A stranger's message that had to be refused leaves the core waiting for ever.
+TEST_F(AuthenticationAdapterTest, AHandshakeThatAStrangerDisturbedIsBegunAgain) {
+  ON_CALL(engine, validate_remote_identity).WillByDefault([](spi::IdentityHandle local, auto&&...) {
+    return spi::Authentication::RemoteIdentity{
+        {40 + local.value}, spi::ValidationResult::pending_handshake_request, {}};
+  });
+  ON_CALL(engine, begin_handshake_reply).WillByDefault(Return(fail(Code::handshake_role_wrong)));
+  ON_CALL(engine, begin_handshake_request)
+      .WillByDefault(Return(spi::Authentication::HandshakeStep{
+          {60}, spi::ValidationResult::pending_handshake_message, {}}));
+  ON_CALL(engine, process_handshake)
+      .WillByDefault(Return(
+          spi::Authentication::HandshakeStep{{60}, spi::ValidationResult::ok_final_message, {}}));
+  ON_CALL(engine, next_expiry).WillByDefault(Return(std::nullopt));
+  const HostToken token(sample_token());
+  const auto meet = [&](std::uint8_t octet, DDS_Security_IdentityHandle local) {
+    HostToken request;
+    DDS_Security_IdentityHandle remote = 0;
+    const auto guid = to_c(guid_of(octet));
+    c->validate_remote_identity(c, &remote, &request, nullptr, local, &token, &guid, nullptr);
+    return remote;
+  };
+  const auto forged = [&](DDS_Security_IdentityHandle remote, DDS_Security_IdentityHandle local) {
+    DDS_Security_HandshakeHandle handshake = 0;
+    HostToken reply;
+    EXPECT_EQ(c->begin_handshake_reply(c, &handshake, &reply, &token, remote, local, &data.sequence,
+                                       nullptr),
+              DDS_SECURITY_VALIDATION_FAILED);
+  };
+  // One that authenticates in spite of it.
+  const auto finished = meet(2, 2);
+  forged(finished, 2);
+  DDS_Security_HandshakeHandle handshake = 0;
+  HostToken message, final_message;
+  c->begin_handshake_request(c, &handshake, &message, 2, finished, &data.sequence, nullptr);
+  EXPECT_EQ(c->process_handshake(c, &final_message, &token, handshake, nullptr),
+            DDS_SECURITY_VALIDATION_OK_FINAL_MESSAGE);
+  const auto stuck = meet(1, 1);
+  forged(stuck, 1);
+
+  revoked_identity = 0;
+  const dds_security_authentication_listener listener{
+      [](const dds_security_authentication*,
+         const DDS_Security_IdentityHandle handle) -> DDS_Security_boolean {
+        revoked_identity = handle;
+        return 1;
+      },
+      nullptr};
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(c->set_listener(c, &listener, nullptr), 1);
+  while (revoked_identity == 0 &&
+         std::chrono::steady_clock::now() - start < std::chrono::seconds(20))
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);
+  EXPECT_EQ(revoked_identity, stuck);
+  EXPECT_GE(std::chrono::steady_clock::now() - start, HandshakeWatch::kPatience / 2);
+  std::vector<std::string> told;
+  for (const auto& event : harness.events)
+    if (event.error.code() == Code::handshake_begun_again) told.push_back(event.guid);
+  EXPECT_EQ(told, std::vector{guid_of(1).to_string()});
+}
+
 }  // namespace
 }  // namespace ddssec::cyclonedds

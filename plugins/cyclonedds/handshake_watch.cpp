@@ -1,0 +1,99 @@
+#include "plugins/cyclonedds/handshake_watch.hpp"
+
+#include <algorithm>
+
+namespace ddssec::cyclonedds {
+
+using spi::HandshakeHandle;
+using spi::IdentityHandle;
+
+void HandshakeWatch::met(IdentityHandle remote, const Guid& guid) {
+  const std::lock_guard lock(mutex_);
+  remotes_.try_emplace(remote, Remote{guid, {}}).first->second.since = clock_.monotonic();
+}
+
+void HandshakeWatch::progressed(IdentityHandle remote, HandshakeHandle handshake) {
+  const std::lock_guard lock(mutex_);
+  const auto known = remotes_.find(remote);
+  if (known == remotes_.end()) return;
+  known->second.since = clock_.monotonic();
+  known->second.is_under_way = true;
+  handshakes_[handshake] = remote;
+}
+
+HandshakeWatch::Remote* HandshakeWatch::of(HandshakeHandle handshake) {
+  const auto known = handshakes_.find(handshake);
+  if (known == handshakes_.end()) return nullptr;
+  const auto remote = remotes_.find(known->second);
+  return remote == remotes_.end() ? nullptr : &remote->second;
+}
+
+void HandshakeWatch::refused(IdentityHandle remote) {
+  const std::lock_guard lock(mutex_);
+  if (const auto known = remotes_.find(remote); known != remotes_.end())
+    known->second.was_disturbed = true;
+}
+
+void HandshakeWatch::refused(HandshakeHandle handshake) {
+  const std::lock_guard lock(mutex_);
+  if (auto* const remote = of(handshake)) remote->was_disturbed = true;
+}
+
+void HandshakeWatch::finished(HandshakeHandle handshake) {
+  const std::lock_guard lock(mutex_);
+  auto* const remote = of(handshake);
+  if (remote == nullptr) return;
+  remote->is_finished = true;
+  remote->since = clock_.monotonic();
+}
+
+void HandshakeWatch::forget(HandshakeHandle handshake) {
+  const std::lock_guard lock(mutex_);
+  handshakes_.erase(handshake);
+}
+
+void HandshakeWatch::forget(IdentityHandle remote) {
+  const std::lock_guard lock(mutex_);
+  remotes_.erase(remote);
+  std::erase_if(handshakes_, [&](const auto& entry) { return entry.second == remote; });
+}
+
+HandshakeWatch::Duration HandshakeWatch::patience(const Remote& remote) const {
+  auto wait = remote.was_disturbed && !remote.is_under_way ? kPatience : kLongPatience;
+  const auto past = past_.find(remote.guid);
+  for (unsigned i = 0; past != past_.end() && i < past->second.times && wait < kMaxWait; ++i)
+    wait *= 2;
+  return std::min(wait, kMaxWait);
+}
+
+/// Of a bounded memory: who invents GUIDs makes it forget those that waited longest.
+HandshakeWatch::Past& HandshakeWatch::past_of(const Guid& guid, Duration now) {
+  if (!past_.contains(guid) && past_.size() >= kMaxPeers)
+    past_.erase(
+        std::ranges::min_element(past_, {}, [](const auto& entry) { return entry.second.last; }));
+  auto& past = past_[guid];
+  past.last = now;
+  return past;
+}
+
+std::vector<HandshakeWatch::Stuck> HandshakeWatch::give_up(const HasKeys& has_keys) {
+  const std::lock_guard lock(mutex_);
+  const auto now = clock_.monotonic();
+  std::erase_if(past_, [&](const auto& entry) { return now - entry.second.last > kForgetAfter; });
+  std::vector<Stuck> out;
+  for (auto& [handle, remote] : remotes_) {
+    if (remote.is_finished && !remote.is_settled) remote.is_settled = !has_keys || has_keys(handle);
+    const auto waited = now - remote.since;
+    if (remote.is_settled || waited < patience(remote)) continue;
+    auto& past = past_of(remote.guid, now);
+    out.push_back({handle, remote.guid, remote.was_disturbed, past.times == 0, waited});
+    ++past.times;
+  }
+  for (const auto& stuck : out) {
+    remotes_.erase(stuck.remote);
+    std::erase_if(handshakes_, [&](const auto& entry) { return entry.second == stuck.remote; });
+  }
+  return out;
+}
+
+}  // namespace ddssec::cyclonedds

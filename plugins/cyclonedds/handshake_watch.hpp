@@ -1,0 +1,85 @@
+// Handshakes that come to no end. Cyclone's core runs one for each remote participant that it
+// discovers, and a message that a stranger forges in the peer's name can leave it in a state from
+// which it never starts again while the peer is there. Then the peer is revoked: the core forgets
+// it, discovers it anew and begins again.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "base/ids.hpp"
+#include "plugins/spi/handles.hpp"
+
+namespace ddssec::cyclonedds {
+
+/// By the host's handles of remote identities, which all its participants share. Thread-safe.
+class HandshakeWatch {
+ public:
+  using Duration = std::chrono::nanoseconds;
+  /// How long a handshake may stand still, once a request was refused and before we sent anything.
+  static constexpr Duration kPatience = std::chrono::milliseconds(2500);
+  /// How long in every other case. Long, because a busy peer may only be slow, and one that has
+  /// answered us, or finished its half, does not notice that we begin again.
+  static constexpr Duration kLongPatience = std::chrono::seconds(20);
+  /// Each further time the wait doubles, up to this. Longer than the 100 seconds after which the
+  /// core itself gives up and, where governance says so, takes the peer for an unauthenticated one.
+  static constexpr Duration kMaxWait = std::chrono::seconds(120);
+  /// A peer that was not given up for so long starts from the beginning.
+  static constexpr Duration kForgetAfter = std::chrono::minutes(10);
+  static constexpr std::size_t kMaxPeers = 1024;
+
+  explicit HandshakeWatch(const Clock& clock) : clock_(clock) {}
+
+  void met(spi::IdentityHandle remote, const Guid& guid);
+  /// We sent a request or a reply.
+  void progressed(spi::IdentityHandle remote, spi::HandshakeHandle handshake);
+  /// A request, or a message of this handshake, was refused.
+  void refused(spi::IdentityHandle remote);
+  void refused(spi::HandshakeHandle handshake);
+  /// From now on the remote is not given up, whatever becomes of other handshakes with it; unless
+  /// its keys do not come, which says that it did not finish its half.
+  void finished(spi::HandshakeHandle handshake);
+  void forget(spi::HandshakeHandle handshake);
+  void forget(spi::IdentityHandle remote);
+
+  struct Stuck {
+    spi::IdentityHandle remote;
+    Guid guid;
+    bool was_disturbed;  ///< a message was refused
+    bool is_first;       ///< of this GUID, as far as is remembered
+    Duration waited;
+  };
+  /// Has the remote sent its keys?
+  using HasKeys = std::function<bool(spi::IdentityHandle)>;
+  /// Those to be revoked now, each once. Without `has_keys` no keys are waited for.
+  std::vector<Stuck> give_up(const HasKeys& has_keys = {});
+
+ private:
+  struct Remote {
+    Guid guid;
+    Duration since;  ///< its last progress
+    bool was_disturbed = false;
+    bool is_under_way = false;  ///< we sent a request or a reply
+    bool is_finished = false;
+    bool is_settled = false;  ///< never to be given up
+  };
+  struct Past {
+    unsigned times = 0;
+    Duration last{};
+  };
+  Duration patience(const Remote& remote) const;
+  Past& past_of(const Guid& guid, Duration now);
+  Remote* of(spi::HandshakeHandle handshake);
+
+  const Clock& clock_;
+  std::mutex mutex_;
+  std::map<spi::IdentityHandle, Remote> remotes_;
+  std::map<spi::HandshakeHandle, spi::IdentityHandle> handshakes_;
+  std::map<Guid, Past> past_;
+};
+
+}  // namespace ddssec::cyclonedds

