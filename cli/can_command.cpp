@@ -4,12 +4,15 @@
 #include <fmt/format.h>
 
 #include "cli/ca_folder.hpp"
+#include "cli/doctor_options.hpp"
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/options.hpp"
 #include "governance/decision.hpp"
 #include "governance/doctor/ca_list.hpp"
+#include "governance/doctor/diagnosis.hpp"
+#include "governance/doctor/domains.hpp"
 #include "governance/grant.hpp"
 #include "governance/read.hpp"
 #include "pki/participant_folder.hpp"
@@ -18,6 +21,7 @@ namespace ddssec::cli {
 namespace {
 
 namespace fs = std::filesystem;
+namespace doctor = governance::doctor;
 
 Result<governance::Action> action_of(const Arguments& arguments) {
   const auto word = arguments.text("ACTION");
@@ -34,45 +38,77 @@ struct Answer {
   int line;
 };
 
-// The governance document decides first: without access control nobody asks for permissions.
-Result<std::optional<Answer>> by_governance(const pki::ParticipantFolder& folder,
-                                            governance::Action action, const std::string& topic,
-                                            DomainId domain, WallTime now) {
-  const auto& file = folder.governance;
-  const auto proof = DDSSEC_TRY(verified(file, folder.permissions_ca, now));
-  auto read = named(governance::read_governance(proof.content()), file);
-  const auto document = std::make_shared<const governance::Governance>(DDSSEC_TRY(std::move(read)));
-  const auto compiled =
-      DDSSEC_TRY(named(governance::CompiledGovernance::make(document, domain), file));
-  const auto* rule = compiled->topic_rule(topic);
-  if (rule == nullptr)
-    return Answer{false, "no topic_rule matches the topic", file, compiled->domain_rule().line};
-  const bool controlled = action == governance::Action::publish ? rule->enable_write_access_control
-                                                                : rule->enable_read_access_control;
-  if (controlled) return std::nullopt;
-  return Answer{true, "the topic_rule \"" + rule->topic_expression + "\" asks for no permission",
-                file, rule->line};
+/// What is asked, and by which participant.
+struct Question {
+  const doctor::LoadedFolder& folder;
+  governance::Action action;
+  governance::Request request;
+  DomainId domain;
+  WallTime now;
+};
+
+/// Why the participant does not come up at all, as `doctor` and `check` see it.
+std::optional<Answer> by_doctor(const Question& question) {
+  const auto diagnosis =
+      doctor::diagnose(question.folder, {.now = question.now, .domain = question.domain});
+  for (const auto& check : diagnosis.checks()) {
+    if (check.outcomes.ours < doctor::Outcome::late || check.findings.empty()) continue;
+    const auto& finding = check.findings.front();
+    return Answer{
+        false,
+        fmt::format("the participant does not start: {}: {}", info(check.rule).id, finding.message),
+        finding.document, finding.line};
+  }
+  return std::nullopt;
 }
 
-Result<Answer> by_permissions(const pki::ParticipantFolder& folder, governance::Action action,
-                              const governance::Request& request, DomainId domain, WallTime now) {
-  const auto& file = folder.permissions;
-  const auto certificate = DDSSEC_TRY(read_certificate(folder.certificate));
-  const auto proof = DDSSEC_TRY(verified(file, folder.permissions_ca, now));
-  auto read = named(governance::read_permissions(proof.content()), file);
-  const auto document =
+/// Documents that are believed, the grant that is valid, and how they are judged.
+struct Documents {
+  std::shared_ptr<const governance::CompiledGovernance> governance;
+  std::shared_ptr<const governance::CompiledGrant> grant;
+};
+
+Result<Documents> documents_for(const Question& question) {
+  const auto& paths = question.folder.paths;
+  const auto governance_proof =
+      DDSSEC_TRY(verified(paths.governance, paths.permissions_ca, question.now));
+  auto governance_read =
+      named(governance::read_governance(governance_proof.content()), paths.governance);
+  auto governance_document =
+      std::make_shared<const governance::Governance>(DDSSEC_TRY(std::move(governance_read)));
+  auto governance = DDSSEC_TRY(
+      named(governance::CompiledGovernance::make(std::move(governance_document), question.domain),
+            paths.governance));
+  const auto certificate = DDSSEC_TRY(read_certificate(paths.certificate));
+  const auto proof = DDSSEC_TRY(verified(paths.permissions, paths.permissions_ca, question.now));
+  auto read = named(governance::read_permissions(proof.content()), paths.permissions);
+  const auto permissions =
       std::make_shared<const governance::Permissions>(DDSSEC_TRY(std::move(read)));
   const auto* grant =
-      DDSSEC_TRY(named(governance::find_grant(*document, pki::SubjectName::of(certificate),
-                                              certificate.subject(), now),
-                       file));
-  const governance::CompiledGrant compiled(document, *grant, domain);
-  const auto verdict = compiled.judge(action, request);
-  const auto what = verdict.rule == nullptr ? "no rule matches; the default"
-                    : verdict.allowed       ? "an allow_rule"
-                                            : "a deny_rule";
-  return Answer{verdict.allowed, fmt::format("{} of grant \"{}\"", what, grant->name), file,
-                verdict.line(*grant)};
+      DDSSEC_TRY(named(governance::find_grant(*permissions, pki::SubjectName::of(certificate),
+                                              certificate.subject(), question.now),
+                       paths.permissions));
+  auto compiled =
+      std::make_shared<const governance::CompiledGrant>(permissions, *grant, question.domain);
+  return Documents{std::move(governance), std::move(compiled)};
+}
+
+/// The certificate, as every peer judges it.
+Status check_identity(const Question& question) {
+  if (!question.folder.certificate) return std::unexpected(question.folder.certificate.error());
+  const auto verifier = DDSSEC_TRY(question.folder.chain());
+  static_cast<void>(DDSSEC_TRY(named(verifier.verify(*question.folder.certificate, question.now),
+                                     question.folder.paths.certificate)));
+  return {};
+}
+
+Answer by_grant(const Question& question, const governance::CompiledGrant& grant,
+                const governance::Verdict& verdict, std::string_view what) {
+  const auto who = verdict.rule == nullptr ? "no rule decides; the default"
+                   : verdict.allowed       ? "an allow_rule"
+                                           : "a deny_rule";
+  return {verdict.allowed, fmt::format("{}{} of grant \"{}\"", what, who, grant.grant().name),
+          question.folder.paths.permissions, verdict.line(grant.grant())};
 }
 
 // Documents give a revoked participant nothing, whatever they say: its peers refuse it. The CA's
@@ -97,27 +133,62 @@ std::optional<Answer> by_revocation(const pki::ParticipantFolder& folder) {
   return std::nullopt;
 }
 
+// The whole chain, as check judges it: identity, grant, joining, topic rule and rights.
+Result<Answer> answer_to(const Question& question) {
+  if (auto answer = by_revocation(question.folder.paths)) return *std::move(answer);
+  const auto [governance, grant] = DDSSEC_TRY(documents_for(question));
+  DDSSEC_TRY(check_identity(question));
+  const auto& domain_rule = governance->domain_rule();
+  const auto joining = grant->judge_participant();
+  if (domain_rule.enable_join_access_control && !joining.allowed)
+    return by_grant(question, *grant, joining, fmt::format("joining domain {}: ", question.domain));
+  if (auto answer = by_doctor(question)) return *std::move(answer);
+  const auto& file = question.folder.paths.governance;
+  const auto* rule = governance->topic_rule(question.request.topic);
+  if (rule == nullptr)
+    return Answer{false, "no topic_rule matches the topic", file, domain_rule.line};
+  const bool controlled = question.action == governance::Action::publish
+                              ? rule->enable_write_access_control
+                              : rule->enable_read_access_control;
+  if (!controlled)
+    return Answer{true, "the topic_rule \"" + rule->topic_expression + "\" asks for no permission",
+                  file, rule->line};
+  return by_grant(question, *grant, grant->judge(question.action, question.request), "");
+}
+
+// Not the first of several: the answer may be another in each.
+Result<DomainId> domain_to_ask(const Arguments& arguments, const doctor::LoadedFolder& folder,
+                               WallTime now) {
+  if (arguments.has("--domain")) return domain_of(arguments);
+  const doctor::Domains named[] = {domains_of(folder, now)};
+  const auto choice = doctor::choose_domain(named);
+  if (!choice.has_others()) return choice.domain;
+  return fail(Code::usage, {.field = "--domain",
+                            .expected = "one of " + doctor::in_words(choice.named),
+                            .found = "none",
+                            .note = "the documents are for more than one domain"});
+}
+
 Result<Report> can(const Arguments& arguments, const Context& context) {
-  const auto folder = pki::participant_folder(arguments.text("SUBJECT"));
-  const auto topic = arguments.text("TOPIC");
   const auto action = DDSSEC_TRY(action_of(arguments));
-  const auto domain = DDSSEC_TRY(domain_of(arguments));
+  const auto now = context.clock.now();
+  const auto folder = load_participant(arguments.text("SUBJECT"), now);
+  const auto domain = DDSSEC_TRY(domain_to_ask(arguments, folder, now));
+  const auto topic = arguments.text("TOPIC");
   const auto& names = arguments.all("--partition");
   const std::vector<std::string_view> partitions(names.begin(), names.end());
-  const auto now = context.clock.now();
-  auto answer = by_revocation(folder);
-  if (!answer) answer = DDSSEC_TRY(by_governance(folder, action, topic, domain, now));
-  if (!answer)
-    answer = DDSSEC_TRY(
-        by_permissions(folder, action, {.topic = topic, .partitions = partitions}, domain, now));
-  return Report{.exit = answer->allowed ? Exit::done : Exit::no,
-                .text = fmt::format("{}: {} ({}{})\n", answer->allowed ? "allowed" : "denied",
-                                    answer->because, answer->document.string(),
-                                    answer->line > 0 ? fmt::format(":{}", answer->line) : ""),
-                .result = {{"allowed", answer->allowed},
-                           {"because", answer->because},
-                           {"file", answer->document.string()},
-                           {"line", answer->line}}};
+  const auto answer = DDSSEC_TRY(
+      answer_to({folder, action, {.topic = topic, .partitions = partitions}, domain, now}));
+  return Report{
+      .exit = answer.allowed ? Exit::done : Exit::no,
+      .text = fmt::format("{} in domain {}: {} ({}{})\n", answer.allowed ? "allowed" : "denied",
+                          domain, answer.because, answer.document.string(),
+                          answer.line > 0 ? fmt::format(":{}", answer.line) : ""),
+      .result = {{"allowed", answer.allowed},
+                 {"domain", domain},
+                 {"because", answer.because},
+                 {"file", answer.document.string()},
+                 {"line", answer.line}}};
 }
 
 }  // namespace
@@ -130,7 +201,7 @@ std::vector<Command> can_commands() {
        .positionals = {{"SUBJECT", "the participant's folder"},
                        {"ACTION", "publish or subscribe"},
                        {"TOPIC", "the topic's name"}},
-       .options = {kDomain, repeated("--partition", "P", "a partition of the endpoint")},
+       .options = {kDomainToCheck, repeated("--partition", "P", "a partition of the endpoint")},
        .examples = {"ddssec can talker publish rt/chatter"},
        .run = can}};
 }

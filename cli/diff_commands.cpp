@@ -18,6 +18,21 @@ bool is_worse(ChangeClass verdict, ChangeClass direction) {
   return verdict == direction || verdict == ChangeClass::mixed || verdict == ChangeClass::unknown;
 }
 
+/// Where stock products read a range of domains in another way, the comparison is not theirs.
+void warn_of_open_ranges(Report& report, Rule rule, const std::vector<governance::Note>& notes,
+                         const std::filesystem::path& file) {
+  for (const auto& note : notes) {
+    if (note.kind != governance::NoteKind::open_range) continue;
+    Finding finding{.rule = rule,
+                    .message = note.text,
+                    .document = file,
+                    .line = note.line,
+                    .path = note.path,
+                    .vendors = {"cyclonedds", "fastdds"}};
+    report.findings.push_back(std::move(finding));
+  }
+}
+
 Result<Report> governance_diff(const Arguments& arguments, const Context& context) {
   const auto threshold = DDSSEC_TRY(fail_on(arguments, {"weaker", "breaking", "any"}));
   governance::GovernanceDiffOptions options;
@@ -30,6 +45,8 @@ Result<Report> governance_diff(const Arguments& arguments, const Context& contex
       DDSSEC_TRY(named(governance::read_governance(sides.after.text), sides.after.path));
   const auto diff = governance::compare(before, after, options);
   Report report = report_of(diff, sides);
+  warn_of_open_ranges(report, Rule::GOV004, before.notes, sides.before.path);
+  warn_of_open_ranges(report, Rule::GOV004, after.notes, sides.after.path);
   const bool unknown = diff.verdict == ChangeClass::unknown;
   const bool reached = threshold == "weaker"     ? is_worse(diff.verdict, ChangeClass::weaker)
                        : threshold == "breaking" ? unknown || !diff.flag_day_domains.empty()
@@ -50,6 +67,8 @@ Result<Report> permissions_diff(const Arguments& arguments, const Context& conte
   const auto diff = governance::compare(
       before, after, {.map_subjects_by_grant_name = arguments.has("--subject-map")});
   Report report = report_of(diff, sides);
+  warn_of_open_ranges(report, Rule::PERM004, before.notes, sides.before.path);
+  warn_of_open_ranges(report, Rule::PERM004, after.notes, sides.after.path);
   const bool reached = threshold == "wider"      ? is_worse(diff.verdict, ChangeClass::wider)
                        : threshold == "narrower" ? is_worse(diff.verdict, ChangeClass::narrower)
                        : threshold == "any"

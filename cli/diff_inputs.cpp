@@ -125,7 +125,7 @@ std::string shown(const std::vector<std::string>& names) {
 std::string shown(const std::vector<governance::DomainRange>& domains) {
   std::string text;
   for (std::size_t i = 0; i < std::min(kMostDomainsShown, domains.size()); ++i) {
-    const auto& [first, last] = domains[i];
+    const auto first = domains[i].first, last = domains[i].last;
     if (i > 0) text += ", ";
     text += first == last ? std::to_string(first) : fmt::format("{}-{}", first, last);
   }
@@ -145,7 +145,7 @@ std::string shown_lines(int old_line, int new_line) {
 
 Json domains_json(const std::vector<governance::DomainRange>& domains) {
   Json list = Json::array();
-  for (const auto& [first, last] : domains) list.push_back({first, last});
+  for (const auto& range : domains) list.push_back({range.first, range.last});
   return list;
 }
 

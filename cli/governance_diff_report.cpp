@@ -1,8 +1,11 @@
 #include "cli/governance_diff_report.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "cli/diff_words.hpp"
 #include "plugins/access_control/protection.hpp"
 
 namespace ddssec::cli {
@@ -42,12 +45,22 @@ Json name_or_null(const GovernanceChange& change) {
   return change.is_about_topics ? Json(change.witness) : Json();
 }
 
+Json of_some_json(const GovernanceChange& change) {
+  Json out = Json::array();
+  for (const auto& [property, witness] : change.of_some)
+    out.push_back({{"property", governance::to_string(property)}, {"witness", witness}});
+  return out;
+}
+
 Json to_json(const GovernanceChange& change, const DiffSides& sides) {
   const auto before = masks(change.old_domain, change.old_topic, change.is_about_topics);
   const auto after = masks(change.new_domain, change.new_topic, change.is_about_topics);
-  Json out = {{"domains", domains_json(change.domains)},
+  Json out = {{"domains", domains_json(change.scope.domains)},
+              {"tag_set", tags_json(change.scope)},
               {"topics",
                {{"witness", name_or_null(change)},
+                {"sets", topic_set_json(change.topics)},
+                {"other_sets", change.topics.others},
                 {"expressions_old", change.expressions_old},
                 {"expressions_new", change.expressions_new}}},
               {"element", change.element.element},
@@ -61,21 +74,42 @@ Json to_json(const GovernanceChange& change, const DiffSides& sides) {
   if (after.contains("plugin_mask")) out["plugin_mask_new"] = after["plugin_mask"];
   out["properties_lost"] = properties_json(change.lost);
   out["properties_gained"] = properties_json(change.gained);
+  out["properties_of_some"] = of_some_json(change);
   out["old_at"] = place(sides.before.path, change.old_line());
   out["new_at"] = place(sides.after.path, change.new_line());
-  if (!change.tags.empty()) out["tags"] = change.tags;
+  if (change.scope.has_tags) out["tags"] = change.scope.tags.examples;
   return out;
 }
 
 std::string where(const GovernanceChange& change) {
-  if (!change.is_about_topics) {
+  if (!change.is_about_topics)
     return change.element.element == "domain_rule" ? "everything" : "all topics";
-  }
-  const auto& expressions =
-      change.expressions_old.empty() ? change.expressions_new : change.expressions_old;
-  const auto rules = shown(expressions);
-  if (rules == shown(change.witness)) return "topic " + rules;
-  return fmt::format("topics {} (e.g. {})", rules, shown(change.witness));
+  return shown(change.topics, change.witness);
+}
+
+/// Of a whole domain: which topics it concerns.
+std::string of_which(const GovernanceChange& change, governance::Property property) {
+  const auto found =
+      std::ranges::find(change.of_some, property, &governance::PropertyOfSome::property);
+  return found == change.of_some.end()
+             ? std::string()
+             : fmt::format(" (of some topics, such as {})", shown(found->witness));
+}
+
+/// What becomes possible, or impossible, where the properties do not say it.
+std::string_view consequence(const GovernanceChange& change) {
+  const bool wider = change.element.change == ChangeClass::wider;
+  if (change.element.element == "domain_rule")
+    return wider ? "now participants can be made there" : "now no participant can be made there";
+  if (change.element.element == "topic_rule")
+    return wider ? "now the topics can be used by insiders" : "now no endpoint can be made";
+  if (change.element.element.starts_with("allowed_crypto_algorithms"))
+    return change.element.change == ChangeClass::stronger
+               ? "participants with other algorithms no longer join"
+               : "now participants with other algorithms join";
+  if (change.element.change == ChangeClass::weaker)
+    return "what another element protects for the same topics stays protected";
+  return {};
 }
 
 std::string to_text(const GovernanceChange& change) {
@@ -86,14 +120,15 @@ std::string to_text(const GovernanceChange& change) {
                 fmt::format("{} {} -> {}", change.element.element, shown(change.element.old_value),
                             shown(change.element.new_value)),
                 shown_lines(change.old_line(), change.new_line())});
-  const auto below = std::string(heading.size(), ' ');
-  if (!change.is_about_topics) return text;
-  for (const auto property : governance::listed(change.lost)) {
-    text += fmt::format("{}now {}\n", below, governance::without(property));
-  }
-  for (const auto property : governance::listed(change.gained)) {
-    text += fmt::format("{}no longer: {}\n", below, governance::without(property));
-  }
+  const std::string indentation(heading.size(), ' ');
+  const auto below = [&](const std::string& line) { text += wrapped(indentation, {line}); };
+  for (const auto property : governance::listed(change.lost))
+    below(fmt::format("now {}{}", governance::without(property), of_which(change, property)));
+  for (const auto property : governance::listed(change.gained))
+    below(
+        fmt::format("no longer: {}{}", governance::without(property), of_which(change, property)));
+  const auto also = consequence(change);
+  if (change.lost.none() && change.gained.none() && !also.empty()) below(std::string(also));
   return text;
 }
 
@@ -127,25 +162,22 @@ std::string verdict_text(const governance::GovernanceDiff& diff) {
 
 std::string to_text(const governance::GovernanceDiff& diff) {
   std::string text, heading;
-  const auto under = [&](const std::vector<governance::DomainRange>& domains,
-                         const std::vector<std::string>& tags) {
-    auto next = shown(domains);
-    if (!tags.empty()) next += ", tags " + shown(tags);
+  const auto under = [&](std::string next) {
     if (next != heading) text += next + "\n";
     heading = std::move(next);
   };
   if (!diff.unknown_domains.empty()) {
-    under(diff.unknown_domains, {});
+    under(shown(diff.unknown_domains));
     text +=
         "  UNKNOWN  too many combinations of expressions to compare; --topics FILE compares\n"
         "           the topics in use\n";
   }
   for (const auto& change : diff.changes) {
-    under(change.domains, change.tags);
+    under(shown(change.scope));
     text += to_text(change);
   }
   for (const auto& rules : diff.rewritten) {
-    under(rules.domains, {});
+    under(shown(rules.scope));
     text += to_text(rules);
   }
   if (!diff.complete) text += "more rules than are named here changed in the same ways\n";
@@ -168,7 +200,8 @@ Report report_of(const governance::GovernanceDiff& diff, const DiffSides& sides)
     report.result["changes"].push_back(to_json(change, sides));
   }
   for (const auto& rules : diff.rewritten) {
-    report.result["rewritten"].push_back({{"domains", domains_json(rules.domains)},
+    report.result["rewritten"].push_back({{"domains", domains_json(rules.scope.domains)},
+                                          {"tag_set", tags_json(rules.scope)},
                                           {"only_old", rules.only_old},
                                           {"only_new", rules.only_new}});
   }

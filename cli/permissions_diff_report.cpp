@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "cli/diff_words.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -16,16 +17,35 @@ constexpr std::string_view kTakesEffect =
     "a participant takes the new file when it restarts: until then what was taken away stays "
     "allowed";
 
+Json data_tags_json(const std::vector<governance::DataTag>& tags) {
+  Json out = Json::array();
+  for (const auto& tag : tags) out.push_back({{"name", tag.name}, {"value", tag.value}});
+  return out;
+}
+
+/// Null for what is not about endpoints.
+Json entities_json(const PermissionChange& change) {
+  if (!change.is_about_topics) return {};
+  const auto& entities = change.entities;
+  return {{"every", entities.every},
+          {"partitions", entities.partitions ? name_set_json(*entities.partitions) : Json()},
+          {"example_data_tags", data_tags_json(entities.example_data_tags)}};
+}
+
 Json to_json(const PermissionChange& change, const DiffSides& sides) {
   Json out = {{"subject", change.subject},
-              {"domains", domains_json(change.domains)},
+              {"domains", domains_json(change.scope.domains)},
+              {"tag_set", tags_json(change.scope)},
               {"element", change.element},
               {"operation", change.operation.empty() ? Json() : Json(change.operation)},
               {"topics",
                {{"witness", change.is_about_topics ? Json(change.witness) : Json()},
+                {"sets", topic_set_json(change.topics)},
+                {"other_sets", change.topics.others},
                 {"expressions_old", change.expressions_old},
                 {"expressions_new", change.expressions_new}}},
-              {"partitions", change.partitions},
+              {"partitions", change.entities.example_partitions},
+              {"endpoints", entities_json(change)},
               {"old", change.old_value.empty() ? Json() : Json(change.old_value)},
               {"new", change.new_value.empty() ? Json() : Json(change.new_value)},
               {"class", governance::to_string(change.change)}};
@@ -38,50 +58,26 @@ std::string decided_by(const std::vector<std::string>& expressions) {
   return expressions.empty() ? "the default" : shown(expressions);
 }
 
-/// "topics rt/a* (e.g. rt/a)", by the rule that takes something away or gives it.
-std::string topics_of(const PermissionChange& change) {
-  const bool by_new = !change.expressions_new.empty() &&
-                      (change.change == ChangeClass::wider || change.expressions_old.empty());
-  const auto& expressions = by_new ? change.expressions_new : change.expressions_old;
-  if (expressions.empty()) return fmt::format("topics such as {}", shown(change.witness));
-  const auto rules = shown(expressions);
-  if (rules == shown(change.witness)) return "topic " + rules;
-  return fmt::format("topics {} (e.g. {})", rules, shown(change.witness));
-}
-
-std::string partitions_of(const PermissionChange& change) {
-  if (change.partitions.empty() || change.partitions == std::vector<std::string>{""}) return {};
-  std::string text;
-  for (const auto& name : change.partitions) {
-    text +=
-        (text.empty() ? "" : ", ") + (name.empty() ? std::string("the default one") : shown(name));
-  }
-  return (change.partitions.size() == 1 ? "in partition " : "in partitions ") + text;
-}
-
 /// What happened, as the parts of a line.
 std::vector<std::string> parts_of(const PermissionChange& change) {
   const auto values = fmt::format("{} -> {}", change.old_value, change.new_value);
   if (change.element == "rule" && change.change == ChangeClass::unknown) {
-    return {fmt::format("{}: too many combinations of expressions to compare", change.operation)};
+    return {fmt::format("{}: too many combinations of expressions to compare",
+                        change.operation.empty() ? "tags" : change.operation)};
   }
   if (change.element == "rule") {
     const auto by = fmt::format("by {} -> by {}", decided_by(change.expressions_old),
                                 decided_by(change.expressions_new));
-    return {fmt::format("{} {}", change.operation, topics_of(change)), partitions_of(change),
-            fmt::format("{} -> {}", change.old_value, change.new_value), by};
+    return {fmt::format("{} {}", change.operation, shown(change.topics, change.witness)),
+            shown(change.entities), values, by};
   }
   if (change.element == "default")
-    return {"default " + values, "for all names that no rule mentions"};
+    return {"default " + values, "for all that no rule mentions, in every domain"};
   if (change.element == "join") return {"joining the domain " + values};
   if (change.element == "validity") {
     return {"validity", change.old_value, "-> " + change.new_value};
   }
-  if (change.element == "grant") {
-    const auto& expressions =
-        change.expressions_new.empty() ? change.expressions_old : change.expressions_new;
-    return {"grant " + values, expressions.empty() ? "" : "for " + shown(expressions)};
-  }
+  if (change.element == "grant") return {"grant " + values};
   if (change.element == "subject_name") {
     return {"subject", shown(change.old_value), "-> " + shown(change.new_value),
             "(the same to ddssec; other products compare the text)"};
@@ -94,8 +90,8 @@ std::string to_text(const PermissionChange& change) {
   const bool harmless =
       change.change == ChangeClass::neutral || change.change == ChangeClass::interop;
   auto parts = parts_of(change);
-  if (change.element != "default" && !change.domains.empty())
-    parts.push_back(shown(change.domains));
+  if (change.element != "default" && !change.scope.domains.empty())
+    parts.push_back(shown(change.scope));
   parts.push_back(shown_lines(change.old_line, change.new_line));
   return wrapped(fmt::format("  {:<9} ", harmless ? std::string(word) : ascii_upper(word)), parts);
 }
@@ -105,8 +101,8 @@ std::string verdict_text(const governance::PermissionsDiff& diff) {
   std::string text;
   if (!diff.is_complete) text += "more rules than are named here changed in the same ways\n";
   if (!diff.is_exact) {
-    text += wrapped("", {"approximate:", "there are too many partitions or expressions of subjects",
-                         "to try every combination"});
+    text += wrapped("", {"UNKNOWN:", "there are too many partitions, data tags or subjects to try",
+                         "every combination"});
   }
   text += fmt::format("verdict: {}; old and new files work together\n", word);
   const bool takes_away = diff.verdict == ChangeClass::narrower ||

@@ -119,9 +119,17 @@ std::string achieved(bool secret, bool authentic) {
 
 std::string sentence(const governance::Properties& p) {
   using enum Property;
-  return fmt::format("  against outsiders: {}   against insiders without the right: {}\n",
-                     achieved(has(p, outsider_payload_secrecy), has(p, outsider_payload_integrity)),
-                     achieved(has(p, insider_payload_secrecy), has(p, insider_payload_integrity)));
+  return fmt::format(
+      "  against outsiders: {}   against insiders without the right: {}\n"
+      "  against relays: {}\n",
+      achieved(has(p, outsider_payload_secrecy), has(p, outsider_payload_integrity)),
+      achieved(has(p, insider_payload_secrecy), has(p, insider_payload_integrity)),
+      achieved(has(p, relay_payload_secrecy), has(p, relay_payload_integrity)));
+}
+
+/// Who may read or write a topic.
+std::string_view asked_of(bool access_control) {
+  return access_control ? "by permission" : "free: every participant of the domain";
 }
 
 std::string_view effect(bool flag, ProtectionKind kind) {
@@ -131,20 +139,18 @@ std::string_view effect(bool flag, ProtectionKind kind) {
 std::string to_text(const Deciding& by, const fs::path& file, const std::string& topic,
                     DomainId domain) {
   const auto& [rule, row, rule_number, row_number] = by;
-  const bool enforced = row.enable_read_access_control || row.enable_write_access_control;
   return fmt::format(
              "topic {}, domain {}           rule {} {} ({}:{})\n"
              "  payload    {:<12} metadata   {:<12} rtps  {} (domain rule {}, line {})\n"
              "  discovery  {:<12} liveliness {}\n"
-             "  access     read {}, write {} ({})\n",
+             "  access     read {}, write {}\n",
              shown(topic), domain, row_number, '"' + shown(row.topic_expression) + '"',
              file.string(), row.line, to_string(row.data_protection_kind),
              to_string(row.metadata_protection_kind), to_string(rule.rtps_protection_kind),
              rule_number, rule.line,
              effect(row.enable_discovery_protection, rule.discovery_protection_kind),
              effect(row.enable_liveliness_protection, rule.liveliness_protection_kind),
-             yes(row.enable_read_access_control), yes(row.enable_write_access_control),
-             enforced ? "permissions are enforced" : "permissions are not asked") +
+             asked_of(row.enable_read_access_control), asked_of(row.enable_write_access_control)) +
          sentence(properties(rule, row));
 }
 

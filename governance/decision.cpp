@@ -6,20 +6,27 @@
 namespace ddssec::governance {
 namespace {
 
+// What may make a requested partition stand for more than its own text. Hosts differ in whether a
+// backslash escapes there, so one counts too: an allow rule must be right either way.
+constexpr std::string_view kSpecial = "*?[\\";
+
 std::string_view longest_literal_beginning(std::string_view requested) {
-  return requested.substr(0, requested.find_first_of("*?["));
+  return requested.substr(0, requested.find_first_of(kSpecial));
 }
 
-bool has_wildcards(std::string_view requested) {
-  return requested.find_first_of("*?[") != requested.npos;
+bool may_stand_for_many(std::string_view requested) {
+  return requested.find_first_of(kSpecial) != requested.npos;
 }
+
+bool has_backslash(std::string_view requested) { return requested.find('\\') != requested.npos; }
 
 /// True if every name that `requested` stands for is matched, as far as can be seen simply.
 bool covers(const Pattern& listed, std::string_view requested) {
-  if (!has_wildcards(requested)) return listed.matches(requested);
-  if (listed.text() == requested) return true;
+  if (!may_stand_for_many(requested)) return listed.matches(requested);
   const auto& steps = listed.steps();
-  if (steps.empty() || steps.back().kind != Pattern::Kind::star) return false;
+  if (steps.empty()) return false;
+  if (listed.text() == requested && !has_backslash(requested)) return true;
+  if (steps.back().kind != Pattern::Kind::star) return false;
   const auto beginning = longest_literal_beginning(requested);
   const std::size_t prefix = steps.size() - 1;
   const bool plain = std::all_of(steps.begin(), steps.end() - 1, [](const Pattern::Step& step) {
@@ -31,8 +38,8 @@ bool covers(const Pattern& listed, std::string_view requested) {
 
 /// False only if it can be seen that no name is both listed and requested.
 bool may_meet(const Pattern& listed, std::string_view requested) {
-  if (!has_wildcards(requested)) return listed.matches(requested);
-  return !listed.is_literal() || listed.text() == requested ||
+  if (!may_stand_for_many(requested)) return listed.matches(requested);
+  return !listed.is_literal() || has_backslash(requested) || listed.text() == requested ||
          Pattern(requested).matches(listed.text());
 }
 
@@ -140,13 +147,11 @@ std::uint32_t CompiledGrant::partition_pattern(const std::string& text) {
 }
 
 Verdict CompiledGrant::participant_verdict(DomainId domain, std::string_view tag) const {
-  for (const auto& rule : grant_.rules) {
-    if (!rule.domains.contains(domain, tag)) continue;
-    if (rule.allow) return {true, &rule, nullptr};
-    if (rule.publish.empty() && rule.subscribe.empty() && rule.relay.empty()) {
-      return {false, &rule, nullptr};
-    }
-  }
+  const auto first = std::ranges::find_if(
+      grant_.rules, [&](const Rule& rule) { return rule.domains.contains(domain, tag); });
+  const bool decides = first != grant_.rules.end() &&
+                       (first->allow || (first->publish.empty() && first->subscribe.empty()));
+  if (decides) return {first->allow, &*first, nullptr};
   return {grant_.default_allow, nullptr, nullptr};
 }
 

@@ -56,9 +56,10 @@ struct Verdict {
 /// matches if domain, topic, partitions and data tags fit one of its elements at once.
 /// - Partitions: an allow rule must list all of the entity's (or one, see PartitionMatch), a deny
 ///   rule any of them. Data tags: an allow rule must list all of the entity's, a deny rule any.
-/// - A topic name is literal whatever it holds. A requested partition with wildcards stands for
-///   many names: an allow rule must cover all of them (same text, `*`, or a prefix followed by
-///   `*`), and a deny rule hits it unless it can be seen that they have nothing in common.
+/// - A topic name is literal whatever it holds. A requested partition with wildcards or a backslash
+///   stands for many names: an allow rule must cover all of them (same text, `*`, or a prefix
+///   followed by `*`), and a deny rule hits it unless it can be seen that they have nothing in
+///   common.
 class CompiledGrant {
  public:
   CompiledGrant(std::shared_ptr<const Permissions> permissions, const Grant& grant, DomainId domain,
@@ -69,8 +70,9 @@ class CompiledGrant {
   Verdict judge(Action action, const Request& request) const;
   /// Whether there are partitions and data tags with which the topic may be used.
   Verdict judge_topic(Action action, std::string_view topic) const;
-  /// DDS-Security 1.2 8.4.2.9.3: the first allow rule for the domain allows, a deny rule without
-  /// publish, subscribe and relay denies; deny rules about topics do not keep anybody out.
+  /// DDS-Security 1.2 table 70: the first rule for the domain decides. An allow rule lets the
+  /// participant join, a deny rule without publish and subscribe refuses it; otherwise the default
+  /// decides.
   Verdict judge_participant() const { return participant_; }
 
  private:

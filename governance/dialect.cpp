@@ -2,6 +2,8 @@
 
 #include <bitset>
 
+#include "governance/expression_text.hpp"
+#include "governance/matcher.hpp"
 #include "governance/topic_sets.hpp"
 
 namespace ddssec::governance {
@@ -48,22 +50,6 @@ CycloneSet cyclone_set(std::string_view text) {
   return out;
 }
 
-constexpr std::string_view kNoName = "[!\x01-\xff]";
-
-std::string member(std::size_t octet) {
-  const char c = static_cast<char>(octet);
-  return is_word(c) ? std::string(1, c) : std::string{'[', '.', c, '.', ']'};
-}
-
-std::string posix_set(Octets octets) {
-  octets.reset(0);  // no name has it
-  if (octets.none()) return std::string(kNoName);
-  std::string out = "[";
-  for (std::size_t c = 1; c < octets.size(); ++c)
-    if (octets.test(c)) out += member(c);
-  return out + "]";
-}
-
 /// Why the bracket expression at text[at] is not portable; its length if it is.
 struct Bracket {
   std::size_t length = 0;
@@ -88,7 +74,8 @@ Bracket bracket(std::string_view text) {
 
 std::string reason_against(std::string_view expression) {
   for (std::size_t at = 0; at < expression.size();) {
-    if (expression[at] == '\\') return "it holds a backslash, which some products take as escape";
+    if (expression[at] == '\\')
+      return "it holds a backslash, which escapes by the standard but not in every product";
     if (expression[at] == ']') return "a \"]\" stands alone";
     if (expression[at] != '[') {
       ++at;
@@ -111,20 +98,36 @@ std::optional<std::string> name_beyond(std::string_view a, std::string_view b) {
   return std::move(answer.witness);
 }
 
+std::optional<ReadingDifference> difference(std::string_view product, std::string_view standard) {
+  if (auto name = name_beyond(product, standard)) return ReadingDifference{std::move(*name), true};
+  if (auto name = name_beyond(standard, product)) return ReadingDifference{std::move(*name), false};
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::string as_cyclone_reads_it(std::string_view expression) {
   std::string out;
   for (std::size_t at = 0; at < expression.size(); ++at) {
-    if (expression[at] != '[') {
-      out += expression[at];
+    const char c = expression[at];
+    if (c != '[') {
+      if (c == '\\') out += c;  // no escape
+      out += c;
       continue;
     }
     const auto set = cyclone_set(expression.substr(at + 1));
-    if (!set.is_closed) return out + std::string(kNoName);
-    out += posix_set(set.octets);
+    if (!set.is_closed) return out + std::string(kMatchesNothing);
+    out += expression_of(set.octets);
     at += set.length;
   }
+  return out;
+}
+
+std::string as_fastdds_reads_it(std::string_view expression) {
+  const Pattern pattern(expression, Pattern::Syntax::verbatim_backslash);
+  if (pattern.is_literal()) return expression_of(pattern.text());
+  std::string out;
+  for (const auto& step : pattern.steps()) out += expression_of(pattern, step);
   return out;
 }
 
@@ -133,12 +136,10 @@ std::optional<Unportable> unportable(std::string_view expression) {
   if (out.reason.empty()) return std::nullopt;
   constexpr std::size_t kLongest = 256;  // topic names are no longer
   if (expression.size() > kLongest) return out;
-  const auto cyclone = as_cyclone_reads_it(expression);
-  if ((out.witness = name_beyond(cyclone, expression))) {
-    out.cyclone_matches_it = true;
-  } else {
-    out.witness = name_beyond(expression, cyclone);
-  }
+  out.cyclonedds = difference(as_cyclone_reads_it(expression), expression);
+  // Without a backslash Fast DDS reads what the standard says.
+  if (expression.find('\\') != expression.npos)
+    out.fastdds = difference(as_fastdds_reads_it(expression), expression);
   return out;
 }
 

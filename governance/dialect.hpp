@@ -7,13 +7,18 @@
 
 namespace ddssec::governance {
 
+/// Where a product and the standard (ddssec) differ.
+struct ReadingDifference {
+  std::string name;              ///< the shortest on which they differ
+  bool product_matches = false;  ///< the standard says the opposite
+};
+
 /// An expression that is not in the subset every product reads alike.
 struct Unportable {
   std::string reason;  ///< what in it is not, such as `the "[" is never closed`
-  /// The shortest name on which Cyclone DDS 0.10.2 and POSIX (Fast DDS, ours) differ; nothing if
-  /// they agree on all names, or if that would take too long to find out.
-  std::optional<std::string> witness = std::nullopt;
-  bool cyclone_matches_it = false;  ///< with a witness: POSIX says the opposite
+  /// Nothing if the product agrees on all names, or if that would take too long to find out.
+  std::optional<ReadingDifference> cyclonedds = std::nullopt;  ///< Cyclone DDS 0.10.2
+  std::optional<ReadingDifference> fastdds = std::nullopt;     ///< Fast DDS 2.9.1
 };
 
 /// Nothing if every product reads the expression alike: characters other than `*?[]\`, `*`, `?`,
@@ -22,7 +27,8 @@ struct Unportable {
 /// topic has it.
 std::optional<Unportable> unportable(std::string_view expression);
 
-/// What Cyclone DDS 0.10.2 matches with the expression, as an expression of POSIX.
+/// What the product matches with the expression, as an expression of the standard.
 std::string as_cyclone_reads_it(std::string_view expression);
+std::string as_fastdds_reads_it(std::string_view expression);
 
 }  // namespace ddssec::governance

@@ -10,7 +10,7 @@ namespace {
 /// Every attribute of the expression takes one attribute of the subject, and none is left over.
 bool rdn_matches(const pki::Rdn& expression, pki::Rdn left) {
   for (const auto& wanted : expression) {
-    const Pattern pattern(wanted.value, Pattern::Slash::separate);
+    const Pattern pattern(wanted.value, Pattern::Syntax::subject);
     const auto taken = std::ranges::find_if(left, [&](const pki::NameAttribute& a) {
       return a.type == wanted.type && pattern.matches(a.value);
     });

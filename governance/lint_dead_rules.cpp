@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "governance/compare/domain_pieces.hpp"
+#include "governance/domain_pieces.hpp"
 #include "governance/lint_grant.hpp"
 #include "governance/shadowed.hpp"
 #include "governance/topic_sets.hpp"

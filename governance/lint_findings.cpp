@@ -31,17 +31,18 @@ void Findings::add_if_unportable(ddssec::Rule rule, const Text& expression,
                   .message = fmt::format("{}: {}", in_quotes(expression.text), found->reason),
                   .line = expression.line,
                   .path = path};
-  if (found->witness) {
-    const bool cyclone = found->cyclone_matches_it;
+  const auto tell = [&](const std::string& vendor, std::string_view product,
+                        const std::optional<ReadingDifference>& difference) {
+    if (!difference) return;
+    finding.vendors.push_back(vendor);
     finding.message +=
-        fmt::format("; Cyclone DDS {} {} and Fast DDS {}", cyclone ? "matches" : "does not match",
-                    in_quotes(*found->witness), cyclone ? "does not" : "does");
-    finding.vendors = {kCyclone};
-  } else if (expression.text.find('\\') != expression.text.npos) {
-    finding.vendors = {kOpenDds};
-  } else {
-    finding.severity = Severity::informational;
-  }
+        fmt::format("; {} {} {}, which ddssec {}", product,
+                    difference->product_matches ? "matches" : "does not match",
+                    in_quotes(difference->name), difference->product_matches ? "does not" : "does");
+  };
+  tell(kCyclone, "Cyclone DDS", found->cyclonedds);
+  tell(kFastDds, "Fast DDS", found->fastdds);
+  if (finding.vendors.empty()) finding.severity = Severity::informational;
   add(std::move(finding));
 }
 

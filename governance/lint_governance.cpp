@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "governance/compare/domain_pieces.hpp"
+#include "governance/domain_pieces.hpp"
 #include "governance/lint.hpp"
 #include "governance/lint_findings.hpp"
 #include "governance/shadowed.hpp"
@@ -23,7 +23,7 @@ void add_notes(Findings& out, const Governance& document) {
         out.add(GOV001, note, {kFastDds});
         break;
       case NoteKind::open_range:
-        out.add(GOV004, note, {});
+        out.add(GOV004, note, kStock);
         break;
       case NoteKind::padding:
         out.add(GOV005, note, {kFastDds});

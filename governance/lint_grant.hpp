@@ -55,7 +55,7 @@ std::vector<std::string_view> allowed_texts(const std::vector<GrantEntry>& entri
 
 /// PERM012: what can never apply.
 void lint_dead_rules(Findings& out, const GrantPlace& place);
-/// PERM013 to PERM015, PERM020, PERM021, PERM023 to PERM025, PERM034.
+/// PERM013 to PERM015, PERM020, PERM021, PERM023 to PERM026, PERM034.
 void lint_rights(Findings& out, const GrantPlace& place, const Governance* governance);
 /// PERM030, PERM032, PERM033, if the grant speaks of ROS 2.
 void lint_ros(Findings& out, const GrantPlace& place);

@@ -22,7 +22,7 @@ void add_notes(Findings& out, const Permissions& document) {
         out.add(PERM003, note, {kFastDds});
         break;
       case NoteKind::open_range:
-        out.add(PERM004, note, {});
+        out.add(PERM004, note, stock);
         break;
       case NoteKind::padding:
         out.add(PERM005, note, {kFastDds});

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "governance/compare/domain_pieces.hpp"
+#include "governance/domain_pieces.hpp"
 #include "governance/lint_grant.hpp"
 #include "governance/matcher.hpp"
 #include "governance/topic_sets.hpp"
@@ -196,6 +196,31 @@ void check_default(Findings& out, const GrantPlace& place) {
   out.add(std::move(finding));
 }
 
+/// Where the first rule is a denial of topics, the default denies and a later rule would allow.
+std::vector<DomainRange> domains_closed_by_denials(const Grant& grant) {
+  std::vector<DomainRange> out;
+  for (DomainId id = 0; id <= kHighestDomainId; ++id) {
+    const auto is_for = [id](const Rule& rule) { return rule.domains.contains(id); };
+    const auto first = std::ranges::find_if(grant.rules, is_for);
+    if (first == grant.rules.end() || first->allow) continue;
+    if (first->publish.empty() && first->subscribe.empty()) continue;
+    const auto allows = [&](const Rule& rule) { return rule.allow && is_for(rule); };
+    if (std::any_of(first, grant.rules.end(), allows)) out.push_back({id, id});
+  }
+  return joined(std::move(out));
+}
+
+void check_joining(Findings& out, const GrantPlace& place) {
+  if (place.grant().default_allow) return;
+  const auto closed = domains_closed_by_denials(place.grant());
+  if (closed.empty()) return;
+  out.add(place.about(
+      PERM026, fmt::format("the first rule for domain {} is a deny_rule about topics, so <default> "
+                           "decides whether the participant joins, and it is DENY; Cyclone DDS and "
+                           "Fast DDS let it join by the later allow_rule, ddssec does not",
+                           to_text(closed))));
+}
+
 std::vector<DomainRange> uncovered(const Rule& rule, const Governance& governance) {
   std::vector<DomainRange> out;
   for (const auto& range : rule.domains.ranges)
@@ -272,6 +297,7 @@ void lint_rights(Findings& out, const GrantPlace& place, const Governance* gover
   check_denials(out, place);
   check_denied_partitions(out, place);
   check_default(out, place);
+  check_joining(out, place);
   if (!governance) return;
   check_domains(out, place, *governance);
   check_topic_rules(out, place, *governance);

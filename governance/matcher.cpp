@@ -66,7 +66,7 @@ struct PatternSet::Key {
 PatternSet::Id PatternSet::add(std::string_view expression) {
   Pattern pattern(expression);
   auto& ids = pattern.is_literal() ? literals_ : wildcard_ids_;
-  const auto [entry, is_new] = ids.try_emplace(std::string(expression), static_cast<Id>(count_));
+  const auto [entry, is_new] = ids.try_emplace(pattern.text(), static_cast<Id>(count_));
   if (!is_new) return entry->second;
   if (!pattern.is_literal()) wildcards_.push_back({entry->second, std::move(pattern)});
   ++count_;

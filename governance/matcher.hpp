@@ -13,21 +13,25 @@
 namespace ddssec::governance {
 
 /// One compiled expression: `*`, `?`, `[...]` with ranges, `!` or `^` and character classes of
-/// ASCII. A backslash is a character like any other (FNM_NOESCAPE), `*` crosses `/` and a leading
-/// dot, `?` is one octet. A `[` without its `]` is a character. The same as fnmatch(3) of glibc in
-/// the C locale; the name is always taken literally, whatever characters it holds.
+/// ASCII, and a backslash before a character that stands for itself. `*` crosses `/` and a leading
+/// dot, `?` is one octet. A `[` without its `]` is a character; an expression that ends with a
+/// single backslash matches nothing. The same as fnmatch(3) of glibc without flags in the C locale
+/// (DDS-Security 1.2 10.4.1.2.6.1, 10.4.1.5.3.4.1.3); the name is always taken literally, whatever
+/// characters it holds.
 class Pattern {
  public:
-  enum class Slash : std::uint8_t {
-    ordinary,
-    separate,  ///< FNM_PATHNAME: only a '/' matches a '/'
+  enum class Syntax : std::uint8_t {
+    name,                ///< topics, partitions and domain tags
+    verbatim_backslash,  ///< FNM_NOESCAPE: as Fast DDS reads names
+    subject,  ///< FNM_PATHNAME and FNM_NOESCAPE (1.2 10.4.1.5.3.2.1): only a '/' matches a '/'
   };
 
-  explicit Pattern(std::string_view expression, Slash slash = Slash::ordinary);
+  explicit Pattern(std::string_view expression, Syntax syntax = Syntax::name);
 
   bool matches(std::string_view name) const;
-  /// True if it matches exactly one name, its own text.
+  /// True if it matches exactly one name, text().
   bool is_literal() const { return steps_.empty(); }
+  /// Of a literal the name that it matches, else the expression.
   const std::string& text() const { return text_; }
 
   enum class Kind : std::uint8_t { character, any, star, set };
@@ -43,13 +47,16 @@ class Pattern {
 
  private:
   bool step_matches(const Step& step, char c) const;
+  /// Reads what begins at text_[at] into a step; its length.
+  std::size_t read_step(std::size_t at);
   /// Reads a bracket expression at text_[at]; 0 if it is none, else its length.
   std::size_t read_set(std::size_t at);
+  void add_set(const std::bitset<256>& set);
 
   std::string text_;
   std::vector<Step> steps_;
   std::vector<std::bitset<256>> sets_;
-  bool slash_is_separate_;
+  Syntax syntax_;
 };
 
 /// Tells which of very many expressions match a name. Literals are found by their hash; others by
@@ -59,7 +66,8 @@ class PatternSet {
  public:
   using Id = std::uint32_t;
 
-  /// The same text gives the same number; numbers count up from 0. Not after seal().
+  /// Expressions that are the same text, or literals of the same name, have the same number;
+  /// numbers count up from 0. Not after seal().
   Id add(std::string_view expression);
   /// Builds the index; then the set is immutable.
   void seal();

@@ -48,7 +48,13 @@ struct Text {
 struct DomainRange {
   DomainId first = 0;
   DomainId last = 0;
-  bool operator==(const DomainRange&) const = default;
+  /// Written without <max>: Cyclone DDS 0.10.2 and Fast DDS 2.9.1 read `first` alone.
+  bool is_open = false;
+
+  /// By what they hold.
+  bool operator==(const DomainRange& other) const {
+    return first == other.first && last == other.last;
+  }
 };
 
 /// DomainIdSet, with the domain tags of DDS-Security 1.2.
@@ -61,6 +67,9 @@ struct DomainSet {
   /// True if both the id and the tag are in the set; without tags only the empty tag is
   /// (DDS-Security 1.2 9.4.1.2.4).
   bool contains(DomainId id, std::string_view tag = {}) const;
+  /// What Cyclone DDS 0.10.2 and Fast DDS 2.9.1 answer: open ranges are one id, and they do not
+  /// read documents with tags.
+  bool contains_for_stock(DomainId id) const;
   bool operator==(const DomainSet& other) const {
     return ranges == other.ranges && tags == other.tags && tag_expressions == other.tag_expressions;
   }
@@ -111,6 +120,8 @@ struct Governance {
 
   /// The first rule whose domains contain the id, or nullptr.
   const DomainRule* find(DomainId id, std::string_view tag = {}) const;
+  /// The rule that Cyclone DDS 0.10.2 and Fast DDS 2.9.1 apply; see contains_for_stock.
+  const DomainRule* find_for_stock(DomainId id) const;
 };
 
 /// A name and value that a data tag of an entity must equal.

@@ -40,7 +40,7 @@ constexpr std::array<Class, 12> kClasses = {{{"alpha", is_alpha},
 /// The body of a bracket expression, read member by member.
 class SetReader {
  public:
-  explicit SetReader(std::string_view rest) : rest_(rest) {}
+  SetReader(std::string_view rest, bool escapes) : rest_(rest), escapes_(escapes) {}
 
   /// The octets after the '[' that belong to the expression with its ']', or nothing.
   std::optional<std::size_t> read(std::bitset<256>& set) {
@@ -108,58 +108,87 @@ class SetReader {
         return static_cast<std::uint8_t>(name->front());
       }
     }
+    if (escapes_ && rest_[at_] == '\\' && ++at_ == rest_.size()) return std::nullopt;
     return static_cast<std::uint8_t>(rest_[at_++]);
   }
 
   std::string_view rest_;
+  bool escapes_;
   std::size_t at_ = 0;
 };
 
 }  // namespace
 
-Pattern::Pattern(std::string_view expression, Slash slash)
-    : text_(expression), slash_is_separate_(slash == Slash::separate) {
+Pattern::Pattern(std::string_view expression, Syntax syntax) : text_(expression), syntax_(syntax) {
   bool literal = true;
   for (std::size_t at = 0; at < text_.size();) {
-    const char c = text_[at];
-    std::size_t length = 1;
-    if (c == '*') {
-      // Stars in a row are one star.
-      if (steps_.empty() || steps_.back().kind != Kind::star) steps_.push_back({Kind::star, 0, 0});
-    } else if (c == '?') {
-      steps_.push_back({Kind::any, 0, 0});
-    } else if (c == '[' && (length = read_set(at)) != 0) {
-      steps_.push_back({Kind::set, 0, static_cast<std::uint16_t>(sets_.size() - 1)});
-    } else {
-      length = 1;
-      steps_.push_back({Kind::character, static_cast<std::uint8_t>(c), 0});
-    }
+    at += read_step(at);
     literal = literal && steps_.back().kind == Kind::character;
-    at += length;
   }
-  if (literal) steps_.clear();
+  if (!literal) return;
+  text_.clear();
+  for (const auto& step : steps_) text_ += static_cast<char>(step.character);
+  steps_.clear();
+}
+
+std::size_t Pattern::read_step(std::size_t at) {
+  const char c = text_[at];
+  if (c == '*') {
+    // Stars in a row are one star.
+    if (steps_.empty() || steps_.back().kind != Kind::star) steps_.push_back({Kind::star, 0, 0});
+    return 1;
+  }
+  if (c == '?') {
+    steps_.push_back({Kind::any, 0, 0});
+    return 1;
+  }
+  if (c == '[') {
+    if (const auto length = read_set(at)) return length;
+  }
+  if (c != '\\' || syntax_ != Syntax::name) {
+    steps_.push_back({Kind::character, static_cast<std::uint8_t>(c), 0});
+    return 1;
+  }
+  if (at + 1 < text_.size()) {
+    steps_.push_back({Kind::character, static_cast<std::uint8_t>(text_[at + 1]), 0});
+    return 2;
+  }
+  // POSIX: a backslash at the end escapes nothing, and then no name matches.
+  steps_.clear();
+  sets_.clear();
+  add_set({});
+  return 1;
+}
+
+void Pattern::add_set(const std::bitset<256>& set) {
+  sets_.push_back(set);
+  steps_.push_back({Kind::set, 0, static_cast<std::uint16_t>(sets_.size() - 1)});
 }
 
 std::size_t Pattern::read_set(std::size_t at) {
   // A step counts its set in 16 bits; what is beyond that is text of more than 64 KiB.
   if (sets_.size() > std::numeric_limits<std::uint16_t>::max()) return 0;
   std::bitset<256> set;
-  const auto length = SetReader(std::string_view(text_).substr(at + 1)).read(set);
+  const auto body = std::string_view(text_).substr(at + 1);
+  const auto length = SetReader(body, syntax_ == Syntax::name).read(set);
   if (!length) return 0;
-  sets_.push_back(set);
+  // POSIX leaves a slash between brackets undefined where slashes separate: no name matches.
+  if (syntax_ == Syntax::subject && body.substr(0, *length).find('/') != body.npos) set.reset();
+  add_set(set);
   return *length + 1;
 }
 
 bool Pattern::step_matches(const Step& step, char c) const {
   const auto octet = static_cast<std::uint8_t>(c);
   if (step.kind == Kind::character) return step.character == octet;
-  if (slash_is_separate_ && c == '/') return false;
+  if (syntax_ == Syntax::subject && c == '/') return false;
   return step.kind == Kind::any || sets_[step.set].test(octet);
 }
 
 bool Pattern::matches(std::string_view name) const {
   if (is_literal()) return name == text_;
   // Only the last star has to give way: what an earlier one could take, a later one can too.
+  const bool star_stops = syntax_ == Syntax::subject;
   std::size_t step = 0, at = 0;
   std::size_t star = steps_.size(), star_at = 0;
   while (at < name.size()) {
@@ -168,7 +197,7 @@ bool Pattern::matches(std::string_view name) const {
       star_at = at;
     } else if (step < steps_.size() && step_matches(steps_[step], name[at])) {
       ++step, ++at;
-    } else if (star < steps_.size() && !(slash_is_separate_ && name[star_at] == '/')) {
+    } else if (star < steps_.size() && !(star_stops && name[star_at] == '/')) {
       step = star + 1;
       at = ++star_at;
     } else {

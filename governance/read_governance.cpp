@@ -116,9 +116,7 @@ Result<DomainRule> read_domain_rule(ReadContext& context, XmlElement element) {
     context.note(NoteKind::order, element, "is not in the schema's order: Fast DDS refuses it");
   DomainRule rule;
   rule.line = element.line();
-  // Cyclone and Fast DDS read <min> alone as one id, the schema as open. A domain too few refuses
-  // the participant and says so; a domain too many would apply a rule nobody meant.
-  rule.domains = DDSSEC_TRY(read_domains(context, child.one(kDomains), OpenRange::just_min));
+  rule.domains = DDSSEC_TRY(read_domains(context, child.one(kDomains)));
   rule.allow_unauthenticated_participants =
       DDSSEC_TRY(read_boolean(context, child.one(kAllowUnauthenticated)));
   rule.enable_join_access_control =

@@ -92,9 +92,7 @@ Result<Rule> read_rule(ReadContext& context, XmlElement element) {
     context.note(NoteKind::order, element, "is not in the schema's order: Fast DDS refuses it");
   }
   Rule rule{.allow = element.name() == "allow_rule", .line = element.line()};
-  // <min> alone: one id for peers, open in the schema. Less is allowed and more is denied.
-  rule.domains = DDSSEC_TRY(read_domains(context, children.one(0),
-                                         rule.allow ? OpenRange::just_min : OpenRange::to_highest));
+  rule.domains = DDSSEC_TRY(read_domains(context, children.one(0)));
   for (const auto& [kind, child] : children.all()) {
     if (kind == 0) continue;
     DDSSEC_TRY(context.count(child));

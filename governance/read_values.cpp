@@ -25,7 +25,7 @@ Result<DomainId> read_domain_id(XmlElement element) {
   return id;
 }
 
-Result<DomainRange> read_range(ReadContext& context, XmlElement element, OpenRange open_range) {
+Result<DomainRange> read_range(ReadContext& context, XmlElement element) {
   constexpr ChildSpec kSpecs[] = {{"min", Count::optional}, {"max", Count::optional}};
   const auto children = DDSSEC_TRY(XmlChildren::of(element, kSpecs));
   const XmlElement min = children.one(0);
@@ -34,18 +34,16 @@ Result<DomainRange> read_range(ReadContext& context, XmlElement element, OpenRan
     return fail(Code::element_missing,
                 {.line = element.line(), .field = "<id_range>", .expected = "<min> and <max>"});
   }
-  DomainRange range;
+  DomainRange range{.first = 0, .last = kHighestDomainId, .is_open = !max};
   if (min) range.first = DDSSEC_TRY(read_domain_id(min));
-  if (max) {
-    range.last = DDSSEC_TRY(read_domain_id(max));
-  } else {
-    range.last = open_range == OpenRange::just_min ? range.first : kHighestDomainId;
-  }
+  if (max) range.last = DDSSEC_TRY(read_domain_id(max));
   const auto note = [&](std::string_view text) {
     context.note(NoteKind::open_range, element, text);
   };
-  if (!max) note("has no <max>: products differ in whether it ends; write both");
-  if (!min) note("has no <min>: some products refuse it; write both");
+  if (!max)
+    note("has no <max>: it has no end, but Cyclone DDS and Fast DDS read domain " +
+         std::to_string(range.first) + " alone; write both");
+  if (!min) note("has no <min>: it begins with domain 0, but Cyclone DDS refuses it; write both");
   if (range.first > range.last) {
     return fail(Code::domain_range_reversed,
                 {.line = element.line(),
@@ -145,7 +143,7 @@ Result<ProtectionKind> read_protection_kind(ReadContext& context, XmlElement ele
   return *kind;
 }
 
-Result<DomainSet> read_domains(ReadContext& context, XmlElement element, OpenRange open_range) {
+Result<DomainSet> read_domains(ReadContext& context, XmlElement element) {
   constexpr ChildSpec kSpecs[] = {{"id", Count::many},
                                   {"id_range", Count::many},
                                   {"tag", Count::many},
@@ -158,7 +156,7 @@ Result<DomainSet> read_domains(ReadContext& context, XmlElement element, OpenRan
       const DomainId id = DDSSEC_TRY(read_domain_id(child));
       domains.ranges.push_back({id, id});
     } else if (kind == 1) {
-      domains.ranges.push_back(DDSSEC_TRY(read_range(context, child, open_range)));
+      domains.ranges.push_back(DDSSEC_TRY(read_range(context, child)));
     } else {
       auto& list = kind == 2 ? domains.tags : domains.tag_expressions;
       // The empty tag is a tag: it is the one that a participant has by default.

@@ -11,12 +11,6 @@
 
 namespace ddssec::governance {
 
-/// How an id_range with only <min> is read.
-enum class OpenRange : std::uint8_t {
-  just_min,    ///< only that id
-  to_highest,  ///< every id from there on
-};
-
 /// What a reader carries along: notes, and a count against kMostEntries.
 class ReadContext {
  public:
@@ -42,7 +36,9 @@ Result<XmlElement> document_body(const XmlDocument& document, std::string_view n
 Result<bool> read_boolean(ReadContext& context, XmlElement element);
 /// `basic`: without origin authentication.
 Result<ProtectionKind> read_protection_kind(ReadContext& context, XmlElement element, bool basic);
-Result<DomainSet> read_domains(ReadContext& context, XmlElement element, OpenRange open_range);
+/// A range without <max> goes on to the highest id, one without <min> begins with 0 (DDS-Security
+/// 1.2 10.4.1.2.3, and its rule for all domains in 10.4.1.2.7).
+Result<DomainSet> read_domains(ReadContext& context, XmlElement element);
 /// All children of `list`, which must be named `name`: at least one. `may_be_empty`: their text.
 Result<std::vector<Text>> read_texts(ReadContext& context, XmlElement list, std::string_view name,
                                      bool may_be_empty = false);

@@ -21,7 +21,8 @@ struct Rights {
 };
 
 /// A grant for the certificate's subject, in the one spelling that every product takes. Denials
-/// come first: the first rule that matches decides.
+/// come before what is allowed: the first rule that matches decides. Before denials there is an
+/// allow rule without topics, which lets the participant join.
 Grant grant_of(std::string name, const pki::Certificate& certificate, const Rights& rights,
                Validity validity);
 

@@ -127,11 +127,13 @@ void add_rule(Grant& grant, bool allow, DomainId domain, std::vector<Text> publi
   grant.rules.push_back(std::move(rule));
 }
 
-// Denials of any profile win over what others allow.
+// Denials of any profile win over what others allow. The first rule for the domain decides who
+// joins it (DDS-Security 1.2 table 70), so an allow rule without topics comes before denials.
 Grant grant_of(const RosEnclave& enclave, const Rights& rights,
                const RosPermissionsOptions& options, Order order) {
   Grant grant{
       .name = enclave.path, .subject_name = "CN=" + enclave.path, .validity = options.validity};
+  if (!rights.deny.empty()) add_rule(grant, true, options.domain, {}, {});
   for (const auto& [allow, uses] : {std::pair(false, &rights.deny), std::pair(true, &rights.allow)})
     if (!uses->empty())
       add_rule(grant, allow, options.domain, order(uses->publish), order(uses->subscribe));

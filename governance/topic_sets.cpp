@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "governance/compare/name_automaton.hpp"
+#include "governance/name_automaton.hpp"
 
 namespace ddssec::governance {
 namespace {

@@ -7,20 +7,13 @@
 #include <tuple>
 
 #include "base/ordered.hpp"
-#include "governance/compare/domain_pieces.hpp"
 #include "governance/compare/topic_pairs.hpp"
-#include "governance/matcher.hpp"
 
 namespace ddssec::governance {
 namespace {
 
-/// Domains in which the same two rules apply.
-struct Group {
-  const DomainRule* old_rule;
-  const DomainRule* new_rule;
-  std::vector<DomainRange> domains;
-  std::vector<std::string> tags;
-};
+/// The two rules that apply in a region; nullptr: none.
+using DomainRules = std::pair<const DomainRule*, const DomainRule*>;
 
 /// One topic rule's values as a number; 0 is kept for "no rule".
 std::uint32_t effect_of(const TopicRule& rule) {
@@ -49,9 +42,9 @@ bool same_rules(const DomainRule& a, const DomainRule& b) {
 }
 
 /// The names that were asked for, the first of each two rules.
-TopicPairs pairs_of(const std::vector<std::string>& topics, const DomainRule& old_rule,
-                    const DomainRule& new_rule) {
-  const RuleFinder old_rules(rule_list(old_rule)), new_rules(rule_list(new_rule));
+TopicPairs pairs_of(const std::vector<std::string>& topics, const RuleList& old_list,
+                    const RuleList& new_list) {
+  const RuleFinder old_rules(old_list), new_rules(new_list);
   std::set<std::pair<std::optional<std::uint32_t>, std::optional<std::uint32_t>>> known;
   TopicPairs result;
   for (const auto& topic : topics) {
@@ -65,39 +58,133 @@ void add_once(std::vector<std::string>& list, const std::string& text) {
   if (std::ranges::find(list, text) == list.end()) list.push_back(text);
 }
 
-bool concerns_payload(const Properties& properties) {
-  constexpr Property kPayload[] = {
-      Property::outsider_payload_secrecy, Property::outsider_payload_integrity,
-      Property::insider_payload_secrecy, Property::insider_payload_integrity};
-  return std::ranges::any_of(
-      kPayload, [&](Property p) { return properties.test(static_cast<std::size_t>(p)); });
-}
+/// How many topics, by kinds, have a property lost or gained, and one of them.
+struct Count {
+  std::size_t topics = 0;
+  std::string witness = {};
+};
 
-/// Which way one topic goes, by everything that changes for it.
-Direction direction_of(std::span<const ElementChange> domain, std::span<const ElementChange> topic,
-                       const Properties& lost, const Properties& gained) {
-  Direction all, certain;
-  for (const auto& changes : {domain, topic}) {
-    for (const auto& change : changes) {
-      all.add(change.change);
-      if (!change.is_layered || change.change == ChangeClass::mixed) certain.add(change.change);
+/// What one element of a domain rule has a part in, topic by topic.
+class DomainEffect {
+ public:
+  explicit DomainEffect(std::string_view element) : element_(element) {}
+
+  void add(const Protection& before, const Protection& after, const std::string& witness) {
+    ++topics_;
+    const auto [lost, gained] = governance::effect_of(element_, before, after);
+    lost_ |= lost;
+    gained_ |= gained;
+    for (const auto property : listed(lost | gained)) {
+      auto& count = counts_[property];
+      if (count.topics++ == 0) count.witness = witness;
     }
   }
-  if (!all.up() || !all.down()) return all;
-  if (lost.any()) certain.add(ChangeClass::weaker);
-  const bool made_up_for = concerns_payload(lost) && !concerns_payload(gained);
-  if (gained.any() && !made_up_for) certain.add(ChangeClass::stronger);
-  return certain;
-}
+
+  void tell(GovernanceChange& change) const {
+    change.lost = lost_;
+    change.gained = gained_;
+    for (const auto& [property, count] : counts_)
+      if (count.topics < topics_) change.of_some.push_back({property, count.witness});
+  }
+
+ private:
+  std::string_view element_;
+  std::size_t topics_ = 0;
+  Properties lost_, gained_;
+  std::map<Property, Count> counts_;
+};
 
 /// Element, both values, class, properties lost and gained.
 using TopicChangeKey =
     std::tuple<std::string_view, std::string, std::string, ChangeClass, std::string>;
 
-/// Where a change is in the result, and the rules that are named there.
+/// Where a change is in the result, and what it is about.
 struct KnownChange {
   std::size_t index;
-  std::set<const TopicRule*> rules = {};
+  std::vector<TopicPair> pairs = {};
+};
+
+/// The comparison of two rules in the region where they apply.
+class RegionComparison {
+ public:
+  RegionComparison(const DomainRule& old_rule, const DomainRule& new_rule, const DomainScope& scope,
+                   std::vector<GovernanceChange>& changes)
+      : old_(old_rule),
+        new_(new_rule),
+        scope_(scope),
+        changes_(changes),
+        domain_changes_(compare_domain_rules(&old_rule, &new_rule)),
+        effects_(domain_changes_.size(), DomainEffect("")) {
+    for (std::size_t i = 0; i < domain_changes_.size(); ++i)
+      effects_[i] = DomainEffect(domain_changes_[i].element);
+  }
+
+  bool is_the_same() const { return domain_changes_.empty() && same_rules(old_, new_); }
+
+  TopicPairs run(const std::vector<std::string>& topics, const SetLimits& limits) {
+    const auto old_list = rule_list(old_), new_list = rule_list(new_);
+    auto pairs = topics.empty() ? topic_pairs(old_list, new_list, limits)
+                                : pairs_of(topics, old_list, new_list);
+    for (const auto& pair : pairs.pairs) compare_topic(pair);
+    for (const auto& [key, known] : known_)
+      changes_[known.index].topics = topics_in_words(old_list, new_list, known.pairs);
+    for (std::size_t i = 0; i < domain_changes_.size(); ++i) {
+      GovernanceChange change{
+          .scope = scope_, .element = domain_changes_[i], .old_domain = &old_, .new_domain = &new_};
+      effects_[i].tell(change);
+      changes_.push_back(std::move(change));
+    }
+    return pairs;
+  }
+
+  bool any_topic_change() const { return !known_.empty(); }
+
+ private:
+  void compare_topic(const TopicPair& pair) {
+    const auto* o = pair.old_rule ? &old_.topic_rules[*pair.old_rule] : nullptr;
+    const auto* n = pair.new_rule ? &new_.topic_rules[*pair.new_rule] : nullptr;
+    if (!o && !n) return;
+    const auto elements = compare_topic_rules({old_, new_, o, n});
+    const auto before = o && n ? Protection::of(old_, *o) : Protection{};
+    const auto after = o && n ? Protection::of(new_, *n) : Protection{};
+    if (o && n)
+      for (auto& effect : effects_) effect.add(before, after, pair.witness);
+    for (const auto& element : elements) {
+      GovernanceChange change{.scope = scope_,
+                              .element = element,
+                              .is_about_topics = true,
+                              .witness = pair.witness,
+                              .old_domain = &old_,
+                              .new_domain = &new_,
+                              .old_topic = o,
+                              .new_topic = n};
+      const auto effect = governance::effect_of(element.element, before, after);
+      change.lost = effect.lost;
+      change.gained = effect.gained;
+      add(pair, std::move(change));
+    }
+  }
+
+  void add(const TopicPair& pair, GovernanceChange change) {
+    const auto& e = change.element;
+    const auto key = std::tuple(e.element, e.old_value, e.new_value, e.change,
+                                change.lost.to_string() + change.gained.to_string());
+    const auto *o = change.old_topic, *n = change.new_topic;
+    const auto [entry, is_new] = known_.try_emplace(key, KnownChange{changes_.size()});
+    if (is_new) changes_.push_back(std::move(change));
+    auto& [index, pairs] = entry->second;
+    pairs.push_back(pair);
+    if (o) add_once(changes_[index].expressions_old, o->topic_expression);
+    if (n) add_once(changes_[index].expressions_new, n->topic_expression);
+  }
+
+  const DomainRule& old_;
+  const DomainRule& new_;
+  const DomainScope& scope_;
+  std::vector<GovernanceChange>& changes_;
+  std::vector<ElementChange> domain_changes_;
+  std::vector<DomainEffect> effects_;  ///< of each domain change
+  std::map<TopicChangeKey, KnownChange> known_;
 };
 
 class Comparison {
@@ -107,217 +194,90 @@ class Comparison {
       : old_(old_document), new_(new_document), options_(options), limits_(options.limits) {}
 
   GovernanceDiff run() {
-    if (!group_domains()) {
-      direction_.add(ChangeClass::unknown);
+    if (const auto space = domain_space()) {
+      const auto regions = space->regions([&](DomainId id, const std::string& tag) {
+        return DomainRules(old_.find(id, tag), new_.find(id, tag));
+      });
+      for (const auto& region : regions) compare_in(region);
+    } else {
+      is_unknown_ = true;
       diff_.unknown_domains.push_back({0, kHighestDomainId});
     }
-    for (const auto& group : groups_) compare_group(group);
-    diff_.flag_day_domains = joined(std::move(diff_.flag_day_domains));
-    diff_.unknown_domains = joined(std::move(diff_.unknown_domains));
-    diff_.verdict = direction_.verdict(ChangeClass::stronger, ChangeClass::weaker);
-    order_by_greatest(diff_.changes, [](const GovernanceChange& change) {
-      return std::pair(change.element.change, !change.is_about_topics);
-    });
+    finish();
     return std::move(diff_);
   }
 
  private:
-  bool group_domains();
-  std::optional<std::vector<std::string>> tags() const;
-  void compare_group(const Group& group);
-  TopicPairs pairs_in(const Group& group);
-  void compare_topic(const Group& group, const TopicPair& pair);
-  void add_domain_change(const Group& group, const ElementChange& element);
-  void add_topic_change(const Group& group, GovernanceChange change);
-  void note_rewritten(const Group& group);
+  std::optional<DomainSpace> domain_space() const {
+    std::vector<const DomainSet*> sets;
+    for (const Governance* document : {&old_, &new_})
+      for (const auto& rule : document->domain_rules) sets.push_back(&rule.domains);
+    return DomainSpace::of(sets);
+  }
+
+  void compare_in(const DomainRegion<DomainRules>& region) {
+    const auto [o, n] = region.answer;
+    if (!o && !n) return;
+    if (!o || !n) {
+      for (auto& element : compare_domain_rules(o, n))
+        diff_.changes.push_back(
+            {.scope = region.scope, .element = element, .old_domain = o, .new_domain = n});
+      return;
+    }
+    RegionComparison comparison(*o, *n, region.scope, diff_.changes);
+    if (comparison.is_the_same()) return;
+    const auto pairs = comparison.run(options_.topics, limits_);
+    diff_.complete = diff_.complete && pairs.names_all_rules;
+    if (pairs.names_all_effects) {
+      if (!comparison.any_topic_change() && !same_rules(*o, *n)) note_rewritten(region);
+      return;
+    }
+    is_unknown_ = true;
+    const auto& domains = region.scope.domains;
+    diff_.unknown_domains.insert(diff_.unknown_domains.end(), domains.begin(), domains.end());
+    // What else can be found quickly is still shown.
+    limits_.states = std::min<std::size_t>(limits_.states, 2'000);
+  }
+
+  void note_rewritten(const DomainRegion<DomainRules>& region) {
+    const auto missing = [](const DomainRule& from, const DomainRule& in) {
+      std::vector<std::string> texts;
+      for (const auto& rule : from.topic_rules) {
+        const bool there = std::ranges::find(in.topic_rules, rule.topic_expression,
+                                             &TopicRule::topic_expression) != in.topic_rules.end();
+        if (!there) add_once(texts, rule.topic_expression);
+      }
+      return texts;
+    };
+    const auto [o, n] = region.answer;
+    diff_.rewritten.push_back({region.scope, missing(*o, *n), missing(*n, *o)});
+  }
+
+  /// The verdict and the exit code follow from the lines.
+  void finish() {
+    Direction direction;
+    if (is_unknown_) direction.add(ChangeClass::unknown);
+    for (const auto& change : diff_.changes) {
+      direction.add(change.element.change);
+      if (change.element.interop == Interop::none) continue;
+      const auto& domains = change.scope.domains;
+      diff_.flag_day_domains.insert(diff_.flag_day_domains.end(), domains.begin(), domains.end());
+    }
+    diff_.verdict = direction.verdict(ChangeClass::stronger, ChangeClass::weaker);
+    diff_.flag_day_domains = joined(std::move(diff_.flag_day_domains));
+    diff_.unknown_domains = joined(std::move(diff_.unknown_domains));
+    order_by_greatest(diff_.changes, [](const GovernanceChange& change) {
+      return std::pair(change.element.change, !change.is_about_topics);
+    });
+  }
 
   const Governance& old_;
   const Governance& new_;
   const GovernanceDiffOptions& options_;
   SetLimits limits_;
-  std::vector<Group> groups_;
   GovernanceDiff diff_;
-  Direction direction_;
-  // Of the group at hand.
-  std::vector<ElementChange> domain_changes_;
-  Properties lost_, gained_;
-  /// Changes of topics by what they are, so that more rules can join them.
-  std::map<TopicChangeKey, KnownChange> topic_changes_;
-  bool any_topic_ = false;
+  bool is_unknown_ = false;
 };
-
-/// A tag is literal, a tag expression is not.
-std::string as_expression(std::string_view literal) {
-  std::string text;
-  for (const char c : literal) {
-    const bool special = c == '*' || c == '?' || c == '[';
-    text += special ? std::string{'[', c, ']'} : std::string(1, c);
-  }
-  return text;
-}
-
-/// More than these tags and tag expressions are not compared.
-constexpr std::size_t kMostTags = 64;
-
-std::optional<std::vector<std::string>> Comparison::tags() const {
-  std::set<std::string> expressions = {""};
-  for (const Governance* document : {&old_, &new_}) {
-    for (const auto& rule : document->domain_rules) {
-      for (const auto& tag : rule.domains.tags) expressions.insert(as_expression(tag.text));
-      for (const auto& tag : rule.domains.tag_expressions) expressions.insert(tag.text);
-      if (expressions.size() > kMostTags) return std::nullopt;
-    }
-  }
-  // Without any, only participants without a tag are spoken of.
-  if (expressions.size() == 1) return std::vector<std::string>{""};
-  std::vector<RankedExpression> own;
-  for (const auto& expression : expressions) {
-    own.push_back({expression, static_cast<std::uint32_t>(own.size()), 0});
-  }
-  const auto atoms = name_atoms(own, {.states = 20'000, .atoms = 4 * kMostTags});
-  if (!atoms) return std::nullopt;
-  std::vector<std::string> witnesses;
-  for (const auto& atom : *atoms) witnesses.push_back(atom.witness);
-  return witnesses;
-}
-
-bool Comparison::group_domains() {
-  DomainCuts cuts;
-  for (const Governance* document : {&old_, &new_}) {
-    for (const auto& rule : document->domain_rules) cuts.add(rule.domains);
-  }
-  const auto tag_names = tags();
-  if (!tag_names) return false;
-  std::map<std::pair<const DomainRule*, const DomainRule*>, std::size_t> known;
-  for (const auto& tag : *tag_names) {
-    for (const auto& piece : cuts.pieces()) {
-      const auto* o = old_.find(piece.first, tag);
-      const auto* n = new_.find(piece.first, tag);
-      if (!o && !n) continue;
-      const auto [entry, is_new] = known.try_emplace({o, n}, groups_.size());
-      if (is_new) groups_.push_back({o, n, {}, {}});
-      Group& group = groups_[entry->second];
-      group.domains.push_back(piece);
-      if (tag_names->size() > 1) add_once(group.tags, tag);
-    }
-  }
-  for (auto& group : groups_) group.domains = joined(std::move(group.domains));
-  return true;
-}
-
-void Comparison::compare_group(const Group& group) {
-  domain_changes_ = compare_domain_rules(group.old_rule, group.new_rule);
-  lost_.reset();
-  gained_.reset();
-  topic_changes_.clear();
-  any_topic_ = false;
-  const bool both = group.old_rule && group.new_rule;
-  if (both && (!domain_changes_.empty() || !same_rules(*group.old_rule, *group.new_rule))) {
-    const std::size_t before = diff_.changes.size();
-    const auto pairs = pairs_in(group);
-    for (const auto& pair : pairs.pairs) compare_topic(group, pair);
-    diff_.complete = diff_.complete && pairs.names_all_rules;
-    if (!pairs.names_all_effects) {
-      direction_.add(ChangeClass::unknown);
-      diff_.unknown_domains.insert(diff_.unknown_domains.end(), group.domains.begin(),
-                                   group.domains.end());
-    } else if (diff_.changes.size() == before) {
-      note_rewritten(group);
-    }
-  }
-  for (const auto& change : domain_changes_) {
-    if (!any_topic_) direction_.add(change.change);
-    add_domain_change(group, change);
-  }
-}
-
-TopicPairs Comparison::pairs_in(const Group& group) {
-  if (!options_.topics.empty()) return pairs_of(options_.topics, *group.old_rule, *group.new_rule);
-  auto pairs = topic_pairs(rule_list(*group.old_rule), rule_list(*group.new_rule), limits_);
-  // Something is unknown already: what else can be found quickly is still shown.
-  if (!pairs.names_all_effects) limits_.states = std::min<std::size_t>(limits_.states, 2'000);
-  return pairs;
-}
-
-void Comparison::compare_topic(const Group& group, const TopicPair& pair) {
-  const auto* o = pair.old_rule ? &group.old_rule->topic_rules[*pair.old_rule] : nullptr;
-  const auto* n = pair.new_rule ? &group.new_rule->topic_rules[*pair.new_rule] : nullptr;
-  if (!o && !n) return;
-  const auto changes = compare_topic_rules({*group.old_rule, *group.new_rule, o, n});
-  if (changes.empty() && domain_changes_.empty()) return;
-  GovernanceChange change{.is_about_topics = true,
-                          .witness = pair.witness,
-                          .old_domain = group.old_rule,
-                          .new_domain = group.new_rule,
-                          .old_topic = o,
-                          .new_topic = n};
-  if (o && n) {
-    const auto before = properties(*group.old_rule, *o), after = properties(*group.new_rule, *n);
-    change.lost = before & ~after;
-    change.gained = after & ~before;
-  }
-  any_topic_ = true;
-  // What topics lose by rules of their own is told there.
-  if (changes.empty()) {
-    lost_ |= change.lost;
-    gained_ |= change.gained;
-  }
-  direction_.add(direction_of(domain_changes_, changes, change.lost, change.gained));
-  for (const auto& element : changes) {
-    change.element = element;
-    add_topic_change(group, change);
-  }
-}
-
-void Comparison::add_topic_change(const Group& group, GovernanceChange change) {
-  const auto& e = change.element;
-  const auto key = std::tuple(e.element, e.old_value, e.new_value, e.change,
-                              change.lost.to_string() + change.gained.to_string());
-  const auto [entry, is_new] = topic_changes_.try_emplace(key, KnownChange{diff_.changes.size()});
-  if (is_new) {
-    change.domains = group.domains;
-    change.tags = group.tags;
-    diff_.changes.push_back(change);
-    if (e.interop != Interop::none) {
-      diff_.flag_day_domains.insert(diff_.flag_day_domains.end(), group.domains.begin(),
-                                    group.domains.end());
-    }
-  }
-  auto& [index, rules] = entry->second;
-  const auto name = [&](const TopicRule* rule, std::vector<std::string>& expressions) {
-    if (rule && rules.insert(rule).second) expressions.push_back(rule->topic_expression);
-  };
-  name(change.old_topic, diff_.changes[index].expressions_old);
-  name(change.new_topic, diff_.changes[index].expressions_new);
-}
-
-void Comparison::add_domain_change(const Group& group, const ElementChange& element) {
-  diff_.changes.push_back({.domains = group.domains,
-                           .tags = group.tags,
-                           .element = element,
-                           .lost = lost_,
-                           .gained = gained_,
-                           .old_domain = group.old_rule,
-                           .new_domain = group.new_rule});
-  if (element.interop == Interop::none) return;
-  diff_.flag_day_domains.insert(diff_.flag_day_domains.end(), group.domains.begin(),
-                                group.domains.end());
-}
-
-void Comparison::note_rewritten(const Group& group) {
-  const auto missing = [](const DomainRule& from, const DomainRule& in) {
-    std::vector<std::string> texts;
-    for (const auto& rule : from.topic_rules) {
-      const bool there = std::ranges::find(in.topic_rules, rule.topic_expression,
-                                           &TopicRule::topic_expression) != in.topic_rules.end();
-      if (!there) add_once(texts, rule.topic_expression);
-    }
-    return texts;
-  };
-  if (same_rules(*group.old_rule, *group.new_rule)) return;
-  diff_.rewritten.push_back({group.domains, missing(*group.old_rule, *group.new_rule),
-                             missing(*group.new_rule, *group.old_rule)});
-}
 
 int line_of(const DomainRule* domain, const TopicRule* topic) {
   return topic ? topic->line : domain ? domain->line : 0;

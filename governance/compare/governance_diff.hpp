@@ -4,28 +4,38 @@
 #include <string>
 #include <vector>
 
+#include "governance/compare/domain_space.hpp"
 #include "governance/compare/governance_elements.hpp"
 #include "governance/compare/protection_properties.hpp"
+#include "governance/compare/topic_words.hpp"
 #include "governance/model.hpp"
 #include "governance/topic_sets.hpp"
 
 namespace ddssec::governance {
 
+/// A property that a change of a whole domain takes from some of its topics, or gives to them.
+struct PropertyOfSome {
+  Property property;
+  std::string witness;  ///< one of these topics
+};
+
 /// One difference. Pointers live as long as the documents; nullptr: the document has no rule there.
 struct GovernanceChange {
-  std::vector<DomainRange> domains = {};
-  /// The domain tags it is about; empty: the usual one, "".
-  std::vector<std::string> tags = {};
+  /// In every domain and tag of it.
+  DomainScope scope = {};
   ElementChange element = {};
-  /// False: the whole domain; then there is no witness and there are no expressions.
+  /// False: the whole domain; then there is no witness and there are no topics.
   bool is_about_topics = false;
   /// The shortest name of a topic that it is about.
   std::string witness = {};
+  /// All of them, in words.
+  TopicSet topics = {};
   /// Of all rules that decide for such topics, in order.
   std::vector<std::string> expressions_old = {}, expressions_new = {};
-  /// What these topics lose and gain, by all changes together; of a whole domain, the topics that
-  /// only changes of the whole domain are about.
+  /// What the element has a part in; of a whole domain, for at least one topic.
   Properties lost = {}, gained = {};
+  /// Of a whole domain: those of `lost` and `gained` that do not concern all topics.
+  std::vector<PropertyOfSome> of_some = {};
   const DomainRule* old_domain = nullptr;
   const DomainRule* new_domain = nullptr;
   /// Those that decide for the witness.
@@ -39,12 +49,13 @@ struct GovernanceChange {
 
 /// Rules that are written in another way without any effect.
 struct RewrittenRules {
-  std::vector<DomainRange> domains;
+  DomainScope scope;
   std::vector<std::string> only_old, only_new;  ///< expressions; both empty: only the order changed
 };
 
 struct GovernanceDiff {
-  /// neutral, stronger, weaker, mixed or unknown.
+  /// Follows from the changes: see governance/README.md. neutral, stronger, weaker, mixed or
+  /// unknown.
   ChangeClass verdict = ChangeClass::neutral;
   /// The most worrying first.
   std::vector<GovernanceChange> changes = {};
@@ -65,9 +76,8 @@ struct GovernanceDiffOptions {
 };
 
 /// Compares for every domain, tag and topic name; the first rule that matches decides, as for
-/// participants. The verdict is weaker if some topic or domain is less protected against outsiders
-/// or insiders, stronger if it is better protected, and mixed if there are both. Where elements of
-/// one topic move in both directions, Properties decide; metadata does not make up for payload.
+/// participants. A change that is weaker or wider makes the verdict weaker, one that is stronger or
+/// narrower makes it stronger, and both make it mixed; no change makes up for another.
 GovernanceDiff compare(const Governance& old_document, const Governance& new_document,
                        const GovernanceDiffOptions& options = {});
 

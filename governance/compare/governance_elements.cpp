@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 #include <set>
 
 namespace ddssec::governance {
@@ -28,11 +27,10 @@ class Changes {
     add({element, std::string(covered(old_rule)), std::string(covered(new_rule)), change, interop});
   }
   void add_kind(std::string_view element, ProtectionKind old_kind, ProtectionKind new_kind,
-                Interop interop, bool is_layered = false) {
+                Interop interop) {
     if (old_kind == new_kind) return;
     add({element, std::string(ddssec::to_string(old_kind)),
-         std::string(ddssec::to_string(new_kind)), compare(old_kind, new_kind), interop,
-         is_layered});
+         std::string(ddssec::to_string(new_kind)), compare(old_kind, new_kind), interop});
   }
   void add_flag(std::string_view element, bool old_value, bool new_value, ChangeClass if_true,
                 ChangeClass if_false, Interop interop) {
@@ -47,47 +45,80 @@ class Changes {
   std::vector<ElementChange> changes_;
 };
 
-using Names = std::set<std::string>;
+using Names = std::set<std::string_view>;
 
-std::string text_of(const std::optional<Names>& names) {
-  if (!names) return "any";
+/// Every algorithm that the standard names for a purpose (DDS-Security 1.2 8.1 and 8.2).
+const Names& all_signatures() {
+  static const Names kNames = {"RSASSA-PSS-MGF1SHA256+2048+SHA256", "RSASSA-PKCS1-V1_5+2048+SHA256",
+                               "ECDSA+P256+SHA256", "ECDSA+P384+SHA384"};
+  return kNames;
+}
+const Names& all_key_establishments() {
+  static const Names kNames = {"DHE+MODP-2048-256", "ECDHE-CEUM+P256", "ECDHE-CEUM+P384"};
+  return kNames;
+}
+const Names& all_ciphers() {
+  static const Names kNames = {"AES128+GCM", "AES256+GCM"};
+  return kNames;
+}
+
+Names named(const std::vector<Text>& texts) {
+  Names names;
+  for (const auto& text : texts) names.insert(text.text);
+  return names;
+}
+
+Names listed_or(const DomainRule& rule, std::vector<Text> AllowedAlgorithms::*list,
+                const Names& if_absent) {
+  if (!rule.allowed_algorithms || ((*rule.allowed_algorithms).*list).empty()) return if_absent;
+  return named((*rule.allowed_algorithms).*list);
+}
+
+Names signatures(const DomainRule& rule) {
+  return listed_or(rule, &AllowedAlgorithms::digital_signature, all_signatures());
+}
+Names trust_chain(const DomainRule& rule) {
+  return listed_or(rule, &AllowedAlgorithms::digital_signature_identity_trust_chain,
+                   signatures(rule));
+}
+Names key_establishments(const DomainRule& rule) {
+  return listed_or(rule, &AllowedAlgorithms::key_establishment, all_key_establishments());
+}
+Names ciphers(const DomainRule& rule) {
+  return listed_or(rule, &AllowedAlgorithms::symmetric_cipher, all_ciphers());
+}
+
+std::string text_of(const Names& names, const Names& all) {
+  if (names == all) return "every algorithm";
   std::string text;
-  for (const auto& name : *names) text += (text.empty() ? "" : ", ") + name;
+  for (const auto name : names) text.append(text.empty() ? "" : ", ").append(name);
   return text;
 }
 
-/// Fewer algorithms are stronger; without a common one nobody can talk.
-void add_algorithms(Changes& changes, std::string_view element,
-                    const std::optional<Names>& old_names, const std::optional<Names>& new_names) {
+/// Fewer algorithms are stronger; without a common one no two participants can talk.
+void add_algorithms(Changes& changes, std::string_view element, const Names& all,
+                    const Names& old_names, const Names& new_names) {
   if (old_names == new_names) return;
-  const bool up = !old_names || (new_names && !std::ranges::includes(*new_names, *old_names));
-  const bool down = !new_names || (old_names && !std::ranges::includes(*old_names, *new_names));
-  const bool common =
-      !old_names || !new_names || std::ranges::any_of(*old_names, [&](const std::string& name) {
-        return new_names->contains(name);
-      });
-  changes.add({element, text_of(old_names), text_of(new_names), moved(up, down),
+  const bool up = !std::ranges::includes(new_names, old_names);
+  const bool down = !std::ranges::includes(old_names, new_names);
+  const bool common = std::ranges::any_of(
+      old_names, [&](std::string_view name) { return new_names.contains(name); });
+  changes.add({element, text_of(old_names, all), text_of(new_names, all), moved(up, down),
                common ? Interop::none : Interop::participant});
 }
 
 struct AlgorithmList {
   std::string_view element;
-  std::vector<Text> AllowedAlgorithms::*list;
+  Names (*allowed)(const DomainRule&);
+  const Names& (*all)();
 };
 constexpr std::array<AlgorithmList, 4> kAlgorithmLists = {{
-    {"allowed_crypto_algorithms/digital_signature", &AllowedAlgorithms::digital_signature},
-    {"allowed_crypto_algorithms/digital_signature_identity_trust_chain",
-     &AllowedAlgorithms::digital_signature_identity_trust_chain},
-    {"allowed_crypto_algorithms/key_establishment", &AllowedAlgorithms::key_establishment},
-    {"allowed_crypto_algorithms/symmetric_cipher", &AllowedAlgorithms::symmetric_cipher},
+    {"allowed_crypto_algorithms/digital_signature", signatures, all_signatures},
+    {"allowed_crypto_algorithms/digital_signature_identity_trust_chain", trust_chain,
+     all_signatures},
+    {"allowed_crypto_algorithms/key_establishment", key_establishments, all_key_establishments},
+    {"allowed_crypto_algorithms/symmetric_cipher", ciphers, all_ciphers},
 }};
-
-std::optional<Names> names_in(const DomainRule& rule, std::vector<Text> AllowedAlgorithms::*list) {
-  if (!rule.allowed_algorithms || ((*rule.allowed_algorithms).*list).empty()) return std::nullopt;
-  Names names;
-  for (const auto& text : (*rule.allowed_algorithms).*list) names.insert(text.text);
-  return names;
-}
 
 }  // namespace
 
@@ -121,11 +152,11 @@ std::vector<ElementChange> compare_domain_rules(const DomainRule* old_rule,
   changes.add_kind("liveliness_protection_kind", o.liveliness_protection_kind,
                    n.liveliness_protection_kind, Interop::participant);
   changes.add_kind("rtps_protection_kind", o.rtps_protection_kind, n.rtps_protection_kind,
-                   Interop::participant, true);
+                   Interop::participant);
   changes.add_kind("rtps_psk_protection_kind", o.rtps_psk_protection_kind,
                    n.rtps_psk_protection_kind, Interop::participant);
   for (const auto& row : kAlgorithmLists) {
-    add_algorithms(changes, row.element, names_in(o, row.list), names_in(n, row.list));
+    add_algorithms(changes, row.element, row.all(), row.allowed(o), row.allowed(n));
   }
   return changes.take();
 }
@@ -153,9 +184,9 @@ std::vector<ElementChange> compare_topic_rules(const TopicRules& rules) {
   changes.add_flag("enable_write_access_control", o.enable_write_access_control,
                    n.enable_write_access_control, stronger, weaker, Interop::endpoint);
   changes.add_kind("metadata_protection_kind", o.metadata_protection_kind,
-                   n.metadata_protection_kind, Interop::endpoint, true);
+                   n.metadata_protection_kind, Interop::endpoint);
   changes.add_kind("data_protection_kind", o.data_protection_kind, n.data_protection_kind,
-                   Interop::endpoint, true);
+                   Interop::endpoint);
   return changes.take();
 }
 

@@ -26,15 +26,15 @@ struct ElementChange {
   std::string old_value, new_value;
   ChangeClass change = ChangeClass::neutral;
   Interop interop = Interop::none;
-  /// Another layer may do the same work: Properties tell more than the element alone.
-  bool is_layered = false;
 };
 
 /// The order of kinds is the product of NONE < SIGN < ENCRYPT and of no < with origin
 /// authentication: stronger, weaker, mixed or neutral.
 ChangeClass compare(ProtectionKind old_kind, ProtectionKind new_kind);
 
-/// What differs between two rules for one domain; nullptr: no rule, so that nobody may join.
+/// What differs between two rules for one domain; nullptr: no rule, so that no participant joins.
+/// An absent list of algorithms holds all that the standard names (DDS-Security 1.2 10.4.1.2.5.9),
+/// and an absent one for the trust chain what that for signatures holds.
 std::vector<ElementChange> compare_domain_rules(const DomainRule* old_rule,
                                                 const DomainRule* new_rule);
 

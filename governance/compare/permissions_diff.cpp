@@ -5,75 +5,10 @@
 #include <set>
 
 #include "base/ordered.hpp"
-#include "governance/compare/domain_pieces.hpp"
-#include "governance/grant.hpp"
-#include "pki/subject_name.hpp"
+#include "governance/compare/subjects.hpp"
 
 namespace ddssec::governance {
 namespace {
-
-using Grants = std::vector<const Grant*>;
-
-/// Somebody that documents speak of, and the grants that are for them, in order.
-struct Subject {
-  Grants old_grants, new_grants;
-};
-
-/// The same for every way to write a name; nothing for a text that is no name.
-std::optional<std::string> key_of(const Grant& grant) {
-  const auto name = pki::SubjectName::parse(grant.subject_name);
-  if (!name) return std::nullopt;
-  std::string key(1, grant.subject_is_expression ? '*' : '=');
-  return key += name->key();
-}
-
-/// In the order of the old document, then of the new one.
-class Subjects {
- public:
-  Subjects(const Permissions& old_document, const Permissions& new_document) {
-    add(old_document, &Subject::old_grants);
-    add(new_document, &Subject::new_grants);
-    add_expressions(old_document, &Subject::old_grants);
-    add_expressions(new_document, &Subject::new_grants);
-  }
-
-  std::vector<Subject>& all() { return subjects_; }
-  bool overlap() const { return expressions_ > 1; }
-
- private:
-  void add(const Permissions& document, Grants Subject::*list) {
-    for (const auto& grant : document.grants) {
-      // A subject that is no name is nobody's.
-      const auto key = key_of(grant);
-      if (!key) continue;
-      const auto [entry, is_new] = known_.try_emplace(*key, subjects_.size());
-      if (is_new) {
-        subjects_.emplace_back();
-        expressions_ += grant.subject_is_expression;
-      }
-      (subjects_[entry->second].*list).push_back(&grant);
-    }
-  }
-
-  /// Grants for expressions are also for the subjects by name that they match.
-  void add_expressions(const Permissions& document, Grants Subject::*list) {
-    if (expressions_ == 0) return;
-    for (auto& subject : subjects_) {
-      const Grant& any = *(subject.old_grants.empty() ? subject.new_grants : subject.old_grants)[0];
-      const auto name = pki::SubjectName::parse(any.subject_name);
-      if (any.subject_is_expression || !name) continue;
-      Grants grants;
-      for (const auto& grant : document.grants) {
-        if (is_for(grant, *name)) grants.push_back(&grant);
-      }
-      subject.*list = std::move(grants);
-    }
-  }
-
-  std::map<std::string, std::size_t> known_;
-  std::vector<Subject> subjects_;
-  std::size_t expressions_ = 0;
-};
 
 const Grant* valid_at(const Grants& grants, WallTime time) {
   const auto grant =
@@ -117,12 +52,15 @@ class Comparison {
  public:
   Comparison(const Permissions& old_document, const Permissions& new_document,
              const PermissionsDiffOptions& options)
-      : options_(options), subjects_(old_document, new_document) {}
+      : options_(options), subjects_(subjects_of(old_document, new_document)) {}
 
   PermissionsDiff run() {
-    if (subjects_.overlap()) diff_.is_exact = false;
+    if (!subjects_.is_exact) {
+      diff_.is_exact = false;
+      direction_.add(ChangeClass::unknown);
+    }
     if (options_.map_subjects_by_grant_name) map_subjects();
-    for (const auto& subject : subjects_.all()) compare_subject(subject);
+    for (const auto& subject : subjects_.all) compare_subject(subject);
     diff_.verdict = direction_.verdict(ChangeClass::narrower, ChangeClass::wider);
     order_by_greatest(diff_.changes, [](const PermissionChange& change) {
       return std::pair(change.element == "default", change.change);
@@ -138,9 +76,6 @@ class Comparison {
   void compare_times(const Subject& subject, const GrantPairs& pairs);
   void note_dead(const Subject& subject, const GrantPairs& pairs);
   void add_rules(const GrantDiff& rules);
-  /// Whether the grant allows anything, and what.
-  GrantDiff allowed_by(const Grant& grant);
-  bool allows_anything(const Grants& grants);
   void add(PermissionChange change);
 
   const PermissionsDiffOptions& options_;
@@ -157,7 +92,7 @@ void Comparison::add(PermissionChange change) {
 }
 
 void Comparison::map_subjects() {
-  auto& all = subjects_.all();
+  auto& all = subjects_.all;
   std::map<std::string_view, std::vector<std::size_t>> old_names, new_names;
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (all[i].new_grants.empty()) old_names[all[i].old_grants[0]->name].push_back(i);
@@ -166,7 +101,7 @@ void Comparison::map_subjects() {
   std::set<std::size_t> moved;
   for (const auto& [name, from] : old_names) {
     const auto to = new_names.find(name);
-    // A name that several grants have names nobody.
+    // A name that several grants have identifies none of them.
     if (name.empty() || to == new_names.end() || from.size() != 1 || to->second.size() != 1)
       continue;
     all[from[0]].new_grants = std::move(all[to->second[0]].new_grants);
@@ -181,7 +116,7 @@ void Comparison::map_subjects() {
 
 void Comparison::compare_subject(const Subject& subject) {
   const auto& [old_grants, new_grants] = subject;
-  shown_subject_ = (new_grants.empty() ? old_grants : new_grants)[0]->subject_name;
+  shown_subject_ = spelling_of(subject).subject_name;
   const auto pairs = pairs_of(subject);
   if (old_grants.empty()) return compare_presence(*new_grants[0], pairs.only_new, true);
   if (new_grants.empty()) return compare_presence(*old_grants[0], pairs.only_old, false);
@@ -196,60 +131,42 @@ void Comparison::compare_subject(const Subject& subject) {
   add_rules(rules);
 }
 
-GrantDiff Comparison::allowed_by(const Grant& grant) {
-  static const Grant kNothing;
-  return compare_grants(kNothing, grant, options_.limits);
-}
-
-bool Comparison::allows_anything(const Grants& grants) {
-  return std::ranges::any_of(grants, [&](const Grant* grant) {
-    const auto direction = allowed_by(*grant).direction;
-    return direction.down() || direction.unknown();
-  });
-}
-
 void Comparison::compare_presence(const Grant& grant, const Grants& valid, bool is_new) {
+  static const Grant kNothing;
   PermissionChange change{.element = "grant"};
-  if (allows_anything(valid)) change.change = is_new ? ChangeClass::wider : ChangeClass::narrower;
-  const auto allowed = valid.empty() ? GrantDiff{} : allowed_by(*valid[0]);
-  for (const auto& rule : allowed.changes) {
-    auto& expressions = is_new ? change.expressions_new : change.expressions_old;
-    for (const auto& text : rule.expressions_new) {
-      if (std::ranges::find(expressions, text) == expressions.end()) expressions.push_back(text);
-    }
-    if (rule.is_about_topics && !change.is_about_topics) {
-      change.is_about_topics = true;
-      change.witness = rule.witness;
-      change.partitions = rule.partitions;
-    }
-    if (rule.element == "default") (is_new ? change.new_value : change.old_value) = "default ALLOW";
-    change.domains.insert(change.domains.end(), rule.domains.begin(), rule.domains.end());
-  }
-  change.domains = joined(std::move(change.domains));
-  (is_new ? change.old_value : change.new_value) = "absent";
-  auto& value = is_new ? change.new_value : change.old_value;
-  value = value.empty() ? "present" : "present, " + value;
+  // One that is never valid is as good as none.
+  if (!valid.empty()) change.change = is_new ? ChangeClass::wider : ChangeClass::narrower;
+  change.old_value = is_new ? "absent" : "present";
+  change.new_value = is_new ? "present" : "absent";
   (is_new ? change.new_line : change.old_line) = grant.line;
   add(std::move(change));
+  const std::set<const Grant*> each(valid.begin(), valid.end());
+  for (const Grant* allowed : each)
+    add_rules(is_new ? compare_grants(kNothing, *allowed, options_.limits)
+                     : compare_grants(*allowed, kNothing, options_.limits));
 }
 
 void Comparison::compare_spelling(const Grant& o, const Grant& n) {
   if (o.subject_name == n.subject_name && o.subject_is_expression == n.subject_is_expression)
     return;
+  if (!options_.map_subjects_by_grant_name && !same_subjects(o, n)) return;
+  const auto text = [](const Grant& grant) {
+    return (grant.subject_is_expression ? "expression " : "") + grant.subject_name;
+  };
   add({.element = "subject_name",
        .change = ChangeClass::interop,
-       .old_value = o.subject_name,
-       .new_value = n.subject_name,
+       .old_value = text(o),
+       .new_value = text(n),
        .old_line = o.line,
        .new_line = n.line});
 }
 
 void Comparison::compare_times(const Subject& subject, const GrantPairs& pairs) {
   const Grant &o = *subject.old_grants[0], &n = *subject.new_grants[0];
-  if (pairs.only_old.empty() && pairs.only_new.empty()) return;
   Direction direction;
-  if (allows_anything(pairs.only_old)) direction.add(ChangeClass::narrower);
-  if (allows_anything(pairs.only_new)) direction.add(ChangeClass::wider);
+  if (!pairs.only_old.empty()) direction.add(ChangeClass::narrower);
+  if (!pairs.only_new.empty()) direction.add(ChangeClass::wider);
+  if (!direction.up() && !direction.down()) return;
   add({.element = "validity",
        .change = direction.verdict(ChangeClass::narrower, ChangeClass::wider),
        .old_value = period(o),

@@ -17,7 +17,7 @@ struct PermissionsDiff {
   std::vector<PermissionChange> changes = {};
   /// False: some of the rules that changed in the same way as others are not named.
   bool is_complete = true;
-  /// False: not every set of partitions was tried, or grants for expressions of subjects overlap.
+  /// False: not every kind of endpoint or subject was tried; the verdict is unknown or mixed then.
   bool is_exact = true;
 };
 
@@ -28,10 +28,11 @@ struct PermissionsDiffOptions {
   SetLimits limits = {};
 };
 
-/// Compares what every subject may do, domain by domain, at every time; of a subject's grants the
-/// first that is valid counts (see find_grant). For a grant that comes or goes as a whole there is
-/// one change. Validities that do not meet are compared as if they did: a renewal is not a new
-/// participant. A subject written in another way is "interop": the same to us.
+/// Compares what every subject may do, in every domain with every tag and at every time; of a
+/// subject's grants the first that is valid counts (see find_grant). To have a valid grant is a
+/// right of its own: it opens what the governance document leaves open. Validities that do not meet
+/// are compared as if they did: a renewal is not a new participant. A subject written in another
+/// way is "interop": the same to us.
 PermissionsDiff compare(const Permissions& old_document, const Permissions& new_document,
                         const PermissionsDiffOptions& options = {});
 

@@ -1,30 +1,40 @@
-// What the protection of a topic achieves against two attackers, whichever layer does it.
+// What the protection of a topic achieves against three attackers, whichever layer does it.
 #pragma once
 
 #include <array>
 #include <bitset>
 #include <string_view>
+#include <vector>
 
 #include "governance/model.hpp"
 
 namespace ddssec::governance {
 
-/// An outsider has no identity of the domain; an insider has one, but no right to read or to write
-/// the topic.
+/// An outsider has no identity of the domain. An insider has one, but no right to read or to write
+/// the topic. A relay stores and forwards samples: it has the keys of submessages and not those of
+/// payloads (DDS-Security 1.2 9.5.1.9.3).
 enum class Property : std::uint8_t {
   outsider_payload_secrecy,
   outsider_payload_integrity,
   outsider_metadata_secrecy,  ///< sequence numbers, inline QoS, key hashes
   outsider_metadata_integrity,
   outsider_discovery_secrecy,  ///< topic names and QoS do not show in discovery
-  outsider_rejection,          ///< strangers are not talked to
+  outsider_discovery_integrity,
+  outsider_liveliness_integrity,
+  outsider_bootstrap_secrecy,  ///< announcements and handshakes before there are keys
+  outsider_bootstrap_integrity,
+  outsider_rejection,  ///< participants that do not authenticate are not talked to
   insider_payload_secrecy,
   insider_payload_integrity,
   insider_metadata_secrecy,
   insider_metadata_integrity,
   insider_sender_known,  ///< readers know which writer sent a sample
+  insider_join_control,  ///< permissions decide which participants join
+  insider_key_revision,  ///< a participant that is removed does not keep the keys in use
+  relay_payload_secrecy,
+  relay_payload_integrity,
 };
-inline constexpr std::size_t kProperties = 11;
+inline constexpr std::size_t kProperties = 19;
 using Properties = std::bitset<kProperties>;
 
 /// "insider.payload_secrecy".
@@ -32,8 +42,38 @@ std::string_view to_string(Property property);
 /// What is true without it, such as "insiders without the right to read can read the payload".
 std::string_view without(Property property);
 
+/// All that properties follow from, for one topic.
+struct Protection {
+  bool allow_unauthenticated_participants = false;
+  bool enable_join_access_control = true;
+  bool enable_key_revision = false;
+  ProtectionKind discovery_protection_kind = ProtectionKind::none;
+  ProtectionKind liveliness_protection_kind = ProtectionKind::none;
+  ProtectionKind rtps_protection_kind = ProtectionKind::none;
+  ProtectionKind rtps_psk_protection_kind = ProtectionKind::none;
+  bool enable_discovery_protection = false;
+  bool enable_liveliness_protection = false;
+  bool enable_read_access_control = false;
+  bool enable_write_access_control = false;
+  ProtectionKind metadata_protection_kind = ProtectionKind::none;
+  ProtectionKind data_protection_kind = ProtectionKind::none;
+
+  static Protection of(const DomainRule& domain, const TopicRule& topic);
+};
+
 /// What the rules give a topic.
+Properties properties(const Protection& protection);
 Properties properties(const DomainRule& domain, const TopicRule& topic);
+
+/// What a change of one element has a part in.
+struct Effect {
+  Properties lost = {}, gained = {};
+};
+
+/// Of the properties that are lost and gained from `before` to `after`, those that the element
+/// called `element` has a part in: its change alone makes the difference, or without its change
+/// there would be none. An element that is none of Protection has no part.
+Effect effect_of(std::string_view element, const Protection& before, const Protection& after);
 
 /// The properties in the set, in order.
 std::vector<Property> listed(const Properties& properties);

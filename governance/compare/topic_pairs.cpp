@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "governance/compare/byte_classes.hpp"
+#include "governance/byte_classes.hpp"
 
 namespace ddssec::governance {
 namespace {

@@ -164,6 +164,27 @@ void report_uncovered(const LoadedFolder& folder, const Settings& settings, Diag
               .line = rules.empty() ? 0 : rules.front().domains.line});
 }
 
+// Cyclone DDS and Fast DDS read a range without <max> as one domain, and then another rule or none
+// is the first for this one.
+void check_open_ranges(const LoadedFolder& folder, const DomainRule& rule, const Settings& settings,
+                       Diagnosis& out) {
+  const auto* stock = folder.governance.model->find_for_stock(settings.domain);
+  if (stock == &rule) return out.pass(Rule::DOC050);
+  const auto outcomes = stock == nullptr
+                            ? Outcomes{.cyclonedds = Outcome::fail, .fastdds = Outcome::late}
+                            : Outcomes{.cyclonedds = Outcome::unsafe, .fastdds = Outcome::unsafe};
+  const auto theirs = stock == nullptr ? std::string("no <domain_rule>")
+                                       : fmt::format("the <domain_rule> at line {}", stock->line);
+  out.report(outcomes,
+             {.rule = Rule::DOC050,
+              .message = fmt::format("for domain {} Cyclone DDS and Fast DDS apply {}, not the one "
+                                     "at line {}: they read an <id_range> without <max> as one "
+                                     "domain",
+                                     settings.domain, theirs, rule.line),
+              .document = folder.paths.governance,
+              .line = rule.domains.line});
+}
+
 void check_topic_rules(const LoadedFolder& folder, const DomainRule& rule, Diagnosis& out) {
   std::vector<std::string_view> expressions;
   for (const auto& topic : rule.topic_rules) expressions.emplace_back(topic.topic_expression);
@@ -199,28 +220,48 @@ const DomainRule* check_governance(const LoadedFolder& folder, const Settings& s
     report_uncovered(folder, settings, out);
     return nullptr;
   }
-  out.pass(Rule::DOC050);
+  check_open_ranges(folder, *rule, settings, out);
   check_topic_rules(folder, *rule, out);
   check_unauthenticated(folder, *rule, out);
   return rule;
 }
 
-void check_join(const Scene& scene, const Grant& grant, const DomainRule* governance) {
-  const CompiledGrant compiled(scene.folder.permissions.model, grant, scene.settings.domain);
-  const bool asks = governance == nullptr || governance->enable_join_access_control;
-  if (!asks || compiled.judge_participant().allowed) return scene.out.pass(Rule::DOC051);
+std::string why_not_joining(const Grant& grant, const Outcomes& outcomes, DomainId domain) {
+  if (outcomes.ours == Outcome::ok)
+    return fmt::format(
+        "Cyclone DDS and Fast DDS read the open ranges of grant \"{}\" as one "
+        "domain each, so no allow_rule is for domain {}",
+        grant.name, domain);
+  if (outcomes.cyclonedds == Outcome::ok)
+    return fmt::format(
+        "the first rule of grant \"{}\" for domain {} is a deny_rule: whether the "
+        "participant joins is not decided by the allow_rule after it",
+        grant.name, domain);
   std::vector<DomainRange> allowed;
   for (const auto& rule : grant.rules)
     if (rule.allow)
       allowed.insert(allowed.end(), rule.domains.ranges.begin(), rule.domains.ranges.end());
-  scene.out.report(
-      {.cyclonedds = Outcome::fail, .fastdds = Outcome::late, .ours = Outcome::fail},
-      {.rule = Rule::DOC051,
-       .message = fmt::format("no allow_rule of grant \"{}\" is for domain {}; they are for {}",
-                              grant.name, scene.settings.domain,
-                              allowed.empty() ? "none" : in_words(normal(std::move(allowed)))),
-       .document = scene.file(),
-       .line = grant.line});
+  return fmt::format("no allow_rule of grant \"{}\" is for domain {}; they are for {}", grant.name,
+                     domain, allowed.empty() ? "none" : in_words(normal(std::move(allowed))));
+}
+
+void check_join(const Scene& scene, const Grant& grant, const DomainRule* governance) {
+  const CompiledGrant compiled(scene.folder.permissions.model, grant, scene.settings.domain);
+  const bool asks = governance == nullptr || governance->enable_join_access_control;
+  const auto outcome = [&](Vendor vendor, Outcome refused) {
+    const bool joins = judge_participant_as(vendor, compiled, scene.settings.domain).allowed;
+    return joins ? Outcome::ok : refused;
+  };
+  Outcomes outcomes{.cyclonedds = outcome(Vendor::cyclonedds, Outcome::fail),
+                    .fastdds = outcome(Vendor::fastdds, Outcome::late),
+                    .ours = outcome(Vendor::ours, Outcome::fail)};
+  // That Fast DDS takes every default as DENY is DOC052's.
+  if (compiled.judge_participant().allowed && grant.default_allow) outcomes.fastdds = Outcome::ok;
+  if (!asks || outcomes.all_ok()) return scene.out.pass(Rule::DOC051);
+  scene.out.report(outcomes, {.rule = Rule::DOC051,
+                              .message = why_not_joining(grant, outcomes, scene.settings.domain),
+                              .document = scene.file(),
+                              .line = grant.line});
 }
 
 void check_default(const Scene& scene, const Grant& grant) {

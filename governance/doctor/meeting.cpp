@@ -9,6 +9,7 @@
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/meeting_steps.hpp"
 #include "governance/doctor/subject_form.hpp"
+#include "governance/doctor/vendor_decision.hpp"
 #include "governance/grant.hpp"
 
 namespace ddssec::governance::doctor {
@@ -189,7 +190,8 @@ void judge_join(const MeetingScene& scene, int judge, int about) {
     out.document = scene.folder(judge).paths.governance.string();
     out.reason = fmt::format("no <domain_rule> covers domain {}", scene.settings.domain);
   } else if (rule->enable_join_access_control && grant != nullptr) {
-    const auto verdict = grant->judge_participant();
+    const auto verdict =
+        judge_participant_as(scene.party(judge).vendor, *grant, scene.settings.domain);
     out.ok = verdict.allowed;
     out.grant = grant->grant().name;
     out.document = folder.paths.permissions.string();

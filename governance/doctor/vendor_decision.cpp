@@ -49,7 +49,7 @@ Verdict judge_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Act
   const auto partitions =
       request.partitions.empty() ? Partitions(kDefaultPartition) : request.partitions;
   for (const auto& rule : grant.grant().rules) {
-    if (!rule.domains.contains(domain)) continue;
+    if (!rule.domains.contains_for_stock(domain)) continue;
     const auto& list = action == Action::publish ? rule.publish : rule.subscribe;
     if (vendor == Vendor::fastdds) {
       if (const auto* criteria = naming(list, request.topic))
@@ -60,6 +60,16 @@ Verdict judge_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Act
       if (names(criteria, request.topic) && fits_cyclonedds(rule.allow, criteria, partitions))
         return {rule.allow, &rule, &criteria};
   }
+  return {.allowed = grant.grant().default_allow && vendor != Vendor::fastdds};
+}
+
+Verdict judge_participant_as(Vendor vendor, const CompiledGrant& grant, DomainId domain) {
+  if (vendor == Vendor::ours) return grant.judge_participant();
+  const auto& rules = grant.grant().rules;
+  const auto found = std::ranges::find_if(rules, [&](const Rule& rule) {
+    return rule.allow && rule.domains.contains_for_stock(domain);
+  });
+  if (found != rules.end()) return {true, &*found, nullptr};
   return {.allowed = grant.grant().default_allow && vendor != Vendor::fastdds};
 }
 

@@ -20,4 +20,8 @@ const Criteria* naming(const std::vector<Criteria>& list, std::string_view topic
 Verdict judge_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
                  const Request& request);
 
+/// As CompiledGrant::judge_participant. Cyclone DDS 0.10.2 and Fast DDS 2.9.1 let a participant
+/// join by any allow_rule for the domain, wherever it stands; Fast DDS takes <default> as DENY.
+Verdict judge_participant_as(Vendor vendor, const CompiledGrant& grant, DomainId domain);
+
 }  // namespace ddssec::governance::doctor

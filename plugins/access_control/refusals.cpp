@@ -77,10 +77,10 @@ Error topic_denied(const PermissionsHolder& holder, const CompiledGrant& grant,
 
 Error participant_denied(const PermissionsHolder& holder, const CompiledGrant& grant,
                          const Verdict& verdict) {
-  return denied(
-      Code::participant_not_allowed, holder, grant, verdict,
-      "an allow_rule for " + governance::describe_domain(holder.participant()->domain,
-                                                         holder.participant()->domain_tag));
+  return denied(Code::participant_not_allowed, holder, grant, verdict,
+                "an allow_rule as the first rule for " +
+                    governance::describe_domain(holder.participant()->domain,
+                                                holder.participant()->domain_tag));
 }
 
 }  // namespace ddssec::access_control

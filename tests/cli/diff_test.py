@@ -35,6 +35,9 @@ def rule(kind, *topics, domains="<id>0</id>", operation="publish", partitions=""
             f"</topics>\n{partitions}</{operation}>\n</{kind}_rule>\n")
 
 
+JOIN = "<allow_rule>\n<domains><id>0</id></domains>\n</allow_rule>\n"
+
+
 def grant(*rules, subject="CN=talker", name="talker", until="2027-01-01", default="DENY"):
     return (f'<grant name="{name}">\n<subject_name>{subject}</subject_name>\n'
             f"<validity><not_before>2026-01-01T00:00:00Z</not_before>\n"
@@ -71,11 +74,13 @@ class GovernanceDifferences(Differences):
                          ("mixed", True, [[0, 0]]))
         data, rtps = out["changes"]
         self.assertEqual(data["topics"], {"witness": "rt/cmd", "expressions_old": ["rt/cmd*"],
-                                          "expressions_new": ["rt/cmd*"]})
+                                          "expressions_new": ["rt/cmd*"], "other_sets": 0,
+                                          "sets": [{"expression": "rt/cmd*", "also": None, "except": [],
+                                                    "more_exceptions": False}]})
         self.assertEqual([data[k] for k in ("element", "old", "new", "class", "interop")],
                          ["data_protection_kind", "ENCRYPT", "SIGN", "weaker", "endpoint"])
         self.assertEqual((data["mask_old"], data["mask_new"]), ("0x80000077", "0x80000057"))
-        self.assertEqual(data["properties_lost"], ["insider.payload_secrecy"])
+        self.assertEqual(data["properties_lost"], ["insider.payload_secrecy", "relay.payload_secrecy"])
         self.assertEqual((data["old_at"], data["new_at"]), ("old.xml:10", "new.xml:10"))
         self.assertEqual([rtps[k] for k in ("element", "class", "interop", "plugin_mask_new")],
                          ["rtps_protection_kind", "stronger", "participant", "0x80000007"])
@@ -93,7 +98,7 @@ class GovernanceDifferences(Differences):
         out = self.diff("--fail-on", "any")
         self.assertEqual((out["verdict"], out["changes"], out["breaks_interop"]),
                          ("neutral", [], False))
-        self.assertEqual(out["rewritten"], [{"domains": [[0, 0]], "only_old": ["rt/x", "rt/y"],
+        self.assertEqual(out["rewritten"], [{"domains": [[0, 0]], "tag_set": None, "only_old": ["rt/x", "rt/y"],
                                              "only_new": ["rt/[xy]"]}])
         self.assertIn("no name is treated differently\n", self.text())
 
@@ -188,26 +193,28 @@ class PermissionsDifferences(Differences):
         super().write(old, new, kind)
 
     def test_the_order_of_rules_counts_and_the_example_shows_it(self):
-        deny, allow = rule("deny", "rt/cmd*"), rule("allow", "rt/*")
-        self.write(permissions(grant(allow)), permissions(grant(deny, allow)))
+        # The first rule lets the participant join, whatever comes after it.
+        join, deny, allow = JOIN, rule("deny", "rt/cmd*"), rule("allow", "rt/*")
+        self.write(permissions(grant(join, allow)), permissions(grant(join, deny, allow)))
         out = self.diff("--fail-on", "wider")
         self.assertEqual((out["verdict"], out["takes_effect"], out["breaks_interop"]),
                          ("narrower", "restart", False))
         change, = out["changes"]
         self.assertEqual([change[k] for k in ("subject", "element", "operation", "old", "new")],
                          ["CN=talker", "rule", "publish", "allowed", "denied"])
-        self.assertEqual(change["topics"], {"witness": "rt/cmd", "expressions_old": ["rt/*"],
-                                            "expressions_new": ["rt/cmd*"]})
+        self.assertEqual(change["topics"], {
+            "witness": "rt/cmd", "expressions_old": ["rt/*"], "expressions_new": ["rt/cmd*"], "other_sets": 0,
+            "sets": [{"expression": "rt/cmd*", "also": None, "except": [], "more_exceptions": False}]})
         self.assertEqual((change["domains"], change["partitions"], change["old_at"], change["new_at"]),
-                         ([[0, 0]], [""], "old.xml:11", "new.xml:11"))
+                         ([[0, 0]], [""], "old.xml:14", "new.xml:14"))
         self.diff("--fail-on", "narrower", exit=1)
         text = self.text()
-        self.assertRegex(text, r"^subject CN=talker\n  NARROWER  publish topics rt/\* "
+        self.assertRegex(text, r"^subject CN=talker\n  NARROWER  publish topics rt/cmd\* "
                                r"\(e\.g\. rt/cmd\)  allowed -> denied  by rt/\* -> by rt/cmd\*")
         self.assertIn("verdict: NARROWER; old and new files work together\n", text)
         self.assertIn("takes the new file when it restarts", text)
 
-        self.write(permissions(grant(deny, allow)), permissions(grant(allow, deny)))
+        self.write(permissions(grant(join, deny, allow)), permissions(grant(join, allow, deny)))
         out = self.diff("--fail-on", "wider", exit=1)
         self.assertEqual((out["verdict"], out["changes"][0]["topics"]["witness"]),
                          ("wider", "rt/cmd"))
@@ -237,11 +244,12 @@ class PermissionsDifferences(Differences):
                                      until="2028-01-01"),
                                grant(rule("allow", "x"), subject="CN=new", name="new")))
         seen = [(c["element"], c["class"]) for c in self.diff()["changes"]]
-        self.assertEqual(seen, [("validity", "wider"), ("grant", "wider"),
-                                ("subject_name", "interop")])
+        self.assertEqual(seen, [("validity", "wider"), ("grant", "wider"), ("join", "wider"),
+                                ("rule", "wider"), ("subject_name", "interop")])
         text = self.text()
         self.assertIn("validity  2026-01-01T00:00:00Z .. 2027-01-01T00:00:00Z", text)
-        self.assertIn("grant absent -> present  for x", text)
+        self.assertIn("grant absent -> present", text)
+        self.assertIn("publish topic x  denied -> allowed", text)
         self.assertIn("other products compare the text", text)
 
     def test_a_renamed_subject_can_be_followed(self):
@@ -253,16 +261,17 @@ class PermissionsDifferences(Differences):
                          ("neutral", ["subject_name"]))
 
     def test_what_is_not_compared_is_unknown(self):
-        relay = rule("allow", "rt/x", operation="relay")
-        self.write(permissions(grant(rule("allow", "rt/*"))),
-                   permissions(grant(rule("allow", "rt/*"), relay)))
-        self.assertEqual(self.diff("--fail-on", "wider", exit=1)["verdict"], "unknown")
-        self.assertIn("UNKNOWN   relay 0 elements -> 1 elements  not compared any further",
-                      self.text())
         self.write(permissions(grant(rule("deny", "*a" + "?" * 12), rule("allow", "*"))),
                    permissions(grant(rule("deny", "*[ab]" + "?" * 12), rule("allow", "*"))))
         self.assertEqual(self.diff("--fail-on", "narrower", exit=1)["verdict"], "unknown")
         self.assertIn("too many combinations", self.text())
+
+    def test_relaying_is_a_right(self):
+        relay = rule("allow", "rt/x", operation="relay")
+        self.write(permissions(grant(rule("allow", "rt/*"))),
+                   permissions(grant(rule("allow", "rt/*"), relay)))
+        self.assertEqual(self.diff("--fail-on", "wider", exit=1)["verdict"], "wider")
+        self.assertIn("WIDER     relay topic rt/x  denied -> allowed", self.text())
 
     def test_partitions_are_part_of_the_example(self):
         listed = "<partitions><partition>p</partition></partitions>\n"

@@ -144,6 +144,56 @@ class Documents(Transcript):
         self.assertEqual(self.can("publish", "other", exit=1)["because"],
                          "no topic_rule matches the topic")
 
+    def permit(self, change):
+        """The talker's permissions, changed and signed."""
+        self.run_program("permissions", "new", "--cert", "talker/cert.pem", "-o", "p.xml", "--publish",
+                         "rt/chatter", *NOW)
+        (self.at / "p.xml").write_text(change((self.at / "p.xml").read_text()))
+        self.run_program("permissions", "sign", "p.xml", "--ca", "ca", "--no-lint", *NOW)
+        (self.at / "p.p7s").replace(self.at / "talker/permissions.p7s")
+        (self.at / "p.xml").unlink()
+
+    def both_refuse(self, *words):
+        """can, on a topic without access control, and check; in the same words."""
+        self.json("check", "talker", "listener", "--topics", "open", *words, exit=1)
+        return self.json("can", "talker", "publish", "open", *words, exit=1)
+
+    # An open topic asks for no permission; the participant must come up all the same.
+    def test_can_judges_the_whole_chain_as_check_does(self):
+        self.participant()
+        self.run_program("identity", "issue", "listener", "--ca", "ca", "-o", "listener", *NOW,
+                         "--subscribe", "rt/chatter", "--governance", "governance.p7s")
+        self.json("check", "talker", "listener", "--topics", "open", *NOW)
+        self.can("publish", "open", exit=0)
+        late = ("--now", "2028-01-01T00:00:00Z")
+        self.assertEqual(self.both_refuse(*late)["diagnostics"][0]["id"], "grant_expired")
+        self.permit(lambda xml: xml.replace("<not_after>2027", "<not_after>2035"))
+        self.assertEqual(self.both_refuse(*late)["diagnostics"][0]["id"], "certificate_expired")
+        self.permit(lambda xml: xml.replace("CN=talker", "CN=other"))
+        self.assertEqual(self.both_refuse(*NOW)["diagnostics"][0]["id"], "no_grant_for_subject")
+        # DDS-Security 1.2 table 70: the first rule for the domain decides, or else the default.
+        denial = ("<deny_rule><domains><id>0</id></domains><publish><topics><topic>x</topic></topics>"
+                  "</publish></deny_rule>\n")
+        self.permit(lambda xml: xml.replace("<allow_rule>", denial + "<allow_rule>", 1))
+        told = self.both_refuse(*NOW)["result"]
+        self.assertEqual((told["allowed"], told["because"]),
+                         (False, 'joining domain 0: no rule decides; the default of grant "participant"'))
+        self.permit(lambda xml: xml)
+        (self.at / "talker/key.pem").write_bytes((self.at / "listener/key.pem").read_bytes())
+        self.assertIn("the participant does not start: DOC012", self.both_refuse(*NOW)["result"]["because"])
+
+    def test_can_takes_the_domain_from_the_documents(self):
+        (self.at / "governance.xml").write_text(GOVERNANCE.replace(
+            "<id>0</id>", "<id_range><min>0</min><max>9</max></id_range>"))
+        self.sign()
+        for name, domains in (("one", "7"), ("many", "2-4")):
+            self.run_program("identity", "issue", name, "--ca", "ca", "-o", name, *NOW, "--domain", domains,
+                             "--publish", "rt/x", "--governance", "governance.p7s")
+        self.assertEqual(self.json("can", "one", "publish", "rt/x", *NOW)["result"]["domain"], 7)
+        told = self.refused("usage", 2, "can", "many", "publish", "rt/x", *NOW)
+        self.assertIn("one of 2-4", told["message"])
+        self.assertEqual(self.json("can", "many", "publish", "rt/x", "--domain", "3", *NOW)["result"]["domain"], 3)
+
     def test_can_refuses_what_cannot_be_believed(self):
         self.participant()
         self.refused("domain_not_covered", 1, "can", "talker", "publish", "x", "--domain", "9", *NOW)

@@ -391,12 +391,17 @@ grants("grant-other-domain", rules=allow(domain=7))
 grants("grant-default-allow", rules=allow("Circle"), default="ALLOW")
 grants("grant-other-topic", rules=allow("Circle"))
 grants("grant-without-name", name="")
-grants("grant-deny-one-way", rules="""<deny_rule>
+# The first rule decides about joining: without it ddssec would refuse that already.
+JOIN = """<allow_rule>
+        <domains><id>0</id></domains>
+      </allow_rule>
+      """
+grants("grant-deny-one-way", rules=JOIN + """<deny_rule>
         <domains><id>0</id></domains>
         <subscribe><topics><topic>Square</topic></topics></subscribe>
       </deny_rule>
       """ + allow())
-grants("grant-deny-other-way", rules="""<deny_rule>
+grants("grant-deny-other-way", rules=JOIN + """<deny_rule>
         <domains><id>0</id></domains>
         <publish><topics><topic>Square</topic></topics></publish>
       </deny_rule>

@@ -106,7 +106,7 @@ class Init(Transcript):
         self.init("--domain", "3-5", "--profile", "balanced", "--allow-topics", "rt/*")
         self.json("can", "demo/talker", "publish", "rt/x", "--domain", "4", *NOW)
         self.json("can", "demo/talker", "publish", "x", "--domain", "4", *NOW, exit=1)
-        self.refused("domain_not_covered", 1, "can", "demo/talker", "publish", "rt/x", *NOW)
+        self.refused("usage", 2, "can", "demo/talker", "publish", "rt/x", *NOW)
         self.assertIn("<rtps_protection_kind>SIGN<", (self.at / "demo/governance.xml").read_text())
 
     def test_nothing_is_overwritten_and_names_stay_inside(self):

@@ -49,8 +49,8 @@ class Lint(Transcript):
         told = told["GOV012"]
         self.assertEqual(told, {
             "id": "GOV012", "severity": "warning",
-            "message": '"rt/[^a]": a bracket expression holds "^"; Cyclone DDS matches "rt/a" and '
-                       'Fast DDS does not',
+            "message": '"rt/[^a]": a bracket expression holds "^"; Cyclone DDS matches "rt/a", '
+                       'which ddssec does not',
             "file": "g.xml", "line": 14,
             "path": "/dds/domain_access_rules/domain_rule[1]/topic_access_rules/topic_rule[1]",
             "hint": told["hint"], "vendors": ["cyclonedds"]})

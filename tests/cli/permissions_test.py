@@ -39,8 +39,10 @@ class NewPermissions(Transcript):
                  "--deny-subscribe", "d", "--partition", "red", "--partition", "blue*")
         grant = self.document().find(".//grant")
         self.assertEqual([e.tag for e in grant],
-                         ["subject_name", "validity", "deny_rule", "allow_rule", "default"])
-        deny, allow = grant.find("deny_rule"), grant.find("allow_rule")
+                         ["subject_name", "validity", "allow_rule", "deny_rule", "allow_rule", "default"])
+        join, allow = grant.findall("allow_rule")
+        deny = grant.find("deny_rule")
+        self.assertEqual([e.tag for e in join], ["domains"], "the first rule decides about joining")
         self.assertEqual([e.text for e in deny.iter("topic")], ["c*", "d"])
         self.assertEqual([e.text for e in deny.iter("partition")], [])
         self.assertEqual([e.text for e in allow.iter("partition")], ["red", "blue*"])

@@ -37,7 +37,7 @@ class Show(Transcript):
         text = self.run_program("governance", "show", "g.xml", "--topic", "rt/camera1").stdout
         self.assertIn("against outsiders: authentic   against insiders without the right: nothing", text)
         text = self.run_program("governance", "show", "g.xml", "--topic", "rt/log").stdout
-        self.assertIn("permissions are not asked", text)
+        self.assertIn("access     read free: every participant of the domain, write free: every participant", text)
 
     def test_the_whole_document(self):
         out = self.json("governance", "show", "g.xml")["result"]

@@ -94,7 +94,7 @@ TEST_F(DomainTags, AParticipantWithoutARuleForItsTagDoesNotJoin) {
   const auto joined = plugin->check_create_participant(*own, 0);
   EXPECT_CODE(joined, participant_not_allowed);
   EXPECT_EQ(joined.error().details().expected,
-            "an allow_rule for domain 0 with the tag \"secure\"");
+            "an allow_rule as the first rule for domain 0 with the tag \"secure\"");
 }
 
 TEST_F(DomainTags, PeersAreJudgedWithTheTagOfTheLocalParticipant) {

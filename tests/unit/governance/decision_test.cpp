@@ -220,12 +220,19 @@ TEST(Participant, AllowRuleOfTheDomainLetsIn) {
   EXPECT_TRUE(compiled({}, true).judge_participant().allowed);
 }
 
-TEST(Participant, DenyRuleKeepsOutOnlyIfItIsAboutNothingElse) {
+// DDS-Security 1.2 table 70, check_create_participant: the first rule for the domain decides.
+TEST(Participant, FirstRuleOfTheDomainDecides) {
   const auto everything = rule(false, {});
   const auto topic = rule(false, {criteria({"t"})});
   EXPECT_FALSE(compiled({everything, rule(true, {})}).judge_participant().allowed);
   EXPECT_TRUE(compiled({rule(true, {}), everything}).judge_participant().allowed);
-  EXPECT_TRUE(compiled({topic, rule(true, {})}).judge_participant().allowed);
+  EXPECT_FALSE(compiled({topic, rule(true, {})}).judge_participant().allowed) << "the default";
+  EXPECT_TRUE(compiled({topic, rule(true, {})}, true).judge_participant().allowed);
+  EXPECT_TRUE(compiled({rule(true, {}), topic, rule(true, {})}).judge_participant().allowed);
+  EXPECT_TRUE(compiled({rule(false, {}, {1, 1}), rule(true, {})}).judge_participant().allowed);
+  auto relay = rule(false, {});
+  relay.relay = {criteria({"t"})};
+  EXPECT_FALSE(compiled({relay}, true).judge_participant().allowed) << "no publish, no subscribe";
   EXPECT_TRUE(compiled({topic}, true).judge_participant().allowed);
   EXPECT_FALSE(compiled({everything}, true).judge_participant().allowed);
 }
@@ -293,7 +300,7 @@ TEST(VerdictCache, StaysBounded) {
 /// What the standard says, word for word and without any index (T5, T6).
 bool model_allows(const std::vector<Rule>& rules, std::string_view topic, const Names& partitions) {
   const auto hit = [](const Text& text, std::string_view name) {
-    return fnmatch(text.text.c_str(), std::string(name).c_str(), FNM_NOESCAPE) == 0;
+    return fnmatch(text.text.c_str(), std::string(name).c_str(), 0) == 0;
   };
   for (const auto& rule : rules) {
     for (const auto& element : rule.publish) {

@@ -1,8 +1,11 @@
 #include "governance/dialect.hpp"
 
+#include <fnmatch.h>
+
 #include <gtest/gtest.h>
 
 #include "governance/matcher.hpp"
+#include "tests/unit/governance_compare/words.hpp"
 
 namespace ddssec::governance {
 namespace {
@@ -26,11 +29,11 @@ TEST_P(DialectWitness, ShowsWhereTheyDiffer) {
   const auto found = unportable(expression);
   ASSERT_TRUE(found) << expression;
   EXPECT_FALSE(found->reason.empty());
-  EXPECT_EQ(found->witness.has_value(), witness != nullptr) << found->witness.value_or("");
+  EXPECT_EQ(found->cyclonedds.has_value(), witness != nullptr);
   if (!witness) return;
-  EXPECT_EQ(*found->witness, witness) << expression;
-  EXPECT_EQ(found->cyclone_matches_it, cyclone) << expression;
-  EXPECT_NE(Pattern(expression).matches(*found->witness), cyclone);
+  EXPECT_EQ(found->cyclonedds->name, witness) << expression;
+  EXPECT_EQ(found->cyclonedds->product_matches, cyclone) << expression;
+  EXPECT_NE(Pattern(expression).matches(found->cyclonedds->name), cyclone);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -41,8 +44,35 @@ INSTANTIATE_TEST_SUITE_P(
                       Case{"a[b", "a[b", false},                                  //
                       Case{"[[:alpha:]]", "a", false}, Case{"[a-]", "a", false},  //
                       Case{"[]abc]", "a", false}, Case{"[a.b]", nullptr, false},
-                      Case{"[a/b]*", nullptr, false}, Case{"a\\b", nullptr, false},
-                      Case{"a]b", nullptr, false}));
+                      Case{"[a/b]*", nullptr, false}, Case{"a\\b", "a\\b", true},
+                      Case{"cmd\\*", "cmd\\", true}, Case{"a]b", nullptr, false}));
+
+// By the standard a backslash escapes; Fast DDS calls fnmatch with FNM_NOESCAPE.
+TEST(Dialect, FastDdsTakesABackslashVerbatim) {
+  const auto found = unportable("cmd\\*");
+  ASSERT_TRUE(found && found->fastdds);
+  EXPECT_EQ(found->fastdds->name, "cmd\\");
+  EXPECT_TRUE(found->fastdds->product_matches);
+  EXPECT_FALSE(unportable("a[")->fastdds) << "read alike";
+}
+
+TEST(Dialect, OfFastDdsIsFnmatchWithoutEscapes) {
+  words::Dice dice(5);
+  const auto text = [&](std::string_view alphabet, std::size_t most) {
+    std::string out(dice.below(most + 1), ' ');
+    for (auto& c : out) c = alphabet[dice.below(alphabet.size())];
+    return out;
+  };
+  int matched = 0;
+  for (int i = 0; i < 50'000; ++i) {
+    const auto expression = text("ab*?[]-!\\", 7), name = text("ab*[\\-", 5);
+    const bool expected = fnmatch(expression.c_str(), name.c_str(), FNM_NOESCAPE) == 0;
+    ASSERT_EQ(Pattern(as_fastdds_reads_it(expression)).matches(name), expected)
+        << expression << " on " << name;
+    matched += expected;
+  }
+  EXPECT_GT(matched, 1'000);
+}
 
 // What Cyclone DDS 0.10.2 answered (its ac_fnmatch, called directly).
 TEST(Dialect, OfCycloneIsAsMeasured) {
@@ -58,7 +88,8 @@ TEST(Dialect, OfCycloneIsAsMeasured) {
         {"[!]a]", "b", false},        {"[!]a]", "b]a]", true}, {"[!]", "b]", true},
         {"[!]", "b", false},          {"[a-b-c]", "-", true},  {"[-a]", "-", true},
         {"[[a]", "[", true},          {"[a]-b]", "b]", true},  {"x[!a-b]c*", "x-cde", true},
-        {"x[!a-b]c*", "xac", false},  {"[b-a]", "a", false}})
+        {"x[!a-b]c*", "xac", false},  {"[b-a]", "a", false},   {"a\\*", "a\\b", true},
+        {"a\\*", "a*", false},        {"a\\", "a\\", true}})
     EXPECT_EQ(Pattern(as_cyclone_reads_it(expression)).matches(name), matches)
         << expression << ' ' << name;
 }
@@ -66,7 +97,7 @@ TEST(Dialect, OfCycloneIsAsMeasured) {
 TEST(Dialect, LongExpressionsHaveNoWitness) {
   const auto found = unportable(std::string(300, '[') + "a");
   ASSERT_TRUE(found);
-  EXPECT_FALSE(found->witness);
+  EXPECT_FALSE(found->cyclonedds);
 }
 
 }  // namespace

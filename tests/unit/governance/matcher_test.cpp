@@ -26,7 +26,7 @@ TEST_P(MatcherRow, IsAsTheStandardSays) {
 }
 
 TEST_P(MatcherRow, IsAsTheLibrarySays) {
-  EXPECT_EQ(fnmatch(GetParam().expression, GetParam().name, FNM_NOESCAPE) == 0, GetParam().matches);
+  EXPECT_EQ(fnmatch(GetParam().expression, GetParam().name, 0) == 0, GetParam().matches);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -35,9 +35,16 @@ INSTANTIATE_TEST_SUITE_P(
         Row{"", "", true}, Row{"", "a", false}, Row{"*", "", true}, Row{"?", "", false},
         Row{"Square", "Square", true}, Row{"Square", "square", false}, Row{"Squ*", "Square", true},
         Row{"S?uare", "Square", true}, Row{"S?uare", "Suare", false}, Row{"rt/*", "rt/a/b", true},
-        Row{"*", ".hidden", true}, Row{"rt/?", "rt//", true}, Row{"a\\*", "a*", false},
-        Row{"a\\*", "a\\b", true}, Row{"*a*b*c", "xaybzc", true}, Row{"*a*b*c", "xaybz", false},
-        Row{"**", "x", true}, Row{"a**b", "ab", true},
+        Row{"*", ".hidden", true}, Row{"rt/?", "rt//", true}, Row{"a\\*", "a*", true},
+        // A backslash escapes (POSIX fnmatch without flags).
+        Row{"a\\*", "a\\b", false}, Row{"a\\b", "ab", true}, Row{"a\\b", "a\\b", false},
+        Row{"a\\\\b", "a\\b", true}, Row{"*\\?", "x?", true}, Row{"*\\?", "xy", false},
+        Row{"a\\", "a", false}, Row{"a\\", "a\\", false}, Row{"*\\", "x\\", false},
+        Row{"\\[a]", "[a]", true}, Row{"\\[a]", "a", false}, Row{"[\\]a]", "]", true},
+        Row{"[\\]a]", "\\", false}, Row{"[a\\-c]", "-", true}, Row{"[a\\-c]", "b", false},
+        Row{"[a-\\c]", "b", true}, Row{"[\\!a]", "!", true}, Row{"[a\\]", "[a]", true},
+        Row{"*a*b*c", "xaybzc", true}, Row{"*a*b*c", "xaybz", false}, Row{"**", "x", true},
+        Row{"a**b", "ab", true},
         // Where Cyclone's matcher is of another opinion (measured).
         Row{"[abc]", "]", false}, Row{"[]abc]", "]", true}, Row{"[^abc]", "d", true},
         Row{"[^abc]", "a", false}, Row{"[!abc]", "d", true}, Row{"[abc]-x", "b-x", true},
@@ -70,7 +77,7 @@ TEST(Matcher, AgreesWithFnmatchOnRandomPatterns) {
   for (int i = 0; i < 400'000; ++i) {
     const std::string expression = random.of("ab-*?[]!^\\/c", 9);
     const std::string name = random.of("abc-]^!/*?[\\", 7);
-    const bool expected = fnmatch(expression.c_str(), name.c_str(), FNM_NOESCAPE) == 0;
+    const bool expected = fnmatch(expression.c_str(), name.c_str(), 0) == 0;
     ASSERT_EQ(matches(expression, name), expected) << expression << " on " << name;
     matched += expected;
   }
@@ -81,20 +88,31 @@ TEST(Matcher, AgreesWithFnmatchWhereSlashesSeparate) {
   RandomText random;
   int matched = 0;
   for (int i = 0; i < 200'000; ++i) {
-    const std::string expression = random.of("ab*?/", 8);
-    const std::string name = random.of("ab/", 6);
+    const std::string expression = random.of("ab*?/\\", 8);
+    const std::string name = random.of("ab/\\", 6);
     const bool expected =
         fnmatch(expression.c_str(), name.c_str(), FNM_NOESCAPE | FNM_PATHNAME) == 0;
-    ASSERT_EQ(Pattern(expression, Pattern::Slash::separate).matches(name), expected)
+    ASSERT_EQ(Pattern(expression, Pattern::Syntax::subject).matches(name), expected)
         << expression << " on " << name;
     matched += expected;
   }
   EXPECT_GT(matched, 3'000);
 }
 
+TEST(Matcher, ASlashBetweenBracketsOfASubjectMatchesNothing) {
+  for (const char* name : {"a", "/", "b", "[a/b]"})
+    EXPECT_FALSE(Pattern("[a/b]", Pattern::Syntax::subject).matches(name)) << name;
+}
+
+TEST(Matcher, ALiteralHasTheNameThatItMatches) {
+  EXPECT_TRUE(Pattern("rt\\/a\\*").is_literal());
+  EXPECT_EQ(Pattern("rt\\/a\\*").text(), "rt/a*");
+  EXPECT_FALSE(Pattern("a\\").is_literal());
+}
+
 std::uint32_t naive_first(const std::vector<std::string>& expressions, const std::string& name) {
   for (std::uint32_t i = 0; i < expressions.size(); ++i) {
-    if (fnmatch(expressions[i].c_str(), name.c_str(), FNM_NOESCAPE) == 0) return i;
+    if (fnmatch(expressions[i].c_str(), name.c_str(), 0) == 0) return i;
   }
   return PatternSet::kNone;
 }
@@ -107,7 +125,8 @@ TEST(PatternSet, FindsTheSameFirstMatchAsAScan) {
     PatternSet set;
     std::vector<std::string> expressions;
     for (std::uint32_t i = 0, count = 1 + random.number(40); i < count; ++i) {
-      const auto expression = random.number(2) ? random.of("abcd", 5) : random.of("abcd*?[]!-", 10);
+      const auto expression =
+          random.number(2) ? random.of("abcd", 5) : random.of("abcd*?[]!-\\", 10);
       if (set.add(expression) == expressions.size()) expressions.push_back(expression);
     }
     set.seal();
@@ -137,8 +156,7 @@ TEST(PatternSet, FindsAllMatches) {
       std::vector<PatternSet::Id> found, expected;
       set.match(name, found);
       for (std::uint32_t id = 0; id < expressions.size(); ++id) {
-        if (fnmatch(expressions[id].c_str(), name.c_str(), FNM_NOESCAPE) == 0)
-          expected.push_back(id);
+        if (fnmatch(expressions[id].c_str(), name.c_str(), 0) == 0) expected.push_back(id);
       }
       ASSERT_EQ(found, expected) << name;
     }

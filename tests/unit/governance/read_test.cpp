@@ -290,16 +290,37 @@ TEST(ReadPermissions, NotesSayWhatAndWhere) {
   EXPECT_EQ(document->grants[0].rules[0].subscribe[0].topics[0].text, "Circle");
 }
 
-// <min> alone: an allow rule takes less, a deny rule takes more.
-TEST(ReadPermissions, OneSidedRangesAreReadTheSafeWay) {
+// DDS-Security 1.2 10.4.1.2.3: <min> alone has no end, <max> alone begins with 0.
+TEST(ReadPermissions, OneSidedRangesAreOpen) {
   const std::string only_min = "<id_range><min>3</min></id_range>";
   const auto allow = permissions_from(
       replaced(kPermissionsXml, "<id_range><min>3</min><max>5</max></id_range>", only_min));
   ASSERT_TRUE(allow);
-  EXPECT_EQ(allow->grants[0].rules[0].domains.ranges.front(), (DomainRange{3, 3}));
+  EXPECT_EQ(allow->grants[0].rules[0].domains.ranges.front(), (DomainRange{3, 230}));
+  EXPECT_TRUE(allow->grants[0].rules[0].domains.ranges.front().is_open);
   const auto deny = permissions_from(replaced(kPermissionsXml, "<id>9</id>", only_min));
   ASSERT_TRUE(deny);
   EXPECT_EQ(deny->grants[0].rules[1].domains.ranges.front(), (DomainRange{3, 230}));
+  const auto only_max = permissions_from(
+      replaced(kPermissionsXml, "<id>9</id>", "<id_range><max>9</max></id_range>"));
+  ASSERT_TRUE(only_max);
+  EXPECT_EQ(only_max->grants[0].rules[1].domains.ranges.front(), (DomainRange{0, 9}));
+}
+
+// g3: the rule that covers every domain comes first, as in 10.4.1.2.7.
+TEST(ReadGovernance, AnOpenRangeCoversEveryDomainAndStockProductsReadOne) {
+  auto document =
+      governance_from(replaced(kGovernanceXml, "<id>7</id>", "<id_range><min>0</min></id_range>"));
+  ASSERT_TRUE(document);
+  auto& rules = document->domain_rules;
+  rules.resize(1);
+  rules.push_back(rules[0]);
+  rules[1].domains.ranges = {{5, 5}};
+  EXPECT_EQ(document->find(5), &rules[0]);
+  EXPECT_EQ(document->find(230), &rules[0]);
+  EXPECT_EQ(document->find_for_stock(0), &rules[0]);
+  EXPECT_EQ(document->find_for_stock(5), &rules[1]);
+  EXPECT_EQ(document->find_for_stock(6), nullptr);
 }
 
 TEST(ReadPermissions, EmptyPartitionIsTheDefaultPartition) {

@@ -47,6 +47,7 @@ TEST_F(RightsTest, DenialsWinInEveryPartition) {
   EXPECT_TRUE(may(grant, Action::publish, "open", {"red", "blue"}));
   EXPECT_FALSE(may(grant, Action::publish, "open"));
   EXPECT_FALSE(may(grant, Action::publish, "secret", {"red"}));
+  EXPECT_TRUE(grant.judge_participant().allowed) << "a denial must not be the first rule";
 }
 
 TEST_F(RightsTest, WithoutTopicsLetTheParticipantJoin) {

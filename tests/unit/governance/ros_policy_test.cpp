@@ -110,13 +110,15 @@ TEST(RosPolicies, OfSeveralProfilesAreMergedAndDenialsWin) {
   ASSERT_EQ(document.grants.size(), 1u);
   const auto& grant = document.grants[0];
   EXPECT_EQ(grant.subject_name, "CN=/e");
-  ASSERT_EQ(grant.rules.size(), 3u);
-  EXPECT_FALSE(grant.rules[0].allow);
-  EXPECT_EQ(names(grant.rules[0].publish), std::vector<std::string>{"rt/a"});
-  EXPECT_EQ(names(grant.rules[1].publish), (std::vector<std::string>{"rt/a", "rt/n/b"}));
-  EXPECT_EQ(names(grant.rules[1].subscribe), std::vector<std::string>{"rt/a"});
-  EXPECT_EQ(names(grant.rules[2].publish), std::vector<std::string>{"ros_discovery_info"});
-  EXPECT_EQ(grant.rules[2].domains.ranges[0], (DomainRange{7, 7}));
+  ASSERT_EQ(grant.rules.size(), 4u);
+  EXPECT_TRUE(grant.rules[0].allow) << "the first rule decides about joining";
+  EXPECT_TRUE(grant.rules[0].publish.empty() && grant.rules[0].subscribe.empty());
+  EXPECT_FALSE(grant.rules[1].allow);
+  EXPECT_EQ(names(grant.rules[1].publish), std::vector<std::string>{"rt/a"});
+  EXPECT_EQ(names(grant.rules[2].publish), (std::vector<std::string>{"rt/a", "rt/n/b"}));
+  EXPECT_EQ(names(grant.rules[2].subscribe), std::vector<std::string>{"rt/a"});
+  EXPECT_EQ(names(grant.rules[3].publish), std::vector<std::string>{"ros_discovery_info"});
+  EXPECT_EQ(grant.rules[3].domains.ranges[0], (DomainRange{7, 7}));
   EXPECT_TRUE(is_valid(to_xml(document), "permissions.xsd"));
   // sros2 writes two grants, of which the second is dead.
   const auto sros2 = permissions_from(sros2_permissions(*policy, {.validity = kTemplate}));

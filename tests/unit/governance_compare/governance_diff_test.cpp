@@ -217,29 +217,105 @@ TEST(GovernanceDiff, WorkThatMovesToAnotherLayerIsToldByAttacker) {
   EXPECT_EQ(diff.changes[0].witness, "rt/cmd");
   EXPECT_EQ(diff.changes[0].old_line(), 22);
   EXPECT_EQ(diff.changes[0].new_line(), 23);
-  EXPECT_THAT(listed(diff.changes[0].lost), ElementsAre(Property::insider_payload_secrecy));
+  EXPECT_THAT(listed(diff.changes[0].lost),
+              ElementsAre(Property::insider_payload_secrecy, Property::relay_payload_secrecy));
   EXPECT_EQ(diff.changes[1].element.element, "rtps_protection_kind");
   EXPECT_EQ(diff.changes[1].element.change, stronger);
 }
 
-TEST(GovernanceDiff, MetadataDoesNotMakeUpForPayload) {
+// No change makes up for another: each layer protects against an attacker of its own.
+TEST(GovernanceDiff, AnotherLayerDoesNotMakeUpForPayload) {
   auto before = document({topic("*", Kind::encrypt)});
   auto after = document({topic("*", Kind::none)});
   before.domain_rules[0].topic_rules[0].metadata_protection_kind = Kind::none;
   after.domain_rules[0].topic_rules[0].metadata_protection_kind = Kind::none;
   after.domain_rules[0].rtps_protection_kind = Kind::encrypt;
   const auto diff = compare(before, after);
-  EXPECT_EQ(diff.verdict, weaker);
-  EXPECT_TRUE(
-      diff.changes[0].lost.test(static_cast<std::size_t>(Property::insider_payload_secrecy)));
+  EXPECT_EQ(diff.verdict, mixed);
+  EXPECT_THAT(listed(diff.changes[0].lost),
+              ElementsAre(Property::insider_payload_secrecy, Property::insider_payload_integrity,
+                          Property::relay_payload_secrecy, Property::relay_payload_integrity));
 }
 
-TEST(GovernanceDiff, WhatAnotherLayerStillDoesIsNotLost) {
+// g2: relays hold the keys of submessages only (9.5.1.9.3).
+TEST(GovernanceDiff, RelaysReadWhatOnlySubmessagesProtect) {
   auto before = plain(), after = plain();
-  // Submessages are encrypted instead of payloads: nobody reads more, and metadata is hidden too.
   before.domain_rules[0].topic_rules[0].data_protection_kind = Kind::encrypt;
   after.domain_rules[0].topic_rules[0].metadata_protection_kind = Kind::encrypt;
-  EXPECT_EQ(compare(before, after).verdict, stronger);
+  const auto diff = compare(before, after);
+  EXPECT_EQ(diff.verdict, mixed);
+  ASSERT_THAT(diff.changes, SizeIs(2));
+  EXPECT_EQ(diff.changes[0].element.element, "data_protection_kind");
+  EXPECT_THAT(listed(diff.changes[0].lost), ElementsAre(Property::relay_payload_secrecy));
+  EXPECT_TRUE(diff.changes[0].gained.none());
+  EXPECT_TRUE(diff.changes[1].lost.none()) << "told where it is lost";
+}
+
+// g1: payloads in the clear, beside something stronger.
+TEST(GovernanceDiff, NothingStrongerHidesAWeakerLine) {
+  const auto before = document({topic("cmd"), topic("other", Kind::sign)});
+  auto after = document({topic("cmd", Kind::none), topic("other", Kind::sign)});
+  EXPECT_EQ(compare(before, after).verdict, weaker);
+  for (const auto& stronger_too : std::vector<std::function<void(DomainRule&)>>{
+           [](DomainRule& rule) { rule.enable_key_revision = true; },
+           [](DomainRule& rule) { rule.rtps_psk_protection_kind = Kind::sign; },
+           [](DomainRule& rule) {
+             rule.rtps_protection_kind = Kind::encrypt_with_origin_authentication;
+           },
+           [](DomainRule& rule) { rule.topic_rules[1].data_protection_kind = Kind::encrypt; }}) {
+    auto changed = after;
+    stronger_too(changed.domain_rules[0]);
+    EXPECT_EQ(compare(before, changed).verdict, mixed);
+  }
+}
+
+// g8: each line tells what its own element does.
+TEST(GovernanceDiff, AStrongerLineLosesNothing) {
+  auto before = document({topic("camera", Kind::none)}),
+       after = document({topic("camera", Kind::sign)});
+  before.domain_rules[0].topic_rules[0].metadata_protection_kind = Kind::encrypt;
+  after.domain_rules[0].topic_rules[0].metadata_protection_kind = Kind::none;
+  const auto diff = compare(before, after);
+  ASSERT_THAT(diff.changes, SizeIs(2));
+  EXPECT_EQ(diff.changes[0].element.element, "metadata_protection_kind");
+  EXPECT_TRUE(
+      diff.changes[0].lost.test(static_cast<std::size_t>(Property::insider_payload_secrecy)));
+  EXPECT_EQ(diff.changes[1].element.change, stronger);
+  EXPECT_TRUE(diff.changes[1].lost.none());
+  EXPECT_THAT(listed(diff.changes[1].gained), ElementsAre(Property::relay_payload_integrity));
+}
+
+TEST(GovernanceDiff, AChangeOfADomainNamesTheTopicsItMattersFor) {
+  auto before = document({topic("open", Kind::none), topic("*", Kind::encrypt)});
+  for (auto& rule : before.domain_rules[0].topic_rules) rule.metadata_protection_kind = Kind::none;
+  before.domain_rules[0].rtps_protection_kind = Kind::encrypt;
+  auto after = before;
+  after.domain_rules[0].rtps_protection_kind = Kind::none;
+  const auto diff = compare(before, after);
+  ASSERT_THAT(diff.changes, SizeIs(1));
+  EXPECT_TRUE(
+      diff.changes[0].lost.test(static_cast<std::size_t>(Property::outsider_payload_secrecy)));
+  const auto& of_some = diff.changes[0].of_some;
+  const auto found =
+      std::ranges::find(of_some, Property::outsider_payload_secrecy, &PropertyOfSome::property);
+  ASSERT_NE(found, of_some.end());
+  EXPECT_EQ(found->witness, "open");
+}
+
+TEST(GovernanceDiff, TopicsAreToldByTheNarrowerExpression) {
+  const auto before = document({topic("*", Kind::encrypt)});
+  const auto after = document({topic("rt/diagnostics*", Kind::none), topic("*", Kind::encrypt)});
+  const auto diff = compare(before, after);
+  ASSERT_THAT(diff.changes, SizeIs(1));
+  EXPECT_THAT(diff.changes[0].topics.words,
+              ElementsAre(TopicWords{.expression = "rt/diagnostics*"}));
+  const auto rest = document({topic("rt/diagnostics*", Kind::encrypt), topic("*", Kind::none)});
+  EXPECT_THAT(compare(before, rest).changes[0].topics.words,
+              ElementsAre(TopicWords{.expression = "*", .except = {"rt/diagnostics*"}}));
+  const auto crossing = document({topic("*x", Kind::none), topic("*", Kind::encrypt)});
+  const auto starting = document({topic("a*", Kind::encrypt), topic("*", Kind::none)});
+  EXPECT_THAT(compare(starting, crossing).changes[0].topics.words,
+              ElementsAre(TopicWords{.expression = "a*", .also = "*x"}));
 }
 
 TEST(GovernanceDiff, DomainsAreCutWhereEitherDocumentCutsThem) {
@@ -250,10 +326,10 @@ TEST(GovernanceDiff, DomainsAreCutWhereEitherDocumentCutsThem) {
   const auto diff = compare(before, after);
   ASSERT_THAT(diff.changes, SizeIs(3));
   EXPECT_EQ(diff.changes[0].element.change, wider);
-  EXPECT_THAT(diff.changes[0].domains, ElementsAre(DomainRange{10, 20}));
+  EXPECT_THAT(diff.changes[0].scope.domains, ElementsAre(DomainRange{10, 20}));
   EXPECT_EQ(diff.changes[1].element.change, narrower);
-  EXPECT_THAT(diff.changes[1].domains, ElementsAre(DomainRange{0, 4}));
-  EXPECT_THAT(diff.changes[2].domains, ElementsAre(DomainRange{5, 9}));
+  EXPECT_THAT(diff.changes[1].scope.domains, ElementsAre(DomainRange{0, 4}));
+  EXPECT_THAT(diff.changes[2].scope.domains, ElementsAre(DomainRange{5, 9}));
   EXPECT_EQ(diff.changes[2].element.change, stronger);
   EXPECT_THAT(diff.flag_day_domains, ElementsAre(DomainRange{0, 20}));
   EXPECT_EQ(diff.verdict, mixed);
@@ -278,13 +354,15 @@ TEST(GovernanceDiff, DomainTagsAreToldApart) {
   EXPECT_EQ(diff.verdict, weaker);
   ASSERT_THAT(diff.changes, SizeIs(1));
   EXPECT_EQ(diff.changes[0].element.change, wider);
-  EXPECT_THAT(diff.changes[0].tags, ElementsAre("roof"));
+  EXPECT_THAT(diff.changes[0].scope.tags.examples, ElementsAre("roof"));
 
   after.domain_rules[0].domains.tags.clear();
   after.domain_rules[0].domains.tag_expressions = {{"floor*"}};
   diff = compare(before, after);
   ASSERT_THAT(diff.changes, SizeIs(1));
-  EXPECT_THAT(diff.changes[0].tags, ElementsAre("floor")) << "a tag is literal, an expression not";
+  EXPECT_THAT(diff.changes[0].scope.tags.examples, ElementsAre("floor"))
+      << "a tag is literal, an expression not";
+  EXPECT_EQ(diff.changes[0].scope.tags.form, NameSet::Form::some) << "all but the literal one";
 
   for (int i = 0; i < 100; ++i) {
     after.domain_rules[0].domains.tags.push_back({std::to_string(i)});
@@ -292,10 +370,52 @@ TEST(GovernanceDiff, DomainTagsAreToldApart) {
   EXPECT_EQ(compare(before, after).verdict, unknown);
 }
 
+// g5: the combinations that change, and no others.
+TEST(GovernanceDiff, DomainsAndTagsAreToldTogether) {
+  auto before = plain(), after = plain();
+  before.domain_rules[0].domains.ranges = {{2, 2}};
+  after.domain_rules[0].domains = {.ranges = {{2, 3}}, .tag_expressions = {{"*"}}};
+  const auto diff = compare(before, after);
+  ASSERT_THAT(diff.changes, SizeIs(2));
+  const auto& [at_two, at_three] = std::tie(diff.changes[0], diff.changes[1]);
+  EXPECT_THAT(at_two.scope.domains, ElementsAre(DomainRange{2, 2}));
+  EXPECT_EQ(at_two.scope.tags.form, NameSet::Form::every_but);
+  EXPECT_THAT(at_two.scope.tags.expressions, ElementsAre(""));
+  EXPECT_THAT(at_three.scope.domains, ElementsAre(DomainRange{3, 3}));
+  EXPECT_EQ(at_three.scope.tags.form, NameSet::Form::every);
+}
+
+// g6: DDS-Security 1.2 10.4.1.2.5.9.
+TEST(GovernanceDiff, AnAbsentListOfAlgorithmsIsNotStrongerOrWeaker) {
+  auto before = plain(), after = plain();
+  AllowedAlgorithms lists;
+  lists.digital_signature = {{"ECDSA+P256+SHA256"}};
+  lists.key_establishment = {{"ECDHE-CEUM+P256"}};
+  lists.symmetric_cipher = {{"AES256+GCM"}};
+  before.domain_rules[0].allowed_algorithms = lists;
+  lists.digital_signature_identity_trust_chain = lists.digital_signature;
+  after.domain_rules[0].allowed_algorithms = lists;
+  EXPECT_THAT(compare(before, after).changes, IsEmpty()) << "absent means as for signatures";
+
+  lists.digital_signature_identity_trust_chain.push_back({"ECDSA+P384+SHA384"});
+  after.domain_rules[0].allowed_algorithms = lists;
+  EXPECT_EQ(compare(before, after).verdict, weaker);
+
+  AllowedAlgorithms all;
+  all.digital_signature = {{"RSASSA-PSS-MGF1SHA256+2048+SHA256"},
+                           {"RSASSA-PKCS1-V1_5+2048+SHA256"},
+                           {"ECDSA+P256+SHA256"},
+                           {"ECDSA+P384+SHA384"}};
+  all.key_establishment = {{"DHE+MODP-2048-256"}, {"ECDHE-CEUM+P256"}, {"ECDHE-CEUM+P384"}};
+  all.symmetric_cipher = {{"AES128+GCM"}, {"AES256+GCM"}};
+  after.domain_rules[0].allowed_algorithms = all;
+  EXPECT_THAT(compare(plain(), after).changes, IsEmpty()) << "every algorithm is no restriction";
+}
+
 TEST(GovernanceDiff, AllowedAlgorithmsAreSets) {
   auto before = plain(), after = plain();
   AllowedAlgorithms lists;
-  lists.symmetric_cipher = {{"AES128+GCM"}, {"AES256+GCM"}};
+  lists.symmetric_cipher = {{"AES256+GCM"}};
   after.domain_rules[0].allowed_algorithms = lists;
   EXPECT_EQ(compare(before, after).verdict, stronger);
   EXPECT_EQ(compare(after, before).verdict, weaker);

@@ -1,5 +1,6 @@
 // The comparison of governance documents against one that tries every short name in every domain.
 #include <chrono>
+#include <fnmatch.h>
 #include <map>
 #include <set>
 
@@ -14,6 +15,7 @@ namespace {
 using Kind = ProtectionKind;
 
 constexpr DomainId kDomains = 4;  // 0 to 3, and 9 for all others
+constexpr const char* kTags[] = {"", "a", "b", "ab", "c", "aa", "bb"};
 constexpr std::size_t kLongest = 5;
 
 Kind any_kind(words::Dice& dice, std::size_t kinds) { return static_cast<Kind>(dice.below(kinds)); }
@@ -49,9 +51,17 @@ class Author {
     if (dice_.once_in(4)) edit(rule);
     return rule;
   }
+  void add_tag(DomainSet& domains) {
+    static constexpr const char* kExpressions[] = {"*", "a*", "?", "[!a]*", "\\a", ""};
+    if (dice_.once_in(2))
+      domains.tags.push_back({kTags[dice_.below(4)]});
+    else
+      domains.tag_expressions.push_back({kExpressions[dice_.below(6)]});
+  }
   DomainRule domain_rule() {
     DomainRule rule;
     rule.domains.ranges = {range()};
+    while (dice_.once_in(3)) add_tag(rule.domains);
     for (auto topics = 1 + dice_.below(3); topics > 0; --topics) {
       rule.topic_rules.push_back(topic_rule());
     }
@@ -83,7 +93,16 @@ class Author {
     }
   }
   void edit(DomainRule& rule) {
-    switch (dice_.below(6)) {
+    switch (dice_.below(9)) {
+      case 5:
+        rule.enable_key_revision ^= true;
+        break;
+      case 6:
+        rule.rtps_psk_protection_kind = any_kind(dice_, 3);
+        break;
+      case 7:
+        add_tag(rule.domains);
+        break;
       case 0:
         rule.allow_unauthenticated_participants ^= true;
         break;
@@ -154,7 +173,9 @@ Values values(const DomainRule& rule) {
           {"enable_join_access_control", rule.enable_join_access_control},
           {"discovery_protection_kind", number(rule.discovery_protection_kind)},
           {"liveliness_protection_kind", number(rule.liveliness_protection_kind)},
-          {"rtps_protection_kind", number(rule.rtps_protection_kind)}};
+          {"rtps_protection_kind", number(rule.rtps_protection_kind)},
+          {"enable_key_revision", rule.enable_key_revision},
+          {"rtps_psk_protection_kind", number(rule.rtps_psk_protection_kind)}};
 }
 
 Values values(const TopicRule& rule) {
@@ -166,26 +187,6 @@ Values values(const TopicRule& rule) {
           {"data_protection_kind", number(rule.data_protection_kind)}};
 }
 
-/// The vector of properties; the first four are about the payload.
-std::vector<bool> vector_of(const DomainRule& d, const TopicRule& t) {
-  const int rtps = number(d.rtps_protection_kind) / 2;
-  const int meta = number(t.metadata_protection_kind) / 2;
-  const int data = number(t.data_protection_kind) / 2;
-  const bool read = t.enable_read_access_control, write = t.enable_write_access_control;
-  return {
-      std::max({rtps, meta, data}) == 2,
-      std::max({rtps, meta, data}) >= 1,
-      std::max(meta, data) == 2 && read,
-      std::max(meta, data) >= 1 && write,
-      std::max(rtps, meta) == 2,
-      std::max(rtps, meta) >= 1,
-      rtps == 2 || (t.enable_discovery_protection && number(d.discovery_protection_kind) / 2 == 2),
-      !d.allow_unauthenticated_participants,
-      meta == 2 && read,
-      meta >= 1 && write,
-      number(t.metadata_protection_kind) % 2 == 1};
-}
-
 /// Everything that is told about two documents, as far as it can be compared.
 struct Story {
   bool up = false, down = false;
@@ -194,32 +195,34 @@ struct Story {
   bool operator==(const Story&) const = default;
 };
 
-struct Moves {
-  bool up = false, down = false;
-  void add(int direction) {
-    up = up || direction > 0;
-    down = down || direction < 0 || direction == 2;
-  }
-};
-
 class Reference {
  public:
   Reference(const words::Pool& pool, const Governance& old_document, const Governance& new_document)
       : pool_(pool), old_(old_document), new_(new_document) {}
 
   Story story() {
-    for (DomainId domain = 0; domain < kDomains; ++domain) compare_in(domain);
-    compare_in(9);
+    for (const DomainId domain : {0, 1, 2, 3, 9})
+      for (const char* tag : kTags) compare_in(domain, tag);
     return story_;
   }
 
  private:
-  static const DomainRule* rule_for(const Governance& governance, DomainId domain) {
-    for (const auto& rule : governance.domain_rules) {
-      for (const auto& range : rule.domains.ranges) {
-        if (range.first <= domain && domain <= range.last) return &rule;
-      }
-    }
+  static bool is_for(const DomainSet& set, DomainId domain, const std::string& tag) {
+    const bool in_range = std::ranges::any_of(set.ranges, [&](const DomainRange& range) {
+      return range.first <= domain && domain <= range.last;
+    });
+    if (!in_range) return false;
+    if (set.tags.empty() && set.tag_expressions.empty()) return tag.empty();
+    const auto is = [&](const Text& text) { return text.text == tag; };
+    const auto fits = [&](const Text& text) {
+      return fnmatch(text.text.c_str(), tag.c_str(), 0) == 0;
+    };
+    return std::ranges::any_of(set.tags, is) || std::ranges::any_of(set.tag_expressions, fits);
+  }
+  static const DomainRule* rule_for(const Governance& governance, DomainId domain,
+                                    const std::string& tag) {
+    for (const auto& rule : governance.domain_rules)
+      if (is_for(rule.domains, domain, tag)) return &rule;
     return nullptr;
   }
 
@@ -234,15 +237,17 @@ class Reference {
     return result;
   }
 
-  void changed(DomainId domain, const std::string& text) {
-    story_.changes.insert(std::to_string(domain) + " " + text);
+  void changed(const std::string& element) {
+    story_.changes.insert(std::to_string(domain_) + " " + tag_ + " " + element);
   }
 
-  void compare_in(DomainId domain) {
-    const auto *o = rule_for(old_, domain), *n = rule_for(new_, domain);
+  void compare_in(DomainId domain, const std::string& tag) {
+    domain_ = domain;
+    tag_ = tag;
+    const auto *o = rule_for(old_, domain, tag), *n = rule_for(new_, domain, tag);
     if (!o && !n) return;
     if (!o || !n) {
-      changed(domain, "domain_rule");
+      changed("domain_rule");
       story_.flag_days.insert(domain);
       (o ? story_.up : story_.down) = true;
       return;
@@ -251,85 +256,53 @@ class Reference {
     const auto before = values(*o), after = values(*n);
     for (const auto& [element, value] : before) {
       if (value == after.at(element)) continue;
-      changed(domain, element);
-      if (is_kind(element)) story_.flag_days.insert(domain);
+      changed(element);
+      if (is_kind(element) || element == "enable_key_revision") story_.flag_days.insert(domain);
       domain_moves_.emplace_back(element, direction(element, value, after.at(element), true));
     }
+    for (const auto& [element, move] : domain_moves_) take(move);
     const auto old_topics = topic_rules(*o), new_topics = topic_rules(*n);
-    bool any = false;
     std::set<std::pair<const TopicRule*, const TopicRule*>> seen;
     for (std::size_t i = 0; i < old_topics.size(); ++i) {
       if (!old_topics[i] && !new_topics[i]) continue;
-      any = true;
-      if (seen.emplace(old_topics[i], new_topics[i]).second) {
-        compare_topic(domain, {*o, *n, old_topics[i], new_topics[i]});
-      }
-    }
-    for (const auto& [element, move] : domain_moves_) {
-      if (any) break;
-      Moves moves;
-      moves.add(move);
-      take(moves);
+      if (seen.emplace(old_topics[i], new_topics[i]).second)
+        compare_topic({*o, *n, old_topics[i], new_topics[i]});
     }
   }
 
-  void take(const Moves& moves) {
-    story_.up = story_.up || moves.up;
-    story_.down = story_.down || moves.down;
+  /// No change makes up for another.
+  void take(int move) {
+    story_.up = story_.up || move > 0;
+    story_.down = story_.down || move < 0 || move == 2;
   }
 
-  void compare_topic(DomainId domain, const TopicRules& rules) {
-    auto moves = domain_moves_;
+  void compare_topic(const TopicRules& rules) {
     if (!rules.old_rule || !rules.new_rule) {
-      changed(domain, "topic_rule");
-      story_.flag_days.insert(domain);
-      moves.emplace_back("topic_rule", rules.old_rule ? 1 : -1);
-    } else {
-      const auto before = values(*rules.old_rule), after = values(*rules.new_rule);
-      for (const auto& [element, value] : before) {
-        if (value == after.at(element)) continue;
-        changed(domain, element);
-        story_.flag_days.insert(domain);
-        const auto& flagged = value ? rules.old_domain : rules.new_domain;
-        const bool effective = element == "enable_discovery_protection"
-                                   ? is_protected(flagged.discovery_protection_kind)
-                               : element == "enable_liveliness_protection"
-                                   ? is_protected(flagged.liveliness_protection_kind)
-                                   : true;
-        moves.emplace_back(element, direction(element, value, after.at(element), effective));
-      }
+      changed("topic_rule");
+      story_.flag_days.insert(domain_);
+      return take(rules.old_rule ? 1 : -1);
     }
-    judge(rules, moves);
-  }
-
-  void judge(const TopicRules& rules, const std::vector<std::pair<std::string, int>>& moves) {
-    Moves all, certain;
-    for (const auto& [element, move] : moves) {
-      all.add(move);
-      const bool layered = element == "rtps_protection_kind" ||
-                           element == "metadata_protection_kind" ||
-                           element == "data_protection_kind";
-      if (!layered || move == 2) certain.add(move);
+    const auto before = values(*rules.old_rule), after = values(*rules.new_rule);
+    for (const auto& [element, value] : before) {
+      if (value == after.at(element)) continue;
+      changed(element);
+      story_.flag_days.insert(domain_);
+      const auto& flagged = value ? rules.old_domain : rules.new_domain;
+      const bool effective = element == "enable_discovery_protection"
+                                 ? is_protected(flagged.discovery_protection_kind)
+                             : element == "enable_liveliness_protection"
+                                 ? is_protected(flagged.liveliness_protection_kind)
+                                 : true;
+      take(direction(element, value, after.at(element), effective));
     }
-    if (!all.up || !all.down) return take(all);
-    if (rules.old_rule && rules.new_rule) {
-      const auto before = vector_of(rules.old_domain, *rules.old_rule);
-      const auto after = vector_of(rules.new_domain, *rules.new_rule);
-      bool lost[2] = {}, gained[2] = {};  // payload, the rest
-      for (std::size_t i = 0; i < before.size(); ++i) {
-        lost[i >= 4] |= before[i] && !after[i];
-        gained[i >= 4] |= after[i] && !before[i];
-      }
-      if (lost[0] || lost[1]) certain.add(-1);
-      if (gained[0] || (gained[1] && !lost[0])) certain.add(1);
-    }
-    take(certain);
   }
 
   const words::Pool& pool_;
   const Governance& old_;
   const Governance& new_;
   Story story_;
+  DomainId domain_ = 0;
+  std::string tag_;
   std::vector<std::pair<std::string, int>> domain_moves_;
 };
 
@@ -338,18 +311,70 @@ bool contains(const std::vector<DomainRange>& ranges, DomainId id) {
                              [&](const DomainRange& r) { return r.first <= id && id <= r.last; });
 }
 
-Story story_of(const GovernanceDiff& diff) {
-  Story story;
-  story.up = diff.verdict == ChangeClass::stronger || diff.verdict == ChangeClass::mixed;
-  story.down = diff.verdict == ChangeClass::weaker || diff.verdict == ChangeClass::mixed;
-  for (const DomainId domain : {0, 1, 2, 3, 9}) {
-    if (contains(diff.flag_day_domains, domain)) story.flag_days.insert(domain);
-    for (const auto& change : diff.changes) {
-      if (!contains(change.domains, domain)) continue;
-      story.changes.insert(std::to_string(domain) + " " + std::string(change.element.element));
+/// No rule of the documents tells these tags apart.
+bool are_alike(const Governance& a, const Governance& b, const std::string& x,
+               const std::string& y) {
+  const auto same = [&](const DomainRule& rule) {
+    const auto is = [&](const Text& text) { return (text.text == x) == (text.text == y); };
+    const auto fits = [&](const Text& text) {
+      const Pattern pattern(text.text);
+      return pattern.matches(x) == pattern.matches(y);
+    };
+    return std::ranges::all_of(rule.domains.tags, is) &&
+           std::ranges::all_of(rule.domains.tag_expressions, fits);
+  };
+  return x.empty() == y.empty() && std::ranges::all_of(a.domain_rules, same) &&
+         std::ranges::all_of(b.domain_rules, same);
+}
+
+/// What was found, told by the words of each change.
+class Told {
+ public:
+  Told(const Governance& before, const Governance& after) : before_(before), after_(after) {}
+
+  Story story_of(const GovernanceDiff& diff) const {
+    Story story;
+    story.up = diff.verdict == ChangeClass::stronger || diff.verdict == ChangeClass::mixed;
+    story.down = diff.verdict == ChangeClass::weaker || diff.verdict == ChangeClass::mixed;
+    for (const DomainId domain : {0, 1, 2, 3, 9}) {
+      if (contains(diff.flag_day_domains, domain)) story.flag_days.insert(domain);
+      for (const auto& change : diff.changes) {
+        if (!contains(change.scope.domains, domain)) continue;
+        for (const std::string tag : kTags)
+          if (has_tag(change.scope.tags, tag))
+            story.changes.insert(std::to_string(domain) + " " + tag + " " +
+                                 std::string(change.element.element));
+      }
     }
+    return story;
   }
-  return story;
+
+ private:
+  bool has_tag(const NameSet& tags, const std::string& tag) const {
+    const auto matches = [&](const std::string& e) { return Pattern(e).matches(tag); };
+    const auto is_alike = [&](const std::string& example) {
+      return are_alike(before_, after_, example, tag);
+    };
+    const bool is_example = std::ranges::any_of(tags.examples, is_alike);
+    if (tags.form == NameSet::Form::some) return is_example;
+    const bool listed = std::ranges::any_of(tags.expressions, matches);
+    const bool in_words =
+        tags.form == NameSet::Form::every || listed == (tags.form == NameSet::Form::listed);
+    EXPECT_EQ(in_words, is_example) << tag;
+    return in_words;
+  }
+
+  const Governance& before_;
+  const Governance& after_;
+};
+
+/// The words of topics fit the example, which is among them.
+bool fits_words(const TopicSet& topics, const std::string& name) {
+  return topics.others > 0 || std::ranges::any_of(topics.words, [&](const TopicWords& words) {
+           const auto matches = [&](const std::string& e) { return Pattern(e).matches(name); };
+           return matches(words.expression) && (words.also.empty() || matches(words.also)) &&
+                  std::ranges::none_of(words.except, matches);
+         });
 }
 
 /// Witnesses are names for which just these rules decide.
@@ -364,6 +389,7 @@ void check_witnesses(const GovernanceDiff& diff) {
     if (!change.is_about_topics) continue;
     EXPECT_EQ(first(*change.old_domain, change.witness), change.old_topic) << change.witness;
     EXPECT_EQ(first(*change.new_domain, change.witness), change.new_topic) << change.witness;
+    EXPECT_TRUE(fits_words(change.topics, change.witness)) << change.witness;
   }
 }
 
@@ -391,7 +417,8 @@ TEST_P(GovernanceReference, AgreesOnTenThousandPairs) {
     const auto before = author.document();
     const auto after = round % 4 == 0 ? author.document() : author.edited(before);
     const auto diff = compare(before, after);
-    ASSERT_EQ(story_of(diff), Reference(pool, before, after).story()) << "round " << round;
+    ASSERT_EQ(Told(before, after).story_of(diff), Reference(pool, before, after).story())
+        << "round " << round;
     check_witnesses(diff);
     if (round % 8 == 1) {
       ASSERT_TRUE(agrees_when_short_of_states(before, after, diff)) << round;
@@ -400,7 +427,7 @@ TEST_P(GovernanceReference, AgreesOnTenThousandPairs) {
   }
   for (const auto verdict :
        {ChangeClass::neutral, ChangeClass::stronger, ChangeClass::weaker, ChangeClass::mixed}) {
-    EXPECT_GT(seen[verdict], 500);
+    EXPECT_GT(seen[verdict], 300);
   }
   EXPECT_EQ(seen[ChangeClass::unknown], 0);
 }

@@ -6,7 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include "governance/compare/partition_contexts.hpp"
 #include "governance/compare/permissions_diff.hpp"
 #include "governance/decision.hpp"
 #include "tests/unit/governance_compare/words.hpp"
@@ -15,6 +14,8 @@ namespace ddssec::governance {
 namespace {
 
 constexpr DomainId kDomains = 2;  // 0 and 1, and 9 for all others
+constexpr const char* kTags[] = {"", "a", "b"};
+const DataTag kDataTags[] = {{"n", "1"}, {"n", "2"}, {"n", "3"}};  // the last one is not listed
 constexpr int kTimes = 4;
 constexpr const char* kSubjects[] = {"CN=a", "CN=b"};
 
@@ -56,7 +57,12 @@ class Author {
     for (auto count = 1 + dice_.below(2); count > 0; --count) {
       criteria.topics.push_back({dice_.once_in(4) ? "*" : topics().random(dice_)});
     }
-    if (!with_partitions_ || dice_.once_in(2)) return criteria;
+    if (!with_partitions_) return criteria;
+    while (dice_.once_in(4)) {
+      if (!criteria.data_tags) criteria.data_tags.emplace();
+      criteria.data_tags->push_back(kDataTags[dice_.below(2)]);
+    }
+    if (dice_.once_in(2)) return criteria;
     criteria.partitions.emplace();
     // Few expressions, so that every set of partitions is tried.
     static constexpr const char* kPartitions[] = {"", "a", "*", "b*", "[ab]"};
@@ -72,6 +78,9 @@ class Author {
     if (!dice_.once_in(5)) rule.publish.push_back(criteria());
     if (dice_.once_in(3)) rule.publish.push_back(criteria());
     if (dice_.once_in(3)) rule.subscribe.push_back(criteria());
+    if (dice_.once_in(5)) rule.relay.push_back(criteria());
+    if (dice_.once_in(6)) rule.domains.tags.push_back({kTags[dice_.below(3)]});
+    if (dice_.once_in(6)) rule.domains.tag_expressions.push_back({dice_.once_in(2) ? "*" : "?*"});
     return rule;
   }
   Validity validity() {
@@ -124,6 +133,7 @@ std::vector<PartitionSet> partition_sets(const Permissions& a, const Permissions
       for (const auto& rule : grant.rules) {
         collect(rule.publish, texts);
         collect(rule.subscribe, texts);
+        collect(rule.relay, texts);
       }
     }
   }
@@ -152,28 +162,52 @@ bool lists(const Criteria& criteria, const std::string& partition) {
   });
 }
 
-bool fits(const Rule& rule, const Criteria& criteria, const PartitionSet& set) {
+/// An endpoint, but for its topic.
+struct Entity {
+  PartitionSet partitions;
+  std::vector<DataTag> tags;
+};
+
+bool fits(const Rule& rule, const Criteria& criteria, const Entity& entity) {
   const auto listed = [&](const std::string& partition) { return lists(criteria, partition); };
-  if (rule.allow) return std::ranges::all_of(set, listed);
-  return !criteria.partitions || std::ranges::any_of(set, listed);
+  const auto tag_listed = [&](const DataTag& tag) {
+    return criteria.data_tags &&
+           std::ranges::find(*criteria.data_tags, tag) != criteria.data_tags->end();
+  };
+  if (rule.allow)
+    return std::ranges::all_of(entity.partitions, listed) &&
+           std::ranges::all_of(entity.tags, tag_listed);
+  return (!criteria.partitions || std::ranges::any_of(entity.partitions, listed)) &&
+         (!criteria.data_tags || std::ranges::any_of(entity.tags, tag_listed));
 }
 
-bool is_in(const Rule& rule, DomainId domain) {
-  return std::ranges::any_of(rule.domains.ranges, [&](const DomainRange& range) {
-    return range.first <= domain && domain <= range.last;
+/// A domain and a tag.
+struct Cell {
+  DomainId domain;
+  std::string tag;
+};
+
+bool is_in(const Rule& rule, const Cell& cell) {
+  const bool in_range = std::ranges::any_of(rule.domains.ranges, [&](const DomainRange& range) {
+    return range.first <= cell.domain && cell.domain <= range.last;
   });
+  const auto& [ranges, tags, expressions, line] = rule.domains;
+  if (tags.empty() && expressions.empty()) return in_range && cell.tag.empty();
+  const auto is = [&](const Text& text) { return text.text == cell.tag; };
+  const auto fits = [&](const Text& text) { return Pattern(text.text).matches(cell.tag); };
+  return in_range && (std::ranges::any_of(tags, is) || std::ranges::any_of(expressions, fits));
 }
 
 using Allowed = std::vector<bool>;  ///< for each word
 
-Allowed allowed(const Grant& grant, DomainId domain, std::vector<Criteria> Rule::*list,
-                const PartitionSet& set) {
+Allowed allowed(const Grant& grant, const Cell& cell, std::vector<Criteria> Rule::*list,
+                const Entity& entity) {
   const std::size_t count = topics().words().size();
   Allowed result(count), decided(count);
   for (const auto& rule : grant.rules) {
-    if (!is_in(rule, domain)) continue;
+    if (!is_in(rule, cell)) continue;
     for (const auto& criteria : rule.*list) {
-      if (!fits(rule, criteria, set)) continue;
+      if (!fits(rule, criteria, entity)) continue;
       for (const auto& topic : criteria.topics) {
         const auto& matches = topics().matches(topic.text);
         for (std::size_t i = 0; i < count; ++i) {
@@ -185,16 +219,18 @@ Allowed allowed(const Grant& grant, DomainId domain, std::vector<Criteria> Rule:
     }
   }
   for (std::size_t i = 0; i < count; ++i) {
-    if (!decided[i]) result[i] = grant.default_allow;
+    // Only a relay element lets relays be.
+    if (!decided[i]) result[i] = grant.default_allow && list != &Rule::relay;
   }
   return result;
 }
 
-bool may_join(const Grant& grant, DomainId domain) {
+// DDS-Security 1.2 table 70.
+bool may_join(const Grant& grant, const Cell& cell) {
   for (const auto& rule : grant.rules) {
-    if (!is_in(rule, domain)) continue;
+    if (!is_in(rule, cell)) continue;
     if (rule.allow) return true;
-    if (rule.publish.empty() && rule.subscribe.empty()) return false;
+    return rule.publish.empty() && rule.subscribe.empty() ? false : grant.default_allow;
   }
   return grant.default_allow;
 }
@@ -221,9 +257,20 @@ struct Moves {
   }
 };
 
+std::vector<Entity> entities(const Permissions& before, const Permissions& after) {
+  std::vector<Entity> all;
+  for (const auto& set : partition_sets(before, after))
+    for (unsigned bits = 0; bits < 8; ++bits) {
+      all.push_back({set, {}});
+      for (unsigned i = 0; i < 3; ++i)
+        if ((bits >> i & 1) != 0) all.back().tags.push_back(kDataTags[i]);
+    }
+  return all;
+}
+
 Moves reference(const Permissions& before, const Permissions& after) {
   static const Grant kNothing;
-  const auto sets = partition_sets(before, after);
+  const auto all = entities(before, after);
   Moves moves;
   std::set<std::pair<const Grant*, const Grant*>> seen;
   for (const std::string subject : kSubjects) {
@@ -231,14 +278,16 @@ Moves reference(const Permissions& before, const Permissions& after) {
       const auto* o = first_valid(before, subject, time);
       const auto* n = first_valid(after, subject, time);
       if ((!o && !n) || !seen.emplace(o, n).second) continue;
+      moves.add(o != nullptr, n != nullptr);
       const Grant &old_grant = o ? *o : kNothing, &new_grant = n ? *n : kNothing;
       for (const DomainId domain : {0, 1, 9}) {
-        moves.add(may_join(old_grant, domain), may_join(new_grant, domain));
-        for (const auto& set : sets) {
-          moves.add(allowed(old_grant, domain, &Rule::publish, set),
-                    allowed(new_grant, domain, &Rule::publish, set));
-          moves.add(allowed(old_grant, domain, &Rule::subscribe, set),
-                    allowed(new_grant, domain, &Rule::subscribe, set));
+        for (const char* tag : kTags) {
+          const Cell cell{domain, tag};
+          moves.add(may_join(old_grant, cell), may_join(new_grant, cell));
+          for (const auto& entity : all)
+            for (auto list : {&Rule::publish, &Rule::subscribe, &Rule::relay})
+              moves.add(allowed(old_grant, cell, list, entity),
+                        allowed(new_grant, cell, list, entity));
         }
       }
     }
@@ -248,12 +297,21 @@ Moves reference(const Permissions& before, const Permissions& after) {
 
 bool judged(const Permissions& document, const PermissionChange& change) {
   const auto shared = std::make_shared<const Permissions>(document);
-  const auto action = change.operation == "publish" ? Action::publish : Action::subscribe;
-  const std::vector<std::string_view> names(change.partitions.begin(), change.partitions.end());
+  const auto action = change.operation == "publish"     ? Action::publish
+                      : change.operation == "subscribe" ? Action::subscribe
+                                                        : Action::relay;
+  const auto& partitions = change.entities.example_partitions;
+  const std::vector<std::string_view> names(partitions.begin(), partitions.end());
   for (const auto& grant : shared->grants) {
     if (grant.subject_name != change.subject) continue;
-    const CompiledGrant compiled(shared, grant, change.domains.at(0).first);
-    return compiled.judge(action, {.topic = change.witness, .partitions = names}).allowed;
+    const auto& scope = change.scope;
+    const CompiledGrant compiled(shared, grant, scope.domains.at(0).first, PartitionMatch::all,
+                                 scope.tags.examples.at(0));
+    const auto verdict = compiled.judge(action, {.topic = change.witness,
+                                                 .partitions = names,
+                                                 .data_tags = change.entities.example_data_tags});
+    // A default is not meant for relays.
+    return verdict.allowed && (action != Action::relay || verdict.rule != nullptr);
   }
   return false;
 }

@@ -44,8 +44,10 @@ INSTANTIATE_TEST_SUITE_P(
         // Nothing is in nothing, and in everything.
         Row{{}, {}, Kind::yes, ""}, Row{{"a"}, {}, Kind::no, "a"}, Row{{}, {"a"}, Kind::yes, ""},
         Row{{"[b-a]"}, {}, Kind::yes, ""},
-        // fnmatch as matcher.hpp has it: no escapes, classes, an unclosed bracket.
-        Row{{"\\*"}, {"\\x*", "\\[!x]*", "\\"}, Kind::yes, ""},
+        // fnmatch as matcher.hpp has it: escapes, classes, an unclosed bracket.
+        Row{{"\\*"}, {"[*]"}, Kind::yes, ""}, Row{{"\\a"}, {"a"}, Kind::yes, ""},
+        Row{{"\\"}, {}, Kind::yes, ""}, Row{{"*"}, {"\\*"}, Kind::no, "a"},
+        Row{{"\\\\*"}, {"\\\\x*", "\\\\[!x]*", "\\\\"}, Kind::yes, ""},
         Row{{"[[:digit:]]"}, {"[0-9]"}, Kind::yes, ""},
         Row{{"[[:alnum:]]"}, {"[a-zA-Z]", "[0-8]"}, Kind::no, "9"},
         Row{{"[^a]"}, {"[!a]"}, Kind::yes, ""}, Row{{"a["}, {"a?"}, Kind::yes, ""},

@@ -76,13 +76,47 @@ TEST_F(DiagnosisTest, DenyFirstMattersOnlyWhereOneDirectionIsAllowed) {
     governance::Rule deny{.allow = false, .domains = {.ranges = {{0, 0}}}};
     if (publish) deny.publish.push_back({.topics = {{"rt/cmd*"}}});
     if (subscribe) deny.subscribe.push_back({.topics = {{"rt/cmd*"}}});
-    grant.rules.insert(grant.rules.begin(), deny);
+    grant.rules.insert(grant.rules.begin(), {{.allow = true, .domains = deny.domains}, deny});
     return diagnosis(participant("talker", strict_governance(), {.grants = {grant}}));
   };
   EXPECT_THAT(rules_of(with_deny(true, true)), IsEmpty());
   const auto all = with_deny(false, true);
   EXPECT_THAT(finding_of(all, Rule::DOC053).message, HasSubstr("publish topic \"rt/cmd\""));
   EXPECT_EQ(all.outcomes(), (Outcomes{.cyclonedds = Outcome::late}));
+}
+
+// DDS-Security 1.2 table 70: the first rule for the domain decides, and after it the default.
+TEST_F(DiagnosisTest, ADenialOfTopicsAsTheFirstRuleKeepsOurParticipantOut) {
+  auto grant = grant_for("CN=talker");
+  grant.rules.insert(grant.rules.begin(), {.allow = false,
+                                           .domains = {.ranges = {{0, 0}}},
+                                           .publish = {{.topics = {{"Circle"}}}},
+                                           .subscribe = {{.topics = {{"Circle"}}}}});
+  const auto all = diagnosis(participant("talker", strict_governance(), {.grants = {grant}}));
+  EXPECT_THAT(finding_of(all, Rule::DOC051).message, HasSubstr("is a deny_rule"));
+  EXPECT_EQ(all.outcomes(), (Outcomes{.ours = Outcome::fail}));
+}
+
+TEST_F(DiagnosisTest, StockProductsReadAnOpenRangeAsOneDomain) {
+  const auto domain_five = [&](const Governance& governance) {
+    const auto grant = grant_for("CN=talker", "Square", 5);
+    const auto folder = participant("talker", governance, {.grants = {grant}});
+    std::string xml = to_xml(governance);
+    const std::string end = "<max>230</max>";
+    xml.erase(xml.find(end), end.size());
+    sign(folder.governance, xml);
+    return diagnose(load_folder(folder, kNow), {.now = kNow, .domain = 5});
+  };
+  auto governance = strict_governance();
+  governance.domain_rules[0].domains.ranges = {{0, 230}};
+  auto all = domain_five(governance);
+  EXPECT_THAT(finding_of(all, Rule::DOC050).message, HasSubstr("no <domain_rule>"));
+  EXPECT_EQ(all.outcomes(), (Outcomes{.cyclonedds = Outcome::fail, .fastdds = Outcome::late}));
+
+  governance.domain_rules.push_back(strict_governance(5).domain_rules[0]);
+  all = domain_five(governance);
+  EXPECT_THAT(finding_of(all, Rule::DOC050).message, HasSubstr("the <domain_rule> at line"));
+  EXPECT_EQ(all.outcomes(), (Outcomes{.cyclonedds = Outcome::unsafe, .fastdds = Outcome::unsafe}));
 }
 
 TEST_F(DiagnosisTest, WhatEndsFirstIsSaidAMonthAhead) {

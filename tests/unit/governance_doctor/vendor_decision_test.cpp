@@ -44,6 +44,40 @@ TEST_F(VendorDecision, TheyAgreeAboutTopicsDomainsAndTheDefaultPartition) {
   EXPECT_EQ(allowed("Square", {"yard"}), "nnn");
 }
 
+// DDS-Security 1.2 table 70 lets the first rule for the domain decide about joining.
+TEST_F(VendorDecision, StockProductsJoinByAnyAllowRule) {
+  const auto joins = [&] {
+    const auto document = std::make_shared<const Permissions>(Permissions{.grants = {grant_}});
+    const CompiledGrant compiled(document, document->grants[0], 0);
+    std::string out;
+    for (const auto vendor : kVendors)
+      out += judge_participant_as(vendor, compiled, 0).allowed ? 'y' : 'n';
+    return out;
+  };
+  EXPECT_EQ(joins(), "nnn");
+  add(false, {criteria("Circle")});
+  add(true, {criteria("Square")});
+  EXPECT_EQ(joins(), "yyn");
+  std::swap(grant_.rules[0], grant_.rules[1]);
+  EXPECT_EQ(joins(), "yyy");
+  grant_.rules.clear();
+  grant_.default_allow = true;
+  EXPECT_EQ(joins(), "yny");
+}
+
+TEST_F(VendorDecision, StockProductsReadAnOpenRangeAsOneDomain) {
+  add(true, {criteria("Square")}, 0);
+  grant_.rules[0].domains.ranges = {{.first = 0, .last = 230, .is_open = true}};
+  EXPECT_EQ(allowed("Square"), "yyy");
+  const auto document = std::make_shared<const Permissions>(Permissions{.grants = {grant_}});
+  const CompiledGrant compiled(document, document->grants[0], 5);
+  EXPECT_TRUE(judge_as(Vendor::ours, compiled, 5, Action::publish, {.topic = "Square"}).allowed);
+  for (const auto vendor : {Vendor::cyclonedds, Vendor::fastdds}) {
+    EXPECT_FALSE(judge_as(vendor, compiled, 5, Action::publish, {.topic = "Square"}).allowed);
+    EXPECT_FALSE(judge_participant_as(vendor, compiled, 5).allowed);
+  }
+}
+
 TEST_F(VendorDecision, AnAllowRuleMustListEveryPartition) {
   add(true, {criteria("Square", {{{"yard*"}, {"street"}}})});
   EXPECT_EQ(allowed("Square", {"yard1", "street"}), "yyy");

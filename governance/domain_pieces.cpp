@@ -1,4 +1,4 @@
-#include "governance/compare/domain_pieces.hpp"
+#include "governance/domain_pieces.hpp"
 
 #include <algorithm>
 

@@ -9,8 +9,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "governance/compare/expression_table.hpp"
-#include "governance/compare/number_lists.hpp"
+#include "governance/expression_table.hpp"
+#include "governance/number_lists.hpp"
 #include "governance/topic_sets.hpp"
 
 namespace ddssec::governance {

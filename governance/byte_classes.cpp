@@ -1,4 +1,4 @@
-#include "governance/compare/byte_classes.hpp"
+#include "governance/byte_classes.hpp"
 
 namespace ddssec::governance {
 namespace {

@@ -1,4 +1,4 @@
-#include "governance/compare/number_lists.hpp"
+#include "governance/number_lists.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "governance/compare/expression_table.hpp"
+#include "governance/expression_table.hpp"
 
 #include <algorithm>
 #include <ranges>

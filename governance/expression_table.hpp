@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "governance/compare/byte_classes.hpp"
-#include "governance/compare/number_lists.hpp"
+#include "governance/byte_classes.hpp"
+#include "governance/number_lists.hpp"
 #include "governance/matcher.hpp"
 #include "governance/topic_sets.hpp"
 

@@ -1,4 +1,4 @@
-#include "governance/compare/name_automaton.hpp"
+#include "governance/name_automaton.hpp"
 
 #include <algorithm>
 #include <iterator>

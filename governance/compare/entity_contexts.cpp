@@ -1,0 +1,220 @@
+#include "governance/compare/entity_contexts.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace ddssec::governance {
+namespace {
+
+/// For each element whether what an entity has of one sort meets it. Held so that two such vectors
+/// are joined by "and": for deny rules it is the opposite.
+using Meets = std::vector<bool>;
+
+Meets both(const Meets& a, const Meets& b) {
+  Meets out(a.size());
+  for (std::size_t i = 0; i < a.size(); ++i) out[i] = a[i] && b[i];
+  return out;
+}
+
+/// A set of things of one sort that an entity has, by their numbers.
+struct Having {
+  std::vector<std::uint32_t> things;
+  Meets meets;
+};
+
+/// What every set of things meets, each outcome once with the smallest set.
+class Closure {
+ public:
+  Closure(std::vector<Meets> singles, std::size_t most)
+      : singles_(std::move(singles)), most_(most) {}
+
+  void begin_with(Having first) { add(std::move(first)); }
+
+  /// False: there are more than `most`.
+  bool run() {
+    for (std::uint32_t i = 0; i < singles_.size(); ++i) add({{i}, singles_[i]});
+    for (std::size_t at = 0; at < all_.size() && all_.size() <= most_; ++at) {
+      for (std::uint32_t i = 0; i < singles_.size() && all_.size() <= most_; ++i) {
+        Having more{all_[at].things, both(all_[at].meets, singles_[i])};
+        if (known_.contains(more.meets)) continue;
+        more.things.push_back(i);
+        add(std::move(more));
+      }
+    }
+    const bool is_complete = all_.size() <= most_;
+    if (!is_complete) all_.resize(most_);
+    return is_complete;
+  }
+  std::vector<Having> take() { return std::move(all_); }
+
+ private:
+  void add(Having having) {
+    if (known_.insert(having.meets).second) all_.push_back(std::move(having));
+  }
+
+  std::vector<Meets> singles_;
+  std::size_t most_;
+  std::set<Meets> known_;
+  std::vector<Having> all_;
+};
+
+class ContextFinder {
+ public:
+  ContextFinder(std::span<const RuleElement> old_elements,
+                std::span<const RuleElement> new_elements, NameKinds partitions)
+      : old_count_(old_elements.size()), out_{std::move(partitions)} {
+    elements_.assign(old_elements.begin(), old_elements.end());
+    elements_.insert(elements_.end(), new_elements.begin(), new_elements.end());
+    for (const auto& element : elements_) {
+      auto& numbers = partition_numbers_.emplace_back();
+      if (element.criteria->partitions) {
+        for (const auto& text : *element.criteria->partitions)
+          numbers.push_back(out_.partitions.number_of(text.text));
+      }
+      if (element.criteria->data_tags)
+        tags_.insert(tags_.end(), element.criteria->data_tags->begin(),
+                     element.criteria->data_tags->end());
+    }
+    std::ranges::sort(tags_);
+    const auto repeated = std::ranges::unique(tags_);
+    tags_.erase(repeated.begin(), repeated.end());
+    if (!tags_.empty()) tags_.push_back(unlisted_tag());
+  }
+
+  EntityContexts run() {
+    const auto with_partitions = partition_sets();
+    const auto with_tags = tag_sets();
+    for (const auto& tags : with_tags) {
+      for (const auto& partitions : with_partitions) {
+        add(partitions, tags);
+        if (out_.contexts.size() > kMostContexts) {
+          out_.is_exact = false;
+          return std::move(out_);
+        }
+      }
+    }
+    note_single_partitions();
+    return std::move(out_);
+  }
+
+ private:
+  bool lists(std::size_t element, NameKinds::Kind kind) const {
+    if (!elements_[element].criteria->partitions) return kind == 0;
+    return std::ranges::any_of(partition_numbers_[element], [&](std::size_t number) {
+      return out_.partitions.matches(number, kind);
+    });
+  }
+
+  Meets meets_partition(NameKinds::Kind kind) const {
+    Meets out;
+    for (std::size_t i = 0; i < elements_.size(); ++i) {
+      const auto& [rule, criteria] = elements_[i];
+      out.push_back(rule->allow ? lists(i, kind) : criteria->partitions && !lists(i, kind));
+    }
+    return out;
+  }
+
+  Meets meets_tag(const DataTag& tag) const {
+    Meets out;
+    for (const auto& [rule, criteria] : elements_) {
+      const bool listed = criteria->data_tags && std::ranges::find(*criteria->data_tags, tag) !=
+                                                     criteria->data_tags->end();
+      out.push_back(rule->allow ? listed : criteria->data_tags && !listed);
+    }
+    return out;
+  }
+
+  /// Without data tags a deny rule that lists some is not met.
+  Meets meets_no_tag() const {
+    Meets out;
+    for (const auto& [rule, criteria] : elements_)
+      out.push_back(rule->allow || criteria->data_tags.has_value());
+    return out;
+  }
+
+  /// A tag that no element lists.
+  DataTag unlisted_tag() const {
+    DataTag tag{"other", "other"};
+    while (std::ranges::binary_search(tags_, tag)) tag.name += '_';
+    return tag;
+  }
+
+  std::vector<Having> partition_sets() {
+    std::vector<Meets> singles;
+    for (NameKinds::Kind kind = 0; kind < out_.partitions.size(); ++kind)
+      singles.push_back(meets_partition(kind));
+    Closure closure(std::move(singles), kMostContexts);
+    if (!closure.run()) out_.is_exact = false;
+    return closure.take();
+  }
+
+  std::vector<Having> tag_sets() {
+    std::vector<Meets> singles;
+    for (const auto& tag : tags_) singles.push_back(meets_tag(tag));
+    Closure closure(std::move(singles), kMostContexts);
+    closure.begin_with({{}, meets_no_tag()});
+    if (!closure.run()) out_.is_exact = false;
+    return closure.take();
+  }
+
+  /// The numbers of the elements that are met in both respects.
+  std::vector<std::uint32_t> fitting(const Meets& partitions, const Meets& tags) const {
+    std::vector<std::uint32_t> out;
+    for (std::uint32_t i = 0; i < elements_.size(); ++i) {
+      const bool allow = elements_[i].rule->allow;
+      if (partitions[i] == allow && tags[i] == allow) out.push_back(i);
+    }
+    return out;
+  }
+
+  void add(const Having& partitions, const Having& tags) {
+    auto fitting = this->fitting(partitions.meets, tags.meets);
+    const auto [entry, is_new] = known_.try_emplace(fitting, out_.contexts.size());
+    if (!is_new) return;
+    EntityContext context;
+    for (const auto kind : partitions.things)
+      context.partitions.push_back(out_.partitions.example(kind));
+    for (const auto tag : tags.things) context.data_tags.push_back(tags_[tag]);
+    for (const auto element : fitting) {
+      const bool is_old = element < old_count_;
+      auto& list = is_old ? context.old_elements : context.new_elements;
+      list.push_back(is_old ? element : element - static_cast<std::uint32_t>(old_count_));
+    }
+    out_.contexts.push_back(std::move(context));
+  }
+
+  void note_single_partitions() {
+    const auto no_tag = meets_no_tag();
+    for (NameKinds::Kind kind = 0; kind < out_.partitions.size(); ++kind) {
+      const auto found = known_.find(fitting(meets_partition(kind), no_tag));
+      if (found != known_.end()) out_.contexts[found->second].single_partitions.push_back(kind);
+    }
+  }
+
+  std::size_t old_count_;
+  EntityContexts out_;
+  std::vector<RuleElement> elements_;
+  std::vector<std::vector<std::size_t>> partition_numbers_;  ///< expressions of each element
+  std::vector<DataTag> tags_;
+  std::map<std::vector<std::uint32_t>, std::size_t> known_;
+};
+
+}  // namespace
+
+std::optional<EntityContexts> entity_contexts(std::span<const RuleElement> old_elements,
+                                              std::span<const RuleElement> new_elements,
+                                              const SetLimits& limits) {
+  std::vector<std::string> expressions;
+  for (const auto& elements : {old_elements, new_elements}) {
+    for (const auto& element : elements) {
+      if (!element.criteria->partitions) continue;
+      for (const auto& text : *element.criteria->partitions) expressions.push_back(text.text);
+    }
+  }
+  auto partitions = NameKinds::of(std::move(expressions), limits);
+  if (!partitions) return std::nullopt;
+  return ContextFinder(old_elements, new_elements, *std::move(partitions)).run();
+}
+
+}  // namespace ddssec::governance

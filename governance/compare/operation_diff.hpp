@@ -1,0 +1,45 @@
+// What two lists of rules say about one operation. For governance/compare/ only.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "governance/compare/grant_diff.hpp"
+#include "governance/model.hpp"
+
+namespace ddssec::governance {
+
+using RulePointers = std::vector<const Rule*>;
+
+/// "publish", "subscribe" or "relay", and where rules speak of it.
+struct Operation {
+  std::string_view name;
+  std::vector<Criteria> Rule::*list;
+  bool has_default;  ///< the grant's default decides where no rule does; else it is denied
+};
+
+/// The two sides of a comparison: grants and those of their rules that apply.
+struct RuleSides {
+  const Grant& old_grant;
+  const Grant& new_grant;
+  const RulePointers& old_rules;
+  const RulePointers& new_rules;
+};
+
+struct OperationDiff {
+  /// Without subject and scope.
+  std::vector<PermissionChange> changes = {};
+  /// What changes where both defaults decide.
+  Direction by_default = {};
+  bool is_complete = true;  ///< false: some rules that changed are not named
+  bool is_exact = true;     ///< false: not every kind of endpoint was tried
+  bool is_known = true;     ///< false: a limit was reached
+};
+
+OperationDiff compare_operation(const RuleSides& sides, const Operation& operation,
+                                const SetLimits& limits);
+
+std::string_view verdict_word(bool allowed);
+ChangeClass class_of(bool allowed_now);
+
+}  // namespace ddssec::governance

@@ -1,0 +1,102 @@
+#include "governance/compare/topic_words.hpp"
+
+#include <algorithm>
+
+namespace ddssec::governance {
+namespace {
+
+using Rule = std::optional<std::uint32_t>;
+
+/// Which of two expressions matches less is found out within these.
+constexpr SetLimits kLimits = {.states = 2'000, .steps = 1'000'000};
+/// More earlier rules than these are not looked at for exceptions, and more are not named.
+constexpr std::size_t kMostEarlier = 64;
+constexpr std::size_t kMostExceptions = 3;
+
+bool within(std::string_view inner, std::string_view outer) {
+  return inner == outer ||
+         contained({&inner, 1}, {&outer, 1}, kLimits).kind == SetAnswer::Kind::yes;
+}
+
+std::string_view beginning(std::string_view expression) {
+  return expression.substr(0, expression.find_first_of("*?[\\"));
+}
+
+bool meets(std::string_view a, std::string_view b) {
+  const auto one = beginning(a), other = beginning(b);
+  const auto common = std::min(one.size(), other.size());
+  if (one.substr(0, common) != other.substr(0, common)) return false;
+  if (one.size() == a.size()) return Pattern(b).matches(a);
+  if (other.size() == b.size()) return Pattern(a).matches(b);
+  return overlap({&a, 1}, {&b, 1}, kLimits).kind != SetAnswer::Kind::no;
+}
+
+std::string_view expression_of(const RuleList& list, Rule rule) {
+  if (!rule) return "*";
+  // Rules are ascending, but not every number need be there.
+  const auto item = std::ranges::lower_bound(list.items, *rule, {}, &RuleList::Item::rule);
+  return item->expression;
+}
+
+/// Puts pairs into words one after the other.
+class Narrator {
+ public:
+  Narrator(const RuleList& old_list, const RuleList& new_list) : old_(old_list), new_(new_list) {}
+
+  TopicWords words(const TopicPair& pair) const {
+    const auto before = expression_of(old_, pair.old_rule);
+    const auto after = expression_of(new_, pair.new_rule);
+    TopicWords out;
+    if (within(after, before)) {
+      out.expression = after;
+    } else {
+      out.expression = before;
+      if (!within(before, after)) out.also = after;
+    }
+    add_exceptions(out, old_, pair.old_rule);
+    add_exceptions(out, new_, pair.new_rule);
+    return out;
+  }
+
+ private:
+  /// Rules that decide before this one does.
+  void add_exceptions(TopicWords& out, const RuleList& list, Rule rule) const {
+    std::size_t looked_at = 0;
+    for (const auto& item : list.items) {
+      if (rule && item.rule >= *rule) return;
+      if (++looked_at > kMostEarlier || out.more_exceptions) break;
+      if (item.expression == out.expression || item.expression == out.also) continue;
+      if (std::ranges::find(out.except, item.expression) != out.except.end()) continue;
+      if (!meets(item.expression, out.expression)) continue;
+      if (!out.also.empty() && !meets(item.expression, out.also)) continue;
+      if (out.except.size() < kMostExceptions)
+        out.except.emplace_back(item.expression);
+      else
+        out.more_exceptions = true;
+    }
+    out.more_exceptions = out.more_exceptions || looked_at > kMostEarlier;
+  }
+
+  const RuleList& old_;
+  const RuleList& new_;
+};
+
+}  // namespace
+
+TopicSet topics_in_words(const RuleList& old_list, const RuleList& new_list,
+                         std::span<const TopicPair> pairs, std::size_t most) {
+  TopicSet out;
+  const Narrator narrator(old_list, new_list);
+  for (const auto& pair : pairs) {
+    if (out.words.size() == most) {
+      ++out.others;
+      continue;
+    }
+    auto words = narrator.words(pair);
+    if (std::ranges::find(out.words, words) == out.words.end())
+      out.words.push_back(std::move(words));
+  }
+  return out;
+}
+
+}  // namespace ddssec::governance
