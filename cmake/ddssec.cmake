@@ -71,12 +71,49 @@ function(ddssec_library name)
                         PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:ddssec_options>)
 endfunction()
 
+# How many files of tests, or of a large library, are compiled as one; 1 is for working on one file.
+set(DDSSEC_BATCH 8 CACHE STRING "Files that are compiled as one; 1 compiles each by itself")
+
+# ddssec_batches(OUT TARGET SOURCES...): OUT is what TARGET is compiled from. Files *_test.cpp are joined
+# by batch_tests.cmake, in as few batches of about equal size as DDSSEC_BATCH allows.
+function(ddssec_batches out target)
+  set(tests ${ARGN})
+  list(FILTER tests INCLUDE REGEX "^[^/]*_test\\.cpp$")
+  list(LENGTH tests count)
+  if(DDSSEC_BATCH LESS_EQUAL 1 OR count LESS_EQUAL 1)
+    set(${out} ${ARGN} PARENT_SCOPE)
+    return()
+  endif()
+  set(result ${ARGN})
+  list(REMOVE_ITEM result ${tests})
+  list(TRANSFORM tests PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+  math(EXPR batches "(${count} + ${DDSSEC_BATCH} - 1) / ${DDSSEC_BATCH}")
+  math(EXPR size "(${count} + ${batches} - 1) / ${batches}")
+  set(script ${PROJECT_SOURCE_DIR}/cmake/batch_tests.cmake)
+  foreach(number RANGE 1 ${batches})
+    math(EXPR start "(${number} - 1) * ${size}")
+    list(SUBLIST tests ${start} ${size} batch)
+    set(file ${CMAKE_CURRENT_BINARY_DIR}/${target}_${number}.cpp)
+    list(JOIN batch " " sources)
+    add_custom_command(OUTPUT ${file} DEPENDS ${batch} ${script} VERBATIM
+                       COMMAND ${CMAKE_COMMAND} -D OUT=${file} -D ROOT=${PROJECT_SOURCE_DIR}
+                               -D "SOURCES=${sources}" -P ${script}
+                       COMMENT "Joining tests of ${target} (${number} of ${batches})")
+    list(APPEND joined ${file})
+  endforeach()
+  # By itself, joining waits for none of the libraries that the target links.
+  add_custom_target(${target}_batches DEPENDS ${joined})
+  set(result ${joined} ${result})
+  set(${out} ${result} PARENT_SCOPE)
+endfunction()
+
 # ddssec_test(NAME SOURCES ... LIBS ... [LABELS ...])
 # A GoogleTest program test_NAME; each TEST becomes a ctest entry "NAME.Suite.Case".
 function(ddssec_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBS;LABELS" ${ARGN})
-  add_executable(test_${name} ${ARG_SOURCES})
-  target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  ddssec_batches(sources test_${name} ${ARG_SOURCES})
+  add_executable(test_${name} ${sources})
+  target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   # What is tested is optimised; the tests themselves only have to compile quickly.
   target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>
                          "$<$<CONFIG:RelWithDebInfo>:-O1;-g1>")
