@@ -61,7 +61,7 @@ function(ddssec_not_sanitized)
 endfunction()
 
 # Reading the standard library's headers is half of what compiling a file of a library costs. Every file
-# still includes what it uses: sanitized builds compile without them.
+# still includes what it uses: the preset asan compiles without.
 option(DDSSEC_PRECOMPILE "Precompile the headers that most files of the libraries include" ON)
 set(ddssec_common_headers <algorithm> <array> <atomic> <bitset> <chrono> <cstdint> <deque> <expected>
     <filesystem> <functional> <limits> <map> <memory> <mutex> <optional> <ranges> <set> <span> <string>
@@ -90,7 +90,7 @@ function(ddssec_library name)
   endif()
 endfunction()
 
-# How many files of tests, or of a large library, are compiled as one; 1 is for working on one file.
+# How many files of tests are compiled as one; 1 is for working on one file.
 set(DDSSEC_BATCH 8 CACHE STRING "Files that are compiled as one; 1 compiles each by itself")
 
 # ddssec_batches(OUT TARGET SOURCES...): OUT is what TARGET is compiled from. Files *_test.cpp are joined

@@ -8,9 +8,10 @@ die() { printf 'test.sh: %s\n' "$*" >&2; exit 1; }
 step() { printf '\n== %s\n' "$*"; }
 
 exclude=(--label-exclude 'interop-full|long')
+bench=OFF  # only long tests run benchmarks
 while [ $# -gt 0 ]; do
   case "$1" in
-    --long) exclude=() ;;
+    --long) exclude=() bench=ON ;;
     *) die "unknown option $1; the only one is --long" ;;
   esac
   shift
@@ -19,7 +20,7 @@ done
 step "packages"
 scripts/bootstrap.sh --dev
 step "build (release)"
-cmake --preset release -DDDSSEC_BUILD_TESTS=ON -DDDSSEC_BUILD_BENCH=ON >/dev/null || die "cmake could not configure; see the message above"
+cmake --preset release -DDDSSEC_BUILD_TESTS=ON -DDDSSEC_BUILD_BENCH=$bench >/dev/null || die "cmake could not configure; see the message above"
 cmake --build --preset release || die "the release build failed"
 step "tests"
 ctest --preset release "${exclude[@]}" --parallel "$(nproc)" --progress
