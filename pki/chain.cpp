@@ -177,7 +177,8 @@ void ChainVerifier::Impl::drop_superseded() {
     return std::ranges::any_of(anchors, [&](const auto& ca) { return crl.is_signed_by(ca); });
   };
   const auto takes_place_of = [&](const Crl& crl, const Crl& former) {
-    return crl.supersedes(former) && !former.supersedes(crl) && is_genuine(crl);
+    return &crl.impl() != &former.impl() && crl.supersedes(former) && !former.supersedes(crl) &&
+           is_genuine(crl);
   };
   const auto all = crls;
   std::erase_if(crls, [&](const Crl& former) {

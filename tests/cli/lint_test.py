@@ -30,10 +30,11 @@ class Lint(Transcript):
     def test_good_documents_have_nothing(self):
         self.edit("g.xml", ("enable_write_access_control>true", "enable_write_access_control>false"))
         out = self.lint("governance", "lint", "g.xml", "--domain", "0")
-        self.assertEqual(out["result"], {"file": "g.xml", "errors": 0, "warnings": 0, "notes": 0})
-        self.lint("permissions", "lint", "p.xml", "--cert", "talker/cert.pem", "--governance", "g.xml")
-        self.assertEqual(self.run_program("governance", "lint", "g.xml").stdout,
-                         "g.xml: nothing found\n")
+        self.assertEqual(out["result"], {"file": "g.xml", "errors": 0, "warnings": 0, "notes": 1})
+        self.assertEqual([d["id"] for d in out["diagnostics"]], ["GOV044"])
+        check = ["permissions", "lint", "p.xml", "--cert", "talker/cert.pem", "--governance", "g.xml"]
+        self.lint(*check)
+        self.assertEqual(self.run_program(*check, *NOW).stdout, "p.xml: nothing found\n")
 
     def test_what_a_good_document_leaves_open_is_a_note(self):
         out = self.lint("governance", "lint", "g.xml", "--domain", "0")

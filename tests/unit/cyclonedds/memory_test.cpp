@@ -435,7 +435,9 @@ void Life::attempt_transport(const std::string& name, const Transform& encode,
 void Life::send() {
   auto* ours = a_.transform();
   auto* theirs = b_.transform();
-  const Octets plain_octets = {0x15, 0x01, 0x04, 0x00, 1, 2, 3, 4};
+  // DATA of an application's writer, without payload.
+  const Octets plain_octets = {0x15, 0x01, 0x14, 0x00, 0, 0, 16, 0, 0, 0, 0, 0,
+                               0,    0,    1,    3,    0, 0, 0,  0, 1, 0, 0, 0};
   Octets message_octets = {'R', 'T', 'P', 'S', 2, 1, 1, 0x10};
   message_octets.insert(message_octets.end(), a_.guid.prefix, a_.guid.prefix + 12);
   message_octets.insert(message_octets.end(), plain_octets.begin(), plain_octets.end());

@@ -22,7 +22,9 @@ constexpr int kRounds = 8;
 /// Sends what a link can; throws Refused if anything is not as it was sent.
 void send(const Link& link) {
   const Octets payload(64, 7);
-  const Octets submessage = {0x15, 0x01, 0x04, 0x00, 1, 2, 3, 4};
+  // DATA of an application's writer, without payload.
+  const Octets submessage = {0x15, 0x01, 0x14, 0x00, 0, 0, 16, 0, 0, 0, 0, 0,
+                               0,    0,    1,    3,    0, 0, 0,  0, 1, 0, 0, 0};
   for (int i = 0; i < 20; ++i) {
     EXPECT_EQ(link.receiver.decode_payload(link.sender.encode_payload(payload)).octets(), payload);
     EXPECT_EQ(link.receiver.decode_submessage(link.sender.encode_submessage(submessage)).octets(),
