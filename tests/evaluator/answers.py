@@ -1,0 +1,84 @@
+"""The product's answer to a pair of documents, held against the evaluator's."""
+
+import governance_verdict
+import permissions_verdict
+import witnesses
+
+
+def ids_of(ranges):
+    return sum((1 << last + 1) - (1 << first) for first, last in ranges)
+
+
+def shown_ids(ids):
+    return [i for i in range(231) if ids >> i & 1]
+
+
+class Told:
+    """The product's lines, joined where only the place or what it means differs."""
+
+    def __init__(self, changes):
+        self.domains, self.lost, self.gained = {}, {}, {}
+        for change in changes:
+            line = key_of(change)
+            self.domains[line] = self.domains.get(line, 0) | ids_of(change["domains"])
+            self.lost.setdefault(line, set()).update(change["lost"])
+            self.gained.setdefault(line, set()).update(change["gained"])
+
+
+def key_of(change):
+    values = ("", "") if change["element"].startswith("allowed_crypto") else (change["old"], change["new"])
+    return (change["element"], *values, change["class"])
+
+
+def governance_complaints(answer, old_xml, new_xml):
+    lines = governance_verdict.evaluate(old_xml, new_xml)
+    if answer["verdict"] != lines.verdict():
+        yield f"verdict: product {answer['verdict']}, evaluator {lines.verdict()}"
+    told = Told(answer["changes"])
+    for line in sorted(set(lines.domains) - set(told.domains)):
+        yield f"line of the evaluator only: {line}, such as tag and topic {lines.example[line]}"
+    for line in sorted(set(told.domains) - set(lines.domains)):
+        yield f"line of the product only: {line}"
+    for line in sorted(set(told.domains) & set(lines.domains)):
+        if told.domains[line] != lines.domains[line]:
+            yield (f"{line}: product in domains {shown_ids(told.domains[line])}, "
+                   f"evaluator {shown_ids(lines.domains[line])}")
+        for word, theirs, ours in (("lost", told.lost, lines.lost), ("gained", told.gained, lines.gained)):
+            if theirs[line] != ours.get(line, set()):
+                yield (f"{line}: {word}: product only {sorted(theirs[line] - ours.get(line, set()))}, "
+                       f"evaluator only {sorted(ours.get(line, set()) - theirs[line])}")
+    yield from witnesses.governance_complaints(answer["changes"], old_xml, new_xml)
+
+
+def word_of(classes):
+    """The verdict that lines of these classes come to."""
+    if len(classes) > 1:
+        return "mixed"
+    return next(iter(classes), "neutral")
+
+
+def permissions_complaints(answer, old_xml, new_xml):
+    verdict = permissions_verdict.evaluate(old_xml, new_xml)
+    if answer["verdict"] != verdict.word():
+        yield f"verdict: product {answer['verdict']}, evaluator {verdict.word()}"
+        yield from (f"  wider: {decision}" for decision in verdict.wider[:3])
+        yield from (f"  narrower: {decision}" for decision in verdict.narrower[:3])
+    classes = {change["class"] for change in answer["changes"]} - {"neutral", "interop"}
+    if word_of(classes) != answer["verdict"]:
+        yield f"verdict {answer['verdict']} with lines {sorted(classes)}"
+    yield from witnesses.permissions_complaints(answer["changes"], old_xml, new_xml, verdict.deciding)
+
+
+COMPLAINTS = {"governance": governance_complaints, "permissions": permissions_complaints}
+
+
+def verdict_of(kind, old_xml, new_xml):
+    if kind == "governance":
+        return governance_verdict.evaluate(old_xml, new_xml).verdict()
+    return permissions_verdict.evaluate(old_xml, new_xml).word()
+
+
+def complaints(kind, answer, old_xml, new_xml):
+    if "error" in answer:
+        return [answer["error"]]
+    return list(COMPLAINTS[kind](answer, old_xml, new_xml))
