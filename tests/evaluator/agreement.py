@@ -3,12 +3,14 @@
 
   agreement.py BATCH [--kind governance|permissions] [--pairs N] [--seed S] [--first I] [--jobs J]
   agreement.py BATCH --kind K --seed S --only I     shows one pair and both answers
+  agreement.py BATCH --cases                        the pairs of tests/data/diff-cases
 """
 
 import argparse
 import collections
 import json
 import multiprocessing
+import pathlib
 import subprocess
 import sys
 import time
@@ -16,6 +18,7 @@ import time
 import answers
 import pairs
 
+CASES = pathlib.Path(__file__).resolve().parent.parent / "data/diff-cases"
 CHUNK = 250
 MOST_SHOWN = 3  # pairs
 MOST_COMPLAINTS = 10
@@ -78,6 +81,20 @@ def run(options, kind):
     return len(wrong)
 
 
+def run_cases(options):
+    """The pairs of tests/data/diff-cases; returns how many disagree."""
+    wrong = 0
+    for old_file in sorted(CASES.glob("*.old.xml")):
+        kind = "governance" if old_file.name.startswith("g") else "permissions"
+        new_file = old_file.with_name(old_file.name.replace(".old.", ".new."))
+        documents = [file.read_text(encoding="utf-8") for file in (old_file, new_file)]
+        answer, = asked(options.batch, kind, [documents])
+        for complaint in answers.complaints(kind, answer, *documents):
+            print(f"{old_file.name}: {complaint}")
+            wrong += 1
+    return wrong
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("batch", help="the program compare_batch")
@@ -87,7 +104,10 @@ def main():
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--only", type=int)
     parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--cases", action="store_true")
     options = parser.parse_args()
+    if options.cases:
+        return 1 if run_cases(options) else 0
     if options.only is not None:
         show(options.batch, options.kind, options.seed, options.only)
         return 0

@@ -1,6 +1,7 @@
 """Governance and permissions documents read from XML text into plain values, without the product."""
 
 import datetime
+import functools
 import xml.etree.ElementTree as ET
 from typing import NamedTuple
 
@@ -110,6 +111,7 @@ def read_domain_rule(element):
                       tuple(map(read_topic_rule, element.iterfind("topic_access_rules/topic_rule"))))
 
 
+@functools.lru_cache(maxsize=4)
 def read_governance(xml):
     return tuple(map(read_domain_rule, ET.fromstring(xml).iterfind("domain_access_rules/domain_rule")))
 
@@ -150,5 +152,6 @@ def read_grant(element):
                  text_of(element, "default", "DENY") == "ALLOW")
 
 
+@functools.lru_cache(maxsize=4)
 def read_permissions(xml):
     return tuple(map(read_grant, ET.fromstring(xml).iterfind("permissions/grant")))

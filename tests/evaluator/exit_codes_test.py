@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""ddssec ... diff --fail-on ends with 1 exactly where the evaluator says that it must.
+"""ddssec ... diff --fail-on has the evaluator's verdict, and ends with 1 exactly where it must.
 
 Usage: exit_codes_test.py DDSSEC [PAIRS] [SEED]
 """
 
 import collections
+import json
 import pathlib
 import subprocess
 import sys
@@ -16,22 +17,24 @@ import pairs
 WORSE = {"governance": "weaker", "permissions": "wider"}
 
 
-def exit_code(program, kind, files):
-    words = [program, kind, "diff", *files, "--fail-on", WORSE[kind]]
-    return subprocess.run(words, capture_output=True, timeout=60, check=False).returncode
+def told(program, kind, files):
+    """(verdict, exit code) of the program."""
+    words = [program, kind, "diff", *files, "--fail-on", WORSE[kind], "--format", "json"]
+    done = subprocess.run(words, capture_output=True, timeout=60, check=False)
+    return json.loads(done.stdout)["result"].get("verdict"), done.returncode
 
 
 def check(program, kind, seed, number, folder):
-    """(verdict, whether the exit code is right) of one pair."""
+    """(verdict, whether the program has it and ends as it must) of one pair."""
     documents = pairs.pair(kind, seed, number)
     files = [folder / f"{name}.xml" for name in ("old", "new")]
     for file, text in zip(files, documents):
         file.write_text(text, encoding="utf-8")
     verdict = answers.verdict_of(kind, *documents)
-    wanted = 1 if verdict in (WORSE[kind], "mixed") else 0
-    found = exit_code(program, kind, files)
+    wanted = verdict, 1 if verdict in (WORSE[kind], "mixed") else 0
+    found = told(program, kind, files)
     if found != wanted:
-        print(f"{kind} pair {number} of seed {seed}: evaluator {verdict}, exit code {found} instead of {wanted}")
+        print(f"{kind} pair {number} of seed {seed}: verdict and exit code {found} instead of {wanted}")
     return verdict, found == wanted
 
 

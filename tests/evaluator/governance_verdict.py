@@ -116,8 +116,8 @@ def changed_algorithms(old, new):
 def add_shares(lines, lines_here, before, after):
     """before, after: (domain rule, topic rule)."""
     old, new = properties_of(*before), properties_of(*after)
-    for line in lines_here:
-        if old != new and not line[0].startswith("allowed"):
+    for line in lines_here if old != new else ():
+        if not line[0].startswith("allowed"):
             lines.add_shares(line, shares(line[0], old - new, before, after),
                              shares(line[0], new - old, after, before))
 
@@ -137,7 +137,7 @@ def compare_rules(lines, ids, tag, old, new):
             here = [("topic_rule", *(COVERED[side] for side in covered), COVERAGE[covered])]
         for line in here:
             lines.add(line, ids, (tag, name))
-        if first and second:
+        if first and second and (of_domain or here):
             add_shares(lines, of_domain + here, (old, first), (new, second))
 
 
