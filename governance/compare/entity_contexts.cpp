@@ -79,7 +79,8 @@ class ContextFinder {
     std::ranges::sort(tags_);
     const auto repeated = std::ranges::unique(tags_);
     tags_.erase(repeated.begin(), repeated.end());
-    if (!tags_.empty()) tags_.push_back(unlisted_tag());
+    // Where no element lists any, one still matters: allow rules do not take it, deny rules do.
+    tags_.push_back(unlisted_tag());
   }
 
   EntityContexts run() {
