@@ -212,6 +212,23 @@ WallTime Certificate::not_before() const { return impl_->not_before; }
 WallTime Certificate::not_after() const { return impl_->not_after; }
 KeyAlgorithm Certificate::key_algorithm() const { return impl_->key; }
 bool Certificate::is_ca() const { return X509_check_ca(impl_->x509.get()) == 1; }
+bool Certificate::is_version_1() const { return X509_get_version(impl_->x509.get()) == 0; }
+
+bool Certificate::can_be_anchor() const {
+  constexpr int kSelfSignedVersion1 = 3;  // X509_check_ca(3)
+  return is_ca() || X509_check_ca(impl_->x509.get()) == kSelfSignedVersion1;
+}
+
+bool Certificate::is_ca_by_key_usage_only() const {
+  constexpr int kKeyCertSignOnly = 4;  // X509_check_ca(3)
+  return X509_check_ca(impl_->x509.get()) == kKeyCertSignOnly;
+}
+
+std::string Certificate::signature_digest() const {
+  int digest = NID_undef;
+  OBJ_find_sigid_algs(X509_get_signature_nid(impl_->x509.get()), &digest, nullptr);
+  return digest == NID_undef ? "" : OBJ_nid2sn(digest);
+}
 
 std::optional<int> Certificate::path_length() const {
   const long length = X509_get_pathlen(impl_->x509.get());

@@ -74,6 +74,16 @@ class Certificate {
   KeyAlgorithm key_algorithm() const;
   /// True if basicConstraints says CA:TRUE.
   bool is_ca() const;
+  /// True if it is a CA, or a self-signed certificate of X.509 version 1, which has no extensions
+  /// that could say so: as a configured trust anchor it is one by its place.
+  bool can_be_anchor() const;
+  /// True for a certificate of X.509 version 1.
+  bool is_version_1() const;
+  /// True if only its keyUsage (keyCertSign) says that it is a CA: version 3 without
+  /// basicConstraints, which RFC 5280 does not allow.
+  bool is_ca_by_key_usage_only() const;
+  /// The digest of the CA's signature on it, as "SHA256"; "" if the algorithm has none.
+  std::string signature_digest() const;
   /// How many CAs may be below this one; nothing if basicConstraints does not say.
   std::optional<int> path_length() const;
   /// True if subject and issuer are the same name, as with a root CA.

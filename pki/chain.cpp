@@ -191,7 +191,7 @@ Status ChainVerifier::Impl::fill_store(CrlPolicy policy) {
   store.reset(X509_STORE_new());
   if (!store) return openssl_failure(Code::internal);
   for (const auto& anchor : anchors) {
-    if (!anchor.is_ca())
+    if (!anchor.can_be_anchor())
       return fail(Code::not_a_ca,
                   {.field = anchor.subject(), .expected = "basicConstraints CA:TRUE"});
     if (X509_STORE_add_cert(store.get(), anchor.impl().x509.get()) != 1)

@@ -20,13 +20,19 @@ Error refusal(Code code, std::string expected, std::string_view found = {}) {
   return Error(code, {.expected = std::move(expected), .found = std::string(found.substr(0, 128))});
 }
 
+// OpenSSL strips every CR that stands before the LF, when it signs and when it verifies. On Windows
+// it writes CR CR LF, since the text mode of the file adds one more.
+std::string_view without_carriage_returns(std::string_view line) {
+  while (line.ends_with('\r')) line.remove_suffix(1);
+  return line;
+}
+
 // The next line without its break; `text` moves behind it.
 std::string_view take_line(std::string_view& text) {
   const auto end = text.find('\n');
-  auto line = text.substr(0, end);
+  const auto line = text.substr(0, end);
   text.remove_prefix(end == text.npos ? text.size() : end + 1);
-  if (line.ends_with('\r')) line.remove_suffix(1);
-  return line;
+  return without_carriage_returns(line);
 }
 
 struct Header {
@@ -189,8 +195,7 @@ bool is_known_preamble(std::string_view text) {
 
 std::string_view without_last_break(std::string_view part) {
   if (part.ends_with('\n')) part.remove_suffix(1);
-  if (part.ends_with('\r')) part.remove_suffix(1);
-  return part;
+  return without_carriage_returns(part);
 }
 
 Result<std::string_view> signature_text(std::string_view part) {
@@ -245,7 +250,7 @@ Result<Bytes> canonical_text(std::string_view part) {
     const auto end = part.find('\n');
     auto line = part.substr(0, end);
     part.remove_prefix(end == part.npos ? part.size() : end + 1);
-    if (end != part.npos && line.ends_with('\r')) line.remove_suffix(1);
+    if (end != part.npos) line = without_carriage_returns(line);
     if (line.find('\r') != line.npos)
       return std::unexpected(refusal(Code::smime_malformed, "line ends LF or CRLF", "a lone CR"));
     const auto octets = as_bytes(line);

@@ -71,12 +71,6 @@ std::optional<std::string> to_utf8(const ASN1_STRING* value) {
 
 namespace {
 
-std::string describe(EVP_PKEY* key) {
-  const char* name = EVP_PKEY_get0_type_name(key);
-  return std::string(name != nullptr ? name : "unknown") + " of " +
-         std::to_string(EVP_PKEY_get_bits(key)) + " bits";
-}
-
 // The curve's name, or nothing if the key spells out parameters of its own (CVE-2020-0601).
 std::string group_name(EVP_PKEY* key) {
   char name[64];
@@ -86,6 +80,14 @@ std::string group_name(EVP_PKEY* key) {
                      std::string_view(name) == OSSL_PKEY_EC_ENCODING_GROUP;
   if (!named) return "";
   return EVP_PKEY_get_group_name(key, name, sizeof name, &size) == 1 ? std::string(name, size) : "";
+}
+
+// "RSA of 1024 bits", "EC secp256k1 of 256 bits".
+std::string describe(EVP_PKEY* key) {
+  const char* name = EVP_PKEY_get0_type_name(key);
+  const auto group = EVP_PKEY_is_a(key, "EC") == 1 ? group_name(key) : "";
+  return std::string(name != nullptr ? name : "unknown") + (group.empty() ? "" : " ") + group +
+         " of " + std::to_string(EVP_PKEY_get_bits(key)) + " bits";
 }
 
 }  // namespace

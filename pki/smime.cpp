@@ -155,8 +155,12 @@ Result<BytesView> check_octets(BytesView file) {
                 {.expected = "at most " + std::to_string(kMostDocumentOctets) + " octets",
                  .found = std::to_string(file.size())});
   if (!file.empty() && file.back() == 0) file = file.first(file.size() - 1);
-  if (as_text(file).find('\0') != std::string_view::npos) return fail(Code::smime_nul);
-  return file;
+  if (as_text(file).find('\0') == std::string_view::npos) return file;
+  constexpr std::uint8_t kSequence = 0x30;  // what every DER signature begins with
+  if (file.front() == kSequence)
+    return fail(Code::smime_not_multipart, {.expected = "Content-Type: multipart/signed",
+                                            .found = "a binary (DER) signature"});
+  return fail(Code::smime_nul);
 }
 
 }  // namespace

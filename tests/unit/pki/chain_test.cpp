@@ -23,6 +23,18 @@ Certificate with_sha1(const Certificate& certificate, const PrivateKey& key) {
   return *Certificate::from_der(BytesView(raw, static_cast<std::size_t>(size)));
 }
 
+// As `openssl x509 -req` without an extension file makes it.
+Certificate as_version_1(const Certificate& certificate, const PrivateKey& key) {
+  const X509Ptr x509(X509_dup(certificate.impl().x509.get()));
+  while (X509_get_ext_count(x509.get()) > 0) X509_EXTENSION_free(X509_delete_ext(x509.get(), 0));
+  X509_set_version(x509.get(), X509_VERSION_1);
+  X509_sign(x509.get(), key.impl().pkey.get(), EVP_sha256());
+  unsigned char* raw = nullptr;
+  const int size = i2d_X509(x509.get(), &raw);
+  const OpensslMemory owner(raw);
+  return *Certificate::from_der(BytesView(raw, static_cast<std::size_t>(size)));
+}
+
 TEST(Chain, ValidityIsJudgedAtEveryCall) {
   const auto ca = make_ca();
   const auto leaf = make_leaf(ca, "CN=short", {}, {kNow, kNow + 10s});
@@ -105,6 +117,31 @@ TEST(Chain, OnlyCasMayBeInTheFileOrIssue) {
   const auto leaf = make_leaf(ca);
   EXPECT_CODE(ChainVerifier::make({leaf.certificate}), not_a_ca);
   EXPECT_CODE(Authority::load(leaf.certificate, leaf.key), not_a_ca);
+}
+
+// DECISIONS.md: it is a CA by its place, since it has no extensions that could say so.
+TEST(Chain, ASelfSignedVersion1CertificateMayBeAnAnchorAndNothingElse) {
+  const auto root = make_ca("CN=Root");
+  const auto version_1 = as_version_1(root.certificate(), root.key());
+  EXPECT_TRUE(version_1.is_version_1());
+  EXPECT_FALSE(version_1.is_ca());
+  EXPECT_TRUE(version_1.can_be_anchor());
+  const auto leaf = make_leaf(root).certificate;
+  EXPECT_TRUE(make_verifier({version_1}).verify(leaf, kNow));
+  EXPECT_CODE(make_verifier({version_1}).verify(leaf, kYear.not_after + 24h), certificate_expired);
+  EXPECT_CODE(Authority::load(version_1, root.key()), not_a_ca);
+
+  // One that another CA signed is none, alone or between a CA and a leaf.
+  const auto sub = *root.subordinate("CN=Sub", {}, kYear, test_random());
+  const auto middle = as_version_1(sub.certificate(), root.key());
+  EXPECT_FALSE(middle.can_be_anchor());
+  EXPECT_CODE(ChainVerifier::make({middle}), not_a_ca);
+  EXPECT_CODE(ChainVerifier::make({root.certificate(), middle}), not_a_ca);
+  // A participant of version 1 issues nothing either.
+  const auto talker = make_leaf(root);
+  const auto participant = as_version_1(talker.certificate, root.key());
+  EXPECT_TRUE(make_verifier({version_1}).verify(participant, kNow));
+  EXPECT_CODE(ChainVerifier::make({participant}), not_a_ca);
 }
 
 TEST(Chain, PathLengthCounts) {
@@ -211,8 +248,8 @@ TEST_F(Revocation, AnOlderListBesideTheNewestNeverCounts) {
     return *ca_.make_crl({std::move(revoked), from, until, number});
   };
   const auto newest = numbered(5, kNow + 1h, kNow + 48h, {bad_.certificate});
-  for (const auto& older : {numbered(4, kNow, kNow + 24h * 300, {}),
-                            numbered(4, kNow + 1h, kNow + 24h * 300, {})}) {
+  for (const auto& older :
+       {numbered(4, kNow, kNow + 24h * 300, {}), numbered(4, kNow + 1h, kNow + 24h * 300, {})}) {
     for (const auto& lists : {std::vector{older, newest}, std::vector{newest, older}}) {
       const auto verifier = make_verifier({ca_.certificate()}, lists);
       EXPECT_CODE(verifier.verify(bad_.certificate, kNow + 2h), certificate_revoked);
@@ -227,9 +264,9 @@ TEST_F(Revocation, AForgedNewerListTakesNoListsPlace) {
   const auto twin = make_ca("CN=Root");
   const auto genuine = list(ca_, {bad_.certificate});
   const auto forged = *twin.make_crl({{}, kNow + 1h, kNow + 48h, 1'000'000});
-  EXPECT_CODE(make_verifier({ca_.certificate()}, {genuine, forged})
-                  .verify(bad_.certificate, kNow + 2h),
-              certificate_revoked);
+  EXPECT_CODE(
+      make_verifier({ca_.certificate()}, {genuine, forged}).verify(bad_.certificate, kNow + 2h),
+      certificate_revoked);
 }
 
 TEST_F(Revocation, AForgedListIsRefusedUnderEitherPolicy) {

@@ -229,6 +229,27 @@ TEST_F(Smime, NulAndLoneCarriageReturnAreRefused) {
               smime_nul);
 }
 
+// OpenSSL on Windows writes the text with CR CR LF and the rest with CRLF; the signature is over
+// CRLF. It strips every CR before an LF, so more of them change nothing either.
+TEST_F(Smime, CarriageReturnsBeforeALineFeedAreOneLineBreak) {
+  std::string lf = file_;
+  std::erase(lf, '\r');
+  for (const std::string_view line_break : {"\n", "\r\n", "\r\r\n", "\r\r\r\n"}) {
+    std::string text;
+    for (const char c : lf) text += c == '\n' ? std::string(line_break) : std::string(1, c);
+    const auto document = check(text);
+    ASSERT_TRUE(document) << document.error().to_sentence();
+    EXPECT_EQ(as_text(document->content()).find("\r\r"), std::string_view::npos);
+  }
+}
+
+TEST_F(Smime, ABinarySignatureIsNamed) {
+  const auto der = check(std::string("0\x82\0\x10", 4));
+  ASSERT_FALSE(der);
+  EXPECT_EQ(der.error().code(), Code::smime_not_multipart);
+  EXPECT_NE(der.error().message().find("a binary (DER) signature"), std::string::npos);
+}
+
 TEST_F(Smime, SizeIsBounded) {
   EXPECT_CODE(check(std::string(kMostDocumentOctets + 1, 'x')), smime_too_large);
 }
