@@ -13,6 +13,7 @@
 #include "cli/meeting_report.hpp"
 #include "cli/options.hpp"
 #include "cli/pre_shared_keys.hpp"
+#include "cli/products.hpp"
 #include "governance/model.hpp"
 
 namespace ddssec::cli {
@@ -21,15 +22,24 @@ namespace {
 namespace fs = std::filesystem;
 namespace doctor = governance::doctor;
 
-// "A=cyclonedds" sets vendors[0]; a bare name both.
-Status set_vendor(const std::string& word, doctor::Vendor (&vendors)[2]) {
+// "A=cyclonedds" sets products[0]; a bare name both.
+Status set_vendor(const std::string& word, doctor::NamedProduct (&products)[2]) {
   const bool is_a = word.starts_with("A=");
   const bool is_b = word.starts_with("B=");
-  const auto vendor = doctor::vendor_from(is_a || is_b ? word.substr(2) : word);
-  if (!vendor) return unknown_vendor(word, "A= or B= and ");
-  if (!is_b) vendors[0] = *vendor;
-  if (!is_a) vendors[1] = *vendor;
+  const auto product = doctor::product_from(is_a || is_b ? word.substr(2) : word);
+  if (!product) return unknown_vendor(word, "A= or B= and ");
+  if (!is_b) products[0] = *product;
+  if (!is_a) products[1] = *product;
   return {};
+}
+
+// A participant that runs this product.
+doctor::Party party(const doctor::LoadedFolder& folder, const doctor::NamedProduct& product,
+                    const std::string& name, Report& report) {
+  doctor::Party out{folder, product.vendor, name};
+  if (product.vendor != doctor::Vendor::ours)
+    out.lineup.of(product.vendor) = version_of(product, report);
+  return out;
 }
 
 Result<Wanted> wanted_of(const Arguments& arguments) {
@@ -74,8 +84,8 @@ Result<std::vector<std::string>> topics_of(const Arguments& arguments) {
 
 Result<Report> check(const Arguments& arguments, const Context& context) {
   const fs::path folders[] = {arguments.text("A"), arguments.text("B")};
-  doctor::Vendor vendors[] = {doctor::Vendor::ours, doctor::Vendor::ours};
-  for (const auto& word : arguments.all("--vendor")) DDSSEC_TRY(set_vendor(word, vendors));
+  doctor::NamedProduct products[] = {{doctor::Vendor::ours}, {doctor::Vendor::ours}};
+  for (const auto& word : arguments.all("--vendor")) DDSSEC_TRY(set_vendor(word, products));
   const auto wanted = DDSSEC_TRY(wanted_of(arguments));
   const auto topics = DDSSEC_TRY(topics_of(arguments));
   for (const auto& folder : folders) DDSSEC_TRY(check_folder(folder));
@@ -88,7 +98,7 @@ Result<Report> check(const Arguments& arguments, const Context& context) {
   std::string names[2];
   name_parties(folders[0], folders[1], names);
   const auto meeting = meet_with_keys(
-      {a, vendors[0], names[0]}, {b, vendors[1], names[1]},
+      party(a, products[0], names[0], report), party(b, products[1], names[1], report),
       {.now = now, .domain = domain, .partitions = arguments.all("--partition")}, topics);
   const MeetingView view{.meeting = meeting,
                          .names = {names[0], names[1]},
@@ -97,15 +107,15 @@ Result<Report> check(const Arguments& arguments, const Context& context) {
                          .wanted = wanted,
                          .explain = arguments.has("--explain")};
   const bool talk = would_talk(view);
-  // A difference in protection is an error also where another topic works.
-  report.exit = talk && !protection_differs(meeting) ? Exit::done : Exit::no;
+  // A topic that both may use and cannot is an error also where another one works.
+  report.exit = talk && !has_topic_apart(meeting) ? Exit::done : Exit::no;
   report.text = meeting_text(view);
   report.result = meeting_json(view);
   report.findings.insert(report.findings.end(), meeting.findings.begin(), meeting.findings.end());
-  // What Fast DDS 2.9.1 would make of it is told if a product or everything is asked for.
-  const bool products = arguments.has("--vendor") || arguments.has("--explain");
+  // What Fast DDS would make of it is told if a product or everything is asked for.
+  const bool asked = arguments.has("--vendor") || arguments.has("--explain");
   std::ranges::copy_if(meeting.notes, std::back_inserter(report.findings),
-                       [&](const Finding& note) { return products || note.rule != Rule::DOC083; });
+                       [&](const Finding& note) { return asked || note.rule != Rule::DOC083; });
   return report;
 }
 
@@ -122,7 +132,8 @@ std::vector<Command> check_commands() {
                    kDomainToCheck,
                    repeated("--partition", "P", "a partition of writers and readers"),
                    repeated("--vendor", "WHO",
-                            "A= or B= and cyclonedds, fastdds or ddssec (without: ddssec)"),
+                            "A= or B= and cyclonedds, fastdds (with @VERSION if another than the "
+                            "installed one matters) or ddssec (without: ddssec)"),
                    {"--require", "WHAT", "any, both, writer=A or writer=B on every topic", "any"},
                    {"--explain", "", "every judgement, not only those that refuse"}},
        .examples = {"ddssec check demo/talker demo/listener",

@@ -15,6 +15,7 @@
 #include "cli/meeting_report.hpp"
 #include "cli/options.hpp"
 #include "cli/pre_shared_keys.hpp"
+#include "cli/products.hpp"
 #include "governance/doctor/diagnosis.hpp"
 #include "governance/doctor/domains.hpp"
 #include "governance/doctor/lint_checks.hpp"
@@ -30,43 +31,28 @@ namespace fs = std::filesystem;
 namespace doctor = governance::doctor;
 using doctor::Vendor;
 
-using Vendors = std::vector<Vendor>;
-
-// What --vendor says; all of them if it is not given.
-Result<Vendors> chosen_vendors(const Arguments& arguments) {
-  Vendors out;
-  for (const auto& word : arguments.all("--vendor")) {
-    if (word == "all") return Vendors(doctor::kVendors.begin(), doctor::kVendors.end());
-    const auto vendor = doctor::vendor_from(word);
-    if (!vendor) return unknown_vendor(word, "all, ");
-    out.push_back(*vendor);
-  }
-  if (out.empty()) out.assign(doctor::kVendors.begin(), doctor::kVendors.end());
-  return out;
-}
-
 // What concerns products that have no column (OpenDDS) is told if nobody chose.
-bool concerns(const Finding& finding, const Vendors& vendors) {
+bool concerns(const Finding& finding, const Products& products) {
   return finding.vendors.empty() || std::ranges::any_of(finding.vendors, [&](const auto& word) {
            const auto vendor = doctor::vendor_from(word);
-           return vendor ? std::ranges::find(vendors, *vendor) != vendors.end()
-                         : vendors.size() == doctor::kVendors.size();
+           return vendor ? std::ranges::find(products.vendors, *vendor) != products.vendors.end()
+                         : products.vendors.size() == doctor::kVendors.size();
          });
 }
 
-Json verdicts(const doctor::Outcomes& outcomes, const Vendors& vendors) {
+Json verdicts(const doctor::Outcomes& outcomes, const Products& products) {
   Json out = Json::object();
-  for (const auto vendor : vendors)
-    out[std::string(doctor::id(vendor))] = to_string(outcomes.of(vendor));
+  for (const auto vendor : products.vendors)
+    out[doctor::id(vendor, products.lineup)] = to_string(outcomes.of(vendor));
   return out;
 }
 
-Json to_json(const doctor::Check& check, const Vendors& vendors) {
+Json to_json(const doctor::Check& check, const Products& products) {
   Json out = {{"id", info(check.rule).id},
               {"title", check.title},
-              {"verdicts", verdicts(check.outcomes, vendors)}};
+              {"verdicts", verdicts(check.outcomes, products)}};
   const auto said = std::ranges::find_if(
-      check.findings, [&](const Finding& finding) { return concerns(finding, vendors); });
+      check.findings, [&](const Finding& finding) { return concerns(finding, products); });
   if (said != check.findings.end())
     out["fix"] = said->hint.empty() ? std::string(info(check.rule).hint) : said->hint;
   return out;
@@ -75,78 +61,82 @@ Json to_json(const doctor::Check& check, const Vendors& vendors) {
 constexpr std::size_t kTitleWidth = 54;
 constexpr std::size_t kColumnWidth = 19;
 
-std::string row(std::string_view title, const doctor::Outcomes& outcomes, const Vendors& vendors) {
+std::string row(std::string_view title, const doctor::Outcomes& outcomes,
+                const Products& products) {
   auto out = fmt::format("{:<{}} ", title, kTitleWidth);
-  for (const auto vendor : vendors)
+  for (const auto vendor : products.vendors)
     out += fmt::format("{:<{}}", to_string(outcomes.of(vendor)), kColumnWidth);
   return out.substr(0, out.find_last_not_of(' ') + 1) + '\n';
 }
 
 std::string table(const doctor::Diagnosis& diagnosis, std::string_view title,
-                  const Vendors& vendors) {
+                  const Products& products) {
   auto out = fmt::format("{:<{}} ", title, kTitleWidth);
-  for (const auto vendor : vendors)
-    out += fmt::format("{:<{}}", doctor::label(vendor), kColumnWidth);
+  for (const auto vendor : products.vendors)
+    out += fmt::format("{:<{}}", doctor::label(vendor, products.lineup), kColumnWidth);
   out = out.substr(0, out.find_last_not_of(' ') + 1) + '\n';
-  for (const auto& check : diagnosis.checks()) out += row(check.title, check.outcomes, vendors);
-  return out + row("in all", diagnosis.outcomes(), vendors);
+  for (const auto& check : diagnosis.checks()) out += row(check.title, check.outcomes, products);
+  return out + row("in all", diagnosis.outcomes(), products);
 }
 
 // The findings that concern the chosen products.
-std::vector<Finding> findings_for(const Vendors& vendors, const doctor::Diagnosis& diagnosis) {
+std::vector<Finding> findings_for(const Products& products, const doctor::Diagnosis& diagnosis) {
   std::vector<Finding> out;
   for (const auto& check : diagnosis.checks())
     std::ranges::copy_if(check.findings, std::back_inserter(out),
-                         [&](const Finding& finding) { return concerns(finding, vendors); });
+                         [&](const Finding& finding) { return concerns(finding, products); });
   return out;
 }
 
-bool is_good(const doctor::Diagnosis& diagnosis, const Vendors& vendors) {
+bool is_good(const doctor::Diagnosis& diagnosis, const Products& products) {
   const auto outcomes = diagnosis.outcomes();
   return std::ranges::all_of(
-      vendors, [&](Vendor vendor) { return outcomes.of(vendor) == doctor::Outcome::ok; });
+      products.vendors, [&](Vendor vendor) { return outcomes.of(vendor) == doctor::Outcome::ok; });
 }
 
-Json ids(const Vendors& vendors) {
+Json ids(const Products& products) {
   Json out = Json::array();
-  for (const auto vendor : vendors) out.push_back(doctor::id(vendor));
+  for (const auto vendor : products.vendors) out.push_back(doctor::id(vendor, products.lineup));
   return out;
 }
 
 /// What one folder comes to; findings and text are added to the report.
 Json add_diagnosis(Report& report, const fs::path& folder, const doctor::Diagnosis& diagnosis,
-                   const doctor::Settings& settings, const Vendors& vendors) {
-  auto findings = findings_for(vendors, diagnosis);
+                   const doctor::Settings& settings, const Products& products) {
+  auto findings = findings_for(products, diagnosis);
   const auto count = counted(findings);
   add_findings(report, std::move(findings), folder);
-  if (!is_good(diagnosis, vendors)) report.exit = Exit::no;
+  if (!is_good(diagnosis, products)) report.exit = Exit::no;
   report.text +=
-      table(diagnosis, fmt::format("{}, domain {}", folder.string(), settings.domain), vendors) +
+      table(diagnosis, fmt::format("{}, domain {}", folder.string(), settings.domain), products) +
       count + '\n';
-  Json out = {{"vendors", ids(vendors)}, {"checks", Json::array()}};
-  for (const auto& check : diagnosis.checks()) out["checks"].push_back(to_json(check, vendors));
-  out["verdicts"] = verdicts(diagnosis.outcomes(), vendors);
+  Json out = {{"vendors", ids(products)}, {"checks", Json::array()}};
+  for (const auto& check : diagnosis.checks()) out["checks"].push_back(to_json(check, products));
+  out["verdicts"] = verdicts(diagnosis.outcomes(), products);
   return out;
 }
 
 // Each product of the one with each product of the other. That two products do not understand each
 // other is a "no" only if somebody asked for the two.
 void add_meetings(Report& report, const doctor::Party& self, const doctor::Party& peer,
-                  const doctor::Settings& settings, const Vendors& vendors, bool products_chosen) {
+                  const doctor::Settings& settings, const Products& products,
+                  bool products_chosen) {
   report.result["peer"]["meetings"] = Json::array();
   std::vector<std::string> said;
-  for (const auto a : vendors)
-    for (const auto b : vendors) {
-      const auto meeting =
-          meet_with_keys({self.folder, a, self.name}, {peer.folder, b, peer.name}, settings);
+  for (const auto a : products.vendors)
+    for (const auto b : products.vendors) {
+      const auto meeting = meet_with_keys({self.folder, a, self.name, products.lineup},
+                                          {peer.folder, b, peer.name, products.lineup}, settings);
       const MeetingView view{
           .meeting = meeting, .names = {self.name, peer.name}, .domain = settings.domain};
       const bool talk = would_talk(view);
       if (!talk && (a == b || products_chosen)) report.exit = Exit::no;
-      report.text += fmt::format("{} on {}, {} on {}: {}\n", self.name, doctor::label(a), peer.name,
-                                 doctor::label(b), talk ? "they talk" : "they do NOT talk");
-      report.result["peer"]["meetings"].push_back(
-          {{"self", doctor::id(a)}, {"peer", doctor::id(b)}, {"talk", talk}});
+      report.text += fmt::format(
+          "{} on {}, {} on {}: {}\n", self.name, doctor::label(a, products.lineup), peer.name,
+          doctor::label(b, products.lineup), talk ? "they talk" : "they do NOT talk");
+      report.result["peer"]["meetings"].push_back({{"self", doctor::id(a, products.lineup)},
+                                                   {"peer", doctor::id(b, products.lineup)},
+                                                   {"talk", talk}});
       auto findings = meeting.findings;
       std::ranges::copy_if(meeting.notes, std::back_inserter(findings), [](const auto& note) {
         return note.rule == Rule::DOC094;  // the others are of this pair alone
@@ -164,19 +154,19 @@ void add_meetings(Report& report, const doctor::Party& self, const doctor::Party
 
 void add_peer(Report& report, const Arguments& arguments, const doctor::LoadedFolder& self,
               const doctor::LoadedFolder& peer, const doctor::Settings& settings,
-              const Vendors& vendors) {
+              const Products& products) {
   const fs::path folders[] = {arguments.text("DIR"), arguments.text("--peer")};
   report.text += '\n';
   auto diagnosis = doctor::diagnose(peer, settings);
   check_pre_shared_keys(peer, settings, diagnosis);
   check_key_limits(peer, settings, diagnosis);
   doctor::check_lint(peer, settings, diagnosis);
-  report.result["peer"] = add_diagnosis(report, folders[1], diagnosis, settings, vendors);
+  report.result["peer"] = add_diagnosis(report, folders[1], diagnosis, settings, products);
   std::string names[2];
   name_parties(folders[0], folders[1], names);
   report.text += '\n';
   add_meetings(report, {self, Vendor::ours, names[0]}, {peer, Vendor::ours, names[1]}, settings,
-               vendors, arguments.has("--vendor"));
+               products, arguments.has("--vendor"));
 }
 
 // A node of ROS 2 asks its environment only, and runs in domain 0 if that names none.
@@ -204,7 +194,8 @@ Result<DomainId> domain_of_node(const doctor::LoadedFolder& folder, WallTime now
 
 Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
   const fs::path folder = arguments.text("DIR");
-  const auto vendors = DDSSEC_TRY(chosen_vendors(arguments));
+  Report report;
+  const auto products = DDSSEC_TRY(products_of(arguments, report));
   const auto now = context.clock.now();
   DDSSEC_TRY(check_folder(folder));
   const auto loaded = load_participant(folder, now);
@@ -213,12 +204,11 @@ Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
     DDSSEC_TRY(check_folder(arguments.text("--peer")));
     peer = load_participant(arguments.text("--peer"), now);
   }
-  Report report;
   const bool is_of_ros = arguments.has("--ros") && !arguments.has("--domain");
   const auto domain = DDSSEC_TRY(
       is_of_ros ? domain_of_node(loaded, now)
                 : domain_for(arguments, {&loaded, peer ? &*peer : &loaded}, now, report));
-  const doctor::Settings settings{.now = now, .domain = domain};
+  const doctor::Settings settings{.now = now, .domain = domain, .lineup = products.lineup};
   auto diagnosis = doctor::diagnose(loaded, settings);
   check_pre_shared_keys(loaded, settings, diagnosis);
   check_key_limits(loaded, settings, diagnosis);
@@ -230,8 +220,8 @@ Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
   doctor::check_shared_memory(loaded, doctor::cyclonedds_configuration(), settings, diagnosis);
   doctor::check_lint(loaded, settings, diagnosis);
   report.result = {{"domain", domain}};
-  report.result.update(add_diagnosis(report, folder, diagnosis, settings, vendors));
-  if (peer) add_peer(report, arguments, loaded, *peer, settings, vendors);
+  report.result.update(add_diagnosis(report, folder, diagnosis, settings, products));
+  if (peer) add_peer(report, arguments, loaded, *peer, settings, products);
   return report;
 }
 
@@ -259,17 +249,6 @@ Status check_folder(const fs::path& folder) {
 
 doctor::LoadedFolder load_participant(const fs::path& folder, WallTime now) {
   return doctor::load_folder(pki::participant_folder(folder), now);
-}
-
-std::unexpected<Error> unknown_vendor(const std::string& word, std::string_view before) {
-  const bool names_version = word.find('@') != word.npos;
-  return fail(Code::usage,
-              {.field = "--vendor",
-               .expected = fmt::format("{}cyclonedds@0.10.2, fastdds@2.9.1 or ddssec", before),
-               .found = '"' + word + '"',
-               .note = names_version ? "no other version was measured; what is known of Fast DDS "
-                                       "2.10 and later is in docs/why-they-do-not-talk.md"
-                                     : ""});
 }
 
 Result<DomainId> domain_for(const Arguments& arguments,
@@ -303,12 +282,14 @@ std::vector<Command> doctor_commands() {
                   "something is.",
        .positionals = {{"DIR", "the participant's folder, flat or an enclave of sros2"}},
        .options = {kDomainToCheck,
-                   repeated("--vendor", "V", "all, cyclonedds@0.10.2, fastdds@2.9.1 or ddssec"),
+                   repeated("--vendor", "V",
+                            "all, cyclonedds, fastdds or ddssec; with @VERSION if another than "
+                            "the installed one matters"),
                    {"--peer", "DIR", "another participant: would they talk?"},
                    {"--ros", "", "as an enclave of ROS 2, with its variables and ROS_DOMAIN_ID"},
                    {"--plugins", "WHERE",
                     "load the plugin libraries of this folder, or (system) Cyclone DDS's"}},
-       .examples = {"ddssec doctor demo/talker", "ddssec doctor talker --vendor fastdds",
+       .examples = {"ddssec doctor demo/talker", "ddssec doctor talker --vendor fastdds@3.1.2",
                     "ddssec doctor talker --peer listener"},
        .run = doctor_of}};
 }

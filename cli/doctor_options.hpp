@@ -1,7 +1,6 @@
 // What `doctor` and `check` share.
 #pragma once
 
-#include <expected>
 #include <filesystem>
 #include <initializer_list>
 
@@ -23,7 +22,5 @@ Result<DomainId> domain_for(const Arguments& arguments,
 /// What sentences call the folders: their last parts, or the whole paths where those are equal.
 void name_parties(const std::filesystem::path& a, const std::filesystem::path& b,
                   std::string (&names)[2]);
-/// Error: usage, of a --vendor that is none: `before` and the vendors may be named.
-std::unexpected<Error> unknown_vendor(const std::string& word, std::string_view before);
 
 }  // namespace ddssec::cli

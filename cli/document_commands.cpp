@@ -10,10 +10,12 @@
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/options.hpp"
+#include "cli/products.hpp"
 #include "cli/transaction.hpp"
+#include "governance/doctor/loaded_folder.hpp"
+#include "governance/doctor/measured.hpp"
 #include "governance/doctor/subject_form.hpp"
 #include "governance/lint.hpp"
-#include "pki/smime_diagnosis.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::cli {
@@ -62,30 +64,55 @@ Result<Report> sign(const Arguments& arguments, const Context& context) {
 /// What comes of the signature with each product.
 struct Beliefs {
   Result<pki::SignedDocument> ours;
-  bool stock = false;
+  bool cyclonedds = false;
+  bool fastdds = false;
+  doctor::Lineup lineup = installed_lineup();
+
+  std::string_view verdict(doctor::Vendor vendor) const {
+    const bool accepts = vendor == doctor::Vendor::cyclonedds ? cyclonedds
+                         : vendor == doctor::Vendor::fastdds  ? fastdds
+                                                              : ours.has_value();
+    return accepts ? "accepts" : "refuses";
+  }
+  Json verdicts() const {
+    Json out = Json::object();
+    for (const auto vendor : doctor::kVendors) out[doctor::id(vendor, lineup)] = verdict(vendor);
+    return out;
+  }
+  /// "Cyclone DDS 0.10.2 refuses it, Fast DDS 2.9.1 accepts it".
+  std::string in_words() const {
+    const auto words = [&](doctor::Vendor vendor) {
+      return fmt::format("{} {} it", doctor::name(vendor, lineup), verdict(vendor));
+    };
+    return words(doctor::Vendor::cyclonedds) + ", " + words(doctor::Vendor::fastdds);
+  }
 };
 
 Result<Beliefs> beliefs(const fs::path& file, const fs::path& ca, WallTime now) {
   const auto octets = DDSSEC_TRY(read_file(file, pki::kMostDocumentOctets));
-  auto anchors = DDSSEC_TRY(named(
+  const Result<std::vector<pki::Certificate>> anchors = DDSSEC_TRY(named(
       pki::Certificate::bundle_from_pem(DDSSEC_TRY(read_file(ca, pki::kMostBundleOctets))), ca));
-  const bool stock = pki::stock_products_believe(octets, anchors, now).has_value();
-  const auto verifier = DDSSEC_TRY(named(pki::DocumentVerifier::make(std::move(anchors)), ca));
-  return Beliefs{named(verifier.verify(octets, now), file), stock};
-}
-
-std::string_view word(bool accepted) { return accepted ? "accepts" : "refuses"; }
-
-Json verdicts_json(bool stock, bool ours) {
-  return {{"cyclonedds@0.10.2", word(stock)}, {"fastdds@2.9.1", word(stock)}, {"ours", word(ours)}};
+  const auto verifier = named(pki::DocumentVerifier::make(*anchors), ca);
+  Beliefs out{.ours = verifier ? named(verifier->verify(octets, now), file)
+                               : std::unexpected(verifier.error())};
+  // From 11 on Cyclone DDS accepts no signer but the CA itself, as ours does.
+  const auto by_another = measured(doctor::Variant::permissions_by_itself, out.lineup);
+  const bool is_other_signer =
+      !out.ours && out.ours.error().code() == Code::smime_signer_not_permissions_ca;
+  const auto accepts = [&](doctor::Vendor vendor) {
+    return believes(vendor, octets, anchors, now) &&
+           !(is_other_signer && by_another.of(vendor) == doctor::Outcome::fail);
+  };
+  out.cyclonedds = accepts(doctor::Vendor::cyclonedds);
+  out.fastdds = accepts(doctor::Vendor::fastdds);
+  return out;
 }
 
 // Ours pins the signer, so that stock products can believe what ours does not (CVE-2023-24010).
-Report refused(const Error& error, bool stock) {
-  Report report = report_of(error);
-  report.text = fmt::format("refused; Cyclone DDS 0.10.2 and Fast DDS 2.9.1 {}\n",
-                            stock ? "would accept it" : "refuse it as well");
-  report.result = {{"verdicts", verdicts_json(stock, false)}};
+Report refused(const Beliefs& all) {
+  Report report = report_of(all.ours.error());
+  report.text = fmt::format("refused; {}\n", all.in_words());
+  report.result = {{"verdicts", all.verdicts()}};
   return report;
 }
 
@@ -96,7 +123,8 @@ void name_vendors(std::vector<Finding>& findings, const governance::Permissions&
     if (finding.rule != Rule::PERM011 || finding.severity >= Severity::error) continue;
     const auto grant = std::ranges::find(document.grants, finding.line, &governance::Grant::line);
     if (grant == document.grants.end()) continue;
-    const auto outcomes = doctor::reads_subject(grant->subject_name, certificate);
+    const auto outcomes =
+        doctor::reads_subject(grant->subject_name, certificate, installed_lineup());
     finding.vendors.clear();
     if (outcomes.cyclonedds != doctor::Outcome::ok) finding.vendors.emplace_back("cyclonedds");
     if (outcomes.fastdds != doctor::Outcome::ok) finding.vendors.emplace_back("fastdds");
@@ -120,19 +148,20 @@ template <class Kind>
 Result<Report> verify(const Arguments& arguments, const Context& context) {
   const auto file = document_path<Kind>(arguments.text("FILE"));
   const auto now = context.clock.now();
-  const auto [proof, stock] =
+  const auto all =
       DDSSEC_TRY(beliefs(file, ca_certificate_path(arguments.text("--ca"), "permissions"), now));
-  if (!proof) return refused(proof.error(), stock);
+  if (!all.ours) return refused(all);
+  const auto& proof = all.ours;
   const auto document = DDSSEC_TRY(named(Kind::read(proof->content()), file));
   Report report;
   report.text = fmt::format("{}: signed by {}, valid until {}\n", file.string(),
                             proof->signer().subject(), date(proof->signer_not_after()));
-  if (!stock) report.text += "Cyclone DDS 0.10.2 and Fast DDS 2.9.1 refuse the signature\n";
+  if (!all.cyclonedds || !all.fastdds) report.text += "signature: " + all.in_words() + '\n';
   report.result = {{"file", file.string()},
                    {"signer", proof->signer().subject()},
                    {"signer_sha256", to_hex(proof->signer().fingerprint())},
                    {"signer_not_after", to_string(proof->signer_not_after())},
-                   {"verdicts", verdicts_json(stock, true)}};
+                   {"verdicts", all.verdicts()}};
   add_findings(report, DDSSEC_TRY(lint_for_vendors(document, arguments, now)), file);
   return report;
 }

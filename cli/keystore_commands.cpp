@@ -12,6 +12,7 @@
 #include "cli/inputs.hpp"
 #include "cli/keystore.hpp"
 #include "cli/options.hpp"
+#include "cli/products.hpp"
 #include "cli/ros_policy.hpp"
 #include "cli/transaction.hpp"
 #include "governance/doctor/diagnosis.hpp"
@@ -293,11 +294,12 @@ Result<Report> keystore_verify(const Arguments& arguments, const Context& contex
       report.errors.emplace_back(Code::key_readable_by_others, ErrorDetails{.document = key});
   }
   Report domains;
+  const auto lineup = installed_lineup();
   for (const auto& name : enclaves_of(keystore)) {
     const auto folder = pki::participant_folder(keystore / enclave_folder(name));
     const auto loaded = doctor::load_folder(folder, now);
     const auto domain = DDSSEC_TRY(domain_for(arguments, {&loaded}, now, domains));
-    const doctor::Settings settings{.now = now, .domain = domain};
+    const doctor::Settings settings{.now = now, .domain = domain, .lineup = lineup};
     auto diagnosis = doctor::diagnose(loaded, settings);
     doctor::check_lint(loaded, settings, diagnosis);
     Json verdicts = Json::object();
@@ -305,8 +307,8 @@ Result<Report> keystore_verify(const Arguments& arguments, const Context& contex
     for (const auto vendor : doctor::kVendors) {
       const auto outcome = diagnosis.outcomes().of(vendor);
       if (outcome != doctor::Outcome::ok) report.exit = Exit::no;
-      verdicts[std::string(doctor::id(vendor))] = to_string(outcome);
-      words += fmt::format("  {}: {}", doctor::label(vendor), to_string(outcome));
+      verdicts[doctor::id(vendor, lineup)] = to_string(outcome);
+      words += fmt::format("  {}: {}", doctor::label(vendor, lineup), to_string(outcome));
     }
     for (const auto& check : diagnosis.checks())
       report.findings.insert(report.findings.end(), check.findings.begin(), check.findings.end());

@@ -109,7 +109,8 @@ std::string direction_text(const TopicMeeting& topic, const Direction& direction
   for (const auto& difference : direction.differences)
     out += fmt::format("      <{}> is {} at {} and {} at {}\n", difference.element,
                        difference.values[0], view.names[0], difference.values[1], view.names[1]);
-  if (!direction.obstacle.empty()) out += fmt::format("      {}\n", direction.obstacle);
+  if (!direction.obstacle.reason.empty())
+    out += fmt::format("      {}\n", direction.obstacle.reason);
   return out;
 }
 
@@ -119,11 +120,49 @@ std::string topic_text(const TopicMeeting& topic, const MeetingView& view) {
          direction_text(topic, topic.directions[1], view);
 }
 
-// Both may use it in one direction or the other, and nothing but the protection keeps them apart.
-bool differs(const TopicMeeting& topic) {
+bool is_idle(const TopicMeeting& topic) {
+  return !topic.directions[0].ok && !topic.directions[1].ok;
+}
+
+// Both may use it in one direction or the other by their permissions, and something else keeps them
+// apart: the protection, or what a product does by itself.
+bool is_kept_apart(const TopicMeeting& topic) {
+  return is_idle(topic) && std::ranges::any_of(topic.directions, [](const Direction& one) {
+           return (!one.differences.empty() || !one.obstacle.reason.empty()) &&
+                  std::ranges::all_of(one.steps, &Judgement::ok);
+         });
+}
+
+bool protection_differs(const TopicMeeting& topic) {
   return std::ranges::any_of(topic.directions, [](const Direction& one) {
     return !one.differences.empty() && std::ranges::all_of(one.steps, &Judgement::ok);
   });
+}
+
+// The first thing that keeps a writer and a reader apart; "" if nothing does.
+std::string reason_apart(const Direction& direction, const MeetingView& view) {
+  for (const auto& one : direction.steps) {
+    if (one.ok) continue;
+    const auto* may = one.operation == "publish" ? "publish" : "subscribe to";
+    return one.judge == one.about
+               ? fmt::format("{} may not {} it: {}{}", view.names[one.about], may, one.reason,
+                             place(one))
+               : fmt::format("{} does not let {} {} it: {}{}", view.names[one.judge],
+                             view.names[one.about], may, one.reason, place(one));
+  }
+  for (const auto& one : direction.differences)
+    return fmt::format("<{}> is {} at {} and {} at {}", one.element, one.values[0], view.names[0],
+                       one.values[1], view.names[1]);
+  return direction.obstacle.reason;
+}
+
+// Of the direction that comes nearest to working.
+std::string reason_apart(const TopicMeeting& topic, const MeetingView& view) {
+  const auto refusals = [](const Direction& one) {
+    return std::ranges::count_if(one.steps, [](const Judgement& step) { return !step.ok; });
+  };
+  const auto nearest = refusals(topic.directions[1]) < refusals(topic.directions[0]) ? 1 : 0;
+  return reason_apart(topic.directions[nearest], view);
 }
 
 // What every node of ROS 2 has besides the topics that it is for.
@@ -154,12 +193,32 @@ std::string working_topics(const MeetingView& view, int writer) {
   return fmt::format("{} publishes to {}: {}", view.names[writer], view.names[1 - writer], names);
 }
 
+// "  not on Circle: listener may not subscribe to it: ...".
+std::string topics_apart(const MeetingView& view) {
+  constexpr std::size_t kMost = 5;
+  std::size_t count = 0;
+  std::string out;
+  for (const bool is_wanted : {true, false})  // those that both may use come first
+    for (const auto& topic : view.meeting.topics) {
+      if (!is_idle(topic) || is_kept_apart(topic) != is_wanted || is_of_every_node(topic.topic))
+        continue;
+      if (++count <= kMost)
+        out += fmt::format("  not on {}: {}\n", topic.topic, reason_apart(topic, view));
+    }
+  if (count > kMost) out += fmt::format("  nor on {} more\n", counted(count - kMost, "topic"));
+  return out;
+}
+
 std::string result_line(const MeetingView& view) {
   const auto& meeting = view.meeting;
   if (!meeting.joined()) return "result: they do not match\n";
-  return fmt::format("result: they match{}\n  {}\n  {}\n{}",
-                     protection_differs(meeting) ? ", but the protection of a topic differs" : "",
-                     working_topics(view, 0), working_topics(view, 1),
+  const bool differs = std::ranges::any_of(
+      meeting.topics, [](const TopicMeeting& topic) { return protection_differs(topic); });
+  return fmt::format("result: they match{}\n  {}\n  {}\n{}{}",
+                     differs                    ? ", but the protection of a topic differs"
+                     : has_topic_apart(meeting) ? ", but a product keeps them apart on a topic"
+                                                : "",
+                     working_topics(view, 0), working_topics(view, 1), topics_apart(view),
                      meeting.topics_complete ? "" : "  (not every topic was looked at)\n");
 }
 
@@ -217,7 +276,9 @@ Json direction_json(const TopicMeeting& topic, const Direction& direction,
     out["protection"] = {{"payload", to_string(rule->data_protection_kind)},
                          {"metadata", to_string(rule->metadata_protection_kind)},
                          {"rtps", to_string(domain->rtps_protection_kind)}};
-  if (!direction.obstacle.empty()) out["obstacle"] = direction.obstacle;
+  if (!direction.obstacle.reason.empty()) out["obstacle"] = direction.obstacle.reason;
+  if (!direction.ok)
+    if (const auto reason = reason_apart(direction, view); !reason.empty()) out["reason"] = reason;
   return out;
 }
 
@@ -261,8 +322,7 @@ std::string meeting_text(const MeetingView& view) {
            handshake_line(view);
   std::size_t hidden = 0;
   for (const auto& topic : meeting.topics) {
-    const bool idle = !topic.directions[0].ok && !topic.directions[1].ok;
-    if (idle && !differs(topic) && !view.topics_named && !view.explain)
+    if (is_idle(topic) && !is_kept_apart(topic) && !view.topics_named && !view.explain)
       hidden += meeting.joined() ? 1 : 0;
     else
       out += topic_text(topic, view);
@@ -273,8 +333,8 @@ std::string meeting_text(const MeetingView& view) {
   return out + result_line(view);
 }
 
-bool protection_differs(const Meeting& meeting) {
-  return meeting.joined() && std::ranges::any_of(meeting.topics, differs);
+bool has_topic_apart(const Meeting& meeting) {
+  return meeting.joined() && std::ranges::any_of(meeting.topics, is_kept_apart);
 }
 
 Json meeting_json(const MeetingView& view) {

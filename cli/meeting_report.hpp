@@ -29,8 +29,9 @@ bool would_talk(const MeetingView& view);
 
 /// Steps, topics and a last line with the result.
 std::string meeting_text(const MeetingView& view);
-/// True if they meet, and both may use a topic that their governance documents protect differently.
-bool protection_differs(const governance::doctor::Meeting& meeting);
+/// True if they meet, and both may use a topic that something else keeps them apart on: governance
+/// documents that protect it differently, or what a product does by itself.
+bool has_topic_apart(const governance::doctor::Meeting& meeting);
 /// authentication, permissions, join, handshake, topics, vendor_notes.
 Json meeting_json(const MeetingView& view);
 

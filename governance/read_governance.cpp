@@ -140,6 +140,7 @@ Result<Governance> read_governance(BytesView xml) {
   const auto children = DDSSEC_TRY(XmlChildren::of(body, kSpecs));
   Governance governance;
   ReadContext context(governance.notes);
+  note_byte_order_mark(context, xml, document.root());
   note_extensions(context, document.root());
   for (const auto& [kind, child] : children.all()) {
     DDSSEC_TRY(context.count(child));

@@ -172,6 +172,7 @@ Result<Permissions> read_permissions(BytesView xml) {
   const auto children = DDSSEC_TRY(XmlChildren::of(body, kSpecs));
   Permissions permissions;
   ReadContext context(permissions.notes);
+  note_byte_order_mark(context, xml, document.root());
   note_extensions(context, document.root());
   for (const auto& [kind, child] : children.all()) {
     DDSSEC_TRY(context.count(child));

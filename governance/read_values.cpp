@@ -85,6 +85,12 @@ void note_extensions(ReadContext& context, XmlElement element) {
   }
 }
 
+void note_byte_order_mark(ReadContext& context, BytesView text, XmlElement root) {
+  if (as_text(text).starts_with("\xEF\xBB\xBF"))
+    context.note(NoteKind::extension, root,
+                 "comes after a byte order mark, with which Cyclone DDS refuses the document");
+}
+
 Status ReadContext::count(XmlElement at) {
   if (++entries_ <= kMostEntries) return {};
   return fail(Code::too_many_rules,

@@ -31,6 +31,8 @@ void note_padding(ReadContext& context, XmlElement element);
 /// Notes elements and attributes, here and below, that DDS-Security 1.1 does not have. Nesting was
 /// bounded by check_xml.
 void note_extensions(ReadContext& context, XmlElement element);
+/// Notes a byte order mark before the text.
+void note_byte_order_mark(ReadContext& context, BytesView text, XmlElement root);
 /// The only child of <dds>, which must be named `name`. Error: document_kind.
 Result<XmlElement> document_body(const XmlDocument& document, std::string_view name);
 Result<bool> read_boolean(ReadContext& context, XmlElement element);

@@ -14,7 +14,7 @@ const pki::Certificate* issuer_of(const pki::Certificate& certificate,
   return found == cas.end() ? nullptr : &*found;
 }
 
-// Fast DDS wants the path up to a CA that signed itself; ours is content with any CA of the file.
+// Up to a CA that signed itself.
 bool leads_to_root(const pki::Certificate& certificate, const std::vector<pki::Certificate>& cas) {
   const auto* at = &certificate;
   for (std::size_t steps = 0; steps <= cas.size(); ++steps) {
@@ -25,14 +25,32 @@ bool leads_to_root(const pki::Certificate& certificate, const std::vector<pki::C
   return false;
 }
 
-// Cyclone DDS 0.10.2 reads the first certificate of the CA file only.
 bool first_is_root_of(const pki::Certificate& certificate,
                       const std::vector<pki::Certificate>& cas) {
   return cas.front().subject() == certificate.issuer() &&
          cas.front().subject() == cas.front().issuer();
 }
 
-Outcome outcome(bool good) { return good ? Outcome::ok : Outcome::fail; }
+// What stands for the way from the certificate to a root, where it is not the usual one.
+std::optional<Variant> unusual_path(const pki::Certificate& certificate,
+                                    const std::vector<pki::Certificate>& cas) {
+  if (first_is_root_of(certificate, cas)) return std::nullopt;
+  if (!leads_to_root(certificate, cas)) return Variant::identity_below_intermediate_only;
+  return issuer_of(certificate, cas)->is_self_issued() ? Variant::identity_ca_file_of_two
+                                                       : Variant::identity_below_intermediate;
+}
+
+// What stands for what ours refuses, if stock products may take it.
+std::optional<Variant> unusual_certificate(const pki::Certificate& certificate,
+                                           const std::vector<pki::Certificate>& cas, Code code) {
+  if (code == Code::key_usage_forbids) return Variant::identity_key_usage;
+  if (code == Code::digest_too_weak) return Variant::identity_sha1;
+  const auto* issuer = issuer_of(certificate, cas);
+  if (code == Code::not_a_ca && issuer != nullptr && issuer->is_ca_by_key_usage_only() &&
+      certificate.is_issued_by(*issuer))
+    return Variant::identity_ca_no_constraints;
+  return std::nullopt;
+}
 
 }  // namespace
 
@@ -42,14 +60,17 @@ bool is_about_dates(Code code) {
 
 Outcomes chain_outcomes(const pki::Certificate& certificate,
                         const std::vector<pki::Certificate>& cas,
-                        const Result<pki::ChainValid>& proof, bool dates_elsewhere) {
-  const auto code = proof ? std::optional<Code>() : proof.error().code();
-  const bool ours = !code || (dates_elsewhere && is_about_dates(*code));
-  const bool signed_well = ours || code == Code::key_usage_forbids;
-  const bool fast = signed_well && leads_to_root(certificate, cas);
-  const bool cyclone =
-      (signed_well || code == Code::digest_too_weak) && first_is_root_of(certificate, cas);
-  return {outcome(cyclone), outcome(fast), outcome(ours)};
+                        const Result<pki::ChainValid>& proof, bool dates_elsewhere,
+                        const Lineup& lineup) {
+  Outcomes out;
+  if (!proof && !(dates_elsewhere && is_about_dates(proof.error().code()))) {
+    const auto variant = unusual_certificate(certificate, cas, proof.error().code());
+    if (!variant) return Outcomes::all(Outcome::fail);
+    out = measured(*variant, lineup);
+    out.ours = Outcome::fail;
+  }
+  const auto path = unusual_path(certificate, cas);
+  return path ? out.worse(measured(*path, lineup)) : out;
 }
 
 }  // namespace ddssec::governance::doctor

@@ -1,10 +1,12 @@
 // Form, signature and signer of both documents, and whether they can be read.
-#include <algorithm>
-#include <array>
+#include <map>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "governance/doctor/checks.hpp"
+#include "governance/doctor/measured.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
@@ -23,11 +25,13 @@ struct Subject {
   const Status& our_belief;
   const Status& parsed;
   const std::vector<Note>* notes;
+  const std::vector<Variant>& left_out;
+  const Lineup& lineup;
 };
 
 template <class Model>
-Subject subject(std::string_view about, const fs::path& path,
-                const LoadedDocument<Model>& document) {
+Subject subject(std::string_view about, const fs::path& path, const LoadedDocument<Model>& document,
+                const Lineup& lineup) {
   return {about,
           path,
           document.form,
@@ -35,17 +39,36 @@ Subject subject(std::string_view about, const fs::path& path,
           document.fastdds_belief,
           document.our_belief,
           document.parsed,
-          document.model ? &document.model->notes : nullptr};
+          document.model ? &document.model->notes : nullptr,
+          document.left_out,
+          lineup};
 }
 
 Outcome of(bool believed, Outcome if_believed = Outcome::ok) {
   return believed ? if_believed : Outcome::fail;
 }
 
-// `accepted`: what it means if stock products believe the document.
-Outcomes outcomes(const Subject& subject, Outcome accepted = Outcome::ok) {
-  return {of(subject.cyclonedds_belief.has_value(), accepted),
-          of(subject.fastdds_belief.has_value(), accepted), of(subject.our_belief.has_value())};
+// `accepted`: what it means if a stock product believes the document.
+Outcomes outcomes(const Subject& subject, const Outcomes& accepted = {}) {
+  return {of(subject.cyclonedds_belief.has_value(), accepted.cyclonedds),
+          of(subject.fastdds_belief.has_value(), accepted.fastdds),
+          of(subject.our_belief.has_value())};
+}
+
+// Of stock products as measured with the variant.
+Outcomes refused_by_ours(Variant variant, const Subject& subject) {
+  auto out = measured(variant, subject.lineup);
+  out.ours = Outcome::fail;
+  return out;
+}
+
+// Without the signer's certificate inside, OpenSSL finds no signer; a product may know another way.
+Outcomes outcomes_of_form(const Subject& subject) {
+  const auto& form = subject.form;
+  const bool lacks_signer = form.wrapping == pki::DocumentWrapping::multipart &&
+                            form.has_text_header && form.embedded.empty();
+  return lacks_signer && subject.our_belief ? measured(Variant::form_nocerts, subject.lineup)
+                                            : outcomes(subject);
 }
 
 // What is odd about how the document is wrapped; "" if nothing.
@@ -63,7 +86,7 @@ std::string odd_form(const Subject& subject) {
         file);
   if (form.embedded.empty())
     return fmt::format(
-        "{} does not hold its signer's certificate (-nocerts), which stock products "
+        "{} does not hold its signer's certificate (-nocerts), which most stock products "
         "look for there",
         file);
   return {};
@@ -87,27 +110,43 @@ std::string who_signed(const Subject& subject) {
 }
 
 void check_signer(const LoadedFolder& folder, const Subject& subject, Diagnosis& out) {
+  const auto out_of_it =
+      outcomes(subject, measured(Variant::permissions_by_itself, subject.lineup));
   const bool stock_believes =
-      subject.cyclonedds_belief.has_value() || subject.fastdds_belief.has_value();
+      out_of_it.cyclonedds != Outcome::fail || out_of_it.fastdds != Outcome::fail;
   const auto ca_file = folder.paths.permissions_ca.filename().string();
   const auto message =
       fmt::format("{}; {} holds {}{}", who_signed(subject), ca_file, cas_of(folder),
                   stock_believes ? ", below which the signer's certificate merely "
                                    "stands, and stock products believe it"
                                  : "");
-  out.report(outcomes(subject, Outcome::unsafe),
+  out.report(out_of_it,
              {.rule = stock_believes ? Rule::DOC033 : Rule::DOC032,
               .message = message,
               .document = subject.path},
              subject.about);
 }
 
-void report(Rule rule, const Subject& subject, const Error& error, Outcome accepted,
+void report(Rule rule, const Subject& subject, const Error& error, const Outcomes& who,
             Diagnosis& out) {
-  out.report(outcomes(subject, accepted),
+  out.report(who,
              {.rule = rule,
               .message = fmt::format("{}: {}", subject.path.filename().string(), error.message()),
               .document = subject.path},
+             subject.about);
+}
+
+// Something that the CA file holds does not say that it is a CA.
+void report_no_ca(const LoadedFolder& folder, const Subject& subject, const Error& error,
+                  Diagnosis& out) {
+  out.report(outcomes(subject, measured(Variant::permissions_ca_no_constraints, subject.lineup)),
+             {.rule = Rule::DOC035,
+              .message = fmt::format("{}: {} in {} does not say that it is a CA ({} expected)",
+                                     subject.path.filename().string(), error.details().field,
+                                     folder.paths.permissions_ca.filename().string(),
+                                     error.details().expected),
+              .document = subject.path,
+              .hint = std::string(info(Code::not_a_ca).hint)},
              subject.about);
 }
 
@@ -116,17 +155,17 @@ void report_ca_file(const LoadedFolder& folder, const Subject& subject, Diagnosi
   out.report(
       outcomes(subject),
       {.rule = Rule::DOC032,
-       .message = fmt::format(
-           "{}; Cyclone DDS 0.10.2 reads the first certificate of {} only, and both stock "
-           "products need the path up to a self-signed CA; it holds {}",
-           who_signed(subject), folder.paths.permissions_ca.filename().string(), cas_of(folder)),
+       .message = fmt::format("{}; {} reads the first certificate of {} only, and both stock "
+                              "products need the path up to a self-signed CA; it holds {}",
+                              who_signed(subject), name(Vendor::cyclonedds, subject.lineup),
+                              folder.paths.permissions_ca.filename().string(), cas_of(folder)),
        .document = subject.path},
       subject.about);
 }
 
 void check_belief(const LoadedFolder& folder, const Subject& subject, Diagnosis& out) {
   if (const auto odd = odd_form(subject); !odd.empty())
-    return out.report(outcomes(subject),
+    return out.report(outcomes_of_form(subject),
                       {.rule = Rule::DOC030, .message = odd, .document = subject.path},
                       subject.about);
   out.pass(Rule::DOC030, subject.about);
@@ -138,64 +177,103 @@ void check_belief(const LoadedFolder& folder, const Subject& subject, Diagnosis&
     case Code::smime_signer_not_permissions_ca:
       return check_signer(folder, subject, out);
     case Code::smime_digest_too_weak:
-      return report(Rule::DOC034, subject, error, Outcome::unsafe, out);
+      return report(Rule::DOC034, subject, error,
+                    outcomes(subject, measured(Variant::form_sha1, subject.lineup)), out);
     case Code::key_usage_forbids:
-      return report(Rule::DOC035, subject, error, Outcome::ok, out);
+      return report(Rule::DOC035, subject, error,
+                    refused_by_ours(Variant::permissions_ca_may_not_sign, subject), out);
+    case Code::not_a_ca:
+      return report_no_ca(folder, subject, error, out);
     case Code::certificate_expired:
     case Code::certificate_not_yet_valid:
       return;  // the CA's dates have been reported
     default:
-      return report(Rule::DOC031, subject, error, Outcome::ok, out);
+      return report(Rule::DOC031, subject, error, outcomes(subject), out);
   }
 }
 
-// What the reader of a document noted, and whom it keeps out. Measured.
-struct Spelling {
-  std::string_view words;
-  Outcomes outcomes;
-};
-constexpr std::array kSpellings{
-    Spelling{"Fast DDS refuses it", {.fastdds = Outcome::fail}},
-    Spelling{"has no <default>", {.fastdds = Outcome::fail}},
-    Spelling{"has no <min>", {.cyclonedds = Outcome::fail}},
-    Spelling{"came with DDS-Security 1.2", {.cyclonedds = Outcome::fail, .fastdds = Outcome::fail}},
-    Spelling{"is not in capitals", {.cyclonedds = Outcome::fail, .fastdds = Outcome::fail}},
-};
-
-Outcomes outcomes_of(const Note& note) {
-  const auto found = std::ranges::find_if(kSpellings, [&](const Spelling& spelling) {
-    return note.text.find(spelling.words) != note.text.npos;
-  });
-  return found == kSpellings.end() ? Outcomes{} : found->outcomes;
+// What stands for what the reader of a document noted.
+std::optional<Variant> variant_of(const Note& note) {
+  const auto says = [&](std::string_view words) { return note.text.find(words) != note.text.npos; };
+  switch (note.kind) {
+    case NoteKind::order:
+      return Variant::governance_order;
+    case NoteKind::no_name:
+      return Variant::grant_without_name;
+    case NoteKind::no_default:
+      return Variant::grant_without_default;
+    case NoteKind::kind_spelling:
+      return Variant::governance_small_letters;
+    case NoteKind::open_range:
+      return says("has no <min>") ? Variant::governance_no_min : Variant::governance_no_max;
+    case NoteKind::extension:
+      return says("byte order mark")              ? Variant::governance_bom
+             : says("the attribute xmlns,")       ? Variant::governance_default_namespace
+             : says("came with DDS-Security 1.2") ? Variant::governance_key_revision
+                                                  : Variant::governance_must_interpret;
+    default:
+      return std::nullopt;
+  }
 }
 
-void check_text(const Subject& subject, Diagnosis& out) {
-  if (subject.form.unverified_text.empty()) return;  // its form has been reported
-  if (!subject.parsed)
-    return out.report(kNobody,
-                      {.rule = Rule::DOC036,
-                       .message = fmt::format("{}: {}{}", subject.path.filename().string(),
-                                              subject.parsed.error().details().field.empty()
-                                                  ? ""
-                                                  : subject.parsed.error().details().field + ": ",
-                                              subject.parsed.error().message()),
-                       .document = subject.path,
-                       .line = subject.parsed.error().details().line},
-                      subject.about);
-  out.pass(Rule::DOC036, subject.about);
-  out.pass(Rule::DOC037, subject.about);
+// What stock products make of a text that ours does not read.
+Outcomes outcomes_of_text(const Subject& subject) {
+  Outcomes out{.ours = Outcome::fail};
+  if (subject.notes != nullptr) {  // without what was left out it can be read
+    for (const auto variant : subject.left_out) out = out.worse(measured(variant, subject.lineup));
+    return out;
+  }
+  const auto code = subject.parsed.error().code();
+  if (code == Code::attribute_unknown)
+    return out.worse(measured(subject.about == "governance"
+                                  ? Variant::governance_unknown_attribute
+                                  : Variant::permissions_unknown_attribute,
+                              subject.lineup));
+  return kNobody;
+}
+
+void report_unreadable(const Subject& subject, Diagnosis& out) {
+  const auto& error = subject.parsed.error();
+  const auto& field = error.details().field;
+  out.report(outcomes_of_text(subject),
+             {.rule = Rule::DOC036,
+              .message = fmt::format("{}: {}{}", subject.path.filename().string(),
+                                     field.empty() ? "" : field + ": ", error.message()),
+              .document = subject.path,
+              .line = error.details().line},
+             subject.about);
+}
+
+// Of one kind the first is told in full, and how many more there are.
+void report_notes(const Subject& subject, Diagnosis& out) {
+  std::map<std::string_view, std::size_t> counts;
+  for (const auto& note : *subject.notes) ++counts[note.text];
   for (const auto& note : *subject.notes) {
     if (note.text.starts_with("<not_") || note.text.find("names no zone") != note.text.npos)
       continue;  // has a rule of its own
-    const auto who = outcomes_of(note);
+    const auto count = std::exchange(counts[note.text], 0);
+    if (count == 0) continue;
+    const auto variant = variant_of(note);
+    const auto who = variant ? measured(*variant, subject.lineup) : Outcomes();
+    const auto more =
+        count > 1 ? fmt::format(" (and at {} other places)", count - 1) : std::string();
     out.report(who,
                {.rule = Rule::DOC037,
-                .message = note.text,
+                .message = note.text + more,
                 .document = subject.path,
                 .line = note.line,
                 .severity = who.all_ok() ? Severity::warning : Severity::error},
                subject.about);
   }
+}
+
+void check_text(const Subject& subject, Diagnosis& out) {
+  if (subject.form.unverified_text.empty()) return;  // its form has been reported
+  if (!subject.parsed) report_unreadable(subject, out);
+  if (subject.notes == nullptr) return;
+  if (subject.parsed) out.pass(Rule::DOC036, subject.about);
+  out.pass(Rule::DOC037, subject.about);
+  report_notes(subject, out);
 }
 
 void check_one(const LoadedFolder& folder, const Subject& subject, Diagnosis& out) {
@@ -205,11 +283,15 @@ void check_one(const LoadedFolder& folder, const Subject& subject, Diagnosis& ou
 
 }  // namespace
 
-void check_documents(const LoadedFolder& folder, const Settings&, Diagnosis& out) {
+void check_documents(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   if (folder.governance.readable)
-    check_one(folder, subject("governance", folder.paths.governance, folder.governance), out);
+    check_one(folder,
+              subject("governance", folder.paths.governance, folder.governance, settings.lineup),
+              out);
   if (folder.permissions.readable)
-    check_one(folder, subject("permissions", folder.paths.permissions, folder.permissions), out);
+    check_one(folder,
+              subject("permissions", folder.paths.permissions, folder.permissions, settings.lineup),
+              out);
 }
 
 }  // namespace ddssec::governance::doctor

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "governance/doctor/checks.hpp"
+#include "governance/doctor/measured.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::governance::doctor {
@@ -31,12 +32,13 @@ std::string absence(const fs::path& path) {
 
 // One file that could not be loaded. An encrypted key and a key of a strange kind have rules of
 // their own.
-void report_unloaded(const fs::path& path, const Error& error, Diagnosis& out) {
+void report_unloaded(const fs::path& path, const Error& error, const Settings& settings,
+                     Diagnosis& out) {
   const auto say = [&](Rule rule, std::string message, std::string_view hint = {}) {
-    // Fast DDS takes keys that DDS-Security does not know, short ones too. Measured.
-    const auto outcomes = rule == Rule::DOC014
-                              ? Outcomes{.cyclonedds = Outcome::fail, .ours = Outcome::fail}
-                              : kNobody;
+    // Fast DDS takes keys that DDS-Security does not know, short ones too.
+    auto outcomes = kNobody;
+    if (rule == Rule::DOC014)
+      outcomes.fastdds = measured(Variant::ed25519, settings.lineup).fastdds;
     out.report(
         outcomes,
         {.rule = rule, .message = std::move(message), .document = path, .hint = std::string(hint)});
@@ -63,9 +65,9 @@ void report_unloaded(const fs::path& path, const Error& error, Diagnosis& out) {
   }
 }
 
-void check_loaded(const LoadedFolder& folder, Diagnosis& out) {
+void check_loaded(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   const auto look = [&](const auto& piece, const fs::path& path) {
-    if (!piece) report_unloaded(path, piece.error(), out);
+    if (!piece) report_unloaded(path, piece.error(), settings, out);
   };
   look(folder.identity_cas, folder.paths.identity_ca);
   look(folder.certificate, folder.paths.certificate);
@@ -145,9 +147,9 @@ void check_strangers(const LoadedFolder& folder, Diagnosis& out) {
 
 }  // namespace
 
-void check_files(const LoadedFolder& folder, Diagnosis& out) {
+void check_files(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   for (const auto rule : {Rule::DOC001, Rule::DOC002}) out.pass(rule);
-  check_loaded(folder, out);
+  check_loaded(folder, settings, out);
   check_tokens(folder, out);
   check_mode(folder.paths.key, out);
   check_strangers(folder, out);

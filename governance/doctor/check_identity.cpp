@@ -7,6 +7,7 @@
 #include "governance/doctor/ca_list.hpp"
 #include "governance/doctor/chain_outcomes.hpp"
 #include "governance/doctor/checks.hpp"
+#include "governance/doctor/measured.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
@@ -29,31 +30,105 @@ std::string dates_wrong(const fs::path& path, const pki::Certificate& certificat
                      to_string(now));
 }
 
-// Cyclone DDS 0.10.2 takes RSA of exactly 2048 bits and EC P-256.
-bool cyclonedds_reads(pki::KeyAlgorithm key) {
-  return key == pki::KeyAlgorithm{pki::KeyKind::rsa, 2048} || key.kind == pki::KeyKind::ec_p256;
+// What stands for a kind of key that not every product takes.
+std::optional<Variant> unusual_key(pki::KeyAlgorithm key, bool is_ca) {
+  if (key == pki::KeyAlgorithm{pki::KeyKind::rsa, 2048} || key.kind == pki::KeyKind::ec_p256)
+    return std::nullopt;
+  if (key.kind == pki::KeyKind::rsa) return Variant::rsa_3072;
+  return is_ca ? Variant::ca_p384 : Variant::p384;
 }
 
-void check_key_types(const LoadedFolder& folder, Diagnosis& out) {
-  const auto look = [&](const pki::Certificate& certificate, const fs::path& path) {
-    const auto key = certificate.key_algorithm();
-    if (cyclonedds_reads(key)) return out.pass(Rule::DOC014);
-    out.report({.cyclonedds = Outcome::fail},
-               {.rule = Rule::DOC014,
-                .message = fmt::format("{} of {} has a key of {}; Cyclone DDS 0.10.2 reads "
-                                       "EC-prime256v1 and RSA-2048 only",
-                                       name_of(path), certificate.subject(), to_string(key)),
-                .document = path});
-  };
-  if (folder.certificate) look(*folder.certificate, folder.paths.certificate);
+/// The identity certificate, and each CA of its file.
+template <class Look>
+void for_each_certificate(const LoadedFolder& folder, Look look) {
+  if (folder.certificate) look(*folder.certificate, folder.paths.certificate, false);
   if (!folder.identity_cas) return;
-  for (const auto& ca : *folder.identity_cas) look(ca, folder.paths.identity_ca);
+  for (const auto& ca : *folder.identity_cas) look(ca, folder.paths.identity_ca, true);
 }
 
-void check_pair(const LoadedFolder& folder, Diagnosis& out) {
+// "Cyclone DDS 0.10.2", "Cyclone DDS 0.10.2 and Fast DDS 2.9.1": the products that refuse.
+std::string who_refuses(const Outcomes& outcomes, const Lineup& lineup) {
+  std::string out;
+  for (const auto vendor : {Vendor::cyclonedds, Vendor::fastdds})
+    if (outcomes.of(vendor) != Outcome::ok)
+      out += (out.empty() ? "" : " and ") + name(vendor, lineup);
+  return out;
+}
+
+void check_key_types(const LoadedFolder& folder, const Lineup& lineup, Diagnosis& out) {
+  for_each_certificate(folder, [&](const pki::Certificate& certificate, const fs::path& path,
+                                   bool is_ca) {
+    const auto key = certificate.key_algorithm();
+    const auto variant = unusual_key(key, is_ca);
+    const auto outcomes = variant ? measured(*variant, lineup) : Outcomes();
+    if (outcomes.all_ok()) return out.pass(Rule::DOC014);
+    out.report(outcomes, {.rule = Rule::DOC014,
+                          .message = fmt::format(
+                              "{} of {} has a key of {}; {} reads EC-prime256v1 and RSA-2048 only",
+                              name_of(path), certificate.subject(), to_string(key),
+                              who_refuses(outcomes, lineup)),
+                          .document = path});
+  });
+}
+
+// SHA-1, which ours refuses, is check_chain's.
+void check_digest(const pki::Certificate& certificate, const fs::path& path, Variant variant,
+                  const Lineup& lineup, Diagnosis& out) {
+  const auto digest = certificate.signature_digest();
+  const bool is_longer = digest == "SHA384" || digest == "SHA512";
+  const auto outcomes = is_longer ? measured(variant, lineup) : Outcomes();
+  if (outcomes.all_ok()) return out.pass(Rule::DOC015);
+  out.report(outcomes,
+             {.rule = Rule::DOC015,
+              .message = fmt::format("{} of {} is signed with {}; {} reads certificates that are "
+                                     "signed with SHA-256 only",
+                                     name_of(path), certificate.subject(), digest,
+                                     who_refuses(outcomes, lineup)),
+              .document = path});
+}
+
+// A CA of X.509 version 1 has no extension that says so, and that satisfies ours as a trust anchor.
+void check_version_1(const std::vector<pki::Certificate>& cas, const fs::path& path,
+                     const Outcomes& outcomes, const Lineup& lineup, Diagnosis& out) {
+  out.pass(Rule::DOC016);
+  if (outcomes.all_ok()) return;
+  for (const auto& ca : cas)
+    if (ca.is_version_1())
+      out.report(outcomes, {.rule = Rule::DOC016,
+                            .message = fmt::format(
+                                "{} of {} is a certificate of X.509 version 1, which {} does not "
+                                "take as a CA",
+                                name_of(path), ca.subject(), who_refuses(outcomes, lineup)),
+                            .document = path});
+}
+
+void check_versions(const LoadedFolder& folder, const Lineup& lineup, Diagnosis& out) {
+  if (folder.identity_cas)
+    check_version_1(*folder.identity_cas, folder.paths.identity_ca,
+                    measured(Variant::x509_v1_ca, lineup), lineup, out);
+  if (folder.permissions_cas)
+    check_version_1(*folder.permissions_cas, folder.paths.permissions_ca,
+                    measured(Variant::x509_v1_permissions_ca, lineup), lineup, out);
+}
+
+void check_digests(const LoadedFolder& folder, const Lineup& lineup, Diagnosis& out) {
+  if (folder.certificate)
+    check_digest(*folder.certificate, folder.paths.certificate, Variant::identity_sha512, lineup,
+                 out);
+  if (folder.identity_cas)
+    for (const auto& ca : *folder.identity_cas)
+      check_digest(ca, folder.paths.identity_ca, Variant::identity_ca_sha512, lineup, out);
+  if (folder.permissions_cas)
+    for (const auto& ca : *folder.permissions_cas)
+      check_digest(ca, folder.paths.permissions_ca, Variant::permissions_ca_sha512, lineup, out);
+}
+
+void check_pair(const LoadedFolder& folder, const Lineup& lineup, Diagnosis& out) {
   if (!folder.key || !folder.certificate) return;
   if (folder.key->matches(*folder.certificate)) return out.pass(Rule::DOC012);
-  out.report({.cyclonedds = Outcome::late, .fastdds = Outcome::fail, .ours = Outcome::fail},
+  auto outcomes = measured(Variant::key_of_another, lineup);
+  outcomes.ours = Outcome::fail;
+  out.report(outcomes,
              {.rule = Rule::DOC012,
               .message = fmt::format("{} ({}) is not the private half of the key in {} ({} of {}); "
                                      "Cyclone DDS starts all the same and never authenticates",
@@ -99,6 +174,10 @@ std::string chain_broken(const LoadedFolder& folder, const Error& error) {
   const auto file = name_of(folder.paths.certificate);
   const auto ca_file = name_of(folder.paths.identity_ca);
   const auto& certificate = *folder.certificate;
+  if (error.code() == Code::not_a_ca)
+    return fmt::format("{} of {}: {} in {} does not say that it is a CA ({} expected)", file,
+                       certificate.subject(), error.details().field, ca_file,
+                       error.details().expected);
   const bool is_issuer =
       error.code() == Code::issuer_unknown || error.code() == Code::certificate_signature_invalid;
   if (!is_issuer) return fmt::format("{} of {}: {}", file, certificate.subject(), error.message());
@@ -112,12 +191,13 @@ std::string chain_broken(const LoadedFolder& folder, const Error& error) {
 }
 
 // For a path that only ours, or ours and Fast DDS, can follow.
-std::string needs_other_ca_file(const LoadedFolder& folder) {
+std::string needs_other_ca_file(const LoadedFolder& folder, const Lineup& lineup) {
   return fmt::format(
-      "{} of {} was issued by \"{}\"; Cyclone DDS 0.10.2 needs that CA, self-signed, as the first "
-      "certificate of {}, and Fast DDS 2.9.1 the whole path up to a self-signed CA; it holds {}",
+      "{} of {} was issued by \"{}\"; {} needs that CA, self-signed, as the first "
+      "certificate of {}, and {} the whole path up to a self-signed CA; it holds {}",
       name_of(folder.paths.certificate), folder.certificate->subject(),
-      folder.certificate->issuer(), name_of(folder.paths.identity_ca),
+      folder.certificate->issuer(), name(Vendor::cyclonedds, lineup),
+      name_of(folder.paths.identity_ca), name(Vendor::fastdds, lineup),
       subjects(*folder.identity_cas));
 }
 
@@ -132,16 +212,18 @@ WallTime time_to_judge(const LoadedFolder& folder, WallTime now) {
   return time;
 }
 
-void check_chain(const LoadedFolder& folder, WallTime now, Diagnosis& out) {
+void check_chain(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   if (!folder.certificate || !folder.identity_cas) return;
   const auto verifier = pki::ChainVerifier::make(*folder.identity_cas);
-  const auto proof = verifier ? verifier->verify(*folder.certificate, time_to_judge(folder, now))
-                              : Result<pki::ChainValid>(std::unexpected(verifier.error()));
-  const auto outcomes = chain_outcomes(*folder.certificate, *folder.identity_cas, proof, true);
+  const auto proof =
+      verifier ? verifier->verify(*folder.certificate, time_to_judge(folder, settings.now))
+               : Result<pki::ChainValid>(std::unexpected(verifier.error()));
+  const auto outcomes =
+      chain_outcomes(*folder.certificate, *folder.identity_cas, proof, true, settings.lineup);
   if (outcomes.all_ok()) return out.pass(Rule::DOC020);
   const bool only_stock = outcomes.ours == Outcome::ok;
   out.report(outcomes, {.rule = Rule::DOC020,
-                        .message = only_stock ? needs_other_ca_file(folder)
+                        .message = only_stock ? needs_other_ca_file(folder, settings.lineup)
                                               : chain_broken(folder, proof.error()),
                         .document = folder.paths.certificate});
 }
@@ -221,9 +303,11 @@ void check_revocation(const LoadedFolder& folder, WallTime now, Diagnosis& out) 
 }  // namespace
 
 void check_identity(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
-  check_key_types(folder, out);
-  check_pair(folder, out);
-  check_chain(folder, settings.now, out);
+  check_key_types(folder, settings.lineup, out);
+  check_digests(folder, settings.lineup, out);
+  check_versions(folder, settings.lineup, out);
+  check_pair(folder, settings.lineup, out);
+  check_chain(folder, settings, out);
   check_dates(folder, settings.now, out);
   check_revocation(folder, settings.now, out);
   check_ca_list(folder, out);

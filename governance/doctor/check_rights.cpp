@@ -9,6 +9,7 @@
 #include "governance/decision.hpp"
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/domains.hpp"
+#include "governance/doctor/measured.hpp"
 #include "governance/doctor/subject_form.hpp"
 #include "governance/doctor/vendor_decision.hpp"
 #include "governance/grant.hpp"
@@ -42,11 +43,11 @@ struct Candidate {
 };
 
 std::vector<Candidate> candidates(const Permissions& permissions,
-                                  const pki::Certificate& certificate) {
+                                  const pki::Certificate& certificate, const Lineup& lineup) {
   std::vector<Candidate> out;
   const auto subject = pki::SubjectName::of(certificate);
   for (const auto& grant : permissions.grants) {
-    auto outcomes = reads_subject(grant.subject_name, certificate);
+    auto outcomes = reads_subject(grant.subject_name, certificate, lineup);
     if (is_for(grant, subject)) outcomes.ours = Outcome::ok;
     if (outcomes != kNobody) out.push_back({&grant, outcomes});
   }
@@ -107,7 +108,7 @@ void check_grant_dates(const Scene& scene, const std::vector<Candidate>& all) {
   if (first->validity.contains(now)) return scene.out.pass(Rule::DOC040);
   const bool early = now < first->validity.not_before;
   scene.out.report(
-      any ? Outcomes{.cyclonedds = Outcome::fail} : kNobody,
+      any ? measured(Variant::grant_second, scene.settings.lineup) : kNobody,
       {.rule = Rule::DOC040,
        .message =
            fmt::format("grant \"{}\" of {}: <{}> is {}, now it is {}{}", first->name,
@@ -155,7 +156,9 @@ void report_uncovered(const LoadedFolder& folder, const Settings& settings, Diag
   for (const auto& rule : folder.governance.model->domain_rules)
     all.insert(all.end(), rule.domains.ranges.begin(), rule.domains.ranges.end());
   const auto& rules = folder.governance.model->domain_rules;
-  out.report({.cyclonedds = Outcome::fail, .fastdds = Outcome::late, .ours = Outcome::fail},
+  auto outcomes = measured(Variant::governance_other_domain, settings.lineup);
+  outcomes.ours = Outcome::fail;
+  out.report(outcomes,
              {.rule = Rule::DOC050,
               .message = fmt::format("no <domain_rule> of {} covers domain {}; they cover {}",
                                      folder.paths.governance.filename().string(), settings.domain,
@@ -171,7 +174,7 @@ void check_open_ranges(const LoadedFolder& folder, const DomainRule& rule, const
   const auto* stock = folder.governance.model->find_for_stock(settings.domain);
   if (stock == &rule) return out.pass(Rule::DOC050);
   const auto outcomes = stock == nullptr
-                            ? Outcomes{.cyclonedds = Outcome::fail, .fastdds = Outcome::late}
+                            ? measured(Variant::governance_other_domain, settings.lineup)
                             : Outcomes{.cyclonedds = Outcome::unsafe, .fastdds = Outcome::unsafe};
   const auto theirs = stock == nullptr ? std::string("no <domain_rule>")
                                        : fmt::format("the <domain_rule> at line {}", stock->line);
@@ -199,17 +202,28 @@ void check_topic_rules(const LoadedFolder& folder, const DomainRule& rule, Diagn
                   .line = rule.line});
 }
 
-// Fast DDS 2.9.1 reads allow_unauthenticated_participants and does not act on it.
-void check_unauthenticated(const LoadedFolder& folder, const DomainRule& rule, Diagnosis& out) {
+// Fast DDS reads allow_unauthenticated_participants and does not act on it (2.9.1); later ones
+// refuse it together with protection of all messages.
+void check_unauthenticated(const LoadedFolder& folder, const DomainRule& rule, const Lineup& lineup,
+                           Diagnosis& out) {
   if (!rule.allow_unauthenticated_participants) return;
-  out.report({},
+  const auto who =
+      measured(is_protected(rule.rtps_protection_kind) ? Variant::governance_unauthenticated
+                                                       : Variant::governance_unauthenticated_open,
+               lineup);
+  const auto fastdds = name(Vendor::fastdds, lineup);
+  out.report(who,
              {.rule = Rule::DOC055,
               .message = "<allow_unauthenticated_participants> is true: Cyclone DDS then talks "
-                         "to anybody, also on topics with access control; Fast DDS 2.9.1 talks "
-                         "to authenticated participants only",
+                         "to anybody, also on topics with access control; " +
+                         (who.fastdds == Outcome::ok
+                              ? fastdds + " talks to authenticated participants only"
+                              : fastdds + " refuses it together with <rtps_protection_kind> " +
+                                    std::string(to_string(rule.rtps_protection_kind))),
               .document = folder.paths.governance,
               .line = rule.line,
-              .vendors = {std::string(id(Vendor::cyclonedds)), std::string(id(Vendor::fastdds))}});
+              .vendors = {id(Vendor::cyclonedds, lineup), id(Vendor::fastdds, lineup)},
+              .severity = who.all_ok() ? Severity::warning : Severity::error});
 }
 
 const DomainRule* check_governance(const LoadedFolder& folder, const Settings& settings,
@@ -222,7 +236,7 @@ const DomainRule* check_governance(const LoadedFolder& folder, const Settings& s
   }
   check_open_ranges(folder, *rule, settings, out);
   check_topic_rules(folder, *rule, out);
-  check_unauthenticated(folder, *rule, out);
+  check_unauthenticated(folder, *rule, settings.lineup, out);
   return rule;
 }
 
@@ -248,12 +262,13 @@ std::string why_not_joining(const Grant& grant, const Outcomes& outcomes, Domain
 void check_join(const Scene& scene, const Grant& grant, const DomainRule* governance) {
   const CompiledGrant compiled(scene.folder.permissions.model, grant, scene.settings.domain);
   const bool asks = governance == nullptr || governance->enable_join_access_control;
-  const auto outcome = [&](Vendor vendor, Outcome refused) {
+  const auto outcome = [&](Vendor vendor, Outcome if_refused) {
     const bool joins = judge_participant_as(vendor, compiled, scene.settings.domain).allowed;
-    return joins ? Outcome::ok : refused;
+    return joins ? Outcome::ok : if_refused;
   };
-  Outcomes outcomes{.cyclonedds = outcome(Vendor::cyclonedds, Outcome::fail),
-                    .fastdds = outcome(Vendor::fastdds, Outcome::late),
+  const auto refused = measured(Variant::grant_other_domain, scene.settings.lineup);
+  Outcomes outcomes{.cyclonedds = outcome(Vendor::cyclonedds, refused.cyclonedds),
+                    .fastdds = outcome(Vendor::fastdds, refused.fastdds),
                     .ours = outcome(Vendor::ours, Outcome::fail)};
   // That Fast DDS takes every default as DENY is DOC052's.
   if (compiled.judge_participant().allowed && grant.default_allow) outcomes.fastdds = Outcome::ok;
@@ -265,26 +280,17 @@ void check_join(const Scene& scene, const Grant& grant, const DomainRule* govern
 }
 
 void check_default(const Scene& scene, const Grant& grant) {
-  if (!grant.default_allow) return scene.out.pass(Rule::DOC052);
+  auto outcomes = measured(Variant::grant_default_allow, scene.settings.lineup);
+  if (!grant.default_allow || outcomes.all_ok()) return scene.out.pass(Rule::DOC052);
   const bool any_allow = std::ranges::any_of(grant.rules, &governance::Rule::allow);
-  scene.out.report({.fastdds = any_allow ? Outcome::late : Outcome::fail},
-                   {.rule = Rule::DOC052,
-                    .message = fmt::format("grant \"{}\" ends with <default>ALLOW</default>, which "
-                                           "Fast DDS 2.9.1 takes as DENY",
-                                           grant.name),
-                    .document = scene.file(),
-                    .line = grant.line});
-}
-
-// The rule by which Cyclone DDS 0.10.2 decides whether the topic may be created at all: the first
-// for the domain that names it in whatever direction.
-const governance::Rule* topic_rule_of_cyclonedds(const Grant& grant, DomainId domain,
-                                                 std::string_view topic) {
-  const auto found = std::ranges::find_if(grant.rules, [&](const governance::Rule& rule) {
-    return rule.domains.contains(domain) &&
-           (naming(rule.publish, topic) != nullptr || naming(rule.subscribe, topic) != nullptr);
-  });
-  return found == grant.rules.end() ? nullptr : &*found;
+  if (!any_allow && outcomes.fastdds == Outcome::late) outcomes.fastdds = Outcome::fail;
+  scene.out.report(
+      outcomes, {.rule = Rule::DOC052,
+                 .message = fmt::format("grant \"{}\" ends with <default>ALLOW</default>, which "
+                                        "{} takes as DENY",
+                                        grant.name, name(Vendor::fastdds, scene.settings.lineup)),
+                 .document = scene.file(),
+                 .line = grant.line});
 }
 
 // One name for each way in which the grant's expressions can match.
@@ -307,19 +313,22 @@ std::vector<std::string> sample_topics(const Grant& grant) {
 
 void check_one_way(const Scene& scene, const Grant& grant) {
   const auto is_deny = [](const governance::Rule& rule) { return !rule.allow; };
-  if (std::ranges::none_of(grant.rules, is_deny)) return scene.out.pass(Rule::DOC053);
+  const auto outcomes = measured(Variant::grant_deny_one_way, scene.settings.lineup);
+  if (std::ranges::none_of(grant.rules, is_deny) || outcomes.all_ok())
+    return scene.out.pass(Rule::DOC053);
   const CompiledGrant compiled(scene.folder.permissions.model, grant, scene.settings.domain);
   for (const auto& topic : sample_topics(grant)) {
     const bool publish = compiled.judge_topic(Action::publish, topic).allowed;
     const bool subscribe = compiled.judge_topic(Action::subscribe, topic).allowed;
-    const auto* rule = topic_rule_of_cyclonedds(grant, scene.settings.domain, topic);
+    const auto* rule = first_rule_naming(grant, scene.settings.domain, topic);
     if (publish == subscribe || rule == nullptr || rule->allow) continue;
     return scene.out.report(
-        {.cyclonedds = Outcome::late},
+        outcomes,
         {.rule = Rule::DOC053,
          .message = fmt::format("grant \"{}\" allows to {} topic \"{}\" and denies the other "
-                                "direction first: Cyclone DDS 0.10.2 refuses the whole topic",
-                                grant.name, publish ? "publish" : "subscribe to", topic),
+                                "direction first: {} refuses the whole topic",
+                                grant.name, publish ? "publish" : "subscribe to", topic,
+                                name(Vendor::cyclonedds, scene.settings.lineup)),
          .document = scene.file(),
          .line = rule->line});
   }
@@ -327,7 +336,8 @@ void check_one_way(const Scene& scene, const Grant& grant) {
 }
 
 void check_permissions(const Scene& scene, const DomainRule* governance) {
-  const auto all = candidates(scene.permissions(), *scene.folder.certificate);
+  const auto all =
+      candidates(scene.permissions(), *scene.folder.certificate, scene.settings.lineup);
   if (all.empty()) return report_no_grant(scene);
   check_form(scene, all);
   check_grant_dates(scene, all);

@@ -8,7 +8,7 @@ namespace ddssec::governance::doctor {
 using ddssec::to_string;
 
 /// Files there, of the right kind, closed to others.
-void check_files(const LoadedFolder& folder, Diagnosis& out);
+void check_files(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 /// Certificate, key, CA, revocation.
 void check_identity(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 /// Form, signature and signer of both documents, and whether they can be read.

@@ -12,10 +12,10 @@ std::string title_of(Rule rule, std::string_view about) {
   return about.empty() ? title : std::string(about) + ": " + title;
 }
 
-std::vector<std::string> concerned(const Outcomes& outcomes) {
+std::vector<std::string> concerned(const Outcomes& outcomes, const Lineup& lineup) {
   std::vector<std::string> out;
   for (const auto vendor : kVendors)
-    if (outcomes.of(vendor) != Outcome::ok) out.emplace_back(id(vendor));
+    if (outcomes.of(vendor) != Outcome::ok) out.push_back(id(vendor, lineup));
   return out.size() == kVendors.size() ? std::vector<std::string>() : out;
 }
 
@@ -34,7 +34,7 @@ void Diagnosis::pass(Rule rule, std::string_view about) { check_for(rule, about)
 
 void Diagnosis::report(Outcomes outcomes, Finding finding, std::string_view about) {
   auto& check = check_for(finding.rule, about);
-  if (finding.vendors.empty()) finding.vendors = concerned(outcomes);
+  if (finding.vendors.empty()) finding.vendors = concerned(outcomes, lineup_);
   check.outcomes = check.outcomes.worse(outcomes);
   check.findings.push_back(std::move(finding));
 }
@@ -50,8 +50,8 @@ Outcomes Diagnosis::outcomes() const {
 }
 
 Diagnosis diagnose(const LoadedFolder& folder, const Settings& settings) {
-  Diagnosis out;
-  check_files(folder, out);
+  Diagnosis out(settings.lineup);
+  check_files(folder, settings, out);
   check_identity(folder, settings, out);
   check_documents(folder, settings, out);
   check_rights(folder, settings, out);

@@ -29,11 +29,17 @@ struct Settings {
   DomainId domain = 0;
   /// Of the endpoints, where two participants meet; none: the partition "".
   std::vector<std::string> partitions = {};
+  /// The versions that are predicted.
+  Lineup lineup = {};
 };
 
 /// Everything that was looked at, in the order of a participant's start.
 class Diagnosis {
  public:
+  Diagnosis() = default;
+  /// Findings name these versions.
+  explicit Diagnosis(const Lineup& lineup) : lineup_(lineup) {}
+
   /// Nothing is wrong with it.
   void pass(Rule rule, std::string_view about = {});
   /// Something is wrong. The finding's vendors are filled in from the outcomes, if it is not the
@@ -48,6 +54,7 @@ class Diagnosis {
 
  private:
   Check& check_for(Rule rule, std::string_view about);
+  Lineup lineup_ = {};
   std::vector<Check> checks_;
 };
 

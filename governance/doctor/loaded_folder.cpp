@@ -2,6 +2,7 @@
 
 #include <system_error>
 
+#include "governance/doctor/lenient_text.hpp"
 #include "governance/read.hpp"
 #include "pki/source.hpp"
 
@@ -69,10 +70,13 @@ LoadedDocument<Model> load_document(const fs::path& path, const Certificates& ca
   out.fastdds_belief = believes(Vendor::fastdds, out.file, cas, now);
   out.our_belief = believes(Vendor::ours, out.file, cas, now);
   auto model = read(out.form.unverified_text);
-  if (model)
-    out.model = std::make_shared<const Model>(*std::move(model));
-  else
+  if (!model) {
     out.parsed = about(model.error(), path);
+    auto lenient = lenient_text(out.form.unverified_text);
+    out.left_out = std::move(lenient.left_out);
+    if (!out.left_out.empty()) model = read(lenient.text);
+  }
+  if (model) out.model = std::make_shared<const Model>(*std::move(model));
   return out;
 }
 

@@ -8,7 +8,7 @@
 
 #include "base/clock.hpp"
 #include "base/result.hpp"
-#include "governance/doctor/vendor.hpp"
+#include "governance/doctor/measured.hpp"
 #include "governance/model.hpp"
 #include "pki/certificate.hpp"
 #include "pki/crl.hpp"
@@ -30,10 +30,17 @@ struct LoadedDocument {
   Status cyclonedds_belief = {};
   Status fastdds_belief = {};
   Status our_belief = {};
-  /// What the document says, whether or not anybody believes it; null if it cannot be read, and
-  /// then `parsed` says why.
+  /// What the document says, whether or not anybody believes it; null if it cannot be read.
   std::shared_ptr<const Model> model = {};
+  /// Why ours does not read it.
   Status parsed = {};
+  /// What was left out of the text so that it could be read, since stock products may skip it.
+  std::vector<Variant> left_out = {};
+
+  /// Whether a product reads it, as far as its own reader may differ. Error: why ours does not.
+  Status read_by(Vendor vendor) const {
+    return vendor != Vendor::ours && model ? Status() : parsed;
+  }
 };
 
 /// What of a folder could be loaded. Each Result stands for itself.
@@ -56,8 +63,8 @@ struct LoadedFolder {
   Result<pki::ChainVerifier> chain() const;
 };
 
-/// Whether a product believes the signed file under a permissions CA file. Cyclone DDS 0.10.2 reads
-/// the first certificate of it only. Errors: why `cas` cannot be read; those of
+/// Whether a product believes the signed file under a permissions CA file. Cyclone DDS reads the
+/// first certificate of it only. Errors: why `cas` cannot be read; those of
 /// pki::stock_products_believe or DocumentVerifier::verify.
 Status believes(Vendor judge, BytesView file, const Result<std::vector<pki::Certificate>>& cas,
                 WallTime now);

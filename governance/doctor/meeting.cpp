@@ -33,10 +33,17 @@ std::string files_missing(const LoadedFolder& folder) {
                      folder.paths.folder.string());
 }
 
+// Whether the check is about single topics: the participant comes up and uses the others.
+bool is_about_topics(const Check& check, Vendor vendor) {
+  return check.outcomes.of(vendor) == Outcome::late &&
+         (check.rule == Rule::DOC052 || check.rule == Rule::DOC053);
+}
+
 // A finding of the party's own diagnosis that keeps it from coming up.
 const Finding* first_obstacle(const Diagnosis& diagnosis, Vendor vendor) {
   for (const auto& check : diagnosis.checks())
-    if (check.outcomes.of(vendor) >= Outcome::late && !check.findings.empty())
+    if (check.outcomes.of(vendor) >= Outcome::late && !check.findings.empty() &&
+        !is_about_topics(check, vendor))
       return &check.findings.front();
   return nullptr;
 }
@@ -56,15 +63,17 @@ void judge_start(const MeetingScene& scene, int index) {
                                    "the other, and neither would say so",
                                    files_missing(folder), party.name, other.name));
   }
-  const auto diagnosis = diagnose(folder, scene.settings);
+  auto settings = scene.settings;
+  settings.lineup = party.lineup;
+  const auto diagnosis = diagnose(folder, settings);
   if (const auto* why = first_obstacle(diagnosis, party.vendor)) {
     out.ok = false;
     out.reason = fmt::format("{}: {}", info(why->rule).id, why->message);
     out.document = why->document;
     out.line = why->line;
     add_finding(scene, Rule::DOC090, out,
-                fmt::format("{} cannot start on its own with {}: {}", party.name,
-                            name(party.vendor), out.reason));
+                fmt::format("{} cannot start on its own with {}: {}", party.name, party.product(),
+                            out.reason));
   }
   scene.out.start.push_back(out);
 }
@@ -76,12 +85,12 @@ Status judge_certificate(const Party& judge, const Party& subject, WallTime now)
   if (!judge.folder.identity_cas) return std::unexpected(judge.folder.identity_cas.error());
   const auto verifier = DDSSEC_TRY(judge.folder.chain());
   const auto proof = verifier.verify(*certificate, now);
-  const auto outcomes = chain_outcomes(*certificate, *judge.folder.identity_cas, proof, false);
+  const auto outcomes =
+      chain_outcomes(*certificate, *judge.folder.identity_cas, proof, false, judge.lineup);
   if (outcomes.of(judge.vendor) == Outcome::ok) return {};
   if (!proof) return std::unexpected(proof.error());
-  return fail(Code::issuer_unknown,
-              {.expected = "\"" + certificate->issuer() + "\", self-signed",
-               .note = std::string(name(judge.vendor)) + " reads fewer CA files than ours"});
+  return fail(Code::issuer_unknown, {.expected = "\"" + certificate->issuer() + "\", self-signed",
+                                     .note = judge.product() + " reads fewer CA files than ours"});
 }
 
 std::string ca_subjects(const Result<std::vector<pki::Certificate>>& cas) {
@@ -133,23 +142,24 @@ void judge_authentication(const MeetingScene& scene, int judge) {
 }
 
 // Of a remote participant Fast DDS also takes the one-line form.
-bool reads_remote_subject(const Grant& grant, const pki::Certificate& certificate, Vendor judge) {
-  const auto outcomes = reads_subject(grant.subject_name, certificate);
-  if (judge == Vendor::fastdds && grant.subject_name == certificate.subject_one_line()) return true;
-  if (judge == Vendor::ours) return is_for(grant, pki::SubjectName::of(certificate));
-  return outcomes.of(judge) == Outcome::ok;
+bool reads_remote_subject(const Grant& grant, const pki::Certificate& certificate,
+                          const Party& judge) {
+  if (judge.vendor == Vendor::fastdds && grant.subject_name == certificate.subject_one_line())
+    return true;
+  if (judge.vendor == Vendor::ours) return is_for(grant, pki::SubjectName::of(certificate));
+  const auto outcomes = reads_subject(grant.subject_name, certificate, judge.lineup);
+  return outcomes.of(judge.vendor) == Outcome::ok;
 }
 
 Status judge_permissions_of(const Party& judge, const Party& subject, WallTime now) {
   const auto& document = subject.folder.permissions;
   if (!document.readable) return document.readable;
   DDSSEC_TRY(believes(judge.vendor, document.file, judge.folder.permissions_cas, now));
-  if (!document.parsed) return document.parsed;
+  DDSSEC_TRY(document.read_by(judge.vendor));
   if (!subject.folder.certificate) return std::unexpected(subject.folder.certificate.error());
   const auto& certificate = *subject.folder.certificate;
   for (const auto& grant : document.model->grants)
-    if (reads_remote_subject(grant, certificate, judge.vendor) && grant.validity.contains(now))
-      return {};
+    if (reads_remote_subject(grant, certificate, judge) && grant.validity.contains(now)) return {};
   const auto found =
       find_grant(*document.model, pki::SubjectName::of(certificate), certificate.subject(), now);
   if (!found) return std::unexpected(found.error());
@@ -221,7 +231,8 @@ void compare_governance(const MeetingScene& scene) {
          .line = difference.lines[1]});
 }
 
-// Fast DDS 2.9.1 as initiator proposes DH+MODP-2048-256 in a form that Cyclone DDS cannot read.
+// Fast DDS as initiator proposes DH+MODP-2048-256 in a form that Cyclone DDS cannot read (2.9.1 and
+// 0.10.2).
 bool handshake_works(Vendor initiator, Vendor replier) {
   return !(initiator == Vendor::fastdds && replier == Vendor::cyclonedds);
 }
@@ -229,7 +240,7 @@ bool handshake_works(Vendor initiator, Vendor replier) {
 std::string handshake_sentence(const Party& starts, const Party& waits) {
   return fmt::format(
       "{} starts the handshake, by the hashes of \"{}\" and \"{}\"; if it runs Fast "
-      "DDS 2.9.1 and {} runs Cyclone DDS 0.10.2 with its own plugins, they never "
+      "DDS 2.9.1 and {} runs Cyclone DDS with its own plugins, they never "
       "authenticate: Cyclone DDS cannot read the Diffie-Hellman value that Fast DDS "
       "proposes",
       starts.name, starts.folder.certificate->subject(), waits.folder.certificate->subject(),
@@ -266,19 +277,40 @@ void judge_handshake(const MeetingScene& scene) {
   for (const int i : kBoth) judge_handshake_from(scene, i);
 }
 
-// What was measured of Fast DDS is 2.9.1. Since 2.10 it waits for a peer's data of
-// DCPSParticipantsSecure, which Cyclone DDS 0.10 never writes; no plugin can change that.
-void note_versions(const MeetingScene& scene) {
-  const auto is = [&](int index, Vendor vendor) { return scene.party(index).vendor == vendor; };
-  const auto are_apart = [&](int fast) {
-    return is(fast, Vendor::fastdds) && !is(1 - fast, Vendor::fastdds);
-  };
-  if (!are_apart(0) && !are_apart(1)) return;
-  scene.out.notes.push_back(
-      {.rule = Rule::DOC094,
-       .message =
-           "this is predicted for Fast DDS 2.9.1: secured, Fast DDS 2.10 and later discovers "
-           "nothing of Cyclone DDS 0.10, with its own plugins or with ddssec's"});
+// Since 2.10 Fast DDS waits for a peer's data of DCPSParticipantsSecure, which Cyclone DDS 0.10
+// never writes; no plugin can change that. What 11 does with such a Fast DDS nobody has tried.
+constexpr Version kFastDdsThatWaits{2, 10, 0};
+constexpr Version kCycloneDdsNotTried{11, 0, 0};
+
+void judge_discovery(const MeetingScene& scene, int fast) {
+  const auto& self = scene.party(fast);
+  const auto& other = scene.party(1 - fast);
+  if (self.vendor != Vendor::fastdds || other.vendor == Vendor::fastdds) return;
+  Finding finding{.rule = Rule::DOC094, .message = {}};
+  if (self.lineup.fastdds < kFastDdsThatWaits) {
+    finding.message = fmt::format(
+        "this is predicted for {}: secured, Fast DDS 2.10 and later discovers nothing of Cyclone "
+        "DDS 0.10, with its own plugins or with ddssec's",
+        self.product());
+  } else if (other.vendor == Vendor::ours) {
+    finding.message = fmt::format(
+        "secured, {} discovers nothing of Cyclone DDS 0.10 with ddssec's plugins in it, only of "
+        "ddssec's embedded participant",
+        self.product());
+  } else if (other.lineup.cyclonedds >= kCycloneDdsNotTried) {
+    finding.message = fmt::format(
+        "whether {} and {} find each other, secured, was not tried: Fast DDS 2.10 and "
+        "later discovers nothing of Cyclone DDS 0.10",
+        self.product(), other.product());
+  } else {
+    scene.out.discovery_works = false;
+    finding.message = fmt::format("secured, {} ({}) discovers nothing of {} ({})", self.product(),
+                                  self.name, other.product(), other.name);
+    finding.severity = Severity::error;
+    scene.out.findings.push_back(std::move(finding));
+    return;
+  }
+  scene.out.notes.push_back(std::move(finding));
 }
 
 void report_no_topic(const MeetingScene& scene) {
@@ -302,8 +334,8 @@ bool all_ok(const std::vector<Judgement>& judgements) {
 
 bool Meeting::joined() const {
   return all_ok(start) && all_ok(authentication) && all_ok(permissions) && all_ok(join) &&
-         differences.empty() && handshake_works && properties_fit && rules[0] != nullptr &&
-         rules[1] != nullptr;
+         differences.empty() && handshake_works && discovery_works && properties_fit &&
+         rules[0] != nullptr && rules[1] != nullptr;
 }
 
 // A 1 bit and the first 47 bits of the subject's hash.
@@ -337,7 +369,7 @@ Meeting meet(const Party& a, const Party& b, const Settings& settings,
   for (const int judge : kBoth)
     for (const int about : kBoth) judge_join(scene, judge, about);
   judge_handshake(scene);
-  note_versions(scene);
+  for (const int i : kBoth) judge_discovery(scene, i);
   const bool named = !topics.empty();
   if (!named) topics = topics_of_interest(scene);
   for (const auto& topic : topics) meet_on_topic(scene, topic, named);

@@ -14,7 +14,11 @@ namespace ddssec::governance::doctor {
 struct Party {
   const LoadedFolder& folder;
   Vendor vendor = Vendor::ours;
-  std::string name;  ///< as sentences call it
+  std::string name;    ///< as sentences call it
+  Lineup lineup = {};  ///< the version of its product
+
+  /// "Cyclone DDS 0.10.2".
+  std::string product() const { return doctor::name(vendor, lineup); }
 };
 
 /// What one party says about one question, and the line that decides.
@@ -39,13 +43,21 @@ struct Difference {
   int lines[2] = {};
 };
 
+/// What products do by themselves that keeps a writer and a reader apart.
+struct Obstacle {
+  std::string reason = {};  ///< empty = there is none
+  Rule rule = Rule::DOC085;
+  std::string document = {};
+  int line = 0;
+};
+
 /// One writer and one reader of a topic.
 struct Direction {
   int writer = 0;  ///< index of the party
   bool ok = false;
   std::vector<Judgement> steps = {};
   std::vector<Difference> differences = {};
-  std::string obstacle = {};  ///< between the products; empty = none
+  Obstacle obstacle = {};
 };
 
 struct TopicMeeting {
@@ -68,6 +80,7 @@ struct Meeting {
   const DomainRule* rules[2] = {};        ///< of the domain, if the documents have one
   std::optional<Starter> starter;         ///< if both certificates can be read
   bool handshake_works = true;            ///< between these two products
+  bool discovery_works = true;            ///< between these two versions
   bool properties_fit = true;             ///< judged by who can read them, not by meet()
   std::vector<TopicMeeting> topics;
   bool topics_complete = true;    ///< false: more topics than are looked at

@@ -7,6 +7,7 @@
 
 #include "governance/decision.hpp"
 #include "governance/doctor/checks.hpp"
+#include "governance/doctor/measured.hpp"
 #include "governance/doctor/meeting_steps.hpp"
 #include "governance/doctor/vendor_decision.hpp"
 #include "governance/grant.hpp"
@@ -130,17 +131,49 @@ Judgement judge(const MeetingScene& scene, const Question& question) {
 }
 
 // Fast DDS writers wait for crypto tokens that Cyclone DDS readers do not send then.
-std::string obstacle_between(const MeetingScene& scene, const Direction& direction,
-                             const TopicRule& rule) {
-  const auto writer = scene.party(direction.writer).vendor;
-  const auto reader = scene.party(1 - direction.writer).vendor;
+Obstacle unmatched_writer(const MeetingScene& scene, const TopicMeeting& topic, int writer) {
+  if (topic.rules[0] == nullptr || topic.rules[1] == nullptr) return {};
+  const auto& rule = *topic.rules[writer];
+  const auto& self = scene.party(writer);
+  const auto& other = scene.party(1 - writer);
   const bool payload_only =
       is_protected(rule.data_protection_kind) && !is_protected(rule.metadata_protection_kind);
-  if (writer != Vendor::fastdds || reader != Vendor::cyclonedds || !payload_only) return {};
-  return fmt::format(
-      "data_protection_kind {} with metadata_protection_kind NONE: a Fast DDS 2.9.1 "
-      "writer never matches a Cyclone DDS 0.10.2 reader then",
-      to_string(rule.data_protection_kind));
+  if (self.vendor != Vendor::fastdds || other.vendor != Vendor::cyclonedds || !payload_only)
+    return {};
+  return {
+      .reason = fmt::format("data_protection_kind {} with metadata_protection_kind NONE: a {} "
+                            "writer never matches a {} reader then",
+                            to_string(rule.data_protection_kind), self.product(), other.product()),
+      .document = scene.folder(1).paths.governance.string(),
+      .line = topic.rules[1]->line};
+}
+
+// Cyclone DDS 0.10 refuses to create a topic by the first rule that names it in either direction.
+// It does not ask where either access is free (DDS-Security 1.1 table 63).
+Obstacle refused_topic(const MeetingScene& scene, const TopicMeeting& topic, int index) {
+  const auto& party = scene.party(index);
+  const auto* governance = topic.rules[index];
+  const auto* compiled = scene.grants[index].get();
+  const bool asks = party.vendor == Vendor::cyclonedds && governance != nullptr &&
+                    compiled != nullptr && governance->enable_read_access_control &&
+                    governance->enable_write_access_control &&
+                    measured(Variant::grant_deny_one_way, party.lineup).cyclonedds != Outcome::ok;
+  if (!asks) return {};
+  const auto& grant = compiled->grant();
+  const auto* rule = first_rule_naming(grant, scene.settings.domain, topic.topic);
+  if (rule == nullptr || rule->allow) return {};
+  return {.reason = fmt::format("{} at {} refuses to create the topic: the first rule of grant "
+                                "\"{}\" that names it, in whatever direction, is a deny_rule",
+                                party.product(), party.name, grant.name),
+          .rule = Rule::DOC053,
+          .document = party.folder.paths.permissions.string(),
+          .line = rule->line};
+}
+
+Obstacle obstacle_between(const MeetingScene& scene, const TopicMeeting& topic, int writer) {
+  if (auto found = unmatched_writer(scene, topic, writer); !found.reason.empty()) return found;
+  if (auto found = refused_topic(scene, topic, writer); !found.reason.empty()) return found;
+  return refused_topic(scene, topic, 1 - writer);
 }
 
 Direction meet_in_direction(const MeetingScene& scene, const TopicMeeting& topic, int writer) {
@@ -151,12 +184,11 @@ Direction meet_in_direction(const MeetingScene& scene, const TopicMeeting& topic
                                Question{reader, reader, Action::subscribe, topic.topic},
                                Question{writer, reader, Action::subscribe, topic.topic}})
     out.steps.push_back(judge(scene, question));
-  if (topic.rules[0] != nullptr && topic.rules[1] != nullptr) {
+  if (topic.rules[0] != nullptr && topic.rules[1] != nullptr)
     out.differences = differences(*topic.rules[0], *topic.rules[1]);
-    out.obstacle = obstacle_between(scene, out, *topic.rules[writer]);
-  }
+  out.obstacle = obstacle_between(scene, topic, writer);
   out.ok = scene.out.joined() && std::ranges::all_of(out.steps, &Judgement::ok) &&
-           out.differences.empty() && out.obstacle.empty();
+           out.differences.empty() && out.obstacle.reason.empty();
   return out;
 }
 
@@ -199,14 +231,19 @@ void report_differences(const MeetingScene& scene, const TopicMeeting& topic) {
   }
 }
 
+// What the permissions refuse anyway is no matter of the products. The same is said once.
 void report_obstacles(const MeetingScene& scene, const TopicMeeting& topic) {
-  for (const auto& direction : topic.directions)
-    if (!direction.obstacle.empty())
-      scene.out.findings.push_back(
-          {.rule = Rule::DOC085,
-           .message = fmt::format("topic \"{}\": {}", topic.topic, direction.obstacle),
-           .document = scene.folder(1).paths.governance.string(),
-           .line = topic.rules[1]->line});
+  for (const auto& direction : topic.directions) {
+    const auto& obstacle = direction.obstacle;
+    if (obstacle.reason.empty() || !std::ranges::all_of(direction.steps, &Judgement::ok)) continue;
+    auto message = fmt::format("topic \"{}\": {}", topic.topic, obstacle.reason);
+    if (std::ranges::find(scene.out.findings, message, &Finding::message) ==
+        scene.out.findings.end())
+      scene.out.findings.push_back({.rule = obstacle.rule,
+                                    .message = std::move(message),
+                                    .document = obstacle.document,
+                                    .line = obstacle.line});
+  }
 }
 
 // Once for each topic rule. What such a participant runs under is not known here, so it is a note.

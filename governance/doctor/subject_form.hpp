@@ -10,9 +10,11 @@ namespace ddssec::governance::doctor {
 
 /// Outcome::ok for each product that takes `text` for the certificate's subject when it reads its
 /// own permissions, else fail. Measured: Cyclone DDS compares the attributes as text in any order,
-/// from `,` or `/` forms, and no blank may stand beside `,` or `=`; Fast DDS compares with the RFC
-/// 2253 text, with blanks after a `,` left out; ours compares the attributes themselves. Only the
+/// from `,` or `/` forms, and no blank may stand beside `,` or `=`; Fast DDS 2.9 compares with the
+/// RFC 2253 text, with blanks after a `,` left out, Fast DDS 3.1 the parts in any order, with
+/// blanks around `,` and `=` left out; ours compares the attributes themselves. Only the
 /// certificate's own RFC 2253 text (Certificate::subject) suits all.
-Outcomes reads_subject(std::string_view text, const pki::Certificate& certificate);
+Outcomes reads_subject(std::string_view text, const pki::Certificate& certificate,
+                       const Lineup& lineup = {});
 
 }  // namespace ddssec::governance::doctor

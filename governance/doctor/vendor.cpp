@@ -1,28 +1,73 @@
 #include "governance/doctor/vendor.hpp"
 
 #include <algorithm>
+#include <charconv>
+
+#include <fmt/format.h>
 
 namespace ddssec::governance::doctor {
+namespace {
 
-std::string_view id(Vendor vendor) {
-  constexpr std::array<std::string_view, 3> kIds{"cyclonedds@0.10.2", "fastdds@2.9.1", "ours"};
-  return kIds.at(static_cast<std::size_t>(vendor));
+constexpr std::array<std::string_view, 3> kNames{"cyclonedds", "fastdds", "ours"};
+constexpr std::array<std::string_view, 3> kFamilies{"Cyclone DDS", "Fast DDS", "ddssec's plugins"};
+
+std::string_view short_name(Vendor vendor) { return kNames.at(static_cast<std::size_t>(vendor)); }
+
+std::optional<Vendor> vendor_named(std::string_view text) {
+  if (text == "ddssec") return Vendor::ours;
+  const auto found = std::ranges::find(kVendors, text, short_name);
+  return found == kVendors.end() ? std::nullopt : std::optional(*found);
 }
 
-std::string_view name(Vendor vendor) {
-  constexpr std::array<std::string_view, 3> kNames{"Cyclone DDS 0.10.2", "Fast DDS 2.9.1",
-                                                   "ddssec's plugins"};
-  return kNames.at(static_cast<std::size_t>(vendor));
+}  // namespace
+
+std::string to_string(Version version) {
+  return fmt::format("{}.{}.{}", version.major, version.minor, version.patch);
 }
 
-std::string_view label(Vendor vendor) { return vendor == Vendor::ours ? "ddssec" : id(vendor); }
+std::optional<Version> version_from(std::string_view text) {
+  constexpr int kMost = 9999;
+  Version out;
+  for (int* const part : {&out.major, &out.minor, &out.patch}) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), *part);
+    if (error != std::errc() || text.starts_with('-') || *part > kMost) return std::nullopt;
+    text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+    if (text.empty()) return out;
+    if (!text.starts_with('.')) return std::nullopt;
+    text.remove_prefix(1);
+  }
+  return std::nullopt;
+}
+
+std::string id(Vendor vendor, const Lineup& lineup) {
+  if (vendor == Vendor::ours) return std::string(short_name(vendor));
+  return fmt::format("{}@{}", short_name(vendor), to_string(lineup.of(vendor)));
+}
+
+std::string_view family(Vendor vendor) { return kFamilies.at(static_cast<std::size_t>(vendor)); }
+
+std::string name(Vendor vendor, const Lineup& lineup) {
+  if (vendor == Vendor::ours) return std::string(family(vendor));
+  return fmt::format("{} {}", family(vendor), to_string(lineup.of(vendor)));
+}
+
+std::string label(Vendor vendor, const Lineup& lineup) {
+  return vendor == Vendor::ours ? "ddssec" : id(vendor, lineup);
+}
+
+std::optional<NamedProduct> product_from(std::string_view text) {
+  const auto at = text.find('@');
+  const auto vendor = vendor_named(text.substr(0, at));
+  if (!vendor) return std::nullopt;
+  if (at == text.npos) return NamedProduct{*vendor};
+  const auto version = version_from(text.substr(at + 1));
+  if (!version || *vendor == Vendor::ours) return std::nullopt;
+  return NamedProduct{*vendor, version};
+}
 
 std::optional<Vendor> vendor_from(std::string_view text) {
-  const auto found = std::ranges::find_if(kVendors, [&](Vendor vendor) {
-    return text == id(vendor) || text == label(vendor) ||
-           text == id(vendor).substr(0, id(vendor).find('@'));
-  });
-  return found == kVendors.end() ? std::nullopt : std::optional(*found);
+  const auto product = product_from(text);
+  return product ? std::optional(product->vendor) : std::nullopt;
 }
 
 std::string_view to_string(Outcome outcome) {

@@ -2,30 +2,68 @@
 #pragma once
 
 #include <array>
+#include <compare>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace ddssec::governance::doctor {
 
 /// A DDS product with its security plugins. What is known of each was measured against the product
-/// itself (tests/interop).
+/// itself (governance/doctor/measured.def).
 enum class Vendor : std::uint8_t {
-  cyclonedds,  ///< Cyclone DDS 0.10.2 with its own plugins
-  fastdds,     ///< Fast DDS 2.9.1
+  cyclonedds,  ///< Cyclone DDS with its own plugins
+  fastdds,     ///< Fast DDS
   ours,        ///< the plugins of ddssec
 };
 inline constexpr std::array kVendors{Vendor::cyclonedds, Vendor::fastdds, Vendor::ours};
 
+/// A product's version.
+struct Version {
+  int major = 0;
+  int minor = 0;
+  int patch = 0;
+  auto operator<=>(const Version&) const = default;
+};
+/// "0.10.2".
+std::string to_string(Version version);
+/// From one to three numbers with dots between them. Nothing if it is something else.
+std::optional<Version> version_from(std::string_view text);
+
+/// The versions that are predicted. Without others, those that Debian 12 has.
+struct Lineup {
+  Version cyclonedds = {0, 10, 2};
+  Version fastdds = {2, 9, 1};
+
+  /// Of the stock product; ours has none.
+  Version& of(Vendor vendor) { return vendor == Vendor::fastdds ? fastdds : cyclonedds; }
+  const Version& of(Vendor vendor) const {
+    return vendor == Vendor::fastdds ? fastdds : cyclonedds;
+  }
+  bool operator==(const Lineup&) const = default;
+};
+
 /// "cyclonedds@0.10.2", "fastdds@2.9.1", "ours".
-std::string_view id(Vendor vendor);
+std::string id(Vendor vendor, const Lineup& lineup = {});
 /// "Cyclone DDS 0.10.2" and so on.
-std::string_view name(Vendor vendor);
+std::string name(Vendor vendor, const Lineup& lineup = {});
+/// "Cyclone DDS", "Fast DDS", "ddssec's plugins".
+std::string_view family(Vendor vendor);
 
 /// As columns show it to people: the id, and "ddssec" for ours, whose id is part of the JSON
 /// contract.
-std::string_view label(Vendor vendor);
-/// From an id, with or without its version. Nothing if it is neither.
+std::string label(Vendor vendor, const Lineup& lineup = {});
+
+/// A product as somebody names it.
+struct NamedProduct {
+  Vendor vendor;
+  std::optional<Version> version = std::nullopt;
+  bool operator==(const NamedProduct&) const = default;
+};
+/// From NAME or NAME@VERSION. Nothing if it is neither; ours has no version.
+std::optional<NamedProduct> product_from(std::string_view text);
+/// The product's vendor. Nothing if `text` names none.
 std::optional<Vendor> vendor_from(std::string_view text);
 
 /// What comes of something with one product, from good to bad.

@@ -42,6 +42,15 @@ const Criteria* naming(const std::vector<Criteria>& list, std::string_view topic
   return found == list.end() ? nullptr : &*found;
 }
 
+const governance::Rule* first_rule_naming(const Grant& grant, DomainId domain,
+                                          std::string_view topic) {
+  const auto found = std::ranges::find_if(grant.rules, [&](const Rule& rule) {
+    return rule.domains.contains(domain) &&
+           (naming(rule.publish, topic) != nullptr || naming(rule.subscribe, topic) != nullptr);
+  });
+  return found == grant.rules.end() ? nullptr : &*found;
+}
+
 Verdict judge_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
                  const Request& request) {
   if (vendor == Vendor::ours) return grant.judge(action, request);

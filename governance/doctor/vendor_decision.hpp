@@ -12,15 +12,20 @@ namespace ddssec::governance::doctor {
 /// The first of the list that names the topic, or nullptr.
 const Criteria* naming(const std::vector<Criteria>& list, std::string_view topic);
 
-/// As CompiledGrant::judge, but as `vendor` decides in `domain`. Cyclone DDS 0.10.2 takes a
-/// deny_rule without partitions for the partition "" only. With Fast DDS 2.9.1 the first rule whose
+/// The rule by which Cyclone DDS 0.10 decides whether a topic may be created at all: the first for
+/// the domain that names it in whatever direction. Null if none does.
+const governance::Rule* first_rule_naming(const Grant& grant, DomainId domain,
+                                          std::string_view topic);
+
+/// As CompiledGrant::judge, but as `vendor` decides in `domain`. Cyclone DDS takes a
+/// deny_rule without partitions for the partition "" only. With Fast DDS the first rule whose
 /// topic matches decides whatever its partitions are: a deny_rule denies in all of them, an
 /// allow_rule that does not list the partitions denies too; and <default> is DENY. Neither looks at
 /// data tags.
 Verdict judge_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
                  const Request& request);
 
-/// As CompiledGrant::judge_participant. Cyclone DDS 0.10.2 and Fast DDS 2.9.1 let a participant
+/// As CompiledGrant::judge_participant. Cyclone DDS and Fast DDS let a participant
 /// join by any allow_rule for the domain, wherever it stands; Fast DDS takes <default> as DENY.
 Verdict judge_participant_as(Vendor vendor, const CompiledGrant& grant, DomainId domain);
 

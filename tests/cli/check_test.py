@@ -5,10 +5,9 @@ import hashlib
 import pathlib
 import shutil
 import ssl
-import subprocess
 import tempfile
 
-from transcript import PROGRAM, WithoutLists, main
+from transcript import WithoutLists, main
 from workshop import GOVERNANCE, Folder, Workshop, allow, grant, permissions
 
 ONE_WAY = """<allow_rule>
@@ -358,12 +357,43 @@ class Check(WithoutLists):
                                ("ours cyclonedds", False)):
             a, b = products.split()
             words = ("check", "talker", "listener", "--vendor", f"A={a}", "--vendor", f"B={b}")
-            done = subprocess.run([PROGRAM, *words], cwd=self.at, capture_output=True, text=True, timeout=60,
-                                  check=False)
+            done = self.run_program(*words, exit=None)
             self.assertEqual("note[DOC094]: this is predicted for Fast DDS 2.9.1" in done.stderr, told, products)
-        for words in (("check", "talker", "listener"), ("doctor", "talker")):
-            said = self.refused("usage", 2, *words, "--vendor", "fastdds@3")
-            self.assertIn("docs/why-they-do-not-talk.md", said["message"])
+        self.apart("DOC094", "Fast DDS 3.1.2 (talker) discovers nothing of Cyclone DDS 0.10.5 (listener)",
+                   words=("--vendor", "A=fastdds@3.1.2", "--vendor", "B=cyclonedds@0.10.5"))
+        self.check("--vendor", "fastdds@3.1.2", exit=0)
+        out = self.check("--vendor", "A=fastdds@3.1.2", exit=0)  # ours may be embedded
+        self.assertIn("only of ddssec's embedded participant", "".join(d["message"] for d in out["diagnostics"]))
+        self.refused("usage", 2, "check", "talker", "listener", "--vendor", "fastdds@x")
+
+    def test_each_topic_is_judged_for_itself(self):
+        """Cyclone DDS 0.10.2 refuses to create Circle, and uses Square: measured, tests/interop/measure.py."""
+        join = ONE_WAY.format("publish").replace("<publish><topics><topic>Square</topic></topics></publish>", "")
+        deny = ONE_WAY.format("subscribe").replace("allow_rule", "deny_rule").replace("Square", "Circle")
+        self.talker.sign("permissions", permissions(grant("CN=talker", join + deny + allow("*"))))
+        self.listener.sign("permissions", permissions(grant("CN=listener", allow("Square") + allow("Circle"))))
+        cyclone = ("--vendor", "cyclonedds@0.10.2")
+        result = self.apart("DOC053", 'topic "Circle": Cyclone DDS 0.10.2 at talker refuses to create the topic',
+                            words=cyclone, document="permissions.p7s")
+        directions = {topic["name"]: [(one["ok"], one.get("reason", "")) for one in topic["directions"]]
+                      for topic in result["topics"]}
+        self.assertEqual((directions["Square"], result["talk"]), ([(True, "")] * 2, True))
+        self.assertIn("refuses to create the topic", directions["Circle"][0][1])
+        self.assertIn("talker may not subscribe to it", directions["Circle"][1][1])
+        told = self.run_program("check", "talker", "listener", *cyclone, exit=1).stdout
+        self.assertIn("result: they match, but a product keeps them apart on a topic\n"
+                      "  talker publishes to listener: Square\n  listener publishes to talker: Square\n"
+                      "  not on Circle: Cyclone DDS 0.10.2 at talker refuses to create the topic", told)
+        self.check(*cyclone, "--topics", "Square", "--require", "both", exit=0)
+        self.check(*cyclone, "--topics", "Circle", exit=1)
+        for other in (("--vendor", "cyclonedds@11.0"), ()):
+            self.check(*other, "--topics", "Circle", "--require", "writer=A", exit=0)
+
+    def test_what_keeps_them_apart_is_said_of_each_topic(self):
+        self.talker.sign("permissions", permissions(grant("CN=talker", allow("Square") + allow("Circle"))))
+        told = self.run_program("check", "talker", "listener").stdout
+        self.assertIn('  not on Circle: listener may not subscribe to it: no subscribe rule of grant "participant" '
+                      "matches, default DENY (permissions.p7s:", told)
 
     def subject_hash(self, name):
         def block(tag, content):

@@ -7,19 +7,21 @@ import shutil
 import tempfile
 
 import golden_folders
+from forecast import Table
 from transcript import WithoutLists, main
 
 HERE = pathlib.Path(__file__).resolve().parent
+MEASURED = Table(HERE.parent.parent)
 VENDORS = ["cyclonedds@0.10.2", "fastdds@2.9.1", "ours"]
 
 
 def table():
-    """The rows of doctor_golden.txt: a folder's verdicts and rules, by its name."""
+    """A folder's verdicts and rules by its name: of stock products as measured, of ours in doctor_golden.txt."""
     rows = {}
     for line in (HERE / "doctor_golden.txt").read_text().splitlines():
         if line and not line.startswith("#"):
-            name, *words = line.split()
-            rows[name] = (words[:3], words[3:])
+            name, ours, *rules = line.split()
+            rows[name] = ([*(MEASURED.outcome(name, product) for product in VENDORS[:2]), ours], rules)
     return rows
 
 
@@ -36,6 +38,14 @@ SENTENCES = {
     "key-of-another": ("DOC012", "key.pem", "cert.pem", "CN=talker"),
     "key-encrypted": ("DOC013", "key.pem", "encrypted"),
     "p384": ("DOC014", "cert.pem", "EC-secp384r1", "EC-prime256v1"),
+    "identity-sha512": ("DOC015", "cert.pem", "signed with SHA512", "Fast DDS 2.9.1"),
+    "identity-ca-sha512": ("DOC015", "identity_ca.pem", "CN=sha512-ca CA", "SHA-256 only"),
+    "identity-ca-no-constraints": ("DOC020", "cert.pem", "CN=no-constraints CA", "basicConstraints CA:TRUE"),
+    "permissions-ca-no-constraints": ("DOC035", "governance.p7s", "CN=no-constraints-permissions CA", "basicConstraints CA:TRUE"),
+    "governance-bom": ("DOC037", "governance.p7s", "a byte order mark", "Cyclone DDS"),
+    "governance-default-namespace": ("DOC037", "governance.p7s", "attribute xmlns"),
+    "governance-escaped-quotes": ("DOC036", "governance.p7s", "encoding"),
+    "governance-doctype": ("DOC036", "governance.p7s", "DOCTYPE"),
     "identity-unknown-ca": ("DOC020", "cert.pem", "CN=foreign CA", "CN=identity CA"),
     "identity-other-ca-same-name": ("DOC020", "cert.pem", "CN=identity CA", "two CAs of one name"),
     "identity-below-intermediate": ("DOC020", "cert.pem", "CN=middle CA", "CN=identity CA"),
@@ -95,6 +105,56 @@ class Golden(WithoutLists):
 
     def test_every_folder_is_in_the_table(self):
         self.assertEqual(sorted(table()), sorted(golden_folders.FOLDERS))
+        self.assertEqual(list(MEASURED.rows), list(golden_folders.FOLDERS))
+
+    def test_every_version_gets_what_was_measured_of_it(self):
+        others = [product for product in MEASURED.columns if product not in VENDORS]
+        pairs = [[one for one in others if one.startswith(vendor)] for vendor in ("cyclonedds", "fastdds")]
+        for name in golden_folders.FOLDERS:
+            for cyclone in pairs[0]:
+                asked = (cyclone, pairs[1][-1])
+                with self.subTest(folder=name, products=asked):
+                    expected = {product: MEASURED.outcome(name, product) for product in asked}
+                    words = [word for product in asked for word in ("--vendor", product)]
+                    out = self.json("doctor", self.paths[name], *words, exit=None)
+                    self.assertEqual(out["result"]["verdicts"], expected)
+
+    def test_a_ca_of_version_1_is_named_for_products_that_refuse_it(self):
+        for name, file in (("x509-v1-ca", "identity_ca.pem"), ("x509-v1-permissions-ca", "permissions_ca.pem")):
+            out = self.doctor(name, "--vendor", "fastdds@3.1.2", exit=1)
+            told = [d for d in out["diagnostics"] if d["id"] == "DOC016"]
+            self.assertEqual([pathlib.Path(d["file"]).name for d in told], [file])
+            self.assertIn("X.509 version 1, which Fast DDS 3.1.2 does not take as a CA", told[0]["message"])
+            self.assertEqual(told[0]["vendors"], ["fastdds@3.1.2"])
+            self.doctor(name, "--vendor", "all", exit=0)
+
+    def notes(self, *words, **more):
+        """What is said about versions."""
+        out = self.json("doctor", self.paths["correct"], *words, exit=0, **more)
+        return list(out["result"]["verdicts"]), [d["message"] for d in out["diagnostics"] if d["id"] == "DOC098"]
+
+    def test_versions_are_the_installed_ones_or_said_to_be_assumed(self):
+        self.assertEqual(self.notes(), (VENDORS, []))
+        self.assertEqual(self.notes("--vendor", "cyclonedds@0.10.5"), (["cyclonedds@0.10.5"], []))
+        self.assertEqual(self.notes("--vendor", "cyclonedds@0.10.7"), (
+            ["cyclonedds@0.10.7"],
+            ["Cyclone DDS 0.10.7 is predicted as 0.10.5, the nearest older version that is known"]))
+        self.assertEqual(self.notes("--vendor", "cyclonedds@0.9"), (
+            ["cyclonedds@0.9.0"], ["Cyclone DDS 0.9.0 is predicted as 0.10.2, the oldest version that is known"]))
+        self.assertEqual(self.notes("--vendor", "cyclonedds@11.0"), (
+            ["cyclonedds@11.0.0"], ["what Cyclone DDS 11.0.0 does was taken from a review of it and from what older "
+                                    "versions were measured to do"]))
+        libraries = self.at / "libraries"
+        libraries.mkdir()
+        (libraries / "libddsc.so.0.10.4").touch()
+        (libraries / "libfastdds.so.3.1.2").touch()
+        (libraries / "libfastdds.so").symlink_to("libfastdds.so.3.1.2")
+        found = self.notes(environment={"LD_LIBRARY_PATH": f"/nowhere:{libraries}"})
+        self.assertEqual(found, (["cyclonedds@0.10.4", "fastdds@3.1.2", "ours"], [
+            "Cyclone DDS 0.10.4 is predicted as 0.10.2, the nearest older version that is known"]))
+        for word in ("cyclonedds@", "cyclonedds@x", "cyclonedds@1.2.3.4", "ours@1.0", "cyclonedds@0.10.5,fastdds"):
+            self.refused("usage", 2, "doctor", self.paths["correct"], "--vendor", word)
+        self.refused("usage", 2, "doctor", self.paths["correct"], "--vendor", "fastdds@2.9.1", "--vendor", "fastdds@3.1.2")
 
     def test_every_folder_gets_its_verdicts_and_rules(self):
         for name, (verdicts, rules) in table().items():

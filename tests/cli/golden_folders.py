@@ -4,8 +4,8 @@ import os
 import pathlib
 import shutil
 
-from workshop import (CA_EXTENSIONS, FUTURE, GOVERNANCE, Folder, Workshop, allow, grant, openssl,
-                      permissions)
+import golden_texts
+from workshop import CA_EXTENSIONS, GOVERNANCE, Folder, Workshop, allow, grant, openssl, permissions
 
 DATA = pathlib.Path(__file__).resolve().parent.parent / "data"
 LONG_AGO = ("20200101000000Z", "20210101000000Z")
@@ -128,6 +128,35 @@ def x509_v1(shop, path):
     Folder(shop, path, label="v1", extensions=None)
 
 
+def identity_under(name, label, **ca):
+    """A participant whose identity CA is made in another way."""
+    def make(shop, path):
+        made = shop.ca(label, **ca)
+        Folder(shop, path, label="under-" + label, ca=made).put("identity_ca.pem", made / "cert.pem")
+    FOLDERS[name] = make
+
+
+def permissions_under(name, label, **ca):
+    """Both documents signed by a permissions CA that is made in another way."""
+    def make(shop, path):
+        made = Folder(shop, path)
+        made.permissions_ca = shop.ca(label, **ca)
+        made.put("permissions_ca.pem", made.permissions_ca / "cert.pem")
+        made.sign("governance", GOVERNANCE)
+        made.own_permissions()
+    FOLDERS[name] = make
+
+
+# Version 3 whose keyUsage alone says that it is a CA.
+KEY_USAGE_ONLY = ("keyUsage=critical,keyCertSign,cRLSign,digitalSignature",)
+identity_under("x509-v1-ca", "version-1", extensions=())
+permissions_under("x509-v1-permissions-ca", "version-1-permissions", extensions=())
+identity_under("identity-ca-no-constraints", "no-constraints", extensions=KEY_USAGE_ONLY)
+permissions_under("permissions-ca-no-constraints", "no-constraints-permissions", extensions=KEY_USAGE_ONLY)
+identity_under("identity-ca-sha512", "sha512-ca", digest="sha512")
+permissions_under("permissions-ca-sha512", "sha512-permissions", digest="sha512")
+
+
 @folder
 def identity_other_ca_same_name(shop, path):
     Folder(shop, path, label="impostor", ca=shop.ca("impostor", "/CN=identity CA"))
@@ -218,6 +247,16 @@ def identity_key_usage(shop, path):
 @folder
 def identity_sha1(shop, path):
     Folder(shop, path, label="sha1", digest="sha1")
+
+
+@folder
+def identity_sha384(shop, path):
+    Folder(shop, path, label="sha384", digest="sha384")
+
+
+@folder
+def identity_sha512(shop, path):
+    Folder(shop, path, label="sha512", digest="sha512")
 
 
 @folder
@@ -349,106 +388,17 @@ def form_lf(shop, path):
     (path / "permissions.p7s").write_bytes(text.replace(b"\r\n", b"\n"))
 
 
-# ---- subjects
-
-def subject(name, text, identity="/C=DE/O=Acme/CN=talker", label="acme"):
-    def make(shop, path):
-        made = Folder(shop, path, identity, label)
-        made.sign("permissions", permissions(grant(text)))
-    FOLDERS["subject-" + name] = make
-
-
-subject("rfc2253", "CN=talker,O=Acme,C=DE")
-subject("root-first", "C=DE,O=Acme,CN=talker")
-subject("slashes", "/C=DE/O=Acme/CN=talker")
-subject("blanks", "CN=talker, O=Acme, C=DE")
-subject("mixed-order", "O=Acme,CN=talker,C=DE")
-subject("openssl-default", "C = DE, O = Acme, CN = talker")
-subject("blanks-at-equals", "CN = talker,O = Acme,C = DE")
-subject("cn-only", "CN=talker")
-subject("other-case", "cn=talker,o=Acme,c=DE")
-subject("value-case", "CN=Talker,O=Acme,C=DE")
-subject("misspelt", "CN=talkre", "/CN=talker", "talker")
-subject("blank-around", " CN=talker ", "/CN=talker", "talker")
-subject("single-blanks-at-equals", "CN = talker", "/CN=talker", "talker")
-subject("single-slash", "/CN=talker", "/CN=talker", "talker")
-
-
-# ---- grants and rules
-
-def grants(which, *texts, **more):
-    def make(shop, path):
-        made = Folder(shop, path)
-        made.sign("permissions", permissions(*(texts or [grant(made.subject, **more)])))
-    FOLDERS[which] = make
-
-
-grants("grant-expired", begin="2020-01-01T00:00:00Z", end="2021-01-01T00:00:00Z")
-grants("grant-not-yet-valid", begin=FUTURE)
-grants("grant-second", grant("CN=talker", end="2021-01-01T00:00:00Z"), grant("CN=talker"))
-grants("grant-twice", grant("CN=talker"), grant("CN=talker", allow("Circle")))
-grants("grant-other-domain", rules=allow(domain=7))
-grants("grant-default-allow", rules=allow("Circle"), default="ALLOW")
-grants("grant-other-topic", rules=allow("Circle"))
-grants("grant-without-name", name="")
-# The first rule decides about joining: without it ddssec would refuse that already.
-JOIN = """<allow_rule>
-        <domains><id>0</id></domains>
-      </allow_rule>
-      """
-grants("grant-deny-one-way", rules=JOIN + """<deny_rule>
-        <domains><id>0</id></domains>
-        <subscribe><topics><topic>Square</topic></topics></subscribe>
-      </deny_rule>
-      """ + allow())
-grants("grant-deny-other-way", rules=JOIN + """<deny_rule>
-        <domains><id>0</id></domains>
-        <publish><topics><topic>Square</topic></topics></publish>
-      </deny_rule>
-      """ + allow())
-grants("grant-deny-first", rules="""<allow_rule>
-        <domains><id>0</id></domains>
-        <subscribe><topics><topic>Square</topic></topics></subscribe>
-      </allow_rule>
-      """ + allow())
-grants("grant-bracket-caret", rules=allow("[^T]quare"))
-grants("grant-xml-broken", '    <grant name="x">\n')
-grants("grant-no-zone", begin="2020-01-01T00:00:00", end="2037-01-01T00:00:00")
-
-
 @folder
-def grant_without_default(shop, path):
-    made = Folder(shop, path)
-    xml = permissions(grant(made.subject)).replace("      <default>DENY</default>\n", "")
-    made.sign("permissions", xml)
+def form_crcrlf(shop, path):
+    """As OpenSSL's S/MIME comes from Windows: one more CR before each CRLF of the text."""
+    Folder(shop, path)
+    for name in ("governance.p7s", "permissions.p7s"):
+        text = (path / name).read_bytes()
+        (path / name).write_bytes(text.replace(b"\n", b"\r\n"))
+        assert b"\r\r\n" in (path / name).read_bytes()
 
 
-def governance(name, old, new):
-    def make(shop, path):
-        assert old in GOVERNANCE, old
-        Folder(shop, path).sign("governance", GOVERNANCE.replace(old, new))
-    FOLDERS["governance-" + name] = make
-
-
-governance("other-domain", "<id>0</id>", "<id>1</id>")
-governance("other-topics", "<topic_expression>*<", "<topic_expression>Circle<")
-governance("capitals", "<enable_join_access_control>true<", "<enable_join_access_control>TRUE<")
-governance("one-for-true", "<enable_join_access_control>true<", "<enable_join_access_control>1<")
-governance("small-letters", "<rtps_protection_kind>SIGN<", "<rtps_protection_kind>sign<")
-governance("unknown-kind", "<rtps_protection_kind>SIGN<", "<rtps_protection_kind>SIGNED<")
-governance("unauthenticated", "<allow_unauthenticated_participants>false<",
-           "<allow_unauthenticated_participants>true<")
-governance("no-max", "<id>0</id>", "<id_range><min>0</min></id_range>")
-governance("no-min", "<id>0</id>", "<id_range><max>0</max></id_range>")
-governance("order", """<enable_read_access_control>true</enable_read_access_control>
-          <enable_write_access_control>true</enable_write_access_control>""",
-           """<enable_write_access_control>true</enable_write_access_control>
-          <enable_read_access_control>true</enable_read_access_control>""")
-governance("pre-shared-key", "</rtps_protection_kind>",
-           "</rtps_protection_kind>\n      <rtps_psk_protection_kind>ENCRYPT</rtps_psk_protection_kind>")
-governance("key-revision", "</enable_join_access_control>",
-           "</enable_join_access_control>\n      <enable_key_revision>true</enable_key_revision>")
-governance("payload-only", "<metadata_protection_kind>ENCRYPT<", "<metadata_protection_kind>NONE<")
+FOLDERS.update(golden_texts.FOLDERS)
 
 
 def make_all(where, names=None):

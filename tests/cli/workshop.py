@@ -67,11 +67,12 @@ def permissions(*grants):
 
 
 def openssl(*words, text=None):
-    done = subprocess.run(["openssl", *map(str, words)], input=text, capture_output=True, text=True,
-                          check=False)
+    """`text`: what it reads, as text or as octets."""
+    octets = text.encode() if isinstance(text, str) else text
+    done = subprocess.run(["openssl", *map(str, words)], input=octets, capture_output=True, check=False)
     if done.returncode != 0:
-        raise RuntimeError(f"openssl {' '.join(map(str, words))}: {done.stderr}")
-    return done.stdout
+        raise RuntimeError(f"openssl {' '.join(map(str, words))}: {done.stderr.decode(errors='replace')}")
+    return done.stdout.decode(errors="replace")
 
 
 class Workshop:
@@ -89,9 +90,10 @@ class Workshop:
                     *(("-pkeyopt", option) if option else ()), "-out", path)
         return path
 
-    def ca(self, label, subject=None, extensions=CA_EXTENSIONS, dates=None, kind="ec", root=None):
+    def ca(self, label, subject=None, extensions=CA_EXTENSIONS, dates=None, kind="ec", root=None,
+           digest="sha256"):
         """A CA's folder with cert.pem, key.pem and what `openssl ca` needs; self-signed, or below
-        the CA folder `root`."""
+        the CA folder `root`. Without extensions it is X.509 version 1."""
         folder = self.folder / f"ca-{label}"
         if folder.exists():
             return folder
@@ -101,7 +103,8 @@ class Workshop:
         (folder / "serial").write_text("1000\n")
         os.link(self.key("ca-" + label, kind), folder / "key.pem")
         request = ("-key", folder / "key.pem", "-subj", subject or f"/CN={label} CA")
-        if dates is None and root is None:
+        is_usual = "basicConstraints=" in "".join(extensions) and digest == "sha256"
+        if dates is None and root is None and is_usual:
             openssl("req", "-x509", "-new", "-sha256", "-days", "3650", *request,
                     *[part for text in extensions for part in ("-addext", text)],
                     "-out", folder / "cert.pem")
@@ -110,9 +113,9 @@ class Workshop:
             (folder / "extensions").write_text("\n".join(extensions) + "\n")
             begin, end = dates or LONG
             openssl("ca", "-batch", "-notext", *(() if root else ("-selfsign",)), "-config",
-                    (root or folder) / "openssl.cnf", "-startdate", begin, "-enddate", end,
-                    "-extfile", folder / "extensions", "-in", folder / "request.csr",
-                    "-out", folder / "cert.pem")
+                    (root or folder) / "openssl.cnf", "-md", digest, "-startdate", begin, "-enddate", end,
+                    *(("-extfile", folder / "extensions") if extensions else ()),
+                    "-in", folder / "request.csr", "-out", folder / "cert.pem")
         return folder
 
     def leaf(self, label, ca, subject="/CN=talker", kind="ec", dates=None, extensions=None,

@@ -1,10 +1,13 @@
 #!/usr/bin/env bash
-# Unpacks Debian 13's Cyclone DDS and iceoryx, with all that they need down to the C library, into a folder.
+# Unpacks packages of Debian 13, Cyclone DDS and iceoryx unless others are named, with all that they need down
+# to the C library, into a folder.
 # Takes the mirror and the proxy from the machine's apt, and changes nothing of it: lists, cache and
 # state are in the folder.
-# Usage: debian13_packages.sh FOLDER     Quick if FOLDER is complete. Exit 77: they cannot be had here.
+# Usage: debian13_packages.sh FOLDER [PACKAGE...]     Quick if FOLDER is complete. Exit 77: they cannot be had here.
 set -euo pipefail
 folder=$(realpath -m "$1")
+shift
+[ $# -gt 0 ] || set -- cyclonedds-tools iceoryx libssl3t64
 cannot() { printf 'debian13_packages.sh: %s\n' "$*" >&2; exit 77; }
 
 [ ! -e "$folder/complete" ] || exit 0
@@ -42,7 +45,7 @@ APT::Sandbox::User "root";
 CONF
 apt() { timeout 120 apt-get --config-file "$folder/apt.conf" -qq "$@"; }
 apt update || cannot "the package lists of Debian 13 cannot be fetched"
-apt -y --no-install-recommends --download-only install cyclonedds-tools iceoryx libssl3t64 ||
+apt -y --no-install-recommends --download-only install "$@" ||
   cannot "the packages of Debian 13 cannot be fetched"
 for package in "$folder"/cache/archives/*.deb; do dpkg-deb -x "$package" "$folder/root"; done
 rm -rf "$folder"/{lists,cache,state}

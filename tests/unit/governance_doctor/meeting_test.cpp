@@ -129,15 +129,57 @@ TEST_F(MeetingTest, VersionsOfFastDdsMatterToCycloneDdsWithAnyPlugins) {
   EXPECT_FALSE(is_noted(Vendor::ours, Vendor::cyclonedds));
 }
 
+TEST_F(MeetingTest, LaterFastDdsDiscoversNothingOfCycloneDds) {
+  const auto a = load_folder(talker_, kNow), b = load_folder(listener_, kNow);
+  const auto with = [&](Vendor other, Version cyclonedds) {
+    return meet({a, Vendor::fastdds, "talker", {.fastdds = {3, 1, 2}}},
+                {b, other, "listener", {.cyclonedds = cyclonedds}}, {.now = kNow});
+  };
+  const auto old = with(Vendor::cyclonedds, {0, 10, 5});
+  EXPECT_FALSE(old.discovery_works);
+  EXPECT_THAT(findings(old), testing::Contains(Rule::DOC094));
+  for (const auto& out :
+       {with(Vendor::cyclonedds, {11, 0, 1}), with(Vendor::ours, {}), with(Vendor::fastdds, {})}) {
+    EXPECT_TRUE(out.discovery_works);
+    EXPECT_THAT(findings(out), testing::Not(testing::Contains(Rule::DOC094)));
+  }
+}
+
+// Measured (grant-deny-one-way): Cyclone DDS 0.10 refuses that topic and uses the others.
+TEST_F(MeetingTest, ATopicThatCycloneDdsRefusesLeavesTheOthers) {
+  auto grant = grant_for("CN=talker", "*");
+  governance::Rule deny{.allow = false, .domains = {.ranges = {{0, 0}}}};
+  deny.subscribe.push_back({.topics = {{"Circle"}}});
+  grant.rules.insert(grant.rules.begin(), {{.allow = true, .domains = deny.domains}, deny});
+  sign(talker_.permissions, to_xml(Permissions{.grants = {grant}}));
+  sign(listener_.permissions, to_xml(Permissions{.grants = {grant_for("CN=listener", "*")}}));
+  const auto a = load_folder(talker_, kNow), b = load_folder(listener_, kNow);
+  const auto with = [&](Vendor vendor, Version version) {
+    return meet({a, vendor, "talker", {.cyclonedds = version}}, {b, Vendor::cyclonedds, "listener"},
+                {.now = kNow}, {"Square", "Circle"});
+  };
+  const auto old = with(Vendor::cyclonedds, {0, 10, 5});
+  EXPECT_TRUE(old.joined());
+  EXPECT_TRUE(old.topics[0].directions[0].ok);
+  EXPECT_FALSE(old.topics[1].directions[0].ok);
+  EXPECT_THAT(old.topics[1].directions[0].obstacle.reason,
+              HasSubstr("refuses to create the topic"));
+  EXPECT_THAT(findings(old), ElementsAre(Rule::DOC086, Rule::DOC053));
+  for (const auto& out : {with(Vendor::cyclonedds, {11, 0, 1}), with(Vendor::ours, {})}) {
+    EXPECT_TRUE(out.topics[1].directions[0].ok);
+    EXPECT_FALSE(out.topics[1].directions[1].ok);
+  }
+}
+
 TEST_F(MeetingTest, PayloadProtectionAloneStopsAFastDdsWriterBeforeACycloneReader) {
   auto governance = strict_governance();
   governance.domain_rules[0].topic_rules[0].metadata_protection_kind = ProtectionKind::none;
   for (const auto& folder : {talker_, listener_}) sign(folder.governance, to_xml(governance));
   const auto out = meeting({}, Vendor::fastdds, Vendor::cyclonedds);
   EXPECT_FALSE(out.topics[0].directions[0].ok);
-  EXPECT_THAT(out.topics[0].directions[0].obstacle, HasSubstr("ENCRYPT"));
+  EXPECT_THAT(out.topics[0].directions[0].obstacle.reason, HasSubstr("ENCRYPT"));
   EXPECT_THAT(findings(out), testing::Contains(Rule::DOC085));
-  EXPECT_THAT(out.topics[0].directions[1].obstacle, IsEmpty());
+  EXPECT_THAT(out.topics[0].directions[1].obstacle.reason, IsEmpty());
 }
 
 TEST_F(MeetingTest, OneSubjectForBothIsLeftToChance) {

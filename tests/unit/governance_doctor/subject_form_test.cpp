@@ -36,6 +36,19 @@ TEST(SubjectForm, EachProductReadsSomeOfThem) {
     EXPECT_EQ(reads_subject(text, leaf.certificate), outcomes) << text;
 }
 
+TEST(SubjectForm, LaterFastDdsReadsPartsInAnyOrderAndBlanks) {
+  const auto leaf = make_leaf(make_ca("CN=CA"), "CN=pub,O=Acme,C=DE");
+  const auto reads = [&](std::string_view text) {
+    return reads_subject(text, leaf.certificate, {.fastdds = {3, 1, 2}}).fastdds;
+  };
+  for (const auto* text : {"CN=pub,O=Acme,C=DE", "C=DE,O=Acme,CN=pub", "O=Acme,CN=pub,C=DE",
+                           "CN=pub, O=Acme, C=DE", "C = DE, O = Acme, CN = pub"})
+    EXPECT_EQ(reads(text), kOk) << text;
+  for (const auto* text : {"/C=DE/O=Acme/CN=pub", "cn=pub,o=Acme,c=DE", "CN=pub", "CN=pub,O=Acme,C",
+                           "CN=Pub,O=Acme,C=DE", ""})
+    EXPECT_EQ(reads(text), kFail) << text;
+}
+
 TEST(SubjectForm, AnEscapedCommaSeparatesNothing) {
   const auto ca = make_ca("CN=CA");
   const auto leaf = make_leaf(ca, "CN=pub,O=Acme\\, Inc.");

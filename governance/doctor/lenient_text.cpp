@@ -1,0 +1,88 @@
+#include "governance/doctor/lenient_text.hpp"
+
+#include <algorithm>
+
+#include "governance/xml_check.hpp"
+
+namespace ddssec::governance::doctor {
+namespace {
+
+/// Walks over the text once and blanks out what is wrong.
+class Cleaner {
+ public:
+  explicit Cleaner(std::string text) : text_(std::move(text)) {}
+
+  LenientText run() {
+    declaration();
+    for (std::size_t at = text_.find('<'); at != text_.npos; at = text_.find('<', at + 1)) {
+      const auto rest = std::string_view(text_).substr(at);
+      if (rest.starts_with("<!--"))
+        comment(at);
+      else if (rest.starts_with("<!DOCTYPE"))
+        blank(at, end_of_doctype(at), Variant::governance_doctype);
+      else if (rest.starts_with("<?"))
+        blank(at, behind(at, "?>"), Variant::governance_processing_instruction);
+    }
+    octets();
+    return {to_bytes(as_bytes(text_)), std::move(left_out_)};
+  }
+
+ private:
+  std::size_t behind(std::size_t from, std::string_view end) const {
+    const auto found = text_.find(end, from);
+    return found == text_.npos ? text_.size() : found + end.size();
+  }
+
+  // An internal subset stands in brackets.
+  std::size_t end_of_doctype(std::size_t from) const {
+    const auto end = text_.find('>', from);
+    const auto subset = text_.find('[', from);
+    return subset < end ? behind(behind(subset, "]"), ">") : behind(from, ">");
+  }
+
+  void blank(std::size_t from, std::size_t to, Variant what) {
+    for (std::size_t i = from; i < to; ++i)
+      if (text_[i] != '\n' && text_[i] != '\r') text_[i] = ' ';
+    note(what);
+  }
+  void note(Variant what) {
+    if (std::ranges::find(left_out_, what) == left_out_.end()) left_out_.push_back(what);
+  }
+
+  // One that ours can read stays; it may be all that says which encoding it is.
+  void declaration() {
+    const auto at = text_.find("<?xml ");
+    constexpr std::string_view kAlone = "<a/>";
+    if (at == text_.npos || at > 3) return;  // a byte order mark may be before it
+    const auto end = behind(at, "?>");
+    const auto words = text_.substr(at, end - at);
+    if (check_xml(words + std::string(kAlone))) return;
+    blank(at, end,
+          words.find("\\\"") != words.npos ? Variant::governance_escaped_quotes
+                                           : Variant::governance_latin_1);
+  }
+
+  void comment(std::size_t at) {
+    constexpr std::size_t kStart = 4;
+    const auto end = behind(at + kStart, "-->");
+    const auto dashes = text_.find("--", at + kStart);
+    if (dashes < end && dashes + 3 < end) blank(at, end, Variant::governance_comment_dashes);
+  }
+
+  void octets() {
+    const auto status = check_xml(text_);
+    if (status || status.error().code() != Code::xml_encoding) return;
+    for (char& c : text_)
+      if (static_cast<unsigned char>(c) >= 0x80) c = '?';
+    note(Variant::governance_latin_1);
+  }
+
+  std::string text_;
+  std::vector<Variant> left_out_;
+};
+
+}  // namespace
+
+LenientText lenient_text(BytesView xml) { return Cleaner(std::string(as_text(xml))).run(); }
+
+}  // namespace ddssec::governance::doctor
