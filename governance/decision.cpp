@@ -102,6 +102,10 @@ std::string_view to_string(Action action) {
   return kNames.at(static_cast<std::size_t>(action));
 }
 
+bool decides_joining(const Rule& rule) {
+  return rule.allow || (rule.publish.empty() && rule.subscribe.empty());
+}
+
 CompiledGrant::CompiledGrant(std::shared_ptr<const Permissions> permissions, const Grant& grant,
                              DomainId domain, PartitionMatch partition_match, std::string_view tag)
     : permissions_(std::move(permissions)), grant_(grant), partition_match_(partition_match) {
@@ -147,11 +151,10 @@ std::uint32_t CompiledGrant::partition_pattern(const std::string& text) {
 }
 
 Verdict CompiledGrant::participant_verdict(DomainId domain, std::string_view tag) const {
-  const auto first = std::ranges::find_if(
-      grant_.rules, [&](const Rule& rule) { return rule.domains.contains(domain, tag); });
-  const bool decides = first != grant_.rules.end() &&
-                       (first->allow || (first->publish.empty() && first->subscribe.empty()));
-  if (decides) return {first->allow, &*first, nullptr};
+  const auto first = std::ranges::find_if(grant_.rules, [&](const Rule& rule) {
+    return decides_joining(rule) && rule.domains.contains(domain, tag);
+  });
+  if (first != grant_.rules.end()) return {first->allow, &*first, nullptr};
   return {grant_.default_allow, nullptr, nullptr};
 }
 

@@ -49,6 +49,11 @@ struct Verdict {
   }
 };
 
+/// Whether a rule says who may join its domains: an allow rule lets in, a deny rule without publish
+/// and subscribe refuses (DDS-Security 1.2 table 70). A deny rule about topics does not: sros2
+/// writes such rules first.
+bool decides_joining(const Rule& rule);
+
 /// One grant, ready to judge entities of one domain and domain tag. Immutable and thread-safe.
 ///
 /// A rule that lists no domain tag is for the empty tag only (DDS-Security 1.2 10.4.1.2.5.1).
@@ -70,9 +75,8 @@ class CompiledGrant {
   Verdict judge(Action action, const Request& request) const;
   /// Whether there are partitions and data tags with which the topic may be used.
   Verdict judge_topic(Action action, std::string_view topic) const;
-  /// DDS-Security 1.2 table 70: the first rule for the domain decides. An allow rule lets the
-  /// participant join, a deny rule without publish and subscribe refuses it; otherwise the default
-  /// decides.
+  /// Whether the participant may join: the first rule for the domain that decides_joining, or else
+  /// the default.
   Verdict judge_participant() const { return participant_; }
 
  private:

@@ -13,6 +13,7 @@ namespace ddssec::governance {
 inline const std::string kCyclone = "cyclonedds";
 inline const std::string kFastDds = "fastdds";
 inline const std::string kOpenDds = "opendds";
+inline const std::vector<std::string> kStock = {kCyclone, kFastDds};
 
 /// The findings of one document.
 class Findings {

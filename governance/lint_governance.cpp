@@ -14,8 +14,6 @@ namespace {
 using enum ddssec::Rule;
 using Id = ddssec::Rule;
 
-const std::vector<std::string> kStock = {kCyclone, kFastDds};
-
 void add_notes(Findings& out, const Governance& document) {
   for (const auto& note : document.notes) {
     switch (note.kind) {
@@ -41,7 +39,7 @@ void add_notes(Findings& out, const Governance& document) {
 }
 
 /// One domain rule, and where it stands.
-struct Place {
+struct DomainPlace {
   const DomainRule& rule;
   std::string path;
 
@@ -87,7 +85,7 @@ Taken taken_from(const Governance& document, std::size_t at) {
   return out;
 }
 
-void check_coverage(Findings& out, const Governance& document, std::size_t at, const Place& place) {
+void check_coverage(Findings& out, const Governance& document, std::size_t at, const DomainPlace& place) {
   if (has_tags(place.rule)) return;
   const auto taken = taken_from(document, at);
   if (taken.domains.empty()) return;
@@ -117,7 +115,7 @@ std::vector<std::string_view> expressions_of(const DomainRule& rule) {
 }
 
 // Harmless if those in the way say the same.
-void check_dead_rules(Findings& out, const Place& place) {
+void check_dead_rules(Findings& out, const DomainPlace& place) {
   const auto& rules = place.rule.topic_rules;
   const auto found = shadows(expressions_of(place.rule));
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -138,7 +136,7 @@ void check_dead_rules(Findings& out, const Place& place) {
   }
 }
 
-void check_topics_without_rule(Findings& out, const Place& place) {
+void check_topics_without_rule(Findings& out, const DomainPlace& place) {
   const auto expressions = expressions_of(place.rule);
   const auto is_everything = [](std::string_view e) { return e.find_first_not_of('*') == e.npos; };
   if (std::ranges::any_of(expressions, is_everything)) return;
@@ -158,7 +156,7 @@ bool is_plain(const TopicRule& rule) {
   return !is_protected(rule.metadata_protection_kind) && !is_protected(rule.data_protection_kind);
 }
 
-void check_domain_kinds(Findings& out, const Place& place) {
+void check_domain_kinds(Findings& out, const DomainPlace& place) {
   const auto& rule = place.rule;
   if (rule.allow_unauthenticated_participants && is_protected(rule.rtps_protection_kind))
     out.add(place.about(
@@ -183,7 +181,7 @@ void check_domain_kinds(Findings& out, const Place& place) {
 }
 
 // A flag that asks for what the domain rule does not give.
-void check_flags(Findings& out, const Place& place, std::size_t i) {
+void check_flags(Findings& out, const DomainPlace& place, std::size_t i) {
   const auto& topic = place.rule.topic_rules[i];
   const auto check = [&](bool flag, ProtectionKind kind, std::string_view what) {
     if (flag && !is_protected(kind))
@@ -196,7 +194,7 @@ void check_flags(Findings& out, const Place& place, std::size_t i) {
   check(topic.enable_liveliness_protection, place.rule.liveliness_protection_kind, "liveliness");
 }
 
-void check_access(Findings& out, const Place& place, std::size_t i) {
+void check_access(Findings& out, const DomainPlace& place, std::size_t i) {
   const auto& topic = place.rule.topic_rules[i];
   const auto name = in_quotes(topic.topic_expression);
   if (controls_access(topic) && !place.rule.enable_join_access_control)
@@ -230,7 +228,7 @@ void check_access(Findings& out, const Place& place, std::size_t i) {
                     name)));
 }
 
-void check_kinds(Findings& out, const Place& place, std::size_t i) {
+void check_kinds(Findings& out, const DomainPlace& place, std::size_t i) {
   const auto& topic = place.rule.topic_rules[i];
   const auto name = in_quotes(topic.topic_expression);
   if (is_origin_authenticated(topic.metadata_protection_kind)) {
@@ -252,7 +250,7 @@ void check_kinds(Findings& out, const Place& place, std::size_t i) {
 
 // All readers of a topic share its writer's key, so that each of them can make what the others take
 // for the writer's, unless every reader is given a MAC of its own (DDS-Security 8.1.3, 9.5.3.3.4).
-void check_origin(Findings& out, const Place& place) {
+void check_origin(Findings& out, const DomainPlace& place) {
   if (is_origin_authenticated(place.rule.rtps_protection_kind)) return;
   std::vector<std::string> names;
   for (const auto& topic : place.rule.topic_rules)
@@ -269,7 +267,7 @@ void check_origin(Findings& out, const Place& place) {
 }
 
 // The same of the builtin writers, whose keys go to every participant that may join.
-void check_builtin_origin(Findings& out, const Place& place) {
+void check_builtin_origin(Findings& out, const DomainPlace& place) {
   const auto& rule = place.rule;
   if (is_origin_authenticated(rule.rtps_protection_kind)) return;
   std::vector<std::string> kinds;
@@ -284,7 +282,7 @@ void check_builtin_origin(Findings& out, const Place& place) {
                                           fmt::join(kinds, " and "))));
 }
 
-void check_topics(Findings& out, const Place& place) {
+void check_topics(Findings& out, const DomainPlace& place) {
   for (std::size_t i = 0; i < place.rule.topic_rules.size(); ++i) {
     const auto& topic = place.rule.topic_rules[i];
     const Text expression{topic.topic_expression, topic.line};
@@ -303,7 +301,7 @@ std::vector<Finding> lint(const Governance& governance, const GovernanceUse& use
   Findings out;
   add_notes(out, governance);
   for (std::size_t i = 0; i < governance.domain_rules.size(); ++i) {
-    const Place place{governance.domain_rules[i],
+    const DomainPlace place{governance.domain_rules[i],
                       fmt::format("/dds/domain_access_rules/domain_rule[{}]", i + 1)};
     check_coverage(out, governance, i, place);
     check_dead_rules(out, place);

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "governance/decision.hpp"
 #include "governance/domain_pieces.hpp"
 #include "governance/lint_grant.hpp"
 #include "governance/matcher.hpp"
@@ -14,7 +15,6 @@ namespace {
 using enum ddssec::Rule;
 
 constexpr SetLimits kLimits{.states = 20'000, .atoms = 5'000, .steps = 20'000'000};
-const std::vector<std::string> kStock = {kCyclone, kFastDds};
 /// Pairs of expressions, and rules that deny, that are looked at for their effect in one product.
 constexpr int kMostComparisons = 2'000;
 constexpr int kMostDenyRules = 50;
@@ -196,29 +196,31 @@ void check_default(Findings& out, const GrantPlace& place) {
   out.add(std::move(finding));
 }
 
-/// Where the first rule is a denial of topics, the default denies and a later rule would allow.
-std::vector<DomainRange> domains_closed_by_denials(const Grant& grant) {
+/// Where the first rule is a denial of topics, the default denies and a later rule lets join.
+std::vector<DomainRange> domains_that_begin_with_denials(const Grant& grant) {
   std::vector<DomainRange> out;
   for (DomainId id = 0; id <= kHighestDomainId; ++id) {
     const auto is_for = [id](const Rule& rule) { return rule.domains.contains(id); };
     const auto first = std::ranges::find_if(grant.rules, is_for);
-    if (first == grant.rules.end() || first->allow) continue;
-    if (first->publish.empty() && first->subscribe.empty()) continue;
-    const auto allows = [&](const Rule& rule) { return rule.allow && is_for(rule); };
-    if (std::any_of(first, grant.rules.end(), allows)) out.push_back({id, id});
+    if (first == grant.rules.end() || decides_joining(*first)) continue;
+    const auto decides = std::find_if(first, grant.rules.end(), [&](const Rule& rule) {
+      return decides_joining(rule) && is_for(rule);
+    });
+    if (decides != grant.rules.end() && decides->allow) out.push_back({id, id});
   }
   return joined(std::move(out));
 }
 
 void check_joining(Findings& out, const GrantPlace& place) {
   if (place.grant().default_allow) return;
-  const auto closed = domains_closed_by_denials(place.grant());
-  if (closed.empty()) return;
+  const auto domains = domains_that_begin_with_denials(place.grant());
+  if (domains.empty()) return;
   out.add(place.about(
-      PERM026, fmt::format("the first rule for domain {} is a deny_rule about topics, so <default> "
-                           "decides whether the participant joins, and it is DENY; Cyclone DDS and "
-                           "Fast DDS let it join by the later allow_rule, ddssec does not",
-                           to_text(closed))));
+      PERM026, fmt::format("the first rule for domain {} is a deny_rule about topics; ddssec, "
+                           "Cyclone DDS and Fast DDS let the participant join by the allow_rule "
+                           "after it, a product that takes DDS-Security 1.2 (table 70) by the "
+                           "letter refuses it",
+                           to_text(domains))));
 }
 
 std::vector<DomainRange> uncovered(const Rule& rule, const Governance& governance) {

@@ -49,11 +49,11 @@ std::size_t part_length(std::size_t run) {
 
 }  // namespace
 
-enum class Place : std::uint8_t { prefix, suffix, part };
+enum class PartPlace : std::uint8_t { prefix, suffix, part };
 
 /// A literal part of an expression by which it can be found.
 struct PatternSet::Key {
-  Place place;
+  PartPlace place;
   std::size_t length;
   std::uint64_t hash;
   /// Different places never share a count.
@@ -85,22 +85,22 @@ std::vector<PatternSet::Key> PatternSet::keys_of(const Pattern& pattern) {
     if (run.empty()) {
       ++at;
     } else if (begin == 0) {
-      keys.push_back({Place::prefix, run.size(), hash_of(run)});
+      keys.push_back({PartPlace::prefix, run.size(), hash_of(run)});
     } else if (at == steps.size()) {
-      keys.push_back({Place::suffix, run.size(), hash_of(run)});
+      keys.push_back({PartPlace::suffix, run.size(), hash_of(run)});
     } else {
       const std::string_view text = run;
       const auto length = part_length(text.size());
-      keys.push_back({Place::part, length, hash_of(text.substr(0, length))});
-      keys.push_back({Place::part, length, hash_of(text.substr(text.size() - length))});
+      keys.push_back({PartPlace::part, length, hash_of(text.substr(0, length))});
+      keys.push_back({PartPlace::part, length, hash_of(text.substr(text.size() - length))});
     }
   }
   return keys;
 }
 
 void PatternSet::place(std::uint32_t wildcard, const Key& key) {
-  Index& index = key.place == Place::prefix   ? prefixes_
-                 : key.place == Place::suffix ? suffixes_
+  Index& index = key.place == PartPlace::prefix   ? prefixes_
+                 : key.place == PartPlace::suffix ? suffixes_
                                               : parts_;
   index.by_hash[key.hash].push_back(wildcard);
   if (!std::ranges::count(index.lengths, key.length)) index.lengths.push_back(key.length);
@@ -117,7 +117,7 @@ void PatternSet::seal() {
   for (std::uint32_t i = 0; i < wildcards_.size(); ++i) {
     // The least shared, then a fixed place (one look-up) before an inner part, then the longest.
     const auto best = std::ranges::min_element(keys[i], {}, [&](const Key& key) {
-      return std::tuple(shared[key.counted_as()], key.place == Place::part, ~key.length);
+      return std::tuple(shared[key.counted_as()], key.place == PartPlace::part, ~key.length);
     });
     if (best == keys[i].end()) {
       everywhere_.push_back(i);

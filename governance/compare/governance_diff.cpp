@@ -187,9 +187,9 @@ class RegionComparison {
   std::map<TopicChangeKey, KnownChange> known_;
 };
 
-class Comparison {
+class GovernanceComparison {
  public:
-  Comparison(const Governance& old_document, const Governance& new_document,
+  GovernanceComparison(const Governance& old_document, const Governance& new_document,
              const GovernanceDiffOptions& options)
       : old_(old_document), new_(new_document), options_(options), limits_(options.limits) {}
 
@@ -290,7 +290,7 @@ int GovernanceChange::new_line() const { return line_of(new_domain, new_topic); 
 
 GovernanceDiff compare(const Governance& old_document, const Governance& new_document,
                        const GovernanceDiffOptions& options) {
-  return Comparison(old_document, new_document, options).run();
+  return GovernanceComparison(old_document, new_document, options).run();
 }
 
 }  // namespace ddssec::governance

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "governance/compare/operation_diff.hpp"
+#include "governance/decision.hpp"
 
 namespace ddssec::governance {
 namespace {
@@ -33,11 +34,8 @@ RulePointers pointers(const Grant& grant, const RuleNumbers& numbers) {
 
 /// Whether a participant may join, and the rule that says so; as CompiledGrant::judge_participant.
 std::pair<bool, const Rule*> may_join(const Grant& grant, const RulePointers& rules) {
-  if (!rules.empty()) {
-    const Rule* first = rules.front();
-    if (first->allow || (first->publish.empty() && first->subscribe.empty()))
-      return {first->allow, first};
-  }
+  for (const Rule* rule : rules)
+    if (decides_joining(*rule)) return {rule->allow, rule};
   return {grant.default_allow, nullptr};
 }
 
@@ -72,9 +70,9 @@ std::string words_of(const PermissionChange& change, const DomainScope& scope) {
 
 std::string_view default_word(bool allow) { return allow ? "ALLOW" : "DENY"; }
 
-class Comparison {
+class GrantComparison {
  public:
-  Comparison(const Grant& old_grant, const Grant& new_grant, const SetLimits& limits)
+  GrantComparison(const Grant& old_grant, const Grant& new_grant, const SetLimits& limits)
       : old_(old_grant), new_(new_grant), limits_(limits) {}
 
   GrantDiff run() {
@@ -178,7 +176,7 @@ class Comparison {
 }  // namespace
 
 GrantDiff compare_grants(const Grant& old_grant, const Grant& new_grant, const SetLimits& limits) {
-  return Comparison(old_grant, new_grant, limits).run();
+  return GrantComparison(old_grant, new_grant, limits).run();
 }
 
 }  // namespace ddssec::governance

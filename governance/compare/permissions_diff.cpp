@@ -48,9 +48,9 @@ std::string period(const Grant& grant) {
          ddssec::to_string(grant.validity.not_after);
 }
 
-class Comparison {
+class PermissionsComparison {
  public:
-  Comparison(const Permissions& old_document, const Permissions& new_document,
+  PermissionsComparison(const Permissions& old_document, const Permissions& new_document,
              const PermissionsDiffOptions& options)
       : options_(options), subjects_(subjects_of(old_document, new_document)) {}
 
@@ -85,13 +85,13 @@ class Comparison {
   std::string shown_subject_;
 };
 
-void Comparison::add(PermissionChange change) {
+void PermissionsComparison::add(PermissionChange change) {
   change.subject = shown_subject_;
   direction_.add(change.change);
   diff_.changes.push_back(std::move(change));
 }
 
-void Comparison::map_subjects() {
+void PermissionsComparison::map_subjects() {
   auto& all = subjects_.all;
   std::map<std::string_view, std::vector<std::size_t>> old_names, new_names;
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -114,7 +114,7 @@ void Comparison::map_subjects() {
   all = std::move(left);
 }
 
-void Comparison::compare_subject(const Subject& subject) {
+void PermissionsComparison::compare_subject(const Subject& subject) {
   const auto& [old_grants, new_grants] = subject;
   shown_subject_ = spelling_of(subject).subject_name;
   const auto pairs = pairs_of(subject);
@@ -131,7 +131,7 @@ void Comparison::compare_subject(const Subject& subject) {
   add_rules(rules);
 }
 
-void Comparison::compare_presence(const Grant& grant, const Grants& valid, bool is_new) {
+void PermissionsComparison::compare_presence(const Grant& grant, const Grants& valid, bool is_new) {
   static const Grant kNothing;
   PermissionChange change{.element = "grant"};
   // One that is never valid is as good as none.
@@ -146,7 +146,7 @@ void Comparison::compare_presence(const Grant& grant, const Grants& valid, bool 
                      : compare_grants(*allowed, kNothing, options_.limits));
 }
 
-void Comparison::compare_spelling(const Grant& o, const Grant& n) {
+void PermissionsComparison::compare_spelling(const Grant& o, const Grant& n) {
   if (o.subject_name == n.subject_name && o.subject_is_expression == n.subject_is_expression)
     return;
   if (!options_.map_subjects_by_grant_name && !same_subjects(o, n)) return;
@@ -161,7 +161,7 @@ void Comparison::compare_spelling(const Grant& o, const Grant& n) {
        .new_line = n.line});
 }
 
-void Comparison::compare_times(const Subject& subject, const GrantPairs& pairs) {
+void PermissionsComparison::compare_times(const Subject& subject, const GrantPairs& pairs) {
   const Grant &o = *subject.old_grants[0], &n = *subject.new_grants[0];
   Direction direction;
   if (!pairs.only_old.empty()) direction.add(ChangeClass::narrower);
@@ -175,7 +175,7 @@ void Comparison::compare_times(const Subject& subject, const GrantPairs& pairs) 
        .new_line = n.line});
 }
 
-void Comparison::note_dead(const Subject& subject, const GrantPairs& pairs) {
+void PermissionsComparison::note_dead(const Subject& subject, const GrantPairs& pairs) {
   const auto dead = [&](const Grants& grants) {
     return std::ranges::count_if(grants, [&](const Grant* g) { return !pairs.used.contains(g); });
   };
@@ -193,7 +193,7 @@ void Comparison::note_dead(const Subject& subject, const GrantPairs& pairs) {
        .new_line = before < after ? grant->line : 0});
 }
 
-void Comparison::add_rules(const GrantDiff& rules) {
+void PermissionsComparison::add_rules(const GrantDiff& rules) {
   direction_.add(rules.direction);
   diff_.is_complete = diff_.is_complete && rules.is_complete;
   diff_.is_exact = diff_.is_exact && rules.is_exact;
@@ -207,7 +207,7 @@ void Comparison::add_rules(const GrantDiff& rules) {
 
 PermissionsDiff compare(const Permissions& old_document, const Permissions& new_document,
                         const PermissionsDiffOptions& options) {
-  return Comparison(old_document, new_document, options).run();
+  return PermissionsComparison(old_document, new_document, options).run();
 }
 
 }  // namespace ddssec::governance

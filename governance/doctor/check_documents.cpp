@@ -13,7 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Outcomes kNobody = Outcomes::all(Outcome::fail);
 
 /// What the checks need of either document.
 struct Subject {

@@ -17,9 +17,6 @@ namespace fs = std::filesystem;
 // The most files of a folder that are looked at for keys of a CA.
 constexpr int kMostFiles = 64;
 
-constexpr Outcomes kNobody = Outcomes::all(Outcome::fail);
-
-std::string name_of(const fs::path& path) { return path.filename().string(); }
 
 // Why `path` is not there: a link may be, and lead nowhere.
 std::string absence(const fs::path& path) {

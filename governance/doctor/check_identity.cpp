@@ -14,10 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Outcomes kNobody = Outcomes::all(Outcome::fail);
-
-std::string name_of(const fs::path& path) { return path.filename().string(); }
-
 bool is_valid(const pki::Certificate& certificate, WallTime now) {
   return certificate.not_before() <= now && now <= certificate.not_after();
 }

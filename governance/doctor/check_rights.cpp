@@ -21,7 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-constexpr Outcomes kNobody = Outcomes::all(Outcome::fail);
 // Time zones reach from UTC-12 to UTC+14.
 constexpr auto kFarthestZone = 14h;
 constexpr auto kSoon = std::chrono::hours(30 * 24);
@@ -248,8 +247,7 @@ std::string why_not_joining(const Grant& grant, const Outcomes& outcomes, Domain
         grant.name, domain);
   if (outcomes.cyclonedds == Outcome::ok)
     return fmt::format(
-        "the first rule of grant \"{}\" for domain {} is a deny_rule: whether the "
-        "participant joins is not decided by the allow_rule after it",
+        "a deny_rule of grant \"{}\" without topics closes domain {} before an allow_rule opens it",
         grant.name, domain);
   std::vector<DomainRange> allowed;
   for (const auto& rule : grant.rules)

@@ -1,11 +1,17 @@
 // The parts of diagnose(). For governance/doctor/ only.
 #pragma once
 
+#include <filesystem>
+#include <string>
+
 #include "governance/doctor/diagnosis.hpp"
 
 namespace ddssec::governance::doctor {
 
 using ddssec::to_string;
+
+/// As messages name a file of a participant's folder.
+inline std::string name_of(const std::filesystem::path& path) { return path.filename().string(); }
 
 /// Files there, of the right kind, closed to others.
 void check_files(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);

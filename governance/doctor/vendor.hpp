@@ -92,5 +92,7 @@ struct Outcomes {
   bool all_ok() const { return *this == Outcomes{}; }
   bool operator==(const Outcomes&) const = default;
 };
+/// With no product the participant comes up.
+inline constexpr Outcomes kNobody = Outcomes::all(Outcome::fail);
 
 }  // namespace ddssec::governance::doctor

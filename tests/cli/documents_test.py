@@ -171,13 +171,12 @@ class Documents(Transcript):
         self.assertEqual(self.both_refuse(*late)["diagnostics"][0]["id"], "certificate_expired")
         self.permit(lambda xml: xml.replace("CN=talker", "CN=other"))
         self.assertEqual(self.both_refuse(*NOW)["diagnostics"][0]["id"], "no_grant_for_subject")
-        # DDS-Security 1.2 table 70: the first rule for the domain decides, or else the default.
-        denial = ("<deny_rule><domains><id>0</id></domains><publish><topics><topic>x</topic></topics>"
-                  "</publish></deny_rule>\n")
+        # DDS-Security 1.2 table 70.
+        denial = "<deny_rule><domains><id>0</id></domains></deny_rule>\n"
         self.permit(lambda xml: xml.replace("<allow_rule>", denial + "<allow_rule>", 1))
         told = self.both_refuse(*NOW)["result"]
         self.assertEqual((told["allowed"], told["because"]),
-                         (False, 'joining domain 0: no rule decides; the default of grant "participant"'))
+                         (False, 'joining domain 0: a deny_rule of grant "participant"'))
         self.permit(lambda xml: xml)
         (self.at / "talker/key.pem").write_bytes((self.at / "listener/key.pem").read_bytes())
         self.assertIn("the participant does not start: DOC012", self.both_refuse(*NOW)["result"]["because"])

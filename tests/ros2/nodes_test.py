@@ -121,12 +121,28 @@ def revoked(setting, keystore, listed_before):
     check(listener.count("I heard") <= heard + 1, f"the listener hears on:\n{listener.log}")
 
 
+def denial_first(setting, _, publisher, subscriber):
+    """sros2 writes the denials of a policy as the first rule; such a node starts, and may do what a later rule allows."""
+    keystore = Keystore(setting.folder, BUILD / "bin" / "ddssec", ROS2)
+    for node in ("talker", "listener"):
+        document, signed = (keystore.enclave(node) / f"permissions.{end}" for end in ("xml", "p7s"))
+        text = document.read_text(encoding="utf-8")
+        denial = ("<deny_rule><domains><id>0</id></domains><publish><topics><topic>rt/denied</topic></topics></publish>"
+                  "</deny_rule>")
+        document.write_text(text.replace("<allow_rule>", denial + "<allow_rule>", 1), encoding="utf-8")
+        signed.unlink()
+        keystore.run("permissions", "sign", document, "--ca", keystore.path, "-o", signed)
+    talk(setting, keystore, publisher, subscriber)
+
+
 def rows():
     both = (STOCK, OURS)
     for a in both:
         for b in both:
             yield f"talker {a}, listener {b}", talk, (a, b)
             yield f"server {a}, client {b}", call, (a, b)
+    yield "denial first, ours", denial_first, (OURS, OURS)
+    yield "denial first, ours and stock", denial_first, (OURS, STOCK)
     for name, row in (("topic outside the policy", outside_the_policy), ("another enclave's private key", foreign_key),
                       ("tampered permissions", tampered_permissions), ("cut certificate", cut_certificate),
                       ("wrong CA", wrong_ca)):

@@ -220,13 +220,15 @@ TEST(Participant, AllowRuleOfTheDomainLetsIn) {
   EXPECT_TRUE(compiled({}, true).judge_participant().allowed);
 }
 
-// DDS-Security 1.2 table 70, check_create_participant: the first rule for the domain decides.
-TEST(Participant, FirstRuleOfTheDomainDecides) {
+// DDS-Security 1.2 table 70; deny rules about topics are passed over, as sros2 writes them first.
+TEST(Participant, FirstRuleOfTheDomainThatIsNotADenialOfTopicsDecides) {
   const auto everything = rule(false, {});
   const auto topic = rule(false, {criteria({"t"})});
   EXPECT_FALSE(compiled({everything, rule(true, {})}).judge_participant().allowed);
   EXPECT_TRUE(compiled({rule(true, {}), everything}).judge_participant().allowed);
-  EXPECT_FALSE(compiled({topic, rule(true, {})}).judge_participant().allowed) << "the default";
+  EXPECT_TRUE(compiled({topic, rule(true, {})}).judge_participant().allowed);
+  EXPECT_FALSE(compiled({topic, everything, rule(true, {})}, true).judge_participant().allowed);
+  EXPECT_FALSE(compiled({topic}).judge_participant().allowed) << "the default";
   EXPECT_TRUE(compiled({topic, rule(true, {})}, true).judge_participant().allowed);
   EXPECT_TRUE(compiled({rule(true, {}), topic, rule(true, {})}).judge_participant().allowed);
   EXPECT_TRUE(compiled({rule(false, {}, {1, 1}), rule(true, {})}).judge_participant().allowed);

@@ -73,12 +73,13 @@ TEST(LintPermissions, OfACertificateWithSomeRightsHaveNothing) {
 }
 
 // DDS-Security 1.2 table 70.
-TEST(LintPermissions, ADenialThatDecidesAboutJoining) {
+TEST(LintPermissions, ADenialOfTopicsBeforeTheRuleThatLetsJoin) {
   const auto allow = rule(true, {"b"}), deny = rule(false, {"a"});
   const auto found = lint(with_rules({deny, allow}));
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].rule, ddssec::Rule::PERM026);
   EXPECT_TRUE(found[0].message.starts_with("the first rule for domain 0 is a deny_rule"));
+  EXPECT_EQ(found[0].severity, Severity::informational);
   EXPECT_TRUE(lint(with_rules({rule(true, {}), deny, allow})).empty());
   EXPECT_TRUE(lint(with_rules({allow, deny})).size() <= 1u);
 }

@@ -23,7 +23,7 @@ Rule rule(bool allow, std::vector<Text> topics) {
 }
 Rule allow(std::vector<Text> topics) { return rule(true, std::move(topics)); }
 Rule deny(std::vector<Text> topics) { return rule(false, std::move(topics)); }
-/// Lets the participant join whatever comes after it (DDS-Security 1.2 table 70).
+/// Lets the participant join and do nothing else.
 Rule join() { return {.allow = true, .domains = {.ranges = {{0, 0}}}}; }
 
 Permissions document(std::vector<Rule> rules) {
@@ -382,8 +382,10 @@ TEST(PermissionsDiff, DomainTagsAreToldApart) {
 }
 
 // p2, DDS-Security 1.2 table 70.
-TEST(PermissionsDiff, TheFirstRuleForTheDomainDecidesAboutJoining) {
-  const auto before = document({deny({{"x"}}), allow({{"a"}})});
+TEST(PermissionsDiff, ADenialOfEverythingInFrontRefusesToJoin) {
+  Rule nothing = join();
+  nothing.allow = false;
+  const auto before = document({nothing, allow({{"a"}})});
   const auto diff = compare(before, document({allow({{"a"}})}));
   EXPECT_EQ(diff.verdict, wider);
   ASSERT_THAT(diff.changes, SizeIs(1));

@@ -225,12 +225,11 @@ Allowed allowed(const Grant& grant, const Cell& cell, std::vector<Criteria> Rule
   return result;
 }
 
-// DDS-Security 1.2 table 70.
 bool may_join(const Grant& grant, const Cell& cell) {
   for (const auto& rule : grant.rules) {
     if (!is_in(rule, cell)) continue;
     if (rule.allow) return true;
-    return rule.publish.empty() && rule.subscribe.empty() ? false : grant.default_allow;
+    if (rule.publish.empty() && rule.subscribe.empty()) return false;
   }
   return grant.default_allow;
 }
