@@ -36,7 +36,7 @@ bool works(const TopicMeeting& topic, Wanted wanted) {
 
 std::string_view yes_or_no(bool ok) { return ok ? "ok" : "NO"; }
 
-std::string place(const Judgement& judgement) {
+std::string place_of(const Judgement& judgement) {
   if (judgement.document.empty()) return {};
   const auto file = std::filesystem::path(judgement.document).filename().string();
   return judgement.line > 0 ? fmt::format(" ({}:{})", file, judgement.line)
@@ -96,7 +96,7 @@ std::string judgement_line(const Judgement& one, const MeetingView& view) {
                        ? fmt::format("{}, locally", view.names[one.judge])
                        : fmt::format("{} about {}", view.names[one.judge], view.names[one.about]);
   return fmt::format("      {}: {}: {}{}\n", who, one.ok ? "allowed" : "REFUSED", one.reason,
-                     place(one));
+                     place_of(one));
 }
 
 std::string direction_text(const TopicMeeting& topic, const Direction& direction,

@@ -67,10 +67,34 @@ set(ddssec_common_headers <algorithm> <array> <atomic> <bitset> <chrono> <cstdin
     <filesystem> <functional> <limits> <map> <memory> <mutex> <optional> <ranges> <set> <span> <string>
     <string_view> <unordered_map> <variant> <vector>)
 
-# ddssec_library(NAME SOURCES ... [PUBLIC libs ...] [PRIVATE libs ...] [PRECOMPILE headers ...])
+# How many files are compiled as one; 1 is for working on one file.
+set(DDSSEC_BATCH 8 CACHE STRING "Files that are compiled as one; 1 compiles each by itself")
+
+# ddssec_join_files(TARGET SOURCES...): compiles files of one folder together, so that the templates which
+# many of them use are compiled once. Their unnamed namespaces become one: names in them must differ.
+function(ddssec_join_files target)
+  if(DDSSEC_BATCH LESS_EQUAL 1)
+    return()
+  endif()
+  foreach(source ${ARGN})
+    get_filename_component(folder ${source} DIRECTORY)
+    get_filename_component(folder "${folder}" NAME)
+    string(MAKE_C_IDENTIFIER "in_${folder}" folder)
+    math(EXPR batch "${count_${folder}} + 0")
+    math(EXPR count_${folder} "${batch} + 1")
+    math(EXPR batch "${batch} / ${DDSSEC_BATCH}")
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder}_${batch})
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  # Joined files count as headers, whose classes must not hold what only one file knows.
+  target_compile_options(${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
+endfunction()
+
+# ddssec_library(NAME SOURCES ... [PUBLIC libs ...] [PRIVATE libs ...] [PRECOMPILE headers ...] [EACH])
+# EACH: every file is compiled by itself, since they use the same short names for different things.
 # A static library ddssec_NAME whose headers are included as "folder/file.hpp" from the root.
 function(ddssec_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE;PRECOMPILE" ${ARGN})
+  cmake_parse_arguments(ARG "EACH" "" "SOURCES;PUBLIC;PRIVATE;PRECOMPILE" ${ARGN})
   add_library(ddssec_${name} STATIC ${ARG_SOURCES})
   add_library(ddssec::${name} ALIAS ddssec_${name})
   set_property(GLOBAL APPEND PROPERTY DDSSEC_LIBRARIES ${name})
@@ -79,6 +103,9 @@ function(ddssec_library name)
   target_link_libraries(ddssec_${name} PUBLIC ${ARG_PUBLIC}
                         PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:ddssec_options>)
   list(LENGTH ARG_SOURCES files)
+  if(files GREATER 4 AND NOT ARG_EACH)
+    ddssec_join_files(ddssec_${name} ${ARG_SOURCES})
+  endif()
   if(DDSSEC_PRECOMPILE AND files GREATER 4)
     set(headers ${ddssec_common_headers} ${ARG_PRECOMPILE})
     if("fmt::fmt" IN_LIST ARG_PRIVATE OR "fmt::fmt" IN_LIST ARG_PUBLIC)
@@ -89,9 +116,6 @@ function(ddssec_library name)
     target_compile_options(ddssec_${name} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess>)
   endif()
 endfunction()
-
-# How many files of tests are compiled as one; 1 is for working on one file.
-set(DDSSEC_BATCH 8 CACHE STRING "Files that are compiled as one; 1 compiles each by itself")
 
 # ddssec_batches(OUT TARGET SOURCES...): OUT is what TARGET is compiled from. Files *_test.cpp are joined
 # by batch_tests.cmake, in as few batches of about equal size as DDSSEC_BATCH allows.

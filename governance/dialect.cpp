@@ -11,10 +11,6 @@ namespace {
 
 using Octets = std::bitset<256>;
 
-bool is_word(char c) {
-  return ('a' <= c && c <= 'z') || ('A' <= c && c <= 'Z') || ('0' <= c && c <= '9') || c == '_';
-}
-
 std::size_t index_of(char c) { return static_cast<std::uint8_t>(c); }
 
 /// A bracket expression as Cyclone DDS 0.10.2 takes it, from `text` after the '['.

@@ -3,16 +3,16 @@
 namespace ddssec::governance {
 namespace {
 
-bool is_word(char c) {
-  return ('a' <= c && c <= 'z') || ('A' <= c && c <= 'Z') || ('0' <= c && c <= '9') || c == '_';
-}
-
 std::string member(std::size_t octet) {
   const char c = static_cast<char>(octet);
   return is_word(c) ? std::string(1, c) : std::string{'[', '.', c, '.', ']'};
 }
 
 }  // namespace
+
+bool is_word(char c) {
+  return ('a' <= c && c <= 'z') || ('A' <= c && c <= 'Z') || ('0' <= c && c <= '9') || c == '_';
+}
 
 std::string expression_of(std::string_view name) {
   std::string out;

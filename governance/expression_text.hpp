@@ -12,6 +12,9 @@ namespace ddssec::governance {
 /// An expression that matches no name.
 inline constexpr std::string_view kMatchesNothing = "[!\x01-\xff]";
 
+/// Whether every product takes the octet for itself in an expression: a letter, a digit or "_".
+bool is_word(char c);
+
 /// The expression that matches just this name.
 std::string expression_of(std::string_view name);
 /// An expression for one of these octets; NUL, which no name holds, is left out.

@@ -67,9 +67,9 @@ Status check_validity(const Grant& grant, WallTime now) {
   return fail(early ? Code::grant_not_yet_valid : Code::grant_expired,
               {.line = grant.line,
                .field = early ? "<not_before>" : "<not_after>",
-               .expected = early ? "a time from " + to_string(grant.validity.not_before) + " on"
-                                 : "a time before " + to_string(grant.validity.not_after),
-               .found = to_string(now),
+               .expected = early ? "a time from " + ddssec::to_string(grant.validity.not_before) + " on"
+                                 : "a time before " + ddssec::to_string(grant.validity.not_after),
+               .found = ddssec::to_string(now),
                .note = "grant of " + grant.subject_name.substr(0, 200)});
 }
 

@@ -34,7 +34,8 @@ Result<Validity> read_validity(ReadContext& context, XmlElement element) {
                 {.line = element.line(),
                  .field = "<validity>",
                  .expected = "not_before before not_after",
-                 .found = to_string(validity.not_before) + " to " + to_string(validity.not_after)});
+                 .found = ddssec::to_string(validity.not_before) + " to " +
+                          ddssec::to_string(validity.not_after)});
   }
   return validity;
 }

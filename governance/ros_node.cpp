@@ -129,10 +129,10 @@ std::vector<DomainId> domains_of(const Grant& grant) {
 }
 
 /// What the grant lets a node do in one domain.
-class Rights {
+class NodeRights {
  public:
   /// `grant` outlives this object.
-  Rights(const Grant& grant, DomainId domain) : grant_(nullptr, grant, domain) {}
+  NodeRights(const Grant& grant, DomainId domain) : grant_(nullptr, grant, domain) {}
 
   std::vector<std::string> missing(const Nodes& nodes) const {
     std::vector<std::string> out;
@@ -184,7 +184,7 @@ std::vector<std::string> missing_in(const Grant& grant) {
   std::vector<std::string> least;
   bool is_first = true;
   for (const auto domain : domains_of(grant)) {
-    auto missing = Rights(needed, domain).missing(nodes);
+    auto missing = NodeRights(needed, domain).missing(nodes);
     if (is_first || missing.size() < least.size()) least = std::move(missing);
     is_first = false;
   }

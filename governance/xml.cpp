@@ -4,6 +4,7 @@
 
 #include <tinyxml2.h>
 
+#include "base/text.hpp"
 #include "governance/xml_check.hpp"
 
 namespace ddssec::governance {
@@ -11,12 +12,6 @@ namespace {
 
 constexpr std::string_view kSpace = " \t\r\n";
 constexpr const char* kMustInterpret = "must_interpret";
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(kSpace);
-  if (first == text.npos) return {};
-  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
-}
 
 std::unexpected<Error> refuse(Code code, XmlElement at, ErrorDetails details) {
   details.line = at.line();
@@ -93,7 +88,7 @@ Result<std::string> XmlElement::raw_text() const {
 
 Result<std::string> XmlElement::text() const {
   auto whole = raw_text();
-  if (whole) *whole = std::string(trimmed(*whole));
+  if (whole) *whole = std::string(trimmed(*whole, kSpace));
   return whole;
 }
 
@@ -126,9 +121,9 @@ Status XmlElement::check_attributes(std::string_view allowed) const {
 
 Status XmlElement::check_no_text() const {
   for (const auto* node = element_->FirstChild(); node; node = node->NextSibling()) {
-    if (node->ToText() && !trimmed(node->Value()).empty()) {
+    if (node->ToText() && !trimmed(node->Value(), kSpace).empty()) {
       return refuse(Code::text_unexpected, *this,
-                    {.found = std::string(trimmed(node->Value()).substr(0, 40))});
+                    {.found = std::string(trimmed(node->Value(), kSpace).substr(0, 40))});
     }
   }
   return {};

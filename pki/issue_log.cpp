@@ -18,7 +18,7 @@ std::string line_of(const Json& object) {
   return object.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-std::unexpected<Error> malformed(std::string note) {
+std::unexpected<Error> malformed_line(std::string note) {
   return fail(Code::issue_log_malformed, {.note = std::move(note)});
 }
 
@@ -48,7 +48,7 @@ std::string text_of(const Json& object, const char* name) {
 
 Result<WallTime> time_of(const Json& object, const char* name) {
   const auto time = time_from(text_of(object, name));
-  if (!time) return malformed(std::string(name) + " is no time");
+  if (!time) return malformed_line(std::string(name) + " is no time");
   return *time;
 }
 
@@ -57,7 +57,7 @@ Result<std::string> serial_of(const Json& object) {
   const auto is_digit = [](char c) { return ('0' <= c && c <= '9') || ('A' <= c && c <= 'F'); };
   constexpr std::size_t kMostDigits = 64;
   if (serial.empty() || serial.size() > kMostDigits || !std::ranges::all_of(serial, is_digit))
-    return malformed("serial is no serial number");
+    return malformed_line("serial is no serial number");
   return serial;
 }
 
@@ -80,9 +80,9 @@ Result<IssueLog> IssueLog::parse(BytesView text) {
 }
 
 Status IssueLog::add_line(std::string_view line) {
-  if (line.size() > kMostLineOctets) return malformed("the line is too long");
+  if (line.size() > kMostLineOctets) return malformed_line("the line is too long");
   const auto object = Json::parse(line, nullptr, false);
-  if (!object.is_object()) return malformed("the line is no JSON object");
+  if (!object.is_object()) return malformed_line("the line is no JSON object");
   auto serial = DDSSEC_TRY(serial_of(object));
   const auto event = text_of(object, "event");
   if (event == "issued") {
@@ -95,9 +95,9 @@ Status IssueLog::add_line(std::string_view line) {
       issued_.push_back(std::move(one));
     return {};
   }
-  if (event != "revoked") return malformed("event is neither issued nor revoked");
+  if (event != "revoked") return malformed_line("event is neither issued nor revoked");
   const auto reason = revocation_reason_from(text_of(object, "reason"));
-  if (!reason) return malformed("reason is none of RFC 5280");
+  if (!reason) return malformed_line("reason is none of RFC 5280");
   const auto time = DDSSEC_TRY(time_of(object, "time"));
   const Revocation revocation{serial, time, *reason};
   if (!revoked_by_serial_.emplace(serial, revocations_.size()).second) return {};

@@ -17,7 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kBoth[] = {0, 1};
 
 void add_finding(const MeetingScene& scene, Rule rule, const Judgement& judgement,
                  std::string message, std::string hint = {}) {

@@ -8,6 +8,9 @@
 
 namespace ddssec::governance::doctor {
 
+/// Both parties, by their index.
+inline constexpr int kBoth[] = {0, 1};
+
 /// What the steps look at.
 struct MeetingScene {
   const Party* parties[2];

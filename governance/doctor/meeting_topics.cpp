@@ -16,7 +16,6 @@
 namespace ddssec::governance::doctor {
 namespace {
 
-constexpr int kBoth[] = {0, 1};
 
 std::string text(bool value) { return value ? "true" : "false"; }
 std::string text(ProtectionKind value) { return std::string(to_string(value)); }

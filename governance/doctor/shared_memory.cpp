@@ -16,12 +16,6 @@ constexpr std::string_view kVariable = "CYCLONEDDS_URI";
 constexpr std::string_view kBlanks = " \t\r\n";
 constexpr std::string_view kAfterName = " \t\r\n/>";
 
-std::string_view trimmed(std::string_view text) {
-  const auto begin = text.find_first_not_of(kBlanks);
-  if (begin == text.npos) return {};
-  return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
-}
-
 std::string without_comments(std::string_view text) {
   std::string out;
   for (;;) {
@@ -75,7 +69,7 @@ std::optional<std::string> cyclonedds_configuration(std::string_view uri) {
     const auto name = uri.substr(0, uri.find(','));
     uri.remove_prefix(name.size());
     const auto file = name.starts_with("file:") ? std::string(name) : "file:" + std::string(name);
-    const auto octets = load(file, kVariable, kMostOctets);
+    const auto octets = ddssec::load(file, kVariable, kMostOctets);
     if (!octets) return std::nullopt;
     out.append(octets->begin(), octets->end()).push_back('\n');
   }
@@ -90,7 +84,7 @@ std::string shared_memory_setting(std::string_view configuration) {
     const auto end = std::min(rest.find("</sharedmemory"), rest.find("<sharedmemory"));
     const auto value = after_tag(rest.substr(0, end), "enable");
     if (!value) continue;
-    const auto word = trimmed(value->substr(0, value->find('<')));
+    const auto word = trimmed(value->substr(0, value->find('<')), kBlanks);
     if (word != "false") return fmt::format("<SharedMemory><Enable>{}", word.substr(0, 64));
   }
   return {};

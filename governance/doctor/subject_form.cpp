@@ -4,19 +4,14 @@
 #include <string>
 #include <vector>
 
+#include "base/text.hpp"
 #include "governance/doctor/measured.hpp"
 #include "pki/subject_name.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
 
-constexpr std::string_view kBlanks = " \t\r\n";
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(kBlanks);
-  if (first == text.npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
+constexpr std::string_view kBlanksOfNames = " \t\r\n";
 
 // The parts between separators that no backslash stands before.
 std::vector<std::string> split(std::string_view text, char separator) {
@@ -44,7 +39,7 @@ bool fastdds_reads(std::string_view text, const std::string& subject) {
   std::string joined;
   for (auto part : split(text, ',')) {
     if (!joined.empty()) joined += ',';
-    joined += trimmed(part);
+    joined += trimmed(part, kBlanksOfNames);
   }
   return joined == subject;
 }
@@ -74,8 +69,9 @@ Outcomes reads_subject(std::string_view text, const pki::Certificate& certificat
   const bool any_order = measured(Variant::subject_mixed_order, lineup).fastdds == Outcome::ok;
   const auto fastdds = any_order ? newer_fastdds_reads : fastdds_reads;
   const auto name = pki::SubjectName::parse(text);
-  return {.cyclonedds = outcome(cyclonedds_reads(trimmed(text), certificate.subject())),
-          .fastdds = outcome(fastdds(trimmed(text), certificate.subject())),
+  const auto subject = trimmed(text, kBlanksOfNames);
+  return {.cyclonedds = outcome(cyclonedds_reads(subject, certificate.subject())),
+          .fastdds = outcome(fastdds(subject, certificate.subject())),
           .ours = outcome(name && name->matches(certificate))};
 }
 

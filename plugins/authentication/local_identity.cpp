@@ -18,11 +18,6 @@ namespace property = spi::property;
 constexpr std::size_t kMostTrustedCas = 100;
 
 /// The property's value; hosts pass an empty text for what is not configured.
-std::string_view value_of(const spi::PropertyList& properties, std::string_view name) {
-  const std::string* value = spi::find_property(properties, name);
-  return value == nullptr ? std::string_view() : std::string_view(*value);
-}
-
 /// An error in what a property names is about that property first.
 Error in(const Error& error, std::string_view document) {
   auto details = error.details();
@@ -44,7 +39,7 @@ Error locate(const Error& error, const spi::PropertyList& properties,
              std::initializer_list<std::string_view> names) {
   auto details = error.details();
   for (const auto name : names) {
-    const auto value = value_of(properties, name);
+    const auto value = spi::property_value(properties, name);
     const auto place =
         names_token(value) ? std::optional(without_pin(value)) : file_named_by(value);
     if (!place || details.found.contains(*place) || details.note.contains(*place)) continue;
@@ -68,14 +63,14 @@ Result<std::vector<pki::Certificate>> load_bundle(std::string_view uri, std::str
 Result<pki::Certificate> load_certificate(const spi::PropertyList& properties) {
   constexpr auto kName = property::kIdentityCertificate;
   const Bytes octets = DDSSEC_TRY(
-      pki::load_certificates(value_of(properties, kName), kName, pki::kMostCertificateOctets));
+      pki::load_certificates(spi::property_value(properties, kName), kName, pki::kMostCertificateOctets));
   return in(pki::Certificate::from_pem(octets), kName);
 }
 
 Result<pki::PrivateKey> load_key(const spi::PropertyList& properties) {
   constexpr auto kName = property::kPrivateKey;
-  const auto uri = value_of(properties, kName);
-  const auto password = value_of(properties, property::kPassword);
+  const auto uri = spi::property_value(properties, kName);
+  const auto password = spi::property_value(properties, property::kPassword);
   if (password.empty()) return in(pki::PrivateKey::load(uri, kName), kName);
   if (password.size() > pki::Passphrase::capacity)
     return fail(Code::invalid_property,
@@ -119,7 +114,7 @@ Result<std::shared_ptr<const TrustStore>> load_own_trust(const spi::PropertyList
                                                          const RevocationLists& lists,
                                                          TrustStores& stores) {
   constexpr auto kName = property::kIdentityCa;
-  auto anchors = DDSSEC_TRY(load_bundle(value_of(properties, kName), kName));
+  auto anchors = DDSSEC_TRY(load_bundle(spi::property_value(properties, kName), kName));
   return in(stores.open(std::move(anchors), lists.in_force()), kName);
 }
 
@@ -129,7 +124,7 @@ Result<std::shared_ptr<const TrustStore>> load_peer_trust(
     const spi::PropertyList& properties, const RevocationLists& lists,
     const std::shared_ptr<const TrustStore>& own, TrustStores& stores) {
   constexpr auto kName = property::kTrustedCaDir;
-  const auto folder = value_of(properties, kName);
+  const auto folder = spi::property_value(properties, kName);
   if (folder.empty()) return own;
   if (!lists.in_force().empty())
     return fail(Code::trusted_ca_dir_with_crl, {.document = std::string(kName)});

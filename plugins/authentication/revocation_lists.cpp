@@ -18,11 +18,6 @@ constexpr std::string_view kUsualName = "crl.pem";
 /// What an event says of many lists.
 constexpr std::size_t kMostDescription = 512;
 
-std::string value_of(const spi::PropertyList& properties, std::string_view name) {
-  const std::string* value = spi::find_property(properties, name);
-  return value == nullptr ? std::string() : *value;
-}
-
 Result<std::vector<pki::Crl>> parse(BytesView octets, std::string_view uri) {
   auto lists = DDSSEC_TRY(pki::Crl::all_from(octets));
   // A file that lists nobody because it is no list must not look like "nobody is revoked".
@@ -34,7 +29,7 @@ Result<std::vector<pki::Crl>> parse(BytesView octets, std::string_view uri) {
 std::vector<std::string> usual_places(const spi::PropertyList& properties) {
   std::vector<std::string> uris;
   for (const auto name : {property::kIdentityCertificate, property::kIdentityCa}) {
-    const auto file = file_named_by(value_of(properties, name));
+    const auto file = file_named_by(spi::property_value(properties, name));
     if (!file) continue;
     const auto slash = file->rfind('/');
     const auto folder = slash == std::string::npos ? std::string() : file->substr(0, slash + 1);
@@ -89,15 +84,15 @@ RevocationLists::Place::Place(std::string from, std::chrono::seconds interval)
 Result<RevocationLists> RevocationLists::load(const spi::PropertyList& properties) {
   RevocationLists out;
   out.interval_ = DDSSEC_TRY(spi::files_poll_interval(properties));
-  const auto must = value_of(properties, property::kCrl);
-  const auto may = value_of(properties, property::kLaterCrl);
+  const auto must = spi::property_value(properties, property::kCrl);
+  const auto may = spi::property_value(properties, property::kLaterCrl);
   const auto name = must.empty() ? property::kLaterCrl : property::kCrl;
   if (!must.empty() || !may.empty()) {
-    out.places_.emplace_back(must.empty() ? may : must, out.interval_);
+    out.places_.emplace_back(std::string(must.empty() ? may : must), out.interval_);
     DDSSEC_TRY(out.read_first(out.places_.front(), name, must.empty()));
     return out;
   }
-  if (!value_of(properties, property::kTrustedCaDir).empty()) return out;
+  if (!spi::property_value(properties, property::kTrustedCaDir).empty()) return out;
   for (auto& uri : usual_places(properties))
     out.places_.emplace_back(std::move(uri), out.interval_);
   for (std::size_t i = 0; i < out.places_.size() && out.lists_.empty(); ++i)

@@ -16,7 +16,7 @@ struct ManagerDeleter {
 };
 using Manager = std::unique_ptr<IMB_MGR, ManagerDeleter>;
 
-gcm_key_data* key_in(KeyStorage storage) {
+gcm_key_data* ipsec_mb_key_in(KeyStorage storage) {
   return static_cast<gcm_key_data*>(static_cast<void*>(storage));
 }
 
@@ -54,7 +54,7 @@ class IpsecMb final : public AeadBackend {
     }
     GcmContext context;
     (cipher == Cipher::aes128_gcm ? manager_->gcm128_enc : manager_->gcm256_enc)(
-        key_in(storage), &context.data, request.out, request.plain.data(), request.plain.size(),
+        ipsec_mb_key_in(storage), &context.data, request.out, request.plain.data(), request.plain.size(),
         request.iv.data(), request.aad.data(), request.aad.size(), request.tag.data(), kTagSize);
     return true;
   }
@@ -66,7 +66,7 @@ class IpsecMb final : public AeadBackend {
     }
     GcmContext context;
     (cipher == Cipher::aes128_gcm ? manager_->gcm128_dec : manager_->gcm256_dec)(
-        key_in(storage), &context.data, request.out, request.cipher.data(), request.cipher.size(),
+        ipsec_mb_key_in(storage), &context.data, request.out, request.cipher.data(), request.cipher.size(),
         request.iv.data(), request.aad.data(), request.aad.size(), request.tag.data(), kTagSize);
     return true;
   }

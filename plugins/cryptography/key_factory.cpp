@@ -9,14 +9,14 @@
 namespace ddssec::cryptography {
 namespace {
 
-constexpr std::string_view kVolatileWriter = "BuiltinParticipantVolatileMessageSecureWriter";
-constexpr std::string_view kVolatileReader = "BuiltinParticipantVolatileMessageSecureReader";
+constexpr std::string_view kVolatileWriterName = "BuiltinParticipantVolatileMessageSecureWriter";
+constexpr std::string_view kVolatileReaderName = "BuiltinParticipantVolatileMessageSecureReader";
 
 /// The only mark of the volatile secure endpoints (DDS-Security 8.8.8.1).
 bool is_volatile(EntityKind kind, const spi::PropertyList& properties) {
   const auto* const name = spi::find_property(properties, spi::property::kBuiltinEndpointName);
   return name != nullptr &&
-         *name == (kind == EntityKind::local_writer ? kVolatileWriter : kVolatileReader);
+         *name == (kind == EntityKind::local_writer ? kVolatileWriterName : kVolatileReaderName);
 }
 
 /// The same material means the same shared secret.

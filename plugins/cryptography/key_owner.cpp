@@ -10,10 +10,6 @@
 namespace ddssec::cryptography {
 namespace {
 
-/// ParticipantVolatileMessageSecure (DDS-Security 7.4.5): both directions have one key.
-constexpr EntityId kVolatileWriter{{0xff, 0x02, 0x02, 0xc3}};
-constexpr EntityId kVolatileReader{{0xff, 0x02, 0x02, 0xc4}};
-
 // In the payload of a ParticipantGenericMessage, its encapsulation header included.
 constexpr std::size_t kSourceEndpointAt = 84;  ///< source_endpoint_guid
 constexpr std::size_t kClassIdAt = 100;        ///< message_class_id

@@ -18,6 +18,10 @@ namespace ddssec::cryptography {
 
 struct RemoteEndpoint;
 
+/// ParticipantVolatileMessageSecure (DDS-Security 7.4.5): both directions have one key.
+inline constexpr EntityId kVolatileWriter{{0xff, 0x02, 0x02, 0xc3}};
+inline constexpr EntityId kVolatileReader{{0xff, 0x02, 0x02, 0xc4}};
+
 /// What a key token message says: `key` is that of `endpoint`.
 struct KeyOwner {
   KeyId key;

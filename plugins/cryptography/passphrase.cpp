@@ -95,17 +95,12 @@ void warn_if_exposed(std::string_view uri, std::string_view property, EventSink&
                              {.document = std::string(property), .found = std::string(uri)})));
 }
 
-std::string value_of(const spi::PropertyList& properties, std::string_view name) {
-  const auto* const value = spi::find_property(properties, name);
-  return value == nullptr ? std::string() : *value;
-}
-
 }  // namespace
 
 PassphraseFiles::PassphraseFiles(const spi::PropertyList& properties,
                                  std::chrono::nanoseconds poll_interval)
-    : own_(value_of(properties, spi::property::kPskPassphrase)),
-      extra_(value_of(properties, spi::property::kPskExtraPassphrases)),
+    : own_(spi::property_value(properties, spi::property::kPskPassphrase)),
+      extra_(spi::property_value(properties, spi::property::kPskExtraPassphrases)),
       watches_{FileWatch(own_, poll_interval), FileWatch(extra_, poll_interval)} {}
 
 Result<std::vector<Passphrase>> PassphraseFiles::load(EventSink& events) const {

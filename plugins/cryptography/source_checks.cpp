@@ -4,13 +4,11 @@
 
 #include "plugins/cryptography/builtin_checks.hpp"
 #include "plugins/cryptography/data_piece.hpp"
+#include "plugins/cryptography/key_owner.hpp"
 #include "plugins/cryptography/wire.hpp"
 
 namespace ddssec::cryptography {
 namespace {
-
-/// ParticipantVolatileMessageSecureWriter (DDS-Security 7.4.5).
-constexpr EntityId kVolatileWriter{{0xff, 0x02, 0x02, 0xc3}};
 
 // ParticipantGenericMessage (DDS-Security 7.4.4.4) begins with GUIDs and sequence numbers only:
 // each of its places is the same in every byte order and in plain CDR 1 and 2.

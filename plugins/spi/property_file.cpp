@@ -4,17 +4,12 @@
 
 #include "base/rollback.hpp"
 #include "base/source.hpp"
+#include "base/text.hpp"
 
 namespace ddssec::spi {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r";
-
-std::string_view trimmed(std::string_view text) {
-  const auto begin = std::min(text.find_first_not_of(kBlanks), text.size());
-  text.remove_prefix(begin);
-  return text.substr(0, text.find_last_not_of(kBlanks) + 1);
-}
 
 bool has_control_character(std::string_view text) {
   return std::ranges::any_of(
@@ -22,17 +17,17 @@ bool has_control_character(std::string_view text) {
 }
 
 Status add_line(std::string_view text, int line, PropertyList& out) {
-  const auto content = trimmed(text);
+  const auto content = trimmed(text, kBlanks);
   if (content.empty() || content.front() == '#') return {};
   const auto equals = content.find('=');
-  const auto name = trimmed(content.substr(0, equals));
+  const auto name = trimmed(content.substr(0, equals), kBlanks);
   const auto bad = [&](std::string expected) {
     return fail(
         Code::invalid_property,
         {.line = line, .expected = std::move(expected), .found = std::string(name.substr(0, 64))});
   };
   if (equals == content.npos || name.empty()) return bad("name = value");
-  const auto value = trimmed(content.substr(equals + 1));
+  const auto value = trimmed(content.substr(equals + 1), kBlanks);
   if (has_control_character(name) || has_control_character(value))
     return bad("no control characters");
   if (find_property(out, name) != nullptr) return bad("each name once");

@@ -41,6 +41,11 @@ const std::string* find_property(const PropertyList& properties, std::string_vie
   return found == properties.end() ? nullptr : &found->value;
 }
 
+std::string_view property_value(const PropertyList& properties, std::string_view name) {
+  const auto* const value = find_property(properties, name);
+  return value == nullptr ? std::string_view() : std::string_view(*value);
+}
+
 const Bytes* find_binary_property(const Token& token, std::string_view name) {
   const auto found = std::ranges::find(token.binary_properties, name, &BinaryProperty::name);
   return found == token.binary_properties.end() ? nullptr : &found->value;

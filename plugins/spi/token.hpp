@@ -46,6 +46,8 @@ struct Token {
 
 /// The value of the first property of that name, or nullptr.
 const std::string* find_property(const PropertyList& properties, std::string_view name);
+/// The same; empty if there is none. It lives as long as the properties.
+std::string_view property_value(const PropertyList& properties, std::string_view name);
 const Bytes* find_binary_property(const Token& token, std::string_view name);
 
 /// Bounds for tokens that a peer sends; more is refused before anything is allocated.

@@ -7,7 +7,7 @@
 namespace ddssec::rtps {
 namespace {
 
-using Row = ParameterRow<ParticipantData>;
+using ParticipantRow = ParameterRow<ParticipantData>;
 constexpr ParameterId kPidParticipantGuid = 0x0050;
 constexpr ParameterId kPidVendorVersion = 0x8007;  // PID_ADLINK_PARTICIPANT_VERSION_INFO
 
@@ -50,12 +50,12 @@ Status read_vendor_version(Reader& reader, ParticipantData& data) {
 
 // Value-less helpers for the table: each names one parameter.
 template <ParameterId id, auto member>
-constexpr Row locator_row() {
+constexpr ParticipantRow participant_locator_row() {
   return {id, [](Reader& r, ParticipantData& d) { return read_locator_into(r, d.*member); },
           [](SpanWriter& w, const ParticipantData& d) { write_locators(w, id, d.*member); }, true};
 }
 
-constexpr Row kTable[] = {
+constexpr ParticipantRow kParticipantTable[] = {
     {0x0015,
      [](Reader& r, ParticipantData& d) -> Status {
        d.version = ProtocolVersion::from(DDSSEC_TRY(r.read_bytes(2)));
@@ -125,10 +125,10 @@ constexpr Row kTable[] = {
        const ParameterScope scope(w, 0x0002);
        write_time(w, d.lease_duration);
      }},
-    locator_row<0x0032, &ParticipantData::metatraffic_unicast>(),
-    locator_row<0x0033, &ParticipantData::metatraffic_multicast>(),
-    locator_row<0x0031, &ParticipantData::default_unicast>(),
-    locator_row<0x0048, &ParticipantData::default_multicast>(),
+    participant_locator_row<0x0032, &ParticipantData::metatraffic_unicast>(),
+    participant_locator_row<0x0033, &ParticipantData::metatraffic_multicast>(),
+    participant_locator_row<0x0031, &ParticipantData::default_unicast>(),
+    participant_locator_row<0x0048, &ParticipantData::default_multicast>(),
     {0x0034,
      [](Reader& r, ParticipantData& d) -> Status {
        d.manual_liveliness_count = DDSSEC_TRY(r.read<std::int32_t>());
@@ -184,7 +184,7 @@ constexpr Row kTable[] = {
 }  // namespace
 
 void write_parameter_list(SpanWriter& out, const ParticipantData& data) {
-  write_parameters<ParticipantData>(kTable, out, data);
+  write_parameters<ParticipantData>(kParticipantTable, out, data);
 }
 
 void write_payload(SpanWriter& out, const ParticipantData& data) {
@@ -193,7 +193,7 @@ void write_payload(SpanWriter& out, const ParticipantData& data) {
 }
 
 Result<ParticipantData> read_participant_list(BytesView list, Endian endian) {
-  return read_parameters<ParticipantData>(kTable, list, endian);
+  return read_parameters<ParticipantData>(kParticipantTable, list, endian);
 }
 
 Result<ParticipantData> read_participant_data(BytesView payload) {

@@ -3,10 +3,10 @@
 namespace ddssec::rtps {
 namespace {
 
-constexpr std::uint8_t kFlagInlineQos = 0x02;
-constexpr std::uint8_t kFlagKey = 0x04;
+constexpr std::uint8_t kFragFlagInlineQos = 0x02;
+constexpr std::uint8_t kFragFlagKey = 0x04;
 // from reader id to sample size, counted from behind the offset field
-constexpr std::size_t kFixedPart = 28;
+constexpr std::size_t kFragFixedPart = 28;
 
 // The octets that fragments first .. first + count - 1 have; they must lie within the sample.
 Result<std::size_t> covered_octets(const DataFrag& frag) {
@@ -38,15 +38,15 @@ Result<DataFrag> read_data_frag(const SubmessageView& view) {
   DataFrag out;
   const auto to_inline_qos = DDSSEC_TRY(read_fixed_part(reader, out));
   const auto covered = DDSSEC_TRY(covered_octets(out));
-  if (to_inline_qos < kFixedPart || to_inline_qos - kFixedPart > reader.remaining())
+  if (to_inline_qos < kFragFixedPart || to_inline_qos - kFragFixedPart > reader.remaining())
     return fail(Code::rtps_submessage_overrun);
-  DDSSEC_TRY(reader.skip(to_inline_qos - kFixedPart));
-  if (view.has(kFlagInlineQos)) {
+  DDSSEC_TRY(reader.skip(to_inline_qos - kFragFixedPart));
+  if (view.has(kFragFlagInlineQos)) {
     const auto list = DDSSEC_TRY(parameter_list_prefix(reader.rest(), view.endian()));
     out.inline_qos = DDSSEC_TRY(read_inline_qos(list, view.endian()));
     DDSSEC_TRY(reader.skip(list.size()));
   }
-  out.is_key = view.has(kFlagKey);
+  out.is_key = view.has(kFragFlagKey);
   out.encoded = reader.rest();
   out.payload = DDSSEC_TRY(reader.read_bytes(covered));
   return out;
@@ -60,11 +60,11 @@ Result<DataFrag> with_payload(DataFrag frag, BytesView plain) {
 }
 
 void write(SpanWriter& out, const DataFrag& data) {
-  std::uint8_t flags = data.inline_qos.empty() ? 0 : kFlagInlineQos;
-  if (data.is_key) flags |= kFlagKey;
+  std::uint8_t flags = data.inline_qos.empty() ? 0 : kFragFlagInlineQos;
+  if (data.is_key) flags |= kFragFlagKey;
   const SubmessageScope scope(out, SubmessageId::data_frag, flags);
   out.write(std::uint16_t{0});
-  out.write(static_cast<std::uint16_t>(kFixedPart));
+  out.write(static_cast<std::uint16_t>(kFragFixedPart));
   out.write_bytes(data.reader.view());
   out.write_bytes(data.writer.view());
   write_sequence_number(out, data.sequence_number);

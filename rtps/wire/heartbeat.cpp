@@ -3,9 +3,9 @@
 namespace ddssec::rtps {
 namespace {
 
-constexpr std::uint8_t kFlagFinal = 0x02;
-constexpr std::uint8_t kFlagLiveliness = 0x04;
-constexpr std::uint8_t kFlagGroup = 0x08;
+constexpr std::uint8_t kHeartbeatFlagFinal = 0x02;
+constexpr std::uint8_t kHeartbeatFlagLiveliness = 0x04;
+constexpr std::uint8_t kHeartbeatFlagGroup = 0x08;
 
 // The table of 9.4.5.7 ends with lastGSN, the model of 8.3.8.6 has the digests as well.
 Result<GroupState> read_group(Reader& reader) {
@@ -32,18 +32,18 @@ Result<Heartbeat> read_heartbeat(const SubmessageView& view) {
   out.first = DDSSEC_TRY(read_sequence_number(reader));
   out.last = DDSSEC_TRY(read_any_sequence_number(reader));
   out.count = DDSSEC_TRY(reader.read<std::int32_t>());
-  out.is_final = view.has(kFlagFinal);
-  out.asserts_liveliness = view.has(kFlagLiveliness);
+  out.is_final = view.has(kHeartbeatFlagFinal);
+  out.asserts_liveliness = view.has(kHeartbeatFlagLiveliness);
   if (out.last < out.first.previous() || out.last > kGreatestSequenceNumber)
     return fail(Code::rtps_number_invalid);
-  if (view.has(kFlagGroup)) out.group = DDSSEC_TRY(read_group(reader));
+  if (view.has(kHeartbeatFlagGroup)) out.group = DDSSEC_TRY(read_group(reader));
   return out;
 }
 
 void write(SpanWriter& out, const Heartbeat& heartbeat) {
-  std::uint8_t flags = heartbeat.is_final ? kFlagFinal : 0;
-  if (heartbeat.asserts_liveliness) flags |= kFlagLiveliness;
-  if (heartbeat.group) flags |= kFlagGroup;
+  std::uint8_t flags = heartbeat.is_final ? kHeartbeatFlagFinal : 0;
+  if (heartbeat.asserts_liveliness) flags |= kHeartbeatFlagLiveliness;
+  if (heartbeat.group) flags |= kHeartbeatFlagGroup;
   const SubmessageScope scope(out, SubmessageId::heartbeat, flags);
   out.write_bytes(heartbeat.reader.view());
   out.write_bytes(heartbeat.writer.view());

@@ -138,9 +138,12 @@ class Lint(Transcript):
         (self.at / "bigp.xml").write_text(grant.replace("<topic>a</topic>", topics))
         for kind, file in (("governance", "big.xml"), ("permissions", "bigp.xml")):
             self.assertGreater((self.at / file).stat().st_size, 900_000)
-            before = os.times().children_user
-            self.lint(kind, "lint", file)
-            self.assertLess(os.times().children_user - before, 0.3 * SLOWNESS, kind)
+            self.assertLess(min(self.seconds_of(kind, "lint", file) for _ in range(3)), 0.3 * SLOWNESS, kind)
+
+    def seconds_of(self, *words):
+        before = os.times().children_user
+        self.lint(*words)
+        return os.times().children_user - before
 
 
 SLOWNESS = 10 if "asan" in str(PROGRAM) else 1
