@@ -47,7 +47,7 @@ struct Shared {
   Graveyard graveyard;  // before whatever retires into it
   const KeyEnvironment keys;
   Registry registry;
-  std::mutex mutex;
+  mutable std::mutex mutex;
   std::unordered_map<std::int64_t, std::chrono::nanoseconds> former_until;  ///< guarded by it
   std::uint64_t pairs_made = 0;                                             ///< guarded by it
   mutable TokenLedger ledger;  ///< for a host that does not check

@@ -20,6 +20,31 @@ spi::Token token_for(const KeyMaterial& key, const ReceiverKey* receiver) {
   return crypto_token(material);
 }
 
+/// What the host came with: the tokens, or a ticket for those that the ledger keeps.
+class HeldTokens {
+ public:
+  HeldTokens(const Shared& shared, std::span<const spi::Token> from_host)
+      : held_(shared.host_checks_sources ? std::nullopt : shared.ledger.redeem(from_host)),
+        tokens_(held_ ? std::span<const spi::Token>(held_->tokens) : from_host) {}
+  HeldTokens(const HeldTokens&) = delete;
+  HeldTokens& operator=(const HeldTokens&) = delete;
+  ~HeldTokens() {
+    if (held_) wipe_tokens(held_->tokens);
+  }
+
+  std::span<const spi::Token> tokens() const { return tokens_; }
+  /// Kept tokens are for the participant that they came from.
+  Status check_source(const Pair& pair) const {
+    if (held_ && pair.peer_prefix && held_->remote.prefix != *pair.peer_prefix)
+      return fail(Code::crypto_not_matched);
+    return {};
+  }
+
+ private:
+  std::optional<TokenLedger::Held> held_;
+  std::span<const spi::Token> tokens_;
+};
+
 Result<std::vector<KeyMaterial>> read_all(std::span<const spi::Token> tokens) {
   std::vector<KeyMaterial> materials;
   for (const auto& token : tokens) {
@@ -102,12 +127,13 @@ Result<std::vector<spi::Token>> KeyExchange::create_local_participant_crypto_tok
 Status KeyExchange::set_remote_participant_crypto_tokens(spi::ParticipantCryptoHandle local,
                                                          spi::ParticipantCryptoHandle remote,
                                                          std::span<const spi::Token> tokens) {
-  if (!shared_.host_checks_sources) shared_.ledger.note_used(tokens);
+  const HeldTokens held(shared_, tokens);
   const std::lock_guard lock(shared_.mutex);
   const auto* const participant = DDSSEC_TRY(shared_.local_participant(local));
   auto* const pair = DDSSEC_TRY(shared_.remote_participant(remote))->pair(local.value);
   if (pair == nullptr) return fail(Code::crypto_not_matched);
-  auto status = take(*participant, remote, *pair, tokens);
+  DDSSEC_TRY(held.check_source(*pair));
+  auto status = take(*participant, remote, *pair, held.tokens());
   if (!status && !shared_.host_checks_sources && status.error().code() != Code::keys_already_set)
     shared_.report(status.error(), pair->peer_prefix);
   return status;
@@ -175,8 +201,9 @@ Result<std::unique_ptr<RemoteKeys>> KeyExchange::endpoint_keys(
 }
 
 template <class Local, class Remote>
-Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> tokens) {
-  if (!shared_.host_checks_sources) shared_.ledger.note_used(tokens);
+Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> from_host) {
+  const HeldTokens held(shared_, from_host);
+  const auto tokens = held.tokens();
   const std::lock_guard lock(shared_.mutex);
   auto& endpoint = *DDSSEC_TRY(matched(local, remote));
   if (!endpoint.local.has_tokens()) return fail(Code::crypto_tokens_not_expected);
@@ -184,6 +211,7 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
     return fail(Code::crypto_token_count);
   auto keys = DDSSEC_TRY(endpoint_keys(endpoint, DDSSEC_TRY(read_all(tokens))));
   const auto* const pair = endpoint.participant.pair(endpoint.local.participant.handle());
+  DDSSEC_TRY(held.check_source(*pair));
   if (keys->submessage)
     keys->owner = DDSSEC_TRY(pair->owners.owner_of(keys->submessage->material().sender_key_id));
   if (const auto* const present = endpoint.remote_keys.read(); present && keys->owner.is_zero())

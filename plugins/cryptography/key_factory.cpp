@@ -330,6 +330,8 @@ void KeyFactory::drop_remote(RemoteParticipant& participant) {
       if (const auto endpoint = shared_.registry.find<RemoteEndpoint>(handle, kind))
         drop_remote(**endpoint);
   for (const auto& [local, pair] : participant.pairs)
+    shared_.ledger.end(pair->number, shared_.environment.clock.monotonic());
+  for (const auto& [local, pair] : participant.pairs)
     if (const auto found = shared_.local_participant(spi::ParticipantCryptoHandle{local}))
       (*found)->matched.erase(participant.handle());
   by_identity_.erase(participant.identity);

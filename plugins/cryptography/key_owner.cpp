@@ -59,7 +59,6 @@ Shape shape_of(std::uint8_t id) {
   }
 }
 
-bool is_builtin(const EntityId& id) { return (id.octets[3] & 0xc0) == 0xc0; }
 
 std::unexpected<Error> not_of_sender(const Shape& shape, std::string expected, EntityId named) {
   return fail(Code::submessage_not_of_sender, {.document = "a protected submessage",

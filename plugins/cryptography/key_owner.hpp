@@ -22,6 +22,9 @@ struct RemoteEndpoint;
 inline constexpr EntityId kVolatileWriter{{0xff, 0x02, 0x02, 0xc3}};
 inline constexpr EntityId kVolatileReader{{0xff, 0x02, 0x02, 0xc4}};
 
+/// RTPS 9.3.1.2.
+constexpr bool is_builtin(const EntityId& id) { return (id.octets[3] & 0xc0) == 0xc0; }
+
 /// What a key token message says: `key` is that of `endpoint`.
 struct KeyOwner {
   KeyId key;

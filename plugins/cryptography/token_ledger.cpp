@@ -2,23 +2,10 @@
 
 #include <algorithm>
 
+#include "plugins/cryptography/key_owner.hpp"
+
 namespace ddssec::cryptography {
 namespace {
-
-/// Chains what is hashed, each part with its length.
-class Chain {
- public:
-  void add(BytesView octets) {
-    std::array<std::uint8_t, 8> size;
-    for (std::size_t i = 0; i < size.size(); ++i)
-      size[i] = static_cast<std::uint8_t>(std::uint64_t{octets.size()} >> (8 * i));
-    digest_ = sha256({digest_, size, octets});
-  }
-  const Sha256Digest& digest() const { return digest_; }
-
- private:
-  Sha256Digest digest_{};
-};
 
 constexpr std::string_view kDocument = "a key token message";
 constexpr std::size_t kEncapsulationSize = 4;
@@ -29,13 +16,23 @@ Result<Guid> read_guid(Reader& in) {
               EntityId::from(octets.subspan(GuidPrefix::size))};
 }
 
-Result<Sha256Digest> read_tokens(Reader& in) {
+Result<std::vector<spi::Token>> read_tokens(Reader& in) {
   constexpr std::size_t kLeastToken = 12;
   const auto count = DDSSEC_TRY(in.read_count(kLeastToken));
   if (count > spi::kMostTokensPerMessage) return fail(Code::length_out_of_range);
   std::vector<spi::Token> tokens;
-  for (std::uint32_t i = 0; i < count; ++i) tokens.push_back(DDSSEC_TRY(spi::read_token(in)));
-  return digest_of(tokens);
+  std::size_t octets = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    tokens.push_back(DDSSEC_TRY(spi::read_token(in)));
+    for (const auto& one : tokens.back().binary_properties) octets += one.value.size();
+  }
+  if (octets > kMostTokenOctets) return fail(Code::length_out_of_range);
+  return tokens;
+}
+
+bool has_place_for_ticket(std::span<const spi::Token> tokens) {
+  return !tokens.empty() && !tokens.front().binary_properties.empty() &&
+         tokens.front().binary_properties.front().value.size() >= sizeof(Ticket::octets);
 }
 
 /// ParticipantGenericMessage (DDS-Security 7.4.4.4).
@@ -50,14 +47,16 @@ Result<std::optional<TokenMessage>> read_generic_message(const DataPiece& piece)
   const auto source_endpoint = DDSSEC_TRY(read_guid(in));
   const auto class_at = kEncapsulationSize + in.position() + sizeof(std::uint32_t);
   const auto class_id = DDSSEC_TRY(in.read_string());
-  TokenMessage message{source_endpoint, endpoint, piece.number, {}, class_at};
+  const bool is_of_reader = class_id == "dds.sec.datareader_crypto_tokens";
+  TokenMessage message{source_endpoint, endpoint, piece.number, is_of_reader, {}, class_at, 0};
   if (class_id == "dds.sec.participant_crypto_tokens") {
     message.remote = {source.prefix, kEntityIdParticipant};
     message.local = participant;
-  } else if (class_id != "dds.sec.datawriter_crypto_tokens" &&
-             class_id != "dds.sec.datareader_crypto_tokens") {
+  } else if (class_id != "dds.sec.datawriter_crypto_tokens" && !is_of_reader) {
     return std::nullopt;
   }
+  if (piece.number >= kGreatestNumber) return fail(Code::length_out_of_range);
+  message.tokens_at = kEncapsulationSize + in.position();
   message.tokens = DDSSEC_TRY(read_tokens(in));
   return message;
 }
@@ -72,16 +71,42 @@ Result<std::optional<TokenMessage>> read_token_message(const DataPiece& piece) {
               {.document = "a key token message", .note = "its tokens cannot be read"});
 }
 
-Sha256Digest digest_of(std::span<const spi::Token> tokens) {
-  Chain chain;
-  for (const auto& token : tokens) {
-    chain.add(as_bytes(token.class_id));
-    for (const auto& one : token.binary_properties) {
-      chain.add(as_bytes(one.name));
-      chain.add(one.value);
+void write_ticket(const Ticket& ticket, const TokenMessage& message, const DataPiece& piece,
+                  MutableBytes payload) {
+  // What read_tokens read without an error is read again, where it stands.
+  const bool little = (piece.payload[1] & 1) != 0;
+  const auto stream = payload.subspan(kEncapsulationSize);
+  Reader in(stream, little ? Endian::little : Endian::big);
+  const auto overwrite = [&](BytesView value) {
+    const auto at = static_cast<std::size_t>(value.data() - stream.data());
+    std::ranges::fill(stream.subspan(at, value.size()), std::uint8_t{0});
+  };
+  std::optional<std::size_t> first;
+  (void)in.skip(message.tokens_at - kEncapsulationSize);
+  (void)in.read_count(1);
+  for (const auto& token : message.tokens) {
+    (void)in.read_string();
+    (void)in.read_count(1);
+    for (std::size_t i = 0; i < 2 * token.properties.size(); ++i) (void)in.read_string();
+    (void)in.read_count(1);
+    for (std::size_t i = 0; i < token.binary_properties.size(); ++i) {
+      (void)in.read_string();
+      const auto value = in.read_octet_sequence();
+      if (!value) return;
+      overwrite(*value);
+      if (!first) first = static_cast<std::size_t>(value->data() - stream.data());
     }
   }
-  return chain.digest();
+  if (first) std::ranges::copy(ticket.octets, stream.subspan(*first).begin());
+}
+
+void wipe_tokens(std::span<spi::Token> tokens) {
+  for (auto& token : tokens)
+    for (auto& one : token.binary_properties) wipe(one.value);
+}
+
+TokenLedger::~TokenLedger() {
+  for (auto& [key, entry] : entries_) wipe_tokens(entry.tokens);
 }
 
 TokenLedger::Subject TokenLedger::subject_of(const Key& key) {
@@ -90,58 +115,116 @@ TokenLedger::Subject TokenLedger::subject_of(const Key& key) {
   return subject;
 }
 
-Status TokenLedger::note(const TokenMessage& message, std::uint64_t exchange,
-                         std::chrono::nanoseconds now) {
-  const std::lock_guard lock(mutex_);
-  forget_old(now);
-  const Key key{message.remote, message.local};
-  if (const auto known = entries_.find(key); known != entries_.end()) {
-    const auto& entry = known->second;
-    const bool is_same = message.number == entry.number && message.tokens == entry.tokens;
-    const bool is_past = message.number < entry.number && !entry.is_pending;
-    if (entry.exchange == exchange && (is_same || is_past)) return {};
-    if (entry.is_pending)
-      return fail(Code::crypto_tokens_repeated, {.document = std::string(kDocument),
-                                                 .found = key.remote.to_string(),
-                                                 .note = "for " + key.local.to_string()});
-    erase(known);
+/// Begins with no transformation kind, so that nobody takes it for key material.
+Ticket TokenLedger::fresh_ticket() {
+  Ticket ticket{{0xff, 't', 'i', 'c', 'k', 'e', 't', 0}};
+  for (std::size_t i = 0; i < 8; ++i)
+    ticket.octets[15 - i] = static_cast<std::uint8_t>(next_ticket_ >> (8 * i));
+  ++next_ticket_;
+  return ticket;
+}
+
+/// While the host holds a ticket, only the message that brought it passes, as a retransmission: the
+/// host may have had no room for it the first time.
+Passage TokenLedger::of_held(Entry& entry, TokenMessage& message, const Age& age) {
+  if (age == entry.passed) {
+    wipe_tokens(message.tokens);
+    return {Passage::Kind::ticket, entry.ticket};
   }
+  if (age > entry.newest) {
+    std::swap(entry.tokens, message.tokens);
+    entry.newest = age;
+  }
+  wipe_tokens(message.tokens);
+  return {Passage::Kind::hidden};
+}
+
+/// Whether the host cannot hold the ticket of a former exchange any more. If it had one for builtin
+/// endpoints, it came with it when it matched them.
+bool TokenLedger::is_given_up(const Key& key, Entry& entry, bool are_builtin_matched,
+                              std::chrono::nanoseconds now) {
+  if (key.remote.entity == kEntityIdParticipant) return true;
+  if (!are_builtin_matched) entry.matched_since.reset();
+  if (are_builtin_matched && !entry.matched_since) entry.matched_since = now;
+  return entry.matched_since && now - *entry.matched_since >= kComing;
+}
+
+Status TokenLedger::check_room(const Key& key) {
   const auto subject = subject_of(key);
-  if (counts_[subject].pending >= kMostPending)
+  const auto& counts = counts_[subject];
+  if (counts.pending >= kMostPending)
     return fail(Code::crypto_tokens_crowded, {.document = std::string(kDocument),
                                               .expected = std::to_string(kMostPending),
                                               .note = "of " + key.remote.to_string()});
-  if (counts_[subject].all >= 2 * kMostPending) forget_used(subject);
-  auto& counts = counts_[subject];
-  ++counts.pending, ++counts.all;
-  order_.push_back(key);
-  entries_.emplace(
-      key, Entry{exchange, message.number, now, true, message.tokens, std::prev(order_.end())});
-  groups_[message.tokens].keys.push_back(key);
+  if (counts.all >= 2 * kMostPending) forget_used(subject);
   return {};
 }
 
-void TokenLedger::note_used(std::span<const spi::Token> tokens) {
-  const auto digest = digest_of(tokens);
+Result<Passage> TokenLedger::note(TokenMessage message, std::uint64_t exchange,
+                                  bool are_builtin_matched, std::chrono::nanoseconds now) {
+  if (!has_place_for_ticket(message.tokens)) return Passage{Passage::Kind::hidden};
   const std::lock_guard lock(mutex_);
-  const auto found = groups_.find(digest);
-  if (found == groups_.end()) return;
-  auto& group = found->second;
-  if (++group.used < group.keys.size()) return;
-  for (const auto& key : group.keys) {
-    auto& entry = entries_.at(key);
-    entry.is_pending = false;
-    --counts_.at(subject_of(key)).pending;
+  forget_old(now);
+  const Key key{message.remote, message.local};
+  const Age age{exchange, message.number};
+  if (const auto known = entries_.find(key); known != entries_.end()) {
+    auto& entry = known->second;
+    if (entry.is_pending) {
+      const bool is_other = exchange > entry.passed.exchange && is_builtin(key.remote.entity);
+      if (!is_other) return of_held(entry, message, age);
+      if (!is_given_up(key, entry, are_builtin_matched, now)) {
+        wipe_tokens(message.tokens);
+        return Passage{Passage::Kind::later};
+      }
+    } else if (exchange == entry.newest.exchange && age <= entry.newest) {
+      wipe_tokens(message.tokens);
+      return Passage{Passage::Kind::hidden};  // the host has had it, or passed it over
+    }
+    erase(known);
   }
-  groups_.erase(found);
+  DDSSEC_TRY(check_room(key));
+  auto& counts = counts_[subject_of(key)];
+  ++counts.pending, ++counts.all;
+  const auto ticket = fresh_ticket();
+  entries_.emplace(key, Entry{.passed = age,
+                              .newest = age,
+                              .ticket = ticket,
+                              .tokens = std::move(message.tokens)});
+  tickets_.emplace(ticket, key);
+  return Passage{Passage::Kind::ticket, ticket};
+}
+
+std::optional<TokenLedger::Held> TokenLedger::redeem(std::span<const spi::Token> tokens) {
+  if (!has_place_for_ticket(tokens)) return std::nullopt;
+  Ticket ticket;
+  std::ranges::copy_n(tokens.front().binary_properties.front().value.begin(),
+                      std::ssize(ticket.octets), ticket.octets.begin());
+  const std::lock_guard lock(mutex_);
+  const auto found = tickets_.find(ticket);
+  if (found == tickets_.end()) return std::nullopt;
+  const auto key = found->second;
+  tickets_.erase(found);
+  auto& entry = entries_.at(key);
+  entry.is_pending = false;
+  --counts_.at(subject_of(key)).pending;
+  return Held{key.remote, std::move(entry.tokens)};
+}
+
+void TokenLedger::end(std::uint64_t exchange, std::chrono::nanoseconds now) {
+  const std::lock_guard lock(mutex_);
+  ended_.emplace(exchange, now);
 }
 
 void TokenLedger::forget_old(std::chrono::nanoseconds now) {
-  while (!order_.empty()) {
-    const auto oldest = entries_.find(order_.front());
-    if (now - oldest->second.since < kMemory) return;
-    erase(oldest);
+  const auto is_old = [&](const auto& ended) { return now - ended.second >= kMemory; };
+  if (std::ranges::none_of(ended_, is_old)) return;
+  for (auto entry = entries_.begin(); entry != entries_.end();) {
+    const auto next = std::next(entry);
+    const auto ended = ended_.find(entry->second.passed.exchange);
+    if (ended != ended_.end() && is_old(*ended)) erase(entry);
+    entry = next;
   }
+  std::erase_if(ended_, is_old);
 }
 
 /// They are remembered only to know repetitions by.
@@ -157,22 +240,14 @@ void TokenLedger::forget_used(const Subject& subject) {
 }
 
 void TokenLedger::erase(Entries::iterator entry) {
-  leave_group(entry->first, entry->second);
   const auto counts = counts_.find(subject_of(entry->first));
-  if (entry->second.is_pending) --counts->second.pending;
+  if (entry->second.is_pending) {
+    --counts->second.pending;
+    tickets_.erase(entry->second.ticket);
+    wipe_tokens(entry->second.tokens);
+  }
   if (--counts->second.all == 0) counts_.erase(counts);
-  order_.erase(entry->second.place);
   entries_.erase(entry);
-}
-
-/// One that leaves by age counts as used if any was: the others' use must not be taken for granted.
-void TokenLedger::leave_group(const Key& key, const Entry& entry) {
-  if (!entry.is_pending) return;
-  const auto found = groups_.find(entry.tokens);
-  auto& group = found->second;
-  std::erase(group.keys, key);
-  if (group.used > 0) --group.used;
-  if (group.keys.empty()) groups_.erase(found);
 }
 
 std::size_t TokenLedger::size() const {

@@ -1,19 +1,17 @@
-// Which key tokens the host holds back until their endpoints are matched. Cyclone DDS corrupts its
-// memory when tokens come again for two endpoints while it holds the former ones, and it holds as
-// many as come, for five minutes each.
+// Key tokens, from their message until the host comes with them. Cyclone DDS holds tokens back until
+// their endpoints are matched, as many as come, for five minutes each, and corrupts its memory when
+// tokens come again for two endpoints meanwhile. So it gets tickets, and the tokens stay here.
 #pragma once
 
 #include <array>
 #include <chrono>
 #include <cstdint>
-#include <list>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "base/hash.hpp"
 #include "base/ids.hpp"
 #include "base/result.hpp"
 #include "plugins/cryptography/data_piece.hpp"
@@ -26,37 +24,92 @@ struct TokenMessage {
   Guid remote;           ///< whose keys: a participant or an endpoint
   Guid local;            ///< whom they are for
   std::uint64_t number;  ///< writerSN
-  Sha256Digest tokens;   ///< see digest_of
-  std::size_t class_at;  ///< where in the payload the text of message_class_id begins
+  bool is_of_reader;     ///< datareader_crypto_tokens
+  std::vector<spi::Token> tokens;
+  std::size_t class_at;   ///< where in the payload the text of message_class_id begins
+  std::size_t tokens_at;  ///< where in the payload the sequence of tokens begins
 };
 
 /// Of a piece that passed check_token_source. Nothing where no tokens begin. All of them must be in
-/// this piece: who sends them in fragments hides which they are. Error: token_source_unreadable.
+/// this piece: who sends them in fragments hides which they are. Errors: token_source_unreadable,
+/// also for tokens of more than kMostTokenOctets, and for a number from kGreatestNumber on: Cyclone
+/// DDS takes the greatest of all before those that come first.
 Result<std::optional<TokenMessage>> read_token_message(const DataPiece& piece);
 
-/// The same for the same tokens, however they travelled.
-Sha256Digest digest_of(std::span<const spi::Token> tokens);
+inline constexpr std::uint64_t kGreatestNumber = std::uint64_t{1} << 62;
 
-/// Notes which tokens pass to the host and which the host came back with. Any number of threads.
+/// Binary values of one message: four times what two keys with receiver keys need.
+inline constexpr std::size_t kMostTokenOctets = 1024;
+
+/// What the host gets instead of key material, and comes back with.
+struct Ticket {
+  std::array<std::uint8_t, 16> octets;
+  auto operator<=>(const Ticket&) const = default;
+};
+
+/// What becomes of a message.
+struct Passage {
+  enum class Kind : std::uint8_t {
+    ticket,  ///< it goes to the host, with the ticket in it
+    hidden,  ///< it goes to the host as a class that the host does not know
+    later,   ///< it is not accepted yet, and will be sent again
+  };
+  Kind kind;
+  Ticket ticket = {};
+  bool operator==(const Passage&) const = default;
+};
+
+/// Writes the ticket over the first binary value of a message that read_token_message read, and
+/// zeros over all others.
+void write_ticket(const Ticket& ticket, const TokenMessage& message, const DataPiece& piece,
+                  MutableBytes payload);
+
+/// Keeps the tokens that come for two endpoints, and gives the host a ticket for them. Any number of
+/// threads.
 ///
-/// The host names no GUIDs when it comes back, so what it used is told by the tokens themselves. A
-/// writer gives all readers of a participant the same ones unless origin is authenticated: those
-/// are used once the host came back as often as they passed.
+/// The host holds one ticket for two endpoints at a time. What comes meanwhile replaces the tokens
+/// here, and the host does not hear of it. The host names no GUIDs when it comes back; the ticket
+/// does.
+///
+/// A message that was opened may still not have reached the host. When its sender authenticates
+/// anew, the host may hold the former ticket or not. It drops those of a participant with the
+/// participant. Those of builtin endpoints it uses as soon as it matches them; tokens wait for that.
+/// Of other endpoints nothing is known for six minutes.
 class TokenLedger {
  public:
   /// Of one certificate's participants, which are told by the first six octets of the prefix
-  /// (DDS-Security 9.3.3).
-  static constexpr std::size_t kMostPending = 2048;
-  /// The host's five minutes, and what a message may wait in its queue.
+  /// (DDS-Security 9.3.3). As many as 128 readers and 128 writers of two participants have.
+  static constexpr std::size_t kMostPending = 16384;
+  /// After an exchange has ended: the host's five minutes, and what a message may wait in its queue.
+  /// While it lives the host may hold messages back for any time, until one that is missing comes.
   static constexpr std::chrono::seconds kMemory{360};
 
-  /// May the message pass? `exchange` tells one authentication of its sender from the next: within
-  /// one, the host takes each number once, so what is repeated is a retransmission.
-  /// Errors: crypto_tokens_repeated, crypto_tokens_crowded.
-  Status note(const TokenMessage& message, std::uint64_t exchange, std::chrono::nanoseconds now);
+  TokenLedger() = default;
+  TokenLedger(const TokenLedger&) = delete;
+  TokenLedger& operator=(const TokenLedger&) = delete;
+  ~TokenLedger();
 
-  /// The host came with these tokens, and holds them no longer.
-  void note_used(std::span<const spi::Token> tokens);
+  /// How long the host may need, once endpoints are matched, to come with a ticket for them.
+  static constexpr std::chrono::milliseconds kComing{50};
+
+  /// `exchange` tells one authentication of the message's sender from the next, and later ones have
+  /// greater numbers. Within one, the host takes the numbers of messages in order and each once.
+  /// `are_builtin_matched`: the host has matched all builtin endpoints of sender and receiver.
+  /// Error: crypto_tokens_crowded.
+  Result<Passage> note(TokenMessage message, std::uint64_t exchange, bool are_builtin_matched,
+                       std::chrono::nanoseconds now);
+
+  /// The sender of that exchange is gone, or will authenticate anew.
+  void end(std::uint64_t exchange, std::chrono::nanoseconds now);
+
+  struct Held {
+    Guid remote;  ///< whose tokens
+    std::vector<spi::Token> tokens;
+  };
+  /// For tokens that the host came back with, and holds no longer: the newest for the two endpoints
+  /// of their ticket. Nothing if there is no ticket in them that is still good. The caller wipes
+  /// them.
+  std::optional<Held> redeem(std::span<const spi::Token> tokens);
 
   /// For tests: all that is remembered.
   std::size_t size() const;
@@ -67,20 +120,21 @@ class TokenLedger {
     Guid local;
     auto operator<=>(const Key&) const = default;
   };
-  struct Entry {
+  /// A message's place among all that came for two endpoints.
+  struct Age {
     std::uint64_t exchange;
     std::uint64_t number;
-    std::chrono::nanoseconds since;
-    bool is_pending;
-    Sha256Digest tokens;
-    std::list<Key>::iterator place;
+    auto operator<=>(const Age&) const = default;
+  };
+  struct Entry {
+    Age passed;  ///< the message that brought the host its ticket
+    Age newest;  ///< the message that the tokens are of
+    std::optional<std::chrono::nanoseconds> matched_since = {};
+    bool is_pending = true;
+    Ticket ticket;
+    std::vector<spi::Token> tokens;
   };
   using Entries = std::map<Key, Entry>;
-  /// Entries with the same tokens, and how often the host came with them.
-  struct Group {
-    std::vector<Key> keys;
-    std::size_t used = 0;
-  };
   struct Counts {
     std::size_t pending = 0;
     std::size_t all = 0;
@@ -88,16 +142,24 @@ class TokenLedger {
   using Subject = std::array<std::uint8_t, 6>;
 
   static Subject subject_of(const Key& key);
+  static Passage of_held(Entry& entry, TokenMessage& message, const Age& age);
+  static bool is_given_up(const Key& key, Entry& entry, bool are_builtin_matched,
+                          std::chrono::nanoseconds now);
+  Status check_room(const Key& key);
+  Ticket fresh_ticket();
   void forget_old(std::chrono::nanoseconds now);
   void forget_used(const Subject& subject);
   void erase(Entries::iterator entry);
-  void leave_group(const Key& key, const Entry& entry);
 
   mutable std::mutex mutex_;
   Entries entries_;
-  std::list<Key> order_;  // oldest first
-  std::map<Sha256Digest, Group> groups_;
+  std::map<std::uint64_t, std::chrono::nanoseconds> ended_;  // exchanges
+  std::map<Ticket, Key> tickets_;
   std::map<Subject, Counts> counts_;
+  std::uint64_t next_ticket_ = 1;
 };
+
+/// Before tokens that were held are given up.
+void wipe_tokens(std::span<spi::Token> tokens);
 
 }  // namespace ddssec::cryptography

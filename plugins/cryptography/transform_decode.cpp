@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 
+#include "base/rollback.hpp"
 #include "plugins/cryptography/builtin_checks.hpp"
 #include "plugins/cryptography/engine.hpp"
 #include "plugins/cryptography/key_revision.hpp"
@@ -113,19 +114,59 @@ Status check_submessage(const RemoteEndpoint& sender, BytesView plain) {
   return {};
 }
 
-/// Tokens that the host must not hold besides those it holds come to it as a message of a class
-/// that it does not know: one that is missing would hold up all that follow.
-Status check_repetition(const Shared& shared, const Pair& pair, MutableBytes submessage) {
+/// Whether the host has matched all builtin endpoints that the local participant has keys for with
+/// the sender's. Not known while somebody changes them: the message comes again.
+bool are_builtin_matched(const Shared& shared, const RemoteEndpoint& sender) {
+  const std::unique_lock lock(shared.mutex, std::try_to_lock);
+  if (!lock.owns_lock()) return false;
+  const auto& participant = sender.local.participant;
+  const auto is_matched = [&](std::int64_t handle, EntityKind local, EntityKind remote) {
+    const auto endpoint = shared.registry.find<LocalEndpoint>(handle, local);
+    if (!endpoint || !(*endpoint)->is_builtin || (*endpoint)->is_volatile) return true;
+    return std::ranges::any_of((*endpoint)->matched, [&](std::int64_t matched) {
+      const auto found = shared.registry.find<RemoteEndpoint>(matched, remote);
+      return found && &(*found)->participant == &sender.participant;
+    });
+  };
+  return std::ranges::all_of(participant.endpoints, [&](std::int64_t handle) {
+    return is_matched(handle, EntityKind::local_writer, EntityKind::remote_reader) &&
+           is_matched(handle, EntityKind::local_reader, EntityKind::remote_writer);
+  });
+}
+
+/// Cyclone DDS never comes with a reader's tokens if no submessages of the writer are protected, and
+/// would hold them for nothing.
+bool are_for_nobody(const Shared& shared, const RemoteEndpoint& sender,
+                    const TokenMessage& message) {
+  if (!message.is_of_reader || is_builtin(message.remote.entity)) return false;
+  const std::unique_lock lock(shared.mutex, std::try_to_lock);
+  if (!lock.owns_lock()) return false;
+  const auto is_protected_writer = [&](std::int64_t handle) {
+    const auto writer = shared.registry.find<LocalEndpoint>(handle, EntityKind::local_writer);
+    return writer && !(*writer)->is_builtin && is_protected((*writer)->submessage);
+  };
+  return std::ranges::none_of(sender.local.participant.endpoints, is_protected_writer);
+}
+
+/// Key tokens stay in the ledger, and the host gets tickets. What it must not see now comes to it as
+/// a message of a class that it does not know: one that is missing would hold up all that follow.
+Status keep_tokens(const Shared& shared, const RemoteEndpoint& sender, const Pair& pair,
+                   MutableBytes submessage) {
   if (!writer_of_data(submessage)) return {};
   const auto piece = DDSSEC_TRY(read_data_piece(submessage));
-  const auto message = DDSSEC_TRY(read_token_message(piece));
+  auto message = DDSSEC_TRY(read_token_message(piece));
   if (!message) return {};
+  const Rollback wipe_copy([&] { wipe_tokens(message->tokens); });
   const auto now = shared.environment.clock.monotonic();
-  auto status = shared.ledger.note(*message, pair.number, now);
-  if (status || status.error().code() != Code::crypto_tokens_repeated) return status;
-  const auto payload_at = static_cast<std::size_t>(piece.payload.data() - submessage.data());
-  submessage[payload_at + message->class_at] = '-';
-  shared.report(status.error(), pair.peer_prefix);
+  const auto passage = are_for_nobody(shared, sender, *message)
+                           ? Passage{Passage::Kind::hidden}
+                           : DDSSEC_TRY(shared.ledger.note(
+                                 *message, pair.number, are_builtin_matched(shared, sender), now));
+  if (passage.kind == Passage::Kind::later) return fail(Code::crypto_not_matched);
+  const auto payload = submessage.subspan(
+      static_cast<std::size_t>(piece.payload.data() - submessage.data()), piece.payload.size());
+  write_ticket(passage.ticket, *message, piece, payload);
+  if (passage.kind == Passage::Kind::hidden) payload[message->class_at] = '-';
   return {};
 }
 
@@ -139,13 +180,15 @@ Status check_source_named(const Shared& shared, const RemoteEndpoint& sender, Mu
     DDSSEC_TRY(check_speaker(sender, plain));
     if (pair->peer_prefix) status = check_builtin_source(plain, *pair->peer_prefix);
   }
-  if (status && sender.local.is_volatile) status = check_repetition(shared, *pair, plain);
+  const auto owner = status && sender.local.is_volatile ? owner_in_tokens(token_payload(plain))
+                                                        : std::nullopt;
+  if (status && sender.local.is_volatile) status = keep_tokens(shared, sender, *pair, plain);
   if (!status) {
-    shared.report(status.error(), pair->peer_prefix);
+    if (status.error().code() != Code::crypto_not_matched)
+      shared.report(status.error(), pair->peer_prefix);
     return status;
   }
-  if (sender.local.is_volatile)
-    if (const auto owner = owner_in_tokens(token_payload(plain))) pair->owners.note(*owner);
+  if (owner) pair->owners.note(*owner);
   return {};
 }
 

@@ -75,6 +75,8 @@ Bytes data_of(const EntityId& writer) { return naming(submessage_id::kData, 12, 
 Bytes token_submessage(const EntityId& owner, std::span<const spi::Token> tokens) {
   auto out = naming(submessage_id::kData, 12, kTokenWriter, 24);
   out[6] = 16, out[7] = 0;  // octetsToInlineQos
+  std::fill(out.begin() + 16, out.begin() + 24, std::uint8_t{0});
+  out[20] = 1;  // writerSN
   const auto payload = token_message(kPeer, owner, tokens);
   out.insert(out.end(), payload.begin(), payload.end());
   out[2] = static_cast<std::uint8_t>(out.size() - 4);
@@ -217,11 +219,11 @@ TEST_F(KeyOwnerTest, AReaderAcknowledgesAsItselfOnly) {
   const auto channel = attributes();
   const auto writer =
       b.factory()
-          .register_local_datawriter(b.participant, builtin_endpoint(kVolatileWriter), channel)
+          .register_local_datawriter(b.participant, builtin_endpoint(testing::kVolatileWriter), channel)
           .value();
   const auto reader =
       a.factory()
-          .register_local_datareader(a.participant, builtin_endpoint(kVolatileReader), channel)
+          .register_local_datareader(a.participant, builtin_endpoint(testing::kVolatileReader), channel)
           .value();
   const auto to =
       b.factory().register_matched_remote_datareader(writer, b.remote, shared_secret(), false);
