@@ -12,6 +12,14 @@ namespace {
 
 /// The longest part of a peer's name that a line shows.
 constexpr std::size_t kMostShown = 256;
+// Of one text of an event; who is not authenticated chooses some of them.
+constexpr std::size_t kMostOfAText = 1024;
+
+std::string cut(std::string text) {
+  if (text.size() > kMostOfAText) text.replace(kMostOfAText, text.npos, "...");
+  return text;
+}
+
 
 // Without quotation marks of its own, which could end it early.
 std::string in_quotation_marks(std::string_view name) {
@@ -43,16 +51,16 @@ std::string Event::to_json() const {
   nlohmann::ordered_json json = {{"code", static_cast<int>(error.code())},
                                  {"name", row.name},
                                  {"severity", to_string(severity)},
-                                 {"peer_subject", peer_subject},
+                                 {"peer_subject", cut(peer_subject)},
                                  {"peer_authenticated", proof == PeerProof::authenticated},
-                                 {"guid", guid},
-                                 {"document", d.document},
+                                 {"guid", cut(guid)},
+                                 {"document", cut(d.document)},
                                  {"line", d.line},
-                                 {"field", d.field},
-                                 {"expected", d.expected},
-                                 {"found", d.found},
+                                 {"field", cut(d.field)},
+                                 {"expected", cut(d.expected)},
+                                 {"found", cut(d.found)},
                                  {"hint", row.hint},
-                                 {"sentence", error.to_sentence()}};
+                                 {"sentence", cut(error.to_sentence())}};
   // Peers choose some of these octets: what is not UTF-8 is replaced, never thrown about, and what
   // a terminal would obey is escaped.
   return json.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);

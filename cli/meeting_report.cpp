@@ -146,9 +146,9 @@ std::string reason_apart(const Direction& direction, const MeetingView& view) {
     const auto* may = one.operation == "publish" ? "publish" : "subscribe to";
     return one.judge == one.about
                ? fmt::format("{} may not {} it: {}{}", view.names[one.about], may, one.reason,
-                             place(one))
+                             place_of(one))
                : fmt::format("{} does not let {} {} it: {}{}", view.names[one.judge],
-                             view.names[one.about], may, one.reason, place(one));
+                             view.names[one.about], may, one.reason, place_of(one));
   }
   for (const auto& one : direction.differences)
     return fmt::format("<{}> is {} at {} and {} at {}", one.element, one.values[0], view.names[0],

@@ -136,7 +136,8 @@ Passage TokenLedger::of_held(Entry& entry, TokenMessage& message, const Age& age
     entry.newest = age;
   }
   wipe_tokens(message.tokens);
-  return {Passage::Kind::hidden};
+  const bool is_same_exchange = age.exchange == entry.passed.exchange;
+  return {is_same_exchange ? Passage::Kind::repeated : Passage::Kind::hidden};
 }
 
 /// Whether the host cannot hold the ticket of a former exchange any more. If it had one for builtin

@@ -52,6 +52,7 @@ struct Passage {
   enum class Kind : std::uint8_t {
     ticket,  ///< it goes to the host, with the ticket in it
     hidden,  ///< it goes to the host as a class that the host does not know
+    repeated,  ///< hidden, since the host holds a ticket of the same exchange
     later,   ///< it is not accepted yet, and will be sent again
   };
   Kind kind;

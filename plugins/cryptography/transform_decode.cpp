@@ -166,7 +166,12 @@ Status keep_tokens(const Shared& shared, const RemoteEndpoint& sender, const Pai
   const auto payload = submessage.subspan(
       static_cast<std::size_t>(piece.payload.data() - submessage.data()), piece.payload.size());
   write_ticket(passage.ticket, *message, piece, payload);
-  if (passage.kind == Passage::Kind::hidden) payload[message->class_at] = '-';
+  if (passage.kind != Passage::Kind::ticket) payload[message->class_at] = '-';
+  if (passage.kind == Passage::Kind::repeated)
+    shared.report(Error(Code::crypto_tokens_repeated, {.document = "a key token message",
+                                                       .found = message->remote.to_string(),
+                                                       .note = "for " + message->local.to_string()}),
+                  pair.peer_prefix);
   return {};
 }
 

@@ -36,7 +36,8 @@ EXPECTED = {
         ("rtps_psk_protection_kind", "NONE", "SIGN", "stronger"),
         ("data_protection_kind", "NONE", "SIGN", "stronger")]),
     "p1_tags": ("wider", 1, [("join", "denied", "allowed", "wider"), ("rule", "denied", "allowed", "wider")]),
-    "p2_join": ("wider", 1, [("join", "denied", "allowed", "wider")]),
+    # A denial of topics says nothing about joining (DECISIONS.md).
+    "p2_join": ("neutral", 0, []),
     "p3_schema_mixed": ("mixed", 1, [("validity", "2026-01-01T00:00:00Z .. 2028-01-01T00:00:00Z",
                                       "2028-01-01T00:00:00Z .. 2030-01-01T00:00:00Z", "mixed")]),
     "p4_expr_same": ("neutral", 0, [("subject_name", "CN=a, O=x, C=US", "expression CN=a, O=x, C=US", "interop")]),

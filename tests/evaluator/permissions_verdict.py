@@ -1,7 +1,6 @@
 """What a change of a permissions document comes to, by trying decisions: (subject, time, domain, tag,
 action, endpoint), as "What a comparison means" in governance/README.md has it."""
 
-import os
 from typing import NamedTuple
 
 from documents import EVERY_DOMAIN, read_permissions
@@ -9,8 +8,6 @@ from endpoints import Elements
 from expressions import combinations, split
 from subjects import representatives
 
-# Until the product has the new row "join": judge by the old one. CMakeLists.txt sets it.
-OLD_JOIN = os.environ.get("DDSSEC_EVALUATOR_OLD_JOIN") == "1"
 ACTIONS = ("publish", "subscribe", "relay")
 
 
@@ -43,17 +40,8 @@ class Verdict:
         return "wider" if self.wider else "narrower" if self.narrower else "neutral"
 
 
-def joins_by_first_rule(rules, default):
-    """Table 70 as the contract had it: only the first rule for domain and tag counts."""
-    if not rules or (not rules[0].allow and (rules[0].criteria["publish"] or rules[0].criteria["subscribe"])):
-        return default
-    return rules[0].allow
-
-
 def joins(rules, default):
     """Rules for one domain and tag: deny rules about topics say nothing about joining."""
-    if OLD_JOIN:
-        return joins_by_first_rule(rules, default)
     for rule in rules:
         if rule.allow:
             return True

@@ -176,6 +176,12 @@ TEST(Event, WhatAPeerSentIsNoLineOfOursAndNoControlSequence) {
   }
 }
 
+TEST(Event, LongTextsOfStrangersAreCut) {
+  const auto line = event(std::string(100'000, 'x')).to_json();
+  EXPECT_LT(line.size(), 10'000u);
+  EXPECT_TRUE(nlohmann::json::accept(line));
+}
+
 TEST(Event, JsonHasEveryFieldAndSurvivesOctetsThatAreNotUtf8) {
   const auto json = nlohmann::json::parse(event("\xff\xfe").to_json());
   for (const char* key : {"code", "name", "severity", "peer_subject", "peer_authenticated", "guid",

@@ -94,10 +94,10 @@ TEST(TokenLedger, GivesTheTokensForTheirTicketOnce) {
 TEST(TokenLedger, ASecondMessageIsHiddenAndItsTokensCount) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
-  EXPECT_EQ(host.note(2), Kind::hidden);
-  EXPECT_EQ(host.note(4), Kind::hidden);
+  EXPECT_EQ(host.note(2), Kind::repeated);
+  EXPECT_EQ(host.note(4), Kind::repeated);
   const auto newest = host.sent;
-  EXPECT_EQ(host.note(3), Kind::hidden);
+  EXPECT_EQ(host.note(3), Kind::repeated);
   EXPECT_EQ(host.use(host.ticket)->tokens, newest);
   EXPECT_EQ(host.note(4), Kind::hidden) << "the host passed it over";
   EXPECT_EQ(host.note(5), Kind::ticket);
@@ -110,7 +110,7 @@ TEST(TokenLedger, OnlyTheMessageThatPassedPassesAgain) {
   const auto tokens = host.sent;
   EXPECT_EQ(host.note(5), Kind::ticket);
   EXPECT_EQ(host.ticket, first);
-  EXPECT_EQ(host.note(4), Kind::hidden) << "the host would take it, and then 5";
+  EXPECT_EQ(host.note(4), Kind::repeated) << "the host would take it, and then 5";
   EXPECT_EQ(host.use(first)->tokens, tokens) << "whatever the repetition says";
   EXPECT_EQ(host.note(5), Kind::hidden);
   EXPECT_EQ(host.note(4), Kind::hidden) << "the host never saw it, and takes none before 5";
@@ -122,7 +122,8 @@ TEST(TokenLedger, AGreatNumberOpensNothing) {
   EXPECT_EQ(host.note(1), Kind::ticket);
   EXPECT_TRUE(host.use());
   EXPECT_EQ(host.note(kGreatestNumber - 1), Kind::ticket);
-  for (std::uint64_t number = 2; number < 50; ++number) EXPECT_EQ(host.note(number), Kind::hidden);
+  for (std::uint64_t number = 2; number < 50; ++number)
+    EXPECT_EQ(host.note(number), Kind::repeated);
 }
 
 TEST(TokenLedger, ForgetsTheParticipantsTicketWhenItAuthenticatesAnew) {
@@ -174,7 +175,7 @@ TEST(TokenLedger, ForgetsNothingWhileTheExchangeLives) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
   host.now += 10 * TokenLedger::kMemory;
-  EXPECT_EQ(host.note(2), Kind::hidden);
+  EXPECT_EQ(host.note(2), Kind::repeated);
 }
 
 TEST(TokenLedger, SixMinutesAfterItsEndTheHostHoldsNothing) {
@@ -211,7 +212,7 @@ TEST(TokenLedger, WhatIsNoTicketIsNobodys) {
   EXPECT_EQ(host.note(1), Kind::ticket);
   EXPECT_FALSE(host.ledger.redeem(fresh_tokens()));
   EXPECT_FALSE(host.ledger.redeem({}));
-  EXPECT_EQ(host.note(2), Kind::hidden);
+  EXPECT_EQ(host.note(2), Kind::repeated);
 }
 
 TEST(TokenLedger, TokensWithoutRoomForATicketAreHidden) {
@@ -378,6 +379,7 @@ TEST(TrustingHost, GetsWhatItMustNotSeeUnderAClassThatItDoesNotKnow) {
   EXPECT_TRUE(engine.passes(1, tokens));
   const auto hidden = engine.decoded(2, tokens);
   EXPECT_EQ(hidden[24 + 104], '-');
+  EXPECT_EQ(engine.two.b.events.codes, std::vector{Code::crypto_tokens_repeated});
   EXPECT_FALSE(std::ranges::search(hidden, tokens[0].binary_properties[0].value).size());
 }
 
