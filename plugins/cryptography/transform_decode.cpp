@@ -162,7 +162,8 @@ Status keep_tokens(const Shared& shared, const RemoteEndpoint& sender, const Pai
                            ? Passage{Passage::Kind::hidden}
                            : DDSSEC_TRY(shared.ledger.note(
                                  *message, pair.number, are_builtin_matched(shared, sender), now));
-  if (passage.kind == Passage::Kind::later) return fail(Code::crypto_not_matched);
+  // The host logs it. It is no event: whoever lost its peers does it.
+  if (passage.kind == Passage::Kind::later) return fail(Code::crypto_tokens_repeated);
   const auto payload = submessage.subspan(
       static_cast<std::size_t>(piece.payload.data() - submessage.data()), piece.payload.size());
   write_ticket(passage.ticket, *message, piece, payload);
@@ -189,7 +190,7 @@ Status check_source_named(const Shared& shared, const RemoteEndpoint& sender, Mu
                                                         : std::nullopt;
   if (status && sender.local.is_volatile) status = keep_tokens(shared, sender, *pair, plain);
   if (!status) {
-    if (status.error().code() != Code::crypto_not_matched)
+    if (status.error().code() != Code::crypto_tokens_repeated)
       shared.report(status.error(), pair->peer_prefix);
     return status;
   }
