@@ -12,7 +12,7 @@ namespace {
 
 /// The longest part of a peer's name that a line shows.
 constexpr std::size_t kMostShown = 256;
-// Of one text of an event; who is not authenticated chooses some of them.
+// The longest text in an event. Strangers choose some of these texts.
 constexpr std::size_t kMostOfAText = 1024;
 
 std::string cut(std::string text) {
