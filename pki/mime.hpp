@@ -18,8 +18,8 @@ struct MultipartSigned {
 /// smime_surrounding_text, smime_content_type.
 Result<MultipartSigned> split_multipart_signed(std::string_view text);
 
-/// `part` with every line break as CRLF: what was signed. A line break is LF, or CRs and LF. Error:
-/// smime_malformed for a CR elsewhere.
+/// `part` with every line break as CRLF: what was signed. A line break is LF, with any number of CRs
+/// before it. Error: smime_malformed for a CR elsewhere.
 Result<Bytes> canonical_text(std::string_view part);
 
 /// How many octets of the canonical first part are its header, blank line included. The header

@@ -30,7 +30,7 @@ struct LoadedDocument {
   Status cyclonedds_belief = {};
   Status fastdds_belief = {};
   Status our_belief = {};
-  /// What the document says, whether or not anybody believes it; null if it cannot be read.
+  /// What the document says, even if its signature is wrong; null if it cannot be read.
   std::shared_ptr<const Model> model = {};
   /// Why ours does not read it.
   Status parsed = {};

@@ -277,7 +277,7 @@ void judge_handshake(const MeetingScene& scene) {
 }
 
 // Since 2.10 Fast DDS waits for a peer's data of DCPSParticipantsSecure, which Cyclone DDS 0.10
-// never writes; no plugin can change that. What 11 does with such a Fast DDS nobody has tried.
+// never writes; no plugin can change that. Cyclone DDS 11 was not tried with it.
 constexpr Version kFastDdsThatWaits{2, 10, 0};
 constexpr Version kCycloneDdsNotTried{11, 0, 0};
 

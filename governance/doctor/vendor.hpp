@@ -55,7 +55,7 @@ std::string_view family(Vendor vendor);
 /// contract.
 std::string label(Vendor vendor, const Lineup& lineup = {});
 
-/// A product as somebody names it.
+/// A product by its name and, if given, its version.
 struct NamedProduct {
   Vendor vendor;
   std::optional<Version> version = std::nullopt;

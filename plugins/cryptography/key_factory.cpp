@@ -329,8 +329,9 @@ void KeyFactory::drop_remote(RemoteParticipant& participant) {
     for (const auto kind : {EntityKind::remote_writer, EntityKind::remote_reader})
       if (const auto endpoint = shared_.registry.find<RemoteEndpoint>(handle, kind))
         drop_remote(**endpoint);
-  for (const auto& [local, pair] : participant.pairs)
-    shared_.ledger.end(pair->number, shared_.environment.clock.monotonic());
+  if (!shared_.host_checks_sources)
+    for (const auto& [local, pair] : participant.pairs)
+      shared_.ledger.end(pair->number, shared_.environment.clock.monotonic());
   for (const auto& [local, pair] : participant.pairs)
     if (const auto found = shared_.local_participant(spi::ParticipantCryptoHandle{local}))
       (*found)->matched.erase(participant.handle());

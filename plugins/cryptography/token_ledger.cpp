@@ -115,7 +115,7 @@ TokenLedger::Subject TokenLedger::subject_of(const Key& key) {
   return subject;
 }
 
-/// Begins with no transformation kind, so that nobody takes it for key material.
+/// Its first octet is that of no transformation kind: a ticket is never read as key material.
 Ticket TokenLedger::fresh_ticket() {
   Ticket ticket{{0xff, 't', 'i', 'c', 'k', 'e', 't', 0}};
   for (std::size_t i = 0; i < 8; ++i)
@@ -213,7 +213,10 @@ std::optional<TokenLedger::Held> TokenLedger::redeem(std::span<const spi::Token>
 
 void TokenLedger::end(std::uint64_t exchange, std::chrono::nanoseconds now) {
   const std::lock_guard lock(mutex_);
-  ended_.emplace(exchange, now);
+  forget_old(now);
+  const bool is_known = std::ranges::any_of(
+      entries_, [&](const auto& entry) { return entry.second.passed.exchange == exchange; });
+  if (is_known) ended_.emplace(exchange, now);
 }
 
 void TokenLedger::forget_old(std::chrono::nanoseconds now) {

@@ -1,6 +1,6 @@
 // Key tokens, from their message until the host comes with them. Cyclone DDS holds tokens back until
-// their endpoints are matched, as many as come, for five minutes each, and corrupts its memory when
-// tokens come again for two endpoints meanwhile. So it gets tickets, and the tokens stay here.
+// their endpoints are matched, as many as come, for five minutes each. If tokens for the same two
+// endpoints come again in that time, it corrupts its memory. So it gets tickets instead of tokens.
 #pragma once
 
 #include <array>
@@ -50,10 +50,10 @@ struct Ticket {
 /// What becomes of a message.
 struct Passage {
   enum class Kind : std::uint8_t {
-    ticket,  ///< it goes to the host, with the ticket in it
-    hidden,  ///< it goes to the host as a class that the host does not know
+    ticket,    ///< it goes to the host, with the ticket in it
+    hidden,    ///< it goes to the host as a class that the host does not know
     repeated,  ///< hidden, since the host holds a ticket of the same exchange
-    later,   ///< it is not accepted yet, and will be sent again
+    later,     ///< it is not accepted yet, and will be sent again
   };
   Kind kind;
   Ticket ticket = {};
@@ -68,9 +68,9 @@ void write_ticket(const Ticket& ticket, const TokenMessage& message, const DataP
 /// Keeps the tokens that come for two endpoints, and gives the host a ticket for them. Any number of
 /// threads.
 ///
-/// The host holds one ticket for two endpoints at a time. What comes meanwhile replaces the tokens
-/// here, and the host does not hear of it. The host names no GUIDs when it comes back; the ticket
-/// does.
+/// The host holds one ticket for two endpoints at a time. Tokens that come while it does replace the
+/// ones kept here, and the host does not see them. It names no GUIDs when it comes back: the ticket
+/// tells which two endpoints it means.
 ///
 /// A message that was opened may still not have reached the host. When its sender authenticates
 /// anew, the host may hold the former ticket or not. It drops those of a participant with the

@@ -115,7 +115,7 @@ Status check_submessage(const RemoteEndpoint& sender, BytesView plain) {
 }
 
 /// Whether the host has matched all builtin endpoints that the local participant has keys for with
-/// the sender's. Not known while somebody changes them: the message comes again.
+/// the sender's. False while another thread changes them: the message comes again.
 bool are_builtin_matched(const Shared& shared, const RemoteEndpoint& sender) {
   const std::unique_lock lock(shared.mutex, std::try_to_lock);
   if (!lock.owns_lock()) return false;
@@ -162,7 +162,7 @@ Status keep_tokens(const Shared& shared, const RemoteEndpoint& sender, const Pai
                            ? Passage{Passage::Kind::hidden}
                            : DDSSEC_TRY(shared.ledger.note(
                                  *message, pair.number, are_builtin_matched(shared, sender), now));
-  // The host logs it. It is no event: whoever lost its peers does it.
+  // The host logs it. It is no event: honest peers that met again after a loss send such messages.
   if (passage.kind == Passage::Kind::later) return fail(Code::crypto_tokens_repeated);
   const auto payload = submessage.subspan(
       static_cast<std::size_t>(piece.payload.data() - submessage.data()), piece.payload.size());

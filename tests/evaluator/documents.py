@@ -5,7 +5,7 @@ import functools
 import xml.etree.ElementTree as ET
 from typing import NamedTuple
 
-from expressions import expression, literal
+from expressions import expression, literal, split
 from subjects import read_subject
 
 BLANKS = " \t\r\n"
@@ -155,3 +155,13 @@ def read_grant(element):
 @functools.lru_cache(maxsize=4)
 def read_permissions(xml):
     return tuple(map(read_grant, ET.fromstring(xml).iterfind("permissions/grant")))
+
+
+def domains_and_tags(rules):
+    """Where rules can differ: sets of domain ids, the expressions of tags, and those of each rule as bits."""
+    pieces = [EVERY_DOMAIN]
+    for rule in rules:
+        pieces = split(pieces, rule.domains.ids)
+    tags = tuple({tag: None for rule in rules for tag in rule.domains.tags})
+    masks = [sum({1 << tags.index(tag) for tag in rule.domains.tags}) for rule in rules]
+    return pieces, tags, masks

@@ -1,8 +1,8 @@
 """What a change of a governance document comes to: the lines of governance/README.md, its verdict,
 and what attackers can do afterwards that they could not do before."""
 
-from documents import (DOMAIN_KINDS, EVERY_DOMAIN, FLAGS, TOPIC_FLAGS, TOPIC_KINDS, read_governance)
-from expressions import combinations, split
+from documents import (DOMAIN_KINDS, FLAGS, TOPIC_FLAGS, TOPIC_KINDS, domains_and_tags, read_governance)
+from expressions import combinations
 from protection import properties_of, shares
 
 LEVELS = {"NONE": 0, "SIGN": 1, "ENCRYPT": 2}
@@ -65,11 +65,7 @@ class Lines:
 def domain_pairs(old, new):
     """[(ids, tag, old rule, new rule)]: every pair of rules that decide somewhere; None: no rule."""
     rules = old + new
-    pieces = [EVERY_DOMAIN]
-    for rule in rules:
-        pieces = split(pieces, rule.domains.ids)
-    tags = tuple({tag: None for rule in rules for tag in rule.domains.tags})
-    masks = [sum({1 << tags.index(tag) for tag in rule.domains.tags}) for rule in rules]
+    pieces, tags, masks = domains_and_tags(rules)
     found = {}
     for ids in pieces:
         fitting = [i for i, rule in enumerate(rules) if rule.domains.ids & ids]

@@ -3,9 +3,9 @@ action, endpoint), as "What a comparison means" in governance/README.md has it."
 
 from typing import NamedTuple
 
-from documents import EVERY_DOMAIN, read_permissions
+from documents import domains_and_tags, read_permissions
 from endpoints import Elements
-from expressions import combinations, split
+from expressions import combinations
 from subjects import representatives
 
 ACTIONS = ("publish", "subscribe", "relay")
@@ -53,11 +53,7 @@ def joins(rules, default):
 def places(old, new):
     """[(domain, tag, old rules, new rules)]: every pair of rows of rules that apply somewhere."""
     rules = old.rules + new.rules
-    pieces = [EVERY_DOMAIN]
-    for rule in rules:
-        pieces = split(pieces, rule.domains.ids)
-    tags = tuple({tag: None for rule in rules for tag in rule.domains.tags})
-    masks = [sum({1 << tags.index(tag) for tag in rule.domains.tags}) for rule in rules]
+    pieces, tags, masks = domains_and_tags(rules)
     found = {}
     for ids in pieces:
         for matched, tag in combinations(tags):

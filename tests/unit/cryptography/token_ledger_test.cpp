@@ -178,6 +178,17 @@ TEST(TokenLedger, ForgetsNothingWhileTheExchangeLives) {
   EXPECT_EQ(host.note(2), Kind::repeated);
 }
 
+TEST(TokenLedger, AnExchangeWithoutTokensLeavesNothing) {
+  Host host;
+  for (std::uint64_t exchange = 2; exchange < 1000; ++exchange)
+    host.ledger.end(exchange, host.now);
+  EXPECT_EQ(host.note(1), Kind::ticket);
+  host.ledger.end(1, host.now);
+  host.now += TokenLedger::kMemory;
+  host.ledger.end(2, host.now);
+  EXPECT_EQ(host.ledger.size(), 0u);
+}
+
 TEST(TokenLedger, SixMinutesAfterItsEndTheHostHoldsNothing) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
