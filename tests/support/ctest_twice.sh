@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# Runs ctest. If a few tests fail, these are run once more, alone, and each that passes only then is
+# named at the end: a machine that was busy is forgiven, a test that fails twice in a row is not.
+# The last line is a summary as ctest prints it.
+# Usage: ctest_twice.sh BUILD_FOLDER [OPTION_OF_CTEST ...]
+set -euo pipefail
+few=5  # more failures than these have a reason of their own
+
+build=$1
+shift
+failures="$build/Testing/Temporary/LastTestsFailed.log"
+log="$build/Testing/Temporary/FirstRun.log"
+names() { paste -sd ' ' | sed 's/ /, /g'; }
+failed() { if [ -f "$failures" ]; then sed 's/^[0-9]*://' "$failures" | sort -u; fi; }
+
+mkdir -p "$build/Testing/Temporary"
+rm -f "$failures"
+status=0
+ctest --test-dir "$build" --output-on-failure --no-tests=error --output-log "$log" "$@" || status=$?
+first=$(failed)
+[ "$status" != 0 ] || exit 0
+count=$(printf '%s' "$first" | grep -c . || true)
+if [ "$count" = 0 ] || [ "$count" -gt "$few" ]; then
+  exit "$status"
+fi
+
+printf '\n== %s failed: once more, alone\n' "$count"
+status=0
+ctest --test-dir "$build" --output-on-failure --rerun-failed --parallel 1 || status=$?
+second=""
+[ "$status" = 0 ] || second=$(failed)
+if [ "$status" != 0 ] && [ -z "$second" ]; then
+  exit "$status"  # ctest itself failed
+fi
+total=$(sed -n 's/.* tests failed out of \([0-9]*\).*/\1/p' "$log" | tail -1)
+forgiven=$(comm -23 <(printf '%s\n' "$first") <(printf '%s\n' "$second") | names)
+printf '\n'
+if [ -n "$forgiven" ]; then
+  printf 'PASSED ONLY WHEN RUN AGAIN: %s\n' "$forgiven"
+fi
+if [ -n "$second" ]; then
+  printf 'FAILED TWICE: %s\n' "$(printf '%s\n' "$second" | names)"
+fi
+left=$(printf '%s' "$second" | grep -c . || true)
+printf '%s%% tests passed, %s tests failed out of %s%s\n' "$(( (total - left) * 100 / total ))" "$left" "$total" \
+  "${forgiven:+; only when run again passed: $forgiven}"
+exit "$status"
