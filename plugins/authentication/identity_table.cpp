@@ -1,6 +1,7 @@
 #include "plugins/authentication/identity_table.hpp"
 
 #include <algorithm>
+#include <atomic>
 
 #include "base/rollback.hpp"
 
@@ -25,6 +26,11 @@ Result<const typename Map::mapped_type*> find_live(const Map& map, spi::Identity
 }
 
 }  // namespace
+
+std::int64_t IdentityTable::next_handle() {
+  static std::atomic<std::int64_t> last = 0;
+  return ++last;
+}
 
 Result<const IdentityTable::Local*> IdentityTable::live_local(spi::IdentityHandle handle) const {
   return find_live(locals_, handle);

@@ -151,7 +151,8 @@ class IdentityTable {
   };
   using Remotes = std::unordered_map<std::int64_t, Remote>;
 
-  std::int64_t next_handle() { return ++last_handle_; }
+  /// Unique in the process: a host may have a table for each domain.
+  static std::int64_t next_handle();
   Status renew_claim(spi::IdentityHandle remote, RemoteClaim claim);
   void forget(Remotes::iterator remote);
   void set_end(std::int64_t handle, Common& identity, WallTime end, std::string whose);
@@ -164,7 +165,6 @@ class IdentityTable {
   const std::size_t most_local_;
   const std::size_t most_remote_;
   mutable std::shared_mutex mutex_;
-  std::int64_t last_handle_ = 0;
   std::unordered_map<std::int64_t, Local> locals_;
   Remotes remotes_;
   std::unordered_map<std::int64_t, std::shared_ptr<Pair>> handshakes_;

@@ -2,11 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <atomic>
-#include <map>
-#include <mutex>
-#include <shared_mutex>
 #include <string_view>
 
 #include "base/rollback.hpp"
@@ -59,6 +55,9 @@ CPermissions validate_local_permissions(Instance* instance, const dds_security_a
         DDSSEC_TRY(adapter.engine().validate_local_permissions({identity}, domain_id, properties));
     Rollback give_back([&] { (void)adapter.engine().return_permissions_handle(handle); });
     if (allow_shared_memory) adapter.shared_memory().allow(handle);
+    if (DDSSEC_TRY(adapter.engine().participant_sec_attributes(handle))
+            .allow_unauthenticated_participants)
+      adapter.guests().note(handle, {identity});
     give_back.release();
     return handle;
   });
@@ -373,6 +372,7 @@ DDS_Security_boolean return_permissions_handle(Instance* instance, CPermissions 
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     if (handle == DDS_SECURITY_HANDLE_NIL) return {};
     adapter.shared_memory().forget(permissions(handle));
+    adapter.guests().forget(permissions(handle));
     return adapter.engine().return_permissions_handle(permissions(handle));
   });
 }
@@ -414,55 +414,12 @@ constexpr dds_security_access_control kTable = {
     .return_permissions_handle = return_permissions_handle,
 };
 
-/// The adapters of the process, one for each domain.
-struct Adapters {
-  std::shared_mutex mutex;
-  std::map<std::uint64_t, Adapter*> by_id;
-};
-
-/// Never destroyed: a thread of the host may ask at the process's end.
-Adapters& adapters() {
-  static auto* const all = new Adapters;
-  return *all;
-}
-
 std::uint64_t next_id() {
   static std::atomic<std::uint64_t> last = 0;
   return ++last;
 }
 
-MatchVerdict judge_in(Adapter& adapter, const EndpointScope& scope, const MatchQuestion& question) {
-  Exception why{};
-  const bool allowed = allowed_at_c_boundary(adapter.host(), &why, [&] {
-    spi::AccessControl::Match match{.remote_writes = question.remote_writes != 0,
-                                    .local = scope.request(),
-                                    .remote = std::nullopt};
-    if (question.peer_prefix != nullptr)
-      match.remote = GuidPrefix::from({question.peer_prefix, GuidPrefix::size});
-    return adapter.engine().check_remote_match({question.remote_permissions}, match);
-  });
-  std::free(why.message);
-  if (why.code == static_cast<DDS_Security_long>(Code::out_of_memory))
-    return MatchVerdict::out_of_memory;
-  return allowed ? MatchVerdict::allowed : MatchVerdict::refused;
-}
-
 }  // namespace
-
-MatchVerdict AccessControlAdapter::judge(const MatchQuestion* question) noexcept {
-  try {
-    if (question == nullptr || question->scope == nullptr)
-      return MatchVerdict::unknown_access_control;
-    const auto scope = EndpointScope::from(*question->scope);
-    if (!scope) return MatchVerdict::unknown_access_control;
-    const std::shared_lock lock(adapters().mutex);
-    const auto found = adapters().by_id.find(scope->access_control());
-    if (found == adapters().by_id.end()) return MatchVerdict::unknown_access_control;
-    return judge_in(*found->second, *scope, *question);
-  } catch (...) {
-    return MatchVerdict::out_of_memory;  // not allowed, and cryptography says so
-  }
-}
 
 AccessControlAdapter::AccessControlAdapter(std::unique_ptr<Host> host,
                                            const MakeEngine<spi::AccessControl>& make,
@@ -475,14 +432,10 @@ AccessControlAdapter::AccessControlAdapter(std::unique_ptr<Host> host,
       shared_memory_(std::move(find_bypass)),
       timer_(host_->clock()) {
   gv = domain;
-  const std::unique_lock lock(adapters().mutex);
-  adapters().by_id.emplace(id_, this);
+  enlist();
 }
 
-AccessControlAdapter::~AccessControlAdapter() {
-  const std::unique_lock lock(adapters().mutex);
-  adapters().by_id.erase(id_);
-}
+AccessControlAdapter::~AccessControlAdapter() { delist(); }
 
 void AccessControlAdapter::listen(const dds_security_access_control_listener* listener) {
   if (listener == nullptr || listener->on_revoke_permissions == nullptr) return timer_.stop();

@@ -3,6 +3,7 @@
 
 #include "plugins/cyclonedds/context.hpp"
 #include "plugins/cyclonedds/expiry_timer.hpp"
+#include "plugins/cyclonedds/guest_hosts.hpp"
 #include "plugins/cyclonedds/shared_memory.hpp"
 #include "plugins/spi/access_control.hpp"
 
@@ -22,12 +23,17 @@ class AccessControlAdapter final : public dds_security_access_control {
   /// gone, which Cyclone ends after cryptography, is unknown.
   static MatchVerdict judge(const MatchQuestion* question) noexcept;
 
+  /// What authentication asks: does the governance of that local participant, in whatever domain,
+  /// allow unauthenticated participants?
+  static bool admits_unauthenticated(spi::IdentityHandle local) noexcept;
+
   static AccessControlAdapter& of(dds_security_access_control& instance) {
     return static_cast<AccessControlAdapter&>(instance);
   }
   Host& host() { return *host_; }
   spi::AccessControl& engine() { return *engine_; }
   SharedMemoryGuard& shared_memory() { return shared_memory_; }
+  GuestHosts& guests() { return guests_; }
   /// Unique within the process.
   std::uint64_t id() const { return id_; }
 
@@ -35,10 +41,15 @@ class AccessControlAdapter final : public dds_security_access_control {
   void listen(const dds_security_access_control_listener* listener);
 
  private:
+  /// Among those of the process that may be asked.
+  void enlist();
+  void delist();
+
   const std::uint64_t id_;
   std::unique_ptr<Host> host_;
   std::unique_ptr<spi::AccessControl> engine_;
   SharedMemoryGuard shared_memory_;
+  GuestHosts guests_;
   ExpiryTimer timer_;  ///< last: it ends before what it uses
 };
 

@@ -19,6 +19,10 @@ DDSSEC_EXPORT cyclonedds::MatchVerdict ddssec_judge_match(
   return AccessControlAdapter::judge(question);
 }
 
+DDSSEC_EXPORT bool ddssec_admits_unauthenticated(DDS_Security_IdentityHandle local) {
+  return AccessControlAdapter::admits_unauthenticated({local});
+}
+
 DDSSEC_EXPORT int finalize_access_control(void* context) {
   return cyclonedds::finalize<AccessControlAdapter, dds_security_access_control>(context);
 }

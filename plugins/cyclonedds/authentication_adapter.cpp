@@ -118,23 +118,57 @@ DDS_Security_boolean set_permissions_credential_and_token(Instance* instance,
   });
 }
 
+/// Without our access control nobody can say.
+bool admits_unauthenticated(CIdentity local) {
+  void* const symbol = dlsym(RTLD_DEFAULT, kAdmitsUnauthenticatedSymbol);
+  return symbol != nullptr && reinterpret_cast<AdmitsUnauthenticated*>(symbol)(local);
+}
+
+/// Does the refusal hold for this GUID whatever is announced in its name?
+bool is_for_good(const Error& refusal) {
+  return refusal.code() == Code::remote_guid_is_local || refusal.code() == Code::guid_not_adjusted;
+}
+
+/// Anybody can announce something unreadable in the name of a peer, and a table that is full or a
+/// list that is over is so for a while only. A failure would end the core's handshake for as long
+/// as the peer is there. So the core asks again, until the watch makes it discover the peer anew.
+/// Where governance lets unauthenticated participants in, the core takes the peer for one.
+Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const Guid& guid, Error refusal,
+                             CIdentity& remote_handle) {
+  if (is_for_good(refusal) || admits_unauthenticated(local))
+    return std::unexpected(std::move(refusal));
+  const auto of_host = adapter.remotes().note_refused(guid);
+  adapter.watch().not_admitted(of_host, guid);
+  remote_handle = of_host.value;
+  return DDS_SECURITY_VALIDATION_PENDING_RETRY;
+}
+
 CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
                                  CToken* local_auth_request, const CToken* /*remote_auth_request*/,
                                  const CIdentity local_handle, const CToken* remote_token,
                                  const DDS_Security_GUID_t* remote_guid, Exception* ex) {
   return validate(instance, ex, [&](Adapter& adapter) -> Result<CResult> {
     // The core takes strlen of this class id later, also when we refuse or have nothing to send.
+    // Where it asks again, it hands over what we wrote before.
     DDSSEC_TRY(require(local_auth_request));
-    DDSSEC_TRY(copy_token(spi::Token{}, *local_auth_request));
+    if (local_auth_request->class_id == nullptr)
+      DDSSEC_TRY(copy_token(spi::Token{}, *local_auth_request));
     DDSSEC_TRY(require(remote_handle, remote_token, remote_guid));
     *remote_handle = DDS_SECURITY_HANDLE_NIL;
-    const auto token = DDSSEC_TRY(token_from(remote_token));
     const auto guid = guid_from(*remote_guid);
     // The peer's own auth_request is not handed over, nor looked at: anybody can forge one, and a
     // challenge from it would be held against the honest peer's messages until its lease ends. What
     // the handshake proves, its signatures prove. The core asks once: ours is always sent.
-    const auto remote = DDSSEC_TRY(adapter.engine().validate_remote_identity(
-        identity(local_handle), std::nullopt, token, guid));
+    const auto token = token_from(remote_token);
+    if (!token) {
+      adapter.host().refused(token.error(), info(token.error().code()).severity);
+      return not_admitted(adapter, local_handle, guid, token.error(), *remote_handle);
+    }
+    const auto admitted = adapter.engine().validate_remote_identity(identity(local_handle),
+                                                                    std::nullopt, *token, guid);
+    if (!admitted)
+      return not_admitted(adapter, local_handle, guid, admitted.error(), *remote_handle);
+    const auto& remote = *admitted;
     const auto of_host = adapter.remotes().note(identity(local_handle), guid, remote.handle);
     if (remote.local_auth_request) {
       CToken sent{};

@@ -12,6 +12,11 @@ void HandshakeWatch::met(IdentityHandle remote, const Guid& guid) {
   remotes_.try_emplace(remote, Remote{guid, {}}).first->second.since = clock_.monotonic();
 }
 
+void HandshakeWatch::not_admitted(IdentityHandle remote, const Guid& guid) {
+  const std::lock_guard lock(mutex_);
+  remotes_.try_emplace(remote, Remote{guid, clock_.monotonic()}).first->second.was_disturbed = true;
+}
+
 void HandshakeWatch::progressed(IdentityHandle remote, HandshakeHandle handshake) {
   const std::lock_guard lock(mutex_);
   const auto known = remotes_.find(remote);

@@ -35,6 +35,8 @@ class HandshakeWatch {
   explicit HandshakeWatch(const Clock& clock) : clock_(clock) {}
 
   void met(spi::IdentityHandle remote, const Guid& guid);
+  /// What was announced in its name was refused; the host asks again, and its wait goes on.
+  void not_admitted(spi::IdentityHandle remote, const Guid& guid);
   /// We sent a request or a reply.
   void progressed(spi::IdentityHandle remote, spi::HandshakeHandle handshake);
   /// A request, or a message of this handshake, was refused.

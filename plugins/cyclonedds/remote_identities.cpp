@@ -1,6 +1,7 @@
 #include "plugins/cyclonedds/remote_identities.hpp"
 
 #include <algorithm>
+#include <atomic>
 
 #include "base/rollback.hpp"
 
@@ -22,6 +23,19 @@ IdentityHandle RemoteIdentities::note(IdentityHandle local, const Guid& guid, Id
   forget_remote.release();
   forget_pair.release();
   return remote->second.of_host;
+}
+
+IdentityHandle RemoteIdentities::note_refused(const Guid& guid) {
+  const std::lock_guard lock(mutex_);
+  if (const auto known = remotes_.find(guid); known != remotes_.end())
+    return known->second.of_host;
+  static std::atomic<std::int64_t> last = 0;
+  const IdentityHandle own{--last};  // below 0, where no engine has handles
+  const auto named = guid_of_.try_emplace(own, guid).first;
+  Rollback forget([&] { guid_of_.erase(named); });
+  remotes_.try_emplace(guid, Remote{own});
+  forget.release();
+  return own;
 }
 
 const RemoteIdentities::Remote* RemoteIdentities::find(IdentityHandle handle) const {

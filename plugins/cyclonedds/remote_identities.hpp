@@ -22,6 +22,10 @@ class RemoteIdentities {
   /// pair, as long as the host keeps it.
   spi::IdentityHandle note(spi::IdentityHandle local, const Guid& remote, spi::IdentityHandle pair);
 
+  /// The host's handle for a remote that the engine did not admit: the one that the host has, or
+  /// one of our own, unique in the process, behind which is nothing yet.
+  spi::IdentityHandle note_refused(const Guid& remote);
+
   /// The engine's handle for the host's. One that was never noted stays what it is: whether there
   /// is such an identity is for the engine to say.
   spi::IdentityHandle pair(spi::IdentityHandle local, spi::IdentityHandle remote) const;

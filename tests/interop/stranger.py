@@ -7,6 +7,8 @@ Usage: stranger.py request                an empty request to the participant th
        stranger.py answered CERTIFICATE   a request with the public certificate of the participant that begins,
                                           to the one that answers
        stranger.py flood                  empty replies and finals to both, for 300 ms
+       stranger.py announced              the announcement of the first, with an identity token of an unknown
+                                          class, to the second as soon as that announces itself
 It says "forged N" when it is done.
 """
 
@@ -112,7 +114,7 @@ class Network:
         self.packets = socket.socket(socket.AF_PACKET, socket.SOCK_DGRAM, socket.htons(0x0800))
         self.packets.bind(("lo", 0))
         self.out = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.ports, self.sent = {}, 0
+        self.ports, self.announcements, self.sent = {}, {}, 0
 
     def hear_two(self):
         while len(self.ports) < 2:
@@ -121,7 +123,8 @@ class Network:
             if packet[9] != socket.IPPROTO_UDP or datagram[:4] != b"RTPS":
                 continue
             if port := unicast_port(datagram):
-                self.ports[datagram[8:20]] = port
+                self.ports.setdefault(datagram[8:20], port)
+                self.announcements.setdefault(datagram[8:20], datagram)
         return sorted(self.ports)  # the lower begins
 
     def send(self, to, message):
@@ -148,6 +151,10 @@ def main():
     elif mode == "answered":
         message = handshake(begins, answers, 1000, "Req", public_request(certificate, begins))
         network.repeat(0.03, 0.002, lambda: network.send(answers, message))
+    elif mode == "announced":
+        first, second = network.announcements
+        message = network.announcements[first].replace(b"PKI-DH:1.0", b"PKI-DH:9.0")
+        network.repeat(0.01, 0.002, lambda: network.send(second, message))
     else:
         def both():
             network.send(answers, handshake(begins, answers, 1, "Final"))

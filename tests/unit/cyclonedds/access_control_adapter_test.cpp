@@ -75,6 +75,23 @@ TEST_F(AccessControlAdapterTest, PermissionsOfBothSides) {
   EXPECT_EQ(refusal.reason(), Code::malformed);
 }
 
+// Our authentication asks, in another library, before it keeps a peer for later.
+TEST_F(AccessControlAdapterTest, SaysWhoseGovernanceAllowsUnauthenticatedParticipants) {
+  constexpr spi::IdentityHandle kOpen{1}, kClosed{2};
+  ON_CALL(engine, validate_local_permissions(kOpen, _, _, _)).WillByDefault(Return(Handle{8}));
+  ON_CALL(engine, validate_local_permissions(kClosed, _, _, _)).WillByDefault(Return(Handle{9}));
+  ON_CALL(engine, participant_sec_attributes).WillByDefault([](Handle handle) {
+    return spi::ParticipantSecurityAttributes{.allow_unauthenticated_participants =
+                                                  handle == Handle{8}};
+  });
+  for (const auto local : {kOpen, kClosed})
+    EXPECT_NE(c->validate_local_permissions(c, nullptr, local.value, 5, &qos, nullptr), 0);
+  EXPECT_TRUE(AccessControlAdapter::admits_unauthenticated(kOpen));
+  EXPECT_FALSE(AccessControlAdapter::admits_unauthenticated(kClosed));
+  EXPECT_EQ(c->return_permissions_handle(c, 8, nullptr), 1);
+  EXPECT_FALSE(AccessControlAdapter::admits_unauthenticated(kOpen));
+}
+
 TEST_F(AccessControlAdapterTest, ChecksPassTheQuestionAndTheAnswer) {
   EXPECT_CALL(engine, check_create_participant(Handle{8}, 5)).WillOnce(Return(Status{}));
   EXPECT_CALL(engine, check_create_datawriter(Handle{8}, 5, asks_for_topic()))

@@ -202,13 +202,38 @@ TEST_F(AuthenticationAdapterTest, ARefusedPeerLeavesAnEmptyClassIdAndNotNull) {
   const DDS_Security_GUID_t remote{};
   DDS_Security_IdentityHandle handle = -1;
   EXPECT_CALL(engine, validate_remote_identity(_, _, _, _)).WillOnce([](auto&&...) {
-    return fail(Code::malformed);
+    return fail(Code::guid_not_adjusted);
   });
   EXPECT_EQ(
       c->validate_remote_identity(c, &handle, &request, nullptr, 1, &token, &remote, &refusal),
       DDS_SECURITY_VALIDATION_FAILED);
   ASSERT_NE(request.class_id, nullptr);
   EXPECT_STREQ(request.class_id, "");
+}
+
+// Anybody can announce anything in a peer's name. The core would not begin with that peer again.
+TEST_F(AuthenticationAdapterTest, ARefusedAnnouncementIsLookedAtAgainAndThenDiscoveredAnew) {
+  const HostToken good(sample_token());
+  DDS_Security_DataHolder unreadable{};
+  unreadable.binary_properties._length = 7;
+  HostToken request;
+  const auto remote = to_c(guid_of(3));
+  const auto ask = [&](const DDS_Security_DataHolder& token, DDS_Security_IdentityHandle& handle) {
+    return c->validate_remote_identity(c, &handle, &request, nullptr, 1, &token, &remote, nullptr);
+  };
+  DDS_Security_IdentityHandle first = 0, second = 0, third = 0;
+  EXPECT_EQ(ask(unreadable, first), DDS_SECURITY_VALIDATION_PENDING_RETRY);
+  EXPECT_NE(first, DDS_SECURITY_HANDLE_NIL);
+  EXPECT_CALL(engine, validate_remote_identity(_, _, _, _))
+      .WillOnce(Return(fail(Code::too_many_remote_identities)))
+      .WillOnce(Return(spi::Authentication::RemoteIdentity{
+          {2}, spi::ValidationResult::pending_handshake_request, sample_token()}));
+  EXPECT_EQ(ask(good, second), DDS_SECURITY_VALIDATION_PENDING_RETRY);
+  EXPECT_EQ(ask(good, third), DDS_SECURITY_VALIDATION_PENDING_HANDSHAKE_REQUEST);
+  EXPECT_EQ(first, second);
+  EXPECT_EQ(first, third) << "the core keeps one handle of a remote participant";
+  EXPECT_CALL(engine, return_identity_handle(spi::IdentityHandle{2}));
+  EXPECT_EQ(c->return_identity_handle(c, third, nullptr), 1);
 }
 
 TEST_F(AuthenticationAdapterTest, HandshakeStepsAndTheirResults) {

@@ -47,6 +47,18 @@ TEST_F(HandshakeWatchTest, AfterARefusalItGivesUpSoon) {
   EXPECT_TRUE(after(1000s).empty());  // once
 }
 
+// The host asks once a second.
+TEST_F(HandshakeWatchTest, AskingAgainAboutARefusedAnnouncementDoesNotProlongTheWait) {
+  watch.not_admitted(remote, guid_of(1));
+  EXPECT_TRUE(after(1s).empty());
+  watch.not_admitted(remote, guid_of(1));
+  EXPECT_TRUE(after(1s).empty());
+  watch.not_admitted(remote, guid_of(1));
+  const auto stuck = after(600ms);
+  ASSERT_EQ(stuck.size(), 1u);
+  EXPECT_TRUE(stuck[0].was_disturbed);
+}
+
 TEST_F(HandshakeWatchTest, WithoutARefusalItIsPatient) {
   watch.met(remote, guid_of(1));
   EXPECT_TRUE(after(19s).empty());

@@ -56,6 +56,18 @@ TEST_F(RemoteIdentitiesTest, OutliveTheLocalOneThatMetThemFirst) {
   EXPECT_EQ(remotes.take({11}), Handles{{11}});
 }
 
+TEST_F(RemoteIdentitiesTest, ThatAreRefusedHaveAHandleForTheHostOnly) {
+  EXPECT_EQ(remotes.note_refused(guid_of(7)), IdentityHandle{11}) << "the host has one already";
+  const auto own = remotes.note_refused(guid_of(9));
+  EXPECT_LT(own.value, 0);
+  EXPECT_EQ(remotes.note_refused(guid_of(9)), own);
+  EXPECT_EQ(remotes.pair(kFirst, own), own) << "for the engine to refuse";
+  EXPECT_EQ(remotes.note(kFirst, guid_of(9), {15}), own);
+  EXPECT_EQ(remotes.pair(kFirst, own), IdentityHandle{15});
+  EXPECT_EQ(remotes.take(own), Handles{{15}});
+  EXPECT_NE(remotes.note_refused(guid_of(9)), own);
+}
+
 TEST_F(RemoteIdentitiesTest, ThatEndAreRevokedOnce) {
   EXPECT_EQ(remotes.to_revoke(Handles{{11}, {12}}), Handles{{11}});
   EXPECT_EQ(remotes.to_revoke(Handles{{12}}), Handles{{11}});

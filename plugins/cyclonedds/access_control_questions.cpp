@@ -1,0 +1,79 @@
+// What the other two libraries of the process ask our access control (abi.hpp).
+#include <cstdlib>
+#include <map>
+#include <mutex>
+#include <shared_mutex>
+
+#include "plugins/cyclonedds/access_control_adapter.hpp"
+#include "plugins/cyclonedds/endpoint_scope.hpp"
+
+namespace ddssec::cyclonedds {
+namespace {
+
+/// The adapters of the process, one for each domain.
+struct Adapters {
+  std::shared_mutex mutex;
+  std::map<std::uint64_t, AccessControlAdapter*> by_id;
+};
+
+/// Never destroyed: a thread of the host may ask at the process's end.
+Adapters& adapters() {
+  static auto* const all = new Adapters;
+  return *all;
+}
+
+MatchVerdict judge_in(AccessControlAdapter& adapter, const EndpointScope& scope, const MatchQuestion& question) {
+  Exception why{};
+  const bool allowed = allowed_at_c_boundary(adapter.host(), &why, [&] {
+    spi::AccessControl::Match match{.remote_writes = question.remote_writes != 0,
+                                    .local = scope.request(),
+                                    .remote = std::nullopt};
+    if (question.peer_prefix != nullptr)
+      match.remote = GuidPrefix::from({question.peer_prefix, GuidPrefix::size});
+    return adapter.engine().check_remote_match({question.remote_permissions}, match);
+  });
+  std::free(why.message);
+  if (why.code == static_cast<DDS_Security_long>(Code::out_of_memory))
+    return MatchVerdict::out_of_memory;
+  return allowed ? MatchVerdict::allowed : MatchVerdict::refused;
+}
+
+}  // namespace
+
+void AccessControlAdapter::enlist() {
+  const std::unique_lock lock(adapters().mutex);
+  adapters().by_id.emplace(id_, this);
+}
+
+void AccessControlAdapter::delist() {
+  const std::unique_lock lock(adapters().mutex);
+  adapters().by_id.erase(id_);
+}
+
+MatchVerdict AccessControlAdapter::judge(const MatchQuestion* question) noexcept {
+  try {
+    if (question == nullptr || question->scope == nullptr)
+      return MatchVerdict::unknown_access_control;
+    const auto scope = EndpointScope::from(*question->scope);
+    if (!scope) return MatchVerdict::unknown_access_control;
+    const std::shared_lock lock(adapters().mutex);
+    const auto found = adapters().by_id.find(scope->access_control());
+    if (found == adapters().by_id.end()) return MatchVerdict::unknown_access_control;
+    return judge_in(*found->second, *scope, *question);
+  } catch (...) {
+    return MatchVerdict::out_of_memory;  // not allowed, and cryptography says so
+  }
+}
+
+bool AccessControlAdapter::admits_unauthenticated(spi::IdentityHandle local) noexcept {
+  try {
+    const std::shared_lock lock(adapters().mutex);
+    for (const auto& [id, adapter] : adapters().by_id)
+      if (adapter->guests_.contains(local)) return true;
+  } catch (...) {
+    // The stricter answer.
+  }
+  return false;
+}
+
+}  // namespace ddssec::cyclonedds
