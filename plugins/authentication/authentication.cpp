@@ -40,7 +40,10 @@ class PkiDh final : public spi::Authentication {
   PkiDh(const Environment& environment, const Options& options)
       : environment_(environment),
         stores_(options.crl_policy),
-        table_(options.most_local_identities, options.most_remote_identities) {}
+        table_(options.most_local_identities,
+               {.most_claimed = options.most_remote_identities,
+                .most_authenticated = options.most_remote_identities,
+                .most_of_a_subject = options.most_identities_of_a_subject}) {}
 
   Result<LocalIdentity> validate_local_identity(DomainId domain_id,
                                                 const spi::PropertyList& properties,
@@ -330,7 +333,7 @@ Result<PkiDh::HandshakeStep> PkiDh::step(HandshakeHandle handle, const Token& me
   auto outcome = DDSSEC_TRY(process(handshake->state, what, message));
   if (outcome.next) {
     if (const auto* done = std::get_if<Established>(&*outcome.next))
-      table_.note_authenticated(pair->remote_handle, done->peer.chain());
+      DDSSEC_TRY(table_.note_authenticated(pair->remote_handle, done->peer.chain()));
     static_assert(std::is_nothrow_move_assignable_v<HandshakeState>);
     handshake->state = std::move(*outcome.next);
   }

@@ -8,10 +8,6 @@
 namespace ddssec::authentication {
 namespace {
 
-std::unexpected<Error> too_many(Code code, std::size_t most) {
-  return fail(code, {.expected = "at most " + std::to_string(most)});
-}
-
 template <class Map>
 Result<const typename Map::mapped_type*> find_live(const Map& map, spi::IdentityHandle handle) {
   const auto found = map.find(handle.value);
@@ -57,7 +53,9 @@ void IdentityTable::drop_end(std::int64_t handle, const Common& identity) {
 Result<spi::IdentityHandle> IdentityTable::add_local(std::shared_ptr<LocalIdentity> identity,
                                                      const pki::ChainValid& chain) {
   const std::unique_lock lock(mutex_);
-  if (locals_.size() >= most_local_) return too_many(Code::too_many_local_identities, most_local_);
+  if (locals_.size() >= most_local_)
+    return fail(Code::too_many_local_identities,
+                {.expected = "at most " + std::to_string(most_local_)});
   const auto handle = next_handle();
   auto& local = locals_[handle];
   Rollback forget([&] { locals_.erase(handle); });
@@ -98,8 +96,7 @@ Result<std::shared_ptr<Pair>> IdentityTable::admit_remote(spi::IdentityHandle lo
     DDSSEC_TRY(renew_claim({known->second}, std::move(claim)));
     return remotes_.at(known->second).pair;
   }
-  if (local.remotes.size() >= most_remote_)
-    return too_many(Code::too_many_remote_identities, most_remote_);
+  DDSSEC_TRY(local.counts.check_claim(claim.guid, remote_limits_));
   const auto handle = next_handle();
   std::shared_ptr<Pair> pair(
       new Pair{local_handle, {handle}, local.identity, claim.guid, own_challenge, {}});
@@ -108,6 +105,7 @@ Result<std::shared_ptr<Pair>> IdentityTable::admit_remote(spi::IdentityHandle lo
   Remote& remote = remotes_[handle];
   remote.claim = std::move(claim);
   remote.pair = pair;
+  local.counts.add_claim();
   forget.release();
   return pair;
 }
@@ -159,14 +157,21 @@ void IdentityTable::drop_handshakes(const Pair& pair) {
   handshakes_of_.erase(handles);
 }
 
-void IdentityTable::note_authenticated(spi::IdentityHandle handle, const pki::ChainValid& chain) {
+Status IdentityTable::note_authenticated(spi::IdentityHandle handle, const pki::ChainValid& chain) {
   const std::unique_lock lock(mutex_);
   const auto found = remotes_.find(handle.value);
-  if (found == remotes_.end()) return;
+  if (found == remotes_.end()) return {};
+  auto& remote = found->second;
+  auto& counts = locals_.at(remote.pair->local_handle.value).counts;
+  if (!remote.authenticated)
+    DDSSEC_TRY(counts.check_authenticated(remote.pair->remote_guid, remote_limits_));
   auto subject = chain.certificate().subject();
-  set_end(handle.value, found->second, chain.not_after(), chain.first_to_expire());
-  found->second.authenticated = chain.certificate();
-  found->second.claim.subject = std::move(subject);
+  auto certificate = chain.certificate();
+  set_end(handle.value, remote, chain.not_after(), chain.first_to_expire());
+  if (!remote.authenticated) counts.authenticate(remote.pair->remote_guid, subject);
+  remote.authenticated = std::move(certificate);
+  remote.claim.subject = std::move(subject);
+  return {};
 }
 
 void IdentityTable::forget(Remotes::iterator remote) {
@@ -179,7 +184,9 @@ bool IdentityTable::remove(spi::IdentityHandle handle) {
   const std::unique_lock lock(mutex_);
   if (const auto remote = remotes_.find(handle.value); remote != remotes_.end()) {
     const auto& pair = *remote->second.pair;
-    locals_.at(pair.local_handle.value).remotes.erase(pair.remote_guid);
+    auto& local = locals_.at(pair.local_handle.value);
+    local.remotes.erase(pair.remote_guid);
+    local.counts.remove(pair.remote_guid, remote->second.authenticated.has_value());
     forget(remote);
     return true;
   }

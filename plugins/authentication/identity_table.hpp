@@ -15,6 +15,7 @@
 
 #include "base/event.hpp"
 #include "plugins/authentication/handshake.hpp"
+#include "plugins/authentication/remote_counts.hpp"
 #include "plugins/spi/handles.hpp"
 
 namespace ddssec::authentication {
@@ -56,9 +57,8 @@ inline Event event_about(const PeerName& name, const Error& error) {
 /// participant has a remote identity, a handle, handshakes and an end of its own. Thread-safe.
 class IdentityTable {
  public:
-  /// `most_remote`: of each local identity.
-  IdentityTable(std::size_t most_local, std::size_t most_remote)
-      : most_local_(most_local), most_remote_(most_remote) {}
+  IdentityTable(std::size_t most_local, const RemoteLimits& remote_limits)
+      : most_local_(most_local), remote_limits_(remote_limits) {}
 
   /// Error: too_many_local_identities.
   Result<spi::IdentityHandle> add_local(std::shared_ptr<LocalIdentity> identity,
@@ -72,7 +72,7 @@ class IdentityTable {
     std::string subject;  ///< the certificate's once the remote has authenticated
   };
   /// The pair, made with `own_challenge` if it is new. Errors: unknown_identity, identity_ended,
-  /// too_many_remote_identities, identity_token_changed.
+  /// too_many_remote_identities, too_many_identities_of_subject, identity_token_changed.
   Result<std::shared_ptr<Pair>> admit_remote(spi::IdentityHandle local, RemoteClaim claim,
                                              const spi::Challenge& own_challenge);
   /// A pair that exists. Errors: unknown_identity, also for another's remote; identity_ended.
@@ -84,8 +84,9 @@ class IdentityTable {
   /// False if there is no such handshake.
   bool remove_handshake(spi::HandshakeHandle handle);
 
-  /// The remote proved who it is; from now on its end counts.
-  void note_authenticated(spi::IdentityHandle remote, const pki::ChainValid& chain);
+  /// The remote proved who it is; from now on its end counts. Success also for one that is gone.
+  /// Errors: too_many_remote_identities, too_many_identities_of_subject.
+  Status note_authenticated(spi::IdentityHandle remote, const pki::ChainValid& chain);
 
   /// A local one goes with its remote ones. False if there is no such identity.
   bool remove(spi::IdentityHandle handle);
@@ -142,6 +143,7 @@ class IdentityTable {
   struct Local : Common {
     std::shared_ptr<LocalIdentity> identity;
     std::map<Guid, std::int64_t> remotes = {};
+    RemoteCounts counts = {};
   };
   struct Remote : Common {
     RemoteClaim claim;
@@ -163,7 +165,7 @@ class IdentityTable {
   Result<const Remote*> live_remote(spi::IdentityHandle handle) const;
 
   const std::size_t most_local_;
-  const std::size_t most_remote_;
+  const RemoteLimits remote_limits_;
   mutable std::shared_mutex mutex_;
   std::unordered_map<std::int64_t, Local> locals_;
   Remotes remotes_;

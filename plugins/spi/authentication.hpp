@@ -8,6 +8,7 @@
 
 #include "base/clock.hpp"
 #include "base/ids.hpp"
+#include "base/result.hpp"
 #include "plugins/spi/handles.hpp"
 #include "plugins/spi/shared_secret.hpp"
 #include "plugins/spi/token.hpp"
@@ -21,6 +22,11 @@ enum class ValidationResult : std::uint8_t {
   pending_handshake_message,  ///< wait for the peer's message
   ok_final_message,           ///< done; the message goes out all the same
 };
+
+/// Whether a remote participant was refused only because there are too many others.
+inline bool refusal_passes(Code code) {
+  return code == Code::too_many_remote_identities || code == Code::too_many_identities_of_subject;
+}
 
 /// One engine may serve several local identities. What is known of a remote participant belongs to
 /// the pair of a local and a remote one: handle, handshakes, shared secret, its end; nothing that
@@ -66,6 +72,7 @@ class Authentication {
                                                       const Token& permissions_credential,
                                                       const Token& permissions_token) = 0;
 
+  /// A refusal of which refusal_passes says so ends as soon as others leave: ask again a second later.
   virtual Result<RemoteIdentity> validate_remote_identity(
       IdentityHandle local, const std::optional<Token>& remote_auth_request,
       const Token& remote_identity_token, const Guid& remote_guid) = 0;

@@ -70,12 +70,17 @@ void PeerHandshake::fail_with(Error error) {
 // ---- time
 
 void PeerHandshake::start(MonotonicTime now, Messages& out) {
-  started_ = true;
-  began_ = now;
+  if (now < refused_until_) return;
   // The peer's own auth_request is not handed over: whoever forges one could otherwise shut out the
   // honest peer, and nothing but its signatures proves anything.
   auto peer = plugin_.validate_remote_identity(sides_.own, std::nullopt, sides_.peer_identity_token,
                                                sides_.peer_guid);
+  if (!peer && spi::refusal_passes(peer.error().code()) && now + kResend < give_up_) {
+    next_ = refused_until_ = now + kResend;
+    return;
+  }
+  started_ = true;
+  began_ = now;
   if (!peer) return fail_with(peer.error());
   peer_ = peer->handle;
   if (peer->local_auth_request && sides_.send_auth_request) {
@@ -179,7 +184,7 @@ bool PeerHandshake::receive(const GenericMessage& message, const Weighed& weighe
   if (needed == Effort::none) return true;
   heard_ = true;
   if (!started_) start(now, out);
-  if (failure_) return true;
+  if (failure_ || !started_) return true;
   if (needed == Effort::memory) {
     repeat_known(message, digest, out);
     return true;

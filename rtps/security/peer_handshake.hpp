@@ -157,6 +157,7 @@ class PeerHandshake {
   const MonotonicTime give_up_;
   MonotonicTime next_;
   MonotonicTime began_{};
+  MonotonicTime refused_until_{};  ///< the plugin had no room for the peer
   spi::IdentityHandle peer_;
   std::optional<GenericMessage> auth_request_;
   bool started_ = false;

@@ -1,5 +1,6 @@
 // Secured participants find each other, authenticate, exchange keys and data, and part.
 #include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/forwarding_authentication.hpp"
 #include "tests/unit/rtps_security/key_thief.hpp"
 
 namespace ddssec::rtps {
@@ -44,6 +45,36 @@ TEST(Joining, DataFlowsUnderEveryGovernance) {
     EXPECT_TRUE(pair.b.events.seen.empty()) << pair.b.events.text();
     EXPECT_EQ(pair.b->counters().malformed, 0u);
   }
+}
+
+/// Has no room for a peer at first.
+class Crowded final : public ForwardingAuthentication {
+ public:
+  using ForwardingAuthentication::ForwardingAuthentication;
+  Result<RemoteIdentity> validate_remote_identity(spi::IdentityHandle local,
+                                                  const std::optional<spi::Token>& request,
+                                                  const spi::Token& token,
+                                                  const Guid& remote) override {
+    if (++asked <= 3) return fail(Code::too_many_remote_identities);
+    return ForwardingAuthentication::validate_remote_identity(local, request, token, remote);
+  }
+  int asked = 0;
+};
+
+TEST(Joining, APeerForWhichThereWasNoRoomIsTriedAgain) {
+  Node host(200);
+  const Environment environment{host.clock, host.random, host.events};
+  auto crowded = std::make_unique<Crowded>(authentication::make_authentication(environment));
+  auto& counted = *crowded;
+  host.authentication = std::move(crowded);
+  host.access_control = access_control::make_access_control(environment);
+  host.cryptography = cryptography::make_cryptography(environment);
+  const Rules rules;
+  Node ours(1, properties_of("CN=ours,O=Example", rules));
+  Node other(2, properties_of("CN=other,O=Example", rules), host);
+  World world{{&ours, &other}};
+  EXPECT_TRUE(world.run_until([&] { return ours.knows(other) && other.knows(ours); }));
+  EXPECT_EQ(counted.asked, 4);
 }
 
 // The key that protects keys is one of a pair: what is meant for one must not wait until it is
