@@ -1,5 +1,7 @@
 #include "pki/smime.hpp"
 
+#include <algorithm>
+
 #include <openssl/provider.h>
 
 #include "pki/mime.hpp"
@@ -10,13 +12,19 @@
 namespace ddssec::pki {
 namespace {
 
-constexpr std::size_t kMostSignatureText = 1024 * 1024;
+constexpr std::size_t kMostSignatureText = 64 * 1024;
+// OpenSSL and ddssec write some 600.
+constexpr std::size_t kMostUnsignedOctets = 4096;
 
 Result<Bytes> decode_base64(std::string_view text) {
   const auto bad = [] {
     return openssl_failure(Code::smime_signature_malformed, {.field = "base64 text"});
   };
-  if (text.size() > kMostSignatureText) return bad();
+  if (text.size() > kMostSignatureText)
+    return fail(Code::smime_signature_malformed,
+                {.field = "base64 text",
+                 .expected = "at most " + std::to_string(kMostSignatureText) + " octets",
+                 .found = std::to_string(text.size())});
   std::string joined;
   joined.reserve(text.size());
   for (char c : text)
@@ -163,6 +171,18 @@ Result<BytesView> check_octets(BytesView file) {
   return fail(Code::smime_nul);
 }
 
+// Header lines, boundaries and blanks around the parts, and carriage returns before line feeds, are
+// signed by nobody: whoever sends the document can add to them, to take memory and to look new.
+Status check_unsigned(BytesView file, BytesView content, BytesView signature) {
+  const auto lines = static_cast<std::size_t>(std::ranges::count(content, '\n'));
+  const auto base64_size = (signature.size() + 2) / 3 * 4;
+  const auto most = content.size() + base64_size + kMostUnsignedOctets + lines;
+  if (file.size() <= most) return {};
+  return fail(Code::smime_unsigned_octets,
+              {.expected = "at most " + std::to_string(kMostUnsignedOctets) + " octets",
+               .found = std::to_string(file.size() - most) + " more"});
+}
+
 }  // namespace
 
 Result<DocumentVerifier> DocumentVerifier::make(std::vector<Certificate> permissions_cas) {
@@ -175,6 +195,7 @@ Result<SignedDocument> DocumentVerifier::verify(BytesView file, WallTime now) co
   auto content = DDSSEC_TRY(canonical_text(parts.content));
   const auto header = DDSSEC_TRY(text_header_octets(as_text(content)));
   const auto signature = DDSSEC_TRY(decode_base64(parts.signature));
+  DDSSEC_TRY(check_unsigned(octets, content, signature));
   const auto signer = DDSSEC_TRY(verified_signer(permissions_cas(), signature, content));
   auto proof = DDSSEC_TRY(chain_.verify(signer, now));
   return SignedDocument(std::move(content), header, std::move(proof));

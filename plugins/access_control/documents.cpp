@@ -60,41 +60,66 @@ Result<Grant> PermissionsDocument::grant_for(const pki::SubjectName& subject,
 Result<std::shared_ptr<PermissionsDocument>> DocumentCache::permissions(const PermissionsCa& ca,
                                                                         BytesView file,
                                                                         WallTime now) {
-  const Sha256Digest key = sha256({ca.digest(), file});
-  if (auto known = find(key)) {
+  const Sha256Digest form = sha256({ca.digest(), file});
+  if (auto known = find(by_form_, form)) {
     DDSSEC_TRY(known->check_signer(now));
     return known;
   }
   const auto document = DDSSEC_TRY(ca.verifier().verify(file, now));
+  const Sha256Digest text =
+      sha256({ca.digest(), document.signer().fingerprint(), document.content()});
+  if (auto known = find(by_text_, text)) {
+    add_form(text, form);
+    return known;
+  }
   auto permissions = DDSSEC_TRY(governance::read_permissions(document.content()));
   auto judged = std::make_shared<PermissionsDocument>(std::move(permissions), document);
   judged->set_partition_match(partition_match_);
-  insert({key, file.size(), judged});
+  insert({text, file.size(), judged});
+  add_form(text, form);
   return judged;
 }
 
-std::shared_ptr<PermissionsDocument> DocumentCache::find(const Sha256Digest& key) {
+std::shared_ptr<PermissionsDocument> DocumentCache::find(Places& places, const Sha256Digest& key) {
   const std::lock_guard lock(mutex_);
-  const auto known = by_key_.find(key);
-  if (known == by_key_.end()) return nullptr;
+  const auto known = places.find(key);
+  if (known == places.end()) return nullptr;
   entries_.splice(entries_.begin(), entries_, known->second);
   return known->second->document;
+}
+
+void DocumentCache::add_form(const Sha256Digest& text, const Sha256Digest& form) {
+  const std::lock_guard lock(mutex_);
+  const auto known = by_text_.find(text);
+  if (known == by_text_.end() || by_form_.contains(form)) return;
+  auto& forms = known->second->forms;
+  forms.reserve(kMostForms + 1);
+  by_form_[form] = known->second;
+  forms.push_back(form);
+  if (forms.size() <= kMostForms) return;
+  by_form_.erase(forms.front());
+  forms.erase(forms.begin());
 }
 
 void DocumentCache::insert(Entry entry) {
   const std::lock_guard lock(mutex_);
   ++times_read_;
-  if (by_key_.contains(entry.key)) return;  // two threads read it at the same time
+  if (by_text_.contains(entry.text)) return;  // two threads read it at the same time
   entries_.push_front(std::move(entry));
   Rollback forget([&] { entries_.pop_front(); });
-  by_key_[entries_.front().key] = entries_.begin();
+  by_text_[entries_.front().text] = entries_.begin();
   forget.release();
   octets_ += entries_.front().octets;
-  while (entries_.size() > most_documents_ || (octets_ > most_octets_ && entries_.size() > 1)) {
-    octets_ -= entries_.back().octets;
-    by_key_.erase(entries_.back().key);
-    entries_.pop_back();
-  }
+  while (entries_.size() > most_documents_ || (octets_ > most_octets_ && entries_.size() > 1))
+    drop_oldest();
+}
+
+void DocumentCache::drop_oldest() {
+  const auto& oldest = entries_.back();
+  octets_ -= oldest.octets;
+  for (const auto& form : oldest.forms) by_form_.erase(form);
+  by_text_.erase(oldest.text);
+  entries_.pop_back();
 }
 
 std::size_t DocumentCache::times_read() const {

@@ -69,7 +69,9 @@ class PermissionsDocument {
 };
 
 /// Permissions documents judged before, by their octets and the CA. Bounded; the least recently
-/// used goes first. Only verified documents get in. Thread-safe.
+/// used goes first. Only verified documents get in. What is around the signed text can differ from
+/// one sender to the next: all forms of one text share its place, and few are remembered. So peers
+/// fill the cache with what the CA signed only. Thread-safe.
 class DocumentCache {
  public:
   DocumentCache(governance::PartitionMatch partition_match, std::size_t most_documents,
@@ -87,20 +89,27 @@ class DocumentCache {
   std::size_t size() const;
 
  private:
+  static constexpr std::size_t kMostForms = 4;
   struct Entry {
-    Sha256Digest key;
+    Sha256Digest text;  ///< with CA and signer
     std::size_t octets;
     std::shared_ptr<PermissionsDocument> document;
+    std::vector<Sha256Digest> forms = {};  ///< whole files, with the CA; newest last
   };
-  std::shared_ptr<PermissionsDocument> find(const Sha256Digest& key);
+  using Entries = std::list<Entry>;
+  using Places = std::map<Sha256Digest, Entries::iterator>;
+  std::shared_ptr<PermissionsDocument> find(Places& places, const Sha256Digest& key);
+  void add_form(const Sha256Digest& text, const Sha256Digest& form);
   void insert(Entry entry);
+  void drop_oldest();
 
   const governance::PartitionMatch partition_match_;
   const std::size_t most_documents_;
   const std::size_t most_octets_;
   mutable std::mutex mutex_;
-  std::list<Entry> entries_;  ///< most recently used first
-  std::map<Sha256Digest, std::list<Entry>::iterator> by_key_;
+  Entries entries_;  ///< most recently used first
+  Places by_form_;
+  Places by_text_;
   std::size_t octets_ = 0;
   std::size_t times_read_ = 0;
 };

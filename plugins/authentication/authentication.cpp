@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <mutex>
 #include <set>
 
 #include "plugins/authentication/adjusted_guid.hpp"
@@ -81,6 +82,7 @@ class PkiDh final : public spi::Authentication {
     return result ? std::move(result) : reported(std::move(result), table_.name_of(remote));
   }
 
+  void drop_credentials_given_out();
   Result<LocalIdentity> load_local(const spi::PropertyList& properties, const Guid& candidate);
   Result<RemoteIdentity> admit(IdentityHandle local, const std::optional<Token>& auth_request,
                                const Token& identity_token, const Guid& guid);
@@ -102,6 +104,8 @@ class PkiDh final : public spi::Authentication {
   const Environment environment_;
   TrustStores stores_;
   IdentityTable table_;
+  std::mutex given_out_mutex_;
+  std::vector<HandshakeHandle> given_out_;  ///< whose credentials, since the last `expire`
 };
 
 // ---- identities
@@ -178,6 +182,7 @@ Status PkiDh::return_identity_handle(IdentityHandle identity) {
 }
 
 std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
+  drop_credentials_given_out();
   const auto now = environment_.clock.now();
   const auto revocations = find_revocations(table_, local, stores_, environment_);
   const auto all = table_.ended_by(now, local);
@@ -357,8 +362,29 @@ Result<std::shared_ptr<const spi::SharedSecret>> PkiDh::shared_secret(HandshakeH
 }
 
 Result<Token> PkiDh::authenticated_peer_credential_token(HandshakeHandle handshake) {
-  return reported(
-      established(handshake, [](const Established& done) { return done.peer.credential(); }));
+  auto credential = DDSSEC_TRY(reported(
+      established(handshake, [](const Established& done) { return done.peer.credential(); })));
+  if (!credential) return reported(Result<Token>(fail(Code::credential_given_out)));
+  const std::scoped_lock lock(given_out_mutex_);
+  if (std::ranges::find(given_out_, handshake) == given_out_.end()) given_out_.push_back(handshake);
+  return *std::move(credential);
+}
+
+/// Not at once: a host that had no memory for it asks again.
+void PkiDh::drop_credentials_given_out() {
+  std::vector<HandshakeHandle> handles;
+  {
+    const std::scoped_lock lock(given_out_mutex_);
+    handles.swap(given_out_);
+  }
+  for (const auto handle : handles) {
+    const auto pair = table_.pair_of(handle);
+    if (!pair) continue;
+    const std::scoped_lock lock((*pair)->mutex);
+    const auto handshake = std::ranges::find((*pair)->handshakes, handle, &PairHandshake::handle);
+    if (handshake == (*pair)->handshakes.end()) continue;
+    if (auto* const done = std::get_if<Established>(&handshake->state)) done->peer.drop_credential();
+  }
 }
 
 Status PkiDh::return_handshake_handle(HandshakeHandle handle) {

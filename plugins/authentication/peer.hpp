@@ -1,6 +1,8 @@
 // A peer whose certificate was believed and fits its GUID: not yet that it holds the key.
 #pragma once
 
+#include <optional>
+
 #include "base/ids.hpp"
 #include "pki/chain.hpp"
 #include "plugins/authentication/credentials.hpp"
@@ -24,7 +26,10 @@ class JudgedPeer {
   /// AuthenticatedPeerCredentialToken: binary c.id and c.perm (DDS-Security 9.3.2.2). c.perm comes
   /// without the NUL that Cyclone DDS appends; it is empty if the peer has no permissions. Then
   /// c.kagree_algo, for access control, which knows what the governance allows.
-  const spi::Token& credential() const { return credential_; }
+  /// Nothing once it was dropped.
+  const std::optional<spi::Token>& credential() const { return credential_; }
+  /// Nobody will ask for it again; the peer chose how large it is.
+  void drop_credential() { credential_.reset(); }
 
   /// What its participant data says that it can decrypt; proven once a signature is.
   spi::CipherMask ciphers() const { return ciphers_; }
@@ -34,7 +39,7 @@ class JudgedPeer {
       : chain_(std::move(chain)), credential_(std::move(credential)), ciphers_(ciphers) {}
 
   pki::ChainValid chain_;
-  spi::Token credential_;
+  std::optional<spi::Token> credential_;
   spi::CipherMask ciphers_;
 };
 

@@ -89,7 +89,8 @@ class Authentication {
 
   /// After ok or ok_final_message.
   virtual Result<std::shared_ptr<const SharedSecret>> shared_secret(HandshakeHandle handshake) = 0;
-  /// Binary properties c.id and c.perm (DDS-Security 9.3.2.2).
+  /// Binary properties c.id and c.perm (DDS-Security 9.3.2.2). They are dropped in the first `expire`
+  /// after they were given out, since peers choose how large they are. Error: credential_given_out.
   virtual Result<Token> authenticated_peer_credential_token(HandshakeHandle handshake) = 0;
 
   virtual Status return_handshake_handle(HandshakeHandle handshake) = 0;

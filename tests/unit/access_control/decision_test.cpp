@@ -517,6 +517,30 @@ TEST_F(Cache, IsBoundedInNumberAndOctets) {
   EXPECT_EQ(small.size(), 1u);
 }
 
+// A peer can send its document with other blank lines each time.
+TEST_F(Cache, FormsOfOneTextShareAPlace) {
+  DocumentCache cache(governance::PartitionMatch::all, 4, 1 << 20);
+  const auto document = open_permissions(kTalker);
+  const auto first = cache.permissions(*ca(), as_bytes(document), kNow);
+  ASSERT_TRUE(first);
+  for (int round = 0; round < 2; ++round) {
+    for (std::size_t i = 1; i < 20; ++i) {
+      const auto again = cache.permissions(*ca(), as_bytes(document + std::string(i, '\n')), kNow);
+      ASSERT_TRUE(again);
+      EXPECT_EQ(*again, *first);
+    }
+  }
+  EXPECT_EQ(cache.size(), 1u);
+  EXPECT_EQ(cache.times_read(), 1u);
+  // Those forms go with it.
+  DocumentCache one(governance::PartitionMatch::all, 1, 1 << 20);
+  for (int round = 0; round < 2; ++round)
+    for (const auto& text : {document, document + "\n", open_permissions("CN=a")})
+      EXPECT_TRUE(one.permissions(*ca(), as_bytes(text), kNow));
+  EXPECT_EQ(one.size(), 1u);
+  EXPECT_EQ(one.times_read(), 4u);
+}
+
 TEST_F(Cache, AnExpiredCaIsSeenInTheCacheToo) {
   DocumentCache cache(governance::PartitionMatch::all, 4, 1 << 20);
   const auto document = open_permissions(kTalker);

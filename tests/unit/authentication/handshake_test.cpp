@@ -71,6 +71,26 @@ TEST(Handshake, PermissionsTravelBothWays) {
   EXPECT_EQ(field(*at_low, "c.id"), field(*rep->message, "c.id"));
 }
 
+TEST(Handshake, TheCredentialIsDroppedOnceItWasGivenOut) {
+  Pairing pairing;
+  const auto req = pairing.two.request();
+  const auto rep = pairing.two.reply(*req->message);
+  ASSERT_OK(rep);
+  pairing.expect_finish(*req, *rep);
+  auto& low = *pairing.two.low.engine;
+  low->expire();  // not before
+  EXPECT_TRUE(low->authenticated_peer_credential_token(req->handle));
+  EXPECT_TRUE(low->authenticated_peer_credential_token(req->handle));
+  low->expire();
+  EXPECT_CODE(low->authenticated_peer_credential_token(req->handle), credential_given_out);
+  EXPECT_TRUE(low->shared_secret(req->handle));
+  // That of another handshake is another.
+  const auto again = pairing.two.request();
+  const auto answer = pairing.two.reply(*again->message);
+  pairing.expect_finish(*again, *answer);
+  EXPECT_TRUE(low->authenticated_peer_credential_token(again->handle));
+}
+
 /// The ciphers that each side holds the other able to decrypt, after a handshake in which
 /// discovery's tokens were replaced by `announced`, if there is one.
 std::pair<spi::CipherMask, spi::CipherMask> ciphers_after(const Token* announced) {

@@ -177,6 +177,36 @@ TEST_F(Smime, TextAroundTheTwoPartsIsRefused) {
   EXPECT_TRUE(check(replaced(file_, "This is an S/MIME signed message\n", "")));
 }
 
+// The peer that sends the document could add megabytes of it.
+TEST_F(Smime, MoreUnsignedOctetsThanToolsWriteAreRefused) {
+  const auto mark = boundary(file_);
+  const auto with = [&](std::string_view at, std::string_view more, std::size_t times) {
+    std::string octets;
+    for (std::size_t i = 0; i < times; ++i) octets += more;
+    return replaced(file_, at, std::string(at) + octets);
+  };
+  for (const std::string_view at : {"signed message\n", "smime.p7s\"\n\n"}) {
+    EXPECT_TRUE(check(with(at, "\n", 500))) << at;
+    EXPECT_CODE(check(with(at, "\n", 5000)), smime_unsigned_octets);
+  }
+  EXPECT_TRUE(check(file_ + std::string(500, '\n')));
+  EXPECT_CODE(check(file_ + std::string(5000, '\n')), smime_unsigned_octets);
+  EXPECT_CODE(check(with(mark, " ", 5000)), smime_unsigned_octets);
+  EXPECT_CODE(check(with("<dds>", "\r", 5000)), smime_unsigned_octets);
+  EXPECT_CODE(check(with("MIME-Version: 1.0\n", "X-Padding: " + std::string(500, 'x') + "\n", 9)),
+              smime_unsigned_octets);
+  EXPECT_CODE(check(with("smime.p7s\"\n\n", "\n", 70'000)), smime_signature_malformed);
+}
+
+TEST_F(Smime, ALongDocumentOfWindowsIsRead) {
+  std::string document;
+  for (int i = 0; i < 20'000; ++i) document += "<a/>\n";
+  std::string lf = sign(document), windows;
+  std::erase(lf, '\r');
+  for (const char c : lf) windows += c == '\n' ? "\r\r\n" : std::string(1, c);
+  EXPECT_TRUE(check(windows));
+}
+
 TEST_F(Smime, ThereAreExactlyTwoParts) {
   const auto mark = boundary(file_);
   const std::string extra = mark + "\nContent-Type: text/plain\n\n<dds>evil</dds>\n";
