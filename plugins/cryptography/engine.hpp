@@ -6,6 +6,7 @@
 
 #include "plugins/cryptography/cryptography.hpp"
 #include "plugins/cryptography/entities.hpp"
+#include "plugins/cryptography/source_checks.hpp"
 #include "plugins/cryptography/token_ledger.hpp"
 #include "plugins/cryptography/wire.hpp"
 
@@ -234,7 +235,10 @@ class Transform final : public spi::CryptoTransform {
   Result<std::size_t> open_message_of(spi::ParticipantCryptoHandle receiver,
                                       spi::ParticipantCryptoHandle sender, BytesView encoded,
                                       MutableBytes out);
-  std::size_t keep_part_of_sender(MutableBytes message);
+  std::size_t keep_part_of_sender(spi::ParticipantCryptoHandle receiver,
+                                  spi::ParticipantCryptoHandle sender, MutableBytes message);
+  void report_end(spi::ParticipantCryptoHandle receiver, spi::ParticipantCryptoHandle sender,
+                  const SenderPart& part, const GuidPrefix& prefix) const;
 
   Shared& shared_;
 };

@@ -9,8 +9,10 @@
 // children are retired with their parents, so that a pointer up never dangles within a guard.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <unordered_map>
 #include <unordered_set>
@@ -59,6 +61,24 @@ struct LocalParticipant final : Entity {
   std::unordered_set<std::int64_t> matched;  ///< remote participants
 };
 
+/// In whose names the messages of a peer spoke, to tell each once. Thread-safe.
+class NamesSpoken {
+ public:
+  static constexpr std::size_t kMax = 8;
+  /// True if it is new, and not one too many.
+  bool note(const GuidPrefix& name) {
+    const std::lock_guard lock(mutex_);
+    const bool is_new = std::find(names_.begin(), names_.end(), name) == names_.end();
+    if (!is_new || names_.size() >= kMax) return false;
+    names_.push_back(name);
+    return true;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<GuidPrefix> names_;
+};
+
 /// What one local and one remote participant have with each other.
 struct Pair final : Retirable {
   explicit Pair(const LocalParticipant& local_participant) : local(local_participant) {}
@@ -71,7 +91,8 @@ struct Pair final : Retirable {
   std::unique_ptr<SendKey> key_exchange_send;
   std::unique_ptr<ReceiveKey> key_exchange_receive;
   Published<RemoteKeys> remote_keys;
-  KeyOwners owners;  ///< of the remote's keys
+  KeyOwners owners;          ///< of the remote's keys
+  NamesSpoken names_spoken;  ///< of other authenticated peers
 };
 
 /// Local participant's handle -> pair. As many rows as local participants of one process.

@@ -111,7 +111,10 @@ SenderPart part_of_sender(BytesView content, const GuidPrefix& sender) {
     const auto here = content.size() - rest.size();
     const auto size = size_of_first(rest);
     if (!size) return {here, unreadable()};
-    if (auto ended = end_before(rest, *size, sender, source)) return {here, std::move(ended)};
+    if (auto ended = end_before(rest, *size, sender, source)) {
+      const bool by_name = ended->code() == Code::info_source_mismatch;
+      return {here, std::move(ended), by_name ? std::optional(source) : std::nullopt};
+    }
     rest = rest.subspan(*size);
   }
   return {content.size(), std::nullopt};

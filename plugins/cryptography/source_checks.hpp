@@ -16,6 +16,7 @@ struct SenderPart {
   std::size_t size;  ///< octets from the beginning; all of them if nothing ended it
   /// info_source_mismatch, secure_group_malformed, or one of check_builtin_source
   std::optional<Error> ended;
+  std::optional<GuidPrefix> named = {};  ///< by the INFO_SRC that ended it
 };
 
 /// Walks the submessages of a protected message as Cyclone DDS does. `content` is what follows the

@@ -320,18 +320,53 @@ Result<std::size_t> Transform::decode_rtps_message(spi::ParticipantCryptoHandle 
                                                    spi::ParticipantCryptoHandle sender,
                                                    BytesView encoded, MutableBytes out) {
   const auto size = DDSSEC_TRY(open_message_of(receiver, sender, encoded, out));
-  return shared_.host_checks_sources ? size : keep_part_of_sender(out.first(size));
+  return shared_.host_checks_sources ? size : keep_part_of_sender(receiver, sender, out.first(size));
+}
+
+/// Whether that is the prefix of a peer that has authenticated with the local participant. Nothing
+/// while another thread changes them.
+std::optional<bool> is_peer(const Shared& shared, const LocalParticipant& local,
+                            const GuidPrefix& prefix) {
+  const std::unique_lock lock(shared.mutex, std::try_to_lock);
+  if (!lock.owns_lock()) return std::nullopt;
+  return std::ranges::any_of(local.matched, [&](std::int64_t handle) {
+    const auto remote =
+        shared.registry.find<RemoteParticipant>(handle, EntityKind::remote_participant);
+    if (!remote) return false;
+    const auto pair = (*remote)->pairs.find(local.handle());
+    return pair != (*remote)->pairs.end() && pair->second->peer_prefix == prefix;
+  });
+}
+
+/// Cyclone DDS sends what participants of one process say in one message, under the key of one of
+/// them. So a message in another peer's name can be honest: that is said once of each, and no more
+/// is claimed. In the name of a stranger, or in ours, it cannot.
+void Transform::report_end(spi::ParticipantCryptoHandle receiver,
+                           spi::ParticipantCryptoHandle sender, const SenderPart& part,
+                           const GuidPrefix& prefix) const {
+  const ReadGuard guard;
+  const auto local = shared_.local_participant(receiver);
+  const auto remote = shared_.remote_participant(sender);
+  auto* const pair = remote ? (*remote)->pair(receiver.value) : nullptr;
+  if (!part.named || !local || pair == nullptr) return shared_.report(*part.ended, prefix);
+  const auto names_a_peer = is_peer(shared_, **local, *part.named);
+  if (!names_a_peer) return;  // it is said next time
+  if (!*names_a_peer) return shared_.report(*part.ended, prefix);
+  if (pair->names_spoken.note(*part.named))
+    shared_.report(Error(Code::info_source_of_peer, part.ended->details()), prefix);
 }
 
 /// What an insider says in another's name is lost, not what it says in its own: an honest process
 /// whose participants have different certificates goes on, since what is lost is repeated.
-std::size_t Transform::keep_part_of_sender(MutableBytes message) {
+std::size_t Transform::keep_part_of_sender(spi::ParticipantCryptoHandle receiver,
+                                           spi::ParticipantCryptoHandle sender,
+                                           MutableBytes message) {
   const auto content = message.subspan(kRtpsHeaderSize);
   const auto prefix = GuidPrefix::from(message.subspan(8, GuidPrefix::size));
   const auto part = part_of_sender(content, prefix);
   if (part.ended) [[unlikely]] {
     wipe(content.subspan(part.size));
-    shared_.report(*part.ended, prefix);
+    report_end(receiver, sender, part, prefix);
   }
   return kRtpsHeaderSize + part.size;
 }

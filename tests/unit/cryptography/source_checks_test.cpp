@@ -237,6 +237,34 @@ TEST(TrustingHost, GetsTheSendersPartOfAMessage) {
   }
 }
 
+// Cyclone DDS sends what participants of one process say in one message, under the key of one.
+TEST(TrustingHost, IsToldOnceOfAMessageThatAlsoSpeaksForAnotherPeer) {
+  TwoSides two(ProtectionKind::encrypt, {}, kTrustingHost);
+  auto secret = shared_secret(2);
+  secret.peer_prefix = kVictim;
+  two.b.factory()
+      .register_matched_remote_participant(two.b.participant, {8}, {8}, secret)
+      .value();
+  const auto honest = rtps_message({data_submessage(16)});
+  const auto naming = [&](const GuidPrefix& other) {
+    return rtps_message({data_submessage(16), info_source(other), data_submessage(8)});
+  };
+  for (int i = 0; i < 3; ++i) {
+    const auto opened = decode_message(two, encode_message(two, naming(kVictim)).value());
+    ASSERT_TRUE(opened);
+    EXPECT_EQ(opened->size(), honest.size() + 24) << "what follows is dropped all the same";
+  }
+  EXPECT_EQ(two.b.events.codes, std::vector{Code::info_source_of_peer});
+  // A participant that has not authenticated is no such peer.
+  auto stranger = kVictim;
+  stranger.octets[11] ^= 1;
+  for (int i = 0; i < 2; ++i)
+    ASSERT_TRUE(decode_message(two, encode_message(two, naming(stranger)).value()));
+  EXPECT_EQ(two.b.events.codes,
+            (std::vector{Code::info_source_of_peer, Code::info_source_mismatch,
+                         Code::info_source_mismatch}));
+}
+
 TEST(TrustingHost, KeepsTheKeysThatAreSet) {
   TwoSides two(ProtectionKind::encrypt, {}, kTrustingHost);
   EXPECT_TRUE(two.take_participant(two.participant_tokens().value()));  // repeated
