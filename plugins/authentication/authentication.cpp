@@ -383,7 +383,8 @@ void PkiDh::drop_credentials_given_out() {
     const std::scoped_lock lock((*pair)->mutex);
     const auto handshake = std::ranges::find((*pair)->handshakes, handle, &PairHandshake::handle);
     if (handshake == (*pair)->handshakes.end()) continue;
-    if (auto* const done = std::get_if<Established>(&handshake->state)) done->peer.drop_credential();
+    if (auto* const done = std::get_if<Established>(&handshake->state))
+      done->peer.drop_credential();
   }
 }
 

@@ -14,12 +14,12 @@ struct Options {
   /// What a missing or outdated revocation list means where one is configured.
   pki::CrlPolicy crl_policy = pki::CrlPolicy::hard_fail;
   /// Of each local identity: so many that have authenticated, and as many that have not. More are
-  /// refused until some have left, so that announcements use up neither memory nor the room for those
-  /// who can prove who they are.
+  /// refused until some have left, so that announcements use up neither memory nor the room for
+  /// those who can prove who they are.
   std::size_t most_remote_identities = 10'000;
   /// How many of those that have authenticated one subject may have, and never more than are free.
-  /// A sixteenth: participants that share a certificate are few hundred, and an insider that wants to
-  /// keep newcomers out needs many certificates.
+  /// A sixteenth: participants that share a certificate are few hundred, and an insider that wants
+  /// to keep newcomers out needs many certificates.
   std::size_t most_identities_of_a_subject = 625;
   std::size_t most_local_identities = 256;
 };

@@ -20,8 +20,9 @@ struct RemoteLimits {
 
 /// Counts the remote identities of one local identity. Those that have authenticated are counted by
 /// subject, for which the first six octets of the GUID stand (DDS-Security 9.3.3): anyone can claim
-/// them, so claims are only counted together. One certificate never takes the last places: a subject
-/// may have no more of them than are free, and so each further subject finds some. Not thread-safe.
+/// them, so claims are only counted together. One certificate never takes the last places: a
+/// subject may have no more of them than are free, and so each further subject finds some. Not
+/// thread-safe.
 class RemoteCounts {
  public:
   /// May a GUID be admitted that has proven nothing? Errors: too_many_remote_identities,

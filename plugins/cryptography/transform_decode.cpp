@@ -134,8 +134,8 @@ bool are_builtin_matched(const Shared& shared, const RemoteEndpoint& sender) {
   });
 }
 
-/// Cyclone DDS never comes with a reader's tokens if no submessages of the writer are protected, and
-/// would hold them for nothing.
+/// Cyclone DDS never comes with a reader's tokens if no submessages of the writer are protected,
+/// and would hold them for nothing.
 bool are_for_nobody(const Shared& shared, const RemoteEndpoint& sender,
                     const TokenMessage& message) {
   if (!message.is_of_reader || is_builtin(message.remote.entity)) return false;
@@ -148,8 +148,9 @@ bool are_for_nobody(const Shared& shared, const RemoteEndpoint& sender,
   return std::ranges::none_of(sender.local.participant.endpoints, is_protected_writer);
 }
 
-/// Key tokens stay in the ledger, and the host gets tickets. What it must not see now comes to it as
-/// a message of a class that it does not know: one that is missing would hold up all that follow.
+/// Key tokens stay in the ledger, and the host gets tickets. What it must not see now comes to it
+/// as a message of a class that it does not know: one that is missing would hold up all that
+/// follow.
 Status keep_tokens(const Shared& shared, const RemoteEndpoint& sender, const Pair& pair,
                    MutableBytes submessage) {
   if (!writer_of_data(submessage)) return {};
@@ -169,10 +170,11 @@ Status keep_tokens(const Shared& shared, const RemoteEndpoint& sender, const Pai
   write_ticket(passage.ticket, *message, piece, payload);
   if (passage.kind != Passage::Kind::ticket) payload[message->class_at] = '-';
   if (passage.kind == Passage::Kind::repeated)
-    shared.report(Error(Code::crypto_tokens_repeated, {.document = "a key token message",
-                                                       .found = message->remote.to_string(),
-                                                       .note = "for " + message->local.to_string()}),
-                  pair.peer_prefix);
+    shared.report(
+        Error(Code::crypto_tokens_repeated, {.document = "a key token message",
+                                             .found = message->remote.to_string(),
+                                             .note = "for " + message->local.to_string()}),
+        pair.peer_prefix);
   return {};
 }
 
@@ -186,8 +188,8 @@ Status check_source_named(const Shared& shared, const RemoteEndpoint& sender, Mu
     DDSSEC_TRY(check_speaker(sender, plain));
     if (pair->peer_prefix) status = check_builtin_source(plain, *pair->peer_prefix);
   }
-  const auto owner = status && sender.local.is_volatile ? owner_in_tokens(token_payload(plain))
-                                                        : std::nullopt;
+  const auto owner =
+      status && sender.local.is_volatile ? owner_in_tokens(token_payload(plain)) : std::nullopt;
   if (status && sender.local.is_volatile) status = keep_tokens(shared, sender, *pair, plain);
   if (!status) {
     if (status.error().code() != Code::crypto_tokens_repeated)
@@ -320,7 +322,8 @@ Result<std::size_t> Transform::decode_rtps_message(spi::ParticipantCryptoHandle 
                                                    spi::ParticipantCryptoHandle sender,
                                                    BytesView encoded, MutableBytes out) {
   const auto size = DDSSEC_TRY(open_message_of(receiver, sender, encoded, out));
-  return shared_.host_checks_sources ? size : keep_part_of_sender(receiver, sender, out.first(size));
+  return shared_.host_checks_sources ? size
+                                     : keep_part_of_sender(receiver, sender, out.first(size));
 }
 
 /// Whether that is the prefix of a peer that has authenticated with the local participant. Nothing

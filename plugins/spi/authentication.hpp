@@ -72,7 +72,8 @@ class Authentication {
                                                       const Token& permissions_credential,
                                                       const Token& permissions_token) = 0;
 
-  /// A refusal of which refusal_passes says so ends as soon as others leave: ask again a second later.
+  /// A refusal of which refusal_passes says so ends as soon as others leave: ask again a second
+  /// later.
   virtual Result<RemoteIdentity> validate_remote_identity(
       IdentityHandle local, const std::optional<Token>& remote_auth_request,
       const Token& remote_identity_token, const Guid& remote_guid) = 0;
@@ -89,8 +90,9 @@ class Authentication {
 
   /// After ok or ok_final_message.
   virtual Result<std::shared_ptr<const SharedSecret>> shared_secret(HandshakeHandle handshake) = 0;
-  /// Binary properties c.id and c.perm (DDS-Security 9.3.2.2). They are dropped in the first `expire`
-  /// after they were given out, since peers choose how large they are. Error: credential_given_out.
+  /// Binary properties c.id and c.perm (DDS-Security 9.3.2.2). They are dropped in the first
+  /// `expire` after they were given out, since peers choose how large they are. Error:
+  /// credential_given_out.
   virtual Result<Token> authenticated_peer_credential_token(HandshakeHandle handshake) = 0;
 
   virtual Status return_handshake_handle(HandshakeHandle handshake) = 0;

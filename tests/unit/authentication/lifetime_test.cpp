@@ -186,8 +186,8 @@ struct Fleet {
       : engine(seed), identity(make_identity(test_ca(), subject, {}, kYear, 1)) {}
   /// One more authenticates with `us`; the error of the call in which `us` refuses it.
   Result<IdentityHandle> join(Participant& us) {
-    members.push_back(std::make_unique<Participant>(
-        engine, identity, static_cast<std::uint8_t>(members.size() + 1)));
+    members.push_back(std::make_unique<Participant>(engine, identity,
+                                                    static_cast<std::uint8_t>(members.size() + 1)));
     auto& member = *members.back();
     if (auto known = us.discover(member); !known) return std::unexpected(known.error());
     Two two(us, member);
@@ -285,8 +285,8 @@ TEST(Bounds, AShareIsCheckedAgainWhenAClaimIsProven) {
   // Who is counted may authenticate again; and what is counted is forgotten with it.
   EXPECT_TRUE(shake(with_first));
   const bool we_begin = &with_first.low == &us;
-  ASSERT_OK(engine->return_identity_handle(we_begin ? with_first.high_at_low
-                                                    : with_first.low_at_high));
+  ASSERT_OK(
+      engine->return_identity_handle(we_begin ? with_first.high_at_low : with_first.low_at_high));
   EXPECT_TRUE(shake(with_second));
 }
 

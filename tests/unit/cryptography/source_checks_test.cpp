@@ -242,9 +242,7 @@ TEST(TrustingHost, IsToldOnceOfAMessageThatAlsoSpeaksForAnotherPeer) {
   TwoSides two(ProtectionKind::encrypt, {}, kTrustingHost);
   auto secret = shared_secret(2);
   secret.peer_prefix = kVictim;
-  two.b.factory()
-      .register_matched_remote_participant(two.b.participant, {8}, {8}, secret)
-      .value();
+  two.b.factory().register_matched_remote_participant(two.b.participant, {8}, {8}, secret).value();
   const auto honest = rtps_message({data_submessage(16)});
   const auto naming = [&](const GuidPrefix& other) {
     return rtps_message({data_submessage(16), info_source(other), data_submessage(8)});
@@ -260,9 +258,8 @@ TEST(TrustingHost, IsToldOnceOfAMessageThatAlsoSpeaksForAnotherPeer) {
   stranger.octets[11] ^= 1;
   for (int i = 0; i < 2; ++i)
     ASSERT_TRUE(decode_message(two, encode_message(two, naming(stranger)).value()));
-  EXPECT_EQ(two.b.events.codes,
-            (std::vector{Code::info_source_of_peer, Code::info_source_mismatch,
-                         Code::info_source_mismatch}));
+  EXPECT_EQ(two.b.events.codes, (std::vector{Code::info_source_of_peer, Code::info_source_mismatch,
+                                             Code::info_source_mismatch}));
 }
 
 TEST(TrustingHost, KeepsTheKeysThatAreSet) {
