@@ -1,6 +1,5 @@
-// A datagram: every submessage is read or refused; what was read is written and read alike. Built
-// once for all kinds, and once for each with DDSSEC_FUZZ_KIND: then the octets are its flags and
-// body.
+// A datagram: every submessage is read or refused; what was read is written and read alike. Linked
+// once for all kinds, and once for each (fuzz_rtps_kind.cpp): then the octets are its flags and body.
 #include <array>
 #include <cstdlib>
 
@@ -16,6 +15,7 @@
 #include "rtps/wire/info_timestamp.hpp"
 #include "rtps/wire/message_reader.hpp"
 #include "rtps/wire/nack_frag.hpp"
+#include "tests/fuzz/rtps_kind.hpp"
 
 namespace {
 
@@ -78,20 +78,24 @@ void check(const SubmessageView& view, std::size_t message_size) {
   }
 }
 
-}  // namespace
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-#ifdef DDSSEC_FUZZ_KIND
-  if (size == 0 || size > 0xffff) return 0;
+/// A submessage of that kind with these flags and this body.
+void check_one(SubmessageId kind, const std::uint8_t* data, std::size_t size) {
   const auto length = static_cast<std::uint16_t>(size - 1);
   const bool little = (data[0] & 1) != 0;
   const auto low = static_cast<std::uint8_t>(length), high = static_cast<std::uint8_t>(length >> 8);
-  Bytes one{static_cast<std::uint8_t>(SubmessageId::DDSSEC_FUZZ_KIND), data[0], little ? low : high,
-            little ? high : low};
+  Bytes one{static_cast<std::uint8_t>(kind), data[0], little ? low : high, little ? high : low};
   one.insert(one.end(), data + 1, data + size);
   const auto view = MessageReader::over_submessages({}, one).next();
   if (view && *view) check(**view, one.size() + 20);
-#endif
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (const auto kind = ddssec::fuzz::kind()) {
+    if (size == 0 || size > 0xffff) return 0;
+    check_one(*kind, data, size);
+  }
   auto reader = MessageReader::open({data, size});
   if (!reader) return 0;
   for (auto next = reader->next(); next && *next; next = reader->next()) check(**next, size);

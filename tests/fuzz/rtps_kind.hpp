@@ -1,0 +1,13 @@
+// The kind of submessage that a fuzz target is for.
+#pragma once
+
+#include <optional>
+
+#include "rtps/wire/submessage.hpp"
+
+namespace ddssec::fuzz {
+
+/// None: for whole messages.
+std::optional<rtps::SubmessageId> kind();
+
+}  // namespace ddssec::fuzz
