@@ -150,10 +150,11 @@ function(ddssec_batches out target)
   set(${out} ${result} PARENT_SCOPE)
 endfunction()
 
-# ddssec_test(NAME SOURCES ... LIBS ... [LABELS ...])
-# A GoogleTest program test_NAME; each TEST becomes a ctest entry "NAME.Suite.Case".
+# ddssec_test(NAME SOURCES ... LIBS ... [LABELS ...] [LONG filter])
+# A GoogleTest program test_NAME; each TEST becomes a ctest entry "NAME.Suite.Case". Those that fit the
+# filter of LONG get the label "long" too.
 function(ddssec_test name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LIBS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "" "LONG" "SOURCES;LIBS;LABELS" ${ARGN})
   ddssec_batches(sources test_${name} ${ARG_SOURCES})
   add_executable(test_${name} ${sources})
   target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
@@ -162,7 +163,22 @@ function(ddssec_test name)
                          "$<$<CONFIG:RelWithDebInfo>:-O1;-g1>")
   target_link_libraries(test_${name} PRIVATE ${ARG_LIBS} ddssec_test_data GTest::gmock
                         GTest::gtest_main ddssec_options)
-  set(labels unit ${ARG_LABELS})
-  gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60
-                       PROPERTIES LABELS "${labels}" TIMEOUT 120)
+  if(ARG_LONG)
+    ddssec_discover_tests(${name} "-${ARG_LONG}" unit ${ARG_LABELS})
+    ddssec_discover_tests(${name} "${ARG_LONG}" unit ${ARG_LABELS} long)
+  else()
+    ddssec_discover_tests(${name} "*" unit ${ARG_LABELS})
+  endif()
+endfunction()
+
+# ddssec_discover_tests(NAME FILTER LABELS ...): the tests of test_NAME that fit GoogleTest's filter.
+function(ddssec_discover_tests name filter label)
+  string(MAKE_C_IDENTIFIER "${name}_${label}_${ARGN}_tests" list)
+  gtest_discover_tests(test_${name} TEST_PREFIX ${name}. TEST_FILTER "${filter}" DISCOVERY_TIMEOUT 60
+                       TEST_LIST ${list} PROPERTIES LABELS ${label} TIMEOUT 120)
+  if(ARGN)  # PROPERTIES cannot hold a list.
+    set(file ${CMAKE_CURRENT_BINARY_DIR}/${list}.cmake)
+    file(WRITE ${file} "set_tests_properties(\${${list}} PROPERTIES LABELS \"${label};${ARGN}\")\n")
+    set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${file})
+  endif()
 endfunction()

@@ -71,13 +71,12 @@ TEST_P(ConvergeInDisorder, WithLossReorderingAndDuplicates) {
   EXPECT_TRUE(crowd.world.run_until([&] { return crowd.complete(); }, 3000));
 }
 
-#ifdef DDSSEC_LARGE_CROWDS
+// With the label long.
 INSTANTIATE_TEST_SUITE_P(Many, Converge, ::testing::Values(20, 50));
 INSTANTIATE_TEST_SUITE_P(Many, ConvergeInDisorder, ::testing::Values(20, 50));
-#else
+
 INSTANTIATE_TEST_SUITE_P(Few, Converge, ::testing::Values(2, 5, 10));
 INSTANTIATE_TEST_SUITE_P(Few, ConvergeInDisorder, ::testing::Values(2, 5, 10));
-#endif
 
 }  // namespace
 }  // namespace ddssec::rtps
