@@ -1,7 +1,7 @@
 #include "governance/shadowed.hpp"
 
 #include <algorithm>
-#include <chrono>
+#include <ctime>
 #include <random>
 
 #include <fmt/format.h>
@@ -75,9 +75,9 @@ TEST(Shadows, OfTwentyThousandExpressionsTakeNoTime) {
   for (int i = 0; i < 2000; ++i) texts.push_back(fmt::format("rq/node{}/*Request", i));
   texts.push_back("rq/node77/setRequest");
   const std::vector<std::string_view> expressions(texts.begin(), texts.end());
-  const auto begin = std::chrono::steady_clock::now();
+  const auto begin = std::clock();
   const auto found = shadows(expressions);
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
+  EXPECT_LT(std::clock() - begin, 2 * CLOCKS_PER_SEC);  // of a processor
   EXPECT_EQ(found.back().by, By{18'077});
   EXPECT_EQ(std::ranges::count_if(found, &Shadow::is_dead), 1);
 }
