@@ -26,7 +26,7 @@ class Namespace:
     """A network namespace with a loopback interface, held by a sleeping process."""
 
     SETUP = ("ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo"
-             " && echo ready && exec sleep 120")
+             " && echo ready && exec sleep 900")
 
     def __init__(self, beside=None):
         """`beside`: a namespace of the same owner, so that one process may enter both."""
