@@ -1,5 +1,5 @@
-// Publishes a temperature ten times a second, in domain 0 or another.
-// Usage: publisher FOLDER [DOMAIN]
+// Publishes a temperature ten times a second, in domain 0 or another, on all interfaces or one.
+// Usage: publisher FOLDER [DOMAIN [INTERFACE]]
 #include <cmath>
 #include <cstdlib>
 #include <secured/participant.hpp>
@@ -13,8 +13,11 @@ using ddssec::secured::Participant;
 int main(int argc, char** argv) {
   const char* folder = argc > 1 ? argv[1] : "demo/talker";
   const int domain = argc > 2 ? std::atoi(argv[2]) : 0;
+  std::vector<std::string> interfaces;  // none: every one that is up and does multicast
+  if (argc > 3) interfaces = {argv[3]};
 
-  auto participant = or_exit(Participant::join(folder, {.domain_id = domain}));
+  auto participant =
+      or_exit(Participant::join(folder, {.domain_id = domain, .interfaces = interfaces}));
   auto* readings = or_exit(participant.writer<Reading>("Temperature"));
 
   for (int i = 0;; ++i) {

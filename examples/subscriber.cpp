@@ -1,5 +1,5 @@
 // Prints temperatures as they come, in domain 0 or another; ends when none comes for ten seconds.
-// Usage: subscriber FOLDER [DOMAIN]
+// Usage: subscriber FOLDER [DOMAIN [INTERFACE]]
 #include <cstdio>
 #include <cstdlib>
 #include <secured/participant.hpp>
@@ -10,10 +10,14 @@ using ddssec::secured::or_exit;
 using ddssec::secured::Participant;
 
 int main(int argc, char** argv) {
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // each line at once, also into a pipe
   const char* folder = argc > 1 ? argv[1] : "demo/listener";
   const int domain = argc > 2 ? std::atoi(argv[2]) : 0;
+  std::vector<std::string> interfaces;  // none: every one that is up and does multicast
+  if (argc > 3) interfaces = {argv[3]};
 
-  auto participant = or_exit(Participant::join(folder, {.domain_id = domain}));
+  auto participant =
+      or_exit(Participant::join(folder, {.domain_id = domain, .interfaces = interfaces}));
   auto* readings = or_exit(participant.reader<Reading>("Temperature"));
 
   while (readings->wait_for_unread(std::chrono::seconds(10)))

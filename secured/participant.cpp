@@ -6,7 +6,8 @@
 namespace ddssec::secured {
 
 void StandardErrorEvents::raise(const Event& event) {
-  if (event.severity >= Severity::warning) std::fprintf(stderr, "%s\n", event.to_line().c_str());
+  if (event.severity >= Severity::warning || event.error.code() == Code::rtps_joined)
+    std::fprintf(stderr, "%s\n", event.to_line().c_str());
 }
 
 Result<Participant> Participant::join(const std::filesystem::path& folder,

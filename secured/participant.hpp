@@ -7,7 +7,7 @@
 
 namespace ddssec::secured {
 
-/// Each a line on standard error, from warnings on.
+/// Each a line on standard error, from warnings on, and which interfaces a participant uses.
 class StandardErrorEvents final : public EventSink {
  public:
   void raise(const Event& event) override;

@@ -5,7 +5,6 @@
 #include <cstdio>
 
 #include "rtps/keeper/keeper.hpp"
-#include "rtps/transport/interfaces.hpp"
 #include "secured/engines.hpp"
 
 namespace {
@@ -20,6 +19,7 @@ struct Options {
   std::int32_t domain = 0;
   rtps::KeeperOptions keeps;
   std::string security = "off";
+  std::vector<std::string> interfaces = {};
 };
 
 class Log final : public EventSink {
@@ -39,13 +39,9 @@ sigset_t hold_signals() {
 
 Result<rtps::DomainParticipantOptions> participant_options(const Options& options,
                                                            secured::Engines& engines) {
-  const auto interface = rtps::default_interface();
   rtps::DomainParticipantOptions out{.domain_id = options.domain,
                                      .entity_name = "ddssec-keeper",
-                                     .interface = interface,
-                                     .multicast = true,
-                                     .peers = {interface}};
-  if (interface != "127.0.0.1") out.peers.push_back("127.0.0.1");
+                                     .interfaces = options.interfaces};
   if (options.security != "off")
     out.security.emplace(engines.view(), DDSSEC_TRY(secured::folder_properties(options.security)));
   return out;
@@ -94,11 +90,7 @@ int run(const Options& options) {
   secured::Engines engines(environment);
   auto wanted = participant_options(options, engines);
   if (!wanted) return refused(wanted.error());
-  auto keeper = rtps::Keeper::create(*wanted, options.keeps, environment);
-  if (!keeper && keeper.error().code() == Code::rtps_socket_failed) {
-    wanted->multicast = false;
-    keeper = rtps::Keeper::create(*std::move(wanted), options.keeps, environment);
-  }
+  auto keeper = rtps::Keeper::create(*std::move(wanted), options.keeps, environment);
   if (!keeper) return refused(keeper.error());
   std::printf("Keeping domain %d: %zu topics known\n", options.domain, (*keeper)->topics());
   std::fflush(stdout);
@@ -122,6 +114,10 @@ int main(int argc, char** argv) {
   app.add_option("-t,--topic", options.keeps.topics,
                  "topic to keep, may have * and ?; default all");
   app.add_option("--security", options.security, "folder with keys and documents, or off");
+  app.add_option("--interface", options.interfaces,
+                 "name or address of an interface to use, may be repeated; default: all that are up"
+                 " and do multicast")
+      ->take_all();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -7,7 +7,7 @@ namespace ddssec::peer {
 Parsed parse(int argc, char** argv) {
   Options options;
   CLI::App app(
-      "One end of a DDS connection over loopback UDP, for tests and measurements. Prints JSON,"
+      "One end of a DDS connection, for tests and measurements. Prints JSON,"
       " one object a line.",
       "ddssec-peer");
   app.add_option("--role", options.role, "what to do")
@@ -17,6 +17,9 @@ Parsed parse(int argc, char** argv) {
   app.add_option("--topic", options.topic, "topic name; default Square, or the role's own");
   app.add_option("--count", options.count, "samples, or round trips");
   app.add_option("--security", options.security, "folder with keys and documents, or off");
+  app.add_option("--interface", options.interfaces,
+                 "name or address of an interface to use, may be repeated; default: the loopback")
+      ->take_all();
   app.add_option("--timeout", options.timeout, "seconds after which to end")
       ->check(CLI::PositiveNumber);
   app.add_option("--size", options.size, "octets of payload")->check(CLI::Range(0, 64 << 20));

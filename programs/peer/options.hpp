@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace ddssec::peer {
 
@@ -22,7 +23,8 @@ struct Options {
   std::string topic;  ///< empty: the role's own
   std::uint32_t count = 10;
   std::string security = "off";
-  double timeout = 30;  ///< seconds
+  std::vector<std::string> interfaces = {"127.0.0.1"};  ///< names or addresses
+  double timeout = 30;                                  ///< seconds
   std::uint32_t size = 64;
   double duration = 2;  ///< seconds a throughput writer writes
   std::string color = "BLUE";

@@ -29,6 +29,8 @@ Status Session::open() {
   const Environment environment{clock_, random_, limited_};
   rtps::DomainParticipantOptions wanted{.domain_id = options_.domain,
                                         .entity_name = "ddssec-peer " + options_.role,
+                                        .interfaces = options_.interfaces,
+                                        .multicast = options_.interfaces != Options{}.interfaces,
                                         .announce_types = false};
   if (options_.security != "off") {
     engines_ = std::make_unique<secured::Engines>(environment);

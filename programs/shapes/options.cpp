@@ -127,6 +127,10 @@ Parsed parse(int argc, char** argv) {
   app.add_option("-d", options.domain, "domain (default 0)")->check(CLI::Range(0, 232));
   add_choice(app, "-v", options.verbose, std::map<std::string, bool>{{"e", false}, {"d", true}},
              "verbosity: errors, debug (to standard error)");
+  app.add_option("--interface", options.interfaces,
+                 "name or address of an interface to use, may be repeated; default: all that are up"
+                 " and do multicast")
+      ->take_all();
   app.add_option("--security", options.security, "folder with keys and documents, or off");
   add_qos(app, options);
   add_samples(app, options);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "rtps/qos/qos.hpp"
 
@@ -46,8 +47,9 @@ struct Options {
   std::uint32_t payload_size = 0;
   std::optional<std::int64_t> announcement_period = {};
   std::optional<std::uint32_t> fragment_size = {};
-  std::string filter;            ///< expression of a content filter
-  std::string security = "off";  ///< or a folder with keys and documents
+  std::string filter;                        ///< expression of a content filter
+  std::vector<std::string> interfaces = {};  ///< names or addresses; none: every one
+  std::string security = "off";              ///< or a folder with keys and documents
   std::int32_t size_modulo = 0;
   bool final_type = false;
 

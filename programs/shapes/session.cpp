@@ -6,8 +6,6 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "rtps/transport/interfaces.hpp"
-
 namespace ddssec::shapes {
 namespace {
 
@@ -107,12 +105,9 @@ void StatusLines::on_inconsistent_topic(rtps::Topic& topic,
 }
 
 Status Session::open() {
-  const auto interface = rtps::default_interface();
   rtps::DomainParticipantOptions wanted{.domain_id = options_.domain,
                                         .entity_name = "ddssec-shapes",
-                                        .interface = interface,
-                                        .multicast = true,
-                                        .peers = {interface}};
+                                        .interfaces = options_.interfaces};
   wanted.durability_store = DDSSEC_TRY(store());
   if (options_.security != "off")
     wanted.security.emplace(engines_.view(),
@@ -120,15 +115,8 @@ Status Session::open() {
   if (options_.announcement_period)
     wanted.announcement_period = std::chrono::milliseconds(*options_.announcement_period);
   if (options_.fragment_size) wanted.fragment_size = *options_.fragment_size;
-  // Peers of this machine that speak over loopback alone.
-  if (interface != "127.0.0.1") wanted.peers.push_back("127.0.0.1");
   const Environment environment{clock_, random_, limited_};
-  auto created = rtps::DomainParticipant::create(wanted, environment);
-  if (!created && created.error().code() == Code::rtps_socket_failed) {
-    wanted.multicast = false;
-    created = rtps::DomainParticipant::create(std::move(wanted), environment);
-  }
-  participant_ = DDSSEC_TRY(std::move(created));
+  participant_ = DDSSEC_TRY(rtps::DomainParticipant::create(std::move(wanted), environment));
   participant_->set_listener(&lines_);
   return {};
 }

@@ -1,5 +1,7 @@
 #include "rtps/dcps/domain_participant.hpp"
 
+#include <fmt/format.h>
+
 #include "base/background_thread.hpp"
 
 namespace ddssec::rtps {
@@ -21,25 +23,48 @@ Locator with_port(Locator locator, std::uint32_t port) {
 
 }  // namespace
 
-/// The participant's sockets: one for discovery, one for user data, one for a multicast group.
+/// The participant's sockets: one for discovery, one for user data, one for a multicast group, and
+/// one for each further interface, by which messages to the group leave.
 class DomainParticipant::Sockets final : public Transport {
  public:
-  Sockets(EventLoop loop, UdpSocket metatraffic, UdpSocket user) : loop_(std::move(loop)) {
+  Sockets(EventLoop loop, UdpSocket metatraffic, UdpSocket user,
+          const std::vector<NetworkInterface>& interfaces)
+      : loop_(std::move(loop)), interfaces_(interfaces) {
     sockets_.push_back(std::move(metatraffic));
     sockets_.push_back(std::move(user));
   }
 
   void send(BytesView message, std::span<const Locator> to) override {
-    sockets_.front().send(message, to);
+    send_all({{&message, 1}, to});
   }
-  void send_all(const Outgoing& out) override { sockets_.front().send_all(out); }
+  // To an address as the routes say; to a group by each interface, or by the one that is named.
+  void send_all(const Outgoing& out) override {
+    if (interfaces_.size() == 1 || std::ranges::none_of(out.to, &Locator::is_multicast))
+      return sockets_.front().send_all(out);
+    for (const auto& to : out.to) {
+      const Outgoing one{out.messages, {&to, 1}, out.dscp};
+      if (!to.is_multicast() || leaves_by(sockets_.front(), out.interface))
+        sockets_.front().send_all(one);
+      for (const auto& further : further_)
+        if (to.is_multicast() && leaves_by(further, out.interface)) further.send_all(one);
+    }
+  }
   bool stays_here(const Locator& to) const override {
-    return to.is_loopback() || to.address == metatraffic().address;
+    return to.is_loopback() || std::ranges::any_of(interfaces_, [&](const auto& interface) {
+             return interface.address.address == to.address;
+           });
   }
+  /// Errors: rtps_no_multicast, those of UdpSocket::bind.
   Status join(const Locator& group, const Locator& interface) {
-    sockets_.push_back(DDSSEC_TRY(UdpSocket::join(group, interface)));
+    if (sockets_.size() == kWithoutGroup)
+      sockets_.push_back(DDSSEC_TRY(UdpSocket::join(group, interface)));
+    else
+      DDSSEC_TRY(sockets_.back().join_also(group, interface));
+    if (interface.address != interfaces_.front().address.address)
+      further_.push_back(DDSSEC_TRY(UdpSocket::everywhere(interface)));
     return {};
   }
+  bool has_joined() const { return sockets_.size() > kWithoutGroup; }
   /// `f(socket)` whenever it has something to read from now on.
   Status listen(std::function<void(UdpSocket&)> f) {
     receive_ = std::move(f);
@@ -48,13 +73,26 @@ class DomainParticipant::Sockets final : public Transport {
     return {};
   }
   EventLoop& loop() { return loop_; }
-  const Locator& metatraffic() const { return sockets_[0].local(); }
-  const Locator& user() const { return sockets_[1].local(); }
+  /// By all interfaces.
+  LocatorList metatraffic() const { return everywhere(sockets_[0].local().port); }
+  LocatorList user() const { return everywhere(sockets_[1].local().port); }
   Status check_receive_buffer() const { return sockets_[1].check_receive_buffer(); }
 
  private:
+  static constexpr std::size_t kWithoutGroup = 2;
+  bool leaves_by(const UdpSocket& socket, std::size_t interface) const {
+    return interface == kEveryInterface ||
+           interfaces_[interface].address.address == socket.local().address;
+  }
+  LocatorList everywhere(std::uint32_t port) const {
+    LocatorList out;
+    for (const auto& interface : interfaces_) out.push_back(with_port(interface.address, port));
+    return out;
+  }
+
   EventLoop loop_;
-  std::vector<UdpSocket> sockets_;
+  const std::vector<NetworkInterface>& interfaces_;
+  std::vector<UdpSocket> sockets_, further_;
   std::function<void(UdpSocket&)> receive_;
 };
 
@@ -69,14 +107,13 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
     DomainParticipantOptions options, const Environment& environment) {
   if (options.domain_id < 0 || options.domain_id > kGreatestDomain)
     return bad_option("domain_id", "0 to 232", std::to_string(options.domain_id));
-  const auto interface = Locator::parse(options.interface, 0);
-  if (!interface) return bad_option("interface", "an IPv4 or IPv6 address", options.interface);
+  auto interfaces = DDSSEC_TRY(choose_interfaces(options.interfaces));
   // RTPS 9.3.1.5: the first two octets name the vendor.
   GuidPrefix prefix;
   DDSSEC_TRY(environment.random.fill(prefix.octets));
   std::ranges::copy(kVendorDdssec.octets, prefix.octets.begin());
   std::unique_ptr<DomainParticipant> out(new DomainParticipant(std::move(options), environment));
-  out->interface_ = *interface;
+  out->interfaces_ = std::move(interfaces);
   if (const auto& options = out->options_; !options.durability_store.empty())
     out->persistent_ = DDSSEC_TRY(DurableStore::open(options.durability_store, environment.events,
                                                      options.durability_store_octets));
@@ -88,29 +125,46 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
     prefix = security->guid().prefix;
   }
   DDSSEC_TRY(out->start(prefix, std::move(security)));
+  environment.events.raise(out->joined());
   if (out->options_.enabled) DDSSEC_TRY(out->enable());
   return out;
+}
+
+Event DomainParticipant::joined() const {
+  const std::string_view multicast =
+      sockets_->has_joined() ? "with multicast" : "without multicast";
+  const bool alone = std::ranges::all_of(
+      interfaces_, [](const auto& interface) { return interface.address.is_loopback(); });
+  return Event(
+      Error(Code::rtps_joined,
+            {.note = fmt::format("domain {} on {}, {}{}", domain_id(), to_string(interfaces_),
+                                 multicast, alone ? "; no other machine is reached" : "")}));
+}
+
+// A loopback alone is not reached from elsewhere.
+Result<UdpSocket> DomainParticipant::open_socket(std::uint32_t port) const {
+  const auto first = with_port(interfaces_.front().address, port);
+  return interfaces_.size() == 1 ? UdpSocket::on_interface(first, options_.receive_buffer)
+                                 : UdpSocket::everywhere(first, options_.receive_buffer);
 }
 
 // The first index of which both ports are free.
 Status DomainParticipant::open_sockets() {
   const auto domain = options_.domain_id;
   for (index_ = 0; index_ < ports::kMostIndexes; ++index_) {
-    auto metatraffic = UdpSocket::on_interface(
-        with_port(interface_, ports::metatraffic(domain, index_)), options_.receive_buffer);
+    auto metatraffic = open_socket(ports::metatraffic(domain, index_));
     if (!metatraffic && metatraffic.error().code() == Code::rtps_port_taken) continue;
     if (!metatraffic) return std::unexpected(metatraffic.error());
-    auto user = UdpSocket::on_interface(with_port(interface_, ports::user(domain, index_)),
-                                        options_.receive_buffer);
+    auto user = open_socket(ports::user(domain, index_));
     if (!user && user.error().code() == Code::rtps_port_taken) continue;
     if (!user) return std::unexpected(user.error());
     sockets_ = std::make_unique<Sockets>(DDSSEC_TRY(EventLoop::create()), std::move(*metatraffic),
-                                         std::move(*user));
+                                         std::move(*user), interfaces_);
     if (const auto enough = sockets_->check_receive_buffer(); !enough)
       context_.environment().events.raise(Event(enough.error()));
     return {};
   }
-  return fail(Code::rtps_port_taken, {.document = to_string(interface_),
+  return fail(Code::rtps_port_taken, {.document = to_string(interfaces_),
                                       .field = "participant index",
                                       .expected = "a free one below 120",
                                       .found = "all taken"});
@@ -124,8 +178,9 @@ Status DomainParticipant::start(const GuidPrefix& prefix, std::unique_ptr<OwnSec
                            .entity_name = options_.entity_name,
                            .user_data = options_.user_data,
                            .lease_duration = options_.lease_duration,
-                           .metatraffic_unicast = {sockets_->metatraffic()},
-                           .default_unicast = {sockets_->user()},
+                           .metatraffic_unicast = sockets_->metatraffic(),
+                           .default_unicast = sockets_->user(),
+                           .interfaces = interfaces_,
                            .neighbourhood = context_.neighbourhood()};
   config.announcement_period = options_.announcement_period;
   config.fragment_size = options_.fragment_size;
@@ -135,19 +190,7 @@ Status DomainParticipant::start(const GuidPrefix& prefix, std::unique_ptr<OwnSec
     for (int i = 0; i < kAnnouncedIndexes; ++i)
       config.announce_to.push_back(with_port(*address, ports::metatraffic(options_.domain_id, i)));
   }
-  if (options_.multicast) {
-    const auto group = Locator::udp_v4({239, 255, 0, 1},
-                                       static_cast<std::uint16_t>(ports::base(options_.domain_id)));
-    // With peers to announce to, others are found all the same.
-    const auto joined = sockets_->join(group, interface_);
-    if (!joined && config.announce_to.empty()) return joined;
-    if (joined) {
-      config.metatraffic_multicast = {group};
-      config.announce_to.push_back(group);
-    } else {
-      context_.environment().events.raise(Event(joined.error()));
-    }
-  }
+  if (options_.multicast) DDSSEC_TRY(announce_by_multicast(config));
   auto protocol =
       std::make_unique<Participant>(std::move(config), *sockets_, context_.environment().events);
   if (security) DDSSEC_TRY(protocol->secure(std::move(security)));
@@ -162,6 +205,22 @@ Status DomainParticipant::start(const GuidPrefix& prefix, std::unique_ptr<OwnSec
       context_.protocol().note_backlog(count == UdpSocket::kBatch);
     });
   });
+}
+
+Status DomainParticipant::announce_by_multicast(ParticipantConfig& config) {
+  const auto group = Locator::udp_v4({239, 255, 0, 1},
+                                     static_cast<std::uint16_t>(ports::base(options_.domain_id)));
+  for (const auto& interface : interfaces_) {
+    const auto joined = sockets_->join(group, interface.address);
+    if (joined) continue;
+    // With peers to announce to, others are found all the same.
+    if (interfaces_.size() == 1 && config.announce_to.empty()) return joined;
+    context_.environment().events.raise(Event(joined.error().in(to_string({&interface, 1}))));
+  }
+  if (!sockets_->has_joined()) return {};
+  config.metatraffic_multicast = {group};
+  config.announce_to.push_back(group);
+  return {};
 }
 
 Status DomainParticipant::enable() {

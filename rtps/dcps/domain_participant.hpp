@@ -8,6 +8,7 @@
 #include "rtps/dcps/subscriber.hpp"
 #include "rtps/durability/durable_store.hpp"
 #include "rtps/transport/event_loop.hpp"
+#include "rtps/transport/interfaces.hpp"
 #include "rtps/transport/ports.hpp"
 
 namespace ddssec::rtps {
@@ -17,9 +18,12 @@ struct DomainParticipantOptions {
   std::string domain_tag = {};
   std::string entity_name = {};
   Bytes user_data = {};
-  std::string interface = "127.0.0.1";  ///< address of the interface to use
-  bool multicast = false;               ///< announce to and listen at 239.255.0.1
-  /// Addresses that are announced to by unicast, at the ports of participant indexes 0 to 9.
+  /// Names or addresses of the interfaces to use, {"lo"} to stay on this machine. Without any:
+  /// every IPv4 interface that is up and does multicast, or the loopback if there is none.
+  std::vector<std::string> interfaces = {};
+  bool multicast = true;  ///< announce to and listen at 239.255.0.1 on each of them
+  /// Addresses that are announced to by unicast, at the ports of participant indexes 0 to 9: by
+  /// default those participants of this machine that use its loopback alone.
   std::vector<std::string> peers = {"127.0.0.1"};
   Duration lease_duration{{10, 0}};
   /// Between announcements of the participant, after the first few; 0: as the lease wants it.
@@ -71,8 +75,10 @@ class DomainParticipant final : private ParticipantContext::Server,
  public:
   static constexpr int kAnnouncedIndexes = 10;
 
-  /// Errors: invalid_property (no such domain or address), rtps_port_taken (all indexes),
-  /// rtps_socket_failed, random_failed, rtps_store_unusable, rtps_store_failed.
+  /// Raises rtps_joined, which names the interfaces. Errors: invalid_property (no such domain or
+  /// address), rtps_address_not_here (no such interface), rtps_port_taken (all indexes),
+  /// rtps_no_multicast (and no peers), rtps_socket_failed, random_failed, rtps_store_unusable,
+  /// rtps_store_failed.
   static Result<std::unique_ptr<DomainParticipant>> create(DomainParticipantOptions options,
                                                            const Environment& environment);
   ~DomainParticipant() override;
@@ -174,6 +180,9 @@ class DomainParticipant final : private ParticipantContext::Server,
 
   DomainParticipant(DomainParticipantOptions options, const Environment& environment);
   Status open_sockets();
+  Result<UdpSocket> open_socket(std::uint32_t port) const;
+  Status announce_by_multicast(ParticipantConfig& config);
+  Event joined() const;
   Status start(const GuidPrefix& prefix, std::unique_ptr<OwnSecurity> security);
   void wake() override;
   void serve(std::chrono::nanoseconds most) override;
@@ -200,7 +209,7 @@ class DomainParticipant final : private ParticipantContext::Server,
   const DomainParticipantOptions options_;
   DomainParticipantQos qos_;
   Qos default_topic_qos_;
-  Locator interface_;
+  std::vector<NetworkInterface> interfaces_;
   int index_ = 0;
   MonotonicTime next_assertion_{};  ///< writes of manual writers are told to all no earlier
   Guid guid_;

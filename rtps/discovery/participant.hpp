@@ -15,6 +15,7 @@
 #include "rtps/qos/matching.hpp"
 #include "rtps/reliability/stateful_reader.hpp"
 #include "rtps/security/security.hpp"
+#include "rtps/transport/interfaces.hpp"
 #include "rtps/wire/entity_ids.hpp"
 #include "rtps/wire/message_reader.hpp"
 
@@ -59,6 +60,8 @@ struct ParticipantConfig {
   Bytes user_data = {};
   Duration lease_duration{{10, 0}};
   LocatorList metatraffic_unicast = {}, metatraffic_multicast = {}, default_unicast = {};
+  /// Of this machine, that lead to others; without any, all addresses of others are taken to do so.
+  std::vector<NetworkInterface> interfaces = {};
   /// Where announcements go: multicast groups and the well-known ports of unicast peers.
   std::vector<Locator> announce_to = {};
   /// Of announcements, after the first few, which come quickly; 0: as the lease wants it.
@@ -76,8 +79,10 @@ struct ParticipantCounters {
   std::uint64_t refused_discovery = 0;  ///< announcements that were not believed or had no room
 };
 
-/// The few of `announced` that one can and may send to; without any, `fallback`.
-LocatorList usable_locators(const LocatorList& announced, const LocatorList& fallback);
+/// The few of `announced` that one can and may send to, the nearest (keep_nearest); without any,
+/// `fallback`.
+LocatorList usable_locators(const LocatorList& announced, const LocatorList& fallback,
+                            std::span<const NetworkInterface> own);
 /// When a participant that was heard at `now` counts as gone.
 MonotonicTime lease_end(const ParticipantData& data, MonotonicTime now);
 
@@ -289,6 +294,7 @@ class Participant final : private SecurityHost {
 
   ParticipantData own_data() const;
   void announce(std::span<const Locator> to);
+  void announce(const ParticipantData& own, std::span<const Locator> to, std::size_t interface);
   MonotonicTime announcement_period() const;
   void announce_securely(bool leaving);
   Status on_spdp(const Data& data, const Context& context);

@@ -83,12 +83,12 @@ void Participant::on_refused(const GuidPrefix& peer) {
 
 LocatorList Participant::on_proven(const GuidPrefix& peer, const ParticipantData& proven) {
   const auto at = remotes_.find(peer);
-  auto metatraffic = usable_locators(proven.metatraffic_unicast, {});
+  auto metatraffic = usable_locators(proven.metatraffic_unicast, {}, config_.interfaces);
   if (at == remotes_.end()) return metatraffic;
   auto& remote = at->second;
   remote.data.vendor = proven.vendor;
   remote.data.builtin_endpoints = proven.builtin_endpoints;
-  remote.user = usable_locators(proven.default_unicast, remote.user);
+  remote.user = usable_locators(proven.default_unicast, remote.user, config_.interfaces);
   // Cyclone DDS leaves it to DCPSParticipantsSecure.
   if (proven.vendor != kVendorCyclone) remote.data.lease_duration = proven.lease_duration;
   if (!metatraffic.empty()) remote.metatraffic = metatraffic;

@@ -360,8 +360,9 @@ void Participant::match(LocalWriter& writer, Remote& remote, const EndpointData&
     readiness_.push_back({writer.data.guid, data.guid, now_ + kReadiness});
   }
   const bool history = data.qos.durability >= DurabilityKind::transient_local;
-  writer.protocol->match({data.guid, data.qos.is_reliable(), history,
-                          near ? LocatorList{} : usable_locators(data.unicast, remote.user), near,
+  const auto locators =
+      near ? LocatorList{} : usable_locators(data.unicast, remote.user, config_.interfaces);
+  writer.protocol->match({data.guid, data.qos.is_reliable(), history, locators, near,
                           std::move(filter), key_reading_of(remote.data)},
                          now_);
   if (!waits) writer.listener->on_matched(data);
@@ -414,8 +415,9 @@ void Participant::match(LocalReader& reader, Remote& remote, const EndpointData&
   const bool near = neighbour(reader.data.guid.entity, data.guid) != nullptr;
   const bool history =
       std::min(data.qos.durability, reader.data.qos.durability) >= DurabilityKind::transient_local;
-  reader.protocol->match({data.guid, data.qos.is_reliable(),
-                          near ? LocatorList{} : usable_locators(data.unicast, remote.user), near,
+  const auto locators =
+      near ? LocatorList{} : usable_locators(data.unicast, remote.user, config_.interfaces);
+  reader.protocol->match({data.guid, data.qos.is_reliable(), locators, near,
                           keys_of(reader.data.guid.entity, data.guid)},
                          now_, history);
   reader.listener->on_matched(data);

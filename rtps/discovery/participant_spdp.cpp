@@ -23,12 +23,14 @@ void add_locators(LocatorList& known, const LocatorList& more) {
 }  // namespace
 
 // An announcement may name any address; only what one can send to, and little of it, is used.
-LocatorList usable_locators(const LocatorList& announced, const LocatorList& fallback) {
+LocatorList usable_locators(const LocatorList& announced, const LocatorList& fallback,
+                            std::span<const NetworkInterface> own) {
   constexpr std::size_t kMostUsed = 4;
   LocatorList out;
   for (const auto& locator : announced)
-    if (locator.is_usable() && !locator.is_multicast() && out.size() < kMostUsed)
-      out.push_back(locator);
+    if (locator.is_usable() && !locator.is_multicast()) out.push_back(locator);
+  keep_nearest(out, own);
+  if (out.size() > kMostUsed) out.resize(kMostUsed);
   return out.empty() ? fallback : out;
 }
 
@@ -63,13 +65,35 @@ ParticipantData Participant::own_data() const {
   return own;
 }
 
+// A participant may send to the first address that is announced, whether it leads to us or not
+// (Cyclone DDS 0.10): in each network it hears of our address there alone.
 void Participant::announce(std::span<const Locator> to) {
   const auto own = own_data();
+  if (config_.interfaces.size() < 2) return announce(own, to, kEveryInterface);
+  LocatorList elsewhere(to.begin(), to.end());
+  for (std::size_t i = 0; i < config_.interfaces.size(); ++i) {
+    const auto& interface = config_.interfaces[i];
+    LocatorList here;
+    for (const auto& locator : to)
+      if (locator.is_multicast() || interface.reaches(locator)) here.push_back(locator);
+    if (here.empty()) continue;
+    const auto is_other = [&](const auto& l) { return l.address != interface.address.address; };
+    auto data = own;
+    std::erase_if(data.metatraffic_unicast, is_other);
+    std::erase_if(data.default_unicast, is_other);
+    announce(data, here, i);
+    std::erase_if(elsewhere, [&](const auto& l) { return std::ranges::count(here, l) > 0; });
+  }
+  if (!elsewhere.empty()) announce(own, elsewhere, kEveryInterface);
+}
+
+void Participant::announce(const ParticipantData& own, std::span<const Locator> to,
+                           std::size_t interface) {
   std::array<std::uint8_t, MessageSender::kLargestMessage> buffer;
   SpanWriter payload(buffer);
   write_payload(payload, own);
   const Data data{kSpdpReader, kSpdpWriter, {1}, {}, PayloadKind::data, payload.view()};
-  sender_.add({{}, to}, data);
+  sender_.add({.locators = to, .interface = interface}, data);
   sender_.flush();
 }
 
@@ -142,12 +166,12 @@ void Participant::add_remote(ParticipantData data, MonotonicTime now) {
   if (ignored_.participants.contains(prefix)) return;
   if (const auto known = remotes_.find(prefix); known != remotes_.end())
     return on_known(known->second, std::move(data), now);
-  auto metatraffic = usable_locators(data.metatraffic_unicast, {});
+  auto metatraffic = usable_locators(data.metatraffic_unicast, {}, config_.interfaces);
   if (metatraffic.empty() || (remotes_.size() >= kMostParticipants && !make_room())) {
     ++counters_.refused_discovery;
     return;
   }
-  auto user = usable_locators(data.default_unicast, metatraffic);
+  auto user = usable_locators(data.default_unicast, metatraffic, config_.interfaces);
   const auto end = lease_end(data, now);
   next_lease_ = std::min(next_lease_, end);
   const auto verdict =
@@ -215,8 +239,9 @@ void Participant::on_known(Remote& remote, ParticipantData data, MonotonicTime n
     remove_remote(prefix);
     return add_remote(std::move(data), now);
   }
-  add_locators(remote.metatraffic, usable_locators(data.metatraffic_unicast, {}));
-  add_locators(remote.user, usable_locators(data.default_unicast, {}));
+  add_locators(remote.metatraffic,
+               usable_locators(data.metatraffic_unicast, {}, config_.interfaces));
+  add_locators(remote.user, usable_locators(data.default_unicast, {}, config_.interfaces));
   security_->announced_again(data, remote.metatraffic, now);
 }
 

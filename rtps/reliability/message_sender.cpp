@@ -20,7 +20,8 @@ void MessageSender::protect_with(SendProtection& protection) {
 }
 
 void MessageSender::begin(const Destination& to, SendProtection::Wrap wrap) {
-  const bool other = !std::ranges::equal(to.locators, to_) || wrap != wrap_ || to.dscp != dscp_;
+  const bool other = !std::ranges::equal(to.locators, to_) || wrap != wrap_ || to.dscp != dscp_ ||
+                     to.interface != interface_;
   if (other && (out_.size() > 0 || waiting_ > 0))
     flush_now();
   else if (out_.size() >= full_size_)
@@ -34,6 +35,7 @@ void MessageSender::begin(const Destination& to, SendProtection::Wrap wrap) {
   receiver_ = empty || to.prefix == receiver_ ? to.prefix : GuidPrefix{};
   destination_ = to.prefix;
   dscp_ = to.dscp;
+  interface_ = to.interface;
   wrap_ = wrap;
 }
 
@@ -106,7 +108,8 @@ void MessageSender::wait_for_more(BytesView message) {
 }
 
 void MessageSender::send_waiting() {
-  if (waiting_ > 0) transport_.send_all({std::span(messages_).first(waiting_), to_, dscp_});
+  if (waiting_ > 0)
+    transport_.send_all({std::span(messages_).first(waiting_), to_, dscp_, interface_});
   waiting_ = 0;
   waiting_octets_ = 0;
 }

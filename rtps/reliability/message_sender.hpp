@@ -23,9 +23,10 @@ inline constexpr MonotonicTime kNever = MonotonicTime::max();
 
 /// Whom a submessage is for.
 struct Destination {
-  GuidPrefix prefix = {};                  ///< zero: everybody at the locators
-  std::span<const Locator> locators = {};  ///< borrowed for the call
-  std::uint8_t dscp = 0;                   ///< see Outgoing
+  GuidPrefix prefix = {};                   ///< zero: everybody at the locators
+  std::span<const Locator> locators = {};   ///< borrowed for the call
+  std::uint8_t dscp = 0;                    ///< see Outgoing
+  std::size_t interface = kEveryInterface;  ///< see Outgoing
 };
 
 /// Submessages for the same locators share a message until it is full or flushed, and the messages
@@ -174,8 +175,9 @@ class MessageSender {
   SpanWriter out_;  ///< the message that is written, in the next slot or to be protected into it
   std::vector<Locator> to_;  ///< of all that waits
   std::uint8_t dscp_ = 0;    ///< the same
-  GuidPrefix destination_;   ///< of the last submessage
-  GuidPrefix receiver_;      ///< of all submessages in the message, or zero
+  std::size_t interface_ = kEveryInterface;
+  GuidPrefix destination_;  ///< of the last submessage
+  GuidPrefix receiver_;     ///< of all submessages in the message, or zero
   SendProtection::Wrap wrap_ = SendProtection::Wrap::none;
   bool may_linger_ = false;
   MonotonicTime flush_by_ = kNever;

@@ -1,6 +1,7 @@
 // What the protocol needs of a transport; TCP and shared memory can stand behind it as well as UDP.
 #pragma once
 
+#include <limits>
 #include <span>
 
 #include "base/bytes.hpp"
@@ -8,11 +9,15 @@
 
 namespace ddssec::rtps {
 
+/// Of Outgoing: messages to a group leave by each interface.
+inline constexpr std::size_t kEveryInterface = std::numeric_limits<std::size_t>::max();
+
 /// Messages for the same receivers, borrowed for the call.
 struct Outgoing {
   std::span<const BytesView> messages = {};
   std::span<const Locator> to = {};
   std::uint8_t dscp = 0;  ///< differentiated services code point (RFC 2474), 0 to 63
+  std::size_t interface = kEveryInterface;  ///< by which messages to a group leave: its number
 };
 
 class Transport {

@@ -129,6 +129,10 @@ Result<UdpSocket> UdpSocket::bind(const Locator& at, std::size_t buffer) {
 
 Result<UdpSocket> UdpSocket::on_interface(const Locator& interface, std::size_t buffer) {
   if (interface.is_loopback() || interface.is_unspecified()) return bind(interface, buffer);
+  return everywhere(interface, buffer);
+}
+
+Result<UdpSocket> UdpSocket::everywhere(const Locator& interface, std::size_t buffer) {
   auto socket = DDSSEC_TRY(bind({interface.kind, interface.port, {}}, buffer));
   socket.local_.address = interface.address;
   // What goes to a group leaves by this interface, whatever the routes say.
@@ -143,9 +147,13 @@ Result<UdpSocket> UdpSocket::on_interface(const Locator& interface, std::size_t 
 
 Result<UdpSocket> UdpSocket::join(const Locator& group, const Locator& interface) {
   auto socket = DDSSEC_TRY(open(group, true, kWantedBuffer));
-  if (!join_group(socket.fd(), group, interface))
-    return failed(Code::rtps_no_multicast, "join multicast group", group);
+  DDSSEC_TRY(socket.join_also(group, interface));
   return socket;
+}
+
+Status UdpSocket::join_also(const Locator& group, const Locator& interface) {
+  if (join_group(fd(), group, interface)) return {};
+  return failed(Code::rtps_no_multicast, "join multicast group", group);
 }
 
 std::size_t UdpSocket::receive_buffer_size() const {

@@ -47,9 +47,14 @@ class UdpSocket {
   /// `interface`. On loopback: bound to it alone. Errors: as bind.
   static Result<UdpSocket> on_interface(const Locator& interface,
                                         std::size_t buffer = kWantedBuffer);
+  /// The same, and if `interface` is the loopback reachable by every address all the same: for a
+  /// participant that uses several interfaces.
+  static Result<UdpSocket> everywhere(const Locator& interface, std::size_t buffer = kWantedBuffer);
   /// Bound to the port of `group` and joined to it on the interface with address `interface`.
   /// Errors besides: rtps_no_multicast.
   static Result<UdpSocket> join(const Locator& group, const Locator& interface);
+  /// Receives what comes to `group` by another interface too. Errors: rtps_no_multicast.
+  Status join_also(const Locator& group, const Locator& interface);
 
   int fd() const { return fd_.value(); }
   const Locator& local() const { return local_; }

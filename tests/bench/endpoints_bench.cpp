@@ -44,9 +44,12 @@ struct World {
   test::Silent events;
 
   std::unique_ptr<rtps::DomainParticipant> participant() {
-    auto made = rtps::DomainParticipant::create(
-        {.domain_id = kDomain, .domain_tag = std::to_string(getpid()), .in_process = false},
-        Environment{clock, random, events});
+    auto made = rtps::DomainParticipant::create({.domain_id = kDomain,
+                                                 .domain_tag = std::to_string(getpid()),
+                                                 .interfaces = {"127.0.0.1"},
+                                                 .multicast = false,
+                                                 .in_process = false},
+                                                Environment{clock, random, events});
     if (!made) std::fprintf(stderr, "%s\n", made.error().to_sentence().c_str()), std::exit(1);
     return std::move(*made);
   }

@@ -56,7 +56,9 @@ T must(Result<T> made) {
 template <class T>
 void measure(const Environment& environment, const char* name) {
   rtps::DomainParticipantOptions options{.domain_id = kDomain,
-                                         .domain_tag = std::to_string(getpid())};
+                                         .domain_tag = std::to_string(getpid()),
+                                         .interfaces = {"127.0.0.1"},
+                                         .multicast = false};
   auto one = must(rtps::DomainParticipant::create(options, environment));
   auto other = must(rtps::DomainParticipant::create(options, environment));
   auto* writer = must(must(one->create_publisher())

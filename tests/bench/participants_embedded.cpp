@@ -41,7 +41,7 @@ int run(const bench_options& options) {
   const Environment environment{clock, random, events};
   secured::Engines engines(environment);
   rtps::DomainParticipantOptions wanted{.domain_id = static_cast<DomainId>(options.domain),
-                                        .interface = options.address,
+                                        .interfaces = {options.address},
                                         .multicast = true,
                                         .peers = {},
                                         .announce_types = false};

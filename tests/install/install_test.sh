@@ -28,14 +28,15 @@ ${CXX:-c++} "$consumer/main.cpp" -o "$scratch/consumer" $flags || die "pkg-confi
 cmake -G Ninja -S "$examples" -B "$scratch/examples" -DCMAKE_PREFIX_PATH="$installed" >"$scratch/configure.log"
 cmake --build "$scratch/examples" >"$scratch/build.log" || { cat "$scratch/build.log"; die "examples"; }
 "$installed/bin/ddssec" init "$scratch/demo" --domain 121 --quiet >/dev/null || die "ddssec init"
-"$scratch/examples/publisher" "$scratch/demo/talker" 121 2>"$scratch/publisher.log" &
+"$scratch/examples/publisher" "$scratch/demo/talker" 121 lo 2>"$scratch/publisher.log" &
 publisher=$!
 trap 'kill $publisher 2>/dev/null || true' EXIT
-{ timeout 20 stdbuf -oL "$scratch/examples/subscriber" "$scratch/demo/listener" 121 || true; } \
+{ timeout 20 "$scratch/examples/subscriber" "$scratch/demo/listener" 121 127.0.0.1 || true; } \
   2>"$scratch/subscriber.log" | head -n 3 >"$scratch/readings"
 cat "$scratch/publisher.log" "$scratch/subscriber.log"
+grep -q 'domain 121 on lo (127.0.0.1), .*rtps_joined' "$scratch/publisher.log" || die "it does not say where it joins"
 [ "$(grep -c '^kitchen 2[0-2]\.' "$scratch/readings")" -eq 3 ] || die "the examples exchanged nothing"
-if "$scratch/examples/publisher" "$scratch/nowhere" 121 2>"$scratch/refused"; then die "no folder, no error"; fi
+if "$scratch/examples/publisher" "$scratch/nowhere" 121 lo 2>"$scratch/refused"; then die "no folder, no error"; fi
 grep -q "nowhere" "$scratch/refused" || die "the error does not name the folder"
 for file in "$examples"/*.cpp; do
   [ "$(wc -l <"$file")" -lt 40 ] || die "$file is no small example any more"

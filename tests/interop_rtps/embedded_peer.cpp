@@ -142,8 +142,16 @@ int run(const peer_options& options) {
   const Environment environment{clock, random, events};
   const Plugins plugins(environment);
   DomainParticipantOptions wanted{.domain_id = static_cast<DomainId>(options.domain),
-                                  .interface = options.address,
+                                  .interfaces = {options.address},
+                                  .multicast = false,
                                   .peers = {options.peer}};
+  // As a user's program does that says nothing of networks.
+  if (options.address == std::string_view("default")) {
+    const DomainParticipantOptions standard;
+    wanted.interfaces = standard.interfaces;
+    wanted.multicast = standard.multicast;
+    wanted.peers = standard.peers;
+  }
   if (options.lease > 0)
     wanted.lease_duration = Duration::from(std::chrono::seconds(options.lease));
   if (!options.plain)

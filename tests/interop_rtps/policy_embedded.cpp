@@ -194,7 +194,8 @@ int run(bool appendable) {
   SystemRandom random;
   StderrSink log;
   RateLimitedSink events(log, clock);
-  const auto participant = DomainParticipant::create({}, Environment{clock, random, events});
+  const auto participant = DomainParticipant::create(
+      {.interfaces = {"127.0.0.1"}, .multicast = false}, Environment{clock, random, events});
   if (!participant) return 3;
   if (appendable) {
     Embedded<growing::Shape> stack(**participant);

@@ -8,7 +8,6 @@
 #include <thread>
 
 #include "rtps/dcps/domain_participant.hpp"
-#include "rtps/transport/interfaces.hpp"
 #include "tests/support/silent.hpp"
 
 namespace {
@@ -48,12 +47,8 @@ int main(int argc, char** argv) {
   const SystemClock clock;
   SystemRandom random;
   test::Silent events;
-  const auto interface = default_interface();
-  auto participant = DomainParticipant::create({.domain_id = std::atoi(argv[1]),
-                                                .interface = interface,
-                                                .multicast = true,
-                                                .peers = {interface}},
-                                               {clock, random, events});
+  auto participant =
+      DomainParticipant::create({.domain_id = std::atoi(argv[1])}, {clock, random, events});
   if (!participant) return 3;
   return publish(**participant, argv, argc);
 }

@@ -21,8 +21,9 @@ struct Other {
   rtps::Qos qos = rtps::default_writer_qos();
 
   explicit Other(std::int32_t domain) {
-    participant =
-        *rtps::DomainParticipant::create({.domain_id = domain}, Environment{clock, random, events});
+    participant = *rtps::DomainParticipant::create(
+        {.domain_id = domain, .interfaces = {"127.0.0.1"}, .multicast = false},
+        Environment{clock, random, events});
     qos.history.kind = rtps::HistoryKind::keep_all;
   }
   rtps::DataWriter<Blob>& writer(const char* topic) {

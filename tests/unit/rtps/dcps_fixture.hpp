@@ -83,6 +83,8 @@ struct Polled : ::testing::TestWithParam<Way> {
   DomainParticipantOptions options() const {
     return {.domain_id = static_cast<DomainId>(::getpid() % 200 + 30),
             .domain_tag = std::to_string(::getpid()),
+            .interfaces = {"127.0.0.1"},
+            .multicast = false,
             .own_thread = false,
             .in_process = GetParam() == Way::in_process};
   }

@@ -22,6 +22,8 @@ struct OneParticipant : ::testing::Test {
   testing::End a{environment,
                  {.domain_id = static_cast<DomainId>(::getpid() % 200 + 30),
                   .domain_tag = std::to_string(::getpid()),
+                  .interfaces = {"127.0.0.1"},
+                  .multicast = false,
                   .own_thread = false}};
   void pass(std::chrono::milliseconds by) {
     clock.advance(by);

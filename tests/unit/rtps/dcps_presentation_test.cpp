@@ -263,6 +263,8 @@ TEST(PresentingConcurrently, OneAccessSeesAllTopicsOfASetOrNone) {
       const DomainParticipantOptions options{
           .domain_id = static_cast<DomainId>(::getpid() % 200 + 30),
           .domain_tag = "sets" + std::to_string(::getpid()),
+          .interfaces = {"127.0.0.1"},
+          .multicast = false,
           .in_process = in_process};
       testing::End a(environment, options), b(environment, options);
       const Presentation access{scope, true, false};

@@ -20,6 +20,8 @@ struct Dcps : ::testing::TestWithParam<testing::Way> {
   static DomainParticipantOptions options() {
     return {.domain_id = static_cast<DomainId>(::getpid() % 200 + 30),
             .domain_tag = std::to_string(::getpid()),
+            .interfaces = {"127.0.0.1"},
+            .multicast = false,
             .in_process = GetParam() == testing::Way::in_process};
   }
   testing::End a{environment, options()}, b{environment, options()};
@@ -164,9 +166,10 @@ TEST_P(Dcps, BadOptionsAreNamed) {
     return code_of(DomainParticipant::create(std::move(options), environment));
   };
   EXPECT_EQ(refused({.domain_id = 233}), Code::invalid_property);
-  EXPECT_EQ(refused({.interface = "eth0"}), Code::invalid_property);
+  EXPECT_EQ(refused({.interfaces = {"0.0.0.0"}}), Code::invalid_property);
+  EXPECT_EQ(refused({.interfaces = {"no such one"}}), Code::rtps_address_not_here);
   EXPECT_EQ(refused({.peers = {"host"}}), Code::invalid_property);
-  EXPECT_EQ(refused({.interface = "192.0.2.1"}), Code::rtps_address_not_here);
+  EXPECT_EQ(refused({.interfaces = {"192.0.2.1"}}), Code::rtps_address_not_here);
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, Dcps,

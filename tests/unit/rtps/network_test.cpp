@@ -27,10 +27,11 @@ struct NetworkTrouble : ::testing::Test {
 };
 
 TEST_F(NetworkTrouble, ASmallReceiveBufferIsOneWarning) {
-  const auto participant = create({.domain_id = 74, .receive_buffer = 64 << 10});
+  const auto participant =
+      create({.domain_id = 74, .interfaces = {"lo"}, .receive_buffer = 64 << 10});
   ASSERT_TRUE(participant);
   for (int i = 0; i < 10; ++i) (*participant)->poll(std::chrono::milliseconds(1));
-  EXPECT_THAT(said(), ::testing::ElementsAre(Code::rtps_receive_buffer_small));
+  EXPECT_THAT(said(), ::testing::ElementsAre(Code::rtps_receive_buffer_small, Code::rtps_joined));
   EXPECT_EQ(events.seen[0].severity, Severity::warning);
 }
 
@@ -41,11 +42,11 @@ TEST_F(NetworkTrouble, WhereAllPortsAreTakenIsSaid) {
   for (int i = 0; i < ports::kMostIndexes; ++i)
     taken.push_back(
         *UdpSocket::bind(*Locator::parse(address, static_cast<std::uint16_t>(ports::user(74, i)))));
-  const auto refused = create({.domain_id = 74, .interface = address});
+  const auto refused = create({.domain_id = 74, .interfaces = {address}});
   ASSERT_EQ(code_of(refused), Code::rtps_port_taken);
   EXPECT_THAT(refused.error().to_sentence(), ::testing::HasSubstr("participant index"));
   taken.erase(taken.begin() + 7);
-  EXPECT_TRUE(create({.domain_id = 74, .interface = address}));
+  EXPECT_TRUE(create({.domain_id = 74, .interfaces = {address}}));
 }
 
 /// The masks of blocked signals of all threads but the calling one.
@@ -63,7 +64,7 @@ std::vector<std::uint64_t> masks_of_other_threads() {
 // The host's handler, or its sigwait, is to have them.
 TEST_F(NetworkTrouble, Thread_OfAParticipant_BlocksTheSignalsOfTheProcess) {
   const auto before = masks_of_other_threads().size();
-  DomainParticipantOptions options{.domain_id = 76};
+  DomainParticipantOptions options{.domain_id = 76, .interfaces = {"lo"}};
   options.own_thread = true;
   const auto participant =
       DomainParticipant::create(std::move(options), Environment{clock, random, events});
@@ -75,18 +76,17 @@ TEST_F(NetworkTrouble, Thread_OfAParticipant_BlocksTheSignalsOfTheProcess) {
 }
 
 TEST_F(NetworkTrouble, AnAddressOfNobodyIsSaid) {
-  const auto refused = create({.domain_id = 74, .interface = "192.0.2.1"});
+  const auto refused = create({.domain_id = 74, .interfaces = {"192.0.2.1"}});
   ASSERT_EQ(code_of(refused), Code::rtps_address_not_here);
   EXPECT_THAT(refused.error().to_sentence(), ::testing::HasSubstr("ip -brief address"));
 }
 
 // The group is one of IPv4.
 TEST_F(NetworkTrouble, WithoutMulticastPeersAreEnoughAndNobodyIsAnError) {
-  const auto with_peers =
-      create({.domain_id = 75, .interface = "::1", .multicast = true, .peers = {"::1"}});
+  const auto with_peers = create({.domain_id = 75, .interfaces = {"::1"}, .peers = {"::1"}});
   ASSERT_TRUE(with_peers) << with_peers.error().to_sentence();
   EXPECT_THAT(said(), ::testing::Contains(Code::rtps_no_multicast));
-  EXPECT_EQ(code_of(create({.domain_id = 75, .interface = "::1", .multicast = true, .peers = {}})),
+  EXPECT_EQ(code_of(create({.domain_id = 75, .interfaces = {"::1"}, .peers = {}})),
             Code::rtps_no_multicast);
 }
 

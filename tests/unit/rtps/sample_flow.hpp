@@ -48,7 +48,8 @@ inline DomainParticipantOptions undisturbed() {
   const auto octet = [](int shift) { return std::to_string(::getpid() >> shift & 0xff); };
   const auto address = "127.72." + octet(8) + "." + octet(0);
   return {.domain_id = 72,
-          .interface = address,
+          .interfaces = {address},
+          .multicast = false,
           .peers = {address},
           .own_thread = false,
           .in_process = false};

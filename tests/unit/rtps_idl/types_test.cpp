@@ -160,7 +160,9 @@ class Events final : public EventSink {
 class TypesOnTheWire : public testing::Test {
  protected:
   std::unique_ptr<DomainParticipant> participant(DomainId domain) {
-    return *DomainParticipant::create({.domain_id = domain}, {clock_, random_, events_});
+    return *DomainParticipant::create(
+        {.domain_id = domain, .interfaces = {"127.0.0.1"}, .multicast = false},
+        {clock_, random_, events_});
   }
   static bool soon(const auto& ready) {
     for (int i = 0; i < 500 && !ready(); ++i)

@@ -39,6 +39,8 @@ struct Secured {
         DomainParticipant::create(
             {.domain_id = kDomain,
              .domain_tag = std::to_string(::getpid()),
+             .interfaces = {"127.0.0.1"},
+             .multicast = false,
              .own_thread = false,
              .durability_store = std::move(store),
              .security = SecurityOptions{{*authentication, *access_control, *cryptography},

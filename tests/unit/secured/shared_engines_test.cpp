@@ -52,6 +52,8 @@ struct World {
     rtps::DomainParticipantOptions options{
         .domain_id = static_cast<DomainId>(::getpid() % 200 + 30),
         .domain_tag = std::to_string(::getpid()),
+        .interfaces = {"127.0.0.1"},
+        .multicast = false,
         .in_process = false};
     options.security.emplace(
         engines.view(),
