@@ -21,7 +21,9 @@ Result<Participant> Participant::join(const std::filesystem::path& folder,
   return Participant(std::move(state));
 }
 
-rtps::Qos Participant::reliable_reader_qos() {
+rtps::Qos Participant::writer_qos() { return rtps::default_writer_qos(); }
+
+rtps::Qos Participant::reader_qos() {
   auto qos = rtps::default_reader_qos();
   qos.reliability.kind = rtps::ReliabilityKind::reliable;
   return qos;

@@ -25,23 +25,26 @@ class Participant {
                                   rtps::DomainParticipantOptions options = {},
                                   EventSink* events = nullptr);
 
-  /// A writer, reliable unless `qos` says otherwise. Errors: those of access control (the
+  /// Reliable, and otherwise as DDS has it by default. For a policy of your own change one of
+  /// these: in a Qos made by hand RELIABILITY is BEST_EFFORT, as DDS has it for readers.
+  static rtps::Qos writer_qos();
+  static rtps::Qos reader_qos();
+
+  /// A writer with writer_qos(), or with `qos`. Errors: those of access control (the
   /// permissions do not allow it), rtps_bad_parameter (the topic has another type),
   /// rtps_qos_inconsistent.
   template <rtps::DdsType T>
   Result<rtps::DataWriter<T>*> writer(const std::string& topic, std::optional<rtps::Qos> qos = {}) {
     const auto on = topic_of<T>(topic);
     if (!on) return std::unexpected(on.error());
-    return state_->publisher->create_datawriter<T>(
-        **on, std::move(qos).value_or(rtps::default_writer_qos()));
+    return state_->publisher->create_datawriter<T>(**on, std::move(qos).value_or(writer_qos()));
   }
-  /// A reader, reliable unless `qos` says otherwise. Errors: as of writer.
+  /// A reader with reader_qos(), or with `qos`. Errors: as of writer.
   template <rtps::DdsType T>
   Result<rtps::DataReader<T>*> reader(const std::string& topic, std::optional<rtps::Qos> qos = {}) {
     const auto on = topic_of<T>(topic);
     if (!on) return std::unexpected(on.error());
-    return state_->subscriber->create_datareader<T>(**on,
-                                                    std::move(qos).value_or(reliable_reader_qos()));
+    return state_->subscriber->create_datareader<T>(**on, std::move(qos).value_or(reader_qos()));
   }
 
   /// Makes new keys for those who are trusted now; see rtps::DomainParticipant::revise_keys.
@@ -64,7 +67,6 @@ class Participant {
   };
 
   explicit Participant(std::unique_ptr<State> state) : state_(std::move(state)) {}
-  static rtps::Qos reliable_reader_qos();
   template <rtps::DdsType T>
   Result<rtps::Topic*> topic_of(const std::string& name) {
     if (auto* known = dds().lookup_topicdescription(name)) return known;

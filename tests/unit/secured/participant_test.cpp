@@ -92,6 +92,11 @@ TEST(SecuredParticipant, AFileThatIsMissingIsNamed) {
   EXPECT_THAT(participant.error().to_sentence(), HasSubstr("identity_ca.pem"));
 }
 
+TEST(SecuredParticipant, Qos_ThatAnApplicationChanges_IsReliableFromTheStart) {
+  EXPECT_EQ(Participant::reader_qos().reliability.kind, rtps::ReliabilityKind::reliable);
+  EXPECT_EQ(Participant::writer_qos().reliability.kind, rtps::ReliabilityKind::reliable);
+}
+
 TEST(SecuredParticipant, AnErrorThatNobodyHandlesEndsTheProgramWithItsSentence) {
   EXPECT_EXIT(or_exit<int>(fail(Code::file_unreadable, {.document = "a.pem"})), ExitedWithCode(1),
               "a.pem");
