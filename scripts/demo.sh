@@ -19,7 +19,7 @@ prepare() {
   local only=()
   [ -e "$build/build.ninja" ] || only=(-DDDSSEC_BUILD_TESTS=OFF -DDDSSEC_BUILD_BENCH=OFF)
   cmake --preset release "${only[@]}" >/dev/null || die "cmake could not configure; see the message above"
-  cmake --build --preset release --target ddssec_dropin ddssec-example cyclone_peer fastdds_peer ||
+  cmake --build --preset release --target ddssec_all ddssec-example cyclone_peer fastdds_peer ||
     die "the build failed"
   step "a fresh PKI, made by our code: one CA, five participants, one governance document"
   rm -rf "$work"
@@ -123,5 +123,5 @@ else
   namespace=(unshare --net)
   [ "$(id -u)" = 0 ] || namespace=(unshare --net --map-root-user)
   "${namespace[@]}" "$PWD/scripts/demo.sh" --in-namespace
-  printf '\nNext, the tool and the other programs: cmake --build --preset release --target ddssec_all\n'
+  printf '\nNext: %s/bin/ddssec init demo makes the security files of your own applications (README.md).\n' "$build"
 fi

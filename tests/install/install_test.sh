@@ -42,6 +42,11 @@ for file in "$examples"/*.cpp; do
   [ "$(wc -l <"$file")" -lt 40 ] || die "$file is no small example any more"
 done
 
+# What README and rtps/README name.
+for program in ddssec ddssec-keeper ddssec-peer ddssec-shapes; do
+  "$installed/bin/$program" --help >/dev/null || die "$program is not installed, or does not run"
+done
+
 dropin=$(PKG_CONFIG_PATH=$pc pkg-config --variable dropindir ddssec)
 for name in auth ac crypto; do
   [ -e "$dropin/libdds_security_$name.so" ] || die "no libdds_security_$name.so in $dropin"
