@@ -100,6 +100,7 @@ function(ddssec_library name)
   set_property(GLOBAL APPEND PROPERTY DDSSEC_LIBRARIES ${name})
   target_include_directories(ddssec_${name} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/ddssec>)
+  target_compile_features(ddssec_${name} PUBLIC cxx_std_23)  # their headers need it
   target_link_libraries(ddssec_${name} PUBLIC ${ARG_PUBLIC}
                         PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:ddssec_options>)
   list(LENGTH ARG_SOURCES files)
