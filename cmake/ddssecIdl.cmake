@@ -17,9 +17,11 @@ function(ddssec_idl_generate target)
   endif()
   if(TARGET ddssec_idlc)
     set(plugin $<TARGET_FILE:ddssec_idlc>)
-    set(depends ddssec_idlc)
+    set(explain $<TARGET_FILE:ddssec-idl-explain>)
+    set(depends ddssec_idlc ddssec-idl-explain)
   else()
     set(plugin ${DDSSEC_IDLC_PLUGIN})
+    set(explain ${DDSSEC_IDL_EXPLAIN})
     set(depends ${DDSSEC_IDLC_PLUGIN})
   endif()
   set(options "")
@@ -41,6 +43,7 @@ function(ddssec_idl_generate target)
     get_filename_component(stem ${file} NAME_WE)
     add_custom_command(OUTPUT ${folder}/${stem}.hpp
       COMMAND ${DDSSEC_IDLC} -l ${plugin} -W no-implicit-extensibility ${options} -o ${folder} ${file}
+              || ${explain} ${file}
       DEPENDS ${ARG_UNPARSED_ARGUMENTS} ${depends} WORKING_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}
       COMMENT "${stem}.hpp from ${stem}.idl" VERBATIM)
     list(APPEND headers ${folder}/${stem}.hpp)

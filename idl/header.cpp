@@ -42,6 +42,8 @@ constexpr std::array kRefused = {
     Refused{tree_mutable, "@mutable", "make it @appendable"},
     Refused{tree_keylist, "#pragma keylist", "write @key before the members"},
     Refused{tree_hashed_ids, "@autoid(HASH)", "leave it out: ids follow the order of members"},
+    Refused{tree_representation, "@data_representation",
+            "leave it out: the QoS policy DATA_REPRESENTATION of writers and readers says it"},
     Refused{tree_optional, "@optional", "use a sequence with the bound 1"},
     Refused{tree_external, "@external", "leave it out"},
     Refused{tree_own_id, "@id and @hashid", "leave it out: ids follow the order of members"}};
@@ -160,6 +162,8 @@ void Header::structure(const void* which) {
       if (check(name)) members.push_back(member(at, name));
   }
   declared_ += "\n  bool operator==(const " + cpp_name(which) + "&) const = default;\n};\n";
+  // idlc ends itself over the TypeInformation of a type with wchar.
+  if (refusals_.any()) return;
   if (members.empty())
     refusals_.refuse(which, "a struct without members", "give it one");
   else

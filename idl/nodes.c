@@ -95,6 +95,7 @@ static unsigned flags_of_struct(const idl_struct_t* node) {
   if (node->inherit_spec != NULL) flags |= tree_inherits;
   if (node->keylist != NULL) flags |= tree_keylist;
   if (node->autoid.value == IDL_HASH) flags |= tree_hashed_ids;
+  if (node->data_representation.annotation != NULL) flags |= tree_representation;
   return flags;
 }
 

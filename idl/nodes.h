@@ -62,7 +62,8 @@ enum tree_flag {
   tree_key = 32,
   tree_optional = 64,
   tree_external = 128,
-  tree_own_id = 256
+  tree_own_id = 256,
+  tree_representation = 512
 };
 
 // The file that is compiled, and those it includes.

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """What the generator cannot make is refused with file, line, what and what to do; nothing is written.
-Usage: refusals_test.py IDLC PLUGIN"""
+Usage: refusals_test.py IDLC PLUGIN EXPLAIN"""
 
 import pathlib
 import re
@@ -9,7 +9,7 @@ import sys
 import tempfile
 import unittest
 
-IDLC, PLUGIN = sys.argv.pop(1), str(pathlib.Path(sys.argv.pop(1)).resolve())
+IDLC, PLUGIN, EXPLAIN = sys.argv.pop(1), *(str(pathlib.Path(sys.argv.pop(1)).resolve()) for _ in range(2))
 FINE = "@final struct Fine { long x; };\n"
 
 # What stands in line 2, the words of the refusal.
@@ -26,6 +26,19 @@ REFUSED = [
     ("struct S { long double x; };", "long double", "use a double"),
     ("struct S { sequence<sequence<sequence<long, 2>, 2>, 2> x; };", "bounds three deep",
      "leave the innermost bound out"),
+    ("struct S { wchar x; };", "wchar", "use a char or a string"),
+    ("@data_representation(XCDR1) struct S { long x; };", "@data_representation", "leave it out"),
+]
+
+# What idlc calls a syntax error: the word at which it stands, and what to do.
+UNREADABLE = [
+    ("struct S { wstring x; };", "wstring", "use a string"),
+    ("struct S { wstring<8> x; };", "wstring", "use a string"),
+    ("struct S { any x; };", "any", "use a sequence<octet>"),
+    ("struct S { fixed<4, 2> x; };", "fixed", "use an integer and a scale"),
+    ("struct S { map<long, string> x; };", "map", "use a sequence of structs"),
+    ("bitset B { bitfield<3> x; };", "bitset", "use an unsigned integer"),
+    ("interface I { };", "interface", "types of topics are structs"),
 ]
 
 
@@ -44,6 +57,34 @@ class RefusalsTest(unittest.TestCase):
                 self.assertNotEqual(done.returncode, 0, said)
                 self.assertRegex(said, rf"given\.idl:2:\d+: ddssec cannot do .*{re.escape(what)}.*: {to_do}")
                 self.assertFalse((pathlib.Path(folder) / "given.hpp").exists())
+
+    def test_nothing_else_is_said_of_what_is_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            done = self.generate("struct S { wchar x; };\n", folder)
+            self.assertEqual(done.returncode, 1, "idlc must not be ended by a signal")
+            self.assertNotIn("without members", done.stdout + done.stderr)
+
+    def explain(self, text, folder):
+        file = pathlib.Path(folder) / "given.idl"
+        file.write_text(text, encoding="utf-8")
+        return subprocess.run([EXPLAIN, str(file)], capture_output=True, text=True, check=False)
+
+    def test_what_idlc_cannot_read_is_explained(self):
+        for line, word, to_do in UNREADABLE:
+            with self.subTest(line), tempfile.TemporaryDirectory() as folder:
+                self.assertNotEqual(self.generate(FINE + line + "\n", folder).returncode, 0)
+                done = self.explain(FINE + line + "\n", folder)
+                self.assertEqual(done.returncode, 1)
+                self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+                self.assertIn(f"given.idl:2:{line.index(word) + 1}: ddssec cannot do {word}: {to_do}", done.stderr)
+
+    def test_words_in_comments_literals_and_names_are_no_types(self):
+        text = ("// any map\n/* fixed\n wstring */ struct S { long _map; long anyway; };\n"
+                'const string T = "a \\" bitset"; const char C = \'"\';\nconst char D = \'\\\'\'; // native\n')
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertEqual(self.explain(text, folder).stderr, "")
+            self.assertEqual(self.explain("", folder).stderr, "")
+            self.assertIn(":1:9: ", self.explain("/* x */ any", folder).stderr)
 
     def test_several_refusals_are_all_said(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -1,0 +1,96 @@
+// ddssec-idl-explain FILE...: what idlc, which calls it only a "syntax error", cannot read, with
+// its place and what to write instead. ddssec_idl_generate runs it when idlc fails; it always
+// exits 1.
+#include <array>
+#include <cctype>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <string_view>
+
+namespace {
+
+struct Unknown {
+  std::string_view word, to_do;
+};
+// Reserved words of IDL 4.2 that idlc 0.10 does not know; a name that is one of them is written
+// _name.
+constexpr std::array kUnknown = {
+    Unknown{"wstring", "use a string, in UTF-8"},
+    Unknown{"any", "use a sequence<octet> and a string with the type's name"},
+    Unknown{"fixed", "use an integer and a scale"},
+    Unknown{"map", "use a sequence of structs with a key and a value"},
+    Unknown{"bitset", "use an unsigned integer and constants, or a struct"},
+    Unknown{"interface", "types of topics are structs: leave it out"},
+    Unknown{"valuetype", "use a struct"},
+    Unknown{"exception", "use a struct"},
+    Unknown{"native", "leave it out"}};
+
+/// Walks a file's words, with comments and literals left out.
+class Words {
+ public:
+  explicit Words(std::string_view text) : text_(text) {}
+
+  /// Empty at the end.
+  std::string_view next() {
+    while (at_ < text_.size()) {
+      if (skip_comment() || skip_literal()) continue;
+      const auto begin = at_;
+      line_of_word_ = line_;
+      column_of_word_ = begin - begin_of_line_ + 1;
+      while (at_ < text_.size() && is_part(text_[at_])) ++at_;
+      if (at_ > begin) return text_.substr(begin, at_ - begin);
+      step();
+    }
+    return {};
+  }
+  std::size_t line() const { return line_of_word_; }
+  std::size_t column() const { return column_of_word_; }
+
+ private:
+  static bool is_part(char c) {
+    return c == '_' || std::isalnum(static_cast<unsigned char>(c)) != 0;
+  }
+  bool starts(std::string_view with) const { return text_.substr(at_).starts_with(with); }
+  void step() {
+    if (text_[at_] == '\n') ++line_, begin_of_line_ = at_ + 1;
+    ++at_;
+  }
+  bool skip_comment() {
+    const std::string_view end = starts("//") ? "\n" : starts("/*") ? "*/" : "";
+    if (end.empty()) return false;
+    for (at_ += 2; at_ < text_.size() && !starts(end);) step();
+    for (std::size_t i = 0; i < end.size() && at_ < text_.size(); ++i) step();
+    return true;
+  }
+  bool skip_literal() {
+    const char quote = text_[at_];
+    if (quote != '"' && quote != '\'') return false;
+    for (++at_; at_ < text_.size() && text_[at_] != quote && text_[at_] != '\n'; step())
+      if (text_[at_] == '\\' && at_ + 1 < text_.size()) ++at_;
+    if (at_ < text_.size()) step();
+    return true;
+  }
+
+  std::string_view text_;
+  std::size_t at_ = 0, line_ = 1, begin_of_line_ = 0, line_of_word_ = 1, column_of_word_ = 1;
+};
+
+void explain(const char* path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  Words words(text);
+  for (auto word = words.next(); !word.empty(); word = words.next())
+    for (const auto& [unknown, to_do] : kUnknown)
+      if (word == unknown)
+        std::fprintf(stderr, "%s:%zu:%zu: ddssec cannot do %s: %s\n", path, words.line(),
+                     words.column(), unknown.data(), to_do.data());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) explain(argv[i]);
+  return 1;
+}
