@@ -209,4 +209,9 @@ void write_participant_key(SpanWriter& out, const Guid& guid) {
   write_guid_key(out, kPidParticipantGuid, guid);
 }
 
+bool is_of_domain(const ParticipantData& data, DomainId domain_id, std::string_view domain_tag) {
+  const auto own = static_cast<std::uint32_t>(domain_id);
+  return data.domain_id.value_or(own) == own && data.domain_tag == domain_tag;
+}
+
 }  // namespace ddssec::rtps

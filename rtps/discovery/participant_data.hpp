@@ -37,6 +37,8 @@ struct ParticipantData {
 /// A parameter list without encapsulation, in the writer's byte order. In big-endian it is the
 /// handshake's c.pdata (DDS-Security 9.3.2.5).
 void write_parameter_list(SpanWriter& out, const ParticipantData& data);
+/// Is it of this domain? One that does not say so is of the domain by whose port it came.
+bool is_of_domain(const ParticipantData& data, DomainId domain_id, std::string_view domain_tag);
 /// With encapsulation: the payload of SPDP's DATA.
 void write_payload(SpanWriter& out, const ParticipantData& data);
 

@@ -133,9 +133,7 @@ Status Participant::on_spdp(const Data& data, const Context& context) {
   }
   if (data.kind != PayloadKind::data) return {};
   auto announced = DDSSEC_TRY(read_participant_data(data.payload));
-  const auto domain = static_cast<std::uint32_t>(config_.domain_id);
-  const bool ours =
-      announced.domain_id.value_or(domain) == domain && announced.domain_tag == config_.domain_tag;
+  const bool ours = is_of_domain(announced, config_.domain_id, config_.domain_tag);
   if (!ours || announced.guid.prefix == config_.prefix) return {};
   if (announced.guid.prefix != context.source) {
     ++counters_.refused_discovery;

@@ -6,10 +6,10 @@ Result<std::unique_ptr<OwnSecurity>> OwnSecurity::create(const SecurityOptions& 
                                                          DomainId domain_id,
                                                          const GuidPrefix& candidate,
                                                          std::string_view domain_tag) {
-  std::unique_ptr<OwnSecurity> out(new OwnSecurity(options, domain_id));
+  std::unique_ptr<OwnSecurity> out(new OwnSecurity(options, domain_id, domain_tag));
   DDSSEC_TRY(out->authenticate(candidate));
-  DDSSEC_TRY(out->authorize(domain_tag));
-  DDSSEC_TRY(out->share_keys(domain_tag));
+  DDSSEC_TRY(out->authorize());
+  DDSSEC_TRY(out->share_keys());
   return out;
 }
 
@@ -31,10 +31,10 @@ Status OwnSecurity::authenticate(const GuidPrefix& candidate) {
   return {};
 }
 
-Status OwnSecurity::authorize(std::string_view domain_tag) {
+Status OwnSecurity::authorize() {
   auto& [authentication, access_control, cryptography] = options_.plugins;
   permissions_ = DDSSEC_TRY(access_control.validate_local_permissions(
-      identity_, domain_id_, options_.properties, domain_tag));
+      identity_, domain_id_, options_.properties, domain_tag_));
   DDSSEC_TRY(access_control.check_create_participant(permissions_, domain_id_));
   permissions_token_ = DDSSEC_TRY(access_control.permissions_token(permissions_));
   const auto credential = DDSSEC_TRY(access_control.permissions_credential_token(permissions_));
@@ -47,10 +47,10 @@ Status OwnSecurity::authorize(std::string_view domain_tag) {
   return {};
 }
 
-Status OwnSecurity::share_keys(std::string_view domain_tag) {
+Status OwnSecurity::share_keys() {
   if (!is_protected(attributes_.rtps_psk)) return {};
   pre_shared_keys_ = DDSSEC_TRY(options_.plugins.cryptography.key_factory().pre_shared_keys(
-      {options_.properties, attributes_, domain_id_, domain_tag}));
+      {options_.properties, attributes_, domain_id_, domain_tag_}));
   return {};
 }
 

@@ -40,6 +40,7 @@ class OwnSecurity {
   SecurityPlugins& plugins() { return options_.plugins; }
   const spi::PropertyList& properties() const { return options_.properties; }
   DomainId domain_id() const { return domain_id_; }
+  const std::string& domain_tag() const { return domain_tag_; }
   /// Bound to the certificate's subject (DDS-Security 9.3.3).
   const Guid& guid() const { return guid_; }
   spi::IdentityHandle identity() const { return identity_; }
@@ -56,14 +57,15 @@ class OwnSecurity {
   Result<spi::EndpointSecurityAttributes> builtin_attributes(std::string_view topic);
 
  private:
-  OwnSecurity(const SecurityOptions& options, DomainId domain_id)
-      : options_(options), domain_id_(domain_id) {}
+  OwnSecurity(const SecurityOptions& options, DomainId domain_id, std::string_view domain_tag)
+      : options_(options), domain_id_(domain_id), domain_tag_(domain_tag) {}
   Status authenticate(const GuidPrefix& candidate);
-  Status authorize(std::string_view domain_tag);
-  Status share_keys(std::string_view domain_tag);
+  Status authorize();
+  Status share_keys();
 
   SecurityOptions options_;
   const DomainId domain_id_;
+  const std::string domain_tag_;
   Guid guid_;
   spi::IdentityHandle identity_;
   spi::PermissionsHandle permissions_;

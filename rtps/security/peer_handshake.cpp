@@ -40,7 +40,7 @@ PeerHandshake::PeerHandshake(spi::Authentication& plugin, Sides sides,
       sides_(std::move(sides)),
       own_data_(std::move(own_data)),
       numbers_(numbers),
-      give_up_(now + kGiveUp),
+      overdue_at_(now + kOverdue),
       next_(now + kDelay) {}
 
 PeerHandshake::~PeerHandshake() {
@@ -75,8 +75,8 @@ void PeerHandshake::start(MonotonicTime now, Messages& out) {
   // honest peer, and nothing but its signatures proves anything.
   auto peer = plugin_.validate_remote_identity(sides_.own, std::nullopt, sides_.peer_identity_token,
                                                sides_.peer_guid);
-  if (!peer && spi::refusal_passes(peer.error().code()) && now + kResend < give_up_) {
-    next_ = refused_until_ = now + kResend;
+  if (!peer && spi::refusal_passes(peer.error().code())) {
+    next_ = refused_until_ = now + (now < overdue_at_ ? kResend : kSlow);
     return;
   }
   started_ = true;
@@ -107,15 +107,14 @@ bool PeerHandshake::make_request(MonotonicTime until) {
 MonotonicTime PeerHandshake::pause() {
   const auto round = repetitions_++;
   if (round == 0) return kFirstResend;
-  return heard_ ? kResend : kResend * (1 << std::min(round - 1, kMostDoublings));
+  if (overdue_) return kSlow;
+  return heard_ ? kResend : std::min(kResend * (1 << std::min(round - 1, kMostDoublings)), kSlow);
 }
 
 void PeerHandshake::tick(MonotonicTime now, Messages& out) {
   if (now < next_) return;
   if (!started_) return start(now, out);
-  if (!finished_ && now >= give_up_)
-    return fail_with(Error(Code::rtps_authentication_timeout,
-                           {.expected = "a finished handshake within 100 s"}));
+  if (!finished_ && now >= overdue_at_) become_overdue(now);
   while (!answers_.empty() && now - answers_.front().since >= kAnswerLife) drop(answers_.begin());
   if (request_ && now >= request_->until) {
     static_cast<void>(plugin_.return_handshake_handle(request_->handle));
@@ -126,7 +125,18 @@ void PeerHandshake::tick(MonotonicTime now, Messages& out) {
   const bool waits = !begins() && !finished_ && auth_request_;
   if (waits && (answers_.empty() || std::exchange(hastened_, false))) out.push_back(*auth_request_);
   next_ = finished_ && !request_ && answers_.empty() ? kNever : now + pause();
-  if (!finished_) next_ = std::min(next_, give_up_);
+  if (!finished_) next_ = std::min(next_, overdue_at_);
+}
+
+// Messages may have been lost all the time, or a stranger's may have stood in their place: neither
+// says anything of the peer. The plugin may have forgotten our request.
+void PeerHandshake::become_overdue(MonotonicTime now) {
+  overdue_ = true;
+  overdue_at_ = now + kOverdue;
+  if (!request_) return;
+  static_cast<void>(plugin_.return_handshake_handle(request_->handle));
+  request_.reset();
+  make_request(kNever);
 }
 
 void PeerHandshake::repeat_answers(Messages& out) {

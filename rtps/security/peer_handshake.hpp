@@ -85,8 +85,10 @@ class PeerHandshake {
   bool finished() const { return finished_.has_value(); }
   /// How often a handshake was finished.
   unsigned generation() const { return generation_; }
-  /// Why it will never be, if so.
+  /// Why it will never be, if so: nothing that a stranger sends or holds back.
   const std::optional<Error>& failure() const { return failure_; }
+  /// It took too long. It goes on, at a slow pace, for as long as the peer is announced.
+  bool is_overdue() const { return overdue_; }
   /// Valid when finished.
   spi::HandshakeHandle handle() const;
   /// The peer's, once it was validated; nil before.
@@ -97,7 +99,9 @@ class PeerHandshake {
   static constexpr MonotonicTime kDelay = std::chrono::milliseconds(10);
   static constexpr MonotonicTime kFirstResend = std::chrono::milliseconds(300);
   static constexpr MonotonicTime kResend = std::chrono::seconds(1);
-  static constexpr MonotonicTime kGiveUp = std::chrono::seconds(100);
+  static constexpr MonotonicTime kSlow = std::chrono::seconds(32);
+  /// After so long it is overdue, and our request is made anew; then again after as long.
+  static constexpr MonotonicTime kOverdue = std::chrono::seconds(100);
   /// Answers to different requests, of which one is honest. One that is younger does not give way,
   /// so that a final comes in time; one that is older than its life is nobody's.
   static constexpr std::size_t kMostAnswers = 32;
@@ -130,6 +134,7 @@ class PeerHandshake {
   };
 
   void start(MonotonicTime now, Messages& out);
+  void become_overdue(MonotonicTime now);
   bool make_request(MonotonicTime until);
   void repeat_answers(Messages& out);
   Weighed weigh_reply(const spi::Token& token) const;
@@ -154,7 +159,7 @@ class PeerHandshake {
   const Sides sides_;
   const std::shared_ptr<const Bytes> own_data_;
   MessageNumbers& numbers_;
-  const MonotonicTime give_up_;
+  MonotonicTime overdue_at_;
   MonotonicTime next_;
   MonotonicTime began_{};
   MonotonicTime refused_until_{};  ///< the plugin had no room for the peer
@@ -163,6 +168,7 @@ class PeerHandshake {
   bool started_ = false;
   bool heard_ = false;
   bool hastened_ = false;
+  bool overdue_ = false;
   int repetitions_ = 0;
   std::optional<Request> request_;
   std::vector<Answer> answers_;  ///< oldest first

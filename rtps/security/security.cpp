@@ -128,7 +128,8 @@ bool Security::is_authenticated(const GuidPrefix& prefix) const {
 
 bool Security::is_authenticating(const GuidPrefix& prefix) const {
   const auto at = peers_.find(prefix);
-  return at != peers_.end() && !at->second.authenticated && !at->second.refused;
+  return at != peers_.end() && !at->second.authenticated && !at->second.refused &&
+         !at->second.handshake->is_overdue();
 }
 
 bool Security::has_spoken(const GuidPrefix& prefix) const {
@@ -223,7 +224,7 @@ void Security::on_stateless_frag(const GuidPrefix& source, const DataFrag& frag,
 
 bool Security::advance(Peer& peer) {
   if (peer.refused) return false;
-  if (const auto& failure = peer.handshake->failure()) return refuse(peer, *failure);
+  if (peer.handshake->failure()) return refuse(peer);
   if (peer.handshake->generation() == peer.generation) return false;
   peer.generation = peer.handshake->generation();
   const bool had_keys = peer.established;
@@ -232,21 +233,17 @@ bool Security::advance(Peer& peer) {
   if (had_keys) close(peer);
   if (auto status = establish(peer); !status) {
     if (had_keys) want_revision();
-    return refuse(peer, status.error());
+    return refuse(peer);
   }
   fragments_.forget(peer.data.guid.prefix);
   peer.since = now_;
   return peer.established = true;
 }
 
-// The plugins have raised the event of most refusals; of a time-out and of what concerns keys they
-// know nothing.
-bool Security::refuse(Peer& peer, const Error& error) {
+bool Security::refuse(Peer& peer) {
   peer.refused = true;
   if (peer.established) want_revision();
   note_failure(peer);
-  if (error.code() == Code::rtps_authentication_timeout)
-    events_.raise(Event(error, {}, peer.data.guid.to_string()));
   if (!peer.admitted) host_.on_refused(GuidPrefix(peer.data.guid.prefix));
   return false;
 }
@@ -271,6 +268,19 @@ void Security::admit_meanwhile(Peer& peer) {
              .found = peer.handshake->refusals() > 0 ? "one whose messages were refused" : "none"}),
       {}, guid));
   host_.on_refused(GuidPrefix(peer.data.guid.prefix));
+}
+
+// No end: anybody can keep messages back, or forge them.
+void Security::note_overdue(Peer& peer) {
+  if (!peer.handshake->is_overdue() || std::exchange(peer.told_overdue, true)) return;
+  note_failure(peer);
+  const auto guid = peer.data.guid.to_string();
+  events_.raise(Event(Error(Code::rtps_authentication_timeout,
+                            {.document = "the handshake with participant " + guid,
+                             .expected = "that it ends within 100 s",
+                             .found = "no end",
+                             .note = "it goes on, and is not told of again"}),
+                      {}, guid));
 }
 
 void Security::note_failure(Peer& peer) {
@@ -301,6 +311,7 @@ Status Security::adopt_proven_data(Peer& peer) {
   if (!proven || proven->guid != peer.data.guid)
     return {};  // without it, what was announced counts
   DDSSEC_TRY(check_participant(*proven));
+  DDSSEC_TRY(check_domain(*proven));
   if (proven->vendor != VendorId{}) peer.data.vendor = proven->vendor;
   if (proven->permissions_token) peer.data.permissions_token = proven->permissions_token;
   if (auto proven_at = host_.on_proven(peer.data.guid.prefix, *proven); !proven_at.empty())
@@ -355,6 +366,7 @@ void Security::tick_handshake(Peer& peer, MonotonicTime now) {
   if (is_silent && !silent_.take(now)) return handshake.start_at(now + PeerHandshake::kResend);
   PeerHandshake::Messages out;
   handshake.tick(now, out);
+  note_overdue(peer);
   send(peer, out);
   advance(peer);
 }

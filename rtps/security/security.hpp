@@ -197,6 +197,7 @@ class Security {
     bool admitted = false;  ///< without authentication, until it succeeds
     bool spoke = false;
     bool failed = false;  ///< something of it was refused
+    bool told_overdue = false;
     bool distrusted = false;
     WorkBudget few = {kFewMessages, kFewPeriod, {}};
     MonotonicTime next_second = {};        ///< handshake beside this one
@@ -220,6 +221,7 @@ class Security {
 
   Status check_ciphers(VendorId vendor, spi::CipherMask required) const;
   Status check_participant(const ParticipantData& data) const;
+  Status check_domain(const ParticipantData& proven) const;
   Status check_open(const EntityId& local, const Endpoint& remote) const;
   Status check_protection(const spi::EndpointSecurityAttributes& attributes, const Endpoint& remote,
                           VendorId vendor) const;
@@ -240,8 +242,9 @@ class Security {
   Status adopt_proven_data(Peer& peer);
   void close(Peer& peer);
   void open_volatile(Peer& peer, MonotonicTime now);
-  bool refuse(Peer& peer, const Error& error);
+  bool refuse(Peer& peer);
   void note_failure(Peer& peer);
+  void note_overdue(Peer& peer);
   /// When it is to be admitted without authentication; never, if it is not.
   MonotonicTime next_admission(const Peer& peer) const;
   void admit_meanwhile(Peer& peer);

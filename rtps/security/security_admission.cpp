@@ -86,6 +86,25 @@ Status Security::check_participant(const ParticipantData& data) const {
   return check_ciphers(data.vendor, data.ciphers->key_exchange_required);
 }
 
+/// What was announced may have been changed on the way; this is signed. Other vendors leave the tag
+/// out of it.
+Status Security::check_domain(const ParticipantData& proven) const {
+  const bool says_no_tag = proven.domain_tag.empty() && proven.vendor != kVendorDdssec;
+  const auto& tag = says_no_tag ? proven.domain_tag : own_->domain_tag();
+  if (is_of_domain(proven, own_->domain_id(), tag)) return {};
+  const auto text = [](std::uint32_t domain, const std::string& domain_tag) {
+    return "domain " + std::to_string(domain) + ", tag \"" + domain_tag + "\"";
+  };
+  const auto own_id = static_cast<std::uint32_t>(own_->domain_id());
+  auto error = Error(Code::rtps_domain_differs,
+                     {.document = "what participant " + proven.guid.to_string() + " signed",
+                      .field = "DOMAIN_ID and DOMAIN_TAG",
+                      .expected = text(own_id, own_->domain_tag()),
+                      .found = text(proven.domain_id.value_or(own_id), proven.domain_tag)});
+  events_.raise(Event(error, {}, proven.guid.to_string()));
+  return std::unexpected(std::move(error));
+}
+
 // A vendor's bits mean something to that vendor only. What a peer understands of ours, cryptography
 // knows from the handshake.
 Status Security::check_ciphers(VendorId vendor, spi::CipherMask required) const {

@@ -27,7 +27,7 @@ void Security::open_volatile(Peer& peer, MonotonicTime now) {
   peer.volatile_reader->match({writer, true, peer.metatraffic}, now);
   auto tokens = keyring_.participant_tokens(prefix);
   if (!tokens) {
-    refuse(peer, tokens.error());
+    refuse(peer);
     return;
   }
   send_tokens(peer, message_class::kParticipantTokens, {}, {}, std::move(*tokens));

@@ -39,5 +39,53 @@ TEST(DomainTag, SelectsTheGovernanceRuleOfAnEmbeddedParticipant) {
   EXPECT_EQ(other.error().code(), Code::domain_not_covered);
 }
 
+/// A participant with a tag, by the engines of `host`.
+std::unique_ptr<Node> tagged(std::uint8_t n, Node& host, const std::string& subject,
+                             const std::string& tag) {
+  auto node = std::make_unique<Node>(n);
+  auto own = OwnSecurity::create({{*host.authentication, *host.access_control, *host.cryptography},
+                                  properties_of(subject, everything(ProtectionKind::encrypt))},
+                                 0, Node::candidate(n), tag);
+  EXPECT_TRUE(own) << own.error().to_sentence();
+  auto config = Node::config(n, (*own)->guid().prefix);
+  config.domain_tag = tag;
+  node->participant = std::make_unique<Participant>(config, node->post, node->events);
+  EXPECT_TRUE(node->participant->secure(std::move(*own)));
+  return node;
+}
+
+bool is_announcement(BytesView datagram) {
+  auto reader = MessageReader::open(datagram);
+  while (const auto view = *reader->next())
+    if (view->id == SubmessageId::data && read_data(*view)->writer == kSpdpWriter) return true;
+  return false;
+}
+
+/// Announcements say the other tag.
+Bytes with_other_tag(Bytes datagram) {
+  if (!is_announcement(datagram)) return datagram;
+  for (auto at = datagram.begin(); at + 5 < datagram.end(); ++at)
+    if (std::equal(at, at + 4, "tag-")) at[4] = at[4] == 'a' ? 'b' : 'a';
+  return datagram;
+}
+
+// Whoever is on the path could otherwise make participants of two domains talk.
+TEST(DomainTag, IsProvenAndNotWhatAnAnnouncementSays) {
+  for (const bool same : {true, false}) {
+    Node alices(3, member("host-a", {})), bobs(4, member("host-b", {}));
+    const auto a = tagged(1, alices, "CN=alice,O=Example", "tag-a");
+    const auto b = tagged(2, bobs, "CN=bob,O=Example", same ? "tag-a" : "tag-b");
+    World world{{a.get(), b.get()}};
+    if (!same)
+      world.filter = [](const Node&, Bytes datagram) {
+        return one(with_other_tag(std::move(datagram)));
+      };
+    const auto met = [&] { return a->knows(*b) || b->knows(*a); };
+    EXPECT_EQ(world.run_until(met, 1500), same);
+    const auto told = [](const Node& node) { return node.events.has(Code::rtps_domain_differs); };
+    EXPECT_EQ(told(*a) || told(*b), !same);
+  }
+}
+
 }  // namespace
 }  // namespace ddssec::rtps
