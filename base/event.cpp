@@ -20,7 +20,6 @@ std::string cut(std::string text) {
   return text;
 }
 
-
 // Without quotation marks of its own, which could end it early.
 std::string in_quotation_marks(std::string_view name) {
   std::string out = printable(name.substr(0, kMostShown));
@@ -59,7 +58,7 @@ std::string Event::to_json() const {
                                  {"field", cut(d.field)},
                                  {"expected", cut(d.expected)},
                                  {"found", cut(d.found)},
-                                 {"hint", row.hint},
+                                 {"hint", cut(error.hint())},
                                  {"sentence", cut(error.to_sentence())}};
   // Peers choose some of these octets: what is not UTF-8 is replaced, never thrown about, and what
   // a terminal would obey is escaped.
@@ -80,9 +79,7 @@ void RateLimitedSink::raise(const Event& event) {
 
   const std::lock_guard lock(mutex_);
   const auto now = clock_.monotonic();
-  auto& share = is_claimed  ? claimed_
-                : is_proven ? share_of(code + "\n" + peer, now)
-                            : ours_;
+  auto& share = is_claimed ? claimed_ : is_proven ? share_of(code + "\n" + peer, now) : ours_;
   const auto most = is_claimed ? kMostClaimed : is_proven ? kMostOfAPeer : kMostRemembered;
   const bool passes = has_room(share, most, reason, now)
                           ? may_pass(share, reason, now)

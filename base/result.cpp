@@ -11,6 +11,11 @@ const ErrorDetails& Error::details() const {
   return details_ ? *details_ : kNone;
 }
 
+std::string Error::hint() const {
+  const auto& own = details().hint;
+  return own.empty() ? std::string(info(code_).hint) : own;
+}
+
 Error Error::in(std::string document) const {
   ErrorDetails copy = details();
   if (copy.document.empty()) copy.document = std::move(document);
@@ -40,9 +45,12 @@ std::string Error::to_sentence() const {
   if (!d.field.empty()) text += fmt::format("{}{}", text.empty() ? "" : ", ", d.field);
   if (!text.empty()) text += ": ";
   // Files and peers choose parts of it, and it goes to logs and terminals.
-  const auto hint = row.hint == "none is needed" ? "" : fmt::format("; {}", row.hint);
-  return printable(
-      fmt::format("{}{}{} [{} {}]", text, message(), hint, row.name, static_cast<int>(code_)));
+  const auto what_to_do = hint();
+  if (what_to_do != "none is needed")
+    text += fmt::format("{}; {}", message(), what_to_do);
+  else
+    text += message();
+  return printable(fmt::format("{} [{} {}]", text, row.name, static_cast<int>(code_)));
 }
 
 }  // namespace ddssec

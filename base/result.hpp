@@ -20,6 +20,7 @@ struct ErrorDetails {
   std::string expected = {};
   std::string found = {};
   std::string note = {};  ///< anything else worth a clause of the sentence
+  std::string hint = {};  ///< what a person can do about it; empty = what the code's row says
 };
 
 /// A refusal. Two words in size, so that Result<T> stays cheap where nothing goes wrong; an Error
@@ -32,6 +33,9 @@ class Error {
 
   Code code() const { return code_; }
   const ErrorDetails& details() const;
+
+  /// What a person can do about it: the details' own, or else that of the code.
+  std::string hint() const;
 
   /// The same error, with the document filled in if it had none.
   Error in(std::string document) const;

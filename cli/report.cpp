@@ -25,8 +25,18 @@ std::string_view hint_of(Code code) {
     case Code::smime_not_multipart:
       return "sign it: ddssec governance sign, ddssec permissions sign";
     default:
-      return info(code).hint;
+      return {};
   }
+}
+
+std::string hint_of(const Error& error, const std::string& help_on) {
+  const auto own = hint_of(error.code());
+  if (!error.details().hint.empty() || own.empty()) {
+    const bool is_general = error.code() == Code::usage && error.details().hint.empty();
+    return is_general && !help_on.empty() ? fmt::format("ddssec {} --help says more", help_on)
+                                          : error.hint();
+  }
+  return std::string(own);
 }
 
 /// An error or a finding, as both forms of output show it.
@@ -47,16 +57,9 @@ Diagnostic diagnostic(const Error& error, const std::string& help_on) {
   const auto message = details.field.empty()
                            ? error.message()
                            : fmt::format("{}: {}", details.field, error.message());
-  return {row.name,
-          row.severity,
-          message,
-          details.document,
-          details.line,
-          {},
-          error.code() == Code::usage && !help_on.empty()
-              ? fmt::format("ddssec {} --help says more", help_on)
-              : std::string(hint_of(error.code())),
-          {}};
+  return {
+      row.name, row.severity, message, details.document, details.line, {}, hint_of(error, help_on),
+      {}};
 }
 
 Diagnostic diagnostic(const Finding& finding) {

@@ -17,7 +17,6 @@ namespace fs = std::filesystem;
 // The most files of a folder that are looked at for keys of a CA.
 constexpr int kMostFiles = 64;
 
-
 // Why `path` is not there: a link may be, and lead nowhere.
 std::string absence(const fs::path& path) {
   std::error_code ignored;
@@ -55,8 +54,7 @@ void report_unloaded(const fs::path& path, const Error& error, const Settings& s
     case Code::pkcs11_pin_wrong:
       return say(Rule::DOC005, fmt::format("{}: {}", name_of(path), error.message()));
     case Code::file_unreadable:
-      return say(Rule::DOC002, fmt::format("{}: {}", name_of(path), error.message()),
-                 info(error.code()).hint);
+      return say(Rule::DOC002, fmt::format("{}: {}", name_of(path), error.message()), error.hint());
     default:
       return say(Rule::DOC002, fmt::format("{}: {}", name_of(path), error.message()));
   }

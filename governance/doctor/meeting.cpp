@@ -102,7 +102,7 @@ std::string ca_subjects(const Result<std::vector<pki::Certificate>>& cas) {
 
 // The rule's own hint is for the one cause that has to do with which CAs there are.
 std::string hint_unless(Code about_the_cas, const Error& error) {
-  return error.code() == about_the_cas ? std::string() : std::string(info(error.code()).hint);
+  return error.code() == about_the_cas ? std::string() : error.hint();
 }
 
 std::string held_if(Code about_the_cas, const Error& error, std::string_view party,

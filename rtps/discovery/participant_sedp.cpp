@@ -306,11 +306,13 @@ template <class Local>
 bool Participant::compatible(Local& local, const EndpointData& remote, const Qos& offered,
                              const Qos& requested) {
   if (local.data.topic_name != remote.topic_name) return false;
-  const auto refuse = [&](Code code, std::string field, std::string ours, std::string theirs) {
+  const auto refuse = [&](Code code, std::string field, std::string ours, std::string theirs,
+                          std::string hint = {}) {
     events_.raise(Event(Error(code, {.document = "topic " + remote.topic_name,
                                      .field = std::move(field),
                                      .expected = std::move(ours),
-                                     .found = std::move(theirs)}),
+                                     .found = std::move(theirs),
+                                     .hint = std::move(hint)}),
                         {}, remote.guid.to_string()));
     return false;
   };
@@ -335,7 +337,7 @@ bool Participant::compatible(Local& local, const EndpointData& remote, const Qos
   if (!why) return true;
   if (why->id != QosPolicyId::partition) local.listener->on_incompatible_qos(remote.guid, *why);
   return refuse(Code::rtps_qos_incompatible, why->policy, "requested " + why->requested,
-                "offered " + why->offered);
+                "offered " + why->offered, remedy(*why));
 }
 
 void Participant::match(LocalWriter& writer, Remote& remote, const EndpointData& data) {

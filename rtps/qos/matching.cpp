@@ -167,4 +167,21 @@ std::optional<QosMismatch> mismatch(const Qos& offered, const Qos& requested) {
   return std::nullopt;
 }
 
+std::string remedy(const QosMismatch& mismatch) {
+  using Id = QosPolicyId;
+  const auto& [id, policy, offered, requested] = mismatch;
+  if (id == Id::partition) return "give the publisher and the subscriber a partition in common";
+  if (id == Id::type_consistency_enforcement)
+    return "use one type on both sides, or loosen TYPE_CONSISTENCY_ENFORCEMENT of the reader";
+  if (id == Id::data_representation)
+    return "add the writer's first representation to the reader's DATA_REPRESENTATION";
+  const bool is_time =
+      id == Id::deadline || id == Id::latency_budget || policy.ends_with("lease_duration");
+  if (is_time)
+    return fmt::format("shorten the writer's {} to {} or lengthen the reader's to {}", policy,
+                       requested, offered);
+  return fmt::format("set {} of the writer to {}, or of the reader to {}", policy, requested,
+                     offered);
+}
+
 }  // namespace ddssec::rtps

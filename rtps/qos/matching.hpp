@@ -36,6 +36,9 @@ struct QosMismatch {
 /// it is no "incompatible QoS" for DDS: the caller tells by the id.
 std::optional<QosMismatch> mismatch(const Qos& offered, const Qos& requested);
 
+/// What to change at which side so that they match, for a person.
+std::string remedy(const QosMismatch& mismatch);
+
 /// True if any partition of one side fits any of the other; none at all is the partition "". Names
 /// with wildcards (*, ?, [set]) match names without; two with wildcards never match.
 bool partitions_match(const std::vector<std::string>& a, const std::vector<std::string>& b);

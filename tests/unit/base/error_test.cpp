@@ -19,6 +19,13 @@ TEST(Error, SaysDocumentLineBothValuesAndWhatToDo) {
     EXPECT_NE(text.find(part), text.npos) << text;
 }
 
+TEST(Error, SaysItsOwnHintInPlaceOfTheCodesOne) {
+  const Error error(Code::invalid_property, {.hint = "set it to 3"});
+  EXPECT_EQ(error.hint(), "set it to 3");
+  EXPECT_NE(error.to_sentence().find("; set it to 3 [invalid_property"), std::string::npos);
+  EXPECT_EQ(Error(Code::invalid_property).hint(), info(Code::invalid_property).hint);
+}
+
 TEST(Error, KeepsTheFirstDocumentNamed) {
   const Error inner(Code::truncated, {.document = "c.id"});
   EXPECT_EQ(inner.in("handshake request").details().document, "c.id");

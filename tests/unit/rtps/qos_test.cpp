@@ -1,5 +1,6 @@
 #include <functional>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "rtps/qos/matching.hpp"
@@ -75,6 +76,22 @@ TEST(Matching, EachPolicyIsNamedWithBothValues) {
               (QosMismatch{row.id, row.policy, row.offered, row.requested}))
         << row.policy;
   }
+}
+
+TEST(Matching, TheRemedyNamesBothSidesAndTheirValues) {
+  auto offered = default_writer_qos();
+  auto requested = default_reader_qos();
+  offered.deadline = Duration::from(std::chrono::milliseconds(500));
+  requested.deadline = Duration::from(std::chrono::milliseconds(100));
+  const auto late = mismatch(offered, requested);
+  ASSERT_TRUE(late);
+  EXPECT_EQ(remedy(*late), fmt::format("shorten the writer's DEADLINE.period to {} or lengthen the "
+                                       "reader's to {}",
+                                       to_string(requested.deadline), to_string(offered.deadline)));
+  requested.deadline = offered.deadline;
+  requested.partition = {"a"};
+  EXPECT_NE(remedy(mismatch(offered, requested).value()).find("partition in common"),
+            std::string::npos);
 }
 
 TEST(Matching, MoreThanAskedForMatches) {
