@@ -15,6 +15,7 @@
 #include "governance/doctor/domains.hpp"
 #include "governance/grant.hpp"
 #include "governance/read.hpp"
+#include "governance/refusal.hpp"
 #include "pki/participant_folder.hpp"
 
 namespace ddssec::cli {
@@ -30,12 +31,18 @@ Result<governance::Action> action_of(const Arguments& arguments) {
   return fail(Code::usage, {.field = "ACTION", .expected = "publish or subscribe", .found = word});
 }
 
+Code code_of(governance::Action action) {
+  return action == governance::Action::publish ? Code::publish_not_allowed
+                                               : Code::subscribe_not_allowed;
+}
+
 /// A participant's answer and who gave it.
 struct Answer {
   bool allowed;
   std::string because;
   fs::path document;
   int line;
+  std::string hint = {};  ///< what to do, where the grant refuses
 };
 
 /// What is asked, and by which participant.
@@ -153,7 +160,14 @@ Result<Answer> answer_to(const Question& question) {
   if (!controlled)
     return Answer{true, "the topic_rule \"" + rule->topic_expression + "\" asks for no permission",
                   file, rule->line};
-  return by_grant(question, *grant, grant->judge(question.action, question.request), "");
+  const auto verdict = grant->judge(question.action, question.request);
+  auto out = by_grant(question, *grant, verdict, "");
+  const auto advice = advice_on(*grant, question.action, question.request, verdict);
+  if (!advice.because.empty()) out.because += "; " + advice.because;
+  if (!verdict.allowed)
+    out.hint =
+        !advice.hint.empty() ? advice.hint : std::string(info(code_of(question.action)).hint);
+  return out;
 }
 
 // Not the first of several: the answer may be another in each.
@@ -179,7 +193,7 @@ Result<Report> can(const Arguments& arguments, const Context& context) {
   const std::vector<std::string_view> partitions(names.begin(), names.end());
   const auto answer = DDSSEC_TRY(
       answer_to({folder, action, {.topic = topic, .partitions = partitions}, domain, now}));
-  return Report{
+  Report report{
       .exit = answer.allowed ? Exit::done : Exit::no,
       .text = fmt::format("{} in domain {}: {} ({}{})\n", answer.allowed ? "allowed" : "denied",
                           domain, answer.because, answer.document.string(),
@@ -189,6 +203,12 @@ Result<Report> can(const Arguments& arguments, const Context& context) {
                  {"because", answer.because},
                  {"file", answer.document.string()},
                  {"line", answer.line}}};
+  if (!answer.hint.empty())
+    report.errors.emplace_back(code_of(action), ErrorDetails{.document = answer.document,
+                                                             .line = answer.line,
+                                                             .found = answer.because,
+                                                             .hint = answer.hint});
+  return report;
 }
 
 }  // namespace

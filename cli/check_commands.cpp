@@ -112,8 +112,8 @@ Result<Report> check(const Arguments& arguments, const Context& context) {
   report.text = meeting_text(view);
   report.result = meeting_json(view);
   report.findings.insert(report.findings.end(), meeting.findings.begin(), meeting.findings.end());
-  // What Fast DDS would make of it is told if a product or everything is asked for.
-  const bool asked = arguments.has("--vendor") || arguments.has("--explain");
+  // What two other products would make of it matters if nobody said which ones these are.
+  const bool asked = arguments.has("--explain") && !arguments.has("--vendor");
   std::ranges::copy_if(meeting.notes, std::back_inserter(report.findings),
                        [&](const Finding& note) { return asked || note.rule != Rule::DOC083; });
   return report;

@@ -143,6 +143,13 @@ void CompiledGrant::add_entries(Action action, const Rule& rule,
   }
 }
 
+std::vector<const Criteria*> CompiledGrant::allowed(Action action) const {
+  std::vector<const Criteria*> out;
+  for (const auto& entry : actions_.at(static_cast<std::size_t>(action)).entries)
+    if (entry.rule->allow) out.push_back(entry.criteria);
+  return out;
+}
+
 std::uint32_t CompiledGrant::partition_pattern(const std::string& text) {
   const auto next = static_cast<std::uint32_t>(partition_patterns_.size());
   const auto [entry, is_new] = partition_numbers_.try_emplace(text, next);

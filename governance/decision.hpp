@@ -78,6 +78,8 @@ class CompiledGrant {
   /// Whether the participant may join: the first rule for the domain that decides_joining, or else
   /// the default.
   Verdict judge_participant() const { return participant_; }
+  /// The elements of allow rules about the action, in document order.
+  std::vector<const Criteria*> allowed(Action action) const;
 
  private:
   struct Entry {

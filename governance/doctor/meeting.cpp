@@ -17,7 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-
 void add_finding(const MeetingScene& scene, Rule rule, const Judgement& judgement,
                  std::string message, std::string hint = {}) {
   scene.out.findings.push_back({.rule = rule,
@@ -312,9 +311,15 @@ void judge_discovery(const MeetingScene& scene, int fast) {
   scene.out.notes.push_back(std::move(finding));
 }
 
+bool all_ok(const std::vector<Judgement>& judgements) {
+  return std::ranges::all_of(judgements, &Judgement::ok);
+}
+
 void report_no_topic(const MeetingScene& scene) {
-  const bool any = std::ranges::any_of(scene.out.topics, [](const TopicMeeting& topic) {
-    return topic.directions[0].ok || topic.directions[1].ok;
+  // Where the permissions allow it, something else keeps them apart and has its own finding.
+  const auto is_allowed = [](const Direction& one) { return all_ok(one.steps); };
+  const bool any = std::ranges::any_of(scene.out.topics, [&](const TopicMeeting& topic) {
+    return std::ranges::any_of(topic.directions, is_allowed);
   });
   if (any || !scene.out.joined()) return;
   scene.out.findings.push_back(
@@ -323,10 +328,6 @@ void report_no_topic(const MeetingScene& scene) {
                               "other way round",
                               scene.party(0).name, scene.party(1).name),
        .document = scene.folder(0).paths.permissions.string()});
-}
-
-bool all_ok(const std::vector<Judgement>& judgements) {
-  return std::ranges::all_of(judgements, &Judgement::ok);
 }
 
 }  // namespace
@@ -355,7 +356,7 @@ Starter starter(const pki::Certificate& a, const pki::Certificate& b) {
 Meeting meet(const Party& a, const Party& b, const Settings& settings,
              std::vector<std::string> topics) {
   Meeting out;
-  MeetingScene scene{{&a, &b}, settings, out};
+  MeetingScene scene{{&a, &b}, settings, out, !topics.empty()};
   for (const int i : kBoth)
     if (const auto* grant = grant_of(scene.folder(i), settings.now))
       scene.grants[i] = std::make_unique<const CompiledGrant>(scene.folder(i).permissions.model,
@@ -369,10 +370,9 @@ Meeting meet(const Party& a, const Party& b, const Settings& settings,
     for (const int about : kBoth) judge_join(scene, judge, about);
   judge_handshake(scene);
   for (const int i : kBoth) judge_discovery(scene, i);
-  const bool named = !topics.empty();
-  if (!named) topics = topics_of_interest(scene);
-  for (const auto& topic : topics) meet_on_topic(scene, topic, named);
-  if (!named) report_no_topic(scene);
+  if (!scene.named) topics = topics_of_interest(scene);
+  for (const auto& topic : topics) meet_on_topic(scene, topic);
+  if (!scene.named) report_no_topic(scene);
   return out;
 }
 

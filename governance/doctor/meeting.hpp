@@ -34,6 +34,7 @@ struct Judgement {
   int rule = 0;                 ///< the deciding rule's number in the grant, from 1; 0 = default
   bool is_allow_rule = false;   ///< that rule is one
   std::string expression = {};  ///< the expression that matched the topic
+  std::string hint = {};        ///< what to do, where more can be said than the rule of doctor says
 };
 
 /// An element of both governance documents with different values.

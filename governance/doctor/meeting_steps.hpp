@@ -16,6 +16,7 @@ struct MeetingScene {
   const Party* parties[2];
   const Settings& settings;
   Meeting& out;
+  bool named = false;  ///< the topics were asked for by name: refusals come with advice
   /// Each party's own grant, ready to judge; null if it has none that is valid.
   std::unique_ptr<const CompiledGrant> grants[2] = {};
 
@@ -26,7 +27,7 @@ struct MeetingScene {
 /// The names to look at if none are asked for; sets topics_complete.
 std::vector<std::string> topics_of_interest(const MeetingScene& scene);
 /// Both directions of one topic; who asked for it by name is told who refuses it.
-void meet_on_topic(const MeetingScene& scene, const std::string& topic, bool named);
+void meet_on_topic(const MeetingScene& scene, const std::string& topic);
 
 /// The elements that must be equal for participants.
 std::vector<Difference> differences(const DomainRule& a, const DomainRule& b);

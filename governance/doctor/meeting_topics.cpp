@@ -11,11 +11,11 @@
 #include "governance/doctor/meeting_steps.hpp"
 #include "governance/doctor/vendor_decision.hpp"
 #include "governance/grant.hpp"
+#include "governance/refusal.hpp"
 #include "governance/topic_sets.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
-
 
 std::string text(bool value) { return value ? "true" : "false"; }
 std::string text(ProtectionKind value) { return std::string(to_string(value)); }
@@ -84,9 +84,12 @@ Judgement by_grant(const MeetingScene& scene, const Question& question) {
   const auto& grant = compiled->grant();
   const auto& asked = scene.settings.partitions;
   const std::vector<std::string_view> partitions(asked.begin(), asked.end());
-  const auto verdict =
-      judge_as(scene.party(question.judge).vendor, *compiled, scene.settings.domain,
-               question.action, {.topic = question.topic, .partitions = partitions});
+  const Request request{.topic = question.topic, .partitions = partitions};
+  const auto verdict = judge_as(scene.party(question.judge).vendor, *compiled,
+                                scene.settings.domain, question.action, request);
+  const auto advice =
+      scene.named ? advice_on(*compiled, question.action, request, verdict) : RefusalAdvice();
+  out.hint = advice.hint;
   out.grant = grant.name;
   out.line = verdict.line(grant);
   out.ok = verdict.allowed;
@@ -94,6 +97,7 @@ Judgement by_grant(const MeetingScene& scene, const Question& question) {
     out.reason =
         fmt::format("no {} rule of grant \"{}\" matches{}, default {}", out.operation, grant.name,
                     in_partitions(scene), grant.default_allow ? "ALLOW" : "DENY");
+    if (!advice.because.empty()) out.reason += "; " + advice.because;
     return out;
   }
   out.rule = static_cast<int>(verdict.rule - grant.rules.data()) + 1;
@@ -203,7 +207,8 @@ void report_refusals(const MeetingScene& scene, const TopicMeeting& topic) {
                                   step.operation == "publish" ? "publish" : "subscribe to",
                                   topic.topic, step.reason),
            .document = step.document,
-           .line = step.line});
+           .line = step.line,
+           .hint = step.hint});
     }
 }
 
@@ -340,11 +345,11 @@ std::vector<std::string> topics_of_interest(const MeetingScene& scene) {
   return out;
 }
 
-void meet_on_topic(const MeetingScene& scene, const std::string& topic, bool named) {
+void meet_on_topic(const MeetingScene& scene, const std::string& topic) {
   TopicMeeting out{.topic = topic, .directions = {}, .rules = {}};
   for (const int i : kBoth) out.rules[i] = topic_rule(scene.out.rules[i], topic);
   for (const int i : kBoth) out.directions[i] = meet_in_direction(scene, out, i);
-  if (named) report_refusals(scene, out);
+  if (scene.named) report_refusals(scene, out);
   report_differences(scene, out);
   report_obstacles(scene, out);
   note_unguarded(scene, out);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "governance/refusal.hpp"
+
 namespace ddssec::access_control {
 namespace {
 
@@ -31,15 +33,18 @@ std::string shown(const spi::EndpointRequest& request) {
 
 /// "<deny_rule>" or "<default>", and what the rule says.
 Error denied(Code code, const PermissionsHolder& holder, const CompiledGrant& grant,
-             const Verdict& verdict, std::string expected) {
+             const Verdict& verdict, std::string expected,
+             const governance::RefusalAdvice& advice = {}) {
   return Error(code, {.document = holder.document_name(),
                       .line = verdict.line(grant.grant()),
                       .field = verdict.rule ? "<deny_rule>" : "<default>",
                       .expected = std::move(expected),
                       .found = verdict.rule ? "a deny_rule that matches first"
                                             : "no rule that matches, and the default DENY",
-                      .note = fmt::format("grant \"{}\" of {}", shortened(grant.grant().name),
-                                          shortened(grant.grant().subject_name))});
+                      .note = fmt::format("grant \"{}\" of {}{}{}", shortened(grant.grant().name),
+                                          shortened(grant.grant().subject_name),
+                                          advice.because.empty() ? "" : ": ", advice.because),
+                      .hint = advice.hint});
 }
 
 }  // namespace
@@ -57,8 +62,14 @@ Error endpoint_denied(const PermissionsHolder& holder, const CompiledGrant& gran
                       const Verdict& verdict, Action action, const spi::EndpointRequest& request) {
   const Code code =
       action == Action::publish ? Code::publish_not_allowed : Code::subscribe_not_allowed;
+  std::vector<governance::DataTag> tags;
+  for (const auto& tag : request.data_tags) tags.push_back({tag.name, tag.value});
+  const governance::Request asked{request.topic_name, request.partitions, tags};
+  // Names are compared only with our own: a peer could make that as expensive as it likes.
+  const auto advice = holder.remote() ? advice_on_endpoint(grant, action, asked, verdict)
+                                      : advice_on(grant, action, asked, verdict);
   return denied(code, holder, grant, verdict,
-                fmt::format("an allow_rule to {} {}", to_string(action), shown(request)));
+                fmt::format("an allow_rule to {} {}", to_string(action), shown(request)), advice);
 }
 
 Error match_denied(const Error& why, Action action, const spi::EndpointRequest& request) {
@@ -71,8 +82,13 @@ Error match_denied(const Error& why, Action action, const spi::EndpointRequest& 
 
 Error topic_denied(const PermissionsHolder& holder, const CompiledGrant& grant,
                    const Verdict& verdict, std::string_view topic) {
+  governance::RefusalAdvice advice;
+  if (!holder.remote() && verdict.rule == nullptr) {
+    advice = advice_on_name(grant, Action::publish, topic);
+    if (advice.hint.empty()) advice = advice_on_name(grant, Action::subscribe, topic);
+  }
   return denied(Code::topic_not_allowed, holder, grant, verdict,
-                fmt::format("an allow_rule for topic \"{}\"", shortened(topic)));
+                fmt::format("an allow_rule for topic \"{}\"", shortened(topic)), advice);
 }
 
 Error participant_denied(const PermissionsHolder& holder, const CompiledGrant& grant,

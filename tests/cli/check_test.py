@@ -109,6 +109,21 @@ class Check(WithoutLists):
                             words=(*ask, "--partition", "yard1", "--partition", "", "--vendor", "fastdds"))
         rule = result["topics"][0]["directions"][0]["steps"][0]["rule"]
         self.assertEqual((rule["kind"], rule["index"]), ("allow", 1))
+        for partition in ("street", None):
+            words = ask if partition is None else (*ask, "--partition", partition)
+            for told in self.check(*words, exit=1)["diagnostics"]:
+                self.assertIn('allows the topic, but only in "yard*"', told["message"])
+                self.assertIn("the topic is allowed, but not " +
+                              ("without a partition" if partition is None else 'in partition "street"'), told["hint"])
+
+    def test_a_name_that_is_close_to_an_allowed_one_is_proposed(self):
+        told = self.check("--topics", "Sqare", exit=1)["diagnostics"]
+        self.assertEqual({d["id"] for d in told}, {"DOC086"})
+        meant = [one["message"] for one in told if 'is "Square" meant?' in one["hint"]]
+        self.assertTrue(any("talker may not publish" in message for message in meant), told)
+        self.assertTrue(any("listener may not subscribe" in message for message in meant), told)
+        for one in self.check("--topics", "Circle", exit=1)["diagnostics"]:
+            self.assertIn("add the topic to an allow_rule", one["hint"])
 
     def test_another_identity_ca(self):
         shutil.rmtree(self.at / "listener")
@@ -259,6 +274,8 @@ class Check(WithoutLists):
                                                             "<data_protection_kind>SIGN"))
         self.apart("DOC084", '"Square"', "<data_protection_kind> is ENCRYPT at talker",
                    "SIGN at listener", document="governance.p7s")
+        # The permissions allow it: nothing else is to be done than what DOC084 says.
+        self.assertEqual({d["id"] for d in self.check(exit=1)["diagnostics"]}, {"DOC084"})
 
     def test_one_topic_whose_protection_differs_is_not_hidden_by_one_that_works(self):
         rules = allow("Square") + allow("Circle*")
@@ -347,6 +364,9 @@ class Check(WithoutLists):
         self.assertEqual(out["diagnostics"], [])  # of Fast DDS 2.9.1 only if it is asked for
         out = self.check("--explain", exit=0)
         self.assertEqual([d["id"] for d in out["diagnostics"]], ["DOC083"])
+        for product in ("ddssec", "cyclonedds"):
+            out = self.check("--explain", "--vendor", product, exit=0)
+            self.assertNotIn("DOC083", [d["id"] for d in out["diagnostics"]])
         self.apart("DOC083", "CN=talker", "CN=listener",
                    words=("--vendor", f"{starts}=fastdds", "--vendor", f"{waits}=cyclonedds"))
         self.check("--vendor", f"{starts}=cyclonedds", "--vendor", f"{waits}=fastdds", exit=0)

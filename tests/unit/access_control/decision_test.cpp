@@ -102,6 +102,32 @@ TEST_F(Decisions, PeersAreJudgedByLocalGovernanceAndTheirPermissions) {
                  topic_not_covered);
 }
 
+TEST_F(Decisions, ARefusalSaysThatOnlyThePartitionIsNotAllowed) {
+  auto allowed = publish_rule(true, {"closed"});
+  allowed.publish[0].partitions = {{{"p", 0}}};
+  const Partitions wrong = {"q"};
+  const EndpointRequest request{.topic_name = "closed", .partitions = wrong};
+  const auto peer = peer_with({allowed});
+  for (const auto& refused : {plugin->check_create_datawriter(with({allowed}), 0, request),
+                              plugin->check_remote_datawriter(peer, 0, request)}) {
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().hint().find("the topic is allowed, but not in partition \"q\""),
+              std::string::npos)
+        << refused.error().hint();
+  }
+}
+
+TEST_F(Decisions, ANameThatIsCloseIsProposedToTheLocalParticipantOnly) {
+  const auto allowed = publish_rule(true, {"closed_chatter"});
+  const EndpointRequest request{.topic_name = "closed_chater"};
+  const auto own = plugin->check_create_datawriter(with({allowed}), 0, request);
+  const auto peers = plugin->check_remote_datawriter(peer_with({allowed}), 0, request);
+  ASSERT_FALSE(own);
+  ASSERT_FALSE(peers);
+  EXPECT_NE(own.error().hint().find("is \"closed_chatter\" meant?"), std::string::npos);
+  EXPECT_EQ(peers.error().hint(), info(Code::publish_not_allowed).hint);
+}
+
 // RVD#447: partitions count for peers too.
 TEST_F(Decisions, PartitionsAndTagsOfPeersCount) {
   auto allowed = publish_rule(true, {"closed"});

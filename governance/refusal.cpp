@@ -1,0 +1,137 @@
+#include "governance/refusal.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+constexpr std::size_t kMostNameOctets = 128;  // of a name that is compared with others
+constexpr std::size_t kMostNames = 1000;      // that are compared
+constexpr std::size_t kMostShown = 4;         // partitions in a sentence
+
+std::string cut_name(std::string_view text) {
+  const bool is_long = text.size() > kMostNameOctets;
+  return fmt::format("\"{}{}\"", text.substr(0, kMostNameOctets), is_long ? "..." : "");
+}
+
+template <class Texts>
+std::string name_list(const Texts& texts) {
+  std::string out;
+  std::size_t count = 0;
+  for (const auto& text : texts) {
+    if (++count > kMostShown) return out + ", ...";
+    out += (count == 1 ? "" : ", ") + cut_name(text);
+  }
+  return out;
+}
+
+// The partitions that an element of an allow_rule is for, in words.
+std::string partitions_of(const Criteria& criteria) {
+  if (!criteria.partitions) return "only without a partition (or in \"\")";
+  std::vector<std::string_view> texts;
+  for (const auto& text : *criteria.partitions) texts.push_back(text.text);
+  return "only in " + name_list(texts);
+}
+
+RefusalAdvice about_partitions(const Criteria& criteria, const Request& request) {
+  const bool has_none = request.partitions.empty();
+  const auto asked = has_none ? std::string() : name_list(request.partitions);
+  return {.because = fmt::format("line {} allows the topic, but {}", criteria.line,
+                                 partitions_of(criteria)),
+          .hint = fmt::format("the topic is allowed, but not {}{}: add {} to <partitions> of the "
+                              "rule (--partition of ddssec identity issue and ddssec permissions "
+                              "new) and sign the permissions again, or change the endpoint's",
+                              has_none ? "without a partition" : "in partition ", asked,
+                              has_none ? "an empty one" : "it")};
+}
+
+RefusalAdvice about_data_tags(const Criteria& criteria) {
+  return {.because =
+              fmt::format("line {} allows the topic, but not with these data tags", criteria.line),
+          .hint =
+              "the topic is allowed, but not with these data tags: add them to <data_tags> of "
+              "the rule and sign the permissions again"};
+}
+
+// ROS 2's topics have a prefix that their names in ROS do not show.
+bool is_ros_name_of(std::string_view allowed, std::string_view topic) {
+  if (topic.starts_with('/')) topic.remove_prefix(1);
+  return !topic.empty() && allowed.starts_with("rt/") && allowed.substr(3) == topic;
+}
+
+// How far apart two names are; nothing if they are too far apart to be meant as one.
+std::optional<std::size_t> distance(std::string_view allowed, std::string_view topic) {
+  if (is_ros_name_of(allowed, topic) || is_ros_name_of(topic, allowed)) return 0;
+  const auto lower = ascii_lower(allowed);
+  const auto wanted = ascii_lower(topic);
+  if (lower == wanted) return 0;
+  const std::size_t most = topic.size() < 4 ? 0 : topic.size() < 7 ? 1 : 2;
+  const auto sizes = std::minmax(lower.size(), wanted.size());
+  if (sizes.second - sizes.first > most) return std::nullopt;
+  const auto out = edit_distance(lower, wanted);
+  return out <= most ? std::optional(out) : std::nullopt;
+}
+
+/// Finds the allowed name nearest to one that is not.
+class Nearest {
+ public:
+  explicit Nearest(std::string_view topic) : topic_(topic) {}
+
+  void look_at(const Criteria& criteria) {
+    for (const auto& text : criteria.topics) {
+      if (seen_ == kMostNames) return;
+      ++seen_;
+      const bool is_name = text.text.size() <= kMostNameOctets &&
+                           text.text.find_first_of("*?[\\") == std::string::npos;
+      const auto far = is_name ? distance(text.text, topic_) : std::nullopt;
+      if (!far || (name_ && *far >= distance_)) continue;
+      distance_ = *far;
+      name_ = text.text;
+    }
+  }
+  const std::optional<std::string>& name() const { return name_; }
+
+ private:
+  std::string_view topic_;
+  std::size_t seen_ = 0;
+  std::size_t distance_ = 0;
+  std::optional<std::string> name_;
+};
+
+}  // namespace
+
+RefusalAdvice advice_on_endpoint(const CompiledGrant& grant, Action action, const Request& request,
+                                 const Verdict& verdict) {
+  const bool is_denied = verdict.rule != nullptr && !verdict.rule->allow;
+  if (verdict.allowed || is_denied || grant.judge(action, request).allowed) return {};
+  const auto somewhere = grant.judge_topic(action, request.topic);
+  if (!somewhere.allowed || somewhere.criteria == nullptr) return {};
+  const Request untagged{.topic = request.topic, .partitions = request.partitions};
+  const bool is_for_tags = !request.data_tags.empty() && grant.judge(action, untagged).allowed;
+  return is_for_tags ? about_data_tags(*somewhere.criteria)
+                     : about_partitions(*somewhere.criteria, request);
+}
+
+RefusalAdvice advice_on_name(const CompiledGrant& grant, Action action, std::string_view topic) {
+  if (topic.size() > kMostNameOctets) return {};
+  Nearest nearest(topic);
+  for (const auto* criteria : grant.allowed(action)) nearest.look_at(*criteria);
+  if (!nearest.name()) return {};
+  return {.because = fmt::format("{} is allowed", cut_name(*nearest.name())),
+          .hint = fmt::format("is {} meant? Correct the name in the program, or add {} to an "
+                              "allow_rule of the grant and sign the permissions again",
+                              cut_name(*nearest.name()), cut_name(topic))};
+}
+
+RefusalAdvice advice_on(const CompiledGrant& grant, Action action, const Request& request,
+                        const Verdict& verdict) {
+  auto out = advice_on_endpoint(grant, action, request, verdict);
+  if (!out.hint.empty() || verdict.allowed || verdict.rule != nullptr) return out;
+  return advice_on_name(grant, action, request.topic);
+}
+
+}  // namespace ddssec::governance
