@@ -1,9 +1,38 @@
+#include <algorithm>
+#include <array>
+
 #include <fmt/format.h>
 
 #include "cli/parse.hpp"
 
 namespace ddssec::cli {
 namespace {
+
+/// Commands that help shows together: a group, or commands of one word by their names.
+struct Section {
+  std::string_view title;
+  std::string_view group;
+  std::array<std::string_view, 6> names = {};
+};
+constexpr Section kSections[] = {
+    {"to begin with", "", {"init"}},
+    {"questions: what is wrong, what is allowed, who talks to whom",
+     "",
+     {"doctor", "check", "can", "inspect", "expiry", "explain"}},
+    {"certificate authorities", "ca"},
+    {"participants: keys and certificates", "identity"},
+    {"revocation lists", "crl"},
+    {"governance: what a domain protects", "governance"},
+    {"permissions: who may use which topic", "permissions"},
+    {"keystores of ROS 2", "keystore"},
+    {"the program itself", "", {"completion", "man", "version"}},
+};
+
+bool is_in(const Section& section, const Command& command) {
+  return command.group.empty()
+             ? std::ranges::find(section.names, command.name) != section.names.end()
+             : command.group == section.group;
+}
 
 std::string row(std::string_view left, std::string_view right) {
   return fmt::format("  {:<28} {}\n", left, right);
@@ -45,14 +74,21 @@ std::string help_on_command(const Command& command) {
 }  // namespace
 
 std::string help_on(std::string_view what) {
-  std::string rows;
-  for (const auto& command : commands()) {
+  for (const auto& command : commands())
     if (command.full_name() == what) return help_on_command(command);
-    if (what.empty() || command.group == what) rows += row(command.full_name(), command.summary);
+  std::string out = "ddssec: certificates, governance and permissions of DDS-Security\n";
+  std::size_t count = 0;
+  for (const auto& section : kSections) {
+    std::string rows;
+    for (const auto& command : commands())
+      if ((what.empty() || command.group == what) && is_in(section, command))
+        rows += row(command.full_name(), command.summary);
+    if (rows.empty()) continue;
+    ++count;
+    out += fmt::format("\n{}\n{}", section.title, rows);
   }
-  if (rows.empty()) return {};
-  return "ddssec: certificates, governance and permissions of DDS-Security\n\n" + rows +
-         "\nddssec COMMAND --help says more.\n";
+  if (count == 0) return {};
+  return out + "\nddssec COMMAND --help says more.\n";
 }
 
 }  // namespace ddssec::cli

@@ -6,41 +6,30 @@
 
 #include <fmt/format.h>
 
-#include "base/text.hpp"
+#include "cli/suggestions.hpp"
 
 namespace ddssec::cli {
 namespace {
-
-std::vector<std::string> words_after(std::string_view group) {
-  std::vector<std::string> out;
-  for (const auto& command : commands()) {
-    if (group.empty()) out.emplace_back(command.group.empty() ? command.name : command.group);
-    if (!group.empty() && command.group == group) out.emplace_back(command.name);
-  }
-  return out;
-}
-
-std::string nearest(std::string_view word, const std::vector<std::string>& known) {
-  const std::size_t near = word.size() < 7 ? 1 : 2;  // "--foo" is not meant as "--now"
-  const auto best = std::ranges::min_element(
-      known, {}, [&](const std::string& k) { return edit_distance(word, k); });
-  return best != known.end() && edit_distance(word, *best) <= near ? *best : std::string();
-}
 
 std::unexpected<Error> wrong(std::string note) {
   return fail(Code::usage, {.note = std::move(note)});
 }
 
-std::unexpected<Error> unknown(std::string_view word, const std::vector<std::string>& known) {
-  const auto guess = nearest(word.substr(0, 64), known);
-  return wrong("\"" + std::string(word) + "\" is unknown here" +
-               (guess.empty() ? "" : "; did you mean \"" + guess + "\"?"));
+std::unexpected<Error> unknown(std::string_view word, const std::vector<std::string>& guesses) {
+  return wrong("\"" + std::string(word) + "\" is unknown here" + did_you_mean(guesses));
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string out;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    out += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+  return out;
 }
 
 // CLI11 reads one command's arguments; which command it is was told before.
 class CommandLine {
  public:
-  explicit CommandLine(const Command& command) {
+  explicit CommandLine(const Command& command) : command_(command) {
     app_.set_help_flag();
     app_.allow_extras(false);
     for (const auto& option : command.options) add(option);
@@ -50,11 +39,12 @@ class CommandLine {
 
   Result<Arguments> parse(std::span<const std::string> words) {
     DDSSEC_TRY(check_values(words));
+    DDSSEC_TRY(check_names(words));
     std::vector<std::string> reversed(words.rbegin(), words.rend());  // as CLI11 takes them
     try {
       app_.parse(std::move(reversed));
     } catch (const CLI::ParseError& error) {
-      return explained(error, words);
+      return explained(error);
     }
     return Arguments(values());
   }
@@ -65,6 +55,7 @@ class CommandLine {
     std::string_view fallback;
     std::vector<std::string> values;
     CLI::Option* option;
+    bool required = false;
   };
 
   void add(const Option& option) {
@@ -76,12 +67,14 @@ class CommandLine {
     slot.option = app_.add_option(option.spellings(), slot.values)->allow_extra_args(false);
     if (!option.repeated) slot.option->expected(1);
     slot.option->required(option.required);
+    slot.required = option.required;
   }
 
   void add(const Positional& positional) {
     auto& slot = slots_.emplace_back(std::string(positional.name));
     slot.option = app_.add_option(slot.name, slot.values)->required(!positional.optional);
     if (!positional.repeated) slot.option->expected(1)->allow_extra_args(false);
+    slot.required = !positional.optional;
   }
 
   // CLI11 takes the next word where nothing is behind the equals sign: that would be another
@@ -97,23 +90,63 @@ class CommandLine {
     return {};
   }
 
-  // CLI11 does not say which option is unknown, only that there are too many words.
-  std::unexpected<Error> explained(const CLI::ParseError& error,
-                                   std::span<const std::string> words) const {
-    std::vector<std::string> known;
-    for (const auto& slot : slots_) known.push_back(slot.name);
-    for (const auto& option : common_options())
-      if (!option.letter.empty()) known.emplace_back(option.letter);
+  const Option* option_named(std::string_view name) const {
+    for (const auto* options : {&command_.options, &common_options()})
+      for (const auto& option : *options)
+        if (option.name == name || (!option.letter.empty() && option.letter == name))
+          return &option;
+    return nullptr;
+  }
+
+  // CLI11 takes an option's name for the value of the one before, and does not say which option is
+  // unknown, only that there are too many words.
+  Status check_names(std::span<const std::string> words) const {
+    const Option* waits = nullptr;  // for its value
     for (const auto& word : words) {
-      const auto name = word.substr(0, word.find('='));
-      if (name.starts_with("-") && name != "-" && std::ranges::find(known, name) == known.end())
-        return unknown(name, known);
+      auto name = std::string_view(word).substr(0, word.find('='));
+      if (word == "--" && waits == nullptr) return {};
+      const bool looks_like_one = name.starts_with("-") && name != "-";
+      const bool has_letter = looks_like_one && name[1] != '-' && option_named(name.substr(0, 2));
+      if (has_letter) name = name.substr(0, 2);  // "-oFILE"
+      const auto* option = looks_like_one ? option_named(name) : nullptr;
+      if (waits != nullptr && option != nullptr)
+        return wrong(
+            fmt::format("no value follows \"{0}\": \"{1}\" is an option; if it is meant as "
+                        "the value, write {0}={1}",
+                        waits->name, word));
+      const bool is_value = waits != nullptr;
+      waits = nullptr;
+      if (is_value || !looks_like_one) continue;
+      if (option == nullptr) return unknown(name, options_like(name, command_));
+      if (!option->value.empty() && name.size() == word.size()) waits = option;
     }
-    const std::string what = error.what();
-    constexpr std::string_view kRequired = " is required";
-    if (what.ends_with(kRequired))
-      return wrong("missing argument " + what.substr(0, what.size() - kRequired.size()));
-    return wrong(what);
+    return {};
+  }
+
+  // Everything that must be given and was not, in one sentence.
+  std::vector<std::string> missing() const {
+    std::vector<std::string> out;
+    for (const auto& slot : slots_) {
+      if (!slot.required || slot.option->count() > 0) continue;
+      const auto* option = option_named(slot.name);
+      out.push_back(option == nullptr ? slot.name
+                                      : fmt::format("{} {}", option->name, option->value));
+    }
+    return out;
+  }
+
+  std::unexpected<Error> explained(const CLI::ParseError& error) const {
+    const auto lacking = missing();
+    const auto rest = app_.remaining();
+    std::string extra;
+    for (const auto& word : rest)
+      extra += fmt::format("{}\"{}\"", extra.empty() ? "" : ", ", word.substr(0, 64));
+    if (!extra.empty())
+      extra += rest.size() == 1 ? " is one argument too many" : " are arguments too many";
+    if (lacking.empty()) return wrong(extra.empty() ? std::string(error.what()) : extra);
+    return wrong(fmt::format("missing argument{} {}{}{}; for example: {}",
+                             lacking.size() == 1 ? "" : "s", listed(lacking),
+                             extra.empty() ? "" : "; ", extra, command_.examples.front()));
   }
 
   Arguments::Values values() const {
@@ -128,6 +161,7 @@ class CommandLine {
     return out;
   }
 
+  const Command& command_;
   CLI::App app_;
   std::list<Slot> slots_;  // CLI11 keeps references into it
 };
@@ -163,6 +197,14 @@ const Command* find(std::string_view full_name) {
   return found == commands().end() ? nullptr : &*found;
 }
 
+// "create, import, show or renew".
+std::string second_words(std::string_view group) {
+  std::string out;
+  for (const auto& command : commands())
+    if (command.group == group) out += fmt::format("{}{}", out.empty() ? "" : ", ", command.name);
+  return out;
+}
+
 Request help_request(std::string_view what) {
   Request out;
   out.help = help_on(what);
@@ -189,14 +231,14 @@ Result<Request> parse(std::span<const std::string> given) {
   const Command* command = find(words[0]);
   std::size_t used = 1;
   if (command == nullptr) {
-    if (help_on(words[0]).empty()) return unknown(words[0], words_after(""));
+    if (help_on(words[0]).empty()) return unknown(words[0], commands_like(words));
     if (words.size() > 1 && (command = find(words[0] + " " + words[1])) != nullptr) used = 2;
   }
   if (asks_for_help(words)) return help_request(command ? command->full_name() : words[0]);
   if (command == nullptr)
     return words.size() > 1 && !words[1].starts_with("-")
-               ? unknown(words[1], words_after(words[0]))
-               : wrong("\"" + words[0] + "\" needs a second word");
+               ? unknown(words[1], commands_like(words))
+               : wrong("\"" + words[0] + "\" needs a second word: " + second_words(words[0]));
   CommandLine line(*command);
   Request out;
   out.arguments = DDSSEC_TRY(line.parse(std::span(words).subspan(used)));

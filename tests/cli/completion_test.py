@@ -9,8 +9,8 @@ from transcript import Transcript, main
 
 class Completion(Transcript):
     def commands(self):
-        rows = self.run_program("--help").stdout.split("\n\n")[1].splitlines()
-        return [re.split(r"  +", row.strip())[0] for row in rows]
+        rows = self.run_program("--help").stdout.splitlines()
+        return [re.split(r"  +", row.strip())[0] for row in rows if row.startswith("  ")]
 
     def options(self, command):
         text = self.run_program(*command.split(), "--help").stdout.split("\nexit:")[0]

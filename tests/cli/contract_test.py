@@ -9,8 +9,8 @@ from transcript import PROGRAM, Transcript, main
 
 class Contract(Transcript):
     def commands(self):
-        rows = self.run_program("--help").stdout.split("\n\n")[1].splitlines()
-        return [row[2:30].strip() for row in rows]
+        rows = self.run_program("--help").stdout.splitlines()
+        return [row[2:30].strip() for row in rows if row.startswith("  ")]
 
     def test_help_lists_every_command_and_each_explains_itself(self):
         self.assertIn("ca create", self.commands())
@@ -19,6 +19,19 @@ class Contract(Transcript):
             self.assertIn(f"usage: ddssec {name}", text)
             self.assertIn("--format FORM", text)
             self.assertIn(f"ddssec {name} ", text.split("\nexamples\n")[1])
+
+    def test_help_shows_commands_in_sections(self):
+        sections = self.run_program("--help").stdout.split("\n\n")[1:-1]
+        titles = [section.splitlines()[0] for section in sections]
+        self.assertEqual(len(titles), 9)
+        self.assertFalse([title for title in titles if title.startswith(" ")])
+        self.assertEqual([row.split()[0] for row in sections[0].splitlines()[1:]], ["init"])
+        # Each command stands in exactly one: the manual page has them all.
+        man = self.run_program("man").stdout.replace("\\-", "-")
+        known = [line.removeprefix(".SS ddssec ") for line in man.splitlines() if line.startswith(".SS ")]
+        self.assertEqual(len(self.commands()), len(known))
+        for name in self.commands():
+            self.assertTrue(any(line.startswith(name + " ") for line in known), name)
 
     def test_help_on_a_group_lists_its_commands(self):
         text = self.run_program("ca", "--help").stdout
@@ -32,6 +45,42 @@ class Contract(Transcript):
         self.assertIn("needs a second word", self.refused("usage", 2, "ca")["message"])
         self.assertIn('did you mean "--days"?',
                       self.refused("usage", 2, "ca", "create", "x", "--dais", "3")["message"])
+
+    def test_words_in_another_order_or_of_other_tools_lead_to_the_command(self):
+        for words, meant in ((("create", "ca"), '"ca create"'), (("new", "governance"), '"governance new"'),
+                             (("sign",), '"governance sign" or "permissions sign"'),
+                             (("verify",), '"crl verify", "governance verify", "permissions verify" or "keystore verify"'),
+                             (("issue", "identity"), '"identity issue"'), (("revoke", "x"), '"identity revoke"'),
+                             (("lint", "g.xml"), '"governance lint" or "permissions lint"'),
+                             (("ca", "new"), '"create"'), (("governance", "create"), '"new"'),
+                             (("permissions", "validate"), '"verify"')):
+            self.assertIn(f"did you mean {meant}?", self.refused("usage", 2, *words)["message"])
+        self.assertNotIn("did you mean", self.refused("usage", 2, "frobnicate")["message"])
+        self.assertIn("needs a second word: create, import,", self.refused("usage", 2, "ca")["message"])
+
+    def test_options_of_other_tools_lead_to_ours(self):
+        for words, meant in ((("init", "x", "-d", "3"), '"--domain", "--days" or "--dry-run"'),
+                             (("check", "a", "b", "--json"), '"--format json"'),
+                             (("check", "a", "b", "--topic", "t"), '"--topics"'),
+                             (("governance", "show", "a", "--topics", "t"), '"--topic"'),
+                             (("permissions", "new", "--topic", "t"), '"--publish" or "--subscribe"'),
+                             (("ca", "create", "x", "--password", "y"), '"--passphrase-file" or "--passphrase-env"')):
+            self.assertIn(f"did you mean {meant}?", self.refused("usage", 2, *words)["message"])
+
+    def test_all_that_is_missing_is_said_at_once_with_an_example(self):
+        told = self.refused("usage", 2, "identity", "issue")["message"]
+        self.assertIn("missing arguments --ca DIR and -o DIR; for example: ddssec identity issue talker --ca ca", told)
+        told = self.refused("usage", 2, "governance", "new", "out.xml")["message"]
+        self.assertIn('missing argument -o FILE; "out.xml" is one argument too many; for example: ddssec', told)
+        told = self.refused("usage", 2, "permissions", "sign", "foo.xml")["message"]
+        self.assertIn("missing argument --ca", told)
+        self.assertIn('"c" is one argument too many', self.refused("usage", 2, "check", "a", "b", "c")["message"])
+
+    def test_an_option_is_not_taken_for_the_value_of_another(self):
+        told = self.refused("usage", 2, "permissions", "new", "--cert", "c", "--publish", "-o", "p.xml")["message"]
+        self.assertIn('no value follows "--publish": "-o" is an option; if it is meant as the value, write --publish=-o',
+                      told)
+        self.refused("file_not_found", 3, "permissions", "new", "--cert", "c", "--publish=-o", "-op.xml")
 
     def test_help_is_a_word_too(self):
         for words in ((), ("ca",), ("ca", "create"), ("check",)):
