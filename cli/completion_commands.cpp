@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/choices.hpp"
 #include "cli/groups.hpp"
 
 namespace ddssec::cli {
@@ -66,6 +67,46 @@ std::string spelled(const std::vector<Option>& options) {
   return out;
 }
 
+/// Where one of a few words is expected.
+struct Place {
+  std::string pattern;  ///< of a shell's `case`: "WORDS OPTION", or "NUMBER COMMAND"
+  std::string words;
+};
+
+// Behind which options. The second word of a command of one word may be anything.
+std::vector<Place> values_of_options() {
+  std::vector<Place> out;
+  for (const auto& command : commands()) {
+    const auto name = command.full_name();
+    for (const auto& option : options_of(command))
+      if (auto words = choices_of(command, option.name); !words.empty())
+        out.push_back({command.group.empty() ? fmt::format("'{} '*' {}'", name, option.name)
+                                             : fmt::format("'{} {}'", name, option.name),
+                       std::move(words)});
+  }
+  return out;
+}
+
+// At which place behind commands of one word, counted from the program's name at 0.
+std::vector<Place> values_of_places() {
+  std::vector<Place> out;
+  for (const auto& command : commands())
+    for (std::size_t i = 0; i < command.positionals.size(); ++i)
+      if (auto words = choices_of(command, command.positionals[i].name);
+          !words.empty() && command.group.empty())
+        out.push_back({fmt::format("'{} {}'", i + 2, command.name), std::move(words)});
+  return out;
+}
+
+// One arm each: `before` and `after` make the words what the shell keeps them in.
+std::string cases(const std::vector<Place>& places, std::string_view before,
+                  std::string_view after) {
+  std::string out;
+  for (const auto& [pattern, words] : places)
+    out += fmt::format("      {}) {}{}{} ;;\n", pattern, before, words, after);
+  return out;
+}
+
 std::string bash() {
   std::string firsts, seconds, options;
   for (const auto& first : first_words()) {
@@ -84,7 +125,7 @@ std::string bash() {
       "# bash completion of ddssec: ddssec completion bash > "
       "~/.local/share/bash-completion/completions/ddssec\n"
       "_ddssec() {{\n"
-      "  local current=${{COMP_WORDS[COMP_CWORD]}} words=''\n"
+      "  local current=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD-1]}} words=''\n"
       "  if [ \"$COMP_CWORD\" -eq 1 ]; then\n"
       "    words={}\n"
       "  elif [[ $current == -* ]]; then\n"
@@ -92,10 +133,17 @@ std::string bash() {
       "  elif [ \"$COMP_CWORD\" -eq 2 ]; then\n"
       "    case \"${{COMP_WORDS[1]}}\" in\n{}    esac\n"
       "  fi\n"
+      "  if [[ -z $words && $current != -* ]]; then\n"
+      "    case \"${{COMP_WORDS[1]}} ${{COMP_WORDS[2]}} $before\" in\n{}    esac\n"
+      "  fi\n"
+      "  if [[ -z $words && $current != -* ]]; then\n"
+      "    case \"$COMP_CWORD ${{COMP_WORDS[1]}}\" in\n{}    esac\n"
+      "  fi\n"
       "  COMPREPLY=($(compgen -W \"$words\" -- \"$current\"))\n"
       "}}\n"
       "complete -o default -F _ddssec ddssec\n",
-      single_quoted(firsts), options, seconds);
+      single_quoted(firsts), options, seconds, cases(values_of_options(), "words='", "'"),
+      cases(values_of_places(), "words='", "'"));
 }
 
 // One entry of _describe: a colon parts the word from what it is.
@@ -137,10 +185,17 @@ std::string zsh() {
       "  elif (( CURRENT == 3 )); then\n"
       "    case \"$words[2]\" in\n{}    esac\n"
       "  fi\n"
+      "  if (( ! $#list )) && [[ $words[CURRENT] != -* ]]; then\n"
+      "    case \"$words[2] $words[3] $words[CURRENT-1]\" in\n{}    esac\n"
+      "  fi\n"
+      "  if (( ! $#list )) && [[ $words[CURRENT] != -* ]]; then\n"
+      "    case \"$((CURRENT - 1)) $words[2]\" in\n{}    esac\n"
+      "  fi\n"
       "  if (( $#list )); then _describe ddssec list; else _files; fi\n"
       "}}\n"
       "compdef _ddssec ddssec\n",
-      firsts, options, seconds);
+      firsts, options, seconds, cases(values_of_options(), "list=(", ")"),
+      cases(values_of_places(), "list=(", ")"));
 }
 
 std::string fish_condition(const Command& command) {
@@ -157,6 +212,8 @@ std::string fish_option(const Command& command, const Option& option) {
                   : fmt::format(" -l {}", option.name.substr(2));
   if (!option.letter.empty()) out += fmt::format(" -s {}", option.letter.substr(1));
   if (!option.value.empty()) out += " -r";
+  if (const auto words = choices_of(command, option.name); !words.empty())
+    out += fmt::format(" -f -a {}", single_quoted(words));
   return out + fmt::format(" -d {}\n", single_quoted(option.summary));
 }
 
@@ -178,6 +235,11 @@ std::string fish() {
   }
   for (const auto& command : commands())
     for (const auto& option : options_of(command)) out += fish_option(command, option);
+  for (const auto& command : commands())
+    for (const auto& positional : command.positionals)
+      if (const auto words = choices_of(command, positional.name); !words.empty())
+        out += fmt::format("complete -c ddssec -f -n {} -a {}\n",
+                           single_quoted(fish_condition(command)), single_quoted(words));
   return out;
 }
 

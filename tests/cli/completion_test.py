@@ -48,6 +48,26 @@ class Completion(Transcript):
         self.assertEqual(self.completed("ddssec", "init", "demo", "--lay"), ["--layout"])
         self.assertEqual(self.completed("ddssec", "ca", "show", "x"), [])
 
+    def test_bash_completes_values(self):
+        self.assertEqual(self.completed("ddssec", "init", "demo", "--layout", ""), ["flat", "sros2"])
+        self.assertEqual(self.completed("ddssec", "identity", "issue", "x", "--key", "rsa"), ["rsa2048", "rsa3072"])
+        self.assertEqual(self.completed("ddssec", "ca", "import", "--key", ""), [])  # a file
+        self.assertEqual(self.completed("ddssec", "completion", ""), ["bash", "zsh", "fish"])
+        self.assertEqual(self.completed("ddssec", "can", "demo/talker", "p"), ["publish"])
+        self.assertEqual(self.completed("ddssec", "explain", "DOC08")[:2], ["DOC080", "DOC081"])
+        self.assertEqual(self.completed("ddssec", "explain", "no_grant"), ["no_grant_for_subject"])
+
+    def test_each_value_that_is_offered_is_taken(self):
+        for option, values, words in (
+                ("--key", "p256 rsa2048 rsa3072", ("identity", "csr", "x", "-o", "x", "--dry-run")),
+                ("--profile", "open balanced strict", ("governance", "new", "-o", "x", "--dry-run")),
+                ("--layout", "flat sros2", ("init", "x", "--dry-run")),
+                ("--role", "identity permissions both", ("ca", "create", "x", "--no-passphrase", "--dry-run")),
+                ("--pre-shared-key", "SIGN ENCRYPT", ("governance", "new", "-o", "x", "--dry-run"))):
+            self.assertIn(f"words='{values}'", self.run_program("completion", "bash").stdout)
+            for value in values.split():
+                self.run_program(*words, option, value)
+
     def test_each_shell_can_read_its_page(self):
         for shell in ("bash", "zsh", "fish"):
             (self.at / shell).write_text(self.run_program("completion", shell).stdout)
