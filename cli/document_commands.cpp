@@ -55,7 +55,7 @@ Result<Report> sign(const Arguments& arguments, const Context& context) {
   const auto ca = DDSSEC_TRY(CaOpener(arguments).open("permissions"));
   const auto signed_octets = DDSSEC_TRY(
       named(ca.authority.sign_document(octets, context.clock.now(), context.random), from));
-  report.files_written.push_back(DDSSEC_TRY(write_new_file(to, signed_octets, 0644)));
+  report.files_written.push_back(DDSSEC_TRY(write_result(to, signed_octets, arguments)));
   report.text += fmt::format("{}  signed by {}\n", to.string(), ca.certificate().subject());
   report.result = {{"file", to.string()}, {"signer", ca.certificate().subject()}};
   return report;
@@ -175,6 +175,7 @@ std::vector<Option> signing_options() {
   return {ca_option("the folder that ca create made"),
           {"-o", "FILE", "the signed document, if not FILE with the ending p7s"},
           {"--no-lint", "", "sign although lint finds errors"},
+          kReplace,
           kPassphraseFile,
           kPassphraseEnv,
           kInsecureKeyMode};

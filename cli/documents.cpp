@@ -77,6 +77,13 @@ Counts counts_of(const std::vector<Finding>& findings) {
   return out;
 }
 
+Error with_replace_hint(const Error& error) {
+  if (error.code() != Code::would_overwrite) return error;
+  auto details = error.details();
+  details.hint = "--replace puts the new one in its place; or choose another place with -o";
+  return Error(error.code(), std::move(details));
+}
+
 }  // namespace
 
 std::string counted(const std::vector<Finding>& findings) {
@@ -138,12 +145,23 @@ fs::path signed_path(const fs::path& document) {
   return fs::path(document).replace_extension("p7s");
 }
 
+Result<WrittenFile> write_result(const fs::path& target, BytesView octets,
+                                 const Arguments& arguments) {
+  if (arguments.has("--replace")) {
+    Replacement out;
+    DDSSEC_TRY(out.put(target, octets, 0644));
+    return DDSSEC_TRY(out.commit()).front();
+  }
+  auto out = write_new_file(target, octets, 0644);
+  return out ? std::move(out) : std::unexpected(with_replace_hint(out.error()));
+}
+
 Result<std::vector<WrittenFile>> write_document(const std::string& xml, const Arguments& arguments,
                                                 const Context& context) {
   fs::path plain = arguments.text("-o");
   std::vector<WrittenFile> out;
   if (!arguments.has("--sign")) {
-    out.push_back(DDSSEC_TRY(write_new_file(plain, as_bytes(xml), 0644)));
+    out.push_back(DDSSEC_TRY(write_result(plain, as_bytes(xml), arguments)));
     return out;
   }
   if (plain.extension() == ".p7s") plain.replace_extension("xml");
@@ -152,8 +170,14 @@ Result<std::vector<WrittenFile>> write_document(const std::string& xml, const Ar
   const auto ca = DDSSEC_TRY(CaOpener(arguments).open("permissions"));
   const auto signature =
       DDSSEC_TRY(ca.authority.sign_document(as_bytes(xml), context.clock.now(), context.random));
-  out.push_back(DDSSEC_TRY(write_new_file(plain, as_bytes(xml), 0644)));
-  auto second = write_new_file(signed_path(plain), signature, 0644);
+  if (arguments.has("--replace")) {
+    Replacement both;
+    DDSSEC_TRY(both.put_public(plain, xml));
+    DDSSEC_TRY(both.put(signed_path(plain), signature, 0644));
+    return both.commit();
+  }
+  out.push_back(DDSSEC_TRY(write_result(plain, as_bytes(xml), arguments)));
+  auto second = write_result(signed_path(plain), signature, arguments);
   if (!second) {
     std::error_code ignored;
     fs::remove(plain, ignored);

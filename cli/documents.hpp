@@ -88,6 +88,11 @@ Result<std::vector<std::string>> topics_of(const Arguments& arguments, std::stri
 /// The signature that stands beside a document: its path with the ending p7s.
 std::filesystem::path signed_path(const std::filesystem::path& document);
 
+/// One document of a command that has --replace. Errors: those of write_new_file and, with that
+/// option, of Replacement.
+Result<WrittenFile> write_result(const std::filesystem::path& target, BytesView octets,
+                                 const Arguments& arguments);
+
 /// Writes a new document to what -o says and, with --sign, its signed form beside it (-o may name
 /// either). Both or neither. Errors: usage (--sign without --ca), and those of CaOpener,
 /// Authority::sign_document and write_new_file.

@@ -94,14 +94,15 @@ Status read_common(const Table& table, ParticipantSpec& spec, WallTime now) {
     spec.key = *kind;
   }
   DDSSEC_TRY(table.read("publish", spec.publish));
+  DDSSEC_TRY(table.read("partitions", spec.partitions));
   return table.read("subscribe", spec.subscribe);
 }
 
 Result<ParticipantSpec> participant_of(const toml::table& node, const fs::path& file,
                                        ParticipantSpec spec, WallTime now) {
   const Table table(node, file);
-  DDSSEC_TRY(table.check_keys(
-      {"name", "subject", "domain", "days", "key", "publish", "subscribe", "permissions"}));
+  DDSSEC_TRY(table.check_keys({"name", "subject", "domain", "days", "key", "publish", "subscribe",
+                               "partitions", "permissions"}));
   DDSSEC_TRY(table.read("name", spec.name));
   if (spec.name.empty()) return table.wrong("name", "a participant's name");
   if (const auto fine = check_name(spec.name); !fine) {
@@ -137,7 +138,8 @@ Result<std::vector<ParticipantSpec>> read_fleet(const fs::path& file,
   const auto octets = DDSSEC_TRY(read_file(file, kMostFleetOctets));
   const auto root = DDSSEC_TRY(parsed(as_text(octets), file));
   const Table top(root, file);
-  DDSSEC_TRY(top.check_keys({"domain", "days", "key", "publish", "subscribe", "participant"}));
+  DDSSEC_TRY(top.check_keys(
+      {"domain", "days", "key", "publish", "subscribe", "partitions", "participant"}));
   auto common = standard;
   DDSSEC_TRY(read_common(top, common, now));
   const auto* node = root.get("participant");

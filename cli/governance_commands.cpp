@@ -153,6 +153,7 @@ std::vector<Command> governance_commands() {
                     "participants of ddssec only"},
                    repeated("--topic", "EXPR:KEY=VALUE,...",
                             "a rule for some topics, before the one for all others"),
+                   kReplace,
                    kSign,
                    kSigningCa,
                    kPassphraseFile,

@@ -8,7 +8,8 @@ namespace ddssec::cli {
 std::vector<Command> init_commands();
 std::vector<Command> ca_commands();
 std::vector<Command> ca_rotate_commands();
-std::vector<Command> identity_commands();
+std::vector<Command> identity_issue_commands();
+std::vector<Command> identity_commands();  ///< show, csr, sign-csr
 std::vector<Command> governance_commands();
 std::vector<Command> permissions_commands();
 std::vector<Command> identity_change_commands();  ///< renew, revoke

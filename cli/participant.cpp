@@ -94,4 +94,11 @@ std::string log_line(const NewParticipant& participant, const fs::path& folder, 
                                     fs::absolute(folder, ignored).lexically_normal().string(), now);
 }
 
+Json certificate_json(const pki::Certificate& certificate) {
+  return {{"subject", certificate.subject()},
+          {"serial", certificate.serial()},
+          {"not_after", to_string(certificate.not_after())},
+          {"sha256", to_hex(certificate.fingerprint())}};
+}
+
 }  // namespace ddssec::cli

@@ -73,4 +73,7 @@ Status add_flat(NewFolder& folder, const std::filesystem::path& below,
 std::string log_line(const NewParticipant& participant, const std::filesystem::path& folder,
                      WallTime now);
 
+/// What results say of a certificate that was issued: subject, serial, not_after, sha256.
+Json certificate_json(const pki::Certificate& certificate);
+
 }  // namespace ddssec::cli

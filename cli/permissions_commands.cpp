@@ -101,6 +101,7 @@ std::vector<Command> permissions_commands() {
                    repeated("--partition", "GLOB", "partitions of what it may write and read"),
                    {"--days", "N", "how long it is valid, if not as long as the certificate"},
                    {"--not-after", "TIME", "or until when (2027-11-21T00:00:00Z)"},
+                   kReplace,
                    kSign,
                    kSigningCa,
                    kPassphraseFile,

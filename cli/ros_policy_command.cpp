@@ -68,6 +68,7 @@ std::vector<Command> ros_policy_commands() {
                    kNodeDefaults,
                    {"--no-discovery-topic", "", "do not allow ros_discovery_info"},
                    {"--sros2-order", "", "octet for octet as sros2 writes it"},
+                   kReplace,
                    kSign,
                    kSigningCa,
                    kPassphraseFile,

@@ -40,6 +40,7 @@ const std::vector<Command>& commands() {
              init_commands(),
              ca_commands(),
              ca_rotate_commands(),
+             identity_issue_commands(),
              identity_commands(),
              identity_change_commands(),
              crl_commands(),

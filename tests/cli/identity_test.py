@@ -195,6 +195,99 @@ class Identity(Transcript):
                                     "--permissions", "own.xml")
         self.assertEqual(told["file"], "own.xml")
 
+    def governance(self):
+        self.run_with_secret(self.run_program, "governance", "new", "-o", "governance.xml", "--sign", "--ca", "ca", *NOW)
+
+    def octets(self, folder="talker"):
+        return {p.name: p.read_bytes() for p in (self.at / folder).iterdir()}
+
+    def test_issue_completes_a_folder_and_leaves_key_and_certificate(self):
+        self.run_with_secret(self.run_program, *self.issue())
+        self.governance()
+        before = self.octets()
+        out = self.json(*self.issue("--governance", "governance.p7s"))  # no key is needed for that
+        self.assertEqual({f["path"] for f in out["files_written"]}, {"talker/governance.p7s", "talker/permissions_ca.pem"})
+        out = self.run_with_secret(self.json, *self.issue("--publish", "x", "--subscribe", "y"))
+        self.assertEqual({f["path"] for f in out["files_written"]}, {"talker/permissions.p7s"})
+        self.assertEqual({name: self.octets()[name] for name in before}, before)
+        self.json("doctor", "talker", *NOW)
+        self.json("can", "talker", "subscribe", "y", *NOW)
+        (self.at / "talker/crl.pem").unlink()
+        (self.at / "talker/identity_ca.pem").unlink()
+        out = self.json(*self.issue())
+        self.assertEqual({f["path"] for f in out["files_written"]}, {"talker/crl.pem", "talker/identity_ca.pem"})
+        self.assertEqual(self.json("ca", "show", "ca", *NOW)["result"]["issued"], 1)
+        self.json("doctor", "talker", *NOW)
+
+    def test_issue_completes_nothing_that_is_of_another(self):
+        self.run_with_secret(self.run_program, *self.issue("--publish", "x"))
+        self.governance()
+        told = self.refused("would_overwrite", 4, *self.issue())
+        self.assertIn("nothing is missing in it", told["message"])
+        self.assertIn("--replace", told["hint"])
+        told = self.run_with_secret(lambda *w, **m: self.refused("would_overwrite", 4, *w, **m), *self.issue("--publish", "y"))
+        self.assertEqual(told["file"], "talker/permissions.p7s")
+        self.refused("would_overwrite", 4, "identity", "issue", "other", "--ca", "ca", "-o", "talker",
+                     "--governance", "governance.p7s", *NOW)
+        self.run_program("ca", "create", "else", "--no-passphrase", *NOW)
+        self.refused("would_overwrite", 4, "identity", "issue", "talker", "--ca", "else", "-o", "talker", *NOW)
+        for missing in ("key.pem", "cert.pem"):
+            kept = (self.at / "talker" / missing).read_bytes()
+            (self.at / "talker" / missing).unlink()
+            self.refused("would_overwrite", 4, *self.issue("--governance", "governance.p7s"))
+            (self.at / "talker" / missing).write_bytes(kept)
+        self.run_with_secret(self.run_program, "identity", "revoke", "talker", "--ca", "ca", *NOW)
+        self.refused("certificate_revoked", 1, *self.issue("--governance", "governance.p7s"))
+
+    def test_issue_replaces_on_request_and_keeps_the_rest(self):
+        self.governance()
+        self.run_with_secret(self.run_program, *self.issue("--publish", "x", "--governance", "governance.p7s"))
+        (self.at / "talker/security.properties").write_text("mine = 1\n")
+        before = self.octets()
+        done = self.run_with_secret(self.run_program, *self.issue("--replace", "--publish", "y"))
+        self.assertRegex(done.stdout, "the certificate before it is valid until 2027-11-21; .* identity revoke [0-9A-F]+ --ca ca")
+        after = self.octets()
+        self.assertEqual({n for n in after if after[n] != before[n]}, {"cert.pem", "key.pem", "permissions.p7s"})
+        self.assertEqual(after.keys(), before.keys())
+        self.assertEqual((self.at / "talker/key.pem").stat().st_mode & 0o777, 0o600)
+        self.json("doctor", "talker", *NOW)
+        self.json("can", "talker", "publish", "y", *NOW)
+        self.assertEqual(self.json("ca", "show", "ca", *NOW)["result"]["issued"], 2)
+
+    def test_issue_into_an_empty_folder_and_never_through_a_link(self):
+        (self.at / "talker").mkdir()
+        self.run_with_secret(self.run_program, *self.issue("--publish", "x"))
+        self.assertEqual((self.at / "talker/key.pem").stat().st_mode & 0o777, 0o600)
+        (self.at / "real").mkdir()
+        (self.at / "link").symlink_to("real")
+        self.run_with_secret(lambda *w, **m: self.refused("would_overwrite", 4, *w, **m), "identity", "issue",
+                             "b", "--ca", "ca", "-o", "link", "--replace", *NOW)
+
+    def test_partitions_of_what_is_issued(self):
+        self.governance()
+        self.run_with_secret(self.run_program, *self.issue("--publish", "x", "--partition", "yard*", "--governance", "governance.p7s"))
+        self.json("can", "talker", "publish", "x", "--partition", "yard1", *NOW)
+        told = self.json("can", "talker", "publish", "x", "--partition", "street", *NOW, exit=1)
+        self.assertEqual([d["id"] for d in told["diagnostics"]], ["publish_not_allowed"])
+        self.assertIn('allows the topic, but only in "yard*"', told["result"]["because"])
+        self.assertIn('the topic is allowed, but not in partition "street": add it to <partitions>',
+                      told["diagnostics"][0]["hint"])
+        told = self.json("can", "talker", "publish", "x", *NOW, exit=1)
+        self.assertIn("not without a partition", told["diagnostics"][0]["hint"])
+        self.refused("usage", 2, *self.issue("--partition", "a"))
+
+    def test_a_name_that_is_close_to_an_allowed_one_is_proposed(self):
+        self.governance()
+        self.run_with_secret(self.run_program, *self.issue("--publish", "rt/chatter", "--governance", "governance.p7s"))
+        for typed in ("chatter", "/chatter", "rt/chater", "rt/Chatter"):
+            told = self.json("can", "talker", "publish", typed, *NOW, exit=1)
+            self.assertIn('is "rt/chatter" meant?', told["diagnostics"][0]["hint"], typed)
+        for typed in ("rt/camera", "c", "rt/chatter/more"):
+            told = self.json("can", "talker", "publish", typed, *NOW, exit=1)
+            self.assertNotIn("meant?", told["diagnostics"][0]["hint"], typed)
+        told = self.json("can", "talker", "subscribe", "rt/chatter", *NOW, exit=1)
+        self.assertIn("add the topic to <subscribe>", told["diagnostics"][0]["hint"])
+
     def test_show_says_how_the_guid_begins(self):
         self.run_with_secret(self.run_program, *self.issue())
         value = b"\x0c\x06talker"

@@ -1,0 +1,418 @@
+// identity issue: a participant's folder, made, completed or made anew.
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "cli/documents.hpp"
+#include "cli/fleet.hpp"
+#include "cli/groups.hpp"
+#include "cli/inputs.hpp"
+#include "cli/options.hpp"
+#include "cli/participant.hpp"
+#include "cli/progress.hpp"
+#include "cli/transaction.hpp"
+#include "pki/source.hpp"
+#include "pki/subject_name.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Only what the participant will believe is copied: a document that is not signed, or by another
+// CA, would be found out at its first start.
+Result<Bytes> governance_of(const Arguments& arguments, WallTime now) {
+  if (!arguments.has("--governance")) return Bytes();
+  const fs::path file = arguments.text("--governance");
+  const auto ca = ca_paths(arguments.text("--ca"), "permissions").certificate;
+  DDSSEC_TRY(verified(file, ca, now));
+  return read_file(file, pki::kMostDocumentOctets);
+}
+
+// What counts for every participant of the command.
+Result<ParticipantSpec> common_spec(const Arguments& arguments, WallTime now) {
+  ParticipantSpec out{.name = {}, .subject = {}, .life = {}};
+  out.life = DDSSEC_TRY(validity(arguments, now));
+  out.key = DDSSEC_TRY(key_spec(arguments));
+  out.domains = DDSSEC_TRY(domain_ranges(arguments, "--domain"));
+  out.publish = DDSSEC_TRY(topics_of(arguments, "--publish"));
+  out.subscribe = DDSSEC_TRY(topics_of(arguments, "--subscribe"));
+  out.partitions = arguments.all("--partition");
+  return out;
+}
+
+Result<ParticipantSpec> spec_of(const Arguments& arguments, WallTime now) {
+  auto spec = DDSSEC_TRY(common_spec(arguments, now));
+  spec.name = arguments.text("NAME");
+  DDSSEC_TRY(check_name(spec.name));
+  spec.subject = arguments.has("--subject") ? arguments.text("--subject") : "CN=" + spec.name;
+  if (arguments.has("--partition") && !spec.has_permissions())
+    return fail(Code::usage, {.field = "--partition", .note = "there is nothing that it is for"});
+  if (!arguments.has("--permissions")) return spec;
+  if (spec.has_permissions())
+    return fail(Code::usage,
+                {.field = "--permissions", .note = "it excludes --publish and --subscribe"});
+  spec.permissions =
+      DDSSEC_TRY(read_file(arguments.text("--permissions"), pki::kMostDocumentOctets));
+  return spec;
+}
+
+// What a participant cannot start without, and this command was not told of.
+std::string not_in_it(bool has_permissions, bool has_governance) {
+  std::string out;
+  if (!has_governance)
+    out += "no governance.p7s is in it yet: --governance FILE copies a signed one\n";
+  if (!has_permissions)
+    out +=
+        "no permissions are in it yet: --publish and --subscribe, or --permissions FILE, make "
+        "them\n";
+  return out;
+}
+
+/// Finds participants that neither permissions nor a revocation tell apart.
+class Subjects {
+ public:
+  explicit Subjects(fs::path fleet) : fleet_(std::move(fleet)) {}
+
+  void add(const std::string& name, const pki::Certificate& certificate, Report& report) {
+    const auto [first, is_new] = names_.try_emplace(pki::SubjectName::of(certificate).key(), name);
+    if (is_new) return;
+    report.errors.emplace_back(Code::subject_shared,
+                               ErrorDetails{.document = fleet_,
+                                            .found = fmt::format("{} and {}: {}", first->second,
+                                                                 name, certificate.subject())});
+  }
+
+ private:
+  fs::path fleet_;
+  std::map<std::string, std::string> names_;  // by SubjectName::key()
+};
+
+// One command, many participants: all of them or none.
+Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
+  const auto now = context.clock.now();
+  for (const auto* option : {"--subject", "--permissions"})
+    if (arguments.has(option))
+      return fail(Code::usage, {.field = option, .note = "with --from it is said in the file"});
+  const fs::path from = arguments.text("--from");
+  const fs::path target = arguments.text("-o");
+  auto specs = DDSSEC_TRY(read_fleet(from, DDSSEC_TRY(common_spec(arguments, now)), now));
+  auto folder = DDSSEC_TRY(NewFolder::at(target));
+  const auto governance = DDSSEC_TRY(governance_of(arguments, now));
+  CaOpener opener(arguments);
+  const auto identity = DDSSEC_TRY(opener.open("identity"));
+  std::optional<OpenCa> permissions;
+  if (std::ranges::any_of(specs, &ParticipantSpec::has_permissions))
+    permissions = DDSSEC_TRY(opener.open("permissions"));
+  const auto crl = DDSSEC_TRY(list_for_newcomers(identity.paths, now));
+  Report report;
+  report.result = {{"dir", target.string()}, {"participants", Json::array()}};
+  std::string lines;
+  Subjects subjects(from);
+  Progress progress("participants", specs.size());
+  for (auto& spec : specs) {
+    spec.life = DDSSEC_TRY(within_ca(spec.life, identity.certificate(), arguments.has("--clamp")));
+    const bool has_rights = spec.has_permissions();
+    const Issuers issuers{identity, permissions && has_rights ? &*permissions : nullptr, crl};
+    const auto made = DDSSEC_TRY(named(make_participant(spec, issuers, context), from));
+    DDSSEC_TRY(add_flat(folder, spec.name, made, issuers, governance));
+    lines += log_line(made, target / spec.name, now);
+    const auto& certificate = made.self.certificate;
+    subjects.add(spec.name, certificate, report);
+    report.text += fmt::format("{}  {}  expires {}\n", (target / spec.name).string(),
+                               certificate.subject(), date(certificate.not_after()));
+    Json row = {{"name", spec.name}, {"dir", (target / spec.name).string()}};
+    row.update(certificate_json(certificate));
+    report.result["participants"].push_back(std::move(row));
+    progress.step();
+  }
+  DDSSEC_TRY(check_not_interrupted());
+  DDSSEC_TRY(append_lines(identity.paths.log, lines));
+  report.files_written = DDSSEC_TRY(folder.commit());
+  return report;
+}
+
+/// One participant, as the command line asks for it.
+struct Job {
+  const Arguments& arguments;
+  const Context& context;
+  ParticipantSpec spec;
+  fs::path target;
+  Bytes governance;
+  pki::ParticipantFolder files;  ///< of `target`
+
+  bool is_replacing() const { return arguments.has("--replace"); }
+};
+
+Report report_on(const Job& job, const pki::Certificate& certificate, std::string_view done) {
+  Report report;
+  report.text = fmt::format("{}  {}  {}expires {}\n", job.target.string(), certificate.subject(),
+                            done, date(certificate.not_after()));
+  report.result = {{"name", job.spec.name}, {"dir", job.target.string()}};
+  report.result.update(certificate_json(certificate));
+  return report;
+}
+
+/// The CAs that sign, and what they made.
+struct Issued {
+  OpenCa identity;
+  std::optional<OpenCa> permissions;
+  std::string crl;
+  NewParticipant made;
+
+  Issuers issuers() const { return {identity, permissions ? &*permissions : nullptr, crl}; }
+};
+
+Result<Issued> issue(Job& job) {
+  const auto now = job.context.clock.now();
+  CaOpener opener(job.arguments);
+  auto identity = DDSSEC_TRY(opener.open("identity"));
+  std::optional<OpenCa> permissions;
+  if (job.spec.has_permissions()) permissions = DDSSEC_TRY(opener.open("permissions"));
+  job.spec.life =
+      DDSSEC_TRY(within_ca(job.spec.life, identity.certificate(), job.arguments.has("--clamp")));
+  auto crl = DDSSEC_TRY(list_for_newcomers(identity.paths, now));
+  const Issuers issuers{identity, permissions ? &*permissions : nullptr, crl};
+  auto made = DDSSEC_TRY(
+      named(make_participant(job.spec, issuers, job.context), job.arguments.text("--permissions")));
+  return Issued{std::move(identity), std::move(permissions), std::move(crl), std::move(made)};
+}
+
+Result<Report> make_folder(Job& job) {
+  auto folder = DDSSEC_TRY(NewFolder::at(job.target));
+  const auto issued = DDSSEC_TRY(issue(job));
+  DDSSEC_TRY(add_flat(folder, "", issued.made, issued.issuers(), job.governance));
+  DDSSEC_TRY(check_not_interrupted());
+  DDSSEC_TRY(append_lines(issued.identity.paths.log,
+                          log_line(issued.made, job.target, job.context.clock.now())));
+  auto report = report_on(job, issued.made.self.certificate, "");
+  report.text += not_in_it(issued.permissions.has_value(), !job.governance.empty());
+  report.files_written = DDSSEC_TRY(folder.commit());
+  return report;
+}
+
+std::unexpected<Error> in_the_way(const fs::path& file, std::string note) {
+  return fail(Code::would_overwrite,
+              {.document = file,
+               .note = std::move(note),
+               .hint = "--replace makes the participant's key, certificate and documents anew in "
+                       "this folder; ddssec permissions new --replace changes the permissions "
+                       "alone; or choose another folder"});
+}
+
+// A key on its own waits for its certificate, and the other way round.
+Status check_pair(const Job& job) {
+  const bool has_certificate = is_there(job.files.certificate);
+  const bool has_key = is_there(job.files.key);
+  if (has_certificate == has_key) return {};
+  const auto& file = has_key ? job.files.key : job.files.certificate;
+  return fail(
+      Code::would_overwrite,
+      {.document = file,
+       .note = has_key ? "the key has no certificate" : "the certificate has no key here",
+       .hint = has_key
+                   ? "ddssec identity sign-csr issues the certificate for a key that is "
+                     "there; --replace makes both anew; or choose another folder"
+                   : "the key is on the device as a rule, and this folder needs none; --replace "
+                     "makes both anew; or choose another folder"});
+}
+
+/// What a folder lacks that this command can give it.
+class Completion {
+ public:
+  explicit Completion(const Job& job) : job_(job) {}
+
+  /// Left as it is if the same is there; anything else that is there is in the way.
+  Status add(const fs::path& file, BytesView octets, unsigned mode, bool is_asked_for) {
+    if (!is_there(file)) {
+      ++count_;
+      return out_.put(file, octets, mode);
+    }
+    if (!is_asked_for) return {};
+    const auto found = DDSSEC_TRY(read_file(file, pki::kMostDocumentOctets));
+    if (std::ranges::equal(found, octets)) return {};
+    return in_the_way(file, "it is another one");
+  }
+  Result<std::vector<WrittenFile>> commit() {
+    if (count_ == 0) return in_the_way(job_.target, "nothing is missing in it");
+    return out_.commit();
+  }
+
+ private:
+  const Job& job_;
+  Replacement out_;
+  std::size_t count_ = 0;
+};
+
+// The certificate that is there must be the one that was asked for, of this CA.
+Status check_same(const Job& job, const pki::Certificate& certificate, const pki::Certificate& ca) {
+  const auto wanted = DDSSEC_TRY(pki::SubjectName::parse(job.spec.subject));
+  if (pki::SubjectName::of(certificate).key() != wanted.key())
+    return in_the_way(job.files.certificate, fmt::format("it is that of {}, not of {}",
+                                                         certificate.subject(), job.spec.subject));
+  if (!certificate.is_issued_by(ca))
+    return in_the_way(job.files.certificate,
+                      fmt::format("it was issued by {}, not by this CA", certificate.issuer()));
+  return {};
+}
+
+Status add_permissions(const Job& job, const pki::Certificate& certificate, Completion& out) {
+  const auto now = job.context.clock.now();
+  const auto paths = ca_paths(job.arguments.text("--ca"), "permissions");
+  if (!job.spec.has_permissions()) {
+    if (!is_there(job.files.permissions) && job.governance.empty()) return {};
+    const auto trust = to_pem(DDSSEC_TRY(read_certificates(paths.certificate)));
+    return out.add(job.files.permissions_ca, as_bytes(trust), 0644, true);
+  }
+  if (is_there(job.files.permissions))
+    return in_the_way(job.files.permissions, "the participant has permissions");
+  const auto ca = DDSSEC_TRY(CaOpener(job.arguments).open("permissions"));
+  const auto xml = DDSSEC_TRY(
+      named(permissions_xml(job.spec, certificate, now), job.arguments.text("--permissions")));
+  const auto document =
+      DDSSEC_TRY(ca.authority.sign_document(as_bytes(xml), now, job.context.random));
+  DDSSEC_TRY(out.add(job.files.permissions_ca, as_bytes(ca.trust_pem), 0644, true));
+  return out.add(job.files.permissions, document, 0644, true);
+}
+
+// Key and certificate stay: only what is missing is added.
+Result<Report> complete_folder(Job& job) {
+  const auto certificate = DDSSEC_TRY(read_certificate(job.files.certificate));
+  const auto paths = ca_paths(job.arguments.text("--ca"), "identity");
+  const auto cas = DDSSEC_TRY(read_certificates(paths.certificate));
+  DDSSEC_TRY(check_same(job, certificate, cas.front()));
+  const auto log = DDSSEC_TRY(read_issue_log(paths));
+  if (log.is_revoked(certificate.serial()))
+    return fail(Code::certificate_revoked, {.document = job.files.certificate});
+  Completion out(job);
+  DDSSEC_TRY(out.add(job.files.identity_ca, as_bytes(to_pem(cas)), 0644, false));
+  DDSSEC_TRY(add_permissions(job, certificate, out));
+  if (!job.governance.empty())
+    DDSSEC_TRY(out.add(job.files.governance, job.governance, 0644, true));
+  const auto crl = DDSSEC_TRY(list_for_newcomers(paths, job.context.clock.now()));
+  if (!crl.empty()) DDSSEC_TRY(out.add(job.files.crl, as_bytes(crl), 0644, false));
+  auto report = report_on(job, certificate, "completed, key and certificate are as before, ");
+  report.files_written = DDSSEC_TRY(out.commit());
+  report.text += not_in_it(job.spec.has_permissions() || is_there(job.files.permissions),
+                           !job.governance.empty() || is_there(job.files.governance));
+  return report;
+}
+
+// What stays valid although no file has it any more.
+std::string about_former(const Job& job) {
+  const auto former = read_certificate(job.files.certificate);
+  if (!former || former->not_after() < job.context.clock.now()) return {};
+  return fmt::format(
+      "the certificate before it is valid until {}; if its key may be in other hands: ddssec "
+      "identity revoke {} --ca {}\n",
+      date(former->not_after()), former->serial(), job.arguments.text("--ca"));
+}
+
+// Everything that the command makes goes in place of what is there, the rest stays.
+Result<Report> fill_folder(Job& job) {
+  const auto issued = DDSSEC_TRY(issue(job));
+  const auto& files = job.files;
+  Replacement out;
+  DDSSEC_TRY(out.put_public(files.identity_ca, issued.identity.trust_pem));
+  if (issued.permissions)
+    DDSSEC_TRY(out.put_public(files.permissions_ca, issued.permissions->trust_pem));
+  if (!issued.made.permissions.empty())
+    DDSSEC_TRY(out.put(files.permissions, issued.made.permissions, 0644));
+  if (!job.governance.empty()) DDSSEC_TRY(out.put(files.governance, job.governance, 0644));
+  if (!issued.crl.empty()) DDSSEC_TRY(out.put_public(files.crl, issued.crl));
+  const auto pem = DDSSEC_TRY(issued.made.self.key.to_pem());
+  DDSSEC_TRY(pem.expose([&](BytesView octets) { return out.put(files.key, octets, 0600); }));
+  DDSSEC_TRY(out.put_public(files.certificate, issued.made.self.certificate.pem()));
+  DDSSEC_TRY(check_not_interrupted());
+  DDSSEC_TRY(append_lines(issued.identity.paths.log,
+                          log_line(issued.made, job.target, job.context.clock.now())));
+  auto report = report_on(job, issued.made.self.certificate, "");
+  report.text += about_former(job);
+  report.files_written = DDSSEC_TRY(out.commit());
+  report.text += not_in_it(issued.permissions || is_there(files.permissions),
+                           !job.governance.empty() || is_there(files.governance));
+  return report;
+}
+
+// A folder without a participant: nothing of one may be there.
+Result<Report> start_folder(Job& job) {
+  for (const auto* file : {&job.files.identity_ca, &job.files.permissions_ca, &job.files.governance,
+                           &job.files.permissions, &job.files.crl})
+    if (is_there(*file)) return in_the_way(*file, "it is there without a key and a certificate");
+  return fill_folder(job);
+}
+
+Result<Report> identity_issue(const Arguments& arguments, const Context& context) {
+  if (arguments.has("--from") == arguments.has("NAME"))
+    return fail(Code::usage, {.field = "NAME", .note = "give either a name or --from"});
+  if (arguments.has("--from") && arguments.has("--replace"))
+    return fail(Code::usage, {.field = "--replace",
+                              .note = "it is for one participant, not with "
+                                      "--from"});
+  if (arguments.has("--from")) return issue_fleet(arguments, context);
+  auto spec = DDSSEC_TRY(spec_of(arguments, context.clock.now()));
+  const fs::path given = arguments.text("-o");
+  const fs::path target = given.has_filename() ? given : given.parent_path();
+  std::error_code ignored;
+  // A link is followed nowhere.
+  const bool is_folder = fs::symlink_status(target, ignored).type() == fs::file_type::directory;
+  auto governance = DDSSEC_TRY(governance_of(arguments, context.clock.now()));
+  Job job{arguments,
+          context,
+          std::move(spec),
+          target,
+          std::move(governance),
+          pki::participant_folder(target, pki::FolderLayout::flat)};
+  if (!is_folder) return make_folder(job);
+  if (job.is_replacing()) return fill_folder(job);
+  DDSSEC_TRY(check_pair(job));
+  return is_there(job.files.certificate) ? complete_folder(job) : start_folder(job);
+}
+
+const Option kParticipantFolder{.name = "-o",
+                                .value = "DIR",
+                                .summary = "the folder: a new one, or one that lacks something",
+                                .required = true};
+
+}  // namespace
+
+std::vector<Command> identity_issue_commands() {
+  return {
+      {.group = "identity",
+       .name = "issue",
+       .summary = "Makes or completes a participant's folder: key, certificates, permissions.",
+       .positionals = {{"NAME", "the participant's name", true}},
+       .options = {ca_option("the folder that ca create made"),
+                   kParticipantFolder,
+                   kSubject,
+                   days("365"),
+                   kClampToCa,
+                   kKey,
+                   {"--from", "FILE",
+                    "a fleet in TOML: [[participant]] with name, publish, "
+                    "subscribe, partitions, domain, subject, days, key, permissions"},
+                   kDomains,
+                   repeated("--publish", "TOPIC", "a topic or expression it may publish"),
+                   repeated("--subscribe", "TOPIC", "a topic or expression it may subscribe to"),
+                   repeated("--partition", "GLOB",
+                            "partitions in which it may use these topics; without any, only "
+                            "without a partition"),
+                   {"--permissions", "FILE", "a permissions document to sign instead"},
+                   {"--governance", "FILE", "a signed governance document to copy"},
+                   {"--replace", "",
+                    "in a folder that is there: make key, certificate and the documents that are "
+                    "asked for anew; without it, only what is missing is added"},
+                   kPassphraseFile,
+                   kPassphraseEnv,
+                   kInsecureKeyMode},
+       .examples = {"ddssec identity issue talker --ca ca -o talker --publish rt/chatter "
+                    "--governance governance.p7s",
+                    "ddssec identity issue --from participants.toml --ca ca -o fleet "
+                    "--governance governance.p7s"},
+       .run = identity_issue}};
+}
+
+}  // namespace ddssec::cli
