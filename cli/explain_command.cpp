@@ -1,10 +1,13 @@
 // explain: what a code of an error or a rule of lint and doctor means, and what to do about it.
 #include <algorithm>
+#include <optional>
+#include <ranges>
 
 #include <fmt/format.h>
 
 #include "base/finding.hpp"
 #include "base/text.hpp"
+#include "cli/explain_examples.hpp"
 #include "cli/groups.hpp"
 
 namespace ddssec::cli {
@@ -37,26 +40,84 @@ std::optional<Row> find(const std::string& wanted) {
   return std::nullopt;
 }
 
-Result<Report> explain(const Arguments& arguments, const Context&) {
-  const auto wanted = arguments.text("CODE");
-  const auto row = find(bare(wanted));
-  if (!row)
-    return fail(Code::usage, {.field = "CODE",
-                              .expected = "a name or number as messages show it in brackets",
-                              .found = '"' + wanted.substr(0, 64) + '"'});
+std::vector<std::string_view> examples_of(std::string_view name) {
+  std::vector<std::string_view> out;
+  for (const auto& example : explain_examples())
+    if (std::ranges::any_of(std::views::split(example.names, ' '), [&](const auto& part) {
+          return std::string_view(part.begin(), part.end()) == name;
+        }))
+      out.push_back(example.line);
+  return out;
+}
+
+Report about(const Row& row) {
   Report report;
   // A rule's title says what is looked at, not what was found.
-  const bool is_rule = row->number == 0;
-  report.text = fmt::format("{}{} ({})\n  {}{}\n  {}{}\n", row->name,
-                            is_rule ? "" : fmt::format(" {}", row->number),
-                            to_string(row->severity), is_rule ? "checks: " : "", row->summary,
-                            is_rule ? "if it fails: " : "", row->hint);
-  report.result = {{"name", row->name}};
-  if (row->number != 0) report.result["number"] = row->number;
-  report.result["severity"] = to_string(row->severity);
-  report.result["summary"] = row->summary;
-  report.result["hint"] = row->hint;
+  const bool is_rule = row.number == 0;
+  report.text =
+      fmt::format("{}{} ({})\n  {}{}\n  {}{}\n", row.name,
+                  is_rule ? "" : fmt::format(" {}", row.number), to_string(row.severity),
+                  is_rule ? "checks: " : "", row.summary, is_rule ? "if it fails: " : "", row.hint);
+  report.result = {{"name", row.name}};
+  if (!is_rule) report.result["number"] = row.number;
+  report.result["severity"] = to_string(row.severity);
+  report.result["summary"] = row.summary;
+  report.result["hint"] = row.hint;
+  report.result["examples"] = Json::array();
+  for (const auto line : examples_of(row.name)) {
+    report.text += fmt::format(
+        "  {}  {}\n", report.result["examples"].empty() ? "for example:" : "            ", line);
+    report.result["examples"].push_back(line);
+  }
   return report;
+}
+
+/// What a part of a name or number may stand for.
+std::vector<Row> like(const std::string& wanted) {
+  constexpr std::size_t kFewest = 2;  // characters of a part
+  std::vector<Row> out;
+  if (wanted.size() < kFewest) return out;
+  const bool is_number = std::ranges::all_of(wanted, [](char c) { return '0' <= c && c <= '9'; });
+  for (const auto& code : all_codes()) {
+    const auto number = static_cast<int>(code.code);
+    const bool fits = is_number ? std::to_string(number).starts_with(wanted)
+                                : ascii_upper(code.name).contains(wanted);
+    if (fits) out.push_back({code.name, number, code.severity, code.summary, code.hint});
+  }
+  for (const auto& rule : all_rules())
+    if (rule.id.contains(wanted)) out.push_back({rule.id, 0, rule.severity, rule.title, rule.hint});
+  return out;
+}
+
+Report list_of(const std::vector<Row>& rows) {
+  constexpr std::size_t kMost = 30;
+  Report report;
+  report.result = {{"matches", Json::array()}};
+  for (const auto& row : rows) {
+    Json entry = {{"name", row.name}};
+    if (row.number != 0) entry["number"] = row.number;
+    entry["severity"] = to_string(row.severity);
+    entry["summary"] = row.summary;
+    report.result["matches"].push_back(std::move(entry));
+    if (report.result["matches"].size() <= kMost)
+      report.text += fmt::format("{:<32} {:<5} {}\n", row.name,
+                                 row.number != 0 ? std::to_string(row.number) : "", row.summary);
+  }
+  if (rows.size() > kMost) report.text += fmt::format("and {} more\n", rows.size() - kMost);
+  report.text += "ddssec explain NAME says more of one\n";
+  return report;
+}
+
+Result<Report> explain(const Arguments& arguments, const Context&) {
+  const auto wanted = arguments.text("CODE");
+  if (const auto row = find(bare(wanted))) return about(*row);
+  const auto rows = like(bare(wanted));
+  if (rows.size() == 1) return about(rows.front());
+  if (!rows.empty()) return list_of(rows);
+  return fail(Code::usage,
+              {.field = "CODE",
+               .expected = "a name or number as messages show it in brackets, or a part of one",
+               .found = '"' + wanted.substr(0, 64) + '"'});
 }
 
 }  // namespace
@@ -65,9 +126,10 @@ std::vector<Command> explain_commands() {
   return {{.group = "",
            .name = "explain",
            .summary = "Says what a code means and what to do about it.",
-           .positionals = {{"CODE", "its name or number"}},
+           .positionals = {{"CODE", "its name or number, or a part of one"}},
            .options = {},
-           .examples = {"ddssec explain no_grant_for_subject", "ddssec explain 1242"},
+           .examples = {"ddssec explain no_grant_for_subject", "ddssec explain 1242",
+                        "ddssec explain 124"},
            .run = explain}};
 }
 

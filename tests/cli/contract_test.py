@@ -2,6 +2,7 @@
 """What every command has in common: help, usage errors, codes, times."""
 
 import json
+import shlex
 import subprocess
 
 from transcript import PROGRAM, Transcript, main
@@ -137,6 +138,35 @@ class Contract(Transcript):
         for spelling in ("error[no_grant_for_subject]:", "[1242]", "NO_GRANT_FOR_SUBJECT"):
             self.assertEqual(self.json("explain", spelling)["result"], by_name)
         self.assertEqual(self.json("explain", "doc080")["result"], self.json("explain", "DOC080")["result"])
+
+    def test_explain_helps_with_a_part_of_a_name_or_number(self):
+        told = self.json("explain", "124")["result"]["matches"]
+        self.assertEqual({m["number"] // 10 for m in told}, {124})
+        self.assertIn("no_grant_for_subject", [m["name"] for m in told])
+        self.assertIn("no_grant_for_subject             1242 ", self.run_program("explain", "124").stdout)
+        self.assertIn("DOC080", [m["name"] for m in self.json("explain", "doc08")["result"]["matches"]])
+        self.assertEqual(self.json("explain", "grant_for")["result"]["name"], "no_grant_for_subject")
+        for nothing in ("99999", "DOC999", "x"):
+            self.assertIn("or a part of one", self.refused("usage", 2, "explain", nothing)["message"])
+
+    def test_explain_has_examples_whose_commands_and_options_exist(self):
+        names = [m["name"] for part in ("DOC", "GOV", "PERM", "CAP") for m in self.json("explain", part)["result"]["matches"]]
+        names += [m["name"] for digit in range(10, 19) for m in self.json("explain", str(digit))["result"]["matches"]]
+        lines = set()
+        for name in names:
+            told = self.json("explain", name)["result"]
+            self.assertEqual(told["name"], name)
+            lines.update(told["examples"])
+        self.assertGreater(len(lines), 40)
+        for line in lines:
+            if not line.startswith("ddssec "):
+                continue
+            words = shlex.split(line)[1:]
+            text = self.run_program(*words[:2 if " ".join(words[:2]) in self.commands() else 1], "--help").stdout
+            self.assertTrue(text.startswith("usage: ddssec "), line)
+            for option in (w for w in words if w.startswith("-") and w != "--help"):
+                self.assertRegex(text, rf"(?m)^  (-\w, )?{option} ?", line)
+        self.assertIn("for example:  ddssec identity show", self.run_program("explain", "DOC080").stdout)
 
     def test_no_control_sequence_reaches_the_terminal(self):
         self.assertIn('"??[31m"', self.refused("usage", 2, "explain", "\n\x1b[31m")["message"])
