@@ -214,20 +214,37 @@ Json texts_json(const std::vector<governance::Text>& texts) {
 
 Json to_json(const std::vector<governance::Criteria>& list) {
   Json out = Json::array();
-  for (const auto& criteria : list)
-    out.push_back(
-        {{"line", criteria.line},
-         {"topics", texts_json(criteria.topics)},
-         {"partitions", criteria.partitions ? texts_json(*criteria.partitions) : Json::array()}});
+  for (const auto& criteria : list) {
+    Json row = {
+        {"line", criteria.line},
+        {"topics", texts_json(criteria.topics)},
+        {"partitions", criteria.partitions ? texts_json(*criteria.partitions) : Json::array()}};
+    if (criteria.data_tags) {
+      row["data_tags"] = Json::array();
+      for (const auto& tag : *criteria.data_tags)
+        row["data_tags"].push_back({{"name", tag.name}, {"value", tag.value}});
+    }
+    out.push_back(std::move(row));
+  }
   return out;
 }
 
+// Of DDS-Security 1.2: only where there are some.
+void add_domain_tags(Json& out, const governance::DomainSet& domains) {
+  if (!domains.tags.empty()) out["domain_tags"] = texts_json(domains.tags);
+  if (!domains.tag_expressions.empty())
+    out["domain_tag_expressions"] = texts_json(domains.tag_expressions);
+}
+
 Json to_json(const governance::Rule& rule) {
-  return {{"allow", rule.allow},
-          {"line", rule.line},
-          {"domains", range_list(rule.domains)},
-          {"publish", to_json(rule.publish)},
-          {"subscribe", to_json(rule.subscribe)}};
+  Json out = {{"allow", rule.allow},
+              {"line", rule.line},
+              {"domains", range_list(rule.domains)},
+              {"publish", to_json(rule.publish)},
+              {"subscribe", to_json(rule.subscribe)},
+              {"relay", to_json(rule.relay)}};
+  add_domain_tags(out, rule.domains);
+  return out;
 }
 
 std::string joined_texts(const std::vector<governance::Text>& texts) {
@@ -236,13 +253,22 @@ std::string joined_texts(const std::vector<governance::Text>& texts) {
   return out;
 }
 
+std::string data_tags(const governance::Criteria& criteria) {
+  std::string out;
+  if (!criteria.data_tags) return out;
+  for (const auto& tag : *criteria.data_tags)
+    out += fmt::format("{}{}={}", out.empty() ? "  with data tags " : ", ", shown(tag.name),
+                       shown(tag.value));
+  return out.empty() ? "  with no data tags" : out;
+}
+
 void add_rows(std::string& out, std::string_view action,
               const std::vector<governance::Criteria>& list) {
   for (const auto& criteria : list)
     out += fmt::format(
-        "      {:<10} {}{}  (line {})\n", action, joined_texts(criteria.topics),
+        "      {:<10} {}{}{}  (line {})\n", action, joined_texts(criteria.topics),
         criteria.partitions ? "  in partitions " + joined_texts(*criteria.partitions) : "",
-        criteria.line);
+        data_tags(criteria), criteria.line);
 }
 
 std::string to_text(const Grant& grant, WallTime now) {

@@ -66,6 +66,21 @@ class Show(Transcript):
         self.json("permissions", "show", file, "--subject", "CN = /talker_listener/talker", *NOW)
         self.refused("no_grant_for_subject", 1, "permissions", "show", file, "--subject", "CN=x")
 
+    def test_relays_data_tags_and_domain_tags_are_shown(self):
+        (self.at / "p.xml").write_text("""<dds><permissions><grant name="g"><subject_name>CN=a</subject_name>
+<validity><not_before>2020-01-01T00:00:00Z</not_before><not_after>2037-01-01T00:00:00Z</not_after></validity>
+<allow_rule><domains><id>0</id></domains>
+<publish><topics><topic>a</topic></topics><partitions><partition>p</partition></partitions>
+<data_tags><tag><name>colour</name><value>red</value></tag></data_tags></publish>
+<relay><topics><topic>b</topic></topics></relay></allow_rule><default>DENY</default></grant></permissions></dds>""")
+        rule = self.json("permissions", "show", "p.xml", *NOW)["result"]["grants"][0]["rules"][0]
+        self.assertEqual(rule["publish"][0]["data_tags"], [{"name": "colour", "value": "red"}])
+        self.assertEqual([r["topics"] for r in rule["relay"]], [["b"]])
+        self.assertNotIn("data_tags", rule["relay"][0])
+        text = self.run_program("permissions", "show", "p.xml", *NOW).stdout
+        self.assertIn("publish    a  in partitions p  with data tags colour=red", text)
+        self.assertIn("relay      b", text)
+
     def test_bad_documents_are_refused(self):
         self.refused("document_kind", 3, "permissions", "show", "g.xml")
         self.refused("file_not_found", 3, "governance", "show", "none.xml")
