@@ -8,7 +8,8 @@ from transcript import Transcript, main
 
 NOW = ("--now", "2026-11-21T00:00:00Z")
 FLAT = {"identity_ca.pem": 0o644, "cert.pem": 0o644, "key.pem": 0o600, "permissions_ca.pem": 0o644,
-        "governance.p7s": 0o644, "permissions.p7s": 0o644, "crl.pem": 0o644}
+        "governance.p7s": 0o644, "permissions.p7s": 0o644, "crl.pem": 0o644,
+        "cyclonedds.xml": 0o644, "fastdds.xml": 0o644}
 
 
 class Init(Transcript):
@@ -80,6 +81,20 @@ class Init(Transcript):
             for file in files:
                 self.assertTrue(os.path.isfile(file.removeprefix("file:").removeprefix("//")), file)
         self.assertIn(f'ROS_SECURITY_KEYSTORE="{self.at}/sros2"', out["ros2"])
+
+    def test_each_participant_has_its_snippets_in_files_that_the_last_lines_name(self):
+        done = self.run_program("init", "demo", *NOW)
+        snippets = self.json("init", "other", *NOW)["result"]["snippets"]
+        self.assertEqual((self.at / "other/talker/cyclonedds.xml").read_text(), snippets["cyclonedds"])
+        self.assertEqual((self.at / "other/talker/fastdds.xml").read_text(), snippets["fastdds"])
+        for name in ("talker", "listener"):
+            for file in ("cyclonedds.xml", "fastdds.xml"):
+                text = (self.at / "demo" / name / file).read_text()
+                xml.fromstring(text)
+                self.assertIn(f"{self.at}/demo/{name}/permissions.p7s", text)
+        self.assertNotIn("<", done.stdout)
+        self.assertIn(f"export CYCLONEDDS_URI='file://{self.at}/demo/talker/cyclonedds.xml'", done.stdout)
+        self.assertIn(f"export FASTRTPS_DEFAULT_PROFILES_FILE='{self.at}/demo/talker/fastdds.xml'", done.stdout)
 
     def test_a_keystore_of_ros_2_with_two_real_cas(self):
         self.init("--layout", "sros2", "--participant", "/robot/camera", "--participant", "base")
