@@ -42,13 +42,16 @@ fi
 } > "$folder/commands.sh"
 [ "$(wc -l < "$folder/commands.sh")" -gt 1 ] || { echo "$tutorial has no commands"; exit 1; }
 cd "$folder"
+export TMPDIR=$folder  # where the page makes its own folder
 status=0
 output=$(timeout "${TUTORIAL_SECONDS:-100}" bash -euo pipefail -x commands.sh 2>&1) || status=$?
 printf '%s\n' "$output"
 if [ "$status" != 0 ]; then
-  for log in *.log; do [ ! -e "$log" ] || { echo "== $log"; tail -n 30 "$log"; }; done
+  for log in *.log tmp.*/*.log; do [ ! -e "$log" ] || { echo "== $log"; tail -n 30 "$log"; }; done
   exit 1
 fi
+left=$(find . -mindepth 1 -maxdepth 1 ! -name build ! -name path ! -name commands.sh ! -name 'tmp.*')
+[ -z "$left" ] || { printf 'left in the source tree:\n%s\n' "$left"; exit 1; }
 for line in "$@"; do
   grep -qF -- "$line" <<< "$output" || { printf 'the output lacks: %s\n' "$line"; exit 1; }
 done
