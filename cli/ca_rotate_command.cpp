@@ -38,13 +38,17 @@ Known known_to(const CaPaths& ca, const pki::IssueLog& log, const pki::Certifica
   const LoggedFolders folders(ca, log);
   Known out;
   std::set<std::string> seen;
+  std::set<fs::path> seen_here;
   for (const auto& issued : log.issued()) {
     const auto& place = issued.folder.empty() ? issued.subject : issued.folder;
     if (!seen.insert(place).second) continue;
     const auto folder = issued.folder.empty() ? fs::path() : folders.today(issued.folder);
-    if (!folder.empty() && !folders.is_of_another_copy(folder) &&
-        has_certificate_of(identity, folder))
+    const bool is_here = !folder.empty() && !folders.is_of_another_copy(folder) &&
+                         has_certificate_of(identity, folder);
+    if (is_here && seen_here.insert(folder).second)  // moved, it has two names in the log
       out.here.push_back(follower_in(folder));
+    else if (is_here)
+      continue;
     else if (!issued.revoked && now < issued.not_after)
       out.elsewhere.push_back(place);
   }

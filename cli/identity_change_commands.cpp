@@ -97,6 +97,7 @@ Result<Report> identity_renew(const Arguments& arguments, const Context& context
   const auto path = certificate_path(given);
   const auto files = pki::participant_folder(path.parent_path());
   const auto now = context.clock.now();
+  DDSSEC_TRY(finish_interrupted(path.parent_path()));
   const auto old = DDSSEC_TRY(read_certificate(path));
   if (!DDSSEC_TRY(is_needed(arguments, old, now))) return not_needed(path, old);
   const auto wanted = DDSSEC_TRY(validity(arguments, now));

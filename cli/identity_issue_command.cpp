@@ -367,6 +367,7 @@ Result<Report> identity_issue(const Arguments& arguments, const Context& context
           std::move(governance),
           pki::participant_folder(target, pki::FolderLayout::flat)};
   if (!is_folder) return make_folder(job);
+  DDSSEC_TRY(finish_interrupted(target));
   if (job.is_replacing()) return fill_folder(job);
   DDSSEC_TRY(check_pair(job));
   return is_there(job.files.certificate) ? complete_folder(job) : start_folder(job);

@@ -102,7 +102,9 @@ std::vector<std::string> enclaves_of(const fs::path& keystore) {
   fs::recursive_directory_iterator at(root, error);
   for (; !error && at != fs::recursive_directory_iterator() && out.size() < kMostEnclaves;
        at.increment(error)) {
-    if (at.depth() >= kDeepestEnclave) at.disable_recursion_pending();
+    // No enclave begins with a dot; what a killed command was making does.
+    const bool is_draft = at->path().filename().string().starts_with('.');
+    if (at.depth() >= kDeepestEnclave || is_draft) at.disable_recursion_pending();
     if (at->path().filename() != "key.pem" && at->path().filename() != "key.p11") continue;
     const auto name = at->path().parent_path().lexically_relative(root).generic_string();
     out.push_back(name == "." ? "/" : "/" + name);

@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <csignal>
 #include <fcntl.h>
+#include <optional>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <system_error>
@@ -31,9 +32,14 @@ std::unexpected<Error> rename_failed(const fs::path& target, int error) {
   return unwritable(target, error);
 }
 
-bool exists_at_all(const fs::path& path) {
-  std::error_code ignored;
-  return fs::symlink_status(path, ignored).type() != fs::file_type::not_found;
+// Success if there is nothing, not even a dangling link.
+Status check_nothing_at(const fs::path& path) {
+  std::error_code error;
+  const auto type = fs::symlink_status(path, error).type();
+  if (type == fs::file_type::not_found) return {};
+  // A name that is too long, a folder that may not be entered.
+  if (type == fs::file_type::none) return unwritable(path, error.value());
+  return fail(Code::would_overwrite, {.document = path});
 }
 
 bool dry_run = false;
@@ -66,12 +72,13 @@ int write_all(int file, BytesView octets) {
 
 enum class Flush : std::uint8_t { now, later };
 
-// Errors name the file that is meant in the end.
-Status write_exclusively(const fs::path& path, const fs::path& meant, BytesView octets,
-                         unsigned mode, Flush flush) {
-  DDSSEC_TRY(check_not_interrupted());
-  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, mode);
-  if (file < 0) return unwritable(meant, errno);
+int open_new(const fs::path& path, unsigned mode) {
+  return ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, mode);
+}
+
+// Into an open file, which it closes. Errors name the file that is meant in the end.
+Status write_and_close(int file, const fs::path& path, const fs::path& meant, BytesView octets,
+                       Flush flush) {
   int error = write_all(file, octets);
   if (error == 0 && flush == Flush::now && ::fsync(file) != 0) error = errno;
   if (::close(file) == 0 && error == 0) return {};
@@ -79,8 +86,28 @@ Status write_exclusively(const fs::path& path, const fs::path& meant, BytesView 
   return unwritable(meant, error != 0 ? error : EIO);
 }
 
-fs::path draft_of(const fs::path& target) {
-  return fmt::format("{}.{}.new", target.string(), ::getpid());
+Status write_exclusively(const fs::path& path, const fs::path& meant, BytesView octets,
+                         unsigned mode, Flush flush) {
+  DDSSEC_TRY(check_not_interrupted());
+  const int file = open_new(path, mode);
+  if (file < 0) return unwritable(meant, errno);
+  return write_and_close(file, path, meant, octets, flush);
+}
+
+// Beside the target, on the disk. A process that was killed may have left a draft, and its number
+// comes again: soon in a container, where each start may have the same.
+Result<fs::path> write_draft(const fs::path& target, BytesView octets, unsigned mode) {
+  constexpr int kMostTries = 100;
+  DDSSEC_TRY(check_not_interrupted());
+  fs::path draft = fmt::format("{}.{}.new", target.string(), ::getpid());
+  int file = open_new(draft, mode);
+  for (int i = 1; i < kMostTries && file < 0 && errno == EEXIST; ++i) {
+    draft = fmt::format("{}.{}.{}.new", target.string(), ::getpid(), i);
+    file = open_new(draft, mode);
+  }
+  if (file < 0) return unwritable(target, errno);
+  DDSSEC_TRY(write_and_close(file, draft, target, octets, Flush::now));
+  return draft;
 }
 
 // Where the last whole line of a file ends; -1 if it cannot be read.
@@ -117,7 +144,7 @@ bool writes_nothing() { return dry_run; }
 
 Result<NewFolder> NewFolder::at(const fs::path& given) {
   const fs::path target = given.has_filename() ? given : given.parent_path();
-  if (exists_at_all(target)) return fail(Code::would_overwrite, {.document = target});
+  DDSSEC_TRY(check_nothing_at(target));
   if (dry_run) return NewFolder(target, {});
   auto staging =
       (target.parent_path() / fmt::format(".{}.XXXXXX", target.filename().string())).string();
@@ -192,6 +219,14 @@ NewFolder::NewFolder(NewFolder&& other) noexcept
       drafts_(std::move(other.drafts_)),
       files_(std::move(other.files_)) {}
 
+namespace {
+
+fs::path folder_of(const fs::path& target) {
+  return target.has_parent_path() ? target.parent_path() : fs::path(".");
+}
+
+}  // namespace
+
 Status Replacement::put(const fs::path& target, BytesView octets, unsigned mode, Links links) {
   std::error_code error;
   const auto type = fs::symlink_status(target, error).type();
@@ -200,8 +235,8 @@ Status Replacement::put(const fs::path& target, BytesView octets, unsigned mode,
   if (type != fs::file_type::not_found && type != fs::file_type::regular && !may_go)
     return fail(Code::would_overwrite, {.document = target, .note = "it is not a plain file"});
   if (!dry_run) {
-    DDSSEC_TRY(write_exclusively(draft_of(target), target, octets, mode, Flush::now));
-    drafts_.push_back({draft_of(target), target});
+    auto draft = DDSSEC_TRY(write_draft(target, octets, mode));
+    drafts_.push_back({std::move(draft), target});
   }
   files_.push_back(written(target, octets, mode));
   return check_not_interrupted();
@@ -209,6 +244,9 @@ Status Replacement::put(const fs::path& target, BytesView octets, unsigned mode,
 
 Result<std::vector<WrittenFile>> Replacement::commit() {
   DDSSEC_TRY(check_not_interrupted());
+  std::optional<Intent> intent;
+  if (drafts_.size() > 1)
+    intent.emplace(DDSSEC_TRY(Intent::write(folder_of(drafts_.front().target), drafts_)));
   for (auto& [draft, target] : drafts_) {
     if (::rename(draft.c_str(), target.c_str()) != 0) return unwritable(target, errno);
     draft.clear();
@@ -249,16 +287,14 @@ Status append_lines(const fs::path& target, std::string_view lines) {
 }
 
 Result<WrittenFile> write_new_file(const fs::path& target, BytesView octets, unsigned mode) {
-  if (exists_at_all(target)) return fail(Code::would_overwrite, {.document = target});
+  DDSSEC_TRY(check_nothing_at(target));
   if (dry_run) return written(target, octets, mode);
-  const auto draft = draft_of(target);
-  const auto drafted = write_exclusively(draft, target, octets, mode, Flush::now);
-  const bool placed = drafted && ::renameat2(AT_FDCWD, draft.c_str(), AT_FDCWD, target.c_str(),
-                                             RENAME_NOREPLACE) == 0;
-  const int error = errno;
-  if (!placed && drafted) ::unlink(draft.c_str());
-  if (!drafted) return std::unexpected(drafted.error());
-  if (!placed) return rename_failed(target, error);
+  const auto draft = DDSSEC_TRY(write_draft(target, octets, mode));
+  if (::renameat2(AT_FDCWD, draft.c_str(), AT_FDCWD, target.c_str(), RENAME_NOREPLACE) != 0) {
+    const int error = errno;
+    ::unlink(draft.c_str());
+    return rename_failed(target, error);
+  }
   return written(target, octets, mode);
 }
 

@@ -8,6 +8,7 @@
 
 #include "base/bytes.hpp"
 #include "cli/report.hpp"
+#include "cli/unfinished.hpp"
 
 namespace ddssec::cli {
 
@@ -62,7 +63,7 @@ class NewFolder {
 
 /// Files in folders that exist: new ones, and newer ones in place of older ones where a command
 /// is there to replace them. All are written beside their places and on the disk before the first
-/// is renamed; from then on nothing but a crash of the machine comes between. A target that is a
+/// is renamed; a list of them is, too, so that the next command finishes what a killed one began. A target that is a
 /// symbolic link, a folder or a device is refused, so that nothing is written elsewhere.
 class Replacement {
  public:
@@ -83,9 +84,6 @@ class Replacement {
   Replacement& operator=(const Replacement&) = delete;
 
  private:
-  struct Draft {
-    std::filesystem::path draft, target;
-  };
   std::vector<Draft> drafts_;
   std::vector<WrittenFile> files_;
 };

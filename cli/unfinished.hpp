@@ -1,0 +1,40 @@
+// What a command that is killed while it puts several files in place leaves to the next one.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "base/result.hpp"
+
+namespace ddssec::cli {
+
+/// A file that is complete and on the disk, and the place it is for: `draft` is `target` with an
+/// ending of digits and ".new".
+struct Draft {
+  std::filesystem::path draft, target;
+};
+
+/// A list of drafts in a folder, on the disk before the first of them is put in place and gone
+/// after the last. A process that is killed in between leaves it.
+class Intent {
+ public:
+  /// Finishes what an earlier process left there first. Error: file_unwritable.
+  static Result<Intent> write(const std::filesystem::path& folder, std::span<const Draft> drafts);
+
+  ~Intent();
+  Intent(Intent&& other) noexcept;
+  Intent& operator=(Intent&&) = delete;
+
+ private:
+  Intent(std::filesystem::path list, int file) : list_(std::move(list)), file_(file) {}
+  std::filesystem::path list_;
+  int file_;  ///< locked, so that others see that this process lives
+};
+
+/// Puts the drafts in place that a killed process listed in the folder, so that a key and its
+/// certificate, or a CA and what it signed, fit each other again. Waits for a process that is
+/// alive. Nothing in a dry run, and where the folder may not be written. Error: file_unwritable.
+Status finish_interrupted(const std::filesystem::path& folder);
+
+}  // namespace ddssec::cli

@@ -1,0 +1,132 @@
+#!/usr/bin/env python3
+"""A command that is killed between any two of its writes leaves every file old or new, none half; the next run
+finishes the work."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import unittest
+import xml.etree.ElementTree
+
+from transcript import PROGRAM, Transcript, main
+
+NOW = ("--now", "2026-11-21T00:00:00Z")
+LIBRARY = PROGRAM.parent.parent / "lib/kill_at.so"
+DRAFT = re.compile(r"(^|/)\.[^/]+\.\w{6}(/|$)|\.\d+(\.\d+)?\.new$|\.ddssec-unfinished$")
+
+
+def is_whole(path, octets):
+    if path.endswith(".xml"):
+        xml.etree.ElementTree.fromstring(octets)
+        return True
+    if path.endswith(".pem"):
+        text = octets.decode()
+        return text.endswith("-----\n") and text.count("-----BEGIN ") == text.count("-----END ") > 0
+    if path.endswith(".p7s"):
+        boundary = re.search(rb'boundary="([^"]+)"', octets).group(1)
+        return octets.rstrip().endswith(b"--" + boundary + b"--")
+    if path.endswith(".jsonl"):  # a line that is cut short is told by the missing end and passed over
+        for line in octets.decode().split("\n")[:-1]:
+            json.loads(line)
+        return True
+    raise AssertionError(f"what is {path}?")
+
+
+@unittest.skipUnless(LIBRARY.exists(), "the library that kills is not built")
+class Interrupted(Transcript):
+    def setUp(self):
+        super().setUp()
+        self.top = self.at
+        self.at = self.top / "base"
+        self.at.mkdir()
+
+    def octets(self):
+        files = {str(p.relative_to(self.at)): p for p in self.at.rglob("*") if p.is_file()}
+        return {name: p.read_bytes() for name, p in files.items() if not DRAFT.search(name)}
+
+    def kill_at(self, number, words):
+        done = subprocess.run([PROGRAM, *words, *NOW], cwd=self.at, capture_output=True, timeout=60, check=False,
+                              stdin=subprocess.DEVNULL,
+                              env={**os.environ, "LD_PRELOAD": str(LIBRARY), "KILL_AT": str(number)})
+        self.assertIn(done.returncode, (0, -9), f"{words} at {number}: {done.stderr}")
+        return done.returncode != 0
+
+    def everywhere(self, *words, after, again=None, refused=()):
+        """`after`: commands that find all well when the command was run again (`again`: with these words). `refused`:
+        exit codes of that run besides 0."""
+        base, number = self.at, 0
+        try:
+            while True:
+                number += 1
+                self.at = self.top / f"run{number}"
+                shutil.copytree(base, self.at, symlinks=True)
+                before = self.octets()
+                killed = self.kill_at(number, words)
+                left = self.octets()
+                self.assertLessEqual(before.keys(), left.keys(), f"{words} at {number}: a file is lost")
+                for name, octets in left.items():
+                    if before.get(name) != octets:
+                        self.assertTrue(is_whole(name, octets), f"{words} at {number}: {name} is cut short")
+                if killed:
+                    done = subprocess.run([PROGRAM, *(again or words), *NOW], cwd=self.at, capture_output=True,
+                                          timeout=60, check=False, stdin=subprocess.DEVNULL, text=True)
+                    self.assertIn(done.returncode, (0, *refused), f"{words} at {number}, then again: {done.stderr}")
+                for command in after:
+                    self.run_program(*command, *NOW)
+                shutil.rmtree(self.at)
+                if not killed:
+                    break
+        finally:
+            self.at = base
+        self.assertGreater(number, 3, words)
+
+    def test_what_makes_folders(self):
+        self.everywhere("init", "demo", after=[("doctor", "demo/talker"), ("doctor", "demo/listener")], refused=(4,))
+        self.everywhere("ca", "create", "ca", "--no-passphrase", after=[("ca", "show", "ca")], refused=(4,))
+        self.everywhere("keystore", "create", "ks", "--no-passphrase", after=[("ca", "show", "ks")], refused=(4,))
+
+    def test_what_adds_to_a_ca(self):
+        self.run_program("init", "demo", *NOW)
+        self.everywhere("identity", "issue", "b", "--ca", "demo", "-o", "demo/b", "--publish", "x", "--governance",
+                        "demo/governance.p7s", after=[("doctor", "demo/b"), ("ca", "show", "demo")], refused=(4,))
+        self.everywhere("identity", "revoke", "demo/talker", "--ca", "demo", refused=(1,),
+                        after=[("crl", "distribute", "--ca", "demo"), ("crl", "verify", "demo/listener", "--ca", "demo")])
+        self.everywhere("crl", "new", "--ca", "demo", after=[("crl", "verify", "demo", "--ca", "demo")])
+        self.everywhere("crl", "distribute", "--ca", "demo", after=[("doctor", "demo/talker")])
+
+    def test_what_changes_a_participant(self):
+        self.run_program("init", "demo", *NOW)
+        well = [("doctor", "demo/talker"), ("check", "demo/talker", "demo/listener")]
+        self.everywhere("identity", "issue", "talker", "--ca", "demo", "-o", "demo/talker", "--replace", "--publish", "*",
+                        "--subscribe", "*", after=well)
+        self.everywhere("identity", "renew", "demo/talker", "--ca", "demo", "--permissions", after=well)
+        self.everywhere("identity", "renew", "demo/talker", "--ca", "demo", "--rekey", after=well)
+        self.everywhere("identity", "renew", "demo/talker", "--ca", "demo", "--rekey", after=well,
+                        again=("identity", "renew", "demo/talker", "--ca", "demo"))  # of the key that is there
+        (self.at / "demo/talker/permissions.p7s").unlink()
+        (self.at / "demo/talker/crl.pem").unlink()
+        self.everywhere("identity", "issue", "talker", "--ca", "demo", "-o", "demo/talker", "--publish", "*", "--subscribe",
+                        "*", after=well, refused=(4,))
+
+    def test_what_writes_documents(self):
+        self.run_program("init", "demo", *NOW)
+        new = ("governance", "new", "-o", "g.xml", "--sign", "--ca", "demo")
+        verify = ("governance", "verify", "g.p7s", "--ca", "demo")
+        self.everywhere(*new, after=[verify], again=(*new, "--replace"))
+        self.run_program(*new, *NOW)
+        self.everywhere(*new, "--profile", "open", "--replace", after=[verify])
+
+    def test_what_replaces_a_ca(self):
+        self.run_program("init", "demo", *NOW)
+        well = [("check", "demo/talker", "demo/listener")]
+        for role in ("identity", "permissions"):
+            self.everywhere("ca", "rotate", "demo", "--role", role, after=well)
+        self.run_program("init", "ks", "--layout", "sros2", *NOW)
+        self.everywhere("keystore", "enclave", "ks", "/b", "--allow-all", after=[("keystore", "verify", "ks")], refused=(4,))
+        self.everywhere("keystore", "rotate", "ks", "--role", "permissions", after=[("keystore", "verify", "ks")])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,54 @@
+// Preloaded by interrupted_test.py: kills the process, as SIGKILL does, just before its n-th call that changes
+// files (KILL_AT=n), so that a test can stop a command between any two writes.
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+static void count(void) {
+  static long left = -1;
+  if (left == -1) {
+    const char* wanted = getenv("KILL_AT");
+    left = wanted == NULL ? 0 : atol(wanted);
+  }
+  if (left > 0 && --left == 0) kill(getpid(), SIGKILL);
+}
+
+#define SEEN __attribute__((visibility("default")))
+
+#define CHANGE(type, name, parameters, arguments)                  \
+  SEEN type name parameters {                                      \
+    static type(*real) parameters;                                 \
+    if (real == NULL) real = (type(*) parameters)dlsym(RTLD_NEXT, #name); \
+    count();                                                       \
+    return real arguments;                                         \
+  }
+
+CHANGE(int, rename, (const char* from, const char* to), (from, to))
+CHANGE(int, renameat2, (int d, const char* from, int e, const char* to, unsigned flags), (d, from, e, to, flags))
+CHANGE(int, mkdir, (const char* path, mode_t mode), (path, mode))
+CHANGE(char*, mkdtemp, (char* path), (path))
+CHANGE(int, unlink, (const char* path), (path))
+CHANGE(int, symlink, (const char* to, const char* path), (to, path))
+CHANGE(int, ftruncate, (int file, off_t size), (file, size))
+CHANGE(int, fsync, (int file), (file))
+CHANGE(int, syncfs, (int file), (file))
+
+// Half of what is written arrives, and then the process ends: the file is cut short.
+SEEN ssize_t write(int file, const void* octets, size_t size) {
+  static ssize_t (*real)(int, const void*, size_t);
+  if (real == NULL) real = (ssize_t(*)(int, const void*, size_t))dlsym(RTLD_NEXT, "write");
+  struct stat status;
+  if (fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) return real(file, octets, size);
+  count();
+  const ssize_t done = size > 1 ? real(file, octets, size / 2) : 0;
+  if (done < 0) return done;
+  count();
+  const ssize_t rest = real(file, (const char*)octets + done, size - (size_t)done);
+  return rest < 0 ? done : done + rest;
+}
