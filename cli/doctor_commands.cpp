@@ -225,13 +225,8 @@ Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
   return report;
 }
 
-}  // namespace
-
-// The folder of several participants, given in place of one of theirs, is a likely mistake.
-Status check_folder(const fs::path& folder) {
-  DDSSEC_TRY(check_directory(folder, "a participant's folder"));
-  const auto files = pki::participant_folder(folder);
-  if (is_there(files.certificate) || is_there(files.identity_ca)) return {};
+// "WORDS a/talker, a/listener": those directly inside; empty if there are none.
+std::string holding(const fs::path& folder, std::string_view words) {
   constexpr std::size_t kMost = 5;
   std::vector<std::string> inside;
   std::error_code error;
@@ -241,10 +236,40 @@ Status check_folder(const fs::path& folder) {
   std::ranges::sort(inside);
   const bool more = inside.size() > kMost;
   if (more) inside.resize(kMost);
-  return fail(Code::file_not_found,
-              {.document = files.certificate,
-               .note = fmt::format("{} holds participants: {}{}", folder.string(),
-                                   fmt::join(inside, ", "), more ? ", ..." : "")});
+  return fmt::format("{}{}{}", words, fmt::join(inside, ", "), more ? ", ..." : "");
+}
+
+// As ca create and init make it, or one of its two halves.
+bool is_of_a_ca(const fs::path& folder) {
+  return is_there(folder / "ca.pem") || is_there(folder / "identity" / "ca.pem");
+}
+
+// "a" of "a/b" and "a/b/", and "." of "b"; "a" of "a/ca/identity" too.
+fs::path parent_of(const fs::path& folder) {
+  auto plain = folder.lexically_normal();
+  if (!plain.has_filename()) plain = plain.parent_path();
+  const auto half = is_there(plain / "ca.pem") ? plain.parent_path() : plain;
+  const auto out = half.parent_path();
+  return out.empty() ? fs::path(".") : out;
+}
+
+}  // namespace
+
+// The folder of several participants or of a CA, given in place of a participant's, is a likely
+// mistake.
+Status check_folder(const fs::path& folder) {
+  DDSSEC_TRY(check_directory(folder, "a participant's folder"));
+  const auto files = pki::participant_folder(folder);
+  if (is_there(files.certificate) || is_there(files.identity_ca)) return {};
+  if (is_of_a_ca(folder))
+    return fail(Code::file_not_found,
+                {.document = files.certificate,
+                 .note = fmt::format("{} is the folder of a CA{}", folder.string(),
+                                     holding(parent_of(folder), "; participants of it may be "))});
+  if (const auto inside = holding(folder, " holds participants: "); !inside.empty())
+    return fail(Code::file_not_found,
+                {.document = files.certificate, .note = folder.string() + inside});
+  return {};
 }
 
 doctor::LoadedFolder load_participant(const fs::path& folder, WallTime now) {

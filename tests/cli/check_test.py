@@ -306,6 +306,15 @@ class Check(WithoutLists):
             told = self.refused("file_not_found", 3, *words)
             self.assertRegex(told["message"], r"\. holds participants: \./listener, \./talker")
 
+    def test_a_folder_of_a_ca_is_no_participant(self):
+        for half in ("identity", "permissions"):
+            (self.at / "ca" / half).mkdir(parents=True)
+            shutil.copy(self.at / "talker" / "identity_ca.pem", self.at / "ca" / half / "ca.pem")
+        for folder in ("ca", "ca/", "ca/identity", "./ca/permissions"):
+            told = self.refused("file_not_found", 3, "doctor", folder)
+            self.assertIn(f"{folder} is the folder of a CA; participants of it may be ./listener, ./talker",
+                          told["message"])
+
     def test_a_peer_without_security(self):
         shutil.rmtree(self.at / "listener")
         (self.at / "listener").mkdir()
