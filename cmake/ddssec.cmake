@@ -160,8 +160,10 @@ function(ddssec_test name)
   add_executable(test_${name} ${sources})
   target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   # What is tested is optimised; the tests themselves only have to compile quickly.
-  target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>
-                         "$<$<CONFIG:RelWithDebInfo>:-O1;-g1>")
+  target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-Og>
+                         "$<$<CONFIG:RelWithDebInfo>:-O1;-g1>"
+                         # g++ warns of more than there is when it optimises little.
+                         $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-maybe-uninitialized>)
   target_link_libraries(test_${name} PRIVATE ${ARG_LIBS} ddssec_test_data GTest::gmock
                         GTest::gtest_main ddssec_options)
   if(ARG_LONG)
