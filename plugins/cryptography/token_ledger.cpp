@@ -16,6 +16,37 @@ Result<Guid> read_guid(Reader& in) {
               EntityId::from(octets.subspan(GuidPrefix::size))};
 }
 
+/// All that is kept of it.
+std::size_t octets_in(const spi::Token& token) {
+  auto octets = token.class_id.size();
+  for (const auto& one : token.properties) octets += one.name.size() + one.value.size();
+  for (const auto& one : token.binary_properties) octets += one.name.size() + one.value.size();
+  return octets;
+}
+
+/// A writer and a reader of one secure builtin topic (DDS-Security 7.4.5): the sender chooses the
+/// bits of an entity id that say builtin, and the host matches no others by itself.
+bool are_builtin_pair(const EntityId& remote, const EntityId& local) {
+  constexpr std::uint8_t kWriter = 0xc2, kReader = 0xc7;
+  constexpr std::array<std::uint32_t, 4> kTopics = {0xff0003, 0xff0004, 0xff0200, 0xff0101};
+  const auto topic_of = [](const EntityId& id) {
+    return std::uint32_t{id.octets[0]} << 16 | std::uint32_t{id.octets[1]} << 8 | id.octets[2];
+  };
+  const auto is_of = [](const EntityId& id, std::uint8_t kind) { return id.octets[3] == kind; };
+  return topic_of(remote) == topic_of(local) &&
+         std::ranges::find(kTopics, topic_of(remote)) != kTopics.end() &&
+         ((is_of(remote, kWriter) && is_of(local, kReader)) ||
+          (is_of(remote, kReader) && is_of(local, kWriter)));
+}
+
+/// Two endpoints, or two participants, for which the host can ever use tokens.
+bool are_two_of_a_kind(const Guid& remote, const Guid& local) {
+  if (remote.entity == kEntityIdParticipant) return local.entity == kEntityIdParticipant;
+  if (is_builtin(remote.entity) || is_builtin(local.entity))
+    return are_builtin_pair(remote.entity, local.entity);
+  return true;
+}
+
 Result<std::vector<spi::Token>> read_tokens(Reader& in) {
   constexpr std::size_t kLeastToken = 12;
   const auto count = DDSSEC_TRY(in.read_count(kLeastToken));
@@ -24,7 +55,7 @@ Result<std::vector<spi::Token>> read_tokens(Reader& in) {
   std::size_t octets = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
     tokens.push_back(DDSSEC_TRY(spi::read_token(in)));
-    for (const auto& one : tokens.back().binary_properties) octets += one.value.size();
+    octets += octets_in(tokens.back());
   }
   if (octets > kMostTokenOctets) return fail(Code::length_out_of_range);
   return tokens;
@@ -54,6 +85,9 @@ Result<std::optional<TokenMessage>> read_generic_message(const DataPiece& piece)
     message.local = participant;
   } else if (class_id != "dds.sec.datawriter_crypto_tokens" && !is_of_reader) {
     return std::nullopt;
+  } else if (source_endpoint.prefix != source.prefix ||
+             source_endpoint.entity == kEntityIdParticipant) {
+    return fail(Code::malformed);  // nobody's, or those of a participant as an endpoint's
   }
   if (piece.number >= kGreatestNumber) return fail(Code::length_out_of_range);
   message.tokens_at = kEncapsulationSize + in.position();
@@ -163,7 +197,10 @@ Status TokenLedger::check_room(const Key& key) {
 
 Result<Passage> TokenLedger::note(TokenMessage message, std::uint64_t exchange,
                                   bool are_builtin_matched, std::chrono::nanoseconds now) {
-  if (!has_place_for_ticket(message.tokens)) return Passage{Passage::Kind::hidden};
+  if (!has_place_for_ticket(message.tokens) || !are_two_of_a_kind(message.remote, message.local)) {
+    wipe_tokens(message.tokens);
+    return Passage{Passage::Kind::hidden};
+  }
   const std::lock_guard lock(mutex_);
   forget_old(now);
   const Key key{message.remote, message.local};
@@ -187,10 +224,9 @@ Result<Passage> TokenLedger::note(TokenMessage message, std::uint64_t exchange,
   auto& counts = counts_[subject_of(key)];
   ++counts.pending, ++counts.all;
   const auto ticket = fresh_ticket();
-  entries_.emplace(key, Entry{.passed = age,
-                              .newest = age,
-                              .ticket = ticket,
-                              .tokens = std::move(message.tokens)});
+  entries_.emplace(
+      key,
+      Entry{.passed = age, .newest = age, .ticket = ticket, .tokens = std::move(message.tokens)});
   tickets_.emplace(ticket, key);
   return Passage{Passage::Kind::ticket, ticket};
 }

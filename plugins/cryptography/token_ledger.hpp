@@ -32,13 +32,15 @@ struct TokenMessage {
 
 /// Of a piece that passed check_token_source. Nothing where no tokens begin. All of them must be in
 /// this piece: who sends them in fragments hides which they are. Errors: token_source_unreadable,
-/// also for tokens of more than kMostTokenOctets, and for a number from kGreatestNumber on: Cyclone
-/// DDS takes the greatest of all before those that come first.
+/// also for tokens of more than kMostTokenOctets, for an endpoint's that do not name one of the
+/// sender's, and for a number from kGreatestNumber on: Cyclone DDS takes the greatest of all before
+/// those that come first.
 Result<std::optional<TokenMessage>> read_token_message(const DataPiece& piece);
 
 inline constexpr std::uint64_t kGreatestNumber = std::uint64_t{1} << 62;
 
-/// Binary values of one message: four times what two keys with receiver keys need.
+/// Of all tokens of one message, names and class ids included: three times what two keys with
+/// receiver keys need.
 inline constexpr std::size_t kMostTokenOctets = 1024;
 
 /// What the host gets instead of key material, and comes back with.
@@ -75,6 +77,7 @@ void write_ticket(const Ticket& ticket, const TokenMessage& message, const DataP
 /// A message that was opened may still not have reached the host. When its sender authenticates
 /// anew, the host may hold the former ticket or not. It drops those of a participant with the
 /// participant. Those of builtin endpoints it uses as soon as it matches them; tokens wait for that.
+/// Tokens of other entities that only look builtin never reach it.
 /// Of other endpoints nothing is known for six minutes.
 class TokenLedger {
  public:

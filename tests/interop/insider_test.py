@@ -270,7 +270,7 @@ def source(world):
     insider = world.insider("publish", "source", Permissions())
     world.until("a false source", lambda: said(insider, "tampered"))
     if world.kind != "ours-ac":
-        one_event_names(world, "info_source_mismatch", insider, 1)
+        one_event_names(world, "info_source_of_peer", insider, 1)
         go_on(world, subscriber)
         check("the insider speaks as another", not samples(subscriber, FORGED))
 

@@ -126,9 +126,29 @@ TEST(TokenLedger, AGreatNumberOpensNothing) {
     EXPECT_EQ(host.note(number), Kind::repeated);
 }
 
+// The host never matches those, and would hold their ticket when the next one came.
+TEST(TokenLedger, HidesTokensOfEntitiesThatOnlyLookBuiltin) {
+  constexpr EntityId kWriter{{0xff, 0, 3, 0xc2}}, kReader{{0xff, 0, 3, 0xc7}};
+  constexpr std::array<std::pair<EntityId, EntityId>, 6> kPairs = {{
+      {{{0xfe, 0, 1, 0xc2}}, kReader},
+      {{{0xff, 0, 4, 0xc2}}, kReader},
+      {kReader, kReader},
+      {kWriter, {{0, 0, 1, 0x07}}},
+      {{{0, 0, 1, 0x02}}, kReader},
+      {kEntityIdParticipant, kReader},
+  }};
+  for (const auto& [remote, local] : kPairs) {
+    Host host;
+    host.remote.entity = remote;
+    host.local.entity = local;
+    EXPECT_EQ(host.note(1), Kind::hidden) << remote.to_string();
+    EXPECT_EQ(host.ledger.size(), 0u);
+  }
+}
+
 TEST(TokenLedger, ForgetsTheParticipantsTicketWhenItAuthenticatesAnew) {
   Host host;
-  host.remote.entity = kEntityIdParticipant;
+  host.remote.entity = host.local.entity = kEntityIdParticipant;
   EXPECT_EQ(host.note(1), Kind::ticket);
   const auto former = host.ticket;
   host.exchange = 2;
@@ -140,6 +160,7 @@ TEST(TokenLedger, ForgetsTheParticipantsTicketWhenItAuthenticatesAnew) {
 TEST(TokenLedger, WaitsUntilTheHostHasMatchedBuiltinEndpointsAnew) {
   Host host;
   host.remote.entity = {{0xff, 0, 3, 0xc2}};
+  host.local.entity = {{0xff, 0, 3, 0xc7}};
   EXPECT_EQ(host.note(1), Kind::ticket);
   host.exchange = 2;
   EXPECT_EQ(host.note(1), Kind::later);
@@ -154,6 +175,7 @@ TEST(TokenLedger, WaitsUntilTheHostHasMatchedBuiltinEndpointsAnew) {
 TEST(TokenLedger, AFormerTicketOfBuiltinEndpointsThatTheHostComesWithEndsTheWait) {
   Host host;
   host.remote.entity = {{0xff, 0, 3, 0xc2}};
+  host.local.entity = {{0xff, 0, 3, 0xc7}};
   EXPECT_EQ(host.note(1), Kind::ticket);
   host.exchange = 2;
   EXPECT_EQ(host.note(1), Kind::later);
@@ -180,8 +202,7 @@ TEST(TokenLedger, ForgetsNothingWhileTheExchangeLives) {
 
 TEST(TokenLedger, AnExchangeWithoutTokensLeavesNothing) {
   Host host;
-  for (std::uint64_t exchange = 2; exchange < 1000; ++exchange)
-    host.ledger.end(exchange, host.now);
+  for (std::uint64_t exchange = 2; exchange < 1000; ++exchange) host.ledger.end(exchange, host.now);
   EXPECT_EQ(host.note(1), Kind::ticket);
   host.ledger.end(1, host.now);
   host.now += TokenLedger::kMemory;
@@ -207,11 +228,13 @@ TEST(TokenLedger, OtherEndpointsAreOthersWhateverTheirTokens) {
   const auto first = host.ticket;
   const auto tokens = host.sent;
   host.local.entity = kOtherReader;
-  EXPECT_EQ(host.ledger.note({host.remote, host.local, 2, false, tokens, 0, 0}, 1, false, host.now)->kind,
-            Kind::ticket);
+  EXPECT_EQ(
+      host.ledger.note({host.remote, host.local, 2, false, tokens, 0, 0}, 1, false, host.now)->kind,
+      Kind::ticket);
   host.remote.prefix = kVictim;
-  EXPECT_EQ(host.ledger.note({host.remote, host.local, 3, false, tokens, 0, 0}, 2, false, host.now)->kind,
-            Kind::ticket);
+  EXPECT_EQ(
+      host.ledger.note({host.remote, host.local, 3, false, tokens, 0, 0}, 2, false, host.now)->kind,
+      Kind::ticket);
   EXPECT_EQ(host.use(first)->remote, (Guid{kPeer, kWriter}));
   host.remote.prefix = kPeer;
   host.local.entity = kReader;
@@ -231,8 +254,9 @@ TEST(TokenLedger, TokensWithoutRoomForATicketAreHidden) {
   std::vector<spi::Token> tokens = fresh_tokens();
   tokens[0].binary_properties[0].value.resize(15);
   for (const auto& few : {tokens, std::vector<spi::Token>()})
-    EXPECT_EQ(host.ledger.note({host.remote, host.local, 1, false, few, 0, 0}, 1, false, host.now)->kind,
-              Kind::hidden);
+    EXPECT_EQ(
+        host.ledger.note({host.remote, host.local, 1, false, few, 0, 0}, 1, false, host.now)->kind,
+        Kind::hidden);
   EXPECT_EQ(host.ledger.size(), 0u);
 }
 
@@ -242,8 +266,8 @@ TEST(TokenLedger, HoldsSoManyOfOneCertificate) {
     host.remote.entity.octets[0] = static_cast<std::uint8_t>(number >> 16);
     host.remote.entity.octets[1] = static_cast<std::uint8_t>(number >> 8);
     host.remote.entity.octets[2] = static_cast<std::uint8_t>(number);
-    return host.ledger.note({host.remote, host.local, number, false, fresh_tokens(), 0, 0}, 1, false,
-                            host.now);
+    return host.ledger.note({host.remote, host.local, number, false, fresh_tokens(), 0, 0}, 1,
+                            false, host.now);
   };
   for (std::size_t i = 1; i <= TokenLedger::kMostPending; ++i) {
     host.remote.prefix.octets[11] = static_cast<std::uint8_t>(i % 3);  // of several participants
