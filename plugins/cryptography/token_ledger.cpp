@@ -197,9 +197,10 @@ Status TokenLedger::check_room(const Key& key) {
 
 Result<Passage> TokenLedger::note(TokenMessage message, std::uint64_t exchange,
                                   bool are_builtin_matched, std::chrono::nanoseconds now) {
-  if (!has_place_for_ticket(message.tokens) || !are_two_of_a_kind(message.remote, message.local)) {
+  if (!has_place_for_ticket(message.tokens)) return Passage{Passage::Kind::hidden};
+  if (!are_two_of_a_kind(message.remote, message.local)) {
     wipe_tokens(message.tokens);
-    return Passage{Passage::Kind::hidden};
+    return Passage{Passage::Kind::invented};
   }
   const std::lock_guard lock(mutex_);
   forget_old(now);

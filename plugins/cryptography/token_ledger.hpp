@@ -55,6 +55,7 @@ struct Passage {
     ticket,    ///< it goes to the host, with the ticket in it
     hidden,    ///< it goes to the host as a class that the host does not know
     repeated,  ///< hidden, since the host holds a ticket of the same exchange
+    invented,  ///< hidden, since no two such endpoints exchange keys
     later,     ///< it is not accepted yet, and will be sent again
   };
   Kind kind;

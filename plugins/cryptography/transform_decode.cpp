@@ -169,6 +169,13 @@ Status keep_tokens(const Shared& shared, const RemoteEndpoint& sender, const Pai
       static_cast<std::size_t>(piece.payload.data() - submessage.data()), piece.payload.size());
   write_ticket(passage.ticket, *message, piece, payload);
   if (passage.kind != Passage::Kind::ticket) payload[message->class_at] = '-';
+  if (passage.kind == Passage::Kind::invented)
+    shared.report(
+        Error(Code::token_source_unreadable,
+              {.document = "a key token message",
+               .found = message->remote.to_string() + " for " + message->local.to_string(),
+               .note = "no two such endpoints exchange keys"}),
+        pair.peer_prefix);
   if (passage.kind == Passage::Kind::repeated)
     shared.report(
         Error(Code::crypto_tokens_repeated, {.document = "a key token message",

@@ -230,13 +230,13 @@ def without_data(world, tamper):
 
 
 def repeat(world):
-    """Tokens come again while the host holds the former ones, which corrupts its memory."""
+    """Tokens of invented builtin endpoints, which the host would hold, come again: that corrupts its memory."""
     subscriber = begin(world)
     for turn in range(3):
         insider = world.insider("publish", "repeat", ELSEWHERE)
         world.until("the repeated tokens", lambda: said(insider, "tampered"))
         if turn == 0:
-            one_event_each(world, "crypto_tokens_repeated", insider)
+            one_event_each(world, "token_source_unreadable", insider)
         insider.stop()
         world.until("the insider's end", lambda: insider.ended)
         world.passes(0.3)
@@ -270,7 +270,9 @@ def source(world):
     insider = world.insider("publish", "source", Permissions())
     world.until("a false source", lambda: said(insider, "tampered"))
     if world.kind != "ours-ac":
-        one_event_names(world, "info_source_of_peer", insider, 1)
+        # Without our authentication nobody knows that the name is another peer's.
+        code = "info_source_of_peer" if world.kind == "ours" else "info_source_mismatch"
+        one_event_names(world, code, insider, 1)
         go_on(world, subscriber)
         check("the insider speaks as another", not samples(subscriber, FORGED))
 

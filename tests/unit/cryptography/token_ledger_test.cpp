@@ -141,7 +141,7 @@ TEST(TokenLedger, HidesTokensOfEntitiesThatOnlyLookBuiltin) {
     Host host;
     host.remote.entity = remote;
     host.local.entity = local;
-    EXPECT_EQ(host.note(1), Kind::hidden) << remote.to_string();
+    EXPECT_EQ(host.note(1), Kind::invented) << remote.to_string();
     EXPECT_EQ(host.ledger.size(), 0u);
   }
 }
