@@ -28,6 +28,11 @@ inline constexpr const char* kSupportedCiphersSymbol = "ddssec_supported_ciphers
 using HasKeysOf = bool(DDS_Security_IdentityHandle);
 inline constexpr const char* kHasKeysOfSymbol = "ddssec_has_keys_of";
 
+/// And when a message that only the peer can make by our shared secret was opened last: ns of the
+/// monotonic clock, 0 for never.
+using LastHeardOf = std::int64_t(DDS_Security_IdentityHandle);
+inline constexpr const char* kLastHeardOfSymbol = "ddssec_last_heard_of";
+
 /// Each of our libraries exports one, for the line that says which are in use: the version.
 using PluginVersion = const char*();
 

@@ -22,7 +22,8 @@ Adapters& adapters() {
   return *all;
 }
 
-MatchVerdict judge_in(AccessControlAdapter& adapter, const EndpointScope& scope, const MatchQuestion& question) {
+MatchVerdict judge_in(AccessControlAdapter& adapter, const EndpointScope& scope,
+                      const MatchQuestion& question) {
   Exception why{};
   const bool allowed = allowed_at_c_boundary(adapter.host(), &why, [&] {
     spi::AccessControl::Match match{.remote_writes = question.remote_writes != 0,

@@ -85,6 +85,14 @@ HandshakeWatch::HasKeys keys_of_process() {
   return [ask = reinterpret_cast<HasKeysOf*>(symbol)](auto remote) { return ask(remote.value); };
 }
 
+HandshakeWatch::LastHeard last_heard_in_process() {
+  void* const symbol = dlsym(RTLD_DEFAULT, kLastHeardOfSymbol);
+  if (symbol == nullptr) return {};
+  return [ask = reinterpret_cast<LastHeardOf*>(symbol)](auto remote) {
+    return HandshakeWatch::Duration(ask(remote.value));
+  };
+}
+
 DDS_Security_boolean get_identity_token(Instance* instance, CToken* token, const CIdentity handle,
                                         Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
@@ -347,7 +355,7 @@ AuthenticationAdapter::AuthenticationAdapter(std::unique_ptr<Host> host,
 }
 
 void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revoke& revoke) {
-  for (const auto& stuck : watch_.give_up(keys_of_process())) {
+  for (const auto& stuck : watch_.give_up(keys_of_process(), last_heard_in_process())) {
     if (stop.stop_requested()) return;
     if (stuck.is_first) {
       const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(stuck.waited);

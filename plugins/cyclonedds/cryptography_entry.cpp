@@ -22,6 +22,10 @@ DDSSEC_EXPORT bool ddssec_has_keys_of(DDS_Security_IdentityHandle remote) {
   return cyclonedds::PeersWithKeys::of_process().contains({remote});
 }
 
+DDSSEC_EXPORT std::int64_t ddssec_last_heard_of(DDS_Security_IdentityHandle remote) {
+  return cyclonedds::PeersWithKeys::of_process().last_heard({remote}).count();
+}
+
 DDSSEC_EXPORT int finalize_crypto(void* context) {
   return cyclonedds::finalize<CryptographyAdapter, dds_security_cryptography>(context);
 }

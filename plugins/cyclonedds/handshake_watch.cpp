@@ -81,13 +81,16 @@ HandshakeWatch::Past& HandshakeWatch::past_of(const Guid& guid, Duration now) {
   return past;
 }
 
-std::vector<HandshakeWatch::Stuck> HandshakeWatch::give_up(const HasKeys& has_keys) {
+std::vector<HandshakeWatch::Stuck> HandshakeWatch::give_up(const HasKeys& has_keys,
+                                                           const LastHeard& last_heard) {
   const std::lock_guard lock(mutex_);
   const auto now = clock_.monotonic();
   std::erase_if(past_, [&](const auto& entry) { return now - entry.second.last > kForgetAfter; });
   std::vector<Stuck> out;
   for (auto& [handle, remote] : remotes_) {
     if (remote.is_finished && !remote.is_settled) remote.is_settled = !has_keys || has_keys(handle);
+    if (remote.is_finished && !remote.is_settled && last_heard)
+      remote.since = std::max(remote.since, last_heard(handle));
     const auto waited = now - remote.since;
     if (remote.is_settled || waited < patience(remote)) continue;
     auto& past = past_of(remote.guid, now);

@@ -57,8 +57,11 @@ class HandshakeWatch {
   };
   /// Has the remote sent its keys?
   using HasKeys = std::function<bool(spi::IdentityHandle)>;
+  /// When did the remote last show that it has our shared secret? It finished its half then, and
+  /// its keys may still come: a peer that does not notice that we begin anew is not given up.
+  using LastHeard = std::function<Duration(spi::IdentityHandle)>;
   /// Those to be revoked now, each once. Without `has_keys` no keys are waited for.
-  std::vector<Stuck> give_up(const HasKeys& has_keys = {});
+  std::vector<Stuck> give_up(const HasKeys& has_keys = {}, const LastHeard& last_heard = {});
 
  private:
   struct Remote {

@@ -80,8 +80,10 @@ CHandle register_matched_remote_datareader(Instance* instance, const CHandle loc
   return ask_handle<Adapter>(
       instance, ex, [&](Adapter& adapter) -> Result<spi::DatareaderCryptoHandle> {
         const auto secret = DDSSEC_TRY(shared_secret_from(secret_handle));
-        return adapter.key_factory().register_matched_remote_datareader(
-            {local_datawriter}, {remote_participant}, secret, relay_only != 0);
+        const auto reader = DDSSEC_TRY(adapter.key_factory().register_matched_remote_datareader(
+            {local_datawriter}, {remote_participant}, secret, relay_only != 0));
+        PeersWithKeys::of_process().matched(reader.value, {remote_participant});
+        return reader;
       });
 }
 
@@ -102,12 +104,14 @@ CHandle register_matched_remote_datawriter(Instance* instance, const CHandle loc
                                            const CHandle remote_participant,
                                            const DDS_Security_SharedSecretHandle secret_handle,
                                            Exception* ex) {
-  return ask_handle<Adapter>(instance, ex,
-                             [&](Adapter& adapter) -> Result<spi::DatawriterCryptoHandle> {
-                               const auto secret = DDSSEC_TRY(shared_secret_from(secret_handle));
-                               return adapter.key_factory().register_matched_remote_datawriter(
-                                   {local_datareader}, {remote_participant}, secret);
-                             });
+  return ask_handle<Adapter>(
+      instance, ex, [&](Adapter& adapter) -> Result<spi::DatawriterCryptoHandle> {
+        const auto secret = DDSSEC_TRY(shared_secret_from(secret_handle));
+        const auto writer = DDSSEC_TRY(adapter.key_factory().register_matched_remote_datawriter(
+            {local_datareader}, {remote_participant}, secret));
+        PeersWithKeys::of_process().matched(writer.value, {remote_participant});
+        return writer;
+      });
 }
 
 // Endpoints without protection were never registered: the host's handle for them is nil.
@@ -124,6 +128,7 @@ DDS_Security_boolean unregister_datawriter(Instance* instance, const CHandle han
                                            Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     if (handle == DDS_SECURITY_HANDLE_NIL) return {};
+    PeersWithKeys::of_process().forget(handle);
     return adapter.key_factory().unregister_datawriter({handle});
   });
 }
@@ -132,6 +137,7 @@ DDS_Security_boolean unregister_datareader(Instance* instance, const CHandle han
                                            Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     if (handle == DDS_SECURITY_HANDLE_NIL) return {};
+    PeersWithKeys::of_process().forget(handle);
     return adapter.key_factory().unregister_datareader({handle});
   });
 }

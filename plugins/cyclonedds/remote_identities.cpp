@@ -27,8 +27,7 @@ IdentityHandle RemoteIdentities::note(IdentityHandle local, const Guid& guid, Id
 
 IdentityHandle RemoteIdentities::note_refused(const Guid& guid) {
   const std::lock_guard lock(mutex_);
-  if (const auto known = remotes_.find(guid); known != remotes_.end())
-    return known->second.of_host;
+  if (const auto known = remotes_.find(guid); known != remotes_.end()) return known->second.of_host;
   static std::atomic<std::int64_t> last = 0;
   const IdentityHandle own{--last};  // below 0, where no engine has handles
   const auto named = guid_of_.try_emplace(own, guid).first;

@@ -2,6 +2,7 @@
 #include "plugins/cyclonedds/buffers.hpp"
 #include "plugins/cyclonedds/cryptography_adapter.hpp"
 #include "plugins/cyclonedds/opened_message.hpp"
+#include "plugins/cyclonedds/peers_with_keys.hpp"
 
 namespace ddssec::cyclonedds {
 namespace {
@@ -115,6 +116,12 @@ Status decode_submessage(Octets* plain, const Octets* encoded, Decode&& decode) 
   return check_decoded(*plain, octets.size() - kSecurePrefixSize, 4);
 }
 
+/// Before its keys are here a peer can only be heard over the key exchange, by the shared secret.
+void note_heard(Adapter& adapter, CHandle sender) {
+  auto& peers = PeersWithKeys::of_process();
+  if (peers.awaits_keys()) peers.heard(sender, adapter.host().clock().monotonic());
+}
+
 /// Makes the host ask for its next local participant. Any other code ends the message.
 constexpr DDS_Security_long kAskNext = DDS_SECURITY_ERR_INVALID_CRYPTO_RECEIVER_SIGN_CODE;
 
@@ -194,9 +201,11 @@ DDS_Security_boolean decode_datawriter_submessage(Instance* instance, Octets* pl
                                                   const Octets* encoded, const CHandle receiver,
                                                   const CHandle sender, Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) {
-    return decode_submessage(plain, encoded, [&](BytesView octets, MutableBytes room) {
+    auto decoded = decode_submessage(plain, encoded, [&](BytesView octets, MutableBytes room) {
       return adapter.transform().decode_datawriter_submessage({receiver}, {sender}, octets, room);
     });
+    if (decoded) note_heard(adapter, sender);
+    return decoded;
   });
 }
 
@@ -204,9 +213,11 @@ DDS_Security_boolean decode_datareader_submessage(Instance* instance, Octets* pl
                                                   const Octets* encoded, const CHandle receiver,
                                                   const CHandle sender, Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) {
-    return decode_submessage(plain, encoded, [&](BytesView octets, MutableBytes room) {
+    auto decoded = decode_submessage(plain, encoded, [&](BytesView octets, MutableBytes room) {
       return adapter.transform().decode_datareader_submessage({receiver}, {sender}, octets, room);
     });
+    if (decoded) note_heard(adapter, sender);
+    return decoded;
   });
 }
 

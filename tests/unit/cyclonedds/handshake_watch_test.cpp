@@ -21,12 +21,13 @@ struct HandshakeWatchTest : testing::Test {
     std::vector<HandshakeWatch::Stuck> out;
     for (; time > 0ns; time -= 100ms) {
       clock.advance(100ms);
-      for (const auto& one : watch.give_up(has_keys)) out.push_back(one);
+      for (const auto& one : watch.give_up(has_keys, last_heard)) out.push_back(one);
     }
     return out;
   }
 
   HandshakeWatch::HasKeys has_keys = {};
+  HandshakeWatch::LastHeard last_heard = {};
   ManualClock clock{WallTime{}};
   HandshakeWatch watch{clock};
   const spi::IdentityHandle remote{7}, other{8};
@@ -76,6 +77,22 @@ TEST_F(HandshakeWatchTest, ProgressStartsTheWaitAnew) {
   watch.progressed(remote, handshake);
   // The peer may have answered, and would not notice that we begin again: no hurry now.
   watch.refused(handshake);
+  EXPECT_TRUE(after(19900ms).empty());
+  EXPECT_EQ(after(200ms).size(), 1u);
+}
+
+// It is settled, and would not notice that we begin again.
+TEST_F(HandshakeWatchTest, APeerThatHasTheSecretIsWaitedForWhileItIsHeard) {
+  has_keys = [](auto) { return false; };
+  HandshakeWatch::Duration heard{};
+  last_heard = [&](auto) { return heard; };
+  watch.met(remote, guid_of(1));
+  watch.progressed(remote, handshake);
+  watch.finished(handshake);
+  for (int i = 0; i < 30; ++i) {
+    EXPECT_TRUE(after(10s).empty());
+    heard = clock.monotonic();
+  }
   EXPECT_TRUE(after(19900ms).empty());
   EXPECT_EQ(after(200ms).size(), 1u);
 }

@@ -34,5 +34,30 @@ TEST(PeersWithKeys, ALaterPeerOfTheSameIdentityStartsWithout) {
   EXPECT_TRUE(peers.contains({7}));
 }
 
+TEST(PeersWithKeys, AreHeardByTheirEndpointsUntilTheirKeysCome) {
+  using namespace std::chrono_literals;
+  PeersWithKeys peers;
+  EXPECT_FALSE(peers.awaits_keys());
+  peers.met({70}, {7});
+  peers.matched(700, {70});
+  EXPECT_TRUE(peers.awaits_keys());
+  EXPECT_EQ(peers.last_heard({7}), 0s);
+  peers.heard(701, 5s);
+  EXPECT_EQ(peers.last_heard({7}), 0s);
+  peers.heard(700, 6s);
+  EXPECT_EQ(peers.last_heard({7}), 6s);
+  peers.forget(700);
+  peers.heard(700, 7s);
+  EXPECT_EQ(peers.last_heard({7}), 6s);
+  peers.sent_keys({70});
+  peers.sent_keys({70});
+  EXPECT_FALSE(peers.awaits_keys());
+  peers.met({71}, {8});
+  peers.left({71});
+  EXPECT_FALSE(peers.awaits_keys());
+  peers.left({70});
+  EXPECT_EQ(peers.last_heard({7}), 0s);
+}
+
 }  // namespace
 }  // namespace ddssec::cyclonedds
