@@ -112,7 +112,7 @@ Result<Report> check(const Arguments& arguments, const Context& context) {
   report.text = meeting_text(view);
   report.result = meeting_json(view);
   report.findings.insert(report.findings.end(), meeting.findings.begin(), meeting.findings.end());
-  // What two other products would make of it matters if nobody said which ones these are.
+  // DOC083 is about products that nobody named with --vendor: only --explain shows it.
   const bool asked = arguments.has("--explain") && !arguments.has("--vendor");
   std::ranges::copy_if(meeting.notes, std::back_inserter(report.findings),
                        [&](const Finding& note) { return asked || note.rule != Rule::DOC083; });
