@@ -29,9 +29,9 @@ Result<std::shared_ptr<const spi::SharedSecret>> shared_secret(const pki::Epheme
   const auto derived = DDSSEC_TRY(key.derive(peer_key));
   auto octets = DDSSEC_TRY(
       derived.expose([](BytesView view) { return spi::SharedSecretOctets::copy_of(view); }));
-  return std::make_shared<const spi::SharedSecret>(
-      spi::SharedSecret{std::move(octets), transcript.challenge1, transcript.challenge2,
-                        peer.ciphers(), peer_guid.prefix});
+  return std::make_shared<const spi::SharedSecret>(spi::SharedSecret{
+      std::move(octets), transcript.challenge1, transcript.challenge2, peer.ciphers(),
+      peer_guid.prefix, peer.builtin_endpoints(), peer.addresses()});
 }
 
 /// A message without a key would be refused, and sent again and again.

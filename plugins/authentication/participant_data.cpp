@@ -1,5 +1,6 @@
 #include "plugins/authentication/participant_data.hpp"
 
+#include <algorithm>
 #include <optional>
 
 #include "base/reader.hpp"
@@ -9,7 +10,9 @@ namespace ddssec::authentication {
 namespace {
 
 constexpr std::uint16_t kPidSentinel = 0x0001;
+constexpr std::uint16_t kPidMetatrafficUnicastLocator = 0x0032;
 constexpr std::uint16_t kPidParticipantGuid = 0x0050;
+constexpr std::uint16_t kPidBuiltinEndpointSet = 0x0058;
 constexpr std::uint16_t kPidIdentityToken = 0x1001;
 
 std::unexpected<Error> malformed(std::string found) {
@@ -31,6 +34,26 @@ Result<std::optional<Parameter>> next_parameter(Reader& reader) {
   const auto value = reader.read_bytes(*length);
   if (!value) return malformed("a parameter longer than the list");
   return Parameter{*id, *value};
+}
+
+/// RTPS Locator_t (RTPS 9.3.2.3): kind, port, 16 octets of address.
+std::optional<spi::UdpAddress> unicast_address(BytesView locator) {
+  constexpr std::int32_t kUdpV4 = 1, kUdpV6 = 2;
+  Reader reader(locator, Endian::big);
+  const auto kind = reader.read<std::int32_t>();
+  const auto port = reader.read<std::uint32_t>();
+  const auto address = reader.read_bytes(16);
+  if (!kind || !port || !address) return std::nullopt;
+  if ((*kind != kUdpV4 && *kind != kUdpV6) || *port == 0 || *port > 0xffff) return std::nullopt;
+  spi::UdpAddress out{.is_ipv6 = *kind == kUdpV6, .port = static_cast<std::uint16_t>(*port)};
+  std::ranges::copy(*address, out.address.begin());
+  const auto first = out.address[out.is_ipv6 ? 0 : 12];
+  const bool is_unicast = out.is_ipv6 ? first != 0 && first != 0xff : first != 0 && first < 224;
+  const bool is_loopback_v6 =
+      out.is_ipv6 &&
+      out.address == std::array<std::uint8_t, 16>{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1};
+  if (!is_unicast && !is_loopback_v6) return std::nullopt;
+  return out;
 }
 
 Guid guid_from(BytesView octets) {
@@ -66,6 +89,33 @@ spi::CipherMask ciphers_in_participant_data(BytesView participant_data) {
     found = std::move(*token);
   }
   return found ? announced_ciphers(*found) : spi::kStandardCiphers;
+}
+
+std::uint32_t builtin_endpoints_in_participant_data(BytesView participant_data) {
+  Reader reader(participant_data, Endian::big);
+  std::optional<std::uint32_t> found;
+  for (;;) {
+    const auto parameter = next_parameter(reader);
+    if (!parameter || !*parameter) break;
+    if ((*parameter)->id != kPidBuiltinEndpointSet) continue;
+    const auto set = Reader((*parameter)->value, Endian::big).read<std::uint32_t>();
+    if (!set || found) return 0;
+    found = *set;
+  }
+  return found.value_or(0);
+}
+
+std::vector<spi::UdpAddress> addresses_in_participant_data(BytesView participant_data) {
+  Reader reader(participant_data, Endian::big);
+  std::vector<spi::UdpAddress> out;
+  while (out.size() < kMostAddresses) {
+    const auto parameter = next_parameter(reader);
+    if (!parameter || !*parameter) break;
+    if ((*parameter)->id != kPidMetatrafficUnicastLocator) continue;
+    const auto address = unicast_address((*parameter)->value);
+    if (address && std::ranges::find(out, *address) == out.end()) out.push_back(*address);
+  }
+  return out;
 }
 
 }  // namespace ddssec::authentication

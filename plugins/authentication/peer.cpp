@@ -44,8 +44,14 @@ Result<JudgedPeer> JudgedPeer::judge(const Credentials& credentials, const Guid&
   add_field(credential, "c.perm",
             without_trailing_nul(credentials.permissions.value_or(BytesView())));
   add_field(credential, "c.kagree_algo", as_bytes(key_agreement_name(credentials.key_agreement)));
-  return JudgedPeer(std::move(chain), std::move(credential),
-                    ciphers_in_participant_data(credentials.participant_data));
+  return JudgedPeer(std::move(chain), std::move(credential), credentials.participant_data);
 }
+
+JudgedPeer::JudgedPeer(pki::ChainValid chain, spi::Token credential, BytesView participant_data)
+    : chain_(std::move(chain)),
+      credential_(std::move(credential)),
+      ciphers_(ciphers_in_participant_data(participant_data)),
+      builtin_endpoints_(builtin_endpoints_in_participant_data(participant_data)),
+      addresses_(addresses_in_participant_data(participant_data)) {}
 
 }  // namespace ddssec::authentication

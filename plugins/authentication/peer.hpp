@@ -33,14 +33,18 @@ class JudgedPeer {
 
   /// What its participant data says that it can decrypt; proven once a signature is.
   spi::CipherMask ciphers() const { return ciphers_; }
+  std::uint32_t builtin_endpoints() const { return builtin_endpoints_; }
+  /// Where its participant data says that it receives discovery.
+  const std::vector<spi::UdpAddress>& addresses() const { return addresses_; }
 
  private:
-  JudgedPeer(pki::ChainValid chain, spi::Token credential, spi::CipherMask ciphers)
-      : chain_(std::move(chain)), credential_(std::move(credential)), ciphers_(ciphers) {}
+  JudgedPeer(pki::ChainValid chain, spi::Token credential, BytesView participant_data);
 
   pki::ChainValid chain_;
   std::optional<spi::Token> credential_;
   spi::CipherMask ciphers_;
+  std::uint32_t builtin_endpoints_;
+  std::vector<spi::UdpAddress> addresses_;
 };
 
 }  // namespace ddssec::authentication

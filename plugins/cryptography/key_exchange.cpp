@@ -23,8 +23,9 @@ spi::Token token_for(const KeyMaterial& key, const ReceiverKey* receiver) {
 /// What the host came with: the tokens, or a ticket for those that the ledger keeps.
 class HeldTokens {
  public:
-  HeldTokens(const Shared& shared, std::span<const spi::Token> from_host)
-      : held_(shared.host_checks_sources ? std::nullopt : shared.ledger.redeem(from_host)),
+  HeldTokens(const Shared& shared, std::span<const spi::Token> from_host,
+             const TicketUser& user = {})
+      : held_(shared.host_checks_sources ? std::nullopt : shared.ledger.redeem(from_host, user)),
         tokens_(held_ ? std::span<const spi::Token>(held_->tokens) : from_host) {}
   HeldTokens(const HeldTokens&) = delete;
   HeldTokens& operator=(const HeldTokens&) = delete;
@@ -33,6 +34,8 @@ class HeldTokens {
   }
 
   std::span<const spi::Token> tokens() const { return tokens_; }
+  /// From a session with the same peer that has ended: the ledger awaits those of the present one.
+  bool are_awaited() const { return held_ && held_->tokens.empty(); }
   /// Kept tokens are for the participant that they came from.
   Status check_source(const Pair& pair) const {
     if (held_ && pair.peer_prefix && held_->remote.prefix != *pair.peer_prefix)
@@ -202,16 +205,21 @@ Result<std::unique_ptr<RemoteKeys>> KeyExchange::endpoint_keys(
 
 template <class Local, class Remote>
 Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> from_host) {
-  const HeldTokens held(shared_, from_host);
-  const auto tokens = held.tokens();
   const std::lock_guard lock(shared_.mutex);
-  auto& endpoint = *DDSSEC_TRY(matched(local, remote));
+  const auto found = matched(local, remote);
+  const auto* const pair =
+      found ? (*found)->participant.pair((*found)->local.participant.handle()) : nullptr;
+  const HeldTokens held(shared_, from_host,
+                        {pair == nullptr ? 0 : pair->number, local.value, remote.value});
+  const auto tokens = held.tokens();
+  auto& endpoint = *DDSSEC_TRY(found);
   if (!endpoint.local.has_tokens()) return fail(Code::crypto_tokens_not_expected);
+  if (pair == nullptr) return fail(Code::crypto_not_matched);
+  DDSSEC_TRY(held.check_source(*pair));
+  if (held.are_awaited()) return {};  // the host goes on as if the keys were here
   if (tokens.empty() || tokens.size() > kMostTokensPerEndpoint)
     return fail(Code::crypto_token_count);
   auto keys = DDSSEC_TRY(endpoint_keys(endpoint, DDSSEC_TRY(read_all(tokens))));
-  const auto* const pair = endpoint.participant.pair(endpoint.local.participant.handle());
-  DDSSEC_TRY(held.check_source(*pair));
   if (keys->submessage)
     keys->owner = DDSSEC_TRY(pair->owners.owner_of(keys->submessage->material().sender_key_id));
   if (const auto* const present = endpoint.remote_keys.read(); present && keys->owner.is_zero())

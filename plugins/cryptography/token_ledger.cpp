@@ -206,6 +206,7 @@ Result<Passage> TokenLedger::note(TokenMessage message, std::uint64_t exchange,
   forget_old(now);
   const Key key{message.remote, message.local};
   const Age age{exchange, message.number};
+  std::optional<TicketUser> user;
   if (const auto known = entries_.find(key); known != entries_.end()) {
     auto& entry = known->second;
     if (entry.is_pending) {
@@ -218,6 +219,8 @@ Result<Passage> TokenLedger::note(TokenMessage message, std::uint64_t exchange,
     } else if (exchange == entry.newest.exchange && age <= entry.newest) {
       wipe_tokens(message.tokens);
       return Passage{Passage::Kind::hidden};  // the host has had it, or passed it over
+    } else if (entry.awaited_by && entry.awaited_by->exchange == exchange) {
+      user = entry.awaited_by;
     }
     erase(known);
   }
@@ -229,10 +232,12 @@ Result<Passage> TokenLedger::note(TokenMessage message, std::uint64_t exchange,
       key,
       Entry{.passed = age, .newest = age, .ticket = ticket, .tokens = std::move(message.tokens)});
   tickets_.emplace(ticket, key);
+  if (user) return Passage{Passage::Kind::awaited, ticket, *user};
   return Passage{Passage::Kind::ticket, ticket};
 }
 
-std::optional<TokenLedger::Held> TokenLedger::redeem(std::span<const spi::Token> tokens) {
+std::optional<TokenLedger::Held> TokenLedger::redeem(std::span<const spi::Token> tokens,
+                                                     const TicketUser& user) {
   if (!has_place_for_ticket(tokens)) return std::nullopt;
   Ticket ticket;
   std::ranges::copy_n(tokens.front().binary_properties.front().value.begin(),
@@ -245,7 +250,13 @@ std::optional<TokenLedger::Held> TokenLedger::redeem(std::span<const spi::Token>
   auto& entry = entries_.at(key);
   entry.is_pending = false;
   --counts_.at(subject_of(key)).pending;
-  return Held{key.remote, std::move(entry.tokens)};
+  Held held{key.remote, std::move(entry.tokens)};
+  if (user.exchange > entry.newest.exchange) {
+    wipe_tokens(held.tokens);
+    held.tokens.clear();
+    entry.awaited_by = user;
+  }
+  return held;
 }
 
 void TokenLedger::end(std::uint64_t exchange, std::chrono::nanoseconds now) {

@@ -1,6 +1,7 @@
-// Key tokens, from their message until the host comes with them. Cyclone DDS holds tokens back until
-// their endpoints are matched, as many as come, for five minutes each. If tokens for the same two
-// endpoints come again in that time, it corrupts its memory. So it gets tickets instead of tokens.
+// Key tokens, from their message until the host comes with them. Cyclone DDS holds tokens back
+// until their endpoints are matched, as many as come, for five minutes each. If tokens for the same
+// two endpoints come again in that time, it corrupts its memory. So it gets tickets instead of
+// tokens.
 #pragma once
 
 #include <array>
@@ -49,6 +50,14 @@ struct Ticket {
   auto operator<=>(const Ticket&) const = default;
 };
 
+/// A match for which the host comes with a ticket, or came with one of a session that had ended.
+struct TicketUser {
+  std::uint64_t exchange = 0;  ///< the present one with the peer; 0: there is none
+  std::int64_t local = 0;      ///< crypto handles of our endpoint and the peer's
+  std::int64_t remote = 0;
+  bool operator==(const TicketUser&) const = default;
+};
+
 /// What becomes of a message.
 struct Passage {
   enum class Kind : std::uint8_t {
@@ -57,9 +66,11 @@ struct Passage {
     repeated,  ///< hidden, since the host holds a ticket of the same exchange
     invented,  ///< hidden, since no two such endpoints exchange keys
     later,     ///< it is not accepted yet, and will be sent again
+    awaited,   ///< hidden; the ticket is for the user, whom the host thinks provided for
   };
   Kind kind;
   Ticket ticket = {};
+  TicketUser user = {};
   bool operator==(const Passage&) const = default;
 };
 
@@ -68,25 +79,26 @@ struct Passage {
 void write_ticket(const Ticket& ticket, const TokenMessage& message, const DataPiece& piece,
                   MutableBytes payload);
 
-/// Keeps the tokens that come for two endpoints, and gives the host a ticket for them. Any number of
-/// threads.
+/// Keeps the tokens that come for two endpoints, and gives the host a ticket for them. Any number
+/// of threads.
 ///
-/// The host holds one ticket for two endpoints at a time. Tokens that come while it does replace the
-/// ones kept here, and the host does not see them. It names no GUIDs when it comes back: the ticket
-/// tells which two endpoints it means.
+/// The host holds one ticket for two endpoints at a time. Tokens that come while it does replace
+/// the ones kept here, and the host does not see them. It names no GUIDs when it comes back: the
+/// ticket tells which two endpoints it means.
 ///
 /// A message that was opened may still not have reached the host. When its sender authenticates
 /// anew, the host may hold the former ticket or not. It drops those of a participant with the
-/// participant. Those of builtin endpoints it uses as soon as it matches them; tokens wait for that.
-/// Tokens of other entities that only look builtin never reach it.
-/// Of other endpoints nothing is known for six minutes.
+/// participant. Those of builtin endpoints it uses as soon as it matches them; tokens wait for
+/// that. Tokens of other entities that only look builtin never reach it. Of other endpoints nothing
+/// is known for six minutes.
 class TokenLedger {
  public:
   /// Of one certificate's participants, which are told by the first six octets of the prefix
   /// (DDS-Security 9.3.3). As many as 128 readers and 128 writers of two participants have.
   static constexpr std::size_t kMostPending = 16384;
-  /// After an exchange has ended: the host's five minutes, and what a message may wait in its queue.
-  /// While it lives the host may hold messages back for any time, until one that is missing comes.
+  /// After an exchange has ended: the host's five minutes, and what a message may wait in its
+  /// queue. While it lives the host may hold messages back for any time, until one that is missing
+  /// comes.
   static constexpr std::chrono::seconds kMemory{360};
 
   TokenLedger() = default;
@@ -108,13 +120,14 @@ class TokenLedger {
   void end(std::uint64_t exchange, std::chrono::nanoseconds now);
 
   struct Held {
-    Guid remote;  ///< whose tokens
-    std::vector<spi::Token> tokens;
+    Guid remote;                     ///< whose tokens
+    std::vector<spi::Token> tokens;  ///< none, if they came before the user's exchange
   };
   /// For tokens that the host came back with, and holds no longer: the newest for the two endpoints
   /// of their ticket. Nothing if there is no ticket in them that is still good. The caller wipes
-  /// them.
-  std::optional<Held> redeem(std::span<const spi::Token> tokens);
+  /// them. The host may come with a ticket of a session that has ended, and takes no other after
+  /// it: so the tokens of the present session go to the user as soon as they come.
+  std::optional<Held> redeem(std::span<const spi::Token> tokens, const TicketUser& user);
 
   /// For tests: all that is remembered.
   std::size_t size() const;
@@ -136,6 +149,7 @@ class TokenLedger {
     Age newest;  ///< the message that the tokens are of
     std::optional<std::chrono::nanoseconds> matched_since = {};
     bool is_pending = true;
+    std::optional<TicketUser> awaited_by = {};
     Ticket ticket;
     std::vector<spi::Token> tokens;
   };

@@ -148,11 +148,25 @@ bool are_for_nobody(const Shared& shared, const RemoteEndpoint& sender,
   return std::ranges::none_of(sender.local.participant.endpoints, is_protected_writer);
 }
 
+/// What the ledger gives to a match that has waited for it. An error is an event of its own.
+void hand_over(Shared& shared, const TokenMessage& message, const Passage& passage) {
+  spi::Token token = message.tokens.front();
+  auto& value = token.binary_properties.front().value;
+  wipe(value);
+  std::ranges::copy(passage.ticket.octets, value.begin());
+  const auto [exchange, local, remote] = passage.user;
+  KeyExchange keys(shared);
+  if (message.is_of_reader)
+    (void)keys.set_remote_datareader_crypto_tokens({local}, {remote}, {&token, 1});
+  else
+    (void)keys.set_remote_datawriter_crypto_tokens({local}, {remote}, {&token, 1});
+}
+
 /// Key tokens stay in the ledger, and the host gets tickets. What it must not see now comes to it
 /// as a message of a class that it does not know: one that is missing would hold up all that
 /// follow.
-Status keep_tokens(const Shared& shared, const RemoteEndpoint& sender, const Pair& pair,
-                   MutableBytes submessage) {
+Status keep_tokens(Shared& shared, const RemoteEndpoint& sender, Pair& pair,
+                   const std::optional<KeyOwner>& owner, MutableBytes submessage) {
   if (!writer_of_data(submessage)) return {};
   const auto piece = DDSSEC_TRY(read_data_piece(submessage));
   auto message = DDSSEC_TRY(read_token_message(piece));
@@ -176,6 +190,10 @@ Status keep_tokens(const Shared& shared, const RemoteEndpoint& sender, const Pai
                .found = message->remote.to_string() + " for " + message->local.to_string(),
                .note = "no two such endpoints exchange keys"}),
         pair.peer_prefix);
+  if (passage.kind == Passage::Kind::awaited) {
+    if (owner) pair.owners.note(*owner);
+    hand_over(shared, *message, passage);
+  }
   if (passage.kind == Passage::Kind::repeated)
     shared.report(
         Error(Code::crypto_tokens_repeated, {.document = "a key token message",
@@ -186,7 +204,7 @@ Status keep_tokens(const Shared& shared, const RemoteEndpoint& sender, const Pai
 }
 
 /// The same for a host that would believe whatever source, and whatever endpoint, it names.
-Status check_source_named(const Shared& shared, const RemoteEndpoint& sender, MutableBytes plain) {
+Status check_source_named(Shared& shared, const RemoteEndpoint& sender, MutableBytes plain) {
   if (shared.host_checks_sources) return {};
   auto* const pair = sender.participant.pair(sender.local.participant.handle());
   if (pair == nullptr) return fail(Code::crypto_not_matched);
@@ -197,7 +215,7 @@ Status check_source_named(const Shared& shared, const RemoteEndpoint& sender, Mu
   }
   const auto owner =
       status && sender.local.is_volatile ? owner_in_tokens(token_payload(plain)) : std::nullopt;
-  if (status && sender.local.is_volatile) status = keep_tokens(shared, sender, *pair, plain);
+  if (status && sender.local.is_volatile) status = keep_tokens(shared, sender, *pair, owner, plain);
   if (!status) {
     if (status.error().code() != Code::crypto_tokens_repeated)
       shared.report(status.error(), pair->peer_prefix);
@@ -208,7 +226,7 @@ Status check_source_named(const Shared& shared, const RemoteEndpoint& sender, Mu
 }
 
 template <class Local, class Remote>
-Result<std::size_t> decode_submessage(const Shared& shared, Local receiver, Remote sender,
+Result<std::size_t> decode_submessage(Shared& shared, Local receiver, Remote sender,
                                       BytesView encoded, MutableBytes out) {
   const ReadGuard guard;
   const auto& local = *DDSSEC_TRY(shared.local_endpoint(receiver, local_kind(receiver)));

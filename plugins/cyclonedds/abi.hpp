@@ -33,6 +33,14 @@ inline constexpr const char* kHasKeysOfSymbol = "ddssec_has_keys_of";
 using LastHeardOf = std::int64_t(DDS_Security_IdentityHandle);
 inline constexpr const char* kLastHeardOfSymbol = "ddssec_last_heard_of";
 
+/// And whether the host has matched it with our builtin endpoints.
+using IsMatchedWith = bool(DDS_Security_IdentityHandle);
+inline constexpr const char* kIsMatchedWithSymbol = "ddssec_is_matched_with";
+
+/// And whether it proved, since the last call, that it has lost its session with us.
+using TakeSessionReset = bool(DDS_Security_IdentityHandle);
+inline constexpr const char* kTakeSessionResetSymbol = "ddssec_take_session_reset";
+
 /// Each of our libraries exports one, for the line that says which are in use: the version.
 using PluginVersion = const char*();
 
@@ -72,9 +80,9 @@ struct SharedSecretLayout {
 /// one's are.
 struct ExtendedSharedSecret {
   SharedSecretLayout layout;
-  std::uint32_t peer_ciphers;  ///< spi::CipherMask
-  std::uint32_t has_peer_prefix;
-  DDS_Security_octet peer_prefix[12];  ///< the GUID prefix that authentication proved
+  std::uint32_t peer_ciphers;            ///< spi::CipherMask
+  std::uint32_t peer_builtin_endpoints;  ///< BuiltinEndpointSet_t that it signed; 0: unknown
+  DDS_Security_octet peer_prefix[12];    ///< the GUID prefix that authentication proved, or zeros
   DDS_Security_octet octets[64];
 
   /// The whole behind a layout, or nullptr for another's.

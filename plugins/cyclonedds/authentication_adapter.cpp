@@ -64,6 +64,7 @@ CResult validate_local_identity(Instance* instance, CIdentity* handle,
     adapter.host().calendar().set_grace(DDSSEC_TRY(spi::clock_step_grace(properties)));
     const auto local = DDSSEC_TRY(adapter.engine().validate_local_identity(
         domain_id, properties, guid_from(*candidate_guid)));
+    adapter.lost_sessions().add_local(local.handle, local.adjusted_guid.prefix);
     *handle = local.handle.value;
     *adjusted_guid = cyclonedds::to_c(local.adjusted_guid);
     return DDS_SECURITY_VALIDATION_OK;
@@ -78,19 +79,22 @@ spi::CipherMask ciphers_of_process() {
   return reinterpret_cast<SupportedCiphers*>(symbol)();
 }
 
-/// Where a stock cryptography stands in its place, no keys are waited for.
-HandshakeWatch::HasKeys keys_of_process() {
-  void* const symbol = dlsym(RTLD_DEFAULT, kHasKeysOfSymbol);
-  if (symbol == nullptr) return {};
-  return [ask = reinterpret_cast<HasKeysOf*>(symbol)](auto remote) { return ask(remote.value); };
-}
-
-HandshakeWatch::LastHeard last_heard_in_process() {
-  void* const symbol = dlsym(RTLD_DEFAULT, kLastHeardOfSymbol);
-  if (symbol == nullptr) return {};
-  return [ask = reinterpret_cast<LastHeardOf*>(symbol)](auto remote) {
-    return HandshakeWatch::Duration(ask(remote.value));
-  };
+/// Where a stock cryptography stands in its place, nothing is asked.
+HandshakeWatch::Questions questions_to_cryptography() {
+  HandshakeWatch::Questions questions;
+  if (void* const symbol = dlsym(RTLD_DEFAULT, kHasKeysOfSymbol))
+    questions.has_keys = [ask = reinterpret_cast<HasKeysOf*>(symbol)](auto remote) {
+      return ask(remote.value);
+    };
+  if (void* const symbol = dlsym(RTLD_DEFAULT, kIsMatchedWithSymbol))
+    questions.is_matched = [ask = reinterpret_cast<IsMatchedWith*>(symbol)](auto remote) {
+      return ask(remote.value);
+    };
+  if (void* const symbol = dlsym(RTLD_DEFAULT, kLastHeardOfSymbol))
+    questions.last_heard = [ask = reinterpret_cast<LastHeardOf*>(symbol)](auto remote) {
+      return HandshakeWatch::Duration(ask(remote.value));
+    };
+  return questions;
 }
 
 DDS_Security_boolean get_identity_token(Instance* instance, CToken* token, const CIdentity handle,
@@ -124,6 +128,12 @@ DDS_Security_boolean set_permissions_credential_and_token(Instance* instance,
     return adapter.engine().set_permissions_credential_and_token(identity(handle), credential_copy,
                                                                  token_copy);
   });
+}
+
+/// Without our cryptography no peer can prove anything.
+bool take_session_reset(spi::IdentityHandle remote) {
+  void* const symbol = dlsym(RTLD_DEFAULT, kTakeSessionResetSymbol);
+  return symbol != nullptr && reinterpret_cast<TakeSessionReset*>(symbol)(remote.value);
 }
 
 /// Without our access control nobody can say.
@@ -250,12 +260,27 @@ CResult process_handshake(Instance* instance, CToken* message_out, const CToken*
   });
 }
 
+/// So that the peer can be told, should the host drop it while the peer keeps the session.
+void note_session(Adapter& adapter, spi::HandshakeHandle handshake,
+                  const spi::SharedSecret& secret) {
+  const auto pair = adapter.secrets().pair_of(handshake);
+  if (!pair) return;
+  auto [local, remote] = *pair;
+  auto guid = adapter.remotes().guid(remote);
+  if (!guid) {
+    std::swap(local, remote);
+    guid = adapter.remotes().guid(remote);
+  }
+  if (guid) adapter.lost_sessions().established(local, *guid, secret);
+}
+
 DDS_Security_SharedSecretHandle get_shared_secret(Instance* instance, const CHandshake handle,
                                                   Exception* ex) {
   DDS_Security_SharedSecretHandle secret_handle = DDS_SECURITY_HANDLE_NIL;
   const bool done = ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     const auto secret = DDSSEC_TRY(adapter.engine().shared_secret(handshake(handle)));
     secret_handle = DDSSEC_TRY(adapter.secrets().hand_out(handshake(handle), *secret));
+    note_session(adapter, handshake(handle), *secret);
     return {};
   });
   return done ? secret_handle : DDS_SECURITY_HANDLE_NIL;
@@ -303,6 +328,10 @@ DDS_Security_boolean return_identity_handle(Instance* instance, const CIdentity 
                                             Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     if (handle == DDS_SECURITY_HANDLE_NIL) return {};
+    if (const auto guid = adapter.remotes().guid(identity(handle)))
+      adapter.lost_sessions().lost(*guid);
+    else
+      adapter.lost_sessions().remove_local(identity(handle));
     adapter.secrets().drop(identity(handle));
     adapter.watch().forget(identity(handle));
     Status status;
@@ -350,28 +379,44 @@ AuthenticationAdapter::AuthenticationAdapter(std::unique_ptr<Host> host,
       host_(std::move(host)),
       engine_(make(host_->environment())),
       watch_(host_->clock()),
+      lost_sessions_(host_->clock()),
       timer_(host_->clock()) {
   gv = domain;
 }
 
 void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revoke& revoke) {
-  for (const auto& stuck : watch_.give_up(keys_of_process(), last_heard_in_process())) {
+  for (const auto& stuck : watch_.give_up(questions_to_cryptography())) {
     if (stop.stop_requested()) return;
     if (stuck.is_first) {
       const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(stuck.waited);
+      const std::string found = stuck.lacks_endpoints ? "not all of its builtin endpoints"
+                                : stuck.was_disturbed ? "a refused message and then nothing"
+                                                      : "nothing";
       host_->notice(Event(
           Error(Code::handshake_begun_again,
                 {.document = "the handshake with a discovered participant",
                  .expected = "that it ends",
-                 .found = std::string(stuck.was_disturbed ? "a refused message and then nothing"
-                                                          : "nothing") +
-                          " for " + std::to_string(waited.count()) + " ms",
+                 .found = found + " for " + std::to_string(waited.count()) + " ms",
                  .note = "from now on it is begun again at growing intervals, without another "
                          "event"}),
           {}, stuck.guid.to_string()));
     }
     revoke(stuck.remote.value);
   }
+}
+
+void AuthenticationAdapter::revoke_reset(const std::stop_token& stop, const Revoke& revoke) {
+  for (const auto& [remote, guid] : remotes_.all()) {
+    if (stop.stop_requested()) return;
+    if (!take_session_reset(remote)) continue;
+    host_->notice(Event(Error(Code::session_reset_by_peer), {}, guid.to_string()));
+    revoke(remote.value);
+  }
+}
+
+void AuthenticationAdapter::send_resets() {
+  const auto has_met = [&](auto local, const auto& guid) { return remotes_.has_met(local, guid); };
+  for (const auto& reset : lost_sessions_.due(has_met)) send_datagram(reset.message, reset.to);
 }
 
 void AuthenticationAdapter::listen(const dds_security_authentication_listener* listener) {
@@ -382,7 +427,10 @@ void AuthenticationAdapter::listen(const dds_security_authentication_listener* l
                       say_clock_steps(*host_, PluginKind::authentication);
                       for (const auto ended : remotes_.to_revoke(engine_->expire()))
                         if (!stop.stop_requested()) revoke(this, ended.value);
-                      revoke_stuck(stop, [&](std::int64_t remote) { revoke(this, remote); });
+                      const auto end = [&](std::int64_t remote) { revoke(this, remote); };
+                      revoke_stuck(stop, end);
+                      revoke_reset(stop, end);
+                      send_resets();
                     },
                 .next_expiry = [this] { return engine_->next_expiry(); }});
 }

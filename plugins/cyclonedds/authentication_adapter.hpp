@@ -4,6 +4,7 @@
 #include "plugins/cyclonedds/context.hpp"
 #include "plugins/cyclonedds/expiry_timer.hpp"
 #include "plugins/cyclonedds/handshake_watch.hpp"
+#include "plugins/cyclonedds/lost_sessions.hpp"
 #include "plugins/cyclonedds/remote_identities.hpp"
 #include "plugins/cyclonedds/shared_secrets.hpp"
 #include "plugins/spi/authentication.hpp"
@@ -24,6 +25,7 @@ class AuthenticationAdapter final : public dds_security_authentication {
   SharedSecrets& secrets() { return secrets_; }
   RemoteIdentities& remotes() { return remotes_; }
   HandshakeWatch& watch() { return watch_; }
+  LostSessions& lost_sessions() { return lost_sessions_; }
 
   /// Null stops the timer; returns when no revocation is running any more.
   void listen(const dds_security_authentication_listener* listener);
@@ -32,12 +34,17 @@ class AuthenticationAdapter final : public dds_security_authentication {
   using Revoke = std::function<void(std::int64_t)>;
   /// Makes the host begin again with peers whose handshake came to no end.
   void revoke_stuck(const std::stop_token& stop, const Revoke& revoke);
+  /// The same with peers that have lost their session with us.
+  void revoke_reset(const std::stop_token& stop, const Revoke& revoke);
+  /// Makes peers begin again with which we have lost our session.
+  void send_resets();
 
   std::unique_ptr<Host> host_;
   std::unique_ptr<spi::Authentication> engine_;
   SharedSecrets secrets_;  ///< by the host's handles
   RemoteIdentities remotes_;
   HandshakeWatch watch_;
+  LostSessions lost_sessions_;
   ExpiryTimer timer_;  ///< last: it ends before what it uses
 };
 

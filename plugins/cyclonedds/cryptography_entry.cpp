@@ -4,6 +4,7 @@
 #include "plugins/cyclonedds/entry.hpp"
 #include "plugins/cyclonedds/peers_with_keys.hpp"
 #include "plugins/cyclonedds/presence.hpp"
+#include "plugins/cyclonedds/session_resets.hpp"
 
 using namespace ddssec;
 using cyclonedds::CryptographyAdapter;
@@ -22,8 +23,16 @@ DDSSEC_EXPORT bool ddssec_has_keys_of(DDS_Security_IdentityHandle remote) {
   return cyclonedds::PeersWithKeys::of_process().contains({remote});
 }
 
+DDSSEC_EXPORT bool ddssec_is_matched_with(DDS_Security_IdentityHandle remote) {
+  return cyclonedds::PeersWithKeys::of_process().is_matched({remote});
+}
+
 DDSSEC_EXPORT std::int64_t ddssec_last_heard_of(DDS_Security_IdentityHandle remote) {
   return cyclonedds::PeersWithKeys::of_process().last_heard({remote}).count();
+}
+
+DDSSEC_EXPORT bool ddssec_take_session_reset(DDS_Security_IdentityHandle remote) {
+  return cyclonedds::SessionResets::of_process().take({remote});
 }
 
 DDSSEC_EXPORT int finalize_crypto(void* context) {

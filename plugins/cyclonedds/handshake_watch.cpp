@@ -81,21 +81,33 @@ HandshakeWatch::Past& HandshakeWatch::past_of(const Guid& guid, Duration now) {
   return past;
 }
 
-std::vector<HandshakeWatch::Stuck> HandshakeWatch::give_up(const HasKeys& has_keys,
-                                                           const LastHeard& last_heard) {
+bool HandshakeWatch::is_settled(IdentityHandle handle, Remote& remote, const Questions& ask) const {
+  if (remote.is_settled || !remote.is_finished) return remote.is_settled;
+  remote.lacks_endpoints = false;
+  if (ask.has_keys && !ask.has_keys(handle)) {
+    if (ask.last_heard) remote.since = std::max(remote.since, ask.last_heard(handle));
+    return false;
+  }
+  if (!ask.is_matched || ask.is_matched(handle)) return true;
+  remote.lacks_endpoints = true;
+  const auto past = past_.find(remote.guid);
+  return past != past_.end() && past->second.for_endpoints >= kMostForEndpoints;
+}
+
+std::vector<HandshakeWatch::Stuck> HandshakeWatch::give_up(const Questions& ask) {
   const std::lock_guard lock(mutex_);
   const auto now = clock_.monotonic();
   std::erase_if(past_, [&](const auto& entry) { return now - entry.second.last > kForgetAfter; });
   std::vector<Stuck> out;
   for (auto& [handle, remote] : remotes_) {
-    if (remote.is_finished && !remote.is_settled) remote.is_settled = !has_keys || has_keys(handle);
-    if (remote.is_finished && !remote.is_settled && last_heard)
-      remote.since = std::max(remote.since, last_heard(handle));
+    remote.is_settled = is_settled(handle, remote, ask);
     const auto waited = now - remote.since;
     if (remote.is_settled || waited < patience(remote)) continue;
     auto& past = past_of(remote.guid, now);
-    out.push_back({handle, remote.guid, remote.was_disturbed, past.times == 0, waited});
+    out.push_back({handle, remote.guid, remote.was_disturbed, remote.lacks_endpoints,
+                   past.times == 0, waited});
     ++past.times;
+    if (remote.lacks_endpoints) ++past.for_endpoints;
   }
   for (const auto& stuck : out) {
     remotes_.erase(stuck.remote);

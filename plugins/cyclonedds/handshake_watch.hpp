@@ -51,17 +51,27 @@ class HandshakeWatch {
   struct Stuck {
     spi::IdentityHandle remote;
     Guid guid;
-    bool was_disturbed;  ///< a message was refused
-    bool is_first;       ///< of this GUID, as far as is remembered
+    bool was_disturbed;    ///< a message was refused
+    bool lacks_endpoints;  ///< all else is done
+    bool is_first;         ///< of this GUID, as far as is remembered
     Duration waited;
   };
-  /// Has the remote sent its keys?
-  using HasKeys = std::function<bool(spi::IdentityHandle)>;
-  /// When did the remote last show that it has our shared secret? It finished its half then, and
-  /// its keys may still come: a peer that does not notice that we begin anew is not given up.
-  using LastHeard = std::function<Duration(spi::IdentityHandle)>;
-  /// Those to be revoked now, each once. Without `has_keys` no keys are waited for.
-  std::vector<Stuck> give_up(const HasKeys& has_keys = {}, const LastHeard& last_heard = {});
+  /// What our cryptography knows of a remote. Without a function no answer is waited for.
+  struct Questions {
+    /// Has the remote sent its keys?
+    std::function<bool(spi::IdentityHandle)> has_keys = {};
+    /// Has the host matched it with all our builtin endpoints? A forged announcement, in which some
+    /// are missing, would keep the two from discovering each other's endpoints.
+    std::function<bool(spi::IdentityHandle)> is_matched = {};
+    /// When did the remote last show that it has our shared secret? It finished its half then, and
+    /// its keys may still come: a peer that does not notice that we begin anew is not given up.
+    std::function<Duration(spi::IdentityHandle)> last_heard = {};
+  };
+  /// How often a remote is given up for its endpoints: then it is left as it is.
+  static constexpr unsigned kMostForEndpoints = 2;
+  /// Those to be revoked now, each once.
+  std::vector<Stuck> give_up(const Questions& ask);
+  std::vector<Stuck> give_up() { return give_up({}); }
 
  private:
   struct Remote {
@@ -70,13 +80,16 @@ class HandshakeWatch {
     bool was_disturbed = false;
     bool is_under_way = false;  ///< we sent a request or a reply
     bool is_finished = false;
+    bool lacks_endpoints = false;
     bool is_settled = false;  ///< never to be given up
   };
   struct Past {
     unsigned times = 0;
+    unsigned for_endpoints = 0;
     Duration last{};
   };
   Duration patience(const Remote& remote) const;
+  bool is_settled(spi::IdentityHandle handle, Remote& remote, const Questions& ask) const;
   Past& past_of(const Guid& guid, Duration now);
   Remote* of(spi::HandshakeHandle handshake);
 

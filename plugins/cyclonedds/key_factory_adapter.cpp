@@ -7,6 +7,7 @@
 #include "plugins/cyclonedds/peers_with_keys.hpp"
 #include "plugins/cyclonedds/presence.hpp"
 #include "plugins/cyclonedds/process_properties.hpp"
+#include "plugins/cyclonedds/session_resets.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
 
@@ -55,7 +56,11 @@ CHandle register_matched_remote_participant(Instance* instance, const CHandle lo
         const auto secret = DDSSEC_TRY(shared_secret_from(secret_handle));
         const auto peer = DDSSEC_TRY(adapter.key_factory().register_matched_remote_participant(
             {local}, {remote_identity}, {permissions}, secret));
-        PeersWithKeys::of_process().met(peer, {remote_identity});
+        PeersWithKeys::of_process().met(peer, {remote_identity}, {local},
+                                        secret.peer_builtin_endpoints);
+        if (secret.peer_prefix)
+          SessionResets::of_process().expect(peer, {remote_identity},
+                                             spi::derive_reset_token(secret, *secret.peer_prefix));
         return peer;
       });
 }
@@ -69,7 +74,10 @@ CHandle register_local_datawriter(Instance* instance, const CHandle participant,
         DDSSEC_TRY(require(attributes));
         const auto list = DDSSEC_TRY(optional_properties(properties));
         const auto gated = DDSSEC_TRY(gated_attributes_from(*attributes));
-        return adapter.key_factory().register_local_datawriter({participant}, list, gated);
+        const auto writer =
+            DDSSEC_TRY(adapter.key_factory().register_local_datawriter({participant}, list, gated));
+        if (gated.is_builtin) PeersWithKeys::of_process().add_builtin(writer.value, {participant});
+        return writer;
       });
 }
 
@@ -82,7 +90,7 @@ CHandle register_matched_remote_datareader(Instance* instance, const CHandle loc
         const auto secret = DDSSEC_TRY(shared_secret_from(secret_handle));
         const auto reader = DDSSEC_TRY(adapter.key_factory().register_matched_remote_datareader(
             {local_datawriter}, {remote_participant}, secret, relay_only != 0));
-        PeersWithKeys::of_process().matched(reader.value, {remote_participant});
+        PeersWithKeys::of_process().matched(reader.value, {remote_participant}, local_datawriter);
         return reader;
       });
 }
@@ -96,7 +104,10 @@ CHandle register_local_datareader(Instance* instance, const CHandle participant,
         DDSSEC_TRY(require(attributes));
         const auto list = DDSSEC_TRY(optional_properties(properties));
         const auto gated = DDSSEC_TRY(gated_attributes_from(*attributes));
-        return adapter.key_factory().register_local_datareader({participant}, list, gated);
+        const auto reader =
+            DDSSEC_TRY(adapter.key_factory().register_local_datareader({participant}, list, gated));
+        if (gated.is_builtin) PeersWithKeys::of_process().add_builtin(reader.value, {participant});
+        return reader;
       });
 }
 
@@ -109,7 +120,7 @@ CHandle register_matched_remote_datawriter(Instance* instance, const CHandle loc
         const auto secret = DDSSEC_TRY(shared_secret_from(secret_handle));
         const auto writer = DDSSEC_TRY(adapter.key_factory().register_matched_remote_datawriter(
             {local_datareader}, {remote_participant}, secret));
-        PeersWithKeys::of_process().matched(writer.value, {remote_participant});
+        PeersWithKeys::of_process().matched(writer.value, {remote_participant}, local_datareader);
         return writer;
       });
 }
@@ -120,6 +131,7 @@ DDS_Security_boolean unregister_participant(Instance* instance, const CHandle ha
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     if (handle == DDS_SECURITY_HANDLE_NIL) return {};
     PeersWithKeys::of_process().left({handle});
+    SessionResets::of_process().forget({handle});
     return adapter.key_factory().unregister_participant({handle});
   });
 }

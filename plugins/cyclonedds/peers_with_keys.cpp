@@ -1,5 +1,6 @@
 #include "plugins/cyclonedds/peers_with_keys.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace ddssec::cyclonedds {
@@ -9,10 +10,15 @@ PeersWithKeys& PeersWithKeys::of_process() {
   return peers;
 }
 
-void PeersWithKeys::met(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity) noexcept {
+void PeersWithKeys::met(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
+                        spi::ParticipantCryptoHandle local,
+                        std::uint32_t builtin_endpoints) noexcept {
   const std::lock_guard lock(mutex_);
   try {
-    if (peers_.try_emplace(peer.value, Peer{identity.value}).second) ++awaited_;
+    const auto [known, is_new] = peers_.try_emplace(peer.value, Peer{identity.value});
+    if (is_new) ++awaited_;
+    known->second.has_all_endpoints = (builtin_endpoints & kSecureEndpoints) == kSecureEndpoints;
+    known->second.locals.insert(local.value);
     by_identity_[identity.value] = peer.value;
   } catch (...) {
     // The registration itself stands.
@@ -37,10 +43,23 @@ void PeersWithKeys::left(spi::ParticipantCryptoHandle peer) {
   peers_.erase(known);
 }
 
-void PeersWithKeys::matched(std::int64_t endpoint, spi::ParticipantCryptoHandle peer) noexcept {
+void PeersWithKeys::add_builtin(std::int64_t endpoint,
+                                spi::ParticipantCryptoHandle local) noexcept {
+  const std::lock_guard lock(mutex_);
+  try {
+    builtin_[endpoint] = local.value;
+  } catch (...) {
+    // As declared.
+  }
+}
+
+void PeersWithKeys::matched(std::int64_t endpoint, spi::ParticipantCryptoHandle peer,
+                            std::int64_t own) noexcept {
   const std::lock_guard lock(mutex_);
   try {
     endpoints_[endpoint] = peer.value;
+    const auto known = peers_.find(peer.value);
+    if (known != peers_.end() && builtin_.contains(own)) known->second.matched.insert(own);
   } catch (...) {
     // As declared.
   }
@@ -49,6 +68,8 @@ void PeersWithKeys::matched(std::int64_t endpoint, spi::ParticipantCryptoHandle 
 void PeersWithKeys::forget(std::int64_t endpoint) {
   const std::lock_guard lock(mutex_);
   endpoints_.erase(endpoint);
+  if (builtin_.erase(endpoint) == 0) return;
+  for (auto& [handle, peer] : peers_) peer.matched.erase(endpoint);
 }
 
 void PeersWithKeys::heard(std::int64_t endpoint, std::chrono::nanoseconds now) {
@@ -76,6 +97,15 @@ bool PeersWithKeys::contains(spi::IdentityHandle identity) const {
   const std::lock_guard lock(mutex_);
   const auto* const peer = find(identity);
   return peer != nullptr && peer->sent_keys;
+}
+
+bool PeersWithKeys::is_matched(spi::IdentityHandle identity) const {
+  const std::lock_guard lock(mutex_);
+  const auto* const peer = find(identity);
+  if (peer == nullptr || !peer->has_all_endpoints) return true;
+  return std::ranges::all_of(builtin_, [&](const auto& own) {
+    return !peer->locals.contains(own.second) || peer->matched.contains(own.first);
+  });
 }
 
 }  // namespace ddssec::cyclonedds

@@ -52,6 +52,27 @@ IdentityHandle RemoteIdentities::pair(IdentityHandle local, IdentityHandle handl
   return known == remote->pairs.end() ? handle : known->second;
 }
 
+std::optional<Guid> RemoteIdentities::guid(IdentityHandle of_host) const {
+  const std::lock_guard lock(mutex_);
+  const auto* const remote = find(of_host);
+  if (remote == nullptr || remote->of_host != of_host) return std::nullopt;
+  return guid_of_.at(of_host);
+}
+
+bool RemoteIdentities::has_met(IdentityHandle local, const Guid& remote) const {
+  const std::lock_guard lock(mutex_);
+  const auto known = remotes_.find(remote);
+  return known != remotes_.end() && known->second.pairs.contains(local);
+}
+
+std::vector<std::pair<IdentityHandle, Guid>> RemoteIdentities::all() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::pair<IdentityHandle, Guid>> out;
+  out.reserve(remotes_.size());
+  for (const auto& [guid, remote] : remotes_) out.emplace_back(remote.of_host, guid);
+  return out;
+}
+
 std::vector<IdentityHandle> RemoteIdentities::take(IdentityHandle handle) {
   const std::lock_guard lock(mutex_);
   const auto* const remote = find(handle);

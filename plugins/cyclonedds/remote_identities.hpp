@@ -3,8 +3,10 @@
 
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "base/ids.hpp"
@@ -29,6 +31,13 @@ class RemoteIdentities {
   /// The engine's handle for the host's. One that was never noted stays what it is: whether there
   /// is such an identity is for the engine to say.
   spi::IdentityHandle pair(spi::IdentityHandle local, spi::IdentityHandle remote) const;
+
+  /// The GUID behind the host's handle of a remote; nothing for any other.
+  std::optional<Guid> guid(spi::IdentityHandle of_host) const;
+  /// Has the local participant met the remote one, and the host not returned it since?
+  bool has_met(spi::IdentityHandle local, const Guid& remote) const;
+  /// The host's handle and the GUID of each remote.
+  std::vector<std::pair<spi::IdentityHandle, Guid>> all() const;
 
   /// The host returns a remote identity, or a local one: what has to be returned to the engine.
   std::vector<spi::IdentityHandle> take(spi::IdentityHandle identity);

@@ -16,7 +16,7 @@ SharedSecrets::Block::Block(const spi::SharedSecret& secret) {
   std::ranges::copy(secret.challenge1, layout.challenge1);
   std::ranges::copy(secret.challenge2, layout.challenge2);
   content.peer_ciphers = secret.peer_ciphers;
-  content.has_peer_prefix = secret.peer_prefix.has_value();
+  content.peer_builtin_endpoints = secret.peer_builtin_endpoints;
   if (secret.peer_prefix) std::ranges::copy(secret.peer_prefix->octets, content.peer_prefix);
 }
 
@@ -52,6 +52,13 @@ Result<DDS_Security_SharedSecretHandle> SharedSecrets::hand_out(spi::HandshakeHa
   auto& block = std::ranges::find(entries, handshake, &Entry::handshake)->block;
   if (!block) block = std::make_unique<Block>(secret);
   return reinterpret_cast<DDS_Security_SharedSecretHandle>(&block->content.layout);
+}
+
+std::optional<std::pair<spi::IdentityHandle, spi::IdentityHandle>> SharedSecrets::pair_of(
+    spi::HandshakeHandle handshake) const {
+  const std::lock_guard lock(mutex_);
+  const auto known = pair_of_.find(handshake);
+  return known == pair_of_.end() ? std::nullopt : std::optional(known->second);
 }
 
 void SharedSecrets::drop(spi::IdentityHandle identity) {

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -30,6 +31,9 @@ class SharedSecrets {
   /// handshake not noted.
   Result<DDS_Security_SharedSecretHandle> hand_out(spi::HandshakeHandle handshake,
                                                    const spi::SharedSecret& secret);
+  /// The two identities of a handshake, initiator first; nothing for one not noted.
+  std::optional<std::pair<spi::IdentityHandle, spi::IdentityHandle>> pair_of(
+      spi::HandshakeHandle handshake) const;
   /// Wipes and frees the secrets of this identity's handshakes.
   void drop(spi::IdentityHandle identity);
 
@@ -51,7 +55,7 @@ class SharedSecrets {
 
   void forget_oldest_unfinished(std::vector<Entry>& entries);
 
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::map<Pair, std::vector<Entry>> entries_;  ///< of a pair: in the order they were noted
   std::map<spi::HandshakeHandle, Pair> pair_of_;
 };

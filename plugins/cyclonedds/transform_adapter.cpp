@@ -3,6 +3,7 @@
 #include "plugins/cyclonedds/cryptography_adapter.hpp"
 #include "plugins/cyclonedds/opened_message.hpp"
 #include "plugins/cyclonedds/peers_with_keys.hpp"
+#include "plugins/cyclonedds/session_resets.hpp"
 
 namespace ddssec::cyclonedds {
 namespace {
@@ -157,8 +158,11 @@ DDS_Security_boolean decode_rtps_message(Instance* instance, Octets* plain, cons
   const MessageCall call{
       instance, receiver, sender,
       encoded != nullptr ? octets_from(encoded).value_or(BytesView()) : BytesView()};
+  // Nothing in it is for the host. One that proves nothing is as if it had never come.
+  const auto reset = spi::read_reset(call.octets);
+  if (reset) SessionResets::of_process().received(*reset);
   // The host has the plaintext: another result would take its place, and nothing would free it.
-  if (opened.was_opened_for_another(call)) {
+  if (reset || opened.was_opened_for_another(call)) {
     if (ex != nullptr) *ex = {.message = nullptr, .code = kAskNext, .minor_code = 0};
     return 0;
   }

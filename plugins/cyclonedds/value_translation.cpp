@@ -161,7 +161,9 @@ Result<spi::SharedSecret> shared_secret_from(DDS_Security_SharedSecretHandle han
   std::ranges::copy(layout->challenge2, secret.challenge2.begin());
   if (const auto* const ours = ExtendedSharedSecret::of(*layout)) {
     secret.peer_ciphers = ours->peer_ciphers;
-    if (ours->has_peer_prefix != 0) secret.peer_prefix = GuidPrefix::from(ours->peer_prefix);
+    secret.peer_builtin_endpoints = ours->peer_builtin_endpoints;
+    const auto prefix = GuidPrefix::from(ours->peer_prefix);
+    if (!prefix.is_zero()) secret.peer_prefix = prefix;
   }
   return secret;
 }

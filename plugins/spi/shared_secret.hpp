@@ -4,10 +4,12 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "base/ids.hpp"
 #include "base/secret.hpp"
 #include "plugins/spi/symmetric_cipher.hpp"
+#include "plugins/spi/udp_address.hpp"
 
 namespace ddssec::spi {
 
@@ -25,6 +27,10 @@ struct SharedSecret {
   CipherMask peer_ciphers = kStandardCiphers;
   /// The GUID prefix that the authenticated peer holds. Nothing: another vendor's authentication.
   std::optional<GuidPrefix> peer_prefix = {};
+  /// BuiltinEndpointSet_t of the authenticated peer, as it said under its signature; 0: unknown.
+  std::uint32_t peer_builtin_endpoints = 0;
+  /// Where the authenticated peer receives discovery, as it said under its signature.
+  std::vector<UdpAddress> peer_addresses = {};
 };
 
 }  // namespace ddssec::spi

@@ -3,6 +3,9 @@
 a state of its handshake from which it never begins again while the peer is there. Our authentication makes it
 begin again, so that the two talk after some seconds, and each side that did so says it once.
 
+A stranger can also make the core of one side drop a peer that has authenticated. The peer keeps the session, until our
+authentication proves to it that the session is lost.
+
 Usage: handshake_test.py BUILD [FILTER]
 """
 
@@ -20,7 +23,7 @@ from insider_test import EVERYTHING, HONEST, World, check, go_on, samples  # noq
 from pki import STARTER  # noqa: E402
 
 STRANGER = pathlib.Path(__file__).resolve().parent / "stranger.py"
-PATIENCE = {"request": 30, "answered": 90, "flood": 90, "announced": 90}  # seconds
+PATIENCE = {"request": 30, "answered": 90, "flood": 90, "announced": 90, "fewer": 90, "privileged": 60}  # seconds
 TRIES = 4  # the peer's own announcement may be the first
 
 
@@ -53,11 +56,32 @@ def meet(world, mode):
     return len(again)
 
 
+def part(world):
+    """The two talk; the stranger makes a core drop the peer; they talk again."""
+    subscriber = world.honest("subscribe", True)
+    world.honest("publish", False)
+    world.until("the two talking", lambda: len(samples(subscriber, HONEST)) >= 3)
+    process = stranger(world, "privileged")
+    try:
+        world.until("a reset", lambda: world.events("session_reset_by_peer"), PATIENCE["privileged"])
+    finally:
+        process.kill()
+        process.wait()
+        process.stdout.close()
+    world.passes(1)
+    before = len(samples(subscriber, HONEST))
+    world.until("the two talking again", lambda: len(samples(subscriber, HONEST)) >= before + 3, PATIENCE["privileged"])
+    go_on(world, subscriber, samples(subscriber, HONEST)[-1])
+    return 0
+
+
 def once(kind, mode):
     """The fault, how many sides began again, and whether an announcement was refused."""
     with tempfile.TemporaryDirectory(prefix="ddssec-handshake-") as folder, World(folder, kind, EVERYTHING) as world:
         try:
-            return None, meet(world, mode), bool(world.events("token_class_wrong"))
+            begun_again = part(world) if mode == "privileged" else meet(world, mode)
+            came_first = begun_again if mode == "fewer" else world.events("token_class_wrong")
+            return None, begun_again, bool(came_first)
         except AssertionError as one:
             return f"{one}{world.logs()}", 0, False
 
@@ -65,12 +89,12 @@ def once(kind, mode):
 def tried(case):
     name, kind, mode = case
     start = time.monotonic()
-    for _ in range(TRIES if mode == "announced" else 1):
+    for _ in range(TRIES if mode in ("announced", "fewer") else 1):
         fault, again, refused = once(kind, mode)
         if fault or refused:
             break
     else:
-        fault = f"no forged announcement came first in {TRIES} tries" if mode == "announced" else fault
+        fault = f"no forged announcement came first in {TRIES} tries" if mode in ("announced", "fewer") else fault
     print(f"{'FAILED' if fault else 'ok':8}{name} ({time.monotonic() - start:.1f} s, begun again by {again})"
           + (f": {fault}" if fault else ""), flush=True)
     return fault is None
@@ -80,6 +104,8 @@ def cases():
     for kind in ("ours", "ours-auth"):
         for mode in ("request", "answered", "flood", "announced"):
             yield f"{mode}/{kind}", kind, mode
+    for mode in ("fewer", "privileged"):  # with a stock cryptography the two stay apart
+        yield f"{mode}/ours", "ours", mode
 
 
 def main():

@@ -159,8 +159,8 @@ class Programs:
 def start(programs, namespace, kind, arguments, log, variables=None):
     """Starts a peer inside the namespace; its log begins with its command line."""
     limit = str(int(POSITIVE_LIMIT + CREATION_LIMIT))
-    command = [*programs.command(kind), *arguments, "--topic", TOPIC, "--domain", str(DOMAIN),
-               "--samples", str(SAMPLES), "--timeout", limit]
+    command = [*programs.command(kind), "--timeout", limit, *arguments, "--topic", TOPIC, "--domain", str(DOMAIN),
+               "--samples", str(SAMPLES)]
     with open(log, "wb") as errors:
         errors.write((" ".join(command) + "\n").encode())
         errors.flush()

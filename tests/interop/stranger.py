@@ -9,6 +9,9 @@ Usage: stranger.py request                an empty request to the participant th
        stranger.py flood                  empty replies and finals to both, for 300 ms
        stranger.py announced              the announcement of the first, with an identity token of an unknown
                                           class, to the second as soon as that announces itself
+       stranger.py fewer                  the same announcement without secure discovery of endpoints
+       stranger.py privileged             to the one that answers, the announcement of an invented participant, on
+                                          which its core takes the other to depend: both go when the invented one does
 It says "forged N" when it is done.
 """
 
@@ -20,7 +23,9 @@ import time
 
 STATELESS_WRITER, STATELESS_READER = bytes.fromhex("000201c3"), bytes.fromhex("000201c4")
 SPDP_WRITER, PARTICIPANT = bytes.fromhex("000100c2"), bytes.fromhex("000001c1")
-METATRAFFIC_UNICAST, SENTINEL = 0x32, 0x01
+METATRAFFIC_UNICAST, SENTINEL, ENDPOINT_SET, VERSION_INFO = 0x32, 0x01, 0x58, 0x8007
+OTHERS_DEPEND_ON_IT = 0x10  # a flag of Cyclone's VERSION_INFO
+SECURE_DISCOVERY = 0x000f0000  # of publications and subscriptions, in ENDPOINT_SET
 CLASS = "DDS:Auth:PKI-DH:1.0+"
 # Any point of the curve will do as a public key for an agreement that is never finished: its generator.
 P256_GENERATOR = bytes.fromhex("046b17d1f2e12c4247f8bce6e563a440f277037d812deb33a0f4a13945d898c296"
@@ -109,6 +114,24 @@ def unicast_port(message):
     return None
 
 
+def changed(announcement, parameter, offset, change):
+    """With another number at that offset of the parameter's value."""
+    at = announcement.index(struct.pack("<H", parameter)) + 4 + offset
+    number, = struct.unpack_from("<I", announcement, at)
+    return announcement[:at] + struct.pack("<I", change(number)) + announcement[at + 4:]
+
+
+def fewer(announcement):
+    return changed(announcement, ENDPOINT_SET, 0, lambda endpoints: endpoints & ~SECURE_DISCOVERY)
+
+
+def privileged(announcement):
+    """The same of another participant with the same first four octets."""
+    flagged = changed(announcement, VERSION_INFO, 4, lambda flags: flags | OTHERS_DEPEND_ON_IT)
+    prefix = announcement[8:20]
+    return flagged.replace(prefix, prefix[:4] + bytes(octet ^ 0x55 for octet in prefix[4:]))
+
+
 class Network:
     def __init__(self):
         self.packets = socket.socket(socket.AF_PACKET, socket.SOCK_DGRAM, socket.htons(0x0800))
@@ -151,10 +174,13 @@ def main():
     elif mode == "answered":
         message = handshake(begins, answers, 1000, "Req", public_request(certificate, begins))
         network.repeat(0.03, 0.002, lambda: network.send(answers, message))
-    elif mode == "announced":
+    elif mode in ("announced", "fewer"):
         first, second = network.announcements
-        message = network.announcements[first].replace(b"PKI-DH:1.0", b"PKI-DH:9.0")
+        true = network.announcements[first]
+        message = fewer(true) if mode == "fewer" else true.replace(b"PKI-DH:1.0", b"PKI-DH:9.0")
         network.repeat(0.01, 0.002, lambda: network.send(second, message))
+    elif mode == "privileged":
+        network.send(answers, privileged(network.announcements[begins]))
     else:
         def both():
             network.send(answers, handshake(begins, answers, 1, "Final"))

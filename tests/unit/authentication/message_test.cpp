@@ -77,6 +77,70 @@ TEST(ParticipantData, ToleratesAMissingSentinelAndARepetition) {
   EXPECT_TRUE(participant_guid_in(twice));
 }
 
+/// RTPS Locator_t in a parameter.
+Bytes locator(std::uint16_t id, std::int32_t kind, std::uint32_t port,
+              std::initializer_list<std::uint8_t> end) {
+  Writer writer;
+  writer.write(id);
+  writer.write(std::uint16_t{24});
+  writer.write(kind);
+  writer.write(port);
+  Bytes address(16, 0);
+  std::ranges::copy(end, address.end() - static_cast<std::ptrdiff_t>(end.size()));
+  writer.write_bytes(address);
+  return writer.take();
+}
+
+TEST(ParticipantData, HasUnicastAddressesOfDiscovery) {
+  constexpr std::uint16_t kMetatrafficUnicast = 0x32, kDefaultUnicast = 0x31;
+  const auto addresses_in = [](std::initializer_list<Bytes> parameters) {
+    Bytes data;
+    for (const auto& one : parameters) data.insert(data.end(), one.begin(), one.end());
+    const auto rest = participant_data(candidate(7));
+    data.insert(data.end(), rest.begin(), rest.end());
+    return addresses_in_participant_data(data);
+  };
+  const auto good = locator(kMetatrafficUnicast, 1, 7410, {10, 0, 0, 1});
+  const auto found = addresses_in({good, good});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_FALSE(found[0].is_ipv6);
+  EXPECT_EQ(found[0].port, 7410);
+  EXPECT_EQ(to_hex(BytesView(found[0].address).subspan(12)), "0a000001");
+  EXPECT_TRUE(addresses_in({}).empty());
+  for (const auto& bad : {locator(kDefaultUnicast, 1, 7410, {10, 0, 0, 1}),
+                          locator(kMetatrafficUnicast, 4, 7410, {10, 0, 0, 1}),     // TCP
+                          locator(kMetatrafficUnicast, 1, 0, {10, 0, 0, 1}),        // no port
+                          locator(kMetatrafficUnicast, 1, 0x11cf2, {10, 0, 0, 1}),  // nor this
+                          locator(kMetatrafficUnicast, 1, 7410, {0, 0, 0, 0}),      // nobody
+                          locator(kMetatrafficUnicast, 1, 7410, {239, 255, 0, 1}),  // multicast
+                          locator(kMetatrafficUnicast, 1, 7410, {255, 255, 255, 255})})
+    EXPECT_TRUE(addresses_in({bad}).empty());
+  EXPECT_TRUE(addresses_in({locator(kMetatrafficUnicast, 2, 7410, {1})}).at(0).is_ipv6);
+  EXPECT_EQ(addresses_in({locator(kMetatrafficUnicast, 1, 1, {10, 0, 0, 1}),
+                          locator(kMetatrafficUnicast, 1, 2, {10, 0, 0, 1}),
+                          locator(kMetatrafficUnicast, 1, 3, {10, 0, 0, 1}),
+                          locator(kMetatrafficUnicast, 1, 4, {10, 0, 0, 1}),
+                          locator(kMetatrafficUnicast, 1, 5, {10, 0, 0, 1})})
+                .size(),
+            kMostAddresses);
+}
+
+TEST(ParticipantData, HasOneBuiltinEndpointSet) {
+  const auto set_in = [](BytesView begin) {
+    auto data = to_bytes(begin);
+    const auto rest = participant_data(candidate(7));
+    data.insert(data.end(), rest.begin(), rest.end());
+    return builtin_endpoints_in_participant_data(data);
+  };
+  const Bytes one = {0, 0x58, 0, 4, 0x0f, 0x3f, 0x0c, 0x3f};
+  Bytes two = one;
+  two.insert(two.end(), one.begin(), one.end());
+  EXPECT_EQ(set_in(one), 0x0f3f0c3fu);
+  EXPECT_EQ(set_in(two), 0u);
+  EXPECT_EQ(set_in({}), 0u);
+  EXPECT_EQ(set_in(Bytes{0, 0x58, 0, 2, 0x0f, 0x3f}), 0u);
+}
+
 TEST(ParticipantData, RefusesAListThatIsNone) {
   const Bytes one = participant_data(candidate(7));
   Bytes two = one;

@@ -217,14 +217,14 @@ TEST_F(KeyOwnerTest, AReaderAcknowledgesAsItselfOnly) {
   auto& b = two.b;
   auto& a = two.a;
   const auto channel = attributes();
-  const auto writer =
-      b.factory()
-          .register_local_datawriter(b.participant, builtin_endpoint(testing::kVolatileWriter), channel)
-          .value();
-  const auto reader =
-      a.factory()
-          .register_local_datareader(a.participant, builtin_endpoint(testing::kVolatileReader), channel)
-          .value();
+  const auto writer = b.factory()
+                          .register_local_datawriter(
+                              b.participant, builtin_endpoint(testing::kVolatileWriter), channel)
+                          .value();
+  const auto reader = a.factory()
+                          .register_local_datareader(
+                              a.participant, builtin_endpoint(testing::kVolatileReader), channel)
+                          .value();
   const auto to =
       b.factory().register_matched_remote_datareader(writer, b.remote, shared_secret(), false);
   const auto from =

@@ -77,7 +77,9 @@ struct Host {
     std::ranges::copy(ticket.octets, value.begin());
     return tokens;
   }
-  std::optional<TokenLedger::Held> use(const Ticket& ticket) { return ledger.redeem(with(ticket)); }
+  std::optional<TokenLedger::Held> use(const Ticket& ticket) {
+    return ledger.redeem(with(ticket), {});
+  }
   bool use() { return use(ticket).has_value(); }
 };
 
@@ -241,11 +243,46 @@ TEST(TokenLedger, OtherEndpointsAreOthersWhateverTheirTokens) {
   EXPECT_EQ(host.note(4), Kind::ticket) << "the others' tickets are none of its business";
 }
 
+TEST(TokenLedger, TokensOfAFormerSessionAreNotGivenToThePresentOne) {
+  Host host;
+  EXPECT_EQ(host.note(1), Kind::ticket);
+  const TicketUser user{.exchange = 2, .local = 20, .remote = 30};
+  const auto former = host.ledger.redeem(Host::with(host.ticket), user);
+  ASSERT_TRUE(former);
+  EXPECT_TRUE(former->tokens.empty());
+  EXPECT_FALSE(host.use());
+  host.exchange = 2;
+  const auto tokens = fresh_tokens();
+  const auto passage =
+      host.ledger.note({host.remote, host.local, 2, false, tokens, 0, 0}, 2, false, host.now)
+          .value();
+  EXPECT_EQ(passage.kind, Kind::awaited);
+  EXPECT_EQ(passage.user, user);
+  EXPECT_EQ(host.ledger.redeem(Host::with(passage.ticket), user)->tokens, tokens);
+  EXPECT_EQ(host.note(3), Kind::ticket) << "once";
+}
+
+TEST(TokenLedger, ThoseOfALaterSessionAreNotForTheUserOfThisOne) {
+  Host host;
+  EXPECT_EQ(host.note(1), Kind::ticket);
+  EXPECT_TRUE(host.ledger.redeem(Host::with(host.ticket), {2, 20, 30})->tokens.empty());
+  host.exchange = 3;
+  EXPECT_EQ(host.note(1), Kind::ticket);
+}
+
+TEST(TokenLedger, TokensThatCameBeforeTheOldTicketIsUsedCount) {
+  Host host;
+  EXPECT_EQ(host.note(1), Kind::ticket);
+  host.exchange = 2;
+  EXPECT_EQ(host.note(1), Kind::hidden);
+  EXPECT_EQ(host.ledger.redeem(Host::with(host.ticket), {2, 20, 30})->tokens, host.sent);
+}
+
 TEST(TokenLedger, WhatIsNoTicketIsNobodys) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
-  EXPECT_FALSE(host.ledger.redeem(fresh_tokens()));
-  EXPECT_FALSE(host.ledger.redeem({}));
+  EXPECT_FALSE(host.ledger.redeem(fresh_tokens(), {}));
+  EXPECT_FALSE(host.ledger.redeem({}, {}));
   EXPECT_EQ(host.note(2), Kind::repeated);
 }
 
@@ -416,6 +453,31 @@ TEST(TrustingHost, GetsWhatItMustNotSeeUnderAClassThatItDoesNotKnow) {
   EXPECT_EQ(hidden[24 + 104], '-');
   EXPECT_EQ(engine.two.b.events.codes, std::vector{Code::crypto_tokens_repeated});
   EXPECT_FALSE(std::ranges::search(hidden, tokens[0].binary_properties[0].value).size());
+}
+
+// The host never used the ticket before its peer was gone, comes with it when the peer is back, and
+// never asks for what comes after it.
+TEST(TrustingHost, GetsKeysAfterATicketOfAFormerSession) {
+  Engine engine(false);
+  const auto former =
+      Engine::tokens_in(engine.decoded(1, engine.two.writer_tokens(engine.user).value()));
+  engine.authenticate(6);
+  auto& [a, b] = engine.two;
+  engine.user.remote_reader =
+      a.factory()
+          .register_matched_remote_datareader(engine.user.writer, a.remote, shared_secret(6), false)
+          .value();
+  engine.user.remote_writer =
+      b.factory()
+          .register_matched_remote_datawriter(engine.user.reader, b.remote, shared_secret(6))
+          .value();
+  EXPECT_TRUE(engine.two.take_writer(engine.user, former)) << "or the host drops the match";
+  const auto message = DataMessage{.writer = kWriter, .number = 1}.octets();
+  const auto encoded = encode_submessage(engine.two, engine.user, message).value();
+  EXPECT_EQ(code_of(decode_submessage(engine.two, engine.user, encoded)),
+            Code::key_material_not_received);
+  EXPECT_FALSE(engine.passes(2, engine.two.writer_tokens(engine.user).value()));
+  EXPECT_TRUE(decode_submessage(engine.two, engine.user, encoded));
 }
 
 TEST(CheckingHost, GetsTokensAsTheyCome) {

@@ -21,13 +21,12 @@ struct HandshakeWatchTest : testing::Test {
     std::vector<HandshakeWatch::Stuck> out;
     for (; time > 0ns; time -= 100ms) {
       clock.advance(100ms);
-      for (const auto& one : watch.give_up(has_keys, last_heard)) out.push_back(one);
+      for (const auto& one : watch.give_up(ask)) out.push_back(one);
     }
     return out;
   }
 
-  HandshakeWatch::HasKeys has_keys = {};
-  HandshakeWatch::LastHeard last_heard = {};
+  HandshakeWatch::Questions ask;
   ManualClock clock{WallTime{}};
   HandshakeWatch watch{clock};
   const spi::IdentityHandle remote{7}, other{8};
@@ -83,9 +82,9 @@ TEST_F(HandshakeWatchTest, ProgressStartsTheWaitAnew) {
 
 // It is settled, and would not notice that we begin again.
 TEST_F(HandshakeWatchTest, APeerThatHasTheSecretIsWaitedForWhileItIsHeard) {
-  has_keys = [](auto) { return false; };
+  ask.has_keys = [](auto) { return false; };
   HandshakeWatch::Duration heard{};
-  last_heard = [&](auto) { return heard; };
+  ask.last_heard = [&](auto) { return heard; };
   watch.met(remote, guid_of(1));
   watch.progressed(remote, handshake);
   watch.finished(handshake);
@@ -109,7 +108,7 @@ TEST_F(HandshakeWatchTest, AnAuthenticatedPeerIsNeverGivenUp) {
 // Its side is stuck: it takes us for a peer that it never heard the end from.
 TEST_F(HandshakeWatchTest, APeerWithoutKeysDidNotFinishItsHalf) {
   bool sent = false;
-  has_keys = [&](spi::IdentityHandle asked) { return asked == remote && sent; };
+  ask.has_keys = [&](spi::IdentityHandle asked) { return asked == remote && sent; };
   watch.met(remote, guid_of(1));
   watch.progressed(remote, handshake);
   watch.refused(handshake);
@@ -123,6 +122,40 @@ TEST_F(HandshakeWatchTest, APeerWithoutKeysDidNotFinishItsHalf) {
   sent = true;
   EXPECT_TRUE(after(1s).empty());
   sent = false;  // once is enough
+  EXPECT_TRUE(after(300s).empty());
+}
+
+// An announcement was forged: its keys came, and the host never matches what the peer has.
+TEST_F(HandshakeWatchTest, APeerThatLacksEndpointsIsGivenUpTwice) {
+  bool matched = false;
+  ask.has_keys = [](auto) { return true; };
+  ask.is_matched = [&](spi::IdentityHandle asked) { return asked == remote && matched; };
+  const auto meet = [&] {
+    watch.met(remote, guid_of(1));
+    watch.progressed(remote, handshake);
+    watch.finished(handshake);
+  };
+  meet();
+  EXPECT_TRUE(after(19900ms).empty());
+  const auto stuck = after(200ms);
+  ASSERT_EQ(stuck.size(), 1u);
+  EXPECT_TRUE(stuck[0].lacks_endpoints);
+  meet();
+  EXPECT_EQ(after(41s).size(), 1u);
+  meet();  // another product may match fewer: it is left as it is
+  EXPECT_TRUE(after(300s).empty());
+}
+
+TEST_F(HandshakeWatchTest, APeerWhoseEndpointsAreMatchedIsSettled) {
+  bool matched = false;
+  ask.is_matched = [&](auto) { return matched; };
+  watch.met(remote, guid_of(1));
+  watch.progressed(remote, handshake);
+  watch.finished(handshake);
+  EXPECT_TRUE(after(10s).empty());
+  matched = true;
+  EXPECT_TRUE(after(1s).empty());
+  matched = false;  // endpoints go when the participant does
   EXPECT_TRUE(after(300s).empty());
 }
 

@@ -5,15 +5,18 @@
 namespace ddssec::cyclonedds {
 namespace {
 
+constexpr spi::ParticipantCryptoHandle kLocal{1}, kSecond{2};
+constexpr auto kAll = PeersWithKeys::kSecureEndpoints;
+
 TEST(PeersWithKeys, AreThoseWhoseKeysCame) {
   PeersWithKeys peers;
   EXPECT_FALSE(peers.contains({7}));
-  peers.met({70}, {7});
+  peers.met({70}, {7}, kLocal, kAll);
   EXPECT_FALSE(peers.contains({7}));
   peers.sent_keys({71});  // another, which nobody met
   EXPECT_FALSE(peers.contains({7}));
   peers.sent_keys({70});
-  peers.met({70}, {7});  // by a second local participant
+  peers.met({70}, {7}, kLocal, kAll);  // by a second local participant
   EXPECT_TRUE(peers.contains({7}));
   EXPECT_FALSE(peers.contains({70}));
   peers.left({71});
@@ -25,9 +28,9 @@ TEST(PeersWithKeys, AreThoseWhoseKeysCame) {
 
 TEST(PeersWithKeys, ALaterPeerOfTheSameIdentityStartsWithout) {
   PeersWithKeys peers;
-  peers.met({70}, {7});
+  peers.met({70}, {7}, kLocal, kAll);
   peers.sent_keys({70});
-  peers.met({71}, {7});
+  peers.met({71}, {7}, kLocal, kAll);
   EXPECT_FALSE(peers.contains({7}));
   peers.left({70});
   peers.sent_keys({71});
@@ -38,8 +41,8 @@ TEST(PeersWithKeys, AreHeardByTheirEndpointsUntilTheirKeysCome) {
   using namespace std::chrono_literals;
   PeersWithKeys peers;
   EXPECT_FALSE(peers.awaits_keys());
-  peers.met({70}, {7});
-  peers.matched(700, {70});
+  peers.met({70}, {7}, kLocal, kAll);
+  peers.matched(700, {70}, 1);
   EXPECT_TRUE(peers.awaits_keys());
   EXPECT_EQ(peers.last_heard({7}), 0s);
   peers.heard(701, 5s);
@@ -52,11 +55,40 @@ TEST(PeersWithKeys, AreHeardByTheirEndpointsUntilTheirKeysCome) {
   peers.sent_keys({70});
   peers.sent_keys({70});
   EXPECT_FALSE(peers.awaits_keys());
-  peers.met({71}, {8});
+  peers.met({71}, {8}, kLocal, kAll);
   peers.left({71});
   EXPECT_FALSE(peers.awaits_keys());
   peers.left({70});
   EXPECT_EQ(peers.last_heard({7}), 0s);
+}
+
+TEST(PeersWithKeys, AreMatchedWithAllBuiltinEndpointsOfThoseThatMetThem) {
+  PeersWithKeys peers;
+  peers.add_builtin(11, kLocal);
+  peers.add_builtin(12, kLocal);
+  peers.add_builtin(21, kSecond);
+  EXPECT_TRUE(peers.is_matched({7}));  // nobody met it
+  peers.met({70}, {7}, kLocal, kAll | 0x3f);
+  EXPECT_FALSE(peers.is_matched({7}));
+  peers.matched(700, {70}, 11);
+  peers.matched(701, {70}, 99);  // an application's
+  peers.matched(702, {71}, 12);  // of another peer
+  EXPECT_FALSE(peers.is_matched({7}));
+  peers.matched(703, {70}, 12);
+  EXPECT_TRUE(peers.is_matched({7}));
+  peers.met({70}, {7}, kSecond, kAll);
+  EXPECT_FALSE(peers.is_matched({7}));
+  peers.forget(21);  // the second is gone
+  EXPECT_TRUE(peers.is_matched({7}));
+}
+
+TEST(PeersWithKeys, MayHaveFewerBuiltinEndpointsThanOurs) {
+  PeersWithKeys peers;
+  peers.add_builtin(11, kLocal);
+  peers.met({70}, {7}, kLocal, kAll & ~0x00010000u);
+  EXPECT_TRUE(peers.is_matched({7}));
+  peers.met({71}, {8}, kLocal, 0);  // unknown
+  EXPECT_TRUE(peers.is_matched({8}));
 }
 
 }  // namespace

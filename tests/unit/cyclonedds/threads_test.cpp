@@ -24,7 +24,7 @@ void send(const Link& link) {
   const Octets payload(64, 7);
   // DATA of an application's writer, without payload.
   const Octets submessage = {0x15, 0x01, 0x14, 0x00, 0, 0, 16, 0, 0, 0, 0, 0,
-                               0,    0,    1,    3,    0, 0, 0,  0, 1, 0, 0, 0};
+                             0,    0,    1,    3,    0, 0, 0,  0, 1, 0, 0, 0};
   for (int i = 0; i < 20; ++i) {
     EXPECT_EQ(link.receiver.decode_payload(link.sender.encode_payload(payload)).octets(), payload);
     EXPECT_EQ(link.receiver.decode_submessage(link.sender.encode_submessage(submessage)).octets(),

@@ -1,0 +1,59 @@
+#include "plugins/cyclonedds/session_resets.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/hash.hpp"
+
+namespace ddssec::cyclonedds {
+
+SessionResets& SessionResets::of_process() {
+  static auto& resets =
+      *new SessionResets;  // authentication's timer may ask while the process ends
+  return resets;
+}
+
+void SessionResets::expect(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
+                           spi::ResetToken token) noexcept {
+  const std::lock_guard lock(mutex_);
+  try {
+    sessions_.try_emplace(token.name, Session{peer, identity, std::move(token.proof)});
+  } catch (...) {
+    // As declared.
+  }
+}
+
+void SessionResets::forget(spi::ParticipantCryptoHandle peer) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(sessions_, [&](const auto& entry) {
+    if (entry.second.peer != peer) return false;
+    if (entry.second.is_lost) --lost_;
+    return true;
+  });
+}
+
+bool SessionResets::received(const spi::Reset& reset) {
+  spi::ResetName name{};
+  std::ranges::copy(reset.name, name.begin());
+  const std::lock_guard lock(mutex_);
+  const auto session = sessions_.find(name);
+  if (session == sessions_.end()) return false;
+  const bool is_proven = session->second.proof.expose(
+      [&](BytesView proof) { return constant_time_equal(proof, reset.proof); });
+  if (is_proven && !std::exchange(session->second.is_lost, true)) ++lost_;
+  return is_proven;
+}
+
+bool SessionResets::take(spi::IdentityHandle identity) {
+  if (lost_.load(std::memory_order_relaxed) == 0) return false;
+  const std::lock_guard lock(mutex_);
+  bool is_lost = false;
+  for (auto& [name, session] : sessions_)
+    if (session.identity == identity && std::exchange(session.is_lost, false)) {
+      --lost_;
+      is_lost = true;
+    }
+  return is_lost;
+}
+
+}  // namespace ddssec::cyclonedds

@@ -1,0 +1,145 @@
+#include "plugins/cyclonedds/lost_sessions.hpp"
+
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <gtest/gtest.h>
+
+namespace ddssec::cyclonedds {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr GuidPrefix kOwn{{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
+
+Guid remote(std::uint16_t number) {
+  Guid guid{kOwn, kEntityIdParticipant};
+  guid.prefix.octets[10] = static_cast<std::uint8_t>(number >> 8);
+  guid.prefix.octets[11] = static_cast<std::uint8_t>(number);
+  return guid;
+}
+
+spi::UdpAddress address(std::uint16_t port) {
+  return {.port = port, .address = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 127, 0, 0, 1}};
+}
+
+spi::SharedSecret secret_of(std::uint8_t session, std::size_t addresses = 1) {
+  spi::SharedSecret secret;
+  secret.secret = *spi::SharedSecretOctets::copy_of(Bytes(32, session));
+  for (std::size_t i = 0; i < addresses; ++i)
+    secret.peer_addresses.push_back(address(static_cast<std::uint16_t>(7410 + i)));
+  return secret;
+}
+
+struct LostSessionsTest : testing::Test {
+  LostSessionsTest() { sessions.add_local(local, kOwn); }
+
+  std::vector<LostSessions::Due> due(bool meets = true) {
+    return sessions.due([&](auto, const auto&) { return meets; });
+  }
+
+  ManualClock clock{WallTime{}};
+  LostSessions sessions{clock};
+  const spi::IdentityHandle local{1}, second{2};
+};
+
+TEST_F(LostSessionsTest, ArePresentedWhenThePeerIsMetAgain) {
+  sessions.established(local, remote(1), secret_of(1));
+  EXPECT_TRUE(due().empty());  // not lost
+  sessions.lost(remote(2));
+  EXPECT_TRUE(due().empty());
+  sessions.lost(remote(1));
+  EXPECT_TRUE(due(false).empty());  // it has not come back
+  const auto all = due();
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(to_hex(all[0].message),
+            to_hex(spi::write_reset(kOwn, spi::derive_reset_token(secret_of(1), kOwn))));
+  EXPECT_EQ(all[0].to, secret_of(1).peer_addresses);
+}
+
+TEST_F(LostSessionsTest, AreRepeatedATimeOrTen) {
+  sessions.established(local, remote(1), secret_of(1));
+  sessions.lost(remote(1));
+  std::size_t sent = 0;
+  for (auto waited = 0ns; waited < 100s; waited += 1s, clock.advance(1s)) sent += due().size();
+  EXPECT_EQ(sent, LostSessions::kMostResets);
+}
+
+TEST_F(LostSessionsTest, EndWhenBothHaveAuthenticatedAgain) {
+  sessions.established(local, remote(1), secret_of(1));
+  sessions.lost(remote(1));
+  EXPECT_EQ(due().size(), 1u);
+  sessions.established(local, remote(1), secret_of(2));
+  clock.advance(LostSessions::kInterval);
+  EXPECT_TRUE(due().empty());
+  sessions.lost(remote(1));
+  const auto again = due();
+  ASSERT_EQ(again.size(), 1u);
+  EXPECT_EQ(to_hex(again[0].message),
+            to_hex(spi::write_reset(kOwn, spi::derive_reset_token(secret_of(2), kOwn))));
+}
+
+TEST_F(LostSessionsTest, BelongToALocalParticipant) {
+  sessions.established(second, remote(1), secret_of(1));  // not ours
+  sessions.lost(remote(1));
+  EXPECT_TRUE(due().empty());
+  sessions.add_local(second, kOwn);
+  sessions.established(local, remote(1), secret_of(1));
+  sessions.established(second, remote(1), secret_of(2));
+  sessions.lost(remote(1));
+  sessions.remove_local(local);
+  EXPECT_EQ(due().size(), 1u);
+  sessions.remove_local(second);
+  clock.advance(LostSessions::kInterval);
+  EXPECT_TRUE(due().empty());
+}
+
+TEST_F(LostSessionsTest, AreForgottenAfterATime) {
+  sessions.established(local, remote(1), secret_of(1));
+  sessions.lost(remote(1));
+  clock.advance(LostSessions::kMemory);
+  EXPECT_TRUE(due().empty());
+}
+
+TEST_F(LostSessionsTest, OfManyTheFirstGiveWay) {
+  constexpr std::uint16_t kMore = 10;
+  for (std::uint16_t i = 0; i < LostSessions::kMostLost + kMore; ++i) {
+    sessions.established(local, remote(i), secret_of(1));
+    sessions.lost(remote(i));
+    clock.advance(1ms);
+  }
+  std::vector<Guid> asked;
+  sessions.due([&](auto, const Guid& guid) {
+    asked.push_back(guid);
+    return false;
+  });
+  EXPECT_EQ(asked.size(), LostSessions::kMostLost);
+  EXPECT_EQ(std::ranges::min(asked), remote(kMore));
+}
+
+TEST_F(LostSessionsTest, AreToldToFewAddresses) {
+  sessions.established(local, remote(1), secret_of(1, 9));
+  sessions.lost(remote(1));
+  EXPECT_EQ(due().at(0).to.size(), LostSessions::kMostAddresses);
+}
+
+TEST(SendDatagram, ReachesItsAddress) {
+  const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in own{};
+  own.sin_family = AF_INET;
+  own.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t length = sizeof own;
+  ASSERT_EQ(::bind(socket, reinterpret_cast<sockaddr*>(&own), length), 0);
+  ASSERT_EQ(::getsockname(socket, reinterpret_cast<sockaddr*>(&own), &length), 0);
+  const timeval patience{5, 0};
+  ::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  const auto to = address(ntohs(own.sin_port));
+  send_datagram(as_bytes("reset"), {&to, 1});
+  char octets[16];
+  EXPECT_EQ(::recv(socket, octets, sizeof octets, 0), 5);
+  ::close(socket);
+}
+
+}  // namespace
+}  // namespace ddssec::cyclonedds

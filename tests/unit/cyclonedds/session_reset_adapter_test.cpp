@@ -1,0 +1,156 @@
+// A session that one side has lost, from the adapter of one side to the adapter of the other.
+#include <atomic>
+#include <chrono>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <thread>
+#include <unistd.h>
+
+#include <gtest/gtest.h>
+
+#include "plugins/cyclonedds/authentication_adapter.hpp"
+#include "plugins/cyclonedds/session_resets.hpp"
+#include "tests/unit/cyclonedds/support.hpp"
+
+namespace ddssec::cyclonedds {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::Return;
+
+constexpr GuidPrefix kLocal{{1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}};
+constexpr GuidPrefix kRemote{{2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2}};
+std::atomic<DDS_Security_IdentityHandle> revoked{0};
+
+/// Where a peer receives discovery.
+struct Socket {
+  Socket() {
+    own.sin_family = AF_INET;
+    own.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t length = sizeof own;
+    EXPECT_EQ(::bind(fd, reinterpret_cast<sockaddr*>(&own), length), 0);
+    EXPECT_EQ(::getsockname(fd, reinterpret_cast<sockaddr*>(&own), &length), 0);
+    const timeval patience{10, 0};
+    ::setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  }
+  ~Socket() { ::close(fd); }
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+
+  spi::UdpAddress address() const {
+    return {.port = ntohs(own.sin_port),
+            .address = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 127, 0, 0, 1}};
+  }
+  Bytes receive() const {
+    Bytes out(2048);
+    const auto size = ::recv(fd, out.data(), out.size(), 0);
+    out.resize(size < 0 ? 0 : static_cast<std::size_t>(size));
+    return out;
+  }
+
+  const int fd = ::socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in own{};
+};
+
+struct SessionResetTest : testing::Test {
+  std::shared_ptr<spi::SharedSecret> secret() const {
+    auto made = std::make_shared<spi::SharedSecret>();
+    made->secret = *spi::SharedSecretOctets::copy_of(Bytes(32, 9));
+    made->peer_prefix = kRemote;
+    made->peer_addresses = {peer.address()};
+    return made;
+  }
+  void SetUp() override {
+    ON_CALL(engine, validate_local_identity)
+        .WillByDefault(
+            Return(spi::Authentication::LocalIdentity{{5}, Guid{kLocal, kEntityIdParticipant}}));
+    ON_CALL(engine, validate_remote_identity)
+        .WillByDefault(Return(spi::Authentication::RemoteIdentity{
+            {40}, spi::ValidationResult::pending_handshake_request, {}}));
+    ON_CALL(engine, begin_handshake_request)
+        .WillByDefault(Return(spi::Authentication::HandshakeStep{
+            {60}, spi::ValidationResult::pending_handshake_message, {}}));
+    ON_CALL(engine, process_handshake)
+        .WillByDefault(Return(
+            spi::Authentication::HandshakeStep{{60}, spi::ValidationResult::ok_final_message, {}}));
+    ON_CALL(engine, shared_secret).WillByDefault(Return(secret()));
+    ON_CALL(engine, next_expiry).WillByDefault(Return(std::nullopt));
+    ON_CALL(engine, return_identity_handle).WillByDefault(Return(Status{}));
+    DDS_Security_Qos qos{};
+    DDS_Security_GUID_t guid{};
+    DDS_Security_IdentityHandle handle = 0;
+    EXPECT_EQ(c->validate_local_identity(c, &handle, &guid, 0, &qos, &guid, nullptr),
+              DDS_SECURITY_VALIDATION_OK);
+    revoked = 0;
+    EXPECT_EQ(c->set_listener(c, &listener, nullptr), 1);
+  }
+  void TearDown() override { EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1); }
+
+  DDS_Security_IdentityHandle meet() {
+    const auto guid = to_c(Guid{kRemote, kEntityIdParticipant});
+    DDS_Security_DataHolder token{}, request{};
+    EXPECT_TRUE(copy_token(sample_token(), token));
+    DDS_Security_IdentityHandle remote = 0;
+    c->validate_remote_identity(c, &remote, &request, nullptr, 5, &token, &guid, nullptr);
+    free_token(token);
+    free_token(request);
+    return remote;
+  }
+  DDS_Security_IdentityHandle authenticate() {
+    const auto remote = meet();
+    HostOctets data{{1, 2, 3, 4}};
+    DDS_Security_HandshakeHandle handshake = 0;
+    DDS_Security_DataHolder message{}, reply{}, last{};
+    EXPECT_TRUE(copy_token(sample_token(), reply));
+    c->begin_handshake_request(c, &handshake, &message, 5, remote, &data.sequence, nullptr);
+    EXPECT_EQ(c->process_handshake(c, &last, &reply, handshake, nullptr),
+              DDS_SECURITY_VALIDATION_OK_FINAL_MESSAGE);
+    EXPECT_NE(c->get_shared_secret(c, handshake, nullptr), DDS_SECURITY_HANDLE_NIL);
+    for (auto* token : {&message, &reply, &last}) free_token(*token);
+    return remote;
+  }
+
+  Socket peer;
+  Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness;
+  dds_security_authentication* c = &harness.adapter;
+  MockAuthentication& engine = *harness.engine;
+  const dds_security_authentication_listener listener{
+      [](const dds_security_authentication*,
+         const DDS_Security_IdentityHandle handle) -> DDS_Security_boolean {
+        revoked = handle;
+        return 1;
+      },
+      nullptr};
+};
+
+TEST_F(SessionResetTest, IsSentWhenAPeerThatTheHostDroppedIsMetAgain) {
+  const auto remote = authenticate();
+  EXPECT_EQ(c->return_identity_handle(c, remote, nullptr), 1);
+  meet();
+  EXPECT_EQ(to_hex(peer.receive()),
+            to_hex(spi::write_reset(kLocal, spi::derive_reset_token(*secret(), kLocal))));
+}
+
+TEST_F(SessionResetTest, MakesTheHostBeginAnew) {
+  const auto remote = authenticate();
+  auto& resets = SessionResets::of_process();
+  resets.expect({70}, {remote}, spi::derive_reset_token(*secret(), kRemote));
+  std::this_thread::sleep_for(1500ms);
+  EXPECT_EQ(revoked, 0);
+  const auto message = spi::write_reset(kRemote, spi::derive_reset_token(*secret(), kRemote));
+  EXPECT_TRUE(resets.received(*spi::read_reset(message)));
+  for (int i = 0; i < 1000 && revoked == 0; ++i) std::this_thread::sleep_for(10ms);
+  EXPECT_EQ(revoked, remote);
+  EXPECT_EQ(std::ranges::count(harness.events, Code::session_reset_by_peer,
+                               [](const auto& event) { return event.error.code(); }),
+            1);
+  resets.forget({70});
+}
+
+}  // namespace
+}  // namespace ddssec::cyclonedds
+
+/// In a process with our cryptography that library exports it, and authentication looks it up.
+DDSSEC_EXPORT bool ddssec_take_session_reset(DDS_Security_IdentityHandle remote) {
+  return ddssec::cyclonedds::SessionResets::of_process().take({remote});
+}
