@@ -24,5 +24,5 @@ step "build (release)"
 cmake --preset release -DDDSSEC_BUILD_TESTS=ON -DDDSSEC_BUILD_BENCH=$bench >/dev/null || die "cmake could not configure; see the message above"
 cmake --build --preset release || die "the release build failed"
 step "tests"
-# Two more than there are processors: some of the tests mostly wait (tests/CMakeLists.txt).
-tests/support/ctest_twice.sh build/release "${exclude[@]}" --parallel "$(($(nproc) + 2))" --progress
+# Three more than there are processors: some of the tests mostly wait (tests/CMakeLists.txt).
+tests/support/ctest_twice.sh build/release "${exclude[@]}" --parallel "$(($(nproc) + 3))" --progress

@@ -202,7 +202,7 @@ def persistent(case):
     with tempfile.TemporaryDirectory() as folder:
         words = f"-P -D p --durability-directory {folder} -k 0 -z 0 -w --write-period 20"
         pub = case.start(words)
-        pub.hears(30)
+        pub.hears(60)  # the last ones may not be stored yet: they are committed in groups
         pub.process.kill()
         pub.process.wait()
         again = case.start(words)
