@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "base/rollback.hpp"
 #include "plugins/cryptography/cipher_choice.hpp"
 
 namespace ddssec::cryptography {
@@ -60,27 +61,23 @@ void Shared::report(const Error& error, const std::optional<GuidPrefix>& prefix)
   environment.events.raise(Event(error, {}, guid, PeerProof::authenticated));
 }
 
-void Shared::publish_routes(RemoteParticipant& participant) {
-  auto table = std::make_unique<RouteTable>();
-  for (const auto handle : participant.endpoints) {
-    for (const auto kind : {EntityKind::remote_writer, EntityKind::remote_reader}) {
-      const auto found = registry.find<RemoteEndpoint>(handle, kind);
-      if (!found) continue;
-      const auto& endpoint = **found;
-      RouteTable::Row row{{}, {}, endpoint.local.participant.handle(), kind, handle};
-      if (!endpoint.local.is_volatile) {
-        const auto* const keys_of_it = endpoint.remote_keys.read();
-        if (keys_of_it == nullptr || !keys_of_it->submessage) continue;
-        row.key_id = keys_of_it->submessage->material().sender_key_id;
-        row.receiver_key_id = keys_of_it->submessage->material().receiver_key_id;
-      }
-      table->rows.push_back(row);
-    }
+void Shared::publish_route(RemoteEndpoint& endpoint) {
+  Route route{.key_id = {},
+              .receiver_key_id = {},
+              .local_participant = endpoint.local.participant.handle(),
+              .kind = endpoint.kind(),
+              .handle = endpoint.handle(),
+              .number = ++routes_made};
+  if (!endpoint.local.is_volatile) {
+    const auto& key = endpoint.remote_keys.read()->submessage->material();
+    route.key_id = key.sender_key_id;
+    route.receiver_key_id = key.receiver_key_id;
   }
-  // Writers before readers: the volatile ones share one key id.
-  std::ranges::sort(table->rows, {},
-                    [](const auto& row) { return std::tuple(row.key_id, row.kind, row.handle); });
-  participant.routes.replace(std::move(table), graveyard);
+  const auto former = endpoint.route.exchange(route.number);
+  Rollback keep_former([&] { endpoint.route = former; });
+  endpoint.participant.routes.add(route, graveyard);
+  keep_former.release();
+  if (former != 0) endpoint.participant.routes.note_gone();
 }
 
 spi::CipherMask supported_ciphers(AeadChoice choice) {

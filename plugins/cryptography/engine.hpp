@@ -33,8 +33,8 @@ struct Shared {
   Result<RemoteEndpoint*> remote_endpoint(H handle, EntityKind kind) const {
     return registry.find<RemoteEndpoint>(handle.value, kind);
   }
-  /// Sorts the remote's endpoints by their submessage key ids anew. Mutex held.
-  void publish_routes(RemoteParticipant& participant);
+  /// Lets submessages find the endpoint by the keys that it has now. Mutex held.
+  void publish_route(RemoteEndpoint& endpoint);
 
   /// Raises an event about what the owner of `prefix` did.
   void report(const Error& error, const std::optional<GuidPrefix>& prefix) const;
@@ -51,6 +51,7 @@ struct Shared {
   mutable std::mutex mutex;
   std::unordered_map<std::int64_t, std::chrono::nanoseconds> former_until;  ///< guarded by it
   std::uint64_t pairs_made = 0;                                             ///< guarded by it
+  std::uint64_t routes_made = 0;                                            ///< guarded by it
   mutable TokenLedger ledger;  ///< for a host that does not check
 };
 

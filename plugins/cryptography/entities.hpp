@@ -10,6 +10,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <memory>
 #include <mutex>
@@ -22,6 +23,7 @@
 #include "plugins/cryptography/key_owner.hpp"
 #include "plugins/cryptography/receive_key.hpp"
 #include "plugins/cryptography/registry.hpp"
+#include "plugins/cryptography/routes.hpp"
 #include "plugins/cryptography/send_key.hpp"
 #include "plugins/spi/attributes.hpp"
 #include "plugins/spi/cryptography.hpp"
@@ -104,25 +106,14 @@ struct PairTable final : Retirable {
   std::vector<Row> rows;
 };
 
-/// Submessage key id -> endpoint, sorted by key id.
-struct RouteTable final : Retirable {
-  struct Row {
-    KeyId key_id;
-    KeyId receiver_key_id;
-    std::int64_t local_participant;
-    EntityKind kind;  ///< remote_writer or remote_reader
-    std::int64_t handle;
-  };
-  std::vector<Row> rows;
-};
-
 struct RemoteParticipant final : Entity {
-  RemoteParticipant() : Entity(EntityKind::remote_participant) {}
+  explicit RemoteParticipant(const Registry& registry)
+      : Entity(EntityKind::remote_participant), routes(registry) {}
   std::int64_t identity = 0;
   std::unordered_set<std::int64_t> endpoints;
   std::unordered_map<std::int64_t, std::unique_ptr<Pair>> pairs;  ///< by local participant
   Published<PairTable> pair_table;
-  Published<RouteTable> routes;
+  Routes routes;  ///< of its endpoints that protect submessages
 
   /// Under a ReadGuard: what it has with that local participant, or nullptr.
   Pair* pair(std::int64_t local) const {
@@ -167,6 +158,7 @@ struct RemoteEndpoint final : Entity {
   RemoteParticipant& participant;
   std::unique_ptr<ReceiverKey> receiver_key;  ///< ours towards it; null without need
   Published<RemoteKeys> remote_keys;
+  std::atomic<std::uint64_t> route = 0;  ///< the number of its only route that counts; 0: none
 };
 
 }  // namespace ddssec::cryptography

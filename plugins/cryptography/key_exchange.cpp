@@ -69,6 +69,14 @@ bool are_same(const std::shared_ptr<ReceiveKey>& a, const std::shared_ptr<Receiv
   return (a == nullptr) == (b == nullptr) && (a == nullptr || a->material() == b->material());
 }
 
+/// Whether submessages under either find the same route.
+bool route_alike(const RemoteKeys& next, const std::unique_ptr<RemoteKeys>& former) {
+  if (!former || !former->submessage) return false;
+  const auto& a = next.submessage->material();
+  const auto& b = former->submessage->material();
+  return a.sender_key_id == b.sender_key_id && a.receiver_key_id == b.receiver_key_id;
+}
+
 /// AES is everybody's.
 Status check_cipher(const KindTraits& traits, const Pair& from) {
   if (traits.cipher != Cipher::chacha20_poly1305) return {};
@@ -229,7 +237,8 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
   shared_.note_former(remote.value, *keys);
   auto former = endpoint.remote_keys.exchange(std::move(keys));
   Rollback take_back([&] { endpoint.remote_keys.replace(std::move(former), shared_.graveyard); });
-  if (is_protected(endpoint.local.submessage)) shared_.publish_routes(endpoint.participant);
+  if (is_protected(endpoint.local.submessage) && !route_alike(*endpoint.remote_keys.read(), former))
+    shared_.publish_route(endpoint);
   take_back.release();
   shared_.graveyard.retire(std::move(former));
   return {};

@@ -154,7 +154,7 @@ Result<RemoteParticipant*> KeyFactory::remote_with_identity(spi::IdentityHandle 
   if (!identity) return fail(Code::crypto_handle_nil);
   if (const auto known = by_identity_.find(identity.value); known != by_identity_.end())
     return known->second;
-  auto remote = std::make_unique<RemoteParticipant>();
+  auto remote = std::make_unique<RemoteParticipant>(shared_.registry);
   remote->identity = identity.value;
   auto* const added = remote.get();
   const auto known = by_identity_.emplace(identity.value, added).first;
@@ -265,7 +265,7 @@ Result<std::int64_t> KeyFactory::match(LocalEndpoint& local, EntityKind kind,
   auto remote = std::make_unique<RemoteEndpoint>(kind, local, *parent);
   if (!local.is_volatile && is_origin_authenticated(local.submessage))
     remote->receiver_key = DDSSEC_TRY(receiver_key(local.cipher));
-  const auto& added = *remote;
+  auto& added = *remote;
   DDSSEC_TRY(shared_.registry.add(std::move(remote)));
   Rollback forget([&] {
     local.matched.erase(added.handle());
@@ -274,7 +274,7 @@ Result<std::int64_t> KeyFactory::match(LocalEndpoint& local, EntityKind kind,
   });
   local.matched.insert(added.handle());
   parent->endpoints.insert(added.handle());
-  if (local.is_volatile) shared_.publish_routes(*parent);
+  if (local.is_volatile) shared_.publish_route(added);
   forget.release();
   return added.handle();
 }
@@ -299,7 +299,8 @@ Result<spi::DatawriterCryptoHandle> KeyFactory::register_matched_remote_datawrit
       DDSSEC_TRY(match(*local, EntityKind::remote_writer, remote_participant))};
 }
 
-// Dropping: first out of the tables that lead to it, then out of the registry, then retired.
+// Dropping: first out of the tables that lead to it, then out of the registry, then retired. A
+// route stays for a while, and leads to nothing that the registry does not know (routes.hpp).
 
 void KeyFactory::drop(const Entity& entity) {
   shared_.graveyard.retire(shared_.registry.remove(entity));
@@ -308,8 +309,7 @@ void KeyFactory::drop(const Entity& entity) {
 void KeyFactory::drop_remote(RemoteEndpoint& endpoint) {
   endpoint.local.matched.erase(endpoint.handle());
   endpoint.participant.endpoints.erase(endpoint.handle());
-  const bool had_route = endpoint.local.is_volatile || endpoint.remote_keys.read() != nullptr;
-  if (had_route) shared_.publish_routes(endpoint.participant);
+  if (endpoint.route != 0) endpoint.participant.routes.note_gone();
   drop(endpoint);
 }
 

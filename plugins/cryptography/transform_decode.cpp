@@ -270,23 +270,6 @@ Status check_source(BytesView content, const std::array<std::uint8_t, 16>& outsi
   return {};
 }
 
-/// Among the endpoints that share a key id (a remote writer as matched with several of our
-/// readers): the one that the message has a MAC for, or else the first.
-const RouteTable::Row* choose(std::span<const RouteTable::Row> rows, std::int64_t receiver,
-                              BytesView encoded) {
-  const auto fits = [&](const auto& row) {
-    return receiver == 0 || row.local_participant == receiver;
-  };
-  const auto first = std::ranges::find_if(rows, fits);
-  if (first == rows.end()) return nullptr;
-  if (first->receiver_key_id.is_zero() || rows.size() == 1) return &*first;
-  const auto message = read_protected_group(encoded, kSubmessageFrame);
-  const auto meant = std::ranges::find_if(rows, [&](const auto& row) {
-    return fits(row) && message && message->footer.receiver_mac(row.receiver_key_id);
-  });
-  return meant == rows.end() ? &*first : &*meant;
-}
-
 /// `open_group(message, out)`: by which key is the caller's business.
 template <class F>
 Result<std::size_t> open_message(BytesView encoded, Frame frame, MutableBytes out,
@@ -421,17 +404,12 @@ Result<spi::SecureSubmessage> Transform::preprocess_secure_submessage(
   const auto& remote = *DDSSEC_TRY(shared_.remote_participant(sender));
   if (receiver) DDSSEC_TRY(shared_.local_participant(receiver));
   const auto header = DDSSEC_TRY(read_prefix(encoded, kSubmessageFrame));
-  const auto* const table = remote.routes.read();
-  if (table == nullptr) return fail(Code::unknown_key_id);
-  const auto same =
-      std::ranges::equal_range(table->rows, header.key_id, {}, &RouteTable::Row::key_id);
-  const auto* const row = choose({same.begin(), same.end()}, receiver.value, encoded);
-  if (row == nullptr) return fail(Code::unknown_key_id);
-  const auto& endpoint = *DDSSEC_TRY(shared_.registry.find<RemoteEndpoint>(row->handle, row->kind));
-  const auto ours = endpoint.local.handle();
-  if (row->kind == EntityKind::remote_writer)
-    return spi::SecureSubmessage{spi::SecureSubmessageCategory::datawriter, {row->handle}, {ours}};
-  return spi::SecureSubmessage{spi::SecureSubmessageCategory::datareader, {ours}, {row->handle}};
+  const auto* const endpoint = remote.routes.find(header.key_id, receiver.value, encoded);
+  if (endpoint == nullptr) return fail(Code::unknown_key_id);
+  const auto ours = endpoint->local.handle(), theirs = endpoint->handle();
+  if (endpoint->kind() == EntityKind::remote_writer)
+    return spi::SecureSubmessage{spi::SecureSubmessageCategory::datawriter, {theirs}, {ours}};
+  return spi::SecureSubmessage{spi::SecureSubmessageCategory::datareader, {ours}, {theirs}};
 }
 
 }  // namespace ddssec::cryptography

@@ -8,12 +8,12 @@
 namespace ddssec::counted_memory {
 namespace {
 
-std::atomic<std::int64_t> calls = 0, held = 0;
+std::atomic<std::int64_t> calls = 0, held = 0, ever = 0;
 
 void* counted(void* place) {
   if (place == nullptr) throw std::bad_alloc();
-  ++calls;
-  held += static_cast<std::int64_t>(malloc_usable_size(place));
+  const auto size = static_cast<std::int64_t>(malloc_usable_size(place));
+  ++calls, held += size, ever += size;
   return place;
 }
 
@@ -26,6 +26,7 @@ void release(void* place) noexcept {
 
 std::int64_t allocations() { return calls; }
 std::int64_t octets() { return held; }
+std::int64_t octets_ever() { return ever; }
 
 }  // namespace ddssec::counted_memory
 

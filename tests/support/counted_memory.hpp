@@ -9,6 +9,8 @@ namespace ddssec::counted_memory {
 std::int64_t allocations();
 /// What they hold now, in octets, with what the allocator rounds up.
 std::int64_t octets();
+/// What they have held so far, given back or not: how much was copied, at most.
+std::int64_t octets_ever();
 
 /// Calls of operator new while `f` runs.
 template <class F>

@@ -1,0 +1,102 @@
+#include "plugins/cryptography/routes.hpp"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/cryptography/two_sides.hpp"
+
+namespace ddssec::cryptography::testing {
+namespace {
+
+constexpr auto kEncrypted = ProtectionKind::encrypt;
+constexpr auto kOriginAuthenticated = ProtectionKind::encrypt_with_origin_authentication;
+
+EndpointSecurityAttributes submessages_by(ProtectionKind kind) {
+  return endpoint_attributes(kind, ProtectionKind::none);
+}
+
+Bytes message_of(TwoSides& two, const WriterToReader& ends) {
+  return encode_submessage(two, ends, data_submessage(40)).value();
+}
+
+/// To which of its endpoints `b` takes it.
+Result<spi::SecureSubmessage> routed(TwoSides& two, const Bytes& message) {
+  return two.b.transform().preprocess_secure_submessage(two.b.participant, two.b.remote, message);
+}
+
+/// Any order of coming and leaving, with runs of every length.
+TEST(Routes, LeadToEachEndpointThatIsThereAndToNoOther) {
+  TwoSides two;
+  std::mt19937 random(1);
+  struct One {
+    WriterToReader ends;
+    Bytes message;
+    bool is_there = true;
+  };
+  std::vector<One> all;
+  const auto check = [&] {
+    for (const auto& [ends, message, is_there] : all) {
+      const auto to = routed(two, message);
+      ASSERT_EQ(code_of(to), is_there ? Code{} : Code::unknown_key_id);
+      ASSERT_TRUE(!to || to->datawriter == ends.remote_writer);
+    }
+  };
+  for (int round = 0; round < 40; ++round) {
+    for (unsigned i = random() % 30; i > 0; --i) {
+      const auto ends = two.endpoints(submessages_by(kEncrypted));
+      all.push_back({ends, message_of(two, ends)});
+    }
+    const auto share = random() % 3;
+    for (auto& [ends, message, is_there] : all) {
+      if (!is_there || random() % 3 >= share) continue;
+      ASSERT_TRUE(two.b.factory().unregister_datawriter(ends.remote_writer));
+      is_there = false;
+    }
+    check();
+  }
+}
+
+/// One remote writer, matched with many readers here: each has a key of its own with it.
+TEST(Routes, OfOneKeyLeadToTheReaderThatTheMessageHasAMacFor) {
+  TwoSides two;
+  std::vector all = {two.endpoints(submessages_by(kOriginAuthenticated))};
+  for (int i = 0; i < 200; ++i) {
+    auto next = all.front();
+    next.reader =
+        two.b.factory()
+            .register_local_datareader(two.b.participant, {}, submessages_by(kOriginAuthenticated))
+            .value();
+    two.match_endpoints(next);
+    all.push_back(next);
+  }
+  for (const auto& one : all) EXPECT_EQ(routed(two, message_of(two, one))->datareader, one.reader);
+  for (std::size_t i = 0; i < all.size(); i += 2)
+    ASSERT_TRUE(two.b.factory().unregister_datawriter(all[i].remote_writer));
+  for (std::size_t i = 1; i < all.size(); i += 2)
+    EXPECT_EQ(routed(two, message_of(two, all[i]))->datareader, all[i].reader);
+  const auto of_another = routed(two, message_of(two, all[0]));
+  ASSERT_TRUE(of_another);
+  EXPECT_FALSE(into_bytes(200, [&](MutableBytes out) {
+    return two.b.transform().decode_datawriter_submessage(
+        of_another->datareader, of_another->datawriter, message_of(two, all[0]), out);
+  })) << "it has no MAC for those that are left";
+}
+
+/// A host that takes other keys for an endpoint: the former key is nobody's.
+TEST(Routes, FollowAnEndpointToItsNewKey) {
+  TwoSides two;
+  const auto first = two.endpoints(submessages_by(kEncrypted)),
+             second = two.endpoints(submessages_by(kEncrypted));
+  const auto of_first = message_of(two, first), of_second = message_of(two, second);
+  ASSERT_TRUE(two.take_writer(first, two.writer_tokens(second).value()));
+  EXPECT_EQ(code_of(routed(two, of_first)), Code::unknown_key_id);
+  ASSERT_TRUE(two.b.factory().unregister_datawriter(second.remote_writer));
+  EXPECT_EQ(routed(two, of_second)->datawriter, first.remote_writer);
+  ASSERT_TRUE(two.take_writer(first, two.writer_tokens(first).value()));
+  EXPECT_EQ(routed(two, of_first)->datawriter, first.remote_writer);
+  EXPECT_EQ(code_of(routed(two, of_second)), Code::unknown_key_id);
+}
+
+}  // namespace
+}  // namespace ddssec::cryptography::testing

@@ -1,0 +1,69 @@
+// What a peer with very many endpoints costs: counted by the octets that are allocated, since every
+// copy of routes is.
+#include <gtest/gtest.h>
+
+#include "tests/support/counted_memory.hpp"
+#include "tests/unit/cryptography/two_sides.hpp"
+
+namespace ddssec::cryptography::testing {
+namespace {
+
+constexpr int kMany = 8000;
+constexpr std::int64_t kMostForEntering = 32'000, kMostForLeaving = 1000;  // octets an endpoint
+
+/// One reader of `b` that many writers of `a` are matched with. To `b` each has a key of its own,
+/// to `a` all matches have the reader's key.
+struct Crowd {
+  Crowd() {
+    const auto attributes = endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none);
+    ends.push_back(two.endpoints(attributes));
+    while (ends.size() < kMany) {
+      auto next = ends.front();
+      next.writer =
+          two.a.factory().register_local_datawriter(two.a.participant, {}, attributes).value();
+      two.match_endpoints(next);
+      ends.push_back(next);
+    }
+  }
+  void unregister_each() {
+    for (const auto& one : ends) {
+      EXPECT_TRUE(two.a.factory().unregister_datareader(one.remote_reader));
+      EXPECT_TRUE(two.b.factory().unregister_datawriter(one.remote_writer));
+    }
+  }
+  void unregister_participants() {
+    EXPECT_TRUE(two.a.factory().unregister_participant(two.a.remote));
+    EXPECT_TRUE(two.b.factory().unregister_participant(two.b.remote));
+  }
+  TwoSides two;
+  std::vector<WriterToReader> ends;
+};
+
+template <class F>
+std::int64_t octets_for_each(F&& f) {
+  const auto before = counted_memory::octets_ever();
+  f();
+  return (counted_memory::octets_ever() - before) / kMany;
+}
+
+TEST(ManyEndpoints, CostTheSameEachWhenTheyCome) {
+  EXPECT_LE(octets_for_each([] { const Crowd crowd; }), kMostForEntering);
+}
+
+TEST(ManyEndpoints, CostTheSameEachWhenTheirParticipantIsDropped) {
+  Crowd crowd;
+  EXPECT_LE(octets_for_each([&] { crowd.unregister_participants(); }), kMostForLeaving);
+}
+
+/// As Cyclone DDS does it.
+TEST(ManyEndpoints, CostTheSameEachWhenTheyAreUnregisteredOneByOne) {
+  Crowd crowd;
+  EXPECT_LE(octets_for_each([&] {
+              crowd.unregister_each();
+              crowd.unregister_participants();
+            }),
+            kMostForLeaving);
+}
+
+}  // namespace
+}  // namespace ddssec::cryptography::testing
