@@ -93,7 +93,6 @@ struct Pair final : Retirable {
   std::unique_ptr<SendKey> key_exchange_send;
   std::unique_ptr<ReceiveKey> key_exchange_receive;
   Published<RemoteKeys> remote_keys;
-  KeyOwners owners;          ///< of the remote's keys
   NamesSpoken names_spoken;  ///< of other authenticated peers
 };
 

@@ -7,9 +7,6 @@
 namespace ddssec::cryptography {
 namespace {
 
-/// A writer may have one key for both levels, or a key for each (DDS-Security 9.5.2.1).
-constexpr std::size_t kMostTokensPerEndpoint = 2;
-
 /// Our key, with the receiver's own part if there is one.
 spi::Token token_for(const KeyMaterial& key, const ReceiverKey* receiver) {
   auto material = key.clone();
@@ -36,6 +33,8 @@ class HeldTokens {
   std::span<const spi::Token> tokens() const { return tokens_; }
   /// From a session with the same peer that has ended: the ledger awaits those of the present one.
   bool are_awaited() const { return held_ && held_->tokens.empty(); }
+  /// The endpoint that kept tokens are of; zero: not known.
+  EntityId owner() const { return held_ ? held_->remote.entity : EntityId{}; }
   /// Kept tokens are for the participant that they came from.
   Status check_source(const Pair& pair) const {
     if (held_ && pair.peer_prefix && held_->remote.prefix != *pair.peer_prefix)
@@ -75,6 +74,19 @@ bool route_alike(const RemoteKeys& next, const std::unique_ptr<RemoteKeys>& form
   const auto& a = next.submessage->material();
   const auto& b = former->submessage->material();
   return a.sender_key_id == b.sender_key_id && a.receiver_key_id == b.receiver_key_id;
+}
+
+/// A key speaks for one endpoint (key_owner.hpp).
+Status check_owner(const RemoteEndpoint& remote, const RemoteKeys& keys) {
+  if (!keys.submessage || keys.owner.is_zero()) return {};
+  const auto id = keys.submessage->material().sender_key_id;
+  const auto owner = remote.participant.routes.other_owner(id, keys.owner);
+  if (owner.is_zero()) return {};
+  return fail(Code::key_material_key_id,
+              {.document = "crypto tokens",
+               .field = "sender_key_id",
+               .expected = "a key of one endpoint",
+               .found = id.to_string() + ", which is also that of " + owner.to_string()});
 }
 
 /// AES is everybody's.
@@ -228,10 +240,10 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
   if (tokens.empty() || tokens.size() > kMostTokensPerEndpoint)
     return fail(Code::crypto_token_count);
   auto keys = DDSSEC_TRY(endpoint_keys(endpoint, DDSSEC_TRY(read_all(tokens))));
-  if (keys->submessage)
-    keys->owner = DDSSEC_TRY(pair->owners.owner_of(keys->submessage->material().sender_key_id));
+  keys->owner = held.owner();
   if (const auto* const present = endpoint.remote_keys.read(); present && keys->owner.is_zero())
     keys->owner = present->owner;
+  DDSSEC_TRY(check_owner(endpoint, *keys));
   DDSSEC_TRY(check_replacement(*keys, endpoint.remote_keys.read(), pair));
   DDSSEC_TRY(inherit(*keys, endpoint.remote_keys.read(), shared_.environment.clock.monotonic()));
   shared_.note_former(remote.value, *keys);

@@ -113,10 +113,16 @@ Result<KeyMaterial> parse_key_material(BytesView octets) {
 }
 
 spi::Token crypto_token(const KeyMaterial& material) {
+  auto octets = serialize_key_material(material);
+  auto token = token_of_material(octets);
+  wipe(octets);
+  return token;
+}
+
+spi::Token token_of_material(BytesView octets) {
   spi::Token token;
   token.class_id = spi::class_id::kCrypto;
-  token.binary_properties.push_back(
-      {std::string(kKeyMaterialProperty), serialize_key_material(material), true});
+  token.binary_properties.push_back({std::string(kKeyMaterialProperty), to_bytes(octets), true});
   return token;
 }
 

@@ -57,6 +57,8 @@ struct KeyMaterial {
 
 /// A token to send. The octets in it are keys: it travels only by the volatile secure channel.
 spi::Token crypto_token(const KeyMaterial& material);
+/// The same, of what serialize_key_material made.
+spi::Token token_of_material(BytesView octets);
 
 /// Reads a peer's token, checking all there is to check without knowing what it is for.
 /// Errors: crypto_token_class, crypto_token_form, and those of parse_key_material.

@@ -79,6 +79,19 @@ RemoteEndpoint* Routes::find_by_mac(const Table& table, KeyId key, std::int64_t 
   return nullptr;
 }
 
+EntityId Routes::other_owner(KeyId key, const EntityId& owner) const {
+  const auto* const table = table_.read();
+  if (table == nullptr) return {};
+  for (const auto& run : table->runs)
+    for (const auto& route : with_key(*run, key)) {
+      const auto* const endpoint = endpoint_of(route);
+      if (endpoint == nullptr || endpoint->local.is_volatile) continue;
+      const auto& other = endpoint->remote_keys.read()->owner;
+      if (!other.is_zero() && other != owner) return other;
+    }
+  return {};
+}
+
 Routes::Run Routes::merged(const Run& a, const Run& b) const {
   Run both;
   both.reserve(a.size() + b.size());

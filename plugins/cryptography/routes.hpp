@@ -48,6 +48,9 @@ class Routes {
   /// matched with several of our readers for example: then the one that the group has a MAC for, or
   /// else the first. nullptr if there is none.
   RemoteEndpoint* find(KeyId key, std::int64_t receiver, BytesView group) const;
+  /// By the caller of `add`: an endpoint that is not `owner` and has that key; zero if none is
+  /// known.
+  EntityId other_owner(KeyId key, const EntityId& owner) const;
 
  private:
   using Run = std::vector<Route>;  // sorted

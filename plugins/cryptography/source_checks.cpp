@@ -148,10 +148,4 @@ Status check_token_source(BytesView submessage, bool is_key_exchange,
   return check_name("source_endpoint_guid", peer.value_or(source), endpoint);
 }
 
-BytesView token_payload(BytesView submessage) {
-  if (!writer_of_data(submessage)) return {};
-  const auto piece = read_data_piece(submessage);
-  return piece ? beginning_of(*piece).value_or(BytesView{}) : BytesView{};
-}
-
 }  // namespace ddssec::cryptography

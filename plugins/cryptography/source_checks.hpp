@@ -37,8 +37,4 @@ SenderPart part_of_sender(BytesView content, const GuidPrefix& sender);
 Status check_token_source(BytesView submessage, bool is_key_exchange,
                           const std::optional<GuidPrefix>& peer);
 
-/// The payload of a key token message that check_token_source let pass, from its encapsulation
-/// header on; empty where the submessage does not begin a sample.
-BytesView token_payload(BytesView submessage);
-
 }  // namespace ddssec::cryptography

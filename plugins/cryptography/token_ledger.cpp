@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "plugins/cryptography/key_material.hpp"
 #include "plugins/cryptography/key_owner.hpp"
 
 namespace ddssec::cryptography {
@@ -16,7 +17,6 @@ Result<Guid> read_guid(Reader& in) {
               EntityId::from(octets.subspan(GuidPrefix::size))};
 }
 
-/// All that is kept of it.
 std::size_t octets_in(const spi::Token& token) {
   auto octets = token.class_id.size();
   for (const auto& one : token.properties) octets += one.name.size() + one.value.size();
@@ -24,27 +24,37 @@ std::size_t octets_in(const spi::Token& token) {
   return octets;
 }
 
+bool is_writer(const EntityId& id) {
+  const auto kind = id.octets[3] & 0x3f;
+  return kind == 0x02 || kind == 0x03;
+}
+bool is_reader(const EntityId& id) {
+  const auto kind = id.octets[3] & 0x3f;
+  return kind == 0x04 || kind == 0x07;
+}
+
 /// A writer and a reader of one secure builtin topic (DDS-Security 7.4.5): the sender chooses the
 /// bits of an entity id that say builtin, and the host matches no others by itself.
 bool are_builtin_pair(const EntityId& remote, const EntityId& local) {
-  constexpr std::uint8_t kWriter = 0xc2, kReader = 0xc7;
   constexpr std::array<std::uint32_t, 4> kTopics = {0xff0003, 0xff0004, 0xff0200, 0xff0101};
   const auto topic_of = [](const EntityId& id) {
     return std::uint32_t{id.octets[0]} << 16 | std::uint32_t{id.octets[1]} << 8 | id.octets[2];
   };
-  const auto is_of = [](const EntityId& id, std::uint8_t kind) { return id.octets[3] == kind; };
-  return topic_of(remote) == topic_of(local) &&
-         std::ranges::find(kTopics, topic_of(remote)) != kTopics.end() &&
-         ((is_of(remote, kWriter) && is_of(local, kReader)) ||
-          (is_of(remote, kReader) && is_of(local, kWriter)));
+  constexpr auto is_keyed = [](const EntityId& id) {
+    return id.octets[3] == 0xc2 || id.octets[3] == 0xc7;
+  };
+  return topic_of(remote) == topic_of(local) && is_keyed(remote) && is_keyed(local) &&
+         std::ranges::find(kTopics, topic_of(remote)) != kTopics.end();
 }
 
-/// Two endpoints, or two participants, for which the host can ever use tokens.
-bool are_two_of_a_kind(const Guid& remote, const Guid& local) {
-  if (remote.entity == kEntityIdParticipant) return local.entity == kEntityIdParticipant;
-  if (is_builtin(remote.entity) || is_builtin(local.entity))
-    return are_builtin_pair(remote.entity, local.entity);
-  return true;
+/// Two endpoints, or two participants, for which the host can ever use the tokens.
+bool are_two_of_a_kind(const TokenMessage& message) {
+  const auto &remote = message.remote.entity, &local = message.local.entity;
+  if (remote == kEntityIdParticipant) return local == kEntityIdParticipant;
+  const auto &writer = message.is_of_reader ? local : remote,
+             &reader = message.is_of_reader ? remote : local;
+  if (!is_writer(writer) || !is_reader(reader)) return false;
+  return is_builtin(remote) || is_builtin(local) ? are_builtin_pair(remote, local) : true;
 }
 
 Result<std::vector<spi::Token>> read_tokens(Reader& in) {
@@ -105,6 +115,20 @@ Result<std::optional<TokenMessage>> read_token_message(const DataPiece& piece) {
               {.document = "a key token message", .note = "its tokens cannot be read"});
 }
 
+Status check_usable(const TokenMessage& message) {
+  if (!are_two_of_a_kind(message))
+    return fail(Code::token_source_unreadable,
+                {.document = std::string(kDocument),
+                 .found = message.remote.to_string() + " for " + message.local.to_string(),
+                 .note = "no two such endpoints exchange keys"});
+  const bool is_of_participant = message.remote.entity == kEntityIdParticipant;
+  const auto most = is_of_participant ? 1 : kMostTokensPerEndpoint;
+  if (message.tokens.empty() || message.tokens.size() > most)
+    return fail(Code::crypto_token_count, {.document = std::string(kDocument)});
+  for (const auto& token : message.tokens) DDSSEC_TRY(read_crypto_token(token));
+  return {};
+}
+
 void write_ticket(const Ticket& ticket, const TokenMessage& message, const DataPiece& piece,
                   MutableBytes payload) {
   // What read_tokens read without an error is read again, where it stands.
@@ -139,8 +163,33 @@ void wipe_tokens(std::span<spi::Token> tokens) {
     for (auto& one : token.binary_properties) wipe(one.value);
 }
 
-TokenLedger::~TokenLedger() {
-  for (auto& [key, entry] : entries_) wipe_tokens(entry.tokens);
+PackedTokens::PackedTokens(std::span<const spi::Token> tokens) {
+  const auto material_of = [](const spi::Token& token) -> const Bytes& {
+    return token.binary_properties.front().value;
+  };
+  std::size_t size = 0;
+  for (const auto& token : tokens) size += 1 + material_of(token).size();
+  octets_.reserve(size);
+  for (const auto& token : tokens) {
+    const auto& material = material_of(token);
+    octets_.push_back(static_cast<std::uint8_t>(material.size()));
+    octets_.insert(octets_.end(), material.begin(), material.end());
+  }
+}
+
+PackedTokens& PackedTokens::operator=(PackedTokens&& other) noexcept {
+  octets_.swap(other.octets_);
+  return *this;
+}
+
+std::vector<spi::Token> PackedTokens::tokens() const {
+  std::vector<spi::Token> out;
+  for (auto rest = BytesView(octets_); !rest.empty();) {
+    const auto size = rest.front();
+    out.push_back(token_of_material(rest.subspan(1, size)));
+    rest = rest.subspan(1 + std::size_t{size});
+  }
+  return out;
 }
 
 TokenLedger::Subject TokenLedger::subject_of(const Key& key) {
@@ -160,16 +209,12 @@ Ticket TokenLedger::fresh_ticket() {
 
 /// While the host holds a ticket, only the message that brought it passes, as a retransmission: the
 /// host may have had no room for it the first time.
-Passage TokenLedger::of_held(Entry& entry, TokenMessage& message, const Age& age) {
-  if (age == entry.passed) {
-    wipe_tokens(message.tokens);
-    return {Passage::Kind::ticket, entry.ticket};
-  }
+Passage TokenLedger::of_held(Entry& entry, const TokenMessage& message, const Age& age) {
+  if (age == entry.passed) return {Passage::Kind::ticket, entry.ticket};
   if (age > entry.newest) {
-    std::swap(entry.tokens, message.tokens);
+    entry.tokens = PackedTokens(message.tokens);
     entry.newest = age;
   }
-  wipe_tokens(message.tokens);
   const bool is_same_exchange = age.exchange == entry.passed.exchange;
   return {is_same_exchange ? Passage::Kind::repeated : Passage::Kind::hidden};
 }
@@ -195,13 +240,8 @@ Status TokenLedger::check_room(const Key& key) {
   return {};
 }
 
-Result<Passage> TokenLedger::note(TokenMessage message, std::uint64_t exchange,
+Result<Passage> TokenLedger::note(const TokenMessage& message, std::uint64_t exchange,
                                   bool are_builtin_matched, std::chrono::nanoseconds now) {
-  if (!has_place_for_ticket(message.tokens)) return Passage{Passage::Kind::hidden};
-  if (!are_two_of_a_kind(message.remote, message.local)) {
-    wipe_tokens(message.tokens);
-    return Passage{Passage::Kind::invented};
-  }
   const std::lock_guard lock(mutex_);
   forget_old(now);
   const Key key{message.remote, message.local};
@@ -212,12 +252,8 @@ Result<Passage> TokenLedger::note(TokenMessage message, std::uint64_t exchange,
     if (entry.is_pending) {
       const bool is_other = exchange > entry.passed.exchange && is_builtin(key.remote.entity);
       if (!is_other) return of_held(entry, message, age);
-      if (!is_given_up(key, entry, are_builtin_matched, now)) {
-        wipe_tokens(message.tokens);
-        return Passage{Passage::Kind::later};
-      }
+      if (!is_given_up(key, entry, are_builtin_matched, now)) return Passage{Passage::Kind::later};
     } else if (exchange == entry.newest.exchange && age <= entry.newest) {
-      wipe_tokens(message.tokens);
       return Passage{Passage::Kind::hidden};  // the host has had it, or passed it over
     } else if (entry.awaited_by && entry.awaited_by->exchange == exchange) {
       user = entry.awaited_by;
@@ -228,10 +264,11 @@ Result<Passage> TokenLedger::note(TokenMessage message, std::uint64_t exchange,
   auto& counts = counts_[subject_of(key)];
   ++counts.pending, ++counts.all;
   const auto ticket = fresh_ticket();
-  entries_.emplace(
+  const auto entry = entries_.emplace(
       key,
-      Entry{.passed = age, .newest = age, .ticket = ticket, .tokens = std::move(message.tokens)});
-  tickets_.emplace(ticket, key);
+      Entry{
+          .passed = age, .newest = age, .ticket = ticket, .tokens = PackedTokens(message.tokens)});
+  tickets_.emplace(ticket, entry.first);
   if (user) return Passage{Passage::Kind::awaited, ticket, *user};
   return Passage{Passage::Kind::ticket, ticket};
 }
@@ -245,18 +282,14 @@ std::optional<TokenLedger::Held> TokenLedger::redeem(std::span<const spi::Token>
   const std::lock_guard lock(mutex_);
   const auto found = tickets_.find(ticket);
   if (found == tickets_.end()) return std::nullopt;
-  const auto key = found->second;
+  auto& [key, entry] = *found->second;
   tickets_.erase(found);
-  auto& entry = entries_.at(key);
   entry.is_pending = false;
   --counts_.at(subject_of(key)).pending;
-  Held held{key.remote, std::move(entry.tokens)};
-  if (user.exchange > entry.newest.exchange) {
-    wipe_tokens(held.tokens);
-    held.tokens.clear();
-    entry.awaited_by = user;
-  }
-  return held;
+  const auto packed = std::exchange(entry.tokens, {});
+  if (user.exchange <= entry.newest.exchange) return Held{key.remote, packed.tokens()};
+  entry.awaited_by = user;
+  return Held{key.remote, {}};
 }
 
 void TokenLedger::end(std::uint64_t exchange, std::chrono::nanoseconds now) {
@@ -296,7 +329,6 @@ void TokenLedger::erase(Entries::iterator entry) {
   if (entry->second.is_pending) {
     --counts->second.pending;
     tickets_.erase(entry->second.ticket);
-    wipe_tokens(entry->second.tokens);
   }
   if (--counts->second.all == 0) counts_.erase(counts);
   entries_.erase(entry);

@@ -38,11 +38,20 @@ struct TokenMessage {
 /// those that come first.
 Result<std::optional<TokenMessage>> read_token_message(const DataPiece& piece);
 
+/// Whether the host could use what the message brings once its endpoints are matched: key material,
+/// as much as one may have, between a writer and a reader or between two participants. The host
+/// would keep anything. Errors: token_source_unreadable (no two such entities exchange keys),
+/// crypto_token_count, those of read_crypto_token.
+Status check_usable(const TokenMessage& message);
+
 inline constexpr std::uint64_t kGreatestNumber = std::uint64_t{1} << 62;
 
 /// Of all tokens of one message, names and class ids included: three times what two keys with
 /// receiver keys need.
 inline constexpr std::size_t kMostTokenOctets = 1024;
+
+/// A writer may have one key for both levels, or a key for each (DDS-Security 9.5.2.1).
+inline constexpr std::size_t kMostTokensPerEndpoint = 2;
 
 /// What the host gets instead of key material, and comes back with.
 struct Ticket {
@@ -64,7 +73,6 @@ struct Passage {
     ticket,    ///< it goes to the host, with the ticket in it
     hidden,    ///< it goes to the host as a class that the host does not know
     repeated,  ///< hidden, since the host holds a ticket of the same exchange
-    invented,  ///< hidden, since no two such endpoints exchange keys
     later,     ///< it is not accepted yet, and will be sent again
     awaited,   ///< hidden; the ticket is for the user, whom the host thinks provided for
   };
@@ -79,6 +87,22 @@ struct Passage {
 void write_ticket(const Ticket& ticket, const TokenMessage& message, const DataPiece& piece,
                   MutableBytes payload);
 
+/// The key material of usable tokens, in one block and without what is the same in all. Wiped when
+/// it goes.
+class PackedTokens {
+ public:
+  PackedTokens() = default;
+  explicit PackedTokens(std::span<const spi::Token> tokens);
+  PackedTokens(PackedTokens&&) noexcept = default;
+  PackedTokens& operator=(PackedTokens&& other) noexcept;
+  ~PackedTokens() { wipe(octets_); }
+
+  std::vector<spi::Token> tokens() const;
+
+ private:
+  Bytes octets_;  ///< for each token its length, one octet, and so many octets
+};
+
 /// Keeps the tokens that come for two endpoints, and gives the host a ticket for them. Any number
 /// of threads.
 ///
@@ -89,8 +113,7 @@ void write_ticket(const Ticket& ticket, const TokenMessage& message, const DataP
 /// A message that was opened may still not have reached the host. When its sender authenticates
 /// anew, the host may hold the former ticket or not. It drops those of a participant with the
 /// participant. Those of builtin endpoints it uses as soon as it matches them; tokens wait for
-/// that. Tokens of other entities that only look builtin never reach it. Of other endpoints nothing
-/// is known for six minutes.
+/// that. Of other endpoints nothing is known for six minutes.
 class TokenLedger {
  public:
   /// Of one certificate's participants, which are told by the first six octets of the prefix
@@ -104,17 +127,17 @@ class TokenLedger {
   TokenLedger() = default;
   TokenLedger(const TokenLedger&) = delete;
   TokenLedger& operator=(const TokenLedger&) = delete;
-  ~TokenLedger();
 
   /// How long the host may need, once endpoints are matched, to come with a ticket for them.
   static constexpr std::chrono::milliseconds kComing{50};
 
-  /// `exchange` tells one authentication of the message's sender from the next, and later ones have
-  /// greater numbers. Within one, the host takes the numbers of messages in order and each once.
+  /// Of a message that check_usable let pass, whose tokens it wipes. `exchange` tells one
+  /// authentication of the message's sender from the next, and later ones have greater numbers.
+  /// Within one, the host takes the numbers of messages in order and each once.
   /// `are_builtin_matched`: the host has matched all builtin endpoints of sender and receiver.
   /// Error: crypto_tokens_crowded.
-  Result<Passage> note(TokenMessage message, std::uint64_t exchange, bool are_builtin_matched,
-                       std::chrono::nanoseconds now);
+  Result<Passage> note(const TokenMessage& message, std::uint64_t exchange,
+                       bool are_builtin_matched, std::chrono::nanoseconds now);
 
   /// The sender of that exchange is gone, or will authenticate anew.
   void end(std::uint64_t exchange, std::chrono::nanoseconds now);
@@ -151,7 +174,7 @@ class TokenLedger {
     bool is_pending = true;
     std::optional<TicketUser> awaited_by = {};
     Ticket ticket;
-    std::vector<spi::Token> tokens;
+    PackedTokens tokens;
   };
   using Entries = std::map<Key, Entry>;
   struct Counts {
@@ -161,7 +184,7 @@ class TokenLedger {
   using Subject = std::array<std::uint8_t, 6>;
 
   static Subject subject_of(const Key& key);
-  static Passage of_held(Entry& entry, TokenMessage& message, const Age& age);
+  static Passage of_held(Entry& entry, const TokenMessage& message, const Age& age);
   static bool is_given_up(const Key& key, Entry& entry, bool are_builtin_matched,
                           std::chrono::nanoseconds now);
   Status check_room(const Key& key);
@@ -173,7 +196,7 @@ class TokenLedger {
   mutable std::mutex mutex_;
   Entries entries_;
   std::map<std::uint64_t, std::chrono::nanoseconds> ended_;  // exchanges
-  std::map<Ticket, Key> tickets_;
+  std::map<Ticket, Entries::iterator> tickets_;
   std::map<Subject, Counts> counts_;
   std::uint64_t next_ticket_ = 1;
 };

@@ -134,18 +134,47 @@ bool are_builtin_matched(const Shared& shared, const RemoteEndpoint& sender) {
   });
 }
 
-/// Cyclone DDS never comes with a reader's tokens if no submessages of the writer are protected,
-/// and would hold them for nothing.
-bool are_for_nobody(const Shared& shared, const RemoteEndpoint& sender,
-                    const TokenMessage& message) {
-  if (!message.is_of_reader || is_builtin(message.remote.entity)) return false;
+/// Whether any endpoint here takes such tokens. A host never comes with a reader's tokens if no
+/// submessages of the writer are protected, and would hold them for nothing. True while another
+/// thread changes the endpoints.
+bool may_be_used(const Shared& shared, const RemoteEndpoint& sender, const TokenMessage& message) {
+  if (message.remote.entity == kEntityIdParticipant) return true;
   const std::unique_lock lock(shared.mutex, std::try_to_lock);
-  if (!lock.owns_lock()) return false;
-  const auto is_protected_writer = [&](std::int64_t handle) {
-    const auto writer = shared.registry.find<LocalEndpoint>(handle, EntityKind::local_writer);
-    return writer && !(*writer)->is_builtin && is_protected((*writer)->submessage);
-  };
-  return std::ranges::none_of(sender.local.participant.endpoints, is_protected_writer);
+  if (!lock.owns_lock()) return true;
+  const bool for_builtin = is_builtin(message.remote.entity);
+  const auto kind = message.is_of_reader ? EntityKind::local_writer : EntityKind::local_reader;
+  return std::ranges::any_of(sender.local.participant.endpoints, [&](std::int64_t handle) {
+    const auto found = shared.registry.find<LocalEndpoint>(handle, kind);
+    if (!found) return false;
+    const auto& endpoint = **found;
+    // Another vendor's access control does not tell which are builtin.
+    if (!for_builtin && endpoint.is_builtin) return false;
+    return endpoint.has_tokens() && (!message.is_of_reader || is_protected(endpoint.submessage));
+  });
+}
+
+/// What becomes of a token message, and what there is to report of it.
+struct Judgement {
+  Passage passage;
+  std::optional<Error> reported = {};
+};
+
+Result<Judgement> judge(const Shared& shared, const RemoteEndpoint& sender, const Pair& pair,
+                        const TokenMessage& message) {
+  using Kind = Passage::Kind;
+  if (auto status = check_usable(message); !status)
+    return Judgement{{Kind::hidden}, std::move(status).error()};
+  if (!may_be_used(shared, sender, message)) return Judgement{{Kind::hidden}};
+  const bool are_matched = is_builtin(message.remote.entity) && are_builtin_matched(shared, sender);
+  const auto passage = DDSSEC_TRY(
+      shared.ledger.note(message, pair.number, are_matched, shared.environment.clock.monotonic()));
+  // The host logs it. It is no event: honest peers that met again after a loss send such messages.
+  if (passage.kind == Kind::later) return fail(Code::crypto_tokens_repeated);
+  if (passage.kind != Kind::repeated) return Judgement{passage};
+  return Judgement{
+      passage, Error(Code::crypto_tokens_repeated, {.document = "a key token message",
+                                                    .found = message.remote.to_string(),
+                                                    .note = "for " + message.local.to_string()})};
 }
 
 /// What the ledger gives to a match that has waited for it. An error is an event of its own.
@@ -165,64 +194,37 @@ void hand_over(Shared& shared, const TokenMessage& message, const Passage& passa
 /// Key tokens stay in the ledger, and the host gets tickets. What it must not see now comes to it
 /// as a message of a class that it does not know: one that is missing would hold up all that
 /// follow.
-Status keep_tokens(Shared& shared, const RemoteEndpoint& sender, Pair& pair,
-                   const std::optional<KeyOwner>& owner, MutableBytes submessage) {
+Status keep_tokens(Shared& shared, const RemoteEndpoint& sender, const Pair& pair,
+                   MutableBytes submessage) {
   if (!writer_of_data(submessage)) return {};
   const auto piece = DDSSEC_TRY(read_data_piece(submessage));
   auto message = DDSSEC_TRY(read_token_message(piece));
   if (!message) return {};
   const Rollback wipe_copy([&] { wipe_tokens(message->tokens); });
-  const auto now = shared.environment.clock.monotonic();
-  const auto passage = are_for_nobody(shared, sender, *message)
-                           ? Passage{Passage::Kind::hidden}
-                           : DDSSEC_TRY(shared.ledger.note(
-                                 *message, pair.number, are_builtin_matched(shared, sender), now));
-  // The host logs it. It is no event: honest peers that met again after a loss send such messages.
-  if (passage.kind == Passage::Kind::later) return fail(Code::crypto_tokens_repeated);
+  const auto [passage, reported] = DDSSEC_TRY(judge(shared, sender, pair, *message));
   const auto payload = submessage.subspan(
       static_cast<std::size_t>(piece.payload.data() - submessage.data()), piece.payload.size());
   write_ticket(passage.ticket, *message, piece, payload);
   if (passage.kind != Passage::Kind::ticket) payload[message->class_at] = '-';
-  if (passage.kind == Passage::Kind::invented)
-    shared.report(
-        Error(Code::token_source_unreadable,
-              {.document = "a key token message",
-               .found = message->remote.to_string() + " for " + message->local.to_string(),
-               .note = "no two such endpoints exchange keys"}),
-        pair.peer_prefix);
-  if (passage.kind == Passage::Kind::awaited) {
-    if (owner) pair.owners.note(*owner);
-    hand_over(shared, *message, passage);
-  }
-  if (passage.kind == Passage::Kind::repeated)
-    shared.report(
-        Error(Code::crypto_tokens_repeated, {.document = "a key token message",
-                                             .found = message->remote.to_string(),
-                                             .note = "for " + message->local.to_string()}),
-        pair.peer_prefix);
+  if (passage.kind == Passage::Kind::awaited) hand_over(shared, *message, passage);
+  if (reported) shared.report(*reported, pair.peer_prefix);
   return {};
 }
 
 /// The same for a host that would believe whatever source, and whatever endpoint, it names.
 Status check_source_named(Shared& shared, const RemoteEndpoint& sender, MutableBytes plain) {
   if (shared.host_checks_sources) return {};
-  auto* const pair = sender.participant.pair(sender.local.participant.handle());
+  const auto* const pair = sender.participant.pair(sender.local.participant.handle());
   if (pair == nullptr) return fail(Code::crypto_not_matched);
   auto status = check_token_source(plain, sender.local.is_volatile, pair->peer_prefix);
   if (status) {
     DDSSEC_TRY(check_speaker(sender, plain));
     if (pair->peer_prefix) status = check_builtin_source(plain, *pair->peer_prefix);
   }
-  const auto owner =
-      status && sender.local.is_volatile ? owner_in_tokens(token_payload(plain)) : std::nullopt;
-  if (status && sender.local.is_volatile) status = keep_tokens(shared, sender, *pair, owner, plain);
-  if (!status) {
-    if (status.error().code() != Code::crypto_tokens_repeated)
-      shared.report(status.error(), pair->peer_prefix);
-    return status;
-  }
-  if (owner) pair->owners.note(*owner);
-  return {};
+  if (status && sender.local.is_volatile) status = keep_tokens(shared, sender, *pair, plain);
+  if (!status && status.error().code() != Code::crypto_tokens_repeated)
+    shared.report(status.error(), pair->peer_prefix);
+  return status;
 }
 
 template <class Local, class Remote>

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "plugins/cryptography/key_material.hpp"
+#include "plugins/cryptography/token_ledger.hpp"
 #include "tests/unit/cryptography/insider.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
 
@@ -17,7 +18,6 @@ constexpr EntityId kTokenWriter{{0xff, 0x02, 0x02, 0xc3}};
 constexpr EntityId kTokenReader{{0xff, 0x02, 0x02, 0xc4}};
 constexpr EntityId kSquare{{0, 0, 1, 0x03}}, kOther{{0, 0, 2, 0x03}}, kReader{{0, 0, 3, 0x04}};
 constexpr EntityId kSecureLiveliness{{0xff, 0x02, 0x00, 0xc2}};
-constexpr KeyId kKey{{1, 2, 3, 4}}, kNextKey{{1, 2, 3, 5}};
 
 /// CDR of either byte order.
 class Writer {
@@ -50,8 +50,11 @@ Bytes token_message(const GuidPrefix& prefix, const EntityId& endpoint,
   Writer cdr(little);
   cdr.octets(kPeer.view());
   cdr.out.resize(80, 0x11);
+  const bool is_of_reader = endpoint == kReader;
+  cdr.out.back() = is_of_reader ? 0x03 : 0x04;  // whom they are for
   cdr.octets(prefix.view()).octets(endpoint.view());
-  cdr.text("dds.sec.datawriter_crypto_tokens").u32(static_cast<std::uint32_t>(tokens.size()));
+  cdr.text(is_of_reader ? "dds.sec.datareader_crypto_tokens" : "dds.sec.datawriter_crypto_tokens");
+  cdr.u32(static_cast<std::uint32_t>(tokens.size()));
   for (const auto& token : tokens) {
     cdr.text(token.class_id).u32(0).u32(1).text(token.binary_properties[0].name);
     const auto& value = token.binary_properties[0].value;
@@ -76,7 +79,8 @@ Bytes token_submessage(const EntityId& owner, std::span<const spi::Token> tokens
   auto out = naming(submessage_id::kData, 12, kTokenWriter, 24);
   out[6] = 16, out[7] = 0;  // octetsToInlineQos
   std::fill(out.begin() + 16, out.begin() + 24, std::uint8_t{0});
-  out[20] = 1;  // writerSN
+  static std::uint8_t number = 0;
+  out[20] = ++number;  // writerSN
   const auto payload = token_message(kPeer, owner, tokens);
   out.insert(out.end(), payload.begin(), payload.end());
   out[2] = static_cast<std::uint8_t>(out.size() - 4);
@@ -84,61 +88,10 @@ Bytes token_submessage(const EntityId& owner, std::span<const spi::Token> tokens
   return out;
 }
 
-// ---- reading
-
-TEST(OwnerInTokens, IsReadInEachByteOrder) {
-  Insider insider(kAes256Gcm);
-  const std::vector tokens = {insider.token(), crypto_token(KeyMaterial{})};
-  for (const bool little : {false, true}) {
-    const auto owner = owner_in_tokens(token_message(kPeer, kSquare, tokens, little));
-    ASSERT_TRUE(owner);
-    EXPECT_EQ(owner->key, insider.key->material().sender_key_id);
-    EXPECT_EQ(owner->endpoint, kSquare);
-  }
+/// What the host hands over of such a message.
+std::vector<spi::Token> tokens_in(const Bytes& submessage) {
+  return read_token_message(read_data_piece(submessage).value()).value()->tokens;
 }
-
-TEST(OwnerInTokens, OfAParticipantOrCutOffIsNothing) {
-  const std::vector tokens = {Insider(kAes256Gcm).token()};
-  EXPECT_FALSE(owner_in_tokens(token_message({}, {}, tokens)));
-  EXPECT_FALSE(owner_in_tokens(token_message(kPeer, kSquare, {})));
-  EXPECT_FALSE(owner_in_tokens(token_message(kPeer, kSquare, std::vector{crypto_token({})})));
-  const auto whole = token_message(kPeer, kSquare, tokens);
-  std::size_t needed = whole.size();
-  for (std::size_t size = 0; size <= whole.size(); ++size)
-    if (owner_in_tokens(BytesView(whole).first(size))) {
-      needed = size;
-      break;
-    }
-  EXPECT_LT(needed, whole.size());  // as soon as the key id is there
-  for (std::size_t size = needed; size <= whole.size(); ++size)
-    EXPECT_TRUE(owner_in_tokens(BytesView(whole).first(size))) << size;
-}
-
-TEST(KeyOwners, AKeyOfSeveralEndpointsIsRefused) {
-  KeyOwners owners;
-  EXPECT_TRUE(owners.owner_of(kKey)->is_zero());
-  owners.note({kKey, kSquare});
-  owners.note({kKey, kSquare});  // for each of its readers once more
-  EXPECT_EQ(owners.owner_of(kKey), kSquare);
-  owners.note({kKey, kOther});
-  const auto contested = owners.owner_of(kKey);
-  ASSERT_FALSE(contested);
-  EXPECT_EQ(contested.error().code(), Code::key_material_key_id);
-}
-
-TEST(KeyOwners, TheOldestGivesWay) {
-  KeyOwners owners;
-  owners.note({kKey, kSquare});
-  for (std::uint32_t i = 0; i < KeyOwners::kMaxKeys - 1; ++i)
-    owners.note(
-        {KeyId{{9, 9, static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i)}}, kOther});
-  EXPECT_EQ(owners.owner_of(kKey), kSquare);
-  owners.note({kNextKey, kOther});
-  EXPECT_TRUE(owners.owner_of(kKey)->is_zero());
-  EXPECT_EQ(owners.owner_of(kNextKey), kOther);
-}
-
-// ---- in the engine
 
 struct KeyOwnerTest : ::testing::Test {
   explicit KeyOwnerTest(bool revises = false)
@@ -150,11 +103,12 @@ struct KeyOwnerTest : ::testing::Test {
   /// The writer's tokens, in a message from `owner`; what the host hands over then.
   void take(const WriterToReader& ends, const EntityId& owner,
             spi::KeyStage stage = spi::KeyStage::in_use) {
-    const auto tokens = two.writer_tokens(ends, stage).value();
-    const auto message = token_submessage(owner, tokens);
-    ASSERT_TRUE(
-        decode_submessage(two, exchange, encode_submessage(two, exchange, message).value()));
-    EXPECT_TRUE(two.take_writer(ends, tokens));
+    EXPECT_TRUE(take(ends, owner, two.writer_tokens(ends, stage).value()));
+  }
+  Status take(const WriterToReader& ends, const EntityId& owner,
+              std::span<const spi::Token> tokens) {
+    const auto passed = passes(exchange, token_submessage(owner, tokens));
+    return two.take_writer(ends, tokens_in(passed.value()));
   }
   Result<Bytes> passes(const WriterToReader& ends, const Bytes& submessage) {
     return decode_submessage(two, ends, encode_submessage(two, ends, submessage).value());
@@ -234,10 +188,10 @@ TEST_F(KeyOwnerTest, AReaderAcknowledgesAsItselfOnly) {
       into_bytes(message.size() + spi::protection_overhead(1), [&](MutableBytes out) {
         return b.transform().encode_datawriter_submessage(writer, {&*to, 1}, message, out);
       }).value();
-  ASSERT_TRUE(into_bytes(sent.size(), [&](MutableBytes out) {
+  const auto passed = into_bytes(sent.size(), [&](MutableBytes out) {
     return a.transform().decode_datawriter_submessage(reader, *from, sent, out);
-  }));
-  ASSERT_TRUE(two.take_reader(ends, tokens));
+  });
+  ASSERT_TRUE(two.take_reader(ends, tokens_in(passed.value())));
   const auto replies = [&](std::uint8_t id, const EntityId& as) {
     return decode_reply(two, ends, encode_reply(two, ends, naming(id, 4, as)).value());
   };
@@ -261,8 +215,9 @@ TEST_F(KeyOwnerTest, AKeyThatTwoEndpointsClaimIsNotTaken) {
   const auto ends = two.endpoints(attributes());
   take(ends, kSquare);
   const auto tokens = two.writer_tokens(ends).value();
-  ASSERT_TRUE(passes(exchange, token_submessage(kOther, tokens)));
-  EXPECT_EQ(code_of(two.take_writer(ends, tokens)), Code::key_material_key_id);
+  EXPECT_EQ(code_of(take(ends, kOther, tokens)), Code::key_material_key_id);
+  const auto other = two.endpoints(attributes());
+  EXPECT_EQ(code_of(take(other, kOther, tokens)), Code::key_material_key_id);
   EXPECT_TRUE(passes(ends, data_of(kSquare)));  // what was taken stays
   EXPECT_EQ(code_of(passes(ends, data_of(kOther))), Code::submessage_not_of_sender);
 }

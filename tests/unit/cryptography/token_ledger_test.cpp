@@ -5,6 +5,7 @@
 #include "plugins/cryptography/key_material.hpp"
 #include "tests/unit/cryptography/data_message.hpp"
 #include "tests/unit/cryptography/insider.hpp"
+#include "tests/unit/cryptography/token_message.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
 
 namespace ddssec::cryptography {
@@ -14,9 +15,6 @@ using namespace testing;
 using std::chrono::seconds;
 
 constexpr EntityId kWriter{{0, 0, 1, 2}}, kReader{{0, 0, 1, 7}}, kOtherReader{{0, 0, 2, 7}};
-constexpr GuidPrefix kOurs{{0x90, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
-constexpr std::string_view kOfParticipant = "dds.sec.participant_crypto_tokens";
-constexpr std::string_view kOfWriter = "dds.sec.datawriter_crypto_tokens";
 
 /// Other ones each time.
 std::vector<spi::Token> fresh_tokens() {
@@ -24,29 +22,6 @@ std::vector<spi::Token> fresh_tokens() {
   auto token = Insider(kAes256Gcm).token();
   token.binary_properties.at(0).value.back() = ++number;
   return {token};
-}
-
-void append_guid(Bytes& out, const Guid& guid) { append(out, guid.octets()); }
-
-/// ParticipantGenericMessage with key tokens.
-Bytes token_message(const Guid& remote, const Guid& local, std::span<const spi::Token> tokens,
-                    std::string_view class_id = kOfWriter, bool little = true) {
-  const bool of_participant = class_id == kOfParticipant;
-  Writer writer(little ? Endian::little : Endian::big);
-  Bytes begin;
-  append_guid(begin, {remote.prefix, {}});
-  begin.resize(48, 0);
-  append_guid(begin, {local.prefix, kEntityIdParticipant});
-  append_guid(begin, of_participant ? Guid{} : local);
-  append_guid(begin, of_participant ? Guid{} : remote);
-  writer.write_bytes(begin);
-  writer.write_string(class_id);
-  writer.write_aligned(static_cast<std::uint32_t>(tokens.size()));
-  for (const auto& one : tokens) spi::write_token(writer, one);
-  Bytes out = {0, static_cast<std::uint8_t>(little ? 1 : 0), 0, 0};
-  append(out, writer.take());
-  out.resize(padded(out.size()));
-  return out;
 }
 
 using Kind = Passage::Kind;
@@ -128,24 +103,61 @@ TEST(TokenLedger, AGreatNumberOpensNothing) {
     EXPECT_EQ(host.note(number), Kind::repeated);
 }
 
+Status usable(const EntityId& remote, const EntityId& local, bool is_of_reader,
+              std::vector<spi::Token> tokens = {Insider(kAes256Gcm).token()}) {
+  return check_usable({{kPeer, remote}, {kOurs, local}, 1, is_of_reader, std::move(tokens), 0, 0});
+}
+
 // The host never matches those, and would hold their ticket when the next one came.
-TEST(TokenLedger, HidesTokensOfEntitiesThatOnlyLookBuiltin) {
-  constexpr EntityId kWriter{{0xff, 0, 3, 0xc2}}, kReader{{0xff, 0, 3, 0xc7}};
-  constexpr std::array<std::pair<EntityId, EntityId>, 6> kPairs = {{
-      {{{0xfe, 0, 1, 0xc2}}, kReader},
-      {{{0xff, 0, 4, 0xc2}}, kReader},
+TEST(UsableTokens, AreOfTwoThatExchangeKeys) {
+  constexpr EntityId kSecureWriter{{0xff, 0, 3, 0xc2}}, kSecureReader{{0xff, 0, 3, 0xc7}};
+  EXPECT_TRUE(usable(kWriter, kReader, false));
+  EXPECT_TRUE(usable(kReader, kWriter, true));
+  EXPECT_TRUE(usable(kSecureWriter, kSecureReader, false));
+  EXPECT_TRUE(usable(kSecureReader, kSecureWriter, true));
+  EXPECT_TRUE(usable(kEntityIdParticipant, kEntityIdParticipant, false));
+  constexpr std::array<std::pair<EntityId, EntityId>, 10> kPairs = {{
+      {{{0xfe, 0, 1, 0xc2}}, kSecureReader},
+      {{{0xff, 0, 4, 0xc2}}, kSecureReader},
+      {kSecureReader, kSecureReader},
+      {kSecureWriter, {{0, 0, 1, 0x07}}},
+      {{{0, 0, 1, 0x02}}, kSecureReader},
+      {kEntityIdParticipant, kSecureReader},
+      {kWriter, kWriter},
       {kReader, kReader},
-      {kWriter, {{0, 0, 1, 0x07}}},
-      {{{0, 0, 1, 0x02}}, kReader},
-      {kEntityIdParticipant, kReader},
+      {{{0, 0, 1, 0x08}}, kReader},
+      {kWriter, kEntityIdParticipant},
   }};
-  for (const auto& [remote, local] : kPairs) {
-    Host host;
-    host.remote.entity = remote;
-    host.local.entity = local;
-    EXPECT_EQ(host.note(1), Kind::invented) << remote.to_string();
-    EXPECT_EQ(host.ledger.size(), 0u);
-  }
+  for (const auto& [remote, local] : kPairs)
+    for (const bool is_of_reader : {false, true})
+      EXPECT_EQ(code_of(usable(remote, local, is_of_reader)), Code::token_source_unreadable)
+          << remote.to_string() << local.to_string();
+  EXPECT_EQ(code_of(usable(kWriter, kReader, true)), Code::token_source_unreadable);
+  EXPECT_EQ(code_of(usable(kReader, kWriter, false)), Code::token_source_unreadable);
+}
+
+TEST(UsableTokens, AreKeyMaterialAndNothingElse) {
+  const auto token = Insider(kAes256Gcm).token();
+  const auto of_writer = [](std::vector<spi::Token> tokens) {
+    return code_of(usable(kWriter, kReader, false, std::move(tokens)));
+  };
+  EXPECT_EQ(of_writer({token, token}), Code{});
+  EXPECT_EQ(of_writer({token, token, token}), Code::crypto_token_count);
+  EXPECT_EQ(of_writer({}), Code::crypto_token_count);
+  EXPECT_EQ(code_of(usable(kEntityIdParticipant, kEntityIdParticipant, false, {token, token})),
+            Code::crypto_token_count);
+  auto stuffed = token;
+  stuffed.properties.emplace_back();
+  EXPECT_EQ(of_writer({stuffed}), Code::crypto_token_form);
+  stuffed = token;
+  stuffed.binary_properties.emplace_back();
+  EXPECT_EQ(of_writer({token, stuffed}), Code::crypto_token_form);
+  auto renamed = token;
+  renamed.class_id += ' ';
+  EXPECT_EQ(of_writer({renamed}), Code::crypto_token_class);
+  auto shortened = token;
+  shortened.binary_properties[0].value.resize(15);
+  EXPECT_EQ(of_writer({shortened}), Code::key_material_length);
 }
 
 TEST(TokenLedger, ForgetsTheParticipantsTicketWhenItAuthenticatesAnew) {
@@ -284,17 +296,6 @@ TEST(TokenLedger, WhatIsNoTicketIsNobodys) {
   EXPECT_FALSE(host.ledger.redeem(fresh_tokens(), {}));
   EXPECT_FALSE(host.ledger.redeem({}, {}));
   EXPECT_EQ(host.note(2), Kind::repeated);
-}
-
-TEST(TokenLedger, TokensWithoutRoomForATicketAreHidden) {
-  Host host;
-  std::vector<spi::Token> tokens = fresh_tokens();
-  tokens[0].binary_properties[0].value.resize(15);
-  for (const auto& few : {tokens, std::vector<spi::Token>()})
-    EXPECT_EQ(
-        host.ledger.note({host.remote, host.local, 1, false, few, 0, 0}, 1, false, host.now)->kind,
-        Kind::hidden);
-  EXPECT_EQ(host.ledger.size(), 0u);
 }
 
 TEST(TokenLedger, HoldsSoManyOfOneCertificate) {
@@ -478,6 +479,31 @@ TEST(TrustingHost, GetsKeysAfterATicketOfAFormerSession) {
             Code::key_material_not_received);
   EXPECT_FALSE(engine.passes(2, engine.two.writer_tokens(engine.user).value()));
   EXPECT_TRUE(decode_submessage(engine.two, engine.user, encoded));
+}
+
+/// What it would hold for nothing, though the sender is to be named only if no honest one does it.
+TEST(TrustingHost, GetsNoTokensThatNothingHereCanUse) {
+  Engine engine(false);
+  auto tokens = engine.two.writer_tokens(engine.user).value();
+  const auto to_nobody = [&](const EntityId& remote, const EntityId& local,
+                             std::string_view class_id) {
+    static std::uint32_t number = 100;
+    const auto payload = token_message({kPeer, remote}, {kOurs, local}, tokens, class_id);
+    const auto octets = DataMessage{.number = ++number, .payload = payload}.octets();
+    const auto out = decode_submessage(engine.two, engine.ends,
+                                       encode_submessage(engine.two, engine.ends, octets).value());
+    return out.value()[24 + 104] == '-';
+  };
+  EXPECT_TRUE(to_nobody(kReader, kWriter, "dds.sec.datareader_crypto_tokens"))
+      << "no writer is here";
+  EXPECT_TRUE(
+      to_nobody({{0xff, 0, 3, 0xc7}}, {{0xff, 0, 3, 0xc2}}, "dds.sec.datareader_crypto_tokens"));
+  EXPECT_EQ(engine.two.b.events.codes, std::vector<Code>());
+  EXPECT_TRUE(to_nobody({{0xfe, 0, 3, 0xc2}}, {{0xff, 0, 3, 0xc7}}, kOfWriter));
+  EXPECT_EQ(engine.two.b.events.codes, std::vector{Code::token_source_unreadable});
+  tokens[0].properties.emplace_back();
+  EXPECT_TRUE(to_nobody(kWriter, kReader, kOfWriter));
+  EXPECT_EQ(engine.two.b.events.codes.back(), Code::crypto_token_form);
 }
 
 TEST(CheckingHost, GetsTokensAsTheyCome) {
