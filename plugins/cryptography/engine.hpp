@@ -143,6 +143,8 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   Status make_endpoint_keys(LocalEndpoint& endpoint);
   Result<std::int64_t> match(LocalEndpoint& local, EntityKind remote_kind,
                              spi::ParticipantCryptoHandle remote_participant);
+  /// Error: receiver_count, after an event that names the peer.
+  Status take_place(RemoteEndpoint& reader, const Pair& pair);
   void drop(const Entity& entity);
   void drop_local(LocalParticipant& participant);
   void drop_remote(RemoteParticipant& participant);

@@ -22,6 +22,7 @@
 #include "plugins/cryptography/key_life.hpp"
 #include "plugins/cryptography/key_owner.hpp"
 #include "plugins/cryptography/receive_key.hpp"
+#include "plugins/cryptography/receiver_places.hpp"
 #include "plugins/cryptography/registry.hpp"
 #include "plugins/cryptography/routes.hpp"
 #include "plugins/cryptography/send_key.hpp"
@@ -140,6 +141,7 @@ struct LocalEndpoint final : Entity {
   /// A reader's key that is only ever sent, where only payloads are protected.
   std::optional<KeyMaterial> token_only;
   std::unordered_set<std::int64_t> matched;  ///< remote endpoints
+  ReceiverPlaces receivers = {};             ///< a writer's that need a MAC each
 
   bool sends_protected() const {
     return submessage_key.read() != nullptr || payload_key.read() != nullptr;
@@ -157,7 +159,8 @@ struct RemoteEndpoint final : Entity {
   RemoteParticipant& participant;
   std::unique_ptr<ReceiverKey> receiver_key;  ///< ours towards it; null without need
   Published<RemoteKeys> remote_keys;
-  std::atomic<std::uint64_t> route = 0;  ///< the number of its only route that counts; 0: none
+  std::atomic<std::uint64_t> route = 0;     ///< the number of its only route that counts; 0: none
+  std::optional<std::uint64_t> place = {};  ///< whose place among the local writer's receivers
 };
 
 }  // namespace ddssec::cryptography

@@ -24,6 +24,16 @@ bool same_key_exchange(const Pair& a, const Pair& b) {
   return a.key_exchange_send->material().sender_key == b.key_exchange_send->material().sender_key;
 }
 
+/// Whose participants share their places: the octets of the prefix that are bound to the subject
+/// (DDS-Security 9.3.3). A participant whose prefix is not proven has places of its own, told by
+/// its handle, which is greater than six octets can say.
+std::uint64_t subject_of(const RemoteParticipant& participant, const Pair& pair) {
+  if (!pair.peer_prefix) return static_cast<std::uint64_t>(participant.handle());
+  std::uint64_t subject = 0;
+  for (std::size_t i = 0; i < 6; ++i) subject = subject << 8 | pair.peer_prefix->octets[i];
+  return subject;
+}
+
 }  // namespace
 
 template <class T>
@@ -250,6 +260,16 @@ Result<spi::DatareaderCryptoHandle> KeyFactory::register_local_datareader(
       register_local_endpoint(EntityKind::local_reader, participant, properties, attributes))};
 }
 
+Status KeyFactory::take_place(RemoteEndpoint& reader, const Pair& pair) {
+  const auto subject = subject_of(reader.participant, pair);
+  if (auto status = reader.local.receivers.take(subject); !status) {
+    shared_.report(status.error(), pair.peer_prefix);
+    return status;
+  }
+  reader.place = subject;
+  return {};
+}
+
 /// The shared secret is that of the two participants, and came with register_matched_remote_
 /// participant: the volatile endpoints of a pair must share one sender's counter, not start two.
 Result<std::int64_t> KeyFactory::match(LocalEndpoint& local, EntityKind kind,
@@ -267,11 +287,8 @@ Result<std::int64_t> KeyFactory::match(LocalEndpoint& local, EntityKind kind,
     remote->receiver_key = DDSSEC_TRY(receiver_key(local.cipher));
   auto& added = *remote;
   DDSSEC_TRY(shared_.registry.add(std::move(remote)));
-  Rollback forget([&] {
-    local.matched.erase(added.handle());
-    parent->endpoints.erase(added.handle());
-    drop(added);
-  });
+  Rollback forget([&] { drop_remote(added); });
+  if (kind == EntityKind::remote_reader && added.receiver_key) DDSSEC_TRY(take_place(added, *pair));
   local.matched.insert(added.handle());
   parent->endpoints.insert(added.handle());
   if (local.is_volatile) shared_.publish_route(added);
@@ -309,6 +326,7 @@ void KeyFactory::drop(const Entity& entity) {
 void KeyFactory::drop_remote(RemoteEndpoint& endpoint) {
   endpoint.local.matched.erase(endpoint.handle());
   endpoint.participant.endpoints.erase(endpoint.handle());
+  if (endpoint.place) endpoint.local.receivers.give_back(*endpoint.place);
   if (endpoint.route != 0) endpoint.participant.routes.note_gone();
   drop(endpoint);
 }
