@@ -72,9 +72,12 @@ class World:
     def start(self, name, kind, words, variables):
         peer = pair.start(self.programs, self.namespace, kind, ["--hold", *words],
                           os.path.join(self.programs.logs, name), variables)
+        self.watch(peer)
+        return peer
+
+    def watch(self, peer):
         self.peers.append(peer)
         self._selector.register(peer.process.stdout, selectors.EVENT_READ, peer)
-        return peer
 
     def honest(self, role, starts):
         events = {"DDSSEC_EVENT_LOG": os.path.join(self.folder, f"{role}.events")}
@@ -100,7 +103,7 @@ class World:
 
     def passes(self, seconds):
         end = time.monotonic() + seconds
-        self.until("time passing", lambda: time.monotonic() > end)
+        self.until("time passing", lambda: time.monotonic() > end, seconds + 1)
 
     def events(self, *codes):
         """The events of both honest processes with one of these codes."""

@@ -6,6 +6,8 @@
 // Prints "ready" once both devices "link0" are there; then takes commands, one a line:
 //   loss P   duplicate P   delay P MS   ...       probabilities from 0 to 1, for all directions
 //   cut      heal      quit
+//   lose-keys N     from now on messages of the key exchange that the n-th namespace sends are lost;
+//                   lose-keys 0 ends that
 // Ends at the end of its input and then prints what it did.
 #include <algorithm>
 #include <array>
@@ -56,6 +58,7 @@ struct Faults {
   double loss = 0, duplicate = 0, delayed = 0;
   std::chrono::microseconds longest{0};
   bool cut = false;
+  std::size_t loses_keys_of = 0;  ///< a namespace, from 1 on
 };
 
 struct Counts {
@@ -79,6 +82,8 @@ class Direction {
     }
     put(packet, faults, now);
   }
+
+  void lose() { ++counts_.lost; }
 
   void send_due(Clock::time_point now) {
     for (; !waiting_.empty() && waiting_.top().due <= now; waiting_.pop()) {
@@ -131,6 +136,8 @@ bool obey(std::istringstream line, Faults& faults) {
     double milliseconds = 0;
     if (word == "cut" || word == "heal")
       faults.cut = word == "cut";
+    else if (word == "lose-keys")
+      line >> faults.loses_keys_of;
     else if (word == "loss")
       line >> faults.loss;
     else if (word == "duplicate")
@@ -166,6 +173,15 @@ int milliseconds_until(const std::vector<Direction>& ways) {
   return std::max(0, static_cast<int>(left.count()));
 }
 
+/// Whether a packet holds a submessage that ParticipantVolatileMessageSecure protects: by AES-256-GCM
+/// and the key id 0, which no other has.
+bool holds_key_exchange(const Packet& packet) {
+  constexpr std::array<char, 12> kLittle = {0x31, 1, 20, 0, 0, 0, 0, 4, 0, 0, 0, 0};
+  constexpr std::array<char, 12> kBig = {0x31, 0, 0, 20, 0, 0, 0, 4, 0, 0, 0, 0};
+  return !std::ranges::search(packet, kLittle).empty() ||
+         !std::ranges::search(packet, kBig).empty();
+}
+
 /// Takes what arrived at the device of the n-th namespace, a share of it at a time.
 void receive(int device, std::size_t n, std::vector<Direction>& ways, const Faults& faults) {
   static std::array<char, kGreatestPacket> buffer;
@@ -179,8 +195,11 @@ void receive(int device, std::size_t n, std::vector<Direction>& ways, const Faul
     const auto high = static_cast<unsigned char>(packet[kDestination]);
     const std::size_t last = static_cast<unsigned char>(packet[kDestination + 3]);
     const bool is_group = high >= 224;
-    for (std::size_t to = 0; to < ways.size(); ++to)
-      if (to != n && (is_group || last == to + 1)) ways[to].take(packet, faults, now);
+    const bool is_lost = faults.loses_keys_of == n + 1 && holds_key_exchange(packet);
+    for (std::size_t to = 0; to < ways.size(); ++to) {
+      if (to == n || !(is_group || last == to + 1)) continue;
+      is_lost ? ways[to].lose() : ways[to].take(packet, faults, now);
+    }
   }
 }
 
