@@ -232,18 +232,20 @@ def without_data(world, tamper):
     go_on(world, subscriber)
 
 
-def repeat(world):
-    """Tokens of invented builtin endpoints, which the host would hold, come again: that corrupts its memory."""
+def restarts(world, tamper, permissions):
+    """Tokens of invented endpoints, which the host would hold, come again, also from the next participant of the
+    same certificate: that corrupts its memory."""
     subscriber = begin(world)
     for turn in range(3):
-        insider = world.insider("publish", "repeat", ELSEWHERE)
-        world.until("the repeated tokens", lambda: said(insider, "tampered"))
+        insider = world.insider("publish", tamper, permissions)
+        world.until("the false tokens", lambda: said(insider, "tampered"))
         if turn == 0:
             one_event_each(world, "token_source_unreadable", insider)
         insider.stop()
         world.until("the insider's end", lambda: insider.ended)
         world.passes(0.3)
     go_on(world, subscriber)
+    check("the insider's samples came", not samples(subscriber, FORGED))
 
 
 def one_event_each(world, code, insider):
@@ -293,7 +295,9 @@ def cases():
             for tamper in ("dispose", "speak-as"):
                 yield f"{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: names(world, t)
         if kind != "ours-ac":
-            yield f"repeat/{kind}", kind, EVERYTHING, repeat
+            for tamper, permissions in (("repeat", ELSEWHERE), ("invent", Permissions()), ("nobody", Permissions())):
+                yield (f"{tamper}/{kind}", kind, EVERYTHING,
+                       lambda world, t=tamper, p=permissions: restarts(world, t, p))
             yield f"clear/{kind}", kind, EVERYTHING, lambda world: names(world, "clear")
         yield f"source/{kind}", kind, MESSAGES_ONLY, source
 

@@ -7,6 +7,8 @@
 //   key-only     its key tokens are sent as a key instead of data
 //   key-hash     its key tokens have no payload, but a key hash
 //   repeat       its builtin writers' key tokens come several times for two that are never matched
+//   invent       its writers are announced, and send key tokens, as builtin ones that do not exist
+//   nobody       its writers' key tokens have no GUID prefix
 //   dispose      instead of announcing its writers, it says that the victim's are gone
 //   speak-as     it announces its readers as the victim's, without access control
 //   clear        its protected messages hold a liveliness message, in the clear, that ends the
@@ -222,6 +224,30 @@ void repeat_tokens(Bytes& octets) {
   if (turn >= 2) say_tampered();
 }
 
+bool is_of_writer_tokens(const Bytes& octets) {
+  return octets.size() > kEntityKindAt && holds(octets, "dds.sec.datawriter_crypto_tokens") &&
+         (octets[kEntityKindAt] == 0x02 || octets[kEntityKindAt] == 0x03);
+}
+
+/// In its announcements and in its key tokens.
+void invent_writer(Bytes& octets) {
+  constexpr DDS_Security_octet kInvented[] = {0xfe, 0, 1, 0xc2};
+  if (is_of_writer_tokens(octets)) {
+    std::memcpy(&octets[kEntityKindAt - 3], kInvented, sizeof kInvented);
+    say_tampered();
+  }
+  if (!is_of_writer(octets, 0xff0003c2)) return;
+  for (std::size_t at = 24; at + 16 <= octets.size(); at += 4)
+    if (std::memcmp(&octets[at], own_prefix, 12) == 0 && octets[at + 15] <= 0x03)
+      std::memcpy(&octets[at + 12], kInvented, sizeof kInvented);
+}
+
+void send_nobodys_tokens(Bytes& octets) {
+  if (!is_of_writer_tokens(octets)) return;
+  std::memset(&octets[kEntityKindAt - 15], 0, 12);
+  say_tampered();
+}
+
 /// Every GUID in the payload.
 void speak_as_victim(Bytes& octets) {
   const auto prefix = victim.prefix();
@@ -265,12 +291,13 @@ DDS_Security_boolean my_encode_submessage(dds_security_crypto_transform* instanc
   if (tampers("announce")) hide_access_control(octets);
   if (tampers("participant")) name_victim(octets, "dds.sec.participant_crypto_tokens", 24 + 4);
   // Of the application's writers: those of discovery it needs.
-  if (tampers("endpoint") && octets.size() > kEntityKindAt &&
-      (octets[kEntityKindAt] == 0x02 || octets[kEntityKindAt] == 0x03))
+  if (tampers("endpoint") && is_of_writer_tokens(octets))
     name_victim(octets, "dds.sec.datawriter_crypto_tokens", 24 + 84);
   if (tampers("key-only")) leave_key(octets, false);
   if (tampers("key-hash")) leave_key(octets, true);
   if (tampers("repeat")) repeat_tokens(octets);
+  if (tampers("invent")) invent_writer(octets);
+  if (tampers("nobody")) send_nobodys_tokens(octets);
   speak_of_endpoints(octets);
   const auto size = static_cast<DDS_Security_unsigned_long>(octets.size());
   const Octets mine{size, size, octets.data()};
