@@ -1,6 +1,7 @@
 #include "plugins/cryptography/routes.hpp"
 
 #include <random>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -81,6 +82,29 @@ TEST(Routes, OfOneKeyLeadToTheReaderThatTheMessageHasAMacFor) {
     return two.b.transform().decode_datawriter_submessage(
         of_another->datareader, of_another->datawriter, message_of(two, all[0]), out);
   })) << "it has no MAC for those that are left";
+}
+
+TEST(Routes, LeadToOneThatStaysWhileOthersComeAndGo) {
+  TwoSides two;
+  const auto steady = two.endpoints(submessages_by(kEncrypted));
+  const auto message = message_of(two, steady);
+  std::atomic<bool> done = false;
+  std::thread changes([&] {
+    for (int round = 0; round < 10; ++round) {
+      std::vector<WriterToReader> others;
+      for (int i = 0; i < 100; ++i) others.push_back(two.endpoints(submessages_by(kEncrypted)));
+      for (const auto& one : others)
+        two.b.factory().unregister_datawriter(one.remote_writer).value();
+    }
+    done = true;
+  });
+  std::size_t lost = 0;
+  while (!done) {
+    const auto to = routed(two, message);
+    if (!to || to->datawriter != steady.remote_writer) ++lost;
+  }
+  changes.join();
+  EXPECT_EQ(lost, 0u);
 }
 
 /// A host that takes other keys for an endpoint: the former key is nobody's.
