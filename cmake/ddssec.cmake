@@ -90,6 +90,13 @@ function(ddssec_join_files target)
   target_compile_options(${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
 endfunction()
 
+# ddssec_compile_quickly(TARGETS ...): code of commands, which runs once. Compiling it takes a third less.
+function(ddssec_compile_quickly)
+  foreach(target ${ARGN})
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  endforeach()
+endfunction()
+
 # ddssec_library(NAME SOURCES ... [PUBLIC libs ...] [PRIVATE libs ...] [PRECOMPILE headers ...] [EACH])
 # EACH: every file is compiled by itself, since they use the same short names for different things.
 # A static library ddssec_NAME whose headers are included as "folder/file.hpp" from the root.

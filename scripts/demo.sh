@@ -19,7 +19,7 @@ prepare() {
   local only=()
   [ -e "$build/build.ninja" ] || only=(-DDDSSEC_BUILD_TESTS=OFF -DDDSSEC_BUILD_BENCH=OFF)
   cmake --preset release "${only[@]}" >/dev/null || die "cmake could not configure; see the message above"
-  cmake --build --preset release --target ddssec_all ddssec-example cyclone_peer fastdds_peer ||
+  cmake --build --preset release --target ddssec ddssec_dropin ddssec-peer ddssec-example cyclone_peer fastdds_peer ||
     die "the build failed"
   step "a fresh PKI, made by our code: one CA, five participants, one governance document"
   rm -rf "$work"

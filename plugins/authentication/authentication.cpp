@@ -203,11 +203,12 @@ std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
   }
   for (const auto& ended : all) {
     tell(ended.handle);
-    events.push_back(
-        event_about(ended.peer, Error(Code::identity_ended, {.document = ended.whose,
-                                                             .field = "notAfter",
-                                                             .expected = to_string(ended.end),
-                                                             .found = to_string(now)})));
+    events.push_back(event_about(
+        ended.peer,
+        Error(Code::identity_ended, {.document = ended.whose,
+                                     .field = "notAfter",
+                                     .expected = "a time before " + to_string(ended.end),
+                                     .found = to_string(now)})));
   }
   // Last what needs no memory: whoever is marked is told.
   for (const auto& event : events) environment_.events.raise(event);
