@@ -12,21 +12,12 @@ namespace {
 
 /// Runs up to this length always become one: with few endpoints there is one run to look through.
 constexpr std::size_t kShortRun = 64;
+/// A run is merged with those after it as soon as they have this share of its length: few runs, so
+/// that a lookup stays cheap, for more copies.
+constexpr std::size_t kShare = 8;
 
-std::span<const Route> with_key(const std::vector<Route>& run, KeyId key) {
-  const auto same = std::ranges::equal_range(run, key, {}, &Route::key_id);
-  return {same.begin(), same.end()};
-}
-
-/// Those of one receiver-specific key, from the first for this local participant on.
-std::span<const Route> with_receiver_key(std::span<const Route> routes, KeyId id,
-                                         std::int64_t receiver) {
-  const auto place = [](const Route& one) {
-    return std::tuple(one.receiver_key_id, one.local_participant);
-  };
-  const auto begin = std::ranges::lower_bound(routes, std::tuple(id, receiver), {}, place);
-  const auto end = std::ranges::upper_bound(begin, routes.end(), id, {}, &Route::receiver_key_id);
-  return {begin, end};
+std::tuple<KeyId, KeyId, std::int64_t> place_of(const Route& route) {
+  return {route.key_id, route.receiver_key_id, route.local_participant};
 }
 
 }  // namespace
@@ -36,8 +27,12 @@ RemoteEndpoint* Routes::endpoint_of(const Route& route) const {
   return found && (*found)->route == route.number ? *found : nullptr;
 }
 
-Routes::Found Routes::first_of(std::span<const Route> routes, std::int64_t receiver) const {
+/// The first that leads to an endpoint, of those from the beginning that are `like`.
+template <class Like>
+Routes::Found Routes::first_of(std::span<const Route> routes, std::int64_t receiver,
+                               Like&& like) const {
   for (const auto& route : routes) {
+    if (!like(route)) break;
     if (receiver != 0 && route.local_participant != receiver) continue;
     if (auto* const endpoint = endpoint_of(route)) return {&route, endpoint};
   }
@@ -47,12 +42,14 @@ Routes::Found Routes::first_of(std::span<const Route> routes, std::int64_t recei
 RemoteEndpoint* Routes::find(KeyId key, std::int64_t receiver, BytesView group) const {
   const auto* const table = table_.read();
   if (table == nullptr) return nullptr;
-  std::size_t candidates = 0;
+  const auto has_key = [&](const Route& one) { return one.key_id == key; };
   Found first;
-  for (const auto& run : table->runs) {
-    const auto routes = with_key(*run, key);
-    candidates += routes.size();
-    const auto found = first_of(routes, receiver);
+  std::size_t candidates = 0;
+  for (const auto run : table->runs()) {
+    const auto at = std::ranges::lower_bound(run, key, {}, &Route::key_id);
+    if (at == run.end() || !has_key(*at)) continue;
+    candidates += at + 1 != run.end() && has_key(at[1]) ? 2 : 1;
+    const auto found = first_of({at, run.end()}, receiver, has_key);
     if (found.route != nullptr && (first.route == nullptr || *found.route < *first.route))
       first = found;
   }
@@ -70,11 +67,14 @@ RemoteEndpoint* Routes::find_by_mac(const Table& table, KeyId key, std::int64_t 
   for (auto macs = message->footer.receiver_macs; !macs.empty();
        macs = macs.subspan(kReceiverMacSize)) {
     const auto id = KeyId::from(macs.first(KeyId::size));
-    for (const auto& run : table.runs)
-      if (const auto found =
-              first_of(with_receiver_key(with_key(*run, key), id, receiver), receiver);
-          found.endpoint != nullptr)
+    const auto is_for_mac = [&](const Route& one) {
+      return one.key_id == key && one.receiver_key_id == id;
+    };
+    for (const auto run : table.runs()) {
+      const auto at = std::ranges::lower_bound(run, std::tuple(key, id, receiver), {}, place_of);
+      if (const auto found = first_of({at, run.end()}, receiver, is_for_mac); found.endpoint)
         return found.endpoint;
+    }
   }
   return nullptr;
 }
@@ -82,8 +82,8 @@ RemoteEndpoint* Routes::find_by_mac(const Table& table, KeyId key, std::int64_t 
 EntityId Routes::other_owner(KeyId key, const EntityId& owner) const {
   const auto* const table = table_.read();
   if (table == nullptr) return {};
-  for (const auto& run : table->runs)
-    for (const auto& route : with_key(*run, key)) {
+  for (const auto run : table->runs())
+    for (const auto& route : std::ranges::equal_range(run, key, {}, &Route::key_id)) {
       const auto* const endpoint = endpoint_of(route);
       if (endpoint == nullptr || endpoint->local.is_volatile) continue;
       const auto& other = endpoint->remote_keys.read()->owner;
@@ -100,21 +100,30 @@ Routes::Run Routes::merged(const Run& a, const Run& b) const {
   return both;
 }
 
+void Routes::Table::append(std::shared_ptr<const Run> run) {
+  views_.emplace_back(*run);
+  owners_.push_back(std::move(run));
+}
+
 void Routes::add(const Route& route, Graveyard& graveyard) {
   auto next = std::make_unique<Table>();
-  if (const auto* const present = table_.read()) next->runs = present->runs;
+  std::vector<std::shared_ptr<const Run>> kept;
+  if (const auto* const present = table_.read()) kept = present->owners();
   std::size_t size = 0;
-  for (const auto& run : next->runs) size += run->size();
+  for (const auto& run : kept) size += run->size();
   const bool merges_all = 2 * gone_ > size;
   Run last{route};
-  while (!next->runs.empty() &&
-         (merges_all || next->runs.back()->size() <= std::max(last.size(), kShortRun))) {
-    last = merged(*next->runs.back(), last);
-    next->runs.pop_back();
+  while (!kept.empty() &&
+         (merges_all || kept.back()->size() <= std::max(kShare * last.size(), kShortRun))) {
+    last = merged(*kept.back(), last);
+    kept.pop_back();
   }
   std::size_t dropped = size + 1 - last.size();
-  for (const auto& run : next->runs) dropped -= run->size();
-  next->runs.push_back(std::make_shared<const Run>(std::move(last)));
+  for (auto& run : kept) {
+    dropped -= run->size();
+    next->append(std::move(run));
+  }
+  next->append(std::make_shared<const Run>(std::move(last)));
   table_.replace(std::move(next), graveyard);
   gone_ -= std::min(gone_, dropped);
 }

@@ -2,10 +2,10 @@
 //
 // A peer may have thousands of endpoints, and they come and go one by one, so no change may copy
 // all routes. Routes stand in sorted runs; readers see them as a whole, without a lock. A new route
-// is a run of its own, merged with the runs before it that are not longer: n routes cost about
-// n log n copies. The route of an endpoint that is gone stays in its run and leads nowhere, since
-// the registry no longer knows the handle: leaving needs neither memory nor a copy. It goes with a
-// later merge; of all runs, if half of all routes lead nowhere when one is added.
+// is a run of its own, merged with the runs before it that are not eight times as long: n routes
+// cost some n log n copies. The route of an endpoint that is gone stays in its run and leads
+// nowhere, since the registry no longer knows the handle: leaving needs neither memory nor a copy.
+// It goes with a later merge; of all runs, if half of all routes lead nowhere when one is added.
 #pragma once
 
 #include <compare>
@@ -54,8 +54,15 @@ class Routes {
 
  private:
   using Run = std::vector<Route>;  // sorted
-  struct Table final : Retirable {
-    std::vector<std::shared_ptr<const Run>> runs;  ///< the longest first
+  class Table final : public Retirable {
+   public:
+    std::span<const std::span<const Route>> runs() const { return views_; }  ///< the longest first
+    const std::vector<std::shared_ptr<const Run>>& owners() const { return owners_; }
+    void append(std::shared_ptr<const Run> run);
+
+   private:
+    std::vector<std::span<const Route>> views_;
+    std::vector<std::shared_ptr<const Run>> owners_;
   };
   struct Found {
     const Route* route = nullptr;
@@ -63,7 +70,8 @@ class Routes {
   };
 
   RemoteEndpoint* endpoint_of(const Route& route) const;
-  Found first_of(std::span<const Route> routes, std::int64_t receiver) const;
+  template <class Like>
+  Found first_of(std::span<const Route> routes, std::int64_t receiver, Like&& like) const;
   RemoteEndpoint* find_by_mac(const Table& table, KeyId key, std::int64_t receiver,
                               BytesView group) const;
   Run merged(const Run& a, const Run& b) const;
