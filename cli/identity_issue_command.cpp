@@ -60,6 +60,40 @@ Result<ParticipantSpec> spec_of(const Arguments& arguments, WallTime now) {
   return spec;
 }
 
+/// The CAs that sign, and the revocation list for newcomers.
+struct Cas {
+  OpenCa identity;
+  std::optional<OpenCa> permissions;
+  std::string crl;
+
+  /// For a participant with permissions, or without.
+  Issuers issuers(bool with_permissions) const {
+    return {identity, with_permissions ? &*permissions : nullptr, crl};
+  }
+};
+
+Result<Cas> open_cas(const Arguments& arguments, bool with_permissions, WallTime now) {
+  CaOpener opener(arguments);
+  Cas out{DDSSEC_TRY(opener.open("identity")), std::nullopt, {}};
+  if (with_permissions) out.permissions = DDSSEC_TRY(opener.open("permissions"));
+  out.crl = DDSSEC_TRY(list_for_newcomers(out.identity.paths, now));
+  return out;
+}
+
+// `from`: the file that an error in the permissions is about.
+Result<NewParticipant> make(ParticipantSpec& spec, const Cas& cas, const Arguments& arguments,
+                            const Context& context, const fs::path& from) {
+  spec.life =
+      DDSSEC_TRY(within_ca(spec.life, cas.identity.certificate(), arguments.has("--clamp")));
+  return named(make_participant(spec, cas.issuers(spec.has_permissions()), context), from);
+}
+
+// The last step before files get their places: a certificate that the log lacks cannot be revoked.
+Status log_issued(const Cas& cas, std::string_view lines) {
+  DDSSEC_TRY(check_not_interrupted());
+  return append_lines(cas.identity.paths.log, lines);
+}
+
 // What a participant cannot start without, and this command was not told of.
 std::string not_in_it(bool has_permissions, bool has_governance) {
   std::string out;
@@ -102,23 +136,16 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
   auto specs = DDSSEC_TRY(read_fleet(from, DDSSEC_TRY(common_spec(arguments, now)), now));
   auto folder = DDSSEC_TRY(NewFolder::at(target));
   const auto governance = DDSSEC_TRY(governance_of(arguments, now));
-  CaOpener opener(arguments);
-  const auto identity = DDSSEC_TRY(opener.open("identity"));
-  std::optional<OpenCa> permissions;
-  if (std::ranges::any_of(specs, &ParticipantSpec::has_permissions))
-    permissions = DDSSEC_TRY(opener.open("permissions"));
-  const auto crl = DDSSEC_TRY(list_for_newcomers(identity.paths, now));
+  const bool any_rights = std::ranges::any_of(specs, &ParticipantSpec::has_permissions);
+  const auto cas = DDSSEC_TRY(open_cas(arguments, any_rights, now));
   Report report;
   report.result = {{"dir", target.string()}, {"participants", Json::array()}};
   std::string lines;
   Subjects subjects(from);
   Progress progress("participants", specs.size());
   for (auto& spec : specs) {
-    spec.life = DDSSEC_TRY(within_ca(spec.life, identity.certificate(), arguments.has("--clamp")));
-    const bool has_rights = spec.has_permissions();
-    const Issuers issuers{identity, permissions && has_rights ? &*permissions : nullptr, crl};
-    const auto made = DDSSEC_TRY(named(make_participant(spec, issuers, context), from));
-    DDSSEC_TRY(add_flat(folder, spec.name, made, issuers, governance));
+    const auto made = DDSSEC_TRY(make(spec, cas, arguments, context, from));
+    DDSSEC_TRY(add_flat(folder, spec.name, made, cas.issuers(spec.has_permissions()), governance));
     lines += log_line(made, target / spec.name, now);
     const auto& certificate = made.self.certificate;
     subjects.add(spec.name, certificate, report);
@@ -129,8 +156,7 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
     report.result["participants"].push_back(std::move(row));
     progress.step();
   }
-  DDSSEC_TRY(check_not_interrupted());
-  DDSSEC_TRY(append_lines(identity.paths.log, lines));
+  DDSSEC_TRY(log_issued(cas, lines));
   report.files_written = DDSSEC_TRY(folder.commit());
   return report;
 }
@@ -156,42 +182,33 @@ Report report_on(const Job& job, const pki::Certificate& certificate, std::strin
   return report;
 }
 
-/// The CAs that sign, and what they made.
+/// What goes into one participant's folder, and the CAs that signed it.
 struct Issued {
-  OpenCa identity;
-  std::optional<OpenCa> permissions;
-  std::string crl;
+  Cas cas;
   NewParticipant made;
-
-  Issuers issuers() const { return {identity, permissions ? &*permissions : nullptr, crl}; }
 };
 
 Result<Issued> issue(Job& job) {
-  const auto now = job.context.clock.now();
-  CaOpener opener(job.arguments);
-  auto identity = DDSSEC_TRY(opener.open("identity"));
-  std::optional<OpenCa> permissions;
-  if (job.spec.has_permissions()) permissions = DDSSEC_TRY(opener.open("permissions"));
-  job.spec.life =
-      DDSSEC_TRY(within_ca(job.spec.life, identity.certificate(), job.arguments.has("--clamp")));
-  auto crl = DDSSEC_TRY(list_for_newcomers(identity.paths, now));
-  const Issuers issuers{identity, permissions ? &*permissions : nullptr, crl};
+  auto cas =
+      DDSSEC_TRY(open_cas(job.arguments, job.spec.has_permissions(), job.context.clock.now()));
   auto made = DDSSEC_TRY(
-      named(make_participant(job.spec, issuers, job.context), job.arguments.text("--permissions")));
-  return Issued{std::move(identity), std::move(permissions), std::move(crl), std::move(made)};
+      make(job.spec, cas, job.arguments, job.context, job.arguments.text("--permissions")));
+  return Issued{std::move(cas), std::move(made)};
+}
+
+// What the folder lacks is said when everything has its place. Of a dry run nothing is said of it.
+Result<Report> finished(Report report, const Job& job, Result<std::vector<WrittenFile>> committed) {
+  report.files_written = DDSSEC_TRY(std::move(committed));
+  report.text += not_in_it(is_there(job.files.permissions), is_there(job.files.governance));
+  return report;
 }
 
 Result<Report> make_folder(Job& job) {
   auto folder = DDSSEC_TRY(NewFolder::at(job.target));
-  const auto issued = DDSSEC_TRY(issue(job));
-  DDSSEC_TRY(add_flat(folder, "", issued.made, issued.issuers(), job.governance));
-  DDSSEC_TRY(check_not_interrupted());
-  DDSSEC_TRY(append_lines(issued.identity.paths.log,
-                          log_line(issued.made, job.target, job.context.clock.now())));
-  auto report = report_on(job, issued.made.self.certificate, "");
-  report.text += not_in_it(issued.permissions.has_value(), !job.governance.empty());
-  report.files_written = DDSSEC_TRY(folder.commit());
-  return report;
+  const auto [cas, made] = DDSSEC_TRY(issue(job));
+  DDSSEC_TRY(add_flat(folder, "", made, cas.issuers(job.spec.has_permissions()), job.governance));
+  DDSSEC_TRY(log_issued(cas, log_line(made, job.target, job.context.clock.now())));
+  return finished(report_on(job, made.self.certificate, ""), job, folder.commit());
 }
 
 std::unexpected<Error> in_the_way(const fs::path& file, std::string note) {
@@ -294,11 +311,8 @@ Result<Report> complete_folder(Job& job) {
     DDSSEC_TRY(out.add(job.files.governance, job.governance, 0644, true));
   const auto crl = DDSSEC_TRY(list_for_newcomers(paths, job.context.clock.now()));
   if (!crl.empty()) DDSSEC_TRY(out.add(job.files.crl, as_bytes(crl), 0644, false));
-  auto report = report_on(job, certificate, "completed, key and certificate are as before, ");
-  report.files_written = DDSSEC_TRY(out.commit());
-  report.text += not_in_it(job.spec.has_permissions() || is_there(job.files.permissions),
-                           !job.governance.empty() || is_there(job.files.governance));
-  return report;
+  return finished(report_on(job, certificate, "completed, key and certificate are as before, "),
+                  job, out.commit());
 }
 
 // What stays valid although no file has it any more.
@@ -313,28 +327,21 @@ std::string about_former(const Job& job) {
 
 // Everything that the command makes goes in place of what is there, the rest stays.
 Result<Report> fill_folder(Job& job) {
-  const auto issued = DDSSEC_TRY(issue(job));
+  const auto [cas, made] = DDSSEC_TRY(issue(job));
   const auto& files = job.files;
   Replacement out;
-  DDSSEC_TRY(out.put_public(files.identity_ca, issued.identity.trust_pem));
-  if (issued.permissions)
-    DDSSEC_TRY(out.put_public(files.permissions_ca, issued.permissions->trust_pem));
-  if (!issued.made.permissions.empty())
-    DDSSEC_TRY(out.put(files.permissions, issued.made.permissions, 0644));
+  DDSSEC_TRY(out.put_public(files.identity_ca, cas.identity.trust_pem));
+  if (cas.permissions) DDSSEC_TRY(out.put_public(files.permissions_ca, cas.permissions->trust_pem));
+  if (!made.permissions.empty()) DDSSEC_TRY(out.put(files.permissions, made.permissions, 0644));
   if (!job.governance.empty()) DDSSEC_TRY(out.put(files.governance, job.governance, 0644));
-  if (!issued.crl.empty()) DDSSEC_TRY(out.put_public(files.crl, issued.crl));
-  const auto pem = DDSSEC_TRY(issued.made.self.key.to_pem());
+  if (!cas.crl.empty()) DDSSEC_TRY(out.put_public(files.crl, cas.crl));
+  const auto pem = DDSSEC_TRY(made.self.key.to_pem());
   DDSSEC_TRY(pem.expose([&](BytesView octets) { return out.put(files.key, octets, 0600); }));
-  DDSSEC_TRY(out.put_public(files.certificate, issued.made.self.certificate.pem()));
-  DDSSEC_TRY(check_not_interrupted());
-  DDSSEC_TRY(append_lines(issued.identity.paths.log,
-                          log_line(issued.made, job.target, job.context.clock.now())));
-  auto report = report_on(job, issued.made.self.certificate, "");
+  DDSSEC_TRY(out.put_public(files.certificate, made.self.certificate.pem()));
+  DDSSEC_TRY(log_issued(cas, log_line(made, job.target, job.context.clock.now())));
+  auto report = report_on(job, made.self.certificate, "");
   report.text += about_former(job);
-  report.files_written = DDSSEC_TRY(out.commit());
-  report.text += not_in_it(issued.permissions || is_there(files.permissions),
-                           !job.governance.empty() || is_there(files.governance));
-  return report;
+  return finished(std::move(report), job, out.commit());
 }
 
 // A folder without a participant: nothing of one may be there.

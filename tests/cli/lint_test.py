@@ -1,20 +1,10 @@
 #!/usr/bin/env python3
 """governance lint and permissions lint: findings with line, path, hint and vendors; hostile files."""
 
-from transcript import DATA, Transcript, main
-
-NOW = ("--now", "2026-11-21T00:00:00Z")
+from transcript import DATA, NOW, WithDocuments, main
 
 
-class Lint(Transcript):
-    def setUp(self):
-        super().setUp()
-        self.run_program("governance", "new", "-o", "g.xml")
-        self.run_program("ca", "create", "ca", "--no-passphrase", *NOW)
-        self.run_program("identity", "issue", "talker", "--ca", "ca", "-o", "talker", *NOW)
-        self.run_program("permissions", "new", "--cert", "talker/cert.pem", "-o", "p.xml",
-                         "--publish", "a", *NOW)
-
+class Lint(WithDocuments):
     def edit(self, file, *pairs):
         text = (self.at / file).read_text()
         for old, new in pairs:

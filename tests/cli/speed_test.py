@@ -9,9 +9,8 @@ import os
 import resource
 import time
 
-from transcript import PROGRAM, Transcript, main
+from transcript import NOW, PROGRAM, WithDocuments, main
 
-NOW = ("--now", "2026-11-21T00:00:00Z")
 STRICT = "DDSSEC_STRICT_TIMES" in os.environ
 SLOWNESS = 10 if "asan" in str(PROGRAM) else 1
 START = 0.020 if STRICT else 0.200 * SLOWNESS    # seconds from start to end
@@ -21,15 +20,7 @@ GROWTH = 8
 ROUNDS = 15
 
 
-class Speed(Transcript):
-    def setUp(self):
-        super().setUp()
-        self.run_program("governance", "new", "-o", "g.xml")
-        self.run_program("ca", "create", "ca", "--no-passphrase", *NOW)
-        self.run_program("identity", "issue", "talker", "--ca", "ca", "-o", "talker", *NOW)
-        self.run_program("permissions", "new", "--cert", "talker/cert.pem", "-o", "p.xml",
-                         "--publish", "a", *NOW)
-
+class Speed(WithDocuments):
     def governance(self, name, octets):
         text = (self.at / "g.xml").read_text()
         begin, end = text.index("      <topic_rule>"), text.index("    </topic_access_rules>")

@@ -16,6 +16,7 @@ PROGRAM = pathlib.Path(sys.argv.pop(1)).resolve()
 DATA = pathlib.Path(__file__).resolve().parent.parent / "data"
 SCHEMA = json.loads((DATA.parent.parent / "cli/schema/ddssec-1.schema.json").read_text())
 ANSWERS = jsonschema.Draft202012Validator(SCHEMA)
+NOW = ("--now", "2026-11-21T00:00:00Z")
 ENVELOPE = ["schema", "command", "ok", "exit", "result", "diagnostics", "files_written"]
 
 
@@ -100,6 +101,17 @@ class Transcript(unittest.TestCase):
     def openssl(self, *words):
         return subprocess.run(["openssl", *map(str, words)], cwd=self.at, text=True,
                               capture_output=True, timeout=60, check=True).stdout
+
+
+class WithDocuments(Transcript):
+    """Begins with a CA, a participant's certificate, g.xml, and p.xml, which allows to publish the topic a."""
+
+    def setUp(self):
+        super().setUp()
+        self.run_program("governance", "new", "-o", "g.xml")
+        self.run_program("ca", "create", "ca", "--no-passphrase", *NOW)
+        self.run_program("identity", "issue", "talker", "--ca", "ca", "-o", "talker", *NOW)
+        self.run_program("permissions", "new", "--cert", "talker/cert.pem", "-o", "p.xml", "--publish", "a", *NOW)
 
 
 class WithoutLists(Transcript):
