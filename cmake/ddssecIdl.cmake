@@ -31,9 +31,10 @@ function(ddssec_idl_generate target)
   if(ARG_EXTENSIBILITY)
     list(APPEND options -x ${ARG_EXTENSIBILITY})
   endif()
+  set(includes "")
   foreach(folder ${ARG_INCLUDES})
     get_filename_component(folder ${folder} ABSOLUTE)
-    list(APPEND options -I ${folder})
+    list(APPEND includes -I ${folder})
   endforeach()
   set(folder ${CMAKE_CURRENT_BINARY_DIR}/${target}.idl)
   file(MAKE_DIRECTORY ${folder})
@@ -42,8 +43,8 @@ function(ddssec_idl_generate target)
     get_filename_component(file ${file} ABSOLUTE)
     get_filename_component(stem ${file} NAME_WE)
     add_custom_command(OUTPUT ${folder}/${stem}.hpp
-      COMMAND ${DDSSEC_IDLC} -l ${plugin} -W no-implicit-extensibility ${options} -o ${folder} ${file}
-              || ${explain} ${file}
+      COMMAND ${DDSSEC_IDLC} -l ${plugin} -W no-implicit-extensibility ${options} ${includes} -o ${folder} ${file}
+              || ${explain} ${includes} ${file}
       DEPENDS ${ARG_UNPARSED_ARGUMENTS} ${depends} WORKING_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}
       COMMENT "${stem}.hpp from ${stem}.idl" VERBATIM)
     list(APPEND headers ${folder}/${stem}.hpp)

@@ -1,15 +1,20 @@
-// ddssec-idl-explain FILE...: what idlc, which calls it only a "syntax error", cannot read, with
-// its place and what to write instead. ddssec_idl_generate runs it when idlc fails; it always
-// exits 1.
+// ddssec-idl-explain [-I FOLDER]... FILE...: what idlc, which calls it only a "syntax error",
+// cannot read in the files and what they include, with its place and what to write instead.
+// ddssec_idl_generate runs it when idlc fails; it always exits 1.
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace {
+
+namespace fs = std::filesystem;
 
 struct Unknown {
   std::string_view word, to_do;
@@ -77,20 +82,82 @@ class Words {
   std::size_t at_ = 0, line_ = 1, begin_of_line_ = 0, line_of_word_ = 1, column_of_word_ = 1;
 };
 
-void explain(const char* path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(file)), {});
-  Words words(text);
-  for (auto word = words.next(); !word.empty(); word = words.next())
-    for (const auto& [unknown, to_do] : kUnknown)
-      if (word == unknown)
-        std::fprintf(stderr, "%s:%zu:%zu: ddssec cannot do %s: %s\n", path, words.line(),
-                     words.column(), unknown.data(), to_do.data());
+/// The name in an include directive; empty if the line is none.
+std::string_view included_name(std::string_view line) {
+  const auto skip_blanks = [&] {
+    line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+  };
+  for (const std::string_view part : {"#", "include"}) {
+    skip_blanks();
+    if (!line.starts_with(part)) return {};
+    line.remove_prefix(part.size());
+  }
+  skip_blanks();
+  if (line.empty() || (line[0] != '"' && line[0] != '<')) return {};
+  const auto end = line.find(line[0] == '"' ? '"' : '>', 1);
+  return end == line.npos ? std::string_view() : line.substr(1, end - 1);
 }
+
+/// Goes through files and what they include, each once.
+class Explainer {
+ public:
+  void add_folder(const fs::path& folder) { folders_.push_back(folder); }
+
+  void explain(const fs::path& path) {
+    if (seen_.size() >= kMostFiles || std::ranges::find(seen_, path) != seen_.end()) return;
+    seen_.push_back(path);
+    std::ifstream file(path, std::ios::binary);
+    const std::string text((std::istreambuf_iterator<char>(file)), {});
+    explain_includes(path, text);
+    Words words(text);
+    for (auto word = words.next(); !word.empty(); word = words.next())
+      for (const auto& [unknown, to_do] : kUnknown)
+        if (word == unknown)
+          std::fprintf(stderr, "%s:%zu:%zu: ddssec cannot do %s: %s\n", path.c_str(), words.line(),
+                       words.column(), unknown.data(), to_do.data());
+  }
+
+ private:
+  static constexpr std::size_t kMostFiles = 256;
+
+  void explain_includes(const fs::path& path, std::string_view text) {
+    for (std::size_t number = 1; !text.empty(); ++number) {
+      const auto end = std::min(text.find('\n'), text.size());
+      const auto name = included_name(text.substr(0, end));
+      text.remove_prefix(std::min(end + 1, text.size()));
+      if (name.empty()) continue;
+      const auto found = find(path, name);
+      if (found.empty())
+        std::fprintf(stderr,
+                     "%s:%zu: the included file %.*s is not there: name its folder behind INCLUDES "
+                     "of ddssec_idl_generate\n",
+                     path.c_str(), number, static_cast<int>(name.size()), name.data());
+      else
+        explain(found);
+    }
+  }
+
+  /// Empty if there is none.
+  fs::path find(const fs::path& from, std::string_view name) const {
+    std::error_code ignored;
+    if (auto beside = from.parent_path() / name; fs::is_regular_file(beside, ignored))
+      return beside.lexically_normal();
+    for (const auto& folder : folders_)
+      if (auto there = folder / name; fs::is_regular_file(there, ignored))
+        return there.lexically_normal();
+    return {};
+  }
+
+  std::vector<fs::path> folders_, seen_;
+};
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  for (int i = 1; i < argc; ++i) explain(argv[i]);
+  Explainer explainer;
+  int at = 1;
+  for (; at + 1 < argc && std::string_view(argv[at]) == "-I"; at += 2)
+    explainer.add_folder(argv[at + 1]);
+  for (; at < argc; ++at) explainer.explain(argv[at]);
   return 1;
 }

@@ -56,11 +56,17 @@ Header::Header(const tree_state* state, const std::string& root)
 std::optional<std::string> Header::make() {
   definitions(tree_root(state_));
   if (refusals_.any()) return std::nullopt;
-  std::string out = "// Made from " + stem_of(tree_file(state_)) +
-                    ".idl by ddssec_idl_generate: change that one instead.\n#pragma once\n\n"
-                    "#include \"rtps/cdr/type.hpp\"\n";
-  for (unsigned i = 0; const auto* file = tree_included_file(state_, i); ++i)
-    out += "#include \"" + stem_of(file) + ".hpp\"\n";
+  const auto own = stem_of(tree_file(state_));
+  std::string out = "// Made from " + own +
+                    ".idl by ddssec_idl_generate: change that one instead.\n#pragma once\n\n";
+  std::string includes = "#include \"rtps/cdr/type.hpp\"\n";
+  for (unsigned i = 0; const auto* file = tree_included_file(state_, i); ++i) {
+    const auto stem = stem_of(file);
+    out += "#if !__has_include(\"" + stem + ".hpp\")\n#error \"" + own + ".idl includes " + stem +
+           ".idl: name that in ddssec_idl_generate too, or link the target that does\"\n#endif\n";
+    includes += "#include \"" + stem + ".hpp\"\n";
+  }
+  out += includes;
   if (!root_.empty())
     declared_ = "namespace " + root_ + " {\n" + declared_ + "}  // namespace " + root_ + "\n";
   return out + "\n" + declared_ + traits_;

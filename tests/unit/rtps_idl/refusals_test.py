@@ -86,6 +86,30 @@ class RefusalsTest(unittest.TestCase):
             self.assertEqual(self.explain("", folder).stderr, "")
             self.assertIn(":1:9: ", self.explain("/* x */ any", folder).stderr)
 
+    def test_included_files_are_explained_too(self):
+        with tempfile.TemporaryDirectory() as folder:
+            top = pathlib.Path(folder)
+            (top / "elsewhere").mkdir()
+            (top / "elsewhere/far.idl").write_text('#include "../given.idl"\nstruct F { any x; };\n', encoding="utf-8")
+            (top / "near.idl").write_text(' #  include <far.idl>\nstruct N { map<long, long> x; };\n', encoding="utf-8")
+            (top / "given.idl").write_text('#include "near.idl"\n#include "gone.idl"\nstruct S { wstring x; };\n',
+                                           encoding="utf-8")
+            done = subprocess.run([EXPLAIN, "-I", str(top / "elsewhere"), str(top / "given.idl")],
+                                  capture_output=True, text=True, check=False)
+        said = done.stderr.replace(folder + "/", "").splitlines()
+        self.assertEqual([line.split(": ")[0] for line in said],
+                         ["elsewhere/far.idl:2:12", "near.idl:2:12", "given.idl:2", "given.idl:3:12"], said)
+        self.assertIn("gone.idl is not there: name its folder behind INCLUDES", said[2])
+
+    def test_a_header_names_the_included_file_that_was_not_made(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (pathlib.Path(folder) / "parts.idl").write_text("@final struct Part { long x; };\n", encoding="utf-8")
+            done = self.generate('#include "parts.idl"\n@final struct S { Part p; };\n', folder)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            made = subprocess.run(["c++", "-fsyntax-only", "-x", "c++", f"{folder}/given.hpp"], capture_output=True,
+                                  text=True, check=False)
+        self.assertIn("given.idl includes parts.idl: name that in ddssec_idl_generate too", made.stderr)
+
     def test_several_refusals_are_all_said(self):
         with tempfile.TemporaryDirectory() as folder:
             done = self.generate("struct S { @optional long x; };\nbitmask B { ONE };\n", folder)
