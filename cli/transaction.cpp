@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "base/hash.hpp"
+#include "cli/leftovers.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -96,13 +97,15 @@ Status write_exclusively(const fs::path& path, const fs::path& meant, BytesView 
 
 // Beside the target, on the disk. A process that was killed may have left a draft, and its number
 // comes again: soon in a container, where each start may have the same.
+// remove_drafts_of() knows these names.
 Result<fs::path> write_draft(const fs::path& target, BytesView octets, unsigned mode) {
   constexpr int kMostTries = 100;
   DDSSEC_TRY(check_not_interrupted());
-  fs::path draft = fmt::format("{}.{}.new", target.string(), ::getpid());
+  const auto mark = process_mark();
+  fs::path draft = fmt::format("{}.{}.new", target.string(), mark);
   int file = open_new(draft, mode);
   for (int i = 1; i < kMostTries && file < 0 && errno == EEXIST; ++i) {
-    draft = fmt::format("{}.{}.{}.new", target.string(), ::getpid(), i);
+    draft = fmt::format("{}.{}.{}.new", target.string(), mark, i);
     file = open_new(draft, mode);
   }
   if (file < 0) return unwritable(target, errno);
@@ -146,8 +149,10 @@ Result<NewFolder> NewFolder::at(const fs::path& given) {
   const fs::path target = given.has_filename() ? given : given.parent_path();
   DDSSEC_TRY(check_nothing_at(target));
   if (dry_run) return NewFolder(target, {});
-  auto staging =
-      (target.parent_path() / fmt::format(".{}.XXXXXX", target.filename().string())).string();
+  remove_unfinished_folders(target);
+  auto staging = (target.parent_path() /
+                  fmt::format(".{}.{}.XXXXXX", target.filename().string(), process_mark()))
+                     .string();
   if (::mkdtemp(staging.data()) == nullptr) return unwritable(target, errno);
   return NewFolder(target, staging);
 }
@@ -251,7 +256,15 @@ Result<std::vector<WrittenFile>> Replacement::commit() {
     if (::rename(draft.c_str(), target.c_str()) != 0) return unwritable(target, errno);
     draft.clear();
   }
+  remove_former_drafts();
   return files_;
+}
+
+// After the commit: until then another list may name them.
+void Replacement::remove_former_drafts() const {
+  std::vector<fs::path> targets;
+  for (const auto& draft : drafts_) targets.push_back(draft.target);
+  remove_drafts_of(targets);
 }
 
 Replacement::~Replacement() {
@@ -295,6 +308,7 @@ Result<WrittenFile> write_new_file(const fs::path& target, BytesView octets, uns
     ::unlink(draft.c_str());
     return rename_failed(target, error);
   }
+  remove_drafts_of({&target, 1});
   return written(target, octets, mode);
 }
 

@@ -63,8 +63,9 @@ class NewFolder {
 
 /// Files in folders that exist: new ones, and newer ones in place of older ones where a command
 /// is there to replace them. All are written beside their places and on the disk before the first
-/// is renamed; a list of them is, too, so that the next command finishes what a killed one began. A target that is a
-/// symbolic link, a folder or a device is refused, so that nothing is written elsewhere.
+/// is renamed; a list of them is, too, so that the next command finishes what a killed one began. A
+/// target that is a symbolic link, a folder or a device is refused, so that nothing is written
+/// elsewhere.
 class Replacement {
  public:
   /// What is done where a symbolic link is: the link itself is replaced, never what it leads to.
@@ -84,6 +85,7 @@ class Replacement {
   Replacement& operator=(const Replacement&) = delete;
 
  private:
+  void remove_former_drafts() const;
   std::vector<Draft> drafts_;
   std::vector<WrittenFile> files_;
 };

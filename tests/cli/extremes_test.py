@@ -266,7 +266,7 @@ class Extremes(Transcript):
 
     def test_a_draft_of_a_killed_process_with_the_same_number_is_passed_over(self):
         self.run_program("init", "demo", *NOW)
-        script = 'echo old > "demo/talker/crl.pem.$$.new"; exec "$0" "$@"'
+        script = 'echo old > "demo/talker/crl.pem.$$.$(stat -Lc %i /proc/self/ns/pid).new"; exec "$0" "$@"'
         done = subprocess.run(["sh", "-c", script, PROGRAM, "crl", "distribute", "--ca", "demo", *NOW], cwd=self.at,
                               text=True, capture_output=True, timeout=LONG, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 """Whatever a file holds: an error with a hint, its exit code, and nothing written."""
 
+import os
+import shutil
 import signal
 import subprocess
+import time
 
-from transcript import DATA, PROGRAM, Transcript, main
+from transcript import DATA, NOW, PROGRAM, Transcript, main
 
-NOW = ("--now", "2026-11-21T00:00:00Z")
 HEAD = b'<?xml version="1.0" encoding="UTF-8"?>\n'
 HUGE = 100 * 1024 * 1024
 POLICY = DATA / "sros2/upstream/policies/talker_listener.policy.xml"
@@ -145,14 +147,56 @@ class Hostile(Transcript):
             (self.at / folder / "crl.pem").write_text("old")
         running = subprocess.Popen([PROGRAM, "crl", "distribute", *folders, "--ca", "ca", *NOW], cwd=self.at,
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        draft = self.at / f"many/0/crl.pem.{running.pid}.new"
-        while running.poll() is None and not draft.exists():
+        while running.poll() is None and not list((self.at / "many/0").glob(f"crl.pem.{running.pid}.*.new")):
             pass
         running.send_signal(signal.SIGINT)
         out, said = running.communicate(timeout=60)
         self.assertEqual((running.returncode, out), (5, ""))
         self.assertIn("error[interrupted]", said)
         self.assertEqual({(self.at / folder / "crl.pem").read_text() for folder in folders}, {"old"})
+
+    def test_what_a_killed_command_left_is_removed_and_nothing_else(self):
+        gone = subprocess.Popen(["true"])
+        gone.wait()
+        here = os.stat("/proc/self/ns/pid").st_ino
+        self.run_program("crl", "new", "--ca", "ca", *NOW)
+        folder = self.at / "many"
+        folder.mkdir()
+        elsewhere = self.at / "elsewhere"
+        elsewhere.mkdir()
+        (elsewhere / "kept").write_text("kept")
+        old = time.time() - 2 * 24 * 60 * 60
+
+        def make(name, modified=None):
+            (folder / name).write_text("a draft")
+            if modified:
+                os.utime(folder / name, (modified, modified))
+            return name
+
+        left = [make(f"crl.pem.{gone.pid}.{here}.new"), make(f"crl.pem.{gone.pid}.{here}.7.new"),
+                make(f"crl.pem.{os.getpid()}.{here + 1}.new", old)]
+        kept = [make(f"crl.pem.{os.getpid()}.{here}.new"),     # of a process that lives
+                make(f"crl.pem.{gone.pid}.{here + 1}.new"),    # of another container, today
+                make(f"cert.pem.{gone.pid}.{here}.new"),       # of another file: a list may name it
+                make(f"crl.pem.{gone.pid}.new"), make("crl.pem.new"), make(f"crl.pem.{gone.pid}.{here}.x.new"),
+                make(f"crl.pem.0.{here}.new"), f"crl.pem.{gone.pid}.{here}.8.new", f"crl.pem.{gone.pid}.{here}.9.new"]
+        (folder / kept[-1]).symlink_to(elsewhere / "kept")
+        (folder / kept[-2]).mkdir()
+        self.run_program("crl", "distribute", "many", "--ca", "ca", *NOW)
+        self.assertEqual({p.name for p in folder.iterdir()}, {*kept, "crl.pem"}, f"and not {left}")
+
+        for name in (f".demo.{gone.pid}.{here}.abcDE1", f".demo.{os.getpid()}.{here}.abcDE2", ".demo.abcDE3",
+                     f".demo.{gone.pid}.{here}.abcDE4.new"):
+            (self.at / name / "ca").mkdir(parents=True)
+            (self.at / name / "ca/key.pem").write_text("key")
+            (self.at / name / "link").symlink_to(elsewhere)
+        (self.at / f".demo.{gone.pid}.{here}.abcDE5").symlink_to(elsewhere)
+        self.run_program("init", "demo", *NOW)
+        self.assertEqual(sorted(p.name[-6:] for p in self.at.glob(".demo.*")),
+                         ["E4.new", "abcDE2", "abcDE3", "abcDE5"])
+        self.assertEqual((elsewhere / "kept").read_text(), "kept")
+        for path in (*folder.iterdir(), *self.at.glob(".demo.*")):  # or tearDown takes them for this test's
+            shutil.rmtree(path) if path.is_dir() and not path.is_symlink() else path.unlink()
 
 
 if __name__ == "__main__":

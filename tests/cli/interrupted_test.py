@@ -14,7 +14,7 @@ from transcript import PROGRAM, Transcript, main
 
 NOW = ("--now", "2026-11-21T00:00:00Z")
 LIBRARY = PROGRAM.parent.parent / "lib/kill_at.so"
-DRAFT = re.compile(r"(^|/)\.[^/]+\.\w{6}(/|$)|\.\d+(\.\d+)?\.new$|\.ddssec-unfinished$")
+DRAFT = re.compile(r"(^|/)\.[^/]+\.\w{6}(/|$)|(\.\d+){2,3}\.new$|\.ddssec-unfinished$")
 
 
 def is_whole(path, octets):
@@ -73,6 +73,10 @@ class Interrupted(Transcript):
                     done = subprocess.run([PROGRAM, *(again or words), *NOW], cwd=self.at, capture_output=True,
                                           timeout=60, check=False, stdin=subprocess.DEVNULL, text=True)
                     self.assertIn(done.returncode, (0, *refused), f"{words} at {number}, then again: {done.stderr}")
+                    if done.returncode == 0 and again is None:  # else it may write other files
+                        rest = [str(p.relative_to(self.at)) for p in self.at.rglob("*")]
+                        self.assertEqual([name for name in rest if DRAFT.search(name)], [],
+                                         f"{words} at {number}, then again: drafts are left")
                 for command in after:
                     self.run_program(*command, *NOW)
                 shutil.rmtree(self.at)
