@@ -28,7 +28,7 @@ constexpr Row kRows[] = {
     {"", "--layout", "flat sros2"},
     {"", "--vendor", "cyclonedds fastdds ddssec"},
     {"", "--require", "any both writer=A writer=B"},
-    {"", "--pre-shared-key", "SIGN ENCRYPT"},
+    {"", "--pre-shared-key", "NONE SIGN ENCRYPT"},
     {"", "--reason",
      "unspecified keyCompromise affiliationChanged superseded "
      "cessationOfOperation privilegeWithdrawn"},

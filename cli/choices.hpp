@@ -1,4 +1,5 @@
-// The words that an option or a place of a command takes, where they are few: for completion.
+// The words that an option or a place of a command takes, where they are few: for completion, and
+// for values in another letter case.
 #pragma once
 
 #include <string>

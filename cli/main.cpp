@@ -27,10 +27,12 @@ void print(std::FILE* to, const std::string& text) {
   std::fwrite(shown.data(), 1, shown.size(), to);
 }
 
+// Also of a command line that could not be read.
 bool wants_json(const std::vector<std::string>& words) {
   for (std::size_t i = 0; i < words.size(); ++i) {
-    if (words[i] == "--format=json") return true;
-    if (words[i] == "--format" && i + 1 < words.size() && words[i + 1] == "json") return true;
+    if (ascii_lower(words[i]) == "--format=json") return true;
+    if (words[i] == "--format" && i + 1 < words.size() && ascii_lower(words[i + 1]) == "json")
+      return true;
   }
   return false;
 }
@@ -79,6 +81,14 @@ Result<cli::Report> run(const cli::Request& request) {
   return report;
 }
 
+// What goes to standard output. With --quiet a command that wrote files and had no trouble says
+// nothing of them; answers stay.
+std::string text_of(const cli::Report& report, cli::Style style) {
+  const bool has_written = !report.files_written.empty();
+  if (has_written && cli::writes_nothing()) return cli::dry_run_text(report);
+  return style.quiet && has_written && report.exit == cli::Exit::done ? "" : report.text;
+}
+
 int finish(const cli::Report& report, std::string_view command, bool json, cli::Style style) {
   if (json) {
     auto out = cli::envelope(report, command);
@@ -86,8 +96,7 @@ int finish(const cli::Report& report, std::string_view command, bool json, cli::
     // In ASCII, so that nothing in it can do anything to a terminal.
     print(stdout, out.dump(1, ' ', true, cli::Json::error_handler_t::replace) + "\n");
   } else {
-    const bool is_dry = cli::writes_nothing() && !report.files_written.empty();
-    print(stdout, is_dry ? cli::dry_run_text(report) : report.text);
+    print(stdout, text_of(report, style));
     print(stderr, cli::diagnostics_text(report, style));
   }
   const bool flushed = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;

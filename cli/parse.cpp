@@ -3,9 +3,12 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <list>
+#include <ranges>
 
 #include <fmt/format.h>
 
+#include "base/text.hpp"
+#include "cli/choices.hpp"
 #include "cli/suggestions.hpp"
 
 namespace ddssec::cli {
@@ -149,11 +152,24 @@ class CommandLine {
                              extra.empty() ? "" : "; ", extra, command_.examples.front()));
   }
 
+  // Words of a table count in any letter case, also before the version of a product.
+  std::vector<std::string> as_chosen(const Slot& slot) const {
+    auto out = slot.values;
+    const auto words = choices_of(command_, slot.name);
+    for (auto& value : out) {
+      const auto end = std::min(value.find('@'), value.size());
+      for (const auto word : std::views::split(words, ' '))
+        if (ascii_lower(std::string_view(word)) == ascii_lower(value.substr(0, end)))
+          value.replace(0, end, std::string_view(word));
+    }
+    return out;
+  }
+
   Arguments::Values values() const {
     Arguments::Values out;
     for (const auto& slot : slots_) {
       if (slot.option->count() > 0) {
-        out[slot.name] = slot.values;
+        out[slot.name] = as_chosen(slot);
       } else if (!slot.fallback.empty()) {
         out[slot.name] = {std::string(slot.fallback)};
       }

@@ -63,7 +63,7 @@ class Completion(Transcript):
                 ("--profile", "open balanced strict", ("governance", "new", "-o", "x", "--dry-run")),
                 ("--layout", "flat sros2", ("init", "x", "--dry-run")),
                 ("--role", "identity permissions both", ("ca", "create", "x", "--no-passphrase", "--dry-run")),
-                ("--pre-shared-key", "SIGN ENCRYPT", ("governance", "new", "-o", "x", "--dry-run"))):
+                ("--pre-shared-key", "NONE SIGN ENCRYPT", ("governance", "new", "-o", "x", "--dry-run"))):
             self.assertIn(f"words='{values}'", self.run_program("completion", "bash").stdout)
             for value in values.split():
                 self.run_program(*words, option, value)

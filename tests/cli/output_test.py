@@ -137,11 +137,32 @@ class Output(Transcript):
             self.assertIn("the environment variable ROS_DOMAIN_ID: ", told["message"])
             self.assertIn(f'found "{value}"', told["message"])
 
+    def test_words_of_a_choice_count_in_any_letter_case(self):
+        self.run_program("init", "demo", "--profile", "Open", "--layout", "FLAT", *NOW)
+        self.assertEqual(json.loads(self.run_program("init", "other", "--format", "JSON", *NOW).stdout)["exit"], 0)
+        self.assertEqual(json.loads(self.run_program("doctor", "none", "--format=Json", exit=3).stdout)["exit"], 3)
+        self.assertEqual(json.loads(self.run_program("ca", "frobnicate", "--format", "JSON", exit=2).stdout)["exit"], 2)
+        for words in (("ca", "show", "demo", "--role", "Permissions"), ("identity", "csr", "x", "-o", "x", "--key", "RSA2048"),
+                      ("check", "demo/talker", "demo/listener", "--vendor", "A=CycloneDDS", "--require", "writer=a"),
+                      ("doctor", "demo/talker", "--vendor", "FastDDS@2.9.1", "--color", "NEVER"),
+                      ("can", "demo/talker", "PUBLISH", "x"), ("completion", "Bash"), ("explain", "doc086"),
+                      ("governance", "diff", "demo/governance.xml", "other/governance.xml", "--fail-on", "Breaking"),
+                      ("identity", "revoke", "demo/talker", "--ca", "demo", "--reason", "KEYCOMPROMISE", "--dry-run")):
+            self.run_program(*words, *NOW, exit=None)
+        told = self.refused("usage", 2, "init", "third", "--profile", "stict")["message"]
+        self.assertIn("expected open, balanced or strict", told)
+
     def test_quiet_and_verbose(self):
         done = self.run_program("ca", "create", "ca", "--no-passphrase", "-v")
         self.assertEqual(len(done.stderr.splitlines()), 5)
         self.assertRegex(done.stderr, r"(?m)^wrote 0600 ca/identity/ca.key.pem  [0-9a-f]{64}$")
-        self.assertEqual(self.run_program("ca", "create", "cb", "--no-passphrase", "-q").stderr, "")
+        for words in (("ca", "create", "cb", "--no-passphrase"), ("init", "demo"),
+                      ("identity", "issue", "x", "--ca", "demo", "-o", "x"), ("crl", "new", "--ca", "demo")):
+            done = self.run_program(*words, "-q")
+            self.assertEqual((done.stdout, done.stderr), ("", ""), words)
+        self.assertIn("CN=talker", self.run_program("identity", "show", "demo/talker", "-q").stdout)
+        self.assertIn("would write", self.run_program("init", "other", "-q", "--dry-run").stdout)
+        self.assertIn("hint:", self.run_program("init", "demo", "-q", exit=4).stderr)
         self.refused("usage", 2, "ca", "show", "ca/identity", "-q", "-v")
         self.assertIn("error[", self.run_program("ca", "show", "nothing", "-q", exit=3).stderr)
 
