@@ -111,7 +111,7 @@ std::optional<DateTime> parse_date_time(std::string_view text, Round round) {
   if (!zone || !in.good_at_end()) return std::nullopt;
   WallTime time = *day + *time_of_day - zone->east;
   if (*fraction && round == Round::up) time += seconds(1);
-  return DateTime{time, zone->given};
+  return DateTime{time, zone->given, *fraction};
 }
 
 }  // namespace ddssec::governance

@@ -16,6 +16,7 @@ enum class Round : std::uint8_t { down, up };
 struct DateTime {
   WallTime time;
   bool has_zone;
+  bool has_fraction;  ///< of a second, and not 0
 };
 
 /// Reads `2026-11-21T03:13:43`, with an optional fraction and an optional zone `Z`, `+hh:mm` or

@@ -19,7 +19,11 @@ struct Unportable {
   /// Nothing if the product agrees on all names, or if that would take too long to find out.
   std::optional<ReadingDifference> cyclonedds = std::nullopt;  ///< Cyclone DDS 0.10.2
   std::optional<ReadingDifference> fastdds = std::nullopt;     ///< Fast DDS 2.9.1
+
+  bool is_read_differently() const { return cyclonedds || fastdds; }
 };
+/// `"a[": a "[" is never closed; Cyclone DDS does not match "a[", which ddssec does`.
+std::string to_sentence(std::string_view expression, const Unportable& found);
 
 /// Nothing if every product reads the expression alike: characters other than `*?[]\`, `*`, `?`,
 /// and `[...]` of letters, digits, '_' and their ranges, with or without '!' before them and not

@@ -5,8 +5,10 @@
 
 #include "governance/domain_pieces.hpp"
 #include "governance/lint_grant.hpp"
+#include "governance/matcher.hpp"
 #include "governance/shadowed.hpp"
 #include "governance/topic_sets.hpp"
+#include "pki/subject_name.hpp"
 
 namespace ddssec::governance {
 namespace {
@@ -96,13 +98,15 @@ std::vector<Dead> dead_entries(const GrantPlace& place) {
 
 // What was to be denied and is allowed is an error; what says the same twice is harmless.
 Severity severity_of(const Dead& dead) {
-  const bool same = std::ranges::all_of(
-      dead.by, [&](const GrantEntry& by) { return by.rule->allow == dead.entry.rule->allow; });
+  const bool same = !dead.by.empty() && std::ranges::all_of(dead.by, [&](const GrantEntry& by) {
+    return by.rule->allow == dead.entry.rule->allow;
+  });
   if (same) return Severity::informational;
   return dead.entry.rule->allow ? Severity::warning : Severity::error;
 }
 
 std::string reason(const Dead& dead) {
+  if (dead.by.empty()) return matches_nothing(dead.entry.topic->text);
   std::vector<std::string> names;
   for (const auto& by : dead.by)
     names.push_back(
@@ -126,6 +130,7 @@ void add_rule(Findings& out, const GrantPlace& place, const std::vector<const De
       fmt::format("{} can never apply: to {} {}, {}", rule_name(first.entry), first.action,
                   in_quotes(first.entry.topic->text), reason(first)));
   finding.severity = Severity::informational;
+  if (first.by.empty()) finding.hint = kUnmatchableHint;
   for (const auto* dead : all) finding.severity = std::max(finding.severity, severity_of(*dead));
   out.add(std::move(finding));
 }
@@ -147,9 +152,44 @@ void lint_dead_rules(Findings& out, const GrantPlace& place) {
           fmt::format("to {} {} can never apply in {}: {}", one->action,
                       in_quotes(one->entry.topic->text), rule_name(one->entry), reason(*one)));
       finding.severity = severity_of(*one);
+      if (one->by.empty()) finding.hint = kUnmatchableHint;
       out.add(std::move(finding));
     }
   }
+}
+
+void lint_unmatchable(Findings& out, const GrantPlace& place) {
+  const auto add = [&](std::string_view what, const Text& text, Finding finding) {
+    finding.message = fmt::format("{} can never apply: {}", what, matches_nothing(text.text));
+    finding.hint = kUnmatchableHint;
+    finding.line = text.line;
+    out.add(std::move(finding));
+  };
+  const auto check = [&](std::string_view what, const Text& text, std::size_t rule) {
+    if (!Pattern(text.text).matches_no_name()) return;
+    auto finding = place.about_rule(PERM012, rule + 1, {});
+    if (!place.grant().rules[rule].allow) finding.severity = Severity::error;
+    add(what, text, std::move(finding));
+  };
+  const auto& grant = place.grant();
+  for (std::size_t i = 0; i < grant.rules.size(); ++i) {
+    const auto& rule = grant.rules[i];
+    for (const auto& tag : rule.domains.tag_expressions) check("a <tag_expression>", tag, i);
+    for (const auto* list : {&rule.publish, &rule.subscribe, &rule.relay})
+      for (const auto& criteria : *list)
+        for (const auto& partition : listed_partitions(criteria))
+          check("a <partition>", partition, i);
+    for (const auto& criteria : rule.relay)
+      for (const auto& topic : criteria.topics) check("a relayed <topic>", topic, i);
+  }
+  if (!grant.subject_is_expression) return;
+  const auto name = pki::SubjectName::parse(grant.subject_name);
+  const bool is_dead =
+      name && std::ranges::any_of(name->attributes(), [](const auto& attribute) {
+        return Pattern(attribute.value, Pattern::Syntax::subject).matches_no_name();
+      });
+  if (is_dead)
+    add("the grant", {grant.subject_name, grant.line}, place.about(PERM012, std::string()));
 }
 
 }  // namespace ddssec::governance

@@ -11,6 +11,21 @@
 
 namespace ddssec::governance {
 
+std::string to_sentence(std::string_view expression, const Unportable& found) {
+  auto out = fmt::format("{}: {}", in_quotes(expression), found.reason);
+  const auto tell = [&](std::string_view product,
+                        const std::optional<ReadingDifference>& difference) {
+    if (!difference) return;
+    out +=
+        fmt::format("; {} {} {}, which ddssec {}", product,
+                    difference->product_matches ? "matches" : "does not match",
+                    in_quotes(difference->name), difference->product_matches ? "does not" : "does");
+  };
+  tell("Cyclone DDS", found.cyclonedds);
+  tell("Fast DDS", found.fastdds);
+  return out;
+}
+
 void Findings::add(Finding finding) {
   if (++count_[finding.rule] <= kMostFindingsPerRule) all_.push_back(std::move(finding));
 }
@@ -28,20 +43,11 @@ void Findings::add_if_unportable(ddssec::Rule rule, const Text& expression,
   const auto found = unportable(expression.text);
   if (!found) return;
   Finding finding{.rule = rule,
-                  .message = fmt::format("{}: {}", in_quotes(expression.text), found->reason),
+                  .message = to_sentence(expression.text, *found),
                   .line = expression.line,
                   .path = path};
-  const auto tell = [&](const std::string& vendor, std::string_view product,
-                        const std::optional<ReadingDifference>& difference) {
-    if (!difference) return;
-    finding.vendors.push_back(vendor);
-    finding.message +=
-        fmt::format("; {} {} {}, which ddssec {}", product,
-                    difference->product_matches ? "matches" : "does not match",
-                    in_quotes(difference->name), difference->product_matches ? "does not" : "does");
-  };
-  tell(kCyclone, "Cyclone DDS", found->cyclonedds);
-  tell(kFastDds, "Fast DDS", found->fastdds);
+  if (found->cyclonedds) finding.vendors.push_back(kCyclone);
+  if (found->fastdds) finding.vendors.push_back(kFastDds);
   if (finding.vendors.empty()) finding.severity = Severity::informational;
   add(std::move(finding));
 }
@@ -77,6 +83,10 @@ std::vector<Finding> Findings::take() {
   count_.clear();
   order_by_least(all_, &Finding::line);
   return std::move(all_);
+}
+
+std::string matches_nothing(std::string_view expression) {
+  return "no name matches " + in_quotes(expression);
 }
 
 std::string in_quotes(std::string_view text) {

@@ -39,6 +39,11 @@ class Findings {
   std::map<ddssec::Rule, std::size_t> count_;
 };
 
+/// `no name matches "[z-a]"`.
+std::string matches_nothing(std::string_view expression);
+inline constexpr std::string_view kUnmatchableHint =
+    "write what the expression is meant to match, or delete it";
+
 /// `"rt/a"`, cut if it is long.
 std::string in_quotes(std::string_view text);
 /// "3" or "0-5", several with commas.

@@ -5,6 +5,7 @@
 #include "governance/domain_pieces.hpp"
 #include "governance/lint.hpp"
 #include "governance/lint_findings.hpp"
+#include "governance/matcher.hpp"
 #include "governance/shadowed.hpp"
 #include "governance/topic_sets.hpp"
 
@@ -85,7 +86,8 @@ Taken taken_from(const Governance& document, std::size_t at) {
   return out;
 }
 
-void check_coverage(Findings& out, const Governance& document, std::size_t at, const DomainPlace& place) {
+void check_coverage(Findings& out, const Governance& document, std::size_t at,
+                    const DomainPlace& place) {
   if (has_tags(place.rule)) return;
   const auto taken = taken_from(document, at);
   if (taken.domains.empty()) return;
@@ -114,12 +116,25 @@ std::vector<std::string_view> expressions_of(const DomainRule& rule) {
   return out;
 }
 
+Finding unmatchable(const DomainPlace& place, std::size_t topic) {
+  const auto& expression = place.rule.topic_rules[topic].topic_expression;
+  auto finding = place.about(
+      GOV010, topic,
+      fmt::format("topic_rule {} can never apply: {}", topic + 1, matches_nothing(expression)));
+  finding.hint = kUnmatchableHint;
+  return finding;
+}
+
 // Harmless if those in the way say the same.
 void check_dead_rules(Findings& out, const DomainPlace& place) {
   const auto& rules = place.rule.topic_rules;
   const auto found = shadows(expressions_of(place.rule));
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (!found[i].is_dead) continue;
+    if (found[i].by.empty()) {
+      out.add(unmatchable(place, i));
+      continue;
+    }
     std::vector<std::string> names;
     for (const auto by : found[i].by)
       names.push_back(fmt::format("{} (rule {})", in_quotes(rules[by].topic_expression), by + 1));
@@ -282,6 +297,17 @@ void check_builtin_origin(Findings& out, const DomainPlace& place) {
                                           fmt::join(kinds, " and "))));
 }
 
+void check_tags(Findings& out, const DomainPlace& place) {
+  for (const auto& tag : place.rule.domains.tag_expressions) {
+    if (!Pattern(tag.text).matches_no_name()) continue;
+    auto finding =
+        place.about(GOV010, "a <tag_expression> can never apply: " + matches_nothing(tag.text));
+    finding.line = tag.line;
+    finding.hint = kUnmatchableHint;
+    out.add(std::move(finding));
+  }
+}
+
 void check_topics(Findings& out, const DomainPlace& place) {
   for (std::size_t i = 0; i < place.rule.topic_rules.size(); ++i) {
     const auto& topic = place.rule.topic_rules[i];
@@ -302,8 +328,9 @@ std::vector<Finding> lint(const Governance& governance, const GovernanceUse& use
   add_notes(out, governance);
   for (std::size_t i = 0; i < governance.domain_rules.size(); ++i) {
     const DomainPlace place{governance.domain_rules[i],
-                      fmt::format("/dds/domain_access_rules/domain_rule[{}]", i + 1)};
+                            fmt::format("/dds/domain_access_rules/domain_rule[{}]", i + 1)};
     check_coverage(out, governance, i, place);
+    check_tags(out, place);
     check_dead_rules(out, place);
     check_topics_without_rule(out, place);
     check_domain_kinds(out, place);

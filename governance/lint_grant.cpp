@@ -41,6 +41,11 @@ std::string rule_name(const GrantEntry& entry) {
   return fmt::format("{} {}", entry.rule->allow ? "allow_rule" : "deny_rule", entry.rule_number);
 }
 
+const std::vector<Text>& listed_partitions(const Criteria& criteria) {
+  static const std::vector<Text> kNone;
+  return criteria.partitions ? *criteria.partitions : kNone;
+}
+
 std::vector<std::string_view> allowed_texts(const std::vector<GrantEntry>& entries) {
   std::vector<std::string_view> out;
   for (const auto& entry : entries)

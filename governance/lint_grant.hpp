@@ -50,11 +50,16 @@ inline constexpr std::array<std::string_view, 2> kActionNames = {"publish", "sub
 /// "allow_rule 2".
 std::string rule_name(const GrantEntry& entry);
 
+/// The partitions that the element lists; none if it lists none.
+const std::vector<Text>& listed_partitions(const Criteria& criteria);
+
 /// The texts of the entries that are in an allow_rule.
 std::vector<std::string_view> allowed_texts(const std::vector<GrantEntry>& entries);
 
 /// PERM012: what can never apply.
 void lint_dead_rules(Findings& out, const GrantPlace& place);
+/// PERM012: partitions, tags, relayed topics and subjects that no name matches.
+void lint_unmatchable(Findings& out, const GrantPlace& place);
 /// PERM013 to PERM015, PERM020, PERM021, PERM023 to PERM026, PERM034.
 void lint_rights(Findings& out, const GrantPlace& place, const Governance* governance);
 /// PERM030, PERM032, PERM033, if the grant speaks of ROS 2.

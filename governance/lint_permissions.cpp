@@ -21,6 +21,14 @@ void add_notes(Findings& out, const Permissions& document) {
       case NoteKind::no_zone:
         out.add(PERM003, note, {kFastDds});
         break;
+      case NoteKind::fraction:
+        out.add({.rule = PERM002,
+                 .message = note.text,
+                 .line = note.line,
+                 .path = note.path,
+                 .hint = "write whole seconds",
+                 .severity = Severity::informational});
+        break;
       case NoteKind::open_range:
         out.add(PERM004, note, stock);
         break;
@@ -43,6 +51,11 @@ void check_dates(Findings& out, const GrantPlace& place, const PermissionsUse& u
     finding.severity = severity;
     out.add(std::move(finding));
   };
+  if (to - from <= std::chrono::seconds(1))
+    add(from == to ? Severity::error : Severity::warning,
+        from == to
+            ? fmt::format("the grant is never valid: it begins and ends at {}", to_string(from))
+            : fmt::format("the grant is valid for one second only, at {}", to_string(from)));
   if (use.now && *use.now >= to)
     add(Severity::error, fmt::format("the grant ended at {}", to_string(to)));
   if (use.now && *use.now < from)
@@ -189,8 +202,7 @@ void check_names(Findings& out, const GrantPlace& place) {
     for (const auto* list : {&rule.publish, &rule.subscribe, &rule.relay})
       for (const auto& criteria : *list) {
         for (const auto& topic : criteria.topics) check("the topic", topic);
-        if (!criteria.partitions) continue;
-        for (const auto& partition : *criteria.partitions) check("the partition", partition);
+        for (const auto& partition : listed_partitions(criteria)) check("the partition", partition);
       }
 }
 
@@ -208,6 +220,7 @@ std::vector<Finding> lint(const Permissions& permissions, const PermissionsUse& 
     check_names(out, place);
     if (!use.certificate) check_spelling(out, place);
     lint_dead_rules(out, place);
+    lint_unmatchable(out, place);
     lint_rights(out, place, use.governance);
     lint_ros(out, place);
   }

@@ -32,6 +32,13 @@ void check_expressions(Findings& out, const GrantPlace& place) {
       out.add_if_unportable(PERM013, *entry.topic, place.rule_path(entry.rule_number));
       out.add_if_ros_name(PERM034, *entry.topic, place.rule_path(entry.rule_number));
     }
+  // The stock products pass over relay elements.
+  const auto& rules = place.grant().rules;
+  for (std::size_t i = 0; i < rules.size(); ++i)
+    for (const auto* list : {&rules[i].publish, &rules[i].subscribe})
+      for (const auto& criteria : *list)
+        for (const auto& partition : listed_partitions(criteria))
+          out.add_if_unportable(PERM013, partition, place.rule_path(i + 1));
 }
 
 void check_unread_conditions(Findings& out, const GrantPlace& place) {

@@ -29,6 +29,8 @@ class Pattern {
   explicit Pattern(std::string_view expression, Syntax syntax = Syntax::name);
 
   bool matches(std::string_view name) const;
+  /// True if no name can match, as of `[z-a]`.
+  bool matches_no_name() const;
   /// True if it matches exactly one name, text().
   bool is_literal() const { return steps_.empty(); }
   /// Of a literal the name that it matches, else the expression.

@@ -23,6 +23,7 @@ enum class NoteKind : std::uint8_t {
   padding,           ///< blanks around a value
   open_range,        ///< an id_range without <min> or <max>
   no_zone,           ///< a time without a zone
+  fraction,          ///< a time with a fraction of a second
   no_name,           ///< a grant without a name
   no_default,        ///< a grant without <default>
   extension,         ///< elements or attributes that DDS-Security 1.1 does not have
@@ -88,7 +89,9 @@ struct TopicRule {
   int line = 0;
 };
 
-/// allowed_crypto_algorithms of DDS-Security 1.2: names as in its table of algorithms.
+/// allowed_crypto_algorithms of DDS-Security 1.2: names as in its table of algorithms. Readers fill
+/// an absent list with every name of the table; an absent one for the trust chain stays empty and
+/// means `digital_signature`.
 struct AllowedAlgorithms {
   std::vector<Text> digital_signature = {};
   std::vector<Text> digital_signature_identity_trust_chain = {};

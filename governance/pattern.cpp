@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <optional>
 
@@ -183,6 +184,15 @@ bool Pattern::step_matches(const Step& step, char c) const {
   if (step.kind == Kind::character) return step.character == octet;
   if (syntax_ == Syntax::subject && c == '/') return false;
   return step.kind == Kind::any || sets_[step.set].test(octet);
+}
+
+bool Pattern::matches_no_name() const {
+  std::bitset<256> possible;
+  possible.set().reset(0);  // no name holds NUL
+  if (syntax_ == Syntax::subject) possible.reset('/');
+  return std::ranges::any_of(steps_, [&](const Step& step) {
+    return step.kind == Kind::set && (sets_[step.set] & possible).none();
+  });
 }
 
 bool Pattern::matches(std::string_view name) const {

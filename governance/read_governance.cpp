@@ -1,5 +1,8 @@
+#include <fmt/format.h>
+
 #include "governance/read.hpp"
 #include "governance/read_values.hpp"
+#include "governance/standard_algorithms.hpp"
 
 namespace ddssec::governance {
 namespace {
@@ -47,13 +50,33 @@ Result<std::vector<TopicRule>> read_topic_rules(ReadContext& context, XmlElement
   return rules;
 }
 
+/// One of the lists of allowed_crypto_algorithms.
+struct AlgorithmList {
+  std::string_view name;
+  std::span<const std::string_view> if_absent;
+};
+
+/// An absent list allows what the standard names (10.4.1.2.5.9.1, .3, .4), whatever its schema
+/// says.
+Result<std::vector<Text>> read_algorithm_list(ReadContext& context, XmlElement section,
+                                              XmlElement element, const AlgorithmList& list) {
+  if (element) return read_texts(context, element, "algorithm");
+  context.note(NoteKind::extension, section,
+               fmt::format("has no <{}>: every algorithm of DDS-Security 1.2 is allowed; a product "
+                           "that follows the schema, which requires it, refuses the document",
+                           list.name));
+  std::vector<Text> out;
+  for (const auto name : list.if_absent) out.push_back({std::string(name), section.line()});
+  return out;
+}
+
 Result<AllowedAlgorithms> read_algorithms(ReadContext& context, XmlElement element) {
   // The standard's example once calls the second one digital_signature_trust_chain.
-  constexpr ChildSpec kSpecs[] = {{"digital_signature"},
+  constexpr ChildSpec kSpecs[] = {{"digital_signature", Count::optional},
                                   {"digital_signature_identity_trust_chain", Count::optional},
                                   {"digital_signature_trust_chain", Count::optional},
-                                  {"key_establishment"},
-                                  {"symmetric_cipher"}};
+                                  {"key_establishment", Count::optional},
+                                  {"symmetric_cipher", Count::optional}};
   const auto child = DDSSEC_TRY(XmlChildren::of(element, kSpecs));
   if (child.one(1) && child.one(2)) {
     return fail(Code::element_repeated,
@@ -61,13 +84,16 @@ Result<AllowedAlgorithms> read_algorithms(ReadContext& context, XmlElement eleme
   }
   AllowedAlgorithms allowed{.line = element.line()};
   const XmlElement trust_chain = child.one(1) ? child.one(1) : child.one(2);
-  allowed.digital_signature = DDSSEC_TRY(read_texts(context, child.one(0), "algorithm"));
+  const auto list = [&](std::size_t at, std::span<const std::string_view> if_absent) {
+    return read_algorithm_list(context, element, child.one(at), {kSpecs[at].name, if_absent});
+  };
+  allowed.digital_signature = DDSSEC_TRY(list(0, kStandardSignatures));
   if (trust_chain) {
     allowed.digital_signature_identity_trust_chain =
         DDSSEC_TRY(read_texts(context, trust_chain, "algorithm"));
   }
-  allowed.key_establishment = DDSSEC_TRY(read_texts(context, child.one(3), "algorithm"));
-  allowed.symmetric_cipher = DDSSEC_TRY(read_texts(context, child.one(4), "algorithm"));
+  allowed.key_establishment = DDSSEC_TRY(list(3, kStandardKeyEstablishments));
+  allowed.symmetric_cipher = DDSSEC_TRY(list(4, kStandardCiphers));
   return allowed;
 }
 

@@ -6,6 +6,7 @@ namespace ddssec::governance {
 namespace {
 
 using Count = ChildSpec::Count;
+using std::chrono::seconds;
 
 Result<WallTime> read_time(ReadContext& context, XmlElement element, Round round) {
   const std::string text = DDSSEC_TRY(element.nonempty_text());
@@ -20,6 +21,11 @@ Result<WallTime> read_time(ReadContext& context, XmlElement element, Round round
     context.note(NoteKind::no_zone, element,
                  "names no zone: read as UTC here, as local time by Fast DDS");
   }
+  if (moment->has_fraction) {
+    context.note(NoteKind::fraction, element,
+                 std::string("has a fraction of a second: ddssec takes the whole second ") +
+                     (round == Round::up ? "after it" : "before it"));
+  }
   return moment->time;
 }
 
@@ -30,12 +36,14 @@ Result<Validity> read_validity(ReadContext& context, XmlElement element) {
   const Validity validity{DDSSEC_TRY(read_time(context, child.one(0), Round::up)),
                           DDSSEC_TRY(read_time(context, child.one(1), Round::down))};
   if (validity.not_before > validity.not_after) {
-    return fail(Code::validity_reversed,
-                {.line = element.line(),
-                 .field = "<validity>",
-                 .expected = "not_before before not_after",
-                 .found = ddssec::to_string(validity.not_before) + " to " +
-                          ddssec::to_string(validity.not_after)});
+    const bool is_within_a_second = validity.not_before - validity.not_after == seconds(1);
+    return fail(
+        Code::validity_reversed,
+        {.line = element.line(),
+         .field = "<validity>",
+         .expected = "not_before before not_after",
+         .found = child.one(0).text().value_or("") + " to " + child.one(1).text().value_or(""),
+         .note = is_within_a_second ? "no whole second lies between them" : ""});
   }
   return validity;
 }

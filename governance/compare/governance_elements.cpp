@@ -4,6 +4,8 @@
 #include <array>
 #include <set>
 
+#include "governance/standard_algorithms.hpp"
+
 namespace ddssec::governance {
 namespace {
 
@@ -47,20 +49,12 @@ class Changes {
 
 using Names = std::set<std::string_view>;
 
-/// Every algorithm that the standard names for a purpose (DDS-Security 1.2 8.1 and 8.2).
-const Names& all_signatures() {
-  static const Names kNames = {"RSASSA-PSS-MGF1SHA256+2048+SHA256", "RSASSA-PKCS1-V1_5+2048+SHA256",
-                               "ECDSA+P256+SHA256", "ECDSA+P384+SHA384"};
-  return kNames;
+/// Every algorithm that the standard names for a purpose.
+Names all_signatures() { return {kStandardSignatures.begin(), kStandardSignatures.end()}; }
+Names all_key_establishments() {
+  return {kStandardKeyEstablishments.begin(), kStandardKeyEstablishments.end()};
 }
-const Names& all_key_establishments() {
-  static const Names kNames = {"DHE+MODP-2048-256", "ECDHE-CEUM+P256", "ECDHE-CEUM+P384"};
-  return kNames;
-}
-const Names& all_ciphers() {
-  static const Names kNames = {"AES128+GCM", "AES256+GCM"};
-  return kNames;
-}
+Names all_ciphers() { return {kStandardCiphers.begin(), kStandardCiphers.end()}; }
 
 Names named(const std::vector<Text>& texts) {
   Names names;
@@ -110,7 +104,7 @@ void add_algorithms(Changes& changes, std::string_view element, const Names& all
 struct AlgorithmList {
   std::string_view element;
   Names (*allowed)(const DomainRule&);
-  const Names& (*all)();
+  Names (*all)();
 };
 constexpr std::array<AlgorithmList, 4> kAlgorithmLists = {{
     {"allowed_crypto_algorithms/digital_signature", signatures, all_signatures},

@@ -171,6 +171,22 @@ TEST_F(Algorithms, WhatOurHandshakesBeginWithMustBeListed) {
   EXPECT_REFUSED(local_of(Party(kP256, kP256)), governance_not_enforceable);
 }
 
+// DDS-Security 1.2 10.4.1.2.5.9: "may use any of the algorithms defined in clause 8.2".
+TEST_F(Algorithms, AnAbsentListAllowsWhatTheStandardNames) {
+  allowed = {};
+  const Party own(kP256, kP256);
+  EXPECT_TRUE(local_of(Party(kP384, kRsa2048)));
+  EXPECT_REFUSED(local_of(Party(kRsa3072, kP256)), identity_algorithm_not_allowed);
+  EXPECT_REFUSED(local_of(Party(kP256, kRsa3072)), trust_chain_algorithm_not_allowed);
+  ASSERT_TRUE(local_of(own));
+  const auto peer = pki::make_leaf(own.ca, kListener).certificate;
+  for (const auto* name : {kEcdhe, kEcdhe384, kDhe}) EXPECT_TRUE(remote_of(peer, name)) << name;
+  EXPECT_REFUSED(remote_of(peer, "org.example.Handshake"), key_establishment_not_allowed);
+  // The other lists count all the same.
+  allowed.digital_signature = list({kEc});
+  EXPECT_REFUSED(local_of(Party(kP384, kP256)), identity_algorithm_not_allowed);
+}
+
 TEST_F(Algorithms, WithoutTheElementAllAreAllowed) {
   auto content = protected_governance();
   const Party own(kP384, kRsa3072);

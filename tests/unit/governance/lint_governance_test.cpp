@@ -103,6 +103,21 @@ TEST(LintGovernance, SeveralRulesCanBeInTheWayTogether) {
             "together match every name it matches");
 }
 
+TEST(LintGovernance, AnExpressionThatMatchesNoNameIsAnError) {
+  const auto found = of(ddssec::Rule::GOV010, with_rules({strict("rt/[z-a]"), strict("*")}));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].severity, Severity::error);
+  EXPECT_EQ(found[0].message, "topic_rule 1 can never apply: no name matches \"rt/[z-a]\"");
+  EXPECT_EQ(found[0].hint, "write what the expression is meant to match, or delete it");
+  const auto tagged = changed([](DomainRule& rule) {
+    rule.domains.tag_expressions = {{"a\\", 0}};
+  });
+  const auto tags = of(ddssec::Rule::GOV010, tagged);
+  ASSERT_EQ(tags.size(), 1u);
+  EXPECT_EQ(tags[0].message, "a <tag_expression> can never apply: no name matches \"a\\\"");
+  EXPECT_EQ(tags[0].line, tagged.domain_rules[0].domains.tag_expressions[0].line);
+}
+
 TEST(LintGovernance, DeadRulesThatSayTheSameAreAWarning) {
   const auto found = only(with_rules({strict("rt/*"), strict("rt/a"), strict("*")}));
   EXPECT_EQ(found.rule, ddssec::Rule::GOV010);

@@ -97,6 +97,67 @@ TEST(LintPermissions, Dates) {
   EXPECT_TRUE(lint_but_joining(longer).empty());
 }
 
+TEST(LintPermissions, AValidityOfASecondOrLess) {
+  using std::chrono::seconds;
+  const auto lasting = [](seconds time) {
+    return changed([&](Grant& g) { g.validity.not_after = g.validity.not_before + time; });
+  };
+  const auto never = only(lasting(seconds(0)));
+  EXPECT_EQ(never.rule, ddssec::Rule::PERM002);
+  EXPECT_EQ(never.severity, Severity::error);
+  EXPECT_TRUE(never.message.starts_with("the grant is never valid: it begins and ends at "));
+  const auto once = only(lasting(seconds(1)));
+  EXPECT_EQ(once.severity, Severity::warning);
+  EXPECT_TRUE(once.message.starts_with("the grant is valid for one second only, at "));
+  EXPECT_TRUE(lint_but_joining(lasting(seconds(2))).empty());
+}
+
+TEST(LintPermissions, ExpressionsThatMatchNoName) {
+  const auto dead = [](const Permissions& document) {
+    auto found = lint(document);
+    std::erase_if(found, [](const Finding& f) { return f.rule != ddssec::Rule::PERM012; });
+    return found;
+  };
+  auto found = dead(with_rules({rule(true, {"[z-a]", "b"})}));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].severity, Severity::warning);
+  EXPECT_EQ(found[0].message,
+            "to publish \"[z-a]\" can never apply in allow_rule 1: no name matches "
+            "\"[z-a]\"");
+  EXPECT_EQ(found[0].hint, "write what the expression is meant to match, or delete it");
+  found = dead(with_rules({rule(true, {}), rule(false, {"[z-a]"}), rule(true, {"*"})}));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].severity, Severity::error) << "nothing is denied";
+  auto partitioned = rule(false, {"a"});
+  partitioned.publish[0].partitions = {{"p\\", 0}};
+  found = dead(with_rules({rule(true, {}), partitioned, rule(true, {"*"})}));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].message, "a <partition> can never apply: no name matches \"p\\\"");
+  EXPECT_EQ(found[0].severity, Severity::error);
+  const auto subject = [](const char* text) {
+    return changed([&](Grant& g) {
+      g.subject_is_expression = true;
+      g.subject_name = text;
+    });
+  };
+  found = dead(subject("CN=[/a]"));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].message, "the grant can never apply: no name matches \"CN=[/a]\"");
+  EXPECT_TRUE(dead(subject("CN=[\\\\a]*")).empty());
+}
+
+TEST(LintPermissions, PartitionsThatProductsReadDifferently) {
+  const auto in = [](const char* partition) {
+    auto allowed = rule(true, {"a"});
+    allowed.publish[0].partitions = {{partition, 0}};
+    return with_rules({allowed});
+  };
+  const auto found = only(in("[^a]"));
+  EXPECT_EQ(found.rule, ddssec::Rule::PERM013);
+  EXPECT_EQ(found.vendors, std::vector<std::string>{"cyclonedds"});
+  EXPECT_TRUE(lint_but_joining(in("[a]")).empty());
+}
+
 TEST(LintPermissions, ASecondGrantIsDead) {
   auto grant = grant_for(rights({"a"}));
   auto other = grant;

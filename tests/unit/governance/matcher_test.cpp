@@ -84,6 +84,17 @@ TEST(Matcher, AgreesWithFnmatchOnRandomPatterns) {
   EXPECT_GT(matched, 10'000);
 }
 
+TEST(Matcher, KnowsWhatMatchesNoName) {
+  for (const auto* expression : {"[z-a]", "a[z-a]*", "a\\", "[!\x01-\xff]"})
+    EXPECT_TRUE(Pattern(expression).matches_no_name()) << expression;
+  for (const auto* expression :
+       {"", "*", "a", "[a-z]", "[\\a]", "[", "[!a]", "[/]", "[^\x01-\xfe]"})
+    EXPECT_FALSE(Pattern(expression).matches_no_name()) << expression;
+  for (const auto* expression : {"[/a]", "[a/]*", "[!\x01-.0-\xff]"})
+    EXPECT_TRUE(Pattern(expression, Pattern::Syntax::subject).matches_no_name()) << expression;
+  EXPECT_FALSE(Pattern("a\\", Pattern::Syntax::subject).matches_no_name());
+}
+
 TEST(Matcher, AgreesWithFnmatchWhereSlashesSeparate) {
   RandomText random;
   int matched = 0;

@@ -231,6 +231,56 @@ TEST(ReadGovernance, KnowsTheElementsOfVersion12) {
               value_not_protection_kind);
 }
 
+// DDS-Security 1.2 10.4.1.2.5.9.1, .3 and .4; only the schema requires the lists.
+TEST(ReadGovernance, AnAbsentListOfAlgorithmsHoldsThoseOfTheStandard) {
+  const auto with = [](std::string_view lists) {
+    return governance_from(replaced(kGovernanceXml, "</topic_access_rules>",
+                                    fmt::format("</topic_access_rules><allowed_crypto_algorithms>"
+                                                "{}</allowed_crypto_algorithms>",
+                                                lists)));
+  };
+  auto document = with("<key_establishment><algorithm>d</algorithm></key_establishment>");
+  ASSERT_TRUE(document) << document.error().to_sentence();
+  const auto& allowed = *document->domain_rules[0].allowed_algorithms;
+  EXPECT_EQ(allowed.digital_signature.size(), 4u);
+  EXPECT_EQ(allowed.digital_signature[3].text, "ECDSA+P384+SHA384");
+  EXPECT_TRUE(allowed.digital_signature_identity_trust_chain.empty());
+  ASSERT_EQ(allowed.key_establishment.size(), 1u);
+  EXPECT_EQ(allowed.key_establishment[0].text, "d");
+  EXPECT_EQ(allowed.symmetric_cipher.size(), 2u);
+  const auto says = [&](std::string_view text) {
+    return std::ranges::count_if(document->notes, [&](const Note& note) {
+      return note.kind == NoteKind::extension && note.text.contains(text);
+    });
+  };
+  EXPECT_EQ(says("has no <digital_signature>"), 1);
+  EXPECT_EQ(says("has no <symmetric_cipher>"), 1);
+  EXPECT_EQ(says("has no <"), 2);
+  document = with("");
+  ASSERT_TRUE(document) << document.error().to_sentence();
+  EXPECT_EQ(document->domain_rules[0].allowed_algorithms->key_establishment.size(), 3u);
+  EXPECT_CODE(with("<key_establishment/>"), element_missing);
+}
+
+TEST(ReadPermissions, FractionsOfASecondMakeAValidityShorter) {
+  const auto with = [](const char* from, const char* to) {
+    return permissions_from(replaced(replaced(kPermissionsXml, "2026-01-01T00:00:00Z", from),
+                                     "2027-01-01T00:00:00Z", to));
+  };
+  auto document = with("2026-01-01T00:00:00.2Z", "2026-01-01T00:00:02.8Z");
+  ASSERT_TRUE(document) << document.error().to_sentence();
+  EXPECT_EQ(to_string(document->grants[0].validity.not_before), "2026-01-01T00:00:01Z");
+  EXPECT_EQ(to_string(document->grants[0].validity.not_after), "2026-01-01T00:00:02Z");
+  EXPECT_EQ(std::ranges::count(document->notes, NoteKind::fraction, &Note::kind), 2);
+  document = with("2026-01-01T00:00:00.0Z", "2026-01-01T00:00:02Z");
+  EXPECT_EQ(std::ranges::count(document->notes, NoteKind::fraction, &Note::kind), 0);
+  document = with("2026-01-01T00:00:00.2Z", "2026-01-01T00:00:00.8Z");
+  ASSERT_FALSE(document);
+  EXPECT_EQ(document.error().code(), Code::validity_reversed);
+  EXPECT_EQ(document.error().details().found, "2026-01-01T00:00:00.2Z to 2026-01-01T00:00:00.8Z");
+  EXPECT_EQ(document.error().details().note, "no whole second lies between them");
+}
+
 TEST(ReadPermissions, KeepsEveryValue) {
   const auto document = permissions_from(kPermissionsXml);
   ASSERT_TRUE(document) << document.error().to_sentence();
