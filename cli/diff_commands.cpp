@@ -18,6 +18,14 @@ bool is_worse(ChangeClass verdict, ChangeClass direction) {
   return verdict == direction || verdict == ChangeClass::mixed || verdict == ChangeClass::unknown;
 }
 
+bool is_not_only_spelling(const governance::PermissionChange& change) {
+  return change.element != "rewritten";
+}
+
+bool is_other_to_products(const governance::Readings& readings, const DiffSides& sides) {
+  return !readings.all.empty() || sides.before.signer != sides.after.signer;
+}
+
 /// Where stock products read a range of domains in another way, the comparison is not theirs.
 void warn_of_open_ranges(Report& report, Rule rule, const std::vector<governance::Note>& notes,
                          const std::filesystem::path& file) {
@@ -51,7 +59,7 @@ Result<Report> governance_diff(const Arguments& arguments, const Context& contex
   const bool reached = threshold == "weaker"     ? is_worse(diff.verdict, ChangeClass::weaker)
                        : threshold == "breaking" ? unknown || !diff.flag_day_domains.empty()
                        : threshold == "any"      ? unknown || !diff.changes.empty() ||
-                                                  sides.before.signer != sides.after.signer
+                                                  is_other_to_products(diff.readings, sides)
                                             : false;
   if (reached) report.exit = Exit::no;
   return report;
@@ -72,7 +80,8 @@ Result<Report> permissions_diff(const Arguments& arguments, const Context& conte
   const bool reached = threshold == "wider"      ? is_worse(diff.verdict, ChangeClass::wider)
                        : threshold == "narrower" ? is_worse(diff.verdict, ChangeClass::narrower)
                        : threshold == "any"
-                           ? !diff.changes.empty() || sides.before.signer != sides.after.signer
+                           ? std::ranges::any_of(diff.changes, is_not_only_spelling) ||
+                                 is_other_to_products(diff.readings, sides)
                            : false;
   if (reached) report.exit = Exit::no;
   return report;

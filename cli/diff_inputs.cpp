@@ -99,13 +99,18 @@ Result<std::optional<std::string>> fail_on(const Arguments& arguments,
                             .found = '"' + word + '"'});
 }
 
-std::string shown(std::string_view name) {
-  if (name.empty()) return "(empty name)";
+std::string escaped(std::string_view name) {
   std::string text;
   for (const char c : name) {
     const auto octet = static_cast<unsigned char>(c);
     text += octet < 0x20 || octet == 0x7F ? fmt::format("\\x{:02x}", octet) : std::string(1, c);
   }
+  return text;
+}
+
+std::string shown(std::string_view name) {
+  if (name.empty()) return "(empty name)";
+  auto text = escaped(name);
   if (text.size() <= kLongestShown) return text;
   // Not within a letter of several octets.
   std::size_t end = kLongestShown - 3;
@@ -147,6 +152,28 @@ Json domains_json(const std::vector<governance::DomainRange>& domains) {
   Json list = Json::array();
   for (const auto& range : domains) list.push_back({range.first, range.last});
   return list;
+}
+
+std::string readings_text(const governance::Readings& readings) {
+  if (readings.all.empty()) return {};
+  std::string text = "what other products may read differently, and only one document has:\n";
+  for (const auto& reading : readings.all)
+    text += wrapped("  interop   ",
+                    {escaped(reading.sentence),
+                     reading.is_new ? shown_lines(0, reading.line) : shown_lines(reading.line, 0)});
+  return readings.is_complete ? text : text + "  there may be more\n";
+}
+
+Json readings_json(const governance::Readings& readings, const DiffSides& sides) {
+  Json all = Json::array();
+  for (const auto& reading : readings.all) {
+    const auto& side = reading.is_new ? sides.after : sides.before;
+    all.push_back({{"document", reading.is_new ? "new" : "old"},
+                   {"expression", or_null(reading.expression)},
+                   {"sentence", reading.sentence},
+                   {"at", place(side.path, reading.line)}});
+  }
+  return {{"all", all}, {"complete", readings.is_complete}};
 }
 
 Json place(const fs::path& path, int line) {

@@ -8,6 +8,7 @@
 
 #include "base/bytes.hpp"
 #include "cli/command.hpp"
+#include "governance/compare/readings.hpp"
 #include "governance/model.hpp"
 
 namespace ddssec::cli {
@@ -41,6 +42,13 @@ std::string signer_text(const DiffSides& sides);
 Result<std::optional<std::string>> fail_on(const Arguments& arguments,
                                            const std::vector<std::string>& words);
 
+/// A line for each reading, under a heading; empty without any.
+std::string readings_text(const governance::Readings& readings);
+/// {"all": [{"document", "expression", "sentence", "at"}], "complete"}
+Json readings_json(const governance::Readings& readings, const DiffSides& sides);
+
+/// The same without control characters.
+std::string escaped(std::string_view name);
 /// A name from a document, short and without control characters; "(empty name)" for "".
 std::string shown(std::string_view name);
 /// "a, b, c and 4 more", each shown().

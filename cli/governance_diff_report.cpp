@@ -188,7 +188,8 @@ std::string to_text(const governance::GovernanceDiff& diff) {
 
 Report report_of(const governance::GovernanceDiff& diff, const DiffSides& sides) {
   Report report;
-  report.text = to_text(diff) + signer_text(sides) + verdict_text(diff);
+  report.text =
+      to_text(diff) + readings_text(diff.readings) + signer_text(sides) + verdict_text(diff);
   report.result = {{"verdict", governance::to_string(diff.verdict)},
                    {"breaks_interop", !diff.flag_day_domains.empty()},
                    {"flag_day_domains", domains_json(diff.flag_day_domains)},
@@ -205,6 +206,7 @@ Report report_of(const governance::GovernanceDiff& diff, const DiffSides& sides)
                                           {"only_old", rules.only_old},
                                           {"only_new", rules.only_new}});
   }
+  report.result["readings"] = readings_json(diff.readings, sides);
   report.result["signer"] = signer_json(sides);
   return report;
 }

@@ -48,7 +48,8 @@ Json to_json(const PermissionChange& change, const DiffSides& sides) {
               {"endpoints", entities_json(change)},
               {"old", change.old_value.empty() ? Json() : Json(change.old_value)},
               {"new", change.new_value.empty() ? Json() : Json(change.new_value)},
-              {"class", governance::to_string(change.change)}};
+              {"class", governance::to_string(change.change)},
+              {"hint", change.hint.empty() ? Json() : Json(change.hint)}};
   out["old_at"] = place(sides.before.path, change.old_line);
   out["new_at"] = place(sides.after.path, change.new_line);
   return out;
@@ -74,6 +75,13 @@ std::vector<std::string> parts_of(const PermissionChange& change) {
   if (change.element == "default")
     return {"default " + values, "for all that no rule mentions, in every domain"};
   if (change.element == "join") return {"joining the domain " + values};
+  if (change.element == "rewritten") {
+    const auto side = [](const std::vector<std::string>& expressions) {
+      return expressions.empty() ? std::string("nothing") : shown(expressions);
+    };
+    return {"written differently", side(change.expressions_old),
+            "-> " + side(change.expressions_new), "no name is treated differently"};
+  }
   if (change.element == "validity") {
     return {"validity", change.old_value, "-> " + change.new_value};
   }
@@ -93,6 +101,7 @@ std::string to_text(const PermissionChange& change) {
   if (change.element != "default" && !change.scope.domains.empty())
     parts.push_back(shown(change.scope));
   parts.push_back(shown_lines(change.old_line, change.new_line));
+  if (!change.hint.empty()) parts.push_back("(" + change.hint + ")");
   return wrapped(fmt::format("  {:<9} ", harmless ? std::string(word) : ascii_upper(word)), parts);
 }
 
@@ -133,7 +142,8 @@ Report report_of(const governance::PermissionsDiff& diff, const DiffSides& sides
   for (const auto& subject : subjects) {
     report.text += fmt::format("subject {}\n{}", shown(subject), texts[subject]);
   }
-  report.text += signer_text(sides) + verdict_text(diff);
+  report.text += readings_text(diff.readings) + signer_text(sides) + verdict_text(diff);
+  report.result["readings"] = readings_json(diff.readings, sides);
   report.result["signer"] = signer_json(sides);
   return report;
 }

@@ -190,7 +190,7 @@ class RegionComparison {
 class GovernanceComparison {
  public:
   GovernanceComparison(const Governance& old_document, const Governance& new_document,
-             const GovernanceDiffOptions& options)
+                       const GovernanceDiffOptions& options)
       : old_(old_document), new_(new_document), options_(options), limits_(options.limits) {}
 
   GovernanceDiff run() {
@@ -204,6 +204,7 @@ class GovernanceComparison {
       diff_.unknown_domains.push_back({0, kHighestDomainId});
     }
     finish();
+    diff_.readings = readings_of(old_, new_);
     return std::move(diff_);
   }
 

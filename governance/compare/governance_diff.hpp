@@ -7,6 +7,7 @@
 #include "governance/compare/domain_space.hpp"
 #include "governance/compare/governance_elements.hpp"
 #include "governance/compare/protection_properties.hpp"
+#include "governance/compare/readings.hpp"
 #include "governance/compare/topic_words.hpp"
 #include "governance/model.hpp"
 #include "governance/topic_sets.hpp"
@@ -67,6 +68,8 @@ struct GovernanceDiff {
   std::vector<DomainRange> unknown_domains = {};
   /// False: some of the rules that changed in the same way as others are not named.
   bool complete = true;
+  /// What other products read differently.
+  Readings readings = {};
 };
 
 struct GovernanceDiffOptions {

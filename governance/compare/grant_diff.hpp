@@ -31,7 +31,7 @@ struct PermissionChange {
   std::string subject = {};
   /// Without domains: it is not about domains.
   DomainScope scope = {};
-  /// "rule", "default", "join"; "validity", "grant", "subject_name".
+  /// "rule", "default", "join"; "validity", "grant", "subject_name", "rewritten".
   std::string_view element = {};
   /// "publish", "subscribe", "relay", or empty.
   std::string_view operation = {};
@@ -43,11 +43,14 @@ struct PermissionChange {
   std::string witness = {};
   /// All of them, in words.
   TopicSet topics = {};
-  /// Of the elements that decide for these topics; empty: the default decides.
+  /// Of the elements that decide for these topics; empty: the default decides. Of "rewritten": what
+  /// only one of the grants has.
   std::vector<std::string> expressions_old = {}, expressions_new = {};
   EntityWords entities = {};
   /// What decides for the witness, or the grant; 0: nothing.
   int old_line = 0, new_line = 0;
+  /// What a reader of the line could wonder about; mostly empty.
+  std::string hint = {};
 };
 
 struct GrantDiff {

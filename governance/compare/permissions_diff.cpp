@@ -1,6 +1,7 @@
 #include "governance/compare/permissions_diff.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -43,6 +44,42 @@ GrantPairs pairs_of(const Subject& subject) {
   return pairs;
 }
 
+/// Every expression of the grant's rules.
+std::set<std::string> expressions_of(const Grant& grant) {
+  std::set<std::string> out;
+  const auto add = [&](const std::vector<Text>& texts) {
+    for (const auto& text : texts) out.insert(text.text);
+  };
+  for (const auto& rule : grant.rules) {
+    add(rule.domains.tag_expressions);
+    for (const auto* list : {&rule.publish, &rule.subscribe, &rule.relay})
+      for (const auto& criteria : *list) {
+        add(criteria.topics);
+        if (criteria.partitions) add(*criteria.partitions);
+      }
+  }
+  return out;
+}
+
+std::vector<std::string> missing(const std::set<std::string>& from,
+                                 const std::set<std::string>& in) {
+  std::vector<std::string> out;
+  std::ranges::set_difference(from, in, std::back_inserter(out));
+  return out;
+}
+
+// A fraction of a second makes a validity shorter, so that ends which look alike may be a second
+// apart.
+std::string hint_on(const Validity& o, const Validity& n) {
+  const auto is_close = [](WallTime a, WallTime b) {
+    return a != b && std::chrono::abs(a - b) <= std::chrono::seconds(1);
+  };
+  if (is_close(o.not_before, n.not_before) || is_close(o.not_after, n.not_after))
+    return "they are one second apart: ddssec counts whole seconds, and a fraction of one makes a "
+           "validity shorter";
+  return {};
+}
+
 std::string period(const Grant& grant) {
   return ddssec::to_string(grant.validity.not_before) + " .. " +
          ddssec::to_string(grant.validity.not_after);
@@ -51,8 +88,10 @@ std::string period(const Grant& grant) {
 class PermissionsComparison {
  public:
   PermissionsComparison(const Permissions& old_document, const Permissions& new_document,
-             const PermissionsDiffOptions& options)
-      : options_(options), subjects_(subjects_of(old_document, new_document)) {}
+                        const PermissionsDiffOptions& options)
+      : options_(options), subjects_(subjects_of(old_document, new_document)) {
+    diff_.readings = readings_of(old_document, new_document);
+  }
 
   PermissionsDiff run() {
     if (!subjects_.is_exact) {
@@ -72,6 +111,7 @@ class PermissionsComparison {
   void map_subjects();
   void compare_subject(const Subject& subject);
   void compare_presence(const Grant& grant, const Grants& valid, bool is_new);
+  void compare_rules(const Grant& o, const Grant& n);
   void compare_spelling(const Grant& o, const Grant& n);
   void compare_times(const Subject& subject, const GrantPairs& pairs);
   void note_dead(const Subject& subject, const GrantPairs& pairs);
@@ -120,15 +160,31 @@ void PermissionsComparison::compare_subject(const Subject& subject) {
   const auto pairs = pairs_of(subject);
   if (old_grants.empty()) return compare_presence(*new_grants[0], pairs.only_new, true);
   if (new_grants.empty()) return compare_presence(*old_grants[0], pairs.only_old, false);
-  compare_spelling(*old_grants[0], *new_grants[0]);
+  const bool is_renewal = pairs.both.empty() && !pairs.only_old.empty() && !pairs.only_new.empty();
+  for (const auto& [o, n] : pairs.both) compare_spelling(*o, *n);
+  if (is_renewal) compare_spelling(*pairs.only_old[0], *pairs.only_new[0]);
   compare_times(subject, pairs);
   note_dead(subject, pairs);
-  for (const auto& [o, n] : pairs.both) add_rules(compare_grants(*o, *n, options_.limits));
-  if (!pairs.both.empty() || pairs.only_old.empty() || pairs.only_new.empty()) return;
-  // A renewal: by their times alone it is narrower and wider, and what matters is the rest.
+  for (const auto& [o, n] : pairs.both) compare_rules(*o, *n);
+  if (!is_renewal) return;
+  // By their times alone it is narrower and wider, and what matters is the rest.
   auto rules = compare_grants(*pairs.only_old[0], *pairs.only_new[0], options_.limits);
   rules.direction = {};
   add_rules(rules);
+}
+
+void PermissionsComparison::compare_rules(const Grant& o, const Grant& n) {
+  const auto rules = compare_grants(o, n, options_.limits);
+  add_rules(rules);
+  if (!rules.changes.empty() || !rules.is_exact) return;
+  const auto before = expressions_of(o), after = expressions_of(n);
+  if (before == after) return;
+  add({.element = "rewritten",
+       .change = ChangeClass::neutral,
+       .expressions_old = missing(before, after),
+       .expressions_new = missing(after, before),
+       .old_line = o.line,
+       .new_line = n.line});
 }
 
 void PermissionsComparison::compare_presence(const Grant& grant, const Grants& valid, bool is_new) {
@@ -172,7 +228,8 @@ void PermissionsComparison::compare_times(const Subject& subject, const GrantPai
        .old_value = period(o),
        .new_value = period(n),
        .old_line = o.line,
-       .new_line = n.line});
+       .new_line = n.line,
+       .hint = hint_on(o.validity, n.validity)});
 }
 
 void PermissionsComparison::note_dead(const Subject& subject, const GrantPairs& pairs) {

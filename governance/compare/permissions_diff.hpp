@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "governance/compare/grant_diff.hpp"
+#include "governance/compare/readings.hpp"
 #include "governance/model.hpp"
 #include "governance/topic_sets.hpp"
 
@@ -19,6 +20,8 @@ struct PermissionsDiff {
   bool is_complete = true;
   /// False: not every kind of endpoint or subject was tried; the verdict is unknown or mixed then.
   bool is_exact = true;
+  /// What other products read differently.
+  Readings readings = {};
 };
 
 struct PermissionsDiffOptions {
@@ -32,7 +35,7 @@ struct PermissionsDiffOptions {
 /// subject's grants the first that is valid counts (see find_grant). To have a valid grant is a
 /// right of its own: it opens what the governance document leaves open. Validities that do not meet
 /// are compared as if they did: a renewal is not a new participant. A subject written in another
-/// way is "interop": the same to us.
+/// way is "interop": the same to us. Expressions written in another way are "rewritten".
 PermissionsDiff compare(const Permissions& old_document, const Permissions& new_document,
                         const PermissionsDiffOptions& options = {});
 

@@ -216,10 +216,20 @@ class Finder {
   bool is_exact_ = true;
 };
 
-bool is_literal(const pki::SubjectName& expression) {
-  return std::ranges::all_of(expression.attributes(), [](const pki::NameAttribute& a) {
-    return Pattern(a.value, Pattern::Syntax::subject).is_literal();
-  });
+/// Whether the texts match the same texts without a slash.
+bool match_the_same(std::string_view a, std::string_view b) {
+  if (a == b) return true;
+  constexpr SetLimits kLimits{.states = 2'000, .steps = 1'000'000};
+  const auto within = [&](std::string_view inner, std::string_view outer) {
+    const std::string_view in[] = {inner};
+    const std::string_view out[] = {outer, "*/*"};
+    return contained(in, out, kLimits).kind == SetAnswer::Kind::yes;
+  };
+  return within(a, b) && within(b, a);
+}
+
+bool is_the_same(const Form& a, const Form& b) {
+  return a.shape == b.shape && std::ranges::equal(a.segments, b.segments, match_the_same);
 }
 
 }  // namespace
@@ -238,9 +248,13 @@ const Grant& spelling_of(const Subject& subject) {
 bool same_subjects(const Grant& a, const Grant& b) {
   const auto one = pki::SubjectName::parse(a.subject_name);
   const auto other = pki::SubjectName::parse(b.subject_name);
-  if (!one || !other || one->key() != other->key()) return false;
-  if (a.subject_is_expression == b.subject_is_expression) return true;
-  return is_literal(a.subject_is_expression ? *one : *other);
+  if (!one || !other) return false;
+  if (!a.subject_is_expression && !b.subject_is_expression) return one->key() == other->key();
+  auto rdns = other->rdns();
+  const auto own = form_of(one->rdns(), a.subject_is_expression, 0);
+  const auto forward = form_of(rdns, b.subject_is_expression, 0);
+  std::ranges::reverse(rdns);
+  return is_the_same(own, forward) || is_the_same(own, form_of(rdns, b.subject_is_expression, 0));
 }
 
 }  // namespace ddssec::governance

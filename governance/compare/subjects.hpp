@@ -29,7 +29,8 @@ Subjects subjects_of(const Permissions& old_document, const Permissions& new_doc
 /// The subject as the grants write it, the plainest spelling.
 const Grant& spelling_of(const Subject& subject);
 
-/// True if both are for just the same subjects, by their spelling.
+/// True if both are for just the same subjects, however they are written. False if that could not
+/// be found out.
 bool same_subjects(const Grant& a, const Grant& b);
 
 }  // namespace ddssec::governance

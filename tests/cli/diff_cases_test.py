@@ -37,7 +37,7 @@ EXPECTED = {
         ("data_protection_kind", "NONE", "SIGN", "stronger")]),
     "p1_tags": ("wider", 1, [("join", "denied", "allowed", "wider"), ("rule", "denied", "allowed", "wider")]),
     # A denial of topics says nothing about joining (DECISIONS.md).
-    "p2_join": ("neutral", 0, []),
+    "p2_join": ("neutral", 0, [("rewritten", None, None, "neutral")]),
     "p3_schema_mixed": ("mixed", 1, [("validity", "2026-01-01T00:00:00Z .. 2028-01-01T00:00:00Z",
                                       "2028-01-01T00:00:00Z .. 2030-01-01T00:00:00Z", "mixed")]),
     "p4_expr_same": ("neutral", 0, [("subject_name", "CN=a, O=x, C=US", "expression CN=a, O=x, C=US", "interop")]),

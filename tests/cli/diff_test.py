@@ -188,9 +188,53 @@ class GovernanceDifferences(Differences):
         self.refused("file_not_found", 3, "governance", "diff", "old.xml", "missing.xml")
 
 
+    def test_what_other_products_read_differently_is_listed(self):
+        self.write(governance(topic("rt/[a]"), topic("*")), governance(topic("rt/[[.a.]]"), topic("*")).replace(
+            "<allow_unauthenticated", "<enable_key_revision>false</enable_key_revision>\n<allow_unauthenticated", 1))
+        out = self.diff("--fail-on", "weaker")
+        self.assertEqual((out["verdict"], out["changes"], out["readings"]["complete"]), ("neutral", [], True))
+        order, note, expression = out["readings"]["all"]
+        self.assertIn("is not in the schema's order", order["sentence"])
+        self.assertEqual((note["document"], note["expression"], note["at"]), ("new", None, "new.xml:4"))
+        self.assertIn("came with DDS-Security 1.2", note["sentence"])
+        self.assertEqual((expression["expression"], expression["at"]), ("rt/[[.a.]]", "new.xml:11"))
+        self.diff("--fail-on", "any", exit=1)
+        text = self.text()
+        self.assertIn("what other products may read differently, and only one document has:\n  interop   ", text)
+        self.assertRegex(text, r"Cyclone DDS does\s+not\s+match")
+        self.write(governance(topic("rt/a")), governance(topic("rt/[a]")))
+        self.assertEqual(self.diff()["readings"], {"all": [], "complete": True})
+        self.assertNotIn("interop", self.text())
+
+
 class PermissionsDifferences(Differences):
     def write(self, old, new, kind="permissions"):
         super().write(old, new, kind)
+
+    def test_another_spelling_of_subject_and_expression(self):
+        old = permissions(grant(rule("allow", "*"), subject="CN=a"))
+        self.write(old, old.replace("<subject_name>CN=a</subject_name>",
+                                    "<subject_name_expression>CN=[a]</subject_name_expression>"))
+        self.diff("--fail-on", "wider")
+        out = self.diff("--fail-on", "any", exit=1)
+        self.assertEqual([(c["element"], c["class"], c["old"], c["new"]) for c in out["changes"]],
+                         [("subject_name", "interop", "CN=a", "expression CN=[a]")])
+        self.assertIn("came with DDS-Security 1.2", out["readings"]["all"][0]["sentence"])
+        self.write(old, old.replace(">*<", ">**<"))
+        out = self.diff("--fail-on", "any")
+        self.assertEqual([(c["element"], c["class"], c["topics"]["expressions_new"]) for c in out["changes"]],
+                         [("rewritten", "neutral", ["**"])])
+        self.assertIn("  neutral   written differently  *  -> **  no name is treated differently  old:3 new:3",
+                      self.text())
+
+    def test_validities_a_fraction_of_a_second_apart(self):
+        old = permissions(grant(rule("allow", "*")))
+        self.write(old, old.replace("2026-01-01T00:00:00Z", "2026-01-01T00:00:00.25Z"))
+        out = self.diff("--fail-on", "wider")
+        self.assertEqual((out["verdict"], out["changes"][0]["element"]), ("narrower", "validity"))
+        self.assertIn("one second apart", out["changes"][0]["hint"])
+        self.assertIn("has a fraction of a second", out["readings"]["all"][0]["sentence"])
+        self.assertRegex(self.text(), r"\(they are one second\s+apart: ddssec counts")
 
     def test_the_order_of_rules_counts_and_the_example_shows_it(self):
         # The first rule lets the participant join, whatever comes after it.

@@ -2,7 +2,9 @@
 
 import governance_verdict
 import permissions_verdict
+import readings
 import witnesses
+from subjects import representatives
 
 
 def ids_of(ranges):
@@ -48,6 +50,7 @@ def governance_complaints(answer, old_xml, new_xml):
                 yield (f"{line}: {word}: product only {sorted(theirs[line] - ours.get(line, set()))}, "
                        f"evaluator only {sorted(ours.get(line, set()) - theirs[line])}")
     yield from witnesses.governance_complaints(answer["changes"], old_xml, new_xml)
+    yield from readings.complaints(answer["readings"], old_xml, new_xml)
 
 
 def word_of(classes):
@@ -55,6 +58,21 @@ def word_of(classes):
     if len(classes) > 1:
         return "mixed"
     return next(iter(classes), "neutral")
+
+
+def spelling_complaints(changes, deciding):
+    """Lines about subjects that are only written differently."""
+    told = {(change["old"], change["new"]) for change in changes if change["element"] == "subject_name"}
+    together = {(old.subject_text, new.subject_text) for old, new in deciding
+                if old and new and old.subject_text != new.subject_text and is_same(old, new)}
+    apart = {(old.subject_text, new.subject_text) for old, _ in deciding for _, new in deciding
+             if old and new and is_same(old, new)}
+    yield from (f"subject of the evaluator only: {each}" for each in sorted(together - told))
+    yield from (f"subject of the product only: {each}" for each in sorted(told - apart))
+
+
+def is_same(old, new):
+    return all(matched == 0b11 for matched, _ in representatives([old.subject, new.subject]))
 
 
 def permissions_complaints(answer, old_xml, new_xml):
@@ -66,6 +84,8 @@ def permissions_complaints(answer, old_xml, new_xml):
     classes = {change["class"] for change in answer["changes"]} - {"neutral", "interop"}
     if word_of(classes) != answer["verdict"]:
         yield f"verdict {answer['verdict']} with lines {sorted(classes)}"
+    yield from spelling_complaints(answer["changes"], verdict.deciding)
+    yield from readings.complaints(answer["readings"], old_xml, new_xml)
     yield from witnesses.permissions_complaints(answer["changes"], old_xml, new_xml, verdict.deciding)
 
 

@@ -1,7 +1,7 @@
 // Compares many pairs of documents in one process. Reads a JSON object a line:
 //   {"kind":"governance" or "permissions","old":"XML","new":"XML"}
-// and writes one a line: verdict and changes as the product has them, or {"error":"..."}. Names that
-// may be any octets are written in hexadecimal.
+// and writes one a line: verdict and changes as the product has them, or {"error":"..."}. Names
+// that may be any octets are written in hexadecimal.
 #include <iostream>
 #include <string>
 
@@ -68,11 +68,21 @@ Json to_json(const governance::PermissionChange& change) {
   return out;
 }
 
+/// Those about expressions.
+Json to_json(const governance::Readings& readings) {
+  Json out = Json::array();
+  for (const auto& reading : readings.all)
+    if (!reading.expression.empty()) out.push_back({reading.is_new, hex(reading.expression)});
+  return out;
+}
+
 template <class Diff>
 Json result_of(const Diff& diff) {
   Json changes = Json::array();
   for (const auto& change : diff.changes) changes.push_back(to_json(change));
-  return {{"verdict", governance::to_string(diff.verdict)}, {"changes", changes}};
+  return {{"verdict", governance::to_string(diff.verdict)},
+          {"changes", changes},
+          {"readings", to_json(diff.readings)}};
 }
 
 /// Reads both documents from XML text, as the program does, and compares them.
@@ -91,9 +101,8 @@ int main() {
   std::string line;
   while (std::getline(std::cin, line)) {
     const auto pair = Json::parse(line);
-    const auto answer = pair["kind"] == "governance"
-                            ? compared(pair, governance::read_governance)
-                            : compared(pair, governance::read_permissions);
+    const auto answer = pair["kind"] == "governance" ? compared(pair, governance::read_governance)
+                                                     : compared(pair, governance::read_permissions);
     std::cout << answer.dump(-1, ' ', true, Json::error_handler_t::replace) << '\n';
   }
   return std::cout.good() ? 0 : 1;

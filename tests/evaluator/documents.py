@@ -54,6 +54,7 @@ class Rule(NamedTuple):
 
 class Grant(NamedTuple):
     subject: object
+    subject_text: str  # as a line of the product names it
     first: int  # second from which it holds
     end: int  # second from which it holds no longer
     rules: tuple
@@ -142,11 +143,10 @@ def read_rule(element):
 
 
 def read_grant(element):
-    name = text_of(element, "subject_name")
-    subject = read_subject(name if name is not None else text_of(element, "subject_name_expression"),
-                           is_expression=name is None)
+    name, expressed = text_of(element, "subject_name"), text_of(element, "subject_name_expression")
+    subject = read_subject(name if name is not None else expressed, is_expression=name is None)
     validity = element.find("validity")
-    return Grant(subject, seconds_of(text_of(validity, "not_before"), round_up=True),
+    return Grant(subject, "expression " + expressed if name is None else name, seconds_of(text_of(validity, "not_before"), round_up=True),
                  seconds_of(text_of(validity, "not_after"), round_up=False),
                  tuple(read_rule(each) for each in element if each.tag in ("allow_rule", "deny_rule")),
                  text_of(element, "default", "DENY") == "ALLOW")

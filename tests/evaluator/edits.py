@@ -18,7 +18,6 @@ EXPRESSIONS = {"topic_expression", "topic", "partition", "tag_expression"}
 NEEDED = {"domain_access_rules": {"domain_rule"}, "topic_access_rules": {"topic_rule"}, "permissions": {"grant"},
           "grant": {"allow_rule", "deny_rule"}, "domains": {"id", "id_range"}, "topics": {"topic"},
           "partitions": {"partition"}, "data_tags": {"tag"}}
-ALGORITHM_LISTS = {"digital_signature", "key_establishment", "symmetric_cipher"}
 NEEDED |= {name: {"algorithm"} for name in words.ALGORITHMS}
 OPTIONAL = {
     "domain_rule": [("enable_key_revision", lambda rng: documents.leaf("enable_key_revision", "true")),
@@ -208,8 +207,6 @@ def is_valid(tree):
     for each in tree.iter():
         needed = NEEDED.get(each.tag)
         if needed and not any(child.tag in needed for child in each):
-            return False
-        if each.tag == "allowed_crypto_algorithms" and not ALGORITHM_LISTS <= {child.tag for child in each}:
             return False
         if each.tag == "id_range" and not _range_is_valid(each):
             return False

@@ -43,8 +43,73 @@ def subject_value(text):
     return ("expression", text.encode(), FNM_PATHNAME | FNM_NOESCAPE)
 
 
+def unescaped_expression(text):
+    """As Fast DDS matches names."""
+    return ("expression", text.encode(), FNM_NOESCAPE)
+
+
+def cyclone_expression(text):
+    """As Cyclone DDS 0.10.2 matches names (its ac_fnmatch)."""
+    return ("cyclone", text.encode(), 0)
+
+
 def literal(text):
     return ("literal", text.encode(), 0)
+
+
+def _cyclone_bracket(text, at, octet):
+    """(whether the bracket whose members begin at `at` takes the octet, what is behind it), or None:
+    it is not closed."""
+    negated = text[at:at + 1] == b"!"
+    at += negated
+    member = text[at:at + 1]
+    found = False
+    while member != b"]":
+        member = text[at:at + 1]
+        if not member:
+            return None
+        if text[at + 1:at + 2] == b"-":
+            last = text[at + 2:at + 3]
+            if last in (b"", b"]"):
+                return None
+            found |= member[0] <= octet <= last[0]
+            at += 2
+        else:
+            found |= member[0] == octet
+        at += 1
+    return found != negated, at
+
+
+def _cyclone_tokens(text):
+    row, at = [], 0
+    while at < len(text):
+        mark = text[at:at + 1]
+        at += 1
+        if mark == b"*":
+            if not row or row[-1] != STAR:
+                row.append(STAR)
+        elif mark == b"?":
+            row.append(ALL)
+        elif mark == b"[":
+            answers = {octet: _cyclone_bracket(text, at, octet) for octet in range(1, 256)}
+            if answers[1] is None:
+                return None
+            row.append(sum(1 << octet for octet, (takes, _) in answers.items() if takes))
+            at = answers[1][1]
+        else:
+            row.append(1 << mark[0])
+    return tuple(row)
+
+
+def _cyclone_matches(row, name):
+    """The product's own way: from left to right, a star by trying every length."""
+    if row is None:
+        return False
+    if not row:
+        return not name
+    if row[0] == STAR:
+        return any(_cyclone_matches(row[1:], name[at:]) for at in range(len(name) + 1))
+    return bool(name) and bool(row[0] >> name[0] & 1) and _cyclone_matches(row[1:], name[1:])
 
 
 def _class_end(text, at):
@@ -104,6 +169,8 @@ def tokens(item):
     kind, text, flags = item
     if kind == "literal":
         return tuple(1 << octet for octet in text)
+    if kind == "cyclone":
+        return _cyclone_tokens(text)
     row, at = [], 0
     every = ALL & ~SLASH if flags & FNM_PATHNAME else ALL
     while at < len(text):
@@ -138,6 +205,8 @@ def is_quirk(item):
 def matches(item, name):
     """The C library's word on one item and one name."""
     kind, text, flags = item
+    if kind == "cyclone":
+        return _cyclone_matches(tokens(item), name)
     if is_quirk(item):
         both = combinations((item, ("literal", name, 0)))
         return any(matched == 3 for matched, _ in both)

@@ -76,6 +76,8 @@ def algorithms(rng):
              "symmetric_cipher"]
     if rng.random() < 0.6:
         names.remove("digital_signature_identity_trust_chain")
+    if rng.random() < 0.3:
+        names.remove(rng.choice(names))
     return group("allowed_crypto_algorithms", [algorithm_list(rng, name) for name in names])
 
 

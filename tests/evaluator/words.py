@@ -16,7 +16,7 @@ DATES = ["2025-01-01T00:00:00", "2026-01-01T00:00:00", "2026-06-01T12:00:00", "2
 SAME_DATE = [".000Z", "Z", "+00:00", ""]
 OTHER_DATE = ["+02:00", "-05:30", ".5Z", ".25"]
 NAMES = ["a", "b", "a/1", "a/b", "x y", "b.1", "A"]
-NAME_EXPRESSIONS = ["*", "a*", "?", "[ab]", "a/*", "*/*", "[!a]", "?*", "[a-c]*", "a?1", "[[:alpha:]]",
+NAME_EXPRESSIONS = ["*", "**", "*?", "a*", "?", "[a]", "[ab]", "a/*", "*/*", "[!a]", "?*", "[a-c]*", "a?1", "[[:alpha:]]",
                     "b"]
 ALGORITHMS = {
     "digital_signature": ["RSASSA-PSS-MGF1SHA256+2048+SHA256", "RSASSA-PKCS1-V1_5+2048+SHA256",

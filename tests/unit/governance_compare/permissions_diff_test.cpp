@@ -1,5 +1,7 @@
 #include "governance/compare/permissions_diff.hpp"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -279,6 +281,39 @@ TEST(PermissionsDiff, ASubjectAsAnExpressionWithoutWildcardsIsTheSame) {
   EXPECT_EQ(diff.changes[0].element, "grant");
   EXPECT_EQ(diff.changes[0].subject, "CN=talke?,O=Acme");
   EXPECT_EQ(compare(after, before).verdict, narrower);
+}
+
+TEST(PermissionsDiff, ASubjectAsAnotherExpressionForTheSameIsInterop) {
+  struct Case {
+    const char *old_name, *new_name;
+    bool old_is_expression = true, is_the_same = true;
+  };
+  for (const auto& [old_name, new_name, old_is_expression, is_the_same] :
+       {Case{"CN=a", "CN=[a]", false}, Case{"CN=a", "CN=[a-a]"}, Case{"CN=*", "CN=**"},
+        Case{"CN=?*", "CN=*?"}, Case{"CN=a*,O=x", "O=[x],CN=a**"}, Case{"CN=[ab]", "CN=[b-ba]"},
+        Case{"CN=a*", "CN=[a]?*", true, false}, Case{"CN=a", "CN=[ab]", false, false}}) {
+    auto before = document(kAll), after = document(kAll);
+    before.grants[0].subject_name = old_name;
+    before.grants[0].subject_is_expression = old_is_expression;
+    after.grants[0].subject_name = new_name;
+    after.grants[0].subject_is_expression = true;
+    const auto diff = compare(before, after);
+    EXPECT_EQ(diff.verdict == neutral, is_the_same) << new_name;
+    const auto lines = std::ranges::count(diff.changes, "subject_name", &PermissionChange::element);
+    EXPECT_EQ(lines, is_the_same ? 1 : 0) << old_name << " -> " << new_name;
+  }
+}
+
+TEST(PermissionsDiff, ValiditiesASecondApartHaveAHint) {
+  const auto hint = [](int from, int to) {
+    auto after = document(kAll);
+    after.grants[0].validity = {at(from), at(to)};
+    const auto diff = compare(document(kAll), after);
+    return diff.changes.at(0).hint;
+  };
+  EXPECT_THAT(hint(101, 200), ::testing::HasSubstr("one second apart"));
+  EXPECT_THAT(hint(100, 199), ::testing::HasSubstr("one second apart"));
+  EXPECT_EQ(hint(102, 202), "");
 }
 
 // FNM_PATHNAME and FNM_NOESCAPE (DDS-Security 1.2 10.4.1.5.3.2.1).

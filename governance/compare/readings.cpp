@@ -1,0 +1,110 @@
+#include "governance/compare/readings.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "governance/dialect.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+/// Each may take some milliseconds.
+constexpr std::size_t kMostTried = 1'000;
+
+/// What one document holds, and the line where each stands first.
+struct Constructs {
+  std::map<std::string, int> expressions = {};
+  std::map<std::string, int> notes = {};  ///< by their texts
+
+  void add(const std::vector<Text>& texts) {
+    for (const auto& text : texts) expressions.try_emplace(text.text, text.line);
+  }
+  void add(const std::vector<Note>& all) {
+    // An open range is more than another reading: whoever compares says it of either document.
+    for (const auto& note : all)
+      if (note.kind != NoteKind::open_range) notes.try_emplace(note.text, note.line);
+  }
+};
+
+Constructs constructs_of(const Governance& document) {
+  Constructs out;
+  for (const auto& domain : document.domain_rules)
+    for (const auto& topic : domain.topic_rules)
+      out.expressions.try_emplace(topic.topic_expression, topic.line);
+  out.add(document.notes);
+  return out;
+}
+
+// The stock products pass over relay elements, and refuse tag expressions, which is a note.
+Constructs constructs_of(const Permissions& document) {
+  Constructs out;
+  for (const auto& grant : document.grants)
+    for (const auto& rule : grant.rules)
+      for (const auto* list : {&rule.publish, &rule.subscribe})
+        for (const auto& criteria : *list) {
+          out.add(criteria.topics);
+          if (criteria.partitions) out.add(*criteria.partitions);
+        }
+  out.add(document.notes);
+  return out;
+}
+
+class Collector {
+ public:
+  void add(const Constructs& own, const Constructs& other, bool is_new) {
+    const auto begin = out_.all.size();
+    for (const auto& [text, line] : own.notes)
+      if (!other.notes.contains(text)) put({is_new, {}, text, line});
+    for (const auto& [text, line] : own.expressions)
+      if (!other.expressions.contains(text)) add_expression(text, line, is_new);
+    std::ranges::stable_sort(out_.all.begin() + static_cast<std::ptrdiff_t>(begin), out_.all.end(),
+                             {}, &Reading::line);
+  }
+  Readings take() { return std::move(out_); }
+
+ private:
+  void add_expression(const std::string& text, int line, bool is_new) {
+    if (!is_suspect(text)) return;
+    if (++tried_ > kMostTried) {
+      out_.is_complete = false;
+      return;
+    }
+    const auto found = unportable(text);
+    if (found && found->is_read_differently()) put({is_new, text, to_sentence(text, *found), line});
+  }
+  // Any other expression is read alike.
+  static bool is_suspect(const std::string& text) {
+    return text.find_first_of("[]\\") != std::string::npos;
+  }
+  void put(Reading reading) {
+    if (out_.all.size() < kMostReadings)
+      out_.all.push_back(std::move(reading));
+    else
+      out_.is_complete = false;
+  }
+
+  Readings out_;
+  std::size_t tried_ = 0;
+};
+
+template <class Document>
+Readings compared(const Document& old_document, const Document& new_document) {
+  const auto before = constructs_of(old_document);
+  const auto after = constructs_of(new_document);
+  Collector collector;
+  collector.add(after, before, true);
+  collector.add(before, after, false);
+  return collector.take();
+}
+
+}  // namespace
+
+Readings readings_of(const Governance& old_document, const Governance& new_document) {
+  return compared(old_document, new_document);
+}
+
+Readings readings_of(const Permissions& old_document, const Permissions& new_document) {
+  return compared(old_document, new_document);
+}
+
+}  // namespace ddssec::governance

@@ -1,0 +1,113 @@
+#include "governance/compare/readings.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "governance/compare/governance_diff.hpp"
+#include "governance/compare/permissions_diff.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using enum ChangeClass;
+
+TopicRule topic(std::string expression, int line = 0) {
+  TopicRule rule;
+  rule.topic_expression = std::move(expression);
+  rule.line = line;
+  return rule;
+}
+
+Governance governance(std::vector<TopicRule> topics) {
+  DomainRule rule;
+  rule.domains.ranges = {{0, 0}};
+  rule.topic_rules = std::move(topics);
+  Governance out;
+  out.domain_rules = {rule};
+  return out;
+}
+
+/// Allows to publish in domain 0.
+Rule allow(std::vector<Text> topics) {
+  Rule rule{.allow = true};
+  rule.domains.ranges = {{0, 0}};
+  rule.publish = {{.topics = std::move(topics)}};
+  return rule;
+}
+
+Permissions permissions(std::vector<Rule> rules) {
+  Grant grant{.name = "g",
+              .subject_name = "CN=talker",
+              .validity = {WallTime(), WallTime(std::chrono::seconds(100))}};
+  grant.rules = std::move(rules);
+  Permissions out;
+  out.grants = {grant};
+  return out;
+}
+
+TEST(Readings, OfGovernanceAreExpressionsAndNotes) {
+  const auto before = governance({topic("rt/a", 4), topic("*", 5)});
+  auto after = governance({topic("rt/\\a", 6), topic("*", 7)});
+  after.notes = {{NoteKind::open_range, 2, "/dds", "<id_range> has no <max>"},
+                 {NoteKind::padding, 3, "/dds", "<id> has blanks"}};
+  const auto diff = compare(before, after);
+  EXPECT_EQ(diff.verdict, neutral);
+  ASSERT_THAT(diff.readings.all, SizeIs(2));
+  EXPECT_EQ(diff.readings.all[0].sentence, "<id> has blanks");
+  EXPECT_EQ(diff.readings.all[0].line, 3);
+  EXPECT_EQ(diff.readings.all[1].expression, "rt/\\a");
+  EXPECT_TRUE(diff.readings.all[1].is_new);
+  EXPECT_THAT(diff.readings.all[1].sentence, HasSubstr("Fast DDS matches"));
+  EXPECT_FALSE(compare(after, before).readings.all[0].is_new);
+  after.domain_rules[0].topic_rules[0].topic_expression = "rt/[a]";
+  after.notes.clear();
+  EXPECT_THAT(compare(before, after).readings.all, IsEmpty());
+}
+
+TEST(Readings, AreBounded) {
+  std::vector<TopicRule> rules;
+  for (std::size_t i = 0; i <= kMostReadings; ++i)
+    rules.push_back(topic("a" + std::to_string(i) + "["));
+  const auto diff = compare(governance({topic("*")}), governance(rules));
+  EXPECT_THAT(diff.readings.all, SizeIs(kMostReadings));
+  EXPECT_FALSE(diff.readings.is_complete);
+}
+
+// The same set of names, and every product agrees.
+TEST(Readings, AreNoneWhereOnlyTheSpellingChanged) {
+  for (const auto& [text, other] : {std::pair("rt/a", "rt/[a]"), std::pair("*", "**")}) {
+    const auto diff =
+        compare(permissions({allow({{text, 5}})}), permissions({allow({{other, 5}})}));
+    EXPECT_EQ(diff.verdict, neutral);
+    ASSERT_THAT(diff.changes, SizeIs(1)) << text;
+    EXPECT_EQ(diff.changes[0].element, "rewritten");
+    EXPECT_EQ(diff.changes[0].change, neutral);
+    EXPECT_THAT(diff.changes[0].expressions_old, ElementsAre(text));
+    EXPECT_THAT(diff.changes[0].expressions_new, ElementsAre(other));
+    EXPECT_THAT(diff.readings.all, IsEmpty());
+  }
+}
+
+TEST(Readings, OfPermissionsIncludePartitions) {
+  auto partitioned = allow({{"a", 5}});
+  partitioned.publish[0].partitions = {{"[^p]", 6}};
+  auto same = allow({{"a", 5}});
+  same.publish[0].partitions = {{"[!p]", 7}};
+  const auto diff = compare(permissions({partitioned}), permissions({same}));
+  EXPECT_EQ(diff.verdict, neutral);
+  ASSERT_THAT(diff.readings.all, SizeIs(1));
+  const auto& reading = diff.readings.all[0];
+  EXPECT_FALSE(reading.is_new);
+  EXPECT_EQ(reading.expression, "[^p]");
+  EXPECT_EQ(reading.line, 6);
+  EXPECT_THAT(reading.sentence, HasSubstr("Cyclone DDS matches \"p\", which ddssec does not"));
+  EXPECT_THAT(compare(permissions({partitioned}), permissions({partitioned})).readings.all,
+              IsEmpty());
+}
+
+}  // namespace
+}  // namespace ddssec::governance
