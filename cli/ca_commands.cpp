@@ -9,6 +9,7 @@
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
+#include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
 #include "cli/participant_places.hpp"
@@ -191,6 +192,7 @@ std::size_t revoked_count(const pki::IssueLog& log) { return log.revocations().s
 
 Result<Report> ca_show(const Arguments& arguments, const Context& context) {
   const auto role = DDSSEC_TRY(one_role(arguments));
+  DDSSEC_TRY(check_ca_folder(arguments.text("DIR"), role));
   const auto paths = ca_paths(arguments.text("DIR"), role);
   const auto certificate = DDSSEC_TRY(read_certificate(paths.certificate));
   const auto key = DDSSEC_TRY(describe_key(paths.key));
@@ -250,6 +252,7 @@ Result<pki::Certificate> renewed_ca(const OpenCa& ca, pki::Validity life,
 Result<Report> ca_renew(const Arguments& arguments, const Context& context) {
   const auto role = DDSSEC_TRY(one_role(arguments));
   CaOpener opener(arguments);
+  DDSSEC_TRY(check_ca_folder(arguments.text("DIR"), role));
   const auto ca = DDSSEC_TRY(opener.open(ca_paths(arguments.text("DIR"), role)));
   const auto life = DDSSEC_TRY(validity(arguments, context.clock.now()));
   const auto renewed = DDSSEC_TRY(renewed_ca(ca, life, arguments, context));

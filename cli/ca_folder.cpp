@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "cli/documents.hpp"
+#include "cli/near.hpp"
 #include "pki/participant_folder.hpp"
 #include "pki/source.hpp"
 
@@ -70,6 +71,12 @@ Result<OpenCa> CaOpener::open(const CaPaths& paths) {
   auto authority =
       DDSSEC_TRY(named(pki::Authority::load(trust.front(), std::move(own_key)), paths.certificate));
   return OpenCa{paths, std::move(authority), to_pem(trust)};
+}
+
+Result<OpenCa> CaOpener::open(std::string_view role) {
+  const fs::path given = arguments_.text("--ca");
+  DDSSEC_TRY(check_signing_ca(given, role));
+  return open(ca_paths(given, role));
 }
 
 Result<std::vector<pki::Certificate>> read_certificates(const fs::path& path) {

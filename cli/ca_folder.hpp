@@ -56,10 +56,8 @@ class CaOpener {
   /// --insecure-key-mode is given. Errors: key_readable_by_others, those of passphrase() for an
   /// encrypted key, of read_file, Authority::load.
   Result<OpenCa> open(const CaPaths& paths);
-  /// The `role`'s CA of --ca.
-  Result<OpenCa> open(std::string_view role) {
-    return open(ca_paths(arguments_.text("--ca"), role));
-  }
+  /// The `role`'s CA of --ca. Errors as above, and those of check_signing_ca.
+  Result<OpenCa> open(std::string_view role);
 
   /// What opened an encrypted key so far; null if none was encrypted.
   const pki::Passphrase* used_passphrase() const { return passphrase_ ? &*passphrase_ : nullptr; }

@@ -8,6 +8,7 @@
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
+#include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
 #include "cli/participant_places.hpp"
@@ -59,7 +60,7 @@ Known known_to(const CaPaths& ca, const pki::IssueLog& log, const pki::Certifica
 Result<Known> followers_of(const Arguments& arguments, const fs::path& given, WallTime now) {
   Known out;
   for (const auto& folder : arguments.all("DIRS")) {
-    DDSSEC_TRY(check_directory(folder, "a participant's folder"));
+    DDSSEC_TRY(check_participant_folder(folder));
     out.here.push_back(follower_in(folder));
   }
   if (!out.here.empty()) return out;

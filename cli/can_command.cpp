@@ -8,6 +8,7 @@
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
+#include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "governance/decision.hpp"
 #include "governance/doctor/ca_list.hpp"
@@ -186,6 +187,7 @@ Result<DomainId> domain_to_ask(const Arguments& arguments, const doctor::LoadedF
 Result<Report> can(const Arguments& arguments, const Context& context) {
   const auto action = DDSSEC_TRY(action_of(arguments));
   const auto now = context.clock.now();
+  DDSSEC_TRY(check_participant_folder(arguments.text("SUBJECT")));
   const auto folder = load_participant(arguments.text("SUBJECT"), now);
   const auto domain = DDSSEC_TRY(domain_to_ask(arguments, folder, now));
   const auto topic = arguments.text("TOPIC");

@@ -11,6 +11,7 @@
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/meeting_report.hpp"
+#include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/pre_shared_keys.hpp"
 #include "cli/products.hpp"
@@ -88,7 +89,7 @@ Result<Report> check(const Arguments& arguments, const Context& context) {
   for (const auto& word : arguments.all("--vendor")) DDSSEC_TRY(set_vendor(word, products));
   const auto wanted = DDSSEC_TRY(wanted_of(arguments));
   const auto topics = DDSSEC_TRY(topics_of(arguments));
-  for (const auto& folder : folders) DDSSEC_TRY(check_folder(folder));
+  for (const auto& folder : folders) DDSSEC_TRY(check_participant_folder(folder));
 
   const auto now = context.clock.now();
   const auto a = load_participant(folders[0], now);

@@ -7,6 +7,7 @@
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
+#include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/participant_places.hpp"
 #include "cli/transaction.hpp"
@@ -100,7 +101,7 @@ Result<Report> crl_verify(const Arguments& arguments, const Context& context) {
 Result<ParticipantPlaces> recipients(const Arguments& arguments, const CaPaths& ca) {
   ParticipantPlaces out;
   for (const auto& given : arguments.all("DIRS")) {
-    DDSSEC_TRY(check_directory(given, "a participant's folder"));
+    DDSSEC_TRY(check_participant_folder(given));
     out.here.emplace_back(given);
   }
   if (!out.here.empty()) return out;
@@ -111,6 +112,7 @@ Result<ParticipantPlaces> recipients(const Arguments& arguments, const CaPaths& 
 
 // One folder that cannot be written keeps the list from nobody else.
 Result<Report> crl_distribute(const Arguments& arguments, const Context& context) {
+  DDSSEC_TRY(check_ca_folder(arguments.text("--ca"), "identity"));
   const auto paths = ca_paths(arguments.text("--ca"), "identity");
   const auto crl = DDSSEC_TRY(list_in(paths.crl));
   const auto ca = DDSSEC_TRY(read_certificate(paths.certificate));

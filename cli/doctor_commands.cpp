@@ -13,6 +13,7 @@
 #include "cli/inputs.hpp"
 #include "cli/key_limits.hpp"
 #include "cli/meeting_report.hpp"
+#include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/pre_shared_keys.hpp"
 #include "cli/products.hpp"
@@ -197,11 +198,11 @@ Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
   Report report;
   const auto products = DDSSEC_TRY(products_of(arguments, report));
   const auto now = context.clock.now();
-  DDSSEC_TRY(check_folder(folder));
+  DDSSEC_TRY(check_participant_folder(folder));
   const auto loaded = load_participant(folder, now);
   std::optional<doctor::LoadedFolder> peer;
   if (arguments.has("--peer")) {
-    DDSSEC_TRY(check_folder(arguments.text("--peer")));
+    DDSSEC_TRY(check_participant_folder(arguments.text("--peer")));
     peer = load_participant(arguments.text("--peer"), now);
   }
   const bool is_of_ros = arguments.has("--ros") && !arguments.has("--domain");
@@ -225,52 +226,7 @@ Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
   return report;
 }
 
-// "WORDS a/talker, a/listener": those directly inside; empty if there are none.
-std::string holding(const fs::path& folder, std::string_view words) {
-  constexpr std::size_t kMost = 5;
-  std::vector<std::string> inside;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error))
-    if (is_there(entry.path() / "cert.pem")) inside.push_back(entry.path().string());
-  if (inside.empty()) return {};
-  std::ranges::sort(inside);
-  const bool more = inside.size() > kMost;
-  if (more) inside.resize(kMost);
-  return fmt::format("{}{}{}", words, fmt::join(inside, ", "), more ? ", ..." : "");
-}
-
-// As ca create and init make it, or one of its two halves.
-bool is_of_a_ca(const fs::path& folder) {
-  return is_there(folder / "ca.pem") || is_there(folder / "identity" / "ca.pem");
-}
-
-// "a" of "a/b" and "a/b/", and "." of "b"; "a" of "a/ca/identity" too.
-fs::path parent_of(const fs::path& folder) {
-  auto plain = folder.lexically_normal();
-  if (!plain.has_filename()) plain = plain.parent_path();
-  const auto half = is_there(plain / "ca.pem") ? plain.parent_path() : plain;
-  const auto out = half.parent_path();
-  return out.empty() ? fs::path(".") : out;
-}
-
 }  // namespace
-
-// The folder of several participants or of a CA, given in place of a participant's, is a likely
-// mistake.
-Status check_folder(const fs::path& folder) {
-  DDSSEC_TRY(check_directory(folder, "a participant's folder"));
-  const auto files = pki::participant_folder(folder);
-  if (is_there(files.certificate) || is_there(files.identity_ca)) return {};
-  if (is_of_a_ca(folder))
-    return fail(Code::file_not_found,
-                {.document = files.certificate,
-                 .note = fmt::format("{} is the folder of a CA{}", folder.string(),
-                                     holding(parent_of(folder), "; participants of it may be "))});
-  if (const auto inside = holding(folder, " holds participants: "); !inside.empty())
-    return fail(Code::file_not_found,
-                {.document = files.certificate, .note = folder.string() + inside});
-  return {};
-}
 
 doctor::LoadedFolder load_participant(const fs::path& folder, WallTime now) {
   return doctor::load_folder(pki::participant_folder(folder), now);

@@ -9,8 +9,6 @@
 
 namespace ddssec::cli {
 
-/// Success if it is a folder. Error: file_not_found.
-Status check_folder(const std::filesystem::path& folder);
 /// The participant's folder, loaded.
 governance::doctor::LoadedFolder load_participant(const std::filesystem::path& folder,
                                                   WallTime now);

@@ -9,6 +9,7 @@
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
+#include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/products.hpp"
 #include "cli/transaction.hpp"
@@ -138,7 +139,7 @@ Result<std::vector<Finding>> lint_for_vendors(const governance::Governance& docu
 Result<std::vector<Finding>> lint_for_vendors(const governance::Permissions& document,
                                               const Arguments& arguments, WallTime now) {
   if (!arguments.has("--cert")) return lint(document, {.now = now});
-  const auto certificate = DDSSEC_TRY(read_certificate(certificate_path(arguments.text("--cert"))));
+  const auto certificate = DDSSEC_TRY(certificate_of(arguments.text("--cert")));
   auto findings = lint(document, {.now = now, .certificate = &certificate});
   name_vendors(findings, document, certificate);
   return findings;

@@ -81,6 +81,9 @@ Result<TopicRule> topic_rule_from(const std::string& text, governance::Profile p
   const auto colon = std::min(text.rfind(':'), text.size());
   auto rule = governance::topic_rule_of(profile, text.substr(0, colon));
   if (rule.topic_expression.empty()) return wrong_topic(text, "an expression before the colon");
+  // No topic has this sign; between brackets it may be part of an expression.
+  if (rule.topic_expression.contains('=') && !rule.topic_expression.contains('['))
+    return wrong_topic(text, "a colon behind the expression, such as rt/camera*:data=ENCRYPT");
   std::string_view rest = std::string_view(text).substr(std::min(colon + 1, text.size()));
   while (!rest.empty()) {
     const auto comma = std::min(rest.find(','), rest.size());

@@ -9,6 +9,7 @@
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
+#include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
 #include "cli/participant_places.hpp"
@@ -28,7 +29,8 @@ Status check_issuer(const pki::Certificate& certificate, const OpenCa& ca, const
     return fail(Code::issuer_unknown,
                 {.document = path,
                  .expected = "a certificate that " + ca.certificate().subject() + " issued",
-                 .found = "one of " + certificate.issuer()});
+                 .found = "one of " + certificate.issuer(),
+                 .hint = "name the folder of the CA that issued it: --ca DIR"});
   return {};
 }
 
@@ -98,7 +100,7 @@ Result<Report> identity_renew(const Arguments& arguments, const Context& context
   const auto files = pki::participant_folder(path.parent_path());
   const auto now = context.clock.now();
   DDSSEC_TRY(finish_interrupted(path.parent_path()));
-  const auto old = DDSSEC_TRY(read_certificate(path));
+  const auto old = DDSSEC_TRY(certificate_of(given));
   if (!DDSSEC_TRY(is_needed(arguments, old, now))) return not_needed(path, old);
   const auto wanted = DDSSEC_TRY(validity(arguments, now));
   CaOpener opener(arguments);
@@ -167,10 +169,10 @@ bool is_serial(std::string_view text) {
 }
 
 // A participant's earlier certificates are for the same key as a rule: all that have not ended go.
-Result<Doomed> doomed_participant(const fs::path& path, const OpenCa& ca, const pki::IssueLog& log,
+Result<Doomed> doomed_participant(const fs::path& given, const OpenCa& ca, const pki::IssueLog& log,
                                   WallTime now) {
-  const auto certificate = DDSSEC_TRY(read_certificate(path));
-  DDSSEC_TRY(check_issuer(certificate, ca, path));
+  const auto certificate = DDSSEC_TRY(certificate_of(given));
+  DDSSEC_TRY(check_issuer(certificate, ca, certificate_path(given)));
   Doomed out{certificate.subject(), {}};
   if (!log.is_revoked(certificate.serial())) out.serials.push_back(certificate.serial());
   for (const auto& issued : log.issued())
@@ -180,10 +182,28 @@ Result<Doomed> doomed_participant(const fs::path& path, const OpenCa& ca, const 
   return out;
 }
 
+// The log may know the name; revoking by a name alone could end the wrong participant.
+std::unexpected<Error> not_there(const std::string& what, const OpenCa& ca,
+                                 const pki::IssueLog& log) {
+  ErrorDetails details{.document = what,
+                       .expected = "a participant's folder, its certificate or a serial number",
+                       .hint = participants_near(what)};
+  for (const auto& issued : log.issued()) {
+    const bool is_meant = issued.subject == what || issued.subject == "CN=" + what ||
+                          folder_name(issued.folder) == what;
+    if (!is_meant || issued.revoked) continue;
+    details.hint =
+        fmt::format("the CA's log has it: ddssec identity revoke {} --ca {}",
+                    is_there(fs::path(issued.folder) / "cert.pem") ? issued.folder : issued.serial,
+                    ca.paths.log.parent_path().string());
+  }
+  return fail(Code::file_not_found, std::move(details));
+}
+
 Result<Doomed> doomed(const std::string& what, const OpenCa& ca, const pki::IssueLog& log,
                       WallTime now) {
   if (is_there(what) || !is_serial(what))
-    return doomed_participant(certificate_path(what), ca, log, now);
+    return is_there(what) ? doomed_participant(what, ca, log, now) : not_there(what, ca, log);
   const auto serial = ascii_upper(what);
   const auto* issued = log.find(serial);
   if (issued == nullptr)

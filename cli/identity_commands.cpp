@@ -5,6 +5,7 @@
 
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
+#include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
 #include "cli/transaction.hpp"
@@ -17,8 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 Result<Report> identity_show(const Arguments& arguments, const Context& context) {
-  const auto path = certificate_path(arguments.text("PATH"));
-  const auto certificate = DDSSEC_TRY(read_certificate(path));
+  const auto certificate = DDSSEC_TRY(certificate_of(arguments.text("PATH")));
   const auto now = context.clock.now();
   const bool valid = certificate.not_before() <= now && now <= certificate.not_after();
   const auto guid = fmt::format("{:012x}", governance::doctor::guid_start(certificate));
@@ -42,7 +42,8 @@ Result<Report> identity_show(const Arguments& arguments, const Context& context)
   if (!valid)
     report.errors.emplace_back(now < certificate.not_before() ? Code::certificate_not_yet_valid
                                                               : Code::certificate_expired,
-                               ErrorDetails{.document = path, .found = to_string(now)});
+                               ErrorDetails{.document = certificate_path(arguments.text("PATH")),
+                                            .found = to_string(now)});
   return report;
 }
 

@@ -10,6 +10,7 @@
 #include "cli/fleet.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
+#include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
 #include "cli/progress.hpp"
@@ -26,7 +27,8 @@ namespace fs = std::filesystem;
 // CA, would be found out at its first start.
 Result<Bytes> governance_of(const Arguments& arguments, WallTime now) {
   if (!arguments.has("--governance")) return Bytes();
-  const fs::path file = arguments.text("--governance");
+  const auto file = document_path<GovernanceKind>(arguments.text("--governance"));
+  DDSSEC_TRY(check_signing_ca(arguments.text("--ca"), "permissions"));
   const auto ca = ca_paths(arguments.text("--ca"), "permissions").certificate;
   DDSSEC_TRY(verified(file, ca, now));
   return read_file(file, pki::kMostDocumentOctets);
@@ -145,6 +147,7 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
   Progress progress("participants", specs.size());
   for (auto& spec : specs) {
     const auto made = DDSSEC_TRY(make(spec, cas, arguments, context, from));
+    warn_of_topics(spec, from.string(), report);
     DDSSEC_TRY(add_flat(folder, spec.name, made, cas.issuers(spec.has_permissions()), governance));
     lines += log_line(made, target / spec.name, now);
     const auto& certificate = made.self.certificate;
@@ -200,6 +203,7 @@ Result<Issued> issue(Job& job) {
 Result<Report> finished(Report report, const Job& job, Result<std::vector<WrittenFile>> committed) {
   report.files_written = DDSSEC_TRY(std::move(committed));
   report.text += not_in_it(is_there(job.files.permissions), is_there(job.files.governance));
+  warn_of_topics(job.spec, job.arguments.text("--permissions"), report);
   return report;
 }
 
@@ -374,6 +378,7 @@ Result<Report> identity_issue(const Arguments& arguments, const Context& context
           std::move(governance),
           pki::participant_folder(target, pki::FolderLayout::flat)};
   if (!is_folder) return make_folder(job);
+  DDSSEC_TRY(check_not_above_participants(target, job.spec.name));
   DDSSEC_TRY(finish_interrupted(target));
   if (job.is_replacing()) return fill_folder(job);
   DDSSEC_TRY(check_pair(job));

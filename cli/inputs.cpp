@@ -15,6 +15,7 @@
 
 #include "base/hash.hpp"
 #include "cli/transaction.hpp"
+#include "governance/date_time.hpp"
 #include "pki/participant_folder.hpp"
 #include "pki/source.hpp"
 
@@ -151,8 +152,11 @@ Result<pki::Passphrase> passphrase(const Arguments& arguments, Typed typed, cons
   if (arguments.has("--passphrase-file"))
     return passphrase_from_file(arguments.text("--passphrase-file"));
   if (arguments.has("--passphrase-env")) {
-    const char* value = std::getenv(arguments.text("--passphrase-env").c_str());
-    return passphrase_from(value != nullptr ? value : "");
+    const auto name = arguments.text("--passphrase-env");
+    if (const char* value = std::getenv(name.c_str())) return passphrase_from(value);
+    return fail(Code::passphrase_unusable,
+                {.note = "the environment variable " + name + " is not set",
+                 .hint = "set and export it; or give --passphrase-file FILE"});
   }
   if (::isatty(STDIN_FILENO) == 0 || ::isatty(STDERR_FILENO) == 0)
     return fail(Code::passphrase_needed);
@@ -196,6 +200,19 @@ Result<bool> is_encrypted(const fs::path& key) {
     const auto text = as_text(octets);
     return text.find("BEGIN ENCRYPTED") != text.npos || text.find(",ENCRYPTED") != text.npos;
   });
+}
+
+std::optional<WallTime> time_from(std::string_view text) {
+  constexpr std::size_t kDate = std::string_view("2026-11-21").size();
+  const auto whole = text.size() == kDate ? std::string(text) + "T00:00:00Z" : std::string(text);
+  const auto time = governance::parse_date_time(whole, governance::Round::down);
+  return time ? std::optional(time->time) : std::nullopt;
+}
+
+std::optional<WallTime> time_from(std::string_view text, WallTime now) {
+  if (!text.starts_with('+')) return time_from(text);
+  const auto later = duration_from(text.substr(1));
+  return later ? std::optional(now + *later) : std::nullopt;
 }
 
 Result<std::chrono::seconds> duration(const Arguments& arguments, std::string_view option) {

@@ -96,5 +96,9 @@ Status check_name(std::string_view name);
 
 /// "2026-11-21".
 std::string date(WallTime time);
+/// A time such as 2026-11-21T00:00:00Z, or a date, which is its first second in UTC.
+std::optional<WallTime> time_from(std::string_view text);
+/// The same, or "+30d": so long after now.
+std::optional<WallTime> time_from(std::string_view text, WallTime now);
 
 }  // namespace ddssec::cli

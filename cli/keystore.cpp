@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 namespace ddssec::cli {
 namespace {
 
@@ -42,13 +44,30 @@ Status check_enclave(std::string_view name) {
   }
 }
 
+namespace {
+
+// A folder inside a keystore, given in its place, is a likely mistake.
+std::string keystore_above(const fs::path& folder) {
+  for (auto at = folder.lexically_normal(); at.has_parent_path() && at != at.parent_path();) {
+    at = at.parent_path();
+    if (is_there(at / "enclaves/governance.p7s"))
+      return fmt::format("name the keystore: {}", at.string());
+  }
+  return {};
+}
+
+}  // namespace
+
 Status check_keystore(const fs::path& keystore) {
+  if (!is_there(keystore))
+    return fail(Code::file_not_found, {.document = keystore, .expected = "a keystore"});
   for (const auto* file : {"public/permissions_ca.cert.pem", "public/identity_ca.cert.pem",
                            "private/permissions_ca.key.pem", "private/identity_ca.key.pem",
                            "enclaves/governance.p7s"}) {
     std::error_code ignored;
     if (!fs::is_regular_file(keystore / file, ignored))
-      return fail(Code::keystore_incomplete, {.document = keystore / file});
+      return fail(Code::keystore_incomplete,
+                  {.document = keystore / file, .hint = keystore_above(keystore)});
   }
   return {};
 }

@@ -130,11 +130,33 @@ Result<std::vector<governance::DomainRange>> granted_domains(const Arguments& ar
   return std::vector<governance::DomainRange>{{domain, domain}};
 }
 
+// A topic of ROS 2 has a prefix in DDS, and a policy's names have none.
+void warn_of_missing_prefixes(const ParticipantSpec& spec, Report& report) {
+  const auto is_of_ros = [](std::string_view topic) {
+    for (const std::string_view prefix :
+         {"rt/", "rq/", "rr/", "rs/", "ra/", "ros_discovery_info", "DCPS", "*", "?", "[", "/"})
+      if (topic.starts_with(prefix)) return true;
+    return false;
+  };
+  for (const auto* topics : {&spec.publish, &spec.subscribe})
+    for (const auto& topic : *topics)
+      if (!is_of_ros(topic))
+        report.findings.push_back(
+            {.rule = Rule::PERM034,
+             .message = fmt::format("\"{}\" is a DDS topic that no ROS 2 node uses", topic),
+             .hint = fmt::format("ROS 2 topic /{0} is rt/{0} in DDS; --policy takes the names of "
+                                 "ROS 2",
+                                 topic),
+             .severity = Severity::warning});
+}
+
 Status read_rights(ParticipantSpec& spec, const Arguments& arguments, Report& report) {
   DDSSEC_TRY(check_one_source(arguments));
   spec.domains = DDSSEC_TRY(granted_domains(arguments, report));
   spec.publish = DDSSEC_TRY(topics_of(arguments, "--publish"));
   spec.subscribe = DDSSEC_TRY(topics_of(arguments, "--subscribe"));
+  warn_of_missing_prefixes(spec, report);
+  warn_of_topics(spec, {}, report);
   if (arguments.has("--allow-all")) spec.publish = spec.subscribe = {"*"};
   if (arguments.has("--permissions"))
     spec.permissions =

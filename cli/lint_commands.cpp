@@ -6,6 +6,7 @@
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
+#include "cli/near.hpp"
 #include "governance/lint.hpp"
 
 namespace ddssec::cli {
@@ -34,8 +35,7 @@ Result<Report> permissions_lint(const Arguments& arguments, const Context& conte
   const auto file = document_path<PermissionsKind>(arguments.text("FILE"));
   std::optional<pki::Certificate> certificate;
   std::optional<governance::Governance> governance;
-  if (arguments.has("--cert"))
-    certificate = DDSSEC_TRY(read_certificate(certificate_path(arguments.text("--cert"))));
+  if (arguments.has("--cert")) certificate = DDSSEC_TRY(certificate_of(arguments.text("--cert")));
   if (arguments.has("--governance"))
     governance = DDSSEC_TRY(unverified_document<GovernanceKind>(
         document_path<GovernanceKind>(arguments.text("--governance"))));

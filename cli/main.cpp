@@ -12,7 +12,6 @@
 #include "cli/parse.hpp"
 #include "cli/progress.hpp"
 #include "cli/transaction.hpp"
-#include "governance/date_time.hpp"
 
 namespace {
 
@@ -38,14 +37,13 @@ bool wants_json(const std::vector<std::string>& words) {
 }
 
 Result<WallTime> time_of(const cli::Arguments& arguments) {
-  if (!arguments.has("--now")) return SystemClock().now();
+  const auto now = SystemClock().now();
+  if (!arguments.has("--now")) return now;
   const auto text = arguments.text("--now");
-  const auto time = governance::parse_date_time(text, governance::Round::down);
-  if (!time)
-    return fail(
-        Code::usage,
-        {.field = "--now", .expected = "a time such as 2026-11-21T00:00:00Z", .found = text});
-  return time->time;
+  if (const auto time = cli::time_from(text, now)) return *time;
+  return fail(Code::usage, {.field = "--now",
+                            .expected = "a time such as 2026-11-21T00:00:00Z, a date, or +30d",
+                            .found = text});
 }
 
 Result<bool> color_of(const cli::Arguments& arguments) {

@@ -29,6 +29,13 @@ std::string listed(const std::vector<std::string>& names) {
   return out;
 }
 
+// What an argument too many was probably meant for.
+std::string_view instead_of_one_more(std::string_view command) {
+  if (command == "doctor") return "; ddssec check compares two participants";
+  if (command == "governance show") return "; --topic names a topic";
+  return {};
+}
+
 // CLI11 reads one command's arguments; which command it is was told before.
 class CommandLine {
  public:
@@ -123,6 +130,7 @@ class CommandLine {
       if (option == nullptr) return unknown(name, options_like(name, command_));
       if (!option->value.empty() && name.size() == word.size()) waits = option;
     }
+    if (waits != nullptr) return wrong(fmt::format("no value follows \"{}\"", waits->name));
     return {};
   }
 
@@ -146,6 +154,7 @@ class CommandLine {
       extra += fmt::format("{}\"{}\"", extra.empty() ? "" : ", ", word.substr(0, 64));
     if (!extra.empty())
       extra += rest.size() == 1 ? " is one argument too many" : " are arguments too many";
+    if (rest.size() == 1) extra += instead_of_one_more(command_.full_name());
     if (lacking.empty()) return wrong(extra.empty() ? std::string(error.what()) : extra);
     return wrong(fmt::format("missing argument{} {}{}{}; for example: {}",
                              lacking.size() == 1 ? "" : "s", listed(lacking),

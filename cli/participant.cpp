@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "governance/grant.hpp"
+#include "governance/lint.hpp"
 #include "governance/read.hpp"
 #include "governance/write.hpp"
 
@@ -28,7 +29,27 @@ governance::Grant grant_from_lists(const ParticipantSpec& spec) {
   return {.name = spec.name, .rules = {std::move(rule)}};
 }
 
+bool is_about_topics(Rule rule) {
+  return rule == Rule::PERM012 || rule == Rule::PERM013 || rule == Rule::PERM034;
+}
+
 }  // namespace
+
+void warn_of_topics(const ParticipantSpec& spec, const std::string& document, Report& report) {
+  governance::Permissions rights;
+  if (spec.permissions)
+    rights = governance::read_permissions(*spec.permissions).value_or(governance::Permissions());
+  else
+    rights.grants = {spec.grant ? *spec.grant : grant_from_lists(spec)};
+  for (auto& finding : lint(rights)) {
+    const bool is_known = std::ranges::find(report.findings, finding.message, &Finding::message) !=
+                          report.findings.end();
+    if (!is_about_topics(finding.rule) || is_known) continue;
+    finding.document = document;
+    finding.severity = std::min(finding.severity, Severity::warning);
+    report.findings.push_back(std::move(finding));
+  }
+}
 
 Result<pki::Validity> within_ca(pki::Validity wanted, const pki::Certificate& ca, bool clamp) {
   if (wanted.not_after > ca.not_after()) {

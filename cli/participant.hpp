@@ -52,6 +52,11 @@ struct Issuers {
 /// the certificate would stop being believed before it says so. Error: outlives_ca.
 Result<pki::Validity> within_ca(pki::Validity wanted, const pki::Certificate& ca, bool clamp);
 
+/// Adds what lint says of the topics and partitions that the spec names: those that match nothing,
+/// that products read differently, or that look like names of ROS. Each sentence once, and none is
+/// an error: what was asked for is made.
+void warn_of_topics(const ParticipantSpec& spec, const std::string& document, Report& report);
+
 /// The permissions document of the spec, for this certificate: the one it brings, which must have a
 /// grant for the subject that is valid at `now`, or one grant with default DENY. The subject is the
 /// certificate's own text, the form that every vendor reads. Errors: those of read_permissions and

@@ -1,4 +1,5 @@
 // permissions new: one participant's rights, for the subject of its certificate.
+#include <algorithm>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -6,8 +7,8 @@
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
+#include "cli/near.hpp"
 #include "cli/options.hpp"
-#include "governance/date_time.hpp"
 #include "governance/lint.hpp"
 #include "governance/read.hpp"
 #include "governance/rights.hpp"
@@ -43,18 +44,19 @@ Result<governance::Validity> life(const Arguments& arguments, const pki::Certifi
   }
   if (!arguments.has("--not-after")) return out;
   const auto text = arguments.text("--not-after");
-  const auto end = governance::parse_date_time(text, governance::Round::down);
-  if (!end || end->time <= out.not_before)
-    return fail(Code::usage, {.field = "--not-after",
-                              .expected = "a time such as 2027-11-21T00:00:00Z, not before " +
-                                          to_string(out.not_before),
-                              .found = '"' + text + '"'});
-  out.not_after = end->time;
+  const auto end = time_from(text);
+  if (!end || *end <= out.not_before)
+    return fail(Code::usage,
+                {.field = "--not-after",
+                 .expected = "a time such as 2027-11-21T00:00:00Z, or a date, not before " +
+                             to_string(out.not_before),
+                 .found = '"' + text + '"'});
+  out.not_after = *end;
   return out;
 }
 
 Result<Report> permissions_new(const Arguments& arguments, const Context& context) {
-  const auto certificate = DDSSEC_TRY(read_certificate(certificate_path(arguments.text("--cert"))));
+  const auto certificate = DDSSEC_TRY(certificate_of(arguments.text("--cert")));
   const auto grant = grant_of("participant", certificate, DDSSEC_TRY(rights_from(arguments)),
                               DDSSEC_TRY(life(arguments, certificate, context.clock.now())));
   const auto xml = to_xml(governance::Permissions{.grants = {grant}});
@@ -67,6 +69,13 @@ Result<Report> permissions_new(const Arguments& arguments, const Context& contex
     report.text = "not written: it would be of no use\n";
     return report;
   }
+  const bool has_rights = std::ranges::any_of(document.grants[0].rules, [](const auto& rule) {
+    return !rule.publish.empty() || !rule.subscribe.empty();
+  });
+  if (!has_rights)
+    report.text =
+        "it lets the participant join and use no topic: --publish and --subscribe allow "
+        "topics\n";
   report.files_written = DDSSEC_TRY(write_document(xml, arguments, context));
   for (const auto& file : report.files_written)
     report.text += fmt::format("{}  for {} until {}\n", file.path, grant.subject_name,

@@ -176,8 +176,25 @@ Exit exit_of(Code code) {
   return is_input ? Exit::unreadable : Exit::no;
 }
 
+namespace {
+
+// Which command reads the document that was given to another.
+Error with_right_command(const Error& error) {
+  auto details = error.details();
+  for (const auto& [body, kind] : {std::pair("<permissions>", "permissions"),
+                                   std::pair("<domain_access_rules>", "governance")})
+    if (details.found == body)
+      details.hint =
+          fmt::format("it is a {0} document: ddssec {0} --help lists what reads it", kind);
+  return Error(error.code(), std::move(details));
+}
+
+}  // namespace
+
 Report report_of(const Error& error) {
-  return {.exit = exit_of(error.code()), .text = {}, .errors = {error}};
+  return {.exit = exit_of(error.code()),
+          .text = {},
+          .errors = {error.code() == Code::document_kind ? with_right_command(error) : error}};
 }
 
 Json envelope(const Report& report, std::string_view command) {

@@ -62,7 +62,8 @@ constexpr Spelling kSpellings[] = {
     {"--expires", {"--days", "--not-after"}},
     {"--validity", {"--days"}},
     {"--cn", {"--subject"}},
-    {"--name", {"--participant", "--subject"}},
+    {"--subject", {"--cert"}},
+    {"--name", {"--participant", "--subject", "--cert"}},
     {"--time", {"--now"}},
     {"--date", {"--now"}},
 };

@@ -21,7 +21,8 @@ void add_to_groups(std::vector<Command>& all, const std::vector<Command>& rows) 
 const std::vector<Option>& common_options() {
   static const std::vector<Option> kOptions = {
       {"--format", "FORM", "text, or one JSON object", "text"},
-      {"--now", "TIME", "judge and issue as if it were this time (2026-11-21T00:00:00Z)"},
+      {"--now", "TIME",
+       "judge and issue as if it were this time: 2026-11-21T00:00:00Z, 2026-11-21 or +30d"},
       {"--dry-run", "", "check everything and write nothing; tell what would be written"},
       {"--color", "WHEN", "auto, always or never; NO_COLOR turns auto off", "auto"},
       {.name = "--quiet",

@@ -304,7 +304,8 @@ class Check(WithoutLists):
     def test_a_folder_of_participants_is_no_participant(self):
         for words in (("check", "talker", "."), ("doctor", ".")):
             told = self.refused("file_not_found", 3, *words)
-            self.assertRegex(told["message"], r"\. holds participants: \./listener, \./talker")
+            self.assertIn(". is no participant's folder", told["message"])
+            self.assertEqual(told["hint"], "it holds participants: ./listener, ./talker")
 
     def test_a_folder_of_a_ca_is_no_participant(self):
         for half in ("identity", "permissions"):
@@ -312,8 +313,8 @@ class Check(WithoutLists):
             shutil.copy(self.at / "talker" / "identity_ca.pem", self.at / "ca" / half / "ca.pem")
         for folder in ("ca", "ca/", "ca/identity", "./ca/permissions"):
             told = self.refused("file_not_found", 3, "doctor", folder)
-            self.assertIn(f"{folder} is the folder of a CA; participants of it may be ./listener, ./talker",
-                          told["message"])
+            self.assertIn(f"{folder} is the folder of a CA", told["message"])
+            self.assertEqual(told["hint"], "participants of it may be listener, talker")
 
     def test_a_peer_without_security(self):
         shutil.rmtree(self.at / "listener")

@@ -1,0 +1,217 @@
+#include "cli/near.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "cli/ca_folder.hpp"
+#include "cli/inputs.hpp"
+#include "pki/participant_folder.hpp"
+#include "pki/source.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Entries of one folder, and all entries, that are looked at.
+constexpr int kMostInFolder = 1'000;
+constexpr int kMostLooks = 5'000;
+constexpr std::size_t kMostShown = 4;
+
+using Wanted = std::function<bool(const fs::path&)>;
+
+fs::path without_slash(const fs::path& path) {
+  return path.has_filename() ? path : path.parent_path();
+}
+
+// The folder that the path would be in, or the nearest above it that is there; "" is the present
+// one.
+fs::path nearest_folder(const fs::path& missing) {
+  std::error_code ignored;
+  auto at = without_slash(missing.lexically_normal()).parent_path();
+  while (!at.empty() && !fs::is_directory(at, ignored)) {
+    if (at == at.parent_path()) return {};
+    at = at.parent_path();
+  }
+  return at;
+}
+
+// Folders that are wanted in this one and, where none is, one step below.
+class Search {
+ public:
+  explicit Search(Wanted is_wanted) : is_wanted_(std::move(is_wanted)) {}
+
+  std::vector<fs::path> around(const fs::path& folder, const fs::path& name) {
+    look_into(folder, 2);
+    std::ranges::sort(found_);
+    std::ranges::stable_partition(found_,
+                                  [&](const fs::path& path) { return path.filename() == name; });
+    return std::move(found_);
+  }
+
+ private:
+  void look_into(const fs::path& folder, int levels) {
+    std::error_code error;
+    int entries = 0;
+    const auto start = folder.empty() ? fs::path(".") : folder;
+    for (fs::directory_iterator at(start, error), end; !error && at != end; at.increment(error)) {
+      if (++entries > kMostInFolder || ++looks_ > kMostLooks) return;
+      std::error_code ignored;
+      if (!fs::is_directory(at->symlink_status(ignored))) continue;
+      const auto path = folder / at->path().filename();
+      if (is_wanted_(path))
+        found_.push_back(path);
+      else if (levels > 1)
+        look_into(path, levels - 1);
+    }
+  }
+
+  Wanted is_wanted_;
+  std::vector<fs::path> found_ = {};
+  int looks_ = 0;
+};
+
+std::string listed(std::string_view words, const std::vector<fs::path>& paths) {
+  std::vector<std::string> shown;
+  for (const auto& path : paths)
+    if (shown.size() < kMostShown) shown.push_back(path.string());
+  if (shown.empty()) return {};
+  return fmt::format("{}{}{}", words, fmt::join(shown, ", "),
+                     paths.size() > kMostShown ? ", ..." : "");
+}
+
+bool is_participant(const fs::path& folder) { return is_there(folder / "cert.pem"); }
+
+std::string participants_inside(const fs::path& folder, std::string_view words) {
+  return listed(words, Search(is_participant).around(folder, {}));
+}
+
+// As ca create and init make it, or one of its two halves.
+bool is_of_a_ca(const fs::path& folder) {
+  return is_there(folder / "ca.pem") || is_there(folder / "identity" / "ca.pem");
+}
+
+// "a" of "a/b" and "a/b/", and "" of "b"; "a" of "a/ca/identity" too.
+fs::path parent_of(const fs::path& folder) {
+  const auto plain = without_slash(folder.lexically_normal());
+  return (is_there(plain / "ca.pem") ? plain.parent_path() : plain).parent_path();
+}
+
+bool holds_ca(const fs::path& folder, std::string_view role) {
+  return is_there(ca_paths(folder, role).certificate);
+}
+
+std::string cas_near(const fs::path& missing, std::string_view role) {
+  const auto wanted = [&](const fs::path& folder) { return holds_ca(folder, role); };
+  for (auto at = nearest_folder(missing); !at.empty(); at = at.parent_path()) {
+    if (holds_ca(at, role)) return listed("the CA may be ", {at});
+    if (at == at.parent_path()) break;
+  }
+  return listed("CAs here: ", Search(wanted).around(nearest_folder(missing), {}));
+}
+
+std::string_view other_role(std::string_view role) {
+  return role == "identity" ? "permissions" : "identity";
+}
+
+Status check_role(const fs::path& given, std::string_view role) {
+  const auto folder = without_slash(given.lexically_normal());
+  const auto both = folder.parent_path();
+  if (folder.filename() != other_role(role) || !is_there(both / role / "ca.pem")) return {};
+  return fail(Code::usage,
+              {.field = "--ca",
+               .expected = fmt::format("the folder of the {} CA, {}, or of both, {}", role,
+                                       (both / role).string(), both.empty() ? "." : both.string()),
+               .found = fmt::format("{}, the {} CA's", given.string(), other_role(role))});
+}
+
+bool holds_key(const fs::path& file) {
+  const auto text = read_file(file, pki::kMostCertificateOctets);
+  return text && as_text(*text).contains("PRIVATE KEY-----");
+}
+
+}  // namespace
+
+std::string participants_near(const fs::path& missing) {
+  const auto name = without_slash(missing).filename();
+  return listed("participants here: ",
+                Search(is_participant).around(nearest_folder(missing), name));
+}
+
+Status check_participant_folder(const fs::path& given) {
+  if (auto status = check_directory(given, "a participant's folder"); !status) {
+    auto details = status.error().details();
+    details.hint = participants_near(given);
+    return fail(status.error().code(), std::move(details));
+  }
+  const auto files = pki::participant_folder(given);
+  if (is_there(files.certificate) || is_there(files.identity_ca)) return {};
+  if (is_of_a_ca(given))
+    return fail(Code::file_not_found,
+                {.document = files.certificate,
+                 .note = fmt::format("{} is the folder of a CA", given.string()),
+                 .hint = participants_inside(parent_of(given), "participants of it may be ")});
+  if (auto inside = participants_inside(given, "it holds participants: "); !inside.empty())
+    return fail(Code::file_not_found,
+                {.document = files.certificate,
+                 .note = fmt::format("{} is no participant's folder", given.string()),
+                 .hint = std::move(inside)});
+  return {};
+}
+
+Status check_not_above_participants(const fs::path& given, std::string_view name) {
+  if (is_participant(given)) return {};
+  const auto inside = participants_inside(given, "it holds participants: ");
+  const bool has_ca = is_of_a_ca(given) || is_of_a_ca(given / "ca");
+  if (inside.empty() && !has_ca) return {};
+  return fail(Code::would_overwrite,
+              {.document = given,
+               .note = inside.empty() ? "it is the folder of a CA" : inside,
+               .hint = fmt::format("-o {} makes a folder of its own",
+                                   (given / name).lexically_normal().string())});
+}
+
+Result<pki::Certificate> certificate_of(const fs::path& given) {
+  std::error_code ignored;
+  if (!fs::exists(given, ignored))
+    return fail(Code::file_not_found, {.document = given,
+                                       .expected = "a participant's folder or a certificate",
+                                       .hint = participants_near(given)});
+  if (fs::is_directory(given, ignored)) DDSSEC_TRY(check_participant_folder(given));
+  auto certificate = read_certificate(certificate_path(given));
+  if (!certificate && certificate.error().code() == Code::certificate_malformed && holds_key(given))
+    return fail(Code::certificate_malformed,
+                {.document = given,
+                 .note = "it holds a private key",
+                 .hint = "name the certificate, cert.pem beside it as a rule, or the folder"});
+  return certificate;
+}
+
+Status check_ca_folder(const fs::path& given, std::string_view role) {
+  if (holds_ca(given, role)) return {};
+  std::error_code ignored;
+  ErrorDetails details{.document = given,
+                       .expected = "the folder of a CA, as ca create or init makes it",
+                       .hint = cas_near(given, role)};
+  if (fs::is_regular_file(given, ignored)) {
+    details.found = "a file";
+    if (holds_ca(given.parent_path(), role))
+      details.hint = fmt::format("name the folder: {}", given.parent_path().string());
+    return fail(Code::file_unreadable, std::move(details));
+  }
+  if (is_participant(given))
+    details.note = "it is a participant's folder";
+  else if (fs::exists(given, ignored))
+    details.note = fmt::format("there is no {} CA in it", role);
+  return fail(Code::file_not_found, std::move(details));
+}
+
+Status check_signing_ca(const fs::path& given, std::string_view role) {
+  DDSSEC_TRY(check_role(given, role));
+  return check_ca_folder(given, role);
+}
+
+}  // namespace ddssec::cli
