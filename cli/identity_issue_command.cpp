@@ -323,6 +323,8 @@ Result<Report> complete_folder(Job& job) {
 std::string about_former(const Job& job) {
   const auto former = read_certificate(job.files.certificate);
   if (!former || former->not_after() < job.context.clock.now()) return {};
+  const auto log = read_issue_log(ca_paths(job.arguments.text("--ca"), "identity"));
+  if (log && log->is_revoked(former->serial())) return {};
   return fmt::format(
       "the certificate before it is valid until {}; if its key may be in other hands: ddssec "
       "identity revoke {} --ca {}\n",
@@ -337,6 +339,9 @@ Result<Report> fill_folder(Job& job) {
   DDSSEC_TRY(out.put_public(files.identity_ca, cas.identity.trust_pem));
   if (cas.permissions) DDSSEC_TRY(out.put_public(files.permissions_ca, cas.permissions->trust_pem));
   if (!made.permissions.empty()) DDSSEC_TRY(out.put(files.permissions, made.permissions, 0644));
+  const auto plain = fs::path(files.permissions).replace_extension("xml");
+  if (!made.permissions.empty() && is_there(plain))
+    DDSSEC_TRY(out.put_public(plain, made.permissions_xml));
   if (!job.governance.empty()) DDSSEC_TRY(out.put(files.governance, job.governance, 0644));
   if (!cas.crl.empty()) DDSSEC_TRY(out.put_public(files.crl, cas.crl));
   const auto pem = DDSSEC_TRY(made.self.key.to_pem());

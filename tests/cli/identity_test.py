@@ -253,6 +253,12 @@ class Identity(Transcript):
         self.json("doctor", "talker", *NOW)
         self.json("can", "talker", "publish", "y", *NOW)
         self.assertEqual(self.json("ca", "show", "ca", *NOW)["result"]["issued"], 2)
+        self.run_with_secret(self.run_program, "identity", "revoke", "talker", "--ca", "ca", *NOW)
+        done = self.run_with_secret(self.run_program, *self.issue("--replace", "--publish", "y"))
+        self.assertNotIn("identity revoke", done.stdout)
+        (self.at / "talker/permissions.xml").write_text("old")
+        self.run_with_secret(self.run_program, *self.issue("--replace", "--publish", "z"))
+        self.assertIn("<topic>z</topic>", (self.at / "talker/permissions.xml").read_text())
 
     def test_issue_into_an_empty_folder_and_never_through_a_link(self):
         (self.at / "talker").mkdir()
