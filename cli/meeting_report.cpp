@@ -214,11 +214,18 @@ std::string result_line(const MeetingView& view) {
   if (!meeting.joined()) return "result: they do not match\n";
   const bool differs = std::ranges::any_of(
       meeting.topics, [](const TopicMeeting& topic) { return protection_differs(topic); });
-  return fmt::format("result: they match{}\n  {}\n  {}\n{}{}",
-                     differs                    ? ", but the protection of a topic differs"
-                     : has_topic_apart(meeting) ? ", but a product keeps them apart on a topic"
-                                                : "",
-                     working_topics(view, 0), working_topics(view, 1), topics_apart(view),
+  const bool is_partial =
+      std::ranges::find(meeting.notes, Rule::DOC099, &Finding::rule) != meeting.notes.end();
+  const auto verdict =
+      differs                    ? "they match, but the protection of a topic differs"
+      : has_topic_apart(meeting) ? "they match, but a product keeps them apart on a topic"
+      : is_partial               ? "they match, but on some topics without partitions only"
+      : std::ranges::all_of(meeting.topics, is_idle)
+          ? (view.topics_named ? "they authenticate, but share none of these topics"
+                               : "they authenticate, but share no topic")
+          : "they match";
+  return fmt::format("result: {}\n  {}\n  {}\n{}{}", verdict, working_topics(view, 0),
+                     working_topics(view, 1), topics_apart(view),
                      meeting.topics_complete ? "" : "  (not every topic was looked at)\n");
 }
 

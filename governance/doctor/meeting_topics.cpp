@@ -212,6 +212,46 @@ void report_refusals(const MeetingScene& scene, const TopicMeeting& topic) {
     }
 }
 
+/// The partitions in which a participant may use a topic.
+std::vector<std::string> partitions_of(const CompiledGrant& grant, Action action,
+                                       std::string_view topic) {
+  std::vector<std::string> out;
+  for (const auto* criteria : grant.allowed(action)) {
+    if (!criteria->partitions || matching_expression(*criteria, topic).empty()) continue;
+    for (const auto& text : *criteria->partitions)
+      if (!text.text.empty()) out.push_back(text.text);
+  }
+  return out;
+}
+
+// Both may use the topic without partitions, so that it counts as working. Said once.
+void note_partitions(const MeetingScene& scene, const TopicMeeting& topic) {
+  const bool is_said =
+      std::ranges::find(scene.out.notes, Rule::DOC099, &Finding::rule) != scene.out.notes.end();
+  if (is_said || !scene.settings.partitions.empty()) return;
+  for (const auto& direction : topic.directions) {
+    const int writer = direction.writer;
+    const int reader = 1 - writer;
+    const bool asks = direction.ok && topic.rules[writer]->enable_write_access_control &&
+                      topic.rules[writer]->enable_read_access_control;
+    if (!asks || scene.grants[writer] == nullptr || scene.grants[reader] == nullptr) continue;
+    const std::vector<std::string> partitions[] = {
+        partitions_of(*scene.grants[writer], Action::publish, topic.topic),
+        partitions_of(*scene.grants[reader], Action::subscribe, topic.topic)};
+    if (partitions[0].empty() == partitions[1].empty()) continue;
+    const int with = partitions[0].empty() ? reader : writer;
+    const auto& one = partitions[0].empty() ? partitions[1].front() : partitions[0].front();
+    const auto& expression = direction.steps[with == writer ? 2 : 0].expression;
+    return scene.out.notes.push_back(
+        {.rule = Rule::DOC099,
+         .message =
+             fmt::format("topics \"{}\": {} may use them only without a partition, {} in "
+                         "\"{}\" too: in a partition they do not work",
+                         expression, scene.party(1 - with).name, scene.party(with).name, one),
+         .document = scene.folder(1 - with).paths.permissions.string()});
+  }
+}
+
 // Topics of expressions are examples: their names are made up.
 std::string example_of_rule(const TopicMeeting& topic) {
   const auto& expression = topic.rules[1]->topic_expression;
@@ -353,6 +393,7 @@ void meet_on_topic(const MeetingScene& scene, const std::string& topic) {
   report_differences(scene, out);
   report_obstacles(scene, out);
   note_unguarded(scene, out);
+  note_partitions(scene, out);
   scene.out.topics.push_back(std::move(out));
 }
 

@@ -116,6 +116,28 @@ class Check(WithoutLists):
                 self.assertIn("the topic is allowed, but not " +
                               ("without a partition" if partition is None else 'in partition "street"'), told["hint"])
 
+    def test_partitions_that_only_one_side_has(self):
+        """Both may use the topic without a partition, so that it would count as working."""
+        everywhere = allow("*").replace("</topics></", "</topics><partitions><partition>*</partition></partitions></")
+        self.listener.sign("permissions", permissions(grant(self.listener.subject, everywhere)))
+        out = self.check(exit=0)
+        told = [d for d in out["diagnostics"] if d["id"] == "DOC099"]
+        self.assertEqual([d["message"] for d in told],
+                         ['topics "Square": talker may use them only without a partition, listener in "*" too: '
+                          "in a partition they do not work"])
+        self.assertIn("--partition", told[0]["hint"])
+        text = self.run_program("check", "talker", "listener").stdout
+        self.assertIn("result: they match, but on some topics without partitions only\n", text)
+        self.talker.sign("permissions", permissions(grant(self.talker.subject, everywhere)))
+        self.assertNotIn("DOC099", [d["id"] for d in self.check(exit=0)["diagnostics"]])
+
+    def test_nothing_in_common_is_no_match(self):
+        text = self.run_program("check", "talker", "listener", "--topics", "Circle", exit=1).stdout
+        self.assertIn("result: they authenticate, but share none of these topics\n", text)
+        self.listener.sign("permissions", permissions(grant(self.listener.subject, allow("Circle"))))
+        text = self.run_program("check", "talker", "listener", exit=1).stdout
+        self.assertIn("result: they authenticate, but share no topic\n", text)
+
     def test_a_name_that_is_close_to_an_allowed_one_is_proposed(self):
         told = self.check("--topics", "Sqare", exit=1)["diagnostics"]
         self.assertEqual({d["id"] for d in told}, {"DOC086"})
