@@ -303,6 +303,31 @@ void add_once(const std::vector<Finding>& findings, Report& report) {
       report.findings.push_back(finding);
 }
 
+// An enclave that was copied from another keystore is sound in itself, and yet a stranger here.
+void check_belongs(const fs::path& keystore, const doctor::LoadedFolder& enclave,
+                   const std::string& name, Report& report) {
+  const auto differs = [&](const fs::path& file, const fs::path& ours) {
+    report.exit = Exit::no;
+    report.findings.push_back(
+        {.rule = Rule::DOC006,
+         .message = fmt::format("{} of enclave {} is not the keystore's {}",
+                                file.filename().string(), name, ours.string()),
+         .document = file.string()});
+  };
+  const auto compare_cas = [&](const Result<std::vector<pki::Certificate>>& cas,
+                               const fs::path& file, std::string_view role) {
+    const auto ours = ca_paths(keystore, role).certificate;
+    const auto expected = read_certificates(ours);
+    if (cas && expected && to_pem(*cas) != to_pem(*expected)) differs(file, ours);
+  };
+  compare_cas(enclave.identity_cas, enclave.paths.identity_ca, "identity");
+  compare_cas(enclave.permissions_cas, enclave.paths.permissions_ca, "permissions");
+  const auto governance = keystore / "enclaves/governance.p7s";
+  const auto expected = read_file(governance, pki::kMostDocumentOctets);
+  if (enclave.governance.readable && expected && enclave.governance.file != *expected)
+    differs(enclave.paths.governance, governance);
+}
+
 Result<Report> keystore_verify(const Arguments& arguments, const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
   DDSSEC_TRY(check_keystore(keystore));
@@ -334,6 +359,7 @@ Result<Report> keystore_verify(const Arguments& arguments, const Context& contex
     }
     for (const auto& check : diagnosis.checks())
       report.findings.insert(report.findings.end(), check.findings.begin(), check.findings.end());
+    check_belongs(keystore, loaded, name, report);
     report.text += fmt::format("{:<30}  domain {}{}\n", name, domain, words);
     report.result["enclaves"].push_back(
         {{"name", name}, {"domain", domain}, {"verdicts", verdicts}});
