@@ -57,9 +57,11 @@ double milliseconds(MonotonicTime time) {
 // ---- for people
 
 std::string text_of(const GuidPrefix& prefix, const rtps::ObservedParticipant& participant) {
-  auto out = fmt::format("{}\n  {} at {}, GUID prefix {}\n", name_of(prefix, participant),
-                         name_of(participant.vendor), fmt::join(participant.addresses, ", "),
-                         prefix.to_string());
+  auto out =
+      fmt::format("{}\n  {} at {}, {}GUID prefix {}\n", name_of(prefix, participant),
+                  name_of(participant.vendor), fmt::join(participant.addresses, ", "),
+                  participant.domain < 0 ? "" : fmt::format("domain {}, ", participant.domain),
+                  prefix.to_string());
   if (!participant.data) return out + "  did not announce itself\n";
   if (participant.is_secured()) {
     const auto issuer = issuer_of(participant);
@@ -206,6 +208,8 @@ Report report_of(const Watched& watched, const std::string& source) {
     if (meeting.finding) out.findings.push_back(*meeting.finding);
     if (meeting.state == MeetingState::apart) out.exit = Exit::no;
   }
+  if (auto finding = all_in_different_domains(observer))
+    out.findings.push_back(*std::move(finding));
   std::ranges::move(leaks_of(observer), std::back_inserter(out.findings));
   if (watched.cut > 0)
     out.findings.push_back(

@@ -1,6 +1,7 @@
 #include "rtps/observer/meetings.hpp"
 
 #include <algorithm>
+#include <set>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -211,6 +212,22 @@ std::vector<Meeting> meetings_of(const Observer& observer) {
       out.push_back(std::move(meeting));
     }
   return out;
+}
+
+std::optional<Finding> all_in_different_domains(const Observer& observer) {
+  constexpr std::size_t kMost = 5;
+  std::set<DomainId> domains;
+  std::string names;
+  for (const auto& [prefix, participant] : observer.participants()) {
+    if (!participant.data || participant.domain < 0) continue;
+    if (!domains.insert(participant.domain).second) return std::nullopt;
+    if (domains.size() <= kMost)
+      names += fmt::format("{}{} in domain {}", names.empty() ? "" : ", ",
+                           name_of(prefix, participant), participant.domain);
+  }
+  if (domains.size() < 2) return std::nullopt;
+  return Finding{Rule::CAP005, fmt::format("no two participants are in the same domain: {}{}",
+                                           names, domains.size() > kMost ? ", ..." : "")};
 }
 
 std::vector<Finding> leaks_of(const Observer& observer) {

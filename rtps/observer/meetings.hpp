@@ -34,6 +34,10 @@ std::string issuer_of(const ObservedParticipant& participant);
 inline constexpr std::size_t kMostMeetings = 10'000;
 std::vector<Meeting> meetings_of(const Observer& observer);
 
+/// CAP005 if several announced themselves and each in a domain of its own: then no two of them
+/// meet.
+std::optional<Finding> all_in_different_domains(const Observer& observer);
+
 /// What each does that others could read along.
 std::vector<Finding> leaks_of(const Observer& observer);
 

@@ -102,6 +102,25 @@ class Inspect(Transcript):
             (self.at / "some.pcap").write_bytes(whole[:size])
             self.assertIn("CAP030", [d["id"] for d in self.json("inspect", "some.pcap")["diagnostics"]])
 
+    def test_participants_of_different_domains(self):
+        """Neither announces itself to the other, so that nothing but their domains explains the silence."""
+        of_domain = b"\x0f\x00\x04\x00"
+        first, other = None, []
+        for seconds, fraction, octets in packets(CAPTURE.read_bytes()):
+            at = octets.find(b"RTPS")
+            first = first or octets[at + 8:at + 20]
+            if octets[at + 8:at + 20] == first:
+                octets = octets.replace(of_domain + bytes(4), of_domain + b"\x07\x00\x00\x00")
+            other.append((seconds, fraction, octets))
+        self.capture(other)
+        told = [d for d in self.json("inspect", "some.pcap")["diagnostics"] if d["id"] == "CAP005"]
+        self.assertEqual(len(told), 1)
+        for words in ("CN=talker in domain 0", "CN=listener in domain 7"):
+            self.assertIn(words, told[0]["message"])
+        text = self.run_program("inspect", "some.pcap").stdout
+        self.assertRegex(text, "ddssec at [^\n]*, domain 7, GUID prefix")
+        self.assertNotIn("CAP005", [d["id"] for d in self.json("inspect", CAPTURE)["diagnostics"]])
+
     def test_nothing_in_it(self):
         self.capture([])
         out = self.json("inspect", "some.pcap")
