@@ -1,18 +1,19 @@
 // Form, signature and signer of both documents, and whether they can be read.
 #include <map>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/measured.hpp"
+#include "pki/source.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
 
 namespace fs = std::filesystem;
-
 
 /// What the checks need of either document.
 struct Subject {
@@ -162,6 +163,21 @@ void report_ca_file(const LoadedFolder& folder, const Subject& subject, Diagnosi
       subject.about);
 }
 
+// The permissions of an enclave come from a policy, so that they are not signed again by hand.
+void report_signature(const LoadedFolder& folder, const Subject& subject, const Error& error,
+                      Diagnosis& out) {
+  const bool is_permissions = subject.path == folder.paths.permissions;
+  out.report(outcomes(subject),
+             {.rule = Rule::DOC031,
+              .message = fmt::format("{}: {}", subject.path.filename().string(), error.message()),
+              .document = subject.path,
+              .hint = is_permissions && folder.paths.layout == pki::FolderLayout::sros2
+                          ? "a signed file must not be edited: change the policy, then ddssec "
+                            "keystore permission KEYSTORE ENCLAVE --policy FILE --node-defaults"
+                          : ""},
+             subject.about);
+}
+
 void check_belief(const LoadedFolder& folder, const Subject& subject, Diagnosis& out) {
   if (const auto odd = odd_form(subject); !odd.empty())
     return out.report(outcomes_of_form(subject),
@@ -187,7 +203,7 @@ void check_belief(const LoadedFolder& folder, const Subject& subject, Diagnosis&
     case Code::certificate_not_yet_valid:
       return;  // the CA's dates have been reported
     default:
-      return report(Rule::DOC031, subject, error, outcomes(subject), out);
+      return report_signature(folder, subject, error, out);
   }
 }
 
@@ -275,9 +291,35 @@ void check_text(const Subject& subject, Diagnosis& out) {
   report_notes(subject, out);
 }
 
+// S/MIME writes lines with CR LF, and editors differ in what they end a file with.
+std::string plain_lines(BytesView octets) {
+  std::string out(as_text(octets));
+  std::erase(out, '\r');
+  return out.substr(0, out.find_last_not_of(" \t\n") + 1);
+}
+
+// The XML beside a signed document, or beside what a link to one leads to: after an edit it shows
+// rights that nobody has signed.
+void check_plain_text(const Subject& subject, Diagnosis& out) {
+  if (subject.form.unverified_text.empty()) return;
+  std::error_code failed;
+  auto plain = fs::canonical(subject.path, failed).replace_extension("xml");
+  if (failed || !fs::is_regular_file(plain, failed)) return;
+  const auto octets =
+      pki::load("file://" + plain.string(), plain.string(), pki::kMostDocumentOctets);
+  if (!octets || plain_lines(*octets) == plain_lines(subject.form.unverified_text)) return;
+  out.report({},
+             {.rule = Rule::DOC038,
+              .message = fmt::format("{} says something else than {}, which is what counts",
+                                     name_of(plain), name_of(subject.path)),
+              .document = plain},
+             subject.about);
+}
+
 void check_one(const LoadedFolder& folder, const Subject& subject, Diagnosis& out) {
   check_belief(folder, subject, out);
   check_text(subject, out);
+  check_plain_text(subject, out);
 }
 
 }  // namespace

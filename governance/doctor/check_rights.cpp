@@ -79,7 +79,8 @@ void report_no_grant(const Scene& scene) {
                         scene.folder.paths.certificate.filename().string(),
                         grant != nullptr ? grant->subject_name.substr(0, 256) : ""),
                     .document = scene.file(),
-                    .line = grant != nullptr ? grant->line : 0});
+                    .line = grant != nullptr ? grant->line : 0,
+                    .hint = remedy_of_ros(scene.folder)});
 }
 
 void check_form(const Scene& scene, const std::vector<Candidate>& all) {
@@ -163,7 +164,13 @@ void report_uncovered(const LoadedFolder& folder, const Settings& settings, Diag
                                      folder.paths.governance.filename().string(), settings.domain,
                                      in_words(normal(std::move(all)))),
               .document = folder.paths.governance,
-              .line = rules.empty() ? 0 : rules.front().domains.line});
+              .line = rules.empty() ? 0 : rules.front().domains.line,
+              .hint = folder.paths.layout == pki::FolderLayout::sros2
+                          ? fmt::format("start the node in a domain that the keystore is for "
+                                        "(ROS_DOMAIN_ID), or make a keystore for this one: ddssec "
+                                        "keystore create KEYSTORE --domain {}",
+                                        settings.domain)
+                          : std::string()});
 }
 
 // Cyclone DDS and Fast DDS read a range without <max> as one domain, and then another rule or none

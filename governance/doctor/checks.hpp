@@ -13,6 +13,14 @@ using ddssec::to_string;
 /// As messages name a file of a participant's folder.
 inline std::string name_of(const std::filesystem::path& path) { return path.filename().string(); }
 
+/// What a hint says of the permissions of a ROS 2 enclave, which come from a policy; empty for a
+/// participant that is none.
+inline std::string remedy_of_ros(const LoadedFolder& folder) {
+  if (folder.paths.layout != pki::FolderLayout::sros2) return {};
+  return "add it to the policy, then ddssec keystore permission KEYSTORE ENCLAVE --policy FILE "
+         "--node-defaults";
+}
+
 /// Files there, of the right kind, closed to others.
 void check_files(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 /// Certificate, key, CA, revocation.

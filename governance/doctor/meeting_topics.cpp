@@ -208,7 +208,7 @@ void report_refusals(const MeetingScene& scene, const TopicMeeting& topic) {
                                   topic.topic, step.reason),
            .document = step.document,
            .line = step.line,
-           .hint = step.hint});
+           .hint = step.hint.empty() ? remedy_of_ros(scene.folder(step.about)) : step.hint});
     }
 }
 
