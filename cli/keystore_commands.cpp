@@ -95,6 +95,7 @@ Result<governance::Grant> grant_of_policy(const fs::path& file, const Participan
     return fail(Code::usage, {.field = "--domain", .note = "a policy is for one domain"});
   const auto policy = with_options(DDSSEC_TRY(read_policy(file, {spec.name})), arguments);
   add_findings(report, merged_profiles(policy), file);
+  add_findings(report, prefixed_names(policy), file);
   return permissions_of(policy, {.domain = range.first}).grants.front();
 }
 

@@ -5,12 +5,14 @@
 
 #include <fmt/format.h>
 
+#include "base/text.hpp"
 #include "cli/inputs.hpp"
 #include "governance/ros_node.hpp"
 #include "governance/xml_check.hpp"
 
 namespace ddssec::cli {
 
+using governance::RosElement;
 using governance::RosEnclave;
 using governance::RosPolicy;
 
@@ -24,6 +26,11 @@ std::string paths_of(const RosPolicy& policy) {
     out += (out.empty() ? "" : ", ") + enclave.path;
   }
   return out;
+}
+
+bool has_dds_prefix(std::string_view name) {
+  if (name.starts_with('/')) name.remove_prefix(1);
+  return name.starts_with("rt/") || name.starts_with("rq/") || name.starts_with("rr/");
 }
 
 }  // namespace
@@ -60,6 +67,25 @@ std::vector<Finding> merged_profiles(const RosPolicy& policy) {
                                           path, count),
                    .line = enclave->line});
   }
+  return out;
+}
+
+std::vector<Finding> prefixed_names(const RosPolicy& policy) {
+  constexpr std::size_t kMost = 16;  // more findings would say nothing new
+  std::vector<Finding> out;
+  const auto look_at = [&](const RosEnclave& enclave, const RosElement& element) {
+    for (const auto& written : element.names)
+      if (out.size() < kMost && has_dds_prefix(trimmed(written)))
+        out.push_back({.rule = Rule::PERM035,
+                       .message = fmt::format("enclave {}: \"{}\" begins like a name of DDS; the "
+                                              "permissions get a further prefix in front of it",
+                                              enclave.path, trimmed(written)),
+                       .line = enclave.line});
+  };
+  for (const auto& enclave : policy.enclaves)
+    for (const auto& profiles : enclave.profiles)
+      for (const auto& profile : profiles)
+        for (const auto& element : profile.elements) look_at(enclave, element);
   return out;
 }
 

@@ -22,4 +22,7 @@ governance::RosPolicy with_options(governance::RosPolicy policy, const Arguments
 /// A finding for every enclave whose <profiles> elements become one grant.
 std::vector<Finding> merged_profiles(const governance::RosPolicy& policy);
 
+/// A finding for each name that has a prefix of DDS (rt/, rq/, rr/) already, at most 16.
+std::vector<Finding> prefixed_names(const governance::RosPolicy& policy);
+
 }  // namespace ddssec::cli

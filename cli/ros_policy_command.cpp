@@ -42,6 +42,7 @@ Result<Report> from_ros_policy(const Arguments& arguments, const Context& contex
   for (auto& finding : findings) finding.severity = std::min(finding.severity, Severity::warning);
   Report report;
   if (!as_sros2) add_findings(report, merged_profiles(policy), file);
+  add_findings(report, prefixed_names(policy), file);
   report.files_written = DDSSEC_TRY(write_document(xml, arguments, context));
   add_findings(report, std::move(findings), report.files_written.front().path);
   report.text = fmt::format("{}: {}\n", report.files_written.front().path,

@@ -44,6 +44,15 @@ class RosPolicy(Transcript):
         self.assertEqual(len(out["result"]["grants"]), 2)
         self.assertIn("PERM010", [d["id"] for d in out["diagnostics"]])
 
+    def test_names_of_dds_in_a_policy_are_told(self):
+        for name in ("rt/x", "/rq/x", " rr/x"):
+            (self.at / "two.xml").write_text(TWO.replace(">x<", f">{name}<", 1))
+            told = [d for d in self.convert("two.xml")["diagnostics"] if d["id"] == "PERM035"]
+            self.assertEqual([d["file"] for d in told], ["two.xml"], name)
+            (self.at / "p.xml").unlink()
+        (self.at / "two.xml").write_text(TWO.replace(">x<", ">route<"))
+        self.assertNotIn("PERM035", [d["id"] for d in self.convert("two.xml")["diagnostics"]])
+
     def test_what_every_node_needs_is_added_on_demand(self):
         bare = TWO.replace("publish=", "publish=").replace("</topics></profile></profiles>\n</enclave>",
                            "</topics><services reply=\"DENY\"><service>~/set_parameters</service></services>"
