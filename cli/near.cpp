@@ -8,6 +8,7 @@
 
 #include "cli/ca_folder.hpp"
 #include "cli/inputs.hpp"
+#include "cli/keystore.hpp"
 #include "pki/participant_folder.hpp"
 #include "pki/source.hpp"
 
@@ -113,6 +114,16 @@ std::string cas_near(const fs::path& missing, std::string_view role) {
   return listed("CAs here: ", Search(wanted).around(nearest_folder(missing), {}));
 }
 
+// Empty for a folder that is no keystore of ROS 2; a robot's has no private/, so that the enclaves
+// tell.
+std::string about_keystore(const fs::path& folder) {
+  std::vector<fs::path> enclaves;
+  for (const auto& name : enclaves_of(folder)) enclaves.push_back(folder / enclave_folder(name));
+  if (enclaves.empty()) return {};
+  return fmt::format("ddssec keystore verify {} looks at all its enclaves{}", folder.string(),
+                     listed(": ", enclaves));
+}
+
 std::string_view other_role(std::string_view role) {
   return role == "identity" ? "permissions" : "identity";
 }
@@ -149,6 +160,10 @@ Status check_participant_folder(const fs::path& given) {
   }
   const auto files = pki::participant_folder(given);
   if (is_there(files.certificate) || is_there(files.identity_ca)) return {};
+  if (auto words = about_keystore(given); !words.empty())
+    return fail(Code::file_not_found, {.document = files.certificate,
+                                       .note = fmt::format("{} is a keystore", given.string()),
+                                       .hint = std::move(words)});
   if (is_of_a_ca(given))
     return fail(Code::file_not_found,
                 {.document = files.certificate,

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text.hpp"
 #include "cli/diff_inputs.hpp"
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
@@ -249,7 +250,9 @@ Json to_json(const governance::Rule& rule) {
 
 std::string joined_texts(const std::vector<governance::Text>& texts) {
   std::string out;
-  for (const auto& text : texts) out += (out.empty() ? "" : ", ") + shown(text.text);
+  // Whole, unlike in a comparison: two names may differ in their last letter.
+  for (const auto& text : texts)
+    out += (out.empty() ? "" : ", ") + (text.text.empty() ? "(empty name)" : printable(text.text));
   return out;
 }
 

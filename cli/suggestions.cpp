@@ -43,6 +43,16 @@ constexpr Verb kVerbs[] = {
     {"copy", {"distribute"}},
 };
 
+// What another group does for this one.
+struct Elsewhere {
+  std::string_view group, typed, meant;
+};
+constexpr Elsewhere kElsewhere[] = {
+    {"keystore", "renew", "identity renew"},
+    {"keystore", "revoke", "identity revoke"},
+    {"keystore", "distribute", "crl distribute"},
+};
+
 // Options that other tools have.
 struct Spelling {
   std::string_view typed;
@@ -104,6 +114,8 @@ std::vector<std::string> names_in(std::string_view group) {
 
 void add_second_words(std::vector<std::string>& out, std::string_view group,
                       std::string_view word) {
+  for (const auto& row : kElsewhere)
+    if (row.group == group && row.typed == word) return add(out, std::string(row.meant));
   const auto* command = in_group(group, word);
   add(out, command != nullptr ? std::string(command->name) : nearest(word, names_in(group)));
 }

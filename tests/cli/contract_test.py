@@ -54,7 +54,8 @@ class Contract(Transcript):
                              (("issue", "identity"), '"identity issue"'), (("revoke", "x"), '"identity revoke"'),
                              (("lint", "g.xml"), '"governance lint" or "permissions lint"'),
                              (("ca", "new"), '"create"'), (("governance", "create"), '"new"'),
-                             (("permissions", "validate"), '"verify"')):
+                             (("permissions", "validate"), '"verify"'),
+                             (("keystore", "renew", "ks"), '"identity renew"')):
             self.assertIn(f"did you mean {meant}?", self.refused("usage", 2, *words)["message"])
         self.assertNotIn("did you mean", self.refused("usage", 2, "frobnicate")["message"])
         self.assertIn("needs a second word: create, import,", self.refused("usage", 2, "ca")["message"])

@@ -149,6 +149,68 @@ class Keystore(Transcript):
                 if d["id"] == "DOC095"]
         self.assertEqual(told, ["the documents are for domains 2-4; domain 2 was checked"])
 
+    def test_verify_names_an_enclave_of_another_keystore(self):
+        self.create()
+        self.run_program("keystore", "create", "other", "--no-passphrase", *NOW)
+        self.run_program("keystore", "enclave", "ks", "/a", "--allow-all", *NOW)
+        self.run_program("keystore", "enclave", "other", "/b", "--allow-all", *NOW)
+        shutil.copytree(self.at / "ks/enclaves/a", self.at / "ks/enclaves/copy")  # follows links, as cp -rL
+        self.assertEqual(self.json("keystore", "verify", "ks", *NOW)["diagnostics"], [])
+        shutil.copytree(self.at / "other/enclaves/b", self.at / "ks/enclaves/b")
+        told = self.json("keystore", "verify", "ks", *NOW, exit=1)["diagnostics"]
+        self.assertEqual([(d["id"], d["file"]) for d in told],
+                         [("DOC006", f"ks/enclaves/b/{name}")
+                          for name in ("identity_ca.cert.pem", "permissions_ca.cert.pem", "governance.p7s")])
+
+    def test_plain_text_that_was_edited_is_told(self):
+        self.create()
+        self.run_program("keystore", "enclave", "ks", "/a", "--publish", "rt/x", *NOW)
+        self.assertNotIn("DOC038", [d["id"] for d in self.json("keystore", "verify", "ks", *NOW)["diagnostics"]])
+        for file in ("ks/enclaves/a/permissions.xml", "ks/enclaves/governance.xml"):
+            text = (self.at / file).read_text()
+            (self.at / file).write_text(text.replace("<id>0</id>", "<id>1</id>"))
+        for command in (("keystore", "verify", "ks"), ("doctor", "ks/enclaves/a")):
+            told = [d for d in self.json(*command, *NOW)["diagnostics"] if d["id"] == "DOC038"]
+            self.assertEqual({(d["severity"], pathlib.Path(d["file"]).name) for d in told},
+                             {("warning", "permissions.xml"), ("warning", "governance.xml")})
+
+    def test_hints_in_an_enclave_name_the_policy(self):
+        self.create()
+        for name in ("/a", "/b"):
+            self.run_program("keystore", "enclave", "ks", name, "--publish", "rt/x", *NOW)
+        a, b = "ks/enclaves/a", "ks/enclaves/b"
+        remedy = "ddssec keystore permission KEYSTORE ENCLAVE --policy FILE --node-defaults"
+        out = self.json("check", a, b, "--topics", "rt/far_away", *NOW, exit=1)
+        told = [d for d in out["diagnostics"] if d["id"] == "DOC086"]
+        self.assertTrue(told and all(remedy in d["hint"] for d in told), out["diagnostics"])
+        shutil.copy(self.at / b / "permissions.p7s", self.at / a / "permissions.p7s")
+        self.hint("DOC010", remedy, a)
+        signed = (self.at / b / "permissions.p7s").read_bytes()
+        (self.at / b / "permissions.p7s").write_bytes(signed.replace(b"rt/x", b"rt/y"))
+        self.hint("DOC031", remedy, b)
+        self.hint("DOC050", "ddssec keystore create KEYSTORE --domain 5", a, "--domain", "5")
+        self.assertIn("keystore permission", self.run_program("explain", "topic_not_allowed").stdout)
+
+    def hint(self, rule, words, *doctor):
+        told = self.json("doctor", *doctor, *NOW, exit=1)["diagnostics"]
+        self.assertEqual([d["id"] for d in told if d["id"] == rule and words in d["hint"]], [rule], told)
+
+    def test_names_of_dds_in_a_policy_are_told(self):
+        (self.at / "short.xml").write_text(SHORT.replace("chatter", "rt/chatter", 1))
+        self.create()
+        enclave = ("ks", "/demo/talker", "--policy", "short.xml", "--node-defaults", *NOW)
+        for command in ("enclave", "permission"):
+            told = self.json("keystore", command, *enclave)["diagnostics"]
+            self.assertEqual([(d["id"], d["file"]) for d in told], [("PERM035", "short.xml")])
+            self.assertIn('"rt/chatter"', told[0]["message"])
+
+    def test_doctor_of_a_keystore_names_its_command_and_its_enclaves(self):
+        self.create()
+        self.run_program("keystore", "enclave", "ks", "/a", "--publish", "rt/x", *NOW)
+        told = self.refused("file_not_found", 3, "doctor", "ks")
+        self.assertIn("ks is a keystore", told["message"])
+        self.assertIn("ddssec keystore verify ks looks at all its enclaves: ks/enclaves/a", told["hint"])
+
     def test_a_policy_with_what_every_node_needs(self):
         (self.at / "short.xml").write_text(SHORT)
         self.create()

@@ -66,6 +66,14 @@ class Show(Transcript):
         self.json("permissions", "show", file, "--subject", "CN = /talker_listener/talker", *NOW)
         self.refused("no_grant_for_subject", 1, "permissions", "show", file, "--subject", "CN=x")
 
+    def test_names_of_topics_are_shown_whole(self):
+        name = "rt/" + "a" * 200 + "/end"
+        (self.at / "p.xml").write_text(f"""<dds><permissions><grant name="g"><subject_name>CN=a</subject_name>
+            <validity><not_before>2020-01-01T00:00:00Z</not_before><not_after>2040-01-01T00:00:00Z</not_after></validity>
+            <allow_rule><domains><id>0</id></domains><publish><topics><topic>{name}</topic></topics></publish></allow_rule>
+            <default>DENY</default></grant></permissions></dds>""")
+        self.assertIn(name, self.run_program("permissions", "show", "p.xml", *NOW).stdout)
+
     def test_relays_data_tags_and_domain_tags_are_shown(self):
         (self.at / "p.xml").write_text("""<dds><permissions><grant name="g"><subject_name>CN=a</subject_name>
 <validity><not_before>2020-01-01T00:00:00Z</not_before><not_after>2037-01-01T00:00:00Z</not_after></validity>
