@@ -154,6 +154,10 @@ Result<Report> identity_renew(const Arguments& arguments, const Context& context
                                  date(until));
     if (ends_before && !extend) report.text += "  --permissions extends them as well\n";
   }
+  report.text += old.not_after() <= now
+                     ? "the identity had ended, and with it all connections: start the participant "
+                       "again\n"
+                     : "a running participant has the old one until it starts again\n";
   report.files_written = DDSSEC_TRY(out.commit());
   return report;
 }

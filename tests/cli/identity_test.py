@@ -146,6 +146,8 @@ class Identity(Transcript):
         self.assertEqual(key, (self.at / "talker/key.pem").read_bytes())
         self.openssl("verify", "-attime", "1795305600", "-CAfile", "talker/identity_ca.pem",
                      "talker/cert.pem")
+        self.assertIn("a running participant has the old one until it starts again\n",
+                      self.run_with_secret(self.run_program, *renew).stdout)
         out = self.run_with_secret(self.json, *renew, "--permissions")
         self.assertEqual(out["result"]["permissions_until"], "2027-12-26T00:00:00Z")
         seen = self.openssl("smime", "-verify", "-text", "-attime", "1795305600", "-in",
@@ -153,6 +155,8 @@ class Identity(Transcript):
                             "-purpose", "any")
         self.assertIn("<not_after>2027-12-26T00:00:00Z<", seen)
         self.assertIn("<topic>x</topic>", seen)
+        late = self.run_with_secret(self.run_program, *renew[:-2], "--now", "2029-01-01T00:00:00Z")
+        self.assertIn("the identity had ended, and with it all connections: start the participant again\n", late.stdout)
 
     def test_renew_with_a_new_key_or_only_when_needed(self):
         self.run_with_secret(self.run_program, *self.issue())
