@@ -71,7 +71,8 @@ void judge_start(const MeetingScene& scene, int index) {
     out.line = why->line;
     add_finding(scene, Rule::DOC090, out,
                 fmt::format("{} cannot start on its own with {}: {}", party.name, party.product(),
-                            out.reason));
+                            out.reason),
+                why->hint);
   }
   scene.out.start.push_back(out);
 }

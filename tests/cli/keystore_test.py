@@ -189,6 +189,10 @@ class Keystore(Transcript):
         (self.at / b / "permissions.p7s").write_bytes(signed.replace(b"rt/x", b"rt/y"))
         self.hint("DOC031", remedy, b)
         self.hint("DOC050", "ddssec keystore create KEYSTORE --domain 5", a, "--domain", "5")
+        told = self.json("check", a, b, "--domain", "5", *NOW, exit=1)["diagnostics"]
+        for one in [d for d in told if "DOC050" in d["message"]]:
+            self.assertIn("ddssec keystore create KEYSTORE --domain 5", one["hint"])
+        self.assertIn("DOC090", [d["id"] for d in told])
         self.assertIn("keystore permission", self.run_program("explain", "topic_not_allowed").stdout)
 
     def hint(self, rule, words, *doctor):
