@@ -25,13 +25,19 @@ Result<std::shared_ptr<const spi::SharedSecret>> shared_secret(const pki::Epheme
                                                                const pki::PeerPublicKey& peer_key,
                                                                const Transcript& transcript,
                                                                const JudgedPeer& peer,
-                                                               const Guid& peer_guid) {
+                                                               const HandshakeContext& context) {
   const auto derived = DDSSEC_TRY(key.derive(peer_key));
   auto octets = DDSSEC_TRY(
       derived.expose([](BytesView view) { return spi::SharedSecretOctets::copy_of(view); }));
-  return std::make_shared<const spi::SharedSecret>(spi::SharedSecret{
-      std::move(octets), transcript.challenge1, transcript.challenge2, peer.ciphers(),
-      peer_guid.prefix, peer.builtin_endpoints(), peer.addresses()});
+  return std::make_shared<const spi::SharedSecret>(
+      spi::SharedSecret{.secret = std::move(octets),
+                        .challenge1 = transcript.challenge1,
+                        .challenge2 = transcript.challenge2,
+                        .peer_ciphers = peer.ciphers(),
+                        .peer_prefix = context.remote_guid.prefix,
+                        .own_prefix = context.local.guid().prefix,
+                        .peer_builtin_endpoints = peer.builtin_endpoints(),
+                        .peer_addresses = peer.addresses()});
 }
 
 /// A message without a key would be refused, and sent again and again.
@@ -96,8 +102,7 @@ Result<HandshakeOutcome> on(const AwaitReply& state, const HandshakeReply& reply
   const auto peer_key = DDSSEC_TRY(pki::PeerPublicKey::parse(state.key.kind(), reply.dh2));
   auto proof =
       DDSSEC_TRY(pki::verify(peer.certificate(), transcript.reply_input(), reply.signature));
-  auto secret =
-      DDSSEC_TRY(shared_secret(state.key, peer_key, transcript, peer, context.remote_guid));
+  auto secret = DDSSEC_TRY(shared_secret(state.key, peer_key, transcript, peer, context));
   auto final = DDSSEC_TRY(HandshakeFinal::write(transcript, context.local.key()));
   HandshakeOutcome outcome{ValidationResult::ok_final_message, final};
   outcome.next = Established{.secret = std::move(secret),
@@ -126,8 +131,8 @@ Result<HandshakeOutcome> on(const AwaitFinal& state, const HandshakeFinal& final
   DDSSEC_TRY(context.local.peer_trust()->verify(state.peer.certificate(), context.now));
   auto proof = DDSSEC_TRY(
       pki::verify(state.peer.certificate(), state.transcript.final_input(), final.signature));
-  auto secret = DDSSEC_TRY(
-      shared_secret(state.key, state.peer_key, state.transcript, state.peer, context.remote_guid));
+  auto secret =
+      DDSSEC_TRY(shared_secret(state.key, state.peer_key, state.transcript, state.peer, context));
   HandshakeOutcome outcome{ValidationResult::ok};
   outcome.next = Established{.secret = std::move(secret),
                              .proof = std::move(proof),

@@ -45,6 +45,10 @@ std::optional<EntityId> writer_of_data(BytesView submessage) {
   return EntityId::from(submessage.subspan(kWriterAt, EntityId::size));
 }
 
+EntityId reader_of_data(BytesView submessage) {
+  return EntityId::from(submessage.subspan(kWriterAt - EntityId::size, EntityId::size));
+}
+
 Result<DataPiece> read_data_piece(BytesView submessage) {
   const auto header = read_submessage_header(submessage);
   const bool is_fragment = header.id == submessage_id::kDataFrag;

@@ -25,6 +25,9 @@ struct DataPiece {
 /// The writer of a DATA or DATA_FRAG; nothing if it is none, or ends too early to name one.
 std::optional<EntityId> writer_of_data(BytesView submessage);
 
+/// The reader of a submessage that has a writer; zero: all.
+EntityId reader_of_data(BytesView submessage);
+
 /// Of a submessage that has a writer. Errors: truncated, malformed.
 Result<DataPiece> read_data_piece(BytesView submessage);
 

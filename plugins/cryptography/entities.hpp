@@ -89,6 +89,7 @@ struct Pair final : Retirable {
   std::uint64_t number = 0;  ///< of the key exchange: no two have one
   spi::CipherMask peer_ciphers = spi::kStandardCiphers;
   std::optional<GuidPrefix> peer_prefix = {};  ///< nothing: another vendor's authentication
+  std::optional<GuidPrefix> own_prefix = {};   ///< the local participant's; nothing: the same
   spi::PermissionsHandle permissions = {};     ///< the remote's; under Engine's mutex
   std::unique_ptr<ReceiverKey> receiver_key;   ///< ours towards the remote; null without need
   std::unique_ptr<SendKey> key_exchange_send;

@@ -107,6 +107,7 @@ Status check_cipher(const KindTraits& traits, const Pair& from) {
 /// vendor's number means what we mean by it only then.
 Result<std::unique_ptr<ReceiveKey>> KeyExchange::receive_key(KeyMaterial material,
                                                              spi::ProtectionKind due,
+                                                             KeyLevel level,
                                                              const Pair& from) const {
   if (!fits(material, due))
     return fail(Code::key_material_kind_mismatch,
@@ -117,7 +118,18 @@ Result<std::unique_ptr<ReceiveKey>> KeyExchange::receive_key(KeyMaterial materia
     return fail(Code::key_revision_not_enabled, {.found = material.kind.to_string()});
   const auto traits = *traits_of(material.kind);
   DDSSEC_TRY(check_cipher(traits, from));
-  return std::make_unique<ReceiveKey>(std::move(material), traits, shared_.keys);
+  auto latest = level == &LevelKeys::submessage ? latest_iv(material, from) : nullptr;
+  return std::make_unique<ReceiveKey>(std::move(material), traits, shared_.keys, std::move(latest));
+}
+
+/// Payloads are none of it: a writer may send one again as it was encrypted first. Of the products
+/// that may be at the other end only ours announces ChaCha20-Poly1305.
+std::shared_ptr<LatestIv> KeyExchange::latest_iv(const KeyMaterial& material,
+                                                 const Pair& from) const {
+  if (!from.peer_prefix || (from.peer_ciphers & spi::kChaCha20Poly1305Bit) == 0) return nullptr;
+  LatestIvs::Subject subject;
+  std::copy_n(from.peer_prefix->octets.begin(), subject.size(), subject.begin());
+  return shared_.latest_ivs.of(subject, material);
 }
 
 Status KeyExchange::check_replacement(const RemoteKeys& next, const RemoteKeys* present,
@@ -169,7 +181,8 @@ Status KeyExchange::take(const LocalParticipant& participant, spi::ParticipantCr
   // Fast DDS sends a GMAC key even where nothing is protected.
   if (!is_protected(participant.rtps)) return {};
   auto keys = std::make_unique<RemoteKeys>();
-  keys->submessage = DDSSEC_TRY(receive_key(std::move(material), participant.rtps, pair));
+  keys->submessage =
+      DDSSEC_TRY(receive_key(std::move(material), participant.rtps, &LevelKeys::submessage, pair));
   DDSSEC_TRY(check_replacement(*keys, pair.remote_keys.read(), &pair));
   DDSSEC_TRY(inherit(*keys, pair.remote_keys.read(), shared_.environment.clock.monotonic()));
   shared_.note_former(remote.value, *keys);
@@ -215,11 +228,12 @@ Result<std::unique_ptr<RemoteKeys>> KeyExchange::endpoint_keys(
     auto payload = materials.back().clone();
     payload.receiver_key_id = {};  // payloads have no receiver-specific MACs
     payload.receiver_key = {};
-    keys->payload = DDSSEC_TRY(receive_key(std::move(payload), local.payload, *pair));
+    keys->payload =
+        DDSSEC_TRY(receive_key(std::move(payload), local.payload, &LevelKeys::payload, *pair));
   }
   if (is_protected(local.submessage))
-    keys->submessage =
-        DDSSEC_TRY(receive_key(std::move(materials.front()), local.submessage, *pair));
+    keys->submessage = DDSSEC_TRY(
+        receive_key(std::move(materials.front()), local.submessage, &LevelKeys::submessage, *pair));
   return keys;
 }
 

@@ -150,6 +150,7 @@ Result<std::unique_ptr<Pair>> KeyFactory::make_pair(const LocalParticipant& loca
   pair->number = ++shared_.pairs_made;
   pair->peer_ciphers = shared_secret.peer_ciphers;
   pair->peer_prefix = shared_secret.peer_prefix;
+  pair->own_prefix = shared_secret.own_prefix;
   auto material = derive_key_exchange_material(shared_secret);
   pair->key_exchange_receive =
       std::make_unique<ReceiveKey>(material.clone(), *traits_of(material.kind), shared_.keys);

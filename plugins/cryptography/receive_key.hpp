@@ -8,6 +8,7 @@
 
 #include "plugins/cryptography/aead.hpp"
 #include "plugins/cryptography/derivation.hpp"
+#include "plugins/cryptography/latest_iv.hpp"
 #include "plugins/cryptography/reclaim.hpp"
 #include "plugins/cryptography/send_key.hpp"
 
@@ -33,8 +34,15 @@ class ReceiveKey final : public Retirable {
  public:
   static constexpr std::size_t kMostSessions = 4;
 
-  ReceiveKey(KeyMaterial material, KindTraits traits, const KeyEnvironment& environment)
-      : material_(std::move(material)), traits_(traits), environment_(environment) {}
+  /// `latest`: of a sender that counts its IVs upwards, what is known of this key from former
+  /// sessions; else null.
+  ReceiveKey(KeyMaterial material, KindTraits traits, const KeyEnvironment& environment,
+             std::shared_ptr<LatestIv> latest = nullptr)
+      : material_(std::move(material)),
+        traits_(traits),
+        environment_(environment),
+        latest_(std::move(latest)),
+        before_(latest_ ? latest_->latest() : 0) {}
 
   const KeyMaterial& material() const { return material_; }
   const KindTraits& traits() const { return traits_; }
@@ -54,6 +62,17 @@ class ReceiveKey final : public Retirable {
   /// To be called once the tags were right.
   void remember(Candidate candidate);
 
+  /// Is the IV not later than what came in former sessions with the sender?
+  bool is_of_former_session(const Iv& iv) const {
+    if (before_ == 0) return false;
+    const auto place = latest_->place_of(iv);
+    return place && *place <= before_;
+  }
+  /// To be called once the tags were right.
+  void note(const Iv& iv) {
+    if (latest_) latest_->note(iv);
+  }
+
  private:
   struct Aside {
     std::unique_ptr<ReceiveSession> session;
@@ -65,6 +84,8 @@ class ReceiveKey final : public Retirable {
   const KeyMaterial material_;
   const KindTraits traits_;
   const KeyEnvironment& environment_;
+  const std::shared_ptr<LatestIv> latest_;
+  const LatestIv::Place before_;  ///< 0: nothing came before
   std::array<Published<ReceiveSession>, kMostSessions> sessions_;
   std::atomic<std::uint32_t> time_ = 0;  // counts remembered sessions
   std::mutex mutex_;                     // guards aside_ and writing to sessions_

@@ -132,6 +132,11 @@ Status check_token_source(BytesView submessage, bool is_key_exchange,
     return fail(Code::submessage_not_of_sender,
                 {.field = "writerId", .found = writer->to_string()});
   if (!is_key_exchange) return {};
+  // One that names no reader reaches all in the process, and a trusting host holds its ticket
+  // twice.
+  const auto reader = reader_of_data(submessage);
+  if (reader != kVolatileReader)
+    return fail(Code::submessage_not_of_sender, {.field = "readerId", .found = reader.to_string()});
   const auto piece = read_data_piece(submessage);
   if (!piece) return unreadable_token("its lengths contradict one another");
   // Cyclone DDS reads one of which it got only the key, or its hash, through a null pointer.

@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "base/hash.hpp"
 #include "base/ids.hpp"
 #include "base/result.hpp"
 #include "plugins/cryptography/data_piece.hpp"

@@ -36,6 +36,7 @@ bool open_content(const Protected& message, const ExpandedKey& key, std::uint8_t
                                                        MutableBytes out) {
   DDSSEC_TRY(check_header(key, message.header, message.is_encrypted));
   if (out.size() < message.content.size()) return fail(Code::length_out_of_range);
+  if (key.is_of_former_session(message.header.iv)) return fail(Code::message_of_former_session);
   const bool origin = key.material().has_receiver_key();
   const auto ours =
       origin ? message.footer.receiver_mac(key.material().receiver_key_id) : std::nullopt;
@@ -48,6 +49,7 @@ bool open_content(const Protected& message, const ExpandedKey& key, std::uint8_t
     return fail(Code::receiver_specific_mac_mismatch);
   }
   key.remember(std::move(session));
+  key.note(message.header.iv);
   return message.content.size();
 }
 
@@ -164,6 +166,13 @@ Result<Judgement> judge(const Shared& shared, const RemoteEndpoint& sender, cons
   using Kind = Passage::Kind;
   if (auto status = check_usable(message); !status)
     return Judgement{{Kind::hidden}, std::move(status).error()};
+  // The ledger tells sessions by the pair, and what is for another pair comes by its own channel.
+  if (pair.own_prefix && message.local.prefix != *pair.own_prefix)
+    return Judgement{{Kind::hidden},
+                     Error(Code::token_source_mismatch, {.document = "a key token message",
+                                                         .field = "destination_participant_guid",
+                                                         .expected = pair.own_prefix->to_string(),
+                                                         .found = message.local.to_string()})};
   if (!may_be_used(shared, sender, message)) return Judgement{{Kind::hidden}};
   const bool are_matched = is_builtin(message.remote.entity) && are_builtin_matched(shared, sender);
   const auto passage = DDSSEC_TRY(
@@ -408,6 +417,10 @@ Result<spi::SecureSubmessage> Transform::preprocess_secure_submessage(
   const auto header = DDSSEC_TRY(read_prefix(encoded, kSubmessageFrame));
   const auto* const endpoint = remote.routes.find(header.key_id, receiver.value, encoded);
   if (endpoint == nullptr) return fail(Code::unknown_key_id);
+  // Without INFO_DST a trusting host gives a key token message to all its participants, and holds
+  // its ticket twice.
+  if (endpoint->local.is_volatile && !receiver && !shared_.host_checks_sources)
+    return fail(Code::submessage_not_of_sender, {.field = "INFO_DST", .found = "none"});
   const auto ours = endpoint->local.handle(), theirs = endpoint->handle();
   if (endpoint->kind() == EntityKind::remote_writer)
     return spi::SecureSubmessage{spi::SecureSubmessageCategory::datawriter, {theirs}, {ours}};

@@ -83,6 +83,7 @@ struct ExtendedSharedSecret {
   std::uint32_t peer_ciphers;            ///< spi::CipherMask
   std::uint32_t peer_builtin_endpoints;  ///< BuiltinEndpointSet_t that it signed; 0: unknown
   DDS_Security_octet peer_prefix[12];    ///< the GUID prefix that authentication proved, or zeros
+  DDS_Security_octet own_guid[16];       ///< of the local participant, or zeros
   DDS_Security_octet octets[64];
 
   /// The whole behind a layout, or nullptr for another's.

@@ -130,12 +130,6 @@ DDS_Security_boolean set_permissions_credential_and_token(Instance* instance,
   });
 }
 
-/// Without our cryptography no peer can prove anything.
-bool take_session_reset(spi::IdentityHandle remote) {
-  void* const symbol = dlsym(RTLD_DEFAULT, kTakeSessionResetSymbol);
-  return symbol != nullptr && reinterpret_cast<TakeSessionReset*>(symbol)(remote.value);
-}
-
 /// Without our access control nobody can say.
 bool admits_unauthenticated(CIdentity local) {
   void* const symbol = dlsym(RTLD_DEFAULT, kAdmitsUnauthenticatedSymbol);
@@ -406,9 +400,12 @@ void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revo
 }
 
 void AuthenticationAdapter::revoke_reset(const std::stop_token& stop, const Revoke& revoke) {
+  // Without our cryptography no peer can prove anything.
+  void* const symbol = dlsym(RTLD_DEFAULT, kTakeSessionResetSymbol);
+  if (symbol == nullptr) return;
   for (const auto& [remote, guid] : remotes_.all()) {
     if (stop.stop_requested()) return;
-    if (!take_session_reset(remote)) continue;
+    if (!reinterpret_cast<TakeSessionReset*>(symbol)(remote.value)) continue;
     host_->notice(Event(Error(Code::session_reset_by_peer), {}, guid.to_string()));
     revoke(remote.value);
   }

@@ -88,10 +88,8 @@ bool HandshakeWatch::is_settled(IdentityHandle handle, Remote& remote, const Que
     if (ask.last_heard) remote.since = std::max(remote.since, ask.last_heard(handle));
     return false;
   }
-  if (!ask.is_matched || ask.is_matched(handle)) return true;
-  remote.lacks_endpoints = true;
-  const auto past = past_.find(remote.guid);
-  return past != past_.end() && past->second.for_endpoints >= kMostForEndpoints;
+  remote.lacks_endpoints = ask.is_matched && !ask.is_matched(handle);
+  return !remote.lacks_endpoints;
 }
 
 std::vector<HandshakeWatch::Stuck> HandshakeWatch::give_up(const Questions& ask) {
@@ -107,7 +105,6 @@ std::vector<HandshakeWatch::Stuck> HandshakeWatch::give_up(const Questions& ask)
     out.push_back({handle, remote.guid, remote.was_disturbed, remote.lacks_endpoints,
                    past.times == 0, waited});
     ++past.times;
-    if (remote.lacks_endpoints) ++past.for_endpoints;
   }
   for (const auto& stuck : out) {
     remotes_.erase(stuck.remote);

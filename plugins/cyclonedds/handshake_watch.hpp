@@ -67,8 +67,6 @@ class HandshakeWatch {
     /// its keys may still come: a peer that does not notice that we begin anew is not given up.
     std::function<Duration(spi::IdentityHandle)> last_heard = {};
   };
-  /// How often a remote is given up for its endpoints: then it is left as it is.
-  static constexpr unsigned kMostForEndpoints = 2;
   /// Those to be revoked now, each once.
   std::vector<Stuck> give_up(const Questions& ask);
   std::vector<Stuck> give_up() { return give_up({}); }
@@ -85,7 +83,6 @@ class HandshakeWatch {
   };
   struct Past {
     unsigned times = 0;
-    unsigned for_endpoints = 0;
     Duration last{};
   };
   Duration patience(const Remote& remote) const;

@@ -56,8 +56,10 @@ CHandle register_matched_remote_participant(Instance* instance, const CHandle lo
         const auto secret = DDSSEC_TRY(shared_secret_from(secret_handle));
         const auto peer = DDSSEC_TRY(adapter.key_factory().register_matched_remote_participant(
             {local}, {remote_identity}, {permissions}, secret));
+        // Another product may have fewer matched, and would not notice that we begin anew.
+        const bool is_ours = (secret.peer_ciphers & spi::kChaCha20Poly1305Bit) != 0;
         PeersWithKeys::of_process().met(peer, {remote_identity}, {local},
-                                        secret.peer_builtin_endpoints);
+                                        is_ours ? secret.peer_builtin_endpoints : 0);
         if (secret.peer_prefix)
           SessionResets::of_process().expect(peer, {remote_identity},
                                              spi::derive_reset_token(secret, *secret.peer_prefix));

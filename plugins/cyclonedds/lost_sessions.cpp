@@ -79,10 +79,10 @@ std::vector<LostSessions::Due> LostSessions::due(const IsMeeting& is_meeting) {
   forget_lost_before(now - kMemory);
   std::vector<Due> out;
   for (auto& [key, session] : sessions_) {
-    if (!session.is_lost || session.next > now || session.sent >= kMostResets) continue;
+    if (!session.is_lost || session.next > now) continue;
     if (!is_meeting(key.second, key.first)) continue;
     ++session.sent;
-    session.next = now + kInterval;
+    session.next = now + (session.sent < kSoon ? kInterval : kLongInterval);
     out.push_back({spi::write_reset(session.sender, session.token), session.to});
   }
   return out;

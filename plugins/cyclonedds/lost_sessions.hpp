@@ -22,10 +22,11 @@ namespace ddssec::cyclonedds {
 class LostSessions {
  public:
   using Duration = std::chrono::nanoseconds;
-  /// Between two resets of one session.
+  /// Between two resets of one session: at first, and after kSoon of them, when the peer is out of
+  /// reach, or has another vendor's plugins.
   static constexpr Duration kInterval = std::chrono::seconds(3);
-  /// Most resets of one session: after that the peer is another vendor's, or out of reach.
-  static constexpr unsigned kMostResets = 10;
+  static constexpr Duration kLongInterval = std::chrono::seconds(30);
+  static constexpr unsigned kSoon = 10;
   /// How long a lost session is remembered. A peer that was out of reach for longer and kept the
   /// session has a lease that long.
   static constexpr Duration kMemory = std::chrono::minutes(30);

@@ -18,6 +18,8 @@ SharedSecrets::Block::Block(const spi::SharedSecret& secret) {
   content.peer_ciphers = secret.peer_ciphers;
   content.peer_builtin_endpoints = secret.peer_builtin_endpoints;
   if (secret.peer_prefix) std::ranges::copy(secret.peer_prefix->octets, content.peer_prefix);
+  if (secret.own_prefix)
+    std::ranges::copy(Guid{*secret.own_prefix, kEntityIdParticipant}.octets(), content.own_guid);
 }
 
 SharedSecrets::Block::~Block() { wipe(content.octets); }

@@ -164,6 +164,8 @@ Result<spi::SharedSecret> shared_secret_from(DDS_Security_SharedSecretHandle han
     secret.peer_builtin_endpoints = ours->peer_builtin_endpoints;
     const auto prefix = GuidPrefix::from(ours->peer_prefix);
     if (!prefix.is_zero()) secret.peer_prefix = prefix;
+    const auto own = GuidPrefix::from(BytesView(ours->own_guid).first(GuidPrefix::size));
+    if (!own.is_zero()) secret.own_prefix = own;
   }
   return secret;
 }

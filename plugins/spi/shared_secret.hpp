@@ -27,6 +27,8 @@ struct SharedSecret {
   CipherMask peer_ciphers = kStandardCiphers;
   /// The GUID prefix that the authenticated peer holds. Nothing: another vendor's authentication.
   std::optional<GuidPrefix> peer_prefix = {};
+  /// The local participant's own. Nothing: another vendor's authentication.
+  std::optional<GuidPrefix> own_prefix = {};
   /// BuiltinEndpointSet_t of the authenticated peer, as it said under its signature; 0: unknown.
   std::uint32_t peer_builtin_endpoints = 0;
   /// Where the authenticated peer receives discovery, as it said under its signature.

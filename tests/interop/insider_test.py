@@ -79,10 +79,10 @@ class World:
         self.peers.append(peer)
         self._selector.register(peer.process.stdout, selectors.EVENT_READ, peer)
 
-    def honest(self, role, starts):
+    def honest(self, role, starts, more=()):
         events = {"DDSSEC_EVENT_LOG": os.path.join(self.folder, f"{role}.events")}
         words = self.side.arguments(self.pki, self.keys, starts)
-        return self.start(role, self.kind, ["--" + role, "--payload", str(HONEST), "--timeout", "200", *words], events)
+        return self.start(role, self.kind, ["--" + role, "--payload", str(HONEST), "--timeout", "200", *more, *words], events)
 
     def insider(self, role, tamper, permissions):
         """Faster than the honest publisher, so that its numbers overtake the other's."""

@@ -11,7 +11,9 @@ Usage: stranger.py request                an empty request to the participant th
                                           class, to the second as soon as that announces itself
        stranger.py fewer                  the same announcement without secure discovery of endpoints
        stranger.py privileged             to the one that answers, the announcement of an invented participant, on
-                                          which its core takes the other to depend: both go when the invented one does
+                                          which its core takes the other to depend: both go when the invented one does.
+                                          Before that it records what the two send each other, and sends it again as
+                                          soon as they begin a new session
 It says "forged N" when it is done.
 """
 
@@ -26,6 +28,7 @@ SPDP_WRITER, PARTICIPANT = bytes.fromhex("000100c2"), bytes.fromhex("000001c1")
 METATRAFFIC_UNICAST, SENTINEL, ENDPOINT_SET, VERSION_INFO = 0x32, 0x01, 0x58, 0x8007
 OTHERS_DEPEND_ON_IT = 0x10  # a flag of Cyclone's VERSION_INFO
 SECURE_DISCOVERY = 0x000f0000  # of publications and subscriptions, in ENDPOINT_SET
+RECORDED, REPLAYED = 3, 6  # seconds
 CLASS = "DDS:Auth:PKI-DH:1.0+"
 # Any point of the curve will do as a public key for an agreement that is never finished: its generator.
 P256_GENERATOR = bytes.fromhex("046b17d1f2e12c4247f8bce6e563a440f277037d812deb33a0f4a13945d898c296"
@@ -132,6 +135,11 @@ def privileged(announcement):
     return flagged.replace(prefix, prefix[:4] + bytes(octet ^ 0x55 for octet in prefix[4:]))
 
 
+def is_reset(message):
+    """plugins/spi/session_reset.hpp"""
+    return len(message) == 120 and message[24:28] == bytes.fromhex("dd5ec0d5")
+
+
 class Network:
     def __init__(self):
         self.packets = socket.socket(socket.AF_PACKET, socket.SOCK_DGRAM, socket.htons(0x0800))
@@ -149,6 +157,28 @@ class Network:
                 self.ports.setdefault(datagram[8:20], port)
                 self.announcements.setdefault(datagram[8:20], datagram)
         return sorted(self.ports)  # the lower begins
+
+    def heard(self, seconds):
+        """Destination and octets of all RTPS messages for so long."""
+        end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0:
+            self.packets.settimeout(left)
+            try:
+                packet = self.packets.recv(1 << 16)
+            except TimeoutError:
+                return
+            at = (packet[0] & 15) * 4
+            if packet[9] == socket.IPPROTO_UDP and packet[at + 8:at + 12] == b"RTPS":
+                to = socket.inet_ntoa(packet[16:20]), struct.unpack_from(">H", packet, at + 2)[0]
+                yield to, packet[at + 8:]
+
+    def replay(self, recorded, seconds):
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            for to, message in recorded:
+                self.out.sendto(message, to)
+                self.sent += 1
+            time.sleep(0.01)
 
     def send(self, to, message):
         self.out.sendto(message, ("127.0.0.1", self.ports[to]))
@@ -180,7 +210,10 @@ def main():
         message = fewer(true) if mode == "fewer" else true.replace(b"PKI-DH:1.0", b"PKI-DH:9.0")
         network.repeat(0.01, 0.002, lambda: network.send(second, message))
     elif mode == "privileged":
+        recorded = list(network.heard(RECORDED))
         network.send(answers, privileged(network.announcements[begins]))
+        next(message for _, message in network.heard(60) if is_reset(message))
+        network.replay(recorded, REPLAYED)
     else:
         def both():
             network.send(answers, handshake(begins, answers, 1, "Final"))

@@ -11,6 +11,7 @@ namespace ddssec::cryptography::testing {
 inline constexpr GuidPrefix kPeer{{0x81, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
 inline constexpr GuidPrefix kVictim{{0x82, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
 inline constexpr EntityId kTokenWriter{{0xff, 0x02, 0x02, 0xc3}};
+inline constexpr EntityId kTokenReader{{0xff, 0x02, 0x02, 0xc4}};
 
 inline void append(Bytes& out, BytesView octets) {
   out.insert(out.end(), octets.begin(), octets.end());
@@ -46,6 +47,7 @@ struct Fragment {
 struct DataMessage {
   bool little = true;
   EntityId writer = kTokenWriter;
+  EntityId reader = kTokenReader;
   std::uint8_t flags = 0x04;
   std::uint32_t number = 1;
   std::uint16_t to_inline_qos = 16;
@@ -58,7 +60,7 @@ struct DataMessage {
                  static_cast<std::uint8_t>(flags | (little ? 1 : 0)), 0, 0};
     append(out, 0, 2, little);
     append(out, fragment ? to_inline_qos + 12u : to_inline_qos, 2, little);
-    append(out, 0, 4, little);
+    append(out, reader.view());
     append(out, writer.view());
     append(out, 0, 4, little);
     append(out, number, 4, little);

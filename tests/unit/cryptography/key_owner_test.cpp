@@ -77,6 +77,8 @@ Bytes data_of(const EntityId& writer) { return naming(submessage_id::kData, 12, 
 /// A key token message as the key exchange protects it.
 Bytes token_submessage(const EntityId& owner, std::span<const spi::Token> tokens) {
   auto out = naming(submessage_id::kData, 12, kTokenWriter, 24);
+  constexpr EntityId kTokenReader{{0xff, 0x02, 0x02, 0xc4}};
+  std::ranges::copy(kTokenReader.octets, out.begin() + 8);
   out[6] = 16, out[7] = 0;  // octetsToInlineQos
   std::fill(out.begin() + 16, out.begin() + 24, std::uint8_t{0});
   static std::uint8_t number = 0;

@@ -56,6 +56,17 @@ TEST(TokenSource, OfAnotherIsRefusedWhereverItStands) {
   }
 }
 
+// It would reach all participants of the process.
+TEST(TokenSource, WithoutItsReaderIsRefused) {
+  for (const auto& reader : {EntityId{}, EntityId{{0xff, 0x02, 0x02, 0xc3}}}) {
+    Token token{.reader = reader};
+    EXPECT_EQ(code_of(token.check_token()), Code::submessage_not_of_sender);
+    token.fragment.emplace();
+    token.flags = 0;
+    EXPECT_EQ(code_of(token.check_token()), Code::submessage_not_of_sender);
+  }
+}
+
 TEST(TokenSource, BesideAnotherAuthenticationBothNamesMustAgree) {
   Token token{.payload = generic_message(kVictim, kVictim, 1)};
   EXPECT_TRUE(token.check_token(std::nullopt));

@@ -403,6 +403,7 @@ struct Engine {
   void authenticate(std::uint8_t seed) {
     auto secret = shared_secret(seed);
     secret.peer_prefix = kPeer;
+    secret.own_prefix = own;
     for (auto* side : {&two.a, &two.b})
       side->remote = side->factory()
                          .register_matched_remote_participant(side->participant, {8}, {7}, secret)
@@ -426,10 +427,41 @@ struct Engine {
   static std::vector<spi::Token> tokens_in(const Bytes& submessage) {
     return read_token_message(read_data_piece(submessage).value()).value()->tokens;
   }
+  std::optional<GuidPrefix> own = {};
   TwoSides two;
   WriterToReader ends;
   WriterToReader user;
 };
+
+// The host would hand it to each of its participants.
+TEST(TrustingHost, GetsNoTokensThatReachAllItsParticipants) {
+  for (const bool host_checks : {false, true}) {
+    Engine engine(host_checks);
+    auto& [a, b] = engine.two;
+    const auto message = DataMessage{.payload = token_message({kPeer, kWriter}, {kOurs, kReader},
+                                                              fresh_tokens())}
+                             .octets();
+    const auto encoded = encode_submessage(engine.two, engine.ends, message).value();
+    EXPECT_TRUE(b.transform().preprocess_secure_submessage(b.participant, b.remote, encoded));
+    EXPECT_EQ(code_of(b.transform().preprocess_secure_submessage({}, b.remote, encoded)),
+              host_checks ? Code{} : Code::submessage_not_of_sender);
+  }
+}
+
+TEST(TrustingHost, GetsNoTokensForAnotherOfItsParticipants) {
+  Engine engine(false);
+  const auto tokens = engine.two.writer_tokens(engine.user).value();
+  const auto meet_as = [&](const GuidPrefix& own, std::uint8_t seed) {
+    engine.own = own;
+    engine.authenticate(seed);
+    engine.two.endpoints(endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none));
+  };
+  meet_as(kOurs, 6);
+  EXPECT_TRUE(engine.passes(1, tokens));
+  meet_as(kVictim, 7);
+  EXPECT_FALSE(engine.passes(2, tokens));
+  EXPECT_EQ(engine.two.b.events.codes.back(), Code::token_source_mismatch);
+}
 
 TEST(TrustingHost, GetsTicketsAndTheirTokensAreTaken) {
   Engine engine(false);
