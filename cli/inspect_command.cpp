@@ -80,8 +80,8 @@ std::string text_of(const GuidPrefix& prefix, const rtps::ObservedParticipant& p
       participant.messages.count, participant.protected_messages, participant.protected_submessages,
       participant.kinds.empty() ? "" : ", ", fmt::join(kinds_of(participant), ", "));
   if (participant.clear_samples + participant.clear_topics.size() > 0)
-    out += fmt::format("  in the clear {} samples, {} topics\n", participant.clear_samples,
-                       participant.clear_topics.size());
+    out += fmt::format("  in the clear {}, {}\n", counted(participant.clear_samples, "sample"),
+                       counted(participant.clear_topics.size(), "topic"));
   return out;
 }
 
