@@ -113,7 +113,7 @@ Result<Report> check(const Arguments& arguments, const Context& context) {
   report.text = meeting_text(view);
   report.result = meeting_json(view);
   report.findings.insert(report.findings.end(), meeting.findings.begin(), meeting.findings.end());
-  // DOC083 is about products that nobody named with --vendor: only --explain shows it.
+  // DOC083 is about products that --vendor did not name: only --explain shows it.
   const bool asked = arguments.has("--explain") && !arguments.has("--vendor");
   std::ranges::copy_if(meeting.notes, std::back_inserter(report.findings),
                        [&](const Finding& note) { return asked || note.rule != Rule::DOC083; });

@@ -74,7 +74,7 @@ std::optional<Maker> maker_of_folder(std::string_view rest) {
   return is_ours ? maker : std::nullopt;
 }
 
-/// Whether a leftover is of the kind that was made, of this user, and of nobody who lives.
+/// Whether a leftover is of the kind that was made, of this user, and of no process that is alive.
 bool may_go(const fs::path& path, mode_t kind, const Maker& maker) {
   struct stat status {};
   return ::lstat(path.c_str(), &status) == 0 && (status.st_mode & S_IFMT) == kind &&

@@ -20,7 +20,7 @@ struct Constructs {
     for (const auto& text : texts) expressions.try_emplace(text.text, text.line);
   }
   void add(const std::vector<Note>& all) {
-    // An open range is more than another reading: whoever compares says it of either document.
+    // An open range is more than another reading: the comparison says it of either document.
     for (const auto& note : all)
       if (note.kind != NoteKind::open_range) notes.try_emplace(note.text, note.line);
   }

@@ -299,7 +299,7 @@ std::string plain_lines(BytesView octets) {
 }
 
 // The XML beside a signed document, or beside what a link to one leads to: after an edit it shows
-// rights that nobody has signed.
+// rights that are not signed.
 void check_plain_text(const Subject& subject, Diagnosis& out) {
   if (subject.form.unverified_text.empty()) return;
   std::error_code failed;
