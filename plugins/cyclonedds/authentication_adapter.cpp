@@ -254,9 +254,11 @@ CResult process_handshake(Instance* instance, CToken* message_out, const CToken*
   });
 }
 
-/// So that the peer can be told, should the host drop it while the peer keeps the session.
+/// So that the peer can be told, should the host drop it while the peer keeps the session. Only our
+/// plugins understand that, and announce ChaCha20-Poly1305.
 void note_session(Adapter& adapter, spi::HandshakeHandle handshake,
                   const spi::SharedSecret& secret) {
+  if ((secret.peer_ciphers & spi::kChaCha20Poly1305Bit) == 0) return;
   const auto pair = adapter.secrets().pair_of(handshake);
   if (!pair) return;
   auto [local, remote] = *pair;

@@ -57,6 +57,7 @@ struct SessionResetTest : testing::Test {
     auto made = std::make_shared<spi::SharedSecret>();
     made->secret = *spi::SharedSecretOctets::copy_of(Bytes(32, 9));
     made->peer_prefix = kRemote;
+    made->peer_ciphers = peer_ciphers;
     made->peer_addresses = {peer.address()};
     return made;
   }
@@ -110,6 +111,7 @@ struct SessionResetTest : testing::Test {
     return remote;
   }
 
+  spi::CipherMask peer_ciphers = spi::kAllCiphers;
   Socket peer;
   Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness;
   dds_security_authentication* c = &harness.adapter;
@@ -129,6 +131,17 @@ TEST_F(SessionResetTest, IsSentWhenAPeerThatTheHostDroppedIsMetAgain) {
   meet();
   EXPECT_EQ(to_hex(peer.receive()),
             to_hex(spi::write_reset(kLocal, spi::derive_reset_token(*secret(), kLocal))));
+}
+
+TEST_F(SessionResetTest, IsNotSentToAPeerWithOtherPlugins) {
+  peer_ciphers = spi::kStandardCiphers;
+  ON_CALL(engine, shared_secret).WillByDefault(Return(secret()));
+  const timeval patience{2, 500000};
+  ::setsockopt(peer.fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  const auto remote = authenticate();
+  EXPECT_EQ(c->return_identity_handle(c, remote, nullptr), 1);
+  meet();
+  EXPECT_TRUE(peer.receive().empty());
 }
 
 TEST_F(SessionResetTest, MakesTheHostBeginAnew) {
