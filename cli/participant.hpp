@@ -54,7 +54,7 @@ Result<pki::Validity> within_ca(pki::Validity wanted, const pki::Certificate& ca
 
 /// Adds what lint says of the topics and partitions that the spec names: those that match nothing,
 /// that products read differently, or that look like names of ROS. Each sentence once, and none is
-/// an error: what was asked for is made.
+/// an error: the document is written as the spec asks.
 void warn_of_topics(const ParticipantSpec& spec, const std::string& document, Report& report);
 
 /// The permissions document of the spec, for this certificate: the one it brings, which must have a

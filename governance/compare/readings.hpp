@@ -27,8 +27,8 @@ struct Readings {
 inline constexpr std::size_t kMostReadings = 100;
 
 /// Expressions of topics and partitions that Cyclone DDS or Fast DDS matches with other names, and
-/// the readers' notes but those of open ranges. What stands in both documents, wherever, is left out. Verdicts do not depend
-/// on it: these are what ddssec decides.
+/// the readers' notes but those of open ranges. An expression that both documents have is left out,
+/// wherever it stands. Verdicts do not depend on this: they say what ddssec decides.
 Readings readings_of(const Governance& old_document, const Governance& new_document);
 Readings readings_of(const Permissions& old_document, const Permissions& new_document);
 

@@ -27,8 +27,8 @@ spi::CipherMask ciphers_in_participant_data(BytesView participant_data);
 /// Its PID_BUILTIN_ENDPOINT_SET; 0 if there is none, or one that cannot be read, or two.
 std::uint32_t builtin_endpoints_in_participant_data(BytesView participant_data);
 
-/// Its PID_METATRAFFIC_UNICAST_LOCATORs over UDP, at most `kMostAddresses`, none twice. What is no
-/// unicast address or cannot be read is left out.
+/// Its PID_METATRAFFIC_UNICAST_LOCATORs over UDP, at most `kMostAddresses`, none twice. Locators
+/// that are no unicast addresses, or cannot be read, are left out.
 inline constexpr std::size_t kMostAddresses = 4;
 std::vector<spi::UdpAddress> addresses_in_participant_data(BytesView participant_data);
 

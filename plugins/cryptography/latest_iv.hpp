@@ -55,7 +55,7 @@ class LatestIv {
 class LatestIvs {
  public:
   /// Of the keys of one certificate's participants, which are told by the first six octets of the
-  /// prefix (DDS-Security 9.3.3). Who has more lets those be forgotten that came first.
+  /// prefix (DDS-Security 9.3.3). With more keys, the first ones are forgotten.
   static constexpr std::size_t kMostOfSubject = 4096;
   using Subject = std::array<std::uint8_t, 6>;
 

@@ -34,8 +34,8 @@ class ReceiveKey final : public Retirable {
  public:
   static constexpr std::size_t kMostSessions = 4;
 
-  /// `latest`: of a sender that counts its IVs upwards, what is known of this key from former
-  /// sessions; else null.
+  /// `latest`: the latest IV of this key in former sessions, if its sender counts IVs upwards;
+  /// else null.
   ReceiveKey(KeyMaterial material, KindTraits traits, const KeyEnvironment& environment,
              std::shared_ptr<LatestIv> latest = nullptr)
       : material_(std::move(material)),

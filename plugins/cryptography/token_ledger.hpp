@@ -75,7 +75,7 @@ struct Passage {
     hidden,    ///< it goes to the host as a class that the host does not know
     repeated,  ///< hidden, since the host holds a ticket of the same exchange
     later,     ///< it is not accepted yet, and will be sent again
-    awaited,   ///< hidden; the ticket is for the user, whom the host thinks provided for
+    awaited,   ///< hidden; the ticket is for `user`, which the host believes to have keys
   };
   Kind kind;
   Ticket ticket = {};

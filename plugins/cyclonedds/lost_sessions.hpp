@@ -40,7 +40,7 @@ class LostSessions {
   void add_local(spi::IdentityHandle local, const GuidPrefix& prefix);
   /// A local participant is gone, with its sessions.
   void remove_local(spi::IdentityHandle local);
-  /// Two participants have authenticated. What was lost before between them counts no more.
+  /// Two participants have authenticated: forgets a session that they had lost before.
   void established(spi::IdentityHandle local, const Guid& remote, const spi::SharedSecret& secret);
   /// The host has dropped the remote participant.
   void lost(const Guid& remote);

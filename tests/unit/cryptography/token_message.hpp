@@ -7,12 +7,21 @@
 
 #include "plugins/spi/token.hpp"
 #include "tests/unit/cryptography/data_message.hpp"
+#include "tests/unit/cryptography/insider.hpp"
 
 namespace ddssec::cryptography::testing {
 
 inline constexpr GuidPrefix kOurs{{0x90, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
 inline constexpr std::string_view kOfParticipant = "dds.sec.participant_crypto_tokens";
 inline constexpr std::string_view kOfWriter = "dds.sec.datawriter_crypto_tokens";
+
+/// Other ones each time.
+inline std::vector<spi::Token> fresh_tokens() {
+  static std::uint8_t number = 0;
+  auto token = Insider(kAes256Gcm).token();
+  token.binary_properties.at(0).value.back() = ++number;
+  return {token};
+}
 
 inline void append_guid(Bytes& out, const Guid& guid) { append(out, guid.octets()); }
 

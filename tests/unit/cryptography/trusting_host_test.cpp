@@ -1,0 +1,171 @@
+// The token ledger in the engine: what a host that checks no sources gets of key token messages.
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "plugins/cryptography/key_material.hpp"
+#include "plugins/cryptography/token_ledger.hpp"
+#include "tests/unit/cryptography/data_message.hpp"
+#include "tests/unit/cryptography/token_message.hpp"
+#include "tests/unit/cryptography/two_sides.hpp"
+
+namespace ddssec::cryptography {
+namespace {
+
+using namespace testing;
+
+constexpr EntityId kWriter{{0, 0, 1, 2}}, kReader{{0, 0, 1, 7}};
+
+struct Engine {
+  explicit Engine(bool host_checks)
+      : two(ProtectionKind::none, {}, {.host_checks_sources = host_checks}) {
+    authenticate(5);
+    user = two.endpoints(endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none));
+  }
+  void authenticate(std::uint8_t seed) {
+    auto secret = shared_secret(seed);
+    secret.peer_prefix = kPeer;
+    secret.own_prefix = own;
+    for (auto* side : {&two.a, &two.b})
+      side->remote = side->factory()
+                         .register_matched_remote_participant(side->participant, {8}, {7}, secret)
+                         .value();
+    ends = two.volatile_endpoints();
+  }
+  /// What the host gets of a message with these tokens.
+  Bytes decoded(std::uint32_t number, std::span<const spi::Token> tokens) {
+    const auto payload = token_message({kPeer, kWriter}, {kOurs, kReader}, tokens);
+    const auto octets = DataMessage{.number = number, .payload = payload}.octets();
+    auto out = decode_submessage(two, ends, encode_submessage(two, ends, octets).value());
+    EXPECT_TRUE(out);
+    EXPECT_EQ(out->size(), octets.size());
+    return std::move(*out);
+  }
+  /// Does the host know its class?
+  bool passes(std::uint32_t number, std::span<const spi::Token> tokens) {
+    return decoded(number, tokens)[24 + 104] == 'd';
+  }
+  /// The tokens that the host finds in a message.
+  static std::vector<spi::Token> tokens_in(const Bytes& submessage) {
+    return read_token_message(read_data_piece(submessage).value()).value()->tokens;
+  }
+  std::optional<GuidPrefix> own = {};
+  TwoSides two;
+  WriterToReader ends;
+  WriterToReader user;
+};
+
+// The host would hand it to each of its participants.
+TEST(TrustingHost, GetsNoTokensThatReachAllItsParticipants) {
+  for (const bool host_checks : {false, true}) {
+    Engine engine(host_checks);
+    auto& [a, b] = engine.two;
+    const auto message =
+        DataMessage{.payload = token_message({kPeer, kWriter}, {kOurs, kReader}, fresh_tokens())}
+            .octets();
+    const auto encoded = encode_submessage(engine.two, engine.ends, message).value();
+    EXPECT_TRUE(b.transform().preprocess_secure_submessage(b.participant, b.remote, encoded));
+    EXPECT_EQ(code_of(b.transform().preprocess_secure_submessage({}, b.remote, encoded)),
+              host_checks ? Code{} : Code::submessage_not_of_sender);
+  }
+}
+
+TEST(TrustingHost, GetsNoTokensForAnotherOfItsParticipants) {
+  Engine engine(false);
+  const auto tokens = engine.two.writer_tokens(engine.user).value();
+  const auto meet_as = [&](const GuidPrefix& own, std::uint8_t seed) {
+    engine.own = own;
+    engine.authenticate(seed);
+    engine.two.endpoints(endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none));
+  };
+  meet_as(kOurs, 6);
+  EXPECT_TRUE(engine.passes(1, tokens));
+  meet_as(kVictim, 7);
+  EXPECT_FALSE(engine.passes(2, tokens));
+  EXPECT_EQ(engine.two.b.events.codes.back(), Code::token_source_mismatch);
+}
+
+TEST(TrustingHost, GetsTicketsAndTheirTokensAreTaken) {
+  Engine engine(false);
+  const auto tokens = engine.two.writer_tokens(engine.user).value();
+  const auto first = engine.decoded(1, tokens);
+  EXPECT_EQ(engine.decoded(1, tokens), first);
+  const auto ticket = Engine::tokens_in(first);
+  EXPECT_NE(ticket, tokens);
+  EXPECT_FALSE(std::ranges::search(first, tokens[0].binary_properties[0].value).size())
+      << "key material in the host's memory";
+  EXPECT_FALSE(engine.passes(2, tokens));
+  EXPECT_TRUE(engine.two.take_writer(engine.user, ticket));
+  EXPECT_TRUE(engine.passes(3, tokens));
+  EXPECT_FALSE(engine.two.take_writer(engine.user, ticket)) << "it is used";
+}
+
+TEST(TrustingHost, GetsWhatItMustNotSeeUnderAClassThatItDoesNotKnow) {
+  Engine engine(false);
+  const auto tokens = engine.two.writer_tokens(engine.user).value();
+  EXPECT_TRUE(engine.passes(1, tokens));
+  const auto hidden = engine.decoded(2, tokens);
+  EXPECT_EQ(hidden[24 + 104], '-');
+  EXPECT_EQ(engine.two.b.events.codes, std::vector{Code::crypto_tokens_repeated});
+  EXPECT_FALSE(std::ranges::search(hidden, tokens[0].binary_properties[0].value).size());
+}
+
+// The host never used the ticket before its peer was gone, comes with it when the peer is back, and
+// never asks for what comes after it.
+TEST(TrustingHost, GetsKeysAfterATicketOfAFormerSession) {
+  Engine engine(false);
+  const auto former =
+      Engine::tokens_in(engine.decoded(1, engine.two.writer_tokens(engine.user).value()));
+  engine.authenticate(6);
+  auto& [a, b] = engine.two;
+  engine.user.remote_reader =
+      a.factory()
+          .register_matched_remote_datareader(engine.user.writer, a.remote, shared_secret(6), false)
+          .value();
+  engine.user.remote_writer =
+      b.factory()
+          .register_matched_remote_datawriter(engine.user.reader, b.remote, shared_secret(6))
+          .value();
+  EXPECT_TRUE(engine.two.take_writer(engine.user, former)) << "or the host drops the match";
+  const auto message = DataMessage{.writer = kWriter, .number = 1}.octets();
+  const auto encoded = encode_submessage(engine.two, engine.user, message).value();
+  EXPECT_EQ(code_of(decode_submessage(engine.two, engine.user, encoded)),
+            Code::key_material_not_received);
+  EXPECT_FALSE(engine.passes(2, engine.two.writer_tokens(engine.user).value()));
+  EXPECT_TRUE(decode_submessage(engine.two, engine.user, encoded));
+}
+
+/// What it would hold for nothing, though the sender is to be named only if no honest one does it.
+TEST(TrustingHost, GetsNoTokensThatNothingHereCanUse) {
+  Engine engine(false);
+  auto tokens = engine.two.writer_tokens(engine.user).value();
+  const auto to_nobody = [&](const EntityId& remote, const EntityId& local,
+                             std::string_view class_id) {
+    static std::uint32_t number = 100;
+    const auto payload = token_message({kPeer, remote}, {kOurs, local}, tokens, class_id);
+    const auto octets = DataMessage{.number = ++number, .payload = payload}.octets();
+    const auto out = decode_submessage(engine.two, engine.ends,
+                                       encode_submessage(engine.two, engine.ends, octets).value());
+    return out.value()[24 + 104] == '-';
+  };
+  EXPECT_TRUE(to_nobody(kReader, kWriter, "dds.sec.datareader_crypto_tokens"))
+      << "no writer is here";
+  EXPECT_TRUE(
+      to_nobody({{0xff, 0, 3, 0xc7}}, {{0xff, 0, 3, 0xc2}}, "dds.sec.datareader_crypto_tokens"));
+  EXPECT_EQ(engine.two.b.events.codes, std::vector<Code>());
+  EXPECT_TRUE(to_nobody({{0xfe, 0, 3, 0xc2}}, {{0xff, 0, 3, 0xc7}}, kOfWriter));
+  EXPECT_EQ(engine.two.b.events.codes, std::vector{Code::token_source_unreadable});
+  tokens[0].properties.emplace_back();
+  EXPECT_TRUE(to_nobody(kWriter, kReader, kOfWriter));
+  EXPECT_EQ(engine.two.b.events.codes.back(), Code::crypto_token_form);
+}
+
+TEST(CheckingHost, GetsTokensAsTheyCome) {
+  Engine engine(true);
+  const auto tokens = engine.two.writer_tokens(engine.user).value();
+  EXPECT_EQ(Engine::tokens_in(engine.decoded(1, tokens)), tokens);
+  EXPECT_EQ(Engine::tokens_in(engine.decoded(2, tokens)), tokens);
+}
+
+}  // namespace
+}  // namespace ddssec::cryptography
