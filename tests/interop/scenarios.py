@@ -183,6 +183,8 @@ MUST_DATA, MUST_NONE, NO_DATA, MUST_REFUSE, EITHER, MUST_CUT = (
     "data none no-data refuse either cut".split())
 # A host's shortcoming: Cyclone DDS asks no plugin about a participant that is not authenticated.
 CORE_DECIDES = ((DATA, "Cyclone's core asks no plugin about unauthenticated participants"),)
+NOTHING_PROTECTED = ((DATA, "nothing is protected, and Cyclone's core matches without authentication (GOV040)"),)
+MATCHED_ONLY = ((MATCHED, "Cyclone's core matches without authentication; message protection lets no sample pass"),)
 
 
 @dataclass(frozen=True)
@@ -221,8 +223,10 @@ GUESTS_ENCRYPTED = replace(GUESTS, metadata=E, data=E)
 
 def _negative_rows():
     yield _pub("unknown-identity-ca", ALL_NONE, MUST_NONE, signed_by="other", trusts="other")
-    yield _pub("unknown-identity-ca-all-none", ALL_NONE, MUST_NONE, _open(), quick=False,
-               signed_by="other", trusts="other")
+    yield replace(_pub("unknown-identity-ca-all-none", (NONE, NONE, NONE, DATA), MUST_NONE, _open(), quick=False,
+                       signed_by="other", trusts="other"), known=NOTHING_PROTECTED)
+    yield replace(_pub("unknown-identity-ca-rtps-sign", (NONE, NONE, NONE, MATCHED), MUST_NONE, _open(rtps=S),
+                       quick=False, signed_by="other", trusts="other"), known=MATCHED_ONLY)
     yield _pub("certificate-not-under-own-ca", ALL_REFUSED, MUST_REFUSE, quick=False,
                signed_by="other")
     yield _pub("certificate-expired", ALL_REFUSED, MUST_REFUSE, expired=True)
