@@ -1,0 +1,70 @@
+#!/usr/bin/env python3
+"""Holds scripts/demo.sh's --target list to the documents: what it runs itself, what README's first lines run after it,
+and what a page runs that says the demo builds all it needs. Pages that build ddssec_all are held to that target."""
+
+import pathlib
+import re
+import sys
+
+# A program of ours where a shell looks for a command.
+COMMAND = re.compile(r"(?:^|[|;&(]|\bsudo\s|\b\w+=\S*\s)\s*(ddssec(?:-[a-z]+)*)(?=\s|$)")
+BUILT = re.compile(r"(?:build/release|\$build|\$\{build\})\"?/(?:bin/([\w-]+)|(dropin))")
+CODE = re.compile(r"^```(?:sh|text)\n(.*?)^```|^    ([^\n]*)$", re.MULTILINE | re.DOTALL)
+
+
+def list_of_demo(text):
+    found = re.search(r"--target ([\w -]+?)\s*(?:\|\||\n)", text)
+    return set(found.group(1).split()) if found else set()
+
+
+def list_of_all(text):
+    """What ddssec_all depends on, whatever else is there."""
+    return set(" ".join(re.findall(r"(?:add_custom_target\(ddssec_all DEPENDS|add_dependencies\(ddssec_all)([^)]*)\)",
+                                   text)).split())
+
+
+def run_by(text):
+    """The targets that make what the shell text runs."""
+    out = {program or "ddssec_dropin" for program, _ in BUILT.findall(text)}
+    for line in text.splitlines():
+        out.update(COMMAND.findall(line.split(" #")[0]))
+    return out
+
+
+def code_of(page):
+    return "\n".join(block or line for block, line in CODE.findall(page))
+
+
+def faults(root):
+    demo = (root / "scripts/demo.sh").read_text(encoding="utf-8")
+    built, every = list_of_demo(demo), list_of_all((root / "CMakeLists.txt").read_text(encoding="utf-8"))
+    used = run_by(demo) - {"$program"} | set(re.findall(r"\bprogram=(\w+)", demo))
+    yield from (f"scripts/demo.sh runs {name}, and its --target does not have it" for name in sorted(used - built))
+    readme = re.search(r"^## Try it\n(.*?)^## ", (root / "README.md").read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    first = code_of(readme.group(1)) if readme else ""
+    if "ddssec" not in run_by(first) or "ddssec_dropin" not in run_by(first):
+        yield "README.md, Try it: no line with the tool and the drop-in folder was found"
+    for name in sorted(run_by(first) - built):
+        yield f"README.md runs {name} after scripts/demo.sh, whose --target does not have it"
+    after_demo = 0
+    for page in sorted((root / "docs").glob("*.md")):
+        text = page.read_text(encoding="utf-8")
+        needs = run_by(code_of(text))
+        if "scripts/demo.sh" in text:
+            after_demo += 1
+            yield from (f"docs/{page.name} runs {name}, which scripts/demo.sh does not build" for name in sorted(needs - built))
+        yield from (f"docs/{page.name} runs {name}, which ddssec_all does not build" for name in sorted(needs - every))
+    if after_demo == 0:
+        yield "no page names scripts/demo.sh any more: this test looks at nothing"
+
+
+def main():
+    found = list(faults(pathlib.Path(sys.argv[1])))
+    for fault in found:
+        print(fault)
+    print(f"{len(found)} faults between scripts/demo.sh and the documents")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
