@@ -114,8 +114,18 @@ std::string direction_text(const TopicMeeting& topic, const Direction& direction
   return out;
 }
 
+std::string name_of(const TopicMeeting& topic) {
+  return topic.topic.empty() ? "\"\"" : topic.topic;
+}
+
+// A name that only stands for an expression is in neither document.
+std::string words_of(const TopicMeeting& topic) {
+  return topic.expression.empty() ? name_of(topic)
+                                  : fmt::format("{} (e.g. {})", topic.expression, name_of(topic));
+}
+
 std::string topic_text(const TopicMeeting& topic, const MeetingView& view) {
-  return fmt::format("topic {}\n", topic.topic.empty() ? "\"\"" : topic.topic) +
+  return fmt::format("{} {}\n", topic.expression.empty() ? "topic" : "topics", words_of(topic)) +
          direction_text(topic, topic.directions[0], view) +
          direction_text(topic, topic.directions[1], view);
 }
@@ -184,7 +194,7 @@ std::string working_topics(const MeetingView& view, int writer) {
     if (is_of_every_node(topic.topic)) {
       ++of_ros;
     } else if (++count <= kMost) {
-      names += fmt::format("{}{}", names.empty() ? "" : ", ", topic.topic);
+      names += fmt::format("{}{}", names.empty() ? "" : ", ", words_of(topic));
     }
   }
   if (count > kMost) names += fmt::format(" and {} more", count - kMost);
@@ -203,7 +213,7 @@ std::string topics_apart(const MeetingView& view) {
       if (!is_idle(topic) || is_kept_apart(topic) != is_wanted || is_of_every_node(topic.topic))
         continue;
       if (++count <= kMost)
-        out += fmt::format("  not on {}: {}\n", topic.topic, reason_apart(topic, view));
+        out += fmt::format("  not on {}: {}\n", words_of(topic), reason_apart(topic, view));
     }
   if (count > kMost) out += fmt::format("  nor on {} more\n", counted(count - kMost, "topic"));
   return out;
@@ -356,10 +366,12 @@ Json meeting_json(const MeetingView& view) {
               {"talk", would_talk(view)},
               {"vendor_notes", Json::array()}};
   for (const auto& topic : meeting.topics)
-    out["topics"].push_back({{"name", topic.topic},
-                             {"directions",
-                              {direction_json(topic, topic.directions[0], view),
-                               direction_json(topic, topic.directions[1], view)}}});
+    out["topics"].push_back(
+        {{"name", topic.topic},
+         {"expression", topic.expression.empty() ? Json() : Json(topic.expression)},
+         {"directions",
+          {direction_json(topic, topic.directions[0], view),
+           direction_json(topic, topic.directions[1], view)}}});
   for (const auto& note : meeting.notes) out["vendor_notes"].push_back(note.message);
   return out;
 }

@@ -117,8 +117,9 @@ void check_pre_shared_keys(const LoadedFolder& folder, const doctor::Settings& s
 }
 
 doctor::Meeting meet_with_keys(const doctor::Party& a, const doctor::Party& b,
-                               const doctor::Settings& settings, std::vector<std::string> topics) {
-  auto out = doctor::meet(a, b, settings, std::move(topics));
+                               const doctor::Settings& settings,
+                               const std::vector<std::string>& topics) {
+  auto out = doctor::meet(a, b, settings, topics);
   for (const auto* party : {&a, &b})
     if (auto finding = key_limits_obstacle(party->folder, settings.domain);
         finding && party->vendor == doctor::Vendor::ours)

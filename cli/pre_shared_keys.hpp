@@ -16,6 +16,6 @@ void check_pre_shared_keys(const governance::doctor::LoadedFolder& folder,
 governance::doctor::Meeting meet_with_keys(const governance::doctor::Party& a,
                                            const governance::doctor::Party& b,
                                            const governance::doctor::Settings& settings,
-                                           std::vector<std::string> topics = {});
+                                           const std::vector<std::string>& topics = {});
 
 }  // namespace ddssec::cli

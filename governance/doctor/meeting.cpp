@@ -355,7 +355,7 @@ Starter starter(const pki::Certificate& a, const pki::Certificate& b) {
 }
 
 Meeting meet(const Party& a, const Party& b, const Settings& settings,
-             std::vector<std::string> topics) {
+             const std::vector<std::string>& topics) {
   Meeting out;
   MeetingScene scene{{&a, &b}, settings, out, !topics.empty()};
   for (const int i : kBoth)
@@ -371,9 +371,10 @@ Meeting meet(const Party& a, const Party& b, const Settings& settings,
     for (const int about : kBoth) judge_join(scene, judge, about);
   judge_handshake(scene);
   for (const int i : kBoth) judge_discovery(scene, i);
-  if (!scene.named) topics = topics_of_interest(scene);
-  for (const auto& topic : topics) meet_on_topic(scene, topic);
-  if (!scene.named) report_no_topic(scene);
+  for (const auto& topic : topics) meet_on_topic(scene, {.name = topic});
+  if (scene.named) return out;
+  for (const auto& topic : topics_of_interest(scene)) meet_on_topic(scene, topic);
+  report_no_topic(scene);
   return out;
 }
 

@@ -63,6 +63,9 @@ struct Direction {
 
 struct TopicMeeting {
   std::string topic;
+  /// The documents' expression of which `topic` is only an example; empty: it is a topic's own
+  /// name, in the documents or as the caller gave it.
+  std::string expression = {};
   Direction directions[2];  ///< by the writer's index
   /// The rules for the topic, if both documents have one.
   const TopicRule* rules[2] = {};
@@ -98,7 +101,7 @@ inline constexpr std::size_t kMostTopics = 256;
 /// Looks at both, in the domain. `topics` empty: the names in both documents, and one example for
 /// each other way in which their expressions match, where one of them may do something.
 Meeting meet(const Party& a, const Party& b, const Settings& settings,
-             std::vector<std::string> topics = {});
+             const std::vector<std::string>& topics = {});
 
 /// The first 48 bits of the GUID of every participant with this certificate's subject, with any
 /// product (DDS-Security 9.3.3).

@@ -24,10 +24,16 @@ struct MeetingScene {
   const LoadedFolder& folder(int index) const { return parties[index]->folder; }
 };
 
+/// A name to look at, and the documents' expression of which it is an example; empty: of none.
+struct TopicOfInterest {
+  std::string name;
+  std::string expression = {};
+};
+
 /// The names to look at if none are asked for; sets topics_complete.
-std::vector<std::string> topics_of_interest(const MeetingScene& scene);
+std::vector<TopicOfInterest> topics_of_interest(const MeetingScene& scene);
 /// Both directions of one topic; who asked for it by name is told who refuses it.
-void meet_on_topic(const MeetingScene& scene, const std::string& topic);
+void meet_on_topic(const MeetingScene& scene, const TopicOfInterest& topic);
 
 /// The elements that must be equal for participants.
 std::vector<Difference> differences(const DomainRule& a, const DomainRule& b);

@@ -253,6 +253,12 @@ void note_partitions(const MeetingScene& scene, const TopicMeeting& topic) {
 }
 
 // Topics of expressions are examples: their names are made up.
+std::string subject_of(const TopicMeeting& topic) {
+  return topic.expression.empty()
+             ? fmt::format("topic \"{}\"", topic.topic)
+             : fmt::format("topics \"{}\" (e.g. \"{}\")", topic.expression, topic.topic);
+}
+
 std::string example_of_rule(const TopicMeeting& topic) {
   const auto& expression = topic.rules[1]->topic_expression;
   if (expression == topic.topic) return fmt::format("topic \"{}\"", topic.topic);
@@ -280,7 +286,7 @@ void report_obstacles(const MeetingScene& scene, const TopicMeeting& topic) {
   for (const auto& direction : topic.directions) {
     const auto& obstacle = direction.obstacle;
     if (obstacle.reason.empty() || !std::ranges::all_of(direction.steps, &Judgement::ok)) continue;
-    auto message = fmt::format("topic \"{}\": {}", topic.topic, obstacle.reason);
+    auto message = fmt::format("{}: {}", subject_of(topic), obstacle.reason);
     if (std::ranges::find(scene.out.findings, message, &Finding::message) ==
         scene.out.findings.end())
       scene.out.findings.push_back({.rule = obstacle.rule,
@@ -306,10 +312,10 @@ void note_unguarded(const MeetingScene& scene, const TopicMeeting& topic) {
     if (said) continue;
     scene.out.notes.push_back(
         {.rule = Rule::GOV043,
-         .message = fmt::format("topic \"{}\": access is controlled and nothing protects it; in a "
-                                "Cyclone DDS process ddssec's plugins refuse to make such an "
-                                "endpoint (1612)",
-                                topic.topic),
+         .message =
+             fmt::format("{}: access is controlled and nothing protects it; in a Cyclone DDS "
+                         "process ddssec's plugins refuse to make such an endpoint (1612)",
+                         subject_of(topic)),
          .document = document,
          .line = rule->line});
   }
@@ -327,6 +333,25 @@ void add_expressions(const MeetingScene& scene, int index, std::vector<RankedExp
     for (const auto* list : {&rule.publish, &rule.subscribe})
       for (const auto& criteria : *list)
         for (const auto& topic : criteria.topics) add(topic.text);
+}
+
+/// The characters that an expression fixes.
+std::size_t fixed_characters(std::string_view expression) {
+  const Pattern pattern(expression);
+  return static_cast<std::size_t>(
+      std::ranges::count(pattern.steps(), Pattern::Kind::character, &Pattern::Step::kind));
+}
+
+/// The expression that says most of the atom's names; empty if one of them is the name itself.
+/// `expressions`: each in a list of its own.
+std::string narrowest(const std::vector<RankedExpression>& expressions, const NameAtom& atom) {
+  std::string_view out;
+  for (const auto& match : atom.matches) {
+    const auto expression = expressions[match.list].expression;
+    if (Pattern(expression).is_literal()) return {};
+    if (out.empty() || fixed_characters(expression) > fixed_characters(out)) out = expression;
+  }
+  return std::string(out);
 }
 
 bool anybody_may(const MeetingScene& scene, const std::string& topic) {
@@ -367,12 +392,12 @@ std::string sentence(const MeetingScene& scene, const Difference& difference) {
   return fmt::format("<{}> is {} and {}", difference.element, side(0), side(1));
 }
 
-std::vector<std::string> topics_of_interest(const MeetingScene& scene) {
+std::vector<TopicOfInterest> topics_of_interest(const MeetingScene& scene) {
   std::vector<RankedExpression> expressions;
   for (const int i : kBoth) add_expressions(scene, i, expressions);
   const auto atoms = name_atoms(expressions);
   scene.out.topics_complete = atoms.has_value();
-  std::vector<std::string> out;
+  std::vector<TopicOfInterest> out;
   if (!atoms) return out;
   for (const auto& atom : *atoms) {
     if (!anybody_may(scene, atom.witness)) continue;
@@ -380,14 +405,15 @@ std::vector<std::string> topics_of_interest(const MeetingScene& scene) {
       scene.out.topics_complete = false;
       break;
     }
-    out.push_back(atom.witness);
+    out.push_back({atom.witness, narrowest(expressions, atom)});
   }
   return out;
 }
 
-void meet_on_topic(const MeetingScene& scene, const std::string& topic) {
-  TopicMeeting out{.topic = topic, .directions = {}, .rules = {}};
-  for (const int i : kBoth) out.rules[i] = topic_rule(scene.out.rules[i], topic);
+void meet_on_topic(const MeetingScene& scene, const TopicOfInterest& topic) {
+  TopicMeeting out{
+      .topic = topic.name, .expression = topic.expression, .directions = {}, .rules = {}};
+  for (const int i : kBoth) out.rules[i] = topic_rule(scene.out.rules[i], topic.name);
   for (const int i : kBoth) out.directions[i] = meet_in_direction(scene, out, i);
   if (scene.named) report_refusals(scene, out);
   report_differences(scene, out);

@@ -81,6 +81,21 @@ class Check(WithoutLists):
         self.assertIn("talker, locally: allowed: grant \"participant\" rule 1 (allow) publish "
                       "\"Square\" (permissions.p7s:", done.stdout)
 
+    def test_topics_of_an_expression_are_shown_by_it(self):
+        """A name that only stands for an expression is in neither document."""
+        self.talker.sign("permissions", permissions(grant("CN=talker", allow("*"))))
+        self.listener.sign("permissions", permissions(grant("CN=listener", allow("rt/*") + allow("Square"))))
+        told = self.run_program("check", "talker", "listener", "--explain").stdout
+        self.assertEqual([line for line in told.splitlines() if line.startswith("topic")],
+                         ["topics * (e.g. a)", "topics rt/* (e.g. rt/)", "topic Square"])
+        self.assertIn("  talker publishes to listener: rt/* (e.g. rt/), Square\n", told)
+        self.assertIn("  not on * (e.g. a): listener may not subscribe to it: ", told)
+        topics = self.check(exit=0)["result"]["topics"]
+        self.assertEqual([(topic["name"], topic["expression"]) for topic in topics],
+                         [("a", "*"), ("rt/", "rt/*"), ("Square", None)])
+        named = self.check("--topics", "a", exit=1)["result"]["topics"]
+        self.assertEqual([(topic["name"], topic["expression"]) for topic in named], [("a", None)])
+
     def test_what_is_required_of_topics(self):
         self.check(exit=0)
         self.check("--topics", "Square,Circle", exit=1)
@@ -480,6 +495,11 @@ class Check(WithoutLists):
         told = [d for d in self.check(exit=0)["diagnostics"] if d["id"] == "GOV043"]
         self.assertEqual(len(told), 2)  # one for each governance document
         self.assertIn("refuse to make such an endpoint (1612)", told[0]["message"])
+        self.assertTrue(told[0]["message"].startswith('topic "Square": '), told)
+        for one in (self.talker, self.listener):
+            one.sign("permissions", permissions(grant(one.subject, allow("*"))))
+        told = [d["message"] for d in self.check(exit=0)["diagnostics"] if d["id"] == "GOV043"]
+        self.assertTrue(told[0].startswith('topics "*" (e.g. "a"): access is controlled'), told)
         stock = self.check("--vendor", "cyclonedds", exit=0)["diagnostics"]
         self.assertNotIn("GOV043", [d["id"] for d in stock])
 

@@ -17,12 +17,11 @@ class MeetingTest : public Folders {
  protected:
   MeetingTest() : talker_(participant("talker")), listener_(participant("listener")) {}
 
-  Meeting meeting(std::vector<std::string> topics = {}, Vendor a = Vendor::ours,
+  Meeting meeting(const std::vector<std::string>& topics = {}, Vendor a = Vendor::ours,
                   Vendor b = Vendor::ours) const {
     const auto first = load_folder(talker_, kNow);
     const auto second = load_folder(listener_, kNow);
-    auto out =
-        meet({first, a, "talker"}, {second, b, "listener"}, {.now = kNow}, std::move(topics));
+    auto out = meet({first, a, "talker"}, {second, b, "listener"}, {.now = kNow}, topics);
     // They point into the folders.
     for (auto& rule : out.rules) rule = nullptr;
     return out;
