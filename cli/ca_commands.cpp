@@ -190,19 +190,18 @@ std::string key_words(const Json& key) {
 
 std::size_t revoked_count(const pki::IssueLog& log) { return log.revocations().size(); }
 
-Result<Report> ca_show(const Arguments& arguments, const Context& context) {
-  const auto role = DDSSEC_TRY(one_role(arguments));
-  DDSSEC_TRY(check_ca_folder(arguments.text("DIR"), role));
-  const auto paths = ca_paths(arguments.text("DIR"), role);
+// `role` null: the folder does not say which.
+Result<Report> show_one(const CaPaths& paths, const Json& role, WallTime now) {
   const auto certificate = DDSSEC_TRY(read_certificate(paths.certificate));
   const auto key = DDSSEC_TRY(describe_key(paths.key));
   const auto log = DDSSEC_TRY(read_issue_log(paths));
   const auto crl = DDSSEC_TRY(read_crl(paths.crl));
-  const auto left = std::max(certificate.not_after() - context.clock.now(), {});
+  const auto left = std::max(certificate.not_after() - now, {});
   const auto days_left =
       counted(static_cast<std::size_t>(std::chrono::floor<std::chrono::days>(left).count()), "day");
   Report report;
-  report.result = describe(certificate);
+  report.result = {{"role", role}};
+  report.result.update(describe(certificate));
   report.result["is_ca"] = certificate.is_ca();
   report.result["key"] = key;
   report.result["issued"] = log.issued().size();
@@ -225,6 +224,49 @@ Result<Report> ca_show(const Arguments& arguments, const Context& context) {
   if (certificate.is_ca()) return report;
   report.exit = Exit::no;
   report.errors.emplace_back(Code::not_a_ca, ErrorDetails{.document = paths.certificate});
+  return report;
+}
+
+// Then a folder is a CA's own, or one CA has both roles.
+bool is_one_ca(const fs::path& given) {
+  std::error_code ignored;
+  return fs::equivalent(ca_paths(given, "identity").certificate,
+                        ca_paths(given, "permissions").certificate, ignored);
+}
+
+// That of --role, or all that the folder has.
+Result<std::vector<std::string>> shown_roles(const Arguments& arguments) {
+  std::vector<std::string> out;
+  if (arguments.has("--role")) {
+    out.push_back(DDSSEC_TRY(one_role(arguments)));
+    return out;
+  }
+  const fs::path given = arguments.text("DIR");
+  for (const auto* role : {"identity", "permissions"})
+    if (check_ca_folder(given, role)) out.emplace_back(role);
+  if (out.empty() || is_one_ca(given)) out = {"identity"};
+  return out;
+}
+
+Result<Report> ca_show(const Arguments& arguments, const Context& context) {
+  const auto roles = DDSSEC_TRY(shown_roles(arguments));
+  const fs::path given = arguments.text("DIR");
+  Report report;
+  for (const auto& role : roles) {
+    DDSSEC_TRY(check_ca_folder(given, role));
+    auto one = DDSSEC_TRY(show_one(ca_paths(given, role), is_one_ca(given) ? Json() : Json(role),
+                                   context.clock.now()));
+    if (one.exit != Exit::done) report.exit = one.exit;
+    const auto title = roles.size() > 1 ? fmt::format("{} CA\n", role) : "";
+    report.text += fmt::format("{}{}{}", report.text.empty() ? "" : "\n", title, one.text);
+    report.errors.insert(report.errors.end(), one.errors.begin(), one.errors.end());
+    if (report.result.empty()) {
+      report.result = std::move(one.result);
+      report.result["others"] = Json::array();
+    } else {
+      report.result["others"].push_back(std::move(one.result));
+    }
+  }
   return report;
 }
 
@@ -325,7 +367,7 @@ std::vector<Command> ca_commands() {
            .name = "show",
            .summary = "Shows a CA's name, validity, how its key is kept and what it issued.",
            .positionals = {{"DIR", "the CA's folder, or one with both"}},
-           .options = {kOneRole},
+           .options = {{"--role", "ROLE", "identity or permissions; without it, both"}},
            .examples = {"ddssec ca show ca/identity", "ddssec ca show ca --role permissions"},
            .run = ca_show},
           {.group = "ca",

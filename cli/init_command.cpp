@@ -50,9 +50,12 @@ Result<std::vector<std::string>> names_of(const Arguments& arguments, pki::Folde
       if (!name.starts_with('/')) name = std::string("/").append(name);
       DDSSEC_TRY(check_enclave(name));
     } else {
-      DDSSEC_TRY(check_name(name));
+      DDSSEC_TRY(
+          check_name(name, "ddssec identity issue --subject gives a certificate any other name"));
       if (name == "ca")
-        return fail(Code::name_unusable, {.found = name, .note = "the CAs' folder has this name"});
+        return fail(Code::name_unusable, {.found = name,
+                                          .note = "the CAs' folder has this name",
+                                          .hint = "choose another name for the participant"});
     }
     if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), name) !=
         names.begin() + static_cast<std::ptrdiff_t>(i))

@@ -296,7 +296,7 @@ Result<std::vector<std::string>> read_topics(const fs::path& file) {
               {.document = file, .field = "--topics", .expected = "a topic on each line"});
 }
 
-Status check_name(std::string_view name) {
+Status check_name(std::string_view name, std::string_view any_other) {
   constexpr std::size_t kMost = 64;  // of a common name, X.520 ub-common-name
   const auto is_letter_or_digit = [](char c) {
     return ('a' <= c && c <= 'z') || ('A' <= c && c <= 'Z') || ('0' <= c && c <= '9');
@@ -307,7 +307,12 @@ Status check_name(std::string_view name) {
   if (!name.empty() && name.size() <= kMost && is_letter_or_digit(name[0]) &&
       std::ranges::all_of(name, is_fine))
     return {};
-  return fail(Code::name_unusable, {.found = '"' + std::string(name.substr(0, kMost)) + '"'});
+  ErrorDetails details{.found = '"' + std::string(name.substr(0, kMost)) + '"'};
+  if (!any_other.empty()) {
+    const auto hint = info(Code::name_unusable).hint;  // its last clause is about --subject
+    details.hint = fmt::format("{}; {}", hint.substr(0, hint.rfind("; ")), any_other);
+  }
+  return fail(Code::name_unusable, std::move(details));
 }
 
 std::string date(WallTime time) { return to_string(time).substr(0, 10); }

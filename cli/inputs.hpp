@@ -91,8 +91,9 @@ std::string folder_name(const std::filesystem::path& folder);
 /// those of read_file; usage if there is none.
 Result<std::vector<std::string>> read_topics(const std::filesystem::path& file);
 
-/// Success if `name` may name a participant's folder. Error: name_unusable.
-Status check_name(std::string_view name);
+/// Success if `name` may name a participant's folder. `any_other`: what gives a certificate any
+/// other name, for a command without --subject. Error: name_unusable.
+Status check_name(std::string_view name, std::string_view any_other = {});
 
 /// "2026-11-21".
 std::string date(WallTime time);

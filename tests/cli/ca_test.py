@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """ca create and ca show: two CAs, encrypted, complete or not there."""
 
+import shutil
 import signal
 import subprocess
 import time
@@ -39,6 +40,28 @@ class Ca(Transcript):
         out = self.json("ca", "show", "ca")["result"]
         self.assertEqual((out["subject"], out["algorithm"], out["key"]),
                          ("CN=Plant CA,O=Example", "RSA-2048", {"encrypted": True, "mode": "0600"}))
+
+    def test_both_cas_of_a_folder_are_shown(self):
+        self.run_program("init", "demo", *NOW)
+        for folder in ("demo", "demo/ca"):
+            text = self.run_program("ca", "show", folder, *NOW).stdout
+            self.assertRegex(text, r"^identity CA\nsubject  CN=demo Identity CA\n(.+\n)+"
+                                   r"\npermissions CA\nsubject  CN=demo Permissions CA\n(.+\n)+$")
+            out = self.json("ca", "show", folder, *NOW)["result"]
+            self.assertEqual((out["role"], out["subject"], [(one["role"], one["subject"]) for one in out["others"]]),
+                             ("identity", "CN=demo Identity CA", [("permissions", "CN=demo Permissions CA")]))
+            one = self.json("ca", "show", folder, "--role", "permissions", *NOW)["result"]
+            self.assertEqual((one["subject"], one["others"]), ("CN=demo Permissions CA", []))
+        shutil.rmtree(self.at / "demo/ca/identity")
+        self.assertEqual(self.json("ca", "show", "demo/ca", *NOW)["result"]["role"], "permissions")
+
+    def test_a_cas_own_folder_does_not_say_its_role(self):
+        self.create()
+        for role, words in (("Identity", ()), ("Permissions", ()), ("Permissions", ("--role", "identity"))):
+            folder = f"ca/{role.lower()}"
+            self.assertTrue(self.run_program("ca", "show", folder, *words).stdout.startswith(f"subject  CN=ca {role} CA\n"))
+            out = self.json("ca", "show", folder, *words)["result"]
+            self.assertEqual((out["role"], out["others"]), (None, []))
 
     def test_unencrypted_keys_need_a_flag_and_are_told(self):
         text = self.run_program("ca", "create", "ca", "--no-passphrase").stdout

@@ -107,8 +107,9 @@ class Hostile(Transcript):
             self.assertEqual(told["file"], "fleet.toml")
         for name in (r"a\u0000b", r"../a", r"a/b", r"/etc/a", r"..", r".", r"a\nb", r"\u202ea"):
             (self.at / "fleet.toml").write_text(f'[[participant]]\nname = "{name}"\n')
-            self.refused("name_unusable", 2, "identity", "issue", "--from", "fleet.toml", "--ca", "ca",
-                         "-o", "out", *NOW)
+            told = self.refused("name_unusable", 2, "identity", "issue", "--from", "fleet.toml", "--ca", "ca",
+                                "-o", "out", *NOW)
+            self.assertIn('; subject = "CN=..." gives the certificate any other name', told["hint"])
         fleet(r'subject = "CN=a\u0000b"', "subject_name_malformed", 2)
         fleet(r'publish = ["a\u0000b"]', "xml_control_character")
         (self.at / "fleet.toml").write_text('[[participant]]\nname = "b"\npermissions = "a\\u0000b"\n')

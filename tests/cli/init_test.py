@@ -128,7 +128,9 @@ class Init(Transcript):
         self.init()
         self.refused("would_overwrite", 4, "init", "demo")
         for name in ("../x", "a/b", "", "ca"):
-            self.refused("name_unusable", 2, "init", "x", "--participant", name)
+            told = self.refused("name_unusable", 2, "init", "x", "--participant", name)
+            self.assertNotRegex(told["hint"], r"; --subject", "init has no such option")
+            self.assertIn("choose another name" if name == "ca" else "identity issue --subject", told["hint"])
         for name in ("/", "/a/../b", "/9a", "//a", "/a/"):
             if name != "/":
                 self.refused("enclave_name_unusable", 2, "init", "x", "--layout", "sros2",
