@@ -8,6 +8,7 @@
 #include "base/finding.hpp"
 #include "base/text.hpp"
 #include "cli/explain_examples.hpp"
+#include "cli/explain_severities.hpp"
 #include "cli/groups.hpp"
 
 namespace ddssec::cli {
@@ -40,13 +41,39 @@ std::optional<Row> find(const std::string& wanted) {
   return std::nullopt;
 }
 
+// `names`: with blanks between them.
+bool is_among(std::string_view name, std::string_view names) {
+  return std::ranges::any_of(std::views::split(names, ' '), [&](const auto& part) {
+    return std::string_view(part.begin(), part.end()) == name;
+  });
+}
+
 std::vector<std::string_view> examples_of(std::string_view name) {
   std::vector<std::string_view> out;
   for (const auto& example : explain_examples())
-    if (std::ranges::any_of(std::views::split(example.names, ' '), [&](const auto& part) {
-          return std::string_view(part.begin(), part.end()) == name;
-        }))
-      out.push_back(example.line);
+    if (is_among(name, example.names)) out.push_back(example.line);
+  return out;
+}
+
+// As logs show that of a code, and lint and doctor that of a rule.
+std::string_view severity_of(const Row& row) {
+  return row.number == 0 ? severity_word(row.severity) : to_string(row.severity);
+}
+
+// "error; note where --vendor does not name the products".
+std::string severities_of(const Row& row) {
+  std::string out(severity_of(row));
+  for (const auto& other : other_severities())
+    if (is_among(row.name, other.names))
+      out += fmt::format("; {} {}", severity_word(other.severity), other.when);
+  return out;
+}
+
+Json other_severities_of(const Row& row) {
+  Json out = Json::array();
+  for (const auto& other : other_severities())
+    if (is_among(row.name, other.names))
+      out.push_back({{"severity", severity_word(other.severity)}, {"when", other.when}});
   return out;
 }
 
@@ -56,11 +83,12 @@ Report about(const Row& row) {
   const bool is_rule = row.number == 0;
   report.text =
       fmt::format("{}{} ({})\n  {}{}\n  {}{}\n", row.name,
-                  is_rule ? "" : fmt::format(" {}", row.number), to_string(row.severity),
+                  is_rule ? "" : fmt::format(" {}", row.number), severities_of(row),
                   is_rule ? "checks: " : "", row.summary, is_rule ? "if it fails: " : "", row.hint);
   report.result = {{"name", row.name}};
   if (!is_rule) report.result["number"] = row.number;
-  report.result["severity"] = to_string(row.severity);
+  report.result["severity"] = severity_of(row);
+  report.result["other_severities"] = other_severities_of(row);
   report.result["summary"] = row.summary;
   report.result["hint"] = row.hint;
   report.result["examples"] = Json::array();
@@ -96,7 +124,7 @@ Report list_of(const std::vector<Row>& rows) {
   for (const auto& row : rows) {
     Json entry = {{"name", row.name}};
     if (row.number != 0) entry["number"] = row.number;
-    entry["severity"] = to_string(row.severity);
+    entry["severity"] = severity_of(row);
     entry["summary"] = row.summary;
     report.result["matches"].push_back(std::move(entry));
     if (report.result["matches"].size() <= kMost)

@@ -52,11 +52,11 @@ Result<ParticipantSpec> spec_of(const Arguments& arguments, WallTime now) {
   DDSSEC_TRY(check_name(spec.name));
   spec.subject = arguments.has("--subject") ? arguments.text("--subject") : "CN=" + spec.name;
   if (arguments.has("--partition") && !spec.has_permissions())
-    return fail(Code::usage, {.field = "--partition", .note = "there is nothing that it is for"});
+    return fail(Code::usage, {.field = "--partition", .note = "it needs --publish or --subscribe"});
   if (!arguments.has("--permissions")) return spec;
   if (spec.has_permissions())
     return fail(Code::usage,
-                {.field = "--permissions", .note = "it excludes --publish and --subscribe"});
+                {.field = "--permissions", .note = "not together with --publish or --subscribe"});
   spec.permissions =
       DDSSEC_TRY(read_file(arguments.text("--permissions"), pki::kMostDocumentOctets));
   return spec;
@@ -132,7 +132,8 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
   const auto now = context.clock.now();
   for (const auto* option : {"--subject", "--permissions"})
     if (arguments.has(option))
-      return fail(Code::usage, {.field = option, .note = "with --from it is said in the file"});
+      return fail(Code::usage,
+                  {.field = option, .note = "not together with --from: write it in the file"});
   const fs::path from = arguments.text("--from");
   const fs::path target = arguments.text("-o");
   auto specs = DDSSEC_TRY(read_fleet(from, DDSSEC_TRY(common_spec(arguments, now)), now));

@@ -59,7 +59,8 @@ Result<std::vector<std::string>> names_of(const Arguments& arguments, pki::Folde
     }
     if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), name) !=
         names.begin() + static_cast<std::ptrdiff_t>(i))
-      return fail(Code::usage, {.field = "--participant", .note = "\"" + name + "\" twice"});
+      return fail(Code::usage,
+                  {.field = "--participant", .note = "\"" + name + "\" is given twice"});
   }
   return names;
 }

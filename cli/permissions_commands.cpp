@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 Result<governance::Rights> rights_from(const Arguments& arguments) {
   if (arguments.has("--partition") && !arguments.has("--publish") && !arguments.has("--subscribe"))
-    return fail(Code::usage, {.field = "--partition", .note = "there is nothing that it is for"});
+    return fail(Code::usage, {.field = "--partition", .note = "it needs --publish or --subscribe"});
   governance::Rights out;
   out.domains = DDSSEC_TRY(domain_ranges(arguments, "--domain"));
   out.publish = DDSSEC_TRY(topics_of(arguments, "--publish"));
@@ -36,7 +36,7 @@ Result<governance::Rights> rights_from(const Arguments& arguments) {
 Result<governance::Validity> life(const Arguments& arguments, const pki::Certificate& certificate,
                                   WallTime now) {
   if (arguments.has("--days") && arguments.has("--not-after"))
-    return fail(Code::usage, {.field = "--days", .note = "it excludes --not-after"});
+    return fail(Code::usage, {.field = "--days", .note = "not together with --not-after"});
   governance::Validity out{certificate.not_before(), certificate.not_after()};
   if (arguments.has("--days")) {
     const auto days = DDSSEC_TRY(validity(arguments, now));

@@ -51,12 +51,27 @@ struct Diagnostic {
   std::vector<std::string> vendors;
 };
 
+// What is wrong with a command line is in the details; the code's summary adds nothing to them.
+std::string message_of(const Error& error) {
+  const auto& details = error.details();
+  if (error.code() != Code::usage) return error.message();
+  std::string out;
+  const auto add = [&](std::string_view before, std::string_view text) {
+    if (!text.empty())
+      out += fmt::format("{}{}{}", out.empty() ? "" : before.empty() ? "; " : ", ", before, text);
+  };
+  add("expected ", details.expected);
+  add("found ", details.found);
+  add("", details.note);
+  return out.empty() ? error.message() : out;
+}
+
 Diagnostic diagnostic(const Error& error, const std::string& help_on) {
   const auto& row = info(error.code());
   const auto& details = error.details();
   const auto message = details.field.empty()
-                           ? error.message()
-                           : fmt::format("{}: {}", details.field, error.message());
+                           ? message_of(error)
+                           : fmt::format("{}: {}", details.field, message_of(error));
   return {
       row.name, row.severity, message, details.document, details.line, {}, hint_of(error, help_on),
       {}};
@@ -79,12 +94,6 @@ std::vector<Diagnostic> diagnostics_of(const Report& report) {
   for (const auto& error : report.errors) out.push_back(diagnostic(error, report.help_on));
   for (const auto& finding : report.findings) out.push_back(diagnostic(finding));
   return out;
-}
-
-// Tools that read diagnostics know three words.
-std::string_view severity_word(Severity severity) {
-  if (severity >= Severity::error) return "error";
-  return severity == Severity::warning ? "warning" : "note";
 }
 
 // Bold red, yellow or cyan.
@@ -133,6 +142,12 @@ Json to_array(const std::vector<T>& values) {
 }
 
 }  // namespace
+
+// Tools that read diagnostics know three words.
+std::string_view severity_word(Severity severity) {
+  if (severity >= Severity::error) return "error";
+  return severity == Severity::warning ? "warning" : "note";
+}
 
 Exit exit_of(Code code) {
   switch (code) {

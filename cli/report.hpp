@@ -47,6 +47,9 @@ struct Report {
   std::string help_on = {};  ///< the command or group of the command line, for the hint of `usage`
 };
 
+/// As diagnostics show it: "error", "warning" or "note".
+std::string_view severity_word(Severity severity);
+
 /// The report of a command that failed.
 Report report_of(const Error& error);
 

@@ -140,6 +140,14 @@ class Contract(Transcript):
             self.assertEqual(self.json("explain", spelling)["result"], by_name)
         self.assertEqual(self.json("explain", "doc080")["result"], self.json("explain", "DOC080")["result"])
 
+    def test_explain_names_every_severity_of_a_rule(self):
+        """transcript.py holds every finding of every test against it."""
+        self.assertTrue(self.run_program("explain", "DOC083").stdout.startswith(
+            "DOC083 (error; note where --vendor does not name the products)\n"))
+        told = self.json("explain", "DOC083")["result"]
+        self.assertEqual((told["severity"], [one["severity"] for one in told["other_severities"]]), ("error", ["note"]))
+        self.assertTrue(self.run_program("explain", "DOC089").stdout.startswith("DOC089 (warning)\n"))
+
     def test_explain_helps_with_a_part_of_a_name_or_number(self):
         told = self.json("explain", "124")["result"]["matches"]
         self.assertEqual({m["number"] // 10 for m in told}, {124})

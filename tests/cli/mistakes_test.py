@@ -113,6 +113,19 @@ class Mistakes(Transcript):
         told = self.answer("passphrase_unusable", 4, "ca", "create", "c", "--passphrase-env", "DDSSEC_NO_SUCH_NAME")
         self.assertIn("the environment variable DDSSEC_NO_SUCH_NAME is not set", told)
 
+    def test_a_wrong_command_line_is_told_what_is_wrong_with_it(self):
+        for words, told in (
+                (("frobnicate",), '"frobnicate" is unknown here'),
+                ((), "no command is given"),
+                (("init",), "missing argument DIR; for example: ddssec init demo"),
+                (("init", "x", "--layout", "round"), "--layout: expected flat or sros2, found round"),
+                (("ca", "create", "x", "--subject", "CN=x"), "--subject: two CAs need two names"),
+                (("permissions", "new", "--cert", "demo/talker", "-o", "p.xml", "--partition", "a"),
+                 "--partition: it needs --publish or --subscribe"),
+                (("identity", "issue", "x", "--ca", "demo", "-o", "x", "--days", "soon"), "--days: expected a number from 1 to 36500, found")):
+            done = self.run_program(*words, exit=2)
+            self.assertTrue(done.stderr.startswith(f"error[usage]: {told}"), done.stderr)
+
     def test_times_may_be_dates_and_distances(self):
         shown = self.run_program("doctor", "demo/talker", "--now", "2031-02-03", exit=1).stderr
         self.assertIn("now it is 2031-02-03T00:00:00Z", shown)

@@ -1,6 +1,7 @@
 """Runs the ddssec program and looks at everything it did: output, exit code, files."""
 
 import atexit
+import functools
 import json
 import os
 import pathlib
@@ -29,6 +30,16 @@ for name in ("libddsc.so.0.10.2", "libfastrtps.so.2.9.1"):
 def library_path():
     """With libraries, empty ones, whose names say which versions are installed, whatever this machine has."""
     return ":".join(filter(None, (LIBRARIES.name, os.environ.get("LD_LIBRARY_PATH"))))
+
+
+@functools.cache
+def severities_of(name):
+    """What `explain` says of a rule; of a code, whose severity is that of logs, the word that diagnostics have."""
+    done = subprocess.run([PROGRAM, "explain", name, "--format", "json"], text=True, capture_output=True, timeout=60,
+                          check=True)
+    told = json.loads(done.stdout)["result"]
+    words = {"critical": "error", "informational": "note", "debug": "note"}
+    return [words.get(one["severity"], one["severity"]) for one in (told, *told["other_severities"])]
 
 
 class Transcript(unittest.TestCase):
@@ -62,6 +73,8 @@ class Transcript(unittest.TestCase):
         wrong = jsonschema.exceptions.best_match(ANSWERS.iter_errors(out))
         self.assertIsNone(wrong, f"{words} against cli/schema: {wrong}")
         self.assertEqual([key for key in out if key != "dry_run"], ENVELOPE)
+        for one in out["diagnostics"]:
+            self.assertIn(one["severity"], severities_of(one["id"]), f"{words}: explain {one['id']} says otherwise")
         self.assertEqual((out["schema"], out["exit"], out["ok"]),
                          ("ddssec/1", done.returncode, done.returncode == 0))
         return out
@@ -85,6 +98,7 @@ class Transcript(unittest.TestCase):
         self.assertRegex(done.stderr, rf"^error\[{code}\]: .*\n(  --> .*\n)?  hint: .+\n$")
         out = self.json(*words, exit=exit, **more)
         self.assertEqual([d["id"] for d in out["diagnostics"]], [code])
+        self.assertNotIn("invalid or missing argument", done.stderr, "it does not say what is wrong")
         self.assertEqual(self.files(), before)
         return out["diagnostics"][0]
 

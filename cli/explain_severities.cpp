@@ -1,0 +1,32 @@
+#include "cli/explain_severities.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+constexpr auto note = Severity::informational;
+using enum Severity;
+
+constexpr OtherSeverity kOthers[] = {
+    {"DOC023", warning, "where the list is missing or the CA has a newer one"},
+    {"DOC037 DOC055", error, "where a product refuses the document"},
+    {"DOC050", warning, "for an enclave that is being made"},
+    {"DOC083", note, "where --vendor does not name the products"},
+    {"DOC091", warning, "where the keys can be used all the same"},
+    {"DOC094", error, "where --vendor names two versions that do not find each other"},
+    {"GOV010", warning, "where the rules before it protect alike"},
+    {"GOV012 PERM013", note, "where Cyclone DDS and Fast DDS agree"},
+    {"PERM002", error, "where the grant is over or never valid"},
+    {"PERM002", note, "for a fraction of a second"},
+    {"PERM010", warning, "for a grant that follows the other in time"},
+    {"PERM011", error, "where the name is not the certificate's"},
+    {"PERM012", error, "where the rule denies"},
+    {"PERM012", note, "where the rule repeats others"},
+    {"PERM014", note, "for relay elements"},
+    {"PERM034", warning, "for a topic of an enclave that no ROS 2 node uses"},
+};
+
+}  // namespace
+
+std::span<const OtherSeverity> other_severities() { return kOthers; }
+
+}  // namespace ddssec::cli
