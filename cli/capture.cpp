@@ -36,10 +36,6 @@ std::unexpected<Error> unreadable(const std::string& what, std::string note) {
   return fail(Code::capture_unreadable, {.document = what, .note = std::move(note)});
 }
 
-std::unexpected<Error> unwritable(const std::string& file, std::string note) {
-  return fail(Code::file_unwritable, {.document = file, .note = std::move(note)});
-}
-
 }  // namespace
 
 struct Capture::Impl {
@@ -80,21 +76,17 @@ int Capture::link() const { return pcap_datalink(impl_->pcap.get()); }
 // Never over a file that is there.
 Status Capture::save_to(const std::string& file) {
   impl_->file = file;
-  std::error_code ignored;
-  if (writes_nothing()) {
-    if (fs::symlink_status(file, ignored).type() == fs::file_type::not_found) return {};
-    return fail(Code::would_overwrite, {.document = file});
-  }
+  if (writes_nothing()) return check_nothing_at(file);
   const int number =
       ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, kMode);
   const int error = errno;
   if (number < 0 && error == EEXIST) return fail(Code::would_overwrite, {.document = file});
   auto* stream = number < 0 ? nullptr : ::fdopen(number, "w");
-  if (stream == nullptr) return unwritable(file, std::generic_category().message(error));
+  if (stream == nullptr) return unwritable(file, error);
   impl_->dump.reset(pcap_dump_fopen(impl_->pcap.get(), stream));
   if (impl_->dump) return {};
   std::fclose(stream);
-  return unwritable(file, pcap_geterr(impl_->pcap.get()));
+  return fail(Code::file_unwritable, {.document = file, .note = pcap_geterr(impl_->pcap.get())});
 }
 
 Result<WrittenFile> Capture::saved() {
@@ -105,7 +97,7 @@ Result<WrittenFile> Capture::saved() {
   impl_->dump.reset();
   if (!whole) {
     std::remove(impl_->file.c_str());
-    return unwritable(impl_->file, std::generic_category().message(error));
+    return unwritable(impl_->file, error);
   }
   out.sha256 =
       to_hex(sha256(DDSSEC_TRY(read_file(impl_->file, std::numeric_limits<std::size_t>::max()))));

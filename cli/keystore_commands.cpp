@@ -210,8 +210,9 @@ Result<Report> keystore_enclave(const Arguments& arguments, const Context& conte
   if (is_there(target / "cert.pem"))
     return fail(Code::would_overwrite,
                 {.document = target,
-                 .note = "the enclave exists: ddssec keystore permission gives it other rights; to "
-                         "issue it again with a new key, remove its folder first"});
+                 .note = "the enclave exists",
+                 .hint = "ddssec keystore permission gives it other rights; to issue it again with "
+                         "a new key, remove its folder first"});
   auto folder = DDSSEC_TRY(new_enclave(keystore, target));
   CaOpener opener(arguments);
   const auto identity = DDSSEC_TRY(opener.open(ca_paths(keystore, "identity")));

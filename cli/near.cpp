@@ -9,6 +9,7 @@
 #include "cli/ca_folder.hpp"
 #include "cli/inputs.hpp"
 #include "cli/keystore.hpp"
+#include "cli/suggestions.hpp"
 #include "pki/participant_folder.hpp"
 #include "pki/source.hpp"
 
@@ -150,6 +151,22 @@ std::string participants_near(const fs::path& missing) {
   const auto name = without_slash(missing).filename();
   return listed("participants here: ",
                 Search(is_participant).around(nearest_folder(missing), name));
+}
+
+std::string about_missing(const fs::path& missing) {
+  const auto plain = without_slash(missing);
+  const auto folder = plain.has_parent_path() ? plain.parent_path() : fs::path(".");
+  std::error_code error;
+  if (!fs::exists(folder, error))
+    return fmt::format("the folder {} does not exist", folder.string());
+  std::vector<std::string> names;
+  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    if (names.size() == kMostInFolder) break;
+    names.push_back(at->path().filename().string());
+  }
+  const auto name = nearest(plain.filename().string(), names);
+  if (name.empty()) return {};
+  return fmt::format("is {} meant?", (plain.parent_path() / name).string());
 }
 
 Status check_participant_folder(const fs::path& given) {

@@ -22,6 +22,10 @@ Result<pki::Certificate> certificate_of(const std::filesystem::path& given);
 /// any.
 std::string participants_near(const std::filesystem::path& missing);
 
+/// What may be wrong with the path of a file that is not there: its folder is missing, or the name
+/// is close to that of another file. Empty if neither.
+std::string about_missing(const std::filesystem::path& missing);
+
 /// Success unless `given` is the folder of a CA or of participants, where the files of one more
 /// participant, `name`, do not belong. Error: would_overwrite.
 Status check_not_above_participants(const std::filesystem::path& given, std::string_view name);

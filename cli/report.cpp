@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "cli/near.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -30,6 +31,10 @@ std::string_view hint_of(Code code) {
 }
 
 std::string hint_of(const Error& error, const std::string& help_on) {
+  const auto& details = error.details();
+  if (error.code() == Code::file_not_found && details.hint.empty())
+    if (const auto words = about_missing(details.document); !words.empty())
+      return fmt::format("{}: {}", hint_of(error.code()), words);
   const auto own = hint_of(error.code());
   if (!error.details().hint.empty() || own.empty()) {
     const bool is_general = error.code() == Code::usage && error.details().hint.empty();

@@ -22,9 +22,8 @@ namespace fs = std::filesystem;
 volatile std::sig_atomic_t interrupted_by = 0;
 void remember(int signal) { interrupted_by = signal; }
 
-std::unexpected<Error> unwritable(const fs::path& path, int error) {
-  return fail(Code::file_unwritable,
-              {.document = path, .note = std::generic_category().message(error)});
+fs::path folder_of(const fs::path& target) {
+  return target.has_parent_path() ? target.parent_path() : fs::path(".");
 }
 
 std::unexpected<Error> rename_failed(const fs::path& target, int error) {
@@ -33,15 +32,35 @@ std::unexpected<Error> rename_failed(const fs::path& target, int error) {
   return unwritable(target, error);
 }
 
-// Success if there is nothing, not even a dangling link.
+}  // namespace
+
+std::unexpected<Error> unwritable(const fs::path& path, int error) {
+  const auto folder = folder_of(path);
+  std::error_code ignored;
+  ErrorDetails details{.document = path, .note = std::generic_category().message(error)};
+  if (error == ENOENT && !fs::exists(folder, ignored)) {
+    details.note = fmt::format("the folder {} does not exist", folder.string());
+    details.hint =
+        fmt::format("make it first: mkdir -p {}; or choose another place", folder.string());
+  } else if (error == ENOTDIR) {
+    details.note = fmt::format("{} is not a folder", folder.string());
+    details.hint = "choose a place in a folder";
+  }
+  return fail(Code::file_unwritable, std::move(details));
+}
+
 Status check_nothing_at(const fs::path& path) {
   std::error_code error;
   const auto type = fs::symlink_status(path, error).type();
-  if (type == fs::file_type::not_found) return {};
+  if (error == std::errc::not_a_directory) return unwritable(path, ENOTDIR);
+  if (type == fs::file_type::not_found)
+    return fs::exists(folder_of(path), error) ? Status() : unwritable(path, ENOENT);
   // A name that is too long, a folder that may not be entered.
   if (type == fs::file_type::none) return unwritable(path, error.value());
   return fail(Code::would_overwrite, {.document = path});
 }
+
+namespace {
 
 bool dry_run = false;
 
@@ -223,14 +242,6 @@ NewFolder::NewFolder(NewFolder&& other) noexcept
       staging_(std::exchange(other.staging_, {})),
       drafts_(std::move(other.drafts_)),
       files_(std::move(other.files_)) {}
-
-namespace {
-
-fs::path folder_of(const fs::path& target) {
-  return target.has_parent_path() ? target.parent_path() : fs::path(".");
-}
-
-}  // namespace
 
 Status Replacement::put(const fs::path& target, BytesView octets, unsigned mode, Links links) {
   std::error_code error;

@@ -23,6 +23,13 @@ void write_nothing();
 /// True after write_nothing().
 bool writes_nothing();
 
+/// The error for a path that cannot be written, by its errno: file_unwritable, which says so where
+/// the folder for it is missing.
+std::unexpected<Error> unwritable(const std::filesystem::path& path, int error);
+/// Success if there is nothing at the path, not even a dangling link, and a folder for it. Errors:
+/// would_overwrite, file_unwritable.
+Status check_nothing_at(const std::filesystem::path& path);
+
 /// One folder that a command makes. It grows beside its final place, under a name of its own and
 /// readable by the owner only, and gets its name by one rename when it is complete and on the disk;
 /// a folder that is not committed is removed. Symbolic links are not followed at the target.

@@ -152,6 +152,28 @@ class Mistakes(Transcript):
         self.assertIn("name the keystore: ks", told)
         self.assertIn("expected a keystore", self.answer("file_not_found", 3, "keystore", "list", "keystore"))
 
+    def test_a_folder_that_is_missing_is_named_with_the_way_to_make_it(self):
+        (self.at / "plain").write_text("")
+        sign = ("governance", "sign", "demo/governance.xml", "--ca", "demo")
+        for words in (("init", "x/y/z"), ("init", "x/y/z", "--dry-run"), ("ca", "create", "x/y/ca", "--no-passphrase"),
+                      ("identity", "issue", "b", "--ca", "demo", "-o", "x/y/b"), ("governance", "new", "-o", "x/y/g.xml"),
+                      (*sign, "-o", "x/y/g.p7s"), ("keystore", "create", "x/y/ks", "--no-passphrase"),
+                      ("permissions", "new", "--cert", "demo/talker", "-o", "x/y/p.xml", "--publish", "a"),
+                      ("identity", "csr", "b", "-o", "x/y/b")):
+            self.assertIn("the folder x/y does not exist | make it first: mkdir -p x/y; or choose another place",
+                          self.answer("file_unwritable", 5, *words), words)
+        for words in (("init", "plain/z"), ("governance", "new", "-o", "plain/g.xml"), ("init", "plain/z", "--dry-run")):
+            self.assertIn("plain is not a folder | choose a place in a folder",
+                          self.answer("file_unwritable", 5, *words), words)
+
+    def test_a_file_that_is_missing_is_told_with_what_may_be_meant(self):
+        for words in (("governance", "lint"), ("governance", "show"), ("permissions", "lint"), ("governance", "sign", "--ca", "demo"),
+                      ("permissions", "sign", "--ca", "demo"), ("identity", "sign-csr", "--ca", "demo", "-o", "x.pem")):
+            self.assertIn("the folder dem does not exist", self.answer("file_not_found", 3, *words, "dem/g.xml"), words)
+            self.assertIn("is demo/governance.xml meant?",
+                          self.answer("file_not_found", 3, *words, "demo/govrnance.xml"), words)
+            self.assertTrue(self.answer("file_not_found", 3, *words, "demo/elsewhere.txt").endswith("| check the path"))
+
     def test_looking_around_is_bounded_and_follows_no_link(self):
         many = self.at / "many"
         for i in range(3000):
