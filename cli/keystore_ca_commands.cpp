@@ -17,8 +17,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Upstream links both roles to one CA.
-bool has_one_ca(const fs::path& keystore) {
+// Upstream links both roles to one CA. Of a killed command the keys may be there and the rest not:
+// that is finished first.
+Result<bool> has_one_ca(const fs::path& keystore) {
+  DDSSEC_TRY(finish_interrupted(keystore / "private"));
   std::error_code ignored;
   return fs::equivalent(keystore / "private/identity_ca.key.pem",
                         keystore / "private/permissions_ca.key.pem", ignored);
@@ -85,7 +87,7 @@ Result<Report> new_identity_ca(const fs::path& keystore, const Arguments& argume
 Result<Report> keystore_split_ca(const Arguments& arguments, const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
   DDSSEC_TRY(check_keystore(keystore));
-  if (!has_one_ca(keystore)) {
+  if (!DDSSEC_TRY(has_one_ca(keystore))) {
     const auto ca = DDSSEC_TRY(read_certificate(ca_paths(keystore, "permissions").certificate));
     auto report = report_of(keystore, "permissions", ca, {});
     report.text = fmt::format("{}  has two CAs already\n", keystore.string());
@@ -103,7 +105,7 @@ Result<Report> keystore_rotate(const Arguments& arguments, const Context& contex
                               .note = "without a folder public it is no keystore of ROS 2; for a "
                                       "CA of ca create or init it is: ddssec ca rotate"});
   DDSSEC_TRY(check_keystore(keystore));
-  if (has_one_ca(keystore))
+  if (DDSSEC_TRY(has_one_ca(keystore)))
     return fail(Code::usage, {.field = "KEYSTORE",
                               .note = "it has one CA for both: ddssec keystore split-ca first"});
   if (role == "identity") return new_identity_ca(keystore, arguments, context);

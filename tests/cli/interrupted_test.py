@@ -10,7 +10,8 @@ import subprocess
 import unittest
 import xml.etree.ElementTree
 
-from transcript import PROGRAM, Transcript, main
+from sros2_keystore import make_keystore
+from transcript import PROGRAM, Transcript, library_path, main
 
 NOW = ("--now", "2026-11-21T00:00:00Z")
 LIBRARY = PROGRAM.parent.parent / "lib/kill_at.so"
@@ -46,10 +47,15 @@ class Interrupted(Transcript):
         files = {str(p.relative_to(self.at)): p for p in self.at.rglob("*") if p.is_file()}
         return {name: p.read_bytes() for name, p in files.items() if not DRAFT.search(name)}
 
+    def run_until(self, number, words):
+        """Killed before that call; 0: not at all."""
+        return subprocess.run([PROGRAM, *words, *NOW], cwd=self.at, capture_output=True, timeout=60, check=False,
+                              stdin=subprocess.DEVNULL, text=True,
+                              env={**os.environ, "LD_LIBRARY_PATH": library_path(), "LD_PRELOAD": str(LIBRARY),
+                                   "KILL_AT": str(number)})
+
     def kill_at(self, number, words):
-        done = subprocess.run([PROGRAM, *words, *NOW], cwd=self.at, capture_output=True, timeout=60, check=False,
-                              stdin=subprocess.DEVNULL,
-                              env={**os.environ, "LD_PRELOAD": str(LIBRARY), "KILL_AT": str(number)})
+        done = self.run_until(number, words)
         self.assertIn(done.returncode, (0, -9), f"{words} at {number}: {done.stderr}")
         return done.returncode != 0
 
@@ -70,15 +76,15 @@ class Interrupted(Transcript):
                     if before.get(name) != octets:
                         self.assertTrue(is_whole(name, octets), f"{words} at {number}: {name} is cut short")
                 if killed:
-                    done = subprocess.run([PROGRAM, *(again or words), *NOW], cwd=self.at, capture_output=True,
-                                          timeout=60, check=False, stdin=subprocess.DEVNULL, text=True)
+                    done = self.run_until(0, again or words)
                     self.assertIn(done.returncode, (0, *refused), f"{words} at {number}, then again: {done.stderr}")
                     if done.returncode == 0 and again is None:  # else it may write other files
                         rest = [str(p.relative_to(self.at)) for p in self.at.rglob("*")]
                         self.assertEqual([name for name in rest if DRAFT.search(name)], [],
                                          f"{words} at {number}, then again: drafts are left")
                 for command in after:
-                    self.run_program(*command, *NOW)
+                    done = self.run_until(0, command)
+                    self.assertEqual(done.returncode, 0, f"{words} at {number}, then {command}: {done.stdout}{done.stderr}")
                 shutil.rmtree(self.at)
                 if not killed:
                     break
@@ -121,6 +127,50 @@ class Interrupted(Transcript):
         self.everywhere(*new, after=[verify], again=(*new, "--replace"))
         self.run_program(*new, *NOW)
         self.everywhere(*new, "--profile", "open", "--replace", after=[verify])
+
+    def test_what_renews_a_ca_and_takes_one_over(self):
+        self.run_program("init", "demo", *NOW)
+        self.everywhere("ca", "renew", "demo", after=[("ca", "show", "demo"), ("check", "demo/talker", "demo/listener")])
+        self.run_program("ca", "create", "plant", "--role", "identity", "--intermediate-of", "demo/ca/identity",
+                         "--no-passphrase", "--days", "300", *NOW)
+        self.everywhere("ca", "renew", "plant", "--issuer", "demo/ca/identity", "--days", "400",
+                        after=[("ca", "show", "plant"), ("ca", "show", "demo")])
+        for role in ("identity", "permissions"):
+            take = ("ca", "import", "ca", "--role", role, "--cert", f"demo/ca/{role}/ca.pem", "--key",
+                    f"demo/ca/{role}/ca.key.pem", "--no-passphrase")
+            self.everywhere(*take, after=[("ca", "show", "ca", "--role", role)], refused=(4,))
+            self.run_program(*take, *NOW)
+
+    def test_what_issues_on_request_and_from_a_file(self):
+        self.run_program("init", "demo", *NOW)
+        sign = ("identity", "sign-csr", "r", "--ca", "demo", "--yes")
+        self.everywhere("identity", "csr", "r", "-o", "r", after=[(*sign, "--dry-run")], refused=(4,))
+        self.run_program("identity", "csr", "r", "-o", "r", *NOW)
+        self.everywhere(*sign, after=[("identity", "show", "r/cert.pem"), ("ca", "show", "demo")], refused=(4,))
+        (self.at / "fleet.toml").write_text('publish = ["x"]\n[[participant]]\nname = "b"\n[[participant]]\nname = "c"\n')
+        self.everywhere("identity", "issue", "--from", "fleet.toml", "--ca", "demo", "-o", "out", "--governance",
+                        "demo/governance.p7s", after=[("doctor", "out/b"), ("check", "out/b", "demo/talker")], refused=(4,))
+
+    def test_what_writes_permissions(self):
+        self.run_program("init", "demo", *NOW)
+        new = ("permissions", "new", "--cert", "demo/talker", "--publish", "x", "-o", "p.xml")
+        verify = ("permissions", "verify", "p.p7s", "--ca", "demo")
+        self.everywhere(*new, after=[("permissions", "lint", "p.xml")], refused=(4,))
+        self.everywhere(*new, "--sign", "--ca", "demo", after=[verify],
+                        again=(*new, "--sign", "--ca", "demo", "--replace"))
+        self.run_program(*new, *NOW)
+        self.everywhere("permissions", "sign", "p.xml", "--ca", "demo", after=[verify], refused=(4,))
+
+    def test_what_changes_a_keystore(self):
+        self.run_program("init", "ks", "--layout", "sros2", *NOW)
+        self.everywhere("keystore", "permission", "ks", "/talker", "--publish", "rt/x", "--subscribe", "rt/x",
+                        after=[("keystore", "verify", "ks")])
+
+    def test_what_takes_over_a_keystore_of_sros2(self):
+        make_keystore(self.at / "ks")
+        self.everywhere("keystore", "import", "ks", after=[("keystore", "verify", "ks"), ("ca", "show", "ks")])
+        self.run_program("keystore", "import", "ks", *NOW)
+        self.everywhere("keystore", "split-ca", "ks", after=[("keystore", "verify", "ks")])
 
     def test_what_replaces_a_ca(self):
         self.run_program("init", "demo", *NOW)

@@ -5,9 +5,9 @@ import os
 import pathlib
 import shutil
 
+from sros2_keystore import DATA, links_of, make_keystore
 from transcript import Transcript, main
 
-DATA = pathlib.Path(__file__).resolve().parent.parent / "data/sros2/generated/keystore"
 POLICY = DATA.parent.parent / "upstream/policies/talker_listener.policy.xml"
 NOW = ("--now", "2026-11-21T00:00:00Z")
 NEEDED = ("public/permissions_ca.cert.pem", "public/identity_ca.cert.pem",
@@ -22,33 +22,12 @@ SHORT = """<policy version="0.2.0"><enclaves>
 """
 
 
-def links_of(enclave):
-    """The links that sros2 makes in an enclave."""
-    up = "/".join([".."] * len(enclave.split("/")))
-    return {"identity_ca.cert.pem": f"{up}/../public/identity_ca.cert.pem",
-            "permissions_ca.cert.pem": f"{up}/../public/permissions_ca.cert.pem",
-            "governance.p7s": f"{up}/governance.p7s"}
-
-
 class Keystore(Transcript):
     def create(self, *more):
         return self.json("keystore", "create", "ks", "--no-passphrase", *more, *NOW)
 
     def golden(self):
-        """A keystore as sros2 makes it: one CA, keys that everybody can read."""
-        keystore = self.at / "ks"
-        shutil.copytree(DATA, keystore)
-        for role in ("identity_ca", "permissions_ca"):  # the data come without their links
-            (keystore / f"public/{role}.cert.pem").symlink_to("ca.cert.pem")
-            (keystore / f"private/{role}.key.pem").symlink_to("ca.key.pem")
-        for enclave in ("wildcard", "talker_listener/talker", "talker_listener/listener"):
-            for name, to in links_of(enclave).items():
-                (keystore / "enclaves" / enclave / name).symlink_to(to)
-        for key in (self.at / "ks").rglob("*.key.pem"):
-            if not key.is_symlink():
-                key.chmod(0o644)
-        for key in (self.at / "ks/enclaves").rglob("key.pem"):
-            key.chmod(0o644)
+        make_keystore(self.at / "ks")
 
     def links(self, folder):
         return {p.name: os.readlink(p) for p in (self.at / folder).iterdir() if p.is_symlink()}

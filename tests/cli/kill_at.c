@@ -1,5 +1,6 @@
-// Preloaded by interrupted_test.py: kills the process, as SIGKILL does, just before its n-th call that changes
-// files (KILL_AT=n), so that a test can stop a command between any two writes.
+// Preloaded by interrupted_test.py: kills the process, as SIGKILL does, just before its n-th call
+// that changes files (KILL_AT=n; 0: never), so that a test can stop a command between any two
+// writes.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -21,23 +22,32 @@ static void count(void) {
 
 #define SEEN __attribute__((visibility("default")))
 
-#define CHANGE(type, name, parameters, arguments)                  \
-  SEEN type name parameters {                                      \
-    static type(*real) parameters;                                 \
+#define CHANGE(type, name, parameters, arguments)                         \
+  SEEN type name parameters {                                             \
+    static type(*real) parameters;                                        \
     if (real == NULL) real = (type(*) parameters)dlsym(RTLD_NEXT, #name); \
-    count();                                                       \
-    return real arguments;                                         \
+    count();                                                              \
+    return real arguments;                                                \
   }
 
 CHANGE(int, rename, (const char* from, const char* to), (from, to))
-CHANGE(int, renameat2, (int d, const char* from, int e, const char* to, unsigned flags), (d, from, e, to, flags))
+CHANGE(int, renameat2, (int d, const char* from, int e, const char* to, unsigned flags),
+       (d, from, e, to, flags))
 CHANGE(int, mkdir, (const char* path, mode_t mode), (path, mode))
 CHANGE(char*, mkdtemp, (char* path), (path))
 CHANGE(int, unlink, (const char* path), (path))
 CHANGE(int, symlink, (const char* to, const char* path), (to, path))
 CHANGE(int, ftruncate, (int file, off_t size), (file, size))
-CHANGE(int, fsync, (int file), (file))
-CHANGE(int, syncfs, (int file), (file))
+CHANGE(int, chmod, (const char* path, mode_t mode), (path, mode))
+
+// A process that is killed loses nothing that it wrote, on the disk or not: to wait for the disk
+// tells nothing.
+static int no_wait(void) {
+  count();
+  return 0;
+}
+SEEN int fsync(int file) { return (void)file, no_wait(); }
+SEEN int syncfs(int file) { return (void)file, no_wait(); }
 
 // Half of what is written arrives, and then the process ends: the file is cut short.
 SEEN ssize_t write(int file, const void* octets, size_t size) {
