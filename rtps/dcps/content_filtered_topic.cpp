@@ -49,8 +49,7 @@ Result<ContentFilteredTopic*> DomainParticipant::create_contentfilteredtopic(std
                                 "another's");
   DDSSEC_TRY(check_name(name));
   const std::lock_guard members(context_.callbacks());
-  if (is_taken(name))
-    return precondition_not_met("topic " + name, "a new name", "one that is taken");
+  DDSSEC_TRY(check_new_name(name));
   std::unique_ptr<ContentFilteredTopic> topic(
       new ContentFilteredTopic(context_, std::move(name), related, std::move(filter)));
   DDSSEC_TRY(topic->compile(topic->text_));

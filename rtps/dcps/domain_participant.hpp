@@ -194,9 +194,8 @@ class DomainParticipant final : private ParticipantContext::Server,
   Result<DurableStore*> store_for(DurabilityKind kind);
   /// Errors: rtps_bad_parameter.
   static Status check_name(std::string_view name);
-  bool is_taken(std::string_view name) const {
-    return lookup_topicdescription(name) != nullptr || lookup_contentfilteredtopic(name) != nullptr;
-  }
+  /// Success if no topic has the name. Errors: rtps_precondition_not_met, which says how to get it.
+  Status check_new_name(std::string_view name) const;
   BuiltinTopics& builtin_topics();
   /// All its writers end, and say so.
   void conclude();

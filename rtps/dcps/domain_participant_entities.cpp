@@ -1,6 +1,8 @@
 // DomainParticipant, the half that is about its entities and policies.
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "rtps/dcps/domain_participant.hpp"
 
 namespace ddssec::rtps {
@@ -44,6 +46,18 @@ Status DomainParticipant::check_name(std::string_view name) {
                                          .found = std::to_string(name.size())});
 }
 
+Status DomainParticipant::check_new_name(std::string_view name) const {
+  const bool is_topic = lookup_topicdescription(name) != nullptr;
+  if (!is_topic && lookup_contentfilteredtopic(name) == nullptr) return {};
+  return fail(Code::rtps_precondition_not_met,
+              {.document = fmt::format("topic {}", name),
+               .expected = "a new name",
+               .found = is_topic ? "that of a topic" : "that of a content-filtered topic",
+               .hint = fmt::format(
+                   "{}(\"{}\") returns the one that has the name; or choose another",
+                   is_topic ? "lookup_topicdescription" : "lookup_contentfilteredtopic", name)});
+}
+
 Result<Topic*> DomainParticipant::create_topic(std::string name, TypeSupport type,
                                                std::optional<Qos> qos, TopicListener* listener,
                                                StatusMask mask) {
@@ -52,8 +66,7 @@ Result<Topic*> DomainParticipant::create_topic(std::string name, TypeSupport typ
   const auto policies = std::move(qos).value_or(default_topic_qos());
   DDSSEC_TRY(check_consistency(policies));
   const std::lock_guard members(context_.callbacks());
-  if (is_taken(name))
-    return precondition_not_met("topic " + name, "a new name", "one that is taken");
+  DDSSEC_TRY(check_new_name(name));
   if (!options_.announce_types) type.description = {};
   std::unique_ptr<Topic> topic(
       new Topic(*this, context_, std::move(name), std::move(type), policies));

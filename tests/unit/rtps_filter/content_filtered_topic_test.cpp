@@ -140,6 +140,23 @@ TEST_P(ContentFilteredTopicTest, SamplesInFragmentsAreFilteredToo) {
   EXPECT_EQ(all_of(few, 1), (std::vector<std::int64_t>{2}));
 }
 
+TEST_P(ContentFilteredTopicTest, ATakenNameIsToldWithTheCallThatReturnsItsTopic) {
+  filtered("value = 1", {}, "F");
+  const auto hint = [&](const std::string& name) {
+    const auto plain = b.participant->create_topic<Reading>(name);
+    const auto filter = b.participant->create_contentfilteredtopic(name, *b.topic, {"value = 1"});
+    if (plain || filter) return std::string();
+    EXPECT_EQ(plain.error().hint(), filter.error().hint());
+    return plain.error().hint();
+  };
+  EXPECT_EQ(
+      hint("Readings"),
+      "lookup_topicdescription(\"Readings\") returns the one that has the name; or choose another");
+  EXPECT_EQ(
+      hint("F"),
+      "lookup_contentfilteredtopic(\"F\") returns the one that has the name; or choose another");
+}
+
 TEST_P(ContentFilteredTopicTest, WhatCannotBeUsedIsRefused) {
   const auto create = [&](std::string name, Topic& topic, std::string expression) {
     return code_of(b.participant->create_contentfilteredtopic(std::move(name), topic,
