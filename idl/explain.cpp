@@ -82,8 +82,8 @@ class Words {
   std::size_t at_ = 0, line_ = 1, begin_of_line_ = 0, line_of_word_ = 1, column_of_word_ = 1;
 };
 
-/// The name in an include directive; empty if the line is none.
-std::string_view included_name(std::string_view line) {
+/// What an include directive names, with its quotes or angle brackets; empty if the line is none.
+std::string_view included(std::string_view line) {
   const auto skip_blanks = [&] {
     line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
   };
@@ -95,7 +95,7 @@ std::string_view included_name(std::string_view line) {
   skip_blanks();
   if (line.empty() || (line[0] != '"' && line[0] != '<')) return {};
   const auto end = line.find(line[0] == '"' ? '"' : '>', 1);
-  return end == line.npos ? std::string_view() : line.substr(1, end - 1);
+  return end == line.npos ? std::string_view() : line.substr(0, end + 1);
 }
 
 /// Goes through files and what they include, each once.
@@ -123,28 +123,43 @@ class Explainer {
   void explain_includes(const fs::path& path, std::string_view text) {
     for (std::size_t number = 1; !text.empty(); ++number) {
       const auto end = std::min(text.find('\n'), text.size());
-      const auto name = included_name(text.substr(0, end));
+      const auto written = included(text.substr(0, end));
       text.remove_prefix(std::min(end + 1, text.size()));
-      if (name.empty()) continue;
-      const auto found = find(path, name);
-      if (found.empty())
-        std::fprintf(stderr,
-                     "%s:%zu: the included file %.*s is not there: name its folder behind INCLUDES "
-                     "of ddssec_idl_generate\n",
-                     path.c_str(), number, static_cast<int>(name.size()), name.data());
-      else
+      if (written.size() < 3) continue;  // no directive, or without a name
+      const auto name = written.substr(1, written.size() - 2);
+      const bool is_quoted = written[0] == '"';
+      const auto beside = file_at(path.parent_path() / name);
+      const auto found = is_quoted && !beside.empty() ? beside : find(name);
+      if (!found.empty())
         explain(found);
+      else
+        say_missing(path, number, name, !beside.empty());
     }
   }
 
-  /// Empty if there is none.
-  fs::path find(const fs::path& from, std::string_view name) const {
+  // idlc looks beside the file for what is in quotes only.
+  static void say_missing(const fs::path& path, std::size_t number, std::string_view name,
+                          bool is_beside) {
+    const std::string file(name);
+    std::fprintf(stderr,
+                 "%s:%zu: the included file %s is not there: name the folder that holds %s behind "
+                 "INCLUDES of ddssec_idl_generate, or with -I of idlc%s\n",
+                 path.c_str(), number, file.c_str(), file.c_str(),
+                 is_beside ? "; or write it in quotes, since angle brackets do not mean the folder "
+                             "of this file"
+                           : "");
+  }
+
+  /// Empty if it is no file.
+  static fs::path file_at(const fs::path& path) {
     std::error_code ignored;
-    if (auto beside = from.parent_path() / name; fs::is_regular_file(beside, ignored))
-      return beside.lexically_normal();
+    return fs::is_regular_file(path, ignored) ? path.lexically_normal() : fs::path();
+  }
+
+  /// In the folders of -I; empty if it is in none.
+  fs::path find(std::string_view name) const {
     for (const auto& folder : folders_)
-      if (auto there = folder / name; fs::is_regular_file(there, ignored))
-        return there.lexically_normal();
+      if (auto found = file_at(folder / name); !found.empty()) return found;
     return {};
   }
 

@@ -43,10 +43,10 @@ UNREADABLE = [
 
 
 class RefusalsTest(unittest.TestCase):
-    def generate(self, text, folder):
+    def generate(self, text, folder, *options):
         file = pathlib.Path(folder) / "given.idl"
         file.write_text(text, encoding="utf-8")
-        return subprocess.run([IDLC, "-l", PLUGIN, "-W", "no-implicit-extensibility", "-o", folder, str(file)],
+        return subprocess.run([IDLC, "-l", PLUGIN, "-W", "no-implicit-extensibility", *options, "-o", folder, str(file)],
                               capture_output=True, text=True, check=False)
 
     def test_each_is_refused_with_its_place(self):
@@ -99,7 +99,32 @@ class RefusalsTest(unittest.TestCase):
         said = done.stderr.replace(folder + "/", "").splitlines()
         self.assertEqual([line.split(": ")[0] for line in said],
                          ["elsewhere/far.idl:2:12", "near.idl:2:12", "given.idl:2", "given.idl:3:12"], said)
-        self.assertIn("gone.idl is not there: name its folder behind INCLUDES", said[2])
+        self.assertIn("gone.idl is not there: name the folder that holds gone.idl behind INCLUDES", said[2])
+
+    def test_a_missing_include_in_angle_brackets_is_named_as_idlc_looks_for_it(self):
+        """Beside the file only what is in quotes is found."""
+        with tempfile.TemporaryDirectory() as folder:
+            top = pathlib.Path(folder)
+            for place in ("base", "far/base"):
+                (top / place).mkdir(parents=True)
+            (top / "base/types.idl").write_text("@final struct Part { long x; };\n", encoding="utf-8")
+            (top / "far/base/far.idl").write_text("@final struct Far { long x; };\n", encoding="utf-8")
+            text = "@final struct S { long x; };\n"
+            for name, also, where in (("base/types.idl", "; or write it in quotes", folder),
+                                      ("base/far.idl", "of idlc\n", f"{folder}/far")):
+                angle = f"#include <{name}>\n{text}"
+                self.assertNotEqual(self.generate(angle, folder).returncode, 0)
+                done = self.explain(angle, folder)
+                self.assertIn(f"given.idl:1: the included file {name} is not there: name the folder that holds {name} "
+                              "behind INCLUDES of ddssec_idl_generate, or with -I of idlc", done.stderr)
+                self.assertIn(also, done.stderr)
+                self.assertEqual(self.generate(angle, folder, "-I", where).returncode, 0)
+                done = subprocess.run([EXPLAIN, "-I", where, str(top / "given.idl")], capture_output=True, text=True,
+                                      check=False)
+                self.assertEqual(done.stderr, "")
+            quoted = f'#include "base/types.idl"\n{text}'
+            self.assertEqual(self.generate(quoted, folder).returncode, 0)
+            self.assertEqual(self.explain(quoted, folder).stderr, "")
 
     def test_a_header_names_the_included_file_that_was_not_made(self):
         with tempfile.TemporaryDirectory() as folder:
