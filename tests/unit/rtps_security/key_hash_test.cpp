@@ -2,70 +2,14 @@
 #include <filesystem>
 #include <unistd.h>
 
-#include "rtps/dcps/domain_participant_factory.hpp"
-#include "tests/unit/rtps_security/fixture.hpp"
+#include "tests/unit/rtps_security/secured_dcps.hpp"
 
 namespace ddssec::rtps {
-
-struct Sensor {
-  std::int32_t id = 0;
-  std::int32_t value = 0;
-};
-template <>
-struct TypeTraits<Sensor> {
-  static constexpr std::string_view type_name = "Sensor";
-  static constexpr auto extensibility = Extensibility::appendable;
-  template <class Self, class Visit>
-  static void members(Self& s, Visit&& visit) {
-    visit(named("id", key(s.id)), named("value", s.value));
-  }
-};
-
 namespace {
 
 using namespace testing;
 
 constexpr auto kEncrypt = ProtectionKind::encrypt;
-
-/// A secured participant with its entities, polled by the test.
-struct Secured {
-  Secured(const std::string& subject, const Rules& rules, ManualClock& clock,
-          std::string store = {})
-      : environment{clock, random, events},
-        authentication(authentication::make_authentication(environment)),
-        access_control(access_control::make_access_control(environment)),
-        cryptography(cryptography::make_cryptography(environment)) {
-    participant =
-        DomainParticipant::create(
-            {.domain_id = kDomain,
-             .domain_tag = std::to_string(::getpid()),
-             .interfaces = {"127.0.0.1"},
-             .multicast = false,
-             .own_thread = false,
-             .durability_store = std::move(store),
-             .security = SecurityOptions{{*authentication, *access_control, *cryptography},
-                                         properties_of(subject, rules)}},
-            environment)
-            .value();
-    topic = participant->create_topic<Sensor>("Sensors").value();
-  }
-  DataWriter<Sensor>& writer(const Qos& qos) {
-    return **participant->create_publisher().value()->create_datawriter<Sensor>(*topic, qos);
-  }
-  DataReader<Sensor>& reader(const Qos& qos) {
-    return **participant->create_subscriber().value()->create_datareader<Sensor>(*topic, qos);
-  }
-
-  static inline const auto kDomain = static_cast<DomainId>(::getpid() % 200 + 30);
-  SystemRandom random;
-  Events events;
-  Environment environment;
-  std::unique_ptr<spi::Authentication> authentication;
-  std::unique_ptr<spi::AccessControl> access_control;
-  std::unique_ptr<spi::Cryptography> cryptography;
-  std::unique_ptr<DomainParticipant> participant;
-  Topic* topic = nullptr;
-};
 
 /// That of instance 7, as its writer gives it to what sends and stores it.
 KeyHash hash_under(const Rules& rules) {

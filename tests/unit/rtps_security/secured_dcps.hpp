@@ -1,0 +1,69 @@
+// Secured DDS participants with sockets, for tests of what their entities may do and send.
+#pragma once
+
+#include <unistd.h>
+
+#include "rtps/dcps/domain_participant_factory.hpp"
+#include "tests/unit/rtps_security/fixture.hpp"
+
+namespace ddssec::rtps {
+
+struct Sensor {
+  std::int32_t id = 0;
+  std::int32_t value = 0;
+};
+template <>
+struct TypeTraits<Sensor> {
+  static constexpr std::string_view type_name = "Sensor";
+  static constexpr auto extensibility = Extensibility::appendable;
+  template <class Self, class Visit>
+  static void members(Self& s, Visit&& visit) {
+    visit(named("id", key(s.id)), named("value", s.value));
+  }
+};
+
+namespace testing {
+
+/// A secured participant with its entities, polled by the test. `topics`: what it may publish and
+/// subscribe to.
+struct Secured {
+  Secured(const std::string& subject, const Rules& rules, ManualClock& clock,
+          std::string store = {}, std::vector<std::string> topics = {"*"})
+      : environment{clock, random, events},
+        authentication(authentication::make_authentication(environment)),
+        access_control(access_control::make_access_control(environment)),
+        cryptography(cryptography::make_cryptography(environment)) {
+    participant =
+        DomainParticipant::create(
+            {.domain_id = kDomain,
+             .domain_tag = std::to_string(::getpid()),
+             .interfaces = {"127.0.0.1"},
+             .multicast = false,
+             .own_thread = false,
+             .durability_store = std::move(store),
+             .security = SecurityOptions{{*authentication, *access_control, *cryptography},
+                                         properties_of(subject, rules, std::move(topics))}},
+            environment)
+            .value();
+    topic = participant->create_topic<Sensor>("Sensors").value();
+  }
+  DataWriter<Sensor>& writer(const Qos& qos) {
+    return **participant->create_publisher().value()->create_datawriter<Sensor>(*topic, qos);
+  }
+  DataReader<Sensor>& reader(const Qos& qos) {
+    return **participant->create_subscriber().value()->create_datareader<Sensor>(*topic, qos);
+  }
+
+  static inline const auto kDomain = static_cast<DomainId>(::getpid() % 200 + 30);
+  SystemRandom random;
+  Events events;
+  Environment environment;
+  std::unique_ptr<spi::Authentication> authentication;
+  std::unique_ptr<spi::AccessControl> access_control;
+  std::unique_ptr<spi::Cryptography> cryptography;
+  std::unique_ptr<DomainParticipant> participant;
+  Topic* topic = nullptr;
+};
+
+}  // namespace testing
+}  // namespace ddssec::rtps
