@@ -271,7 +271,8 @@ void report_notes(const Subject& subject, Diagnosis& out) {
     const auto variant = variant_of(note);
     const auto who = variant ? measured(*variant, subject.lineup) : Outcomes();
     const auto more =
-        count > 1 ? fmt::format(" (and at {} other places)", count - 1) : std::string();
+        count > 1 ? fmt::format(" (and at {} other place{})", count - 1, count > 2 ? "s" : "")
+                  : std::string();
     out.report(who,
                {.rule = Rule::DOC037,
                 .message = note.text + more,

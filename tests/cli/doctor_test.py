@@ -9,6 +9,7 @@ import tempfile
 import golden_folders
 from forecast import Table
 from transcript import WithoutLists, main
+from workshop import GOVERNANCE, Folder, Workshop
 
 HERE = pathlib.Path(__file__).resolve().parent
 MEASURED = Table(HERE.parent.parent)
@@ -206,6 +207,19 @@ class Golden(WithoutLists):
         (folder / "key.pem").unlink()
         found = [d["id"] for d in self.json("doctor", "broken", exit=1)["diagnostics"]]
         self.assertEqual(found, ["DOC001", "DOC021", "DOC023", "DOC030", "DOC050"])
+
+    def test_a_spelling_is_told_once_with_the_number_of_its_other_places(self):
+        folder = Folder(Workshop(self.at / "shop"), self.at / "talker", "/CN=talker", "talker")
+        begin, end = GOVERNANCE.index("<topic_rule>"), GOVERNANCE.index("</topic_access_rules>")
+        rule = GOVERNANCE[begin:end].replace("<enable_read_access_control>true<", "<enable_read_access_control>1<")
+        spelt = "<enable_read_access_control> is 1: every product reads true and false"
+        for count, more in ((1, ""), (2, " (and at 1 other place)"), (3, " (and at 2 other places)")):
+            rules = "".join(rule.replace(">*<", f">{name}<") for name in "ab*"[-count:])
+            folder.sign("governance", GOVERNANCE[:begin] + rules + GOVERNANCE[end:])
+            told = [d for d in self.json("doctor", "talker", exit=None)["diagnostics"] if d["id"] == "DOC037"]
+            self.assertEqual([d["message"] for d in told], [spelt + more])
+            lines = (self.at / "talker/governance.p7s").read_text().split("<?xml")[1].splitlines()
+            self.assertIn("<enable_read_access_control>1<", lines[told[0]["line"] - 1])
 
     # Not among the folders for the products: their verdict depends on the patch level of OpenSSL.
     def test_a_delta_revocation_list_is_refused(self):
