@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "cli/suggestions.hpp"
+
 namespace ddssec::cli {
 namespace {
 
@@ -70,6 +72,18 @@ Status check_keystore(const fs::path& keystore) {
                   {.document = keystore / file, .hint = keystore_above(keystore)});
   }
   return {};
+}
+
+Status check_enclave_in(const fs::path& keystore, std::string_view name) {
+  const auto folder = keystore / enclave_folder(name);
+  if (is_there(folder)) return {};
+  const auto meant = nearest(name, enclaves_of(keystore));
+  return fail(
+      Code::file_not_found,
+      {.document = folder,
+       .note = "the keystore has no such enclave",
+       .hint = meant.empty() ? fmt::format("ddssec keystore list {} lists them", keystore.string())
+                             : fmt::format("is {} meant?", meant)});
 }
 
 fs::path enclave_folder(std::string_view name) {

@@ -42,6 +42,10 @@ Status add_keystore_governance(NewFolder& keystore, std::string_view xml, BytesV
 Status add_enclave(NewFolder& folder, const std::filesystem::path& below, std::string_view name,
                    const NewParticipant& participant);
 
+/// Success if the keystore has the enclave. Error: file_not_found, which proposes one with a name
+/// close to it.
+Status check_enclave_in(const std::filesystem::path& keystore, std::string_view name);
+
 /// Every enclave of a keystore by its name, sorted: wherever there is a key.pem, not deeper than
 /// kDeepestEnclave, at most kMostEnclaves. Links to folders are not followed.
 std::vector<std::string> enclaves_of(const std::filesystem::path& keystore);

@@ -254,6 +254,7 @@ Result<Report> keystore_permission(const Arguments& arguments, const Context& co
   const auto name = arguments.text("ENCLAVE");
   DDSSEC_TRY(check_enclave(name));
   DDSSEC_TRY(check_keystore(keystore));
+  DDSSEC_TRY(check_enclave_in(keystore, name));
   const auto files =
       pki::participant_folder(keystore / enclave_folder(name), pki::FolderLayout::sros2);
   const auto certificate = DDSSEC_TRY(read_certificate(files.certificate));

@@ -166,6 +166,14 @@ class Mistakes(Transcript):
             self.assertIn("plain is not a folder | choose a place in a folder",
                           self.answer("file_unwritable", 5, *words), words)
 
+    def test_an_enclave_that_is_missing_is_told_with_what_may_be_meant(self):
+        self.run_program("init", "ks", "--layout", "sros2", *NOW)
+        give = ("keystore", "permission", "ks")
+        self.assertIn("the keystore has no such enclave | is /talker meant?",
+                      self.answer("file_not_found", 3, *give, "/talkr", "--allow-all"))
+        self.assertIn("the keystore has no such enclave | ddssec keystore list ks lists them",
+                      self.answer("file_not_found", 3, *give, "/elsewhere", "--allow-all"))
+
     def test_a_file_that_is_missing_is_told_with_what_may_be_meant(self):
         for words in (("governance", "lint"), ("governance", "show"), ("permissions", "lint"), ("governance", "sign", "--ca", "demo"),
                       ("permissions", "sign", "--ca", "demo"), ("identity", "sign-csr", "--ca", "demo", "-o", "x.pem")):
