@@ -23,9 +23,11 @@ if(CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${launcher})
 endif()
 
+# Off by default: another compiler knows other warnings, and nobody's build should fail for one.
+option(DDSSEC_WARNINGS_AS_ERRORS "Treat the compiler's warnings as errors" OFF)
 add_library(ddssec_options INTERFACE)
 target_compile_options(ddssec_options INTERFACE
-  -Wall -Wextra -Wpedantic -Werror
+  -Wall -Wextra -Wpedantic $<$<BOOL:${DDSSEC_WARNINGS_AS_ERRORS}>:-Werror>
   $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor -Woverloaded-virtual>
   # GNU-unique symbols would bind to whichever plugin was loaded first.
   $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-gnu-unique>
@@ -116,10 +118,21 @@ function(ddssec_library name)
   endif()
   if(DDSSEC_PRECOMPILE AND files GREATER 4)
     set(headers ${ddssec_common_headers} ${ARG_PRECOMPILE})
+    set(kind plain)
     if("fmt::fmt" IN_LIST ARG_PRIVATE OR "fmt::fmt" IN_LIST ARG_PUBLIC)
       list(APPEND headers <fmt/format.h>)
+      set(kind fmt)
     endif()
-    target_precompile_headers(ddssec_${name} PRIVATE ${headers})
+    # What the first library of a kind has precompiled serves all that need no headers besides.
+    get_property(first GLOBAL PROPERTY ddssec_precompiled_${kind})
+    if(ARG_PRECOMPILE)
+      target_precompile_headers(ddssec_${name} PRIVATE ${headers})
+    elseif(first)
+      target_precompile_headers(ddssec_${name} REUSE_FROM ${first})
+    else()
+      target_precompile_headers(ddssec_${name} PRIVATE ${headers})
+      set_property(GLOBAL PROPERTY ddssec_precompiled_${kind} ddssec_${name})
+    endif()
     # So that the compiler cache sees what the precompiled header was made of.
     target_compile_options(ddssec_${name} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess>)
   endif()

@@ -70,8 +70,8 @@ std::optional<std::size_t> distance(std::string_view allowed, std::string_view t
   const auto wanted = ascii_lower(topic);
   if (lower == wanted) return 0;
   const std::size_t most = topic.size() < 4 ? 0 : topic.size() < 7 ? 1 : 2;
-  const auto sizes = std::minmax(lower.size(), wanted.size());
-  if (sizes.second - sizes.first > most) return std::nullopt;
+  const auto [shorter, longer] = std::minmax({lower.size(), wanted.size()});
+  if (longer - shorter > most) return std::nullopt;
   const auto out = edit_distance(lower, wanted);
   return out <= most ? std::optional(out) : std::nullopt;
 }

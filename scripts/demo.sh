@@ -11,16 +11,19 @@ readonly build=build/release
 readonly work=build/demo
 readonly pki=$work/pki
 
+build() {
+  cmake --build --preset release --target "$@" || die "the build failed"
+}
+
 prepare() {
   step "system packages"
   scripts/bootstrap.sh
-  step "build (release)"
+  step "build what the demo needs (release)"
   # A tree that is configured already keeps its tests.
   local only=()
   [ -e "$build/build.ninja" ] || only=(-DDDSSEC_BUILD_TESTS=OFF -DDDSSEC_BUILD_BENCH=OFF)
   cmake --preset release "${only[@]}" >/dev/null || die "cmake could not configure; see the message above"
-  cmake --build --preset release --target ddssec ddssec_dropin ddssec-peer ddssec-example cyclone_peer fastdds_peer ||
-    die "the build failed"
+  build ddssec_dropin ddssec-example cyclone_peer fastdds_peer
   step "a fresh PKI, made by our code: one CA, five participants, one governance document"
   rm -rf "$work"
   mkdir -p "$work/documents"
@@ -123,5 +126,8 @@ else
   namespace=(unshare --net)
   [ "$(id -u)" = 0 ] || namespace=(unshare --net --map-root-user)
   "${namespace[@]}" "$PWD/scripts/demo.sh" --in-namespace
+  printf '\nFrom the start to this table: %d s.\n' "$SECONDS"
+  step "build the tools for what comes next"
+  build ddssec ddssec-peer
   printf '\nNext: %s/bin/ddssec init demo makes the security files of your own applications (README.md).\n' "$build"
 fi

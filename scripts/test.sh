@@ -21,7 +21,11 @@ done
 step "packages"
 scripts/bootstrap.sh --dev
 step "build (release)"
-cmake --preset release -DDDSSEC_BUILD_TESTS=ON -DDDSSEC_BUILD_BENCH=$bench >/dev/null || die "cmake could not configure; see the message above"
+# Debian 12's compiler must not warn at all; newer ones warn of code that is right, in the standard library too.
+strict=OFF
+[ "$(c++ -dumpversion | cut -d. -f1)" != 12 ] || strict=ON
+cmake --preset release -DDDSSEC_WARNINGS_AS_ERRORS=$strict -DDDSSEC_BUILD_TESTS=ON -DDDSSEC_BUILD_BENCH=$bench >/dev/null ||
+  die "cmake could not configure; see the message above"
 cmake --build --preset release || die "the release build failed"
 step "tests"
 # Three more than there are processors: some of the tests mostly wait (tests/CMakeLists.txt).
