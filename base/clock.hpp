@@ -11,6 +11,11 @@ namespace ddssec {
 
 using WallTime = std::chrono::sys_seconds;
 
+/// A reading of Clock::monotonic, or a length of time.
+using MonotonicTime = std::chrono::nanoseconds;
+/// As a deadline: there is none.
+inline constexpr MonotonicTime kNever = MonotonicTime::max();
+
 /// "2026-11-21T03:13:43Z".
 std::string to_string(WallTime time);
 

@@ -13,7 +13,7 @@ struct Version {
   auto operator<=>(const Version&) const = default;
 };
 
-constexpr unsigned kNever = 0;  // as a patch: no release of the series has the fix
+constexpr unsigned kNotFixed = 0;  // as a patch: no release of the series has the fix
 
 struct Row {
   std::string_view id, summary, guard;
@@ -35,8 +35,8 @@ constexpr std::array kRows = {
         .summary = "PKCS7_verify reads a messageDigest of a wrong type as invalid memory",
         .guard = "ddssec refuses such a signature itself (code 1174)",
         .fixes = {{{3, 0, 19},
-                   {3, 1, kNever},
-                   {3, 2, kNever},
+                   {3, 1, kNotFixed},
+                   {3, 2, kNotFixed},
                    {3, 3, 6},
                    {3, 4, 4},
                    {3, 5, 5},
@@ -46,9 +46,9 @@ constexpr std::array kRows = {
             "PKCS7_verify frees memory of its caller if a signature lists no digest algorithm",
         .guard = "ddssec refuses such a signature itself (code 1173)",
         .fixes = {{{3, 0, 21},
-                   {3, 1, kNever},
-                   {3, 2, kNever},
-                   {3, 3, kNever},
+                   {3, 1, kNotFixed},
+                   {3, 2, kNotFixed},
+                   {3, 3, kNotFixed},
                    {3, 4, 6},
                    {3, 5, 7},
                    {3, 6, 3},
@@ -61,9 +61,9 @@ constexpr std::array kRows = {
             "can be accepted",
         .guard = "ddssec refuses delta lists itself (code 1158)",
         .fixes = {{{3, 0, 22},
-                   {3, 1, kNever},
-                   {3, 2, kNever},
-                   {3, 3, kNever},
+                   {3, 1, kNotFixed},
+                   {3, 2, kNotFixed},
+                   {3, 3, kNotFixed},
                    {3, 4, 7},
                    {3, 5, 8},
                    {3, 6, 4},
@@ -72,9 +72,9 @@ constexpr std::array kRows = {
         .summary = "a certificate of 64 KiB can take hundreds of MiB of memory",
         .guard = "ddssec refuses such a certificate itself (code 1115)",
         .fixes = {{{3, 0, 23},
-                   {3, 1, kNever},
-                   {3, 2, kNever},
-                   {3, 3, kNever},
+                   {3, 1, kNotFixed},
+                   {3, 2, kNotFixed},
+                   {3, 3, kNotFixed},
                    {3, 4, 8},
                    {3, 5, 9},
                    {3, 6, 5},
@@ -111,7 +111,7 @@ std::string to_text(const Version& version) {
 /// the fixes of 3.0.19, 3.0.21 and 3.0.23 in 3.0.18-1~deb12u2, 3.0.20-1~deb12u2
 /// and 3.0.22-1~deb12u2.
 bool says_number(const Version& version, const Version& fix) {
-  return (fix.patch == kNever || version.patch + 1 < fix.patch) &&
+  return (fix.patch == kNotFixed || version.patch + 1 < fix.patch) &&
          std::ranges::find(kKeptNumbers, version) == kKeptNumbers.end();
 }
 
@@ -120,9 +120,9 @@ std::optional<OpensslFlaw> judge(const Row& row, const Version& version) {
     return it.major == version.major && it.minor == version.minor && it.major != 0;
   });
   if (fix == row.fixes.end()) return std::nullopt;
-  if (fix->patch != kNever && version >= *fix) return std::nullopt;
+  if (fix->patch != kNotFixed && version >= *fix) return std::nullopt;
   return OpensslFlaw{row.id, row.summary, row.guard,
-                     fix->patch == kNever ? std::string() : to_text(*fix),
+                     fix->patch == kNotFixed ? std::string() : to_text(*fix),
                      says_number(version, *fix)};
 }
 

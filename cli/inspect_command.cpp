@@ -10,7 +10,7 @@
 #include "pki/certificate.hpp"
 #include "rtps/observer/frames.hpp"
 #include "rtps/observer/meetings.hpp"
-#include "rtps/wire/vendor_name.hpp"
+#include "wire/vendor_name.hpp"
 
 namespace ddssec::cli {
 namespace {

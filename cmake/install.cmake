@@ -9,7 +9,7 @@ foreach(library ${ddssec_libraries})
   install(TARGETS ddssec_${library} EXPORT ddssecTargets
           ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 endforeach()
-foreach(folder base pki governance plugins rtps secured)
+foreach(folder base pki governance plugins wire rtps secured)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder}
           DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ddssec
           FILES_MATCHING PATTERN "*.hpp" PATTERN "*.def" PATTERN cyclonedds EXCLUDE)

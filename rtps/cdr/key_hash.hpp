@@ -3,7 +3,7 @@
 
 #include "base/hash.hpp"
 #include "rtps/cdr/cdr_writer.hpp"
-#include "rtps/wire/inline_qos.hpp"
+#include "wire/inline_qos.hpp"
 
 namespace ddssec::rtps {
 

@@ -1,7 +1,8 @@
 // DEADLINE as the two caches of instances count it.
 #pragma once
 
-#include "rtps/reliability/stateful_writer.hpp"
+#include "base/clock.hpp"
+#include "wire/time.hpp"
 
 namespace ddssec::rtps {
 

@@ -5,9 +5,9 @@
 #include <functional>
 #include <map>
 
+#include "base/clock.hpp"
 #include "rtps/dcps/status.hpp"
 #include "rtps/qos/qos.hpp"
-#include "rtps/reliability/stateful_writer.hpp"
 
 namespace ddssec::rtps {
 

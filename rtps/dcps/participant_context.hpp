@@ -8,7 +8,7 @@
 
 #include "rtps/dcps/link.hpp"
 #include "rtps/dcps/reader_cache.hpp"
-#include "rtps/discovery/participant.hpp"
+#include "rtps/participant/participant.hpp"
 #include "rtps/reliability/timer_queue.hpp"
 
 namespace ddssec::rtps {

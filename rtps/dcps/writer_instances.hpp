@@ -5,10 +5,10 @@
 #include <functional>
 #include <map>
 
+#include "base/clock.hpp"
 #include "rtps/dcps/link.hpp"
 #include "rtps/dcps/states.hpp"
 #include "rtps/qos/qos.hpp"
-#include "rtps/reliability/stateful_writer.hpp"
 
 namespace ddssec::rtps {
 

@@ -6,7 +6,7 @@
 
 #include "rtps/discovery/parameter_table.hpp"
 #include "rtps/filter/filter.hpp"
-#include "rtps/wire/content_filter_info.hpp"
+#include "wire/content_filter_info.hpp"
 
 namespace ddssec::rtps {
 

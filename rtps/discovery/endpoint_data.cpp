@@ -1,8 +1,8 @@
 #include "rtps/discovery/endpoint_data.hpp"
 
-#include "rtps/wire/entity_ids.hpp"
-#include "rtps/wire/submessage.hpp"
-#include "rtps/wire/vendor.hpp"
+#include "wire/entity_ids.hpp"
+#include "wire/submessage.hpp"
+#include "wire/vendor.hpp"
 
 namespace ddssec::rtps {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "rtps/cdr/encapsulation.hpp"
-#include "rtps/wire/locator.hpp"
-#include "rtps/wire/parameter_list.hpp"
+#include "wire/locator.hpp"
+#include "wire/parameter_list.hpp"
 
 namespace ddssec::rtps {
 
@@ -16,8 +16,6 @@ namespace ddssec::rtps {
 inline constexpr std::size_t kMostLocators = 16;
 inline constexpr std::size_t kMostProperties = 64;
 inline constexpr std::size_t kMostOpaqueOctets = 4096;
-
-using LocatorList = std::vector<Locator>;
 
 template <class T>
 struct ParameterRow {

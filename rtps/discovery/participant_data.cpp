@@ -2,7 +2,7 @@
 
 #include "rtps/discovery/security_parameters.hpp"
 #include "rtps/qos/qos.hpp"
-#include "rtps/wire/submessage.hpp"
+#include "wire/submessage.hpp"
 
 namespace ddssec::rtps {
 namespace {

@@ -7,8 +7,8 @@
 #include "plugins/spi/attributes.hpp"
 #include "plugins/spi/token.hpp"
 #include "rtps/discovery/parameter_table.hpp"
-#include "rtps/wire/time.hpp"
-#include "rtps/wire/vendor.hpp"
+#include "wire/time.hpp"
+#include "wire/vendor.hpp"
 
 namespace ddssec::rtps {
 

@@ -1,7 +1,7 @@
 #include "rtps/discovery/security_parameters.hpp"
 
 #include "rtps/discovery/parameter_table.hpp"
-#include "rtps/wire/submessage.hpp"
+#include "wire/submessage.hpp"
 
 namespace ddssec::rtps {
 

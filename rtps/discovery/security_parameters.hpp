@@ -6,7 +6,7 @@
 #include "base/ids.hpp"
 #include "plugins/spi/attributes.hpp"
 #include "plugins/spi/token.hpp"
-#include "rtps/wire/parameter_list.hpp"
+#include "wire/parameter_list.hpp"
 
 namespace ddssec::rtps {
 

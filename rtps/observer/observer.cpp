@@ -3,10 +3,10 @@
 #include "rtps/discovery/endpoint_data.hpp"
 #include "rtps/security/generic_message.hpp"
 #include "rtps/transport/ports.hpp"
-#include "rtps/wire/data_frag.hpp"
-#include "rtps/wire/entity_ids.hpp"
-#include "rtps/wire/info_destination.hpp"
-#include "rtps/wire/info_source.hpp"
+#include "wire/data_frag.hpp"
+#include "wire/entity_ids.hpp"
+#include "wire/info_destination.hpp"
+#include "wire/info_source.hpp"
 
 namespace ddssec::rtps {
 namespace {

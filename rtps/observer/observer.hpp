@@ -8,11 +8,11 @@
 #include <map>
 #include <set>
 
+#include "base/clock.hpp"
 #include "rtps/discovery/participant_data.hpp"
-#include "rtps/reliability/message_sender.hpp"
 #include "rtps/security/fragment_store.hpp"
-#include "rtps/wire/data.hpp"
-#include "rtps/wire/message_reader.hpp"
+#include "wire/data.hpp"
+#include "wire/message_reader.hpp"
 
 namespace ddssec::rtps {
 

@@ -8,7 +8,7 @@
 
 #include "base/bytes.hpp"
 #include "plugins/spi/token.hpp"
-#include "rtps/wire/time.hpp"
+#include "wire/time.hpp"
 
 namespace ddssec::rtps {
 

@@ -5,9 +5,9 @@
 
 #include "base/ids.hpp"
 #include "rtps/reliability/payload.hpp"
-#include "rtps/wire/inline_qos.hpp"
-#include "rtps/wire/numbers.hpp"
-#include "rtps/wire/time.hpp"
+#include "wire/inline_qos.hpp"
+#include "wire/numbers.hpp"
+#include "wire/time.hpp"
 
 namespace ddssec::rtps {
 

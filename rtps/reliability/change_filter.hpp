@@ -2,7 +2,7 @@
 #pragma once
 
 #include "rtps/reliability/change.hpp"
-#include "rtps/wire/content_filter_info.hpp"
+#include "wire/content_filter_info.hpp"
 
 namespace ddssec::rtps {
 

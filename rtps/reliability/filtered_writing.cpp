@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "rtps/reliability/stateful_writer.hpp"
-#include "rtps/wire/gap.hpp"
+#include "wire/gap.hpp"
 
 namespace ddssec::rtps {
 

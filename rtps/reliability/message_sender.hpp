@@ -8,18 +8,16 @@
 #include <span>
 #include <vector>
 
+#include "base/clock.hpp"
 #include "base/hash.hpp"
 #include "rtps/reliability/send_protection.hpp"
 #include "rtps/transport/transport.hpp"
-#include "rtps/wire/entity_ids.hpp"
-#include "rtps/wire/header.hpp"
-#include "rtps/wire/info_destination.hpp"
-#include "rtps/wire/info_timestamp.hpp"
+#include "wire/entity_ids.hpp"
+#include "wire/header.hpp"
+#include "wire/info_destination.hpp"
+#include "wire/info_timestamp.hpp"
 
 namespace ddssec::rtps {
-
-using MonotonicTime = std::chrono::nanoseconds;
-inline constexpr MonotonicTime kNever = MonotonicTime::max();
 
 /// Whom a submessage is for.
 struct Destination {

@@ -8,9 +8,9 @@
 
 #include "base/hash.hpp"
 #include "rtps/reliability/stateful_writer.hpp"
-#include "rtps/wire/data_frag.hpp"
-#include "rtps/wire/gap.hpp"
-#include "rtps/wire/heartbeat.hpp"
+#include "wire/data_frag.hpp"
+#include "wire/gap.hpp"
+#include "wire/heartbeat.hpp"
 
 namespace ddssec::rtps {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "rtps/reliability/stateful_reader.hpp"
-#include "rtps/wire/data_frag.hpp"
-#include "rtps/wire/gap.hpp"
-#include "rtps/wire/heartbeat.hpp"
+#include "wire/data_frag.hpp"
+#include "wire/gap.hpp"
+#include "wire/heartbeat.hpp"
 
 namespace ddssec::rtps {
 namespace {

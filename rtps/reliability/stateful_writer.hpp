@@ -4,17 +4,18 @@
 #include <functional>
 #include <vector>
 
-#include "rtps/discovery/parameter_table.hpp"
 #include "rtps/qos/qos.hpp"
 #include "rtps/reliability/change_filter.hpp"
 #include "rtps/reliability/key_payload.hpp"
+#include "rtps/reliability/message_sender.hpp"
 #include "rtps/reliability/timer_queue.hpp"
 #include "rtps/reliability/writer_history.hpp"
-#include "rtps/wire/acknack.hpp"
-#include "rtps/wire/entity_ids.hpp"
-#include "rtps/wire/gap.hpp"
-#include "rtps/wire/heartbeat.hpp"
-#include "rtps/wire/nack_frag.hpp"
+#include "wire/acknack.hpp"
+#include "wire/entity_ids.hpp"
+#include "wire/gap.hpp"
+#include "wire/heartbeat.hpp"
+#include "wire/locator.hpp"
+#include "wire/nack_frag.hpp"
 
 namespace ddssec::rtps {
 

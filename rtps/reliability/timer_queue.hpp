@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "rtps/reliability/message_sender.hpp"
+#include "base/clock.hpp"
 
 namespace ddssec::rtps {
 

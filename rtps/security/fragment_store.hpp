@@ -5,8 +5,8 @@
 
 #include <deque>
 
-#include "rtps/security/work_budget.hpp"
-#include "rtps/wire/data_frag.hpp"
+#include "rtps/budget/work_budget.hpp"
+#include "wire/data_frag.hpp"
 
 namespace ddssec::rtps {
 

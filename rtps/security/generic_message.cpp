@@ -4,7 +4,7 @@
 
 #include "base/hash.hpp"
 #include "rtps/cdr/encapsulation.hpp"
-#include "rtps/wire/submessage.hpp"
+#include "wire/submessage.hpp"
 
 namespace ddssec::rtps {
 namespace {

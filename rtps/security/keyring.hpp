@@ -7,11 +7,11 @@
 
 #include "base/event.hpp"
 #include "base/hash.hpp"
+#include "rtps/budget/work_budget.hpp"
 #include "rtps/reliability/send_protection.hpp"
 #include "rtps/security/own_security.hpp"
-#include "rtps/security/work_budget.hpp"
-#include "rtps/wire/entity_ids.hpp"
-#include "rtps/wire/header.hpp"
+#include "wire/entity_ids.hpp"
+#include "wire/header.hpp"
 
 namespace ddssec::rtps {
 

@@ -1,8 +1,8 @@
 // Keyring, the part that protects whole messages: by participants' keys, or by the key that the
 // domain shares (DDS-Security 1.2 10.4.1.2.5.8).
 #include "rtps/security/keyring.hpp"
-#include "rtps/wire/submessage.hpp"
-#include "rtps/wire/vendor_name.hpp"
+#include "wire/submessage.hpp"
+#include "wire/vendor_name.hpp"
 
 namespace ddssec::rtps {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "rtps/wire/entity_ids.hpp"
+#include "wire/entity_ids.hpp"
 
 namespace ddssec::rtps {
 namespace {

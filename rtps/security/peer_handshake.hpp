@@ -5,9 +5,9 @@
 
 #include <memory>
 
+#include "base/clock.hpp"
 #include "base/hash.hpp"
 #include "plugins/spi/authentication.hpp"
-#include "rtps/reliability/stateful_writer.hpp"
 #include "rtps/security/generic_message.hpp"
 
 namespace ddssec::rtps {

@@ -2,12 +2,12 @@
 // and fro (DDS-Security 7.4.3, 8.8). No I/O but through the sender, no clock, no lock.
 #pragma once
 
+#include "rtps/budget/work_budget.hpp"
 #include "rtps/discovery/participant_data.hpp"
 #include "rtps/reliability/stateful_reader.hpp"
 #include "rtps/security/fragment_store.hpp"
 #include "rtps/security/keyring.hpp"
 #include "rtps/security/peer_handshake.hpp"
-#include "rtps/security/work_budget.hpp"
 
 namespace ddssec::rtps {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "rtps/wire/locator.hpp"
+#include "wire/locator.hpp"
 
 namespace ddssec::rtps {
 

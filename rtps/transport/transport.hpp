@@ -5,7 +5,7 @@
 #include <span>
 
 #include "base/bytes.hpp"
-#include "rtps/wire/locator.hpp"
+#include "wire/locator.hpp"
 
 namespace ddssec::rtps {
 

@@ -1,21 +1,22 @@
 // A datagram: every submessage is read or refused; what was read is written and read alike. Linked
-// once for all kinds, and once for each (fuzz_rtps_kind.cpp): then the octets are its flags and body.
+// once for all kinds, and once for each (fuzz_rtps_kind.cpp): then the octets are its flags and
+// body.
 #include <array>
 #include <cstdlib>
 
-#include "rtps/wire/acknack.hpp"
-#include "rtps/wire/data_frag.hpp"
-#include "rtps/wire/gap.hpp"
-#include "rtps/wire/header_extension.hpp"
-#include "rtps/wire/heartbeat.hpp"
-#include "rtps/wire/heartbeat_frag.hpp"
-#include "rtps/wire/info_destination.hpp"
-#include "rtps/wire/info_reply.hpp"
-#include "rtps/wire/info_source.hpp"
-#include "rtps/wire/info_timestamp.hpp"
-#include "rtps/wire/message_reader.hpp"
-#include "rtps/wire/nack_frag.hpp"
 #include "tests/fuzz/rtps_kind.hpp"
+#include "wire/acknack.hpp"
+#include "wire/data_frag.hpp"
+#include "wire/gap.hpp"
+#include "wire/header_extension.hpp"
+#include "wire/heartbeat.hpp"
+#include "wire/heartbeat_frag.hpp"
+#include "wire/info_destination.hpp"
+#include "wire/info_reply.hpp"
+#include "wire/info_source.hpp"
+#include "wire/info_timestamp.hpp"
+#include "wire/message_reader.hpp"
+#include "wire/nack_frag.hpp"
 
 namespace {
 

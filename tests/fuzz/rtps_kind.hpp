@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "rtps/wire/submessage.hpp"
+#include "wire/submessage.hpp"
 
 namespace ddssec::fuzz {
 

@@ -15,13 +15,30 @@ ARROWS = {
     "plugins/access_control": ["base", "plugins/spi", "pki", "governance"],
     "plugins/cryptography": ["base", "plugins/spi"],
     "plugins/cyclonedds": ["base", "plugins"],
-    "rtps": ["base", "plugins/spi"],
-    "secured": ["base", "pki", "rtps", "plugins/spi", "plugins/authentication",
+    "wire": ["base"],
+    "rtps/budget": ["base"],
+    "rtps/transport": ["base", "wire"],
+    "rtps/cdr": ["base", "wire"],
+    "rtps/filter": ["base", "rtps/cdr"],
+    "rtps/qos": ["base", "wire", "plugins/spi"],
+    "rtps/types": ["base", "rtps/qos"],
+    "rtps/reliability": ["base", "wire", "rtps/cdr", "rtps/qos", "rtps/transport"],
+    "rtps/discovery": ["base", "wire", "plugins/spi", "rtps/cdr", "rtps/filter", "rtps/qos", "rtps/types"],
+    "rtps/security": ["base", "wire", "plugins/spi", "rtps/budget", "rtps/cdr", "rtps/discovery",
+                      "rtps/reliability"],
+    "rtps/participant": ["base", "wire", "rtps/budget", "rtps/discovery", "rtps/qos", "rtps/reliability",
+                         "rtps/security", "rtps/transport"],
+    "rtps/durability": ["base", "rtps/qos", "rtps/reliability"],
+    "rtps/dcps": ["base", "wire", "rtps/cdr", "rtps/discovery", "rtps/durability", "rtps/filter", "rtps/participant",
+                  "rtps/qos", "rtps/reliability", "rtps/transport", "rtps/types"],
+    "rtps/keeper": ["base", "rtps/dcps", "rtps/durability"],
+    "rtps/observer": ["base", "wire", "rtps/discovery", "rtps/security", "rtps/transport"],
+    "secured": ["base", "pki", "wire", "rtps", "plugins/spi", "plugins/authentication",
                 "plugins/access_control", "plugins/cryptography"],
-    "programs": ["base", "pki", "governance", "rtps", "secured", "plugins"],
+    "programs": ["base", "pki", "governance", "wire", "rtps", "secured", "plugins"],
     "idl": [],
     "cli": ["base", "pki", "governance", "plugins/spi", "plugins/authentication",
-            "plugins/access_control", "plugins/cryptography", "rtps"],
+            "plugins/access_control", "plugins/cryptography", "wire", "rtps"],
 }
 
 # libraries of others -> the folders whose headers may show them / whose sources may use them.
@@ -30,7 +47,7 @@ FOREIGN = {
                  ".cpp": ["base", "pki", "plugins/cryptography"]},
     "sodium": {".hpp": [], ".cpp": ["base", "plugins/cryptography"]},
     "intel-ipsec-mb": {".hpp": [], ".cpp": ["plugins/cryptography"]},
-    "sqlite3": {".hpp": [], ".cpp": ["rtps"]},
+    "sqlite3": {".hpp": [], ".cpp": ["rtps/durability"]},
     "tinyxml2": {".hpp": ["governance"], ".cpp": ["governance"]},
     "dds/": {".hpp": ["plugins/cyclonedds"], ".cpp": ["plugins/cyclonedds"]},
 }
@@ -65,12 +82,24 @@ def complaints(root, file):
                     yield f"{name}: {here} may not show or use <{target}> in a {file.suffix} file"
 
 
+def circles():
+    """The arrows themselves may not lead back to where they start."""
+    def reached(folder, seen):
+        for target in ARROWS[folder]:
+            for other in (f for f in ARROWS if f == target or f.startswith(target + "/")):
+                if other != folder and other not in seen:
+                    seen.add(other)
+                    reached(other, seen)
+        return seen
+    return [f"{folder} leads back to itself" for folder in ARROWS if folder in reached(folder, set())]
+
+
 def main():
     root = pathlib.Path(sys.argv[1]).resolve()
     files = [p for folder in ARROWS for p in (root / folder).glob("*.[ch]pp")]
     files += [p for folder in ARROWS for p in (root / folder).glob("*/*.[ch]pp")
               if folder_of(p.relative_to(root).as_posix()) == folder]
-    found = [line for file in sorted(set(files)) for line in complaints(root, file)]
+    found = circles() + [line for file in sorted(set(files)) for line in complaints(root, file)]
     print("\n".join(found) if found else f"{len(files)} files keep to the arrows")
     return 1 if found or not files else 0
 

@@ -1,10 +1,10 @@
 // A reader that is one of ours, and writes with the key that its writer gave to all readers (T44).
 #include "tests/unit/cryptography/insider.hpp"
 
-#include "rtps/wire/info_source.hpp"
 #include "tests/support/counted_memory.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "tests/unit/rtps_security/key_thief.hpp"
+#include "wire/info_source.hpp"
 
 namespace ddssec::rtps {
 namespace {

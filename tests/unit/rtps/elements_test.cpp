@@ -1,12 +1,12 @@
 // Times, numbers, locators, entity ids, parameter lists and inline QoS.
 #include <limits>
 
-#include "rtps/wire/entity_ids.hpp"
-#include "rtps/wire/inline_qos.hpp"
-#include "rtps/wire/locator.hpp"
-#include "rtps/wire/numbers.hpp"
-#include "rtps/wire/time.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
+#include "wire/entity_ids.hpp"
+#include "wire/inline_qos.hpp"
+#include "wire/locator.hpp"
+#include "wire/numbers.hpp"
+#include "wire/time.hpp"
 
 namespace ddssec::rtps {
 namespace {

@@ -5,8 +5,8 @@
 #include "rtps/cdr/cdr_reader.hpp"
 #include "rtps/cdr/key_hash.hpp"
 #include "rtps/dcps/type_support.hpp"
-#include "rtps/wire/vendor_name.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
+#include "wire/vendor_name.hpp"
 
 namespace ddssec::rtps {
 

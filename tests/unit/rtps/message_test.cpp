@@ -2,15 +2,15 @@
 #include <fstream>
 #include <iterator>
 
-#include "rtps/wire/acknack.hpp"
-#include "rtps/wire/data_frag.hpp"
-#include "rtps/wire/gap.hpp"
-#include "rtps/wire/heartbeat.hpp"
-#include "rtps/wire/info_destination.hpp"
-#include "rtps/wire/info_source.hpp"
-#include "rtps/wire/info_timestamp.hpp"
 #include "tests/support/test_data.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
+#include "wire/acknack.hpp"
+#include "wire/data_frag.hpp"
+#include "wire/gap.hpp"
+#include "wire/heartbeat.hpp"
+#include "wire/info_destination.hpp"
+#include "wire/info_source.hpp"
+#include "wire/info_timestamp.hpp"
 
 namespace ddssec::rtps {
 namespace {

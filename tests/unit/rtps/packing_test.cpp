@@ -1,7 +1,7 @@
 // How few messages a pair needs: small samples share them, and readers answer when they are asked.
 #include <gmock/gmock.h>
 
-#include "rtps/discovery/participant.hpp"
+#include "rtps/participant/participant.hpp"
 #include "rtps/transport/event_loop.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "rtps/discovery/participant.hpp"
+#include "rtps/participant/participant.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
 
 namespace ddssec::rtps::testing::socketless {

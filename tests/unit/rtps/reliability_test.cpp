@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 
 #include "rtps/reliability/stateful_reader.hpp"
-#include "rtps/wire/entity_ids.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
+#include "wire/entity_ids.hpp"
 
 namespace ddssec::rtps {
 namespace {

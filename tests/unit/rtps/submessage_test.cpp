@@ -3,18 +3,18 @@
 
 #include <gmock/gmock.h>
 
-#include "rtps/wire/acknack.hpp"
-#include "rtps/wire/data_frag.hpp"
-#include "rtps/wire/gap.hpp"
-#include "rtps/wire/header_extension.hpp"
-#include "rtps/wire/heartbeat.hpp"
-#include "rtps/wire/heartbeat_frag.hpp"
-#include "rtps/wire/info_destination.hpp"
-#include "rtps/wire/info_reply.hpp"
-#include "rtps/wire/info_source.hpp"
-#include "rtps/wire/info_timestamp.hpp"
-#include "rtps/wire/nack_frag.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
+#include "wire/acknack.hpp"
+#include "wire/data_frag.hpp"
+#include "wire/gap.hpp"
+#include "wire/header_extension.hpp"
+#include "wire/heartbeat.hpp"
+#include "wire/heartbeat_frag.hpp"
+#include "wire/info_destination.hpp"
+#include "wire/info_reply.hpp"
+#include "wire/info_source.hpp"
+#include "wire/info_timestamp.hpp"
+#include "wire/nack_frag.hpp"
 
 namespace ddssec::rtps {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "rtps/wire/message_reader.hpp"
 #include "tests/support/code_of.hpp"
+#include "wire/message_reader.hpp"
 
 namespace ddssec::rtps::testing {
 

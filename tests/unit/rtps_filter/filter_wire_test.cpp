@@ -1,8 +1,8 @@
 // What filters look like in discovery and in samples (RTPS 2.5, 9.6.4.1).
 #include "base/hash.hpp"
 #include "rtps/discovery/endpoint_data.hpp"
-#include "rtps/wire/data.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
+#include "wire/data.hpp"
 
 namespace ddssec::rtps {
 namespace {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <random>
 
-#include "rtps/wire/message_reader.hpp"
 #include "tests/unit/rtps_security/fixture.hpp"
+#include "wire/message_reader.hpp"
 
 namespace ddssec::rtps::testing {
 

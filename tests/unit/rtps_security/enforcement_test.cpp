@@ -1,9 +1,9 @@
 // What is not protected as it must be changes nothing.
-#include "rtps/wire/acknack.hpp"
-#include "rtps/wire/gap.hpp"
-#include "rtps/wire/heartbeat.hpp"
-#include "rtps/wire/info_source.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
+#include "wire/acknack.hpp"
+#include "wire/gap.hpp"
+#include "wire/heartbeat.hpp"
+#include "wire/info_source.hpp"
 
 namespace ddssec::rtps {
 namespace {

@@ -2,9 +2,9 @@
 // our data from there before it takes part in anything else.
 #include <gtest/gtest.h>
 
-#include "rtps/wire/entity_ids.hpp"
 #include "tests/unit/rtps_security/fixture.hpp"
 #include "tests/unit/rtps_security/forwarding_authentication.hpp"
+#include "wire/entity_ids.hpp"
 
 namespace ddssec::rtps {
 namespace {

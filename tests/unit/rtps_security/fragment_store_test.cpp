@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "rtps/wire/entity_ids.hpp"
+#include "wire/entity_ids.hpp"
 
 namespace ddssec::rtps {
 namespace {

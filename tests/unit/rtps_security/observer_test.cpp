@@ -1,8 +1,8 @@
 // What a listener makes of participants that meet, or do not.
 #include "rtps/observer/meetings.hpp"
-#include "rtps/wire/data.hpp"
-#include "rtps/wire/info_source.hpp"
 #include "tests/unit/rtps_security/fixture.hpp"
+#include "wire/data.hpp"
+#include "wire/info_source.hpp"
 
 namespace ddssec::rtps {
 namespace {

@@ -1,0 +1,95 @@
+// The stateful builtin endpoints of a participant: SEDP, participant messages and, if it is
+// secured, their secure doubles (RTPS 8.5.4, DDS-Security 7.4.5).
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "rtps/reliability/stateful_reader.hpp"
+#include "wire/entity_ids.hpp"
+
+namespace ddssec::rtps {
+
+/// Of what discovery keeps of announcements that came too early or in part, of all participants.
+inline constexpr StatefulReader::Limits kBuiltinLimits{.largest_sample = 256 << 10,
+                                                       .held_octets = std::size_t{16} << 20};
+
+enum class BuiltinTopic : std::uint8_t {
+  publications,
+  subscriptions,
+  participant_message,
+  publications_secure,
+  subscriptions_secure,
+  participants_secure,
+  participant_message_secure,
+};
+
+/// One row: a topic, its two entities and their bits in BuiltinEndpointSet_t.
+struct BuiltinTopicInfo {
+  BuiltinTopic topic;
+  EntityId writer, reader;
+  std::uint32_t bits;
+  bool secure;
+};
+
+inline constexpr std::array kBuiltinTopics = {
+    BuiltinTopicInfo{BuiltinTopic::publications, kPublicationsWriter, kPublicationsReader,
+                     builtin_endpoints::kPublications, false},
+    BuiltinTopicInfo{BuiltinTopic::subscriptions, kSubscriptionsWriter, kSubscriptionsReader,
+                     builtin_endpoints::kSubscriptions, false},
+    BuiltinTopicInfo{BuiltinTopic::participant_message, kParticipantMessageWriter,
+                     kParticipantMessageReader, builtin_endpoints::kParticipantMessage, false},
+    BuiltinTopicInfo{BuiltinTopic::publications_secure, kPublicationsSecureWriter,
+                     kPublicationsSecureReader, builtin_endpoints::kPublicationsSecure, true},
+    BuiltinTopicInfo{BuiltinTopic::subscriptions_secure, kSubscriptionsSecureWriter,
+                     kSubscriptionsSecureReader, builtin_endpoints::kSubscriptionsSecure, true},
+    BuiltinTopicInfo{BuiltinTopic::participants_secure, kParticipantsSecureWriter,
+                     kParticipantsSecureReader, builtin_endpoints::kParticipantsSecure, true},
+    BuiltinTopicInfo{BuiltinTopic::participant_message_secure, kParticipantMessageSecureWriter,
+                     kParticipantMessageSecureReader, builtin_endpoints::kParticipantMessageSecure,
+                     true},
+};
+
+class BuiltinEndpoints {
+ public:
+  using Deliver = std::function<bool(BuiltinTopic, Change&)>;
+  BuiltinEndpoints(const GuidPrefix& prefix, MessageSender& sender, TimerQueue& timers,
+                   Deliver deliver);
+
+  /// Adds the secure doubles.
+  void secure();
+
+  StatefulWriter& writer(BuiltinTopic topic) { return *endpoints_[index(topic)].writer; }
+  /// nullptr: not one of them.
+  StatefulWriter* find_writer(const EntityId& id);
+  StatefulReader* find_reader(const EntityId& id);
+  /// `f(const BuiltinTopicInfo&, StatefulWriter&, StatefulReader&)` for each that there is.
+  template <class F>
+  void each(F&& f) {
+    for (const auto& info : kBuiltinTopics)
+      if (auto& endpoint = endpoints_[index(info.topic)]; endpoint.writer)
+        f(info, *endpoint.writer, *endpoint.reader);
+  }
+  template <class F>
+  void each(F&& f) const {
+    for (const auto& info : kBuiltinTopics)
+      if (const auto& endpoint = endpoints_[index(info.topic)]; endpoint.writer)
+        f(info, *endpoint.writer, *endpoint.reader);
+  }
+
+ private:
+  struct Endpoint {
+    std::unique_ptr<StatefulWriter> writer;
+    std::unique_ptr<StatefulReader> reader;
+  };
+  static constexpr std::size_t index(BuiltinTopic topic) { return static_cast<std::size_t>(topic); }
+  void add(const BuiltinTopicInfo& info);
+
+  const GuidPrefix prefix_;
+  MessageSender& sender_;
+  TimerQueue& timers_;
+  Deliver deliver_;
+  std::array<Endpoint, kBuiltinTopics.size()> endpoints_;
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,32 @@
+// CONTENT_FILTER_INFO: which filters a writer applied to a sample, and what they said (RTPS 2.5,
+// 8.7.3.3 and 9.6.4.1).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "wire/parameter_list.hpp"
+
+namespace ddssec::rtps {
+
+/// MD5 of what a reader announces of its filter.
+using FilterSignature = std::array<std::uint8_t, 16>;
+
+struct FilterResult {
+  FilterSignature signature{};
+  bool passed = false;
+  bool operator==(const FilterResult&) const = default;
+};
+
+/// Borrowed from whoever writes the sample.
+struct FilterResults {
+  std::span<const FilterResult> list = {};
+  bool operator==(const FilterResults& other) const { return std::ranges::equal(list, other.list); }
+};
+
+/// Nothing if the list is empty. What a peer says there is never read: a reader's own filter
+/// decides.
+void write_content_filter_info(SpanWriter& out, const FilterResults& results);
+
+}  // namespace ddssec::rtps

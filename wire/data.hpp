@@ -1,0 +1,28 @@
+// DATA: one change of a writer (RTPS 9.4.5.3).
+#pragma once
+
+#include "wire/inline_qos.hpp"
+#include "wire/numbers.hpp"
+#include "wire/submessage.hpp"
+
+namespace ddssec::rtps {
+
+enum class PayloadKind : std::uint8_t { none, data, key };
+
+/// Borrows its payload. The payload begins with its encapsulation (or is a protected one).
+struct Data {
+  EntityId reader;  ///< unknown = all of the writer's readers
+  EntityId writer;
+  SequenceNumber sequence_number{1};
+  InlineQos inline_qos = {};
+  PayloadKind kind = PayloadKind::none;
+  BytesView payload = {};
+};
+
+/// Errors: truncated, rtps_number_invalid, rtps_submessage_overrun (the offset to the inline QoS
+/// lies inside the fixed part or behind the end), malformed (data and key at once), those of
+/// read_inline_qos.
+Result<Data> read_data(const SubmessageView& view);
+void write(SpanWriter& out, const Data& data);
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,41 @@
+// DATA_FRAG: consecutive fragments of one large change (RTPS 9.4.5.4).
+#pragma once
+
+#include "wire/data.hpp"
+
+namespace ddssec::rtps {
+
+/// Borrows its payload: exactly the octets of fragments first .. first + count - 1. Fragment n
+/// covers the sample's octets (n - 1) * fragment_size onwards; only the last one may be shorter.
+struct DataFrag {
+  EntityId reader;
+  EntityId writer;
+  SequenceNumber sequence_number{1};
+  FragmentNumber first{1};
+  std::uint16_t count = 1;
+  std::uint16_t fragment_size = 0;
+  std::uint32_t sample_size = 0;
+  InlineQos inline_qos = {};
+  bool is_key = false;
+  BytesView payload = {};
+  /// Received: everything behind the fixed part and inline QoS. A protected fragment is longer than
+  /// what it covers (DDS-Security 8.5.1.9.1).
+  BytesView encoded = {};
+
+  /// How many fragments the whole sample has.
+  std::uint32_t total() const { return fragments_of(sample_size, fragment_size); }
+  static constexpr std::uint32_t fragments_of(std::uint32_t sample_size, std::uint16_t size) {
+    return size == 0 ? 0
+                     : static_cast<std::uint32_t>((std::uint64_t{sample_size} + size - 1) / size);
+  }
+};
+
+/// Errors: truncated (also fewer octets than the fragments have), rtps_number_invalid (fragment
+/// numbers or sizes that do not fit the sample; CVE-2023-50716, CVE-2025-62799, CVE-2025-65865),
+/// rtps_submessage_overrun, those of read_inline_qos.
+Result<DataFrag> read_data_frag(const SubmessageView& view);
+/// The same fragments with their octets opened. Errors: truncated.
+Result<DataFrag> with_payload(DataFrag frag, BytesView plain);
+void write(SpanWriter& out, const DataFrag& data);
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,38 @@
+#include "wire/gap.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+constexpr std::uint8_t kFlagGroup = 0x02;
+
+}  // namespace
+
+Result<Gap> read_gap(const SubmessageView& view) {
+  auto reader = view.reader();
+  Gap out;
+  out.reader = DDSSEC_TRY(read_entity_id(reader));
+  out.writer = DDSSEC_TRY(read_entity_id(reader));
+  out.start = DDSSEC_TRY(read_sequence_number(reader));
+  out.list = DDSSEC_TRY(read_sequence_number_set(reader, 1));
+  if (out.list.base() < out.start) return fail(Code::rtps_number_invalid);
+  if (!view.has(kFlagGroup)) return out;
+  const auto first = DDSSEC_TRY(read_sequence_number(reader));
+  const auto last = DDSSEC_TRY(read_any_sequence_number(reader));
+  if (last < first.previous() || last > kGreatestSequenceNumber)
+    return fail(Code::rtps_number_invalid);
+  out.group = {first, last};
+  return out;
+}
+
+void write(SpanWriter& out, const Gap& gap) {
+  const SubmessageScope scope(out, SubmessageId::gap, gap.group ? kFlagGroup : 0);
+  out.write_bytes(gap.reader.view());
+  out.write_bytes(gap.writer.view());
+  write_sequence_number(out, gap.start);
+  write_set(out, gap.list);
+  if (!gap.group) return;
+  write_sequence_number(out, gap.group->first);
+  write_sequence_number(out, gap.group->second);
+}
+
+}  // namespace ddssec::rtps

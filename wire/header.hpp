@@ -1,0 +1,23 @@
+// The header of an RTPS message (RTPS 9.4.4).
+#pragma once
+
+#include "base/ids.hpp"
+#include "wire/span_writer.hpp"
+#include "wire/vendor.hpp"
+
+namespace ddssec::rtps {
+
+struct Header {
+  ProtocolVersion version = kProtocolVersion;
+  VendorId vendor = kVendorDdssec;
+  GuidPrefix prefix;
+  bool operator==(const Header&) const = default;
+};
+
+inline constexpr std::size_t kHeaderSize = 20;
+
+/// Errors: rtps_not_a_message (too short, or other first octets), rtps_version_unsupported.
+Result<Header> read_header(BytesView message);
+void write(SpanWriter& out, const Header& header);
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,61 @@
+#include "wire/heartbeat.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+constexpr std::uint8_t kHeartbeatFlagFinal = 0x02;
+constexpr std::uint8_t kHeartbeatFlagLiveliness = 0x04;
+constexpr std::uint8_t kHeartbeatFlagGroup = 0x08;
+
+// The table of 9.4.5.7 ends with lastGSN, the model of 8.3.8.6 has the digests as well.
+Result<GroupState> read_group(Reader& reader) {
+  GroupState out;
+  out.current = DDSSEC_TRY(read_any_sequence_number(reader));
+  out.first = DDSSEC_TRY(read_sequence_number(reader));
+  out.last = DDSSEC_TRY(read_any_sequence_number(reader));
+  const bool good = out.current.value >= 0 && out.current <= kGreatestSequenceNumber &&
+                    out.last >= out.first.previous() && out.last <= kGreatestSequenceNumber;
+  if (!good) return fail(Code::rtps_number_invalid);
+  if (reader.remaining() == 0) return out;
+  for (auto* digest : {&out.writers, &out.secure_writers})
+    std::ranges::copy(DDSSEC_TRY(reader.read_bytes(digest->size())), digest->begin());
+  return out;
+}
+
+}  // namespace
+
+Result<Heartbeat> read_heartbeat(const SubmessageView& view) {
+  auto reader = view.reader();
+  Heartbeat out;
+  out.reader = DDSSEC_TRY(read_entity_id(reader));
+  out.writer = DDSSEC_TRY(read_entity_id(reader));
+  out.first = DDSSEC_TRY(read_sequence_number(reader));
+  out.last = DDSSEC_TRY(read_any_sequence_number(reader));
+  out.count = DDSSEC_TRY(reader.read<std::int32_t>());
+  out.is_final = view.has(kHeartbeatFlagFinal);
+  out.asserts_liveliness = view.has(kHeartbeatFlagLiveliness);
+  if (out.last < out.first.previous() || out.last > kGreatestSequenceNumber)
+    return fail(Code::rtps_number_invalid);
+  if (view.has(kHeartbeatFlagGroup)) out.group = DDSSEC_TRY(read_group(reader));
+  return out;
+}
+
+void write(SpanWriter& out, const Heartbeat& heartbeat) {
+  std::uint8_t flags = heartbeat.is_final ? kHeartbeatFlagFinal : 0;
+  if (heartbeat.asserts_liveliness) flags |= kHeartbeatFlagLiveliness;
+  if (heartbeat.group) flags |= kHeartbeatFlagGroup;
+  const SubmessageScope scope(out, SubmessageId::heartbeat, flags);
+  out.write_bytes(heartbeat.reader.view());
+  out.write_bytes(heartbeat.writer.view());
+  write_sequence_number(out, heartbeat.first);
+  write_sequence_number(out, heartbeat.last);
+  out.write(heartbeat.count);
+  if (!heartbeat.group) return;
+  write_sequence_number(out, heartbeat.group->current);
+  write_sequence_number(out, heartbeat.group->first);
+  write_sequence_number(out, heartbeat.group->last);
+  out.write_bytes(heartbeat.group->writers);
+  out.write_bytes(heartbeat.group->secure_writers);
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,15 @@
+#include "wire/info_destination.hpp"
+
+namespace ddssec::rtps {
+
+Result<InfoDestination> read_info_destination(const SubmessageView& view) {
+  auto reader = view.reader();
+  return InfoDestination{DDSSEC_TRY(read_guid_prefix(reader))};
+}
+
+void write(SpanWriter& out, const InfoDestination& info) {
+  const SubmessageScope scope(out, SubmessageId::info_destination);
+  out.write_bytes(info.prefix.view());
+}
+
+}  // namespace ddssec::rtps

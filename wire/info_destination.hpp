@@ -1,0 +1,17 @@
+// INFO_DST: which participant the submessages behind it are meant for (RTPS 9.4.5.8).
+#pragma once
+
+#include "wire/submessage.hpp"
+
+namespace ddssec::rtps {
+
+struct InfoDestination {
+  GuidPrefix prefix;  ///< zero = anybody
+  bool operator==(const InfoDestination&) const = default;
+};
+
+/// Errors: truncated.
+Result<InfoDestination> read_info_destination(const SubmessageView& view);
+void write(SpanWriter& out, const InfoDestination& info);
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,115 @@
+#include "wire/inline_qos.hpp"
+
+#include "wire/submessage.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+constexpr std::uint8_t kDisposed = 0x01;
+constexpr std::uint8_t kUnregistered = 0x02;
+constexpr std::uint8_t kFiltered = 0x04;
+
+// Standard ids below 0x4000 may be ignored; only those that must be understood stop us.
+bool must_be_understood(ParameterId id) {
+  return (id & pid::kMustUnderstand) != 0 && (id & pid::kVendorSpecific) == 0;
+}
+
+Result<SequenceNumber> read_number(BytesView value, Endian endian) {
+  Reader reader(value, endian);
+  const auto number = DDSSEC_TRY(read_any_sequence_number(reader));
+  constexpr SequenceNumber kUnknown{-(std::int64_t{1} << 32)};
+  if (number == kUnknown) return SequenceNumber{};
+  if (!is_valid(number)) return fail(Code::rtps_number_invalid);
+  return number;
+}
+
+// GUID and number; the list that may follow has nothing for us.
+Result<Original> read_original(BytesView value, Endian endian) {
+  if (value.size() < 24) return fail(Code::rtps_parameter_invalid);
+  Reader reader(value, endian);
+  Original out{DDSSEC_TRY(read_guid(reader)), {}};
+  out.number = DDSSEC_TRY(read_sequence_number(reader));
+  return out;
+}
+
+// Which number of Coherence a parameter is, or nullptr.
+constexpr SequenceNumber Coherence::*number_of(ParameterId id) {
+  switch (id) {
+    case pid::kCoherentSet:
+      return &Coherence::set;
+    case pid::kGroupCoherentSet:
+      return &Coherence::group_set;
+    case pid::kGroupSeqNum:
+      return &Coherence::group;
+    default:
+      return nullptr;
+  }
+}
+
+void write_number(SpanWriter& out, ParameterId id, SequenceNumber number) {
+  if (number.value == 0) return;
+  const ParameterScope scope(out, id);
+  write_sequence_number(out, number);
+}
+
+}  // namespace
+
+Result<InlineQos> read_inline_qos(BytesView list, Endian endian) {
+  InlineQos qos;
+  ParameterReader parameters(list, endian);
+  while (const auto parameter = DDSSEC_TRY(parameters.next())) {
+    const auto& value = parameter->value;
+    if (parameter->id == pid::kKeyHash) {
+      if (value.size() < 16) return fail(Code::rtps_parameter_invalid);
+      std::copy_n(value.begin(), 16, qos.key_hash.emplace().begin());
+    } else if (parameter->id == pid::kStatusInfo) {
+      if (value.size() < 4) return fail(Code::rtps_parameter_invalid);
+      qos.status = {(value[3] & kDisposed) != 0, (value[3] & kUnregistered) != 0,
+                    (value[3] & kFiltered) != 0};
+    } else if (const auto number = number_of(parameter->id)) {
+      if (value.size() < 8) return fail(Code::rtps_parameter_invalid);
+      qos.coherence.*number = DDSSEC_TRY(read_number(value, endian));
+    } else if (parameter->id == pid::kWriterGroupInfo) {
+      if (value.size() < 4) return fail(Code::rtps_parameter_invalid);
+      std::copy_n(value.begin(), 4, qos.coherence.writers.begin());
+    } else if (parameter->id == pid::kOriginalWriterInfo) {
+      qos.original = DDSSEC_TRY(read_original(value, endian));
+    } else if (must_be_understood(parameter->id)) {
+      return fail(Code::rtps_parameter_not_understood);
+    }
+  }
+  return qos;
+}
+
+void write(SpanWriter& out, const InlineQos& qos) {
+  if (qos.key_hash) {
+    const ParameterScope scope(out, pid::kKeyHash);
+    out.write_bytes(*qos.key_hash);
+  }
+  if (qos.status != StatusInfo{}) {
+    const ParameterScope scope(out, pid::kStatusInfo);
+    const auto flags = static_cast<std::uint8_t>((qos.status.disposed ? kDisposed : 0) |
+                                                 (qos.status.unregistered ? kUnregistered : 0) |
+                                                 (qos.status.filtered ? kFiltered : 0));
+    const std::array<std::uint8_t, 4> octets{0, 0, 0, flags};
+    out.write_bytes(octets);
+  }
+  if (qos.coherence != Coherence{}) {
+    write_number(out, pid::kCoherentSet, qos.coherence.set);
+    write_number(out, pid::kGroupCoherentSet, qos.coherence.group_set);
+    write_number(out, pid::kGroupSeqNum, qos.coherence.group);
+    if (qos.coherence.writers != GroupDigest{}) {
+      const ParameterScope scope(out, pid::kWriterGroupInfo);
+      out.write_bytes(qos.coherence.writers);
+    }
+  }
+  if (qos.original.number.value > 0) {
+    const ParameterScope scope(out, pid::kOriginalWriterInfo);
+    out.write_bytes(qos.original.writer.octets());
+    write_sequence_number(out, qos.original.number);
+  }
+  write_content_filter_info(out, qos.filters);
+  write_sentinel(out);
+}
+
+}  // namespace ddssec::rtps
