@@ -16,7 +16,6 @@ namespace ddssec::cli {
 namespace {
 
 using rtps::MeetingState;
-using rtps::MonotonicTime;
 
 constexpr int kLongest = 86'400;
 

@@ -99,11 +99,12 @@ function(ddssec_compile_quickly)
   endforeach()
 endfunction()
 
-# ddssec_library(NAME SOURCES ... [PUBLIC libs ...] [PRIVATE libs ...] [PRECOMPILE headers ...] [EACH])
+# ddssec_library(NAME SOURCES ... [PUBLIC libs ...] [PRIVATE libs ...] [PRECOMPILE headers ...] [EACH] [QUICK])
 # EACH: every file is compiled by itself, since they use the same short names for different things.
+# QUICK: as ddssec_compile_quickly.
 # A static library ddssec_NAME whose headers are included as "folder/file.hpp" from the root.
 function(ddssec_library name)
-  cmake_parse_arguments(ARG "EACH" "" "SOURCES;PUBLIC;PRIVATE;PRECOMPILE" ${ARGN})
+  cmake_parse_arguments(ARG "EACH;QUICK" "" "SOURCES;PUBLIC;PRIVATE;PRECOMPILE" ${ARGN})
   add_library(ddssec_${name} STATIC ${ARG_SOURCES})
   add_library(ddssec::${name} ALIAS ddssec_${name})
   set_property(GLOBAL APPEND PROPERTY DDSSEC_LIBRARIES ${name})
@@ -112,6 +113,9 @@ function(ddssec_library name)
   target_compile_features(ddssec_${name} PUBLIC cxx_std_23)  # their headers need it
   target_link_libraries(ddssec_${name} PUBLIC ${ARG_PUBLIC}
                         PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:ddssec_options>)
+  if(ARG_QUICK)
+    ddssec_compile_quickly(ddssec_${name})
+  endif()
   list(LENGTH ARG_SOURCES files)
   if(files GREATER 4 AND NOT ARG_EACH)
     ddssec_join_files(ddssec_${name} ${ARG_SOURCES})
@@ -122,6 +126,9 @@ function(ddssec_library name)
     if("fmt::fmt" IN_LIST ARG_PRIVATE OR "fmt::fmt" IN_LIST ARG_PUBLIC)
       list(APPEND headers <fmt/format.h>)
       set(kind fmt)
+    endif()
+    if(ARG_QUICK)
+      string(APPEND kind _quick)
     endif()
     # What the first library of a kind has precompiled serves all that need no headers besides.
     get_property(first GLOBAL PROPERTY ddssec_precompiled_${kind})
