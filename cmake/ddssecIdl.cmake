@@ -1,13 +1,14 @@
 # ddssec_idl_generate(TARGET FILE.idl ... [NAMESPACE a::b] [INCLUDES dir ...] [EXTENSIBILITY final|appendable])
 # An interface library whose users include "FILE.hpp": the structs, enumerations and constants of each
 # FILE.idl with what ddssec::rtps needs to know of them (rtps/cdr/type.hpp). What the generator cannot
-# do is an error of the build with file, line and what to do instead.
+# do is an error of the build with file, line and what to do instead. idlc may run for DDSSEC_IDLC_SECONDS.
 function(ddssec_idl_generate target)
   cmake_parse_arguments(ARG "" "NAMESPACE;EXTENSIBILITY" "INCLUDES" ${ARGN})
   find_program(DDSSEC_IDLC idlc NO_CMAKE_FIND_ROOT_PATH)
   if(NOT DDSSEC_IDLC)
     message(FATAL_ERROR "ddssec_idl_generate needs idlc, the IDL compiler of Cyclone DDS (Debian: cyclonedds-tools)")
   endif()
+  set(DDSSEC_IDLC_SECONDS 60 CACHE STRING "Seconds after which an idlc that hangs is stopped")
   if(NOT TARGET ddssec_idlc AND NOT EXISTS "${DDSSEC_IDLC_PLUGIN}")
     message(FATAL_ERROR "ddssec_idl_generate: this ddssec was built without Cyclone DDS's idl library "
                         "(Debian: cyclonedds-dev), so it cannot make types from IDL")
@@ -43,8 +44,8 @@ function(ddssec_idl_generate target)
     get_filename_component(file ${file} ABSOLUTE)
     get_filename_component(stem ${file} NAME_WE)
     add_custom_command(OUTPUT ${folder}/${stem}.hpp
-      COMMAND ${DDSSEC_IDLC} -l ${plugin} -W no-implicit-extensibility ${options} ${includes} -o ${folder} ${file}
-              || ${explain} ${includes} ${file}
+      COMMAND ${explain} ${includes} ${file} ${DDSSEC_IDLC_SECONDS}
+              ${DDSSEC_IDLC} -l ${plugin} -W no-implicit-extensibility ${options} ${includes} -o ${folder} ${file}
       DEPENDS ${ARG_UNPARSED_ARGUMENTS} ${depends} WORKING_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}
       COMMENT "${stem}.hpp from ${stem}.idl" VERBATIM)
     list(APPEND headers ${folder}/${stem}.hpp)

@@ -1,15 +1,21 @@
-// ddssec-idl-explain [-I FOLDER]... FILE...: what idlc, which calls it only a "syntax error",
-// cannot read in the files and what they include, with its place and what to write instead.
-// ddssec_idl_generate runs it when idlc fails; it always exits 1.
+// ddssec-idl-explain [-I FOLDER]... FILE SECONDS IDLC [ARGUMENT]...: runs idlc on the file for at
+// most SECONDS. If it fails: what idlc, which calls it only a "syntax error", cannot read in the
+// file and what it includes, with its place and what to write instead. Exits 0 if idlc does, or
+// else 1. ddssec_idl_generate runs it.
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
 #include <string_view>
+#include <sys/wait.h>
+#include <unistd.h>
 #include <vector>
 
 namespace {
@@ -166,6 +172,25 @@ class Explainer {
   std::vector<fs::path> folders_, seen_;
 };
 
+enum class Outcome { done, failed, timed_out };
+
+/// The alarm outlives execvp, and this process: no idlc runs on after a build that was interrupted.
+Outcome run(char* const* command, unsigned seconds) {
+  const auto child = fork();
+  if (child < 0) return Outcome::failed;
+  if (child == 0) {
+    alarm(seconds);
+    execvp(command[0], command);
+    std::perror(command[0]);
+    _exit(EXIT_FAILURE);
+  }
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0)
+    if (errno != EINTR) return Outcome::failed;
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM) return Outcome::timed_out;
+  return WIFEXITED(status) && WEXITSTATUS(status) == EXIT_SUCCESS ? Outcome::done : Outcome::failed;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -173,6 +198,17 @@ int main(int argc, char** argv) {
   int at = 1;
   for (; at + 1 < argc && std::string_view(argv[at]) == "-I"; at += 2)
     explainer.add_folder(argv[at + 1]);
-  for (; at < argc; ++at) explainer.explain(argv[at]);
-  return 1;
+  if (argc - at < 3) return EXIT_FAILURE;
+  const auto* file = argv[at];
+  const auto seconds = static_cast<unsigned>(std::max(1, std::atoi(argv[at + 1])));
+  const auto outcome = run(argv + at + 2, seconds);
+  if (outcome == Outcome::done) return EXIT_SUCCESS;
+  if (outcome == Outcome::timed_out)
+    std::fprintf(
+        stderr,
+        "%s: idlc was stopped after %u s: if it hangs on the last change of the file, write "
+        "that differently; if it is slow, give DDSSEC_IDLC_SECONDS (CMake) more\n",
+        file, seconds);
+  explainer.explain(file);
+  return EXIT_FAILURE;
 }

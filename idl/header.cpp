@@ -136,6 +136,22 @@ bool Header::check(const void* node) {
   return !refusals_.any();
 }
 
+bool Header::check_nesting(const void* structure) {
+  switch (nesting_.of(structure)) {
+    case Nesting::fine:
+      return true;
+    case Nesting::recursive:
+      refusals_.refuse(structure, "a recursive type",
+                       "keep all nodes in one sequence, and in each the positions of its children");
+      return false;
+    case Nesting::before_definition:
+      refusals_.refuse(structure, "a member of a type before its definition",
+                       "move that definition up; a forward declaration is not enough");
+      return false;
+  }
+  return false;
+}
+
 std::string Header::value_text(const void* value, const CppType& type) {
   if (value == nullptr) return type.initial;
   if (tree_kind_of(value) == tree_enumerator) return " = " + type.text + "::" + cpp_name(value);
@@ -159,7 +175,7 @@ std::string Header::member(const void* member, const void* name) {
 }
 
 void Header::structure(const void* which) {
-  if (!check(which)) return;
+  if (!check(which) || !check_nesting(which)) return;
   std::vector<std::string> members;
   declared_ += "struct " + cpp_name(which) + " {\n";
   for (const auto* at = tree_first(which); at != nullptr; at = tree_next(at)) {

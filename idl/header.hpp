@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "idl/cpp_type.hpp"
+#include "idl/nesting.hpp"
 
 namespace ddssec::idl {
 
@@ -21,6 +22,7 @@ class Header {
   void enumeration(const void* which);
   void structure(const void* which);
   bool check(const void* node);
+  bool check_nesting(const void* structure);
   std::string member(const void* member, const void* name);
   void traits(const void* which, const std::vector<std::string>& members);
   std::string type_description(const void* which);
@@ -32,6 +34,7 @@ class Header {
   const std::string root_;
   Refusals refusals_;
   CppTypes types_;
+  NestingCheck nesting_;
   std::string declared_;  ///< within the namespaces
   std::string traits_;    ///< behind them
 };

@@ -80,6 +80,10 @@ const void* tree_type(const void* node) {
   return idl_type_spec(node);
 }
 
+const void* tree_definition(const void* node) {
+  return idl_is_forward(node) ? ((const idl_forward_t*)node)->type_spec : NULL;
+}
+
 uint32_t tree_bound(const void* node) { return idl_is_bounded(node) ? idl_bound(node) : 0; }
 
 uint32_t tree_dimension(const void* name, unsigned index) {

@@ -84,6 +84,8 @@ const void* tree_module_of(const void* node);
 const void* tree_first(const void* node);
 // Of a member, a sequence, a typedef's name or a constant.
 const void* tree_type(const void* node);
+// Of a forward declaration; NULL if it has none.
+const void* tree_definition(const void* node);
 // Of a string or a sequence; 0: any number.
 uint32_t tree_bound(const void* node);
 // Of a member's or a typedef's name; 0: there are no more.
