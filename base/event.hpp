@@ -27,6 +27,7 @@ struct Event {
   std::string peer_subject;  ///< subject name of the other side; empty = local or unknown
   std::string guid;          ///< whose GUID, if known
   PeerProof proof;
+  bool is_returned = false;  ///< the application also gets the error, as the result of its call
 
   Event(Error reason, std::string subject = {}, std::string whose_guid = {},
         PeerProof subject_proof = PeerProof::claimed)
@@ -35,6 +36,14 @@ struct Event {
         peer_subject(std::move(subject)),
         guid(std::move(whose_guid)),
         proof(subject_proof) {}
+
+  /// The event of an error that the application also gets, as the result of its call. A log of
+  /// events keeps it; a program that prints both its events and its errors leaves it out.
+  static Event of_returned(Error reason) {
+    Event out(std::move(reason), {}, {}, PeerProof::not_a_peer);
+    out.is_returned = true;
+    return out;
+  }
 
   /// One line for a log, without control characters. A name that is not proven is one that the peer
   /// "claims to be".
@@ -55,9 +64,9 @@ class EventSink {
 /// `interval` ago. Reason: code and document; where no unauthenticated peer can have chosen them,
 /// also field and expected value. Never what was found, nor a name that is only claimed.
 ///
-/// What is remembered is bounded in shares, so that nobody crowds out what is told of others: one for
-/// ourselves, one for all peers without proof, and one for each code of each authenticated peer,
-/// which chooses the names of its topics and partitions. Of a full share, and of peers beyond
+/// What is remembered is bounded in shares, so that nobody crowds out what is told of others: one
+/// for ourselves, one for all peers without proof, and one for each code of each authenticated
+/// peer, which chooses the names of its topics and partitions. Of a full share, and of peers beyond
 /// kMostRemembered, each code still goes through once in each interval.
 class RateLimitedSink final : public EventSink {
  public:

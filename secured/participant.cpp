@@ -6,6 +6,7 @@
 namespace ddssec::secured {
 
 void StandardErrorEvents::raise(const Event& event) {
+  if (event.is_returned) return;
   if (event.severity >= Severity::warning || event.error.code() == Code::rtps_joined)
     std::fprintf(stderr, "%s\n", event.to_line().c_str());
 }

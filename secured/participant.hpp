@@ -7,7 +7,8 @@
 
 namespace ddssec::secured {
 
-/// Each a line on standard error, from warnings on, and which interfaces a participant uses.
+/// Each a line on standard error, from warnings on, and which interfaces a participant uses. What a
+/// call of the application returns as an error is not printed: that is for the application to do.
 class StandardErrorEvents final : public EventSink {
  public:
   void raise(const Event& event) override;

@@ -106,7 +106,7 @@ class Plugin final : public spi::AccessControl {
                                                        const spi::PropertyList& properties,
                                                        std::string_view domain_tag) override {
     auto holder = load_local(context(), identity, domain_id, properties, domain_tag);
-    if (!holder) return refuse(holder.error());
+    if (!holder) return refuse_us(holder.error());
     return add(*std::move(holder));
   }
 
@@ -200,6 +200,15 @@ class Plugin final : public spi::AccessControl {
     return std::unexpected(error);
   }
 
+  /// The same of a call of the application, which gets the error.
+  std::unexpected<Error> refuse_us(const Error& error) {
+    environment_.events.raise(Event::of_returned(error));
+    return std::unexpected(error);
+  }
+  std::unexpected<Error> refuse(const Error& error, const PermissionsHolder& holder) {
+    return holder.remote() ? refuse(error, holder.peer_subject()) : refuse_us(error);
+  }
+
   Result<PermissionsHandle> add(Holder holder) {
     auto handle = handles_.add(std::move(holder));
     if (!handle) return refuse(handle.error());
@@ -220,7 +229,7 @@ class Plugin final : public spi::AccessControl {
         own == domain_id ? judge(*holder)
                          : Status(fail(Code::other_domain, {.expected = std::to_string(own),
                                                             .found = std::to_string(domain_id)}));
-    if (!status) return refuse(status.error(), holder->peer_subject());
+    if (!status) return refuse(status.error(), *holder);
     return {};
   }
 
@@ -368,7 +377,7 @@ Result<spi::EndpointSecurityAttributes> Plugin::attributes(PermissionsHandle loc
   const auto& governance = *participant.governance;
   if (const auto builtin = builtin_attributes(governance.domain_rule(), topic)) return *builtin;
   if (const auto* rule = governance.topic_rule(topic)) return endpoint_attributes(*rule);
-  return refuse(topic_not_covered(participant, topic), holder->peer_subject());
+  return refuse(topic_not_covered(participant, topic), *holder);
 }
 
 std::optional<WallTime> Plugin::next_expiry() {

@@ -113,7 +113,9 @@ class PkiDh final : public spi::Authentication {
 Result<PkiDh::LocalIdentity> PkiDh::validate_local_identity(DomainId,
                                                             const spi::PropertyList& properties,
                                                             const Guid& candidate_guid) {
-  return reported(load_local(properties, candidate_guid));
+  auto loaded = load_local(properties, candidate_guid);
+  if (!loaded) environment_.events.raise(Event::of_returned(loaded.error()));
+  return loaded;
 }
 
 Result<PkiDh::LocalIdentity> PkiDh::load_local(const spi::PropertyList& properties,

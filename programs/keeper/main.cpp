@@ -24,7 +24,9 @@ struct Options {
 
 class Log final : public EventSink {
  public:
-  void raise(const Event& event) override { std::fprintf(stderr, "%s\n", event.to_line().c_str()); }
+  void raise(const Event& event) override {
+    if (!event.is_returned) std::fprintf(stderr, "%s\n", event.to_line().c_str());  // see refused
+  }
 };
 
 sigset_t hold_signals() {

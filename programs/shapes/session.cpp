@@ -193,7 +193,8 @@ bool Session::pause(std::int64_t milliseconds) {
 }
 
 void Session::raise(const Event& event) {
-  if (options_.verbose) std::fprintf(stderr, "%s\n", event.to_line().c_str());
+  if (options_.verbose && !event.is_returned)  // see not_created
+    std::fprintf(stderr, "%s\n", event.to_line().c_str());
 }
 
 int not_created(const char* what, const Error& error) {

@@ -38,6 +38,36 @@ grep -q 'domain 121 on lo (127.0.0.1), .*rtps_joined' "$scratch/publisher.log" |
 [ "$(grep -c '^kitchen 2[0-2]\.' "$scratch/readings")" -eq 3 ] || die "the examples exchanged nothing"
 if "$scratch/examples/publisher" "$scratch/nowhere" 121 lo 2>"$scratch/refused"; then die "no folder, no error"; fi
 grep -q "nowhere" "$scratch/refused" || die "the error does not name the folder"
+
+# An error that a program ends with is printed once, with what to do, whoever finds it.
+"$installed/bin/ddssec" permissions new --cert "$scratch/demo/talker/cert.pem" --publish Other --domain 121 -o "$scratch/demo/other.xml" \
+  --sign --ca "$scratch/demo" --quiet >"$scratch/refused" || { cat "$scratch/refused"; die "permissions of another topic"; }
+cp -r "$scratch/demo/talker" "$scratch/demo/elsewhere"
+cp "$scratch/demo/other.p7s" "$scratch/demo/elsewhere/permissions.p7s"
+once() {  # CAUSE REMEDY COMMAND...
+  local cause=$1 remedy=$2
+  shift 2
+  if timeout 20 "$@" >"$scratch/refused" 2>&1; then die "no error: $*"; fi
+  if [ "$(grep -c -- "$cause" "$scratch/refused")" -ne 1 ] || ! grep -q -- "$cause.*$remedy" "$scratch/refused"; then
+    cat "$scratch/refused"
+    die "not printed once, with cause and remedy: $*"
+  fi
+}
+peer="$installed/bin/ddssec-peer --role pub --topic Square --timeout 5"
+shapes="$installed/bin/ddssec-shapes -P -t Square -v d"
+no_rule='governance.p7s, .*: no domain_rule' add_domain='add the domain id'
+not_allowed='expected an allow_rule' add_topic='add the topic to'
+once "$no_rule" "$add_domain" "$scratch/examples/publisher" "$scratch/demo/talker" 122 lo
+once "$no_rule" "$add_domain" "$installed/bin/ddssec-keeper" --domain 122 --security "$scratch/demo/talker" --interface lo
+# shellcheck disable=SC2086
+{
+  once "$no_rule" "$add_domain" $peer --domain 122 --security "$scratch/demo/talker"
+  once "$no_rule" "$add_domain" $shapes -d 122 --security "$scratch/demo/talker"
+  once "$not_allowed" "$add_topic" $peer --domain 121 --security "$scratch/demo/elsewhere"
+  once "$not_allowed" "$add_topic" $shapes -d 121 --security "$scratch/demo/elsewhere"
+}
+once "$not_allowed" "$add_topic" "$scratch/examples/publisher" "$scratch/demo/elsewhere" 121 lo
+
 for file in "$examples"/*.cpp; do
   [ "$(wc -l <"$file")" -lt 40 ] || die "$file is no small example any more"
 done

@@ -159,6 +159,25 @@ spi::AccessControl::Match match(const EndpointRequest& local, bool remote_writes
           .remote = GuidPrefix{{0x81, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}}};
 }
 
+// A program that prints its errors and its events prints each refusal once.
+TEST_F(Decisions, AnEventSaysWhetherTheApplicationGetsTheErrorToo) {
+  const auto expect_returned = [&](bool is_returned, const auto& refused) {
+    EXPECT_FALSE(refused);
+    ASSERT_EQ(log.events.size(), 1u);
+    EXPECT_EQ(log.events[0].is_returned, is_returned);
+    log.events.clear();
+  };
+  const EndpointRequest denied{.topic_name = "closed"}, unheard{.topic_name = "unheard"};
+  const auto own = with({publish_rule(true, {"closed_out"})});
+  expect_returned(true, plugin->check_create_datawriter(own, 0, denied));
+  expect_returned(true, plugin->check_create_topic(own, 0, "unheard"));
+  expect_returned(true, plugin->datareader_sec_attributes(own, unheard));
+  expect_returned(true, plugin->check_create_participant(own, 1));
+  const auto peer = peer_with({publish_rule(true, {"closed_out"})});
+  expect_returned(false, plugin->check_remote_datawriter(peer, 0, denied));
+  expect_returned(false, plugin->check_remote_match(peer, match({.topic_name = "closed"})));
+}
+
 TEST_F(Decisions, AMatchIsJudgedWhetherOrNotTheHostAskedBefore) {
   const auto peer = peer_with({publish_rule(true, {"closed_out"})});
   EXPECT_TRUE(plugin->check_remote_match(peer, match({.topic_name = "closed_out"})));

@@ -37,6 +37,7 @@ void expect_refused(const PropertyList& properties, Code code, std::string_view 
   EXPECT_EQ(result.error().details().document, document) << result.error().to_sentence();
   ASSERT_EQ(engine.events.events.size(), 1u);
   EXPECT_EQ(engine.events.events[0].error.code(), code);
+  EXPECT_TRUE(engine.events.events[0].is_returned);
   EXPECT_FALSE(engine->next_expiry());
 }
 

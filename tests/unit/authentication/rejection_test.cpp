@@ -191,6 +191,7 @@ TEST_P(ForgedRequest, IsRefusedAndTheHonestOneSucceeds) {
   ASSERT_EQ(events.size(), 1u);
   EXPECT_EQ(events[0].error.code(), GetParam().code);
   EXPECT_EQ(events[0].guid, pairing.two.low.guid.to_string());
+  EXPECT_FALSE(events[0].is_returned);
   const auto rep = pairing.two.reply(*req->message);
   ASSERT_OK(rep);
   pairing.expect_finish(*req, *rep);

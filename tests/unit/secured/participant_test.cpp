@@ -92,6 +92,25 @@ TEST(SecuredParticipant, AFileThatIsMissingIsNamed) {
   EXPECT_THAT(participant.error().to_sentence(), HasSubstr("identity_ca.pem"));
 }
 
+// The program that gets the error prints it: or_exit does.
+TEST(SecuredParticipant, WhatJoinReturnsIsNotPrintedByTheDefaultSinkToo) {
+  const Folder folder;
+  ::testing::internal::CaptureStderr();
+  const auto participant = Participant::join(folder.path, {.domain_id = 122});
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+  EXPECT_FALSE(participant);
+}
+
+TEST(StandardErrorEvents, WarningsOfWhatNoCallReturnsArePrinted) {
+  StandardErrorEvents events;
+  ::testing::internal::CaptureStderr();
+  events.raise(Event(Error(Code::file_unreadable, {.document = "crl.pem"})));
+  events.raise(Event::of_returned(Error(Code::file_unreadable, {.document = "key.pem"})));
+  const auto printed = ::testing::internal::GetCapturedStderr();
+  EXPECT_THAT(printed, HasSubstr("crl.pem"));
+  EXPECT_THAT(printed, ::testing::Not(HasSubstr("key.pem")));
+}
+
 TEST(SecuredParticipant, Qos_ThatAnApplicationChanges_IsReliableFromTheStart) {
   EXPECT_EQ(Participant::reader_qos().reliability.kind, rtps::ReliabilityKind::reliable);
   EXPECT_EQ(Participant::writer_qos().reliability.kind, rtps::ReliabilityKind::reliable);
