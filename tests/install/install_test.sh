@@ -4,7 +4,8 @@
 # Usage: install_test.sh BUILD SCRATCH
 set -euo pipefail
 consumer=$(cd "$(dirname "${BASH_SOURCE[0]}")/consumer" && pwd)
-examples=$(cd "$(dirname "${BASH_SOURCE[0]}")/../../examples" && pwd)
+source=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+examples=$source/examples
 build=$1 scratch=$2
 die() { printf 'install_test.sh: %s\n' "$*" >&2; exit 1; }
 
@@ -23,6 +24,17 @@ flags=$(PKG_CONFIG_PATH=$pc pkg-config --cflags --libs ddssec)
 # shellcheck disable=SC2086
 ${CXX:-c++} "$consumer/main.cpp" -o "$scratch/consumer" $flags || die "pkg-config"
 "$scratch/consumer" || die "the consumer built with pkg-config"
+
+# What the documents configure needs no package that bootstrap.sh installs with --dev alone.
+grep -oh 'cmake --preset release[^&`]*' "$source"/README.md "$source"/docs/*.md "$source"/examples/README.md | sed 's/ *$//' |
+  sort -u >"$scratch/configurations"
+[ -s "$scratch/configurations" ] || die "no document says how to configure"
+while read -r -a configure; do
+  (cd "$source" && "${configure[@]}" -B "$scratch/configured" -DCMAKE_DISABLE_FIND_PACKAGE_GTest=ON \
+    -DCMAKE_DISABLE_FIND_PACKAGE_benchmark=ON) >"$scratch/configure.log" 2>&1 ||
+    { cat "$scratch/configure.log"; die "without the tests' packages: ${configure[*]}"; }
+  rm -rf "$scratch/configured"
+done <"$scratch/configurations"
 
 # The examples, as their README says: built with the installed package, secured by the installed tool.
 cmake -G Ninja -S "$examples" -B "$scratch/examples" -DCMAKE_PREFIX_PATH="$installed" >"$scratch/configure.log"

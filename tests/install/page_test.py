@@ -1,17 +1,24 @@
 #!/usr/bin/env python3
 """Does what a page of docs/ says with the installed package: writes the files of its blocks, then runs its commands.
-A block that begins ```LANGUAGE FILE is a part of FILE, one that begins ```sh is run; there are no others.
+A block that begins ```LANGUAGE FILE is a part of FILE, one that begins ```sh is run; there are no others. Then the
+page's writer and reader run on two hosts (network namespaces joined by a veth pair), each with its own folder alone.
 Usage: page_test.py PAGE BUILD LINE ...     each LINE must be a part of the output"""
 
 import os
 import pathlib
 import re
+import shutil
 import signal
 import subprocess
 import sys
 import tempfile
 
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "interop_rtps"))
+from two_hosts_test import Ethernet  # noqa: E402
+
 PATIENCE = 200  # seconds for all commands, compilers included
+MEETING = 30    # seconds for two hosts
 BLOCK = re.compile(r"^```(\S+)(?: (\S+))?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -42,6 +49,33 @@ def run(commands, folder, installed):
     return process.returncode, output
 
 
+def host_folder(project, top, program, participant):
+    """What a host is given: a program and its participant's folder."""
+    folder = top / program
+    shutil.copytree(project / "demo" / participant, folder / "demo" / participant)
+    shutil.copy(project / "build" / program, folder)
+    return folder
+
+
+def run_on_two_hosts(project, top):
+    """What both programs print."""
+    try:
+        ethernet = Ethernet()
+    except (RuntimeError, subprocess.CalledProcessError) as refusal:
+        return f"SKIPPED: no two hosts can be made here: {refusal}"
+    processes = []
+    try:
+        for host, program, participant in zip(ethernet.hosts, ("reader", "writer"), ("listener", "talker")):
+            processes.append(subprocess.Popen(host.enter([f"./{program}"]), stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                              cwd=host_folder(project, top, program, participant), text=True))
+        return "".join(f"on its own host: {line}\n" for process in processes
+                       for line in process.communicate(timeout=MEETING)[0].splitlines())
+    finally:
+        for process in processes:
+            process.kill()
+        ethernet.close()
+
+
 def main():
     page, build, *lines = sys.argv[1:]
     with tempfile.TemporaryDirectory() as scratch:
@@ -51,7 +85,11 @@ def main():
         (top / "project").mkdir()
         commands = write_files(pathlib.Path(page).read_text(encoding="utf-8"), top / "project")
         code, output = run(commands, top / "project", top / "installed")
+        if code == 0:
+            output += run_on_two_hosts(top / "project", top)
     print(output)
+    if "SKIPPED: no two hosts" in output:
+        lines = [line for line in lines if not line.startswith("on its own host")]
     missing = [line for line in lines if line not in output]
     for line in missing:
         print(f"the output lacks: {line}")
