@@ -17,7 +17,8 @@ namespace ddssec::governance {
 /// dot, `?` is one octet. A `[` without its `]` is a character; an expression that ends with a
 /// single backslash matches nothing. The same as fnmatch(3) of glibc without flags in the C locale
 /// (DDS-Security 1.2 10.4.1.2.6.1, 10.4.1.5.3.4.1.3); the name is always taken literally, whatever
-/// characters it holds.
+/// characters it holds. To compile is linear in the expression; to match is at most its length
+/// times the name's.
 class Pattern {
  public:
   enum class Syntax : std::uint8_t {
@@ -48,11 +49,13 @@ class Pattern {
   const std::bitset<256>& set_of(const Step& step) const { return sets_[step.set]; }
 
  private:
+  class SetReader;
+
   bool step_matches(const Step& step, char c) const;
   /// Reads what begins at text_[at] into a step; its length.
-  std::size_t read_step(std::size_t at);
+  std::size_t read_step(std::size_t at, SetReader& sets);
   /// Reads a bracket expression at text_[at]; 0 if it is none, else its length.
-  std::size_t read_set(std::size_t at);
+  std::size_t read_set(std::size_t at, SetReader& sets);
   void add_set(const std::bitset<256>& set);
 
   std::string text_;

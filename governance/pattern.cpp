@@ -38,33 +38,57 @@ constexpr std::array<Class, 12> kClasses = {{{"alpha", is_alpha},
                                              {"cntrl", is_cntrl},
                                              {"xdigit", is_xdigit}}};
 
-/// The body of a bracket expression, read member by member.
-class SetReader {
- public:
-  SetReader(std::string_view rest, bool escapes) : rest_(rest), escapes_(escapes) {}
+}  // namespace
 
-  /// The octets after the '[' that belong to the expression with its ']', or nothing.
-  std::optional<std::size_t> read(std::bitset<256>& set) {
-    bool negated = false;
-    if (!at_end() && (rest_[0] == '!' || rest_[0] == '^')) negated = true, ++at_;
+/// The bracket expressions of one text, read member by member. Linear in the text however many '['
+/// it holds: each looks for nothing beyond its member, and none reads on where another one failed.
+class Pattern::SetReader {
+ public:
+  SetReader(std::string_view text, bool escapes)
+      : text_(text),
+        escapes_(escapes),
+        symbols_end_(behind_last(".]")),
+        equivalences_end_(behind_last("=]")) {}
+
+  /// The octets from `begin`, behind a '[', that belong to the expression with its ']', or nothing.
+  /// Calls go from left to right.
+  std::optional<std::size_t> read(std::size_t begin, std::bitset<256>& set) {
+    at_ = begin;
+    const bool negated = !at_end() && (text_[at_] == '!' || text_[at_] == '^');
+    if (negated) ++at_;
     for (bool first = true; !at_end(); first = false) {
-      if (rest_[at_] == ']' && !first) {
+      if (!first && text_[at_] == ']') {
         if (negated) set.flip();
-        return at_ + 1;
+        return at_ + 1 - begin;
       }
+      if (!first && was_here()) return std::nullopt;
       if (!member(set)) return std::nullopt;
     }
     return std::nullopt;
   }
 
  private:
-  bool at_end() const { return at_ >= rest_.size(); }
+  bool at_end() const { return at_ >= text_.size(); }
+
+  std::size_t behind_last(std::string_view close) const {
+    const auto last = text_.rfind(close);
+    return last == text_.npos ? 0 : last + close.size();
+  }
+
+  /// True if a member that is not its expression's first was read here before. That expression had
+  /// no end, since the next one is looked for behind an end; and so this one has none.
+  bool was_here() {
+    if (visited_.empty()) visited_.resize(text_.size());
+    const bool before = visited_[at_];
+    visited_[at_] = true;
+    return before;
+  }
 
   bool member(std::bitset<256>& set) {
-    if (auto name = named(':')) return add_class(set, *name);
+    if (auto name = class_name()) return add_class(set, *name);
     const auto low = endpoint();
     if (!low) return false;
-    const bool range = at_ + 1 < rest_.size() && rest_[at_] == '-' && rest_[at_ + 1] != ']';
+    const bool range = at_ + 1 < text_.size() && text_[at_] == '-' && text_[at_ + 1] != ']';
     if (!range) {
       set.set(*low);
       return true;
@@ -76,18 +100,19 @@ class SetReader {
     return true;
   }
 
-  /// The text between "[:" and ":]" (or '.', '='), or nothing and nothing is consumed.
-  std::optional<std::string_view> named(char mark) {
-    if (rest_[at_] != '[' || at_ + 1 >= rest_.size() || rest_[at_ + 1] != mark) return std::nullopt;
-    const char close[] = {mark, ']'};
-    const auto end = rest_.find(std::string_view(close, 2), at_ + 2);
-    if (end == rest_.npos) return std::nullopt;
-    const auto name = rest_.substr(at_ + 2, end - at_ - 2);
-    if (mark == ':' && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz") != name.npos) {
-      return std::nullopt;
-    }
+  bool is_pair(std::size_t at, char first, char second) const {
+    return at + 1 < text_.size() && text_[at] == first && text_[at + 1] == second;
+  }
+
+  /// The letters between "[:" and ":]", or nothing and nothing is consumed.
+  std::optional<std::string_view> class_name() {
+    if (!is_pair(at_, '[', ':')) return std::nullopt;
+    const auto begin = at_ + 2;
+    auto end = begin;
+    while (end < text_.size() && is_lower(text_[end])) ++end;
+    if (!is_pair(end, ':', ']')) return std::nullopt;
     at_ = end + 2;
-    return name;
+    return text_.substr(begin, end - begin);
   }
 
   static bool add_class(std::bitset<256>& set, std::string_view name) {
@@ -101,29 +126,37 @@ class SetReader {
     return false;
   }
 
+  /// True if a collating symbol ('.') or an equivalence class ('=') begins here and ends anywhere.
+  bool is_symbol(char mark) const {
+    const auto end = mark == '.' ? symbols_end_ : equivalences_end_;
+    return is_pair(at_, '[', mark) && end >= at_ + 4;
+  }
+
   /// One octet, or a collating symbol or equivalence class of one octet.
   std::optional<std::uint8_t> endpoint() {
     for (const char mark : {'.', '='}) {
-      if (auto name = named(mark)) {
-        if (name->size() != 1) return std::nullopt;
-        return static_cast<std::uint8_t>(name->front());
-      }
+      if (!is_symbol(mark)) continue;
+      const auto name = at_ + 2;
+      if (is_pair(name, mark, ']') || !is_pair(name + 1, mark, ']')) return std::nullopt;
+      at_ = name + 3;
+      return static_cast<std::uint8_t>(text_[name]);
     }
-    if (escapes_ && rest_[at_] == '\\' && ++at_ == rest_.size()) return std::nullopt;
-    return static_cast<std::uint8_t>(rest_[at_++]);
+    if (escapes_ && text_[at_] == '\\' && ++at_ == text_.size()) return std::nullopt;
+    return static_cast<std::uint8_t>(text_[at_++]);
   }
 
-  std::string_view rest_;
+  std::string_view text_;
   bool escapes_;
+  std::size_t symbols_end_, equivalences_end_;  ///< behind the last ".]" and "=]", or 0
   std::size_t at_ = 0;
+  std::vector<bool> visited_;
 };
 
-}  // namespace
-
 Pattern::Pattern(std::string_view expression, Syntax syntax) : text_(expression), syntax_(syntax) {
+  SetReader sets(text_, syntax_ == Syntax::name);
   bool literal = true;
   for (std::size_t at = 0; at < text_.size();) {
-    at += read_step(at);
+    at += read_step(at, sets);
     literal = literal && steps_.back().kind == Kind::character;
   }
   if (!literal) return;
@@ -132,7 +165,7 @@ Pattern::Pattern(std::string_view expression, Syntax syntax) : text_(expression)
   steps_.clear();
 }
 
-std::size_t Pattern::read_step(std::size_t at) {
+std::size_t Pattern::read_step(std::size_t at, SetReader& sets) {
   const char c = text_[at];
   if (c == '*') {
     // Stars in a row are one star.
@@ -144,7 +177,7 @@ std::size_t Pattern::read_step(std::size_t at) {
     return 1;
   }
   if (c == '[') {
-    if (const auto length = read_set(at)) return length;
+    if (const auto length = read_set(at, sets)) return length;
   }
   if (c != '\\' || syntax_ != Syntax::name) {
     steps_.push_back({Kind::character, static_cast<std::uint8_t>(c), 0});
@@ -166,15 +199,15 @@ void Pattern::add_set(const std::bitset<256>& set) {
   steps_.push_back({Kind::set, 0, static_cast<std::uint16_t>(sets_.size() - 1)});
 }
 
-std::size_t Pattern::read_set(std::size_t at) {
+std::size_t Pattern::read_set(std::size_t at, SetReader& sets) {
   // A step counts its set in 16 bits; what is beyond that is text of more than 64 KiB.
   if (sets_.size() > std::numeric_limits<std::uint16_t>::max()) return 0;
   std::bitset<256> set;
-  const auto body = std::string_view(text_).substr(at + 1);
-  const auto length = SetReader(body, syntax_ == Syntax::name).read(set);
+  const auto length = sets.read(at + 1, set);
   if (!length) return 0;
   // POSIX leaves a slash between brackets undefined where slashes separate: no name matches.
-  if (syntax_ == Syntax::subject && body.substr(0, *length).find('/') != body.npos) set.reset();
+  const auto body = std::string_view(text_).substr(at + 1, *length);
+  if (syntax_ == Syntax::subject && body.find('/') != body.npos) set.reset();
   add_set(set);
   return *length + 1;
 }

@@ -1,6 +1,7 @@
 #include "governance/matcher.hpp"
 
 #include <algorithm>
+#include <ctime>
 #include <fnmatch.h>
 #include <random>
 
@@ -108,6 +109,43 @@ TEST(Matcher, AgreesWithFnmatchWhereSlashesSeparate) {
     matched += expected;
   }
   EXPECT_GT(matched, 3'000);
+}
+
+std::string repeated(std::string_view unit, std::size_t octets) {
+  std::string text;
+  while (text.size() < octets) text += unit;
+  return text;
+}
+
+/// Processor time, which a busy machine changes little.
+double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+// A peer's partition is such an expression: a search to the end from each '[' took a processor
+// 12 s for 4,000 octets of "[:".
+TEST(Matcher, CompilingIsLinearInTheExpression) {
+  constexpr double kMaxSecondsPerOctet = 5e-6;  // about 100 times what it takes
+  for (const std::string_view unit :
+       {"[",      "[:",  "[=", "[.",  "[[:", "[[=", "[[.",  "[:a",    "[[:a:]",
+        "[[:x:]", "[a-", "[!", "[^[", "[]",  "[\\", "[\\]", "[[.a.]", "[[.ab.]",
+        "[[==]",  "\\",  "*",  "*?",  "?*[", "[a]", "a"})
+    for (const std::string_view end : {"", "]", ":]", ".]", "=]", "[.ab.]]", "\\"})
+      for (const std::size_t octets : {1'000, 8'000, 64'000}) {
+        const auto text = repeated(unit, octets) + std::string(end);
+        const auto begin = cpu_seconds();
+        const Pattern pattern(text);
+        ASSERT_LT(cpu_seconds() - begin, kMaxSecondsPerOctet * static_cast<double>(octets))
+            << octets << " octets of " << unit << ", then " << end;
+      }
+}
+
+TEST(Matcher, MatchingIsAtMostExpressionTimesName) {
+  const std::string name(1'000, 'a');
+  for (const std::string_view unit : {"*a", "*?", "*[a]", "**a", "*[ab]*", "?*", "*[!b]a"}) {
+    const Pattern pattern(repeated(unit, 4'000) + "b");
+    const auto begin = cpu_seconds();
+    EXPECT_FALSE(pattern.matches(name));
+    EXPECT_LT(cpu_seconds() - begin, 1) << unit;
+  }
 }
 
 TEST(Matcher, ASlashBetweenBracketsOfASubjectMatchesNothing) {
