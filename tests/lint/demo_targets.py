@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds scripts/demo.sh's --target list to the documents: what it runs itself, what README's first lines run after it,
+"""Holds what scripts/demo.sh builds to the documents: what it runs itself, what README's first lines run after it,
 and what a page runs that says the demo builds all it needs. Pages that build ddssec_all are held to that target."""
 
 import pathlib
@@ -13,8 +13,8 @@ CODE = re.compile(r"^```(?:sh|text)\n(.*?)^```|^    ([^\n]*)$", re.MULTILINE | r
 
 
 def list_of_demo(text):
-    found = re.search(r"--target ([\w -]+?)\s*(?:\|\||\n)", text)
-    return set(found.group(1).split()) if found else set()
+    """The arguments of its function `build`, which hands them to --target."""
+    return set(" ".join(re.findall(r"^ *build ([a-z][\w -]*)$", text, re.MULTILINE)).split())
 
 
 def list_of_all(text):
@@ -39,13 +39,13 @@ def faults(root):
     demo = (root / "scripts/demo.sh").read_text(encoding="utf-8")
     built, every = list_of_demo(demo), list_of_all((root / "CMakeLists.txt").read_text(encoding="utf-8"))
     used = run_by(demo) - {"$program"} | set(re.findall(r"\bprogram=(\w+)", demo))
-    yield from (f"scripts/demo.sh runs {name}, and its --target does not have it" for name in sorted(used - built))
+    yield from (f"scripts/demo.sh runs {name}, and does not build it" for name in sorted(used - built))
     readme = re.search(r"^## Try it\n(.*?)^## ", (root / "README.md").read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
     first = code_of(readme.group(1)) if readme else ""
     if "ddssec" not in run_by(first) or "ddssec_dropin" not in run_by(first):
         yield "README.md, Try it: no line with the tool and the drop-in folder was found"
     for name in sorted(run_by(first) - built):
-        yield f"README.md runs {name} after scripts/demo.sh, whose --target does not have it"
+        yield f"README.md runs {name} after scripts/demo.sh, which does not build it"
     after_demo = 0
     for page in sorted((root / "docs").glob("*.md")):
         text = page.read_text(encoding="utf-8")
