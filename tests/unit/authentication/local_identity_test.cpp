@@ -129,7 +129,7 @@ TEST(LocalIdentity, MissingPropertiesAreNamed) {
     std::erase_if(properties, [&](const auto& p) { return p.name == name; });
     expect_refused(properties, Code::missing_property, name);
     expect_refused(alice_with(name, ""), Code::missing_property, name);
-    expect_refused(alice_with(name, "pkcs11:object=x"), Code::pkcs11_not_found, name);
+    expect_refused(alice_with(name, "pkcs11:token=nowhere;object=x"), Code::pkcs11_not_found, name);
     expect_refused(alice_with(name, "http://x"), Code::unsupported_uri, name);
     expect_refused(alice_with(name, "file:/nowhere/at/all"), Code::file_not_found, name);
     expect_refused(alice_with(name, "data:,"), Code::item_empty, name);

@@ -33,7 +33,7 @@ INSTANTIATE_TEST_SUITE_P(EachCipher, Leftovers,
                                             ::testing::Values(spi::kAes128Name, spi::kAes256Name,
                                                               spi::kChaCha20Poly1305Name)));
 
-// OpenSSL's contexts keep it beside their key, and wipe both in the end.
+// Contexts of older releases of OpenSSL (3.0) keep it beside their key, and wipe both in the end.
 TEST_P(Leftovers, OfTheKeyStreamOfTheLastBlockThereAreNone) {
   const auto [aead, algorithm] = GetParam();
   auto two =
@@ -48,10 +48,10 @@ TEST_P(Leftovers, OfTheKeyStreamOfTheLastBlockThereAreNone) {
   auto stream = last_stream(plain, encoded);
   remains.look_for("key stream", stream);
   wipe(stream);
-  const bool keeps_it = aead == AeadChoice::openssl;
-  EXPECT_EQ(remains.find().empty(), !keeps_it);
+  const bool may_keep_it = aead == AeadChoice::openssl;
+  EXPECT_TRUE(may_keep_it || remains.find().empty());
   test::at_depth([&] { decoded = decode_payload(*two, e, encoded).value(); });
-  EXPECT_EQ(remains.find().empty(), !keeps_it);
+  EXPECT_TRUE(may_keep_it || remains.find().empty());
   EXPECT_EQ(decoded, plain);
   two.reset();
   EXPECT_EQ(remains.find(), std::vector<std::string>());
