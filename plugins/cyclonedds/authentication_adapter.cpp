@@ -2,6 +2,7 @@
 
 #include <dlfcn.h>
 
+#include "plugins/cyclonedds/datagrams.hpp"
 #include "plugins/cyclonedds/presence.hpp"
 #include "plugins/cyclonedds/process_properties.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
@@ -65,6 +66,7 @@ CResult validate_local_identity(Instance* instance, CIdentity* handle,
     const auto local = DDSSEC_TRY(adapter.engine().validate_local_identity(
         domain_id, properties, guid_from(*candidate_guid)));
     adapter.lost_sessions().add_local(local.handle, local.adjusted_guid.prefix);
+    adapter.farewells().add_local(local.handle, local.adjusted_guid.prefix, domain_id);
     *handle = local.handle.value;
     *adjusted_guid = cyclonedds::to_c(local.adjusted_guid);
     return DDS_SECURITY_VALIDATION_OK;
@@ -326,8 +328,10 @@ DDS_Security_boolean return_identity_handle(Instance* instance, const CIdentity 
     if (handle == DDS_SECURITY_HANDLE_NIL) return {};
     if (const auto guid = adapter.remotes().guid(identity(handle)))
       adapter.lost_sessions().lost(*guid);
-    else
+    else {
       adapter.lost_sessions().remove_local(identity(handle));
+      adapter.farewells().remove_local(identity(handle));
+    }
     adapter.secrets().drop(identity(handle));
     adapter.watch().forget(identity(handle));
     Status status;
@@ -381,8 +385,11 @@ AuthenticationAdapter::AuthenticationAdapter(std::unique_ptr<Host> host,
 }
 
 void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revoke& revoke) {
+  constexpr int kMostFarewells = 32;  // a second: strangers can invent peers that never answer
+  int farewells = 0;
   for (const auto& stuck : watch_.give_up(questions_to_cryptography())) {
     if (stop.stop_requested()) return;
+    if (!stuck.lacks_endpoints && ++farewells <= kMostFarewells) say_farewell(stuck.guid);
     if (stuck.is_first) {
       const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(stuck.waited);
       const std::string found = stuck.lacks_endpoints ? "not all of its builtin endpoints"
@@ -398,6 +405,17 @@ void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revo
           {}, stuck.guid.to_string()));
     }
     revoke(stuck.remote.value);
+  }
+}
+
+/// Where unauthenticated participants are let in, the peer may live with us as one of them.
+void AuthenticationAdapter::say_farewell(const Guid& peer) {
+  for (const auto& local : farewells_.locals()) {
+    if (!remotes_.has_met(local.handle, peer) || admits_unauthenticated(local.handle.value))
+      continue;
+    const auto farewell = write_farewell(local.prefix, peer.prefix);
+    send_to_discovery(farewell, local.domain);
+    send_datagram(farewell, lost_sessions_.addresses_of(peer));
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include "plugins/cyclonedds/context.hpp"
 #include "plugins/cyclonedds/expiry_timer.hpp"
+#include "plugins/cyclonedds/farewell.hpp"
 #include "plugins/cyclonedds/handshake_watch.hpp"
 #include "plugins/cyclonedds/lost_sessions.hpp"
 #include "plugins/cyclonedds/remote_identities.hpp"
@@ -26,6 +27,7 @@ class AuthenticationAdapter final : public dds_security_authentication {
   RemoteIdentities& remotes() { return remotes_; }
   HandshakeWatch& watch() { return watch_; }
   LostSessions& lost_sessions() { return lost_sessions_; }
+  Farewells& farewells() { return farewells_; }
 
   /// Null stops the timer; returns when no revocation is running any more.
   void listen(const dds_security_authentication_listener* listener);
@@ -34,6 +36,8 @@ class AuthenticationAdapter final : public dds_security_authentication {
   using Revoke = std::function<void(std::int64_t)>;
   /// Makes the host begin again with peers whose handshake came to no end.
   void revoke_stuck(const std::stop_token& stop, const Revoke& revoke);
+  /// Makes a peer that answers nothing begin again, too.
+  void say_farewell(const Guid& peer);
   /// The same with peers that have lost their session with us.
   void revoke_reset(const std::stop_token& stop, const Revoke& revoke);
   /// Makes peers begin again with which we have lost our session.
@@ -45,6 +49,7 @@ class AuthenticationAdapter final : public dds_security_authentication {
   RemoteIdentities remotes_;
   HandshakeWatch watch_;
   LostSessions lost_sessions_;
+  Farewells farewells_;
   ExpiryTimer timer_;  ///< last: it ends before what it uses
 };
 

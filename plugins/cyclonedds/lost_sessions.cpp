@@ -1,10 +1,6 @@
 #include "plugins/cyclonedds/lost_sessions.hpp"
 
 #include <algorithm>
-#include <cstring>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 namespace ddssec::cyclonedds {
 
@@ -88,39 +84,11 @@ std::vector<LostSessions::Due> LostSessions::due(const IsMeeting& is_meeting) {
   return out;
 }
 
-namespace {
-
-/// The address for the kernel and how long it is.
-std::pair<sockaddr_storage, socklen_t> kernel_address(const spi::UdpAddress& address) {
-  sockaddr_storage out{};
-  if (address.is_ipv6) {
-    sockaddr_in6 six{};
-    six.sin6_family = AF_INET6;
-    six.sin6_port = htons(address.port);
-    std::memcpy(&six.sin6_addr, address.address.data(), 16);
-    std::memcpy(&out, &six, sizeof six);
-    return {out, sizeof six};
-  }
-  sockaddr_in four{};
-  four.sin_family = AF_INET;
-  four.sin_port = htons(address.port);
-  std::memcpy(&four.sin_addr, address.address.data() + 12, 4);
-  std::memcpy(&out, &four, sizeof four);
-  return {out, sizeof four};
-}
-
-}  // namespace
-
-void send_datagram(BytesView datagram, std::span<const spi::UdpAddress> to) noexcept {
-  for (const auto& address : to) {
-    const int socket = ::socket(address.is_ipv6 ? AF_INET6 : AF_INET,
-                                SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    if (socket < 0) continue;
-    const auto [where, length] = kernel_address(address);
-    (void)::sendto(socket, datagram.data(), datagram.size(), MSG_NOSIGNAL,
-                   reinterpret_cast<const sockaddr*>(&where), length);
-    ::close(socket);
-  }
+std::vector<spi::UdpAddress> LostSessions::addresses_of(const Guid& remote) {
+  const std::lock_guard lock(mutex_);
+  const auto at = sessions_.lower_bound({remote, IdentityHandle{INT64_MIN}});
+  return at != sessions_.end() && at->first.first == remote ? at->second.to
+                                                            : std::vector<spi::UdpAddress>();
 }
 
 }  // namespace ddssec::cyclonedds

@@ -45,6 +45,9 @@ class LostSessions {
   /// The host has dropped the remote participant.
   void lost(const Guid& remote);
 
+  /// Where a peer of a session could be reached; none without one.
+  std::vector<spi::UdpAddress> addresses_of(const Guid& remote);
+
   struct Due {
     Bytes message;
     std::vector<spi::UdpAddress> to;
@@ -75,9 +78,5 @@ class LostSessions {
   std::map<Key, Session> sessions_;
   std::size_t lost_ = 0;
 };
-
-/// Sends one datagram to each address from a socket of its own, without waiting or
-/// reporting an error.
-void send_datagram(BytesView datagram, std::span<const spi::UdpAddress> to) noexcept;
 
 }  // namespace ddssec::cyclonedds

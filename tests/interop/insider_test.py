@@ -56,7 +56,7 @@ class World:
         if kind in LIBRARIES:
             os.mkdir(self.programs.plugins(kind))
             shutil.copy(BUILD / "dropin" / LIBRARIES[kind], self.programs.plugins(kind))
-        self.namespace, self.peers = pair.Namespace(), []
+        self.namespace, self.peers, self.settings = pair.Namespace(), [], {}
         self._selector = selectors.DefaultSelector()
 
     def __enter__(self):
@@ -80,7 +80,7 @@ class World:
         self._selector.register(peer.process.stdout, selectors.EVENT_READ, peer)
 
     def honest(self, role, starts, more=()):
-        events = {"DDSSEC_EVENT_LOG": os.path.join(self.folder, f"{role}.events")}
+        events = {"DDSSEC_EVENT_LOG": os.path.join(self.folder, f"{role}.events"), **self.settings}
         words = self.side.arguments(self.pki, self.keys, starts)
         return self.start(role, self.kind, ["--" + role, "--payload", str(HONEST), "--timeout", "200", *more, *words], events)
 

@@ -9,7 +9,9 @@ Usage: stranger.py request                an empty request to the participant th
        stranger.py flood                  empty replies and finals to both, for 300 ms
        stranger.py announced              the announcement of the first, with an identity token of an unknown
                                           class, to the second as soon as that announces itself
-       stranger.py fewer                  the same announcement without secure discovery of endpoints
+       stranger.py nameless               the announcement of the first, without an identity token, by multicast, from
+                                          before the second is there until a second afterwards
+       stranger.py fewer                  as `announced`, without secure discovery of endpoints
        stranger.py privileged             to the one that answers, the announcement of an invented participant, on
                                           which its core takes the other to depend: both go when the invented one does.
                                           Before that it records what the two send each other, and sends it again as
@@ -25,7 +27,7 @@ import time
 
 STATELESS_WRITER, STATELESS_READER = bytes.fromhex("000201c3"), bytes.fromhex("000201c4")
 SPDP_WRITER, PARTICIPANT = bytes.fromhex("000100c2"), bytes.fromhex("000001c1")
-METATRAFFIC_UNICAST, SENTINEL, ENDPOINT_SET, VERSION_INFO = 0x32, 0x01, 0x58, 0x8007
+METATRAFFIC_UNICAST, SENTINEL, ENDPOINT_SET, VERSION_INFO, UNKNOWN = 0x32, 0x01, 0x58, 0x8007, 0x8f01
 OTHERS_DEPEND_ON_IT = 0x10  # a flag of Cyclone's VERSION_INFO
 SECURE_DISCOVERY = 0x000f0000  # of publications and subscriptions, in ENDPOINT_SET
 RECORDED, REPLAYED = 3, 6  # seconds
@@ -128,6 +130,12 @@ def fewer(announcement):
     return changed(announcement, ENDPOINT_SET, 0, lambda endpoints: endpoints & ~SECURE_DISCOVERY)
 
 
+def nameless(announcement):
+    """With a parameter that nobody knows in the place of the identity token."""
+    at = announcement.index(b"DDS:Auth:PKI-DH:1.0") - 8
+    return announcement[:at] + struct.pack("<H", UNKNOWN) + announcement[at + 2:]
+
+
 def privileged(announcement):
     """The same of another participant with the same first four octets."""
     flagged = changed(announcement, VERSION_INFO, 4, lambda flags: flags | OTHERS_DEPEND_ON_IT)
@@ -135,9 +143,16 @@ def privileged(announcement):
     return flagged.replace(prefix, prefix[:4] + bytes(octet ^ 0x55 for octet in prefix[4:]))
 
 
+FORGERIES = {"announced": lambda true: true.replace(b"PKI-DH:1.0", b"PKI-DH:9.0"), "fewer": fewer}
+
+
 def is_reset(message):
     """plugins/spi/session_reset.hpp"""
     return len(message) == 120 and message[24:28] == bytes.fromhex("dd5ec0d5")
+
+
+def destination(packet):
+    return socket.inet_ntoa(packet[16:20]), struct.unpack_from(">H", packet, (packet[0] & 15) * 4 + 2)[0]
 
 
 class Network:
@@ -145,15 +160,22 @@ class Network:
         self.packets = socket.socket(socket.AF_PACKET, socket.SOCK_DGRAM, socket.htons(0x0800))
         self.packets.bind(("lo", 0))
         self.out = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.ports, self.announcements, self.sent = {}, {}, 0
+        self.ports, self.announcements, self.group, self.sent = {}, {}, None, 0
 
-    def hear_two(self):
-        while len(self.ports) < 2:
-            packet = self.packets.recv(1 << 16)
+    def hear(self, participants, meanwhile=lambda: None):
+        self.packets.settimeout(0.01)
+        while len(self.ports) < participants:
+            meanwhile()
+            try:
+                packet = self.packets.recv(1 << 16)
+            except TimeoutError:
+                continue
             datagram = packet[(packet[0] & 15) * 4 + 8:]
             if packet[9] != socket.IPPROTO_UDP or datagram[:4] != b"RTPS":
                 continue
             if port := unicast_port(datagram):
+                if packet[16] == 239:
+                    self.group = destination(packet)
                 self.ports.setdefault(datagram[8:20], port)
                 self.announcements.setdefault(datagram[8:20], datagram)
         return sorted(self.ports)  # the lower begins
@@ -169,8 +191,7 @@ class Network:
                 return
             at = (packet[0] & 15) * 4
             if packet[9] == socket.IPPROTO_UDP and packet[at + 8:at + 12] == b"RTPS":
-                to = socket.inet_ntoa(packet[16:20]), struct.unpack_from(">H", packet, at + 2)[0]
-                yield to, packet[at + 8:]
+                yield destination(packet), packet[at + 8:]
 
     def replay(self, recorded, seconds):
         end = time.monotonic() + seconds
@@ -179,6 +200,12 @@ class Network:
                 self.out.sendto(message, to)
                 self.sent += 1
             time.sleep(0.01)
+
+    def announce(self, message):
+        """By multicast, as others did."""
+        self.out.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton("127.0.0.1"))
+        self.out.sendto(message, self.group)
+        self.sent += 1
 
     def send(self, to, message):
         self.out.sendto(message, ("127.0.0.1", self.ports[to]))
@@ -197,17 +224,22 @@ def main():
         with open(sys.argv[2], "rb") as file:
             certificate = file.read()
     print("listening", flush=True)
-    begins, answers = network.hear_two()
+    if mode == "nameless":
+        first, = network.hear(1)
+        message = nameless(network.announcements[first])
+        network.hear(2, lambda: network.announce(message))
+        network.repeat(1, 0.01, lambda: network.announce(message))
+        return print(f"forged {network.sent}", flush=True)
+    begins, answers = network.hear(2)
     if mode == "request":
         message = handshake(answers, begins, 1000, "Req")
         network.repeat(0.03, 0.001, lambda: network.send(begins, message))
     elif mode == "answered":
         message = handshake(begins, answers, 1000, "Req", public_request(certificate, begins))
         network.repeat(0.03, 0.002, lambda: network.send(answers, message))
-    elif mode in ("announced", "fewer"):
+    elif mode in FORGERIES:
         first, second = network.announcements
-        true = network.announcements[first]
-        message = fewer(true) if mode == "fewer" else true.replace(b"PKI-DH:1.0", b"PKI-DH:9.0")
+        message = FORGERIES[mode](network.announcements[first])
         network.repeat(0.01, 0.002, lambda: network.send(second, message))
     elif mode == "privileged":
         recorded = list(network.heard(RECORDED))

@@ -1,9 +1,5 @@
 #include "plugins/cyclonedds/lost_sessions.hpp"
 
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <gtest/gtest.h>
 
 namespace ddssec::cyclonedds {
@@ -127,23 +123,6 @@ TEST_F(LostSessionsTest, AreToldToFewAddresses) {
   sessions.established(local, remote(1), secret_of(1, 9));
   sessions.lost(remote(1));
   EXPECT_EQ(due().at(0).to.size(), LostSessions::kMostAddresses);
-}
-
-TEST(SendDatagram, ReachesItsAddress) {
-  const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
-  sockaddr_in own{};
-  own.sin_family = AF_INET;
-  own.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t length = sizeof own;
-  ASSERT_EQ(::bind(socket, reinterpret_cast<sockaddr*>(&own), length), 0);
-  ASSERT_EQ(::getsockname(socket, reinterpret_cast<sockaddr*>(&own), &length), 0);
-  const timeval patience{5, 0};
-  ::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-  const auto to = address(ntohs(own.sin_port));
-  send_datagram(as_bytes("reset"), {&to, 1});
-  char octets[16];
-  EXPECT_EQ(::recv(socket, octets, sizeof octets, 0), 5);
-  ::close(socket);
 }
 
 }  // namespace
