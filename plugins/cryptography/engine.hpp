@@ -52,7 +52,6 @@ struct Shared {
   std::unordered_map<std::int64_t, std::chrono::nanoseconds> former_until;  ///< guarded by it
   std::uint64_t pairs_made = 0;                                             ///< guarded by it
   std::uint64_t routes_made = 0;                                            ///< guarded by it
-  LatestIvs latest_ivs;                                                     ///< guarded by it
   mutable TokenLedger ledger;  ///< for a host that does not check
 };
 
@@ -193,7 +192,6 @@ class KeyExchange final : public spi::CryptoKeyExchange {
               std::span<const spi::Token> tokens);
   Result<std::unique_ptr<ReceiveKey>> receive_key(KeyMaterial material, spi::ProtectionKind due,
                                                   KeyLevel level, const Pair& from) const;
-  std::shared_ptr<LatestIv> latest_iv(const KeyMaterial& material, const Pair& from) const;
   /// May these take the place of the keys that are set? Error: keys_already_set, with an event.
   Status check_replacement(const RemoteKeys& next, const RemoteKeys* present,
                            const Pair* from) const;

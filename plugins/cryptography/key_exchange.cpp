@@ -7,9 +7,14 @@
 namespace ddssec::cryptography {
 namespace {
 
-/// Our key, with the receiver's own part if there is one.
-spi::Token token_for(const KeyMaterial& key, const ReceiverKey* receiver) {
-  auto material = key.clone();
+/// Of the products that may be at the other end only ours announces ChaCha20-Poly1305.
+bool is_ours(const Pair& peer) { return (peer.peer_ciphers & spi::kChaCha20Poly1305Bit) != 0; }
+
+/// Our key, with the receiver's own part if there is one, and for our plugins with where we stand.
+spi::Token token_for(const SendKey& key, const ReceiverKey* receiver, const Pair& to) {
+  auto material = key.material().clone();
+  const ReadGuard guard;  // whoever sends may go on to the next session
+  if (is_ours(to)) material.position = key.position();
   if (receiver != nullptr) {
     material.receiver_key_id = receiver->id();
     material.receiver_key = receiver->master().clone();
@@ -68,6 +73,11 @@ bool are_same(const std::shared_ptr<ReceiveKey>& a, const std::shared_ptr<Receiv
   return (a == nullptr) == (b == nullptr) && (a == nullptr || a->material() == b->material());
 }
 
+void keep_position(RemoteKeys& next, const RemoteKeys* present) {
+  if (present != nullptr && next.submessage && are_same(next.submessage, present->submessage))
+    next.submessage->count_from(*present->submessage);
+}
+
 /// Whether submessages under either find the same route.
 bool route_alike(const RemoteKeys& next, const std::unique_ptr<RemoteKeys>& former) {
   if (!former || !former->submessage) return false;
@@ -118,18 +128,10 @@ Result<std::unique_ptr<ReceiveKey>> KeyExchange::receive_key(KeyMaterial materia
     return fail(Code::key_revision_not_enabled, {.found = material.kind.to_string()});
   const auto traits = *traits_of(material.kind);
   DDSSEC_TRY(check_cipher(traits, from));
-  auto latest = level == &LevelKeys::submessage ? latest_iv(material, from) : nullptr;
-  return std::make_unique<ReceiveKey>(std::move(material), traits, shared_.keys, std::move(latest));
-}
-
-/// Payloads are none of it: a writer may send one again as it was encrypted first. Of the products
-/// that may be at the other end only ours announces ChaCha20-Poly1305.
-std::shared_ptr<LatestIv> KeyExchange::latest_iv(const KeyMaterial& material,
-                                                 const Pair& from) const {
-  if (!from.peer_prefix || (from.peer_ciphers & spi::kChaCha20Poly1305Bit) == 0) return nullptr;
-  LatestIvs::Subject subject;
-  std::copy_n(from.peer_prefix->octets.begin(), subject.size(), subject.begin());
-  return shared_.latest_ivs.of(subject, material);
+  if (material.position && !is_ours(from)) return fail(Code::key_material_length);
+  // A writer may send a payload again as it was encrypted first.
+  if (level == &LevelKeys::payload) material.position.reset();
+  return std::make_unique<ReceiveKey>(std::move(material), traits, shared_.keys);
 }
 
 Status KeyExchange::check_replacement(const RemoteKeys& next, const RemoteKeys* present,
@@ -154,7 +156,7 @@ Result<std::vector<spi::Token>> KeyExchange::create_local_participant_crypto_tok
   std::vector<spi::Token> tokens;
   if (key == nullptr && revised) return tokens;
   // Always exactly one: Fast DDS refuses any other number. NONE where there is nothing to protect.
-  tokens.push_back(key != nullptr ? token_for(key->material(), pair->receiver_key.get())
+  tokens.push_back(key != nullptr ? token_for(*key, pair->receiver_key.get(), *pair)
                                   : crypto_token(KeyMaterial{}));
   return tokens;
 }
@@ -184,6 +186,7 @@ Status KeyExchange::take(const LocalParticipant& participant, spi::ParticipantCr
   keys->submessage =
       DDSSEC_TRY(receive_key(std::move(material), participant.rtps, &LevelKeys::submessage, pair));
   DDSSEC_TRY(check_replacement(*keys, pair.remote_keys.read(), &pair));
+  keep_position(*keys, pair.remote_keys.read());
   DDSSEC_TRY(inherit(*keys, pair.remote_keys.read(), shared_.environment.clock.monotonic()));
   shared_.note_former(remote.value, *keys);
   pair.remote_keys.replace(std::move(keys), shared_.graveyard);
@@ -206,13 +209,15 @@ Result<std::vector<spi::Token>> KeyExchange::create(Local local, Remote remote,
   std::vector<spi::Token> tokens;
   // Submessage before payload: receivers route by the first.
   const auto& own = endpoint.local;
+  const auto* const pair = endpoint.participant.pair(own.participant.handle());
+  if (pair == nullptr) return fail(Code::crypto_not_matched);
   const bool revised = stage == spi::KeyStage::revised;
   if (const auto* key = revised ? own.next_submessage_key.get() : own.submessage_key.read())
-    tokens.push_back(token_for(key->material(), endpoint.receiver_key.get()));
+    tokens.push_back(token_for(*key, endpoint.receiver_key.get(), *pair));
   if (const auto* key = revised ? own.next_payload_key.get() : own.payload_key.read())
-    tokens.push_back(token_for(key->material(), nullptr));
+    tokens.push_back(token_for(*key, nullptr, *pair));
   if (const auto& material = own.token_only; material && !revised)
-    tokens.push_back(token_for(*material, nullptr));
+    tokens.push_back(crypto_token(*material));
   return tokens;
 }
 
@@ -259,6 +264,7 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
     keys->owner = present->owner;
   DDSSEC_TRY(check_owner(endpoint, *keys));
   DDSSEC_TRY(check_replacement(*keys, endpoint.remote_keys.read(), pair));
+  keep_position(*keys, endpoint.remote_keys.read());
   DDSSEC_TRY(inherit(*keys, endpoint.remote_keys.read(), shared_.environment.clock.monotonic()));
   shared_.note_former(remote.value, *keys);
   auto former = endpoint.remote_keys.exchange(std::move(keys));

@@ -69,14 +69,26 @@ TransformKind kind_for(Cipher cipher, bool encrypts) {
 }
 
 KeyMaterial KeyMaterial::clone() const {
-  return {
-      kind, salt.clone(), sender_key_id, sender_key.clone(), receiver_key_id, receiver_key.clone()};
+  return {kind,
+          salt.clone(),
+          sender_key_id,
+          sender_key.clone(),
+          receiver_key_id,
+          receiver_key.clone(),
+          position};
+}
+
+bool KeyMaterial::operator==(const KeyMaterial& other) const {
+  return kind == other.kind && salt == other.salt && sender_key_id == other.sender_key_id &&
+         sender_key == other.sender_key && receiver_key_id == other.receiver_key_id &&
+         receiver_key == other.receiver_key;
 }
 
 Bytes serialize_key_material(const KeyMaterial& material) {
   // Reserved at once, so that no smaller block with half the keys is left behind unwiped.
   Bytes out;
-  out.reserve(24 + 3 * MasterKey::capacity);
+  const auto position = material.position ? serialize(*material.position) : Bytes();
+  out.reserve(24 + 3 * MasterKey::capacity + position.size());
   const auto append = [&](BytesView octets) {
     out.insert(out.end(), octets.begin(), octets.end());
   };
@@ -90,6 +102,7 @@ Bytes serialize_key_material(const KeyMaterial& material) {
   material.sender_key.expose(sequence);
   append(material.receiver_key_id.view());
   material.receiver_key.expose(sequence);
+  append(position);
   return out;
 }
 
@@ -107,7 +120,10 @@ Result<KeyMaterial> parse_key_material(BytesView octets) {
   // Id 0 is "no receiver-specific key": then there must be none.
   material.receiver_key = DDSSEC_TRY(
       read_key<MasterReceiverKey>(reader, material.has_receiver_key() ? traits->key_size() : 0));
-  if (!reader.at_end()) return fail(Code::key_material_length);
+  if (!reader.at_end()) {
+    material.position = parse_send_position(DDSSEC_TRY(reader.read_bytes(reader.remaining())));
+    if (!material.position) return fail(Code::key_material_length);
+  }
   if (material.sender_key_id.is_zero()) return fail(Code::key_material_key_id);
   return material;
 }

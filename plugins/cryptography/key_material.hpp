@@ -7,6 +7,7 @@
 #include "base/ids.hpp"
 #include "base/secret.hpp"
 #include "plugins/cryptography/aead.hpp"
+#include "plugins/cryptography/send_position.hpp"
 #include "plugins/spi/token.hpp"
 
 namespace ddssec::cryptography {
@@ -48,11 +49,14 @@ struct KeyMaterial {
   MasterKey sender_key = {};
   KeyId receiver_key_id = {};
   MasterReceiverKey receiver_key = {};
+  /// Ours: behind the standard's fields. It tells what the key is good for, not which key it is.
+  std::optional<SendPosition> position = {};
 
   bool is_none() const { return kind == kKindNone; }
   bool has_receiver_key() const { return !receiver_key_id.is_zero(); }
   KeyMaterial clone() const;
-  bool operator==(const KeyMaterial&) const = default;  ///< secrets in constant time
+  /// The same key, wherever its sender stands; secrets in constant time.
+  bool operator==(const KeyMaterial& other) const;
 };
 
 /// A token to send. The octets in it are keys: it travels only by the volatile secure channel.

@@ -5,10 +5,11 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <utility>
 
 #include "plugins/cryptography/aead.hpp"
 #include "plugins/cryptography/derivation.hpp"
-#include "plugins/cryptography/latest_iv.hpp"
 #include "plugins/cryptography/reclaim.hpp"
 #include "plugins/cryptography/send_key.hpp"
 
@@ -34,15 +35,11 @@ class ReceiveKey final : public Retirable {
  public:
   static constexpr std::size_t kMostSessions = 4;
 
-  /// `latest`: the latest IV of this key in former sessions, if its sender counts IVs upwards;
-  /// else null.
-  ReceiveKey(KeyMaterial material, KindTraits traits, const KeyEnvironment& environment,
-             std::shared_ptr<LatestIv> latest = nullptr)
-      : material_(std::move(material)),
+  ReceiveKey(KeyMaterial material, KindTraits traits, const KeyEnvironment& environment)
+      : position_(std::exchange(material.position, std::nullopt)),
+        material_(std::move(material)),
         traits_(traits),
-        environment_(environment),
-        latest_(std::move(latest)),
-        before_(latest_ ? latest_->latest() : 0) {}
+        environment_(environment) {}
 
   const KeyMaterial& material() const { return material_; }
   const KindTraits& traits() const { return traits_; }
@@ -62,16 +59,10 @@ class ReceiveKey final : public Retirable {
   /// To be called once the tags were right.
   void remember(Candidate candidate);
 
-  /// Is the IV not later than what came in former sessions with the sender?
-  bool is_of_former_session(const Iv& iv) const {
-    if (before_ == 0) return false;
-    const auto place = latest_->place_of(iv);
-    return place && *place <= before_;
-  }
-  /// To be called once the tags were right.
-  void note(const Iv& iv) {
-    if (latest_) latest_->note(iv);
-  }
+  /// Was the message protected before its sender gave us the key?
+  bool is_from_before(const Iv& iv) const { return position_ && position_->has_passed(iv); }
+  /// Before it is published: the key came once more. What was under way meanwhile is still new.
+  void count_from(const ReceiveKey& first) { position_ = first.position_; }
 
  private:
   struct Aside {
@@ -81,11 +72,10 @@ class ReceiveKey final : public Retirable {
   std::unique_ptr<ReceiveSession> blank();
   Published<ReceiveSession>& place_for_next();
 
+  std::optional<SendPosition> position_;  ///< nothing: its sender did not say
   const KeyMaterial material_;
   const KindTraits traits_;
   const KeyEnvironment& environment_;
-  const std::shared_ptr<LatestIv> latest_;
-  const LatestIv::Place before_;  ///< 0: nothing came before
   std::array<Published<ReceiveSession>, kMostSessions> sessions_;
   std::atomic<std::uint32_t> time_ = 0;  // counts remembered sessions
   std::mutex mutex_;                     // guards aside_ and writing to sessions_

@@ -16,6 +16,12 @@ SessionId id_from(std::uint32_t value) {
   return id;
 }
 
+std::uint32_t number_of(SessionId id) {
+  std::uint32_t number = 0;
+  for (const auto octet : id.octets) number = number << 8 | octet;
+  return number;
+}
+
 Iv iv_from(SessionId session, std::uint64_t suffix) {
   Iv iv;
   Pen pen(iv);
@@ -99,11 +105,19 @@ Result<SendKey::Reservation> SendKey::reserve(std::size_t size) {
 }
 
 bool SendKey::has_begun(SessionId session) const {
-  std::uint32_t id = 0;
-  for (const auto octet : session.octets) id = id << 8 | octet;
+  const auto id = number_of(session);
   const auto& current = *current_.read();
   const auto has_it = [&](const SessionRange& range) { return range.contains(id); };
   return has_it(current.begun) || std::ranges::any_of(current.begun_by_parents, has_it);
+}
+
+SendPosition SendKey::position() const {
+  const auto& current = *current_.read();
+  const auto used = current.used.load(std::memory_order_relaxed);
+  SendPosition out{number_of(current.id), current.suffix + used, {current.begun}};
+  out.begun.insert(out.begun.end(), current.begun_by_parents.begin(),
+                   current.begun_by_parents.end());
+  return out;
 }
 
 std::uint64_t SendKey::blocks_used() const {

@@ -12,6 +12,7 @@
 #include "plugins/cryptography/derivation.hpp"
 #include "plugins/cryptography/fork_generation.hpp"
 #include "plugins/cryptography/reclaim.hpp"
+#include "plugins/cryptography/send_position.hpp"
 
 namespace ddssec::cryptography {
 
@@ -32,14 +33,6 @@ struct SendStart {
 
   /// Errors: those of the random source.
   static Result<SendStart> draw(Random& random);
-};
-
-/// Session ids that count up from `first`, around 0 if need be.
-struct SessionRange {
-  std::uint32_t first = 0;
-  std::uint32_t further = 0;  ///< how many after the first
-
-  bool contains(std::uint32_t id) const { return id - first <= further; }
 };
 
 /// One expanded session key with its counter. Immutable but for the counter.
@@ -86,6 +79,9 @@ class SendKey final : public Retirable {
   /// before its fork()? They start at random, so that one of another sender with the same master
   /// key is not, but for one chance in 2^32.
   bool has_begun(SessionId session) const;
+  /// Under a ReadGuard: where the next message will stand. Those that other threads protect
+  /// meanwhile may count as passed.
+  SendPosition position() const;
   /// Under a ReadGuard: AES blocks promised so far, and what finished sessions left over.
   std::uint64_t blocks_used() const;
 

@@ -36,7 +36,7 @@ bool open_content(const Protected& message, const ExpandedKey& key, std::uint8_t
                                                        MutableBytes out) {
   DDSSEC_TRY(check_header(key, message.header, message.is_encrypted));
   if (out.size() < message.content.size()) return fail(Code::length_out_of_range);
-  if (key.is_of_former_session(message.header.iv)) return fail(Code::message_of_former_session);
+  if (key.is_from_before(message.header.iv)) return fail(Code::message_from_before);
   const bool origin = key.material().has_receiver_key();
   const auto ours =
       origin ? message.footer.receiver_mac(key.material().receiver_key_id) : std::nullopt;
@@ -49,7 +49,6 @@ bool open_content(const Protected& message, const ExpandedKey& key, std::uint8_t
     return fail(Code::receiver_specific_mac_mismatch);
   }
   key.remember(std::move(session));
-  key.note(message.header.iv);
   return message.content.size();
 }
 

@@ -126,15 +126,15 @@ void note_heard(Adapter& adapter, CHandle sender) {
 /// Makes the host ask for its next local participant. Any other code ends the message.
 constexpr DDS_Security_long kAskNext = DDS_SECURITY_ERR_INVALID_CRYPTO_RECEIVER_SIGN_CODE;
 
-/// Cyclone asks for each local participant in turn: a message without a MAC for this one, or from a
-/// sender whose keys have not come yet, may be for the next, which is nothing to alarm anybody
-/// with.
+/// Cyclone asks for each local participant in turn: a message without a MAC for this one, from a
+/// sender whose keys have not come yet, or older than they are, may be for the next, which is
+/// nothing to alarm anybody with.
 Telling as_one_of_several_receivers(const Error& error) {
   auto telling = plainly(error);
   if (error.code() == Code::receiver_specific_mac_missing) telling.severity = Severity::debug;
   if (error.code() == Code::receiver_specific_mac_missing ||
       error.code() == Code::receiver_specific_mac_mismatch ||
-      error.code() == Code::key_material_not_received)
+      error.code() == Code::message_from_before || error.code() == Code::key_material_not_received)
     telling.host_code = kAskNext;
   return telling;
 }

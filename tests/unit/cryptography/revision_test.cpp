@@ -163,7 +163,7 @@ TEST(KeyRevision, ChangesNothingBeforeItIsActivated) {
   const auto in_use = r.of_participant(KeyStage::in_use);
   const auto revision = r.begin();
   EXPECT_EQ(r.send().payload[2], 0);
-  EXPECT_EQ(r.of_participant(KeyStage::in_use), in_use);
+  EXPECT_EQ(material_of(r.of_participant(KeyStage::in_use).front()), material_of(in_use.front()));
   ASSERT_TRUE(r.activate(revision));
   EXPECT_EQ(r.send().payload[2], 1);
   EXPECT_TRUE(r.of_participant().empty()) << "no revision is under way";
@@ -331,7 +331,12 @@ TEST(RevisedTokens, CutShortAnywhereChangeNothing) {
   r.begin();
   const auto whole = r.of_writer();
   const auto size = whole.front().binary_properties.front().value.size();
+  // Without our part behind it the key is what other products send.
+  auto standard = material_of(whole.front());
+  standard.position.reset();
+  const auto without_position = serialize_key_material(standard).size();
   for (std::size_t length = 0; length < size; ++length) {
+    if (length == without_position) continue;
     auto cut = whole;
     cut.front().binary_properties.front().value.resize(length);
     EXPECT_NE(code_of(r.tell_reader(cut)), kGood) << length;

@@ -1,0 +1,52 @@
+#include "plugins/cryptography/send_position.hpp"
+
+#include <algorithm>
+
+#include "base/reader.hpp"
+#include "base/writer.hpp"
+
+namespace ddssec::cryptography {
+namespace {
+
+constexpr std::size_t kHeadSize = 12, kRangeSize = 8;
+
+}  // namespace
+
+bool SendPosition::has_passed(const Iv& iv) const noexcept {
+  std::uint32_t id = 0;
+  std::uint64_t of_message = 0;
+  for (std::size_t i = 0; i < 4; ++i) id = id << 8 | iv[i];
+  for (std::size_t i = 4; i < iv.size(); ++i) of_message = of_message << 8 | iv[i];
+  const auto has_it = [id](const SessionRange& range) { return range.contains(id); };
+  if (std::ranges::none_of(begun, has_it)) return false;
+  return id != session || static_cast<std::int64_t>(of_message - suffix) < 0;
+}
+
+Bytes serialize(const SendPosition& position) {
+  const auto ranges =
+      std::span(position.begun).first(std::min(position.begun.size(), SendPosition::kMostRanges));
+  Writer out(Endian::big, kHeadSize + ranges.size() * kRangeSize);
+  out.write(position.suffix);
+  out.write(position.session);
+  for (const auto& range : ranges) {
+    out.write(range.first);
+    out.write(range.further);
+  }
+  return out.take();
+}
+
+std::optional<SendPosition> parse_send_position(BytesView octets) {
+  Reader reader(octets, Endian::big);
+  const auto suffix = reader.read<std::uint64_t>();
+  const auto session = reader.read<std::uint32_t>();
+  if (!suffix || !session) return std::nullopt;
+  SendPosition out{*session, *suffix};
+  while (!reader.at_end()) {
+    const auto first = reader.read<std::uint32_t>(), further = reader.read<std::uint32_t>();
+    if (!first || !further || out.begun.size() >= SendPosition::kMostRanges) return std::nullopt;
+    out.begun.push_back({*first, *further});
+  }
+  return out.begun.empty() ? std::nullopt : std::optional(std::move(out));
+}
+
+}  // namespace ddssec::cryptography

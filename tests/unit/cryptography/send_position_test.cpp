@@ -1,0 +1,175 @@
+#include "plugins/cryptography/send_position.hpp"
+
+#include <gtest/gtest.h>
+
+#include "plugins/cryptography/key_material.hpp"
+#include "tests/unit/cryptography/data_message.hpp"
+#include "tests/unit/cryptography/two_sides.hpp"
+
+namespace ddssec::cryptography {
+namespace {
+
+Iv iv(std::uint32_t session, std::uint64_t block) {
+  Iv out{};
+  for (std::size_t i = 0; i < 4; ++i) out[i] = static_cast<std::uint8_t>(session >> (24 - 8 * i));
+  for (std::size_t i = 0; i < 8; ++i) out[4 + i] = static_cast<std::uint8_t>(block >> (56 - 8 * i));
+  return out;
+}
+
+/// Of a sender in its third session.
+const SendPosition kThird{12, 1000, {{10, 2}}};
+
+TEST(SendPosition, PassedIsWhatWasProtectedBefore) {
+  EXPECT_TRUE(kThird.has_passed(iv(12, 999)));
+  EXPECT_FALSE(kThird.has_passed(iv(12, 1000)));
+  EXPECT_FALSE(kThird.has_passed(iv(13, 0)));
+  EXPECT_TRUE(kThird.has_passed(iv(11, 5000))) << "a session that is over, whatever its count";
+  EXPECT_TRUE(kThird.has_passed(iv(10, 0)));
+  EXPECT_FALSE(kThird.has_passed(iv(9, 0))) << "never one of the sender's";
+}
+
+TEST(SendPosition, CountsPastTheGreatestNumbers) {
+  const SendPosition wraps{1, 5, {{0xfffffffe, 3}}};
+  EXPECT_TRUE(wraps.has_passed(iv(0xffffffff, 7)));
+  EXPECT_TRUE(wraps.has_passed(iv(1, 0xfffffffffffffff0)));
+  EXPECT_FALSE(wraps.has_passed(iv(1, 5)));
+  EXPECT_FALSE(wraps.has_passed(iv(2, 0)));
+}
+
+TEST(SendPosition, SessionsBeforeAForkHavePassed) {
+  const SendPosition child{700, 0, {{700, 0}, {10, 2}}};
+  EXPECT_TRUE(child.has_passed(iv(12, 1)));
+  EXPECT_FALSE(child.has_passed(iv(700, 0)));
+}
+
+TEST(SendPosition, IsReadAsItIsWritten) {
+  SendPosition position{12, 1000, {{10, 2}, {90, 0}}};
+  EXPECT_EQ(parse_send_position(serialize(position)), position);
+  position.begun.resize(SendPosition::kMostRanges + 1);
+  EXPECT_EQ(parse_send_position(serialize(position))->begun.size(), SendPosition::kMostRanges);
+  const auto octets = serialize(position);
+  for (std::size_t size = 0; size < octets.size(); ++size)
+    EXPECT_EQ(parse_send_position(BytesView(octets).first(size)).has_value(),
+              size >= 20 && size % 8 == 4)
+        << size;
+  auto longer = octets;
+  longer.resize(octets.size() + 8);
+  EXPECT_FALSE(parse_send_position(longer));
+}
+
+TEST(SendPosition, IsNoPartOfWhichKeyItIs) {
+  KeyMaterial key{.kind = kAes256Gcm, .sender_key_id = {{1, 2, 3, 4}}};
+  key.salt = *MasterSalt::copy_of(Bytes(32, 1));
+  key.sender_key = *MasterKey::copy_of(Bytes(32, 2));
+  auto moved = key.clone();
+  moved.position = kThird;
+  EXPECT_EQ(moved, key);
+  const auto read = parse_key_material(serialize_key_material(moved));
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->position, kThird);
+  EXPECT_EQ(*read, key);
+}
+
+// ---- in the engine
+
+constexpr GuidPrefix kPeerOfB{{0x90, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
+constexpr EntityId kWriter{{0, 0, 1, 2}};
+
+/// `a` keeps its keys while the two lose each other and meet again.
+struct LostAndFound : ::testing::Test {
+  spi::SharedSecret secret(std::uint8_t seed) const {
+    auto out = testing::shared_secret(seed);
+    out.peer_prefix = kPeerOfB;
+    out.peer_ciphers = is_ours ? spi::kAllCiphers : spi::kStandardCiphers;
+    return out;
+  }
+  void meet(std::uint8_t seed) {
+    auto& a = two.a;
+    a.remote =
+        a.factory()
+            .register_matched_remote_participant(a.participant, {60 + seed}, {7}, secret(seed))
+            .value();
+    ends.remote_reader =
+        a.factory()
+            .register_matched_remote_datareader(ends.writer, a.remote, secret(seed), false)
+            .value();
+    auto& b = two.b;
+    b.remote =
+        b.factory()
+            .register_matched_remote_participant(b.participant, {40 + seed}, {7}, secret(seed))
+            .value();
+    ends.remote_writer =
+        b.factory().register_matched_remote_datawriter(ends.reader, b.remote, secret(seed)).value();
+    two.take_writer(ends, two.writer_tokens(ends).value()).value();
+  }
+  void begin() {
+    ends = two.endpoints(
+        testing::endpoint_attributes(spi::ProtectionKind::encrypt, spi::ProtectionKind::none));
+    lose();
+    meet(5);
+  }
+  void lose() {
+    for (auto* side : {&two.a, &two.b})
+      ASSERT_TRUE(side->factory().unregister_participant(side->remote));
+  }
+  Bytes sent() {
+    const auto message = testing::DataMessage{.writer = kWriter, .number = ++number}.octets();
+    return testing::encode_submessage(two, ends, message).value();
+  }
+  Result<Bytes> got(const Bytes& encoded) { return testing::decode_submessage(two, ends, encoded); }
+
+  bool is_ours = true;
+  std::uint32_t number = 0;
+  testing::TwoSides two{spi::ProtectionKind::none};
+  testing::WriterToReader ends;
+};
+
+TEST_F(LostAndFound, WhatCameBeforeIsNotNew) {
+  begin();
+  const auto first = sent(), second = sent(), missed = sent();
+  EXPECT_TRUE(got(first));
+  EXPECT_TRUE(got(second));
+  EXPECT_TRUE(got(first)) << "within a session the host knows the numbers";
+  lose();
+  meet(6);
+  for (const auto& recorded : {first, second, missed})
+    EXPECT_EQ(testing::code_of(got(recorded)), Code::message_from_before);
+  EXPECT_TRUE(got(sent()));
+}
+
+// Its process has just started: it remembers nothing.
+TEST_F(LostAndFound, WhatWasSentToOthersBeforeIsNotNew) {
+  ends = two.endpoints(
+      testing::endpoint_attributes(spi::ProtectionKind::encrypt, spi::ProtectionKind::none));
+  const auto recorded = sent();
+  lose();
+  meet(5);
+  EXPECT_EQ(testing::code_of(got(recorded)), Code::message_from_before);
+  EXPECT_TRUE(got(sent()));
+}
+
+TEST_F(LostAndFound, EverySessionCounts) {
+  begin();
+  const auto first = sent();
+  EXPECT_TRUE(got(first));
+  for (std::uint8_t seed = 6; seed < 9; ++seed) {
+    lose();
+    meet(seed);
+    EXPECT_EQ(testing::code_of(got(first)), Code::message_from_before);
+    EXPECT_TRUE(got(sent()));
+  }
+}
+
+// Fast DDS draws each IV at random.
+TEST_F(LostAndFound, OtherProductsMayCountAsTheyLike) {
+  is_ours = false;
+  begin();
+  const auto first = sent(), second = sent();
+  EXPECT_TRUE(got(second));
+  lose();
+  meet(6);
+  EXPECT_EQ(testing::code_of(got(first)), Code{});
+}
+
+}  // namespace
+}  // namespace ddssec::cryptography
