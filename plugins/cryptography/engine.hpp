@@ -141,8 +141,19 @@ class KeyFactory final : public spi::CryptoKeyFactory {
                                                const spi::PropertyList& properties,
                                                const spi::EndpointSecurityAttributes& attributes);
   Status make_endpoint_keys(LocalEndpoint& endpoint);
-  Result<std::int64_t> match(LocalEndpoint& local, EntityKind remote_kind,
+  struct Match {
+    LocalEndpoint& local;
+    RemoteParticipant& parent;
+    const Pair& pair;
+  };
+  /// Mutex held. Errors: of Registry::find, crypto_not_matched.
+  Result<Match> find_match(std::int64_t local, EntityKind remote_kind,
+                           spi::ParticipantCryptoHandle remote_participant);
+  /// Mutex not held.
+  Result<std::int64_t> match(std::int64_t local, EntityKind remote_kind,
                              spi::ParticipantCryptoHandle remote_participant);
+  /// Mutex held; the gate was asked.
+  Result<std::int64_t> add_match(const Match& match, EntityKind remote_kind);
   /// Error: receiver_count, after an event that names the peer.
   Status take_place(RemoteEndpoint& reader, const Pair& pair);
   void drop(const Entity& entity);

@@ -271,27 +271,52 @@ Status KeyFactory::take_place(RemoteEndpoint& reader, const Pair& pair) {
   return {};
 }
 
+Result<KeyFactory::Match> KeyFactory::find_match(std::int64_t local, EntityKind kind,
+                                                 spi::ParticipantCryptoHandle remote) {
+  const auto of_ours =
+      kind == EntityKind::remote_writer ? EntityKind::local_reader : EntityKind::local_writer;
+  auto* const endpoint = DDSSEC_TRY(shared_.registry.find<LocalEndpoint>(local, of_ours));
+  auto* const parent = DDSSEC_TRY(shared_.remote_participant(remote));
+  const auto* const pair = parent->pair(endpoint->participant.handle());
+  if (pair == nullptr) return fail(Code::crypto_not_matched);
+  return Match{*endpoint, *parent, *pair};
+}
+
+/// The gate is asked without the lock: no judgement, however long, makes other peers' messages
+/// wait. Everything is looked up again then, and a peer that was judged anew meanwhile is asked
+/// about once more.
+Result<std::int64_t> KeyFactory::match(std::int64_t local, EntityKind kind,
+                                       spi::ParticipantCryptoHandle remote) {
+  std::optional<spi::PermissionsHandle> admitted;
+  std::unique_lock lock(shared_.mutex);
+  while (true) {
+    const auto found = DDSSEC_TRY(find_match(local, kind, remote));
+    const auto gate = found.local.gate;
+    if (!gate || admitted == found.pair.permissions) return add_match(found, kind);
+    const spi::MatchGate::Peer peer{.permissions = found.pair.permissions,
+                                    .prefix = found.pair.peer_prefix,
+                                    .writes = kind == EntityKind::remote_writer};
+    lock.unlock();
+    DDSSEC_TRY(gate->check(peer));
+    admitted = peer.permissions;
+    lock.lock();
+  }
+}
+
 /// The shared secret is that of the two participants, and came with register_matched_remote_
 /// participant: the volatile endpoints of a pair must share one sender's counter, not start two.
-Result<std::int64_t> KeyFactory::match(LocalEndpoint& local, EntityKind kind,
-                                       spi::ParticipantCryptoHandle remote_participant) {
-  auto* const parent = DDSSEC_TRY(shared_.remote_participant(remote_participant));
-  const auto* const pair = parent->pair(local.participant.handle());
-  if (pair == nullptr) return fail(Code::crypto_not_matched);
-  if (local.gate)
-    DDSSEC_TRY(local.gate->check({.permissions = pair->permissions,
-                                  .prefix = pair->peer_prefix,
-                                  .writes = kind == EntityKind::remote_writer}));
-  if (local.sends_protected()) DDSSEC_TRY(check_peer(local.cipher, pair->peer_ciphers));
-  auto remote = std::make_unique<RemoteEndpoint>(kind, local, *parent);
+Result<std::int64_t> KeyFactory::add_match(const Match& match, EntityKind kind) {
+  auto& [local, parent, pair] = match;
+  if (local.sends_protected()) DDSSEC_TRY(check_peer(local.cipher, pair.peer_ciphers));
+  auto remote = std::make_unique<RemoteEndpoint>(kind, local, parent);
   if (!local.is_volatile && is_origin_authenticated(local.submessage))
     remote->receiver_key = DDSSEC_TRY(receiver_key(local.cipher));
   auto& added = *remote;
   DDSSEC_TRY(shared_.registry.add(std::move(remote)));
   Rollback forget([&] { drop_remote(added); });
-  if (kind == EntityKind::remote_reader && added.receiver_key) DDSSEC_TRY(take_place(added, *pair));
+  if (kind == EntityKind::remote_reader && added.receiver_key) DDSSEC_TRY(take_place(added, pair));
   local.matched.insert(added.handle());
-  parent->endpoints.insert(added.handle());
+  parent.endpoints.insert(added.handle());
   if (local.is_volatile) shared_.publish_route(added);
   forget.release();
   return added.handle();
@@ -300,21 +325,15 @@ Result<std::int64_t> KeyFactory::match(LocalEndpoint& local, EntityKind kind,
 Result<spi::DatareaderCryptoHandle> KeyFactory::register_matched_remote_datareader(
     spi::DatawriterCryptoHandle local_datawriter, spi::ParticipantCryptoHandle remote_participant,
     const spi::SharedSecret&, bool) {
-  const std::lock_guard lock(shared_.mutex);
-  auto* const local =
-      DDSSEC_TRY(shared_.local_endpoint(local_datawriter, EntityKind::local_writer));
   return spi::DatareaderCryptoHandle{
-      DDSSEC_TRY(match(*local, EntityKind::remote_reader, remote_participant))};
+      DDSSEC_TRY(match(local_datawriter.value, EntityKind::remote_reader, remote_participant))};
 }
 
 Result<spi::DatawriterCryptoHandle> KeyFactory::register_matched_remote_datawriter(
     spi::DatareaderCryptoHandle local_datareader, spi::ParticipantCryptoHandle remote_participant,
     const spi::SharedSecret&) {
-  const std::lock_guard lock(shared_.mutex);
-  auto* const local =
-      DDSSEC_TRY(shared_.local_endpoint(local_datareader, EntityKind::local_reader));
   return spi::DatawriterCryptoHandle{
-      DDSSEC_TRY(match(*local, EntityKind::remote_writer, remote_participant))};
+      DDSSEC_TRY(match(local_datareader.value, EntityKind::remote_writer, remote_participant))};
 }
 
 // Dropping: first out of the tables that lead to it, then out of the registry, then retired. A

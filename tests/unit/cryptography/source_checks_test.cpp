@@ -1,5 +1,8 @@
 #include "plugins/cryptography/source_checks.hpp"
 
+#include <functional>
+#include <future>
+
 #include <gtest/gtest.h>
 
 #include "tests/unit/cryptography/data_message.hpp"
@@ -357,6 +360,58 @@ TEST(TrustingHost, AGateIsAskedAboutEachMatch) {
   EXPECT_EQ(
       code_of(factory.register_matched_remote_datawriter(reader, two.b.remote, shared_secret())),
       Code::keys_not_permitted);
+}
+
+/// Uses the factory while it judges, as another peer's message would.
+struct BusyGate final : spi::MatchGate {
+  Status check(const Peer& peer) const override {
+    auto other = std::async(std::launch::async, [&] { return use(); });
+    went_on = other.wait_for(std::chrono::seconds(20)) == std::future_status::ready;
+    if (!went_on) waiting = std::move(other);  // until the lock is given back
+    asked.push_back(peer);
+    return {};
+  }
+  std::function<bool()> use;
+  mutable bool went_on = false;
+  mutable std::future<bool> waiting;
+  mutable std::vector<Peer> asked;
+};
+
+TEST(TrustingHost, WhileAGateJudgesNobodyWaits) {
+  TwoSides two(ProtectionKind::none, {}, kTrustingHost);
+  auto& factory = two.b.factory();
+  const auto gate = std::make_shared<BusyGate>();
+  auto attributes = endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none);
+  attributes.gate = gate;
+  const auto reader = factory.register_local_datareader(two.b.participant, {}, attributes).value();
+  gate->use = [&] {
+    return factory.register_local_datareader(two.b.participant, {}, {}).has_value();
+  };
+  EXPECT_TRUE(factory.register_matched_remote_datawriter(reader, two.b.remote, shared_secret()));
+  EXPECT_TRUE(gate->went_on);
+  EXPECT_EQ(gate->asked.size(), 1u);
+}
+
+TEST(TrustingHost, APeerThatIsJudgedAnewMeanwhileIsAskedAboutAgain) {
+  TwoSides two(ProtectionKind::none, {}, kTrustingHost);
+  auto& factory = two.b.factory();
+  const auto gate = std::make_shared<BusyGate>();
+  auto attributes = endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none);
+  attributes.gate = gate;
+  const auto reader = factory.register_local_datareader(two.b.participant, {}, attributes).value();
+  gate->use = [&] {
+    return factory.register_matched_remote_participant(two.b.participant, {7}, {6}, shared_secret())
+        .has_value();
+  };
+  EXPECT_TRUE(factory.register_matched_remote_datawriter(reader, two.b.remote, shared_secret()));
+  ASSERT_EQ(gate->asked.size(), 2u);
+  EXPECT_EQ(gate->asked[0].permissions.value, 7);
+  EXPECT_EQ(gate->asked[1].permissions.value, 6);
+  // Its reader is gone when the answer comes.
+  gate->use = [&] { return factory.unregister_datareader(reader).has_value(); };
+  EXPECT_EQ(
+      code_of(factory.register_matched_remote_datawriter(reader, two.b.remote, shared_secret())),
+      Code::crypto_handle_unknown);
 }
 
 }  // namespace
