@@ -1,9 +1,26 @@
 #include "governance/decision.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <queue>
 
 namespace ddssec::governance {
+
+/// A partition that an entity asks for; compiled at most once, whatever is listed.
+class RequestedPartition {
+ public:
+  explicit RequestedPartition(std::string_view text) : text_(text) {}
+  std::string_view text() const { return text_; }
+  const Pattern& pattern() {
+    if (!pattern_) pattern_.emplace(text_);
+    return *pattern_;
+  }
+
+ private:
+  std::string_view text_;
+  std::optional<Pattern> pattern_;
+};
+
 namespace {
 
 // What may make a requested partition stand for more than its own text. Hosts differ in whether a
@@ -37,10 +54,11 @@ bool covers(const Pattern& listed, std::string_view requested) {
 }
 
 /// False only if it can be seen that no name is both listed and requested.
-bool may_meet(const Pattern& listed, std::string_view requested) {
-  if (!may_stand_for_many(requested)) return listed.matches(requested);
-  return !listed.is_literal() || has_backslash(requested) || listed.text() == requested ||
-         Pattern(requested).matches(listed.text());
+bool may_meet(const Pattern& listed, RequestedPartition& requested) {
+  const auto text = requested.text();
+  if (!may_stand_for_many(text)) return listed.matches(text);
+  return !listed.is_literal() || has_backslash(text) || listed.text() == text ||
+         requested.pattern().matches(listed.text());
 }
 
 bool lists(const std::vector<DataTag>& listed, const DataTag& tag) {
@@ -186,34 +204,31 @@ Verdict CompiledGrant::first_fitting(const ActionIndex& index, std::string_view 
   return {grant_.default_allow, nullptr, nullptr};
 }
 
-bool CompiledGrant::partitions_fit(const Entry& entry, const Request& request) const {
-  constexpr std::string_view kDefaultPartition[] = {""};
-  const auto partitions =
-      request.partitions.empty() ? std::span(kDefaultPartition) : request.partitions;
+bool CompiledGrant::partitions_fit(const Entry& entry,
+                                   std::span<RequestedPartition> partitions) const {
   const bool allow = entry.rule->allow;
   if (!entry.criteria->partitions && !allow) return true;
-  const auto listed = [&](std::string_view requested) {
-    if (!entry.criteria->partitions) return requested.empty();
+  const auto listed = [&](RequestedPartition& requested) {
+    if (!entry.criteria->partitions) return requested.text().empty();
     return std::ranges::any_of(entry.partitions, [&](std::uint32_t i) {
       const Pattern& pattern = partition_patterns_[i];
-      return allow ? covers(pattern, requested) : may_meet(pattern, requested);
+      return allow ? covers(pattern, requested.text()) : may_meet(pattern, requested);
     });
   };
   const bool all = allow && partition_match_ == PartitionMatch::all;
   return all ? std::ranges::all_of(partitions, listed) : std::ranges::any_of(partitions, listed);
 }
 
-bool CompiledGrant::fits(const Entry& entry, const Request& request) const {
-  return partitions_fit(entry, request) &&
-         data_tags_fit(*entry.rule, *entry.criteria, request.data_tags);
-}
-
 Verdict CompiledGrant::judge(Action action, const Request& request) const {
   const std::string key = cache_key(action, request);
   if (const auto verdict = seen_.find(key)) return *verdict;
+  std::vector<RequestedPartition> partitions(request.partitions.begin(), request.partitions.end());
+  if (partitions.empty()) partitions.emplace_back("");
   const auto& index = actions_.at(static_cast<std::size_t>(action));
-  const Verdict verdict =
-      first_fitting(index, request.topic, [&](const Entry& entry) { return fits(entry, request); });
+  const Verdict verdict = first_fitting(index, request.topic, [&](const Entry& entry) {
+    return partitions_fit(entry, partitions) &&
+           data_tags_fit(*entry.rule, *entry.criteria, request.data_tags);
+  });
   seen_.remember(key, verdict);
   return verdict;
 }

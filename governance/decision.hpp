@@ -35,6 +35,8 @@ struct Request {
   std::span<const DataTag> data_tags = {};
 };
 
+class RequestedPartition;
+
 /// A decision and what decided. The pointers live as long as the CompiledGrant.
 struct Verdict {
   bool allowed = false;
@@ -99,8 +101,7 @@ class CompiledGrant {
   Verdict participant_verdict(DomainId domain, std::string_view tag) const;
   template <class Fits>
   Verdict first_fitting(const ActionIndex& index, std::string_view topic, Fits&& fits) const;
-  bool fits(const Entry& entry, const Request& request) const;
-  bool partitions_fit(const Entry& entry, const Request& request) const;
+  bool partitions_fit(const Entry& entry, std::span<RequestedPartition> requested) const;
 
   std::shared_ptr<const Permissions> permissions_;
   const Grant& grant_;

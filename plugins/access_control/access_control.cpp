@@ -310,6 +310,7 @@ Status Plugin::judge_endpoint(PermissionsHolder& holder, Action action,
 /// What the host asks, as a peer announced it.
 Status Plugin::judge_announced(PermissionsHolder& holder, Action action,
                                const EndpointRequest& request) {
+  if (holder.remote()) DDSSEC_TRY(check_lengths(request));
   DDSSEC_TRY(judge_endpoint(holder, action, request));
   if (holder.remote()) holder.announced().note(action, request);
   return {};
@@ -318,10 +319,13 @@ Status Plugin::judge_announced(PermissionsHolder& holder, Action action,
 /// Judged anew by what was announced, since a grant may have ended.
 bool Plugin::may_as_announced(PermissionsHolder& holder, Action action,
                               const EndpointRequest& local) {
-  const auto announced = holder.announced().meeting(action, local);
-  return std::ranges::any_of(announced, [&](const AnnouncedEndpoints::Announced& one) {
-    const auto partitions = one.partition_views();
-    return judge_endpoint(holder, action, {one.topic, partitions, one.data_tags}).has_value();
+  const auto announced = holder.announced().of_topic(action, local.topic_name);
+  if (announced.empty()) return false;
+  const PartitionNames ours(local.partitions);
+  return std::ranges::any_of(announced, [&](const AnnouncedEndpoints::One& one) {
+    if (!one->partitions.meet(ours)) return false;
+    const auto partitions = one->partitions.views();
+    return judge_endpoint(holder, action, {one->topic, partitions, one->data_tags}).has_value();
   });
 }
 
@@ -337,6 +341,7 @@ Status Plugin::check_remote_match(PermissionsHandle remote, const Match& match) 
 }
 
 Status Plugin::judge_topic(PermissionsHolder& holder, std::string_view topic) {
+  if (holder.remote()) DDSSEC_TRY(check_topic_length(topic));
   const auto& participant = *holder.participant();
   const auto* rule = participant.governance->topic_rule(topic);
   if (!rule) return std::unexpected(topic_not_covered(participant, topic));

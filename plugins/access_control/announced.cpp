@@ -19,52 +19,111 @@ bool is_wildcard(std::string_view partition) {
   return partition.find_first_of("*?[") != partition.npos;
 }
 
-/// DDS 2.2.3.13: equal, or one is an expression that the other, a name, fits.
-bool meet(std::string_view a, std::string_view b) {
-  if (a == b) return true;
-  if (is_wildcard(a) == is_wildcard(b)) return false;
-  return is_wildcard(a) ? governance::Pattern(a).matches(b) : governance::Pattern(b).matches(a);
-}
-
-/// No partition is the partition "".
-bool meet(std::span<const std::string_view> a, std::span<const std::string_view> b) {
-  static constexpr std::string_view kDefault[] = {""};
-  const auto names = a.empty() ? std::span<const std::string_view>(kDefault) : a;
-  const auto others = b.empty() ? std::span<const std::string_view>(kDefault) : b;
-  return std::ranges::any_of(names, [&](std::string_view name) {
-    return std::ranges::any_of(others, [&](std::string_view other) { return meet(name, other); });
-  });
+Status at_most(std::size_t most, std::size_t found, std::string_view what, std::string_view unit) {
+  if (found <= most) return {};
+  return fail(Code::length_out_of_range,
+              {.field = std::string(what),
+               .expected = "at most " + std::to_string(most) + ' ' + std::string(unit),
+               .found = std::to_string(found),
+               .hint = "give the peer's endpoint shorter names and fewer partitions"});
 }
 
 }  // namespace
 
+Status check_topic_length(std::string_view topic) {
+  return at_most(kMaxNameOctets, topic.size(), "topic name", "octets");
+}
+
+Status check_lengths(const spi::EndpointRequest& request) {
+  DDSSEC_TRY(check_topic_length(request.topic_name));
+  DDSSEC_TRY(at_most(kMaxPartitions, request.partitions.size(), "PARTITION", "partitions"));
+  for (const auto partition : request.partitions)
+    DDSSEC_TRY(at_most(kMaxNameOctets, partition.size(), "partition", "octets"));
+  return at_most(kMaxRequestOctets, octets_of(request), "topic name, partitions and data tags",
+                 "octets");
+}
+
+PartitionNames::PartitionNames(std::span<const std::string_view> names) {
+  for (const auto name : names) {
+    auto& added = names_.emplace_back(Name{std::string(name), {}});
+    if (is_wildcard(name)) added.expression.emplace(name);
+  }
+  if (names_.empty()) names_.emplace_back();
+}
+
+bool PartitionNames::Name::meets(const Name& other) const {
+  if (text == other.text) return true;
+  if (expression.has_value() == other.expression.has_value()) return false;
+  return expression ? expression->matches(other.text) : other.expression->matches(text);
+}
+
+bool PartitionNames::meet(const PartitionNames& others) const {
+  return std::ranges::any_of(names_, [&](const Name& name) {
+    return std::ranges::any_of(others.names_, [&](const Name& other) { return name.meets(other); });
+  });
+}
+
+std::vector<std::string_view> PartitionNames::views() const {
+  std::vector<std::string_view> out;
+  for (const auto& name : names_) out.push_back(name.text);
+  return out;
+}
+
+bool PartitionNames::operator==(const PartitionNames& others) const {
+  return std::ranges::equal(names_, others.names_, {}, &Name::text, &Name::text);
+}
+
+std::size_t PartitionNames::octets() const {
+  std::size_t octets = 0;
+  for (const auto& name : names_) {
+    octets += sizeof name + name.text.size();
+    if (!name.expression) continue;
+    octets += name.expression->text().size();
+    for (const auto& step : name.expression->steps()) {
+      octets += sizeof step;
+      if (step.kind == governance::Pattern::Kind::set) octets += sizeof(std::bitset<256>);
+    }
+  }
+  return octets;
+}
+
 AnnouncedEndpoints::Announced::Announced(Action of, const spi::EndpointRequest& request)
     : action(of),
       topic(request.topic_name),
-      partitions(request.partitions.begin(), request.partitions.end()),
+      partitions(request.partitions),
       data_tags(request.data_tags.begin(), request.data_tags.end()) {}
 
-std::vector<std::string_view> AnnouncedEndpoints::Announced::partition_views() const {
-  return {partitions.begin(), partitions.end()};
+std::size_t AnnouncedEndpoints::Announced::octets() const {
+  auto octets = sizeof *this + topic.size() + partitions.octets();
+  for (const auto& tag : data_tags) octets += sizeof tag + tag.name.size() + tag.value.size();
+  return octets;
 }
 
 void AnnouncedEndpoints::note(Action action, const spi::EndpointRequest& request) {
   if (octets_of(request) > kMostOctets) return;
-  std::list<Announced> fresh;
-  fresh.emplace_back(action, request);
+  std::list<One> fresh;
+  fresh.push_back(std::make_shared<const Announced>(action, request));
   const std::lock_guard lock(mutex_);
-  std::erase(newest_first_, fresh.front());
+  const auto known =
+      std::ranges::find_if(newest_first_, [&](const One& one) { return *one == *fresh.front(); });
+  if (known != newest_first_.end()) {
+    newest_first_.splice(newest_first_.begin(), newest_first_, known);
+    return;
+  }
   newest_first_.splice(newest_first_.begin(), fresh);
-  if (newest_first_.size() > kMost) newest_first_.pop_back();
+  octets_ += newest_first_.front()->octets();
+  while (newest_first_.size() > kMost || (newest_first_.size() > 1 && octets_ > kMaxMemory)) {
+    octets_ -= newest_first_.back()->octets();
+    newest_first_.pop_back();
+  }
 }
 
-std::vector<AnnouncedEndpoints::Announced> AnnouncedEndpoints::meeting(
-    Action action, const spi::EndpointRequest& ours) const {
+std::vector<AnnouncedEndpoints::One> AnnouncedEndpoints::of_topic(Action action,
+                                                                  std::string_view topic) const {
   const std::lock_guard lock(mutex_);
-  std::vector<Announced> out;
-  std::ranges::copy_if(newest_first_, std::back_inserter(out), [&](const Announced& one) {
-    return one.action == action && one.topic == ours.topic_name &&
-           meet(one.partition_views(), ours.partitions);
+  std::vector<One> out;
+  std::ranges::copy_if(newest_first_, std::back_inserter(out), [&](const One& one) {
+    return one->action == action && one->topic == topic;
   });
   return out;
 }

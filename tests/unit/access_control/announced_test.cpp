@@ -1,6 +1,9 @@
 #include "plugins/access_control/announced.hpp"
 
-#include <gtest/gtest.h>
+#include <algorithm>
+#include <ctime>
+
+#include "tests/unit/access_control/fixture.hpp"
 
 namespace ddssec::access_control {
 namespace {
@@ -10,29 +13,156 @@ using Partitions = std::vector<std::string_view>;
 TEST(AnnouncedEndpoints, TheNewestStayAndWildcardsMeetNames) {
   AnnouncedEndpoints announced;
   const auto meets = [&](const Partitions& ours) {
-    return announced.meeting(Action::publish, {.topic_name = "t", .partitions = ours}).size();
+    const auto all = announced.of_topic(Action::publish, "t");
+    return std::ranges::count_if(
+        all, [&](const auto& one) { return one->partitions.meet(PartitionNames(ours)); });
   };
   const Partitions a = {"a"}, star = {"a*"}, other = {"b", ""};
   announced.note(Action::publish, {.topic_name = "t", .partitions = a});
   announced.note(Action::publish, {.topic_name = "t", .partitions = a});
-  EXPECT_EQ(meets(a), 1u);
-  EXPECT_EQ(meets(star), 1u);
-  EXPECT_EQ(meets(other), 0u);
-  EXPECT_EQ(meets({}), 0u);
+  EXPECT_EQ(meets(a), 1);
+  EXPECT_EQ(meets(star), 1);
+  EXPECT_EQ(meets(other), 0);
+  EXPECT_EQ(meets({}), 0);
   announced.note(Action::publish, {.topic_name = "t", .partitions = star});
-  EXPECT_EQ(meets(star), 2u);
-  EXPECT_EQ(meets(Partitions{"?"}), 1u);  // two expressions do not meet unless they are equal
+  EXPECT_EQ(meets(star), 2);
+  EXPECT_EQ(meets(Partitions{"?"}), 1);  // two expressions do not meet unless they are equal
   announced.note(Action::publish, {.topic_name = "t"});
-  EXPECT_EQ(meets(other), 1u);
-  EXPECT_TRUE(announced.meeting(Action::subscribe, {.topic_name = "t"}).empty());
-  EXPECT_TRUE(announced.meeting(Action::publish, {.topic_name = "u"}).empty());
+  EXPECT_EQ(meets(other), 1);
+  EXPECT_TRUE(announced.of_topic(Action::subscribe, "t").empty());
+  EXPECT_TRUE(announced.of_topic(Action::publish, "u").empty());
   const std::string large(AnnouncedEndpoints::kMostOctets, 'x');
   announced.note(Action::publish, {.topic_name = large, .partitions = a});
-  EXPECT_TRUE(announced.meeting(Action::publish, {.topic_name = large, .partitions = a}).empty());
+  EXPECT_TRUE(announced.of_topic(Action::publish, large).empty());
   for (std::size_t i = 0; i < AnnouncedEndpoints::kMost; ++i)
     announced.note(Action::publish, {.topic_name = std::to_string(i)});
-  EXPECT_EQ(meets(star), 0u);
-  EXPECT_EQ(announced.meeting(Action::publish, {.topic_name = "0"}).size(), 1u);
+  EXPECT_EQ(meets(star), 0);
+  EXPECT_EQ(announced.of_topic(Action::publish, "0").size(), 1u);
+}
+
+// Compiled, an expression takes a multiple of its text.
+TEST(AnnouncedEndpoints, MemoryIsBoundedAndTheNewestStays) {
+  AnnouncedEndpoints announced;
+  const auto note = [&](char c) {
+    std::string name;
+    while (name.size() < 1'000) name += "[ab]";
+    name.back() = c;
+    const std::vector<std::string_view> names(4, name);
+    announced.note(Action::publish, {.topic_name = "t", .partitions = names});
+  };
+  for (char c = 'a'; c <= 'z'; ++c) note(c);
+  const auto all = announced.of_topic(Action::publish, "t");
+  ASSERT_FALSE(all.empty());
+  std::size_t octets = 0;
+  for (const auto& one : all) octets += one->octets();
+  EXPECT_LE(octets, AnnouncedEndpoints::kMaxMemory);
+  EXPECT_GT(octets, AnnouncedEndpoints::kMaxMemory / 2);
+  note('!');
+  EXPECT_TRUE(
+      announced.of_topic(Action::publish, "t").front()->partitions.views().front().ends_with('!'));
+}
+
+/// A peer that may do everything in every partition, and our participant.
+class HostilePartitions : public AccessControlTest {
+ protected:
+  void SetUp() override { ASSERT_TRUE(local(open_permissions(kTalker))); }
+  spi::PermissionsHandle peer(std::vector<governance::Rule> rules) {
+    return remote(signed_permissions({grant(kListener, std::move(rules))})).value();
+  }
+  /// Of its own processor time: a busy machine changes little.
+  static double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+  /// An announcement as large as is remembered, of the most that a compiler could get lost in.
+  struct Announcement {
+    explicit Announcement(char number) {
+      for (const std::string unit : {"[:", "[[=", "[[.", "*["}) {
+        std::string& name = texts.emplace_back();
+        while (name.size() < 1'000) name += unit;
+        name += number;
+      }
+      names.assign(texts.begin(), texts.end());
+    }
+    std::vector<std::string> texts;
+    Partitions names;
+  };
+};
+
+// 32 endpoints of such partitions, matched one after the other, kept a process standing for an
+// hour.
+TEST_F(HostilePartitions, AreCompiledOnceAndInNoTime) {
+  auto all = subscribe_rule(true, {"t"});
+  all.subscribe[0].partitions = {{{"*", 0}}};
+  const auto handle = peer({all});
+  const auto begin = cpu_seconds();
+  for (char number = '0'; number < '0' + 32; ++number) {
+    const Announcement announced(number);
+    ASSERT_TRUE(plugin->check_remote_datareader(
+        handle, 0, {.topic_name = "t", .partitions = announced.names}));
+    const Partitions ours = {"some/partition", "another"};
+    EXPECT_TRUE(
+        plugin->check_remote_match(handle, {.remote_writes = false,
+                                            .local = {.topic_name = "t", .partitions = ours},
+                                            .remote = std::nullopt}));
+    ASSERT_LT(cpu_seconds() - begin, 1) << number;
+  }
+}
+
+TEST_F(HostilePartitions, AreComparedWithDenyRulesInNoTime) {
+  auto denied = subscribe_rule(false, {"t"});
+  denied.subscribe[0].partitions.emplace();
+  for (int i = 0; i < 100; ++i)
+    denied.subscribe[0].partitions->push_back({"private" + std::to_string(i), 0});
+  auto all = subscribe_rule(true, {"t"});
+  all.subscribe[0].partitions = {{{"*", 0}}};
+  const auto handle = peer({denied, all});
+  const auto begin = cpu_seconds();
+  for (char number = '0'; number < '0' + 32; ++number) {
+    const Announcement announced(number);
+    ASSERT_TRUE(plugin->check_remote_datareader(
+        handle, 0, {.topic_name = "t", .partitions = announced.names}));
+    ASSERT_LT(cpu_seconds() - begin, 1) << number;
+  }
+  const Partitions secret = {"private7"}, perhaps = {"priv*7"};
+  EXPECT_REFUSED(
+      plugin->check_remote_datareader(handle, 0, {.topic_name = "t", .partitions = secret}),
+      subscribe_not_allowed);
+  EXPECT_REFUSED(
+      plugin->check_remote_datareader(handle, 0, {.topic_name = "t", .partitions = perhaps}),
+      subscribe_not_allowed);
+}
+
+TEST_F(HostilePartitions, BeyondTheBoundsAreRefusedOfPeersOnly) {
+  auto all = rule(true);
+  all.publish = {topics({"*"})};
+  all.publish[0].partitions = {{{"*", 0}}};
+  all.subscribe = all.publish;
+  const auto handle = peer({all});
+  const std::string longer(kMaxNameOctets + 1, 'a');
+  const Partitions partitions = {"", longer};
+  const spi::EndpointRequest request = {.topic_name = "t", .partitions = partitions};
+  EXPECT_REFUSED(plugin->check_remote_datawriter(handle, 0, request), length_out_of_range);
+  EXPECT_REFUSED(plugin->check_remote_datareader(handle, 0, request), length_out_of_range);
+  EXPECT_REFUSED(plugin->check_remote_datawriter(handle, 0, {.topic_name = longer}),
+                 length_out_of_range);
+  EXPECT_REFUSED(plugin->check_remote_topic(handle, 0, longer), length_out_of_range);
+  const auto own = local(signed_permissions({grant(kTalker, {all})})).value();
+  EXPECT_TRUE(plugin->check_create_datawriter(own, 0, request));
+}
+
+TEST(AnnouncedEndpoints, LengthsAreBounded) {
+  const auto code = [](std::string_view topic, const Partitions& partitions) {
+    const auto status = check_lengths({.topic_name = topic, .partitions = partitions});
+    return status ? std::nullopt : std::optional(status.error().code());
+  };
+  const std::string longest(kMaxNameOctets, 'a'), longer(kMaxNameOctets + 1, 'a');
+  EXPECT_EQ(code(longest, {longest, "b"}), std::nullopt);
+  EXPECT_EQ(code("t", Partitions(kMaxPartitions, "p")), std::nullopt);
+  EXPECT_EQ(code("t", Partitions(kMaxRequestOctets / (kMaxNameOctets + 1), longest)), std::nullopt);
+  EXPECT_EQ(code(longer, {}), Code::length_out_of_range);
+  EXPECT_EQ(code("t", {"b", longer}), Code::length_out_of_range);
+  EXPECT_EQ(code("t", Partitions(kMaxPartitions + 1, "")), Code::length_out_of_range);
+  EXPECT_EQ(code("t", Partitions(kMaxRequestOctets / kMaxNameOctets, longest)),
+            Code::length_out_of_range);
 }
 
 }  // namespace
