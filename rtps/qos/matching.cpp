@@ -72,11 +72,12 @@ std::optional<SetMatch> match_set(std::string_view set, char c) {
   return std::nullopt;
 }
 
-// How many pattern characters match the one text character, 0 for none.
-std::size_t match_one(std::string_view pattern, char c) {
+// How many pattern characters match the one text character, 0 for none. `may_close`: a ']' comes
+// late enough to end a set that begins here; without it a '[' would read to the end in vain.
+std::size_t match_one(std::string_view pattern, char c, bool may_close) {
   if (pattern.empty()) return 0;
   if (pattern[0] == '?') return 1;
-  if (pattern[0] == '[') {
+  if (pattern[0] == '[' && may_close) {
     if (const auto set = match_set(pattern.substr(1), c)) return set->contains ? 1 + set->size : 0;
   }
   if (pattern[0] == '\\' && pattern.size() > 1) return pattern[1] == c ? 2 : 0;
@@ -86,12 +87,16 @@ std::size_t match_one(std::string_view pattern, char c) {
 }  // namespace
 
 bool glob_match(std::string_view pattern, std::string_view text) {
+  const auto last_close = pattern.rfind(']');
+  const auto may_close = [&](std::size_t at) {
+    return last_close != pattern.npos && last_close > at + 1;
+  };
   std::size_t p = 0, t = 0, star = pattern.npos, resume = 0;
   while (t < text.size()) {
     if (p < pattern.size() && pattern[p] == '*') {
       star = ++p;
       resume = t;
-    } else if (const auto used = match_one(pattern.substr(p), text[t])) {
+    } else if (const auto used = match_one(pattern.substr(p), text[t], may_close(p))) {
       p += used;
       ++t;
     } else if (star != pattern.npos) {

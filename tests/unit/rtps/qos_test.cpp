@@ -1,3 +1,4 @@
+#include <ctime>
 #include <functional>
 
 #include <fmt/format.h>
@@ -135,6 +136,16 @@ TEST(Matching, ManyStarsStayCheap) {
   std::string pattern;
   for (int i = 0; i < 128; ++i) pattern += "*a";
   EXPECT_FALSE(glob_match(pattern + "b", std::string(256, 'a')));
+}
+
+// A '[' that nothing closes is not read to the end at each character.
+TEST(Matching, ManyBracketsStayCheap) {
+  const std::string text(6'000, '[');
+  for (const std::string end : {"b", "]b"}) {
+    const auto begin = std::clock();
+    EXPECT_FALSE(glob_match("*" + std::string(3'000, '[') + end, text)) << end;
+    EXPECT_LT(std::clock() - begin, 2 * CLOCKS_PER_SEC) << end;  // of a processor
+  }
 }
 
 TEST(Qos, ContradictionsAreRefused) {
