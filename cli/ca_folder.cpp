@@ -65,7 +65,7 @@ Result<pki::PrivateKey> CaOpener::key(const fs::path& path) {
 }
 
 Result<OpenCa> CaOpener::open(const CaPaths& paths) {
-  DDSSEC_TRY(finish_interrupted(paths.key.parent_path()));
+  DDSSEC_TRY(finish_interrupted(paths.key.parent_path(), Reach::anywhere));
   const auto trust = DDSSEC_TRY(read_certificates(paths.certificate));
   auto own_key = DDSSEC_TRY(key(paths.key));
   auto authority =

@@ -62,6 +62,7 @@ Result<Known> followers_of(const Arguments& arguments, const fs::path& given, Wa
   for (const auto& folder : arguments.all("DIRS")) {
     DDSSEC_TRY(check_participant_folder(folder));
     out.here.push_back(follower_in(folder));
+    out.here.back().is_named = true;
   }
   if (!out.here.empty()) return out;
   const auto paths = ca_paths(given, "identity");
@@ -139,6 +140,8 @@ Report report_of(const std::string& role, const pki::Certificate& ca, const Foll
   for (const auto& name : followed.again) report.text += fmt::format("  {}\n", name);
   for (const auto& name : followed.revoked)
     report.text += fmt::format("revoked and left out: {}\n", name);
+  for (const auto& error : followed.doubtful) report.errors.push_back(error);
+  if (!followed.doubtful.empty()) report.exit = Exit::no;
   for (const auto& name : elsewhere)
     report.errors.emplace_back(Code::participant_elsewhere, ErrorDetails{.found = name});
   report.text +=
@@ -159,7 +162,7 @@ Result<Report> ca_rotate(const Arguments& arguments, const Context& context) {
   const auto lock = DDSSEC_TRY(lock_records(old.paths));
   const auto known = DDSSEC_TRY(followers_of(arguments, given, now));
   const auto [ca, trust] = DDSSEC_TRY(successor_of(old.certificate(), arguments, context));
-  const Succession change{old, ca, trust, opener.used_passphrase()};
+  const Succession change{old, ca, trust, opener.used_passphrase(), arguments.has("--unlogged")};
   Replacement out;
   const auto followed = role == "identity"
                             ? DDSSEC_TRY(follow_identity_ca(out, change, known.here, context))
@@ -186,6 +189,9 @@ std::vector<Command> ca_rotate_commands() {
                         .summary = "identity or permissions",
                         .required = true},
                        {"--issuer", "DIR", "the CA above, for an intermediate one"},
+                       {"--unlogged", "",
+                        "also certificates that the CA's log does not have; never after a key was "
+                        "stolen"},
                        kPassphraseFile,
                        kPassphraseEnv,
                        kInsecureKeyMode},

@@ -4,6 +4,7 @@
 
 #include "cli/documents.hpp"
 #include "cli/inputs.hpp"
+#include "cli/logged_certificate.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -44,16 +45,35 @@ Status put_if_plain(Replacement& out, const fs::path& file, const std::string& t
   return is_plain_file(file) ? out.put_public(file, text) : Status{};
 }
 
-Result<pki::Certificate> issued_anew(const Follower& follower, const pki::Certificate& certificate,
-                                     const Succession& change, const Context& context) {
+// A certificate of another CA in the folder ends the command.
+Status check_of_old_ca(const Follower& follower, const pki::Certificate& certificate,
+                       const Succession& change) {
   const auto& before = change.old.certificate();
-  if (!certificate.is_issued_by(before))
-    return fail(Code::issuer_unknown,
-                {.document = follower.files.certificate,
-                 .expected = "one that the old CA, " + before.subject() + ", issued",
-                 .found = "one of " + certificate.issuer()});
-  return change.ca.reissue(certificate, {context.clock.now() - kBackdated, certificate.not_after()},
-                           context.random);
+  if (certificate.is_issued_by(before)) return {};
+  return fail(Code::issuer_unknown,
+              {.document = follower.files.certificate,
+               .expected = "one that the old CA, " + before.subject() + ", issued",
+               .found = "one of " + certificate.issuer()});
+}
+
+// The old key may have signed what the CA never issued.
+Status check_follows(const Follower& follower, const pki::Certificate& certificate,
+                     const Succession& change, const pki::IssueLog& log) {
+  const auto& paths = change.old.paths;
+  const auto belonging = belonging_of(certificate, follower.files.folder, paths, log);
+  if (belonging == Belonging::moved && follower.is_named) return {};
+  const bool is_unlogged = log.find(certificate.serial()) == nullptr;
+  if (is_unlogged && change.takes_unlogged) return {};
+  const auto own = check_own(certificate, follower.files.folder, paths, log, {});
+  if (own) return {};
+  auto details = own.error().details();
+  details.note = "left as it is";
+  details.hint = is_unlogged
+                     ? "if the CA issued it before it had a log, or with another tool: ddssec "
+                       "ca rotate --unlogged; of a ROS 2 keystore: ddssec keystore import first"
+                     : "the participant gets a certificate of the new CA by ddssec identity "
+                       "issue --replace, when you know how this one came into its folder";
+  return fail(own.error().code(), std::move(details));
 }
 
 }  // namespace
@@ -76,7 +96,7 @@ Result<Followed> follow_permissions_ca(Replacement& out, const Succession& chang
   DDSSEC_TRY(put_ca(out, change));
   for (const auto& file : shared) DDSSEC_TRY(put_signed_anew(out, file, change, context));
   Followed followed;
-  for (const auto& [name, files] : followers) {
+  for (const auto& [name, files, ignored] : followers) {
     if (is_file_or_link(files.permissions))
       DDSSEC_TRY(put_signed_anew(out, files.permissions, change, context));
     const bool is_shared = std::ranges::find(shared, files.governance) != shared.end();
@@ -102,11 +122,17 @@ Result<Followed> follow_identity_ca(Replacement& out, const Succession& change,
   for (const auto& follower : followers) {
     const auto& files = follower.files;
     const auto certificate = DDSSEC_TRY(read_certificate(files.certificate));
-    if (log.is_revoked(certificate.serial())) {
+    if (!DDSSEC_TRY(revoked_serial(certificate, paths, log, NextKey::same)).empty()) {
       followed.revoked.push_back(follower.name);
       continue;
     }
-    const auto again = DDSSEC_TRY(issued_anew(follower, certificate, change, context));
+    DDSSEC_TRY(check_of_old_ca(follower, certificate, change));
+    if (auto own = check_follows(follower, certificate, change, log); !own) {
+      followed.doubtful.push_back(std::move(own).error());
+      continue;
+    }
+    const auto again = DDSSEC_TRY(change.ca.reissue(
+        certificate, {now - kBackdated, certificate.not_after()}, context.random));
     followed.again.push_back(follower.name);
     DDSSEC_TRY(out.put_public(files.certificate, again.pem()));
     DDSSEC_TRY(put_if_plain(out, files.identity_ca, change.trust_pem));
@@ -115,6 +141,8 @@ Result<Followed> follow_identity_ca(Replacement& out, const Succession& change,
     lines += pki::IssueLog::issued_line(
         again, fs::absolute(files.folder, ignored).lexically_normal().string(), now);
   }
+  if (lines.empty() && !followed.doubtful.empty())
+    return std::unexpected(followed.doubtful.front());
   DDSSEC_TRY(check_not_interrupted());
   DDSSEC_TRY(append_lines(paths.log, lines));
   return followed;

@@ -18,6 +18,7 @@ namespace ddssec::cli {
 struct Follower {
   std::string name;  ///< as reports call it
   pki::ParticipantFolder files;
+  bool is_named = false;  ///< on the command line, so that it may have moved
 };
 
 /// Whose place is taken, and by whom.
@@ -26,12 +27,14 @@ struct Succession {
   const pki::Authority& ca;
   std::string trust_pem;              ///< what participants are given of `ca`
   const pki::Passphrase* passphrase;  ///< of the new key; null: it is not encrypted
+  bool takes_unlogged = false;        ///< certificates that the old CA's log does not have, too
 };
 
 /// What became of the followers, by their names.
 struct Followed {
   std::vector<std::string> again;    ///< have new files
   std::vector<std::string> revoked;  ///< left as they are
+  std::vector<Error> doubtful;       ///< left as they are: not what the log has for the folder
 };
 
 /// The life of a CA that begins now and lasts as long as `old` did.
@@ -49,8 +52,11 @@ Result<Followed> follow_permissions_ca(Replacement& out, const Succession& chang
                                        const Context& context);
 
 /// Drafts the new identity CA with its revocation list, and the followers' certificates with the
-/// same subject, key and end; then writes the log. Who is revoked gets none. The caller has the CA
-/// to itself (lock_records). Errors: issuer_unknown (a certificate that the old CA did not issue),
+/// same subject, key and end; then writes the log. Only what the log has is issued anew, with this
+/// serial number and SHA-256 and for this folder: the old key may be in other hands. Who is revoked
+/// gets none. The caller has the CA
+/// to itself (lock_records). Errors: the first of `doubtful` if nothing is left to issue;
+/// issuer_unknown (a certificate that the old CA did not issue),
 /// those of read_certificate and Authority::reissue.
 Result<Followed> follow_identity_ca(Replacement& out, const Succession& change,
                                     const std::vector<Follower>& followers, const Context& context);

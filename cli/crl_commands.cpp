@@ -142,7 +142,7 @@ Result<Report> crl_distribute(const Arguments& arguments, const Context& context
                   counted(report.result["folders"].size(), "folder"), words_until(crl));
   report.text += places_text(recipient, paths);
   if (recipient.here.empty()) report.exit = Exit::no;
-  report.files_written = DDSSEC_TRY(out.commit());
+  report.files_written = DDSSEC_TRY(out.commit_each());
   return report;
 }
 

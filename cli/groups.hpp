@@ -12,7 +12,8 @@ std::vector<Command> identity_issue_commands();
 std::vector<Command> identity_commands();  ///< show, csr, sign-csr
 std::vector<Command> governance_commands();
 std::vector<Command> permissions_commands();
-std::vector<Command> identity_change_commands();  ///< renew, revoke
+std::vector<Command> identity_renew_commands();
+std::vector<Command> identity_revoke_commands();
 std::vector<Command> crl_commands();
 std::vector<Command> document_commands();  ///< governance and permissions: sign, verify
 std::vector<Command> show_commands();      ///< governance and permissions: show

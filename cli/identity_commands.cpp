@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/near.hpp"
@@ -11,6 +12,7 @@
 #include "cli/transaction.hpp"
 #include "governance/doctor/meeting.hpp"
 #include "pki/source.hpp"
+#include "pki/subject_name.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -78,6 +80,24 @@ Status confirm_request(const pki::RequestContent& content, const Arguments& argu
                              to_string(content.key)));
 }
 
+// Permissions and revocation go by the subject: a second key for it is a second participant with
+// the rights of the first.
+Status check_subject_free(const pki::Certificate& certificate, const pki::IssueLog& log,
+                          const Arguments& arguments, WallTime now) {
+  if (arguments.has("--another-key")) return {};
+  const auto key = pki::key_digest(certificate);
+  const auto wanted = pki::SubjectName::of(certificate).key();
+  for (const auto& issued : log.issued()) {
+    if (issued.revoked || issued.not_after <= now || issued.key == key) continue;
+    const auto subject = pki::SubjectName::parse(issued.subject);
+    if (!subject || subject->key() != wanted) continue;
+    return fail(Code::subject_taken,
+                {.found = fmt::format("{}, serial {}, valid until {}, {}", issued.subject,
+                                      issued.serial, date(issued.not_after), issued.folder)});
+  }
+  return {};
+}
+
 Result<Report> identity_sign_csr(const Arguments& arguments, const Context& context) {
   std::error_code ignored;
   const fs::path given = arguments.text("CSR");
@@ -91,10 +111,12 @@ Result<Report> identity_sign_csr(const Arguments& arguments, const Context& cont
   DDSSEC_TRY(confirm_request(content, arguments));
   CaOpener opener(arguments);
   const auto ca = DDSSEC_TRY(opener.open("identity"));
+  const auto lock = DDSSEC_TRY(lock_records(ca.paths));
   const auto life = DDSSEC_TRY(within_ca(wanted, ca.certificate(), arguments.has("--clamp")));
   const auto certificate = DDSSEC_TRY(ca.authority.sign_request(request, life, context.random));
   const auto folder = fs::absolute(to, ignored).lexically_normal().parent_path();
   // Checked before the log is written, so that a refusal leaves nothing.
+  DDSSEC_TRY(check_subject_free(certificate, DDSSEC_TRY(read_issue_log(ca.paths)), arguments, now));
   if (fs::symlink_status(to, ignored).type() > fs::file_type::not_found)
     return fail(Code::would_overwrite, {.document = to});
   DDSSEC_TRY(
@@ -137,6 +159,8 @@ std::vector<Command> identity_commands() {
            .options = {ca_option("the folder that ca create made"),
                        {"-o", "FILE", "the certificate, if not cert.pem beside the request"},
                        {"--yes", "", "do not ask whether subject and key are right"},
+                       {"--another-key", "",
+                        "also if the subject has a valid certificate for another key"},
                        days("365"),
                        kClampToCa,
                        kPassphraseFile,

@@ -10,6 +10,7 @@
 #include "cli/fleet.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
+#include "cli/logged_certificate.hpp"
 #include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
@@ -307,8 +308,7 @@ Result<Report> complete_folder(Job& job) {
   const auto cas = DDSSEC_TRY(read_certificates(paths.certificate));
   DDSSEC_TRY(check_same(job, certificate, cas.front()));
   const auto log = DDSSEC_TRY(read_issue_log(paths));
-  if (log.is_revoked(certificate.serial()))
-    return fail(Code::certificate_revoked, {.document = job.files.certificate});
+  DDSSEC_TRY(check_not_revoked(certificate, job.files.certificate, paths, log, NextKey::same));
   Completion out(job);
   DDSSEC_TRY(out.add(job.files.identity_ca, as_bytes(to_pem(cas)), 0644, false));
   DDSSEC_TRY(add_permissions(job, certificate, out));

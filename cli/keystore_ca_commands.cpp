@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 // Upstream links both roles to one CA. Of a killed command the keys may be there and the rest not:
 // that is finished first.
 Result<bool> has_one_ca(const fs::path& keystore) {
-  DDSSEC_TRY(finish_interrupted(keystore / "private"));
+  DDSSEC_TRY(finish_interrupted(keystore / "private", Reach::anywhere));
   std::error_code ignored;
   return fs::equivalent(keystore / "private/identity_ca.key.pem",
                         keystore / "private/permissions_ca.key.pem", ignored);
@@ -80,6 +80,8 @@ Result<Report> new_identity_ca(const fs::path& keystore, const Arguments& argume
   const auto followed = DDSSEC_TRY(follow_identity_ca(out, change, enclaves_in(keystore), context));
   auto report = report_of(keystore, "identity", ca.certificate(), followed.again);
   for (const auto& name : followed.revoked) report.text += name + " is revoked and was left out\n";
+  for (const auto& error : followed.doubtful) report.errors.push_back(error);
+  if (!followed.doubtful.empty()) report.exit = Exit::no;
   report.files_written = DDSSEC_TRY(out.commit());
   return report;
 }

@@ -1,6 +1,7 @@
 // keystore: what ROS 2 reads, made and kept with two real CAs and keys for their owner only.
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <sys/stat.h>
 
@@ -11,6 +12,7 @@
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/keystore.hpp"
+#include "cli/logged_certificate.hpp"
 #include "cli/options.hpp"
 #include "cli/products.hpp"
 #include "cli/ros_policy.hpp"
@@ -372,8 +374,7 @@ Result<Report> keystore_verify(const Arguments& arguments, const Context& contex
   return report;
 }
 
-// What a keystore of upstream lacks: keys for their owner only, and a log by which certificates can
-// be revoked.
+// What a keystore of upstream lacks: keys for their owner only, and a log for revocation.
 Result<Report> keystore_import(const Arguments& arguments, const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
   DDSSEC_TRY(check_keystore(keystore));
@@ -383,6 +384,7 @@ Result<Report> keystore_import(const Arguments& arguments, const Context& contex
   Report report;
   report.result = {{"keys_closed", Json::array()}, {"logged", Json::array()}};
   std::string lines;
+  std::map<std::string, fs::path> seen;
   for (const auto& name : enclaves_of(keystore)) {
     const auto folder = keystore / enclave_folder(name);
     const auto certificate = DDSSEC_TRY(read_certificate(folder / "cert.pem"));
@@ -390,8 +392,9 @@ Result<Report> keystore_import(const Arguments& arguments, const Context& contex
       return fail(Code::issuer_unknown, {.document = folder / "cert.pem",
                                          .expected = "one that " + ca.subject() + " issued",
                                          .found = "one of " + certificate.issuer()});
-    if (log.find(certificate.serial()) != nullptr) continue;
+    DDSSEC_TRY(check_alone(certificate, folder, paths, log, seen));
     std::error_code ignored;
+    if (log.find(certificate.serial()) != nullptr) continue;
     lines += pki::IssueLog::issued_line(certificate,
                                         fs::absolute(folder, ignored).lexically_normal().string(),
                                         context.clock.now());

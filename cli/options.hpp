@@ -34,6 +34,9 @@ inline constexpr Option kDomains{.name = "--domain",
                                  .repeated = true};
 inline constexpr Option kClampToCa{"--clamp", "", "end with the CA if it ends before"};
 inline constexpr Option kSubject{"--subject", "DN", "the certificate's name, if not CN=NAME"};
+inline constexpr Option kSubjectOfFolder{
+    "--subject", "DN",
+    "the participant, where the CA's log does not have the certificate for this folder"};
 inline constexpr Option kReplace{"--replace", "", "put it in place of what is there"};
 inline constexpr Option kSign{"--sign", "", "write the signed form (.p7s) beside the document"};
 inline constexpr Option kSigningCa{"--ca", "DIR", "the folder that ca create made, for --sign"};

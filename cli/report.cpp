@@ -168,6 +168,8 @@ Exit exit_of(Code code) {
     case Code::passphrase_missing:
     case Code::outlives_ca:
     case Code::confirmation_needed:
+    case Code::subject_taken:
+    case Code::unfinished_untrusted:
       return Exit::refused;
     case Code::internal:
     case Code::random_failed:

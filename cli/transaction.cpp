@@ -263,6 +263,15 @@ Result<std::vector<WrittenFile>> Replacement::commit() {
   std::optional<Intent> intent;
   if (drafts_.size() > 1)
     intent.emplace(DDSSEC_TRY(Intent::write(folder_of(drafts_.front().target), drafts_)));
+  return put_in_place();
+}
+
+Result<std::vector<WrittenFile>> Replacement::commit_each() {
+  DDSSEC_TRY(check_not_interrupted());
+  return put_in_place();
+}
+
+Result<std::vector<WrittenFile>> Replacement::put_in_place() {
   for (auto& [draft, target] : drafts_) {
     if (::rename(draft.c_str(), target.c_str()) != 0) return unwritable(target, errno);
     draft.clear();

@@ -85,6 +85,9 @@ class Replacement {
   }
   /// Puts everything in its place, in the order of the calls. Errors: file_unwritable, interrupted.
   Result<std::vector<WrittenFile>> commit();
+  /// The same for files that do not depend on each other, such as one for each participant: no list
+  /// of them is written into a folder that may be another user's. Errors as commit.
+  Result<std::vector<WrittenFile>> commit_each();
 
   Replacement() = default;
   ~Replacement();
@@ -92,6 +95,7 @@ class Replacement {
   Replacement& operator=(const Replacement&) = delete;
 
  private:
+  Result<std::vector<WrittenFile>> put_in_place();
   void remove_former_drafts() const;
   std::vector<Draft> drafts_;
   std::vector<WrittenFile> files_;

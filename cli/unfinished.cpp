@@ -10,6 +10,8 @@
 #include <unistd.h>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "cli/transaction.hpp"
 
 namespace ddssec::cli {
@@ -25,12 +27,42 @@ std::unexpected<Error> cannot_write(const fs::path& path) {
               {.document = path, .note = std::generic_category().message(errno)});
 }
 
-// "target NUL ending NUL" for each.
-std::string text_of(std::span<const Draft> drafts) {
+std::unexpected<Error> untrusted(const fs::path& list, std::string why) {
+  return fail(Code::unfinished_untrusted, {.document = list, .found = std::move(why)});
+}
+
+/// A file descriptor that closes itself.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  explicit operator bool() const { return number_ >= 0; }
+  int number() const { return number_; }
+
+ private:
+  int number_;
+};
+
+int open_folder(const fs::path& folder) {
+  return ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+}
+
+bool is_in(const fs::path& folder, const fs::path& target) {
+  return target.parent_path() == (folder == "." ? fs::path() : folder) ||
+         target.parent_path() == folder;
+}
+
+// "target NUL ending NUL" for each: a file of the folder by its name, any other by its whole path.
+std::string text_of(const fs::path& folder, std::span<const Draft> drafts) {
   std::string out;
   std::error_code ignored;
   for (const auto& [draft, target] : drafts) {
-    out.append(fs::absolute(target, ignored).string()).push_back('\0');
+    const auto name = is_in(folder, target) ? target.filename() : fs::absolute(target, ignored);
+    out.append(name.string()).push_back('\0');
     out.append(draft.string().substr(target.string().size())).push_back('\0');
   }
   return out.append(kEnd);
@@ -68,19 +100,65 @@ bool is_ending(std::string_view ending) {
          ending.substr(0, ending.size() - 3).find_first_not_of(".0123456789") == ending.npos;
 }
 
-Status put_in_place(std::string_view list) {
-  if (!list.ends_with(kEnd)) return {};  // cut short: nothing had been put in place yet
-  list.remove_suffix(kEnd.size());
-  while (!list.empty()) {
-    const auto target = next_part(list);
-    const auto ending = next_part(list);
-    if (target.empty() || !is_ending(ending)) continue;
-    const auto draft = std::string(target).append(ending);
-    if (::rename(draft.c_str(), std::string(target).c_str()) != 0 && errno != ENOENT)
-      return cannot_write(target);
-  }
+bool is_own(const struct stat& status) {
+  return status.st_uid == ::geteuid() || status.st_uid == 0;
+}
+
+bool others_may_write(const struct stat& status) { return (status.st_mode & 022) != 0; }
+
+bool is_plain(const struct stat& status) { return S_ISREG(status.st_mode) && status.st_nlink == 1; }
+
+// Empty if the list is this user's. In a sticky folder only its owner can replace it.
+std::string doubt_about(int folder, int list) {
+  struct stat place {};
+  struct stat file {};
+  if (::fstat(folder, &place) != 0 || ::fstat(list, &file) != 0) return "a file that is gone";
+  if (!is_own(place)) return fmt::format("a folder of user {}", place.st_uid);
+  if (others_may_write(place) && (place.st_mode & S_ISVTX) == 0)
+    return fmt::format("a folder that others may write, mode {:04o}", place.st_mode & 07777);
+  if (!is_own(file)) return fmt::format("a list of user {}", file.st_uid);
+  if (!is_plain(file)) return "no plain file, or one with further names";
+  if (others_may_write(file))
+    return fmt::format("a list that others may write, mode {:04o}", file.st_mode & 07777);
   return {};
 }
+
+/// A list that is this user's own.
+struct List {
+  fs::path path;
+  int folder;
+  Reach reach;
+
+  // Both look-ups are in one folder that is open, so that no link in a path leads the second one
+  // elsewhere.
+  Status put_in_place(int in, const std::string& name, std::string_view ending) const {
+    const auto draft = std::string(name).append(ending);
+    struct stat status {};
+    if (::fstatat(in, draft.c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0) return {};  // it was put
+    if (!is_plain(status) || !is_own(status)) return untrusted(path, "a draft of another user");
+    if (::renameat(in, draft.c_str(), in, name.c_str()) != 0) return cannot_write(name);
+    return {};
+  }
+
+  Status put_in_place(const fs::path& target, std::string_view ending) const {
+    if (!target.has_parent_path()) return put_in_place(folder, target.string(), ending);
+    if (reach == Reach::folder) return untrusted(path, "a file of another folder in it");
+    const Descriptor parent(open_folder(target.parent_path()));
+    if (!parent) return {};
+    return put_in_place(parent.number(), target.filename().string(), ending);
+  }
+
+  Status finish(std::string_view text) const {
+    if (!text.ends_with(kEnd)) return {};  // cut short: nothing had been put in place yet
+    text.remove_suffix(kEnd.size());
+    while (!text.empty()) {
+      const fs::path target = next_part(text);
+      const auto ending = next_part(text);
+      if (target.has_filename() && is_ending(ending)) DDSSEC_TRY(put_in_place(target, ending));
+    }
+    return {};
+  }
+};
 
 // After the wait for its lock: it may be gone by now.
 bool is_still_there(int file) {
@@ -88,14 +166,20 @@ bool is_still_there(int file) {
   return ::fstat(file, &status) == 0 && status.st_nlink > 0;
 }
 
+Reach reach_of(const fs::path& folder, std::span<const Draft> drafts) {
+  const bool is_inside =
+      std::ranges::all_of(drafts, [&](const auto& one) { return is_in(folder, one.target); });
+  return is_inside ? Reach::folder : Reach::anywhere;
+}
+
 }  // namespace
 
 Result<Intent> Intent::write(const fs::path& folder, std::span<const Draft> drafts) {
-  DDSSEC_TRY(finish_interrupted(folder));
+  DDSSEC_TRY(finish_interrupted(folder, reach_of(folder, drafts)));
   Intent out(folder / kListName, ::open((folder / kListName).c_str(),
                                         O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
-  const bool is_written =
-      out.file_ >= 0 && ::flock(out.file_, LOCK_EX) == 0 && write_whole(out.file_, text_of(drafts));
+  const bool is_written = out.file_ >= 0 && ::flock(out.file_, LOCK_EX) == 0 &&
+                          write_whole(out.file_, text_of(folder, drafts));
   if (!is_written) return cannot_write(folder / kListName);
   return out;
 }
@@ -109,18 +193,20 @@ Intent::~Intent() {
 Intent::Intent(Intent&& other) noexcept
     : list_(std::move(other.list_)), file_(std::exchange(other.file_, -1)) {}
 
-Status finish_interrupted(const fs::path& folder) {
+Status finish_interrupted(const fs::path& given, Reach reach) {
   if (writes_nothing()) return {};
-  const auto list = (folder.empty() ? fs::path(".") : folder) / kListName;
-  const int file = ::open(list.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
-  if (file < 0) return {};
-  Status out;
-  if (::flock(file, LOCK_EX) == 0 && is_still_there(file)) {
-    out = put_in_place(content_of(file));
-    if (out) ::unlink(list.c_str());
-  }
-  ::close(file);
-  return out;
+  const fs::path at = given.empty() ? fs::path(".") : given;
+  const Descriptor folder(open_folder(at));
+  if (!folder) return {};
+  const Descriptor file(
+      ::openat(folder.number(), kListName, O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+  if (!file || ::flock(file.number(), LOCK_EX) != 0 || !is_still_there(file.number())) return {};
+  const List list{at / kListName, folder.number(), reach};
+  if (auto doubt = doubt_about(folder.number(), file.number()); !doubt.empty())
+    return untrusted(list.path, std::move(doubt));
+  DDSSEC_TRY(list.finish(content_of(file.number())));
+  ::unlinkat(folder.number(), kListName, 0);
+  return {};
 }
 
 }  // namespace ddssec::cli

@@ -1,6 +1,7 @@
 // What a command that is killed while it puts several files in place leaves to the next one.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <vector>
@@ -15,11 +16,17 @@ struct Draft {
   std::filesystem::path draft, target;
 };
 
+/// Which places a list may name.
+enum class Reach : std::uint8_t {
+  folder,    ///< only files of the folder in which the list lies
+  anywhere,  ///< also files of other folders: for a CA's own folder, which no participant writes
+};
+
 /// A list of drafts in a folder, on the disk before the first of them is put in place and gone
 /// after the last. A process that is killed in between leaves it.
 class Intent {
  public:
-  /// Finishes what an earlier process left there first. Error: file_unwritable.
+  /// Finishes what an earlier process left there first. Errors: those of finish_interrupted.
   static Result<Intent> write(const std::filesystem::path& folder, std::span<const Draft> drafts);
 
   ~Intent();
@@ -34,7 +41,12 @@ class Intent {
 
 /// Puts the drafts in place that a killed process listed in the folder, so that a key and its
 /// certificate, or a CA and what it signed, fit each other again. Waits for a process that is
-/// alive. Nothing in a dry run, and where the folder may not be written. Error: file_unwritable.
-Status finish_interrupted(const std::filesystem::path& folder);
+/// alive. Nothing in a dry run, and where the folder may not be read.
+///
+/// A list is believed only if this user (or root) wrote it: folder, list and drafts are theirs,
+/// the list and the drafts are plain files without further names, and no other user may write the
+/// list or replace it in the folder. A participant's folder may be another user's, or have come
+/// from its device. Errors: unfinished_untrusted, file_unwritable.
+Status finish_interrupted(const std::filesystem::path& folder, Reach reach = Reach::folder);
 
 }  // namespace ddssec::cli

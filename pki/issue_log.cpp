@@ -5,6 +5,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/hash.hpp"
+#include "pki/openssl.hpp"
+#include "pki/openssl_guards.hpp"
+
 namespace ddssec::pki {
 using ddssec::to_string;
 
@@ -63,6 +67,13 @@ Result<std::string> serial_of(const Json& object) {
 
 }  // namespace
 
+std::string key_digest(const Certificate& certificate) {
+  unsigned char* der = nullptr;
+  const int size = i2d_X509_PUBKEY(X509_get_X509_PUBKEY(certificate.impl().x509.get()), &der);
+  const OpensslMemory owner(der);
+  return size > 0 ? to_hex(sha256(BytesView(der, static_cast<std::size_t>(size)))) : std::string();
+}
+
 Result<IssueLog> IssueLog::parse(BytesView text) {
   IssueLog log;
   auto rest = as_text(text);
@@ -90,7 +101,9 @@ Status IssueLog::add_line(std::string_view line) {
     IssuedCertificate one{.serial = serial,
                           .subject = text_of(object, "subject"),
                           .not_after = not_after,
-                          .folder = text_of(object, "folder")};
+                          .folder = text_of(object, "folder"),
+                          .sha256 = text_of(object, "sha256"),
+                          .key = text_of(object, "key")};
     if (issued_by_serial_.emplace(std::move(serial), issued_.size()).second)
       issued_.push_back(std::move(one));
     return {};
@@ -138,6 +151,7 @@ std::string IssueLog::issued_line(const Certificate& certificate, std::string_vi
                   {"subject", certificate.subject()},
                   {"not_after", to_string(certificate.not_after())},
                   {"sha256", to_hex(certificate.fingerprint())},
+                  {"key", key_digest(certificate)},
                   {"folder", folder}});
 }
 

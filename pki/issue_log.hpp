@@ -25,8 +25,14 @@ struct IssuedCertificate {
   std::string subject;
   WallTime not_after = {};
   std::string folder = {};  ///< where it was put; empty = nobody knows
+  std::string sha256 = {};  ///< of the certificate, hexadecimal; empty in logs of other tools
+  std::string key = {};     ///< key_digest(); empty in earlier logs
   std::optional<Revocation> revoked = std::nullopt;
 };
+
+/// SHA-256 of the certificate's SubjectPublicKeyInfo, hexadecimal: two certificates of one key have
+/// the same. Empty if memory is short.
+std::string key_digest(const Certificate& certificate);
 
 /// The log, read. Lines that only add make it safe against a crash: a line is there whole or, as
 /// the last one without its line end, not at all; and what was written once never changes. Anybody

@@ -249,6 +249,18 @@ class Keystore(Transcript):
                          {"keys_closed": [], "logged": []})
         self.healthy("/talker_listener/listener", "/talker_listener/talker", "/wildcard")
 
+    def test_a_copy_of_another_enclaves_certificate_is_not_logged(self):
+        self.golden()
+        other = self.at / "ks/enclaves/talker_listener/listener/cert.pem"
+        (self.at / TALKER / "cert.pem").write_bytes(other.read_bytes())
+        told = self.refused("certificate_of_another_folder", 1, "keystore", "import", "ks", *NOW)
+        self.assertIn("which is also in ks/enclaves/talker_listener/listener", told["message"])
+        self.run_program("keystore", "create", "own", "--no-passphrase", *NOW)
+        for name in ("/a", "/b"):
+            self.run_program("keystore", "enclave", "own", name, "--allow-all", *NOW)
+        shutil.copy(self.at / "own/enclaves/b/cert.pem", self.at / "own/enclaves/a/cert.pem")
+        self.refused("certificate_of_another_folder", 1, "keystore", "import", "own", *NOW)
+
     def test_its_certificates_are_renewed_and_revoked_in_place(self):
         self.golden()
         self.run_program("keystore", "import", "ks", *NOW)

@@ -33,6 +33,8 @@ static void count(void) {
 CHANGE(int, rename, (const char* from, const char* to), (from, to))
 CHANGE(int, renameat2, (int d, const char* from, int e, const char* to, unsigned flags),
        (d, from, e, to, flags))
+CHANGE(int, renameat, (int d, const char* from, int e, const char* to), (d, from, e, to))
+CHANGE(int, unlinkat, (int d, const char* path, int flags), (d, path, flags))
 CHANGE(int, mkdir, (const char* path, mode_t mode), (path, mode))
 CHANGE(char*, mkdtemp, (char* path), (path))
 CHANGE(int, unlink, (const char* path), (path))

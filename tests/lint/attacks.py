@@ -12,10 +12,12 @@ FOLDERS = {
                "unit/spi", "vectors"),
     "Cyclone DDS": ("attack/cyclonedds", "unit/cyclonedds"),
     "Embedded": ("attack/rtps", "unit/rtps", "unit/rtps_durability", "unit/rtps_filter", "unit/rtps_security", "unit/secured"),
+    "Tool": ("unit/cli",),
     "Open": ("",),
 }
 # Entries of ctest that run real processes, by the beginning of their names.
-ENTRIES = {"Engine": (), "Cyclone DDS": ("interop.", "ros2."), "Embedded": ("interop_rtps.",), "Open": ("interop.", "interop_rtps.")}
+ENTRIES = {"Engine": (), "Cyclone DDS": ("interop.", "ros2."), "Embedded": ("interop_rtps.",), "Tool": ("cli.",),
+           "Open": ("interop.", "interop_rtps.")}
 
 
 def tests_by_folder(root):
@@ -30,15 +32,16 @@ def tests_by_folder(root):
 
 def ctest_entries(root):
     """Names given to add_test, also by functions of CMakeLists.txt that take the name after the folder's prefix."""
+    transcripts = {"cli." + file.stem.removesuffix("_test") for file in (root / "tests/cli").glob("*_test.py")}
     text = "\n".join(file.read_text(encoding="utf-8") for file in (root / "tests").rglob("CMakeLists.txt"))
-    return set(re.findall(r"NAME\s+([\w.]+)", text)) | {
+    return transcripts | set(re.findall(r"NAME\s+([\w.]+)", text)) | {
         name.replace("${which}", which) for name in re.findall(r"NAME\s+([\w.${}]+)", text) for which in ("chosen", "all")}
 
 
 def lines_by_host(text):
     """Each bullet with its continuation lines: (host, text)."""
     for bullet in re.findall(r"^- (.+(?:\n  .+)*)", text.split("\n## ", 1)[1], re.MULTILINE):
-        host = re.match(r"(Engine|Cyclone DDS|Embedded|Open)[:,]", bullet)
+        host = re.match(r"(Engine|Cyclone DDS|Embedded|Tool|Open)[:,]", bullet)
         yield (host.group(1) if host else None), bullet
 
 
@@ -52,7 +55,7 @@ def faults(root):
         for name in names:
             if not any(folder.startswith(FOLDERS[host]) for folder in tests.get(name, ())):
                 yield f"{name} does not exist in a test folder of the host {host}"
-        runs = re.findall(r"`((?:interop|interop_rtps|ros2)\.\w+)`", bullet)
+        runs = re.findall(r"`((?:interop|interop_rtps|ros2|cli)\.\w+)`", bullet)
         for name in runs:
             if name not in entries or not name.startswith(ENTRIES[host]):
                 yield f"{name} is no test entry of the host {host}"

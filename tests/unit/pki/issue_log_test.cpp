@@ -31,6 +31,20 @@ TEST(IssueLog, SaysWhatWasIssuedAndRevoked) {
   EXPECT_EQ(log->folders(), std::vector<std::string>{"/fleet/a"});
 }
 
+TEST(IssueLog, SaysWhatACertificateIsAndWhichKeyItHas) {
+  const auto ca = make_ca();
+  const auto first = make_leaf(ca, "CN=a");
+  const auto other = make_leaf(ca, "CN=a");
+  const auto log = IssueLog::parse(as_bytes(IssueLog::issued_line(first.certificate, "/a", kNow)));
+  ASSERT_TRUE(log);
+  const auto& issued = log->issued().front();
+  EXPECT_EQ(issued.sha256, to_hex(first.certificate.fingerprint()));
+  EXPECT_EQ(issued.key, key_digest(first.certificate));
+  EXPECT_EQ(issued.key.size(), 64u);
+  EXPECT_NE(issued.key, key_digest(other.certificate));
+  EXPECT_NE(issued.key, key_digest(ca.certificate()));
+}
+
 TEST(IssueLog, ALastLineCutShortAtAnyOctetCountsForNothing) {
   const auto ca = make_ca();
   const auto first = IssueLog::issued_line(make_leaf(ca, "CN=a").certificate, "", kNow);

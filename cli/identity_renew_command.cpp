@@ -1,0 +1,318 @@
+// identity renew: a certificate with a new validity in place of the old one.
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/text.hpp"
+#include "cli/documents.hpp"
+#include "cli/groups.hpp"
+#include "cli/inputs.hpp"
+#include "cli/logged_certificate.hpp"
+#include "cli/near.hpp"
+#include "cli/options.hpp"
+#include "cli/participant.hpp"
+#include "cli/transaction.hpp"
+#include "governance/grant.hpp"
+#include "governance/read.hpp"
+#include "governance/write.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A participant's permissions that the CA signed.
+struct OldPermissions {
+  governance::Grant grant;  ///< the participant's own
+  bool has_ended;
+};
+
+// Only what the permissions CA of --ca signed; the CA's certificate in the participant's folder is
+// the participant's word.
+Result<OldPermissions> permissions_in(const pki::ParticipantFolder& files, const fs::path& ca,
+                                      const pki::Certificate& certificate, WallTime now) {
+  const auto proof = DDSSEC_TRY(verified(files.permissions, ca, now));
+  const auto document =
+      DDSSEC_TRY(named(governance::read_permissions(proof.content()), files.permissions));
+  const auto subject = pki::SubjectName::of(certificate);
+  const auto found = std::ranges::find_if(
+      document.grants, [&](const auto& grant) { return governance::is_for(grant, subject); });
+  if (found == document.grants.end())
+    return fail(Code::no_grant_for_subject,
+                {.document = files.permissions, .found = certificate.subject()});
+  return OldPermissions{*found, found->validity.not_after <= now};
+}
+
+// Empty if --ca has an identity CA alone.
+fs::path permissions_ca(const Arguments& arguments) {
+  const fs::path given = arguments.text("--ca");
+  auto out = ca_paths(given, "permissions").certificate;
+  return is_there(out) && out != ca_paths(given, "identity").certificate ? out : fs::path();
+}
+
+// What comes of the permissions is said of those that the CA signed; of others nothing is.
+std::optional<OldPermissions> permissions_seen(const pki::ParticipantFolder& files,
+                                               const Arguments& arguments,
+                                               const pki::Certificate& certificate, WallTime now) {
+  const auto ca = permissions_ca(arguments);
+  if (!is_there(files.permissions) || ca.empty()) return std::nullopt;
+  auto out = permissions_in(files, ca, certificate, now);
+  return out ? std::optional(*std::move(out)) : std::nullopt;
+}
+
+// A participant that has another CA in its folder would not take what this one signs.
+Status check_same_ca(const pki::ParticipantFolder& files, const OpenCa& ca) {
+  if (!is_there(files.permissions_ca)) return {};
+  const auto trusted = DDSSEC_TRY(read_certificates(ca.paths.certificate));
+  for (const auto& one : DDSSEC_TRY(read_certificates(files.permissions_ca)))
+    if (std::ranges::find(trusted, one) == trusted.end())
+      return fail(Code::smime_signer_not_permissions_ca,
+                  {.document = files.permissions_ca,
+                   .expected = ca.certificate().subject() + " of " + ca.paths.certificate.string(),
+                   .found = one.subject() + ", another certificate",
+                   .hint = "find out how it came into the folder; then put the CA's own file in "
+                           "its place, and look at permissions.p7s: ddssec permissions show"});
+  return {};
+}
+
+// A right that ended may have been left to end.
+Status check_not_ended(const OldPermissions& old, const pki::ParticipantFolder& files,
+                       const Arguments& arguments) {
+  if (!old.has_ended || arguments.has("--ended-permissions")) return {};
+  return fail(Code::grant_expired,
+              {.document = files.permissions,
+               .found = "an end on " + date(old.grant.validity.not_after),
+               .note = "rights that have ended are not given again unasked",
+               .hint = "ddssec permissions new makes new ones; --ended-permissions extends these "
+                       "all the same; without --permissions only the certificate is renewed"});
+}
+
+// The grant of this subject alone, and of no other that its name may match.
+governance::Permissions extended(const OldPermissions& old, const pki::Certificate& certificate,
+                                 WallTime until) {
+  auto grant = old.grant;
+  grant.subject_name = certificate.subject();
+  grant.subject_is_expression = false;
+  grant.validity.not_after = until;
+  return {.grants = {std::move(grant)}};
+}
+
+Result<governance::Permissions> put_extended(Replacement& out, const pki::ParticipantFolder& files,
+                                             const pki::Certificate& renewed, const OpenCa& ca,
+                                             const Arguments& arguments, const Context& context) {
+  const auto now = context.clock.now();
+  DDSSEC_TRY(check_same_ca(files, ca));
+  const auto old = DDSSEC_TRY(permissions_in(files, ca.paths.certificate, renewed, now));
+  DDSSEC_TRY(check_not_ended(old, files, arguments));
+  auto document = extended(old, renewed, renewed.not_after());
+  const auto xml = to_xml(document);
+  const auto octets = DDSSEC_TRY(ca.authority.sign_document(as_bytes(xml), now, context.random));
+  const auto plain = fs::path(files.permissions).replace_extension("xml");
+  if (is_there(plain)) DDSSEC_TRY(out.put_public(plain, xml));
+  DDSSEC_TRY(out.put(files.permissions, octets, 0644));
+  return document;
+}
+
+std::string topics_in_words(const std::vector<governance::Criteria>& criteria) {
+  constexpr std::size_t kMost = 4;
+  std::vector<std::string> topics;
+  for (const auto& one : criteria)
+    for (const auto& topic : one.topics) topics.push_back(topic.text);
+  auto out = fmt::format(
+      "{}", fmt::join(topics.begin(), topics.begin() + std::min(kMost, topics.size()), ", "));
+  return topics.size() > kMost ? fmt::format("{} and {} more", out, topics.size() - kMost) : out;
+}
+
+// One line: what the CA has just put its name to.
+std::string signed_in_words(const governance::Permissions& document, const fs::path& folder) {
+  const auto& grant = document.grants.front();
+  std::string out;
+  for (const auto& rule : grant.rules)
+    for (const auto& [verb, criteria] :
+         {std::pair("publish", &rule.publish), std::pair("subscribe", &rule.subscribe)})
+      if (!criteria->empty() && out.size() < 200)
+        out += fmt::format("{}{} {} {}", out.empty() ? "" : "; ", rule.allow ? "allow" : "deny",
+                           verb, topics_in_words(*criteria));
+  return fmt::format("  signed for {}: {}{}default {}; all of it: ddssec permissions show {}\n",
+                     grant.subject_name, out, out.empty() ? "" : "; ",
+                     grant.default_allow ? "ALLOW" : "DENY", folder.string());
+}
+
+// Where the key is here: what came back from a device may be another one's certificate.
+Status check_fits_key(const pki::ParticipantFolder& files, const pki::Certificate& certificate) {
+  if (files.key.extension() == ".p11" || !is_there(files.key)) return {};
+  const auto encrypted = is_encrypted(files.key);
+  if (!encrypted || *encrypted) return {};
+  const auto key = read_key(files.key, nullptr);
+  if (!key || key->matches(certificate)) return {};
+  return fail(Code::key_mismatch,
+              {.document = files.key,
+               .expected = fmt::format("the key of {}, which {} certifies", certificate.subject(),
+                                       files.certificate.string()),
+               .found = "another key",
+               .hint = "put back the key or the certificate that belongs to the other; --rekey "
+                       "gives the participant a new key"});
+}
+
+Status put_key(Replacement& out, const fs::path& path, const pki::PrivateKey& key) {
+  const auto pem = DDSSEC_TRY(key.to_pem());
+  return pem.expose([&](BytesView octets) { return out.put(path, octets, 0600); });
+}
+
+Result<bool> is_needed(const Arguments& arguments, const pki::Certificate& certificate,
+                       WallTime now) {
+  if (!arguments.has("--within")) return true;
+  return certificate.not_after() < now + DDSSEC_TRY(duration(arguments, "--within"));
+}
+
+Report not_needed(const fs::path& path, const pki::Certificate& certificate) {
+  return {.text = fmt::format("{}  not needed: expires {}\n", path.string(),
+                              date(certificate.not_after())),
+          .result = {{"renewed", false},
+                     {"file", path.string()},
+                     {"subject", certificate.subject()},
+                     {"serial", certificate.serial()},
+                     {"not_after", to_string(certificate.not_after())}}};
+}
+
+/// One renewal: what is there, and what takes its place.
+struct Renewal {
+  const Arguments& arguments;
+  const Context& context;
+  fs::path path;  ///< of the certificate
+  pki::ParticipantFolder files;
+  pki::Certificate old;
+
+  WallTime now() const { return context.clock.now(); }
+  bool is_rekeying() const { return arguments.has("--rekey"); }
+};
+
+// The folder's own certificate, of a participant that is not revoked.
+Status check_renewable(const Renewal& job, const OpenCa& ca) {
+  DDSSEC_TRY(check_issuer(job.old, ca, job.path));
+  const auto log = DDSSEC_TRY(read_issue_log(ca.paths));
+  const auto next = job.is_rekeying() ? NextKey::fresh : NextKey::same;
+  DDSSEC_TRY(check_not_revoked(job.old, job.path, ca.paths, log, next));
+  DDSSEC_TRY(
+      check_own(job.old, job.path.parent_path(), ca.paths, log, job.arguments.text("--subject")));
+  if (!job.is_rekeying()) return check_fits_key(job.files, job.old);
+  if (job.files.key.extension() == ".p11")
+    return fail(Code::key_in_token, {.document = job.files.key});
+  return {};
+}
+
+Report renewed_report(const Renewal& job, const pki::Certificate& renewed) {
+  Report report;
+  report.text = fmt::format("{}  {}  {}expires {}\n", job.path.string(), renewed.subject(),
+                            job.is_rekeying() ? "with a new key, " : "", date(renewed.not_after()));
+  report.result = {{"renewed", true},
+                   {"file", job.path.string()},
+                   {"subject", renewed.subject()},
+                   {"serial", renewed.serial()},
+                   {"not_after", to_string(renewed.not_after())},
+                   {"rekeyed", job.is_rekeying()},
+                   {"permissions_until", Json()}};
+  return report;
+}
+
+// The permissions with the certificate, if that was asked for and is needed.
+Status renew_permissions(const Renewal& job, const pki::Certificate& renewed, CaOpener& opener,
+                         Replacement& out, Report& report) {
+  const auto seen = permissions_seen(job.files, job.arguments, job.old, job.now());
+  const bool is_asked = job.arguments.has("--permissions") && is_there(job.files.permissions);
+  const auto end = seen ? seen->grant.validity.not_after : WallTime();
+  if (is_asked && (!seen || end < renewed.not_after())) {
+    const auto ca = DDSSEC_TRY(opener.open("permissions"));
+    const auto document =
+        DDSSEC_TRY(put_extended(out, job.files, renewed, ca, job.arguments, job.context));
+    report.result["permissions_until"] = to_string(renewed.not_after());
+    report.text += fmt::format("permissions extended to {}\n", date(renewed.not_after()));
+    report.text += signed_in_words(document, job.path.parent_path());
+    return {};
+  }
+  if (!seen && is_there(job.files.permissions) && !permissions_ca(job.arguments).empty())
+    report.text += fmt::format(
+        "permissions.p7s is not what this permissions CA signed for {}: "
+        "ddssec doctor {}\n",
+        renewed.subject(), job.path.parent_path().string());
+  if (!seen) return {};
+  report.result["permissions_until"] = to_string(end);
+  if (end < renewed.not_after())
+    report.text += fmt::format(
+        "permissions {} {}\n  {}\n",
+        seen->has_ended ? "expired and the participant cannot start, since" : "end before it, on",
+        date(end),
+        seen->has_ended ? "--permissions --ended-permissions gives them again"
+                        : "--permissions extends them as well");
+  return {};
+}
+
+Result<Report> renew(const Renewal& job) {
+  const auto& [arguments, context, path, files, old] = job;
+  const auto now = job.now();
+  const auto wanted = DDSSEC_TRY(validity(arguments, now));
+  CaOpener opener(arguments);
+  const auto ca = DDSSEC_TRY(opener.open("identity"));
+  const auto lock = DDSSEC_TRY(lock_records(ca.paths));
+  DDSSEC_TRY(check_renewable(job, ca));
+  const auto life = DDSSEC_TRY(within_ca(wanted, ca.certificate(), arguments.has("--clamp")));
+  std::optional<pki::PrivateKey> key;
+  if (job.is_rekeying())
+    key = DDSSEC_TRY(pki::PrivateKey::generate(old.key_algorithm().kind, old.key_algorithm().bits));
+  const auto renewed =
+      DDSSEC_TRY(ca.authority.reissue(old, life, context.random, key ? &*key : nullptr));
+  Replacement out;
+  if (key) DDSSEC_TRY(put_key(out, files.key, *key));
+  DDSSEC_TRY(out.put_public(path, renewed.pem()));
+  auto report = renewed_report(job, renewed);
+  DDSSEC_TRY(renew_permissions(job, renewed, opener, out, report));
+  std::error_code ignored;
+  const auto folder = fs::absolute(path, ignored).lexically_normal().parent_path();
+  DDSSEC_TRY(check_not_interrupted());
+  DDSSEC_TRY(append_lines(ca.paths.log, pki::IssueLog::issued_line(renewed, folder.string(), now)));
+  report.text += old.not_after() <= now
+                     ? "the identity had ended, and with it all connections: start the participant "
+                       "again\n"
+                     : "a running participant has the old one until it starts again\n";
+  report.files_written = DDSSEC_TRY(out.commit());
+  return report;
+}
+
+Result<Report> identity_renew(const Arguments& arguments, const Context& context) {
+  const fs::path given = arguments.text("PATH");
+  const auto path = certificate_path(given);
+  DDSSEC_TRY(finish_interrupted(path.parent_path()));
+  const auto old = DDSSEC_TRY(certificate_of(given));
+  const Renewal job{arguments, context, path, pki::participant_folder(path.parent_path()), old};
+  if (!DDSSEC_TRY(is_needed(arguments, job.old, job.now()))) return not_needed(path, job.old);
+  return renew(job);
+}
+
+}  // namespace
+
+std::vector<Command> identity_renew_commands() {
+  return {
+      {.group = "identity",
+       .name = "renew",
+       .summary = "Gives a participant a certificate with a new validity, in place of the old.",
+       .positionals = {{"PATH", "a participant's folder or its certificate"}},
+       .options = {ca_option("the CA that issued it"),
+                   days("365"),
+                   {"--within", "TIME", "only if it expires within this time: 30d, 12h, 4w"},
+                   {"--rekey", "", "with a new key; otherwise the key stays"},
+                   {"--permissions", "", "permissions that end before it are extended too"},
+                   {"--ended-permissions", "", "with --permissions: also those that have ended"},
+                   kSubjectOfFolder,
+                   {"--clamp", "", "end with the CA if it ends before"},
+                   kPassphraseFile,
+                   kPassphraseEnv,
+                   kInsecureKeyMode},
+       .examples = {"ddssec identity renew talker --ca ca --permissions",
+                    "ddssec identity renew talker --ca ca --within 30d"},
+       .run = identity_renew}};
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,215 @@
+// identity revoke: the certificates of a participant count no more.
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "cli/documents.hpp"
+#include "cli/groups.hpp"
+#include "cli/inputs.hpp"
+#include "cli/logged_certificate.hpp"
+#include "cli/near.hpp"
+#include "cli/options.hpp"
+#include "cli/participant_places.hpp"
+#include "cli/transaction.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What is to be revoked.
+struct Doomed {
+  std::string subject;
+  std::vector<std::string> serials;   ///< that are not revoked yet
+  std::vector<std::string> subjects;  ///< of each of them
+
+  void add(const std::string& serial, const std::string& of) {
+    serials.push_back(serial);
+    subjects.push_back(of);
+  }
+  std::string in_words() const {
+    std::string out;
+    for (std::size_t i = 0; i < serials.size(); ++i)
+      out += fmt::format("  serial {}  {}\n", serials[i], subjects[i]);
+    return out;
+  }
+};
+
+bool is_serial(std::string_view text) {
+  return !text.empty() && text.find_first_not_of("0123456789ABCDEFabcdef") == text.npos;
+}
+
+// What the log has for the participant is what counts: a device may have put the certificate of
+// another one into its folder. A certificate that lies by itself stands for its subject.
+Result<Doomed> doomed_participant(const fs::path& given, const OpenCa& ca, const pki::IssueLog& log,
+                                  const Arguments& arguments, WallTime now) {
+  const auto certificate = DDSSEC_TRY(certificate_of(given));
+  const auto path = certificate_path(given);
+  DDSSEC_TRY(check_issuer(certificate, ca, path));
+  const auto folder = path.parent_path();
+  const auto belonging = belonging_of(certificate, folder, ca.paths, log);
+  const bool is_by_itself = path == given && belonging == Belonging::moved;
+  if (!is_by_itself)
+    DDSSEC_TRY(check_own(certificate, folder, ca.paths, log, arguments.text("--subject")));
+  Doomed out{certificate.subject(), {}, {}};
+  const auto* own = log.find(certificate.serial());
+  if (!log.is_revoked(certificate.serial())) out.add(certificate.serial(), certificate.subject());
+  for (const auto& issued : log.issued()) {
+    const bool is_of_folder =
+        own != nullptr && !own->folder.empty() && issued.folder == own->folder;
+    if ((issued.subject == certificate.subject() || is_of_folder) && !issued.revoked &&
+        now < issued.not_after && issued.serial != certificate.serial())
+      out.add(issued.serial, issued.subject);
+  }
+  return out;
+}
+
+// The log may know the name; revoking by a name alone could end the wrong participant.
+std::unexpected<Error> not_there(const std::string& what, const OpenCa& ca,
+                                 const pki::IssueLog& log) {
+  ErrorDetails details{.document = what,
+                       .expected = "a participant's folder, its certificate or a serial number",
+                       .hint = participants_near(what)};
+  for (const auto& issued : log.issued()) {
+    const bool is_meant = issued.subject == what || issued.subject == "CN=" + what ||
+                          folder_name(issued.folder) == what;
+    if (!is_meant || issued.revoked) continue;
+    details.hint =
+        fmt::format("the CA's log has it: ddssec identity revoke {} --ca {}",
+                    is_there(fs::path(issued.folder) / "cert.pem") ? issued.folder : issued.serial,
+                    ca.paths.log.parent_path().string());
+  }
+  return fail(Code::file_not_found, std::move(details));
+}
+
+Result<Doomed> doomed(const Arguments& arguments, const OpenCa& ca, const pki::IssueLog& log,
+                      WallTime now) {
+  const auto what = arguments.text("WHAT");
+  if (is_there(what)) return doomed_participant(what, ca, log, arguments, now);
+  if (!is_serial(what)) return not_there(what, ca, log);
+  const auto serial = ascii_upper(what);
+  const auto* issued = log.find(serial);
+  if (issued == nullptr)
+    return fail(Code::serial_unknown, {.document = ca.paths.log, .found = serial});
+  Doomed out{issued->subject, {}, {}};
+  if (!log.is_revoked(serial)) out.add(serial, issued->subject);
+  return out;
+}
+
+Result<pki::RevocationReason> reason_of(const Arguments& arguments) {
+  const auto word = arguments.text("--reason");
+  const auto reason = pki::revocation_reason_from(word);
+  if (!reason)
+    return fail(Code::usage,
+                {.field = "--reason",
+                 .expected = "unspecified, keyCompromise, affiliationChanged, superseded, "
+                             "cessationOfOperation or privilegeWithdrawn",
+                 .found = word});
+  return *reason;
+}
+
+// Which participants notice the new list, and when.
+std::string next_steps(const std::string& ca, const ParticipantPlaces& places,
+                       const std::vector<std::string>& without_list, const CaPaths& paths) {
+  auto out = fmt::format(
+      "next: ddssec crl distribute --ca {}   (puts the list into {})\n"
+      "when the list is in the folder, a participant reads it\n"
+      "  with ddssec's plugins (in Cyclone DDS, or embedded): within 5 s, also the first "
+      "crl.pem that appears beside its certificate\n"
+      "  with the stock plugins of Cyclone DDS or Fast DDS: only when it starts again, and "
+      "only if its configuration names the list (ROS 2 names crl.pem of the enclave)\n",
+      ca, counted(places.here.size(), "folder"));
+  if (!without_list.empty()) out += "  no list so far, so that nothing is revoked there:\n";
+  for (std::size_t i = 0; i < without_list.size() && i < 10; ++i)
+    out += fmt::format("    {}\n", without_list[i]);
+  if (without_list.size() > 10) out += fmt::format("    and {} more\n", without_list.size() - 10);
+  return out + places_text(places, paths);
+}
+
+// A folder that may not be entered counts as one with a list: crl distribute says what is wrong.
+std::vector<std::string> without_list(const ParticipantPlaces& places) {
+  std::vector<std::string> out;
+  for (const auto& folder : places.here) {
+    std::error_code error;
+    if (!fs::exists(pki::participant_folder(folder).crl, error) && !error) out.push_back(folder);
+  }
+  return out;
+}
+
+Result<std::string> report_places(const CaPaths& ca, const pki::IssueLog& log,
+                                  const std::string& given, Report& report) {
+  const auto places = DDSSEC_TRY(participant_places(ca, log));
+  const auto bare = without_list(places);
+  auto& out = report.result;
+  out["folders"] = Json::array();
+  for (const auto& folder : places.here) out["folders"].push_back(folder.string());
+  out["without_list"] = bare;
+  out["elsewhere"] = places.elsewhere;
+  for (const auto& folder : places.other_copies) out["elsewhere"].push_back(folder);
+  for (const auto& folder : out["elsewhere"]) out["folders"].push_back(folder);
+  return next_steps(given, places, bare, ca);
+}
+
+Result<Report> identity_revoke(const Arguments& arguments, const Context& context) {
+  const auto now = context.clock.now();
+  const auto reason = DDSSEC_TRY(reason_of(arguments));
+  const int days = DDSSEC_TRY(arguments.number("--next-update", 1, kMostDays));
+  CaOpener opener(arguments);
+  const auto ca = DDSSEC_TRY(opener.open("identity"));
+  const auto lock = DDSSEC_TRY(lock_records(ca.paths));
+  auto log = DDSSEC_TRY(read_issue_log(ca.paths));
+  const auto what = DDSSEC_TRY(doomed(arguments, ca, log, now));
+  Report report;
+  report.result = {{"subject", what.subject}, {"serials", what.serials}};
+  if (what.serials.empty() && DDSSEC_TRY(lists_all(ca.paths, log))) {
+    report.text = fmt::format("{}  revoked already\n", what.subject);
+    return report;
+  }
+  std::string lines;
+  for (const auto& serial : what.serials) {
+    const pki::Revocation revocation{serial, now, reason};
+    DDSSEC_TRY(log.add(revocation));
+    lines += pki::IssueLog::revoked_line(revocation);
+  }
+  const auto crl = DDSSEC_TRY(next_crl(ca, log, now, days));
+  Replacement out;
+  DDSSEC_TRY(out.put_public(ca.paths.crl, crl.pem()));
+  DDSSEC_TRY(check_not_interrupted());
+  // First the log: should the machine stop here, the next list is made from it.
+  if (!lines.empty()) DDSSEC_TRY(append_lines(ca.paths.log, lines));
+  report.result["crl"] = {{"file", ca.paths.crl.string()},
+                          {"number", crl.number().value_or(0)},
+                          {"next_update", to_string(*crl.next_update())}};
+  const auto next = DDSSEC_TRY(report_places(ca.paths, log, arguments.text("--ca"), report));
+  report.text =
+      fmt::format("{}  revoked {}; revocation list {} holds until {}\n{}{}", what.subject,
+                  lines.empty() ? "already, but the list did not say so"
+                                : fmt::format("({})", counted(what.serials.size(), "certificate")),
+                  crl.number().value_or(0), date(*crl.next_update()), what.in_words(), next);
+  report.files_written = DDSSEC_TRY(out.commit());
+  return report;
+}
+
+}  // namespace
+
+std::vector<Command> identity_revoke_commands() {
+  return {{.group = "identity",
+           .name = "revoke",
+           .summary = "Declares a certificate void and makes the revocation list that says so.",
+           .positionals =
+               {{"WHAT",
+                 "a participant's folder or certificate (all that the CA issued to it), or one "
+                 "serial number"}},
+           .options = {ca_option("the CA that issued it"),
+                       {"--reason", "WORD", "why, in the words of RFC 5280", "unspecified"},
+                       kSubjectOfFolder,
+                       kNextUpdate,
+                       kPassphraseFile,
+                       kPassphraseEnv,
+                       kInsecureKeyMode},
+           .examples = {"ddssec identity revoke talker --ca ca --reason keyCompromise"},
+           .run = identity_revoke}};
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,162 @@
+#include "cli/logged_certificate.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "cli/documents.hpp"
+#include "cli/participant_places.hpp"
+#include "pki/subject_name.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using pki::IssuedCertificate;
+
+fs::path normal_folder(const fs::path& folder) {
+  std::error_code ignored;
+  auto out = fs::absolute(folder, ignored).lexically_normal();
+  return out.has_filename() ? out : out.parent_path();
+}
+
+bool is_same_folder(const fs::path& a, const fs::path& b) {
+  std::error_code ignored;
+  return a == b || fs::equivalent(a, b, ignored);
+}
+
+// A serial number alone could be anything that a stolen key signed.
+const IssuedCertificate* entry_of(const pki::Certificate& certificate, const pki::IssueLog& log) {
+  const auto* entry = log.find(certificate.serial());
+  if (entry == nullptr || entry->subject != certificate.subject()) return nullptr;
+  const bool is_same = entry->sha256.empty() || entry->sha256 == to_hex(certificate.fingerprint());
+  return is_same ? entry : nullptr;
+}
+
+bool has_enclaves_name(const pki::Certificate& certificate, const fs::path& folder,
+                       const LoggedFolders& places) {
+  if (!places.keystore()) return false;
+  std::error_code ignored;
+  const auto root = fs::weakly_canonical(*places.keystore() / "enclaves", ignored);
+  const auto name = fs::weakly_canonical(folder, ignored).lexically_relative(root);
+  return !name.empty() && *name.begin() != ".." &&
+         certificate.subject() == "CN=/" + name.generic_string();
+}
+
+std::string in_words(const IssuedCertificate& issued) {
+  return fmt::format("{}, serial {}", issued.subject, issued.serial);
+}
+
+// By its path alone, since the log may be long; the newest one. Null if there is none.
+const IssuedCertificate* issued_for(const fs::path& folder, const pki::IssueLog& log) {
+  std::error_code ignored;
+  const auto real = fs::weakly_canonical(folder, ignored).string();
+  const auto& all = log.issued();
+  const auto found = std::find_if(all.rbegin(), all.rend(), [&](const auto& issued) {
+    return !issued.folder.empty() && (issued.folder == folder || issued.folder == real);
+  });
+  return found == all.rend() ? nullptr : &*found;
+}
+
+bool lies_in(const fs::path& folder, const pki::Certificate& certificate) {
+  if (!is_there(folder / "cert.pem")) return false;
+  const auto found = read_certificate(folder / "cert.pem");
+  return found && *found == certificate;
+}
+
+}  // namespace
+
+Status check_issuer(const pki::Certificate& certificate, const OpenCa& ca, const fs::path& path) {
+  if (!certificate.is_issued_by(ca.certificate()))
+    return fail(Code::issuer_unknown,
+                {.document = path,
+                 .expected = "a certificate that " + ca.certificate().subject() + " issued",
+                 .found = "one of " + certificate.issuer(),
+                 .hint = "name the folder of the CA that issued it: --ca DIR"});
+  return {};
+}
+
+Belonging belonging_of(const pki::Certificate& certificate, const fs::path& given,
+                       const CaPaths& ca, const pki::IssueLog& log) {
+  const auto folder = normal_folder(given);
+  const LoggedFolders places(ca, log);
+  const auto* entry = entry_of(certificate, log);
+  if (entry == nullptr) {
+    const bool is_logged = log.find(certificate.serial()) != nullptr;
+    return !is_logged && has_enclaves_name(certificate, folder, places) ? Belonging::own
+                                                                        : Belonging::unlogged;
+  }
+  const auto home = entry->folder.empty() ? fs::path() : places.today(entry->folder);
+  if (!home.empty() && is_same_folder(home, folder)) return Belonging::own;
+  const bool is_copy = !home.empty() && lies_in(home, certificate);
+  return is_copy || issued_for(folder, log) != nullptr ? Belonging::foreign : Belonging::moved;
+}
+
+Status check_own(const pki::Certificate& certificate, const fs::path& folder, const CaPaths& ca,
+                 const pki::IssueLog& log, const std::string& subject) {
+  const auto belonging = belonging_of(certificate, folder, ca, log);
+  const bool is_another = belonging == Belonging::unlogged && log.find(certificate.serial());
+  if (belonging == Belonging::own && subject.empty()) return {};
+  const auto* wanted = issued_for(normal_folder(folder), log);
+  ErrorDetails details{
+      .document = folder / "cert.pem",
+      .expected = !subject.empty()    ? subject
+                  : wanted == nullptr ? "one that " + ca.log.string() + " has for this folder"
+                                      : in_words(*wanted) + ", issued for this folder",
+      .found = fmt::format("{}, serial {}", certificate.subject(), certificate.serial())};
+  if (!subject.empty() && !is_another) {
+    const auto named = DDSSEC_TRY(pki::SubjectName::parse(subject));
+    if (pki::SubjectName::of(certificate).key() == named.key()) return {};
+    return fail(Code::certificate_of_another_folder, std::move(details));
+  }
+  if (belonging == Belonging::unlogged) return fail(Code::certificate_unlogged, std::move(details));
+  const auto& logged = log.find(certificate.serial())->folder;
+  details.found += logged.empty() ? ", issued for no folder" : ", issued for " + logged;
+  return fail(Code::certificate_of_another_folder, std::move(details));
+}
+
+Status check_alone(const pki::Certificate& certificate, const fs::path& folder, const CaPaths& ca,
+                   const pki::IssueLog& log, std::map<std::string, fs::path>& seen) {
+  const auto [first, is_new] = seen.try_emplace(certificate.serial(), folder);
+  if (!is_new)
+    return fail(Code::certificate_of_another_folder,
+                {.document = folder / "cert.pem",
+                 .found = certificate.subject() + ", which is also in " + first->second.string()});
+  if (belonging_of(certificate, folder, ca, log) != Belonging::foreign) return {};
+  return check_own(certificate, folder, ca, log, {});
+}
+
+Result<std::string> revoked_serial(const pki::Certificate& certificate, const CaPaths& ca,
+                                   const pki::IssueLog& log, NextKey next) {
+  const auto serial = certificate.serial();
+  if (log.is_revoked(serial)) return serial;
+  if (const auto crl = DDSSEC_TRY(read_crl(ca.crl))) {
+    const auto listed = DDSSEC_TRY(named(crl->revoked(), ca.crl));
+    if (std::ranges::find(listed, serial, &pki::Revocation::serial) != listed.end()) return serial;
+  }
+  const auto key = pki::key_digest(certificate);
+  const auto* entry = entry_of(certificate, log);
+  for (const auto& other : log.issued()) {
+    if (!other.revoked) continue;
+    const bool is_of_it =
+        other.subject == certificate.subject() ||
+        (entry != nullptr && !entry->folder.empty() && entry->folder == other.folder);
+    const bool is_later = entry == nullptr || &other > entry;
+    const bool had_ended = certificate.not_after() <= other.revoked->time;
+    const bool has_its_key = next == NextKey::same && !other.key.empty() && other.key == key;
+    if (has_its_key || (is_of_it && (is_later || had_ended))) return other.serial;
+  }
+  return std::string();
+}
+
+Status check_not_revoked(const pki::Certificate& certificate, const fs::path& file,
+                         const CaPaths& ca, const pki::IssueLog& log, NextKey next) {
+  const auto serial = DDSSEC_TRY(revoked_serial(certificate, ca, log, next));
+  if (serial.empty()) return {};
+  ErrorDetails details{.document = file, .found = certificate.subject()};
+  if (serial != certificate.serial())
+    details.note = fmt::format("serial {}, which the participant had, is revoked", serial);
+  return fail(Code::certificate_revoked, std::move(details));
+}
+
+}  // namespace ddssec::cli
