@@ -12,6 +12,7 @@
 #include "cli/parse.hpp"
 #include "cli/progress.hpp"
 #include "cli/transaction.hpp"
+#include "pki/token_logins.hpp"
 
 namespace {
 
@@ -113,6 +114,7 @@ int main(int argc, char** argv) {
   const std::vector<std::string> words(argv + 1, argv + argc);
   std::setlocale(LC_CTYPE, "");  // which letters the terminal takes
   cli::note_interruptions();
+  pki::stop_at_first_wrong_pin();
   const auto request = cli::parse(words);
   if (!request) return finish(failed(request.error(), words), "", wants_json(words), {});
   if (request->command == nullptr) return finish({.text = request->help}, "", false, {});

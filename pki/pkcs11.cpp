@@ -4,6 +4,7 @@
 #include "pki/pkcs11.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -13,6 +14,7 @@
 #include <openssl/ui.h>
 
 #include "base/source.hpp"
+#include "pki/token_logins.hpp"
 
 namespace ddssec::pki {
 namespace {
@@ -61,6 +63,15 @@ UI_METHOD* pin_method() {
   return method;
 }
 
+std::atomic<bool> one_wrong_pin_is_all = false;
+std::atomic<bool> pin_was_refused = false;
+
+Status check_may_log_in(std::string_view uri) {
+  if (!one_wrong_pin_is_all || !pin_was_refused) return {};
+  return fail(Code::pkcs11_pin_wrong,
+              {.found = without_pin(uri), .note = "not tried: a token has refused a PIN before"});
+}
+
 struct Reasons {
   std::string first;
   bool pin_refused = false;
@@ -106,6 +117,7 @@ Result<ENGINE*> engine() {
 std::unexpected<Error> refused(std::string_view uri, const PinRequest& request) {
   auto reasons = take_reasons();
   ErrorDetails details{.found = without_pin(uri), .note = std::move(reasons.first)};
+  if (reasons.pin_refused) pin_was_refused = true;
   if (reasons.pin_refused) return fail(Code::pkcs11_pin_wrong, std::move(details));
   if (request.lacked_a_pin()) return fail(Code::pkcs11_pin_missing, std::move(details));
   return fail(Code::pkcs11_not_found, std::move(details));
@@ -169,7 +181,10 @@ Result<SplitUri> read_pin_source(std::string_view text) {
 
 }  // namespace
 
+void stop_at_first_wrong_pin() { one_wrong_pin_is_all = true; }
+
 Result<PkeyPtr> token_private_key(std::string_view uri, const Passphrase* pin) {
+  DDSSEC_TRY(check_may_log_in(uri));
   const auto split = DDSSEC_TRY(read_pin_source(uri));
   ENGINE* const token = DDSSEC_TRY(engine());
   const PinRequest request(split.pin ? &*split.pin : pin);
@@ -181,6 +196,7 @@ Result<PkeyPtr> token_private_key(std::string_view uri, const Passphrase* pin) {
 }
 
 Result<X509Ptr> token_certificate(std::string_view uri) {
+  DDSSEC_TRY(check_may_log_in(uri));
   const auto split = DDSSEC_TRY(read_pin_source(uri));
   ENGINE* const token = DDSSEC_TRY(engine());
   const PinRequest request(split.pin ? &*split.pin : nullptr);

@@ -3,12 +3,21 @@
 
 import os
 import pathlib
+import re
 import subprocess
+import unittest
 
-from transcript import Transcript, main
+from transcript import PROGRAM, Transcript, main
 
 NOW = ("--now", "2026-11-21T00:00:00Z")
 PIN = "1234"
+
+
+def module(name):
+    return next(iter(pathlib.Path("/usr/lib").rglob(name)), pathlib.Path("/nowhere"))
+
+
+SPY, SOFTHSM = module("pkcs11-spy.so"), module("libsofthsm2.so")
 TALKER = "pkcs11:token=robot;object=talker"
 
 
@@ -112,6 +121,21 @@ class Token(Transcript):
         self.refused("key_in_token", 1, "ca", "rotate", "ca", "--role", "identity", "talker", *NOW)
         renewed = self.json("identity", "renew", "talker", "--ca", "ca", "--days", "700", *NOW)
         self.assertEqual([pathlib.Path(file["path"]).name for file in renewed["files_written"]], ["cert.pem"])
+
+    @unittest.skipUnless(SPY.exists(), "no pkcs11-spy (opensc-pkcs11)")
+    def test_a_folder_of_another_costs_one_wrong_pin_at_most(self):
+        self.put("k")
+        self.run_program("init", "demo", *NOW)
+        for number, name in enumerate(("cert", "key", "identity_ca", "permissions_ca")):
+            (self.at / "demo/talker" / f"{name}.pem").unlink()
+            (self.at / "demo/talker" / f"{name}.p11").write_text(f"pkcs11:token=robot;object=k?pin-value=000{number}\n")
+        for words in (("doctor", "demo/talker"), ("check", "demo/talker", "demo/listener"),
+                      ("can", "demo/talker", "publish", "x")):
+            log = self.at / f"{words[0]}.log"
+            subprocess.run([PROGRAM, *words, *NOW], cwd=self.at, capture_output=True, timeout=60, check=False,
+                           env={**os.environ, "PKCS11_MODULE_PATH": str(SPY), "PKCS11SPY": str(SOFTHSM),
+                                "PKCS11SPY_OUTPUT": str(log)})
+            self.assertEqual(len(re.findall(r"(?m)^\d+: C_Login$", log.read_text())), 1, words)
 
     def test_doctor_says_why_a_token_cannot_be_used(self):
         self.run_program("init", "demo", "--participant", "talker", *NOW)
