@@ -18,6 +18,8 @@ using governance::RosPolicy;
 
 namespace {
 
+namespace fs = std::filesystem;
+
 std::string paths_of(const RosPolicy& policy) {
   constexpr std::size_t kMost = 256;
   std::string out;
@@ -33,12 +35,29 @@ bool has_dds_prefix(std::string_view name) {
   return name.starts_with("rt/") || name.starts_with("rq/") || name.starts_with("rr/");
 }
 
+// A policy may have come from elsewhere: what it includes may not be a link to another file of this
+// machine.
+Status check_inside(const fs::path& included, const fs::path& policy) {
+  std::error_code ignored;
+  const auto root =
+      fs::weakly_canonical(policy.has_parent_path() ? policy.parent_path() : ".", ignored);
+  const auto real = fs::weakly_canonical(included, ignored);
+  const auto below = real.lexically_relative(root);
+  if (!below.empty() && *below.begin() != "..") return {};
+  return fail(Code::policy_include, {.document = policy,
+                                     .expected = "a file beside or below the policy",
+                                     .found = included.string() + ", a link to " + real.string()});
+}
+
 }  // namespace
 
 Result<RosPolicy> read_policy(const std::filesystem::path& file,
                               const std::vector<std::string>& wanted) {
-  auto policy = DDSSEC_TRY(governance::read_ros_policy(
-      file, [](const auto& path) { return read_file(path, governance::kMostXmlOctets); }));
+  const auto read = [&](const fs::path& path) -> Result<Bytes> {
+    if (path != file) DDSSEC_TRY(check_inside(path, file));
+    return read_file(path, governance::kMostXmlOctets);
+  };
+  auto policy = DDSSEC_TRY(governance::read_ros_policy(file, read));
   if (wanted.empty()) return policy;
   for (const auto& path : wanted)
     if (std::ranges::find(policy.enclaves, path, &RosEnclave::path) == policy.enclaves.end())

@@ -96,6 +96,14 @@ class RosPolicy(Transcript):
         include = '<xi:include xmlns:xi="http://www.w3.org/2001/XInclude" href="%s" xpointer="xpointer(/a/*)"/>'
         bad("policy_include", TWO.replace("<topics", include % "/etc/passwd" + "<topics"))
         bad("policy_include", TWO.replace("<topics", include % "../bad.xml" + "<topics"))
+        (self.at / "policies").mkdir()
+        (self.at / "outside.xml").write_text(TWO)
+        (self.at / "policies/link.xml").symlink_to(self.at / "outside.xml")
+        (self.at / "policies/up").symlink_to(self.at)
+        for name in ("link.xml", "up/outside.xml"):
+            (self.at / "policies/p.xml").write_text(TWO.replace("<topics", include % name + "<topics"))
+            told = self.refused("policy_include", 3, "permissions", "from-ros-policy", "policies/p.xml", "-o", "p.xml")
+            self.assertIn("a link to", told["message"])
         (self.at / "two.xml").write_text(TWO)
         self.refused("usage", 2, "permissions", "from-ros-policy", "two.xml", "-o", "p.xml",
                      "--enclave", "/other")
