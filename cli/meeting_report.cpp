@@ -232,7 +232,9 @@ std::string result_line(const MeetingView& view) {
       : is_partial               ? "they match, but on some topics without partitions only"
       : std::ranges::all_of(meeting.topics, is_idle)
           ? (view.topics_named ? "they authenticate, but share none of these topics"
-                               : "they authenticate, but share no topic")
+             : !meeting.topics_complete
+                 ? "they authenticate; whether they share a topic is not known"
+                 : "they authenticate, but share no topic")
           : "they match";
   return fmt::format("result: {}\n  {}\n  {}\n{}{}", verdict, working_topics(view, 0),
                      working_topics(view, 1), topics_apart(view),

@@ -323,6 +323,19 @@ void report_no_topic(const MeetingScene& scene) {
     return std::ranges::any_of(topic.directions, is_allowed);
   });
   if (any || !scene.out.joined()) return;
+  if (!scene.out.topics_complete) {
+    scene.out.findings.push_back(
+        {.rule = Rule::DOC086,
+         .message =
+             fmt::format("no topic was found that {} may publish and {} subscribe to, or the "
+                         "other way round, and not every topic was looked at: the "
+                         "expressions have too many combinations",
+                         scene.party(0).name, scene.party(1).name),
+         .document = scene.folder(0).paths.permissions.string(),
+         .hint = "name the topic that is meant: ddssec check A B --topics TOPIC",
+         .severity = Severity::warning});
+    return;
+  }
   scene.out.findings.push_back(
       {.rule = Rule::DOC086,
        .message = fmt::format("there is no topic that {} may publish and {} subscribe to, or the "

@@ -1,5 +1,6 @@
 // Step five: who may write and read which topic, by whose judgement.
 #include <algorithm>
+#include <ranges>
 #include <array>
 #include <memory>
 
@@ -395,11 +396,13 @@ std::string sentence(const MeetingScene& scene, const Difference& difference) {
 std::vector<TopicOfInterest> topics_of_interest(const MeetingScene& scene) {
   std::vector<RankedExpression> expressions;
   for (const int i : kBoth) add_expressions(scene, i, expressions);
-  const auto atoms = name_atoms(expressions);
-  scene.out.topics_complete = atoms.has_value();
+  const auto found = find_name_atoms(expressions);
+  scene.out.topics_complete = found.is_complete;
   std::vector<TopicOfInterest> out;
-  if (!atoms) return out;
-  for (const auto& atom : *atoms) {
+  // Where the search was given up there may be many, most of them of no use.
+  constexpr std::size_t kMostOfMany = 2'000;
+  const auto most = found.is_complete ? found.atoms.size() : kMostOfMany;
+  for (const auto& atom : found.atoms | std::views::take(most)) {
     if (!anybody_may(scene, atom.witness)) continue;
     if (out.size() == kMostTopics) {
       scene.out.topics_complete = false;

@@ -153,6 +153,18 @@ class Check(WithoutLists):
         text = self.run_program("check", "talker", "listener", exit=1).stdout
         self.assertIn("result: they authenticate, but share no topic\n", text)
 
+    def test_what_was_not_looked_at_is_not_said_to_be_nothing(self):
+        many = f"*a{'?' * 24}z"  # as many states as there are names of 24 letters
+        self.listener.sign("permissions", permissions(grant(self.listener.subject, allow("*"))))
+        self.talker.sign("permissions", permissions(grant(self.talker.subject, allow(many))))
+        out = self.check(exit=1)
+        told = [(d["id"], d["severity"]) for d in out["diagnostics"] if d["id"] == "DOC086"]
+        self.assertEqual((told, out["result"]["topics_complete"]), ([("DOC086", "warning")], False))
+        self.assertIn("is not known\n", self.run_program("check", "talker", "listener", exit=1).stdout)
+        both = f"b</topic><topic>{many}"
+        self.talker.sign("permissions", permissions(grant(self.talker.subject, allow(both))))
+        self.assertIn("b", [topic["name"] for topic in self.check(exit=0)["result"]["topics"]])
+
     def test_a_name_that_is_close_to_an_allowed_one_is_proposed(self):
         told = self.check("--topics", "Sqare", exit=1)["diagnostics"]
         self.assertEqual({d["id"] for d in told}, {"DOC086"})
