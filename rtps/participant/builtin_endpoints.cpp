@@ -35,6 +35,7 @@ void BuiltinEndpoints::add(const BuiltinTopicInfo& info) {
           Guid{prefix_, info.reader}, true, sender_,
           [this, topic](Change& change) { return deliver_(topic, change); }, &timers_)};
   endpoints_[index(topic)].reader->limit(kBuiltinLimits);
+  readers_[index(topic)] = endpoints_[index(topic)].reader.get();
 }
 
 StatefulWriter* BuiltinEndpoints::find_writer(const EntityId& id) {
@@ -45,6 +46,12 @@ StatefulWriter* BuiltinEndpoints::find_writer(const EntityId& id) {
 StatefulReader* BuiltinEndpoints::find_reader(const EntityId& id) {
   const auto at = std::ranges::find(kBuiltinTopics, id, &BuiltinTopicInfo::reader);
   return at == kBuiltinTopics.end() ? nullptr : endpoints_[index(at->topic)].reader.get();
+}
+
+std::span<StatefulReader* const> BuiltinEndpoints::readers_of(const EntityId& writer) const {
+  const auto at = std::ranges::find(kBuiltinTopics, writer, &BuiltinTopicInfo::writer);
+  if (at == kBuiltinTopics.end() || readers_[index(at->topic)] == nullptr) return {};
+  return {&readers_[index(at->topic)], 1};
 }
 
 }  // namespace ddssec::rtps

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <memory>
+#include <span>
 
 #include "rtps/reliability/stateful_reader.hpp"
 #include "wire/entity_ids.hpp"
@@ -63,6 +64,8 @@ class BuiltinEndpoints {
   /// nullptr: not one of them.
   StatefulWriter* find_writer(const EntityId& id);
   StatefulReader* find_reader(const EntityId& id);
+  /// The one reader of the writer's topic, if there is one.
+  std::span<StatefulReader* const> readers_of(const EntityId& writer) const;
   /// `f(const BuiltinTopicInfo&, StatefulWriter&, StatefulReader&)` for each that there is.
   template <class F>
   void each(F&& f) {
@@ -90,6 +93,7 @@ class BuiltinEndpoints {
   TimerQueue& timers_;
   Deliver deliver_;
   std::array<Endpoint, kBuiltinTopics.size()> endpoints_;
+  std::array<StatefulReader*, kBuiltinTopics.size()> readers_ = {};  ///< the same
 };
 
 }  // namespace ddssec::rtps

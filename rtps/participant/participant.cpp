@@ -2,10 +2,6 @@
 
 #include <algorithm>
 
-#include "wire/header_extension.hpp"
-#include "wire/heartbeat_frag.hpp"
-#include "wire/info_source.hpp"
-
 namespace ddssec::rtps {
 
 Participant::Participant(ParticipantConfig config, Transport& transport, EventSink& events)
@@ -13,7 +9,8 @@ Participant::Participant(ParticipantConfig config, Transport& transport, EventSi
       events_(events),
       sender_(transport, config_.prefix),
       builtin_(config_.prefix, sender_, timers_,
-               [this](BuiltinTopic topic, Change& change) { return on_builtin(topic, change); }) {
+               [this](BuiltinTopic topic, Change& change) { return on_builtin(topic, change); }),
+      receiver_(config_.prefix, *this, *this, counters_, events_) {
   self_.data.guid = {config_.prefix, kEntityIdParticipant};
   sender_.fragment_at(config_.fragment_size);
 }
@@ -35,249 +32,64 @@ StatefulReader* Participant::reader(const Guid& guid) {
 void Participant::receive(BytesView datagram, MonotonicTime now) {
   now_ = now;
   const auto gathering = gather();
-  ++counters_.messages;
-  const auto header = read_header(datagram);
-  Status status;
-  if (!header) {
-    status = std::unexpected(header.error());
-  } else if (header->prefix != config_.prefix) {
-    Context context{header->prefix, true, {}, now, datagram.size()};
-    if (security_) {
-      const auto opened =
-          security_->keyring().open_message(*header, datagram, message_scratch_, now);
-      if (!opened) return;  // counted, and said where it is worth an event
-      datagram = opened->plain;
-      context.shield.message = opened->by_participant;
-    }
-    status = walk(datagram, context);
-    note_heard(context);
-  }
+  receiver_.receive(datagram, now);
   for (const auto& prefix : std::exchange(gone_, {})) remove_remote(prefix);
-  if (status) return;
-  ++counters_.malformed;
-  events_.raise(Event(status.error(), {}, header ? header->prefix.to_string() : ""));
 }
 
-// RTPS 8.3.4.1: the first invalid submessage ends the message.
-Status Participant::walk(BytesView octets, Context& context) {
-  auto message = DDSSEC_TRY(MessageReader::open(octets));
-  while (const auto view = DDSSEC_TRY(message.next())) {
-    if (view->id == SubmessageId::secure_prefix && security_)
-      DDSSEC_TRY(open_group(*view, message, context));
-    else
-      DDSSEC_TRY(process(*view, context));
+std::span<StatefulReader* const> Participant::readers_of(const Guid& writer) {
+  if (writer.entity == kVolatileMessageWriter) {
+    volatile_reader_ = security_ ? security_->volatile_reader(writer.prefix) : nullptr;
+    return {&volatile_reader_, volatile_reader_ == nullptr ? 0u : 1u};
   }
-  return {};
+  if (is_builtin(writer.entity)) return builtin_.readers_of(writer.entity);
+  auto* remote = find_remote(writer);
+  if (remote == nullptr) return {};
+  return remote->readers;
 }
 
-// Prefix, one submessage and postfix (DDS-Security 7.4.6.2). What cannot be opened is dropped, what
-// follows it counts.
-Status Participant::open_group(const SubmessageView& prefix, MessageReader& message,
-                               Context& context) {
-  auto size = prefix.whole.size();
-  for (int part = 0; part < 2; ++part) {
-    const auto view = DDSSEC_TRY(message.next());
-    if (!view) return fail(Code::truncated);
-    size += view->whole.size();
-  }
-  if (!context.for_us) return {};
-  const BytesView group(prefix.whole.data(), size);
-  const auto opened =
-      security_->keyring().open_submessage(context.source, group, submessage_scratch_);
-  if (!opened) return {};
-  const auto inner = DDSSEC_TRY(MessageReader::over_submessages({}, opened->plain).next());
-  if (!inner) return fail(Code::truncated);
-  context.shield.submessage = opened->by;
-  const auto status = process(*inner, context);
-  context.shield.submessage = {};
-  if (opened->by.entity == kVolatileMessageWriter)
-    wipe(MutableBytes(submessage_scratch_).first(opened->plain.size()));  // there were keys in it
-  return status;
+StatefulWriter* Participant::writer_for(const EntityId& writer, const GuidPrefix& reader) {
+  if (writer == kVolatileMessageWriter)
+    return security_ ? security_->volatile_writer(reader) : nullptr;
+  if (is_builtin(writer)) return builtin_.find_writer(writer);
+  auto* local = local_writer(writer);
+  return local == nullptr ? nullptr : local->protocol.get();
 }
 
-// Whoever sends anything lives; in the name of an authenticated participant of a domain whose
-// messages are protected, only protected messages (and announcements) say so.
-void Participant::note_heard(const Context& context) {
-  const auto known = remotes_.find(context.source);
-  if (known == remotes_.end()) return;
-  const bool proven = context.shield.message || !security_ ||
-                      !security_->own().attributes().is_rtps_protected() ||
-                      !security_->is_authenticated(context.source);
-  if (!proven) return;
-  renew_lease(known->second, known->second.data, context.now);
-  note_alive(known->second, LivelinessKind::automatic);
+void Participant::on_stateless(const GuidPrefix& source, BytesView payload) {
+  if (security_) security_->on_stateless(source, payload, now_);
 }
 
-Status Participant::process_info(const SubmessageView& view, Context& context) {
-  switch (view.id) {
-    case SubmessageId::info_timestamp:
-      context.time = DDSSEC_TRY(read_info_timestamp(view)).time;
-      return {};
-    case SubmessageId::info_source: {
-      // Whose key protected the message has spoken for itself only.
-      const auto source = DDSSEC_TRY(read_info_source(view)).source.prefix;
-      context.shield.message = context.shield.message && source == context.source;
-      context.source = source;
-      context.time.reset();
-      return {};
-    }
-    case SubmessageId::info_destination: {
-      const auto destination = DDSSEC_TRY(read_info_destination(view)).prefix;
-      context.for_us = destination.is_zero() || destination == config_.prefix;
-      return {};
-    }
-    case SubmessageId::header_extension:
-      DDSSEC_TRY(read_header_extension(view, context.message_size));
-      return {};
-    default:
-      return {};  // INFO_REPLY, padding, vendors' own, protected ones we have no key for
-  }
+void Participant::on_stateless_frag(const GuidPrefix& source, const DataFrag& frag) {
+  if (security_) security_->on_stateless_frag(source, frag, now_);
 }
 
-template <class F>
-void Participant::each_reader(const EntityId& id, const EntityId& writer, const Context& context,
-                              F&& f) {
-  const Guid from{context.source, writer};
-  const auto offer = [&](StatefulReader& reader) {
-    const auto& own = reader.guid().entity;
-    const bool meant = id == kEntityIdUnknown || id == own;
-    if (meant && reader.is_matched(from) && accepts(own, from, context)) f(reader);
-  };
-  if (is_builtin(writer)) {
-    builtin_.each([&](auto&, auto&, auto& reader) { offer(reader); });
-    auto* keys = security_ ? security_->volatile_reader(context.source) : nullptr;
-    if (keys != nullptr) offer(*keys);
-    return;
-  }
-  if (auto* remote = find_remote(from))
-    for (auto* local : remote->readers) offer(*local->protocol);
+void Participant::on_builtin_heartbeat(const Guid& writer) {
+  if (security_ && writer.entity == kParticipantsSecureWriter)
+    note_participants_secure(writer.prefix);
 }
 
-Status Participant::process(const SubmessageView& view, Context& context) {
-  const auto& from = context.source;
-  switch (view.id) {
-    case SubmessageId::data:
-      return on_data(view, context);
-    case SubmessageId::data_frag:
-      return on_data_frag(view, context);
-    case SubmessageId::heartbeat: {
-      const auto heartbeat = DDSSEC_TRY(read_heartbeat(view));
-      if (!context.for_us) return {};
-      if (security_ && heartbeat.writer == kParticipantsSecureWriter)
-        note_participants_secure(from);
-      each_reader(heartbeat.reader, heartbeat.writer, context, [&](auto& reader) {
-        reader.on_heartbeat(from, heartbeat);
-        if (heartbeat.asserts_liveliness) note_alive(from, heartbeat.writer);
-      });
-      return {};
-    }
-    case SubmessageId::gap: {
-      const auto gap = DDSSEC_TRY(read_gap(view));
-      if (context.for_us)
-        each_reader(gap.reader, gap.writer, context,
-                    [&](auto& reader) { reader.on_gap(from, gap); });
-      return {};
-    }
-    case SubmessageId::heartbeat_frag: {
-      DDSSEC_TRY(read_heartbeat_frag(view));  // the plain heartbeat behind it says enough
-      return {};
-    }
-    case SubmessageId::acknack:
-      return on_acknack(view, context);
-    case SubmessageId::nack_frag:
-      return on_nack_frag(view, context);
-    default:
-      return process_info(view, context);
-  }
-}
-
-Status Participant::on_acknack(const SubmessageView& view, const Context& context) {
-  const auto acknack = DDSSEC_TRY(read_acknack(view));
-  auto* writer = addressed(acknack.writer, acknack.reader, context);
-  if (writer == nullptr) return {};
-  writer->on_acknack(context.source, acknack, context.now);
-  auto* local = local_writer(acknack.writer);
-  if (local == nullptr) return {};
-  note_ready(*local, {context.source, acknack.reader});
+void Participant::on_acknack(const EntityId& writer, const Guid& reader) {
+  auto* local = local_writer(writer);
+  if (local == nullptr) return;
+  note_ready(*local, reader);
   local->listener->on_acknowledged();
-  return {};
 }
 
-Status Participant::on_nack_frag(const SubmessageView& view, const Context& context) {
-  const auto nack = DDSSEC_TRY(read_nack_frag(view));
-  auto* writer = addressed(nack.writer, nack.reader, context);
-  if (writer != nullptr) writer->on_nack_frag(context.source, nack, context.now);
-  return {};
+void Participant::on_key_exchange(const GuidPrefix& source) {
+  if (security_) security_->note_key_exchange(source);
 }
 
-Status Participant::on_data(const SubmessageView& view, const Context& context) {
-  const auto data = DDSSEC_TRY(read_data(view));
-  const auto& from = context.source;
-  if (!context.for_us) return {};
-  if (data.writer == kSpdpWriter) return on_spdp(data, context);
-  if (data.writer == kStatelessMessageWriter) {
-    if (security_) security_->on_stateless(from, data.payload, context.now);
-    return {};
-  }
-  each_reader(data.reader, data.writer, context, [&](auto& reader) {
-    auto plain = data;
-    // The end of a coherent set has no payload; a GAP could say no less.
-    const bool marker = data.payload.empty() && data.inline_qos.status == StatusInfo{};
-    const auto payload = marker ? data.payload : opened(reader, {from, data.writer}, data.payload);
-    if (!payload) return;
-    plain.payload = *payload;
-    sender_.note_sample();
-    reader.on_data(from, plain, context.time);
-    note_alive(from, data.writer);
-  });
-  return {};
-}
-
-Status Participant::on_data_frag(const SubmessageView& view, const Context& context) {
-  const auto frag = DDSSEC_TRY(read_data_frag(view));
-  const auto& from = context.source;
-  if (!context.for_us) return {};
-  if (frag.writer == kStatelessMessageWriter) {
-    if (security_) security_->on_stateless_frag(from, frag, context.now);
-    return {};
-  }
-  each_reader(frag.reader, frag.writer, context, [&](auto& reader) {
-    const auto payload = opened(reader, {from, frag.writer}, frag.encoded);
-    const auto plain = payload ? with_payload(frag, *payload) : fail(Code::truncated);
-    if (!plain) return;
-    reader.on_data_frag(from, *plain, context.time);
-    note_alive(from, frag.writer);
-  });
-  return {};
-}
-
-std::optional<BytesView> Participant::opened(const StatefulReader& reader, const Guid& writer,
-                                             BytesView payload) {
-  if (!security_ || reader.guid().entity == kVolatileMessageReader) return payload;
-  const auto plain =
-      security_->keyring().open_payload(reader.guid().entity, writer, payload, payload_scratch_);
-  return plain ? std::optional(*plain) : std::nullopt;
-}
-
-bool Participant::accepts(const EntityId& local, const Guid& remote, const Context& context) {
-  if (!security_) return true;
-  if (!security_->keyring().accepts(local, remote, context.shield)) return false;
-  if (local == kVolatileMessageReader || local == kVolatileMessageWriter)
-    security_->note_key_exchange(remote.prefix);
-  return true;
-}
-
-StatefulWriter* Participant::addressed(const EntityId& writer, const EntityId& reader,
-                                       const Context& context) {
-  if (!context.for_us) return nullptr;
-  auto* found = builtin_.find_writer(writer);
-  if (found == nullptr && writer == kVolatileMessageWriter && security_)
-    found = security_->volatile_writer(context.source);
-  if (auto* local = local_writer(writer); found == nullptr && local != nullptr)
-    found = local->protocol.get();
-  const Guid from{context.source, reader};
-  const bool good = found != nullptr && found->is_matched(from) && accepts(writer, from, context);
-  return good ? found : nullptr;
+// A participant that sends anything lives; in the name of an authenticated participant of a domain
+// whose messages are protected, only protected messages (and announcements) say so.
+void Participant::on_message(const GuidPrefix& source, bool is_protected) {
+  const auto known = remotes_.find(source);
+  if (known == remotes_.end()) return;
+  const bool proven = is_protected || !security_ ||
+                      !security_->own().attributes().is_rtps_protected() ||
+                      !security_->is_authenticated(source);
+  if (!proven) return;
+  renew_lease(known->second, known->second.data, now_);
+  note_alive(known->second, LivelinessKind::automatic);
 }
 
 Participant::LocalWriter* Participant::local_writer(const EntityId& id) {
@@ -415,7 +227,8 @@ void Participant::remove(const Guid& endpoint, MonotonicTime now) {
     for (auto& [prefix, remote] : remotes_) std::erase_if(remote.watches, is_its);
     std::erase_if(self_.watches, is_its);
     for (const auto& guid : reader->second.matched)
-      if (auto* remote = find_remote(guid)) std::erase(remote->readers, &reader->second);
+      if (auto* remote = find_remote(guid))
+        std::erase(remote->readers, reader->second.protocol.get());
     part_from(topics_[reader->second.data.topic_name].writers, endpoint);
     take_off(reader->second, &TopicEnds::readers);
     readers_.erase(reader);

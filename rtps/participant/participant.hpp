@@ -11,13 +11,13 @@
 #include "rtps/discovery/discovery_listener.hpp"
 #include "rtps/discovery/participant_data.hpp"
 #include "rtps/participant/builtin_endpoints.hpp"
+#include "rtps/participant/message_receiver.hpp"
 #include "rtps/participant/neighbourhood.hpp"
 #include "rtps/qos/matching.hpp"
 #include "rtps/reliability/stateful_reader.hpp"
 #include "rtps/security/security.hpp"
 #include "rtps/transport/interfaces.hpp"
 #include "wire/entity_ids.hpp"
-#include "wire/message_reader.hpp"
 
 namespace ddssec::rtps {
 
@@ -72,13 +72,6 @@ struct ParticipantConfig {
   std::shared_ptr<Neighbourhood> neighbourhood = {};
 };
 
-/// Counts of what was dropped; never reset.
-struct ParticipantCounters {
-  std::uint64_t messages = 0;
-  std::uint64_t malformed = 0;          ///< messages of which a part could not be read
-  std::uint64_t refused_discovery = 0;  ///< announcements that were not believed or had no room
-};
-
 /// The few of `announced` that one can and may send to, the nearest (keep_nearest); without any,
 /// `fallback`.
 LocatorList usable_locators(const LocatorList& announced, const LocatorList& fallback,
@@ -86,7 +79,7 @@ LocatorList usable_locators(const LocatorList& announced, const LocatorList& fal
 /// When a participant that was heard at `now` counts as gone.
 MonotonicTime lease_end(const ParticipantData& data, MonotonicTime now);
 
-class Participant final : private SecurityHost {
+class Participant final : private SecurityHost, private EndpointLookup, private MessageListener {
  public:
   static constexpr std::size_t kMostParticipants = 512;
   static constexpr std::size_t kMostEndpointsPerParticipant = 16384;
@@ -240,7 +233,7 @@ class Participant final : private SecurityHost {
   };
   struct RemoteEndpoint {
     EndpointData data;
-    std::vector<LocalReader*> readers = {};  ///< of ours, that a writer matched
+    std::vector<StatefulReader*> readers = {};  ///< of ours, that a writer matched
     std::size_t price = 0;
   };
   /// Who can match at all; nobody else is looked at.
@@ -262,34 +255,19 @@ class Participant final : private SecurityHost {
     std::size_t endpoint_octets = 0;  ///< their price
     bool exceeds = false;             ///< there were more, which was said
   };
-  /// RTPS 8.3.4: what earlier submessages of a message say about later ones.
-  struct Context {
-    GuidPrefix source;
-    bool for_us = true;
-    std::optional<Time> time;
-    MonotonicTime now{};
-    std::size_t message_size = 0;
-    Shield shield = {};
-  };
+  // EndpointLookup
+  std::span<StatefulReader* const> readers_of(const Guid& writer) override;
+  StatefulWriter* writer_for(const EntityId& writer, const GuidPrefix& reader) override;
+  // MessageListener
+  Status on_announcement(const GuidPrefix& source, const Data& data) override;
+  void on_stateless(const GuidPrefix& source, BytesView payload) override;
+  void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag) override;
+  void on_builtin_heartbeat(const Guid& writer) override;
+  void on_alive(const Guid& writer) override { note_alive(writer.prefix, writer.entity); }
+  void on_acknack(const EntityId& writer, const Guid& reader) override;
+  void on_key_exchange(const GuidPrefix& source) override;
+  void on_message(const GuidPrefix& source, bool is_protected) override;
 
-  Status walk(BytesView message, Context& context);
-  Status open_group(const SubmessageView& prefix, MessageReader& message, Context& context);
-  void note_heard(const Context& context);
-  Status process(const SubmessageView& view, Context& context);
-  Status process_info(const SubmessageView& view, Context& context);
-  Status on_data(const SubmessageView& view, const Context& context);
-  Status on_data_frag(const SubmessageView& view, const Context& context);
-  Status on_acknack(const SubmessageView& view, const Context& context);
-  Status on_nack_frag(const SubmessageView& view, const Context& context);
-  /// `f(StatefulReader&)` for each that the writer matched and whose protection is as it must be.
-  template <class F>
-  void each_reader(const EntityId& reader, const EntityId& writer, const Context& context, F&& f);
-  /// The local writer that a reader speaks to, unless that is unprotected and must not be.
-  StatefulWriter* addressed(const EntityId& writer, const EntityId& reader, const Context& context);
-  bool accepts(const EntityId& local, const Guid& remote, const Context& context);
-  /// The payload as it was before it was protected; nothing if it cannot be opened.
-  std::optional<BytesView> opened(const StatefulReader& reader, const Guid& writer,
-                                  BytesView payload);
   LocalWriter* local_writer(const EntityId& id);
 
   ParticipantData own_data() const;
@@ -297,7 +275,6 @@ class Participant final : private SecurityHost {
   void announce(const ParticipantData& own, std::span<const Locator> to, std::size_t interface);
   MonotonicTime announcement_period() const;
   void announce_securely(bool leaving);
-  Status on_spdp(const Data& data, const Context& context);
   void add_remote(ParticipantData data, MonotonicTime now);
   bool make_room();
   std::map<GuidPrefix, Remote>::iterator oldest_unproven();
@@ -394,7 +371,8 @@ class Participant final : private SecurityHost {
   std::size_t endpoint_octets_ = 0;  ///< their price
   BuiltinEndpoints builtin_;
   std::unique_ptr<Security> security_;
-  Bytes message_scratch_, submessage_scratch_, payload_scratch_;
+  MessageReceiver receiver_;
+  StatefulReader* volatile_reader_ = nullptr;  ///< of the peer that was looked up last
   WorkBudget answers_{kMostAnswers, kAnswerPeriod, {}};
   /// In the order of their announcements; some have spoken since, or left.
   std::deque<GuidPrefix> silent_;

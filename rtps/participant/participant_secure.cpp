@@ -6,8 +6,6 @@
 namespace ddssec::rtps {
 namespace {
 
-/// The largest datagram, whatever was protected in it.
-constexpr std::size_t kScratch = 65536;
 /// c.pdata; the plugin refuses more.
 constexpr std::size_t kMostOwnData = 16384;
 
@@ -17,8 +15,7 @@ Status Participant::secure(std::unique_ptr<OwnSecurity> own) {
   SecurityHost& host = *this;
   security_ = std::make_unique<Security>(std::move(own), sender_, timers_, host, events_);
   builtin_.secure();
-  for (auto* scratch : {&message_scratch_, &submessage_scratch_, &payload_scratch_})
-    scratch->resize(kScratch);
+  receiver_.open_with(security_->keyring());
   Bytes octets(kMostOwnData);
   SpanWriter out(octets, Endian::big);
   write_parameter_list(out, own_data());

@@ -184,7 +184,7 @@ void Participant::forget(Local& local, const Guid& remote) {
   if (security_) security_->keyring().part(local.data.guid.entity, remote);
   if (std::erase(local.matched, remote) == 0) return;
   if constexpr (std::is_same_v<Local, LocalReader>) {
-    if (auto* endpoint = find_remote(remote)) std::erase(endpoint->readers, &local);
+    if (auto* endpoint = find_remote(remote)) std::erase(endpoint->readers, local.protocol.get());
     local.protocol->unmatch(remote, keys);
   } else {
     std::erase(local.unready, remote);
@@ -399,7 +399,7 @@ void Participant::tick_readiness(MonotonicTime now) {
 void Participant::match(LocalReader& reader, Remote& remote, const EndpointData& data) {
   if (!is_writer(data.guid.entity)) return;
   auto& matched = remote.endpoints.find(data.guid.entity)->second.readers;
-  const bool known = std::ranges::find(matched, &reader) != matched.end();
+  const bool known = std::ranges::find(matched, reader.protocol.get()) != matched.end();
   if (known)
     std::erase_if(remote.watches, [&](const auto& w) {
       return w.listener == reader.listener && w.writer == data.guid;
@@ -412,7 +412,7 @@ void Participant::match(LocalReader& reader, Remote& remote, const EndpointData&
   if (!liveliness.lease_duration.is_infinite())
     remote.watches.push_back({reader.listener, data.guid, liveliness.kind});
   if (known) return reader.listener->on_matched(data);
-  matched.push_back(&reader);
+  matched.push_back(reader.protocol.get());
   reader.matched.push_back(data.guid);
   const bool near = neighbour(reader.data.guid.entity, data.guid) != nullptr;
   const bool history =

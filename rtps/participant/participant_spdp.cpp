@@ -123,23 +123,23 @@ void Participant::leave() {
   }
 }
 
-Status Participant::on_spdp(const Data& data, const Context& context) {
+Status Participant::on_announcement(const GuidPrefix& source, const Data& data) {
   if (data.inline_qos.status != StatusInfo{} || data.kind == PayloadKind::key) {
     const auto guid = data.inline_qos.key_hash
                           ? GuidPrefix::from(BytesView(*data.inline_qos.key_hash).first(12))
                           : DDSSEC_TRY(read_participant_key(data.payload)).prefix;
-    if (guid == context.source) on_dispose(guid);
+    if (guid == source) on_dispose(guid);
     return {};
   }
   if (data.kind != PayloadKind::data) return {};
   auto announced = DDSSEC_TRY(read_participant_data(data.payload));
   const bool ours = is_of_domain(announced, config_.domain_id, config_.domain_tag);
   if (!ours || announced.guid.prefix == config_.prefix) return {};
-  if (announced.guid.prefix != context.source) {
+  if (announced.guid.prefix != source) {
     ++counters_.refused_discovery;
     return {};
   }
-  add_remote(std::move(announced), context.now);
+  add_remote(std::move(announced), now_);
   return {};
 }
 

@@ -60,6 +60,7 @@ void StatefulReader::unmatch(const Guid& writer, const std::optional<Sha256Diges
 
 void StatefulReader::on_data(const GuidPrefix& from, const Data& data,
                              const std::optional<Time>& time) {
+  sender_.note_sample();
   auto* proxy = find({from, data.writer});
   if (proxy == nullptr || data.sequence_number < proxy->next) return;
   // DDS 1.4 knows no instance state for what did not pass a filter: there is nothing to tell.

@@ -1,0 +1,242 @@
+#include "rtps/participant/message_receiver.hpp"
+
+#include "wire/header_extension.hpp"
+#include "wire/heartbeat_frag.hpp"
+#include "wire/info_source.hpp"
+
+namespace ddssec::rtps {
+
+MessageReceiver::MessageReceiver(const GuidPrefix& own, EndpointLookup& endpoints,
+                                 MessageListener& listener, ParticipantCounters& counters,
+                                 EventSink& events)
+    : own_(own), endpoints_(endpoints), listener_(listener), counters_(counters), events_(events) {}
+
+void MessageReceiver::open_with(Keyring& keyring) {
+  constexpr std::size_t kScratch = 65536;  // the largest datagram, whatever was protected in it
+  keyring_ = &keyring;
+  for (auto* scratch : {&message_scratch_, &submessage_scratch_, &payload_scratch_})
+    scratch->resize(kScratch);
+}
+
+void MessageReceiver::receive(BytesView datagram, MonotonicTime now) {
+  ++counters_.messages;
+  const auto header = read_header(datagram);
+  const auto status =
+      header ? read(*header, datagram, now) : Status(std::unexpected(header.error()));
+  if (status) return;
+  ++counters_.malformed;
+  events_.raise(Event(status.error(), {}, header ? header->prefix.to_string() : ""));
+}
+
+Status MessageReceiver::read(const Header& header, BytesView datagram, MonotonicTime now) {
+  if (header.prefix == own_) return {};
+  Context context{header.prefix, true, {}, now, datagram.size()};
+  if (keyring_ != nullptr) {
+    const auto opened = keyring_->open_message(header, datagram, message_scratch_, now);
+    if (!opened) return {};  // counted, and said where it is worth an event
+    datagram = opened->plain;
+    context.shield.message = opened->by_participant;
+  }
+  const auto status = walk(datagram, context);
+  listener_.on_message(context.source, context.shield.message);
+  return status;
+}
+
+// RTPS 8.3.4.1: the first invalid submessage ends the message.
+Status MessageReceiver::walk(BytesView octets, Context& context) {
+  auto message = DDSSEC_TRY(MessageReader::open(octets));
+  while (const auto view = DDSSEC_TRY(message.next())) {
+    if (view->id == SubmessageId::secure_prefix && keyring_ != nullptr)
+      DDSSEC_TRY(open_group(*view, message, context));
+    else
+      DDSSEC_TRY(process(*view, context));
+  }
+  return {};
+}
+
+// Prefix, one submessage and postfix (DDS-Security 7.4.6.2). What cannot be opened is dropped, what
+// follows it counts.
+Status MessageReceiver::open_group(const SubmessageView& prefix, MessageReader& message,
+                                   Context& context) {
+  auto size = prefix.whole.size();
+  for (int part = 0; part < 2; ++part) {
+    const auto view = DDSSEC_TRY(message.next());
+    if (!view) return fail(Code::truncated);
+    size += view->whole.size();
+  }
+  if (!context.for_us) return {};
+  const BytesView group(prefix.whole.data(), size);
+  const auto opened = keyring_->open_submessage(context.source, group, submessage_scratch_);
+  if (!opened) return {};
+  const auto inner = DDSSEC_TRY(MessageReader::over_submessages({}, opened->plain).next());
+  if (!inner) return fail(Code::truncated);
+  context.shield.submessage = opened->by;
+  const auto status = process(*inner, context);
+  context.shield.submessage = {};
+  if (opened->by.entity == kVolatileMessageWriter)
+    wipe(MutableBytes(submessage_scratch_).first(opened->plain.size()));  // there were keys in it
+  return status;
+}
+
+Status MessageReceiver::process(const SubmessageView& view, Context& context) {
+  switch (view.id) {
+    case SubmessageId::data:
+      return on_data(view, context);
+    case SubmessageId::data_frag:
+      return on_data_frag(view, context);
+    case SubmessageId::heartbeat:
+      return on_heartbeat(view, context);
+    case SubmessageId::gap:
+      return on_gap(view, context);
+    case SubmessageId::heartbeat_frag: {
+      DDSSEC_TRY(read_heartbeat_frag(view));  // the plain heartbeat after it says enough
+      return {};
+    }
+    case SubmessageId::acknack:
+      return on_acknack(view, context);
+    case SubmessageId::nack_frag:
+      return on_nack_frag(view, context);
+    default:
+      return process_info(view, context);
+  }
+}
+
+Status MessageReceiver::process_info(const SubmessageView& view, Context& context) {
+  switch (view.id) {
+    case SubmessageId::info_timestamp:
+      context.time = DDSSEC_TRY(read_info_timestamp(view)).time;
+      return {};
+    case SubmessageId::info_source: {
+      // A participant whose key protected the message has spoken for itself only.
+      const auto source = DDSSEC_TRY(read_info_source(view)).source.prefix;
+      context.shield.message = context.shield.message && source == context.source;
+      context.source = source;
+      context.time.reset();
+      return {};
+    }
+    case SubmessageId::info_destination: {
+      const auto destination = DDSSEC_TRY(read_info_destination(view)).prefix;
+      context.for_us = destination.is_zero() || destination == own_;
+      return {};
+    }
+    case SubmessageId::header_extension:
+      DDSSEC_TRY(read_header_extension(view, context.message_size));
+      return {};
+    default:
+      return {};  // INFO_REPLY, padding, vendors' own, protected ones we have no key for
+  }
+}
+
+template <class F>
+void MessageReceiver::each_reader(const EntityId& id, const EntityId& writer,
+                                  const Context& context, F&& f) {
+  const Guid from{context.source, writer};
+  for (auto* reader : endpoints_.readers_of(from)) {
+    const auto& own = reader->guid().entity;
+    const bool meant = id == kEntityIdUnknown || id == own;
+    if (meant && reader->is_matched(from) && accepts(own, from, context)) f(*reader);
+  }
+}
+
+StatefulWriter* MessageReceiver::addressed(const EntityId& writer, const EntityId& reader,
+                                           const Context& context) {
+  if (!context.for_us) return nullptr;
+  auto* found = endpoints_.writer_for(writer, context.source);
+  const Guid from{context.source, reader};
+  const bool good = found != nullptr && found->is_matched(from) && accepts(writer, from, context);
+  return good ? found : nullptr;
+}
+
+bool MessageReceiver::accepts(const EntityId& local, const Guid& remote, const Context& context) {
+  if (keyring_ == nullptr) return true;
+  if (!keyring_->accepts(local, remote, context.shield)) return false;
+  if (local == kVolatileMessageReader || local == kVolatileMessageWriter)
+    listener_.on_key_exchange(remote.prefix);
+  return true;
+}
+
+std::optional<BytesView> MessageReceiver::opened(const StatefulReader& reader, const Guid& writer,
+                                                 BytesView payload) {
+  if (keyring_ == nullptr || reader.guid().entity == kVolatileMessageReader) return payload;
+  const auto plain =
+      keyring_->open_payload(reader.guid().entity, writer, payload, payload_scratch_);
+  return plain ? std::optional(*plain) : std::nullopt;
+}
+
+Status MessageReceiver::on_data(const SubmessageView& view, const Context& context) {
+  const auto data = DDSSEC_TRY(read_data(view));
+  const auto& from = context.source;
+  if (!context.for_us) return {};
+  if (data.writer == kSpdpWriter) return listener_.on_announcement(from, data);
+  if (data.writer == kStatelessMessageWriter) {
+    listener_.on_stateless(from, data.payload);
+    return {};
+  }
+  each_reader(data.reader, data.writer, context, [&](StatefulReader& reader) {
+    auto plain = data;
+    // The end of a coherent set has no payload; a GAP could say no less.
+    const bool marker = data.payload.empty() && data.inline_qos.status == StatusInfo{};
+    const auto payload = marker ? data.payload : opened(reader, {from, data.writer}, data.payload);
+    if (!payload) return;
+    plain.payload = *payload;
+    reader.on_data(from, plain, context.time);
+    listener_.on_alive({from, data.writer});
+  });
+  return {};
+}
+
+Status MessageReceiver::on_data_frag(const SubmessageView& view, const Context& context) {
+  const auto frag = DDSSEC_TRY(read_data_frag(view));
+  const auto& from = context.source;
+  if (!context.for_us) return {};
+  if (frag.writer == kStatelessMessageWriter) {
+    listener_.on_stateless_frag(from, frag);
+    return {};
+  }
+  each_reader(frag.reader, frag.writer, context, [&](StatefulReader& reader) {
+    const auto payload = opened(reader, {from, frag.writer}, frag.encoded);
+    const auto plain = payload ? with_payload(frag, *payload) : fail(Code::truncated);
+    if (!plain) return;
+    reader.on_data_frag(from, *plain, context.time);
+    listener_.on_alive({from, frag.writer});
+  });
+  return {};
+}
+
+Status MessageReceiver::on_heartbeat(const SubmessageView& view, const Context& context) {
+  const auto heartbeat = DDSSEC_TRY(read_heartbeat(view));
+  const Guid from{context.source, heartbeat.writer};
+  if (!context.for_us) return {};
+  if (is_builtin(heartbeat.writer)) listener_.on_builtin_heartbeat(from);
+  each_reader(heartbeat.reader, heartbeat.writer, context, [&](StatefulReader& reader) {
+    reader.on_heartbeat(from.prefix, heartbeat);
+    if (heartbeat.asserts_liveliness) listener_.on_alive(from);
+  });
+  return {};
+}
+
+Status MessageReceiver::on_gap(const SubmessageView& view, const Context& context) {
+  const auto gap = DDSSEC_TRY(read_gap(view));
+  if (!context.for_us) return {};
+  each_reader(gap.reader, gap.writer, context,
+              [&](StatefulReader& reader) { reader.on_gap(context.source, gap); });
+  return {};
+}
+
+Status MessageReceiver::on_acknack(const SubmessageView& view, const Context& context) {
+  const auto acknack = DDSSEC_TRY(read_acknack(view));
+  auto* writer = addressed(acknack.writer, acknack.reader, context);
+  if (writer == nullptr) return {};
+  writer->on_acknack(context.source, acknack, context.now);
+  listener_.on_acknack(acknack.writer, {context.source, acknack.reader});
+  return {};
+}
+
+Status MessageReceiver::on_nack_frag(const SubmessageView& view, const Context& context) {
+  const auto nack = DDSSEC_TRY(read_nack_frag(view));
+  auto* writer = addressed(nack.writer, nack.reader, context);
+  if (writer != nullptr) writer->on_nack_frag(context.source, nack, context.now);
+  return {};
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,65 @@
+// Walks the messages that arrive (RTPS 8.3.4): opens what is protected and hands each submessage to
+// the endpoints that it is for. Who these are is the business of EndpointLookup.
+#pragma once
+
+#include "base/event.hpp"
+#include "rtps/participant/endpoint_lookup.hpp"
+#include "rtps/participant/participant_counters.hpp"
+#include "rtps/security/keyring.hpp"
+#include "wire/message_reader.hpp"
+
+namespace ddssec::rtps {
+
+class MessageReceiver {
+ public:
+  /// Everything is borrowed and outlives the receiver.
+  MessageReceiver(const GuidPrefix& own, EndpointLookup& endpoints, MessageListener& listener,
+                  ParticipantCounters& counters, EventSink& events);
+
+  /// From now on what must be protected is, by these keys; what is not is dropped.
+  void open_with(Keyring& keyring);
+  /// One datagram, from anybody. What cannot be read is counted, and an event.
+  void receive(BytesView datagram, MonotonicTime now);
+
+ private:
+  /// RTPS 8.3.4: what earlier submessages of a message say about later ones.
+  struct Context {
+    GuidPrefix source;
+    bool for_us = true;
+    std::optional<Time> time;
+    MonotonicTime now{};
+    std::size_t message_size = 0;
+    Shield shield = {};
+  };
+
+  Status read(const Header& header, BytesView datagram, MonotonicTime now);
+  Status walk(BytesView message, Context& context);
+  Status open_group(const SubmessageView& prefix, MessageReader& message, Context& context);
+  Status process(const SubmessageView& view, Context& context);
+  Status process_info(const SubmessageView& view, Context& context);
+  Status on_data(const SubmessageView& view, const Context& context);
+  Status on_data_frag(const SubmessageView& view, const Context& context);
+  Status on_heartbeat(const SubmessageView& view, const Context& context);
+  Status on_gap(const SubmessageView& view, const Context& context);
+  Status on_acknack(const SubmessageView& view, const Context& context);
+  Status on_nack_frag(const SubmessageView& view, const Context& context);
+  /// `f(StatefulReader&)` for each that the writer matched and whose protection is as it must be.
+  template <class F>
+  void each_reader(const EntityId& reader, const EntityId& writer, const Context& context, F&& f);
+  /// Our writer that a reader speaks to, unless that is unprotected and must not be.
+  StatefulWriter* addressed(const EntityId& writer, const EntityId& reader, const Context& context);
+  bool accepts(const EntityId& local, const Guid& remote, const Context& context);
+  /// The payload as it was before it was protected; nothing if it cannot be opened.
+  std::optional<BytesView> opened(const StatefulReader& reader, const Guid& writer,
+                                  BytesView payload);
+
+  const GuidPrefix own_;
+  EndpointLookup& endpoints_;
+  MessageListener& listener_;
+  ParticipantCounters& counters_;
+  EventSink& events_;
+  Keyring* keyring_ = nullptr;  ///< of a secured participant
+  Bytes message_scratch_, submessage_scratch_, payload_scratch_;
+};
+
+}  // namespace ddssec::rtps
