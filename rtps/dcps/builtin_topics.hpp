@@ -62,7 +62,7 @@ class BuiltinDataReader final
   friend class SampleAccess<BuiltinDataReader<T>, std::vector<BuiltinSample<T>>>;
   using AnyDataReader::AnyDataReader;
 
-  Result<Guid> create(Participant::EndpointRequest) override {
+  Result<Guid> create(EndpointRequest) override {
     return Guid{context_.protocol().prefix(), BuiltinTopicOf<T>::reader};
   }
   Status check_unused() const override {

@@ -38,7 +38,7 @@ void AnyDataReader::make_cache() {
   cache_.emplace(qos_, with_key && key ? ReaderCache::KeyOf(key) : nullptr);
 }
 
-Result<Guid> AnyDataReader::create(Participant::EndpointRequest request) {
+Result<Guid> AnyDataReader::create(EndpointRequest request) {
   choose_presenter(request.qos.presentation);
   if (qos_.durability != DurabilityKind::volatile_) seen_.emplace();
   if (filtered_topic_ != nullptr) request.content_filter = filtered_topic_->property();
@@ -107,7 +107,7 @@ Result<std::size_t> AnyDataReader::access(const Query& query, std::vector<OctetS
   clear(StatusKind::data_available);
   subscriber().clear(StatusKind::data_on_readers);
   if (query.take && std::exchange(refused_, false)) {
-    if (auto* reader = context_.protocol().reader(guid_)) reader->offer_again();
+    if (auto* reader = context_.protocol().local_endpoints().reader(guid_)) reader->offer_again();
     context_.reschedule();
   }
   if (query.take && presenter_ != nullptr) presenter_->release(context_.now());
@@ -197,7 +197,7 @@ Status AnyDataReader::wait_for_historical_data(std::chrono::nanoseconds most) {
   // A heartbeat alone can complete it, and tells nobody.
   constexpr std::chrono::nanoseconds kStep = std::chrono::milliseconds(10);
   const auto complete = [&] {
-    const auto* reader = context_.protocol().reader(guid_);
+    const auto* reader = context_.protocol().local_endpoints().reader(guid_);
     return reader == nullptr || reader->has_history();
   };
   for (auto left = most;; left -= kStep) {

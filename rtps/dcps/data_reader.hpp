@@ -95,7 +95,7 @@ class AnyDataReader : public Endpoint, private PresentedReader {
   void lose(std::size_t samples) override { on_sample_lost(static_cast<std::int64_t>(samples)); }
   void on_time(MonotonicTime now) override;
 
-  Result<Guid> create(Participant::EndpointRequest request) override;
+  Result<Guid> create(EndpointRequest request) override;
   void on_own_qos(const Qos& before) override;
   Status check_unused() const override;
   void make_cache();

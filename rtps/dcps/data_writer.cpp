@@ -31,13 +31,13 @@ AnyDataWriter::~AnyDataWriter() {
 
 Publisher& AnyDataWriter::publisher() const { return static_cast<Publisher&>(group_); }
 
-Result<Guid> AnyDataWriter::create(Participant::EndpointRequest request) {
+Result<Guid> AnyDataWriter::create(EndpointRequest request) {
   const auto now = context_.now();
   if (qos_.durability >= DurabilityKind::transient) DDSSEC_TRY(restore(request));
   request.group = publisher().group_guid();
   request.bare_key = topic_.type().bare_key;
   const auto guid = context_.protocol().create_writer(std::move(request), *this, now);
-  if (guid) publisher().admit(*context_.protocol().writer(*guid), now);
+  if (guid) publisher().admit(*context_.protocol().local_endpoints().writer(*guid), now);
   lease_ = WriterLease(qos_.liveliness, now);
   if (guid) call_at(lease_.next_tick());
   return guid;

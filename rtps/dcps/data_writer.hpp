@@ -72,9 +72,9 @@ class AnyDataWriter : public Endpoint {
   std::shared_ptr<ChangeFilter> filter_for(const EndpointData& reader) override;
   void on_time(MonotonicTime now) override;
 
-  Result<Guid> create(Participant::EndpointRequest request) override;
+  Result<Guid> create(EndpointRequest request) override;
   /// What a writer before it left in the store becomes its history.
-  Status restore(Participant::EndpointRequest& request);
+  Status restore(EndpointRequest& request);
   /// Errors: those of DurableStore::wait_for_room.
   Status wait_for_store(std::unique_lock<std::mutex>& lock);
   void on_own_qos(const Qos& before) override;
@@ -87,7 +87,7 @@ class AnyDataWriter : public Endpoint {
   void after_write(const KeyHash& key, StatusInfo status, SequenceNumber number, MonotonicTime now);
   void assert_lease(MonotonicTime now, bool explicitly);
   void end_set(Coherence marker, MonotonicTime now);
-  StatefulWriter& protocol() const { return *context_.protocol().writer(guid_); }
+  StatefulWriter& protocol() const { return *context_.protocol().local_endpoints().writer(guid_); }
   DataWriterListener* listener_for(StatusKind kind) const;
   bool has_listener(StatusKind kind) const override { return listener_for(kind) != nullptr; }
   void tell_listeners() override;

@@ -296,7 +296,7 @@ AuthenticationCounters DomainParticipant::authentication_counters() const {
 
 std::size_t DomainParticipant::remote_participants() const {
   const auto held = lock();
-  return context_.protocol().remote_participants();
+  return context_.protocol().remote_participants().size();
 }
 
 }  // namespace ddssec::rtps

@@ -14,14 +14,15 @@ BuiltinTopics& DomainParticipant::builtin_topics() {
 std::vector<Guid> DomainParticipant::discovered_participants() const {
   const auto held = lock();
   std::vector<Guid> out;
-  for (const auto& data : context_.protocol().known_participants()) out.push_back(data.guid);
+  for (const auto& data : context_.protocol().remote_participants().participants())
+    out.push_back(data.guid);
   return out;
 }
 
 Result<ParticipantBuiltinTopicData> DomainParticipant::discovered_participant_data(
     const Guid& participant) const {
   const auto held = lock();
-  for (auto& data : context_.protocol().known_participants())
+  for (auto& data : context_.protocol().remote_participants().participants())
     if (data.guid == participant) return ParticipantBuiltinTopicData{std::move(data)};
   return fail(Code::rtps_bad_parameter,
               {.expected = "a discovered participant", .found = participant.to_string()});
@@ -30,7 +31,7 @@ Result<ParticipantBuiltinTopicData> DomainParticipant::discovered_participant_da
 std::vector<TopicBuiltinTopicData> DomainParticipant::discovered_topics() const {
   const auto held = lock();
   std::map<std::pair<std::string, std::string>, TopicBuiltinTopicData> found;
-  for (auto& data : context_.protocol().known_endpoints())
+  for (auto& data : context_.protocol().remote_participants().endpoints())
     found.try_emplace({data.topic_name, data.type_name},
                       TopicBuiltinTopicData{data.topic_name, data.type_name, std::move(data.qos),
                                             has_key(data.guid.entity)});

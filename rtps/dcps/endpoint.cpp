@@ -125,7 +125,7 @@ Result<EndpointData> Endpoint::matched_data(const Guid& remote) const {
   const auto held = lock();
   const auto* data = std::ranges::find(remotes_, remote) == remotes_.end()
                          ? nullptr
-                         : context_.protocol().remote_endpoint(remote);
+                         : context_.protocol().remote_participants().endpoint(remote);
   if (data != nullptr) return *data;
   return fail(Code::rtps_bad_parameter,
               {.expected = "a matched endpoint", .found = remote.to_string()});

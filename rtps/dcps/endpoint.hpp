@@ -36,7 +36,7 @@ class Endpoint : public Entity, protected EndpointListener, protected Timed {
   void retire();
 
   // With the lock held:
-  virtual Result<Guid> create(Participant::EndpointRequest request) = 0;
+  virtual Result<Guid> create(EndpointRequest request) = 0;
   /// After its own policies changed.
   virtual void on_own_qos(const Qos& before) = 0;
   /// Before it is deleted: says what its end means to others ...

@@ -8,10 +8,10 @@ thread_local const ParticipantContext* ParticipantContext::dispatching_ = nullpt
 
 void ParticipantContext::adopt(std::unique_ptr<Participant> protocol) {
   protocol_ = std::move(protocol);
-  neighbourhood_->enter(*protocol_);
+  neighbourhood_->enter(protocol_->local_endpoints());
 }
 
-void ParticipantContext::leave() { neighbourhood_->leave(*protocol_); }
+void ParticipantContext::leave() { neighbourhood_->leave(protocol_->local_endpoints()); }
 
 MonotonicTime ParticipantContext::tick(std::chrono::nanoseconds most) {
   woken_ = false;

@@ -21,7 +21,7 @@ Result<DurableStore*> DomainParticipant::store_for(DurabilityKind kind) {
   return transient_.get();
 }
 
-Status AnyDataWriter::restore(Participant::EndpointRequest& request) {
+Status AnyDataWriter::restore(EndpointRequest& request) {
   auto& participant = publisher().participant();
   auto* store = DDSSEC_TRY(participant.store_for(qos_.durability));
   StreamKey key{.domain = static_cast<std::uint32_t>(participant.domain_id()),

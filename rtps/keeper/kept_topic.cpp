@@ -42,13 +42,13 @@ Status KeptTopic::open(DomainId domain) {
   const auto now = context_.now();
   writer_ = DDSSEC_TRY(context_.protocol().create_writer(std::move(serving), *this, now));
   reader_ = DDSSEC_TRY(context_.protocol().create_reader(request(reading_qos()), *this, now));
-  context_.protocol().reader(reader_)->acknowledge_before(
+  context_.protocol().local_endpoints().reader(reader_)->acknowledge_before(
       [this](const Guid& from, SequenceNumber next) { return first_unstored(from, next); });
   context_.reschedule();
   return {};
 }
 
-Participant::EndpointRequest KeptTopic::request(Qos qos) const {
+EndpointRequest KeptTopic::request(Qos qos) const {
   return {.topic_name = like_.topic_name,
           .type_name = like_.type_name,
           .qos = std::move(qos),
@@ -95,7 +95,7 @@ bool KeptTopic::on_change(Change& change) {
   unstored_.push_back(
       {store_.append(*stream_, change, wall), change.writer, change.sequence_number});
   call_at(now + kLook);
-  auto& writer = *context_.protocol().writer(writer_);
+  auto& writer = *context_.protocol().local_endpoints().writer(writer_);
   if (writer.has_room(change.payload.size(), change.key_hash.value_or(KeyHash{})))
     writer.write(change, now);
   return true;
@@ -110,7 +110,7 @@ void KeptTopic::on_time(MonotonicTime now) {
   const auto stored = store_.committed();
   const auto before = unstored_.size();
   while (!unstored_.empty() && unstored_.front().number <= stored) unstored_.pop_front();
-  auto* reader = context_.protocol().reader(reader_);
+  auto* reader = context_.protocol().local_endpoints().reader(reader_);
   if (unstored_.size() != before && reader != nullptr) {
     reader->offer_again();
     reader->acknowledge_again();

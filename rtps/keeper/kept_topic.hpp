@@ -37,7 +37,7 @@ class KeptTopic final : private EndpointListener, private Timed {
   SequenceNumber first_unstored(const Guid& writer, SequenceNumber next);
   void on_alive(const Guid&) override {}
   void on_acknowledged() override {}
-  Participant::EndpointRequest request(Qos qos) const;
+  EndpointRequest request(Qos qos) const;
   Qos serving_qos() const;
   Qos reading_qos() const;
 

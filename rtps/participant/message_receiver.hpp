@@ -1,5 +1,5 @@
-// Walks the messages that arrive (RTPS 8.3.4): opens what is protected and hands each submessage to
-// the endpoints that it is for. Who these are is the business of EndpointLookup.
+// Walks received messages (RTPS 8.3.4): opens what is protected and hands each submessage to the
+// endpoints that it is for, which EndpointLookup finds.
 #pragma once
 
 #include "base/event.hpp"
@@ -16,9 +16,10 @@ class MessageReceiver {
   MessageReceiver(const GuidPrefix& own, EndpointLookup& endpoints, MessageListener& listener,
                   ParticipantCounters& counters, EventSink& events);
 
-  /// From now on what must be protected is, by these keys; what is not is dropped.
+  /// From now on messages are opened with these keys; a submessage that is not protected as the
+  /// governance demands is dropped.
   void open_with(Keyring& keyring);
-  /// One datagram, from anybody. What cannot be read is counted, and an event.
+  /// One datagram from an unknown source. What cannot be read is counted, and raises an event.
   void receive(BytesView datagram, MonotonicTime now);
 
  private:
@@ -43,10 +44,11 @@ class MessageReceiver {
   Status on_gap(const SubmessageView& view, const Context& context);
   Status on_acknack(const SubmessageView& view, const Context& context);
   Status on_nack_frag(const SubmessageView& view, const Context& context);
-  /// `f(StatefulReader&)` for each that the writer matched and whose protection is as it must be.
+  /// Calls `f(StatefulReader&)` for each reader that the writer matched, if the submessage is
+  /// protected as that reader demands.
   template <class F>
   void each_reader(const EntityId& reader, const EntityId& writer, const Context& context, F&& f);
-  /// Our writer that a reader speaks to, unless that is unprotected and must not be.
+  /// The local writer that a reader addresses; nullptr: none, or not protected as it demands.
   StatefulWriter* addressed(const EntityId& writer, const EntityId& reader, const Context& context);
   bool accepts(const EntityId& local, const Guid& remote, const Context& context);
   /// The payload as it was before it was protected; nothing if it cannot be opened.

@@ -4,7 +4,8 @@
 #include <map>
 #include <string>
 
-#include "rtps/participant/participant.hpp"
+#include "rtps/reliability/stateful_reader.hpp"
+#include "wire/entity_ids.hpp"
 
 namespace ddssec::rtps {
 
@@ -19,10 +20,28 @@ std::shared_ptr<Neighbourhood> Neighbourhood::of(DomainId domain, std::string_vi
   return out;
 }
 
-Participant* Neighbourhood::find(const GuidPrefix& prefix) const {
+const Neighbour* Neighbourhood::find(const GuidPrefix& prefix) const {
   const auto at =
       std::ranges::find_if(members_, [&](const auto* p) { return p->prefix() == prefix; });
   return at == members_.end() ? nullptr : *at;
+}
+
+// What is protected for the wire goes by the wire, where the other side proves who it is.
+const Neighbour* neighbour_of(const Neighbour& own, const Neighbourhood* others,
+                              const EntityId& local, const Guid& remote) {
+  if (remote.prefix == own.prefix()) return &own;
+  const auto* other = others != nullptr ? others->find(remote.prefix) : nullptr;
+  const bool open = other != nullptr && own.is_secured() == other->is_secured() &&
+                    own.is_open(local) && other->is_open(remote.entity);
+  return open ? other : nullptr;
+}
+
+void join_in_process(const Neighbour& own, const Neighbour& other, const Guid& local,
+                     const Guid& remote) {
+  const bool writes = is_writer(local.entity);
+  auto* writer = writes ? own.writer(local) : other.writer(remote);
+  auto* reader = writes ? other.reader(remote) : own.reader(local);
+  if (writer != nullptr && reader != nullptr) writer->attach(*reader);
 }
 
 }  // namespace ddssec::rtps

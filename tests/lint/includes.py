@@ -27,7 +27,7 @@ ARROWS = {
     "rtps/security": ["base", "wire", "plugins/spi", "rtps/budget", "rtps/cdr", "rtps/discovery",
                       "rtps/reliability"],
     "rtps/participant": ["base", "wire", "rtps/budget", "rtps/discovery", "rtps/qos", "rtps/reliability",
-                         "rtps/security", "rtps/transport"],
+                         "rtps/security", "rtps/transport", "rtps/types"],
     "rtps/durability": ["base", "rtps/qos", "rtps/reliability"],
     "rtps/dcps": ["base", "wire", "rtps/cdr", "rtps/discovery", "rtps/durability", "rtps/filter", "rtps/participant",
                   "rtps/qos", "rtps/reliability", "rtps/transport", "rtps/types"],

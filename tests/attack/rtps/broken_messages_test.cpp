@@ -110,7 +110,7 @@ class Breaker {
     if (!is_discovery_open_) {
       EXPECT_GE(to.listener.matched, matched);
     }
-    EXPECT_LE(to->remote_participants(), 1u);
+    EXPECT_LE(to->remote_participants().size(), 1u);
     for (const auto& change : to.listener.changes) {
       EXPECT_TRUE(change.is_alive());
       EXPECT_TRUE(std::ranges::equal(change.payload.view(), payload().view()));

@@ -103,7 +103,7 @@ TEST(InsiderWriter, IsRefusedWithOriginAuthentication) {
     EXPECT_EQ(three.bob->protection_counters().undecodable, before + 4);
     Change change;
     change.payload = payload();
-    three.alice->writer(three.writer)->write(std::move(change), three.world.now);
+    three.alice->local_endpoints().writer(three.writer)->write(std::move(change), three.world.now);
     for (const auto* reader : {&three.bob, &three.mallory})
       EXPECT_TRUE(three.world.run_until([&] { return reader->listener.changes.size() == 1; }, 300));
   }

@@ -37,7 +37,7 @@ void expect_recovery(bool a_is_unheard, int steps_before) {
   pair.world.filter = [&](const Node& from, Bytes datagram) {
     return &from == &unheard ? nothing() : one(std::move(datagram));
   };
-  ASSERT_TRUE(pair.world.run_until([&] { return deaf->remote_participants() == 0; }, 3000));
+  ASSERT_TRUE(pair.world.run_until([&] { return deaf->remote_participants().size() == 0; }, 3000));
   pair.world.filter = {};
   const auto begin = pair.world.now;
   EXPECT_TRUE(pair.world.run_until(

@@ -62,7 +62,7 @@ struct Rejoin : ::testing::TestWithParam<Case> {
   void write() {
     Change change;
     change.payload = payload();
-    a->writer(writer)->write(std::move(change), world.now);
+    a->local_endpoints().writer(writer)->write(std::move(change), world.now);
     world.run(20);
   }
   void cut_off() {
@@ -70,7 +70,7 @@ struct Rejoin : ::testing::TestWithParam<Case> {
       const bool lost = GetParam().both_ways || &from == &a;
       return lost ? std::vector<Bytes>{} : one(std::move(datagram));
     };
-    ASSERT_TRUE(world.run_until([&] { return b->remote_participants() == 0; }));
+    ASSERT_TRUE(world.run_until([&] { return b->remote_participants().size() == 0; }));
     world.run(100);
     world.filter = {};
   }
@@ -113,10 +113,11 @@ TEST_P(Rejoin, WhatIsLostAfterwardsIsStillRepaired) {
   b.listener.changes.clear();
   Change change;
   change.payload = payload();
-  a->writer(writer)->write(std::move(change), world.now);
+  a->local_endpoints().writer(writer)->write(std::move(change), world.now);
   a.post.sent.clear();
   EXPECT_TRUE(world.run_until([&] { return !b.listener.changes.empty(); }, 1000));
-  EXPECT_TRUE(world.run_until([&] { return a->writer(writer)->all_acknowledged(); }, 1000));
+  EXPECT_TRUE(world.run_until(
+      [&] { return a->local_endpoints().writer(writer)->all_acknowledged(); }, 1000));
   EXPECT_EQ(numbers(), std::vector<std::int64_t>{26});
 }
 

@@ -75,9 +75,10 @@ TEST(Bounds, AMillionFakeParticipantsTakeABoundedPlace) {
   const auto before = octets();
   for (std::uint32_t i = 0; i < 1'000'000; ++i)
     a.participant.receive(announcement.of(i), seconds(1));
-  EXPECT_EQ(a.participant.remote_participants(), Participant::kMostParticipants);
-  EXPECT_EQ(a.participant.counters().refused_discovery, 1'000'000 - Participant::kMostParticipants);
-  EXPECT_LT(a.post.sent.size(), 8 * Participant::kMostParticipants);
+  EXPECT_EQ(a.participant.remote_participants().size(), RemoteParticipants::kMostParticipants);
+  EXPECT_EQ(a.participant.counters().refused_discovery,
+            1'000'000 - RemoteParticipants::kMostParticipants);
+  EXPECT_LT(a.post.sent.size(), 8 * RemoteParticipants::kMostParticipants);
   a.post.sent = {};
   EXPECT_LT(octets() - before, 8 * kMiB);
 }
@@ -103,7 +104,7 @@ struct Matched : ::testing::Test {
 
   void SetUp() override {
     const auto request = [](Qos qos) {
-      return Participant::EndpointRequest{"Topic", "Type", std::move(qos), true};
+      return EndpointRequest{"Topic", "Type", std::move(qos), true};
     };
     auto wanted = default_reader_qos();
     wanted.reliability.kind = ReliabilityKind::reliable;
@@ -124,7 +125,7 @@ struct Matched : ::testing::Test {
     for (const auto& guid : writers) {
       Change change;
       change.payload = Payload::copy_of(Bytes(64));
-      b.participant.writer(guid)->write(std::move(change), world.now);
+      b.participant.local_endpoints().writer(guid)->write(std::move(change), world.now);
     }
     world.run(100);
     EXPECT_GE(a.listener.changes.size(), writers.size());
@@ -203,8 +204,9 @@ TEST_F(Matched, EndpointsOfOneParticipantTakeABoundedPlace) {
   Bytes buffer;
   for (std::uint32_t i = 0; i < 4000; ++i)
     forge(announced(large_endpoint(b.participant.prefix(), 0x10000 + i), kFirst + i, buffer));
-  EXPECT_LT(octets() - before,
-            static_cast<std::int64_t>(Participant::kMostEndpointOctetsPerParticipant) + 8 * kMiB);
+  EXPECT_LT(
+      octets() - before,
+      static_cast<std::int64_t>(RemoteParticipants::kMostEndpointOctetsPerParticipant) + 8 * kMiB);
   EXPECT_GT(a.participant.counters().refused_discovery, 0u);
   const auto codes = a.events.codes();
   EXPECT_EQ(std::ranges::count(codes, Code::rtps_too_many_endpoints), 1) << "said once";
@@ -279,10 +281,12 @@ TEST(Bounds, WhoAnnouncesMuchTakesNoPlaceFromOthers) {
       a.participant.receive(whole(prefix, announced(data, 1 + i, buffer)), seconds(1));
     }
   };
-  for (std::uint32_t i = 1; i <= 4; ++i) say(i, Participant::kMostEndpointsPerParticipant);
-  EXPECT_EQ(a.participant.known_endpoints().size(), Participant::kMostEndpoints);
+  for (std::uint32_t i = 1; i <= 4; ++i) say(i, RemoteParticipants::kMostEndpointsPerParticipant);
+  EXPECT_EQ(a.participant.remote_participants().endpoints().size(),
+            RemoteParticipants::kMostEndpoints);
   say(5, 50);
-  EXPECT_EQ(a.participant.known_endpoints().size(), Participant::kMostEndpoints + 50);
+  EXPECT_EQ(a.participant.remote_participants().endpoints().size(),
+            RemoteParticipants::kMostEndpoints + 50);
   EXPECT_TRUE(a.events.seen.empty());
 }
 

@@ -14,9 +14,7 @@ using testing::written;
 using testing::socketless::Node;
 using testing::socketless::World;
 
-Participant::EndpointRequest square(Qos qos) {
-  return {"Square", "ShapeType", std::move(qos), true};
-}
+EndpointRequest square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
 
 Payload payload() { return Payload::copy_of(Bytes{0, 1, 0, 0, 1, 2, 3, 4}); }
 
@@ -47,7 +45,7 @@ TEST(Participant, FindsOthersMatchesAndDelivers) {
   EXPECT_EQ(b.listener.matched, 1);
   Change change;
   change.payload = payload();
-  a.participant.writer(writer)->write(change, world.now);
+  a.participant.local_endpoints().writer(writer)->write(change, world.now);
   world.run();
   ASSERT_EQ(b.listener.changes.size(), 1u);
   EXPECT_EQ(b.listener.changes[0].writer, writer);
@@ -57,7 +55,7 @@ TEST(Participant, FindsOthersMatchesAndDelivers) {
   EXPECT_EQ(a.listener.matched, 0);
   a.participant.leave();
   world.run(1);
-  EXPECT_EQ(b.participant.remote_participants(), 0u);
+  EXPECT_EQ(b.participant.remote_participants().size(), 0u);
   EXPECT_EQ(b.participant.counters().malformed, 0u);
 }
 
@@ -99,7 +97,7 @@ TEST(Participant, ASilentParticipantIsGoneAfterItsLease) {
   world.now += seconds(2);
   world.run(1);
   EXPECT_EQ(b.listener.matched, 0);
-  EXPECT_EQ(b.participant.remote_participants(), 0u);
+  EXPECT_EQ(b.participant.remote_participants().size(), 0u);
 }
 
 TEST(Participant, WhoIsIdleKeepsAShortLeaseThoughAnnouncementsAreLost) {
@@ -109,7 +107,7 @@ TEST(Participant, WhoIsIdleKeepsAShortLeaseThoughAnnouncementsAreLost) {
   for (int i = 0; i < 1000; ++i) {
     if (i % 100 < 60) a.post.sent.clear();  // more than half of each second
     world.run(1);
-    ASSERT_EQ(b.participant.remote_participants(), 1u) << "after " << i * 10 << " ms";
+    ASSERT_EQ(b.participant.remote_participants().size(), 1u) << "after " << i * 10 << " ms";
   }
 }
 
@@ -121,7 +119,7 @@ TEST(Participant, ANewParticipantIsAnsweredASecondTimeSoon) {
   world.nodes = {&a, &b};
   int steps = 0;
   const auto begin = world.now;
-  for (; b.participant.remote_participants() == 0 && steps < 300; ++steps) {
+  for (; b.participant.remote_participants().size() == 0 && steps < 300; ++steps) {
     if (world.now < begin + milliseconds(100)) a.post.sent.clear();
     world.run(1);
   }
@@ -132,7 +130,7 @@ TEST(Participant, OtherDomainsAndTagsAreNotSeen) {
   Node a(1), other_domain(2, 1), other_tag(3, 0, "tag");
   World world{{&a, &other_domain, &other_tag}};
   world.run();
-  for (auto* node : world.nodes) EXPECT_EQ(node->participant.remote_participants(), 0u);
+  for (auto* node : world.nodes) EXPECT_EQ(node->participant.remote_participants().size(), 0u);
 }
 
 TEST(Participant, ANonMatchIsAStatusAndAnEventWithBothValues) {
@@ -157,9 +155,8 @@ TEST(Participant, ANonMatchIsAStatusAndAnEventWithBothValues) {
 }
 
 TEST(Participant, OtherTypesAndKeysAreNamed) {
-  for (auto other :
-       {Participant::EndpointRequest{"Square", "Other", default_reader_qos(), true},
-        Participant::EndpointRequest{"Square", "ShapeType", default_reader_qos(), false}}) {
+  for (auto other : {EndpointRequest{"Square", "Other", default_reader_qos(), true},
+                     EndpointRequest{"Square", "ShapeType", default_reader_qos(), false}}) {
     Node a(1), b(2);
     World world{{&a, &b}};
     ASSERT_TRUE(a.participant.create_writer(square(default_writer_qos()), a.listener, world.now));
@@ -179,15 +176,15 @@ TEST(Participant, ChangedPoliciesAreAnnouncedAndMatchedAnew) {
   const auto reader =
       *b.participant.create_reader(square(default_reader_qos()), b.listener, world.now);
   world.run();
-  EXPECT_THAT(b.participant.matched(reader), ::testing::ElementsAre(writer));
-  EXPECT_THAT(a.participant.matched(writer), ::testing::ElementsAre(reader));
+  EXPECT_THAT(b.participant.local_endpoints().matched(reader), ::testing::ElementsAre(writer));
+  EXPECT_THAT(a.participant.local_endpoints().matched(writer), ::testing::ElementsAre(reader));
   offered.ownership_strength = 7;
   ASSERT_TRUE(a.participant.change_qos(writer, offered, world.now));
   world.run();
   EXPECT_EQ(b.listener.announced.back().ownership_strength, 7);
   EXPECT_EQ(b.listener.matched, 1);
-  ASSERT_NE(b.participant.remote_endpoint(writer), nullptr);
-  EXPECT_EQ(b.participant.remote_endpoint(writer)->qos.ownership_strength, 7);
+  ASSERT_NE(b.participant.remote_participants().endpoint(writer), nullptr);
+  EXPECT_EQ(b.participant.remote_participants().endpoint(writer)->qos.ownership_strength, 7);
   offered.partition = {"elsewhere"};
   ASSERT_TRUE(a.participant.change_qos(writer, offered, world.now));
   world.run();
@@ -229,7 +226,7 @@ TEST_F(ParticipantLiveliness, ManualComesWithSamplesAlone) {
     EXPECT_TRUE(b.listener.alive.empty());
     Change change;
     change.payload = payload();
-    a.participant.writer(writer)->write(change, world.now);
+    a.participant.local_endpoints().writer(writer)->write(change, world.now);
     world.run(2);
     EXPECT_THAT(b.listener.alive, ::testing::Contains(writer));
     a.participant.remove(writer, world.now);
@@ -239,7 +236,7 @@ TEST_F(ParticipantLiveliness, ManualComesWithSamplesAlone) {
 
 TEST_F(ParticipantLiveliness, ManualByTopicComesWithAHeartbeatThatSaysSo) {
   match(LivelinessKind::manual_by_topic);
-  a.participant.writer(writer)->assert_liveliness();
+  a.participant.local_endpoints().writer(writer)->assert_liveliness();
   world.run(2);
   EXPECT_THAT(b.listener.alive, ::testing::ElementsAre(writer));
 }
@@ -256,17 +253,17 @@ TEST(Participant, NobodyAnnouncesOrDisposesAnother) {
   Node a(1), b(2);
   World world{{&a, &b}};
   world.run();
-  ASSERT_EQ(a.participant.remote_participants(), 1u);
+  ASSERT_EQ(a.participant.remote_participants().size(), 1u);
   const auto stranger = GuidPrefix::from(Bytes(12, 9));
   a.participant.receive(announcement(GuidPrefix::from(Bytes(12, 8)), stranger), world.now);
-  EXPECT_EQ(a.participant.remote_participants(), 1u);
+  EXPECT_EQ(a.participant.remote_participants().size(), 1u);
   EXPECT_EQ(a.participant.counters().refused_discovery, 1u);
   const Guid victim{b.participant.prefix(), kEntityIdParticipant};
   auto dispose = message({written(Data{
       kSpdpReader, kSpdpWriter, {9}, {victim.octets(), {true, true}}, PayloadKind::none, {}})});
   std::ranges::copy(stranger.octets, dispose.begin() + 8);
   a.participant.receive(dispose, world.now);
-  EXPECT_EQ(a.participant.remote_participants(), 1u);
+  EXPECT_EQ(a.participant.remote_participants().size(), 1u);
 }
 
 TEST(Participant, MalformedMessagesAreCountedAndNamed) {

@@ -32,7 +32,7 @@ struct Pairs {
   void create(int count) {
     for (int i = 0; i < count; ++i) {
       const auto request = [&](const Qos& qos) {
-        return Participant::EndpointRequest{"Topic" + std::to_string(i), "Type", qos, true};
+        return EndpointRequest{"Topic" + std::to_string(i), "Type", qos, true};
       };
       writers.push_back(
           *a.participant.create_writer(request(default_writer_qos()), a.listener, world.now));
@@ -45,8 +45,8 @@ struct Pairs {
     for (const auto& guid : writers) a.participant.remove(guid, world.now);
     for (const auto& guid : readers) b.participant.remove(guid, world.now);
     world.run(5);
-    EXPECT_EQ(a.participant.remote_endpoint(readers.back()), nullptr);
-    EXPECT_EQ(b.participant.remote_endpoint(writers.back()), nullptr);
+    EXPECT_EQ(a.participant.remote_participants().endpoint(readers.back()), nullptr);
+    EXPECT_EQ(b.participant.remote_participants().endpoint(writers.back()), nullptr);
   }
   bool run_until_matched(int count) {
     for (int i = 0; i < 1000 && a.listener.matched + b.listener.matched < 2 * count; ++i)
@@ -56,7 +56,7 @@ struct Pairs {
   void write() {
     Change change;
     change.payload = Payload::copy_of(Bytes(64));
-    a.participant.writer(writers.back())->write(std::move(change), world.now);
+    a.participant.local_endpoints().writer(writers.back())->write(std::move(change), world.now);
     world.run(1);
   }
 };
@@ -84,7 +84,7 @@ Work work_of_pairs(int count) {
     late.a.participant.leave();
     late.world.run(2);
   });
-  EXPECT_EQ(late.b.participant.remote_participants(), 0u);
+  EXPECT_EQ(late.b.participant.remote_participants().size(), 0u);
   return out;
 }
 

@@ -66,7 +66,7 @@ TEST(Enforcement, AClearDisposeOfAnAuthenticatedParticipantIsIgnored) {
       victim.prefix,
       Data{kSpdpReader, kSpdpWriter, {9}, {victim.octets(), {true, true}}, PayloadKind::none, {}});
   pair.b->receive(dispose, pair.world.now);
-  EXPECT_EQ(pair.b->remote_participants(), 1u);
+  EXPECT_EQ(pair.b->remote_participants().size(), 1u);
   EXPECT_EQ(pair.b->counters().refused_discovery, 1u);
   EXPECT_EQ(pair.b.listener.matched, 1);
 }
@@ -125,7 +125,7 @@ TEST(Enforcement, MasksAreLeftOutWhereStrangersMayReadAndNothingIsProtected) {
   const auto announced = [](const Rules& rules) {
     Pair pair(rules);
     EXPECT_TRUE(pair.match());
-    return pair.b->remote_endpoint(pair.writer)->security_info.has_value();
+    return pair.b->remote_participants().endpoint(pair.writer)->security_info.has_value();
   };
   EXPECT_FALSE(announced({.allow_unauthenticated = true, .access_control = false}));
   EXPECT_TRUE(announced({.allow_unauthenticated = true}));

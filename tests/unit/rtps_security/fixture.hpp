@@ -298,9 +298,7 @@ struct World {
   }
 };
 
-inline Participant::EndpointRequest square(Qos qos) {
-  return {"Square", "ShapeType", std::move(qos), true};
-}
+inline EndpointRequest square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
 inline Payload payload(std::size_t size = 8) {
   Bytes octets(size, 0x5a);
   octets[0] = 0;
@@ -342,7 +340,7 @@ struct Pair {
   void write(std::size_t size = 8) {
     Change change;
     change.payload = payload(size);
-    a->writer(writer)->write(std::move(change), world.now);
+    a->local_endpoints().writer(writer)->write(std::move(change), world.now);
   }
   Node a, b;
   World world;

@@ -133,7 +133,7 @@ spi::PropertyList with_passphrase(spi::PropertyList properties) {
   for (int i = 0; i < 10; ++i) {
     Change change;
     change.payload = payload(100);
-    a->writer(writer)->write(std::move(change), world.now);
+    a->local_endpoints().writer(writer)->write(std::move(change), world.now);
   }
   EXPECT_TRUE(world.run_until([&] { return b.listener.changes.size() == 10; }));
 }

@@ -244,7 +244,7 @@ TEST(KeyRevision, OfWhatIsMadeInTheMiddleNothingIsLost) {
   for (std::size_t i = 1; i <= 2; ++i) {
     Change change;
     change.payload = payload();
-    trio.a->writer(*late)->write(std::move(change), trio.world.now);
+    trio.a->local_endpoints().writer(*late)->write(std::move(change), trio.world.now);
     EXPECT_TRUE(trio.world.run_until([&] { return of_reader.changes.size() == i; }, 300));
     ASSERT_TRUE(trio.a->revise_keys());
     trio.world.run(50);
@@ -256,7 +256,7 @@ TEST(KeyRevision, FollowsTheEndOfWhoHasLeft) {
   Trio trio(revising(everything(kEncrypt)), Short::permissions);
   ASSERT_TRUE(trio.match()) << trio.text();
   trio.c->leave();
-  ASSERT_TRUE(trio.world.run_until([&] { return trio.a->remote_participants() == 1; }, 300));
+  ASSERT_TRUE(trio.world.run_until([&] { return trio.a->remote_participants().size() == 1; }, 300));
   trio.world.nodes = {&trio.a, &trio.b};
   trio.world.run(200);
   EXPECT_FALSE(trio.a.events.has(Code::rtps_keys_revised)) << "nobody lost its trust";
@@ -268,7 +268,7 @@ TEST(KeyRevision, FollowsTheRevocationOfWhoHasLeft) {
   Trio trio(revising(everything(kEncrypt)));
   ASSERT_TRUE(trio.match()) << trio.text();
   trio.c->leave();
-  ASSERT_TRUE(trio.world.run_until([&] { return trio.a->remote_participants() == 1; }, 300));
+  ASSERT_TRUE(trio.world.run_until([&] { return trio.a->remote_participants().size() == 1; }, 300));
   trio.world.nodes = {&trio.a, &trio.b};
   trio.world.run(200);
   EXPECT_FALSE(trio.a.events.has(Code::rtps_keys_revised)) << "nobody lost its trust";
@@ -282,7 +282,10 @@ TEST(KeyRevision, IsMadeForWhoComesBack) {
   ASSERT_TRUE(trio.match()) << trio.text();
   trio.world.nodes = {&trio.a, &trio.b};
   ASSERT_TRUE(trio.world.run_until(
-      [&] { return trio.a->remote_participants() == 1 && trio.b->remote_participants() == 1; },
+      [&] {
+        return trio.a->remote_participants().size() == 1 &&
+               trio.b->remote_participants().size() == 1;
+      },
       12000));
   EXPECT_FALSE(trio.a.events.has(Code::rtps_keys_revised));
   trio.world.nodes = {&trio.a, &trio.b, &trio.c};

@@ -35,7 +35,7 @@ struct Three {
   void write() {
     Change change;
     change.payload = payload();
-    a->writer(writer)->write(std::move(change), world.now);
+    a->local_endpoints().writer(writer)->write(std::move(change), world.now);
   }
   std::string text() { return a.events.text() + b.events.text() + c.events.text(); }
 

@@ -66,7 +66,7 @@ struct Trio {
   void write(std::size_t size = 64) {
     Change change;
     change.payload = payload(size);
-    a->writer(writer)->write(std::move(change), world.now);
+    a->local_endpoints().writer(writer)->write(std::move(change), world.now);
     ++written;
   }
   bool bob_has_all() {

@@ -1,0 +1,288 @@
+#include "rtps/participant/discovery.hpp"
+
+#include <algorithm>
+
+namespace ddssec::rtps {
+namespace {
+
+/// The first few stay, of the others the latest.
+void add_locators(LocatorList& known, const LocatorList& more) {
+  constexpr std::size_t kMost = 8;
+  for (const auto& locator : more) {
+    if (std::ranges::find(known, locator) != known.end()) continue;
+    if (known.size() >= kMost) known.erase(known.begin() + kMost / 2);
+    known.push_back(locator);
+  }
+}
+
+}  // namespace
+
+Discovery::Discovery(ParticipantCore& core, const Parts& parts)
+    : core_(core), parts_(parts), builtin_(core, parts.local.builtin()) {}
+
+// ---- participants that come
+
+Status Discovery::on_announcement(const GuidPrefix& source, const Data& data) {
+  if (data.inline_qos.status != StatusInfo{} || data.kind == PayloadKind::key) {
+    const auto guid = data.inline_qos.key_hash
+                          ? GuidPrefix::from(BytesView(*data.inline_qos.key_hash).first(12))
+                          : DDSSEC_TRY(read_participant_key(data.payload)).prefix;
+    if (guid == source) on_dispose(guid);
+    return {};
+  }
+  if (data.kind != PayloadKind::data) return {};
+  auto announced = DDSSEC_TRY(read_participant_data(data.payload));
+  const auto& config = core_.config;
+  const bool ours = is_of_domain(announced, config.domain_id, config.domain_tag);
+  if (!ours || announced.guid.prefix == config.prefix) return {};
+  if (announced.guid.prefix != source) {
+    ++core_.counters.refused_discovery;
+    return {};
+  }
+  if (core_.ignored.contains(source)) return {};
+  if (auto* known = parts_.remotes.find(source))
+    on_announced_again(*known, std::move(announced));
+  else
+    add(std::move(announced));
+  return {};
+}
+
+void Discovery::add(ParticipantData data) {
+  auto& remotes = parts_.remotes;
+  auto metatraffic = usable(data.metatraffic_unicast);
+  if (metatraffic.empty() || (remotes.is_full() && !make_room())) {
+    ++core_.counters.refused_discovery;
+    return;
+  }
+  auto user = usable(data.default_unicast, metatraffic);
+  auto* security = core_.security.get();
+  const auto verdict =
+      security != nullptr ? security->judge(data) : Security::Verdict::admit_unauthenticated;
+  auto& remote = remotes.add(std::move(data), std::move(metatraffic), std::move(user));
+  parts_.announcer.answer(remote.metatraffic);
+  if (verdict == Security::Verdict::authenticate)
+    security->discovered(remote.data, remote.metatraffic, core_.now);
+  remotes.renew_lease(remote, remote.data);
+  if (verdict == Security::Verdict::admit_unauthenticated) accept(remote);
+}
+
+bool Discovery::make_room() {
+  const auto prefix = parts_.remotes.next_to_give_way();
+  if (!prefix) return false;
+  ++core_.counters.refused_discovery;
+  remove(*prefix);
+  return true;
+}
+
+// What was authenticated stays as it was: anybody can send announcements in its name. And anybody
+// may have been the first to do so: as long as nothing is proven, all that is announced counts, and
+// no lease becomes shorter.
+void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData data) {
+  const auto prefix = data.guid.prefix;
+  const bool fixed = core_.is_authenticated(prefix);
+  parts_.remotes.renew_lease(remote, fixed ? remote.data : data);
+  if (!fixed && remote.accepted && remote.data.user_data != data.user_data) {
+    remote.data.user_data = data.user_data;
+    parts_.remotes.on_changed(remote);
+  }
+  auto* security = core_.security.get();
+  if (fixed || security == nullptr || data == remote.data || !security->may_authenticate(data))
+    return;
+  if (!security->knows(prefix)) {
+    remove(prefix);
+    return add(std::move(data));
+  }
+  add_locators(remote.metatraffic, usable(data.metatraffic_unicast));
+  add_locators(remote.user, usable(data.default_unicast));
+  security->announced_again(data, remote.metatraffic, core_.now);
+}
+
+void Discovery::accept(RemoteParticipant& remote) {
+  parts_.remotes.accept(remote);
+  builtin_.match(remote);
+}
+
+// A participant that sends anything lives; in the name of an authenticated participant of a domain
+// whose messages are protected, only protected messages (and announcements) say so.
+void Discovery::on_message(const GuidPrefix& source, bool is_protected) {
+  auto* remote = parts_.remotes.find(source);
+  if (remote == nullptr) return;
+  const bool proven =
+      is_protected || !core_.attributes().is_rtps_protected() || !core_.is_authenticated(source);
+  if (!proven) return;
+  parts_.remotes.renew_lease(*remote, remote->data);
+  parts_.liveliness.note_alive(*remote, LivelinessKind::automatic);
+}
+
+// ---- participants that go
+
+// Only itself can say that a participant is gone; once it is authenticated only by the secure
+// topic. Fast DDS does not have that, so it is taken at its word if it keeps silent from now on.
+void Discovery::on_dispose(const GuidPrefix& prefix) {
+  auto* remote = parts_.remotes.find(prefix);
+  if (remote == nullptr) return;
+  const bool proven = core_.is_authenticated(prefix);
+  if (proven && remote->data.vendor == kVendorFastDds)
+    parts_.remotes.shorten_lease(*remote, core_.now + kDoubt);
+  else if (proven || (core_.security && core_.security->is_authenticating(prefix)))
+    ++core_.counters.refused_discovery;
+  else
+    gone_.push_back(prefix);
+}
+
+void Discovery::tick() {
+  for (const auto& prefix : parts_.remotes.ended()) gone_.push_back(prefix);
+  remove_gone();
+}
+
+void Discovery::remove_gone() {
+  for (const auto& prefix : std::exchange(gone_, {})) remove(prefix);
+}
+
+void Discovery::unmatch(RemoteParticipant& remote) {
+  parts_.matcher.remove_all(remote);
+  builtin_.unmatch(remote);
+}
+
+void Discovery::remove(const GuidPrefix& prefix) {
+  auto* remote = parts_.remotes.find(prefix);
+  if (remote == nullptr) return;
+  unmatch(*remote);
+  if (core_.security) core_.security->lost(prefix);
+  parts_.remotes.remove(prefix);
+}
+
+// ---- what builtin readers bring
+
+void Discovery::on_builtin(BuiltinTopic topic, const Change& change) {
+  switch (topic) {
+    case BuiltinTopic::publications:
+    case BuiltinTopic::publications_secure:
+      return on_endpoint(change, true, topic == BuiltinTopic::publications_secure);
+    case BuiltinTopic::subscriptions:
+    case BuiltinTopic::subscriptions_secure:
+      return on_endpoint(change, false, topic == BuiltinTopic::subscriptions_secure);
+    case BuiltinTopic::participant_message:
+    case BuiltinTopic::participant_message_secure:
+      return parts_.liveliness.on_participant_message(
+          change, topic == BuiltinTopic::participant_message_secure);
+    case BuiltinTopic::participants_secure:
+      return on_secure_participant(change);
+  }
+}
+
+// A participant speaks for its own endpoints only, and nothing that was said securely is unsaid
+// otherwise.
+void Discovery::on_endpoint(const Change& change, bool publications, bool secure) {
+  auto* remote = parts_.remotes.find(change.writer.prefix);
+  if (remote == nullptr) return;
+  const auto may_change = [&](const EntityId& id) {
+    const auto known = remote->endpoints.find(id);
+    const bool good =
+        known == remote->endpoints.end() || known->second.data.by_secure_discovery == secure;
+    core_.counters.refused_discovery += good ? 0 : 1;
+    return good;
+  };
+  if (!change.is_alive()) {
+    const auto key = change.key_hash ? Guid{GuidPrefix::from(BytesView(*change.key_hash).first(12)),
+                                            EntityId::from(BytesView(*change.key_hash).subspan(12))}
+                                     : read_endpoint_key(change.payload.view()).value_or(Guid{});
+    if (key.prefix == remote->prefix() && may_change(key.entity))
+      parts_.matcher.remove(*remote, key.entity);
+    return;
+  }
+  auto data = publications ? read_publication_data(change.payload.view())
+                           : read_subscription_data(change.payload.view());
+  if (!data || data->guid.prefix != remote->prefix()) {
+    ++core_.counters.refused_discovery;
+    if (!data) core_.events.raise(Event(data.error().in("SEDP"), {}, remote->prefix().to_string()));
+    return;
+  }
+  data->by_secure_discovery = secure;
+  if (may_change(data->guid.entity)) parts_.matcher.add(*remote, std::move(*data));
+}
+
+// Only a participant itself, and by its own keys, says what it is and that it leaves.
+void Discovery::on_secure_participant(const Change& change) {
+  auto* remote = parts_.remotes.find(change.writer.prefix);
+  if (remote == nullptr) return;
+  if (!change.is_alive()) return gone_.push_back(change.writer.prefix);
+  auto data = read_participant_data(change.payload.view());
+  if (!data || data->guid.prefix != remote->prefix()) {
+    ++core_.counters.refused_discovery;
+    return;
+  }
+  remote->data.user_data = std::move(data->user_data);
+  remote->data.entity_name = std::move(data->entity_name);
+  remote->data.lease_duration = data->lease_duration;
+  parts_.remotes.on_changed(*remote);
+}
+
+void Discovery::on_acknack(const EntityId& writer, const Guid& reader) {
+  auto* local = parts_.local.find_writer(writer);
+  if (local == nullptr) return;
+  parts_.matcher.note_ready(*local, reader);
+  local->listener->on_acknowledged();
+}
+
+// ---- security
+
+void Discovery::on_stateless(const GuidPrefix& source, BytesView payload) {
+  if (core_.security) core_.security->on_stateless(source, payload, core_.now);
+}
+
+void Discovery::on_stateless_frag(const GuidPrefix& source, const DataFrag& frag) {
+  if (core_.security) core_.security->on_stateless_frag(source, frag, core_.now);
+}
+
+void Discovery::on_key_exchange(const GuidPrefix& source) {
+  if (core_.security) core_.security->note_key_exchange(source);
+}
+
+void Discovery::on_builtin_heartbeat(const Guid& writer) {
+  if (core_.security && writer.entity == kParticipantsSecureWriter) on_early_keys(writer);
+}
+
+void Discovery::on_early_keys(const Guid& remote) {
+  if (remote.entity != kParticipantsSecureWriter && remote.entity != kParticipantsSecureReader)
+    return;
+  if (auto* known = parts_.remotes.find(remote.prefix)) builtin_.note_participants_secure(*known);
+}
+
+void Discovery::on_authenticated(const GuidPrefix& peer) {
+  if (auto* remote = parts_.remotes.find(peer)) accept(*remote);
+}
+
+// DDS-Security 8.8.2.1: then it may be one of those that need not authenticate.
+void Discovery::on_refused(const GuidPrefix& peer) {
+  auto* remote = parts_.remotes.find(peer);
+  if (remote != nullptr && core_.security->admits_unauthenticated()) accept(*remote);
+}
+
+LocatorList Discovery::on_proven(const GuidPrefix& peer, const ParticipantData& proven) {
+  auto metatraffic = usable(proven.metatraffic_unicast);
+  auto* remote = parts_.remotes.find(peer);
+  if (remote == nullptr) return metatraffic;
+  remote->data.vendor = proven.vendor;
+  remote->data.builtin_endpoints = proven.builtin_endpoints;
+  remote->user = usable(proven.default_unicast, remote->user);
+  // Cyclone DDS leaves it to DCPSParticipantsSecure.
+  if (proven.vendor != kVendorCyclone) remote->data.lease_duration = proven.lease_duration;
+  if (!metatraffic.empty()) remote->metatraffic = metatraffic;
+  return metatraffic;
+}
+
+void Discovery::on_replaced(const GuidPrefix& peer) {
+  if (auto* remote = parts_.remotes.find(peer)) unmatch(*remote);
+}
+
+void Discovery::on_keys(const EntityId& local, const Guid& remote) {
+  auto* participant = parts_.remotes.find(remote.prefix);
+  if (participant == nullptr) return;
+  if (is_builtin(local))
+    builtin_.match(local, *participant);
+  else
+    parts_.matcher.match(local, remote);
+}
+
+}  // namespace ddssec::rtps

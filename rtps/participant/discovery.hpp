@@ -1,0 +1,78 @@
+// Finds other participants and loses them (RTPS 8.5.3), hears of their endpoints (RTPS 8.5.4), and
+// does what security says of them (DDS-Security 7.4, 8.8).
+#pragma once
+
+#include "rtps/participant/announcer.hpp"
+#include "rtps/participant/builtin_matcher.hpp"
+#include "rtps/participant/endpoint_lookup.hpp"
+#include "rtps/participant/endpoint_matcher.hpp"
+#include "rtps/participant/writer_liveliness.hpp"
+
+namespace ddssec::rtps {
+
+/// Decides what to believe, and calls the other parts to act on it. They do not know it.
+class Discovery final : public MessageListener, public SecurityHost {
+ public:
+  /// How long a peer that only a clear message says has left must keep silent to be believed gone:
+  /// longer than Fast DDS between two announcements.
+  static constexpr MonotonicTime kDoubt = std::chrono::seconds(4);
+
+  /// Borrowed.
+  struct Parts {
+    LocalEndpoints& local;
+    RemoteParticipants& remotes;
+    EndpointMatcher& matcher;
+    WriterLiveliness& liveliness;
+    Announcer& announcer;
+  };
+  Discovery(ParticipantCore& core, const Parts& parts);
+
+  /// What arrives for a builtin reader.
+  void on_builtin(BuiltinTopic topic, const Change& change);
+  /// Forgets a participant, as if it had never been found.
+  void remove(const GuidPrefix& prefix);
+  /// Forgets those that left, once nothing of theirs is being read any more.
+  void remove_gone();
+  /// Also forgets those whose leases have ended.
+  void tick();
+
+  // MessageListener
+  Status on_announcement(const GuidPrefix& source, const Data& data) override;
+  void on_stateless(const GuidPrefix& source, BytesView payload) override;
+  void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag) override;
+  void on_builtin_heartbeat(const Guid& writer) override;
+  void on_alive(const Guid& writer) override { parts_.liveliness.note_alive(writer); }
+  void on_acknack(const EntityId& writer, const Guid& reader) override;
+  void on_key_exchange(const GuidPrefix& source) override;
+  void on_message(const GuidPrefix& source, bool is_protected) override;
+
+  // SecurityHost
+  void on_authenticated(const GuidPrefix& peer) override;
+  void on_refused(const GuidPrefix& peer) override;
+  LocatorList on_proven(const GuidPrefix& peer, const ParticipantData& proven) override;
+  void on_replaced(const GuidPrefix& peer) override;
+  void on_keys(const EntityId& local, const Guid& remote) override;
+  void on_early_keys(const Guid& remote) override;
+  void on_ended(const GuidPrefix& peer) override { gone_.push_back(peer); }
+
+ private:
+  void add(ParticipantData data);
+  void on_announced_again(RemoteParticipant& remote, ParticipantData data);
+  void on_dispose(const GuidPrefix& prefix);
+  bool make_room();
+  /// It authenticated, or is admitted without: its builtin endpoints may match.
+  void accept(RemoteParticipant& remote);
+  void unmatch(RemoteParticipant& remote);
+  void on_endpoint(const Change& change, bool publications, bool secure);
+  void on_secure_participant(const Change& change);
+  LocatorList usable(const LocatorList& announced, const LocatorList& fallback = {}) const {
+    return usable_locators(announced, fallback, core_.config.interfaces);
+  }
+
+  ParticipantCore& core_;
+  const Parts parts_;
+  BuiltinMatcher builtin_;
+  std::vector<GuidPrefix> gone_;
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "base/event.hpp"
+#include "rtps/participant/endpoint_listener.hpp"
+
+namespace ddssec::rtps {
+
+/// Whether a local and a remote endpoint may match by their topics, types and policies: one of them
+/// writes and the other reads. If their topics have the same name but they may not, `listener` and
+/// an event say why.
+bool is_compatible(const EndpointData& local, const EndpointData& remote,
+                   EndpointListener& listener, EventSink& events);
+
+}  // namespace ddssec::rtps

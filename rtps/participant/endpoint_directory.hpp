@@ -1,0 +1,25 @@
+// Finds our endpoints for the messages that arrive.
+#pragma once
+
+#include "rtps/participant/endpoint_lookup.hpp"
+#include "rtps/participant/local_endpoints.hpp"
+#include "rtps/participant/remote_participants.hpp"
+
+namespace ddssec::rtps {
+
+class EndpointDirectory final : public EndpointLookup {
+ public:
+  EndpointDirectory(ParticipantCore& core, LocalEndpoints& local, RemoteParticipants& remotes)
+      : core_(core), local_(local), remotes_(remotes) {}
+
+  std::span<StatefulReader* const> readers_of(const Guid& writer) override;
+  StatefulWriter* writer_for(const EntityId& writer, const GuidPrefix& reader) override;
+
+ private:
+  ParticipantCore& core_;
+  LocalEndpoints& local_;
+  RemoteParticipants& remotes_;
+  StatefulReader* volatile_reader_ = nullptr;  ///< of the peer that was looked up last
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,297 @@
+#include "rtps/participant/endpoint_matcher.hpp"
+
+#include <algorithm>
+
+#include "rtps/participant/endpoint_compatibility.hpp"
+#include "wire/vendor_name.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+KeyReading key_reading_of(const ParticipantData& data) {
+  return {data.vendor == kVendorCyclone && is_up_to(data.vendor_version, 0, 10),
+          data.vendor == kVendorFastDds};
+}
+
+bool contains(const auto& list, const auto& value) {
+  return std::ranges::find(list, value) != list.end();
+}
+
+}  // namespace
+
+EndpointMatcher::EndpointMatcher(ParticipantCore& core, LocalEndpoints& local,
+                                 RemoteParticipants& remotes)
+    : core_(core), local_(local), remotes_(remotes) {}
+
+// ---- ours
+
+void EndpointMatcher::add(LocalWriter& writer) {
+  topics_[writer.data.topic_name].writers.push_back(&writer);
+  match_all(writer);
+}
+
+void EndpointMatcher::add(LocalReader& reader) {
+  topics_[reader.data.topic_name].readers.push_back(&reader);
+  match_all(reader);
+}
+
+template <class Local>
+void EndpointMatcher::match_remotes(Local& local) {
+  for (const auto& guid : topics_[local.data.topic_name].remotes) {
+    auto& remote = *remotes_.find(guid.prefix);
+    match(local, remote, remote.endpoints.find(guid.entity)->second.data);
+  }
+}
+
+void EndpointMatcher::match_all(LocalWriter& writer) {
+  match_remotes(writer);
+  for (auto* reader : topics_[writer.data.topic_name].readers) match_own(writer, *reader);
+}
+
+void EndpointMatcher::match_all(LocalReader& reader) {
+  match_remotes(reader);
+  for (auto* writer : topics_[reader.data.topic_name].writers) match_own(*writer, reader);
+}
+
+void EndpointMatcher::match_own() {
+  for (auto& [id, writer] : local_.writers())
+    for (auto& [other, reader] : local_.readers()) match_own(writer, reader);
+}
+
+void EndpointMatcher::match_own(LocalWriter& writer, LocalReader& reader) {
+  if (core_.ignored.contains(writer.data) || core_.ignored.contains(reader.data)) {
+    forget(writer, reader.data.guid);
+    forget(reader, writer.data.guid);
+    return;
+  }
+  auto& self = remotes_.self();
+  self.endpoints[writer.data.guid.entity].data = writer.data;
+  self.endpoints[reader.data.guid.entity].data = reader.data;
+  match(writer, self, reader.data);
+  match(reader, self, writer.data);
+}
+
+void EndpointMatcher::remove(LocalWriter& writer) {
+  auto& ends = topics_[writer.data.topic_name];
+  part_from(ends.readers, writer.data.guid);
+  std::erase(ends.writers, &writer);
+  forget_if_empty(writer.data.topic_name);
+}
+
+void EndpointMatcher::remove(LocalReader& reader) {
+  remotes_.forget_watches_of(reader.listener);
+  for (const auto& guid : reader.matched)
+    if (auto* remote = remotes_.find_endpoint(guid))
+      std::erase(remote->readers, reader.protocol.get());
+  auto& ends = topics_[reader.data.topic_name];
+  part_from(ends.writers, reader.data.guid);
+  std::erase(ends.readers, &reader);
+  forget_if_empty(reader.data.topic_name);
+}
+
+template <class Local>
+void EndpointMatcher::part_from(const std::vector<Local*>& others, const Guid& endpoint) {
+  for (auto* other : others) forget(*other, endpoint);
+  auto& self = remotes_.self();
+  std::erase_if(self.watches, [&](const Watch& watch) { return watch.writer == endpoint; });
+  self.endpoints.erase(endpoint.entity);
+}
+
+void EndpointMatcher::forget_if_empty(const std::string& topic_name) {
+  if (const auto at = topics_.find(topic_name); at != topics_.end() && at->second.empty())
+    topics_.erase(at);
+}
+
+// ---- theirs
+
+void EndpointMatcher::add(RemoteParticipant& remote, EndpointData data) {
+  if (core_.ignored.contains(data)) return;
+  const auto id = data.guid.entity;
+  const auto price = RemoteParticipants::price_of(data);
+  if (!remotes_.has_room(remote, id, price)) return;
+  auto known = remote.endpoints.find(id);
+  if (known != remote.endpoints.end() && known->second.data.topic_name != data.topic_name) {
+    remove(remote, id);
+    known = remote.endpoints.end();
+  }
+  auto& ends = topics_[data.topic_name];
+  if (known == remote.endpoints.end()) ends.remotes.push_back(data.guid);
+  const auto& stored = remotes_.store(remote, std::move(data), price).data;
+  for (auto* writer : ends.writers) match(*writer, remote, stored);
+  for (auto* reader : ends.readers) match(*reader, remote, stored);
+}
+
+void EndpointMatcher::remove(RemoteParticipant& remote, const EntityId& id) {
+  const auto known = remote.endpoints.find(id);
+  if (known == remote.endpoints.end()) return;
+  const auto& data = known->second.data;
+  const auto topic_name = data.topic_name;
+  auto& ends = topics_[topic_name];
+  for (auto* writer : ends.writers) forget(*writer, data.guid);
+  for (auto* reader : ends.readers) forget(*reader, data.guid);
+  if (!data.qos.liveliness.lease_duration.is_infinite())
+    std::erase_if(remote.watches, [&](const Watch& watch) { return watch.writer == data.guid; });
+  std::erase(ends.remotes, data.guid);
+  remotes_.remove(remote, id);
+  forget_if_empty(topic_name);
+}
+
+void EndpointMatcher::remove_all(RemoteParticipant& remote) {
+  remote.watches.clear();
+  while (!remote.endpoints.empty()) remove(remote, remote.endpoints.begin()->first);
+}
+
+void EndpointMatcher::remove_topic(const std::string& name) {
+  const auto at = topics_.find(name);
+  if (at == topics_.end()) return;
+  for (const auto& guid : std::vector(at->second.remotes))
+    remove(*remotes_.find(guid.prefix), guid.entity);
+  for (auto& [id, writer] : local_.writers())
+    if (writer.data.topic_name == name) match_all(writer);
+}
+
+std::optional<EndpointData> EndpointMatcher::endpoint_on(const std::string& topic_name) const {
+  const auto at = topics_.find(topic_name);
+  if (at == topics_.end() || at->second.remotes.empty()) return std::nullopt;
+  return *remotes_.endpoint(at->second.remotes.front());
+}
+
+// ---- both
+
+const Neighbour* EndpointMatcher::neighbour(const EntityId& local, const Guid& remote) const {
+  return neighbour_of(local_, core_.config.neighbourhood.get(), local, remote);
+}
+
+EndpointMatcher::Verdict EndpointMatcher::judge(const EndpointData& local,
+                                                EndpointListener& listener,
+                                                const EndpointData& remote) {
+  if (!is_compatible(local, remote, listener, core_.events)) return Verdict::refused;
+  if (!core_.security || remote.guid.prefix == local_.prefix()) return Verdict::ready;
+  return admit(local.guid.entity, remote);
+}
+
+EndpointMatcher::Verdict EndpointMatcher::admit(const EntityId& local, const EndpointData& remote) {
+  auto& security = *core_.security;
+  const auto admission = security.admit(
+      local, {remote.guid, remote.topic_name, remote.qos.partition, remote.qos.data_tags,
+              remote.security_info.value_or(spi::SecurityInfo{}), remote.by_secure_discovery,
+              remote.required_ciphers});
+  if (!admission) return Verdict::refused;
+  return security.introduce(local, remote.guid, admission->relay_only) ? Verdict::ready
+                                                                       : Verdict::awaits_keys;
+}
+
+void EndpointMatcher::match(const EntityId& local, const Guid& remote) {
+  auto* participant = remotes_.find(remote.prefix);
+  const auto* data = remotes_.endpoint(remote);
+  if (participant == nullptr || data == nullptr) return;
+  if (auto* writer = local_.find_writer(local)) match(*writer, *participant, *data);
+  if (auto* reader = local_.find_reader(local)) match(*reader, *participant, *data);
+}
+
+void EndpointMatcher::match(LocalWriter& writer, RemoteParticipant& remote,
+                            const EndpointData& data) {
+  if (!is_reader(data.guid.entity)) return;
+  const auto verdict = judge(writer.data, *writer.listener, data);
+  if (verdict == Verdict::refused) return forget(writer, data.guid);
+  if (verdict == Verdict::awaits_keys) return;
+  // A reader that is fed in this process sees each sample, and filters itself.
+  const auto* near = neighbour(writer.data.guid.entity, data.guid);
+  const bool in_process = near != nullptr;
+  auto filter = data.content_filter && !in_process ? writer.listener->filter_for(data) : nullptr;
+  if (contains(writer.matched, data.guid)) {
+    writer.protocol->set_filter(data.guid, std::move(filter));
+    if (!contains(writer.unready, data.guid)) writer.listener->on_matched(data);
+    return;
+  }
+  const bool waits = shows_readiness(writer, data);
+  writer.matched.push_back(data.guid);
+  if (waits) {
+    writer.unready.push_back(data.guid);
+    readiness_.add(writer.data.guid, data.guid, core_.now);
+  }
+  const bool history = data.qos.durability >= DurabilityKind::transient_local;
+  const auto locators = in_process
+                            ? LocatorList{}
+                            : usable_locators(data.unicast, remote.user, core_.config.interfaces);
+  writer.protocol->match({data.guid, data.qos.is_reliable(), history, locators, in_process,
+                          std::move(filter), key_reading_of(remote.data)},
+                         core_.now);
+  if (!waits) writer.listener->on_matched(data);
+  if (in_process) join_in_process(local_, *near, writer.data.guid, data.guid);
+}
+
+void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
+                            const EndpointData& data) {
+  if (!is_writer(data.guid.entity)) return;
+  const auto own = reader.data.guid;
+  auto& matched = remote.endpoints.find(data.guid.entity)->second.readers;
+  const bool known = contains(matched, reader.protocol.get());
+  if (known)
+    std::erase_if(remote.watches, [&](const Watch& watch) {
+      return watch.listener == reader.listener && watch.writer == data.guid;
+    });
+  const auto verdict = judge(reader.data, *reader.listener, data);
+  if (verdict == Verdict::refused) return forget(reader, data.guid);
+  if (verdict == Verdict::awaits_keys) return;
+  const auto& liveliness = data.qos.liveliness;
+  if (!liveliness.lease_duration.is_infinite())
+    remote.watches.push_back({reader.listener, data.guid, liveliness.kind});
+  if (known) return reader.listener->on_matched(data);
+  matched.push_back(reader.protocol.get());
+  reader.matched.push_back(data.guid);
+  const auto* near = neighbour(own.entity, data.guid);
+  const bool in_process = near != nullptr;
+  const bool history =
+      std::min(data.qos.durability, reader.data.qos.durability) >= DurabilityKind::transient_local;
+  const auto locators = in_process
+                            ? LocatorList{}
+                            : usable_locators(data.unicast, remote.user, core_.config.interfaces);
+  reader.protocol->match({data.guid, data.qos.is_reliable(), locators, in_process,
+                          core_.keys_of(own.entity, data.guid)},
+                         core_.now, history);
+  reader.listener->on_matched(data);
+  if (in_process) join_in_process(local_, *near, own, data.guid);
+}
+
+void EndpointMatcher::forget(LocalWriter& writer, const Guid& remote) {
+  if (core_.security) core_.security->keyring().part(writer.data.guid.entity, remote);
+  if (std::erase(writer.matched, remote) == 0) return;
+  std::erase(writer.unready, remote);
+  readiness_.remove(writer.data.guid, remote);
+  writer.protocol->unmatch(remote);
+  writer.listener->on_unmatched(remote);
+}
+
+void EndpointMatcher::forget(LocalReader& reader, const Guid& remote) {
+  const auto keys = core_.keys_of(reader.data.guid.entity, remote);
+  if (core_.security) core_.security->keyring().part(reader.data.guid.entity, remote);
+  if (std::erase(reader.matched, remote) == 0) return;
+  if (auto* endpoint = remotes_.find_endpoint(remote))
+    std::erase(endpoint->readers, reader.protocol.get());
+  reader.protocol->unmatch(remote, keys);
+  reader.listener->on_unmatched(remote);
+}
+
+// ---- readiness
+
+// It says so by its first ACKNACK. A late joiner of a durable writer misses nothing.
+bool EndpointMatcher::shows_readiness(const LocalWriter& writer, const EndpointData& reader) const {
+  return reader.guid.prefix != local_.prefix() && core_.attributes().is_rtps_protected() &&
+         core_.is_authenticated(reader.guid.prefix) && reader.qos.is_reliable() &&
+         writer.data.qos.is_reliable() &&
+         std::min(writer.data.qos.durability, reader.qos.durability) == DurabilityKind::volatile_;
+}
+
+void EndpointMatcher::note_ready(LocalWriter& writer, const Guid& reader) {
+  if (std::erase(writer.unready, reader) == 0) return;
+  readiness_.remove(writer.data.guid, reader);
+  if (const auto* data = remotes_.endpoint(reader)) writer.listener->on_matched(*data);
+}
+
+void EndpointMatcher::tick() {
+  while (const auto due = readiness_.take_due(core_.now))
+    if (auto* writer = local_.find_writer(due->writer.entity)) note_ready(*writer, due->reader);
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,172 @@
+#include "rtps/participant/local_endpoints.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+// Above whatever the bounds of its parameters allow.
+constexpr std::size_t kLargestAnnouncement = 128 << 10;
+
+}  // namespace
+
+LocalEndpoints::LocalEndpoints(ParticipantCore& core, BuiltinEndpoints::Deliver deliver)
+    : core_(core), builtin_(core.config.prefix, core.sender, core.timers, std::move(deliver)) {}
+
+EntityId LocalEndpoints::next_id(std::uint8_t kind) {
+  const auto number = next_entity_++;
+  return {{static_cast<std::uint8_t>(number >> 16), static_cast<std::uint8_t>(number >> 8),
+           static_cast<std::uint8_t>(number), kind}};
+}
+
+Guid LocalEndpoints::create_group() {
+  constexpr std::uint8_t kWriterGroup = 0x08;  // RTPS 9.3.1.2
+  return {prefix(), next_id(kWriterGroup)};
+}
+
+EndpointData LocalEndpoints::data_of(EndpointRequest request, EndpointKind kind) {
+  EndpointData data;
+  data.guid = {prefix(), next_id(static_cast<std::uint8_t>(kind))};
+  data.topic_name = std::move(request.topic_name);
+  data.type_name = std::move(request.type_name);
+  data.qos = std::move(request.qos);
+  data.type = std::move(request.type);
+  data.content_filter = std::move(request.content_filter);
+  data.group_guid = request.group;
+  return data;
+}
+
+Status LocalEndpoints::secure(EndpointData& data, EndpointListener& listener) {
+  if (!core_.security) return {};
+  const auto made = DDSSEC_TRY(core_.security->create_endpoint(
+      data.guid.entity,
+      {data.topic_name, data.qos.partition, data.qos.data_tags, data.qos.properties}));
+  data.security_info = made.info;
+  data.required_ciphers = made.required_ciphers;
+  if (made.key_is_protected) listener.on_key_protected();
+  return {};
+}
+
+Result<LocalWriter*> LocalEndpoints::create_writer(EndpointRequest request,
+                                                   EndpointListener& listener) {
+  DDSSEC_TRY(check_consistency(request.qos));
+  const auto kind = request.with_key ? EndpointKind::writer_with_key : EndpointKind::writer_no_key;
+  auto history = std::move(request.history);
+  const bool history_only = request.history_only;
+  auto bare_key = std::move(request.bare_key);
+  auto data = data_of(std::move(request), kind);
+  DDSSEC_TRY(secure(data, listener));
+  auto protocol =
+      std::make_unique<StatefulWriter>(data.guid, data.qos, core_.sender, &core_.timers);
+  for (auto& change : history) protocol->write(std::move(change), core_.now);
+  if (history_only) protocol->serve_history_only();
+  protocol->rewrite_keys_with(std::move(bare_key));
+  protocol->on_acknowledged([&listener] { listener.on_acknowledged(); });
+  const auto id = data.guid.entity;
+  return &(writers_[id] = {std::move(data), &listener, std::move(protocol), {}});
+}
+
+Result<LocalReader*> LocalEndpoints::create_reader(EndpointRequest request,
+                                                   EndpointListener& listener) {
+  DDSSEC_TRY(check_consistency(request.qos));
+  const auto kind = request.with_key ? EndpointKind::reader_with_key : EndpointKind::reader_no_key;
+  auto data = data_of(std::move(request), kind);
+  DDSSEC_TRY(secure(data, listener));
+  auto protocol = std::make_unique<StatefulReader>(
+      data.guid, data.qos.is_reliable(), core_.sender,
+      [&listener](Change& change) { return listener.on_change(change); }, &core_.timers);
+  protocol->on_lost([&listener](std::int64_t count) { listener.on_sample_lost(count); });
+  protocol->on_dropped([&listener](const Guid& writer, std::uint32_t octets) {
+    listener.on_sample_dropped(writer, octets);
+  });
+  if (data.qos.presentation.scope == PresentationScope::group)
+    protocol->on_group([&listener](const Guid& writer, SequenceNumber group) {
+      listener.on_group(writer, group);
+    });
+  const auto id = data.guid.entity;
+  return &(readers_[id] = {std::move(data), &listener, std::move(protocol), {}});
+}
+
+void LocalEndpoints::remove(const Guid& endpoint) {
+  if (writers_.erase(endpoint.entity) + readers_.erase(endpoint.entity) > 0) unpublish(endpoint);
+  if (core_.security) core_.security->keyring().remove_local(endpoint.entity);
+}
+
+void LocalEndpoints::publish(const EndpointData& data) {
+  // Of so many octets few are written, and only those are to cost anything.
+  const auto buffer = std::make_unique_for_overwrite<std::uint8_t[]>(kLargestAnnouncement);
+  SpanWriter payload({buffer.get(), kLargestAnnouncement});
+  if (data.qos.data_tags.empty() || is_announced_securely(data.guid.entity)) {
+    write_payload(payload, data);
+  } else {
+    auto untagged = data;
+    untagged.qos.data_tags.clear();
+    write_payload(payload, untagged);
+  }
+  Change change;
+  change.key_hash = data.guid.octets();
+  change.payload = Payload::copy_of(payload.view());
+  sedp_writer(data.guid.entity).write(std::move(change), core_.now);
+}
+
+void LocalEndpoints::unpublish(const Guid& endpoint) {
+  std::array<std::uint8_t, 64> buffer;
+  SpanWriter payload(buffer);
+  write_endpoint_key(payload, endpoint);
+  Change change;
+  change.key_hash = endpoint.octets();
+  change.status = {true, true};
+  change.key_only = true;
+  change.payload = Payload::copy_of(payload.view());
+  sedp_writer(endpoint.entity).write(std::move(change), core_.now);
+}
+
+// DDS-Security 7.4.1.8: the governance says which topics are announced where only authenticated
+// participants can read it.
+bool LocalEndpoints::is_announced_securely(const EntityId& endpoint) const {
+  const auto* attributes =
+      core_.security ? core_.security->keyring().attributes(endpoint) : nullptr;
+  return attributes != nullptr && attributes->topic.is_discovery_protected;
+}
+
+StatefulWriter& LocalEndpoints::sedp_writer(const EntityId& endpoint) {
+  const bool secure = is_announced_securely(endpoint);
+  if (is_writer(endpoint))
+    return builtin_.writer(secure ? BuiltinTopic::publications_secure : BuiltinTopic::publications);
+  return builtin_.writer(secure ? BuiltinTopic::subscriptions_secure : BuiltinTopic::subscriptions);
+}
+
+LocalWriter* LocalEndpoints::find_writer(const EntityId& id) {
+  const auto at = writers_.find(id);
+  return at == writers_.end() ? nullptr : &at->second;
+}
+
+LocalReader* LocalEndpoints::find_reader(const EntityId& id) {
+  const auto at = readers_.find(id);
+  return at == readers_.end() ? nullptr : &at->second;
+}
+
+std::vector<Guid> LocalEndpoints::matched(const Guid& endpoint) const {
+  if (const auto at = writers_.find(endpoint.entity); at != writers_.end())
+    return at->second.matched;
+  if (const auto at = readers_.find(endpoint.entity); at != readers_.end())
+    return at->second.matched;
+  return {};
+}
+
+bool LocalEndpoints::is_open(const EntityId& endpoint) const {
+  if (!core_.security) return true;
+  const auto* attributes = core_.security->keyring().attributes(endpoint);
+  return attributes != nullptr && !attributes->is_submessage_protected() &&
+         !attributes->is_payload_protected() && !core_.attributes().is_rtps_protected();
+}
+
+StatefulWriter* LocalEndpoints::writer(const Guid& guid) const {
+  const auto at = writers_.find(guid.entity);
+  return guid.prefix == prefix() && at != writers_.end() ? at->second.protocol.get() : nullptr;
+}
+
+StatefulReader* LocalEndpoints::reader(const Guid& guid) const {
+  const auto at = readers_.find(guid.entity);
+  return guid.prefix == prefix() && at != readers_.end() ? at->second.protocol.get() : nullptr;
+}
+
+}  // namespace ddssec::rtps

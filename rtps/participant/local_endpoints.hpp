@@ -1,0 +1,78 @@
+// The writers and readers of this participant, its builtin ones included, and how the others hear
+// of them by SEDP (RTPS 8.5.4).
+#pragma once
+
+#include <map>
+
+#include "rtps/participant/builtin_endpoints.hpp"
+#include "rtps/participant/endpoint_listener.hpp"
+#include "rtps/participant/participant_core.hpp"
+
+namespace ddssec::rtps {
+
+struct LocalWriter {
+  EndpointData data;
+  EndpointListener* listener = nullptr;
+  std::unique_ptr<StatefulWriter> protocol;
+  std::vector<Guid> matched;
+  std::vector<Guid> unready = {};  ///< matched, and its owner does not know yet (ReadinessQueue)
+};
+
+struct LocalReader {
+  EndpointData data;
+  EndpointListener* listener = nullptr;
+  std::unique_ptr<StatefulReader> protocol;
+  std::vector<Guid> matched;
+};
+
+/// Knows remote endpoints only as the GUIDs that EndpointMatcher matched.
+class LocalEndpoints final : public Neighbour {
+ public:
+  /// `deliver` is called with what arrives for the builtin readers.
+  LocalEndpoints(ParticipantCore& core, BuiltinEndpoints::Deliver deliver);
+
+  /// The endpoint is not published yet. It lives until it is removed; the listener must live as
+  /// long. Errors: rtps_qos_inconsistent, and if the participant is secured those of access
+  /// control.
+  Result<LocalWriter*> create_writer(EndpointRequest request, EndpointListener& listener);
+  Result<LocalReader*> create_reader(EndpointRequest request, EndpointListener& listener);
+  /// Announces an endpoint of ours, or what changed.
+  void publish(const EndpointData& data);
+  /// Also unpublishes it. It must not be matched any more.
+  void remove(const Guid& endpoint);
+  /// A name for a publisher.
+  Guid create_group();
+
+  /// nullptr: not one of ours.
+  LocalWriter* find_writer(const EntityId& id);
+  LocalReader* find_reader(const EntityId& id);
+  std::map<EntityId, LocalWriter>& writers() { return writers_; }
+  std::map<EntityId, LocalReader>& readers() { return readers_; }
+  BuiltinEndpoints& builtin() { return builtin_; }
+  /// Remote endpoints that match one of ours.
+  std::vector<Guid> matched(const Guid& endpoint) const;
+
+  // Neighbour
+  const GuidPrefix& prefix() const override { return core_.config.prefix; }
+  bool is_secured() const override { return core_.security != nullptr; }
+  bool is_open(const EntityId& endpoint) const override;
+  StatefulWriter* writer(const Guid& guid) const override;
+  StatefulReader* reader(const Guid& guid) const override;
+
+ private:
+  EntityId next_id(std::uint8_t kind);
+  EndpointData data_of(EndpointRequest request, EndpointKind kind);
+  /// Asks access control, and announces what it says.
+  Status secure(EndpointData& data, EndpointListener& listener);
+  void unpublish(const Guid& endpoint);
+  bool is_announced_securely(const EntityId& endpoint) const;
+  StatefulWriter& sedp_writer(const EntityId& endpoint);
+
+  ParticipantCore& core_;
+  BuiltinEndpoints builtin_;
+  std::map<EntityId, LocalWriter> writers_;
+  std::map<EntityId, LocalReader> readers_;
+  std::uint32_t next_entity_ = 1;
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,64 @@
+// What the parts of one participant share: configuration, time, what they send through, and
+// security.
+#pragma once
+
+#include "base/event.hpp"
+#include "rtps/participant/ignored_entities.hpp"
+#include "rtps/participant/neighbourhood.hpp"
+#include "rtps/participant/participant_counters.hpp"
+#include "rtps/security/security.hpp"
+#include "rtps/transport/interfaces.hpp"
+
+namespace ddssec::rtps {
+
+struct ParticipantConfig {
+  GuidPrefix prefix;
+  DomainId domain_id = 0;
+  std::string domain_tag = {};
+  std::string entity_name = {};
+  Bytes user_data = {};
+  Duration lease_duration{{10, 0}};
+  LocatorList metatraffic_unicast = {}, metatraffic_multicast = {}, default_unicast = {};
+  /// Of this machine, that lead to others; without any, all addresses of others are taken to do so.
+  std::vector<NetworkInterface> interfaces = {};
+  /// Where announcements go: multicast groups and the well-known ports of unicast peers.
+  std::vector<Locator> announce_to = {};
+  /// Of announcements, after the first few, which come quickly; 0: as the lease wants it.
+  std::chrono::nanoseconds announcement_period{};
+  std::uint32_t fragment_size = MessageSender::kLargestFragment;
+  /// Its members are called without the network where nothing is protected. The caller enters the
+  /// participant, and calls it with the neighbourhood's lock held.
+  std::shared_ptr<Neighbourhood> neighbourhood = {};
+};
+
+/// Each part borrows it; it knows no part.
+struct ParticipantCore {
+  ParticipantCore(ParticipantConfig configuration, Transport& transport, EventSink& sink)
+      : config(std::move(configuration)), events(sink), sender(transport, config.prefix) {
+    sender.fragment_at(config.fragment_size);
+  }
+
+  bool is_authenticated(const GuidPrefix& peer) const {
+    return security && security->is_authenticated(peer);
+  }
+  /// See Keyring; nothing without security.
+  std::optional<Sha256Digest> keys_of(const EntityId& local, const Guid& remote) const {
+    return security ? security->keyring().keys_of(local, remote) : std::nullopt;
+  }
+  /// What the governance says of the domain. Without security: nothing is protected.
+  const spi::ParticipantSecurityAttributes& attributes() const {
+    static const spi::ParticipantSecurityAttributes kNone;
+    return security ? security->own().attributes() : kNone;
+  }
+
+  ParticipantConfig config;
+  EventSink& events;
+  MessageSender sender;
+  TimerQueue timers;
+  ParticipantCounters counters;
+  IgnoredEntities ignored;
+  MonotonicTime now{};                 ///< of the call that the participant is in
+  std::unique_ptr<Security> security;  ///< nullptr: it is not secured
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,206 @@
+#include "rtps/participant/remote_participants.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace ddssec::rtps {
+
+// An announcement may name any address: few are used, and only those that can be sent to.
+LocatorList usable_locators(const LocatorList& announced, const LocatorList& fallback,
+                            std::span<const NetworkInterface> own) {
+  constexpr std::size_t kMostUsed = 4;
+  LocatorList out;
+  for (const auto& locator : announced)
+    if (locator.is_usable() && !locator.is_multicast()) out.push_back(locator);
+  keep_nearest(out, own);
+  if (out.size() > kMostUsed) out.resize(kMostUsed);
+  return out.empty() ? fallback : out;
+}
+
+MonotonicTime lease_end(const ParticipantData& data, MonotonicTime now) {
+  const auto lease = data.lease_duration.to_nanoseconds();
+  return data.lease_duration.is_infinite() ? kNever : now + lease;
+}
+
+RemoteParticipants::RemoteParticipants(ParticipantCore& core) : core_(core) {
+  self_.data.guid = {core.config.prefix, kEntityIdParticipant};
+}
+
+RemoteParticipant* RemoteParticipants::find(const GuidPrefix& prefix) {
+  const auto at = remotes_.find(prefix);
+  return at == remotes_.end() ? nullptr : &at->second;
+}
+
+RemoteParticipant* RemoteParticipants::find_or_self(const GuidPrefix& prefix) {
+  return prefix == self_.prefix() ? &self_ : find(prefix);
+}
+
+RemoteEndpoint* RemoteParticipants::find_endpoint(const Guid& guid) {
+  auto* remote = find_or_self(guid.prefix);
+  if (remote == nullptr) return nullptr;
+  const auto endpoint = remote->endpoints.find(guid.entity);
+  return endpoint == remote->endpoints.end() ? nullptr : &endpoint->second;
+}
+
+RemoteParticipant& RemoteParticipants::add(ParticipantData data, LocatorList metatraffic,
+                                           LocatorList user) {
+  const auto prefix = data.guid.prefix;
+  const auto end = lease_end(data, core_.now);
+  next_end_ = std::min(next_end_, end);
+  if (core_.security) silent_.push_back(prefix);
+  if (silent_.size() > 4 * kMostParticipants) silent_.pop_front();
+  return remotes_[prefix] = {std::move(data), std::move(metatraffic), std::move(user), end,
+                             core_.now};
+}
+
+void RemoteParticipants::remove(const GuidPrefix& prefix) {
+  const auto at = remotes_.find(prefix);
+  if (at == remotes_.end()) return;
+  if (at->second.accepted && discovery_ != nullptr)
+    discovery_->on_participant_gone(at->second.data.guid);
+  remotes_.erase(at);
+}
+
+// Without security a participant cannot prove anything.
+std::optional<GuidPrefix> RemoteParticipants::next_to_give_way() {
+  if (!core_.security) return std::nullopt;
+  for (; !silent_.empty(); silent_.pop_front()) {
+    const auto prefix = silent_.front();
+    if (core_.security->has_spoken(prefix) || !remotes_.contains(prefix)) continue;
+    silent_.pop_front();
+    return prefix;
+  }
+  auto oldest = remotes_.end();
+  for (auto at = remotes_.begin(); at != remotes_.end(); ++at)
+    if (!core_.is_authenticated(at->first) &&
+        (oldest == remotes_.end() || at->second.since < oldest->second.since))
+      oldest = at;
+  return oldest == remotes_.end() ? std::nullopt : std::optional(oldest->first);
+}
+
+void RemoteParticipants::accept(RemoteParticipant& remote) {
+  if (!std::exchange(remote.accepted, true)) on_changed(remote);
+}
+
+void RemoteParticipants::on_changed(const RemoteParticipant& remote) {
+  if (remote.accepted && discovery_ != nullptr) discovery_->on_participant(remote.data);
+}
+
+// Until a peer has authenticated, its lease is long enough for it to do so.
+void RemoteParticipants::renew_lease(RemoteParticipant& remote, const ParticipantData& data) {
+  const auto end = lease_end(data, core_.now);
+  const bool proven = !core_.security || !core_.security->is_authenticating(data.guid.prefix);
+  remote.lease_end = proven ? end : std::max({remote.lease_end, end, core_.now + kLeastLease});
+  next_end_ = std::min(next_end_, remote.lease_end);
+}
+
+void RemoteParticipants::shorten_lease(RemoteParticipant& remote, MonotonicTime end) {
+  remote.lease_end = std::min(remote.lease_end, end);
+  next_end_ = std::min(next_end_, remote.lease_end);
+}
+
+// Leases grow with everything that is heard: the time that was noted may be too early, never too
+// late.
+std::vector<GuidPrefix> RemoteParticipants::ended() {
+  std::vector<GuidPrefix> out;
+  if (core_.now < next_end_) return out;
+  next_end_ = kNever;
+  for (const auto& [prefix, remote] : remotes_) {
+    if (remote.lease_end <= core_.now)
+      out.push_back(prefix);
+    else
+      next_end_ = std::min(next_end_, remote.lease_end);
+  }
+  return out;
+}
+
+void RemoteParticipants::forget_watches_of(const EndpointListener* listener) {
+  const auto is_its = [&](const Watch& watch) { return watch.listener == listener; };
+  for (auto& [prefix, remote] : remotes_) std::erase_if(remote.watches, is_its);
+  std::erase_if(self_.watches, is_its);
+}
+
+std::size_t RemoteParticipants::price_of(const EndpointData& data) {
+  return kPricePerEndpoint + octets_of(data);
+}
+
+// A participant that announces much takes no room from those that announce little.
+bool RemoteParticipants::has_room(RemoteParticipant& remote, const EntityId& id,
+                                  std::size_t price) {
+  const auto known = remote.endpoints.find(id);
+  const bool is_new = known == remote.endpoints.end();
+  const auto before = is_new ? 0 : known->second.price;
+  const auto of_it = remote.endpoint_octets - before + price;
+  const auto of_all = endpoint_octets_ - before + price;
+  const bool fits = of_it <= kMostEndpointOctetsPerParticipant && of_all <= kMostEndpointOctets &&
+                    (!is_new || (remote.endpoints.size() < kMostEndpointsPerParticipant &&
+                                 endpoints_ < kMostEndpoints));
+  if (fits || of_it <= kEndpointOctetsOfEach) return true;
+  ++core_.counters.refused_discovery;
+  if (!std::exchange(remote.exceeds, true))
+    core_.events.raise(
+        Event(Error(Code::rtps_too_many_endpoints,
+                    {.found = fmt::format("{} endpoints of {} octets", remote.endpoints.size(),
+                                          remote.endpoint_octets)}),
+              {}, remote.data.guid.to_string()));
+  return false;
+}
+
+RemoteEndpoint& RemoteParticipants::store(RemoteParticipant& remote, EndpointData data,
+                                          std::size_t price) {
+  const auto [at, is_new] = remote.endpoints.try_emplace(data.guid.entity);
+  auto& endpoint = at->second;
+  endpoints_ += is_new ? 1 : 0;
+  remote.endpoint_octets += price - endpoint.price;
+  endpoint_octets_ += price - endpoint.price;
+  endpoint.price = price;
+  endpoint.data = std::move(data);
+  if (discovery_ != nullptr) discovery_->on_endpoint(endpoint.data);
+  return endpoint;
+}
+
+void RemoteParticipants::remove(RemoteParticipant& remote, const EntityId& id) {
+  const auto known = remote.endpoints.find(id);
+  if (known == remote.endpoints.end()) return;
+  if (discovery_ != nullptr) discovery_->on_endpoint_gone(known->second.data);
+  remote.endpoint_octets -= known->second.price;
+  endpoint_octets_ -= known->second.price;
+  remote.endpoints.erase(known);
+  --endpoints_;
+}
+
+void RemoteParticipants::listen(DiscoveryListener* listener) {
+  discovery_ = listener;
+  if (discovery_ == nullptr) return;
+  for (const auto& [prefix, remote] : remotes_) {
+    if (remote.accepted) discovery_->on_participant(remote.data);
+    for (const auto& [id, endpoint] : remote.endpoints) discovery_->on_endpoint(endpoint.data);
+  }
+}
+
+std::vector<ParticipantData> RemoteParticipants::participants() const {
+  std::vector<ParticipantData> out;
+  for (const auto& [prefix, remote] : remotes_)
+    if (remote.accepted) out.push_back(remote.data);
+  return out;
+}
+
+std::vector<EndpointData> RemoteParticipants::endpoints() const {
+  std::vector<EndpointData> out;
+  for (const auto& [prefix, remote] : remotes_)
+    for (const auto& [id, endpoint] : remote.endpoints) out.push_back(endpoint.data);
+  return out;
+}
+
+const EndpointData* RemoteParticipants::endpoint(const Guid& guid) const {
+  const auto at = remotes_.find(guid.prefix);
+  const auto* remote = guid.prefix == self_.prefix() ? &self_
+                       : at == remotes_.end()        ? nullptr
+                                                     : &at->second;
+  if (remote == nullptr) return nullptr;
+  const auto endpoint = remote->endpoints.find(guid.entity);
+  return endpoint == remote->endpoints.end() ? nullptr : &endpoint->second.data;
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,132 @@
+// What is known of other participants and their endpoints, and the bounds on it.
+#pragma once
+
+#include <deque>
+#include <map>
+
+#include "rtps/discovery/discovery_listener.hpp"
+#include "rtps/participant/endpoint_listener.hpp"
+#include "rtps/participant/participant_core.hpp"
+
+namespace ddssec::rtps {
+
+/// At most four of the `announced` locators that can be sent to, the nearest (keep_nearest);
+/// `fallback` if there are none.
+LocatorList usable_locators(const LocatorList& announced, const LocatorList& fallback,
+                            std::span<const NetworkInterface> own);
+/// When the lease of a participant that was heard at `now` ends.
+MonotonicTime lease_end(const ParticipantData& data, MonotonicTime now);
+
+/// A local reader that wants to know whether a remote writer lives.
+struct Watch {
+  EndpointListener* listener;
+  Guid writer;
+  LivelinessKind kind;
+};
+
+struct RemoteEndpoint {
+  EndpointData data;
+  std::vector<StatefulReader*> readers = {};  ///< of ours, that a writer matched
+  std::size_t price = 0;
+};
+
+struct RemoteParticipant {
+  ParticipantData data;
+  LocatorList metatraffic, user;
+  MonotonicTime lease_end{};
+  MonotonicTime since{};
+  std::map<EntityId, RemoteEndpoint> endpoints = {};
+  std::vector<Watch> watches = {};  ///< only where a lease is finite
+  bool accepted = false;            ///< authenticated, or admitted without
+  bool heard_participants_secure = false;
+  std::size_t endpoint_octets = 0;  ///< their price
+  bool exceeds = false;             ///< it announced more, and the event was raised
+
+  const GuidPrefix& prefix() const { return data.guid.prefix; }
+};
+
+/// A table without a protocol: it calls only the DiscoveryListener, and EndpointMatcher matches.
+class RemoteParticipants {
+ public:
+  static constexpr std::size_t kMostParticipants = 512;
+  static constexpr std::size_t kMostEndpointsPerParticipant = 16384;
+  static constexpr std::size_t kMostEndpoints = 65536;  ///< of all of them
+  /// What their announcements take in memory, with a price for each.
+  static constexpr std::size_t kMostEndpointOctetsPerParticipant = std::size_t{64} << 20;
+  static constexpr std::size_t kMostEndpointOctets = std::size_t{256} << 20;
+  static constexpr std::size_t kPricePerEndpoint = 1024;
+  /// So much of each participant is kept whatever the others announce.
+  static constexpr std::size_t kEndpointOctetsOfEach = std::size_t{256} << 10;
+  /// The shortest lease of a peer that is authenticating, whatever is announced in its name.
+  static constexpr MonotonicTime kLeastLease = std::chrono::seconds(10);
+
+  explicit RemoteParticipants(ParticipantCore& core);
+
+  std::size_t size() const { return remotes_.size(); }
+  bool is_full() const { return remotes_.size() >= kMostParticipants; }
+  const std::map<GuidPrefix, RemoteParticipant>& all() const { return remotes_; }
+  /// nullptr: not known.
+  RemoteParticipant* find(const GuidPrefix& prefix);
+  /// Ourselves, as the other end of our own endpoints.
+  RemoteParticipant& self() { return self_; }
+  /// Ours too; nullptr: not known.
+  RemoteParticipant* find_or_self(const GuidPrefix& prefix);
+  RemoteEndpoint* find_endpoint(const Guid& guid);
+
+  // Participants.
+  /// Adds a participant that is not known. Its lease begins now.
+  RemoteParticipant& add(ParticipantData data, LocatorList metatraffic, LocatorList user);
+  /// Its endpoints must have been removed.
+  void remove(const GuidPrefix& prefix);
+  /// The participant that gives way when there is no room: among those that are not authenticated,
+  /// the one that announced itself longest ago and sent no handshake message, else the one that is
+  /// authenticating for longest. Nothing: all stay.
+  std::optional<GuidPrefix> next_to_give_way();
+  /// It authenticated, or is admitted without: the DiscoveryListener hears of it.
+  void accept(RemoteParticipant& remote);
+  /// What it announces changed.
+  void on_changed(const RemoteParticipant& remote);
+
+  // Leases.
+  /// It was heard now; `data` has its lease duration.
+  void renew_lease(RemoteParticipant& remote, const ParticipantData& data);
+  /// Its lease ends at `end` unless it is heard before.
+  void shorten_lease(RemoteParticipant& remote, MonotonicTime end);
+  /// Those whose leases have ended.
+  std::vector<GuidPrefix> ended();
+  /// No lease ends before.
+  MonotonicTime next_end() const { return next_end_; }
+  /// Before the reader with that listener is removed.
+  void forget_watches_of(const EndpointListener* listener);
+
+  // Endpoints.
+  static std::size_t price_of(const EndpointData& data);
+  /// False: the endpoint would exceed a bound, which is counted and once raises an event.
+  bool has_room(RemoteParticipant& remote, const EntityId& id, std::size_t price);
+  RemoteEndpoint& store(RemoteParticipant& remote, EndpointData data, std::size_t price);
+  /// It must not be matched any more.
+  void remove(RemoteParticipant& remote, const EntityId& id);
+
+  // What the application sees.
+  /// Reports to `listener`, from now on and what is known already; nullptr: to none.
+  void listen(DiscoveryListener* listener);
+  /// Those that were accepted (see DiscoveryListener).
+  std::vector<ParticipantData> participants() const;
+  std::vector<EndpointData> endpoints() const;
+  /// What an endpoint, remote or our own, announced; nullptr if it is not known (any more). Of our
+  /// own those are known that have a counterpart here.
+  const EndpointData* endpoint(const Guid& guid) const;
+
+ private:
+  ParticipantCore& core_;
+  std::map<GuidPrefix, RemoteParticipant> remotes_;
+  RemoteParticipant self_;
+  DiscoveryListener* discovery_ = nullptr;
+  std::size_t endpoints_ = 0;        ///< of all of them
+  std::size_t endpoint_octets_ = 0;  ///< their price
+  /// In the order of their announcements; some have spoken since, or left.
+  std::deque<GuidPrefix> silent_;
+  MonotonicTime next_end_ = kNever;
+};
+
+}  // namespace ddssec::rtps

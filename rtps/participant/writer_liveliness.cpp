@@ -1,0 +1,95 @@
+#include "rtps/participant/writer_liveliness.hpp"
+
+#include <algorithm>
+
+namespace ddssec::rtps {
+namespace {
+
+// ParticipantMessageData::kind (RTPS 9.6.3.1), the same octets for all vendors.
+constexpr std::uint8_t kAutomatic = 1;
+constexpr std::uint8_t kManualByParticipant = 2;
+/// Prefix and kind.
+constexpr std::size_t kKeySize = 16;
+
+/// Several of them fit into the shortest lease.
+constexpr int kAssertionsPerLease = 3;
+
+}  // namespace
+
+WriterLiveliness::WriterLiveliness(ParticipantCore& core, LocalEndpoints& local,
+                                   RemoteParticipants& remotes)
+    : core_(core), local_(local), remotes_(remotes) {}
+
+// It is asserted for those who match it later: they count from then.
+void WriterLiveliness::expect(const Liveliness& liveliness) {
+  if (liveliness.kind != LivelinessKind::automatic || liveliness.lease_duration.is_infinite())
+    return;
+  const auto period = liveliness.lease_duration.to_nanoseconds() / kAssertionsPerLease;
+  next_assertion_ = std::min(next_assertion_, core_.now + period);
+}
+
+void WriterLiveliness::tick() {
+  if (core_.now >= next_assertion_) assert_liveliness(LivelinessKind::automatic);
+}
+
+void WriterLiveliness::assert_liveliness(LivelinessKind kind) {
+  auto shortest = kNever;
+  for (const auto& [id, local] : local_.writers()) {
+    const auto& liveliness = local.data.qos.liveliness;
+    if (liveliness.kind == kind && !liveliness.lease_duration.is_infinite())
+      shortest = std::min(shortest, liveliness.lease_duration.to_nanoseconds());
+  }
+  if (kind == LivelinessKind::automatic)
+    next_assertion_ = shortest == kNever ? kNever : core_.now + shortest / kAssertionsPerLease;
+  if (shortest == kNever || kind == LivelinessKind::manual_by_topic) return;
+  note_alive(remotes_.self(), kind);
+  KeyHash key{};
+  std::ranges::copy(local_.prefix().octets, key.begin());
+  key.back() = kind == LivelinessKind::automatic ? kAutomatic : kManualByParticipant;
+  std::array<std::uint8_t, 32> buffer;
+  SpanWriter payload(buffer);
+  payload.write_bytes(std::array<std::uint8_t, 4>{0, 1, 0, 0});
+  payload.write_bytes(key);
+  payload.write(std::uint32_t{1});
+  payload.write(std::uint32_t{0});
+  Change change;
+  change.key_hash = key;
+  change.payload = Payload::copy_of(payload.view());
+  const auto topic = core_.attributes().is_liveliness_protected()
+                         ? BuiltinTopic::participant_message_secure
+                         : BuiltinTopic::participant_message;
+  local_.builtin().writer(topic).write(std::move(change), core_.now);
+}
+
+// Fast DDS calls the same octets PL_CDR. Where liveliness is protected, only Cyclone DDS, which
+// never uses the secure topic, may assert it by the plain one.
+void WriterLiveliness::on_participant_message(const Change& change, bool secure) {
+  const auto* remote = remotes_.find(change.writer.prefix);
+  const auto opened = open_payload(change.payload.view());
+  if (remote == nullptr || !change.is_alive() || !opened) return;
+  const auto body = opened->body;
+  if (body.size() < kKeySize || !std::ranges::equal(body.first(12), remote->prefix().octets))
+    return;
+  const bool must_be_secure = core_.attributes().is_liveliness_protected();
+  if (must_be_secure && !secure && remote->data.vendor != kVendorCyclone) return;
+  if (body[15] == kAutomatic) note_alive(*remote, LivelinessKind::automatic);
+  if (body[15] == kManualByParticipant) note_alive(*remote, LivelinessKind::manual_by_participant);
+}
+
+void WriterLiveliness::note_alive(const RemoteParticipant& remote, LivelinessKind kind) {
+  for (const auto& watch : remote.watches)
+    if (watch.kind == kind) watch.listener->on_alive(watch.writer);
+}
+
+void WriterLiveliness::note_alive(const Guid& writer) {
+  const auto* remote = remotes_.find_or_self(writer.prefix);
+  if (remote == nullptr || remote->watches.empty()) return;
+  const auto endpoint = remote->endpoints.find(writer.entity);
+  if (endpoint == remote->endpoints.end()) return;
+  if (endpoint->second.data.qos.liveliness.kind == LivelinessKind::manual_by_participant)
+    return note_alive(*remote, LivelinessKind::manual_by_participant);
+  for (const auto& watch : remote->watches)
+    if (watch.writer.entity == writer.entity) watch.listener->on_alive(watch.writer);
+}
+
+}  // namespace ddssec::rtps
