@@ -38,9 +38,14 @@ Result<spi::PropertyList> folder_properties(const std::filesystem::path& path) {
            std::filesystem::file_type::not_found;
   };
   add(is_meant(folder.crl) ? property::kCrl : property::kLaterCrl, folder.crl);
-  if (is_meant(folder.properties))
-    std::ranges::move(DDSSEC_TRY(spi::read_property_file(folder.properties)),
-                      std::back_inserter(out));
+  if (!is_meant(folder.properties)) return out;
+  for (auto& further : DDSSEC_TRY(spi::read_property_file(folder.properties))) {
+    if (spi::find_property(out, further.name) != nullptr)
+      return fail(Code::property_without_effect, {.document = folder.properties.string(),
+                                                  .field = further.name,
+                                                  .note = "a file of the folder goes before it"});
+    out.push_back(std::move(further));
+  }
   return out;
 }
 

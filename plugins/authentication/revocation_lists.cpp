@@ -86,6 +86,13 @@ Result<RevocationLists> RevocationLists::load(const spi::PropertyList& propertie
   out.interval_ = DDSSEC_TRY(spi::files_poll_interval(properties));
   const auto must = spi::property_value(properties, property::kCrl);
   const auto may = spi::property_value(properties, property::kLaterCrl);
+  if (!must.empty() && !may.empty())
+    return fail(
+        Code::property_without_effect,
+        {.document = std::string(property::kLaterCrl),
+         .note = std::string(property::kCrl) + " names the list already",
+         .hint = "name one of the two only: the list that must exist when the participant is "
+                 "made, or one that may come later"});
   const auto name = must.empty() ? property::kLaterCrl : property::kCrl;
   if (!must.empty() || !may.empty()) {
     out.places_.emplace_back(std::string(must.empty() ? may : must), out.interval_);

@@ -24,11 +24,12 @@ Status check_renewal(const std::vector<pki::Crl>& lists, const std::vector<pki::
 /// Not thread-safe.
 class RevocationLists {
  public:
-  /// What the properties name: a list that must be there, or one that may come later. If they name
-  /// neither, crl.pem beside the identity certificate or beside the identity CA, which may come
-  /// later, too; not where a trusted_ca_dir is configured, which goes with no list. One that is
-  /// there counts from the start. Errors name the property or the path: invalid_property, those of
-  /// ddssec::load and Crl::all_from, crl_file_empty.
+  /// What the properties name: a list that must be there, or else one that may come later. If they
+  /// name neither, crl.pem beside the identity certificate or beside the identity CA, which may
+  /// come later, too; not where a trusted_ca_dir is configured, which goes with no list. One that
+  /// is there counts from the start. Errors name the property or the path: invalid_property,
+  /// property_without_effect (both are named), those of ddssec::load and Crl::all_from,
+  /// crl_file_empty.
   static Result<RevocationLists> load(const spi::PropertyList& properties);
 
   const std::vector<pki::Crl>& in_force() const { return lists_; }

@@ -39,8 +39,8 @@ CHandle register_local_participant(Instance* instance, const DDS_Security_Identi
       instance, ex, [&](Adapter& adapter) -> Result<spi::ParticipantCryptoHandle> {
         DDSSEC_TRY(require(attributes));
         say_plugins_in_use(adapter.host(), PluginKind::cryptography);
-        auto list = DDSSEC_TRY(optional_properties(properties));
-        std::ranges::move(DDSSEC_TRY(process_properties()), std::back_inserter(list));
+        const auto list =
+            DDSSEC_TRY(with_process_properties(DDSSEC_TRY(optional_properties(properties))));
         return adapter.key_factory().register_local_participant({identity}, {permissions}, list,
                                                                 attributes_from(*attributes));
       });

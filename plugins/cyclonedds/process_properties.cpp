@@ -9,12 +9,16 @@
 namespace ddssec::cyclonedds {
 namespace {
 
+namespace property = spi::property;
+
+/// Cyclone DDS's core cannot protect messages before an authentication.
+constexpr std::string_view kOfPreSharedKeys[] = {
+    property::kPskPassphrase, property::kPskExtraPassphrases, property::kPskCipher};
+
 std::string_view variable(const char* name) {
   const char* const value = std::getenv(name);
   return value == nullptr ? std::string_view() : value;
 }
-
-}  // namespace
 
 Result<spi::PropertyList> process_properties() {
   spi::PropertyList out;
@@ -27,9 +31,21 @@ Result<spi::PropertyList> process_properties() {
   return out;
 }
 
+}  // namespace
+
 Result<spi::PropertyList> with_process_properties(spi::PropertyList of_host) {
-  for (auto& one : DDSSEC_TRY(process_properties()))
-    if (spi::find_property(of_host, one.name) == nullptr) of_host.push_back(std::move(one));
+  for (auto& one : DDSSEC_TRY(process_properties())) {
+    if (!spi::property_value(of_host, one.name).empty()) continue;
+    // Cyclone DDS passes an empty value for an element that its configuration leaves out.
+    std::erase_if(of_host, [&](const auto& named) { return named.name == one.name; });
+    of_host.push_back(std::move(one));
+  }
+  for (const auto name : kOfPreSharedKeys)
+    if (!spi::property_value(of_host, name).empty())
+      return fail(Code::property_without_effect,
+                  {.document = std::string(name),
+                   .note = "Cyclone DDS cannot use pre-shared keys",
+                   .hint = "remove the property, or use ddssec's embedded participant"});
   return of_host;
 }
 

@@ -12,11 +12,9 @@ inline constexpr const char* kCipherVariable = "DDSSEC_SYMMETRIC_CIPHER_ALGORITH
 /// The path of a file of properties.
 inline constexpr const char* kPropertiesVariable = "DDSSEC_PROPERTIES";
 
-/// What the two environment variables say; an empty one says nothing. Errors: those of
-/// spi::read_property_file.
-Result<spi::PropertyList> process_properties();
-
-/// What the host says, and of the process what the host does not name.
+/// What the host says, and what the two environment variables say where the host names nothing; an
+/// empty value of the host and an empty variable name nothing. Errors: those of
+/// spi::read_property_file, and property_without_effect for what Cyclone DDS cannot honour.
 Result<spi::PropertyList> with_process_properties(spi::PropertyList of_host);
 
 }  // namespace ddssec::cyclonedds

@@ -5,15 +5,47 @@
 #include "base/rollback.hpp"
 #include "base/source.hpp"
 #include "base/text.hpp"
+#include "plugins/spi/property_names.hpp"
 
 namespace ddssec::spi {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r";
+/// What some editors put before the first line of a UTF-8 text.
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+/// How many characters may differ in a name that is proposed.
+constexpr std::size_t kMostDifferences = 3;
+constexpr std::size_t kMostNameOctets = 64;
 
 bool has_control_character(std::string_view text) {
   return std::ranges::any_of(
       text, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
+}
+
+/// The known name that was probably meant; empty if none is near.
+std::string_view nearest(std::string_view name) {
+  const auto lower = ascii_lower(name.substr(0, kMostNameOctets));
+  std::size_t least = kMostDifferences + 1;
+  std::string_view best;
+  for (const auto known : property::kOfParticipants) {
+    const auto differences = edit_distance(lower, known);
+    if (differences >= least) continue;
+    least = differences;
+    best = known;
+  }
+  return best;
+}
+
+Status check_known(std::string_view name, int line) {
+  if (std::ranges::find(property::kOfParticipants, name) != std::end(property::kOfParticipants))
+    return {};
+  const auto meant = nearest(name);
+  const bool is_case = ascii_lower(name) == meant;
+  return fail(Code::property_unknown,
+              {.line = line,
+               .expected = std::string(meant),
+               .found = std::string(name.substr(0, kMostNameOctets)),
+               .note = is_case ? "upper and lower case differ in names" : ""});
 }
 
 Status add_line(std::string_view text, int line, PropertyList& out) {
@@ -22,16 +54,16 @@ Status add_line(std::string_view text, int line, PropertyList& out) {
   const auto equals = content.find('=');
   const auto name = trimmed(content.substr(0, equals), kBlanks);
   const auto bad = [&](std::string expected) {
-    return fail(
-        Code::invalid_property,
-        {.line = line, .expected = std::move(expected), .found = std::string(name.substr(0, 64))});
+    return fail(Code::invalid_property, {.line = line,
+                                         .expected = std::move(expected),
+                                         .found = std::string(name.substr(0, kMostNameOctets))});
   };
   if (equals == content.npos || name.empty()) return bad("name = value");
   const auto value = trimmed(content.substr(equals + 1), kBlanks);
   if (has_control_character(name) || has_control_character(value))
     return bad("no control characters");
+  DDSSEC_TRY(check_known(name, line));
   if (find_property(out, name) != nullptr) return bad("each name once");
-  if (out.size() >= kMostPropertiesPerFile) return bad("fewer properties");
   out.push_back({std::string(name), std::string(value), false});
   return {};
 }
@@ -40,6 +72,7 @@ Status add_line(std::string_view text, int line, PropertyList& out) {
 
 Result<PropertyList> parse_properties(std::string_view text) {
   PropertyList out;
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   for (int line = 1; !text.empty(); ++line) {
     const auto end = std::min(text.find('\n'), text.size());
     DDSSEC_TRY(add_line(text.substr(0, end), line, out));

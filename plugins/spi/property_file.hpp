@@ -10,11 +10,11 @@
 namespace ddssec::spi {
 
 inline constexpr std::size_t kMostPropertyFileOctets = 64 * 1024;
-inline constexpr std::size_t kMostPropertiesPerFile = 256;
 
 /// One `name = value` a line; blanks around both are dropped, empty lines and those that begin with
-/// # are passed over. None propagates. Errors: invalid_property with the line (no name, no =, a
-/// name twice, a control character, too many).
+/// # are passed over, and so is a byte order mark at the beginning. None propagates. Errors, with
+/// the line: property_unknown for a name that is not in property::kOfParticipants, with the nearest
+/// one that is; invalid_property (no name, no =, a name twice, a control character).
 Result<PropertyList> parse_properties(std::string_view text);
 
 /// The properties of a file. Errors: those, and file_not_found, file_unreadable, file_too_large.

@@ -54,6 +54,20 @@ inline constexpr std::string_view kKeyLifetime = "org.ddssec.crypto.key_lifetime
 inline constexpr std::string_view kMostBlocksPerKey = "org.ddssec.crypto.max_blocks_per_key";
 inline constexpr std::string_view kBuiltinEndpointName = "dds.sec.builtin_endpoint_name";
 
+/// Every property that configures a participant, and so every name that a file of properties may
+/// hold.
+inline constexpr std::string_view kOfParticipants[] = {kIdentityCa,        kIdentityCertificate,
+                                                       kPrivateKey,        kPassword,
+                                                       kTrustedCaDir,      kCrl,
+                                                       kLaterCrl,          kFilesPollInterval,
+                                                       kClockStepGrace,    kPermissionsCa,
+                                                       kGovernance,        kPermissions,
+                                                       kAllowSharedMemory, kKeySize,
+                                                       kSymmetricCipher,   kMessageCipher,
+                                                       kPskPassphrase,     kPskExtraPassphrases,
+                                                       kPskCipher,         kKeyLifetime,
+                                                       kMostBlocksPerKey};
+
 }  // namespace ddssec::spi::property
 
 namespace ddssec::spi::class_id {

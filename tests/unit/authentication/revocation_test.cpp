@@ -395,6 +395,18 @@ TEST(LaterCrl, ThatIsThereAlreadyCounts) {
   EXPECT_CODE(create(), crl_file_empty);
 }
 
+// Both would look as if the later list were watched.
+TEST(LaterCrl, BesideAListThatIsNamed_IsRefused) {
+  const test::TemporaryFolder folder;
+  Watcher watcher(folder, property::kLaterCrl, "1");
+  set(watcher.identity.properties, property::kCrl, "data:," + pem({}));
+  Engine engine;
+  const auto refused =
+      engine->validate_local_identity(0, watcher.identity.properties, candidate(1));
+  EXPECT_CODE(refused, property_without_effect);
+  EXPECT_NE(refused.error().to_sentence().find(property::kLaterCrl), std::string::npos);
+}
+
 TEST(LaterCrl, GoesWithNoFolderOfAuthorities) {
   const test::TemporaryFolder folder, cas;
   cas.write("ca.pem", test_ca().certificate().pem());

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "plugins/cyclonedds/process_properties.hpp"
+#include "plugins/spi/property_names.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/cyclonedds/support.hpp"
 
@@ -70,26 +71,57 @@ TEST_F(AuthenticationAdapterTest, LocalIdentity) {
   EXPECT_EQ(guid_from(adjusted), guid_of(2));
 }
 
-// Cyclone's configuration file has no place for properties that are not its own.
-TEST_F(AuthenticationAdapterTest, TheFileOfTheProcessAddsWhatTheHostDoesNotName) {
+/// A participant's properties from the host and from the file that the process names.
+struct ProcessProperties : AuthenticationAdapterTest {
+  ~ProcessProperties() override { unsetenv(kPropertiesVariable); }
+
+  DDS_Security_ValidationResult_t validate(std::string host_name, std::string host_value,
+                                           std::string_view file) {
+    setenv(kPropertiesVariable, folder.write("file", file).c_str(), 1);
+    return validate(std::move(host_name), std::move(host_value));
+  }
+  DDS_Security_ValidationResult_t validate(std::string name, std::string value) {
+    DDS_Security_Property_t property{name.data(), value.data(), 0};
+    DDS_Security_Qos qos{};
+    qos.property.value = {1, 1, &property};
+    DDS_Security_IdentityHandle handle = -1;
+    DDS_Security_GUID_t guid{};
+    return c->validate_local_identity(c, &handle, &guid, 7, &qos, &guid, &refusal);
+  }
+  void expect_engine_gets(const spi::PropertyList& properties) {
+    EXPECT_CALL(engine, validate_local_identity(7, properties, _))
+        .WillOnce(Return(spi::Authentication::LocalIdentity{{55}, guid_of(2)}));
+  }
+
   const test::TemporaryFolder folder;
-  setenv(kPropertiesVariable, folder.write("file", "n = other\nm = w\n").c_str(), 1);
-  std::string name = "n", value = "v";
-  DDS_Security_Property_t property{name.data(), value.data(), 1};
-  DDS_Security_Qos qos{};
-  qos.property.value = {1, 1, &property};
-  EXPECT_CALL(engine,
-              validate_local_identity(7, spi::PropertyList{{"n", "v"}, {"m", "w", false}}, _))
-      .WillOnce(Return(spi::Authentication::LocalIdentity{{55}, guid_of(2)}));
-  DDS_Security_IdentityHandle handle = -1;
-  DDS_Security_GUID_t guid{};
-  EXPECT_EQ(c->validate_local_identity(c, &handle, &guid, 7, &qos, &guid, &refusal),
+  const std::string crl{spi::property::kCrl}, password{spi::property::kPassword};
+};
+
+// Cyclone's configuration file has no place for properties that are not its own.
+TEST_F(ProcessProperties, AddWhatTheHostDoesNotName) {
+  expect_engine_gets({{crl, "v", false}, {password, "w", false}});
+  EXPECT_EQ(validate(crl, "v", crl + " = other\n" + password + " = w\n"),
             DDS_SECURITY_VALIDATION_OK);
   setenv(kPropertiesVariable, (folder.path() + "/none").c_str(), 1);
-  EXPECT_EQ(c->validate_local_identity(c, &handle, &guid, 7, &qos, &guid, &refusal),
-            DDS_SECURITY_VALIDATION_FAILED);
+  EXPECT_EQ(validate(crl, "v"), DDS_SECURITY_VALIDATION_FAILED);
   EXPECT_EQ(refusal.reason(), Code::file_not_found);
-  unsetenv(kPropertiesVariable);
+}
+
+// Cyclone 0.10.2 passes an empty value for each element that its configuration leaves out: a list
+// of revoked certificates that the file names would not count.
+TEST_F(ProcessProperties, TakeThePlaceOfWhatTheHostPassesEmpty) {
+  expect_engine_gets({{crl, "file:/the/list", false}});
+  EXPECT_EQ(validate(crl, "", crl + " = file:/the/list\n"), DDS_SECURITY_VALIDATION_OK);
+}
+
+TEST_F(ProcessProperties, OfPreSharedKeys_UnderCycloneDds_AreRefused) {
+  for (const auto name : {spi::property::kPskPassphrase, spi::property::kPskExtraPassphrases,
+                          spi::property::kPskCipher}) {
+    EXPECT_EQ(validate(crl, "", std::string(name) + " = data:,1:abcdefgh\n"),
+              DDS_SECURITY_VALIDATION_FAILED);
+    EXPECT_EQ(refusal.reason(), Code::property_without_effect);
+    EXPECT_THAT(harness.events.back().error.to_sentence(), testing::HasSubstr(name));
+  }
 }
 
 TEST_F(AuthenticationAdapterTest, AFailureIsFailedNilAndExplained) {

@@ -110,14 +110,15 @@ struct Variable {
 
 TEST_F(CryptographyAdapterTest, AParticipantsPropertiesComeFromTheEnvironment) {
   const auto file = testing::TempDir() + "ddssec-cyclonedds.properties";
-  std::ofstream(file) << "dds.sec.crypto.symmetric_cipher_algorithm = AES128+GCM\nother = 1\n";
+  std::ofstream(file)
+      << "dds.sec.crypto.symmetric_cipher_algorithm = AES128+GCM\ndds.sec.crypto.keysize = 128\n";
   const auto registers_with = [&](const spi::PropertyList& expected) {
     EXPECT_CALL(engine, register_local_participant(_, _, expected, _))
         .WillOnce(Return(spi::ParticipantCryptoHandle{10}));
     EXPECT_EQ(factory->register_local_participant(factory, 1, 2, nullptr, &participant, nullptr),
               10);
   };
-  const spi::Property other{"other", "1", false};
+  const spi::Property other{"dds.sec.crypto.keysize", "128", false};
   const auto cipher = [](std::string name) {
     return spi::Property{"dds.sec.crypto.symmetric_cipher_algorithm", std::move(name), false};
   };

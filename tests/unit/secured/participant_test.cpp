@@ -76,6 +76,15 @@ TEST(FolderProperties, FurtherOnesComeFromAFile) {
   EXPECT_EQ(folder_properties(folder.path).error().code(), Code::file_not_found);
 }
 
+TEST(FolderProperties, AFurtherOneThatAFileOfTheFolderSets_IsRefused) {
+  const Folder folder;
+  std::ofstream(folder.path / "security.properties") << "org.ddssec.auth.later_crl = file:/else\n";
+  const auto refused = folder_properties(folder.path);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code(), Code::property_without_effect);
+  EXPECT_THAT(refused.error().to_sentence(), HasSubstr("org.ddssec.auth.later_crl"));
+}
+
 TEST(SecuredParticipant, WithoutAFolderThereIsNone) {
   test::Silent quiet;
   const auto participant = Participant::join("/nowhere/at/all", {.domain_id = 122}, &quiet);

@@ -4,26 +4,32 @@
 
 #include <gtest/gtest.h>
 
+#include "plugins/spi/property_names.hpp"
+
 namespace ddssec::spi {
 namespace {
 
 TEST(PropertyFile, ReadsNamesAndValues) {
-  const PropertyList expected = {{"a.b", "c = d", false}, {"e", "", false}, {"f", "g", false}};
-  EXPECT_EQ(parse_properties("# comment\r\n\n  a.b=c = d \r\ne =\n\tf\t=\tg").value(), expected);
+  const PropertyList expected = {{std::string(property::kPassword), "c = d", false},
+                                 {std::string(property::kKeySize), "", false},
+                                 {std::string(property::kCrl), "g", false}};
+  const std::string text =
+      "# comment\r\n\n  dds.sec.auth.password=c = d \r\ndds.sec.crypto.keysize =\n"
+      "\torg.eclipse.cyclonedds.sec.auth.crl\t=\tg";
+  EXPECT_EQ(parse_properties(text).value(), expected);
+  EXPECT_EQ(parse_properties("\xef\xbb\xbf" + text).value(), expected) << "a byte order mark";
   EXPECT_TRUE(parse_properties("").value().empty());
 }
 
 TEST(PropertyFile, NamesTheLineItRefuses) {
-  std::string many;
-  for (std::size_t i = 0; i <= kMostPropertiesPerFile; ++i) many += "p" + std::to_string(i) + "=\n";
-  const std::pair<std::string, int> bad[] = {{"a=b\nc", 2},
+  const std::string name(property::kPassword);
+  const std::pair<std::string, int> bad[] = {{name + "=b\nc", 2},
                                              {"= b", 1},
-                                             {"a = b\n\n# x\na = c", 4},
-                                             {"a = b\x01"
-                                              "c",
+                                             {name + " = b\n\n# x\n" + name + " = c", 4},
+                                             {name + " = b\x01"
+                                                     "c",
                                               1},
-                                             {"a\x7f=", 1},
-                                             {many, static_cast<int>(kMostPropertiesPerFile) + 1}};
+                                             {name + "\x7f=", 1}};
   for (const auto& [text, line] : bad) {
     const auto parsed = parse_properties(text);
     ASSERT_FALSE(parsed) << line;
@@ -32,12 +38,39 @@ TEST(PropertyFile, NamesTheLineItRefuses) {
   }
 }
 
+// A mistyped name would have no effect, and nothing else would say so.
+TEST(PropertyFile, AnUnknownName_IsRefusedWithTheOneThatWasMeant) {
+  const std::pair<std::string, std::string_view> unknown[] = {
+      {"org.ddssec.files_poll_intervall", property::kFilesPollInterval},
+      {"org.ddssec.auth.later_crll", property::kLaterCrl},
+      {"org.eclipse.cyclonedds.sec.auth.cr", property::kCrl},
+      {"ORG.DDSSEC.FILES_POLL_INTERVAL", property::kFilesPollInterval},
+      {"dds.sec.auth.Password", property::kPassword},
+      {"mine", ""},
+      {std::string(60'000, 'x'), ""},
+      {std::string(property::kAnnouncedCiphers), ""}};
+  for (const auto& [name, meant] : unknown) {
+    const auto parsed = parse_properties("# first\n" + name + " = 1\n");
+    ASSERT_FALSE(parsed) << name;
+    EXPECT_EQ(parsed.error().code(), Code::property_unknown);
+    const auto& details = parsed.error().details();
+    EXPECT_EQ(details.line, 2);
+    EXPECT_EQ(details.expected, meant);
+    EXPECT_EQ(details.found, name.substr(0, 64));
+  }
+}
+
+TEST(PropertyFile, EveryNameThatConfiguresAParticipant_IsKnown) {
+  for (const auto name : property::kOfParticipants)
+    EXPECT_EQ(parse_properties(std::string(name) + " = x").value().front().name, name);
+}
+
 TEST(PropertyFile, IsThereReadableAndSmall) {
   const auto folder = std::filesystem::path(::testing::TempDir()) / "ddssec-property-file";
   std::filesystem::create_directories(folder);
   const auto file = folder / "security.properties";
   const auto write = [&](std::string_view text) { std::ofstream(file, std::ios::binary) << text; };
-  write("a = b");
+  write("dds.sec.auth.password = b");
   EXPECT_EQ(read_property_file(file)->front().value, "b");
   write("nonsense");
   const auto refused = read_property_file(file);
