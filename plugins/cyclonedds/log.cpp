@@ -3,53 +3,33 @@
 #include <cstdio>
 #include <cstdlib>
 #include <dlfcn.h>
-#include <fcntl.h>
 #include <string>
-#include <unistd.h>
 
 #include <dds/ddsrt/log.h>
+
+#include "plugins/cyclonedds/event_file.hpp"
 
 namespace ddssec::cyclonedds {
 namespace {
 
 LogFunction as_log_function(void* symbol) { return reinterpret_cast<LogFunction>(symbol); }
 
-/// Append-only, so that several processes and the three plugins of one may share a file: each line
-/// is one write.
-class JsonLines {
- public:
-  explicit JsonLines(const char* path)
-      : file_(open(path, O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0640)) {}
-  ~JsonLines() {
-    if (is_open()) close(file_);
-  }
-  JsonLines(const JsonLines&) = delete;
-  JsonLines& operator=(const JsonLines&) = delete;
-
-  bool is_open() const { return file_ >= 0; }
-  void append(const Event& event) const {
-    const auto line = event.to_json() + "\n";
-    // A full disk must not stop anybody from being refused.
-    [[maybe_unused]] const auto written = write(file_, line.data(), line.size());
-  }
-
- private:
-  int file_;
-};
-
 class HostLog final : public EventSink {
  public:
   HostLog(LogFunction log, const char* json_path) : log_(log) {
     if (json_path == nullptr || *json_path == '\0') return;
-    json_ = std::make_unique<JsonLines>(json_path);
+    json_ = std::make_unique<EventFile>(json_path);
     if (json_->is_open()) return;
     json_.reset();
-    log_line(Event(Error(Code::event_log_unwritable, {.found = json_path})));
+    log_line(Event(
+        Error(Code::event_log_unwritable,
+              {.expected = "a file, a FIFO with a reader, or a terminal", .found = json_path})));
   }
 
   void raise(const Event& event) override {
     log_line(event);
-    if (json_) json_->append(event);
+    // A full disk or a slow reader must not stop anybody from being refused.
+    if (json_) json_->append(event.to_json());
   }
 
  private:
@@ -66,7 +46,7 @@ class HostLog final : public EventSink {
   }
 
   LogFunction log_;
-  std::unique_ptr<JsonLines> json_;
+  std::unique_ptr<EventFile> json_;
 };
 
 }  // namespace

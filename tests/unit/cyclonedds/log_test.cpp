@@ -1,9 +1,15 @@
 #include "plugins/cyclonedds/log.hpp"
 
+#include <csignal>
 #include <cstdarg>
+#include <fcntl.h>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <utility>
 #include <vector>
 
 #include <dds/ddsrt/log.h>
@@ -60,6 +66,77 @@ TEST_F(HostLog, AFileThatCannotBeWrittenIsSaidOnce) {
   log->raise(Event(Error(Code::malformed)));
   ASSERT_EQ(logged.size(), 2u);
   EXPECT_THAT(logged[0].text, testing::HasSubstr("event_log_unwritable"));
+}
+
+/// Log shippers read from FIFOs.
+struct EventFifo : HostLog {
+  EventFifo() { EXPECT_EQ(mkfifo(json_path.c_str(), 0600), 0); }
+  ~EventFifo() override {
+    if (reader >= 0) close(reader);
+  }
+  void read_it() { reader = open(json_path.c_str(), O_RDONLY | O_NONBLOCK); }
+  std::string received() const {
+    std::string out;
+    char part[4096];
+    for (ssize_t size; (size = read(reader, part, sizeof part)) > 0;)
+      out.append(part, static_cast<std::size_t>(size));
+    return out;
+  }
+  int reader = -1;
+};
+
+TEST_F(EventFifo, WithoutAReader_IsSaidAndHoldsUpNothing) {
+  const auto log = make_host_log(record, json_path.c_str());
+  ASSERT_EQ(logged.size(), 1u);
+  EXPECT_THAT(logged[0].text, testing::HasSubstr("event_log_unwritable"));
+}
+
+TEST_F(EventFifo, WithAReader_TakesLines) {
+  read_it();
+  make_host_log(record, json_path.c_str())->raise(Event(Error(Code::malformed)));
+  const auto line = received();
+  EXPECT_EQ(nlohmann::json::parse(line).at("name"), "malformed");
+  EXPECT_THAT(line, testing::EndsWith("\n"));
+}
+
+TEST_F(EventFifo, WhoseReaderStopsReading_LosesLinesAndHoldsUpNothing) {
+  read_it();
+  const auto log = make_host_log(record, json_path.c_str());
+  // Longer than what a FIFO takes as a whole or not at all.
+  const std::string text(1'000, 'x');
+  const Event event(
+      Error(Code::malformed,
+            {.document = text, .field = text, .expected = text, .found = text, .hint = text}));
+  for (int i = 0; i < 200; ++i) log->raise(event);
+  EXPECT_LT(received().size(), 200u * 1'000u);
+  log->raise(event);
+  std::string last;
+  std::istringstream lines(received());
+  for (std::string line; std::getline(lines, line);) last = line;
+  EXPECT_EQ(nlohmann::json::parse(last).at("name"), "malformed") << "a line of its own again";
+}
+
+TEST_F(EventFifo, WhoseReaderLeft_DoesNotEndTheProcess) {
+  read_it();
+  const auto log = make_host_log(record, json_path.c_str());
+  close(std::exchange(reader, -1));
+  log->raise(Event(Error(Code::malformed)));
+  sigset_t pending;
+  ASSERT_EQ(sigpending(&pending), 0);
+  EXPECT_EQ(sigismember(&pending, SIGPIPE), 0);
+  read_it();
+  log->raise(Event(Error(Code::file_not_found)));
+  EXPECT_EQ(nlohmann::json::parse(received()).at("name"), "file_not_found");
+}
+
+TEST_F(HostLog, WhatIsNoPlaceForLines_IsRefused) {
+  const auto folder = std::filesystem::temp_directory_path().string();
+  make_host_log(record, folder.c_str());
+  ASSERT_EQ(logged.size(), 1u);
+  EXPECT_THAT(logged[0].text, testing::HasSubstr("event_log_unwritable"));
+  logged.clear();
+  make_host_log(record, "/dev/stderr");
+  EXPECT_TRUE(logged.empty());
 }
 
 TEST_F(HostLog, NoSeverityAborts) {

@@ -1,0 +1,72 @@
+#include "plugins/cyclonedds/event_file.hpp"
+
+#include <csignal>
+#include <ctime>
+#include <fcntl.h>
+#include <string>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace ddssec::cyclonedds {
+namespace {
+
+bool is_suitable(int file) {
+  struct stat found {};
+  return fstat(file, &found) == 0 &&
+         (S_ISREG(found.st_mode) || S_ISFIFO(found.st_mode) || S_ISCHR(found.st_mode));
+}
+
+int open_suitable(const char* path) {
+  // Without O_NONBLOCK, a FIFO that nobody reads would hold up the process at start.
+  const int file =
+      open(path, O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NONBLOCK | O_NOCTTY, 0640);
+  if (file < 0 || is_suitable(file)) return file;
+  close(file);
+  return -1;
+}
+
+/// Keeps SIGPIPE, which a FIFO without a reader raises in the thread that writes, from the process.
+class WithoutSigpipe {
+ public:
+  WithoutSigpipe() {
+    sigemptyset(&sigpipe_);
+    sigaddset(&sigpipe_, SIGPIPE);
+    sigset_t pending;
+    sigpending(&pending);
+    // One that is pending is the host's, and is blocked there.
+    if (sigismember(&pending, SIGPIPE) == 1) return;
+    is_ours_ = pthread_sigmask(SIG_BLOCK, &sigpipe_, &before_) == 0;
+  }
+  ~WithoutSigpipe() {
+    if (!is_ours_) return;
+    const timespec at_once{};
+    while (sigtimedwait(&sigpipe_, nullptr, &at_once) == SIGPIPE) {
+    }
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+  WithoutSigpipe(const WithoutSigpipe&) = delete;
+  WithoutSigpipe& operator=(const WithoutSigpipe&) = delete;
+
+ private:
+  sigset_t sigpipe_;
+  sigset_t before_;
+  bool is_ours_ = false;
+};
+
+}  // namespace
+
+EventFile::EventFile(const char* path) : file_(open_suitable(path)) {}
+
+EventFile::~EventFile() {
+  if (is_open()) close(file_);
+}
+
+void EventFile::append(std::string_view line) {
+  const bool was_torn = is_torn_.exchange(false);
+  const auto text = std::string(was_torn ? "\n" : "").append(line) + "\n";
+  const WithoutSigpipe guard;
+  const auto written = write(file_, text.data(), text.size());
+  if (written < 0 ? was_torn : static_cast<std::size_t>(written) < text.size()) is_torn_ = true;
+}
+
+}  // namespace ddssec::cyclonedds
