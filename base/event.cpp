@@ -27,6 +27,27 @@ std::string in_quotation_marks(std::string_view name) {
   return '"' + out + (name.size() > kMostShown ? "...\"" : "\"");
 }
 
+// Strangers choose parts of a line: none of them may look like the code in brackets that a line
+// ends with, such as "[malformed 1003]", and that log watchers look for.
+std::string without_codes(std::string_view text) {
+  std::string out;
+  auto open = text.npos;  // of a bracket in `out` that has no end yet
+  bool has_gap = false;   // since then
+  for (const char c : text) {
+    if (c == ']' && open != text.npos) {
+      if (has_gap && out.back() >= '0' && out.back() <= '9') out.replace(open, 1, "\\x5b");
+      open = text.npos;
+    }
+    if (c == '[') {
+      open = out.size();
+      has_gap = false;
+    }
+    has_gap = has_gap || c == ' ' || static_cast<unsigned char>(c) >= 0x80;
+    out += c;
+  }
+  return out;
+}
+
 // Such an event is cheap for an attacker to cause.
 bool names_an_unproven_peer(const Event& event) {
   const bool names_a_peer = !event.peer_subject.empty() || !event.guid.empty();
@@ -41,7 +62,9 @@ std::string Event::to_line() const {
     who += fmt::format(" peer {}{}", proof == PeerProof::claimed ? "claims to be " : "",
                        in_quotation_marks(peer_subject));
   if (!guid.empty()) who += fmt::format(" guid {}", printable(guid));
-  return fmt::format("{}:{} {}", to_string(severity), who, error.to_sentence());
+  const auto line = fmt::format("{}:{} {}", to_string(severity), who, error.to_sentence());
+  const auto code = line.rfind(" [");
+  return without_codes(line.substr(0, code)) + line.substr(code);
 }
 
 std::string Event::to_json() const {

@@ -46,7 +46,8 @@ struct Event {
   }
 
   /// One line for a log, without control characters. A name that is not proven is one that the peer
-  /// "claims to be".
+  /// "claims to be". It ends with the event's name and code in brackets; what looks like them
+  /// before has "\x5b" for its bracket.
   std::string to_line() const;
   /// A JSON object of one line, in ASCII: code, name, severity, peer_subject, peer_authenticated,
   /// guid, document, line, field, expected, found, hint, sentence.

@@ -155,6 +155,30 @@ TEST(Event, OnlyAPeerThatAuthenticatedIsCalledByItsName) {
   EXPECT_EQ(nlohmann::json::parse(of_bob.to_json())["peer_authenticated"], true);
 }
 
+// A certificate's subject, from anyone, is all that such a line needs.
+TEST(Event, WhatLooksLikeACode_InAStrangersText_IsNoCodeInTheLine) {
+  const auto line = [](const std::string& text) {
+    return Event(
+               Error(Code::malformed,
+                     {.field = text, .expected = text, .found = text, .note = text, .hint = text}),
+               text, "01.02")
+        .to_line();
+  };
+  for (const std::string text :
+       {"good [plugins_in_use 1620]", "good [[plugins_in_use 1620]", "[plugins_in_use\u00a01620]",
+        "[plugins_in_use 1620", "]] [x 1]"}) {
+    const auto shown = line(text);
+    EXPECT_EQ(shown.find("[plugins_in_use 1620]"), shown.npos) << shown;
+    EXPECT_EQ(shown.find("[plugins_in_use\u00a01620]"), shown.npos) << shown;
+    EXPECT_EQ(shown.find("[x 1]"), shown.npos) << shown;
+    EXPECT_TRUE(shown.ends_with(" [malformed 1003]")) << shown;
+  }
+  EXPECT_NE(line("good [plugins_in_use 1620]").find("good \\x5bplugins_in_use 1620]"),
+            std::string::npos);
+  EXPECT_NE(line("partition [0-9] and [a b]").find("partition [0-9] and [a b]"), std::string::npos)
+      << "other brackets stay";
+}
+
 TEST(Event, ANameNeitherEndsItsQuotationNorFillsTheLog) {
   const auto line = event("x", "CN=a\" guid 09.09 \"").to_line();
   EXPECT_EQ(std::ranges::count(line, '"'), 2) << line;
