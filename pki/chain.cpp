@@ -161,6 +161,8 @@ struct ChainVerifier::Impl {
   void drop_superseded();
   Status fill_store(CrlPolicy policy);
   bool is_listed(const Certificate& certificate) const;
+  bool is_in_force(const Crl& crl, const X509* issuer, WallTime now) const;
+  Status check_every_list(X509_STORE_CTX* context, WallTime now) const;
   Result<ChainValid> judge(const Certificate& certificate, WallTime now) const;
   Result<ChainValid> judge_path(const Certificate& certificate, WallTime now,
                                 unsigned long flags) const;
@@ -169,9 +171,9 @@ struct ChainVerifier::Impl {
   void remember(const ChainValid& proof);
 };
 
-// OpenSSL takes any list that holds at the time. An older one beside the newest would count again once
-// the newest has ended, and whoever was revoked meanwhile would be believed. What an authority did not
-// sign takes no list's place.
+// OpenSSL takes any list that holds at the time. An older one beside the newest would count again
+// once the newest has ended, and whoever was revoked meanwhile would be believed. What an authority
+// did not sign takes no list's place.
 void ChainVerifier::Impl::drop_superseded() {
   const auto is_genuine = [&](const Crl& crl) {
     return std::ranges::any_of(anchors, [&](const auto& ca) { return crl.is_signed_by(ca); });
@@ -218,6 +220,37 @@ bool ChainVerifier::Impl::is_listed(const Certificate& certificate) const {
   });
 }
 
+// As an issuer of the path; all of them come from the store, so from the anchors.
+bool ChainVerifier::Impl::is_in_force(const Crl& crl, const X509* issuer, WallTime now) const {
+  const bool is_of_this_time =
+      crl.this_update() <= now && (!crl.next_update() || now < *crl.next_update());
+  return is_of_this_time && std::ranges::any_of(anchors, [&](const Certificate& anchor) {
+           return X509_cmp(anchor.impl().x509.get(), issuer) == 0 && crl.is_signed_by(anchor);
+         });
+}
+
+// OpenSSL judges by one list of each issuer, the one whose scope and time fit best. A certificate
+// that another one names, which is as genuine and in force, must not pass for that.
+Status ChainVerifier::Impl::check_every_list(X509_STORE_CTX* context, WallTime now) const {
+  const auto* chain = X509_STORE_CTX_get0_chain(context);
+  for (int i = 0; i < sk_X509_num(chain); ++i) {
+    X509* const x509 = sk_X509_value(chain, i);
+    const X509* const issuer = sk_X509_value(chain, std::min(i + 1, sk_X509_num(chain) - 1));
+    for (const auto& crl : crls) {
+      X509_REVOKED* entry = nullptr;
+      auto* const list = crl.impl().crl.get();
+      if (X509_CRL_get0_by_cert(list, &entry, x509) == 0 || !is_in_force(crl, issuer, now))
+        continue;
+      return fail(Code::certificate_revoked,
+                  {.field = subject_of(x509),
+                   .found = "serial number " + serial_text(X509_get0_serialNumber(x509)),
+                   .note = list_words(list)});
+    }
+  }
+  ERR_clear_error();
+  return {};
+}
+
 ChainValid ChainVerifier::Impl::prove(const Certificate& certificate,
                                       X509_STORE_CTX* context) const {
   ChainValid proof(certificate);
@@ -256,6 +289,7 @@ Result<ChainValid> ChainVerifier::Impl::judge_path(const Certificate& certificat
     take_openssl_reason();
     return std::unexpected(explain(context.get(), anchors, now));
   }
+  DDSSEC_TRY(check_every_list(context.get(), now));
   return prove(certificate, context.get());
 }
 

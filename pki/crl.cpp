@@ -10,10 +10,59 @@ namespace ddssec::pki {
 namespace {
 
 constexpr std::uint8_t kDerSequence = 0x30;
+constexpr long kRemoveFromCrl = 8;  // RFC 5280 5.3.1
 
 // RFC 5280 5.2.4: with this extension a list holds only what changed since another list. OpenSSL's
 // patch levels disagree about such lists: 3.0.19 takes one for a complete list.
 bool is_delta(const X509_CRL* crl) { return X509_CRL_get_ext_by_NID(crl, NID_delta_crl, -1) >= 0; }
+
+/// RFC 5280 5.3.1; 0, which is unspecified, without one.
+long reason_number(const X509_REVOKED* entry) {
+  const Asn1EnumeratedPtr value(static_cast<ASN1_ENUMERATED*>(
+      X509_REVOKED_get_ext_d2i(entry, NID_crl_reason, nullptr, nullptr)));
+  return value ? ASN1_ENUMERATED_get(value.get()) : 0;
+}
+
+std::string name_of(const X509_EXTENSION* extension) {
+  char name[80] = "";
+  OBJ_obj2txt(name, sizeof name, X509_EXTENSION_get_object(const_cast<X509_EXTENSION*>(extension)),
+              0);
+  return name;
+}
+
+/// RFC 5280 5.2: a list with a critical extension that is not understood is not to be used.
+Status check_critical(const X509_EXTENSION* extension, std::initializer_list<int> understood) {
+  const int nid = OBJ_obj2nid(X509_EXTENSION_get_object(const_cast<X509_EXTENSION*>(extension)));
+  if (X509_EXTENSION_get_critical(extension) == 0 ||
+      std::ranges::find(understood, nid) != understood.end())
+    return {};
+  return fail(Code::crl_malformed,
+              {.field = name_of(extension),
+               .note = "the list has this critical extension, which is not understood here",
+               .hint = "have the CA issue the list without that extension"});
+}
+
+Status check_entry(const X509_REVOKED* entry) {
+  for (int i = 0; i < X509_REVOKED_get_ext_count(entry); ++i)
+    DDSSEC_TRY(check_critical(X509_REVOKED_get_ext(entry, i), {NID_certificate_issuer}));
+  const auto number = reason_number(entry);
+  if (number != kRemoveFromCrl) return {};
+  return fail(Code::crl_malformed,
+              {.field = "serial number " + serial_text(X509_REVOKED_get0_serialNumber(entry)),
+               .note = "the reason removeFromCRL is for delta lists only (RFC 5280 5.3.1)",
+               .hint = "have the CA issue a list without that entry"});
+}
+
+/// What OpenSSL does not look at, or only when it judges a certificate by the list.
+Status check_extensions(X509_CRL* crl) {
+  for (int i = 0; i < X509_CRL_get_ext_count(crl); ++i)
+    DDSSEC_TRY(check_critical(X509_CRL_get_ext(crl, i),
+                              {NID_issuing_distribution_point, NID_authority_key_identifier}));
+  const auto* entries = X509_CRL_get_REVOKED(crl);
+  for (int i = 0; i < sk_X509_REVOKED_num(entries); ++i)
+    DDSSEC_TRY(check_entry(sk_X509_REVOKED_value(entries, i)));
+  return {};
+}
 
 Result<Crl> from_der(BytesView der) {
   const auto* position = der.data();
@@ -26,6 +75,7 @@ Result<Crl> from_der(BytesView der) {
   if (is_delta(crl.get()))
     return fail(Code::crl_is_delta, {.expected = "a complete list of " + out->issuer,
                                      .found = "a list with deltaCRLIndicator"});
+  DDSSEC_TRY(check_extensions(crl.get()));
   const auto this_update = to_wall_time(X509_CRL_get0_lastUpdate(crl.get()));
   if (!this_update) return fail(Code::crl_malformed, {.field = "thisUpdate"});
   out->this_update = *this_update;
@@ -54,9 +104,7 @@ constexpr std::array kReasons = {
 };
 
 RevocationReason reason_of(const X509_REVOKED* entry) {
-  const Asn1EnumeratedPtr value(static_cast<ASN1_ENUMERATED*>(
-      X509_REVOKED_get_ext_d2i(entry, NID_crl_reason, nullptr, nullptr)));
-  const auto number = value ? ASN1_ENUMERATED_get(value.get()) : 0;
+  const auto number = reason_number(entry);
   const auto found = std::ranges::find_if(
       kReasons, [&](const auto& row) { return static_cast<long>(row.reason) == number; });
   return found == kReasons.end() ? RevocationReason::unspecified : found->reason;

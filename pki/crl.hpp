@@ -49,9 +49,10 @@ class Crl {
  public:
   /// Every list of a file: one DER list, or any number of PEM blocks among others (certificates in
   /// the same file are passed over). The result is empty for a PEM file without a list. One delta
-  /// list (RFC 5280 5.2.4) refuses the file. A complete list may name delta lists (freshestCRL);
-  /// nothing fetches them.
-  /// Errors: crl_malformed, crl_too_large, crl_is_delta.
+  /// list (RFC 5280 5.2.4) refuses the file, and so does a list with a critical extension that is
+  /// not understood, or with an entry that only a delta list may have. A complete list may name
+  /// delta lists (freshestCRL); nothing fetches them. Errors: crl_malformed, crl_too_large,
+  /// crl_is_delta.
   static Result<std::vector<Crl>> all_from(BytesView octets);
 
   /// Issuer name, RFC 2253.

@@ -4,6 +4,7 @@
 
 #include "fixture.hpp"
 #include "pki/openssl.hpp"
+#include "tests/support/delta_list.hpp"
 
 namespace ddssec::pki {
 namespace {
@@ -257,6 +258,42 @@ TEST_F(Revocation, AnOlderListBesideTheNewestNeverCounts) {
       EXPECT_TRUE(verifier.verify(good_.certificate, kNow + 2h));
     }
   }
+}
+
+// OpenSSL takes one of them, and which one depends on their order and scope.
+TEST_F(Revocation, OneOfSeveralListsInForceThatNamesItIsEnough) {
+  const auto numbered = [&](std::uint64_t number, std::vector<Certificate> revoked) {
+    return *ca_.make_crl({std::move(revoked), kNow, kNow + 24h, number});
+  };
+  const auto of_user_certificates = [&](const Crl& list) {
+    const std::unique_ptr<ISSUING_DIST_POINT, Deleter<ISSUING_DIST_POINT_free>> point(
+        ISSUING_DIST_POINT_new());
+    point->onlyuser = 1;
+    const auto pem =
+        test::with_extension(list, ca_, NID_issuing_distribution_point, point.get(), true);
+    return Crl::all_from(as_bytes(pem))->front();
+  };
+  const std::pair<Crl, Crl> pairs[] = {
+      {numbered(5, {}), numbered(5, {bad_.certificate})},
+      {numbered(9, {}), of_user_certificates(numbered(5, {bad_.certificate}))},
+      {of_user_certificates(numbered(9, {})), numbered(5, {bad_.certificate})}};
+  for (const auto& [clean, revoking] : pairs) {
+    for (const auto& lists : {std::vector{clean, revoking}, std::vector{revoking, clean}}) {
+      const auto verifier = make_verifier({ca_.certificate()}, lists);
+      EXPECT_CODE(verifier.verify(bad_.certificate, kNow + 1h), certificate_revoked);
+      EXPECT_TRUE(verifier.verify(good_.certificate, kNow + 1h));
+    }
+  }
+}
+
+TEST_F(Revocation, AForgedListThatNamesItRevokesNothing) {
+  const auto twin = make_ca("CN=Root");
+  const auto forged = list(twin, {good_.certificate});
+  EXPECT_TRUE(make_verifier({ca_.certificate()}, {list(ca_, {}), forged})
+                  .verify(good_.certificate, kNow + 1h));
+  EXPECT_TRUE(make_verifier({ca_.certificate(), twin.certificate()}, {list(ca_, {}), forged})
+                  .verify(good_.certificate, kNow + 1h))
+      << "another CA's list";
 }
 
 // Whoever can write to the file could otherwise take the list of the CA away.

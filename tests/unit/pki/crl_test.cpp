@@ -52,6 +52,48 @@ TEST(CrlEntries, ASerialNumberThatIsNoneIsRefused) {
   }
 }
 
+// RFC 5280 5.3.1: in a delta list only. One product would take the entry for revoked, another not.
+TEST(CrlEntries, WithTheReasonRemoveFromCrl_AreRefused) {
+  const auto ca = make_ca();
+  auto content = kMonth;
+  const std::array revoked = {make_leaf(ca).certificate};
+  content.revoked = revoked;
+  const Asn1EnumeratedPtr reason(ASN1_ENUMERATED_new());
+  const auto with_reason = [&](long number) {
+    ASN1_ENUMERATED_set(reason.get(), number);
+    return Crl::all_from(as_bytes(test::with_entry_extension(make_crl(ca, content), ca,
+                                                             NID_crl_reason, reason.get(), false)));
+  };
+  EXPECT_TRUE(with_reason(6)) << "certificateHold";
+  EXPECT_CODE(with_reason(8), crl_malformed);
+}
+
+// RFC 5280 5.2 and 5.3: such a list must not be used. OpenSSL sees it when it judges by the list.
+TEST(CrlExtensions, CriticalOnesThatAreNotUnderstood_AreRefused) {
+  const auto ca = make_ca();
+  auto content = kMonth;
+  const std::array revoked = {make_leaf(ca).certificate};
+  content.revoked = revoked;
+  const auto list = make_crl(ca, content);
+  const Asn1TimePtr time(ASN1_TIME_set(nullptr, 0));
+  for (const bool is_critical : {false, true}) {
+    const auto of_list =
+        test::with_extension(list, ca, NID_invalidity_date, time.get(), is_critical);
+    const auto of_entry =
+        test::with_entry_extension(list, ca, NID_invalidity_date, time.get(), is_critical);
+    for (const auto& text : {of_list, of_entry}) {
+      ASSERT_FALSE(text.empty());
+      const auto read = Crl::all_from(as_bytes(text));
+      if (is_critical) {
+        EXPECT_CODE(read, crl_malformed);
+        EXPECT_THAT(read.error().to_sentence(), testing::HasSubstr("Invalidity Date"));
+      } else {
+        EXPECT_TRUE(read);
+      }
+    }
+  }
+}
+
 TEST(CrlCheck, TakesTheIssuersListInItsTime) {
   const auto ca = make_ca();
   const auto crl = make_crl(ca, kMonth);
