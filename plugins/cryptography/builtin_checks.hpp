@@ -5,6 +5,7 @@
 #include "base/bytes.hpp"
 #include "base/ids.hpp"
 #include "base/result.hpp"
+#include "plugins/cryptography/fragment_walks.hpp"
 
 namespace ddssec::cryptography {
 
@@ -12,9 +13,9 @@ namespace ddssec::cryptography {
 /// of the builtin writers of discovery and liveliness, secure ones or not, may name none but
 /// `owner`, wherever they name one: in the parameters and the key of their payload, in the
 /// beginning of ParticipantMessageData, and in the key hash of inline QoS. Every other submessage
-/// passes after a look at its writer. Nothing is allocated unless it is refused. Of a fragmented
-/// sample the first piece must show the name; a second one makes Cyclone DDS refuse the sample.
-/// Errors: builtin_source_mismatch, builtin_source_unreadable.
-Status check_builtin_source(BytesView submessage, const GuidPrefix& owner);
+/// passes after a look at its writer. Only fragments, and what is refused, allocate. Errors:
+/// builtin_source_mismatch, builtin_source_unreadable; builtin_fragment_early of a fragment that
+/// must come again.
+Status check_builtin_source(BytesView submessage, const GuidPrefix& owner, WalksOfPeers& walks);
 
 }  // namespace ddssec::cryptography

@@ -20,11 +20,15 @@ Result<std::uint64_t> read_fragment(Reader& in, DataPiece& piece) {
   const auto count = DDSSEC_TRY(in.read<std::uint16_t>());
   piece.fragment_size = DDSSEC_TRY(in.read<std::uint16_t>());
   const std::uint64_t whole = DDSSEC_TRY(in.read<std::uint32_t>());
-  if (first == 0 || count == 0) return fail(Code::malformed);
+  if (first == 0 || count == 0 || piece.fragment_size == 0) return fail(Code::malformed);
   const auto begin = std::uint64_t{first - 1} * piece.fragment_size;
   if (begin >= whole) return fail(Code::malformed);
   piece.begins_sample = first == 1;
-  return std::min(std::uint64_t{count} * piece.fragment_size, whole - begin);
+  piece.first_fragment = first;
+  piece.sample_size = static_cast<std::uint32_t>(whole);
+  const auto size = std::min(std::uint64_t{count} * piece.fragment_size, whole - begin);
+  piece.fragments_size = static_cast<std::uint32_t>(size);
+  return size;
 }
 
 Result<BytesView> read_inline_qos(Reader& in) {

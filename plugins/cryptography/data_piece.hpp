@@ -17,6 +17,9 @@ struct DataPiece {
   bool is_fragment;           ///< of DATA_FRAG
   bool begins_sample = true;  ///< false: a later fragment
   std::uint16_t fragment_size = 0;
+  std::uint32_t first_fragment = 1;  ///< counted from 1
+  std::uint32_t sample_size = 0;     ///< of DATA_FRAG: of the whole sample
+  std::uint32_t fragments_size = 0;  ///< of DATA_FRAG: what its payload must have at least
   Endian endian;
   BytesView inline_qos;  ///< parameters up to the sentinel, which is left out
   BytesView payload;     ///< of this piece, from the encapsulation on

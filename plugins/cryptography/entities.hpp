@@ -19,6 +19,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "plugins/cryptography/fragment_walks.hpp"
 #include "plugins/cryptography/key_life.hpp"
 #include "plugins/cryptography/key_owner.hpp"
 #include "plugins/cryptography/receive_key.hpp"
@@ -115,6 +116,7 @@ struct RemoteParticipant final : Entity {
   std::unordered_map<std::int64_t, std::unique_ptr<Pair>> pairs;  ///< by local participant
   Published<PairTable> pair_table;
   Routes routes;  ///< of its endpoints that protect submessages
+  mutable FragmentWalks walks = {};
 
   /// Under a ReadGuard: what it has with that local participant, or nullptr.
   Pair* pair(std::int64_t local) const {

@@ -56,11 +56,11 @@ Error unreadable() {
 
 /// Why the sender's part ends before this submessage, if it does. `source` is who speaks.
 std::optional<Error> end_before(BytesView rest, std::size_t size, const GuidPrefix& sender,
-                                GuidPrefix& source) {
+                                GuidPrefix& source, WalksOfPeers& walks) {
   const auto id = rest[0];
   if (id == submessage_id::kSecPrefix && !is_of_one_order(rest, size)) return unreadable();
   if (id != submessage_id::kInfoSource) {
-    auto status = check_builtin_source(rest.first(size), source);
+    auto status = check_builtin_source(rest.first(size), source, walks);
     return status ? std::nullopt : std::optional(std::move(status).error());
   }
   if (size < kInfoSourceSize) return unreadable();
@@ -105,19 +105,24 @@ Status check_name(std::string_view field, const GuidPrefix& expected, const Guid
 
 }  // namespace
 
-SenderPart part_of_sender(BytesView content, const GuidPrefix& sender) {
+SenderPart part_of_sender(BytesView content, const GuidPrefix& sender, WalksOfPeers& walks) {
   auto source = sender;
+  std::vector<std::size_t> early;
   for (auto rest = content; !rest.empty();) {
     const auto here = content.size() - rest.size();
     const auto size = size_of_first(rest);
-    if (!size) return {here, unreadable()};
-    if (auto ended = end_before(rest, *size, sender, source)) {
+    if (!size) return {here, unreadable(), std::nullopt, std::move(early)};
+    auto ended = end_before(rest, *size, sender, source, walks);
+    if (ended && ended->code() == Code::builtin_fragment_early) {
+      early.push_back(here);
+    } else if (ended) {
       const bool by_name = ended->code() == Code::info_source_mismatch;
-      return {here, std::move(ended), by_name ? std::optional(source) : std::nullopt};
+      return {here, std::move(ended), by_name ? std::optional(source) : std::nullopt,
+              std::move(early)};
     }
     rest = rest.subspan(*size);
   }
-  return {content.size(), std::nullopt};
+  return {content.size(), std::nullopt, std::nullopt, std::move(early)};
 }
 
 Status check_token_source(BytesView submessage, bool is_key_exchange,

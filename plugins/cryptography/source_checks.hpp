@@ -4,10 +4,12 @@
 
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 #include "base/bytes.hpp"
 #include "base/ids.hpp"
 #include "base/result.hpp"
+#include "plugins/cryptography/fragment_walks.hpp"
 
 namespace ddssec::cryptography {
 
@@ -17,6 +19,8 @@ struct SenderPart {
   /// info_source_mismatch, secure_group_malformed, or one of check_builtin_source
   std::optional<Error> ended;
   std::optional<GuidPrefix> named = {};  ///< by the INFO_SRC that ended it
+  /// Where fragments of discovery begin that must come again: the host must not see them.
+  std::vector<std::size_t> early = {};
 };
 
 /// Walks the submessages of a protected message as Cyclone DDS does. `content` is what follows the
@@ -25,8 +29,8 @@ struct SenderPart {
 /// (DDS-Security 9.3.3), and Cyclone DDS puts what the participants of one process say into one
 /// message. It also ends before discovery or liveliness, in the clear inside of the message, that
 /// speaks of another than the last INFO_SRC names (builtin_checks.hpp). Nothing is allocated unless
-/// something ended it.
-SenderPart part_of_sender(BytesView content, const GuidPrefix& sender);
+/// something ended it, or there are fragments of discovery.
+SenderPart part_of_sender(BytesView content, const GuidPrefix& sender, WalksOfPeers& walks);
 
 /// Checks one decrypted submessage of a writer. What the volatile secure writer sends must be
 /// protected by the key exchange, and nothing else may be. A token message must name as its source,

@@ -219,6 +219,15 @@ Status keep_tokens(Shared& shared, const RemoteEndpoint& sender, const Pair& pai
   return {};
 }
 
+class WalksOfOne final : public WalksOfPeers {
+ public:
+  explicit WalksOfOne(FragmentWalks& walks) : walks_(walks) {}
+  FragmentWalks* of(const GuidPrefix&) override { return &walks_; }
+
+ private:
+  FragmentWalks& walks_;
+};
+
 /// The same for a host that would believe whatever source, and whatever endpoint, it names.
 Status check_source_named(Shared& shared, const RemoteEndpoint& sender, MutableBytes plain) {
   if (shared.host_checks_sources) return {};
@@ -227,10 +236,12 @@ Status check_source_named(Shared& shared, const RemoteEndpoint& sender, MutableB
   auto status = check_token_source(plain, sender.local.is_volatile, pair->peer_prefix);
   if (status) {
     DDSSEC_TRY(check_speaker(sender, plain));
-    if (pair->peer_prefix) status = check_builtin_source(plain, *pair->peer_prefix);
+    WalksOfOne walks(sender.participant.walks);
+    if (pair->peer_prefix) status = check_builtin_source(plain, *pair->peer_prefix, walks);
   }
   if (status && sender.local.is_volatile) status = keep_tokens(shared, sender, *pair, plain);
-  if (!status && status.error().code() != Code::crypto_tokens_repeated)
+  if (!status && status.error().code() != Code::crypto_tokens_repeated &&
+      status.error().code() != Code::builtin_fragment_early)
     shared.report(status.error(), pair->peer_prefix);
   return status;
 }
@@ -344,20 +355,46 @@ Result<std::size_t> Transform::decode_rtps_message(spi::ParticipantCryptoHandle 
                                      : keep_part_of_sender(receiver, sender, out.first(size));
 }
 
-/// Whether that is the prefix of a peer that has authenticated with the local participant. Nothing
+/// The peer with that prefix that has authenticated with the local participant, or null. Nothing
 /// while another thread changes them.
-std::optional<bool> is_peer(const Shared& shared, const LocalParticipant& local,
-                            const GuidPrefix& prefix) {
+std::optional<const RemoteParticipant*> find_peer(const Shared& shared,
+                                                  const LocalParticipant& local,
+                                                  const GuidPrefix& prefix) {
   const std::unique_lock lock(shared.mutex, std::try_to_lock);
   if (!lock.owns_lock()) return std::nullopt;
-  return std::ranges::any_of(local.matched, [&](std::int64_t handle) {
+  for (const auto handle : local.matched) {
     const auto remote =
         shared.registry.find<RemoteParticipant>(handle, EntityKind::remote_participant);
-    if (!remote) return false;
+    if (!remote) continue;
     const auto pair = (*remote)->pairs.find(local.handle());
-    return pair != (*remote)->pairs.end() && pair->second->peer_prefix == prefix;
-  });
+    if (pair != (*remote)->pairs.end() && pair->second->peer_prefix == prefix) return *remote;
+  }
+  return nullptr;
 }
+
+/// Of the sender of a message, and of others in its process.
+class WalksInMessage final : public WalksOfPeers {
+ public:
+  WalksInMessage(const Shared& shared, spi::ParticipantCryptoHandle receiver,
+                 spi::ParticipantCryptoHandle sender, const GuidPrefix& prefix)
+      : shared_(shared), receiver_(receiver), sender_(sender), prefix_(prefix) {}
+
+  FragmentWalks* of(const GuidPrefix& owner) override {
+    if (owner == prefix_) {
+      const auto remote = shared_.remote_participant(sender_);
+      return remote ? &(*remote)->walks : nullptr;
+    }
+    const auto local = shared_.local_participant(receiver_);
+    if (!local) return nullptr;
+    const auto peer = find_peer(shared_, **local, owner);
+    return peer && *peer != nullptr ? &(*peer)->walks : nullptr;
+  }
+
+ private:
+  const Shared& shared_;
+  const spi::ParticipantCryptoHandle receiver_, sender_;
+  const GuidPrefix& prefix_;
+};
 
 /// Cyclone DDS sends what participants of one process say in one message, under the key of one of
 /// them. So a message in another peer's name can be honest: that is said once of each, and no more
@@ -370,9 +407,9 @@ void Transform::report_end(spi::ParticipantCryptoHandle receiver,
   const auto remote = shared_.remote_participant(sender);
   auto* const pair = remote ? (*remote)->pair(receiver.value) : nullptr;
   if (!part.named || !local || pair == nullptr) return shared_.report(*part.ended, prefix);
-  const auto names_a_peer = is_peer(shared_, **local, *part.named);
-  if (!names_a_peer) return;  // it is said next time
-  if (!*names_a_peer) return shared_.report(*part.ended, prefix);
+  const auto peer = find_peer(shared_, **local, *part.named);
+  if (!peer) return;  // it is said next time
+  if (*peer == nullptr) return shared_.report(*part.ended, prefix);
   if (pair->names_spoken.note(*part.named))
     shared_.report(Error(Code::info_source_of_peer, part.ended->details()), prefix);
 }
@@ -382,9 +419,13 @@ void Transform::report_end(spi::ParticipantCryptoHandle receiver,
 std::size_t Transform::keep_part_of_sender(spi::ParticipantCryptoHandle receiver,
                                            spi::ParticipantCryptoHandle sender,
                                            MutableBytes message) {
+  constexpr std::uint8_t kPad = 0x01;
   const auto content = message.subspan(kRtpsHeaderSize);
   const auto prefix = GuidPrefix::from(message.subspan(8, GuidPrefix::size));
-  const auto part = part_of_sender(content, prefix);
+  const ReadGuard guard;
+  WalksInMessage walks(shared_, receiver, sender, prefix);
+  const auto part = part_of_sender(content, prefix, walks);
+  for (const auto at : part.early) content[at] = kPad;
   if (part.ended) [[unlikely]] {
     wipe(content.subspan(part.size));
     report_end(receiver, sender, part, prefix);

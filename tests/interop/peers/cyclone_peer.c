@@ -148,11 +148,19 @@ static dds_entity_t create_domain(const struct peer_options* options) {
   return dds_create_domain(options->domain, text);
 }
 
+static void set_user_data(dds_qos_t* qos, const struct peer_options* options) {
+  if (options->user_data == 0) return;
+  void* const octets = calloc(options->user_data, 1);
+  if (octets != NULL) dds_qset_userdata(qos, octets, options->user_data);
+  free(octets);
+}
+
 static dds_entity_t create_participant(const struct peer_options* options) {
   dds_qos_t* qos = dds_create_qos();
   if (!options->plain) set_security(qos, options);
   for (size_t i = 0; i < options->properties; ++i)
     dds_qset_prop(qos, options->property_name[i], options->property_value[i]);
+  set_user_data(qos, options);
   const dds_entity_t participant = dds_create_participant(options->domain, qos, NULL);
   dds_delete_qos(qos);
   return participant;
@@ -182,6 +190,7 @@ static dds_entity_t create_endpoint(dds_entity_t group, dds_entity_t topic,
     dds_qset_prop(qos, "dds.sec.crypto.keysize", options->security[PEER_KEYSIZE]);
   if (!options->plain && options->security[PEER_CIPHER] != NULL)
     dds_qset_prop(qos, "dds.sec.crypto.symmetric_cipher_algorithm", options->security[PEER_CIPHER]);
+  set_user_data(qos, options);
   const dds_entity_t endpoint = options->publish ? dds_create_writer(group, topic, qos, NULL)
                                                  : dds_create_reader(group, topic, qos, NULL);
   dds_delete_qos(qos);
@@ -197,6 +206,10 @@ static dds_entity_t join(const struct peer_options* options, dds_entity_t* parti
   if (topic < 0) return -peer_refused("topic", dds_strretcode(-topic));
   const dds_entity_t group = create_group(*participant, options);
   if (group < 0) return -peer_refused("publisher or subscriber", dds_strretcode(-group));
+  // With large announcements there are two endpoints: the later one shows that the first, which is
+  // not used, has not held it up.
+  if (options->user_data > 0 && create_endpoint(group, topic, options) < 0)
+    return -peer_refused("endpoint", "the first one");
   const dds_entity_t endpoint = create_endpoint(group, topic, options);
   if (endpoint < 0) return -peer_refused("endpoint", dds_strretcode(-endpoint));
   return endpoint;

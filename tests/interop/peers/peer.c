@@ -10,7 +10,7 @@
 #include <time.h>
 
 static const char color[] = "BLUE";
-enum { MAX_SAMPLES = 100000, MAX_PAYLOAD = 64 << 20, MAX_INTERVAL = 60000 };
+enum { MAX_SAMPLES = 100000, MAX_PAYLOAD = 64 << 20, MAX_USER_DATA = 60000, MAX_INTERVAL = 60000 };
 
 static volatile sig_atomic_t stopped;
 
@@ -57,6 +57,7 @@ static void usage(const char* program, int status) {
       "                 [--password P] [--crl F] [--keysize 128|256] [--cipher NAME]\n"
       "       [--plugins auth=NAME,ac=NAME,crypto=NAME]   (Cyclone DDS only)\n"
       "       [--companion CERTIFICATE,KEY,PERMISSIONS,SAMPLES]   (Cyclone DDS only)\n"
+      "       [--user-data OCTETS]   (Cyclone DDS only)\n"
       "       [--property NAME=VALUE]...\n"
       "exit: 0 all samples seen or acknowledged, 2 usage, 3 refused, 4 no match, 5 no samples\n",
       program);
@@ -113,6 +114,7 @@ enum {
   OPT_PEER,
   OPT_PLUGINS,
   OPT_COMPANION,
+  OPT_USER_DATA,
   OPT_PROPERTY,
   OPT_HELP
 };
@@ -145,6 +147,7 @@ static const struct option table[] = {
     {"peer", 1, NULL, OPT_PEER},
     {"plugins", 1, NULL, OPT_PLUGINS},
     {"companion", 1, NULL, OPT_COMPANION},
+    {"user-data", 1, NULL, OPT_USER_DATA},
     {"property", 1, NULL, OPT_PROPERTY},
     {"help", 0, NULL, OPT_HELP},
     {NULL, 0, NULL, 0}};
@@ -195,6 +198,9 @@ static void apply(const char* program, int option, struct peer_options* options,
       break;
     case OPT_INTERVAL:
       options->interval = number(program, optarg, MAX_INTERVAL);
+      break;
+    case OPT_USER_DATA:
+      options->user_data = number(program, optarg, MAX_USER_DATA);
       break;
     case OPT_ADDRESS:
       options->address = optarg;

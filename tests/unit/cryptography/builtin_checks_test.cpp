@@ -57,9 +57,11 @@ Bytes liveliness(const GuidPrefix& prefix, std::uint8_t encoding) {
   return out;
 }
 
-Code code(const DataMessage& message) {
-  return code_of(check_builtin_source(message.octets(), kPeer));
+Status check(BytesView octets) {
+  OneOwner walks;
+  return check_builtin_source(octets, kPeer, walks);
 }
+Code code(const DataMessage& message) { return code_of(check(message.octets())); }
 
 /// Both byte orders, as data and as a key; the payload may be in another order than its submessage.
 template <class F>
@@ -131,7 +133,7 @@ TEST(BuiltinSource, OfAnotherIsRefusedWhereverItStands) {
 TEST(BuiltinSource, TheErrorNamesBothAndTheWriter) {
   const DataMessage message{.writer = kEndpointWriters[1],
                             .payload = list({{kEndpointGuid, guid_of(kVictim)}}, true)};
-  const auto status = check_builtin_source(message.octets(), kPeer);
+  const auto status = check(message.octets());
   ASSERT_EQ(code_of(status), Code::builtin_source_mismatch);
   EXPECT_EQ(status.error().details().expected, kPeer.to_string());
   EXPECT_EQ(status.error().details().found, kVictim.to_string());
@@ -175,15 +177,13 @@ TEST(BuiltinSource, CutOffAnywhereIsRefused) {
     const DataMessage message{.writer = writer, .payload = list({{id, guid_of(kPeer)}}, true)};
     const auto whole = message.octets();
     for (std::size_t size = 16; size < whole.size(); ++size)
-      EXPECT_EQ(code_of(check_builtin_source(BytesView(whole).first(size), kPeer)),
-                Code::builtin_source_unreadable)
+      EXPECT_EQ(code_of(check(BytesView(whole).first(size))), Code::builtin_source_unreadable)
           << size;
   }
   const DataMessage message{.writer = kLivelinessWriters[0], .payload = liveliness(kPeer, 1)};
   const auto whole = message.octets();
   for (std::size_t size = 16; size < 24 + 16; ++size)
-    EXPECT_EQ(code_of(check_builtin_source(BytesView(whole).first(size), kPeer)),
-              Code::builtin_source_unreadable)
+    EXPECT_EQ(code_of(check(BytesView(whole).first(size))), Code::builtin_source_unreadable)
         << size;
 }
 
@@ -207,35 +207,16 @@ TEST(BuiltinSource, UnreadableIsRefused) {
   EXPECT_TRUE(refused({.writer = writer, .to_inline_qos = 12, .payload = list({own}, true)}));
 }
 
-TEST(BuiltinSource, TheFirstFragmentShowsTheKey) {
-  auto payload = list({{kEndpointGuid, guid_of(kPeer)}, {kTopicName, Bytes(200, 1)}}, true);
-  DataMessage message{.writer = kEndpointWriters[1],
+TEST(BuiltinSource, LivelinessComesWhole) {
+  DataMessage message{.writer = kLivelinessWriters[1],
                       .flags = 0,
-                      .payload = Bytes(payload.begin(), payload.begin() + 60),
-                      .fragment = Fragment{.size = 60, .whole = 256}};
+                      .payload = liveliness(kPeer, 1),
+                      .fragment = Fragment{.size = 24, .whole = 24}};
   EXPECT_EQ(code(message), Code{});
-  message.flags = 0x04;  // of a key
-  EXPECT_EQ(code(message), Code{});
-  // What is beyond the fragment's own size is not there.
-  message.fragment->size = 36;
-  EXPECT_EQ(code(message), Code::builtin_source_unreadable);
-  // Another name is none: Cyclone DDS looks for the key, which could follow.
-  for (const auto id : {kParticipantGuid, kKeyHash}) {
-    payload = list({{id, guid_of(kPeer)}, {kTopicName, Bytes(200, 1)}}, true);
-    message.payload.assign(payload.begin(), payload.begin() + 60);
-    message.fragment->size = 60;
-    EXPECT_EQ(code(message), Code::builtin_source_unreadable);
-  }
-  payload = list({{kEndpointGuid, guid_of(kVictim)}}, true);
-  message.payload.assign(payload.begin(), payload.begin() + 40);
-  message.fragment->size = 40;
+  message.payload = liveliness(kVictim, 1);
   EXPECT_EQ(code(message), Code::builtin_source_mismatch);
-  message.fragment->first = 2;  // what follows names nothing
-  EXPECT_EQ(code(message), Code{});
-  message = {.writer = kLivelinessWriters[1],
-             .flags = 0,
-             .payload = liveliness(kPeer, 1),
-             .fragment = Fragment{.size = 12, .whole = 24}};
+  message.payload = liveliness(kPeer, 1);
+  message.fragment->size = 16;
   EXPECT_EQ(code(message), Code::builtin_source_unreadable);
 }
 
@@ -243,8 +224,8 @@ TEST(BuiltinSource, OthersPass) {
   EXPECT_EQ(code({.writer = {{0, 0, 1, 3}}, .payload = Bytes(40, 1)}), Code{});
   EXPECT_EQ(code({.writer = {{0, 0, 1, 2}}, .payload = Bytes(40, 1)}), Code{});
   EXPECT_EQ(code({.writer = {{0, 2, 1, 0xc3}}, .payload = Bytes(40, 1)}), Code{});
-  EXPECT_TRUE(check_builtin_source(data_submessage(28, submessage_id::kHeartbeat), kPeer));
-  EXPECT_TRUE(check_builtin_source(Bytes{0x15, 1, 0, 0}, kPeer));
+  EXPECT_TRUE(check(data_submessage(28, submessage_id::kHeartbeat)));
+  EXPECT_TRUE(check(Bytes{0x15, 1, 0, 0}));
 }
 
 // ---- inside of a protected message
@@ -256,6 +237,7 @@ Bytes info_source(const GuidPrefix& prefix) {
 }
 
 TEST(BuiltinSource, InAProtectedMessageIsThatOfTheLastInfoSource) {
+  OneOwner walks;
   constexpr GuidPrefix kSibling{{0x81, 2, 3, 4, 5, 6, 70, 80, 90, 100, 110, 120}};
   const auto own = DataMessage{.writer = kLivelinessWriters[0], .payload = liveliness(kPeer, 1)};
   const auto siblings =
@@ -265,16 +247,16 @@ TEST(BuiltinSource, InAProtectedMessageIsThatOfTheLastInfoSource) {
   const auto first = content.size();
   append(content, info_source(kSibling));
   append(content, siblings.octets());
-  EXPECT_EQ(part_of_sender(content, kPeer).size, content.size());
+  EXPECT_EQ(part_of_sender(content, kPeer, walks).size, content.size());
   const auto whole = content.size();
   append(content, own.octets());  // by a sibling
-  const auto part = part_of_sender(content, kPeer);
+  const auto part = part_of_sender(content, kPeer, walks);
   EXPECT_EQ(part.size, whole);
   ASSERT_TRUE(part.ended);
   EXPECT_EQ(part.ended->code(), Code::builtin_source_mismatch);
   content.resize(first);
   append(content, siblings.octets());
-  EXPECT_EQ(part_of_sender(content, kPeer).size, first);
+  EXPECT_EQ(part_of_sender(content, kPeer, walks).size, first);
 }
 
 // ---- in the engine

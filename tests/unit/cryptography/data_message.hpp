@@ -36,6 +36,12 @@ inline Bytes generic_message(const GuidPrefix& source, const GuidPrefix& endpoin
   return out;
 }
 
+/// The fragments of one participant, whatever it is called.
+struct OneOwner final : WalksOfPeers {
+  FragmentWalks* of(const GuidPrefix&) override { return &walks; }
+  FragmentWalks walks;
+};
+
 /// Of a DATA_FRAG.
 struct Fragment {
   std::uint32_t first = 1;    ///< fragmentStartingNum

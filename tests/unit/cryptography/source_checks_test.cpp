@@ -165,6 +165,7 @@ Bytes info_source(const GuidPrefix& prefix, bool little = true, std::size_t more
   out.resize(out.size() + more);
   return out;
 }
+OneOwner walks;
 Bytes joined(std::initializer_list<Bytes> parts) {
   Bytes out;
   for (const auto& part : parts) append(out, part);
@@ -175,7 +176,7 @@ TEST(SenderPart, GoesOnAsItselfAndAsSiblings) {
   const auto content = joined({info_source(kPeer), data_submessage(16), info_source(kSibling),
                                data_submessage(8), info_source(kPeer, false), Bytes{0x01, 1, 0, 0},
                                Bytes{0x09, 0, 0, 0}, data_submessage(20)});
-  const auto part = part_of_sender(content, kPeer);
+  const auto part = part_of_sender(content, kPeer, walks);
   EXPECT_EQ(part.size, content.size());
   EXPECT_FALSE(part.ended);
 }
@@ -186,7 +187,7 @@ TEST(SenderPart, EndsWhereItSpeaksAsAnother) {
       const auto own = joined({info_source(kPeer), data_submessage(16)});
       const auto content = joined(
           {own, info_source(kVictim, little, more), data_submessage(16), info_source(kPeer)});
-      const auto part = part_of_sender(content, kPeer);
+      const auto part = part_of_sender(content, kPeer, walks);
       EXPECT_EQ(part.size, own.size());
       ASSERT_TRUE(part.ended);
       EXPECT_EQ(part.ended->code(), Code::info_source_mismatch);
@@ -196,14 +197,14 @@ TEST(SenderPart, EndsWhereItSpeaksAsAnother) {
   // Six octets, not five.
   auto near = kSibling;
   near.octets[5] ^= 1;
-  EXPECT_TRUE(part_of_sender(info_source(near), kPeer).ended);
+  EXPECT_TRUE(part_of_sender(info_source(near), kPeer, walks).ended);
 }
 
 TEST(SenderPart, CutOffAnywhereSpeaksForNobodyElse) {
   const auto own = joined({info_source(kPeer), data_submessage(16)});
   const auto content = joined({own, info_source(kVictim), data_submessage(16)});
   for (std::size_t size = 0; size <= content.size(); ++size) {
-    const auto part = part_of_sender(BytesView(content).first(size), kPeer);
+    const auto part = part_of_sender(BytesView(content).first(size), kPeer, walks);
     EXPECT_LE(part.size, std::min(size, own.size()));
     EXPECT_EQ(part.ended.has_value(), part.size < size) << size;
   }
@@ -216,13 +217,13 @@ TEST(SenderPart, NothingHidesInAGroupThatIsReadInTwoWays) {
   body.resize(20);
   auto content = joined({info_source(kPeer), prefix, body, postfix, info_source(kVictim)});
   content.resize(24 + 8 + 4 + 4096 + 8);
-  const auto part = part_of_sender(content, kPeer);
+  const auto part = part_of_sender(content, kPeer, walks);
   EXPECT_EQ(part.size, 24u);
   ASSERT_TRUE(part.ended);
   EXPECT_EQ(part.ended->code(), Code::secure_group_malformed);
   body[1] = 1;
   const auto group = joined({info_source(kPeer), prefix, body, postfix, data_submessage(8)});
-  EXPECT_EQ(part_of_sender(group, kPeer).size, group.size());
+  EXPECT_EQ(part_of_sender(group, kPeer, walks).size, group.size());
 }
 
 // ---- in the engine

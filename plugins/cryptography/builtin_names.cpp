@@ -1,0 +1,128 @@
+#include "plugins/cryptography/builtin_names.hpp"
+
+#include <algorithm>
+#include <string>
+
+namespace ddssec::cryptography {
+namespace {
+
+/// Parameters that name a participant or one of its entities by a GUID (RTPS 9.6.3).
+namespace parameter_id {
+constexpr std::uint16_t kSentinel = 0x0001, kParticipantGuid = 0x0050, kEndpointGuid = 0x005a,
+                        kKeyHash = 0x0070, kCycloneTopicGuid = 0x801b;
+}  // namespace parameter_id
+
+constexpr std::array kTopics = {
+    BuiltinTopic{{{0x00, 0x01, 0x00, 0xc2}}, parameter_id::kParticipantGuid},
+    BuiltinTopic{{{0xff, 0x01, 0x01, 0xc2}}, parameter_id::kParticipantGuid},
+    BuiltinTopic{{{0x00, 0x00, 0x03, 0xc2}}, parameter_id::kEndpointGuid},
+    BuiltinTopic{{{0xff, 0x00, 0x03, 0xc2}}, parameter_id::kEndpointGuid},
+    BuiltinTopic{{{0x00, 0x00, 0x04, 0xc2}}, parameter_id::kEndpointGuid},
+    BuiltinTopic{{{0xff, 0x00, 0x04, 0xc2}}, parameter_id::kEndpointGuid},
+    BuiltinTopic{{{0x00, 0x00, 0x02, 0xc2}}, parameter_id::kCycloneTopicGuid},
+    BuiltinTopic{{{0x00, 0x02, 0x00, 0xc2}}, 0},
+    BuiltinTopic{{{0xff, 0x02, 0x00, 0xc2}}, 0},
+};
+
+constexpr std::string_view kDocument = "a discovery or liveliness message";
+
+/// What a parameter is called if it names something.
+const char* name_of(const BuiltinTopic& topic, std::uint16_t id) {
+  return id == parameter_id::kParticipantGuid ? "PID_PARTICIPANT_GUID"
+         : id == parameter_id::kEndpointGuid  ? "PID_ENDPOINT_GUID"
+         : id == parameter_id::kKeyHash       ? "PID_KEY_HASH"
+         : id == topic.key                    ? "PID_CYCLONE_TOPIC_GUID"
+                                              : nullptr;
+}
+
+}  // namespace
+
+const BuiltinTopic* builtin_topic_of(const EntityId& writer) {
+  constexpr std::uint8_t kBuiltinKeyedWriter = 0xc2;
+  if (writer.octets[3] != kBuiltinKeyedWriter) return nullptr;
+  const auto found = std::ranges::find(kTopics, writer, &BuiltinTopic::writer);
+  return found == kTopics.end() ? nullptr : &*found;
+}
+
+Status check_name(const BuiltinTopic& topic, const GuidPrefix& owner, std::string_view field,
+                  BytesView guid) {
+  if (guid.size() < GuidPrefix::size) return unreadable_name(topic, "a GUID is too short");
+  const auto found = GuidPrefix::from(guid.first(GuidPrefix::size));
+  if (found == owner) return {};
+  return fail(Code::builtin_source_mismatch, {.document = std::string(kDocument),
+                                              .field = std::string(field),
+                                              .expected = owner.to_string(),
+                                              .found = found.to_string(),
+                                              .note = "by writer " + topic.writer.to_string()});
+}
+
+std::unexpected<Error> unreadable_name(const BuiltinTopic& topic, std::string_view why) {
+  return fail(Code::builtin_source_unreadable,
+              {.document = std::string(kDocument),
+               .note = std::string(why) + ", by writer " + topic.writer.to_string()});
+}
+
+Status ParameterWalk::read(const BuiltinTopic& topic, const GuidPrefix& owner, BytesView octets) {
+  while (state_ != State::ended && !octets.empty()) {
+    const auto skipped = std::min<std::size_t>(to_skip_, octets.size());
+    to_skip_ -= static_cast<std::uint32_t>(skipped);
+    octets = octets.subspan(skipped);
+    const auto taken = std::min(wanted_ - filled_, octets.size());
+    std::copy_n(octets.begin(), taken, part_.begin() + static_cast<std::ptrdiff_t>(filled_));
+    octets = octets.subspan(taken);
+    filled_ += taken;
+    if (filled_ == wanted_) DDSSEC_TRY(take(topic, owner));
+  }
+  return {};
+}
+
+Status ParameterWalk::check_end(const BuiltinTopic& topic) const {
+  if (state_ == State::encapsulation) return unreadable_name(topic, "it is too short");
+  if (state_ != State::ended) return unreadable_name(topic, "its parameters have lengths that lie");
+  return has_name_ ? Status() : unreadable_name(topic, "it names nothing");
+}
+
+Status ParameterWalk::take(const BuiltinTopic& topic, const GuidPrefix& owner) {
+  filled_ = 0;
+  wanted_ = kHeaderSize;
+  if (state_ == State::encapsulation) return begin_list(topic);
+  if (state_ == State::header) return begin_parameter(topic);
+  state_ = State::header;
+  to_skip_ = length_ - static_cast<std::uint32_t>(GuidPrefix::size);
+  has_name_ = true;
+  return check_name(topic, owner, name_of(topic, id_), part_);
+}
+
+Status ParameterWalk::begin_list(const BuiltinTopic& topic) {
+  constexpr std::uint8_t kBig = 2, kLittle = 3;
+  if (part_[0] != 0 || (part_[1] != kBig && part_[1] != kLittle))
+    return unreadable_name(topic, "its encapsulation is not a parameter list");
+  is_little_ = part_[1] == kLittle;
+  state_ = State::header;
+  return {};
+}
+
+Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
+  id_ = word(0);
+  length_ = word(2);
+  if (id_ == parameter_id::kSentinel) {
+    state_ = State::ended;
+    return {};
+  }
+  if (length_ % 4 != 0) return unreadable_name(topic, "its parameters have lengths that lie");
+  if (name_of(topic, id_) == nullptr) {
+    to_skip_ = length_;
+    return {};
+  }
+  if (length_ < GuidPrefix::size) return unreadable_name(topic, "a GUID is too short");
+  state_ = State::name;
+  wanted_ = GuidPrefix::size;
+  return {};
+}
+
+std::uint16_t ParameterWalk::word(std::size_t at) const {
+  const auto high = part_[is_little_ ? at + 1 : at], low = part_[is_little_ ? at : at + 1];
+  return static_cast<std::uint16_t>(high << 8 | low);
+}
+
+}  // namespace ddssec::cryptography

@@ -1,0 +1,231 @@
+// Announcements in fragments, as Cyclone DDS sends them and as a liar would.
+#include "plugins/cryptography/fragment_walks.hpp"
+
+#include <gtest/gtest.h>
+
+#include "plugins/cryptography/builtin_checks.hpp"
+#include "tests/unit/cryptography/data_message.hpp"
+#include "tests/unit/cryptography/two_sides.hpp"
+
+namespace ddssec::cryptography {
+namespace {
+
+using namespace testing;
+
+constexpr std::uint16_t kUserData = 0x2c, kEndpointGuid = 0x5a, kSentinel = 1;
+constexpr std::uint16_t kFragmentSize = 1344;  // Cyclone DDS
+constexpr EntityId kPublications{{0xff, 0, 3, 0xc2}};
+
+void append_parameter(Bytes& out, std::uint16_t id, const Bytes& value, bool little = true) {
+  append(out, id, 2, little);
+  append(out, value.size(), 2, little);
+  append(out, value);
+}
+Bytes guid_of(const GuidPrefix& prefix) {
+  auto out = to_bytes(prefix.view());
+  append(out, Bytes{0, 0, 1, 3});
+  return out;
+}
+/// User data, then the key, as Cyclone DDS orders them.
+Bytes announcement(const GuidPrefix& of, std::size_t user_data, bool little = true) {
+  Bytes out = {0, static_cast<std::uint8_t>(little ? 3 : 2), 0, 0};
+  append_parameter(out, kUserData, Bytes(user_data, 0x50), little);
+  append_parameter(out, kEndpointGuid, guid_of(of), little);
+  append_parameter(out, kSentinel, {}, little);
+  return out;
+}
+
+class FragmentWalksTest : public ::testing::Test {
+ protected:
+  /// The fragment of that number, counted from 1, of a sample.
+  Code pass(const Bytes& sample, std::uint32_t fragment, std::uint32_t number = 1,
+            std::uint16_t size = kFragmentSize) {
+    const auto from = (fragment - 1) * std::size_t{size};
+    const auto to = std::min(from + size, sample.size());
+    DataMessage message{
+        .writer = kPublications,
+        .flags = 0,
+        .number = number,
+        .payload = Bytes(sample.begin() + static_cast<std::ptrdiff_t>(from),
+                         sample.begin() + static_cast<std::ptrdiff_t>(to)),
+        .fragment = Fragment{
+            .first = fragment, .size = size, .whole = static_cast<std::uint32_t>(sample.size())}};
+    return code_of(check_builtin_source(message.octets(), kPeer, walks_));
+  }
+  static std::uint32_t fragments(const Bytes& sample, std::uint16_t size = kFragmentSize) {
+    return static_cast<std::uint32_t>((sample.size() + size - 1) / size);
+  }
+  /// In order; what ended it.
+  Code pass_all(const Bytes& sample, std::uint32_t number = 1, std::uint16_t size = kFragmentSize) {
+    for (std::uint32_t one = 1; one <= fragments(sample, size); ++one)
+      if (const auto code = pass(sample, one, number, size); code != Code{}) return code;
+    return {};
+  }
+  OneOwner walks_;
+};
+
+TEST_F(FragmentWalksTest, HonestOnesOfAnySizePass) {
+  std::uint32_t number = 0;
+  for (const bool little : {true, false}) {
+    // Each place of the key relative to the first fragment's end.
+    for (std::size_t size = 1300; size <= 1360; size += 4)
+      EXPECT_EQ(pass_all(announcement(kPeer, size, little), ++number), Code{}) << size;
+    for (const std::size_t size : {1400, 3000, 20'000, 65'000})
+      EXPECT_EQ(pass_all(announcement(kPeer, size, little), ++number), Code{}) << size;
+  }
+  for (const std::uint16_t size : {5, 9, 16, 30, 100})
+    EXPECT_EQ(pass_all(announcement(kPeer, 200), ++number, size), Code{}) << size;
+}
+
+TEST_F(FragmentWalksTest, AnotherNameIsRefusedWhereItsPrefixEnds) {
+  std::uint32_t number = 0;
+  for (std::size_t size = 1300; size <= 1360; size += 4)
+    EXPECT_EQ(pass_all(announcement(kVictim, size), ++number), Code::builtin_source_mismatch)
+        << size;
+  EXPECT_EQ(pass_all(announcement(kVictim, 20'000), ++number), Code::builtin_source_mismatch);
+  // Behind the sender's own, too.
+  auto both = announcement(kPeer, 100);
+  both.resize(both.size() - 4);
+  append_parameter(both, kUserData, Bytes(3000, 0x50));
+  append_parameter(both, kEndpointGuid, guid_of(kVictim));
+  append_parameter(both, kSentinel, {});
+  EXPECT_EQ(pass_all(both, ++number), Code::builtin_source_mismatch);
+}
+
+TEST_F(FragmentWalksTest, WhatEndsWithoutANameIsRefused) {
+  auto nothing = announcement(kPeer, 3000);
+  nothing.resize(nothing.size() - 24);
+  auto cut = nothing;
+  append_parameter(nothing, kSentinel, {});
+  EXPECT_EQ(pass_all(nothing, 1), Code::builtin_source_unreadable);
+  EXPECT_EQ(pass_all(cut, 2), Code::builtin_source_unreadable);
+  auto odd = announcement(kPeer, 3000);
+  odd[6] += 1;
+  EXPECT_EQ(pass_all(odd, 3), Code::builtin_source_unreadable);
+}
+
+TEST_F(FragmentWalksTest, OutOfOrderComesAgain) {
+  const auto sample = announcement(kPeer, 5000);
+  EXPECT_EQ(pass(sample, 2), Code::builtin_fragment_early);
+  EXPECT_EQ(pass(sample, 1), Code{});
+  EXPECT_EQ(pass(sample, 3), Code::builtin_fragment_early);
+  EXPECT_EQ(pass(sample, 2), Code{});
+  EXPECT_EQ(pass(sample, 3), Code{});
+  EXPECT_EQ(pass(sample, 1), Code{}) << "it is what it was";
+  EXPECT_EQ(pass(sample, 4), Code{});
+  EXPECT_EQ(pass_all(sample), Code{}) << "for another reader";
+}
+
+// Whoever could replace one that the host has, or has not, would make the host read another list.
+TEST_F(FragmentWalksTest, AFragmentThatPassedIsNotReplaced) {
+  const auto sample = announcement(kPeer, 3000);
+  auto other = sample;
+  other[8] ^= 1;
+  EXPECT_EQ(pass(sample, 1), Code{});
+  EXPECT_EQ(pass(other, 1), Code::builtin_source_unreadable);
+  auto longer = announcement(kPeer, 3004);
+  EXPECT_EQ(pass(longer, 2), Code::builtin_source_unreadable) << "of another size";
+  EXPECT_EQ(pass(sample, 2, 1, 1340), Code::builtin_source_unreadable) << "cut otherwise";
+  EXPECT_EQ(pass(sample, 2), Code{});
+  EXPECT_EQ(pass(sample, 3), Code{});
+  EXPECT_EQ(pass(other, 1), Code::builtin_source_unreadable) << "a whole one";
+}
+
+// The list of the first is long user data; to that of the second a name begins there.
+TEST_F(FragmentWalksTest, TwoListsAreNotSpliced) {
+  const auto harmless = announcement(kPeer, 3000);
+  auto lie = harmless;
+  Bytes name;
+  append_parameter(name, kEndpointGuid, guid_of(kVictim));
+  std::ranges::copy(name, lie.begin() + kFragmentSize);
+  // Read after the first fragment of `harmless`, the name is user data. So it is with `lie` alone.
+  EXPECT_EQ(pass_all(lie, 1), Code{});
+  auto opens = Bytes{0, 3, 0, 0};
+  append_parameter(opens, kUserData, Bytes(kFragmentSize - 8, 0x50));
+  append(opens, BytesView(lie).subspan(kFragmentSize));
+  EXPECT_EQ(pass(opens, 1, 2), Code{});
+  EXPECT_EQ(pass(lie, 1, 2), Code::builtin_source_unreadable);
+  EXPECT_EQ(pass(lie, 2, 2), Code::builtin_source_mismatch);
+}
+
+TEST_F(FragmentWalksTest, ARefusedFragmentChangesNothing) {
+  const auto sample = announcement(kPeer, 3000);
+  auto lie = sample;
+  const auto at = lie.size() - 4 - 16;
+  std::ranges::copy(kVictim.view(), lie.begin() + static_cast<std::ptrdiff_t>(at));
+  EXPECT_EQ(pass(sample, 1), Code{});
+  EXPECT_EQ(pass(sample, 2), Code{});
+  EXPECT_EQ(pass(lie, 3), Code::builtin_source_mismatch);
+  EXPECT_EQ(pass(sample, 3), Code{});
+  EXPECT_EQ(pass_all(announcement(kPeer, 3000), 2), Code{}) << "later ones go on";
+}
+
+TEST_F(FragmentWalksTest, AWholeSampleMakesRoom) {
+  for (std::uint32_t number = 1; number <= 200; ++number)
+    EXPECT_EQ(pass_all(announcement(kPeer, 20'000), number), Code{}) << number;
+}
+
+TEST_F(FragmentWalksTest, UnfinishedOnesAreBoundedAndTheLowestStay) {
+  const auto sample = announcement(kPeer, 3000);
+  const auto most = static_cast<std::uint32_t>(FragmentWalks::kMostSamples);
+  for (std::uint32_t number = 11; number < 11 + most; ++number)
+    EXPECT_EQ(pass(sample, 1, number), Code{});
+  EXPECT_EQ(pass(sample, 1, 11 + most), Code::builtin_fragment_early);
+  EXPECT_EQ(pass_all(sample, 1), Code{}) << "a lower one";
+  EXPECT_EQ(pass(sample, 2, 10 + most), Code::builtin_source_unreadable) << "it was given up";
+  EXPECT_EQ(pass(sample, 1, 10 + most), Code::builtin_source_unreadable) << "for good";
+  EXPECT_EQ(pass(sample, 1, 11 + most), Code{}) << "the whole one made room";
+}
+
+TEST_F(FragmentWalksTest, WhatNobodyGoesOnWithMakesRoom) {
+  const auto sample = announcement(kPeer, 3000);
+  const auto most = static_cast<std::uint32_t>(FragmentWalks::kMostSamples);
+  for (std::uint32_t number = 1; number <= most; ++number)
+    EXPECT_EQ(pass(sample, 1, number), Code{});
+  std::uint64_t tries = 0;
+  while (pass(sample, 1, 100) == Code::builtin_fragment_early)
+    ASSERT_LE(++tries, FragmentWalks::kPiecesUntilStale);
+  EXPECT_EQ(pass(sample, 2, 100), Code{});
+  EXPECT_EQ(pass(sample, 2, 1), Code::builtin_source_unreadable) << "it was given up";
+}
+
+TEST_F(FragmentWalksTest, TooLargeOnesAreRefused) {
+  Bytes sample = {0, 3, 0, 0};
+  while (sample.size() <= FragmentWalks::kMostOfSample * kFragmentSize)
+    append_parameter(sample, kUserData, Bytes(60'000, 0x50));
+  EXPECT_EQ(pass(sample, 1), Code::builtin_source_unreadable);
+  EXPECT_EQ(pass_all(announcement(kPeer, 3000), 2), Code{});
+}
+
+TEST_F(FragmentWalksTest, LengthsThatLieAreRefused) {
+  DataMessage message{.writer = kPublications,
+                      .flags = 0,
+                      .payload = Bytes(100, 0),
+                      .fragment = Fragment{.size = 0, .whole = 200}};
+  const auto code = [&] { return code_of(check_builtin_source(message.octets(), kPeer, walks_)); };
+  EXPECT_EQ(code(), Code::builtin_source_unreadable);
+  message.fragment->size = 104;  // its payload is shorter
+  EXPECT_EQ(code(), Code::builtin_source_unreadable);
+}
+
+// In the clear inside of a protected message: what must come again is hidden, the rest goes on.
+TEST_F(FragmentWalksTest, InAMessageAnEarlyOneIsHidden) {
+  const auto sample = announcement(kPeer, 3000);
+  const DataMessage second{
+      .writer = kPublications,
+      .flags = 0,
+      .payload = Bytes(sample.begin() + kFragmentSize, sample.begin() + 2 * kFragmentSize),
+      .fragment = Fragment{
+          .first = 2, .size = kFragmentSize, .whole = static_cast<std::uint32_t>(sample.size())}};
+  auto content = data_submessage(16);
+  const auto at = content.size();
+  append(content, second.octets());
+  append(content, data_submessage(16));
+  const auto part = part_of_sender(content, kPeer, walks_);
+  EXPECT_EQ(part.size, content.size());
+  EXPECT_FALSE(part.ended);
+  EXPECT_EQ(part.early, std::vector{at});
+}
+
+}  // namespace
+}  // namespace ddssec::cryptography
