@@ -246,7 +246,7 @@ class Identity(Transcript):
     def test_issue_replaces_on_request_and_keeps_the_rest(self):
         self.governance()
         self.run_with_secret(self.run_program, *self.issue("--publish", "x", "--governance", "governance.p7s"))
-        (self.at / "talker/security.properties").write_text("mine = 1\n")
+        (self.at / "talker/security.properties").write_text("org.ddssec.files_poll_interval = 7\n")
         before = self.octets()
         done = self.run_with_secret(self.run_program, *self.issue("--replace", "--publish", "y"))
         self.assertRegex(done.stdout, "the certificate before it is valid until 2027-11-21; .* identity revoke [0-9A-F]+ --ca ca")

@@ -15,12 +15,12 @@ struct Pair {
   explicit Pair(ProtectionKind kind)
       : two(kind),
         ends(two.endpoints(endpoint_attributes(kind, ProtectionKind::encrypt))),
-        message(encode_message(two, rtps_message({data_submessage(16)})).value()),
-        submessage(encode_submessage(two, ends, data_submessage(16)).value()),
-        reply(encode_reply(two, ends, data_submessage(16, 0x06)).value()),
         of_participant(two.participant_tokens().value()),
         of_writer(two.writer_tokens(ends).value()),
-        of_reader(two.reader_tokens(ends).value()) {}
+        of_reader(two.reader_tokens(ends).value()),
+        message(encode_message(two, rtps_message({data_submessage(16)})).value()),
+        submessage(encode_submessage(two, ends, data_submessage(16)).value()),
+        reply(encode_reply(two, ends, data_submessage(16, 0x06)).value()) {}
 
   void attack(const Tokens& tokens) {
     if (two.take_participant(tokens) && !two.take_participant(of_participant)) std::abort();
@@ -33,8 +33,8 @@ struct Pair {
 
   TwoSides two;
   WriterToReader ends;
+  Tokens of_participant, of_writer, of_reader;  // before the messages: older ones are refused
   Bytes message, submessage, reply;
-  Tokens of_participant, of_writer, of_reader;
 };
 
 spi::Token token_of(Bytes key_material) {
