@@ -53,11 +53,10 @@ Result<Followed> follow_permissions_ca(Replacement& out, const Succession& chang
 
 /// Drafts the new identity CA with its revocation list, and the followers' certificates with the
 /// same subject, key and end; then writes the log. Only what the log has is issued anew, with this
-/// serial number and SHA-256 and for this folder: the old key may be in other hands. Who is revoked
-/// gets none. The caller has the CA
-/// to itself (lock_records). Errors: the first of `doubtful` if nothing is left to issue;
-/// issuer_unknown (a certificate that the old CA did not issue),
-/// those of read_certificate and Authority::reissue.
+/// serial number and SHA-256 and for this folder: the old key may be in other hands. A participant
+/// that is revoked gets none. The caller has the CA to itself (lock_records). Errors: the first of
+/// `doubtful` if nothing is left to issue; issuer_unknown (a certificate that the old CA did not
+/// issue), those of read_certificate and Authority::reissue.
 Result<Followed> follow_identity_ca(Replacement& out, const Succession& change,
                                     const std::vector<Follower>& followers, const Context& context);
 
