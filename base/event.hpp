@@ -65,7 +65,7 @@ class EventSink {
 /// `interval` ago. Reason: code and document; where no unauthenticated peer can have chosen them,
 /// also field and expected value. Never what was found, nor a name that is only claimed.
 ///
-/// What is remembered is bounded in shares, so that nobody crowds out what is told of others: one
+/// What is remembered is bounded in shares, so that no peer crowds out events about others: one
 /// for ourselves, one for all peers without proof, and one for each code of each authenticated
 /// peer, which chooses the names of its topics and partitions. Of a full share, and of peers beyond
 /// kMostRemembered, each code still goes through once in each interval.

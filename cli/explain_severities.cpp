@@ -12,7 +12,7 @@ constexpr OtherSeverity kOthers[] = {
     {"DOC050", warning, "for an enclave that is being made"},
     {"DOC083", note, "where --vendor does not name the products"},
     {"DOC086", warning, "where not every topic was looked at"},
-    {"DOC091", warning, "where the keys can be used all the same"},
+    {"DOC091", warning, "where the keys can still be used"},
     {"DOC094", error, "where --vendor names two versions that do not find each other"},
     {"GOV010", warning, "where the rules before it protect alike"},
     {"GOV012 PERM013", note, "where Cyclone DDS and Fast DDS agree"},

@@ -87,7 +87,7 @@ Status check_not_ended(const OldPermissions& old, const pki::ParticipantFolder& 
                .found = "an end on " + date(old.grant.validity.not_after),
                .note = "rights that have ended are not given again unasked",
                .hint = "ddssec permissions new makes new ones; --ended-permissions extends these "
-                       "all the same; without --permissions only the certificate is renewed"});
+                       "anyway; without --permissions only the certificate is renewed"});
 }
 
 // The grant of this subject alone, and of no other that its name may match.
@@ -178,7 +178,7 @@ Report not_needed(const fs::path& path, const pki::Certificate& certificate) {
                      {"not_after", to_string(certificate.not_after())}}};
 }
 
-/// One renewal: what is there, and what takes its place.
+/// One renewal: the files in the folder, and those that replace them.
 struct Renewal {
   const Arguments& arguments;
   const Context& context;

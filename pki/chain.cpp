@@ -172,8 +172,8 @@ struct ChainVerifier::Impl {
 };
 
 // OpenSSL takes any list that holds at the time. An older one beside the newest would count again
-// once the newest has ended, and whoever was revoked meanwhile would be believed. What an authority
-// did not sign takes no list's place.
+// once the newest has ended, and a certificate that was revoked meanwhile would be believed. What
+// an authority did not sign takes no list's place.
 void ChainVerifier::Impl::drop_superseded() {
   const auto is_genuine = [&](const Crl& crl) {
     return std::ranges::any_of(anchors, [&](const auto& ca) { return crl.is_signed_by(ca); });
