@@ -5,7 +5,6 @@ participant and its endpoints. The endpoints that have them match, those made la
 Usage: announcements_test.py BUILD [FILTER]
 """
 
-import concurrent.futures
 import json
 import os
 import pathlib
@@ -17,6 +16,7 @@ import time
 sys.dont_write_bytecode = True
 
 import pair  # noqa: E402
+import stories  # noqa: E402
 from documents import Governance, Keys, Permissions, Side  # noqa: E402
 from pki import Pki  # noqa: E402
 from scenarios import GOVERNANCES, S, SROS2  # noqa: E402
@@ -77,31 +77,22 @@ def talk(case, folder, namespace, peers):
         raise AssertionError(f"honest announcements are refused: {accused}")
 
 
-def tried(case):
-    start, fault, peers = time.monotonic(), None, []
+def attempt(case):
+    peers = []
     with tempfile.TemporaryDirectory(prefix="ddssec-announcements-") as folder:
         namespace = pair.Namespace()
         try:
             talk(case, folder, namespace, peers)
         except AssertionError as one:
             logs = [line[:300] for peer in peers for line in pathlib.Path(peer.log).read_text().splitlines()[1:][-8:]]
-            fault = "\n    | ".join([str(one), *logs, *map(str, events(folder))])
+            return "\n    | ".join([str(one), *logs, *map(str, events(folder))]), ""
         finally:
             for peer in peers:
                 peer.kill()
                 peer.process.stdout.close()
             namespace.close()
-    print(f"{'FAILED' if fault else 'ok':8}{case[0]} ({time.monotonic() - start:.1f} s)"
-          + (f": {fault}" if fault else ""), flush=True)
-    return fault is None
-
-
-def main():
-    wanted = (sys.argv[2:] or [""])[0]
-    with concurrent.futures.ThreadPoolExecutor(max_workers=3) as pool:  # they mostly wait
-        outcomes = list(pool.map(tried, (case for case in cases() if wanted in case[0])))
-    sys.exit(0 if outcomes and all(outcomes) else 1)
+    return None, ""
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(stories.run(cases(), attempt))

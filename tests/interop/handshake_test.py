@@ -9,16 +9,15 @@ authentication proves to it that the session is lost. What the stranger recorded
 Usage: handshake_test.py BUILD [FILTER]
 """
 
-import concurrent.futures
 import os
 import pathlib
 import subprocess
 import sys
 import tempfile
-import time
 
 sys.dont_write_bytecode = True
 
+import stories  # noqa: E402
 from insider_test import EVERYTHING, HONEST, World, check, go_on, samples  # noqa: E402
 from pki import STARTER  # noqa: E402
 from scenarios import GOVERNANCES  # noqa: E402
@@ -99,18 +98,15 @@ def once(kind, mode):
             return f"{one}{world.logs()}", 0, False
 
 
-def tried(case):
-    name, kind, mode = case
-    start = time.monotonic()
+def attempt(case):
+    _, kind, mode = case
     for _ in range(TRIES if mode in CAN_BE_LATE else 1):
         fault, again, refused = once(kind, mode)
         if fault or refused:
             break
     else:
         fault = f"no forged announcement came first in {TRIES} tries" if mode in CAN_BE_LATE else fault
-    print(f"{'FAILED' if fault else 'ok':8}{name} ({time.monotonic() - start:.1f} s, begun again by {again})"
-          + (f": {fault}" if fault else ""), flush=True)
-    return fault is None
+    return fault, f"begun again by {again}"
 
 
 def cases():
@@ -122,12 +118,5 @@ def cases():
         yield f"{mode}/ours", "ours", mode
 
 
-def main():
-    wanted = (sys.argv[2:] or [""])[0]
-    with concurrent.futures.ThreadPoolExecutor(max_workers=3) as pool:  # they mostly wait
-        outcomes = list(pool.map(tried, (case for case in cases() if wanted in case[0])))
-    return 0 if outcomes and all(outcomes) else 1
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(stories.run(cases(), attempt))

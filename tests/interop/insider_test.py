@@ -10,7 +10,6 @@ says what that is.
 Usage: insider_test.py BUILD [FILTER]
 """
 
-import concurrent.futures
 import glob
 import hashlib
 import json
@@ -27,6 +26,7 @@ from dataclasses import replace
 sys.dont_write_bytecode = True
 
 import pair  # noqa: E402
+import stories  # noqa: E402
 from documents import Governance, Keys, Permissions, Side  # noqa: E402
 from pki import STARTER, Pki, der_name  # noqa: E402
 from runner import LIBRARIES  # noqa: E402
@@ -302,25 +302,15 @@ def cases():
         yield f"source/{kind}", kind, MESSAGES_ONLY, source
 
 
-def tried(case):
-    name, kind, governance, story = case
-    start, fault = time.monotonic(), None
+def attempt(case):
+    _, kind, governance, story = case
     with tempfile.TemporaryDirectory(prefix="ddssec-insider-") as folder, World(folder, kind, governance) as world:
         try:
             story(world)
         except AssertionError as one:
-            fault = f"{one}{world.logs()}"
-    print(f"{'FAILED' if fault else 'ok':8}{name} ({time.monotonic() - start:.1f} s)"
-          + (f": {fault}" if fault else ""), flush=True)
-    return fault is None
-
-
-def main():
-    wanted = (sys.argv[2:] or [""])[0]
-    with concurrent.futures.ThreadPoolExecutor(max_workers=3) as pool:  # they mostly wait
-        outcomes = list(pool.map(tried, (case for case in cases() if wanted in case[0])))
-    return 0 if outcomes and all(outcomes) else 1
+            return f"{one}{world.logs()}", ""
+    return None, ""
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(stories.run(cases(), attempt))

@@ -11,7 +11,6 @@ writer and multicasts them. The subscriber must get none, and the honest pair go
 Usage: keys_test.py BUILD [FILTER]
 """
 
-import concurrent.futures
 import ctypes
 import ctypes.util
 import hashlib
@@ -27,6 +26,7 @@ import time
 
 sys.dont_write_bytecode = True
 
+import stories  # noqa: E402
 from documents import Governance  # noqa: E402
 from insider_test import (ELSEWHERE, FORGED, HONEST, World, begin, check, go_on, said, samples)  # noqa: E402
 from scenarios import E, EO  # noqa: E402
@@ -188,25 +188,15 @@ def cases():
             yield f"{name}/{kind}", kind, SHARED_KEYS, lambda world, n=name: forge(world, many[n])
 
 
-def tried(case):
-    name, kind, governance, story = case
-    start, fault = time.monotonic(), None
+def attempt(case):
+    _, kind, governance, story = case
     with tempfile.TemporaryDirectory(prefix="ddssec-keys-") as folder, World(folder, kind, governance) as world:
         try:
             story(world)
         except AssertionError as one:
-            fault = f"{one}{world.logs()}"
-    print(f"{'FAILED' if fault else 'ok':8}{name} ({time.monotonic() - start:.1f} s)"
-          + (f": {fault}" if fault else ""), flush=True)
-    return fault is None
-
-
-def main():
-    wanted = (sys.argv[2:] or [""])[0]
-    with concurrent.futures.ThreadPoolExecutor(max_workers=3) as pool:  # they mostly wait
-        outcomes = list(pool.map(tried, (case for case in cases() if wanted in case[0])))
-    return 0 if outcomes and all(outcomes) else 1
+            return f"{one}{world.logs()}", ""
+    return None, ""
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(stories.run(cases(), attempt))

@@ -6,7 +6,6 @@ keys. When that is over, samples flow in both directions.
 Usage: lost_keys_test.py BUILD [FILTER]
 """
 
-import concurrent.futures
 import os
 import pathlib
 import sys
@@ -17,6 +16,7 @@ sys.dont_write_bytecode = True
 sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "interop_rtps"))
 
 import pair  # noqa: E402
+import stories  # noqa: E402
 from faulty_world import ADDRESSES, Link  # noqa: E402
 from insider_test import BUILD, EVERYTHING, World, check, samples  # noqa: E402
 from scenarios import SROS2  # noqa: E402
@@ -70,8 +70,8 @@ def meet(world, loses):
     return seconds
 
 
-def tried(case):
-    name, governance, loses = case
+def attempt(case):
+    _, governance, loses = case
     fault, seconds = None, 0.0
     with tempfile.TemporaryDirectory(prefix="ddssec-lost-keys-") as folder, Apart(folder, "ours", governance) as world:
         try:
@@ -80,19 +80,14 @@ def tried(case):
             fault = f"{one}{world.logs()}"
     if not fault and " lost 0 " in world.did.split(";")[2 - loses]:
         fault = f"the link lost nothing: {world.did}"
-    print(f"{'FAILED' if fault else 'ok':8}{name} (after {seconds:.1f} s; {world.did})"
-          + (f": {fault}" if fault else ""), flush=True)
-    return fault is None
+    return fault, f"samples {seconds:.1f} s after the loss ended; {world.did}"
 
 
-def main():
-    wanted = (sys.argv[2:] or [""])[0]
-    cases = [(f"{name}/from-{loses}", governance, loses)
-             for name, governance in (("everything", EVERYTHING), ("sros2", SROS2)) for loses in (1, 2)]
-    with concurrent.futures.ThreadPoolExecutor(max_workers=4) as pool:  # they mostly wait
-        outcomes = list(pool.map(tried, (case for case in cases if wanted in case[0])))
-    return 0 if outcomes and all(outcomes) else 1
+def cases():
+    for name, governance in (("everything", EVERYTHING), ("sros2", SROS2)):
+        for loses in (1, 2):
+            yield f"{name}/from-{loses}", governance, loses
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(stories.run(cases(), attempt, at_once=4))

@@ -1,9 +1,9 @@
 #include "governance/compare/governance_diff.hpp"
 
-#include <functional>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "tests/unit/governance_compare/documents.hpp"
 
 namespace ddssec::governance {
 namespace {
@@ -11,145 +11,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
-using Kind = ProtectionKind;
 using enum ChangeClass;
-
-TopicRule topic(std::string expression, Kind data = Kind::encrypt, int line = 0) {
-  TopicRule rule;
-  rule.topic_expression = std::move(expression);
-  rule.data_protection_kind = data;
-  rule.line = line;
-  return rule;
-}
-
-/// One domain rule for domain 0 in which every flag is set and every kind is SIGN.
-Governance document(std::vector<TopicRule> topics) {
-  DomainRule rule;
-  rule.domains.ranges = {{0, 0}};
-  rule.discovery_protection_kind = Kind::sign;
-  rule.liveliness_protection_kind = Kind::sign;
-  rule.rtps_protection_kind = Kind::sign;
-  rule.topic_rules = std::move(topics);
-  rule.line = 2;
-  Governance governance;
-  governance.domain_rules = {rule};
-  return governance;
-}
-
-Governance plain() {
-  auto governance = document({topic("*", Kind::sign)});
-  governance.domain_rules[0].topic_rules[0].metadata_protection_kind = Kind::sign;
-  return governance;
-}
-
-/// One row of the table of elements: what raises one value, and how that is called.
-struct Row {
-  const char* element;
-  std::function<void(DomainRule&)> raise;
-  ChangeClass up = stronger;
-  ChangeClass down = weaker;
-  Interop interop = Interop::endpoint;
-  bool is_about_topics = true;
-  std::function<void(DomainRule&)> lower = [](DomainRule&) {};
-};
-
-void PrintTo(const Row& row, std::ostream* out) { *out << row.element; }
-
-class Lattice : public ::testing::TestWithParam<Row> {};
-
-TEST_P(Lattice, MovesUpAndDown) {
-  const auto& row = GetParam();
-  auto low = plain(), high = plain();
-  row.lower(low.domain_rules[0]);
-  row.raise(high.domain_rules[0]);
-
-  const auto up = compare(low, high);
-  ASSERT_THAT(up.changes, SizeIs(1));
-  EXPECT_EQ(up.changes[0].element.element, row.element);
-  EXPECT_EQ(up.changes[0].element.change, row.up);
-  EXPECT_EQ(up.changes[0].element.interop, row.interop);
-  EXPECT_EQ(up.changes[0].is_about_topics, row.is_about_topics);
-  EXPECT_EQ(up.verdict, row.up == narrower ? stronger : row.up);
-  EXPECT_EQ(up.flag_day_domains.empty(), row.interop == Interop::none);
-
-  const auto down = compare(high, low);
-  ASSERT_THAT(down.changes, SizeIs(1));
-  EXPECT_EQ(down.changes[0].element.change, row.down);
-  EXPECT_EQ(down.changes[0].element.old_value, up.changes[0].element.new_value);
-  EXPECT_EQ(down.verdict, row.down == wider ? weaker : row.down);
-
-  EXPECT_EQ(compare(low, low).verdict, neutral);
-  EXPECT_THAT(compare(high, high).changes, IsEmpty());
-}
-
-template <class T>
-std::function<void(DomainRule&)> set(T DomainRule::*member, T value) {
-  return [=](DomainRule& rule) { rule.*member = value; };
-}
-template <class T>
-std::function<void(DomainRule&)> set(T TopicRule::*member, T value) {
-  return [=](DomainRule& rule) { rule.topic_rules[0].*member = value; };
-}
-void remove_domain(DomainRule& rule) { rule.domains.ranges = {{7, 7}}; }
-void cover_all(DomainRule& rule) { rule.domains.ranges = {{0, 0}, {7, 7}}; }
-
-INSTANTIATE_TEST_SUITE_P(
-    Table, Lattice,
-    ::testing::Values(
-        Row{"allow_unauthenticated_participants",
-            set(&DomainRule::allow_unauthenticated_participants, false), stronger, weaker,
-            Interop::none, false, set(&DomainRule::allow_unauthenticated_participants, true)},
-        Row{"enable_join_access_control", set(&DomainRule::enable_join_access_control, true),
-            stronger, weaker, Interop::none, false,
-            set(&DomainRule::enable_join_access_control, false)},
-        Row{"enable_key_revision", set(&DomainRule::enable_key_revision, true), stronger, weaker,
-            Interop::participant, false},
-        Row{"discovery_protection_kind", set(&DomainRule::discovery_protection_kind, Kind::encrypt),
-            stronger, weaker, Interop::participant, false},
-        Row{"liveliness_protection_kind",
-            set(&DomainRule::liveliness_protection_kind, Kind::encrypt), stronger, weaker,
-            Interop::participant, false},
-        Row{"rtps_protection_kind", set(&DomainRule::rtps_protection_kind, Kind::encrypt), stronger,
-            weaker, Interop::participant, false},
-        Row{"rtps_protection_kind",
-            set(&DomainRule::rtps_protection_kind, Kind::sign_with_origin_authentication), stronger,
-            weaker, Interop::participant, false},
-        Row{"rtps_psk_protection_kind", set(&DomainRule::rtps_psk_protection_kind, Kind::sign),
-            stronger, weaker, Interop::participant, false},
-        Row{"enable_discovery_protection", set(&TopicRule::enable_discovery_protection, true),
-            stronger, weaker, Interop::endpoint, true,
-            set(&TopicRule::enable_discovery_protection, false)},
-        Row{"enable_liveliness_protection", set(&TopicRule::enable_liveliness_protection, true),
-            stronger, weaker, Interop::endpoint, true,
-            set(&TopicRule::enable_liveliness_protection, false)},
-        Row{"enable_read_access_control", set(&TopicRule::enable_read_access_control, true),
-            stronger, weaker, Interop::endpoint, true,
-            set(&TopicRule::enable_read_access_control, false)},
-        Row{"enable_write_access_control", set(&TopicRule::enable_write_access_control, true),
-            stronger, weaker, Interop::endpoint, true,
-            set(&TopicRule::enable_write_access_control, false)},
-        Row{"metadata_protection_kind", set(&TopicRule::metadata_protection_kind, Kind::encrypt)},
-        Row{"data_protection_kind", set(&TopicRule::data_protection_kind, Kind::encrypt)},
-        Row{"data_protection_kind", [](DomainRule&) {}, stronger, weaker, Interop::endpoint, true,
-            set(&TopicRule::data_protection_kind, Kind::none)},
-        // What is not covered cannot be used: fewer topics and domains are narrower.
-        Row{"topic_rule", set(&TopicRule::topic_expression, std::string("a*")), narrower, wider},
-        Row{"domain_rule", remove_domain, narrower, wider, Interop::participant, false,
-            cover_all}));
-
-TEST(Lattice, KindsAreOrderedByLevelAndOrigin) {
-  EXPECT_EQ(compare(Kind::none, Kind::sign), stronger);
-  EXPECT_EQ(compare(Kind::sign, Kind::encrypt), stronger);
-  EXPECT_EQ(compare(Kind::sign, Kind::sign_with_origin_authentication), stronger);
-  EXPECT_EQ(compare(Kind::encrypt, Kind::encrypt_with_origin_authentication), stronger);
-  EXPECT_EQ(compare(Kind::none, Kind::encrypt_with_origin_authentication), stronger);
-  EXPECT_EQ(
-      compare(Kind::encrypt_with_origin_authentication, Kind::sign_with_origin_authentication),
-      weaker);
-  EXPECT_EQ(compare(Kind::encrypt, Kind::sign_with_origin_authentication), mixed);
-  EXPECT_EQ(compare(Kind::sign_with_origin_authentication, Kind::encrypt), mixed);
-  EXPECT_EQ(compare(Kind::encrypt, Kind::encrypt), neutral);
-}
 
 TEST(GovernanceDiff, AFlagWithNothingBehindItIsNeutralButBreaks) {
   auto low = plain(), high = plain();

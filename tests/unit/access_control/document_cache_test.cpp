@@ -1,0 +1,107 @@
+// Documents that were read before: what is kept of them, for whom, and how much.
+#include "tests/unit/access_control/fixture.hpp"
+
+namespace ddssec::access_control {
+namespace {
+
+class Cache : public AccessControlTest {
+ protected:
+  std::shared_ptr<const PermissionsCa> ca() const {
+    auto loaded = PermissionsCa::load("data:," + authorities().permissions_ca.certificate().pem());
+    EXPECT_TRUE(loaded);
+    return *loaded;
+  }
+};
+
+TEST_F(Cache, ADocumentIsReadOnce) {
+  DocumentCache cache(governance::PartitionMatch::all, 4, 1 << 20);
+  const auto document = open_permissions(kTalker);
+  const auto first = cache.permissions(*ca(), as_bytes(document), kNow);
+  const auto second = cache.permissions(*ca(), as_bytes(document), kNow);
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(*first, *second);
+  EXPECT_EQ(cache.times_read(), 1u);
+}
+
+TEST_F(Cache, OnlyVerifiedDocumentsGetIn) {
+  DocumentCache cache(governance::PartitionMatch::all, 4, 1 << 20);
+  const auto forged = signed_by(authorities().other_ca, "<dds/>");
+  EXPECT_CODE(cache.permissions(*ca(), as_bytes(forged), kNow), smime_signer_not_permissions_ca);
+  EXPECT_EQ(cache.size(), 0u);
+}
+
+TEST_F(Cache, AnotherCaJudgesAnew) {
+  DocumentCache cache(governance::PartitionMatch::all, 4, 1 << 20);
+  const auto document = open_permissions(kTalker);
+  ASSERT_TRUE(cache.permissions(*ca(), as_bytes(document), kNow));
+  const auto other = PermissionsCa::load("data:," + authorities().other_ca.certificate().pem());
+  ASSERT_TRUE(other);
+  EXPECT_CODE(cache.permissions(**other, as_bytes(document), kNow),
+              smime_signer_not_permissions_ca);
+}
+
+TEST_F(Cache, IsBoundedInNumberAndOctets) {
+  DocumentCache few(governance::PartitionMatch::all, 2, 1 << 20);
+  const std::vector<std::string> documents = {open_permissions("CN=a"), open_permissions("CN=b"),
+                                              open_permissions("CN=c")};
+  for (const auto& document : documents) {
+    ASSERT_TRUE(few.permissions(*ca(), as_bytes(document), kNow));
+    ASSERT_TRUE(few.permissions(*ca(), as_bytes(documents[0]), kNow));
+  }
+  EXPECT_EQ(few.size(), 2u);
+  EXPECT_EQ(few.times_read(), 3u);  // the first was used in between and stayed
+  DocumentCache small(governance::PartitionMatch::all, 100, documents[0].size() + 10);
+  for (const auto& document : documents) {
+    ASSERT_TRUE(small.permissions(*ca(), as_bytes(document), kNow));
+  }
+  EXPECT_EQ(small.size(), 1u);
+}
+
+// A peer can send its document with other blank lines each time.
+TEST_F(Cache, FormsOfOneTextShareAPlace) {
+  DocumentCache cache(governance::PartitionMatch::all, 4, 1 << 20);
+  const auto document = open_permissions(kTalker);
+  const auto first = cache.permissions(*ca(), as_bytes(document), kNow);
+  ASSERT_TRUE(first);
+  for (int round = 0; round < 2; ++round) {
+    for (std::size_t i = 1; i < 20; ++i) {
+      const auto again = cache.permissions(*ca(), as_bytes(document + std::string(i, '\n')), kNow);
+      ASSERT_TRUE(again);
+      EXPECT_EQ(*again, *first);
+    }
+  }
+  EXPECT_EQ(cache.size(), 1u);
+  EXPECT_EQ(cache.times_read(), 1u);
+  // Those forms go with it.
+  DocumentCache one(governance::PartitionMatch::all, 1, 1 << 20);
+  for (int round = 0; round < 2; ++round)
+    for (const auto& text : {document, document + "\n", open_permissions("CN=a")})
+      EXPECT_TRUE(one.permissions(*ca(), as_bytes(text), kNow));
+  EXPECT_EQ(one.size(), 1u);
+  EXPECT_EQ(one.times_read(), 4u);
+}
+
+TEST_F(Cache, AnExpiredCaIsSeenInTheCacheToo) {
+  DocumentCache cache(governance::PartitionMatch::all, 4, 1 << 20);
+  const auto document = open_permissions(kTalker);
+  ASSERT_TRUE(cache.permissions(*ca(), as_bytes(document), kNow));
+  EXPECT_CODE(cache.permissions(*ca(), as_bytes(document), kNow + 400 * 24h), certificate_expired);
+}
+
+TEST_F(Cache, ManySubjectsOfOneDocumentAreCompiledWithinBounds) {
+  std::vector<governance::Grant> grants;
+  for (int i = 0; i < 200; ++i) {
+    grants.push_back(grant("CN=p" + std::to_string(i), {publish_rule(true, {"t"})}));
+  }
+  DocumentCache cache(governance::PartitionMatch::all, 4, 1 << 20);
+  const auto document =
+      cache.permissions(*ca(), as_bytes(signed_permissions(std::move(grants))), kNow);
+  ASSERT_TRUE(document) << document.error().to_sentence();
+  for (int i = 0; i < 200; ++i) {
+    const auto text = "CN=p" + std::to_string(i);
+    EXPECT_TRUE((*document)->grant_for(*pki::SubjectName::parse(text), text, 0, "", kNow));
+  }
+}
+
+}  // namespace
+}  // namespace ddssec::access_control

@@ -1,0 +1,198 @@
+// The end of permissions and of the CA that signed them, while participants use them.
+#include "tests/unit/access_control/fixture.hpp"
+
+namespace ddssec::access_control {
+namespace {
+
+class Expiry : public AccessControlTest {
+ protected:
+  std::string brief() const {
+    auto ends = grant(kTalker, {rule(true)});
+    ends.validity.not_after = kNow + 10s;
+    return signed_permissions({ends});
+  }
+
+  /// Two participants of the talker, and the listener as a peer of both.
+  struct TwoLocals {
+    TwoLocals(Expiry& test, const std::string& own,
+              spi::IdentityHandle remote_of_second = kRemoteIdentity,
+              const std::string& of_peer = {}) {
+      const auto document = of_peer.empty() ? test.open_permissions(kListener) : of_peer;
+      constexpr spi::IdentityHandle kSecond{3};
+      first = test.local(own).value();
+      at_first = test.remote(document).value();
+      second = test.plugin
+                   ->validate_local_permissions(
+                       kSecond, 0,
+                       test.properties(
+                           test.signed_document(governance::to_xml(test.governance_document)), own))
+                   .value();
+      at_second =
+          test.plugin
+              ->validate_remote_permissions(kSecond, remote_of_second, test.permissions_token(),
+                                            test.credential(test.authorities().listener, document))
+              .value();
+    }
+    spi::PermissionsHandle first, second, at_first, at_second;
+  };
+};
+
+// T3
+TEST_F(Expiry, IsToldReportedOnceAndDeniesEvenIfTheHostForgets) {
+  const auto own = local(open_permissions(kTalker));
+  auto brief = grant(kListener, {publish_rule(true, {"t"})});
+  brief.validity.not_after = kNow + 10s;
+  const auto peer = remote(signed_permissions({brief}));
+  ASSERT_TRUE(own && peer);
+  EXPECT_EQ(plugin->next_expiry(), kNow + 10s);
+  EXPECT_TRUE(plugin->check_remote_datawriter(*peer, 0, {.topic_name = "t"}));
+  clock.advance(9s);
+  EXPECT_TRUE(plugin->expire().empty());
+  clock.advance(1s);
+  EXPECT_REFUSED(plugin->check_remote_datawriter(*peer, 0, {.topic_name = "t"}), grant_expired);
+  EXPECT_REFUSED(plugin->check_remote_participant(*peer, 0), grant_expired);
+  EXPECT_EQ(plugin->expire(), std::vector{*peer});
+  ASSERT_EQ(log.events.size(), 1u);
+  EXPECT_EQ(log.events[0].error.code(), Code::grant_expired);
+  EXPECT_EQ(log.events[0].peer_subject, kListener);
+  EXPECT_NE(log.events[0].error.to_sentence().find("2026-11-21T00:00:10Z"), std::string::npos);
+  EXPECT_TRUE(plugin->expire().empty());
+  EXPECT_EQ(plugin->next_expiry(), kNow + 24h);
+  EXPECT_TRUE(plugin->check_create_participant(*own, 0));
+}
+
+// T4: the wall clock at the check counts, wherever it jumped.
+TEST_F(Expiry, FollowsAClockThatJumps) {
+  const auto own = local(open_permissions(kTalker));
+  ASSERT_TRUE(own);
+  clock.set(kNow + 25h);
+  EXPECT_REFUSED(plugin->check_create_participant(*own, 0), grant_expired);
+  clock.set(kNow);
+  EXPECT_TRUE(plugin->check_create_participant(*own, 0));
+  clock.set(kNow - 23h);
+  EXPECT_TRUE(plugin->check_create_participant(*own, 0));
+  clock.set(kNow - 48h);
+  EXPECT_REFUSED(plugin->check_create_participant(*own, 0), certificate_not_yet_valid);
+  EXPECT_EQ(plugin->expire().size(), 1u);
+}
+
+TEST_F(Expiry, AnotherGrantOfTheDocumentTakesOver) {
+  auto first = grant(kTalker, {rule(true)}), second = grant(kTalker, {rule(true)});
+  first.validity.not_after = kNow + 10s;
+  second.validity.not_before = kNow + 5s;
+  const auto own = local(signed_permissions({first, second}));
+  ASSERT_TRUE(own);
+  EXPECT_EQ(plugin->next_expiry(), kNow + 10s);
+  clock.advance(10s);
+  EXPECT_TRUE(plugin->expire().empty());
+  EXPECT_EQ(plugin->next_expiry(), kNow + 24h);
+  EXPECT_TRUE(plugin->check_create_participant(*own, 0));
+}
+
+// What was matched under the first grant is not judged again under the second.
+TEST_F(Expiry, OfAPeersGrantEndsThePeerUnlessTheNextOneGivesTheSame) {
+  const auto own = local(open_permissions(kTalker));
+  ASSERT_TRUE(own);
+  const auto first_then = [&](governance::Rule rule, bool default_allow) {
+    auto first = grant(kListener, {publish_rule(true, {"t", "u"})}), next = first;
+    first.validity.not_after = clock.now() + 10s;
+    next.validity.not_before = clock.now() + 5s;
+    next.rules = {std::move(rule)};
+    next.default_allow = default_allow;
+    next.line = 99;
+    return remote(signed_permissions({first, next})).value();
+  };
+  auto elsewhere = publish_rule(true, {"t", "u"});
+  elsewhere.publish[0].partitions = {{"p", 0}};
+  const auto same = first_then(publish_rule(true, {"t", "u"}), false);
+  const std::vector others = {first_then(publish_rule(true, {"t"}), false),
+                              first_then(elsewhere, false),
+                              first_then(subscribe_rule(true, {"t", "u"}), false),
+                              first_then(publish_rule(false, {"t", "u"}), false),
+                              first_then(publish_rule(true, {"t", "u"}), true)};
+  EXPECT_TRUE(plugin->expire().empty());
+  clock.advance(10s);
+  EXPECT_REFUSED(plugin->check_remote_datawriter(others[0], 0, {.topic_name = "t"}), grant_expired);
+  log.events.clear();
+  EXPECT_EQ(plugin->expire(), others);
+  EXPECT_EQ(log.events.size(), others.size());
+  for (const auto& event : log.events) EXPECT_EQ(event.error.code(), Code::grant_expired);
+  EXPECT_TRUE(plugin->check_remote_datawriter(same, 0, {.topic_name = "u"}));
+  EXPECT_TRUE(plugin->expire().empty());
+}
+
+// T2: the permissions CA ends.
+TEST_F(Expiry, OfThePermissionsCaEndsWhatItSigned) {
+  auto ca = pki::make_ca("CN=Brief CA", {}, {kNow - 24h, kNow + 10s});
+  auto list = properties(signed_by(ca, governance::to_xml(governance_document)),
+                         signed_by(ca, governance::to_xml(governance::Permissions{
+                                           .grants = {grant(kTalker, {rule(true)})}})));
+  list[1].value = "data:," + ca.certificate().pem();
+  const auto own = plugin->validate_local_permissions(kLocalIdentity, 0, list);
+  ASSERT_TRUE(own) << own.error().to_sentence();
+  EXPECT_EQ(plugin->next_expiry(), kNow + 11s);
+  clock.advance(11s);
+  EXPECT_REFUSED(plugin->check_create_participant(*own, 0), certificate_expired);
+  EXPECT_EQ(plugin->expire(), std::vector{*own});
+}
+
+// Cyclone DDS keeps the writers of a participant that it deleted: their readers must go.
+TEST_F(Expiry, OfALocalParticipantEndsItsPeersUnlessAnotherOneHasThem) {
+  auto brief = grant(kTalker, {rule(true)});
+  brief.validity.not_after = kNow + 10s;
+  const auto own = local(signed_permissions({brief}));
+  const auto peer = remote(open_permissions(kListener));
+  ASSERT_TRUE(own && peer);
+  clock.advance(10s);
+  EXPECT_EQ(plugin->expire(), (std::vector{*own, *peer}));
+  EXPECT_TRUE(plugin->expire().empty());
+}
+
+TEST_F(Expiry, OfALocalParticipantLeavesThePeersOfAnotherOne) {
+  auto brief = grant(kTalker, {rule(true)});
+  brief.validity.not_after = kNow + 10s;
+  const auto own = local(signed_permissions({brief}));
+  const auto peer = remote(open_permissions(kListener));
+  const spi::IdentityHandle steady{3};
+  ASSERT_TRUE(plugin->validate_local_permissions(
+      steady, 0,
+      properties(signed_document(governance::to_xml(governance_document)),
+                 open_permissions(kTalker))));
+  ASSERT_TRUE(own && peer);
+  ASSERT_TRUE(plugin->validate_remote_permissions(
+      steady, kRemoteIdentity, permissions_token(),
+      credential(authorities().listener, open_permissions(kListener))));
+  clock.advance(10s);
+  EXPECT_EQ(plugin->expire(), std::vector{*own});
+}
+
+TEST_F(Expiry, OfLocalParticipantsThatEndTogetherEndsThePeersThatTheyShare) {
+  TwoLocals two(*this, brief());
+  clock.advance(10s);
+  EXPECT_EQ(plugin->expire(), (std::vector{two.first, two.second, two.at_first, two.at_second}));
+  EXPECT_TRUE(plugin->expire().empty());
+}
+
+// Hosts of one participant each must not be told of others', nor take what others have to hear.
+TEST_F(Expiry, IsToldToWhomItConcerns) {
+  TwoLocals two(*this, brief(), spi::IdentityHandle{9});
+  clock.advance(10s);
+  EXPECT_EQ(plugin->expire(two.second), (std::vector{two.second, two.at_second}));
+  EXPECT_EQ(plugin->expire(two.first), (std::vector{two.first, two.at_first}));
+  EXPECT_TRUE(plugin->expire().empty());
+  EXPECT_TRUE(plugin->expire({99}).empty());
+}
+
+TEST_F(Expiry, OfThePeerIsToldToEachThatKnowsIt) {
+  auto ends = grant(kListener, {rule(true)});
+  ends.validity.not_after = kNow + 10s;
+  TwoLocals two(*this, open_permissions(kTalker), kRemoteIdentity, signed_permissions({ends}));
+  clock.advance(10s);
+  EXPECT_EQ(plugin->expire(two.first), std::vector{two.at_first});
+  EXPECT_EQ(plugin->expire(two.second), std::vector{two.at_second});
+}
+
+TEST_F(Expiry, NobodyNoEnd) { EXPECT_EQ(plugin->next_expiry(), std::nullopt); }
+
+}  // namespace
+}  // namespace ddssec::access_control

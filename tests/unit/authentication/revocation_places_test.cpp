@@ -1,0 +1,237 @@
+// Where a revocation list is looked for, and how often.
+#include "tests/support/temporary_folder.hpp"
+#include "tests/unit/authentication/revocation_lists.hpp"
+
+namespace ddssec::authentication {
+namespace {
+
+// ---- properties
+
+struct Watcher {
+  Watcher(const test::TemporaryFolder& folder, std::string_view name, const std::string& interval)
+      : identity(with_list(alice(), "file:" + folder.path() + "/crl.pem", name)) {
+    set(identity.properties, property::kFilesPollInterval, interval);
+  }
+  /// How long after alice's list came she ended, if she did within a minute.
+  std::optional<std::chrono::seconds> ends_after(const test::TemporaryFolder& folder) {
+    Participant us(engine, identity);
+    for (int i = 0; i < 30; ++i) look();
+    folder.replace("crl.pem", pem({9, {alice().certificate}}));
+    for (int i = 1; i < 60; ++i)
+      if (look()) return std::chrono::seconds(i);
+    return std::nullopt;
+  }
+  bool look() {
+    engine.clock.advance(1s);
+    return !engine->expire().empty();
+  }
+  Identity identity;
+  Engine engine;
+};
+
+TEST(PollInterval, SaysHowOftenToLook) {
+  const test::TemporaryFolder folder;
+  const auto ends_after = [&](const std::string& interval) {
+    folder.replace("crl.pem", pem({}));
+    return Watcher(folder, property::kCrl, interval).ends_after(folder);
+  };
+  EXPECT_LE(ends_after("5").value(), 5s);
+  EXPECT_EQ(ends_after("1").value(), 1s);
+  EXPECT_LE(ends_after("20").value(), 20s);
+  EXPECT_GT(ends_after("20").value(), 1s);
+  EXPECT_FALSE(ends_after("0"));
+}
+
+TEST(PollInterval, MustBeANumberOfSeconds) {
+  auto identity = alice();
+  set(identity.properties, property::kFilesPollInterval, "5s");
+  Engine engine;
+  const auto result = engine->validate_local_identity(0, identity.properties, candidate(1));
+  EXPECT_CODE(result, invalid_property);
+}
+
+TEST(LaterCrl, IsTakenWhenItComes) {
+  const test::TemporaryFolder folder;
+  Watcher watcher(folder, property::kLaterCrl, "1");
+  EXPECT_EQ(watcher.ends_after(folder), 1s);
+  const auto& events = watcher.engine.events.events;
+  ASSERT_GE(events.size(), 2u);
+  EXPECT_EQ(events[0].error.code(), Code::no_revocation_list);
+  EXPECT_EQ(events[1].error.code(), Code::crl_renewed);
+}
+
+TEST(LaterCrl, ThatIsThereAlreadyCounts) {
+  const test::TemporaryFolder folder;
+  folder.write("crl.pem", pem({1, {alice().certificate}}));
+  const Watcher watcher(folder, property::kLaterCrl, "1");
+  Engine engine;
+  const auto create = [&] {
+    return engine->validate_local_identity(0, watcher.identity.properties, candidate(1));
+  };
+  EXPECT_CODE(create(), certificate_revoked);
+  folder.replace("crl.pem", "nothing");
+  EXPECT_CODE(create(), crl_file_empty);
+}
+
+// Both would look as if the later list were watched.
+TEST(LaterCrl, BesideAListThatIsNamed_IsRefused) {
+  const test::TemporaryFolder folder;
+  Watcher watcher(folder, property::kLaterCrl, "1");
+  set(watcher.identity.properties, property::kCrl, "data:," + pem({}));
+  Engine engine;
+  const auto refused =
+      engine->validate_local_identity(0, watcher.identity.properties, candidate(1));
+  EXPECT_CODE(refused, property_without_effect);
+  EXPECT_NE(refused.error().to_sentence().find(property::kLaterCrl), std::string::npos);
+}
+
+TEST(LaterCrl, GoesWithNoFolderOfAuthorities) {
+  const test::TemporaryFolder folder, cas;
+  cas.write("ca.pem", test_ca().certificate().pem());
+  cas.write("other.pem", make_ca("CN=Other").certificate().pem());
+  Watcher watcher(folder, property::kLaterCrl, "1");
+  set(watcher.identity.properties, property::kTrustedCaDir, cas.path());
+  EXPECT_FALSE(watcher.ends_after(folder));
+  EXPECT_EQ(watcher.engine.events.events.back().error.code(), Code::trusted_ca_dir_with_crl);
+}
+
+// ---- a list that no property names
+
+/// Alice's certificate, or her CA's, is a file; no property names a list.
+struct Unprepared : testing::Test {
+  Unprepared() { set(identity.properties, property::kFilesPollInterval, "1"); }
+  void put_certificate() {
+    const auto path = folder.write("cert.pem", alice().certificate.pem());
+    set(identity.properties, property::kIdentityCertificate, "file:" + path);
+  }
+  void put_ca(const test::TemporaryFolder& where) {
+    const auto path = where.write("identity_ca.cert.pem", test_ca().certificate().pem());
+    set(identity.properties, property::kIdentityCa, "file:" + path);
+  }
+  /// Did she end within three looks?
+  bool ends() {
+    bool ended = false;
+    for (int i = 0; i < 3; ++i) {
+      engine.clock.advance(1s);
+      ended |= !engine->expire().empty();
+    }
+    return ended;
+  }
+  std::vector<Code> codes() const {
+    std::vector<Code> out;
+    for (const auto& event : engine.events.events) out.push_back(event.error.code());
+    return out;
+  }
+  Status create() {
+    const auto made = engine->validate_local_identity(0, identity.properties, candidate(1));
+    if (!made) return std::unexpected(made.error());
+    return {};
+  }
+  const test::TemporaryFolder folder, elsewhere;
+  Identity identity = alice();
+  Engine engine;
+};
+const std::string& revokes_alice() {
+  static const auto text = pem({9, {alice().certificate}});
+  return text;
+}
+
+TEST_F(Unprepared, List_ComesBesideTheCertificate_IsTaken) {
+  put_certificate();
+  ASSERT_OK(create());
+  EXPECT_FALSE(ends());
+  folder.replace("crl.pem", revokes_alice());
+  EXPECT_TRUE(ends());
+  EXPECT_THAT(codes(), testing::ElementsAre(Code::no_revocation_list, Code::crl_renewed,
+                                            Code::certificate_revoked));
+}
+
+TEST_F(Unprepared, List_ComesBesideTheCa_IsTaken) {
+  put_certificate();
+  put_ca(elsewhere);
+  ASSERT_OK(create());
+  EXPECT_FALSE(ends());
+  elsewhere.replace("crl.pem", revokes_alice());
+  EXPECT_TRUE(ends());
+}
+
+TEST_F(Unprepared, List_TakenBesideTheCa_IsFollowedThere) {
+  put_certificate();
+  put_ca(elsewhere);
+  ASSERT_OK(create());
+  elsewhere.replace("crl.pem", pem({5}));
+  EXPECT_FALSE(ends());
+  folder.replace("crl.pem", revokes_alice());
+  EXPECT_FALSE(ends()) << "one place, so that nobody puts an old list into the other";
+  elsewhere.replace("crl.pem", revokes_alice());
+  EXPECT_TRUE(ends());
+}
+
+TEST_F(Unprepared, List_ThereAtTheStart_Counts) {
+  put_certificate();
+  folder.write("crl.pem", revokes_alice());
+  EXPECT_CODE(create(), certificate_revoked);
+  folder.replace("crl.pem", "nothing");
+  EXPECT_CODE(create(), crl_file_empty);
+  folder.replace("crl.pem", pem({}));
+  EXPECT_TRUE(create());
+  EXPECT_EQ(codes().size(), 2u) << "a participant with a list does not say that it has none";
+}
+
+TEST_F(Unprepared, List_ThatIsInvalidOrForeign_ChangesNothingAndIsReported) {
+  put_certificate();
+  ASSERT_OK(create());
+  const auto stranger = make_ca("CN=Stranger");
+  const auto forger = make_ca();  // of the same name
+  const std::pair<std::string, Code> lists[] = {
+      {"nothing", Code::crl_file_empty},
+      {pem({9, {alice().certificate}}, stranger), Code::crl_missing},
+      {pem({9, {alice().certificate}}, forger), Code::crl_signature_invalid},
+      {pem({9, {alice().certificate}, kNow - 48h, kNow - 24h}), Code::crl_expired}};
+  for (const auto& [text, code] : lists) {
+    engine.events.events.clear();
+    folder.replace("crl.pem", text);
+    EXPECT_FALSE(ends());
+    ASSERT_EQ(codes(), std::vector{code});
+    const auto& details = engine.events.events[0].error.details();
+    EXPECT_EQ(details.document, folder.path() + "/crl.pem");
+    EXPECT_THAT(details.note, testing::HasSubstr("still no revocation list"));
+  }
+  folder.replace("crl.pem", revokes_alice());
+  EXPECT_TRUE(ends());
+}
+
+TEST_F(Unprepared, NoList_IsSaidOnceWithItsPlace) {
+  put_certificate();
+  ASSERT_OK(create());
+  EXPECT_FALSE(ends());
+  ASSERT_EQ(codes(), std::vector{Code::no_revocation_list});
+  const auto& event = engine.events.events[0];
+  EXPECT_EQ(event.severity, Severity::informational);
+  EXPECT_THAT(event.error.details().note,
+              testing::HasSubstr(folder.path() + "/crl.pem is looked for every 1 s"));
+  EXPECT_NE(event.guid, "");
+}
+
+TEST_F(Unprepared, NoList_WithoutLooking_SaysThatNoneIsLookedFor) {
+  put_certificate();
+  set(identity.properties, property::kFilesPollInterval, "0");
+  ASSERT_OK(create());
+  EXPECT_THAT(engine.events.events.at(0).error.details().note,
+              testing::HasSubstr("is not looked for, since org.ddssec.files_poll_interval is 0"));
+  folder.write("crl.pem", revokes_alice());
+  EXPECT_FALSE(ends());
+}
+
+TEST_F(Unprepared, FolderOfAuthorities_NoListIsLookedFor) {
+  put_certificate();
+  elsewhere.write("ca.pem", test_ca().certificate().pem());
+  set(identity.properties, property::kTrustedCaDir, elsewhere.path());
+  ASSERT_OK(create());
+  folder.write("crl.pem", revokes_alice());
+  EXPECT_FALSE(ends());
+  EXPECT_TRUE(codes().empty());
+}
+
+}  // namespace
+}  // namespace ddssec::authentication
