@@ -47,7 +47,7 @@ void StatefulWriter::feed(ReaderProxy& proxy) {
 }
 
 StatefulReader::~StatefulReader() {
-  for (auto& proxy : writers_)
+  for (auto& [guid, proxy] : writers_)
     if (proxy.local != nullptr) proxy.local->lose(guid_);
 }
 

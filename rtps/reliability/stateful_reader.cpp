@@ -10,6 +10,9 @@ namespace {
 constexpr MonotonicTime kFirstQuestion = std::chrono::milliseconds(50);
 constexpr MonotonicTime kLongestQuestion = std::chrono::seconds(5);
 
+static_assert(StatefulReader::kLargestSample / StatefulReader::kLeastFragmentSize <=
+              FragmentSet::kMostFragments);
+
 }  // namespace
 
 StatefulReader::StatefulReader(const Guid& guid, bool reliable, MessageSender& sender,
@@ -20,20 +23,14 @@ StatefulReader::StatefulReader(const Guid& guid, bool reliable, MessageSender& s
       sender_(sender),
       deliver_(std::move(deliver)) {}
 
-StatefulReader::WriterProxy* StatefulReader::find(const Guid& writer) {
-  const auto at = std::ranges::find(writers_, writer, [](const auto& p) { return p.writer.guid; });
-  return at == writers_.end() ? nullptr : &*at;
-}
-
 void StatefulReader::match(MatchedWriter writer, MonotonicTime now, bool wants_history) {
-  if (find(writer.guid) != nullptr) return;
-  WriterProxy proxy;
+  const auto [at, is_new] = writers_.try_emplace(writer.guid);
+  if (!is_new) return;
+  auto& proxy = at->second;
   proxy.writer = std::move(writer);
   proxy.question_period = kFirstQuestion;
-  writers_.push_back(std::move(proxy));
-  resume(writers_.back(), wants_history);
-  const auto& matched = writers_.back().writer;
-  if (reliable_ && matched.reliable && !matched.in_process) ask(writers_.back(), now);
+  resume(proxy, wants_history);
+  if (reliable_ && proxy.writer.reliable && !proxy.writer.in_process) ask(proxy, now);
 }
 
 void StatefulReader::resume(WriterProxy& proxy, bool wants_history) {
@@ -52,10 +49,14 @@ void StatefulReader::unmatch(const Guid& writer, const std::optional<Sha256Diges
   auto* proxy = find(writer);
   if (proxy == nullptr) return;
   if (proxy->local != nullptr) proxy->local->detach(guid_);
-  held_ -= proxy->held;
+  let_go(*proxy, proxy->held);
   if (keys) past_.push_back({writer, *keys, proxy->next, proxy->last_heartbeat});
   if (past_.size() > kMostPast) past_.pop_front();
-  std::erase_if(writers_, [&](const auto& proxy) { return proxy.writer.guid == writer; });
+  const auto prefix = writer.prefix;
+  const auto next = writers_.erase(writers_.find(writer));
+  const bool has_others = (next != writers_.end() && next->first.prefix == prefix) ||
+                          (next != writers_.begin() && std::prev(next)->first.prefix == prefix);
+  if (!has_others) held_of_.erase(prefix);
 }
 
 void StatefulReader::on_data(const GuidPrefix& from, const Data& data,
@@ -107,16 +108,27 @@ StatefulReader::Early::iterator StatefulReader::forget_early(WriterProxy& proxy,
 void StatefulReader::hold(WriterProxy& proxy, std::size_t price) {
   proxy.held += price;
   held_ += price;
+  held_of_[proxy.writer.guid.prefix] += price;
 }
 
 void StatefulReader::let_go(WriterProxy& proxy, std::size_t price) {
   proxy.held -= price;
   held_ -= price;
+  held_of_[proxy.writer.guid.prefix] -= price;
 }
 
+// By participant: an attacker that spreads what it claims over many writers displaces nobody else.
 void StatefulReader::trim() {
-  while (held_ > limits_.held_octets)
-    forget_latest(*std::ranges::max_element(writers_, {}, &WriterProxy::held));
+  while (!held_of_.empty()) {
+    const auto most = std::ranges::max_element(
+        held_of_, {}, [](const auto& participant) { return participant.second; });
+    if (held_ <= limits_.held_octets && most->second <= limits_.held_octets_of_one) return;
+    auto at = writers_.lower_bound({most->first, {}});
+    auto* largest = &at->second;
+    for (; at != writers_.end() && at->first.prefix == most->first; ++at)
+      if (at->second.held > largest->held) largest = &at->second;
+    forget_latest(*largest);
+  }
 }
 
 void StatefulReader::forget_latest(WriterProxy& proxy) {
@@ -182,13 +194,14 @@ void StatefulReader::note_lost(WriterProxy& proxy, SequenceNumber until) {
 }
 
 bool StatefulReader::has_history() const {
-  return std::ranges::all_of(writers_, [&](const auto& proxy) {
+  return std::ranges::all_of(writers_, [&](const auto& matched) {
+    const auto& proxy = matched.second;
     return !reliable_ || !proxy.writer.reliable || (proxy.heard && proxy.next > proxy.history_end);
   });
 }
 
 void StatefulReader::offer_again() {
-  for (auto& proxy : writers_) {
+  for (auto& [guid, proxy] : writers_) {
     if (proxy.local != nullptr) proxy.local->feed(guid_);
     const auto before = proxy.next;
     advance(proxy);
@@ -214,6 +227,7 @@ StatefulReader::Partial* StatefulReader::partial_of(WriterProxy& proxy, const Da
                       known->change.payload.size() == frag.sample_size;
     return same ? known : nullptr;
   }
+  if (frag.total() > kMostSmallFragments && frag.fragment_size < kLeastFragmentSize) return nullptr;
   if (frag.sample_size > limits_.largest_sample) {
     accept(proxy, frag.sequence_number, std::nullopt);  // never asked for again
     if (dropped_) dropped_(proxy.writer.guid, frag.sample_size);
@@ -237,10 +251,8 @@ StatefulReader::Partial* StatefulReader::partial_of(WriterProxy& proxy, const Da
                     frag.inline_qos.original};
   if (guid_.entity == kVolatileMessageReader) partial.change.payload.wipe_at_end();
   partial.fragment_size = frag.fragment_size;
-  partial.have = Payload::uninitialized(frag.total());
-  std::ranges::fill(partial.have.fill(), std::uint8_t{0});
-  partial.missing = frag.total();
-  partial.price = kPricePerChange + frag.sample_size + frag.total();
+  partial.have = FragmentSet(frag.total());
+  partial.price = kPricePerChange + frag.sample_size + frag.total() / 8;
   hold(proxy, partial.price);
   const auto before =
       std::ranges::lower_bound(proxy.partial, frag.sequence_number, {}, &Partial::number);
@@ -259,9 +271,8 @@ void StatefulReader::on_data_frag(const GuidPrefix& from, const DataFrag& frag,
   if (partial == nullptr) return;
   const auto begin = std::size_t{frag.first.value - 1} * frag.fragment_size;
   std::ranges::copy(frag.payload, partial->change.payload.fill().subspan(begin).begin());
-  for (auto& have : partial->have.fill().subspan(frag.first.value - 1, frag.count))
-    partial->missing -= std::exchange(have, 1) ^ 1u;
-  if (partial->missing > 0) return;
+  partial->have.insert(frag.first, frag.count);
+  if (!partial->have.is_complete()) return;
   auto change = std::move(partial->change);
   accept(*proxy, frag.sequence_number, std::move(change));
 }
@@ -306,18 +317,13 @@ void StatefulReader::acknowledge(WriterProxy& proxy, SequenceNumber last) {
 }
 
 void StatefulReader::acknowledge_again() {
-  for (auto& proxy : writers_)
+  for (auto& [guid, proxy] : writers_)
     if (reliable_ && proxy.writer.reliable && proxy.heard) acknowledge(proxy, proxy.announced);
 }
 
 void StatefulReader::ask_for_fragments(WriterProxy& proxy, const Partial& partial) {
-  const auto have = partial.have.view();
-  const auto index = static_cast<std::uint32_t>(std::ranges::find(have, 0) - have.begin());
-  FragmentNumberSet missing(FragmentNumber{index + 1});
-  for (auto i = index; i < have.size() && missing.reaches({i + 1}); ++i)
-    if (have[i] == 0) missing.insert({i + 1});
   sender_.add(proxy.destination(), NackFrag{guid_.entity, proxy.writer.guid.entity,
-                                            partial.number(), missing, ++count_});
+                                            partial.number(), partial.have.missing(), ++count_});
 }
 
 // A range is skipped as a whole where we stand before it; ahead of us only the 256 numbers of the
@@ -348,14 +354,14 @@ void StatefulReader::ask(WriterProxy& proxy, MonotonicTime now) {
 }
 
 void StatefulReader::tick(MonotonicTime now) {
-  for (auto& proxy : writers_)
+  for (auto& [guid, proxy] : writers_)
     if (now >= proxy.next_question) ask(proxy, now);
   call_at(next_tick());
 }
 
 MonotonicTime StatefulReader::next_tick() const {
   auto next = kNever;
-  for (const auto& proxy : writers_) next = std::min(next, proxy.next_question);
+  for (const auto& [guid, proxy] : writers_) next = std::min(next, proxy.next_question);
   return next;
 }
 

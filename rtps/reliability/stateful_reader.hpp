@@ -7,6 +7,7 @@
 #include <map>
 
 #include "base/hash.hpp"
+#include "rtps/reliability/fragment_set.hpp"
 #include "rtps/reliability/stateful_writer.hpp"
 #include "wire/data_frag.hpp"
 #include "wire/gap.hpp"
@@ -26,15 +27,20 @@ struct MatchedWriter {
 };
 
 /// Delivers each writer's changes in order, each once. Bounded: changes that came too early and
-/// samples of which fragments are missing are kept up to the limits below, then those of whoever
-/// has most of them are dropped and asked for again. No clock, no lock.
+/// samples of which fragments are missing are kept up to the limits below. Beyond them the remote
+/// participant with most of them loses its latest, which are requested again. No clock, no lock.
 class StatefulReader final : private Timed {
  public:
   static constexpr std::size_t kMostEarlyChanges = 2048;
   static constexpr std::size_t kMostPartialSamples = 4;
   static constexpr std::uint32_t kLargestSample = 64u << 20;
-  /// Of what is kept, of all writers.
+  /// Samples of more fragments than that must have fragments of at least kLeastFragmentSize: the
+  /// number of fragments is what a sample costs beside its octets.
+  static constexpr std::uint32_t kMostSmallFragments = 4096;
+  static constexpr std::uint16_t kLeastFragmentSize = 512;
+  /// Of what is kept, of all writers, and of the writers of one participant.
   static constexpr std::size_t kMostHeldOctets = std::size_t{256} << 20;
+  static constexpr std::size_t kMostHeldOctetsOfOne = kMostHeldOctets / 2;
   /// Writers that left with keys that they may come back with.
   static constexpr std::size_t kMostPast = 1024;
   /// What each change that is kept counts beside its octets.
@@ -43,6 +49,7 @@ class StatefulReader final : private Timed {
   struct Limits {
     std::uint32_t largest_sample = kLargestSample;  ///< in fragments; larger ones are given up
     std::size_t held_octets = kMostHeldOctets;
+    std::size_t held_octets_of_one = kMostHeldOctetsOfOne;
   };
 
   /// Takes the change, or refuses it for now (a full history): then it is kept here, and offered
@@ -76,10 +83,7 @@ class StatefulReader final : private Timed {
 
   const Guid& guid() const { return guid_; }
   std::size_t matched() const { return writers_.size(); }
-  bool is_matched(const Guid& writer) const {
-    return std::ranges::find(writers_, writer, [](const auto& p) { return p.writer.guid; }) !=
-           writers_.end();
-  }
+  bool is_matched(const Guid& writer) const { return writers_.contains(writer); }
 
   /// A writer that comes back with the keys that it left with goes on where it was: what it sent
   /// before that is not new, whoever sends it again. `wants_history`: it may say that it starts
@@ -121,8 +125,7 @@ class StatefulReader final : private Timed {
   struct Partial {
     Change change;
     std::uint16_t fragment_size = 0;
-    Payload have;  ///< an octet a fragment: 0 or 1
-    std::uint32_t missing = 0;
+    FragmentSet have;
     std::size_t price = 0;
     SequenceNumber number() const { return change.sequence_number; }
   };
@@ -161,7 +164,10 @@ class StatefulReader final : private Timed {
   void resume(WriterProxy& proxy, bool wants_history);
   /// "What is there?", and when to ask again.
   void ask(WriterProxy& proxy, MonotonicTime now);
-  WriterProxy* find(const Guid& writer);
+  WriterProxy* find(const Guid& writer) {
+    const auto at = writers_.find(writer);
+    return at == writers_.end() ? nullptr : &at->second;
+  }
   void accept(WriterProxy& proxy, SequenceNumber number, std::optional<Change> change);
   void advance(WriterProxy& proxy);
   void skip_to(WriterProxy& proxy, SequenceNumber number);
@@ -171,7 +177,8 @@ class StatefulReader final : private Timed {
   Early::iterator forget_early(WriterProxy& proxy, Early::iterator at);
   void hold(WriterProxy& proxy, std::size_t price);
   void let_go(WriterProxy& proxy, std::size_t price);
-  /// Whoever holds most gives up its latest: they are asked for again.
+  /// The participant that holds most gives up the latest of its writer that holds most: they are
+  /// requested again.
   void trim();
   void forget_latest(WriterProxy& proxy);
   void forget_below(WriterProxy& proxy, SequenceNumber number);
@@ -194,9 +201,10 @@ class StatefulReader final : private Timed {
   Group on_group_;
   Limits limits_;
   SpareNodes<Early> spare_;
-  std::vector<WriterProxy> writers_;
-  std::size_t held_ = 0;    ///< of all of them
-  std::deque<Past> past_;   ///< who left latest last
+  std::map<Guid, WriterProxy> writers_;
+  std::size_t held_ = 0;                       ///< of all of them
+  std::map<GuidPrefix, std::size_t> held_of_;  ///< by each participant that has matched writers
+  std::deque<Past> past_;                      ///< who left latest last
   std::int32_t count_ = 0;  ///< of acknowledgements: whoever comes back hears later ones
 };
 

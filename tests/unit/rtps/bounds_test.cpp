@@ -1,5 +1,8 @@
 // What strangers claim takes bounded memory and no time: floods and forgeries against a whole
 // participant, with its memory counted.
+#include <fstream>
+#include <unistd.h>
+
 #include <gtest/gtest.h>
 
 #include "tests/support/counted_memory.hpp"
@@ -152,11 +155,90 @@ TEST_F(Matched, FragmentsThatNeverCompleteTakeABoundedPlace) {
                      {},
                      false,
                      fragment});
-  const auto most = static_cast<std::int64_t>(StatefulReader::kMostHeldOctets);
+  const auto most = static_cast<std::int64_t>(StatefulReader::kMostHeldOctetsOfOne);
   EXPECT_LT(octets() - before, most + static_cast<std::int64_t>(Payload::kMostKept) + kMiB);
   EXPECT_GT(octets() - before, most / 2) << "they are kept at all";
   EXPECT_EQ(a.participant.counters().malformed, 0u);
   expect_that_samples_come();
+}
+
+/// Octets of this process that lie in memory now.
+std::int64_t resident() {
+  std::ifstream statm("/proc/self/statm");
+  std::int64_t size = 0, pages = 0;
+  statm >> size >> pages;
+  return pages * sysconf(_SC_PAGESIZE);
+}
+
+// A datagram of 60 octets claimed 64 Mi fragments of one octet: 20 ms of CPU and 128 MiB for it.
+TEST_F(Matched, FragmentsOfOneOctetOfAHugeSampleAreNotTaken) {
+  const Bytes octet(1);
+  const auto allocated = counted_memory::octets_ever();
+  for (std::int64_t number = 1000; number > 0; --number)
+    forge(DataFrag{{},
+                   writers[0].entity,
+                   {number},
+                   {1},
+                   1,
+                   1,
+                   StatefulReader::kLargestSample,
+                   {},
+                   false,
+                   octet});
+  EXPECT_LT(counted_memory::octets_ever() - allocated, kMiB);
+  expect_that_samples_come();
+}
+
+// The lowest number takes the place of the highest: each datagram begins a sample anew.
+TEST_F(Matched, WhatAFragmentClaimsIsNotTouchedBeforeItComes) {
+  constexpr auto kSize = StatefulReader::kLeastFragmentSize;
+  constexpr auto kLast = StatefulReader::kLargestSample / kSize;
+  const Bytes fragment(kSize);
+  const auto touched = resident();
+  for (std::int64_t number = 1000; number > 0; --number)
+    forge(DataFrag{{},
+                   writers[0].entity,
+                   {number},
+                   {number % 2 == 0 ? 1 : kLast},
+                   1,
+                   kSize,
+                   StatefulReader::kLargestSample,
+                   {},
+                   false,
+                   fragment});
+  EXPECT_LT(resident() - touched, 4 * kMiB);
+  expect_that_samples_come();
+}
+
+// What one participant claims by many writers takes nothing from what another one sends.
+TEST(Bounds, ClaimsOfManyWritersDoNotDisplaceTheSamplesOfAnotherParticipant) {
+  Node a(1);
+  MessageSender sender(a.post, a.participant.prefix());
+  std::vector<Change> delivered;
+  StatefulReader reader({a.participant.prefix(), testing::kReader}, true, sender,
+                        [&](Change& change) {
+                          delivered.push_back(std::move(change));
+                          return true;
+                        });
+  constexpr std::uint32_t kClaimed = 1 << 20;
+  reader.limit({.held_octets = 8 * kClaimed, .held_octets_of_one = 4 * kClaimed});
+  const auto hostile = GuidPrefix::from(Bytes(12, 0x77));
+  const auto honest = GuidPrefix::from(Bytes(12, 0x99));
+  const auto writer = [](std::uint8_t i) { return EntityId{{0, 0, i, 0x02}}; };
+  for (std::uint8_t i = 0; i < 100; ++i) reader.match({{hostile, writer(i)}, true}, seconds(1));
+  reader.match({{honest, writer(1)}, true}, seconds(1));
+  const Bytes half(32768);
+  const auto send_half = [&](std::uint32_t number) {
+    reader.on_data_frag(honest, {{}, writer(1), {1}, {number}, 1, 32768, 65536, {}, false, half},
+                        {});
+  };
+  send_half(1);
+  for (std::uint8_t i = 0; i < 100; ++i)
+    for (std::int64_t number = 1; number <= 4; ++number)
+      reader.on_data_frag(hostile,
+                          {{}, writer(i), {number}, {1}, 1, 32768, kClaimed, {}, false, half}, {});
+  send_half(2);
+  EXPECT_EQ(delivered.size(), 1u);
 }
 
 // Of each writer the first sample is missing, and the others wait for it.
@@ -165,7 +247,7 @@ TEST_F(Matched, SamplesThatCameTooEarlyTakeABoundedPlace) {
   for (std::int64_t number = 2; number <= kIncomplete / 2; ++number)
     for (const auto& guid : writers)
       forge(Data{{}, guid.entity, {number}, {}, PayloadKind::data, large});
-  const auto most = static_cast<std::int64_t>(StatefulReader::kMostHeldOctets);
+  const auto most = static_cast<std::int64_t>(StatefulReader::kMostHeldOctetsOfOne);
   const auto rounded = most / 4;
   EXPECT_LT(octets() - before, most + rounded + kMiB);
   EXPECT_EQ(a.participant.counters().malformed, 0u);
