@@ -81,7 +81,8 @@ Result<Documents> documents_for(const Question& question) {
   const auto governance_proof =
       DDSSEC_TRY(verified(paths.governance, paths.permissions_ca, question.now));
   auto governance_read =
-      named(governance::read_governance(governance_proof.content()), paths.governance);
+      named(governance::read_governance(governance_proof.content(), governance_proof.first_line()),
+            paths.governance);
   auto governance_document =
       std::make_shared<const governance::Governance>(DDSSEC_TRY(std::move(governance_read)));
   auto governance = DDSSEC_TRY(
@@ -89,7 +90,8 @@ Result<Documents> documents_for(const Question& question) {
             paths.governance));
   const auto certificate = DDSSEC_TRY(read_certificate(paths.certificate));
   const auto proof = DDSSEC_TRY(verified(paths.permissions, paths.permissions_ca, question.now));
-  auto read = named(governance::read_permissions(proof.content()), paths.permissions);
+  auto read =
+      named(governance::read_permissions(proof.content(), proof.first_line()), paths.permissions);
   const auto permissions =
       std::make_shared<const governance::Permissions>(DDSSEC_TRY(std::move(read)));
   const auto* grant =

@@ -47,10 +47,10 @@ Result<Report> governance_diff(const Arguments& arguments, const Context& contex
   if (arguments.has("--topics"))
     options.topics = DDSSEC_TRY(read_topics(arguments.text("--topics")));
   const auto sides = DDSSEC_TRY(diff_sides(document_path<GovernanceKind>, arguments, context));
-  const auto before =
-      DDSSEC_TRY(named(governance::read_governance(sides.before.text), sides.before.path));
-  const auto after =
-      DDSSEC_TRY(named(governance::read_governance(sides.after.text), sides.after.path));
+  const auto before = DDSSEC_TRY(named(
+      governance::read_governance(sides.before.text, sides.before.first_line), sides.before.path));
+  const auto after = DDSSEC_TRY(named(
+      governance::read_governance(sides.after.text, sides.after.first_line), sides.after.path));
   const auto diff = governance::compare(before, after, options);
   Report report = report_of(diff, sides);
   warn_of_open_ranges(report, Rule::GOV004, before.notes, sides.before.path);
@@ -68,10 +68,10 @@ Result<Report> governance_diff(const Arguments& arguments, const Context& contex
 Result<Report> permissions_diff(const Arguments& arguments, const Context& context) {
   const auto threshold = DDSSEC_TRY(fail_on(arguments, {"wider", "narrower", "any"}));
   const auto sides = DDSSEC_TRY(diff_sides(document_path<PermissionsKind>, arguments, context));
-  const auto before =
-      DDSSEC_TRY(named(governance::read_permissions(sides.before.text), sides.before.path));
-  const auto after =
-      DDSSEC_TRY(named(governance::read_permissions(sides.after.text), sides.after.path));
+  const auto before = DDSSEC_TRY(named(
+      governance::read_permissions(sides.before.text, sides.before.first_line), sides.before.path));
+  const auto after = DDSSEC_TRY(named(
+      governance::read_permissions(sides.after.text, sides.after.first_line), sides.after.path));
   const auto diff = governance::compare(
       before, after, {.map_subjects_by_grant_name = arguments.has("--subject-map")});
   Report report = report_of(diff, sides);

@@ -39,9 +39,11 @@ Result<DiffSide> read_side(const fs::path& path, const Arguments& arguments, Wal
     side.is_verified = true;
     side.signer = to_hex(proof.signer().fingerprint());
     side.text = to_bytes(proof.content());
+    side.first_line = proof.first_line();
   } else {
     side.signer = claimed_signer(form);
     side.text = std::move(form.unverified_text);
+    side.first_line = form.first_line;
   }
   return side;
 }

@@ -16,7 +16,8 @@ namespace ddssec::cli {
 /// One side of a comparison, as far as it is the same for all documents.
 struct DiffSide {
   std::filesystem::path path;
-  Bytes text = {};  ///< the XML document
+  Bytes text = {};     ///< the XML document
+  int first_line = 1;  ///< of the file, on which it begins
   bool is_signed = false;
   bool is_verified = false;
   /// Who signed: the certificate's fingerprint if verified, else who claims to have. Empty: nobody.

@@ -153,7 +153,7 @@ Result<Report> verify(const Arguments& arguments, const Context& context) {
       DDSSEC_TRY(beliefs(file, ca_certificate_path(arguments.text("--ca"), "permissions"), now));
   if (!all.ours) return refused(all);
   const auto& proof = all.ours;
-  const auto document = DDSSEC_TRY(named(Kind::read(proof->content()), file));
+  const auto document = DDSSEC_TRY(named(Kind::read(proof->content(), proof->first_line()), file));
   Report report;
   report.text = fmt::format("{}: signed by {}, valid until {}\n", file.string(),
                             proof->signer().subject(), date(proof->signer_not_after()));

@@ -45,13 +45,13 @@ Result<pki::SignedDocument> verified(const fs::path& file, const fs::path& ca, W
 }
 
 // What is no signed form is left to the reader of XML, which says best what is wrong with it.
-Result<Bytes> unverified_text(const fs::path& file) {
+Result<DocumentText> unverified_text(const fs::path& file) {
   auto octets = DDSSEC_TRY(read_file(file, pki::kMostDocumentOctets));
   auto form = pki::examine_document(octets);
   using enum pki::DocumentWrapping;
-  if (form.wrapping == none || form.wrapping == unknown) return octets;
+  if (form.wrapping == none || form.wrapping == unknown) return DocumentText{std::move(octets)};
   if (form.unverified_text.empty()) return fail(Code::smime_malformed, {.document = file});
-  return std::move(form.unverified_text);
+  return DocumentText{std::move(form.unverified_text), form.first_line};
 }
 
 void add_findings(Report& report, std::vector<Finding> findings, const fs::path& file) {

@@ -28,20 +28,29 @@ Result<T> named(Result<T> result, const std::filesystem::path& path) {
 Result<pki::SignedDocument> verified(const std::filesystem::path& file,
                                      const std::filesystem::path& ca, WallTime now);
 
-/// The XML text of a document, plain or signed. NOT verified: to be shown and linted, never obeyed.
+/// The XML of a document, plain or signed, and the line of its file on which it begins.
+struct DocumentText {
+  Bytes xml;
+  int first_line = 1;
+};
+/// NOT verified: to be shown and linted, never obeyed.
 /// Errors: those of read_file; smime_malformed if nothing can be found in a signed form.
-Result<Bytes> unverified_text(const std::filesystem::path& file);
+Result<DocumentText> unverified_text(const std::filesystem::path& file);
 
 /// A kind of document, for commands that do the same to both.
 struct GovernanceKind {
   using Document = governance::Governance;
   static constexpr auto kInFolder = &pki::ParticipantFolder::governance;
-  static Result<Document> read(BytesView xml) { return governance::read_governance(xml); }
+  static Result<Document> read(BytesView xml, int first_line = 1) {
+    return governance::read_governance(xml, first_line);
+  }
 };
 struct PermissionsKind {
   using Document = governance::Permissions;
   static constexpr auto kInFolder = &pki::ParticipantFolder::permissions;
-  static Result<Document> read(BytesView xml) { return governance::read_permissions(xml); }
+  static Result<Document> read(BytesView xml, int first_line = 1) {
+    return governance::read_permissions(xml, first_line);
+  }
 };
 
 /// The document of a participant's folder; `given` itself if it is none.
@@ -59,7 +68,7 @@ template <class Kind>
 Result<typename Kind::Document> unverified_document(const std::filesystem::path& file) {
   auto text = unverified_text(file);
   if (!text) return std::unexpected(text.error());
-  return named(Kind::read(*text), file);
+  return named(Kind::read(text->xml, text->first_line), file);
 }
 
 /// Findings about this file go into the report; the answer is "no" if one is an error.

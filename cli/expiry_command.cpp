@@ -138,7 +138,8 @@ class Search {
   Status look_into_document(const fs::path& file, BytesView octets) {
     const auto form = pki::examine_document(octets);
     if (as_text(form.unverified_text).find("<permissions") == std::string_view::npos) return {};
-    const auto document = DDSSEC_TRY(governance::read_permissions(form.unverified_text));
+    const auto document =
+        DDSSEC_TRY(governance::read_permissions(form.unverified_text, form.first_line));
     for (const auto& grant : document.grants)
       add({"permissions", grant.subject_name, grant.validity.not_after, file},
           to_hex(sha256(octets)) + grant.subject_name);

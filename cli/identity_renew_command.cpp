@@ -35,8 +35,8 @@ struct OldPermissions {
 Result<OldPermissions> permissions_in(const pki::ParticipantFolder& files, const fs::path& ca,
                                       const pki::Certificate& certificate, WallTime now) {
   const auto proof = DDSSEC_TRY(verified(files.permissions, ca, now));
-  const auto document =
-      DDSSEC_TRY(named(governance::read_permissions(proof.content()), files.permissions));
+  const auto document = DDSSEC_TRY(
+      named(governance::read_permissions(proof.content(), proof.first_line()), files.permissions));
   const auto subject = pki::SubjectName::of(certificate);
   const auto found = std::ranges::find_if(
       document.grants, [&](const auto& grant) { return governance::is_for(grant, subject); });

@@ -159,9 +159,9 @@ Result<DomainRule> read_domain_rule(ReadContext& context, XmlElement element) {
 
 }  // namespace
 
-Result<Governance> read_governance(BytesView xml) {
+Result<Governance> read_governance(BytesView xml, int first_line) {
   constexpr ChildSpec kSpecs[] = {{"domain_rule", Count::many}};
-  const auto document = DDSSEC_TRY(XmlDocument::parse(xml));
+  const auto document = DDSSEC_TRY(XmlDocument::parse(xml, first_line));
   const auto body = DDSSEC_TRY(document_body(document, "domain_access_rules"));
   const auto children = DDSSEC_TRY(XmlChildren::of(body, kSpecs));
   Governance governance;

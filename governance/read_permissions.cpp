@@ -174,9 +174,9 @@ Result<Grant> read_grant(ReadContext& context, XmlElement element) {
 
 }  // namespace
 
-Result<Permissions> read_permissions(BytesView xml) {
+Result<Permissions> read_permissions(BytesView xml, int first_line) {
   constexpr ChildSpec kSpecs[] = {{"grant", Count::many}};
-  const auto document = DDSSEC_TRY(XmlDocument::parse(xml));
+  const auto document = DDSSEC_TRY(XmlDocument::parse(xml, first_line));
   const auto body = DDSSEC_TRY(document_body(document, "permissions"));
   const auto children = DDSSEC_TRY(XmlChildren::of(body, kSpecs));
   Permissions permissions;

@@ -33,10 +33,17 @@ bool is_namespace_attribute(std::string_view name) {
 
 }  // namespace
 
+struct XmlDocument::Parsed final : tinyxml2::XMLDocument {
+  int first_line = 1;
+};
+
 std::string in_brackets(std::string_view name) { return std::string("<").append(name).append(">"); }
 
 std::string_view XmlElement::name() const { return element_->Name(); }
-int XmlElement::line() const { return element_->GetLineNum(); }
+int XmlElement::line() const {
+  const auto* document = static_cast<const XmlDocument::Parsed*>(element_->GetDocument());
+  return document->first_line + element_->GetLineNum() - 1;
+}
 const char* XmlElement::attribute(const char* name) const { return element_->Attribute(name); }
 XmlElement XmlElement::parent() const {
   const auto* above = element_->Parent();
@@ -129,21 +136,25 @@ Status XmlElement::check_no_text() const {
   return {};
 }
 
-Result<XmlDocument> XmlDocument::parse(BytesView octets) {
-  if (auto status = check_xml(as_text(octets)); !status) return std::unexpected(status.error());
-  auto document = std::make_unique<tinyxml2::XMLDocument>();
+Result<XmlDocument> XmlDocument::parse(BytesView octets, int first_line) {
+  if (auto status = check_xml(as_text(octets)); !status) {
+    auto details = status.error().details();
+    if (details.line > 0) details.line += first_line - 1;
+    return fail(status.error().code(), std::move(details));
+  }
+  auto document = std::make_unique<Parsed>();
+  document->first_line = first_line;
   const auto text = as_text(octets);
   if (document->Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS ||
       !document->RootElement()) {
-    return fail(Code::xml_not_well_formed,
-                {.line = document->ErrorLineNum(), .found = document->ErrorName()});
+    return fail(Code::xml_not_well_formed, {.line = first_line + document->ErrorLineNum() - 1,
+                                            .found = document->ErrorName()});
   }
   return XmlDocument(std::move(document));
 }
 
 XmlElement XmlDocument::root() const { return XmlElement(document_->RootElement()); }
-XmlDocument::XmlDocument(std::unique_ptr<tinyxml2::XMLDocument> document)
-    : document_(std::move(document)) {}
+XmlDocument::XmlDocument(std::unique_ptr<Parsed> document) : document_(std::move(document)) {}
 XmlDocument::~XmlDocument() = default;
 XmlDocument::XmlDocument(XmlDocument&&) noexcept = default;
 XmlDocument& XmlDocument::operator=(XmlDocument&&) noexcept = default;

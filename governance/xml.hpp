@@ -13,7 +13,6 @@
 #include "governance/model.hpp"
 
 namespace tinyxml2 {
-class XMLDocument;
 class XMLElement;
 }  // namespace tinyxml2
 
@@ -30,6 +29,7 @@ class XmlElement {
 
   explicit operator bool() const { return element_ != nullptr; }
   std::string_view name() const;
+  /// Of the file, from 1.
   int line() const;
   /// The value of an attribute, or nullptr.
   const char* attribute(const char* name) const;
@@ -67,8 +67,9 @@ class XmlElement {
 /// A parsed document. Move-only.
 class XmlDocument {
  public:
+  /// `first_line`: of the file that the octets are a part of; all lines are told as the file's.
   /// Errors: those of check_xml, and xml_not_well_formed from the parser.
-  static Result<XmlDocument> parse(BytesView octets);
+  static Result<XmlDocument> parse(BytesView octets, int first_line = 1);
 
   XmlElement root() const;
 
@@ -77,8 +78,10 @@ class XmlDocument {
   XmlDocument& operator=(XmlDocument&&) noexcept;
 
  private:
-  explicit XmlDocument(std::unique_ptr<tinyxml2::XMLDocument> document);
-  std::unique_ptr<tinyxml2::XMLDocument> document_;
+  struct Parsed;
+  friend class XmlElement;
+  explicit XmlDocument(std::unique_ptr<Parsed> document);
+  std::unique_ptr<Parsed> document_;
 };
 
 /// One kind of child that an element may have.

@@ -183,6 +183,8 @@ Status check_unsigned(BytesView file, BytesView content, BytesView signature) {
                .found = std::to_string(file.size() - most) + " more"});
 }
 
+int line_breaks(std::string_view text) { return static_cast<int>(std::ranges::count(text, '\n')); }
+
 }  // namespace
 
 Result<DocumentVerifier> DocumentVerifier::make(std::vector<Certificate> permissions_cas) {
@@ -198,7 +200,10 @@ Result<SignedDocument> DocumentVerifier::verify(BytesView file, WallTime now) co
   DDSSEC_TRY(check_unsigned(octets, content, signature));
   const auto signer = DDSSEC_TRY(verified_signer(permissions_cas(), signature, content));
   auto proof = DDSSEC_TRY(chain_.verify(signer, now));
-  return SignedDocument(std::move(content), header, std::move(proof));
+  const auto before = static_cast<std::size_t>(parts.content.data() - as_text(octets).data());
+  const int first_line = 1 + line_breaks(as_text(octets).substr(0, before)) +
+                         line_breaks(as_text(content).substr(0, header));
+  return SignedDocument(std::move(content), header, first_line, std::move(proof));
 }
 
 }  // namespace ddssec::pki

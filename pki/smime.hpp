@@ -18,6 +18,8 @@ class SignedDocument {
  public:
   /// The document, line ends CRLF as they were signed. Parse this, never the file.
   BytesView content() const { return BytesView(signed_octets_).subspan(header_octets_); }
+  /// The line of the file, from 1, on which content() begins: what a person opens is the file.
+  int first_line() const { return first_line_; }
   /// The permissions CA that signed it; one of the configured certificates, octet for octet.
   const Certificate& signer() const { return proof_.certificate(); }
   /// The earliest end of validity on the signer's path.
@@ -25,10 +27,14 @@ class SignedDocument {
 
  private:
   friend class DocumentVerifier;
-  SignedDocument(Bytes octets, std::size_t header, ChainValid proof)
-      : signed_octets_(std::move(octets)), header_octets_(header), proof_(std::move(proof)) {}
+  SignedDocument(Bytes octets, std::size_t header, int first_line, ChainValid proof)
+      : signed_octets_(std::move(octets)),
+        header_octets_(header),
+        first_line_(first_line),
+        proof_(std::move(proof)) {}
   Bytes signed_octets_;
   std::size_t header_octets_;
+  int first_line_;
   ChainValid proof_;
 };
 

@@ -95,6 +95,16 @@ void take_text_header(DocumentForm& form) {
   form.unverified_text = to_bytes(as_bytes(text.substr(std::min(end, text.size()))));
 }
 
+// By the first line that is not blank: OpenSSL does not say where in the file it found the text.
+int first_line_in(std::string_view file, std::string_view text) {
+  const auto begin = text.find_first_not_of(" \t\r\n");
+  if (begin == text.npos) return 1;
+  const auto place = file.find(text.substr(begin, text.find_first_of("\r\n", begin) - begin));
+  if (place == file.npos) return 1;
+  const auto breaks = [](std::string_view part) { return std::ranges::count(part, '\n'); };
+  return static_cast<int>(1 + breaks(file.substr(0, place)) - breaks(text.substr(0, begin)));
+}
+
 DocumentWrapping wrapping_of(BytesView file, Parsed& parsed) {
   parsed = parse_smime(file);
   if (parsed.pkcs7) return parsed.beside ? DocumentWrapping::multipart : DocumentWrapping::opaque;
@@ -148,6 +158,8 @@ DocumentForm examine_document(BytesView file) {
     describe_embedded(parsed.pkcs7.get(), form);
   }
   take_text_header(form);
+  if (form.wrapping == DocumentWrapping::multipart)
+    form.first_line = first_line_in(as_text(file), as_text(form.unverified_text));
   take_openssl_reason();
   return form;
 }

@@ -38,6 +38,9 @@ struct DocumentForm {
   std::string signer_serial = {};
   /// The document's text without its header; empty if it cannot be found.
   Bytes unverified_text = {};
+  /// The line of the file, from 1, on which that text begins; 1 where it is not readable in the
+  /// file.
+  int first_line = 1;
 
   static constexpr std::size_t kMostEmbedded = 16;
 };

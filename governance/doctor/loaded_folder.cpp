@@ -56,7 +56,7 @@ using Certificates = Result<std::vector<pki::Certificate>>;
 // is only ever talked about.
 template <class Model>
 LoadedDocument<Model> load_document(const fs::path& path, const Certificates& cas,
-                                    Result<Model> (*read)(BytesView), WallTime now) {
+                                    Result<Model> (*read)(BytesView, int), WallTime now) {
   LoadedDocument<Model> out;
   auto file = pki::load(uri(path), path.string(), pki::kMostDocumentOctets);
   if (!file) {
@@ -69,12 +69,12 @@ LoadedDocument<Model> load_document(const fs::path& path, const Certificates& ca
   out.cyclonedds_belief = believes(Vendor::cyclonedds, out.file, cas, now);
   out.fastdds_belief = believes(Vendor::fastdds, out.file, cas, now);
   out.our_belief = believes(Vendor::ours, out.file, cas, now);
-  auto model = read(out.form.unverified_text);
+  auto model = read(out.form.unverified_text, out.form.first_line);
   if (!model) {
     out.parsed = about(model.error(), path);
     auto lenient = lenient_text(out.form.unverified_text);
     out.left_out = std::move(lenient.left_out);
-    if (!out.left_out.empty()) model = read(lenient.text);
+    if (!out.left_out.empty()) model = read(lenient.text, out.form.first_line);
   }
   if (model) out.model = std::make_shared<const Model>(*std::move(model));
   return out;

@@ -72,7 +72,8 @@ Result<std::shared_ptr<PermissionsDocument>> DocumentCache::permissions(const Pe
     add_form(text, form);
     return known;
   }
-  auto permissions = DDSSEC_TRY(governance::read_permissions(document.content()));
+  auto permissions =
+      DDSSEC_TRY(governance::read_permissions(document.content(), document.first_line()));
   auto judged = std::make_shared<PermissionsDocument>(std::move(permissions), document);
   judged->set_partition_match(partition_match_);
   insert({text, file.size(), judged});

@@ -82,7 +82,7 @@ Result<std::shared_ptr<const governance::CompiledGovernance>> compile_governance
     const LoadContext& context, const Participant& participant, BytesView file) {
   const auto document = DDSSEC_TRY(participant.ca->verifier().verify(file, context.now));
   auto content = std::make_shared<const governance::Governance>(
-      DDSSEC_TRY(governance::read_governance(document.content())));
+      DDSSEC_TRY(governance::read_governance(document.content(), document.first_line())));
   auto compiled = DDSSEC_TRY(governance::CompiledGovernance::make(
       std::move(content), participant.domain, participant.domain_tag));
   DDSSEC_TRY(check_enforceable(compiled->domain_rule(), context.options));
@@ -131,9 +131,8 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
   participant->governance_name = document_name(spi::property::kGovernance, governance_uri);
   const auto governance_file =
       DDSSEC_TRY(pki::load(governance_uri, spi::property::kGovernance, pki::kMostDocumentOctets));
-  participant->governance =
-      DDSSEC_TRY(in_document(compile_governance(context, *participant, governance_file),
-                             participant->governance_name));
+  participant->governance = DDSSEC_TRY(in_document(
+      compile_governance(context, *participant, governance_file), participant->governance_name));
   DDSSEC_TRY(in_document(check_own_algorithms(*participant, certificate, properties),
                          participant->governance_name));
   const auto name = document_name(spi::property::kPermissions, permissions_uri);

@@ -135,14 +135,34 @@ class Documents(Transcript):
         self.assertEqual((yes["file"], yes["because"]),
                          ("talker/permissions.p7s", 'an allow_rule of grant "talker"'))
         lines = (self.at / "talker/permissions.p7s").read_text().splitlines()
-        document = lines[next(i for i, line in enumerate(lines) if line.startswith("<?xml")):]
-        self.assertIn("<publish>", document[yes["line"] - 1])
+        self.assertIn("<publish>", lines[yes["line"] - 1])
         self.assertIn("default", self.can("subscribe", "rt/chatter", exit=1)["because"])
         self.assertIn("default", self.can("publish", "rt/chatter", "--partition", "a", exit=1)["because"])
         opened = self.can("subscribe", "open", exit=0)
-        self.assertEqual((opened["file"], opened["line"]), ("talker/governance.p7s", 9))
+        self.assertEqual(opened["file"], "talker/governance.p7s")
+        self.assertIn("<topic_rule>", (self.at / "talker/governance.p7s").read_text().splitlines()[opened["line"] - 1])
         self.assertEqual(self.can("publish", "other", exit=1)["because"],
                          "no topic_rule matches the topic")
+
+    def line(self, file, number):
+        return (self.at / file).read_text().splitlines()[number - 1]
+
+    def test_lines_of_a_signed_document_are_those_of_the_file(self):
+        self.participant()
+        rules = self.json("permissions", "show", "talker", *NOW)["result"]["grants"][0]
+        self.assertIn("<grant ", self.line("talker/permissions.p7s", rules["line"]))
+        self.assertIn("<allow_rule>", self.line("talker/permissions.p7s", rules["rules"][0]["line"]))
+        shown = self.json("governance", "show", "talker", "--topic", "open", *NOW)["result"]
+        self.assertIn("<topic_rule>", self.line("talker/governance.p7s", shown["topic_rule"]["line"]))
+        for one in self.json("governance", "lint", "talker", *NOW, exit=None)["diagnostics"]:
+            self.assertRegex(self.line("talker/governance.p7s", one["line"]), r"<(domain|topic)_|protection_kind|>TRUE<")
+        (self.at / "p.xml").write_text(GOVERNANCE.replace("<data_protection_kind>", "<data_protection_kind>\n x"))
+        told = self.refused("value_not_protection_kind", 3, "governance", "lint", "p.xml")
+        self.openssl("smime", "-sign", "-text", "-in", "p.xml", "-signer", "ca/permissions/ca.pem", "-inkey",
+                     "ca/permissions/ca.key.pem", "-out", "p.p7s")
+        signed = self.refused("value_not_protection_kind", 3, "governance", "lint", "p.p7s")
+        self.assertEqual(self.line("p.p7s", signed["line"]), self.line("p.xml", told["line"]))
+        self.assertGreater(signed["line"], told["line"])
 
     def permit(self, change):
         """The talker's permissions, changed and signed."""

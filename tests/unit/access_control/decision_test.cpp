@@ -257,7 +257,7 @@ TEST_F(Decisions, RefusalNamesDocumentLineRuleAndValues) {
   ASSERT_FALSE(status);
   const auto& details = status.error().details();
   EXPECT_EQ(details.document, "dds.sec.access.permissions");
-  EXPECT_EQ(details.line, 17);
+  EXPECT_EQ(details.line, 25);  // of the file
   EXPECT_EQ(details.field, "<deny_rule>");
   EXPECT_EQ(details.expected, "an allow_rule to publish topic \"closed_b\" in partition \"\"");
   EXPECT_NE(details.note.find(kTalker), std::string::npos);

@@ -173,5 +173,13 @@ TEST(HostileFiles, AreRefused) {
   EXPECT_TRUE(XmlDocument::parse(data_file("tinyxml2/utf8test.xml")));
 }
 
+TEST(XmlLines, AreThoseOfTheFileThatTheTextIsAPartOf) {
+  const auto at = [](std::string_view text) { return XmlDocument::parse(as_bytes(text), 9); };
+  EXPECT_EQ(at("<a>\n<b/></a>")->root().line(), 9);
+  EXPECT_EQ(at("<a>\n<b/></a>")->root().first_child().line(), 10);
+  EXPECT_EQ(at("<a>\n\a</a>").error().details().line, 10);
+  EXPECT_EQ(at("<a>\n</b>").error().details().line, parse("<a>\n</b>").error().details().line + 8);
+}
+
 }  // namespace
 }  // namespace ddssec::governance

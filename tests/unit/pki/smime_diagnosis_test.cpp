@@ -1,5 +1,7 @@
 #include "pki/smime_diagnosis.hpp"
 
+#include <algorithm>
+
 #include <openssl/pkcs7.h>
 
 #include "fixture.hpp"
@@ -66,6 +68,21 @@ TEST_F(SmimeDiagnosis, TheFormThatWeWriteIsKnownAndBelieved) {
   EXPECT_EQ(form.signer_serial, ca_.certificate().serial());
   EXPECT_EQ(as_text(form.unverified_text), kDocument);
   EXPECT_TRUE(believed(file));
+}
+
+TEST_F(SmimeDiagnosis, TheLineOfTheTextIsTheFiles) {
+  const auto line_of = [](std::string_view file) {
+    return 1 + static_cast<int>(std::ranges::count(file.substr(0, file.find("<dds")), '\n'));
+  };
+  const auto file = signed_by(self_);
+  const OddDocument plain(self_, PKCS7_DETACHED);
+  for (const auto& one : {std::string(file), std::string(plain.smime())}) {
+    EXPECT_EQ(examine(one).first_line, line_of(one)) << one;
+    EXPECT_GT(examine(one).first_line, 4);
+  }
+  // Where nobody can read it in the file, lines are the text's own.
+  EXPECT_EQ(examine(OddDocument(self_, PKCS7_TEXT).smime()).first_line, 1);
+  EXPECT_EQ(examine(kDocument).first_line, 1);
 }
 
 TEST_F(SmimeDiagnosis, EveryOtherFormIsToldApart) {

@@ -89,6 +89,20 @@ TEST_F(Smime, ContentWithoutFinalLineBreakOrWithNothingIsReturnedAsItIs) {
   }
 }
 
+/// The line of the file, from 1, on which `text` begins.
+int line_of(std::string_view file, std::string_view text) {
+  return 1 + static_cast<int>(std::ranges::count(file.substr(0, file.find(text)), '\n'));
+}
+
+TEST_F(Smime, TheLineOfTheContentIsTheFilesForEveryKindOfLineEnd) {
+  for (const auto& file : {file_, to_lf(file_), to_crlf(file_), "X-More: a\r\n" + file_}) {
+    const auto document = check(file);
+    ASSERT_TRUE(document) << file;
+    EXPECT_EQ(document->first_line(), line_of(file, "<dds>"));
+    EXPECT_GT(document->first_line(), 4);
+  }
+}
+
 TEST_F(Smime, AnyChangedOctetOfTheContentIsSeen) {
   const auto from = file_.find("<dds>");
   for (auto at = from; at < from + 10; ++at) {
