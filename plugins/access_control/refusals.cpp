@@ -31,20 +31,33 @@ std::string shown(const spi::EndpointRequest& request) {
   return text;
 }
 
+/// What to do about permissions that are a peer's: nothing that this side could change.
+std::string hint_about_peer(const PermissionsHolder& holder, Code code,
+                            const governance::RefusalAdvice& advice) {
+  const std::string own(advice.hint.empty() ? info(code).hint : advice.hint);
+  return fmt::format(
+      "the permissions of {} decide this, not ours; if it should be allowed, change them where "
+      "that "
+      "participant runs: {}; then start it again",
+      shortened(holder.peer_subject()), own);
+}
+
 /// "<deny_rule>" or "<default>", and what the rule says.
 Error denied(Code code, const PermissionsHolder& holder, const CompiledGrant& grant,
              const Verdict& verdict, std::string expected,
              const governance::RefusalAdvice& advice = {}) {
-  return Error(code, {.document = holder.document_name(),
-                      .line = verdict.line(grant.grant()),
-                      .field = verdict.rule ? "<deny_rule>" : "<default>",
-                      .expected = std::move(expected),
-                      .found = verdict.rule ? "a deny_rule that matches first"
-                                            : "no rule that matches, and the default DENY",
-                      .note = fmt::format("grant \"{}\" of {}{}{}", shortened(grant.grant().name),
-                                          shortened(grant.grant().subject_name),
-                                          advice.because.empty() ? "" : ": ", advice.because),
-                      .hint = advice.hint});
+  return Error(
+      code, {.document = holder.document_name(),
+             .line = verdict.line(grant.grant()),
+             .field = verdict.rule ? "<deny_rule>" : "<default>",
+             .expected = std::move(expected),
+             .found = verdict.rule ? "a deny_rule that matches first"
+                                   : "no rule that matches, and the default DENY",
+             .note = fmt::format(
+                 "{}grant \"{}\" of {}{}{}", holder.remote() ? "the peer's own permissions, " : "",
+                 shortened(grant.grant().name), shortened(grant.grant().subject_name),
+                 advice.because.empty() ? "" : ": ", advice.because),
+             .hint = holder.remote() ? hint_about_peer(holder, code, advice) : advice.hint});
 }
 
 }  // namespace
@@ -74,6 +87,7 @@ Error endpoint_denied(const PermissionsHolder& holder, const CompiledGrant& gran
 
 Error match_denied(const Error& why, Action action, const spi::EndpointRequest& request) {
   auto details = why.details();
+  details.hint.clear();  // that of match_not_permitted: whoever announced the endpoint may lie
   if (details.expected.empty())
     details.expected = fmt::format("permissions to {} {}", to_string(action), shown(request));
   if (details.found.empty()) details.found = info(why.code()).summary;
