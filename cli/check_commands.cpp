@@ -62,6 +62,23 @@ void add_parts(std::string_view text, std::vector<std::string>& out) {
   }
 }
 
+// A file that is not there would else count as a topic of that name. A comma makes it a name.
+bool looks_like_a_file(const std::string& word) {
+  if (word.find(',') != word.npos) return false;
+  constexpr std::string_view kEndings[] = {".txt", ".lst", ".list", ".csv", ".topics"};
+  return word.starts_with("./") || word.starts_with("../") || word.starts_with("~/") ||
+         std::ranges::any_of(kEndings, [&](auto ending) { return word.ends_with(ending); });
+}
+
+std::unexpected<Error> no_such_list(const std::string& word) {
+  return fail(
+      Code::file_not_found,
+      {.document = word,
+       .field = "--topics",
+       .expected = "a file with a topic on each line",
+       .hint = fmt::format("for a topic of this name, put a comma behind it: --topics {},", word)});
+}
+
 // Names separated by commas, or a file with one on each line.
 Result<std::vector<std::string>> topics_of(const Arguments& arguments) {
   std::vector<std::string> out;
@@ -70,6 +87,8 @@ Result<std::vector<std::string>> topics_of(const Arguments& arguments) {
     if (fs::is_regular_file(word, ignored)) {
       const auto topics = DDSSEC_TRY(read_topics(word));
       out.insert(out.end(), topics.begin(), topics.end());
+    } else if (looks_like_a_file(word)) {
+      return no_such_list(word);
     } else {
       add_parts(word, out);
     }

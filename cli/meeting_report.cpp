@@ -99,11 +99,20 @@ std::string judgement_line(const Judgement& one, const MeetingView& view) {
                      place_of(one));
 }
 
+std::string reason_apart(const Direction& direction, const MeetingView& view);
+
+// Where the lines below it do not say why.
+std::string reason_beside(const Direction& direction, const MeetingView& view) {
+  const bool is_below = view.explain || view.topics_named || !direction.differences.empty() ||
+                        !direction.obstacle.reason.empty();
+  return is_below ? std::string() : ": " + reason_apart(direction, view);
+}
+
 std::string direction_text(const TopicMeeting& topic, const Direction& direction,
                            const MeetingView& view) {
   auto out = fmt::format("  {} publishes -> {} subscribes   {}{}\n", view.names[direction.writer],
                          view.names[1 - direction.writer], direction.ok ? "YES" : "NO",
-                         direction.ok ? protection_of(topic) : "");
+                         direction.ok ? protection_of(topic) : reason_beside(direction, view));
   for (const auto& step : direction.steps)
     if (view.explain || (view.topics_named && !step.ok)) out += judgement_line(step, view);
   for (const auto& difference : direction.differences)

@@ -108,6 +108,20 @@ class Check(WithoutLists):
         self.listener.sign("permissions", permissions(grant("CN=listener", allow("Circle"))))
         self.apart("DOC086", "no topic that talker may publish and listener subscribe")
 
+    def test_a_no_has_its_reason_also_where_no_topic_was_named(self):
+        text = self.run_program("check", "talker", "listener").stdout
+        self.assertRegex(text, r"  listener publishes -> talker subscribes   NO: listener may not publish it: no publish "
+                               r'rule of grant "participant" matches, default DENY \(permissions\.p7s:[0-9]+\)\n')
+        self.assertNotIn("NO:", self.run_program("check", "talker", "listener", "--topics", "Square").stdout)
+
+    def test_a_file_of_topics_that_is_not_there_is_no_topic(self):
+        for name in ("topics.txt", "./topics", "../topics", "lists/topics.lst"):
+            told = self.refused("file_not_found", 3, "check", "talker", "listener", "--topics", name)
+            self.assertEqual(told["file"], name)
+            self.assertIn(f"--topics {name},", told["hint"])
+            named = self.check("--topics", name + ",", exit=1)["result"]["topics"]
+            self.assertEqual([topic["name"] for topic in named], [name])
+
     def test_partitions_of_writers_and_readers(self):
         yard = allow("Square").replace("</topics></", "</topics><partitions>"
                                        "<partition>yard*</partition></partitions></")
