@@ -167,6 +167,10 @@ Result<Answer> answer_to(const Question& question) {
   auto out = by_grant(question, *grant, verdict, "");
   const auto advice = advice_on(*grant, question.action, question.request, verdict);
   if (!advice.because.empty()) out.because += "; " + advice.because;
+  // Nobody asked about partitions: the answer is not to be taken for one about them.
+  if (verdict.allowed && verdict.criteria != nullptr && question.request.partitions.empty())
+    if (const auto where = partitions_of(*verdict.criteria); !where.empty())
+      out.because += ", but " + where;
   if (!verdict.allowed)
     out.hint =
         !advice.hint.empty() ? advice.hint : std::string(info(code_of(question.action)).hint);

@@ -29,14 +29,6 @@ std::string name_list(const Texts& texts) {
   return out;
 }
 
-// The partitions that an element of an allow_rule is for, in words.
-std::string partitions_of(const Criteria& criteria) {
-  if (!criteria.partitions) return "only without a partition (or in \"\")";
-  std::vector<std::string_view> texts;
-  for (const auto& text : *criteria.partitions) texts.push_back(text.text);
-  return "only in " + name_list(texts);
-}
-
 RefusalAdvice about_partitions(const Criteria& criteria, const Request& request) {
   const bool has_none = request.partitions.empty();
   const auto asked = has_none ? std::string() : name_list(request.partitions);
@@ -103,6 +95,15 @@ class Nearest {
 };
 
 }  // namespace
+
+std::string partitions_of(const Criteria& criteria) {
+  if (!criteria.partitions) return "only without a partition (or in \"\")";
+  if (std::ranges::find(*criteria.partitions, "*", &Text::text) != criteria.partitions->end())
+    return {};
+  std::vector<std::string_view> texts;
+  for (const auto& text : *criteria.partitions) texts.push_back(text.text);
+  return "only in " + name_list(texts);
+}
 
 RefusalAdvice advice_on_endpoint(const CompiledGrant& grant, Action action, const Request& request,
                                  const Verdict& verdict) {

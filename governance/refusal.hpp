@@ -13,6 +13,11 @@ struct RefusalAdvice {
   std::string hint = {};     ///< what to do; empty = what is always said
 };
 
+/// Where an allowing element holds, as a clause: "only in \"yard*\"", "only without a partition (or
+/// in
+/// \"\")"; empty if in every partition.
+std::string partitions_of(const Criteria& criteria);
+
 /// Of an endpoint that `verdict` refuses: whether an allow_rule has its topic, and only its
 /// partitions or data tags keep it out. Nothing if a deny_rule refuses. Cheap: a peer may ask
 /// often.

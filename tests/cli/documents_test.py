@@ -133,7 +133,7 @@ class Documents(Transcript):
         self.participant()
         yes = self.can("publish", "rt/chatter", exit=0)
         self.assertEqual((yes["file"], yes["because"]),
-                         ("talker/permissions.p7s", 'an allow_rule of grant "talker"'))
+                         ("talker/permissions.p7s", 'an allow_rule of grant "talker", but only without a partition (or in "")'))
         lines = (self.at / "talker/permissions.p7s").read_text().splitlines()
         self.assertIn("<publish>", lines[yes["line"] - 1])
         self.assertIn("default", self.can("subscribe", "rt/chatter", exit=1)["because"])

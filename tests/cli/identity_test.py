@@ -316,5 +316,17 @@ class Identity(Transcript):
                              "identity", "issue", "b", "--ca", "ca", "-o", "b", *NOW)
 
 
+    def test_what_is_allowed_in_some_partitions_only_is_not_said_to_be_allowed_everywhere(self):
+        self.governance()
+        because = lambda *more: self.json("can", "talker", "publish", "x", *more, *NOW)["result"]["because"]
+        whole = 'an allow_rule of grant "talker"'
+        for partitions, limit in (((), ', but only without a partition (or in "")'),
+                                  (("", "yard*"), ', but only in "", "yard*"'), (("*",), "")):
+            words = [word for one in partitions for word in ("--partition", one)]
+            self.run_with_secret(self.run_program, *self.issue("--replace", "--publish", "x", *words,
+                                                               "--governance", "governance.p7s"))
+            self.assertEqual(because(), whole + limit)
+            self.assertEqual(because("--partition", ""), whole)
+
 if __name__ == "__main__":
     main()
