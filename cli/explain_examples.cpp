@@ -58,14 +58,24 @@ constexpr Example kExamples[] = {
     {"DOC010 DOC011 no_grant_for_subject subject_name_malformed PERM011",
      "ddssec identity show demo/talker"},
     {"DOC010 DOC011 no_grant_for_subject PERM011", "<subject_name>CN=talker</subject_name>"},
-    {"DOC010 no_grant_for_subject DOC040 grant_expired publish_not_allowed subscribe_not_allowed "
-     "topic_not_allowed DOC086",
-     "ddssec permissions new --cert demo/talker/cert.pem --publish rt/chatter --partition '*' "
-     "--sign --ca demo -o talker.xml"},
+    {"DOC010 no_grant_for_subject DOC040 grant_expired publish_not_allowed topic_not_allowed "
+     "DOC086",
+     "ddssec permissions new --cert demo/talker/cert.pem --publish rt/chatter --subscribe rt/clock "
+     "--partition '*' --sign --ca demo -o demo/talker/permissions.xml --replace   # name all of "
+     "its "
+     "topics: the rest is denied"},
+    {"subscribe_not_allowed",
+     "ddssec permissions new --cert demo/talker/cert.pem --publish rt/clock --subscribe rt/chatter "
+     "--partition '*' --sign --ca demo -o demo/talker/permissions.xml --replace   # name all of "
+     "its "
+     "topics: the rest is denied"},
     {"publish_not_allowed topic_not_allowed DOC086",
      "ddssec can demo/talker publish rt/chatter --domain 0"},
     {"subscribe_not_allowed", "ddssec can demo/talker subscribe rt/chatter --domain 0"},
-    {"publish_not_allowed subscribe_not_allowed DOC086",
+    {"subscribe_not_allowed",
+     "<subscribe><topics><topic>rt/chatter</topic></topics>"
+     "<partitions><partition>*</partition></partitions></subscribe>"},
+    {"publish_not_allowed DOC086",
      "<publish><topics><topic>rt/chatter</topic></topics>"
      "<partitions><partition>*</partition></partitions></publish>"},
     {"DOC050 domain_not_covered GOV003", "<domains><id>0</id></domains>"},

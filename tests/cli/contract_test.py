@@ -3,6 +3,7 @@
 
 import json
 import shlex
+import shutil
 import subprocess
 
 from transcript import PROGRAM, Transcript, main
@@ -176,6 +177,16 @@ class Contract(Transcript):
             for option in (w for w in words if w.startswith("-") and w != "--help"):
                 self.assertRegex(text, rf"(?m)^  (-\w, )?{option} ?", line)
         self.assertIn("for example:  ddssec identity show", self.run_program("explain", "DOC080").stdout)
+
+    def test_what_explain_proposes_for_a_refused_topic_works_as_it_stands(self):
+        for action, code in (("publish", "1421"), ("subscribe", "1422")):
+            shutil.rmtree(self.at / "demo", ignore_errors=True)
+            self.run_program("init", "demo", "--allow-topics", "Square")
+            ask = ("can", "demo/talker", action, "rt/chatter", "--partition", "p")
+            self.json(*ask, exit=1)
+            line = next(e for e in self.json("explain", code)["result"]["examples"] if "permissions new" in e)
+            self.run_program(*shlex.split(line, comments=True)[1:])
+            self.json(*ask)
 
     def test_no_control_sequence_reaches_the_terminal(self):
         self.assertIn('"??[31m"', self.refused("usage", 2, "explain", "\n\x1b[31m")["message"])
