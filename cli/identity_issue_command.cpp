@@ -15,6 +15,7 @@
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
 #include "cli/progress.hpp"
+#include "cli/snippets.hpp"
 #include "cli/transaction.hpp"
 #include "pki/source.hpp"
 #include "pki/subject_name.hpp"
@@ -161,6 +162,8 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
     report.result["participants"].push_back(std::move(row));
     progress.step();
   }
+  report.text +=
+      "each folder has cyclonedds.xml and fastdds.xml, which name its files by their whole paths\n";
   DDSSEC_TRY(log_issued(cas, lines));
   report.files_written = DDSSEC_TRY(folder.commit());
   return report;
@@ -204,7 +207,11 @@ Result<Issued> issue(Job& job) {
 // What the folder lacks is said when everything has its place. Of a dry run nothing is said of it.
 Result<Report> finished(Report report, const Job& job, Result<std::vector<WrittenFile>> committed) {
   report.files_written = DDSSEC_TRY(std::move(committed));
-  report.text += not_in_it(is_there(job.files.permissions), is_there(job.files.governance));
+  const bool has_permissions = is_there(job.files.permissions);
+  const bool has_governance = is_there(job.files.governance);
+  report.text += not_in_it(has_permissions, has_governance);
+  if (has_permissions && has_governance)
+    report.text += configuration_lines(job.spec.name, job.target);
   warn_of_topics(job.spec, job.arguments.text("--permissions"), report);
   return report;
 }
@@ -316,6 +323,8 @@ Result<Report> complete_folder(Job& job) {
     DDSSEC_TRY(out.add(job.files.governance, job.governance, 0644, true));
   const auto crl = DDSSEC_TRY(list_for_newcomers(paths, job.context.clock.now()));
   if (!crl.empty()) DDSSEC_TRY(out.add(job.files.crl, as_bytes(crl), 0644, false));
+  for (const auto& [name, text] : configuration_files(job.files))
+    DDSSEC_TRY(out.add(job.target / name, as_bytes(text), 0644, false));
   return finished(report_on(job, certificate, "completed, key and certificate are as before, "),
                   job, out.commit());
 }
@@ -345,6 +354,9 @@ Result<Report> fill_folder(Job& job) {
     DDSSEC_TRY(out.put_public(plain, made.permissions_xml));
   if (!job.governance.empty()) DDSSEC_TRY(out.put(files.governance, job.governance, 0644));
   if (!cas.crl.empty()) DDSSEC_TRY(out.put_public(files.crl, cas.crl));
+  // What a user has changed in them, such as the network interface, stays.
+  for (const auto& [name, text] : configuration_files(files))
+    if (!is_there(job.target / name)) DDSSEC_TRY(out.put_public(job.target / name, text));
   const auto pem = DDSSEC_TRY(made.self.key.to_pem());
   DDSSEC_TRY(pem.expose([&](BytesView octets) { return out.put(files.key, octets, 0600); }));
   DDSSEC_TRY(out.put_public(files.certificate, made.self.certificate.pem()));

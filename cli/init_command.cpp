@@ -91,23 +91,12 @@ Result<OpenCa> make_ca(const Plan& plan, std::string_view role, const Context& c
   return OpenCa{{}, std::move(authority), std::move(pem)};
 }
 
-constexpr auto kCycloneDdsFile = "cyclonedds.xml";
-constexpr auto kFastDdsFile = "fastdds.xml";
-
 /// What the finished folder will know of everybody.
 struct Members {
   Json rows = Json::array();
   std::string log;
   std::string text;
 };
-
-// What the products' configurations must say, ready to be named in the environment. Not in a
-// keystore: ROS 2 finds what it needs there.
-Status add_snippets(NewFolder& folder, const fs::path& below, const fs::path& finally) {
-  const auto files = pki::participant_folder(finally, pki::FolderLayout::flat);
-  DDSSEC_TRY(folder.add_public(below / kCycloneDdsFile, cyclonedds_snippet(files)));
-  return folder.add_public(below / kFastDdsFile, fastdds_snippet(files));
-}
 
 Result<Members> add_members(NewFolder& folder, const Plan& plan, const Issuers& issuers,
                             BytesView governance, const Context& context) {
@@ -128,7 +117,6 @@ Result<Members> add_members(NewFolder& folder, const Plan& plan, const Issuers& 
     DDSSEC_TRY(sros2 ? add_enclave(folder, below, name, made)
                      : add_flat(folder, below, made, issuers, governance));
     if (sros2) DDSSEC_TRY(folder.add_public(below / "crl.pem", issuers.crl));
-    if (!sros2) DDSSEC_TRY(add_snippets(folder, below, plan.target / below));
     out.log += log_line(made, plan.target / below, now);
     const auto& certificate = made.self.certificate;
     out.rows.push_back({{"name", name},
@@ -194,14 +182,8 @@ std::string next_steps(const Plan& plan, const Json& snippets) {
   const auto folder = plan.target / (sros2 ? enclave_folder(first) : fs::path(first));
   const auto out = fmt::format("next: ddssec doctor {}\n", folder.string());
   if (sros2) return out + fmt::format("\n{} with ROS 2:\n{}", first, std::string(snippets["ros2"]));
-  std::error_code ignored;
-  const auto absolute = fs::absolute(folder, ignored).lexically_normal();
-  return out +
-         fmt::format(
-             "{0} with Cyclone DDS: export CYCLONEDDS_URI='file://{1}'\n"
-             "{0} with Fast DDS:    export FASTRTPS_DEFAULT_PROFILES_FILE='{2}'\n"
-             "each participant's folder has these two files; they name it by its whole path\n",
-             first, (absolute / kCycloneDdsFile).string(), (absolute / kFastDdsFile).string());
+  return out + configuration_lines(first, folder) +
+         "each participant's folder has these two files; they name it by its whole path\n";
 }
 
 Result<Report> init(const Arguments& arguments, const Context& context) {

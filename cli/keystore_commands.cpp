@@ -16,6 +16,7 @@
 #include "cli/options.hpp"
 #include "cli/products.hpp"
 #include "cli/ros_policy.hpp"
+#include "cli/snippets.hpp"
 #include "cli/transaction.hpp"
 #include "governance/doctor/diagnosis.hpp"
 #include "governance/doctor/domains.hpp"
@@ -231,8 +232,8 @@ Result<Report> keystore_enclave(const Arguments& arguments, const Context& conte
   DDSSEC_TRY(check_not_interrupted());
   DDSSEC_TRY(append_lines(identity.paths.log, log_line(made, target, now)));
   const auto& certificate = made.self.certificate;
-  report.text = fmt::format("{}  {}  expires {}\n", target.string(), certificate.subject(),
-                            date(certificate.not_after()));
+  report.text = fmt::format("{}  {}  expires {}\n{}", target.string(), certificate.subject(),
+                            date(certificate.not_after()), ros2_snippet(keystore, name));
   report.result = {{"name", name},
                    {"dir", target.string()},
                    {"subject", certificate.subject()},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cli/snippets.hpp"
 #include "governance/grant.hpp"
 #include "governance/lint.hpp"
 #include "governance/read.hpp"
@@ -106,6 +107,10 @@ Status add_flat(NewFolder& folder, const fs::path& below, const NewParticipant& 
     DDSSEC_TRY(folder.add(files.permissions, participant.permissions, 0644));
   if (!governance.empty()) DDSSEC_TRY(folder.add(files.governance, governance, 0644));
   if (!issuers.crl.empty()) DDSSEC_TRY(folder.add_public(files.crl, issuers.crl));
+  const auto finally = folder.target() / below;
+  for (const auto& [name, text] :
+       configuration_files(pki::participant_folder(finally, pki::FolderLayout::flat)))
+    DDSSEC_TRY(folder.add_public(below / name, text));
   return {};
 }
 

@@ -69,7 +69,8 @@ Result<std::string> permissions_xml(const ParticipantSpec& spec,
 Result<NewParticipant> make_participant(const ParticipantSpec& spec, const Issuers& issuers,
                                         const Context& context);
 
-/// Puts it into a folder to be, in the flat layout. `governance` may be empty: then there is none.
+/// Puts it into a folder to be, in the flat layout, with the products' configuration files.
+/// `governance` may be empty: then there is none.
 Status add_flat(NewFolder& folder, const std::filesystem::path& below,
                 const NewParticipant& participant, const Issuers& issuers, BytesView governance);
 

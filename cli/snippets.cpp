@@ -4,15 +4,19 @@
 
 #include <fmt/format.h>
 
+#include "pki/source.hpp"
+
 namespace ddssec::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::string xml_path(const fs::path& path) {
-  std::error_code ignored;
+constexpr auto kCycloneDdsFile = "cyclonedds.xml";
+constexpr auto kFastDdsFile = "fastdds.xml";
+
+std::string xml_text(std::string_view text) {
   std::string out;
-  for (const char c : fs::absolute(path, ignored).lexically_normal().string()) {
+  for (const char c : text) {
     if (c == '&')
       out += "&amp;";
     else if (c == '<')
@@ -21,6 +25,19 @@ std::string xml_path(const fs::path& path) {
       out += c;
   }
   return out;
+}
+
+std::string whole_path(const fs::path& path) {
+  std::error_code ignored;
+  return fs::absolute(path, ignored).lexically_normal().string();
+}
+
+std::string xml_path(const fs::path& path) { return xml_text(whole_path(path)); }
+
+// A key in a token has no file: what a product must be given is the key's own URI.
+std::string xml_uri(const fs::path& path) {
+  const auto uri = path.extension() == ".p11" ? pki::uri_of(path) : Result<std::string>();
+  return uri && !uri->empty() ? xml_text(*uri) : "file:" + xml_path(path);
 }
 
 std::string library(std::string_view name, std::string_view what) {
@@ -36,9 +53,20 @@ std::string property(std::string_view name, const std::string& value) {
 
 }  // namespace
 
+std::array<ConfigurationFile, 2> configuration_files(const pki::ParticipantFolder& folder) {
+  return {{{kCycloneDdsFile, cyclonedds_snippet(folder)}, {kFastDdsFile, fastdds_snippet(folder)}}};
+}
+
+std::string configuration_lines(std::string_view name, const fs::path& folder) {
+  return fmt::format(
+      "{0} with Cyclone DDS: export CYCLONEDDS_URI='file://{1}'\n"
+      "{0} with Fast DDS:    export FASTRTPS_DEFAULT_PROFILES_FILE='{2}'\n",
+      name, whole_path(folder / kCycloneDdsFile), whole_path(folder / kFastDdsFile));
+}
+
 std::string cyclonedds_snippet(const pki::ParticipantFolder& folder) {
   const auto element = [](std::string_view name, const fs::path& path) {
-    return fmt::format("      <{}>file:{}</{}>\n", name, xml_path(path), name);
+    return fmt::format("      <{}>{}</{}>\n", name, xml_uri(path), name);
   };
   return fmt::format(
       "<CycloneDDS><Domain Id=\"any\"><Security>\n"
@@ -54,7 +82,9 @@ std::string cyclonedds_snippet(const pki::ParticipantFolder& folder) {
 }
 
 std::string fastdds_snippet(const pki::ParticipantFolder& folder) {
-  const auto file = [](const fs::path& path) { return "file://" + xml_path(path); };
+  const auto file = [](const fs::path& path) {
+    return path.extension() == ".p11" ? xml_uri(path) : "file://" + xml_path(path);
+  };
   const std::string pki = "dds.sec.auth.builtin.PKI-DH.";
   const std::string access = "dds.sec.access.builtin.Access-Permissions.";
   return "<profiles xmlns=\"http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles\">\n"
@@ -74,12 +104,11 @@ std::string fastdds_snippet(const pki::ParticipantFolder& folder) {
 }
 
 std::string ros2_snippet(const fs::path& keystore, const std::string& enclave) {
-  std::error_code ignored;
   return fmt::format(
       "export ROS_SECURITY_ENABLE=true ROS_SECURITY_STRATEGY=Enforce\n"
       "export ROS_SECURITY_KEYSTORE=\"{}\"\n"
       "ros2 run PACKAGE NODE --ros-args --enclave {}\n",
-      fs::absolute(keystore, ignored).lexically_normal().string(), enclave);
+      whole_path(keystore), enclave);
 }
 
 }  // namespace ddssec::cli

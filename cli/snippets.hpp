@@ -1,11 +1,23 @@
 // What an application's configuration must say to use a participant's folder.
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "pki/participant_folder.hpp"
 
 namespace ddssec::cli {
+
+/// One file of a participant's folder that a product is started with.
+struct ConfigurationFile {
+  std::string name;  ///< cyclonedds.xml, fastdds.xml
+  std::string text;
+};
+/// Those of all products. Every command that makes a participant's folder puts them there; ROS 2
+/// needs none. They name the files of `folder` by their whole paths.
+std::array<ConfigurationFile, 2> configuration_files(const pki::ParticipantFolder& folder);
+/// Lines for people: the variables that name these files of `folder`, which is `name`'s.
+std::string configuration_lines(std::string_view name, const std::filesystem::path& folder);
 
 /// A Cyclone DDS configuration: the value of CYCLONEDDS_URI, or a file that it names.
 std::string cyclonedds_snippet(const pki::ParticipantFolder& folder);

@@ -2,8 +2,10 @@
 """identity issue and show: a participant's folder, whole or not at all."""
 
 import hashlib
+import os
 import re
 import shutil
+import xml.etree.ElementTree as xml
 
 from transcript import Transcript, main
 
@@ -32,7 +34,7 @@ class Identity(Transcript):
         self.assertEqual(made, {"talker/identity_ca.pem": "0644", "talker/cert.pem": "0644",
                                 "talker/key.pem": "0600", "talker/permissions_ca.pem": "0644",
                                 "talker/permissions.p7s": "0644", "talker/governance.p7s": "0644",
-                                "talker/crl.pem": "0644"})
+                                "talker/crl.pem": "0644", "talker/cyclonedds.xml": "0644", "talker/fastdds.xml": "0644"})
         self.assertEqual((out["result"]["subject"], out["result"]["not_after"]),
                          ("CN=talker", "2027-11-21T00:00:00Z"))
         self.openssl("verify", "-attime", "1795305600", "-CAfile", "talker/identity_ca.pem",
@@ -121,7 +123,8 @@ class Identity(Transcript):
         self.run_with_secret(self.run_program, "governance", "new", "-o", "governance.xml", "--sign", "--ca", "ca", *NOW)
         done = self.run_with_secret(self.run_program, "identity", "issue", "whole", "--ca", "ca", "-o", "whole", "--publish",
                                     "x", "--governance", "governance.p7s", *NOW)
-        self.assertEqual(len(done.stdout.splitlines()), 1)
+        self.assertEqual([line.split("  ")[0] for line in done.stdout.splitlines()[:1]], ["whole"])
+        self.assertNotIn("yet", done.stdout)
         self.json("doctor", "whole", *NOW)
 
     def test_a_request_that_its_key_did_not_sign_gets_nothing(self):
@@ -223,6 +226,33 @@ class Identity(Transcript):
         self.assertEqual(self.json("ca", "show", "ca", *NOW)["result"]["issued"], 1)
         self.json("doctor", "talker", *NOW)
 
+    def test_issue_writes_the_configurations_that_init_writes(self):
+        self.governance()
+        done = self.run_with_secret(self.run_program, *self.issue("--publish", "x", "--governance", "governance.p7s"))
+        self.run_program("init", "demo", *NOW)
+        for file in ("cyclonedds.xml", "fastdds.xml"):
+            made = (self.at / "talker" / file).read_text()
+            self.assertEqual(made.replace("/talker/", "/demo/talker/"), (self.at / "demo/talker" / file).read_text())
+            named = [e.text for e in xml.fromstring(made).iter() if (e.text or "").startswith("file:")]
+            self.assertEqual(len(named), 7)
+            for one in named:
+                self.assertTrue(os.path.isfile(one.removeprefix("file:").removeprefix("//")), one)
+        self.assertIn(f"talker with Cyclone DDS: export CYCLONEDDS_URI='file://{self.at}/talker/cyclonedds.xml'", done.stdout)
+
+    def test_issue_adds_a_missing_configuration_and_keeps_a_changed_one(self):
+        self.governance()
+        self.run_with_secret(self.run_program, *self.issue("--publish", "x", "--governance", "governance.p7s"))
+        written = (self.at / "talker/fastdds.xml").read_text()
+        (self.at / "talker/fastdds.xml").unlink()
+        (self.at / "talker/cyclonedds.xml").write_text("<changed/>")
+        out = self.json(*self.issue())
+        self.assertEqual({f["path"] for f in out["files_written"]}, {"talker/fastdds.xml"})
+        self.assertEqual((self.at / "talker/fastdds.xml").read_text(), written)
+        (self.at / "talker/fastdds.xml").unlink()
+        self.run_with_secret(self.run_program, *self.issue("--replace", "--publish", "y"))
+        self.assertEqual((self.at / "talker/fastdds.xml").read_text(), written)
+        self.assertEqual((self.at / "talker/cyclonedds.xml").read_text(), "<changed/>")
+
     def test_issue_completes_nothing_that_is_of_another(self):
         self.run_with_secret(self.run_program, *self.issue("--publish", "x"))
         self.governance()
@@ -286,6 +316,18 @@ class Identity(Transcript):
         self.assertIn("not without a partition", told["diagnostics"][0]["hint"])
         self.refused("usage", 2, *self.issue("--partition", "a"))
 
+    def test_what_is_allowed_in_some_partitions_only_is_not_said_to_be_allowed_everywhere(self):
+        self.governance()
+        because = lambda *more: self.json("can", "talker", "publish", "x", *more, *NOW)["result"]["because"]
+        whole = 'an allow_rule of grant "talker"'
+        for partitions, limit in (((), ', but only without a partition (or in "")'),
+                                  (("", "yard*"), ', but only in "", "yard*"'), (("*",), "")):
+            words = [word for one in partitions for word in ("--partition", one)]
+            self.run_with_secret(self.run_program, *self.issue("--replace", "--publish", "x", *words,
+                                                               "--governance", "governance.p7s"))
+            self.assertEqual(because(), whole + limit)
+            self.assertEqual(because("--partition", ""), whole)
+
     def test_a_name_that_is_close_to_an_allowed_one_is_proposed(self):
         self.governance()
         self.run_with_secret(self.run_program, *self.issue("--publish", "rt/chatter", "--governance", "governance.p7s"))
@@ -315,18 +357,6 @@ class Identity(Transcript):
         self.run_with_secret(lambda *w, **m: self.refused("key_mismatch", 1, *w, **m),
                              "identity", "issue", "b", "--ca", "ca", "-o", "b", *NOW)
 
-
-    def test_what_is_allowed_in_some_partitions_only_is_not_said_to_be_allowed_everywhere(self):
-        self.governance()
-        because = lambda *more: self.json("can", "talker", "publish", "x", *more, *NOW)["result"]["because"]
-        whole = 'an allow_rule of grant "talker"'
-        for partitions, limit in (((), ', but only without a partition (or in "")'),
-                                  (("", "yard*"), ', but only in "", "yard*"'), (("*",), "")):
-            words = [word for one in partitions for word in ("--partition", one)]
-            self.run_with_secret(self.run_program, *self.issue("--replace", "--publish", "x", *words,
-                                                               "--governance", "governance.p7s"))
-            self.assertEqual(because(), whole + limit)
-            self.assertEqual(because("--partition", ""), whole)
 
 if __name__ == "__main__":
     main()

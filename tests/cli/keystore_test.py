@@ -62,6 +62,10 @@ class Keystore(Transcript):
         self.assertEqual({p.name for p in (self.at / TALKER).iterdir() if not p.is_symlink()},
                          {"cert.pem", "key.pem", "permissions.xml", "permissions.p7s", "crl.pem"})
         self.healthy("/talker_listener/talker")
+        done = self.run_program("keystore", "enclave", "ks", "/other", "--allow-all", *NOW)
+        self.assertIn(f'export ROS_SECURITY_KEYSTORE="{self.at}/ks"\n', done.stdout)
+        self.assertIn("--enclave /other\n", done.stdout)
+        shutil.rmtree(self.at / "ks/enclaves/other")
         self.json("can", TALKER, "publish", "rt/chatter", *NOW)
         self.json("can", TALKER, "subscribe", "rt/chatter", *NOW, exit=1)
         self.json("keystore", "enclave", "ks", "/talker_listener/listener", "--allow-all", *NOW)
