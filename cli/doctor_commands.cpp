@@ -19,6 +19,7 @@
 #include "cli/products.hpp"
 #include "governance/doctor/diagnosis.hpp"
 #include "governance/doctor/domains.hpp"
+#include "governance/doctor/host_plugins.hpp"
 #include "governance/doctor/lint_checks.hpp"
 #include "governance/doctor/plugin_probe.hpp"
 #include "governance/doctor/ros.hpp"
@@ -183,6 +184,39 @@ Result<DomainId> ros_domain() {
   return fail(number.error().code(), std::move(details));
 }
 
+// What is at hand of the configuration that an application would run with: the environment's, or
+// the one that lies in the folder.
+std::optional<std::string> configuration_for(const fs::path& folder) {
+  if (auto named = doctor::cyclonedds_configuration()) return named;
+  const auto file = folder / "cyclonedds.xml";
+  return is_there(file) ? doctor::cyclonedds_configuration(file.string()) : std::nullopt;
+}
+
+std::vector<doctor::HostPlugin> host_plugins_for(const fs::path& folder, bool is_of_ros,
+                                                 const doctor::LoaderPlaces& places) {
+  if (is_of_ros) return plugins_of_node(places);
+  const auto configuration = configuration_for(folder);
+  return configuration ? doctor::host_plugins(*configuration, places)
+                       : std::vector<doctor::HostPlugin>();
+}
+
+// A machine without Cyclone DDS has none to tell of.
+void add_host_plugins(Report& report, const std::vector<doctor::HostPlugin>& plugins) {
+  report.result["plugins"] = Json::array();
+  if (std::ranges::all_of(plugins, [](const auto& plugin) { return plugin.file.empty(); })) return;
+  report.text += "with this LD_LIBRARY_PATH Cyclone DDS would load\n";
+  for (const auto& plugin : plugins) {
+    report.text += fmt::format("  {:<15} {}{}\n", plugin.role, maker_of(plugin),
+                               plugin.file.empty() ? "" : ": " + plugin.file.string());
+    using enum doctor::HostPlugin::Maker;
+    Json row = {{"role", plugin.role}, {"library", plugin.library}};
+    row["file"] = plugin.file.empty() ? Json() : Json(plugin.file.string());
+    row["maker"] = plugin.maker == ours ? Json("ddssec") : plugin.maker == other ? "other" : Json();
+    row["version"] = plugin.version.empty() ? Json() : Json(plugin.version);
+    report.result["plugins"].push_back(std::move(row));
+  }
+}
+
 // The domain of the node; where the documents are for others, one of those, so that the wrong
 // variable (DOC096) is not said again for each piece of them.
 Result<DomainId> domain_of_node(const doctor::LoadedFolder& folder, WallTime now) {
@@ -219,9 +253,13 @@ Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
     doctor::check_plugins(
         arguments.text("--plugins") == "system" ? "" : arguments.text("--plugins"), diagnosis);
   doctor::check_shared_memory(loaded, doctor::cyclonedds_configuration(), settings, diagnosis);
+  const auto places = doctor::LoaderPlaces::here();
+  const auto plugins = host_plugins_for(folder, arguments.has("--ros"), places);
+  if (!arguments.has("--ros")) doctor::check_host_plugins(plugins, places, diagnosis);
   doctor::check_lint(loaded, settings, diagnosis);
   report.result = {{"domain", domain}};
   report.result.update(add_diagnosis(report, folder, diagnosis, settings, products));
+  add_host_plugins(report, plugins);
   if (peer) add_peer(report, arguments, loaded, *peer, settings, products);
   return report;
 }

@@ -10,6 +10,7 @@ constexpr OtherSeverity kOthers[] = {
     {"DOC023", warning, "where the list is missing or the CA has a newer one"},
     {"DOC037 DOC055", error, "where a product refuses the document"},
     {"DOC050", warning, "for an enclave that is being made"},
+    {"DOC068", warning, "where the application may run without ROS 2"},
     {"DOC083", note, "where --vendor does not name the products"},
     {"DOC086", warning, "where not every topic was looked at"},
     {"DOC091", warning, "where the keys can still be used"},

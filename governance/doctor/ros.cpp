@@ -4,8 +4,6 @@
 #include <array>
 #include <charconv>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -13,6 +11,7 @@
 #include "governance/decision.hpp"
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/domains.hpp"
+#include "governance/doctor/host_plugins.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
@@ -110,14 +109,6 @@ void check_names(const LoadedFolder& folder, const Environment& environment, Dia
 // What rmw_cyclonedds_cpp makes the loader look for.
 constexpr std::array<const char*, 3> kPluginFiles{
     "libdds_security_auth.so", "libdds_security_ac.so", "libdds_security_crypto.so"};
-
-// Not by loading it: that would run its code.
-bool is_ours(const fs::path& library) {
-  constexpr std::string_view kMark = "ddssec_";
-  std::ifstream file(library, std::ios::binary);
-  const std::string octets{std::istreambuf_iterator<char>(file), {}};
-  return octets.find(kMark) != octets.npos;
-}
 
 // Where the loader finds a library, or empty: LD_LIBRARY_PATH comes first.
 fs::path found_on(std::string_view path, const char* library) {

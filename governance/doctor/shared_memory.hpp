@@ -5,14 +5,10 @@
 #include <string>
 #include <string_view>
 
+#include "governance/doctor/cyclonedds_configuration.hpp"
 #include "governance/doctor/diagnosis.hpp"
 
 namespace ddssec::governance::doctor {
-
-/// The texts of all that CYCLONEDDS_URI (or `uri`) names: XML, or files with commas between them.
-/// Nothing if the variable is not set or a file cannot be read.
-std::optional<std::string> cyclonedds_configuration();
-std::optional<std::string> cyclonedds_configuration(std::string_view uri);
 
 /// The setting that switches shared memory on, as "<SharedMemory><Enable>true" (0.10) or
 /// "<PubSubMessageExchange>" (11); empty if none does. Reads as leniently as Cyclone DDS does: any

@@ -21,6 +21,10 @@ constexpr std::array<Library, 3> kLibraries = {{
     {"cryptography", "ddssec_cryptography_version"},
 }};
 
+// The file says its version, so that `ddssec doctor` can read it without loading the library.
+constexpr std::string_view kVersionName = "ddssec plugin version ";
+constexpr char kVersionMark[] = "ddssec plugin version " DDSSEC_VERSION;
+
 /// The version of our library of that kind, if it is loaded; null where a stock one is in its
 /// place.
 const char* version_of(std::size_t kind) noexcept {
@@ -40,7 +44,7 @@ std::string listed(const std::vector<std::string_view>& names) {
 
 }  // namespace
 
-const char* version() noexcept { return DDSSEC_VERSION; }
+const char* version() noexcept { return kVersionMark + kVersionName.size(); }
 
 bool speaks_for_all(PluginKind own) noexcept {
   for (std::size_t kind = 0; kind < static_cast<std::size_t>(own); ++kind)

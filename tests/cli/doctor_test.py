@@ -385,6 +385,42 @@ class Golden(WithoutLists):
             self.assertIn(part, out["diagnostics"][0]["message"])
         self.assertEqual(told("<General/>", 0)["diagnostics"], [])
 
+    def libraries(self, folder, octets, names=("auth", "ac", "crypto")):
+        (self.at / folder).mkdir(exist_ok=True)
+        for name in names:
+            (self.at / folder / f"libdds_security_{name}.so").write_text(octets)
+        return str(self.at / folder)
+
+    def test_the_plugins_that_cyclone_dds_would_load_are_named(self):
+        ours = self.libraries("ours", "ddssec_\0ddssec plugin version 1.2.3\0")
+        self.run_program("init", "demo")
+        def plugins(path, exit, folder="demo/talker", **more):
+            out = self.json("doctor", folder, exit=exit, environment={"LD_LIBRARY_PATH": path, **more})
+            return ([(p["role"], p["maker"], p["version"], p["file"]) for p in out["result"]["plugins"]],
+                    [d for d in out["diagnostics"] if d["id"] == "DOC068"])
+        found, told = plugins(ours, 0)
+        self.assertEqual(told, [])
+        self.assertEqual(found[1], ("access control", "ddssec", "1.2.3", f"{ours}/libdds_security_ac.so"))
+        text = self.run_program("doctor", "demo/talker", environment={"LD_LIBRARY_PATH": ours}).stdout
+        self.assertIn("with this LD_LIBRARY_PATH Cyclone DDS would load\n"
+                      f"  authentication  ddssec 1.2.3: {ours}/libdds_security_auth.so\n", text)
+        stock = self.libraries("stock", "init_crypto")
+        found, told = plugins(stock, 0)
+        self.assertEqual([p[1] for p in found], ["other"] * 3)
+        self.assertEqual(told, [])
+        told = plugins(f"{stock}:{ours}", 1)[1]
+        self.assertIn("ours/libdds_security_auth.so is ddssec's, and", told[0]["message"])
+        mixed = self.libraries("mixed", "ddssec_", ["crypto"])
+        told = plugins(f"{mixed}:{stock}", 1)[1]
+        self.assertEqual(told[0]["severity"], "warning")
+        self.assertIn("do not go together: authentication: another product's", told[0]["message"])
+        self.assertIn("begin with the folder that has ddssec's", told[0]["hint"])
+        # Without a configuration nobody knows the names; CYCLONEDDS_URI comes first.
+        self.assertEqual(plugins(ours, 0, self.paths["correct"]), ([], []))
+        named = f"file://{self.at}/demo/talker/cyclonedds.xml"
+        self.assertEqual(len(plugins(ours, 0, self.paths["correct"], CYCLONEDDS_URI=named)[0]), 3)
+        self.assertEqual(plugins(ours, 0, CYCLONEDDS_URI="<General/>"), ([], []))
+
     def test_plugin_libraries_are_loaded_apart(self):
         plugins = self.at / "plugins"
         plugins.mkdir()

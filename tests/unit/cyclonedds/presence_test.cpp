@@ -51,6 +51,12 @@ TEST(OpensslWarning, IsNotRaisedWithoutACertainFlaw) {
   EXPECT_FALSE(openssl_warning("OpenSSL 3.0.23 29 Sep 2026"));
 }
 
+// So that `ddssec doctor` can read it from the file, which it does not load.
+TEST(PluginsInUse, TheLibrarySaysItsVersionUnderAName) {
+  constexpr std::string_view kName = "ddssec plugin version ";
+  EXPECT_EQ(std::string_view(version() - kName.size(), kName.size()), kName);
+}
+
 /// True if the first of several participants, of whatever domain, says both and no other does.
 bool is_said_once() {
   struct All final : EventSink {

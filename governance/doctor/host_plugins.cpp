@@ -1,0 +1,245 @@
+#include "governance/doctor/host_plugins.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "governance/doctor/cyclonedds_configuration.hpp"
+#include "governance/doctor/installed.hpp"
+
+namespace ddssec::governance::doctor {
+namespace {
+
+namespace fs = std::filesystem;
+using Maker = HostPlugin::Maker;
+
+constexpr std::size_t kMostOctets = 64 * 1024 * 1024;
+constexpr std::string_view kOurMark = "ddssec_";
+constexpr std::string_view kVersionMark = "ddssec plugin version ";  // plugins/cyclonedds
+
+struct Kind {
+  std::string_view element;  // of the configuration, in lower case
+  std::string_view role;
+  std::string_view library;  // unless the configuration names another
+};
+constexpr std::array kKinds{Kind{"authentication", "authentication", "dds_security_auth"},
+                            Kind{"accesscontrol", "access control", "dds_security_ac"},
+                            Kind{"cryptographic", "cryptography", "dds_security_crypto"}};
+
+bool is_file(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
+std::string octets_of(const fs::path& path) {
+  std::error_code error;
+  const auto size = fs::file_size(path, error);
+  std::ifstream file(path, std::ios::binary);
+  std::string out(error ? 0 : std::min<std::uintmax_t>(size, kMostOctets), '\0');
+  file.read(out.data(), static_cast<std::streamsize>(out.size()));
+  out.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
+  return out;
+}
+
+std::vector<fs::path> folders_of(std::string_view library_path) {
+  std::vector<fs::path> out;
+  while (!library_path.empty()) {
+    const auto end = std::min(library_path.find_first_of(":;"), library_path.size());
+    out.emplace_back(end == 0 ? "." : library_path.substr(0, end));
+    library_path.remove_prefix(std::min(end + 1, library_path.size()));
+  }
+  return out;
+}
+
+std::uint32_t number_at(std::string_view octets, std::size_t at) {
+  std::uint32_t out = 0;
+  if (at + sizeof out <= octets.size()) std::memcpy(&out, octets.data() + at, sizeof out);
+  return out;
+}
+
+// glibc's "new" format (sysdeps/generic/dl-cache.h): a header of 48 octets, entries of 24.
+fs::path found_in_cache(const fs::path& cache, std::string_view name) {
+  constexpr std::string_view kMagic = "glibc-ld.so.cache1.1";
+  constexpr std::size_t kHeader = 48, kEntry = 24;
+  const auto octets = is_file(cache) ? octets_of(cache) : std::string();
+  if (!octets.starts_with(kMagic)) return {};
+  const auto text_at = [&](std::uint32_t at) {
+    return at < octets.size() ? std::string_view(octets.c_str() + at) : std::string_view();
+  };
+  const std::size_t count = number_at(octets, kMagic.size());
+  for (std::size_t i = 0; i < count && kHeader + (i + 1) * kEntry <= octets.size(); ++i) {
+    const auto entry = kHeader + i * kEntry;
+    if (text_at(number_at(octets, entry + 4)) != name) continue;
+    const fs::path file(text_at(number_at(octets, entry + 8)));
+    if (is_file(file)) return file;
+  }
+  return {};
+}
+
+fs::path found_in(const std::vector<fs::path>& folders, const std::string& name) {
+  for (const auto& folder : folders)
+    if (is_file(folder / name)) return folder / name;
+  return {};
+}
+
+// As dlopen does for a name without a slash.
+fs::path found_by_loader(const std::string& name, const LoaderPlaces& places) {
+  if (auto file = found_in(folders_of(places.library_path), name); !file.empty()) return file;
+  if (auto file = found_in_cache(places.cache, name); !file.empty()) return file;
+  return found_in(places.system, name);
+}
+
+// As ddsrt_dlopen does: a path as it is; a name as lib*.so first, and Debian's then in a folder of
+// its own.
+fs::path found(const std::string& library, const LoaderPlaces& places) {
+  if (library.find('/') != library.npos) return is_file(library) ? fs::path(library) : fs::path();
+  const auto name = "lib" + library + ".so";
+  if (auto file = found_by_loader(name, places); !file.empty()) return file;
+  if (auto file = found_in(places.after_loader, name); !file.empty()) return file;
+  return found_by_loader(library, places);
+}
+
+std::string version_in(std::string_view octets) {
+  const auto at = octets.find(kVersionMark);
+  if (at == octets.npos) return {};
+  const auto rest = octets.substr(at + kVersionMark.size());
+  return std::string(rest.substr(0, rest.find_first_not_of("0123456789.")));
+}
+
+HostPlugin plugin_of(const Kind& kind, std::string library, const LoaderPlaces& places) {
+  HostPlugin out{.role = kind.role, .library = std::move(library), .file = {}};
+  out.file = found(out.library, places);
+  if (out.file.empty()) return out;
+  const auto octets = octets_of(out.file);
+  out.maker = octets.find(kOurMark) != octets.npos ? Maker::ours : Maker::other;
+  if (out.maker == Maker::ours) out.version = version_in(octets);
+  return out;
+}
+
+// The value of path="..." or path='...'; nothing if the tag has none.
+std::optional<std::string> path_attribute(std::string_view attributes) {
+  const auto at = attributes.find("path");
+  const auto begin = at == attributes.npos ? at : attributes.find_first_of("\"'", at);
+  if (begin == attributes.npos) return std::nullopt;
+  const auto end = attributes.find(attributes[begin], begin + 1);
+  if (end == attributes.npos) return std::nullopt;
+  return std::string(attributes.substr(begin + 1, end - begin - 1));
+}
+
+std::string listed(const std::vector<HostPlugin>& plugins) {
+  std::string out;
+  for (const auto& plugin : plugins)
+    out += fmt::format("{}{}: {}{}", out.empty() ? "" : ", ", plugin.role, maker_of(plugin),
+                       plugin.file.empty() ? "" : fmt::format(" ({})", plugin.file.string()));
+  return out;
+}
+
+bool is_named_like_ours(const fs::path& folder) {
+  const auto text = folder.string();
+  return text.contains("ddssec") || text.contains("dropin");
+}
+
+// What shows that this folder was to give the host our plugins, although it does not; empty if
+// nothing does.
+std::string sign_of_ours(const fs::path& folder, const std::vector<HostPlugin>& plugins) {
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored))
+    return is_named_like_ours(folder) ? folder.string() + " is no folder" : std::string();
+  for (const auto& plugin : plugins) {
+    const auto file = folder / ("lib" + plugin.library + ".so");
+    if (fs::is_symlink(fs::symlink_status(file, ignored)) && !fs::exists(file, ignored))
+      return file.string() + " is a link that leads nowhere";
+    if (is_file(file) && is_ours(file))
+      return fmt::format("{} is ddssec's, and {} comes before it", file.string(),
+                         plugin.file.string());
+  }
+  if (is_file(folder / "libddssec_authentication.so"))
+    return fmt::format("{} has ddssec's plugins under names that the configuration does not name",
+                       folder.string());
+  return {};
+}
+
+constexpr auto kHint =
+    "let LD_LIBRARY_PATH begin with the folder that has ddssec's three libdds_security_*.so "
+    "(build/release/dropin) where the application starts; the application's log then says "
+    "plugins_in_use";
+
+Finding finding_of(std::string message, const std::vector<HostPlugin>& plugins) {
+  return {.rule = Rule::DOC068,
+          .message = std::move(message),
+          .document = plugins.front().file,
+          .hint = kHint,
+          .severity = Severity::warning};
+}
+
+}  // namespace
+
+LoaderPlaces LoaderPlaces::here() {
+  const char* const path = std::getenv("LD_LIBRARY_PATH");
+  LoaderPlaces out{.library_path = path != nullptr ? path : "", .system = library_folders("")};
+  for (const auto& folder : out.system) out.after_loader.push_back(folder / "libddsc0debian");
+  return out;
+}
+
+std::string maker_of(const HostPlugin& plugin) {
+  if (plugin.maker == Maker::nobody) return "not found";
+  if (plugin.maker == Maker::other) return "another product's, not ddssec's";
+  return plugin.version.empty() ? "ddssec" : "ddssec " + plugin.version;
+}
+
+std::vector<HostPlugin> host_plugins(std::string_view configuration, const LoaderPlaces& places) {
+  const auto text = without_comments(configuration);
+  std::vector<HostPlugin> out;
+  for (const auto& kind : kKinds) {
+    const auto section = find_tag(text, kind.element);
+    if (!section) return {};
+    const auto library = find_tag(section->after, "library");
+    const auto path = library ? path_attribute(library->attributes) : std::nullopt;
+    if (path && path->contains('$')) return {};
+    out.push_back(plugin_of(kind, path.value_or(std::string(kind.library)), places));
+  }
+  return out;
+}
+
+std::vector<HostPlugin> plugins_of_node(const LoaderPlaces& places) {
+  std::vector<HostPlugin> out;
+  for (const auto& kind : kKinds) out.push_back(plugin_of(kind, std::string(kind.library), places));
+  return out;
+}
+
+bool is_ours(const fs::path& library) {
+  return octets_of(library).find(kOurMark) != std::string::npos;
+}
+
+void check_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlaces& places,
+                        Diagnosis& out) {
+  if (plugins.empty()) return;
+  std::set<Maker> makers;
+  std::set<std::string> versions;
+  for (const auto& plugin : plugins) {
+    makers.insert(plugin.maker);
+    if (plugin.maker == Maker::ours) versions.insert(plugin.version);
+  }
+  if (makers.size() > 1 || versions.size() > 1)
+    return out.report(
+        {.cyclonedds = Outcome::fail, .ours = Outcome::fail},
+        finding_of("Cyclone DDS would load plugins that do not go together: " + listed(plugins),
+                   plugins));
+  if (makers.contains(Maker::ours)) return out.pass(Rule::DOC068);
+  for (const auto& folder : folders_of(places.library_path))
+    if (const auto sign = sign_of_ours(folder, plugins); !sign.empty())
+      return out.report(
+          {.ours = Outcome::fail},
+          finding_of(fmt::format("Cyclone DDS would not load ddssec's plugins, although "
+                                 "LD_LIBRARY_PATH seems to name them: {} ({})",
+                                 sign, listed(plugins)),
+                     plugins));
+}
+
+}  // namespace ddssec::governance::doctor

@@ -1,0 +1,52 @@
+// Which plugin libraries Cyclone DDS would load in an environment: ddssec's, or others in their
+// place.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "governance/doctor/diagnosis.hpp"
+
+namespace ddssec::governance::doctor {
+
+/// Where the dynamic loader looks for a library that the host opens by its name alone.
+struct LoaderPlaces {
+  std::string library_path;                              ///< LD_LIBRARY_PATH
+  std::filesystem::path cache = "/etc/ld.so.cache";      ///< what ldconfig wrote
+  std::vector<std::filesystem::path> system = {};        ///< its own folders, in their order
+  std::vector<std::filesystem::path> after_loader = {};  ///< where the host looks by itself then
+
+  /// Of this process: its variable, and the folders of this machine.
+  static LoaderPlaces here();
+};
+
+/// One plugin as the configuration names it, and what the loader makes of that.
+struct HostPlugin {
+  enum class Maker : std::uint8_t { nobody, ours, other };
+  std::string_view role;       ///< authentication, access control, cryptography
+  std::string library;         ///< the `path` of its <Library>
+  std::filesystem::path file;  ///< empty: nothing is found
+  Maker maker = Maker::nobody;
+  std::string version = {};  ///< of ours; empty: not known
+};
+/// "ddssec 0.1.0", "another product's, not ddssec's", "not found".
+std::string maker_of(const HostPlugin& plugin);
+
+/// The three plugins of a configuration; none if it does not configure security, or names a library
+/// with a variable in it. Nothing is loaded.
+std::vector<HostPlugin> host_plugins(std::string_view configuration, const LoaderPlaces& places);
+/// Those that rmw_cyclonedds_cpp configures.
+std::vector<HostPlugin> plugins_of_node(const LoaderPlaces& places);
+
+/// True if the file says that it is of ddssec. Not by loading it: that would run its code.
+bool is_ours(const std::filesystem::path& library);
+
+/// Reports plugins that do not go together, and others in place of ours where LD_LIBRARY_PATH shows
+/// that ours were meant: the application runs all the same then, and says nothing.
+void check_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlaces& places,
+                        Diagnosis& out);
+
+}  // namespace ddssec::governance::doctor

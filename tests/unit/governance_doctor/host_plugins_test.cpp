@@ -1,0 +1,175 @@
+#include "governance/doctor/host_plugins.hpp"
+
+#include <fstream>
+
+#include <gmock/gmock.h>
+
+#include "fixture.hpp"
+
+namespace ddssec::governance::doctor {
+namespace {
+
+using Maker = HostPlugin::Maker;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr const char* kConfiguration =
+    "<CycloneDDS><Domain><!-- <Authentication> --><Security>\n"
+    "<authentication><Library path=\"dds_security_auth\"/></authentication>\n"
+    "<AccessControl><Library initFunction='x' path='dds_security_ac'/></AccessControl>\n"
+    "<Cryptographic><Library/></Cryptographic></Security></Domain></CycloneDDS>";
+constexpr const char* kNames[] = {"auth", "ac", "crypto"};
+
+class HostPlugins : public Folders {
+ protected:
+  void SetUp() override {
+    Folders::SetUp();
+    places_.cache = root_ / "no-cache";
+    places_.system = {root_ / "system"};
+    places_.after_loader = {root_ / "system/private"};
+    for (const auto* folder : {"ours", "old", "system/private"})
+      fs::create_directories(root_ / folder);
+    for (const auto* name : kNames) {
+      put("ours", name, std::string("ELF\0ddssec_x_version\0ddssec plugin version 1.2.3\0", 49));
+      put("old", name, "ddssec_x_version");
+      put("system/private", name, "init_authentication");
+    }
+  }
+  void put(const fs::path& folder, const std::string& name, const std::string& octets) const {
+    std::ofstream(root_ / folder / ("libdds_security_" + name + ".so")) << octets;
+  }
+  void path(std::initializer_list<const char*> folders) {
+    places_.library_path.clear();
+    for (const auto* folder : folders) places_.library_path += (root_ / folder).string() + ":";
+  }
+  std::vector<HostPlugin> found() const { return host_plugins(kConfiguration, places_); }
+  std::vector<std::string> makers() const {
+    std::vector<std::string> out;
+    for (const auto& plugin : found()) out.push_back(maker_of(plugin));
+    return out;
+  }
+  Diagnosis said() const {
+    Diagnosis out;
+    check_host_plugins(found(), places_, out);
+    return out;
+  }
+  std::string message() const {
+    const auto all = said();
+    EXPECT_THAT(rules_of(all), ElementsAre(Rule::DOC068));
+    return rules_of(all).empty() ? "" : finding_of(all, Rule::DOC068).message;
+  }
+  LoaderPlaces places_;
+};
+
+TEST_F(HostPlugins, AreThoseThatTheLoaderFindsFirst) {
+  path({"nowhere", "ours", "old"});
+  EXPECT_THAT(makers(), ElementsAre("ddssec 1.2.3", "ddssec 1.2.3", "ddssec 1.2.3"));
+  EXPECT_EQ(found()[0].file, root_ / "ours/libdds_security_auth.so");
+  EXPECT_EQ(found()[1].role, "access control");
+  EXPECT_THAT(rules_of(said()), IsEmpty());
+  path({"old", "ours"});
+  EXPECT_THAT(makers(), ElementsAre("ddssec", "ddssec", "ddssec"));
+}
+
+TEST_F(HostPlugins, OfAnotherProductAreNoFaultWhereNothingNamesOurs) {
+  path({});
+  EXPECT_EQ(found()[2].maker, Maker::other);
+  EXPECT_EQ(found()[2].file, root_ / "system/private/libdds_security_crypto.so");
+  EXPECT_THAT(rules_of(said()), IsEmpty());
+  EXPECT_THAT(said().checks(), IsEmpty());
+}
+
+TEST_F(HostPlugins, OfTwoProductsAreTold) {
+  fs::remove(root_ / "ours/libdds_security_ac.so");
+  path({"ours"});
+  EXPECT_THAT(message(), HasSubstr("authentication: ddssec 1.2.3"));
+  EXPECT_THAT(message(), HasSubstr("access control: another product's, not ddssec's (" +
+                                   (root_ / "system/private").string()));
+  EXPECT_EQ(said().outcomes(), (Outcomes{.cyclonedds = Outcome::fail, .ours = Outcome::fail}));
+}
+
+TEST_F(HostPlugins, OfTwoVersionsAreTold) {
+  put("ours", "crypto", "ddssec_x ddssec plugin version 1.2.4");
+  path({"ours"});
+  EXPECT_THAT(message(), HasSubstr("cryptography: ddssec 1.2.4"));
+}
+
+TEST_F(HostPlugins, ThatAreMissingAreTold) {
+  fs::remove(root_ / "ours/libdds_security_ac.so");
+  fs::remove(root_ / "system/private/libdds_security_ac.so");
+  path({"ours"});
+  EXPECT_THAT(message(), HasSubstr("access control: not found"));
+}
+
+TEST_F(HostPlugins, OfAnotherProductAreTold_WhereOursWereMeant) {
+  fs::create_directories(root_ / "links");
+  for (const auto* name : kNames)
+    fs::create_symlink("../lib/gone.so",
+                       root_ / ("links/libdds_security_" + std::string(name) + ".so"));
+  path({"links"});
+  EXPECT_THAT(message(), HasSubstr("libdds_security_auth.so is a link that leads nowhere"));
+  path({"my-dropin"});
+  EXPECT_THAT(message(), HasSubstr("my-dropin is no folder"));
+  path({"system/private", "ours"});
+  EXPECT_THAT(message(), HasSubstr("ours/libdds_security_auth.so is ddssec's, and"));
+  fs::create_directories(root_ / "lib");
+  std::ofstream(root_ / "lib/libddssec_authentication.so") << "ddssec_";
+  path({"lib"});
+  EXPECT_THAT(message(), HasSubstr("under names that the configuration does not name"));
+  EXPECT_EQ(said().outcomes(), (Outcomes{.ours = Outcome::fail}));
+}
+
+TEST_F(HostPlugins, CountWithAPathAsItIs) {
+  auto text = std::string(kConfiguration);
+  const std::string name = "dds_security_ac";
+  text.replace(text.find(name), name.size(), (root_ / "old/libdds_security_ac.so").string());
+  EXPECT_EQ(host_plugins(text, places_)[1].maker, Maker::ours);
+  text.replace(text.find((root_ / "old").string()), (root_ / "old").string().size(), "${HOME}/x");
+  EXPECT_THAT(host_plugins(text, places_), IsEmpty());
+}
+
+TEST_F(HostPlugins, OfAConfigurationWithoutSecurityAreNone) {
+  EXPECT_THAT(host_plugins("<CycloneDDS/>", places_), IsEmpty());
+  EXPECT_THAT(host_plugins("", places_), IsEmpty());
+  EXPECT_EQ(plugins_of_node(places_).size(), 3u);
+}
+
+/// A cache as ldconfig writes it, with one entry.
+std::string cache_with(const std::string& name, const std::string& file) {
+  constexpr std::size_t kHeader = 48, kEntry = 24;
+  std::string out = "glibc-ld.so.cache1.1";
+  const auto put = [&](std::uint32_t number) {
+    out.append(reinterpret_cast<const char*>(&number), 4);
+  };
+  put(1);
+  out.resize(kHeader);
+  put(0x303);
+  put(kHeader + kEntry);
+  put(static_cast<std::uint32_t>(kHeader + kEntry + name.size() + 1));
+  out.resize(kHeader + kEntry);
+  return out + name + '\0' + file + '\0';
+}
+
+TEST_F(HostPlugins, AreFoundInTheCacheOfLdconfigToo) {
+  const auto octets =
+      cache_with("libdds_security_ac.so", (root_ / "old/libdds_security_ac.so").string());
+  places_.cache = root_ / "cache";
+  std::ofstream(places_.cache) << octets;
+  path({});
+  EXPECT_EQ(found()[1].file, root_ / "old/libdds_security_ac.so");
+  EXPECT_EQ(found()[0].maker, Maker::other);
+  for (std::size_t size = 0; size < octets.size(); ++size) {
+    std::ofstream(places_.cache) << octets.substr(0, size);
+    EXPECT_EQ(found()[0].maker, Maker::other);  // and nothing is read that is not there
+  }
+}
+
+TEST_F(HostPlugins, OfThisMachineAreLookedForInItsFolders) {
+  const auto here = LoaderPlaces::here();
+  EXPECT_FALSE(here.system.empty());
+  EXPECT_EQ(here.after_loader.size(), here.system.size());
+}
+
+}  // namespace
+}  // namespace ddssec::governance::doctor
