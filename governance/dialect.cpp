@@ -85,18 +85,21 @@ std::string reason_against(std::string_view expression) {
 }
 
 // A name in `a` that is not in `b` and has no ']'.
-std::optional<std::string> name_beyond(std::string_view a, std::string_view b) {
+std::optional<std::string> name_beyond(std::string_view a, std::string_view b, SetEffort& effort) {
   constexpr SetLimits kLimits{.states = 20'000, .steps = 20'000'000};
   const std::string_view inner[] = {a};
   const std::string_view outer[] = {b, "*]*"};
-  auto answer = contained(inner, outer, kLimits);
+  auto answer = contained(inner, outer, kLimits.sharing(effort));
   if (answer.kind != SetAnswer::Kind::no) return std::nullopt;
   return std::move(answer.witness);
 }
 
-std::optional<ReadingDifference> difference(std::string_view product, std::string_view standard) {
-  if (auto name = name_beyond(product, standard)) return ReadingDifference{std::move(*name), true};
-  if (auto name = name_beyond(standard, product)) return ReadingDifference{std::move(*name), false};
+std::optional<ReadingDifference> difference(std::string_view product, std::string_view standard,
+                                            SetEffort& effort) {
+  if (auto name = name_beyond(product, standard, effort))
+    return ReadingDifference{std::move(*name), true};
+  if (auto name = name_beyond(standard, product, effort))
+    return ReadingDifference{std::move(*name), false};
   return std::nullopt;
 }
 
@@ -127,15 +130,15 @@ std::string as_fastdds_reads_it(std::string_view expression) {
   return out;
 }
 
-std::optional<Unportable> unportable(std::string_view expression) {
+std::optional<Unportable> unportable(std::string_view expression, SetEffort& effort) {
   Unportable out{.reason = reason_against(expression)};
   if (out.reason.empty()) return std::nullopt;
   constexpr std::size_t kLongest = 256;  // topic names are no longer
   if (expression.size() > kLongest) return out;
-  out.cyclonedds = difference(as_cyclone_reads_it(expression), expression);
+  out.cyclonedds = difference(as_cyclone_reads_it(expression), expression, effort);
   // Without a backslash Fast DDS reads what the standard says.
   if (expression.find('\\') != expression.npos)
-    out.fastdds = difference(as_fastdds_reads_it(expression), expression);
+    out.fastdds = difference(as_fastdds_reads_it(expression), expression, effort);
   return out;
 }
 

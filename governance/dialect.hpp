@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "governance/topic_sets.hpp"
+
 namespace ddssec::governance {
 
 /// Where a product and the standard (ddssec) differ.
@@ -28,8 +30,8 @@ std::string to_sentence(std::string_view expression, const Unportable& found);
 /// Nothing if every product reads the expression alike: characters other than `*?[]\`, `*`, `?`,
 /// and `[...]` of letters, digits, '_' and their ranges, with or without '!' before them and not
 /// followed by '-'. Names that hold a ']' are not looked at: Cyclone's brackets match it, and no
-/// topic has it.
-std::optional<Unportable> unportable(std::string_view expression);
+/// topic has it. Differences are looked for as long as there is effort left.
+std::optional<Unportable> unportable(std::string_view expression, SetEffort& effort);
 
 /// What the product matches with the expression, as an expression of the standard.
 std::string as_cyclone_reads_it(std::string_view expression);

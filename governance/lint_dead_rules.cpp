@@ -46,12 +46,12 @@ bool conditions_matter(const Grant& grant) {
 
 // Whether every set of partitions that the later one takes, the earlier one takes too. An allow
 // rule wants all of an entity's partitions listed, a deny rule one.
-bool partitions_cover(const GrantEntry& earlier, const GrantEntry& later) {
+bool partitions_cover(const GrantEntry& earlier, const GrantEntry& later, SetEffort& effort) {
   if (!earlier.rule->allow && !earlier.criteria->partitions) return true;
   if (!later.rule->allow && (earlier.rule->allow || !later.criteria->partitions)) return false;
   const auto inner = partitions_of(*later.criteria);
   const auto outer = partitions_of(*earlier.criteria);
-  return contained(inner, outer, {.states = 2'000, .steps = 1'000'000}).kind ==
+  return contained(inner, outer, {.states = 2'000, .steps = 1'000'000, .shared = &effort}).kind ==
          SetAnswer::Kind::yes;
 }
 
@@ -63,10 +63,11 @@ bool tags_cover(const GrantEntry& earlier, const GrantEntry& later) {
 
 // Where conditions do not matter, what a rule without them allows is all that is allowed, and no
 // later denial takes anything away.
-bool covers(const GrantEntry& earlier, const GrantEntry& later, bool with_conditions) {
+bool covers(const GrantEntry& earlier, const GrantEntry& later, bool with_conditions,
+            SetEffort& effort) {
   if (!within(later.rule->domains, earlier.rule->domains)) return false;
   if (earlier.rule->allow && !with_conditions) return true;
-  return tags_cover(earlier, later) && partitions_cover(earlier, later);
+  return tags_cover(earlier, later) && partitions_cover(earlier, later, effort);
 }
 
 /// A dead expression and what is in its way.
@@ -76,15 +77,15 @@ struct Dead {
   std::string_view action;
 };
 
-std::vector<Dead> dead_entries(const GrantPlace& place) {
+std::vector<Dead> dead_entries(const GrantPlace& place, SetEffort& effort) {
   std::vector<Dead> out;
   const bool with_conditions = conditions_matter(place.grant());
   for (std::size_t action = 0; action < kActionNames.size(); ++action) {
     const auto& entries = place.actions()[action];
     std::vector<std::string_view> texts;
     for (const auto& entry : entries) texts.emplace_back(entry.topic->text);
-    const auto found = shadows(texts, [&](std::uint32_t a, std::uint32_t b) {
-      return covers(entries[a], entries[b], with_conditions);
+    const auto found = shadows(texts, effort, [&](std::uint32_t a, std::uint32_t b) {
+      return covers(entries[a], entries[b], with_conditions, effort);
     });
     for (std::size_t i = 0; i < found.size(); ++i) {
       if (!found[i].is_dead) continue;
@@ -138,7 +139,7 @@ void add_rule(Findings& out, const GrantPlace& place, const std::vector<const De
 }  // namespace
 
 void lint_dead_rules(Findings& out, const GrantPlace& place) {
-  const auto dead = dead_entries(place);
+  const auto dead = dead_entries(place, out.effort());
   std::map<std::size_t, std::vector<const Dead*>> by_rule;
   for (const auto& one : dead) by_rule[one.entry.rule_number].push_back(&one);
   for (const auto& [number, all] : by_rule) {

@@ -40,7 +40,7 @@ void Findings::add(ddssec::Rule rule, const Note& note, std::vector<std::string>
 
 void Findings::add_if_unportable(ddssec::Rule rule, const Text& expression,
                                  const std::string& path) {
-  const auto found = unportable(expression.text);
+  const auto found = unportable(expression.text, effort_);
   if (!found) return;
   Finding finding{.rule = rule,
                   .message = to_sentence(expression.text, *found),
@@ -73,6 +73,17 @@ void Findings::add_if_misleading(ddssec::Rule rule, std::string_view what, const
        .path = path});
 }
 
+void Findings::add_if_cut_short() {
+  if (effort_.steps > 0) return;
+  all_.push_back(
+      {.rule = if_cut_short_,
+       .message =
+           "the expressions take too long to compare: some rules that can never apply, and some "
+           "that products read differently, may not be listed",
+       .hint = "write fewer \"*\" and \"?\" in one expression, or fewer rules",
+       .severity = Severity::warning});
+}
+
 std::vector<Finding> Findings::take() {
   for (const auto& [rule, count] : count_) {
     if (count <= kMostFindingsPerRule) continue;
@@ -81,6 +92,7 @@ std::vector<Finding> Findings::take() {
     last->message += fmt::format(" (and {} more like this)", count - kMostFindingsPerRule);
   }
   count_.clear();
+  add_if_cut_short();
   order_by_least(all_, &Finding::line);
   return std::move(all_);
 }

@@ -7,6 +7,7 @@
 
 #include "base/finding.hpp"
 #include "governance/model.hpp"
+#include "governance/topic_sets.hpp"
 
 namespace ddssec::governance {
 
@@ -15,9 +16,15 @@ inline const std::string kFastDds = "fastdds";
 inline const std::string kOpenDds = "opendds";
 inline const std::vector<std::string> kStock = {kCyclone, kFastDds};
 
-/// The findings of one document.
+/// The findings of one document, and the effort left for finding more.
 class Findings {
  public:
+  /// `rule` is for what was not looked for when the effort came to its end.
+  explicit Findings(ddssec::Rule rule) : if_cut_short_(rule) {}
+
+  /// For questions about sets of names.
+  SetEffort& effort() { return effort_; }
+
   /// Adds it unless its rule has enough.
   void add(Finding finding);
   /// Adds a note of a reader, as a finding of the rule.
@@ -35,6 +42,13 @@ class Findings {
   std::vector<Finding> take();
 
  private:
+  /// About a second.
+  static constexpr SetEffort kEffort{100'000'000};
+
+  void add_if_cut_short();
+
+  ddssec::Rule if_cut_short_;
+  SetEffort effort_ = kEffort;
   std::vector<Finding> all_;
   std::map<ddssec::Rule, std::size_t> count_;
 };

@@ -128,7 +128,7 @@ Finding unmatchable(const DomainPlace& place, std::size_t topic) {
 // Harmless if those in the way say the same.
 void check_dead_rules(Findings& out, const DomainPlace& place) {
   const auto& rules = place.rule.topic_rules;
-  const auto found = shadows(expressions_of(place.rule));
+  const auto found = shadows(expressions_of(place.rule), out.effort());
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (!found[i].is_dead) continue;
     if (found[i].by.empty()) {
@@ -156,7 +156,8 @@ void check_topics_without_rule(Findings& out, const DomainPlace& place) {
   const auto is_everything = [](std::string_view e) { return e.find_first_not_of('*') == e.npos; };
   if (std::ranges::any_of(expressions, is_everything)) return;
   const std::string_view all_names[] = {"?*"};
-  const auto answer = contained(all_names, expressions, {.states = 20'000, .steps = 10'000'000});
+  const auto answer = contained(all_names, expressions,
+                                {.states = 20'000, .steps = 10'000'000, .shared = &out.effort()});
   if (answer.kind == SetAnswer::Kind::yes) return;
   const auto example =
       answer.kind == SetAnswer::Kind::no ? " such as " + in_quotes(answer.witness) : std::string();
@@ -324,7 +325,7 @@ void check_topics(Findings& out, const DomainPlace& place) {
 }  // namespace
 
 std::vector<Finding> lint(const Governance& governance, const GovernanceUse& use) {
-  Findings out;
+  Findings out(GOV010);
   add_notes(out, governance);
   for (std::size_t i = 0; i < governance.domain_rules.size(); ++i) {
     const DomainPlace place{governance.domain_rules[i],

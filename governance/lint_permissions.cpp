@@ -209,7 +209,7 @@ void check_names(Findings& out, const GrantPlace& place) {
 }  // namespace
 
 std::vector<Finding> lint(const Permissions& permissions, const PermissionsUse& use) {
-  Findings out;
+  Findings out(PERM012);
   add_notes(out, permissions);
   std::vector<GrantPlace> places;
   places.reserve(permissions.grants.size());

@@ -93,13 +93,13 @@ struct HalfDenied {
   std::vector<std::string_view> denied, also_denied, named_before, allowed_later;
 
   // A name that is in the first and the last list and in none of the others.
-  std::optional<std::string> witness() const {
+  std::optional<std::string> witness(SetEffort& effort) const {
     std::vector<RankedExpression> all;
     const std::vector<std::string_view>* lists[] = {&denied, &also_denied, &named_before,
                                                     &allowed_later};
     for (std::uint32_t list = 0; list < std::size(lists); ++list)
       for (const auto text : *lists[list]) all.push_back({text, list, 0});
-    const auto atoms = name_atoms(all, kLimits);
+    const auto atoms = name_atoms(all, kLimits.sharing(effort));
     if (!atoms) return std::nullopt;
     for (const auto& atom : *atoms)
       if (atom.rank_in(0) && !atom.rank_in(1) && !atom.rank_in(2) && atom.rank_in(3))
@@ -126,7 +126,7 @@ void check_half_denied(Findings& out, const GrantPlace& place, std::size_t at, b
     // Denied in both directions before anybody allows it: really denied.
     if (i > at && !rules[i].allow) append(lists.also_denied, half(rules[i], !publish));
   }
-  const auto witness = lists.witness();
+  const auto witness = lists.witness(out.effort());
   if (!witness) return;
   auto finding = place.about_rule(
       PERM020, at + 1,
@@ -159,7 +159,7 @@ void check_open_denial(Findings& out, const GrantPlace& place,
       if (!other.criteria->partitions || ++comparisons > kMostComparisons) return false;
       const std::string_view a[] = {entry.topic->text};
       const std::string_view b[] = {other.topic->text};
-      return overlap(a, b, kLimits).kind == SetAnswer::Kind::yes;
+      return overlap(a, b, kLimits.sharing(out.effort())).kind == SetAnswer::Kind::yes;
     });
     if (later == entries.end()) continue;
     auto finding = place.about(
@@ -269,10 +269,10 @@ class TopicRules {
     patterns_.seal();
   }
   // Most expressions are matched as they stand; only for others the automaton is asked.
-  bool meet(const std::string& expression) const {
+  bool meet(const std::string& expression, SetEffort& effort) const {
     if (patterns_.first_match(expression) != PatternSet::kNone) return true;
     const std::string_view own[] = {expression};
-    return overlap(own, texts_, kLimits).kind != SetAnswer::Kind::no;
+    return overlap(own, texts_, kLimits.sharing(effort)).kind != SetAnswer::Kind::no;
   }
 
  private:
@@ -285,8 +285,9 @@ void check_topic_rules(Findings& out, const GrantPlace& place, const Governance&
   for (const auto& entries : place.actions())
     for (const auto& entry : entries) {
       const auto* domain = entry.rule->allow ? domain_rule_for(*entry.rule, governance) : nullptr;
-      if (!domain || known.try_emplace(domain, *domain).first->second.meet(entry.topic->text))
-        continue;
+      if (!domain) continue;
+      const auto& rules = known.try_emplace(domain, *domain).first->second;
+      if (rules.meet(entry.topic->text, out.effort())) continue;
       out.add(place.about(
           PERM025, entry,
           fmt::format("{} is allowed, and no topic_rule of the governance document matches it",

@@ -49,9 +49,11 @@ void check_services(Findings& out, const GrantPlace& place, std::size_t action) 
   auto texts = allowed_texts(place.actions()[1 - action]);
   const auto allowed = texts.size();
   texts.insert(texts.end(), others.begin(), others.end());
-  const auto found = shadows(texts, [&](std::uint32_t a, std::uint32_t) { return a < allowed; });
+  const auto found =
+      shadows(texts, out.effort(), [&](std::uint32_t a, std::uint32_t) { return a < allowed; });
   for (std::size_t i = 0; i < halves.size(); ++i) {
-    if (found[allowed + i].is_dead) continue;
+    const bool is_undecided = out.effort().steps == 0;
+    if (found[allowed + i].is_dead || is_undecided) continue;
     out.add(place.about(PERM030, *halves[i],
                         fmt::format("to {} {} is allowed, to {} {} is not", kActionNames.at(action),
                                     in_quotes(halves[i]->topic->text), kActionNames.at(1 - action),

@@ -32,6 +32,14 @@ NameAutomaton::NameAutomaton(std::span<const RankedExpression> expressions, cons
 }
 
 NameAutomaton::End NameAutomaton::run() {
+  if (limits_.shared != nullptr) limits_.steps = std::min(limits_.steps, limits_.shared->steps);
+  const auto end = search();
+  if (limits_.shared != nullptr)
+    limits_.shared->steps -= std::min(limits_.shared->steps, steps_taken_);
+  return end;
+}
+
+NameAutomaton::End NameAutomaton::search() {
   forever_.add({});
   stars_.add({});
   arrivals_ = table_.beginnings();

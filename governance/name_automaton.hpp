@@ -64,6 +64,7 @@ class NameAutomaton {
     }
   };
 
+  End search();
   void expand(State state);
   void collect_moves();
   const StarMoves& moves_of(ListId stars);

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "governance/matcher.hpp"
-#include "governance/topic_sets.hpp"
 
 namespace ddssec::governance {
 namespace {
@@ -43,8 +42,8 @@ class Earlier {
  public:
   using Covers = std::function<bool(std::uint32_t, std::uint32_t)>;
 
-  Earlier(std::span<const std::string_view> expressions, const Covers& covers)
-      : expressions_(expressions), covers_(covers) {
+  Earlier(std::span<const std::string_view> expressions, SetEffort& effort, const Covers& covers)
+      : expressions_(expressions), limits_(kLimits.sharing(effort)), covers_(covers) {
     for (std::uint32_t i = 0; i < expressions.size(); ++i) {
       const auto id = set_.add(expressions[i]);
       if (id == positions_.size()) positions_.emplace_back();
@@ -89,11 +88,10 @@ class Earlier {
   SetAnswer within(std::uint32_t at, const std::vector<std::uint32_t>& suspects) const {
     const std::string_view inner[] = {expressions_[at]};
     for (const auto suspect : suspects)
-      if (is_plainly_within(inner[0], expressions_[suspect]))
-        return {.kind = SetAnswer::Kind::yes};
+      if (is_plainly_within(inner[0], expressions_[suspect])) return {.kind = SetAnswer::Kind::yes};
     std::vector<std::string_view> outer;
     for (const auto suspect : suspects) outer.push_back(expressions_[suspect]);
-    return contained(inner, outer, kLimits);
+    return contained(inner, outer, limits_);
   }
 
   // One that does it alone, if there is one; else those that cannot be left out.
@@ -111,6 +109,7 @@ class Earlier {
   }
 
   std::span<const std::string_view> expressions_;
+  SetLimits limits_;
   const Covers& covers_;
   PatternSet set_;
   std::vector<std::vector<std::uint32_t>> positions_;  ///< by id
@@ -118,9 +117,9 @@ class Earlier {
 
 }  // namespace
 
-std::vector<Shadow> shadows(std::span<const std::string_view> expressions,
+std::vector<Shadow> shadows(std::span<const std::string_view> expressions, SetEffort& effort,
                             const std::function<bool(std::uint32_t, std::uint32_t)>& covers) {
-  const Earlier earlier(expressions, covers);
+  const Earlier earlier(expressions, effort, covers);
   std::vector<Shadow> out;
   out.reserve(expressions.size());
   for (std::uint32_t i = 0; i < expressions.size(); ++i) out.push_back(earlier.shadow_of(i));

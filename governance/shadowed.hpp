@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "governance/topic_sets.hpp"
+
 namespace ddssec::governance {
 
 /// What earlier expressions leave to one.
@@ -19,9 +21,10 @@ struct Shadow {
 
 /// One answer for each expression. `covers(a, b)` says whether the expression at `a` stands in the
 /// way of the later one at `b` for the same names at all (as rules of other partitions do not);
-/// it is asked for some pairs only. What cannot be decided within bounds counts as not dead.
+/// it is asked for some pairs only. What cannot be decided within bounds, or with what is left of
+/// the effort, counts as not dead.
 std::vector<Shadow> shadows(
-    std::span<const std::string_view> expressions,
+    std::span<const std::string_view> expressions, SetEffort& effort,
     const std::function<bool(std::uint32_t a, std::uint32_t b)>& covers = {});
 
 }  // namespace ddssec::governance

@@ -11,15 +11,30 @@
 
 namespace ddssec::governance {
 
+/// The work that several questions share, so that a document of many hard ones takes no longer than
+/// one.
+struct SetEffort {
+  /// Left for further questions; see SetLimits::steps. Without any the answer is "unknown".
+  std::size_t steps;
+};
+
 /// Where a question about sets of names is given up. Some expressions (`*` and then many `?`) need
 /// exponentially many states; these bounds keep time and memory within a second and 200 MB.
 struct SetLimits {
   std::size_t states = 200'000;
   std::size_t atoms = 20'000;
-  /// Positions within expressions that are looked at; about two nanoseconds each.
+  /// Positions within expressions that are looked at; two to ten nanoseconds each.
   std::size_t steps = 200'000'000;
   /// Positions that are remembered; four octets each.
   std::size_t memory = 32'000'000;
+  /// Not owned; its steps are used up by the question.
+  SetEffort* shared = nullptr;
+
+  SetLimits sharing(SetEffort& effort) const {
+    auto limits = *this;
+    limits.shared = &effort;
+    return limits;
+  }
 };
 
 /// An expression (see Pattern) in one of several lists. Of each list only the lowest rank that

@@ -69,7 +69,8 @@ class Collector {
       out_.is_complete = false;
       return;
     }
-    const auto found = unportable(text);
+    const auto found = unportable(text, effort_);
+    if (effort_.steps == 0) out_.is_complete = false;
     if (found && found->is_read_differently()) put({is_new, text, to_sentence(text, *found), line});
   }
   // Any other expression is read alike.
@@ -85,6 +86,7 @@ class Collector {
 
   Readings out_;
   std::size_t tried_ = 0;
+  SetEffort effort_{100'000'000};  // about a second
 };
 
 template <class Document>

@@ -10,6 +10,11 @@
 namespace ddssec::governance {
 namespace {
 
+std::optional<Unportable> unportable(std::string_view expression) {
+  SetEffort effort{100'000'000};
+  return governance::unportable(expression, effort);
+}
+
 TEST(Dialect, ThePortableSubsetIsPortable) {
   for (const char* expression : {"", "*", "rt/*", "a?c", "rt/robot[0-9]/pose", "[!a]", "[!a-z_]x",
                                  "[a-zA-Z0-9_]", "a-b", "weiß*", "a!b", "a^b", "{a,b}", "[abc]x-"})

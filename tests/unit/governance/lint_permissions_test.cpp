@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <ctime>
 #include <functional>
 
 #include "governance/lint.hpp"
@@ -144,6 +145,21 @@ TEST(LintPermissions, ExpressionsThatMatchNoName) {
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].message, "the grant can never apply: no name matches \"CN=[/a]\"");
   EXPECT_TRUE(dead(subject("CN=[\\\\a]*")).empty());
+}
+
+// A newcomer's list of denials must not take minutes, and what was not looked at is said.
+TEST(LintPermissions, RulesThatTakeTooLongToCompareAreTold) {
+  std::vector<Rule> rules;
+  for (int i = 0; i < 400; ++i)
+    rules.push_back(rule(false, {(i % 2 ? "*a" : "*b") + std::string(i % 40, '?')}));
+  rules.push_back(rule(true, {"*"}));
+  const auto begin = std::clock();
+  const auto found = lint_but_joining(with_rules(std::move(rules)));
+  EXPECT_LT(std::clock() - begin,
+            10 * CLOCKS_PER_SEC);  // of a processor; 1 s, without the bound 10 s
+  EXPECT_TRUE(std::ranges::any_of(found, [](const Finding& f) {
+    return f.rule == ddssec::Rule::PERM012 && f.message.contains("take too long to compare");
+  }));
 }
 
 TEST(LintPermissions, PartitionsThatProductsReadDifferently) {

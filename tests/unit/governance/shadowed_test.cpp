@@ -14,9 +14,14 @@ namespace {
 
 using By = std::vector<std::uint32_t>;
 
+std::vector<Shadow> found_shadows(std::span<const std::string_view> expressions) {
+  SetEffort effort{100'000'000};
+  return shadows(expressions, effort);
+}
+
 /// Who shadows the last one; empty if it is alive.
 By by(std::vector<std::string_view> expressions) {
-  const auto found = shadows(expressions);
+  const auto found = found_shadows(expressions);
   EXPECT_EQ(found.size(), expressions.size());
   EXPECT_EQ(found.back().is_dead, !found.back().by.empty());
   return found.back().by;
@@ -45,8 +50,9 @@ TEST(Shadows, SeveralTogetherCanDoIt) {
 
 TEST(Shadows, OnlyThoseThatCoverCount) {
   const std::string_view expressions[] = {"a*", "*", "ab"};
-  const auto found =
-      shadows(expressions, [](std::uint32_t a, std::uint32_t b) { return a == 1 && b == 2; });
+  SetEffort effort{1'000'000};
+  const auto found = shadows(expressions, effort,
+                             [](std::uint32_t a, std::uint32_t b) { return a == 1 && b == 2; });
   EXPECT_FALSE(found[1].is_dead);
   EXPECT_EQ(found[2].by, By{1});
 }
@@ -61,7 +67,7 @@ TEST(Shadows, AgreeWithTheAutomatonOnRandomLists) {
         text += std::vector{"a", "b", "*", "?", "[ab]", "[!a]"}[random() % 6];
     const std::vector<std::string_view> expressions(texts.begin(), texts.end());
     const auto names = first_matched_names(expressions);
-    const auto found = shadows(expressions);
+    const auto found = found_shadows(expressions);
     ASSERT_TRUE(names);
     for (std::size_t i = 0; i < found.size(); ++i)
       ASSERT_EQ(found[i].is_dead, !(*names)[i].has_value())
@@ -76,10 +82,31 @@ TEST(Shadows, OfTwentyThousandExpressionsTakeNoTime) {
   texts.push_back("rq/node77/setRequest");
   const std::vector<std::string_view> expressions(texts.begin(), texts.end());
   const auto begin = std::clock();
-  const auto found = shadows(expressions);
+  const auto found = found_shadows(expressions);
   EXPECT_LT(std::clock() - begin, 2 * CLOCKS_PER_SEC);  // of a processor
   EXPECT_EQ(found.back().by, By{18'077});
   EXPECT_EQ(std::ranges::count_if(found, &Shadow::is_dead), 1);
+}
+
+// Each question may take ten million steps, and each expression asks some.
+TEST(Shadows, AllTogetherTakeNoMoreThanTheEffort) {
+  std::vector<std::string> texts;
+  for (int i = 0; i < 400; ++i) texts.push_back((i % 2 ? "*a" : "*b") + std::string(i % 40, '?'));
+  const std::vector<std::string_view> expressions(texts.begin(), texts.end());
+  SetEffort effort{20'000'000};
+  const auto begin = std::clock();
+  EXPECT_EQ(shadows(expressions, effort).size(), texts.size());
+  EXPECT_LT(std::clock() - begin,
+            2 * CLOCKS_PER_SEC);  // of a processor; 0.1 s, without the bound 8 s
+  EXPECT_EQ(effort.steps, 0u);
+}
+
+TEST(Shadows, WithoutEffortNothingIsFoundButPlainCases) {
+  SetEffort none{0};
+  const std::string_view expressions[] = {"[a-m]", "[k-z]", "[b-y]", "rt/*", "rt/a"};
+  const auto found = shadows(expressions, none);
+  EXPECT_FALSE(found[2].is_dead);
+  EXPECT_TRUE(found[4].is_dead);
 }
 
 }  // namespace
