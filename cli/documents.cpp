@@ -50,6 +50,7 @@ Result<DocumentText> unverified_text(const fs::path& file) {
   auto form = pki::examine_document(octets);
   using enum pki::DocumentWrapping;
   if (form.wrapping == none || form.wrapping == unknown) return DocumentText{std::move(octets)};
+  if (form.ambiguous) return std::unexpected(form.ambiguous->in(file));
   if (form.unverified_text.empty()) return fail(Code::smime_malformed, {.document = file});
   return DocumentText{std::move(form.unverified_text), form.first_line};
 }

@@ -137,6 +137,7 @@ class Search {
   // What it says, whoever signed it: a forged date is found by verify and doctor.
   Status look_into_document(const fs::path& file, BytesView octets) {
     const auto form = pki::examine_document(octets);
+    if (form.ambiguous) return std::unexpected(*form.ambiguous);
     if (as_text(form.unverified_text).find("<permissions") == std::string_view::npos) return {};
     const auto document =
         DDSSEC_TRY(governance::read_permissions(form.unverified_text, form.first_line));

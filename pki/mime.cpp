@@ -13,11 +13,14 @@ namespace ddssec::pki {
 namespace {
 
 constexpr std::size_t kMostHeaderOctets = 8 * 1024;
+// RFC 5322 2.1.1. OpenSSL, by which stock products read, takes a longer line for several.
+constexpr std::size_t kMostHeaderLineOctets = 998;
 constexpr std::size_t kMostHeaders = 32;
 constexpr std::size_t kMostBoundaryOctets = 70;  // RFC 2046 5.1.1
 
-Error refusal(Code code, std::string expected, std::string_view found = {}) {
-  return Error(code, {.expected = std::move(expected), .found = std::string(found.substr(0, 128))});
+Error refusal(Code code, std::string_view expected, std::string_view found = {}) {
+  return Error(code,
+               {.expected = std::string(expected), .found = std::string(found.substr(0, 128))});
 }
 
 // OpenSSL strips every CR that stands before the LF, when it signs and when it verifies. On Windows
@@ -41,9 +44,16 @@ struct Header {
 };
 
 bool is_header_name(std::string_view name) {
-  return !name.empty() && std::ranges::all_of(name, [](char c) {
+  return !name.empty() && name[0] != '-' && std::ranges::all_of(name, [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-';
   });
+}
+
+// Every reader finds the same lines in it.
+bool is_plain_line(std::string_view line) {
+  return line.size() <= kMostHeaderLineOctets && std::ranges::all_of(line, [](char c) {
+           return c == '\t' || (static_cast<unsigned char>(c) >= 0x20 && c != 0x7f);
+         });
 }
 
 // The header lines up to the blank line; `text` moves behind it.
@@ -54,6 +64,10 @@ Result<std::vector<Header>> take_headers(std::string_view& text) {
     const auto line = take_line(text);
     if (line.empty()) return headers;
     if (before - text.size() > kMostHeaderOctets || headers.size() == kMostHeaders) break;
+    if (!is_plain_line(line))
+      return std::unexpected(
+          refusal(Code::smime_malformed,
+                  "header lines of at most 998 octets without control characters", line));
     if ((line[0] == ' ' || line[0] == '\t') && !headers.empty()) {
       headers.back().value.append(" ").append(trimmed(line));
       continue;
@@ -226,8 +240,11 @@ Result<MultipartSigned> split_multipart_signed(std::string_view text) {
   const auto headers = take_headers(body);
   // An unsigned XML document, PEM or DER ends up here.
   if (!headers)
-    return std::unexpected(refusal(Code::smime_not_multipart, "Content-Type: multipart/signed",
-                                   trimmed(text.substr(0, text.find('\n')))));
+    return std::unexpected(text.find("multipart/signed") < kMostHeaderOctets
+                               ? headers.error()
+                               : refusal(Code::smime_not_multipart,
+                                         "Content-Type: multipart/signed",
+                                         trimmed(text.substr(0, text.find('\n')))));
   const auto boundary = DDSSEC_TRY(boundary_of(*headers));
   const auto lines = DDSSEC_TRY(find_delimiters(body, "--" + boundary));
   const bool two_parts =

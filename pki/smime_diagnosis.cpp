@@ -6,16 +6,18 @@
 
 #include <openssl/pkcs7.h>
 
+#include "pki/mime.hpp"
 #include "pki/openssl.hpp"
 #include "pki/openssl_guards.hpp"
 #include "pki/source.hpp"
+#include "pki/unverified_document.hpp"
 
 namespace ddssec::pki {
 namespace {
 
 using Pkcs7Ptr = std::unique_ptr<PKCS7, Deleter<PKCS7_free>>;
 
-/// A signature and, if it stands beside it, the text that was signed.
+/// A signature as OpenSSL finds it and, if it stands beside it, the text that was signed.
 struct Parsed {
   Pkcs7Ptr pkcs7;
   BioPtr beside;
@@ -105,6 +107,21 @@ int first_line_in(std::string_view file, std::string_view text) {
   return static_cast<int>(1 + breaks(file.substr(0, place)) - breaks(text.substr(0, begin)));
 }
 
+// What the plugins read. OpenSSL may find other parts in the same octets, since nobody signs the
+// lines around them.
+bool take_as_plugins_do(BytesView file, DocumentForm& form) {
+  const auto document = read_document(file);
+  const auto pkcs7 = document ? parse_der(document->signature) : nullptr;
+  if (!pkcs7) return false;
+  form.wrapping = DocumentWrapping::multipart;
+  form.has_text_header = true;
+  form.unverified_text = to_bytes(document->text());
+  form.first_line = document->first_line;
+  describe_signer(pkcs7.get(), form);
+  describe_embedded(pkcs7.get(), form);
+  return true;
+}
+
 DocumentWrapping wrapping_of(BytesView file, Parsed& parsed) {
   parsed = parse_smime(file);
   if (parsed.pkcs7) return parsed.beside ? DocumentWrapping::multipart : DocumentWrapping::opaque;
@@ -148,6 +165,10 @@ std::string_view to_string(DocumentWrapping wrapping) {
 DocumentForm examine_document(BytesView file) {
   DocumentForm form;
   if (file.size() > kMostDocumentOctets) return form;
+  if (take_as_plugins_do(file, form)) {
+    take_openssl_reason();
+    return form;
+  }
   Parsed parsed;
   form.wrapping = wrapping_of(file, parsed);
   if (form.wrapping == DocumentWrapping::none) form.unverified_text = to_bytes(file);
@@ -158,8 +179,11 @@ DocumentForm examine_document(BytesView file) {
     describe_embedded(parsed.pkcs7.get(), form);
   }
   take_text_header(form);
-  if (form.wrapping == DocumentWrapping::multipart)
+  if (form.wrapping == DocumentWrapping::multipart) {
     form.first_line = first_line_in(as_text(file), as_text(form.unverified_text));
+    const auto parts = split_multipart_signed(as_text(file));
+    if (!parts) form.ambiguous = parts.error();
+  }
   take_openssl_reason();
   return form;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -41,6 +42,9 @@ struct DocumentForm {
   /// The line of the file, from 1, on which that text begins; 1 where it is not readable in the
   /// file.
   int first_line = 1;
+  /// Set if OpenSSL, and so stock products, find two parts where the plugins refuse to: the text is
+  /// then what stock products read, and others may find another. Error: of split_multipart_signed.
+  std::optional<Error> ambiguous = {};
 
   static constexpr std::size_t kMostEmbedded = 16;
 };

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <optional>
 
+#include <fmt/format.h>
+
 #include "base/text.hpp"
 #include "pki/openssl.hpp"
 
@@ -203,8 +205,7 @@ Result<std::string> unescape_one_line(std::string_view text) {
 }
 
 Error too_many(std::string_view text) {
-  return malformed("there are more than " + std::to_string(kMostNameAttributes) + " attributes",
-                   text);
+  return malformed(fmt::format("there are more than {} attributes", kMostNameAttributes), text);
 }
 
 struct OneLine {

@@ -79,6 +79,8 @@ std::string odd_form(const Subject& subject) {
     return fmt::format("{} is {}{}; it must be multipart/signed with a text/plain header", file,
                        to_string(form.wrapping),
                        form.has_text_header ? " with a text/plain header" : "");
+  if (form.ambiguous)
+    return fmt::format("{} can be read in several ways: {}", file, form.ambiguous->message());
   if (!form.has_text_header)
     return fmt::format(
         "{} has no \"Content-Type: text/plain\" header inside its signed part, "

@@ -265,6 +265,19 @@ TEST_F(Smime, OddHeadersAreRefused) {
   EXPECT_TRUE(check(replaced(file_, "; micalg", ";\n\tmicalg")));
 }
 
+// OpenSSL, by which stock products and other tools read, would find other lines in these headers.
+TEST_F(Smime, HeadersThatReadersReadDifferentlyAreRefused) {
+  const auto with = [&](const std::string& line) {
+    return check(replaced(file_, "MIME-Version", line + "\nMIME-Version"));
+  };
+  EXPECT_TRUE(with("X-Filler: " + std::string(988, 'x')));
+  EXPECT_CODE(with("X-Filler: " + std::string(989, 'x')), smime_malformed);
+  EXPECT_CODE(with("X-Filler: a\n " + std::string(1022, 'x')), smime_malformed);
+  EXPECT_CODE(with(boundary(file_) + ": x"), smime_malformed);
+  EXPECT_CODE(with("X-Filler: a\rb"), smime_malformed);
+  EXPECT_CODE(with("X-Filler: a\x1b[2J"), smime_malformed);
+}
+
 TEST_F(Smime, NulAndLoneCarriageReturnAreRefused) {
   EXPECT_CODE(check(replaced(file_, "<dds>", std::string_view("<d\0s>", 5))), smime_nul);
   EXPECT_CODE(check(replaced(file_, "<dds>", "<d\rs>")), smime_malformed);

@@ -1,0 +1,26 @@
+// Internal to pki/: a signed document as it is read, before anyone looks at its signature.
+#pragma once
+
+#include <cstddef>
+
+#include "base/bytes.hpp"
+#include "base/result.hpp"
+
+namespace ddssec::pki {
+
+/// UNVERIFIED.
+struct UnverifiedDocument {
+  Bytes signed_octets;        ///< canonical: what the signature is about
+  std::size_t header_octets;  ///< of them the text/plain header, blank line included
+  int first_line;             ///< of the file, from 1: where the text begins
+  Bytes signature;            ///< DER
+
+  BytesView text() const { return BytesView(signed_octets).subspan(header_octets); }
+};
+
+/// Reads a document of two MIME parts. The plugins and the tools read by this function and no
+/// other, so that what a tool shows is what a plugin obeys. Errors: those of mime.hpp, smime_nul,
+/// smime_too_large, smime_signature_malformed (no base64 text), smime_unsigned_octets.
+Result<UnverifiedDocument> read_document(BytesView file);
+
+}  // namespace ddssec::pki
