@@ -9,7 +9,7 @@ import tempfile
 import golden_folders
 from forecast import Table
 from transcript import WithoutLists, main
-from workshop import GOVERNANCE, Folder, Workshop
+from workshop import GOVERNANCE, Folder, Workshop, openssl
 
 HERE = pathlib.Path(__file__).resolve().parent
 MEASURED = Table(HERE.parent.parent)
@@ -128,6 +128,14 @@ class Golden(WithoutLists):
             self.assertIn("X.509 version 1, which Fast DDS 3.1.2 does not take as a CA", told[0]["message"])
             self.assertEqual(told[0]["vendors"], ["fastdds@3.1.2"])
             self.doctor(name, "--vendor", "all", exit=0)
+
+    def test_folders_named_after_version_1_hold_a_certificate_of_it(self):
+        """The openssl program of 3.2 and later adds extensions, and version 3 with them, unless told not to."""
+        for name, file in (("x509-v1", "cert.pem"), ("x509-v1-ca", "identity_ca.pem"),
+                           ("x509-v1-permissions-ca", "permissions_ca.pem")):
+            text = openssl("x509", "-in", self.paths[name] / file, "-noout", "-text")
+            self.assertIn("Version: 1 (0x0)", text)
+            self.assertNotIn("X509v3", text)
 
     def notes(self, *words, **more):
         """What is said about versions."""

@@ -1,6 +1,7 @@
 """Keys, certificates, documents and participants' folders for tests of the program, made with the openssl
 program. Nothing of ddssec takes part in making them. Test keys, worthless outside a test."""
 
+import functools
 import os
 import pathlib
 import shutil
@@ -75,6 +76,17 @@ def openssl(*words, text=None):
     return done.stdout.decode(errors="replace")
 
 
+NO_EXTENSIONS = "[req]\ndistinguished_name = none\n[none]\n"
+
+
+@functools.cache
+def has_x509v1():
+    """Whether `openssl req` has the option -x509v1: from OpenSSL 3.2 on it adds key identifiers without it,
+    and a certificate with extensions is of version 3."""
+    done = subprocess.run(["openssl", "req", "-help"], capture_output=True, text=True, check=False)
+    return "-x509v1" in done.stdout + done.stderr
+
+
 class Workshop:
     """Keys, certificates and CAs, each made once."""
 
@@ -104,7 +116,9 @@ class Workshop:
         os.link(self.key("ca-" + label, kind), folder / "key.pem")
         request = ("-key", folder / "key.pem", "-subj", subject or f"/CN={label} CA")
         is_usual = "basicConstraints=" in "".join(extensions) and digest == "sha256"
-        if dates is None and root is None and is_usual:
+        if not extensions:
+            self.version_1(*request, "-days", "3650", "-out", folder / "cert.pem")
+        elif dates is None and root is None and is_usual:
             openssl("req", "-x509", "-new", "-sha256", "-days", "3650", *request,
                     *[part for text in extensions for part in ("-addext", text)],
                     "-out", folder / "cert.pem")
@@ -114,9 +128,15 @@ class Workshop:
             begin, end = dates or LONG
             openssl("ca", "-batch", "-notext", *(() if root else ("-selfsign",)), "-config",
                     (root or folder) / "openssl.cnf", "-md", digest, "-startdate", begin, "-enddate", end,
-                    *(("-extfile", folder / "extensions") if extensions else ()),
-                    "-in", folder / "request.csr", "-out", folder / "cert.pem")
+                    "-extfile", folder / "extensions", "-in", folder / "request.csr", "-out", folder / "cert.pem")
         return folder
+
+    def version_1(self, *words):
+        """A certificate of X.509 version 1, which has no extension."""
+        configuration = self.folder / "no-extensions.cnf"
+        configuration.write_text(NO_EXTENSIONS)
+        openssl("req", "-x509", *(["-x509v1"] if has_x509v1() else []), "-new", "-sha256",
+                "-config", configuration, *words)
 
     def leaf(self, label, ca, subject="/CN=talker", kind="ec", dates=None, extensions=None,
              digest="sha256"):
@@ -124,12 +144,12 @@ class Workshop:
         path, key = self.folder / f"{label}.pem", self.key(label, kind)
         if path.exists():
             return path, key
+        if dates is None and extensions is None:
+            self.version_1("-key", key, "-subj", subject, "-CA", ca / "cert.pem", "-CAkey", ca / "key.pem",
+                           "-days", "365", "-out", path)
+            return path, key
         request = self.folder / f"{label}.csr"
         openssl("req", "-new", "-key", key, "-subj", subject, "-out", request)
-        if dates is None and extensions is None:  # without any extension it is X.509 version 1
-            openssl("x509", "-req", "-in", request, "-CA", ca / "cert.pem", "-CAkey", ca / "key.pem",
-                    "-days", "365", "-sha256", "-out", path)
-            return path, key
         (self.folder / f"{label}.ext").write_text(extensions or "basicConstraints=CA:FALSE\n")
         begin, end = dates or LONG
         openssl("ca", "-batch", "-notext", "-config", ca / "openssl.cnf", "-md", digest, "-startdate", begin,
