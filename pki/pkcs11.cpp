@@ -13,6 +13,7 @@
 #include <openssl/engine.h>
 #include <openssl/ui.h>
 
+#include "base/background_thread.hpp"
 #include "base/source.hpp"
 #include "pki/token_logins.hpp"
 
@@ -186,6 +187,7 @@ void stop_at_first_wrong_pin() { one_wrong_pin_is_all = true; }
 Result<PkeyPtr> token_private_key(std::string_view uri, const Passphrase* pin) {
   DDSSEC_TRY(check_may_log_in(uri));
   const auto split = DDSSEC_TRY(read_pin_source(uri));
+  const SignalsBlocked blocked;  // a token's module may start threads
   ENGINE* const token = DDSSEC_TRY(engine());
   const PinRequest request(split.pin ? &*split.pin : pin);
   ERR_clear_error();
@@ -198,6 +200,7 @@ Result<PkeyPtr> token_private_key(std::string_view uri, const Passphrase* pin) {
 Result<X509Ptr> token_certificate(std::string_view uri) {
   DDSSEC_TRY(check_may_log_in(uri));
   const auto split = DDSSEC_TRY(read_pin_source(uri));
+  const SignalsBlocked blocked;  // a token's module may start threads
   ENGINE* const token = DDSSEC_TRY(engine());
   const PinRequest request(split.pin ? &*split.pin : nullptr);
   struct {

@@ -1,0 +1,32 @@
+// What a token's module does inside the process that loads it.
+#include <csignal>
+#include <cstdlib>
+#include <dlfcn.h>
+
+#include "fixture.hpp"
+
+namespace ddssec::pki {
+namespace {
+
+bool handles(int signal) {
+  sigset_t blocked;
+  pthread_sigmask(SIG_BLOCK, nullptr, &blocked);
+  return sigismember(&blocked, signal) == 0;
+}
+
+// A host that waits for SIGTERM in sigwait, as ddsperf does, would be killed by one that such a
+// thread takes.
+TEST(TokenModule, ThreadsThatItStarts_HandleNoSignalsOfTheProcess) {
+  void* const module = dlopen(DDSSEC_THREADED_MODULE, RTLD_NOW);
+  ASSERT_NE(module, nullptr) << dlerror();
+  const auto* const handled = static_cast<const int*>(dlsym(module, "handled_signals"));
+  ASSERT_NE(handled, nullptr);
+  ASSERT_EQ(setenv("PKCS11_MODULE_PATH", DDSSEC_THREADED_MODULE, 1), 0);
+  EXPECT_FALSE(PrivateKey::load("pkcs11:token=robot;object=talker?pin-value=1", "key"));
+  EXPECT_EQ(*handled, 0);
+  EXPECT_TRUE(handles(SIGINT));
+  EXPECT_TRUE(handles(SIGTERM));
+}
+
+}  // namespace
+}  // namespace ddssec::pki
