@@ -43,6 +43,10 @@ Duration_t milliseconds(std::int64_t count) {
 // Content filters of Fast DDS look at samples through the type's description.
 #if DDSSEC_FASTDDS >= 3
 class DescribedShape final : public ShapeType {
+  static const fdds::xtypes::TypeIdentifier& complete(const fdds::xtypes::TypeIdentifierPair& of) {
+    const auto& first = of.type_identifier1();
+    return first._d() == fdds::xtypes::EK_COMPLETE ? first : of.type_identifier2();
+  }
   void register_type_object_representation() override {
     const auto factory = fdds::DynamicTypeBuilderFactory::get_instance();
     const auto shape = fdds::traits<fdds::TypeDescriptor>::make_shared();
@@ -64,8 +68,13 @@ class DescribedShape final : public ShapeType {
                        ->create_sequence_type(factory->get_primitive_type(fdds::TK_BYTE),
                                               fdds::LENGTH_UNLIMITED)
                        ->build());
+    // A filter looks for the type by its name; what a dynamic type registers has identifiers only.
     auto& registry = fdds::DomainParticipantFactory::get_instance()->type_object_registry();
-    if (!ok(registry.register_typeobject_w_dynamic_type(builder->build(), type_identifiers_)))
+    fdds::xtypes::TypeIdentifierPair unnamed;
+    fdds::xtypes::TypeObject object;
+    if (!ok(registry.register_typeobject_w_dynamic_type(builder->build(), unnamed)) ||
+        !ok(registry.get_type_object(complete(unnamed), object)) ||
+        !ok(registry.register_type_object(get_name(), object.complete(), type_identifiers_)))
       std::fprintf(stderr, "Fast DDS does not know its type\n");
   }
 };
