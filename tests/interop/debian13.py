@@ -7,6 +7,11 @@ import subprocess
 HERE = pathlib.Path(__file__).resolve().parent
 
 
+def is_installed():
+    """Whether this machine runs Debian 13 itself."""
+    return "VERSION_CODENAME=trixie" in pathlib.Path("/etc/os-release").read_text()
+
+
 class Packages:
     """A folder of unpacked packages."""
 

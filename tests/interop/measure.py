@@ -3,7 +3,8 @@
 table that `ddssec doctor` and `check` predict from (governance/doctor/measured.def).
 
 Usage: measure.py SOURCE BUILD [--newer] [--write] [FOLDER...]
---newer: Debian 13's Cyclone DDS and Fast DDS instead, from packages that come into BUILD. Exit 77: they cannot be had.
+--newer: Debian 13's Cyclone DDS and Fast DDS instead, from packages that come into BUILD; on Debian 13 they are
+the installed ones. Exit 77: they cannot be had.
 --write: puts what was measured into the table; a version that it lacks becomes a new column.
 """
 
@@ -34,6 +35,8 @@ PAIR_SECONDS = 6
 
 def newer(source, build):
     """Debian 13's products; None if they cannot be had."""
+    if debian13.is_installed():
+        return forecast.installed(build)
     cyclone = debian13.Packages(build / "debian13")
     fast = debian13.Packages(build / "debian13-fastdds")
     if cyclone.fetch() or fast.fetch("libfastdds-dev", "libssl3t64"):

@@ -104,6 +104,7 @@ class Product:
 
 INSTALLED = Product("ours", pair.Programs, ["iox-roudi"])
 NEWER = Product("ours" + newer.NEWER, newer.Programs,
+                INSTALLED.roudi if newer.NATIVE else
                 newer.loader(newer.STOCK_PLUGINS, newer.ROOT / "root/usr/bin/iox-roudi"))
 
 
