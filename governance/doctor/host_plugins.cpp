@@ -189,7 +189,7 @@ LoaderPlaces LoaderPlaces::here() {
 
 std::string maker_of(const HostPlugin& plugin) {
   if (plugin.maker == Maker::nobody) return "not found";
-  if (plugin.maker == Maker::other) return "another product's, not ddssec's";
+  if (plugin.maker == Maker::other) return "stock, not ddssec's";
   return plugin.version.empty() ? "ddssec" : "ddssec " + plugin.version;
 }
 

@@ -32,7 +32,7 @@ struct HostPlugin {
   Maker maker = Maker::nobody;
   std::string version = {};  ///< of ours; empty: not known
 };
-/// "ddssec 0.1.0", "another product's, not ddssec's", "not found".
+/// "ddssec 0.1.0", "stock, not ddssec's", "not found".
 std::string maker_of(const HostPlugin& plugin);
 
 /// The three plugins of a configuration; none if it does not configure security, or names a library

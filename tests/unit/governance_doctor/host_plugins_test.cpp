@@ -84,7 +84,7 @@ TEST_F(HostPlugins, OfTwoProductsAreTold) {
   fs::remove(root_ / "ours/libdds_security_ac.so");
   path({"ours"});
   EXPECT_THAT(message(), HasSubstr("authentication: ddssec 1.2.3"));
-  EXPECT_THAT(message(), HasSubstr("access control: another product's, not ddssec's (" +
+  EXPECT_THAT(message(), HasSubstr("access control: stock, not ddssec's (" +
                                    (root_ / "system/private").string()));
   EXPECT_EQ(said().outcomes(), (Outcomes{.cyclonedds = Outcome::fail, .ours = Outcome::fail}));
 }
