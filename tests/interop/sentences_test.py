@@ -53,7 +53,8 @@ CASES = {
                        {"It is not allowed to create participant: Could not find domain ": (STOCK,),
                         "Error occurred while validating local permissions: ": (OURS,)}),
     "a topic that is not allowed": (GOOD, replace(GOOD, permissions=Permissions(subscribe=("Other",))),
-                                    {"Not Allowed By Security": BOTH}),
+                                    {"Not Allowed By Security": BOTH,
+                                     "ddssec informational: ddssec's security plugins are in use; ": (OURS,)}),
     "no such library": (GOOD, GOOD, {"Could not load Authentication library: ": BOTH,
                                      ": cannot open shared object file": BOTH}),
 }
