@@ -309,7 +309,7 @@ void PeerHandshake::finish(Finished finished, Bytes peer_data) {
   if (finished_) static_cast<void>(plugin_.return_handshake_handle(finished_->handle));
   finished_ = std::move(finished);
   peer_data_ = std::move(peer_data);
-  ++generation_;
+  has_new_proof_ = true;
   next_ = kNever;
 }
 

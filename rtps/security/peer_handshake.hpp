@@ -83,8 +83,8 @@ class PeerHandshake {
   std::uint64_t refusals() const { return refusals_; }
 
   bool finished() const { return finished_.has_value(); }
-  /// How often a handshake was finished.
-  unsigned generation() const { return generation_; }
+  /// A handshake was finished since this was last asked.
+  bool take_proof() { return std::exchange(has_new_proof_, false); }
   /// Why it will never be, if so: nothing that a stranger sends or holds back.
   const std::optional<Error>& failure() const { return failure_; }
   /// It took too long. It goes on, at a slow pace, for as long as the peer is announced.
@@ -174,7 +174,7 @@ class PeerHandshake {
   std::vector<Answer> answers_;  ///< oldest first
   std::size_t next_answer_ = 0;  ///< to be repeated
   std::optional<Finished> finished_;
-  unsigned generation_ = 0;
+  bool has_new_proof_ = false;
   Bytes peer_data_;
   std::optional<Error> failure_;
   std::uint64_t refusals_ = 0;

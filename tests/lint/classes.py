@@ -13,7 +13,6 @@ KNOWN = {
     "DomainParticipant": 61,
     "Keyring": 44,
     "ReaderCache": 52,
-    "Security": 85,
     "StatefulReader": 50,
     "StatefulWriter": 58,
 }

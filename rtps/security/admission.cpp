@@ -1,5 +1,4 @@
-// Security, the part that decides: who may try to authenticate, which endpoints may match.
-#include "rtps/security/security.hpp"
+#include "rtps/security/admission.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -51,33 +50,33 @@ bool is_open(const spi::EndpointSecurityAttributes& attributes) {
 
 // ---- who may try
 
-bool Security::admits_unauthenticated() const {
-  const auto& attributes = own_->attributes();
+bool Admission::admits_unauthenticated() const {
+  const auto& attributes = core_.own->attributes();
   return attributes.allow_unauthenticated_participants && !attributes.is_rtps_protected();
 }
 
-bool Security::may_authenticate(const ParticipantData& data) const {
+bool Admission::may_authenticate(const ParticipantData& data) const {
   return data.identity_token && check_participant(data);
 }
 
-Security::Verdict Security::judge(const ParticipantData& data) {
+Admission::Verdict Admission::judge(const ParticipantData& data) {
   if (may_authenticate(data)) return Verdict::authenticate;
   if (admits_unauthenticated()) return Verdict::admit_unauthenticated;
-  ++counters_.failed;
+  ++core_.counters.failed;
   const auto guid = data.guid.to_string();
   if (!data.identity_token)
-    events_.raise(Event(Error(Code::rtps_peer_not_secured, {.document = "participant " + guid,
-                                                            .expected = "an identity token",
-                                                            .found = "none"}),
-                        {}, guid));
+    core_.events.raise(Event(Error(Code::rtps_peer_not_secured, {.document = "participant " + guid,
+                                                                 .expected = "an identity token",
+                                                                 .found = "none"}),
+                             {}, guid));
   else
-    events_.raise(Event(check_participant(data).error().in("participant " + guid), {}, guid));
+    core_.events.raise(Event(check_participant(data).error().in("participant " + guid), {}, guid));
   return Verdict::refuse;
 }
 
 /// Does it announce what lets it talk with us?
-Status Security::check_participant(const ParticipantData& data) const {
-  const auto own_info = spi::security_info(own_->attributes());
+Status Admission::check_participant(const ParticipantData& data) const {
+  const auto own_info = spi::security_info(core_.own->attributes());
   const auto info = data.security_info.value_or(spi::SecurityInfo{});
   DDSSEC_TRY(check_key_revision(data, own_info, info));
   if (!spi::compatible(own_info, info)) return mismatch(data, own_info);
@@ -86,29 +85,34 @@ Status Security::check_participant(const ParticipantData& data) const {
   return check_ciphers(data.vendor, data.ciphers->key_exchange_required);
 }
 
+Status Admission::check_proven(const ParticipantData& proven) const {
+  DDSSEC_TRY(check_participant(proven));
+  return check_domain(proven);
+}
+
 /// What was announced may have been changed on the way; this is signed. Other vendors leave the tag
 /// out of it.
-Status Security::check_domain(const ParticipantData& proven) const {
+Status Admission::check_domain(const ParticipantData& proven) const {
   const bool says_no_tag = proven.domain_tag.empty() && proven.vendor != kVendorDdssec;
-  const auto& tag = says_no_tag ? proven.domain_tag : own_->domain_tag();
-  if (is_of_domain(proven, own_->domain_id(), tag)) return {};
+  const auto& tag = says_no_tag ? proven.domain_tag : core_.own->domain_tag();
+  if (is_of_domain(proven, core_.own->domain_id(), tag)) return {};
   const auto text = [](std::uint32_t domain, const std::string& domain_tag) {
     return "domain " + std::to_string(domain) + ", tag \"" + domain_tag + "\"";
   };
-  const auto own_id = static_cast<std::uint32_t>(own_->domain_id());
+  const auto own_id = static_cast<std::uint32_t>(core_.own->domain_id());
   auto error = Error(Code::rtps_domain_differs,
                      {.document = "what participant " + proven.guid.to_string() + " signed",
                       .field = "DOMAIN_ID and DOMAIN_TAG",
-                      .expected = text(own_id, own_->domain_tag()),
+                      .expected = text(own_id, core_.own->domain_tag()),
                       .found = text(proven.domain_id.value_or(own_id), proven.domain_tag)});
-  events_.raise(Event(error, {}, proven.guid.to_string()));
+  core_.events.raise(Event(error, {}, proven.guid.to_string()));
   return std::unexpected(std::move(error));
 }
 
 // A vendor's bits mean something to that vendor only. What a peer understands of ours, cryptography
 // knows from the handshake.
-Status Security::check_ciphers(VendorId vendor, spi::CipherMask required) const {
-  auto supported = own_->ciphers().supported;
+Status Admission::check_ciphers(VendorId vendor, spi::CipherMask required) const {
+  auto supported = core_.own->ciphers().supported;
   if (vendor != kVendorDdssec) supported &= spi::kStandardCiphers;
   if (spi::understands(supported, required)) return {};
   return fail(Code::rtps_cipher_unsupported,
@@ -117,23 +121,26 @@ Status Security::check_ciphers(VendorId vendor, spi::CipherMask required) const 
 
 // ---- endpoints
 
-Result<Security::Announced> Security::create_endpoint(const EntityId& id,
-                                                      const NewEndpoint& endpoint) {
-  auto& plugin = own_->plugins().access_control;
+Result<Admission::Announced> Admission::create_endpoint(const EntityId& id,
+                                                        const NewEndpoint& endpoint) {
+  auto& plugin = core_.own->plugins().access_control;
   const auto names = views_of(endpoint.partitions);
   const spi::EndpointRequest request{
       .topic_name = endpoint.topic, .partitions = names, .data_tags = endpoint.data_tags};
-  DDSSEC_TRY(plugin.check_create_topic(own_->permissions(), own_->domain_id(), endpoint.topic));
+  DDSSEC_TRY(
+      plugin.check_create_topic(core_.own->permissions(), core_.own->domain_id(), endpoint.topic));
   spi::EndpointSecurityAttributes attributes;
   if (is_writer(id)) {
-    DDSSEC_TRY(plugin.check_create_datawriter(own_->permissions(), own_->domain_id(), request));
-    attributes = DDSSEC_TRY(plugin.datawriter_sec_attributes(own_->permissions(), request));
+    DDSSEC_TRY(
+        plugin.check_create_datawriter(core_.own->permissions(), core_.own->domain_id(), request));
+    attributes = DDSSEC_TRY(plugin.datawriter_sec_attributes(core_.own->permissions(), request));
   } else {
-    DDSSEC_TRY(plugin.check_create_datareader(own_->permissions(), own_->domain_id(), request));
-    attributes = DDSSEC_TRY(plugin.datareader_sec_attributes(own_->permissions(), request));
+    DDSSEC_TRY(
+        plugin.check_create_datareader(core_.own->permissions(), core_.own->domain_id(), request));
+    attributes = DDSSEC_TRY(plugin.datareader_sec_attributes(core_.own->permissions(), request));
   }
-  DDSSEC_TRY(keyring_.add_local(id, attributes, {}, endpoint.properties));
-  Announced out{spi::security_info(attributes), DDSSEC_TRY(keyring_.required_ciphers(id)),
+  DDSSEC_TRY(core_.keyring.add_local(id, attributes, {}, endpoint.properties));
+  Announced out{spi::security_info(attributes), DDSSEC_TRY(core_.keyring.required_ciphers(id)),
                 attributes.is_key_protected()};
   // An endpoint of Fast DDS without security matches one that announces masks only if these ask for
   // access control.
@@ -141,33 +148,35 @@ Result<Security::Announced> Security::create_endpoint(const EntityId& id,
   return out;
 }
 
-std::optional<Security::Admission> Security::admit(const EntityId& local, const Endpoint& remote) {
-  const auto* peer = find(remote.guid.prefix);
-  const auto* attributes = keyring_.attributes(local);
+std::optional<Admission::Permission> Admission::admit(const EntityId& local,
+                                                      const Endpoint& remote) {
+  const auto* attributes = core_.keyring.attributes(local);
   if (attributes == nullptr) return std::nullopt;
-  const bool authenticated = peer != nullptr && peer->authenticated;
-  const auto status = authenticated ? check_protection(*attributes, remote, peer->data.vendor)
-                                    : check_open(local, remote);
+  const auto* peer = core_.find(remote.guid.prefix);
+  const auto* joined = peer == nullptr ? nullptr : peer->state.joined();
+  const auto status = joined != nullptr ? check_protection(*attributes, remote, peer->data.vendor)
+                                        : check_open(local, remote);
   if (!status) {
-    events_.raise(Event(status.error().in("topic " + std::string(remote.topic)), {},
-                        remote.guid.to_string()));
+    core_.events.raise(Event(status.error().in("topic " + std::string(remote.topic)), {},
+                             remote.guid.to_string()));
     return std::nullopt;
   }
-  if (!authenticated) return Admission{};
-  const auto admission = check_permissions(local, *peer, remote);  // raises its own event
-  return admission ? std::optional(*admission) : std::nullopt;
+  if (joined == nullptr) return Permission{};
+  // Raises its own event.
+  const auto permission = check_permissions(local, joined->association, remote);
+  return permission ? std::optional(*permission) : std::nullopt;
 }
 
 // DDS-Security 8.8.7: unauthenticated participants get topics without access control and without
 // protection of any kind.
-Status Security::check_open(const EntityId& local, const Endpoint& remote) const {
-  if (is_open(*keyring_.attributes(local)) && admits_unauthenticated()) return {};
+Status Admission::check_open(const EntityId& local, const Endpoint& remote) const {
+  if (is_open(*core_.keyring.attributes(local)) && admits_unauthenticated()) return {};
   return fail(Code::rtps_peer_not_secured,
               {.expected = "an authenticated participant", .found = remote.guid.to_string()});
 }
 
-Status Security::check_protection(const spi::EndpointSecurityAttributes& attributes,
-                                  const Endpoint& remote, VendorId vendor) const {
+Status Admission::check_protection(const spi::EndpointSecurityAttributes& attributes,
+                                   const Endpoint& remote, VendorId vendor) const {
   if (attributes.topic.is_discovery_protected && !remote.is_secure)
     return fail(Code::rtps_protection_missing,
                 {.expected = "an announcement by secure discovery", .found = "a plain one"});
@@ -179,19 +188,21 @@ Status Security::check_protection(const spi::EndpointSecurityAttributes& attribu
       {.field = "endpoint_security_info", .expected = text_of(own), .found = text_of(remote.info)});
 }
 
-Result<Security::Admission> Security::check_permissions(const EntityId& local, const Peer& peer,
-                                                        const Endpoint& remote) {
-  auto& plugin = own_->plugins().access_control;
+Result<Admission::Permission> Admission::check_permissions(const EntityId& local,
+                                                           const Association& peer,
+                                                           const Endpoint& remote) {
+  auto& plugin = core_.own->plugins().access_control;
   const auto names = views_of(remote.partitions);
   const spi::EndpointRequest request{
       .topic_name = remote.topic, .partitions = names, .data_tags = remote.data_tags};
   if (is_reader(local)) {
-    DDSSEC_TRY(plugin.check_remote_datawriter(peer.permissions, own_->domain_id(), request));
-    return Admission{};
+    DDSSEC_TRY(
+        plugin.check_remote_datawriter(peer.permissions.handle, core_.own->domain_id(), request));
+    return Permission{};
   }
-  const auto answer =
-      DDSSEC_TRY(plugin.check_remote_datareader(peer.permissions, own_->domain_id(), request));
-  return Admission{answer.relay_only};
+  const auto answer = DDSSEC_TRY(
+      plugin.check_remote_datareader(peer.permissions.handle, core_.own->domain_id(), request));
+  return Permission{answer.relay_only};
 }
 
 }  // namespace ddssec::rtps

@@ -1,0 +1,69 @@
+// Decides which participants may try to authenticate, and which endpoints may be created and
+// matched (DDS-Security 8.8.2, 8.8.5, 8.8.6).
+#pragma once
+
+#include "rtps/security/security_core.hpp"
+
+namespace ddssec::rtps {
+
+class Admission {
+ public:
+  explicit Admission(SecurityCore& core) : core_(core) {}
+
+  enum class Verdict { authenticate, admit_unauthenticated, refuse };
+  /// What to do with a participant that announced itself; a refusal raises an event.
+  Verdict judge(const ParticipantData& data);
+  /// It says that it can, in the way that our governance wants.
+  bool may_authenticate(const ParticipantData& data) const;
+  /// Without authentication: only where nothing at all is protected.
+  bool admits_unauthenticated() const;
+  /// The same as `judge` says of an announcement, of what the participant signed; and its domain.
+  /// Errors: rtps_key_revision_mismatch, rtps_security_info_mismatch, rtps_cipher_unsupported,
+  /// rtps_domain_differs (which raises an event).
+  Status check_proven(const ParticipantData& proven) const;
+
+  /// A remote endpoint. `is_secure`: it was announced by secure SEDP.
+  struct Endpoint {
+    Guid guid;
+    std::string_view topic;
+    const std::vector<std::string>& partitions;
+    const spi::PropertyList& data_tags;
+    spi::SecurityInfo info;
+    bool is_secure = false;
+    std::optional<spi::CipherMask> required_ciphers = {};
+  };
+  struct Permission {
+    bool relay_only = false;
+  };
+  /// May it match our one? Nothing: no, and an event says why.
+  std::optional<Permission> admit(const EntityId& local, const Endpoint& remote);
+
+  struct NewEndpoint {
+    std::string_view topic;
+    const std::vector<std::string>& partitions;
+    const spi::PropertyList& data_tags;
+    const spi::PropertyList& properties;
+  };
+  /// What discovery announces of an endpoint of ours.
+  struct Announced {
+    std::optional<spi::SecurityInfo> info;
+    std::optional<spi::CipherMask> required_ciphers;
+    bool key_is_protected = false;
+  };
+  /// May we create this endpoint? Registers it. Errors: those of access control and cryptography.
+  Result<Announced> create_endpoint(const EntityId& id, const NewEndpoint& endpoint);
+
+ private:
+  Status check_ciphers(VendorId vendor, spi::CipherMask required) const;
+  Status check_participant(const ParticipantData& data) const;
+  Status check_domain(const ParticipantData& proven) const;
+  Status check_open(const EntityId& local, const Endpoint& remote) const;
+  Status check_protection(const spi::EndpointSecurityAttributes& attributes, const Endpoint& remote,
+                          VendorId vendor) const;
+  Result<Permission> check_permissions(const EntityId& local, const Association& peer,
+                                       const Endpoint& remote);
+
+  SecurityCore& core_;
+};
+
+}  // namespace ddssec::rtps

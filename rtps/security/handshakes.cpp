@@ -1,0 +1,327 @@
+#include "rtps/security/handshakes.hpp"
+
+#include <algorithm>
+
+namespace ddssec::rtps {
+
+std::unique_ptr<PeerHandshake> Handshakes::handshake_with(const ParticipantData& data) {
+  auto& own = *core_.own;
+  return std::make_unique<PeerHandshake>(
+      own.plugins().authentication,
+      PeerHandshake::Sides{own.guid(), data.guid, own.identity(),
+                           data.identity_token.value_or(spi::Token{}),
+                           data.vendor != kVendorFastDds},
+      own_data_, numbers_, core_.now);
+}
+
+void Handshakes::add(const ParticipantData& data, const LocatorList& metatraffic) {
+  const auto [at, is_new] =
+      core_.peers.emplace(data.guid.prefix, Peer{.data = data,
+                                                 .metatraffic = metatraffic,
+                                                 .state = PeerState(handshake_with(data)),
+                                                 .few = {kFewMessages, kFewPeriod, {}}});
+  if (is_new) schedule(at->second);
+}
+
+// Anybody may announce in anybody's name, and may have been the first. So a handshake that failed
+// is begun anew with what is announced now, and one under way is carried on at both addresses.
+void Handshakes::announced_again(const ParticipantData& data, const LocatorList& metatraffic) {
+  auto* peer = core_.find(data.guid.prefix);
+  if (peer == nullptr || peer->state.association() != nullptr) return;
+  peer->metatraffic = metatraffic;
+  if (!peer->state.is<peer::Refused>() || !starts_.take(core_.now)) return;
+  core_.host.on_replaced(GuidPrefix(data.guid.prefix));  // it may have been admitted without
+  peer->data = data;
+  peer->state.announce_again(handshake_with(data));
+  schedule(*peer);
+}
+
+// ---- messages
+
+// In a flood each of them has its own chance to be among those that are looked at.
+void Handshakes::send(const Peer& peer, const PeerHandshake::Messages& messages) {
+  for (const auto& message : messages) {
+    const auto payload = write_generic_message(message);
+    core_.sender.add({peer.prefix(), peer.metatraffic}, Data{kStatelessMessageReader,
+                                                             kStatelessMessageWriter,
+                                                             {++last_number_},
+                                                             {},
+                                                             PayloadKind::data,
+                                                             payload});
+    core_.sender.flush_now();
+  }
+}
+
+void Handshakes::on_stateless(const GuidPrefix& source, BytesView payload) {
+  auto* peer = core_.find(source);
+  auto* handshake = peer == nullptr ? nullptr : peer->state.handshake();
+  if (handshake == nullptr) return;
+  const auto message = read_generic_message(payload);
+  const bool ours = message && message->identity.source.prefix == source &&
+                    message->destination_participant == core_.own->guid();
+  if (!ours) return;
+  handshake->note_heard();
+  if (!std::exchange(peer->spoke, true) && !handshake->started()) handshake->start_at(core_.now);
+  if (message->message_class == message_class::kAuthRequest)
+    on_auth_request(*peer);
+  else if (message->message_class == message_class::kAuthentication)
+    on_authentication(*peer, *message);
+  schedule(*peer);
+}
+
+void Handshakes::on_stateless_frag(const GuidPrefix& source, const DataFrag& frag) {
+  if (core_.find(source) == nullptr) return;
+  for (const auto& whole : fragments_.add(source, frag, core_.now)) on_stateless(source, whole);
+}
+
+// It waits for our request. If we are done with it, it may have lost us; or somebody says so in its
+// name, and it still answers by the keys that it has with us.
+void Handshakes::on_auth_request(Peer& peer) {
+  if (!peer.state.handshake()->begins()) return;
+  if (peer.state.association() == nullptr) return request_resend(peer);
+  const auto* joined = peer.state.joined();
+  if (joined == nullptr || core_.now < joined->next_probe) return;
+  peer.state.probe(core_.now + kProbePatience, core_.now + kProbePeriod);
+  exchange_.probe(peer);
+}
+
+void Handshakes::on_authentication(Peer& peer, const GenericMessage& message) {
+  auto& handshake = *peer.state.handshake();
+  const auto weighed = handshake.weigh(message);
+  if (weighed.effort == Effort::none) return;
+  PeerHandshake::Messages out;
+  const bool taken =
+      may_spend(peer, weighed.effort) && handshake.receive(message, weighed, core_.now, out);
+  if (handshake.started()) peer.state.begin();
+  if (!taken) return request_resend(peer);
+  if (handshake.refusals() > 0 && peer.state.association() == nullptr) note_failure(peer);
+  // A Final goes out when the keys are ready for what the peer sends next.
+  const bool is_new = advance(peer);
+  if (!peer.state.is<peer::Refused>()) send(peer, out);
+  if (is_new) open_channel(peer);
+}
+
+// Before anything is known to be true, public-key work is limited. A flood leaves a share to those
+// who send little; in a flood that is in the name of an honest peer, its messages are taken as
+// often as any other.
+bool Handshakes::may_spend(Peer& peer, Effort effort) {
+  if (effort == Effort::memory) return repetitions_.take(core_.now);
+  auto& limits = effort == Effort::echo ? echoes_ : requests_;
+  const bool few = peer.few.take(core_.now) && !peer.failed;
+  return (few ? limits.few : limits.loud).take(core_.now);
+}
+
+// Its next message may be the lucky one: it gets a reason to send it soon.
+void Handshakes::request_resend(const Peer& peer) {
+  if (resend_requests_.take(core_.now)) peer.state.handshake()->hasten(core_.now);
+}
+
+// ---- edges
+
+bool Handshakes::advance(Peer& peer) {
+  auto& handshake = *peer.state.handshake();
+  if (handshake.started()) peer.state.begin();
+  if (handshake.failure()) {
+    refuse(peer);
+    return false;
+  }
+  if (!handshake.take_proof()) return false;
+  const bool had_keys = peer.state.association() != nullptr;
+  if (had_keys || peer.state.is_admitted()) core_.host.on_replaced(GuidPrefix(peer.prefix()));
+  if (!peer.state.replace()) return false;
+  auto association = associate(peer);
+  if (!association) {
+    if (had_keys) revision_.request();
+    refuse(peer);
+    return false;
+  }
+  fragments_.forget(peer.prefix());
+  return peer.state.associate(std::move(*association), core_.now);
+}
+
+Result<Association> Handshakes::associate(Peer& peer) {
+  DDSSEC_TRY(adopt_proven_data(peer));
+  Association out;
+  out.permissions = DDSSEC_TRY(permissions_of(peer));
+  DDSSEC_TRY(register_keys(peer, out));
+  return out;
+}
+
+Result<PeerPermissions> Handshakes::permissions_of(const Peer& peer) {
+  auto& [authentication, access_control, cryptography] = core_.own->plugins();
+  const auto& handshake = *peer.state.handshake();
+  const auto credential =
+      DDSSEC_TRY(authentication.authenticated_peer_credential_token(handshake.handle()));
+  const auto handle = DDSSEC_TRY(access_control.validate_remote_permissions(
+      core_.own->identity(), handshake.peer_identity(),
+      peer.data.permissions_token.value_or(spi::Token{}), credential));
+  PeerPermissions out{handle, Cleanup([&plugin = access_control, handle] {
+                        static_cast<void>(plugin.return_permissions_handle(handle));
+                      })};
+  DDSSEC_TRY(access_control.check_remote_participant(handle, core_.own->domain_id()));
+  return out;
+}
+
+Status Handshakes::register_keys(const Peer& peer, Association& association) {
+  const auto& handshake = *peer.state.handshake();
+  const auto prefix = peer.prefix();
+  auto secret = DDSSEC_TRY(core_.own->plugins().authentication.shared_secret(handshake.handle()));
+  auto& keyring = core_.keyring;
+  DDSSEC_TRY(keyring.add_remote(prefix, {handshake.peer_identity(), association.permissions.handle,
+                                         std::move(secret), peer.data.vendor != kVendorCyclone}));
+  association.keys = Cleanup([&sender = core_.sender, &keyring, prefix] {
+    sender.flush_now();  // what waits needs its keys
+    keyring.remove_remote(prefix);
+  });
+  DDSSEC_TRY(keyring.introduce(kVolatileMessageWriter, {prefix, kVolatileMessageReader}));
+  DDSSEC_TRY(keyring.introduce(kVolatileMessageReader, {prefix, kVolatileMessageWriter}));
+  return {};
+}
+
+// What was announced in the clear anybody could have said; this both sides have signed.
+Status Handshakes::adopt_proven_data(Peer& peer) {
+  const auto proven = read_participant_list(peer.state.handshake()->peer_data(), Endian::big);
+  if (!proven || proven->guid != peer.data.guid)
+    return {};  // without it, what was announced counts
+  DDSSEC_TRY(admission_.check_proven(*proven));
+  if (proven->vendor != VendorId{}) peer.data.vendor = proven->vendor;
+  if (proven->permissions_token) peer.data.permissions_token = proven->permissions_token;
+  if (auto proven_at = core_.host.on_proven(GuidPrefix(peer.prefix()), *proven); !proven_at.empty())
+    peer.metatraffic = std::move(proven_at);
+  return {};
+}
+
+void Handshakes::open_channel(Peer& peer) {
+  if (!exchange_.open(peer)) refuse(peer);
+}
+
+void Handshakes::refuse(Peer& peer) {
+  const bool admitted = peer.state.is_admitted();
+  if (peer.state.association() != nullptr) revision_.request();
+  if (!peer.state.refuse()) return;
+  note_failure(peer);
+  if (!admitted) core_.host.on_refused(GuidPrefix(peer.prefix()));
+}
+
+void Handshakes::note_failure(Peer& peer) {
+  if (!std::exchange(peer.failed, true)) ++core_.counters.failed;
+}
+
+void Handshakes::note_key_exchange(Peer& peer) {
+  if (peer.state.note_key_exchange()) schedule(peer);
+}
+
+// ---- time
+
+// A peer may go meanwhile.
+void Handshakes::tick() {
+  if (core_.now < next_) return;
+  next_ = kNever;
+  for (auto at = core_.peers.begin(); at != core_.peers.end();) {
+    const auto prefix = at->first;
+    if (at->second.state.handshake() != nullptr) tick(at->second);
+    if (const auto* peer = core_.find(prefix)) schedule(*peer);
+    at = core_.peers.upper_bound(prefix);
+  }
+}
+
+void Handshakes::tick(Peer& peer) {
+  if (core_.now >= next_admission(peer)) admit_meanwhile(peer);
+  tick_association(peer);
+  auto& handshake = *peer.state.handshake();
+  if (core_.now < handshake.next_tick() || !may_tick(peer)) return;
+  PeerHandshake::Messages out;
+  handshake.tick(core_.now, out);
+  note_overdue(peer);
+  send(peer, out);
+  advance(peer);
+}
+
+// Announcements cost their sender nothing, and words little; keys cost us something.
+bool Handshakes::may_tick(const Peer& peer) {
+  auto& handshake = *peer.state.handshake();
+  auto& starts = peer.spoke ? spoken_starts_ : starts_;
+  if (!handshake.started() && !starts.take(core_.now)) {
+    handshake.start_at(core_.now + kStartPeriod);
+    return false;
+  }
+  const bool is_silent = handshake.started() && !peer.spoke;
+  if (is_silent && !silent_.take(core_.now)) {
+    handshake.start_at(core_.now + PeerHandshake::kResend);
+    return false;
+  }
+  return true;
+}
+
+void Handshakes::tick_association(Peer& peer) {
+  const auto now = core_.now;
+  if (now < next_of_association(peer)) return;
+  if (peer.state.joined() != nullptr) return end_probe(peer);
+  const auto since = peer.state.awaiting_keys()->since;
+  if (needs_no_tokens(peer) && now >= since + kTokenPatience) return exchange_.join(peer);
+  if (now < since + kConfirmation) return;
+  peer.state.ask_again(now);
+  peer.state.handshake()->begin_again(now);
+}
+
+MonotonicTime Handshakes::next_of_association(const Peer& peer) const {
+  if (const auto* joined = peer.state.joined()) return joined->probe_deadline;
+  const auto* awaiting = peer.state.awaiting_keys();
+  if (awaiting == nullptr) return kNever;
+  return awaiting->since + (needs_no_tokens(peer) ? kTokenPatience : kConfirmation);
+}
+
+void Handshakes::end_probe(Peer& peer) {
+  peer.state.end_probe();
+  const bool answered = KeyExchange::is_trusted(peer) && KeyExchange::is_up_to_date(peer);
+  if (!answered && starts_.take(core_.now)) peer.state.handshake()->begin_again(core_.now);
+}
+
+bool Handshakes::needs_no_tokens(const Peer& peer) const {
+  const auto* awaiting = peer.state.awaiting_keys();
+  return awaiting != nullptr && awaiting->exchanges_keys &&
+         !core_.own->attributes().is_rtps_protected();
+}
+
+// No end: anybody can keep messages back, or forge them.
+void Handshakes::note_overdue(Peer& peer) {
+  if (!peer.state.handshake()->is_overdue() || !peer.state.time_out()) return;
+  note_failure(peer);
+  core_.raise(Error(Code::rtps_authentication_timeout,
+                    {.document = "the handshake with participant " + peer.name(),
+                     .expected = "that it ends within 100 s",
+                     .found = "no end",
+                     .note = "it goes on, and is not told of again"}),
+              peer);
+}
+
+// DDS-Security 1.2, 9.8.3.1: a participant that could authenticate, and fails to, is matched as one
+// that cannot. No single message is a failure: anybody can send it in the peer's name. And a peer
+// that does not accept our certificate does not say so.
+MonotonicTime Handshakes::next_admission(const Peer& peer) const {
+  const auto* unproven = peer.state.unproven();
+  if (unproven == nullptr || unproven->admitted) return kNever;
+  const auto began = unproven->handshake->began();
+  return began && admission_.admits_unauthenticated() ? *began + kAdmissionPatience : kNever;
+}
+
+void Handshakes::admit_meanwhile(Peer& peer) {
+  if (!peer.state.admit_unauthenticated()) return;
+  const bool was_refused = peer.state.handshake()->refusals() > 0;
+  core_.raise(Error(Code::rtps_admitted_unauthenticated,
+                    {.document = "participant " + peer.name(),
+                     .field = "allow_unauthenticated_participants",
+                     .expected = "a handshake that succeeds within 3 s",
+                     .found = was_refused ? "one whose messages were refused" : "none"}),
+              peer);
+  core_.host.on_refused(GuidPrefix(peer.prefix()));
+}
+
+void Handshakes::schedule(const Peer& peer) {
+  const auto* handshake = peer.state.handshake();
+  if (handshake == nullptr) return;
+  next_ =
+      std::min({next_, handshake->next_tick(), next_admission(peer), next_of_association(peer)});
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,201 @@
+#include "rtps/security/key_exchange.hpp"
+
+#include <algorithm>
+
+namespace ddssec::rtps {
+namespace {
+
+Qos volatile_qos() {
+  auto qos = default_writer_qos();
+  qos.history.kind = HistoryKind::keep_all;
+  return qos;
+}
+
+}  // namespace
+
+Status KeyExchange::open(Peer& peer) {
+  auto& association = *peer.state.association();
+  const auto prefix = peer.prefix();
+  const auto own = core_.own->guid().prefix;
+  association.volatile_writer = std::make_unique<StatefulWriter>(
+      Guid{own, kVolatileMessageWriter}, volatile_qos(), core_.sender, &core_.timers);
+  association.volatile_reader = std::make_unique<StatefulReader>(
+      Guid{own, kVolatileMessageReader}, true, core_.sender,
+      [this, prefix](Change& change) {
+        on_message(prefix, change);
+        return true;
+      },
+      &core_.timers);
+  association.volatile_reader->limit(kVolatileLimits);
+  association.volatile_writer->match(
+      {{prefix, kVolatileMessageReader}, true, false, peer.metatraffic}, core_.now);
+  association.volatile_reader->match({{prefix, kVolatileMessageWriter}, true, peer.metatraffic},
+                                     core_.now);
+  auto tokens = DDSSEC_TRY(core_.keyring.participant_tokens(prefix));
+  send_tokens(peer, message_class::kParticipantTokens, {}, {}, std::move(tokens));
+  if (revising_) send_revised(peer);
+  return {};
+}
+
+StatefulWriter* KeyExchange::volatile_writer(const GuidPrefix& prefix) {
+  auto* peer = core_.find(prefix);
+  auto* association = peer == nullptr ? nullptr : peer->state.association();
+  return association == nullptr ? nullptr : association->volatile_writer.get();
+}
+
+StatefulReader* KeyExchange::volatile_reader(const GuidPrefix& prefix) {
+  auto* peer = core_.find(prefix);
+  auto* association = peer == nullptr ? nullptr : peer->state.association();
+  return association == nullptr ? nullptr : association->volatile_reader.get();
+}
+
+void KeyExchange::join(Peer& peer) {
+  if (!peer.state.join()) return;
+  ++core_.counters.authenticated;
+  core_.host.on_authenticated(GuidPrefix(peer.prefix()));
+}
+
+// ---- sending
+
+void KeyExchange::send(Peer& peer, GenericMessage message) {
+  auto* association = peer.state.association();
+  if (association == nullptr || !association->volatile_writer) return;
+  message.identity = {{core_.own->guid().prefix, kVolatileMessageWriter}, ++last_number_};
+  message.destination_participant = peer.data.guid;
+  Change change;
+  auto octets = write_generic_message(message);
+  change.payload = Payload::copy_of(octets);
+  change.payload.wipe_at_end();
+  wipe(octets);
+  association->volatile_writer->write(std::move(change), core_.now);
+}
+
+// No acknowledgement was ever for it: so a recorded one does not answer it.
+void KeyExchange::probe(Peer& peer) {
+  GenericMessage message;
+  message.message_class = message_class::kQuestion;
+  send(peer, std::move(message));
+}
+
+void KeyExchange::send_tokens(Peer& peer, std::string_view message_class, const Guid& from,
+                              const Guid& to, std::vector<spi::Token> tokens) {
+  if (tokens.empty()) return;
+  GenericMessage message;
+  message.destination_endpoint = to;
+  message.source_endpoint = from;
+  message.message_class = message_class;
+  message.data = std::move(tokens);
+  send(peer, std::move(message));
+}
+
+void KeyExchange::send_endpoint_tokens(Peer& peer, const EntityId& local, const Guid& remote,
+                                       std::vector<spi::Token> tokens) {
+  send_tokens(
+      peer, is_writer(local) ? message_class::kDatawriterTokens : message_class::kDatareaderTokens,
+      {core_.own->guid().prefix, local}, remote, std::move(tokens));
+}
+
+// ---- key revision
+
+bool KeyExchange::is_trusted(const Peer& peer) {
+  const auto* association = peer.state.association();
+  return association != nullptr && association->volatile_writer;
+}
+
+bool KeyExchange::is_up_to_date(const Peer& peer) {
+  return !is_trusted(peer) || peer.state.association()->volatile_writer->all_acknowledged();
+}
+
+void KeyExchange::send_revised(Peer& peer) {
+  if (!is_trusted(peer)) return;
+  auto own = core_.keyring.participant_tokens(peer.prefix(), spi::KeyStage::revised);
+  auto endpoints = core_.keyring.revised_tokens(peer.prefix());
+  if (!own || !endpoints) return core_.raise(own ? endpoints.error() : own.error(), peer);
+  send_tokens(peer, message_class::kParticipantTokens, {}, {}, std::move(*own));
+  for (auto& [local, remote, tokens] : *endpoints)
+    send_endpoint_tokens(peer, local, remote, std::move(tokens));
+}
+
+void KeyExchange::send_revised(Peer& peer, const EntityId& local, const Guid& remote) {
+  if (!is_trusted(peer)) return;
+  auto tokens = core_.keyring.revised_tokens(local, remote);
+  if (tokens) return send_endpoint_tokens(peer, local, remote, std::move(*tokens));
+  core_.events.raise(Event(tokens.error(), {}, remote.to_string()));
+}
+
+// ---- receiving
+
+// The key of this pair of participants protected the message. Its content is checked all the same.
+void KeyExchange::on_message(const GuidPrefix& prefix, const Change& change) {
+  auto* peer = core_.find(prefix);
+  if (peer == nullptr || peer->state.association() == nullptr) return;
+  const auto size = change.payload.size();
+  if (size > kMaxTokenOctets)
+    return core_.raise(Error(Code::length_out_of_range,
+                             {.document = "key tokens",
+                              .expected = "at most " + std::to_string(kMaxTokenOctets) + " octets",
+                              .found = std::to_string(size)}),
+                       *peer);
+  auto message = read_generic_message(change.payload.view());
+  if (!message) return;
+  // Fast DDS names its stateless writer as the source.
+  if (message->identity.source.prefix != prefix ||
+      message->destination_participant != core_.own->guid())
+    return;
+  if (message->message_class == message_class::kParticipantTokens)
+    on_participant_tokens(*peer, *message);
+  else if (message->message_class == message_class::kDatawriterTokens ||
+           message->message_class == message_class::kDatareaderTokens)
+    on_endpoint_tokens(*peer, std::move(*message), size);
+}
+
+void KeyExchange::on_participant_tokens(Peer& peer, const GenericMessage& message) {
+  const auto status = core_.keyring.set_participant_tokens(peer.prefix(), message.data);
+  if (!status) return core_.raise(status.error(), peer);
+  // It can read ours by now: what it could not read before is offered again at once.
+  if (auto* association = peer.state.association(); association->volatile_writer)
+    association->volatile_writer->ask_for_acknowledgments();
+  join(peer);
+}
+
+// Discovery and keys come in any order.
+void KeyExchange::on_endpoint_tokens(Peer& peer, GenericMessage message, std::size_t octets) {
+  const auto& local = message.destination_endpoint;
+  const Guid remote = message.source_endpoint;
+  const bool to_reader = message.message_class == message_class::kDatawriterTokens;
+  const bool fits = local.prefix == core_.own->guid().prefix && remote.prefix == peer.prefix() &&
+                    is_reader(local.entity) == to_reader && is_writer(remote.entity) == to_reader;
+  if (!fits) return;
+  if (core_.keyring.is_introduced(local.entity, remote)) {
+    if (apply_tokens(peer, message)) core_.host.on_keys(local.entity, remote);
+    return;
+  }
+  peer.state.association()->early.keep(std::move(message), octets);
+  core_.host.on_early_keys(remote);
+}
+
+bool KeyExchange::apply_tokens(Peer& peer, const GenericMessage& message) {
+  const auto ready = core_.keyring.set_endpoint_tokens(message.destination_endpoint.entity,
+                                                       message.source_endpoint, message.data);
+  if (!ready) core_.raise(ready.error(), peer);
+  return ready && *ready;
+}
+
+bool KeyExchange::introduce(const EntityId& local, const Guid& remote, bool relay_only) {
+  auto introduced = core_.keyring.introduce(local, remote, relay_only);
+  if (!introduced) {
+    core_.events.raise(Event(introduced.error(), {}, remote.to_string()));
+    return false;
+  }
+  auto* peer = core_.find(remote.prefix);
+  auto* association = peer == nullptr ? nullptr : peer->state.association();
+  if (!introduced->is_new || association == nullptr) return introduced->ready;
+  send_endpoint_tokens(*peer, local, remote, std::move(introduced->tokens));
+  if (revising_) send_revised(*peer, local, remote);
+  bool ready = introduced->ready;
+  association->early.take({core_.own->guid().prefix, local}, remote,
+                          [&](const auto& early) { ready = apply_tokens(*peer, early) || ready; });
+  return ready;
+}
+
+}  // namespace ddssec::rtps

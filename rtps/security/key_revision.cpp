@@ -1,0 +1,72 @@
+#include "rtps/security/key_revision.hpp"
+
+#include <algorithm>
+
+namespace ddssec::rtps {
+
+// A peer that loses its trust meanwhile may have the keys that are on their way. Then these are put
+// to use for the others, and the next ones follow, for all that went until then.
+void KeyRevision::tick() {
+  if (under_way_ && (core_.now >= under_way_->deadline || all_are_up_to_date())) finish();
+  if (!under_way_ && is_due_ && core_.now >= retry_) begin();
+}
+
+MonotonicTime KeyRevision::next_tick() const {
+  if (under_way_) return all_are_up_to_date() ? core_.now : under_way_->deadline;
+  return is_due_ ? std::max(core_.now, retry_) : kNever;
+}
+
+void KeyRevision::begin() {
+  const auto number = core_.keyring.revise();
+  if (!number) {
+    core_.events.raise(Event(number.error()));
+    retry_ = core_.now + kRetry;
+    return;
+  }
+  is_due_ = false;
+  absent_.clear();
+  under_way_ = {*number, core_.now + kPatience};
+  exchange_.set_revising(true);
+  for (auto& [prefix, peer] : core_.peers) exchange_.send_revised(peer);
+}
+
+bool KeyRevision::all_are_up_to_date() const {
+  return std::ranges::all_of(
+      core_.peers, [](const auto& one) { return KeyExchange::is_up_to_date(one.second); });
+}
+
+void KeyRevision::finish() {
+  const auto status = core_.keyring.activate(under_way_->number);
+  const auto number = std::to_string(under_way_->number);
+  under_way_.reset();
+  exchange_.set_revising(false);
+  if (!status) return core_.events.raise(Event(status.error()));
+  core_.events.raise(
+      Event(Error(Code::rtps_keys_revised, {.field = "key revision", .found = number})));
+  for (const auto& [prefix, peer] : core_.peers)
+    if (!KeyExchange::is_up_to_date(peer))
+      core_.raise(Error(Code::rtps_key_revision_unacknowledged, {.found = number}), peer);
+}
+
+void KeyRevision::check_key_life() {
+  if (!is_enabled()) return;
+  core_.keyring.forget_former_keys();
+  if (core_.keyring.is_revision_due()) request();
+}
+
+// ---- participants that left
+
+void KeyRevision::note_absent(Peer& peer) {
+  if (!is_enabled() || !KeyExchange::is_trusted(peer)) return;
+  if (absent_.size() >= kMaxAbsent) return request();
+  auto& association = *peer.state.association();
+  absent_.push_back({peer.prefix(), std::exchange(association.permissions, {}),
+                     std::move(association.handshake)});
+}
+
+void KeyRevision::drop_absent(const GuidPrefix& prefix) {
+  if (std::erase_if(absent_, [&](const auto& absent) { return absent.prefix == prefix; }) > 0)
+    request();
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,230 @@
+// Legal edges; everything else is refused and changes nothing.
+//
+//   Announced       --handshake begins------->  Authenticating
+//   Announced       --100 s------------------>  Waiting         goes on slowly, and has no end
+//   Authenticating  --100 s------------------>  Waiting
+//   Authenticating  --3 s, where strangers--->  the same        takes part without authentication
+//   Waiting         --are allowed------------>  the same
+//   Authenticating  --handshake finished----->  Authenticating  what was agreed on before ends
+//   Waiting         --handshake finished----->  Authenticating
+//   AwaitingKeys    --handshake finished----->  Authenticating
+//   Joined          --handshake finished----->  Authenticating
+//   Authenticating  --permissions are good--->  AwaitingKeys    keys registered
+//   AwaitingKeys    --message by its key----->  AwaitingKeys
+//   AwaitingKeys    --10 s------------------->  AwaitingKeys    asks for another handshake
+//   AwaitingKeys    --participant tokens----->  Joined
+//   Joined          --auth_request----------->  Joined          probes the peer by its keys
+//   Joined          --probe ends------------->  Joined
+//   Announced       --refusal---------------->  Refused
+//   Authenticating  --refusal---------------->  Refused
+//   Waiting         --refusal---------------->  Refused
+//   AwaitingKeys    --refusal---------------->  Refused         its keys could not be made
+//   Refused         --another announcement--->  Announced
+//   any other       --expired, revoked------->  Distrusted      keys stay until it is unmatched
+//
+// No edge leaves Distrusted: the participant is removed. No edge is taken because of a message that
+// proves nothing, except those within Joined and into Authenticating and Waiting.
+#include "rtps/security/peer.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using peer::Announced;
+using peer::Authenticating;
+using peer::AwaitingKeys;
+using peer::Distrusted;
+using peer::Joined;
+using peer::Refused;
+using peer::Unproven;
+using peer::Waiting;
+
+// What happens to a peer.
+struct HandshakeBegins {};
+struct TakesTooLong {};
+struct PatienceEnds {};
+struct HandshakeFinished {};
+struct PermissionsAreGood {
+  Association association;
+  MonotonicTime now;
+};
+struct MessageByItsKey {};
+struct ConfirmationIsDue {
+  MonotonicTime now;
+};
+struct ParticipantTokens {};
+struct AuthRequest {
+  MonotonicTime deadline, next;
+};
+struct ProbeEnds {};
+struct Refusal {};
+struct AnotherAnnouncement {
+  std::unique_ptr<PeerHandshake> handshake;
+};
+struct TrustEnds {};
+
+/// Of a state that stays.
+struct Stays {};
+/// Of an edge that does not exist.
+struct Illegal {};
+
+/// In the same state, but for what `on` changed in it.
+constexpr Stays kStays;
+
+Authenticating on(Announced& state, const HandshakeBegins&) { return {std::move(state)}; }
+
+Waiting on(Announced& state, const TakesTooLong&) { return {std::move(state)}; }
+Waiting on(Authenticating& state, const TakesTooLong&) { return {std::move(state)}; }
+
+Stays on(Authenticating& state, const PatienceEnds&) {
+  state.admitted = true;
+  return kStays;
+}
+Stays on(Waiting& state, const PatienceEnds&) {
+  state.admitted = true;
+  return kStays;
+}
+
+Stays on(Authenticating& state, const HandshakeFinished&) {
+  state.admitted = false;
+  return kStays;
+}
+Authenticating on(Waiting& state, const HandshakeFinished&) {
+  return {{std::move(state.handshake)}};
+}
+Authenticating on(AwaitingKeys& state, const HandshakeFinished&) {
+  return {{std::move(state.association.handshake)}};
+}
+Authenticating on(Joined& state, const HandshakeFinished&) {
+  return {{std::move(state.association.handshake)}};
+}
+
+AwaitingKeys on(Authenticating& state, PermissionsAreGood& event) {
+  event.association.handshake = std::move(state.handshake);
+  return {std::move(event.association), event.now};
+}
+
+Stays on(AwaitingKeys& state, const MessageByItsKey&) {
+  state.exchanges_keys = true;
+  return kStays;
+}
+Stays on(AwaitingKeys& state, const ConfirmationIsDue& event) {
+  state.since = event.now;
+  return kStays;
+}
+Joined on(AwaitingKeys& state, const ParticipantTokens&) { return {std::move(state.association)}; }
+
+Stays on(Joined& state, const AuthRequest& event) {
+  state.next_probe = event.next;
+  state.probe_deadline = event.deadline;
+  return kStays;
+}
+Stays on(Joined& state, const ProbeEnds&) {
+  state.probe_deadline = kNever;
+  return kStays;
+}
+
+Refused on(Announced&, const Refusal&) { return {}; }
+Refused on(Authenticating&, const Refusal&) { return {}; }
+Refused on(Waiting&, const Refusal&) { return {}; }
+Refused on(AwaitingKeys&, const Refusal&) { return {}; }
+
+Announced on(Refused&, AnotherAnnouncement& event) { return {{std::move(event.handshake)}}; }
+
+/// Nothing is sent to it, or taken from it, from here on.
+Distrusted without_channel(Association& association) {
+  association.volatile_writer.reset();
+  association.volatile_reader.reset();
+  return {std::move(association)};
+}
+
+Distrusted on(Announced&, const TrustEnds&) { return {}; }
+Distrusted on(Authenticating&, const TrustEnds&) { return {}; }
+Distrusted on(Waiting&, const TrustEnds&) { return {}; }
+Distrusted on(AwaitingKeys& state, const TrustEnds&) { return without_channel(state.association); }
+Distrusted on(Joined& state, const TrustEnds&) { return without_channel(state.association); }
+Distrusted on(Refused&, const TrustEnds&) { return {}; }
+
+// Everything else.
+Illegal on(auto&, const auto&) { return {}; }
+
+}  // namespace
+
+PeerState::PeerState(std::unique_ptr<PeerHandshake> handshake)
+    : state_(Announced{{std::move(handshake)}}) {}
+
+// What the former state owned is given back when the new one is there already.
+template <class Event>
+bool PeerState::take(Event&& event) {
+  return std::visit(
+      [&](auto& current) {
+        auto next = on(current, event);
+        using Next = decltype(next);
+        if constexpr (std::is_same_v<Next, Illegal>) {
+          return false;
+        } else if constexpr (!std::is_same_v<Next, Stays>) {
+          const auto former = std::exchange(state_, State(std::move(next)));
+        }
+        return true;
+      },
+      state_);
+}
+
+bool PeerState::begin() { return take(HandshakeBegins{}); }
+bool PeerState::time_out() { return take(TakesTooLong{}); }
+bool PeerState::admit_unauthenticated() { return take(PatienceEnds{}); }
+bool PeerState::replace() { return take(HandshakeFinished{}); }
+bool PeerState::associate(Association association, MonotonicTime now) {
+  return take(PermissionsAreGood{std::move(association), now});
+}
+bool PeerState::note_key_exchange() { return take(MessageByItsKey{}); }
+bool PeerState::ask_again(MonotonicTime now) { return take(ConfirmationIsDue{now}); }
+bool PeerState::join() { return take(ParticipantTokens{}); }
+bool PeerState::probe(MonotonicTime deadline, MonotonicTime next) {
+  return take(AuthRequest{deadline, next});
+}
+bool PeerState::end_probe() { return take(ProbeEnds{}); }
+bool PeerState::refuse() { return take(Refusal{}); }
+bool PeerState::announce_again(std::unique_ptr<PeerHandshake> handshake) {
+  return take(AnotherAnnouncement{std::move(handshake)});
+}
+bool PeerState::distrust() { return take(TrustEnds{}); }
+
+const Unproven* PeerState::unproven() const {
+  return std::visit(
+      [](const auto& state) -> const Unproven* {
+        if constexpr (requires { state.admitted; }) return &state;
+        return nullptr;
+      },
+      state_);
+}
+
+bool PeerState::is_admitted() const {
+  const auto* state = unproven();
+  return state != nullptr && state->admitted;
+}
+
+PeerHandshake* PeerState::handshake() const {
+  if (const auto* state = unproven()) return state->handshake.get();
+  const auto* proven = association();
+  return proven == nullptr ? nullptr : proven->handshake.get();
+}
+
+const Association* PeerState::association() const {
+  return std::visit(
+      [](const auto& state) -> const Association* {
+        if constexpr (requires { state.association; }) return &state.association;
+        return nullptr;
+      },
+      state_);
+}
+
+Association* PeerState::association() {
+  return std::visit(
+      [](auto& state) -> Association* {
+        if constexpr (requires { state.association; }) return &state.association;
+        return nullptr;
+      },
+      state_);
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,74 @@
+// What the parts of one participant's security share, and the interface by which they call the
+// participant around them.
+#pragma once
+
+#include <map>
+
+#include "rtps/security/keyring.hpp"
+#include "rtps/security/peer.hpp"
+
+namespace ddssec::rtps {
+
+/// The participant around it. Called from within receive, tick and introduce.
+class SecurityHost {
+ public:
+  virtual ~SecurityHost() = default;
+  /// Its keys are here: builtin endpoints may be matched.
+  virtual void on_authenticated(const GuidPrefix& peer) = 0;
+  /// It did not authenticate, or not yet, or is not allowed to join.
+  virtual void on_refused(const GuidPrefix& peer) = 0;
+  /// It authenticated, and this is what it says of itself, proven; where it can be reached.
+  virtual LocatorList on_proven(const GuidPrefix& peer, const ParticipantData& proven) = 0;
+  /// It authenticated once more: nothing that was agreed on before holds any longer.
+  virtual void on_replaced(const GuidPrefix& peer) = 0;
+  /// The keys of a pair that was introduced are here.
+  virtual void on_keys(const EntityId& local, const Guid& remote) = 0;
+  /// Keys of its endpoint came, and are kept, for a pair that was not introduced.
+  virtual void on_early_keys(const Guid& remote) = 0;
+  /// The peer's identity or permissions, or ours, expired or were revoked.
+  virtual void on_ended(const GuidPrefix& peer) = 0;
+};
+
+/// Peers that authenticated, and peers with at least one refused message or announcement.
+struct AuthenticationCounters {
+  std::uint64_t authenticated = 0;
+  std::uint64_t failed = 0;
+};
+
+/// Each part borrows it; it knows no part.
+struct SecurityCore {
+  SecurityCore(std::unique_ptr<OwnSecurity> identity, MessageSender& message_sender,
+               TimerQueue& timer_queue, SecurityHost& security_host, EventSink& sink)
+      : own(std::move(identity)),
+        sender(message_sender),
+        timers(timer_queue),
+        host(security_host),
+        events(sink),
+        keyring(*own, sink) {}
+
+  /// nullptr: not known, or not one that can authenticate.
+  Peer* find(const GuidPrefix& prefix) {
+    const auto at = peers.find(prefix);
+    return at == peers.end() ? nullptr : &at->second;
+  }
+  const Peer* find(const GuidPrefix& prefix) const {
+    const auto at = peers.find(prefix);
+    return at == peers.end() ? nullptr : &at->second;
+  }
+  /// Raises an event about this peer.
+  void raise(Error error, const Peer& peer) {
+    events.raise(Event(std::move(error), {}, peer.name()));
+  }
+
+  const std::unique_ptr<OwnSecurity> own;
+  MessageSender& sender;
+  TimerQueue& timers;
+  SecurityHost& host;
+  EventSink& events;
+  Keyring keyring;
+  std::map<GuidPrefix, Peer> peers;  ///< dies before the keyring that its keys are in
+  AuthenticationCounters counters;
+  MonotonicTime now{};  ///< of the call that security is in
+};
+
+}  // namespace ddssec::rtps
