@@ -32,46 +32,62 @@ class Choices {
 
 }  // namespace
 
-void FragmentStore::Sender::drop_first() {
-  price -= fragments.front().price();
-  fragments.pop_front();
+bool FragmentStore::Run::repeats(const DataFrag& frag) const {
+  return belongs_to(frag) && first + 1 == frag.first.value && count == frag.count &&
+         std::ranges::equal(octets, frag.payload);
 }
 
-void FragmentStore::Sender::keep(Fragment fragment) {
-  const auto same = std::ranges::find_if(fragments, [&](const auto& f) {
-    return f.index == fragment.index && f.number == fragment.number &&
-           f.fragment_size == fragment.fragment_size && f.sample_size == fragment.sample_size &&
-           f.octets == fragment.octets;
+BytesView FragmentStore::Run::fragment(std::uint32_t index) const {
+  const auto rest = BytesView(octets).subspan(std::size_t{index - first} * fragment_size);
+  return rest.first(std::min<std::size_t>(fragment_size, rest.size()));
+}
+
+void FragmentStore::Sender::drop(std::deque<Run>::iterator at) {
+  price -= at->price();
+  fragments -= at->count;
+  runs.erase(at);
+}
+
+void FragmentStore::Sender::keep(const DataFrag& frag, MonotonicTime now) {
+  const auto same = std::ranges::find_if(runs, [&](const Run& run) { return run.repeats(frag); });
+  if (same != runs.end()) drop(same);
+  runs.push_back({frag.sequence_number, frag.fragment_size, frag.sample_size, frag.first.value - 1,
+                  frag.count, to_bytes(frag.payload), now});
+  price += runs.back().price();
+  fragments += frag.count;
+  while (price > kMostOctetsPerSender) drop(runs.begin());
+}
+
+void FragmentStore::make_room(const SourceAddress& newcomer) {
+  const auto held = [&](const Sender& sender) {
+    return std::pair(std::ranges::count(senders_, sender.source, &Sender::source),
+                     sender.source == newcomer);
+  };
+  // The first of them spoke longest ago.
+  senders_.erase(std::ranges::max_element(senders_, {}, held));
+}
+
+FragmentStore::Sender& FragmentStore::place_for(const GuidPrefix& prefix,
+                                                const SourceAddress& source, MonotonicTime now) {
+  const auto at = std::ranges::find_if(senders_, [&](const Sender& sender) {
+    return sender.prefix == prefix && sender.source == source;
   });
-  if (same != fragments.end()) {
-    price -= same->price();
-    fragments.erase(same);
-  }
-  price += fragment.price();
-  fragments.push_back(std::move(fragment));
-  while (price > kMostOctetsPerSender) drop_first();
-}
-
-FragmentStore::Sender& FragmentStore::place_for(const GuidPrefix& prefix, MonotonicTime now) {
-  const auto at = std::ranges::find(senders_, prefix, &Sender::prefix);
-  auto sender = at != senders_.end() ? std::move(*at) : Sender{prefix};
+  auto sender = at != senders_.end() ? std::move(*at) : Sender{prefix, source};
   if (at != senders_.end()) senders_.erase(at);
-  while (!sender.fragments.empty() && now - sender.fragments.front().since >= kLife)
-    sender.drop_first();
-  if (senders_.size() >= kMostSenders) senders_.pop_front();
+  while (!sender.runs.empty() && now - sender.runs.front().since >= kLife)
+    sender.drop(sender.runs.begin());
+  if (senders_.size() >= kMostSenders) make_room(source);
   return senders_.emplace_back(std::move(sender));
 }
 
+// What a datagram costs is bounded by its length: a fragment takes 512 octets of it, or is one of
+// few.
 std::vector<Bytes> FragmentStore::add(const GuidPrefix& prefix, const DataFrag& frag,
-                                      MonotonicTime now) {
+                                      MonotonicTime now, const SourceAddress& source) {
   if (frag.sample_size > kLargestMessage) return {};
-  auto& sender = place_for(prefix, now);
-  for (std::uint32_t i = 0; i < frag.count; ++i) {
-    const auto begin = std::size_t{i} * frag.fragment_size;
-    const auto size = std::min<std::size_t>(frag.fragment_size, frag.payload.size() - begin);
-    sender.keep({frag.sequence_number, frag.fragment_size, frag.sample_size,
-                 frag.first.value - 1 + i, to_bytes(frag.payload.subspan(begin, size)), now});
-  }
+  if (frag.fragment_size < kMinFragmentSize && frag.total() > kMaxSmallFragments) return {};
+  auto& sender = place_for(prefix, source, now);
+  sender.keep(frag, now);
   const auto forms = forms_of(sender, frag);
   if (!forms || (frag.sample_size > kLarge && !more_.take(now))) return {};
   return messages_of(*forms, now);
@@ -79,18 +95,19 @@ std::vector<Bytes> FragmentStore::add(const GuidPrefix& prefix, const DataFrag& 
 
 std::optional<FragmentStore::Forms> FragmentStore::forms_of(const Sender& sender,
                                                             const DataFrag& frag) {
-  // Who claims very many small ones costs nothing until they are there.
-  if (sender.fragments.size() < frag.total()) return std::nullopt;
+  if (sender.fragments < frag.total()) return std::nullopt;
   Forms forms(frag.total());
   std::size_t missing = forms.size();
-  for (auto at = sender.fragments.rbegin(); at != sender.fragments.rend(); ++at) {
-    if (!at->belongs_to(frag)) continue;
-    auto& of_one = forms[at->index];
-    missing -= of_one.empty() ? 1 : 0;
-    // Messages without what has just come were made before.
-    const bool is_new =
-        at->index + 1 >= frag.first.value && at->index + 1 < frag.first.value + frag.count;
-    if (of_one.size() < (is_new ? 1 : kMostForms)) of_one.push_back(&*at);
+  for (auto run = sender.runs.rbegin(); run != sender.runs.rend(); ++run) {
+    if (!run->belongs_to(frag)) continue;
+    for (auto index = run->first; index < run->first + run->count; ++index) {
+      auto& of_one = forms[index];
+      missing -= of_one.empty() ? 1 : 0;
+      // Messages without what has just come were made before.
+      const bool is_new =
+          index + 1 >= frag.first.value && index + 1 < frag.first.value + frag.count;
+      if (of_one.size() < (is_new ? 1 : kMostForms)) of_one.push_back(run->fragment(index));
+    }
   }
   return missing == 0 ? std::optional(std::move(forms)) : std::nullopt;
 }
@@ -106,7 +123,7 @@ std::vector<Bytes> FragmentStore::messages_of(const Forms& forms, MonotonicTime 
     if (!out.empty() && (out.size() == kMostMessages || !more_.take(now))) return false;
     auto& message = out.emplace_back();
     for (std::size_t i = 0; i < forms.size(); ++i) {
-      const auto& octets = forms[i][chosen[i]]->octets;
+      const auto octets = forms[i][chosen[i]];
       message.insert(message.end(), octets.begin(), octets.end());
     }
     return true;
@@ -123,7 +140,7 @@ void FragmentStore::forget(const GuidPrefix& prefix) {
 std::size_t FragmentStore::size() const {
   return std::accumulate(
       senders_.begin(), senders_.end(), std::size_t{0},
-      [](std::size_t sum, const Sender& sender) { return sum + sender.fragments.size(); });
+      [](std::size_t sum, const Sender& sender) { return sum + sender.fragments; });
 }
 
 }  // namespace ddssec::rtps

@@ -16,7 +16,7 @@ ARROWS = {
     "plugins/cryptography": ["base", "plugins/spi"],
     "plugins/cyclonedds": ["base", "plugins"],
     "wire": ["base"],
-    "rtps/budget": ["base"],
+    "rtps/budget": ["base", "wire"],
     "rtps/transport": ["base", "wire"],
     "rtps/cdr": ["base", "wire"],
     "rtps/filter": ["base", "rtps/cdr"],

@@ -125,5 +125,47 @@ TEST(FragmentStore, KeepsLittleAndNotForLong) {
   EXPECT_EQ(store.size(), FragmentStore::kMostSenders);
 }
 
+// Before: 30 ms of CPU for each such datagram.
+TEST(FragmentStore, TinyFragments_AreNotLookedAt) {
+  Store store;
+  const Bytes octets(60'000, 1);
+  DataFrag many{kStatelessMessageReader, kStatelessMessageWriter, {1}, {1}, 60'000, 1};
+  many.sample_size = 60'000;
+  many.payload = octets;
+  EXPECT_TRUE(store.got(many).empty());
+  EXPECT_EQ(store.size(), 0u);
+}
+
+TEST(FragmentStore, ADatagram_IsKeptInOnePiece) {
+  Store store;
+  const Bytes octets(512 * 127, 1);
+  DataFrag many{kStatelessMessageReader, kStatelessMessageWriter, {1}, {1}, 127, 512};
+  many.sample_size = FragmentStore::kLargestMessage;
+  many.payload = octets;
+  // Before, in fragments of 512 octets: 130,000 comparisons for each of these.
+  for (int i = 0; i < 1'000; ++i) {
+    many.sequence_number = {i};
+    EXPECT_TRUE(store.got(many).empty());
+  }
+  EXPECT_LE(store.size() * 512, FragmentStore::kMostOctetsPerSender);
+}
+
+TEST(FragmentStore, ManyNamesOfOneSource_TakeNoRoomOfAnother) {
+  Store store;
+  const SourceAddress stranger(*Locator::parse("192.0.2.66", 1));
+  const auto flood = [&] {
+    for (std::uint8_t i = 10; i < 100; ++i) store.add(named(i), frag(1), 1s, stranger);
+  };
+  store.got(frag(1));
+  flood();
+  store.got(frag(2));
+  flood();
+  EXPECT_EQ(store.got(frag(3)), std::vector<Bytes>{kWhole});
+  // What the stranger says in the peer's own name stands apart.
+  store.add(named(1), frag(1, 2), 1s, stranger);
+  store.got(frag(2, 2));
+  EXPECT_TRUE(store.got(frag(3, 2)).empty());
+}
+
 }  // namespace
 }  // namespace ddssec::rtps
