@@ -201,7 +201,8 @@ Status DomainParticipant::start(const GuidPrefix& prefix, std::unique_ptr<OwnSec
     context_.serve([&] {
       const auto now = context_.now();
       const auto gathering = context_.protocol().gather();
-      for (std::size_t i = 0; i < count; ++i) context_.protocol().receive(socket.datagram(i), now);
+      for (std::size_t i = 0; i < count; ++i)
+        context_.protocol().receive(socket.datagram(i), now, socket.source(i));
       context_.protocol().note_backlog(count == UdpSocket::kBatch);
     });
   });

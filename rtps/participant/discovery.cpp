@@ -5,13 +5,32 @@
 namespace ddssec::rtps {
 namespace {
 
-/// The first few stay, of the others the latest.
-void add_locators(LocatorList& known, const LocatorList& more) {
-  constexpr std::size_t kMost = 8;
+/// Where the locator stands that gives way to one more of `newcomer`: among those of the source
+/// with most of them, in the middle, so that its first few stay, and of the others the latest.
+std::size_t superfluous(const std::vector<SourceAddress>& sources, const SourceAddress& newcomer) {
+  const auto held = [&](const SourceAddress& source) {
+    return std::pair(std::ranges::count(sources, source), source == newcomer);
+  };
+  const auto largest = *std::ranges::max_element(sources, {}, held);
+  auto left = held(largest).first / 2;
+  std::size_t at = 0;
+  while (sources[at] != largest || left-- > 0) ++at;
+  return at;
+}
+
+/// What one source announces takes no room from what others announced.
+void add_locators(LocatorList& known, std::vector<SourceAddress>& sources, const LocatorList& more,
+                  const SourceAddress& source) {
+  constexpr std::size_t kMax = 8;
   for (const auto& locator : more) {
     if (std::ranges::find(known, locator) != known.end()) continue;
-    if (known.size() >= kMost) known.erase(known.begin() + kMost / 2);
+    if (known.size() >= kMax) {
+      const auto at = static_cast<std::ptrdiff_t>(superfluous(sources, source));
+      known.erase(known.begin() + at);
+      sources.erase(sources.begin() + at);
+    }
     known.push_back(locator);
+    sources.push_back(source);
   }
 }
 
@@ -41,16 +60,16 @@ Status Discovery::on_announcement(const GuidPrefix& source, const Data& data) {
   }
   if (core_.ignored.contains(source)) return {};
   if (auto* known = parts_.remotes.find(source))
-    on_announced_again(*known, std::move(announced));
+    on_announced_again(*known, std::move(announced), data.payload.size());
   else
-    add(std::move(announced));
+    add(std::move(announced), data.payload.size());
   return {};
 }
 
-void Discovery::add(ParticipantData data) {
+void Discovery::add(ParticipantData data, std::size_t octets) {
   auto& remotes = parts_.remotes;
   auto metatraffic = usable(data.metatraffic_unicast);
-  if (metatraffic.empty() || (remotes.is_full() && !make_room())) {
+  if (metatraffic.empty() || !make_room(octets)) {
     ++core_.counters.refused_discovery;
     return;
   }
@@ -58,26 +77,29 @@ void Discovery::add(ParticipantData data) {
   auto* security = core_.security.get();
   const auto verdict =
       security != nullptr ? security->judge(data) : Security::Verdict::admit_unauthenticated;
-  auto& remote = remotes.add(std::move(data), std::move(metatraffic), std::move(user));
+  auto& remote = remotes.add(std::move(data), std::move(metatraffic), std::move(user), octets);
   parts_.announcer.answer(remote.metatraffic);
   if (verdict == Security::Verdict::authenticate)
-    security->discovered(remote.data, remote.metatraffic, core_.now);
+    security->discovered(remote.data, remote.metatraffic, core_.source, core_.now);
   remotes.renew_lease(remote, remote.data);
   if (verdict == Security::Verdict::admit_unauthenticated) accept(remote);
 }
 
-bool Discovery::make_room() {
-  const auto prefix = parts_.remotes.next_to_give_way();
-  if (!prefix) return false;
-  ++core_.counters.refused_discovery;
-  remove(*prefix);
+bool Discovery::make_room(std::size_t octets) {
+  while (parts_.remotes.is_full(octets)) {
+    const auto prefix = parts_.remotes.next_to_give_way();
+    if (!prefix) return false;
+    ++core_.counters.refused_discovery;
+    remove(*prefix);
+  }
   return true;
 }
 
 // What was authenticated stays as it was: anybody can send announcements in its name. And anybody
 // may have been the first to do so: as long as nothing is proven, all that is announced counts, and
 // no lease becomes shorter.
-void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData data) {
+void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData data,
+                                   std::size_t octets) {
   const auto prefix = data.guid.prefix;
   const bool fixed = core_.is_authenticated(prefix);
   parts_.remotes.renew_lease(remote, fixed ? remote.data : data);
@@ -90,11 +112,16 @@ void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData da
     return;
   if (!security->knows(prefix)) {
     remove(prefix);
-    return add(std::move(data));
+    return add(std::move(data), octets);
   }
-  add_locators(remote.metatraffic, usable(data.metatraffic_unicast));
-  add_locators(remote.user, usable(data.default_unicast));
-  security->announced_again(data, remote.metatraffic, core_.now);
+  if (!parts_.remotes.grow(remote, octets)) {
+    ++core_.counters.refused_discovery;
+    return;
+  }
+  add_locators(remote.metatraffic, remote.metatraffic_sources, usable(data.metatraffic_unicast),
+               core_.source);
+  add_locators(remote.user, remote.user_sources, usable(data.default_unicast), core_.source);
+  security->announced_again(data, remote.metatraffic, core_.source, core_.now);
 }
 
 void Discovery::accept(RemoteParticipant& remote) {
@@ -232,7 +259,7 @@ void Discovery::on_stateless(const GuidPrefix& source, BytesView payload) {
 }
 
 void Discovery::on_stateless_frag(const GuidPrefix& source, const DataFrag& frag) {
-  if (core_.security) core_.security->on_stateless_frag(source, frag, core_.now);
+  if (core_.security) core_.security->on_stateless_frag(source, frag, core_.source, core_.now);
 }
 
 void Discovery::on_key_exchange(const GuidPrefix& source) {
@@ -266,9 +293,11 @@ LocatorList Discovery::on_proven(const GuidPrefix& peer, const ParticipantData& 
   remote->data.vendor = proven.vendor;
   remote->data.builtin_endpoints = proven.builtin_endpoints;
   remote->user = usable(proven.default_unicast, remote->user);
+  remote->user_sources.assign(remote->user.size(), remote->source);
   // Cyclone DDS leaves it to DCPSParticipantsSecure.
   if (proven.vendor != kVendorCyclone) remote->data.lease_duration = proven.lease_duration;
   if (!metatraffic.empty()) remote->metatraffic = metatraffic;
+  remote->metatraffic_sources.assign(remote->metatraffic.size(), remote->source);
   return metatraffic;
 }
 

@@ -56,10 +56,11 @@ class Discovery final : public MessageListener, public SecurityHost {
   void on_ended(const GuidPrefix& peer) override { gone_.push_back(peer); }
 
  private:
-  void add(ParticipantData data);
-  void on_announced_again(RemoteParticipant& remote, ParticipantData data);
+  /// `octets`: of the announcement.
+  void add(ParticipantData data, std::size_t octets);
+  void on_announced_again(RemoteParticipant& remote, ParticipantData data, std::size_t octets);
   void on_dispose(const GuidPrefix& prefix);
-  bool make_room();
+  bool make_room(std::size_t octets);
   /// It authenticated, or is admitted without: its builtin endpoints may match.
   void accept(RemoteParticipant& remote);
   void unmatch(RemoteParticipant& remote);

@@ -45,8 +45,9 @@ Status Participant::revise_keys() {
   return core_.security ? core_.security->revise_keys() : fail(Code::rtps_key_revision_disabled);
 }
 
-void Participant::receive(BytesView datagram, MonotonicTime now) {
+void Participant::receive(BytesView datagram, MonotonicTime now, const Locator& source) {
   core_.now = now;
+  core_.source = SourceAddress(source);
   const auto gathering = gather();
   receiver_.receive(datagram, now);
   discovery_.remove_gone();

@@ -43,8 +43,8 @@ class Participant {
   void allow_lingering() { core_.sender.allow_lingering(); }
   /// While it lives, what is to be sent waits for its end and shares messages.
   MessageSender::Gathering gather() { return MessageSender::Gathering(core_.sender); }
-  /// One datagram from an unknown source.
-  void receive(BytesView datagram, MonotonicTime now);
+  /// One datagram. `source`: where it came from, as room for what proves nothing is shared by it.
+  void receive(BytesView datagram, MonotonicTime now, const Locator& source = {});
   /// Told after each batch of datagrams: more wait to be received. The answers to what we would
   /// repeat may be among them, so nothing is due before they are read, or many batches of them.
   void note_backlog(bool any) {

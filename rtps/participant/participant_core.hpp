@@ -3,6 +3,7 @@
 #pragma once
 
 #include "base/event.hpp"
+#include "rtps/budget/source_address.hpp"
 #include "rtps/participant/ignored_entities.hpp"
 #include "rtps/participant/neighbourhood.hpp"
 #include "rtps/participant/participant_counters.hpp"
@@ -58,6 +59,7 @@ struct ParticipantCore {
   ParticipantCounters counters;
   IgnoredEntities ignored;
   MonotonicTime now{};                 ///< of the call that the participant is in
+  SourceAddress source{};              ///< of the datagram that is being received
   std::unique_ptr<Security> security;  ///< nullptr: it is not secured
 };
 

@@ -43,15 +43,39 @@ RemoteEndpoint* RemoteParticipants::find_endpoint(const Guid& guid) {
   return endpoint == remote->endpoints.end() ? nullptr : &endpoint->second;
 }
 
+bool RemoteParticipants::is_full(std::size_t octets) const {
+  return remotes_.size() >= kMostParticipants || (core_.security && !unproven_.has_room(octets));
+}
+
 RemoteParticipant& RemoteParticipants::add(ParticipantData data, LocatorList metatraffic,
-                                           LocatorList user) {
+                                           LocatorList user, std::size_t octets) {
   const auto prefix = data.guid.prefix;
   const auto end = lease_end(data, core_.now);
   next_end_ = std::min(next_end_, end);
-  if (core_.security) silent_.push_back(prefix);
-  if (silent_.size() > 4 * kMostParticipants) silent_.pop_front();
-  return remotes_[prefix] = {std::move(data), std::move(metatraffic), std::move(user), end,
-                             core_.now};
+  auto& remote =
+      remotes_[prefix] = {std::move(data), std::move(metatraffic), std::move(user), end, core_.now};
+  remote.source = core_.source;
+  remote.metatraffic_sources.assign(remote.metatraffic.size(), core_.source);
+  remote.user_sources.assign(remote.user.size(), core_.source);
+  if (core_.security) {
+    remote.unproven = octets;
+    unproven_.add(core_.source, prefix, octets);
+  }
+  return remote;
+}
+
+bool RemoteParticipants::grow(RemoteParticipant& remote, std::size_t octets) {
+  if (!remote.unproven || octets <= *remote.unproven) return true;
+  const auto more = octets - *remote.unproven;
+  if (!unproven_.has_room(more)) return false;
+  unproven_.grow(remote.source, more);
+  remote.unproven = octets;
+  return true;
+}
+
+void RemoteParticipants::discharge(RemoteParticipant& remote) {
+  if (remote.unproven) unproven_.remove(remote.source, *remote.unproven);
+  remote.unproven.reset();
 }
 
 void RemoteParticipants::remove(const GuidPrefix& prefix) {
@@ -59,27 +83,32 @@ void RemoteParticipants::remove(const GuidPrefix& prefix) {
   if (at == remotes_.end()) return;
   if (at->second.accepted && discovery_ != nullptr)
     discovery_->on_participant_gone(at->second.data.guid);
+  discharge(at->second);
   remotes_.erase(at);
 }
 
-// Without security a participant cannot prove anything.
+// Without security a participant cannot prove anything. Anybody can announce many participants, and
+// have them say something, but from the addresses that they have.
 std::optional<GuidPrefix> RemoteParticipants::next_to_give_way() {
   if (!core_.security) return std::nullopt;
-  for (; !silent_.empty(); silent_.pop_front()) {
-    const auto prefix = silent_.front();
-    if (core_.security->has_spoken(prefix) || !remotes_.contains(prefix)) continue;
-    silent_.pop_front();
-    return prefix;
-  }
-  auto oldest = remotes_.end();
-  for (auto at = remotes_.begin(); at != remotes_.end(); ++at)
-    if (!core_.is_authenticated(at->first) &&
-        (oldest == remotes_.end() || at->second.since < oldest->second.since))
-      oldest = at;
-  return oldest == remotes_.end() ? std::nullopt : std::optional(oldest->first);
+  const auto source = unproven_.largest(core_.source, remotes_.size() < kMostParticipants);
+  if (!source) return std::nullopt;
+  const auto is_its = [&](const RemoteParticipant& remote) {
+    return remote.unproven && remote.source == *source && !core_.is_authenticated(remote.prefix());
+  };
+  const auto silent = unproven_.oldest_silent(*source, [&](const GuidPrefix& prefix) {
+    const auto* remote = find(prefix);
+    return remote != nullptr && is_its(*remote) && !core_.security->has_spoken(prefix);
+  });
+  if (silent) return silent;
+  const RemoteParticipant* oldest = nullptr;
+  for (const auto& [prefix, remote] : remotes_)
+    if (is_its(remote) && (oldest == nullptr || remote.since < oldest->since)) oldest = &remote;
+  return oldest == nullptr ? std::nullopt : std::optional(oldest->prefix());
 }
 
 void RemoteParticipants::accept(RemoteParticipant& remote) {
+  if (core_.is_authenticated(remote.prefix())) discharge(remote);
   if (!std::exchange(remote.accepted, true)) on_changed(remote);
 }
 

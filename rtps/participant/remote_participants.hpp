@@ -1,12 +1,12 @@
 // What is known of other participants and their endpoints, and the bounds on it.
 #pragma once
 
-#include <deque>
 #include <map>
 
 #include "rtps/discovery/discovery_listener.hpp"
 #include "rtps/participant/endpoint_listener.hpp"
 #include "rtps/participant/participant_core.hpp"
+#include "rtps/participant/unproven_participants.hpp"
 
 namespace ddssec::rtps {
 
@@ -41,6 +41,9 @@ struct RemoteParticipant {
   bool heard_participants_secure = false;
   std::size_t endpoint_octets = 0;  ///< their price
   bool exceeds = false;             ///< it announced more, and the event was raised
+  std::vector<SourceAddress> metatraffic_sources = {}, user_sources = {};  ///< that announced them
+  SourceAddress source = {};                 ///< that announced it first
+  std::optional<std::size_t> unproven = {};  ///< octets it counts for as long as nothing is proven
 
   const GuidPrefix& prefix() const { return data.guid.prefix; }
 };
@@ -63,7 +66,8 @@ class RemoteParticipants {
   explicit RemoteParticipants(ParticipantCore& core);
 
   std::size_t size() const { return remotes_.size(); }
-  bool is_full() const { return remotes_.size() >= kMostParticipants; }
+  /// No participant whose announcement takes so many octets can be added.
+  bool is_full(std::size_t octets) const;
   const std::map<GuidPrefix, RemoteParticipant>& all() const { return remotes_; }
   /// nullptr: not known.
   RemoteParticipant* find(const GuidPrefix& prefix);
@@ -74,13 +78,17 @@ class RemoteParticipants {
   RemoteEndpoint* find_endpoint(const Guid& guid);
 
   // Participants.
-  /// Adds a participant that is not known. Its lease begins now.
-  RemoteParticipant& add(ParticipantData data, LocatorList metatraffic, LocatorList user);
+  /// Adds a participant that is not known, from the source of the datagram that is being received.
+  /// Its lease begins now. `octets`: of its announcement.
+  RemoteParticipant& add(ParticipantData data, LocatorList metatraffic, LocatorList user,
+                         std::size_t octets);
+  /// It is announced again, by so many octets. False: there is no room for what is more.
+  bool grow(RemoteParticipant& remote, std::size_t octets);
   /// Its endpoints must have been removed.
   void remove(const GuidPrefix& prefix);
-  /// The participant that gives way when there is no room: among those that are not authenticated,
-  /// the one that announced itself longest ago and sent no handshake message, else the one that is
-  /// authenticating for longest. Nothing: all stay.
+  /// The participant that gives way when there is no room: among those that are not authenticated
+  /// and came from the source that holds most, the one that announced itself longest ago and sent
+  /// no handshake message, else the one that is authenticating for longest. Nothing: all stay.
   std::optional<GuidPrefix> next_to_give_way();
   /// It authenticated, or is admitted without: the DiscoveryListener hears of it.
   void accept(RemoteParticipant& remote);
@@ -118,14 +126,16 @@ class RemoteParticipants {
   const EndpointData* endpoint(const Guid& guid) const;
 
  private:
+  /// From here on it does not count as unproven.
+  void discharge(RemoteParticipant& remote);
+
   ParticipantCore& core_;
   std::map<GuidPrefix, RemoteParticipant> remotes_;
   RemoteParticipant self_;
   DiscoveryListener* discovery_ = nullptr;
   std::size_t endpoints_ = 0;        ///< of all of them
   std::size_t endpoint_octets_ = 0;  ///< their price
-  /// In the order of their announcements; some have spoken since, or left.
-  std::deque<GuidPrefix> silent_;
+  UnprovenParticipants unproven_;    ///< of a secured participant
   MonotonicTime next_end_ = kNever;
 };
 

@@ -14,22 +14,26 @@ std::unique_ptr<PeerHandshake> Handshakes::handshake_with(const ParticipantData&
       own_data_, numbers_, core_.now);
 }
 
-void Handshakes::add(const ParticipantData& data, const LocatorList& metatraffic) {
+void Handshakes::add(const ParticipantData& data, const LocatorList& metatraffic,
+                     const SourceAddress& from) {
   const auto [at, is_new] =
       core_.peers.emplace(data.guid.prefix, Peer{.data = data,
                                                  .metatraffic = metatraffic,
                                                  .state = PeerState(handshake_with(data)),
-                                                 .few = {kFewMessages, kFewPeriod, {}}});
+                                                 .few = {kFewMessages, kFewPeriod, {}},
+                                                 .source = from});
   if (is_new) schedule(at->second);
 }
 
 // Anybody may announce in anybody's name, and may have been the first. So a handshake that failed
 // is begun anew with what is announced now, and one under way is carried on at both addresses.
-void Handshakes::announced_again(const ParticipantData& data, const LocatorList& metatraffic) {
+void Handshakes::announced_again(const ParticipantData& data, const LocatorList& metatraffic,
+                                 const SourceAddress& from) {
   auto* peer = core_.find(data.guid.prefix);
   if (peer == nullptr || peer->state.association() != nullptr) return;
   peer->metatraffic = metatraffic;
-  if (!peer->state.is<peer::Refused>() || !starts_.take(core_.now)) return;
+  peer->source = from;
+  if (!peer->state.is<peer::Refused>() || !starts_.take(from, core_.now)) return;
   core_.host.on_replaced(GuidPrefix(data.guid.prefix));  // it may have been admitted without
   peer->data = data;
   peer->state.announce_again(handshake_with(data));
@@ -69,9 +73,11 @@ void Handshakes::on_stateless(const GuidPrefix& source, BytesView payload) {
   schedule(*peer);
 }
 
-void Handshakes::on_stateless_frag(const GuidPrefix& source, const DataFrag& frag) {
+void Handshakes::on_stateless_frag(const GuidPrefix& source, const DataFrag& frag,
+                                   const SourceAddress& from) {
   if (core_.find(source) == nullptr) return;
-  for (const auto& whole : fragments_.add(source, frag, core_.now)) on_stateless(source, whole);
+  for (const auto& whole : fragments_.add(source, frag, core_.now, from))
+    on_stateless(source, whole);
 }
 
 // It waits for our request. If we are done with it, it may have lost us; or somebody says so in its
@@ -240,13 +246,15 @@ void Handshakes::tick(Peer& peer) {
 // Announcements cost their sender nothing, and words little; keys cost us something.
 bool Handshakes::may_tick(const Peer& peer) {
   auto& handshake = *peer.state.handshake();
-  auto& starts = peer.spoke ? spoken_starts_ : starts_;
-  if (!handshake.started() && !starts.take(core_.now)) {
+  const auto may_start = [&] {
+    return peer.spoke ? spoken_starts_.take(core_.now) : starts_.take(peer.source, core_.now);
+  };
+  if (!handshake.started() && !may_start()) {
     handshake.start_at(core_.now + kStartPeriod);
     return false;
   }
   const bool is_silent = handshake.started() && !peer.spoke;
-  if (is_silent && !silent_.take(core_.now)) {
+  if (is_silent && !silent_.take(peer.source, core_.now)) {
     handshake.start_at(core_.now + PeerHandshake::kResend);
     return false;
   }
@@ -274,7 +282,8 @@ MonotonicTime Handshakes::next_of_association(const Peer& peer) const {
 void Handshakes::end_probe(Peer& peer) {
   peer.state.end_probe();
   const bool answered = KeyExchange::is_trusted(peer) && KeyExchange::is_up_to_date(peer);
-  if (!answered && starts_.take(core_.now)) peer.state.handshake()->begin_again(core_.now);
+  if (!answered && starts_.take(peer.source, core_.now))
+    peer.state.handshake()->begin_again(core_.now);
 }
 
 bool Handshakes::needs_no_tokens(const Peer& peer) const {

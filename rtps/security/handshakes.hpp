@@ -2,6 +2,7 @@
 // what their handshakes want to say, and limits what all of that costs.
 #pragma once
 
+#include "rtps/budget/source_budget.hpp"
 #include "rtps/security/admission.hpp"
 #include "rtps/security/fragment_store.hpp"
 #include "rtps/security/key_revision.hpp"
@@ -10,7 +11,8 @@ namespace ddssec::rtps {
 
 class Handshakes {
  public:
-  /// Handshakes that we begin with peers that never spoke: so many at once, one each so long.
+  /// Handshakes that we begin with peers that never spoke, by the source of their announcements: so
+  /// many at once, one each so long.
   static constexpr int kMaxStarts = 32;
   static constexpr MonotonicTime kStartPeriod = std::chrono::milliseconds(25);
   /// Messages repeated to peers that never spoke, of all.
@@ -53,13 +55,15 @@ class Handshakes {
   }
 
   /// A participant that can authenticate announced itself for the first time.
-  void add(const ParticipantData& data, const LocatorList& metatraffic);
+  /// `from`: the source of the announcement.
+  void add(const ParticipantData& data, const LocatorList& metatraffic, const SourceAddress& from);
   /// A different announcement for a peer that has not authenticated yet; it may be the genuine one.
-  void announced_again(const ParticipantData& data, const LocatorList& metatraffic);
+  void announced_again(const ParticipantData& data, const LocatorList& metatraffic,
+                       const SourceAddress& from);
   void remove(const GuidPrefix& prefix) { fragments_.forget(prefix); }
 
   void on_stateless(const GuidPrefix& source, BytesView payload);
-  void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag);
+  void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag, const SourceAddress& from);
   /// A message that only the peer can have protected came by the volatile secure channel.
   void note_key_exchange(Peer& peer);
 
@@ -111,8 +115,8 @@ class Handshakes {
   MessageNumbers numbers_;
   std::int64_t last_number_ = 0;
   FragmentStore fragments_;
-  WorkBudget starts_{kMaxStarts, kStartPeriod, {}};
-  WorkBudget silent_{kMaxStarts, kSilentPeriod, {}};
+  SourceBudget starts_{kMaxStarts, kStartPeriod};
+  SourceBudget silent_{kMaxStarts, kSilentPeriod};
   WorkBudget spoken_starts_{kMaxMessages, kMessagePeriod, {}};
   Limits requests_{{kMaxMessages, kMessagePeriod, {}}, {kMaxMessages, kLoudRequestPeriod, {}}};
   Limits echoes_{{kMaxMessages, kMessagePeriod, {}}, {kMaxMessages, kLoudEchoPeriod, {}}};

@@ -5,6 +5,7 @@
 #include <functional>
 #include <variant>
 
+#include "rtps/budget/source_address.hpp"
 #include "rtps/budget/work_budget.hpp"
 #include "rtps/discovery/participant_data.hpp"
 #include "rtps/reliability/stateful_reader.hpp"
@@ -138,9 +139,10 @@ struct Peer {
   ParticipantData data;
   LocatorList metatraffic;
   PeerState state;
-  WorkBudget few;       ///< handshake messages of it that count as few
-  bool spoke = false;   ///< sent a handshake message once
-  bool failed = false;  ///< something of it was refused, and that was counted
+  WorkBudget few;             ///< handshake messages of it that count as few
+  SourceAddress source = {};  ///< of its latest announcement
+  bool spoke = false;         ///< sent a handshake message once
+  bool failed = false;        ///< something of it was refused, and that was counted
 
   const GuidPrefix& prefix() const { return data.guid.prefix; }
   std::string name() const { return data.guid.to_string(); }

@@ -53,17 +53,17 @@ Status Security::start(Bytes own_data) {
 // ---- peers
 
 void Security::discovered(const ParticipantData& data, const LocatorList& metatraffic,
-                          MonotonicTime now) {
+                          const SourceAddress& from, MonotonicTime now) {
   core_.now = now;
   if (knows(data.guid.prefix)) return;
   revision_.drop_absent(data.guid.prefix);
-  handshakes_.add(data, metatraffic);
+  handshakes_.add(data, metatraffic, from);
 }
 
 void Security::announced_again(const ParticipantData& data, const LocatorList& metatraffic,
-                               MonotonicTime now) {
+                               const SourceAddress& from, MonotonicTime now) {
   core_.now = now;
-  handshakes_.announced_again(data, metatraffic);
+  handshakes_.announced_again(data, metatraffic, from);
 }
 
 void Security::lost(const GuidPrefix& prefix) {
@@ -97,9 +97,9 @@ void Security::on_stateless(const GuidPrefix& source, BytesView payload, Monoton
 }
 
 void Security::on_stateless_frag(const GuidPrefix& source, const DataFrag& frag,
-                                 MonotonicTime now) {
+                                 const SourceAddress& from, MonotonicTime now) {
   core_.now = now;
-  handshakes_.on_stateless_frag(source, frag);
+  handshakes_.on_stateless_frag(source, frag, from);
 }
 
 void Security::note_key_exchange(const GuidPrefix& prefix) {

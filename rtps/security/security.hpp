@@ -47,11 +47,13 @@ class Security {
   }
 
   /// See Handshakes.
-  void discovered(const ParticipantData& data, const LocatorList& metatraffic, MonotonicTime now);
+  void discovered(const ParticipantData& data, const LocatorList& metatraffic,
+                  const SourceAddress& from, MonotonicTime now);
   void announced_again(const ParticipantData& data, const LocatorList& metatraffic,
-                       MonotonicTime now);
+                       const SourceAddress& from, MonotonicTime now);
   void on_stateless(const GuidPrefix& source, BytesView payload, MonotonicTime now);
-  void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag, MonotonicTime now);
+  void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag, const SourceAddress& from,
+                         MonotonicTime now);
   void note_key_exchange(const GuidPrefix& prefix);
 
   /// Forgets a participant with its keys.

@@ -76,6 +76,8 @@ class UdpSocket {
   /// call.
   std::size_t fetch();
   BytesView datagram(std::size_t index) const;
+  /// Where it came from.
+  Locator source(std::size_t index) const;
 
   /// To each locator of this socket's family, kBatch datagrams a system call.
   void send_all(const Outgoing& out) const;
@@ -89,8 +91,6 @@ class UdpSocket {
   };
   UdpSocket(FileDescriptor fd, const Locator& local);
   static Result<UdpSocket> open(const Locator& at, bool shared, std::size_t buffer);
-
-  Locator source(std::size_t index) const;
 
   FileDescriptor fd_;
   Locator local_;
