@@ -52,6 +52,7 @@ struct RemoteParticipant {
 class RemoteParticipants {
  public:
   static constexpr std::size_t kMostParticipants = 512;
+  static_assert(Handshakes::kMaxAuthenticated < kMostParticipants, "some are left for newcomers");
   static constexpr std::size_t kMostEndpointsPerParticipant = 16384;
   static constexpr std::size_t kMostEndpoints = 65536;  ///< of all of them
   /// What their announcements take in memory, with a price for each.

@@ -8,9 +8,9 @@ std::unique_ptr<PeerHandshake> Handshakes::handshake_with(const ParticipantData&
   auto& own = *core_.own;
   return std::make_unique<PeerHandshake>(
       own.plugins().authentication,
-      PeerHandshake::Sides{own.guid(), data.guid, own.identity(),
-                           data.identity_token.value_or(spi::Token{}),
-                           data.vendor != kVendorFastDds},
+      PeerHandshake::Sides{
+          own.guid(), data.guid, own.identity(), data.identity_token.value_or(spi::Token{}),
+          data.vendor != kVendorFastDds, revision_.identity_of_absent(data.guid.prefix)},
       own_data_, numbers_, core_.now);
 }
 
@@ -64,6 +64,7 @@ void Handshakes::on_stateless(const GuidPrefix& source, BytesView payload) {
   const bool ours = message && message->identity.source.prefix == source &&
                     message->destination_participant == core_.own->guid();
   if (!ours) return;
+  if (!handshake->started() && !has_place(*peer)) return;
   handshake->note_heard();
   if (!std::exchange(peer->spoke, true) && !handshake->started()) handshake->start_at(core_.now);
   if (message->message_class == message_class::kAuthRequest)
@@ -138,19 +139,52 @@ bool Handshakes::advance(Peer& peer) {
   auto association = associate(peer);
   if (!association) {
     if (had_keys) revision_.request();
-    refuse(peer);
+    if (spi::refusal_passes(association.error().code()))
+      try_later(peer);
+    else
+      refuse(peer);
     return false;
   }
+  // It is back, with keys of before: from here on it is watched as any other.
+  revision_.drop_absent(peer.prefix());
   fragments_.forget(peer.prefix());
   return peer.state.associate(std::move(*association), core_.now);
 }
 
 Result<Association> Handshakes::associate(Peer& peer) {
+  const auto prefix = peer.prefix();
+  if (!subjects_.has_place(prefix)) return std::unexpected(no_place_for(peer));
   DDSSEC_TRY(adopt_proven_data(peer));
   Association out;
   out.permissions = DDSSEC_TRY(permissions_of(peer));
   DDSSEC_TRY(register_keys(peer, out));
+  subjects_.take(prefix);
+  out.place = Cleanup([this, prefix] { subjects_.give_back(prefix); });
   return out;
+}
+
+// ---- the share of each certificate
+
+bool Handshakes::has_place(const Peer& peer) const {
+  return peer.state.association() != nullptr || subjects_.has_place(peer.prefix());
+}
+
+// Raised before the peer counts as one with failures, so once for each.
+Error Handshakes::no_place_for(const Peer& peer) {
+  Error error(Code::too_many_identities_of_subject,
+              {.document = "the certificate of participant " + peer.name(),
+               .expected = "no more participants than places are free",
+               .found = "one more than " + std::to_string(subjects_.count(peer.prefix()))});
+  if (!peer.failed) core_.raise(error, peer);
+  return error;
+}
+
+void Handshakes::try_later(Peer& peer) {
+  peer.state.refuse();
+  note_failure(peer);
+  auto handshake = handshake_with(peer.data);
+  handshake->start_at(core_.now + PeerHandshake::kResend);
+  peer.state.announce_again(std::move(handshake));
 }
 
 Result<PeerPermissions> Handshakes::permissions_of(const Peer& peer) {
@@ -159,7 +193,7 @@ Result<PeerPermissions> Handshakes::permissions_of(const Peer& peer) {
   const auto credential =
       DDSSEC_TRY(authentication.authenticated_peer_credential_token(handshake.handle()));
   const auto handle = DDSSEC_TRY(access_control.validate_remote_permissions(
-      core_.own->identity(), handshake.peer_identity(),
+      core_.own->identity(), handshake.identity()->handle(),
       peer.data.permissions_token.value_or(spi::Token{}), credential));
   PeerPermissions out{handle, Cleanup([&plugin = access_control, handle] {
                         static_cast<void>(plugin.return_permissions_handle(handle));
@@ -173,8 +207,9 @@ Status Handshakes::register_keys(const Peer& peer, Association& association) {
   const auto prefix = peer.prefix();
   auto secret = DDSSEC_TRY(core_.own->plugins().authentication.shared_secret(handshake.handle()));
   auto& keyring = core_.keyring;
-  DDSSEC_TRY(keyring.add_remote(prefix, {handshake.peer_identity(), association.permissions.handle,
-                                         std::move(secret), peer.data.vendor != kVendorCyclone}));
+  DDSSEC_TRY(
+      keyring.add_remote(prefix, {handshake.identity()->handle(), association.permissions.handle,
+                                  std::move(secret), peer.data.vendor != kVendorCyclone}));
   association.keys = Cleanup([&sender = core_.sender, &keyring, prefix] {
     sender.flush_now();  // what waits needs its keys
     keyring.remove_remote(prefix);
@@ -246,6 +281,10 @@ void Handshakes::tick(Peer& peer) {
 // Announcements cost their sender nothing, and words little; keys cost us something.
 bool Handshakes::may_tick(const Peer& peer) {
   auto& handshake = *peer.state.handshake();
+  if (!handshake.started() && !has_place(peer)) {
+    handshake.start_at(core_.now + PeerHandshake::kResend);
+    return false;
+  }
   const auto may_start = [&] {
     return peer.spoke ? spoken_starts_.take(core_.now) : starts_.take(peer.source, core_.now);
   };

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "rtps/budget/source_budget.hpp"
+#include "rtps/budget/subject_shares.hpp"
 #include "rtps/security/admission.hpp"
 #include "rtps/security/fragment_store.hpp"
 #include "rtps/security/key_revision.hpp"
@@ -11,6 +12,9 @@ namespace ddssec::rtps {
 
 class Handshakes {
  public:
+  /// Participants that can have authenticated at a time. One certificate never takes the last
+  /// places.
+  static constexpr std::size_t kMaxAuthenticated = 480;
   /// Handshakes that we begin with peers that never spoke, by the source of their announcements: so
   /// many at once, one each so long.
   static constexpr int kMaxStarts = 32;
@@ -90,6 +94,11 @@ class Handshakes {
   Status register_keys(const Peer& peer, Association& association);
   Status adopt_proven_data(Peer& peer);
   void open_channel(Peer& peer);
+  /// May one more participant of its certificate authenticate? Before it did, this asks for the
+  /// certificate that it claims to have: nobody else loses by that.
+  bool has_place(const Peer& peer) const;
+  Error no_place_for(const Peer& peer);
+  void try_later(Peer& peer);
   void refuse(Peer& peer);
   void note_failure(Peer& peer);
 
@@ -115,6 +124,7 @@ class Handshakes {
   MessageNumbers numbers_;
   std::int64_t last_number_ = 0;
   FragmentStore fragments_;
+  SubjectShares subjects_{kMaxAuthenticated};
   SourceBudget starts_{kMaxStarts, kStartPeriod};
   SourceBudget silent_{kMaxStarts, kSilentPeriod};
   WorkBudget spoken_starts_{kMaxMessages, kMessagePeriod, {}};

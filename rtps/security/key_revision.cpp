@@ -61,7 +61,13 @@ void KeyRevision::note_absent(Peer& peer) {
   if (absent_.size() >= kMaxAbsent) return request();
   auto& association = *peer.state.association();
   absent_.push_back({peer.prefix(), std::exchange(association.permissions, {}),
-                     std::move(association.handshake)});
+                     association.handshake->identity()});
+}
+
+std::shared_ptr<const PeerIdentity> KeyRevision::identity_of_absent(
+    const GuidPrefix& prefix) const {
+  const auto at = std::ranges::find(absent_, prefix, &Absent::prefix);
+  return at == absent_.end() ? nullptr : at->identity;
 }
 
 void KeyRevision::drop_absent(const GuidPrefix& prefix) {

@@ -31,20 +31,22 @@ class KeyRevision {
   // Peers that left in good standing. What they know of our keys is good as long as their trust.
   /// Takes over the identity and the permissions of a peer that leaves.
   void note_absent(Peer& peer);
+  /// nullptr: it did not leave, or is forgotten.
+  std::shared_ptr<const PeerIdentity> identity_of_absent(const GuidPrefix& prefix) const;
   /// This participant is not watched from here on, so its keys must not count any longer.
   void drop_absent(const GuidPrefix& prefix);
   /// Requests a revision if `ended(identity, permissions)` for any of them.
   template <class F>
   void check_absent(F&& ended) {
     for (const auto& absent : absent_)
-      if (ended(absent.handshake->peer_identity(), absent.permissions.handle)) request();
+      if (ended(absent.identity->handle(), absent.permissions.handle)) request();
   }
 
  private:
   struct Absent {
     GuidPrefix prefix;
     PeerPermissions permissions;
-    std::unique_ptr<PeerHandshake> handshake;  ///< holds its identity
+    std::shared_ptr<const PeerIdentity> identity;
   };
   /// Revised keys on their way to the peers that are trusted.
   struct UnderWay {

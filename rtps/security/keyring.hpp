@@ -7,11 +7,9 @@
 
 #include "base/event.hpp"
 #include "base/hash.hpp"
-#include "rtps/budget/work_budget.hpp"
 #include "rtps/reliability/send_protection.hpp"
-#include "rtps/security/own_security.hpp"
+#include "rtps/security/pre_shared_messages.hpp"
 #include "wire/entity_ids.hpp"
-#include "wire/header.hpp"
 
 namespace ddssec::rtps {
 
@@ -21,24 +19,9 @@ struct Shield {
   Guid submessage = {};  ///< the endpoint whose key protected it; zero: nobody's
 };
 
-/// Counts of what was dropped on receipt; never reset.
-struct ProtectionCounters {
-  std::uint64_t unprotected = 0;  ///< protection was due and not there
-  std::uint64_t undecodable = 0;  ///< protected, but not so that it verified
-  std::uint64_t unsendable = 0;   ///< could not be protected, so was not sent
-};
-
 /// No I/O, clock or lock. Of the message path nothing allocates.
 class Keyring final : public SendProtection {
  public:
-  /// Senders under a pre-shared key that were not heard before cost us keys: so many at once, then
-  /// one each so long.
-  static constexpr int kMostDerivations = 1000;
-  static constexpr MonotonicTime kDerivationPeriod = std::chrono::microseconds(100);
-  /// Events of messages that anybody can send.
-  static constexpr int kMostComplaints = 16;
-  static constexpr MonotonicTime kComplaintPeriod = std::chrono::milliseconds(250);
-
   Keyring(OwnSecurity& own, EventSink& events) : own_(own), events_(events) {}
   ~Keyring() override;
 
@@ -165,15 +148,6 @@ class Keyring final : public SendProtection {
   spi::CryptoKeyExchange& exchange() { return own_.plugins().cryptography.key_exchange(); }
   spi::CryptoTransform& transform() { return own_.plugins().cryptography.transform(); }
   std::unexpected<Error> undecodable(const Error& error, const GuidPrefix& sender);
-  Result<BytesView> open_pre_shared(const Header& header, BytesView message, MutableBytes scratch,
-                                    MonotonicTime now);
-  std::unexpected<Error> refuse_bare(const Header& header, MonotonicTime now);
-  std::unexpected<Error> complain(Code code, const Header& header, std::string_view expected,
-                                  MonotonicTime now);
-  /// Of what the endpoints' rules leave unprotected.
-  Wrap default_wrap() const {
-    return own_.pre_shared_keys() == nullptr ? Wrap::none : Wrap::pre_shared_key;
-  }
 
   OwnSecurity& own_;
   EventSink& events_;
@@ -182,8 +156,7 @@ class Keyring final : public SendProtection {
   std::vector<spi::ParticipantCryptoHandle> all_remotes_;
   std::unordered_map<std::int64_t, Guid> endpoint_of_;
   ProtectionCounters counters_;
-  WorkBudget derivations_{kMostDerivations, kDerivationPeriod, {}};
-  WorkBudget complaints_{kMostComplaints, kComplaintPeriod, {}};
+  PreSharedMessages pre_shared_{own_, events_, counters_};
 };
 
 }  // namespace ddssec::rtps

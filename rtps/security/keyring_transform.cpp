@@ -88,11 +88,11 @@ bool Keyring::accepts(const EntityId& id, const Guid& remote, const Shield& shie
 Keyring::Levels Keyring::levels(const EntityId& sender) const {
   const auto* local = find(sender);
   // SPDP and the stateless endpoint: whoever is not authenticated yet must be able to read them.
-  if (local == nullptr) return {.message = default_wrap()};
+  if (local == nullptr) return {.message = pre_shared_.wrap()};
   const bool by_participant = own_.attributes().is_rtps_protected() && !local->is_volatile;
   return {.payload = local->attributes.is_payload_protected(),
           .submessage = local->attributes.is_submessage_protected(),
-          .message = by_participant ? Wrap::participant_key : default_wrap()};
+          .message = by_participant ? Wrap::participant_key : pre_shared_.wrap()};
 }
 
 Result<std::size_t> Keyring::protect_payload(const EntityId& writer, BytesView plain,

@@ -43,6 +43,7 @@ struct PeerPermissions {
 struct Association {
   std::unique_ptr<PeerHandshake> handshake = {};  ///< finished; another one may run beside it
   PeerPermissions permissions = {};
+  Cleanup place = {};  ///< gives back its share of the places for its certificate
   EarlyTokens early = {};
   std::unique_ptr<StatefulReader> volatile_reader = {};
   std::unique_ptr<StatefulWriter> volatile_writer = {};

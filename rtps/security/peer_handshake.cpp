@@ -43,10 +43,6 @@ PeerHandshake::PeerHandshake(spi::Authentication& plugin, Sides sides,
       overdue_at_(now + kOverdue),
       next_(now + kDelay) {}
 
-PeerHandshake::~PeerHandshake() {
-  if (peer_) static_cast<void>(plugin_.return_identity_handle(peer_));
-}
-
 spi::HandshakeHandle PeerHandshake::handle() const {
   return finished_ ? finished_->handle : spi::HandshakeHandle{};
 }
@@ -82,7 +78,10 @@ void PeerHandshake::start(MonotonicTime now, Messages& out) {
   started_ = true;
   began_ = now;
   if (!peer) return fail_with(peer.error());
-  peer_ = peer->handle;
+  const auto& known = sides_.known_identity;
+  identity_ = known && known->handle() == peer->handle
+                  ? known
+                  : std::make_shared<const PeerIdentity>(plugin_, peer->handle);
   if (peer->local_auth_request && sides_.send_auth_request) {
     auth_request_ = message_of(message_class::kAuthRequest, *peer->local_auth_request, {});
     out.push_back(*auth_request_);
@@ -92,7 +91,7 @@ void PeerHandshake::start(MonotonicTime now, Messages& out) {
 }
 
 bool PeerHandshake::make_request(MonotonicTime until) {
-  auto step = plugin_.begin_handshake_request(sides_.own, peer_, *own_data_);
+  auto step = plugin_.begin_handshake_request(sides_.own, identity_->handle(), *own_data_);
   if (!step) {
     if (!finished_) fail_with(step.error());
     return false;
@@ -235,7 +234,7 @@ bool PeerHandshake::on_request(const GenericMessage& message, const Sha256Digest
   const auto& token = message.data.front();
   auto challenge = octets_of(token, "challenge1");
   if (!make_room(challenge, now)) return false;
-  auto step = plugin_.begin_handshake_reply(token, peer_, sides_.own, *own_data_);
+  auto step = plugin_.begin_handshake_reply(token, identity_->handle(), sides_.own, *own_data_);
   refusals_ += step ? 0 : 1;
   if (!step || !step->message) return true;
   // A request that says the same in other words has an answer already.

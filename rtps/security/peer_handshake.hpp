@@ -21,6 +21,22 @@ class MessageNumbers {
   std::int64_t last_ = 0;
 };
 
+/// What the plugin knows of a peer. Returned when nothing refers to it any more: a handshake, or a
+/// peer that left in good standing.
+class PeerIdentity {
+ public:
+  PeerIdentity(spi::Authentication& plugin, spi::IdentityHandle handle)
+      : plugin_(plugin), handle_(handle) {}
+  ~PeerIdentity() { static_cast<void>(plugin_.return_identity_handle(handle_)); }
+  PeerIdentity(const PeerIdentity&) = delete;
+  PeerIdentity& operator=(const PeerIdentity&) = delete;
+  spi::IdentityHandle handle() const { return handle_; }
+
+ private:
+  spi::Authentication& plugin_;
+  const spi::IdentityHandle handle_;
+};
+
 /// What a message asks for before it can be told from a forged one.
 enum class Effort : std::uint8_t {
   none,     ///< it fits nothing that we wait for
@@ -40,11 +56,12 @@ class PeerHandshake {
     spi::Token peer_identity_token;
     /// Fast DDS knows no auth_request.
     bool send_auth_request = true;
+    /// The peer left and is still known: the plugin has one handle for all of its handshakes.
+    std::shared_ptr<const PeerIdentity> known_identity = {};
   };
   /// `own_data`: c.pdata of ours, a big-endian parameter list.
   PeerHandshake(spi::Authentication& plugin, Sides sides, std::shared_ptr<const Bytes> own_data,
                 MessageNumbers& numbers, MonotonicTime now);
-  ~PeerHandshake();
   PeerHandshake(const PeerHandshake&) = delete;
   PeerHandshake& operator=(const PeerHandshake&) = delete;
 
@@ -91,8 +108,8 @@ class PeerHandshake {
   bool is_overdue() const { return overdue_; }
   /// Valid when finished.
   spi::HandshakeHandle handle() const;
-  /// The peer's, once it was validated; nil before.
-  spi::IdentityHandle peer_identity() const { return peer_; }
+  /// The peer's, once it was validated; nullptr before.
+  const std::shared_ptr<const PeerIdentity>& identity() const { return identity_; }
   /// The peer's c.pdata, proven when finished; empty before.
   BytesView peer_data() const { return peer_data_; }
 
@@ -163,7 +180,7 @@ class PeerHandshake {
   MonotonicTime next_;
   MonotonicTime began_{};
   MonotonicTime refused_until_{};  ///< the plugin had no room for the peer
-  spi::IdentityHandle peer_;
+  std::shared_ptr<const PeerIdentity> identity_;
   std::optional<GenericMessage> auth_request_;
   bool started_ = false;
   bool heard_ = false;

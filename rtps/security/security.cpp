@@ -56,7 +56,6 @@ void Security::discovered(const ParticipantData& data, const LocatorList& metatr
                           const SourceAddress& from, MonotonicTime now) {
   core_.now = now;
   if (knows(data.guid.prefix)) return;
-  revision_.drop_absent(data.guid.prefix);
   handshakes_.add(data, metatraffic, from);
 }
 
@@ -140,7 +139,8 @@ std::vector<GuidPrefix> Security::peers_that(F&& ended) const {
   for (const auto& [prefix, peer] : core_.peers) {
     const auto* handshake = peer.state.handshake();
     const auto* association = peer.state.association();
-    if (ended(handshake == nullptr ? spi::IdentityHandle{} : handshake->peer_identity(),
+    const auto identity = handshake == nullptr ? nullptr : handshake->identity();
+    if (ended(identity ? identity->handle() : spi::IdentityHandle{},
               association == nullptr ? spi::PermissionsHandle{} : association->permissions.handle))
       out.push_back(prefix);
   }

@@ -2,6 +2,7 @@
 // others lose nothing.
 #include <random>
 
+#include "tests/unit/rtps_security/attacker.hpp"
 #include "tests/unit/rtps_security/trio.hpp"
 
 namespace ddssec::rtps {
@@ -272,6 +273,33 @@ TEST(KeyRevision, FollowsTheRevocationOfWhoHasLeft) {
   trio.world.nodes = {&trio.a, &trio.b};
   trio.world.run(200);
   EXPECT_FALSE(trio.a.events.has(Code::rtps_keys_revised)) << "nobody lost its trust";
+  trio.revoke_carol();
+  EXPECT_TRUE(trio.revised(1)) << trio.text();
+}
+
+/// Anybody can announce it; and what is known of it stays known. Before: one datagram, one
+/// revision.
+TEST(KeyRevision, ClearAnnouncementOfWhoHasLeft_RevisesNothing) {
+  Trio trio(revising(everything(kEncrypt)));
+  std::optional<Bytes> own;
+  trio.world.filter = [&](const Node& from, Bytes datagram) {
+    if (&from == &trio.c && !own) own = datagram;  // the first is an announcement
+    return one(std::move(datagram));
+  };
+  ASSERT_TRUE(trio.match()) << trio.text();
+  trio.c->leave();
+  ASSERT_TRUE(trio.world.run_until([&] { return trio.a->remote_participants().size() == 1; }, 300));
+  trio.world.nodes = {&trio.a, &trio.b};
+  for (int i = 0; i < 20; ++i) {
+    for (auto* node : {&trio.a, &trio.b}) {
+      (*node)->receive(*own, trio.world.now);
+      (*node)->receive(announcement(secured_data(trio.c->prefix())), trio.world.now);
+    }
+    trio.world.run(100);
+  }
+  EXPECT_FALSE(trio.a.events.has(Code::rtps_keys_revised)) << trio.text();
+  // Their leases end, and what is still known is who may be revoked.
+  trio.world.run(2000);
   trio.revoke_carol();
   EXPECT_TRUE(trio.revised(1)) << trio.text();
 }

@@ -1,0 +1,51 @@
+// How many of the places for authenticated participants one certificate may take.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <map>
+
+#include "base/ids.hpp"
+
+namespace ddssec::rtps {
+
+/// Counts participants by the subject of their certificate, for which the first six octets of the
+/// GUID stand (DDS-Security 9.3.3) once it is proven. A subject may have no more places than are
+/// free: so the first takes at most half of them, and each further subject finds some.
+class SubjectShares {
+ public:
+  explicit SubjectShares(std::size_t places) : places_(places) {}
+
+  /// For one more participant of that subject.
+  bool has_place(const GuidPrefix& prefix) const { return count(prefix) < places_ - taken_; }
+  /// Participants of that subject.
+  std::size_t count(const GuidPrefix& prefix) const {
+    const auto at = of_subject_.find(subject_of(prefix));
+    return at == of_subject_.end() ? 0 : at->second;
+  }
+  void take(const GuidPrefix& prefix) {
+    ++of_subject_[subject_of(prefix)];
+    ++taken_;
+  }
+  /// As often as it was taken.
+  void give_back(const GuidPrefix& prefix) {
+    const auto at = of_subject_.find(subject_of(prefix));
+    --taken_;
+    if (--at->second == 0) of_subject_.erase(at);
+  }
+
+ private:
+  using Subject = std::array<std::uint8_t, 6>;
+  static Subject subject_of(const GuidPrefix& prefix) {
+    Subject out;
+    std::copy_n(prefix.octets.begin(), out.size(), out.begin());
+    return out;
+  }
+
+  const std::size_t places_;
+  std::size_t taken_ = 0;
+  std::map<Subject, std::size_t> of_subject_;
+};
+
+}  // namespace ddssec::rtps

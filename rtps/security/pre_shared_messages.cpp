@@ -1,0 +1,54 @@
+#include "rtps/security/pre_shared_messages.hpp"
+
+#include "wire/vendor_name.hpp"
+
+namespace ddssec::rtps {
+
+// Anybody can make us derive keys, in as many names as they like: an honest sender's turn comes,
+// and then it is remembered.
+Result<BytesView> PreSharedMessages::open(const Header& header, BytesView message,
+                                          MutableBytes scratch, MonotonicTime now) {
+  auto* const keys = own_.pre_shared_keys();
+  if (keys == nullptr) {
+    ++counters_.undecodable;
+    return complain(Code::secure_flags_unsupported, header,
+                    "no pre-shared key: our governance has rtps_psk_protection_kind NONE", now);
+  }
+  if (!keys->remembers(message) && !derivations_.take(now)) {
+    ++counters_.undecodable;
+    return fail(Code::psk_passphrase_unknown);
+  }
+  const auto size = keys->decode(message, scratch);
+  if (size) return scratch.first(*size);
+  ++counters_.undecodable;
+  if (complaints_.take(now)) events_.raise(Event(size.error(), {}, header.prefix.to_string()));
+  return std::unexpected(size.error());
+}
+
+std::unexpected<Error> PreSharedMessages::refuse_bare(const Header& header, MonotonicTime now) {
+  ++counters_.unprotected;
+  return complain(
+      Code::rtps_protection_missing, header,
+      "a pre-shared key, as rtps_psk_protection_kind of our governance demands; Cyclone "
+      "DDS and Fast DDS have none, so where they take part it must be NONE",
+      now);
+}
+
+// Who sends garbage costs us no more than a look at the time.
+std::unexpected<Error> PreSharedMessages::complain(Code code, const Header& header,
+                                                   std::string_view expected, MonotonicTime now) {
+  if (!complaints_.take(now)) return fail(code);
+  const auto sender = header.prefix.to_string();
+  const Error error(code, {.document = "participant " + sender + " of " + name_of(header.vendor),
+                           .expected = std::string(expected)});
+  events_.raise(Event(error, {}, sender));
+  return std::unexpected(error);
+}
+
+Result<std::size_t> PreSharedMessages::protect(BytesView plain, MutableBytes out) {
+  auto* const keys = own_.pre_shared_keys();
+  if (keys == nullptr) return fail(Code::not_protected);
+  return keys->encode(plain, out);
+}
+
+}  // namespace ddssec::rtps
