@@ -11,7 +11,7 @@ std::unique_ptr<PeerHandshake> Handshakes::handshake_with(const ParticipantData&
       PeerHandshake::Sides{
           own.guid(), data.guid, own.identity(), data.identity_token.value_or(spi::Token{}),
           data.vendor != kVendorFastDds, revision_.identity_of_absent(data.guid.prefix)},
-      own_data_, numbers_, core_.now);
+      own_data_, account_, core_.now);
 }
 
 void Handshakes::add(const ParticipantData& data, const LocatorList& metatraffic,
@@ -97,6 +97,7 @@ void Handshakes::on_authentication(Peer& peer, const GenericMessage& message) {
   const auto weighed = handshake.weigh(message);
   if (weighed.effort == Effort::none) return;
   PeerHandshake::Messages out;
+  if (weighed.effort == Effort::request) make_room_for_answer();
   const bool taken =
       may_spend(peer, weighed.effort) && handshake.receive(message, weighed, core_.now, out);
   if (handshake.started()) peer.state.begin();
@@ -106,6 +107,18 @@ void Handshakes::on_authentication(Peer& peer, const GenericMessage& message) {
   const bool is_new = advance(peer);
   if (!peer.state.is<peer::Refused>()) send(peer, out);
   if (is_new) open_channel(peer);
+}
+
+void Handshakes::make_room_for_answer() {
+  const auto taken = [](const auto& one) {
+    auto* const handshake = one.second.state.handshake();
+    return handshake == nullptr ? 0 : handshake->answers().octets();
+  };
+  while (account_.answer_octets >= kMaxAnswerOctets) {
+    const auto largest = std::ranges::max_element(core_.peers, {}, taken);
+    if (largest == core_.peers.end() || taken(*largest) == 0) return;
+    largest->second.state.handshake()->answers().give_way();
+  }
 }
 
 // Before anything is known to be true, public-key work is limited. A flood leaves a share to those

@@ -30,6 +30,9 @@ class Handshakes {
   /// Peers with a refused message, or with more than a few, are limited separately.
   static constexpr MonotonicTime kLoudRequestPeriod = std::chrono::microseconds(1500);
   static constexpr MonotonicTime kLoudEchoPeriod = std::chrono::microseconds(1000);
+  /// What our answers to requests of peers that did not go on take, of all peers. A fair share, 32
+  /// KiB for each, is never lost.
+  static constexpr std::size_t kMaxAnswerOctets = std::size_t{16} << 20;
   /// Messages that are repeated because something had to be dropped, of all peers.
   static constexpr int kMaxResendRequests = 20;
   static constexpr MonotonicTime kResendRequestPeriod = std::chrono::milliseconds(20);
@@ -86,6 +89,8 @@ class Handshakes {
   void on_authentication(Peer& peer, const GenericMessage& message);
   bool may_spend(Peer& peer, Effort effort);
   void request_resend(const Peer& peer);
+  /// The peer whose answers take most gives way, until there is room for one more.
+  void make_room_for_answer();
 
   /// Takes the edges that the handshake has reached. True: the peer has just been associated.
   bool advance(Peer& peer);
@@ -121,7 +126,7 @@ class Handshakes {
   KeyExchange& exchange_;
   KeyRevision& revision_;
   std::shared_ptr<const Bytes> own_data_;
-  MessageNumbers numbers_;
+  HandshakeAccount account_;
   std::int64_t last_number_ = 0;
   FragmentStore fragments_;
   SubjectShares subjects_{kMaxAuthenticated};

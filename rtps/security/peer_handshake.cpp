@@ -25,6 +25,13 @@ bool same(const spi::Token& a, const spi::Token& b, std::string_view name) {
   return in_a != nullptr && in_b != nullptr && *in_a == *in_b;
 }
 
+/// What its values take.
+std::size_t octets_in(const spi::Token& token) {
+  std::size_t out = 0;
+  for (const auto& property : token.binary_properties) out += property.value.size();
+  return out;
+}
+
 Sha256Digest digest_of(const spi::Token& token) {
   Writer out;
   spi::write_token(out, token);
@@ -34,14 +41,15 @@ Sha256Digest digest_of(const spi::Token& token) {
 }  // namespace
 
 PeerHandshake::PeerHandshake(spi::Authentication& plugin, Sides sides,
-                             std::shared_ptr<const Bytes> own_data, MessageNumbers& numbers,
+                             std::shared_ptr<const Bytes> own_data, HandshakeAccount& account,
                              MonotonicTime now)
     : plugin_(plugin),
       sides_(std::move(sides)),
       own_data_(std::move(own_data)),
-      numbers_(numbers),
+      account_(account),
       overdue_at_(now + kOverdue),
-      next_(now + kDelay) {}
+      next_(now + kDelay),
+      answers_(plugin, account.answer_octets) {}
 
 spi::HandshakeHandle PeerHandshake::handle() const {
   return finished_ ? finished_->handle : spi::HandshakeHandle{};
@@ -50,7 +58,7 @@ spi::HandshakeHandle PeerHandshake::handle() const {
 GenericMessage PeerHandshake::message_of(std::string_view message_class, spi::Token token,
                                          const MessageIdentity& related) {
   GenericMessage message;
-  message.identity = {{sides_.own_guid.prefix, kStatelessMessageWriter}, numbers_.next()};
+  message.identity = {{sides_.own_guid.prefix, kStatelessMessageWriter}, ++account_.last_number};
   message.related = related;
   message.destination_participant = sides_.peer_guid;
   message.message_class = message_class;
@@ -114,13 +122,13 @@ void PeerHandshake::tick(MonotonicTime now, Messages& out) {
   if (now < next_) return;
   if (!started_) return start(now, out);
   if (!finished_ && now >= overdue_at_) become_overdue(now);
-  while (!answers_.empty() && now - answers_.front().since >= kAnswerLife) drop(answers_.begin());
+  answers_.expire(now);
   if (request_ && now >= request_->until) {
     static_cast<void>(plugin_.return_handshake_handle(request_->handle));
     request_.reset();
   }
   if (request_) out.push_back(request_->message);
-  repeat_answers(out);
+  answers_.repeat(out);
   const bool waits = !begins() && !finished_ && auth_request_;
   if (waits && (answers_.empty() || std::exchange(hastened_, false))) out.push_back(*auth_request_);
   next_ = finished_ && !request_ && answers_.empty() ? kNever : now + pause();
@@ -136,12 +144,6 @@ void PeerHandshake::become_overdue(MonotonicTime now) {
   static_cast<void>(plugin_.return_handshake_handle(request_->handle));
   request_.reset();
   make_request(kNever);
-}
-
-void PeerHandshake::repeat_answers(Messages& out) {
-  const auto count = std::min(answers_.size(), kMostRepeated);
-  for (std::size_t i = 0; i < count; ++i)
-    out.push_back(answers_[next_answer_++ % answers_.size()].reply);
 }
 
 void PeerHandshake::hasten(MonotonicTime now) {
@@ -164,7 +166,7 @@ PeerHandshake::Weighed PeerHandshake::weigh(const GenericMessage& message) const
   if (ends_with(token, "+Req")) return weigh_request(token);
   const bool is_echo =
       ends_with(token, "+Final") &&
-      std::ranges::any_of(answers_, [&](const auto& a) { return is_echo_of(a, token); });
+      std::ranges::any_of(answers_.all(), [&](const auto& a) { return a.is_answered_by(token); });
   return {is_echo ? Effort::echo : Effort::none};
 }
 
@@ -179,12 +181,8 @@ PeerHandshake::Weighed PeerHandshake::weigh_reply(const spi::Token& token) const
 PeerHandshake::Weighed PeerHandshake::weigh_request(const spi::Token& token) const {
   const auto digest = digest_of(token);
   if (finished_ && finished_->last == digest) return {};  // it comes late
-  return {answer_to(digest) != nullptr ? Effort::memory : Effort::request, digest};
-}
-
-bool PeerHandshake::is_echo_of(const Answer& answer, const spi::Token& final) const {
-  const auto& reply = answer.reply.data.front();
-  return same(final, reply, "challenge1") && same(final, reply, "challenge2");
+  const bool known = std::ranges::count(answers_.all(), digest, &HandshakeAnswer::request) > 0;
+  return {known ? Effort::memory : Effort::request, digest};
 }
 
 bool PeerHandshake::receive(const GenericMessage& message, const Weighed& weighed,
@@ -206,16 +204,6 @@ bool PeerHandshake::receive(const GenericMessage& message, const Weighed& weighe
   return true;
 }
 
-PeerHandshake::Answer* PeerHandshake::answer_to(const Sha256Digest& request) {
-  const auto at = std::ranges::find(answers_, request, &Answer::request);
-  return at == answers_.end() ? nullptr : &*at;
-}
-
-const PeerHandshake::Answer* PeerHandshake::answer_to(const Sha256Digest& request) const {
-  const auto at = std::ranges::find(answers_, request, &Answer::request);
-  return at == answers_.end() ? nullptr : &*at;
-}
-
 // Cyclone DDS numbers its repetitions anew.
 void PeerHandshake::repeat_known(const GenericMessage& message, const Sha256Digest& digest,
                                  Messages& out) {
@@ -223,7 +211,7 @@ void PeerHandshake::repeat_known(const GenericMessage& message, const Sha256Dige
     finished_->final->related = message.identity;
     return out.push_back(*finished_->final);
   }
-  auto* answer = answer_to(digest);
+  auto* answer = answers_.to(digest);
   answer->reply.related = message.identity;
   out.push_back(answer->reply);
 }
@@ -233,44 +221,28 @@ bool PeerHandshake::on_request(const GenericMessage& message, const Sha256Digest
                                MonotonicTime now, Messages& out) {
   const auto& token = message.data.front();
   auto challenge = octets_of(token, "challenge1");
-  if (!make_room(challenge, now)) return false;
+  if (!answers_.make_room(challenge, now)) return false;
   auto step = plugin_.begin_handshake_reply(token, identity_->handle(), sides_.own, *own_data_);
   refusals_ += step ? 0 : 1;
   if (!step || !step->message) return true;
   // A request that says the same in other words has an answer already.
-  const auto known = std::ranges::find(answers_, step->handle, &Answer::handle);
-  if (known != answers_.end()) {
+  if (auto* known = answers_.with(step->handle)) {
     known->reply.related = message.identity;
     out.push_back(known->reply);
     return true;
   }
-  answers_.push_back(
-      {step->handle,
-       message_of(message_class::kAuthentication, std::move(*step->message), message.identity),
-       digest, std::move(challenge), octets_of(token, "c.pdata"), now});
-  out.push_back(answers_.back().reply);
+  auto reply =
+      message_of(message_class::kAuthentication, std::move(*step->message), message.identity);
+  out.push_back(reply);
+  answers_.add({.handle = step->handle,
+                .reply = std::move(reply),
+                .request = digest,
+                .challenge = std::move(challenge),
+                .peer_data = octets_of(token, "c.pdata"),
+                .since = now,
+                .octets = octets_in(token)});
   next_ = std::min(next_, now + kResend);
   return true;
-}
-
-bool PeerHandshake::make_room(const Bytes& challenge, MonotonicTime now) {
-  const auto old_enough = [&](auto at) { return now - at->since >= kAnswerAge; };
-  const auto alike = std::ranges::count(answers_, challenge, &Answer::challenge);
-  auto victim = answers_.end();
-  if (static_cast<std::size_t>(alike) >= kMostAnswersPerChallenge)
-    victim = std::ranges::find(answers_, challenge, &Answer::challenge);
-  else if (answers_.size() >= kMostAnswers)
-    victim = answers_.begin();
-  else
-    return true;
-  if (!old_enough(victim)) return false;
-  drop(victim);
-  return true;
-}
-
-void PeerHandshake::drop(std::vector<Answer>::iterator answer) {
-  static_cast<void>(plugin_.return_handshake_handle(answer->handle));
-  answers_.erase(answer);
 }
 
 void PeerHandshake::on_reply(const GenericMessage& message, const Sha256Digest& digest,
@@ -290,16 +262,14 @@ void PeerHandshake::on_reply(const GenericMessage& message, const Sha256Digest& 
 // By whichever answer it belongs to.
 void PeerHandshake::on_final(const GenericMessage& message) {
   const auto& token = message.data.front();
-  for (auto& answer : answers_) {
-    if (!is_echo_of(answer, token)) continue;
+  for (const auto& answer : answers_.all()) {
+    if (!answer.is_answered_by(token)) continue;
     const auto step = plugin_.process_handshake(answer.handle, token);
     if (!step || step->result != spi::ValidationResult::ok) continue;
-    const auto handle = answer.handle;
-    const auto request = answer.request;
-    auto peer_data = std::move(answer.peer_data);
-    std::erase_if(answers_, [&](const auto& a) { return a.handle == handle; });
-    while (!answers_.empty()) drop(answers_.begin());
-    return finish({handle, request, std::nullopt}, std::move(peer_data));
+    const Finished finished{answer.handle, answer.request, std::nullopt};
+    auto peer_data = answer.peer_data;
+    answers_.finish(finished.handle);
+    return finish(finished, std::move(peer_data));
   }
   ++refusals_;
 }

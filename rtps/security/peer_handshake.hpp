@@ -8,17 +8,14 @@
 #include "base/clock.hpp"
 #include "base/hash.hpp"
 #include "plugins/spi/authentication.hpp"
-#include "rtps/security/generic_message.hpp"
+#include "rtps/security/handshake_answers.hpp"
 
 namespace ddssec::rtps {
 
-/// Hands out the numbers of our stateless messages.
-class MessageNumbers {
- public:
-  std::int64_t next() { return ++last_; }
-
- private:
-  std::int64_t last_ = 0;
+/// What the handshakes of a participant with all of its peers share.
+struct HandshakeAccount {
+  std::int64_t last_number = 0;   ///< of our stateless messages
+  std::size_t answer_octets = 0;  ///< see HandshakeAnswers
 };
 
 /// What the plugin knows of a peer. Returned when nothing refers to it any more: a handshake, or a
@@ -61,7 +58,7 @@ class PeerHandshake {
   };
   /// `own_data`: c.pdata of ours, a big-endian parameter list.
   PeerHandshake(spi::Authentication& plugin, Sides sides, std::shared_ptr<const Bytes> own_data,
-                MessageNumbers& numbers, MonotonicTime now);
+                HandshakeAccount& account, MonotonicTime now);
   PeerHandshake(const PeerHandshake&) = delete;
   PeerHandshake& operator=(const PeerHandshake&) = delete;
 
@@ -110,6 +107,7 @@ class PeerHandshake {
   spi::HandshakeHandle handle() const;
   /// The peer's, once it was validated; nullptr before.
   const std::shared_ptr<const PeerIdentity>& identity() const { return identity_; }
+  HandshakeAnswers& answers() { return answers_; }
   /// The peer's c.pdata, proven when finished; empty before.
   BytesView peer_data() const { return peer_data_; }
 
@@ -119,14 +117,6 @@ class PeerHandshake {
   static constexpr MonotonicTime kSlow = std::chrono::seconds(32);
   /// After so long it is overdue, and our request is made anew; then again after as long.
   static constexpr MonotonicTime kOverdue = std::chrono::seconds(100);
-  /// Answers to different requests, of which one is honest. One that is younger does not give way,
-  /// so that a final comes in time; one that is older than its life is nobody's.
-  static constexpr std::size_t kMostAnswers = 32;
-  static constexpr std::size_t kMostAnswersPerChallenge = 4;
-  static constexpr MonotonicTime kAnswerAge = std::chrono::milliseconds(50);
-  static constexpr MonotonicTime kAnswerLife = std::chrono::seconds(5);
-  /// Answers that are repeated at once.
-  static constexpr std::size_t kMostRepeated = 4;
   /// How long a new request beside a finished handshake is repeated.
   static constexpr MonotonicTime kSecondTry = std::chrono::seconds(5);
 
@@ -135,14 +125,6 @@ class PeerHandshake {
     spi::HandshakeHandle handle;
     GenericMessage message;
     MonotonicTime until;  ///< not repeated any more; kNever for the first
-  };
-  struct Answer {
-    spi::HandshakeHandle handle;
-    GenericMessage reply;
-    Sha256Digest request;
-    Bytes challenge;
-    Bytes peer_data;
-    MonotonicTime since;
   };
   struct Finished {
     spi::HandshakeHandle handle;
@@ -153,7 +135,6 @@ class PeerHandshake {
   void start(MonotonicTime now, Messages& out);
   void become_overdue(MonotonicTime now);
   bool make_request(MonotonicTime until);
-  void repeat_answers(Messages& out);
   Weighed weigh_reply(const spi::Token& token) const;
   Weighed weigh_request(const spi::Token& token) const;
   void repeat_known(const GenericMessage& message, const Sha256Digest& digest, Messages& out);
@@ -161,12 +142,7 @@ class PeerHandshake {
                   Messages& out);
   void on_reply(const GenericMessage& message, const Sha256Digest& digest, Messages& out);
   void on_final(const GenericMessage& message);
-  bool make_room(const Bytes& challenge, MonotonicTime now);
-  void drop(std::vector<Answer>::iterator answer);
   void finish(Finished finished, Bytes peer_data);
-  Answer* answer_to(const Sha256Digest& request);
-  const Answer* answer_to(const Sha256Digest& request) const;
-  bool is_echo_of(const Answer& answer, const spi::Token& final) const;
   MonotonicTime pause();
   GenericMessage message_of(std::string_view message_class, spi::Token token,
                             const MessageIdentity& related);
@@ -175,7 +151,7 @@ class PeerHandshake {
   spi::Authentication& plugin_;
   const Sides sides_;
   const std::shared_ptr<const Bytes> own_data_;
-  MessageNumbers& numbers_;
+  HandshakeAccount& account_;
   MonotonicTime overdue_at_;
   MonotonicTime next_;
   MonotonicTime began_{};
@@ -188,8 +164,7 @@ class PeerHandshake {
   bool overdue_ = false;
   int repetitions_ = 0;
   std::optional<Request> request_;
-  std::vector<Answer> answers_;  ///< oldest first
-  std::size_t next_answer_ = 0;  ///< to be repeated
+  HandshakeAnswers answers_;
   std::optional<Finished> finished_;
   bool has_new_proof_ = false;
   Bytes peer_data_;

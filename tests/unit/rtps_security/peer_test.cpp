@@ -75,7 +75,7 @@ std::optional<In> leads_to(In from, Edge edge) {
 class PeerEdges : public ::testing::Test {
  protected:
   std::unique_ptr<PeerHandshake> handshake() {
-    return std::make_unique<PeerHandshake>(*engine_, PeerHandshake::Sides{}, data_, numbers_, 0s);
+    return std::make_unique<PeerHandshake>(*engine_, PeerHandshake::Sides{}, data_, account_, 0s);
   }
   Association association() {
     Association out;
@@ -162,7 +162,7 @@ class PeerEdges : public ::testing::Test {
   testing::Events events_;
   std::unique_ptr<spi::Authentication> engine_ =
       authentication::make_authentication({clock_, random_, events_});
-  MessageNumbers numbers_;
+  HandshakeAccount account_;
   std::shared_ptr<const Bytes> data_ = std::make_shared<const Bytes>();
   std::string given_back_;
 };
