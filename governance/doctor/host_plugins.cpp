@@ -226,10 +226,16 @@ void check_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlac
     makers.insert(plugin.maker);
     if (plugin.maker == Maker::ours) versions.insert(plugin.version);
   }
-  if (makers.size() > 1 || versions.size() > 1)
+  if (makers.size() > 1 && makers.contains(Maker::nobody))
     return out.report(
         {.cyclonedds = Outcome::fail, .ours = Outcome::fail},
-        finding_of("Cyclone DDS would load plugins that do not go together: " + listed(plugins),
+        finding_of("Cyclone DDS would not find all of its plugins: " + listed(plugins), plugins));
+  // They work together, without what only ours refuse and report.
+  if (makers.size() > 1 || versions.size() > 1)
+    return out.report(
+        {.ours = Outcome::unsafe},
+        finding_of(fmt::format("Cyclone DDS would load plugins of two {}: {}",
+                               makers.size() > 1 ? "products" : "versions", listed(plugins)),
                    plugins));
   if (makers.contains(Maker::ours)) return out.pass(Rule::DOC068);
   for (const auto& folder : folders_of(places.library_path))

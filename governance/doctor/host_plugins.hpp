@@ -44,8 +44,9 @@ std::vector<HostPlugin> plugins_of_node(const LoaderPlaces& places);
 /// True if the file says that it is of ddssec. Not by loading it: that would run its code.
 bool is_ours(const std::filesystem::path& library);
 
-/// Reports plugins that do not go together, and others in place of ours where LD_LIBRARY_PATH shows
-/// that ours were meant: the application runs all the same then, and says nothing.
+/// Reports plugins that are missing or of several products or versions, and others in place of ours
+/// where LD_LIBRARY_PATH shows that ours were meant: the application runs all the same then, and
+/// says nothing.
 void check_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlaces& places,
                         Diagnosis& out);
 

@@ -421,7 +421,7 @@ class Golden(WithoutLists):
         mixed = self.libraries("mixed", "ddssec_", ["crypto"])
         told = plugins(f"{mixed}:{stock}", 1)[1]
         self.assertEqual(told[0]["severity"], "warning")
-        self.assertIn("do not go together: authentication: stock, not ddssec's", told[0]["message"])
+        self.assertIn("of two products: authentication: stock, not ddssec's", told[0]["message"])
         self.assertIn("begin with the folder that has ddssec's", told[0]["hint"])
         # Without a configuration nobody knows the names; CYCLONEDDS_URI comes first.
         self.assertEqual(plugins(ours, 0, self.paths["correct"]), ([], []))
