@@ -101,8 +101,10 @@ int main() {
   std::string line;
   while (std::getline(std::cin, line)) {
     const auto pair = Json::parse(line);
-    const auto answer = pair["kind"] == "governance" ? compared(pair, governance::read_governance)
-                                                     : compared(pair, governance::read_permissions);
+    const auto read_governance = [](BytesView xml) { return governance::read_governance(xml); };
+    const auto read_permissions = [](BytesView xml) { return governance::read_permissions(xml); };
+    const auto answer = pair["kind"] == "governance" ? compared(pair, read_governance)
+                                                     : compared(pair, read_permissions);
     std::cout << answer.dump(-1, ' ', true, Json::error_handler_t::replace) << '\n';
   }
   return std::cout.good() ? 0 : 1;
