@@ -273,13 +273,15 @@ void StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, 
   const auto base = acknack.missing.base();
   // A reader that knows nothing yet asks what there is (base 0: Fast DDS; count 0: Cyclone DDS).
   const bool pre_emptive = base.value < 1 || acknack.count == 0;
-  if (!pre_emptive && !is_later(acknack.count, proxy->last_count) && proxy->last_count != 0) return;
-  proxy->last_count = acknack.count;
+  if (!pre_emptive) {
+    if (!is_later(acknack.count, proxy->last_count) && proxy->last_count != 0) return;
+    proxy->last_count = acknack.count;  // a pre-emptive one, recorded, must not make old ones new
+  }
   if (!pre_emptive && base <= history_.last().next() && base.previous() > proxy->acknowledged) {
     proxy->acknowledged = base.previous();
     be_attentive(now);
   }
-  const bool answered = answer_requests(*proxy, acknack.missing, now);
+  const bool answered = !pre_emptive && answer_requests(*proxy, acknack.missing, now);
   if (answered || pre_emptive || (!acknack.is_final && acknack.missing.empty()))
     send_heartbeat(to(*proxy), proxy->reader.guid.entity,
                    std::max(history_.first(), proxy->first_relevant), !answered && !pre_emptive);

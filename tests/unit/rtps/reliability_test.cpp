@@ -410,6 +410,34 @@ TEST(Reliability, AnAcknackForMoreThanWasWrittenIsNotBelieved) {
   EXPECT_EQ(pair.writer.history().size(), 1u);
 }
 
+// A pre-emptive one (base 0 of Fast DDS, count 0 of Cyclone DDS) is answered, and changes nothing.
+TEST(Reliability, APreEmptiveAcknackDoesNotMakeRecordedOnesNew) {
+  Pair pair(keep_all());
+  pair.match();
+  for (int i = 0; i < 6; ++i) pair.write(Bytes(700));
+  pair.net.a.sent.clear();
+  SequenceNumberSet all({1});
+  for (std::int64_t number = 1; number <= 6; ++number) all.insert({number});
+  const AckNack request{testing::kReader, testing::kWriter, all, 50, true};
+  pair.writer.on_acknack(kB, request, pair.now);
+  const auto answered = std::exchange(pair.net.a.sent, {}).size();
+  EXPECT_GE(answered, 1u);
+  for (const auto& pre_emptive :
+       {AckNack{testing::kReader, testing::kWriter, SequenceNumberSet({0}), 1, true},
+        AckNack{testing::kReader, testing::kWriter, SequenceNumberSet({1}), 0, true}}) {
+    pair.now += milliseconds(100);
+    pair.writer.on_acknack(kB, pre_emptive, pair.now);
+    EXPECT_EQ(std::exchange(pair.net.a.sent, {}).size(), 1u) << "a heartbeat";
+    for (std::int32_t count = 45; count <= 50; ++count) {
+      pair.now += milliseconds(100);
+      auto recorded = request;
+      recorded.count = count;
+      pair.writer.on_acknack(kB, recorded, pair.now);
+    }
+    EXPECT_TRUE(pair.net.a.sent.empty());
+  }
+}
+
 // A million early numbers, a GAP over 2^61 numbers ahead, fragments of samples that never complete.
 TEST(Reliability, WhatNeverCompletesStaysBounded) {
   Pair pair(keep_all());
