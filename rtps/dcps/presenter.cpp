@@ -8,7 +8,9 @@ void Presenter::add(PresentedReader& reader, const Guid& writer, const std::opti
   const bool grouped = by_group_ && group;
   const SourceKey key{grouped ? nullptr : &reader, grouped ? *group : writer};
   if (!source_of_.try_emplace({&reader, writer}, key).second) return;
-  sources_[key].streams.try_emplace({&reader, writer});
+  auto& source = sources_[key];
+  source.participant = writer.prefix;
+  source.streams.try_emplace({&reader, writer});
 }
 
 void Presenter::remove(PresentedReader& reader, const Guid& writer, MonotonicTime now) {
@@ -28,7 +30,7 @@ void Presenter::remove(PresentedReader& reader, const Guid& writer, MonotonicTim
   }
   release(source, now);
   if (source.streams.empty()) {
-    for (auto& [id, set] : source.sets) drop(source, set);
+    while (!source.sets.empty()) erase(source, source.sets.begin());
     for (auto& [id, batch] : source.ready) present(source, batch);
     sources_.erase(at->second);
   }
@@ -36,14 +38,18 @@ void Presenter::remove(PresentedReader& reader, const Guid& writer, MonotonicTim
 }
 
 void Presenter::remove(PresentedReader& reader, MonotonicTime now) {
+  const auto is_its = [&](const Item& item) { return item.reader == &reader; };
   for (auto& [key, source] : sources_) {
-    const auto forget = [&, &from = source](const Item& item) {
-      if (item.reader != &reader) return false;
-      --from.held, from.octets -= item.change.payload.size();
-      return true;
-    };
-    for (auto& [id, set] : source.sets) std::erase_if(set.items, forget);
-    for (auto& [id, batch] : source.ready) std::erase_if(batch.items, forget);
+    for (auto& [id, set] : source.sets)
+      std::erase_if(set.items, [&, &from = source, &in = set](const Item& item) {
+        if (is_its(item)) refund(from, in, price_of(item));
+        return is_its(item);
+      });
+    for (auto& [id, batch] : source.ready)
+      std::erase_if(batch.items, [&](const Item& item) {
+        if (is_its(item)) octets_ -= price_of(item);
+        return is_its(item);
+      });
   }
   std::vector<Guid> writers;
   for (const auto& [key, source] : source_of_)
@@ -60,10 +66,59 @@ bool Presenter::on_change(PresentedReader& reader, Change& change, MonotonicTime
   auto* source = find(reader, change.writer);
   if (source == nullptr) return true;  // not matched any more
   // What is held because of readers without room will be taken; a set that grows without end ends.
-  if (is_full(*source) && !source->ready.empty()) return false;
+  trim();
+  if (is_full()) return false;
   gather(*source, {&reader, change.writer}, change, now);
   release(*source, now);
+  trim();
   return true;
+}
+
+void Presenter::charge(const Source& source, Set& set, std::size_t price) {
+  set.octets += price;
+  octets_ += price;
+  open_of_[source.participant] += price;
+}
+
+void Presenter::refund(const Source& source, Set& set, std::size_t price) {
+  set.octets -= price;
+  octets_ -= price;
+  const auto of_it = open_of_.find(source.participant);
+  of_it->second -= price;
+  if (of_it->second == 0) open_of_.erase(of_it);
+}
+
+void Presenter::trim() {
+  while (is_full() && give_up_one()) {
+  }
+}
+
+// By participant: an attacker that opens many small sets displaces no honest large one.
+bool Presenter::give_up_one() {
+  const auto most = std::ranges::max_element(open_of_, {}, [](const auto& p) { return p.second; });
+  if (most == open_of_.end()) return false;
+  Source* of = nullptr;
+  auto largest = std::map<SequenceNumber, Set>::iterator{};
+  for (auto& [key, source] : sources_) {
+    if (source.participant != most->first) continue;
+    for (auto at = source.sets.begin(); at != source.sets.end(); ++at)
+      if (of == nullptr || at->second.octets > largest->second.octets) of = &source, largest = at;
+  }
+  if (of == nullptr) return false;
+  if (largest->second.items.empty()) {
+    forget(*of, largest);
+  } else {
+    largest->second.broken = true;
+    drop(*of, largest->second);
+  }
+  return true;
+}
+
+// What else comes of it does not begin with its first change, so it cannot become whole.
+void Presenter::forget(Source& source, std::map<SequenceNumber, Set>::iterator at) {
+  for (auto& [key, stream] : source.streams)
+    if (stream.set == at->first) stream.set = {};
+  erase(source, at);
 }
 
 // RTPS 8.7.6: a set ends with a change that is of another set, of none, or has no data; its numbers
@@ -84,8 +139,6 @@ void Presenter::gather(Source& source, const StreamKey& key, Change& change, Mon
   else if (change.is_marker() && id.value > 0)  // wrote nothing in it
     end_set(source, key, id, follows || before.value == 0, now);
   if (change.is_marker()) return;
-  const auto octets = change.payload.size();
-  ++source.held, source.octets += octets;
   if (id.value == 0) {
     std::vector<Item> one;
     one.push_back({key.first, std::move(change)});
@@ -96,11 +149,14 @@ void Presenter::gather(Source& source, const StreamKey& key, Change& change, Mon
   const bool begins = stream.set.value == 0;
   stream.set = id;
   set.broken = set.broken || (begins ? number != in.set : !follows);
-  set.items.push_back({key.first, std::move(change)});
-  if (is_full(source)) {
-    set.broken = true;
-    drop(source, set);
-  }
+  hold(source, set, {key.first, std::move(change)});
+}
+
+// Of a set that cannot become whole nothing is kept.
+void Presenter::hold(Source& source, Set& set, Item item) {
+  if (set.broken) return item.reader->lose(1);
+  charge(source, set, price_of(item));
+  set.items.push_back(std::move(item));
 }
 
 void Presenter::end_set(Source& source, const StreamKey& key, SequenceNumber id, bool whole,
@@ -113,11 +169,11 @@ void Presenter::end_set(Source& source, const StreamKey& key, SequenceNumber id,
 
 // One that is given up cannot become whole any more: who ended it does not end it again.
 Presenter::Set& Presenter::set_of(Source& source, SequenceNumber id) {
-  if (source.sets.size() >= kMostSets && !source.sets.contains(id)) {
-    drop(source, source.sets.begin()->second);
-    source.sets.erase(source.sets.begin());
-  }
-  return source.sets[id];
+  if (source.sets.size() >= kMostSets && !source.sets.contains(id))
+    forget(source, source.sets.begin());
+  const auto [at, is_new] = source.sets.try_emplace(id);
+  if (is_new) charge(source, at->second, kPricePerItem);
+  return at->second;
 }
 
 void Presenter::settle(Source& source, SequenceNumber id, MonotonicTime now) {
@@ -129,25 +185,33 @@ void Presenter::settle(Source& source, SequenceNumber id, MonotonicTime now) {
     return std::pair(item.change.coherence.group, item.change.sequence_number);
   });
   if (!set.items.empty()) {
+    refund(source, set, set.octets - kPricePerItem);
     const auto last = set.items.back().change.coherence.group;
     const auto first = by_group_ ? id : set.items.front().change.sequence_number;
     enqueue(source, first, {std::move(set.items), last.value > 0 ? last.next() : last, now});
   }
+  erase(source, at);
+}
+
+void Presenter::erase(Source& source, std::map<SequenceNumber, Set>::iterator at) {
+  drop(source, at->second);
+  refund(source, at->second, at->second.octets);
   source.sets.erase(at);
 }
 
-void Presenter::drop(Source& source, Set& set) {
+void Presenter::drop(const Source& source, Set& set) {
   std::map<PresentedReader*, std::size_t> lost;
   for (const auto& item : set.items) {
     ++lost[item.reader];
-    --source.held, source.octets -= item.change.payload.size();
+    refund(source, set, price_of(item));
   }
   set.items.clear();
   for (const auto& [reader, count] : lost) reader->lose(count);
 }
 
 void Presenter::enqueue(Source& source, SequenceNumber at, Batch batch) {
-  while (!source.ready.try_emplace(at, std::move(batch)).second) at = at.next();
+  for (const auto& item : batch.items) octets_ += price_of(item);
+  source.ready.emplace(at, std::move(batch));  // of equal numbers the first to come is first
 }
 
 // RTPS 8.7.5: nothing before it can come any more, or has been waited for.
@@ -168,7 +232,7 @@ bool Presenter::has_room(const Batch& batch) {
 
 void Presenter::present(Source& source, Batch& batch) {
   for (auto& item : batch.items) {
-    --source.held, source.octets -= item.change.payload.size();
+    octets_ -= price_of(item);
     item.reader->present(item.change);
   }
   source.presented = std::max(source.presented, batch.last);

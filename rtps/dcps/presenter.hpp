@@ -25,10 +25,11 @@ class PresentedReader {
 /// Of one reader, or with GROUP scope of all readers of a subscriber.
 class Presenter {
  public:
-  /// Samples held back of one writer or publisher; beyond, changes are refused for now, and a set
-  /// that is larger is given up.
-  static constexpr std::size_t kMostHeld = 65536;
+  /// What is held back of all writers together. Beyond it the participant with most in open sets
+  /// loses its largest open set; if there is no open set, changes are refused for now.
   static constexpr std::size_t kMostOctets = std::size_t{64} << 20;
+  /// What each sample and each open set counts beside its payload.
+  static constexpr std::size_t kPricePerItem = 1024;
   /// Sets of one publisher that not all of its writers ended; beyond, the oldest is given up.
   static constexpr std::size_t kMostSets = 1024;
   /// How long a hole among a group's numbers holds up what is behind it.
@@ -53,6 +54,8 @@ class Presenter {
   /// Readers may have room again, or a hole was waited for long enough.
   void release(MonotonicTime now);
   MonotonicTime next_tick() const;
+  /// The price of everything that is held back.
+  std::size_t octets() const { return octets_; }
 
  private:
   using StreamKey = std::pair<PresentedReader*, Guid>;
@@ -70,6 +73,7 @@ class Presenter {
     std::vector<Item> items;
     std::set<StreamKey> ended;
     bool broken = false;
+    std::size_t octets = 0;  ///< the price of its items and of itself
   };
   /// Ready to be presented as soon as what is before it was.
   struct Batch {
@@ -79,24 +83,33 @@ class Presenter {
   };
   /// A publisher, or one writer of one reader.
   struct Source {
+    GuidPrefix participant;
     std::map<StreamKey, Stream> streams;
     std::map<SequenceNumber, Set> sets;
-    std::map<SequenceNumber, Batch> ready;
+    std::multimap<SequenceNumber, Batch> ready;
     SequenceNumber presented;  ///< group sequence number; 0 none yet
-    std::size_t held = 0, octets = 0;
   };
   using SourceKey = std::pair<PresentedReader*, Guid>;
 
   Source* find(PresentedReader& reader, const Guid& writer);
-  bool is_full(const Source& source) const {
-    return source.held >= kMostHeld || source.octets >= kMostOctets;
+  static std::size_t price_of(const Item& item) {
+    return kPricePerItem + item.change.payload.size();
   }
+  bool is_full() const { return octets_ >= kMostOctets; }
+  void charge(const Source& source, Set& set, std::size_t price);
+  void refund(const Source& source, Set& set, std::size_t price);
+  /// Gives up open sets until there is room, if any are left.
+  void trim();
+  bool give_up_one();
   void gather(Source& source, const StreamKey& key, Change& change, MonotonicTime now);
   void end_set(Source& source, const StreamKey& key, SequenceNumber id, bool whole,
                MonotonicTime now);
   Set& set_of(Source& source, SequenceNumber id);
   void settle(Source& source, SequenceNumber id, MonotonicTime now);
-  void drop(Source& source, Set& set);
+  void hold(Source& source, Set& set, Item item);
+  void drop(const Source& source, Set& set);
+  void erase(Source& source, std::map<SequenceNumber, Set>::iterator at);
+  void forget(Source& source, std::map<SequenceNumber, Set>::iterator at);
   void enqueue(Source& source, SequenceNumber at, Batch batch);
   bool may_present(const Source& source, SequenceNumber first, const Batch& batch,
                    MonotonicTime now) const;
@@ -106,6 +119,8 @@ class Presenter {
 
   const bool by_group_, coherent_, ordered_;
   bool paused_ = false;
+  std::size_t octets_ = 0;                      ///< of everything that is held back
+  std::map<GuidPrefix, std::size_t> open_of_;  ///< in open sets, by participant
   std::map<SourceKey, Source> sources_;
   std::map<StreamKey, SourceKey> source_of_;
 };

@@ -13,6 +13,9 @@ using ::testing::IsEmpty;
 Guid writer(std::uint8_t n) { return {GuidPrefix::from(Bytes(12, n)), EntityId{{0, 0, 1, 2}}}; }
 const Guid kGroup{GuidPrefix::from(Bytes(12, 9)), EntityId{{0, 0, 1, 8}}};
 
+/// More small ones are not held.
+constexpr auto kMostSamples = Presenter::kMostOctets / Presenter::kPricePerItem;
+
 struct Reader final : PresentedReader {
   std::vector<std::int64_t>* seen;
   std::size_t room = 100;
@@ -81,14 +84,56 @@ TEST_F(Coherent, WhatDoesNotFitWaitsAndRefusesMore) {
 }
 
 TEST_F(Coherent, ASetWithoutEndIsGivenUp) {
-  for (std::size_t i = 1; i <= Presenter::kMostHeld; ++i)
+  for (std::size_t i = 1; i <= kMostSamples; ++i)
     ASSERT_TRUE(put(static_cast<std::int64_t>(i), 1, 1));
-  EXPECT_EQ(one.lost, Presenter::kMostHeld);
-  const auto next = static_cast<std::int64_t>(Presenter::kMostHeld) + 1;
+  EXPECT_EQ(one.lost, kMostSamples);
+  const auto next = static_cast<std::int64_t>(kMostSamples) + 1;
   put(next, 0, 0);
   EXPECT_THAT(take(), IsEmpty());
   put(next + 1, 7, 0);
   EXPECT_THAT(take(), ElementsAre(7));
+}
+
+// 64 MiB of each writer: six writers with an open set each took 376 MiB.
+TEST_F(Coherent, OpenSetsOfAllWritersHaveOneAccount) {
+  constexpr std::uint8_t kWriters = 40;
+  const auto payload = Payload::copy_of(Bytes(4 << 20));
+  for (std::uint8_t from = 1; from <= kWriters; ++from) presenter.add(one, writer(from), {});
+  for (std::int64_t number = 1; number <= 4; ++number)
+    for (std::uint8_t from = 1; from <= kWriters; ++from) {
+      auto next = change(from, number, 1, {{1}, {}, {}, {}});
+      next.payload = payload;
+      ASSERT_TRUE(presenter.on_change(one, next, now));
+    }
+  EXPECT_LE(presenter.octets(), Presenter::kMostOctets);
+  EXPECT_GE(one.lost, 4 * kWriters - Presenter::kMostOctets / payload.size());
+}
+
+// Many writers of one participant, each below the set of another one.
+TEST_F(Coherent, OpenSetsOfOneParticipantDoNotDisplaceThoseOfAnother) {
+  put(1, 1, 1);
+  auto large = change(1, 2, 2, {{1}, {}, {}, {}});
+  large.payload = Payload::copy_of(Bytes(1 << 20, 2));
+  ASSERT_TRUE(presenter.on_change(one, large, now));
+  const auto payload = Payload::copy_of(Bytes(1 << 18));
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    auto next = change(2, 1, 1, {{1}, {}, {}, {}});
+    next.writer.entity =
+        EntityId{{static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i), 1, 2}};
+    next.payload = payload;
+    presenter.add(one, next.writer, {});
+    ASSERT_TRUE(presenter.on_change(one, next, now));
+  }
+  put(3, 0, 0);
+  EXPECT_THAT(take(), ElementsAre(1, 2));
+}
+
+TEST_F(Coherent, ASetThatWasGivenUpIsNotSeenWithoutItsBeginning) {
+  for (std::size_t i = 1; i <= kMostSamples; ++i) put(static_cast<std::int64_t>(i), 1, 1);
+  const auto next = static_cast<std::int64_t>(kMostSamples) + 1;
+  put(next, 1, 1), put(next + 1, 1, 1), put(next + 2, 0, 0);
+  EXPECT_THAT(take(), IsEmpty());
+  EXPECT_EQ(presenter.octets(), 0u);
 }
 
 TEST_F(Coherent, AWriterThatGoesTakesItsOpenSetAlong) {
@@ -180,6 +225,16 @@ TEST_F(Grouped, AHoleIsWaitedForOnlySoLong) {
   now += Presenter::kPatience;
   presenter.release(now);
   EXPECT_THAT(take(), ElementsAre(3));
+}
+
+// While access is paused, equal group numbers were looked for one by one.
+TEST_F(Grouped, EqualGroupNumbersArePresentedAsTheyCame) {
+  presenter.pause(true, now);
+  for (std::int64_t number = 1; number <= 50'000; ++number)
+    put(1, number, static_cast<std::uint8_t>(1 + number % 2), 0, 0, 1);
+  presenter.pause(false, now);
+  ASSERT_EQ(seen.size(), 50'000u);
+  for (std::size_t i = 0; i < seen.size(); ++i) ASSERT_EQ(seen[i], i % 2 == 0 ? 2 : 1);
 }
 
 TEST_F(Grouped, AReaderThatGoesTakesItsSamplesAlong) {
