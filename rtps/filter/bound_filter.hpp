@@ -22,6 +22,11 @@ class BoundFilter {
       return std::unexpected(read.error());
     return filter_.passes(*view_);
   }
+  /// Nothing: it cannot be read, or takes more than so many steps (Filter::passes_within).
+  std::optional<bool> passes_within(std::size_t most_steps, BytesView payload) {
+    if (!view_->decode(payload, filter_.members())) return std::nullopt;
+    return filter_.passes_within(most_steps, *view_);
+  }
 
  private:
   BoundFilter(Filter filter, std::unique_ptr<SampleView> view)

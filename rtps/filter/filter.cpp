@@ -1,6 +1,7 @@
 #include "rtps/filter/filter.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace ddssec::rtps {
 namespace {
@@ -9,6 +10,11 @@ template <class... F>
 struct Overloaded : F... {
   using F::operator()...;
 };
+
+constexpr auto kNoLimit = std::numeric_limits<std::size_t>::max();
+
+/// What it costs to compare texts; all of `steps` if there are not enough.
+void take(std::size_t& steps, std::size_t cost) { steps -= std::min(steps, cost); }
 
 }  // namespace
 
@@ -24,12 +30,18 @@ long double Filter::Integer::real() const {
 }
 
 bool Filter::passes(const SampleView& view) const {
+  return passes_within(kNoLimit, view).value_or(false);
+}
+
+std::optional<bool> Filter::passes_within(std::size_t most_steps, const SampleView& view) const {
   bool value = true;
+  auto left = most_steps;
   for (std::size_t at = 0; at < steps_.size(); ++at) {
     const auto& step = steps_[at];
     switch (step.kind) {
       case Step::Kind::test:
-        value = holds(tests_[step.index], view.leaves());
+        value = holds(tests_[step.index], view.leaves(), left);
+        if (left == 0) return std::nullopt;
         break;
       case Step::Kind::negate:
         value = !value;
@@ -67,7 +79,8 @@ bool Filter::compare(const T& left, const T& right, Relation relation) {
   return false;
 }
 
-bool Filter::holds(const Test& test, std::span<const Leaf> leaves) const {
+bool Filter::holds(const Test& test, std::span<const Leaf> leaves, std::size_t& steps) const {
+  take(steps, 1);
   const auto with = [&](auto value) {
     return compare(value(test.left), value(test.right), test.relation);
   };
@@ -80,8 +93,9 @@ bool Filter::holds(const Test& test, std::span<const Leaf> leaves) const {
       break;
   }
   const auto left = text_of(test.left, leaves), right = text_of(test.right, leaves);
-  return test.relation == Relation::like ? matches_pattern(left, right)
-                                         : compare(left, right, test.relation);
+  if (test.relation == Relation::like) return matches_pattern(left, right, steps);
+  take(steps, std::min(left.size(), right.size()) / 8);
+  return compare(left, right, test.relation);
 }
 
 Filter::Integer Filter::integer_of(const Operand& operand, std::span<const Leaf> leaves) const {
@@ -113,11 +127,18 @@ std::string_view Filter::text_of(const Operand& operand, std::span<const Leaf> l
   return text == nullptr ? std::string_view{} : std::string_view(**text);
 }
 
-// Goes back to the last % only: what an earlier one could take, it can take as well.
 bool matches_pattern(std::string_view text, std::string_view pattern) {
+  auto steps = kNoLimit;
+  return matches_pattern(text, pattern, steps);
+}
+
+// Goes back to the last % only: what an earlier one could take, it can take as well.
+bool matches_pattern(std::string_view text, std::string_view pattern, std::size_t& steps) {
   std::size_t t = 0, p = 0, after_any = 0, tried = 0;
   bool any = false;
   while (t < text.size()) {
+    if (steps == 0) return false;
+    --steps;
     if (p < pattern.size() && pattern[p] == '%') {
       any = true;
       after_any = ++p;

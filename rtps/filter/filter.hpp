@@ -33,6 +33,9 @@ class Filter {
 
   /// Of the sample that `view` holds; a view of the same type as the leaves were of.
   bool passes(const SampleView& view) const;
+  /// The same within so many steps, of which a comparison takes one, one for each eight octets of
+  /// text, and one for each character that LIKE looks at. Nothing: it takes more.
+  std::optional<bool> passes_within(std::size_t most_steps, const SampleView& view) const;
   /// How many members of the type it has to see: for SampleView::decode.
   std::size_t members() const { return members_; }
 
@@ -74,7 +77,8 @@ class Filter {
 
   template <class T>
   static bool compare(const T& left, const T& right, Relation relation);
-  bool holds(const Test& test, std::span<const Leaf> leaves) const;
+  /// Takes what it costs from `steps`; false, too, if that is more than there are.
+  bool holds(const Test& test, std::span<const Leaf> leaves, std::size_t& steps) const;
   Integer integer_of(const Operand& operand, std::span<const Leaf> leaves) const;
   long double real_of(const Operand& operand, std::span<const Leaf> leaves) const;
   std::string_view text_of(const Operand& operand, std::span<const Leaf> leaves) const;
@@ -87,5 +91,7 @@ class Filter {
 
 /// LIKE: % stands for any characters, _ for any one.
 bool matches_pattern(std::string_view text, std::string_view pattern);
+/// The same, which takes one from `steps` for each character it looks at; false once it is 0.
+bool matches_pattern(std::string_view text, std::string_view pattern, std::size_t& steps);
 
 }  // namespace ddssec::rtps

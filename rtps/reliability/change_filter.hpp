@@ -9,8 +9,9 @@ namespace ddssec::rtps {
 class ChangeFilter {
  public:
   virtual ~ChangeFilter() = default;
-  /// Of a change that is alive and carries data. Always the same for the same change.
-  virtual bool passes(const Change& change) = 0;
+  /// Of a change that is alive and carries data. Always the same for the same change. Nothing: the
+  /// reader must judge itself, so it gets the change without a result.
+  virtual std::optional<bool> passes(const Change& change) = 0;
 
   FilterSignature signature{};
 };

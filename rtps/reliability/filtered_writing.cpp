@@ -28,9 +28,9 @@ bool StatefulWriter::filter(const Change& change) {
   wanted_locators_.clear();
   bool all = true;
   for (auto& proxy : readers_) {
-    const bool passed = proxy.wanted = proxy.accepts(change);
-    if (proxy.reader.filter && change.is_alive())
-      filter_results_.push_back({proxy.reader.filter->signature, passed});
+    const auto result = proxy.filtered(change);
+    const bool passed = proxy.wanted = proxy.is_for(change) && result.value_or(true);
+    if (result) filter_results_.push_back({proxy.reader.filter->signature, passed});
     all = all && passed;
     if (!passed && proxy.filtered_from.value == 0) proxy.filtered_from = change.sequence_number;
     if (passed) add_locators(wanted_locators_, proxy.reader);

@@ -138,8 +138,15 @@ class StatefulWriter final : private Timed {
     SequenceNumber filtered_from = {};
     SequenceNumber until = {};  ///< it gets nothing from here on; 0: everything
     bool accepts(const Change& change) const {
-      if (until.value != 0 && change.sequence_number >= until) return false;
-      return !reader.filter || !change.is_alive() || reader.filter->passes(change);
+      return is_for(change) && filtered(change).value_or(true);
+    }
+    bool is_for(const Change& change) const {
+      return until.value == 0 || change.sequence_number < until;
+    }
+    /// What its filter says; nothing: it has none, or the reader must judge itself.
+    std::optional<bool> filtered(const Change& change) const {
+      if (!reader.filter || !change.is_alive()) return std::nullopt;
+      return reader.filter->passes(change);
     }
   };
 

@@ -140,6 +140,24 @@ TEST_P(ContentFilteredTopicTest, SamplesInFragmentsAreFilteredToo) {
   EXPECT_EQ(all_of(few, 1), (std::vector<std::int64_t>{2}));
 }
 
+// Its writer sends everything, without a result, and the reader filters itself.
+TEST_P(ContentFilteredTopicTest, AnExpressionThatTakesTooLongIsAppliedByItsReaderAlone) {
+  auto& writer = a.writer();
+  std::string expression = "value = 2";
+  while (expression.size() < 3000) expression += " OR sensor LIKE '%ab'";
+  auto& few = reader(filtered(expression));
+  ASSERT_TRUE(match(writer, few));
+  run(300ms);
+  const auto before = b.participant->counters().messages;
+  const std::string sensor(20, 'a');
+  for (int i = 0; i < 4; ++i) ASSERT_TRUE(writer.write({sensor, i, Bytes(50'000, 1)}));
+  EXPECT_EQ(all_of(few, 1), (std::vector<std::int64_t>{2}));
+  if (GetParam() == Way::network) {
+    EXPECT_GE(b.participant->counters().messages - before, 4u);
+  }
+  EXPECT_EQ(few.sample_lost_status().total_count, 0);
+}
+
 TEST_P(ContentFilteredTopicTest, ATakenNameIsToldWithTheCallThatReturnsItsTopic) {
   filtered("value = 1", {}, "F");
   const auto hint = [&](const std::string& name) {

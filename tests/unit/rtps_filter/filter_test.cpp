@@ -138,6 +138,32 @@ TEST_F(FilterTest, LikeKnowsTwoWildcards) {
   EXPECT_FALSE(matches_pattern(std::string(5000, 'a'), "%a%a%a%a%a%a%a%a%a%a%a%a%a%a%a%b"));
 }
 
+// 240 tests of a text of 100 characters took 0.7 ms of the writer's time for each sample.
+TEST_F(FilterTest, PassesWithin_AnExpressionThatTakesMoreSteps_SaysNothing) {
+  vehicle.name = std::string(100, 'a');
+  std::string expression = "name LIKE '%ab'";
+  while (expression.size() + 20 < Filter::kLongestExpression) expression += " OR name LIKE '%ab'";
+  const auto expensive = compile(expression), cheap = compile("name LIKE 'a%' AND speed = 30");
+  ASSERT_TRUE(expensive && cheap);
+  Bytes payload;
+  serialize(vehicle, payload, XcdrVersion::xcdr1);
+  ASSERT_TRUE(view.decode(payload, expensive->members()));
+  EXPECT_EQ(expensive->passes_within(2048, view), std::nullopt);
+  EXPECT_EQ(expensive->passes_within(1'000'000, view), false);
+  ASSERT_TRUE(view.decode(payload, cheap->members()));
+  EXPECT_EQ(cheap->passes_within(2048, view), true);
+}
+
+TEST_F(FilterTest, MatchesPattern_CountsEachCharacterItLooksAt) {
+  const std::string text(1000, 'a');
+  std::size_t steps = 5000;
+  EXPECT_TRUE(matches_pattern(text, "a%", steps));
+  EXPECT_LT(steps, 5000u);
+  EXPECT_FALSE(matches_pattern(text, "%" + std::string(200, 'a') + "b%", steps));
+  EXPECT_EQ(steps, 0u);
+  EXPECT_FALSE(matches_pattern("a", "a", steps));
+}
+
 TEST_F(FilterTest, ParametersAreLiterals) {
   EXPECT_TRUE(passes("name = %0 AND speed > %1", {"'BLUE'", "29"}));
   EXPECT_TRUE(passes("speed BETWEEN %1 AND %0", {"40", "20"}));
