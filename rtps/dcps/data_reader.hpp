@@ -78,8 +78,6 @@ class AnyDataReader : public Endpoint, private PresentedReader {
   /// Before it is enabled.
   Status filter_by(ContentFilteredTopic& topic);
   Status on_filter_changed();
-  /// Of an alive change.
-  bool passes_filter(const Change& change);
   /// nullptr for an empty expression.
   Result<std::unique_ptr<BoundFilter>> compile_query(const FilterText& text) const;
   void on_matched(const EndpointData& remote) override;
@@ -87,6 +85,7 @@ class AnyDataReader : public Endpoint, private PresentedReader {
   bool on_change(Change& change) override;
   void on_sample_lost(std::int64_t count) override;
   void on_sample_dropped(const Guid& writer, std::uint32_t octets) override;
+  void on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal) override;
   void on_alive(const Guid& writer) override;
   void on_acknowledged() override {}
   void on_group(const Guid& writer, SequenceNumber group) override;

@@ -23,12 +23,6 @@ void AnyDataReader::on_unmatched(const Guid& remote) {
   Endpoint::on_unmatched(remote);
 }
 
-bool AnyDataReader::passes_filter(const Change& change) {
-  const auto passes = filter_->passes(change.payload.view());
-  if (!passes) ++malformed_;
-  return passes.value_or(false);
-}
-
 bool AnyDataReader::on_change(Change& change) {
   if (presenter_ == nullptr) return change.is_marker() || store(change);
   const bool taken = presenter_->on_change(*this, change, context_.now());
@@ -45,7 +39,11 @@ void AnyDataReader::on_group(const Guid& writer, SequenceNumber group) {
 }
 
 bool AnyDataReader::store(Change& change) {
-  if (filter_ && change.is_alive() && !passes_filter(change)) return true;
+  if (filter_ && change.is_alive()) {
+    const auto passes = filter_->passes(change.payload.view());
+    if (!passes) ++malformed_;
+    if (!passes.value_or(false)) return true;
+  }
   const auto& type = topic_.type();
   // What was encrypted is what its writer said; the hash beside it may be anybody's.
   const bool from_payload = key_is_protected_ && change.payload.size() > 0;
@@ -120,6 +118,13 @@ void AnyDataReader::on_sample_dropped(const Guid& writer, std::uint32_t octets) 
             {}, writer.to_string()));
 }
 
+// One that was dead when it was announced anew waits for the next assertion, as before.
+void AnyDataReader::on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal) {
+  if (signal && !liveliness_.is_alive(writer)) signal->notify(*this, writer);
+  liveliness_.follow(writer, std::move(signal));
+  liveliness_moved();
+}
+
 void AnyDataReader::on_alive(const Guid& writer) {
   liveliness_.alive(writer, context_.now());
   liveliness_moved();
@@ -140,7 +145,8 @@ void AnyDataReader::on_time(MonotonicTime now) {
   if (cache_->release(context_.moment())) data_came();
   cache_->check_deadlines(now, [&](InstanceHandle instance) { miss_deadline(instance); });
   bool changed = false;
-  liveliness_.check(now, [&](const Guid& writer) {
+  liveliness_.check(now, [&](const Guid& writer, LivelinessSignal* signal) {
+    if (signal != nullptr) signal->notify(*this, writer);
     changed = cache_->lose_writer(writer, false, now) || changed;
   });
   if (changed) data_came();

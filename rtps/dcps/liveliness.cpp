@@ -27,6 +27,22 @@ bool WriterLease::check(MonotonicTime now) {
   return true;
 }
 
+MonotonicTime LivelinessMonitor::Writer::end() const {
+  if (lease == kNever) return kNever;
+  return (signal ? std::max(asserted, signal->latest()) : asserted) + std::max(lease, kLeastLease);
+}
+
+void LivelinessMonitor::schedule(const Guid& guid, Writer& writer) {
+  unschedule(guid, writer);
+  writer.noted_end = writer.end();
+  if (writer.noted_end != kNever) ends_.insert({writer.noted_end, guid});
+}
+
+void LivelinessMonitor::unschedule(const Guid& guid, Writer& writer) {
+  if (writer.noted_end != kNever) ends_.erase({writer.noted_end, guid});
+  writer.noted_end = kNever;
+}
+
 void LivelinessMonitor::count(const Guid& writer, int alive, int not_alive) {
   status_.alive_count += alive;
   status_.alive_count_change += alive;
@@ -39,15 +55,23 @@ void LivelinessMonitor::count(const Guid& writer, int alive, int not_alive) {
 void LivelinessMonitor::add(const Guid& writer, Duration lease, MonotonicTime now) {
   const auto [at, is_new] = writers_.try_emplace(writer);
   at->second.lease = lease_of(lease);
-  if (!is_new) return;
-  at->second.asserted = now;
-  count(writer, 1, 0);
+  if (is_new) at->second.asserted = now;
+  if (at->second.alive) schedule(writer, at->second);
+  if (is_new) count(writer, 1, 0);
+}
+
+void LivelinessMonitor::follow(const Guid& writer, std::shared_ptr<LivelinessSignal> signal) {
+  const auto at = writers_.find(writer);
+  if (at == writers_.end()) return;
+  at->second.signal = std::move(signal);
+  if (at->second.alive) schedule(writer, at->second);
 }
 
 void LivelinessMonitor::remove(const Guid& writer) {
   const auto at = writers_.find(writer);
   if (at == writers_.end()) return;
   const bool was_alive = at->second.alive;
+  unschedule(writer, at->second);
   writers_.erase(at);
   count(writer, was_alive ? -1 : 0, was_alive ? 0 : -1);
 }
@@ -57,24 +81,22 @@ void LivelinessMonitor::alive(const Guid& writer, MonotonicTime now) {
   if (at == writers_.end()) return;
   at->second.asserted = now;
   if (std::exchange(at->second.alive, true)) return;
+  schedule(writer, at->second);
   count(writer, 1, -1);
 }
 
-void LivelinessMonitor::check(MonotonicTime now, const std::function<void(const Guid&)>& ended) {
-  for (auto& [guid, writer] : writers_) {
-    if (!writer.alive || writer.lease == kNever || now < writer.asserted + writer.lease) continue;
+// Assertions do not move the noted end: each lease is looked at once in its length.
+void LivelinessMonitor::check(MonotonicTime now, const Ended& ended) {
+  while (next_tick() <= now) {
+    const auto guid = ends_.begin()->second;
+    auto& writer = writers_.find(guid)->second;
+    schedule(guid, writer);
+    if (writer.noted_end > now) continue;
+    unschedule(guid, writer);
     writer.alive = false;
     count(guid, -1, 1);
-    ended(guid);
+    ended(guid, writer.signal.get());
   }
-}
-
-MonotonicTime LivelinessMonitor::next_tick() const {
-  auto next = kNever;
-  for (const auto& [guid, writer] : writers_)
-    if (writer.alive && writer.lease != kNever)
-      next = std::min(next, writer.asserted + writer.lease);
-  return next;
 }
 
 bool LivelinessMonitor::is_alive(const Guid& writer) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "rtps/discovery/endpoint_data.hpp"
+#include "rtps/participant/liveliness_signal.hpp"
 #include "rtps/qos/matching.hpp"
 #include "rtps/reliability/stateful_writer.hpp"
 
@@ -23,8 +24,11 @@ class EndpointListener {
   virtual void on_sample_lost(std::int64_t count) = 0;
   /// A reader's: a change of so many octets was given up, as it is larger than readers take.
   virtual void on_sample_dropped(const Guid&, std::uint32_t) { on_sample_lost(1); }
-  /// A reader's: the matched writer showed, in the way of its LIVELINESS.kind, that it lives. Only
-  /// for writers that offer a finite lease_duration.
+  /// A reader's: the matched writer, which offers a finite lease_duration, is asserted together
+  /// with others, by this signal. nullptr: by on_alive alone (MANUAL_BY_TOPIC). After on_matched.
+  virtual void on_signal(const Guid&, std::shared_ptr<LivelinessSignal>) {}
+  /// A reader's: the matched writer, of MANUAL_BY_TOPIC and a finite lease_duration, asserted
+  /// itself; or the reader asked LivelinessSignal::notify for it.
   virtual void on_alive(const Guid& writer) = 0;
   /// A reader's: the writer has nothing undelivered up to that group sequence number.
   virtual void on_group(const Guid&, SequenceNumber) {}

@@ -79,10 +79,12 @@ void EndpointMatcher::remove(LocalWriter& writer) {
 }
 
 void EndpointMatcher::remove(LocalReader& reader) {
-  remotes_.forget_watches_of(reader.listener);
-  for (const auto& guid : reader.matched)
+  for (const auto& guid : reader.matched) {
+    if (auto* remote = remotes_.find_or_self(guid.prefix))
+      remote->stop_watching(*reader.listener, guid);
     if (auto* remote = remotes_.find_endpoint(guid))
       std::erase(remote->readers, reader.protocol.get());
+  }
   auto& ends = topics_[reader.data.topic_name];
   part_from(ends.writers, reader.data.guid);
   std::erase(ends.readers, &reader);
@@ -92,9 +94,7 @@ void EndpointMatcher::remove(LocalReader& reader) {
 template <class Local>
 void EndpointMatcher::part_from(const std::vector<Local*>& others, const Guid& endpoint) {
   for (auto* other : others) forget(*other, endpoint);
-  auto& self = remotes_.self();
-  std::erase_if(self.watches, [&](const Watch& watch) { return watch.writer == endpoint; });
-  self.endpoints.erase(endpoint.entity);
+  remotes_.self().endpoints.erase(endpoint.entity);
 }
 
 void EndpointMatcher::forget_if_empty(const std::string& topic_name) {
@@ -129,15 +129,12 @@ void EndpointMatcher::remove(RemoteParticipant& remote, const EntityId& id) {
   auto& ends = topics_[topic_name];
   for (auto* writer : ends.writers) forget(*writer, data.guid);
   for (auto* reader : ends.readers) forget(*reader, data.guid);
-  if (!data.qos.liveliness.lease_duration.is_infinite())
-    std::erase_if(remote.watches, [&](const Watch& watch) { return watch.writer == data.guid; });
   std::erase(ends.remotes, data.guid);
   remotes_.remove(remote, id);
   forget_if_empty(topic_name);
 }
 
 void EndpointMatcher::remove_all(RemoteParticipant& remote) {
-  remote.watches.clear();
   while (!remote.endpoints.empty()) remove(remote, remote.endpoints.begin()->first);
 }
 
@@ -227,17 +224,14 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
   const auto own = reader.data.guid;
   auto& matched = remote.endpoints.find(data.guid.entity)->second.readers;
   const bool known = contains(matched, reader.protocol.get());
-  if (known)
-    std::erase_if(remote.watches, [&](const Watch& watch) {
-      return watch.listener == reader.listener && watch.writer == data.guid;
-    });
+  if (known) remote.stop_watching(*reader.listener, data.guid);
   const auto verdict = judge(reader.data, *reader.listener, data);
   if (verdict == Verdict::refused) return forget(reader, data.guid);
   if (verdict == Verdict::awaits_keys) return;
-  const auto& liveliness = data.qos.liveliness;
-  if (!liveliness.lease_duration.is_infinite())
-    remote.watches.push_back({reader.listener, data.guid, liveliness.kind});
-  if (known) return reader.listener->on_matched(data);
+  if (known) {
+    reader.listener->on_matched(data);
+    return remote.watch(*reader.listener, data, core_.now);
+  }
   matched.push_back(reader.protocol.get());
   reader.matched.push_back(data.guid);
   const auto* near = neighbour(own.entity, data.guid);
@@ -251,6 +245,7 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
                           core_.keys_of(own.entity, data.guid)},
                          core_.now, history);
   reader.listener->on_matched(data);
+  remote.watch(*reader.listener, data, core_.now);
   if (in_process) join_in_process(local_, *near, own, data.guid);
 }
 
@@ -267,6 +262,8 @@ void EndpointMatcher::forget(LocalReader& reader, const Guid& remote) {
   const auto keys = core_.keys_of(reader.data.guid.entity, remote);
   if (core_.security) core_.security->keyring().part(reader.data.guid.entity, remote);
   if (std::erase(reader.matched, remote) == 0) return;
+  if (auto* participant = remotes_.find_or_self(remote.prefix))
+    participant->stop_watching(*reader.listener, remote);
   if (auto* endpoint = remotes_.find_endpoint(remote))
     std::erase(endpoint->readers, reader.protocol.get());
   reader.protocol->unmatch(remote, keys);

@@ -23,6 +23,28 @@ MonotonicTime lease_end(const ParticipantData& data, MonotonicTime now) {
   return data.lease_duration.is_infinite() ? kNever : now + lease;
 }
 
+void RemoteParticipant::watch(EndpointListener& reader, const EndpointData& writer,
+                              MonotonicTime now) {
+  const auto& liveliness = writer.qos.liveliness;
+  if (liveliness.lease_duration.is_infinite()) return;
+  if (liveliness.kind == LivelinessKind::manual_by_topic) {
+    watches[writer.guid.entity].push_back(&reader);
+    return reader.on_signal(writer.guid, nullptr);
+  }
+  auto& shared = signal(liveliness.kind);
+  if (shared == nullptr) shared = std::make_shared<LivelinessSignal>(now);
+  reader.on_signal(writer.guid, shared);
+}
+
+void RemoteParticipant::stop_watching(EndpointListener& reader, const Guid& writer) {
+  for (auto& shared : signals)
+    if (shared != nullptr) shared->forget(reader, writer);
+  const auto at = watches.find(writer.entity);
+  if (at == watches.end()) return;
+  std::erase(at->second, &reader);
+  if (at->second.empty()) watches.erase(at);
+}
+
 RemoteParticipants::RemoteParticipants(ParticipantCore& core) : core_(core) {
   self_.data.guid = {core.config.prefix, kEntityIdParticipant};
 }
@@ -142,12 +164,6 @@ std::vector<GuidPrefix> RemoteParticipants::ended() {
       next_end_ = std::min(next_end_, remote.lease_end);
   }
   return out;
-}
-
-void RemoteParticipants::forget_watches_of(const EndpointListener* listener) {
-  const auto is_its = [&](const Watch& watch) { return watch.listener == listener; };
-  for (auto& [prefix, remote] : remotes_) std::erase_if(remote.watches, is_its);
-  std::erase_if(self_.watches, is_its);
 }
 
 std::size_t RemoteParticipants::price_of(const EndpointData& data) {

@@ -1,6 +1,7 @@
 // What is known of other participants and their endpoints, and the bounds on it.
 #pragma once
 
+#include <array>
 #include <map>
 
 #include "rtps/discovery/discovery_listener.hpp"
@@ -17,13 +18,6 @@ LocatorList usable_locators(const LocatorList& announced, const LocatorList& fal
 /// When the lease of a participant that was heard at `now` ends.
 MonotonicTime lease_end(const ParticipantData& data, MonotonicTime now);
 
-/// A local reader that wants to know whether a remote writer lives.
-struct Watch {
-  EndpointListener* listener;
-  Guid writer;
-  LivelinessKind kind;
-};
-
 struct RemoteEndpoint {
   EndpointData data;
   std::vector<StatefulReader*> readers = {};  ///< of ours, that a writer matched
@@ -36,8 +30,11 @@ struct RemoteParticipant {
   MonotonicTime lease_end{};
   MonotonicTime since{};
   std::map<EntityId, RemoteEndpoint> endpoints = {};
-  std::vector<Watch> watches = {};  ///< only where a lease is finite
-  bool accepted = false;            ///< authenticated, or admitted without
+  /// Of its writers with a finite lease, AUTOMATIC and MANUAL_BY_PARTICIPANT, if they are matched.
+  std::array<std::shared_ptr<LivelinessSignal>, 2> signals = {};
+  /// Local readers of its writers with a finite lease that are MANUAL_BY_TOPIC.
+  std::map<EntityId, std::vector<EndpointListener*>> watches = {};
+  bool accepted = false;  ///< authenticated, or admitted without
   bool heard_participants_secure = false;
   std::size_t endpoint_octets = 0;  ///< their price
   bool exceeds = false;             ///< it announced more, and the event was raised
@@ -46,6 +43,13 @@ struct RemoteParticipant {
   std::optional<std::size_t> unproven = {};  ///< octets it counts for as long as nothing is proven
 
   const GuidPrefix& prefix() const { return data.guid.prefix; }
+  /// nullptr: none of its writers with a finite lease is matched. Not for MANUAL_BY_TOPIC.
+  std::shared_ptr<LivelinessSignal>& signal(LivelinessKind kind) {
+    return signals[kind == LivelinessKind::automatic ? 0 : 1];
+  }
+  /// Calls the reader's listener when the writer, with a finite lease, asserts itself.
+  void watch(EndpointListener& reader, const EndpointData& writer, MonotonicTime now);
+  void stop_watching(EndpointListener& reader, const Guid& writer);
 };
 
 /// A table without a protocol: it calls only the DiscoveryListener, and EndpointMatcher matches.
@@ -105,8 +109,6 @@ class RemoteParticipants {
   std::vector<GuidPrefix> ended();
   /// No lease ends before.
   MonotonicTime next_end() const { return next_end_; }
-  /// Before the reader with that listener is removed.
-  void forget_watches_of(const EndpointListener* listener);
 
   // Endpoints.
   static std::size_t price_of(const EndpointData& data);

@@ -64,7 +64,7 @@ void WriterLiveliness::assert_liveliness(LivelinessKind kind) {
 // Fast DDS calls the same octets PL_CDR. Where liveliness is protected, only Cyclone DDS, which
 // never uses the secure topic, may assert it by the plain one.
 void WriterLiveliness::on_participant_message(const Change& change, bool secure) {
-  const auto* remote = remotes_.find(change.writer.prefix);
+  auto* remote = remotes_.find(change.writer.prefix);
   const auto opened = open_payload(change.payload.view());
   if (remote == nullptr || !change.is_alive() || !opened) return;
   const auto body = opened->body;
@@ -76,20 +76,21 @@ void WriterLiveliness::on_participant_message(const Change& change, bool secure)
   if (body[15] == kManualByParticipant) note_alive(*remote, LivelinessKind::manual_by_participant);
 }
 
-void WriterLiveliness::note_alive(const RemoteParticipant& remote, LivelinessKind kind) {
-  for (const auto& watch : remote.watches)
-    if (watch.kind == kind) watch.listener->on_alive(watch.writer);
+void WriterLiveliness::note_alive(RemoteParticipant& remote, LivelinessKind kind) {
+  if (const auto signal = remote.signal(kind)) signal->assert_at(core_.now);
 }
 
+// A writer of kind AUTOMATIC lives as long as its participant does.
 void WriterLiveliness::note_alive(const Guid& writer) {
-  const auto* remote = remotes_.find_or_self(writer.prefix);
-  if (remote == nullptr || remote->watches.empty()) return;
+  auto* remote = remotes_.find_or_self(writer.prefix);
+  if (remote == nullptr) return;
   const auto endpoint = remote->endpoints.find(writer.entity);
   if (endpoint == remote->endpoints.end()) return;
-  if (endpoint->second.data.qos.liveliness.kind == LivelinessKind::manual_by_participant)
-    return note_alive(*remote, LivelinessKind::manual_by_participant);
-  for (const auto& watch : remote->watches)
-    if (watch.writer.entity == writer.entity) watch.listener->on_alive(watch.writer);
+  const auto kind = endpoint->second.data.qos.liveliness.kind;
+  if (kind != LivelinessKind::manual_by_topic) return note_alive(*remote, kind);
+  const auto readers = remote->watches.find(writer.entity);
+  if (readers == remote->watches.end()) return;
+  for (auto* reader : readers->second) reader->on_alive(writer);
 }
 
 }  // namespace ddssec::rtps

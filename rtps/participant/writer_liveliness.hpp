@@ -23,7 +23,7 @@ class WriterLiveliness {
   void on_participant_message(const Change& change, bool secure);
   /// `remote` asserted the liveliness of all its writers of this kind: AUTOMATIC ones by any
   /// message, MANUAL_BY_PARTICIPANT ones by a sample of any of them or a ParticipantMessage.
-  void note_alive(const RemoteParticipant& remote, LivelinessKind kind);
+  void note_alive(RemoteParticipant& remote, LivelinessKind kind);
   /// This writer asserted itself, by a sample or a heartbeat that says so.
   void note_alive(const Guid& writer);
 

@@ -84,7 +84,7 @@ TEST(LivelinessMonitor, CountsWhoLives) {
   monitor.alive(a, milliseconds(500));
   std::vector<Guid> ended;
   const auto check = [&](MonotonicTime now) {
-    monitor.check(now, [&](const Guid& guid) { ended.push_back(guid); });
+    monitor.check(now, [&](const Guid& guid, LivelinessSignal*) { ended.push_back(guid); });
   };
   check(milliseconds(1400));
   EXPECT_THAT(ended, ::testing::IsEmpty());
@@ -105,6 +105,41 @@ TEST(LivelinessMonitor, CountsWhoLives) {
   EXPECT_EQ(monitor.status().not_alive_count, 0);
   monitor.alive(a, milliseconds(2000));  // not ours any more
   EXPECT_EQ(monitor.next_tick(), kNever);
+}
+
+TEST(LivelinessMonitor, ASignalAssertsAllThatFollowIt) {
+  const Guid a{GuidPrefix::from(Bytes(12, 1)), {}}, b{GuidPrefix::from(Bytes(12, 2)), {}};
+  const auto signal = std::make_shared<LivelinessSignal>(milliseconds(0));
+  LivelinessMonitor monitor;
+  for (const auto& guid : {a, b}) {
+    monitor.add(guid, Duration{{1, 0}}, milliseconds(0));
+    monitor.follow(guid, signal);
+  }
+  std::vector<Guid> ended;
+  const auto check = [&](MonotonicTime now) {
+    monitor.check(now, [&](const Guid& guid, LivelinessSignal* of) {
+      EXPECT_EQ(of, signal.get());
+      ended.push_back(guid);
+    });
+  };
+  for (int time = 900; time <= 2700; time += 900) {
+    signal->assert_at(milliseconds(time));
+    check(milliseconds(time + 500));
+  }
+  EXPECT_THAT(ended, ::testing::IsEmpty());
+  monitor.alive(a, milliseconds(3000));  // by itself
+  check(milliseconds(3700));
+  EXPECT_THAT(ended, ElementsAre(b));
+  check(milliseconds(4000));
+  EXPECT_THAT(ended, ElementsAre(b, a));
+  EXPECT_EQ(monitor.next_tick(), kNever);
+}
+
+TEST(LivelinessMonitor, ALeaseThatIsNextToNothingCountsAsTheLeast) {
+  const Guid a{GuidPrefix::from(Bytes(12, 1)), {}};
+  LivelinessMonitor monitor;
+  monitor.add(a, Duration{{0, 1}}, milliseconds(5));
+  EXPECT_EQ(monitor.next_tick(), milliseconds(5) + LivelinessMonitor::kLeastLease);
 }
 
 struct Alarm final : Timed {

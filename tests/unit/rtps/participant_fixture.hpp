@@ -21,7 +21,7 @@ struct Events final : EventSink {
   }
 };
 
-struct Listener final : EndpointListener {
+struct Listener : EndpointListener {
   int matched = 0;
   std::vector<QosMismatch> mismatches;
   std::vector<Change> changes;
@@ -33,10 +33,22 @@ struct Listener final : EndpointListener {
     matched += known.insert(remote.guid).second ? 1 : 0;
     announced.push_back(remote.qos);
   }
-  void on_unmatched(const Guid& remote) override { matched -= known.erase(remote) ? 1 : 0; }
+  void on_unmatched(const Guid& remote) override {
+    matched -= known.erase(remote) ? 1 : 0;
+    signals.erase(remote);
+  }
   void on_inconsistent_topic(const EndpointData&) override { ++inconsistent; }
   void on_sample_lost(std::int64_t count) override { lost += count; }
-  void on_alive(const Guid& writer) override { alive.push_back(writer); }
+  /// Wants to hear of each assertion.
+  void on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal) override {
+    signals[writer] = signal;
+    if (signal) signal->notify(*this, writer);
+  }
+  void on_alive(const Guid& writer) override {
+    alive.push_back(writer);
+    if (const auto& signal = signals[writer]) signal->notify(*this, writer);
+  }
+  std::map<Guid, std::shared_ptr<LivelinessSignal>> signals;
   std::set<Guid> known;
   void on_incompatible_qos(const Guid&, const QosMismatch& m) override { mismatches.push_back(m); }
   bool on_change(Change& change) override {
@@ -57,8 +69,8 @@ struct Node {
   Post post;
   Events events;
   std::uint32_t port;
+  Listener listener;  // outlives its endpoints
   Participant participant;
-  Listener listener;
 
   static ParticipantConfig config(std::uint8_t n, DomainId domain, std::string tag,
                                   std::int32_t lease) {

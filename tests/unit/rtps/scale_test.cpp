@@ -1,7 +1,8 @@
 // What discovery costs as endpoints become many, in work and not in time: this program is built
-// with a call at every branch of rtps/discovery, rtps/reliability and rtps/qos, and counts them.
+// with a call at every branch of the sources that tests/unit/rtps/CMakeLists.txt lists.
 #include <gtest/gtest.h>
 
+#include "rtps/dcps/liveliness.hpp"
 #include "tests/unit/rtps/participant_fixture.hpp"
 
 namespace {
@@ -106,6 +107,58 @@ TEST(Scale, TheWorkOfAnEndpointDoesNotGrowWithTheirNumber) {
   expect_alike("lose a participant", &Work::end, kFew, kMany);
   expect_alike("a second without anything", &Work::idle, 1, 1);
   expect_alike("one sample", &Work::write, 1, 1);
+}
+
+/// Does not ask to hear of each assertion.
+struct Quiet final : testing::socketless::Listener {
+  void on_signal(const Guid&, std::shared_ptr<LivelinessSignal>) override {}
+};
+
+/// What a datagram of 20 octets costs a reader of so many writers with a finite lease.
+std::uint64_t work_of_a_sign_of_life(int writers) {
+  Quiet reader;  // outlives its endpoint
+  testing::socketless::Node a{1}, b{2};
+  testing::socketless::World world{{&a, &b}};
+  auto offered = default_writer_qos();
+  offered.liveliness = {LivelinessKind::automatic, Duration{{100, 0}}};
+  EXPECT_TRUE(b.participant.create_reader({"Topic", "Type", default_reader_qos(), true}, reader,
+                                          world.now));
+  for (int i = 0; i < writers; ++i)
+    EXPECT_TRUE(
+        a.participant.create_writer({"Topic", "Type", offered, true}, a.listener, world.now));
+  for (int i = 0; i < 1000 && reader.matched < writers; ++i) world.run(1);
+  EXPECT_EQ(reader.matched, writers);
+  auto message = testing::message({});
+  std::ranges::copy(a.participant.prefix().octets, message.begin() + 8);
+  return work_of([&] { b.participant.receive(message, world.now); });
+}
+
+// 16 ms for each datagram at 2000 writers, and about 1.1 s at the bound of 16,384.
+TEST(Scale, ASignOfLifeCostsTheSameForAnyNumberOfWriters) {
+  const auto few = work_of_a_sign_of_life(10), many = work_of_a_sign_of_life(1000);
+  EXPECT_LT(many, 2 * few);
+}
+
+/// What a reader does with so many writers for an assertion, and when the first lease would end.
+std::uint64_t work_of_leases(int writers) {
+  const auto signal = std::make_shared<LivelinessSignal>(milliseconds(0));
+  LivelinessMonitor monitor;
+  for (int i = 0; i < writers; ++i) {
+    const Guid guid{GuidPrefix::from(Bytes(12, 1)),
+                    {{static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i), 0, 2}}};
+    monitor.add(guid, Duration{{1, 0}}, milliseconds(i));
+    monitor.follow(guid, signal);
+  }
+  return work_of([&] {
+    signal->assert_at(milliseconds(1));
+    EXPECT_EQ(monitor.next_tick(), milliseconds(1000));
+    monitor.check(milliseconds(999), {});
+    monitor.alive({GuidPrefix::from(Bytes(12, 1)), {{0, 5, 0, 2}}}, milliseconds(999));
+  });
+}
+
+TEST(Scale, AnAssertionCostsTheSameForAnyNumberOfLeases) {
+  EXPECT_LT(work_of_leases(10'000), 3 * work_of_leases(10)) << "a search in log n";
 }
 
 }  // namespace

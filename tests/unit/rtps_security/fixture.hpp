@@ -48,6 +48,7 @@ struct Listener final : EndpointListener {
   }
   void on_unmatched(const Guid& remote) override {
     matched -= static_cast<int>(known.erase(remote));
+    signals.erase(remote);
   }
   void on_incompatible_qos(const Guid&, const QosMismatch&) override {}
   void on_inconsistent_topic(const EndpointData&) override {}
@@ -56,7 +57,16 @@ struct Listener final : EndpointListener {
     return true;
   }
   void on_sample_lost(std::int64_t) override {}
-  void on_alive(const Guid&) override { ++alive; }
+  /// Wants to hear of each assertion.
+  void on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal) override {
+    signals[writer] = signal;
+    if (signal) signal->notify(*this, writer);
+  }
+  void on_alive(const Guid& writer) override {
+    ++alive;
+    if (const auto& signal = signals[writer]) signal->notify(*this, writer);
+  }
+  std::map<Guid, std::shared_ptr<LivelinessSignal>> signals;
   void on_acknowledged() override {}
 };
 
