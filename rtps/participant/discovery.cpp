@@ -129,14 +129,14 @@ void Discovery::accept(RemoteParticipant& remote) {
   builtin_.match(remote);
 }
 
-// A participant that sends anything lives; in the name of an authenticated participant of a domain
-// whose messages are protected, only protected messages (and announcements) say so.
-void Discovery::on_message(const GuidPrefix& source, bool is_protected) {
+// A participant that sends anything lives. In the name of an authenticated one, only what was not
+// said before is a sign of life: anybody can repeat its messages. And where messages are protected,
+// only what came in a protected one, or announces it.
+void Discovery::on_message(const GuidPrefix& source, bool is_protected, bool is_news) {
   auto* remote = parts_.remotes.find(source);
   if (remote == nullptr) return;
-  const bool proven =
-      is_protected || !core_.attributes().is_rtps_protected() || !core_.is_authenticated(source);
-  if (!proven) return;
+  const bool may_count = is_protected || !core_.attributes().is_rtps_protected();
+  if (core_.is_authenticated(source) && !(is_news && may_count)) return;
   parts_.remotes.renew_lease(*remote, remote->data);
   parts_.liveliness.note_alive(*remote, LivelinessKind::automatic);
 }

@@ -44,7 +44,7 @@ class Discovery final : public MessageListener, public SecurityHost {
   void on_alive(const Guid& writer) override { parts_.liveliness.note_alive(writer); }
   void on_acknack(const EntityId& writer, const Guid& reader) override;
   void on_key_exchange(const GuidPrefix& source) override;
-  void on_message(const GuidPrefix& source, bool is_protected) override;
+  void on_message(const GuidPrefix& source, bool is_protected, bool is_news) override;
 
   // SecurityHost
   void on_authenticated(const GuidPrefix& peer) override;

@@ -36,8 +36,9 @@ class MessageListener {
   virtual void on_acknack(const EntityId& writer, const Guid& reader) = 0;
   /// A submessage that only the peer can have protected came over the volatile secure channel.
   virtual void on_key_exchange(const GuidPrefix& source) = 0;
-  /// After the last submessage. `is_protected`: by the key of `source`.
-  virtual void on_message(const GuidPrefix& source, bool is_protected) = 0;
+  /// After the last submessage. `is_protected`: by the key of `source`. `is_news`: one of our
+  /// endpoints had not heard it before.
+  virtual void on_message(const GuidPrefix& source, bool is_protected, bool is_news) = 0;
 };
 
 }  // namespace ddssec::rtps

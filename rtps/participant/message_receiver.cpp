@@ -38,7 +38,7 @@ Status MessageReceiver::read(const Header& header, BytesView datagram, Monotonic
     context.shield.message = opened->by_participant;
   }
   const auto status = walk(datagram, context);
-  listener_.on_message(context.source, context.shield.message);
+  listener_.on_message(context.source, context.shield.message, context.is_news);
   return status;
 }
 
@@ -163,7 +163,7 @@ std::optional<BytesView> MessageReceiver::opened(const StatefulReader& reader, c
   return plain ? std::optional(*plain) : std::nullopt;
 }
 
-Status MessageReceiver::on_data(const SubmessageView& view, const Context& context) {
+Status MessageReceiver::on_data(const SubmessageView& view, Context& context) {
   const auto data = DDSSEC_TRY(read_data(view));
   const auto& from = context.source;
   if (!context.for_us) return {};
@@ -179,13 +179,14 @@ Status MessageReceiver::on_data(const SubmessageView& view, const Context& conte
     const auto payload = marker ? data.payload : opened(reader, {from, data.writer}, data.payload);
     if (!payload) return;
     plain.payload = *payload;
-    reader.on_data(from, plain, context.time);
+    if (!reader.on_data(from, plain, context.time)) return;
+    context.is_news = true;
     listener_.on_alive({from, data.writer});
   });
   return {};
 }
 
-Status MessageReceiver::on_data_frag(const SubmessageView& view, const Context& context) {
+Status MessageReceiver::on_data_frag(const SubmessageView& view, Context& context) {
   const auto frag = DDSSEC_TRY(read_data_frag(view));
   const auto& from = context.source;
   if (!context.for_us) return {};
@@ -197,45 +198,49 @@ Status MessageReceiver::on_data_frag(const SubmessageView& view, const Context& 
     const auto payload = opened(reader, {from, frag.writer}, frag.encoded);
     const auto plain = payload ? with_payload(frag, *payload) : fail(Code::truncated);
     if (!plain) return;
-    reader.on_data_frag(from, *plain, context.time);
+    if (!reader.on_data_frag(from, *plain, context.time)) return;
+    context.is_news = true;
     listener_.on_alive({from, frag.writer});
   });
   return {};
 }
 
-Status MessageReceiver::on_heartbeat(const SubmessageView& view, const Context& context) {
+Status MessageReceiver::on_heartbeat(const SubmessageView& view, Context& context) {
   const auto heartbeat = DDSSEC_TRY(read_heartbeat(view));
   const Guid from{context.source, heartbeat.writer};
   if (!context.for_us) return {};
   if (is_builtin(heartbeat.writer)) listener_.on_builtin_heartbeat(from);
   each_reader(heartbeat.reader, heartbeat.writer, context, [&](StatefulReader& reader) {
-    reader.on_heartbeat(from.prefix, heartbeat);
+    if (!reader.on_heartbeat(from.prefix, heartbeat)) return;
+    context.is_news = true;
     if (heartbeat.asserts_liveliness) listener_.on_alive(from);
   });
   return {};
 }
 
-Status MessageReceiver::on_gap(const SubmessageView& view, const Context& context) {
+Status MessageReceiver::on_gap(const SubmessageView& view, Context& context) {
   const auto gap = DDSSEC_TRY(read_gap(view));
   if (!context.for_us) return {};
-  each_reader(gap.reader, gap.writer, context,
-              [&](StatefulReader& reader) { reader.on_gap(context.source, gap); });
+  each_reader(gap.reader, gap.writer, context, [&](StatefulReader& reader) {
+    context.is_news = reader.on_gap(context.source, gap) || context.is_news;
+  });
   return {};
 }
 
-Status MessageReceiver::on_acknack(const SubmessageView& view, const Context& context) {
+Status MessageReceiver::on_acknack(const SubmessageView& view, Context& context) {
   const auto acknack = DDSSEC_TRY(read_acknack(view));
   auto* writer = addressed(acknack.writer, acknack.reader, context);
   if (writer == nullptr) return {};
-  writer->on_acknack(context.source, acknack, context.now);
+  context.is_news = writer->on_acknack(context.source, acknack, context.now) || context.is_news;
   listener_.on_acknack(acknack.writer, {context.source, acknack.reader});
   return {};
 }
 
-Status MessageReceiver::on_nack_frag(const SubmessageView& view, const Context& context) {
+Status MessageReceiver::on_nack_frag(const SubmessageView& view, Context& context) {
   const auto nack = DDSSEC_TRY(read_nack_frag(view));
   auto* writer = addressed(nack.writer, nack.reader, context);
-  if (writer != nullptr) writer->on_nack_frag(context.source, nack, context.now);
+  if (writer == nullptr) return {};
+  context.is_news = writer->on_nack_frag(context.source, nack, context.now) || context.is_news;
   return {};
 }
 

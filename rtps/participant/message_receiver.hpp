@@ -31,6 +31,7 @@ class MessageReceiver {
     MonotonicTime now{};
     std::size_t message_size = 0;
     Shield shield = {};
+    bool is_news = false;  ///< something in it was not said before
   };
 
   Status read(const Header& header, BytesView datagram, MonotonicTime now);
@@ -38,12 +39,12 @@ class MessageReceiver {
   Status open_group(const SubmessageView& prefix, MessageReader& message, Context& context);
   Status process(const SubmessageView& view, Context& context);
   Status process_info(const SubmessageView& view, Context& context);
-  Status on_data(const SubmessageView& view, const Context& context);
-  Status on_data_frag(const SubmessageView& view, const Context& context);
-  Status on_heartbeat(const SubmessageView& view, const Context& context);
-  Status on_gap(const SubmessageView& view, const Context& context);
-  Status on_acknack(const SubmessageView& view, const Context& context);
-  Status on_nack_frag(const SubmessageView& view, const Context& context);
+  Status on_data(const SubmessageView& view, Context& context);
+  Status on_data_frag(const SubmessageView& view, Context& context);
+  Status on_heartbeat(const SubmessageView& view, Context& context);
+  Status on_gap(const SubmessageView& view, Context& context);
+  Status on_acknack(const SubmessageView& view, Context& context);
+  Status on_nack_frag(const SubmessageView& view, Context& context);
   /// Calls `f(StatefulReader&)` for each reader that the writer matched, if the submessage is
   /// protected as that reader demands.
   template <class F>

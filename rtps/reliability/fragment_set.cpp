@@ -16,7 +16,8 @@ std::size_t octet_of(std::uint32_t index) { return index % FragmentSet::kFragmen
 
 FragmentSet::FragmentSet(std::uint32_t total) : total_(total), missing_(total) {}
 
-void FragmentSet::insert(FragmentNumber first, std::uint32_t count) {
+bool FragmentSet::insert(FragmentNumber first, std::uint32_t count) {
+  const auto missing_before = missing_;
   for (auto index = first.value - 1; index < first.value - 1 + count; ++index) {
     auto& page = pages_[index / kFragmentsPerPage];
     if (page.size() == 0) {
@@ -29,6 +30,7 @@ void FragmentSet::insert(FragmentNumber first, std::uint32_t count) {
   }
   // It only ever moves forward: over all fragments together that is one step each.
   while (first_missing_.value <= total_ && contains(first_missing_)) ++first_missing_.value;
+  return missing_ < missing_before;
 }
 
 bool FragmentSet::contains(FragmentNumber number) const {

@@ -19,8 +19,9 @@ class FragmentSet {
   /// `total` is the number of fragments of the whole sample, at most kMostFragments.
   explicit FragmentSet(std::uint32_t total = 0);
 
-  /// Adds fragments first .. first + count - 1, which must not exceed the total.
-  void insert(FragmentNumber first, std::uint32_t count);
+  /// Adds fragments first .. first + count - 1, which must not exceed the total. False: it had all
+  /// of them.
+  bool insert(FragmentNumber first, std::uint32_t count);
   bool contains(FragmentNumber number) const;
   bool is_complete() const { return missing_ == 0; }
   /// total + 1 if none is missing.

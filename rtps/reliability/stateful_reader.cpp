@@ -59,14 +59,14 @@ void StatefulReader::unmatch(const Guid& writer, const std::optional<Sha256Diges
   if (!has_others) held_of_.erase(prefix);
 }
 
-void StatefulReader::on_data(const GuidPrefix& from, const Data& data,
+bool StatefulReader::on_data(const GuidPrefix& from, const Data& data,
                              const std::optional<Time>& time) {
   sender_.note_sample();
   auto* proxy = find({from, data.writer});
-  if (proxy == nullptr || data.sequence_number < proxy->next) return;
+  if (proxy == nullptr || data.sequence_number < proxy->next) return false;
   // DDS 1.4 knows no instance state for what did not pass a filter: there is nothing to tell.
   if (data.inline_qos.status.filtered) return accept(*proxy, data.sequence_number, std::nullopt);
-  accept(*proxy, data.sequence_number, change_of(from, data, time));
+  return accept(*proxy, data.sequence_number, change_of(from, data, time));
 }
 
 // Key tokens come by the volatile secure endpoint.
@@ -145,15 +145,16 @@ void StatefulReader::forget_below(WriterProxy& proxy, SequenceNumber number) {
     at = forget_early(proxy, at);
 }
 
-void StatefulReader::keep_early(WriterProxy& proxy, SequenceNumber number,
+bool StatefulReader::keep_early(WriterProxy& proxy, SequenceNumber number,
                                 std::optional<Change> change) {
-  if (proxy.early.contains(number)) return;
+  if (proxy.early.contains(number)) return false;
   const auto price = kPricePerChange + (change ? change->payload.size() : 0);
   spare_.insert(proxy.early, number) = {std::move(change), price};
   hold(proxy, price);
+  return true;
 }
 
-void StatefulReader::accept(WriterProxy& proxy, SequenceNumber number,
+bool StatefulReader::accept(WriterProxy& proxy, SequenceNumber number,
                             std::optional<Change> change) {
   forget_partials(proxy, number, number);
   if (!reliable_ || !proxy.writer.reliable) {
@@ -161,19 +162,19 @@ void StatefulReader::accept(WriterProxy& proxy, SequenceNumber number,
     proxy.next = number.next();  // best effort: what is older now is lost
     forget_partials(proxy, {0}, number);
     if (change) deliver_(*change);
-    return;
+    return true;
   }
   if (!proxy.waits && number == proxy.next && proxy.early.empty() &&
       (!change || deliver_(*change))) {
     proxy.next = number.next();
-  } else if (number == proxy.next) {
-    keep_early(proxy, number, std::move(change));
-    advance(proxy);
-    trim();
-  } else if (proxy.early.size() < kMostEarlyChanges) {
-    keep_early(proxy, number, std::move(change));
-    trim();
+    return true;
   }
+  const bool is_next = number == proxy.next;
+  if (!is_next && proxy.early.size() >= kMostEarlyChanges) return false;
+  const bool is_new = keep_early(proxy, number, std::move(change));
+  if (is_next) advance(proxy);
+  trim();
+  return is_new;
 }
 
 void StatefulReader::advance(WriterProxy& proxy) {
@@ -261,29 +262,32 @@ StatefulReader::Partial* StatefulReader::partial_of(WriterProxy& proxy, const Da
   return find_partial(proxy, frag.sequence_number);
 }
 
-void StatefulReader::on_data_frag(const GuidPrefix& from, const DataFrag& frag,
+bool StatefulReader::on_data_frag(const GuidPrefix& from, const DataFrag& frag,
                                   const std::optional<Time>& time) {
   auto* proxy = find({from, frag.writer});
   if (proxy == nullptr || frag.sequence_number < proxy->next ||
       proxy->early.contains(frag.sequence_number))
-    return;
+    return false;
   auto* partial = partial_of(*proxy, frag, time);
-  if (partial == nullptr) return;
+  if (partial == nullptr) return false;
   const auto begin = std::size_t{frag.first.value - 1} * frag.fragment_size;
   std::ranges::copy(frag.payload, partial->change.payload.fill().subspan(begin).begin());
-  partial->have.insert(frag.first, frag.count);
-  if (!partial->have.is_complete()) return;
+  const bool is_new = partial->have.insert(frag.first, frag.count);
+  if (!partial->have.is_complete()) return is_new;
   auto change = std::move(partial->change);
-  accept(*proxy, frag.sequence_number, std::move(change));
+  return accept(*proxy, frag.sequence_number, std::move(change));
 }
 
-void StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat) {
+bool StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat) {
   auto* proxy = find({from, heartbeat.writer});
-  if (proxy == nullptr || !reliable_ || !proxy->writer.reliable) return;
-  if ((proxy->heard || proxy->waits) && !is_later(heartbeat.count, proxy->last_heartbeat)) return;
+  if (proxy == nullptr) return false;
+  const bool is_new =
+      !(proxy->heard || proxy->waits) || is_later(heartbeat.count, proxy->last_heartbeat);
+  if (!is_new) return false;
   if (!std::exchange(proxy->heard, true)) proxy->history_end = heartbeat.last;
-  proxy->next_question = kNever;
   proxy->last_heartbeat = heartbeat.count;
+  if (!reliable_ || !proxy->writer.reliable) return true;
+  proxy->next_question = kNever;
   proxy->announced = heartbeat.last;
   if (std::exchange(proxy->waits, false)) forget_below(*proxy, heartbeat.first);
   advance(*proxy);
@@ -293,6 +297,7 @@ void StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heart
     on_group_(proxy->writer.guid, heartbeat.group->current);
   if (!heartbeat.is_final || misses_any(*proxy, heartbeat.last))
     acknowledge(*proxy, heartbeat.last);
+  return true;
 }
 
 bool StatefulReader::misses_any(const WriterProxy& proxy, SequenceNumber last) {
@@ -328,9 +333,10 @@ void StatefulReader::ask_for_fragments(WriterProxy& proxy, const Partial& partia
 
 // A range is skipped as a whole where we stand before it; ahead of us only the 256 numbers of the
 // list are noted, the range itself is announced again when we ask for it.
-void StatefulReader::on_gap(const GuidPrefix& from, const Gap& gap) {
+bool StatefulReader::on_gap(const GuidPrefix& from, const Gap& gap) {
   auto* proxy = find({from, gap.writer});
-  if (proxy == nullptr) return;
+  if (proxy == nullptr) return false;
+  const auto before = std::pair(proxy->next, proxy->early.size());
   if (gap.start <= proxy->next && !proxy->waits) {
     skip_to(*proxy, gap.list.base());
   } else if (gap.list.base().value - gap.start.value <= kMostBitsPerSet) {
@@ -340,6 +346,7 @@ void StatefulReader::on_gap(const GuidPrefix& from, const Gap& gap) {
   gap.list.for_each([&](SequenceNumber number) {
     if (number >= proxy->next) accept(*proxy, number, std::nullopt);
   });
+  return before != std::pair(proxy->next, proxy->early.size());
 }
 
 // Not final and nothing missing. All known peers answer with a heartbeat. (Fast DDS itself asks

@@ -92,10 +92,11 @@ class StatefulReader final : private Timed {
   /// `keys`: with what it is remembered, if at all.
   void unmatch(const Guid& writer, const std::optional<Sha256Digest>& keys = {});
 
-  void on_data(const GuidPrefix& from, const Data& data, const std::optional<Time>& time);
-  void on_data_frag(const GuidPrefix& from, const DataFrag& frag, const std::optional<Time>& time);
-  void on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat);
-  void on_gap(const GuidPrefix& from, const Gap& gap);
+  // Each returns whether it was new: only that is a sign of life. Anybody can repeat what was said.
+  bool on_data(const GuidPrefix& from, const Data& data, const std::optional<Time>& time);
+  bool on_data_frag(const GuidPrefix& from, const DataFrag& frag, const std::optional<Time>& time);
+  bool on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat);
+  bool on_gap(const GuidPrefix& from, const Gap& gap);
 
   // Called by a writer of this process (see StatefulWriter::attach).
   /// False: it is not matched.
@@ -168,7 +169,7 @@ class StatefulReader final : private Timed {
     const auto at = writers_.find(writer);
     return at == writers_.end() ? nullptr : &at->second;
   }
-  void accept(WriterProxy& proxy, SequenceNumber number, std::optional<Change> change);
+  bool accept(WriterProxy& proxy, SequenceNumber number, std::optional<Change> change);
   void advance(WriterProxy& proxy);
   void skip_to(WriterProxy& proxy, SequenceNumber number);
   void note_lost(WriterProxy& proxy, SequenceNumber until);
@@ -182,7 +183,7 @@ class StatefulReader final : private Timed {
   void trim();
   void forget_latest(WriterProxy& proxy);
   void forget_below(WriterProxy& proxy, SequenceNumber number);
-  void keep_early(WriterProxy& proxy, SequenceNumber number, std::optional<Change> change);
+  bool keep_early(WriterProxy& proxy, SequenceNumber number, std::optional<Change> change);
   Change change_of(const GuidPrefix& from, const Data& data, const std::optional<Time>& time) const;
   Partial* partial_of(WriterProxy& proxy, const DataFrag& frag, const std::optional<Time>& time);
   /// Samples or parts of them, up to `last`.

@@ -267,14 +267,14 @@ void StatefulWriter::assert_liveliness() {
   sender_.flush();
 }
 
-void StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, MonotonicTime now) {
+bool StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, MonotonicTime now) {
   auto* proxy = find({from, acknack.reader});
-  if (proxy == nullptr || !proxy->reader.reliable) return;
+  if (proxy == nullptr || !proxy->reader.reliable) return false;
   const auto base = acknack.missing.base();
   // A reader that knows nothing yet asks what there is (base 0: Fast DDS; count 0: Cyclone DDS).
   const bool pre_emptive = base.value < 1 || acknack.count == 0;
   if (!pre_emptive) {
-    if (!is_later(acknack.count, proxy->last_count) && proxy->last_count != 0) return;
+    if (!is_later(acknack.count, proxy->last_count) && proxy->last_count != 0) return false;
     proxy->last_count = acknack.count;  // a pre-emptive one, recorded, must not make old ones new
   }
   if (!pre_emptive && base <= history_.last().next() && base.previous() > proxy->acknowledged) {
@@ -291,6 +291,7 @@ void StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, 
     next_heartbeat_ = kNever;
   else if (next_heartbeat_ == kNever)
     heartbeat_at(now + kFirstPeriod);
+  return !pre_emptive;
 }
 
 // A reader that asks is alive and needs us: the next heartbeat comes soon, whatever came before.
@@ -327,20 +328,21 @@ bool StatefulWriter::answer_requests(ReaderProxy& proxy, const SequenceNumberSet
   return true;
 }
 
-void StatefulWriter::on_nack_frag(const GuidPrefix& from, const NackFrag& nack, MonotonicTime now) {
+bool StatefulWriter::on_nack_frag(const GuidPrefix& from, const NackFrag& nack, MonotonicTime now) {
   auto* proxy = find({from, nack.reader});
-  if (proxy == nullptr || !proxy->reader.reliable) return;
-  if (!is_later(nack.count, proxy->last_frag_count) && proxy->last_frag_count != 0) return;
+  if (proxy == nullptr || !proxy->reader.reliable) return false;
+  if (!is_later(nack.count, proxy->last_frag_count) && proxy->last_frag_count != 0) return false;
   proxy->last_frag_count = nack.count;
   be_attentive(now);
   auto& repair = proxy->repair;
   const bool crossed = nack.sequence_number == repair.sample &&
                        nack.missing.base() == repair.missing.base() &&
                        now - repair.begun < kAnswerTime;
-  if (crossed) return;
+  if (crossed) return true;
   repair = {nack.sequence_number, nack.missing, nack.missing.base(), now, kNever};
   continue_repair(*proxy, now);
   sender_.flush();
+  return true;
 }
 
 // A portion, and a heartbeat: the reader can ask for the next ones at once.

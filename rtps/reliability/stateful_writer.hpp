@@ -90,8 +90,9 @@ class StatefulWriter final : private Timed {
   /// Tells all readers that the writer lives, without a sample (LIVELINESS MANUAL_BY_TOPIC).
   void assert_liveliness();
 
-  void on_acknack(const GuidPrefix& from, const AckNack& acknack, MonotonicTime now);
-  void on_nack_frag(const GuidPrefix& from, const NackFrag& nack, MonotonicTime now);
+  /// False: it was said before, or says nothing yet (a pre-emptive one).
+  bool on_acknack(const GuidPrefix& from, const AckNack& acknack, MonotonicTime now);
+  bool on_nack_frag(const GuidPrefix& from, const NackFrag& nack, MonotonicTime now);
   /// Heartbeats that are due.
   void tick(MonotonicTime now);
   MonotonicTime next_tick() const;

@@ -39,6 +39,45 @@ TEST(Session, ReplaysOfEverythingChangeNothing) {
   }
 }
 
+bool is_announcement(const Bytes& datagram) {
+  return !std::ranges::search(datagram, kSpdpWriter.octets).empty();
+}
+
+// One recorded datagram kept a dead peer and its writers alive for ever: no ownership failed over,
+// and no watchdog on LIVELINESS saw it.
+TEST(Session, ReplaysOfADeadPeersMessagesAreNoSignOfLife) {
+  for (const auto& rules :
+       {everything(kSign), everything(kEncrypt), everything(kEncryptOa),
+        Rules{.discovery = kEncrypt, .liveliness = kEncrypt, .metadata = kSign}}) {
+    Pair pair(rules);
+    std::vector<Bytes> recorded;
+    pair.world.filter = [&](const Node& from, Bytes datagram) {
+      if (&from == &pair.a && !is_announcement(datagram)) recorded.push_back(datagram);
+      return one(std::move(datagram));
+    };
+    auto offered = default_writer_qos();
+    offered.liveliness.lease_duration = Duration{{1, 0}};
+    pair.writer = pair.a->create_writer(square(offered), pair.a.listener, pair.world.now).value();
+    ASSERT_TRUE(
+        pair.b->create_reader(square(default_reader_qos()), pair.b.listener, pair.world.now));
+    ASSERT_TRUE(pair.world.run_until([&] { return pair.b.listener.matched == 1; }));
+    for (int i = 0; i < 3; ++i) pair.write();
+    pair.world.run(200);
+    EXPECT_GT(pair.b.listener.alive, 0);
+    pair.world.nodes = {&pair.b};
+    pair.world.run(5);  // what was under way
+    const auto alive = pair.b.listener.alive;
+    if (recorded.size() > 60) recorded.erase(recorded.begin(), recorded.end() - 60);
+    for (int i = 0; i < 40; ++i) {
+      for (const auto& datagram : recorded) pair.b->receive(datagram, pair.world.now);
+      pair.world.run(50);
+    }
+    EXPECT_EQ(pair.b.listener.alive, alive);
+    EXPECT_EQ(pair.b.listener.matched, 0);
+    EXPECT_EQ(pair.b->remote_participants().size(), 0u);
+  }
+}
+
 // To a participant of the same certificate that started later: the keys are others (T41).
 TEST(Session, ReplaysToASuccessorChangeNothing) {
   const auto rules = everything(kEncrypt);

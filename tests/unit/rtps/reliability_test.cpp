@@ -438,6 +438,41 @@ TEST(Reliability, APreEmptiveAcknackDoesNotMakeRecordedOnesNew) {
   }
 }
 
+// Only what is new is a sign of life.
+TEST(Reliability, WhatIsRepeatedIsNotNew) {
+  for (const bool reliable : {true, false}) {
+    Pair pair(keep_all(), reliable);
+    pair.match(false, reliable);
+    auto& reader = pair.reader;
+    const auto data = [](std::int64_t number) {
+      return Data{{}, testing::kWriter, {number}, {}, PayloadKind::data, {}};
+    };
+    const Bytes half(1000);
+    const auto fragment = [&](std::int64_t number, std::uint32_t first) {
+      return DataFrag{{}, testing::kWriter, {number}, {first}, 1, 1000, 2000, {}, false, half};
+    };
+    const auto heartbeat = [](std::int32_t count) {
+      return Heartbeat{{}, testing::kWriter, {1}, {3}, count, true, true};
+    };
+    EXPECT_TRUE(reader.on_data(kA, data(1), {}));
+    EXPECT_FALSE(reader.on_data(kA, data(1), {}));
+    EXPECT_TRUE(reader.on_data_frag(kA, fragment(2, 1), {}));
+    EXPECT_FALSE(reader.on_data_frag(kA, fragment(2, 1), {}));
+    EXPECT_TRUE(reader.on_data_frag(kA, fragment(2, 2), {}));
+    EXPECT_FALSE(reader.on_data_frag(kA, fragment(2, 2), {}));
+    EXPECT_TRUE(reader.on_data(kA, data(4), {}));
+    EXPECT_FALSE(reader.on_data(kA, data(4), {}));
+    EXPECT_TRUE(reader.on_heartbeat(kA, heartbeat(7)));
+    EXPECT_FALSE(reader.on_heartbeat(kA, heartbeat(7)));
+    EXPECT_FALSE(reader.on_heartbeat(kA, heartbeat(6)));
+    EXPECT_TRUE(reader.on_heartbeat(kA, heartbeat(8)));
+    EXPECT_FALSE(reader.on_gap(kA, Gap{{}, testing::kWriter, {1}, SequenceNumberSet({2})}));
+    const AckNack acknack{testing::kReader, testing::kWriter, SequenceNumberSet({1}), 5, true};
+    EXPECT_EQ(pair.writer.on_acknack(kB, acknack, pair.now), reliable);
+    EXPECT_FALSE(pair.writer.on_acknack(kB, acknack, pair.now));
+  }
+}
+
 // A million early numbers, a GAP over 2^61 numbers ahead, fragments of samples that never complete.
 TEST(Reliability, WhatNeverCompletesStaysBounded) {
   Pair pair(keep_all());
