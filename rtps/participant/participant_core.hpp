@@ -42,6 +42,13 @@ struct ParticipantCore {
   bool is_authenticated(const GuidPrefix& peer) const {
     return security && security->is_authenticated(peer);
   }
+  /// Whose share of a bound a participant takes. DDS-Security 9.3.3: the first half of the prefix
+  /// of one that authenticated is bound to the subject of its certificate, the rest it may choose.
+  GuidPrefix identity_of(const GuidPrefix& peer) const {
+    auto out = peer;
+    if (is_authenticated(peer)) std::ranges::fill(std::span(out.octets).subspan(6), 0);
+    return out;
+  }
   /// See Keyring; nothing without security.
   std::optional<Sha256Digest> keys_of(const EntityId& local, const Guid& remote) const {
     return security ? security->keyring().keys_of(local, remote) : std::nullopt;

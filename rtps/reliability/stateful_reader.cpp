@@ -29,34 +29,30 @@ void StatefulReader::match(MatchedWriter writer, MonotonicTime now, bool wants_h
   auto& proxy = at->second;
   proxy.writer = std::move(writer);
   proxy.question_period = kFirstQuestion;
+  ++shares_[proxy.writer.owner()].writers;
   resume(proxy, wants_history);
   if (reliable_ && proxy.writer.reliable && !proxy.writer.in_process) ask(proxy, now);
 }
 
 void StatefulReader::resume(WriterProxy& proxy, bool wants_history) {
-  const auto past = std::ranges::find(past_, proxy.writer.guid, &Past::writer);
-  if (past == past_.end()) return;
-  if (past->keys == proxy.writer.keys) {
-    const bool reliable = reliable_ && proxy.writer.reliable;
-    proxy.last_heartbeat = past->last_heartbeat;
-    proxy.waits = reliable && wants_history;
-    if (!proxy.waits) proxy.next = past->next;
-  }
-  past_.erase(past);
+  const auto past = past_.take(proxy.writer.guid);
+  if (!past || past->keys != proxy.writer.keys) return;
+  const bool reliable = reliable_ && proxy.writer.reliable;
+  proxy.last_heartbeat = past->last_heartbeat;
+  proxy.waits = reliable && wants_history;
+  if (!proxy.waits) proxy.next = past->next;
 }
 
 void StatefulReader::unmatch(const Guid& writer, const std::optional<Sha256Digest>& keys) {
-  auto* proxy = find(writer);
-  if (proxy == nullptr) return;
-  if (proxy->local != nullptr) proxy->local->detach(guid_);
-  let_go(*proxy, proxy->held);
-  if (keys) past_.push_back({writer, *keys, proxy->next, proxy->last_heartbeat});
-  if (past_.size() > kMostPast) past_.pop_front();
-  const auto prefix = writer.prefix;
-  const auto next = writers_.erase(writers_.find(writer));
-  const bool has_others = (next != writers_.end() && next->first.prefix == prefix) ||
-                          (next != writers_.begin() && std::prev(next)->first.prefix == prefix);
-  if (!has_others) held_of_.erase(prefix);
+  const auto at = writers_.find(writer);
+  if (at == writers_.end()) return;
+  auto& proxy = at->second;
+  if (proxy.local != nullptr) proxy.local->detach(guid_);
+  let_go(proxy, proxy.held);
+  const auto identity = proxy.writer.owner();
+  if (keys) past_.add(at->first, identity, {*keys, proxy.next, proxy.last_heartbeat});
+  if (--shares_[identity].writers == 0) shares_.erase(identity);
+  writers_.erase(at);
 }
 
 bool StatefulReader::on_data(const GuidPrefix& from, const Data& data,
@@ -108,25 +104,25 @@ StatefulReader::Early::iterator StatefulReader::forget_early(WriterProxy& proxy,
 void StatefulReader::hold(WriterProxy& proxy, std::size_t price) {
   proxy.held += price;
   held_ += price;
-  held_of_[proxy.writer.guid.prefix] += price;
+  shares_[proxy.writer.owner()].held += price;
 }
 
 void StatefulReader::let_go(WriterProxy& proxy, std::size_t price) {
   proxy.held -= price;
   held_ -= price;
-  held_of_[proxy.writer.guid.prefix] -= price;
+  shares_[proxy.writer.owner()].held -= price;
 }
 
-// By participant: an attacker that spreads what it claims over many writers displaces nobody else.
+// By identity: an attacker that spreads what it claims over many writers displaces nobody else.
 void StatefulReader::trim() {
-  while (!held_of_.empty()) {
-    const auto most = std::ranges::max_element(
-        held_of_, {}, [](const auto& participant) { return participant.second; });
-    if (held_ <= limits_.held_octets && most->second <= limits_.held_octets_of_one) return;
-    auto at = writers_.lower_bound({most->first, {}});
-    auto* largest = &at->second;
-    for (; at != writers_.end() && at->first.prefix == most->first; ++at)
-      if (at->second.held > largest->held) largest = &at->second;
+  while (!shares_.empty()) {
+    const auto most =
+        std::ranges::max_element(shares_, {}, [](const auto& share) { return share.second.held; });
+    if (held_ <= limits_.held_octets && most->second.held <= limits_.held_octets_of_one) return;
+    WriterProxy* largest = nullptr;
+    for (auto& [guid, proxy] : writers_)
+      if (proxy.writer.owner() == most->first && (!largest || proxy.held > largest->held))
+        largest = &proxy;
     forget_latest(*largest);
   }
 }

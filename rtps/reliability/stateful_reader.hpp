@@ -2,12 +2,12 @@
 // (RTPS 8.4.12).
 #pragma once
 
-#include <deque>
 #include <functional>
 #include <map>
 
 #include "base/hash.hpp"
 #include "rtps/reliability/fragment_set.hpp"
+#include "rtps/reliability/past_writers.hpp"
 #include "rtps/reliability/stateful_writer.hpp"
 #include "wire/data_frag.hpp"
 #include "wire/gap.hpp"
@@ -24,11 +24,14 @@ struct MatchedWriter {
   /// What its samples are protected with, if anything: nobody but the writer made those that come
   /// while it is the same, but anybody may have kept some of them.
   std::optional<Sha256Digest> keys = {};
+  /// Whose share of the bounds it takes; nothing: its participant's.
+  std::optional<GuidPrefix> identity = {};
+  GuidPrefix owner() const { return identity.value_or(guid.prefix); }
 };
 
 /// Delivers each writer's changes in order, each once. Bounded: changes that came too early and
-/// samples of which fragments are missing are kept up to the limits below. Beyond them the remote
-/// participant with most of them loses its latest, which are requested again. No clock, no lock.
+/// samples of which fragments are missing are kept up to the limits below. Beyond them the
+/// identity with most of them loses its latest, which are requested again. No clock, no lock.
 class StatefulReader final : private Timed {
  public:
   static constexpr std::size_t kMostEarlyChanges = 2048;
@@ -38,11 +41,9 @@ class StatefulReader final : private Timed {
   /// number of fragments is what a sample costs beside its octets.
   static constexpr std::uint32_t kMostSmallFragments = 4096;
   static constexpr std::uint16_t kLeastFragmentSize = 512;
-  /// Of what is kept, of all writers, and of the writers of one participant.
+  /// Of what is kept, of all writers, and of the writers of one identity.
   static constexpr std::size_t kMostHeldOctets = std::size_t{256} << 20;
   static constexpr std::size_t kMostHeldOctetsOfOne = kMostHeldOctets / 2;
-  /// Writers that left with keys that they may come back with.
-  static constexpr std::size_t kMostPast = 1024;
   /// What each change that is kept counts beside its octets.
   static constexpr std::size_t kPricePerChange = 256;
   /// For readers whose samples are small.
@@ -153,12 +154,9 @@ class StatefulReader final : private Timed {
     Destination destination() const { return {writer.guid.prefix, writer.locators}; }
   };
 
-  /// A writer that left.
-  struct Past {
-    Guid writer;
-    Sha256Digest keys;
-    SequenceNumber next;
-    std::int32_t last_heartbeat;
+  struct Share {
+    std::size_t writers = 0;
+    std::size_t held = 0;
   };
 
   void on_time(MonotonicTime now) override { tick(now); }
@@ -178,7 +176,7 @@ class StatefulReader final : private Timed {
   Early::iterator forget_early(WriterProxy& proxy, Early::iterator at);
   void hold(WriterProxy& proxy, std::size_t price);
   void let_go(WriterProxy& proxy, std::size_t price);
-  /// The participant that holds most gives up the latest of its writer that holds most: they are
+  /// The identity that holds most gives up the latest of its writer that holds most: they are
   /// requested again.
   void trim();
   void forget_latest(WriterProxy& proxy);
@@ -203,9 +201,9 @@ class StatefulReader final : private Timed {
   Limits limits_;
   SpareNodes<Early> spare_;
   std::map<Guid, WriterProxy> writers_;
-  std::size_t held_ = 0;                       ///< of all of them
-  std::map<GuidPrefix, std::size_t> held_of_;  ///< by each participant that has matched writers
-  std::deque<Past> past_;                      ///< who left latest last
+  std::size_t held_ = 0;                ///< of all of them
+  std::map<GuidPrefix, Share> shares_;  ///< by identity
+  PastWriters past_;
   std::int32_t count_ = 0;  ///< of acknowledgements: whoever comes back hears later ones
 };
 

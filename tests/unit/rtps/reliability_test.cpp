@@ -473,6 +473,27 @@ TEST(Reliability, WhatIsRepeatedIsNotNew) {
   }
 }
 
+// 1100 writers of another identity that come and go do not make what was recorded new.
+TEST(Reliability, WhoComesAndGoesDoesNotMakeOthersForgotten) {
+  Pair pair(keep_all());
+  auto& reader = pair.reader;
+  const MatchedWriter honest{pair.writer.guid(), true, {kHere}, false, Sha256Digest{1}, kA};
+  const auto sample = [](std::int64_t number) {
+    return Data{{}, testing::kWriter, {number}, {}, PayloadKind::data, {}};
+  };
+  reader.match(honest, pair.now);
+  EXPECT_TRUE(reader.on_data(kA, sample(1), {}));
+  reader.unmatch(honest.guid, honest.keys);
+  for (std::uint32_t i = 0; i < 1100; ++i) {
+    const Guid guid{kB, {{1, static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i), 2}}};
+    reader.match({guid, true, {kHere}, false, Sha256Digest{2}, kB}, pair.now);
+    reader.unmatch(guid, Sha256Digest{2});
+  }
+  reader.match(honest, pair.now);
+  EXPECT_FALSE(reader.on_data(kA, sample(1), {}));
+  EXPECT_TRUE(reader.on_data(kA, sample(2), {}));
+}
+
 // A million early numbers, a GAP over 2^61 numbers ahead, fragments of samples that never complete.
 TEST(Reliability, WhatNeverCompletesStaysBounded) {
   Pair pair(keep_all());

@@ -1,0 +1,57 @@
+// Writers that left a reader, with keys that they may come back with.
+#pragma once
+
+#include <map>
+#include <optional>
+
+#include "base/hash.hpp"
+#include "base/ids.hpp"
+#include "wire/numbers.hpp"
+
+namespace ddssec::rtps {
+
+/// What such a writer sent before it left is not new when it comes back. Each identity has a share:
+/// when there is no room, the identity with most of them loses its oldest.
+class PastWriters {
+ public:
+  static constexpr std::size_t kMost = 1024;
+  struct Position {
+    Sha256Digest keys;
+    SequenceNumber next;  ///< everything below was delivered or given up
+    std::int32_t last_heartbeat;
+  };
+
+  void add(const Guid& writer, const GuidPrefix& identity, const Position& position) {
+    static_cast<void>(take(writer));
+    writers_[writer] = {position, identity, ++last_};
+    of_[identity][last_] = writer;
+    if (writers_.size() <= kMost) return;
+    auto most = of_.begin();
+    for (auto at = of_.begin(); at != of_.end(); ++at)
+      if (at->second.size() > most->second.size()) most = at;
+    static_cast<void>(take(Guid(most->second.begin()->second)));
+  }
+  /// Forgets it; nothing if it is not known.
+  std::optional<Position> take(const Guid& writer) {
+    const auto at = writers_.find(writer);
+    if (at == writers_.end()) return std::nullopt;
+    const auto [position, identity, number] = at->second;
+    writers_.erase(at);
+    const auto share = of_.find(identity);
+    share->second.erase(number);
+    if (share->second.empty()) of_.erase(share);
+    return position;
+  }
+
+ private:
+  struct Entry {
+    Position position;
+    GuidPrefix identity;
+    std::uint64_t number = 0;  ///< in the order in which they left
+  };
+  std::map<Guid, Entry> writers_;
+  std::map<GuidPrefix, std::map<std::uint64_t, Guid>> of_;
+  std::uint64_t last_ = 0;
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,39 @@
+#include "rtps/reliability/past_writers.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ddssec::rtps {
+namespace {
+
+GuidPrefix identity(std::uint8_t n) { return GuidPrefix::from(Bytes(12, n)); }
+Guid writer(std::uint8_t of, std::uint32_t n) {
+  return {identity(of), {{static_cast<std::uint8_t>(n >> 8), static_cast<std::uint8_t>(n), 0, 2}}};
+}
+PastWriters::Position position(std::int64_t next) { return {{}, {next}, 7}; }
+
+TEST(PastWriters, AreTakenOnce) {
+  PastWriters past;
+  past.add(writer(1, 1), identity(1), position(5));
+  past.add(writer(1, 1), identity(1), position(6));
+  EXPECT_FALSE(past.take(writer(1, 2)));
+  const auto taken = past.take(writer(1, 1));
+  ASSERT_TRUE(taken);
+  EXPECT_EQ(taken->next, SequenceNumber{6});
+  EXPECT_EQ(taken->last_heartbeat, 7);
+  EXPECT_FALSE(past.take(writer(1, 1)));
+}
+
+// 1100 writers of an insider that came and went made recorded samples of others new again.
+TEST(PastWriters, OfOneIdentityDoNotDisplaceThoseOfOthers) {
+  PastWriters past;
+  past.add(writer(1, 1), identity(1), position(5));
+  for (std::uint32_t i = 0; i < 3 * PastWriters::kMost; ++i)
+    past.add(writer(2, i), identity(2), position(i));
+  EXPECT_TRUE(past.take(writer(1, 1)));
+  EXPECT_FALSE(past.take(writer(2, 0))) << "its oldest";
+  EXPECT_TRUE(past.take(writer(2, 3 * PastWriters::kMost - 1)));
+  EXPECT_TRUE(past.take(writer(2, 2 * PastWriters::kMost + 10)));
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
