@@ -74,8 +74,7 @@ Status Endpoint::regroup(const GroupQos& group) {
 }
 
 void Endpoint::on_matched(const EndpointData& remote) {
-  if (std::ranges::find(remotes_, remote.guid) != remotes_.end()) return;
-  remotes_.push_back(remote.guid);
+  if (!remotes_.insert(remote.guid).second) return;
   matched_.count();
   ++matched_.current_count;
   ++matched_.current_count_change;
@@ -84,7 +83,7 @@ void Endpoint::on_matched(const EndpointData& remote) {
 }
 
 void Endpoint::on_unmatched(const Guid& remote) {
-  if (std::erase(remotes_, remote) == 0) return;
+  if (remotes_.erase(remote) == 0) return;
   --matched_.current_count;
   --matched_.current_count_change;
   matched_.last_remote = remote;
@@ -118,14 +117,14 @@ MatchedStatus Endpoint::read_matched_status() {
 
 std::vector<Guid> Endpoint::matched_remotes() const {
   const auto held = lock();
-  return remotes_;
+  return {remotes_.begin(), remotes_.end()};
 }
 
 Result<EndpointData> Endpoint::matched_data(const Guid& remote) const {
   const auto held = lock();
-  const auto* data = std::ranges::find(remotes_, remote) == remotes_.end()
-                         ? nullptr
-                         : context_.protocol().remote_participants().endpoint(remote);
+  const auto* data = remotes_.contains(remote)
+                         ? context_.protocol().remote_participants().endpoint(remote)
+                         : nullptr;
   if (data != nullptr) return *data;
   return fail(Code::rtps_bad_parameter,
               {.expected = "a matched endpoint", .found = remote.to_string()});

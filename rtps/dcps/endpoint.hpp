@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <set>
 
 #include "rtps/dcps/topic.hpp"
 
@@ -80,7 +81,7 @@ class Endpoint : public Entity, protected EndpointListener, protected Timed {
   std::atomic<bool> key_is_protected_ = false;
 
  private:
-  std::vector<Guid> remotes_;
+  std::set<Guid> remotes_;
   DeadlineMissedStatus deadline_missed_;
   IncompatibleQosStatus incompatible_;
   MatchedStatus matched_;

@@ -75,6 +75,7 @@ ReaderCache::Instance* ReaderCache::create(const Change& change) {
     keep(oldest);
     by_key_.erase(oldest.key);
     octets_ -= oldest.key_value.size();
+    for (const auto& writer : oldest.writers) joined_.erase({writer, oldest.handle});
     instances_.erase(oldest.handle);
   }
   const InstanceHandle handle{next_handle_++};
@@ -207,6 +208,7 @@ void ReaderCache::store_end(Instance& instance, const Change& change, MonotonicT
   }
   if (!change.status.unregistered) return;
   std::erase(instance.writers, change.writer);
+  joined_.erase({change.writer, instance.handle});
   if (instance.owner == change.writer) instance.owner.reset();
   if (!instance.writers.empty() || instance.state != InstanceState::alive) return;
   end(instance, InstanceState::not_alive_no_writers, now);
@@ -256,13 +258,13 @@ void ReaderCache::revive(Instance& instance) {
 }
 
 void ReaderCache::join(Instance& instance, const Guid& writer) {
-  if (std::ranges::find(instance.writers, writer) == instance.writers.end())
-    instance.writers.push_back(writer);
+  if (joined_.insert({writer, instance.handle}).second) instance.writers.push_back(writer);
 }
 
 bool ReaderCache::leave(Instance& instance, const Guid& writer, MonotonicTime now) {
   if (instance.owner == writer) instance.owner.reset();
   if (std::erase(instance.writers, writer) == 0) return false;
+  joined_.erase({writer, instance.handle});
   const bool ends = instance.writers.empty() && instance.state == InstanceState::alive;
   if (ends) {
     const Recount recount(*this, instance);
@@ -278,9 +280,9 @@ bool ReaderCache::leave(Instance& instance, const Guid& writer, MonotonicTime no
 bool ReaderCache::lose_writer(const Guid& writer, bool unmatched, MonotonicTime now) {
   if (unmatched) writers_.erase(writer);
   bool changed = false;
-  for (auto at = instances_.begin(); at != instances_.end();) {
-    auto& instance = (at++)->second;  // leave() may end it
-    changed = leave(instance, writer, now) || changed;
+  for (auto at = joined_.lower_bound({writer, {}}); at != joined_.end() && at->first == writer;) {
+    const auto handle = (at++)->second;  // leave() erases it, and may end the instance
+    changed = leave(instances_.find(handle)->second, writer, now) || changed;
   }
   return changed;
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <functional>
 #include <map>
+#include <set>
 #include <vector>
 
 #include "rtps/dcps/link.hpp"
@@ -198,6 +199,8 @@ class ReaderCache {
   std::map<InstanceHandle, Instance> instances_;
   std::map<KeyHash, Instance*> by_key_;
   std::map<Guid, Writer> writers_;
+  /// Which writer is among those of which instance, so that one that goes costs only its own.
+  std::set<std::pair<Guid, InstanceHandle>> joined_;
   HeldList spare_;  ///< nodes of the past: a sample that comes allocates none
   std::size_t samples_ = 0, octets_ = 0;
   std::array<std::size_t, 12> counts_{};  ///< of samples, by their three states

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "rtps/participant/endpoint_compatibility.hpp"
 #include "wire/vendor_name.hpp"
 
@@ -79,7 +81,7 @@ void EndpointMatcher::remove(LocalWriter& writer) {
 }
 
 void EndpointMatcher::remove(LocalReader& reader) {
-  for (const auto& guid : reader.matched) {
+  for (const auto& guid : reader.matched.guids()) {
     if (auto* remote = remotes_.find_or_self(guid.prefix))
       remote->stop_watching(*reader.listener, guid);
     if (auto* remote = remotes_.find_endpoint(guid))
@@ -115,7 +117,7 @@ void EndpointMatcher::add(RemoteParticipant& remote, EndpointData data) {
     known = remote.endpoints.end();
   }
   auto& ends = topics_[data.topic_name];
-  if (known == remote.endpoints.end()) ends.remotes.push_back(data.guid);
+  ends.remotes.insert(data.guid);
   const auto& stored = remotes_.store(remote, std::move(data), price).data;
   for (auto* writer : ends.writers) match(*writer, remote, stored);
   for (auto* reader : ends.readers) match(*reader, remote, stored);
@@ -129,7 +131,7 @@ void EndpointMatcher::remove(RemoteParticipant& remote, const EntityId& id) {
   auto& ends = topics_[topic_name];
   for (auto* writer : ends.writers) forget(*writer, data.guid);
   for (auto* reader : ends.readers) forget(*reader, data.guid);
-  std::erase(ends.remotes, data.guid);
+  ends.remotes.erase(data.guid);
   remotes_.remove(remote, id);
   forget_if_empty(topic_name);
 }
@@ -141,7 +143,7 @@ void EndpointMatcher::remove_all(RemoteParticipant& remote) {
 void EndpointMatcher::remove_topic(const std::string& name) {
   const auto at = topics_.find(name);
   if (at == topics_.end()) return;
-  for (const auto& guid : std::vector(at->second.remotes))
+  for (const auto& guid : std::set(at->second.remotes))
     remove(*remotes_.find(guid.prefix), guid.entity);
   for (auto& [id, writer] : local_.writers())
     if (writer.data.topic_name == name) match_all(writer);
@@ -150,13 +152,28 @@ void EndpointMatcher::remove_topic(const std::string& name) {
 std::optional<EndpointData> EndpointMatcher::endpoint_on(const std::string& topic_name) const {
   const auto at = topics_.find(topic_name);
   if (at == topics_.end() || at->second.remotes.empty()) return std::nullopt;
-  return *remotes_.endpoint(at->second.remotes.front());
+  return *remotes_.endpoint(*at->second.remotes.begin());
 }
 
 // ---- both
 
 const Neighbour* EndpointMatcher::neighbour(const EntityId& local, const Guid& remote) const {
   return neighbour_of(local_, core_.config.neighbourhood.get(), local, remote);
+}
+
+bool EndpointMatcher::has_place(const MatchTable& matched, RemoteParticipant& remote) {
+  if (&remote == &remotes_.self()) return true;
+  if (matched.has_room(core_.identity_of(remote.prefix()))) return true;
+  ++core_.counters.refused_discovery;
+  if (!std::exchange(remote.exceeds_matches, true))
+    core_.events.raise(
+        Event(Error(Code::rtps_too_many_endpoints,
+                    {.expected = fmt::format("at most {} endpoints of one identity that match one "
+                                             "of ours",
+                                             MatchTable::kMaxOfOne),
+                     .found = "more"}),
+              {}, remote.data.guid.to_string()));
+  return false;
 }
 
 EndpointMatcher::Verdict EndpointMatcher::judge(const EndpointData& local,
@@ -189,6 +206,8 @@ void EndpointMatcher::match(const EntityId& local, const Guid& remote) {
 void EndpointMatcher::match(LocalWriter& writer, RemoteParticipant& remote,
                             const EndpointData& data) {
   if (!is_reader(data.guid.entity)) return;
+  const bool known = writer.matched.contains(data.guid);
+  if (!known && !has_place(writer.matched, remote)) return;
   const auto verdict = judge(writer.data, *writer.listener, data);
   if (verdict == Verdict::refused) return forget(writer, data.guid);
   if (verdict == Verdict::awaits_keys) return;
@@ -196,15 +215,15 @@ void EndpointMatcher::match(LocalWriter& writer, RemoteParticipant& remote,
   const auto* near = neighbour(writer.data.guid.entity, data.guid);
   const bool in_process = near != nullptr;
   auto filter = data.content_filter && !in_process ? writer.listener->filter_for(data) : nullptr;
-  if (contains(writer.matched, data.guid)) {
+  if (known) {
     writer.protocol->set_filter(data.guid, std::move(filter));
-    if (!contains(writer.unready, data.guid)) writer.listener->on_matched(data);
+    if (!writer.unready.contains(data.guid)) writer.listener->on_matched(data);
     return;
   }
   const bool waits = shows_readiness(writer, data);
-  writer.matched.push_back(data.guid);
+  writer.matched.add(data.guid, core_.identity_of(data.guid.prefix));
   if (waits) {
-    writer.unready.push_back(data.guid);
+    writer.unready.insert(data.guid);
     readiness_.add(writer.data.guid, data.guid, core_.now);
   }
   const bool history = data.qos.durability >= DurabilityKind::transient_local;
@@ -225,6 +244,7 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
   auto& matched = remote.endpoints.find(data.guid.entity)->second.readers;
   const bool known = contains(matched, reader.protocol.get());
   if (known) remote.stop_watching(*reader.listener, data.guid);
+  if (!known && !has_place(reader.matched, remote)) return;
   const auto verdict = judge(reader.data, *reader.listener, data);
   if (verdict == Verdict::refused) return forget(reader, data.guid);
   if (verdict == Verdict::awaits_keys) return;
@@ -233,7 +253,8 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
     return remote.watch(*reader.listener, data, core_.now);
   }
   matched.push_back(reader.protocol.get());
-  reader.matched.push_back(data.guid);
+  const auto identity = core_.identity_of(data.guid.prefix);
+  reader.matched.add(data.guid, identity);
   const auto* near = neighbour(own.entity, data.guid);
   const bool in_process = near != nullptr;
   const bool history =
@@ -242,7 +263,7 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
                             ? LocatorList{}
                             : usable_locators(data.unicast, remote.user, core_.config.interfaces);
   reader.protocol->match({data.guid, data.qos.is_reliable(), locators, in_process,
-                          core_.keys_of(own.entity, data.guid)},
+                          core_.keys_of(own.entity, data.guid), identity},
                          core_.now, history);
   reader.listener->on_matched(data);
   remote.watch(*reader.listener, data, core_.now);
@@ -251,8 +272,8 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
 
 void EndpointMatcher::forget(LocalWriter& writer, const Guid& remote) {
   if (core_.security) core_.security->keyring().part(writer.data.guid.entity, remote);
-  if (std::erase(writer.matched, remote) == 0) return;
-  std::erase(writer.unready, remote);
+  if (!writer.matched.remove(remote)) return;
+  writer.unready.erase(remote);
   readiness_.remove(writer.data.guid, remote);
   writer.protocol->unmatch(remote);
   writer.listener->on_unmatched(remote);
@@ -261,7 +282,7 @@ void EndpointMatcher::forget(LocalWriter& writer, const Guid& remote) {
 void EndpointMatcher::forget(LocalReader& reader, const Guid& remote) {
   const auto keys = core_.keys_of(reader.data.guid.entity, remote);
   if (core_.security) core_.security->keyring().part(reader.data.guid.entity, remote);
-  if (std::erase(reader.matched, remote) == 0) return;
+  if (!reader.matched.remove(remote)) return;
   if (auto* participant = remotes_.find_or_self(remote.prefix))
     participant->stop_watching(*reader.listener, remote);
   if (auto* endpoint = remotes_.find_endpoint(remote))
@@ -281,7 +302,7 @@ bool EndpointMatcher::shows_readiness(const LocalWriter& writer, const EndpointD
 }
 
 void EndpointMatcher::note_ready(LocalWriter& writer, const Guid& reader) {
-  if (std::erase(writer.unready, reader) == 0) return;
+  if (writer.unready.erase(reader) == 0) return;
   readiness_.remove(writer.data.guid, reader);
   if (const auto* data = remotes_.endpoint(reader)) writer.listener->on_matched(*data);
 }

@@ -50,11 +50,14 @@ class EndpointMatcher {
   struct TopicEnds {
     std::vector<LocalWriter*> writers;
     std::vector<LocalReader*> readers;
-    std::vector<Guid> remotes;
+    std::set<Guid> remotes;
     bool empty() const { return writers.empty() && readers.empty() && remotes.empty(); }
   };
   enum class Verdict { refused, awaits_keys, ready };
 
+  /// False: the identity of `remote` has all the matches that it may have with this endpoint, which
+  /// is counted and once raises an event.
+  bool has_place(const MatchTable& matched, RemoteParticipant& remote);
   Verdict judge(const EndpointData& local, EndpointListener& listener, const EndpointData& remote);
   Verdict admit(const EntityId& local, const EndpointData& remote);
   void match(LocalWriter& writer, RemoteParticipant& remote, const EndpointData& data);

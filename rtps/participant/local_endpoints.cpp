@@ -146,9 +146,9 @@ LocalReader* LocalEndpoints::find_reader(const EntityId& id) {
 
 std::vector<Guid> LocalEndpoints::matched(const Guid& endpoint) const {
   if (const auto at = writers_.find(endpoint.entity); at != writers_.end())
-    return at->second.matched;
+    return at->second.matched.guids();
   if (const auto at = readers_.find(endpoint.entity); at != readers_.end())
-    return at->second.matched;
+    return at->second.matched.guids();
   return {};
 }
 

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <map>
+#include <set>
 
 #include "rtps/participant/builtin_endpoints.hpp"
 #include "rtps/participant/endpoint_listener.hpp"
+#include "rtps/participant/match_table.hpp"
 #include "rtps/participant/participant_core.hpp"
 
 namespace ddssec::rtps {
@@ -14,15 +16,15 @@ struct LocalWriter {
   EndpointData data;
   EndpointListener* listener = nullptr;
   std::unique_ptr<StatefulWriter> protocol;
-  std::vector<Guid> matched;
-  std::vector<Guid> unready = {};  ///< matched, and its owner does not know yet (ReadinessQueue)
+  MatchTable matched = {};
+  std::set<Guid> unready = {};  ///< matched, and its owner does not know yet (ReadinessQueue)
 };
 
 struct LocalReader {
   EndpointData data;
   EndpointListener* listener = nullptr;
   std::unique_ptr<StatefulReader> protocol;
-  std::vector<Guid> matched;
+  MatchTable matched = {};
 };
 
 /// Knows remote endpoints only as the GUIDs that EndpointMatcher matched.

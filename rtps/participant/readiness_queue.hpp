@@ -1,8 +1,8 @@
 // Matched readers that may not be able yet to read what our writers say.
 #pragma once
 
-#include <algorithm>
 #include <deque>
+#include <map>
 #include <optional>
 
 #include "base/clock.hpp"
@@ -22,22 +22,30 @@ class ReadinessQueue {
   };
 
   void add(const Guid& writer, const Guid& reader, MonotonicTime now) {
+    waiting_[{writer, reader}] = now + kPatience;
     pairs_.push_back({writer, reader, now + kPatience});
   }
   void remove(const Guid& writer, const Guid& reader) {
-    std::erase_if(pairs_, [&](const Pair& p) { return p.writer == writer && p.reader == reader; });
+    waiting_.erase({writer, reader});
+    while (!pairs_.empty() && !waits(pairs_.front())) pairs_.pop_front();
   }
   /// The next pair that has waited long enough, which leaves the queue.
   std::optional<Pair> take_due(MonotonicTime now) {
     if (next() > now) return std::nullopt;
     const auto due = pairs_.front();
-    pairs_.pop_front();
+    remove(due.writer, due.reader);
     return due;
   }
   MonotonicTime next() const { return pairs_.empty() ? kNever : pairs_.front().deadline; }
 
  private:
-  std::deque<Pair> pairs_;  ///< by their deadlines
+  bool waits(const Pair& pair) const {
+    const auto at = waiting_.find({pair.writer, pair.reader});
+    return at != waiting_.end() && at->second == pair.deadline;
+  }
+
+  std::map<std::pair<Guid, Guid>, MonotonicTime> waiting_;  ///< until when
+  std::deque<Pair> pairs_;  ///< by their deadlines; some do not wait any more, the first one does
 };
 
 }  // namespace ddssec::rtps

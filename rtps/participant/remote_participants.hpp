@@ -41,6 +41,7 @@ struct RemoteParticipant {
   std::vector<SourceAddress> metatraffic_sources = {}, user_sources = {};  ///< that announced them
   SourceAddress source = {};                 ///< that announced it first
   std::optional<std::size_t> unproven = {};  ///< octets it counts for as long as nothing is proven
+  bool exceeds_matches = false;     ///< the same of matches with one endpoint
 
   const GuidPrefix& prefix() const { return data.guid.prefix; }
   /// nullptr: none of its writers with a finite lease is matched. Not for MANUAL_BY_TOPIC.

@@ -12,13 +12,9 @@ void StatefulWriter::set_filter(const Guid& reader, std::shared_ptr<ChangeFilter
   if (proxy->filtered_from.value != 0) send_filtered_gap(*proxy, history_.last().next());
   sender_.flush();
   if (!proxy->reader.filter && filters_ >= kMostFilters) return;
+  filters_ -= proxy->is_filtered() ? 1 : 0;
   proxy->reader.filter = std::move(filter);
-  count_filters();
-}
-
-void StatefulWriter::count_filters() {
-  filters_ = static_cast<std::size_t>(std::ranges::count_if(
-      readers_, [](const auto& p) { return p.reader.filter != nullptr || p.until.value != 0; }));
+  filters_ += proxy->is_filtered() ? 1 : 0;
 }
 
 // Disposed and unregistered instances concern all: 8.7.4 asks for less, and a reader knows best
@@ -27,14 +23,19 @@ bool StatefulWriter::filter(const Change& change) {
   filter_results_.clear();
   wanted_locators_.clear();
   bool all = true;
-  for (auto& proxy : readers_) {
+  for (auto& [guid, proxy] : readers_) {
     const auto result = proxy.filtered(change);
     const bool passed = proxy.wanted = proxy.is_for(change) && result.value_or(true);
     if (result) filter_results_.push_back({proxy.reader.filter->signature, passed});
     all = all && passed;
     if (!passed && proxy.filtered_from.value == 0) proxy.filtered_from = change.sequence_number;
-    if (passed) add_locators(wanted_locators_, proxy.reader);
+    if (passed)
+      wanted_locators_.insert(wanted_locators_.end(), proxy.reader.locators.begin(),
+                              proxy.reader.locators.end());
   }
+  std::ranges::sort(wanted_locators_);
+  const auto repeated = std::ranges::unique(wanted_locators_);
+  wanted_locators_.erase(repeated.begin(), repeated.end());
   return all;
 }
 
@@ -42,7 +43,7 @@ bool StatefulWriter::filter(const Change& change) {
 // it did not pass, and their own filter says so as well.
 void StatefulWriter::send_filtered(const Change& change) {
   const bool all = filter(change);
-  for (auto& proxy : readers_)
+  for (auto& [guid, proxy] : readers_)
     if (proxy.wanted && proxy.filtered_from.value != 0)
       send_filtered_gap(proxy, change.sequence_number);
   if (all)
@@ -59,7 +60,7 @@ void StatefulWriter::send_filtered_gap(ReaderProxy& proxy, SequenceNumber next) 
 
 void StatefulWriter::send_filtered_gaps() {
   if (filters_ == 0) return;
-  for (auto& proxy : readers_)
+  for (auto& [guid, proxy] : readers_)
     if (proxy.filtered_from.value != 0) send_filtered_gap(proxy, history_.last().next());
 }
 

@@ -41,7 +41,7 @@ void StatefulWriter::feed(ReaderProxy& proxy) {
     const bool beyond = proxy.until.value != 0 && number >= proxy.until;
     if (change != nullptr && !beyond && !proxy.local->offer(*change)) break;
   }
-  proxy.acknowledged = number.previous();
+  note_acknowledged(proxy, number.previous());
   proxy.local->skip(guid_, number);
   if (group_ != nullptr && number > history_.last()) proxy.local->pass(guid_, group_->current);
 }

@@ -79,18 +79,34 @@ void StatefulWriter::hurry_as(const Qos& qos) {
 
 StatefulWriter::~StatefulWriter() {
   sender_.flush();
-  for (auto& proxy : readers_)
+  for (auto& [guid, proxy] : readers_)
     if (proxy.local != nullptr) proxy.local->detach(guid_);
 }
 
-StatefulWriter::ReaderProxy* StatefulWriter::find(const Guid& reader) {
-  const auto at = std::ranges::find(readers_, reader, [](const auto& p) { return p.reader.guid; });
-  return at == readers_.end() ? nullptr : &*at;
+// What all readers have in common is counted, not computed anew whenever one comes or goes.
+void StatefulWriter::count(const ReaderProxy& proxy, int by) {
+  const auto add = [by](std::size_t& to, bool counts) {
+    if (counts) to += static_cast<std::size_t>(by);
+  };
+  add(filters_, proxy.is_filtered());
+  add(bare_only_, proxy.reader.keys.bare_only);
+  add(short_is_hash_, proxy.reader.keys.short_is_hash);
+  if (by > 0)
+    locators_.add(proxy.reader.locators);
+  else
+    locators_.remove(proxy.reader.locators);
 }
 
-void StatefulWriter::add_locators(LocatorList& to, const MatchedReader& reader) {
-  for (const auto& locator : reader.locators)
-    if (std::ranges::find(to, locator) == to.end()) to.push_back(locator);
+void StatefulWriter::note_acknowledged(ReaderProxy& proxy, SequenceNumber through) {
+  proxy.acknowledged = through;
+  if (!proxy.reader.reliable || !qos_.is_reliable()) return;
+  if (!proxy.lowest) {
+    proxy.lowest = acknowledged_.insert(through);
+    return;
+  }
+  auto node = acknowledged_.extract(*proxy.lowest);
+  node.value() = through;
+  proxy.lowest = acknowledged_.insert(std::move(node));
 }
 
 void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
@@ -98,14 +114,12 @@ void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
   if (filters_ >= kMostFilters) reader.filter = nullptr;
   const auto next = history_.last().next();
   const bool history = reader.wants_history && qos_.durability >= DurabilityKind::transient_local;
-  ReaderProxy proxy{std::move(reader), history ? history_.first() : next, {}, 0, 0, {}, {}, {}};
-  proxy.acknowledged = proxy.first_relevant.previous();
-  if (history_only_) proxy.until = next;
-  readers_.push_back(std::move(proxy));
-  count_filters();
-  const auto& matched = readers_.back();
-  add_locators(all_locators_, matched.reader);
-  key_reading_ |= matched.reader.keys;
+  auto& matched = readers_[reader.guid];
+  matched.reader = std::move(reader);
+  matched.first_relevant = history ? history_.first() : next;
+  note_acknowledged(matched, matched.first_relevant.previous());
+  if (history_only_) matched.until = next;
+  count(matched, 1);
   if (matched.reader.in_process) return;
   if (!matched.reader.reliable || !qos_.is_reliable()) {
     for (auto number = matched.first_relevant; number < next; number = number.next())
@@ -125,23 +139,18 @@ void StatefulWriter::unmatch(const Guid& reader) {
   if (proxy == nullptr) return;
   sender_.flush();
   if (proxy->local != nullptr) proxy->local->detach(guid_);
-  std::erase_if(readers_, [&](const auto& proxy) { return proxy.reader.guid == reader; });
-  count_filters();
-  all_locators_.clear();
-  key_reading_ = {};
-  for (const auto& left : readers_) {
-    add_locators(all_locators_, left.reader);
-    key_reading_ |= left.reader.keys;
-  }
+  count(*proxy, -1);
+  if (proxy->lowest) acknowledged_.erase(*proxy->lowest);
+  readers_.erase(readers_.find(reader));
   release_acknowledged();
 }
 
 SequenceNumber StatefulWriter::write(Change change, MonotonicTime now) {
   change.writer = guid_;
   const auto number = history_.add(std::move(change));
-  for (auto& proxy : readers_)
+  for (auto& [guid, proxy] : readers_)
     if (proxy.local != nullptr) feed(proxy);
-  if (!all_locators_.empty() && !held_back_) {
+  if (!locators_.all().empty() && !held_back_) {
     const auto& stored = *history_.find(number);
     const auto size = stored.payload.size();
     const auto everybody = to_all();
@@ -186,7 +195,7 @@ bool StatefulWriter::is_hurried(MonotonicTime now) {
 }
 
 void StatefulWriter::ask_for_acknowledgments() {
-  if (all_acknowledged() || all_locators_.empty()) return;
+  if (all_acknowledged() || locators_.all().empty()) return;
   send_filtered_gaps();
   send_heartbeat(to_all(), all_readers(), history_.first(), false);
   sender_.flush();
@@ -227,7 +236,8 @@ void StatefulWriter::send_change(const Destination& to, const EntityId& reader,
 BytesView StatefulWriter::payload_of(const Change& change) {
   const auto octets = change.payload.view();
   if (!change.key_only || is_builtin(guid_.entity)) return octets;
-  return key_payload_for(key_reading_, octets, to_bare_key_, key_scratch_);
+  const KeyReading reading{bare_only_ > 0, short_is_hash_ > 0};
+  return key_payload_for(reading, octets, to_bare_key_, key_scratch_);
 }
 
 void StatefulWriter::send_fragment(const Destination& to, const EntityId& reader,
@@ -260,9 +270,9 @@ void StatefulWriter::send_heartbeat(const Destination& to, const EntityId& reade
 }
 
 void StatefulWriter::assert_liveliness() {
-  for (auto& proxy : readers_)
+  for (auto& [guid, proxy] : readers_)
     if (proxy.local != nullptr) proxy.local->hear(guid_);
-  if (all_locators_.empty()) return;
+  if (locators_.all().empty()) return;
   send_heartbeat(to_all(), all_readers(), history_.first(), true, true);
   sender_.flush();
 }
@@ -278,7 +288,7 @@ bool StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, 
     proxy->last_count = acknack.count;  // a pre-emptive one, recorded, must not make old ones new
   }
   if (!pre_emptive && base <= history_.last().next() && base.previous() > proxy->acknowledged) {
-    proxy->acknowledged = base.previous();
+    note_acknowledged(*proxy, base.previous());
     be_attentive(now);
   }
   const bool answered = !pre_emptive && answer_requests(*proxy, acknack.missing, now);
@@ -372,19 +382,19 @@ void StatefulWriter::continue_repair(ReaderProxy& proxy, MonotonicTime now) {
 
 MonotonicTime StatefulWriter::next_tick() const {
   auto next = next_heartbeat_;
-  for (const auto& proxy : readers_) next = std::min(next, proxy.repair.due);
+  for (const auto& [guid, proxy] : readers_) next = std::min(next, proxy.repair.due);
   return next;
 }
 
 void StatefulWriter::tick(MonotonicTime now) {
-  for (auto& proxy : readers_)
+  for (auto& [guid, proxy] : readers_)
     if (now >= proxy.repair.due) continue_repair(proxy, now);
   if (now < next_heartbeat_) {
     sender_.flush();
     return call_at(next_tick());
   }
   send_filtered_gaps();
-  for (const auto& proxy : readers_) {
+  for (const auto& [guid, proxy] : readers_) {
     if (!proxy.reader.reliable || proxy.reader.in_process || proxy.acknowledged >= history_.last())
       continue;
     send_heartbeat(to(proxy), proxy.reader.guid.entity,
@@ -403,19 +413,14 @@ bool StatefulWriter::is_ahead() const {
 }
 
 bool StatefulWriter::all_acknowledged() const {
-  if (!qos_.is_reliable()) return true;
-  return std::ranges::all_of(readers_, [&](const auto& proxy) {
-    return !proxy.reader.reliable || proxy.acknowledged >= history_.last();
-  });
+  return acknowledged_.empty() || *acknowledged_.begin() >= history_.last();
 }
 
 // Nobody will ask again: late joiners of a volatile writer get nothing old.
 void StatefulWriter::release_acknowledged() {
   if (qos_.durability >= DurabilityKind::transient_local) return;
   auto through = held_back_ ? held_from_.previous() : history_.last();
-  for (const auto& proxy : readers_)
-    if (proxy.reader.reliable && qos_.is_reliable())
-      through = std::min(through, proxy.acknowledged);
+  if (!acknowledged_.empty()) through = std::min(through, *acknowledged_.begin());
   history_.remove_through(through);
 }
 

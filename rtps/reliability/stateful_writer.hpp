@@ -2,11 +2,14 @@
 #pragma once
 
 #include <functional>
+#include <map>
+#include <set>
 #include <vector>
 
 #include "rtps/qos/qos.hpp"
 #include "rtps/reliability/change_filter.hpp"
 #include "rtps/reliability/key_payload.hpp"
+#include "rtps/reliability/locator_counts.hpp"
 #include "rtps/reliability/message_sender.hpp"
 #include "rtps/reliability/timer_queue.hpp"
 #include "rtps/reliability/writer_history.hpp"
@@ -53,10 +56,7 @@ class StatefulWriter final : private Timed {
   const Qos& qos() const { return qos_; }
   const WriterHistory& history() const { return history_; }
   std::size_t matched() const { return readers_.size(); }
-  bool is_matched(const Guid& reader) const {
-    return std::ranges::find(readers_, reader, [](const auto& p) { return p.reader.guid; }) !=
-           readers_.end();
-  }
+  bool is_matched(const Guid& reader) const { return readers_.contains(reader); }
 
   /// A reliable reader is told at once what there is.
   void match(MatchedReader reader, MonotonicTime now);
@@ -127,7 +127,8 @@ class StatefulWriter final : private Timed {
   struct ReaderProxy {
     MatchedReader reader;
     SequenceNumber first_relevant;  ///< what a late joiner does not get lies below
-    SequenceNumber acknowledged;    ///< everything up to here has arrived
+    SequenceNumber acknowledged;    ///< everything up to here has arrived; see note_acknowledged
+    std::optional<std::multiset<SequenceNumber>::iterator> lowest = {};  ///< in acknowledged_
     std::int32_t last_count = 0;
     std::int32_t last_frag_count = 0;
     SequenceNumber last_answered;  ///< base of the request that was answered last, and when
@@ -141,6 +142,7 @@ class StatefulWriter final : private Timed {
     bool accepts(const Change& change) const {
       return is_for(change) && filtered(change).value_or(true);
     }
+    bool is_filtered() const { return reader.filter != nullptr || until.value != 0; }
     bool is_for(const Change& change) const {
       return until.value == 0 || change.sequence_number < until;
     }
@@ -157,25 +159,29 @@ class StatefulWriter final : private Timed {
     return {proxy.reader.guid.prefix, proxy.reader.locators, dscp_};
   }
   Destination to_all() const {
-    return is_pairwise() ? to(readers_.front()) : Destination{{}, all_locators_, dscp_};
+    return is_pairwise() ? to(readers_.begin()->second) : Destination{{}, locators_.all(), dscp_};
   }
   EntityId all_readers() const {
-    return is_pairwise() ? readers_.front().reader.guid.entity : kEntityIdUnknown;
+    return is_pairwise() ? readers_.begin()->first.entity : kEntityIdUnknown;
   }
   /// Its reader is the only one, and what it gets is protected by the key of that pair.
   bool is_pairwise() const {
     return guid_.entity == kVolatileMessageWriter && readers_.size() == 1;
   }
-  ReaderProxy* find(const Guid& reader);
+  ReaderProxy* find(const Guid& reader) {
+    const auto at = readers_.find(reader);
+    return at == readers_.end() ? nullptr : &at->second;
+  }
+  /// Of a matched reader, which comes or goes.
+  void count(const ReaderProxy& proxy, int by);
+  void note_acknowledged(ReaderProxy& proxy, SequenceNumber through);
   std::optional<GroupState> group_state() const;
   Gap gap_of(const EntityId& reader, SequenceNumber first, SequenceNumber end) const;
   void feed(ReaderProxy& proxy);
-  static void add_locators(LocatorList& to, const MatchedReader& reader);
   void send_change(const Destination& to, const EntityId& reader, const Change& change,
                    std::uint32_t most_fragments = ~0u);
   /// What of a change is sent.
   BytesView payload_of(const Change& change);
-  void count_filters();
   void send_filtered(const Change& change);
   bool filter(const Change& change);
   void send_filtered_gap(ReaderProxy& proxy, SequenceNumber next);
@@ -197,14 +203,16 @@ class StatefulWriter final : private Timed {
   const Qos qos_;
   MessageSender& sender_;
   WriterHistory history_;
-  std::vector<ReaderProxy> readers_;
-  LocatorList all_locators_;
+  std::map<Guid, ReaderProxy> readers_;
+  /// Of the reliable ones, so that nobody looks for the lowest.
+  std::multiset<SequenceNumber> acknowledged_;
+  LocatorCounts locators_;
   std::function<void()> on_acknowledged_;
   const WriterGroup* group_ = nullptr;
   bool held_back_ = false;
   SequenceNumber held_from_;  ///< the first that was not sent
   bool history_only_ = false;
-  KeyReading key_reading_;  ///< of all matched readers together
+  std::size_t bare_only_ = 0, short_is_hash_ = 0;  ///< matched readers with that KeyReading
   KeyRewriter to_bare_key_;
   Bytes key_scratch_;
   std::size_t filters_ = 0;      ///< readers that do not get everything

@@ -36,9 +36,9 @@ void StatefulWriter::hold_back(bool held_back, MonotonicTime now) {
     held_from_ = history_.last().next();
     return;
   }
-  for (auto& proxy : readers_)
+  for (auto& [guid, proxy] : readers_)
     if (proxy.local != nullptr) feed(proxy);
-  if (!all_locators_.empty() && held_from_ <= history_.last()) {
+  if (!locators_.all().empty() && held_from_ <= history_.last()) {
     const auto everybody = to_all();
     for (auto number = std::max(held_from_, history_.first()); number <= history_.last();
          number = number.next())

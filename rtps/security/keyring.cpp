@@ -100,10 +100,9 @@ Status Keyring::add_remote(const GuidPrefix& prefix, RemoteParticipant remote) {
 
 void Keyring::remove_remote(const GuidPrefix& prefix) {
   for (auto& [id, local] : locals_) {
-    std::vector<Guid> gone;
-    for (const auto& [remote, pair] : local.pairs)
-      if (remote.prefix == prefix) gone.push_back(remote);
-    for (const auto& remote : gone) part(id, remote);
+    for (auto at = local.pairs.lower_bound({prefix, {}});
+         at != local.pairs.end() && at->first.prefix == prefix;)
+      part(id, Guid((at++)->first));
   }
   const auto at = remotes_.find(prefix);
   if (at == remotes_.end()) return;
@@ -168,8 +167,7 @@ Result<Keyring::Introduction> Keyring::introduce(const EntityId& id, const Guid&
       out.ready = pair.ready = !waits_for_tokens(id, local.attributes);
     }
   }
-  local.pairs[remote] = pair;
-  rebuild_receivers(id, local);
+  local.list(id, local.pairs[remote] = pair);
   return out;
 }
 
@@ -180,8 +178,8 @@ void Keyring::part(const EntityId& id, const Guid& remote) {
   if (pair == at->second.pairs.end()) return;
   // The remote endpoint is of the other kind.
   const auto handle = pair->second.handle;
+  at->second.unlist(id, pair->second);
   at->second.pairs.erase(pair);
-  rebuild_receivers(id, at->second);
   endpoint_of_.erase(handle);
   if (handle == 0) return;
   if (is_writer(id))
@@ -209,16 +207,31 @@ std::optional<Sha256Digest> Keyring::keys_of(const EntityId& id, const Guid& rem
       {by_message ? peer->second.keys : none, by_submessage ? local->pairs.at(remote).keys : none});
 }
 
-void Keyring::rebuild_receivers(const EntityId& id, Local& local) {
-  local.readers.clear();
-  local.writers.clear();
-  for (const auto& [remote, pair] : local.pairs) {
-    if (!pair.ready || pair.handle == 0) continue;
-    if (is_writer(id))
-      local.readers.push_back({pair.handle});
-    else
-      local.writers.push_back({pair.handle});
-  }
+void Keyring::Local::list(const EntityId& id, Pair& pair) {
+  if (!pair.ready || pair.handle == 0 || pair.place) return;
+  pair.place = ready.size();
+  ready.push_back(&pair);
+  if (is_writer(id))
+    readers.push_back({pair.handle});
+  else
+    writers.push_back({pair.handle});
+}
+
+// The last one takes its place.
+void Keyring::Local::unlist(const EntityId& id, Pair& pair) {
+  if (!pair.place) return;
+  const auto place = *pair.place;
+  const auto remove = [place](auto& from) {
+    from[place] = from.back();
+    from.pop_back();
+  };
+  ready.back()->place = place;
+  remove(ready);
+  pair.place.reset();
+  if (is_writer(id))
+    remove(readers);
+  else
+    remove(writers);
 }
 
 Result<bool> Keyring::set_endpoint_tokens(const EntityId& id, const Guid& remote,
@@ -236,7 +249,7 @@ Result<bool> Keyring::set_endpoint_tokens(const EntityId& id, const Guid& remote
     DDSSEC_TRY(exchange().set_remote_datawriter_crypto_tokens({own}, {peer}, tokens));
   pair->second.keys = digest_of(tokens);
   const bool was_ready = std::exchange(pair->second.ready, true);
-  rebuild_receivers(id, at->second);
+  at->second.list(id, pair->second);
   return !was_ready;
 }
 

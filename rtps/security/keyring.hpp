@@ -119,7 +119,8 @@ class Keyring final : public SendProtection {
   struct Pair {
     std::int64_t handle = 0;  ///< the remote endpoint's; 0: no keys at all
     bool ready = false;
-    Sha256Digest keys = {};  ///< of its tokens, the latest
+    Sha256Digest keys = {};                 ///< of its tokens, the latest
+    std::optional<std::size_t> place = {};  ///< in the lists of ready ones
   };
   struct Local {
     spi::EndpointSecurityAttributes attributes;
@@ -128,6 +129,10 @@ class Keyring final : public SendProtection {
     std::map<Guid, Pair> pairs = {};
     std::vector<spi::DatareaderCryptoHandle> readers = {};  ///< a writer's ready ones
     std::vector<spi::DatawriterCryptoHandle> writers = {};  ///< a reader's ready ones
+    std::vector<Pair*> ready = {};                          ///< the pairs of either list
+    /// Adds a pair to the lists if it is ready, or takes it out, without a look at the others.
+    void list(const EntityId& id, Pair& pair);
+    void unlist(const EntityId& id, Pair& pair);
   };
   struct Remote {
     spi::ParticipantCryptoHandle crypto;
@@ -142,7 +147,6 @@ class Keyring final : public SendProtection {
   Result<std::vector<spi::Token>> tokens_for(const EntityId& id, const Local& local,
                                              const Pair& pair,
                                              spi::KeyStage stage = spi::KeyStage::in_use);
-  void rebuild_receivers(const EntityId& id, Local& local);
   void unregister(const EntityId& id, std::int64_t remote);
   spi::CryptoKeyFactory& factory() { return own_.plugins().cryptography.key_factory(); }
   spi::CryptoKeyExchange& exchange() { return own_.plugins().cryptography.key_exchange(); }

@@ -198,6 +198,30 @@ TEST(Participant, ChangedPoliciesAreAnnouncedAndMatchedAnew) {
             Code::rtps_qos_inconsistent);
 }
 
+// By what one identity matches, it could make each write of ours as slow as it liked.
+TEST(Participant, OneIdentityMatchesABoundedNumberOfTimesWithOneEndpoint) {
+  Node a{1}, b{2}, c{3};
+  World world{{&a, &b, &c}};
+  ASSERT_TRUE(a.participant.create_writer(square(default_writer_qos()), a.listener, world.now));
+  std::vector<Guid> readers;
+  constexpr int kMost = MatchTable::kMaxOfOne;
+  for (int i = 0; i < kMost + 50; ++i)
+    readers.push_back(
+        *b.participant.create_reader(square(default_reader_qos()), b.listener, world.now));
+  for (int i = 0; i < 300; ++i) world.run(1);
+  EXPECT_EQ(a.listener.matched, kMost);
+  EXPECT_EQ(a.participant.counters().refused_discovery, 50u);
+  EXPECT_THAT(a.events.codes(), ::testing::ElementsAre(Code::rtps_too_many_endpoints));
+  ASSERT_TRUE(c.participant.create_reader(square(default_reader_qos()), c.listener, world.now));
+  world.run();
+  EXPECT_EQ(a.listener.matched, kMost + 1) << "another one's";
+  for (int i = 0; i < 10; ++i)
+    b.participant.remove(readers[static_cast<std::size_t>(i)], world.now);
+  ASSERT_TRUE(b.participant.create_reader(square(default_reader_qos()), b.listener, world.now));
+  world.run();
+  EXPECT_EQ(a.listener.matched, kMost + 1 - 10 + 1);
+}
+
 struct ParticipantLiveliness : ::testing::Test {
   Node a{1}, b{2};
   World world{{&a, &b}};

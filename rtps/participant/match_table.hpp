@@ -1,0 +1,45 @@
+// The remote endpoints that matched one of ours.
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "base/ids.hpp"
+
+namespace ddssec::rtps {
+
+/// Each with the identity that it belonged to when it matched (ParticipantCore::identity_of).
+class MatchTable {
+ public:
+  /// Endpoints of one identity.
+  static constexpr std::size_t kMaxOfOne = 1024;
+
+  bool contains(const Guid& remote) const { return matched_.contains(remote); }
+  bool has_room(const GuidPrefix& identity) const {
+    const auto known = counts_.find(identity);
+    return known == counts_.end() || known->second < kMaxOfOne;
+  }
+  void add(const Guid& remote, const GuidPrefix& identity) {
+    if (matched_.try_emplace(remote, identity).second) ++counts_[identity];
+  }
+  /// False: it was not there.
+  bool remove(const Guid& remote) {
+    const auto at = matched_.find(remote);
+    if (at == matched_.end()) return false;
+    const auto count = counts_.find(at->second);
+    if (--count->second == 0) counts_.erase(count);
+    matched_.erase(at);
+    return true;
+  }
+  std::vector<Guid> guids() const {
+    std::vector<Guid> out;
+    for (const auto& [guid, identity] : matched_) out.push_back(guid);
+    return out;
+  }
+
+ private:
+  std::map<Guid, GuidPrefix> matched_;
+  std::map<GuidPrefix, std::size_t> counts_;
+};
+
+}  // namespace ddssec::rtps

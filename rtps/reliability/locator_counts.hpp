@@ -1,0 +1,42 @@
+// Locators of many readers, each once.
+#pragma once
+
+#include <map>
+
+#include "wire/locator.hpp"
+
+namespace ddssec::rtps {
+
+/// Counts who has a locator: adding and removing one does not look at the others.
+class LocatorCounts {
+ public:
+  void add(const LocatorList& locators) {
+    for (const auto& locator : locators) {
+      const auto [at, is_new] = places_.try_emplace(locator, Place{all_.size()});
+      if (is_new) all_.push_back(locator);
+      ++at->second.count;
+    }
+  }
+  /// They were added.
+  void remove(const LocatorList& locators) {
+    for (const auto& locator : locators) {
+      const auto at = places_.find(locator);
+      if (--at->second.count > 0) continue;
+      all_[at->second.index] = all_.back();
+      places_.find(all_.back())->second.index = at->second.index;
+      all_.pop_back();
+      places_.erase(at);
+    }
+  }
+  const LocatorList& all() const { return all_; }
+
+ private:
+  struct Place {
+    std::size_t index;  ///< in all_
+    std::size_t count = 0;
+  };
+  LocatorList all_;
+  std::map<Locator, Place> places_;
+};
+
+}  // namespace ddssec::rtps
