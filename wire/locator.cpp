@@ -2,10 +2,22 @@
 
 #include <algorithm>
 #include <arpa/inet.h>
+#include <span>
 
 #include <fmt/format.h>
 
 namespace ddssec::rtps {
+namespace {
+
+// ::ffff:a.b.c.d is sent to as a.b.c.d. Of an IPv4 locator the first twelve octets do not count.
+bool has_v4_address(const Locator& locator) {
+  constexpr std::array<std::uint8_t, 12> kMapped = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
+  return locator.kind == LocatorKind::udp_v4 ||
+         (locator.kind == LocatorKind::udp_v6 &&
+          std::ranges::equal(std::span(locator.address).first(12), kMapped));
+}
+
+}  // namespace
 
 Locator Locator::udp_v4(std::array<std::uint8_t, 4> octets, std::uint16_t port) {
   Locator out{LocatorKind::udp_v4, port, {}};
@@ -27,18 +39,20 @@ std::optional<Locator> Locator::parse(std::string_view address, std::uint16_t po
 }
 
 bool Locator::is_multicast() const {
-  if (kind == LocatorKind::udp_v4) return (address[12] & 0xf0) == 0xe0;
+  if (has_v4_address(*this)) return (address[12] & 0xf0) == 0xe0;
   return kind == LocatorKind::udp_v6 && address[0] == 0xff;
 }
 
 bool Locator::is_loopback() const {
-  if (kind == LocatorKind::udp_v4) return address[12] == 127;
+  if (has_v4_address(*this)) return address[12] == 127;
   const auto zeros = std::ranges::count(address, 0);
   return kind == LocatorKind::udp_v6 && address[15] == 1 && zeros == 15;
 }
 
+// Linux takes 0.0.0.0, in either form, for this machine.
 bool Locator::is_unspecified() const {
-  return std::ranges::all_of(address, [](auto octet) { return octet == 0; });
+  const auto from = has_v4_address(*this) ? address.begin() + 12 : address.begin();
+  return std::all_of(from, address.end(), [](auto octet) { return octet == 0; });
 }
 
 bool Locator::is_usable() const {

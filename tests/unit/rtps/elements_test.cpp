@@ -86,6 +86,13 @@ TEST(Locator, TellsItsNature) {
   EXPECT_FALSE(Locator::parse("::2", 1)->is_loopback());
   EXPECT_FALSE(Locator::parse("0.0.0.0", 1)->is_usable());
   EXPECT_FALSE(Locator::parse("10.0.0.1", 0)->is_usable());
+  EXPECT_FALSE(Locator::parse("::", 1)->is_usable());
+  EXPECT_FALSE(Locator::parse("::ffff:0.0.0.0", 1)->is_usable());
+  auto disguised = *Locator::parse("0.0.0.0", 1);
+  disguised.address[3] = 1;
+  EXPECT_FALSE(disguised.is_usable());
+  EXPECT_TRUE(Locator::parse("::ffff:127.0.0.1", 1)->is_loopback());
+  EXPECT_TRUE(Locator::parse("::ffff:239.255.0.1", 1)->is_multicast());
   EXPECT_FALSE(Locator::parse("localhost", 1));
   Locator out_of_range = *Locator::parse("10.0.0.1", 1);
   out_of_range.port = 0x10000;
