@@ -16,6 +16,13 @@ std::unexpected<Error> bad_option(std::string field, std::string expected, std::
                                        .found = std::move(found)});
 }
 
+Result<std::uint32_t> random_entity(Random& random) {
+  std::array<std::uint8_t, 3> octets{};
+  DDSSEC_TRY(random.fill(octets));
+  const auto number = std::uint32_t{octets[0]} << 16 | std::uint32_t{octets[1]} << 8 | octets[2];
+  return 1 + number % ParticipantConfig::kGreatestFirstEntity;
+}
+
 Locator with_port(Locator locator, std::uint32_t port) {
   locator.port = port;
   return locator;
@@ -184,6 +191,7 @@ Status DomainParticipant::start(const GuidPrefix& prefix, std::unique_ptr<OwnSec
                            .neighbourhood = context_.neighbourhood()};
   config.announcement_period = options_.announcement_period;
   config.fragment_size = options_.fragment_size;
+  config.first_entity = DDSSEC_TRY(random_entity(context_.environment().random));
   for (const auto& peer : options_.peers) {
     const auto address = Locator::parse(peer, 0);
     if (!address) return bad_option("peers", "IPv4 or IPv6 addresses", peer);

@@ -9,7 +9,9 @@ constexpr std::size_t kLargestAnnouncement = 128 << 10;
 }  // namespace
 
 LocalEndpoints::LocalEndpoints(ParticipantCore& core, BuiltinEndpoints::Deliver deliver)
-    : core_(core), builtin_(core.config.prefix, core.sender, core.timers, std::move(deliver)) {}
+    : core_(core),
+      builtin_(core.config.prefix, core.sender, core.timers, std::move(deliver)),
+      next_entity_(core.config.first_entity) {}
 
 EntityId LocalEndpoints::next_id(std::uint8_t kind) {
   const auto number = next_entity_++;

@@ -74,7 +74,7 @@ class LocalEndpoints final : public Neighbour {
   BuiltinEndpoints builtin_;
   std::map<EntityId, LocalWriter> writers_;
   std::map<EntityId, LocalReader> readers_;
-  std::uint32_t next_entity_ = 1;
+  std::uint32_t next_entity_;
 };
 
 }  // namespace ddssec::rtps

@@ -27,6 +27,11 @@ struct ParticipantConfig {
   /// Of announcements, after the first few, which come quickly; 0: as the lease wants it.
   std::chrono::nanoseconds announcement_period{};
   std::uint32_t fragment_size = MessageSender::kLargestFragment;
+  /// Where the entity ids of writers and readers begin, at most kGreatestFirstEntity. A random one
+  /// keeps what is said to one process from being taken for what is said to another: submessage
+  /// protection covers entity ids, and not the INFO_DST before them.
+  std::uint32_t first_entity = 1;
+  static constexpr std::uint32_t kGreatestFirstEntity = 0x7fffff;
   /// Its members are called without the network where nothing is protected. The caller enters the
   /// participant, and calls it with the neighbourhood's lock held.
   std::shared_ptr<Neighbourhood> neighbourhood = {};
