@@ -45,8 +45,8 @@ bool AnyDataReader::store(Change& change) {
     if (!passes.value_or(false)) return true;
   }
   const auto& type = topic_.type();
-  // What was encrypted is what its writer said; the hash beside it may be anybody's.
-  const bool from_payload = key_is_protected_ && change.payload.size() > 0;
+  // What was protected is what its writer said; the hash beside it may be anybody's.
+  const bool from_payload = payload_is_protected_ && change.payload.size() > 0;
   if (type.with_key && type.key_hash && (!change.key_hash || from_payload))
     change.key_hash = type.key_hash(change, key_is_protected_);
   if (type.with_key && !change.key_hash) {

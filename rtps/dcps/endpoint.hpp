@@ -52,6 +52,7 @@ class Endpoint : public Entity, protected EndpointListener, protected Timed {
   void on_incompatible_qos(const Guid& remote, const QosMismatch& mismatch) override;
   void on_inconsistent_topic(const EndpointData& remote) override;
   void on_key_protected() override { key_is_protected_ = true; }
+  void on_payload_protected() override { payload_is_protected_ = true; }
   void miss_deadline(InstanceHandle instance);
   bool matched_none() const { return remotes_.empty(); }
 
@@ -79,6 +80,7 @@ class Endpoint : public Entity, protected EndpointListener, protected Timed {
   Qos qos_;
   /// Key hashes must not show short keys.
   std::atomic<bool> key_is_protected_ = false;
+  std::atomic<bool> payload_is_protected_ = false;
 
  private:
   std::set<Guid> remotes_;

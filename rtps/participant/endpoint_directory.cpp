@@ -21,4 +21,9 @@ StatefulWriter* EndpointDirectory::writer_for(const EntityId& writer, const Guid
   return local == nullptr ? nullptr : local->protocol.get();
 }
 
+bool EndpointDirectory::sends_keys(const GuidPrefix& participant) {
+  const auto* remote = remotes_.find(participant);
+  return remote != nullptr && remote->data.vendor == kVendorDdssec;
+}
+
 }  // namespace ddssec::rtps

@@ -14,6 +14,7 @@ class EndpointDirectory final : public EndpointLookup {
 
   std::span<StatefulReader* const> readers_of(const Guid& writer) override;
   StatefulWriter* writer_for(const EntityId& writer, const GuidPrefix& reader) override;
+  bool sends_keys(const GuidPrefix& participant) override;
 
  private:
   ParticipantCore& core_;

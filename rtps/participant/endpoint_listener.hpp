@@ -37,6 +37,9 @@ class EndpointListener {
   /// Its payloads are encrypted, and with them its keys (DDS-Security 7.4.4). Said before anything
   /// else.
   virtual void on_key_protected() {}
+  /// Its payloads are protected: what they say is proven, and the key hash beside them is not. Said
+  /// before anything else.
+  virtual void on_payload_protected() {}
   /// A writer's: what keeps a matching reader's samples from being sent to it; nullptr: nothing.
   /// Asked before on_matched, and again whenever the reader announces itself anew.
   virtual std::shared_ptr<ChangeFilter> filter_for(const EndpointData&) { return nullptr; }

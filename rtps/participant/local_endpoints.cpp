@@ -44,6 +44,8 @@ Status LocalEndpoints::secure(EndpointData& data, EndpointListener& listener) {
   data.security_info = made.info;
   data.required_ciphers = made.required_ciphers;
   if (made.key_is_protected) listener.on_key_protected();
+  const auto* attributes = core_.security->keyring().attributes(data.guid.entity);
+  if (attributes != nullptr && attributes->is_payload_protected()) listener.on_payload_protected();
   return {};
 }
 

@@ -155,6 +155,12 @@ bool MessageReceiver::accepts(const EntityId& local, const Guid& remote, const C
   return true;
 }
 
+bool MessageReceiver::is_refused(const EntityId& reader, const Guid& writer,
+                                 const Context& context) {
+  return keyring_ != nullptr && endpoints_.sends_keys(writer.prefix) &&
+         !keyring_->accepts_without_payload(reader, writer, context.shield);
+}
+
 std::optional<BytesView> MessageReceiver::opened(const StatefulReader& reader, const Guid& writer,
                                                  BytesView payload) {
   if (keyring_ == nullptr || reader.guid().entity == kVolatileMessageReader) return payload;
@@ -176,6 +182,8 @@ Status MessageReceiver::on_data(const SubmessageView& view, Context& context) {
     auto plain = data;
     // The end of a coherent set has no payload; a GAP could say no less.
     const bool marker = data.payload.empty() && data.inline_qos.status == StatusInfo{};
+    const bool ends_bare = data.payload.empty() && !marker;
+    if (ends_bare && is_refused(reader.guid().entity, {from, data.writer}, context)) return;
     const auto payload = marker ? data.payload : opened(reader, {from, data.writer}, data.payload);
     if (!payload) return;
     plain.payload = *payload;

@@ -52,6 +52,8 @@ class MessageReceiver {
   /// The local writer that a reader addresses; nullptr: none, or not protected as it demands.
   StatefulWriter* addressed(const EntityId& writer, const EntityId& reader, const Context& context);
   bool accepts(const EntityId& local, const Guid& remote, const Context& context);
+  /// A dispose or unregister without a payload, which its writer would not have sent.
+  bool is_refused(const EntityId& reader, const Guid& writer, const Context& context);
   /// The payload as it was before it was protected; nothing if it cannot be opened.
   std::optional<BytesView> opened(const StatefulReader& reader, const Guid& writer,
                                   BytesView payload);

@@ -103,6 +103,9 @@ class Keyring final : public SendProtection {
                                  MutableBytes scratch);
   /// Was it protected as the governance demands? What is refused is counted.
   bool accepts(const EntityId& local, const Guid& remote, const Shield& shield);
+  /// The same of a dispose or unregister without a payload, where payloads are all that is
+  /// protected and the writer is one that sends the key in them.
+  bool accepts_without_payload(const EntityId& local, const Guid& remote, const Shield& shield);
   const ProtectionCounters& counters() const { return counters_; }
 
   // SendProtection

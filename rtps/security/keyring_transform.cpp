@@ -83,6 +83,21 @@ bool Keyring::accepts(const EntityId& id, const Guid& remote, const Shield& shie
   return false;
 }
 
+bool Keyring::accepts_without_payload(const EntityId& id, const Guid& remote,
+                                      const Shield& shield) {
+  const auto* local = find(id);
+  if (local == nullptr) return false;
+  const bool proven = shield.message || shield.submessage == remote;
+  if (proven || !local->attributes.is_payload_protected()) return true;
+  ++counters_.unprotected;
+  events_.raise(Event(Error(Code::rtps_protection_missing,
+                            {.document = "endpoint " + id.to_string(),
+                             .expected = "the protected key of the instance that ends",
+                             .found = "a dispose or unregister without a payload"}),
+                      {}, remote.to_string()));
+  return false;
+}
+
 // ---- SendProtection
 
 Keyring::Levels Keyring::levels(const EntityId& sender) const {

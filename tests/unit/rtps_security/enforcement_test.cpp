@@ -59,6 +59,32 @@ TEST(Enforcement, APlainPayloadWhereProtectionIsDueIsDropped) {
   EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 200));
 }
 
+// Nothing of it is protected by the payload key. Our writers send the key, so that it is.
+TEST(Enforcement, ADisposeWithoutAPayloadWherePayloadsAreProtectedIsDropped) {
+  for (const auto kind : {kSign, kEncrypt}) {
+    Matched pair({.data = kind});
+    auto dispose = pair.data(1);
+    dispose.payload = {};
+    dispose.kind = PayloadKind::none;
+    dispose.inline_qos.status = {true, false};
+    dispose.inline_qos.key_hash = KeyHash{1};
+    pair.b->receive(forged(pair.a->prefix(), dispose), pair.world.now);
+    dispose.inline_qos.status = {false, true};
+    pair.b->receive(forged(pair.a->prefix(), dispose), pair.world.now);
+    EXPECT_TRUE(pair.b.listener.changes.empty());
+    EXPECT_EQ(pair.b->protection_counters().unprotected, 2u);
+    EXPECT_TRUE(pair.b.events.has(Code::rtps_protection_missing));
+    Change honest;
+    honest.status = {true, false};
+    honest.key_hash = KeyHash{1};
+    honest.key_only = true;
+    honest.payload = payload();
+    pair.a->local_endpoints().writer(pair.writer)->write(std::move(honest), pair.world.now);
+    ASSERT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 200));
+    EXPECT_TRUE(pair.b.listener.changes[0].status.disposed);
+  }
+}
+
 TEST(Enforcement, AClearDisposeOfAnAuthenticatedParticipantIsIgnored) {
   Matched pair({});
   const Guid victim{pair.a->prefix(), kEntityIdParticipant};

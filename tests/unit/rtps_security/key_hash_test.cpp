@@ -5,6 +5,22 @@
 #include "tests/unit/rtps_security/secured_dcps.hpp"
 
 namespace ddssec::rtps {
+
+/// The same octets, and hashes of the other member.
+struct MisnamedSensor {
+  std::int32_t id = 0;
+  std::int32_t value = 0;
+};
+template <>
+struct TypeTraits<MisnamedSensor> {
+  static constexpr std::string_view type_name = "Sensor";
+  static constexpr auto extensibility = Extensibility::appendable;
+  template <class Self, class Visit>
+  static void members(Self& s, Visit&& visit) {
+    visit(named("id", s.id), named("value", key(s.value)));
+  }
+};
+
 namespace {
 
 using namespace testing;
@@ -46,6 +62,45 @@ TEST(KeyHashes, OfEncryptedPayloadsDoNotShowShortKeys) {
   EXPECT_EQ(hash_under({.data = ProtectionKind::sign}), plain);
   EXPECT_EQ(hash_under({.data = kEncrypt}), digest);
   EXPECT_EQ(hash_under({.metadata = kEncrypt, .data = kEncrypt}), digest);
+}
+
+// The hash beside a payload is covered by no signature, so that anybody could choose the instance.
+TEST(KeyHashes, OfProtectedPayloadsAreComputedAnew) {
+  for (const auto kind : {ProtectionKind::sign, kEncrypt}) {
+    ManualClock clock{pki::kNow};
+    Secured a("CN=alice,O=Example", {.data = kind}, clock);
+    Secured b("CN=bob,O=Example", {.data = kind}, clock);
+    auto offered = default_writer_qos();
+    offered.durability = DurabilityKind::transient;  // whose samples carry the hash
+    auto& topic = *a.participant->create_topic<MisnamedSensor>("Others").value();
+    auto& writer = **a.participant->create_publisher().value()->create_datawriter<MisnamedSensor>(
+        topic, offered);
+    auto wanted = default_reader_qos();
+    wanted.reliability.kind = ReliabilityKind::reliable;
+    wanted.history.kind = HistoryKind::keep_all;
+    b.topic = b.participant->create_topic<Sensor>("Others").value();
+    auto& reader = b.reader(wanted);
+    std::vector<InstanceHandle> came;
+    const auto eventually = [&](const auto& done) {
+      for (int i = 0; i < 500 && !done(); ++i) {
+        clock.advance(10ms);
+        for (int n = 0; n < 4; ++n) a.participant->poll(0ms), b.participant->poll(0ms);
+      }
+      return done();
+    };
+    ASSERT_TRUE(eventually([&] {
+      return writer.matched_subscription_data(reader.guid()) &&
+             reader.matched_publication_data(writer.guid());
+    })) << a.events.text();
+    ASSERT_TRUE(writer.write({7, 1}));
+    ASSERT_TRUE(writer.write({8, 1}));
+    ASSERT_TRUE(eventually([&] {
+      while (const auto sample = reader.take_next_sample())
+        came.push_back(sample->info.instance_handle);
+      return came.size() == 2;
+    }));
+    EXPECT_EQ(came, (std::vector{reader.lookup_instance({7, 0}), reader.lookup_instance({8, 0})}));
+  }
 }
 
 TEST(KeyHashes, OfEncryptedPayloadsNameTheInstanceThatEnds) {
