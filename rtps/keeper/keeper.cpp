@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <functional>
 
+#include <fmt/format.h>
+
 #include "base/hash.hpp"
 #include "rtps/keeper/kept_topic.hpp"
 
@@ -89,20 +91,59 @@ bool Keeper::wants(const EndpointData& writer) const {
          });
 }
 
+// Who announces a topic first may be anybody. Until a writer that may write to it matched, another
+// identity that announces it says how it is kept.
+bool Keeper::is_settled(const KeyHash& key, const EndpointData& writer,
+                        const GuidPrefix& identity) const {
+  const auto known = topics_.find(key);
+  if (known == topics_.end()) return false;
+  const auto& [topic, first] = known->second;
+  const std::lock_guard lock(participant_->context_.mutex());
+  return topic->is_in_use() || first == identity ||
+         topic->like().qos.durability_service == writer.qos.durability_service;
+}
+
 Status Keeper::keep(const EndpointData& writer, bool is_known) {
   const auto key = key_of(writer);
   const std::lock_guard held(mutex_);
-  if (topics_.contains(key)) return {};
-  if (topics_.size() >= kMostTopics)
-    return fail(Code::rtps_store_failed, {.document = "keeper",
-                                          .field = "topics",
-                                          .expected = "at most " + std::to_string(kMostTopics),
-                                          .found = writer.topic_name});
-  auto topic = std::make_unique<KeptTopic>(participant_->context_, *store_, writer);
+  auto& context = participant_->context_;
+  const auto identity = [&] {
+    const std::lock_guard lock(context.mutex());
+    return context.protocol().remote_participants().identity_of(writer.guid.prefix);
+  }();
+  if (is_settled(key, writer, identity)) return {};
+  topics_.erase(key);
+  if (!make_room(identity))
+    return fail(Code::rtps_store_failed,
+                {.document = "keeper",
+                 .field = "topics",
+                 .expected = fmt::format("at most {}, and of one identity as many as are free",
+                                         kMostTopics),
+                 .found = writer.topic_name});
+  const auto remember = [this, writer, key, is_known] {
+    if (!is_known)
+      store_->append(known_, announcement(writer, key), participant_->context_.moment().wall);
+  };
+  auto topic = std::make_unique<KeptTopic>(context, *store_, writer, remember);
   DDSSEC_TRY(topic->open(participant_->domain_id()));
-  if (!is_known) store_->append(known_, announcement(writer, key), participant_->current_time());
-  topics_.emplace(key, std::move(topic));
+  topics_[key] = {std::move(topic), identity};
   return {};
+}
+
+bool Keeper::make_room(const GuidPrefix& identity) {
+  std::map<GuidPrefix, std::size_t> counts;
+  std::map<GuidPrefix, KeyHash> empty;  // one topic of each that has no samples
+  for (const auto& [key, entry] : topics_) {
+    ++counts[entry.identity];
+    const std::lock_guard lock(participant_->context_.mutex());
+    if (!entry.topic->has_samples()) empty.insert_or_assign(entry.identity, key);
+  }
+  if (counts[identity] < kMostTopics - topics_.size()) return true;
+  const auto most = std::ranges::max_element(
+      empty, {}, [&](const auto& candidate) { return counts[candidate.first]; });
+  if (most == empty.end() || counts[most->first] < counts[identity]) return false;
+  topics_.erase(most->second);
+  return true;
 }
 
 std::size_t Keeper::topics() const {
@@ -115,7 +156,7 @@ std::uint64_t Keeper::sum(Count count) const {
   const std::lock_guard held(mutex_);
   const std::lock_guard lock(participant_->context_.mutex());
   std::uint64_t out = 0;
-  for (const auto& [key, topic] : topics_) out += std::invoke(count, *topic);
+  for (const auto& [key, entry] : topics_) out += std::invoke(count, *entry.topic);
   return out;
 }
 

@@ -18,10 +18,13 @@ struct KeeperOptions {
 /// our durable writers send. Each sample says who wrote it (ORIGINAL_WRITER_INFO), so that our
 /// readers get none twice; other vendors' readers, which do not look at that, get twice what a
 /// writer that is still there has kept for them as well. How much is kept DURABILITY_SERVICE of the
-/// first writer of a topic says. One keeper a file.
+/// first writer of a topic says. A topic is remembered from its first sample on; until then it
+/// gives way to others. One keeper a file.
 class Keeper final : private DataReaderListener {
  public:
-  static constexpr std::size_t kMostTopics = 256;
+  /// What one identity announced first takes no more places than are free, so that there is always
+  /// room for another one: up to half of all.
+  static constexpr std::size_t kMostTopics = 512;
 
   /// What the store has of before is served at once. Errors: those of DomainParticipant::create and
   /// of DurableStore::open.
@@ -53,15 +56,23 @@ class Keeper final : private DataReaderListener {
   bool wants(const EndpointData& writer) const;
   /// Keeps its topic from now on, unless it does. `is_known`: to the store as well.
   Status keep(const EndpointData& writer, bool is_known);
+  /// What is kept with that key stays as it is.
+  bool is_settled(const KeyHash& key, const EndpointData& writer, const GuidPrefix& identity) const;
+  /// False: all places that `identity` may have are taken by topics with samples.
+  bool make_room(const GuidPrefix& identity);
   template <class Count>
   std::uint64_t sum(Count count) const;
 
   std::unique_ptr<DomainParticipant> participant_;
   std::unique_ptr<DurableStore> store_;
   const std::vector<std::string> patterns_;
-  StreamId known_;            ///< of announcements of what is kept
+  StreamId known_;  ///< of announcements of what is kept
+  struct Entry {
+    std::unique_ptr<KeptTopic> topic;
+    GuidPrefix identity;  ///< of who announced it first
+  };
   mutable std::mutex mutex_;  ///< of topics_
-  std::map<KeyHash, std::unique_ptr<KeptTopic>> topics_;
+  std::map<KeyHash, Entry> topics_;
 };
 
 }  // namespace ddssec::rtps

@@ -11,12 +11,14 @@ constexpr MonotonicTime kLook = std::chrono::milliseconds(5);
 
 }  // namespace
 
-KeptTopic::KeptTopic(ParticipantContext& context, DurableStore& store, EndpointData writer)
+KeptTopic::KeptTopic(ParticipantContext& context, DurableStore& store, EndpointData writer,
+                     std::function<void()> on_first_sample)
     : Timed(&context.timers()),
       context_(context),
       store_(store),
       like_(std::move(writer)),
-      with_key_(has_key(like_.guid.entity)) {}
+      with_key_(has_key(like_.guid.entity)),
+      on_first_sample_(std::move(on_first_sample)) {}
 
 KeptTopic::~KeptTopic() {
   const std::lock_guard held(context_.mutex());
@@ -35,6 +37,7 @@ Status KeptTopic::open(DomainId domain) {
   auto opened = DDSSEC_TRY(store_.open_stream(std::move(key), like_.qos.durability_service));
   stream_ = opened.id;
   const std::lock_guard held(context_.mutex());
+  has_samples_ = !opened.history.empty();
   for (const auto& change : opened.history) seen_.add(SeenOriginals::of(change));
   auto serving = request(serving_qos());
   serving.history = std::move(opened.history);
@@ -88,6 +91,7 @@ bool KeptTopic::on_change(Change& change) {
   }
   if (store_.is_behind()) return false;  // it is offered again
   seen_.add(SeenOriginals::of(change));
+  if (!std::exchange(has_samples_, true)) on_first_sample_();
   change.original = change.origin();
   change.coherence = {};
   const auto [now, wall] = context_.moment();
@@ -99,6 +103,10 @@ bool KeptTopic::on_change(Change& change) {
   if (writer.has_room(change.payload.size(), change.key_hash.value_or(KeyHash{})))
     writer.write(change, now);
   return true;
+}
+
+void KeptTopic::on_matched(const EndpointData& remote) {
+  if (is_writer(remote.guid.entity)) writers_.insert(remote.guid);
 }
 
 SequenceNumber KeptTopic::first_unstored(const Guid& writer, SequenceNumber next) {

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <deque>
+#include <functional>
+#include <set>
 
 #include "rtps/dcps/participant_context.hpp"
 #include "rtps/dcps/seen_originals.hpp"
@@ -14,8 +16,10 @@ namespace ddssec::rtps {
 /// samples are acknowledged may leave. Called by the participant, with its lock held.
 class KeptTopic final : private EndpointListener, private Timed {
  public:
-  /// `writer`: an announcement of one of its writers.
-  KeptTopic(ParticipantContext& context, DurableStore& store, EndpointData writer);
+  /// `writer`: an announcement of one of its writers. `on_first_sample`, with the lock held: from
+  /// now on there is something to keep.
+  KeptTopic(ParticipantContext& context, DurableStore& store, EndpointData writer,
+            std::function<void()> on_first_sample);
   ~KeptTopic() override;
 
   /// Without the lock. Errors: those of DurableStore::open_stream, Participant::create_writer and
@@ -24,11 +28,15 @@ class KeptTopic final : private EndpointListener, private Timed {
   /// With the lock.
   std::uint64_t without_key() const { return without_key_; }
   std::uint64_t dropped() const { return dropped_; }
+  bool has_samples() const { return has_samples_; }
+  /// A writer that may write to it matched, or it has samples.
+  bool is_in_use() const { return has_samples_ || !writers_.empty(); }
+  const EndpointData& like() const { return like_; }
 
  private:
   bool on_change(Change& change) override;
-  void on_matched(const EndpointData&) override {}
-  void on_unmatched(const Guid&) override {}
+  void on_matched(const EndpointData& remote) override;
+  void on_unmatched(const Guid& remote) override { writers_.erase(remote); }
   void on_incompatible_qos(const Guid&, const QosMismatch&) override {}
   void on_inconsistent_topic(const EndpointData&) override {}
   void on_sample_lost(std::int64_t) override {}
@@ -49,6 +57,9 @@ class KeptTopic final : private EndpointListener, private Timed {
   Guid reader_, writer_;
   SeenOriginals seen_;
   std::uint64_t without_key_ = 0, dropped_ = 0;
+  std::function<void()> on_first_sample_;
+  bool has_samples_ = false;
+  std::set<Guid> writers_;  ///< that matched the reader
   /// Changes on their way to the disk.
   struct Unstored {
     std::uint64_t number;  ///< see DurableStore::append

@@ -82,6 +82,8 @@ class RemoteParticipants {
   /// Ours too; nullptr: not known.
   RemoteParticipant* find_or_self(const GuidPrefix& prefix);
   RemoteEndpoint* find_endpoint(const Guid& guid);
+  /// See ParticipantCore.
+  GuidPrefix identity_of(const GuidPrefix& peer) const { return core_.identity_of(peer); }
 
   // Participants.
   /// Adds a participant that is not known, from the source of the datagram that is being received.
