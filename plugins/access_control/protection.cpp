@@ -92,6 +92,8 @@ Status check_algorithms(const governance::AllowedAlgorithms& allowed) {
 }  // namespace
 
 spi::ParticipantSecurityAttributes participant_attributes(const governance::DomainRule& rule) {
+  const bool all_topics =
+      std::ranges::all_of(rule.topic_rules, &governance::TopicRule::enable_discovery_protection);
   return {.allow_unauthenticated_participants = rule.allow_unauthenticated_participants,
           .is_access_protected = rule.enable_join_access_control,
           .rtps = rule.rtps_protection_kind,
@@ -101,7 +103,8 @@ spi::ParticipantSecurityAttributes participant_attributes(const governance::Doma
           .allowed_ciphers = rule.allowed_algorithms
                                  ? ciphers_in(rule.allowed_algorithms->symmetric_cipher)
                                  : spi::kAllCiphers,
-          .is_key_revision_enabled = rule.enable_key_revision};
+          .is_key_revision_enabled = rule.enable_key_revision,
+          .is_all_discovery_protected = all_topics && is_protected(rule.discovery_protection_kind)};
 }
 
 spi::EndpointSecurityAttributes endpoint_attributes(const governance::TopicRule& rule) {

@@ -61,10 +61,10 @@ enum class MatchVerdict : std::int32_t {
 using JudgeMatch = MatchVerdict(const MatchQuestion*);
 inline constexpr const char* kJudgeMatchSymbol = "ddssec_judge_match";
 
-/// What our access control shows our authentication: does the governance of that local participant
-/// allow unauthenticated participants?
-using AdmitsUnauthenticated = bool(DDS_Security_IdentityHandle);
-inline constexpr const char* kAdmitsUnauthenticatedSymbol = "ddssec_admits_unauthenticated";
+/// What our access control shows our authentication of the governance of that local participant: a
+/// mask of GovernanceFact (governance_facts.hpp).
+using GovernanceFactsOf = std::uint32_t(DDS_Security_IdentityHandle);
+inline constexpr const char* kGovernanceFactsOfSymbol = "ddssec_governance_facts_of";
 
 /// What a DDS_Security_SharedSecretHandle points to: Cyclone's own cryptography plugin reads it,
 /// and its authentication plugin hands it out, so that ours can stand beside either.

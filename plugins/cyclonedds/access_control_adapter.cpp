@@ -55,9 +55,8 @@ CPermissions validate_local_permissions(Instance* instance, const dds_security_a
         DDSSEC_TRY(adapter.engine().validate_local_permissions({identity}, domain_id, properties));
     Rollback give_back([&] { (void)adapter.engine().return_permissions_handle(handle); });
     if (allow_shared_memory) adapter.shared_memory().allow(handle);
-    if (DDSSEC_TRY(adapter.engine().participant_sec_attributes(handle))
-            .allow_unauthenticated_participants)
-      adapter.guests().note(handle, {identity});
+    adapter.facts().note(handle, {identity},
+                         DDSSEC_TRY(adapter.engine().participant_sec_attributes(handle)));
     give_back.release();
     return handle;
   });
@@ -372,7 +371,7 @@ DDS_Security_boolean return_permissions_handle(Instance* instance, CPermissions 
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     if (handle == DDS_SECURITY_HANDLE_NIL) return {};
     adapter.shared_memory().forget(permissions(handle));
-    adapter.guests().forget(permissions(handle));
+    adapter.facts().forget(permissions(handle));
     return adapter.engine().return_permissions_handle(permissions(handle));
   });
 }

@@ -3,7 +3,7 @@
 
 #include "plugins/cyclonedds/context.hpp"
 #include "plugins/cyclonedds/expiry_timer.hpp"
-#include "plugins/cyclonedds/guest_hosts.hpp"
+#include "plugins/cyclonedds/governance_facts.hpp"
 #include "plugins/cyclonedds/shared_memory.hpp"
 #include "plugins/spi/access_control.hpp"
 
@@ -23,9 +23,9 @@ class AccessControlAdapter final : public dds_security_access_control {
   /// gone, which Cyclone ends after cryptography, is unknown.
   static MatchVerdict judge(const MatchQuestion* question) noexcept;
 
-  /// What authentication asks: does the governance of that local participant, in whatever domain,
-  /// allow unauthenticated participants?
-  static bool admits_unauthenticated(spi::IdentityHandle local) noexcept;
+  /// What authentication asks about the governance of that local participant, in whatever domain: a
+  /// mask of GovernanceFact.
+  static std::uint32_t governance_facts_of(spi::IdentityHandle local) noexcept;
 
   static AccessControlAdapter& of(dds_security_access_control& instance) {
     return static_cast<AccessControlAdapter&>(instance);
@@ -33,7 +33,7 @@ class AccessControlAdapter final : public dds_security_access_control {
   Host& host() { return *host_; }
   spi::AccessControl& engine() { return *engine_; }
   SharedMemoryGuard& shared_memory() { return shared_memory_; }
-  GuestHosts& guests() { return guests_; }
+  GovernanceFacts& facts() { return facts_; }
   /// Unique within the process.
   std::uint64_t id() const { return id_; }
 
@@ -49,7 +49,7 @@ class AccessControlAdapter final : public dds_security_access_control {
   std::unique_ptr<Host> host_;
   std::unique_ptr<spi::AccessControl> engine_;
   SharedMemoryGuard shared_memory_;
-  GuestHosts guests_;
+  GovernanceFacts facts_;
   ExpiryTimer timer_;  ///< last: it ends before what it uses
 };
 

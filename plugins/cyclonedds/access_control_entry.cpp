@@ -19,8 +19,8 @@ DDSSEC_EXPORT cyclonedds::MatchVerdict ddssec_judge_match(
   return AccessControlAdapter::judge(question);
 }
 
-DDSSEC_EXPORT bool ddssec_admits_unauthenticated(DDS_Security_IdentityHandle local) {
-  return AccessControlAdapter::admits_unauthenticated({local});
+DDSSEC_EXPORT std::uint32_t ddssec_governance_facts_of(DDS_Security_IdentityHandle local) {
+  return AccessControlAdapter::governance_facts_of({local});
 }
 
 DDSSEC_EXPORT int finalize_access_control(void* context) {

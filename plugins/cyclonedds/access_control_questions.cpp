@@ -66,15 +66,15 @@ MatchVerdict AccessControlAdapter::judge(const MatchQuestion* question) noexcept
   }
 }
 
-bool AccessControlAdapter::admits_unauthenticated(spi::IdentityHandle local) noexcept {
+std::uint32_t AccessControlAdapter::governance_facts_of(spi::IdentityHandle local) noexcept {
   try {
     const std::shared_lock lock(adapters().mutex);
     for (const auto& [id, adapter] : adapters().by_id)
-      if (adapter->guests_.contains(local)) return true;
+      if (const auto facts = adapter->facts_.of(local); facts != 0) return facts;
   } catch (...) {
-    // The stricter answer.
+    // Nothing is known.
   }
-  return false;
+  return 0;
 }
 
 }  // namespace ddssec::cyclonedds

@@ -1,8 +1,10 @@
 #include "plugins/cyclonedds/authentication_adapter.hpp"
 
+#include <algorithm>
 #include <dlfcn.h>
 
 #include "plugins/cyclonedds/datagrams.hpp"
+#include "plugins/cyclonedds/governance_facts.hpp"
 #include "plugins/cyclonedds/presence.hpp"
 #include "plugins/cyclonedds/process_properties.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
@@ -132,10 +134,13 @@ DDS_Security_boolean set_permissions_credential_and_token(Instance* instance,
   });
 }
 
-/// Without our access control nobody can say.
+/// Without our access control nothing is known.
+bool holds(GovernanceFact fact, CIdentity local) {
+  void* const symbol = dlsym(RTLD_DEFAULT, kGovernanceFactsOfSymbol);
+  return symbol != nullptr && has(reinterpret_cast<GovernanceFactsOf*>(symbol)(local), fact);
+}
 bool admits_unauthenticated(CIdentity local) {
-  void* const symbol = dlsym(RTLD_DEFAULT, kAdmitsUnauthenticatedSymbol);
-  return symbol != nullptr && reinterpret_cast<AdmitsUnauthenticated*>(symbol)(local);
+  return holds(GovernanceFact::allows_unauthenticated, local);
 }
 
 /// Does the refusal hold for this GUID whatever is announced in its name?
@@ -204,6 +209,7 @@ CResult begin_handshake_request(Instance* instance, CHandshake* handle, CToken* 
     *handle = DDS_SECURITY_HANDLE_NIL;
     *message = {};
     const auto data = DDSSEC_TRY(octets_from(participant_data));
+    adapter.clear_discovery().hears_at(identity(initiator), discovery_addresses(data));
     const auto remote = adapter.remotes().pair(identity(initiator), identity(replier));
     auto begun = adapter.engine().begin_handshake_request(identity(initiator), remote, data);
     // The core gives this peer up. No stranger can cause that: there is nothing to begin again.
@@ -227,6 +233,7 @@ CResult begin_handshake_reply(Instance* instance, CHandshake* handle, CToken* me
     *message_out = {};
     const auto request = DDSSEC_TRY(token_from(message_in));
     const auto data = DDSSEC_TRY(octets_from(participant_data));
+    adapter.clear_discovery().hears_at(identity(replier), discovery_addresses(data));
     const auto remote = adapter.remotes().pair(identity(replier), identity(initiator));
     auto begun = adapter.engine().begin_handshake_reply(request, remote, identity(replier), data);
     if (!begun) adapter.watch().refused(identity(initiator));
@@ -256,11 +263,10 @@ CResult process_handshake(Instance* instance, CToken* message_out, const CToken*
   });
 }
 
-/// So that the peer can be told, should the host drop it while the peer keeps the session. Only our
-/// plugins understand that, and announce ChaCha20-Poly1305.
+/// A lost session: the peer can be told, should the host drop it while the peer keeps the session.
+/// Only our plugins understand that, and announce ChaCha20-Poly1305.
 void note_session(Adapter& adapter, spi::HandshakeHandle handshake,
                   const spi::SharedSecret& secret) {
-  if ((secret.peer_ciphers & spi::kChaCha20Poly1305Bit) == 0) return;
   const auto pair = adapter.secrets().pair_of(handshake);
   if (!pair) return;
   auto [local, remote] = *pair;
@@ -269,7 +275,11 @@ void note_session(Adapter& adapter, spi::HandshakeHandle handshake,
     std::swap(local, remote);
     guid = adapter.remotes().guid(remote);
   }
-  if (guid) adapter.lost_sessions().established(local, *guid, secret);
+  if (!guid) return;
+  if ((secret.peer_ciphers & spi::kChaCha20Poly1305Bit) != 0)
+    adapter.lost_sessions().established(local, *guid, secret);
+  if (secret.own_prefix && adapter.protects_all_discovery())
+    adapter.end_clear_discovery(local, *secret.own_prefix, *guid);
 }
 
 DDS_Security_SharedSecretHandle get_shared_secret(Instance* instance, const CHandshake handle,
@@ -326,11 +336,13 @@ DDS_Security_boolean return_identity_handle(Instance* instance, const CIdentity 
                                             Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     if (handle == DDS_SECURITY_HANDLE_NIL) return {};
-    if (const auto guid = adapter.remotes().guid(identity(handle)))
+    if (const auto guid = adapter.remotes().guid(identity(handle))) {
       adapter.lost_sessions().lost(*guid);
-    else {
+      adapter.clear_discovery().lost(*guid);
+    } else {
       adapter.lost_sessions().remove_local(identity(handle));
       adapter.farewells().remove_local(identity(handle));
+      adapter.clear_discovery().remove_local(identity(handle));
     }
     adapter.secrets().drop(identity(handle));
     adapter.watch().forget(identity(handle));
@@ -380,6 +392,7 @@ AuthenticationAdapter::AuthenticationAdapter(std::unique_ptr<Host> host,
       engine_(make(host_->environment())),
       watch_(host_->clock()),
       lost_sessions_(host_->clock()),
+      clear_discovery_(host_->clock()),
       timer_(host_->clock()) {
   gv = domain;
 }
@@ -436,11 +449,26 @@ void AuthenticationAdapter::send_resets() {
   for (const auto& reset : lost_sessions_.due(has_met)) send_datagram(reset.message, reset.to);
 }
 
+// The core keeps one list of a peer's endpoints for all local participants of a domain.
+bool AuthenticationAdapter::protects_all_discovery() const {
+  return std::ranges::all_of(farewells_.locals(), [](const auto& local) {
+    return holds(GovernanceFact::protects_all_discovery, local.handle.value);
+  });
+}
+
+void AuthenticationAdapter::end_clear_discovery(spi::IdentityHandle local, const GuidPrefix& own,
+                                                const Guid& peer) {
+  clear_discovery_.established(local, own, peer);
+  timer_.wake();
+}
+
 void AuthenticationAdapter::listen(const dds_security_authentication_listener* listener) {
   if (listener == nullptr || listener->on_revoke_identity == nullptr) return timer_.stop();
   const auto revoke = listener->on_revoke_identity;
   timer_.start({.revoke_ended =
                     [this, revoke](const std::stop_token& stop) {
+                      for (const auto& end : clear_discovery_.due())
+                        send_datagram(end.message, end.to);
                       say_clock_steps(*host_, PluginKind::authentication);
                       for (const auto ended : remotes_.to_revoke(engine_->expire()))
                         if (!stop.stop_requested()) revoke(this, ended.value);
@@ -449,7 +477,8 @@ void AuthenticationAdapter::listen(const dds_security_authentication_listener* l
                       revoke_reset(stop, end);
                       send_resets();
                     },
-                .next_expiry = [this] { return engine_->next_expiry(); }});
+                .next_expiry = [this] { return engine_->next_expiry(); },
+                .next_errand = [this] { return clear_discovery_.next(); }});
 }
 
 }  // namespace ddssec::cyclonedds

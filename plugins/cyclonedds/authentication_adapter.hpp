@@ -1,6 +1,7 @@
 // spi::Authentication as Cyclone's dds_security_authentication.
 #pragma once
 
+#include "plugins/cyclonedds/clear_discovery.hpp"
 #include "plugins/cyclonedds/context.hpp"
 #include "plugins/cyclonedds/expiry_timer.hpp"
 #include "plugins/cyclonedds/farewell.hpp"
@@ -28,6 +29,12 @@ class AuthenticationAdapter final : public dds_security_authentication {
   HandshakeWatch& watch() { return watch_; }
   LostSessions& lost_sessions() { return lost_sessions_; }
   Farewells& farewells() { return farewells_; }
+  ClearDiscovery& clear_discovery() { return clear_discovery_; }
+
+  /// Whether all local participants of the domain announce endpoints by secure discovery only.
+  bool protects_all_discovery() const;
+  /// From now on nothing that is announced in the clear in the peer's name counts.
+  void end_clear_discovery(spi::IdentityHandle local, const GuidPrefix& own, const Guid& peer);
 
   /// Null stops the timer; returns when no revocation is running any more.
   void listen(const dds_security_authentication_listener* listener);
@@ -50,6 +57,7 @@ class AuthenticationAdapter final : public dds_security_authentication {
   HandshakeWatch watch_;
   LostSessions lost_sessions_;
   Farewells farewells_;
+  ClearDiscovery clear_discovery_;
   ExpiryTimer timer_;  ///< last: it ends before what it uses
 };
 

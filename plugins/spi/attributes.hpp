@@ -34,6 +34,8 @@ struct ParticipantSecurityAttributes {
   CipherMask allowed_ciphers = kAllCiphers;
   /// Keys are revised when somebody loses its trust (DDS-Security 1.2).
   bool is_key_revision_enabled = false;
+  /// Every topic_rule asks for protected discovery, and discovery has a kind of protection.
+  bool is_all_discovery_protected = false;
   bool operator==(const ParticipantSecurityAttributes&) const = default;
 
   bool is_rtps_protected() const { return is_protected(rtps); }

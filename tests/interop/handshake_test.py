@@ -6,6 +6,8 @@ begin again, so that the two talk after some seconds, and each side that did so 
 A stranger can also make the core of one side drop a peer that has authenticated. The peer keeps the session, until our
 authentication proves to it that the session is lost. What the stranger recorded in the first session is not new in the next.
 
+Where discovery is protected, endpoints that are announced or removed in the clear do not count, although the core believes them.
+
 Usage: handshake_test.py BUILD [FILTER]
 """
 
@@ -20,11 +22,11 @@ sys.dont_write_bytecode = True
 import stories  # noqa: E402
 from insider_test import EVERYTHING, HONEST, World, check, go_on, samples  # noqa: E402
 from pki import STARTER  # noqa: E402
-from scenarios import GOVERNANCES  # noqa: E402
+from scenarios import GOVERNANCES, SROS2  # noqa: E402
 
 STRANGER = pathlib.Path(__file__).resolve().parent / "stranger.py"
 PATIENCE = {"request": 30, "answered": 90, "flood": 90, "announced": 90, "nameless": 90, "fewer": 90,
-            "privileged": 60}  # seconds
+            "privileged": 60, "removing": 60}  # seconds
 TRIES = 4  # the peer's own announcement may be the first
 CAN_BE_LATE = ("announced", "nameless", "fewer")
 MULTICAST = ("<CycloneDDS><Domain Id=\"any\"><General><Interfaces><NetworkInterface name=\"lo\" multicast=\"true\"/></Interfaces>"
@@ -85,13 +87,36 @@ def part(world):
     return 0
 
 
+def remove(world):
+    """The two talk; the stranger removes their endpoints in the clear, or tries to."""
+    subscriber = world.honest("subscribe", True)
+    publisher = world.honest("publish", False)
+    world.until("the two talking", lambda: len(samples(subscriber, HONEST)) >= 3, PATIENCE["removing"])
+    process = stranger(world, "removing")
+    try:
+        check("the stranger forged nothing", process.stdout.readline().startswith("forged "))
+    finally:
+        process.kill()
+        process.wait()
+        process.stdout.close()
+    world.passes(2)
+    for peer in (publisher, subscriber):
+        check(f"an endpoint is gone: {peer.lines}", "unmatched 0" not in peer.lines)
+    go_on(world, subscriber)
+    return 0
+
+
+# With origin authentication recorded messages never open again.
+GOVERNANCE_OF = {"privileged": GOVERNANCES["everything-encrypt"], "removing": SROS2}
+STORIES = {"privileged": part, "removing": remove}
+
+
 def once(kind, mode):
     """The fault, how many sides began again, and whether an announcement was refused."""
-    # With origin authentication recorded messages never open again.
-    governance = GOVERNANCES["everything-encrypt"] if mode == "privileged" else EVERYTHING
+    governance = GOVERNANCE_OF.get(mode, EVERYTHING)
     with tempfile.TemporaryDirectory(prefix="ddssec-handshake-") as folder, World(folder, kind, governance) as world:
         try:
-            begun_again = part(world) if mode == "privileged" else meet(world, mode)
+            begun_again = STORIES[mode](world) if mode in STORIES else meet(world, mode)
             came_first = world.events("token_class_wrong") if mode == "announced" else begun_again
             return None, begun_again, bool(came_first)
         except AssertionError as one:
@@ -114,7 +139,7 @@ def cases():
         for mode in ("request", "answered", "flood", "announced"):
             yield f"{mode}/{kind}", kind, mode
     yield "nameless/ours-auth", "ours-auth", "nameless"
-    for mode in ("nameless", "fewer", "privileged"):  # with a stock cryptography the two stay apart
+    for mode in ("nameless", "fewer", "privileged", "removing"):  # with a stock cryptography the two stay apart
         yield f"{mode}/ours", "ours", mode
 
 

@@ -16,6 +16,8 @@ Usage: stranger.py request                an empty request to the participant th
                                           which its core takes the other to depend: both go when the invented one does.
                                           Before that it records what the two send each other, and sends it again as
                                           soon as they begin a new session
+       stranger.py removing               to each of two that talk, clear announcements in the other's name that dispose of its
+                                          endpoints and of its secure discovery, or put its readers elsewhere
 It says "forged N" when it is done.
 """
 
@@ -143,6 +145,52 @@ def privileged(announcement):
     return flagged.replace(prefix, prefix[:4] + bytes(octet ^ 0x55 for octet in prefix[4:]))
 
 
+def submessage(kind, flags, body):
+    return struct.pack("<BBH", kind, flags | 1, len(body)) + body
+
+
+def parameter(name, value):
+    return struct.pack("<HH", name, len(value)) + value
+
+
+def text(value):
+    octets = value.encode() + b"\0"
+    return struct.pack("<I", len(octets)) + octets + bytes(-len(octets) % 4)
+
+
+def clear_discovery(of, to, number, endpoint, is_reader, payload, disposes):
+    """HEARTBEAT and DATA of the unprotected writer of such announcements."""
+    writer, reader = (bytes.fromhex(f"00000{4 if is_reader else 3}{kind}") for kind in ("c2", "c7"))
+    at = struct.pack("<iI", 0, number)
+    payload = b"\0\3\0\0" + parameter(0x5a, of + endpoint) + payload + struct.pack("<HH", SENTINEL, 0)
+    status = parameter(0x71, b"\0\0\0\3") + struct.pack("<HH", SENTINEL, 0) if disposes else b""
+    return (b"RTPS\2\1\1\x10" + of + submessage(0x0e, 0, to)
+            + submessage(0x07, 0, reader + writer + at + at + struct.pack("<i", number))
+            + submessage(0x15, 0x0a if disposes else 0x04, struct.pack("<HH", 0, 16) + reader + writer + at + status + payload))
+
+
+def elsewhere(topic, type_name):
+    """A reliable reader of the topic, at a port where nobody listens."""
+    locator = struct.pack("<iI", 1, 9) + bytes(12) + socket.inet_aton("127.0.0.1")
+    return (parameter(0x05, text(topic)) + parameter(0x07, text(type_name)) + parameter(0x1a, struct.pack("<IiI", 2, 1, 0))
+            + parameter(0x2f, locator))
+
+
+def removals(of, to):
+    """Cyclone DDS numbers endpoints from 1 and gives them the kinds 02 to 07; those of secure discovery are constants."""
+    number = 0
+    for endpoint in (f"{place:06x}{kind}" for place in range(1, 5) for kind in ("02", "03", "04", "07")):
+        number += 1
+        is_reader = endpoint[-1] in "47"
+        if is_reader:
+            yield clear_discovery(of, to, number, bytes.fromhex(endpoint), True, elsewhere("Square", "interop::Shape"), False)
+            number += 1
+        yield clear_discovery(of, to, number, bytes.fromhex(endpoint), is_reader, b"", True)
+    for endpoint in ("ff0003c2", "ff0004c2", "ff0003c7", "ff0004c7"):
+        number += 1
+        yield clear_discovery(of, to, number, bytes.fromhex(endpoint), endpoint[-1] == "7", b"", True)
+
+
 FORGERIES = {"announced": lambda true: true.replace(b"PKI-DH:1.0", b"PKI-DH:9.0"), "fewer": fewer}
 
 
@@ -241,6 +289,10 @@ def main():
         first, second = network.announcements
         message = FORGERIES[mode](network.announcements[first])
         network.repeat(0.01, 0.002, lambda: network.send(second, message))
+    elif mode == "removing":
+        for of, to in ((begins, answers), (answers, begins)):
+            for message in removals(of, to):
+                network.send(to, message)
     elif mode == "privileged":
         recorded = list(network.heard(RECORDED))
         network.send(answers, privileged(network.announcements[begins]))

@@ -14,7 +14,7 @@ ARROWS = {
     "plugins/authentication": ["base", "plugins/spi", "pki"],
     "plugins/access_control": ["base", "plugins/spi", "pki", "governance"],
     "plugins/cryptography": ["base", "plugins/spi"],
-    "plugins/cyclonedds": ["base", "plugins"],
+    "plugins/cyclonedds": ["base", "plugins", "wire"],
     "wire": ["base"],
     "rtps/budget": ["base", "wire"],
     "rtps/transport": ["base", "wire"],

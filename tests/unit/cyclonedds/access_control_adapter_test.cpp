@@ -75,21 +75,25 @@ TEST_F(AccessControlAdapterTest, PermissionsOfBothSides) {
   EXPECT_EQ(refusal.reason(), Code::malformed);
 }
 
-// Our authentication asks, in another library, before it keeps a peer for later.
-TEST_F(AccessControlAdapterTest, SaysWhoseGovernanceAllowsUnauthenticatedParticipants) {
+// Our authentication asks, in another library.
+TEST_F(AccessControlAdapterTest, SaysWhatTheGovernanceOfALocalParticipantAllowsAndProtects) {
   constexpr spi::IdentityHandle kOpen{1}, kClosed{2};
   ON_CALL(engine, validate_local_permissions(kOpen, _, _, _)).WillByDefault(Return(Handle{8}));
   ON_CALL(engine, validate_local_permissions(kClosed, _, _, _)).WillByDefault(Return(Handle{9}));
   ON_CALL(engine, participant_sec_attributes).WillByDefault([](Handle handle) {
-    return spi::ParticipantSecurityAttributes{.allow_unauthenticated_participants =
-                                                  handle == Handle{8}};
+    return spi::ParticipantSecurityAttributes{
+        .allow_unauthenticated_participants = handle == Handle{8},
+        .is_all_discovery_protected = handle == Handle{9}};
   });
   for (const auto local : {kOpen, kClosed})
     EXPECT_NE(c->validate_local_permissions(c, nullptr, local.value, 5, &qos, nullptr), 0);
-  EXPECT_TRUE(AccessControlAdapter::admits_unauthenticated(kOpen));
-  EXPECT_FALSE(AccessControlAdapter::admits_unauthenticated(kClosed));
+  const auto facts = &AccessControlAdapter::governance_facts_of;
+  EXPECT_TRUE(has(facts(kOpen), GovernanceFact::allows_unauthenticated));
+  EXPECT_FALSE(has(facts(kOpen), GovernanceFact::protects_all_discovery));
+  EXPECT_FALSE(has(facts(kClosed), GovernanceFact::allows_unauthenticated));
+  EXPECT_TRUE(has(facts(kClosed), GovernanceFact::protects_all_discovery));
   EXPECT_EQ(c->return_permissions_handle(c, 8, nullptr), 1);
-  EXPECT_FALSE(AccessControlAdapter::admits_unauthenticated(kOpen));
+  EXPECT_EQ(facts(kOpen), 0u);
 }
 
 TEST_F(AccessControlAdapterTest, ChecksPassTheQuestionAndTheAnswer) {
