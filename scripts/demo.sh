@@ -12,7 +12,7 @@ readonly work=build/demo
 readonly pki=$work/pki
 
 build() {
-  cmake --build --preset release --target "$@" || die "the build failed"
+  ninja -C "$build" "$@" || die "the build failed"
 }
 
 prepare() {
@@ -37,7 +37,8 @@ prepare() {
 }
 
 pids=()
-trap 'for pid in "${pids[@]}"; do kill "$pid" 2>/dev/null || true; done' EXIT
+# The background build is a shell with ninja in it.
+trap 'for pid in "${pids[@]}"; do pkill -P "$pid" || true; kill "$pid" 2>/dev/null || true; done' EXIT
 
 # start LOG PLUGINS NAME ROLE ARGUMENTS...: a peer in the background; PLUGINS is ours, stock or fast
 start() {
@@ -122,12 +123,17 @@ if [ "${1:-}" = --in-namespace ]; then
 else
   [ $# = 0 ] || die "unknown option $1; there are none"
   prepare
+  # Meanwhile the tools for what comes next: the participants mostly wait.
+  build ddssec ddssec-peer >"$work/tools.log" 2>&1 &
+  tools=$!
+  pids+=("$tools")
   # A network namespace of its own: nothing else on this machine hears the demo or disturbs it.
   namespace=(unshare --net)
   [ "$(id -u)" = 0 ] || namespace=(unshare --net --map-root-user)
   "${namespace[@]}" "$PWD/scripts/demo.sh" --in-namespace
   printf '\nFrom the start to this table: %d s.\n' "$SECONDS"
   step "build the tools for what comes next"
-  build ddssec ddssec-peer
+  wait "$tools" || die "the build failed; see $work/tools.log"
+  pids=()
   printf '\nNext: %s/bin/ddssec init demo makes the security files of your own applications (README.md).\n' "$build"
 fi

@@ -13,8 +13,8 @@ CODE = re.compile(r"^```(?:sh|text)\n(.*?)^```|^    ([^\n]*)$", re.MULTILINE | r
 
 
 def list_of_demo(text):
-    """The arguments of its function `build`, which hands them to --target."""
-    return set(" ".join(re.findall(r"^ *build ([a-z][\w -]*)$", text, re.MULTILINE)).split())
+    """The arguments of its function `build`: targets."""
+    return set(" ".join(re.findall(r"^ *build ([a-z][\w -]*?)(?: >.*)?$", text, re.MULTILINE)).split())
 
 
 def list_of_all(text):
