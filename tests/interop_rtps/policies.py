@@ -212,10 +212,10 @@ def deadline(case):
 
 @case_of("LIFESPAN")
 def lifespan(case):
-    offered = "durability=transient_local history=all lifespan=400"
+    offered = "durability=transient_local history=all lifespan=800"
     requested = "durability=transient_local history=all"
     if case.r.kind == FAST:  # a reader of it goes by its own LIFESPAN
-        requested += " lifespan=400"
+        requested += " lifespan=800"
     writer, reader = yield from case.pair(offered, requested)
     case.w.ask(f"write {writer} RED 1")
     yield 1.2
@@ -463,12 +463,13 @@ def filtered_history(case):
 
 @case_of("TIME_BASED_FILTER", readers=(OURS,), because="neither Cyclone DDS 0.10 nor Fast DDS 2.9 has it")
 def time_based_filter(case):
-    writer, reader = yield from case.pair("history=all", "history=all separation=700")
+    writer, reader = yield from case.pair("history=all", "history=all separation=3000")
     for x in range(10):
         case.w.ask(f"write {writer} RED {x}")
+    yield from case.comes(reader, "RED:0:A")
     yield 0.3
-    case.check("more than one came", case.collect(reader) == ["RED:0:A"])
-    yield from case.comes(reader, "RED:0:A", "RED:9:A")
+    case.check("more than one came", case.collect(reader) == [])
+    yield from case.comes(reader, "RED:9:A")
 
 
 @case_of("RELIABILITY")
