@@ -197,7 +197,7 @@ Report report_of(const Watched& watched, const std::string& source) {
     out.result["participants"].push_back(to_json(prefix, participant));
   }
   if (observer.left_out() > 0)
-    out.text += fmt::format("\n{} of further participants are left out\n",
+    out.text += fmt::format("\n{} of further participants and topics are left out\n",
                             counted(observer.left_out(), "message"));
   const auto meetings = meetings_of(observer);
   if (!meetings.empty()) out.text += '\n';

@@ -177,12 +177,30 @@ void Observer::on_topic(const Data& data, const Message& message) {
   const bool is_written = data.writer == kPublicationsWriter;
   const auto endpoint =
       is_written ? read_publication_data(data.payload) : read_subscription_data(data.payload);
-  auto& topics = message.sender->clear_topics;
-  if (!endpoint || (topics.size() >= kMostTopicsEach && !topics.contains(endpoint->topic_name)))
+  if (!endpoint) return;
+  auto* const topic = topic_of(*message.sender, *endpoint);
+  if (topic == nullptr) {
+    ++left_out_;
     return;
-  auto& topic = topics[endpoint->topic_name];
-  topic.type = endpoint->type_name;
-  (is_written ? topic.is_written : topic.is_read) = true;
+  }
+  (is_written ? topic->is_written : topic->is_read) = true;
+}
+
+ObservedTopic* Observer::topic_of(ObservedParticipant& sender, const EndpointData& endpoint) {
+  auto& topics = sender.clear_topics;
+  const auto known = topics.find(endpoint.topic_name);
+  const auto before = known == topics.end() ? 0 : known->second.octets;
+  const auto octets = kPricePerTopic + endpoint.topic_name.size() + endpoint.type_name.size();
+  const auto of_sender = sender.topic_octets - before + octets;
+  const auto of_all = topic_octets_ - before + octets;
+  if (known == topics.end() && topics.size() >= kMostTopicsEach) return nullptr;
+  if (of_sender > kTopicOctetsOfEach && of_all > kMaxTopicOctets) return nullptr;
+  sender.topic_octets = of_sender;
+  topic_octets_ = of_all;
+  auto& topic = topics[endpoint.topic_name];
+  topic.type = endpoint.type_name;
+  topic.octets = octets;
+  return &topic;
 }
 
 void Observer::on_stateless(BytesView payload, const Message& message) {

@@ -16,6 +16,8 @@
 
 namespace ddssec::rtps {
 
+struct EndpointData;
+
 /// Something that was seen so often.
 struct Seen {
   std::uint64_t count = 0;
@@ -51,6 +53,7 @@ using ReadCertificate = std::function<std::optional<CertificateNames>(BytesView 
 struct ObservedTopic {
   std::string type;
   bool is_written = false, is_read = false;
+  std::size_t octets = 0;  ///< that it counts for
 };
 
 struct ObservedParticipant {
@@ -67,6 +70,7 @@ struct ObservedParticipant {
   std::uint64_t encrypted_payloads = 0;  ///< of user topics, in submessages that are not protected
   /// Announced by plain discovery, by name.
   std::map<std::string, ObservedTopic> clear_topics;
+  std::size_t topic_octets = 0;  ///< of these, with a price for each
   /// Of its handshake messages, where everybody can read it.
   std::optional<CertificateNames> certificate;
   bool left = false;
@@ -80,6 +84,10 @@ class Observer {
   static constexpr std::size_t kMostParticipants = 1024;
   static constexpr std::size_t kMostFlows = 65536;
   static constexpr std::size_t kMostTopicsEach = 4096;
+  /// Octets of the topics of all participants; so many of each are kept whatever others announce.
+  static constexpr std::size_t kMaxTopicOctets = std::size_t{32} << 20;
+  static constexpr std::size_t kTopicOctetsOfEach = std::size_t{32} << 10;
+  static constexpr std::size_t kPricePerTopic = 256;
   static constexpr std::size_t kMostAddressesEach = 16;
   static constexpr std::size_t kMostKindsEach = 16;
 
@@ -100,7 +108,7 @@ class Observer {
   const HandshakeFlow& flow(const GuidPrefix& from, const GuidPrefix& to) const;
   const Seen& datagrams() const { return datagrams_; }
   std::uint64_t rtps_messages() const { return rtps_messages_; }
-  /// Messages of participants that found no room.
+  /// Messages of participants, and of topics, that found no room.
   std::uint64_t left_out() const { return left_out_; }
 
  private:
@@ -117,6 +125,8 @@ class Observer {
   void on_data(const Data& data, const Message& message);
   void on_announcement(const Data& data, const Message& message);
   void on_topic(const Data& data, const Message& message);
+  /// The topic to be noted; nullptr: there is no room for it.
+  ObservedTopic* topic_of(ObservedParticipant& sender, const EndpointData& endpoint);
   void on_stateless(BytesView payload, const Message& message);
   void on_protected(const SubmessageView& prefix, const Message& message);
 
@@ -127,6 +137,7 @@ class Observer {
   Seen datagrams_;
   std::uint64_t rtps_messages_ = 0;
   std::uint64_t left_out_ = 0;
+  std::size_t topic_octets_ = 0;  ///< of all participants
 };
 
 }  // namespace ddssec::rtps

@@ -22,8 +22,9 @@
 //   Refused         --another announcement--->  Announced
 //   any other       --expired, revoked------->  Distrusted      keys stay until it is unmatched
 //
-// No edge leaves Distrusted: the participant is removed. No edge is taken because of a message that
-// proves nothing, except those within Joined and into Authenticating and Waiting.
+// No edge leaves Distrusted: the participant is removed. What proves nothing, an announcement or a
+// forged message, leads only to Authenticating, Waiting or a probe; or to Refused, if the announced
+// identity token is invalid, and another announcement leads back from there.
 #include "rtps/security/peer.hpp"
 
 namespace ddssec::rtps {

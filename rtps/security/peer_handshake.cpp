@@ -19,7 +19,7 @@ Bytes octets_of(const spi::Token& token, std::string_view name) {
 }
 
 /// Both have it, and it is the same.
-bool same(const spi::Token& a, const spi::Token& b, std::string_view name) {
+bool repeats(const spi::Token& a, const spi::Token& b, std::string_view name) {
   const auto* in_a = spi::find_binary_property(a, name);
   const auto* in_b = spi::find_binary_property(b, name);
   return in_a != nullptr && in_b != nullptr && *in_a == *in_b;
@@ -171,7 +171,7 @@ PeerHandshake::Weighed PeerHandshake::weigh(const GenericMessage& message) const
 }
 
 PeerHandshake::Weighed PeerHandshake::weigh_reply(const spi::Token& token) const {
-  const bool is_echo = request_ && same(token, request_->message.data.front(), "challenge1");
+  const bool is_echo = request_ && repeats(token, request_->message.data.front(), "challenge1");
   if (!is_echo && !finished_) return {};
   const auto digest = digest_of(token);
   if (is_echo) return {Effort::echo, digest};

@@ -279,5 +279,41 @@ TEST(Observer, AnnouncementsCutAtEachOctet) {
   }
 }
 
+/// One announcement of SEDP, in the clear.
+Bytes clear_topic(const GuidPrefix& from, std::uint32_t number) {
+  EndpointData data;
+  data.guid = {from, {{0, 0, 1, 3}}};
+  data.topic_name = "topic " + std::to_string(number);
+  data.type_name = std::string(200, 'T');
+  Bytes buffer(4096), message(8192);
+  SpanWriter payload(buffer), out(message);
+  write_payload(payload, data);
+  Header header;
+  header.prefix = from;
+  write(out, header);
+  write(out,
+        Data{kPublicationsReader, kPublicationsWriter, {1}, {}, PayloadKind::data, payload.view()});
+  return to_bytes(out.view());
+}
+
+// Before: 1,024 participants of 4,096 topics each were 2.6 GB.
+TEST(Observer, TopicsOfStrangers_TakeFewOctetsAndNoPlaceFromOthers) {
+  Observer observer;
+  const auto say = [&](const GuidPrefix& who, std::uint32_t number) {
+    observer.on_datagram(clear_topic(who, number), {"192.0.2.66", 7400, 1s});
+  };
+  std::size_t octets = 0;
+  for (std::uint8_t stranger = 1; stranger <= 40; ++stranger)
+    for (std::uint32_t number = 0; number < 4'000; ++number)
+      say(GuidPrefix::from(Bytes(12, stranger)), number);
+  const auto honest = GuidPrefix::from(Bytes(12, 200));
+  for (std::uint32_t number = 0; number < 50; ++number) say(honest, number);
+  for (const auto& [prefix, participant] : observer.participants())
+    octets += participant.topic_octets;
+  EXPECT_LE(octets, Observer::kMaxTopicOctets + 41 * Observer::kTopicOctetsOfEach);
+  EXPECT_EQ(observer.participants().at(honest).clear_topics.size(), 50u);
+  EXPECT_GT(observer.left_out(), 0u);
+}
+
 }  // namespace
 }  // namespace ddssec::rtps
