@@ -9,8 +9,7 @@ namespace {
 constexpr std::uint16_t kKeyHash = 0x0070;
 constexpr std::size_t kEncapsulationSize = 4;
 
-Status check_inline_qos(const BuiltinTopic& topic, const GuidPrefix& owner,
-                        const DataPiece& piece) {
+Status check_inline_qos(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece) {
   Reader in(piece.inline_qos, piece.endian);
   while (!in.at_end()) {
     const auto parameter = next_parameter(in);
@@ -23,7 +22,7 @@ Status check_inline_qos(const BuiltinTopic& topic, const GuidPrefix& owner,
 
 /// ParticipantMessageData, or its key: both begin with the prefix. Fast DDS calls the same octets
 /// PL_CDR.
-Status check_liveliness(const BuiltinTopic& topic, const GuidPrefix& owner, BytesView payload) {
+Status check_liveliness(const BuiltinTopic& topic, const Owner& owner, BytesView payload) {
   constexpr std::uint8_t kGreatestPlain = 3;
   if (payload.size() < kEncapsulationSize + GuidPrefix::size)
     return unreadable_name(topic, "it is too short");
@@ -32,7 +31,7 @@ Status check_liveliness(const BuiltinTopic& topic, const GuidPrefix& owner, Byte
   return check_name(topic, owner, "participantGuidPrefix", payload.subspan(kEncapsulationSize));
 }
 
-Status check_whole(const BuiltinTopic& topic, const GuidPrefix& owner, BytesView payload) {
+Status check_whole(const BuiltinTopic& topic, const Owner& owner, BytesView payload) {
   if (topic.key == 0) return check_liveliness(topic, owner, payload);
   ParameterWalk walk;
   DDSSEC_TRY(walk.read(topic, owner, payload));
@@ -41,11 +40,12 @@ Status check_whole(const BuiltinTopic& topic, const GuidPrefix& owner, BytesView
 
 }  // namespace
 
-Status check_builtin_source(BytesView submessage, const GuidPrefix& owner, WalksOfPeers& walks) {
+Status check_builtin_source(BytesView submessage, const Owner& owner, WalksOfPeers& walks) {
   const auto writer = writer_of_data(submessage);
   if (!writer) return {};
   const auto* const topic = builtin_topic_of(*writer);
   if (topic == nullptr) return {};
+  if (topic->key == 0 && !owner) return {};  // it holds nothing but a name
   const auto piece = read_data_piece(submessage);
   if (!piece) return unreadable_name(*topic, "its lengths contradict one another");
   DDSSEC_TRY(check_inline_qos(*topic, owner, *piece));
@@ -56,7 +56,7 @@ Status check_builtin_source(BytesView submessage, const GuidPrefix& owner, Walks
   if (piece->payload.size() == piece->sample_size)
     return check_whole(*topic, owner, piece->payload);
   if (topic->key == 0) return unreadable_name(*topic, "it is in fragments");
-  auto* const found = walks.of(owner);
+  auto* const found = walks.of(owner.value_or(GuidPrefix{}));
   return found == nullptr ? fail(Code::builtin_fragment_early) : found->take(*topic, owner, *piece);
 }
 

@@ -6,10 +6,12 @@
 namespace ddssec::cryptography {
 namespace {
 
-/// Parameters that name a participant or one of its entities by a GUID (RTPS 9.6.3).
 namespace parameter_id {
-constexpr std::uint16_t kSentinel = 0x0001, kParticipantGuid = 0x0050, kEndpointGuid = 0x005a,
-                        kKeyHash = 0x0070, kCycloneTopicGuid = 0x801b;
+/// They name a participant or one of its entities by a GUID (RTPS 9.6.3).
+constexpr std::uint16_t kParticipantGuid = 0x0050, kEndpointGuid = 0x005a, kKeyHash = 0x0070,
+                        kCycloneTopicGuid = 0x801b;
+constexpr std::uint16_t kSentinel = 0x0001;
+constexpr std::uint16_t kTypeInformation = 0x0075;  ///< DDS-XTypes 7.6.3.2.1
 }  // namespace parameter_id
 
 constexpr std::array kTopics = {
@@ -44,14 +46,14 @@ const BuiltinTopic* builtin_topic_of(const EntityId& writer) {
   return found == kTopics.end() ? nullptr : &*found;
 }
 
-Status check_name(const BuiltinTopic& topic, const GuidPrefix& owner, std::string_view field,
+Status check_name(const BuiltinTopic& topic, const Owner& owner, std::string_view field,
                   BytesView guid) {
   if (guid.size() < GuidPrefix::size) return unreadable_name(topic, "a GUID is too short");
   const auto found = GuidPrefix::from(guid.first(GuidPrefix::size));
-  if (found == owner) return {};
+  if (!owner || found == *owner) return {};
   return fail(Code::builtin_source_mismatch, {.document = std::string(kDocument),
                                               .field = std::string(field),
-                                              .expected = owner.to_string(),
+                                              .expected = owner->to_string(),
                                               .found = found.to_string(),
                                               .note = "by writer " + topic.writer.to_string()});
 }
@@ -62,7 +64,7 @@ std::unexpected<Error> unreadable_name(const BuiltinTopic& topic, std::string_vi
                .note = std::string(why) + ", by writer " + topic.writer.to_string()});
 }
 
-Status ParameterWalk::read(const BuiltinTopic& topic, const GuidPrefix& owner, BytesView octets) {
+Status ParameterWalk::read(const BuiltinTopic& topic, const Owner& owner, BytesView octets) {
   while (state_ != State::ended && !octets.empty()) {
     const auto skipped = std::min<std::size_t>(to_skip_, octets.size());
     to_skip_ -= static_cast<std::uint32_t>(skipped);
@@ -82,11 +84,12 @@ Status ParameterWalk::check_end(const BuiltinTopic& topic) const {
   return has_name_ ? Status() : unreadable_name(topic, "it names nothing");
 }
 
-Status ParameterWalk::take(const BuiltinTopic& topic, const GuidPrefix& owner) {
+Status ParameterWalk::take(const BuiltinTopic& topic, const Owner& owner) {
   filled_ = 0;
   wanted_ = kHeaderSize;
   if (state_ == State::encapsulation) return begin_list(topic);
   if (state_ == State::header) return begin_parameter(topic);
+  if (state_ == State::type_information) return take_type_information(topic);
   state_ = State::header;
   to_skip_ = length_ - static_cast<std::uint32_t>(GuidPrefix::size);
   has_name_ = true;
@@ -110,6 +113,7 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
     return {};
   }
   if (length_ % 4 != 0) return unreadable_name(topic, "its parameters have lengths that lie");
+  if (id_ == parameter_id::kTypeInformation) return begin_type_information(topic);
   if (name_of(topic, id_) == nullptr) {
     to_skip_ = length_;
     return {};
@@ -117,6 +121,24 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
   if (length_ < GuidPrefix::size) return unreadable_name(topic, "a GUID is too short");
   state_ = State::name;
   wanted_ = GuidPrefix::size;
+  return {};
+}
+
+Status ParameterWalk::begin_type_information(const BuiltinTopic& topic) {
+  if (has_type_) return unreadable_name(topic, "its type information comes twice");
+  if (length_ == 0) return unreadable_name(topic, "its type information is empty");
+  has_type_ = true;
+  type_.begin(length_);
+  state_ = State::type_information;
+  return {};
+}
+
+Status ParameterWalk::take_type_information(const BuiltinTopic& topic) {
+  const std::uint32_t first = word(0), second = word(2);
+  const auto value = is_little_ ? second << 16 | first : first << 16 | second;
+  if (!type_.take(value, part_[0]) || (type_.left() == 0 && !type_.is_whole()))
+    return unreadable_name(topic, "its type information could end the process that reads it");
+  if (type_.left() == 0) state_ = State::header;
   return {};
 }
 

@@ -4,11 +4,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "base/bytes.hpp"
 #include "base/ids.hpp"
 #include "base/result.hpp"
+#include "plugins/cryptography/type_information.hpp"
 
 namespace ddssec::cryptography {
 
@@ -20,38 +22,46 @@ struct BuiltinTopic {
 /// Null: the writer is none of discovery or liveliness.
 const BuiltinTopic* builtin_topic_of(const EntityId& writer);
 
+/// The participant that sends. Nothing: nobody told who it is, and it may name anybody.
+using Owner = std::optional<GuidPrefix>;
+
 /// A GUID must begin with the prefix of who sends it. Errors: builtin_source_mismatch,
 /// builtin_source_unreadable.
-Status check_name(const BuiltinTopic& topic, const GuidPrefix& owner, std::string_view field,
+Status check_name(const BuiltinTopic& topic, const Owner& owner, std::string_view field,
                   BytesView guid);
 std::unexpected<Error> unreadable_name(const BuiltinTopic& topic, std::string_view why);
 
 /// Reads a parameter list with its encapsulation, in pieces of any size, and checks each GUID as
-/// soon as its prefix is complete. Small, to be copied: who refuses a piece goes on from before it.
+/// soon as its prefix is complete, and PID_TYPE_INFORMATION word by word. Small, to be copied: who
+/// refuses a piece goes on from before it.
 class ParameterWalk {
  public:
   /// The next octets. Errors: builtin_source_mismatch, builtin_source_unreadable.
-  Status read(const BuiltinTopic& topic, const GuidPrefix& owner, BytesView octets);
+  Status read(const BuiltinTopic& topic, const Owner& owner, BytesView octets);
   /// The list must have ended, and named something. Error: builtin_source_unreadable.
   Status check_end(const BuiltinTopic& topic) const;
 
  private:
-  Status take(const BuiltinTopic& topic, const GuidPrefix& owner);
+  Status take(const BuiltinTopic& topic, const Owner& owner);
   Status begin_list(const BuiltinTopic& topic);
   Status begin_parameter(const BuiltinTopic& topic);
+  Status begin_type_information(const BuiltinTopic& topic);
+  Status take_type_information(const BuiltinTopic& topic);
   std::uint16_t word(std::size_t at) const;
 
-  enum class State : std::uint8_t { encapsulation, header, name, ended };
+  enum class State : std::uint8_t { encapsulation, header, name, type_information, ended };
   static constexpr std::size_t kHeaderSize = 4;
 
   State state_ = State::encapsulation;
   bool is_little_ = false;
   bool has_name_ = false;
+  bool has_type_ = false;  ///< PID_TYPE_INFORMATION came
   std::uint16_t id_ = 0;
   std::uint16_t length_ = 0;
   std::uint32_t to_skip_ = 0;
   std::size_t filled_ = 0;
   std::size_t wanted_ = kHeaderSize;
+  TypeInformationWalk type_ = {};
   std::array<std::uint8_t, GuidPrefix::size> part_ = {};  ///< what a state waits for
 };
 

@@ -14,8 +14,7 @@ std::size_t fragments_of(const DataPiece& piece) {
 
 }  // namespace
 
-Status FragmentWalks::take(const BuiltinTopic& topic, const GuidPrefix& owner,
-                           const DataPiece& piece) {
+Status FragmentWalks::take(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece) {
   const std::lock_guard lock(mutex_);
   ++pieces_;
   auto& writer = writers_[topic.writer];
@@ -87,8 +86,8 @@ FragmentWalks::Samples::iterator FragmentWalks::dispensable(Writer& writer,
   return number < highest->first ? highest : samples.end();
 }
 
-Status FragmentWalks::read(const BuiltinTopic& topic, const GuidPrefix& owner,
-                           const DataPiece& piece, Sample& sample) const {
+Status FragmentWalks::read(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece,
+                           Sample& sample) const {
   auto index = std::size_t{piece.first_fragment - 1};
   if (index > sample.passed.size()) return early();
   auto walk = sample.walk;

@@ -31,7 +31,7 @@ class FragmentWalks {
   /// One DATA_FRAG that is not a whole sample, of a writer whose samples are parameter lists.
   /// Errors: builtin_source_mismatch, builtin_source_unreadable; builtin_fragment_early: one before
   /// it is missing, or there is no room now, and it will be asked for again.
-  Status take(const BuiltinTopic& topic, const GuidPrefix& owner, const DataPiece& piece);
+  Status take(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece);
 
  private:
   struct Sample {
@@ -55,7 +55,7 @@ class FragmentWalks {
                                       const DataPiece& piece);
   Status make_room(Writer& writer, std::uint64_t number, std::size_t fragments);
   Samples::iterator dispensable(Writer& writer, std::uint64_t number) const;
-  Status read(const BuiltinTopic& topic, const GuidPrefix& owner, const DataPiece& piece,
+  Status read(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece,
               Sample& sample) const;
 
   std::mutex mutex_;

@@ -237,7 +237,7 @@ Status check_source_named(Shared& shared, const RemoteEndpoint& sender, MutableB
   if (status) {
     DDSSEC_TRY(check_speaker(sender, plain));
     WalksOfOne walks(sender.participant.walks);
-    if (pair->peer_prefix) status = check_builtin_source(plain, *pair->peer_prefix, walks);
+    status = check_builtin_source(plain, pair->peer_prefix, walks);
   }
   if (status && sender.local.is_volatile) status = keep_tokens(shared, sender, *pair, plain);
   if (!status && status.error().code() != Code::crypto_tokens_repeated &&

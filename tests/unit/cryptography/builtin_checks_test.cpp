@@ -262,10 +262,10 @@ TEST(BuiltinSource, InAProtectedMessageIsThatOfTheLastInfoSource) {
 // ---- in the engine
 
 struct Engine {
-  explicit Engine(bool host_checks)
+  explicit Engine(bool host_checks, bool peer_is_known = true)
       : two(ProtectionKind::none, {}, {.host_checks_sources = host_checks}) {
     auto secret = shared_secret(5);
-    secret.peer_prefix = kPeer;
+    if (peer_is_known) secret.peer_prefix = kPeer;
     for (auto* side : {&two.a, &two.b})
       side->remote = side->factory()
                          .register_matched_remote_participant(side->participant, {8}, {7}, secret)
@@ -295,6 +295,23 @@ TEST(TrustingHost, GetsDiscoveryOfThePeerOnly) {
   EXPECT_EQ(code_of(engine.pass(dispose(kVictim))), Code::builtin_source_mismatch);
   EXPECT_EQ(engine.two.b.events.codes, std::vector{Code::builtin_source_mismatch});
   EXPECT_NE(engine.two.b.events.last.find(kVictim.to_string()), std::string::npos);
+}
+
+TEST(TrustingHost, GetsNoTypeInformationThatEndsItWhoeverItIsOf) {
+  for (const bool is_known : {true, false}) {
+    Engine engine(false, is_known);
+    DataMessage message{.writer = kEndpointWriters[1],
+                        .payload = list({{kEndpointGuid, guid_of(kPeer)}}, true)};
+    EXPECT_TRUE(engine.pass(message));
+    message.payload = list({{0x75, Bytes(24, 0)}, {kEndpointGuid, guid_of(kPeer)}}, true);
+    EXPECT_EQ(code_of(engine.pass(message)), Code::builtin_source_unreadable);
+    EXPECT_EQ(engine.two.b.events.codes, std::vector{Code::builtin_source_unreadable});
+  }
+}
+
+TEST(TrustingHost, OfAPeerWhoseGuidIsUnknownMayNameAnybody) {
+  Engine engine(false, false);
+  EXPECT_TRUE(engine.pass(dispose(kVictim)));
 }
 
 TEST(CheckingHost, GetsAllThatWasProtected) {
