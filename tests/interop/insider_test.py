@@ -269,6 +269,18 @@ def names(world, tamper):
     go_on(world, subscriber)
 
 
+def type_information(world):
+    """An announcement with type information that ends the process whose core reads it."""
+    subscriber = begin(world)
+    insider = world.insider("publish", "type", ELSEWHERE)
+    world.until("the false type information", lambda: said(insider, "tampered"))
+    one_event_each(world, "builtin_source_unreadable", insider)
+    check("an event says something else", all("type information" in event["sentence"]
+                                              for event in world.events("builtin_source_unreadable")))
+    go_on(world, subscriber)
+    check("a process ended", not any(peer.ended for peer in world.peers if peer is not insider))
+
+
 def source(world):
     """A message that goes on in another's name."""
     subscriber = begin(world)
@@ -295,6 +307,7 @@ def cases():
             for tamper in ("dispose", "speak-as"):
                 yield f"{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: names(world, t)
         if kind != "ours-ac":
+            yield f"type/{kind}", kind, EVERYTHING, type_information
             for tamper, permissions in (("repeat", ELSEWHERE), ("invent", Permissions()), ("nobody", Permissions())):
                 yield (f"{tamper}/{kind}", kind, EVERYTHING,
                        lambda world, t=tamper, p=permissions: restarts(world, t, p))

@@ -13,6 +13,7 @@
 //   speak-as     it announces its readers as the victim's, without access control
 //   clear        its protected messages hold a liveliness message, in the clear, that ends the
 //   victim
+//   type         its endpoints announce type information that ends a process that reads it
 //   keys         nothing; but the keys that it is given are said on stderr (../keys_test.py)
 // INSIDER_VICTIM is how the victim's GUID begins, in hexadecimal digits. What it did is said on
 // stderr.
@@ -267,8 +268,25 @@ void dispose(Bytes& octets) {
   set_length(octets);
 }
 
+/// The discriminator of the first type identifier in PID_TYPE_INFORMATION (little endian, as a
+/// stock host writes it) becomes one that Cyclone DDS does not expect.
+void spoil_type_information(Bytes& octets) {
+  constexpr DDS_Security_octet kUnexpected = 0x82;
+  constexpr std::size_t kPayloadAt = 24 + 4, kKindAt = 4 + 20;
+  const auto word = [&](std::size_t at) -> std::size_t { return octets[at] | octets[at + 1] << 8; };
+  for (auto at = kPayloadAt; at + kKindAt < octets.size() && word(at) != 1;
+       at += 4 + word(at + 2)) {
+    if (word(at) != 0x75) continue;
+    octets[at + kKindAt] = kUnexpected;
+    say_tampered();
+  }
+}
+
 void speak_of_endpoints(Bytes& octets) {
   constexpr std::uint32_t kPublications = 0xff0003c2, kSubscriptions = 0xff0004c2;
+  if (tampers("type") &&
+      (is_of_writer(octets, kPublications) || is_of_writer(octets, kSubscriptions)))
+    spoil_type_information(octets);
   if (tampers("dispose") && is_of_writer(octets, kPublications)) {
     speak_as_victim(octets);
     dispose(octets);
