@@ -155,8 +155,8 @@ def go_on(world, subscriber, after=0):
 
 
 def one_event_names(world, code, insider, whose):
-    """Exactly one, and the insider in it by its GUID."""
-    world.until(f"an event {code}", lambda: world.events(code), 5)
+    """Exactly so many, and the insider in each by its GUID."""
+    world.until(f"an event {code}", lambda: len(world.events(code)) >= whose, 5)
     world.passes(0.5)
     events = world.events(code)
     check(f"{len(events)} events {code}: {events}", len(events) == whose)
