@@ -226,6 +226,7 @@ void Discovery::on_endpoint(const Change& change, bool publications, bool secure
     return;
   }
   data->by_secure_discovery = secure;
+  leave_out_loopback(data->unicast);
   if (may_change(data->guid.entity)) parts_.matcher.add(*remote, std::move(*data));
 }
 

@@ -66,8 +66,14 @@ class Discovery final : public MessageListener, public SecurityHost {
   void unmatch(RemoteParticipant& remote);
   void on_endpoint(const Change& change, bool publications, bool secure);
   void on_secure_participant(const Change& change);
-  LocatorList usable(const LocatorList& announced, const LocatorList& fallback = {}) const {
+  LocatorList usable(LocatorList announced, const LocatorList& fallback = {}) const {
+    leave_out_loopback(announced);
     return usable_locators(announced, fallback, core_.config.interfaces);
+  }
+  /// Another machine that names our loopback would have us send to services of our own.
+  void leave_out_loopback(LocatorList& announced) const {
+    if (core_.is_from_elsewhere)
+      std::erase_if(announced, [](const Locator& locator) { return locator.is_loopback(); });
   }
 
   ParticipantCore& core_;

@@ -8,6 +8,14 @@ namespace {
 /// c.pdata; the plugin refuses more.
 constexpr std::size_t kMostOwnData = 16384;
 
+/// Nothing is known where the source or our own addresses are not.
+bool is_from_elsewhere(const Locator& source, std::span<const NetworkInterface> own) {
+  if (source.kind == LocatorKind::invalid || own.empty() || source.is_loopback()) return false;
+  return std::ranges::none_of(own, [&](const auto& interface) {
+    return interface.address.kind == source.kind && interface.address.address == source.address;
+  });
+}
+
 }  // namespace
 
 // Nothing that arrives for a builtin reader is ever refused for now.
@@ -48,6 +56,7 @@ Status Participant::revise_keys() {
 void Participant::receive(BytesView datagram, MonotonicTime now, const Locator& source) {
   core_.now = now;
   core_.source = SourceAddress(source);
+  core_.is_from_elsewhere = is_from_elsewhere(source, core_.config.interfaces);
   const auto gathering = gather();
   receiver_.receive(datagram, now);
   discovery_.remove_gone();

@@ -72,6 +72,7 @@ struct ParticipantCore {
   IgnoredEntities ignored;
   MonotonicTime now{};                 ///< of the call that the participant is in
   SourceAddress source{};              ///< of the datagram that is being received
+  bool is_from_elsewhere = false;      ///< it came from an address that is not of this machine
   std::unique_ptr<Security> security;  ///< nullptr: it is not secured
 };
 

@@ -222,6 +222,23 @@ TEST(Participant, OneIdentityMatchesABoundedNumberOfTimesWithOneEndpoint) {
   EXPECT_EQ(a.listener.matched, kMost + 1 - 10 + 1);
 }
 
+// Datagrams to services of this machine, for whoever can send one announcement.
+TEST(Participant, LoopbackAddressesCountOnlyIfTheyAreAnnouncedHere) {
+  const auto at = [](const char* address) { return *Locator::parse(address, 7009); };
+  auto config = Node::config(1, 0, {}, 10);
+  config.interfaces = {{"eth0", at("192.0.2.1"), 24, true}};
+  for (const auto* source : {"192.0.2.9", "127.0.0.1", "192.0.2.1"}) {
+    Node::Post post;
+    testing::socketless::Events events;
+    Participant participant(config, post, events);
+    const auto other = GuidPrefix::from(Bytes(12, 7));
+    participant.receive(announcement(other, other), seconds(1), at(source));
+    const bool here = std::string_view(source) != "192.0.2.9";
+    EXPECT_EQ(participant.remote_participants().size(), here ? 1u : 0u) << source;
+    EXPECT_EQ(post.sent.empty(), !here) << source;
+  }
+}
+
 struct ParticipantLiveliness : ::testing::Test {
   Node a{1}, b{2};
   World world{{&a, &b}};
