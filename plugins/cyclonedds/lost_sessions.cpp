@@ -6,19 +6,21 @@ namespace ddssec::cyclonedds {
 
 using spi::IdentityHandle;
 
+LostSessions::Subject LostSessions::subject_of(const Key& key) {
+  Subject subject;
+  std::copy_n(key.first.prefix.octets.begin(), subject.size(), subject.begin());
+  return subject;
+}
+
 void LostSessions::add_local(IdentityHandle local, const GuidPrefix& prefix) {
   const std::lock_guard lock(mutex_);
-  locals_[local] = prefix;
+  locals_[local].prefix = prefix;
 }
 
 void LostSessions::remove_local(IdentityHandle local) {
   const std::lock_guard lock(mutex_);
-  locals_.erase(local);
-  std::erase_if(sessions_, [&](const auto& entry) {
-    if (entry.first.second != local) return false;
-    if (entry.second.is_lost) --lost_;
-    return true;
-  });
+  if (locals_.erase(local) == 0) return;
+  std::erase_if(sessions_, [&](const auto& entry) { return entry.first.second == local; });
 }
 
 void LostSessions::established(IdentityHandle local, const Guid& remote,
@@ -26,56 +28,77 @@ void LostSessions::established(IdentityHandle local, const Guid& remote,
   const std::lock_guard lock(mutex_);
   const auto own = locals_.find(local);
   if (own == locals_.end()) return;
-  Session session{.sender = own->second,
-                  .token = spi::derive_reset_token(secret, own->second),
+  const auto& sender = own->second.prefix;
+  Session session{.sender = sender,
+                  .token = spi::derive_reset_token(secret, sender),
                   .to = secret.peer_addresses};
   if (session.to.size() > kMostAddresses) session.to.resize(kMostAddresses);
-  auto& known = sessions_[{remote, local}];
-  if (known.is_lost) --lost_;
+  const Key key{remote, local};
+  auto& known = sessions_[key];
+  no_longer_lost(key, known);
   known = std::move(session);
 }
 
 void LostSessions::lost(const Guid& remote) {
   const std::lock_guard lock(mutex_);
-  const auto now = clock_.monotonic();
   for (auto at = sessions_.lower_bound({remote, IdentityHandle{INT64_MIN}});
-       at != sessions_.end() && at->first.first == remote; ++at) {
-    if (at->second.is_lost) continue;
-    at->second.is_lost = true;
-    at->second.lost_at = at->second.next = now;
-    ++lost_;
+       at != sessions_.end() && at->first.first == remote;) {
+    const auto next = std::next(at);  // it may itself be the one that gives way
+    if (at->second.lost == 0) note_lost(at->first, at->second);
+    at = next;
   }
-  make_room();
+}
+
+void LostSessions::note_lost(const Key& key, Session& session) {
+  auto& local = locals_.at(key.second);
+  auto& of_subject = local.lost[subject_of(key)];
+  of_subject.emplace(losses_ + 1, key);
+  session.lost = ++losses_;
+  session.lost_at = session.next = clock_.monotonic();
+  ++local.all_lost;
+  if (of_subject.size() > kMostOfSubject) return forget_first(of_subject);
+  if (local.all_lost <= kMostLost) return;
+  const auto most_then_first = [](const auto& entry) {
+    const auto& sessions = entry.second;
+    return std::pair(sessions.size(), sessions.empty() ? 0 : ~sessions.begin()->first);
+  };
+  forget_first(std::ranges::max_element(local.lost, {}, most_then_first)->second);
+}
+
+void LostSessions::no_longer_lost(const Key& key, Session& session) {
+  if (session.lost == 0) return;
+  auto& local = locals_.at(key.second);
+  const auto of_subject = local.lost.find(subject_of(key));
+  of_subject->second.erase({session.lost, key});
+  if (of_subject->second.empty()) local.lost.erase(of_subject);
+  session.lost = 0;
+  --local.all_lost;
+}
+
+void LostSessions::forget_first(const InOrder& in_order) {
+  const auto session = sessions_.find(in_order.begin()->second);
+  no_longer_lost(session->first, session->second);
+  sessions_.erase(session);
 }
 
 void LostSessions::forget_lost_before(Duration time) {
-  std::erase_if(sessions_, [&](const auto& entry) {
-    if (!entry.second.is_lost || entry.second.lost_at > time) return false;
-    --lost_;
-    return true;
-  });
-}
-
-void LostSessions::make_room() {
-  while (lost_ > kMostLost) {
-    auto first = sessions_.end();
-    for (auto at = sessions_.begin(); at != sessions_.end(); ++at)
-      if (at->second.is_lost &&
-          (first == sessions_.end() || at->second.lost_at < first->second.lost_at))
-        first = at;
-    sessions_.erase(first);
-    --lost_;
+  for (auto at = sessions_.begin(); at != sessions_.end();) {
+    const auto session = at++;
+    if (session->second.lost == 0 || session->second.lost_at > time) continue;
+    no_longer_lost(session->first, session->second);
+    sessions_.erase(session);
   }
 }
 
 std::vector<LostSessions::Due> LostSessions::due(const IsMeeting& is_meeting) {
   const std::lock_guard lock(mutex_);
-  if (lost_ == 0) return {};
+  if (std::ranges::all_of(locals_, [](const auto& one) { return one.second.all_lost == 0; }))
+    return {};
   const auto now = clock_.monotonic();
   forget_lost_before(now - kMemory);
   std::vector<Due> out;
   for (auto& [key, session] : sessions_) {
-    if (!session.is_lost || session.next > now) continue;
+    if (session.lost == 0 || session.next > now) continue;
     if (!is_meeting(key.second, key.first)) continue;
     ++session.sent;
     session.next = now + (session.sent < kSoon ? kInterval : kLongInterval);

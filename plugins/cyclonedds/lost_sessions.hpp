@@ -3,11 +3,13 @@
 // token (plugins/spi/session_reset.hpp), or it would ignore every new handshake.
 #pragma once
 
+#include <array>
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <mutex>
-#include <span>
+#include <set>
 #include <vector>
 
 #include "base/clock.hpp"
@@ -30,8 +32,11 @@ class LostSessions {
   /// How long a lost session is remembered. A peer that was out of reach for longer and kept the
   /// session has a lease that long.
   static constexpr Duration kMemory = std::chrono::minutes(30);
-  /// Most lost sessions remembered; the one lost first gives way.
+  /// Most lost sessions remembered of each local participant, and most of them with participants of
+  /// one certificate: as many as it may have. Beyond its share the certificate's session that was
+  /// lost first gives way; beyond kMostLost that of the certificate with the most.
   static constexpr std::size_t kMostLost = 4096;
+  static constexpr std::size_t kMostOfSubject = 625;
   /// Most addresses of one peer that are used.
   static constexpr std::size_t kMostAddresses = 4;
 
@@ -62,21 +67,34 @@ class LostSessions {
     GuidPrefix sender;
     spi::ResetToken token;
     std::vector<spi::UdpAddress> to;
-    bool is_lost = false;
+    std::uint64_t lost = 0;  ///< the number of its loss; 0: not lost
     Duration lost_at{};
     Duration next{};
     unsigned sent = 0;
   };
   using Key = std::pair<Guid, spi::IdentityHandle>;  ///< remote, local
+  /// The first half of a prefix, which the remote proved to be bound to its certificate's subject
+  /// (DDS-Security 9.3.3).
+  using Subject = std::array<std::uint8_t, 6>;
+  using InOrder = std::set<std::pair<std::uint64_t, Key>>;  ///< by the number of their loss
+  struct Local {
+    GuidPrefix prefix;
+    std::map<Subject, InOrder> lost = {};
+    std::size_t all_lost = 0;
+  };
+  using Sessions = std::map<Key, Session>;
 
+  static Subject subject_of(const Key& key);
+  void note_lost(const Key& key, Session& session);
+  void no_longer_lost(const Key& key, Session& session);
+  void forget_first(const InOrder& in_order);
   void forget_lost_before(Duration time);
-  void make_room();
 
   const Clock& clock_;
   std::mutex mutex_;
-  std::map<spi::IdentityHandle, GuidPrefix> locals_;
-  std::map<Key, Session> sessions_;
-  std::size_t lost_ = 0;
+  std::map<spi::IdentityHandle, Local> locals_;
+  Sessions sessions_;
+  std::uint64_t losses_ = 0;
 };
 
 }  // namespace ddssec::cyclonedds

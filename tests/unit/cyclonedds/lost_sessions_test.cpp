@@ -9,8 +9,10 @@ using namespace std::chrono_literals;
 
 constexpr GuidPrefix kOwn{{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
 
-Guid remote(std::uint16_t number) {
+Guid remote(std::uint16_t number, std::uint16_t certificate = 0) {
   Guid guid{kOwn, kEntityIdParticipant};
+  guid.prefix.octets[4] = static_cast<std::uint8_t>(certificate >> 8);
+  guid.prefix.octets[5] = static_cast<std::uint8_t>(certificate);
   guid.prefix.octets[10] = static_cast<std::uint8_t>(number >> 8);
   guid.prefix.octets[11] = static_cast<std::uint8_t>(number);
   return guid;
@@ -33,6 +35,20 @@ struct LostSessionsTest : testing::Test {
 
   std::vector<LostSessions::Due> due(bool meets = true) {
     return sessions.due([&](auto, const auto&) { return meets; });
+  }
+
+  void lose(const Guid& guid) {
+    sessions.established(local, guid, secret_of(1));
+    sessions.lost(guid);
+  }
+  /// As long as none of them is sent.
+  std::vector<Guid> remembered() {
+    std::vector<Guid> all;
+    sessions.due([&](auto, const Guid& guid) {
+      all.push_back(guid);
+      return false;
+    });
+    return all;
   }
 
   ManualClock clock{WallTime{}};
@@ -103,20 +119,60 @@ TEST_F(LostSessionsTest, AreForgottenAfterATime) {
   EXPECT_TRUE(due().empty());
 }
 
-TEST_F(LostSessionsTest, OfManyTheFirstGiveWay) {
+TEST_F(LostSessionsTest, OfOneCertificateTheFirstGiveWay) {
   constexpr std::uint16_t kMore = 10;
-  for (std::uint16_t i = 0; i < LostSessions::kMostLost + kMore; ++i) {
-    sessions.established(local, remote(i), secret_of(1));
-    sessions.lost(remote(i));
-    clock.advance(1ms);
+  for (std::uint16_t i = 0; i < LostSessions::kMostOfSubject + kMore; ++i) lose(remote(i));
+  const auto kept = remembered();
+  EXPECT_EQ(kept.size(), LostSessions::kMostOfSubject);
+  EXPECT_EQ(std::ranges::min(kept), remote(kMore));
+}
+
+// One certificate may join and leave as often as it likes, and so may several.
+TEST_F(LostSessionsTest, OfOneCertificateDoNotTakeThePlaceOfAnothers) {
+  constexpr std::uint16_t kHostile = 8, kJoins = 2 * LostSessions::kMostOfSubject;
+  constexpr std::uint16_t kHonest = 1000;
+  lose(remote(1, kHonest));
+  for (std::uint16_t i = 0; i < kJoins; ++i)
+    for (std::uint16_t certificate = 1; certificate <= kHostile; ++certificate)
+      lose(remote(i, certificate));
+  const auto kept = remembered();
+  EXPECT_EQ(kept.size(), LostSessions::kMostLost);
+  EXPECT_EQ(std::ranges::count(kept, remote(1, kHonest)), 1);
+}
+
+TEST_F(LostSessionsTest, OfAsManyCertificatesTheFirstGivesWay) {
+  constexpr std::uint16_t kMore = 3;
+  for (std::uint16_t i = LostSessions::kMostLost + kMore; i > 0; --i) lose(remote(1, i));
+  const auto kept = remembered();
+  EXPECT_EQ(kept.size(), LostSessions::kMostLost);
+  EXPECT_EQ(std::ranges::max(kept), remote(1, LostSessions::kMostLost));
+}
+
+TEST_F(LostSessionsTest, ThatWereMadeAnewOrForgottenLeaveTheirPlace) {
+  lose(remote(0));
+  for (std::uint16_t i = 1; i < LostSessions::kMostOfSubject; ++i) lose(remote(i));
+  for (std::uint16_t i = 1; i < LostSessions::kMostOfSubject; ++i) {
+    sessions.established(local, remote(i), secret_of(2));
+    lose(remote(i));
   }
-  std::vector<Guid> asked;
-  sessions.due([&](auto, const Guid& guid) {
-    asked.push_back(guid);
-    return false;
-  });
-  EXPECT_EQ(asked.size(), LostSessions::kMostLost);
-  EXPECT_EQ(std::ranges::min(asked), remote(kMore));
+  EXPECT_EQ(std::ranges::count(remembered(), remote(0)), 1);
+  clock.advance(LostSessions::kMemory);
+  EXPECT_TRUE(remembered().empty());
+  for (std::uint16_t i = 0; i < LostSessions::kMostOfSubject; ++i) lose(remote(i));
+  EXPECT_EQ(remembered().size(), LostSessions::kMostOfSubject);
+}
+
+TEST_F(LostSessionsTest, OfEachLocalParticipantHaveTheirOwnPlaces) {
+  sessions.add_local(second, kOwn);
+  for (std::uint16_t i = 0; i < LostSessions::kMostOfSubject + 1; ++i) {
+    sessions.established(second, remote(i), secret_of(1));
+    lose(remote(i));
+  }
+  EXPECT_EQ(remembered().size(), 2 * LostSessions::kMostOfSubject);
+  sessions.remove_local(second);
+  EXPECT_EQ(remembered().size(), LostSessions::kMostOfSubject);
+  lose(remote(5000));
+  EXPECT_EQ(remembered().size(), LostSessions::kMostOfSubject);
 }
 
 TEST_F(LostSessionsTest, AreToldToFewAddresses) {
