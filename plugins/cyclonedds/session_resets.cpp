@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/hash.hpp"
+#include "base/rollback.hpp"
 
 namespace ddssec::cyclonedds {
 
@@ -17,7 +18,12 @@ void SessionResets::expect(spi::ParticipantCryptoHandle peer, spi::IdentityHandl
                            spi::ResetToken token) noexcept {
   const std::lock_guard lock(mutex_);
   try {
-    sessions_.try_emplace(token.name, Session{peer, identity, std::move(token.proof)});
+    const auto name = token.name;
+    if (!sessions_.try_emplace(name, Session{peer, identity, std::move(token.proof)}).second)
+      return;
+    Rollback forget([&] { sessions_.erase(name); });
+    names_.emplace(peer.value, name);
+    forget.release();
   } catch (...) {
     // As declared.
   }
@@ -25,11 +31,13 @@ void SessionResets::expect(spi::ParticipantCryptoHandle peer, spi::IdentityHandl
 
 void SessionResets::forget(spi::ParticipantCryptoHandle peer) {
   const std::lock_guard lock(mutex_);
-  std::erase_if(sessions_, [&](const auto& entry) {
-    if (entry.second.peer != peer) return false;
-    if (entry.second.is_lost) --lost_;
-    return true;
-  });
+  const auto [first, end] = names_.equal_range(peer.value);
+  for (auto of_peer = first; of_peer != end; ++of_peer) {
+    const auto session = sessions_.find(of_peer->second);
+    if (session->second.is_lost) --lost_;
+    sessions_.erase(session);
+  }
+  names_.erase(first, end);
 }
 
 bool SessionResets::received(const spi::Reset& reset) {

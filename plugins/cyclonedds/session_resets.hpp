@@ -38,6 +38,7 @@ class SessionResets {
 
   std::mutex mutex_;
   std::map<spi::ResetName, Session> sessions_;
+  std::multimap<std::int64_t, spi::ResetName> names_;  ///< by the peer's handle
   std::atomic<std::size_t> lost_ = 0;  ///< not yet taken; `take` asks for every peer each second
 };
 
