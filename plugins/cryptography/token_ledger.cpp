@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/rollback.hpp"
 #include "plugins/cryptography/key_material.hpp"
 #include "plugins/cryptography/key_owner.hpp"
 
@@ -10,6 +11,7 @@ namespace {
 
 constexpr std::string_view kDocument = "a key token message";
 constexpr std::size_t kEncapsulationSize = 4;
+constexpr std::size_t kSubjectSize = 6;
 
 Result<Guid> read_guid(Reader& in) {
   const auto octets = DDSSEC_TRY(in.read_bytes(GuidPrefix::size + EntityId::size));
@@ -192,9 +194,12 @@ std::vector<spi::Token> PackedTokens::tokens() const {
   return out;
 }
 
-TokenLedger::Subject TokenLedger::subject_of(const Key& key) {
-  Subject subject;
-  std::copy_n(key.remote.prefix.octets.begin(), subject.size(), subject.begin());
+/// A proven prefix begins with six octets that are bound to the subject (DDS-Security 9.3.3).
+std::uint64_t TokenLedger::account_of(const Key& key, const TokenSender& sender) {
+  if (!sender.is_proven) return kUnproven | sender.exchange;
+  std::uint64_t subject = 0;
+  for (std::size_t i = 0; i < kSubjectSize; ++i)
+    subject = subject << 8 | key.remote.prefix.octets[i];
   return subject;
 }
 
@@ -229,21 +234,37 @@ bool TokenLedger::is_given_up(const Key& key, Entry& entry, bool are_builtin_mat
   return entry.matched_since && now - *entry.matched_since >= kComing;
 }
 
-Status TokenLedger::check_room(const Key& key) {
-  const auto subject = subject_of(key);
-  const auto& counts = counts_[subject];
-  if (counts.pending >= kMostPending)
+Status TokenLedger::check_room(const Key& key, const TokenSender& sender) {
+  const auto found = accounts_.find(account_of(key, sender));
+  const auto [pending, all] = found == accounts_.end() ? Account{} : found->second;
+  const auto most =
+      sender.is_proven ? kMostPending : std::min(kMostPending, kMostUnproven - unproven_pending_);
+  if (pending >= most)
     return fail(Code::crypto_tokens_crowded, {.document = std::string(kDocument),
-                                              .expected = std::to_string(kMostPending),
+                                              .expected = std::to_string(most),
                                               .note = "of " + key.remote.to_string()});
-  if (counts.all >= 2 * kMostPending) forget_used(subject);
+  if (all >= 2 * kMostPending) forget_used(key, sender);
   return {};
 }
 
-Result<Passage> TokenLedger::note(const TokenMessage& message, std::uint64_t exchange,
+void TokenLedger::add(const Key& key, Entry fresh) {
+  auto& account = accounts_[fresh.account];
+  const auto entry = entries_.emplace(key, std::move(fresh)).first;
+  Rollback forget([&] { entries_.erase(entry); });
+  const auto held = tickets_.emplace(entry->second.ticket, entry).first;
+  Rollback forget_ticket([&] { tickets_.erase(held); });
+  by_exchange_.emplace(entry->second.passed.exchange, &entry->first);
+  forget_ticket.release();
+  forget.release();
+  ++account.pending, ++account.all;
+  if ((entry->second.account & kUnproven) != 0) ++unproven_pending_;
+}
+
+Result<Passage> TokenLedger::note(const TokenMessage& message, const TokenSender& sender,
                                   bool are_builtin_matched, std::chrono::nanoseconds now) {
   const std::lock_guard lock(mutex_);
   forget_old(now);
+  const auto exchange = sender.exchange;
   const Key key{message.remote, message.local};
   const Age age{exchange, message.number};
   std::optional<TicketUser> user;
@@ -260,15 +281,13 @@ Result<Passage> TokenLedger::note(const TokenMessage& message, std::uint64_t exc
     }
     erase(known);
   }
-  DDSSEC_TRY(check_room(key));
-  auto& counts = counts_[subject_of(key)];
-  ++counts.pending, ++counts.all;
+  DDSSEC_TRY(check_room(key, sender));
   const auto ticket = fresh_ticket();
-  const auto entry = entries_.emplace(
-      key,
-      Entry{
-          .passed = age, .newest = age, .ticket = ticket, .tokens = PackedTokens(message.tokens)});
-  tickets_.emplace(ticket, entry.first);
+  add(key, {.passed = age,
+            .newest = age,
+            .account = account_of(key, sender),
+            .ticket = ticket,
+            .tokens = PackedTokens(message.tokens)});
   if (user) return Passage{Passage::Kind::awaited, ticket, *user};
   return Passage{Passage::Kind::ticket, ticket};
 }
@@ -283,54 +302,65 @@ std::optional<TokenLedger::Held> TokenLedger::redeem(std::span<const spi::Token>
   const auto found = tickets_.find(ticket);
   if (found == tickets_.end()) return std::nullopt;
   auto& [key, entry] = *found->second;
-  tickets_.erase(found);
-  entry.is_pending = false;
-  --counts_.at(subject_of(key)).pending;
+  no_longer_pending(entry);
   const auto packed = std::exchange(entry.tokens, {});
   if (user.exchange <= entry.newest.exchange) return Held{key.remote, packed.tokens()};
   entry.awaited_by = user;
   return Held{key.remote, {}};
 }
 
+void TokenLedger::no_longer_pending(Entry& entry) {
+  tickets_.erase(entry.ticket);
+  entry.is_pending = false;
+  --accounts_.at(entry.account).pending;
+  if ((entry.account & kUnproven) != 0) --unproven_pending_;
+}
+
+TokenLedger::Entries::iterator TokenLedger::first_of(std::uint64_t exchange) {
+  const auto first = by_exchange_.lower_bound({exchange, nullptr});
+  const bool is_there = first != by_exchange_.end() && first->first == exchange;
+  return is_there ? entries_.find(*first->second) : entries_.end();
+}
+
 void TokenLedger::end(std::uint64_t exchange, std::chrono::nanoseconds now) {
   const std::lock_guard lock(mutex_);
   forget_old(now);
-  const bool is_known = std::ranges::any_of(
-      entries_, [&](const auto& entry) { return entry.second.passed.exchange == exchange; });
-  if (is_known) ended_.emplace(exchange, now);
+  if (first_of(exchange) != entries_.end()) ended_.push_back({now, exchange});
 }
 
 void TokenLedger::forget_old(std::chrono::nanoseconds now) {
-  const auto is_old = [&](const auto& ended) { return now - ended.second >= kMemory; };
-  if (std::ranges::none_of(ended_, is_old)) return;
-  for (auto entry = entries_.begin(); entry != entries_.end();) {
-    const auto next = std::next(entry);
-    const auto ended = ended_.find(entry->second.passed.exchange);
-    if (ended != ended_.end() && is_old(*ended)) erase(entry);
-    entry = next;
+  while (!ended_.empty() && now - ended_.front().at >= kMemory) {
+    const auto exchange = ended_.front().exchange;
+    ended_.pop_front();
+    for (auto entry = first_of(exchange); entry != entries_.end(); entry = first_of(exchange))
+      erase(entry);
   }
-  std::erase_if(ended_, is_old);
 }
 
 /// They are remembered only to know repetitions by.
-void TokenLedger::forget_used(const Subject& subject) {
-  Key first{};
-  std::ranges::copy(subject, first.remote.prefix.octets.begin());
-  for (auto entry = entries_.lower_bound(first);
-       entry != entries_.end() && subject_of(entry->first) == subject;) {
-    const auto next = std::next(entry);
-    if (!entry->second.is_pending) erase(entry);
-    entry = next;
+void TokenLedger::forget_used(const Key& key, const TokenSender& sender) {
+  const auto account = account_of(key, sender);
+  const auto forget = [&](Entries::iterator entry) {
+    if (entry->second.account == account && !entry->second.is_pending) erase(entry);
+  };
+  if (!sender.is_proven) {
+    for (auto at = by_exchange_.lower_bound({sender.exchange, nullptr});
+         at != by_exchange_.end() && at->first == sender.exchange;)
+      forget(entries_.find(*(at++)->second));
+    return;
   }
+  Key first{};
+  std::copy_n(key.remote.prefix.octets.begin(), kSubjectSize, first.remote.prefix.octets.begin());
+  for (auto at = entries_.lower_bound(first);
+       at != entries_.end() && account_of(at->first, sender) == account;)
+    forget(at++);
 }
 
 void TokenLedger::erase(Entries::iterator entry) {
-  const auto counts = counts_.find(subject_of(entry->first));
-  if (entry->second.is_pending) {
-    --counts->second.pending;
-    tickets_.erase(entry->second.ticket);
-  }
-  if (--counts->second.all == 0) counts_.erase(counts);
+  if (entry->second.is_pending) no_longer_pending(entry->second);
+  const auto account = accounts_.find(entry->second.account);
+  if (--account->second.all == 0) accounts_.erase(account);
+  by_exchange_.erase({entry->second.passed.exchange, &entry->first});
   entries_.erase(entry);
 }
 

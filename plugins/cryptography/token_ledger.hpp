@@ -7,10 +7,13 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "base/hash.hpp"
@@ -68,6 +71,12 @@ struct TicketUser {
   bool operator==(const TicketUser&) const = default;
 };
 
+/// Who sent a message.
+struct TokenSender {
+  std::uint64_t exchange;  ///< tells one authentication from the next; later ones are greater
+  bool is_proven = true;   ///< authentication told us the prefix that the message names
+};
+
 /// What becomes of a message.
 struct Passage {
   enum class Kind : std::uint8_t {
@@ -120,6 +129,9 @@ class TokenLedger {
   /// Of one certificate's participants, which are told by the first six octets of the prefix
   /// (DDS-Security 9.3.3). As many as 128 readers and 128 writers of two participants have.
   static constexpr std::size_t kMostPending = 16384;
+  /// Of all senders whose prefix is not proven, which can name any. Each has a share like that of a
+  /// certificate, but no more than is left for others: so a further one finds some.
+  static constexpr std::size_t kMostUnproven = 4 * kMostPending;
   /// After an exchange has ended: the host's five minutes, and what a message may wait in its
   /// queue. While it lives the host may hold messages back for any time, until one that is missing
   /// comes.
@@ -132,12 +144,11 @@ class TokenLedger {
   /// How long the host may need, once endpoints are matched, to come with a ticket for them.
   static constexpr std::chrono::milliseconds kComing{50};
 
-  /// Of a message that check_usable let pass, whose tokens it wipes. `exchange` tells one
-  /// authentication of the message's sender from the next, and later ones have greater numbers.
-  /// Within one, the host takes the numbers of messages in order and each once.
+  /// Of a message that check_usable let pass, whose tokens it wipes. Within one exchange, the host
+  /// takes the numbers of messages in order and each once.
   /// `are_builtin_matched`: the host has matched all builtin endpoints of sender and receiver.
   /// Error: crypto_tokens_crowded.
-  Result<Passage> note(const TokenMessage& message, std::uint64_t exchange,
+  Result<Passage> note(const TokenMessage& message, const TokenSender& sender,
                        bool are_builtin_matched, std::chrono::nanoseconds now);
 
   /// The sender of that exchange is gone, or will authenticate anew.
@@ -171,6 +182,7 @@ class TokenLedger {
   struct Entry {
     Age passed;  ///< the message that brought the host its ticket
     Age newest;  ///< the message that the tokens are of
+    std::uint64_t account;
     std::optional<std::chrono::nanoseconds> matched_since = {};
     bool is_pending = true;
     std::optional<TicketUser> awaited_by = {};
@@ -178,27 +190,39 @@ class TokenLedger {
     PackedTokens tokens;
   };
   using Entries = std::map<Key, Entry>;
-  struct Counts {
+  /// Of the participants of one certificate, or of one exchange whose peer proved no prefix.
+  struct Account {
     std::size_t pending = 0;
     std::size_t all = 0;
   };
-  using Subject = std::array<std::uint8_t, 6>;
+  struct Ended {
+    std::chrono::nanoseconds at;
+    std::uint64_t exchange;
+  };
+  static constexpr std::uint64_t kUnproven = std::uint64_t{1} << 63;
 
-  static Subject subject_of(const Key& key);
+  static std::uint64_t account_of(const Key& key, const TokenSender& sender);
   static Passage of_held(Entry& entry, const TokenMessage& message, const Age& age);
   static bool is_given_up(const Key& key, Entry& entry, bool are_builtin_matched,
                           std::chrono::nanoseconds now);
-  Status check_room(const Key& key);
+  Status check_room(const Key& key, const TokenSender& sender);
+  void add(const Key& key, Entry fresh);
   Ticket fresh_ticket();
+  void no_longer_pending(Entry& entry);
   void forget_old(std::chrono::nanoseconds now);
-  void forget_used(const Subject& subject);
+  void forget_used(const Key& key, const TokenSender& sender);
+  /// The first entry of an exchange; the end without one.
+  Entries::iterator first_of(std::uint64_t exchange);
   void erase(Entries::iterator entry);
 
   mutable std::mutex mutex_;
   Entries entries_;
-  std::map<std::uint64_t, std::chrono::nanoseconds> ended_;  // exchanges
+  std::set<std::pair<std::uint64_t, const Key*>>
+      by_exchange_;          // the one of the message that passed
+  std::deque<Ended> ended_;  // the first ended first
   std::map<Ticket, Entries::iterator> tickets_;
-  std::map<Subject, Counts> counts_;
+  std::map<std::uint64_t, Account> accounts_;
+  std::size_t unproven_pending_ = 0;
   std::uint64_t next_ticket_ = 1;
 };
 

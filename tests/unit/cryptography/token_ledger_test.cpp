@@ -33,7 +33,8 @@ struct Host {
   Kind note(std::uint64_t number) {
     sent = fresh_tokens();
     const auto passage =
-        ledger.note({remote, local, number, false, sent, 0, 0}, exchange, are_matched, now).value();
+        ledger.note({remote, local, number, false, sent, 0, 0}, {exchange}, are_matched, now)
+            .value();
     if (passage.kind == Kind::ticket) ticket = passage.ticket;
     return passage.kind;
   }
@@ -235,11 +236,13 @@ TEST(TokenLedger, OtherEndpointsAreOthersWhateverTheirTokens) {
   const auto tokens = host.sent;
   host.local.entity = kOtherReader;
   EXPECT_EQ(
-      host.ledger.note({host.remote, host.local, 2, false, tokens, 0, 0}, 1, false, host.now)->kind,
+      host.ledger.note({host.remote, host.local, 2, false, tokens, 0, 0}, {1}, false, host.now)
+          ->kind,
       Kind::ticket);
   host.remote.prefix = kVictim;
   EXPECT_EQ(
-      host.ledger.note({host.remote, host.local, 3, false, tokens, 0, 0}, 2, false, host.now)->kind,
+      host.ledger.note({host.remote, host.local, 3, false, tokens, 0, 0}, {2}, false, host.now)
+          ->kind,
       Kind::ticket);
   EXPECT_EQ(host.use(first)->remote, (Guid{kPeer, kWriter}));
   host.remote.prefix = kPeer;
@@ -258,7 +261,7 @@ TEST(TokenLedger, TokensOfAFormerSessionAreNotGivenToThePresentOne) {
   host.exchange = 2;
   const auto tokens = fresh_tokens();
   const auto passage =
-      host.ledger.note({host.remote, host.local, 2, false, tokens, 0, 0}, 2, false, host.now)
+      host.ledger.note({host.remote, host.local, 2, false, tokens, 0, 0}, {2}, false, host.now)
           .value();
   EXPECT_EQ(passage.kind, Kind::awaited);
   EXPECT_EQ(passage.user, user);
@@ -296,7 +299,7 @@ TEST(TokenLedger, HoldsSoManyOfOneCertificate) {
     host.remote.entity.octets[0] = static_cast<std::uint8_t>(number >> 16);
     host.remote.entity.octets[1] = static_cast<std::uint8_t>(number >> 8);
     host.remote.entity.octets[2] = static_cast<std::uint8_t>(number);
-    return host.ledger.note({host.remote, host.local, number, false, fresh_tokens(), 0, 0}, 1,
+    return host.ledger.note({host.remote, host.local, number, false, fresh_tokens(), 0, 0}, {1},
                             false, host.now);
   };
   for (std::size_t i = 1; i <= TokenLedger::kMostPending; ++i) {
@@ -312,6 +315,77 @@ TEST(TokenLedger, HoldsSoManyOfOneCertificate) {
   host.now += TokenLedger::kMemory;
   EXPECT_TRUE(note(1));
   EXPECT_EQ(host.ledger.size(), 1u);
+}
+
+/// As many names as there are messages, each invented by a sender that proved none.
+class Inventor {
+ public:
+  Inventor(Host& host, std::uint64_t exchange) : host_(host), exchange_(exchange) {}
+
+  Result<Passage> note() {
+    ++invented_;
+    Guid remote{kPeer, kWriter};
+    for (std::size_t i = 0; i < 8; ++i)
+      remote.prefix.octets[i] = static_cast<std::uint8_t>(invented_ >> (8 * i));
+    return host_.ledger.note({remote, host_.local, invented_, false, fresh_tokens(), 0, 0},
+                             {exchange_, false}, false, host_.now);
+  }
+  std::size_t fill() {
+    std::size_t count = 0;
+    while (note()) ++count;
+    return count;
+  }
+
+ private:
+  Host& host_;
+  const std::uint64_t exchange_;
+  std::uint64_t invented_ = exchange_ << 32;
+};
+
+TEST(TokenLedger, HoldsSoManyOfOneThatInventsNames) {
+  Host host;
+  Inventor inventor(host, 1), honest(host, 2);
+  EXPECT_EQ(inventor.fill(), TokenLedger::kMostPending);
+  EXPECT_EQ(code_of(inventor.note()), Code::crypto_tokens_crowded);
+  EXPECT_TRUE(honest.note());
+  host.exchange = 3;
+  EXPECT_EQ(host.note(1), Kind::ticket) << "one that proved its name";
+  host.ledger.end(1, host.now);
+  host.now += TokenLedger::kMemory;
+  EXPECT_TRUE(honest.note());
+  EXPECT_EQ(host.ledger.size(), 3u);
+}
+
+TEST(TokenLedger, HoldsSoManyOfAllThatInventNames) {
+  Host host;
+  constexpr std::uint64_t kInventors = 8;
+  std::size_t all = 0;
+  for (std::uint64_t exchange = 1; exchange <= kInventors; ++exchange) {
+    Inventor inventor(host, exchange);
+    const auto free = TokenLedger::kMostUnproven - all;
+    const auto some = inventor.fill();
+    EXPECT_LE(some, TokenLedger::kMostPending);
+    EXPECT_LT(some, free);
+    EXPECT_GT(some, 0u);
+    all += some;
+  }
+  EXPECT_EQ(host.ledger.size(), all);
+  host.exchange = kInventors + 1;
+  EXPECT_EQ(host.note(1), Kind::ticket) << "one that proved its name";
+}
+
+TEST(TokenLedger, ForgetsUsedOnesOfUnprovenNamesInTime) {
+  Host host;
+  for (std::uint64_t i = 1; i <= 4 * TokenLedger::kMostPending; ++i) {
+    host.remote.prefix.octets[1] = static_cast<std::uint8_t>(i >> 16);
+    host.remote.prefix.octets[2] = static_cast<std::uint8_t>(i >> 8);
+    host.remote.prefix.octets[3] = static_cast<std::uint8_t>(i);
+    const auto tokens = fresh_tokens();
+    const auto passage = host.ledger.note({host.remote, host.local, i, false, tokens, 0, 0},
+                                          {1, false}, false, host.now);
+    ASSERT_TRUE(host.use(passage->ticket));
+    ASSERT_LE(host.ledger.size(), 2 * TokenLedger::kMostPending);
+  }
 }
 
 TEST(TokenLedger, ForgetsUsedOnesInTime) {
