@@ -135,6 +135,8 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   Result<std::unique_ptr<Pair>> make_pair(const LocalParticipant& local,
                                           const spi::SharedSecret& shared_secret);
   Result<RemoteParticipant*> remote_with_identity(spi::IdentityHandle identity);
+  /// What the two have with each other; nullptr without it.
+  Pair* known_pair(std::int64_t local, spi::IdentityHandle remote) const;
   void publish_pairs(RemoteParticipant& remote, std::int64_t without = 0);
   Result<std::int64_t> register_local_endpoint(EntityKind kind,
                                                spi::ParticipantCryptoHandle participant,
@@ -156,6 +158,7 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   Result<std::int64_t> add_match(const Match& match, EntityKind remote_kind);
   /// Error: receiver_count, after an event that names the peer.
   Status take_place(RemoteEndpoint& reader, const Pair& pair);
+  Status take_place(LocalParticipant& local, spi::IdentityHandle remote, Pair& fresh);
   void drop(const Entity& entity);
   void drop_local(LocalParticipant& participant);
   void drop_remote(RemoteParticipant& participant);

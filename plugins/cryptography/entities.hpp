@@ -62,7 +62,8 @@ struct LocalParticipant final : Entity {
   KeyLife life;
   std::unique_ptr<SendKey> next_key = {};
   std::unordered_set<std::int64_t> endpoints;
-  std::unordered_set<std::int64_t> matched;  ///< remote participants
+  std::unordered_set<std::int64_t> matched;                               ///< remote participants
+  ReceiverPlaces receivers{ReceiverPlaces::kMostOfEach, "participants"};  ///< of RTPS messages
 };
 
 /// In whose names the messages of a peer spoke, to tell each once. Thread-safe.
@@ -93,6 +94,7 @@ struct Pair final : Retirable {
   std::optional<GuidPrefix> own_prefix = {};   ///< the local participant's; nothing: the same
   spi::PermissionsHandle permissions = {};     ///< the remote's; under Engine's mutex
   std::unique_ptr<ReceiverKey> receiver_key;   ///< ours towards the remote; null without need
+  std::optional<std::uint64_t> place = {};     ///< whose place among the local one's receivers
   std::unique_ptr<SendKey> key_exchange_send;
   std::unique_ptr<ReceiveKey> key_exchange_receive;
   Published<RemoteKeys> remote_keys;
@@ -130,7 +132,11 @@ struct RemoteParticipant final : Entity {
 
 /// A local datawriter or datareader.
 struct LocalEndpoint final : Entity {
-  LocalEndpoint(EntityKind kind, LocalParticipant& parent) : Entity(kind), participant(parent) {}
+  LocalEndpoint(EntityKind kind, LocalParticipant& parent)
+      : Entity(kind),
+        participant(parent),
+        receivers(spi::is_origin_authenticated(parent.rtps) ? ReceiverPlaces::kMostOfEach
+                                                            : ReceiverPlaces::kMost) {}
   LocalParticipant& participant;
   spi::ProtectionKind submessage = spi::ProtectionKind::none;
   spi::ProtectionKind payload = spi::ProtectionKind::none;
@@ -144,7 +150,7 @@ struct LocalEndpoint final : Entity {
   /// A reader's key that is only ever sent, where only payloads are protected.
   std::optional<KeyMaterial> token_only;
   std::unordered_set<std::int64_t> matched;  ///< remote endpoints
-  ReceiverPlaces receivers = {};             ///< a writer's that need a MAC each
+  ReceiverPlaces receivers;                  ///< a writer's that need a MAC each
 
   bool sends_protected() const {
     return submessage_key.read() != nullptr || payload_key.read() != nullptr;

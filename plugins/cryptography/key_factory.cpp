@@ -26,12 +26,16 @@ bool same_key_exchange(const Pair& a, const Pair& b) {
 
 /// Whose participants share their places: the octets of the prefix that are bound to the subject
 /// (DDS-Security 9.3.3). A participant whose prefix is not proven has places of its own, told by
-/// its handle, which is greater than six octets can say.
-std::uint64_t subject_of(const RemoteParticipant& participant, const Pair& pair) {
-  if (!pair.peer_prefix) return static_cast<std::uint64_t>(participant.handle());
+/// its identity, with a bit that six octets cannot have.
+std::uint64_t subject_of(std::int64_t identity, const Pair& pair) {
+  if (!pair.peer_prefix) return std::uint64_t{1} << 63 | static_cast<std::uint64_t>(identity);
   std::uint64_t subject = 0;
   for (std::size_t i = 0; i < 6; ++i) subject = subject << 8 | pair.peer_prefix->octets[i];
   return subject;
+}
+
+void give_back_place(LocalParticipant& local, Pair& pair) noexcept {
+  if (const auto place = std::exchange(pair.place, std::nullopt)) local.receivers.give_back(*place);
 }
 
 }  // namespace
@@ -182,6 +186,24 @@ void KeyFactory::publish_pairs(RemoteParticipant& remote, std::int64_t without) 
   remote.pair_table.replace(std::move(table), shared_.graveyard);
 }
 
+Status KeyFactory::take_place(LocalParticipant& local, spi::IdentityHandle remote, Pair& fresh) {
+  if (!fresh.receiver_key) return {};
+  const auto subject = subject_of(remote.value, fresh);
+  if (auto status = local.receivers.take(subject); !status) {
+    shared_.report(status.error(), fresh.peer_prefix);
+    return status;
+  }
+  fresh.place = subject;
+  return {};
+}
+
+Pair* KeyFactory::known_pair(std::int64_t local, spi::IdentityHandle remote) const {
+  const auto known = by_identity_.find(remote.value);
+  if (known == by_identity_.end()) return nullptr;
+  const auto pair = known->second->pairs.find(local);
+  return pair == known->second->pairs.end() ? nullptr : pair->second.get();
+}
+
 Result<spi::ParticipantCryptoHandle> KeyFactory::register_matched_remote_participant(
     spi::ParticipantCryptoHandle local, spi::IdentityHandle remote_identity,
     spi::PermissionsHandle remote_permissions, const spi::SharedSecret& shared_secret) {
@@ -189,20 +211,25 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_matched_remote_partici
   auto* const participant = DDSSEC_TRY(shared_.local_participant(local));
   auto fresh = DDSSEC_TRY(make_pair(*participant, shared_secret));
   fresh->permissions = remote_permissions;
-  auto* const remote = DDSSEC_TRY(remote_with_identity(remote_identity));
-  const spi::ParticipantCryptoHandle handle{remote->handle()};
-  auto& pair = remote->pairs[local.value];
-  if (pair && same_key_exchange(*pair, *fresh)) {
-    pair->permissions = remote_permissions;
-    return handle;
+  if (auto* const former = known_pair(local.value, remote_identity)) {
+    if (same_key_exchange(*former, *fresh)) {
+      former->permissions = remote_permissions;
+      return spi::ParticipantCryptoHandle{by_identity_.at(remote_identity.value)->handle()};
+    }
+    give_back_place(*participant, *former);
   }
+  DDSSEC_TRY(take_place(*participant, remote_identity, *fresh));
+  Rollback give_back([&] { give_back_place(*participant, *fresh); });
+  auto* const remote = DDSSEC_TRY(remote_with_identity(remote_identity));
+  auto& pair = remote->pairs[local.value];
   participant->matched.insert(remote->handle());
   pair.swap(fresh);
   Rollback take_back([&] { pair.swap(fresh); });
   publish_pairs(*remote);
   take_back.release();
+  give_back.release();
   shared_.graveyard.retire(std::move(fresh));
-  return handle;
+  return spi::ParticipantCryptoHandle{remote->handle()};
 }
 
 Status KeyFactory::make_endpoint_keys(LocalEndpoint& endpoint) {
@@ -262,7 +289,7 @@ Result<spi::DatareaderCryptoHandle> KeyFactory::register_local_datareader(
 }
 
 Status KeyFactory::take_place(RemoteEndpoint& reader, const Pair& pair) {
-  const auto subject = subject_of(reader.participant, pair);
+  const auto subject = subject_of(reader.participant.identity, pair);
   if (auto status = reader.local.receivers.take(subject); !status) {
     shared_.report(status.error(), pair.peer_prefix);
     return status;
@@ -367,12 +394,15 @@ void KeyFactory::drop_remote(RemoteParticipant& participant) {
     for (const auto kind : {EntityKind::remote_writer, EntityKind::remote_reader})
       if (const auto endpoint = shared_.registry.find<RemoteEndpoint>(handle, kind))
         drop_remote(**endpoint);
-  if (!shared_.host_checks_sources)
-    for (const auto& [local, pair] : participant.pairs)
+  for (const auto& [local, pair] : participant.pairs) {
+    if (!pair) continue;
+    if (!shared_.host_checks_sources)
       shared_.ledger.end(pair->number, shared_.environment.clock.monotonic());
-  for (const auto& [local, pair] : participant.pairs)
-    if (const auto found = shared_.local_participant(spi::ParticipantCryptoHandle{local}))
-      (*found)->matched.erase(participant.handle());
+    const auto found = shared_.local_participant(spi::ParticipantCryptoHandle{local});
+    if (!found) continue;
+    (*found)->matched.erase(participant.handle());
+    give_back_place(**found, *pair);
+  }
   by_identity_.erase(participant.identity);
   drop(participant);
 }

@@ -3,23 +3,20 @@
 #include <string>
 
 namespace ddssec::cryptography {
-namespace {
 
-std::unexpected<Error> refuse(std::size_t most, std::string_view whose) {
+std::unexpected<Error> ReceiverPlaces::refuse(std::size_t most, std::string_view whose) const {
   return fail(Code::receiver_count,
               {.document = "origin authentication",
-               .field = "readers of a writer",
+               .field = std::string(of_),
                .expected = "at most " + std::to_string(most) + std::string(whose),
-               .note = "this one gets no keys, the others go on; if the peer announces readers "
-                       "without need, treat it as hostile, and revoke its certificate"});
+               .note = "this one gets no keys, the others go on; if the peer needs no such number, "
+                       "treat it as hostile, and revoke its certificate"});
 }
 
-}  // namespace
-
 Status ReceiverPlaces::take(std::uint64_t subject) {
-  if (all_ >= kMost) return refuse(kMost, "");
+  if (all_ >= most_) return refuse(most_, "");
   auto& count = of_subject_[subject];
-  if (count >= kMostOfSubject) return refuse(kMostOfSubject, " of one certificate");
+  if (count >= share_of(most_)) return refuse(share_of(most_), " of one certificate");
   ++count, ++all_;
   return {};
 }

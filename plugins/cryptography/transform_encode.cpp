@@ -59,6 +59,26 @@ bool protect(const GroupRequest& request, const SendKey& key, const SendKey::Res
                   : session.mac(reserved.iv, content, tag);
 }
 
+/// The MAC of each receiver, and how many there are. `receiver(i)` is the ReceiverKey of the i-th
+/// as Result. A host lists receivers before it asks, and one of them may have left meanwhile: the
+/// others must not miss the message for that. Error: that of the last, if none is left.
+template <class Receiver>
+Result<std::size_t> receiver_macs(Pen& pen, std::size_t receivers, const SendKey& key,
+                                  const SendKey::Reservation& reserved, TagOut common_mac,
+                                  Receiver&& receiver) {
+  std::size_t written = 0;
+  for (std::size_t i = 0; i < receivers; ++i) {
+    const auto found = receiver(i);
+    const bool is_last = i + 1 == receivers && written == 0;
+    if (!found && found.error().code() == Code::crypto_handle_unknown && !is_last) continue;
+    auto* const receiver_key = DDSSEC_TRY(found);
+    pen.put(receiver_key->id().view());
+    DDSSEC_TRY(receiver_key->mac(key, reserved, common_mac, TagOut(pen.skip(kTagSize), kTagSize)));
+    ++written;
+  }
+  return written;
+}
+
 /// `receiver(i)` is the ReceiverKey of the i-th receiver, as Result.
 template <class Receiver>
 Result<std::size_t> encode_group(const GroupRequest& request, SendKey& key, MutableBytes out,
@@ -75,15 +95,16 @@ Result<std::size_t> encode_group(const GroupRequest& request, SendKey& key, Muta
   }
   auto* const content = pen.skip(request.size());
   if (encrypts) pen.zeros(padded(request.size()) - request.size());
-  pen.submessage_header(request.frame.postfix, kFooterSize + kReceiverMacSize * request.receivers);
+  Pen header(out.subspan(pen.written()));
+  pen.skip(kSubmessageHeaderSize);
   const TagOut common_mac(pen.skip(kTagSize), kTagSize);
   if (!protect(request, key, reserved, content, common_mac)) return fail(Code::internal);
-  pen.u32(static_cast<std::uint32_t>(request.receivers));
-  for (std::size_t i = 0; i < request.receivers; ++i) {
-    auto* const receiver_key = DDSSEC_TRY(receiver(i));
-    pen.put(receiver_key->id().view());
-    DDSSEC_TRY(receiver_key->mac(key, reserved, common_mac, TagOut(pen.skip(kTagSize), kTagSize)));
-  }
+  Pen count(out.subspan(pen.written()));
+  pen.skip(sizeof(std::uint32_t));
+  const auto macs =
+      DDSSEC_TRY(receiver_macs(pen, request.receivers, key, reserved, common_mac, receiver));
+  header.submessage_header(request.frame.postfix, kFooterSize + kReceiverMacSize * macs);
+  count.u32(static_cast<std::uint32_t>(macs));
   return pen.written();
 }
 

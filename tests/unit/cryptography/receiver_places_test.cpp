@@ -7,28 +7,45 @@
 namespace ddssec::cryptography::testing {
 namespace {
 
-constexpr auto kOriginAuthenticatedWriter = ProtectionKind::encrypt_with_origin_authentication;
+constexpr auto kOriginAuthenticated = ProtectionKind::encrypt_with_origin_authentication;
+constexpr auto kShare = ReceiverPlaces::share_of(ReceiverPlaces::kMost);
+constexpr auto kShareOfEach = ReceiverPlaces::share_of(ReceiverPlaces::kMostOfEach);
+constexpr std::size_t kMostInDatagram = 65507;
 
 /// A writer that remote participants of several certificates have readers for.
 struct CrowdedWriter {
-  CrowdedWriter() {
-    side.participant =
-        side.factory()
-            .register_local_participant({1}, {1}, {}, participant_attributes(ProtectionKind::none))
-            .value();
+  explicit CrowdedWriter(ProtectionKind rtps = ProtectionKind::none) {
+    side.participant = side.factory()
+                           .register_local_participant({1}, {1}, {}, participant_attributes(rtps))
+                           .value();
     writer = side.factory()
                  .register_local_datawriter(
                      side.participant, {},
-                     endpoint_attributes(kOriginAuthenticatedWriter, ProtectionKind::none))
+                     endpoint_attributes(kOriginAuthenticated, ProtectionKind::none))
                  .value();
   }
-  ParticipantCryptoHandle participant(std::uint8_t certificate, std::uint8_t number) {
-    auto secret = shared_secret(certificate);
-    secret.peer_prefix = GuidPrefix{{0x80, certificate, 0, 0, 0, 0, 0, 0, 0, 0, 0, number}};
-    return side.factory()
-        .register_matched_remote_participant(side.participant, {1000 * certificate + number}, {7},
-                                             secret)
-        .value();
+  /// `session` tells an authentication from the next.
+  Result<ParticipantCryptoHandle> meet(std::uint8_t certificate, std::uint16_t number,
+                                       std::uint8_t session = 1) {
+    auto secret = shared_secret(session);
+    const auto high = static_cast<std::uint8_t>(number >> 8),
+               low = static_cast<std::uint8_t>(number);
+    if (certificate != 0)
+      secret.peer_prefix = GuidPrefix{{0x80, certificate, 0, 0, 0, 0, 0, 0, 0, 0, high, low}};
+    return side.factory().register_matched_remote_participant(
+        side.participant, {10000 * certificate + number}, {7}, secret);
+  }
+  ParticipantCryptoHandle participant(std::uint8_t certificate, std::uint16_t number) {
+    return meet(certificate, number).value();
+  }
+  /// As many as are admitted.
+  std::vector<ParticipantCryptoHandle> participants_of(std::uint8_t certificate) {
+    std::vector<ParticipantCryptoHandle> all;
+    for (std::uint16_t number = 1;; ++number) {
+      const auto one = meet(certificate, number);
+      if (!one) return all;
+      all.push_back(*one);
+    }
   }
   Result<DatareaderCryptoHandle> reader(ParticipantCryptoHandle of) {
     auto added =
@@ -49,6 +66,14 @@ struct CrowdedWriter {
           return side.transform().encode_datawriter_submessage(writer, readers, data, out);
         });
   }
+  Result<Bytes> rtps_message_for(std::span<const ParticipantCryptoHandle> receivers,
+                                 const Bytes& submessage) {
+    const auto plain = rtps_message({submessage});
+    return into_bytes(
+        plain.size() + spi::protection_overhead(receivers.size()), [&](MutableBytes out) {
+          return side.transform().encode_rtps_message(side.participant, receivers, plain, out);
+        });
+  }
 
   Side side{{.host_checks_sources = false}};
   DatawriterCryptoHandle writer;
@@ -59,7 +84,7 @@ TEST(ReceiverPlaces, OneCertificateHasItsShareHoweverManyParticipantsItHas) {
   CrowdedWriter writer;
   const auto first = writer.participant(1, 1), second = writer.participant(1, 2);
   for (int i = 0; i < 100; ++i) ASSERT_TRUE(writer.reader(first));
-  EXPECT_EQ(writer.readers_of(second), ReceiverPlaces::kMostOfSubject - 100);
+  EXPECT_EQ(writer.readers_of(second), kShare - 100);
   EXPECT_EQ(code_of(writer.reader(first)), Code::receiver_count);
   EXPECT_EQ(writer.side.events.codes, std::vector(2, Code::receiver_count));
   EXPECT_TRUE(writer.reader(writer.participant(2, 1))) << "others are served";
@@ -67,20 +92,95 @@ TEST(ReceiverPlaces, OneCertificateHasItsShareHoweverManyParticipantsItHas) {
   EXPECT_TRUE(writer.reader(first));
   EXPECT_FALSE(writer.reader(first));
   ASSERT_TRUE(writer.side.factory().unregister_participant(second));
-  EXPECT_EQ(writer.readers_of(first), ReceiverPlaces::kMostOfSubject - 100);
+  EXPECT_EQ(writer.readers_of(first), kShare - 100);
 }
 
 /// Further ones would end the writer for all.
 TEST(ReceiverPlaces, AllOfThemFitIntoOneDatagram) {
-  constexpr std::size_t kMostInDatagram = 65507, kRtpsHeaderAndTimestamp = 20 + 16 + 12;
+  constexpr std::size_t kRtpsHeaderAndTimestamp = 20 + 16 + 12;
   CrowdedWriter writer;
   for (std::uint8_t certificate = 1; certificate <= 5; ++certificate)
-    EXPECT_EQ(writer.readers_of(writer.participant(certificate, 1)),
-              ReceiverPlaces::kMostOfSubject);
+    EXPECT_EQ(writer.readers_of(writer.participant(certificate, 1)), kShare);
   EXPECT_EQ(code_of(writer.reader(writer.participant(6, 1))), Code::receiver_count);
   const auto message = writer.message();
   ASSERT_TRUE(message);
   EXPECT_LE(message->size() + kRtpsHeaderAndTimestamp, kMostInDatagram);
+}
+
+TEST(ReceiverPlaces, AllOfBothLevelsFitIntoOneDatagram) {
+  CrowdedWriter writer(kOriginAuthenticated);
+  std::vector<ParticipantCryptoHandle> all;
+  for (std::uint8_t certificate = 1; certificate <= 5; ++certificate)
+    for (const auto one : writer.participants_of(certificate)) {
+      all.push_back(one);
+      ASSERT_TRUE(writer.reader(one));
+    }
+  EXPECT_EQ(all.size(), ReceiverPlaces::kMostOfEach);
+  EXPECT_EQ(code_of(writer.reader(all.front())), Code::receiver_count);
+  EXPECT_EQ(code_of(writer.meet(6, 1)), Code::receiver_count);
+  const auto submessage = writer.message();
+  ASSERT_TRUE(submessage);
+  const auto message = writer.rtps_message_for(all, *submessage);
+  ASSERT_TRUE(message);
+  EXPECT_LE(message->size(), kMostInDatagram);
+}
+
+TEST(ReceiverPlaces, OneCertificateHasItsShareOfParticipantsWhereMessagesNeedMacs) {
+  CrowdedWriter writer(kOriginAuthenticated);
+  const auto all = writer.participants_of(1);
+  EXPECT_EQ(all.size(), kShareOfEach);
+  EXPECT_EQ(writer.side.events.codes, std::vector{Code::receiver_count});
+  EXPECT_NE(writer.side.events.last.find("participants"), std::string::npos)
+      << writer.side.events.last;
+  EXPECT_TRUE(writer.meet(2, 1)) << "others are served";
+  ASSERT_TRUE(writer.side.factory().unregister_participant(all.front()));
+  EXPECT_TRUE(writer.meet(1, 2000));
+  EXPECT_FALSE(writer.meet(1, 2001));
+  EXPECT_EQ(writer.readers_of(all.back()), kShareOfEach) << "each of them may have a reader";
+}
+
+TEST(ReceiverPlaces, AParticipantThatAuthenticatesAnewKeepsItsPlace) {
+  CrowdedWriter writer(kOriginAuthenticated);
+  const auto all = writer.participants_of(1);
+  EXPECT_EQ(writer.meet(1, 1), all.front()) << "asked again";
+  EXPECT_EQ(writer.meet(1, 1, 2), all.front()) << "in a new session";
+  EXPECT_FALSE(writer.meet(1, 2000));
+  ASSERT_TRUE(writer.side.factory().unregister_participant(all.front()));
+  EXPECT_TRUE(writer.meet(1, 2000));
+  EXPECT_FALSE(writer.meet(1, 2001));
+}
+
+/// They cost no octet.
+TEST(ReceiverPlaces, ParticipantsNeedNoneWithoutOriginAuthenticationOfMessages) {
+  CrowdedWriter writer(ProtectionKind::encrypt);
+  for (std::uint16_t number = 1; number <= ReceiverPlaces::kMostOfEach + 1; ++number)
+    ASSERT_TRUE(writer.meet(1, number));
+}
+
+/// Beside a stock authentication nobody knows the certificate. All of them fit nevertheless.
+TEST(ReceiverPlaces, ParticipantsThatProvedNoNameHaveThemTogether) {
+  CrowdedWriter writer(kOriginAuthenticated);
+  EXPECT_EQ(writer.participants_of(0).size(), ReceiverPlaces::kMostOfEach);
+}
+
+/// The host lists receivers first and has them encoded for then; one may leave in between.
+TEST(ReceiverPlaces, OneThatHasLeftDoesNotCostTheOthersTheMessage) {
+  CrowdedWriter writer(kOriginAuthenticated);
+  const std::vector stay = {writer.participant(1, 1), writer.participant(2, 1)};
+  const auto gone = writer.participant(3, 1);
+  for (const auto one : {stay[0], gone, stay[1]}) ASSERT_TRUE(writer.reader(one));
+  const auto of_three = writer.message().value();
+  const auto all = std::vector{stay[0], gone, stay[1]};
+  const auto for_three = writer.rtps_message_for(all, of_three).value();
+  ASSERT_TRUE(writer.side.factory().unregister_participant(gone));
+  constexpr std::size_t kMac = 20;
+  const auto of_two = writer.message();
+  ASSERT_TRUE(of_two);
+  EXPECT_EQ(of_two->size(), of_three.size() - kMac);
+  const auto for_two = writer.rtps_message_for(all, of_three);
+  ASSERT_TRUE(for_two);
+  EXPECT_EQ(for_two->size(), for_three.size() - kMac);
+  EXPECT_EQ(code_of(writer.rtps_message_for({{gone}}, of_three)), Code::crypto_handle_unknown);
 }
 
 TEST(ReceiverPlaces, AreForOriginAuthenticationOnly) {
@@ -91,8 +191,7 @@ TEST(ReceiverPlaces, AreForOriginAuthenticationOnly) {
                           endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none))
                       .value();
   const auto participant = writer.participant(1, 1);
-  for (std::size_t i = 0; i <= ReceiverPlaces::kMostOfSubject; ++i)
-    ASSERT_TRUE(writer.reader(participant));
+  for (std::size_t i = 0; i <= kShare; ++i) ASSERT_TRUE(writer.reader(participant));
 }
 
 }  // namespace

@@ -287,6 +287,30 @@ TEST(Receivers, EachReaderFindsItsOwnMac) {
   EXPECT_EQ(decode_submessage(two, second, *to_both).value(), data);
 }
 
+/// The host may list one that is unregistered before the message is encoded.
+TEST(Receivers, FindTheirMacWithoutThatOfOneThatLeft) {
+  for (const auto kind : {ProtectionKind::encrypt_with_origin_authentication,
+                          ProtectionKind::sign_with_origin_authentication}) {
+    TwoSides two;
+    const auto attributes = endpoint_attributes(kind, kNone);
+    auto first = two.endpoints(attributes);
+    auto second = first;
+    second.reader =
+        two.b.factory().register_local_datareader(two.b.participant, {}, attributes).value();
+    two.match_endpoints(second);
+    ASSERT_TRUE(two.a.factory().unregister_datareader(first.remote_reader));
+    const auto data = data_submessage(16);
+    for (const auto& both : {std::array{first.remote_reader, second.remote_reader},
+                             std::array{second.remote_reader, first.remote_reader}}) {
+      const auto encoded = into_bytes(400, [&](MutableBytes out) {
+        return two.a.transform().encode_datawriter_submessage(first.writer, both, data, out);
+      });
+      ASSERT_TRUE(encoded);
+      EXPECT_EQ(decode_submessage(two, second, *encoded).value(), data);
+    }
+  }
+}
+
 TEST(Preprocess, TellsWritersFromReaders) {
   TwoSides two;
   const auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
