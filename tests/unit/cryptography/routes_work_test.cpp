@@ -65,5 +65,27 @@ TEST(ManyEndpoints, CostTheSameEachWhenTheyAreUnregisteredOneByOne) {
             kMostForLeaving);
 }
 
+/// Whatever Cyclone's core keeps of them.
+TEST(ManyParticipants, ThatComeAndGoLeaveNothingBehind) {
+  constexpr int kRounds = 1000;
+  constexpr std::int64_t kMostEach = 16;
+  TwoSides two(participant_attributes(ProtectionKind::encrypt_with_origin_authentication), {},
+               {.host_checks_sources = false});
+  const auto come_and_go = [&] {
+    for (int i = 1; i <= kRounds; ++i) {
+      auto secret = shared_secret(2);
+      secret.peer_prefix = GuidPrefix{{0x80, 1, 2, 3, 4, 5, 6}};
+      const auto remote = two.a.factory().register_matched_remote_participant(
+          two.a.participant, {1000 + i}, {7}, secret);
+      ASSERT_TRUE(remote);
+      ASSERT_TRUE(two.a.factory().unregister_participant(*remote));
+    }
+  };
+  come_and_go();
+  const auto before = counted_memory::octets();
+  come_and_go();
+  EXPECT_LE(counted_memory::octets() - before, kRounds * kMostEach);
+}
+
 }  // namespace
 }  // namespace ddssec::cryptography::testing
