@@ -101,6 +101,18 @@ TEST(Shadows, AllTogetherTakeNoMoreThanTheEffort) {
   EXPECT_EQ(effort.steps, 0u);
 }
 
+TEST(Shadows, LookingUpNamesCountsAsEffort) {
+  std::vector<std::string> texts;
+  for (std::size_t i = 1; i < 400; ++i)
+    for (const char c : {'a', 'b'}) texts.push_back(std::string("*") + c + std::string(i, '?'));
+  const std::vector<std::string_view> expressions(texts.begin(), texts.end());
+  SetEffort effort{1'000'000};
+  const auto begin = std::clock();
+  shadows(expressions, effort);
+  EXPECT_EQ(effort.steps, 0u);
+  EXPECT_LT(std::clock() - begin, 2 * CLOCKS_PER_SEC) << "of this process alone";
+}
+
 TEST(Shadows, WithoutEffortNothingIsFoundButPlainCases) {
   SetEffort none{0};
   const std::string_view expressions[] = {"[a-m]", "[k-z]", "[b-y]", "rt/*", "rt/a"};
