@@ -87,8 +87,9 @@ std::vector<std::string> parts_of(const PermissionChange& change) {
   }
   if (change.element == "grant") return {"grant " + values};
   if (change.element == "subject_name") {
+    const bool is_same = change.change == ChangeClass::interop;
     return {"subject", shown(change.old_value), "-> " + shown(change.new_value),
-            "(the same to ddssec; other products compare the text)"};
+            is_same ? "(the same to ddssec; other products compare the text)" : ""};
   }
   return {fmt::format("{} {}", change.element, values), "not compared any further"};
 }

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "base/ordered.hpp"
+#include "governance/compare/effort.hpp"
 #include "governance/compare/topic_pairs.hpp"
 
 namespace ddssec::governance {
@@ -191,7 +192,10 @@ class GovernanceComparison {
  public:
   GovernanceComparison(const Governance& old_document, const Governance& new_document,
                        const GovernanceDiffOptions& options)
-      : old_(old_document), new_(new_document), options_(options), limits_(options.limits) {}
+      : old_(old_document),
+        new_(new_document),
+        options_(options),
+        limits_(options.limits.sharing(effort_)) {}
 
   GovernanceDiff run() {
     if (const auto space = domain_space()) {
@@ -275,6 +279,7 @@ class GovernanceComparison {
   const Governance& old_;
   const Governance& new_;
   const GovernanceDiffOptions& options_;
+  SetEffort effort_ = kEffortOfComparison;
   SetLimits limits_;
   GovernanceDiff diff_;
   bool is_unknown_ = false;

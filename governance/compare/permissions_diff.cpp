@@ -6,6 +6,7 @@
 #include <set>
 
 #include "base/ordered.hpp"
+#include "governance/compare/effort.hpp"
 #include "governance/compare/subjects.hpp"
 
 namespace ddssec::governance {
@@ -85,11 +86,17 @@ std::string period(const Grant& grant) {
          ddssec::to_string(grant.validity.not_after);
 }
 
+bool are_plain(const Grants& grants) {
+  return std::ranges::none_of(grants, &Grant::subject_is_expression);
+}
+
 class PermissionsComparison {
  public:
   PermissionsComparison(const Permissions& old_document, const Permissions& new_document,
                         const PermissionsDiffOptions& options)
-      : options_(options), subjects_(subjects_of(old_document, new_document)) {
+      : options_(options),
+        limits_(options.limits.sharing(effort_)),
+        subjects_(subjects_of(old_document, new_document)) {
     diff_.readings = readings_of(old_document, new_document);
   }
 
@@ -119,6 +126,8 @@ class PermissionsComparison {
   void add(PermissionChange change);
 
   const PermissionsDiffOptions& options_;
+  SetEffort effort_ = kEffortOfComparison;
+  SetLimits limits_;
   Subjects subjects_;
   PermissionsDiff diff_;
   Direction direction_;
@@ -144,6 +153,8 @@ void PermissionsComparison::map_subjects() {
     // A name that several grants have identifies none of them.
     if (name.empty() || to == new_names.end() || from.size() != 1 || to->second.size() != 1)
       continue;
+    // An expression is for many subjects, whatever the grant's name is: no participant was renamed.
+    if (!are_plain(all[from[0]].old_grants) || !are_plain(all[to->second[0]].new_grants)) continue;
     all[from[0]].new_grants = std::move(all[to->second[0]].new_grants);
     moved.insert(to->second[0]);
   }
@@ -168,13 +179,13 @@ void PermissionsComparison::compare_subject(const Subject& subject) {
   for (const auto& [o, n] : pairs.both) compare_rules(*o, *n);
   if (!is_renewal) return;
   // By their times alone it is narrower and wider, and what matters is the rest.
-  auto rules = compare_grants(*pairs.only_old[0], *pairs.only_new[0], options_.limits);
+  auto rules = compare_grants(*pairs.only_old[0], *pairs.only_new[0], limits_);
   rules.direction = {};
   add_rules(rules);
 }
 
 void PermissionsComparison::compare_rules(const Grant& o, const Grant& n) {
-  const auto rules = compare_grants(o, n, options_.limits);
+  const auto rules = compare_grants(o, n, limits_);
   add_rules(rules);
   if (!rules.changes.empty() || !rules.is_exact) return;
   const auto before = expressions_of(o), after = expressions_of(n);
@@ -198,23 +209,26 @@ void PermissionsComparison::compare_presence(const Grant& grant, const Grants& v
   add(std::move(change));
   const std::set<const Grant*> each(valid.begin(), valid.end());
   for (const Grant* allowed : each)
-    add_rules(is_new ? compare_grants(kNothing, *allowed, options_.limits)
-                     : compare_grants(*allowed, kNothing, options_.limits));
+    add_rules(is_new ? compare_grants(kNothing, *allowed, limits_)
+                     : compare_grants(*allowed, kNothing, limits_));
 }
 
 void PermissionsComparison::compare_spelling(const Grant& o, const Grant& n) {
   if (o.subject_name == n.subject_name && o.subject_is_expression == n.subject_is_expression)
     return;
-  if (!options_.map_subjects_by_grant_name && !same_subjects(o, n)) return;
+  const bool is_same = same_subjects(o, n);
+  if (!options_.map_subjects_by_grant_name && !is_same) return;
   const auto text = [](const Grant& grant) {
     return (grant.subject_is_expression ? "expression " : "") + grant.subject_name;
   };
   add({.element = "subject_name",
-       .change = ChangeClass::interop,
+       .change = is_same ? ChangeClass::interop : ChangeClass::neutral,
        .old_value = text(o),
        .new_value = text(n),
        .old_line = o.line,
-       .new_line = n.line});
+       .new_line = n.line,
+       .hint =
+           is_same ? "" : "another subject, taken for the same participant by its grant's name"});
 }
 
 void PermissionsComparison::compare_times(const Subject& subject, const GrantPairs& pairs) {

@@ -26,7 +26,7 @@ struct PermissionsDiff {
 
 struct PermissionsDiffOptions {
   /// A subject that only the old document has and one that only the new one has are the same
-  /// participant if their grants have the same name.
+  /// participant if their grants have the same name and neither is an expression.
   bool map_subjects_by_grant_name = false;
   SetLimits limits = {};
 };

@@ -34,7 +34,7 @@ void add_effects(std::vector<RankedExpression>& to, const RuleList& rules, std::
 
 SetLimits lower(const SetLimits& a, const SetLimits& b) {
   return {std::min(a.states, b.states), std::min(a.atoms, b.atoms), std::min(a.steps, b.steps),
-          std::min(a.memory, b.memory)};
+          std::min(a.memory, b.memory), a.shared != nullptr ? a.shared : b.shared};
 }
 
 /// A name that the expression matches, with `for_star` for every star; nothing if there is none.
@@ -92,8 +92,10 @@ bool same_expressions(const RuleList& a, const RuleList& b) {
 
 /// For lists that differ in effects only: the same rule decides in both, so all that is asked is
 /// which rules are alive. Nothing if that is not found out quickly.
-std::optional<TopicPairs> pairs_of_same_rules(const RuleList& old_list, const RuleList& new_list) {
+std::optional<TopicPairs> pairs_of_same_rules(const RuleList& old_list, const RuleList& new_list,
+                                              const SetLimits& limits) {
   PairsByName pairs(old_list, new_list);
+  const auto for_one_proof = lower(limits, kForOneProof);
   std::vector<std::size_t> unproved;
   for (std::size_t i = 0; i < old_list.items.size(); ++i) {
     const auto& item = old_list.items[i];
@@ -104,12 +106,12 @@ std::optional<TopicPairs> pairs_of_same_rules(const RuleList& old_list, const Ru
   std::vector<std::string_view> earlier;
   for (const auto& item : old_list.items) earlier.push_back(item.expression);
   for (const auto i : unproved) {
-    auto answer = contained({&earlier[i], 1}, {earlier.data(), i}, kForOneProof);
+    auto answer = contained({&earlier[i], 1}, {earlier.data(), i}, for_one_proof);
     if (answer.kind == SetAnswer::Kind::unknown) return std::nullopt;
     if (answer.kind == SetAnswer::Kind::no) pairs.add(std::move(answer.witness));
   }
   const std::string_view every[] = {"*"};
-  auto uncovered = contained(every, earlier, kForOneProof);
+  auto uncovered = contained(every, earlier, for_one_proof);
   if (uncovered.kind == SetAnswer::Kind::unknown) return std::nullopt;
   if (uncovered.kind == SetAnswer::Kind::no) pairs.add(std::move(uncovered.witness));
   return TopicPairs{pairs.take()};
@@ -143,7 +145,7 @@ TopicPairs topic_pairs(const RuleList& old_list, const RuleList& new_list,
     return result;
   }
   if (same_expressions(old_list, new_list)) {
-    if (auto pairs = pairs_of_same_rules(old_list, new_list)) return std::move(*pairs);
+    if (auto pairs = pairs_of_same_rules(old_list, new_list, limits)) return std::move(*pairs);
   }
   expressions.clear();
   add_effects(expressions, old_list, 0);

@@ -304,6 +304,15 @@ class PermissionsDifferences(Differences):
         self.assertEqual((out["verdict"], [c["element"] for c in out["changes"]]),
                          ("neutral", ["subject_name"]))
 
+    def test_an_expression_is_no_renamed_subject(self):
+        everybody = permissions(grant(rule("allow", "rt/*"))).replace("<subject_name>CN=talker</subject_name>",
+            "<subject_name_expression>CN=*,O=*</subject_name_expression>")
+        self.assertIn("CN=*,O=*", everybody)
+        self.write(permissions(grant(rule("allow", "rt/*"))), everybody)
+        self.assertEqual(self.diff("--subject-map", "--fail-on", "wider", exit=1)["verdict"], "mixed")
+        self.write(permissions(grant(rule("allow", "rt/*"))), permissions(grant(rule("allow", "rt/*"), subject="CN=admin")))
+        self.assertNotIn("the same to ddssec", self.text("--subject-map"))
+
     def test_what_is_not_compared_is_unknown(self):
         self.write(permissions(grant(rule("deny", "*a" + "?" * 12), rule("allow", "*"))),
                    permissions(grant(rule("deny", "*[ab]" + "?" * 12), rule("allow", "*"))))

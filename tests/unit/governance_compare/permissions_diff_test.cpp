@@ -354,9 +354,23 @@ TEST(PermissionsDiff, SubjectsCanBeMappedByTheNameOfTheirGrant) {
   EXPECT_EQ(diff.changes[1].element, "subject_name");
   EXPECT_EQ(diff.changes[1].old_value, "CN=talker,O=Acme");
   EXPECT_EQ(diff.changes[1].new_value, "CN=talker2");
+  EXPECT_EQ(diff.changes[1].change, ChangeClass::neutral) << "it is another subject";
   after.grants.push_back(grant_for("CN=talker3", kAll));
   diff = compare(before, after, {.map_subjects_by_grant_name = true});
   EXPECT_EQ(diff.verdict, mixed) << "two grants have the name";
+}
+
+TEST(PermissionsDiff, AnExpressionIsNoRenamedParticipant) {
+  const auto before = document(kAll);
+  for (const auto* expression : {"CN=*,O=*", "CN=*", "CN=*,O=*,C=*", "CN=talker,OU=*"}) {
+    auto after = before;
+    after.grants[0].subject_name = expression;
+    after.grants[0].subject_is_expression = true;
+    const auto forward = compare(before, after, {.map_subjects_by_grant_name = true});
+    EXPECT_TRUE(forward.verdict == wider || forward.verdict == mixed) << expression;
+    const auto back = compare(after, before, {.map_subjects_by_grant_name = true});
+    EXPECT_TRUE(back.verdict == narrower || back.verdict == mixed) << expression;
+  }
 }
 
 TEST(PermissionsDiff, JoiningADomainIsARight) {
