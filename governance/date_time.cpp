@@ -1,5 +1,7 @@
 #include "governance/date_time.hpp"
 
+#include <limits>
+
 namespace ddssec::governance {
 namespace {
 
@@ -78,6 +80,10 @@ std::optional<bool> read_fraction(Cursor& in) {
   return above_zero;
 }
 
+// Where a signed count of 64 bits ends.
+constexpr WallTime kEndOfNanoseconds{
+    seconds(std::numeric_limits<std::int64_t>::max() / 1'000'000'000)};
+
 struct Zone {
   bool given;
   minutes east;
@@ -111,7 +117,10 @@ std::optional<DateTime> parse_date_time(std::string_view text, Round round) {
   if (!zone || !in.good_at_end()) return std::nullopt;
   WallTime time = *day + *time_of_day - zone->east;
   if (*fraction && round == Round::up) time += seconds(1);
-  return DateTime{time, zone->given, *fraction};
+  const bool is_for_cyclone = *time_of_day != hours(24) &&
+                              std::chrono::abs(zone->east) <= hours(12) &&
+                              time + zone->east < kEndOfNanoseconds && time < kEndOfNanoseconds;
+  return DateTime{time, zone->given, *fraction, is_for_cyclone};
 }
 
 }  // namespace ddssec::governance

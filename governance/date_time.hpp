@@ -17,6 +17,9 @@ struct DateTime {
   WallTime time;
   bool has_zone;
   bool has_fraction;  ///< of a second, and not 0
+  /// Cyclone DDS 0.10 reads the text as another product does. It has no 24:00:00, no zone beyond 12
+  /// hours, and nothing after 2262-04-11, where its nanoseconds end; as an end these have passed.
+  bool is_for_cyclone = true;
 };
 
 /// Reads `2026-11-21T03:13:43`, with an optional fraction and an optional zone `Z`, `+hh:mm` or

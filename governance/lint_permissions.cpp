@@ -45,7 +45,7 @@ void add_notes(Findings& out, const Permissions& document) {
 }
 
 void check_dates(Findings& out, const GrantPlace& place, const PermissionsUse& use) {
-  const auto& [from, to] = place.grant().validity;
+  const auto& [from, to, ignored] = place.grant().validity;
   const auto add = [&](Severity severity, std::string message) {
     auto finding = place.about(PERM002, std::move(message));
     finding.severity = severity;

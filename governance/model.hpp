@@ -158,6 +158,8 @@ struct Rule {
 struct Validity {
   WallTime not_before = {};
   WallTime not_after = {};
+  /// False if Cyclone DDS takes not_after for the distant past (DateTime::is_for_cyclone).
+  bool is_for_cyclone = true;
   bool contains(WallTime time) const { return not_before <= time && time < not_after; }
   bool operator==(const Validity&) const = default;
 };

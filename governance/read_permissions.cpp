@@ -8,7 +8,7 @@ namespace {
 using Count = ChildSpec::Count;
 using std::chrono::seconds;
 
-Result<WallTime> read_time(ReadContext& context, XmlElement element, Round round) {
+Result<DateTime> read_time(ReadContext& context, XmlElement element, Round round) {
   const std::string text = DDSSEC_TRY(element.nonempty_text());
   const auto moment = parse_date_time(text, round);
   if (!moment) {
@@ -26,15 +26,16 @@ Result<WallTime> read_time(ReadContext& context, XmlElement element, Round round
                  std::string("has a fraction of a second: ddssec takes the whole second ") +
                      (round == Round::up ? "after it" : "before it"));
   }
-  return moment->time;
+  return *moment;
 }
 
 Result<Validity> read_validity(ReadContext& context, XmlElement element) {
   constexpr ChildSpec kSpecs[] = {{"not_before"}, {"not_after"}};
   const auto child = DDSSEC_TRY(XmlChildren::of(element, kSpecs));
   // A fraction of a second makes the validity shorter, never longer.
-  const Validity validity{DDSSEC_TRY(read_time(context, child.one(0), Round::up)),
-                          DDSSEC_TRY(read_time(context, child.one(1), Round::down))};
+  const auto begin = DDSSEC_TRY(read_time(context, child.one(0), Round::up));
+  const auto end = DDSSEC_TRY(read_time(context, child.one(1), Round::down));
+  const Validity validity{begin.time, end.time, end.is_for_cyclone};
   if (validity.not_before > validity.not_after) {
     const bool is_within_a_second = validity.not_before - validity.not_after == seconds(1);
     return fail(

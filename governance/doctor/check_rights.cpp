@@ -99,13 +99,25 @@ void check_form(const Scene& scene, const std::vector<Candidate>& all) {
                           .line = grant->line});
 }
 
+void check_cyclones_end(const Scene& scene, const Grant& grant) {
+  if (grant.validity.is_for_cyclone) return scene.out.pass(Rule::DOC040);
+  scene.out.report(
+      {.cyclonedds = Outcome::fail},
+      {.rule = Rule::DOC040,
+       .message = fmt::format("grant \"{}\": {} reads <not_after> as a time that has passed",
+                              grant.name, name(Vendor::cyclonedds, scene.settings.lineup)),
+       .document = scene.file(),
+       .line = grant.line,
+       .hint = "write a time before 2262, in UTC, with an hour from 00 to 23"});
+}
+
 // Cyclone DDS looks at the first grant of the subject only, the others at the first valid one.
 void check_grant_dates(const Scene& scene, const std::vector<Candidate>& all) {
   const auto now = scene.settings.now;
   const bool any = std::ranges::any_of(
       all, [&](const Candidate& one) { return one.grant->validity.contains(now); });
   const auto* first = all.front().grant;
-  if (first->validity.contains(now)) return scene.out.pass(Rule::DOC040);
+  if (first->validity.contains(now)) return check_cyclones_end(scene, *first);
   const bool early = now < first->validity.not_before;
   scene.out.report(
       any ? measured(Variant::grant_second, scene.settings.lineup) : kNobody,

@@ -158,7 +158,12 @@ Status judge_permissions_of(const Party& judge, const Party& subject, WallTime n
   if (!subject.folder.certificate) return std::unexpected(subject.folder.certificate.error());
   const auto& certificate = *subject.folder.certificate;
   for (const auto& grant : document.model->grants)
-    if (reads_remote_subject(grant, certificate, judge) && grant.validity.contains(now)) return {};
+    if (reads_remote_subject(grant, certificate, judge) && grant.validity.contains(now)) {
+      if (judge.vendor != Vendor::cyclonedds || grant.validity.is_for_cyclone) return {};
+      return fail(Code::grant_expired,
+                  {.line = grant.line,
+                   .note = "Cyclone DDS reads <not_after> as a time that has passed"});
+    }
   const auto found =
       find_grant(*document.model, pki::SubjectName::of(certificate), certificate.subject(), now);
   if (!found) return std::unexpected(found.error());

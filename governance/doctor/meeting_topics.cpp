@@ -1,8 +1,8 @@
 // Step five: who may write and read which topic, by whose judgement.
 #include <algorithm>
-#include <ranges>
 #include <array>
 #include <memory>
+#include <ranges>
 
 #include <fmt/format.h>
 
@@ -41,17 +41,14 @@ class Comparison {
   std::vector<Difference> found_;
 };
 
-const TopicRule* topic_rule(const DomainRule* domain, std::string_view topic) {
-  if (domain == nullptr) return nullptr;
-  const auto found = std::ranges::find_if(domain->topic_rules, [&](const TopicRule& rule) {
-    return Pattern(rule.topic_expression).matches(topic);
-  });
-  return found == domain->topic_rules.end() ? nullptr : &*found;
+const TopicRule* topic_rule(const MeetingScene& scene, int index, std::string_view topic) {
+  const auto* domain = scene.out.rules[index];
+  return domain == nullptr ? nullptr : topic_rule_as(scene.party(index).vendor, *domain, topic);
 }
 
-std::string matching_expression(const Criteria& criteria, std::string_view topic) {
+std::string matching_expression(Vendor vendor, const Criteria& criteria, std::string_view topic) {
   const auto found = std::ranges::find_if(
-      criteria.topics, [&](const Text& text) { return Pattern(text.text).matches(topic); });
+      criteria.topics, [&](const Text& text) { return matches_as(vendor, text.text, topic); });
   return found == criteria.topics.end() ? "" : found->text;
 }
 
@@ -103,7 +100,8 @@ Judgement by_grant(const MeetingScene& scene, const Question& question) {
   }
   out.rule = static_cast<int>(verdict.rule - grant.rules.data()) + 1;
   if (verdict.criteria != nullptr)
-    out.expression = matching_expression(*verdict.criteria, question.topic);
+    out.expression =
+        matching_expression(scene.party(question.judge).vendor, *verdict.criteria, question.topic);
   out.is_allow_rule = verdict.rule->allow;
   out.reason = fmt::format("grant \"{}\" rule {} ({}) {} \"{}\"", grant.name, out.rule,
                            out.is_allow_rule ? "allow" : "deny", out.operation, out.expression);
@@ -115,7 +113,7 @@ Judgement by_grant(const MeetingScene& scene, const Question& question) {
 
 // The judge's governance decides whether anybody asks for permissions.
 Judgement judge(const MeetingScene& scene, const Question& question) {
-  const auto* rule = topic_rule(scene.out.rules[question.judge], question.topic);
+  const auto* rule = topic_rule(scene, question.judge, question.topic);
   Judgement out{.judge = question.judge, .about = question.about};
   out.operation = to_string(question.action);
   out.document = scene.folder(question.judge).paths.governance.string();
@@ -218,7 +216,8 @@ std::vector<std::string> partitions_of(const CompiledGrant& grant, Action action
                                        std::string_view topic) {
   std::vector<std::string> out;
   for (const auto* criteria : grant.allowed(action)) {
-    if (!criteria->partitions || matching_expression(*criteria, topic).empty()) continue;
+    if (!criteria->partitions || matching_expression(Vendor::ours, *criteria, topic).empty())
+      continue;
     for (const auto& text : *criteria->partitions)
       if (!text.text.empty()) out.push_back(text.text);
   }
@@ -416,7 +415,7 @@ std::vector<TopicOfInterest> topics_of_interest(const MeetingScene& scene) {
 void meet_on_topic(const MeetingScene& scene, const TopicOfInterest& topic) {
   TopicMeeting out{
       .topic = topic.name, .expression = topic.expression, .directions = {}, .rules = {}};
-  for (const int i : kBoth) out.rules[i] = topic_rule(scene.out.rules[i], topic.name);
+  for (const int i : kBoth) out.rules[i] = topic_rule(scene, i, topic.name);
   for (const int i : kBoth) out.directions[i] = meet_in_direction(scene, out, i);
   if (scene.named) report_refusals(scene, out);
   report_differences(scene, out);

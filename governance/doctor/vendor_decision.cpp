@@ -3,42 +3,60 @@
 #include <algorithm>
 #include <array>
 
+#include "governance/dialect.hpp"
+
 namespace ddssec::governance::doctor {
 namespace {
 
 using Partitions = std::span<const std::string_view>;
 
-bool lists(const Criteria& criteria, std::string_view partition) {
-  if (!criteria.partitions) return partition.empty();
-  return std::ranges::any_of(*criteria.partitions, [&](const Text& text) {
-    return Pattern(text.text).matches(partition);
-  });
+bool any_matches(Vendor vendor, const std::vector<Text>& expressions, std::string_view name) {
+  return std::ranges::any_of(expressions,
+                             [&](const Text& text) { return matches_as(vendor, text.text, name); });
+}
+
+bool lists(Vendor vendor, const Criteria& criteria, std::string_view partition) {
+  return criteria.partitions ? any_matches(vendor, *criteria.partitions, partition)
+                             : partition.empty();
 }
 
 // All of an entity's partitions for an allow_rule, one of them for a deny_rule.
 bool fits_cyclonedds(bool allow, const Criteria& criteria, Partitions partitions) {
-  const auto listed = [&](std::string_view partition) { return lists(criteria, partition); };
+  const auto listed = [&](std::string_view partition) {
+    return lists(Vendor::cyclonedds, criteria, partition);
+  };
   return allow ? std::ranges::all_of(partitions, listed) : std::ranges::any_of(partitions, listed);
 }
 
 // The topic and its partitions may stand in different elements of one rule.
 bool fits_fastdds(const std::vector<Criteria>& list, Partitions partitions) {
   return std::ranges::all_of(partitions, [&](std::string_view partition) {
-    return std::ranges::any_of(
-        list, [&](const Criteria& criteria) { return lists(criteria, partition); });
+    return std::ranges::any_of(list, [&](const Criteria& criteria) {
+      return lists(Vendor::fastdds, criteria, partition);
+    });
   });
-}
-
-bool names(const Criteria& criteria, std::string_view topic) {
-  return std::ranges::any_of(criteria.topics,
-                             [&](const Text& text) { return Pattern(text.text).matches(topic); });
 }
 
 }  // namespace
 
-const Criteria* naming(const std::vector<Criteria>& list, std::string_view topic) {
-  const auto found =
-      std::ranges::find_if(list, [&](const Criteria& criteria) { return names(criteria, topic); });
+bool matches_as(Vendor vendor, std::string_view expression, std::string_view name) {
+  const bool is_plain = expression.find_first_of("[\\") == expression.npos;
+  if (vendor == Vendor::ours || is_plain) return Pattern(expression).matches(name);
+  return Pattern(vendor == Vendor::cyclonedds ? as_cyclone_reads_it(expression)
+                                              : as_fastdds_reads_it(expression))
+      .matches(name);
+}
+
+const TopicRule* topic_rule_as(Vendor vendor, const DomainRule& domain, std::string_view topic) {
+  const auto found = std::ranges::find_if(domain.topic_rules, [&](const TopicRule& rule) {
+    return matches_as(vendor, rule.topic_expression, topic);
+  });
+  return found == domain.topic_rules.end() ? nullptr : &*found;
+}
+
+const Criteria* naming(Vendor vendor, const std::vector<Criteria>& list, std::string_view topic) {
+  const auto found = std::ranges::find_if(
+      list, [&](const Criteria& criteria) { return any_matches(vendor, criteria.topics, topic); });
   return found == list.end() ? nullptr : &*found;
 }
 
@@ -46,7 +64,8 @@ const governance::Rule* first_rule_naming(const Grant& grant, DomainId domain,
                                           std::string_view topic) {
   const auto found = std::ranges::find_if(grant.rules, [&](const Rule& rule) {
     return rule.domains.contains(domain) &&
-           (naming(rule.publish, topic) != nullptr || naming(rule.subscribe, topic) != nullptr);
+           (naming(Vendor::cyclonedds, rule.publish, topic) != nullptr ||
+            naming(Vendor::cyclonedds, rule.subscribe, topic) != nullptr);
   });
   return found == grant.rules.end() ? nullptr : &*found;
 }
@@ -61,12 +80,13 @@ Verdict judge_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Act
     if (!rule.domains.contains_for_stock(domain)) continue;
     const auto& list = action == Action::publish ? rule.publish : rule.subscribe;
     if (vendor == Vendor::fastdds) {
-      if (const auto* criteria = naming(list, request.topic))
+      if (const auto* criteria = naming(vendor, list, request.topic))
         return {rule.allow && fits_fastdds(list, partitions), &rule, criteria};
       continue;
     }
     for (const auto& criteria : list)
-      if (names(criteria, request.topic) && fits_cyclonedds(rule.allow, criteria, partitions))
+      if (any_matches(vendor, criteria.topics, request.topic) &&
+          fits_cyclonedds(rule.allow, criteria, partitions))
         return {rule.allow, &rule, &criteria};
   }
   return {.allowed = grant.grant().default_allow && vendor != Vendor::fastdds};

@@ -9,15 +9,23 @@
 
 namespace ddssec::governance::doctor {
 
-/// The first of the list that names the topic, or nullptr.
-const Criteria* naming(const std::vector<Criteria>& list, std::string_view topic);
+/// Whether `vendor` matches a name with an expression: each reads bracket expressions and
+/// backslashes in a way of its own (dialect.hpp).
+bool matches_as(Vendor vendor, std::string_view expression, std::string_view name);
+
+/// The first of the list that names the topic as `vendor` reads it, or nullptr.
+const Criteria* naming(Vendor vendor, const std::vector<Criteria>& list, std::string_view topic);
+
+/// The first topic_rule for the topic as `vendor` reads them; null if there is none.
+const TopicRule* topic_rule_as(Vendor vendor, const DomainRule& domain, std::string_view topic);
 
 /// The rule by which Cyclone DDS 0.10 decides whether a topic may be created at all: the first for
 /// the domain that names it in whatever direction. Null if none does.
 const governance::Rule* first_rule_naming(const Grant& grant, DomainId domain,
                                           std::string_view topic);
 
-/// As CompiledGrant::judge, but as `vendor` decides in `domain`. Cyclone DDS takes a
+/// As CompiledGrant::judge, but as `vendor` decides in `domain`, by expressions as it reads them.
+/// Cyclone DDS takes a
 /// deny_rule without partitions for the partition "" only. With Fast DDS the first rule whose
 /// topic matches decides whatever its partitions are: a deny_rule denies in all of them, an
 /// allow_rule that does not list the partitions denies too; and <default> is DENY. Neither looks at

@@ -69,6 +69,40 @@ class Check(WithoutLists):
         self.assertIn("<publish>", lines[rule["line"] - 1])
         self.assertEqual((rule["grant"], rule["index"], rule["kind"]), ("participant", 1, "allow"))
 
+    def judged(self, topic):
+        """Whether talker publishes it to listener: by vendor."""
+        return {vendor: self.json("check", "talker", "listener", "--vendor", vendor, "--topics", topic, "--require", "writer=A",
+                                  exit=None)["exit"] for vendor in ("cyclonedds", "fastdds", "ddssec")}
+
+    def test_each_product_matches_by_its_own_reading(self):
+        self.listener.sign("permissions", permissions(grant("CN=listener", ONE_WAY.format("subscribe").replace("Square", "*"))))
+        every = ONE_WAY.format("publish").replace("Square", "rt/*")
+        for expression, topic, expected in (("rt/[^b]", "rt/a", (0, 1, 1)), ("rt/[^b]", "rt/b", (1, 0, 0)),
+                                            ("rt/[[:alpha:]]", "rt/a", (0, 1, 1)), ("rt/[!b]", "rt/a", (1, 1, 1))):
+            denied = ONE_WAY.format("publish").replace("Square", expression).replace("allow_rule", "deny_rule")
+            self.talker.sign("permissions", permissions(grant("CN=talker", denied + every)))
+            self.assertEqual(tuple(self.judged(topic).values()), expected, (expression, topic))
+
+    def test_cyclone_dds_takes_some_ends_for_past(self):
+        for end, expected in (("9999-12-31T23:59:59Z", (1, 0, 0)), ("2036-12-31T24:00:00Z", (1, 0, 0)),
+                              ("2036-12-31T00:00:00+14:00", (1, 0, 0)), ("2262-01-01T00:00:00Z", (0, 0, 0))):
+            self.talker.sign("permissions", permissions(grant("CN=talker", ONE_WAY.format("publish"), end=end)))
+            self.assertEqual(tuple(self.judged("Square").values()), expected, end)
+            out = self.json("doctor", "talker", "--vendor", "cyclonedds", exit=expected[0])
+            found = [d["message"] for d in out["diagnostics"] if d["id"] == "DOC040"]
+            self.assertEqual(["as a time that has passed" in m for m in found], [True] * expected[0], end)
+
+    def test_the_protection_of_a_topic_is_the_products(self):
+        rules = GOVERNANCE.replace("<topic_expression>*<", "<topic_expression>Squar[^b]<")
+        body = rules[rules.index("<topic_rule>"):rules.index("</topic_rule>") + len("</topic_rule>")]
+        open_rule = body.replace("Squar[^b]", "*").replace("ENCRYPT", "NONE")
+        rules = rules.replace("</topic_access_rules>", open_rule + "</topic_access_rules>")
+        for folder in (self.talker, self.listener):
+            folder.sign("governance", rules)
+        for vendor, payload in (("cyclonedds", "NONE"), ("fastdds", "ENCRYPT"), ("ddssec", "ENCRYPT")):
+            out = self.check("--vendor", vendor, "--topics", "Square", exit=0)["result"]
+            self.assertEqual(out["topics"][0]["directions"][0]["protection"]["payload"], payload, vendor)
+
     def test_text(self):
         done = self.run_program("check", "talker", "listener", "--topics", "Square")
         self.assertIn("authentication   listener accepts talker: ok    talker accepts listener: ok", done.stdout)

@@ -44,6 +44,33 @@ TEST_F(VendorDecision, TheyAgreeAboutTopicsDomainsAndTheDefaultPartition) {
   EXPECT_EQ(allowed("Square", {"yard"}), "nnn");
 }
 
+TEST_F(VendorDecision, EachReadsExpressionsInItsOwnWay) {
+  add(false, {criteria("rt/[^b]")});
+  add(true, {criteria("rt/*")});
+  EXPECT_EQ(allowed("rt/a"), "ynn") << "to Cyclone DDS '^' is a character of the set";
+  EXPECT_EQ(allowed("rt/b"), "nyy");
+  grant_.rules[0].publish = {criteria("rt/[[:alpha:]]")};
+  EXPECT_EQ(allowed("rt/a"), "ynn");
+  grant_.rules[0].publish = {criteria("rt/\\a")};
+  EXPECT_EQ(allowed("rt/a"), "yyn") << "a backslash escapes by the standard only";
+  grant_.rules[0].publish = {criteria("rt/[!b]")};
+  EXPECT_EQ(allowed("rt/a"), "nnn");
+}
+
+TEST_F(VendorDecision, PartitionsAreExpressionsToo) {
+  add(true, {criteria("rt/a", std::vector<Text>{{"[^b]"}})});
+  EXPECT_EQ(allowed("rt/a", {"a"}), "nyy");
+  EXPECT_EQ(allowed("rt/a", {"b"}), "ynn");
+}
+
+TEST(TopicRuleAs, TheFirstThatTheProductMatchesCounts) {
+  const DomainRule domain{
+      .topic_rules = {{.topic_expression = "rt/[^b]*"}, {.topic_expression = "*"}}};
+  EXPECT_EQ(topic_rule_as(Vendor::ours, domain, "rt/area"), &domain.topic_rules[0]);
+  EXPECT_EQ(topic_rule_as(Vendor::cyclonedds, domain, "rt/area"), &domain.topic_rules[1]);
+  EXPECT_EQ(topic_rule_as(Vendor::fastdds, domain, "rt/area"), &domain.topic_rules[0]);
+}
+
 TEST_F(VendorDecision, StockProductsJoinByAnyAllowRule) {
   const auto joins = [&] {
     const auto document = std::make_shared<const Permissions>(Permissions{.grants = {grant_}});
