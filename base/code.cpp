@@ -8,8 +8,9 @@ namespace {
 
 constexpr std::array kUnsorted = {
 #define X(name, number, severity, summary, hint) \
-  CodeInfo{Code::name, #name, Severity::severity, summary, hint},
+  CodeInfo{Code{number}, #name, Severity::severity, summary, hint},
 #include "base/codes/all.def"
+#include "base/codes/tool.def"
 #undef X
 };
 

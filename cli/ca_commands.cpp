@@ -116,7 +116,7 @@ Result<Report> ca_create(const Arguments& arguments, const Context& context) {
     row["role"] = wanted_ca.role;
     report.result["cas"].push_back(std::move(row));
   }
-  if (above) DDSSEC_TRY(append_lines(above->paths.log, log_lines));
+  if (above) DDSSEC_TRY(log_issued(above->paths, log_lines));
   report.files_written = DDSSEC_TRY(folder.commit());
   return report;
 }
@@ -286,8 +286,7 @@ Result<pki::Certificate> renewed_ca(const OpenCa& ca, pki::Validity life,
   const auto above = DDSSEC_TRY(opener.open(ca_paths(arguments.text("--issuer"), "identity")));
   const auto within = DDSSEC_TRY(within_ca(life, above.certificate(), arguments.has("--clamp")));
   auto out = DDSSEC_TRY(above.authority.reissue(ca.certificate(), within, context.random));
-  DDSSEC_TRY(
-      append_lines(above.paths.log, pki::IssueLog::issued_line(out, "", context.clock.now())));
+  DDSSEC_TRY(log_issued(above.paths, pki::IssueLog::issued_line(out, "", context.clock.now())));
   return out;
 }
 

@@ -7,6 +7,7 @@
 
 #include "cli/documents.hpp"
 #include "cli/near.hpp"
+#include "cli/notices.hpp"
 #include "pki/participant_folder.hpp"
 #include "pki/source.hpp"
 
@@ -29,14 +30,15 @@ Status check_key_mode(const fs::path& key, const Arguments& arguments) {
 
 CaPaths ca_paths_in(const fs::path& folder) {
   return {folder / "ca.pem", pki::or_in_token(folder / "ca.key.pem"), folder / "issued.jsonl",
-          folder / "crl.pem"};
+          folder / "crl.pem", folder / "signed.jsonl"};
 }
 
 CaPaths ca_paths(const fs::path& given, std::string_view role) {
   const std::string name = std::string(role) + "_ca";
   if (is_there(given / "public" / (name + ".cert.pem")))  // a keystore of ROS 2
     return {given / "public" / (name + ".cert.pem"), given / "private" / (name + ".key.pem"),
-            given / "private" / (name + ".issued.jsonl"), given / "public" / (name + ".crl.pem")};
+            given / "private" / (name + ".issued.jsonl"), given / "public" / (name + ".crl.pem"),
+            given / "private" / (name + ".signed.jsonl")};
   // What `init` made has the CAs one folder below.
   const auto inner = given / "ca";
   const bool from_init = !is_there(given / role / "ca.pem") && is_there(inner / role / "ca.pem");
@@ -95,7 +97,29 @@ Result<pki::IssueLog> read_issue_log(const CaPaths& paths) {
   if (fs::file_size(paths.log, error) == 0 || error == std::errc::no_such_file_or_directory)
     return pki::IssueLog();
   const auto text = DDSSEC_TRY(read_file(paths.log, pki::kMostIssueLogOctets));
-  return named(pki::IssueLog::parse(text), paths.log);
+  auto log = pki::IssueLog::parse(text);
+  std::vector<int> lines;
+  for (const auto& error : log.unreadable()) lines.push_back(error.details().line);
+  notice_unreadable_lines(paths.log, lines);
+  return log;
+}
+
+Status check_log_lines(const fs::path& log, std::string_view lines) {
+  while (!lines.empty()) {
+    const auto end = std::min(lines.find('\n'), lines.size() - 1);
+    if (end > pki::kMaxLogLineOctets)
+      return fail(Code::length_out_of_range,
+                  {.document = log,
+                   .expected = fmt::format("at most {} octets", pki::kMaxLogLineOctets),
+                   .found = std::to_string(end)});
+    lines.remove_prefix(end + 1);
+  }
+  return {};
+}
+
+Status log_issued(const CaPaths& paths, std::string_view lines) {
+  DDSSEC_TRY(check_log_lines(paths.log, lines));
+  return append_lines(paths.log, lines);
 }
 
 Result<std::optional<pki::Crl>> read_crl(const fs::path& path) {

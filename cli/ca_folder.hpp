@@ -21,9 +21,11 @@ struct CaPaths {
   std::filesystem::path key;
   std::filesystem::path log;  ///< pki::IssueLog
   std::filesystem::path crl;
+  std::filesystem::path signed_log;  ///< pki::SigningLog, of a permissions CA
 };
 
-/// The files of a CA below its folder (ca.pem, ca.key.pem, issued.jsonl, crl.pem).
+/// The files of a CA below its folder (ca.pem, ca.key.pem, issued.jsonl, crl.pem,
+/// signed.jsonl).
 CaPaths ca_paths_in(const std::filesystem::path& folder);
 
 /// The files of the `role`'s CA ("identity", "permissions"), given what `ca create`, `init` or
@@ -74,8 +76,15 @@ class CaOpener {
 Result<std::vector<pki::Certificate>> read_certificates(const std::filesystem::path& path);
 std::string to_pem(const std::vector<pki::Certificate>& certificates);
 
-/// What a CA issued; nothing if it has no log. Errors: those of read_file, IssueLog::parse.
+/// What a CA issued; nothing if it has no log. Lines that cannot be read are noticed
+/// (notice_unreadable_lines). Errors: those of read_file.
 Result<pki::IssueLog> read_issue_log(const CaPaths& paths);
+
+/// Success if every command can read these lines of a log. Error: length_out_of_range.
+Status check_log_lines(const std::filesystem::path& log, std::string_view lines);
+
+/// Adds lines to the log of what a CA issued. Errors: length_out_of_range, those of append_lines.
+Status log_issued(const CaPaths& paths, std::string_view lines);
 
 /// The list in a file, or nothing if there is no such file. Errors: those of read_file and
 /// Crl::all_from; crl_malformed if the file holds no list.

@@ -112,7 +112,7 @@ Result<Successor> successor_of(const pki::Certificate& old, const Arguments& arg
   const auto key = old.key_algorithm();
   auto ca = DDSSEC_TRY(
       above.authority.subordinate(old.subject(), {key.kind, key.bits}, life, context.random));
-  DDSSEC_TRY(append_lines(above.paths.log, pki::IssueLog::issued_line(ca.certificate(), "", now)));
+  DDSSEC_TRY(log_issued(above.paths, pki::IssueLog::issued_line(ca.certificate(), "", now)));
   auto trust = ca.certificate().pem() + above.trust_pem;
   return Successor{std::move(ca), std::move(trust)};
 }
@@ -134,12 +134,15 @@ Report report_of(const std::string& role, const pki::Certificate& ca, const Foll
                    {"sha256", to_hex(ca.fingerprint())},
                    {"folders", followed.again},
                    {"revoked", followed.revoked},
+                   {"unlogged", followed.unlogged},
                    {"elsewhere", elsewhere}};
   report.text = fmt::format("{} CA is {} with a new key now; {} signed anew\n", role, ca.subject(),
                             counted(followed.again.size(), "folder"));
   for (const auto& name : followed.again) report.text += fmt::format("  {}\n", name);
   for (const auto& name : followed.revoked)
     report.text += fmt::format("revoked and left out: {}\n", name);
+  for (const auto& file : followed.unlogged)
+    report.text += fmt::format("signed although the log does not have it: {}\n", file);
   for (const auto& error : followed.doubtful) report.errors.push_back(error);
   if (!followed.doubtful.empty()) report.exit = Exit::no;
   for (const auto& name : elsewhere)
@@ -190,8 +193,8 @@ std::vector<Command> ca_rotate_commands() {
                         .required = true},
                        {"--issuer", "DIR", "the CA above, for an intermediate one"},
                        {"--unlogged", "",
-                        "also certificates that the CA's log does not have; never after a key was "
-                        "stolen"},
+                        "also certificates and documents that the CA's log does not have; after a "
+                        "key was stolen, never without reading them"},
                        kPassphraseFile,
                        kPassphraseEnv,
                        kInsecureKeyMode},

@@ -1,10 +1,13 @@
 #include "cli/ca_rotation.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <map>
 
 #include "cli/documents.hpp"
 #include "cli/inputs.hpp"
 #include "cli/logged_certificate.hpp"
+#include "cli/signed_documents.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -30,16 +33,38 @@ Status put_ca(Replacement& out, const Succession& change) {
   return out.put(paths.certificate, as_bytes(change.trust_pem), 0644, Links::replaced);
 }
 
-// Only what the old CA signed is signed by the new one.
-Status put_signed_anew(Replacement& out, const fs::path& file, const Succession& change,
-                       const Context& context) {
-  const auto now = context.clock.now();
-  const auto proof = DDSSEC_TRY(verified(file, change.old.paths.certificate, now));
-  std::string text(as_text(proof.content()));
-  std::erase(text, '\r');
-  const auto octets = DDSSEC_TRY(change.ca.sign_document(as_bytes(text), now, context.random));
-  return out.put(file, octets, 0644);
-}
+/// Signs with the new CA what the old one signed.
+class SignerAnew {
+ public:
+  SignerAnew(Replacement& out, const Succession& change, const pki::SigningLog& log,
+             const Context& context)
+      : out_(out), change_(change), log_(log), context_(context) {}
+
+  /// The document of a file, for sign(). Errors: those of document_of().
+  Result<DocumentOfCa> read(const fs::path& file) const {
+    return document_of(file, change_.old, log_, change_.takes_unlogged, context_.clock.now());
+  }
+
+  Status sign(const fs::path& file, const DocumentOfCa& document) {
+    const auto now = context_.clock.now();
+    const auto text = as_bytes(document.text);
+    const auto octets = DDSSEC_TRY(change_.ca.sign_document(text, now, context_.random));
+    lines_ += signed_line(change_.ca.certificate(), text, file, now);
+    if (!document.is_logged) unlogged_.push_back(file.string());
+    return out_.put(file, octets, 0644);
+  }
+
+  const std::string& lines() const { return lines_; }
+  const std::vector<std::string>& unlogged() const { return unlogged_; }
+
+ private:
+  Replacement& out_;
+  const Succession& change_;
+  const pki::SigningLog& log_;
+  const Context& context_;
+  std::string lines_;
+  std::vector<std::string> unlogged_;
+};
 
 Status put_if_plain(Replacement& out, const fs::path& file, const std::string& text) {
   return is_plain_file(file) ? out.put_public(file, text) : Status{};
@@ -89,22 +114,54 @@ Result<pki::Authority> new_root(const pki::Certificate& old, const std::string& 
                                      life_like(old, context.clock.now()), context.random);
 }
 
+namespace {
+
+/// The documents of a follower that are its own.
+struct OwnDocuments {
+  std::map<fs::path, DocumentOfCa> sound;
+  std::vector<Error> doubtful;  ///< one is enough to leave all as they are
+};
+
+OwnDocuments documents_of(const Follower& follower, const std::vector<fs::path>& shared,
+                          const SignerAnew& signer) {
+  const auto& files = follower.files;
+  OwnDocuments out;
+  const auto add = [&](const fs::path& file) {
+    auto document = signer.read(file);
+    if (document)
+      out.sound.emplace(file, *std::move(document));
+    else
+      out.doubtful.push_back(std::move(document).error());
+  };
+  if (is_file_or_link(files.permissions)) add(files.permissions);
+  const bool is_shared = std::ranges::find(shared, files.governance) != shared.end();
+  if (is_plain_file(files.governance) && !is_shared) add(files.governance);
+  return out;
+}
+
+}  // namespace
+
 Result<Followed> follow_permissions_ca(Replacement& out, const Succession& change,
                                        const std::vector<Follower>& followers,
                                        const std::vector<fs::path>& shared,
                                        const Context& context) {
+  const auto log = DDSSEC_TRY(read_signing_log(change.old.paths));
+  SignerAnew signer(out, change, log, context);
   DDSSEC_TRY(put_ca(out, change));
-  for (const auto& file : shared) DDSSEC_TRY(put_signed_anew(out, file, change, context));
+  for (const auto& file : shared) DDSSEC_TRY(signer.sign(file, DDSSEC_TRY(signer.read(file))));
   Followed followed;
-  for (const auto& [name, files, ignored] : followers) {
-    if (is_file_or_link(files.permissions))
-      DDSSEC_TRY(put_signed_anew(out, files.permissions, change, context));
-    const bool is_shared = std::ranges::find(shared, files.governance) != shared.end();
-    if (is_plain_file(files.governance) && !is_shared)
-      DDSSEC_TRY(put_signed_anew(out, files.governance, change, context));
-    DDSSEC_TRY(put_if_plain(out, files.permissions_ca, change.trust_pem));
-    followed.again.push_back(name);
+  for (const auto& follower : followers) {
+    auto documents = documents_of(follower, shared, signer);
+    std::ranges::move(documents.doubtful, std::back_inserter(followed.doubtful));
+    if (!documents.doubtful.empty()) continue;
+    for (const auto& [file, document] : documents.sound) DDSSEC_TRY(signer.sign(file, document));
+    DDSSEC_TRY(put_if_plain(out, follower.files.permissions_ca, change.trust_pem));
+    followed.again.push_back(follower.name);
   }
+  if (followed.again.empty() && !followed.doubtful.empty())
+    return std::unexpected(followed.doubtful.front());
+  followed.unlogged = signer.unlogged();
+  DDSSEC_TRY(log_signed(change.old.paths, signer.lines()));
   return followed;
 }
 
@@ -144,7 +201,7 @@ Result<Followed> follow_identity_ca(Replacement& out, const Succession& change,
   if (lines.empty() && !followed.doubtful.empty())
     return std::unexpected(followed.doubtful.front());
   DDSSEC_TRY(check_not_interrupted());
-  DDSSEC_TRY(append_lines(paths.log, lines));
+  DDSSEC_TRY(log_issued(paths, lines));
   return followed;
 }
 

@@ -27,7 +27,7 @@ struct Succession {
   const pki::Authority& ca;
   std::string trust_pem;              ///< what participants are given of `ca`
   const pki::Passphrase* passphrase;  ///< of the new key; null: it is not encrypted
-  bool takes_unlogged = false;        ///< certificates that the old CA's log does not have, too
+  bool takes_unlogged = false;        ///< also what the old CA's log does not have
 };
 
 /// What became of the followers, by their names.
@@ -35,6 +35,7 @@ struct Followed {
   std::vector<std::string> again;    ///< have new files
   std::vector<std::string> revoked;  ///< left as they are
   std::vector<Error> doubtful;       ///< left as they are: not what the log has for the folder
+  std::vector<std::string> unlogged = {};  ///< documents signed although the log lacks them
 };
 
 /// The life of a CA that begins now and lasts as long as `old` did.
@@ -44,8 +45,11 @@ pki::Validity life_like(const pki::Certificate& old, WallTime now);
 Result<pki::Authority> new_root(const pki::Certificate& old, const std::string& subject,
                                 const Context& context);
 
-/// Drafts the new permissions CA, and every document of the followers and of `shared` signed anew.
-/// Nothing is signed that the old CA did not sign. Errors: those of verified().
+/// Drafts the new permissions CA, and every document of the followers and of `shared` signed anew;
+/// then writes the log. Only what the old CA signed and its log has is signed: the old key may be
+/// in other hands. A follower with any other document is left as it is. The caller has the CA to
+/// itself (lock_records). Errors: those of document_of() for a shared document, or for the first of
+/// `doubtful` if no follower is left.
 Result<Followed> follow_permissions_ca(Replacement& out, const Succession& change,
                                        const std::vector<Follower>& followers,
                                        const std::vector<std::filesystem::path>& shared,

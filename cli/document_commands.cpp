@@ -12,6 +12,7 @@
 #include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/products.hpp"
+#include "cli/signed_documents.hpp"
 #include "cli/transaction.hpp"
 #include "governance/doctor/loaded_folder.hpp"
 #include "governance/doctor/measured.hpp"
@@ -56,6 +57,8 @@ Result<Report> sign(const Arguments& arguments, const Context& context) {
   const auto ca = DDSSEC_TRY(CaOpener(arguments).open("permissions"));
   const auto signed_octets = DDSSEC_TRY(
       named(ca.authority.sign_document(octets, context.clock.now(), context.random), from));
+  DDSSEC_TRY(check_result_place(to, arguments));
+  DDSSEC_TRY(log_signed(ca, octets, to, context.clock.now()));
   report.files_written.push_back(DDSSEC_TRY(write_result(to, signed_octets, arguments)));
   report.text += fmt::format("{}  signed by {}\n", to.string(), ca.certificate().subject());
   report.result = {{"file", to.string()}, {"signer", ca.certificate().subject()}};

@@ -7,6 +7,7 @@
 
 #include "cli/ca_folder.hpp"
 #include "cli/inputs.hpp"
+#include "cli/signed_documents.hpp"
 #include "cli/transaction.hpp"
 #include "governance/lint.hpp"
 #include "pki/smime_diagnosis.hpp"
@@ -146,6 +147,12 @@ fs::path signed_path(const fs::path& document) {
   return fs::path(document).replace_extension("p7s");
 }
 
+Status check_result_place(const fs::path& target, const Arguments& arguments) {
+  if (arguments.has("--replace")) return {};
+  const auto out = check_nothing_at(target);
+  return out ? Status{} : std::unexpected(with_replace_hint(out.error()));
+}
+
 Result<WrittenFile> write_result(const fs::path& target, BytesView octets,
                                  const Arguments& arguments) {
   if (arguments.has("--replace")) {
@@ -171,6 +178,9 @@ Result<std::vector<WrittenFile>> write_document(const std::string& xml, const Ar
   const auto ca = DDSSEC_TRY(CaOpener(arguments).open("permissions"));
   const auto signature =
       DDSSEC_TRY(ca.authority.sign_document(as_bytes(xml), context.clock.now(), context.random));
+  for (const auto& file : {plain, signed_path(plain)})
+    DDSSEC_TRY(check_result_place(file, arguments));
+  DDSSEC_TRY(log_signed(ca, as_bytes(xml), signed_path(plain), context.clock.now()));
   if (arguments.has("--replace")) {
     Replacement both;
     DDSSEC_TRY(both.put_public(plain, xml));

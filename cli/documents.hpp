@@ -97,6 +97,9 @@ Result<std::vector<std::string>> topics_of(const Arguments& arguments, std::stri
 /// The signature that stands beside a document: its path with the ending p7s.
 std::filesystem::path signed_path(const std::filesystem::path& document);
 
+/// Success if write_result() finds its place free, so that no log names a document that was never
+/// written. Error: would_overwrite.
+Status check_result_place(const std::filesystem::path& target, const Arguments& arguments);
 /// One document of a command that has --replace. Errors: those of write_new_file and, with that
 /// option, of Replacement.
 Result<WrittenFile> write_result(const std::filesystem::path& target, BytesView octets,

@@ -6,6 +6,7 @@
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
+#include "cli/logged_certificate.hpp"
 #include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
@@ -116,11 +117,12 @@ Result<Report> identity_sign_csr(const Arguments& arguments, const Context& cont
   const auto certificate = DDSSEC_TRY(ca.authority.sign_request(request, life, context.random));
   const auto folder = fs::absolute(to, ignored).lexically_normal().parent_path();
   // Checked before the log is written, so that a refusal leaves nothing.
-  DDSSEC_TRY(check_subject_free(certificate, DDSSEC_TRY(read_issue_log(ca.paths)), arguments, now));
+  const auto log = DDSSEC_TRY(read_issue_log(ca.paths));
+  DDSSEC_TRY(check_key_not_revoked(certificate, from, ca.paths, log));
+  DDSSEC_TRY(check_subject_free(certificate, log, arguments, now));
   if (fs::symlink_status(to, ignored).type() > fs::file_type::not_found)
     return fail(Code::would_overwrite, {.document = to});
-  DDSSEC_TRY(
-      append_lines(ca.paths.log, pki::IssueLog::issued_line(certificate, folder.string(), now)));
+  DDSSEC_TRY(log_issued(ca.paths, pki::IssueLog::issued_line(certificate, folder.string(), now)));
   Report report;
   report.files_written.push_back(DDSSEC_TRY(write_new_file(to, as_bytes(certificate.pem()), 0644)));
   report.text = fmt::format(

@@ -15,6 +15,7 @@
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
 #include "cli/progress.hpp"
+#include "cli/signed_documents.hpp"
 #include "cli/snippets.hpp"
 #include "cli/transaction.hpp"
 #include "pki/source.hpp"
@@ -93,9 +94,16 @@ Result<NewParticipant> make(ParticipantSpec& spec, const Cas& cas, const Argumen
 }
 
 // The last step before files get their places: a certificate that the log lacks cannot be revoked.
-Status log_issued(const Cas& cas, std::string_view lines) {
+Status log_all(const Cas& cas, std::string_view issued, std::string_view signed_lines) {
   DDSSEC_TRY(check_not_interrupted());
-  return append_lines(cas.identity.paths.log, lines);
+  if (cas.permissions) DDSSEC_TRY(log_signed(cas.permissions->paths, signed_lines));
+  return log_issued(cas.identity.paths, issued);
+}
+
+// The same for one participant.
+Status log_one(const Cas& cas, const NewParticipant& made, const fs::path& folder, WallTime now) {
+  return log_all(cas, log_line(made, folder, now),
+                 cas.permissions ? signed_line(made, *cas.permissions, folder, now) : "");
 }
 
 // What a participant cannot start without, and this command was not told of.
@@ -146,6 +154,7 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
   Report report;
   report.result = {{"dir", target.string()}, {"participants", Json::array()}};
   std::string lines;
+  std::string signed_lines;
   Subjects subjects(from);
   Progress progress("participants", specs.size());
   for (auto& spec : specs) {
@@ -153,6 +162,8 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
     warn_of_topics(spec, from.string(), report);
     DDSSEC_TRY(add_flat(folder, spec.name, made, cas.issuers(spec.has_permissions()), governance));
     lines += log_line(made, target / spec.name, now);
+    if (cas.permissions)
+      signed_lines += signed_line(made, *cas.permissions, target / spec.name, now);
     const auto& certificate = made.self.certificate;
     subjects.add(spec.name, certificate, report);
     report.text += fmt::format("{}  {}  expires {}\n", (target / spec.name).string(),
@@ -164,7 +175,7 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
   }
   report.text +=
       "each folder has cyclonedds.xml and fastdds.xml, which name its files by their whole paths\n";
-  DDSSEC_TRY(log_issued(cas, lines));
+  DDSSEC_TRY(log_all(cas, lines, signed_lines));
   report.files_written = DDSSEC_TRY(folder.commit());
   return report;
 }
@@ -220,7 +231,7 @@ Result<Report> make_folder(Job& job) {
   auto folder = DDSSEC_TRY(NewFolder::at(job.target));
   const auto [cas, made] = DDSSEC_TRY(issue(job));
   DDSSEC_TRY(add_flat(folder, "", made, cas.issuers(job.spec.has_permissions()), job.governance));
-  DDSSEC_TRY(log_issued(cas, log_line(made, job.target, job.context.clock.now())));
+  DDSSEC_TRY(log_one(cas, made, job.target, job.context.clock.now()));
   return finished(report_on(job, made.self.certificate, ""), job, folder.commit());
 }
 
@@ -305,7 +316,8 @@ Status add_permissions(const Job& job, const pki::Certificate& certificate, Comp
   const auto document =
       DDSSEC_TRY(ca.authority.sign_document(as_bytes(xml), now, job.context.random));
   DDSSEC_TRY(out.add(job.files.permissions_ca, as_bytes(ca.trust_pem), 0644, true));
-  return out.add(job.files.permissions, document, 0644, true);
+  DDSSEC_TRY(out.add(job.files.permissions, document, 0644, true));
+  return log_signed(ca, as_bytes(xml), job.files.permissions, now);
 }
 
 // Key and certificate stay: only what is missing is added.
@@ -360,7 +372,7 @@ Result<Report> fill_folder(Job& job) {
   const auto pem = DDSSEC_TRY(made.self.key.to_pem());
   DDSSEC_TRY(pem.expose([&](BytesView octets) { return out.put(files.key, octets, 0600); }));
   DDSSEC_TRY(out.put_public(files.certificate, made.self.certificate.pem()));
-  DDSSEC_TRY(log_issued(cas, log_line(made, job.target, job.context.clock.now())));
+  DDSSEC_TRY(log_one(cas, made, job.target, job.context.clock.now()));
   auto report = report_on(job, made.self.certificate, "");
   report.text += about_former(job);
   return finished(std::move(report), job, out.commit());

@@ -14,6 +14,7 @@
 #include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
+#include "cli/signed_documents.hpp"
 #include "cli/transaction.hpp"
 #include "governance/grant.hpp"
 #include "governance/read.hpp"
@@ -113,6 +114,7 @@ Result<governance::Permissions> put_extended(Replacement& out, const pki::Partic
   const auto plain = fs::path(files.permissions).replace_extension("xml");
   if (is_there(plain)) DDSSEC_TRY(out.put_public(plain, xml));
   DDSSEC_TRY(out.put(files.permissions, octets, 0644));
+  DDSSEC_TRY(log_signed(ca, as_bytes(xml), files.permissions, now));
   return document;
 }
 
@@ -272,7 +274,7 @@ Result<Report> renew(const Renewal& job) {
   std::error_code ignored;
   const auto folder = fs::absolute(path, ignored).lexically_normal().parent_path();
   DDSSEC_TRY(check_not_interrupted());
-  DDSSEC_TRY(append_lines(ca.paths.log, pki::IssueLog::issued_line(renewed, folder.string(), now)));
+  DDSSEC_TRY(log_issued(ca.paths, pki::IssueLog::issued_line(renewed, folder.string(), now)));
   report.text += old.not_after() <= now
                      ? "the identity had ended, and with it all connections: start the participant "
                        "again\n"

@@ -177,7 +177,7 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
   DDSSEC_TRY(out.put_public(ca.paths.crl, crl.pem()));
   DDSSEC_TRY(check_not_interrupted());
   // First the log: should the machine stop here, the next list is made from it.
-  if (!lines.empty()) DDSSEC_TRY(append_lines(ca.paths.log, lines));
+  if (!lines.empty()) DDSSEC_TRY(log_issued(ca.paths, lines));
   report.result["crl"] = {{"file", ca.paths.crl.string()},
                           {"number", crl.number().value_or(0)},
                           {"next_update", to_string(*crl.next_update())}};

@@ -10,6 +10,7 @@
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
 #include "cli/progress.hpp"
+#include "cli/signed_documents.hpp"
 #include "cli/snippets.hpp"
 #include "cli/transaction.hpp"
 #include "governance/profile.hpp"
@@ -94,7 +95,8 @@ Result<OpenCa> make_ca(const Plan& plan, std::string_view role, const Context& c
 /// What the finished folder will know of everybody.
 struct Members {
   Json rows = Json::array();
-  std::string log;
+  std::string log;         ///< of the identity CA
+  std::string signed_log;  ///< of the permissions CA
   std::string text;
 };
 
@@ -118,6 +120,7 @@ Result<Members> add_members(NewFolder& folder, const Plan& plan, const Issuers& 
                      : add_flat(folder, below, made, issuers, governance));
     if (sros2) DDSSEC_TRY(folder.add_public(below / "crl.pem", issuers.crl));
     out.log += log_line(made, plan.target / below, now);
+    out.signed_log += signed_line(made, *issuers.permissions, plan.target / below, now);
     const auto& certificate = made.self.certificate;
     out.rows.push_back({{"name", name},
                         {"dir", (plan.target / below).string()},
@@ -208,6 +211,10 @@ Result<Report> init(const Arguments& arguments, const Context& context) {
     DDSSEC_TRY(folder.add("governance.p7s", governance, 0644));
   }
   const auto members = DDSSEC_TRY(add_members(folder, plan, issuers, governance, context));
+  const auto document = plan.target / (sros2 ? "enclaves/governance.p7s" : "governance.p7s");
+  DDSSEC_TRY(folder.add_public(
+      sros2 ? "private/permissions_ca.signed.jsonl" : "ca/permissions/signed.jsonl",
+      signed_line(permissions.certificate(), as_bytes(xml), document, now) + members.signed_log));
   DDSSEC_TRY(folder.add_public(
       sros2 ? "private/identity_ca.issued.jsonl" : "ca/identity/issued.jsonl", members.log));
 

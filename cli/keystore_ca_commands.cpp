@@ -49,6 +49,11 @@ Report report_of(const fs::path& keystore, std::string_view role, const pki::Cer
   return report;
 }
 
+void add_doubtful(const Followed& followed, Report& report) {
+  for (const auto& error : followed.doubtful) report.errors.push_back(error);
+  if (!followed.doubtful.empty()) report.exit = Exit::no;
+}
+
 std::string subject_for(const fs::path& keystore, std::string_view role) {
   std::error_code ignored;
   return fmt::format("CN={} {} CA",
@@ -59,12 +64,18 @@ Result<Report> new_permissions_ca(const fs::path& keystore, const std::string& s
                                   const Arguments& arguments, const Context& context) {
   CaOpener opener(arguments);
   const auto old = DDSSEC_TRY(opener.open(ca_paths(keystore, "permissions")));
+  const auto lock = DDSSEC_TRY(lock_records(old.paths));
   const auto ca = DDSSEC_TRY(new_root(old.certificate(), subject, context));
-  const Succession change{old, ca, ca.certificate().pem(), opener.used_passphrase()};
+  const Succession change{old, ca, ca.certificate().pem(), opener.used_passphrase(),
+                          arguments.has("--unlogged")};
   Replacement out;
   const auto followed = DDSSEC_TRY(follow_permissions_ca(
       out, change, enclaves_in(keystore), {keystore / "enclaves/governance.p7s"}, context));
   auto report = report_of(keystore, "permissions", ca.certificate(), followed.again);
+  report.result["unlogged"] = followed.unlogged;
+  for (const auto& file : followed.unlogged)
+    report.text += fmt::format("signed although the log does not have it: {}\n", file);
+  add_doubtful(followed, report);
   report.files_written = DDSSEC_TRY(out.commit());
   return report;
 }
@@ -74,14 +85,14 @@ Result<Report> new_identity_ca(const fs::path& keystore, const Arguments& argume
   CaOpener opener(arguments);
   const auto old = DDSSEC_TRY(opener.open(ca_paths(keystore, "identity")));
   const auto ca = DDSSEC_TRY(new_root(old.certificate(), old.certificate().subject(), context));
-  const Succession change{old, ca, ca.certificate().pem(), opener.used_passphrase()};
+  const Succession change{old, ca, ca.certificate().pem(), opener.used_passphrase(),
+                          arguments.has("--unlogged")};
   const auto lock = DDSSEC_TRY(lock_records(old.paths));
   Replacement out;
   const auto followed = DDSSEC_TRY(follow_identity_ca(out, change, enclaves_in(keystore), context));
   auto report = report_of(keystore, "identity", ca.certificate(), followed.again);
   for (const auto& name : followed.revoked) report.text += name + " is revoked and was left out\n";
-  for (const auto& error : followed.doubtful) report.errors.push_back(error);
-  if (!followed.doubtful.empty()) report.exit = Exit::no;
+  add_doubtful(followed, report);
   report.files_written = DDSSEC_TRY(out.commit());
   return report;
 }
@@ -115,6 +126,11 @@ Result<Report> keystore_rotate(const Arguments& arguments, const Context& contex
   return new_permissions_ca(keystore, ca.subject(), arguments, context);
 }
 
+const Option kUnlogged{
+    "--unlogged", "",
+    "also what the CA's log does not have, such as what sros2 made; after a key was stolen, never "
+    "without reading it"};
+
 }  // namespace
 
 std::vector<Command> keystore_ca_commands() {
@@ -122,8 +138,9 @@ std::vector<Command> keystore_ca_commands() {
            .name = "split-ca",
            .summary = "Gives a keystore with one CA a permissions CA of its own; signs all anew.",
            .positionals = {{"KEYSTORE", "the keystore's folder"}},
-           .options = {kPassphraseFile, kPassphraseEnv, kInsecureKeyMode},
-           .examples = {"ddssec keystore split-ca keystore"},
+           .options = {kUnlogged, kPassphraseFile, kPassphraseEnv, kInsecureKeyMode},
+           .examples = {"ddssec keystore split-ca keystore",
+                        "ddssec keystore split-ca keystore --unlogged"},
            .run = keystore_split_ca},
           {.group = "keystore",
            .name = "rotate",
@@ -133,6 +150,7 @@ std::vector<Command> keystore_ca_commands() {
                         .value = "ROLE",
                         .summary = "identity or permissions",
                         .required = true},
+                       kUnlogged,
                        kPassphraseFile,
                        kPassphraseEnv,
                        kInsecureKeyMode},

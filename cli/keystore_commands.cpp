@@ -16,6 +16,7 @@
 #include "cli/options.hpp"
 #include "cli/products.hpp"
 #include "cli/ros_policy.hpp"
+#include "cli/signed_documents.hpp"
 #include "cli/snippets.hpp"
 #include "cli/transaction.hpp"
 #include "governance/doctor/diagnosis.hpp"
@@ -64,6 +65,9 @@ Result<Report> keystore_create(const Arguments& arguments, const Context& contex
   const auto document =
       DDSSEC_TRY(permissions.sign_document(as_bytes(xml), context.clock.now(), context.random));
   DDSSEC_TRY(add_keystore_governance(folder, xml, document));
+  const auto logged = signed_line(permissions.certificate(), as_bytes(xml),
+                                  target / "enclaves/governance.p7s", context.clock.now());
+  DDSSEC_TRY(folder.add("private/permissions_ca.signed.jsonl", as_bytes(logged), 0600));
   const auto list = DDSSEC_TRY(first_crl(identity));
   DDSSEC_TRY(folder.add_public("public/identity_ca.crl.pem", list.pem()));
   Report report;
@@ -230,7 +234,8 @@ Result<Report> keystore_enclave(const Arguments& arguments, const Context& conte
   if (const auto list = DDSSEC_TRY(list_for_newcomers(identity.paths, now)); !list.empty())
     DDSSEC_TRY(folder.add_public(below / "crl.pem", list));
   DDSSEC_TRY(check_not_interrupted());
-  DDSSEC_TRY(append_lines(identity.paths.log, log_line(made, target, now)));
+  DDSSEC_TRY(log_issued(identity.paths, log_line(made, target, now)));
+  DDSSEC_TRY(log_signed(permissions.paths, signed_line(made, permissions, target, now)));
   const auto& certificate = made.self.certificate;
   report.text = fmt::format("{}  {}  expires {}\n{}", target.string(), certificate.subject(),
                             date(certificate.not_after()), ros2_snippet(keystore, name));
@@ -261,6 +266,9 @@ Result<Report> keystore_permission(const Arguments& arguments, const Context& co
   const auto files =
       pki::participant_folder(keystore / enclave_folder(name), pki::FolderLayout::sros2);
   const auto certificate = DDSSEC_TRY(read_certificate(files.certificate));
+  // The enclave's folder may have come back from its device, and the certificate in it says for
+  // whom the permissions are, and until when.
+  DDSSEC_TRY(check_issued_for(certificate, files.folder, ca_paths(keystore, "identity")));
   ParticipantSpec spec{.name = name, .subject = {}, .life = {}};
   Report report;
   DDSSEC_TRY(read_rights(spec, arguments, report));
@@ -274,6 +282,7 @@ Result<Report> keystore_permission(const Arguments& arguments, const Context& co
   Replacement out;
   DDSSEC_TRY(out.put_public(files.folder / "permissions.xml", xml));
   DDSSEC_TRY(out.put(files.permissions, document, 0644));
+  DDSSEC_TRY(log_signed(ca, as_bytes(xml), files.permissions, now));
   report.text = fmt::format("{}  signed by {}; it counts when the participant starts again\n",
                             files.permissions.string(), ca.certificate().subject());
   report.result = {
@@ -412,7 +421,7 @@ Result<Report> keystore_import(const Arguments& arguments, const Context& contex
         key.string());
   }
   if (!writes_nothing()) ::chmod((keystore / "private").c_str(), 0700);
-  if (!lines.empty()) DDSSEC_TRY(append_lines(paths.log, lines));
+  if (!lines.empty()) DDSSEC_TRY(log_issued(paths, lines));
   if (report.text.empty()) report.text = "nothing was left to do\n";
   return report;
 }

@@ -64,16 +64,20 @@ bool lies_in(const fs::path& folder, const pki::Certificate& certificate) {
   return found && *found == certificate;
 }
 
+std::unexpected<Error> other_issuer(const pki::Certificate& certificate, const pki::Certificate& ca,
+                                    const fs::path& path, std::string hint) {
+  return fail(Code::issuer_unknown, {.document = path,
+                                     .expected = "a certificate that " + ca.subject() + " issued",
+                                     .found = "one of " + certificate.issuer(),
+                                     .hint = std::move(hint)});
+}
+
 }  // namespace
 
 Status check_issuer(const pki::Certificate& certificate, const OpenCa& ca, const fs::path& path) {
-  if (!certificate.is_issued_by(ca.certificate()))
-    return fail(Code::issuer_unknown,
-                {.document = path,
-                 .expected = "a certificate that " + ca.certificate().subject() + " issued",
-                 .found = "one of " + certificate.issuer(),
-                 .hint = "name the folder of the CA that issued it: --ca DIR"});
-  return {};
+  if (certificate.is_issued_by(ca.certificate())) return {};
+  return other_issuer(certificate, ca.certificate(), path,
+                      "name the folder of the CA that issued it: --ca DIR");
 }
 
 Belonging belonging_of(const pki::Certificate& certificate, const fs::path& given,
@@ -149,6 +153,27 @@ Result<std::string> revoked_serial(const pki::Certificate& certificate, const Ca
   return std::string();
 }
 
+Status check_key_not_revoked(const pki::Certificate& certificate, const fs::path& file,
+                             const CaPaths& ca, const pki::IssueLog& log) {
+  std::vector<pki::Revocation> listed;
+  if (const auto crl = DDSSEC_TRY(read_crl(ca.crl)))
+    listed = DDSSEC_TRY(named(crl->revoked(), ca.crl));
+  const auto key = pki::key_digest(certificate);
+  for (const auto& issued : log.issued()) {
+    if (issued.key.empty() || issued.key != key) continue;
+    const bool is_listed =
+        std::ranges::find(listed, issued.serial, &pki::Revocation::serial) != listed.end();
+    if (!issued.revoked && !is_listed) continue;
+    return fail(
+        Code::certificate_revoked,
+        {.document = file,
+         .found = certificate.subject(),
+         .note = fmt::format("serial {}, which is revoked, has the same key", issued.serial),
+         .hint = "make a new key and a new request for it: ddssec identity csr"});
+  }
+  return {};
+}
+
 Status check_not_revoked(const pki::Certificate& certificate, const fs::path& file,
                          const CaPaths& ca, const pki::IssueLog& log, NextKey next) {
   const auto serial = DDSSEC_TRY(revoked_serial(certificate, ca, log, next));
@@ -157,6 +182,17 @@ Status check_not_revoked(const pki::Certificate& certificate, const fs::path& fi
   if (serial != certificate.serial())
     details.note = fmt::format("serial {}, which the participant had, is revoked", serial);
   return fail(Code::certificate_revoked, std::move(details));
+}
+
+Status check_issued_for(const pki::Certificate& certificate, const fs::path& folder,
+                        const CaPaths& ca) {
+  const auto file = folder / "cert.pem";
+  const auto issuer = DDSSEC_TRY(read_certificate(ca.certificate));
+  if (!certificate.is_issued_by(issuer))
+    return other_issuer(certificate, issuer, file, "put the folder's own certificate back");
+  const auto log = DDSSEC_TRY(read_issue_log(ca));
+  DDSSEC_TRY(check_own(certificate, folder, ca, log, {}));
+  return check_not_revoked(certificate, file, ca, log, NextKey::same);
 }
 
 }  // namespace ddssec::cli

@@ -55,4 +55,14 @@ Result<std::string> revoked_serial(const pki::Certificate& certificate, const Ca
 Status check_not_revoked(const pki::Certificate& certificate, const std::filesystem::path& file,
                          const CaPaths& ca, const pki::IssueLog& log, NextKey next);
 
+/// Success if no certificate of this key was revoked, by the log or by the CA's present list.
+/// Errors: certificate_revoked, with `file`; those of read_crl and Crl::revoked.
+Status check_key_not_revoked(const pki::Certificate& certificate, const std::filesystem::path& file,
+                             const CaPaths& ca, const pki::IssueLog& log);
+
+/// Success if the CA issued the folder's certificate for this folder and did not revoke it. Errors:
+/// those of check_issuer, check_own and check_not_revoked.
+Status check_issued_for(const pki::Certificate& certificate, const std::filesystem::path& folder,
+                        const CaPaths& ca);
+
 }  // namespace ddssec::cli

@@ -9,6 +9,7 @@
 
 #include "base/text.hpp"
 #include "cli/inputs.hpp"
+#include "cli/notices.hpp"
 #include "cli/parse.hpp"
 #include "cli/progress.hpp"
 #include "cli/transaction.hpp"
@@ -77,6 +78,7 @@ Result<cli::Report> run(const cli::Request& request) {
   auto report = DDSSEC_TRY(request.command->run(request.arguments, {clock, random}));
   if (auto warning = cli::passphrase_warning(request.arguments))
     report.errors.push_back(std::move(*warning));
+  cli::report_notices(report);
   return report;
 }
 
@@ -104,6 +106,7 @@ int finish(const cli::Report& report, std::string_view command, bool json, cli::
 
 cli::Report failed(const Error& error, const std::vector<std::string>& words) {
   auto report = cli::report_of(error);
+  cli::report_notices(report);
   report.help_on = cli::command_named(words);
   return report;
 }

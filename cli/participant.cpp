@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cli/signed_documents.hpp"
 #include "cli/snippets.hpp"
 #include "governance/grant.hpp"
 #include "governance/lint.hpp"
@@ -118,6 +119,13 @@ std::string log_line(const NewParticipant& participant, const fs::path& folder, 
   std::error_code ignored;
   return pki::IssueLog::issued_line(participant.self.certificate,
                                     fs::absolute(folder, ignored).lexically_normal().string(), now);
+}
+
+std::string signed_line(const NewParticipant& participant, const OpenCa& permissions,
+                        const fs::path& folder, WallTime now) {
+  if (participant.permissions.empty()) return {};
+  return signed_line(permissions.certificate(), as_bytes(participant.permissions_xml),
+                     pki::participant_folder(folder).permissions, now);
 }
 
 Json certificate_json(const pki::Certificate& certificate) {

@@ -79,6 +79,10 @@ Status add_flat(NewFolder& folder, const std::filesystem::path& below,
 std::string log_line(const NewParticipant& participant, const std::filesystem::path& folder,
                      WallTime now);
 
+/// The line of the permissions CA's log about its permissions; empty if it has none.
+std::string signed_line(const NewParticipant& participant, const OpenCa& permissions,
+                        const std::filesystem::path& folder, WallTime now);
+
 /// What results say of a certificate that was issued: subject, serial, not_after, sha256.
 Json certificate_json(const pki::Certificate& certificate);
 

@@ -5,6 +5,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "base/tool_code.hpp"
 #include "pki/mime.hpp"
 #include "pki/openssl.hpp"
 #include "pki/subject_name.hpp"
@@ -33,6 +34,15 @@ std::vector<std::vector<std::size_t>> rdns_from_root(const SubjectName& subject)
   return rdns;
 }
 
+// What is issued must fit into the line of the CA's log about it.
+Status check_subject_length(const X509_NAME* subject) {
+  const auto text = name_rfc2253(subject);
+  if (text.size() <= kMaxIssuedSubjectOctets) return {};
+  return fail(tool_code::name_too_long,
+              {.expected = "at most " + std::to_string(kMaxIssuedSubjectOctets) + " octets",
+               .found = std::to_string(text.size()) + " octets"});
+}
+
 Result<NamePtr> make_name(std::string_view text) {
   const auto subject = DDSSEC_TRY(SubjectName::parse(text));
   NamePtr name(X509_NAME_new());
@@ -43,6 +53,7 @@ Result<NamePtr> make_name(std::string_view text) {
         return openssl_failure(
             Code::subject_name_malformed,
             {.field = subject.attributes()[i].type, .found = subject.attributes()[i].value});
+  DDSSEC_TRY(check_subject_length(name.get()));
   return name;
 }
 
@@ -328,6 +339,7 @@ Result<Certificate> Authority::renewed(Validity validity, Random& random) const 
 Result<Certificate> Authority::sign_request(BytesView request_pem, Validity validity,
                                             Random& random) const {
   const auto request = DDSSEC_TRY(parsed_request(request_pem));
+  DDSSEC_TRY(check_subject_length(X509_REQ_get_subject_name(request.get())));
   const CertificateTemplate content{.subject = {}, .validity = validity};
   return build(content,
                {X509_REQ_get_subject_name(request.get()), X509_REQ_get0_pubkey(request.get())},
@@ -339,6 +351,7 @@ Result<RequestContent> read_request(BytesView request_pem) {
   const X509_NAME* subject = X509_REQ_get_subject_name(request.get());
   const auto key = DDSSEC_TRY(judge_key(X509_REQ_get0_pubkey(request.get())));
   DDSSEC_TRY(check_name(subject, "subject"));
+  DDSSEC_TRY(check_subject_length(subject));
   return RequestContent{name_rfc2253(subject), key};
 }
 

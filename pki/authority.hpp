@@ -16,6 +16,9 @@
 
 namespace ddssec::pki {
 
+/// The longest subject name that a certificate is issued for, in octets of its RFC 2253 text.
+inline constexpr std::size_t kMaxIssuedSubjectOctets = 2048;
+
 /// What key to make; `bits` counts for RSA only.
 struct KeySpec {
   KeyKind kind = KeyKind::ec_p256;
@@ -65,7 +68,7 @@ struct RequestContent {
 };
 
 /// Reads a PKCS#10 request in PEM that is signed by its own key.
-/// Errors: request_invalid, key_not_allowed, name_not_allowed.
+/// Errors: request_invalid, key_not_allowed, name_not_allowed, name_too_long.
 Result<RequestContent> read_request(BytesView request_pem);
 
 /// A PKCS#10 request in PEM for the public half of `key`. Errors: subject_name_malformed, internal.

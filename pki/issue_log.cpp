@@ -16,8 +16,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostLineOctets = 64 * 1024;
-
 std::string line_of(const Json& object) {
   return object.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -74,7 +72,7 @@ std::string key_digest(const Certificate& certificate) {
   return size > 0 ? to_hex(sha256(BytesView(der, static_cast<std::size_t>(size)))) : std::string();
 }
 
-Result<IssueLog> IssueLog::parse(BytesView text) {
+IssueLog IssueLog::parse(BytesView text) {
   IssueLog log;
   auto rest = as_text(text);
   for (int line = 1;; ++line) {
@@ -84,14 +82,14 @@ Result<IssueLog> IssueLog::parse(BytesView text) {
     if (!added) {
       auto details = added.error().details();
       details.line = line;
-      return fail(Code::issue_log_malformed, std::move(details));
+      log.unreadable_.emplace_back(Code::issue_log_malformed, std::move(details));
     }
     rest.remove_prefix(end + 1);
   }
 }
 
 Status IssueLog::add_line(std::string_view line) {
-  if (line.size() > kMostLineOctets) return malformed_line("the line is too long");
+  if (line.size() > kMaxLogLineOctets) return malformed_line("the line is too long");
   const auto object = Json::parse(line, nullptr, false);
   if (!object.is_object()) return malformed_line("the line is no JSON object");
   auto serial = DDSSEC_TRY(serial_of(object));

@@ -18,6 +18,8 @@ namespace ddssec::pki {
 
 /// The longest log that is read, in octets; about 300,000 certificates.
 inline constexpr std::size_t kMostIssueLogOctets = 64 * 1024 * 1024;
+/// The longest line of a CA's log that is read, in octets; nobody may write a longer one.
+inline constexpr std::size_t kMaxLogLineOctets = 64 * 1024;
 
 /// One certificate that a CA issued.
 struct IssuedCertificate {
@@ -40,11 +42,14 @@ std::string key_digest(const Certificate& certificate);
 class IssueLog {
  public:
   /// Of an empty text, nothing was issued. A last line without line end is passed over: its
-  /// command did not come to an end. Error: issue_log_malformed, with the line.
-  static Result<IssueLog> parse(BytesView text);
+  /// command did not come to an end. Any other line that cannot be read counts for nothing, and
+  /// unreadable() has it: one damaged line must not stop the revocation of everything else.
+  static IssueLog parse(BytesView text);
 
   /// In the order in which they were issued.
   const std::vector<IssuedCertificate>& issued() const { return issued_; }
+  /// The lines that could not be read: issue_log_malformed, with the line.
+  const std::vector<Error>& unreadable() const { return unreadable_; }
   /// The certificate of a serial number, or nullptr.
   const IssuedCertificate* find(std::string_view serial) const;
   /// Everything revoked, certificates that are not in the log (issued before it) included.
@@ -67,6 +72,7 @@ class IssueLog {
 
   std::vector<IssuedCertificate> issued_;
   std::vector<Revocation> revocations_;
+  std::vector<Error> unreadable_;
   std::unordered_map<std::string, std::size_t> issued_by_serial_;
   std::unordered_map<std::string, std::size_t> revoked_by_serial_;
 };

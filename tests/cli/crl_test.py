@@ -160,11 +160,27 @@ class Revocation(Transcript):
         self.assertTrue(log.read_text().startswith(whole))
         self.assertEqual(len(self.log()), 3)
 
-    def test_a_damaged_log_stops_issuing_nothing_but_is_told(self):
+    def test_a_damaged_line_of_the_log_stops_no_revocation_and_is_told_once(self):
         log = self.at / "ca/identity/issued.jsonl"
-        log.write_text("nonsense\n" + log.read_text())
-        told = self.refused("issue_log_malformed", 3, "identity", "revoke", "talker", "--ca", "ca", *NOW)
-        self.assertEqual((told["file"], told["line"]), ("ca/identity/issued.jsonl", 1))
+        first, second = log.read_text().splitlines()
+        far_too_long = first.replace("CN=", "CN=" + "\\\\A0" * 20_000)
+        log.write_text("\n".join(["nonsense", first, far_too_long, second]) + "\n")
+        for words in (("identity", "revoke", "talker"), ("crl", "new"), ("crl", "distribute"),
+                      ("identity", "renew", "listener")):
+            out = self.json(*words, "--ca", "ca", *NOW)
+            self.assertEqual([(d["id"], d["file"], d["line"]) for d in out["diagnostics"]],
+                             [("log_line_unreadable", "ca/identity/issued.jsonl", 1)])
+            self.assertIn("lines 1, 3", out["diagnostics"][0]["message"])
+        done = self.run_program("crl", "new", "--ca", "ca", *NOW)
+        self.assertEqual(done.stderr.count("warning[log_line_unreadable]"), 1)
+        self.assertEqual(self.json("crl", "show", "ca")["result"]["revoked"][0]["serial"], json.loads(first)["serial"])
+
+    def test_what_a_damaged_line_was_about_is_not_trusted(self):
+        log = self.at / "ca/identity/issued.jsonl"
+        first, second = log.read_text().splitlines()
+        log.write_text(first[:-5] + "\n" + second + "\n")
+        out = self.json("identity", "renew", "talker", "--ca", "ca", *NOW, exit=1)
+        self.assertEqual([d["id"] for d in out["diagnostics"]], ["certificate_unlogged", "log_line_unreadable"])
 
     def test_distribute_reaches_every_folder_that_the_log_knows(self):
         self.run_program("identity", "revoke", "talker", "--ca", "ca", *NOW)

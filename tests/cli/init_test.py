@@ -22,6 +22,7 @@ class Init(Transcript):
         for role in ("identity", "permissions"):
             expected |= {f"demo/ca/{role}/ca.pem": 0o644, f"demo/ca/{role}/ca.key.pem": 0o600}
         expected |= {"demo/ca/identity/crl.pem": 0o644, "demo/ca/identity/issued.jsonl": 0o644,
+                     "demo/ca/permissions/signed.jsonl": 0o644,
                      "demo/governance.xml": 0o644, "demo/governance.p7s": 0o644}
         self.assertEqual(self.files(), expected)
         self.assertEqual({f["path"]: int(f["mode"], 8) for f in out["files_written"]}, expected)

@@ -170,7 +170,7 @@ class Interrupted(Transcript):
         make_keystore(self.at / "ks")
         self.everywhere("keystore", "import", "ks", after=[("keystore", "verify", "ks"), ("ca", "show", "ks")])
         self.run_program("keystore", "import", "ks", *NOW)
-        self.everywhere("keystore", "split-ca", "ks", after=[("keystore", "verify", "ks")])
+        self.everywhere("keystore", "split-ca", "ks", "--unlogged", after=[("keystore", "verify", "ks")])
 
     def test_what_replaces_a_ca(self):
         self.run_program("init", "demo", *NOW)

@@ -390,7 +390,14 @@ class Keystore(Transcript):
         self.run_program("keystore", "import", "ks", *NOW)
         identity = (self.at / "ks/public/identity_ca.cert.pem").read_bytes()
         rights = self.json("can", TALKER, "publish", "rt/chatter", *NOW)["result"]["because"]
-        out = self.json("keystore", "split-ca", "ks", *NOW)
+        before = self.files()
+        told = self.refused("document_unlogged", 1, "keystore", "split-ca", "ks", *NOW)
+        self.assertIn("--unlogged", told["hint"])
+        self.assertEqual(self.files(), before)
+        out = self.json("keystore", "split-ca", "ks", "--unlogged", *NOW)
+        self.assertEqual(out["result"]["unlogged"],
+                         ["ks/enclaves/governance.p7s"] + [f"ks/enclaves/{name}/permissions.p7s" for name in
+                                                           ("talker_listener/listener", "talker_listener/talker", "wildcard")])
         self.assertEqual(out["result"]["subject"], "CN=ks Permissions CA")
         self.assertEqual((self.at / "ks/public/identity_ca.cert.pem").read_bytes(), identity)
         self.assertNotEqual((self.at / "ks/public/permissions_ca.cert.pem").read_bytes(), identity)
@@ -400,6 +407,22 @@ class Keystore(Transcript):
         self.healthy("/talker_listener/listener", "/talker_listener/talker", "/wildcard")
         self.assertEqual(self.json("can", TALKER, "publish", "rt/chatter", *NOW)["result"]["because"], rights)
         self.assertIn("two CAs already", self.run_program("keystore", "split-ca", "ks", *NOW).stdout)
+
+    def test_permission_signs_for_the_enclaves_own_certificate_only(self):
+        self.create()
+        for name in ("/cam", "/controller"):
+            self.run_program("keystore", "enclave", "ks", name, "--publish", "x", *NOW)
+        permission = ("keystore", "permission", "ks", "/cam", "--publish", "y", *NOW)
+        own = (self.at / "ks/enclaves/cam/cert.pem").read_bytes()
+        self.openssl("req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-subj",
+                     "/CN=\\/controller", "-days", "36500", "-keyout", "own.key.pem", "-out", "ks/enclaves/cam/cert.pem")
+        self.refused("issuer_unknown", 1, *permission)
+        shutil.copy(self.at / "ks/enclaves/controller/cert.pem", self.at / "ks/enclaves/cam/cert.pem")
+        self.refused("certificate_of_another_folder", 1, *permission)
+        (self.at / "ks/enclaves/cam/cert.pem").write_bytes(own)
+        self.json(*permission)
+        self.run_program("identity", "revoke", "ks/enclaves/cam", "--ca", "ks", *NOW)
+        self.refused("certificate_revoked", 1, *permission)
 
     def test_rotate_replaces_a_ca_and_everything_follows(self):
         self.create()

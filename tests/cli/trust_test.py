@@ -199,6 +199,37 @@ class Revocation(Trust):
             self.json("identity", "sign-csr", "device", "--ca", "demo", "--yes", "-o", file, *NOW)
 
 
+    def request_with(self, names):
+        """A request of a new key, with a common name for each."""
+        wanted = "".join(f"{i}.CN = {name}\n" for i, name in enumerate(names))
+        (self.at / "names.cnf").write_text("[req]\ndistinguished_name = n\nprompt = no\nutf8 = yes\nstring_mask = utf8only\n[n]\n" + wanted)
+        self.openssl("req", "-new", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-keyout", "k.pem",
+                     "-config", "names.cnf", "-out", "r.pem")
+
+    def test_a_name_that_the_log_could_not_hold_is_not_certified(self):
+        sign = ("identity", "sign-csr", "r.pem", "--ca", "demo", "--yes", "-o", "out.pem")
+        self.request_with(["\u00a0" * 60] * 6)  # each octet of it is written as \\C2 or \\A0
+        told = self.refused("name_too_long", 1, *sign, *NOW)
+        self.assertIn("at most 2048 octets", told["message"])
+        self.request_with(["\u00a0" * 60] * 5)
+        self.json(*sign, *NOW)
+        self.json("identity", "revoke", "out.pem", "--ca", "demo", *NOW)
+        for words in (("identity", "csr", "x", "-o", "x"), ("identity", "issue", "x", "--ca", "demo", "-o", "x")):
+            self.refused("name_too_long", 1, *words, "--subject", ",".join(["CN=" + "x" * 64] * 31), *NOW)
+
+    def test_the_key_of_a_revoked_certificate_is_not_certified_again(self):
+        self.run_program("identity", "csr", "device", "-o", "device")
+        sign = ("identity", "sign-csr", "device", "--ca", "demo", "--yes", "-o")
+        self.json(*sign, "first.pem", *NOW)
+        listed = (self.at / "demo/ca/identity/issued.jsonl").read_text()
+        self.json("identity", "revoke", "first.pem", "--ca", "demo", "--reason", "keyCompromise", *NOW)
+        for more in ((), ("--another-key",)):
+            self.refused("certificate_revoked", 1, *sign, "second.pem", *more, *NOW)
+        (self.at / "demo/ca/identity/issued.jsonl").write_text(listed)  # an earlier copy: the list still says so
+        told = self.refused("certificate_revoked", 1, *sign, "second.pem", *NOW)
+        self.assertIn("ddssec identity csr", told["hint"])
+
+
 class Rotation(Trust):
     def forge(self):
         """CN=admin for a key of the device's own, signed with the CA's stolen key."""
@@ -231,6 +262,105 @@ class Rotation(Trust):
         told = self.refused("certificate_unlogged", 1, *rotate, *NOW)
         self.assertIn("--unlogged", told["hint"])
         self.assertEqual(len(self.json(*rotate, "--unlogged", *NOW)["result"]["folders"]), 2)
+
+
+class PermissionsRotation(Trust):
+    """The permissions CA's key was stolen: what its signature is under may be the thief's."""
+
+    def rotate(self, *more, exit=1, at="demo"):
+        return self.json("ca", "rotate", at, *more, "--role", "permissions", *NOW, exit=exit)
+
+    def told(self, out):
+        return [(d["id"], d["file"]) for d in out["diagnostics"]]
+
+    def governance(self, profile):
+        self.run_program("governance", "new", "--profile", profile, "--domain", "0", "-o", f"{profile}.xml")
+        self.openssl("smime", "-sign", "-text", "-in", f"{profile}.xml", "-out", f"{profile}.p7s", "-signer",
+                     "demo/ca/permissions/ca.pem", "-inkey", "demo/ca/permissions/ca.key.pem")
+
+    def test_a_document_of_the_thief_is_refused_by_name_and_its_folder_left_alone(self):
+        self.sign(grant(topic="*", end="2126-01-01T00:00:00Z"))
+        before = {p: p.read_bytes() for p in (self.at / "demo/a").iterdir()}
+        out = self.rotate()
+        self.assertEqual(self.told(out), [("document_unlogged", str(self.at / "demo/a/permissions.p7s"))])
+        self.assertEqual((out["result"]["folders"], out["result"]["unlogged"]), ([str(self.at / "demo/admin")], []))
+        self.assertEqual({p: p.read_bytes() for p in before}, before)
+        self.json("doctor", "demo/admin", *NOW)
+        self.json("permissions", "verify", "demo/a", "--ca", "demo", *NOW, exit=1)
+
+    def test_a_governance_of_the_thief_is_refused_too(self):
+        self.governance("open")
+        shutil.copy(self.at / "open.p7s", self.at / "demo/a/governance.p7s")
+        self.assertEqual(self.told(self.rotate()), [("document_unlogged", str(self.at / "demo/a/governance.p7s"))])
+        self.setUp()
+        self.governance("open")
+        self.sign(grant(topic="*"))
+        shutil.copy(self.at / "open.p7s", self.at / "demo/a/governance.p7s")
+        self.assertEqual(self.told(self.rotate()), [("document_unlogged", str(self.at / f"demo/a/{name}.p7s"))
+                                                    for name in ("permissions", "governance")])
+        self.setUp()
+        self.governance("open")
+        shutil.copy(self.at / "open.p7s", self.at / "demo/governance.p7s")
+        self.assertEqual(self.told(self.rotate()), [("document_unlogged", "demo/governance.p7s")])
+
+    def test_what_the_owner_signed_is_signed_again_by_every_way_of_signing(self):
+        self.run_program("identity", "issue", "b", "--ca", "demo", "-o", "demo/b", "--publish", "x", "--governance",
+                         "demo/governance.p7s", *NOW)
+        self.run_program("permissions", "new", "--cert", "demo/a", "--publish", "y", "-o", "demo/a/permissions.xml", "--replace",
+                         "--sign", "--ca", "demo", *NOW)
+        self.run_program("permissions", "sign", "demo/a/permissions.xml", "--ca", "demo", "--replace", *NOW)
+        self.run_program("identity", "renew", "demo/admin", "--ca", "demo", "--permissions", "--days", "700", *NOW)
+        (self.at / "fleet.toml").write_text('publish = ["x"]\n[[participant]]\nname = "c"\n')
+        self.run_program("identity", "issue", "--from", "fleet.toml", "--ca", "demo", "-o", "fleet", "--governance",
+                         "demo/governance.p7s", *NOW)
+        names = [*(f"demo/{name}" for name in ("a", "admin", "b")), "fleet/c"]
+        for _ in range(2):
+            self.assertEqual(sorted(self.rotate(exit=0)["result"]["folders"]), [str(self.at / name) for name in names])
+            for name in names:
+                self.json("doctor", name, *NOW)
+
+    def test_an_earlier_document_does_not_come_back(self):
+        before = (self.at / "demo/governance.p7s").read_bytes(), self.signed()
+        for words in (("governance", "new", "--profile", "balanced", "-o", "demo/governance.xml"),
+                      ("permissions", "new", "--cert", "demo/a", "--publish", "y", "-o", "demo/a/permissions.xml")):
+            self.run_program(*words, "--replace", "--sign", "--ca", "demo", *NOW)
+        shutil.copy(self.at / "demo/governance.p7s", self.at / "demo/admin/governance.p7s")
+        (self.at / "demo/a/governance.p7s").write_bytes(before[0])
+        told = self.refused("document_superseded", 1, "ca", "rotate", "demo", "demo/a", "--role", "permissions", *NOW)
+        self.assertEqual(told["file"], "demo/a/governance.p7s")
+        self.assertEqual(self.told(self.rotate()), [("document_superseded", str(self.at / "demo/a/governance.p7s"))])
+
+    def test_a_ca_that_was_renewed_still_knows_what_it_signed(self):
+        self.run_program("ca", "renew", "demo", "--role", "permissions", "--days", "3000", *NOW)
+        for folder in ("a", "admin"):
+            shutil.copy(self.at / "demo/ca/permissions/ca.pem", self.at / f"demo/{folder}/permissions_ca.pem")
+            self.run_program("permissions", "new", "--cert", f"demo/{folder}", "--publish", "y", "--replace", "--sign", "--ca",
+                             "demo", "-o", f"demo/{folder}/permissions.xml", *NOW)
+        self.run_program("governance", "sign", "demo/governance.xml", "--ca", "demo", "--replace", *NOW)
+        for folder in ("a", "admin"):
+            shutil.copy(self.at / "demo/governance.p7s", self.at / f"demo/{folder}/governance.p7s")
+        self.rotate(exit=0)
+
+    def test_without_a_log_everything_is_read_first_and_taken_knowingly(self):
+        (self.at / "demo/ca/permissions/signed.jsonl").unlink()
+        told = self.refused("document_unlogged", 1, "ca", "rotate", "demo", "--role", "permissions", *NOW)
+        self.assertIn("ddssec permissions show", told["hint"])
+        out = self.rotate("--unlogged", exit=0)["result"]
+        self.assertEqual((len(out["folders"]), len(out["unlogged"])), (2, 5))
+        self.rotate(exit=0)
+
+    def test_a_line_of_the_log_that_cannot_be_read_counts_for_nothing(self):
+        log = self.at / "demo/ca/permissions/signed.jsonl"
+        lines = log.read_text().splitlines()
+        log.write_text("\n".join([lines[0], "nonsense", *lines[1:]]) + "\n")
+        out = self.rotate(exit=0)
+        self.assertEqual([(d["id"], d["line"]) for d in out["diagnostics"]], [("log_line_unreadable", 2)])
+
+    def test_a_document_that_no_key_of_the_ca_signed_is_not_taken_even_so(self):
+        self.own_ca()
+        self.sign(grant(), ca="own")
+        out = self.rotate("--unlogged")
+        self.assertEqual(self.told(out), [("smime_signer_not_permissions_ca", str(self.at / "demo/a/permissions.p7s"))])
 
 
 @unittest.skipUnless(os.geteuid() == 0, "only root can make files of another user")

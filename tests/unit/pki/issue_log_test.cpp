@@ -15,20 +15,20 @@ TEST(IssueLog, SaysWhatWasIssuedAndRevoked) {
                     IssueLog::issued_line(b, "", kNow) + IssueLog::revoked_line(gone) +
                     IssueLog::revoked_line(foreign);
   const auto log = IssueLog::parse(as_bytes(text));
-  ASSERT_TRUE(log) << log.error().to_sentence();
-  ASSERT_EQ(log->issued().size(), 2u);
-  const auto* found = log->find(a.serial());
+  ASSERT_TRUE(log.unreadable().empty());
+  ASSERT_EQ(log.issued().size(), 2u);
+  const auto* found = log.find(a.serial());
   ASSERT_NE(found, nullptr);
   EXPECT_EQ(found->subject, "CN=a");
   EXPECT_EQ(found->folder, "/fleet/a");
   EXPECT_EQ(found->not_after, a.not_after());
   EXPECT_FALSE(found->revoked);
-  EXPECT_EQ(log->find(b.serial())->revoked, gone);
-  EXPECT_TRUE(log->is_revoked("0A"));
-  EXPECT_FALSE(log->is_revoked(a.serial()));
-  EXPECT_EQ(log->find("0A"), nullptr);
-  EXPECT_EQ(log->revocations().size(), 2u);
-  EXPECT_EQ(log->folders(), std::vector<std::string>{"/fleet/a"});
+  EXPECT_EQ(log.find(b.serial())->revoked, gone);
+  EXPECT_TRUE(log.is_revoked("0A"));
+  EXPECT_FALSE(log.is_revoked(a.serial()));
+  EXPECT_EQ(log.find("0A"), nullptr);
+  EXPECT_EQ(log.revocations().size(), 2u);
+  EXPECT_EQ(log.folders(), std::vector<std::string>{"/fleet/a"});
 }
 
 TEST(IssueLog, SaysWhatACertificateIsAndWhichKeyItHas) {
@@ -36,8 +36,8 @@ TEST(IssueLog, SaysWhatACertificateIsAndWhichKeyItHas) {
   const auto first = make_leaf(ca, "CN=a");
   const auto other = make_leaf(ca, "CN=a");
   const auto log = IssueLog::parse(as_bytes(IssueLog::issued_line(first.certificate, "/a", kNow)));
-  ASSERT_TRUE(log);
-  const auto& issued = log->issued().front();
+  ASSERT_TRUE(log.unreadable().empty());
+  const auto& issued = log.issued().front();
   EXPECT_EQ(issued.sha256, to_hex(first.certificate.fingerprint()));
   EXPECT_EQ(issued.key, key_digest(first.certificate));
   EXPECT_EQ(issued.key.size(), 64u);
@@ -51,24 +51,27 @@ TEST(IssueLog, ALastLineCutShortAtAnyOctetCountsForNothing) {
   const auto second = IssueLog::issued_line(make_leaf(ca, "CN=b").certificate, "", kNow);
   for (std::size_t size = 0; size < second.size(); ++size) {
     const auto log = IssueLog::parse(as_bytes(first + second.substr(0, size)));
-    ASSERT_TRUE(log) << size;
-    EXPECT_EQ(log->issued().size(), 1u) << size;
+    ASSERT_TRUE(log.unreadable().empty()) << size;
+    EXPECT_EQ(log.issued().size(), 1u) << size;
   }
-  EXPECT_TRUE(IssueLog::parse({})->issued().empty());
+  EXPECT_TRUE(IssueLog::parse({}).issued().empty());
 }
 
 TEST(IssueLog, TheFirstLineOfASerialNumberCounts) {
   const Revocation first{"0A", kNow, RevocationReason::key_compromise};
   const Revocation second{"0A", kNow + 1h, RevocationReason::unspecified};
   const auto text = IssueLog::revoked_line(first) + IssueLog::revoked_line(second);
-  EXPECT_EQ(IssueLog::parse(as_bytes(text))->revocations(), std::vector{first});
+  EXPECT_EQ(IssueLog::parse(as_bytes(text)).revocations(), std::vector{first});
 }
 
-TEST(IssueLog, DamageIsToldWithItsLine) {
+TEST(IssueLog, ADamagedLineIsToldAndTheOthersCount) {
   const std::string good =
       R"({"event":"revoked","time":"2026-11-21T00:00:00Z","serial":"0A","reason":"superseded"})"
       "\n";
-  ASSERT_TRUE(IssueLog::parse(as_bytes(good)));
+  const std::string other =
+      R"({"event":"revoked","time":"2026-11-21T00:00:00Z","serial":"0B","reason":"superseded"})"
+      "\n";
+  ASSERT_TRUE(IssueLog::parse(as_bytes(good + other)).unreadable().empty());
   for (const std::string bad :
        {"", "[]", "nonsense", "{\"event\":\"issued\"",
         R"({"event":"removed","time":"2026-11-21T00:00:00Z","serial":"0A"})",
@@ -78,14 +81,28 @@ TEST(IssueLog, DamageIsToldWithItsLine) {
         R"({"event":"revoked","time":7,"serial":"0A","reason":"superseded"})",
         R"({"event":"revoked","time":"2026-11-21T00:00:00Z","serial":"0a","reason":"superseded"})",
         R"({"event":"issued","serial":"0A","subject":"CN=a"})"}) {
-    const auto log = IssueLog::parse(as_bytes(good + bad + "\n"));
-    EXPECT_CODE(log, issue_log_malformed);
-    if (!log) {
-      EXPECT_EQ(log.error().details().line, 2) << bad;
-    }
+    const auto log = IssueLog::parse(as_bytes(good + bad + "\n" + other));
+    ASSERT_EQ(log.unreadable().size(), 1u) << bad;
+    EXPECT_EQ(log.unreadable()[0].code(), Code::issue_log_malformed);
+    EXPECT_EQ(log.unreadable()[0].details().line, 2) << bad;
+    EXPECT_TRUE(log.issued().empty()) << bad;
+    EXPECT_TRUE(log.is_revoked("0A") && log.is_revoked("0B")) << bad;
   }
-  EXPECT_CODE(IssueLog::parse(as_bytes(std::string(100'000, '[') + "\n")), issue_log_malformed);
-  EXPECT_CODE(IssueLog::parse(as_bytes(std::string(60'000, '[') + "\n")), issue_log_malformed);
+}
+
+TEST(IssueLog, ALineLongerThanAnyIsPassedOver) {
+  const auto ca = make_ca();
+  const auto line = IssueLog::issued_line(make_leaf(ca, "CN=a").certificate, "/a", kNow);
+  auto longest = line;
+  longest.insert(longest.size() - 2, kMaxLogLineOctets + 1 - longest.size(), ' ');
+  EXPECT_EQ(IssueLog::parse(as_bytes(longest)).issued().size(), 1u);
+  const auto too_long = longest.substr(0, longest.size() - 2) + " }\n";
+  for (const auto& bad :
+       {too_long, std::string(100'000, '[') + "\n", std::string(60'000, '[') + "\n"}) {
+    const auto log = IssueLog::parse(as_bytes(bad + line));
+    EXPECT_EQ(log.issued().size(), 1u);
+    EXPECT_EQ(log.unreadable().size(), 1u);
+  }
 }
 
 }  // namespace

@@ -1,0 +1,81 @@
+#include "cli/signed_documents.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/tool_code.hpp"
+#include "cli/documents.hpp"
+#include "cli/inputs.hpp"
+#include "cli/notices.hpp"
+#include "cli/transaction.hpp"
+#include "pki/smime.hpp"
+#include "pki/source.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Standing = pki::SigningLog::Standing;
+
+// The CA may have ended since; what it signed while it was valid is for its successor to sign.
+WallTime within(const pki::Certificate& ca, WallTime now) {
+  return std::clamp(now, ca.not_before(), std::max(ca.not_before(), ca.not_after()));
+}
+
+Status check_standing(Standing standing, const fs::path& file, const OpenCa& ca) {
+  if (standing == Standing::current) return {};
+  const auto code =
+      standing == Standing::unknown ? tool_code::document_unlogged : tool_code::document_superseded;
+  return fail(code, {.document = file,
+                     .expected = "a document that " + ca.paths.signed_log.string() + " has",
+                     .note = "left as it is",
+                     .hint = fmt::format(
+                         "read it: ddssec permissions show, or ddssec governance show, {}; if it "
+                         "is right, --unlogged signs it; if the CA's key was stolen, the thief may "
+                         "have signed it, so sign the XML that you keep instead",
+                         file.string())});
+}
+
+}  // namespace
+
+std::string signed_line(const pki::Certificate& ca, BytesView text, const fs::path& file,
+                        WallTime now) {
+  std::error_code ignored;
+  const auto place = fs::absolute(file, ignored).lexically_normal().string();
+  return pki::SigningLog::signed_line(text, ca, place, now);
+}
+
+Status log_signed(const CaPaths& ca, std::string_view lines) {
+  DDSSEC_TRY(check_not_interrupted());
+  if (lines.empty()) return {};
+  DDSSEC_TRY(check_log_lines(ca.signed_log, lines));
+  return append_lines(ca.signed_log, lines);
+}
+
+Status log_signed(const OpenCa& ca, BytesView text, const fs::path& file, WallTime now) {
+  return log_signed(ca.paths, signed_line(ca.certificate(), text, file, now));
+}
+
+Result<pki::SigningLog> read_signing_log(const CaPaths& ca) {
+  std::error_code error;
+  if (fs::file_size(ca.signed_log, error) == 0 || error == std::errc::no_such_file_or_directory)
+    return pki::SigningLog();
+  const auto text = DDSSEC_TRY(read_file(ca.signed_log, pki::kMostIssueLogOctets));
+  auto log = pki::SigningLog::parse(text);
+  notice_unreadable_lines(ca.signed_log, log.unreadable());
+  return log;
+}
+
+Result<DocumentOfCa> document_of(const fs::path& file, const OpenCa& ca, const pki::SigningLog& log,
+                                 bool takes_unlogged, WallTime now) {
+  const auto proof =
+      DDSSEC_TRY(verified(file, ca.paths.certificate, within(ca.certificate(), now)));
+  const auto standing = log.standing(proof.content(), proof.signer());
+  if (!takes_unlogged) DDSSEC_TRY(check_standing(standing, file, ca));
+  DocumentOfCa out{std::string(as_text(proof.content())), standing == Standing::current};
+  std::erase(out.text, '\r');
+  return out;
+}
+
+}  // namespace ddssec::cli

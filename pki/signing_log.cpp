@@ -1,0 +1,72 @@
+#include "pki/signing_log.hpp"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "base/hash.hpp"
+#include "pki/issue_log.hpp"
+
+namespace ddssec::pki {
+using ddssec::to_string;
+
+namespace {
+
+using LogJson = nlohmann::ordered_json;
+
+std::string member(const LogJson& object, const char* name) {
+  const auto found = object.find(name);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+}  // namespace
+
+std::string document_digest(BytesView text) {
+  std::string out(as_text(text));
+  std::erase(out, '\r');
+  return to_hex(sha256(as_bytes(out)));
+}
+
+SigningLog SigningLog::parse(BytesView text) {
+  SigningLog log;
+  auto rest = as_text(text);
+  for (int line = 1;; ++line) {
+    const auto end = rest.find('\n');
+    if (end == rest.npos) return log;
+    if (!log.add_line(rest.substr(0, end))) log.unreadable_.push_back(line);
+    rest.remove_prefix(end + 1);
+  }
+}
+
+bool SigningLog::add_line(std::string_view line) {
+  constexpr std::size_t kDigits = 64;  // of SHA-256
+  if (line.size() > kMaxLogLineOctets) return false;
+  const auto object = LogJson::parse(line, nullptr, false);
+  if (!object.is_object() || member(object, "event") != "signed") return false;
+  const Entry entry{member(object, "sha256"), member(object, "ca"), member(object, "file")};
+  if (entry.document.size() != kDigits || entry.ca.size() != kDigits) return false;
+  files_of_[entry.key()].push_back(entry.file);
+  last_in_[entry.file] = entry.key();
+  return true;
+}
+
+SigningLog::Standing SigningLog::standing(BytesView text, const Certificate& ca) const {
+  const Entry entry{document_digest(text), key_digest(ca), {}};
+  const auto found = files_of_.find(entry.key());
+  if (found == files_of_.end()) return Standing::unknown;
+  const bool is_current = std::ranges::any_of(
+      found->second, [&](const auto& file) { return last_in_.at(file) == entry.key(); });
+  return is_current ? Standing::current : Standing::superseded;
+}
+
+std::string SigningLog::signed_line(BytesView text, const Certificate& ca, std::string_view file,
+                                    WallTime now) {
+  const LogJson object = {{"event", "signed"},
+                          {"time", to_string(now)},
+                          {"sha256", document_digest(text)},
+                          {"ca", key_digest(ca)},
+                          {"file", file}};
+  return object.dump(-1, ' ', false, LogJson::error_handler_t::replace) + "\n";
+}
+
+}  // namespace ddssec::pki

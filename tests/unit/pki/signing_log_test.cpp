@@ -1,0 +1,67 @@
+#include "pki/signing_log.hpp"
+
+#include "fixture.hpp"
+#include "pki/issue_log.hpp"
+
+namespace ddssec::pki {
+namespace {
+
+using Standing = SigningLog::Standing;
+
+std::string line(std::string_view text, const Certificate& ca, std::string_view file) {
+  return SigningLog::signed_line(as_bytes(text), ca, file, kNow);
+}
+
+TEST(SigningLog, KnowsWhatItsCaSignedWhateverTheLineEnds) {
+  const auto ca = make_ca();
+  const auto other = make_ca();
+  const auto log = SigningLog::parse(as_bytes(line("a\nb\n", ca.certificate(), "/p")));
+  EXPECT_EQ(log.standing(as_bytes("a\r\nb\r\n"), ca.certificate()), Standing::current);
+  EXPECT_EQ(log.standing(as_bytes("a\nb"), ca.certificate()), Standing::unknown);
+  EXPECT_EQ(log.standing(as_bytes("a\nb\n"), other.certificate()), Standing::unknown);
+  EXPECT_EQ(SigningLog().standing(as_bytes("a"), ca.certificate()), Standing::unknown);
+}
+
+TEST(SigningLog, ALaterDocumentOfTheSameFileSupersedes) {
+  const auto ca = make_ca();
+  const auto& c = ca.certificate();
+  const auto text = line("old", c, "/p") + line("new", c, "/p") + line("copied", c, "/a") +
+                    line("copied", c, "/b") + line("next", c, "/a");
+  const auto log = SigningLog::parse(as_bytes(text));
+  EXPECT_EQ(log.standing(as_bytes("old"), c), Standing::superseded);
+  EXPECT_EQ(log.standing(as_bytes("new"), c), Standing::current);
+  EXPECT_EQ(log.standing(as_bytes("copied"), c), Standing::current) << "it is still in /b";
+  const auto again = SigningLog::parse(as_bytes(text + line("old", c, "/p")));
+  EXPECT_EQ(again.standing(as_bytes("old"), c), Standing::current);
+  EXPECT_EQ(again.standing(as_bytes("new"), c), Standing::superseded);
+}
+
+TEST(SigningLog, ALineThatCannotBeReadCountsForNothingAndIsTold) {
+  const auto ca = make_ca();
+  const auto& c = ca.certificate();
+  const auto good = line("a", c, "/p");
+  for (const auto& bad : {std::string(), std::string("[]"), std::string("nonsense"),
+                          std::string(kMaxLogLineOctets + 1, ' '),
+                          std::string(R"({"event":"signed","sha256":"00","ca":"00","file":"/p"})"),
+                          std::string(R"({"event":"issued","serial":"0A"})")}) {
+    const auto log = SigningLog::parse(as_bytes(good + bad + "\n" + line("b", c, "/q")));
+    EXPECT_EQ(log.unreadable(), std::vector{2}) << bad;
+    EXPECT_EQ(log.standing(as_bytes("a"), c), Standing::current) << bad;
+    EXPECT_EQ(log.standing(as_bytes("b"), c), Standing::current) << bad;
+  }
+}
+
+TEST(SigningLog, ALastLineCutShortAtAnyOctetCountsForNothing) {
+  const auto ca = make_ca();
+  const auto& c = ca.certificate();
+  const auto second = line("b", c, "/p");
+  for (std::size_t size = 0; size < second.size(); ++size) {
+    const auto log = SigningLog::parse(as_bytes(line("a", c, "/p") + second.substr(0, size)));
+    EXPECT_TRUE(log.unreadable().empty());
+    EXPECT_EQ(log.standing(as_bytes("a"), c), Standing::current) << size;
+    EXPECT_EQ(log.standing(as_bytes("b"), c), Standing::unknown) << size;
+  }
+}
+
+}  // namespace
+}  // namespace ddssec::pki
