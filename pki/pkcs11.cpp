@@ -7,6 +7,7 @@
 #include <atomic>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -154,12 +155,28 @@ bool names_object(std::string_view uri) {
   return find_attribute(uri, "object=") != uri.npos || find_attribute(uri, "id=") != uri.npos;
 }
 
+// RFC 7512 allows each attribute once. The engine would take another one than is read here.
+Status check_attributes_once(std::string_view uri) {
+  std::set<std::string_view> names;
+  for (auto rest = uri.substr(std::string_view("pkcs11:").size());;) {
+    const auto end = std::min(rest.find_first_of(";?&"), rest.size());
+    const auto attribute = rest.substr(0, end);
+    const auto name = attribute.substr(0, attribute.find('='));
+    if (!name.empty() && !names.insert(name).second)
+      return fail(Code::pkcs11_not_found,
+                  {.found = without_pin(uri), .note = "an attribute is given twice"});
+    if (end == rest.size()) return {};
+    rest.remove_prefix(end + 1);
+  }
+}
+
 // The engine would take a line end in the file for a part of the PIN, and tokens lock.
 Result<SplitUri> read_pin_source(std::string_view text) {
   const std::string uri(text.substr(std::min(text.find("pkcs11:"), text.size())));
   constexpr std::string_view kName = "pin-source=";
   if (!names_object(uri))
     return fail(Code::pkcs11_not_found, {.expected = "object= or id=", .found = without_pin(uri)});
+  DDSSEC_TRY(check_attributes_once(uri));
   const auto at = find_attribute(uri, kName);
   if (at == uri.npos) return SplitUri{uri, std::nullopt};
   const auto end = std::min(uri.find_first_of("&;", at), uri.size());

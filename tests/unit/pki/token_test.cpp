@@ -78,6 +78,18 @@ TEST_F(Token, WantsAPinAndRefusesAWrongOne) {
   ASSERT_OK(PrivateKey::load(uri("ec"), kProperty, &right));
 }
 
+TEST_F(Token, AnAttributeThatIsGivenTwiceIsRefused) {
+  const auto path = folder_->write("one pin", kPin);
+  const auto source = "pin-source=" + folder_->path() + "/one%20pin";
+  for (const auto& more : {"?" + source + "&" + source, ";" + source + "?" + source,
+                           ";object=rsa?" + source, "?" + source + "&pin-value=1&pin-value=2"}) {
+    const auto refused = PrivateKey::load(uri("ec", more), kProperty);
+    ASSERT_FALSE(refused) << more;
+    EXPECT_EQ(refused.error().code(), Code::pkcs11_not_found);
+    EXPECT_NE(refused.error().to_sentence().find("given twice"), std::string::npos);
+  }
+}
+
 TEST_F(Token, ThePinMayLieInAFileWithALineEnd) {
   const auto path = folder_->write("pin of robot", std::string(kPin) + "\r\n");
   const auto escaped = folder_->path() + "/pin%20of%20robot";
