@@ -131,9 +131,7 @@ Result<std::optional<pki::Crl>> read_crl(const fs::path& path) {
   return lists.front();
 }
 
-Result<FolderLock> lock_records(const CaPaths& paths) {
-  return FolderLock::of(paths.log.has_parent_path() ? paths.log.parent_path() : fs::path("."));
-}
+Result<FileLock> lock_records(const CaPaths& paths) { return FileLock::of(paths.key); }
 
 Result<bool> lists_all(const CaPaths& paths, const pki::IssueLog& log) {
   if (log.revocations().empty()) return true;

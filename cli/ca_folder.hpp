@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cli/command.hpp"
+#include "cli/file_lock.hpp"
 #include "cli/inputs.hpp"
 #include "cli/transaction.hpp"
 #include "pki/authority.hpp"
@@ -91,9 +92,10 @@ Status log_issued(const CaPaths& paths, std::string_view lines);
 Result<std::optional<pki::Crl>> read_crl(const std::filesystem::path& path);
 
 /// No other command revokes, renews or lists anything of this CA while the lock lives. Taken when
-/// the CA is open, since a passphrase may be waited for, and before the log is read. Errors: those
-/// of FolderLock::of.
-Result<FolderLock> lock_records(const CaPaths& paths);
+/// the CA is open, since a passphrase may be waited for, and before the log is read. It is on the
+/// key, which only its owner can open, so that no other user can hold it. Errors: those
+/// of FileLock::of.
+Result<FileLock> lock_records(const CaPaths& paths);
 
 /// Whether the CA's present list names everything that its log says is revoked; it does not if a
 /// crash came between the two. Errors: those of read_crl and Crl::revoked.

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "cli/documents.hpp"
+#include "cli/held_folder.hpp"
 #include "cli/inputs.hpp"
 #include "cli/logged_certificate.hpp"
 #include "cli/signed_documents.hpp"
@@ -151,6 +152,10 @@ Result<Followed> follow_permissions_ca(Replacement& out, const Succession& chang
   for (const auto& file : shared) DDSSEC_TRY(signer.sign(file, DDSSEC_TRY(signer.read(file))));
   Followed followed;
   for (const auto& follower : followers) {
+    if (auto held = hold_folder(follower.files.folder); !held) {
+      followed.doubtful.push_back(std::move(held).error());
+      continue;
+    }
     auto documents = documents_of(follower, shared, signer);
     std::ranges::move(documents.doubtful, std::back_inserter(followed.doubtful));
     if (!documents.doubtful.empty()) continue;
@@ -178,6 +183,10 @@ Result<Followed> follow_identity_ca(Replacement& out, const Succession& change,
   std::string lines;
   for (const auto& follower : followers) {
     const auto& files = follower.files;
+    if (auto held = hold_folder(files.folder); !held) {
+      followed.doubtful.push_back(std::move(held).error());
+      continue;
+    }
     const auto certificate = DDSSEC_TRY(read_certificate(files.certificate));
     if (!DDSSEC_TRY(revoked_serial(certificate, paths, log, NextKey::same)).empty()) {
       followed.revoked.push_back(follower.name);

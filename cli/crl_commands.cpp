@@ -6,6 +6,7 @@
 #include "cli/ca_folder.hpp"
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
+#include "cli/held_folder.hpp"
 #include "cli/inputs.hpp"
 #include "cli/near.hpp"
 #include "cli/options.hpp"
@@ -110,6 +111,21 @@ Result<ParticipantPlaces> recipients(const Arguments& arguments, const CaPaths& 
   return fail(Code::usage, {.field = "DIRS", .note = "the CA's log knows no folder: name them"});
 }
 
+// The folder is held first; what it was chosen for must be true of it still.
+Status put_list(Replacement& out, const fs::path& folder, const pki::Crl& crl,
+                const pki::Certificate& ca, const Arguments& arguments) {
+  DDSSEC_TRY(hold_folder(folder));
+  const auto files = pki::participant_folder(folder);
+  if (arguments.all("DIRS").empty()) {
+    const auto certificate = read_certificate(files.certificate);
+    if (certificate && !certificate->is_issued_by(ca))
+      return fail(Code::issuer_unknown, {.document = files.certificate,
+                                         .expected = "one that " + ca.subject() + " issued",
+                                         .found = "one of " + certificate->issuer()});
+  }
+  return out.put_public(files.crl, crl.pem());
+}
+
 // One folder that cannot be written keeps the list from nobody else.
 Result<Report> crl_distribute(const Arguments& arguments, const Context& context) {
   DDSSEC_TRY(check_ca_folder(arguments.text("--ca"), "identity"));
@@ -127,7 +143,7 @@ Result<Report> crl_distribute(const Arguments& arguments, const Context& context
                    {"elsewhere", recipient.elsewhere}};
   for (const auto& folder : recipient.other_copies) report.result["elsewhere"].push_back(folder);
   for (const auto& folder : recipient.here) {
-    const auto drafted = out.put_public(pki::participant_folder(folder).crl, crl.pem());
+    const auto drafted = put_list(out, folder, crl, ca, arguments);
     if (!drafted && drafted.error().code() == Code::interrupted) return report_of(drafted.error());
     if (!drafted) {
       report.errors.push_back(drafted.error());

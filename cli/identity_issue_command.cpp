@@ -9,6 +9,7 @@
 #include "cli/documents.hpp"
 #include "cli/fleet.hpp"
 #include "cli/groups.hpp"
+#include "cli/held_folder.hpp"
 #include "cli/inputs.hpp"
 #include "cli/logged_certificate.hpp"
 #include "cli/near.hpp"
@@ -353,8 +354,21 @@ std::string about_former(const Job& job) {
       date(former->not_after()), former->serial(), job.arguments.text("--ca"));
 }
 
+// A *.p11 names what a token holds: PEM text in it would be of no use.
+Status check_nothing_in_token(const Job& job) {
+  for (const auto* file :
+       {&job.files.certificate, &job.files.identity_ca, &job.files.permissions_ca})
+    if (file->extension() == ".p11") return in_the_way(*file, "it names what a token holds");
+  if (job.files.key.extension() != ".p11") return {};
+  return fail(Code::key_in_token,
+              {.document = job.files.key,
+               .hint = "remove key.p11 if the participant is to have a key in a file; for one in a "
+                       "token: ddssec identity csr --key pkcs11:..., then identity sign-csr"});
+}
+
 // Everything that the command makes goes in place of what is there, the rest stays.
 Result<Report> fill_folder(Job& job) {
+  DDSSEC_TRY(check_nothing_in_token(job));
   const auto [cas, made] = DDSSEC_TRY(issue(job));
   const auto& files = job.files;
   Replacement out;
@@ -408,6 +422,7 @@ Result<Report> identity_issue(const Arguments& arguments, const Context& context
           std::move(governance),
           pki::participant_folder(target, pki::FolderLayout::flat)};
   if (!is_folder) return make_folder(job);
+  DDSSEC_TRY(hold_folder(target));
   DDSSEC_TRY(check_not_above_participants(target, job.spec.name));
   DDSSEC_TRY(finish_interrupted(target));
   if (job.is_replacing()) return fill_folder(job);

@@ -9,6 +9,7 @@
 #include "base/text.hpp"
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
+#include "cli/held_folder.hpp"
 #include "cli/inputs.hpp"
 #include "cli/logged_certificate.hpp"
 #include "cli/near.hpp"
@@ -287,7 +288,9 @@ Result<Report> identity_renew(const Arguments& arguments, const Context& context
   const fs::path given = arguments.text("PATH");
   const auto path = certificate_path(given);
   DDSSEC_TRY(finish_interrupted(path.parent_path()));
-  const auto old = DDSSEC_TRY(certificate_of(given));
+  DDSSEC_TRY(certificate_of(given));
+  DDSSEC_TRY(hold_folder(path.parent_path()));
+  const auto old = DDSSEC_TRY(certificate_of(path));
   const Renewal job{arguments, context, path, pki::participant_folder(path.parent_path()), old};
   if (!DDSSEC_TRY(is_needed(arguments, job.old, job.now()))) return not_needed(path, job.old);
   return renew(job);

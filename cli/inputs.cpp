@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "base/hash.hpp"
+#include "cli/held_folder.hpp"
 #include "cli/transaction.hpp"
 #include "governance/date_time.hpp"
 #include "pki/participant_folder.hpp"
@@ -28,8 +29,10 @@ constexpr std::size_t kMostPassphraseLine = pki::Passphrase::capacity + 2;
 
 std::string uri(const fs::path& path) { return "file://" + path.string(); }
 
+// The path by which a file was read may be that of a folder's descriptor, which tells nobody
+// anything.
 std::unexpected<Error> about(const Error& error, const fs::path& path) {
-  return std::unexpected(pki::about_file(error, path));
+  return std::unexpected(pki::about_file(pki::about_file(error, as_held(path)), path));
 }
 
 std::string_view without_line_end(std::string_view text) {
@@ -118,14 +121,14 @@ Result<pki::Passphrase> typed_passphrase(const char* prompt) {
 }  // namespace
 
 Result<Bytes> read_file(const fs::path& path, std::size_t most) {
-  auto octets = pki::load(uri(path), "", most);
+  auto octets = pki::load(uri(as_held(path)), "", most);
   if (!octets) return about(octets.error(), path);
   return octets;
 }
 
 bool is_there(const fs::path& path) {
   std::error_code ignored;
-  return fs::exists(path, ignored);
+  return fs::exists(as_held(path), ignored);
 }
 
 Status check_directory(const fs::path& folder, std::string_view expected) {
@@ -186,7 +189,7 @@ fs::path ca_folder(const fs::path& folder, std::string_view role) {
 }
 
 Result<pki::PrivateKey> read_key(const fs::path& path, const pki::Passphrase* passphrase) {
-  const auto uri = pki::uri_of(path);
+  const auto uri = pki::uri_of(as_held(path));
   if (!uri) return about(uri.error(), path);
   auto key = pki::PrivateKey::load(*uri, "", passphrase);
   if (!key) return about(key.error(), path);
@@ -194,7 +197,7 @@ Result<pki::PrivateKey> read_key(const fs::path& path, const pki::Passphrase* pa
 }
 
 Result<bool> is_encrypted(const fs::path& key) {
-  const auto pem = load_secret<pki::KeyPem>(uri(key), "");
+  const auto pem = load_secret<pki::KeyPem>(uri(as_held(key)), "");
   if (!pem) return about(pem.error(), key);
   return pem->expose([](BytesView octets) {
     const auto text = as_text(octets);

@@ -1,9 +1,14 @@
 #include "cli/keystore.hpp"
 
 #include <algorithm>
+#include <cerrno>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <fmt/format.h>
 
+#include "cli/held_folder.hpp"
 #include "cli/suggestions.hpp"
 
 namespace ddssec::cli {
@@ -144,6 +149,26 @@ std::vector<std::string> enclaves_of(const fs::path& keystore) {
   }
   std::ranges::sort(out);
   return out;
+}
+
+// An enclave may be another user's, who can put a link or a further name of any file in the place
+// of the key: the mode is changed of what was looked at.
+Result<bool> close_key(const fs::path& key) {
+  if (key.filename() == "key.pem") DDSSEC_TRY(hold_folder(key.parent_path()));
+  const int file = ::openat(folder_descriptor(key.parent_path()), key.filename().c_str(),
+                            O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (file < 0) return unwritable(key, errno);
+  struct stat status {};
+  const bool is_key =
+      ::fstat(file, &status) == 0 && S_ISREG(status.st_mode) && status.st_nlink == 1;
+  const bool is_open = is_key && (status.st_mode & 077) != 0;
+  const int error = is_open && !writes_nothing() && ::fchmod(file, 0600) != 0 ? errno : 0;
+  ::close(file);
+  if (!is_key)
+    return fail(Code::file_unwritable,
+                {.document = key, .note = "it is no plain file, or one with further names"});
+  if (error != 0) return unwritable(key, error);
+  return is_open;
 }
 
 }  // namespace ddssec::cli

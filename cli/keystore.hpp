@@ -52,4 +52,9 @@ std::vector<std::string> enclaves_of(const std::filesystem::path& keystore);
 inline constexpr int kDeepestEnclave = 16;
 inline constexpr std::size_t kMostEnclaves = 100'000;
 
+/// Makes a private key readable by its owner only; true if it was not. In a dry run it only looks.
+/// Errors: would_overwrite (the enclave's folder is a link), file_unwritable (no plain file, or one
+/// with further names).
+Result<bool> close_key(const std::filesystem::path& key);
+
 }  // namespace ddssec::cli

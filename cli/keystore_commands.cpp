@@ -10,6 +10,7 @@
 #include "cli/doctor_options.hpp"
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
+#include "cli/held_folder.hpp"
 #include "cli/inputs.hpp"
 #include "cli/keystore.hpp"
 #include "cli/logged_certificate.hpp"
@@ -265,6 +266,7 @@ Result<Report> keystore_permission(const Arguments& arguments, const Context& co
   DDSSEC_TRY(check_enclave_in(keystore, name));
   const auto files =
       pki::participant_folder(keystore / enclave_folder(name), pki::FolderLayout::sros2);
+  DDSSEC_TRY(hold_folder(files.folder));
   const auto certificate = DDSSEC_TRY(read_certificate(files.certificate));
   // The enclave's folder may have come back from its device, and the certificate in it says for
   // whom the permissions are, and until when.
@@ -412,9 +414,7 @@ Result<Report> keystore_import(const Arguments& arguments, const Context& contex
     report.text += fmt::format("logged {}  {}\n", name, certificate.subject());
   }
   for (const auto& key : private_keys(keystore)) {
-    if (!is_for_others(key)) continue;
-    if (!writes_nothing() && ::chmod(key.c_str(), 0600) != 0)
-      return fail(Code::file_unwritable, {.document = key});
+    if (!is_for_others(key) || !DDSSEC_TRY(close_key(key))) continue;
     report.result["keys_closed"].push_back(key.string());
     report.text += fmt::format(
         "{} is for its owner only now; other users of this machine may have copied it\n",

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "cli/documents.hpp"
+#include "cli/held_folder.hpp"
 #include "cli/participant_places.hpp"
 #include "pki/subject_name.hpp"
 
@@ -20,9 +21,10 @@ fs::path normal_folder(const fs::path& folder) {
   return out.has_filename() ? out : out.parent_path();
 }
 
-bool is_same_folder(const fs::path& a, const fs::path& b) {
+// `given` as it was opened, if it is held: its path may lead elsewhere by now.
+bool is_same_folder(const fs::path& a, const fs::path& b, const fs::path& given) {
   std::error_code ignored;
-  return a == b || fs::equivalent(a, b, ignored);
+  return a == b || fs::equivalent(a, as_held(given), ignored);
 }
 
 // A serial number alone could be anything that a stolen key signed.
@@ -91,7 +93,7 @@ Belonging belonging_of(const pki::Certificate& certificate, const fs::path& give
                                                                         : Belonging::unlogged;
   }
   const auto home = entry->folder.empty() ? fs::path() : places.today(entry->folder);
-  if (!home.empty() && is_same_folder(home, folder)) return Belonging::own;
+  if (!home.empty() && is_same_folder(home, folder, given)) return Belonging::own;
   const bool is_copy = !home.empty() && lies_in(home, certificate);
   return is_copy || issued_for(folder, log) != nullptr ? Belonging::foreign : Belonging::moved;
 }

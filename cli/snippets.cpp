@@ -47,7 +47,7 @@ std::string library(std::string_view name, std::string_view what) {
       name, what, what);
 }
 
-std::string property(std::string_view name, const std::string& value) {
+std::string property_line(std::string_view name, const std::string& value) {
   return fmt::format("      <property><name>{}</name><value>{}</value></property>\n", name, value);
 }
 
@@ -90,16 +90,16 @@ std::string fastdds_snippet(const pki::ParticipantFolder& folder) {
   return "<profiles xmlns=\"http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles\">\n"
          "  <participant profile_name=\"secured\" is_default_profile=\"true\"><rtps>\n"
          "    <propertiesPolicy><properties>\n" +
-         property("dds.sec.auth.plugin", "builtin.PKI-DH") +
-         property(pki + "identity_ca", file(folder.identity_ca)) +
-         property(pki + "identity_certificate", file(folder.certificate)) +
-         property(pki + "private_key", file(folder.key)) +
-         property(pki + "identity_crl", file(folder.crl)) +
-         property("dds.sec.access.plugin", "builtin.Access-Permissions") +
-         property(access + "permissions_ca", file(folder.permissions_ca)) +
-         property(access + "governance", file(folder.governance)) +
-         property(access + "permissions", file(folder.permissions)) +
-         property("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC") +
+         property_line("dds.sec.auth.plugin", "builtin.PKI-DH") +
+         property_line(pki + "identity_ca", file(folder.identity_ca)) +
+         property_line(pki + "identity_certificate", file(folder.certificate)) +
+         property_line(pki + "private_key", file(folder.key)) +
+         property_line(pki + "identity_crl", file(folder.crl)) +
+         property_line("dds.sec.access.plugin", "builtin.Access-Permissions") +
+         property_line(access + "permissions_ca", file(folder.permissions_ca)) +
+         property_line(access + "governance", file(folder.governance)) +
+         property_line(access + "permissions", file(folder.permissions)) +
+         property_line("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC") +
          "    </properties></propertiesPolicy>\n  </rtps></participant>\n</profiles>\n";
 }
 

@@ -2,9 +2,9 @@
 
 #include <cerrno>
 #include <csignal>
+#include <expected>
 #include <fcntl.h>
 #include <optional>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
@@ -12,6 +12,8 @@
 #include <fmt/format.h>
 
 #include "base/hash.hpp"
+#include "cli/file_lock.hpp"
+#include "cli/held_folder.hpp"
 #include "cli/leftovers.hpp"
 
 namespace ddssec::cli {
@@ -92,44 +94,84 @@ int write_all(int file, BytesView octets) {
 
 enum class Flush : std::uint8_t { now, later };
 
-int open_new(const fs::path& path, unsigned mode) {
-  return ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, mode);
+/// A path by which a file can be reached: from `folder`, a descriptor, if it is relative.
+struct Place {
+  int folder;
+  std::string path;
+};
+
+int open_new(const Place& at, unsigned mode) {
+  return ::openat(at.folder, at.path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW,
+                  mode);
 }
 
 // Into an open file, which it closes. Errors name the file that is meant in the end.
-Status write_and_close(int file, const fs::path& path, const fs::path& meant, BytesView octets,
+Status write_and_close(int file, const Place& at, const fs::path& meant, BytesView octets,
                        Flush flush) {
   int error = write_all(file, octets);
   if (error == 0 && flush == Flush::now && ::fsync(file) != 0) error = errno;
   if (::close(file) == 0 && error == 0) return {};
-  ::unlink(path.c_str());
+  ::unlinkat(at.folder, at.path.c_str(), 0);
   return unwritable(meant, error != 0 ? error : EIO);
 }
 
 Status write_exclusively(const fs::path& path, const fs::path& meant, BytesView octets,
                          unsigned mode, Flush flush) {
   DDSSEC_TRY(check_not_interrupted());
-  const int file = open_new(path, mode);
+  const Place at{AT_FDCWD, path.string()};
+  const int file = open_new(at, mode);
   if (file < 0) return unwritable(meant, errno);
-  return write_and_close(file, path, meant, octets, flush);
+  return write_and_close(file, at, meant, octets, flush);
 }
 
-// Beside the target, on the disk. A process that was killed may have left a draft, and its number
-// comes again: soon in a container, where each start may have the same.
-// remove_drafts_of() knows these names.
+// Beside the target, in its folder as it was opened first, on the disk. A process that was killed
+// may have left a draft, and its number comes again: soon in a container, where each start may have
+// the same. remove_drafts_of() knows these names.
 Result<fs::path> write_draft(const fs::path& target, BytesView octets, unsigned mode) {
   constexpr int kMostTries = 100;
   DDSSEC_TRY(check_not_interrupted());
-  const auto mark = process_mark();
-  fs::path draft = fmt::format("{}.{}.new", target.string(), mark);
-  int file = open_new(draft, mode);
+  Place at{folder_descriptor(folder_of(target)), {}};
+  if (at.folder < 0) return unwritable(target, errno);
+  const auto beginning = fmt::format("{}.{}", target.filename().string(), process_mark());
+  at.path = beginning + ".new";
+  int file = open_new(at, mode);
   for (int i = 1; i < kMostTries && file < 0 && errno == EEXIST; ++i) {
-    draft = fmt::format("{}.{}.{}.new", target.string(), mark, i);
-    file = open_new(draft, mode);
+    at.path = fmt::format("{}.{}.new", beginning, i);
+    file = open_new(at, mode);
   }
   if (file < 0) return unwritable(target, errno);
-  DDSSEC_TRY(write_and_close(file, draft, target, octets, Flush::now));
-  return draft;
+  DDSSEC_TRY(write_and_close(file, at, target, octets, Flush::now));
+  return target.parent_path() / at.path;
+}
+
+// Both are in one folder, which is open since the draft was made. 0 or the number in errno.
+int rename_draft(const Draft& draft, unsigned flags) {
+  const int folder = folder_descriptor(folder_of(draft.target));
+  const auto from = draft.draft.filename();
+  const auto to = draft.target.filename();
+  const int done = flags == 0 ? ::renameat(folder, from.c_str(), folder, to.c_str())
+                              : ::renameat2(folder, from.c_str(), folder, to.c_str(), flags);
+  return done == 0 ? 0 : errno;
+}
+
+void remove_draft(const Draft& draft) {
+  ::unlinkat(folder_descriptor(folder_of(draft.target)), draft.draft.filename().c_str(), 0);
+}
+
+fs::path target_in_open_folder(const fs::path& target) {
+  const int folder = folder_descriptor(folder_of(target));
+  return fs::path(fmt::format("/proc/self/fd/{}", folder)) / target.filename();
+}
+
+// What is at the target, which may be a link: 0 if there is nothing. Error: the number in errno.
+std::expected<mode_t, int> kind_at(const fs::path& target) {
+  const int folder = folder_descriptor(folder_of(target));
+  struct stat status {};
+  if (folder >= 0 &&
+      ::fstatat(folder, target.filename().c_str(), &status, AT_SYMLINK_NOFOLLOW) == 0)
+    return status.st_mode & S_IFMT;
+  if (errno == ENOENT || errno == ENOTDIR) return 0;
+  return std::unexpected(errno);
 }
 
 // Where the last whole line of a file ends; -1 if it cannot be read.
@@ -244,11 +286,10 @@ NewFolder::NewFolder(NewFolder&& other) noexcept
       files_(std::move(other.files_)) {}
 
 Status Replacement::put(const fs::path& target, BytesView octets, unsigned mode, Links links) {
-  std::error_code error;
-  const auto type = fs::symlink_status(target, error).type();
-  if (type == fs::file_type::none) return unwritable(target, error.value());
-  const bool may_go = type == fs::file_type::symlink && links == Links::replaced;
-  if (type != fs::file_type::not_found && type != fs::file_type::regular && !may_go)
+  const auto kind = kind_at(target);
+  if (!kind) return unwritable(target, kind.error());
+  const bool may_go = *kind == S_IFLNK && links == Links::replaced;
+  if (*kind != 0 && *kind != S_IFREG && !may_go)
     return fail(Code::would_overwrite, {.document = target, .note = "it is not a plain file"});
   if (!dry_run) {
     auto draft = DDSSEC_TRY(write_draft(target, octets, mode));
@@ -272,9 +313,10 @@ Result<std::vector<WrittenFile>> Replacement::commit_each() {
 }
 
 Result<std::vector<WrittenFile>> Replacement::put_in_place() {
-  for (auto& [draft, target] : drafts_) {
-    if (::rename(draft.c_str(), target.c_str()) != 0) return unwritable(target, errno);
-    draft.clear();
+  for (auto& draft : drafts_) {
+    if (const int error = rename_draft(draft, 0); error != 0)
+      return unwritable(draft.target, error);
+    draft.draft.clear();
   }
   remove_former_drafts();
   return files_;
@@ -283,33 +325,20 @@ Result<std::vector<WrittenFile>> Replacement::put_in_place() {
 // After the commit: until then another list may name them.
 void Replacement::remove_former_drafts() const {
   std::vector<fs::path> targets;
-  for (const auto& draft : drafts_) targets.push_back(draft.target);
+  for (const auto& draft : drafts_) targets.push_back(target_in_open_folder(draft.target));
   remove_drafts_of(targets);
 }
 
 Replacement::~Replacement() {
-  for (const auto& [draft, target] : drafts_)
-    if (!draft.empty()) ::unlink(draft.c_str());
+  for (const auto& draft : drafts_)
+    if (!draft.draft.empty()) remove_draft(draft);
 }
-
-Result<FolderLock> FolderLock::of(const fs::path& folder) {
-  FolderLock out(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (out.folder_ >= 0 && ::flock(out.folder_, LOCK_EX) == 0) return out;
-  const int error = errno;
-  DDSSEC_TRY(check_not_interrupted());
-  return unwritable(folder, error);
-}
-
-FolderLock::~FolderLock() {
-  if (folder_ >= 0) ::close(folder_);
-}
-
-FolderLock::FolderLock(FolderLock&& other) noexcept : folder_(std::exchange(other.folder_, -1)) {}
 
 Status append_lines(const fs::path& target, std::string_view lines) {
   if (dry_run) return {};
   const File file(target, O_RDWR | O_CREAT, 0644);
-  if (!file || ::flock(file.number(), LOCK_EX) != 0) return unwritable(target, errno);
+  if (!file) return unwritable(target, errno);
+  DDSSEC_TRY(lock_file(file.number(), target, kLockPatience));
   const auto end = end_of_last_line(file.number());
   if (end < 0 || ::ftruncate(file.number(), end) != 0 ||
       ::lseek(file.number(), end, SEEK_SET) != end)
@@ -322,13 +351,13 @@ Status append_lines(const fs::path& target, std::string_view lines) {
 Result<WrittenFile> write_new_file(const fs::path& target, BytesView octets, unsigned mode) {
   DDSSEC_TRY(check_nothing_at(target));
   if (dry_run) return written(target, octets, mode);
-  const auto draft = DDSSEC_TRY(write_draft(target, octets, mode));
-  if (::renameat2(AT_FDCWD, draft.c_str(), AT_FDCWD, target.c_str(), RENAME_NOREPLACE) != 0) {
-    const int error = errno;
-    ::unlink(draft.c_str());
+  const Draft draft{DDSSEC_TRY(write_draft(target, octets, mode)), target};
+  if (const int error = rename_draft(draft, RENAME_NOREPLACE); error != 0) {
+    remove_draft(draft);
     return rename_failed(target, error);
   }
-  remove_drafts_of({&target, 1});
+  const auto in_folder = target_in_open_folder(target);
+  remove_drafts_of({&in_folder, 1});
   return written(target, octets, mode);
 }
 

@@ -106,25 +106,10 @@ class Replacement {
 Result<WrittenFile> write_new_file(const std::filesystem::path& target, BytesView octets,
                                    unsigned mode);
 
-/// Keeps other commands that ask for the same folder waiting while it lives, so that what one reads
-/// and then writes anew cannot lose what another wrote in between.
-class FolderLock {
- public:
-  /// Waits for whoever has it. Errors: file_unwritable, interrupted.
-  static Result<FolderLock> of(const std::filesystem::path& folder);
-
-  ~FolderLock();
-  FolderLock(FolderLock&& other) noexcept;
-  FolderLock& operator=(FolderLock&&) = delete;
-
- private:
-  explicit FolderLock(int folder) : folder_(folder) {}
-  int folder_;
-};
-
 /// Adds whole lines to a text file, made with mode 0644 if it is not there. They are on the disk
 /// when this returns; a last line that an earlier crash cut short is removed first. Safe against
-/// other processes that do the same. Error: file_unwritable.
+/// other processes that do the same, for which it waits as lock_file does. Errors: file_unwritable,
+/// interrupted.
 Status append_lines(const std::filesystem::path& target, std::string_view lines);
 
 }  // namespace ddssec::cli

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -12,6 +13,8 @@
 
 #include <fmt/format.h>
 
+#include "cli/file_lock.hpp"
+#include "cli/held_folder.hpp"
 #include "cli/transaction.hpp"
 
 namespace ddssec::cli {
@@ -20,7 +23,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr auto kListName = ".ddssec-unfinished";
-constexpr std::string_view kEnd("end\0", 4);  // of a list that is whole
+constexpr std::chrono::seconds kListPatience{10};  // a list is there during the renames alone
+constexpr std::string_view kEnd("end\0", 4);       // of a list that is whole
 
 std::unexpected<Error> cannot_write(const fs::path& path) {
   return fail(Code::file_unwritable,
@@ -166,6 +170,12 @@ bool is_still_there(int file) {
   return ::fstat(file, &status) == 0 && status.st_nlink > 0;
 }
 
+Status check_trusted(const List& list, int file) {
+  auto doubt = doubt_about(list.folder, file);
+  if (doubt.empty() || !is_still_there(file)) return {};
+  return untrusted(list.path, std::move(doubt));
+}
+
 Reach reach_of(const fs::path& folder, std::span<const Draft> drafts) {
   const bool is_inside =
       std::ranges::all_of(drafts, [&](const auto& one) { return is_in(folder, one.target); });
@@ -176,8 +186,8 @@ Reach reach_of(const fs::path& folder, std::span<const Draft> drafts) {
 
 Result<Intent> Intent::write(const fs::path& folder, std::span<const Draft> drafts) {
   DDSSEC_TRY(finish_interrupted(folder, reach_of(folder, drafts)));
-  Intent out(folder / kListName, ::open((folder / kListName).c_str(),
-                                        O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
+  const int at = folder_descriptor(folder);
+  Intent out(at, ::openat(at, kListName, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
   const bool is_written = out.file_ >= 0 && ::flock(out.file_, LOCK_EX) == 0 &&
                           write_whole(out.file_, text_of(folder, drafts));
   if (!is_written) return cannot_write(folder / kListName);
@@ -186,12 +196,12 @@ Result<Intent> Intent::write(const fs::path& folder, std::span<const Draft> draf
 
 Intent::~Intent() {
   if (file_ < 0) return;
-  ::unlink(list_.c_str());
+  ::unlinkat(folder_, kListName, 0);
   ::close(file_);
 }
 
 Intent::Intent(Intent&& other) noexcept
-    : list_(std::move(other.list_)), file_(std::exchange(other.file_, -1)) {}
+    : folder_(other.folder_), file_(std::exchange(other.file_, -1)) {}
 
 Status finish_interrupted(const fs::path& given, Reach reach) {
   if (writes_nothing()) return {};
@@ -200,10 +210,13 @@ Status finish_interrupted(const fs::path& given, Reach reach) {
   if (!folder) return {};
   const Descriptor file(
       ::openat(folder.number(), kListName, O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
-  if (!file || ::flock(file.number(), LOCK_EX) != 0 || !is_still_there(file.number())) return {};
+  if (!file || !is_still_there(file.number())) return {};
   const List list{at / kListName, folder.number(), reach};
-  if (auto doubt = doubt_about(folder.number(), file.number()); !doubt.empty())
-    return untrusted(list.path, std::move(doubt));
+  // First, whose it is: another user may hold a lock on a file of its own for ever.
+  DDSSEC_TRY(check_trusted(list, file.number()));
+  DDSSEC_TRY(lock_file(file.number(), list.path, kListPatience));
+  if (!is_still_there(file.number())) return {};
+  DDSSEC_TRY(check_trusted(list, file.number()));
   DDSSEC_TRY(list.finish(content_of(file.number())));
   ::unlinkat(folder.number(), kListName, 0);
   return {};

@@ -34,14 +34,14 @@ class Intent {
   Intent& operator=(Intent&&) = delete;
 
  private:
-  Intent(std::filesystem::path list, int file) : list_(std::move(list)), file_(file) {}
-  std::filesystem::path list_;
+  Intent(int folder, int file) : folder_(folder), file_(file) {}
+  int folder_;
   int file_;  ///< locked, so that others see that this process lives
 };
 
 /// Puts the drafts in place that a killed process listed in the folder, so that a key and its
-/// certificate, or a CA and what it signed, fit each other again. Waits for a process that is
-/// alive. Nothing in a dry run, and where the folder may not be read.
+/// certificate, or a CA and what it signed, fit each other again. Waits some seconds for a process
+/// that is alive. Nothing in a dry run, and where the folder may not be read.
 ///
 /// A list is believed only if this user (or root) wrote it: folder, list and drafts are theirs,
 /// the list and the drafts are plain files without further names, and no other user may write the

@@ -41,6 +41,7 @@ CHANGE(int, unlink, (const char* path), (path))
 CHANGE(int, symlink, (const char* to, const char* path), (to, path))
 CHANGE(int, ftruncate, (int file, off_t size), (file, size))
 CHANGE(int, chmod, (const char* path, mode_t mode), (path, mode))
+CHANGE(int, fchmod, (int file, mode_t mode), (file, mode))
 
 // A process that is killed loses nothing that it wrote, on the disk or not: to wait for the disk
 // tells nothing.

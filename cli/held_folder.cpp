@@ -1,0 +1,112 @@
+#include "cli/held_folder.hpp"
+
+#include <cerrno>
+#include <fcntl.h>
+#include <map>
+#include <string>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <system_error>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Folder {
+  int descriptor;
+  bool is_held;  ///< by hold_folder(): files are read through it as well
+};
+
+// A command is one process, which closes them at its end.
+std::map<std::string, Folder>& folders() {
+  static std::map<std::string, Folder> out;
+  return out;
+}
+
+std::string name_of(const fs::path& folder) {
+  const auto& out = folder.has_filename() ? folder : folder.parent_path();
+  return out.empty() ? "." : out.string();
+}
+
+// A fleet has more folders than a process may open by default.
+bool raise_limit() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == limit.rlim_max) return false;
+  limit.rlim_cur = limit.rlim_max;
+  return ::setrlimit(RLIMIT_NOFILE, &limit) == 0;
+}
+
+// O_PATH: whoever may not list a folder may still write into it.
+int open_folder(const std::string& name, int flags) {
+  return ::open(name.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC | flags);
+}
+
+int open_and_keep(const std::string& name, bool is_held) {
+  const int flags = is_held ? O_NOFOLLOW : 0;
+  int folder = open_folder(name, flags);
+  if (folder < 0 && errno == EMFILE && raise_limit()) folder = open_folder(name, flags);
+  if (folder >= 0) folders().insert_or_assign(name, Folder{folder, is_held});
+  return folder;
+}
+
+const Folder* find_held(const fs::path& path) {
+  const auto found = folders().find(name_of(path));
+  return found != folders().end() && found->second.is_held ? &found->second : nullptr;
+}
+
+bool is_link(const std::string& name) {
+  struct stat status {};
+  return ::lstat(name.c_str(), &status) == 0 && S_ISLNK(status.st_mode);
+}
+
+fs::path path_of(int folder) { return fmt::format("/proc/self/fd/{}", folder); }
+
+// Without it the files could be read by their paths alone.
+Status check_proc(int folder, const std::string& name) {
+  struct stat by_path {};
+  struct stat by_descriptor {};
+  const bool is_same =
+      ::stat(path_of(folder).c_str(), &by_path) == 0 && ::fstat(folder, &by_descriptor) == 0 &&
+      by_path.st_ino == by_descriptor.st_ino && by_path.st_dev == by_descriptor.st_dev;
+  if (is_same) return {};
+  return fail(Code::file_unwritable,
+              {.document = name,
+               .note = "/proc is not mounted",
+               .hint = "mount it: without it another user could exchange the folder while the "
+                       "command reads it"});
+}
+
+}  // namespace
+
+Status hold_folder(const fs::path& folder) {
+  const auto name = name_of(folder);
+  if (find_held(folder) != nullptr) return {};
+  const int opened = open_and_keep(name, true);
+  if (opened >= 0) return check_proc(opened, name);
+  const int error = errno;
+  if (is_link(name))
+    return fail(Code::would_overwrite,
+                {.document = name,
+                 .note = "it is a link, which may be exchanged while the command runs",
+                 .hint = "name the folder that the link leads to"});
+  return fail(Code::file_unwritable,
+              {.document = name, .note = std::generic_category().message(error)});
+}
+
+int folder_descriptor(const fs::path& folder) {
+  const auto name = name_of(folder);
+  const auto found = folders().find(name);
+  return found != folders().end() ? found->second.descriptor : open_and_keep(name, false);
+}
+
+fs::path as_held(const fs::path& path) {
+  if (const auto* folder = find_held(path)) return path_of(folder->descriptor);
+  const auto* parent = path.has_filename() ? find_held(path.parent_path()) : nullptr;
+  return parent != nullptr ? path_of(parent->descriptor) / path.filename() : path;
+}
+
+}  // namespace ddssec::cli
