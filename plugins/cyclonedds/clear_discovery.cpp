@@ -15,31 +15,33 @@
 namespace ddssec::cyclonedds {
 namespace {
 
+/// The last numbers, so that nothing that a stranger sent before makes ours late.
 constexpr rtps::SequenceNumber kLast{std::numeric_limits<std::int64_t>::max()};
 
-struct Channel {
-  EntityId writer, reader;
-};
-constexpr std::array<Channel, 2> kChannels = {{
-    {rtps::kPublicationsWriter, rtps::kPublicationsReader},
-    {rtps::kSubscriptionsWriter, rtps::kSubscriptionsReader},
-}};
-
-/// The key of an endpoint that is not there, as the payload of its dispose.
-Bytes nobody_of(const GuidPrefix& peer) {
+/// The payload that disposes of an endpoint: its key.
+std::array<std::uint8_t, 28> key_of(const Guid& endpoint) {
   constexpr rtps::ParameterId kEndpointGuid = 0x005a;
   constexpr std::uint16_t kPlCdrLittleEndian = 0x0300;  // as it stands in the octets
-  Bytes octets(28);
+  std::array<std::uint8_t, 28> octets{};
   rtps::SpanWriter out(octets);
   out.write(kPlCdrLittleEndian);
   out.write(std::uint16_t{0});
   {
     const rtps::ParameterScope guid(out, kEndpointGuid);
-    out.write_bytes(peer.view());
-    out.write_bytes(rtps::kEntityIdUnknown.view());
+    out.write_bytes(endpoint.octets());
   }
   rtps::write_sentinel(out);
   return octets;
+}
+
+void dispose(rtps::SpanWriter& out, const Guid& endpoint, rtps::SequenceNumber number) {
+  const auto key = key_of(endpoint);
+  write(out, rtps::Data{.reader = rtps::kPublicationsReader,
+                        .writer = rtps::kPublicationsWriter,
+                        .sequence_number = number,
+                        .inline_qos = {.status = {.disposed = true, .unregistered = true}},
+                        .kind = rtps::PayloadKind::key,
+                        .payload = key});
 }
 
 }  // namespace
@@ -47,23 +49,16 @@ Bytes nobody_of(const GuidPrefix& peer) {
 Bytes write_end_of_clear_discovery(const GuidPrefix& peer, const GuidPrefix& own) {
   Bytes octets(256);
   rtps::SpanWriter out(octets);
-  const auto nobody = nobody_of(peer);
   write(out, rtps::Header{.prefix = peer});
   write(out, rtps::InfoDestination{own});
-  for (const auto& [writer, reader] : kChannels) {
-    write(out, rtps::Heartbeat{.reader = reader,
-                               .writer = writer,
-                               .first = kLast,
-                               .last = kLast,
-                               .count = 1,
-                               .is_final = true});
-    write(out, rtps::Data{.reader = reader,
-                          .writer = writer,
-                          .sequence_number = kLast,
-                          .inline_qos = {.status = {.disposed = true, .unregistered = true}},
-                          .kind = rtps::PayloadKind::key,
-                          .payload = nobody});
-  }
+  write(out, rtps::Heartbeat{.reader = rtps::kPublicationsReader,
+                             .writer = rtps::kPublicationsWriter,
+                             .first = kLast.previous(),
+                             .last = kLast,
+                             .count = 1,
+                             .is_final = true});
+  dispose(out, {peer, rtps::kSubscriptionsWriter}, kLast.previous());
+  dispose(out, {peer, rtps::kPublicationsWriter}, kLast);
   octets.resize(out.size());
   return octets;
 }

@@ -1,9 +1,9 @@
 // Ends the unprotected discovery of a peer's endpoints, where governance protects that of all
 // topics. Cyclone's core believes clear announcements in the name of an authenticated participant
 // under every kind of protection: a stranger could remove its endpoints, move them to another
-// address, or invent some, with one datagram. The core takes changes of a builtin writer in the
-// order of their sequence numbers. So we tell our own core, in the peer's name, that the writers
-// of clear announcements have come to the last number there is. Whatever comes after is old.
+// address, or invent some, with one datagram. It even believes that a builtin writer is gone. So
+// we tell our own core, in the peer's name, that the two writers of clear announcements are. The
+// core then knows no writer from which such an announcement could come.
 #pragma once
 
 #include <array>

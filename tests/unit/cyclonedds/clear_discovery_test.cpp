@@ -19,34 +19,35 @@ using testing::SizeIs;
 constexpr GuidPrefix kOwn{{1, 0x10, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10}};
 constexpr GuidPrefix kPeer{{1, 0x10, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9}};
 constexpr Guid kPeerGuid{kPeer, kEntityIdParticipant};
-/// The greatest sequence number on the wire, little endian; our own readers refuse it.
+/// The last two sequence numbers on the wire, little endian; our own readers refuse them.
 constexpr std::array<std::uint8_t, 8> kLast{0xff, 0xff, 0xff, 0x7f, 0xff, 0xff, 0xff, 0xff};
+constexpr std::array<std::uint8_t, 8> kBeforeLast{0xff, 0xff, 0xff, 0x7f, 0xfe, 0xff, 0xff, 0xff};
 
-bool begins_with(BytesView octets, const EntityId& reader, const EntityId& writer) {
-  return octets.size() >= 8 && std::ranges::equal(octets.first(4), reader.view()) &&
-         std::ranges::equal(octets.subspan(4, 4), writer.view());
+bool begins_as_publications(BytesView octets) {
+  return octets.size() >= 8 &&
+         std::ranges::equal(octets.first(4), rtps::kPublicationsReader.view()) &&
+         std::ranges::equal(octets.subspan(4, 4), rtps::kPublicationsWriter.view());
 }
 
-TEST(EndOfClearDiscovery, LeavesNoNumberForAnnouncementsInTheClear) {
+TEST(EndOfClearDiscovery, RemovesTheWritersOfClearAnnouncements) {
   const auto octets = write_end_of_clear_discovery(kPeer, kOwn);
   EXPECT_EQ(rtps::read_header(octets)->prefix, kPeer);
   auto message = rtps::MessageReader::open(octets).value();
   EXPECT_EQ(rtps::read_info_destination(*message.next().value())->prefix, kOwn);
-  for (const auto& [writer, reader] :
-       {std::pair(rtps::kPublicationsWriter, rtps::kPublicationsReader),
-        std::pair(rtps::kSubscriptionsWriter, rtps::kSubscriptionsReader)}) {
-    const auto heartbeat = message.next().value().value();
-    EXPECT_EQ(heartbeat.id, rtps::SubmessageId::heartbeat);
-    EXPECT_TRUE(begins_with(heartbeat.body, reader, writer));
-    for (const std::size_t number : {8, 16})
-      EXPECT_TRUE(std::ranges::equal(heartbeat.body.subspan(number, 8), kLast));
-    EXPECT_TRUE(heartbeat.has(0x02)) << "final: the peer must not be asked for what it never wrote";
+  const auto heartbeat = message.next().value().value();
+  EXPECT_EQ(heartbeat.id, rtps::SubmessageId::heartbeat);
+  EXPECT_TRUE(begins_as_publications(heartbeat.body));
+  EXPECT_TRUE(std::ranges::equal(heartbeat.body.subspan(8, 8), kBeforeLast));
+  EXPECT_TRUE(std::ranges::equal(heartbeat.body.subspan(16, 8), kLast));
+  EXPECT_TRUE(heartbeat.has(0x02)) << "final: the peer must not be asked for what it never wrote";
+  // The writer that says so goes last.
+  for (const auto& [number, writer] : {std::pair(kBeforeLast, rtps::kSubscriptionsWriter),
+                                       std::pair(kLast, rtps::kPublicationsWriter)}) {
     const auto data = message.next().value().value();
     EXPECT_EQ(data.id, rtps::SubmessageId::data);
-    EXPECT_TRUE(begins_with(data.body.subspan(4), reader, writer));
-    EXPECT_TRUE(std::ranges::equal(data.body.subspan(12, 8), kLast));
-    EXPECT_EQ(rtps::read_endpoint_key(data.body.last(28)).value(),
-              (Guid{kPeer, rtps::kEntityIdUnknown}));
+    EXPECT_TRUE(begins_as_publications(data.body.subspan(4)));
+    EXPECT_TRUE(std::ranges::equal(data.body.subspan(12, 8), number));
+    EXPECT_EQ(rtps::read_endpoint_key(data.body.last(28)).value(), (Guid{kPeer, writer}));
   }
   EXPECT_FALSE(message.next().value());
 }
