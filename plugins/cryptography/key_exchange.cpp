@@ -78,6 +78,16 @@ void keep_position(RemoteKeys& next, const RemoteKeys* present) {
     next.submessage->count_from(*present->submessage);
 }
 
+/// A host hands what one of our endpoints can read to all that hear the same sender.
+void share_position(RemoteKeys& next, const RemoteEndpoint& remote) {
+  const auto* const present = remote.remote_keys.read();
+  if (!next.submessage) return;
+  if (present != nullptr && are_same(next.submessage, present->submessage))
+    return keep_position(next, present);
+  const auto* const other = remote.participant.routes.same_sender_key(next.submessage->material());
+  if (other != nullptr) next.submessage->count_with(*other);
+}
+
 /// Whether submessages under either find the same route.
 bool route_alike(const RemoteKeys& next, const std::unique_ptr<RemoteKeys>& former) {
   if (!former || !former->submessage) return false;
@@ -264,7 +274,7 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
     keys->owner = present->owner;
   DDSSEC_TRY(check_owner(endpoint, *keys));
   DDSSEC_TRY(check_replacement(*keys, endpoint.remote_keys.read(), pair));
-  keep_position(*keys, endpoint.remote_keys.read());
+  share_position(*keys, endpoint);
   DDSSEC_TRY(inherit(*keys, endpoint.remote_keys.read(), shared_.environment.clock.monotonic()));
   shared_.note_former(remote.value, *keys);
   auto former = endpoint.remote_keys.exchange(std::move(keys));

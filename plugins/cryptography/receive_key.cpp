@@ -4,6 +4,18 @@
 
 namespace ddssec::cryptography {
 
+void NewestPosition::note(const NewestPosition& other, Graveyard& graveyard) {
+  const auto& position = other.newest_.read()->position;
+  if (position.is_after(newest_.read()->position))
+    newest_.replace(std::make_unique<Place>(position), graveyard);
+}
+
+void ReceiveKey::count_with(const ReceiveKey& other) {
+  if (!position_ || !other.position_) return;
+  other.position_->note(*position_, environment_.graveyard);
+  position_ = other.position_;
+}
+
 Result<ReceiveKey::Candidate> ReceiveKey::session(SessionId id) {
   Candidate candidate;
   for (const auto& one : sessions_) {

@@ -23,6 +23,26 @@ struct ReceiveSession final : Retirable {
   std::atomic<std::uint32_t> last_used = 0;
 };
 
+/// Where the sender of a key stood when it gave it to the last of the endpoints here that have it.
+/// The host hands each message to all of them, so that what is old to one is old to all.
+class NewestPosition {
+ public:
+  explicit NewestPosition(SendPosition position)
+      : newest_(std::make_unique<Place>(std::move(position))) {}
+
+  /// Under a ReadGuard.
+  bool has_passed(const Iv& iv) const noexcept { return newest_.read()->position.has_passed(iv); }
+  /// One caller at a time: of the same key, given to another endpoint.
+  void note(const NewestPosition& other, Graveyard& graveyard);
+
+ private:
+  struct Place final : Retirable {
+    explicit Place(SendPosition at) : position(std::move(at)) {}
+    const SendPosition position;
+  };
+  Published<Place> newest_;
+};
+
 /// Decrypts and verifies what one remote entity sends with one key. Any number of threads.
 ///
 /// The session id of a message is its sender's, or an attacker's, choice. So a session is
@@ -36,7 +56,7 @@ class ReceiveKey final : public Retirable {
   static constexpr std::size_t kMostSessions = 4;
 
   ReceiveKey(KeyMaterial material, KindTraits traits, const KeyEnvironment& environment)
-      : position_(std::exchange(material.position, std::nullopt)),
+      : position_(position_of(std::exchange(material.position, std::nullopt))),
         material_(std::move(material)),
         traits_(traits),
         environment_(environment) {}
@@ -59,10 +79,14 @@ class ReceiveKey final : public Retirable {
   /// To be called once the tags were right.
   void remember(Candidate candidate);
 
-  /// Was the message protected before its sender gave us the key?
+  /// Under a ReadGuard: was the message protected before its sender gave the key to all of our
+  /// endpoints that have it?
   bool is_from_before(const Iv& iv) const { return position_ && position_->has_passed(iv); }
   /// Before it is published: the key came once more. What was under way meanwhile is still new.
   void count_from(const ReceiveKey& first) { position_ = first.position_; }
+  /// Before it is published, by one caller at a time: another endpoint has the same sender's key.
+  /// What was under way to that one is lost, and a reliable sender repeats it.
+  void count_with(const ReceiveKey& other);
 
  private:
   struct Aside {
@@ -72,7 +96,11 @@ class ReceiveKey final : public Retirable {
   std::unique_ptr<ReceiveSession> blank();
   Published<ReceiveSession>& place_for_next();
 
-  std::optional<SendPosition> position_;  ///< nothing: its sender did not say
+  static std::shared_ptr<NewestPosition> position_of(std::optional<SendPosition> said) {
+    return said ? std::make_shared<NewestPosition>(std::move(*said)) : nullptr;
+  }
+
+  std::shared_ptr<NewestPosition> position_;  ///< null: its sender did not say
   const KeyMaterial material_;
   const KindTraits traits_;
   const KeyEnvironment& environment_;

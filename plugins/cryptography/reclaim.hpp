@@ -83,6 +83,7 @@ template <class T>
 class Published {
  public:
   Published() = default;
+  explicit Published(std::unique_ptr<T> first) : pointer_(first.release()) {}
   ~Published() { delete pointer_.load(); }
   Published(const Published&) = delete;
   Published& operator=(const Published&) = delete;

@@ -92,6 +92,24 @@ EntityId Routes::other_owner(KeyId key, const EntityId& owner) const {
   return {};
 }
 
+const ReceiveKey* Routes::same_sender_key(const KeyMaterial& material) const {
+  const auto is_same = [&](const KeyMaterial& other) {
+    return other.kind == material.kind && other.sender_key_id == material.sender_key_id &&
+           other.salt == material.salt && other.sender_key == material.sender_key;
+  };
+  const auto* const table = table_.read();
+  if (table == nullptr) return nullptr;
+  for (const auto run : table->runs())
+    for (const auto& route :
+         std::ranges::equal_range(run, material.sender_key_id, {}, &Route::key_id)) {
+      const auto* const endpoint = endpoint_of(route);
+      if (endpoint == nullptr || endpoint->local.is_volatile) continue;
+      const auto& key = endpoint->remote_keys.read()->submessage;
+      if (key && is_same(key->material())) return key.get();
+    }
+  return nullptr;
+}
+
 Routes::Run Routes::merged(const Run& a, const Run& b) const {
   Run both;
   both.reserve(a.size() + b.size());

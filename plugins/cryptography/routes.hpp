@@ -21,7 +21,9 @@
 
 namespace ddssec::cryptography {
 
+struct KeyMaterial;
 struct RemoteEndpoint;
+class ReceiveKey;
 
 struct Route {
   KeyId key_id;           ///< zero: of the key exchange
@@ -51,6 +53,9 @@ class Routes {
   /// By the caller of `add`: an endpoint that is not `owner` and has that key; zero if none is
   /// known.
   EntityId other_owner(KeyId key, const EntityId& owner) const;
+  /// By the caller of `add`: a key of the same sender that an endpoint has, whatever the receiver's
+  /// own part; nullptr if there is none.
+  const ReceiveKey* same_sender_key(const KeyMaterial& material) const;
 
  private:
   using Run = std::vector<Route>;  // sorted

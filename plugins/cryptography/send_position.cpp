@@ -10,6 +10,13 @@ namespace {
 
 constexpr std::size_t kHeadSize = 12, kRangeSize = 8;
 
+/// Was the message of that session and suffix protected before the sender stood at `position`?
+bool is_before(std::uint32_t session, std::uint64_t suffix, const SendPosition& position) {
+  const auto has_it = [session](const SessionRange& range) { return range.contains(session); };
+  if (std::ranges::none_of(position.begun, has_it)) return false;
+  return session != position.session || static_cast<std::int64_t>(suffix - position.suffix) < 0;
+}
+
 }  // namespace
 
 bool SendPosition::has_passed(const Iv& iv) const noexcept {
@@ -17,9 +24,11 @@ bool SendPosition::has_passed(const Iv& iv) const noexcept {
   std::uint64_t of_message = 0;
   for (std::size_t i = 0; i < 4; ++i) id = id << 8 | iv[i];
   for (std::size_t i = 4; i < iv.size(); ++i) of_message = of_message << 8 | iv[i];
-  const auto has_it = [id](const SessionRange& range) { return range.contains(id); };
-  if (std::ranges::none_of(begun, has_it)) return false;
-  return id != session || static_cast<std::int64_t>(of_message - suffix) < 0;
+  return is_before(id, of_message, *this);
+}
+
+bool SendPosition::is_after(const SendPosition& other) const noexcept {
+  return is_before(other.session, other.suffix, *this);
 }
 
 Bytes serialize(const SendPosition& position) {

@@ -31,6 +31,8 @@ struct SendPosition {
 
   /// Was a message with that IV protected before?
   bool has_passed(const Iv& iv) const noexcept;
+  /// Did the sender stand at `other` before it stood here? False if both are the same.
+  bool is_after(const SendPosition& other) const noexcept;
   bool operator==(const SendPosition&) const = default;
 };
 

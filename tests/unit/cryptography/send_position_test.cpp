@@ -36,6 +36,14 @@ TEST(SendPosition, CountsPastTheGreatestNumbers) {
   EXPECT_FALSE(wraps.has_passed(iv(2, 0)));
 }
 
+TEST(SendPosition, IsAfterThoseThatItsSenderHasLeft) {
+  EXPECT_FALSE(kThird.is_after(kThird));
+  EXPECT_TRUE(kThird.is_after({12, 999, {{10, 2}}}));
+  EXPECT_TRUE(kThird.is_after({11, 5000, {{10, 1}}}));
+  EXPECT_FALSE(kThird.is_after({13, 0, {{10, 3}}}));
+  EXPECT_FALSE(kThird.is_after({700, 0, {{700, 0}, {10, 2}}})) << "a child's";
+}
+
 TEST(SendPosition, SessionsBeforeAForkHavePassed) {
   const SendPosition child{700, 0, {{700, 0}, {10, 2}}};
   EXPECT_TRUE(child.has_passed(iv(12, 1)));
@@ -102,15 +110,16 @@ struct LostAndFound : ::testing::Test {
         b.factory().register_matched_remote_datawriter(ends.reader, b.remote, secret(seed)).value();
     two.take_writer(ends, two.writer_tokens(ends).value()).value();
   }
-  void begin() {
-    ends = two.endpoints(
-        testing::endpoint_attributes(spi::ProtectionKind::encrypt, spi::ProtectionKind::none));
+  void begin(spi::ProtectionKind kind = spi::ProtectionKind::encrypt) {
+    if (two.a.remote) lose();
+    for (auto* side : {&two.a, &two.b}) testing::TwoSides::match(*side);
+    ends = two.endpoints(testing::endpoint_attributes(kind, spi::ProtectionKind::none));
     lose();
     meet(5);
   }
   void lose() {
     for (auto* side : {&two.a, &two.b})
-      ASSERT_TRUE(side->factory().unregister_participant(side->remote));
+      ASSERT_TRUE(side->factory().unregister_participant(std::exchange(side->remote, {})));
   }
   Bytes sent() {
     const auto message = testing::DataMessage{.writer = kWriter, .number = ++number}.octets();
@@ -135,6 +144,33 @@ TEST_F(LostAndFound, WhatCameBeforeIsNotNew) {
   for (const auto& recorded : {first, second, missed})
     EXPECT_EQ(testing::code_of(got(recorded)), Code::message_from_before);
   EXPECT_TRUE(got(sent()));
+}
+
+// The host hands what one reader can read to all that hear the same writer.
+TEST_F(LostAndFound, ALaterReaderMakesNothingNewThatTheWriterSentBeforeIt) {
+  for (const auto kind : {spi::ProtectionKind::encrypt, spi::ProtectionKind::sign,
+                          spi::ProtectionKind::encrypt_with_origin_authentication}) {
+    begin(kind);
+    const auto first = sent(), missed = sent();
+    EXPECT_TRUE(got(first));
+    auto later = ends;
+    const auto attributes = testing::endpoint_attributes(kind, spi::ProtectionKind::none);
+    later.reader =
+        two.b.factory().register_local_datareader(two.b.participant, {}, attributes).value();
+    two.match_endpoints(later);
+    for (const auto& recorded : {first, missed})
+      EXPECT_EQ(testing::code_of(got(recorded)), Code::message_from_before);
+    EXPECT_TRUE(got(sent())) << "what comes is new to both";
+    const auto under_way = sent();
+    two.take_writer(later, two.writer_tokens(later).value()).value();
+    EXPECT_TRUE(got(under_way)) << "the later reader got its tokens again, and is not later for it";
+    ASSERT_TRUE(two.b.factory().unregister_datareader(ends.reader));
+    const auto reached = [&](const Bytes& encoded) {
+      return testing::decode_submessage(two, later, encoded);
+    };
+    EXPECT_FALSE(reached(first));
+    lose();
+  }
 }
 
 // Its process has just started: it remembers nothing.
