@@ -237,8 +237,11 @@ bool TokenLedger::is_given_up(const Key& key, Entry& entry, bool are_builtin_mat
 Status TokenLedger::check_room(const Key& key, const TokenSender& sender) {
   const auto found = accounts_.find(account_of(key, sender));
   const auto [pending, all] = found == accounts_.end() ? Account{} : found->second;
+  const bool is_of_application =
+      key.remote.entity != kEntityIdParticipant && !is_builtin(key.remote.entity);
+  const auto of_certificate = is_of_application ? kMostPending : kMostPending + kReserved;
   const auto most =
-      sender.is_proven ? kMostPending : std::min(kMostPending, kMostUnproven - unproven_pending_);
+      sender.is_proven ? of_certificate : std::min(kMostPending, kMostUnproven - unproven_pending_);
   if (pending >= most)
     return fail(Code::crypto_tokens_crowded, {.document = std::string(kDocument),
                                               .expected = std::to_string(most),

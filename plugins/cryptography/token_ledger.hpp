@@ -132,6 +132,9 @@ class TokenLedger {
   /// Of all senders whose prefix is not proven, which can name any. Each has a share like that of a
   /// certificate, but no more than is left for others: so a further one finds some.
   static constexpr std::size_t kMostUnproven = 4 * kMostPending;
+  /// More of a certificate's, for the few that participants and builtin endpoints have: without
+  /// these nothing else works.
+  static constexpr std::size_t kReserved = 2048;
   /// After an exchange has ended: the host's five minutes, and what a message may wait in its
   /// queue. While it lives the host may hold messages back for any time, until one that is missing
   /// comes.

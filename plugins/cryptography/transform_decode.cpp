@@ -174,9 +174,11 @@ Result<Judgement> judge(const Shared& shared, const RemoteEndpoint& sender, cons
                                                          .found = message.local.to_string()})};
   if (!may_be_used(shared, sender, message)) return Judgement{{Kind::hidden}};
   const bool are_matched = is_builtin(message.remote.entity) && are_builtin_matched(shared, sender);
-  const auto passage =
-      DDSSEC_TRY(shared.ledger.note(message, {pair.number, pair.peer_prefix.has_value()},
-                                    are_matched, shared.environment.clock.monotonic()));
+  auto noted = shared.ledger.note(message, {pair.number, pair.peer_prefix.has_value()}, are_matched,
+                                  shared.environment.clock.monotonic());
+  // One that is not accepted would hold up all that follow, those of honest endpoints too.
+  if (!noted) return Judgement{{Kind::hidden}, std::move(noted).error()};
+  const auto passage = *noted;
   // The host logs it. It is no event: honest peers that met again after a loss send such messages.
   if (passage.kind == Kind::later) return fail(Code::crypto_tokens_repeated);
   if (passage.kind != Kind::repeated) return Judgement{passage};

@@ -308,6 +308,9 @@ TEST(TokenLedger, HoldsSoManyOfOneCertificate) {
   }
   EXPECT_EQ(code_of(note(TokenLedger::kMostPending + 1)), Code::crypto_tokens_crowded);
   EXPECT_EQ(host.ledger.size(), TokenLedger::kMostPending);
+  const Guid own{kOurs, kEntityIdParticipant}, peer{kPeer, kEntityIdParticipant};
+  EXPECT_TRUE(host.ledger.note({peer, own, 1, false, fresh_tokens(), 0, 0}, {1}, false, host.now))
+      << "what everything else depends on has room";
   host.remote.prefix = kVictim;
   EXPECT_TRUE(note(1));
   host.ledger.end(1, host.now);

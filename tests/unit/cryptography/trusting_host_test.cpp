@@ -161,6 +161,29 @@ TEST(TrustingHost, GetsNoTokensThatNothingHereCanUse) {
   EXPECT_EQ(engine.two.b.events.codes.back(), Code::crypto_token_form);
 }
 
+// A message that is refused would be missing, and hold up all that follow.
+TEST(TrustingHost, GetsWhatFollowsWhenTheLedgerIsFull) {
+  Engine engine(false);
+  const auto tokens = engine.two.writer_tokens(engine.user).value();
+  const auto passes = [&](std::uint32_t number, std::string_view class_id) {
+    EntityId invented = kWriter;
+    for (std::size_t i = 0; i < 3; ++i)
+      invented.octets[i] = static_cast<std::uint8_t>(number >> (16 - 8 * i));
+    const auto payload = token_message({kPeer, invented}, {kOurs, kReader}, tokens, class_id);
+    const auto octets = DataMessage{.number = number, .payload = payload}.octets();
+    const auto out = decode_submessage(engine.two, engine.ends,
+                                       encode_submessage(engine.two, engine.ends, octets).value());
+    EXPECT_TRUE(out);
+    return out.value()[24 + 104] == 'd';
+  };
+  std::uint32_t number = 0;
+  while (number < TokenLedger::kMostPending) ASSERT_TRUE(passes(++number, kOfWriter));
+  EXPECT_EQ(engine.two.b.events.codes, std::vector<Code>());
+  EXPECT_FALSE(passes(++number, kOfWriter));
+  EXPECT_EQ(engine.two.b.events.codes, std::vector{Code::crypto_tokens_crowded});
+  EXPECT_TRUE(passes(++number, kOfParticipant)) << "there is room for what all else depends on";
+}
+
 TEST(CheckingHost, GetsTokensAsTheyCome) {
   Engine engine(true);
   const auto tokens = engine.two.writer_tokens(engine.user).value();
