@@ -82,7 +82,13 @@ HandshakeWatch::Past& HandshakeWatch::past_of(const Guid& guid, Duration now) {
 }
 
 bool HandshakeWatch::is_settled(IdentityHandle handle, Remote& remote, const Questions& ask) const {
-  if (remote.is_settled || !remote.is_finished) return remote.is_settled;
+  if (!remote.is_finished) return false;
+  if (remote.is_settled) {
+    if (!ask.is_matched || ask.is_matched(handle)) return true;
+    remote.since = clock_.monotonic();
+    remote.lacks_endpoints = true;
+    return false;
+  }
   remote.lacks_endpoints = false;
   if (ask.has_keys && !ask.has_keys(handle)) {
     if (ask.last_heard) remote.since = std::max(remote.since, ask.last_heard(handle));

@@ -61,7 +61,8 @@ class HandshakeWatch {
     /// Has the remote sent its keys?
     std::function<bool(spi::IdentityHandle)> has_keys = {};
     /// Has the host matched it with all our builtin endpoints? A forged announcement, in which some
-    /// are missing, would keep the two from discovering each other's endpoints.
+    /// are missing or which disposes one, would keep the two from discovering each other's
+    /// endpoints: builtin endpoints go with their participant only.
     std::function<bool(spi::IdentityHandle)> is_matched = {};
     /// When did the remote last show that it has our shared secret? It finished its half then, and
     /// its keys may still come: a peer that does not notice that we begin anew is not given up.
@@ -79,7 +80,7 @@ class HandshakeWatch {
     bool is_under_way = false;  ///< we sent a request or a reply
     bool is_finished = false;
     bool lacks_endpoints = false;
-    bool is_settled = false;  ///< never to be given up
+    bool is_settled = false;  ///< not to be given up while its builtin endpoints are there
   };
   struct Past {
     unsigned times = 0;

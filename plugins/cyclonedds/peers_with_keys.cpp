@@ -39,7 +39,7 @@ void PeersWithKeys::left(spi::ParticipantCryptoHandle peer) {
       named != by_identity_.end() && named->second == peer.value)
     by_identity_.erase(named);
   if (!known->second.sent_keys) --awaited_;
-  std::erase_if(endpoints_, [&](const auto& entry) { return entry.second == peer.value; });
+  std::erase_if(endpoints_, [&](const auto& entry) { return entry.second.peer == peer.value; });
   peers_.erase(known);
 }
 
@@ -57,7 +57,7 @@ void PeersWithKeys::matched(std::int64_t endpoint, spi::ParticipantCryptoHandle 
                             std::int64_t own) noexcept {
   const std::lock_guard lock(mutex_);
   try {
-    endpoints_[endpoint] = peer.value;
+    endpoints_.insert_or_assign(endpoint, Endpoint{peer.value, own});
     const auto known = peers_.find(peer.value);
     if (known != peers_.end() && builtin_.contains(own)) known->second.matched.insert(own);
   } catch (...) {
@@ -67,7 +67,13 @@ void PeersWithKeys::matched(std::int64_t endpoint, spi::ParticipantCryptoHandle 
 
 void PeersWithKeys::forget(std::int64_t endpoint) {
   const std::lock_guard lock(mutex_);
-  endpoints_.erase(endpoint);
+  if (const auto known = endpoints_.extract(endpoint)) {
+    const auto peer = peers_.find(known.mapped().peer);
+    if (peer == peers_.end()) return;
+    auto& matched = peer->second.matched;
+    if (const auto own = matched.find(known.mapped().own); own != matched.end()) matched.erase(own);
+    return;
+  }
   if (builtin_.erase(endpoint) == 0) return;
   for (auto& [handle, peer] : peers_) peer.matched.erase(endpoint);
 }
@@ -76,7 +82,7 @@ void PeersWithKeys::heard(std::int64_t endpoint, std::chrono::nanoseconds now) {
   const std::lock_guard lock(mutex_);
   const auto known = endpoints_.find(endpoint);
   if (known == endpoints_.end()) return;
-  if (const auto peer = peers_.find(known->second); peer != peers_.end())
+  if (const auto peer = peers_.find(known->second.peer); peer != peers_.end())
     peer->second.last_heard = now;
 }
 

@@ -42,7 +42,7 @@ class PeersWithKeys {
   bool awaits_keys() const noexcept { return awaited_.load(std::memory_order_relaxed) > 0; }
 
   bool contains(spi::IdentityHandle identity) const;
-  /// Has each of our protected builtin endpoints been matched? True as well for a peer that does
+  /// Is each of our protected builtin endpoints matched? True as well for a peer that does
   /// not have all kSecureEndpoints: what it lacks is not known here.
   bool is_matched(spi::IdentityHandle identity) const;
   /// 0: never.
@@ -54,15 +54,19 @@ class PeersWithKeys {
     bool sent_keys = false;
     bool has_all_endpoints = false;
     std::chrono::nanoseconds last_heard{};
-    std::set<std::int64_t> locals = {};   ///< that met it
-    std::set<std::int64_t> matched = {};  ///< builtin endpoints of ours
+    std::set<std::int64_t> locals = {};        ///< that met it
+    std::multiset<std::int64_t> matched = {};  ///< builtin endpoints of ours, for each of its own
+  };
+  struct Endpoint {
+    std::int64_t peer;  ///< its crypto handle
+    std::int64_t own;   ///< of ours, which it is matched with
   };
   const Peer* find(spi::IdentityHandle identity) const;
 
   mutable std::mutex mutex_;
   std::unordered_map<std::int64_t, Peer> peers_;                ///< by crypto handle
   std::unordered_map<std::int64_t, std::int64_t> by_identity_;  ///< crypto handle
-  std::unordered_map<std::int64_t, std::int64_t> endpoints_;    ///< crypto handle of their peer
+  std::unordered_map<std::int64_t, Endpoint> endpoints_;        ///< of peers
   std::unordered_map<std::int64_t, std::int64_t> builtin_;      ///< ours: their local participant
   std::atomic<std::size_t> awaited_ = 0;                        ///< peers without keys
 };

@@ -159,8 +159,36 @@ TEST_F(HandshakeWatchTest, APeerWhoseEndpointsAreMatchedIsSettled) {
   EXPECT_TRUE(after(10s).empty());
   matched = true;
   EXPECT_TRUE(after(1s).empty());
-  matched = false;  // endpoints go when the participant does
   EXPECT_TRUE(after(300s).empty());
+  matched = false;  // endpoints go when the participant does, which takes a moment
+  EXPECT_TRUE(after(100ms).empty());
+  watch.forget(remote);
+  EXPECT_TRUE(after(300s).empty());
+}
+
+// A stranger disposed one of them.
+TEST_F(HandshakeWatchTest, APeerThatLosesAnEndpointAfterwardsIsGivenUp) {
+  bool matched = true, sent_keys = true;
+  ask.has_keys = [&](auto) { return sent_keys; };
+  ask.is_matched = [&](auto) { return matched; };
+  watch.met(remote, guid_of(1));
+  watch.progressed(remote, handshake);
+  watch.finished(handshake);
+  EXPECT_TRUE(after(300s).empty());
+  sent_keys = false;
+  EXPECT_TRUE(after(300s).empty()) << "they came";
+  sent_keys = true;
+  matched = false;
+  EXPECT_TRUE(after(1s).empty());
+  matched = true;
+  EXPECT_TRUE(after(300s).empty()) << "it is back";
+  matched = false;
+  EXPECT_TRUE(after(1s).empty());
+  EXPECT_TRUE(after(19s).empty());
+  const auto stuck = after(2s);
+  ASSERT_EQ(stuck.size(), 1u);
+  EXPECT_EQ(stuck[0].remote, remote);
+  EXPECT_TRUE(stuck[0].lacks_endpoints);
 }
 
 // The host removes a remote participant for all its local ones.

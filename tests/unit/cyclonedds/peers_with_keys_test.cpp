@@ -82,6 +82,30 @@ TEST(PeersWithKeys, AreMatchedWithAllBuiltinEndpointsOfThoseThatMetThem) {
   EXPECT_TRUE(peers.is_matched({7}));
 }
 
+TEST(PeersWithKeys, AreNotMatchedOnceABuiltinEndpointOfTheirsIsGone) {
+  PeersWithKeys peers;
+  peers.add_builtin(11, kLocal);
+  peers.add_builtin(12, kLocal);
+  for (const std::int64_t peer : {70, 80}) {
+    peers.met({peer}, {peer / 10}, kLocal, kAll);
+    peers.matched(10 * peer, {peer}, 11);
+    peers.matched(10 * peer + 1, {peer}, 12);
+  }
+  peers.matched(702, {70}, 99);  // an application's
+  peers.forget(702);
+  EXPECT_TRUE(peers.is_matched({7}));
+  peers.forget(700);
+  EXPECT_FALSE(peers.is_matched({7}));
+  EXPECT_TRUE(peers.is_matched({8}));
+  peers.matched(703, {70}, 11);
+  EXPECT_TRUE(peers.is_matched({7}));
+  peers.matched(704, {70}, 11);  // anew, before the former one is gone
+  peers.forget(703);
+  EXPECT_TRUE(peers.is_matched({7}));
+  peers.forget(704);
+  EXPECT_FALSE(peers.is_matched({7}));
+}
+
 TEST(PeersWithKeys, MayHaveFewerBuiltinEndpointsThanOurs) {
   PeersWithKeys peers;
   peers.add_builtin(11, kLocal);
