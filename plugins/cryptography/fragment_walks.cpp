@@ -14,76 +14,105 @@ std::size_t fragments_of(const DataPiece& piece) {
 
 }  // namespace
 
+void FragmentWalks::Table::erase(Samples::iterator sample) {
+  fragments -= sample->second.count;
+  samples.erase(sample);
+}
+
+void FragmentWalks::Numbers::insert(std::uint64_t number) {
+  numbers_.insert(number);
+  while (numbers_.size() > most_) {
+    all_until_ = *numbers_.begin();
+    numbers_.erase(numbers_.begin());
+  }
+}
+
 Status FragmentWalks::take(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece) {
   const std::lock_guard lock(mutex_);
   ++pieces_;
   auto& writer = writers_[topic.writer];
-  const auto sample = DDSSEC_TRY(sample_of(topic, writer, piece));
-  auto status = read(topic, owner, piece, sample->second);
-  if (sample->second.passed.empty()) {  // the host got nothing of it
-    writer.fragments -= sample->second.count;
-    writer.samples.erase(sample);
-  }
+  auto [table, place] = DDSSEC_TRY(place_of(topic, writer, piece));
+  auto status = read(topic, owner, piece, place->second);
+  if (place->second.passed.empty())
+    table.erase(place);  // the host got nothing of it
+  else if (place->second.is_whole())
+    writer.once_whole.insert(piece.number);
   return status;
 }
 
-Result<FragmentWalks::Samples::iterator> FragmentWalks::sample_of(const BuiltinTopic& topic,
-                                                                  Writer& writer,
-                                                                  const DataPiece& piece) {
-  if (const auto found = writer.samples.find(piece.number); found != writer.samples.end()) {
+Result<FragmentWalks::Place> FragmentWalks::place_of(const BuiltinTopic& topic, Writer& writer,
+                                                     const DataPiece& piece) {
+  for (auto* const table : {&writer.fresh, &writer.again}) {
+    const auto found = table->samples.find(piece.number);
+    if (found == table->samples.end()) continue;
     const auto& known = found->second;
     if (known.size != piece.sample_size || known.fragment_size != piece.fragment_size)
       return unreadable_name(topic, "its fragments are of different sizes");
-    return found;
+    return Place{*table, found};
   }
   const auto count = fragments_of(piece);
   if (count > kMostOfSample) return unreadable_name(topic, "it is too large");
-  if (piece.number <= writer.given_up_until || writer.given_up.contains(piece.number))
+  if (writer.given_up.contains(piece.number))
     return unreadable_name(topic, "it was given up, being unfinished for long");
   if (!piece.begins_sample) return early();
-  DDSSEC_TRY(make_room(writer, piece.number, count));
-  writer.fragments += count;
-  return writer.samples
-      .emplace(piece.number, Sample{.size = piece.sample_size,
-                                    .fragment_size = piece.fragment_size,
-                                    .count = count,
-                                    .last_progress = pieces_})
-      .first;
-}
-
-Status FragmentWalks::make_room(Writer& writer, std::uint64_t number, std::size_t fragments) {
-  while (writer.samples.size() >= kMostSamples || writer.fragments + fragments > kMostFragments) {
-    const auto victim = dispensable(writer, number);
-    if (victim == writer.samples.end()) return early();
-    if (!victim->second.is_whole()) writer.given_up.insert(victim->first);
-    writer.fragments -= victim->second.count;
-    writer.samples.erase(victim);
-  }
-  while (writer.given_up.size() > kMostGivenUp) {
-    writer.given_up_until = *writer.given_up.begin();
-    writer.given_up.erase(writer.given_up.begin());
-  }
-  return {};
+  const bool is_again = writer.once_whole.contains(piece.number);
+  DDSSEC_TRY(is_again ? make_room_again(writer, piece.number, count)
+                      : make_room(writer, piece.number, count));
+  auto& table = is_again ? writer.again : writer.fresh;
+  table.fragments += count;
+  const Sample sample{.size = piece.sample_size,
+                      .fragment_size = piece.fragment_size,
+                      .count = count,
+                      .last_progress = pieces_};
+  return Place{table, table.samples.emplace(piece.number, sample).first};
 }
 
 /// A whole sample has left the place where the host keeps fragments; its digests only stay lest
 /// another thread should be late. What has made no progress for long is void at its writer, or was
 /// sent again for another reader. Of the rest the host needs the lowest numbers first.
-FragmentWalks::Samples::iterator FragmentWalks::dispensable(Writer& writer,
-                                                            std::uint64_t number) const {
-  auto& samples = writer.samples;
+Status FragmentWalks::make_room(Writer& writer, std::uint64_t number, std::size_t fragments) {
+  auto& [samples, taken] = writer.fresh;
+  while (samples.size() >= kMostSamples || taken + fragments > kMostFragments) {
+    auto victim = oldest_whole(samples);
+    if (victim == samples.end()) victim = stale(samples);
+    if (victim == samples.end() && number < std::prev(samples.end())->first)
+      victim = std::prev(samples.end());
+    if (victim == samples.end()) return early();
+    if (!victim->second.is_whole()) writer.given_up.insert(victim->first);
+    writer.fresh.erase(victim);
+  }
+  return {};
+}
+
+/// The host has got them once, and needs one again only if it had no room for it, or for another
+/// reader. Of an unfinished one it may hold fragments: it must not begin anew with other content.
+Status FragmentWalks::make_room_again(Writer& writer, std::uint64_t number,
+                                      std::size_t fragments) const {
+  if (writer.closed.contains(number)) return early();
+  auto& [samples, taken] = writer.again;
+  while (samples.size() >= kMostSamples || taken + fragments > kMostFragments) {
+    auto victim = oldest_whole(samples);
+    if (victim == samples.end()) victim = stale(samples);
+    if (victim == samples.end()) return early();
+    if (!victim->second.is_whole()) writer.closed.insert(victim->first);
+    writer.again.erase(victim);
+  }
+  return {};
+}
+
+FragmentWalks::Samples::iterator FragmentWalks::oldest_whole(Samples& samples) const {
   auto oldest = samples.end();
   for (auto one = samples.begin(); one != samples.end(); ++one)
     if (one->second.is_whole() &&
         (oldest == samples.end() || one->second.last_progress < oldest->second.last_progress))
       oldest = one;
-  if (oldest != samples.end()) return oldest;
-  const auto stale = std::ranges::find_if(samples, [&](const auto& one) {
+  return oldest;
+}
+
+FragmentWalks::Samples::iterator FragmentWalks::stale(Samples& samples) const {
+  return std::ranges::find_if(samples, [&](const auto& one) {
     return pieces_ - one.second.last_progress > kPiecesUntilStale;
   });
-  if (stale != samples.end()) return stale;
-  const auto highest = std::prev(samples.end());
-  return number < highest->first ? highest : samples.end();
 }
 
 Status FragmentWalks::read(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece,

@@ -189,6 +189,49 @@ TEST_F(FragmentWalksTest, WhatNobodyGoesOnWithMakesRoom) {
   EXPECT_EQ(pass(sample, 2, 1), Code::builtin_source_unreadable) << "it was given up";
 }
 
+// Whoever recorded them, or a writer that serves another reader.
+TEST_F(FragmentWalksTest, OldOnesThatBeginAgainHoldUpNoNewOne) {
+  const auto sample = announcement(kPeer, 3000);
+  constexpr std::uint32_t kMany = 2 * FragmentWalks::kMostSamples + 10;
+  for (std::uint32_t number = 1; number <= kMany; ++number)
+    ASSERT_EQ(pass_all(sample, number), Code{});
+  std::size_t refused = 0;
+  for (std::uint32_t number = 1; number <= kMany; ++number)
+    if (const auto code = pass(sample, 1, number); code != Code{}) {
+      EXPECT_EQ(code, Code::builtin_fragment_early);
+      ++refused;
+    }
+  EXPECT_GT(refused, 0u) << "they have places of their own, and no others";
+  EXPECT_EQ(pass_all(sample, kMany + 1), Code{});
+  EXPECT_EQ(pass_all(sample, 1), Code{}) << "and can come again as a whole";
+  EXPECT_EQ(pass_all(sample, kMany), Code{});
+}
+
+TEST_F(FragmentWalksTest, OldOnesThatNobodyGoesOnWithAreClosed) {
+  const auto sample = announcement(kPeer, 3000);
+  constexpr auto kMost = static_cast<std::uint32_t>(FragmentWalks::kMostSamples);
+  for (std::uint32_t number = 1; number <= 3 * kMost; ++number)
+    ASSERT_EQ(pass_all(sample, number), Code{});
+  for (std::uint32_t number = 1; number <= kMost; ++number)
+    ASSERT_EQ(pass(sample, 1, number), Code{});
+  std::uint64_t tries = 0;
+  while (pass(sample, 1, kMost + 1) == Code::builtin_fragment_early)
+    ASSERT_LE(++tries, FragmentWalks::kPiecesUntilStale);
+  EXPECT_EQ(pass(sample, 1, 1), Code::builtin_fragment_early)
+      << "the host had it, and may hold a part";
+  EXPECT_EQ(pass_all(sample, 2), Code{});
+  EXPECT_EQ(pass_all(sample, 3 * kMost + 1), Code{});
+}
+
+TEST_F(FragmentWalksTest, ThoseLongGoneAreOldOnesToo) {
+  const auto sample = announcement(kPeer, 3000);
+  constexpr auto kMany = static_cast<std::uint32_t>(2 * FragmentWalks::kMostOnceWhole);
+  for (std::uint32_t number = 1; number <= kMany; ++number)
+    ASSERT_EQ(pass_all(sample, number), Code{});
+  for (std::uint32_t number = 1; number <= kMany; ++number) (void)pass(sample, 1, number);
+  EXPECT_EQ(pass_all(sample, kMany + 1), Code{});
+}
+
 TEST_F(FragmentWalksTest, TooLargeOnesAreRefused) {
   Bytes sample = {0, 3, 0, 0};
   while (sample.size() <= FragmentWalks::kMostOfSample * kFragmentSize)
