@@ -87,7 +87,7 @@ Result<ReceiveKey*> submessage_key(const RemoteEndpoint& sender, SessionId sessi
   if (!sender.local.is_volatile) return received(sender.remote_keys, &LevelKeys::submessage);
   const auto* const pair = sender.participant.pair(sender.local.participant.handle());
   if (pair == nullptr) return fail(Code::crypto_not_matched);
-  if (pair->key_exchange_send->has_begun(session)) return fail(Code::submessage_not_of_sender);
+  if (pair->key_exchange_send->has_begun(session)) return fail(Code::key_exchange_reflected);
   return pair->key_exchange_receive.get();
 }
 
@@ -463,7 +463,7 @@ Result<spi::SecureSubmessage> Transform::preprocess_secure_submessage(
   // Without INFO_DST a trusting host gives a key token message to all its participants, and holds
   // its ticket twice.
   if (endpoint->local.is_volatile && !receiver && !shared_.host_checks_sources)
-    return fail(Code::submessage_not_of_sender, {.field = "INFO_DST", .found = "none"});
+    return fail(Code::key_exchange_undirected);
   const auto ours = endpoint->local.handle(), theirs = endpoint->handle();
   if (endpoint->kind() == EntityKind::remote_writer)
     return spi::SecureSubmessage{spi::SecureSubmessageCategory::datawriter, {theirs}, {ours}};

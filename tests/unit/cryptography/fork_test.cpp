@@ -172,7 +172,7 @@ TEST(Fork, AChildKnowsWhatItsParentSaidFromThePeersWords) {
     }
     return out;
   });
-  const auto expected = static_cast<std::uint32_t>(Code::submessage_not_of_sender);
+  const auto expected = static_cast<std::uint32_t>(Code::key_exchange_reflected);
   const auto low = static_cast<std::uint8_t>(expected),
              high = static_cast<std::uint8_t>(expected >> 8);
   EXPECT_EQ(codes, (Bytes{low, high, low, high}));
