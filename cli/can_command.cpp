@@ -167,7 +167,7 @@ Result<Answer> answer_to(const Question& question) {
   auto out = by_grant(question, *grant, verdict, "");
   const auto advice = advice_on(*grant, question.action, question.request, verdict);
   if (!advice.because.empty()) out.because += "; " + advice.because;
-  // Nobody asked about partitions: the answer is not to be taken for one about them.
+  // The question names no partition: the answer must not be taken for one about partitions.
   if (verdict.allowed && verdict.criteria != nullptr && question.request.partitions.empty())
     if (const auto where = partitions_of(*verdict.criteria); !where.empty())
       out.because += ", but " + where;

@@ -29,8 +29,7 @@ constexpr std::size_t kMostPassphraseLine = pki::Passphrase::capacity + 2;
 
 std::string uri(const fs::path& path) { return "file://" + path.string(); }
 
-// The path by which a file was read may be that of a folder's descriptor, which tells nobody
-// anything.
+// A file may have been read by the path of its folder's descriptor, which means nothing to a user.
 std::unexpected<Error> about(const Error& error, const fs::path& path) {
   return std::unexpected(pki::about_file(pki::about_file(error, as_held(path)), path));
 }

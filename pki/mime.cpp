@@ -238,13 +238,14 @@ bool is_plain_charset(const std::string& charset) {
 Result<MultipartSigned> split_multipart_signed(std::string_view text) {
   auto body = text;
   const auto headers = take_headers(body);
-  // An unsigned XML document, PEM or DER ends up here.
-  if (!headers)
-    return std::unexpected(text.find("multipart/signed") < kMostHeaderOctets
-                               ? headers.error()
-                               : refusal(Code::smime_not_multipart,
-                                         "Content-Type: multipart/signed",
-                                         trimmed(text.substr(0, text.find('\n')))));
+  if (!headers) {
+    // An unsigned XML document, PEM or DER does not begin with a header line.
+    const auto first = text.substr(0, text.find('\n'));
+    if (is_header_name(first.substr(0, first.find(':'))) && first.find(':') != first.npos)
+      return std::unexpected(headers.error());
+    return std::unexpected(
+        refusal(Code::smime_not_multipart, "Content-Type: multipart/signed", trimmed(first)));
+  }
   const auto boundary = DDSSEC_TRY(boundary_of(*headers));
   const auto lines = DDSSEC_TRY(find_delimiters(body, "--" + boundary));
   const bool two_parts =

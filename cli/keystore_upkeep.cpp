@@ -1,0 +1,161 @@
+#include "cli/keystore_upkeep.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <sys/stat.h>
+
+#include <fmt/format.h>
+
+#include "cli/doctor_options.hpp"
+#include "cli/held_folder.hpp"
+#include "cli/inputs.hpp"
+#include "cli/keystore.hpp"
+#include "cli/logged_certificate.hpp"
+#include "cli/products.hpp"
+#include "cli/transaction.hpp"
+#include "governance/doctor/diagnosis.hpp"
+#include "governance/doctor/lint_checks.hpp"
+#include "pki/source.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+namespace doctor = governance::doctor;
+
+// Every private key of a keystore that is a file of its own.
+std::vector<fs::path> private_keys(const fs::path& keystore) {
+  std::vector<fs::path> out;
+  std::error_code ignored;
+  for (const auto* name : {"ca.key.pem", "identity_ca.key.pem", "permissions_ca.key.pem"})
+    if (fs::symlink_status(keystore / "private" / name, ignored).type() == fs::file_type::regular)
+      out.push_back(keystore / "private" / name);
+  for (const auto& enclave : enclaves_of(keystore)) {
+    const auto key = keystore / enclave_folder(enclave) / "key.pem";
+    if (fs::symlink_status(key, ignored).type() == fs::file_type::regular) out.push_back(key);
+  }
+  return out;
+}
+
+bool is_for_others(const fs::path& path) {
+  struct stat status {};
+  return ::stat(path.c_str(), &status) == 0 && (status.st_mode & 077) != 0;
+}
+
+// What is true of every enclave is said once.
+void add_once(const std::vector<Finding>& findings, Report& report) {
+  for (const auto& finding : findings)
+    if (std::ranges::find(report.findings, finding.message, &Finding::message) ==
+        report.findings.end())
+      report.findings.push_back(finding);
+}
+
+// An enclave that was copied from another keystore is sound in itself, and yet a stranger here.
+void check_belongs(const fs::path& keystore, const doctor::LoadedFolder& enclave,
+                   const std::string& name, Report& report) {
+  const auto differs = [&](const fs::path& file, const fs::path& ours) {
+    report.exit = Exit::no;
+    report.findings.push_back(
+        {.rule = Rule::DOC006,
+         .message = fmt::format("{} of enclave {} is not the keystore's {}",
+                                file.filename().string(), name, ours.string()),
+         .document = file.string()});
+  };
+  const auto compare_cas = [&](const Result<std::vector<pki::Certificate>>& cas,
+                               const fs::path& file, std::string_view role) {
+    const auto ours = ca_paths(keystore, role).certificate;
+    const auto expected = read_certificates(ours);
+    if (cas && expected && to_pem(*cas) != to_pem(*expected)) differs(file, ours);
+  };
+  compare_cas(enclave.identity_cas, enclave.paths.identity_ca, "identity");
+  compare_cas(enclave.permissions_cas, enclave.paths.permissions_ca, "permissions");
+  const auto governance = keystore / "enclaves/governance.p7s";
+  const auto expected = read_file(governance, pki::kMostDocumentOctets);
+  if (enclave.governance.readable && expected && enclave.governance.file != *expected)
+    differs(enclave.paths.governance, governance);
+}
+
+}  // namespace
+
+Result<Report> keystore_verify(const Arguments& arguments, const Context& context) {
+  const fs::path keystore = arguments.text("KEYSTORE");
+  DDSSEC_TRY(check_keystore(keystore));
+  const auto now = context.clock.now();
+  Report report;
+  report.result = {{"enclaves", Json::array()}, {"keys_for_others", Json::array()}};
+  for (const auto& key : private_keys(keystore)) {
+    if (!is_for_others(key)) continue;
+    report.result["keys_for_others"].push_back(key.string());
+    if (key.parent_path() == keystore / "private")  // an enclave's own key is DOC003
+      report.errors.emplace_back(Code::key_readable_by_others, ErrorDetails{.document = key});
+  }
+  Report domains;
+  const auto lineup = installed_lineup();
+  for (const auto& name : enclaves_of(keystore)) {
+    const auto folder = pki::participant_folder(keystore / enclave_folder(name));
+    const auto loaded = doctor::load_folder(folder, now);
+    const auto domain = DDSSEC_TRY(domain_for(arguments, {&loaded}, now, domains));
+    const doctor::Settings settings{.now = now, .domain = domain, .lineup = lineup};
+    auto diagnosis = doctor::diagnose(loaded, settings);
+    doctor::check_lint(loaded, settings, diagnosis);
+    Json verdicts = Json::object();
+    std::string words;
+    for (const auto vendor : doctor::kVendors) {
+      const auto outcome = diagnosis.outcomes().of(vendor);
+      if (outcome != doctor::Outcome::ok) report.exit = Exit::no;
+      verdicts[doctor::id(vendor, lineup)] = to_string(outcome);
+      words += fmt::format("  {}: {}", doctor::label(vendor, lineup), to_string(outcome));
+    }
+    for (const auto& check : diagnosis.checks())
+      report.findings.insert(report.findings.end(), check.findings.begin(), check.findings.end());
+    check_belongs(keystore, loaded, name, report);
+    report.text += fmt::format("{:<30}  domain {}{}\n", name, domain, words);
+    report.result["enclaves"].push_back(
+        {{"name", name}, {"domain", domain}, {"verdicts", verdicts}});
+  }
+  add_once(domains.findings, report);
+  if (!report.result["keys_for_others"].empty()) report.exit = Exit::no;
+  return report;
+}
+
+Result<Report> keystore_import(const Arguments& arguments, const Context& context) {
+  const fs::path keystore = arguments.text("KEYSTORE");
+  DDSSEC_TRY(check_keystore(keystore));
+  const auto paths = ca_paths(keystore, "identity");
+  const auto ca = DDSSEC_TRY(read_certificate(paths.certificate));
+  const auto log = DDSSEC_TRY(read_issue_log(paths));
+  Report report;
+  report.result = {{"keys_closed", Json::array()}, {"logged", Json::array()}};
+  std::string lines;
+  std::map<std::string, fs::path> seen;
+  for (const auto& name : enclaves_of(keystore)) {
+    const auto folder = keystore / enclave_folder(name);
+    const auto certificate = DDSSEC_TRY(read_certificate(folder / "cert.pem"));
+    if (!certificate.is_issued_by(ca))
+      return fail(Code::issuer_unknown, {.document = folder / "cert.pem",
+                                         .expected = "one that " + ca.subject() + " issued",
+                                         .found = "one of " + certificate.issuer()});
+    DDSSEC_TRY(check_alone(certificate, folder, paths, log, seen));
+    std::error_code ignored;
+    if (log.find(certificate.serial()) != nullptr) continue;
+    lines += pki::IssueLog::issued_line(certificate,
+                                        fs::absolute(folder, ignored).lexically_normal().string(),
+                                        context.clock.now());
+    report.result["logged"].push_back(name);
+    report.text += fmt::format("logged {}  {}\n", name, certificate.subject());
+  }
+  for (const auto& key : private_keys(keystore)) {
+    if (!is_for_others(key) || !DDSSEC_TRY(close_key(key))) continue;
+    report.result["keys_closed"].push_back(key.string());
+    report.text += fmt::format(
+        "{} is for its owner only now; other users of this machine may have copied it\n",
+        key.string());
+  }
+  if (!writes_nothing()) ::chmod((keystore / "private").c_str(), 0700);
+  if (!lines.empty()) DDSSEC_TRY(log_issued(paths, lines));
+  if (report.text.empty()) report.text = "nothing was left to do\n";
+  return report;
+}
+
+}  // namespace ddssec::cli
