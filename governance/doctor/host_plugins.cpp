@@ -188,7 +188,7 @@ LoaderPlaces LoaderPlaces::here() {
 }
 
 std::string maker_of(const HostPlugin& plugin) {
-  if (plugin.maker == Maker::nobody) return "not found";
+  if (plugin.maker == Maker::none) return "not found";
   if (plugin.maker == Maker::other) return "stock, not ddssec's";
   return plugin.version.empty() ? "ddssec" : "ddssec " + plugin.version;
 }
@@ -226,7 +226,7 @@ void check_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlac
     makers.insert(plugin.maker);
     if (plugin.maker == Maker::ours) versions.insert(plugin.version);
   }
-  if (makers.size() > 1 && makers.contains(Maker::nobody))
+  if (makers.size() > 1 && makers.contains(Maker::none))
     return out.report(
         {.cyclonedds = Outcome::fail, .ours = Outcome::fail},
         finding_of("Cyclone DDS would not find all of its plugins: " + listed(plugins), plugins));

@@ -25,11 +25,11 @@ struct LoaderPlaces {
 
 /// One plugin as the configuration names it, and what the loader makes of that.
 struct HostPlugin {
-  enum class Maker : std::uint8_t { nobody, ours, other };
+  enum class Maker : std::uint8_t { none, ours, other };
   std::string_view role;       ///< authentication, access control, cryptography
   std::string library;         ///< the `path` of its <Library>
   std::filesystem::path file;  ///< empty: nothing is found
-  Maker maker = Maker::nobody;
+  Maker maker = Maker::none;
   std::string version = {};  ///< of ours; empty: not known
 };
 /// "ddssec 0.1.0", "stock, not ddssec's", "not found".
@@ -45,7 +45,7 @@ std::vector<HostPlugin> plugins_of_node(const LoaderPlaces& places);
 bool is_ours(const std::filesystem::path& library);
 
 /// Reports plugins that are missing or of several products or versions, and others in place of ours
-/// where LD_LIBRARY_PATH shows that ours were meant: the application runs all the same then, and
+/// where LD_LIBRARY_PATH shows that ours were meant: the application runs nevertheless, and
 /// says nothing.
 void check_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlaces& places,
                         Diagnosis& out);
