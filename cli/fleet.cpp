@@ -123,13 +123,17 @@ Result<ParticipantSpec> participant_of(const toml::table& node, const fs::path& 
   return spec;
 }
 
+// What failed, without the part that may quote the file: a path may lead to any file.
+std::string without_content(std::string_view description) {
+  return std::string(description.substr(0, description.find(": ")));
+}
+
 Result<toml::table> parsed(std::string_view text, const fs::path& file) {
   auto result = toml::parse(text);
   if (result) return std::move(result).table();
-  return fail(Code::fleet_malformed,
-              {.document = file,
-               .line = static_cast<int>(result.error().source().begin.line),
-               .note = std::string(result.error().description()).substr(0, 256)});
+  return fail(Code::fleet_malformed, {.document = file,
+                                      .line = static_cast<int>(result.error().source().begin.line),
+                                      .note = without_content(result.error().description())});
 }
 
 }  // namespace

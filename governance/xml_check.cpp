@@ -25,6 +25,14 @@ bool is_name_start(char c) {
 
 bool is_name(char c) { return is_name_start(c) || (c >= '0' && c <= '9') || c == '-' || c == '.'; }
 
+/// XML 1.0, production 81, of no more characters than the known ones have.
+bool is_encoding(std::string_view name) {
+  constexpr std::size_t kMost = 20;
+  return name.size() <= kMost && std::ranges::all_of(name, [](char c) {
+           return static_cast<unsigned char>(c) < 0x80 && c != ':' && is_name(c);
+         });
+}
+
 /// XML 1.0, production 2.
 bool is_xml_character(std::uint32_t c) {
   return c == 0x9 || c == 0xA || c == 0xD || (c >= 0x20 && c <= 0xD7FF) ||
@@ -109,12 +117,13 @@ class MarkupCheck {
     return fail(Code::xml_not_well_formed,
                 {.line = line(), .expected = std::move(expected), .found = std::move(found)});
   }
-  /// What stands here, for a person; nothing that could upset a log.
+  /// What stands here, for a person. One character, since a path may lead to any file of the
+  /// machine: what is no XML must not be quoted.
   std::string shown() const {
-    std::string text(rest().substr(0, 24));
-    std::ranges::replace_if(
-        text, [](char c) { return c < ' ' || c > '~'; }, '?');
-    return text;
+    if (at_ >= all_.size()) return "the end of the document";
+    const char c = all_[at_];
+    if (is_space(c)) return "white space";
+    return c > ' ' && c <= '~' ? std::string{'\'', c, '\''} : "another character";
   }
 
   /// Moves behind the next `end`, or fails.
@@ -143,10 +152,11 @@ class MarkupCheck {
       const auto close = quote == lower.npos ? quote : lower.find(lower[quote], quote + 1);
       if (close == lower.npos) return ill("a quoted encoding", shown());
       const std::string value = lower.substr(quote + 1, close - quote - 1);
-      if (value != "utf-8" && value != "utf8" && value != "us-ascii") {
-        return fail(Code::xml_encoding,
-                    {.line = line(), .field = "encoding", .expected = "UTF-8", .found = value});
-      }
+      if (value != "utf-8" && value != "utf8" && value != "us-ascii")
+        return fail(Code::xml_encoding, {.line = line(),
+                                         .field = "encoding",
+                                         .expected = "UTF-8",
+                                         .found = is_encoding(value) ? value : "another value"});
     }
     at_ = end + 2;
     return {};
@@ -156,8 +166,8 @@ class MarkupCheck {
     const std::string_view here = rest();
     if (here.starts_with("<!--")) return comment();
     if (here.starts_with("<![CDATA[")) return cdata();
-    if (here.starts_with("<!")) return refuse(Code::xml_doctype, shown());
-    if (here.starts_with("<?")) return refuse(Code::xml_processing_instruction, shown());
+    if (here.starts_with("<!")) return refuse(Code::xml_doctype, "<!");
+    if (here.starts_with("<?")) return refuse(Code::xml_processing_instruction, "<?");
     return here.starts_with("</") ? end_tag() : start_tag();
   }
 
@@ -182,7 +192,7 @@ class MarkupCheck {
         if (auto status = reference(); !status) return status;
         continue;
       }
-      if (depth_ == 0 && !is_space(c)) return ill("nothing outside the root element", shown());
+      if (depth_ == 0 && !is_space(c)) return ill("nothing outside the root element", "text");
       if (c == ']' && rest().starts_with("]]>")) return ill("]]&gt;", "]]>");
       ++at_;
     }
@@ -190,14 +200,13 @@ class MarkupCheck {
   }
 
   Status reference() {
-    if (depth_ == 0) return ill("nothing outside the root element", shown());
+    if (depth_ == 0) return ill("nothing outside the root element", "text");
     const auto end = all_.find(';', at_);
-    if (end == all_.npos || end - at_ > 12) return refuse(Code::xml_entity, shown());
+    if (end == all_.npos || end - at_ > 12) return refuse(Code::xml_entity, "&");
     const std::string_view name = all_.substr(at_ + 1, end - at_ - 1);
     constexpr std::array<std::string_view, 5> kKnown = {"lt", "gt", "amp", "quot", "apos"};
-    if (!std::ranges::count(kKnown, name) && !is_character_number(name)) {
-      return refuse(Code::xml_entity, std::string("&").append(name).append(";"));
-    }
+    if (!std::ranges::count(kKnown, name) && !is_character_number(name))
+      return refuse(Code::xml_entity, "another one");
     at_ = end + 1;
     return {};
   }

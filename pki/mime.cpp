@@ -18,9 +18,16 @@ constexpr std::size_t kMostHeaderLineOctets = 998;
 constexpr std::size_t kMostHeaders = 32;
 constexpr std::size_t kMostBoundaryOctets = 70;  // RFC 2046 5.1.1
 
+// A path may lead to any file of the machine, one with secrets too: what did not parse is never
+// quoted. `found` describes it.
 Error refusal(Code code, std::string_view expected, std::string_view found = {}) {
-  return Error(code,
-               {.expected = std::string(expected), .found = std::string(found.substr(0, 128))});
+  return Error(code, {.expected = std::string(expected), .found = std::string(found)});
+}
+
+Error header_refusal(std::size_t line, std::string_view expected, std::string_view found) {
+  return Error(Code::smime_malformed, {.field = "header line " + std::to_string(line),
+                                       .expected = std::string(expected),
+                                       .found = std::string(found)});
 }
 
 // OpenSSL strips every CR that stands before the LF, when it signs and when it verifies. On Windows
@@ -60,21 +67,22 @@ bool is_plain_line(std::string_view line) {
 Result<std::vector<Header>> take_headers(std::string_view& text) {
   std::vector<Header> headers;
   const std::size_t before = text.size();
-  while (!text.empty()) {
+  for (std::size_t number = 1; !text.empty(); ++number) {
     const auto line = take_line(text);
     if (line.empty()) return headers;
     if (before - text.size() > kMostHeaderOctets || headers.size() == kMostHeaders) break;
     if (!is_plain_line(line))
       return std::unexpected(
-          refusal(Code::smime_malformed,
-                  "header lines of at most 998 octets without control characters", line));
+          header_refusal(number, "at most 998 octets without control characters",
+                         line.size() > kMostHeaderLineOctets ? "a longer line" : "another octet"));
     if ((line[0] == ' ' || line[0] == '\t') && !headers.empty()) {
       headers.back().value.append(" ").append(trimmed(line));
       continue;
     }
     const auto colon = line.find(':');
     if (colon == line.npos || !is_header_name(line.substr(0, colon)))
-      return std::unexpected(refusal(Code::smime_malformed, "a header line", line));
+      return std::unexpected(header_refusal(number, "a name, a colon and a value",
+                                            colon == line.npos ? "no colon" : "no such name"));
     headers.push_back(
         {ascii_lower(line.substr(0, colon)), std::string(trimmed(line.substr(colon + 1)))});
   }
@@ -117,9 +125,22 @@ std::optional<std::string> take_parameter_value(std::string_view& text) {
   return value;
 }
 
+// "text/plain" itself; words for anything that is no type.
+std::string shown_type(std::string_view type) {
+  constexpr std::size_t kMost = 127;  // RFC 6838 4.2
+  const auto slash = type.find('/');
+  if (type.empty()) return "none";
+  const bool is_type =
+      type.size() <= kMost && slash != type.npos && std::ranges::all_of(type, [](char c) {
+        return is_header_name({&c, 1}) || c == '/' || c == '-' || c == '+' || c == '.';
+      });
+  return is_type ? std::string(type) : "another value";
+}
+
 Result<MediaType> parse_media_type(std::string_view text) {
   const auto bad = [&] {
-    return std::unexpected(refusal(Code::smime_content_type, "a well-formed Content-Type", text));
+    return std::unexpected(
+        refusal(Code::smime_content_type, "a well-formed Content-Type", "another value"));
   };
   const auto end = std::min(text.find(';'), text.size());
   MediaType out{ascii_lower(trimmed(text.substr(0, end))), {}};
@@ -149,11 +170,11 @@ Result<std::string> boundary_of(const std::vector<Header>& headers) {
   const auto text = DDSSEC_TRY(only_header(headers, "content-type"));
   const auto type = DDSSEC_TRY(parse_media_type(text));
   if (type.type != "multipart/signed")
-    return std::unexpected(
-        refusal(Code::smime_not_multipart, "Content-Type: multipart/signed", text));
+    return std::unexpected(refusal(Code::smime_not_multipart, "Content-Type: multipart/signed",
+                                   shown_type(type.type)));
   if (const auto protocol = ascii_lower(type.parameter("protocol")); !is_pkcs7_signature(protocol))
-    return std::unexpected(
-        refusal(Code::smime_content_type, "protocol application/x-pkcs7-signature", protocol));
+    return std::unexpected(refusal(Code::smime_content_type,
+                                   "protocol application/x-pkcs7-signature", shown_type(protocol)));
   auto boundary = type.parameter("boundary");
   if (boundary.empty() || boundary.size() > kMostBoundaryOctets)
     return std::unexpected(refusal(Code::smime_malformed, "a boundary of 1 to 70 characters"));
@@ -174,7 +195,7 @@ Result<Delimiter> read_delimiter(std::string_view body, std::size_t at, std::siz
   const bool closes = line.starts_with("--");
   if (!trimmed(line.substr(closes ? 2 : 0)).empty())
     return std::unexpected(
-        refusal(Code::smime_malformed, "nothing behind a boundary", body.substr(at, 100)));
+        refusal(Code::smime_malformed, "nothing behind a boundary", "more on its line"));
   return Delimiter{at, body.size() - rest.size(), closes};
 }
 
@@ -215,18 +236,29 @@ std::string_view without_last_break(std::string_view part) {
 Result<std::string_view> signature_text(std::string_view part) {
   const auto headers = DDSSEC_TRY(take_headers(part));
   const auto text = DDSSEC_TRY(only_header(headers, "content-type"));
-  if (!is_pkcs7_signature(DDSSEC_TRY(parse_media_type(text)).type))
+  const auto type = DDSSEC_TRY(parse_media_type(text));
+  if (!is_pkcs7_signature(type.type))
     return std::unexpected(
-        refusal(Code::smime_content_type, "application/x-pkcs7-signature", text));
+        refusal(Code::smime_content_type, "application/x-pkcs7-signature", shown_type(type.type)));
   const auto encoding = DDSSEC_TRY(only_header(headers, "content-transfer-encoding"));
   if (ascii_lower(encoding) != "base64")
     return std::unexpected(
-        refusal(Code::smime_content_type, "Content-Transfer-Encoding: base64", encoding));
+        refusal(Code::smime_content_type, "Content-Transfer-Encoding: base64", "another value"));
   return part;
 }
 
 bool is_plain_encoding(const std::string& encoding) {
   return encoding.empty() || encoding == "7bit" || encoding == "8bit" || encoding == "binary";
+}
+
+// What a file begins with that does not begin with a header line.
+std::string_view kind_of_file(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r\n");
+  if (first == text.npos) return "an empty file";
+  const auto rest = text.substr(first);
+  if (rest.starts_with("<")) return "an XML document that is not signed";
+  if (rest.starts_with("-----BEGIN ")) return "PEM text";
+  return "another text";
 }
 
 bool is_plain_charset(const std::string& charset) {
@@ -244,7 +276,7 @@ Result<MultipartSigned> split_multipart_signed(std::string_view text) {
     if (is_header_name(first.substr(0, first.find(':'))) && first.find(':') != first.npos)
       return std::unexpected(headers.error());
     return std::unexpected(
-        refusal(Code::smime_not_multipart, "Content-Type: multipart/signed", trimmed(first)));
+        refusal(Code::smime_not_multipart, "Content-Type: multipart/signed", kind_of_file(text)));
   }
   const auto boundary = DDSSEC_TRY(boundary_of(*headers));
   const auto lines = DDSSEC_TRY(find_delimiters(body, "--" + boundary));
@@ -284,13 +316,13 @@ Result<std::size_t> text_header_octets(std::string_view canonical_part) {
     return std::unexpected(refusal(Code::smime_content_type, "Content-Type: text/plain", found));
   };
   const auto headers = take_headers(rest);
-  if (!headers) return bad(canonical_part.substr(0, canonical_part.find('\r')));
+  if (!headers) return bad("other header lines");
   const auto text = DDSSEC_TRY(only_header(*headers, "content-type"));
   const auto type = DDSSEC_TRY(parse_media_type(text));
   const auto encoding = DDSSEC_TRY(only_header(*headers, "content-transfer-encoding"));
   if (type.type != "text/plain" || !is_plain_charset(ascii_lower(type.parameter("charset"))))
-    return bad(text);
-  if (!is_plain_encoding(ascii_lower(encoding))) return bad(encoding);
+    return bad(shown_type(type.type));
+  if (!is_plain_encoding(ascii_lower(encoding))) return bad("another Content-Transfer-Encoding");
   return canonical_part.size() - rest.size();
 }
 

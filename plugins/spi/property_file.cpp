@@ -36,6 +36,18 @@ std::string_view nearest(std::string_view name) {
   return best;
 }
 
+/// The path may lead to any file of the machine: only what looks like a property's name is quoted,
+/// since a line of secrets can have an equals sign, too.
+std::string quoted(std::string_view name) {
+  constexpr std::string_view kBeginnings[] = {"dds.sec.", "org.ddssec.", "org.eclipse.cyclonedds."};
+  const auto lower = ascii_lower(name.substr(0, kMostNameOctets));
+  const bool looks_like_one =
+      !nearest(name).empty() || std::ranges::any_of(kBeginnings, [&](std::string_view beginning) {
+        return lower.starts_with(beginning);
+      });
+  return looks_like_one ? std::string(name.substr(0, kMostNameOctets)) : "another name";
+}
+
 Status check_known(std::string_view name, int line) {
   if (std::ranges::find(property::kOfParticipants, name) != std::end(property::kOfParticipants))
     return {};
@@ -44,7 +56,7 @@ Status check_known(std::string_view name, int line) {
   return fail(Code::property_unknown,
               {.line = line,
                .expected = std::string(meant),
-               .found = std::string(name.substr(0, kMostNameOctets)),
+               .found = quoted(name),
                .note = is_case ? "upper and lower case differ in names" : ""});
 }
 
@@ -53,17 +65,17 @@ Status add_line(std::string_view text, int line, PropertyList& out) {
   if (content.empty() || content.front() == '#') return {};
   const auto equals = content.find('=');
   const auto name = trimmed(content.substr(0, equals), kBlanks);
-  const auto bad = [&](std::string expected) {
-    return fail(Code::invalid_property, {.line = line,
-                                         .expected = std::move(expected),
-                                         .found = std::string(name.substr(0, kMostNameOctets))});
+  const auto bad = [&](std::string expected, std::string found) {
+    return fail(Code::invalid_property,
+                {.line = line, .expected = std::move(expected), .found = std::move(found)});
   };
-  if (equals == content.npos || name.empty()) return bad("name = value");
+  if (equals == content.npos) return bad("name = value", "no equals sign");
+  if (name.empty()) return bad("name = value", "no name");
   const auto value = trimmed(content.substr(equals + 1), kBlanks);
   if (has_control_character(name) || has_control_character(value))
-    return bad("no control characters");
+    return bad("no control characters", "one");
   DDSSEC_TRY(check_known(name, line));
-  if (find_property(out, name) != nullptr) return bad("each name once");
+  if (find_property(out, name) != nullptr) return bad("each name once", std::string(name));
   out.push_back({std::string(name), std::string(value), false});
   return {};
 }

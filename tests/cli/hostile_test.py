@@ -29,6 +29,13 @@ CONTENTS = {
     "json": b'{"participant": [{"name": "a"}]}',
 }
 
+SECRET = "hunter2"
+SECRETS = [text.replace("S", SECRET) for text in (
+    "S\n", "root:$6$S:1:2:3\n", "A: b\nS\n", "A: S\x01\n", "token=S\n", "S==\n", "key = 'S", "x = S\n", "{\"a\": S}\n",
+    "<a b=S>\n", "<a>&S;</a>\n", "<a/>S\n", "<?S?><a/>\n", "<!S>\n", "<?xml version='1.0' encoding='S S'?><a/>\n",
+    "<a b='x'S/>\n", "Content-Type: S\n\n", "Content-Type: multipart/signed; protocol=S; boundary=x\n\n",
+    "Content-Type: multipart/signed; S\n\n", "-----BEGIN S-----\nS\n-----END S-----\n")]
+
 
 class Hostile(Transcript):
     def setUp(self):
@@ -81,6 +88,29 @@ class Hostile(Transcript):
             (self.at / name).write_bytes(content)
             for words in self.readers(name):
                 self.refuse(words, name)
+
+    def test_what_is_another_kind_of_file_is_not_quoted(self):
+        """A file in a participant's folder may be a link of its owner's to what only root may read."""
+        for number, content in enumerate(SECRETS):
+            name = f"secret-{number}"
+            (self.at / name).write_text(content)
+            for words in self.readers(name):
+                self.check_silence(words, content)
+        for file in ("identity_ca.pem", "cert.pem", "permissions_ca.pem", "governance.p7s", "permissions.p7s",
+                     "crl.pem", "security.properties", "cyclonedds.xml"):
+            kept = (self.at / "a" / file).read_bytes() if (self.at / "a" / file).exists() else None
+            for number, content in enumerate(SECRETS):
+                (self.at / "a" / file).unlink(missing_ok=True)
+                (self.at / "a" / file).symlink_to(self.at / f"secret-{number}")
+                self.check_silence(("doctor", "a"), content)
+            (self.at / "a" / file).unlink()
+            if kept is not None:
+                (self.at / "a" / file).write_bytes(kept)
+
+    def check_silence(self, words, content):
+        done = subprocess.run([PROGRAM, *words, *NOW], cwd=self.at, text=True, capture_output=True,
+                              timeout=60, check=False, stdin=subprocess.DEVNULL)
+        self.assertNotIn(SECRET, done.stdout + done.stderr, f"{words} on {content!r}")
 
     def test_nor_what_is_too_large_no_file_or_not_there(self):
         with open(self.at / "huge", "wb") as huge:

@@ -30,6 +30,20 @@ TEST_P(HostileXml, IsRefusedBeforeAnybodyParsesIt) {
   EXPECT_FALSE(parse(GetParam().text));
 }
 
+// The path may be a link to any file that the process may read.
+TEST(XmlErrors, QuoteNothingOfTheFile) {
+  for (const auto* text :
+       {"hunter2", "<a>&hunter2;</a>", "<a>x &hunter2", "<a/>hunter2", "<a/>&hunter2;", "<hunter2",
+        "<a b=hunter2/>", "<a b='x'hunter2/>", "</hunter2>", "</a hunter2>", "<a hunter2>",
+        "<?hunter2?><a/>", "<!hunter2>", "<?xml version='1.0' encoding='hunter2 x'?><a/>",
+        "<?xml encoding=hunter2?><a/>"}) {
+    const auto status = check_xml(text);
+    ASSERT_FALSE(status) << text;
+    EXPECT_EQ(status.error().to_sentence().find("hunter2"), std::string::npos)
+        << status.error().to_sentence();
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Octets, HostileXml,
     testing::Values(Row{"NUL at the end", "<a/>\0"s, Code::xml_control_character},

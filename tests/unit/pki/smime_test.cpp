@@ -257,6 +257,29 @@ TEST_F(Smime, UnsignedAndOpaqueDocumentsAreRefused) {
               smime_not_multipart);
 }
 
+// The path may be a link to any file that the process may read.
+TEST_F(Smime, WhatIsNoDocumentIsNotQuoted) {
+  const auto silent = [&](const std::string& text) {
+    const auto proof = check(text);
+    ASSERT_FALSE(proof) << text;
+    EXPECT_EQ(proof.error().to_sentence().find("hunter2"), std::string::npos)
+        << proof.error().to_sentence();
+  };
+  for (const auto* text :
+       {"hunter2\n", "root:$6$hunter2:1:2\n", "A: b\nhunter2\n", "A: hunter2\x01\n", "<hunter2>\n",
+        "-----BEGIN hunter2\n", "Content-Type: hunter2\n\n",
+        "Content-Type: text/plain\n hunter2\n\n", "Content-Type: multipart/signed; hunter2\n\n",
+        "Content-Type: multipart/signed; protocol=hunter2; boundary=x\n\n"})
+    silent(text);
+  const auto mark = boundary(file_);
+  silent(replaced(file_, mark + "\n", mark + " hunter2\n"));
+  silent(replaced(file_, "Encoding: base64", "Encoding: hunter2"));
+  silent(replaced(file_, "text/plain", "text/plain; charset=hunter2"));
+  silent(replaced(file_, "Content-Type: text/plain\r\n", "hunter2\r\n"));
+  EXPECT_NE(check("<dds/>").error().message().find("an XML document that is not signed"),
+            std::string::npos);
+}
+
 TEST_F(Smime, OddHeadersAreRefused) {
   EXPECT_CODE(check(replaced(file_, "MIME-Version", "Content-Type: text/plain\nMIME-Version")),
               smime_malformed);
