@@ -11,7 +11,6 @@ KNOWN = {
     "AnyDataReader": 57,
     "AnyDataWriter": 42,
     "DomainParticipant": 61,
-    "ReaderCache": 52,
     "StatefulReader": 50,
     "StatefulWriter": 58,
 }

@@ -222,7 +222,7 @@ TEST_F(ReaderCacheTest, MemoryIsBoundedWhateverTheLimits) {
   };
   for (std::uint8_t i = 0; i < 3; ++i) EXPECT_EQ(large(i), Outcome::stored);
   EXPECT_EQ(large(3), Outcome::rejected);
-  EXPECT_LE(cache().octets(), ReaderCache::kMostOctets);
+  EXPECT_LE(cache().octets(), HeldInstances::kMaxOctets);
 }
 
 TEST_F(ReaderCacheTest, TheStrongestWriterOwnsAnInstance) {

@@ -1,0 +1,218 @@
+#include "rtps/dcps/held_instances.hpp"
+
+#include <algorithm>
+
+namespace ddssec::rtps {
+namespace {
+
+constexpr std::size_t kMaxSpare = 4096;
+
+std::size_t limit_of(std::int32_t value, std::size_t otherwise) {
+  return value == kLengthUnlimited ? otherwise : static_cast<std::size_t>(value);
+}
+
+// Where the samples of an instance in these states are counted.
+std::size_t index_of(bool is_read, ViewState view, InstanceState state) {
+  const std::size_t instance = state == InstanceState::alive                ? 0
+                               : state == InstanceState::not_alive_disposed ? 1
+                                                                            : 2;
+  return (instance * 2 + (view == ViewState::new_ ? 0 : 1)) * 2 + (is_read ? 1 : 0);
+}
+
+}  // namespace
+
+void InstanceTime::enter(InstanceTimes& times, MonotonicTime when, HeldInstance& instance) {
+  leave();
+  at_ = times.emplace(when, &instance);
+  in_ = &times;
+}
+
+void InstanceTime::leave() {
+  if (in_ != nullptr) in_->erase(at_);
+  in_ = nullptr;
+}
+
+HeldSamples::const_iterator HeldInstance::oldest() const {
+  return std::ranges::find_if(held, &HeldSample::valid);
+}
+
+HeldSamples::const_iterator HeldInstance::invalid_sample() const {
+  return std::ranges::find_if(held, [](const HeldSample& sample) { return !sample.valid; });
+}
+
+HeldInstances::HeldInstances(const Qos& qos)
+    : history_(qos.history),
+      max_samples_(limit_of(qos.resource_limits.max_samples, kMaxSamples)),
+      max_instances_(limit_of(qos.resource_limits.max_instances, kMaxInstances)),
+      max_per_instance_(limit_of(qos.resource_limits.max_samples_per_instance, kMaxSamples)),
+      by_source_(qos.destination_order == DestinationOrderKind::by_source) {}
+
+HeldInstance* HeldInstances::find(const KeyHash& key) const {
+  const auto at = by_key_.find(key);
+  return at == by_key_.end() ? nullptr : at->second;
+}
+
+HeldInstance* HeldInstances::find(InstanceHandle handle) {
+  const auto at = instances_.find(handle);
+  return at == instances_.end() ? nullptr : &at->second;
+}
+
+SampleRejectedReason HeldInstances::rejects(const HeldInstance* instance,
+                                            const Change& change) const {
+  using Reason = SampleRejectedReason;
+  if (instance == nullptr && instances_.size() >= max_instances_ && idle_.empty())
+    return Reason::by_instances_limit;
+  const bool replaces = change.is_alive() && instance != nullptr && is_full(*instance);
+  const auto freed = replaces ? instance->oldest()->change.payload.size() : 0;
+  if (octets_ - freed + change.payload.size() > kMaxOctets) return Reason::by_samples_limit;
+  if (replaces || !change.is_alive()) return Reason::not_rejected;
+  if (instance != nullptr && instance->valid() >= max_per_instance_)
+    return Reason::by_samples_per_instance_limit;
+  return samples_ < max_samples_ ? Reason::not_rejected : Reason::by_samples_limit;
+}
+
+bool HeldInstances::is_full(const HeldInstance& instance) const {
+  return history_.kind == HistoryKind::keep_last &&
+         instance.valid() >= static_cast<std::size_t>(history_.depth);
+}
+
+bool HeldInstances::has_room(std::size_t samples) const {
+  return samples_ + samples <= max_samples_ || history_.kind == HistoryKind::keep_last;
+}
+
+HeldInstance& HeldInstances::create(const KeyHash& key, Payload key_value) {
+  if (instances_.size() >= max_instances_) forget(*idle_.front());
+  const InstanceHandle handle{next_handle_++};
+  auto& instance = instances_[handle];
+  instance.handle = handle;
+  instance.key = key;
+  instance.key_value = std::move(key_value);
+  octets_ += instance.key_value.size();
+  by_key_[key] = &instance;
+  return instance;
+}
+
+void HeldInstances::settle(HeldInstance& instance) {
+  if (!instance.held.empty()) {
+    instance.idle.leave();
+    return;
+  }
+  instance.ready.leave();
+  if (instance.state == InstanceState::alive) return;
+  if (instance.writers.empty()) {
+    forget(instance);
+  } else if (!instance.idle.linked()) {
+    instance.idle.append_to(idle_);
+  }
+}
+
+void HeldInstances::forget(HeldInstance& instance) {
+  by_key_.erase(instance.key);
+  octets_ -= instance.key_value.size();
+  for (const auto& writer : instance.writers) joined_.erase({writer, instance.handle});
+  instances_.erase(InstanceHandle(instance.handle));
+}
+
+void HeldInstances::insert(HeldInstance& instance, HeldSample held) {
+  auto before = instance.held.end();
+  if (by_source_ && held.valid && held.change.source_time) {
+    const auto order = [](const HeldSample& h) {
+      return std::pair(h.change.source_time, h.change.writer);
+    };
+    while (before != instance.held.begin() && order(held) < order(*std::prev(before))) --before;
+  }
+  ++instance.unread;
+  if (arrivals_ != nullptr) held.arrival = ++*arrivals_;
+  octets_ += held.change.payload.size();
+  ++(held.valid ? samples_ : instance.invalid);
+  if (spare_.empty()) {
+    instance.held.insert(before, std::move(held));
+  } else {
+    spare_.front() = std::move(held);
+    instance.held.splice(before, spare_, spare_.begin());
+  }
+  if (!instance.ready.linked()) instance.ready.append_to(ready_);
+}
+
+void HeldInstances::insert_invalid(HeldInstance& instance, const Guid& writer,
+                                   const std::optional<Time>& time) {
+  if (instance.invalid > 0) erase(instance, instance.invalid_sample());
+  HeldSample held;
+  held.valid = false;
+  held.change.writer = writer;
+  held.change.source_time = time;
+  held.disposed_generations = instance.disposed_generations;
+  held.no_writers_generations = instance.no_writers_generations;
+  insert(instance, std::move(held));
+}
+
+HeldSamples::iterator HeldInstances::erase(HeldInstance& instance, HeldSamples::const_iterator at) {
+  instance.unread -= at->is_read ? 0 : 1;
+  octets_ -= at->change.payload.size();
+  --(at->valid ? samples_ : instance.invalid);
+  const auto next = instance.held.erase(at, at);  // the same place, to be changed
+  if (spare_.size() >= kMaxSpare) return instance.held.erase(next);
+  next->change.payload = {};
+  const auto after = std::next(next);
+  spare_.splice(spare_.end(), instance.held, next);
+  return after;
+}
+
+void HeldInstances::erase_all(HeldInstance& instance) {
+  for (auto at = instance.held.begin(); at != instance.held.end();) at = erase(instance, at);
+}
+
+void HeldInstances::hold_back(HeldInstance& instance, std::optional<Change> change) {
+  take_held_back(instance);
+  if (!change || octets_ + change->payload.size() > kMaxOctets) return;
+  octets_ += change->payload.size();
+  instance.held_back = std::move(change);
+}
+
+std::optional<Change> HeldInstances::take_held_back(HeldInstance& instance) {
+  if (instance.held_back) octets_ -= instance.held_back->payload.size();
+  return std::exchange(instance.held_back, std::nullopt);
+}
+
+void HeldInstances::join(HeldInstance& instance, const Guid& writer) {
+  if (joined_.insert({writer, instance.handle}).second) instance.writers.push_back(writer);
+}
+
+bool HeldInstances::leave(HeldInstance& instance, const Guid& writer) {
+  if (instance.owner == writer) instance.owner.reset();
+  if (std::erase(instance.writers, writer) == 0) return false;
+  joined_.erase({writer, instance.handle});
+  return true;
+}
+
+std::vector<InstanceHandle> HeldInstances::joined_by(const Guid& writer) const {
+  std::vector<InstanceHandle> handles;
+  for (auto at = joined_.lower_bound({writer, {}}); at != joined_.end() && at->first == writer;
+       ++at)
+    handles.push_back(at->second);
+  return handles;
+}
+
+void HeldInstances::count(const HeldInstance& instance, int sign) {
+  const auto add = [&](bool is_read, std::size_t number) {
+    auto& at = counts_[index_of(is_read, instance.view, instance.state)];
+    at = sign > 0 ? at + number : at - number;
+  };
+  add(false, instance.unread);
+  add(true, instance.held.size() - instance.unread);
+}
+
+bool HeldInstances::any(const States& states) const {
+  constexpr std::array kStates = {InstanceState::alive, InstanceState::not_alive_disposed,
+                                  InstanceState::not_alive_no_writers};
+  for (std::size_t i = 0; i < counts_.size(); ++i) {
+    const bool asked =
+        states.sample.contains(i % 2 == 1 ? SampleState::read : SampleState::not_read) &&
+        states.view.contains(i / 2 % 2 == 0 ? ViewState::new_ : ViewState::not_new) &&
+        states.instance.contains(kStates[i / 4]);
+    if (asked && counts_[i] > 0) return true;
+  }
+  return false;
+}
+
+}  // namespace ddssec::rtps
