@@ -1,5 +1,6 @@
 // What a key hash says of a key where payloads are encrypted (DDS-Security 7.4.4).
 #include <filesystem>
+#include <functional>
 #include <unistd.h>
 
 #include "tests/unit/rtps_security/secured_dcps.hpp"
@@ -64,6 +65,20 @@ TEST(KeyHashes, OfEncryptedPayloadsDoNotShowShortKeys) {
   EXPECT_EQ(hash_under({.metadata = kEncrypt, .data = kEncrypt}), digest);
 }
 
+/// Within five seconds of the clock, while both participants do their work.
+bool comes_true(ManualClock& clock, Secured& a, Secured& b, const std::function<bool()>& done) {
+  for (int i = 0; i < 500 && !done(); ++i) {
+    clock.advance(10ms);
+    for (int n = 0; n < 4; ++n) a.participant->poll(0ms), b.participant->poll(0ms);
+  }
+  return done();
+}
+
+bool are_matched(const auto& writer, const auto& reader) {
+  return writer.matched_subscription_data(reader.guid()) &&
+         reader.matched_publication_data(writer.guid());
+}
+
 // The hash beside a payload is covered by no signature, so that anybody could choose the instance.
 TEST(KeyHashes, OfProtectedPayloadsAreComputedAnew) {
   for (const auto kind : {ProtectionKind::sign, kEncrypt}) {
@@ -81,17 +96,8 @@ TEST(KeyHashes, OfProtectedPayloadsAreComputedAnew) {
     b.topic = b.participant->create_topic<Sensor>("Others").value();
     auto& reader = b.reader(wanted);
     std::vector<InstanceHandle> came;
-    const auto eventually = [&](const auto& done) {
-      for (int i = 0; i < 500 && !done(); ++i) {
-        clock.advance(10ms);
-        for (int n = 0; n < 4; ++n) a.participant->poll(0ms), b.participant->poll(0ms);
-      }
-      return done();
-    };
-    ASSERT_TRUE(eventually([&] {
-      return writer.matched_subscription_data(reader.guid()) &&
-             reader.matched_publication_data(writer.guid());
-    })) << a.events.text();
+    const auto eventually = [&](const auto& done) { return comes_true(clock, a, b, done); };
+    ASSERT_TRUE(eventually([&] { return are_matched(writer, reader); })) << a.events.text();
     ASSERT_TRUE(writer.write({7, 1}));
     ASSERT_TRUE(writer.write({8, 1}));
     ASSERT_TRUE(eventually([&] {
@@ -112,17 +118,8 @@ TEST(KeyHashes, OfEncryptedPayloadsNameTheInstanceThatEnds) {
     qos.history.kind = HistoryKind::keep_all;
     auto& writer = a.writer(default_writer_qos());
     auto& reader = b.reader(qos);
-    const auto eventually = [&](const auto& done) {
-      for (int i = 0; i < 500 && !done(); ++i) {
-        clock.advance(10ms);
-        for (int n = 0; n < 4; ++n) a.participant->poll(0ms), b.participant->poll(0ms);
-      }
-      return done();
-    };
-    ASSERT_TRUE(eventually([&] {
-      return writer.matched_subscription_data(reader.guid()) &&
-             reader.matched_publication_data(writer.guid());
-    })) << a.events.text();
+    const auto eventually = [&](const auto& done) { return comes_true(clock, a, b, done); };
+    ASSERT_TRUE(eventually([&] { return are_matched(writer, reader); })) << a.events.text();
     ASSERT_TRUE(writer.write({7, 1}));
     ASSERT_TRUE(writer.write({8, 1}));
     ASSERT_TRUE(writer.dispose({7, 1}));
