@@ -1,10 +1,9 @@
 #include "plugins/cyclonedds/clear_discovery.hpp"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 
-#include "wire/data.hpp"
+#include "plugins/cyclonedds/disposal.hpp"
 #include "wire/entity_ids.hpp"
 #include "wire/header.hpp"
 #include "wire/heartbeat.hpp"
@@ -18,30 +17,12 @@ namespace {
 /// The last numbers, so that nothing that a stranger sent before makes ours late.
 constexpr rtps::SequenceNumber kLast{std::numeric_limits<std::int64_t>::max()};
 
-/// The payload that disposes of an endpoint: its key.
-std::array<std::uint8_t, 28> key_of(const Guid& endpoint) {
-  constexpr rtps::ParameterId kEndpointGuid = 0x005a;
-  constexpr std::uint16_t kPlCdrLittleEndian = 0x0300;  // as it stands in the octets
-  std::array<std::uint8_t, 28> octets{};
-  rtps::SpanWriter out(octets);
-  out.write(kPlCdrLittleEndian);
-  out.write(std::uint16_t{0});
-  {
-    const rtps::ParameterScope guid(out, kEndpointGuid);
-    out.write_bytes(endpoint.octets());
-  }
-  rtps::write_sentinel(out);
-  return octets;
-}
-
 void dispose(rtps::SpanWriter& out, const Guid& endpoint, rtps::SequenceNumber number) {
-  const auto key = key_of(endpoint);
-  write(out, rtps::Data{.reader = rtps::kPublicationsReader,
-                        .writer = rtps::kPublicationsWriter,
-                        .sequence_number = number,
-                        .inline_qos = {.status = {.disposed = true, .unregistered = true}},
-                        .kind = rtps::PayloadKind::key,
-                        .payload = key});
+  write(out, Disposal{.reader = rtps::kPublicationsReader,
+                      .writer = rtps::kPublicationsWriter,
+                      .number = number,
+                      .key = kEndpointGuid,
+                      .gone = endpoint});
 }
 
 }  // namespace

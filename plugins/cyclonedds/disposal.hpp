@@ -1,0 +1,25 @@
+// The DATA of a builtin writer of discovery which says that an entity is gone.
+#pragma once
+
+#include "base/ids.hpp"
+#include "wire/numbers.hpp"
+#include "wire/parameter_list.hpp"
+#include "wire/span_writer.hpp"
+
+namespace ddssec::cyclonedds {
+
+struct Disposal {
+  EntityId reader;
+  EntityId writer;
+  rtps::SequenceNumber number;
+  rtps::ParameterId key;  ///< whose GUID it is: PID_PARTICIPANT_GUID or PID_ENDPOINT_GUID
+  Guid gone;
+};
+
+inline constexpr rtps::ParameterId kParticipantGuid = 0x0050;
+inline constexpr rtps::ParameterId kEndpointGuid = 0x005a;
+
+/// The submessage: the entity is disposed and unregistered.
+void write(rtps::SpanWriter& out, const Disposal& disposal);
+
+}  // namespace ddssec::cyclonedds
