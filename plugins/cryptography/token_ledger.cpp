@@ -270,6 +270,7 @@ Result<Passage> TokenLedger::note(const TokenMessage& message, const TokenSender
   const auto exchange = sender.exchange;
   const Key key{message.remote, message.local};
   const Age age{exchange, message.number};
+  if (has_taken(age)) return Passage{Passage::Kind::hidden};
   std::optional<TicketUser> user;
   if (const auto known = entries_.find(key); known != entries_.end()) {
     auto& entry = known->second;
@@ -328,15 +329,51 @@ TokenLedger::Entries::iterator TokenLedger::first_of(std::uint64_t exchange) {
 void TokenLedger::end(std::uint64_t exchange, std::chrono::nanoseconds now) {
   const std::lock_guard lock(mutex_);
   forget_old(now);
-  if (first_of(exchange) != entries_.end()) ended_.push_back({now, exchange});
+  if (taken_.contains(exchange) || first_of(exchange) != entries_.end())
+    ended_.push_back({now, exchange});
+}
+
+void TokenLedger::acknowledged(std::uint64_t exchange, std::uint64_t next,
+                               std::chrono::nanoseconds now) {
+  const std::lock_guard lock(mutex_);
+  forget_old(now);
+  if (!taken_.contains(exchange) && first_of(exchange) == entries_.end()) return;
+  auto& taken = taken_[exchange];
+  if (next <= taken.next) return;
+  if (taken.latest == nullptr || now - taken.latest->since >= kSpan) {
+    acknowledged_.push_back({now, exchange, next});
+    taken.latest = &acknowledged_.back();  // where it stays when others come and go
+  }
+  taken.next = taken.latest->next = next;
+}
+
+bool TokenLedger::has_taken(const Age& age) const {
+  const auto taken = taken_.find(age.exchange);
+  return taken != taken_.end() && age.number < taken->second.next;
+}
+
+void TokenLedger::forget_unused(std::uint64_t exchange, std::uint64_t next) {
+  for (auto at = by_exchange_.lower_bound({exchange, nullptr});
+       at != by_exchange_.end() && at->first == exchange;) {
+    const auto entry = entries_.find(*(at++)->second);
+    if (entry->second.is_pending && entry->second.passed.number < next) erase(entry);
+  }
 }
 
 void TokenLedger::forget_old(std::chrono::nanoseconds now) {
+  while (!acknowledged_.empty() && now - acknowledged_.front().since >= kSpan + kMemory) {
+    const auto& oldest = acknowledged_.front();
+    forget_unused(oldest.exchange, oldest.next);
+    const auto taken = taken_.find(oldest.exchange);
+    if (taken != taken_.end() && taken->second.latest == &oldest) taken->second.latest = nullptr;
+    acknowledged_.pop_front();
+  }
   while (!ended_.empty() && now - ended_.front().at >= kMemory) {
     const auto exchange = ended_.front().exchange;
     ended_.pop_front();
     for (auto entry = first_of(exchange); entry != entries_.end(); entry = first_of(exchange))
       erase(entry);
+    taken_.erase(exchange);
   }
 }
 

@@ -135,9 +135,9 @@ class TokenLedger {
   /// More of a certificate's, for the few that participants and builtin endpoints have: without
   /// these nothing else works.
   static constexpr std::size_t kReserved = 2048;
-  /// After an exchange has ended: the host's five minutes, and what a message may wait in its
-  /// queue. While it lives the host may hold messages back for any time, until one that is missing
-  /// comes.
+  /// After an exchange has ended, or the host has acknowledged a message of it: the host's five
+  /// minutes, and what a message may wait in its queue. Before that the host may hold messages back
+  /// for any time, until one that is missing comes.
   static constexpr std::chrono::seconds kMemory{360};
 
   TokenLedger() = default;
@@ -153,6 +153,9 @@ class TokenLedger {
   /// Error: crypto_tokens_crowded.
   Result<Passage> note(const TokenMessage& message, const TokenSender& sender,
                        bool are_builtin_matched, std::chrono::nanoseconds now);
+
+  /// The host has taken all messages of that exchange below `next`.
+  void acknowledged(std::uint64_t exchange, std::uint64_t next, std::chrono::nanoseconds now);
 
   /// The sender of that exchange is gone, or will authenticate anew.
   void end(std::uint64_t exchange, std::chrono::nanoseconds now);
@@ -202,6 +205,18 @@ class TokenLedger {
     std::chrono::nanoseconds at;
     std::uint64_t exchange;
   };
+  /// All that was acknowledged within some seconds.
+  struct Acknowledged {
+    std::chrono::nanoseconds since;
+    std::uint64_t exchange;
+    std::uint64_t next;
+  };
+  static constexpr std::chrono::seconds kSpan{10};
+  /// What the host has taken of an exchange.
+  struct Taken {
+    std::uint64_t next = 0;          ///< all below
+    Acknowledged* latest = nullptr;  ///< in acknowledged_; null: that was long ago
+  };
   static constexpr std::uint64_t kUnproven = std::uint64_t{1} << 63;
 
   static std::uint64_t account_of(const Key& key, const TokenSender& sender);
@@ -213,6 +228,10 @@ class TokenLedger {
   Ticket fresh_ticket();
   void no_longer_pending(Entry& entry);
   void forget_old(std::chrono::nanoseconds now);
+  /// Whether the host passes over that message when it comes again.
+  bool has_taken(const Age& age) const;
+  /// What the host never used, of an exchange, in messages below `next`.
+  void forget_unused(std::uint64_t exchange, std::uint64_t next);
   void forget_used(const Key& key, const TokenSender& sender);
   /// The first entry of an exchange; the end without one.
   Entries::iterator first_of(std::uint64_t exchange);
@@ -221,8 +240,10 @@ class TokenLedger {
   mutable std::mutex mutex_;
   Entries entries_;
   std::set<std::pair<std::uint64_t, const Key*>>
-      by_exchange_;          // the one of the message that passed
-  std::deque<Ended> ended_;  // the first ended first
+      by_exchange_;                        // the one of the message that passed
+  std::deque<Ended> ended_;                // the first ended first
+  std::deque<Acknowledged> acknowledged_;  // the first first
+  std::map<std::uint64_t, Taken> taken_;   // by exchange
   std::map<Ticket, Entries::iterator> tickets_;
   std::map<std::uint64_t, Account> accounts_;
   std::size_t unproven_pending_ = 0;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/reader.hpp"
 #include "plugins/cryptography/engine.hpp"
 #include "plugins/cryptography/message.hpp"
 
@@ -145,6 +146,17 @@ Status check_receivers(spi::ProtectionKind kind, std::size_t count) {
   return {};
 }
 
+/// The bitmapBase of an ACKNACK (RTPS 9.4.5.2): its reader has all messages below. 0: it is none.
+std::uint64_t acknowledged_by(BytesView submessage) {
+  constexpr std::size_t kBaseAt = kSubmessageHeaderSize + 2 * EntityId::size;
+  if (submessage.size() < kBaseAt + 8 || submessage[0] != submessage_id::kAckNack) return 0;
+  Reader in(submessage.subspan(kBaseAt),
+            (submessage[1] & kEndianFlag) != 0 ? Endian::little : Endian::big);
+  const auto high = in.read<std::uint32_t>().value_or(0),
+             low = in.read<std::uint32_t>().value_or(0);
+  return std::uint64_t{high} << 32 | low;
+}
+
 /// A submessage of a volatile endpoint goes to one participant, under the key of the two.
 template <class Remote>
 Result<std::size_t> encode_volatile(const Shared& shared, const LocalEndpoint& sender,
@@ -155,6 +167,8 @@ Result<std::size_t> encode_volatile(const Shared& shared, const LocalEndpoint& s
       DDSSEC_TRY(shared.remote_endpoint(receivers.front(), remote_kind(Remote{})));
   const auto* const pair = remote->participant.pair(sender.participant.handle());
   if (&remote->local != &sender || pair == nullptr) return fail(Code::crypto_not_matched);
+  if (const auto next = acknowledged_by(request.body); next != 0 && !shared.host_checks_sources)
+    shared.ledger.acknowledged(pair->number, next, shared.environment.clock.monotonic());
   request.receivers = 0;
   return encode_group(request, *pair->key_exchange_send, out,
                       [](std::size_t) -> Result<ReceiverKey*> { return fail(Code::internal); });

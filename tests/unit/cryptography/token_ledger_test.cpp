@@ -200,11 +200,84 @@ TEST(TokenLedger, AFormerTicketOfOtherEndpointsGetsTheNewTokens) {
 }
 
 /// The host may hold messages back until one comes that is missing.
-TEST(TokenLedger, ForgetsNothingWhileTheExchangeLives) {
+TEST(TokenLedger, ForgetsNothingThatTheHostDidNotAcknowledge) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
   host.now += 10 * TokenLedger::kMemory;
   EXPECT_EQ(host.note(2), Kind::repeated);
+}
+
+/// As after tokens for a local endpoint that does not exist: the host drops them and says nothing.
+TEST(TokenLedger, ForgetsWhatTheHostTookAndDidNotUse) {
+  Host host;
+  EXPECT_EQ(host.note(1), Kind::ticket);
+  host.ledger.acknowledged(1, 2, host.now);
+  host.now += TokenLedger::kMemory;
+  EXPECT_EQ(host.note(2), Kind::repeated) << "it may hold the ticket still";
+  host.now += seconds(10);
+  EXPECT_EQ(host.note(3), Kind::ticket) << "an endpoint that was made later gets its keys";
+  EXPECT_EQ(host.use(host.ticket)->tokens, host.sent);
+  EXPECT_EQ(host.ledger.size(), 1u);
+}
+
+TEST(TokenLedger, ForgetsNothingThatTheHostMayNotHaveTaken) {
+  Host host;
+  EXPECT_EQ(host.note(2), Kind::ticket);
+  for (int i = 0; i < 100; ++i) host.ledger.acknowledged(1, 2, host.now += seconds(10));
+  EXPECT_EQ(host.note(3), Kind::repeated);
+}
+
+/// What is acknowledged within ten seconds counts from the last of it.
+TEST(TokenLedger, CountsFromTheAcknowledgementOfTheMessage) {
+  Host host;
+  EXPECT_EQ(host.note(1), Kind::ticket);
+  const Guid other{kOurs, kOtherReader};
+  EXPECT_TRUE(
+      host.ledger.note({host.remote, other, 9, false, fresh_tokens(), 0, 0}, {1}, false, host.now));
+  host.ledger.acknowledged(1, 2, host.now);
+  host.ledger.acknowledged(1, 9, host.now += seconds(9));
+  host.ledger.acknowledged(1, 10, host.now += seconds(1));
+  host.now += TokenLedger::kMemory;
+  host.ledger.acknowledged(1, 10, host.now);
+  EXPECT_EQ(host.ledger.size(), 1u);
+  host.now += seconds(10);
+  host.ledger.acknowledged(1, 10, host.now);
+  EXPECT_EQ(host.ledger.size(), 0u);
+}
+
+/// A stranger who sends a recorded one again would make it wait for another six minutes.
+TEST(TokenLedger, WhatTheHostHasTakenMakesNothingWait) {
+  Host host;
+  EXPECT_EQ(host.note(1), Kind::ticket);
+  host.ledger.acknowledged(1, 2, host.now);
+  host.now += TokenLedger::kMemory + seconds(10);
+  EXPECT_EQ(host.note(1), Kind::hidden);
+  EXPECT_EQ(host.note(2), Kind::ticket);
+  EXPECT_EQ(host.note(1), Kind::hidden);
+  EXPECT_EQ(host.use(host.ticket)->tokens.size(), 1u);
+}
+
+TEST(TokenLedger, WhatTheHostUsedIsRememberedWhenItIsAcknowledged) {
+  Host host;
+  EXPECT_EQ(host.note(1), Kind::ticket);
+  EXPECT_TRUE(host.use());
+  host.ledger.acknowledged(1, 2, host.now);
+  host.now += 2 * TokenLedger::kMemory;
+  EXPECT_EQ(host.note(1), Kind::hidden);
+  EXPECT_EQ(host.ledger.size(), 1u);
+}
+
+TEST(TokenLedger, AcknowledgementsOfExchangesThatAreOverLeaveNothing) {
+  Host host;
+  for (std::uint64_t exchange = 1; exchange < 100; ++exchange) {
+    host.exchange = exchange;
+    EXPECT_NE(host.note(exchange), Kind::later);
+    host.ledger.acknowledged(exchange, exchange + 1, host.now);
+    host.ledger.end(exchange, host.now);
+    host.now += TokenLedger::kMemory;
+  }
+  host.ledger.acknowledged(200, 7, host.now += seconds(10));
+  EXPECT_EQ(host.ledger.size(), 0u);
 }
 
 TEST(TokenLedger, AnExchangeWithoutTokensLeavesNothing) {
@@ -377,30 +450,29 @@ TEST(TokenLedger, HoldsSoManyOfAllThatInventNames) {
   EXPECT_EQ(host.note(1), Kind::ticket) << "one that proved its name";
 }
 
-TEST(TokenLedger, ForgetsUsedOnesOfUnprovenNamesInTime) {
-  Host host;
+/// Four times as many as may wait, each used at once; their senders differ in the octets of `name`.
+void expect_used_ones_to_be_forgotten(Host& host, std::span<std::uint8_t, 3> name, bool is_proven) {
   for (std::uint64_t i = 1; i <= 4 * TokenLedger::kMostPending; ++i) {
-    host.remote.prefix.octets[1] = static_cast<std::uint8_t>(i >> 16);
-    host.remote.prefix.octets[2] = static_cast<std::uint8_t>(i >> 8);
-    host.remote.prefix.octets[3] = static_cast<std::uint8_t>(i);
-    const auto tokens = fresh_tokens();
-    const auto passage = host.ledger.note({host.remote, host.local, i, false, tokens, 0, 0},
-                                          {1, false}, false, host.now);
+    name[0] = static_cast<std::uint8_t>(i >> 16);
+    name[1] = static_cast<std::uint8_t>(i >> 8);
+    name[2] = static_cast<std::uint8_t>(i);
+    const auto passage = host.ledger.note({host.remote, host.local, i, false, fresh_tokens(), 0, 0},
+                                          {1, is_proven}, false, host.now);
+    ASSERT_EQ(passage->kind, Kind::ticket);
     ASSERT_TRUE(host.use(passage->ticket));
     ASSERT_LE(host.ledger.size(), 2 * TokenLedger::kMostPending);
   }
 }
 
+TEST(TokenLedger, ForgetsUsedOnesOfUnprovenNamesInTime) {
+  Host host;
+  expect_used_ones_to_be_forgotten(host, std::span(host.remote.prefix.octets).subspan<1, 3>(),
+                                   false);
+}
+
 TEST(TokenLedger, ForgetsUsedOnesInTime) {
   Host host;
-  for (std::uint64_t i = 1; i <= 4 * TokenLedger::kMostPending; ++i) {
-    host.remote.entity.octets[0] = static_cast<std::uint8_t>(i >> 16);
-    host.remote.entity.octets[1] = static_cast<std::uint8_t>(i >> 8);
-    host.remote.entity.octets[2] = static_cast<std::uint8_t>(i);
-    ASSERT_EQ(host.note(i), Kind::ticket);
-    ASSERT_TRUE(host.use());
-    ASSERT_LE(host.ledger.size(), 2 * TokenLedger::kMostPending);
-  }
+  expect_used_ones_to_be_forgotten(host, std::span(host.remote.entity.octets).first<3>(), true);
 }
 
 // ---- reading

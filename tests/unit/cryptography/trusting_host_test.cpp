@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "base/writer.hpp"
 #include "plugins/cryptography/key_material.hpp"
+#include "plugins/cryptography/key_owner.hpp"
 #include "plugins/cryptography/token_ledger.hpp"
 #include "tests/unit/cryptography/data_message.hpp"
 #include "tests/unit/cryptography/token_message.hpp"
@@ -134,6 +136,46 @@ TEST(TrustingHost, GetsKeysAfterATicketOfAFormerSession) {
   EXPECT_FALSE(engine.passes(2, engine.two.writer_tokens(engine.user).value()));
   const auto next = encode_submessage(engine.two, engine.user, message).value();
   EXPECT_TRUE(decode_submessage(engine.two, engine.user, next));
+}
+
+/// An ACKNACK of the volatile reader in one byte order.
+Bytes acknowledgement(std::uint32_t next, bool little) {
+  Writer out(little ? Endian::little : Endian::big, 32);
+  out.write(std::uint8_t{0x06});
+  out.write(static_cast<std::uint8_t>(little ? 1 : 0));
+  out.write(std::uint16_t{24});
+  out.write_bytes(cryptography::kVolatileReader.view());
+  out.write_bytes(cryptography::kVolatileWriter.view());
+  out.write(std::int32_t{0});
+  out.write(next);
+  out.write(std::uint32_t{0});
+  out.write(std::uint32_t{1});
+  return out.take();
+}
+
+// The host drops tokens for an endpoint that it does not have. Such an endpoint may come later.
+TEST(TrustingHost, GetsTokensAgainSixMinutesAfterItTookTheFormer) {
+  for (const bool little : {true, false}) {
+    Engine engine(false);
+    const auto tokens = engine.two.writer_tokens(engine.user).value();
+    EXPECT_TRUE(engine.passes(1, tokens));
+    EXPECT_TRUE(encode_reply(engine.two, engine.ends, acknowledgement(2, little)));
+    EXPECT_FALSE(engine.passes(2, tokens));
+    EXPECT_TRUE(encode_reply(engine.two, engine.ends, acknowledgement(3, little)));
+    engine.two.b.clock.advance(TokenLedger::kMemory + std::chrono::seconds(10));
+    const auto again = engine.decoded(3, tokens);
+    EXPECT_TRUE(engine.two.take_writer(engine.user, Engine::tokens_in(again)));
+  }
+}
+
+// It may hold a message back until one comes that is missing.
+TEST(TrustingHost, GetsNoTokensAgainBeforeItAcknowledgedTheFormer) {
+  Engine engine(false);
+  const auto tokens = engine.two.writer_tokens(engine.user).value();
+  EXPECT_TRUE(engine.passes(2, tokens));
+  EXPECT_TRUE(encode_reply(engine.two, engine.ends, acknowledgement(2, true)));
+  engine.two.b.clock.advance(2 * TokenLedger::kMemory);
+  EXPECT_FALSE(engine.passes(3, tokens));
 }
 
 /// What it would hold for nothing, though the sender is to be named only if no honest one does it.
