@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "base/rollback.hpp"
 #include "plugins/cryptography/cipher_choice.hpp"
@@ -55,6 +56,29 @@ Shared::Shared(const Environment& given, const AeadBackend& aead, const Options&
       host_checks_sources(options.host_checks_sources),
       keys(key_environment(aead, graveyard, environment.random, options)),
       registry(first_generation) {}
+
+std::uint64_t subject_of(std::int64_t identity, const Pair& pair) {
+  if (!pair.peer_prefix) return std::uint64_t{1} << 63 | static_cast<std::uint64_t>(identity);
+  std::uint64_t subject = 0;
+  for (std::size_t i = 0; i < 6; ++i) subject = subject << 8 | pair.peer_prefix->octets[i];
+  return subject;
+}
+
+Status Shared::take_place(RemoteEndpoint& reader, const Pair& pair) {
+  if (reader.kind() != EntityKind::remote_reader || !reader.receiver_key || reader.place) return {};
+  const auto subject = subject_of(reader.participant.identity, pair);
+  if (auto status = reader.local.receivers.take(subject); !status) {
+    report(status.error(), pair.peer_prefix);
+    return status;
+  }
+  reader.place = subject;
+  return {};
+}
+
+void Shared::give_back_place(RemoteEndpoint& reader) noexcept {
+  if (const auto place = std::exchange(reader.place, std::nullopt))
+    reader.local.receivers.give_back(*place);
+}
 
 void Shared::report(const Error& error, const std::optional<GuidPrefix>& prefix) const {
   const auto guid = prefix ? Guid{*prefix, kEntityIdParticipant}.to_string() : std::string();

@@ -36,6 +36,11 @@ struct Shared {
   /// Lets submessages find the endpoint by the keys that it has now. Mutex held.
   void publish_route(RemoteEndpoint& endpoint);
 
+  /// One among the receivers of its writer, if it needs one and has none yet. Mutex held. Error:
+  /// receiver_places_taken, after an event that names the peer.
+  Status take_place(RemoteEndpoint& reader, const Pair& pair);
+  void give_back_place(RemoteEndpoint& reader) noexcept;
+
   /// Raises an event about what the owner of `prefix` did.
   void report(const Error& error, const std::optional<GuidPrefix>& prefix) const;
 
@@ -54,6 +59,11 @@ struct Shared {
   std::uint64_t routes_made = 0;                                            ///< guarded by it
   mutable TokenLedger ledger;  ///< for a host that does not check
 };
+
+/// Whose participants share their places: the octets of the prefix that are bound to the subject
+/// (DDS-Security 9.3.3). A participant whose prefix is not proven has places of its own, told by
+/// its identity, with a bit that six octets cannot have.
+std::uint64_t subject_of(std::int64_t identity, const Pair& pair);
 
 /// Local handle kinds and the remote ones they match.
 inline constexpr EntityKind local_kind(spi::DatawriterCryptoHandle) {
@@ -156,8 +166,7 @@ class KeyFactory final : public spi::CryptoKeyFactory {
                              spi::ParticipantCryptoHandle remote_participant);
   /// Mutex held; the gate was asked.
   Result<std::int64_t> add_match(const Match& match, EntityKind remote_kind);
-  /// Error: receiver_count, after an event that names the peer.
-  Status take_place(RemoteEndpoint& reader, const Pair& pair);
+  /// Error: receiver_places_taken, after an event that names the peer.
   Status take_place(LocalParticipant& local, spi::IdentityHandle remote, Pair& fresh);
   void drop(const Entity& entity);
   void drop_local(LocalParticipant& participant);

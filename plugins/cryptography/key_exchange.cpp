@@ -265,7 +265,17 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
   if (!endpoint.local.has_tokens()) return fail(Code::crypto_tokens_not_expected);
   if (pair == nullptr) return fail(Code::crypto_not_matched);
   DDSSEC_TRY(held.check_source(*pair));
-  if (held.are_awaited()) return {};  // the host goes on as if the keys were here
+  // Not when it was announced: a host that believes clear discovery asks for readers that a
+  // stranger invented in the peer's name. It sends nothing to one whose tokens have not come.
+  const bool had_place = endpoint.place.has_value();
+  DDSSEC_TRY(shared_.take_place(endpoint, *pair));
+  Rollback give_back([&] {
+    if (!had_place) shared_.give_back_place(endpoint);
+  });
+  if (held.are_awaited()) {  // the host goes on as if the keys were here
+    give_back.release();
+    return {};
+  }
   if (tokens.empty() || tokens.size() > kMostTokensPerEndpoint)
     return fail(Code::crypto_token_count);
   auto keys = DDSSEC_TRY(endpoint_keys(endpoint, DDSSEC_TRY(read_all(tokens))));
@@ -282,6 +292,7 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
   if (is_protected(endpoint.local.submessage) && !route_alike(*endpoint.remote_keys.read(), former))
     shared_.publish_route(endpoint);
   take_back.release();
+  give_back.release();
   shared_.graveyard.retire(std::move(former));
   return {};
 }

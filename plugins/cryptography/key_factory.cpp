@@ -24,16 +24,6 @@ bool same_key_exchange(const Pair& a, const Pair& b) {
   return a.key_exchange_send->material().sender_key == b.key_exchange_send->material().sender_key;
 }
 
-/// Whose participants share their places: the octets of the prefix that are bound to the subject
-/// (DDS-Security 9.3.3). A participant whose prefix is not proven has places of its own, told by
-/// its identity, with a bit that six octets cannot have.
-std::uint64_t subject_of(std::int64_t identity, const Pair& pair) {
-  if (!pair.peer_prefix) return std::uint64_t{1} << 63 | static_cast<std::uint64_t>(identity);
-  std::uint64_t subject = 0;
-  for (std::size_t i = 0; i < 6; ++i) subject = subject << 8 | pair.peer_prefix->octets[i];
-  return subject;
-}
-
 void give_back_place(LocalParticipant& local, Pair& pair) noexcept {
   if (const auto place = std::exchange(pair.place, std::nullopt)) local.receivers.give_back(*place);
 }
@@ -223,6 +213,8 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_matched_remote_partici
   auto* const remote = DDSSEC_TRY(remote_with_identity(remote_identity));
   auto& pair = remote->pairs[local.value];
   participant->matched.insert(remote->handle());
+  if (pair && !shared_.host_checks_sources)
+    shared_.ledger.end(pair->number, shared_.environment.clock.monotonic());
   pair.swap(fresh);
   Rollback take_back([&] { pair.swap(fresh); });
   publish_pairs(*remote);
@@ -288,16 +280,6 @@ Result<spi::DatareaderCryptoHandle> KeyFactory::register_local_datareader(
       register_local_endpoint(EntityKind::local_reader, participant, properties, attributes))};
 }
 
-Status KeyFactory::take_place(RemoteEndpoint& reader, const Pair& pair) {
-  const auto subject = subject_of(reader.participant.identity, pair);
-  if (auto status = reader.local.receivers.take(subject); !status) {
-    shared_.report(status.error(), pair.peer_prefix);
-    return status;
-  }
-  reader.place = subject;
-  return {};
-}
-
 Result<KeyFactory::Match> KeyFactory::find_match(std::int64_t local, EntityKind kind,
                                                  spi::ParticipantCryptoHandle remote) {
   const auto of_ours =
@@ -341,7 +323,7 @@ Result<std::int64_t> KeyFactory::add_match(const Match& match, EntityKind kind) 
   auto& added = *remote;
   DDSSEC_TRY(shared_.registry.add(std::move(remote)));
   Rollback forget([&] { drop_remote(added); });
-  if (kind == EntityKind::remote_reader && added.receiver_key) DDSSEC_TRY(take_place(added, pair));
+  if (shared_.host_checks_sources) DDSSEC_TRY(shared_.take_place(added, pair));
   local.matched.insert(added.handle());
   parent.endpoints.insert(added.handle());
   if (local.is_volatile) shared_.publish_route(added);
@@ -373,7 +355,7 @@ void KeyFactory::drop(const Entity& entity) {
 void KeyFactory::drop_remote(RemoteEndpoint& endpoint) {
   endpoint.local.matched.erase(endpoint.handle());
   endpoint.participant.endpoints.erase(endpoint.handle());
-  if (endpoint.place) endpoint.local.receivers.give_back(*endpoint.place);
+  shared_.give_back_place(endpoint);
   if (endpoint.route != 0) endpoint.participant.routes.note_gone();
   drop(endpoint);
 }

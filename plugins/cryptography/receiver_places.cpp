@@ -5,12 +5,10 @@
 namespace ddssec::cryptography {
 
 std::unexpected<Error> ReceiverPlaces::refuse(std::size_t most, std::string_view whose) const {
-  return fail(Code::receiver_count,
+  return fail(Code::receiver_places_taken,
               {.document = "origin authentication",
                .field = std::string(of_),
-               .expected = "at most " + std::to_string(most) + std::string(whose),
-               .note = "this one gets no keys, the others go on; if the peer needs no such number, "
-                       "treat it as hostile, and revoke its certificate"});
+               .expected = "at most " + std::to_string(most) + std::string(whose)});
 }
 
 Status ReceiverPlaces::take(std::uint64_t subject) {

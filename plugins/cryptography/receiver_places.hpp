@@ -27,7 +27,7 @@ class ReceiverPlaces {
   explicit ReceiverPlaces(std::size_t most = kMost, std::string_view of = "readers of a writer")
       : most_(most), of_(of) {}
 
-  /// For one more receiver of a certificate's subject. Error: receiver_count.
+  /// For one more receiver of a certificate's subject. Error: receiver_places_taken.
   Status take(std::uint64_t subject);
   void give_back(std::uint64_t subject) noexcept;
 

@@ -20,13 +20,14 @@ import tempfile
 sys.dont_write_bytecode = True
 
 import stories  # noqa: E402
+from documents import Governance  # noqa: E402
 from insider_test import EVERYTHING, HONEST, World, check, go_on, samples  # noqa: E402
 from pki import STARTER  # noqa: E402
-from scenarios import GOVERNANCES, SROS2  # noqa: E402
+from scenarios import EO, GOVERNANCES, SROS2  # noqa: E402
 
 STRANGER = pathlib.Path(__file__).resolve().parent / "stranger.py"
 PATIENCE = {"request": 30, "answered": 90, "flood": 90, "announced": 90, "nameless": 90, "fewer": 90,
-            "privileged": 60, "removing": 60}  # seconds
+            "privileged": 60, "removing": 60, "crowding": 60}  # seconds
 TRIES = 4  # the peer's own announcement may be the first
 CAN_BE_LATE = ("announced", "nameless", "fewer")
 MULTICAST = ("<CycloneDDS><Domain Id=\"any\"><General><Interfaces><NetworkInterface name=\"lo\" multicast=\"true\"/></Interfaces>"
@@ -87,18 +88,22 @@ def part(world):
     return 0
 
 
-def remove(world):
-    """The two talk; the stranger removes their endpoints in the clear, or tries to."""
-    subscriber = world.honest("subscribe", True)
-    publisher = world.honest("publish", False)
-    world.until("the two talking", lambda: len(samples(subscriber, HONEST)) >= 3, PATIENCE["removing"])
-    process = stranger(world, "removing")
+def forge(world, mode):
+    process = stranger(world, mode)
     try:
         check("the stranger forged nothing", process.stdout.readline().startswith("forged "))
     finally:
         process.kill()
         process.wait()
         process.stdout.close()
+
+
+def remove(world):
+    """The two talk; the stranger removes their endpoints in the clear, or tries to."""
+    subscriber = world.honest("subscribe", True)
+    publisher = world.honest("publish", False)
+    world.until("the two talking", lambda: len(samples(subscriber, HONEST)) >= 3, PATIENCE["removing"])
+    forge(world, "removing")
     world.passes(2)
     for peer in (publisher, subscriber):
         check(f"an endpoint is gone: {peer.lines}", "unmatched 0" not in peer.lines)
@@ -106,9 +111,25 @@ def remove(world):
     return 0
 
 
+def crowd(world):
+    """The stranger invents readers in the subscriber's name; then a further process of its certificate reads, too."""
+    subscriber = world.honest("subscribe", True)
+    world.honest("publish", False)
+    world.until("the two talking", lambda: len(samples(subscriber, HONEST)) >= 3, PATIENCE["crowding"])
+    forge(world, "crowding")
+    world.passes(2)
+    words = world.side.arguments(world.pki, world.keys, True)
+    second = world.start("second", world.kind, ["--subscribe", "--payload", str(HONEST), "--timeout", "200", *words], {})
+    world.until("the further one reading", lambda: len(samples(second, HONEST)) >= 3, PATIENCE["crowding"])
+    go_on(world, subscriber)
+    check("an honest certificate is accused", not world.events("receiver_places_taken"))
+    return 0
+
+
 # With origin authentication recorded messages never open again.
-GOVERNANCE_OF = {"privileged": GOVERNANCES["everything-encrypt"], "removing": SROS2}
-STORIES = {"privileged": part, "removing": remove}
+GOVERNANCE_OF = {"privileged": GOVERNANCES["everything-encrypt"], "removing": SROS2,
+                 "crowding": Governance(metadata=EO)}
+STORIES = {"privileged": part, "removing": remove, "crowding": crowd}
 
 
 def once(kind, mode):
@@ -139,7 +160,7 @@ def cases():
         for mode in ("request", "answered", "flood", "announced"):
             yield f"{mode}/{kind}", kind, mode
     yield "nameless/ours-auth", "ours-auth", "nameless"
-    for mode in ("nameless", "fewer", "privileged", "removing"):  # with a stock cryptography the two stay apart
+    for mode in ("nameless", "fewer", "privileged", "removing", "crowding"):  # with a stock cryptography the two stay apart
         yield f"{mode}/ours", "ours", mode
 
 

@@ -18,6 +18,7 @@ Usage: stranger.py request                an empty request to the participant th
                                           soon as they begin a new session
        stranger.py removing               to each of two that talk, clear announcements in the other's name that dispose of its
                                           endpoints and of its secure discovery, or put its readers elsewhere
+       stranger.py crowding               to the one that answers, clear announcements of 650 readers in the name of the other
 It says "forged N" when it is done.
 """
 
@@ -191,6 +192,12 @@ def removals(of, to):
         yield clear_discovery(of, to, number, bytes.fromhex(endpoint), endpoint[-1] == "7", b"", True)
 
 
+def crowd(of, to):
+    """More readers than one certificate's places at a writer with origin authentication."""
+    for number in range(5000, 5650):
+        yield clear_discovery(of, to, number, struct.pack(">I", number << 8 | 7), True, elsewhere("Square", "interop::Shape"), False)
+
+
 FORGERIES = {"announced": lambda true: true.replace(b"PKI-DH:1.0", b"PKI-DH:9.0"), "fewer": fewer}
 
 
@@ -293,6 +300,10 @@ def main():
         for of, to in ((begins, answers), (answers, begins)):
             for message in removals(of, to):
                 network.send(to, message)
+    elif mode == "crowding":
+        for message in crowd(begins, answers):
+            network.send(answers, message)
+            time.sleep(0.001)
     elif mode == "privileged":
         recorded = list(network.heard(RECORDED))
         network.send(answers, privileged(network.announcements[begins]))

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "plugins/cryptography/key_material.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
 
 namespace ddssec::cryptography::testing {
@@ -47,10 +48,27 @@ struct CrowdedWriter {
       all.push_back(*one);
     }
   }
+  /// What a stranger can do in the participant's name where discovery is not protected.
+  Result<DatareaderCryptoHandle> announce_reader(ParticipantCryptoHandle of) {
+    return side.factory().register_matched_remote_datareader(writer, of, shared_secret(), false);
+  }
+  Status give_tokens(DatareaderCryptoHandle reader) {
+    KeyMaterial material{.kind = kAes256Gcm};
+    const Bytes octets(32, 0x77);
+    const auto id = ++keys;
+    material.salt = MasterSalt::copy_of(octets).value();
+    material.sender_key = MasterKey::copy_of(octets).value();
+    material.sender_key_id = {{1, static_cast<std::uint8_t>(id >> 16),
+                               static_cast<std::uint8_t>(id >> 8), static_cast<std::uint8_t>(id)}};
+    material.receiver_key_id = {{2, 0, 0, 1}};
+    material.receiver_key = MasterReceiverKey::copy_of(octets).value();
+    const auto token = crypto_token(material);
+    return side.exchange().set_remote_datareader_crypto_tokens(writer, reader, {&token, 1});
+  }
   Result<DatareaderCryptoHandle> reader(ParticipantCryptoHandle of) {
-    auto added =
-        side.factory().register_matched_remote_datareader(writer, of, shared_secret(), false);
-    if (added) readers.push_back(*added);
+    const auto added = DDSSEC_TRY(announce_reader(of));
+    DDSSEC_TRY(give_tokens(added));
+    readers.push_back(added);
     return added;
   }
   /// As many as are admitted.
@@ -78,6 +96,7 @@ struct CrowdedWriter {
   Side side{{.host_checks_sources = false}};
   DatawriterCryptoHandle writer;
   std::vector<DatareaderCryptoHandle> readers;
+  std::uint32_t keys = 0;
 };
 
 TEST(ReceiverPlaces, OneCertificateHasItsShareHoweverManyParticipantsItHas) {
@@ -85,8 +104,8 @@ TEST(ReceiverPlaces, OneCertificateHasItsShareHoweverManyParticipantsItHas) {
   const auto first = writer.participant(1, 1), second = writer.participant(1, 2);
   for (int i = 0; i < 100; ++i) ASSERT_TRUE(writer.reader(first));
   EXPECT_EQ(writer.readers_of(second), kShare - 100);
-  EXPECT_EQ(code_of(writer.reader(first)), Code::receiver_count);
-  EXPECT_EQ(writer.side.events.codes, std::vector(2, Code::receiver_count));
+  EXPECT_EQ(code_of(writer.reader(first)), Code::receiver_places_taken);
+  EXPECT_EQ(writer.side.events.codes, std::vector(2, Code::receiver_places_taken));
   EXPECT_TRUE(writer.reader(writer.participant(2, 1))) << "others are served";
   ASSERT_TRUE(writer.side.factory().unregister_datareader(writer.readers.front()));
   EXPECT_TRUE(writer.reader(first));
@@ -95,13 +114,44 @@ TEST(ReceiverPlaces, OneCertificateHasItsShareHoweverManyParticipantsItHas) {
   EXPECT_EQ(writer.readers_of(first), kShare - 100);
 }
 
+/// Only the participant itself has the tokens of its readers.
+TEST(ReceiverPlaces, ReadersThatAStrangerInventedTakeNone) {
+  CrowdedWriter writer;
+  const auto participant = writer.participant(1, 1);
+  const auto invented = writer.announce_reader(participant).value();
+  for (std::size_t i = 0; i < 2 * kShare; ++i)
+    ASSERT_TRUE(writer.announce_reader(participant)) << i;
+  EXPECT_EQ(writer.readers_of(participant), kShare);
+  EXPECT_EQ(code_of(writer.give_tokens(invented)), Code::receiver_places_taken);
+  ASSERT_TRUE(writer.side.factory().unregister_datareader(invented));
+  EXPECT_FALSE(writer.reader(participant)) << "it had none";
+}
+
+TEST(ReceiverPlaces, AReaderTakesOneHoweverOftenItsTokensCome) {
+  CrowdedWriter writer;
+  const auto participant = writer.participant(1, 1);
+  const auto first = writer.reader(participant).value();
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(code_of(writer.give_tokens(first)), Code::keys_already_set);
+  EXPECT_EQ(writer.readers_of(participant), kShare - 1);
+}
+
+TEST(ReceiverPlaces, AReaderWhoseTokensAreRefusedTakesNone) {
+  CrowdedWriter writer;
+  const auto participant = writer.participant(1, 1);
+  const auto broken = writer.announce_reader(participant).value();
+  EXPECT_EQ(code_of(writer.side.exchange().set_remote_datareader_crypto_tokens(writer.writer,
+                                                                               broken, {})),
+            Code::crypto_token_count);
+  EXPECT_EQ(writer.readers_of(participant), kShare);
+}
+
 /// Further ones would end the writer for all.
 TEST(ReceiverPlaces, AllOfThemFitIntoOneDatagram) {
   constexpr std::size_t kRtpsHeaderAndTimestamp = 20 + 16 + 12;
   CrowdedWriter writer;
   for (std::uint8_t certificate = 1; certificate <= 5; ++certificate)
     EXPECT_EQ(writer.readers_of(writer.participant(certificate, 1)), kShare);
-  EXPECT_EQ(code_of(writer.reader(writer.participant(6, 1))), Code::receiver_count);
+  EXPECT_EQ(code_of(writer.reader(writer.participant(6, 1))), Code::receiver_places_taken);
   const auto message = writer.message();
   ASSERT_TRUE(message);
   EXPECT_LE(message->size() + kRtpsHeaderAndTimestamp, kMostInDatagram);
@@ -116,8 +166,8 @@ TEST(ReceiverPlaces, AllOfBothLevelsFitIntoOneDatagram) {
       ASSERT_TRUE(writer.reader(one));
     }
   EXPECT_EQ(all.size(), ReceiverPlaces::kMostOfEach);
-  EXPECT_EQ(code_of(writer.reader(all.front())), Code::receiver_count);
-  EXPECT_EQ(code_of(writer.meet(6, 1)), Code::receiver_count);
+  EXPECT_EQ(code_of(writer.reader(all.front())), Code::receiver_places_taken);
+  EXPECT_EQ(code_of(writer.meet(6, 1)), Code::receiver_places_taken);
   const auto submessage = writer.message();
   ASSERT_TRUE(submessage);
   const auto message = writer.rtps_message_for(all, *submessage);
@@ -129,7 +179,7 @@ TEST(ReceiverPlaces, OneCertificateHasItsShareOfParticipantsWhereMessagesNeedMac
   CrowdedWriter writer(kOriginAuthenticated);
   const auto all = writer.participants_of(1);
   EXPECT_EQ(all.size(), kShareOfEach);
-  EXPECT_EQ(writer.side.events.codes, std::vector{Code::receiver_count});
+  EXPECT_EQ(writer.side.events.codes, std::vector{Code::receiver_places_taken});
   EXPECT_NE(writer.side.events.last.find("participants"), std::string::npos)
       << writer.side.events.last;
   EXPECT_TRUE(writer.meet(2, 1)) << "others are served";
