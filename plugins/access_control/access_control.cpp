@@ -367,7 +367,7 @@ Result<spi::AccessControl::RemoteDatareader> Plugin::check_remote_datareader(
   RemoteDatareader answer;
   const auto judge = [&](PermissionsHolder& holder) -> Status {
     Status status = judge_announced(holder, Action::subscribe, request);
-    if (status || status.error().code() != Code::subscribe_not_allowed) return status;
+    if (status || status.error().code() != Code::announced_reader_not_allowed) return status;
     answer.relay_only = options_.accept_relays && may_relay(holder, request);
     return answer.relay_only ? Status() : status;
   };

@@ -60,6 +60,15 @@ Error denied(Code code, const PermissionsHolder& holder, const CompiledGrant& gr
              .hint = holder.remote() ? hint_about_peer(holder, code, advice) : advice.hint});
 }
 
+/// The same about an endpoint that was announced in a peer's name, perhaps by somebody else.
+Error as_announced(const Error& refusal, Action action) {
+  const Code code = action == Action::publish ? Code::announced_writer_not_allowed
+                                              : Code::announced_reader_not_allowed;
+  auto details = refusal.details();
+  details.hint = fmt::format("{}; {}", details.hint, info(code).hint);
+  return Error(code, std::move(details));
+}
+
 }  // namespace
 
 Error topic_not_covered(const Participant& participant, std::string_view topic) {
@@ -81,8 +90,10 @@ Error endpoint_denied(const PermissionsHolder& holder, const CompiledGrant& gran
   // Names are compared only with our own: a peer could make that as expensive as it likes.
   const auto advice = holder.remote() ? advice_on_endpoint(grant, action, asked, verdict)
                                       : advice_on(grant, action, asked, verdict);
-  return denied(code, holder, grant, verdict,
-                fmt::format("an allow_rule to {} {}", to_string(action), shown(request)), advice);
+  const auto refusal =
+      denied(code, holder, grant, verdict,
+             fmt::format("an allow_rule to {} {}", to_string(action), shown(request)), advice);
+  return holder.remote() ? as_announced(refusal, action) : refusal;
 }
 
 Error match_denied(const Error& why, Action action, const spi::EndpointRequest& request) {

@@ -11,7 +11,8 @@ namespace ddssec::access_control {
 
 /// No topic_rule matches. Code topic_not_covered.
 Error topic_not_covered(const Participant& participant, std::string_view topic);
-/// A rule or the default of the grant denies. Codes publish_not_allowed, subscribe_not_allowed.
+/// A rule or the default of the grant denies. Codes publish_not_allowed, subscribe_not_allowed; of
+/// what was announced in a peer's name announced_writer_not_allowed, announced_reader_not_allowed.
 Error endpoint_denied(const PermissionsHolder& holder, const governance::CompiledGrant& grant,
                       const governance::Verdict& verdict, governance::Action action,
                       const spi::EndpointRequest& request);

@@ -134,12 +134,12 @@ TEST_F(Attack, WildcardsInNamesOpenNothing) {
   ASSERT_TRUE(peer);
   for (const auto* name : {"*", "Squar?", "S*", "[S]quare", "Square*"}) {
     EXPECT_REFUSED(plugin->check_remote_datawriter(*peer, 0, {.topic_name = name}),
-                   publish_not_allowed);
+                   announced_writer_not_allowed);
   }
   const std::vector<std::string_view> wild = {"*"};
   EXPECT_REFUSED(
       plugin->check_remote_datawriter(*peer, 0, {.topic_name = "Square", .partitions = wild}),
-      publish_not_allowed);
+      announced_writer_not_allowed);
 }
 
 // T7: what is signed may still be hostile.

@@ -125,10 +125,10 @@ TEST_F(HostilePartitions, AreComparedWithDenyRulesInNoTime) {
   const Partitions secret = {"private7"}, perhaps = {"priv*7"};
   EXPECT_REFUSED(
       plugin->check_remote_datareader(handle, 0, {.topic_name = "t", .partitions = secret}),
-      subscribe_not_allowed);
+      announced_reader_not_allowed);
   EXPECT_REFUSED(
       plugin->check_remote_datareader(handle, 0, {.topic_name = "t", .partitions = perhaps}),
-      subscribe_not_allowed);
+      announced_reader_not_allowed);
 }
 
 TEST_F(HostilePartitions, BeyondTheBoundsAreRefusedOfPeersOnly) {

@@ -95,9 +95,9 @@ TEST_F(Decisions, PeersAreJudgedByLocalGovernanceAndTheirPermissions) {
   EXPECT_TRUE(plugin->check_remote_topic(peer, 0, "closed_out"));
   EXPECT_TRUE(plugin->check_remote_datareader(peer, 0, {.topic_name = "open"}));
   EXPECT_REFUSED(plugin->check_remote_datawriter(peer, 0, {.topic_name = "closed_in"}),
-                 publish_not_allowed);
+                 announced_writer_not_allowed);
   EXPECT_REFUSED(plugin->check_remote_datareader(peer, 0, {.topic_name = "closed_out"}),
-                 subscribe_not_allowed);
+                 announced_reader_not_allowed);
   EXPECT_REFUSED(plugin->check_remote_datawriter(peer, 0, {.topic_name = "unheard"}),
                  topic_not_covered);
 }
@@ -163,6 +163,21 @@ TEST_F(Decisions, ARefusedPeerIsToldApartFromTheLocalParticipant) {
   EXPECT_EQ(matched.error().hint(), info(Code::match_not_permitted).hint);
 }
 
+// Anybody can announce an endpoint in a peer's name where discovery is not protected, and any
+// participant where its origin is not authenticated.
+TEST_F(Decisions, AnAnnouncementInAPeersNameDoesNotAccuseThePeer) {
+  const auto peer = peer_with({rule(true)});
+  const auto writer = plugin->check_remote_datawriter(peer, 0, {.topic_name = "closed_in"});
+  const auto reader = plugin->check_remote_datareader(peer, 0, {.topic_name = "closed_in"});
+  ASSERT_FALSE(writer);
+  ASSERT_FALSE(reader);
+  EXPECT_EQ(writer.error().code(), Code::announced_writer_not_allowed);
+  EXPECT_EQ(reader.error().code(), Code::announced_reader_not_allowed);
+  for (const auto& error : {writer.error(), reader.error()})
+    EXPECT_NE(error.hint().find("suspect none by this alone"), std::string::npos) << error.hint();
+  for (const auto& event : log.events) EXPECT_EQ(event.severity, Severity::warning);
+}
+
 // RVD#447: partitions count for peers too.
 TEST_F(Decisions, PartitionsAndTagsOfPeersCount) {
   auto allowed = publish_rule(true, {"closed"});
@@ -177,10 +192,10 @@ TEST_F(Decisions, PartitionsAndTagsOfPeersCount) {
   };
   EXPECT_TRUE(check(right, {}));
   EXPECT_TRUE(check(right, red));
-  EXPECT_REFUSED(check(wrong, {}), publish_not_allowed);
-  EXPECT_REFUSED(check(both, {}), publish_not_allowed);
-  EXPECT_REFUSED(check({}, {}), publish_not_allowed);
-  EXPECT_REFUSED(check(right, blue), publish_not_allowed);
+  EXPECT_REFUSED(check(wrong, {}), announced_writer_not_allowed);
+  EXPECT_REFUSED(check(both, {}), announced_writer_not_allowed);
+  EXPECT_REFUSED(check({}, {}), announced_writer_not_allowed);
+  EXPECT_REFUSED(check(right, blue), announced_writer_not_allowed);
   make({.partition_match = governance::PartitionMatch::one});
   local_ = {};
   const auto legacy = peer_with({allowed});
@@ -247,7 +262,7 @@ TEST_F(Decisions, AMatchIsJudgedByOurPartitionsUnlessThePeerAnnouncedOthersThatM
   EXPECT_TRUE(may(p));
   for (const auto& ours : {q, both, all, Partitions{}})
     EXPECT_REFUSED(may(ours), match_not_permitted);
-  EXPECT_REFUSED(announce(both), publish_not_allowed);  // is not remembered
+  EXPECT_REFUSED(announce(both), announced_writer_not_allowed);  // is not remembered
   EXPECT_REFUSED(may(both), match_not_permitted);
   EXPECT_TRUE(announce(p));
   EXPECT_TRUE(may(both));
@@ -263,7 +278,7 @@ TEST_F(Decisions, RelaysAreLetInOnlyIfAsked) {
   relay.relay = {topics({"closed_relay"})};
   const EndpointRequest request{.topic_name = "closed_relay"};
   EXPECT_REFUSED(plugin->check_remote_datareader(peer_with({relay}), 0, request),
-                 subscribe_not_allowed);
+                 announced_reader_not_allowed);
   make({.accept_relays = true});
   local_ = {};
   const auto relayed = plugin->check_remote_datareader(peer_with({relay}), 0, request);
@@ -275,7 +290,7 @@ TEST_F(Decisions, RelaysAreLetInOnlyIfAsked) {
   EXPECT_FALSE(reader->relay_only);
   // The default does not make a relay.
   const auto denied = peer_with({subscribe_rule(false, {"closed_relay"})}, true);
-  EXPECT_REFUSED(plugin->check_remote_datareader(denied, 0, request), subscribe_not_allowed);
+  EXPECT_REFUSED(plugin->check_remote_datareader(denied, 0, request), announced_reader_not_allowed);
 }
 
 TEST_F(Decisions, RefusalNamesDocumentLineRuleAndValues) {

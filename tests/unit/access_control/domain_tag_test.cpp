@@ -106,7 +106,7 @@ TEST_F(DomainTags, PeersAreJudgedWithTheTagOfTheLocalParticipant) {
   EXPECT_TRUE(plugin->check_remote_participant(*peer, 0));
   EXPECT_TRUE(plugin->check_remote_datawriter(*peer, 0, {.topic_name = "a"}));
   EXPECT_REFUSED(plugin->check_remote_datawriter(*peer, 0, {.topic_name = "b"}),
-                 publish_not_allowed);
+                 announced_writer_not_allowed);
 }
 
 }  // namespace

@@ -270,7 +270,7 @@ TEST_F(RemotePermissions, EachLocalParticipantJudgesByItsOwnGovernance) {
     ASSERT_TRUE(strict && lenient);
     const auto expect_strict = [&] {
       EXPECT_REFUSED(plugin->check_remote_datawriter(*strict, 0, {.topic_name = "t"}),
-                     publish_not_allowed);
+                     announced_writer_not_allowed);
     };
     const auto expect_lenient = [&] {
       EXPECT_TRUE(plugin->check_remote_datawriter(*lenient, 0, {.topic_name = "t"}));

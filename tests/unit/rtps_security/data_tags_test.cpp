@@ -45,7 +45,7 @@ TEST_F(DataTags, OfARemoteWriterMustBeAllowed) {
   // Nothing here keeps it from lying.
   ASSERT_TRUE(a->change_qos(*writer, tagged(default_writer_qos(), "secret"), world.now));
   EXPECT_TRUE(world.run_until([&] { return b.listener.matched == 0; }, 300));
-  EXPECT_TRUE(b.events.has(Code::publish_not_allowed)) << b.events.text();
+  EXPECT_TRUE(b.events.has(Code::announced_writer_not_allowed)) << b.events.text();
 }
 
 TEST_F(DataTags, OfARemoteReaderMustBeAllowed) {
@@ -55,7 +55,7 @@ TEST_F(DataTags, OfARemoteReaderMustBeAllowed) {
   ASSERT_TRUE(match()) << b.events.text();
   ASSERT_TRUE(a->change_qos(*reader, tagged(default_reader_qos(), "secret"), world.now));
   EXPECT_TRUE(world.run_until([&] { return b.listener.matched == 0; }, 300));
-  EXPECT_TRUE(b.events.has(Code::subscribe_not_allowed)) << b.events.text();
+  EXPECT_TRUE(b.events.has(Code::announced_reader_not_allowed)) << b.events.text();
 }
 
 // Tags say something of what they stand on.

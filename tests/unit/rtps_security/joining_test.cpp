@@ -391,7 +391,7 @@ TEST(Joining, ANarrowerGrantThatFollowsIsInForceForWhatIsMatched) {
   EXPECT_TRUE(world.run_until([&] { return a.knows(b); })) << a.events.text();
   world.run(300);
   EXPECT_EQ(a.listener.matched, 0);
-  EXPECT_TRUE(a.events.has(Code::subscribe_not_allowed));
+  EXPECT_TRUE(a.events.has(Code::announced_reader_not_allowed));
   EXPECT_TRUE(a->local_endpoints().matched(writer).empty());
 }
 
