@@ -74,7 +74,7 @@ void Findings::add_if_misleading(ddssec::Rule rule, std::string_view what, const
 }
 
 void Findings::add_if_cut_short() {
-  if (effort_.steps > 0) return;
+  if (effort_.steps > 0 && effort_.plain_steps > 0) return;
   all_.push_back(
       {.rule = if_cut_short_,
        .message =

@@ -74,9 +74,10 @@ void check_partitions_by_rule(Findings& out, const GrantPlace& place,
     if (patterns.add(entry.topic->text) == first.size()) first.push_back(&entry);
   patterns.seal();
   for (const auto& entry : entries) {
-    const auto id = patterns.first_match(entry.topic->text);
-    if (id == PatternSet::kNone || first[id]->rule_number >= entry.rule_number) continue;
-    const auto& earlier = *first[id];
+    std::vector<PatternSet::Id> ids;
+    if (!patterns.match(entry.topic->text, ids, out.effort().plain_steps)) return;
+    if (ids.empty() || first[ids.front()]->rule_number >= entry.rule_number) continue;
+    const auto& earlier = *first[ids.front()];
     if (!entry.rule->allow || earlier.criteria->partitions == entry.criteria->partitions) continue;
     auto finding = place.about(
         PERM015, entry,
@@ -270,7 +271,8 @@ class TopicRules {
   }
   // Most expressions are matched as they stand; only for others the automaton is asked.
   bool meet(const std::string& expression, SetEffort& effort) const {
-    if (patterns_.first_match(expression) != PatternSet::kNone) return true;
+    std::vector<PatternSet::Id> ids;
+    if (!patterns_.match(expression, ids, effort.plain_steps) || !ids.empty()) return true;
     const std::string_view own[] = {expression};
     return overlap(own, texts_, kLimits.sharing(effort)).kind != SetAnswer::Kind::no;
   }

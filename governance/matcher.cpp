@@ -101,7 +101,7 @@ std::vector<PatternSet::Key> PatternSet::keys_of(const Pattern& pattern) {
 void PatternSet::place(std::uint32_t wildcard, const Key& key) {
   Index& index = key.place == PartPlace::prefix   ? prefixes_
                  : key.place == PartPlace::suffix ? suffixes_
-                                              : parts_;
+                                                  : parts_;
   index.by_hash[key.hash].push_back(wildcard);
   if (!std::ranges::count(index.lengths, key.length)) index.lengths.push_back(key.length);
 }
@@ -128,40 +128,66 @@ void PatternSet::seal() {
   wildcard_ids_.clear();
 }
 
-void PatternSet::try_index(const Index& index, std::uint64_t hash, std::string_view name,
-                           std::vector<Id>& found) const {
+/// Lists of expressions that have one of their literal parts in a name.
+struct PatternSet::Candidates {
+  std::vector<const std::vector<std::uint32_t>*> lists;
+};
+
+void PatternSet::collect(const Index& index, std::uint64_t hash, Candidates& candidates) {
   const auto entry = index.by_hash.find(hash);
-  if (entry == index.by_hash.end()) return;
-  for (const auto i : entry->second) {
-    if (wildcards_[i].pattern.matches(name)) found.push_back(wildcards_[i].id);
-  }
+  if (entry != index.by_hash.end()) candidates.lists.push_back(&entry->second);
+}
+
+std::size_t PatternSet::lookups_for(std::string_view name) const {
+  return prefixes_.lengths.size() + suffixes_.lengths.size() +
+         name.size() * (parts_.lengths.size() + 1);
 }
 
 void PatternSet::match(std::string_view name, std::vector<Id>& found) const {
+  auto unbounded = std::numeric_limits<std::size_t>::max();
+  match(name, found, unbounded);
+}
+
+bool PatternSet::match(std::string_view name, std::vector<Id>& found, std::size_t& steps) const {
   found.clear();
+  constexpr std::size_t kStepsForLookup = 8;
+  const auto lookups = lookups_for(name);
+  if (steps / kStepsForLookup < lookups) {
+    steps = 0;
+    return false;
+  }
+  steps -= lookups * kStepsForLookup;
   if (const auto literal = literals_.find(std::string(name)); literal != literals_.end()) {
     found.push_back(literal->second);
   }
-  if (wildcards_.empty()) return;
+  if (wildcards_.empty()) return true;
+  Candidates candidates{.lists = {&everywhere_}};
   const NameHashes hashes(name);
   for (const auto length : prefixes_.lengths) {
-    if (length <= name.size()) try_index(prefixes_, hashes.part(0, length), name, found);
+    if (length <= name.size()) collect(prefixes_, hashes.part(0, length), candidates);
   }
   for (const auto length : suffixes_.lengths) {
     if (length > name.size()) continue;
-    try_index(suffixes_, hashes.part(name.size() - length, length), name, found);
+    collect(suffixes_, hashes.part(name.size() - length, length), candidates);
   }
   for (const auto length : parts_.lengths) {
     for (std::size_t at = 0; at + length <= name.size(); ++at) {
-      try_index(parts_, hashes.part(at, length), name, found);
+      collect(parts_, hashes.part(at, length), candidates);
     }
   }
-  for (const auto i : everywhere_) {
-    if (wildcards_[i].pattern.matches(name)) found.push_back(wildcards_[i].id);
+  // An inner part may occur more than once in the name. No expression is in two of the lists.
+  auto& lists = candidates.lists;
+  std::ranges::sort(lists);
+  lists.erase(std::unique(lists.begin(), lists.end()), lists.end());
+  for (const auto* list : lists) {
+    for (const auto i : *list) {
+      const auto matches = wildcards_[i].pattern.matches(name, steps);
+      if (!matches) return false;
+      if (*matches) found.push_back(wildcards_[i].id);
+    }
   }
-  // An inner part may occur more than once in the name.
   std::ranges::sort(found);
-  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return true;
 }
 
 PatternSet::Id PatternSet::first_match(std::string_view name) const {

@@ -5,6 +5,7 @@
 #include <bitset>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -30,6 +31,8 @@ class Pattern {
   explicit Pattern(std::string_view expression, Syntax syntax = Syntax::name);
 
   bool matches(std::string_view name) const;
+  /// The same within so many steps, which are taken off; nothing if they are too few.
+  std::optional<bool> matches(std::string_view name, std::size_t& steps) const;
   /// True if no name can match, as of `[z-a]`.
   bool matches_no_name() const;
   /// True if it matches exactly one name, text().
@@ -78,6 +81,9 @@ class PatternSet {
   void seal();
   /// Numbers of all matching expressions, ascending.
   void match(std::string_view name, std::vector<Id>& found) const;
+  /// The same within so many steps, which are taken off. False if they are too few; then some may
+  /// be missing.
+  bool match(std::string_view name, std::vector<Id>& found, std::size_t& steps) const;
 
   static constexpr Id kNone = std::numeric_limits<Id>::max();
   /// The lowest number of a matching expression, or kNone.
@@ -99,8 +105,9 @@ class PatternSet {
 
   static std::vector<Key> keys_of(const Pattern& pattern);
   void place(std::uint32_t wildcard, const Key& key);
-  void try_index(const Index& index, std::uint64_t hash, std::string_view name,
-                 std::vector<Id>& found) const;
+  struct Candidates;
+  static void collect(const Index& index, std::uint64_t hash, Candidates& candidates);
+  std::size_t lookups_for(std::string_view name) const;
 
   std::unordered_map<std::string, Id> literals_;
   std::vector<Wildcard> wildcards_;

@@ -54,7 +54,8 @@ NameAutomaton::End NameAutomaton::search() {
 }
 
 bool NameAutomaton::limit_reached() const {
-  const auto held = states_.weight() + stars_.weight() + forever_.weight() + moves_held_;
+  const auto held =
+      states_.weight() + stars_.weight() + forever_.weight() + acceptances_.weight() + moves_held_;
   return states_.size() > limits_.states || acceptances_.size() > limits_.atoms ||
          steps_taken_ > limits_.steps || held > limits_.memory;
 }
@@ -188,10 +189,13 @@ void NameAutomaton::move_stars() {
   stars_next_ = stars_.add(new_stars_).first;
 }
 
-bool NameAutomaton::is_covered(Position p) const {
+// After the last step what is covered is kept: it changes no answer.
+bool NameAutomaton::is_covered(Position p) {
   const Position before = table_.star_before(p);
   if (before != ExpressionTable::kNone && is_star_next_[before] == move_count_) return true;
-  for (p = table_.star_ahead(p); p != ExpressionTable::kNone; p = table_.star_ahead(p)) {
+  for (p = table_.star_ahead(p); p != ExpressionTable::kNone && steps_taken_ <= limits_.steps;
+       p = table_.star_ahead(p)) {
+    ++steps_taken_;
     if (is_star_next_[p] == move_count_) return true;
   }
   return false;
@@ -199,6 +203,7 @@ bool NameAutomaton::is_covered(Position p) const {
 
 void NameAutomaton::settle() {
   append(labels_, forever_[forever_now_]);
+  steps_taken_ += labels_.size();
   table_.keep_first_of_each_list(labels_);
   forever_next_ = forever_.add(labels_).first;
   if (forever_next_ == forever_now_) return;
@@ -236,6 +241,7 @@ NameAutomaton::ListId NameAutomaton::acceptance() {
   for (const Position p : next_) {
     if (table_.kind(p) == Kind::end) append(labels_, table_.labels(p));
   }
+  steps_taken_ += labels_.size();
   table_.keep_first_of_each_list(labels_);
   return acceptances_.add(labels_).first;
 }

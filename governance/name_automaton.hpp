@@ -72,7 +72,7 @@ class NameAutomaton {
   void gather_arrivals(const StarMoves& moves, std::optional<Class> by);
   void arrive(Origin origin);
   void move_stars();
-  bool is_covered(Position p) const;
+  bool is_covered(Position p);
   void settle();
   bool is_settled(Position p) const;
   void enter(Origin origin);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <optional>
 
 #include "governance/matcher.hpp"
@@ -229,12 +230,19 @@ bool Pattern::matches_no_name() const {
 }
 
 bool Pattern::matches(std::string_view name) const {
+  auto unbounded = std::numeric_limits<std::size_t>::max();
+  return matches(name, unbounded).value_or(false);
+}
+
+std::optional<bool> Pattern::matches(std::string_view name, std::size_t& steps) const {
   if (is_literal()) return name == text_;
   // Only the last star has to give way: what an earlier one could take, a later one can too.
   const bool star_stops = syntax_ == Syntax::subject;
   std::size_t step = 0, at = 0;
   std::size_t star = steps_.size(), star_at = 0;
   while (at < name.size()) {
+    if (steps == 0) return std::nullopt;
+    --steps;
     if (step < steps_.size() && steps_[step].kind == Kind::star) {
       star = step++;
       star_at = at;

@@ -37,8 +37,6 @@ bool is_plainly_within(std::string_view inner, std::string_view outer) {
   return inner.starts_with(beginning);
 }
 
-bool begins_openly(std::string_view expression) { return expression.find_first_of("*?[") == 0; }
-
 /// The earlier expressions of a list, found by the names that they match.
 class Earlier {
  public:
@@ -52,8 +50,6 @@ class Earlier {
     for (std::uint32_t i = 0; i < expressions.size(); ++i) {
       const auto id = set_.add(expressions[i]);
       if (id == positions_.size()) positions_.emplace_back();
-      if (positions_[id].empty() && begins_openly(expressions[i]))
-        open_octets_ += expressions[i].size();
       positions_[id].push_back(i);
     }
     set_.seal();
@@ -62,8 +58,6 @@ class Earlier {
   Shadow shadow_of(std::uint32_t at) const {
     std::vector<std::uint32_t> suspects;
     const auto name = sample(expressions_[at]);
-    constexpr std::size_t kLittle = 10'000;
-    if (effort_.steps == 0 && name && name->size() * open_octets_ > kLittle) return {};
     if (name && !add_matching(*name, at, suspects)) return {};  // it is the first for this one
     for (int round = 0; round < kMostRounds; ++round) {
       const auto answer = within(at, suspects);
@@ -78,10 +72,8 @@ class Earlier {
   // True if there are new ones that match the name.
   bool add_matching(std::string_view name, std::uint32_t at,
                     std::vector<std::uint32_t>& suspects) const {
-    // What begins with a wildcard is tried at every place of the name; the others are looked up.
-    effort_.steps -= std::min(effort_.steps, name.size() * open_octets_);
     std::vector<PatternSet::Id> ids;
-    set_.match(name, ids);
+    if (!set_.match(name, ids, effort_.plain_steps)) return false;
     const auto before = suspects.size();
     for (const auto id : ids)
       if (const auto found = covering(positions_[id], at))
@@ -121,7 +113,6 @@ class Earlier {
 
   std::span<const std::string_view> expressions_;
   SetEffort& effort_;
-  std::size_t open_octets_ = 0;  ///< of different expressions that begin with a wildcard
   SetLimits limits_;
   const Covers& covers_;
   PatternSet set_;

@@ -17,8 +17,23 @@ std::vector<RankedExpression> two_sets(std::span<const std::string_view> first,
   return both;
 }
 
+/// Laying the expressions out takes time and memory for each octet, before the first step is
+/// counted. False if there is not enough for it.
+bool pay_for_layout(std::span<const RankedExpression> expressions, const SetLimits& limits) {
+  constexpr std::size_t kStepsForOctet = 8, kMemoryForOctet = 4;
+  std::size_t octets = 0;
+  for (const auto& item : expressions) octets += item.expression.size() + 1;
+  if (octets > limits.memory / kMemoryForOctet) return false;
+  if (limits.shared == nullptr) return true;
+  auto& left = limits.shared->steps;
+  const bool is_enough = octets <= left / kStepsForOctet;
+  left = is_enough ? left - octets * kStepsForOctet : 0;
+  return is_enough;
+}
+
 SetAnswer search(std::span<const RankedExpression> sets, const SetLimits& limits,
                  NameAutomaton::Goal goal, SetAnswer::Kind if_met, SetAnswer::Kind if_not) {
+  if (!pay_for_layout(sets, limits)) return {};
   NameAutomaton automaton(sets, limits, std::move(goal));
   switch (automaton.run()) {
     case NameAutomaton::End::goal_met:
@@ -40,6 +55,7 @@ std::optional<std::uint32_t> NameAtom::rank_in(std::uint32_t list) const {
 }
 
 FoundAtoms find_name_atoms(std::span<const RankedExpression> expressions, const SetLimits& limits) {
+  if (!pay_for_layout(expressions, limits)) return {{}, false};
   NameAutomaton automaton(expressions, limits, {});
   const bool is_complete = automaton.run() == NameAutomaton::End::complete;
   return {automaton.atoms(), is_complete};

@@ -16,6 +16,16 @@ namespace ddssec::governance {
 struct SetEffort {
   /// Left for further questions; see SetLimits::steps. Without any the answer is "unknown".
   std::size_t steps;
+  /// Left for what is no question about sets: comparing single names with expressions, combining
+  /// kinds of endpoints. One to three nanoseconds each.
+  std::size_t plain_steps = 500'000'000;
+
+  /// False, and nothing is left, if there are not so many.
+  bool take_plain_steps(std::size_t wanted) {
+    const bool is_enough = wanted <= plain_steps;
+    plain_steps = is_enough ? plain_steps - wanted : 0;
+    return is_enough;
+  }
 };
 
 /// Where a question about sets of names is given up. Some expressions (`*` and then many `?`) need

@@ -6,6 +6,6 @@
 namespace ddssec::governance {
 
 /// For all questions of one comparison: a few seconds. Without any left the verdict is "unknown".
-inline constexpr SetEffort kEffortOfComparison{1'000'000'000};
+inline constexpr SetEffort kEffortOfComparison{500'000'000};
 
 }  // namespace ddssec::governance

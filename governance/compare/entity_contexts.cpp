@@ -26,24 +26,25 @@ struct Having {
 /// What every set of things meets, each outcome once with the smallest set.
 class Closure {
  public:
-  Closure(std::vector<Meets> singles, std::size_t most)
-      : singles_(std::move(singles)), most_(most) {}
+  Closure(std::vector<Meets> singles, SetEffort& effort)
+      : singles_(std::move(singles)), effort_(effort) {}
 
   void begin_with(Having first) { add(std::move(first)); }
 
-  /// False: there are more than `most`.
+  /// False: there are more than kMostContexts, or more than the effort allows.
   bool run() {
-    for (std::uint32_t i = 0; i < singles_.size(); ++i) add({{i}, singles_[i]});
-    for (std::size_t at = 0; at < all_.size() && all_.size() <= most_; ++at) {
-      for (std::uint32_t i = 0; i < singles_.size() && all_.size() <= most_; ++i) {
+    for (std::uint32_t i = 0; i < singles_.size() && may_go_on(); ++i) add({{i}, singles_[i]});
+    for (std::size_t at = 0; at < all_.size() && may_go_on(); ++at) {
+      for (std::uint32_t i = 0; i < singles_.size() && may_go_on(); ++i) {
+        is_paid_ = effort_.take_plain_steps(singles_[i].size() + all_[at].things.size());
         Having more{all_[at].things, both(all_[at].meets, singles_[i])};
         if (known_.contains(more.meets)) continue;
         more.things.push_back(i);
         add(std::move(more));
       }
     }
-    const bool is_complete = all_.size() <= most_;
-    if (!is_complete) all_.resize(most_);
+    const bool is_complete = may_go_on();
+    if (all_.size() > kMostContexts) all_.resize(kMostContexts);
     return is_complete;
   }
   std::vector<Having> take() { return std::move(all_); }
@@ -53,8 +54,11 @@ class Closure {
     if (known_.insert(having.meets).second) all_.push_back(std::move(having));
   }
 
+  bool may_go_on() const { return is_paid_ && all_.size() <= kMostContexts; }
+
   std::vector<Meets> singles_;
-  std::size_t most_;
+  SetEffort& effort_;
+  bool is_paid_ = true;
   std::set<Meets> known_;
   std::vector<Having> all_;
 };
@@ -62,8 +66,8 @@ class Closure {
 class ContextFinder {
  public:
   ContextFinder(std::span<const RuleElement> old_elements,
-                std::span<const RuleElement> new_elements, NameKinds partitions)
-      : old_count_(old_elements.size()), out_{std::move(partitions)} {
+                std::span<const RuleElement> new_elements, NameKinds partitions, SetEffort& effort)
+      : old_count_(old_elements.size()), effort_(effort), out_{std::move(partitions)} {
     elements_.assign(old_elements.begin(), old_elements.end());
     elements_.insert(elements_.end(), new_elements.begin(), new_elements.end());
     for (const auto& element : elements_) {
@@ -83,13 +87,16 @@ class ContextFinder {
     tags_.push_back(unlisted_tag());
   }
 
-  EntityContexts run() {
+  /// Nothing if the effort does not even suffice for single partitions and tags.
+  std::optional<EntityContexts> run() {
+    if (!effort_.take_plain_steps(cost_of_singles())) return std::nullopt;
     const auto with_partitions = partition_sets();
     const auto with_tags = tag_sets();
     for (const auto& tags : with_tags) {
       for (const auto& partitions : with_partitions) {
-        add(partitions, tags);
-        if (out_.contexts.size() > kMostContexts) {
+        const bool is_paid = effort_.take_plain_steps(elements_.size() + 1);
+        if (is_paid) add(partitions, tags);
+        if (!is_paid || out_.contexts.size() > kMostContexts) {
           out_.is_exact = false;
           return std::move(out_);
         }
@@ -100,6 +107,17 @@ class ContextFinder {
   }
 
  private:
+  // Every kind of partition and every data tag is compared with what every element lists, and for
+  // the description once more.
+  std::size_t cost_of_singles() const {
+    std::size_t listed = elements_.size();
+    for (const auto& numbers : partition_numbers_) listed += numbers.size();
+    std::size_t listed_tags = elements_.size();
+    for (const auto& element : elements_)
+      if (element.criteria->data_tags) listed_tags += element.criteria->data_tags->size();
+    return 2 * (out_.partitions.size() * listed + tags_.size() * listed_tags);
+  }
+
   bool lists(std::size_t element, NameKinds::Kind kind) const {
     if (!elements_[element].criteria->partitions) return kind == 0;
     return std::ranges::any_of(partition_numbers_[element], [&](std::size_t number) {
@@ -145,7 +163,7 @@ class ContextFinder {
     std::vector<Meets> singles;
     for (NameKinds::Kind kind = 0; kind < out_.partitions.size(); ++kind)
       singles.push_back(meets_partition(kind));
-    Closure closure(std::move(singles), kMostContexts);
+    Closure closure(std::move(singles), effort_);
     if (!closure.run()) out_.is_exact = false;
     return closure.take();
   }
@@ -153,7 +171,7 @@ class ContextFinder {
   std::vector<Having> tag_sets() {
     std::vector<Meets> singles;
     for (const auto& tag : tags_) singles.push_back(meets_tag(tag));
-    Closure closure(std::move(singles), kMostContexts);
+    Closure closure(std::move(singles), effort_);
     closure.begin_with({{}, meets_no_tag()});
     if (!closure.run()) out_.is_exact = false;
     return closure.take();
@@ -194,6 +212,7 @@ class ContextFinder {
   }
 
   std::size_t old_count_;
+  SetEffort& effort_;
   EntityContexts out_;
   std::vector<RuleElement> elements_;
   std::vector<std::vector<std::size_t>> partition_numbers_;  ///< expressions of each element
@@ -215,7 +234,9 @@ std::optional<EntityContexts> entity_contexts(std::span<const RuleElement> old_e
   }
   auto partitions = NameKinds::of(std::move(expressions), limits);
   if (!partitions) return std::nullopt;
-  return ContextFinder(old_elements, new_elements, *std::move(partitions)).run();
+  SetEffort own{limits.steps};
+  auto& effort = limits.shared != nullptr ? *limits.shared : own;
+  return ContextFinder(old_elements, new_elements, *std::move(partitions), effort).run();
 }
 
 }  // namespace ddssec::governance

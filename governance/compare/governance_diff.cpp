@@ -42,23 +42,6 @@ bool same_rules(const DomainRule& a, const DomainRule& b) {
   });
 }
 
-/// The names that were asked for, the first of each two rules.
-TopicPairs pairs_of(const std::vector<std::string>& topics, const RuleList& old_list,
-                    const RuleList& new_list) {
-  const RuleFinder old_rules(old_list), new_rules(new_list);
-  std::set<std::pair<std::optional<std::uint32_t>, std::optional<std::uint32_t>>> known;
-  TopicPairs result;
-  for (const auto& topic : topics) {
-    const auto o = old_rules.first(topic), n = new_rules.first(topic);
-    if (known.emplace(o, n).second) result.pairs.push_back({o, n, topic});
-  }
-  return result;
-}
-
-void add_once(std::vector<std::string>& list, const std::string& text) {
-  if (std::ranges::find(list, text) == list.end()) list.push_back(text);
-}
-
 /// How many topics, by kinds, have a property lost or gained, and one of them.
 struct Count {
   std::size_t topics = 0;
@@ -103,6 +86,7 @@ using TopicChangeKey =
 struct KnownChange {
   std::size_t index;
   std::vector<TopicPair> pairs = {};
+  std::set<std::string_view> old_expressions = {}, new_expressions = {};
 };
 
 /// The comparison of two rules in the region where they apply.
@@ -125,10 +109,11 @@ class RegionComparison {
   TopicPairs run(const std::vector<std::string>& topics, const SetLimits& limits) {
     const auto old_list = rule_list(old_), new_list = rule_list(new_);
     auto pairs = topics.empty() ? topic_pairs(old_list, new_list, limits)
-                                : pairs_of(topics, old_list, new_list);
+                                : pairs_of_names(topics, old_list, new_list, limits);
     for (const auto& pair : pairs.pairs) compare_topic(pair);
     for (const auto& [key, known] : known_)
-      changes_[known.index].topics = topics_in_words(old_list, new_list, known.pairs);
+      changes_[known.index].topics =
+          topics_in_words(old_list, new_list, known.pairs, limits.shared);
     for (std::size_t i = 0; i < domain_changes_.size(); ++i) {
       GovernanceChange change{
           .scope = scope_, .element = domain_changes_[i], .old_domain = &old_, .new_domain = &new_};
@@ -173,10 +158,13 @@ class RegionComparison {
     const auto *o = change.old_topic, *n = change.new_topic;
     const auto [entry, is_new] = known_.try_emplace(key, KnownChange{changes_.size()});
     if (is_new) changes_.push_back(std::move(change));
-    auto& [index, pairs] = entry->second;
-    pairs.push_back(pair);
-    if (o) add_once(changes_[index].expressions_old, o->topic_expression);
-    if (n) add_once(changes_[index].expressions_new, n->topic_expression);
+    auto& known = entry->second;
+    known.pairs.push_back(pair);
+    auto& told = changes_[known.index];
+    if (o && known.old_expressions.insert(o->topic_expression).second)
+      told.expressions_old.push_back(o->topic_expression);
+    if (n && known.new_expressions.insert(n->topic_expression).second)
+      told.expressions_new.push_back(n->topic_expression);
   }
 
   const DomainRule& old_;
@@ -246,12 +234,11 @@ class GovernanceComparison {
 
   void note_rewritten(const DomainRegion<DomainRules>& region) {
     const auto missing = [](const DomainRule& from, const DomainRule& in) {
+      std::set<std::string_view> known;
+      for (const auto& rule : in.topic_rules) known.insert(rule.topic_expression);
       std::vector<std::string> texts;
-      for (const auto& rule : from.topic_rules) {
-        const bool there = std::ranges::find(in.topic_rules, rule.topic_expression,
-                                             &TopicRule::topic_expression) != in.topic_rules.end();
-        if (!there) add_once(texts, rule.topic_expression);
-      }
+      for (const auto& rule : from.topic_rules)
+        if (known.insert(rule.topic_expression).second) texts.push_back(rule.topic_expression);
       return texts;
     };
     const auto [o, n] = region.answer;

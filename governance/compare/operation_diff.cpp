@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <span>
 #include <tuple>
 
@@ -150,18 +151,15 @@ class OperationComparison {
     const auto [entry, is_new] = known_.try_emplace(key, out_.changes.size());
     if (is_new) {
       auto& change = out_.changes.emplace_back(std::move(found.change));
-      change.topics = topics_in_words(before.rules, after.rules, found.pairs);
+      change.topics = topics_in_words(before.rules, after.rules, found.pairs, limits_.shared);
+      std::set<std::string_view> old_known, new_known;
       for (const auto& [o, n] : found.texts) {
-        if (o) add_once(change.expressions_old, o->text);
-        if (n) add_once(change.expressions_new, n->text);
+        if (o && old_known.insert(o->text).second) change.expressions_old.push_back(o->text);
+        if (n && new_known.insert(n->text).second) change.expressions_new.push_back(n->text);
       }
       contexts_of_.emplace_back();
     }
     contexts_of_[entry->second].push_back(context);
-  }
-
-  static void add_once(std::vector<std::string>& list, const std::string& text) {
-    if (std::ranges::find(list, text) == list.end()) list.push_back(text);
   }
 
   static void describe_entities(const EntityContexts& all, const std::vector<std::size_t>& numbers,

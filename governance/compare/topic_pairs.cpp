@@ -1,6 +1,7 @@
 #include "governance/compare/topic_pairs.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <set>
 
 #include "governance/byte_classes.hpp"
@@ -59,28 +60,41 @@ std::optional<std::string> example_of(const Pattern& pattern, std::string_view f
 /// Adds pairs, each once, with the rules that decide for a name.
 class PairsByName {
  public:
-  PairsByName(const RuleList& old_list, const RuleList& new_list)
-      : old_(old_list), new_(new_list) {}
+  using Rule = RuleFinder::Rule;
 
-  /// The old rule that decides.
-  std::optional<std::uint32_t> add(std::string name) {
-    const auto o = old_.first(name), n = new_.first(name);
-    if (known_.emplace(o, n).second) pairs_.push_back({o, n, std::move(name)});
-    return o;
+  /// Without an effort as many steps are taken as are needed.
+  PairsByName(const RuleList& old_list, const RuleList& new_list, SetEffort* effort)
+      : old_(old_list),
+        new_(new_list),
+        steps_(effort != nullptr ? effort->plain_steps : unbounded_) {}
+
+  /// The old rule that decides. After the steps have run out: none, and the name is left out.
+  Rule add(std::string name) {
+    const auto o = is_complete_ ? old_.first(name, steps_) : std::nullopt;
+    const auto n = o ? new_.first(name, steps_) : std::nullopt;
+    is_complete_ = n.has_value();
+    if (!is_complete_) return std::nullopt;
+    if (known_.emplace(*o, *n).second) pairs_.push_back({*o, *n, std::move(name)});
+    return *o;
   }
   void add_examples(const RuleList& list) {
     for (const auto& item : list.items) {
       const Pattern pattern(item.expression);
       for (const char* for_star : {"", "a"}) {
+        if (!is_complete_) return;
         if (auto name = example_of(pattern, for_star)) add(std::move(*name));
       }
     }
   }
   std::vector<TopicPair> take() { return std::move(pairs_); }
+  /// False: names were left out, since the steps ran out.
+  bool is_complete() const { return is_complete_; }
 
  private:
-  using Rule = std::optional<std::uint32_t>;
   RuleFinder old_, new_;
+  std::size_t unbounded_ = std::numeric_limits<std::size_t>::max();
+  std::size_t& steps_;
+  bool is_complete_ = true;
   std::set<std::pair<Rule, Rule>> known_;
   std::vector<TopicPair> pairs_;
 };
@@ -94,7 +108,7 @@ bool same_expressions(const RuleList& a, const RuleList& b) {
 /// which rules are alive. Nothing if that is not found out quickly.
 std::optional<TopicPairs> pairs_of_same_rules(const RuleList& old_list, const RuleList& new_list,
                                               const SetLimits& limits) {
-  PairsByName pairs(old_list, new_list);
+  PairsByName pairs(old_list, new_list, limits.shared);
   const auto for_one_proof = lower(limits, kForOneProof);
   std::vector<std::size_t> unproved;
   for (std::size_t i = 0; i < old_list.items.size(); ++i) {
@@ -102,7 +116,7 @@ std::optional<TopicPairs> pairs_of_same_rules(const RuleList& old_list, const Ru
     auto name = example_of(Pattern(item.expression), "");
     if (name && pairs.add(std::move(*name)) != item.rule) unproved.push_back(i);
   }
-  if (unproved.size() > kMostProofs) return std::nullopt;
+  if (unproved.size() > kMostProofs || !pairs.is_complete()) return std::nullopt;
   std::vector<std::string_view> earlier;
   for (const auto& item : old_list.items) earlier.push_back(item.expression);
   for (const auto i : unproved) {
@@ -114,6 +128,7 @@ std::optional<TopicPairs> pairs_of_same_rules(const RuleList& old_list, const Ru
   auto uncovered = contained(every, earlier, for_one_proof);
   if (uncovered.kind == SetAnswer::Kind::unknown) return std::nullopt;
   if (uncovered.kind == SetAnswer::Kind::no) pairs.add(std::move(uncovered.witness));
+  if (!pairs.is_complete()) return std::nullopt;
   return TopicPairs{pairs.take()};
 }
 
@@ -127,9 +142,15 @@ RuleFinder::RuleFinder(const RuleList& rules) {
   expressions_.seal();
 }
 
-std::optional<std::uint32_t> RuleFinder::first(std::string_view name) const {
-  const auto id = expressions_.first_match(name);
-  return id == PatternSet::kNone ? std::nullopt : std::optional(rule_of_[id]);
+RuleFinder::Rule RuleFinder::first(std::string_view name) const {
+  auto unbounded = std::numeric_limits<std::size_t>::max();
+  return first(name, unbounded).value_or(std::nullopt);
+}
+
+std::optional<RuleFinder::Rule> RuleFinder::first(std::string_view name, std::size_t& steps) const {
+  std::vector<PatternSet::Id> found;
+  if (!expressions_.match(name, found, steps)) return std::nullopt;
+  return found.empty() ? Rule() : Rule(rule_of_[found.front()]);
 }
 
 TopicPairs topic_pairs(const RuleList& old_list, const RuleList& new_list,
@@ -152,11 +173,20 @@ TopicPairs topic_pairs(const RuleList& old_list, const RuleList& new_list,
   add_effects(expressions, new_list, 1);
   auto found = find_name_atoms(expressions, limits);
   // What single rules do shows most of what cannot be listed.
-  PairsByName pairs(old_list, new_list);
+  PairsByName pairs(old_list, new_list, limits.shared);
   for (auto& atom : found.atoms) pairs.add(std::move(atom.witness));
   pairs.add_examples(old_list);
   pairs.add_examples(new_list);
-  return {pairs.take(), false, found.is_complete};
+  // Names that were left out may have had further effects.
+  const bool names_all_effects = found.is_complete && pairs.is_complete();
+  return {pairs.take(), false, names_all_effects};
+}
+
+TopicPairs pairs_of_names(const std::vector<std::string>& names, const RuleList& old_list,
+                          const RuleList& new_list, const SetLimits& limits) {
+  PairsByName pairs(old_list, new_list, limits.shared);
+  for (const auto& name : names) pairs.add(name);
+  return {pairs.take(), true, pairs.is_complete()};
 }
 
 }  // namespace ddssec::governance

@@ -27,8 +27,12 @@ struct RuleList {
 /// Finds the rule that decides for a name, one name at a time.
 class RuleFinder {
  public:
+  using Rule = std::optional<std::uint32_t>;
+
   explicit RuleFinder(const RuleList& rules);
-  std::optional<std::uint32_t> first(std::string_view name) const;
+  Rule first(std::string_view name) const;
+  /// The same within so many steps, which are taken off; nothing if they are too few.
+  std::optional<Rule> first(std::string_view name, std::size_t& steps) const;
 
  private:
   PatternSet expressions_;
@@ -51,5 +55,10 @@ struct TopicPairs {
 
 /// Every pair that some name has, as far as it can be found out within the limits.
 TopicPairs topic_pairs(const RuleList& old_list, const RuleList& new_list, const SetLimits& limits);
+
+/// The pairs of these names, the first name of each; `names_all_effects` is false if not every name
+/// was looked up.
+TopicPairs pairs_of_names(const std::vector<std::string>& names, const RuleList& old_list,
+                          const RuleList& new_list, const SetLimits& limits);
 
 }  // namespace ddssec::governance

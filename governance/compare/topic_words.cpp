@@ -13,22 +13,30 @@ constexpr SetLimits kLimits = {.states = 2'000, .steps = 1'000'000};
 constexpr std::size_t kMostEarlier = 64;
 constexpr std::size_t kMostExceptions = 3;
 
-bool within(std::string_view inner, std::string_view outer) {
+SetLimits limits_with(SetEffort* effort) {
+  auto limits = kLimits;
+  limits.shared = effort;
+  return limits;
+}
+
+bool within(std::string_view inner, std::string_view outer, SetEffort* effort) {
   return inner == outer ||
-         contained({&inner, 1}, {&outer, 1}, kLimits).kind == SetAnswer::Kind::yes;
+         contained({&inner, 1}, {&outer, 1}, limits_with(effort)).kind == SetAnswer::Kind::yes;
 }
 
 std::string_view beginning(std::string_view expression) {
   return expression.substr(0, expression.find_first_of("*?[\\"));
 }
 
-bool meets(std::string_view a, std::string_view b) {
+// What cannot be found out is said to meet.
+bool meets(std::string_view a, std::string_view b, SetEffort* effort) {
   const auto one = beginning(a), other = beginning(b);
   const auto common = std::min(one.size(), other.size());
   if (one.substr(0, common) != other.substr(0, common)) return false;
-  if (one.size() == a.size()) return Pattern(b).matches(a);
-  if (other.size() == b.size()) return Pattern(a).matches(b);
-  return overlap({&a, 1}, {&b, 1}, kLimits).kind != SetAnswer::Kind::no;
+  auto steps = kLimits.steps;
+  if (one.size() == a.size()) return Pattern(b).matches(a, steps).value_or(true);
+  if (other.size() == b.size()) return Pattern(a).matches(b, steps).value_or(true);
+  return overlap({&a, 1}, {&b, 1}, limits_with(effort)).kind != SetAnswer::Kind::no;
 }
 
 std::string_view expression_of(const RuleList& list, Rule rule) {
@@ -41,17 +49,18 @@ std::string_view expression_of(const RuleList& list, Rule rule) {
 /// Puts pairs into words one after the other.
 class Narrator {
  public:
-  Narrator(const RuleList& old_list, const RuleList& new_list) : old_(old_list), new_(new_list) {}
+  Narrator(const RuleList& old_list, const RuleList& new_list, SetEffort* effort)
+      : old_(old_list), new_(new_list), effort_(effort) {}
 
   TopicWords words(const TopicPair& pair) const {
     const auto before = expression_of(old_, pair.old_rule);
     const auto after = expression_of(new_, pair.new_rule);
     TopicWords out;
-    if (within(after, before)) {
+    if (within(after, before, effort_)) {
       out.expression = after;
     } else {
       out.expression = before;
-      if (!within(before, after)) out.also = after;
+      if (!within(before, after, effort_)) out.also = after;
     }
     add_exceptions(out, old_, pair.old_rule);
     add_exceptions(out, new_, pair.new_rule);
@@ -67,8 +76,8 @@ class Narrator {
       if (++looked_at > kMostEarlier || out.more_exceptions) break;
       if (item.expression == out.expression || item.expression == out.also) continue;
       if (std::ranges::find(out.except, item.expression) != out.except.end()) continue;
-      if (!meets(item.expression, out.expression)) continue;
-      if (!out.also.empty() && !meets(item.expression, out.also)) continue;
+      if (!meets(item.expression, out.expression, effort_)) continue;
+      if (!out.also.empty() && !meets(item.expression, out.also, effort_)) continue;
       if (out.except.size() < kMostExceptions)
         out.except.emplace_back(item.expression);
       else
@@ -79,14 +88,15 @@ class Narrator {
 
   const RuleList& old_;
   const RuleList& new_;
+  SetEffort* effort_;
 };
 
 }  // namespace
 
 TopicSet topics_in_words(const RuleList& old_list, const RuleList& new_list,
-                         std::span<const TopicPair> pairs, std::size_t most) {
+                         std::span<const TopicPair> pairs, SetEffort* effort, std::size_t most) {
   TopicSet out;
-  const Narrator narrator(old_list, new_list);
+  const Narrator narrator(old_list, new_list, effort);
   for (const auto& pair : pairs) {
     if (out.words.size() == most) {
       ++out.others;

@@ -30,6 +30,7 @@ struct TopicSet {
 
 /// The names that are left to these pairs of rules, each once. At most `most` are put into words.
 TopicSet topics_in_words(const RuleList& old_list, const RuleList& new_list,
-                         std::span<const TopicPair> pairs, std::size_t most = 3);
+                         std::span<const TopicPair> pairs, SetEffort* effort = nullptr,
+                         std::size_t most = 3);
 
 }  // namespace ddssec::governance

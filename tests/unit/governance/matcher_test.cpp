@@ -239,6 +239,33 @@ TEST(PatternSet, TakesWildcardsInNamesLiterally) {
   EXPECT_EQ(set.first_match("*"), 1u);
 }
 
+// Of a star and many letters each place of the name is tried.
+TEST(Pattern, MatchesWithinAsManySteps) {
+  const std::string many(1'000, 'a');
+  const Pattern pattern("*" + many + "b");
+  std::size_t few = 100'000, enough = 3'000'000;
+  EXPECT_EQ(pattern.matches(many + many, few), std::nullopt);
+  EXPECT_EQ(few, 0u);
+  EXPECT_EQ(pattern.matches(many + many, enough), false);
+  EXPECT_LT(enough, 2'000'000u);
+  EXPECT_GT(enough, 0u);
+}
+
+TEST(PatternSet, MatchesWithinAsManySteps) {
+  PatternSet set;
+  const std::string many(1'000, 'a');
+  set.add("*" + many + "b*");
+  set.add("*a");
+  set.seal();
+  std::vector<PatternSet::Id> found;
+  std::size_t few = 100'000, enough = 10'000'000;
+  EXPECT_FALSE(set.match(many + many, found, few));
+  EXPECT_EQ(few, 0u);
+  EXPECT_TRUE(set.match(many + many, found, enough));
+  EXPECT_EQ(found, std::vector<PatternSet::Id>{1});
+  EXPECT_GT(enough, 0u);
+}
+
 TEST(PatternSet, FindsNamesLongerThanAnyPart) {
   PatternSet set;
   const std::string inner(100, 'x');
