@@ -282,6 +282,26 @@ void check_origin(Findings& out, const DomainPlace& place) {
                           fmt::join(names, ", "), more)));
 }
 
+// Cyclone's core believes clear announcements in the name of every authenticated peer, and our
+// plugins end them only where no honest peer sends any.
+void check_clear_discovery(Findings& out, const DomainPlace& place) {
+  const auto& rules = place.rule.topic_rules;
+  const auto is_closed = &TopicRule::enable_discovery_protection;
+  const auto first = std::ranges::find_if_not(rules, is_closed);
+  const bool is_mixed = first != rules.end() && std::ranges::any_of(rules, is_closed);
+  if (!is_protected(place.rule.discovery_protection_kind) || !is_mixed) return;
+  const auto others = std::ranges::count(rules, false, is_closed) - 1;
+  auto finding = place.about(
+      GOV045, static_cast<std::size_t>(first - rules.begin()),
+      fmt::format("{}{}: enable_discovery_protection is false, so that clear discovery stays open "
+                  "for the whole domain: under Cyclone DDS a stranger can announce and remove "
+                  "endpoints of the protected topics, too, in the name of any participant",
+                  in_quotes(first->topic_expression),
+                  others > 0 ? fmt::format(" and {} more", others) : ""));
+  finding.vendors = {kCyclone};
+  out.add(std::move(finding));
+}
+
 // The same of the builtin writers, whose keys go to every participant that may join.
 void check_builtin_origin(Findings& out, const DomainPlace& place) {
   const auto& rule = place.rule;
@@ -335,6 +355,7 @@ std::vector<Finding> lint(const Governance& governance, const GovernanceUse& use
     check_dead_rules(out, place);
     check_topics_without_rule(out, place);
     check_domain_kinds(out, place);
+    check_clear_discovery(out, place);
     if (use.choices) {
       check_origin(out, place);
       check_builtin_origin(out, place);

@@ -237,6 +237,29 @@ TEST(LintGovernance, DiscoveryThatEveryParticipantCanForge) {
   EXPECT_TRUE(of(ddssec::Rule::GOV044, changed([](auto&) {})).empty());  // not asked for
 }
 
+TEST(LintGovernance, ClearDiscoveryBesideProtectedTopics) {
+  const auto of_flags = [](std::vector<bool> flags, ProtectionKind kind = encrypt) {
+    return of(ddssec::Rule::GOV045, changed([&](DomainRule& rule) {
+                rule.discovery_protection_kind = kind;
+                rule.topic_rules.clear();
+                for (const bool flag : flags) {
+                  rule.topic_rules.push_back(strict("t" + std::to_string(rule.topic_rules.size())));
+                  rule.topic_rules.back().enable_discovery_protection = flag;
+                }
+              }));
+  };
+  const auto mixed = of_flags({true, false, true, false});
+  ASSERT_EQ(mixed.size(), 1u);
+  EXPECT_EQ(mixed[0].severity, Severity::warning);
+  EXPECT_EQ(mixed[0].vendors, std::vector<std::string>{"cyclonedds"});
+  EXPECT_TRUE(mixed[0].message.starts_with(
+      "\"t1\" and 1 more: enable_discovery_protection is false, so that clear discovery stays "));
+  EXPECT_TRUE(mixed[0].path.ends_with("topic_rule[2]"));
+  EXPECT_TRUE(of_flags({true, true}).empty());
+  EXPECT_TRUE(of_flags({false, false}).empty()) << "nothing of it is protected";
+  EXPECT_TRUE(of_flags({true, false}, none).empty()) << "GOV020 says so";
+}
+
 TEST(LintGovernance, DataProtectionAlone) {
   const auto found =
       only(changed([](DomainRule& rule) { rule.topic_rules[0].metadata_protection_kind = none; }));
