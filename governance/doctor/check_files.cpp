@@ -148,6 +148,7 @@ void check_files(const LoadedFolder& folder, const Settings& settings, Diagnosis
   check_tokens(folder, out);
   check_mode(folder.paths.key, out);
   check_strangers(folder, out);
+  check_configurations(folder, out);
 }
 
 }  // namespace ddssec::governance::doctor

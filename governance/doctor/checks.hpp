@@ -23,6 +23,8 @@ inline std::string remedy_of_ros(const LoadedFolder& folder) {
 
 /// Files there, of the right kind, closed to others.
 void check_files(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
+/// The files that the configurations beside them name.
+void check_configurations(const LoadedFolder& folder, Diagnosis& out);
 /// Certificate, key, CA, revocation.
 void check_identity(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 /// Form, signature and signer of both documents, and whether they can be read.

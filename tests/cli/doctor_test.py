@@ -446,6 +446,27 @@ class Golden(WithoutLists):
         self.assertEqual([d["id"] for d in out["diagnostics"]], ["DOC071"] * 3)
         self.assertIn("init_authentication", out["diagnostics"][0]["message"])
 
+    def test_configurations_of_a_folder_that_was_moved(self):
+        self.run_program("init", "demo")
+        self.json("doctor", "demo/talker")
+        (self.at / "demo").rename(self.at / "moved & kept")
+        told = self.json("doctor", "moved & kept/talker")["diagnostics"]
+        self.assertEqual([(d["id"], d["severity"], pathlib.Path(d["file"]).name) for d in told if d["id"] == "DOC007"],
+                         [("DOC007", "warning", "cyclonedds.xml"), ("DOC007", "warning", "fastdds.xml")])
+        message = next(d["message"] for d in told if d["id"] == "DOC007")
+        self.assertEqual(message, f"cyclonedds.xml names files in {self.at}/demo/talker, and the participant's are in "
+                                  f"{self.at}/moved & kept/talker")
+        # As the hint says.
+        for name in ("cyclonedds.xml", "fastdds.xml"):
+            (self.at / "moved & kept/talker" / name).unlink()
+        self.run_program("identity", "issue", "talker", "--ca", "moved & kept", "-o", "moved & kept/talker")
+        told = self.json("doctor", "moved & kept/talker")["diagnostics"]
+        self.assertNotIn("DOC007", [d["id"] for d in told])
+        # By another path, the folder is the same.
+        (self.at / "link").symlink_to("moved & kept")
+        told = self.json("doctor", "link/talker")["diagnostics"]
+        self.assertNotIn("DOC007", [d["id"] for d in told])
+
     def test_wrong_command_lines(self):
         self.refused("file_not_found", 3, "doctor", "nowhere")
         (self.at / "cert.pem").write_text("a file")
