@@ -11,6 +11,7 @@
 #include "plugins/cryptography/aead.hpp"
 #include "plugins/cryptography/derivation.hpp"
 #include "plugins/cryptography/reclaim.hpp"
+#include "plugins/cryptography/replay_window.hpp"
 #include "plugins/cryptography/send_key.hpp"
 
 namespace ddssec::cryptography {
@@ -59,7 +60,9 @@ class ReceiveKey final : public Retirable {
       : position_(position_of(std::exchange(material.position, std::nullopt))),
         material_(std::move(material)),
         traits_(traits),
-        environment_(environment) {}
+        environment_(environment) {
+    if (position_ && material_.has_receiver_key()) window_ = std::make_shared<ReplayWindow>();
+  }
 
   const KeyMaterial& material() const { return material_; }
   const KindTraits& traits() const { return traits_; }
@@ -82,8 +85,14 @@ class ReceiveKey final : public Retirable {
   /// Under a ReadGuard: was the message protected before its sender gave the key to all of our
   /// endpoints that have it?
   bool is_from_before(const Iv& iv) const { return position_ && position_->has_passed(iv); }
+  /// To be called once the tags were right: did the message come before? Only our senders with
+  /// origin authentication are judged (replay_window.hpp).
+  bool is_repeated(const Iv& iv) { return window_ && !window_->accept(iv); }
   /// Before it is published: the key came once more. What was under way meanwhile is still new.
-  void count_from(const ReceiveKey& first) { position_ = first.position_; }
+  void count_from(const ReceiveKey& first) {
+    position_ = first.position_;
+    window_ = first.window_;
+  }
   /// Before it is published, by one caller at a time: another endpoint has the same sender's key.
   /// What was under way to that one is lost, and a reliable sender repeats it.
   void count_with(const ReceiveKey& other);
@@ -101,6 +110,7 @@ class ReceiveKey final : public Retirable {
   }
 
   std::shared_ptr<NewestPosition> position_;  ///< null: its sender did not say
+  std::shared_ptr<ReplayWindow> window_;      ///< null: not judged
   const KeyMaterial material_;
   const KindTraits traits_;
   const KeyEnvironment& environment_;

@@ -19,12 +19,16 @@ bool is_before(std::uint32_t session, std::uint64_t suffix, const SendPosition& 
 
 }  // namespace
 
+IvParts parts_of(const Iv& iv) noexcept {
+  IvParts parts;
+  for (std::size_t i = 0; i < 4; ++i) parts.session = parts.session << 8 | iv[i];
+  for (std::size_t i = 4; i < iv.size(); ++i) parts.suffix = parts.suffix << 8 | iv[i];
+  return parts;
+}
+
 bool SendPosition::has_passed(const Iv& iv) const noexcept {
-  std::uint32_t id = 0;
-  std::uint64_t of_message = 0;
-  for (std::size_t i = 0; i < 4; ++i) id = id << 8 | iv[i];
-  for (std::size_t i = 4; i < iv.size(); ++i) of_message = of_message << 8 | iv[i];
-  return is_before(id, of_message, *this);
+  const auto [session_id, of_message] = parts_of(iv);
+  return is_before(session_id, of_message, *this);
 }
 
 bool SendPosition::is_after(const SendPosition& other) const noexcept {

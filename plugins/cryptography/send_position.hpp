@@ -21,6 +21,13 @@ struct SessionRange {
   bool operator==(const SessionRange&) const = default;
 };
 
+/// What an IV is made of.
+struct IvParts {
+  std::uint32_t session = 0;
+  std::uint64_t suffix = 0;
+};
+IvParts parts_of(const Iv& iv) noexcept;
+
 struct SendPosition {
   /// Most ranges that are written; a process has one, and one more for each fork() before it.
   static constexpr std::size_t kMostRanges = 8;

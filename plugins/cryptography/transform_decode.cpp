@@ -49,6 +49,10 @@ bool open_content(const Protected& message, const ExpandedKey& key, std::uint8_t
     return fail(Code::receiver_specific_mac_mismatch);
   }
   key.remember(std::move(session));
+  if (key.is_repeated(message.header.iv)) {
+    wipe(out.first(message.content.size()));
+    return fail(Code::message_repeated);
+  }
   return message.content.size();
 }
 

@@ -56,8 +56,8 @@ TEST(Message, WhatFollowsThePostfixIsLost) {
   for (auto kind : kKinds) {
     TwoSides two(kind);
     const auto plain = rtps_message({data_submessage(12)});
+    const auto alone = decode_message(two, encode_message(two, plain).value()).value();
     auto encoded = encode_message(two, plain).value();
-    const auto alone = decode_message(two, encoded).value();
     Bytes statistics(60);
     statistics[0] = 0x80;
     statistics[1] = 1;

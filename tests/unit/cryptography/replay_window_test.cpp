@@ -1,0 +1,130 @@
+#include "plugins/cryptography/replay_window.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/cryptography/data_message.hpp"
+#include "tests/unit/cryptography/two_sides.hpp"
+
+namespace ddssec::cryptography {
+namespace {
+
+Iv iv(std::uint32_t session, std::uint64_t suffix) {
+  Iv out{};
+  for (std::size_t i = 0; i < 4; ++i) out[i] = static_cast<std::uint8_t>(session >> (24 - 8 * i));
+  for (std::size_t i = 0; i < 8; ++i)
+    out[4 + i] = static_cast<std::uint8_t>(suffix >> (56 - 8 * i));
+  return out;
+}
+
+TEST(ReplayWindow, AMessage_ComingTwice_IsRefused) {
+  ReplayWindow window;
+  EXPECT_TRUE(window.accept(iv(7, 100)));
+  EXPECT_FALSE(window.accept(iv(7, 100)));
+  EXPECT_TRUE(window.accept(iv(7, 4000)));
+  EXPECT_FALSE(window.accept(iv(7, 100)));
+  EXPECT_FALSE(window.accept(iv(7, 4000)));
+}
+
+TEST(ReplayWindow, LateMessages_AreAcceptedOnce) {
+  ReplayWindow window;
+  EXPECT_TRUE(window.accept(iv(7, 5000)));
+  for (std::uint64_t late = 1; late < ReplayWindow::kMaxLate; ++late) {
+    EXPECT_TRUE(window.accept(iv(7, 5000 - late)));
+    EXPECT_FALSE(window.accept(iv(7, 5000 - late)));
+  }
+  EXPECT_FALSE(window.accept(iv(7, 5000)));
+}
+
+TEST(ReplayWindow, AMessage_LaterThanTheWindow_IsRefused) {
+  ReplayWindow window;
+  for (std::uint64_t n = 0; n < ReplayWindow::kMaxLate; ++n)
+    EXPECT_TRUE(window.accept(iv(7, 1000 + 10 * n)));
+  EXPECT_TRUE(window.accept(iv(7, 995))) << "nothing has left the window yet";
+  EXPECT_FALSE(window.accept(iv(7, 999))) << "a greater one has";
+  for (std::uint64_t n = 0; n < ReplayWindow::kMaxLate; ++n)
+    EXPECT_FALSE(window.accept(iv(7, 1000 + 10 * n)));
+  EXPECT_TRUE(window.accept(iv(7, 1000 + 10 * ReplayWindow::kMaxLate)));
+}
+
+TEST(ReplayWindow, SessionsThatAreOver_AreRefused) {
+  ReplayWindow window;
+  EXPECT_TRUE(window.accept(iv(0xffffffff, 9)));
+  EXPECT_TRUE(window.accept(iv(0, 3))) << "session ids count past the greatest";
+  EXPECT_FALSE(window.accept(iv(0, 3)));
+  EXPECT_FALSE(window.accept(iv(0xffffffff, 10)));
+  EXPECT_TRUE(window.accept(iv(2, 0))) << "one was lost as a whole";
+  EXPECT_FALSE(window.accept(iv(1, 0)));
+}
+
+TEST(ReplayWindow, SuffixesCountPastTheGreatest) {
+  ReplayWindow window;
+  EXPECT_TRUE(window.accept(iv(7, ~std::uint64_t{0})));
+  EXPECT_TRUE(window.accept(iv(7, 1)));
+  EXPECT_FALSE(window.accept(iv(7, ~std::uint64_t{0})));
+  EXPECT_FALSE(window.accept(iv(7, 1)));
+}
+
+// A child of fork() begins at random, and its parent goes on.
+TEST(ReplayWindow, ParentAndChildren_AreHeardBesideOneAnother) {
+  ReplayWindow window;
+  constexpr std::uint32_t kApart = 0x10000000;
+  for (std::uint32_t n = 0; n < 3; ++n)
+    for (std::uint32_t stream = 0; stream < ReplayWindow::kMaxStreams; ++stream) {
+      EXPECT_TRUE(window.accept(iv(stream * kApart, n)));
+      EXPECT_FALSE(window.accept(iv(stream * kApart, n)));
+    }
+  EXPECT_FALSE(window.accept(iv(ReplayWindow::kMaxStreams * kApart, 0)));
+}
+
+// ---- in the engine
+
+using spi::ProtectionKind;
+
+struct Repeated : ::testing::Test {
+  Bytes sent() {
+    const auto message = testing::DataMessage{.number = ++number}.octets();
+    return testing::encode_submessage(two, ends, message).value();
+  }
+  Result<Bytes> got(const Bytes& encoded) { return testing::decode_submessage(two, ends, encoded); }
+  void begin(ProtectionKind kind) {
+    ends = two.endpoints(testing::endpoint_attributes(kind, ProtectionKind::none));
+  }
+
+  std::uint32_t number = 0;
+  testing::TwoSides two{ProtectionKind::none};
+  testing::WriterToReader ends;
+};
+
+TEST_F(Repeated, WithOriginAuthentication_AMessageCountsOnce) {
+  for (const auto kind : {ProtectionKind::encrypt_with_origin_authentication,
+                          ProtectionKind::sign_with_origin_authentication}) {
+    begin(kind);
+    const auto first = sent(), second = sent();
+    EXPECT_TRUE(got(second));
+    EXPECT_TRUE(got(first)) << "late, but new";
+    EXPECT_EQ(testing::code_of(got(first)), Code::message_repeated);
+    EXPECT_EQ(testing::code_of(got(second)), Code::message_repeated);
+    EXPECT_TRUE(got(sent()));
+  }
+}
+
+TEST_F(Repeated, TheSameKeyOnceMore_MakesNothingNew) {
+  begin(ProtectionKind::encrypt_with_origin_authentication);
+  const auto first = sent();
+  EXPECT_TRUE(got(first));
+  const auto under_way = sent();
+  two.take_writer(ends, two.writer_tokens(ends).value()).value();
+  EXPECT_EQ(testing::code_of(got(first)), Code::message_repeated);
+  EXPECT_TRUE(got(under_way));
+}
+
+// Each reader has the key, and could use IVs that the writer has not come to.
+TEST_F(Repeated, WithoutOriginAuthentication_NothingIsJudged) {
+  begin(ProtectionKind::encrypt);
+  const auto first = sent();
+  EXPECT_TRUE(got(first));
+  EXPECT_TRUE(got(first));
+}
+
+}  // namespace
+}  // namespace ddssec::cryptography
