@@ -15,6 +15,8 @@ namespace {
 constexpr std::size_t kMostHeaderOctets = 8 * 1024;
 // RFC 5322 2.1.1. OpenSSL, by which stock products read, takes a longer line for several.
 constexpr std::size_t kMostHeaderLineOctets = 998;
+// LF and the CRs before it. OpenSSL cuts a line after 1023 octets, its break included.
+constexpr std::size_t kMostLineBreakOctets = 16;
 constexpr std::size_t kMostHeaders = 32;
 constexpr std::size_t kMostBoundaryOctets = 70;  // RFC 2046 5.1.1
 
@@ -56,11 +58,23 @@ bool is_header_name(std::string_view name) {
   });
 }
 
-// Every reader finds the same lines in it.
-bool is_plain_line(std::string_view line) {
-  return line.size() <= kMostHeaderLineOctets && std::ranges::all_of(line, [](char c) {
-           return c == '\t' || (static_cast<unsigned char>(c) >= 0x20 && c != 0x7f);
-         });
+// True if every reader finds the same line here. `whole` is its size with its line break.
+bool is_short_line(std::string_view line, std::size_t whole) {
+  return line.size() <= kMostHeaderLineOctets && whole - line.size() <= kMostLineBreakOctets;
+}
+
+bool is_plain_text(std::string_view line) {
+  return std::ranges::all_of(line, [](char c) {
+    return c == '\t' || (static_cast<unsigned char>(c) >= 0x20 && c != 0x7f);
+  });
+}
+
+// OpenSSL reads each line by itself and takes a continuation line for parameters of the last header
+// that it has understood. Only after a whole parameter, outside of quotation marks and comments,
+// does it read what RFC 5322 2.2.3 says.
+bool may_continue(std::string_view value) {
+  return value.ends_with(';') && value.find('(') == value.npos &&
+         std::ranges::count(value, '"') % 2 == 0;
 }
 
 // The header lines up to the blank line; `text` moves behind it.
@@ -68,14 +82,18 @@ Result<std::vector<Header>> take_headers(std::string_view& text) {
   std::vector<Header> headers;
   const std::size_t before = text.size();
   for (std::size_t number = 1; !text.empty(); ++number) {
+    const auto left = text.size();
     const auto line = take_line(text);
-    if (line.empty()) return headers;
+    const bool is_short = is_short_line(line, left - text.size());
+    if (line.empty() && is_short) return headers;
     if (before - text.size() > kMostHeaderOctets || headers.size() == kMostHeaders) break;
-    if (!is_plain_line(line))
-      return std::unexpected(
-          header_refusal(number, "at most 998 octets without control characters",
-                         line.size() > kMostHeaderLineOctets ? "a longer line" : "another octet"));
+    if (!is_short || !is_plain_text(line))
+      return std::unexpected(header_refusal(number, "at most 998 octets without control characters",
+                                            is_short ? "another octet" : "a longer line"));
     if ((line[0] == ' ' || line[0] == '\t') && !headers.empty()) {
+      if (!may_continue(headers.back().value))
+        return std::unexpected(header_refusal(number, "a line break after a semicolon only",
+                                              "a line break elsewhere"));
       headers.back().value.append(" ").append(trimmed(line));
       continue;
     }
@@ -111,18 +129,26 @@ struct MediaType {
   }
 };
 
+// RFC 2045 5.1, token.
+bool is_token_character(char c) {
+  return c > ' ' && c < 0x7f && std::string_view("()<>@,;:\\\"/[]?=").find(c) == std::string::npos;
+}
+
+// A quoted value has no escapes: OpenSSL knows none.
+bool is_quotable(char c) { return c >= ' ' && c < 0x7f && c != '"' && c != '\\'; }
+
+// A token, or a value that stands in quotation marks as a whole. OpenSSL opens a quotation at a
+// mark anywhere in a value, and a comment at a parenthesis.
 std::optional<std::string> take_parameter_value(std::string_view& text) {
-  if (!text.starts_with('"')) {
-    const auto end = std::min(text.find(';'), text.size());
-    std::string value(trimmed(text.substr(0, end)));
-    text.remove_prefix(end);
-    return value;
-  }
-  const auto end = text.find('"', 1);
-  if (end == text.npos) return std::nullopt;
-  std::string value(text.substr(1, end - 1));
-  text.remove_prefix(end + 1);
-  return value;
+  const bool is_quoted = text.starts_with('"');
+  if (is_quoted) text.remove_prefix(1);
+  const auto end = std::min(text.find(is_quoted ? '"' : ';'), text.size());
+  const auto value = is_quoted ? text.substr(0, end) : trimmed(text.substr(0, end));
+  if (value.empty() || (is_quoted && end == text.size()) ||
+      !std::ranges::all_of(value, is_quoted ? is_quotable : is_token_character))
+    return std::nullopt;
+  text.remove_prefix(end + (is_quoted ? 1 : 0));
+  return std::string(value);
 }
 
 // "text/plain" itself; words for anything that is no type.
@@ -191,27 +217,30 @@ struct Delimiter {
 // `at` is the first octet of a line that begins with the marker.
 Result<Delimiter> read_delimiter(std::string_view body, std::size_t at, std::size_t marker) {
   auto rest = body.substr(at + marker);
+  const auto left = rest.size();
   const auto line = take_line(rest);
   const bool closes = line.starts_with("--");
-  if (!trimmed(line.substr(closes ? 2 : 0)).empty())
+  if (!is_short_line(line, left - rest.size()) || !trimmed(line.substr(closes ? 2 : 0)).empty())
     return std::unexpected(
         refusal(Code::smime_malformed, "nothing behind a boundary", "more on its line"));
   return Delimiter{at, body.size() - rest.size(), closes};
 }
 
-// All lines that begin with `marker`, at most four (three are right).
+// All lines that begin with `marker`, at most four (three are right). It may stand nowhere else:
+// OpenSSL cuts a line after 1023 octets and looks for it after the cut.
 Result<std::vector<Delimiter>> find_delimiters(std::string_view body, const std::string& marker) {
-  const std::string needle = "\n" + marker;
   std::vector<Delimiter> found;
-  if (body.starts_with(marker)) found.push_back(DDSSEC_TRY(read_delimiter(body, 0, marker.size())));
-  std::size_t from = found.empty() ? 0 : found.back().end - 1;
+  std::size_t from = 0;
   while (from < body.size() && found.size() < 4) {
     const void* hit =
-        ::memmem(body.data() + from, body.size() - from, needle.data(), needle.size());
+        ::memmem(body.data() + from, body.size() - from, marker.data(), marker.size());
     if (hit == nullptr) break;
-    const auto at = static_cast<std::size_t>(static_cast<const char*>(hit) - body.data()) + 1;
+    const auto at = static_cast<std::size_t>(static_cast<const char*>(hit) - body.data());
+    if (at != 0 && body[at - 1] != '\n')
+      return std::unexpected(refusal(Code::smime_malformed, "a boundary at the beginning of a line",
+                                     "one within a line"));
     found.push_back(DDSSEC_TRY(read_delimiter(body, at, marker.size())));
-    from = found.back().end > at ? found.back().end - 1 : body.size();
+    from = found.back().end;
   }
   return found;
 }

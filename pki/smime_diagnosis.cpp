@@ -107,8 +107,14 @@ int first_line_in(std::string_view file, std::string_view text) {
   return static_cast<int>(1 + breaks(file.substr(0, place)) - breaks(text.substr(0, begin)));
 }
 
-// What the plugins read. OpenSSL may find other parts in the same octets, since nobody signs the
-// lines around them.
+Bytes der_of(PKCS7* pkcs7) {
+  Bytes out(static_cast<std::size_t>(std::max(i2d_PKCS7(pkcs7, nullptr), 0)));
+  auto* position = out.data();
+  i2d_PKCS7(pkcs7, &position);
+  return out;
+}
+
+// What the plugins read.
 bool take_as_plugins_do(BytesView file, DocumentForm& form) {
   const auto document = read_document(file);
   const auto pkcs7 = document ? parse_der(document->signature) : nullptr;
@@ -117,6 +123,7 @@ bool take_as_plugins_do(BytesView file, DocumentForm& form) {
   form.has_text_header = true;
   form.unverified_text = to_bytes(document->text());
   form.first_line = document->first_line;
+  if (const auto same = check_same_reading(*document, file); !same) form.ambiguous = same.error();
   describe_signer(pkcs7.get(), form);
   describe_embedded(pkcs7.get(), form);
   return true;
@@ -160,6 +167,17 @@ std::string_view to_string(DocumentWrapping wrapping) {
       break;
   }
   return "neither XML nor a signature";
+}
+
+Status check_same_reading(const UnverifiedDocument& ours, BytesView file) {
+  const auto parsed = parse_smime(file);
+  if (!parsed.pkcs7) return {};
+  const auto pkcs7 = parse_der(ours.signature);
+  const bool is_same_text = parsed.beside && read_all(parsed.beside.get()) == ours.signed_octets;
+  if (is_same_text && pkcs7 && der_of(pkcs7.get()) == der_of(parsed.pkcs7.get())) return {};
+  return fail(Code::smime_malformed, {.expected = "one text and one signature for every reader",
+                                      .found = is_same_text ? "another signature for OpenSSL"
+                                                            : "another text for OpenSSL"});
 }
 
 DocumentForm examine_document(BytesView file) {

@@ -15,6 +15,8 @@
 
 namespace ddssec::pki {
 
+struct UnverifiedDocument;  // internal to pki/: pki/unverified_document.hpp
+
 /// How a signed document is wrapped.
 enum class DocumentWrapping : std::uint8_t {
   none,       ///< no signature at all: the XML text itself
@@ -42,8 +44,10 @@ struct DocumentForm {
   /// The line of the file, from 1, on which that text begins; 1 where it is not readable in the
   /// file.
   int first_line = 1;
-  /// Set if OpenSSL, and so stock products, find two parts where the plugins refuse to: the text is
-  /// then what stock products read, and others may find another. Error: of split_multipart_signed.
+  /// Set if readers differ, since nobody signs the lines around the parts. If the plugins refuse
+  /// the parts that OpenSSL, and so stock products, find, the text is what stock products read;
+  /// error: of split_multipart_signed. If OpenSSL finds another text or signature than the plugins,
+  /// the text is what the plugins read; error: of check_same_reading.
   std::optional<Error> ambiguous = {};
 
   static constexpr std::size_t kMostEmbedded = 16;
@@ -51,6 +55,10 @@ struct DocumentForm {
 
 /// Looks at a file of at most kMostDocumentOctets without believing anything in it. Never fails.
 DocumentForm examine_document(BytesView file);
+
+/// Success if OpenSSL's reader finds the text and the signature in `file` that ours has found, or
+/// nothing at all. Error: smime_malformed.
+Status check_same_reading(const UnverifiedDocument& ours, BytesView file);
 
 /// Success if the file is believed by a reader made of OpenSSL's SMIME_read_PKCS7 and PKCS7_verify
 /// with PKCS7_TEXT over a store of `cas`, as Cyclone DDS 0.10.2 and Fast DDS 2.9.1 are: they

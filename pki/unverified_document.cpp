@@ -30,7 +30,11 @@ Result<Bytes> decode_base64(std::string_view text) {
   joined.reserve(text.size());
   for (char c : text)
     if (std::string_view(" \t\r\n").find(c) == std::string_view::npos) joined.push_back(c);
-  if (joined.empty() || joined.size() % 4 != 0) return bad();
+  // EVP_DecodeBlock takes '=' anywhere for zeros; OpenSSL's other reader ends there.
+  const auto digits = std::min(joined.find('='), joined.size());
+  if (joined.empty() || joined.size() % 4 != 0 || joined.size() - digits > 2 ||
+      joined.find_first_not_of('=', digits) != joined.npos)
+    return bad();
   Bytes out(joined.size() / 4 * 3);
   const int size =
       EVP_DecodeBlock(out.data(), as_bytes(joined).data(), static_cast<int>(joined.size()));

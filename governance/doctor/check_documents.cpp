@@ -63,8 +63,10 @@ Outcomes refused_by_ours(Variant variant, const Subject& subject) {
 }
 
 // Without the signer's certificate inside, OpenSSL finds no signer; a product may know another way.
+// Which text of several a product obeys, its version of OpenSSL decides: nobody passes with that.
 Outcomes outcomes_of_form(const Subject& subject) {
   const auto& form = subject.form;
+  if (form.ambiguous) return kNobody;
   const bool lacks_signer = form.wrapping == pki::DocumentWrapping::multipart &&
                             form.has_text_header && form.embedded.empty();
   return lacks_signer && subject.our_belief ? measured(Variant::form_nocerts, subject.lineup)

@@ -205,7 +205,7 @@ TEST_F(Smime, MoreUnsignedOctetsThanToolsWriteAreRefused) {
   }
   EXPECT_TRUE(check(file_ + std::string(500, '\n')));
   EXPECT_CODE(check(file_ + std::string(5000, '\n')), smime_unsigned_octets);
-  EXPECT_CODE(check(with(mark, " ", 5000)), smime_unsigned_octets);
+  EXPECT_CODE(check(with(mark, " ", 5000)), smime_malformed);
   EXPECT_CODE(check(with("<dds>", "\r", 5000)), smime_unsigned_octets);
   EXPECT_CODE(check(with("MIME-Version: 1.0\n", "X-Padding: " + std::string(500, 'x') + "\n", 9)),
               smime_unsigned_octets);
