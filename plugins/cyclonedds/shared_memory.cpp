@@ -7,6 +7,7 @@
 
 #include "base/rollback.hpp"
 #include "plugins/cyclonedds/loaded_symbols.hpp"
+#include "plugins/spi/flag_property.hpp"
 #include "plugins/spi/property_names.hpp"
 
 namespace ddssec::cyclonedds {
@@ -87,12 +88,7 @@ std::string promise_for_samples(const spi::ParticipantSecurityAttributes& partic
 }
 
 Result<bool> SharedMemoryGuard::is_allowed_by(const spi::PropertyList& properties) {
-  const auto* const text = spi::find_property(properties, spi::property::kAllowSharedMemory);
-  if (text == nullptr || *text == "false") return false;
-  if (*text == "true") return true;
-  return fail(Code::invalid_property, {.document = std::string(spi::property::kAllowSharedMemory),
-                                       .expected = "true or false",
-                                       .found = text->substr(0, 64)});
+  return spi::flag_property(properties, spi::property::kAllowSharedMemory);
 }
 
 void SharedMemoryGuard::allow(spi::PermissionsHandle participant) {

@@ -1,0 +1,14 @@
+// A property whose value is true or false.
+#pragma once
+
+#include <string_view>
+
+#include "plugins/spi/token.hpp"
+
+namespace ddssec::spi {
+
+/// What the property says; false if it is not there. Error: invalid_property (neither "true" nor
+/// "false").
+Result<bool> flag_property(const PropertyList& properties, std::string_view name);
+
+}  // namespace ddssec::spi
