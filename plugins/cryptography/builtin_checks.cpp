@@ -31,33 +31,45 @@ Status check_liveliness(const BuiltinTopic& topic, const Owner& owner, BytesView
   return check_name(topic, owner, "participantGuidPrefix", payload.subspan(kEncapsulationSize));
 }
 
-Status check_whole(const BuiltinTopic& topic, const Owner& owner, BytesView payload) {
-  if (topic.key == 0) return check_liveliness(topic, owner, payload);
+Result<TypeInformationAt> check_whole(const BuiltinTopic& topic, const Owner& owner,
+                                      BytesView payload) {
+  if (topic.key == 0) {
+    DDSSEC_TRY(check_liveliness(topic, owner, payload));
+    return TypeInformationAt{};
+  }
   ParameterWalk walk;
   DDSSEC_TRY(walk.read(topic, owner, payload));
-  return walk.check_end(topic);
+  DDSSEC_TRY(walk.check_end(topic));
+  return walk.type_information();
+}
+
+Result<TypeInformationAt> check_payload(const BuiltinTopic& topic, const Owner& owner,
+                                        const DataPiece& piece, WalksOfPeers& walks) {
+  if (!piece.is_fragment) return check_whole(topic, owner, piece.payload);
+  if (piece.payload.size() < piece.fragments_size)
+    return unreadable_name(topic, "a fragment is shorter than it says");
+  if (piece.payload.size() == piece.sample_size) return check_whole(topic, owner, piece.payload);
+  if (topic.key == 0) return unreadable_name(topic, "it is in fragments");
+  auto* const found = walks.of(owner.value_or(GuidPrefix{}));
+  return found == nullptr ? fail(Code::builtin_fragment_early) : found->take(topic, owner, piece);
 }
 
 }  // namespace
 
-Status check_builtin_source(BytesView submessage, const Owner& owner, WalksOfPeers& walks) {
+Result<TypeInformationAt> check_builtin_source(BytesView submessage, const Owner& owner,
+                                               WalksOfPeers& walks) {
   const auto writer = writer_of_data(submessage);
-  if (!writer) return {};
+  if (!writer) return TypeInformationAt{};
   const auto* const topic = builtin_topic_of(*writer);
-  if (topic == nullptr) return {};
-  if (topic->key == 0 && !owner) return {};  // it holds nothing but a name
+  if (topic == nullptr) return TypeInformationAt{};
+  if (topic->key == 0 && !owner) return TypeInformationAt{};  // it holds nothing but a name
   const auto piece = read_data_piece(submessage);
   if (!piece) return unreadable_name(*topic, "its lengths contradict one another");
   DDSSEC_TRY(check_inline_qos(*topic, owner, *piece));
-  if (!piece->has_data && !piece->has_key) return {};
-  if (!piece->is_fragment) return check_whole(*topic, owner, piece->payload);
-  if (piece->payload.size() < piece->fragments_size)
-    return unreadable_name(*topic, "a fragment is shorter than it says");
-  if (piece->payload.size() == piece->sample_size)
-    return check_whole(*topic, owner, piece->payload);
-  if (topic->key == 0) return unreadable_name(*topic, "it is in fragments");
-  auto* const found = walks.of(owner.value_or(GuidPrefix{}));
-  return found == nullptr ? fail(Code::builtin_fragment_early) : found->take(*topic, owner, *piece);
+  if (!piece->has_data && !piece->has_key) return TypeInformationAt{};
+  auto at = DDSSEC_TRY(check_payload(*topic, owner, *piece, walks));
+  if (at) *at += static_cast<std::uint32_t>(piece->payload.data() - submessage.data());
+  return at;
 }
 
 }  // namespace ddssec::cryptography

@@ -65,6 +65,7 @@ std::unexpected<Error> unreadable_name(const BuiltinTopic& topic, std::string_vi
 }
 
 Status ParameterWalk::read(const BuiltinTopic& topic, const Owner& owner, BytesView octets) {
+  piece_begins_ = position_;
   while (state_ != State::ended && !octets.empty()) {
     const auto skipped = std::min<std::size_t>(to_skip_, octets.size());
     to_skip_ -= static_cast<std::uint32_t>(skipped);
@@ -73,6 +74,7 @@ Status ParameterWalk::read(const BuiltinTopic& topic, const Owner& owner, BytesV
     std::copy_n(octets.begin(), taken, part_.begin() + static_cast<std::ptrdiff_t>(filled_));
     octets = octets.subspan(taken);
     filled_ += taken;
+    position_ += static_cast<std::uint32_t>(skipped + taken);
     if (filled_ == wanted_) DDSSEC_TRY(take(topic, owner));
   }
   return {};
@@ -89,7 +91,6 @@ Status ParameterWalk::take(const BuiltinTopic& topic, const Owner& owner) {
   wanted_ = kHeaderSize;
   if (state_ == State::encapsulation) return begin_list(topic);
   if (state_ == State::header) return begin_parameter(topic);
-  if (state_ == State::type_information) return take_type_information(topic);
   state_ = State::header;
   to_skip_ = length_ - static_cast<std::uint32_t>(GuidPrefix::size);
   has_name_ = true;
@@ -113,7 +114,7 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
     return {};
   }
   if (length_ % 4 != 0) return unreadable_name(topic, "its parameters have lengths that lie");
-  if (id_ == parameter_id::kTypeInformation) return begin_type_information(topic);
+  if (id_ == parameter_id::kTypeInformation) DDSSEC_TRY(note_type_information(topic));
   if (name_of(topic, id_) == nullptr) {
     to_skip_ = length_;
     return {};
@@ -124,21 +125,12 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
   return {};
 }
 
-Status ParameterWalk::begin_type_information(const BuiltinTopic& topic) {
-  if (has_type_) return unreadable_name(topic, "its type information comes twice");
-  if (length_ == 0) return unreadable_name(topic, "its type information is empty");
-  has_type_ = true;
-  type_.begin(length_);
-  state_ = State::type_information;
-  return {};
-}
-
-Status ParameterWalk::take_type_information(const BuiltinTopic& topic) {
-  const std::uint32_t first = word(0), second = word(2);
-  const auto value = is_little_ ? second << 16 | first : first << 16 | second;
-  if (!type_.take(value, part_[0]) || (type_.left() == 0 && !type_.is_whole()))
-    return unreadable_name(topic, "its type information could end the process that reads it");
-  if (type_.left() == 0) state_ = State::header;
+Status ParameterWalk::note_type_information(const BuiltinTopic& topic) {
+  if (type_information_) return unreadable_name(topic, "its type information comes twice");
+  const auto at = position_ - static_cast<std::uint32_t>(kHeaderSize);
+  if (position_ < piece_begins_ + kHeaderSize)
+    return unreadable_name(topic, "its type information begins in two fragments");
+  type_information_ = at;
   return {};
 }
 

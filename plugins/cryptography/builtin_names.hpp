@@ -10,7 +10,6 @@
 #include "base/bytes.hpp"
 #include "base/ids.hpp"
 #include "base/result.hpp"
-#include "plugins/cryptography/type_information.hpp"
 
 namespace ddssec::cryptography {
 
@@ -31,37 +30,40 @@ Status check_name(const BuiltinTopic& topic, const Owner& owner, std::string_vie
                   BytesView guid);
 std::unexpected<Error> unreadable_name(const BuiltinTopic& topic, std::string_view why);
 
-/// Reads a parameter list with its encapsulation, in pieces of any size, and checks each GUID as
-/// soon as its prefix is complete, and PID_TYPE_INFORMATION word by word. Small, to be copied: who
-/// refuses a piece goes on from before it.
+/// Reads a parameter list with its encapsulation, in pieces of any size, checks each GUID as soon
+/// as its prefix is complete, and finds PID_TYPE_INFORMATION. Small, to be copied: who refuses a
+/// piece goes on from before it.
 class ParameterWalk {
  public:
   /// The next octets. Errors: builtin_source_mismatch, builtin_source_unreadable.
   Status read(const BuiltinTopic& topic, const Owner& owner, BytesView octets);
   /// The list must have ended, and named something. Error: builtin_source_unreadable.
   Status check_end(const BuiltinTopic& topic) const;
+  /// Where the parameter id of the type information stands, counted from the encapsulation. Both of
+  /// its octets came in one piece.
+  std::optional<std::uint32_t> type_information() const { return type_information_; }
 
  private:
   Status take(const BuiltinTopic& topic, const Owner& owner);
   Status begin_list(const BuiltinTopic& topic);
   Status begin_parameter(const BuiltinTopic& topic);
-  Status begin_type_information(const BuiltinTopic& topic);
-  Status take_type_information(const BuiltinTopic& topic);
+  Status note_type_information(const BuiltinTopic& topic);
   std::uint16_t word(std::size_t at) const;
 
-  enum class State : std::uint8_t { encapsulation, header, name, type_information, ended };
+  enum class State : std::uint8_t { encapsulation, header, name, ended };
   static constexpr std::size_t kHeaderSize = 4;
 
   State state_ = State::encapsulation;
   bool is_little_ = false;
   bool has_name_ = false;
-  bool has_type_ = false;  ///< PID_TYPE_INFORMATION came
   std::uint16_t id_ = 0;
   std::uint16_t length_ = 0;
   std::uint32_t to_skip_ = 0;
   std::size_t filled_ = 0;
   std::size_t wanted_ = kHeaderSize;
-  TypeInformationWalk type_ = {};
+  std::uint32_t position_ = 0;      ///< octets read
+  std::uint32_t piece_begins_ = 0;  ///< position_ before the present piece
+  std::optional<std::uint32_t> type_information_ = {};
   std::array<std::uint8_t, GuidPrefix::size> part_ = {};  ///< what a state waits for
 };
 

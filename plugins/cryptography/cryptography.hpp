@@ -24,7 +24,7 @@ struct Options {
   /// participant at the other end of the key exchange, discovery and liveliness speak of the owner
   /// of the key, keys that are set give way to later revisions only, and key tokens do not come
   /// again before the host used the former ones. Of each refusal the engine raises an event that
-  /// names the peer.
+  /// names the peer. Type information of peers becomes padding, unless a property trusts it.
   bool host_checks_sources = true;
   /// AES blocks under one session key before the next session (DDS-Security 9.5.3.3.4); at most
   /// 2^32, at least 1.

@@ -55,7 +55,8 @@ struct LocalParticipant final : Entity {
   Cipher cipher = Cipher::aes256_gcm;           ///< of messages and builtin endpoints
   Cipher endpoint_cipher = Cipher::aes256_gcm;  ///< of the application's endpoints
   spi::CipherMask allowed_ciphers = spi::kAllCiphers;
-  Published<SendKey> key;  ///< null if RTPS messages are not protected
+  Published<SendKey> key;                ///< null if RTPS messages are not protected
+  bool trusts_type_information = false;  ///< the host gets that of peers
   bool revises_keys = false;
   bool is_revising = false;  ///< the next keys are not in use yet
   spi::KeyRevision revision = 0;

@@ -12,6 +12,13 @@ std::size_t fragments_of(const DataPiece& piece) {
   return (std::size_t{piece.sample_size} + piece.fragment_size - 1) / piece.fragment_size;
 }
 
+/// Of a sample's place, that in the piece's payload.
+TypeInformationAt within(const DataPiece& piece, TypeInformationAt at) {
+  const auto begin = std::size_t{piece.first_fragment - 1} * piece.fragment_size;
+  if (!at || *at < begin || *at >= begin + piece.payload.size()) return {};
+  return static_cast<std::uint32_t>(*at - begin);
+}
+
 }  // namespace
 
 void FragmentWalks::Table::erase(Samples::iterator sample) {
@@ -27,17 +34,20 @@ void FragmentWalks::Numbers::insert(std::uint64_t number) {
   }
 }
 
-Status FragmentWalks::take(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece) {
+Result<TypeInformationAt> FragmentWalks::take(const BuiltinTopic& topic, const Owner& owner,
+                                              const DataPiece& piece) {
   const std::lock_guard lock(mutex_);
   ++pieces_;
   auto& writer = writers_[topic.writer];
   auto [table, place] = DDSSEC_TRY(place_of(topic, writer, piece));
   auto status = read(topic, owner, piece, place->second);
+  const auto type_information = place->second.walk.type_information();
   if (place->second.passed.empty())
     table.erase(place);  // the host got nothing of it
   else if (place->second.is_whole())
     writer.once_whole.insert(piece.number);
-  return status;
+  if (!status) return std::unexpected(std::move(status).error());
+  return within(piece, type_information);
 }
 
 Result<FragmentWalks::Place> FragmentWalks::place_of(const BuiltinTopic& topic, Writer& writer,

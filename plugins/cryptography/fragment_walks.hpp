@@ -19,6 +19,7 @@
 #include "base/hash.hpp"
 #include "plugins/cryptography/builtin_names.hpp"
 #include "plugins/cryptography/data_piece.hpp"
+#include "plugins/cryptography/type_information.hpp"
 
 namespace ddssec::cryptography {
 
@@ -33,9 +34,11 @@ class FragmentWalks {
   static constexpr std::size_t kMostOnceWhole = 256;  ///< numbers, of a writer
 
   /// One DATA_FRAG that is not a whole sample, of a writer whose samples are parameter lists.
+  /// Returns where its payload holds the parameter id of type information: also if it comes again.
   /// Errors: builtin_source_mismatch, builtin_source_unreadable; builtin_fragment_early: one before
   /// it is missing, or there is no room now, and it will be asked for again.
-  Status take(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece);
+  Result<TypeInformationAt> take(const BuiltinTopic& topic, const Owner& owner,
+                                 const DataPiece& piece);
 
  private:
   struct Sample {

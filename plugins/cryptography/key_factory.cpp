@@ -4,6 +4,7 @@
 #include "base/rollback.hpp"
 #include "plugins/cryptography/cipher_choice.hpp"
 #include "plugins/cryptography/engine.hpp"
+#include "plugins/spi/flag_property.hpp"
 #include "plugins/spi/property_names.hpp"
 
 namespace ddssec::cryptography {
@@ -119,6 +120,8 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_local_participant(
     DDSSEC_TRY(check_cipher(cipher, attributes.allowed_ciphers));
   participant->rtps = attributes.rtps;
   participant->revises_keys = attributes.is_key_revision_enabled;
+  participant->trusts_type_information =
+      DDSSEC_TRY(spi::flag_property(properties, spi::property::kTrustTypeInformation));
   DDSSEC_TRY(limit_keys(*participant, properties));
   if (is_protected(attributes.rtps))
     participant->key.replace(DDSSEC_TRY(send_key(DDSSEC_TRY(fresh_material(

@@ -46,6 +46,15 @@ bool is_of_one_order(BytesView group, std::size_t prefix_size) {
   return true;
 }
 
+/// Does a submessage that is only signed follow SEC_PREFIX? It reaches the host by its own key, and
+/// is no longer signed if it is changed before.
+bool begins_signed_group(BytesView group, std::size_t prefix_size) {
+  if (group[0] != submessage_id::kSecPrefix) return false;
+  const auto body = group.subspan(prefix_size);
+  const auto size = size_of_first(body);
+  return size && *size < body.size() && body[*size] == submessage_id::kSecPostfix;
+}
+
 bool are_of_one_subject(const GuidPrefix& a, const GuidPrefix& b) {
   return std::equal(a.octets.begin(), a.octets.begin() + 6, b.octets.begin());
 }
@@ -54,24 +63,24 @@ Error unreadable() {
   return Error(Code::secure_group_malformed, {.document = "a protected message"});
 }
 
-/// Why the sender's part ends before this submessage, if it does. `source` is who speaks.
-std::optional<Error> end_before(BytesView rest, std::size_t size, const GuidPrefix& sender,
-                                GuidPrefix& source, WalksOfPeers& walks) {
+/// Checks the submessage with which `rest` begins; the sender's part ends before one that fails.
+/// `source` is who speaks.
+Result<TypeInformationAt> check_next(BytesView rest, std::size_t size, const GuidPrefix& sender,
+                                     GuidPrefix& source, WalksOfPeers& walks) {
   const auto id = rest[0];
-  if (id == submessage_id::kSecPrefix && !is_of_one_order(rest, size)) return unreadable();
-  if (id != submessage_id::kInfoSource) {
-    auto status = check_builtin_source(rest.first(size), source, walks);
-    return status ? std::nullopt : std::optional(std::move(status).error());
-  }
-  if (size < kInfoSourceSize) return unreadable();
+  if (id == submessage_id::kSecPrefix && !is_of_one_order(rest, size))
+    return std::unexpected(unreadable());
+  if (id != submessage_id::kInfoSource)
+    return check_builtin_source(rest.first(size), source, walks);
+  if (size < kInfoSourceSize) return std::unexpected(unreadable());
   const auto named = GuidPrefix::from(rest.subspan(12, GuidPrefix::size));
   source = named;
-  if (named == sender || are_of_one_subject(named, sender)) return std::nullopt;
-  return Error(Code::info_source_mismatch, {.document = "a protected message",
-                                            .field = "INFO_SRC",
-                                            .expected = sender.to_string(),
-                                            .found = named.to_string(),
-                                            .note = "what follows it was dropped"});
+  if (named == sender || are_of_one_subject(named, sender)) return TypeInformationAt{};
+  return fail(Code::info_source_mismatch, {.document = "a protected message",
+                                           .field = "INFO_SRC",
+                                           .expected = sender.to_string(),
+                                           .found = named.to_string(),
+                                           .note = "what follows it was dropped"});
 }
 
 // ---- key tokens
@@ -107,22 +116,33 @@ Status check_name(std::string_view field, const GuidPrefix& expected, const Guid
 
 SenderPart part_of_sender(BytesView content, const GuidPrefix& sender, WalksOfPeers& walks) {
   auto source = sender;
-  std::vector<std::size_t> early;
+  auto signed_at = content.size();
+  SenderPart part{.size = content.size(), .ended = std::nullopt};
   for (auto rest = content; !rest.empty();) {
     const auto here = content.size() - rest.size();
+    const auto end = [&](Error why) {
+      if (why.code() == Code::info_source_mismatch) part.named = source;
+      part.ended = std::move(why);
+      part.size = here;
+    };
     const auto size = size_of_first(rest);
-    if (!size) return {here, unreadable(), std::nullopt, std::move(early)};
-    auto ended = end_before(rest, *size, sender, source, walks);
-    if (ended && ended->code() == Code::builtin_fragment_early) {
-      early.push_back(here);
-    } else if (ended) {
-      const bool by_name = ended->code() == Code::info_source_mismatch;
-      return {here, std::move(ended), by_name ? std::optional(source) : std::nullopt,
-              std::move(early)};
+    if (!size) {
+      end(unreadable());
+      break;
     }
+    auto found = check_next(rest, *size, sender, source, walks);
+    if (!found && found.error().code() == Code::builtin_fragment_early) {
+      part.early.push_back(here);
+    } else if (!found) {
+      end(std::move(found).error());
+      break;
+    } else if (*found && here != signed_at) {
+      part.types.push_back(static_cast<std::uint32_t>(here) + **found);
+    }
+    if (begins_signed_group(rest, *size)) signed_at = here + *size;
     rest = rest.subspan(*size);
   }
-  return {content.size(), std::nullopt, std::nullopt, std::move(early)};
+  return part;
 }
 
 Status check_token_source(BytesView submessage, bool is_key_exchange,

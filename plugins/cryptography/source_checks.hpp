@@ -21,6 +21,9 @@ struct SenderPart {
   std::optional<GuidPrefix> named = {};  ///< by the INFO_SRC that ended it
   /// Where fragments of discovery begin that must come again: the host must not see them.
   std::vector<std::size_t> early = {};
+  /// Where the parameter ids of type information stand (type_information.hpp), except within groups
+  /// that are signed by themselves.
+  std::vector<std::uint32_t> types = {};
 };
 
 /// Walks the submessages of a protected message as Cyclone DDS does. `content` is what follows the
@@ -29,7 +32,7 @@ struct SenderPart {
 /// (DDS-Security 9.3.3), and Cyclone DDS puts what the participants of one process say into one
 /// message. It also ends before discovery or liveliness, in the clear inside of the message, that
 /// speaks of another than the last INFO_SRC names (builtin_checks.hpp). Nothing is allocated unless
-/// something ended it, or there are fragments of discovery.
+/// something ended it, or there are fragments of discovery or type information.
 SenderPart part_of_sender(BytesView content, const GuidPrefix& sender, WalksOfPeers& walks);
 
 /// Checks one decrypted submessage of a writer. What the volatile secure writer sends must be

@@ -235,6 +235,15 @@ class WalksOfOne final : public WalksOfPeers {
   FragmentWalks& walks_;
 };
 
+/// What a protected builtin writer says, which the host then gets without type information.
+Status check_discovery(const RemoteEndpoint& sender, const Owner& owner, MutableBytes plain) {
+  WalksOfOne walks(sender.participant.walks);
+  const auto types = DDSSEC_TRY(check_builtin_source(plain, owner, walks));
+  if (types && !sender.local.participant.trusts_type_information)
+    hide_type_information(plain, *types);
+  return {};
+}
+
 /// The same for a host that would believe whatever source, and whatever endpoint, it names.
 Status check_source_named(Shared& shared, const RemoteEndpoint& sender, MutableBytes plain) {
   if (shared.host_checks_sources) return {};
@@ -243,8 +252,7 @@ Status check_source_named(Shared& shared, const RemoteEndpoint& sender, MutableB
   auto status = check_token_source(plain, sender.local.is_volatile, pair->peer_prefix);
   if (status) {
     DDSSEC_TRY(check_speaker(sender, plain));
-    WalksOfOne walks(sender.participant.walks);
-    status = check_builtin_source(plain, pair->peer_prefix, walks);
+    status = check_discovery(sender, pair->peer_prefix, plain);
   }
   if (status && sender.local.is_volatile) status = keep_tokens(shared, sender, *pair, plain);
   if (!status && status.error().code() != Code::crypto_tokens_repeated &&
@@ -433,6 +441,9 @@ std::size_t Transform::keep_part_of_sender(spi::ParticipantCryptoHandle receiver
   WalksInMessage walks(shared_, receiver, sender, prefix);
   const auto part = part_of_sender(content, prefix, walks);
   for (const auto at : part.early) content[at] = kPad;
+  const auto local = shared_.local_participant(receiver);
+  if (!local || !(*local)->trusts_type_information)
+    for (const auto at : part.types) hide_type_information(content, at);
   if (part.ended) [[unlikely]] {
     wipe(content.subspan(part.size));
     report_end(receiver, sender, part, prefix);

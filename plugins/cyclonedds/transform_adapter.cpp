@@ -1,4 +1,6 @@
 // CryptoTransform: the message path. One malloc block a result, nothing else.
+#include <cstring>
+
 #include "plugins/cyclonedds/buffers.hpp"
 #include "plugins/cyclonedds/cryptography_adapter.hpp"
 #include "plugins/cyclonedds/opened_message.hpp"
@@ -106,6 +108,14 @@ Status check_decoded(Octets& decoded, std::size_t most, std::size_t alignment) {
   return fail(code);
 }
 
+/// The host reads a submessage that is only signed where it received it: there it must find what
+/// was decoded, which can differ (cryptography/type_information.hpp).
+void write_where_received(const Octets& plain, const Octets& encoded) {
+  constexpr std::uint8_t kSecureBody = 0x30;
+  auto* const received = encoded._buffer + kSecurePrefixSize;
+  if (*received != kSecureBody) std::memmove(received, plain._buffer, plain._length);
+}
+
 /// `decode(octets, room)`.
 template <class Decode>
 Status decode_submessage(Octets* plain, const Octets* encoded, Decode&& decode) {
@@ -114,7 +124,9 @@ Status decode_submessage(Octets* plain, const Octets* encoded, Decode&& decode) 
   if (octets.size() <= kSecurePrefixSize) return fail(Code::truncated);
   DDSSEC_TRY(
       write_block(*plain, octets.size(), [&](MutableBytes room) { return decode(octets, room); }));
-  return check_decoded(*plain, octets.size() - kSecurePrefixSize, 4);
+  DDSSEC_TRY(check_decoded(*plain, octets.size() - kSecurePrefixSize, 4));
+  write_where_received(*plain, *encoded);
+  return {};
 }
 
 /// Before its keys are here a peer can only be heard over the key exchange, by the shared secret.

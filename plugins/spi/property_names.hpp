@@ -52,6 +52,10 @@ inline constexpr std::string_view kPskCipher = "dds.sec.crypto.rtps_psk_symmetri
 /// participant revises them; 0: no limit. Only where the governance enables key revision.
 inline constexpr std::string_view kKeyLifetime = "org.ddssec.crypto.key_lifetime";
 inline constexpr std::string_view kMostBlocksPerKey = "org.ddssec.crypto.max_blocks_per_key";
+/// Ours, in Cyclone DDS: "true" passes type information of peers to its core, which any of them can
+/// end by it.
+inline constexpr std::string_view kTrustTypeInformation =
+    "org.ddssec.crypto.trust_type_information";
 inline constexpr std::string_view kBuiltinEndpointName = "dds.sec.builtin_endpoint_name";
 
 /// Every property that configures a participant, and so every name that a file of properties may
@@ -66,7 +70,7 @@ inline constexpr std::string_view kOfParticipants[] = {kIdentityCa,        kIden
                                                        kSymmetricCipher,   kMessageCipher,
                                                        kPskPassphrase,     kPskExtraPassphrases,
                                                        kPskCipher,         kKeyLifetime,
-                                                       kMostBlocksPerKey};
+                                                       kMostBlocksPerKey,  kTrustTypeInformation};
 
 }  // namespace ddssec::spi::property
 

@@ -30,7 +30,7 @@ import stories  # noqa: E402
 from documents import Governance, Keys, Permissions, Side  # noqa: E402
 from pki import STARTER, Pki, der_name  # noqa: E402
 from runner import LIBRARIES  # noqa: E402
-from scenarios import EO, GOVERNANCES  # noqa: E402
+from scenarios import EO, GOVERNANCES, S, SO  # noqa: E402
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 LIBRARY = BUILD / "lib" / "libddssec_test_insider.so"
@@ -40,6 +40,7 @@ FURTHER = 12     # samples that must come after the attack, at ten a second
 INSIDER = "insider"
 EVERYTHING = GOVERNANCES["everything-encrypt-oa"]
 MESSAGES_ONLY = Governance(rtps=EO, read=False, write=False)
+SIGNED = Governance(discovery=SO, liveliness=S, rtps=S, metadata=S)
 ELSEWHERE = Permissions(publish=("Elsewhere",), subscribe=("Elsewhere",))
 
 
@@ -269,16 +270,18 @@ def names(world, tamper):
     go_on(world, subscriber)
 
 
-def type_information(world):
-    """An announcement with type information that ends the process whose core reads it."""
+def type_information(world, tamper):
+    """Announcements with type information that ends the process whose core reads it."""
     subscriber = begin(world)
-    insider = world.insider("publish", "type", ELSEWHERE)
-    world.until("the false type information", lambda: said(insider, "tampered"))
-    one_event_each(world, "builtin_source_unreadable", insider)
-    check("an event says something else", all("type information" in event["sentence"]
-                                              for event in world.events("builtin_source_unreadable")))
+    honest = list(world.peers)
+    roles = ("subscribe", "publish") if tamper == "circle" else ("publish",)  # two could end each other
+    insiders = [world.insider(role, tamper, ELSEWHERE) for role in roles]
+    world.until("the false type information", lambda: all(said(one, "tampered") for one in insiders))
+    world.passes(2)
+    check("a process ended", not any(peer.ended for peer in honest))
     go_on(world, subscriber)
-    check("a process ended", not any(peer.ended for peer in world.peers if peer is not insider))
+    check("an event blames its type information", not world.events("builtin_source_unreadable"))
+    check("the insider's samples came", not samples(subscriber, FORGED))
 
 
 def source(world):
@@ -307,7 +310,10 @@ def cases():
             for tamper in ("dispose", "speak-as"):
                 yield f"{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: names(world, t)
         if kind != "ours-ac":
-            yield f"type/{kind}", kind, EVERYTHING, type_information
+            for tamper in ("type", "circle", "many"):
+                yield f"{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: type_information(world, t)
+            # Where announcements are only signed, the core reads its own copy of them.
+            yield f"circle-signed/{kind}", kind, SIGNED, lambda world: type_information(world, "circle")
             for tamper, permissions in (("repeat", ELSEWHERE), ("invent", Permissions()), ("nobody", Permissions())):
                 yield (f"{tamper}/{kind}", kind, EVERYTHING,
                        lambda world, t=tamper, p=permissions: restarts(world, t, p))

@@ -14,6 +14,9 @@
 //   clear        its protected messages hold a liveliness message, in the clear, that ends the
 //   victim
 //   type         its endpoints announce type information that ends a process that reads it
+//   circle       its writers announce a type that needs another, its readers that other one, which
+//                needs the first
+//   many         its endpoints announce a type that needs hundreds of others
 //   keys         nothing; but the keys that it is given are said on stderr (../keys_test.py)
 // INSIDER_VICTIM is how the victim's GUID begins, in hexadecimal digits. What it did is said on
 // stderr.
@@ -24,12 +27,14 @@
 #include <dlfcn.h>
 #include <map>
 #include <mutex>
+#include <numeric>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "plugins/cyclonedds/abi.hpp"
+#include "tests/interop/insider/type_claims.hpp"
 
 namespace {
 
@@ -282,11 +287,40 @@ void spoil_type_information(Bytes& octets) {
   }
 }
 
+/// Puts another PID_TYPE_INFORMATION in the place of the host's.
+void replace_type_information(Bytes& octets, const Bytes& value) {
+  const auto word = [&](std::size_t at) -> std::size_t { return octets[at] | octets[at + 1] << 8; };
+  for (std::size_t at = 28; at + 4 < octets.size() && word(at) != 1; at += 4 + word(at + 2)) {
+    if (word(at) != 0x75) continue;
+    const auto begin = octets.begin() + static_cast<std::ptrdiff_t>(at + 4);
+    const auto end = begin + static_cast<std::ptrdiff_t>(word(at + 2));
+    Bytes changed(octets.begin(), begin);
+    changed.insert(changed.end(), value.begin(), value.end());
+    changed.insert(changed.end(), end, octets.end());
+    changed[at + 2] = static_cast<DDS_Security_octet>(value.size());
+    changed[at + 3] = static_cast<DDS_Security_octet>(value.size() >> 8);
+    set_length(changed);
+    octets = std::move(changed);
+    say_tampered();
+    return;
+  }
+}
+
+void announce_types(Bytes& octets, bool is_writer) {
+  if (tampers("type")) spoil_type_information(octets);
+  if (tampers("circle"))
+    replace_type_information(octets, type_that_needs(is_writer ? 1 : 2, {is_writer ? 2u : 1u}));
+  if (!tampers("many")) return;
+  std::vector<std::size_t> needs(600);
+  std::iota(needs.begin(), needs.end(), 2);
+  replace_type_information(octets, type_that_needs(1, needs));
+}
+
 void speak_of_endpoints(Bytes& octets) {
   constexpr std::uint32_t kPublications = 0xff0003c2, kSubscriptions = 0xff0004c2;
-  if (tampers("type") &&
-      (is_of_writer(octets, kPublications) || is_of_writer(octets, kSubscriptions)))
-    spoil_type_information(octets);
+  const bool is_publication = is_of_writer(octets, kPublications);
+  if (is_publication || is_of_writer(octets, kSubscriptions))
+    announce_types(octets, is_publication);
   if (tampers("dispose") && is_of_writer(octets, kPublications)) {
     speak_as_victim(octets);
     dispose(octets);

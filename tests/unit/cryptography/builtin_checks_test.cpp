@@ -57,7 +57,7 @@ Bytes liveliness(const GuidPrefix& prefix, std::uint8_t encoding) {
   return out;
 }
 
-Status check(BytesView octets) {
+Result<TypeInformationAt> check(BytesView octets) {
   OneOwner walks;
   return check_builtin_source(octets, kPeer, walks);
 }
@@ -295,18 +295,6 @@ TEST(TrustingHost, GetsDiscoveryOfThePeerOnly) {
   EXPECT_EQ(code_of(engine.pass(dispose(kVictim))), Code::builtin_source_mismatch);
   EXPECT_EQ(engine.two.b.events.codes, std::vector{Code::builtin_source_mismatch});
   EXPECT_NE(engine.two.b.events.last.find(kVictim.to_string()), std::string::npos);
-}
-
-TEST(TrustingHost, GetsNoTypeInformationThatEndsItWhoeverItIsOf) {
-  for (const bool is_known : {true, false}) {
-    Engine engine(false, is_known);
-    DataMessage message{.writer = kEndpointWriters[1],
-                        .payload = list({{kEndpointGuid, guid_of(kPeer)}}, true)};
-    EXPECT_TRUE(engine.pass(message));
-    message.payload = list({{0x75, Bytes(24, 0)}, {kEndpointGuid, guid_of(kPeer)}}, true);
-    EXPECT_EQ(code_of(engine.pass(message)), Code::builtin_source_unreadable);
-    EXPECT_EQ(engine.two.b.events.codes, std::vector{Code::builtin_source_unreadable});
-  }
 }
 
 TEST(TrustingHost, OfAPeerWhoseGuidIsUnknownMayNameAnybody) {

@@ -1,9 +1,11 @@
-// PID_TYPE_INFORMATION: what products announce passes, what ends Cyclone DDS 0.10.2 does not.
+// PID_TYPE_INFORMATION: found wherever it stands, so that Cyclone DDS never reads it.
 #include "plugins/cryptography/type_information.hpp"
 
 #include <gtest/gtest.h>
 
 #include "plugins/cryptography/builtin_checks.hpp"
+#include "plugins/cryptography/source_checks.hpp"
+#include "plugins/spi/property_names.hpp"
 #include "tests/unit/cryptography/data_message.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
 
@@ -13,81 +15,10 @@ namespace {
 using namespace testing;
 
 constexpr EntityId kPublications{{0xff, 0, 3, 0xc2}};
-constexpr EntityId kListWriters[] = {{{0, 1, 0, 0xc2}}, {{0xff, 1, 1, 0xc2}},
-                                     {{0, 0, 3, 0xc2}}, {{0xff, 0, 3, 0xc2}},
-                                     {{0, 0, 4, 0xc2}}, {{0xff, 0, 4, 0xc2}}};
-constexpr std::uint16_t kTypeInformation = 0x75;
-constexpr std::uint8_t kMinimal = 0xf1, kComplete = 0xf2;
-
-/// XCDR2 with every length in its place.
-class Xcdr2 {
- public:
-  explicit Xcdr2(bool little) : little_(little) {}
-  void word(std::uint32_t value) { append(octets, value, 4, little_); }
-  void id(std::uint8_t kind) {
-    octets.push_back(kind);
-    octets.resize(octets.size() + 15, 0x5a);
-  }
-  /// What `content` writes, after its size.
-  template <class F>
-  void sized(F&& content) {
-    Xcdr2 inner(little_);
-    content(inner);
-    word(static_cast<std::uint32_t>(inner.octets.size()));
-    append(octets, inner.octets);
-  }
-  Bytes octets;
-
- private:
-  bool little_;
-};
-
-struct Form {
-  bool little = true;
-  std::uint8_t minimal = kMinimal, complete = kComplete;
-  std::vector<std::uint8_t> minimal_list = {kMinimal, kMinimal}, complete_list = {kComplete};
-  bool delimited = false;  ///< length code 5
-  bool is_swapped = false;
-  bool is_halved = false;
-};
-
-void append_identifier(Xcdr2& out, std::uint8_t kind) {
-  out.sized([&](Xcdr2& in) {
-    if (kind == 0) {
-      in.word(0);
-    } else {
-      in.id(kind);
-    }
-    in.word(77);
-  });
-}
-
-void append_half(Xcdr2& out, const Form& form, bool is_complete) {
-  const auto body = [&](Xcdr2& in) {
-    const auto& list = is_complete ? form.complete_list : form.minimal_list;
-    append_identifier(in, is_complete ? form.complete : form.minimal);
-    in.word(static_cast<std::uint32_t>(list.size()));
-    in.sized([&](Xcdr2& items) {
-      items.word(static_cast<std::uint32_t>(list.size()));
-      for (const auto kind : list) append_identifier(items, kind);
-    });
-  };
-  const std::uint32_t id = is_complete ? 0x1002 : 0x1001;
-  out.word((form.delimited ? 0x50000000 : 0x40000000) | id);
-  if (form.delimited)
-    out.sized(body);
-  else
-    out.sized([&](Xcdr2& in) { in.sized(body); });
-}
-
-Bytes of(const Form& form) {
-  Xcdr2 out(form.little);
-  out.sized([&](Xcdr2& in) {
-    append_half(in, form, form.is_swapped);
-    if (!form.is_halved) append_half(in, form, !form.is_swapped);
-  });
-  return out.octets;
-}
+constexpr EntityId kListWriters[] = {
+    {{0, 1, 0, 0xc2}}, {{0xff, 1, 1, 0xc2}}, {{0, 0, 3, 0xc2}}, {{0xff, 0, 3, 0xc2}},
+    {{0, 0, 4, 0xc2}}, {{0xff, 0, 4, 0xc2}}, {{0, 0, 2, 0xc2}}};
+constexpr std::uint16_t kTypeInformation = 0x75, kTopicName = 0x05;
 
 void append_parameter(Bytes& out, std::uint16_t id, BytesView value, bool little) {
   append(out, id, 2, little);
@@ -95,153 +26,211 @@ void append_parameter(Bytes& out, std::uint16_t id, BytesView value, bool little
   append(out, value);
 }
 
-/// An announcement of the peer's.
-Bytes announcement(const std::vector<Bytes>& types, bool little = true) {
-  auto guid = to_bytes(kPeer.view());
+/// An announcement of the peer's with these parameters before its names.
+Bytes announcement(const std::vector<std::pair<std::uint16_t, Bytes>>& parameters, bool little,
+                   const GuidPrefix& peer = kPeer) {
+  auto guid = to_bytes(peer.view());
   append(guid, Bytes{0, 0, 1, 2});
   Bytes out = {0, static_cast<std::uint8_t>(little ? 3 : 2), 0, 0};
-  append_parameter(out, 0x05, Bytes(12, 0x50), little);
-  for (const auto& type : types) append_parameter(out, kTypeInformation, type, little);
-  append_parameter(out, 0x50, guid, little);
-  append_parameter(out, 0x5a, guid, little);
+  for (const auto& [id, value] : parameters) append_parameter(out, id, value, little);
+  for (const std::uint16_t id : {0x50, 0x5a, 0x801b}) append_parameter(out, id, guid, little);
   append_parameter(out, 1, {}, little);
   return out;
 }
 
-Code code(const EntityId& writer, const Bytes& payload) {
+/// What a host gets of a submessage.
+Result<Bytes> given(Bytes submessage, WalksOfPeers& walks) {
+  const auto at = DDSSEC_TRY(check_builtin_source(submessage, kPeer, walks));
+  if (at) hide_type_information(submessage, *at);
+  return submessage;
+}
+
+Result<Bytes> given(const EntityId& writer, const Bytes& payload, bool little = true) {
   OneOwner walks;
-  const DataMessage message{.writer = writer, .payload = payload};
-  return code_of(check_builtin_source(message.octets(), kPeer, walks));
+  return given(DataMessage{.little = little, .writer = writer, .payload = payload}.octets(), walks);
 }
-Code code(const Bytes& type, bool little = true) {
-  return code(kPublications, announcement({type}, little));
-}
-constexpr Code kRefused = Code::builtin_source_unreadable;
 
-/// By Cyclone DDS 0.10.2, of a type with one nested type.
-const Bytes kOfCyclone = *from_hex(
-    "9000000001100040400000003c00000014000000f109495c3e89212499bdd51d42883a004a000000"
-    "010000001c0000000100000014000000f1badd950039ac78588aaa107a73bf0027000000"
-    "02100040400000003c00000014000000f25310de9d6e1b432121ec8b16b8d50063000000"
-    "010000001c0000000100000014000000f2650aa64f21fd6e5d4e2f1791d7d50038000000");
-/// By Fast DDS 2.9.1: plain CDR, after an encapsulation.
-const Bytes kOfFastDds = *from_hex(
-    "00010000f11112131415161718191a1b1c1d1e004d000000ffffffff00000000"
-    "f23132333435363738393a3b3c3d3e4163000000ffffffff00000000");
+Bytes of_size(std::size_t octets) { return Bytes(octets, 0xf1); }
 
-TEST(TypeInformation, OfProductsPasses) {
-  EXPECT_EQ(code(kOfCyclone), Code{});
-  EXPECT_EQ(code(kOfFastDds), Code{});  // Cyclone DDS refuses it without harm
+TEST(TypeInformation, BecomesPaddingByEachWriterInEachByteOrder) {
   for (const bool little : {true, false})
-    for (const bool delimited : {true, false})
-      for (const auto& list : {std::vector<std::uint8_t>{}, {kMinimal}, {kMinimal, kMinimal}})
-        EXPECT_EQ(
-            code(of({.little = little, .minimal_list = list, .delimited = delimited}), little),
-            Code{});
-}
-
-TEST(TypeInformation, OfWhichOneHalfIsMissingByNamePasses) {  // OpenDDS announces minimal only
-  EXPECT_EQ(code(of({.complete = 0, .complete_list = {}})), Code{});
-  EXPECT_EQ(code(of({.minimal = 0, .minimal_list = {}})), Code{});
-}
-
-TEST(TypeInformation, OfAnyOtherKindIsRefusedByEachWriterInBothOrders) {
-  for (const bool little : {true, false})
-    for (const auto& writer : kListWriters)
-      for (int kind = 0; kind < 256; ++kind) {
-        const auto octet = static_cast<std::uint8_t>(kind);
-        const auto check = [&](const Form& form) {
-          return code(writer, announcement({of(form)}, little));
-        };
-        if (octet != kMinimal && octet != 0) {
-          EXPECT_EQ(check({.little = little, .minimal = octet}), kRefused) << kind;
-          EXPECT_EQ(check({.little = little, .minimal_list = {kMinimal, octet}}), kRefused) << kind;
+    for (const bool message_little : {true, false})
+      for (const auto& writer : kListWriters)
+        for (const std::size_t size : {0, 4, 148, 32'000}) {
+          const auto list = [&](std::uint16_t id) {
+            return announcement({{kTopicName, Bytes(12, 0x50)}, {id, of_size(size)}}, little);
+          };
+          const auto wanted =
+              DataMessage{.little = message_little, .writer = writer, .payload = list(0)}.octets();
+          EXPECT_EQ(given(writer, list(kTypeInformation), message_little), wanted) << size;
         }
-        if (octet != kComplete && octet != 0) {
-          EXPECT_EQ(check({.little = little, .complete = octet}), kRefused) << kind;
-          EXPECT_EQ(check({.little = little, .complete_list = {octet}}), kRefused) << kind;
-        }
-      }
-  EXPECT_EQ(code(of({.minimal_list = {0}})), kRefused);
 }
 
-TEST(TypeInformation, OneOctetElsewhereNeverMakesAnotherFormPass) {
-  // Hashes with their padding, sizes of type objects, and counts may be anything.
-  const auto may_change = [](std::size_t at) {
-    const auto within = at < 4 ? at : (at - 4) % 72;  // of a half
-    return at >= 4 && ((within >= 17 && within < 40) || (within >= 53 && within < 72));
-  };
-  for (std::size_t at = 0; at < kOfCyclone.size(); ++at)
-    for (int value = 0; value < 256; ++value) {
-      auto changed = kOfCyclone;
-      changed[at] = static_cast<std::uint8_t>(value);
-      const bool same = changed == kOfCyclone;
-      const bool is_flag = (at == 7 || at == 79) && value == 0xc0;  // must understand
-      const bool is_too_large = at < 4 && changed > kOfCyclone && value > kOfCyclone[at];
-      EXPECT_EQ(code(changed),
-                same || is_flag || is_too_large || may_change(at) ? Code{} : kRefused)
-          << at << " " << value;
-    }
-}
-
-TEST(TypeInformation, InAnotherOrderOrHalfOrTwiceIsRefused) {
-  EXPECT_EQ(code(of({.is_swapped = true})), kRefused);
-  EXPECT_EQ(code(of({.is_halved = true})), kRefused);
-  EXPECT_EQ(code({}), kRefused);
-  EXPECT_EQ(code(Bytes(4, 0)), kRefused);
-  EXPECT_EQ(code(kPublications, announcement({of({}), of({})})), kRefused);
-  auto longer = of({});
-  longer.resize(longer.size() + 4, 0);
-  EXPECT_EQ(code(longer), kRefused);
-}
-
-TEST(TypeInformation, CutOffIsRefused) {
-  for (std::size_t size = 0; size < kOfCyclone.size(); size += 4) {
-    Bytes cut(kOfCyclone.begin(), kOfCyclone.begin() + static_cast<std::ptrdiff_t>(size));
-    if (size >= 4) {  // its size has to agree, otherwise it is none that Cyclone DDS reads
-      EXPECT_EQ(code(cut), Code{}) << size;
-      cut[0] = static_cast<std::uint8_t>(size - 4);
-    }
-    EXPECT_EQ(code(cut), kRefused) << size;
+TEST(TypeInformation, IsTheOnlyParameterThatIsChanged) {
+  for (const std::uint16_t id : {0x74, 0x76, 0x7500, 0x8075, 0x4075}) {
+    const auto list = announcement({{id, of_size(8)}}, true);
+    EXPECT_EQ(given(kPublications, list),
+              (DataMessage{.writer = kPublications, .payload = list}.octets()));
   }
+  // Its octets within another parameter are no parameter.
+  const auto user_data = announcement({{0x2c, Bytes{0x75, 0, 4, 0, 0x75, 0, 4, 0}}}, true);
+  EXPECT_EQ(given(kPublications, user_data),
+            (DataMessage{.writer = kPublications, .payload = user_data}.octets()));
 }
 
-/// The code of a sample in fragments of that size.
-Code in_fragments(const Bytes& sample, std::uint16_t size) {
-  OneOwner walks;
-  std::uint32_t number = 1;
-  for (std::size_t from = 0; from < sample.size(); from += size, ++number) {
-    const auto to = std::min(from + size, sample.size());
-    const DataMessage message{
-        .writer = kPublications,
-        .flags = 0,
-        .payload = Bytes(sample.begin() + static_cast<std::ptrdiff_t>(from),
-                         sample.begin() + static_cast<std::ptrdiff_t>(to)),
-        .fragment = Fragment{
-            .first = number, .size = size, .whole = static_cast<std::uint32_t>(sample.size())}};
-    const auto code = code_of(check_builtin_source(message.octets(), kPeer, walks));
-    if (code != Code{}) return code;
-  }
-  return {};
-}
-
-TEST(TypeInformation, InFragmentsIsJudgedTheSame) {
-  const auto honest = announcement({kOfCyclone});
-  const auto hostile = announcement({of({.complete = 0x82})});
-  for (std::uint16_t size = 4; size < honest.size(); ++size) {
-    EXPECT_EQ(in_fragments(honest, size), Code{}) << size;
-    EXPECT_EQ(in_fragments(hostile, size), kRefused) << size;
-  }
-}
-
-TEST(TypeInformation, TheErrorSaysWhatAndByWhom) {
-  OneOwner walks;
-  const DataMessage message{.writer = kPublications,
-                            .payload = announcement({of({.minimal = 0x82})})};
-  const auto status = check_builtin_source(message.octets(), kPeer, walks);
-  ASSERT_EQ(code_of(status), kRefused);
+TEST(TypeInformation, ThatComesTwiceIsRefused) {
+  const auto list =
+      announcement({{kTypeInformation, of_size(8)}, {kTypeInformation, of_size(8)}}, true);
+  const auto status = given(kPublications, list);
+  ASSERT_EQ(code_of(status), Code::builtin_source_unreadable);
   EXPECT_NE(status.error().to_sentence().find("type information"), std::string::npos);
-  EXPECT_NE(status.error().to_sentence().find("ff0003c2"), std::string::npos);
+}
+
+DataMessage fragment_of(const Bytes& sample, std::uint32_t number, std::uint16_t size) {
+  const auto from = (number - 1) * std::size_t{size};
+  const auto to = std::min(from + size, sample.size());
+  return {.writer = kPublications,
+          .flags = 0,
+          .payload = Bytes(sample.begin() + static_cast<std::ptrdiff_t>(from),
+                           sample.begin() + static_cast<std::ptrdiff_t>(to)),
+          .fragment = Fragment{
+              .first = number, .size = size, .whole = static_cast<std::uint32_t>(sample.size())}};
+}
+
+TEST(TypeInformation, IsHiddenInFragmentsOfEachSizeAlsoWhenTheyComeAgain) {
+  for (const bool little : {true, false}) {
+    const auto list = [&](std::uint16_t id) {
+      return announcement({{kTopicName, Bytes(12, 0x50)}, {id, of_size(40)}}, little);
+    };
+    const auto sample = list(kTypeInformation), wanted = list(0);
+    for (std::uint16_t size = 4; size < sample.size(); size += 4) {
+      OneOwner walks;
+      const auto count = static_cast<std::uint32_t>((sample.size() + size - 1) / size);
+      for (int round = 0; round < 2; ++round)
+        for (std::uint32_t one = 1; one <= count; ++one)
+          EXPECT_EQ(given(fragment_of(sample, one, size).octets(), walks),
+                    fragment_of(wanted, one, size).octets())
+              << size << " " << one;
+    }
+  }
+}
+
+// Its parameter id would be with the host before it is known.
+TEST(TypeInformation, ThatBeginsInTwoFragmentsIsRefused) {
+  const auto sample =
+      announcement({{kTopicName, Bytes(12, 0x50)}, {kTypeInformation, of_size(40)}}, true);
+  for (const std::uint16_t size : {21, 22, 23}) {
+    OneOwner walks;
+    EXPECT_TRUE(given(fragment_of(sample, 1, size).octets(), walks));
+    EXPECT_EQ(code_of(given(fragment_of(sample, 2, size).octets(), walks)),
+              Code::builtin_source_unreadable)
+        << size;
+  }
+}
+
+// ---- in the engine
+
+/// In the header of rtps_message.
+constexpr GuidPrefix kSender{{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
+
+struct Engine {
+  explicit Engine(spi::PropertyList properties = {}, bool peer_is_known = true)
+      : two(ProtectionKind::encrypt, std::move(properties), {.host_checks_sources = false}) {
+    auto secret = shared_secret(5);
+    if (peer_is_known) secret.peer_prefix = kSender;
+    for (auto* side : {&two.a, &two.b})
+      side->remote = side->factory()
+                         .register_matched_remote_participant(side->participant, {8}, {7}, secret)
+                         .value();
+    two.exchange_participant_tokens();
+  }
+  TwoSides two;
+};
+
+Bytes publication(std::uint16_t type_id) {
+  return DataMessage{.writer = kPublications,
+                     .payload = announcement({{type_id, of_size(8)}}, true, kSender)}
+      .octets();
+}
+
+EndpointSecurityAttributes builtin(ProtectionKind kind) {
+  auto attributes = endpoint_attributes(kind, ProtectionKind::none);
+  attributes.is_builtin = true;
+  return attributes;
+}
+
+TEST(TrustingHost, GetsNoTypeInformationOfASecureWriterWhoeverItIsOf) {
+  for (const auto kind : {ProtectionKind::sign, ProtectionKind::encrypt,
+                          ProtectionKind::encrypt_with_origin_authentication})
+    for (const bool is_known : {true, false}) {
+      Engine engine({}, is_known);
+      const auto ends = engine.two.endpoints(builtin(kind));
+      const auto encoded = encode_submessage(engine.two, ends, publication(kTypeInformation));
+      EXPECT_EQ(decode_submessage(engine.two, ends, *encoded), publication(0));
+      EXPECT_TRUE(engine.two.b.events.codes.empty());
+    }
+}
+
+/// What stands after INFO_SRC in a message as the host gets it.
+Bytes opened(Engine& engine, std::initializer_list<Bytes> submessages) {
+  constexpr std::size_t kBegin = 20 + 24;
+  const auto encoded = encode_message(engine.two, rtps_message(submessages));
+  const auto message = decode_message(engine.two, *encoded).value();
+  return {message.begin() + kBegin, message.end()};
+}
+
+TEST(TrustingHost, GetsNoTypeInformationInTheClearWithinAMessage) {
+  Engine engine;
+  const auto padded = opened(
+      engine, {data_submessage(16), publication(kTypeInformation), publication(kTypeInformation)});
+  Bytes wanted = data_submessage(16);
+  for (int i = 0; i < 2; ++i) append(wanted, publication(0));
+  EXPECT_EQ(padded, wanted);
+}
+
+// Changed before its own key was asked it would be refused, and with it every announcement.
+TEST(TrustingHost, GetsSignedGroupsWithinAMessageAsTheyAre) {
+  Engine engine;
+  const auto ends = engine.two.endpoints(builtin(ProtectionKind::sign));
+  const auto group = encode_submessage(engine.two, ends, publication(kTypeInformation)).value();
+  const auto message = opened(engine, {group, publication(kTypeInformation)});
+  ASSERT_EQ(Bytes(message.begin(), message.begin() + static_cast<std::ptrdiff_t>(group.size())),
+            group);
+  EXPECT_EQ(decode_submessage(engine.two, ends, group), publication(0));
+  EXPECT_EQ(Bytes(message.begin() + static_cast<std::ptrdiff_t>(group.size()), message.end()),
+            publication(0));
+}
+
+// Only what SEC_POSTFIX follows has a key of its own.
+TEST(SenderPart, HidesTypeInformationAfterSecPrefixAlone) {
+  const Bytes prefix = {0x31, 1, 4, 0, 0, 0, 0, 0}, postfix = {0x32, 1, 4, 0, 0, 0, 0, 0};
+  OneOwner walks;
+  for (const bool has_postfix : {true, false}) {
+    auto content = prefix;
+    append(content, publication(kTypeInformation));
+    append(content, has_postfix ? postfix : data_submessage(8));
+    const auto part = part_of_sender(content, kSender, walks);
+    EXPECT_EQ(part.size, content.size());
+    EXPECT_EQ(part.types.empty(), has_postfix);
+  }
+  EXPECT_EQ(part_of_sender(publication(kTypeInformation), kSender, walks).types.size(), 1u);
+}
+
+TEST(TrustingHost, GetsTypeInformationIfItsParticipantTrustsIt) {
+  constexpr auto kName = spi::property::kTrustTypeInformation;
+  for (const char* const value : {"true", "false"}) {
+    const bool trusts = std::string_view(value) == "true";
+    Engine engine({{std::string(kName), value, false}});
+    const auto wanted = publication(trusts ? kTypeInformation : 0);
+    const auto ends = engine.two.endpoints(builtin(ProtectionKind::encrypt));
+    const auto encoded = encode_submessage(engine.two, ends, publication(kTypeInformation));
+    EXPECT_EQ(decode_submessage(engine.two, ends, *encoded), wanted);
+    EXPECT_EQ(opened(engine, {publication(kTypeInformation)}), wanted);
+  }
+  Side side;
+  const auto refused = side.factory().register_local_participant(
+      {1}, {1}, {{std::string(kName), "yes", false}}, participant_attributes(ProtectionKind::none));
+  EXPECT_EQ(code_of(refused), Code::invalid_property);
 }
 
 }  // namespace

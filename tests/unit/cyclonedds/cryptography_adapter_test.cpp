@@ -425,6 +425,31 @@ TEST_F(CryptographyAdapterTest, DecodedSubmessageFitsWhereTheHostCopiesIt) {
   EXPECT_EQ(short_one.reason(), Code::truncated);
 }
 
+// The host reads what is only signed in its own buffer, and there it may hold what was hidden.
+TEST_F(CryptographyAdapterTest, WhatIsOnlySignedIsWrittenWhereTheHostReceivedIt) {
+  EXPECT_CALL(engine, decode_datawriter_submessage).Times(3).WillRepeatedly(write(32));
+  const auto received_after = [&](std::uint8_t id, std::size_t size) {
+    Bytes octets(size, 1);
+    octets[24] = id;
+    auto before = octets;
+    const DDS_Security_OctetSeq encoded{static_cast<std::uint32_t>(size),
+                                        static_cast<std::uint32_t>(size), octets.data()};
+    DDS_Security_OctetSeq plain{};
+    const bool done =
+        transform->decode_datawriter_submessage(transform, &plain, &encoded, 3, 4, nullptr) == 1;
+    std::free(plain._buffer);
+    if (octets == before) return Bytes();
+    EXPECT_TRUE(done);
+    EXPECT_TRUE(std::equal(octets.begin(), octets.begin() + 24, before.begin()));
+    EXPECT_TRUE(std::equal(octets.begin() + 24 + 32, octets.end(), before.begin() + 24 + 32));
+    return Bytes(octets.begin() + 24, octets.begin() + 24 + 32);
+  };
+  constexpr std::uint8_t kData = 0x15, kSecureBody = 0x30;
+  EXPECT_EQ(received_after(kData, 80), Bytes(32, 7));
+  EXPECT_TRUE(received_after(kSecureBody, 80).empty());
+  EXPECT_TRUE(received_after(kData, 24 + 28).empty()) << "it does not fit";
+}
+
 TEST_F(CryptographyAdapterTest, NullArgumentsAreRefusedNotFollowed) {
   const HostOctets plain(Bytes(64, 1));
   const DDS_Security_OctetSeq no_buffer{64, 64, nullptr};
