@@ -3,59 +3,48 @@
 #include <algorithm>
 #include <utility>
 
-#include "plugins/cryptography/send_position.hpp"
-
 namespace ddssec::cryptography {
 namespace {
 
 /// Sessions of a stream lie this close together; another one's begin at random.
-constexpr std::int32_t kMaxDistance = 1 << 16;
+constexpr std::uint32_t kMaxDistance = 1 << 16;
 
 /// Numbers count past the greatest one, so their order is the sign of their difference.
-bool is_after(std::uint64_t a, std::uint64_t b) { return static_cast<std::int64_t>(a - b) > 0; }
+bool is_after(const IvParts& a, const IvParts& b) {
+  if (a.session != b.session) return static_cast<std::int32_t>(a.session - b.session) > 0;
+  return static_cast<std::int64_t>(a.suffix - b.suffix) > 0;
+}
 
 }  // namespace
 
-void ReplayWindow::Stream::begin(std::uint32_t session, std::uint64_t suffix) {
-  session_ = session;
-  newest_ = suffix;
-  passed_.reset();
-  recent_.clear();
-  recent_.reserve(kMaxLate);
-  recent_.push_back(suffix);
-  oldest_ = 0;
+bool ReplayWindow::Stream::has(std::uint32_t session) const {
+  return session - newest_.session <= kMaxDistance || newest_.session - session <= kMaxDistance;
 }
 
-bool ReplayWindow::Stream::accept(std::uint64_t suffix) {
-  if (is_after(suffix, newest_)) {
-    newest_ = suffix;
-  } else if ((passed_ && !is_after(suffix, *passed_)) ||
-             std::ranges::find(recent_, suffix) != recent_.end()) {
+bool ReplayWindow::Stream::accept(IvParts message) {
+  if (is_after(message, newest_)) {
+    newest_ = message;
+  } else if ((passed_ && !is_after(message, *passed_)) ||
+             std::ranges::find(recent_, message) != recent_.end()) {
     return false;
   }
   if (recent_.size() < kMaxLate) {
-    recent_.push_back(suffix);
+    recent_.push_back(message);
     return true;
   }
-  const auto leaves = std::exchange(recent_[oldest_], suffix);
+  const auto leaves = std::exchange(recent_[oldest_], message);
   oldest_ = (oldest_ + 1) % kMaxLate;
   if (!passed_ || is_after(leaves, *passed_)) passed_ = leaves;
   return true;
 }
 
 bool ReplayWindow::accept(const Iv& iv) {
-  const auto [session, suffix] = parts_of(iv);
+  const auto message = parts_of(iv);
   const std::lock_guard lock(mutex_);
-  for (auto& stream : streams_) {
-    const auto distance = stream.distance(session);
-    if (distance == 0) return stream.accept(suffix);
-    if (distance < -kMaxDistance || distance > kMaxDistance) continue;
-    if (distance < 0) return false;
-    stream.begin(session, suffix);
-    return true;
-  }
+  for (auto& stream : streams_)
+    if (stream.has(message.session)) return stream.accept(message);
   if (streams_.size() >= kMaxStreams) return false;
-  streams_.emplace_back(session, suffix);
+  streams_.emplace_back(message);
   return true;
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "plugins/cryptography/aead.hpp"
+#include "plugins/cryptography/send_position.hpp"
 
 namespace ddssec::cryptography {
 
@@ -17,7 +18,7 @@ namespace ddssec::cryptography {
 class ReplayWindow {
  public:
   /// A message is accepted late as long as fewer others than this came before it.
-  static constexpr std::size_t kMaxLate = 256;
+  static constexpr std::size_t kMaxLate = 128;
   /// A process has one stream of sessions under a key, and so has each child of fork().
   static constexpr std::size_t kMaxStreams = 8;
 
@@ -25,23 +26,19 @@ class ReplayWindow {
   bool accept(const Iv& iv);
 
  private:
-  /// Sessions that count up, and the messages of the newest one.
+  /// The messages of sessions that count up.
   class Stream {
    public:
-    Stream(std::uint32_t session, std::uint64_t suffix) { begin(session, suffix); }
-    /// How far `session` is ahead of the stream's; negative: behind it.
-    std::int32_t distance(std::uint32_t session) const {
-      return static_cast<std::int32_t>(session - session_);
-    }
-    void begin(std::uint32_t session, std::uint64_t suffix);
-    bool accept(std::uint64_t suffix);
+    explicit Stream(IvParts first) : newest_(first) { recent_.push_back(first); }
+    /// Does the session lie close to the stream's newest one?
+    bool has(std::uint32_t session) const;
+    bool accept(IvParts message);
 
    private:
-    std::uint32_t session_ = 0;
-    std::uint64_t newest_ = 0;             ///< greatest suffix
-    std::optional<std::uint64_t> passed_;  ///< greatest that is not remembered any more
-    std::vector<std::uint64_t> recent_;    ///< suffixes in the order of arrival, a ring
-    std::size_t oldest_ = 0;               ///< of the ring, once it is full
+    IvParts newest_;
+    std::optional<IvParts> passed_;  ///< the newest of those that are not remembered any more
+    std::vector<IvParts> recent_;    ///< in the order of arrival, a ring
+    std::size_t oldest_ = 0;         ///< of the ring, once it is full
   };
 
   std::mutex mutex_;

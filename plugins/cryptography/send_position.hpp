@@ -25,6 +25,7 @@ struct SessionRange {
 struct IvParts {
   std::uint32_t session = 0;
   std::uint64_t suffix = 0;
+  bool operator==(const IvParts&) const = default;
 };
 IvParts parts_of(const Iv& iv) noexcept;
 

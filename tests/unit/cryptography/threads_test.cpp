@@ -26,6 +26,11 @@ void while_changing(int rounds, Work&& work, Change&& change) {
   for (auto& thread : threads) thread.join();
 }
 
+/// A thread may sleep between encoding and decoding while the others fill the replay window.
+bool is_decoded_or_late(const Result<Bytes>& decoded) {
+  return decoded || decoded.error().code() == Code::message_repeated;
+}
+
 class Threads : public ::testing::TestWithParam<AeadChoice> {
  protected:
   static Options options() { return {.aead = GetParam(), .most_blocks_per_session = 64}; }
@@ -39,10 +44,12 @@ TEST_P(Threads, TokensComeAgainWhileDecoding) {
   while_changing(
       300,
       [&] {
-        EXPECT_EQ(decode_submessage(two, e, encode_submessage(two, e, plain).value()).value(),
-                  plain);
+        const auto decoded = decode_submessage(two, e, encode_submessage(two, e, plain).value());
+        EXPECT_TRUE(is_decoded_or_late(decoded));
+        EXPECT_TRUE(!decoded || *decoded == plain);
         EXPECT_TRUE(decode_payload(two, e, encode_payload(two, e, plain).value()));
-        EXPECT_TRUE(decode_message(two, encode_message(two, rtps_message({plain})).value()));
+        EXPECT_TRUE(is_decoded_or_late(
+            decode_message(two, encode_message(two, rtps_message({plain})).value())));
       },
       [&](int) {
         two.take_writer(e, tokens).value();
@@ -67,7 +74,7 @@ TEST_P(Threads, EntitiesGoWhileTheyAreUsed) {
           (void)decode_submessage(two, now, *encoded);
         const auto encoded = encode_submessage(two, fixed, plain);
         (void)two.b.transform().preprocess_secure_submessage({}, two.b.remote, *encoded);
-        EXPECT_TRUE(decode_submessage(two, fixed, *encoded));
+        EXPECT_TRUE(is_decoded_or_late(decode_submessage(two, fixed, *encoded)));
       },
       [&](int) {
         two.a.factory().unregister_datawriter(e.writer).value();
