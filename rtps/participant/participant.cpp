@@ -54,6 +54,7 @@ Status Participant::revise_keys() {
 }
 
 void Participant::receive(BytesView datagram, MonotonicTime now, const Locator& source) {
+  const auto call = calls_.enter();
   core_.now = now;
   core_.source = SourceAddress(source);
   core_.is_from_elsewhere = is_from_elsewhere(source, core_.config.interfaces);
@@ -63,6 +64,7 @@ void Participant::receive(BytesView datagram, MonotonicTime now, const Locator& 
 }
 
 void Participant::tick(MonotonicTime now) {
+  const auto call = calls_.enter();
   core_.now = now;
   if (now >= core_.sender.flush_by()) core_.sender.flush();
   const auto gathering = gather();
@@ -83,6 +85,7 @@ MonotonicTime Participant::next_tick() const {
 
 Result<Guid> Participant::create_writer(EndpointRequest request, EndpointListener& listener,
                                         MonotonicTime now) {
+  const auto call = calls_.enter();
   core_.now = now;
   const auto gathering = gather();
   auto& writer = *DDSSEC_TRY(local_.create_writer(std::move(request), listener));
@@ -94,6 +97,7 @@ Result<Guid> Participant::create_writer(EndpointRequest request, EndpointListene
 
 Result<Guid> Participant::create_reader(EndpointRequest request, EndpointListener& listener,
                                         MonotonicTime now) {
+  const auto call = calls_.enter();
   core_.now = now;
   const auto gathering = gather();
   auto& reader = *DDSSEC_TRY(local_.create_reader(std::move(request), listener));
@@ -104,6 +108,7 @@ Result<Guid> Participant::create_reader(EndpointRequest request, EndpointListene
 }
 
 void Participant::remove(const Guid& endpoint, MonotonicTime now) {
+  const auto call = calls_.enter();
   core_.now = now;
   if (auto* reader = local_.find_reader(endpoint.entity)) matcher_.remove(*reader);
   if (auto* writer = local_.find_writer(endpoint.entity)) matcher_.remove(*writer);
@@ -111,6 +116,7 @@ void Participant::remove(const Guid& endpoint, MonotonicTime now) {
 }
 
 Status Participant::change_qos(const Guid& endpoint, Qos qos, MonotonicTime now) {
+  const auto call = calls_.enter();
   core_.now = now;
   DDSSEC_TRY(check_consistency(qos));
   const auto apply = [&](auto* local) {
@@ -144,25 +150,35 @@ void Participant::assert_liveliness(LivelinessKind kind, MonotonicTime now) {
   liveliness_.assert_liveliness(kind);
 }
 
+void Participant::listen(DiscoveryListener* listener) {
+  const auto call = calls_.enter();
+  remotes_.listen(listener);
+}
+
 void Participant::ignore_participant(const GuidPrefix& prefix) {
   if (!core_.ignored.add_participant(prefix)) return;
-  if (core_.security) core_.security->distrust(prefix);
-  if (prefix == core_.config.prefix)
-    matcher_.match_own();
-  else
-    discovery_.remove(prefix);
+  calls_.after_call([this, prefix] {
+    if (core_.security) core_.security->distrust(prefix);
+    if (prefix == core_.config.prefix)
+      matcher_.match_own();
+    else
+      discovery_.remove(prefix);
+  });
 }
 
 void Participant::ignore_endpoint(const Guid& guid) {
   if (!core_.ignored.add_endpoint(guid)) return;
-  if (auto* remote = remotes_.find(guid.prefix)) matcher_.remove(*remote, guid.entity);
-  if (guid.prefix != prefix()) return;
-  if (auto* writer = local_.find_writer(guid.entity)) matcher_.match_all(*writer);
-  if (auto* reader = local_.find_reader(guid.entity)) matcher_.match_all(*reader);
+  calls_.after_call([this, guid] {
+    if (auto* remote = remotes_.find(guid.prefix)) matcher_.remove(*remote, guid.entity);
+    if (guid.prefix != prefix()) return;
+    if (auto* writer = local_.find_writer(guid.entity)) matcher_.match_all(*writer);
+    if (auto* reader = local_.find_reader(guid.entity)) matcher_.match_all(*reader);
+  });
 }
 
 void Participant::ignore_topic(const std::string& name) {
-  if (core_.ignored.add_topic(name)) matcher_.remove_topic(name);
+  if (core_.ignored.add_topic(name))
+    calls_.after_call([this, name] { matcher_.remove_topic(name); });
 }
 
 }  // namespace ddssec::rtps

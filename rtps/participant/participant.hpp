@@ -13,6 +13,7 @@
 // Each calls only those below it; MessageReceiver and Security call Discovery by their interfaces.
 #pragma once
 
+#include "rtps/participant/deferred_calls.hpp"
 #include "rtps/participant/discovery.hpp"
 #include "rtps/participant/endpoint_directory.hpp"
 #include "rtps/participant/message_receiver.hpp"
@@ -82,12 +83,13 @@ class Participant {
   Status revise_keys();
 
   /// See RemoteParticipants.
-  void listen(DiscoveryListener* listener) { remotes_.listen(listener); }
+  void listen(DiscoveryListener* listener);
   /// Any remote endpoint on that topic.
   std::optional<EndpointData> endpoint_on(const std::string& topic_name) const {
     return matcher_.endpoint_on(topic_name);
   }
-  /// For good: as if it had never been found. Our own prefix: our endpoints ignore each other.
+  /// For good: as if it had never been found. Our own prefix: our endpoints ignore each other. From
+  /// within a callback what is known of it goes when the call that led there is over.
   void ignore_participant(const GuidPrefix& prefix);
   void ignore_endpoint(const Guid& guid);
   void ignore_topic(const std::string& name);
@@ -104,6 +106,7 @@ class Participant {
   MessageReceiver receiver_{prefix(), directory_, discovery_, core_.counters, core_.events};
   unsigned backlog_ = 0;      ///< batches since there was none
   bool reads_first_ = false;  ///< before the next tick counts
+  DeferredCalls calls_;
 };
 
 }  // namespace ddssec::rtps

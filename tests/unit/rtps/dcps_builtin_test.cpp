@@ -139,6 +139,40 @@ TEST_P(Builtin, OneEndpointOrOneTopicMayBeIgnored) {
   EXPECT_THAT(reader.matched_publications(), IsEmpty());
 }
 
+/// An application that wants nobody.
+struct Hermit final : DataReaderListener {
+  explicit Hermit(DomainParticipant& participant) : own(participant) {}
+  void on_data_available(AnyDataReader&) override {
+    std::vector<BuiltinSample<ParticipantBuiltinTopicData>> participants;
+    EXPECT_TRUE(own.builtin_datareader<ParticipantBuiltinTopicData>()->take(participants));
+    for (const auto& one : participants) ignore(one.data.guid);
+    std::vector<BuiltinSample<PublicationBuiltinTopicData>> writers;
+    EXPECT_TRUE(own.builtin_datareader<PublicationBuiltinTopicData>()->take(writers));
+    for (const auto& one : writers) ignore(one.data.guid);
+  }
+  void ignore(const Guid& guid) {
+    ++told;
+    EXPECT_TRUE(own.ignore_publication(guid));
+    EXPECT_TRUE(own.ignore_participant({guid.prefix, kEntityIdParticipant}));
+  }
+  DomainParticipant& own;
+  int told = 0;
+};
+
+TEST_P(Builtin, AParticipantMayBeIgnoredByTheListenerThatHearsOfIt) {
+  Hermit hermit(*b.participant);
+  auto& reader = b.reader(reliable());
+  b.participant->builtin_datareader<ParticipantBuiltinTopicData>()->set_listener(&hermit);
+  b.participant->builtin_datareader<PublicationBuiltinTopicData>()->set_listener(&hermit);
+  for (int i = 0; i < 3; ++i) a.writer(reliable());
+  ASSERT_TRUE(eventually([&] { return hermit.told > 0; }));
+  run(500ms);
+  EXPECT_THAT(b.participant->discovered_participants(), IsEmpty());
+  EXPECT_THAT(reader.matched_publications(), IsEmpty());
+  b.participant->builtin_datareader<ParticipantBuiltinTopicData>()->set_listener(nullptr);
+  b.participant->builtin_datareader<PublicationBuiltinTopicData>()->set_listener(nullptr);
+}
+
 TEST_P(Builtin, OnesOwnMayBeIgnored) {
   auto& writer = a.writer(reliable());
   auto& reader = a.reader(reliable());

@@ -126,6 +126,53 @@ TEST(Participant, ANewParticipantIsAnsweredASecondTimeSoon) {
   EXPECT_LE(steps, 60);
 }
 
+/// Ignores whatever it is told of, at once.
+struct Ignorer final : DiscoveryListener {
+  explicit Ignorer(Participant& participant) : own(participant) {}
+  void on_participant(const ParticipantData& data) override { ignore(data.guid, participants); }
+  void on_participant_gone(const Guid& guid) override { ignore(guid, participants); }
+  void on_endpoint(const EndpointData& data) override {
+    if (topics) own.ignore_topic(data.topic_name);
+    ignore(data.guid, endpoints && participants);
+  }
+  void on_endpoint_gone(const EndpointData& data) override { on_endpoint(data); }
+  void ignore(const Guid& guid, bool whole) {
+    ++told;
+    if (whole) own.ignore_participant(guid.prefix);
+    if (endpoints) own.ignore_endpoint(guid);
+  }
+  Participant& own;
+  bool participants = false, endpoints = false, topics = false;
+  int told = 0;
+};
+
+// Under the address sanitizer: nothing is touched after it was forgotten.
+TEST(Participant, WhatAListenerIgnoresIsForgottenWhenTheCallIsOver) {
+  for (const int kind : {0, 1, 2, 3})
+    for (const bool listens_first : {true, false}) {
+      Node a(1), b(2);
+      World world{{&a, &b}};
+      Ignorer ignorer(b.participant);
+      ignorer.participants = kind == 0 || kind == 3;
+      ignorer.endpoints = kind == 1 || kind == 3;
+      ignorer.topics = kind == 2 || kind == 3;
+      if (listens_first) b.participant.listen(&ignorer);
+      for (int i = 0; i < 3; ++i) {
+        ASSERT_TRUE(
+            a.participant.create_writer(square(default_writer_qos()), a.listener, world.now));
+        ASSERT_TRUE(
+            b.participant.create_reader(square(default_reader_qos()), b.listener, world.now));
+        world.run();
+      }
+      if (!listens_first) b.participant.listen(&ignorer);
+      world.run();
+      EXPECT_GT(ignorer.told, 0);
+      EXPECT_EQ(b.listener.matched, 0);
+      EXPECT_EQ(b.participant.remote_participants().size(), ignorer.participants ? 0u : 1u);
+      b.participant.listen(nullptr);
+    }
+}
+
 TEST(Participant, OtherDomainsAndTagsAreNotSeen) {
   Node a(1), other_domain(2, 1), other_tag(3, 0, "tag");
   World world{{&a, &other_domain, &other_tag}};
