@@ -95,14 +95,14 @@ bool Discovery::make_room(std::size_t octets) {
   return true;
 }
 
-// What was authenticated stays as it was: anybody can send announcements in its name. And anybody
-// may have been the first to do so: as long as nothing is proven, all that is announced counts, and
-// no lease becomes shorter.
+// What was authenticated stays as it was, and does not live by it: anybody can send announcements
+// in its name. And anybody may have been the first to do so: as long as nothing is proven, all that
+// is announced counts, and no lease becomes shorter.
 void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData data,
                                    std::size_t octets) {
   const auto prefix = data.guid.prefix;
   const bool fixed = core_.is_authenticated(prefix);
-  parts_.remotes.renew_lease(remote, fixed ? remote.data : data);
+  if (!fixed) parts_.remotes.renew_lease(remote, data);
   if (!fixed && remote.accepted && remote.data.user_data != data.user_data) {
     remote.data.user_data = data.user_data;
     parts_.remotes.on_changed(remote);
@@ -130,21 +130,23 @@ void Discovery::accept(RemoteParticipant& remote) {
 }
 
 // A participant that sends anything lives. In the name of an authenticated one, only what was not
-// said before is a sign of life: anybody can repeat its messages. And where messages are protected,
-// only what came in a protected one, or announces it.
-void Discovery::on_message(const GuidPrefix& source, bool is_protected, bool is_news) {
+// said before is a sign of life, as anybody can repeat its messages. Its lease needs more: that its
+// own keys protected what is new. Whatever the governance leaves unprotected, it answers when it is
+// asked by the volatile secure channel (tick).
+void Discovery::on_message(const GuidPrefix& source, const SignsOfLife& signs) {
   auto* remote = parts_.remotes.find(source);
   if (remote == nullptr) return;
-  const bool may_count = is_protected || !core_.attributes().is_rtps_protected();
-  if (core_.is_authenticated(source) && !(is_news && may_count)) return;
-  parts_.remotes.renew_lease(*remote, remote->data);
-  parts_.liveliness.note_alive(*remote, LivelinessKind::automatic);
+  const bool anything_counts = !core_.is_authenticated(source);
+  const bool may_count = signs.is_protected || !core_.attributes().is_rtps_protected();
+  if (anything_counts || signs.is_proof) parts_.remotes.renew_lease(*remote, remote->data);
+  if (anything_counts || signs.is_proof || (signs.is_news && may_count))
+    parts_.liveliness.note_alive(*remote, LivelinessKind::automatic);
 }
 
 // ---- participants that go
 
 // Only itself can say that a participant is gone; once it is authenticated only by the secure
-// topic. Fast DDS does not have that, so it is taken at its word if it keeps silent from now on.
+// topic. Fast DDS does not have that, so it is taken at its word if it does not answer now.
 void Discovery::on_dispose(const GuidPrefix& prefix) {
   auto* remote = parts_.remotes.find(prefix);
   if (remote == nullptr) return;
@@ -158,6 +160,8 @@ void Discovery::on_dispose(const GuidPrefix& prefix) {
 }
 
 void Discovery::tick() {
+  if (core_.security)
+    for (const auto& prefix : parts_.remotes.to_ask()) core_.security->ask_for_sign_of_life(prefix);
   for (const auto& prefix : parts_.remotes.ended()) gone_.push_back(prefix);
   remove_gone();
 }

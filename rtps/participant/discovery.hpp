@@ -33,7 +33,7 @@ class Discovery final : public MessageListener, public SecurityHost {
   void remove(const GuidPrefix& prefix);
   /// Forgets those that left, once nothing of theirs is being read any more.
   void remove_gone();
-  /// Also forgets those whose leases have ended.
+  /// Also forgets those whose leases have ended, and asks those whose leases end soon.
   void tick();
 
   // MessageListener
@@ -44,7 +44,7 @@ class Discovery final : public MessageListener, public SecurityHost {
   void on_alive(const Guid& writer) override { parts_.liveliness.note_alive(writer); }
   void on_acknack(const EntityId& writer, const Guid& reader) override;
   void on_key_exchange(const GuidPrefix& source) override;
-  void on_message(const GuidPrefix& source, bool is_protected, bool is_news) override;
+  void on_message(const GuidPrefix& source, const SignsOfLife& signs) override;
 
   // SecurityHost
   void on_authenticated(const GuidPrefix& peer) override;

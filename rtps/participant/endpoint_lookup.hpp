@@ -21,6 +21,13 @@ class EndpointLookup {
   virtual bool sends_keys(const GuidPrefix& participant) = 0;
 };
 
+/// What a message says of its sender, whatever it says otherwise.
+struct SignsOfLife {
+  bool is_protected = false;  ///< by the sender's key
+  bool is_news = false;       ///< one of our endpoints had not heard it before
+  bool is_proof = false;      ///< what was news was protected by a key of the sender
+};
+
 /// Takes what messages bring that is not for a matched reader or writer.
 class MessageListener {
  public:
@@ -39,9 +46,8 @@ class MessageListener {
   virtual void on_acknack(const EntityId& writer, const Guid& reader) = 0;
   /// A submessage that only the peer can have protected came over the volatile secure channel.
   virtual void on_key_exchange(const GuidPrefix& source) = 0;
-  /// After the last submessage. `is_protected`: by the key of `source`. `is_news`: one of our
-  /// endpoints had not heard it before.
-  virtual void on_message(const GuidPrefix& source, bool is_protected, bool is_news) = 0;
+  /// After the last submessage.
+  virtual void on_message(const GuidPrefix& source, const SignsOfLife& signs) = 0;
 };
 
 }  // namespace ddssec::rtps

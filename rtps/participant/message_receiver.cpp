@@ -38,7 +38,8 @@ Status MessageReceiver::read(const Header& header, BytesView datagram, Monotonic
     context.shield.message = opened->by_participant;
   }
   const auto status = walk(datagram, context);
-  listener_.on_message(context.source, context.shield.message, context.is_news);
+  context.signs.is_protected = context.shield.message;
+  listener_.on_message(context.source, context.signs);
   return status;
 }
 
@@ -188,7 +189,7 @@ Status MessageReceiver::on_data(const SubmessageView& view, Context& context) {
     if (!payload) return;
     plain.payload = *payload;
     if (!reader.on_data(from, plain, context.time)) return;
-    context.is_news = true;
+    context.note_told(true);
     listener_.on_alive({from, data.writer});
   });
   return {};
@@ -207,7 +208,7 @@ Status MessageReceiver::on_data_frag(const SubmessageView& view, Context& contex
     const auto plain = payload ? with_payload(frag, *payload) : fail(Code::truncated);
     if (!plain) return;
     if (!reader.on_data_frag(from, *plain, context.time)) return;
-    context.is_news = true;
+    context.note_told(true);
     listener_.on_alive({from, frag.writer});
   });
   return {};
@@ -220,7 +221,7 @@ Status MessageReceiver::on_heartbeat(const SubmessageView& view, Context& contex
   if (is_builtin(heartbeat.writer)) listener_.on_builtin_heartbeat(from);
   each_reader(heartbeat.reader, heartbeat.writer, context, [&](StatefulReader& reader) {
     if (!reader.on_heartbeat(from.prefix, heartbeat)) return;
-    context.is_news = true;
+    context.note_told(true);
     if (heartbeat.asserts_liveliness) listener_.on_alive(from);
   });
   return {};
@@ -230,7 +231,7 @@ Status MessageReceiver::on_gap(const SubmessageView& view, Context& context) {
   const auto gap = DDSSEC_TRY(read_gap(view));
   if (!context.for_us) return {};
   each_reader(gap.reader, gap.writer, context, [&](StatefulReader& reader) {
-    context.is_news = reader.on_gap(context.source, gap) || context.is_news;
+    context.note_told(reader.on_gap(context.source, gap));
   });
   return {};
 }
@@ -239,7 +240,7 @@ Status MessageReceiver::on_acknack(const SubmessageView& view, Context& context)
   const auto acknack = DDSSEC_TRY(read_acknack(view));
   auto* writer = addressed(acknack.writer, acknack.reader, context);
   if (writer == nullptr) return {};
-  context.is_news = writer->on_acknack(context.source, acknack, context.now) || context.is_news;
+  context.note_told(writer->on_acknack(context.source, acknack, context.now));
   listener_.on_acknack(acknack.writer, {context.source, acknack.reader});
   return {};
 }
@@ -248,7 +249,7 @@ Status MessageReceiver::on_nack_frag(const SubmessageView& view, Context& contex
   const auto nack = DDSSEC_TRY(read_nack_frag(view));
   auto* writer = addressed(nack.writer, nack.reader, context);
   if (writer == nullptr) return {};
-  context.is_news = writer->on_nack_frag(context.source, nack, context.now) || context.is_news;
+  context.note_told(writer->on_nack_frag(context.source, nack, context.now));
   return {};
 }
 

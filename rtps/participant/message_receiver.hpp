@@ -31,7 +31,13 @@ class MessageReceiver {
     MonotonicTime now{};
     std::size_t message_size = 0;
     Shield shield = {};
-    bool is_news = false;  ///< something in it was not said before
+    SignsOfLife signs = {};
+
+    /// An endpoint was told something; `is_new`: that it had not heard before.
+    void note_told(bool is_new) {
+      signs.is_news |= is_new;
+      signs.is_proof |= is_new && (shield.message || shield.submessage.prefix == source);
+    }
   };
 
   Status read(const Header& header, BytesView datagram, MonotonicTime now);

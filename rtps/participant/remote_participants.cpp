@@ -144,11 +144,35 @@ void RemoteParticipants::renew_lease(RemoteParticipant& remote, const Participan
   const bool proven = !core_.security || !core_.security->is_authenticating(data.guid.prefix);
   remote.lease_end = proven ? end : std::max({remote.lease_end, end, core_.now + kLeastLease});
   next_end_ = std::min(next_end_, remote.lease_end);
+  if (!core_.security) return;
+  remote.next_question = next_time(data, kSilentPartOfLease);
+  next_question_ = std::min(next_question_, remote.next_question);
+}
+
+MonotonicTime RemoteParticipants::next_time(const ParticipantData& data, int share) const {
+  if (data.lease_duration.is_infinite()) return kNever;
+  return core_.now + data.lease_duration.to_nanoseconds() / share;
 }
 
 void RemoteParticipants::shorten_lease(RemoteParticipant& remote, MonotonicTime end) {
   remote.lease_end = std::min(remote.lease_end, end);
   next_end_ = std::min(next_end_, remote.lease_end);
+  remote.next_question = next_question_ = core_.now;
+}
+
+// As with the ends of leases, the time that was noted may be too early, never too late.
+std::vector<GuidPrefix> RemoteParticipants::to_ask() {
+  std::vector<GuidPrefix> out;
+  if (core_.now < next_question_) return out;
+  next_question_ = kNever;
+  for (auto& [prefix, remote] : remotes_) {
+    if (remote.next_question <= core_.now) {
+      if (core_.is_authenticated(prefix)) out.push_back(prefix);
+      remote.next_question = next_time(remote.data, kQuestionsPerLease);
+    }
+    next_question_ = std::min(next_question_, remote.next_question);
+  }
+  return out;
 }
 
 // Leases grow with everything that is heard: the time that was noted may be too early, never too

@@ -29,6 +29,7 @@ struct RemoteParticipant {
   LocatorList metatraffic, user;
   MonotonicTime lease_end{};
   MonotonicTime since{};
+  MonotonicTime next_question = kNever;  ///< when it is asked whether it lives
   std::map<EntityId, RemoteEndpoint> endpoints = {};
   /// Of its writers with a finite lease, AUTOMATIC and MANUAL_BY_PARTICIPANT, if they are matched.
   std::array<std::shared_ptr<LivelinessSignal>, 2> signals = {};
@@ -41,7 +42,7 @@ struct RemoteParticipant {
   std::vector<SourceAddress> metatraffic_sources = {}, user_sources = {};  ///< that announced them
   SourceAddress source = {};                 ///< that announced it first
   std::optional<std::size_t> unproven = {};  ///< octets it counts for as long as nothing is proven
-  bool exceeds_matches = false;     ///< the same of matches with one endpoint
+  bool exceeds_matches = false;              ///< the same of matches with one endpoint
 
   const GuidPrefix& prefix() const { return data.guid.prefix; }
   /// nullptr: none of its writers with a finite lease is matched. Not for MANUAL_BY_TOPIC.
@@ -68,6 +69,10 @@ class RemoteParticipants {
   static constexpr std::size_t kEndpointOctetsOfEach = std::size_t{256} << 10;
   /// The shortest lease of a peer that is authenticating, whatever is announced in its name.
   static constexpr MonotonicTime kLeastLease = std::chrono::seconds(10);
+  /// An authenticated peer that was silent for a third of its lease is asked, and then so often in
+  /// a lease that the loss of most questions and answers does not end it.
+  static constexpr int kSilentPartOfLease = 3;
+  static constexpr int kQuestionsPerLease = 15;
 
   explicit RemoteParticipants(ParticipantCore& core);
 
@@ -106,12 +111,15 @@ class RemoteParticipants {
   // Leases.
   /// It was heard now; `data` has its lease duration.
   void renew_lease(RemoteParticipant& remote, const ParticipantData& data);
-  /// Its lease ends at `end` unless it is heard before.
+  /// Its lease ends at `end` unless it is heard before, and it is asked at once.
   void shorten_lease(RemoteParticipant& remote, MonotonicTime end);
   /// Those whose leases have ended.
   std::vector<GuidPrefix> ended();
-  /// No lease ends before.
-  MonotonicTime next_end() const { return next_end_; }
+  /// Authenticated ones that were not heard for a good part of their lease: they are to be asked
+  /// for a sign of life. Each comes kQuestionsPerLease times in a lease, less the first part.
+  std::vector<GuidPrefix> to_ask();
+  /// No lease ends, and no question is due, before.
+  MonotonicTime next_end() const { return std::min(next_end_, next_question_); }
 
   // Endpoints.
   static std::size_t price_of(const EndpointData& data);
@@ -132,6 +140,8 @@ class RemoteParticipants {
   const EndpointData* endpoint(const Guid& guid) const;
 
  private:
+  /// After that share of the lease; never, if it does not end.
+  MonotonicTime next_time(const ParticipantData& data, int share) const;
   /// From here on it does not count as unproven.
   void discharge(RemoteParticipant& remote);
 
@@ -143,6 +153,7 @@ class RemoteParticipants {
   std::size_t endpoint_octets_ = 0;  ///< their price
   UnprovenParticipants unproven_;    ///< of a secured participant
   MonotonicTime next_end_ = kNever;
+  MonotonicTime next_question_ = kNever;
 };
 
 }  // namespace ddssec::rtps

@@ -194,8 +194,9 @@ bool StatefulWriter::is_hurried(MonotonicTime now) {
   return quick_writes_ == kHurriedWrites && sender_.may_linger();
 }
 
-void StatefulWriter::ask_for_acknowledgments() {
-  if (all_acknowledged() || locators_.all().empty()) return;
+void StatefulWriter::ask_for_acknowledgments(bool even_if_none_is_missing) {
+  if (all_acknowledged() && !even_if_none_is_missing) return;
+  if (locators_.all().empty()) return;
   send_filtered_gaps();
   send_heartbeat(to_all(), all_readers(), history_.first(), false);
   sender_.flush();

@@ -83,7 +83,8 @@ class StatefulWriter final : private Timed {
   /// Takes LATENCY_BUDGET and TRANSPORT_PRIORITY; 0 to 63 is the DSCP of what is sent.
   void hurry_as(const Qos& qos);
   /// Readers answer heartbeats that ask for it, not each sample: for whoever waits for them now.
-  void ask_for_acknowledgments();
+  /// `even_if_none_is_missing`: to hear whether the readers still answer.
+  void ask_for_acknowledgments(bool even_if_none_is_missing = false);
 
   /// Nobody gets this change any more (LIFESPAN); who asks for it is told that it is gone.
   void discard(SequenceNumber number) { history_.discard(number); }

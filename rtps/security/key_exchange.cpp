@@ -77,6 +77,11 @@ void KeyExchange::probe(Peer& peer) {
   send(peer, std::move(message));
 }
 
+void KeyExchange::ask_for_sign_of_life(Peer& peer) {
+  if (is_trusted(peer))
+    peer.state.association()->volatile_writer->ask_for_acknowledgments(true);
+}
+
 void KeyExchange::send_tokens(Peer& peer, std::string_view message_class, const Guid& from,
                               const Guid& to, std::vector<spi::Token> tokens) {
   if (tokens.empty()) return;

@@ -26,6 +26,8 @@ class KeyExchange {
   void join(Peer& peer);
   /// A message that only the peer itself can acknowledge.
   void probe(Peer& peer);
+  /// A question that leaves nothing behind: a HEARTBEAT that every reader must answer.
+  void ask_for_sign_of_life(Peer& peer);
 
   /// Brings a local and a remote endpoint together; true: they can be matched now, else on_keys
   /// says when.

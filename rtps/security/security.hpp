@@ -66,6 +66,11 @@ class Security {
   /// It sent a handshake message once: a participant that only announces itself gives way to it.
   bool has_spoken(const GuidPrefix& prefix) const;
 
+  /// Asks an authenticated peer to say something by its keys: it does whatever else is protected.
+  void ask_for_sign_of_life(const GuidPrefix& prefix) {
+    if (auto* peer = core_.find(prefix)) exchange_.ask_for_sign_of_life(*peer);
+  }
+
   /// See KeyExchange.
   StatefulWriter* volatile_writer(const GuidPrefix& prefix) {
     return exchange_.volatile_writer(prefix);

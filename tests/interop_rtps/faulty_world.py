@@ -122,6 +122,7 @@ class World:
         self._programs = Programs(str(build / "bin"), str(build / "dropin"), str(folder))
         self._peers = []
         self.starter = 0  # the end whose identity starts the handshake
+        self.governance = GOVERNANCES["sros2"]
 
     def start(self, kind, role, options, secured=False):
         """role: "publish" (the first end, who starts the handshake) or "subscribe"."""
@@ -130,7 +131,7 @@ class World:
         addresses = ["--address", ADDRESSES[end], "--peer", ADDRESSES[1 - end]] if linked else []
         documents = ["--plain"]
         if secured:
-            documents = Side(governance=GOVERNANCES["sros2"]).arguments(self.pki, Keys(), end == self.starter)
+            documents = Side(governance=self.governance).arguments(self.pki, Keys(), end == self.starter)
         command = [*self._programs.command(kind), f"--{role}", "--topic", TOPIC, "--domain",
                    str(DOMAIN), *addresses, *documents, *map(str, options)]
         peer = Peer(self.network.spaces[end].enter(command), self._programs.environment(kind),

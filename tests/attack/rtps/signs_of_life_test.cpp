@@ -1,0 +1,112 @@
+// What keeps an authenticated peer's lease alive: only what its own keys protected and what was not
+// said before, under every governance.
+#include "tests/unit/rtps_security/fixture.hpp"
+
+namespace ddssec::rtps::testing {
+namespace {
+
+constexpr auto kEncrypt = ProtectionKind::encrypt, kSign = ProtectionKind::sign,
+               kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
+
+const std::vector<Rules>& governances() {
+  static const std::vector<Rules> all = {
+      everything(kSign),
+      everything(kEncrypt),
+      everything(kEncryptOa),
+      {.rtps = kSign, .discovery = kEncrypt, .liveliness = kEncrypt, .metadata = kEncrypt},
+      {.discovery = kEncrypt, .liveliness = kEncrypt, .metadata = kSign},
+      {.metadata = kEncrypt},
+      {.data = kEncrypt},
+      {.rtps = kEncrypt},
+      {.allow_unauthenticated = true},
+      {}};
+  return all;
+}
+
+struct Silence {
+  explicit Silence(const Rules& rules) : pair(rules) {
+    pair.world.filter = [this](const Node& from, Bytes datagram) {
+      if (&from == &pair.a) recorded.push_back(datagram);
+      return one(std::move(datagram));
+    };
+  }
+  bool begin() {
+    const bool matched = pair.match();
+    for (int i = 0; i < 3; ++i) pair.write();
+    pair.world.run(200);
+    return matched && pair.b.knows(pair.a);
+  }
+  MonotonicTime lease() {
+    return pair.b->remote_participants().all().begin()->second.data.lease_duration.to_nanoseconds();
+  }
+  /// Participant a is gone, and everything that it ever said is said again and again. How long b
+  /// believes in it; at most twice its lease.
+  MonotonicTime believed() {
+    const auto since = pair.world.now, most = 2 * lease();
+    pair.world.nodes = {&pair.b};
+    while (pair.b->remote_participants().size() > 0 && pair.world.now - since < most) {
+      if (pair.b.knows(pair.a))
+        for (const auto& datagram : recorded) pair.b->receive(datagram, pair.world.now);
+      pair.world.run(50);
+    }
+    return pair.world.now - since;
+  }
+  Pair pair;
+  std::vector<Bytes> recorded;
+};
+
+// It was a lease for each recorded announcement, for ever.
+TEST(SignsOfLife, NothingThatIsRecordedRenewsTheLeaseOfAPeerThatIsGone) {
+  for (const auto& rules : governances()) {
+    Silence silence(rules);
+    ASSERT_TRUE(silence.begin());
+    const auto lease = silence.lease();
+    EXPECT_LE(silence.believed(), lease + 1s);
+  }
+}
+
+TEST(SignsOfLife, AnIdlePeerAnswersWhateverIsProtected) {
+  for (const auto& rules : governances()) {
+    Silence silence(rules);
+    ASSERT_TRUE(silence.begin());
+    const auto steps = static_cast<int>(5 * silence.lease() / milliseconds(10));
+    for (int i = 0; i < steps; i += 100) {
+      silence.pair.world.run(100);
+      ASSERT_TRUE(silence.pair.b.knows(silence.pair.a) && silence.pair.a.knows(silence.pair.b));
+    }
+    EXPECT_EQ(silence.pair.b->authentication_counters().authenticated, 1u) << "it never left";
+  }
+}
+
+// Announcements alone come through, or nothing of a kind that the peer needs not send.
+TEST(SignsOfLife, AnIdlePeerStaysThoughMostMessagesAreLost) {
+  Pair pair(Rules{.discovery = kEncrypt, .metadata = kEncrypt});
+  ASSERT_TRUE(pair.match());
+  SeededRandom random(7);
+  pair.world.filter = [&](const Node&, Bytes datagram) {
+    std::array<std::uint8_t, 1> dice{};
+    static_cast<void>(random.fill(dice));
+    return dice[0] < 128 ? std::vector<Bytes>{} : one(std::move(datagram));
+  };
+  const auto lease =
+      pair.b->remote_participants().all().begin()->second.data.lease_duration.to_nanoseconds();
+  pair.world.run(static_cast<int>(10 * lease / milliseconds(10)));
+  EXPECT_EQ(pair.b->authentication_counters().authenticated, 1u) << "it never left";
+  EXPECT_TRUE(pair.a.knows(pair.b) && pair.b.knows(pair.a));
+}
+
+// What strangers say in an idle peer's name costs it nothing, however often they say it.
+TEST(SignsOfLife, AForgedDisposeOrAnnouncementEndsNoLeaseOfAPeerThatAnswers) {
+  Silence silence({});
+  ASSERT_TRUE(silence.begin());
+  const auto announcements = silence.recorded;
+  for (int i = 0; i < 100; ++i) {
+    for (const auto& datagram : announcements)
+      silence.pair.b->receive(datagram, silence.pair.world.now);
+    silence.pair.world.run(50);
+  }
+  EXPECT_EQ(silence.pair.b->authentication_counters().authenticated, 1u);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps::testing

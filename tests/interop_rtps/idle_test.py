@@ -1,0 +1,55 @@
+#!/usr/bin/env python3
+"""Secured peers that have nothing to say to each other stay matched for several leases, whatever the
+governance protects, and one that is killed is lost when its lease ends. The embedded participant believes
+no announcement of an authenticated peer: it asks, by the keys of the pair, and each vendor answers.
+Usage: idle_test.py BUILD [--chosen] [--filter TEXT]"""
+
+import sys
+import time
+
+from faults_test import PAIRS, expect, run_cases
+from faulty_world import Loopback
+from scenarios import GOVERNANCES
+
+LEASE = 3  # seconds
+LEASES = 4  # without a word
+LIMIT = 60
+
+
+def idle(row):
+    def scenario(world, pair, secured):
+        """One sample each second would be a sign of life; there is one sample altogether."""
+        world.governance = GOVERNANCES[row]
+        options = ["--samples", 1000, "--hold", "--interval", LIMIT * 1000, "--lease", LEASE,
+                   "--timeout", LIMIT]
+        peers = {"subscriber": world.start(pair[1], "subscribe", options, secured),
+                 "publisher": world.start(pair[0], "publish", options, secured)}
+        expect(peers["subscriber"].wait(lambda peer: peer.samples, 20), "the sample did not come")
+        time.sleep(LEASE * LEASES)
+        for name, peer in peers.items():
+            expect(not peer.times("unmatched") and not peer.times("end"), f"the {name} says {peer.said}")
+        gone, left = sorted(peers, key=lambda name: pair[name == "subscriber"] == "embedded")
+        peers[gone].kill()
+        lost = peers[left].wait(lambda peer: peer.times("unmatched"), 2 * LEASE + 2)
+        expect(lost is not None, f"the {left} still believes in the {gone}")
+        return f"idle for {LEASES} leases, lost {lost:.1f} s after its end"
+    scenario.__name__ = row
+    return scenario
+
+
+def cases():
+    for row in GOVERNANCES:
+        for pair in PAIRS + [("embedded", "ours"), ("ours", "embedded")]:
+            yield idle(row), pair, True
+
+
+def is_chosen(scenario, pair, secured):
+    """Each governance with one of the pairs, and those that protect least with all vendors."""
+    rows, pairs = list(GOVERNANCES), PAIRS[1:]
+    turn = rows.index(scenario.__name__)
+    return pair == pairs[turn % len(pairs)] or (
+        scenario.__name__ in ("all-none", "rtps-sign") and pair in (PAIRS[1], PAIRS[3]))
+
+
+if __name__ == "__main__":
+    sys.exit(run_cases(list(cases()), is_chosen, lambda build, seed: Loopback(), __doc__))
