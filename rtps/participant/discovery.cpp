@@ -251,6 +251,8 @@ void Discovery::on_secure_participant(const Change& change) {
 }
 
 void Discovery::on_acknack(const EntityId& writer, const Guid& reader) {
+  if (writer == kVolatileMessageWriter && core_.security)
+    return core_.security->note_keys_acknowledged(reader.prefix);
   auto* local = parts_.local.find_writer(writer);
   if (local == nullptr) return;
   parts_.matcher.note_ready(*local, reader);

@@ -4,33 +4,42 @@
 #include <functional>
 #include <vector>
 
+#include "base/clock.hpp"
 #include "rtps/security/generic_message.hpp"
 
 namespace ddssec::rtps {
 
-/// Of one peer, bounded in number and octets; the oldest message gives way.
+/// Of one peer, bounded in number and octets. What has no room is refused: the channel that brought
+/// it is reliable and brings it again. The oldest message gives way once it waited for so long that
+/// discovery will hardly ever ask for it.
 class EarlyTokens {
  public:
   static constexpr std::size_t kMaxMessages = 1024;
   static constexpr std::size_t kMaxOctets = std::size_t{512} << 10;
   /// Of one pair of endpoints: those in use and revised ones.
   static constexpr std::size_t kMaxOfPair = 2;
+  static constexpr MonotonicTime kPatience = std::chrono::seconds(30);
 
-  /// `octets`: what the message took on the wire.
-  void keep(GenericMessage message, std::size_t octets);
-  /// Calls `use` with each message of that pair, oldest first, and drops it.
-  void take(const Guid& local, const Guid& remote,
+  /// `octets`: what the message took on the wire. False: there is no room now.
+  bool keep(GenericMessage message, std::size_t octets, MonotonicTime now);
+  /// Calls `use` with each message of that pair, oldest first, and drops it. True if there was any.
+  bool take(const Guid& local, const Guid& remote,
             const std::function<void(const GenericMessage&)>& use);
+  std::size_t size() const { return kept_.size(); }
 
  private:
   struct Kept {
     GenericMessage message;
     std::size_t octets;
+    MonotonicTime since;
     bool is_of(const Guid& local, const Guid& remote) const {
       return message.destination_endpoint == local && message.source_endpoint == remote;
     }
   };
   void drop(std::vector<Kept>::iterator at);
+  bool has_room(std::size_t octets) const {
+    return kept_.size() < kMaxMessages && octets_ + octets <= kMaxOctets;
+  }
 
   std::vector<Kept> kept_;
   std::size_t octets_ = 0;

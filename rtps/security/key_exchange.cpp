@@ -21,11 +21,7 @@ Status KeyExchange::open(Peer& peer) {
       Guid{own, kVolatileMessageWriter}, volatile_qos(), core_.sender, &core_.timers);
   association.volatile_reader = std::make_unique<StatefulReader>(
       Guid{own, kVolatileMessageReader}, true, core_.sender,
-      [this, prefix](Change& change) {
-        on_message(prefix, change);
-        return true;
-      },
-      &core_.timers);
+      [this, prefix](Change& change) { return on_message(prefix, change); }, &core_.timers);
   association.volatile_reader->limit(kVolatileLimits);
   association.volatile_writer->match(
       {{prefix, kVolatileMessageReader}, true, false, peer.metatraffic}, core_.now);
@@ -70,16 +66,17 @@ void KeyExchange::send(Peer& peer, GenericMessage message) {
   association->volatile_writer->write(std::move(change), core_.now);
 }
 
-// No acknowledgement was ever for it: so a recorded one does not answer it.
+// No acknowledgement was ever for it: so a recorded one does not answer it. What is under way to
+// the peer already is as good, and leaves no more behind.
 void KeyExchange::probe(Peer& peer) {
+  if (!is_up_to_date(peer)) return ask_for_sign_of_life(peer);
   GenericMessage message;
   message.message_class = message_class::kQuestion;
   send(peer, std::move(message));
 }
 
 void KeyExchange::ask_for_sign_of_life(Peer& peer) {
-  if (is_trusted(peer))
-    peer.state.association()->volatile_writer->ask_for_acknowledgments(true);
+  if (is_trusted(peer)) peer.state.association()->volatile_writer->ask_for_acknowledgments(true);
 }
 
 void KeyExchange::send_tokens(Peer& peer, std::string_view message_class, const Guid& from,
@@ -108,50 +105,97 @@ bool KeyExchange::is_trusted(const Peer& peer) {
 }
 
 bool KeyExchange::is_up_to_date(const Peer& peer) {
-  return !is_trusted(peer) || peer.state.association()->volatile_writer->all_acknowledged();
+  if (!is_trusted(peer)) return true;
+  const auto& association = *peer.state.association();
+  return association.volatile_writer->all_acknowledged() && association.waiting.empty();
+}
+
+void KeyExchange::set_revising(bool revising) {
+  if (std::exchange(revising_, revising) && !revising)
+    for (auto& [prefix, peer] : core_.peers)
+      if (auto* association = peer.state.association()) association->waiting.end_revision();
 }
 
 void KeyExchange::send_revised(Peer& peer) {
   if (!is_trusted(peer)) return;
   auto own = core_.keyring.participant_tokens(peer.prefix(), spi::KeyStage::revised);
-  auto endpoints = core_.keyring.revised_tokens(peer.prefix());
-  if (!own || !endpoints) return core_.raise(own ? endpoints.error() : own.error(), peer);
+  if (!own) return core_.raise(own.error(), peer);
   send_tokens(peer, message_class::kParticipantTokens, {}, {}, std::move(*own));
-  for (auto& [local, remote, tokens] : *endpoints)
-    send_endpoint_tokens(peer, local, remote, std::move(tokens));
+  auto& association = *peer.state.association();
+  for (const auto& [local, remote] : core_.keyring.pairs_with_keys(peer.prefix()))
+    add_waiting(association, local, remote, spi::KeyStage::revised);
+  send_waiting(peer);
 }
 
-void KeyExchange::send_revised(Peer& peer, const EntityId& local, const Guid& remote) {
-  if (!is_trusted(peer)) return;
-  auto tokens = core_.keyring.revised_tokens(local, remote);
-  if (tokens) return send_endpoint_tokens(peer, local, remote, std::move(*tokens));
-  core_.events.raise(Event(tokens.error(), {}, remote.to_string()));
+// ---- what waits
+
+bool KeyExchange::may_send(const Association& association) const {
+  return association.volatile_writer &&
+         association.volatile_writer->history().octets() < kMaxUnacknowledgedOctets;
+}
+
+void KeyExchange::note_acknowledged(Peer& peer) {
+  if (is_trusted(peer)) send_waiting(peer);
+}
+
+void KeyExchange::add_waiting(Association& association, const EntityId& local, const Guid& remote,
+                              spi::KeyStage stage) {
+  association.waiting.add(local, remote, stage);
+  association.waiting.forget_unless([this](const EntityId& ours, const Guid& theirs) {
+    return core_.keyring.is_introduced(ours, theirs);
+  });
+}
+
+// Tokens are made when they are sent.
+void KeyExchange::send_waiting(Peer& peer) {
+  auto& association = *peer.state.association();
+  auto& keyring = core_.keyring;
+  while (may_send(association)) {
+    const auto next = association.waiting.take();
+    if (!next) return;
+    const auto& [local, remote, stage] = *next;
+    if (!keyring.is_introduced(local, remote)) continue;
+    auto tokens = keyring.endpoint_tokens(local, remote, stage);
+    if (tokens)
+      send_endpoint_tokens(peer, local, remote, std::move(*tokens));
+    else
+      core_.events.raise(Event(tokens.error(), {}, remote.to_string()));
+  }
+}
+
+// A message that was refused would wait for the peer's next HEARTBEAT otherwise.
+void KeyExchange::tick() {
+  for (const auto& prefix : std::exchange(have_room_, {}))
+    if (auto* reader = volatile_reader(prefix)) reader->offer_again();
 }
 
 // ---- receiving
 
 // The key of this pair of participants protected the message. Its content is checked all the same.
-void KeyExchange::on_message(const GuidPrefix& prefix, const Change& change) {
+bool KeyExchange::on_message(const GuidPrefix& prefix, const Change& change) {
   auto* peer = core_.find(prefix);
-  if (peer == nullptr || peer->state.association() == nullptr) return;
+  if (peer == nullptr || peer->state.association() == nullptr) return true;
   const auto size = change.payload.size();
-  if (size > kMaxTokenOctets)
-    return core_.raise(Error(Code::length_out_of_range,
-                             {.document = "key tokens",
-                              .expected = "at most " + std::to_string(kMaxTokenOctets) + " octets",
-                              .found = std::to_string(size)}),
-                       *peer);
+  if (size > kMaxTokenOctets) {
+    core_.raise(Error(Code::length_out_of_range,
+                      {.document = "key tokens",
+                       .expected = "at most " + std::to_string(kMaxTokenOctets) + " octets",
+                       .found = std::to_string(size)}),
+                *peer);
+    return true;
+  }
   auto message = read_generic_message(change.payload.view());
-  if (!message) return;
+  if (!message) return true;
   // Fast DDS names its stateless writer as the source.
   if (message->identity.source.prefix != prefix ||
       message->destination_participant != core_.own->guid())
-    return;
+    return true;
+  if (message->message_class == message_class::kDatawriterTokens ||
+      message->message_class == message_class::kDatareaderTokens)
+    return on_endpoint_tokens(*peer, std::move(*message), size);
   if (message->message_class == message_class::kParticipantTokens)
     on_participant_tokens(*peer, *message);
-  else if (message->message_class == message_class::kDatawriterTokens ||
-           message->message_class == message_class::kDatareaderTokens)
-    on_endpoint_tokens(*peer, std::move(*message), size);
+  return true;
 }
 
 void KeyExchange::on_participant_tokens(Peer& peer, const GenericMessage& message) {
@@ -164,19 +208,21 @@ void KeyExchange::on_participant_tokens(Peer& peer, const GenericMessage& messag
 }
 
 // Discovery and keys come in any order.
-void KeyExchange::on_endpoint_tokens(Peer& peer, GenericMessage message, std::size_t octets) {
-  const auto& local = message.destination_endpoint;
+bool KeyExchange::on_endpoint_tokens(Peer& peer, GenericMessage message, std::size_t octets) {
+  const Guid local = message.destination_endpoint;
   const Guid remote = message.source_endpoint;
   const bool to_reader = message.message_class == message_class::kDatawriterTokens;
   const bool fits = local.prefix == core_.own->guid().prefix && remote.prefix == peer.prefix() &&
                     is_reader(local.entity) == to_reader && is_writer(remote.entity) == to_reader;
-  if (!fits) return;
+  // Our endpoints exist before others hear of them.
+  if (!fits || core_.keyring.attributes(local.entity) == nullptr) return true;
   if (core_.keyring.is_introduced(local.entity, remote)) {
     if (apply_tokens(peer, message)) core_.host.on_keys(local.entity, remote);
-    return;
+    return true;
   }
-  peer.state.association()->early.keep(std::move(message), octets);
+  if (!peer.state.association()->early.keep(std::move(message), octets, core_.now)) return false;
   core_.host.on_early_keys(remote);
+  return true;
 }
 
 bool KeyExchange::apply_tokens(Peer& peer, const GenericMessage& message) {
@@ -195,11 +241,20 @@ bool KeyExchange::introduce(const EntityId& local, const Guid& remote, bool rela
   auto* peer = core_.find(remote.prefix);
   auto* association = peer == nullptr ? nullptr : peer->state.association();
   if (!introduced->is_new || association == nullptr) return introduced->ready;
-  send_endpoint_tokens(*peer, local, remote, std::move(introduced->tokens));
-  if (revising_) send_revised(*peer, local, remote);
+  if (may_send(*association) && association->waiting.empty())
+    send_endpoint_tokens(*peer, local, remote, std::move(introduced->tokens));
+  else if (!introduced->tokens.empty())
+    add_waiting(*association, local, remote, spi::KeyStage::in_use);
+  if (revising_ && is_trusted(*peer)) {
+    add_waiting(*association, local, remote, spi::KeyStage::revised);
+    send_waiting(*peer);
+  }
   bool ready = introduced->ready;
-  association->early.take({core_.own->guid().prefix, local}, remote,
-                          [&](const auto& early) { ready = apply_tokens(*peer, early) || ready; });
+  const bool any = association->early.take(
+      {core_.own->guid().prefix, local}, remote,
+      [&](const auto& early) { ready = apply_tokens(*peer, early) || ready; });
+  if (any && (have_room_.empty() || have_room_.back() != remote.prefix))
+    have_room_.push_back(remote.prefix);
   return ready;
 }
 

@@ -14,6 +14,9 @@ class KeyExchange {
   static constexpr StatefulReader::Limits kVolatileLimits{.largest_sample = 64 << 10,
                                                           .held_octets = std::size_t{1} << 20};
 
+  /// What a peer did not acknowledge of our messages; further ones are made when it did.
+  static constexpr std::size_t kMaxUnacknowledgedOctets = std::size_t{256} << 10;
+
   explicit KeyExchange(SecurityCore& core) : core_(core) {}
 
   /// Opens the channel to a peer that has just authenticated, and sends our participant key. Error:
@@ -29,13 +32,19 @@ class KeyExchange {
   /// A question that leaves nothing behind: a HEARTBEAT that every reader must answer.
   void ask_for_sign_of_life(Peer& peer);
 
+  /// The peer acknowledged something: what waits for that goes out.
+  void note_acknowledged(Peer& peer);
+  /// What had no room among the early tokens is offered again.
+  void tick();
+  MonotonicTime next_tick() const { return have_room_.empty() ? kNever : core_.now; }
+
   /// Brings a local and a remote endpoint together; true: they can be matched now, else on_keys
   /// says when.
   bool introduce(const EntityId& local, const Guid& remote, bool relay_only);
 
   // Key revision.
   /// While it is under way, new peers and endpoints get the revised keys, too.
-  void set_revising(bool revising) { revising_ = revising; }
+  void set_revising(bool revising);
   void send_revised(Peer& peer);
   /// It has our keys, and gets the next ones.
   static bool is_trusted(const Peer& peer);
@@ -48,16 +57,21 @@ class KeyExchange {
                    std::vector<spi::Token> tokens);
   void send_endpoint_tokens(Peer& peer, const EntityId& local, const Guid& remote,
                             std::vector<spi::Token> tokens);
-  void send_revised(Peer& peer, const EntityId& local, const Guid& remote);
-  void on_message(const GuidPrefix& prefix, const Change& change);
+  void add_waiting(Association& association, const EntityId& local, const Guid& remote,
+                   spi::KeyStage stage);
+  void send_waiting(Peer& peer);
+  bool may_send(const Association& association) const;
+  /// False: there is no room for it now, and it is to come again.
+  bool on_message(const GuidPrefix& prefix, const Change& change);
   void on_participant_tokens(Peer& peer, const GenericMessage& message);
-  void on_endpoint_tokens(Peer& peer, GenericMessage message, std::size_t octets);
+  bool on_endpoint_tokens(Peer& peer, GenericMessage message, std::size_t octets);
   /// True: the pair has become ready.
   bool apply_tokens(Peer& peer, const GenericMessage& message);
 
   SecurityCore& core_;
   std::int64_t last_number_ = 0;
   bool revising_ = false;
+  std::vector<GuidPrefix> have_room_;  ///< peers of which early tokens were taken since tick()
 };
 
 }  // namespace ddssec::rtps

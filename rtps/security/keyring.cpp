@@ -263,27 +263,26 @@ Status Keyring::activate(spi::KeyRevision revision) {
   return factory().activate_key_revision(own_.crypto(), revision);
 }
 
-Result<std::vector<Keyring::EndpointTokens>> Keyring::revised_tokens(const GuidPrefix& prefix) {
-  std::vector<EndpointTokens> out;
+std::vector<std::pair<EntityId, Guid>> Keyring::pairs_with_keys(const GuidPrefix& prefix) const {
+  std::vector<std::pair<EntityId, Guid>> out;
   for (const auto& [id, local] : locals_) {
     if (local.is_volatile) continue;
     for (auto at = local.pairs.lower_bound({prefix, {}}); at != local.pairs.end(); ++at) {
       if (at->first.prefix != prefix) break;
-      if (at->second.handle == 0) continue;
-      auto tokens = DDSSEC_TRY(tokens_for(id, local, at->second, spi::KeyStage::revised));
-      out.push_back({id, at->first, std::move(tokens)});
+      if (at->second.handle != 0) out.emplace_back(id, at->first);
     }
   }
   return out;
 }
 
-Result<std::vector<spi::Token>> Keyring::revised_tokens(const EntityId& id, const Guid& remote) {
+Result<std::vector<spi::Token>> Keyring::endpoint_tokens(const EntityId& id, const Guid& remote,
+                                                         spi::KeyStage stage) {
   const auto* local = find(id);
   const bool known = local != nullptr && local->pairs.contains(remote);
   if (!known) return fail(Code::crypto_not_matched);
   const auto& pair = local->pairs.at(remote);
   if (local->is_volatile || pair.handle == 0) return std::vector<spi::Token>{};
-  return tokens_for(id, *local, pair, spi::KeyStage::revised);
+  return tokens_for(id, *local, pair, stage);
 }
 
 }  // namespace ddssec::rtps

@@ -72,15 +72,11 @@ class Keyring final : public SendProtection {
   Status activate(spi::KeyRevision revision);
   bool is_revision_due() { return factory().is_key_revision_due(own_.crypto()); }
   void forget_former_keys() { factory().forget_former_keys(); }
-  struct EndpointTokens {
-    EntityId local;
-    Guid remote;
-    std::vector<spi::Token> tokens;
-  };
-  /// What a peer's endpoints need of the revision under way.
-  Result<std::vector<EndpointTokens>> revised_tokens(const GuidPrefix& prefix);
-  /// The same for one of them.
-  Result<std::vector<spi::Token>> revised_tokens(const EntityId& local, const Guid& remote);
+  /// Those of our endpoints with those of a peer that have keys of their own.
+  std::vector<std::pair<EntityId, Guid>> pairs_with_keys(const GuidPrefix& prefix) const;
+  /// What the remote endpoint of such a pair needs, now or of the revision under way.
+  Result<std::vector<spi::Token>> endpoint_tokens(const EntityId& local, const Guid& remote,
+                                                  spi::KeyStage stage);
 
   // Receiving. Each writes to `scratch`, which needs as many octets as the input has.
   /// A whole message; one that is not protected, and need not be, as it is. Errors: those of the

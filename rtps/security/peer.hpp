@@ -11,6 +11,7 @@
 #include "rtps/reliability/stateful_reader.hpp"
 #include "rtps/security/early_tokens.hpp"
 #include "rtps/security/peer_handshake.hpp"
+#include "rtps/security/waiting_tokens.hpp"
 
 namespace ddssec::rtps {
 
@@ -45,6 +46,7 @@ struct Association {
   PeerPermissions permissions = {};
   Cleanup place = {};  ///< gives back its share of the places for its certificate
   EarlyTokens early = {};
+  WaitingTokens waiting = {};
   std::unique_ptr<StatefulReader> volatile_reader = {};
   std::unique_ptr<StatefulWriter> volatile_writer = {};
   Cleanup keys = {};  ///< removes them from the keyring

@@ -101,6 +101,10 @@ void Security::on_stateless_frag(const GuidPrefix& source, const DataFrag& frag,
   handshakes_.on_stateless_frag(source, frag, from);
 }
 
+void Security::note_keys_acknowledged(const GuidPrefix& prefix) {
+  if (auto* peer = core_.find(prefix)) exchange_.note_acknowledged(*peer);
+}
+
 void Security::note_key_exchange(const GuidPrefix& prefix) {
   if (auto* peer = core_.find(prefix)) handshakes_.note_key_exchange(*peer);
 }
@@ -124,13 +128,15 @@ Status Security::revise_keys() {
 void Security::tick(MonotonicTime now) {
   core_.now = now;
   handshakes_.tick();
+  exchange_.tick();
   // Whom expire() finds is gone before keys are sent.
   revision_.tick();
   if (now >= next_expiry_) expire();
 }
 
 MonotonicTime Security::next_tick() const {
-  return std::min({next_expiry_, revision_.next_tick(), handshakes_.next_tick()});
+  return std::min(
+      {next_expiry_, revision_.next_tick(), handshakes_.next_tick(), exchange_.next_tick()});
 }
 
 template <class F>

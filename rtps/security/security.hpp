@@ -55,6 +55,8 @@ class Security {
   void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag, const SourceAddress& from,
                          MonotonicTime now);
   void note_key_exchange(const GuidPrefix& prefix);
+  /// It acknowledged messages of the key exchange.
+  void note_keys_acknowledged(const GuidPrefix& prefix);
 
   /// Forgets a participant with its keys.
   void lost(const GuidPrefix& prefix);

@@ -1,0 +1,62 @@
+// Pairs of endpoints whose key tokens wait until the peer has acknowledged earlier ones.
+#pragma once
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include "base/ids.hpp"
+#include "plugins/spi/cryptography.hpp"
+
+namespace ddssec::rtps {
+
+/// Of one peer: names only, each pair once, so that a peer that acknowledges nothing costs little
+/// for each pair that it has with us, and nothing for pairs that came and went.
+class WaitingTokens {
+ public:
+  struct Next {
+    EntityId local;
+    Guid remote;
+    spi::KeyStage stage;
+  };
+
+  bool empty() const { return pairs_.empty(); }
+  std::size_t size() const { return pairs_.size(); }
+  void add(const EntityId& local, const Guid& remote, spi::KeyStage stage) {
+    auto& due = pairs_[{local, remote}];
+    (stage == spi::KeyStage::revised ? due.revised : due.in_use) = true;
+  }
+  /// The tokens that are due first; those in use come before those of a revision.
+  std::optional<Next> take() {
+    if (pairs_.empty()) return std::nullopt;
+    const auto at = pairs_.begin();
+    const Next out{at->first.first, at->first.second,
+                   at->second.in_use ? spi::KeyStage::in_use : spi::KeyStage::revised};
+    if (std::exchange(at->second.in_use, false) && at->second.revised) return out;
+    pairs_.erase(at);
+    return out;
+  }
+  /// What was made for the revision is in use from here on.
+  void end_revision() {
+    for (auto& [pair, due] : pairs_)
+      if (std::exchange(due.revised, false)) due.in_use = true;
+  }
+  /// Looks at all of them only when there are twice as many as were kept the last time.
+  template <class F>
+  void forget_unless(F&& is_kept) {
+    if (pairs_.size() < look_at_) return;
+    std::erase_if(pairs_,
+                  [&](const auto& pair) { return !is_kept(pair.first.first, pair.first.second); });
+    look_at_ = std::max(kFirstLook, 2 * pairs_.size());
+  }
+
+ private:
+  static constexpr std::size_t kFirstLook = 1024;
+  struct Due {
+    bool in_use = false, revised = false;
+  };
+  std::map<std::pair<EntityId, Guid>, Due> pairs_;
+  std::size_t look_at_ = kFirstLook;
+};
+
+}  // namespace ddssec::rtps
