@@ -63,6 +63,13 @@ Error unreadable() {
   return Error(Code::secure_group_malformed, {.document = "a protected message"});
 }
 
+/// Samples of the builtin writers of DDS-XTypes 7.6.3.3.3. Some end the process that reads them.
+bool is_type_lookup(BytesView submessage) {
+  constexpr EntityId kRequests{{0x00, 0x03, 0x00, 0xc3}}, kReplies{{0x00, 0x03, 0x01, 0xc3}};
+  const auto writer = writer_of_data(submessage);
+  return writer && (*writer == kRequests || *writer == kReplies);
+}
+
 /// Checks the submessage with which `rest` begins; the sender's part ends before one that fails.
 /// `source` is who speaks.
 Result<TypeInformationAt> check_next(BytesView rest, std::size_t size, const GuidPrefix& sender,
@@ -84,15 +91,6 @@ Result<TypeInformationAt> check_next(BytesView rest, std::size_t size, const Gui
 }
 
 // ---- key tokens
-
-/// The payload, from its encapsulation header on; empty if this piece does not begin a sample. No
-/// fragment may end within the addresses, nor begin there.
-Result<BytesView> beginning_of(const DataPiece& piece) {
-  if (piece.is_fragment && piece.fragment_size < kAddressesSize) return fail(Code::malformed);
-  if (!piece.begins_sample) return BytesView{};
-  if (piece.payload.size() < kAddressesSize) return fail(Code::truncated);
-  return piece.payload;
-}
 
 /// Plain CDR 1 or 2, of either byte order.
 bool is_plain_cdr(BytesView payload) {
@@ -139,6 +137,7 @@ SenderPart part_of_sender(BytesView content, const GuidPrefix& sender, WalksOfPe
     } else if (*found && here != signed_at) {
       part.types.push_back(static_cast<std::uint32_t>(here) + **found);
     }
+    if (is_type_lookup(rest.first(*size))) part.lookups.push_back(here);
     if (begins_signed_group(rest, *size)) signed_at = here + *size;
     rest = rest.subspan(*size);
   }
@@ -167,13 +166,15 @@ Status check_token_source(BytesView submessage, bool is_key_exchange,
   // Cyclone DDS reads one of which it got only the key, or its hash, through a null pointer.
   if (!piece->has_data || piece->has_key)
     return unreadable_token("it is not data, but a key or nothing");
-  const auto payload = beginning_of(*piece);
-  if (!payload) return unreadable_token("its lengths contradict one another");
-  if (payload->empty()) return {};
-  if (!is_plain_cdr(*payload)) return unreadable_token("its encapsulation is not plain CDR");
-  const auto source = GuidPrefix::from(payload->subspan(kSourceAt, GuidPrefix::size));
+  // It would keep each fragment until all have come, up to 2 GB.
+  const auto payload = piece->payload;
+  if (piece->is_fragment && payload.size() < piece->sample_size)
+    return unreadable_token("it comes in several fragments");
+  if (payload.size() < kAddressesSize) return unreadable_token("it is too short");
+  if (!is_plain_cdr(payload)) return unreadable_token("its encapsulation is not plain CDR");
+  const auto source = GuidPrefix::from(payload.subspan(kSourceAt, GuidPrefix::size));
   DDSSEC_TRY(check_name("message_identity.source_guid", peer.value_or(source), source));
-  const auto endpoint = GuidPrefix::from(payload->subspan(kSourceEndpointAt, GuidPrefix::size));
+  const auto endpoint = GuidPrefix::from(payload.subspan(kSourceEndpointAt, GuidPrefix::size));
   if (endpoint.is_zero()) return {};  // a participant's tokens
   return check_name("source_endpoint_guid", peer.value_or(source), endpoint);
 }

@@ -24,6 +24,8 @@ struct SenderPart {
   /// Where the parameter ids of type information stand (type_information.hpp), except within groups
   /// that are signed by themselves.
   std::vector<std::uint32_t> types = {};
+  /// Where requests and replies of type lookup begin.
+  std::vector<std::size_t> lookups = {};
 };
 
 /// Walks the submessages of a protected message as Cyclone DDS does. `content` is what follows the
@@ -32,15 +34,16 @@ struct SenderPart {
 /// (DDS-Security 9.3.3), and Cyclone DDS puts what the participants of one process say into one
 /// message. It also ends before discovery or liveliness, in the clear inside of the message, that
 /// speaks of another than the last INFO_SRC names (builtin_checks.hpp). Nothing is allocated unless
-/// something ended it, or there are fragments of discovery or type information.
+/// something ended it, or there are fragments of discovery, type information or type
+/// lookups.
 SenderPart part_of_sender(BytesView content, const GuidPrefix& sender, WalksOfPeers& walks);
 
 /// Checks one decrypted submessage of a writer. What the volatile secure writer sends must be
 /// protected by the key exchange, and nothing else may be. A token message must name as its source,
 /// twice, the participant at the other end of the key exchange; without `peer` (another vendor's
-/// authentication) both must at least agree. It must be data, not a key. Key tokens are read from
-/// their first 100 octets, so no fragment may be smaller. Errors: submessage_not_of_sender,
-/// token_source_mismatch, token_source_unreadable.
+/// authentication) both must at least agree. It must be data, not a key, and whole: honest ones
+/// have less than 1 kB, and the host would keep the fragments of one that never ends. Errors:
+/// submessage_not_of_sender, token_source_mismatch, token_source_unreadable.
 Status check_token_source(BytesView submessage, bool is_key_exchange,
                           const std::optional<GuidPrefix>& peer);
 

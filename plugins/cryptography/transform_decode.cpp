@@ -442,8 +442,10 @@ std::size_t Transform::keep_part_of_sender(spi::ParticipantCryptoHandle receiver
   const auto part = part_of_sender(content, prefix, walks);
   for (const auto at : part.early) content[at] = kPad;
   const auto local = shared_.local_participant(receiver);
-  if (!local || !(*local)->trusts_type_information)
+  if (!local || !(*local)->trusts_type_information) {
     for (const auto at : part.types) hide_type_information(content, at);
+    for (const auto at : part.lookups) content[at] = kPad;
+  }
   if (part.ended) [[unlikely]] {
     wipe(content.subspan(part.size));
     report_end(receiver, sender, part, prefix);

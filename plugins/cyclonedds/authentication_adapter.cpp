@@ -4,12 +4,14 @@
 #include <dlfcn.h>
 
 #include "plugins/cyclonedds/datagrams.hpp"
-#include "plugins/cyclonedds/governance_facts.hpp"
 #include "plugins/cyclonedds/presence.hpp"
 #include "plugins/cyclonedds/process_properties.hpp"
+#include "plugins/cyclonedds/process_questions.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
 #include "plugins/spi/clock_step_grace.hpp"
+#include "plugins/spi/flag_property.hpp"
+#include "plugins/spi/property_names.hpp"
 
 namespace ddssec::cyclonedds {
 namespace {
@@ -65,6 +67,8 @@ CResult validate_local_identity(Instance* instance, CIdentity* handle,
     say_plugins_in_use(adapter.host(), PluginKind::authentication);
     const auto properties = DDSSEC_TRY(with_process_properties(DDSSEC_TRY(properties_from(qos))));
     adapter.host().calendar().set_grace(DDSSEC_TRY(spi::clock_step_grace(properties)));
+    if (DDSSEC_TRY(spi::flag_property(properties, spi::property::kTrustTypeInformation)))
+      adapter.keep_type_lookup();
     const auto local = DDSSEC_TRY(adapter.engine().validate_local_identity(
         domain_id, properties, guid_from(*candidate_guid)));
     adapter.lost_sessions().add_local(local.handle, local.adjusted_guid.prefix);
@@ -73,32 +77,6 @@ CResult validate_local_identity(Instance* instance, CIdentity* handle,
     *adjusted_guid = cyclonedds::to_c(local.adjusted_guid);
     return DDS_SECURITY_VALIDATION_OK;
   });
-}
-
-/// What our cryptography in this process can decrypt; the standard's ciphers where a stock one
-/// stands in its place. Looked up late: the host loads it after us.
-spi::CipherMask ciphers_of_process() {
-  void* const symbol = dlsym(RTLD_DEFAULT, kSupportedCiphersSymbol);
-  if (symbol == nullptr) return spi::kStandardCiphers;
-  return reinterpret_cast<SupportedCiphers*>(symbol)();
-}
-
-/// Where a stock cryptography stands in its place, nothing is asked.
-HandshakeWatch::Questions questions_to_cryptography() {
-  HandshakeWatch::Questions questions;
-  if (void* const symbol = dlsym(RTLD_DEFAULT, kHasKeysOfSymbol))
-    questions.has_keys = [ask = reinterpret_cast<HasKeysOf*>(symbol)](auto remote) {
-      return ask(remote.value);
-    };
-  if (void* const symbol = dlsym(RTLD_DEFAULT, kIsMatchedWithSymbol))
-    questions.is_matched = [ask = reinterpret_cast<IsMatchedWith*>(symbol)](auto remote) {
-      return ask(remote.value);
-    };
-  if (void* const symbol = dlsym(RTLD_DEFAULT, kLastHeardOfSymbol))
-    questions.last_heard = [ask = reinterpret_cast<LastHeardOf*>(symbol)](auto remote) {
-      return HandshakeWatch::Duration(ask(remote.value));
-    };
-  return questions;
 }
 
 DDS_Security_boolean get_identity_token(Instance* instance, CToken* token, const CIdentity handle,
@@ -134,13 +112,8 @@ DDS_Security_boolean set_permissions_credential_and_token(Instance* instance,
   });
 }
 
-/// Without our access control nothing is known.
-bool holds(GovernanceFact fact, CIdentity local) {
-  void* const symbol = dlsym(RTLD_DEFAULT, kGovernanceFactsOfSymbol);
-  return symbol != nullptr && has(reinterpret_cast<GovernanceFactsOf*>(symbol)(local), fact);
-}
 bool admits_unauthenticated(CIdentity local) {
-  return holds(GovernanceFact::allows_unauthenticated, local);
+  return holds(GovernanceFact::allows_unauthenticated, identity(local));
 }
 
 /// Does the refusal hold for this GUID whatever is announced in its name?
@@ -278,8 +251,7 @@ void note_session(Adapter& adapter, spi::HandshakeHandle handshake,
   if (!guid) return;
   if ((secret.peer_ciphers & spi::kChaCha20Poly1305Bit) != 0)
     adapter.lost_sessions().established(local, *guid, secret);
-  if (secret.own_prefix && adapter.protects_all_discovery())
-    adapter.end_clear_discovery(local, *secret.own_prefix, *guid);
+  if (secret.own_prefix) adapter.end_clear_writers(local, *secret.own_prefix, *guid);
 }
 
 DDS_Security_SharedSecretHandle get_shared_secret(Instance* instance, const CHandshake handle,
@@ -450,15 +422,17 @@ void AuthenticationAdapter::send_resets() {
 }
 
 // The core keeps one list of a peer's endpoints for all local participants of a domain.
-bool AuthenticationAdapter::protects_all_discovery() const {
-  return std::ranges::all_of(farewells_.locals(), [](const auto& local) {
-    return holds(GovernanceFact::protects_all_discovery, local.handle.value);
-  });
+bool AuthenticationAdapter::hold_all(GovernanceFact fact) const {
+  return std::ranges::all_of(farewells_.locals(),
+                             [&](const auto& local) { return holds(fact, local.handle); });
 }
 
-void AuthenticationAdapter::end_clear_discovery(spi::IdentityHandle local, const GuidPrefix& own,
-                                                const Guid& peer) {
-  clear_discovery_.established(local, own, peer);
+void AuthenticationAdapter::end_clear_writers(spi::IdentityHandle local, const GuidPrefix& own,
+                                              const Guid& peer) {
+  if (!hold_all(GovernanceFact::protects_all_discovery)) return;
+  clear_discovery_.established(
+      local, own, peer,
+      has_our_cryptography() && !keeps_type_lookup_ ? TypeLookup::ends : TypeLookup::stays);
   timer_.wake();
 }
 

@@ -1,10 +1,13 @@
 // spi::Authentication as Cyclone's dds_security_authentication.
 #pragma once
 
+#include <atomic>
+
 #include "plugins/cyclonedds/clear_discovery.hpp"
 #include "plugins/cyclonedds/context.hpp"
 #include "plugins/cyclonedds/expiry_timer.hpp"
 #include "plugins/cyclonedds/farewell.hpp"
+#include "plugins/cyclonedds/governance_facts.hpp"
 #include "plugins/cyclonedds/handshake_watch.hpp"
 #include "plugins/cyclonedds/lost_sessions.hpp"
 #include "plugins/cyclonedds/remote_identities.hpp"
@@ -31,15 +34,19 @@ class AuthenticationAdapter final : public dds_security_authentication {
   Farewells& farewells() { return farewells_; }
   ClearDiscovery& clear_discovery() { return clear_discovery_; }
 
-  /// Whether all local participants of the domain announce endpoints by secure discovery only.
-  bool protects_all_discovery() const;
-  /// From now on nothing that is announced in the clear in the peer's name counts.
-  void end_clear_discovery(spi::IdentityHandle local, const GuidPrefix& own, const Guid& peer);
+  /// From now on nothing counts that is said in the clear in the peer's name by a builtin writer
+  /// that no honest peer uses, where no local participant of the domain leaves it to such writers.
+  void end_clear_writers(spi::IdentityHandle local, const GuidPrefix& own, const Guid& peer);
+  /// A property wants the host to ask peers for types.
+  void keep_type_lookup() { keeps_type_lookup_ = true; }
 
   /// Null stops the timer; returns when no revocation is running any more.
   void listen(const dds_security_authentication_listener* listener);
 
  private:
+  /// Does the governance of all local participants of the domain say so?
+  bool hold_all(GovernanceFact fact) const;
+
   using Revoke = std::function<void(std::int64_t)>;
   /// Makes the host begin again with peers whose handshake came to no end.
   void revoke_stuck(const std::stop_token& stop, const Revoke& revoke);
@@ -58,6 +65,7 @@ class AuthenticationAdapter final : public dds_security_authentication {
   LostSessions lost_sessions_;
   Farewells farewells_;
   ClearDiscovery clear_discovery_;
+  std::atomic<bool> keeps_type_lookup_ = false;
   ExpiryTimer timer_;  ///< last: it ends before what it uses
 };
 

@@ -14,32 +14,45 @@
 namespace ddssec::cyclonedds {
 namespace {
 
-/// The last numbers, so that nothing that a stranger sent before makes ours late.
+/// The last number, so that nothing that a stranger sent before makes ours late.
 constexpr rtps::SequenceNumber kLast{std::numeric_limits<std::int64_t>::max()};
 
-void dispose(rtps::SpanWriter& out, const Guid& endpoint, rtps::SequenceNumber number) {
-  write(out, Disposal{.reader = rtps::kPublicationsReader,
-                      .writer = rtps::kPublicationsWriter,
-                      .number = number,
-                      .key = kEndpointGuid,
-                      .gone = endpoint});
+/// DDS-XTypes 7.6.3.3.3
+constexpr EntityId kTypeLookupRequestWriter{{0x00, 0x03, 0x00, 0xc3}};
+constexpr EntityId kTypeLookupReplyWriter{{0x00, 0x03, 0x01, 0xc3}};
+
+/// In this order: the writer that says so goes last.
+std::vector<EntityId> writers_to_end(TypeLookup lookup) {
+  std::vector<EntityId> writers = {rtps::kSubscriptionsWriter, rtps::kPublicationsWriter};
+  if (lookup == TypeLookup::ends)
+    writers.insert(writers.begin(), {kTypeLookupRequestWriter, kTypeLookupReplyWriter});
+  return writers;
 }
 
 }  // namespace
 
-Bytes write_end_of_clear_discovery(const GuidPrefix& peer, const GuidPrefix& own) {
-  Bytes octets(256);
+Bytes write_end_of_clear_discovery(const GuidPrefix& peer, const GuidPrefix& own,
+                                   TypeLookup lookup) {
+  const auto writers = writers_to_end(lookup);
+  rtps::SequenceNumber number{kLast.value - static_cast<std::int64_t>(writers.size() - 1)};
+  Bytes octets(512);
   rtps::SpanWriter out(octets);
   write(out, rtps::Header{.prefix = peer});
   write(out, rtps::InfoDestination{own});
   write(out, rtps::Heartbeat{.reader = rtps::kPublicationsReader,
                              .writer = rtps::kPublicationsWriter,
-                             .first = kLast.previous(),
+                             .first = number,
                              .last = kLast,
                              .count = 1,
                              .is_final = true});
-  dispose(out, {peer, rtps::kSubscriptionsWriter}, kLast.previous());
-  dispose(out, {peer, rtps::kPublicationsWriter}, kLast);
+  for (const auto& writer : writers) {
+    write(out, Disposal{.reader = rtps::kPublicationsReader,
+                        .writer = rtps::kPublicationsWriter,
+                        .number = number,
+                        .key = kEndpointGuid,
+                        .gone = {peer, writer}});
+    if (number < kLast) number = number.next();
+  }
   octets.resize(out.size());
   return octets;
 }
@@ -74,10 +87,11 @@ void ClearDiscovery::remove_local(spi::IdentityHandle local) {
   std::erase_if(peers_, [&](const auto& entry) { return entry.second.local == local; });
 }
 
-void ClearDiscovery::established(spi::IdentityHandle local, const GuidPrefix& own,
-                                 const Guid& peer) {
+void ClearDiscovery::established(spi::IdentityHandle local, const GuidPrefix& own, const Guid& peer,
+                                 TypeLookup lookup) {
   const std::lock_guard lock(mutex_);
-  peers_.insert_or_assign(peer, Peer{.local = local, .own = own, .since = clock_.monotonic()});
+  peers_.insert_or_assign(
+      peer, Peer{.local = local, .own = own, .lookup = lookup, .since = clock_.monotonic()});
 }
 
 void ClearDiscovery::lost(const Guid& peer) {
@@ -93,7 +107,7 @@ std::vector<ClearDiscovery::Due> ClearDiscovery::due() {
     if (now - peer.since < kTimes.at(peer.said)) continue;
     while (peer.said < kTimes.size() && now - peer.since >= kTimes.at(peer.said)) ++peer.said;
     if (const auto at = addresses_.find(peer.local); at != addresses_.end())
-      out.push_back({write_end_of_clear_discovery(guid.prefix, peer.own), at->second});
+      out.push_back({write_end_of_clear_discovery(guid.prefix, peer.own, peer.lookup), at->second});
   }
   std::erase_if(peers_, [](const auto& entry) { return entry.second.said == kTimes.size(); });
   return out;

@@ -3,7 +3,10 @@
 // under every kind of protection: a stranger could remove its endpoints, move them to another
 // address, or invent some, with one datagram. It even believes that a builtin writer is gone. So
 // we tell our own core, in the peer's name, that the two writers of clear announcements are. The
-// core then knows no writer from which such an announcement could come.
+// core then knows no writer from which such an announcement could come. The same goes for the
+// writers of type lookup where cryptography hides types from the core: it needs no lookup then, and
+// some end its process. Not for the unprotected writer of liveliness: version 0.10.2 of the core
+// uses that one under every liveliness_protection_kind.
 #pragma once
 
 #include <array>
@@ -21,8 +24,12 @@
 
 namespace ddssec::cyclonedds {
 
+/// What becomes of a peer's writers of type lookup.
+enum class TypeLookup : bool { stays, ends };
+
 /// A whole RTPS message to participant `own`, in the name of `peer`.
-Bytes write_end_of_clear_discovery(const GuidPrefix& peer, const GuidPrefix& own);
+Bytes write_end_of_clear_discovery(const GuidPrefix& peer, const GuidPrefix& own,
+                                   TypeLookup lookup);
 
 /// Where a participant receives discovery by unicast over UDP, as it says in its
 /// ParticipantBuiltinTopicData, a big-endian parameter list; at most eight addresses.
@@ -48,7 +55,8 @@ class ClearDiscovery {
   void remove_local(spi::IdentityHandle local);
 
   /// The two have authenticated. `own`: of the local participant.
-  void established(spi::IdentityHandle local, const GuidPrefix& own, const Guid& peer);
+  void established(spi::IdentityHandle local, const GuidPrefix& own, const Guid& peer,
+                   TypeLookup lookup);
   void lost(const Guid& peer);
 
   struct Due {
@@ -63,6 +71,7 @@ class ClearDiscovery {
   struct Peer {
     spi::IdentityHandle local;
     GuidPrefix own;
+    TypeLookup lookup;
     Duration since;
     std::size_t said = 0;  ///< of kTimes
   };

@@ -7,6 +7,7 @@ A stranger can also make the core of one side drop a peer that has authenticated
 authentication proves to it that the session is lost. What the stranger recorded in the first session is not new in the next.
 
 Where discovery is protected, endpoints that are announced or removed in the clear do not count, although the core believes them.
+Nor does a clear request for a type.
 
 Usage: handshake_test.py BUILD [FILTER]
 """
@@ -111,6 +112,19 @@ def remove(world):
     return 0
 
 
+def ask(world):
+    """The two talk; the stranger asks both for a type, in the clear, so that their processes end."""
+    subscriber = world.honest("subscribe", True)
+    world.honest("publish", False)
+    world.until("the two talking", lambda: len(samples(subscriber, HONEST)) >= 3)
+    world.passes(1)
+    forge(world, "asking")
+    world.passes(2)
+    check("a process ended", not any(peer.ended for peer in world.peers))
+    go_on(world, subscriber)
+    return 0
+
+
 def crowd(world):
     """The stranger invents readers in the subscriber's name; then a further process of its certificate reads, too."""
     subscriber = world.honest("subscribe", True)
@@ -129,7 +143,7 @@ def crowd(world):
 # With origin authentication recorded messages never open again.
 GOVERNANCE_OF = {"privileged": GOVERNANCES["everything-encrypt"], "removing": SROS2,
                  "crowding": Governance(metadata=EO)}
-STORIES = {"privileged": part, "removing": remove, "crowding": crowd}
+STORIES = {"privileged": part, "removing": remove, "crowding": crowd, "asking": ask}
 
 
 def once(kind, mode):
@@ -160,7 +174,7 @@ def cases():
         for mode in ("request", "answered", "flood", "announced"):
             yield f"{mode}/{kind}", kind, mode
     yield "nameless/ours-auth", "ours-auth", "nameless"
-    for mode in ("nameless", "fewer", "privileged", "removing", "crowding"):  # with a stock cryptography the two stay apart
+    for mode in ("nameless", "fewer", "privileged", "removing", "crowding", "asking"):  # with a stock cryptography the two stay apart
         yield f"{mode}/ours", "ours", mode
 
 

@@ -224,7 +224,8 @@ def tokens(world, tamper):
 
 
 def without_data(world, tamper):
-    """Tokens that are a key, or the hash of one: Cyclone DDS reads what is not there."""
+    """Tokens that are a key, or the hash of one: Cyclone DDS reads what is not there. Or a fragment: it keeps each
+    until all have come."""
     subscriber = begin(world)
     insider = world.insider("publish", tamper, ELSEWHERE)
     world.until("the tokens without data", lambda: said(insider, "tampered"))
@@ -304,7 +305,7 @@ def cases():
         for tamper in ("participant", "endpoint"):
             yield f"tokens-{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: tokens(world, t)
         if kind != "ours-ac":
-            for tamper in ("key-only", "key-hash"):
+            for tamper in ("key-only", "key-hash", "fragment"):
                 yield f"{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: without_data(world, t)
         if kind == "ours":
             for tamper in ("dispose", "speak-as"):

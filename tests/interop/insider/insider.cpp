@@ -6,6 +6,7 @@
 //   source       its protected messages go on in the victim's name
 //   key-only     its key tokens are sent as a key instead of data
 //   key-hash     its key tokens have no payload, but a key hash
+//   fragment     its key tokens are sent as the second fragment of a message that never ends
 //   repeat       its builtin writers' key tokens come several times for two that are never matched
 //   invent       its writers are announced, and send key tokens, as builtin ones that do not exist
 //   nobody       its writers' key tokens have no GUID prefix
@@ -206,6 +207,31 @@ void leave_key(Bytes& octets, bool only_hash) {
   say_tampered();
 }
 
+/// What the volatile writer sends, as a piece of two gigabytes.
+void leave_fragment(Bytes& octets) {
+  if (!is_of_writer(octets, 0xff0202c3) || (octets[1] & kInlineQosFlag) != 0) return;
+  constexpr DDS_Security_octet kDataFrag = 0x16, kToInlineQos = 28;
+  octets[0] = kDataFrag;
+  octets[1] &= static_cast<DDS_Security_octet>(~kDataFlag);
+  octets[6] = kToInlineQos;
+  const auto size = octets.size() - 24;
+  const Bytes place = {2,
+                       0,
+                       0,
+                       0,
+                       1,
+                       0,
+                       static_cast<DDS_Security_octet>(size),
+                       static_cast<DDS_Security_octet>(size >> 8),
+                       0,
+                       0,
+                       0,
+                       0x77};
+  octets.insert(octets.begin() + 24, place.begin(), place.end());
+  set_length(octets);
+  say_tampered();
+}
+
 /// Of the key tokens of builtin writers to one participant, all name one reader that never matches,
 /// and as their writer one of two by turns. A retransmission stays what it was.
 void repeat_tokens(Bytes& octets) {
@@ -347,6 +373,7 @@ DDS_Security_boolean my_encode_submessage(dds_security_crypto_transform* instanc
     name_victim(octets, "dds.sec.datawriter_crypto_tokens", 24 + 84);
   if (tampers("key-only")) leave_key(octets, false);
   if (tampers("key-hash")) leave_key(octets, true);
+  if (tampers("fragment")) leave_fragment(octets);
   if (tampers("repeat")) repeat_tokens(octets);
   if (tampers("invent")) invent_writer(octets);
   if (tampers("nobody")) send_nobodys_tokens(octets);

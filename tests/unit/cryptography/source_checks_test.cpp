@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "plugins/spi/property_names.hpp"
 #include "tests/unit/cryptography/data_message.hpp"
 #include "tests/unit/cryptography/insider.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
@@ -85,7 +86,7 @@ TEST(TokenSource, CutOffAnywhereIsRefused) {
         if (is_fragment) token.fragment.emplace(), token.flags = 0;
         if (has_qos) token.flags |= 0x02, token.inline_qos = qos(little, 8);
         const auto whole = token.octets();
-        const auto needed = whole.size() - token.payload.size() + 100;
+        const auto needed = is_fragment ? whole.size() : whole.size() - token.payload.size() + 100;
         for (std::size_t size = 4; size < whole.size(); ++size) {
           const auto code = code_of(check_token_source(BytesView(whole).first(size), true, kPeer));
           if (size < needed)
@@ -118,11 +119,16 @@ TEST(TokenSource, LengthsThatLieAreRefused) {
       refused({.flags = 0, .fragment = Fragment{.first = 0x01000001, .size = 256, .whole = 4096}}));
 }
 
-TEST(TokenSource, LaterFragmentsNameNobody) {
-  Token token{.payload = Bytes(40, 0x44)};
-  token.fragment = Fragment{.first = 2, .size = 120, .whole = 160};
-  token.flags = 0;
-  EXPECT_TRUE(token.check_token());
+// A trusting host keeps each fragment until all have come, and a hostile sender never sends them.
+TEST(TokenSource, InSeveralFragmentsIsRefused) {
+  const auto refused = [](const Fragment& fragment, Bytes payload) {
+    const Token token{.flags = 0, .payload = std::move(payload), .fragment = fragment};
+    return code_of(token.check_token()) == Code::token_source_unreadable;
+  };
+  EXPECT_TRUE(refused({.first = 2, .size = 120, .whole = 160}, Bytes(40, 0x44)));
+  EXPECT_TRUE(refused({.first = 2, .size = 60000, .whole = 2000000000}, Bytes(60000, 0x44)));
+  EXPECT_TRUE(refused({.size = 120, .whole = 160}, generic_message(kPeer, kPeer, 1)));
+  EXPECT_FALSE(refused({.size = 160, .whole = 120}, generic_message(kPeer, kPeer, 1)));
 }
 
 /// Cyclone DDS reads such a message through a null pointer.
@@ -210,6 +216,22 @@ TEST(SenderPart, CutOffAnywhereSpeaksForNobodyElse) {
   }
 }
 
+// The caller hides them where it hides types.
+TEST(SenderPart, TellsWhereTypeLookupsAre) {
+  constexpr EntityId kRequests{{0x00, 0x03, 0x00, 0xc3}}, kReplies{{0x00, 0x03, 0x01, 0xc3}};
+  const auto of = [](const EntityId& writer) {
+    return DataMessage{.writer = writer, .reader = {}}.octets();
+  };
+  const auto request = of(kRequests), other = of(kOtherWriter), reply = of(kReplies);
+  auto fragment = reply;
+  fragment[0] = submessage_id::kDataFrag;
+  const auto content = joined({info_source(kPeer), request, other, reply, fragment});
+  const auto part = part_of_sender(content, kPeer, walks);
+  EXPECT_EQ(part.size, content.size());
+  const auto replies = 24 + request.size() + other.size();
+  EXPECT_EQ(part.lookups, (std::vector<std::size_t>{24, replies, replies + reply.size()}));
+}
+
 TEST(SenderPart, NothingHidesInAGroupThatIsReadInTwoWays) {
   // SEC_PREFIX says little endian and SEC_BODY big endian: 16 octets or 4096.
   const Bytes prefix = {0x31, 1, 4, 0, 0, 0, 0, 0}, postfix = {0x32, 1, 4, 0, 0, 0, 0, 0};
@@ -232,6 +254,20 @@ constexpr Options kTrustingHost{.host_checks_sources = false};
 
 GuidPrefix header_prefix(const Bytes& message) {
   return GuidPrefix::from(BytesView(message).subspan(8, 12));
+}
+
+TEST(TrustingHost, GetsNoTypeLookupUnlessItTrustsTypes) {
+  for (const bool trusts : {false, true}) {
+    const PropertyList property = {
+        {std::string(spi::property::kTrustTypeInformation), trusts ? "true" : "false"}};
+    TwoSides two(ProtectionKind::encrypt, property, kTrustingHost);
+    const EntityId requests{{0x00, 0x03, 0x00, 0xc3}};
+    const auto request = DataMessage{.writer = requests, .reader = {}}.octets();
+    const auto opened =
+        decode_message(two, encode_message(two, rtps_message({request})).value()).value();
+    EXPECT_EQ(opened.at(opened.size() - request.size()), trusts ? request[0] : 0x01);
+    EXPECT_TRUE(two.b.events.codes.empty());
+  }
 }
 
 TEST(TrustingHost, GetsTheSendersPartOfAMessage) {

@@ -30,7 +30,7 @@ bool begins_as_publications(BytesView octets) {
 }
 
 TEST(EndOfClearDiscovery, RemovesTheWritersOfClearAnnouncements) {
-  const auto octets = write_end_of_clear_discovery(kPeer, kOwn);
+  const auto octets = write_end_of_clear_discovery(kPeer, kOwn, TypeLookup::stays);
   EXPECT_EQ(rtps::read_header(octets)->prefix, kPeer);
   auto message = rtps::MessageReader::open(octets).value();
   EXPECT_EQ(rtps::read_info_destination(*message.next().value())->prefix, kOwn);
@@ -50,6 +50,30 @@ TEST(EndOfClearDiscovery, RemovesTheWritersOfClearAnnouncements) {
     EXPECT_EQ(rtps::read_endpoint_key(data.body.last(28)).value(), (Guid{kPeer, writer}));
   }
   EXPECT_FALSE(message.next().value());
+}
+
+/// Of the endpoints that a message disposes, in its order; the numbers must be without a gap.
+std::vector<EntityId> disposed(const Bytes& octets) {
+  std::vector<EntityId> out;
+  auto message = rtps::MessageReader::open(octets).value();
+  std::uint8_t number = 0;
+  while (const auto submessage = message.next().value()) {
+    if (submessage->id == rtps::SubmessageId::heartbeat) number = submessage->body[12];
+    if (submessage->id != rtps::SubmessageId::data) continue;
+    EXPECT_EQ(submessage->body[16], number++);
+    const auto gone = rtps::read_endpoint_key(submessage->body.last(28)).value();
+    EXPECT_EQ(gone.prefix, kPeer);
+    out.push_back(gone.entity);
+  }
+  EXPECT_EQ(number, 0) << "the last of all numbers ends with 0xff";
+  return out;
+}
+
+TEST(EndOfClearDiscovery, RemovesTheWritersOfTypeLookupToo) {
+  constexpr EntityId kRequests{{0x00, 0x03, 0x00, 0xc3}}, kReplies{{0x00, 0x03, 0x01, 0xc3}};
+  EXPECT_THAT(disposed(write_end_of_clear_discovery(kPeer, kOwn, TypeLookup::ends)),
+              testing::ElementsAre(kRequests, kReplies, rtps::kSubscriptionsWriter,
+                                   rtps::kPublicationsWriter));
 }
 
 void write_locator(Writer& list, std::int32_t kind, std::uint32_t port, std::uint8_t first) {
@@ -88,11 +112,11 @@ struct ClearDiscoveryTest : testing::Test {
 
 TEST_F(ClearDiscoveryTest, IsEndedAtOnceAndSomeTimesMore) {
   EXPECT_EQ(discovery.next(), std::nullopt);
-  discovery.established(local, kOwn, kPeerGuid);
+  discovery.established(local, kOwn, kPeerGuid, TypeLookup::ends);
   EXPECT_EQ(discovery.next(), 0ns);
   const auto due = discovery.due();
   ASSERT_THAT(due, SizeIs(1));
-  EXPECT_EQ(due[0].message, write_end_of_clear_discovery(kPeer, kOwn));
+  EXPECT_EQ(due[0].message, write_end_of_clear_discovery(kPeer, kOwn, TypeLookup::ends));
   EXPECT_EQ(due[0].to.at(0).port, 7410);
   EXPECT_THAT(discovery.due(), IsEmpty());
   std::size_t said = 1;
@@ -105,17 +129,17 @@ TEST_F(ClearDiscoveryTest, IsEndedAtOnceAndSomeTimesMore) {
 }
 
 TEST_F(ClearDiscoveryTest, AThreadThatComesLateSaysItOnce) {
-  discovery.established(local, kOwn, kPeerGuid);
+  discovery.established(local, kOwn, kPeerGuid, TypeLookup::stays);
   clock.advance(1s);
   EXPECT_THAT(discovery.due(), SizeIs(1));
   EXPECT_EQ(discovery.next(), 1s);
 }
 
 TEST_F(ClearDiscoveryTest, OfOneThatIsGoneIsForgotten) {
-  discovery.established(local, kOwn, kPeerGuid);
+  discovery.established(local, kOwn, kPeerGuid, TypeLookup::stays);
   discovery.lost(kPeerGuid);
   EXPECT_EQ(discovery.next(), std::nullopt);
-  discovery.established(local, kOwn, kPeerGuid);
+  discovery.established(local, kOwn, kPeerGuid, TypeLookup::stays);
   discovery.remove_local(local);
   EXPECT_THAT(discovery.due(), IsEmpty());
 }

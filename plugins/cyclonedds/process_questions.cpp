@@ -1,0 +1,39 @@
+#include "plugins/cyclonedds/process_questions.hpp"
+
+#include <dlfcn.h>
+
+#include "plugins/cyclonedds/abi.hpp"
+
+namespace ddssec::cyclonedds {
+
+bool has_our_cryptography() { return dlsym(RTLD_DEFAULT, kSupportedCiphersSymbol) != nullptr; }
+
+spi::CipherMask ciphers_of_process() {
+  void* const symbol = dlsym(RTLD_DEFAULT, kSupportedCiphersSymbol);
+  if (symbol == nullptr) return spi::kStandardCiphers;
+  return reinterpret_cast<SupportedCiphers*>(symbol)();
+}
+
+HandshakeWatch::Questions questions_to_cryptography() {
+  HandshakeWatch::Questions questions;
+  if (void* const symbol = dlsym(RTLD_DEFAULT, kHasKeysOfSymbol))
+    questions.has_keys = [ask = reinterpret_cast<HasKeysOf*>(symbol)](auto remote) {
+      return ask(remote.value);
+    };
+  if (void* const symbol = dlsym(RTLD_DEFAULT, kIsMatchedWithSymbol))
+    questions.is_matched = [ask = reinterpret_cast<IsMatchedWith*>(symbol)](auto remote) {
+      return ask(remote.value);
+    };
+  if (void* const symbol = dlsym(RTLD_DEFAULT, kLastHeardOfSymbol))
+    questions.last_heard = [ask = reinterpret_cast<LastHeardOf*>(symbol)](auto remote) {
+      return HandshakeWatch::Duration(ask(remote.value));
+    };
+  return questions;
+}
+
+bool holds(GovernanceFact fact, spi::IdentityHandle local) {
+  void* const symbol = dlsym(RTLD_DEFAULT, kGovernanceFactsOfSymbol);
+  return symbol != nullptr && has(reinterpret_cast<GovernanceFactsOf*>(symbol)(local.value), fact);
+}
+
+}  // namespace ddssec::cyclonedds

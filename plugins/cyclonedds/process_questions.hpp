@@ -1,0 +1,23 @@
+// What our authentication asks our other two libraries in the process. Each is looked up late, as
+// the host loads it after us; where a stock one stands in its place, nobody answers.
+#pragma once
+
+#include "plugins/cyclonedds/governance_facts.hpp"
+#include "plugins/cyclonedds/handshake_watch.hpp"
+#include "plugins/spi/symmetric_cipher.hpp"
+
+namespace ddssec::cyclonedds {
+
+/// Is the cryptography of this process ours?
+bool has_our_cryptography();
+
+/// What our cryptography in this process can decrypt; the standard's ciphers without ours.
+spi::CipherMask ciphers_of_process();
+
+/// Empty functions without ours.
+HandshakeWatch::Questions questions_to_cryptography();
+
+/// Without our access control nothing is known.
+bool holds(GovernanceFact fact, spi::IdentityHandle local);
+
+}  // namespace ddssec::cyclonedds
