@@ -214,7 +214,7 @@ class KeyExchange final : public spi::CryptoKeyExchange {
   Status take(const LocalParticipant& participant, spi::ParticipantCryptoHandle remote, Pair& pair,
               std::span<const spi::Token> tokens);
   Result<std::unique_ptr<ReceiveKey>> receive_key(KeyMaterial material, spi::ProtectionKind due,
-                                                  KeyLevel level, const Pair& from) const;
+                                                  const Pair& from) const;
   /// May these take the place of the keys that are set? Error: keys_already_set, with an event.
   Status check_replacement(const RemoteKeys& next, const RemoteKeys* present,
                            const Pair* from) const;

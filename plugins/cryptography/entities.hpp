@@ -22,6 +22,7 @@
 #include "plugins/cryptography/fragment_walks.hpp"
 #include "plugins/cryptography/key_life.hpp"
 #include "plugins/cryptography/key_owner.hpp"
+#include "plugins/cryptography/payload_positions.hpp"
 #include "plugins/cryptography/receive_key.hpp"
 #include "plugins/cryptography/receiver_places.hpp"
 #include "plugins/cryptography/registry.hpp"
@@ -118,7 +119,8 @@ struct RemoteParticipant final : Entity {
   std::unordered_set<std::int64_t> endpoints;
   std::unordered_map<std::int64_t, std::unique_ptr<Pair>> pairs;  ///< by local participant
   Published<PairTable> pair_table;
-  Routes routes;  ///< of its endpoints that protect submessages
+  Routes routes;                            ///< of its endpoints that protect submessages
+  PayloadPositions payload_positions = {};  ///< of its writers that protect payloads alone
   mutable FragmentWalks walks = {};
 
   /// Under a ReadGuard: what it has with that local participant, or nullptr.

@@ -78,6 +78,16 @@ void keep_position(RemoteKeys& next, const RemoteKeys* present) {
     next.submessage->count_from(*present->submessage);
 }
 
+/// The same of a key for payloads alone. Cyclone DDS opens a payload with the key of the first
+/// reader, for all of them; other hosts open it for each reader.
+void share_payload_position(const Shared& shared, RemoteKeys& next, RemoteEndpoint& remote) {
+  const auto* const present = remote.remote_keys.read();
+  if (!next.payload || !next.payload->position()) return;
+  if (present != nullptr && are_same(next.payload, present->payload))
+    return next.payload->count_from(*present->payload);
+  if (!shared.host_checks_sources) remote.participant.payload_positions.share(*next.payload);
+}
+
 /// A host hands what one of our endpoints can read to all that hear the same sender.
 void share_position(RemoteKeys& next, const RemoteEndpoint& remote) {
   const auto* const present = remote.remote_keys.read();
@@ -127,7 +137,6 @@ Status check_cipher(const KindTraits& traits, const Pair& from) {
 /// vendor's number means what we mean by it only then.
 Result<std::unique_ptr<ReceiveKey>> KeyExchange::receive_key(KeyMaterial material,
                                                              spi::ProtectionKind due,
-                                                             KeyLevel level,
                                                              const Pair& from) const {
   if (!fits(material, due))
     return fail(Code::key_material_kind_mismatch,
@@ -139,8 +148,6 @@ Result<std::unique_ptr<ReceiveKey>> KeyExchange::receive_key(KeyMaterial materia
   const auto traits = *traits_of(material.kind);
   DDSSEC_TRY(check_cipher(traits, from));
   if (material.position && !is_ours(from)) return fail(Code::key_material_length);
-  // A writer may send a payload again as it was encrypted first.
-  if (level == &LevelKeys::payload) material.position.reset();
   return std::make_unique<ReceiveKey>(std::move(material), traits, shared_.keys);
 }
 
@@ -193,8 +200,7 @@ Status KeyExchange::take(const LocalParticipant& participant, spi::ParticipantCr
   // Fast DDS sends a GMAC key even where nothing is protected.
   if (!is_protected(participant.rtps)) return {};
   auto keys = std::make_unique<RemoteKeys>();
-  keys->submessage =
-      DDSSEC_TRY(receive_key(std::move(material), participant.rtps, &LevelKeys::submessage, pair));
+  keys->submessage = DDSSEC_TRY(receive_key(std::move(material), participant.rtps, pair));
   DDSSEC_TRY(check_replacement(*keys, pair.remote_keys.read(), &pair));
   keep_position(*keys, pair.remote_keys.read());
   DDSSEC_TRY(inherit(*keys, pair.remote_keys.read(), shared_.environment.clock.monotonic()));
@@ -243,12 +249,13 @@ Result<std::unique_ptr<RemoteKeys>> KeyExchange::endpoint_keys(
     auto payload = materials.back().clone();
     payload.receiver_key_id = {};  // payloads have no receiver-specific MACs
     payload.receiver_key = {};
-    keys->payload =
-        DDSSEC_TRY(receive_key(std::move(payload), local.payload, &LevelKeys::payload, *pair));
+    // Inside a protected submessage it is as new as that.
+    if (is_protected(local.submessage)) payload.position.reset();
+    keys->payload = DDSSEC_TRY(receive_key(std::move(payload), local.payload, *pair));
   }
   if (is_protected(local.submessage))
-    keys->submessage = DDSSEC_TRY(
-        receive_key(std::move(materials.front()), local.submessage, &LevelKeys::submessage, *pair));
+    keys->submessage =
+        DDSSEC_TRY(receive_key(std::move(materials.front()), local.submessage, *pair));
   return keys;
 }
 
@@ -285,6 +292,7 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
   DDSSEC_TRY(check_owner(endpoint, *keys));
   DDSSEC_TRY(check_replacement(*keys, endpoint.remote_keys.read(), pair));
   share_position(*keys, endpoint);
+  share_payload_position(shared_, *keys, endpoint);
   DDSSEC_TRY(inherit(*keys, endpoint.remote_keys.read(), shared_.environment.clock.monotonic()));
   shared_.note_former(remote.value, *keys);
   auto former = endpoint.remote_keys.exchange(std::move(keys));

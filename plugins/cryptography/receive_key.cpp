@@ -10,10 +10,10 @@ void NewestPosition::note(const NewestPosition& other, Graveyard& graveyard) {
     newest_.replace(std::make_unique<Place>(position), graveyard);
 }
 
-void ReceiveKey::count_with(const ReceiveKey& other) {
-  if (!position_ || !other.position_) return;
-  other.position_->note(*position_, environment_.graveyard);
-  position_ = other.position_;
+void ReceiveKey::count_with(const std::shared_ptr<NewestPosition>& of_other) {
+  if (!position_ || !of_other) return;
+  of_other->note(*position_, environment_.graveyard);
+  position_ = of_other;
 }
 
 Result<ReceiveKey::Candidate> ReceiveKey::session(SessionId id) {

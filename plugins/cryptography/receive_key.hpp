@@ -95,7 +95,10 @@ class ReceiveKey final : public Retirable {
   }
   /// Before it is published, by one caller at a time: another endpoint has the same sender's key.
   /// What was under way to that one is lost, and a reliable sender repeats it.
-  void count_with(const ReceiveKey& other);
+  void count_with(const ReceiveKey& other) { count_with(other.position_); }
+  void count_with(const std::shared_ptr<NewestPosition>& of_other);
+  /// nullptr: its sender did not say.
+  const std::shared_ptr<NewestPosition>& position() const { return position_; }
 
  private:
   struct Aside {

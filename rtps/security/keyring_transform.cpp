@@ -10,7 +10,8 @@ namespace {
 bool is_expected(Code code) {
   return code == Code::key_material_not_received || code == Code::unknown_key_id ||
          code == Code::key_revision_unknown || code == Code::receiver_specific_mac_missing ||
-         code == Code::receiver_count || code == Code::crypto_not_matched;
+         code == Code::receiver_count || code == Code::crypto_not_matched ||
+         code == Code::message_from_before || code == Code::message_repeated;
 }
 
 // Cyclone DDS sends these outside of protected messages, Fast DDS inside.

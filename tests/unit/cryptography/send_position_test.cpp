@@ -173,6 +173,37 @@ TEST_F(LostAndFound, ALaterReaderMakesNothingNewThatTheWriterSentBeforeIt) {
   }
 }
 
+/// Payloads alone are protected. Cyclone DDS opens them for all readers with the key of the first.
+struct LaterPayloads : ::testing::TestWithParam<bool> {
+  testing::TwoSides two{spi::ProtectionKind::none, {}, {.host_checks_sources = GetParam()}};
+};
+
+TEST_P(LaterPayloads, AreNotThoseThatTheWriterSentBeforeItsReaderCame) {
+  for (const auto kind : {spi::ProtectionKind::sign, spi::ProtectionKind::encrypt}) {
+    const auto attributes = testing::endpoint_attributes(spi::ProtectionKind::none, kind);
+    const auto first = two.endpoints(attributes);
+    const auto sent = [&] { return testing::encode_payload(two, first, Bytes(16, 7)).value(); };
+    const auto got = [&](const testing::WriterToReader& by, const Bytes& encoded) {
+      return testing::code_of(testing::decode_payload(two, by, encoded));
+    };
+    const auto recorded = sent();
+    EXPECT_EQ(got(first, recorded), Code{});
+    EXPECT_EQ(got(first, recorded), Code{})
+        << "for each reader, and for each fragment that is lost";
+    auto later = first;
+    later.reader =
+        two.b.factory().register_local_datareader(two.b.participant, {}, attributes).value();
+    two.match_endpoints(later);
+    EXPECT_EQ(got(later, recorded), Code::message_from_before);
+    EXPECT_EQ(got(first, recorded), GetParam() ? Code{} : Code::message_from_before);
+    const auto now = sent();
+    EXPECT_EQ(got(first, now), Code{});
+    EXPECT_EQ(got(later, now), Code{});
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Hosts, LaterPayloads, ::testing::Bool());
+
 // Its process has just started: it remembers nothing.
 TEST_F(LostAndFound, WhatWasSentToOthersBeforeIsNotNew) {
   ends = two.endpoints(

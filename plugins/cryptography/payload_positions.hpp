@@ -1,0 +1,34 @@
+// Where writers of one remote participant stand that protect payloads alone: several of our readers
+// may have the key of one of them.
+#pragma once
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <utility>
+
+#include "plugins/cryptography/receive_key.hpp"
+
+namespace ddssec::cryptography {
+
+/// Not thread-safe.
+class PayloadPositions {
+ public:
+  /// From here on all keys of one id and revision count by the newest position of any of them.
+  void share(ReceiveKey& key) {
+    const auto& material = key.material();
+    auto& known = positions_[{material.sender_key_id, material.kind}];
+    if (const auto position = known.lock()) key.count_with(position);
+    known = key.position();
+    if (positions_.size() < look_at_) return;
+    std::erase_if(positions_, [](const auto& one) { return one.second.expired(); });
+    look_at_ = std::max(kFirstLook, 2 * positions_.size());
+  }
+
+ private:
+  static constexpr std::size_t kFirstLook = 64;
+  std::map<std::pair<KeyId, TransformKind>, std::weak_ptr<NewestPosition>> positions_;
+  std::size_t look_at_ = kFirstLook;
+};
+
+}  // namespace ddssec::cryptography
