@@ -74,6 +74,9 @@ Result<InlineQos> read_inline_qos(BytesView list, Endian endian) {
       std::copy_n(value.begin(), 4, qos.coherence.writers.begin());
     } else if (parameter->id == pid::kOriginalWriterInfo) {
       qos.original = DDSSEC_TRY(read_original(value, endian));
+    } else if (parameter->id == pid::kSourceTime && value.size() >= 8) {
+      Reader reader(value, endian);
+      qos.source_time = DDSSEC_TRY(read_time(reader));
     } else if (must_be_understood(parameter->id)) {
       return fail(Code::rtps_parameter_not_understood);
     }
@@ -107,6 +110,10 @@ void write(SpanWriter& out, const InlineQos& qos) {
     const ParameterScope scope(out, pid::kOriginalWriterInfo);
     out.write_bytes(qos.original.writer.octets());
     write_sequence_number(out, qos.original.number);
+  }
+  if (qos.source_time) {
+    const ParameterScope scope(out, pid::kSourceTime);
+    write_time(out, *qos.source_time);
   }
   write_content_filter_info(out, qos.filters);
   write_sentinel(out);

@@ -8,6 +8,7 @@
 #include "base/ids.hpp"
 #include "wire/content_filter_info.hpp"
 #include "wire/numbers.hpp"
+#include "wire/time.hpp"
 
 namespace ddssec::rtps {
 
@@ -49,10 +50,12 @@ struct InlineQos {
   StatusInfo status = {};
   Coherence coherence = {};
   Original original = {};
+  /// Where nothing protects INFO_TS, and the submessage is protected: ours only.
+  std::optional<Time> source_time = {};
   FilterResults filters = {};  ///< written only
   bool empty() const {
     return !key_hash && status == StatusInfo{} && coherence == Coherence{} &&
-           original.number.value == 0 && filters.list.empty();
+           original.number.value == 0 && !source_time && filters.list.empty();
   }
   bool operator==(const InlineQos&) const = default;
 };

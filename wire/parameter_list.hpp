@@ -27,6 +27,8 @@ inline constexpr ParameterId kStatusInfo = 0x0071;
 /// A reader that does not know such an id must not use the sample (RTPS 9.6.3.1).
 inline constexpr ParameterId kMustUnderstand = 0x4000;
 inline constexpr ParameterId kVendorSpecific = 0x8000;
+/// Ours: the source timestamp of a DATA, as Time_t.
+inline constexpr ParameterId kSourceTime = 0x8d5e;
 }  // namespace pid
 
 struct Parameter {

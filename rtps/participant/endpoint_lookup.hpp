@@ -16,8 +16,8 @@ class EndpointLookup {
   virtual std::span<StatefulReader* const> readers_of(const Guid& writer) = 0;
   /// The local writer with that id, for a reader of that participant; nullptr: there is none.
   virtual StatefulWriter* writer_for(const EntityId& writer, const GuidPrefix& reader) = 0;
-  /// Its writers send the key of an instance that they dispose or unregister, as ours do. Other
-  /// vendors' may send its hash alone.
+  /// Its writers send the key of an instance that they dispose or unregister, and where INFO_TS is
+  /// not protected the time of a sample beside it, as ours do. Other vendors' may do neither.
   virtual bool sends_keys(const GuidPrefix& participant) = 0;
 };
 

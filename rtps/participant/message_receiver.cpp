@@ -162,6 +162,16 @@ bool MessageReceiver::is_refused(const EntityId& reader, const Guid& writer,
          !keyring_->accepts_without_payload(reader, writer, context.shield);
 }
 
+// The protection of submessages does not cover INFO_TS, which anybody can change then.
+std::optional<Time> MessageReceiver::source_time(const Context& context,
+                                                 const InlineQos& inline_qos) const {
+  const auto& [by_message, by_writer] = context.shield;
+  const bool is_covered = by_message || by_writer.prefix != context.source;
+  if (is_covered || is_builtin(by_writer.entity) || !endpoints_.sends_keys(context.source))
+    return context.time;
+  return inline_qos.source_time;
+}
+
 std::optional<BytesView> MessageReceiver::opened(const StatefulReader& reader, const Guid& writer,
                                                  BytesView payload) {
   if (keyring_ == nullptr || reader.guid().entity == kVolatileMessageReader) return payload;
@@ -188,7 +198,7 @@ Status MessageReceiver::on_data(const SubmessageView& view, Context& context) {
     const auto payload = marker ? data.payload : opened(reader, {from, data.writer}, data.payload);
     if (!payload) return;
     plain.payload = *payload;
-    if (!reader.on_data(from, plain, context.time)) return;
+    if (!reader.on_data(from, plain, source_time(context, data.inline_qos))) return;
     context.note_told(true);
     listener_.on_alive({from, data.writer});
   });
@@ -207,7 +217,7 @@ Status MessageReceiver::on_data_frag(const SubmessageView& view, Context& contex
     const auto payload = opened(reader, {from, frag.writer}, frag.encoded);
     const auto plain = payload ? with_payload(frag, *payload) : fail(Code::truncated);
     if (!plain) return;
-    if (!reader.on_data_frag(from, *plain, context.time)) return;
+    if (!reader.on_data_frag(from, *plain, source_time(context, frag.inline_qos))) return;
     context.note_told(true);
     listener_.on_alive({from, frag.writer});
   });

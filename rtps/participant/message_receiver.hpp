@@ -60,6 +60,8 @@ class MessageReceiver {
   bool accepts(const EntityId& local, const Guid& remote, const Context& context);
   /// A dispose or unregister without a payload, which its writer would not have sent.
   bool is_refused(const EntityId& reader, const Guid& writer, const Context& context);
+  /// When a sample with that inline QoS was written.
+  std::optional<Time> source_time(const Context& context, const InlineQos& inline_qos) const;
   /// The payload as it was before it was protected; nothing if it cannot be opened.
   std::optional<BytesView> opened(const StatefulReader& reader, const Guid& writer,
                                   BytesView payload);

@@ -19,6 +19,12 @@ void MessageSender::protect_with(SendProtection& protection) {
   out_ = SpanWriter(slot(0));
 }
 
+bool MessageSender::leaves_time_unprotected(const EntityId& writer) const {
+  if (protection_ == nullptr || is_builtin(writer)) return false;
+  const auto levels = protection_->levels(writer);
+  return levels.submessage && levels.message != SendProtection::Wrap::participant_key;
+}
+
 void MessageSender::begin(const Destination& to, SendProtection::Wrap wrap) {
   const bool other = !std::ranges::equal(to.locators, to_) || wrap != wrap_ || to.dscp != dscp_ ||
                      to.interface != interface_;

@@ -84,6 +84,8 @@ class MessageSender {
         static_cast<std::uint16_t>(std::clamp<std::uint32_t>(size, 1, kLargestFragment));
   }
   std::uint16_t fragment_size() const { return fragment_size_; }
+  /// The writer's submessages are protected and the INFO_TS before them is not.
+  bool leaves_time_unprotected(const EntityId& writer) const;
   /// How many octets make the message full that waits, or the last that did.
   std::size_t full_size() const { return full_size_; }
 

@@ -43,14 +43,16 @@ int samples_per_question(const Qos& qos) {
 }
 
 InlineQos inline_qos_of(const Change& change, DurabilityKind durability,
-                        std::span<const FilterResult> filters) {
+                        std::span<const FilterResult> filters, bool with_time) {
+  const auto time = with_time ? change.source_time : std::nullopt;
   // Alive samples carry their key in the payload; a dispose needs the hash (Fast DDS ignores
   // others), and so does who keeps samples without knowing their type.
   if (!change.is_alive())
-    return {change.key_hash, change.status, change.coherence, change.original, {}};
+    return {change.key_hash, change.status, change.coherence, change.original, time, {}};
   const bool is_kept = durability >= DurabilityKind::transient;
   return {
-      is_kept ? change.key_hash : std::nullopt, {}, change.coherence, change.original, {filters}};
+      is_kept ? change.key_hash : std::nullopt, {}, change.coherence, change.original, time,
+      {filters}};
 }
 
 PayloadKind kind_of(const Change& change) {
@@ -228,7 +230,8 @@ void StatefulWriter::send_change(const Destination& to, const EntityId& reader,
   const Data data{reader,
                   guid_.entity,
                   change.sequence_number,
-                  inline_qos_of(change, qos_.durability, filter_results_),
+                  inline_qos_of(change, qos_.durability, filter_results_,
+                                sender_.leaves_time_unprotected(guid_.entity)),
                   kind_of(change),
                   payload};
   sender_.add(to, InfoTimestamp{change.source_time}, data);
@@ -254,7 +257,8 @@ void StatefulWriter::send_fragment(const Destination& to, const EntityId& reader
                       1,
                       sender_.fragment_size(),
                       static_cast<std::uint32_t>(octets.size()),
-                      inline_qos_of(change, qos_.durability, filter_results_),
+                      inline_qos_of(change, qos_.durability, filter_results_,
+                                    sender_.leaves_time_unprotected(guid_.entity)),
                       change.key_only,
                       octets.subspan(begin, size)};
   sender_.add(to, InfoTimestamp{change.source_time}, frag);
