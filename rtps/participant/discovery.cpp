@@ -34,6 +34,16 @@ void add_locators(LocatorList& known, std::vector<SourceAddress>& sources, const
   }
 }
 
+/// Whoever has to prove its identity may name somebody else's addresses before: it is answered
+/// where it announced itself from, or at one address.
+LocatorList where_to_answer(const LocatorList& metatraffic, const SourceAddress& source) {
+  LocatorList out;
+  for (const auto& locator : metatraffic)
+    if (SourceAddress(locator) == source) out.push_back(locator);
+  if (out.empty()) out.push_back(metatraffic.front());
+  return out;
+}
+
 }  // namespace
 
 Discovery::Discovery(ParticipantCore& core, const Parts& parts)
@@ -78,9 +88,11 @@ void Discovery::add(ParticipantData data, std::size_t octets) {
   const auto verdict =
       security != nullptr ? security->judge(data) : Security::Verdict::admit_unauthenticated;
   auto& remote = remotes.add(std::move(data), std::move(metatraffic), std::move(user), octets);
-  parts_.announcer.answer(remote.metatraffic);
+  parts_.announcer.answer(core_.security ? where_to_answer(remote.metatraffic, core_.source)
+                                         : remote.metatraffic);
   if (verdict == Security::Verdict::authenticate)
-    security->discovered(remote.data, remote.metatraffic, core_.source, core_.now);
+    security->discovered(remote.data,
+                         {remote.metatraffic, remote.metatraffic_sources, core_.source}, core_.now);
   remotes.renew_lease(remote, remote.data);
   if (verdict == Security::Verdict::admit_unauthenticated) accept(remote);
 }
@@ -108,6 +120,7 @@ void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData da
     parts_.remotes.on_changed(remote);
   }
   auto* security = core_.security.get();
+  if (security != nullptr && !fixed) security->note_announced(prefix);
   if (fixed || security == nullptr || data == remote.data || !security->may_authenticate(data))
     return;
   if (!security->knows(prefix)) {
@@ -121,7 +134,8 @@ void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData da
   add_locators(remote.metatraffic, remote.metatraffic_sources, usable(data.metatraffic_unicast),
                core_.source);
   add_locators(remote.user, remote.user_sources, usable(data.default_unicast), core_.source);
-  security->announced_again(data, remote.metatraffic, core_.source, core_.now);
+  security->announced_again(data, {remote.metatraffic, remote.metatraffic_sources, core_.source},
+                            core_.now);
 }
 
 void Discovery::accept(RemoteParticipant& remote) {

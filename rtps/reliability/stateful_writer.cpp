@@ -29,6 +29,8 @@ constexpr std::size_t kOctetsPerAnswer = 128 << 10;
 constexpr std::uint32_t kFragmentsPerAnswer = 8;
 // Requests that crossed the answer on the way are not answered again.
 constexpr MonotonicTime kAnswerTime = milliseconds(2);
+// What a repeated sample counts for at least, with its header.
+constexpr std::size_t kLeastRepair = 64;
 // The next portion goes out after this time also if nobody asks: Cyclone DDS asks ten times a
 // second.
 constexpr MonotonicTime kRepairPause = milliseconds(1);
@@ -50,9 +52,12 @@ InlineQos inline_qos_of(const Change& change, DurabilityKind durability,
   if (!change.is_alive())
     return {change.key_hash, change.status, change.coherence, change.original, time, {}};
   const bool is_kept = durability >= DurabilityKind::transient;
-  return {
-      is_kept ? change.key_hash : std::nullopt, {}, change.coherence, change.original, time,
-      {filters}};
+  return {is_kept ? change.key_hash : std::nullopt,
+          {},
+          change.coherence,
+          change.original,
+          time,
+          {filters}};
 }
 
 PayloadKind kind_of(const Change& change) {
@@ -327,19 +332,21 @@ bool StatefulWriter::answer_requests(ReaderProxy& proxy, const SequenceNumberSet
   const auto& reader = proxy.reader.guid.entity;
   const auto lowest = std::max(history_.first(), proxy.first_relevant);
   std::size_t octets = 0;
+  const auto most = std::min(proxy.allowance.renewed(now), kOctetsPerAnswer);
   bool gap_below_sent = false;
   missing.for_each([&](SequenceNumber number) {
-    if (number > history_.last() || !is_valid(number) || octets >= kOctetsPerAnswer) return;
+    if (number > history_.last() || !is_valid(number) || octets >= most) return;
     if (number < lowest) {
       if (!gap_below_sent) sender_.add(destination, gap_of(reader, number, lowest));
       gap_below_sent = true;
     } else if (const auto* change = history_.find(number); change && proxy.accepts(*change)) {
       send_change(destination, reader, *change, kFragmentsPerAnswer);
-      octets += change->payload.size();
+      octets += std::max<std::size_t>(change->payload.size(), kLeastRepair);
     } else {
       sender_.add(destination, gap_of(reader, number, number.next()));
     }
   });
+  proxy.allowance.spend(octets);
   return true;
 }
 
@@ -353,7 +360,7 @@ bool StatefulWriter::on_nack_frag(const GuidPrefix& from, const NackFrag& nack, 
   const bool crossed = nack.sequence_number == repair.sample &&
                        nack.missing.base() == repair.missing.base() &&
                        now - repair.begun < kAnswerTime;
-  if (crossed) return true;
+  if (crossed || proxy->allowance.renewed(now) == 0) return true;
   repair = {nack.sequence_number, nack.missing, nack.missing.base(), now, kNever};
   continue_repair(*proxy, now);
   sender_.flush();
@@ -377,6 +384,7 @@ void StatefulWriter::continue_repair(ReaderProxy& proxy, MonotonicTime now) {
     if (number < repair.next) return;
     if (sent++ >= kFragmentsPerAnswer) return;
     send_fragment(destination, reader, *change, number);
+    proxy.allowance.spend(sender_.fragment_size());
     repair.next = {number.value + 1};
   });
   send_heartbeat(destination, reader, std::max(history_.first(), proxy.first_relevant), false);

@@ -11,6 +11,7 @@
 #include "rtps/reliability/key_payload.hpp"
 #include "rtps/reliability/locator_counts.hpp"
 #include "rtps/reliability/message_sender.hpp"
+#include "rtps/reliability/repair_allowance.hpp"
 #include "rtps/reliability/timer_queue.hpp"
 #include "rtps/reliability/writer_history.hpp"
 #include "wire/acknack.hpp"
@@ -134,6 +135,7 @@ class StatefulWriter final : private Timed {
     std::int32_t last_frag_count = 0;
     SequenceNumber last_answered;  ///< base of the request that was answered last, and when
     MonotonicTime last_answer{};
+    RepairAllowance allowance;
     Repair repair;
     StatefulReader* local = nullptr;
     bool wanted = true;  ///< the last change passed its filter

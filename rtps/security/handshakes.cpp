@@ -14,26 +14,26 @@ std::unique_ptr<PeerHandshake> Handshakes::handshake_with(const ParticipantData&
       own_data_, account_, core_.now);
 }
 
-void Handshakes::add(const ParticipantData& data, const LocatorList& metatraffic,
-                     const SourceAddress& from) {
+void Handshakes::add(const ParticipantData& data, const AnnouncedAddresses& addresses) {
   const auto [at, is_new] =
       core_.peers.emplace(data.guid.prefix, Peer{.data = data,
-                                                 .metatraffic = metatraffic,
+                                                 .metatraffic = addresses.metatraffic,
                                                  .state = PeerState(handshake_with(data)),
                                                  .few = {kFewMessages, kFewPeriod, {}},
-                                                 .source = from});
+                                                 .source = addresses.source});
+  at->second.announced_by.assign(addresses.sources.begin(), addresses.sources.end());
   if (is_new) schedule(at->second);
 }
 
 // Anybody may announce in anybody's name, and may have been the first. So a handshake that failed
 // is begun anew with what is announced now, and one under way is carried on at both addresses.
-void Handshakes::announced_again(const ParticipantData& data, const LocatorList& metatraffic,
-                                 const SourceAddress& from) {
+void Handshakes::announced_again(const ParticipantData& data, const AnnouncedAddresses& addresses) {
   auto* peer = core_.find(data.guid.prefix);
   if (peer == nullptr || peer->state.association() != nullptr) return;
-  peer->metatraffic = metatraffic;
-  peer->source = from;
-  if (!peer->state.is<peer::Refused>() || !starts_.take(from, core_.now)) return;
+  peer->metatraffic = addresses.metatraffic;
+  peer->announced_by.assign(addresses.sources.begin(), addresses.sources.end());
+  peer->source = addresses.source;
+  if (!peer->state.is<peer::Refused>() || !starts_.take(peer->source, core_.now)) return;
   core_.host.on_replaced(GuidPrefix(data.guid.prefix));  // it may have been admitted without
   peer->data = data;
   peer->state.announce_again(handshake_with(data));
@@ -42,16 +42,31 @@ void Handshakes::announced_again(const ParticipantData& data, const LocatorList&
 
 // ---- messages
 
+// Anybody can announce the addresses of somebody else. A peer that said nothing gets our messages
+// where it announced itself from, and at one of the other addresses in turns.
+LocatorList Handshakes::addresses_of(const Peer& peer) const {
+  const auto& all = peer.metatraffic;
+  if (peer.spoke || peer.state.association() != nullptr || peer.announced_by.size() != all.size())
+    return all;
+  LocatorList out, others;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    (SourceAddress(all[i]) == peer.announced_by[i] ? out : others).push_back(all[i]);
+  const auto turn = static_cast<std::size_t>(peer.state.handshake()->repetitions());
+  if (!others.empty()) out.push_back(others[turn % others.size()]);
+  return out;
+}
+
 // In a flood each of them has its own chance to be among those that are looked at.
 void Handshakes::send(const Peer& peer, const PeerHandshake::Messages& messages) {
+  const auto addresses = addresses_of(peer);
   for (const auto& message : messages) {
     const auto payload = write_generic_message(message);
-    core_.sender.add({peer.prefix(), peer.metatraffic}, Data{kStatelessMessageReader,
-                                                             kStatelessMessageWriter,
-                                                             {++last_number_},
-                                                             {},
-                                                             PayloadKind::data,
-                                                             payload});
+    core_.sender.add({peer.prefix(), addresses}, Data{kStatelessMessageReader,
+                                                      kStatelessMessageWriter,
+                                                      {++last_number_},
+                                                      {},
+                                                      PayloadKind::data,
+                                                      payload});
     core_.sender.flush_now();
   }
 }
@@ -292,7 +307,7 @@ void Handshakes::tick(Peer& peer) {
 }
 
 // Announcements cost their sender nothing, and words little; keys cost us something.
-bool Handshakes::may_tick(const Peer& peer) {
+bool Handshakes::may_tick(Peer& peer) {
   auto& handshake = *peer.state.handshake();
   if (!handshake.started() && !has_place(peer)) {
     handshake.start_at(core_.now + PeerHandshake::kResend);
@@ -306,10 +321,14 @@ bool Handshakes::may_tick(const Peer& peer) {
     return false;
   }
   const bool is_silent = handshake.started() && !peer.spoke;
-  if (is_silent && !silent_.take(peer.source, core_.now)) {
+  // One announcement is not answered again and again: its sender may be nobody.
+  const bool was_heard =
+      !is_silent || handshake.repetitions() < kMessagesUnasked || peer.was_announced;
+  if (!was_heard || (is_silent && !silent_.take(peer.source, core_.now))) {
     handshake.start_at(core_.now + PeerHandshake::kResend);
     return false;
   }
+  peer.was_announced = false;
   return true;
 }
 

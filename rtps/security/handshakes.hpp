@@ -10,8 +10,17 @@
 
 namespace ddssec::rtps {
 
+/// Where a participant is said to be, and who said so.
+struct AnnouncedAddresses {
+  const LocatorList& metatraffic;
+  std::span<const SourceAddress> sources;  ///< that announced each of them
+  const SourceAddress& source;             ///< of the present announcement
+};
+
 class Handshakes {
  public:
+  /// Messages that a peer gets for one announcement before it says a word.
+  static constexpr int kMessagesUnasked = 2;
   /// Participants that can have authenticated at a time. One certificate never takes the last
   /// places.
   static constexpr std::size_t kMaxAuthenticated = 480;
@@ -62,11 +71,11 @@ class Handshakes {
   }
 
   /// A participant that can authenticate announced itself for the first time.
-  /// `from`: the source of the announcement.
-  void add(const ParticipantData& data, const LocatorList& metatraffic, const SourceAddress& from);
+  void add(const ParticipantData& data, const AnnouncedAddresses& addresses);
   /// A different announcement for a peer that has not authenticated yet; it may be the genuine one.
-  void announced_again(const ParticipantData& data, const LocatorList& metatraffic,
-                       const SourceAddress& from);
+  void announced_again(const ParticipantData& data, const AnnouncedAddresses& addresses);
+  /// Any announcement: it may have been there to hear us.
+  void note_announced(Peer& peer) { peer.was_announced = true; }
   void remove(const GuidPrefix& prefix) { fragments_.forget(prefix); }
 
   void on_stateless(const GuidPrefix& source, BytesView payload);
@@ -84,6 +93,7 @@ class Handshakes {
   };
 
   std::unique_ptr<PeerHandshake> handshake_with(const ParticipantData& data);
+  LocatorList addresses_of(const Peer& peer) const;
   void send(const Peer& peer, const PeerHandshake::Messages& messages);
   void on_auth_request(Peer& peer);
   void on_authentication(Peer& peer, const GenericMessage& message);
@@ -108,7 +118,7 @@ class Handshakes {
   void note_failure(Peer& peer);
 
   void tick(Peer& peer);
-  bool may_tick(const Peer& peer);
+  bool may_tick(Peer& peer);
   void tick_association(Peer& peer);
   void note_overdue(Peer& peer);
   void end_probe(Peer& peer);

@@ -144,6 +144,9 @@ struct Peer {
   PeerState state;
   WorkBudget few;             ///< handshake messages of it that count as few
   SourceAddress source = {};  ///< of its latest announcement
+  /// The source that announced each address of `metatraffic`.
+  std::vector<SourceAddress> announced_by = {};
+  bool was_announced = true;  ///< since a message was repeated to it
   bool spoke = false;         ///< sent a handshake message once
   bool failed = false;        ///< something of it was refused, and that was counted
 

@@ -78,6 +78,8 @@ class PeerHandshake {
                Messages& out);
   MonotonicTime next_tick() const { return next_; }
   bool started() const { return started_; }
+  /// How often its messages were sent, but for answers.
+  int repetitions() const { return repetitions_; }
   /// When it did; nothing before.
   std::optional<MonotonicTime> began() const {
     return started_ ? std::optional(began_) : std::nullopt;

@@ -52,17 +52,17 @@ Status Security::start(Bytes own_data) {
 
 // ---- peers
 
-void Security::discovered(const ParticipantData& data, const LocatorList& metatraffic,
-                          const SourceAddress& from, MonotonicTime now) {
+void Security::discovered(const ParticipantData& data, const AnnouncedAddresses& addresses,
+                          MonotonicTime now) {
   core_.now = now;
   if (knows(data.guid.prefix)) return;
-  handshakes_.add(data, metatraffic, from);
+  handshakes_.add(data, addresses);
 }
 
-void Security::announced_again(const ParticipantData& data, const LocatorList& metatraffic,
-                               const SourceAddress& from, MonotonicTime now) {
+void Security::announced_again(const ParticipantData& data, const AnnouncedAddresses& addresses,
+                               MonotonicTime now) {
   core_.now = now;
-  handshakes_.announced_again(data, metatraffic, from);
+  handshakes_.announced_again(data, addresses);
 }
 
 void Security::lost(const GuidPrefix& prefix) {

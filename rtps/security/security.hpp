@@ -47,10 +47,13 @@ class Security {
   }
 
   /// See Handshakes.
-  void discovered(const ParticipantData& data, const LocatorList& metatraffic,
-                  const SourceAddress& from, MonotonicTime now);
-  void announced_again(const ParticipantData& data, const LocatorList& metatraffic,
-                       const SourceAddress& from, MonotonicTime now);
+  void discovered(const ParticipantData& data, const AnnouncedAddresses& addresses,
+                  MonotonicTime now);
+  void announced_again(const ParticipantData& data, const AnnouncedAddresses& addresses,
+                       MonotonicTime now);
+  void note_announced(const GuidPrefix& prefix) {
+    if (auto* peer = core_.find(prefix)) handshakes_.note_announced(*peer);
+  }
   void on_stateless(const GuidPrefix& source, BytesView payload, MonotonicTime now);
   void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag, const SourceAddress& from,
                          MonotonicTime now);
