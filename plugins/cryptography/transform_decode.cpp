@@ -30,10 +30,18 @@ bool open_content(const Protected& message, const ExpandedKey& key, std::uint8_t
   return true;
 }
 
+/// What stands around a protected message does not matter.
+struct AnySurroundings {
+  Status operator()(BytesView /*content*/) const { return {}; }
+};
+
 /// Decrypts or verifies into the beginning of `out`: all that must be right about a protected
-/// message is checked here, and only then is its session remembered. Octets written.
+/// message is checked here, and only then is its session remembered, and its IV once
+/// `fits(content)` says that it stands where its sender put it: a copy that was put elsewhere uses
+/// up nothing. Octets written.
+template <class Fits = AnySurroundings>
 [[gnu::always_inline]] inline Result<std::size_t> open(const Protected& message, ReceiveKey& key,
-                                                       MutableBytes out) {
+                                                       MutableBytes out, Fits&& fits = {}) {
   DDSSEC_TRY(check_header(key, message.header, message.is_encrypted));
   if (out.size() < message.content.size()) return fail(Code::length_out_of_range);
   if (key.is_from_before(message.header.iv)) return fail(Code::message_from_before);
@@ -49,11 +57,11 @@ bool open_content(const Protected& message, const ExpandedKey& key, std::uint8_t
     return fail(Code::receiver_specific_mac_mismatch);
   }
   key.remember(std::move(session));
-  if (key.is_repeated(message.header.iv)) {
-    wipe(out.first(message.content.size()));
-    return fail(Code::message_repeated);
-  }
-  return message.content.size();
+  auto status = fits(BytesView(out.first(message.content.size())));
+  if (status && key.is_repeated(message.header.iv)) status = fail(Code::message_repeated);
+  if (status) return message.content.size();
+  wipe(out.first(message.content.size()));
+  return std::unexpected(std::move(status).error());
 }
 
 /// The newest keys of a remote entity at one level, if its tokens came.
@@ -77,12 +85,14 @@ Result<ReceiveKey*> received(const Published<RemoteKeys>& keys, KeyLevel level) 
 }
 
 /// Opens a message by the newest keys, or former ones if it names them.
+template <class Fits = AnySurroundings>
 Result<std::size_t> open(const Shared& shared, const Published<RemoteKeys>& keys, KeyLevel level,
-                         const Protected& message, ReceiveKey& newest, MutableBytes out) {
+                         const Protected& message, ReceiveKey& newest, MutableBytes out,
+                         Fits&& fits = {}) {
   auto* key = &newest;
   if (message.header.kind != newest.material().kind) [[unlikely]]
     key = DDSSEC_TRY(of_revision(shared, keys, level, newest, message.header.kind));
-  return open(message, *key, out);
+  return open(message, *key, out, fits);
 }
 
 /// Both sides of a key exchange have one key, and the host hears the other's name from an RTPS
@@ -306,7 +316,8 @@ Status check_source(BytesView content, const std::array<std::uint8_t, 16>& outsi
   return {};
 }
 
-/// `open_group(message, out)`: by which key is the caller's business.
+/// `open_group(message, out, fits)`: by which key is the caller's business; what `fits(content)`
+/// does not take was not opened.
 template <class F>
 Result<std::size_t> open_message(BytesView encoded, Frame frame, MutableBytes out,
                                  bool prefix_is_network_order, F&& open_group) {
@@ -315,12 +326,9 @@ Result<std::size_t> open_message(BytesView encoded, Frame frame, MutableBytes ou
   const auto message = DDSSEC_TRY(read_protected_group(encoded.subspan(kRtpsHeaderSize), frame));
   if (out.size() < kRtpsHeaderSize) return fail(Code::length_out_of_range);
   const auto content = out.subspan(kRtpsHeaderSize);
-  const auto size = DDSSEC_TRY(open_group(message, content));
   const auto source = source_of(encoded, prefix_is_network_order);
-  if (auto status = check_source(content.first(size), source); !status) {
-    wipe(content.first(size));
-    return std::unexpected(std::move(status).error());
-  }
+  const auto fits = [&](BytesView plain) { return check_source(plain, source); };
+  const auto size = DDSSEC_TRY(open_group(message, content, fits));
   // INFO_SRC stays first, and the header says what it says, in network order.
   Pen pen(out);
   pen.put(encoded.first(4));
@@ -332,9 +340,10 @@ Result<std::size_t> open_message(BytesView encoded, Frame frame, MutableBytes ou
 
 Result<std::size_t> open_message(BytesView encoded, Frame frame, ReceiveKey& key, MutableBytes out,
                                  bool prefix_is_network_order) {
-  return open_message(
-      encoded, frame, out, prefix_is_network_order,
-      [&](const Protected& message, MutableBytes to) { return open(message, key, to); });
+  return open_message(encoded, frame, out, prefix_is_network_order,
+                      [&](const Protected& message, MutableBytes to, const auto& fits) {
+                        return open(message, key, to, fits);
+                      });
 }
 
 Result<std::size_t> Transform::decode_serialized_payload(spi::DatareaderCryptoHandle receiver,
@@ -463,9 +472,9 @@ Result<std::size_t> Transform::open_message_of(spi::ParticipantCryptoHandle rece
   if (!is_protected(local.rtps)) return fail(Code::not_protected);
   auto& key = *DDSSEC_TRY(received(pair->remote_keys, &LevelKeys::submessage));
   return open_message(encoded, kMessageFrame, out, shared_.header_prefix_is_network_order,
-                      [&](const Protected& message, MutableBytes to) {
+                      [&](const Protected& message, MutableBytes to, const auto& fits) {
                         return open(shared_, pair->remote_keys, &LevelKeys::submessage, message,
-                                    key, to);
+                                    key, to, fits);
                       });
 }
 
