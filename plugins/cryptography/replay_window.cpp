@@ -1,8 +1,5 @@
 #include "plugins/cryptography/replay_window.hpp"
 
-#include <algorithm>
-#include <utility>
-
 namespace ddssec::cryptography {
 namespace {
 
@@ -18,23 +15,23 @@ bool is_after(const IvParts& a, const IvParts& b) {
 }  // namespace
 
 bool ReplayWindow::Stream::has(std::uint32_t session) const {
-  return session - newest_.session <= kMaxDistance || newest_.session - session <= kMaxDistance;
+  const auto newest = newest_[(first_ + size_ - 1) % kMaxLate].session;
+  return session - newest <= kMaxDistance || newest - session <= kMaxDistance;
 }
 
 bool ReplayWindow::Stream::accept(IvParts message) {
-  if (is_after(message, newest_)) {
-    newest_ = message;
-  } else if ((passed_ && !is_after(message, *passed_)) ||
-             std::ranges::find(recent_, message) != recent_.end()) {
-    return false;
+  if (passed_ && !is_after(message, *passed_)) return false;
+  auto at = size_;  // most messages come in their order
+  while (at > 0 && is_after(place(at - 1), message)) --at;
+  if (at > 0 && place(at - 1) == message) return false;
+  if (size_ == kMaxLate) {
+    passed_ = at == 0 ? message : place(0);
+    if (at == 0) return true;
+    first_ = (first_ + 1) % kMaxLate;
+    --size_, --at;
   }
-  if (recent_.size() < kMaxLate) {
-    recent_.push_back(message);
-    return true;
-  }
-  const auto leaves = std::exchange(recent_[oldest_], message);
-  oldest_ = (oldest_ + 1) % kMaxLate;
-  if (!passed_ || is_after(leaves, *passed_)) passed_ = leaves;
+  for (auto to = size_++; to > at; --to) place(to) = place(to - 1);
+  place(at) = message;
   return true;
 }
 

@@ -17,8 +17,8 @@ namespace ddssec::cryptography {
 /// Any number of threads.
 class ReplayWindow {
  public:
-  /// A message is accepted late as long as fewer others than this came before it.
-  static constexpr std::size_t kMaxLate = 128;
+  /// A message is accepted late unless so many others that were protected after it came before it.
+  static constexpr std::size_t kMaxLate = 256;
   /// A process has one stream of sessions under a key, and so has each child of fork().
   static constexpr std::size_t kMaxStreams = 8;
 
@@ -29,16 +29,18 @@ class ReplayWindow {
   /// The messages of sessions that count up.
   class Stream {
    public:
-    explicit Stream(IvParts first) : newest_(first) { recent_.push_back(first); }
+    explicit Stream(IvParts first) : newest_(kMaxLate) { accept(first); }
     /// Does the session lie close to the stream's newest one?
     bool has(std::uint32_t session) const;
     bool accept(IvParts message);
 
    private:
-    IvParts newest_;
-    std::optional<IvParts> passed_;  ///< the newest of those that are not remembered any more
-    std::vector<IvParts> recent_;    ///< in the order of arrival, a ring
-    std::size_t oldest_ = 0;         ///< of the ring, once it is full
+    /// Counted from the oldest of those that are remembered.
+    IvParts& place(std::size_t at) { return newest_[(first_ + at) % kMaxLate]; }
+
+    std::vector<IvParts> newest_;  ///< a ring, in the order in which they were protected
+    std::size_t first_ = 0, size_ = 0;
+    std::optional<IvParts> passed_;  ///< nothing up to this one counts any more
   };
 
   std::mutex mutex_;
