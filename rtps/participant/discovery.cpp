@@ -44,6 +44,21 @@ LocatorList where_to_answer(const LocatorList& metatraffic, const SourceAddress&
   return out;
 }
 
+/// For what came securely: the clear announcement of the same endpoint, and if there is no room
+/// otherwise all of them. Anybody may have sent those.
+void remove_clear(const Discovery::Parts& parts, RemoteParticipant& remote,
+                  const EndpointData& secure) {
+  const auto id = secure.guid.entity;
+  const auto known = remote.endpoints.find(id);
+  if (known != remote.endpoints.end() && !known->second.data.by_secure_discovery)
+    parts.matcher.remove(remote, id);
+  if (parts.remotes.has_room(remote, id, RemoteParticipants::price_of(secure))) return;
+  std::vector<EntityId> clear;
+  for (const auto& [other, endpoint] : remote.endpoints)
+    if (!endpoint.data.by_secure_discovery) clear.push_back(other);
+  for (const auto& other : clear) parts.matcher.remove(remote, other);
+}
+
 }  // namespace
 
 Discovery::Discovery(ParticipantCore& core, const Parts& parts)
@@ -216,15 +231,15 @@ void Discovery::on_builtin(BuiltinTopic topic, const Change& change) {
   }
 }
 
-// A participant speaks for its own endpoints only, and nothing that was said securely is unsaid
-// otherwise.
+// A participant speaks for its own endpoints only. Nothing that was said securely is unsaid
+// otherwise, and it takes the place of what anybody may have said before.
 void Discovery::on_endpoint(const Change& change, bool publications, bool secure) {
   auto* remote = parts_.remotes.find(change.writer.prefix);
   if (remote == nullptr) return;
   const auto may_change = [&](const EntityId& id) {
     const auto known = remote->endpoints.find(id);
     const bool good =
-        known == remote->endpoints.end() || known->second.data.by_secure_discovery == secure;
+        secure || known == remote->endpoints.end() || !known->second.data.by_secure_discovery;
     core_.counters.refused_discovery += good ? 0 : 1;
     return good;
   };
@@ -245,7 +260,9 @@ void Discovery::on_endpoint(const Change& change, bool publications, bool secure
   }
   data->by_secure_discovery = secure;
   leave_out_loopback(data->unicast);
-  if (may_change(data->guid.entity)) parts_.matcher.add(*remote, std::move(*data));
+  if (!may_change(data->guid.entity)) return;
+  if (secure) remove_clear(parts_, *remote, *data);
+  parts_.matcher.add(*remote, std::move(*data));
 }
 
 // Only a participant itself, and by its own keys, says what it is and that it leaves.

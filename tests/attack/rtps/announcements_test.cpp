@@ -101,5 +101,51 @@ TEST(ForgedAnnouncement, DisposesAndEmptyLeasesDoNotStopAHandshake) {
   EXPECT_EQ(pair.b.listener.matched, 1);
 }
 
+/// A clear announcement of a writer.
+Bytes clear_publication(const Guid& writer, std::string topic, SequenceNumber number) {
+  const EndpointData data{
+      .guid = writer, .topic_name = std::move(topic), .type_name = "ShapeType", .qos = {}};
+  Bytes buffer(4096);
+  SpanWriter out(buffer);
+  write_payload(out, data);
+  return forged(
+      writer.prefix,
+      Data{kPublicationsReader, kPublicationsWriter, number, {}, PayloadKind::data, out.view()});
+}
+
+constexpr Rules kOpenMessages{.discovery = ProtectionKind::encrypt,
+                              .data = ProtectionKind::encrypt};
+
+// Before: the pair never matched, without an event.
+TEST(ForgedEndpoint, OfTheSameName_GivesWayToTheSecureOne) {
+  for (const auto* topic : {"Square", "Circle"}) {
+    Pair pair(kOpenMessages);
+    ASSERT_TRUE(pair.world.run_until([&] { return know_each_other(pair); }, 500));
+    const Guid writer{pair.a->prefix(), EntityId{{0, 0, 1, 2}}};
+    pair.b->receive(clear_publication(writer, topic, {1}), pair.world.now);
+    ASSERT_NE(pair.b->remote_participants().endpoint(writer), nullptr);
+    ASSERT_TRUE(pair.match());
+    EXPECT_EQ(pair.writer, writer);
+    pair.b->receive(clear_publication(writer, "Circle", {2}), pair.world.now);
+    EXPECT_EQ(pair.b.listener.matched, 1);
+    pair.write();
+    EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 300));
+  }
+}
+
+TEST(ForgedEndpoint, AsManyAsHaveRoom_GiveWayToASecureOne) {
+  Pair pair(kOpenMessages);
+  ASSERT_TRUE(pair.world.run_until([&] { return know_each_other(pair); }, 500));
+  constexpr std::int64_t kMost = RemoteParticipants::kMostEndpointsPerParticipant;
+  for (std::int64_t i = 1; i <= kMost; ++i) {
+    const auto octet = [&](int shift) { return static_cast<std::uint8_t>(i >> shift); };
+    const EntityId id{{1, octet(8), octet(0), 2}};
+    pair.b->receive(clear_publication({pair.a->prefix(), id}, "Circle", {i}), pair.world.now);
+  }
+  const Guid last{pair.a->prefix(), EntityId{{1, kMost >> 8, 0, 2}}};
+  ASSERT_NE(pair.b->remote_participants().endpoint(last), nullptr);
+  EXPECT_TRUE(pair.match());
+}
+
 }  // namespace
 }  // namespace ddssec::rtps
