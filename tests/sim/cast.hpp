@@ -1,0 +1,56 @@
+// Who takes part, what each may do, and what protects the domain.
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "tests/unit/rtps_security/fixture.hpp"
+
+namespace ddssec::rtps::sim {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+/// Of equal length, so that a hostile announcement can exchange one for another in place.
+inline constexpr std::array<std::string_view, 3> kTopics = {"Square", "Circle", "Sphere"};
+
+enum class Role : std::uint8_t {
+  honest,
+  insider,    ///< a certificate and some permissions; a modified product
+  forger,     ///< a certificate, and permissions for everything that it signed itself
+  impostor,   ///< a certificate, and the GUID of an honest participant
+  foreign,    ///< a certificate of another CA of the same name, with an honest subject
+  elsewhere,  ///< honest, with all permissions, in another domain tag
+};
+
+struct Subject {
+  std::string name;  ///< of the common name
+  Role role = Role::honest;
+  std::vector<std::string> publishes = {}, subscribes = {};
+
+  bool may(bool write, std::string_view topic) const {
+    const auto& list = write ? publishes : subscribes;
+    return role != Role::forger && role != Role::impostor && role != Role::foreign &&
+           std::ranges::find(list, topic) != list.end();
+  }
+  bool is_honest() const { return role == Role::honest || role == Role::elsewhere; }
+  std::string domain_tag() const { return role == Role::elsewhere ? "elsewhere" : "here"; }
+};
+
+/// A governance, and what it promises.
+struct Protection {
+  std::string_view name;
+  testing::Rules rules;
+  bool hides = true;             ///< nobody without a key reads samples
+  bool covers_headers = true;    ///< nobody without a key removes samples, by HEARTBEAT or GAP
+  bool covers_times = false;     ///< or changes source timestamps
+  bool separates_topics = true;  ///< who takes part reads no topic that it may not read
+  bool tells_readers_from_writers = false;  ///< origin authentication of samples
+  bool hides_strangers = false;             ///< a pre-shared key protects the rest
+};
+std::span<const Protection> protections();
+
+/// Makes certificates and documents once for each subject and governance.
+spi::PropertyList properties_of(const Subject& subject, const Protection& protection);
+
+}  // namespace ddssec::rtps::sim

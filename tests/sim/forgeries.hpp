@@ -1,0 +1,66 @@
+// What somebody without keys can make of octets it has heard, and of names it knows.
+#pragma once
+
+#include "tests/sim/invariants.hpp"
+#include "tests/sim/mangle.hpp"
+#include "tests/sim/network.hpp"
+
+namespace ddssec::rtps::sim {
+
+/// Header of one datagram, and submessages of both in some order.
+Bytes splice(BytesView one, BytesView other, Dice& dice);
+
+/// Makes bursts of forgeries, each of one kind.
+class Forger {
+ public:
+  struct Forgery {
+    Bytes octets;
+    Locator from;
+  };
+  Forger(const Ledger& ledger, const Invariants& invariants, std::span<const Datagram> recorded,
+         Dice& dice);
+  /// `nodes`: how many addresses there are.
+  std::vector<Forgery> burst(std::size_t nodes);
+
+ private:
+  using Make = Bytes (Forger::*)();
+  struct Kind {
+    Make make;
+    std::size_t most;  ///< in one burst
+  };
+  static std::span<const Kind> kinds();
+
+  Bytes stranger();            ///< an announcement in a new name
+  Bytes false_address();       ///< a recorded announcement with other addresses
+  Bytes false_announcement();  ///< a recorded announcement with other contents
+  Bytes farewell();            ///< the end of a participant
+  Bytes endpoint();            ///< a clear announcement of an endpoint
+  Bytes endpoint_end();
+  Bytes sample();           ///< clear DATA of a user's writer
+  Bytes fragment();         ///< clear DATA_FRAG of it
+  Bytes acknowledgement();  ///< clear ACKNACK or NACK_FRAG
+  Bytes horizon();          ///< clear HEARTBEAT or GAP
+  Bytes handshake();        ///< a recorded handshake message, changed
+  Bytes question();         ///< an auth_request
+  Bytes handshake_fragment();
+  Bytes keys();  ///< a clear message of the key exchange
+  Bytes liveliness();
+  Bytes other_time();         ///< a recorded datagram behind INFO_TS
+  Bytes other_destination();  ///< a recorded datagram behind INFO_DST
+  Bytes garbage();
+
+  GuidPrefix name();
+  /// Of a user's endpoint that was there once.
+  Guid endpoint_guid(bool writes);
+  /// The payload of a recorded submessage of that writer; empty: none was heard.
+  Bytes heard(const EntityId& writer);
+  Bytes changed_announcement(const std::function<void(ParticipantData&)>& change);
+  Bytes behind(const std::function<void(SpanWriter&)>& what);
+
+  const Ledger& ledger_;
+  const Invariants& invariants_;
+  std::span<const Datagram> recorded_;
+  Dice& dice_;
+};
+
+}  // namespace ddssec::rtps::sim

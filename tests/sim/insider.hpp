@@ -1,0 +1,27 @@
+// Modified products: the plugins of participants that have certificates and break the rules.
+#pragma once
+
+#include "tests/sim/mangle.hpp"
+#include "tests/unit/rtps_security/forwarding_authentication.hpp"
+#include "tests/unit/rtps_security/key_thief.hpp"
+
+namespace ddssec::rtps::sim {
+
+/// What the hostile participants of a world share.
+struct Malice {
+  Dice dice{0};
+  unsigned tampers = 0;  ///< with so many in a thousand of its messages
+  std::vector<GuidPrefix> names = {};
+  testing::KeyThief::Stolen stolen = {};
+};
+
+/// Allows its own side everything, so that only the other side can refuse.
+std::unique_ptr<spi::AccessControl> permissive(std::unique_ptr<spi::AccessControl> real);
+/// Changes what it is about to protect, and keeps all keys that it is given.
+std::unique_ptr<spi::Cryptography> tampering(std::unique_ptr<spi::Cryptography> real,
+                                             Malice& malice);
+/// Takes `name` for the GUID that its certificate allows.
+std::unique_ptr<spi::Authentication> under_false_name(std::unique_ptr<spi::Authentication> real,
+                                                      const GuidPrefix& name);
+
+}  // namespace ddssec::rtps::sim

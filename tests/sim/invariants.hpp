@@ -1,0 +1,86 @@
+// What must always hold. The first violation ends a run.
+#pragma once
+
+#include "tests/sim/ledger.hpp"
+#include "tests/sim/meter.hpp"
+
+namespace ddssec::rtps::sim {
+
+struct Violation {
+  std::string_view invariant;
+  std::string detail;
+};
+
+/// One endpoint of the simulation, honest or not.
+struct End {
+  const Subject* subject = nullptr;
+  std::string_view topic;
+  bool writes = false;
+  Guid guid = {};
+};
+
+// The names that failures print.
+namespace invariant {
+inline constexpr std::string_view kPermission = "nobody reads or writes without permission";
+inline constexpr std::string_view kForged = "nothing forged is delivered or believed";
+inline constexpr std::string_view kOnce = "nothing is delivered twice or out of order";
+inline constexpr std::string_view kHidden = "nothing protected is readable on the network";
+inline constexpr std::string_view kLife = "a dead writer gives no sign of life";
+inline constexpr std::string_view kMemory = "memory stays within its bound";
+inline constexpr std::string_view kWork = "work stays within its bound";
+inline constexpr std::string_view kReflection = "little is sent to addresses that never answered";
+inline constexpr std::string_view kReunion = "honest pairs match once the network is fair";
+inline constexpr std::string_view kLoss = "a matched reliable reader gets every sample";
+}  // namespace invariant
+
+class Invariants {
+ public:
+  /// Memory of one participant, whatever others do: the sum of the product's own bounds on what
+  /// this cast can reach, and some room.
+  static constexpr std::int64_t kMaxOctets = std::int64_t{24} << 20;
+  /// Branches for one call, and for each octet of a datagram.
+  static constexpr std::uint64_t kMaxBranches = 400'000;
+  static constexpr std::uint64_t kMaxBranchesPerOctet = 400;
+  /// After a writer's end, messages of it may still be under way for so long.
+  static constexpr MonotonicTime kMaxAfterlife = seconds(20);
+  /// Of one dead writer after that: messages that were lost on the way to one reader and heard by
+  /// another are news when an attacker brings them.
+  static constexpr int kMaxLateSigns = 40;
+  /// From the moment that the network is fair.
+  static constexpr MonotonicTime kMaxReunion = seconds(150);
+  static constexpr MonotonicTime kMaxExchange = seconds(20);
+  /// Octets to addresses where nobody is, beyond three for each octet that arrives.
+  static constexpr std::size_t kMaxReflected = std::size_t{256} << 10;
+
+  Invariants(const Ledger& ledger, const Protection& protection, const MonotonicTime& now)
+      : ledger_(ledger), protection_(protection), now_(now) {}
+
+  void on_started(const End& end) { ends_.insert_or_assign(end.guid, end); }
+  void on_sent(const Subject& from, BytesView datagram);
+  void on_matched(const End& local, const Guid& remote);
+  void on_delivered(const End& reader, const Change& change);
+  void on_alive(const End& reader, const Guid& writer);
+  void on_call(const Subject& whose, const Cost& before, const Cost& after, std::size_t octets);
+
+  void fail(std::string_view invariant, std::string detail) {
+    if (!violation_) violation_ = {invariant, std::move(detail)};
+  }
+  const std::optional<Violation>& violation() const { return violation_; }
+  const std::map<Guid, End>& ends() const { return ends_; }
+
+ private:
+  void check_content(const End& reader, const Change& change);
+  void check_order(const End& reader, const Change& change);
+
+  const Ledger& ledger_;
+  const Protection& protection_;
+  const MonotonicTime& now_;
+  std::map<Guid, End> ends_;
+  std::map<std::pair<Guid, Guid>, SequenceNumber> latest_;  ///< by reader and writer
+  std::map<Guid, int> late_signs_;
+  std::optional<Violation> violation_;
+};
+
+std::string describe(const End& end);
+
+}  // namespace ddssec::rtps::sim

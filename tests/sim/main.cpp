@@ -1,0 +1,88 @@
+// ddssec_sim: random attacks on real participants in a virtual network, from seeds. See README.md.
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "tests/sim/repeatable_openssl.hpp"
+#include "tests/sim/schedule.hpp"
+
+namespace {
+
+namespace sim = ddssec::rtps::sim;
+
+struct Options {
+  std::uint64_t seed = 1;
+  std::uint64_t seeds = 1;  ///< that many, from `seed` on
+  double seconds = 0;       ///< of CPU; then no other seed begins
+  int steps = 0;
+  bool verbose = false;
+};
+
+constexpr const char* kUsage =
+    "ddssec_sim [--seed N] [--seeds COUNT] [--seconds CPU] [--steps HOSTILE] [--verbose]\n";
+
+bool read_options(int count, char** words, Options& options) {
+  for (int i = 1; i < count; ++i) {
+    const std::string_view word = words[i];
+    if (word == "--verbose") {
+      options.verbose = true;
+      continue;
+    }
+    if (i + 1 == count) return false;
+    const char* value = words[++i];
+    if (word == "--seed")
+      options.seed = std::strtoull(value, nullptr, 10);
+    else if (word == "--seeds")
+      options.seeds = std::strtoull(value, nullptr, 10);
+    else if (word == "--seconds")
+      options.seconds = std::strtod(value, nullptr);
+    else if (word == "--steps")
+      options.steps = std::atoi(value);
+    else
+      return false;
+  }
+  return true;
+}
+
+double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+/// False: an invariant was violated.
+bool try_seed(std::uint64_t seed, const Options& options) {
+  const auto plan = sim::plan_of(seed, options.steps);
+  for (const auto& subject : plan.cast) properties_of(subject, *plan.protection);
+  sim::make_openssl_repeatable(seed);
+  if (options.verbose) std::printf("%s\n", describe(plan).c_str());
+  std::fflush(stdout);
+  const auto outcome = sim::run(plan);
+  if (options.verbose || outcome.violation)
+    std::printf("seed %llu: %ld steps, %llu datagrams, %.1f MB, reunion %.2f s, %016llx\n",
+                static_cast<unsigned long long>(seed), outcome.step,
+                static_cast<unsigned long long>(outcome.datagrams),
+                static_cast<double>(outcome.most.most_octets) / 1e6,
+                std::chrono::duration<double>(outcome.reunion).count(),
+                static_cast<unsigned long long>(outcome.fingerprint));
+  if (!outcome.violation) return true;
+  std::printf("VIOLATED in step %ld of seed %llu: %s\n  %s\n  %s\n", outcome.step,
+              static_cast<unsigned long long>(seed),
+              std::string(outcome.violation->invariant).c_str(), outcome.violation->detail.c_str(),
+              describe(plan).c_str());
+  return false;
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  Options options;
+  if (!read_options(count, words, options)) {
+    std::fputs(kUsage, stderr);
+    return EXIT_FAILURE;
+  }
+  std::uint64_t done = 0;
+  const bool by_time = options.seconds > 0;
+  for (; by_time ? cpu_seconds() < options.seconds : done < options.seeds; ++done)
+    if (!try_seed(options.seed + done, options)) return EXIT_FAILURE;
+  std::printf("%llu seeds, %.1f s of CPU: every invariant held\n",
+              static_cast<unsigned long long>(done), cpu_seconds());
+  return EXIT_SUCCESS;
+}

@@ -1,0 +1,50 @@
+// The virtual network: datagrams that are on their way, and when each arrives.
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "tests/sim/cast.hpp"
+#include "wire/locator.hpp"
+
+namespace ddssec::rtps::sim {
+
+struct Datagram {
+  Locator from, to;
+  Bytes octets;
+};
+
+/// Where everybody announces itself.
+inline const Locator kGroup = Locator::udp_v4({239, 255, 0, 1}, 7400);
+inline Locator address_of(std::size_t node) {
+  return Locator::udp_v4({10, 0, 0, static_cast<std::uint8_t>(node + 1)}, 7400);
+}
+
+class Network {
+ public:
+  static constexpr MonotonicTime kLatency = std::chrono::milliseconds(1);
+
+  void post(Datagram datagram, MonotonicTime due) { under_way_.emplace(due, std::move(datagram)); }
+  /// What arrives until `now`, in order.
+  std::vector<Datagram> arrived(MonotonicTime now) {
+    std::vector<Datagram> out;
+    const auto end = under_way_.upper_bound(now);
+    for (auto at = under_way_.begin(); at != end; ++at) out.push_back(std::move(at->second));
+    under_way_.erase(under_way_.begin(), end);
+    return out;
+  }
+  void lose_all() { under_way_.clear(); }
+
+ private:
+  std::multimap<MonotonicTime, Datagram> under_way_;
+};
+
+/// What participants send into.
+class Wire {
+ public:
+  virtual ~Wire() = default;
+  virtual void carry(const Subject& from, Datagram datagram) = 0;
+};
+
+}  // namespace ddssec::rtps::sim

@@ -1,0 +1,113 @@
+// One member of the cast: a real participant with real plugins, its endpoints, and its costs.
+#pragma once
+
+#include <set>
+
+#include "tests/sim/insider.hpp"
+#include "tests/sim/invariants.hpp"
+#include "tests/sim/network.hpp"
+
+namespace ddssec::rtps::sim {
+
+/// What a node needs of its world.
+struct Surroundings {
+  const Protection& protection;
+  const MonotonicTime& now;
+  Ledger& ledger;
+  Invariants& invariants;
+  Malice& malice;
+  Wire& wire;
+};
+
+/// An endpoint and its owner.
+class Endpoint final : public EndpointListener {
+ public:
+  Endpoint(const Surroundings& around, const End& end) : around_(around), end_(end) {}
+  const End& end() const { return end_; }
+  void is_known_as(const Guid& guid);
+  /// Since when; kNever: not.
+  MonotonicTime matched_since(const Guid& remote) const;
+  bool has(const Guid& writer, SequenceNumber number) const {
+    return got_.contains({writer, number});
+  }
+
+ private:
+  void on_matched(const EndpointData& remote) override;
+  void on_unmatched(const Guid& remote) override;
+  void on_incompatible_qos(const Guid&, const QosMismatch&) override {}
+  void on_inconsistent_topic(const EndpointData&) override {}
+  bool on_change(Change& change) override;
+  void on_sample_lost(std::int64_t) override {}
+  void on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal) override;
+  void on_alive(const Guid& writer) override;
+  void on_acknowledged() override {}
+
+  const Surroundings& around_;
+  End end_;
+  std::map<Guid, MonotonicTime> matched_;
+  std::map<Guid, std::shared_ptr<LivelinessSignal>> signals_;
+  std::set<std::pair<Guid, SequenceNumber>> got_;
+};
+
+class Node final : private Transport, private EventSink {
+ public:
+  Node(const Surroundings& around, const Subject& subject, std::size_t number, Dice dice);
+  ~Node() override { stop(false); }
+
+  const Subject& subject() const { return subject_; }
+  bool is_honest() const { return subject_.role == Role::honest; }
+  bool is_running() const { return participant_ != nullptr; }
+  const GuidPrefix& prefix() const { return participant_->prefix(); }
+  const Participant& participant() const { return *participant_; }
+  const std::vector<std::unique_ptr<Endpoint>>& endpoints() const { return endpoints_; }
+  const Cost& cost() const { return cost_; }
+  Locator address() const { return address_of(number_); }
+  const std::map<Code, std::uint64_t>& events() const { return events_; }
+
+  /// `name`: whose GUID an impostor takes.
+  void start(const GuidPrefix& name = {});
+  /// `says_so`: it disposes itself first.
+  void stop(bool says_so);
+  void receive(const Datagram& datagram);
+  void advance(MonotonicTime by);
+  /// Somebody sets its calendar.
+  void set_calendar(seconds by) { clock_.set(clock_.now() + by); }
+  /// It does nothing until then, and what arrives waits in its socket.
+  void sleep_until(MonotonicTime when) { asleep_until_ = when; }
+  void write(Endpoint& endpoint);
+  /// A writer or reader of any topic.
+  void add_endpoint(std::string_view topic, bool writes);
+  void remove_endpoint(std::size_t index);
+
+ private:
+  /// The plugins, which end after their participant.
+  struct Engines {
+    std::unique_ptr<spi::Authentication> authentication;
+    std::unique_ptr<spi::AccessControl> access_control;
+    std::unique_ptr<spi::Cryptography> cryptography;
+  };
+  static constexpr std::size_t kMaxInSocket = 256;
+
+  void send(BytesView message, std::span<const Locator> to) override;
+  void raise(const Event& event) override;
+  void make_engines(const GuidPrefix& name);
+  ParticipantConfig config(const GuidPrefix& prefix);
+  void call(std::size_t octets, const std::function<void()>& what);
+  Bytes payload_of(const Guid& writer, SequenceNumber number);
+
+  const Surroundings& around_;
+  const Subject& subject_;
+  const std::size_t number_;
+  Dice dice_;
+  ManualClock clock_{pki::kNow};
+  SeededRandom random_;
+  Engines engines_;
+  std::vector<std::unique_ptr<Endpoint>> endpoints_;
+  std::unique_ptr<Participant> participant_;
+  Cost cost_;
+  MonotonicTime asleep_until_{};
+  std::vector<Datagram> in_socket_;
+  std::map<Code, std::uint64_t> events_;
+};
+
+}  // namespace ddssec::rtps::sim

@@ -1,0 +1,88 @@
+#include "tests/sim/outsider.hpp"
+
+#include "tests/sim/forgeries.hpp"
+
+namespace ddssec::rtps::sim {
+
+// The first ones stay: among them are the handshakes. Of the others a random part does.
+void Outsider::record(const Datagram& datagram) {
+  if (recorded_.size() < kMaxRecorded)
+    recorded_.push_back(datagram);
+  else
+    recorded_[kMaxRecorded / 4 + dice_.below(kMaxRecorded * 3 / 4)] = datagram;
+}
+
+bool Outsider::is_silenced(const Datagram& datagram, MonotonicTime now) const {
+  return std::ranges::any_of(silenced_, [&](const auto& one) {
+    return now < one.second && (one.first == datagram.from || one.first == datagram.to);
+  });
+}
+
+MonotonicTime Outsider::arrival(MonotonicTime now) {
+  const bool late = dice_.chance(temper_.delay);
+  return now + Network::kLatency + (late ? milliseconds(dice_.below(2000)) : milliseconds(0));
+}
+
+void Outsider::carry(Datagram datagram, MonotonicTime now) {
+  if (dice_.chance(temper_.drop) || is_silenced(datagram, now)) return;
+  record(datagram);
+  if (dice_.chance(temper_.duplicate)) network_.post(datagram, arrival(now));
+  if (dice_.chance(temper_.splice)) {
+    auto other = datagram;
+    other.octets = spliced(datagram.octets);
+    inject(std::move(other), now);
+  }
+  if (dice_.chance(temper_.mangle)) {
+    auto other = datagram;
+    mangle(other.octets, dice_, names());
+    if (dice_.chance(500)) return inject(std::move(other), now);
+    inject(std::move(other), now);
+  }
+  if (dice_.chance(temper_.cut_short)) datagram.octets.resize(dice_.below(datagram.octets.size()));
+  const auto due = arrival(now);
+  network_.post(std::move(datagram), due);
+}
+
+void Outsider::inject(Datagram datagram, MonotonicTime now) {
+  ++sent_;
+  network_.post(std::move(datagram), now + Network::kLatency);
+}
+
+void Outsider::act(MonotonicTime now, std::size_t nodes) {
+  if (recorded_.empty()) return;
+  if (dice_.chance(temper_.silence))
+    silenced_[address_of(dice_.below(nodes))] = now + milliseconds(dice_.below(120'000));
+  if (dice_.chance(temper_.replay)) replay(now, nodes);
+  if (dice_.chance(temper_.forge)) forge(now, nodes);
+}
+
+// To whom they were sent, or to anybody, from where they came, or from anywhere.
+void Outsider::replay(MonotonicTime now, std::size_t nodes) {
+  for (auto count = 1 + dice_.below(30); count > 0; --count) {
+    auto datagram = dice_.of(recorded_);
+    if (dice_.chance(200)) datagram.to = address_of(dice_.below(nodes));
+    if (dice_.chance(200)) datagram.from = address_of(dice_.below(nodes + 3));
+    inject(std::move(datagram), now);
+  }
+}
+
+void Outsider::forge(MonotonicTime now, std::size_t nodes) {
+  const auto victim = address_of(dice_.below(nodes));
+  Forger forger(ledger_, invariants_, recorded_, dice_);
+  for (auto& [octets, from] : forger.burst(nodes)) {
+    const bool to_all = dice_.chance(100);
+    inject({from, to_all ? kGroup : victim, std::move(octets)}, now);
+  }
+}
+
+std::vector<GuidPrefix> Outsider::names() const {
+  std::vector<GuidPrefix> out;
+  for (const auto& [prefix, life] : ledger_.lives()) out.push_back(prefix);
+  return out;
+}
+
+Bytes Outsider::spliced(const Bytes& octets) {
+  return splice(octets, dice_.of(recorded_).octets, dice_);
+}
+
+}  // namespace ddssec::rtps::sim

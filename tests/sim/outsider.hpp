@@ -1,0 +1,56 @@
+// The attacker on the path: it sees every datagram, and decides what becomes of it. It holds no
+// key.
+#pragma once
+
+#include "tests/sim/invariants.hpp"
+#include "tests/sim/mangle.hpp"
+#include "tests/sim/network.hpp"
+
+namespace ddssec::rtps::sim {
+
+/// How often it does what: in a thousand datagrams, or in a thousand steps for what it adds.
+struct Temper {
+  unsigned drop = 0, duplicate = 0, delay = 0, mangle = 0, cut_short = 0, splice = 0;  // datagrams
+  unsigned silence = 0;  ///< cuts all connections of a node for some time
+  unsigned replay = 0;   ///< a burst of recorded datagrams
+  unsigned forge = 0;    ///< a burst of forgeries of one kind
+};
+
+class Outsider {
+ public:
+  Outsider(const Ledger& ledger, const Invariants& invariants, Network& network, Dice dice)
+      : ledger_(ledger), invariants_(invariants), network_(network), dice_(dice) {}
+
+  /// What becomes of a datagram.
+  void carry(Datagram datagram, MonotonicTime now);
+  /// One step of its own; `nodes`: how many addresses there are.
+  void act(MonotonicTime now, std::size_t nodes);
+  void behave(const Temper& temper) { temper_ = temper; }
+  void silence(const Locator& whom, MonotonicTime until) { silenced_[whom] = until; }
+  /// Puts a datagram of its own on the network.
+  void inject(Datagram datagram, MonotonicTime now);
+  const std::vector<Datagram>& recorded() const { return recorded_; }
+  std::uint64_t sent() const { return sent_; }
+
+ private:
+  static constexpr std::size_t kMaxRecorded = 3000;
+
+  void record(const Datagram& datagram);
+  bool is_silenced(const Datagram& datagram, MonotonicTime now) const;
+  MonotonicTime arrival(MonotonicTime now);
+  void replay(MonotonicTime now, std::size_t nodes);
+  void forge(MonotonicTime now, std::size_t nodes);
+  Bytes spliced(const Bytes& octets);
+  std::vector<GuidPrefix> names() const;
+
+  const Ledger& ledger_;
+  const Invariants& invariants_;
+  Network& network_;
+  Dice dice_;
+  Temper temper_;
+  std::vector<Datagram> recorded_;
+  std::map<Locator, MonotonicTime> silenced_;
+  std::uint64_t sent_ = 0;
+};
+
+}  // namespace ddssec::rtps::sim

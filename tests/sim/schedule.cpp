@@ -1,0 +1,236 @@
+#include "tests/sim/schedule.hpp"
+
+namespace ddssec::rtps::sim {
+namespace {
+
+std::vector<std::string> all_topics() { return {kTopics.begin(), kTopics.end()}; }
+
+std::vector<Subject> cast_of(Dice& dice) {
+  std::vector<Subject> out;
+  const std::array<const char*, 3> honest = {"alice", "bob", "carol"};
+  const auto count = 2 + dice.below(2);
+  for (std::size_t i = 0; i < count; ++i)
+    out.push_back({honest[i], Role::honest, all_topics(), all_topics()});
+  const std::array<Subject, 6> others = {
+      Subject{"mallory", Role::insider, {std::string(kTopics[2])}, {std::string(kTopics[1])}},
+      Subject{"trudy", Role::insider},
+      Subject{"frank", Role::forger, all_topics(), all_topics()},
+      Subject{"ivan", Role::impostor, {std::string(kTopics[2])}, {std::string(kTopics[1])}},
+      Subject{"alice", Role::foreign, all_topics(), all_topics()},
+      Subject{"walter", Role::elsewhere, all_topics(), all_topics()}};
+  for (const auto& subject : others)
+    if (dice.chance(250)) out.push_back(subject);
+  return out;
+}
+
+/// Most runs have few kinds of attacks, and these often.
+unsigned some(Dice& dice, unsigned most) {
+  return dice.chance(500) ? 0 : static_cast<unsigned>(1 + dice.below(most));
+}
+
+class Run {
+ public:
+  explicit Run(const Plan& plan)
+      : plan_(plan),
+        dice_(Dice(plan.seed).fork("run")),
+        world_(*plan.protection, plan.cast, Dice(plan.seed).fork("world")) {}
+
+  Outcome operator()() {
+    for (const auto& node : world_.nodes()) world_.start(*node);
+    if (plan_.meets_first) repeat(300, [] { return false; });
+    world_.malice().tampers = plan_.tampers;
+    world_.outsider().behave(plan_.temper);
+    world_.set_hostile(true);
+    for (int i = 0; i < plan_.hostile_steps && !is_over(); ++i) hostile_step();
+    world_.set_hostile(false);
+    revive();
+    if (!is_over()) reunite();
+    if (!is_over()) exchange();
+    return outcome();
+  }
+
+ private:
+  bool is_over() const { return world_.violation().has_value(); }
+  void step() {
+    ++steps_;
+    world_.step();
+  }
+  /// True once `done`, within so many steps.
+  bool repeat(int steps, const std::function<bool()>& done) {
+    for (int i = 0; i < steps && !is_over(); ++i) {
+      if (done()) return true;
+      step();
+    }
+    return done();
+  }
+  Node& any_node() { return *dice_.of(world_.nodes()); }
+  void hostile_step() {
+    step();
+    if (dice_.chance(plan_.writes)) write();
+    if (dice_.chance(plan_.restarts)) restart();
+    if (dice_.chance(plan_.sleeps))
+      any_node().sleep_until(world_.now() + milliseconds(dice_.below(40'000)));
+    if (dice_.chance(plan_.calendars))
+      any_node().set_calendar(seconds(dice_.below(7200)) - seconds(3600));
+    if (dice_.chance(plan_.endpoints)) change_endpoints();
+  }
+  void write() {
+    auto& node = any_node();
+    if (node.is_running() && !node.endpoints().empty()) node.write(*dice_.of(node.endpoints()));
+  }
+  void restart() {
+    auto& node = any_node();
+    if (!node.is_running()) return world_.start(node);
+    node.stop(dice_.chance(300));
+    if (dice_.chance(700)) world_.start(node);
+  }
+  // Honest nodes keep one of each, which the reunion looks for.
+  void change_endpoints() {
+    auto& node = any_node();
+    if (!node.is_running()) return;
+    constexpr std::size_t kKept = 2 * kTopics.size(), kMost = 40;
+    if (node.endpoints().size() < kMost && dice_.chance(600))
+      node.add_endpoint(dice_.of(kTopics), dice_.chance(500));
+    else if (node.endpoints().size() > kKept)
+      node.remove_endpoint(kKept + dice_.below(node.endpoints().size() - kKept));
+  }
+
+  void revive() {
+    for (const auto& node : world_.nodes()) {
+      node->sleep_until({});
+      if (!node->is_running()) world_.start(*node);
+    }
+  }
+  /// Calls `f(writer, reader)` for each honest pair, each writer with the node that owns it.
+  void each_pair(const std::function<void(Node&, Endpoint&, Endpoint&)>& f) {
+    for (const auto& a : world_.nodes())
+      for (const auto& b : world_.nodes()) {
+        if (a == b || !a->is_honest() || !b->is_honest()) continue;
+        for (const auto& writer : a->endpoints())
+          for (const auto& reader : b->endpoints())
+            if (writer->end().writes && !reader->end().writes &&
+                writer->end().topic == reader->end().topic)
+              f(*a, *writer, *reader);
+      }
+  }
+  std::string unmatched() {
+    std::string out;
+    each_pair([&](Node&, Endpoint& writer, Endpoint& reader) {
+      const bool there = writer.matched_since(reader.end().guid) != kNever;
+      const bool back = reader.matched_since(writer.end().guid) != kNever;
+      if (there && back) return;
+      out = describe(writer.end()) + (there ? " (matched)" : "") + " and " +
+            describe(reader.end()) + (back ? " (matched)" : "");
+    });
+    return out;
+  }
+  /// Who knows whom, and what honest nodes were told.
+  std::string relations() {
+    std::string out;
+    for (const auto& a : world_.nodes()) {
+      if (!a->is_honest()) continue;
+      out += "\n  " + a->subject().name + " " + a->prefix().to_string() + " knows";
+      for (const auto& b : world_.nodes())
+        if (a->participant().is_authenticated(b->prefix())) out += " " + b->subject().name;
+      for (const auto& [code, count] : a->events())
+        out += "; " + std::string(info(code).name) + " " + std::to_string(count);
+    }
+    return out;
+  }
+  void reunite() {
+    const auto begin = world_.now();
+    if (!repeat(static_cast<int>(Invariants::kMaxReunion / World::kStep),
+                [&] { return unmatched().empty(); }) &&
+        !is_over())
+      world_.invariants().fail(invariant::kReunion, unmatched() + relations());
+    reunion_ = world_.now() - begin;
+  }
+  std::string missing() {
+    std::string out;
+    if (!plan_.protection->covers_headers) return out;
+    each_pair([&](Node&, Endpoint& writer, Endpoint& reader) {
+      const auto since = std::max(writer.matched_since(reader.end().guid),
+                                  reader.matched_since(writer.end().guid));
+      if (since == kNever) return;
+      const auto& guid = writer.end().guid;
+      for (std::int64_t i = world_.ledger().count(guid); i > 0; --i) {
+        const auto* sample = world_.ledger().written(guid, {i});
+        if (sample->when <= since) break;
+        if (!reader.has(guid, {i}))
+          out = "number " + std::to_string(i) + " of " + describe(writer.end()) + " to " +
+                describe(reader.end());
+      }
+    });
+    return out;
+  }
+  void exchange() {
+    step();
+    for (const auto& node : world_.nodes())
+      if (node->is_honest())
+        for (const auto& endpoint : node->endpoints()) node->write(*endpoint);
+    if (!repeat(static_cast<int>(Invariants::kMaxExchange / World::kStep),
+                [&] { return missing().empty(); }) &&
+        !is_over())
+      world_.invariants().fail(invariant::kLoss, missing());
+  }
+  Outcome outcome() {
+    Outcome out{world_.violation(), steps_, world_.fingerprint(), world_.delivered(), {}, reunion_};
+    for (const auto& node : world_.nodes())
+      if (node->is_honest() && node->cost().most_octets > out.most.most_octets)
+        out.most = node->cost();
+    return out;
+  }
+
+  const Plan& plan_;
+  Dice dice_;
+  World world_;
+  long steps_ = 0;
+  MonotonicTime reunion_{};
+};
+
+}  // namespace
+
+Plan plan_of(std::uint64_t seed, int steps) {
+  auto dice = Dice(seed).fork("plan");
+  Plan plan{.seed = seed, .protection = &dice.of(protections()), .cast = cast_of(dice)};
+  plan.temper = {.drop = some(dice, 300),
+                 .duplicate = some(dice, 300),
+                 .delay = some(dice, 500),
+                 .mangle = some(dice, 200),
+                 .cut_short = some(dice, 50),
+                 .splice = some(dice, 200),
+                 .silence = some(dice, 5),
+                 .replay = some(dice, 300),
+                 .forge = some(dice, 200)};
+  plan.tampers = some(dice, 200);
+  plan.hostile_steps = static_cast<int>(500 + dice.below(2500));
+  if (steps > 0) plan.hostile_steps = steps;
+  plan.meets_first = dice.chance(500);
+  plan.writes = 100;
+  plan.restarts = some(dice, 4);
+  plan.sleeps = some(dice, 4);
+  plan.calendars = some(dice, 4);
+  plan.endpoints = some(dice, 30);
+  return plan;
+}
+
+std::string describe(const Plan& plan) {
+  std::string out = "seed " + std::to_string(plan.seed) + ", " +
+                    std::string(plan.protection->name) + ", " + std::to_string(plan.hostile_steps) +
+                    " hostile steps:";
+  for (const auto& subject : plan.cast) out += " " + subject.name;
+  const auto add = [&](const char* name, unsigned value) {
+    if (value > 0) out += std::string("; ") + name + " " + std::to_string(value);
+  };
+  const auto& t = plan.temper;
+  add("drop", t.drop), add("duplicate", t.duplicate), add("delay", t.delay);
+  add("mangle", t.mangle), add("cut short", t.cut_short), add("splice", t.splice);
+  add("silence", t.silence), add("replay", t.replay), add("forge", t.forge);
+  add("tamper", plan.tampers), add("restart", plan.restarts), add("sleep", plan.sleeps);
+  add("calendar", plan.calendars), add("endpoints", plan.endpoints);
+  return out;
+}
+
+Outcome run(const Plan& plan) { return Run(plan)(); }
+
+}  // namespace ddssec::rtps::sim

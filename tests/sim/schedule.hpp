@@ -1,0 +1,35 @@
+// What happens in a run: drawn from its seed, and carried out.
+#pragma once
+
+#include "tests/sim/world.hpp"
+
+namespace ddssec::rtps::sim {
+
+struct Plan {
+  std::uint64_t seed = 0;
+  const Protection* protection = nullptr;
+  std::vector<Subject> cast;
+  Temper temper = {};
+  unsigned tampers = 0;  ///< see Malice
+  int hostile_steps = 0;
+  bool meets_first = false;  ///< before the network is hostile
+  // In a thousand steps.
+  unsigned writes = 0, restarts = 0, sleeps = 0, calendars = 0, endpoints = 0;
+};
+
+/// `steps`: hostile ones; 0: as the seed has it.
+Plan plan_of(std::uint64_t seed, int steps = 0);
+/// One line.
+std::string describe(const Plan& plan);
+
+struct Outcome {
+  std::optional<Violation> violation;
+  long step = 0;  ///< of the violation, or the last
+  std::uint64_t fingerprint = 0;
+  std::uint64_t datagrams = 0;  ///< that arrived
+  Cost most;                    ///< of the honest node that took most memory
+  MonotonicTime reunion{};      ///< how long honest pairs took once the network was fair
+};
+Outcome run(const Plan& plan);
+
+}  // namespace ddssec::rtps::sim

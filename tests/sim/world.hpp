@@ -1,0 +1,50 @@
+// The cast, the network and the attackers together, and time.
+#pragma once
+
+#include "tests/sim/node.hpp"
+#include "tests/sim/outsider.hpp"
+
+namespace ddssec::rtps::sim {
+
+class World final : private Wire {
+ public:
+  static constexpr MonotonicTime kStep = milliseconds(10);
+
+  World(const Protection& protection, std::span<const Subject> cast, Dice dice);
+
+  /// The outsider takes the network, or the network is fair.
+  void set_hostile(bool hostile);
+  /// kStep passes: what is due arrives and happens.
+  void step();
+
+  MonotonicTime now() const { return now_; }
+  const std::optional<Violation>& violation() const { return invariants_.violation(); }
+  Invariants& invariants() { return invariants_; }
+  Outsider& outsider() { return outsider_; }
+  Malice& malice() { return malice_; }
+  const Ledger& ledger() const { return ledger_; }
+  std::vector<std::unique_ptr<Node>>& nodes() { return nodes_; }
+  void start(Node& node);
+  /// Of everything that was sent, to see that a seed repeats a run bit by bit.
+  std::uint64_t fingerprint() const { return fingerprint_; }
+  std::uint64_t delivered() const { return delivered_; }
+
+ private:
+  void carry(const Subject& from, Datagram datagram) override;
+  void deliver(const Datagram& datagram);
+  void note(BytesView octets);
+
+  MonotonicTime now_ = seconds(1);
+  Ledger ledger_;
+  Invariants invariants_;
+  Network network_;
+  Outsider outsider_;
+  Malice malice_;
+  const Surroundings around_;
+  std::vector<std::unique_ptr<Node>> nodes_;
+  bool hostile_ = false;
+  std::uint64_t fingerprint_ = 0;
+  std::uint64_t delivered_ = 0;
+};
+
+}  // namespace ddssec::rtps::sim
