@@ -14,6 +14,8 @@ using std::chrono::seconds;
 /// Of equal length, so that a hostile announcement can exchange one for another in place.
 inline constexpr std::array<std::string_view, 3> kTopics = {"Square", "Circle", "Sphere"};
 
+inline constexpr std::array<std::string_view, 2> kTags = {"north", "south"};
+
 enum class Role : std::uint8_t {
   honest,
   insider,    ///< a certificate and some permissions; a modified product
@@ -34,7 +36,7 @@ struct Subject {
            std::ranges::find(list, topic) != list.end();
   }
   bool is_honest() const { return role == Role::honest || role == Role::elsewhere; }
-  std::string domain_tag() const { return role == Role::elsewhere ? "elsewhere" : "here"; }
+  std::string domain_tag() const { return std::string(kTags[role == Role::elsewhere ? 1 : 0]); }
 };
 
 /// A governance, and what it promises.

@@ -1,5 +1,6 @@
 #include "tests/sim/forgeries.hpp"
 
+#include "tests/unit/cryptography/insider.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "wire/data_frag.hpp"
 #include "wire/gap.hpp"
@@ -107,10 +108,59 @@ Bytes Forger::heard(const EntityId& writer) {
   return {};
 }
 
+Bytes Forger::in_the_name_of_another() {
+  constexpr std::array<Make, 4> kMakes = {&Forger::sample, &Forger::endpoint, &Forger::horizon,
+                                          &Forger::acknowledgement};
+  const auto datagram = (this->*dice_.of(kMakes))();
+  InfoSource source;
+  source.source.prefix = GuidPrefix::from(BytesView(datagram).subspan(8, 12));
+  auto out = forged({}, source);
+  out.insert(out.end(), datagram.begin() + kHeaderSize, datagram.end());
+  return {out.begin() + kHeaderSize, out.end()};
+}
+
+std::vector<KeyId> Forger::receivers() {
+  std::vector<KeyId> out;
+  for (const auto& part : submessages_of(dice_.of(recorded_).octets)) {
+    constexpr std::size_t kFixed = kSubmessageHeaderSize + 16 + 4, kEach = 20;
+    const bool ends = part[0] == static_cast<std::uint8_t>(SubmessageId::secure_postfix) ||
+                      part[0] == static_cast<std::uint8_t>(SubmessageId::secure_rtps_postfix);
+    for (auto at = kFixed; ends && at + kEach <= part.size(); at += kEach)
+      out.push_back(KeyId::from(part.subspan(at, 4)));
+  }
+  return out;
+}
+
+// By a key that its owner gave to all its receivers.
+Bytes Forger::by_stolen_key(const spi::Token& token) {
+  auto material = cryptography::read_crypto_token(token);
+  if (!material || material->is_none()) return {};
+  auto macs = receivers();
+  if (material->has_receiver_key()) macs.push_back(material->receiver_key_id);
+  if (!material->has_receiver_key() || dice_.chance(200)) macs.clear();
+  const bool whole = dice_.chance(500);
+  auto datagram = sample();
+  const auto header = to_bytes(BytesView(datagram).first(kHeaderSize));
+  Bytes content(datagram.begin() + kHeaderSize, datagram.end());
+  if (whole) {
+    InfoSource source;
+    source.source.prefix = GuidPrefix::from(BytesView(header).subspan(8, 12));
+    content = forged({}, source);
+    content.erase(content.begin(), content.begin() + kHeaderSize);
+    content.insert(content.end(), datagram.begin() + kHeaderSize, datagram.end());
+  }
+  cryptography::testing::Insider insider(std::move(*material));
+  const auto group = insider.group(
+      whole ? cryptography::kMessageFrame : cryptography::kSubmessageFrame, content, macs);
+  auto out = header;
+  out.insert(out.end(), group.begin(), group.end());
+  return out;
+}
+
 Bytes Forger::stranger() {
   auto data = testing::secured_data(GuidPrefix::from(dice_.octets(12)));
   data.metatraffic_unicast = {Locator::udp_v4({192, 0, 2, dice_.octet()}, 7400)};
-  data.domain_tag = "here";
+  data.domain_tag = kTags[0];
   if (dice_.chance(300)) data.user_data = dice_.octets(dice_.below(3000));
   if (dice_.chance(200)) data.lease_duration = kDurationInfinite;
   if (dice_.chance(100)) data.identity_token.reset();
@@ -139,7 +189,7 @@ Bytes Forger::false_announcement() {
         data.lease_duration = dice_.chance(500) ? kDurationInfinite : Duration{{0, 1}};
         break;
       case 1:
-        data.domain_tag = dice_.chance(500) ? "here" : "elsewhere";
+        data.domain_tag = dice_.of(kTags);
         break;
       case 2:
         data.builtin_endpoints = static_cast<std::uint32_t>(dice_.next());
@@ -289,7 +339,7 @@ Bytes Forger::question() {
 }
 
 Bytes Forger::handshake_fragment() {
-  const auto octets = dice_.octets(dice_.chance(500) ? 512 : 40);
+  const auto octets = dice_.octets(dice_.chance(300) ? 60'000 : 600);
   const auto size = dice_.chance(500) ? 1u : octets.size();
   return forged(name(), DataFrag{.reader = kStatelessMessageReader,
                                  .writer = kStatelessMessageWriter,

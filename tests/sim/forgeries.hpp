@@ -21,6 +21,11 @@ class Forger {
          Dice& dice);
   /// `nodes`: how many addresses there are.
   std::vector<Forgery> burst(std::size_t nodes);
+  /// Submessages of another participant, for a message that somebody protects.
+  Bytes in_the_name_of_another();
+  /// A sample of its owner's, protected by what each receiver of `token` holds. Empty: it has no
+  /// key.
+  Bytes by_stolen_key(const spi::Token& token);
 
  private:
   using Make = Bytes (Forger::*)();
@@ -49,6 +54,8 @@ class Forger {
   Bytes other_destination();  ///< a recorded datagram behind INFO_DST
   Bytes garbage();
 
+  /// Whose MACs a recorded datagram bears.
+  std::vector<KeyId> receivers();
   GuidPrefix name();
   /// Of a user's endpoint that was there once.
   Guid endpoint_guid(bool writes);

@@ -1,5 +1,7 @@
 #include "tests/sim/insider.hpp"
 
+#include "wire/header.hpp"
+
 namespace ddssec::rtps::sim {
 namespace {
 
@@ -83,6 +85,15 @@ class Tampering final : public testing::KeyThief, private spi::CryptoTransform {
     if (malice_.dice.chance(malice_.tampers)) mangle(out, malice_.dice, malice_.names);
     return out;
   }
+  /// The same, or others' submessages instead, if there is room.
+  Bytes exchanged(BytesView message) {
+    if (!malice_.dice.chance(malice_.tampers / 2)) return changed(message);
+    const auto others = malice_.submessages();
+    if (others.size() > message.size() - kHeaderSize) return changed(message);
+    auto out = to_bytes(message.first(kHeaderSize));
+    out.insert(out.end(), others.begin(), others.end());
+    return out;
+  }
 
   Size encode_serialized_payload(DataWriter sender, BytesView plain, MutableBytes out) override {
     return real().encode_serialized_payload(sender, changed(plain), out);
@@ -97,7 +108,7 @@ class Tampering final : public testing::KeyThief, private spi::CryptoTransform {
   }
   Size encode_rtps_message(Participant sender, Handles<Participant> receivers, BytesView plain,
                            MutableBytes out) override {
-    return real().encode_rtps_message(sender, receivers, changed(plain), out);
+    return real().encode_rtps_message(sender, receivers, exchanged(plain), out);
   }
   Size decode_rtps_message(Participant receiver, Participant sender, BytesView encoded,
                            MutableBytes out) override {

@@ -12,6 +12,7 @@ struct Malice {
   Dice dice{0};
   unsigned tampers = 0;  ///< with so many in a thousand of its messages
   std::vector<GuidPrefix> names = {};
+  std::function<Bytes()> submessages = {};  ///< of others, to be sent in a message of its own
   testing::KeyThief::Stolen stolen = {};
 };
 

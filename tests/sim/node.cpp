@@ -190,11 +190,15 @@ void Node::write(Endpoint& endpoint) {
   const auto octets = payload_of(guid, number);
   if (!writer->has_room(octets.size())) return;
   const auto time = Time::from(clock_.wall());
+  StatusInfo status;
+  status.disposed = dice_.chance(100);
   if (subject_.is_honest())
-    around_.ledger.write(guid, {endpoint.end().topic, octets, {}, time, around_.now});
+    around_.ledger.write(guid, {endpoint.end().topic, octets, status, time, around_.now});
   call(octets.size(), [&] {
     Change change;
     change.source_time = time;
+    change.status = status;
+    change.key_only = status.disposed;
     change.payload = Payload::copy_of(octets);
     if (writer->write(std::move(change), around_.now) != number && subject_.is_honest())
       around_.invariants.fail("sequence numbers have no holes", subject_.name);

@@ -1,8 +1,22 @@
 #include "tests/sim/outsider.hpp"
 
 #include "tests/sim/forgeries.hpp"
+#include "wire/entity_ids.hpp"
 
 namespace ddssec::rtps::sim {
+
+namespace {
+
+bool holds(BytesView octets, BytesView what) { return !std::ranges::search(octets, what).empty(); }
+
+/// From one domain to the other.
+void bridge(Bytes& octets) {
+  const auto north = as_bytes(kTags[0]), south = as_bytes(kTags[1]);
+  const bool northern = holds(octets, north);
+  exchange(octets, northern ? north : south, northern ? south : north);
+}
+
+}  // namespace
 
 // The first ones stay: among them are the handshakes. Of the others a random part does.
 void Outsider::record(const Datagram& datagram) {
@@ -25,7 +39,10 @@ MonotonicTime Outsider::arrival(MonotonicTime now) {
 
 void Outsider::carry(Datagram datagram, MonotonicTime now) {
   if (dice_.chance(temper_.drop) || is_silenced(datagram, now)) return;
+  if (dice_.chance(temper_.muffle) && holds(datagram.octets, kStatelessMessageWriter.view()))
+    return;
   record(datagram);
+  if (dice_.chance(temper_.bridge)) bridge(datagram.octets);
   if (dice_.chance(temper_.duplicate)) network_.post(datagram, arrival(now));
   if (dice_.chance(temper_.splice)) {
     auto other = datagram;

@@ -11,6 +11,8 @@ namespace ddssec::rtps::sim {
 /// How often it does what: in a thousand datagrams, or in a thousand steps for what it adds.
 struct Temper {
   unsigned drop = 0, duplicate = 0, delay = 0, mangle = 0, cut_short = 0, splice = 0;  // datagrams
+  unsigned bridge = 0;   ///< exchanges the domain tags
+  unsigned muffle = 0;   ///< drops handshake messages
   unsigned silence = 0;  ///< cuts all connections of a node for some time
   unsigned replay = 0;   ///< a burst of recorded datagrams
   unsigned forge = 0;    ///< a burst of forgeries of one kind

@@ -199,11 +199,15 @@ Plan plan_of(std::uint64_t seed, int steps) {
                  .mangle = some(dice, 200),
                  .cut_short = some(dice, 50),
                  .splice = some(dice, 200),
+                 .bridge = some(dice, 1000),
+                 .muffle = dice.chance(100) ? 1000u : 0u,
                  .silence = some(dice, 5),
                  .replay = some(dice, 300),
                  .forge = some(dice, 200)};
   plan.tampers = some(dice, 200);
   plan.hostile_steps = static_cast<int>(500 + dice.below(2500));
+  // Longer than handshakes are patient, and than leases last.
+  if (dice.chance(60)) plan.hostile_steps += 11'000;
   if (steps > 0) plan.hostile_steps = steps;
   plan.meets_first = dice.chance(500);
   plan.writes = 100;
@@ -225,7 +229,8 @@ std::string describe(const Plan& plan) {
   const auto& t = plan.temper;
   add("drop", t.drop), add("duplicate", t.duplicate), add("delay", t.delay);
   add("mangle", t.mangle), add("cut short", t.cut_short), add("splice", t.splice);
-  add("silence", t.silence), add("replay", t.replay), add("forge", t.forge);
+  add("bridge", t.bridge), add("muffle", t.muffle), add("silence", t.silence),
+      add("replay", t.replay), add("forge", t.forge);
   add("tamper", plan.tampers), add("restart", plan.restarts), add("sleep", plan.sleeps);
   add("calendar", plan.calendars), add("endpoints", plan.endpoints);
   return out;

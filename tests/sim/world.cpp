@@ -1,12 +1,19 @@
 #include "tests/sim/world.hpp"
 
+#include "tests/sim/forgeries.hpp"
+
 namespace ddssec::rtps::sim {
 
 World::World(const Protection& protection, std::span<const Subject> cast, Dice dice)
     : invariants_(ledger_, protection, now_),
       outsider_(ledger_, invariants_, network_, dice.fork("outsider")),
       malice_{.dice = dice.fork("insider")},
-      around_{protection, now_, ledger_, invariants_, malice_, *this} {
+      around_{protection, now_, ledger_, invariants_, malice_, *this},
+      protection_(protection) {
+  malice_.submessages = [this] {
+    return Forger(ledger_, invariants_, outsider_.recorded(), malice_.dice)
+        .in_the_name_of_another();
+  };
   for (const auto& subject : cast)
     nodes_.push_back(std::make_unique<Node>(
         around_, subject, nodes_.size(), dice.fork(subject.name + std::to_string(nodes_.size()))));
@@ -29,8 +36,16 @@ void World::set_hostile(bool hostile) {
 }
 
 void World::carry(const Subject& from, Datagram datagram) {
-  (void)from;
   note(datagram.octets);
+  const auto& to = datagram.to;
+  const bool somewhere = to == kGroup || std::ranges::any_of(nodes_, [&](const auto& node) {
+                           return node->address() == to;
+                         });
+  auto& flow = flows_[datagram.from];
+  flow.lost += somewhere ? 0 : datagram.octets.size();
+  if (from.is_honest() && flow.lost > 3 * flow.in + Invariants::kMaxReflected)
+    invariants_.fail(invariant::kReflection, from.name + " sent " + std::to_string(flow.lost) +
+                                                 " octets, and got " + std::to_string(flow.in));
   if (hostile_)
     outsider_.carry(std::move(datagram), now_);
   else
@@ -42,6 +57,7 @@ void World::deliver(const Datagram& datagram) {
     const bool own = node->address() == datagram.from && datagram.to == kGroup;
     if (own || (datagram.to != kGroup && datagram.to != node->address())) continue;
     ++delivered_;
+    flows_[node->address()].in += datagram.octets.size();
     node->receive(datagram);
   }
 }
@@ -54,8 +70,32 @@ void World::note(BytesView octets) {
 void World::step() {
   now_ += kStep;
   if (hostile_) outsider_.act(now_, nodes_.size());
+  if (hostile_ && malice_.dice.chance(malice_.tampers)) use_stolen_key();
   for (const auto& datagram : network_.arrived(now_)) deliver(datagram);
   for (const auto& node : nodes_) node->advance(kStep);
+  check_tables();
+}
+
+// Without origin authentication, whoever reads can also write: that is the standard's design.
+void World::use_stolen_key() {
+  const auto& tokens = malice_.stolen.all;
+  if (!protection_.tells_readers_from_writers || tokens.empty() || outsider_.recorded().empty())
+    return;
+  Forger forger(ledger_, invariants_, outsider_.recorded(), malice_.dice);
+  auto octets = forger.by_stolen_key(malice_.dice.of(tokens));
+  const auto at = malice_.dice.below(nodes_.size() + 3);
+  if (!octets.empty())
+    outsider_.inject({address_of(at), address_of(malice_.dice.below(nodes_.size())), octets}, now_);
+}
+
+void World::check_tables() {
+  for (const auto& node : nodes_) {
+    if (!node->is_honest() || !node->is_running()) continue;
+    const auto known = node->participant().remote_participants().size();
+    if (known > RemoteParticipants::kMostParticipants)
+      invariants_.fail(invariant::kMemory,
+                       node->subject().name + " knows " + std::to_string(known) + " participants");
+  }
 }
 
 }  // namespace ddssec::rtps::sim

@@ -32,7 +32,15 @@ class World final : private Wire {
  private:
   void carry(const Subject& from, Datagram datagram) override;
   void deliver(const Datagram& datagram);
+  /// An insider forges with a key that it was given.
+  void use_stolen_key();
+  void check_tables();
   void note(BytesView octets);
+
+  /// Octets that arrived at a node, and that it sent to addresses where nobody is.
+  struct Flow {
+    std::size_t in = 0, lost = 0;
+  };
 
   MonotonicTime now_ = seconds(1);
   Ledger ledger_;
@@ -41,10 +49,12 @@ class World final : private Wire {
   Outsider outsider_;
   Malice malice_;
   const Surroundings around_;
+  const Protection& protection_;
   std::vector<std::unique_ptr<Node>> nodes_;
   bool hostile_ = false;
   std::uint64_t fingerprint_ = 0;
   std::uint64_t delivered_ = 0;
+  std::map<Locator, Flow> flows_;
 };
 
 }  // namespace ddssec::rtps::sim
