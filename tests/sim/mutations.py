@@ -85,7 +85,7 @@ FAULTS = [
     ("the binding of a GUID to its certificate", "plugins/authentication/peer.cpp",
      "if (is_bound_to(", "if (FAULT || is_bound_to("),
     ("that only news is a sign of life", "rtps/participant/discovery.cpp",
-     "!(is_news && may_count)", "!((is_news || FAULT) && may_count)"),
+     "(signs.is_news && may_count))", "((signs.is_news || FAULT) && may_count))"),
     ("that signed addresses replace announced ones", "rtps/participant/discovery.cpp",
      "remote->user = usable(proven.default_unicast, remote->user);",
      "if (!FAULT) remote->user = usable(proven.default_unicast, remote->user);"),
