@@ -49,11 +49,12 @@ class Search {
     if (type == fs::file_type::directory)
       collect(path, 0);
     else if (type == fs::file_type::none)
-      unreadable_.push_back(unreadable_file(path, error));
+      leave_out(path, error.message());
     else
       paths_.insert(path);
     for (const auto& file : paths_) look_into(file);
     paths_.clear();
+    is_full_ = false;
     if (hits_ + unreadable_.size() > before) return;
     unreadable_.emplace_back(Code::file_not_found,
                              ErrorDetails{.document = path, .expected = kKinds});
@@ -70,23 +71,36 @@ class Search {
   bool is_revoked(const Ending& ending) const { return revoked_.contains(ending.id); }
 
  private:
-  static Error unreadable_file(const fs::path& path, const std::error_code& error) {
-    return Error(Code::file_unreadable, {.document = path, .note = error.message()});
+  void leave_out(const fs::path& path, std::string why) {
+    unreadable_.emplace_back(Code::file_unreadable,
+                             ErrorDetails{.document = path, .note = std::move(why)});
   }
 
   // Folders behind symbolic links are left out.
   void collect(const fs::path& folder, int depth) {
+    if (depth > kDeepest)
+      return leave_out(folder, fmt::format("folders deeper than {} are not searched", kDeepest));
     std::error_code error, ignored;
     fs::directory_iterator at(folder, error);
-    for (; !error && at != fs::directory_iterator() && paths_.size() < kMostFiles;
-         at.increment(error)) {
-      if (at->is_directory(ignored) && !at->is_symlink(ignored)) {
-        if (depth < kDeepest) collect(at->path(), depth + 1);
-      } else if (may_have_an_end(at->path()) && at->is_regular_file(ignored)) {
-        paths_.insert(at->path());
-      }
+    for (; !error && at != fs::directory_iterator() && !is_full_; at.increment(error)) {
+      if (at->is_directory(ignored) && !at->is_symlink(ignored))
+        collect(at->path(), depth + 1);
+      else if (may_have_an_end(at->path()))
+        add_file(*at);
     }
-    if (error) unreadable_.push_back(unreadable_file(folder, error));
+    if (error) leave_out(folder, error.message());
+  }
+
+  void add_file(const fs::directory_entry& file) {
+    std::error_code error;
+    const auto type = file.status(error).type();
+    if (type == fs::file_type::regular)
+      paths_.insert(file.path());
+    else if (type == fs::file_type::not_found || type == fs::file_type::none)
+      leave_out(file.path(), error ? error.message() : "a link to a file that is not there");
+    if (paths_.size() < kMostFiles) return;
+    is_full_ = true;
+    leave_out(file.path(), fmt::format("it is file number {}; no more are read", kMostFiles));
   }
 
   // Keys are for their owner only, and have no end.
@@ -116,10 +130,20 @@ class Search {
       unreadable_.push_back(status.error().in(file));
   }
 
+  // OpenSSL, and so stock products, read certificates under each of these labels. One for trusted
+  // certificates holds more than a certificate: it is an error.
+  static std::string with_usual_labels(std::string_view text) {
+    std::string out(text);
+    for (const std::string_view label : {"X509 CERTIFICATE-----", "TRUSTED CERTIFICATE-----"})
+      for (auto at = out.find(label); at != out.npos; at = out.find(label, at))
+        out.replace(at, label.size(), "CERTIFICATE-----");
+    return out;
+  }
+
   Status look_into_pem(const fs::path& file, BytesView octets) {
-    const auto text = as_text(octets);
-    if (text.find("-----BEGIN CERTIFICATE-----") != text.npos)
-      for (const auto& certificate : DDSSEC_TRY(pki::Certificate::bundle_from_pem(octets)))
+    const auto text = with_usual_labels(as_text(octets));
+    if (text.contains("-----BEGIN CERTIFICATE-----"))
+      for (const auto& certificate : DDSSEC_TRY(pki::Certificate::bundle_from_pem(as_bytes(text))))
         add({certificate.is_ca() ? "CA" : "certificate", certificate.subject(),
              certificate.not_after(), file, 1, certificate.issuer() + ' ' + certificate.serial()},
             to_hex(certificate.fingerprint()));
@@ -159,6 +183,7 @@ class Search {
   std::set<std::string> revoked_;  ///< as Ending::id
   std::vector<Error> unreadable_;
   std::size_t hits_ = 0;
+  bool is_full_ = false;
 };
 
 std::string_view state_of(const Ending& ending, WallTime now, WallTime horizon) {

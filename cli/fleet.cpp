@@ -2,8 +2,11 @@
 
 #include <unordered_set>
 
+#include <fmt/format.h>
+
 #define TOML_EXCEPTIONS 0
 #define TOML_ENABLE_FORMATTERS 0
+#define TOML_MAX_NESTED_VALUES 16
 #include <toml++/toml.h>
 
 #include "pki/source.hpp"
@@ -128,7 +131,30 @@ std::string without_content(std::string_view description) {
   return std::string(description.substr(0, description.find(": ")));
 }
 
+// The parser limits nested values, but not dotted keys ("a.a.a = 1"), whose tables it visits by
+// recursion. Such a key is on one line. In strings dots are counted as well: where a string ends is
+// for the parser to find out.
+Status check_dots(std::string_view text, const fs::path& file) {
+  constexpr int kMostDotsInLine = 512;
+  int line = 1;
+  int dots = 0;
+  for (const char c : text) {
+    if (c == '\n') {
+      ++line;
+      dots = 0;
+    } else if (c == '.' && ++dots > kMostDotsInLine) {
+      return fail(Code::fleet_malformed,
+                  {.document = file,
+                   .line = line,
+                   .expected = fmt::format("at most {} dots in a line", kMostDotsInLine),
+                   .hint = "put each part of a long list on a line of its own"});
+    }
+  }
+  return {};
+}
+
 Result<toml::table> parsed(std::string_view text, const fs::path& file) {
+  DDSSEC_TRY(check_dots(text, file));
   auto result = toml::parse(text);
   if (result) return std::move(result).table();
   return fail(Code::fleet_malformed, {.document = file,

@@ -99,6 +99,24 @@ Status check_subject_free(const pki::Certificate& certificate, const pki::IssueL
   return {};
 }
 
+// A participant under the name of a CA, or without one, could not be told from it, nor be revoked
+// or given permissions by its name.
+Status check_subject_of_request(const std::string& subject, const OpenCa& ca,
+                                const Arguments& arguments) {
+  if (subject.empty())
+    return fail(Code::subject_name_malformed, {.found = "a request without a subject name"});
+  const auto wanted = DDSSEC_TRY(pki::SubjectName::parse(subject)).key();
+  const auto is_of = [&](const pki::Certificate& certificate) {
+    return pki::SubjectName::of(certificate).key() == wanted;
+  };
+  const auto other = ca_paths(arguments.text("--ca"), "permissions").certificate;
+  const auto permissions = read_certificate(other);
+  const bool is_taken = is_of(ca.certificate()) || (permissions && is_of(*permissions));
+  if (!is_taken) return {};
+  return fail(Code::subject_taken, {.found = subject + ", which is a CA's",
+                                    .hint = "make a request with another subject name"});
+}
+
 Result<Report> identity_sign_csr(const Arguments& arguments, const Context& context) {
   std::error_code ignored;
   const fs::path given = arguments.text("CSR");
@@ -112,6 +130,7 @@ Result<Report> identity_sign_csr(const Arguments& arguments, const Context& cont
   DDSSEC_TRY(confirm_request(content, arguments));
   CaOpener opener(arguments);
   const auto ca = DDSSEC_TRY(opener.open("identity"));
+  DDSSEC_TRY(named(check_subject_of_request(content.subject, ca, arguments), from));
   const auto lock = DDSSEC_TRY(lock_records(ca.paths));
   const auto life = DDSSEC_TRY(within_ca(wanted, ca.certificate(), arguments.has("--clamp")));
   const auto certificate = DDSSEC_TRY(ca.authority.sign_request(request, life, context.random));

@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "base/hash.hpp"
+#include "base/tool_code.hpp"
 #include "cli/held_folder.hpp"
 #include "cli/transaction.hpp"
 #include "governance/date_time.hpp"
@@ -273,7 +274,7 @@ Status confirm(const std::string& question) {
   const bool said = ::read(STDIN_FILENO, &answer, 1) == 1;
   DDSSEC_TRY(check_not_interrupted());
   if (said && (answer == 'y' || answer == 'Y')) return {};
-  return fail(Code::confirmation_needed, {.note = question});
+  return fail(tool_code::not_confirmed, {.note = question});
 }
 
 std::string folder_name(const fs::path& folder) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "base/tool_code.hpp"
 #include "cli/near.hpp"
 
 namespace ddssec::cli {
@@ -155,6 +156,8 @@ std::string_view severity_word(Severity severity) {
 }
 
 Exit exit_of(Code code) {
+  if (code == tool_code::keystore_unseen) return Exit::unreadable;
+  if (code == tool_code::not_confirmed) return Exit::refused;
   switch (code) {
     case Code::usage:
     case Code::name_unusable:

@@ -102,5 +102,24 @@ class Expiry(Transcript):
                              [("file_unreadable", "demo/talker")])
 
 
+    def test_every_label_of_a_certificate_counts(self):
+        text = (self.at / "demo/talker/cert.pem").read_text().replace("CERTIFICATE-----", "x")
+        (self.at / "other.pem").write_text(text.replace("BEGIN x", "BEGIN X509 CERTIFICATE-----")
+                                           .replace("END x", "END X509 CERTIFICATE-----"))
+        self.assertEqual([e["subject"] for e in self.entries("other.pem", *NOW)], ["CN=talker"])
+
+    def test_a_link_that_leads_nowhere_and_a_folder_too_deep_are_told(self):
+        (self.at / "demo/gone.pem").symlink_to("nothing")
+        (self.at / "demo/loop.pem").symlink_to("loop.pem")
+        deep = self.at / "demo"
+        for _ in range(17):
+            deep /= "x"
+        deep.mkdir(parents=True)
+        out = self.json("expiry", "demo", *NOW, exit=3)
+        self.assertEqual(sorted(d["file"] for d in out["diagnostics"]),
+                         ["demo/gone.pem", "demo/loop.pem", "demo" + "/x" * 17])
+        self.assertEqual(len(out["result"]["entries"]), 7)
+
+
 if __name__ == "__main__":
     main()

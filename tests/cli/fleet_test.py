@@ -128,5 +128,11 @@ class Fleet(Transcript):
         self.assertEqual(len(list((self.at / "out").iterdir())), 1000)
 
 
+    def test_dotted_keys_and_nested_values_are_bounded(self):
+        for begin, end in (("", " = 1"), ("[", "]"), ("x = {", " = 1}"), ('"=".', " = 1")):
+            self.wrong("\n" + begin + ".".join(["a"] * 200_000) + end + "\n", 2)
+        self.wrong("x = " + "[" * 200 + "]" * 200 + "\n", 1)
+
+
 if __name__ == "__main__":
     main()
