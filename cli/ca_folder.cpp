@@ -119,7 +119,7 @@ Status check_log_lines(const fs::path& log, std::string_view lines) {
 
 Status log_issued(const CaPaths& paths, std::string_view lines) {
   DDSSEC_TRY(check_log_lines(paths.log, lines));
-  return append_lines(paths.log, lines);
+  return append_lines(paths.log, lines, paths.key);
 }
 
 Result<std::optional<pki::Crl>> read_crl(const fs::path& path) {

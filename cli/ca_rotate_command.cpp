@@ -8,6 +8,7 @@
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
+#include "cli/logged_certificate.hpp"
 #include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
@@ -28,10 +29,13 @@ Follower follower_in(const fs::path& folder) {
   return {folder.string(), pki::participant_folder(folder)};
 }
 
-// A folder may have moved, or be another CA's participant's by now.
-bool has_certificate_of(const pki::Certificate& ca, const fs::path& folder) {
+// A folder may have moved, or be another CA's participant's by now. One that cannot be read is
+// here: the rotation reports it.
+bool is_participant_of(const pki::Certificate& ca, const pki::IssueLog& log,
+                       const fs::path& folder) {
   const auto certificate = read_certificate(folder / "cert.pem");
-  return certificate && certificate->is_issued_by(ca);
+  if (!certificate) return certificate.error().code() != Code::file_not_found;
+  return certificate->is_issued_by(ca) || is_logged(*certificate, log);
 }
 
 Known known_to(const CaPaths& ca, const pki::IssueLog& log, const pki::Certificate& identity,
@@ -45,7 +49,7 @@ Known known_to(const CaPaths& ca, const pki::IssueLog& log, const pki::Certifica
     if (!seen.insert(place).second) continue;
     const auto folder = issued.folder.empty() ? fs::path() : folders.today(issued.folder);
     const bool is_here = !folder.empty() && !folders.is_of_another_copy(folder) &&
-                         has_certificate_of(identity, folder);
+                         is_participant_of(identity, log, folder);
     if (is_here && seen_here.insert(folder).second)  // moved, it has two names in the log
       out.here.push_back(follower_in(folder));
     else if (is_here)
@@ -143,8 +147,7 @@ Report report_of(const std::string& role, const pki::Certificate& ca, const Foll
     report.text += fmt::format("revoked and left out: {}\n", name);
   for (const auto& file : followed.unlogged)
     report.text += fmt::format("signed although the log does not have it: {}\n", file);
-  for (const auto& error : followed.doubtful) report.errors.push_back(error);
-  if (!followed.doubtful.empty()) report.exit = Exit::no;
+  add_left(followed, report);
   for (const auto& name : elsewhere)
     report.errors.emplace_back(Code::participant_elsewhere, ErrorDetails{.found = name});
   report.text +=
@@ -167,12 +170,13 @@ Result<Report> ca_rotate(const Arguments& arguments, const Context& context) {
   const auto [ca, trust] = DDSSEC_TRY(successor_of(old.certificate(), arguments, context));
   const Succession change{old, ca, trust, opener.used_passphrase(), arguments.has("--unlogged")};
   Replacement out;
-  const auto followed = role == "identity"
-                            ? DDSSEC_TRY(follow_identity_ca(out, change, known.here, context))
-                            : DDSSEC_TRY(follow_permissions_ca(out, change, known.here,
-                                                               shared_documents(given), context));
+  auto followed = role == "identity"
+                      ? DDSSEC_TRY(follow_identity_ca(out, change, known.here, context))
+                      : DDSSEC_TRY(follow_permissions_ca(out, change, known.here,
+                                                         shared_documents(given), context));
+  auto files = DDSSEC_TRY(put_in_place(out, followed));
   auto report = report_of(role, ca.certificate(), followed, known.elsewhere);
-  report.files_written = DDSSEC_TRY(out.commit());
+  report.files_written = std::move(files);
   return report;
 }
 

@@ -21,11 +21,6 @@ bool is_file_or_link(const fs::path& path) {
   return fs::symlink_status(path, ignored).type() > fs::file_type::not_found;
 }
 
-bool is_plain_file(const fs::path& path) {
-  std::error_code ignored;
-  return fs::symlink_status(path, ignored).type() == fs::file_type::regular;
-}
-
 Status put_ca(Replacement& out, const Succession& change) {
   const auto& paths = change.old.paths;
   const auto pem = DDSSEC_TRY(change.ca.key().to_pem(change.passphrase));
@@ -67,15 +62,23 @@ class SignerAnew {
   std::vector<std::string> unlogged_;
 };
 
-Status put_if_plain(Replacement& out, const fs::path& file, const std::string& text) {
-  return is_plain_file(file) ? out.put_public(file, text) : Status{};
+// Links stay as they are, and what is not there is not made. A folder in the place is an error.
+bool is_to_be_replaced(const fs::path& path) {
+  std::error_code ignored;
+  const auto type = fs::symlink_status(path, ignored).type();
+  return type > fs::file_type::not_found && type != fs::file_type::symlink;
 }
 
-// A certificate of another CA in the folder ends the command.
+Status put_if_there(Replacement& out, const fs::path& file, const std::string& text) {
+  return is_to_be_replaced(file) ? out.put_public(file, text) : Status{};
+}
+
+// Where an earlier rotation could not write, there is still a certificate of the CA before: the log
+// has it.
 Status check_of_old_ca(const Follower& follower, const pki::Certificate& certificate,
-                       const Succession& change) {
+                       const Succession& change, const pki::IssueLog& log) {
   const auto& before = change.old.certificate();
-  if (certificate.is_issued_by(before)) return {};
+  if (certificate.is_issued_by(before) || is_logged(certificate, log)) return {};
   return fail(Code::issuer_unknown,
               {.document = follower.files.certificate,
                .expected = "one that the old CA, " + before.subject() + ", issued",
@@ -136,8 +139,94 @@ OwnDocuments documents_of(const Follower& follower, const std::vector<fs::path>&
   };
   if (is_file_or_link(files.permissions)) add(files.permissions);
   const bool is_shared = std::ranges::find(shared, files.governance) != shared.end();
-  if (is_plain_file(files.governance) && !is_shared) add(files.governance);
+  if (is_to_be_replaced(files.governance) && !is_shared) add(files.governance);
   return out;
+}
+
+// What is true of every follower that keeps its old files.
+Error left_behind(const Error& error) {
+  auto details = error.details();
+  if (details.hint.empty())
+    details.hint =
+        "the participant keeps its old files and meets no other one until it has new ones; make "
+        "its folder writable, then rotate the CA once more";
+  return Error(error.code(), std::move(details));
+}
+
+bool is_unwritable(const Error& error) {
+  return error.code() == Code::file_unwritable || error.code() == Code::would_overwrite;
+}
+
+/// Drafts the files of one follower after the other, all of each or none.
+class Following {
+ public:
+  Following(Replacement& out, Followed& followed) : out_(out), followed_(followed) {}
+
+  /// `draft` puts the files of a follower. Error: interrupted.
+  template <class DraftFiles>
+  Status add(const Follower& follower, DraftFiles draft) {
+    out_.begin_folder(follower.name);
+    Status drafted = hold_folder(follower.files.folder);
+    if (drafted) drafted = draft();
+    if (drafted) {
+      followed_.again.push_back(follower.name);
+      return {};
+    }
+    out_.abandon_folder();
+    const auto& error = drafted.error();
+    if (error.code() == Code::interrupted) return drafted;
+    auto& left = is_unwritable(error) ? followed_.unwritten : followed_.doubtful;
+    left.push_back(is_unwritable(error) ? left_behind(error) : error);
+    return {};
+  }
+
+  /// Success if somebody follows, or nobody was to.
+  Status check() const {
+    if (!followed_.again.empty()) return {};
+    for (const auto* left : {&followed_.doubtful, &followed_.unwritten})
+      if (!left->empty()) return std::unexpected(left->front());
+    return {};
+  }
+
+ private:
+  Replacement& out_;
+  Followed& followed_;
+};
+
+}  // namespace
+
+Result<std::vector<WrittenFile>> put_in_place(Replacement& out, Followed& followed) {
+  auto files = DDSSEC_TRY(out.commit());
+  for (const auto& [name, error] : out.failures()) {
+    std::erase(followed.again, name);
+    followed.unwritten.push_back(left_behind(error));
+  }
+  return files;
+}
+
+void add_left(const Followed& followed, Report& report) {
+  for (const auto& error : followed.doubtful) report.errors.push_back(error);
+  if (!followed.doubtful.empty()) report.exit = Exit::no;
+  for (const auto& error : followed.unwritten) {
+    report.errors.push_back(error);
+    report.exit = std::max(report.exit, exit_of(error.code()));
+  }
+}
+
+namespace {
+
+// All documents of a follower are its own, or none is signed.
+Status sign_documents_of(const Follower& follower, const std::vector<fs::path>& shared,
+                         SignerAnew& signer, Followed& followed) {
+  auto documents = documents_of(follower, shared, signer);
+  if (!documents.doubtful.empty()) {
+    auto last = std::move(documents.doubtful.back());
+    documents.doubtful.pop_back();
+    std::ranges::move(documents.doubtful, std::back_inserter(followed.doubtful));
+    return std::unexpected(std::move(last));
+  }
+  for (const auto& [file, document] : documents.sound) DDSSEC_TRY(signer.sign(file, document));
+  return {};
 }
 
 }  // namespace
@@ -151,64 +240,73 @@ Result<Followed> follow_permissions_ca(Replacement& out, const Succession& chang
   DDSSEC_TRY(put_ca(out, change));
   for (const auto& file : shared) DDSSEC_TRY(signer.sign(file, DDSSEC_TRY(signer.read(file))));
   Followed followed;
-  for (const auto& follower : followers) {
-    if (auto held = hold_folder(follower.files.folder); !held) {
-      followed.doubtful.push_back(std::move(held).error());
-      continue;
-    }
-    auto documents = documents_of(follower, shared, signer);
-    std::ranges::move(documents.doubtful, std::back_inserter(followed.doubtful));
-    if (!documents.doubtful.empty()) continue;
-    for (const auto& [file, document] : documents.sound) DDSSEC_TRY(signer.sign(file, document));
-    DDSSEC_TRY(put_if_plain(out, follower.files.permissions_ca, change.trust_pem));
-    followed.again.push_back(follower.name);
-  }
-  if (followed.again.empty() && !followed.doubtful.empty())
-    return std::unexpected(followed.doubtful.front());
+  Following following(out, followed);
+  for (const auto& follower : followers)
+    DDSSEC_TRY(following.add(follower, [&]() -> Status {
+      DDSSEC_TRY(sign_documents_of(follower, shared, signer, followed));
+      return put_if_there(out, follower.files.permissions_ca, change.trust_pem);
+    }));
+  DDSSEC_TRY(following.check());
   followed.unlogged = signer.unlogged();
   DDSSEC_TRY(log_signed(change.old.paths, signer.lines()));
   return followed;
 }
 
+namespace {
+
+/// What the followers of an identity CA get.
+struct Reissue {
+  const Succession& change;
+  const pki::IssueLog& log;
+  const pki::Crl& crl;
+  const Context& context;
+
+  // The line for the log.
+  Result<std::string> put(Replacement& out, const Follower& follower,
+                          const pki::Certificate& certificate) const {
+    const auto& files = follower.files;
+    const auto now = context.clock.now();
+    DDSSEC_TRY(check_of_old_ca(follower, certificate, change, log));
+    DDSSEC_TRY(check_follows(follower, certificate, change, log));
+    const auto again = DDSSEC_TRY(change.ca.reissue(
+        certificate, {now - kBackdated, certificate.not_after()}, context.random));
+    DDSSEC_TRY(out.put_public(files.certificate, again.pem()));
+    DDSSEC_TRY(put_if_there(out, files.identity_ca, change.trust_pem));
+    DDSSEC_TRY(put_if_there(out, files.crl, crl.pem()));  // the old list would shut everybody out
+    std::error_code ignored;
+    return pki::IssueLog::issued_line(
+        again, fs::absolute(files.folder, ignored).lexically_normal().string(), now);
+  }
+};
+
+}  // namespace
+
 Result<Followed> follow_identity_ca(Replacement& out, const Succession& change,
                                     const std::vector<Follower>& followers,
                                     const Context& context) {
   const auto& paths = change.old.paths;
-  const auto now = context.clock.now();
   const auto log = DDSSEC_TRY(read_issue_log(paths));
-  const auto crl = DDSSEC_TRY(routine_crl({paths, change.ca, change.trust_pem}, log, now));
+  const auto crl =
+      DDSSEC_TRY(routine_crl({paths, change.ca, change.trust_pem}, log, context.clock.now()));
   DDSSEC_TRY(put_ca(out, change));
   DDSSEC_TRY(out.put_public(paths.crl, crl.pem()));
   Followed followed;
   std::string lines;
+  const Reissue reissue{change, log, crl, context};
+  Following following(out, followed);
   for (const auto& follower : followers) {
-    const auto& files = follower.files;
-    if (auto held = hold_folder(files.folder); !held) {
-      followed.doubtful.push_back(std::move(held).error());
-      continue;
-    }
-    const auto certificate = DDSSEC_TRY(read_certificate(files.certificate));
-    if (!DDSSEC_TRY(revoked_serial(certificate, paths, log, NextKey::same)).empty()) {
-      followed.revoked.push_back(follower.name);
-      continue;
-    }
-    DDSSEC_TRY(check_of_old_ca(follower, certificate, change));
-    if (auto own = check_follows(follower, certificate, change, log); !own) {
-      followed.doubtful.push_back(std::move(own).error());
-      continue;
-    }
-    const auto again = DDSSEC_TRY(change.ca.reissue(
-        certificate, {now - kBackdated, certificate.not_after()}, context.random));
-    followed.again.push_back(follower.name);
-    DDSSEC_TRY(out.put_public(files.certificate, again.pem()));
-    DDSSEC_TRY(put_if_plain(out, files.identity_ca, change.trust_pem));
-    DDSSEC_TRY(put_if_plain(out, files.crl, crl.pem()));  // the old list would shut everybody out
-    std::error_code ignored;
-    lines += pki::IssueLog::issued_line(
-        again, fs::absolute(files.folder, ignored).lexically_normal().string(), now);
+    std::string revoked;
+    DDSSEC_TRY(following.add(follower, [&]() -> Status {
+      const auto certificate = DDSSEC_TRY(read_certificate(follower.files.certificate));
+      revoked = DDSSEC_TRY(revoked_serial(certificate, paths, log, NextKey::same));
+      if (revoked.empty()) lines += DDSSEC_TRY(reissue.put(out, follower, certificate));
+      return {};
+    }));
+    if (revoked.empty()) continue;
+    followed.again.pop_back();
+    followed.revoked.push_back(follower.name);
   }
-  if (lines.empty() && !followed.doubtful.empty())
-    return std::unexpected(followed.doubtful.front());
+  if (lines.empty()) DDSSEC_TRY(following.check());
   DDSSEC_TRY(check_not_interrupted());
   DDSSEC_TRY(log_issued(paths, lines));
   return followed;

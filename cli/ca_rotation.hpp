@@ -32,11 +32,20 @@ struct Succession {
 
 /// What became of the followers, by their names.
 struct Followed {
-  std::vector<std::string> again;    ///< have new files
-  std::vector<std::string> revoked;  ///< left as they are
-  std::vector<Error> doubtful;       ///< left as they are: not what the log has for the folder
+  std::vector<std::string> again;     ///< have new files
+  std::vector<std::string> revoked;   ///< left as they are
+  std::vector<Error> doubtful;        ///< left as they are: not what the log has for the folder
+  std::vector<Error> unwritten = {};  ///< left as they are: their folders take no files
   std::vector<std::string> unlogged = {};  ///< documents signed although the log lacks them
 };
+
+/// Puts the new CA in place, and then the files of each follower. One whose files cannot be put in
+/// place moves from `again` to `unwritten`: the next rotation takes it along, since the log vouches
+/// for what it has. Errors: those of Replacement::commit, for the CA's own files.
+Result<std::vector<WrittenFile>> put_in_place(Replacement& out, Followed& followed);
+
+/// Reports the followers that were left as they are.
+void add_left(const Followed& followed, Report& report);
 
 /// The life of a CA that begins now and lasts as long as `old` did.
 pki::Validity life_like(const pki::Certificate& old, WallTime now);
@@ -48,8 +57,8 @@ Result<pki::Authority> new_root(const pki::Certificate& old, const std::string& 
 /// Drafts the new permissions CA, and every document of the followers and of `shared` signed anew;
 /// then writes the log. Only what the old CA signed and its log has is signed: the old key may be
 /// in other hands. A follower with any other document is left as it is. The caller has the CA to
-/// itself (lock_records). Errors: those of document_of() for a shared document, or for the first of
-/// `doubtful` if no follower is left.
+/// itself (lock_records). Errors: those of document_of() for a shared document; the first of
+/// `doubtful` and `unwritten` if no follower is left.
 Result<Followed> follow_permissions_ca(Replacement& out, const Succession& change,
                                        const std::vector<Follower>& followers,
                                        const std::vector<std::filesystem::path>& shared,
@@ -59,8 +68,8 @@ Result<Followed> follow_permissions_ca(Replacement& out, const Succession& chang
 /// same subject, key and end; then writes the log. Only what the log has is issued anew, with this
 /// serial number and SHA-256 and for this folder: the old key may be in other hands. A participant
 /// that is revoked gets none. The caller has the CA to itself (lock_records). Errors: the first of
-/// `doubtful` if nothing is left to issue; issuer_unknown (a certificate that the old CA did not
-/// issue), those of read_certificate and Authority::reissue.
+/// `doubtful` (issuer_unknown: a certificate that the old CA did not issue) and `unwritten` if
+/// nothing is left to issue; those of Authority::reissue.
 Result<Followed> follow_identity_ca(Replacement& out, const Succession& change,
                                     const std::vector<Follower>& followers, const Context& context);
 

@@ -1,4 +1,5 @@
 // crl: revocation lists.
+#include <algorithm>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -126,7 +127,36 @@ Status put_list(Replacement& out, const fs::path& folder, const pki::Crl& crl,
   return out.put_public(files.crl, crl.pem());
 }
 
+/// The folders that have a list now, and what is wrong with the others.
+struct Distributed {
+  std::vector<std::string> folders;
+  std::vector<Error> errors;
+  std::vector<WrittenFile> files;
+};
+
 // One folder that cannot be written keeps the list from nobody else.
+Result<Distributed> put_lists(const std::vector<fs::path>& folders, const pki::Crl& crl,
+                              const pki::Certificate& ca, const Arguments& arguments) {
+  Distributed done;
+  Replacement out;
+  for (const auto& folder : folders) {
+    out.begin_folder(folder.string());
+    if (auto drafted = put_list(out, folder, crl, ca, arguments); drafted) {
+      done.folders.push_back(folder.string());
+    } else {
+      if (drafted.error().code() == Code::interrupted) return std::unexpected(drafted.error());
+      out.abandon_folder();
+      done.errors.push_back(std::move(drafted).error());
+    }
+  }
+  done.files = DDSSEC_TRY(out.commit_each());
+  for (const auto& [folder, error] : out.failures()) {
+    std::erase(done.folders, folder);
+    done.errors.push_back(error);
+  }
+  return done;
+}
+
 Result<Report> crl_distribute(const Arguments& arguments, const Context& context) {
   DDSSEC_TRY(check_ca_folder(arguments.text("--ca"), "identity"));
   const auto paths = ca_paths(arguments.text("--ca"), "identity");
@@ -136,29 +166,27 @@ Result<Report> crl_distribute(const Arguments& arguments, const Context& context
   if (!DDSSEC_TRY(lists_all(paths, DDSSEC_TRY(read_issue_log(paths)))))
     return fail(Code::crl_incomplete, {.document = paths.crl});
   const auto recipient = DDSSEC_TRY(recipients(arguments, paths));
-  Replacement out;
+  auto done = DDSSEC_TRY(put_lists(recipient.here, crl, ca, arguments));
   Report report;
   report.result = {{"number", crl.number().value_or(0)},
-                   {"folders", Json::array()},
+                   {"folders", done.folders},
                    {"elsewhere", recipient.elsewhere}};
   for (const auto& folder : recipient.other_copies) report.result["elsewhere"].push_back(folder);
-  for (const auto& folder : recipient.here) {
-    const auto drafted = put_list(out, folder, crl, ca, arguments);
-    if (!drafted && drafted.error().code() == Code::interrupted) return report_of(drafted.error());
-    if (!drafted) {
-      report.errors.push_back(drafted.error());
-      report.exit = exit_of(drafted.error().code());
-      continue;
-    }
-    report.result["folders"].push_back(folder.string());
-    report.text += fmt::format("{}\n", folder.string());
-  }
+  for (const auto& folder : done.folders) report.text += fmt::format("{}\n", folder);
   report.text +=
       fmt::format("list {} of {} is in {}, holds {}\n", crl.number().value_or(0), crl.issuer(),
-                  counted(report.result["folders"].size(), "folder"), words_until(crl));
+                  counted(done.folders.size(), "folder"), words_until(crl));
   report.text += places_text(recipient, paths);
   if (recipient.here.empty()) report.exit = Exit::no;
-  report.files_written = DDSSEC_TRY(out.commit_each());
+  for (const auto& error : done.errors) {
+    report.errors.push_back(error);
+    report.exit = std::max(report.exit, exit_of(error.code()));
+  }
+  for (const auto& error : recipient.unseen) {
+    report.errors.push_back(error);
+    report.exit = std::max(report.exit, exit_of(error.code()));
+  }
+  report.files_written = std::move(done.files);
   return report;
 }
 

@@ -9,7 +9,6 @@
 #include <sys/sysmacros.h>
 #include <thread>
 #include <unistd.h>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -82,20 +81,49 @@ Status lock_file(int file, const fs::path& path, std::chrono::seconds patience) 
   return {};
 }
 
+class FileLock::Held {
+ public:
+  explicit Held(int file) : file_(file) {}
+  ~Held() { ::close(file_); }
+  Held(const Held&) = delete;
+  Held& operator=(const Held&) = delete;
+  int file() const { return file_; }
+
+ private:
+  int file_;
+};
+
+namespace {
+
+bool is_same_file(int a, int b) {
+  struct stat first {};
+  struct stat second {};
+  return ::fstat(a, &first) == 0 && ::fstat(b, &second) == 0 && first.st_ino == second.st_ino &&
+         first.st_dev == second.st_dev;
+}
+
+}  // namespace
+
+// Locks of one process exclude each other as well, if the file was opened twice.
+std::vector<std::weak_ptr<FileLock::Held>>& FileLock::all() {
+  static std::vector<std::weak_ptr<Held>> out;
+  return out;
+}
+
 Result<FileLock> FileLock::of(const fs::path& path) {
   while (true) {
-    FileLock out(open_for_lock(path));
-    if (out.file_ < 0) return unwritable(path, errno);
-    DDSSEC_TRY(lock_file(out.file_, path, kLockPatience));
-    if (is_still_at(path, out.file_)) return out;
+    const int file = open_for_lock(path);
+    if (file < 0) return unwritable(path, errno);
+    const auto opened = std::make_shared<Held>(file);
+    for (const auto& other : all())
+      if (auto held = other.lock(); held && is_same_file(held->file(), file)) return FileLock(held);
+    DDSSEC_TRY(lock_file(file, path, kLockPatience));
+    if (is_still_at(path, file)) {
+      all().push_back(opened);
+      return FileLock(opened);
+    }
     DDSSEC_TRY(check_not_interrupted());
   }
 }
-
-FileLock::~FileLock() {
-  if (file_ >= 0) ::close(file_);
-}
-
-FileLock::FileLock(FileLock&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
 
 }  // namespace ddssec::cli

@@ -3,6 +3,9 @@
 
 #include <chrono>
 #include <filesystem>
+#include <memory>
+#include <utility>
+#include <vector>
 
 #include "base/result.hpp"
 
@@ -17,7 +20,8 @@ inline constexpr std::chrono::seconds kLockPatience{20};
 Status lock_file(int file, const std::filesystem::path& path, std::chrono::seconds patience);
 
 /// Keeps other commands that ask for the same file waiting while it lives, so that what one reads
-/// and then writes anew cannot lose what another wrote in between.
+/// and then writes anew cannot lose what another wrote in between. A command that has the lock of a
+/// file may take it again.
 class FileLock {
  public:
   /// Of a file that only its owner should be able to open, since everybody who can may hold the
@@ -25,13 +29,12 @@ class FileLock {
   /// Errors as lock_file.
   static Result<FileLock> of(const std::filesystem::path& path);
 
-  ~FileLock();
-  FileLock(FileLock&& other) noexcept;
-  FileLock& operator=(FileLock&&) = delete;
-
  private:
-  explicit FileLock(int file) : file_(file) {}
-  int file_;
+  /// An open file that closes itself, which ends its lock.
+  class Held;
+  explicit FileLock(std::shared_ptr<Held> held) : held_(std::move(held)) {}
+  static std::vector<std::weak_ptr<Held>>& all();
+  std::shared_ptr<Held> held_;
 };
 
 }  // namespace ddssec::cli

@@ -40,13 +40,14 @@ bool is_serial(std::string_view text) {
   return !text.empty() && text.find_first_not_of("0123456789ABCDEFabcdef") == text.npos;
 }
 
+// Certificates that seem to have ended are revoked as well, since the clock may be wrong.
 // What the log has for the participant is what counts: a device may have put the certificate of
 // another one into its folder. A certificate that lies by itself stands for its subject.
 Result<Doomed> doomed_participant(const fs::path& given, const OpenCa& ca, const pki::IssueLog& log,
-                                  const Arguments& arguments, WallTime now) {
+                                  const Arguments& arguments) {
   const auto certificate = DDSSEC_TRY(certificate_of(given));
   const auto path = certificate_path(given);
-  DDSSEC_TRY(check_issuer(certificate, ca, path));
+  if (!is_logged(certificate, log)) DDSSEC_TRY(check_issuer(certificate, ca, path));
   const auto folder = path.parent_path();
   const auto belonging = belonging_of(certificate, folder, ca.paths, log);
   const bool is_by_itself = path == given && belonging == Belonging::moved;
@@ -59,7 +60,7 @@ Result<Doomed> doomed_participant(const fs::path& given, const OpenCa& ca, const
     const bool is_of_folder =
         own != nullptr && !own->folder.empty() && issued.folder == own->folder;
     if ((issued.subject == certificate.subject() || is_of_folder) && !issued.revoked &&
-        now < issued.not_after && issued.serial != certificate.serial())
+        issued.serial != certificate.serial())
       out.add(issued.serial, issued.subject);
   }
   return out;
@@ -83,10 +84,9 @@ std::unexpected<Error> not_there(const std::string& what, const OpenCa& ca,
   return fail(Code::file_not_found, std::move(details));
 }
 
-Result<Doomed> doomed(const Arguments& arguments, const OpenCa& ca, const pki::IssueLog& log,
-                      WallTime now) {
+Result<Doomed> doomed(const Arguments& arguments, const OpenCa& ca, const pki::IssueLog& log) {
   const auto what = arguments.text("WHAT");
-  if (is_there(what)) return doomed_participant(what, ca, log, arguments, now);
+  if (is_there(what)) return doomed_participant(what, ca, log, arguments);
   if (!is_serial(what)) return not_there(what, ca, log);
   const auto serial = ascii_upper(what);
   const auto* issued = log.find(serial);
@@ -159,7 +159,7 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
   const auto ca = DDSSEC_TRY(opener.open("identity"));
   const auto lock = DDSSEC_TRY(lock_records(ca.paths));
   auto log = DDSSEC_TRY(read_issue_log(ca.paths));
-  const auto what = DDSSEC_TRY(doomed(arguments, ca, log, now));
+  const auto what = DDSSEC_TRY(doomed(arguments, ca, log));
   Report report;
   report.result = {{"subject", what.subject}, {"serials", what.serials}};
   if (what.serials.empty() && DDSSEC_TRY(lists_all(ca.paths, log))) {

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "base/tool_code.hpp"
 #include "cli/held_folder.hpp"
 #include "cli/suggestions.hpp"
 
@@ -82,7 +83,7 @@ Status check_keystore(const fs::path& keystore) {
 Status check_enclave_in(const fs::path& keystore, std::string_view name) {
   const auto folder = keystore / enclave_folder(name);
   if (is_there(folder)) return {};
-  const auto meant = nearest(name, enclaves_of(keystore));
+  const auto meant = nearest(name, enclaves_of(keystore).names);
   return fail(
       Code::file_not_found,
       {.document = folder,
@@ -133,22 +134,89 @@ Status add_enclave(NewFolder& folder, const fs::path& below, std::string_view na
   return folder.add(files.permissions, participant.permissions, 0644);
 }
 
-std::vector<std::string> enclaves_of(const fs::path& keystore) {
-  std::vector<std::string> out;
-  std::error_code error;
-  const auto root = keystore / "enclaves";
-  fs::recursive_directory_iterator at(root, error);
-  for (; !error && at != fs::recursive_directory_iterator() && out.size() < kMostEnclaves;
-       at.increment(error)) {
-    // No enclave begins with a dot; what a killed command was making does.
-    const bool is_draft = at->path().filename().string().starts_with('.');
-    if (at.depth() >= kDeepestEnclave || is_draft) at.disable_recursion_pending();
-    if (at->path().filename() != "key.pem" && at->path().filename() != "key.p11") continue;
-    const auto name = at->path().parent_path().lexically_relative(root).generic_string();
-    out.push_back(name == "." ? "/" : "/" + name);
+namespace {
+
+/// Looks for enclaves, folder by folder: what is wrong with one hides no other.
+class EnclaveSearch {
+ public:
+  explicit EnclaveSearch(fs::path root) : root_(std::move(root)) {}
+
+  Enclaves run() {
+    look_into(root_, 0);
+    std::ranges::sort(out_.names);
+    std::ranges::sort(out_.without_key);
+    return std::move(out_);
   }
-  std::ranges::sort(out);
-  return out;
+
+ private:
+  /// What one folder holds.
+  struct Content {
+    bool has_key = false, has_other_file = false;
+    std::vector<fs::path> folders = {}, links = {};
+  };
+
+  void look_into(const fs::path& folder, int depth) {
+    if (out_.names.size() >= kMostEnclaves) return;
+    std::error_code error;
+    auto content = content_of(folder, error);
+    // Another user may remove its folder at any time.
+    if (error && error != std::errc::no_such_file_or_directory) leave_out(folder, error.message());
+    if (content.has_key || content.has_other_file) add(folder, content.has_key);
+    for (const auto& link : content.links) leave_out(link, "a link to a folder is not followed");
+    if (depth == kDeepestEnclave && !content.folders.empty())
+      return leave_out(folder, fmt::format("there are folders deeper than {}", kDeepestEnclave));
+    std::ranges::sort(content.folders);
+    for (const auto& inner : content.folders) look_into(inner, depth + 1);
+  }
+
+  // What could be read before an error counts.
+  static Content content_of(const fs::path& folder, std::error_code& error) {
+    Content out;
+    fs::directory_iterator at(folder, error);
+    for (; !error && at != fs::directory_iterator(); at.increment(error)) {
+      const auto name = at->path().filename().string();
+      std::error_code ignored;
+      // No enclave begins with a dot; what a killed command was making does.
+      if (name.starts_with('.')) continue;
+      if (name == "key.pem" || name == "key.p11") out.has_key = true;
+      if (name == "cert.pem" || name == "permissions.p7s") out.has_other_file = true;
+      if (at->is_symlink(ignored) && at->is_directory(ignored)) out.links.push_back(at->path());
+      if (!at->is_symlink(ignored) && at->is_directory(ignored)) out.folders.push_back(at->path());
+    }
+    return out;
+  }
+
+  void add(const fs::path& folder, bool has_key) {
+    const auto below = folder.lexically_relative(root_).generic_string();
+    const auto name = below == "." ? "/" : "/" + below;
+    out_.names.push_back(name);
+    if (!has_key) out_.without_key.push_back(name);
+    if (out_.names.size() == kMostEnclaves)
+      leave_out(root_, fmt::format("there are {} enclaves or more", kMostEnclaves));
+  }
+
+  void leave_out(const fs::path& folder, std::string why) {
+    out_.unseen.emplace_back(tool_code::keystore_unseen,
+                             ErrorDetails{.document = folder.string(), .note = std::move(why)});
+  }
+
+  fs::path root_;
+  Enclaves out_;
+};
+
+}  // namespace
+
+Enclaves enclaves_of(const fs::path& keystore) {
+  return EnclaveSearch(keystore / "enclaves").run();
+}
+
+void add_unseen(const Enclaves& enclaves, Report& report) {
+  for (const auto& error : enclaves.unseen) {
+    report.errors.push_back(error);
+    report.exit = std::max(report.exit, exit_of(error.code()));
+  }
+  for (const auto& name : enclaves.without_key)
+    report.errors.emplace_back(tool_code::enclave_without_key, ErrorDetails{.found = name});
 }
 
 // An enclave may be another user's, who can put a link or a further name of any file in the place

@@ -46,9 +46,21 @@ Status add_enclave(NewFolder& folder, const std::filesystem::path& below, std::s
 /// close to it.
 Status check_enclave_in(const std::filesystem::path& keystore, std::string_view name);
 
-/// Every enclave of a keystore by its name, sorted: wherever there is a key.pem, not deeper than
-/// kDeepestEnclave, at most kMostEnclaves. Links to folders are not followed.
-std::vector<std::string> enclaves_of(const std::filesystem::path& keystore);
+/// The enclaves of a keystore.
+struct Enclaves {
+  std::vector<std::string> names;        ///< sorted
+  std::vector<std::string> without_key;  ///< those of `names` whose key is elsewhere, or lost
+  std::vector<Error> unseen = {};        ///< keystore_unseen: what was not looked at
+};
+
+/// Every folder below enclaves/ with a private key, a certificate or permissions. A folder that
+/// cannot be read, or lies deeper than kDeepestEnclave, is among `unseen`, and the search goes on
+/// with all others; so is a link to a folder, which is not followed, and everything after
+/// kMostEnclaves.
+Enclaves enclaves_of(const std::filesystem::path& keystore);
+
+/// Reports what was not seen of a keystore, which ends the command with Exit::unreadable at least.
+void add_unseen(const Enclaves& enclaves, Report& report);
 inline constexpr int kDeepestEnclave = 16;
 inline constexpr std::size_t kMostEnclaves = 100'000;
 

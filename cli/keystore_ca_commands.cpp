@@ -26,9 +26,9 @@ Result<bool> has_one_ca(const fs::path& keystore) {
                         keystore / "private/permissions_ca.key.pem", ignored);
 }
 
-std::vector<Follower> enclaves_in(const fs::path& keystore) {
+std::vector<Follower> followers_in(const fs::path& keystore, const Enclaves& enclaves) {
   std::vector<Follower> out;
-  for (const auto& name : enclaves_of(keystore))
+  for (const auto& name : enclaves.names)
     out.push_back(
         {name, pki::participant_folder(keystore / enclave_folder(name), pki::FolderLayout::sros2)});
   return out;
@@ -49,11 +49,6 @@ Report report_of(const fs::path& keystore, std::string_view role, const pki::Cer
   return report;
 }
 
-void add_doubtful(const Followed& followed, Report& report) {
-  for (const auto& error : followed.doubtful) report.errors.push_back(error);
-  if (!followed.doubtful.empty()) report.exit = Exit::no;
-}
-
 std::string subject_for(const fs::path& keystore, std::string_view role) {
   std::error_code ignored;
   return fmt::format("CN={} {} CA",
@@ -69,14 +64,18 @@ Result<Report> new_permissions_ca(const fs::path& keystore, const std::string& s
   const Succession change{old, ca, ca.certificate().pem(), opener.used_passphrase(),
                           arguments.has("--unlogged")};
   Replacement out;
-  const auto followed = DDSSEC_TRY(follow_permissions_ca(
-      out, change, enclaves_in(keystore), {keystore / "enclaves/governance.p7s"}, context));
+  const auto enclaves = enclaves_of(keystore);
+  auto followed =
+      DDSSEC_TRY(follow_permissions_ca(out, change, followers_in(keystore, enclaves),
+                                       {keystore / "enclaves/governance.p7s"}, context));
+  auto files = DDSSEC_TRY(put_in_place(out, followed));
   auto report = report_of(keystore, "permissions", ca.certificate(), followed.again);
   report.result["unlogged"] = followed.unlogged;
   for (const auto& file : followed.unlogged)
     report.text += fmt::format("signed although the log does not have it: {}\n", file);
-  add_doubtful(followed, report);
-  report.files_written = DDSSEC_TRY(out.commit());
+  add_left(followed, report);
+  add_unseen(enclaves, report);
+  report.files_written = std::move(files);
   return report;
 }
 
@@ -89,11 +88,15 @@ Result<Report> new_identity_ca(const fs::path& keystore, const Arguments& argume
                           arguments.has("--unlogged")};
   const auto lock = DDSSEC_TRY(lock_records(old.paths));
   Replacement out;
-  const auto followed = DDSSEC_TRY(follow_identity_ca(out, change, enclaves_in(keystore), context));
+  const auto enclaves = enclaves_of(keystore);
+  auto followed =
+      DDSSEC_TRY(follow_identity_ca(out, change, followers_in(keystore, enclaves), context));
+  auto files = DDSSEC_TRY(put_in_place(out, followed));
   auto report = report_of(keystore, "identity", ca.certificate(), followed.again);
   for (const auto& name : followed.revoked) report.text += name + " is revoked and was left out\n";
-  add_doubtful(followed, report);
-  report.files_written = DDSSEC_TRY(out.commit());
+  add_left(followed, report);
+  add_unseen(enclaves, report);
+  report.files_written = std::move(files);
   return report;
 }
 

@@ -250,8 +250,10 @@ Result<Report> keystore_list(const Arguments& arguments, const Context&) {
   const fs::path keystore = arguments.text("KEYSTORE");
   DDSSEC_TRY(check_keystore(keystore));
   Report report;
-  report.result = {{"enclaves", enclaves_of(keystore)}};
-  for (const auto& name : enclaves_of(keystore)) report.text += name + "\n";
+  const auto enclaves = enclaves_of(keystore);
+  report.result = {{"enclaves", enclaves.names}};
+  for (const auto& name : enclaves.names) report.text += name + "\n";
+  add_unseen(enclaves, report);
   return report;
 }
 

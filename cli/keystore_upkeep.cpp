@@ -25,13 +25,13 @@ namespace fs = std::filesystem;
 namespace doctor = governance::doctor;
 
 // Every private key of a keystore that is a file of its own.
-std::vector<fs::path> private_keys(const fs::path& keystore) {
+std::vector<fs::path> private_keys(const fs::path& keystore, const Enclaves& enclaves) {
   std::vector<fs::path> out;
   std::error_code ignored;
   for (const auto* name : {"ca.key.pem", "identity_ca.key.pem", "permissions_ca.key.pem"})
     if (fs::symlink_status(keystore / "private" / name, ignored).type() == fs::file_type::regular)
       out.push_back(keystore / "private" / name);
-  for (const auto& enclave : enclaves_of(keystore)) {
+  for (const auto& enclave : enclaves.names) {
     const auto key = keystore / enclave_folder(enclave) / "key.pem";
     if (fs::symlink_status(key, ignored).type() == fs::file_type::regular) out.push_back(key);
   }
@@ -84,7 +84,8 @@ Result<Report> keystore_verify(const Arguments& arguments, const Context& contex
   const auto now = context.clock.now();
   Report report;
   report.result = {{"enclaves", Json::array()}, {"keys_for_others", Json::array()}};
-  for (const auto& key : private_keys(keystore)) {
+  const auto enclaves = enclaves_of(keystore);
+  for (const auto& key : private_keys(keystore, enclaves)) {
     if (!is_for_others(key)) continue;
     report.result["keys_for_others"].push_back(key.string());
     if (key.parent_path() == keystore / "private")  // an enclave's own key is DOC003
@@ -92,7 +93,7 @@ Result<Report> keystore_verify(const Arguments& arguments, const Context& contex
   }
   Report domains;
   const auto lineup = installed_lineup();
-  for (const auto& name : enclaves_of(keystore)) {
+  for (const auto& name : enclaves.names) {
     const auto folder = pki::participant_folder(keystore / enclave_folder(name));
     const auto loaded = doctor::load_folder(folder, now);
     const auto domain = DDSSEC_TRY(domain_for(arguments, {&loaded}, now, domains));
@@ -116,8 +117,57 @@ Result<Report> keystore_verify(const Arguments& arguments, const Context& contex
   }
   add_once(domains.findings, report);
   if (!report.result["keys_for_others"].empty()) report.exit = Exit::no;
+  add_unseen(enclaves, report);
   return report;
 }
+
+namespace {
+
+void add_error(Error error, Report& report) {
+  report.exit = std::max(report.exit, exit_of(error.code()));
+  report.errors.push_back(std::move(error));
+}
+
+/// Takes over the certificates of enclaves into the CA's log.
+struct Import {
+  const CaPaths& paths;
+  const pki::Certificate& ca;
+  const pki::IssueLog& log;
+  std::map<std::string, fs::path> seen = {};
+  std::string lines = {};
+
+  Status add(const fs::path& folder, const std::string& name, WallTime now, Report& report) {
+    const auto certificate = DDSSEC_TRY(read_certificate(folder / "cert.pem"));
+    if (!certificate.is_issued_by(ca))
+      return fail(Code::issuer_unknown, {.document = folder / "cert.pem",
+                                         .expected = "one that " + ca.subject() + " issued",
+                                         .found = "one of " + certificate.issuer()});
+    DDSSEC_TRY(check_alone(certificate, folder, paths, log, seen));
+    std::error_code ignored;
+    if (log.find(certificate.serial()) != nullptr) return {};
+    lines += pki::IssueLog::issued_line(
+        certificate, fs::absolute(folder, ignored).lexically_normal().string(), now);
+    report.result["logged"].push_back(name);
+    report.text += fmt::format("logged {}  {}\n", name, certificate.subject());
+    return {};
+  }
+};
+
+// A key that cannot be restricted keeps no other one open.
+void close_keys(const fs::path& keystore, const Enclaves& enclaves, Report& report) {
+  for (const auto& key : private_keys(keystore, enclaves)) {
+    if (!is_for_others(key)) continue;
+    const auto is_closed = close_key(key);
+    if (!is_closed) add_error(is_closed.error(), report);
+    if (!is_closed || !*is_closed) continue;
+    report.result["keys_closed"].push_back(key.string());
+    report.text += fmt::format(
+        "{} is for its owner only now; other users of this machine may have copied it\n",
+        key.string());
+  }
+}
+
+}  // namespace
 
 Result<Report> keystore_import(const Arguments& arguments, const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
@@ -127,34 +177,20 @@ Result<Report> keystore_import(const Arguments& arguments, const Context& contex
   const auto log = DDSSEC_TRY(read_issue_log(paths));
   Report report;
   report.result = {{"keys_closed", Json::array()}, {"logged", Json::array()}};
-  std::string lines;
-  std::map<std::string, fs::path> seen;
-  for (const auto& name : enclaves_of(keystore)) {
-    const auto folder = keystore / enclave_folder(name);
-    const auto certificate = DDSSEC_TRY(read_certificate(folder / "cert.pem"));
-    if (!certificate.is_issued_by(ca))
-      return fail(Code::issuer_unknown, {.document = folder / "cert.pem",
-                                         .expected = "one that " + ca.subject() + " issued",
-                                         .found = "one of " + certificate.issuer()});
-    DDSSEC_TRY(check_alone(certificate, folder, paths, log, seen));
-    std::error_code ignored;
-    if (log.find(certificate.serial()) != nullptr) continue;
-    lines += pki::IssueLog::issued_line(certificate,
-                                        fs::absolute(folder, ignored).lexically_normal().string(),
-                                        context.clock.now());
-    report.result["logged"].push_back(name);
-    report.text += fmt::format("logged {}  {}\n", name, certificate.subject());
+  const auto enclaves = enclaves_of(keystore);
+  Import import{.paths = paths, .ca = ca, .log = log};
+  for (const auto& name : enclaves.names) {
+    auto added = import.add(keystore / enclave_folder(name), name, context.clock.now(), report);
+    // Which of two enclaves has the other's certificate, the user must say: nothing is logged.
+    if (!added && added.error().code() == Code::certificate_of_another_folder)
+      return std::unexpected(std::move(added).error());
+    if (!added) add_error(std::move(added).error(), report);
   }
-  for (const auto& key : private_keys(keystore)) {
-    if (!is_for_others(key) || !DDSSEC_TRY(close_key(key))) continue;
-    report.result["keys_closed"].push_back(key.string());
-    report.text += fmt::format(
-        "{} is for its owner only now; other users of this machine may have copied it\n",
-        key.string());
-  }
+  close_keys(keystore, enclaves, report);
   if (!writes_nothing()) ::chmod((keystore / "private").c_str(), 0700);
-  if (!lines.empty()) DDSSEC_TRY(log_issued(paths, lines));
-  if (report.text.empty()) report.text = "nothing was left to do\n";
+  if (!import.lines.empty()) DDSSEC_TRY(log_issued(paths, import.lines));
+  if (report.text.empty() && report.errors.empty()) report.text = "nothing was left to do\n";
+  add_unseen(enclaves, report);
   return report;
 }
 

@@ -82,6 +82,11 @@ Status check_issuer(const pki::Certificate& certificate, const OpenCa& ca, const
                       "name the folder of the CA that issued it: --ca DIR");
 }
 
+bool is_logged(const pki::Certificate& certificate, const pki::IssueLog& log) {
+  const auto* entry = entry_of(certificate, log);
+  return entry != nullptr && !entry->sha256.empty();
+}
+
 Belonging belonging_of(const pki::Certificate& certificate, const fs::path& given,
                        const CaPaths& ca, const pki::IssueLog& log) {
   const auto folder = normal_folder(given);

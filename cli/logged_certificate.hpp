@@ -29,6 +29,10 @@ enum class Belonging : std::uint8_t {
 Belonging belonging_of(const pki::Certificate& certificate, const std::filesystem::path& folder,
                        const CaPaths& ca, const pki::IssueLog& log);
 
+/// True if the log has exactly this certificate, by its SHA-256: the CA issued it, or itself before
+/// it was rotated.
+bool is_logged(const pki::Certificate& certificate, const pki::IssueLog& log);
+
 /// Success if the certificate is the folder's own, or if `subject`, which the command line names,
 /// is its subject. `subject` may be empty: then nothing else than the folder's own will do.
 /// Errors: certificate_unlogged, certificate_of_another_folder, those of SubjectName::parse.

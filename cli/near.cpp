@@ -119,7 +119,8 @@ std::string cas_near(const fs::path& missing, std::string_view role) {
 // tell.
 std::string about_keystore(const fs::path& folder) {
   std::vector<fs::path> enclaves;
-  for (const auto& name : enclaves_of(folder)) enclaves.push_back(folder / enclave_folder(name));
+  for (const auto& name : enclaves_of(folder).names)
+    enclaves.push_back(folder / enclave_folder(name));
   if (enclaves.empty()) return {};
   return fmt::format("ddssec keystore verify {} looks at all its enclaves{}", folder.string(),
                      listed(": ", enclaves));

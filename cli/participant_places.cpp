@@ -44,7 +44,9 @@ bool is_of(const fs::path& folder, const pki::Certificate& ca) {
 
 void add_unlogged(const fs::path& keystore, const pki::Certificate& ca, const pki::IssueLog& log,
                   std::set<fs::path>& seen, ParticipantPlaces& out) {
-  for (const auto& name : enclaves_of(keystore)) {
+  auto enclaves = enclaves_of(keystore);
+  out.unseen = std::move(enclaves.unseen);
+  for (const auto& name : enclaves.names) {
     const auto folder = keystore / enclave_folder(name);
     if (seen.contains(folder)) continue;
     const auto certificate = read_certificate(folder / "cert.pem");

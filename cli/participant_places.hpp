@@ -47,6 +47,7 @@ struct ParticipantPlaces {
   std::vector<std::string> unlogged;      ///< those of `here` that the log does not know
   std::vector<std::string> elsewhere;     ///< in the log, not on this machine
   std::vector<std::string> other_copies;  ///< beside another copy of the CA
+  std::vector<Error> unseen = {};         ///< what of the CA's keystore was not looked at
 };
 
 /// Every folder of the log, and every enclave of a keystore's CA, logged or not. A folder that may

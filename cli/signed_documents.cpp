@@ -37,20 +37,33 @@ Status check_standing(Standing standing, const fs::path& file, const OpenCa& ca)
                          file.string())});
 }
 
+std::string logged_path(const fs::path& file) {
+  std::error_code ignored;
+  return fs::absolute(file, ignored).lexically_normal().string();
+}
+
+// A document that the CA's present key did not sign, or an error: the given one.
+Result<DocumentOfCa> logged_text(const fs::path& file, const pki::SigningLog& log,
+                                 const Error& error) {
+  const auto found = unverified_text(file);
+  if (!found || !log.is_last_of(logged_path(file), found->xml)) return std::unexpected(error);
+  DocumentOfCa out{std::string(as_text(found->xml)), true};
+  std::erase(out.text, '\r');
+  return out;
+}
+
 }  // namespace
 
 std::string signed_line(const pki::Certificate& ca, BytesView text, const fs::path& file,
                         WallTime now) {
-  std::error_code ignored;
-  const auto place = fs::absolute(file, ignored).lexically_normal().string();
-  return pki::SigningLog::signed_line(text, ca, place, now);
+  return pki::SigningLog::signed_line(text, ca, logged_path(file), now);
 }
 
 Status log_signed(const CaPaths& ca, std::string_view lines) {
   DDSSEC_TRY(check_not_interrupted());
   if (lines.empty()) return {};
   DDSSEC_TRY(check_log_lines(ca.signed_log, lines));
-  return append_lines(ca.signed_log, lines);
+  return append_lines(ca.signed_log, lines, ca.key);
 }
 
 Status log_signed(const OpenCa& ca, BytesView text, const fs::path& file, WallTime now) {
@@ -69,11 +82,11 @@ Result<pki::SigningLog> read_signing_log(const CaPaths& ca) {
 
 Result<DocumentOfCa> document_of(const fs::path& file, const OpenCa& ca, const pki::SigningLog& log,
                                  bool takes_unlogged, WallTime now) {
-  const auto proof =
-      DDSSEC_TRY(verified(file, ca.paths.certificate, within(ca.certificate(), now)));
-  const auto standing = log.standing(proof.content(), proof.signer());
+  const auto proof = verified(file, ca.paths.certificate, within(ca.certificate(), now));
+  if (!proof) return logged_text(file, log, proof.error());
+  const auto standing = log.standing(proof->content(), proof->signer());
   if (!takes_unlogged) DDSSEC_TRY(check_standing(standing, file, ca));
-  DocumentOfCa out{std::string(as_text(proof.content())), standing == Standing::current};
+  DocumentOfCa out{std::string(as_text(proof->content())), standing == Standing::current};
   std::erase(out.text, '\r');
   return out;
 }

@@ -33,8 +33,10 @@ struct DocumentOfCa {
 };
 
 /// Reads a document for the CA's successor: verified as the plugins verify it, but at a time at
-/// which the CA was valid, and only what the CA's log knows. With `takes_unlogged`, whatever the
-/// key signed. Errors: document_unlogged, document_superseded, those of DocumentVerifier.
+/// which the CA was valid, and only what the CA's log knows. A text that the log has as the last
+/// one of a file is taken also without the CA's signature: where an earlier rotation could not
+/// replace a document, the signature is of the CA before. With `takes_unlogged`, whatever the key
+/// signed. Errors: document_unlogged, document_superseded, those of DocumentVerifier.
 Result<DocumentOfCa> document_of(const std::filesystem::path& file, const OpenCa& ca,
                                  const pki::SigningLog& log, bool takes_unlogged, WallTime now);
 

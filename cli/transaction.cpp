@@ -1,5 +1,6 @@
 #include "cli/transaction.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <expected>
@@ -174,6 +175,55 @@ std::expected<mode_t, int> kind_at(const fs::path& target) {
   return std::unexpected(errno);
 }
 
+std::unexpected<Error> draft_lost(const Draft& draft) {
+  return fail(Code::file_unwritable,
+              {.document = draft.target,
+               .note = "another user or program removed the new file before it got its place"});
+}
+
+// A sticky folder's files are replaced by their owners, the folder's owner and root alone.
+bool is_protected(int folder, const struct stat& file) {
+  struct stat place {};
+  const auto user = ::geteuid();
+  return ::fstat(folder, &place) == 0 && (place.st_mode & S_ISVTX) != 0 && user != 0 &&
+         place.st_uid != user && file.st_uid != user;
+}
+
+// The folder may be another user's.
+Status check_can_be_put(const Draft& draft) {
+  const int folder = folder_descriptor(folder_of(draft.target));
+  struct stat status {};
+  const auto is_at = [&](const fs::path& path) {
+    return ::fstatat(folder, path.filename().c_str(), &status, AT_SYMLINK_NOFOLLOW) == 0;
+  };
+  if (!is_at(draft.draft) || !S_ISREG(status.st_mode)) return draft_lost(draft);
+  if (!is_at(draft.target)) return {};
+  if (S_ISDIR(status.st_mode)) return unwritable(draft.target, EISDIR);
+  return is_protected(folder, status) ? unwritable(draft.target, EPERM) : Status();
+}
+
+bool has_begun(const std::vector<Draft>& drafts) {
+  return std::ranges::any_of(drafts, [](const auto& one) { return one.draft.empty(); });
+}
+
+bool is_waiting(const Draft& draft) {
+  return ::faccessat(folder_descriptor(folder_of(draft.target)), draft.draft.filename().c_str(),
+                     F_OK, AT_SYMLINK_NOFOLLOW) == 0;
+}
+
+// Those that are not in place yet.
+bool are_there(const std::vector<Draft>& drafts) {
+  return std::ranges::all_of(drafts,
+                             [](const auto& one) { return one.draft.empty() || is_waiting(one); });
+}
+
+// After the commit: until then another list may name them.
+void remove_former_drafts(const std::vector<Draft>& drafts) {
+  std::vector<fs::path> targets;
+  for (const auto& draft : drafts) targets.push_back(target_in_open_folder(draft.target));
+  remove_drafts_of(targets);
+}
+
 // Where the last whole line of a file ends; -1 if it cannot be read.
 off_t end_of_last_line(int file) {
   off_t end = ::lseek(file, 0, SEEK_END);
@@ -291,54 +341,91 @@ Status Replacement::put(const fs::path& target, BytesView octets, unsigned mode,
   const bool may_go = *kind == S_IFLNK && links == Links::replaced;
   if (*kind != 0 && *kind != S_IFREG && !may_go)
     return fail(Code::would_overwrite, {.document = target, .note = "it is not a plain file"});
+  auto& folder = folders_.back();
   if (!dry_run) {
     auto draft = DDSSEC_TRY(write_draft(target, octets, mode));
-    drafts_.push_back({std::move(draft), target});
+    folder.drafts.push_back({std::move(draft), target});
   }
-  files_.push_back(written(target, octets, mode));
+  folder.files.push_back(written(target, octets, mode));
   return check_not_interrupted();
+}
+
+void Replacement::begin_folder(std::string name) { folders_.push_back({.name = std::move(name)}); }
+
+void Replacement::abandon_folder() {
+  for (const auto& draft : folders_.back().drafts) remove_draft(draft);
+  folders_.back() = {.name = folders_.back().name};
+}
+
+std::vector<Draft> Replacement::all_drafts() const {
+  std::vector<Draft> out;
+  for (const auto& folder : folders_)
+    out.insert(out.end(), folder.drafts.begin(), folder.drafts.end());
+  return out;
 }
 
 Result<std::vector<WrittenFile>> Replacement::commit() {
   DDSSEC_TRY(check_not_interrupted());
-  std::optional<Intent> intent;
-  if (drafts_.size() > 1)
-    intent.emplace(DDSSEC_TRY(Intent::write(folder_of(drafts_.front().target), drafts_)));
-  return put_in_place();
+  const auto drafts = all_drafts();
+  if (drafts.size() < 2) return put_in_place(nullptr);
+  auto intent = DDSSEC_TRY(Intent::write(folder_of(drafts.front().target), drafts));
+  return put_in_place(&intent);
 }
 
 Result<std::vector<WrittenFile>> Replacement::commit_each() {
   DDSSEC_TRY(check_not_interrupted());
-  return put_in_place();
+  return put_in_place(nullptr);
 }
 
-Result<std::vector<WrittenFile>> Replacement::put_in_place() {
-  for (auto& draft : drafts_) {
+// Looks first, so that a folder gets all of its files or none. What its owner does between the look
+// and a rename can still end it half way: the rest is for the next command then.
+Status Replacement::put_in_place(Folder& folder) {
+  for (const auto& draft : folder.drafts)
+    if (!draft.draft.empty()) DDSSEC_TRY(check_can_be_put(draft));
+  for (auto& draft : folder.drafts) {
+    if (draft.draft.empty()) continue;
     if (const int error = rename_draft(draft, 0); error != 0)
-      return unwritable(draft.target, error);
+      return is_waiting(draft) ? unwritable(draft.target, error) : draft_lost(draft);
     draft.draft.clear();
   }
-  remove_former_drafts();
-  return files_;
+  remove_former_drafts(folder.drafts);
+  return {};
 }
 
-// After the commit: until then another list may name them.
-void Replacement::remove_former_drafts() const {
-  std::vector<fs::path> targets;
-  for (const auto& draft : drafts_) targets.push_back(target_in_open_folder(draft.target));
-  remove_drafts_of(targets);
+Result<std::vector<WrittenFile>> Replacement::put_in_place(Intent* intent) {
+  const bool may_leave = intent != nullptr && intent->is_believed();
+  if (auto own = put_in_place(folders_.front()); !own) {
+    if (may_leave && has_begun(folders_.front().drafts)) {
+      intent->keep();
+      folders_.clear();
+    }
+    return std::unexpected(std::move(own).error());
+  }
+  std::vector<WrittenFile> files;
+  for (auto& folder : folders_) {
+    if (auto put = put_in_place(folder); put) {
+      files.insert(files.end(), folder.files.begin(), folder.files.end());
+      continue;
+    } else {
+      failures_.push_back({folder.name, std::move(put).error()});
+    }
+    if (!may_leave || !are_there(folder.drafts)) continue;
+    intent->keep();
+    folder.drafts.clear();
+  }
+  return files;
 }
 
 Replacement::~Replacement() {
-  for (const auto& draft : drafts_)
+  for (const auto& draft : all_drafts())
     if (!draft.draft.empty()) remove_draft(draft);
 }
 
-Status append_lines(const fs::path& target, std::string_view lines) {
+Status append_lines(const fs::path& target, std::string_view lines, const fs::path& lock) {
   if (dry_run) return {};
+  const auto held = DDSSEC_TRY(FileLock::of(lock));
   const File file(target, O_RDWR | O_CREAT, 0644);
   if (!file) return unwritable(target, errno);
-  DDSSEC_TRY(lock_file(file.number(), target, kLockPatience));
   const auto end = end_of_last_line(file.number());
   if (end < 0 || ::ftruncate(file.number(), end) != 0 ||
       ::lseek(file.number(), end, SEEK_SET) != end)

@@ -2,8 +2,11 @@
 // command is for.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/bytes.hpp"
@@ -73,6 +76,10 @@ class NewFolder {
 /// is renamed; a list of them is, too, so that the next command finishes what a killed one began. A
 /// target that is a symbolic link, a folder or a device is refused, so that nothing is written
 /// elsewhere.
+///
+/// What is put before begin_folder() belongs together: if it cannot be put in place, nothing is.
+/// What is put after it belongs to one participant's folder, which may be another user's: a folder
+/// that cannot be written keeps no other one from its files.
 class Replacement {
  public:
   /// What is done where a symbolic link is: the link itself is replaced, never what it leads to.
@@ -83,11 +90,26 @@ class Replacement {
   Status put_public(const std::filesystem::path& target, std::string_view text) {
     return put(target, as_bytes(text), 0644);
   }
-  /// Puts everything in its place, in the order of the calls. Errors: file_unwritable, interrupted.
+  /// From here on everything is for the folder of that name, up to the next call.
+  void begin_folder(std::string name);
+  /// Takes back what was put since begin_folder().
+  void abandon_folder();
+
+  /// Puts everything in its place, in the order of the calls. A folder that fails is in failures();
+  /// its files stay as they are. If a rename fails, the drafts and the list stay, so that the next
+  /// command can finish. Errors, for what was put before the first begin_folder(): file_unwritable,
+  /// interrupted.
   Result<std::vector<WrittenFile>> commit();
-  /// The same for files that do not depend on each other, such as one for each participant: no list
-  /// of them is written into a folder that may be another user's. Errors as commit.
+  /// The same without a list and without drafts that stay, for files that the next command makes
+  /// anew, such as a revocation list for each participant. Errors as commit.
   Result<std::vector<WrittenFile>> commit_each();
+
+  /// A folder whose files could not be put in place, and why.
+  struct Failure {
+    std::string folder;
+    Error error;
+  };
+  const std::vector<Failure>& failures() const { return failures_; }
 
   Replacement() = default;
   ~Replacement();
@@ -95,10 +117,17 @@ class Replacement {
   Replacement& operator=(const Replacement&) = delete;
 
  private:
-  Result<std::vector<WrittenFile>> put_in_place();
-  void remove_former_drafts() const;
-  std::vector<Draft> drafts_;
-  std::vector<WrittenFile> files_;
+  struct Folder {
+    std::string name = {};
+    std::vector<Draft> drafts = {};  ///< without a path once it is in place
+    std::vector<WrittenFile> files = {};
+  };
+
+  static Status put_in_place(Folder& folder);
+  Result<std::vector<WrittenFile>> put_in_place(Intent* intent);
+  std::vector<Draft> all_drafts() const;
+  std::vector<Folder> folders_ = {{}};  ///< first what is for no folder
+  std::vector<Failure> failures_;
 };
 
 /// One new file, complete or not there, never in place of another one.
@@ -108,8 +137,10 @@ Result<WrittenFile> write_new_file(const std::filesystem::path& target, BytesVie
 
 /// Adds whole lines to a text file, made with mode 0644 if it is not there. They are on the disk
 /// when this returns; a last line that an earlier crash cut short is removed first. Safe against
-/// other processes that do the same, for which it waits as lock_file does. Errors: file_unwritable,
-/// interrupted.
-Status append_lines(const std::filesystem::path& target, std::string_view lines);
+/// other processes that do the same with the same `lock`, a file that only its owner can open:
+/// every user who can read the text could hold a lock on it. Errors: those of FileLock::of,
+/// file_unwritable, interrupted.
+Status append_lines(const std::filesystem::path& target, std::string_view lines,
+                    const std::filesystem::path& lock);
 
 }  // namespace ddssec::cli

@@ -13,8 +13,10 @@
 
 #include <fmt/format.h>
 
+#include "base/tool_code.hpp"
 #include "cli/file_lock.hpp"
 #include "cli/held_folder.hpp"
+#include "cli/notices.hpp"
 #include "cli/transaction.hpp"
 
 namespace ddssec::cli {
@@ -104,6 +106,25 @@ bool is_ending(std::string_view ending) {
          ending.substr(0, ending.size() - 3).find_first_not_of(".0123456789") == ending.npos;
 }
 
+/// A line of a list.
+struct Entry {
+  fs::path target;
+  std::string ending;
+};
+
+// Nothing of a list that was cut short: nothing had been put in place yet.
+std::vector<Entry> entries_of(std::string_view text) {
+  std::vector<Entry> out;
+  if (!text.ends_with(kEnd)) return out;
+  text.remove_suffix(kEnd.size());
+  while (!text.empty()) {
+    const fs::path target = next_part(text);
+    const auto ending = next_part(text);
+    if (target.has_filename() && is_ending(ending)) out.push_back({target, std::string(ending)});
+  }
+  return out;
+}
+
 bool is_own(const struct stat& status) {
   return status.st_uid == ::geteuid() || status.st_uid == 0;
 }
@@ -144,23 +165,34 @@ struct List {
     return {};
   }
 
-  Status put_in_place(const fs::path& target, std::string_view ending) const {
-    if (!target.has_parent_path()) return put_in_place(folder, target.string(), ending);
-    if (reach == Reach::folder) return untrusted(path, "a file of another folder in it");
-    const Descriptor parent(open_folder(target.parent_path()));
-    if (!parent) return {};
-    return put_in_place(parent.number(), target.filename().string(), ending);
+  Status put_in_place(const Entry& entry) const {
+    return put_in_place(folder, entry.target.string(), entry.ending);
   }
 
-  Status finish(std::string_view text) const {
-    if (!text.ends_with(kEnd)) return {};  // cut short: nothing had been put in place yet
-    text.remove_suffix(kEnd.size());
-    while (!text.empty()) {
-      const fs::path target = next_part(text);
-      const auto ending = next_part(text);
-      if (target.has_filename() && is_ending(ending)) DDSSEC_TRY(put_in_place(target, ending));
+  // The folder's owner may not want the file, or may have put another one in the draft's place.
+  // False if the draft waits on.
+  bool put_elsewhere(const Entry& entry) const {
+    const Descriptor parent(open_folder(entry.target.parent_path()));
+    if (!parent) return errno == ENOENT || errno == ENOTDIR;
+    const auto put = put_in_place(parent.number(), entry.target.filename().string(), entry.ending);
+    if (put || put.error().code() == Code::unfinished_untrusted) return true;
+    add_notice(Error(tool_code::unfinished_left,
+                     {.document = entry.target, .note = put.error().details().note}));
+    return false;
+  }
+
+  /// What could not be put in place.
+  Result<std::vector<Entry>> finish(std::string_view text) const {
+    std::vector<Entry> left;
+    for (auto& entry : entries_of(text)) {
+      if (!entry.target.has_parent_path())
+        DDSSEC_TRY(put_in_place(entry));
+      else if (reach == Reach::folder)
+        return untrusted(path, "a file of another folder in it");
+      else if (!put_elsewhere(entry))
+        left.push_back(std::move(entry));
     }
-    return {};
+    return left;
   }
 };
 
@@ -182,43 +214,72 @@ Reach reach_of(const fs::path& folder, std::span<const Draft> drafts) {
   return is_inside ? Reach::folder : Reach::anywhere;
 }
 
-}  // namespace
-
-Result<Intent> Intent::write(const fs::path& folder, std::span<const Draft> drafts) {
-  DDSSEC_TRY(finish_interrupted(folder, reach_of(folder, drafts)));
-  const int at = folder_descriptor(folder);
-  Intent out(at, ::openat(at, kListName, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
-  const bool is_written = out.file_ >= 0 && ::flock(out.file_, LOCK_EX) == 0 &&
-                          write_whole(out.file_, text_of(folder, drafts));
-  if (!is_written) return cannot_write(folder / kListName);
+// What is left of a list, if it is there. A draft for a file that there is a newer draft for goes.
+std::vector<Draft> left_besides(std::vector<Entry> left, std::span<const Draft> drafts) {
+  std::vector<Draft> out;
+  std::error_code ignored;
+  for (auto& [target, ending] : left) {
+    fs::path draft = target.string() + ending;
+    const bool is_newer = std::ranges::any_of(drafts, [&](const auto& one) {
+      return fs::absolute(one.target, ignored).lexically_normal() == target.lexically_normal();
+    });
+    if (is_newer)
+      fs::remove(draft, ignored);
+    else
+      out.push_back({std::move(draft), std::move(target)});
+  }
   return out;
 }
 
-Intent::~Intent() {
-  if (file_ < 0) return;
-  ::unlinkat(folder_, kListName, 0);
-  ::close(file_);
-}
-
-Intent::Intent(Intent&& other) noexcept
-    : folder_(other.folder_), file_(std::exchange(other.file_, -1)) {}
-
-Status finish_interrupted(const fs::path& given, Reach reach) {
-  if (writes_nothing()) return {};
+// Waits for a process that is alive.
+Result<std::vector<Entry>> finish_list(const fs::path& given, Reach reach) {
   const fs::path at = given.empty() ? fs::path(".") : given;
   const Descriptor folder(open_folder(at));
-  if (!folder) return {};
+  if (!folder) return std::vector<Entry>();
   const Descriptor file(
       ::openat(folder.number(), kListName, O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
-  if (!file || !is_still_there(file.number())) return {};
+  if (!file || !is_still_there(file.number())) return std::vector<Entry>();
   const List list{at / kListName, folder.number(), reach};
   // First, whose it is: another user may hold a lock on a file of its own for ever.
   DDSSEC_TRY(check_trusted(list, file.number()));
   DDSSEC_TRY(lock_file(file.number(), list.path, kListPatience));
-  if (!is_still_there(file.number())) return {};
+  if (!is_still_there(file.number())) return std::vector<Entry>();
   DDSSEC_TRY(check_trusted(list, file.number()));
-  DDSSEC_TRY(list.finish(content_of(file.number())));
-  ::unlinkat(folder.number(), kListName, 0);
+  auto left = DDSSEC_TRY(list.finish(content_of(file.number())));
+  if (left.empty()) ::unlinkat(folder.number(), kListName, 0);
+  return left;
+}
+
+}  // namespace
+
+Result<Intent> Intent::write(const fs::path& folder, std::span<const Draft> drafts) {
+  auto left = DDSSEC_TRY(finish_list(folder, reach_of(folder, drafts)));
+  const bool has_left = !left.empty();
+  auto all = left_besides(std::move(left), drafts);
+  all.insert(all.end(), drafts.begin(), drafts.end());
+  const int at = folder_descriptor(folder);
+  if (has_left) ::unlinkat(at, kListName, 0);
+  Intent out(at, ::openat(at, kListName, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
+  const bool is_written = out.file_ >= 0 && ::flock(out.file_, LOCK_EX) == 0 &&
+                          write_whole(out.file_, text_of(folder, all));
+  if (!is_written) return cannot_write(folder / kListName);
+  out.is_kept_ = all.size() > drafts.size();
+  return out;
+}
+
+bool Intent::is_believed() const { return doubt_about(folder_, file_).empty(); }
+
+Intent::~Intent() {
+  if (file_ < 0) return;
+  if (!is_kept_) ::unlinkat(folder_, kListName, 0);
+  ::close(file_);
+}
+
+Intent::Intent(Intent&& other) noexcept
+    : folder_(other.folder_), file_(std::exchange(other.file_, -1)), is_kept_(other.is_kept_) {}
+
+Status finish_interrupted(const fs::path& folder, Reach reach) {
+  if (!writes_nothing()) DDSSEC_TRY(finish_list(folder, reach));
   return {};
 }
 

@@ -19,6 +19,10 @@ std::string member(const LogJson& object, const char* name) {
   return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
+std::string entry(const std::string& ca, const std::string& document) {
+  return ca + ' ' + document;
+}
+
 }  // namespace
 
 std::string document_digest(BytesView text) {
@@ -43,19 +47,27 @@ bool SigningLog::add_line(std::string_view line) {
   if (line.size() > kMaxLogLineOctets) return false;
   const auto object = LogJson::parse(line, nullptr, false);
   if (!object.is_object() || member(object, "event") != "signed") return false;
-  const Entry entry{member(object, "sha256"), member(object, "ca"), member(object, "file")};
-  if (entry.document.size() != kDigits || entry.ca.size() != kDigits) return false;
-  files_of_[entry.key()].push_back(entry.file);
-  last_in_[entry.file] = entry.key();
+  const auto document = member(object, "sha256"), ca = member(object, "ca"),
+             file = member(object, "file");
+  if (document.size() != kDigits || ca.size() != kDigits) return false;
+  signed_.insert(entry(ca, document));
+  files_of_[document].push_back(file);
+  last_in_[file] = document;
   return true;
 }
 
+bool SigningLog::is_last_of(const std::string& file, BytesView text) const {
+  const auto found = last_in_.find(file);
+  return found != last_in_.end() && found->second == document_digest(text);
+}
+
+// A new CA that signs the same text anew supersedes nothing: until its document is in place, the
+// old one is there.
 SigningLog::Standing SigningLog::standing(BytesView text, const Certificate& ca) const {
-  const Entry entry{document_digest(text), key_digest(ca), {}};
-  const auto found = files_of_.find(entry.key());
-  if (found == files_of_.end()) return Standing::unknown;
+  const auto document = document_digest(text);
+  if (!signed_.contains(entry(key_digest(ca), document))) return Standing::unknown;
   const bool is_current = std::ranges::any_of(
-      found->second, [&](const auto& file) { return last_in_.at(file) == entry.key(); });
+      files_of_.at(document), [&](const auto& file) { return last_in_.at(file) == document; });
   return is_current ? Standing::current : Standing::superseded;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "base/bytes.hpp"
@@ -23,8 +24,8 @@ class SigningLog {
   /// What the log says of a document.
   enum class Standing : std::uint8_t {
     unknown,     ///< not signed by this CA, by this log
-    superseded,  ///< signed, but a later document took its place in every file
-    current,
+    superseded,  ///< signed, but another text took its place in every file
+    current,     ///< the last text that was signed for a file, by this CA or by one that followed
   };
 
   /// Of an empty text, nothing was signed. A last line without line end is passed over: its
@@ -33,6 +34,9 @@ class SigningLog {
 
   /// What the log says of a document that `ca`'s key signed.
   Standing standing(BytesView text, const Certificate& ca) const;
+  /// True if a text is the last one that was signed for this file, by whichever of the CAs that the
+  /// log had. The log alone vouches for it: its signature need not be of a CA that still exists.
+  bool is_last_of(const std::string& file, BytesView text) const;
   /// The numbers, from 1, of the lines that could not be read.
   const std::vector<int>& unreadable() const { return unreadable_; }
 
@@ -41,18 +45,11 @@ class SigningLog {
                                  WallTime now);
 
  private:
-  struct Entry {
-    std::string document;  ///< document_digest()
-    std::string ca;        ///< key_digest() of the CA that signed it
-    std::string file;
-
-    std::string key() const { return ca + ' ' + document; }
-  };
-
   bool add_line(std::string_view line);
 
-  std::unordered_map<std::string, std::vector<std::string>> files_of_;  ///< by Entry::key()
-  std::unordered_map<std::string, std::string> last_in_;  ///< by file: the last Entry::key()
+  std::unordered_set<std::string> signed_;  ///< "key_digest() of the CA, document_digest()"
+  std::unordered_map<std::string, std::vector<std::string>> files_of_;  ///< by document_digest()
+  std::unordered_map<std::string, std::string> last_in_;  ///< by file: the last document_digest()
   std::vector<int> unreadable_;
 };
 

@@ -97,6 +97,13 @@ class Revocation(Transcript):
         self.assertEqual(sorted(out["serials"]), sorted(serials))
         self.assertEqual(self.crl_text().count("Serial Number:"), 2)
 
+    def test_a_clock_that_is_ahead_leaves_no_certificate_out(self):
+        self.run_program("identity", "issue", "talker", "--ca", "ca", "-o", "talker", "--replace", *LATER)
+        self.run_program("identity", "renew", "talker", "--ca", "ca", "--days", "3000", "--clamp", *LATER)
+        serials = [e["serial"] for e in self.log() if e["subject"] == "CN=talker"]
+        out = self.json("identity", "revoke", "talker", "--ca", "ca", "--now", "2029-01-01T00:00:00Z")["result"]
+        self.assertEqual((len(serials), sorted(out["serials"])), (3, sorted(serials)))
+
     def test_one_serial_number_in_either_case(self):
         serial = self.log()[1]["serial"]
         out = self.json("identity", "revoke", serial.lower(), "--ca", "ca", *LATER)["result"]

@@ -62,12 +62,12 @@ class Interrupted(Transcript):
     def everywhere(self, *words, after, again=None, refused=()):
         """`after`: commands that find all well when the command was run again (`again`: with these words). `refused`:
         exit codes of that run besides 0."""
-        base, number = self.at, 0
+        base, number = self.top / "before", 0
+        self.at.rename(base)
         try:
             while True:
                 number += 1
-                self.at = self.top / f"run{number}"
-                shutil.copytree(base, self.at, symlinks=True)
+                shutil.copytree(base, self.at, symlinks=True)  # to the same place, since the logs have paths
                 before = self.octets()
                 killed = self.kill_at(number, words)
                 left = self.octets()
@@ -89,7 +89,8 @@ class Interrupted(Transcript):
                 if not killed:
                     break
         finally:
-            self.at = base
+            shutil.rmtree(self.at, ignore_errors=True)
+            base.rename(self.at)
         self.assertGreater(number, 3, words)
 
     def test_what_makes_folders(self):

@@ -1,11 +1,15 @@
 // Preloaded by interrupted_test.py: kills the process, as SIGKILL does, just before its n-th call
 // that changes files (KILL_AT=n; 0: never), so that a test can stop a command between any two
-// writes.
+// writes. From the n-th write on, every one finds the disk full (FULL_AT=n). At the first rename,
+// a participant's owner removes the drafts in its folder (REMOVE_DRAFTS=pattern).
 #define _GNU_SOURCE
 #include <dlfcn.h>
+#include <errno.h>
 #include <fcntl.h>
+#include <glob.h>
 #include <signal.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <sys/stat.h>
 #include <sys/types.h>
@@ -18,6 +22,24 @@ static void count(void) {
     left = wanted == NULL ? 0 : atol(wanted);
   }
   if (left > 0 && --left == 0) kill(getpid(), SIGKILL);
+}
+
+static int is_full(void) {
+  static long left = -1;
+  if (left == -1) {
+    const char* wanted = getenv("FULL_AT");
+    left = wanted == NULL ? 0 : atol(wanted);
+  }
+  if (left > 1) return --left, 0;
+  return left == 1;
+}
+
+static void remove_drafts(void) {
+  const char* pattern = getenv("REMOVE_DRAFTS");
+  glob_t found;
+  if (pattern == NULL || glob(pattern, 0, NULL, &found) != 0) return;
+  for (size_t i = 0; i < found.gl_pathc; ++i) remove(found.gl_pathv[i]);
+  globfree(&found);
 }
 
 #define SEEN __attribute__((visibility("default")))
@@ -33,7 +55,16 @@ static void count(void) {
 CHANGE(int, rename, (const char* from, const char* to), (from, to))
 CHANGE(int, renameat2, (int d, const char* from, int e, const char* to, unsigned flags),
        (d, from, e, to, flags))
-CHANGE(int, renameat, (int d, const char* from, int e, const char* to), (d, from, e, to))
+
+SEEN int renameat(int d, const char* from, int e, const char* to) {
+  static int (*real)(int, const char*, int, const char*);
+  if (real == NULL)
+    real = (int (*)(int, const char*, int, const char*))dlsym(RTLD_NEXT, "renameat");
+  remove_drafts();
+  count();
+  return real(d, from, e, to);
+}
+
 CHANGE(int, unlinkat, (int d, const char* path, int flags), (d, path, flags))
 CHANGE(int, mkdir, (const char* path, mode_t mode), (path, mode))
 CHANGE(char*, mkdtemp, (char* path), (path))
@@ -58,6 +89,10 @@ SEEN ssize_t write(int file, const void* octets, size_t size) {
   if (real == NULL) real = (ssize_t(*)(int, const void*, size_t))dlsym(RTLD_NEXT, "write");
   struct stat status;
   if (fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) return real(file, octets, size);
+  if (is_full()) {
+    errno = ENOSPC;
+    return -1;
+  }
   count();
   const ssize_t done = size > 1 ? real(file, octets, size / 2) : 0;
   if (done < 0) return done;

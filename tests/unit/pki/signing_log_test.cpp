@@ -36,6 +36,29 @@ TEST(SigningLog, ALaterDocumentOfTheSameFileSupersedes) {
   EXPECT_EQ(again.standing(as_bytes("new"), c), Standing::superseded);
 }
 
+TEST(SigningLog, ACaThatSignsTheSameTextAnewSupersedesNothing) {
+  const auto old = make_ca();
+  const auto next = make_ca();
+  const auto text = line("a", old.certificate(), "/p") + line("a", next.certificate(), "/p");
+  const auto log = SigningLog::parse(as_bytes(text));
+  EXPECT_EQ(log.standing(as_bytes("a"), old.certificate()), Standing::current);
+  EXPECT_EQ(log.standing(as_bytes("a"), next.certificate()), Standing::current);
+  const auto later = SigningLog::parse(as_bytes(text + line("b", next.certificate(), "/p")));
+  EXPECT_EQ(later.standing(as_bytes("a"), old.certificate()), Standing::superseded);
+  EXPECT_EQ(later.standing(as_bytes("b"), old.certificate()), Standing::unknown);
+}
+
+TEST(SigningLog, KnowsTheLastTextOfAFileWhicheverCaSignedIt) {
+  const auto ca = make_ca();
+  const auto& c = ca.certificate();
+  const auto log = SigningLog::parse(
+      as_bytes(line("old", c, "/p") + line("new\n", c, "/p") + line("other", c, "/q")));
+  EXPECT_TRUE(log.is_last_of("/p", as_bytes("new\r\n")));
+  EXPECT_FALSE(log.is_last_of("/p", as_bytes("old")));
+  EXPECT_FALSE(log.is_last_of("/p", as_bytes("other")));
+  EXPECT_FALSE(log.is_last_of("/r", as_bytes("new\n")));
+}
+
 TEST(SigningLog, ALineThatCannotBeReadCountsForNothingAndIsTold) {
   const auto ca = make_ca();
   const auto& c = ca.certificate();
