@@ -206,8 +206,11 @@ void add_host_plugins(Report& report, const std::vector<doctor::HostPlugin>& plu
   if (std::ranges::all_of(plugins, [](const auto& plugin) { return plugin.file.empty(); })) return;
   report.text += "with this LD_LIBRARY_PATH Cyclone DDS would load\n";
   for (const auto& plugin : plugins) {
-    report.text += fmt::format("  {:<15} {}{}\n", plugin.role, maker_of(plugin),
-                               plugin.file.empty() ? "" : ": " + plugin.file.string());
+    const auto missing = plugin.missing.empty() ? ""
+                                                : fmt::format(" (cannot be loaded without {})",
+                                                              fmt::join(plugin.missing, ", "));
+    report.text += fmt::format("  {:<15} {}{}{}\n", plugin.role, maker_of(plugin),
+                               plugin.file.empty() ? "" : ": " + plugin.file.string(), missing);
     using enum doctor::HostPlugin::Maker;
     Json row = {{"role", plugin.role}, {"library", plugin.library}};
     row["file"] = plugin.file.empty() ? Json() : Json(plugin.file.string());
@@ -255,7 +258,10 @@ Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
   doctor::check_shared_memory(loaded, doctor::cyclonedds_configuration(), settings, diagnosis);
   const auto places = doctor::LoaderPlaces::here();
   const auto plugins = host_plugins_for(folder, arguments.has("--ros"), places);
-  if (!arguments.has("--ros")) doctor::check_host_plugins(plugins, places, diagnosis);
+  if (arguments.has("--ros"))
+    doctor::check_loadable(plugins, diagnosis);
+  else
+    doctor::check_host_plugins(plugins, places, is_there(folder / "cyclonedds.xml"), diagnosis);
   doctor::check_lint(loaded, settings, diagnosis);
   report.result = {{"domain", domain}};
   report.result.update(add_diagnosis(report, folder, diagnosis, settings, products));

@@ -9,9 +9,11 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "governance/doctor/cyclonedds_configuration.hpp"
 #include "governance/doctor/installed.hpp"
+#include "governance/doctor/needed_libraries.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
@@ -112,13 +114,34 @@ std::string version_in(std::string_view octets) {
   return std::string(rest.substr(0, rest.find_first_not_of("0123456789.")));
 }
 
+// What the file needs and the loader would not find. A missing library of these libraries is not
+// looked for: their packages bring it.
+std::vector<std::string> missing_for(const fs::path& file, std::string_view octets,
+                                     const LoaderPlaces& places) {
+  const auto needed = needed_libraries(octets);
+  auto own = folders_of(needed.search_path);
+  for (auto& folder : own) {
+    const auto text = folder.string();
+    if (text.starts_with("$ORIGIN"))
+      folder = file.parent_path().string() + text.substr(std::string_view("$ORIGIN").size());
+  }
+  std::vector<std::string> out;
+  for (const auto& name : needed.names)
+    if (!name.starts_with("ld-linux") && found_in(own, name).empty() &&
+        found_by_loader(name, places).empty())
+      out.push_back(name);
+  return out;
+}
+
 HostPlugin plugin_of(const Kind& kind, std::string library, const LoaderPlaces& places) {
   HostPlugin out{.role = kind.role, .library = std::move(library), .file = {}};
   out.file = found(out.library, places);
   if (out.file.empty()) return out;
   const auto octets = octets_of(out.file);
   out.maker = octets.find(kOurMark) != octets.npos ? Maker::ours : Maker::other;
-  if (out.maker == Maker::ours) out.version = version_in(octets);
+  if (out.maker != Maker::ours) return out;
+  out.version = version_in(octets);
+  out.missing = missing_for(out.file, octets, places);
   return out;
 }
 
@@ -165,24 +188,83 @@ std::string sign_of_ours(const fs::path& folder, const std::vector<HostPlugin>& 
   return {};
 }
 
-constexpr auto kHint =
-    "let LD_LIBRARY_PATH begin with the folder that has ddssec's three libdds_security_*.so "
-    "(build/release/dropin) where the application starts; the application's log then says "
-    "plugins_in_use";
+std::string hint_for(const LoaderPlaces& places) {
+  const auto what =
+      places.dropin.empty()
+          ? "let LD_LIBRARY_PATH begin with the folder that has ddssec's three "
+            "libdds_security_*.so (lib/ddssec/dropin of an installation, "
+            "build/release/dropin of a build)"
+          : fmt::format("export LD_LIBRARY_PATH={}:$LD_LIBRARY_PATH", places.dropin.string());
+  return what + " where the application starts; the application's log then says plugins_in_use";
+}
 
-Finding finding_of(std::string message, const std::vector<HostPlugin>& plugins) {
+Finding finding_of(std::string message, const std::vector<HostPlugin>& plugins,
+                   const LoaderPlaces& places) {
   return {.rule = Rule::DOC068,
           .message = std::move(message),
           .document = plugins.front().file,
-          .hint = kHint,
+          .hint = hint_for(places),
           .severity = Severity::warning};
+}
+
+// The host goes on without them, and without a word.
+Finding not_loadable(const std::vector<HostPlugin>& plugins) {
+  std::set<std::string> missing;
+  for (const auto& plugin : plugins) missing.insert(plugin.missing.begin(), plugin.missing.end());
+  const auto& first = *std::ranges::find_if(
+      plugins, [](const HostPlugin& plugin) { return !plugin.missing.empty(); });
+  return {.rule = Rule::DOC068,
+          .message = fmt::format(
+              "ddssec's plugins in {} cannot be loaded: {} {} not on this machine; Cyclone DDS "
+              "would run its own plugins instead, if it finds them, and say nothing",
+              first.file.parent_path().string(), fmt::join(missing, ", "),
+              missing.size() == 1 ? "is" : "are"),
+          .document = first.file,
+          .hint =
+              "install the packages that the drop-in needs "
+              "(docs/secure-two-cyclone-applications.md, \"On two machines\"); "
+              "ldd names each library",
+          .severity = Severity::warning};
+}
+
+// The folder in which the drop-in of this very program lies: of an installation or of a build.
+fs::path own_dropin() {
+  std::error_code error;
+  const auto program = fs::read_symlink("/proc/self/exe", error);
+  if (error) return {};
+  const auto prefix = program.parent_path().parent_path();
+  for (const auto* name : {"lib/ddssec/dropin", "dropin"})
+    if (is_file(prefix / name / "libdds_security_auth.so")) return prefix / name;
+  return {};
+}
+
+void check_stock_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlaces& places,
+                         bool were_ours_meant, Diagnosis& out) {
+  for (const auto& folder : folders_of(places.library_path))
+    if (const auto sign = sign_of_ours(folder, plugins); !sign.empty())
+      return out.report(
+          {.ours = Outcome::fail},
+          finding_of(fmt::format("Cyclone DDS would not load ddssec's plugins, although "
+                                 "LD_LIBRARY_PATH seems to name them: {} ({})",
+                                 sign, listed(plugins)),
+                     plugins, places));
+  if (!were_ours_meant || plugins.front().file.empty()) return;
+  auto finding = finding_of(
+      fmt::format("an application on Cyclone DDS that starts with this LD_LIBRARY_PATH runs the "
+                  "stock plugins, not ddssec's: {}",
+                  listed(plugins)),
+      plugins, places);
+  finding.vendors = {"ours"};
+  out.report({}, std::move(finding));
 }
 
 }  // namespace
 
 LoaderPlaces LoaderPlaces::here() {
   const char* const path = std::getenv("LD_LIBRARY_PATH");
-  LoaderPlaces out{.library_path = path != nullptr ? path : "", .system = library_folders("")};
+  LoaderPlaces out{.library_path = path != nullptr ? path : "",
+                   .system = library_folders(""),
+                   .dropin = own_dropin()};
   for (const auto& folder : out.system) out.after_loader.push_back(folder / "libddsc0debian");
   return out;
 }
@@ -218,7 +300,7 @@ bool is_ours(const fs::path& library) {
 }
 
 void check_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlaces& places,
-                        Diagnosis& out) {
+                        bool were_ours_meant, Diagnosis& out) {
   if (plugins.empty()) return;
   std::set<Maker> makers;
   std::set<std::string> versions;
@@ -229,23 +311,25 @@ void check_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlac
   if (makers.size() > 1 && makers.contains(Maker::none))
     return out.report(
         {.cyclonedds = Outcome::fail, .ours = Outcome::fail},
-        finding_of("Cyclone DDS would not find all of its plugins: " + listed(plugins), plugins));
+        finding_of("Cyclone DDS would not find all of its plugins: " + listed(plugins), plugins,
+                   places));
   // They work together, without what only ours refuse and report.
   if (makers.size() > 1 || versions.size() > 1)
     return out.report(
         {.ours = Outcome::unsafe},
         finding_of(fmt::format("Cyclone DDS would load plugins of two {}: {}",
                                makers.size() > 1 ? "products" : "versions", listed(plugins)),
-                   plugins));
-  if (makers.contains(Maker::ours)) return out.pass(Rule::DOC068);
-  for (const auto& folder : folders_of(places.library_path))
-    if (const auto sign = sign_of_ours(folder, plugins); !sign.empty())
-      return out.report(
-          {.ours = Outcome::fail},
-          finding_of(fmt::format("Cyclone DDS would not load ddssec's plugins, although "
-                                 "LD_LIBRARY_PATH seems to name them: {} ({})",
-                                 sign, listed(plugins)),
-                     plugins));
+                   plugins, places));
+  if (!makers.contains(Maker::ours))
+    return check_stock_plugins(plugins, places, were_ours_meant, out);
+  out.pass(Rule::DOC068);
+  check_loadable(plugins, out);
+}
+
+void check_loadable(const std::vector<HostPlugin>& plugins, Diagnosis& out) {
+  const auto is_loadable = [](const HostPlugin& plugin) { return plugin.missing.empty(); };
+  if (!std::ranges::all_of(plugins, is_loadable))
+    out.report({.ours = Outcome::fail}, not_loadable(plugins));
 }
 
 }  // namespace ddssec::governance::doctor

@@ -18,6 +18,7 @@ struct LoaderPlaces {
   std::filesystem::path cache = "/etc/ld.so.cache";      ///< what ldconfig wrote
   std::vector<std::filesystem::path> system = {};        ///< its own folders, in their order
   std::vector<std::filesystem::path> after_loader = {};  ///< where the host looks by itself then
+  std::filesystem::path dropin = {};  ///< of this program's installation or build; empty: none
 
   /// Of this process: its variable, and the folders of this machine.
   static LoaderPlaces here();
@@ -31,6 +32,8 @@ struct HostPlugin {
   std::filesystem::path file;  ///< empty: nothing is found
   Maker maker = Maker::none;
   std::string version = {};  ///< of ours; empty: not known
+  std::vector<std::string> missing =
+      {};  ///< libraries that ours needs and the loader would not find
 };
 /// "ddssec 0.1.0", "stock, not ddssec's", "not found".
 std::string maker_of(const HostPlugin& plugin);
@@ -44,10 +47,12 @@ std::vector<HostPlugin> plugins_of_node(const LoaderPlaces& places);
 /// True if the file says that it is of ddssec. Not by loading it: that would run its code.
 bool is_ours(const std::filesystem::path& library);
 
-/// Reports plugins that are missing or of several products or versions, and others in place of ours
-/// where LD_LIBRARY_PATH shows that ours were meant: the application runs nevertheless, and
-/// says nothing.
+/// Reports plugins that are missing, of several products or versions, or not to be loaded, and
+/// others in place of ours where LD_LIBRARY_PATH or `were_ours_meant` says that ours were meant:
+/// the application runs nevertheless, and says nothing.
 void check_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlaces& places,
-                        Diagnosis& out);
+                        bool were_ours_meant, Diagnosis& out);
+/// Reports plugins of ours that cannot be loaded here, and nothing else.
+void check_loadable(const std::vector<HostPlugin>& plugins, Diagnosis& out);
 
 }  // namespace ddssec::governance::doctor

@@ -415,14 +415,19 @@ class Golden(WithoutLists):
         stock = self.libraries("stock", "init_crypto")
         found, told = plugins(stock, 0)
         self.assertEqual([p[1] for p in found], ["other"] * 3)
-        self.assertEqual(told, [])
+        self.assertIn("runs the stock plugins, not ddssec's: authentication: stock", told[0]["message"])
+        self.assertIn("export LD_LIBRARY_PATH=", told[0]["hint"])
+        text = self.run_program("doctor", "demo/talker", environment={"LD_LIBRARY_PATH": stock}).stdout
+        self.assertNotIn("nothing found", text)
+        named = f"file://{self.at}/demo/talker/cyclonedds.xml"
+        self.assertEqual(plugins(stock, 0, self.paths["correct"], CYCLONEDDS_URI=named)[1], [])
         told = plugins(f"{stock}:{ours}", 1)[1]
         self.assertIn("ours/libdds_security_auth.so is ddssec's, and", told[0]["message"])
         mixed = self.libraries("mixed", "ddssec_", ["crypto"])
         told = plugins(f"{mixed}:{stock}", 1)[1]
         self.assertEqual(told[0]["severity"], "warning")
         self.assertIn("of two products: authentication: stock, not ddssec's", told[0]["message"])
-        self.assertIn("begin with the folder that has ddssec's", told[0]["hint"])
+        self.assertIn("export LD_LIBRARY_PATH=", told[0]["hint"])
         # Without a configuration nobody knows the names; CYCLONEDDS_URI comes first.
         self.assertEqual(plugins(ours, 0, self.paths["correct"]), ([], []))
         named = f"file://{self.at}/demo/talker/cyclonedds.xml"

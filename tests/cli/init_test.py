@@ -31,7 +31,7 @@ class Init(Transcript):
         self.assertEqual([p["not_after"] for p in out["result"]["participants"]],
                          ["2027-11-21T00:00:00Z"] * 2)
         for name in ("a", "b"):
-            self.assertEqual(self.json("doctor", f"demo/{name}", *NOW)["diagnostics"], [])
+            self.assertEqual(self.faults(self.json("doctor", f"demo/{name}", *NOW)), [])
             self.json("can", f"demo/{name}", "publish", "anything", *NOW)
             self.json("can", f"demo/{name}", "subscribe", "a", "--partition", "p", *NOW)
             self.openssl("verify", "-attime", "1795305600", "-CAfile", "demo/ca/identity/ca.pem",
@@ -52,6 +52,10 @@ class Init(Transcript):
         self.assertEqual(sorted(out["folders"]),
                          [str(self.at / "demo/listener"), str(self.at / "demo/third")])
 
+    def faults(self, out):
+        """Of the folder: that no LD_LIBRARY_PATH names ddssec's plugins is a matter of the shell."""
+        return [d["id"] for d in out["diagnostics"] if d["id"] != "DOC068"]
+
     def test_the_next_line_works_as_it_is_printed(self):
         for more in ((), ("--domain", "7"), ("--domain", "7", "--layout", "sros2")):
             with self.subTest(options=more):
@@ -60,7 +64,7 @@ class Init(Transcript):
                 command = next(line for line in done.stdout.splitlines() if line.startswith("next: ddssec "))
                 out = self.json(*command.split()[2:], *NOW)
                 self.assertEqual(out["result"]["domain"], 7 if more else 0)
-                self.assertEqual([d["id"] for d in out["diagnostics"]], [])
+                self.assertEqual(self.faults(out), [])
 
     def test_everybody_has_the_list_from_the_beginning(self):
         for layout, talker in (("flat", "flat/talker"), ("sros2", "sros2/enclaves/talker")):

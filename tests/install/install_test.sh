@@ -80,6 +80,21 @@ once "$no_rule" "$add_domain" "$installed/bin/ddssec-keeper" --domain 122 --secu
 }
 once "$not_allowed" "$add_topic" "$scratch/examples/publisher" "$scratch/demo/elsewhere" 121 lo
 
+# README's program, as it stands there, between the examples: its one sample arrives.
+mkdir "$scratch/readme"
+cp "$examples/CMakeLists.txt" "$examples"/*.idl "$examples/subscriber.cpp" "$scratch/readme"
+sed -n '/^```cpp$/,/^```$/{/^```/d;p}' "$source/README.md" >"$scratch/readme/publisher.cpp"
+cmake -G Ninja -S "$scratch/readme" -B "$scratch/readme/build" -DCMAKE_PREFIX_PATH="$installed" >"$scratch/configure.log"
+cmake --build "$scratch/readme/build" >"$scratch/build.log" || { cat "$scratch/build.log"; die "README's program"; }
+"$installed/bin/ddssec" init "$scratch/readme/demo" --quiet >/dev/null || die "ddssec init"
+timeout 20 "$scratch/readme/build/subscriber" "$scratch/readme/demo/listener" >"$scratch/readings" 2>"$scratch/subscriber.log" &
+subscriber=$!
+(cd "$scratch/readme" && timeout 15 build/publisher) 2>"$scratch/publisher.log" ||
+  { cat "$scratch/publisher.log" "$scratch/subscriber.log"; die "README's program matches nobody"; }
+sleep 0.5
+kill "$subscriber"
+grep -q '^kitchen 21.5' "$scratch/readings" || { cat "$scratch/subscriber.log"; die "README's sample did not arrive"; }
+
 for file in "$examples"/*.cpp; do
   [ "$(wc -l <"$file")" -lt 40 ] || die "$file is no small example any more"
 done

@@ -1,10 +1,13 @@
 #include "governance/doctor/host_plugins.hpp"
 
+#include <cstring>
+#include <elf.h>
 #include <fstream>
 
 #include <gmock/gmock.h>
 
 #include "fixture.hpp"
+#include "governance/doctor/needed_libraries.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
@@ -51,7 +54,7 @@ class HostPlugins : public Folders {
   }
   Diagnosis said() const {
     Diagnosis out;
-    check_host_plugins(found(), places_, out);
+    check_host_plugins(found(), places_, were_ours_meant_, out);
     return out;
   }
   std::string message() const {
@@ -60,6 +63,7 @@ class HostPlugins : public Folders {
     return rules_of(all).empty() ? "" : finding_of(all, Rule::DOC068).message;
   }
   LoaderPlaces places_;
+  bool were_ours_meant_ = false;
 };
 
 TEST_F(HostPlugins, AreThoseThatTheLoaderFindsFirst) {
@@ -78,6 +82,69 @@ TEST_F(HostPlugins, OfAnotherProductAreNoFaultWhereNothingNamesOurs) {
   EXPECT_EQ(found()[2].file, root_ / "system/private/libdds_security_crypto.so");
   EXPECT_THAT(rules_of(said()), IsEmpty());
   EXPECT_THAT(said().checks(), IsEmpty());
+}
+
+TEST_F(HostPlugins, OfAnotherProductAreTold_InAFolderThatWasMadeForOurs) {
+  path({});
+  were_ours_meant_ = true;
+  EXPECT_THAT(message(), HasSubstr("runs the stock plugins, not ddssec's: authentication: stock"));
+  EXPECT_EQ(said().outcomes(),
+            (Outcomes{}));  // it starts, and who runs no Cyclone DDS may not care
+  EXPECT_THAT(finding_of(said(), Rule::DOC068).hint,
+              HasSubstr("lib/ddssec/dropin of an installation"));
+  places_.dropin = "/opt/ddssec/lib/ddssec/dropin";
+  EXPECT_THAT(finding_of(said(), Rule::DOC068).hint,
+              HasSubstr("export LD_LIBRARY_PATH=/opt/ddssec/lib/ddssec/dropin:$LD_LIBRARY_PATH"));
+  path({"ours"});
+  EXPECT_THAT(rules_of(said()), IsEmpty());
+  fs::remove_all(root_ / "system");
+  path({});
+  EXPECT_THAT(rules_of(said()), IsEmpty());  // a machine without Cyclone DDS
+}
+
+/// An ELF file with nothing but a dynamic section, which needs one library.
+std::string elf_that_needs(const std::string& library) {
+  Elf64_Ehdr header{};
+  std::memcpy(header.e_ident, ELFMAG, SELFMAG);
+  header.e_ident[EI_CLASS] = ELFCLASS64;
+  header.e_shentsize = sizeof(Elf64_Shdr);
+  header.e_shnum = 2;
+  header.e_shoff = sizeof header;
+  const std::string texts = std::string(1, '\0') + library + '\0' + "$ORIGIN/beside" + '\0';
+  const Elf64_Dyn entries[] = {
+      {DT_NEEDED, {1}}, {DT_RUNPATH, {library.size() + 2}}, {DT_NULL, {0}}};
+  Elf64_Shdr dynamic{}, strings{};
+  dynamic.sh_type = SHT_DYNAMIC;
+  dynamic.sh_link = 1;
+  dynamic.sh_offset = sizeof header + 2 * sizeof dynamic;
+  dynamic.sh_size = sizeof entries;
+  strings.sh_type = SHT_STRTAB;
+  strings.sh_offset = dynamic.sh_offset + dynamic.sh_size;
+  strings.sh_size = texts.size();
+  std::string out;
+  const auto put = [&](const auto& value) {
+    out.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  put(header);
+  put(dynamic);
+  put(strings);
+  put(entries);
+  return out + texts + "ddssec plugin version 1.2.3 of ddssec_x";
+}
+
+TEST_F(HostPlugins, OfOursThatCannotBeLoadedAreTold) {
+  const auto octets = elf_that_needs("libnowhere.so.23");
+  put("ours", "ac", octets);
+  path({"ours"});
+  EXPECT_THAT(message(), HasSubstr("libnowhere.so.23 is not on this machine"));
+  EXPECT_EQ(said().outcomes(), (Outcomes{.ours = Outcome::fail}));
+  fs::create_directories(root_ / "ours/beside");
+  std::ofstream(root_ / "ours/beside/libnowhere.so.23") << "found beside it";
+  EXPECT_THAT(rules_of(said()), IsEmpty());
+  fs::rename(root_ / "ours/beside/libnowhere.so.23", root_ / "system/libnowhere.so.23");
+  EXPECT_THAT(rules_of(said()), IsEmpty());
+  for (std::size_t size = 0; size < octets.size(); ++size)  // and nothing is read that is not there
+    EXPECT_LE(needed_libraries(octets.substr(0, size)).names.size(), 1u);
 }
 
 TEST_F(HostPlugins, OfTwoProductsAreTold) {

@@ -1,0 +1,18 @@
+// Which shared libraries a shared library cannot do without.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ddssec::governance::doctor {
+
+/// What the octets of an ELF file of 64 bits say in its dynamic section. Nothing is loaded.
+struct NeededLibraries {
+  std::vector<std::string> names = {};  ///< DT_NEEDED, such as libsodium.so.23
+  std::string search_path = {};         ///< DT_RUNPATH or DT_RPATH; may contain $ORIGIN
+};
+/// Empty for octets of any other form.
+NeededLibraries needed_libraries(std::string_view octets);
+
+}  // namespace ddssec::governance::doctor
