@@ -7,15 +7,14 @@
 #include "pki/source.hpp"
 #include "plugins/spi/property_file.hpp"
 #include "plugins/spi/property_names.hpp"
+#include "secured/folder_check.hpp"
 
 namespace ddssec::secured {
 
 Result<spi::PropertyList> folder_properties(const std::filesystem::path& path) {
   namespace property = spi::property;
+  DDSSEC_TRY(check_is_participant(path));
   std::error_code error;
-  if (!std::filesystem::is_directory(path, error))
-    return fail(Code::file_unreadable,
-                {.document = path.string(), .expected = "a participant's folder"});
   const auto folder = pki::participant_folder(path);
   spi::PropertyList out;
   const auto add = [&](std::string_view name, const std::filesystem::path& file) {

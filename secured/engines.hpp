@@ -31,7 +31,7 @@ class Engines {
 /// Names the documents of a participant's folder, as `ddssec init` or a ROS 2 keystore has it; a
 /// list of revoked certificates (crl.pem) counts if it is there, and when it comes later; a file of
 /// further properties (security.properties, spi/property_file.hpp) if it is there. Errors:
-/// file_unreadable (there is no such folder), those of spi::read_property_file,
+/// file_not_found, file_unreadable (no participant's folder), those of spi::read_property_file,
 /// property_without_effect (a further property that a file of the folder sets). What is in the
 /// documents is judged when a participant is made.
 Result<spi::PropertyList> folder_properties(const std::filesystem::path& folder);

@@ -89,8 +89,32 @@ TEST(SecuredParticipant, WithoutAFolderThereIsNone) {
   test::Silent quiet;
   const auto participant = Participant::join("/nowhere/at/all", {.domain_id = 122}, &quiet);
   ASSERT_FALSE(participant);
-  EXPECT_EQ(participant.error().code(), Code::file_unreadable);
+  EXPECT_EQ(participant.error().code(), Code::file_not_found);
   EXPECT_THAT(participant.error().to_sentence(), HasSubstr("/nowhere/at/all"));
+}
+
+std::string sentence_of(const fs::path& path) {
+  const auto properties = folder_properties(path);
+  return properties ? "" : properties.error().to_sentence();
+}
+
+TEST(FolderProperties, OfAnotherFolderNameTheParticipantsNearby) {
+  const Folder folder;
+  for (const auto* name : {"demo/talker", "demo/listener", "demo/ca/identity"})
+    fs::create_directories(folder.path / name);
+  folder.put("demo/talker/cert.pem");
+  folder.put("demo/listener/identity_ca.pem");
+  folder.put("demo/ca/identity/ca.pem");
+  folder.put("demo/ca/identity/ca.key.pem");
+  const auto demo = folder.path / "demo";
+  const auto both = (demo / "listener").string() + ", " + (demo / "talker").string();
+  EXPECT_THAT(sentence_of(demo / "talkr"), HasSubstr("participants here: " + both));
+  EXPECT_THAT(sentence_of(demo), HasSubstr("demo is no participant's folder"));
+  EXPECT_THAT(sentence_of(demo / ""), HasSubstr("it holds participants: " + both));
+  EXPECT_THAT(sentence_of(demo / "ca"), HasSubstr("ca is the folder of a CA"));
+  EXPECT_THAT(sentence_of(demo / "ca/identity"), HasSubstr("participants of it may be " + both));
+  EXPECT_EQ(folder_properties(demo / "talker/cert.pem").error().code(), Code::file_unreadable);
+  EXPECT_THAT(sentence_of(folder.path / "else/where"), HasSubstr("ddssec init"));
 }
 
 TEST(SecuredParticipant, AFileThatIsMissingIsNamed) {

@@ -1,0 +1,83 @@
+#include "secured/folder_check.hpp"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "pki/participant_folder.hpp"
+
+namespace ddssec::secured {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_there(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(fs::symlink_status(path, ignored));
+}
+
+bool is_participant(const fs::path& folder) {
+  const auto files = pki::participant_folder(folder);
+  return is_there(files.certificate) || is_there(files.identity_ca);
+}
+
+bool is_of_a_ca(const fs::path& folder) {
+  return is_there(folder / "ca.key.pem") || is_there(folder / "identity/ca.pem");
+}
+
+// "it holds participants: demo/listener, demo/talker"; empty without any.
+std::string participants_in(const fs::path& folder, std::string words) {
+  constexpr int kMostLooks = 1'000;
+  constexpr std::size_t kMostShown = 4;
+  std::vector<fs::path> found;
+  std::error_code error;
+  int looks = 0;
+  const auto start = folder.empty() ? fs::path(".") : folder;
+  for (fs::directory_iterator at(start, error), end; !error && at != end; at.increment(error)) {
+    if (++looks > kMostLooks) break;
+    const auto path = folder / at->path().filename();
+    if (is_participant(path)) found.push_back(path);
+  }
+  if (found.empty()) return {};
+  std::ranges::sort(found);
+  for (std::size_t i = 0; i < std::min(found.size(), kMostShown); ++i)
+    words += (i == 0 ? "" : ", ") + found[i].string();
+  return found.size() > kMostShown ? words + " and more" : words;
+}
+
+fs::path without_slash(const fs::path& path) {
+  return path.has_filename() ? path : path.parent_path();
+}
+
+}  // namespace
+
+Status check_is_participant(const fs::path& given) {
+  const auto folder = without_slash(given.lexically_normal());
+  std::error_code error;
+  if (!fs::is_directory(given, error)) {
+    const auto near = participants_in(folder.parent_path(), "participants here: ");
+    return fail(
+        is_there(given) ? Code::file_unreadable : Code::file_not_found,
+        {.document = given.string(),
+         .expected = "a participant's folder",
+         .hint = near.empty() ? "name a folder that ddssec init or identity issue made" : near});
+  }
+  if (is_participant(given)) return {};
+  const auto refuse = [&](const char* what, std::string hint) {
+    return fail(Code::file_not_found,
+                {.document = pki::participant_folder(given).certificate.string(),
+                 .note = given.string() + what,
+                 .hint = std::move(hint)});
+  };
+  if (is_of_a_ca(given)) {
+    auto near = participants_in(folder.parent_path(), "participants of it may be ");
+    if (near.empty())
+      near = participants_in(folder.parent_path().parent_path(), "participants of it may be ");
+    return refuse(" is the folder of a CA", std::move(near));
+  }
+  if (auto inside = participants_in(folder, "it holds participants: "); !inside.empty())
+    return refuse(" is no participant's folder", std::move(inside));
+  return {};
+}
+
+}  // namespace ddssec::secured
