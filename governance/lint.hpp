@@ -19,7 +19,7 @@ struct GovernanceUse {
   bool choices = false;  ///< also GOV042 and GOV044, which most documents have for good reasons
 };
 
-/// Findings GOV001 to GOV044, by line. Errors stop `governance sign`.
+/// Findings GOV001 to GOV046, by line. Errors stop `governance sign`.
 std::vector<Finding> lint(const Governance& governance, const GovernanceUse& use = {});
 
 /// What a permissions document is meant for. What is not given is not looked at.

@@ -302,6 +302,32 @@ void check_clear_discovery(Findings& out, const DomainPlace& place) {
   out.add(std::move(finding));
 }
 
+// The destination stands in the clear in front of a protected submessage, and one key serves all
+// receivers: only a MAC for each of them, or a protected message around both, binds the two.
+void check_redirection(Findings& out, const DomainPlace& place) {
+  const auto& rule = place.rule;
+  if (is_protected(rule.rtps_protection_kind)) return;
+  const auto is_exposed = [](ProtectionKind kind) {
+    return is_protected(kind) && !is_origin_authenticated(kind);
+  };
+  std::vector<std::string> kinds;
+  for (const auto& [name, kind] :
+       {std::pair("discovery_protection_kind", rule.discovery_protection_kind),
+        std::pair("liveliness_protection_kind", rule.liveliness_protection_kind)})
+    if (is_exposed(kind)) kinds.emplace_back(name);
+  const auto topic =
+      std::ranges::find_if(rule.topic_rules, is_exposed, &TopicRule::metadata_protection_kind);
+  if (topic != rule.topic_rules.end())
+    kinds.push_back("metadata_protection_kind of " + in_quotes(topic->topic_expression));
+  if (kinds.empty()) return;
+  out.add(place.about(
+      GOV046,
+      fmt::format("{} without origin authentication, while rtps_protection_kind is NONE: an "
+                  "attacker on the path can send what is meant for one participant to "
+                  "another, so that reliable samples, or endpoints, are missed for good",
+                  fmt::join(kinds, ", "))));
+}
+
 // The same of the builtin writers, whose keys go to every participant that may join.
 void check_builtin_origin(Findings& out, const DomainPlace& place) {
   const auto& rule = place.rule;
@@ -356,6 +382,7 @@ std::vector<Finding> lint(const Governance& governance, const GovernanceUse& use
     check_topics_without_rule(out, place);
     check_domain_kinds(out, place);
     check_clear_discovery(out, place);
+    check_redirection(out, place);
     if (use.choices) {
       check_origin(out, place);
       check_builtin_origin(out, place);

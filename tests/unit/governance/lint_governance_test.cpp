@@ -260,6 +260,39 @@ TEST(LintGovernance, ClearDiscoveryBesideProtectedTopics) {
   EXPECT_TRUE(of_flags({true, false}, none).empty()) << "GOV020 says so";
 }
 
+TEST(LintGovernance, MessagesThatAnAttackerCanRedirect) {
+  struct Kinds {
+    ProtectionKind discovery = none, liveliness = none, metadata = none, rtps = none;
+  };
+  const auto of_kinds = [](const Kinds& kinds) {
+    return of(ddssec::Rule::GOV046, changed([&](DomainRule& rule) {
+                rule.discovery_protection_kind = kinds.discovery;
+                rule.liveliness_protection_kind = kinds.liveliness;
+                rule.rtps_protection_kind = kinds.rtps;
+                rule.topic_rules = {strict("open"), strict("Square")};
+                rule.topic_rules[0].metadata_protection_kind = none;
+                rule.topic_rules[1].metadata_protection_kind = kinds.metadata;
+              }));
+  };
+  const auto all = of_kinds({.discovery = encrypt, .liveliness = sign, .metadata = encrypt});
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(all[0].severity, Severity::warning);
+  EXPECT_TRUE(all[0].message.starts_with(
+      "discovery_protection_kind, liveliness_protection_kind, metadata_protection_kind of "
+      "\"Square\" without origin authentication, while rtps_protection_kind is NONE: "));
+  EXPECT_EQ(of_kinds({.discovery = sign}).size(), 1u);
+  EXPECT_EQ(of_kinds({.liveliness = encrypt}).size(), 1u);
+  EXPECT_EQ(of_kinds({.metadata = sign}).size(), 1u);
+  EXPECT_TRUE(of_kinds({}).empty());
+  for (const auto rtps : {sign, encrypt, sign_with_origin_authentication})
+    EXPECT_TRUE(of_kinds({encrypt, encrypt, encrypt, rtps}).empty());
+  const auto origin = encrypt_with_origin_authentication;
+  EXPECT_TRUE(of_kinds({origin, sign_with_origin_authentication, origin, none}).empty());
+  EXPECT_EQ(of_kinds({origin, origin, encrypt, none}).size(), 1u);
+  for (const auto profile : {Profile::open, Profile::balanced, Profile::strict})
+    EXPECT_TRUE(of(ddssec::Rule::GOV046, governance_of(profile, {{0, 0}})).empty());
+}
+
 TEST(LintGovernance, DataProtectionAlone) {
   const auto found =
       only(changed([](DomainRule& rule) { rule.topic_rules[0].metadata_protection_kind = none; }));
