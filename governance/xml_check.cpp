@@ -247,7 +247,7 @@ class MarkupCheck {
     if (auto status = open_element(); !status) return status;
     ++at_;
     if (auto status = name(); !status) return status;
-    for (;;) {
+    for (int attributes = 0;; ++attributes) {
       const auto before = at_;
       skip_space();
       if (rest().starts_with("/>")) {
@@ -260,6 +260,9 @@ class MarkupCheck {
         return {};
       }
       if (before == at_) return ill("white space, > or />", shown());
+      if (attributes == kMostXmlAttributes)
+        return fail(Code::xml_too_many_attributes,
+                    {.line = line(), .expected = std::to_string(attributes), .found = "more"});
       if (auto status = attribute(); !status) return status;
     }
   }

@@ -15,12 +15,16 @@ inline constexpr std::size_t kMostXmlElements = 1'000'000;
 /// The deepest nesting of elements; a permissions document needs 8.
 inline constexpr int kMostXmlDepth = 32;
 
+/// The most attributes of one element; tinyxml2 compares each with all before it.
+inline constexpr int kMostXmlAttributes = 64;
+
 /// Looks at the octets only and checks what tinyxml2 9 lets through or suffers from: size, depth,
-/// number of elements, UTF-8, control characters, DOCTYPE and other declarations, processing
-/// instructions, entities, text outside the root element. It is a check, not a parser: whether
-/// names of start and end tags agree is the parser's matter.
-/// Errors (with line): xml_too_large, xml_control_character, xml_doctype, xml_entity, xml_encoding,
-/// xml_processing_instruction, xml_too_deep, xml_not_well_formed.
+/// number of elements and of attributes, UTF-8, control characters, DOCTYPE and other declarations,
+/// processing instructions, entities, text outside the root element. It is a check, not a parser:
+/// whether names of start and end tags agree is the parser's matter. Errors (with line):
+/// xml_too_large, xml_control_character, xml_doctype, xml_entity, xml_encoding,
+/// xml_processing_instruction, xml_too_deep, xml_too_many_attributes,
+/// xml_not_well_formed.
 Status check_xml(std::string_view document);
 
 }  // namespace ddssec::governance

@@ -156,6 +156,20 @@ TEST(XmlCheck, BoundsTheDepth) {
   EXPECT_CODE(parse(nested(52'000)), xml_too_deep);
 }
 
+// tinyxml2 compares each attribute of an element with all before it: 100,000 took minutes.
+TEST(XmlCheck, BoundsTheAttributesOfAnElement) {
+  const auto with = [](int attributes) {
+    std::string text = "<a>\n<b";
+    for (int i = 0; i < attributes; ++i) text += " xmlns:a" + std::to_string(i) + "='x'";
+    return text + "/><c d='e'/></a>";
+  };
+  EXPECT_TRUE(parse(with(kMostXmlAttributes)));
+  const auto refused = parse(with(kMostXmlAttributes + 1));
+  EXPECT_CODE(refused, xml_too_many_attributes);
+  EXPECT_EQ(refused.error().details().line, 2);
+  EXPECT_CODE(parse(with(500'000)), xml_too_many_attributes);
+}
+
 TEST(XmlCheck, BoundsTheSize) {
   EXPECT_CODE(parse(std::string(kMostXmlOctets + 1, ' ')), xml_too_large);
 }
