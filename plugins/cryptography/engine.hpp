@@ -132,6 +132,9 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   /// A key to follow that one, if there is one.
   Result<std::unique_ptr<SendKey>> revised(const Published<SendKey>& key);
   Status revise(LocalEndpoint& endpoint);
+  static void take_back_revision(LocalEndpoint& endpoint) noexcept;
+  void activate_revision(LocalEndpoint& endpoint);
+  void put_to_use(Published<SendKey>& key, std::unique_ptr<SendKey>& next);
   /// Errors: invalid_property, key_limits_without_revision, those of the random source.
   Status limit_keys(LocalParticipant& participant, const spi::PropertyList& properties);
   Status begin_life(LocalParticipant& participant);
@@ -166,6 +169,10 @@ class KeyFactory final : public spi::CryptoKeyFactory {
                              spi::ParticipantCryptoHandle remote_participant);
   /// Mutex held; the gate was asked.
   Result<std::int64_t> add_match(const Match& match, EntityKind remote_kind);
+  /// Mutex held. The key of the reader towards the writer's participant, made for the first of its
+  /// writers and forgotten with the last. Errors: those of the random source.
+  Status take_peer_key(RemoteEndpoint& writer);
+  static void give_back_peer_key(const RemoteEndpoint& writer) noexcept;
   /// Error: receiver_places_taken, after an event that names the peer.
   Status take_place(LocalParticipant& local, spi::IdentityHandle remote, Pair& fresh);
   void drop(const Entity& entity);

@@ -133,6 +133,17 @@ struct RemoteParticipant final : Entity {
   }
 };
 
+/// A local reader's submessage key towards one remote participant. What the reader says to that
+/// participant's writers opens nowhere else: the destination of a submessage is not protected with
+/// it, and an ACKNACK for one writer would acknowledge the samples of another that has the same
+/// entity id. With origin authentication the receiver's own MAC does that, and the reader has one
+/// key.
+struct PeerKey {
+  Published<SendKey> key;
+  std::unique_ptr<SendKey> next = {};
+  std::size_t writers = 0;  ///< of the participant that are matched with the reader
+};
+
 /// A local datawriter or datareader.
 struct LocalEndpoint final : Entity {
   LocalEndpoint(EntityKind kind, LocalParticipant& parent)
@@ -147,16 +158,21 @@ struct LocalEndpoint final : Entity {
   bool is_volatile = false;  ///< ParticipantVolatileMessageSecure: keys of the key exchange
   std::shared_ptr<const spi::MatchGate> gate = {};  ///< who gets keys; null: not asked here
   Cipher cipher = Cipher::aes256_gcm;
-  Published<SendKey> submessage_key;
+  Published<SendKey> submessage_key;  ///< null if it has peer keys
   Published<SendKey> payload_key;
+  std::unordered_map<std::int64_t, std::shared_ptr<PeerKey>> peer_keys;  ///< by participant
   std::unique_ptr<SendKey> next_submessage_key = {}, next_payload_key = {};
   /// A reader's key that is only ever sent, where only payloads are protected.
   std::optional<KeyMaterial> token_only;
   std::unordered_set<std::int64_t> matched;  ///< remote endpoints
   ReceiverPlaces receivers;                  ///< a writer's that need a MAC each
 
+  bool has_peer_keys() const {
+    return kind() == EntityKind::local_reader && !is_volatile && is_protected(submessage) &&
+           !is_origin_authenticated(submessage);
+  }
   bool sends_protected() const {
-    return submessage_key.read() != nullptr || payload_key.read() != nullptr;
+    return has_peer_keys() || submessage_key.read() != nullptr || payload_key.read() != nullptr;
   }
   bool has_tokens() const {
     return !is_volatile && (is_protected(submessage) || is_protected(payload));
@@ -170,6 +186,7 @@ struct RemoteEndpoint final : Entity {
   LocalEndpoint& local;
   RemoteParticipant& participant;
   std::unique_ptr<ReceiverKey> receiver_key;  ///< ours towards it; null without need
+  std::shared_ptr<PeerKey> peer_key = {};     ///< ours towards its participant; null without need
   Published<RemoteKeys> remote_keys;
   std::atomic<std::uint64_t> route = 0;     ///< the number of its only route that counts; 0: none
   std::optional<std::uint64_t> place = {};  ///< whose place among the local writer's receivers

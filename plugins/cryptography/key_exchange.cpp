@@ -22,6 +22,13 @@ spi::Token token_for(const SendKey& key, const ReceiverKey* receiver, const Pair
   return crypto_token(material);
 }
 
+/// Our key for submessages to that endpoint; nullptr without one, or without a revised one.
+const SendKey* own_submessage_key(const RemoteEndpoint& to, bool revised) {
+  const auto& own = to.local;
+  if (to.peer_key) return revised ? to.peer_key->next.get() : to.peer_key->key.read();
+  return revised ? own.next_submessage_key.get() : own.submessage_key.read();
+}
+
 /// What the host came with: the tokens, or a ticket for those that the ledger keeps.
 class HeldTokens {
  public:
@@ -228,7 +235,7 @@ Result<std::vector<spi::Token>> KeyExchange::create(Local local, Remote remote,
   const auto* const pair = endpoint.participant.pair(own.participant.handle());
   if (pair == nullptr) return fail(Code::crypto_not_matched);
   const bool revised = stage == spi::KeyStage::revised;
-  if (const auto* key = revised ? own.next_submessage_key.get() : own.submessage_key.read())
+  if (const auto* key = own_submessage_key(endpoint, revised))
     tokens.push_back(token_for(*key, endpoint.receiver_key.get(), *pair));
   if (const auto* key = revised ? own.next_payload_key.get() : own.payload_key.read())
     tokens.push_back(token_for(*key, nullptr, *pair));

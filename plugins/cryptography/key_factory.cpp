@@ -234,7 +234,7 @@ Status KeyFactory::make_endpoint_keys(LocalEndpoint& endpoint) {
   const auto fresh = [&](spi::ProtectionKind kind) -> Result<std::unique_ptr<SendKey>> {
     return send_key(DDSSEC_TRY(fresh_material(is_encrypted(kind), cipher)));
   };
-  if (protects_submessages)
+  if (protects_submessages && !endpoint.has_peer_keys())
     endpoint.submessage_key.replace(DDSSEC_TRY(fresh(endpoint.submessage)), shared_.graveyard);
   if (!is_protected(endpoint.payload)) return {};
   if (endpoint.kind() == EntityKind::local_writer)
@@ -315,6 +315,28 @@ Result<std::int64_t> KeyFactory::match(std::int64_t local, EntityKind kind,
   }
 }
 
+Status KeyFactory::take_peer_key(RemoteEndpoint& writer) {
+  auto& local = writer.local;
+  auto& key = local.peer_keys[writer.participant.handle()];
+  if (!key) {
+    Rollback forget([&] { local.peer_keys.erase(writer.participant.handle()); });
+    auto fresh = std::make_shared<PeerKey>();
+    fresh->key.replace(DDSSEC_TRY(send_key(DDSSEC_TRY(
+                           fresh_material(is_encrypted(local.submessage), local.cipher)))),
+                       shared_.graveyard);
+    key = std::move(fresh);
+    forget.release();
+  }
+  ++key->writers;
+  writer.peer_key = key;
+  return {};
+}
+
+void KeyFactory::give_back_peer_key(const RemoteEndpoint& writer) noexcept {
+  if (writer.peer_key && --writer.peer_key->writers == 0)
+    writer.local.peer_keys.erase(writer.participant.handle());
+}
+
 /// The shared secret is that of the two participants, and came with register_matched_remote_
 /// participant: the volatile endpoints of a pair must share one sender's counter, not start two.
 Result<std::int64_t> KeyFactory::add_match(const Match& match, EntityKind kind) {
@@ -326,6 +348,7 @@ Result<std::int64_t> KeyFactory::add_match(const Match& match, EntityKind kind) 
   auto& added = *remote;
   DDSSEC_TRY(shared_.registry.add(std::move(remote)));
   Rollback forget([&] { drop_remote(added); });
+  if (local.has_peer_keys()) DDSSEC_TRY(take_peer_key(added));
   if (shared_.host_checks_sources) DDSSEC_TRY(shared_.take_place(added, pair));
   local.matched.insert(added.handle());
   parent.endpoints.insert(added.handle());
@@ -359,6 +382,7 @@ void KeyFactory::drop_remote(RemoteEndpoint& endpoint) {
   endpoint.local.matched.erase(endpoint.handle());
   endpoint.participant.endpoints.erase(endpoint.handle());
   shared_.give_back_place(endpoint);
+  give_back_peer_key(endpoint);
   if (endpoint.route != 0) endpoint.participant.routes.note_gone();
   drop(endpoint);
 }

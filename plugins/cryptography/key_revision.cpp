@@ -112,10 +112,7 @@ Result<KeyRevision> KeyFactory::revise_local_entity_keys(spi::ParticipantCryptoH
   if (participant.is_revising) return fail(Code::key_revision_out_of_turn);
   const auto take_back = [&] {
     participant.next_key.reset();
-    each_endpoint(participant, [](auto& endpoint) {
-      endpoint.next_submessage_key.reset();
-      endpoint.next_payload_key.reset();
-    });
+    each_endpoint(participant, take_back_revision);
   };
   Rollback rollback(take_back);
   Status status;
@@ -133,7 +130,25 @@ Result<KeyRevision> KeyFactory::revise_local_entity_keys(spi::ParticipantCryptoH
 Status KeyFactory::revise(LocalEndpoint& endpoint) {
   endpoint.next_submessage_key = DDSSEC_TRY(revised(endpoint.submessage_key));
   endpoint.next_payload_key = DDSSEC_TRY(revised(endpoint.payload_key));
+  for (const auto& [participant, peer] : endpoint.peer_keys)
+    peer->next = DDSSEC_TRY(revised(peer->key));
   return {};
+}
+
+void KeyFactory::take_back_revision(LocalEndpoint& endpoint) noexcept {
+  endpoint.next_submessage_key.reset();
+  endpoint.next_payload_key.reset();
+  for (const auto& [participant, peer] : endpoint.peer_keys) peer->next.reset();
+}
+
+void KeyFactory::put_to_use(Published<SendKey>& key, std::unique_ptr<SendKey>& next) {
+  if (next) key.replace(std::move(next), shared_.graveyard);
+}
+
+void KeyFactory::activate_revision(LocalEndpoint& endpoint) {
+  put_to_use(endpoint.submessage_key, endpoint.next_submessage_key);
+  put_to_use(endpoint.payload_key, endpoint.next_payload_key);
+  for (const auto& [participant, peer] : endpoint.peer_keys) put_to_use(peer->key, peer->next);
 }
 
 Status KeyFactory::activate_key_revision(spi::ParticipantCryptoHandle local, KeyRevision revision) {
@@ -142,14 +157,8 @@ Status KeyFactory::activate_key_revision(spi::ParticipantCryptoHandle local, Key
   if (!participant.is_revising || revision != participant.revision)
     return fail(Code::key_revision_out_of_turn,
                 {.field = "key_revision", .found = std::to_string(revision)});
-  const auto put_to_use = [&](Published<SendKey>& key, std::unique_ptr<SendKey>& next) {
-    if (next) key.replace(std::move(next), shared_.graveyard);
-  };
   put_to_use(participant.key, participant.next_key);
-  each_endpoint(participant, [&](LocalEndpoint& endpoint) {
-    put_to_use(endpoint.submessage_key, endpoint.next_submessage_key);
-    put_to_use(endpoint.payload_key, endpoint.next_payload_key);
-  });
+  each_endpoint(participant, [&](LocalEndpoint& endpoint) { activate_revision(endpoint); });
   participant.is_revising = false;
   return {};
 }
@@ -185,6 +194,7 @@ std::uint64_t KeyFactory::blocks_used(const LocalParticipant& participant) {
   each_endpoint(participant, [&](const LocalEndpoint& endpoint) {
     count(endpoint.submessage_key);
     count(endpoint.payload_key);
+    for (const auto& [remote, peer] : endpoint.peer_keys) count(peer->key);
   });
   return most;
 }

@@ -40,9 +40,7 @@ Result<std::unique_ptr<SendKey>> SendKey::create(KeyMaterial material, SendStart
                                                  const KeyEnvironment& environment) {
   const auto traits = traits_of(material.kind);
   if (!traits) return fail(Code::internal);
-  std::unique_ptr<SendKey> key(new SendKey(std::move(material), *traits, environment));
-  key->current_.replace(DDSSEC_TRY(key->first_session(start)), environment.graveyard);
-  return key;
+  return std::unique_ptr<SendKey>(new SendKey(std::move(material), *traits, start, environment));
 }
 
 Result<SendStart> SendStart::draw(Random& random) {
@@ -62,9 +60,15 @@ Status SendKey::expand(SendSession& session) const {
   });
 }
 
-Result<std::unique_ptr<SendSession>> SendKey::first_session(SendStart start) const {
+/// A child of fork() leaves to its parent the start that both have.
+Result<std::unique_ptr<SendSession>> SendKey::first_session() const {
   auto first = std::make_unique<SendSession>();
   first->generation = environment_.generation.current();
+  auto start = start_;
+  if (first->generation != generation_) {
+    first->begun_by_parents.push_back({start.session, 0});
+    start = DDSSEC_TRY(SendStart::draw(environment_.random));
+  }
   first->suffix = start.suffix;
   first->begun.first = start.session;
   DDSSEC_TRY(expand(*first));
@@ -94,7 +98,7 @@ Result<SendKey::Reservation> SendKey::reserve(std::size_t size) {
   const auto wanted = blocks(size);
   for (;;) {
     auto* const session = current_.read();
-    if (session->generation == environment_.generation.peek()) [[likely]] {
+    if (session != nullptr && session->generation == environment_.generation.peek()) [[likely]] {
       const auto first = session->used.fetch_add(wanted, std::memory_order_relaxed);
       // A message larger than a whole session may be the only one of it.
       if (first == 0 || first + wanted <= environment_.most_blocks_per_session) [[likely]]
@@ -105,23 +109,26 @@ Result<SendKey::Reservation> SendKey::reserve(std::size_t size) {
 }
 
 bool SendKey::has_begun(SessionId session) const {
+  const auto* const current = current_.read();
+  if (current == nullptr) return false;
   const auto id = number_of(session);
-  const auto& current = *current_.read();
   const auto has_it = [&](const SessionRange& range) { return range.contains(id); };
-  return has_it(current.begun) || std::ranges::any_of(current.begun_by_parents, has_it);
+  return has_it(current->begun) || std::ranges::any_of(current->begun_by_parents, has_it);
 }
 
 SendPosition SendKey::position() const {
-  const auto& current = *current_.read();
-  const auto used = current.used.load(std::memory_order_relaxed);
-  SendPosition out{number_of(current.id), current.suffix + used, {current.begun}};
-  out.begun.insert(out.begun.end(), current.begun_by_parents.begin(),
-                   current.begun_by_parents.end());
+  const auto* const current = current_.read();
+  if (current == nullptr) return {start_.session, start_.suffix, {{start_.session, 0}}};
+  const auto used = current->used.load(std::memory_order_relaxed);
+  SendPosition out{number_of(current->id), current->suffix + used, {current->begun}};
+  out.begun.insert(out.begun.end(), current->begun_by_parents.begin(),
+                   current->begun_by_parents.end());
   return out;
 }
 
 std::uint64_t SendKey::blocks_used() const {
   const auto* const session = current_.read();
+  if (session == nullptr) return 0;
   const auto most = environment_.most_blocks_per_session;
   const auto of_session = std::min(session->used.load(std::memory_order_relaxed), most);
   const auto before = session->number * most;  // below 2^64
@@ -131,9 +138,10 @@ std::uint64_t SendKey::blocks_used() const {
 Status SendKey::roll_over(const SendSession* former) {
   const std::lock_guard lock(mutex_);
   if (current_.read() != former) return {};
-  if (former->number + 1 >= environment_.most_sessions_per_key)
+  if (former != nullptr && former->number + 1 >= environment_.most_sessions_per_key)
     return fail(Code::session_ids_exhausted);
-  current_.replace(DDSSEC_TRY(session_after(*former)), environment_.graveyard);
+  auto next = former != nullptr ? session_after(*former) : first_session();
+  current_.replace(DDSSEC_TRY(std::move(next)), environment_.graveyard);
   return {};
 }
 

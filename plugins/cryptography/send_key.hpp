@@ -56,12 +56,15 @@ struct SendSession final : Retirable {
 /// are ever given out, far below the 2^64 after which suffixes would come again. No session id
 /// comes twice under one master key: ids count up and stop after most_sessions_per_key.
 ///
+/// The first session is expanded for the first message: a reader has a key for each participant
+/// that writes its topic, and a best-effort one never uses them.
+///
 /// A child of fork() has the key and the numbers of its parent, which goes on to use them. Before
 /// its first message it leaves its parent's session for one whose id and suffix are random: the
 /// two would have to agree in 32 bits and to within 2^32 in 64 more.
 class SendKey final : public Retirable {
  public:
-  /// Errors: internal.
+  /// Errors: internal (no kind of a key).
   static Result<std::unique_ptr<SendKey>> create(KeyMaterial material, SendStart start,
                                                  const KeyEnvironment& environment);
 
@@ -73,7 +76,7 @@ class SendKey final : public Retirable {
     Iv iv;
   };
   /// Under a ReadGuard: an IV for a message of `size` octets and its receiver-specific MACs.
-  /// Errors: session_ids_exhausted; in a child of fork() those of the random source.
+  /// Errors: session_ids_exhausted, internal; in a child of fork() those of the random source.
   Result<Reservation> reserve(std::size_t size);
   /// Under a ReadGuard: is this session one of those used so far, by this process or a parent
   /// before its fork()? They start at random, so that one of another sender with the same master
@@ -86,19 +89,26 @@ class SendKey final : public Retirable {
   std::uint64_t blocks_used() const;
 
  private:
-  SendKey(KeyMaterial material, KindTraits traits, const KeyEnvironment& environment)
-      : material_(std::move(material)), traits_(traits), environment_(environment) {}
-  Result<std::unique_ptr<SendSession>> first_session(SendStart start) const;
+  SendKey(KeyMaterial material, KindTraits traits, SendStart start,
+          const KeyEnvironment& environment)
+      : material_(std::move(material)),
+        traits_(traits),
+        environment_(environment),
+        start_(start),
+        generation_(environment.generation.current()) {}
+  Result<std::unique_ptr<SendSession>> first_session() const;
   Result<std::unique_ptr<SendSession>> session_after(const SendSession& former) const;
   Status expand(SendSession& session) const;
-  /// Goes on to the next session, unless another thread did.
+  /// Goes on to the next session, or the first after none, unless another thread did.
   Status roll_over(const SendSession* former);
 
   const KeyMaterial material_;
   const KindTraits traits_;
   const KeyEnvironment& environment_;
-  Published<SendSession> current_;
-  std::mutex mutex_;  // held by who rolls over
+  const SendStart start_;
+  const std::uint64_t generation_;  // of the process that drew it
+  Published<SendSession> current_;  // null before the first message
+  std::mutex mutex_;                // held by who rolls over
 };
 
 /// The receiver-specific key that a local sender has for one remote receiver

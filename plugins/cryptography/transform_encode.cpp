@@ -174,6 +174,35 @@ Result<std::size_t> encode_volatile(const Shared& shared, const LocalEndpoint& s
                       [](std::size_t) -> Result<ReceiverKey*> { return fail(Code::internal); });
 }
 
+/// The key that all of these writers have of the reader `sender`. One of them may have left since
+/// the host listed them. Errors: receiver_count for none, or for those of several participants;
+/// crypto_not_matched; crypto_handle_unknown if all have left.
+template <class Remote>
+Result<SendKey*> peer_key(const Shared& shared, const LocalEndpoint& sender,
+                          std::span<const Remote> receivers) {
+  const PeerKey* common = nullptr;
+  for (std::size_t i = 0; i < receivers.size(); ++i) {
+    const auto found = shared.remote_endpoint(receivers[i], remote_kind(Remote{}));
+    const bool is_last = i + 1 == receivers.size() && common == nullptr;
+    if (!found && found.error().code() == Code::crypto_handle_unknown && !is_last) continue;
+    const auto& remote = *DDSSEC_TRY(found);
+    if (&remote.local != &sender) return fail(Code::crypto_not_matched);
+    if (common != nullptr && remote.peer_key.get() != common)
+      return fail(Code::receiver_count, {.expected = "writers of one participant"});
+    common = remote.peer_key.get();
+  }
+  if (common == nullptr) return fail(Code::receiver_count);
+  return common->key.read();
+}
+
+/// The key that the endpoint `sender` has for these receivers.
+template <class Remote>
+Result<SendKey*> key_towards(const Shared& shared, const LocalEndpoint& sender,
+                             std::span<const Remote> receivers) {
+  return sender.has_peer_keys() ? peer_key(shared, sender, receivers)
+                                : Result<SendKey*>(sender.submessage_key.read());
+}
+
 template <class Local, class Remote>
 Result<std::size_t> encode_submessage(const Shared& shared, Local handle,
                                       std::span<const Remote> receivers, BytesView plain,
@@ -185,13 +214,12 @@ Result<std::size_t> encode_submessage(const Shared& shared, Local handle,
   if (sender.is_volatile) return encode_volatile(shared, sender, receivers, request, out);
   DDSSEC_TRY(check_receivers(sender.submessage, receivers.size()));
   if (is_origin_authenticated(sender.submessage)) request.receivers = receivers.size();
-  return encode_group(
-      request, *sender.submessage_key.read(), out, [&](std::size_t i) -> Result<ReceiverKey*> {
-        const auto& remote =
-            *DDSSEC_TRY(shared.remote_endpoint(receivers[i], remote_kind(Remote{})));
-        if (&remote.local != &sender) return fail(Code::crypto_not_matched);
-        return remote.receiver_key.get();
-      });
+  auto& key = *DDSSEC_TRY(key_towards(shared, sender, receivers));
+  return encode_group(request, key, out, [&](std::size_t i) -> Result<ReceiverKey*> {
+    const auto& remote = *DDSSEC_TRY(shared.remote_endpoint(receivers[i], remote_kind(Remote{})));
+    if (&remote.local != &sender) return fail(Code::crypto_not_matched);
+    return remote.receiver_key.get();
+  });
 }
 
 /// The RTPS message as what stands between its header and SRTPS_POSTFIX.

@@ -134,8 +134,10 @@ constexpr std::size_t protection_overhead(std::size_t receivers) { return 112 + 
 ///
 /// `plain` of the submessage encoders is one whole submessage in whole words (plaintext_malformed);
 /// a length of 0, "to the end", is replaced by the real one. `plain` and `encoded` of the RTPS pair
-/// begin with the RTPS header; a decoded message has INFO_SRC behind its header. Without origin
-/// authentication `receivers` is not looked at; with it, an empty one is refused (receiver_count).
+/// begin with the RTPS header; a decoded message has INFO_SRC behind its header. With origin
+/// authentication, empty `receivers` are refused (receiver_count). Without it those of a writer or
+/// participant are not looked at; those of a reader must be writers of one participant, which alone
+/// can read the submessage (receiver_count).
 /// Errors a host acts upon: receiver_specific_mac_missing and receiver_specific_mac_mismatch (try
 /// the next local participant), key_material_not_received, unknown_key_id and key_revision_unknown
 /// (too early, drop).

@@ -158,6 +158,16 @@ TEST(Fork, NeitherDoTwoChildrenNorAChildsChild) {
   speaker.judge(BytesView(both).subspan(half));
 }
 
+// Its first session begins with its first message, which may be in both.
+TEST(Fork, AKeyThatSaidNothingBeforeBeginsElsewhereInTheChild) {
+  Speaker speaker;
+  Bytes of_parent;
+  const auto of_child =
+      from_child([&] { return speaker.speech(); }, [&] { of_parent = speaker.speech(); });
+  speaker.judge(of_parent);
+  speaker.judge(of_child);
+}
+
 TEST(Fork, AChildKnowsWhatItsParentSaidFromThePeersWords) {
   Speaker speaker;
   const auto before = speaker.say(2).value();

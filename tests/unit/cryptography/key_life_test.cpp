@@ -187,6 +187,19 @@ TEST(KeyLimits, CountWhatAKeyProtects) {
   }
 }
 
+TEST(KeyLimits, CountWhatAReaderSaysToAParticipant) {
+  Limited limited(most_blocks("4000"));
+  const auto e = limited.two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
+  auto& b = limited.two.b;
+  const auto is_due = [&] { return b.factory().is_key_revision_due(b.participant); };
+  b.clock.advance(kFormerKeyLife);
+  const auto reply = data_submessage(24, 0x06);  // 3 blocks
+  for (int i = 0; i < 900; ++i) EXPECT_TRUE(encode_reply(limited.two, e, reply));
+  EXPECT_FALSE(is_due());
+  for (int i = 0; i < 450; ++i) EXPECT_TRUE(encode_reply(limited.two, e, reply));
+  EXPECT_TRUE(is_due());
+}
+
 TEST(KeyLimits, CountFinishedSessionsToo) {
   Limited limited(most_blocks("4000"), {.most_blocks_per_session = 500});
   limited.two.a.clock.advance(kFormerKeyLife);
