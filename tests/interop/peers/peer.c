@@ -51,6 +51,7 @@ static void usage(const char* program, int status) {
       "usage: %s --publish|--subscribe [--topic T] [--domain D] [--partition P]\n"
       "       [--samples N] [--payload OCTETS] [--timeout SECONDS] [--hold]\n"
       "       [--keep-last DEPTH] [--interval MS] [--lease SECONDS]\n"
+      "       [--volatile]   (Cyclone DDS only)\n"
       "       [--address OF_INTERFACE] [--peer ADDRESS]\n"
       "       --plain | --identity_ca F --identity_certificate F --private_key F\n"
       "                 --permissions_ca F --governance F --permissions F\n"
@@ -101,6 +102,7 @@ enum {
   OPT_SUBSCRIBE,
   OPT_PLAIN,
   OPT_HOLD,
+  OPT_VOLATILE,
   OPT_TOPIC,
   OPT_DOMAIN,
   OPT_PARTITION,
@@ -134,6 +136,7 @@ static const struct option table[] = {
     {"subscribe", 0, NULL, OPT_SUBSCRIBE},
     {"plain", 0, NULL, OPT_PLAIN},
     {"hold", 0, NULL, OPT_HOLD},
+    {"volatile", 0, NULL, OPT_VOLATILE},
     {"topic", 1, NULL, OPT_TOPIC},
     {"domain", 1, NULL, OPT_DOMAIN},
     {"partition", 1, NULL, OPT_PARTITION},
@@ -168,6 +171,9 @@ static void apply(const char* program, int option, struct peer_options* options,
       break;
     case OPT_PLAIN:
       options->plain = true;
+      break;
+    case OPT_VOLATILE:
+      options->is_volatile = true;
       break;
     case OPT_HOLD:
       options->hold = true;

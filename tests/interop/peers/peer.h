@@ -40,9 +40,10 @@ enum { PEER_MAX_PROPERTIES = 16 };
 
 /// The command line, parsed. Strings belong to argv or live as long as the process.
 struct peer_options {
-  bool publish;  ///< publisher if true, else subscriber
-  bool plain;    ///< no security properties at all
-  bool hold;     ///< keep running (and publishing) until the timeout or a signal
+  bool publish;      ///< publisher if true, else subscriber
+  bool plain;        ///< no security properties at all
+  bool hold;         ///< keep running (and publishing) until the timeout or a signal
+  bool is_volatile;  ///< what all readers have acknowledged is not kept
   uint32_t domain;
   uint32_t samples;     ///< how many samples are sent or awaited
   uint32_t payload;     ///< octets in each sample's payload
