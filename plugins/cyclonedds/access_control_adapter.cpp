@@ -68,6 +68,9 @@ CPermissions validate_remote_permissions(Instance* instance, const dds_security_
                                          const CToken* permissions_token, const CToken* credential,
                                          Exception* ex) {
   return ask_handle<Adapter>(instance, ex, [&](Adapter& adapter) -> Result<spi::PermissionsHandle> {
+    // An announcement has none, if a stranger left it out.
+    if (permissions_token == nullptr || permissions_token->class_id == nullptr)
+      return fail(Code::permissions_token_class, {.found = "no permissions token"});
     const auto token = DDSSEC_TRY(token_from(permissions_token));
     const auto peer = DDSSEC_TRY(token_from(credential));
     return adapter.engine().validate_remote_permissions({local_identity}, {remote_identity}, token,

@@ -75,6 +75,15 @@ TEST_F(AccessControlAdapterTest, PermissionsOfBothSides) {
   EXPECT_EQ(refusal.reason(), Code::malformed);
 }
 
+// A stranger can leave it out of a forged announcement; the host is not to blame.
+TEST_F(AccessControlAdapterTest, AnAnnouncement_WithoutPermissionsToken_IsOfAnotherKind) {
+  const DDS_Security_Token none{};
+  for (const auto* announced : {static_cast<const DDS_Security_Token*>(nullptr), &none}) {
+    EXPECT_EQ(c->validate_remote_permissions(c, nullptr, 1, 2, announced, &token, &refusal), 0);
+    EXPECT_EQ(refusal.reason(), Code::permissions_token_class);
+  }
+}
+
 // Our authentication asks, in another library.
 TEST_F(AccessControlAdapterTest, SaysWhatTheGovernanceOfALocalParticipantAllowsAndProtects) {
   constexpr spi::IdentityHandle kOpen{1}, kClosed{2};
