@@ -1,4 +1,5 @@
 // What is not protected as it must be changes nothing.
+#include "plugins/spi/session_reset.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "wire/acknack.hpp"
 #include "wire/gap.hpp"
@@ -55,6 +56,19 @@ TEST(Enforcement, APlainPayloadWhereProtectionIsDueIsDropped) {
   pair.b->receive(forged(pair.a->prefix(), pair.data(1)), pair.world.now);
   EXPECT_TRUE(pair.b.listener.changes.empty());
   EXPECT_EQ(pair.b->protection_counters().undecodable, 1u);
+  pair.write();
+  EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 200));
+}
+
+// Our plugins in Cyclone DDS answer so whoever writes on to them after the end of a session, as a
+// revoked participant does.
+TEST(Enforcement, ASessionResetIsNoDamagedMessage) {
+  Matched pair({.rtps = kSign});
+  const auto before = pair.b->protection_counters();
+  const spi::ResetToken token{.name = {}, .proof = *spi::ResetProof::copy_of(Bytes(32))};
+  pair.b->receive(spi::write_reset(pair.a->prefix(), token), pair.world.now);
+  EXPECT_EQ(pair.b->protection_counters().undecodable, before.undecodable);
+  EXPECT_FALSE(pair.b.events.has(Code::crypto_header_kind_unknown));
   pair.write();
   EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 200));
 }
