@@ -255,7 +255,9 @@ Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
   if (arguments.has("--plugins"))
     doctor::check_plugins(
         arguments.text("--plugins") == "system" ? "" : arguments.text("--plugins"), diagnosis);
-  doctor::check_shared_memory(loaded, doctor::cyclonedds_configuration(), settings, diagnosis);
+  const auto in_force = doctor::cyclonedds_configuration();
+  if (in_force) doctor::check_configuration_in_force(loaded, *in_force, diagnosis);
+  doctor::check_shared_memory(loaded, in_force, settings, diagnosis);
   const auto places = doctor::LoaderPlaces::here();
   const auto plugins = host_plugins_for(folder, arguments.has("--ros"), places);
   if (arguments.has("--ros"))

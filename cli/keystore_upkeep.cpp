@@ -94,7 +94,8 @@ Result<Report> keystore_verify(const Arguments& arguments, const Context& contex
   Report domains;
   const auto lineup = installed_lineup();
   for (const auto& name : enclaves.names) {
-    const auto folder = pki::participant_folder(keystore / enclave_folder(name));
+    const auto folder =
+        pki::participant_folder(keystore / enclave_folder(name), pki::FolderLayout::sros2);
     const auto loaded = doctor::load_folder(folder, now);
     const auto domain = DDSSEC_TRY(domain_for(arguments, {&loaded}, now, domains));
     const doctor::Settings settings{.now = now, .domain = domain, .lineup = lineup};

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/source.hpp"
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/measured.hpp"
 #include "pki/source.hpp"
@@ -140,7 +141,41 @@ void check_strangers(const LoadedFolder& folder, Diagnosis& out) {
   if (!error) out.pass(Rule::DOC004);
 }
 
+// ROS 2 reads the CA files of an enclave by their names there, other applications those that they
+// are given. Where both are there and differ, one of them was not judged.
+void check_layouts(const LoadedFolder& folder, Diagnosis& out) {
+  using pki::FolderLayout;
+  const auto flat = pki::participant_folder(folder.paths.folder, FolderLayout::flat);
+  const auto sros2 = pki::participant_folder(folder.paths.folder, FolderLayout::sros2);
+  out.pass(Rule::DOC009);
+  for (const auto file :
+       {&pki::ParticipantFolder::identity_ca, &pki::ParticipantFolder::permissions_ca}) {
+    const auto& judged = folder.paths.*file;
+    const auto& other = judged == flat.*file ? sros2.*file : flat.*file;
+    std::error_code ignored;
+    if (fs::symlink_status(other, ignored).type() <= fs::file_type::not_found ||
+        has_same_octets(other, judged))
+      continue;
+    out.report(kNobody, {.rule = Rule::DOC009,
+                         .message = fmt::format("{} stands beside {}, which was judged, and holds "
+                                                "something else: which of them counts depends on "
+                                                "the application",
+                                                name_of(other), name_of(judged)),
+                         .document = other});
+  }
+}
+
 }  // namespace
+
+bool has_same_octets(const fs::path& one, const fs::path& other) {
+  std::error_code ignored;
+  if (fs::equivalent(one, other, ignored)) return true;
+  const auto load = [](const fs::path& path) {
+    return ddssec::load("file://" + path.string(), "", pki::kMostDocumentOctets);
+  };
+  const auto a = load(one), b = load(other);
+  return a && b && *a == *b;
+}
 
 void check_files(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   for (const auto rule : {Rule::DOC001, Rule::DOC002}) out.pass(rule);
@@ -148,6 +183,7 @@ void check_files(const LoadedFolder& folder, const Settings& settings, Diagnosis
   check_tokens(folder, out);
   check_mode(folder.paths.key, out);
   check_strangers(folder, out);
+  check_layouts(folder, out);
   check_configurations(folder, out);
 }
 

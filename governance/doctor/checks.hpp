@@ -21,9 +21,12 @@ inline std::string remedy_of_ros(const LoadedFolder& folder) {
          "--node-defaults";
 }
 
+/// Both files can be read and hold the same.
+bool has_same_octets(const std::filesystem::path& one, const std::filesystem::path& other);
+
 /// Files there, of the right kind, closed to others.
 void check_files(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
-/// The files that the configurations beside them name.
+/// The files that the configurations beside them name: whether they are those that were judged.
 void check_configurations(const LoadedFolder& folder, Diagnosis& out);
 /// Certificate, key, CA, revocation.
 void check_identity(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);

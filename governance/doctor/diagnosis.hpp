@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/finding.hpp"
@@ -61,5 +62,10 @@ class Diagnosis {
 /// Looks at every piece of the folder. What cannot be judged because another piece is broken is
 /// left out; that piece is reported.
 Diagnosis diagnose(const LoadedFolder& folder, const Settings& settings);
+
+/// Whether the configuration of Cyclone DDS that the environment names, its text, makes the
+/// participant's process read the files of the folder. One of another participant says nothing.
+void check_configuration_in_force(const LoadedFolder& folder, std::string_view text,
+                                  Diagnosis& out);
 
 }  // namespace ddssec::governance::doctor

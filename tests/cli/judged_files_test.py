@@ -1,0 +1,105 @@
+#!/usr/bin/env python3
+"""doctor, check and keystore verify judge the files that a process reads: those that its configuration names, and of
+two layouts in one folder both."""
+
+import shutil
+
+from transcript import NOW, Transcript, main
+
+
+class JudgedFiles(Transcript):
+    def setUp(self):
+        super().setUp()
+        self.run_program("init", "demo", "-q", *NOW)
+        self.run_program("governance", "new", "--profile", "open", "-o", "old.xml", "--sign", "--ca", "demo", "-q", *NOW)
+        self.run_program("ca", "create", "other", "--no-passphrase", "-q", *NOW)
+        self.talker = self.at / "demo/talker"
+        self.configuration = self.talker / "cyclonedds.xml"
+        self.correct = self.configuration.read_text()
+
+    def told(self, *words, exit, **more):
+        told = self.json(*words, *NOW, exit=exit, **more)["diagnostics"]
+        return [one["message"] for one in told if one["id"] == "DOC008" or "DOC008" in one["message"]]
+
+    def configure(self, old, new):
+        self.assertIn(old, self.correct)
+        self.configuration.write_text(self.correct.replace(old, new))
+
+    def test_what_init_writes_names_what_is_judged(self):
+        self.assertEqual(self.told("doctor", "demo/talker", exit=0), [])
+        self.assertEqual(self.told("doctor", "demo/listener", exit=0,
+                                   environment={"CYCLONEDDS_URI": f"file://{self.configuration}"}), [])
+
+    def test_another_governance_document_is_told_with_both_paths(self):
+        shutil.copy(self.at / "old.p7s", self.talker / "governance_old.p7s")
+        self.configure("/governance.p7s", "/governance_old.p7s")
+        for product in ("ddssec", "cyclonedds"):
+            message = self.told("doctor", "demo/talker", "--vendor", product, exit=1)[0]
+            self.assertIn(f"{self.talker}/governance_old.p7s as governance", message)
+            self.assertIn("demo/talker/governance.p7s is what was judged", message)
+        self.assertTrue(self.told("check", "demo/talker", "demo/listener", exit=1))
+        self.assertEqual(self.told("doctor", "demo/talker", "--vendor", "fastdds", exit=0), [])
+
+    def test_every_file_counts(self):
+        for name, other in (("identity_ca.pem", "other/identity/ca.pem"), ("permissions_ca.pem", "other/permissions/ca.pem"),
+                            ("permissions.p7s", "demo/listener/permissions.p7s"), ("cert.pem", "demo/listener/cert.pem"),
+                            ("key.pem", "demo/listener/key.pem"), ("crl.pem", "old.p7s")):
+            with self.subTest(name=name):
+                self.configure(f"{self.talker}/{name}", f"{self.at}/{other}")
+                self.assertEqual(len(self.told("doctor", "demo/talker", exit=1)), 1)
+
+    def test_ways_to_write_it(self):
+        shutil.copy(self.at / "old.p7s", self.talker / "old.p7s")
+        named = f"<Governance>file:{self.talker}/governance.p7s</Governance>"
+        for text, count in (("<governance >file://{}/old.p7s</governance>", 1), ("<Governance>{}/old.p7s</Governance>", 1),
+                            ("<Governance>file:old.p7s</Governance>", 1), ("<Governance>file:nowhere.p7s</Governance>", 1),
+                            ("<Governance>file:$X/governance.p7s</Governance>", 1), ("<Governance>data:,x</Governance>", 1),
+                            ("<Governance><![CDATA[file:{}/governance.p7s]]></Governance>", 1),
+                            (named + "</Security></Domain><Domain><Security><Governance>file:{}/old.p7s</Governance>", 1),
+                            ("<!-- <Governance>file:{}/old.p7s</Governance> -->" + named, 0),
+                            ("<Governance>file:governance.p7s</Governance>", 0), ("<Governance>{}/governance.p7s</Governance>", 0)):
+            with self.subTest(text=text):
+                self.configure(named, text.replace("{}", str(self.talker)))
+                self.assertEqual(len(self.told("doctor", "demo/talker", exit=min(count, 1))), count)
+
+    def test_a_revocation_list_that_is_not_named_is_not_read(self):
+        self.configure(f"<CRL>file:{self.talker}/crl.pem</CRL>", "")
+        self.assertIn("names no revocation list", self.told("doctor", "demo/talker", exit=1)[0])
+
+    def test_the_configuration_in_force_counts_for_its_participant(self):
+        self.configure("/governance.p7s", "/../../old.p7s")
+        (self.at / "elsewhere.xml").write_text(self.configuration.read_text())
+        self.configuration.write_text(self.correct)
+        environment = {"CYCLONEDDS_URI": f"file://{self.at}/elsewhere.xml"}
+        self.assertIn("CYCLONEDDS_URI", self.told("doctor", "demo/talker", exit=1, environment=environment)[0])
+        self.assertEqual(self.told("doctor", "demo/listener", exit=0, environment=environment), [])
+
+    def test_fastdds_configuration(self):
+        file = self.talker / "fastdds.xml"
+        file.write_text(file.read_text().replace("/governance.p7s", "/../../old.p7s"))
+        self.assertIn("fastdds.xml makes", self.told("doctor", "demo/talker", "--vendor", "fastdds", exit=1)[0])
+        self.assertEqual(self.told("doctor", "demo/talker", "--vendor", "cyclonedds", exit=0), [])
+
+    def test_two_layouts_in_an_enclave(self):
+        for keystore in ("ks", "foreign"):
+            self.run_program("keystore", "create", keystore, "--no-passphrase", "-q", *NOW)
+            self.run_program("keystore", "enclave", keystore, "/a", "--allow-all", "-q", *NOW)
+        enclave = self.at / "ks/enclaves/a"
+        self.run_program("keystore", "verify", "ks", *NOW)
+        for role in ("identity", "permissions"):  # the same under both names changes nothing
+            shutil.copy(enclave / f"{role}_ca.cert.pem", enclave / f"{role}_ca.pem")
+        self.run_program("keystore", "verify", "ks", *NOW)
+        self.run_program("doctor", enclave, *NOW)
+        for role in ("identity", "permissions"):
+            own, foreign = ((self.at / f"{ks}/public/{role}_ca.cert.pem").read_text() for ks in ("ks", "foreign"))
+            (enclave / f"{role}_ca.cert.pem").unlink()
+            (enclave / f"{role}_ca.cert.pem").write_text(own + foreign)
+        for words in (("keystore", "verify", "ks"), ("doctor", enclave), ("check", enclave, enclave)):
+            told = self.json(*words, *NOW, exit=1)["diagnostics"]
+            self.assertTrue([one for one in told if "DOC009" in one["id"] + one["message"]], words)
+        ids = [one["id"] for one in self.json("keystore", "verify", "ks", *NOW, exit=1)["diagnostics"]]
+        self.assertEqual(ids.count("DOC006"), 2, "what ROS 2 reads is what is judged")
+
+
+if __name__ == "__main__":
+    main()
