@@ -1,6 +1,7 @@
 #include "cli/transaction.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <expected>
@@ -23,7 +24,26 @@ namespace {
 namespace fs = std::filesystem;
 
 volatile std::sig_atomic_t interrupted_by = 0;
-void remember(int signal) { interrupted_by = signal; }
+// How many folders and sets of files are drafted and neither in place nor removed.
+std::atomic<int> unfinished = 0;
+static_assert(std::atomic<int>::is_always_lock_free);
+constexpr unsigned kSecondsToNotice = 1;
+
+void remember(int signal) {
+  ::alarm(kSecondsToNotice);
+  interrupted_by = signal;
+}
+
+// What only computes asks nobody whether it was interrupted; what writes does, at each file, and
+// removes its drafts.
+void end_unless_writing(int) {
+  if (unfinished != 0) {
+    ::alarm(kSecondsToNotice);
+    return;
+  }
+  ::signal(interrupted_by, SIG_DFL);
+  ::raise(interrupted_by);
+}
 
 fs::path folder_of(const fs::path& target) {
   return target.has_parent_path() ? target.parent_path() : fs::path(".");
@@ -245,12 +265,18 @@ WrittenFile written(const fs::path& path, BytesView octets, unsigned mode) {
 
 }  // namespace
 
-Status check_not_interrupted() { return interrupted_by == 0 ? Status() : fail(Code::interrupted); }
+Status check_not_interrupted() {
+  if (interrupted_by == 0) return {};
+  ::alarm(0);  // the command ends by itself
+  return fail(Code::interrupted);
+}
 
 void note_interruptions() {
   struct sigaction action {};
   action.sa_handler = remember;  // no SA_RESTART: a prompt for a passphrase ends as well
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaction(signal, &action, nullptr);
+  action.sa_handler = end_unless_writing;
+  ::sigaction(SIGALRM, &action, nullptr);
 }
 
 void write_nothing() { dry_run = true; }
@@ -264,7 +290,12 @@ Result<NewFolder> NewFolder::at(const fs::path& given) {
   auto staging = (target.parent_path() /
                   fmt::format(".{}.{}.XXXXXX", target.filename().string(), process_mark()))
                      .string();
-  if (::mkdtemp(staging.data()) == nullptr) return unwritable(target, errno);
+  ++unfinished;
+  if (::mkdtemp(staging.data()) == nullptr) {
+    const int error = errno;
+    --unfinished;
+    return unwritable(target, error);
+  }
   return NewFolder(target, staging);
 }
 
@@ -321,12 +352,15 @@ Result<std::vector<WrittenFile>> NewFolder::commit() {
   if (::renameat2(AT_FDCWD, staging_.c_str(), AT_FDCWD, target_.c_str(), RENAME_NOREPLACE) != 0)
     return rename_failed(target_, errno);
   staging_.clear();
+  --unfinished;
   return files_;
 }
 
 NewFolder::~NewFolder() {
+  if (staging_.empty()) return;
   std::error_code ignored;
-  if (!staging_.empty()) fs::remove_all(staging_, ignored);
+  fs::remove_all(staging_, ignored);
+  --unfinished;
 }
 
 NewFolder::NewFolder(NewFolder&& other) noexcept
@@ -343,6 +377,7 @@ Status Replacement::put(const fs::path& target, BytesView octets, unsigned mode,
     return fail(Code::would_overwrite, {.document = target, .note = "it is not a plain file"});
   auto& folder = folders_.back();
   if (!dry_run) {
+    if (!std::exchange(has_drafts_, true)) ++unfinished;
     auto draft = DDSSEC_TRY(write_draft(target, octets, mode));
     folder.drafts.push_back({std::move(draft), target});
   }
@@ -419,6 +454,7 @@ Result<std::vector<WrittenFile>> Replacement::put_in_place(Intent* intent) {
 Replacement::~Replacement() {
   for (const auto& draft : all_drafts())
     if (!draft.draft.empty()) remove_draft(draft);
+  if (has_drafts_) --unfinished;
 }
 
 Status append_lines(const fs::path& target, std::string_view lines, const fs::path& lock) {

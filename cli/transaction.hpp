@@ -15,7 +15,8 @@
 
 namespace ddssec::cli {
 
-/// From here on SIGINT, SIGTERM and SIGHUP end the command by the next file with `interrupted`.
+/// From here on SIGINT, SIGTERM and SIGHUP end the command by the next file with `interrupted`;
+/// after a second without one, by the signal itself, unless files are drafted and not in place.
 void note_interruptions();
 /// Error: interrupted.
 Status check_not_interrupted();
@@ -128,6 +129,7 @@ class Replacement {
   std::vector<Draft> all_drafts() const;
   std::vector<Folder> folders_ = {{}};  ///< first what is for no folder
   std::vector<Failure> failures_;
+  bool has_drafts_ = false;  ///< a signal must wait for them
 };
 
 /// One new file, complete or not there, never in place of another one.
