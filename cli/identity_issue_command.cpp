@@ -47,6 +47,7 @@ Result<ParticipantSpec> common_spec(const Arguments& arguments, WallTime now) {
   out.publish = DDSSEC_TRY(topics_of(arguments, "--publish"));
   out.subscribe = DDSSEC_TRY(topics_of(arguments, "--subscribe"));
   out.partitions = arguments.all("--partition");
+  out.takes_other_grants = arguments.has("--other-grants");
   return out;
 }
 
@@ -459,6 +460,7 @@ std::vector<Command> identity_issue_commands() {
                             "partitions in which it may use these topics; without any, only "
                             "without a partition"),
                    {"--permissions", "FILE", "a permissions document to sign instead"},
+                   kOtherGrants,
                    {"--governance", "FILE", "a signed governance document to copy"},
                    {"--replace", "",
                     "in a folder that is there: make key, certificate and the documents that are "

@@ -221,9 +221,21 @@ Report renewed_report(const Renewal& job, const pki::Certificate& renewed) {
   return report;
 }
 
+// What leads nowhere cannot be extended, and must not be passed over.
+Status check_no_broken_link(const fs::path& permissions) {
+  std::error_code ignored;
+  if (is_there(permissions) || !fs::is_symlink(as_held(permissions))) return {};
+  return fail(Code::file_not_found,
+              {.document = permissions,
+               .note = "it is a link that leads nowhere",
+               .hint = "put the permissions in its place, or remove the link; without "
+                       "--permissions only the certificate is renewed"});
+}
+
 // The permissions with the certificate, if that was asked for and is needed.
 Status renew_permissions(const Renewal& job, const pki::Certificate& renewed, CaOpener& opener,
                          Replacement& out, Report& report) {
+  if (job.arguments.has("--permissions")) DDSSEC_TRY(check_no_broken_link(job.files.permissions));
   const auto seen = permissions_seen(job.files, job.arguments, job.old, job.now());
   const bool is_asked = job.arguments.has("--permissions") && is_there(job.files.permissions);
   const auto end = seen ? seen->grant.validity.not_after : WallTime();

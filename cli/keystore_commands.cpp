@@ -164,6 +164,7 @@ Status read_rights(ParticipantSpec& spec, const Arguments& arguments, Report& re
   warn_of_missing_prefixes(spec, report);
   warn_of_topics(spec, {}, report);
   if (arguments.has("--allow-all")) spec.publish = spec.subscribe = {"*"};
+  spec.takes_other_grants = arguments.has("--other-grants");
   if (arguments.has("--permissions"))
     spec.permissions =
         DDSSEC_TRY(read_file(arguments.text("--permissions"), pki::kMostDocumentOctets));
@@ -301,6 +302,7 @@ std::vector<Option> rights_options() {
           repeated("--publish", "TOPIC", "a topic or expression it may publish (rt/chatter)"),
           repeated("--subscribe", "TOPIC", "a topic or expression it may subscribe to"),
           {"--permissions", "FILE", "a permissions document to sign instead"},
+          kOtherGrants,
           {"--policy", "FILE", "a ROS 2 policy (sros2), of which this enclave's part counts"},
           kNodeDefaults,
           {"--allow-all", "", "it may publish and subscribe to everything"},

@@ -37,6 +37,8 @@ inline constexpr Option kSubject{"--subject", "DN", "the certificate's name, if 
 inline constexpr Option kSubjectOfFolder{
     "--subject", "DN",
     "the participant, where the CA's log does not have the certificate for this folder"};
+inline constexpr Option kOtherGrants{"--other-grants", "",
+                                     "with --permissions: sign its grants for other subjects, too"};
 inline constexpr Option kReplace{"--replace", "", "put it in place of what is there"};
 inline constexpr Option kSign{"--sign", "", "write the signed form (.p7s) beside the document"};
 inline constexpr Option kSigningCa{"--ca", "DIR", "the folder that ca create made, for --sign"};

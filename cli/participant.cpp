@@ -2,6 +2,10 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "base/tool_code.hpp"
 #include "cli/signed_documents.hpp"
 #include "cli/snippets.hpp"
 #include "governance/grant.hpp"
@@ -29,6 +33,29 @@ governance::Grant grant_from_lists(const ParticipantSpec& spec) {
   if (!spec.subscribe.empty())
     rule.subscribe.push_back({.topics = texts(spec.subscribe), .partitions = partitions});
   return {.name = spec.name, .rules = {std::move(rule)}};
+}
+
+// Whoever gets the signed file can use each grant of it. An expression or a name that
+// cannot be read is another one.
+Status check_own_grants(const governance::Permissions& document, const pki::SubjectName& own,
+                        std::string_view shown) {
+  constexpr std::size_t kMostShown = 8;
+  std::string names;
+  std::size_t others = 0;
+  int line = 0;
+  for (const auto& grant : document.grants) {
+    const auto subject = pki::SubjectName::parse(grant.subject_name);
+    if (!grant.subject_is_expression && subject && subject->key() == own.key()) continue;
+    if (others == 0) line = grant.line;
+    if (++others <= kMostShown)
+      names += fmt::format("{}\"{}\"", others == 1 ? "" : ", ", printable(grant.subject_name));
+  }
+  if (others == 0) return {};
+  if (others > kMostShown) names += fmt::format(" and {} more", others - kMostShown);
+  return fail(tool_code::foreign_grant, {.line = line,
+                                             .field = "<subject_name>",
+                                             .expected = fmt::format("\"{}\" alone", shown),
+                                             .found = std::move(names)});
 }
 
 bool is_about_topics(Rule rule) {
@@ -70,6 +97,9 @@ Result<std::string> permissions_xml(const ParticipantSpec& spec,
     const auto document = DDSSEC_TRY(governance::read_permissions(*spec.permissions));
     DDSSEC_TRY(governance::find_grant(document, pki::SubjectName::of(certificate),
                                       certificate.subject(), now));
+    if (!spec.takes_other_grants)
+      DDSSEC_TRY(
+          check_own_grants(document, pki::SubjectName::of(certificate), certificate.subject()));
     return std::string(as_text(*spec.permissions));
   }
   auto grant = spec.grant ? *spec.grant : grant_from_lists(spec);

@@ -26,6 +26,7 @@ struct ParticipantSpec {
   std::vector<std::string> partitions = {};  ///< none: only endpoints without partitions
   /// A permissions document to sign instead of one made from the lists.
   std::optional<Bytes> permissions = std::nullopt;
+  bool takes_other_grants = false;  ///< of that document, for other subjects
   /// Or rules from elsewhere; subject and validity are the certificate's.
   std::optional<governance::Grant> grant = std::nullopt;
 
@@ -58,9 +59,9 @@ Result<pki::Validity> within_ca(pki::Validity wanted, const pki::Certificate& ca
 void warn_of_topics(const ParticipantSpec& spec, const std::string& document, Report& report);
 
 /// The permissions document of the spec, for this certificate: the one it brings, which must have a
-/// grant for the subject that is valid at `now`, or one grant with default DENY. The subject is the
-/// certificate's own text, the form that every vendor reads. Errors: those of read_permissions and
-/// find_grant.
+/// grant for the subject that is valid at `now` and, unless the spec takes them, none for others;
+/// or one grant with default DENY. The subject is the certificate's own text, the form that every
+/// vendor reads. Errors: foreign_grant, those of read_permissions and find_grant.
 Result<std::string> permissions_xml(const ParticipantSpec& spec,
                                     const pki::Certificate& certificate, WallTime now);
 

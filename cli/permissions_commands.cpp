@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/ca_folder.hpp"
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
@@ -55,8 +56,29 @@ Result<governance::Validity> life(const Arguments& arguments, const pki::Certifi
   return out;
 }
 
+// A folder with both CAs says which certificates its permissions are for.
+Status check_issued_here(const pki::Certificate& certificate, const Arguments& arguments) {
+  if (!arguments.has("--sign") || !arguments.has("--ca")) return {};
+  const auto ca = arguments.text("--ca");
+  const auto paths = ca_paths(ca, "identity");
+  if (!is_there(paths.certificate) || paths.certificate == ca_paths(ca, "permissions").certificate)
+    return {};
+  const auto cas = DDSSEC_TRY(read_certificates(paths.certificate));
+  if (std::ranges::any_of(cas, [&](const auto& one) { return certificate.is_issued_by(one); }))
+    return {};
+  return fail(Code::issuer_unknown,
+              {.document = arguments.text("--cert"),
+               .expected = "a certificate that " + paths.certificate.string() + " issued",
+               .found = fmt::format("\"{}\", issued by \"{}\"", certificate.subject(),
+                                    certificate.issuer()),
+               .hint = "for a participant of another identity CA, name the permissions CA alone: "
+                       "--ca " +
+                       ca_paths(ca, "permissions").certificate.parent_path().string()});
+}
+
 Result<Report> permissions_new(const Arguments& arguments, const Context& context) {
   const auto certificate = DDSSEC_TRY(certificate_of(arguments.text("--cert")));
+  DDSSEC_TRY(check_issued_here(certificate, arguments));
   const auto grant = grant_of("participant", certificate, DDSSEC_TRY(rights_from(arguments)),
                               DDSSEC_TRY(life(arguments, certificate, context.clock.now())));
   const auto xml = to_xml(governance::Permissions{.grants = {grant}});
