@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
+#include <optional>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -102,6 +103,21 @@ Result<std::vector<std::string>> topics_of(const Arguments& arguments) {
   return out;
 }
 
+// ddssec cannot read such a certificate, and Cyclone DDS talks with it: a "no" would be wrong where
+// it matters most. Nothing if an answer can be given.
+std::optional<Report> unpredictable(const doctor::LoadedFolder& folder) {
+  const auto& certificate = folder.certificate;
+  if (certificate || !doctor::is_key_of_another_curve(certificate.error())) return std::nullopt;
+  auto details = certificate.error().details();
+  details.document = folder.paths.certificate;
+  details.note =
+      "Cyclone DDS takes any EC key of 256 bits and ddssec does not read this one: "
+      "whether they would talk is not known";
+  auto report = cli::report_of(Error(Code::key_not_allowed, std::move(details)));
+  report.exit = Exit::unreadable;
+  return report;
+}
+
 Result<Report> check(const Arguments& arguments, const Context& context) {
   const fs::path folders[] = {arguments.text("A"), arguments.text("B")};
   doctor::NamedProduct products[] = {{doctor::Vendor::ours}, {doctor::Vendor::ours}};
@@ -113,6 +129,11 @@ Result<Report> check(const Arguments& arguments, const Context& context) {
   const auto now = context.clock.now();
   const auto a = load_participant(folders[0], now);
   const auto b = load_participant(folders[1], now);
+  const bool are_cyclonedds = std::ranges::all_of(
+      products, [](const auto& one) { return one.vendor == doctor::Vendor::cyclonedds; });
+  for (const auto* folder : {&a, &b})
+    if (auto unknown = are_cyclonedds ? unpredictable(*folder) : std::nullopt)
+      return *std::move(unknown);
   Report report;
   const auto domain = DDSSEC_TRY(domain_for(arguments, {&a, &b}, now, report));
   std::string names[2];

@@ -34,8 +34,10 @@ void report_unloaded(const fs::path& path, const Error& error, const Settings& s
   const auto say = [&](Rule rule, std::string message, std::string_view hint = {}) {
     // Fast DDS takes keys that DDS-Security does not know, short ones too.
     auto outcomes = kNobody;
-    if (rule == Rule::DOC014)
+    if (rule == Rule::DOC014) {
       outcomes.fastdds = measured(Variant::ed25519, settings.lineup).fastdds;
+      if (is_key_of_another_curve(error)) outcomes.cyclonedds = Outcome::unsafe;
+    }
     out.report(
         outcomes,
         {.rule = rule, .message = std::move(message), .document = path, .hint = std::string(hint)});
@@ -166,6 +168,12 @@ void check_layouts(const LoadedFolder& folder, Diagnosis& out) {
 }
 
 }  // namespace
+
+bool is_key_of_another_curve(const Error& error) {
+  const auto& found = error.details().found;
+  return error.code() == Code::key_not_allowed && found.starts_with("EC ") &&
+         !found.starts_with("EC of") && found.ends_with(" of 256 bits");
+}
 
 bool has_same_octets(const fs::path& one, const fs::path& other) {
   std::error_code ignored;

@@ -69,6 +69,10 @@ struct LoadedFolder {
 Status believes(Vendor judge, BytesView file, const Result<std::vector<pki::Certificate>>& cas,
                 WallTime now);
 
+/// True for the error of a key on another curve of 256 bits, such as secp256k1. Cyclone DDS looks
+/// at the size of an EC key alone: 0.10.2 talks with it (measured).
+bool is_key_of_another_curve(const Error& error);
+
 /// Loads every piece; documents are verified as of `now`. Never fails.
 LoadedFolder load_folder(const pki::ParticipantFolder& paths, WallTime now);
 

@@ -3,6 +3,7 @@
 two layouts in one folder both."""
 
 import shutil
+import subprocess
 
 from transcript import NOW, Transcript, main
 
@@ -79,6 +80,23 @@ class JudgedFiles(Transcript):
         file.write_text(file.read_text().replace("/governance.p7s", "/../../old.p7s"))
         self.assertIn("fastdds.xml makes", self.told("doctor", "demo/talker", "--vendor", "fastdds", exit=1)[0])
         self.assertEqual(self.told("doctor", "demo/talker", "--vendor", "cyclonedds", exit=0), [])
+
+    def test_a_key_that_only_cyclonedds_takes_is_no_no(self):
+        """Measured: two participants of stock Cyclone DDS 0.10.2 talk, one of them with such a key."""
+        def openssl(*words):
+            subprocess.run(["openssl", *words], cwd=self.talker, check=True, capture_output=True)
+        authority = self.at / "demo/ca/identity"
+        openssl("ecparam", "-name", "secp256k1", "-genkey", "-noout", "-out", "key.pem")
+        openssl("req", "-new", "-key", "key.pem", "-subj", "/CN=talker", "-out", "request")
+        openssl("x509", "-req", "-in", "request", "-CA", authority / "ca.pem", "-CAkey", authority / "ca.key.pem",
+                "-set_serial", "119", "-days", "30", "-out", "cert.pem")
+        (self.talker / "request").unlink()
+        pair = ("check", "demo/talker", "demo/listener")
+        told = self.json(*pair, "--vendor", "cyclonedds", exit=3)["diagnostics"][0]
+        self.assertIn("whether they would talk is not known", told["message"])
+        self.json(*pair, exit=1)
+        self.assertEqual(self.json("doctor", "demo/talker", "--vendor", "cyclonedds", exit=1)["result"]["verdicts"],
+                         {"cyclonedds@0.10.2": "unsafe"})
 
     def test_two_layouts_in_an_enclave(self):
         for keystore in ("ks", "foreign"):
