@@ -57,6 +57,8 @@ class Rotate(Transcript):
         out = self.rotate("identity", at="copy")["result"]
         self.assertEqual((out["folders"], out["elsewhere"]), ([str(self.at / "copy/talker")], self.folders("listener")))
         self.assertEqual({p: p.read_bytes() for p in before}, before)
+        for file in (self.at / "copy/talker").glob("*dds.xml"):
+            file.write_text(file.read_text().replace(str(self.at / "demo"), str(self.at / "copy")))
         self.json("doctor", "copy/talker", *NOW)
 
     def test_a_permissions_ca_gets_a_new_key_and_every_document_is_signed_anew(self):

@@ -144,7 +144,8 @@ class Token(Transcript):
         (folder / "key.p11").write_text(f"{TALKER}?pin-value={PIN}\n")
         (folder / "key.p11").chmod(0o644)
         told = self.json("doctor", "demo/talker", *NOW, exit=1)["diagnostics"]
-        self.assertEqual([one["id"] for one in told], ["DOC005", "DOC005", "DOC003"])
+        self.assertEqual([one["id"] for one in told][:3], ["DOC005", "DOC005", "DOC003"])
+        self.assertIn("DOC008", [one["id"] for one in told], "the configurations name key.pem")
         self.assertIn("no token that is plugged in", told[0]["message"])
         self.assertNotIn(PIN, str(told))
 

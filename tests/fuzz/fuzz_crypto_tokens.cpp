@@ -17,15 +17,15 @@ struct Pair {
         ends(two.endpoints(endpoint_attributes(kind, ProtectionKind::encrypt))),
         of_participant(two.participant_tokens().value()),
         of_writer(two.writer_tokens(ends).value()),
-        of_reader(two.reader_tokens(ends).value()),
-        message(encode_message(two, rtps_message({data_submessage(16)})).value()),
-        submessage(encode_submessage(two, ends, data_submessage(16)).value()),
-        reply(encode_reply(two, ends, data_submessage(16, 0x06)).value()) {}
+        of_reader(two.reader_tokens(ends).value()) {}
 
   void attack(const Tokens& tokens) {
     if (two.take_participant(tokens) && !two.take_participant(of_participant)) std::abort();
     if (two.take_writer(ends, tokens) && !two.take_writer(ends, of_writer)) std::abort();
     if (two.take_reader(ends, tokens) && !two.take_reader(ends, of_reader)) std::abort();
+    const auto message = encode_message(two, rtps_message({data_submessage(16)})).value();
+    const auto submessage = encode_submessage(two, ends, data_submessage(16)).value();
+    const auto reply = encode_reply(two, ends, data_submessage(16, 0x06)).value();
     if (!decode_message(two, message) || !decode_submessage(two, ends, submessage) ||
         !decode_reply(two, ends, reply))
       std::abort();
@@ -33,8 +33,7 @@ struct Pair {
 
   TwoSides two;
   WriterToReader ends;
-  Tokens of_participant, of_writer, of_reader;  // before the messages: older ones are refused
-  Bytes message, submessage, reply;
+  Tokens of_participant, of_writer, of_reader;  // before all messages: older ones are refused
 };
 
 spi::Token token_of(Bytes key_material) {

@@ -19,7 +19,7 @@ struct Revision {
   Revision()
       : two(participant_attributes(kEncrypt, true)),
         ends(two.endpoints(endpoint_attributes(kEncrypt, ProtectionKind::encrypt))) {
-    former = sent();
+    former = sent(), late = sent();
     number = two.a.factory().revise_local_entity_keys(two.a.participant).value();
     of_participant = two.participant_tokens(KeyStage::revised).value();
     of_writer = two.writer_tokens(ends, KeyStage::revised).value();
@@ -45,7 +45,7 @@ struct Revision {
 
   TwoSides two;
   WriterToReader ends;
-  Sent former;
+  Sent former, late;  ///< each message counts once
   KeyRevision number = 0;
   Tokens of_participant, of_writer;
 };
@@ -86,7 +86,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (!it.two.take_participant(it.of_participant) || !it.two.take_writer(it.ends, it.of_writer))
     std::abort();
   it.activate();
-  for (const auto& sent : {it.former, it.sent()}) {
+  for (const auto& sent : {it.late, it.sent()}) {
     it.must_read_message(sent);
     it.must_read_data(sent);
   }

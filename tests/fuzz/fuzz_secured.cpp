@@ -12,7 +12,8 @@ using namespace ddssec;
 using namespace ddssec::cryptography::testing;
 
 struct Target {
-  Bytes sealed;
+  std::function<Bytes()>
+      seal;  ///< each time under another IV: with origin authentication it counts once
   Bytes opened;
   std::function<Result<Bytes>(const Bytes&)> open;
 };
@@ -23,19 +24,20 @@ struct Pair {
       : two(kind),
         ends(two.endpoints(endpoint_attributes(
             kind, is_encrypted(kind) ? ProtectionKind::encrypt : ProtectionKind::sign))) {
-    add(encode_payload(two, ends, Bytes(22, 3)).value(),
+    add([this] { return encode_payload(two, ends, Bytes(22, 3)).value(); },
         [this](const Bytes& in) { return decode_payload(two, ends, in); });
-    add(encode_submessage(two, ends, data_submessage(24)).value(),
+    add([this] { return encode_submessage(two, ends, data_submessage(24)).value(); },
         [this](const Bytes& in) { return decode_submessage(two, ends, in); });
-    add(encode_reply(two, ends, data_submessage(24, 0x06)).value(),
+    add([this] { return encode_reply(two, ends, data_submessage(24, 0x06)).value(); },
         [this](const Bytes& in) { return decode_reply(two, ends, in); });
     const auto message = rtps_message({data_submessage(12), data_submessage(8)});
-    add(encode_message(two, message).value(),
+    add([this, message] { return encode_message(two, message).value(); },
         [this](const Bytes& in) { return decode_message(two, in); });
-    const auto encode = [&](MutableBytes out) {
-      return pre_shared_keys(two.a, kind)->encode(message, out);
-    };
-    add(into_bytes(message.size() + spi::protection_overhead(0), encode).value(),
+    add(
+        [message, keys = pre_shared_keys(two.a, kind)] {
+          const auto encode = [&](MutableBytes out) { return keys->encode(message, out); };
+          return into_bytes(message.size() + spi::protection_overhead(0), encode).value();
+        },
         [keys = pre_shared_keys(two.b, kind)](const Bytes& in) {
           (void)keys->remembers(in);
           return into_bytes(in.size(), [&](MutableBytes out) { return keys->decode(in, out); });
@@ -49,9 +51,9 @@ struct Pair {
     return side.factory().pre_shared_keys({passphrase, attributes, 0, ""}).value();
   }
   Pair(Pair&&) = delete;
-  void add(Bytes sealed, std::function<Result<Bytes>(const Bytes&)> open) {
-    auto opened = open(sealed).value();
-    targets.push_back({std::move(sealed), std::move(opened), std::move(open)});
+  void add(std::function<Bytes()> seal, std::function<Result<Bytes>(const Bytes&)> open) {
+    auto opened = open(seal()).value();
+    targets.push_back({std::move(seal), std::move(opened), std::move(open)});
   }
 
   TwoSides two;
@@ -85,10 +87,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto& target = pair.targets[data[0] / 4 % 5];
   const BytesView rest(data + 2, size - 2);
   must_not_open(target, to_bytes(rest));
-  const auto length = data[1] == 0 ? target.sealed.size() : std::size_t{data[1]} * 2;
-  must_not_open(target, changed(target.sealed, rest, length));
+  const auto sealed = target.seal();
+  const auto length = data[1] == 0 ? sealed.size() : std::size_t{data[1]} * 2;
+  must_not_open(target, changed(sealed, rest, length));
   (void)pair.two.b.transform().preprocess_secure_submessage(pair.two.b.participant,
                                                             pair.two.b.remote, rest);
-  if (target.open(target.sealed) != target.opened) std::abort();
+  if (target.open(target.seal()) != target.opened) std::abort();
   return 0;
 }

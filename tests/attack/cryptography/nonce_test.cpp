@@ -74,7 +74,7 @@ TEST_P(Nonces, OfOneParticipantWithReceivers) {
   const auto plain = rtps_message({data_submessage(40)});
   const auto all = nonces_of_four_threads(kMessages / 4, [&](std::size_t) {
     const auto encoded = encode_message(two, plain).value();
-    EXPECT_TRUE(decode_message(two, encoded)) << "also while sessions change";
+    EXPECT_TRUE(is_decoded_or_late(decode_message(two, encoded))) << "also while sessions change";
     return nonce_at(encoded, 24);
   });
   EXPECT_EQ(std::ranges::adjacent_find(all), all.end());

@@ -26,11 +26,6 @@ void while_changing(int rounds, Work&& work, Change&& change) {
   for (auto& thread : threads) thread.join();
 }
 
-/// A thread may sleep between encoding and decoding while the others fill the replay window.
-bool is_decoded_or_late(const Result<Bytes>& decoded) {
-  return decoded || decoded.error().code() == Code::message_repeated;
-}
-
 class Threads : public ::testing::TestWithParam<AeadChoice> {
  protected:
   static Options options() { return {.aead = GetParam(), .most_blocks_per_session = 64}; }
