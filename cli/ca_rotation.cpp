@@ -180,7 +180,7 @@ class Following {
     return {};
   }
 
-  /// Success if somebody follows, or nobody was to.
+  /// Success if a participant follows the new CA, or none had to.
   Status check() const {
     if (!followed_.again.empty()) return {};
     for (const auto* left : {&followed_.doubtful, &followed_.unwritten})

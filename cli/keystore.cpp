@@ -136,7 +136,7 @@ Status add_enclave(NewFolder& folder, const fs::path& below, std::string_view na
 
 namespace {
 
-/// Looks for enclaves, folder by folder: what is wrong with one hides no other.
+/// Looks for enclaves, folder by folder: an unreadable one hides no other.
 class EnclaveSearch {
  public:
   explicit EnclaveSearch(fs::path root) : root_(std::move(root)) {}

@@ -50,7 +50,7 @@ Status check_enclave_in(const std::filesystem::path& keystore, std::string_view 
 struct Enclaves {
   std::vector<std::string> names;        ///< sorted
   std::vector<std::string> without_key;  ///< those of `names` whose key is elsewhere, or lost
-  std::vector<Error> unseen = {};        ///< keystore_unseen: what was not looked at
+  std::vector<Error> unseen = {};        ///< keystore_unseen: folders that were not searched
 };
 
 /// Every folder below enclaves/ with a private key, a certificate or permissions. A folder that

@@ -35,7 +35,7 @@ governance::Grant grant_from_lists(const ParticipantSpec& spec) {
   return {.name = spec.name, .rules = {std::move(rule)}};
 }
 
-// Whoever gets the signed file can use each grant of it. An expression or a name that
+// Each holder of the signed file can use each of its grants. An expression or a name that
 // cannot be read is another one.
 Status check_own_grants(const governance::Permissions& document, const pki::SubjectName& own,
                         std::string_view shown) {
@@ -53,9 +53,9 @@ Status check_own_grants(const governance::Permissions& document, const pki::Subj
   if (others == 0) return {};
   if (others > kMostShown) names += fmt::format(" and {} more", others - kMostShown);
   return fail(tool_code::foreign_grant, {.line = line,
-                                             .field = "<subject_name>",
-                                             .expected = fmt::format("\"{}\" alone", shown),
-                                             .found = std::move(names)});
+                                         .field = "<subject_name>",
+                                         .expected = fmt::format("\"{}\" alone", shown),
+                                         .found = std::move(names)});
 }
 
 bool is_about_topics(Rule rule) {

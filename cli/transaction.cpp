@@ -34,8 +34,8 @@ void remember(int signal) {
   interrupted_by = signal;
 }
 
-// What only computes asks nobody whether it was interrupted; what writes does, at each file, and
-// removes its drafts.
+// A command that only computes does not look whether it was interrupted. One that writes does, at
+// each file, and removes its drafts.
 void end_unless_writing(int) {
   if (unfinished != 0) {
     ::alarm(kSecondsToNotice);

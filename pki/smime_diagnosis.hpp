@@ -44,10 +44,10 @@ struct DocumentForm {
   /// The line of the file, from 1, on which that text begins; 1 where it is not readable in the
   /// file.
   int first_line = 1;
-  /// Set if readers differ, since nobody signs the lines around the parts. If the plugins refuse
-  /// the parts that OpenSSL, and so stock products, find, the text is what stock products read;
-  /// error: of split_multipart_signed. If OpenSSL finds another text or signature than the plugins,
-  /// the text is what the plugins read; error: of check_same_reading.
+  /// Set if readers differ, since no signature covers the lines around the parts. If the plugins
+  /// refuse the parts that OpenSSL, and so stock products, find, the text is what stock products
+  /// read; error: of split_multipart_signed. If OpenSSL finds another text or signature than the
+  /// plugins, the text is what the plugins read; error: of check_same_reading.
   std::optional<Error> ambiguous = {};
 
   static constexpr std::size_t kMostEmbedded = 16;

@@ -63,7 +63,7 @@ Outcomes refused_by_ours(Variant variant, const Subject& subject) {
 }
 
 // Without the signer's certificate inside, OpenSSL finds no signer; a product may know another way.
-// Which text of several a product obeys, its version of OpenSSL decides: nobody passes with that.
+// Which of several texts a product reads depends on its version of OpenSSL: no product passes.
 Outcomes outcomes_of_form(const Subject& subject) {
   const auto& form = subject.form;
   if (form.ambiguous) return kNobody;

@@ -60,7 +60,7 @@ Error denied(Code code, const PermissionsHolder& holder, const CompiledGrant& gr
              .hint = holder.remote() ? hint_about_peer(holder, code, advice) : advice.hint});
 }
 
-/// The same about an endpoint that was announced in a peer's name, perhaps by somebody else.
+/// The same about an endpoint that was announced in a peer's name, perhaps by an attacker.
 Error as_announced(const Error& refusal, Action action) {
   const Code code = action == Action::publish ? Code::announced_writer_not_allowed
                                               : Code::announced_reader_not_allowed;

@@ -14,7 +14,7 @@ namespace ddssec::cryptography {
 /// `owner`, wherever they name one: in the parameters and the key of their payload, in the
 /// beginning of ParticipantMessageData, and in the key hash of inline QoS. Every other submessage
 /// passes after a look at its writer. Only fragments, and what is refused, allocate. Returns where
-/// the submessage holds the parameter id of type information, whoever it is of
+/// the submessage holds the parameter id of type information, of any participant
 /// (type_information.hpp). Errors: builtin_source_mismatch, builtin_source_unreadable;
 /// builtin_fragment_early of a fragment that must come again.
 Result<TypeInformationAt> check_builtin_source(BytesView submessage, const Owner& owner,

@@ -1,5 +1,5 @@
 // What our authentication asks our other two libraries in the process. Each is looked up late, as
-// the host loads it after us; where a stock one stands in its place, nobody answers.
+// the host loads it after us; a stock library in its place gives no answer.
 #pragma once
 
 #include "plugins/cyclonedds/governance_facts.hpp"

@@ -34,7 +34,7 @@ void add_locators(LocatorList& known, std::vector<SourceAddress>& sources, const
   }
 }
 
-/// Whoever has to prove its identity may name somebody else's addresses before: it is answered
+/// A peer that has not proven its identity may name the addresses of others: it is answered
 /// where it announced itself from, or at one address.
 LocatorList where_to_answer(const LocatorList& metatraffic, const SourceAddress& source) {
   LocatorList out;
@@ -45,7 +45,7 @@ LocatorList where_to_answer(const LocatorList& metatraffic, const SourceAddress&
 }
 
 /// For what came securely: the clear announcement of the same endpoint, and if there is no room
-/// otherwise all of them. Anybody may have sent those.
+/// otherwise all of them. Any host may have sent those.
 void remove_clear(const Discovery::Parts& parts, RemoteParticipant& remote,
                   const EndpointData& secure) {
   const auto id = secure.guid.entity;
@@ -122,9 +122,9 @@ bool Discovery::make_room(std::size_t octets) {
   return true;
 }
 
-// What was authenticated stays as it was, and does not live by it: anybody can send announcements
-// in its name. And anybody may have been the first to do so: as long as nothing is proven, all that
-// is announced counts, and no lease becomes shorter.
+// An announcement changes nothing of an authenticated participant and renews no lease of it: an
+// attacker can send announcements in its name, and may have been the first to do so. As long as
+// nothing is proven, every announcement counts, and no lease becomes shorter.
 void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData data,
                                    std::size_t octets) {
   const auto prefix = data.guid.prefix;
@@ -159,9 +159,9 @@ void Discovery::accept(RemoteParticipant& remote) {
 }
 
 // A participant that sends anything lives. In the name of an authenticated one, only what was not
-// said before is a sign of life, as anybody can repeat its messages. Its lease needs more: that its
-// own keys protected what is new. Whatever the governance leaves unprotected, it answers when it is
-// asked by the volatile secure channel (tick).
+// said before is a sign of life, as an attacker can repeat its messages. Its lease needs more: that
+// its own keys protected what is new. Whatever the governance leaves unprotected, it answers when
+// it is asked by the volatile secure channel (tick).
 void Discovery::on_message(const GuidPrefix& source, const SignsOfLife& signs) {
   auto* remote = parts_.remotes.find(source);
   if (remote == nullptr) return;
@@ -232,7 +232,7 @@ void Discovery::on_builtin(BuiltinTopic topic, const Change& change) {
 }
 
 // A participant speaks for its own endpoints only. Nothing that was said securely is unsaid
-// otherwise, and it takes the place of what anybody may have said before.
+// otherwise, and it takes the place of what an attacker may have said before.
 void Discovery::on_endpoint(const Change& change, bool publications, bool secure) {
   auto* remote = parts_.remotes.find(change.writer.prefix);
   if (remote == nullptr) return;

@@ -162,7 +162,7 @@ bool MessageReceiver::is_refused(const EntityId& reader, const Guid& writer,
          !keyring_->accepts_without_payload(reader, writer, context.shield);
 }
 
-// The protection of submessages does not cover INFO_TS, which anybody can change then.
+// The protection of submessages does not cover INFO_TS, which an attacker can change then.
 std::optional<Time> MessageReceiver::source_time(const Context& context,
                                                  const InlineQos& inline_qos) const {
   const auto& [by_message, by_writer] = context.shield;

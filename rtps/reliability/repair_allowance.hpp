@@ -8,8 +8,8 @@
 
 namespace ddssec::rtps {
 
-/// Where requests are not protected anybody sends them in the reader's name, and may use the writer
-/// to flood it: one datagram with many requests was answered by 338 times its octets.
+/// Where requests are not protected an attacker sends them in the reader's name, and may use the
+/// writer to flood it: one datagram with many requests was answered by 338 times its octets.
 class RepairAllowance {
  public:
   /// At once, and in each millisecond.

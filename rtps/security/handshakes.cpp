@@ -42,7 +42,7 @@ void Handshakes::announced_again(const ParticipantData& data, const AnnouncedAdd
 
 // ---- messages
 
-// Anybody can announce the addresses of somebody else. A peer that said nothing gets our messages
+// An attacker can announce the addresses of others. A peer that said nothing gets our messages
 // where it announced itself from, and at one of the other addresses in turns.
 LocatorList Handshakes::addresses_of(const Peer& peer) const {
   const auto& all = peer.metatraffic;
@@ -321,7 +321,7 @@ bool Handshakes::may_tick(Peer& peer) {
     return false;
   }
   const bool is_silent = handshake.started() && !peer.spoke;
-  // One announcement is not answered again and again: its sender may be nobody.
+  // One announcement is not answered again and again: its sender may not exist.
   const bool was_heard =
       !is_silent || handshake.repetitions() < kMessagesUnasked || peer.was_announced;
   if (!was_heard || (is_silent && !silent_.take(peer.source, core_.now))) {
