@@ -1,0 +1,170 @@
+// What a writer and a reader make of strangers, recorded messages and what never completes.
+#include <gmock/gmock.h>
+
+#include "tests/unit/rtps/reliability_fixture.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace of_reliability;
+using ::testing::ElementsAre;
+
+TEST(Reliability, StrangersAreNotHeard) {
+  Pair pair(keep_all());
+  pair.match();
+  pair.run(5);
+  pair.write({1});
+  const auto stranger = GuidPrefix::from(Bytes(12, 0xcc));
+  pair.reader.on_gap(stranger, Gap{{}, testing::kWriter, {1}, SequenceNumberSet({100})});
+  pair.reader.on_heartbeat(stranger, Heartbeat{{}, testing::kWriter, {50}, {60}, 999});
+  pair.writer.on_acknack(stranger, AckNack{testing::kReader, {}, SequenceNumberSet({2}), 99, true},
+                         pair.now);
+  EXPECT_FALSE(pair.writer.all_acknowledged());
+  pair.run(10);
+  EXPECT_THAT(pair.numbers(), ElementsAre(1));
+}
+
+TEST(Reliability, AnAcknackForMoreThanWasWrittenIsNotBelieved) {
+  Pair pair(keep_all());
+  pair.match();
+  pair.net.loss_percent = 100;
+  pair.write({1});
+  pair.writer.on_acknack(kB, AckNack{testing::kReader, {}, SequenceNumberSet({1000}), 50, true},
+                         pair.now);
+  EXPECT_EQ(pair.writer.history().size(), 1u);
+}
+
+// A pre-emptive one (base 0 of Fast DDS, count 0 of Cyclone DDS) is answered, and changes nothing.
+TEST(Reliability, APreEmptiveAcknackDoesNotMakeRecordedOnesNew) {
+  Pair pair(keep_all());
+  pair.match();
+  for (int i = 0; i < 6; ++i) pair.write(Bytes(700));
+  pair.net.a.sent.clear();
+  SequenceNumberSet all({1});
+  for (std::int64_t number = 1; number <= 6; ++number) all.insert({number});
+  const AckNack request{testing::kReader, testing::kWriter, all, 50, true};
+  pair.writer.on_acknack(kB, request, pair.now);
+  const auto answered = std::exchange(pair.net.a.sent, {}).size();
+  EXPECT_GE(answered, 1u);
+  for (const auto& pre_emptive :
+       {AckNack{testing::kReader, testing::kWriter, SequenceNumberSet({0}), 1, true},
+        AckNack{testing::kReader, testing::kWriter, SequenceNumberSet({1}), 0, true}}) {
+    pair.now += milliseconds(100);
+    pair.writer.on_acknack(kB, pre_emptive, pair.now);
+    EXPECT_EQ(std::exchange(pair.net.a.sent, {}).size(), 1u) << "a heartbeat";
+    for (std::int32_t count = 45; count <= 50; ++count) {
+      pair.now += milliseconds(100);
+      auto recorded = request;
+      recorded.count = count;
+      pair.writer.on_acknack(kB, recorded, pair.now);
+    }
+    EXPECT_TRUE(pair.net.a.sent.empty());
+  }
+}
+
+// Only what is new is a sign of life.
+TEST(Reliability, WhatIsRepeatedIsNotNew) {
+  for (const bool reliable : {true, false}) {
+    Pair pair(keep_all(), reliable);
+    pair.match(false, reliable);
+    auto& reader = pair.reader;
+    const auto data = [](std::int64_t number) {
+      return Data{{}, testing::kWriter, {number}, {}, PayloadKind::data, {}};
+    };
+    const Bytes half(1000);
+    const auto fragment = [&](std::int64_t number, std::uint32_t first) {
+      return DataFrag{{}, testing::kWriter, {number}, {first}, 1, 1000, 2000, {}, false, half};
+    };
+    const auto heartbeat = [](std::int32_t count) {
+      return Heartbeat{{}, testing::kWriter, {1}, {3}, count, true, true};
+    };
+    EXPECT_TRUE(reader.on_data(kA, data(1), {}));
+    EXPECT_FALSE(reader.on_data(kA, data(1), {}));
+    EXPECT_TRUE(reader.on_data_frag(kA, fragment(2, 1), {}));
+    EXPECT_FALSE(reader.on_data_frag(kA, fragment(2, 1), {}));
+    EXPECT_TRUE(reader.on_data_frag(kA, fragment(2, 2), {}));
+    EXPECT_FALSE(reader.on_data_frag(kA, fragment(2, 2), {}));
+    EXPECT_TRUE(reader.on_data(kA, data(4), {}));
+    EXPECT_FALSE(reader.on_data(kA, data(4), {}));
+    EXPECT_TRUE(reader.on_heartbeat(kA, heartbeat(7)));
+    EXPECT_FALSE(reader.on_heartbeat(kA, heartbeat(7)));
+    EXPECT_FALSE(reader.on_heartbeat(kA, heartbeat(6)));
+    EXPECT_TRUE(reader.on_heartbeat(kA, heartbeat(8)));
+    EXPECT_FALSE(reader.on_gap(kA, Gap{{}, testing::kWriter, {1}, SequenceNumberSet({2})}));
+    const AckNack acknack{testing::kReader, testing::kWriter, SequenceNumberSet({1}), 5, true};
+    EXPECT_EQ(pair.writer.on_acknack(kB, acknack, pair.now), reliable);
+    EXPECT_FALSE(pair.writer.on_acknack(kB, acknack, pair.now));
+  }
+}
+
+// 1100 writers of another identity that come and go do not make what was recorded new.
+TEST(Reliability, WhoComesAndGoesDoesNotMakeOthersForgotten) {
+  Pair pair(keep_all());
+  auto& reader = pair.reader;
+  const MatchedWriter honest{pair.writer.guid(), true, {kHere}, false, Sha256Digest{1}, kA};
+  const auto sample = [](std::int64_t number) {
+    return Data{{}, testing::kWriter, {number}, {}, PayloadKind::data, {}};
+  };
+  reader.match(honest, pair.now);
+  EXPECT_TRUE(reader.on_data(kA, sample(1), {}));
+  reader.unmatch(honest.guid, honest.keys);
+  for (std::uint32_t i = 0; i < 1100; ++i) {
+    const Guid guid{kB, {{1, static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i), 2}}};
+    reader.match({guid, true, {kHere}, false, Sha256Digest{2}, kB}, pair.now);
+    reader.unmatch(guid, Sha256Digest{2});
+  }
+  reader.match(honest, pair.now);
+  EXPECT_FALSE(reader.on_data(kA, sample(1), {}));
+  EXPECT_TRUE(reader.on_data(kA, sample(2), {}));
+}
+
+// A million early numbers, a GAP over 2^61 numbers ahead, fragments of samples that never complete.
+TEST(Reliability, WhatNeverCompletesStaysBounded) {
+  Pair pair(keep_all());
+  pair.match();
+  for (std::int64_t i = 2; i < 100'000; ++i)
+    pair.reader.on_data(kA, Data{{}, testing::kWriter, {i}, {}, PayloadKind::data, Bytes{1}}, {});
+  pair.reader.on_gap(kA, Gap{{}, testing::kWriter, {5}, SequenceNumberSet({1ll << 61})});
+  EXPECT_TRUE(pair.delivered.empty());
+  pair.reader.on_data(kA, Data{{}, testing::kWriter, {1}, {}, PayloadKind::data, Bytes{1}}, {});
+  EXPECT_EQ(pair.delivered.size(), 1 + StatefulReader::kMostEarlyChanges);
+  const Bytes part(1000);
+  for (std::int64_t i = 1; i < 1000; ++i) {
+    DataFrag frag{{}, testing::kWriter, {200'000 + i}, {1}, 1, 1000, 64u << 20, {}, false, part};
+    pair.reader.on_data_frag(kA, frag, {});
+  }
+  DataFrag too_large{{}, testing::kWriter, {3000}, {1}, 1, 1000, (64u << 20) + 1, {}, false, part};
+  pair.reader.on_data_frag(kA, too_large, {});
+  EXPECT_EQ(pair.delivered.size(), 1 + StatefulReader::kMostEarlyChanges);
+}
+
+TEST(Reliability, ASampleBeyondTheLargestIsGivenUpNotAskedForAgain) {
+  Pair pair(keep_all());
+  pair.match();
+  const Bytes part(1000);
+  DataFrag frag{{}, testing::kWriter, {1}, {1}, 1, 1000, (64u << 20) + 1, {}, false, part};
+  pair.reader.on_data_frag(kA, frag, {});
+  pair.reader.on_data(kA, Data{{}, testing::kWriter, {2}, {}, PayloadKind::data, Bytes{1}}, {});
+  EXPECT_THAT(pair.numbers(), ElementsAre(2));
+}
+
+TEST(Reliability, ASampleBeyondTheLargestIsReportedOnce) {
+  Pair pair(keep_all());
+  std::vector<std::uint32_t> dropped;
+  pair.reader.on_dropped([&](const Guid& writer, std::uint32_t octets) {
+    EXPECT_EQ(writer, pair.writer.guid());
+    dropped.push_back(octets);
+  });
+  pair.match();
+  const Bytes part(1000);
+  for (const std::uint32_t excess : {0u, 1u, 1u}) {
+    const auto number = SequenceNumber{1 + std::int64_t{excess}};
+    DataFrag frag{{},   testing::kWriter,     number, {1},   1,
+                  1000, (64u << 20) + excess, {},     false, part};
+    pair.reader.on_data_frag(kA, frag, {});
+  }
+  EXPECT_THAT(dropped, ElementsAre((64u << 20) + 1));
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
