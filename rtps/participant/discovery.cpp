@@ -18,12 +18,14 @@ std::size_t superfluous(const std::vector<SourceAddress>& sources, const SourceA
   return at;
 }
 
-/// What one source announces takes no room from what others announced.
-void add_locators(LocatorList& known, std::vector<SourceAddress>& sources, const LocatorList& more,
+/// What one source announces takes no room from what others announced. True: some of it is new.
+bool add_locators(LocatorList& known, std::vector<SourceAddress>& sources, const LocatorList& more,
                   const SourceAddress& source) {
   constexpr std::size_t kMax = 8;
+  bool any = false;
   for (const auto& locator : more) {
     if (std::ranges::find(known, locator) != known.end()) continue;
+    any = true;
     if (known.size() >= kMax) {
       const auto at = static_cast<std::ptrdiff_t>(superfluous(sources, source));
       known.erase(known.begin() + at);
@@ -32,6 +34,7 @@ void add_locators(LocatorList& known, std::vector<SourceAddress>& sources, const
     known.push_back(locator);
     sources.push_back(source);
   }
+  return any;
 }
 
 /// A peer that has not proven its identity may name the addresses of others: it is answered
@@ -124,7 +127,8 @@ bool Discovery::make_room(std::size_t octets) {
 
 // An announcement changes nothing of an authenticated participant and renews no lease of it: an
 // attacker can send announcements in its name, and may have been the first to do so. As long as
-// nothing is proven, every announcement counts, and no lease becomes shorter.
+// nothing is proven, every announcement counts, and no lease becomes shorter. The first one counts
+// again when it is repeated: its addresses may have given way to forged ones.
 void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData data,
                                    std::size_t octets) {
   const auto prefix = data.guid.prefix;
@@ -136,9 +140,10 @@ void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData da
   }
   auto* security = core_.security.get();
   if (security != nullptr && !fixed) security->note_announced(prefix);
-  if (fixed || security == nullptr || data == remote.data || !security->may_authenticate(data))
-    return;
+  if (fixed || security == nullptr || !security->may_authenticate(data)) return;
+  const bool differs = data != remote.data;
   if (!security->knows(prefix)) {
+    if (!differs) return;
     remove(prefix);
     return add(std::move(data), octets);
   }
@@ -146,9 +151,10 @@ void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData da
     ++core_.counters.refused_discovery;
     return;
   }
-  add_locators(remote.metatraffic, remote.metatraffic_sources, usable(data.metatraffic_unicast),
-               core_.source);
+  const bool has_moved = add_locators(remote.metatraffic, remote.metatraffic_sources,
+                                      usable(data.metatraffic_unicast), core_.source);
   add_locators(remote.user, remote.user_sources, usable(data.default_unicast), core_.source);
+  if (!differs && !has_moved) return;
   security->announced_again(data, {remote.metatraffic, remote.metatraffic_sources, core_.source},
                             core_.now);
 }
