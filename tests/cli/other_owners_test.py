@@ -19,22 +19,29 @@ NEEDS_ROOT = unittest.skipUnless(os.geteuid() == 0, "only root can make files of
 
 
 class Exchange(threading.Thread):
-    """Calls `then` as soon as a file was read (or its mode was changed) so many times."""
+    """Calls `then` as soon as a file was read (or its mode was changed) so many times, unless `end` was called before."""
 
     def __init__(self, file, then, event=CLOSED_UNWRITTEN, times=1):
         super().__init__(daemon=True)
         libc = ctypes.CDLL(None)
         self.events = libc.inotify_init()
         assert libc.inotify_add_watch(self.events, os.fsencode(file), event) >= 0
-        self.then, self.times, self.is_done = then, times, False
+        self.then, self.times, self.is_done, self.is_over = then, times, False, False
+        self.lock = threading.Lock()
         self.start()
 
     def run(self):
         seen = 0
         while seen < self.times:
             seen += len(os.read(self.events, 4096)) // struct.calcsize("iIII")
-        self.then()
-        self.is_done = True
+        with self.lock:
+            if not self.is_over:
+                self.then()
+                self.is_done = True
+
+    def end(self):
+        with self.lock:
+            self.is_over = True
 
 
 class Exchanged(Transcript):
@@ -71,6 +78,7 @@ class Exchanged(Transcript):
             if times == 1:
                 exchange.join(timeout=10)
                 self.assertTrue(exchange.is_done, words)
+            exchange.end()  # its file may have been read too few times, and be read again by the next command
             self.restore()
 
     def test_no_renewal_writes_into_another_folder(self):
