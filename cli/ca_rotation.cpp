@@ -229,16 +229,9 @@ Status sign_documents_of(const Follower& follower, const std::vector<fs::path>& 
   return {};
 }
 
-}  // namespace
-
-Result<Followed> follow_permissions_ca(Replacement& out, const Succession& change,
-                                       const std::vector<Follower>& followers,
-                                       const std::vector<fs::path>& shared,
-                                       const Context& context) {
-  const auto log = DDSSEC_TRY(read_signing_log(change.old.paths));
-  SignerAnew signer(out, change, log, context);
-  DDSSEC_TRY(put_ca(out, change));
-  for (const auto& file : shared) DDSSEC_TRY(signer.sign(file, DDSSEC_TRY(signer.read(file))));
+Result<Followed> follow_with(Replacement& out, SignerAnew& signer, const Succession& change,
+                             const std::vector<Follower>& followers,
+                             const std::vector<fs::path>& shared) {
   Followed followed;
   Following following(out, followed);
   for (const auto& follower : followers)
@@ -250,6 +243,50 @@ Result<Followed> follow_permissions_ca(Replacement& out, const Succession& chang
   followed.unlogged = signer.unlogged();
   DDSSEC_TRY(log_signed(change.old.paths, signer.lines()));
   return followed;
+}
+
+}  // namespace
+
+Result<Followed> follow_permissions_ca(Replacement& out, const Succession& change,
+                                       const std::vector<Follower>& followers,
+                                       const std::vector<fs::path>& shared,
+                                       const Context& context) {
+  const auto log = DDSSEC_TRY(read_signing_log(change.old.paths));
+  SignerAnew signer(out, change, log, context);
+  DDSSEC_TRY(put_ca(out, change));
+  for (const auto& file : shared) DDSSEC_TRY(signer.sign(file, DDSSEC_TRY(signer.read(file))));
+  return follow_with(out, signer, change, followers, shared);
+}
+
+namespace {
+
+bool is_of_ca(const Follower& follower, std::string_view trust_pem, WallTime now) {
+  const auto& files = follower.files;
+  for (const auto& file : {files.permissions, files.governance})
+    if (is_file_or_link(file) && !is_signed_by(file, trust_pem, now)) return false;
+  if (!is_to_be_replaced(files.permissions_ca)) return true;
+  const auto trusted = read_certificates(files.permissions_ca);
+  return trusted && to_pem(*trusted) == trust_pem;
+}
+
+}  // namespace
+
+std::vector<Follower> left_with_another_ca(const std::vector<Follower>& followers,
+                                           std::string_view trust_pem, WallTime now) {
+  std::vector<Follower> out;
+  std::ranges::copy_if(followers, std::back_inserter(out), [&](const Follower& follower) {
+    return !is_of_ca(follower, trust_pem, now);
+  });
+  return out;
+}
+
+Result<Followed> follow_present_permissions_ca(Replacement& out, const Succession& change,
+                                               const std::vector<Follower>& followers,
+                                               const std::vector<fs::path>& shared,
+                                               const Context& context) {
+  const auto log = DDSSEC_TRY(read_signing_log(change.old.paths));
+  SignerAnew signer(out, change, log, context);
+  return follow_with(out, signer, change, followers, shared);
 }
 
 namespace {

@@ -64,6 +64,18 @@ Result<Followed> follow_permissions_ca(Replacement& out, const Succession& chang
                                        const std::vector<std::filesystem::path>& shared,
                                        const Context& context);
 
+/// Those of the followers that have a document or a certificate of another permissions CA than the
+/// one of `trust_pem`, which is in place: an earlier command could not write their files.
+std::vector<Follower> left_with_another_ca(const std::vector<Follower>& followers,
+                                           std::string_view trust_pem, WallTime now);
+
+/// As follow_permissions_ca() for followers that were left behind: `change.ca` is in place already,
+/// and nothing is written for the CA itself or for `shared`.
+Result<Followed> follow_present_permissions_ca(Replacement& out, const Succession& change,
+                                               const std::vector<Follower>& followers,
+                                               const std::vector<std::filesystem::path>& shared,
+                                               const Context& context);
+
 /// Drafts the new identity CA with its revocation list, and the followers' certificates with the
 /// same subject, key and end; then writes the log. Only what the log has is issued anew, with this
 /// serial number and SHA-256 and for this folder: the old key may be in other hands. A participant

@@ -55,6 +55,14 @@ std::string subject_for(const fs::path& keystore, std::string_view role) {
                      fs::absolute(keystore, ignored).lexically_normal().filename().string(), role);
 }
 
+void add_followed(const Followed& followed, const Enclaves& enclaves, Report& report) {
+  report.result["unlogged"] = followed.unlogged;
+  for (const auto& file : followed.unlogged)
+    report.text += fmt::format("signed although the log does not have it: {}\n", file);
+  add_left(followed, report);
+  add_unseen(enclaves, report);
+}
+
 Result<Report> new_permissions_ca(const fs::path& keystore, const std::string& subject,
                                   const Arguments& arguments, const Context& context) {
   CaOpener opener(arguments);
@@ -70,12 +78,50 @@ Result<Report> new_permissions_ca(const fs::path& keystore, const std::string& s
                                        {keystore / "enclaves/governance.p7s"}, context));
   auto files = DDSSEC_TRY(put_in_place(out, followed));
   auto report = report_of(keystore, "permissions", ca.certificate(), followed.again);
-  report.result["unlogged"] = followed.unlogged;
-  for (const auto& file : followed.unlogged)
-    report.text += fmt::format("signed although the log does not have it: {}\n", file);
-  add_left(followed, report);
-  add_unseen(enclaves, report);
+  add_followed(followed, enclaves, report);
   report.files_written = std::move(files);
+  return report;
+}
+
+// Until a keystore was split, its identity CA signed the documents as well.
+Result<OpenCa> former_signer(const fs::path& keystore, const OpenCa& present, CaOpener& opener) {
+  auto out = DDSSEC_TRY(opener.open(ca_paths(keystore, "identity")));
+  auto certificate = std::move(out.paths.certificate);
+  out.paths = present.paths;
+  out.paths.certificate = std::move(certificate);
+  return out;
+}
+
+// For enclaves whose folders took no files when the keystore was split.
+Result<Report> finish_split(const fs::path& keystore, const Enclaves& enclaves,
+                            const std::vector<Follower>& left, const Arguments& arguments,
+                            const Context& context) {
+  CaOpener opener(arguments);
+  const auto present = DDSSEC_TRY(opener.open(ca_paths(keystore, "permissions")));
+  const auto former = DDSSEC_TRY(former_signer(keystore, present, opener));
+  const auto lock = DDSSEC_TRY(lock_records(present.paths));
+  const Succession change{former, present.authority, present.trust_pem, nullptr,
+                          arguments.has("--unlogged")};
+  Replacement out;
+  auto followed = DDSSEC_TRY(follow_present_permissions_ca(
+      out, change, left, {keystore / "enclaves/governance.p7s"}, context));
+  auto files = DDSSEC_TRY(put_in_place(out, followed));
+  auto report = report_of(keystore, "permissions", present.certificate(), followed.again);
+  add_followed(followed, enclaves, report);
+  report.files_written = std::move(files);
+  return report;
+}
+
+Result<Report> already_split(const fs::path& keystore, const Arguments& arguments,
+                             const Context& context) {
+  const auto trusted = DDSSEC_TRY(read_certificates(ca_paths(keystore, "permissions").certificate));
+  const auto enclaves = enclaves_of(keystore);
+  const auto left =
+      left_with_another_ca(followers_in(keystore, enclaves), to_pem(trusted), context.clock.now());
+  if (!left.empty()) return finish_split(keystore, enclaves, left, arguments, context);
+  auto report = report_of(keystore, "permissions", trusted.front(), {});
+  report.text = fmt::format("{}  has two CAs already\n", keystore.string());
+  add_unseen(enclaves, report);
   return report;
 }
 
@@ -103,12 +149,7 @@ Result<Report> new_identity_ca(const fs::path& keystore, const Arguments& argume
 Result<Report> keystore_split_ca(const Arguments& arguments, const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
   DDSSEC_TRY(check_keystore(keystore));
-  if (!DDSSEC_TRY(has_one_ca(keystore))) {
-    const auto ca = DDSSEC_TRY(read_certificate(ca_paths(keystore, "permissions").certificate));
-    auto report = report_of(keystore, "permissions", ca, {});
-    report.text = fmt::format("{}  has two CAs already\n", keystore.string());
-    return report;
-  }
+  if (!DDSSEC_TRY(has_one_ca(keystore))) return already_split(keystore, arguments, context);
   return new_permissions_ca(keystore, subject_for(keystore, "Permissions"), arguments, context);
 }
 

@@ -91,4 +91,13 @@ Result<DocumentOfCa> document_of(const fs::path& file, const OpenCa& ca, const p
   return out;
 }
 
+bool is_signed_by(const fs::path& file, std::string_view trust_pem, WallTime now) {
+  const auto octets = read_file(file, pki::kMostDocumentOctets);
+  auto anchors = pki::Certificate::bundle_from_pem(as_bytes(trust_pem));
+  if (!octets || !anchors || anchors->empty()) return false;
+  const auto time = within(anchors->front(), now);
+  const auto verifier = pki::DocumentVerifier::make(*std::move(anchors));
+  return verifier && verifier->verify(*octets, time);
+}
+
 }  // namespace ddssec::cli

@@ -40,4 +40,8 @@ struct DocumentOfCa {
 Result<DocumentOfCa> document_of(const std::filesystem::path& file, const OpenCa& ca,
                                  const pki::SigningLog& log, bool takes_unlogged, WallTime now);
 
+/// True if a CA signed the document: `trust_pem` has its certificate first. Verified at a time at
+/// which the CA was valid.
+bool is_signed_by(const std::filesystem::path& file, std::string_view trust_pem, WallTime now);
+
 }  // namespace ddssec::cli
