@@ -99,6 +99,11 @@ Result<Report> crl_verify(const Arguments& arguments, const Context& context) {
   return report;
 }
 
+bool is_empty(const ParticipantPlaces& places) {
+  return places.here.empty() && places.elsewhere.empty() && places.other_copies.empty() &&
+         places.left_behind.empty() && places.of_other_cas.empty();
+}
+
 // The folders of the command line, or all of this CA's participants that are here.
 Result<ParticipantPlaces> recipients(const Arguments& arguments, const CaPaths& ca) {
   ParticipantPlaces out;
@@ -108,7 +113,7 @@ Result<ParticipantPlaces> recipients(const Arguments& arguments, const CaPaths& 
   }
   if (!out.here.empty()) return out;
   out = DDSSEC_TRY(participant_places(ca, DDSSEC_TRY(read_issue_log(ca))));
-  if (!out.here.empty() || !out.elsewhere.empty() || !out.other_copies.empty()) return out;
+  if (!is_empty(out)) return out;
   return fail(Code::usage, {.field = "DIRS", .note = "the CA's log knows no folder: name them"});
 }
 
@@ -170,7 +175,9 @@ Result<Report> crl_distribute(const Arguments& arguments, const Context& context
   Report report;
   report.result = {{"number", crl.number().value_or(0)},
                    {"folders", done.folders},
-                   {"elsewhere", recipient.elsewhere}};
+                   {"elsewhere", recipient.elsewhere},
+                   {"left_behind", recipient.left_behind},
+                   {"of_other_cas", recipient.of_other_cas}};
   for (const auto& folder : recipient.other_copies) report.result["elsewhere"].push_back(folder);
   for (const auto& folder : done.folders) report.text += fmt::format("{}\n", folder);
   report.text +=

@@ -148,6 +148,8 @@ Result<std::string> report_places(const CaPaths& ca, const pki::IssueLog& log,
   out["elsewhere"] = places.elsewhere;
   for (const auto& folder : places.other_copies) out["elsewhere"].push_back(folder);
   for (const auto& folder : out["elsewhere"]) out["folders"].push_back(folder);
+  out["left_behind"] = places.left_behind;
+  out["of_other_cas"] = places.of_other_cas;
   return next_steps(given, places, bare, ca);
 }
 

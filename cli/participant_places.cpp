@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "cli/keystore.hpp"
+#include "cli/logged_certificate.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -36,10 +37,14 @@ bool is_same_certificate(const fs::path& path, const pki::Certificate& certifica
   return found && std::ranges::equal(found->fingerprint(), certificate.fingerprint());
 }
 
-// A certificate of another CA under a logged name: the folder was made anew.
-bool is_of(const fs::path& folder, const pki::Certificate& ca) {
+/// Whose certificate a folder has that is on this machine.
+enum class Issuer : std::uint8_t { present, before_rotation, other };
+
+// One that cannot be read counts as the CA's: what is done with the folder reports it.
+Issuer issuer_in(const fs::path& folder, const pki::Certificate& ca, const pki::IssueLog& log) {
   const auto certificate = read_certificate(folder / "cert.pem");
-  return !certificate || certificate->is_issued_by(ca);
+  if (!certificate || certificate->is_issued_by(ca)) return Issuer::present;
+  return is_logged(*certificate, log) ? Issuer::before_rotation : Issuer::other;
 }
 
 void add_unlogged(const fs::path& keystore, const pki::Certificate& ca, const pki::IssueLog& log,
@@ -56,6 +61,13 @@ void add_unlogged(const fs::path& keystore, const pki::Certificate& ca, const pk
     seen.insert(folder);
     out.here.push_back(folder);
   }
+}
+
+void add_here(const fs::path& folder, Issuer issuer, ParticipantPlaces& out) {
+  if (issuer == Issuer::present)
+    out.here.push_back(folder);
+  else
+    (issuer == Issuer::other ? out.of_other_cas : out.left_behind).push_back(folder);
 }
 
 std::string lines(std::string_view title, const std::vector<std::string>& folders) {
@@ -123,11 +135,13 @@ Result<ParticipantPlaces> participant_places(const CaPaths& ca, const pki::Issue
     const bool is_here = fs::exists(folder / "cert.pem", error) || error;
     if (folders.is_of_another_copy(folder)) {
       out.other_copies.push_back(logged);
-    } else if (!is_here || !is_of(folder, certificate)) {
+    } else if (!is_here) {
       out.elsewhere.push_back(logged);
     } else if (seen.insert(folder).second) {
-      out.here.push_back(folder);
-      if (folders.keystore() && !folders.is_inside(folder)) out.outside.push_back(folder);
+      add_here(folder, issuer_in(folder, certificate, log), out);
+      const bool is_outside = folders.keystore() && !folders.is_inside(folder);
+      if (is_outside && !out.here.empty() && out.here.back() == folder)
+        out.outside.push_back(folder);
     }
   }
   if (folders.keystore()) add_unlogged(*folders.keystore(), certificate, log, seen, out);
@@ -135,13 +149,24 @@ Result<ParticipantPlaces> participant_places(const CaPaths& ca, const pki::Issue
 }
 
 std::string places_text(const ParticipantPlaces& places, const CaPaths& ca) {
-  auto out = lines("outside of the keystore", places.outside) +
-             lines(fmt::format("not on this machine, copy {} there as crl.pem", ca.crl.string()),
-                   places.elsewhere) +
-             lines(
-                 "left out, since another copy of this CA lies beside it; name the folder to put "
-                 "this list into it",
-                 places.other_copies);
+  const auto crl = ca.crl.string();
+  auto out =
+      lines("outside of the keystore", places.outside) +
+      lines(fmt::format("not on this machine, copy {} there as crl.pem", crl), places.elsewhere) +
+      lines(
+          "left out: the certificate is of the CA as it was before a rotation, which this list "
+          "says nothing of; make the folder writable and rotate the CA once more",
+          places.left_behind) +
+      lines("left out: the certificate in the folder is of another CA", places.of_other_cas) +
+      lines(
+          "left out, since another copy of this CA lies beside it; name the folder to put this "
+          "list into it",
+          places.other_copies);
+  if (!places.here.empty())
+    out += fmt::format(
+        "  copies of these folders on other machines are not reached: copy {} there "
+        "as crl.pem\n",
+        crl);
   if (!places.unlogged.empty())
     out += lines(
         "not in the CA's log, which renewals and rotations go by; ddssec keystore import adds them",

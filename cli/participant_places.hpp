@@ -46,6 +46,8 @@ struct ParticipantPlaces {
   std::vector<std::string> outside;       ///< those of `here` that are not in the CA's keystore
   std::vector<std::string> unlogged;      ///< those of `here` that the log does not know
   std::vector<std::string> elsewhere;     ///< in the log, not on this machine
+  std::vector<std::string> left_behind;   ///< here, with a certificate of the CA before a rotation
+  std::vector<std::string> of_other_cas;  ///< here, with a certificate that the log does not have
   std::vector<std::string> other_copies;  ///< beside another copy of the CA
   std::vector<Error> unseen = {};         ///< what of the CA's keystore was not looked at
 };
@@ -54,7 +56,7 @@ struct ParticipantPlaces {
 /// not be entered counts as here. Errors: those of read_certificate, for the CA's.
 Result<ParticipantPlaces> participant_places(const CaPaths& ca, const pki::IssueLog& log);
 
-/// Lines for people about all places but `here`.
+/// Lines for people about all places but `here`, and about copies of folders.
 std::string places_text(const ParticipantPlaces& places, const CaPaths& ca);
 
 }  // namespace ddssec::cli

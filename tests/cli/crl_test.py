@@ -214,6 +214,36 @@ class Revocation(Transcript):
         told = self.refused("usage", 2, "crl", "distribute", "--ca", "ca", *NOW)
         self.assertIn("name them", told["message"])
 
+    def test_distribute_says_that_copies_are_not_reached(self):
+        done = self.run_program("crl", "distribute", "--ca", "ca", *NOW)
+        self.assertIn("  copies of these folders on other machines are not reached: copy ca/identity/crl.pem there as "
+                      "crl.pem\n", done.stdout)
+
+    def test_distribute_names_a_folder_that_a_rotation_left_behind(self):
+        (self.at / "talker/identity_ca.pem").rename(self.at / "kept")
+        (self.at / "talker/identity_ca.pem").mkdir()
+        self.json("ca", "rotate", "ca", "--role", "identity", *NOW, exit=4)
+        (self.at / "talker/identity_ca.pem").rmdir()
+        (self.at / "kept").rename(self.at / "talker/identity_ca.pem")
+        out = self.json("crl", "distribute", "--ca", "ca", *NOW)
+        places = {name: out["result"][name] for name in ("folders", "elsewhere", "left_behind", "of_other_cas")}
+        self.assertEqual(places, {"folders": [f"{self.at}/listener"], "elsewhere": [],
+                                  "left_behind": [f"{self.at}/talker"], "of_other_cas": []})
+        told = self.run_program("crl", "distribute", "--ca", "ca", *NOW).stdout
+        self.assertRegex(told, f"the CA as it was before a rotation, .*rotate the CA once more:\n    {self.at}/talker\n")
+        self.assertNotIn("not on this machine", told)
+        self.json("ca", "rotate", "ca", "--role", "identity", *NOW)
+        self.assertEqual(self.json("crl", "distribute", "--ca", "ca", *NOW)["result"]["left_behind"], [])
+
+    def test_distribute_names_a_folder_with_another_cas_certificate(self):
+        self.run_program("ca", "create", "other", "--no-passphrase", *NOW)
+        self.run_program("identity", "issue", "talker", "--ca", "other", "-o", "talker2", *NOW)
+        (self.at / "talker2/cert.pem").replace(self.at / "talker/cert.pem")
+        out = self.json("crl", "distribute", "--ca", "ca", *NOW)["result"]
+        self.assertEqual((out["elsewhere"], out["of_other_cas"]), ([], [f"{self.at}/talker"]))
+        self.assertIn("the certificate in the folder is of another CA:\n",
+                      self.run_program("crl", "distribute", "--ca", "ca", *NOW).stdout)
+
     def test_one_is_not_written_as_many(self):
         done = self.run_program("identity", "revoke", "talker", "--ca", "ca", *LATER)
         self.assertIn("revoked (1 certificate);", done.stdout)
