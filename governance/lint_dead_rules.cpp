@@ -116,11 +116,11 @@ std::string reason(const Dead& dead) {
                      names.size() == 1 ? "s" : "");
 }
 
-std::size_t entries_of(const GrantPlace& place, std::size_t rule_number) {
-  std::size_t out = 0;
+// How many expressions each rule has, by its number.
+std::vector<std::size_t> entries_by_rule(const GrantPlace& place) {
+  std::vector<std::size_t> out(place.grant().rules.size() + 1);
   for (const auto& entries : place.actions())
-    out += static_cast<std::size_t>(
-        std::ranges::count(entries, rule_number, &GrantEntry::rule_number));
+    for (const auto& entry : entries) ++out[entry.rule_number];
   return out;
 }
 
@@ -142,8 +142,9 @@ void lint_dead_rules(Findings& out, const GrantPlace& place) {
   const auto dead = dead_entries(place, out.effort());
   std::map<std::size_t, std::vector<const Dead*>> by_rule;
   for (const auto& one : dead) by_rule[one.entry.rule_number].push_back(&one);
+  const auto counts = entries_by_rule(place);
   for (const auto& [number, all] : by_rule) {
-    if (all.size() == entries_of(place, number)) {
+    if (all.size() == counts[number]) {
       add_rule(out, place, all);
       continue;
     }

@@ -149,20 +149,33 @@ void check_denials(Findings& out, const GrantPlace& place) {
   }
 }
 
+// What allow rules allow in partitions that they list, in document order.
+std::vector<const GrantEntry*> allowed_in_partitions(const std::vector<GrantEntry>& entries) {
+  std::vector<const GrantEntry*> out;
+  for (const auto& entry : entries)
+    if (entry.rule->allow && entry.criteria->partitions) out.push_back(&entry);
+  return out;
+}
+
 // Cyclone fills an absent list of a deny rule with the default partition.
 void check_open_denial(Findings& out, const GrantPlace& place,
                        const std::vector<GrantEntry>& entries) {
+  const auto allowed = allowed_in_partitions(entries);
+  const auto number_of = [](const GrantEntry* entry) { return entry->rule_number; };
   int comparisons = 0;
   for (const auto& entry : entries) {
     if (entry.rule->allow || entry.criteria->partitions) continue;
-    const auto later = std::ranges::find_if(entries, [&](const GrantEntry& other) {
-      if (other.rule_number <= entry.rule_number || !other.rule->allow) return false;
-      if (!other.criteria->partitions || ++comparisons > kMostComparisons) return false;
+    const auto meets = [&](const GrantEntry* other) {
+      if (++comparisons > kMostComparisons) return false;
       const std::string_view a[] = {entry.topic->text};
-      const std::string_view b[] = {other.topic->text};
+      const std::string_view b[] = {other->topic->text};
       return overlap(a, b, kLimits.sharing(out.effort())).kind == SetAnswer::Kind::yes;
-    });
-    if (later == entries.end()) continue;
+    };
+    const auto first = std::ranges::upper_bound(allowed, entry.rule_number, {}, number_of);
+    const auto found = std::find_if(first, allowed.end(), meets);
+    if (comparisons > kMostComparisons) return;
+    if (found == allowed.end()) continue;
+    const auto* later = *found;
     auto finding = place.about(
         PERM021, entry,
         fmt::format("{} denies {} in every partition, but in Cyclone DDS in the default partition "

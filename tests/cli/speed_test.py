@@ -72,11 +72,45 @@ class Speed(WithDocuments):
     def test_permissions_lint_of_a_megabyte(self):
         self.takes_little(self.permissions, "permissions", "lint")
 
+    def rules(self, first, rule):
+        """A grant of a rule with the topic `first`, and of pairs of rules as many as are asked for."""
+        def document(name, pairs):
+            text = (self.at / "p.xml").read_text()
+            begin, end = text.index("      <allow_rule>"), text.index("      <default>")
+            allow = text[begin:end]
+            deny = allow.replace("allow_rule", "deny_rule")
+            many = "".join(rule(i, allow, deny) for i in range(pairs))
+            (self.at / name).write_text(text[:begin] + allow.replace(">a<", f">{first}<") + many + text[end:])
+            return name
+        return document
+
+    def grows_with_its_rules(self, document):
+        """Four times as many rules take less than eight times as long."""
+        paths = document("few.xml", 2_000), document("many.xml", 8_000)
+        quickest = [float("inf")] * 2
+        for number in range(1, 7):
+            taken = [self.seconds("permissions", "lint", path, *NOW) for path in paths]
+            quickest = [min(pair) for pair in zip(quickest, taken)]
+            if number >= 2 and quickest[1] < GROWTH * quickest[0]:
+                return
+        self.fail(f"{quickest[1]:.3f} s for 8,000 pairs of rules, {quickest[0]:.3f} s for 2,000")
+
+    def test_permissions_lint_of_many_denials(self):
+        self.grows_with_its_rules(self.rules("first", lambda i, allow, deny: five(f"a{i}", allow) + five(f"d{i}", deny)))
+
+    def test_permissions_lint_of_many_dead_rules(self):
+        self.grows_with_its_rules(self.rules("x*", lambda i, allow, deny: five(f"x{i}", allow) + five(f"xx{i}", allow)))
+
     def test_governance_show_of_a_megabyte(self):
         self.takes_little(self.governance, "governance", "show")
 
     def test_governance_show_of_a_topic_in_a_megabyte(self):
         self.takes_little(self.governance, "governance", "show", "--topic", "rt/x")
+
+
+def five(name, rule):
+    """The rule with five topics."""
+    return rule.replace("<topic>a</topic>", "".join(f"<topic>{name}_{k}</topic>" for k in range(5)))
 
 
 def expression(i):
