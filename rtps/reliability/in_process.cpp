@@ -48,29 +48,28 @@ void StatefulWriter::feed(ReaderProxy& proxy) {
 
 StatefulReader::~StatefulReader() {
   for (auto& [guid, proxy] : writers_)
-    if (proxy.local != nullptr) proxy.local->lose(guid_);
+    if (proxy.local() != nullptr) proxy.local()->lose(guid_);
 }
 
 bool StatefulReader::attach(StatefulWriter& writer) {
   auto* proxy = find(writer.guid());
   if (proxy == nullptr) return false;
-  proxy->local = &writer;
-  if (!std::exchange(proxy->heard, true)) proxy->history_end = writer.history().last();
+  proxy->attach(writer, writer.history().last());
   return true;
 }
 
 void StatefulReader::detach(const Guid& writer) {
-  if (auto* proxy = find(writer)) proxy->local = nullptr;
+  if (auto* proxy = find(writer)) proxy->detach();
 }
 
 bool StatefulReader::offer(const Change& change) {
   if (alive_) alive_(change.writer);
   auto copy = change;
-  return deliver_(copy) || !reliable_;
+  return common_.deliver(copy) || !reliable_;
 }
 
 void StatefulReader::skip(const Guid& writer, SequenceNumber next) {
-  if (auto* proxy = find(writer)) proxy->next = next;
+  if (auto* proxy = find(writer)) proxy->set_next(next);
 }
 
 }  // namespace ddssec::rtps

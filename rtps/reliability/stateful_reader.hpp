@@ -5,52 +5,24 @@
 #include <functional>
 #include <map>
 
-#include "base/hash.hpp"
-#include "rtps/reliability/fragment_set.hpp"
-#include "rtps/reliability/past_writers.hpp"
+#include "rtps/reliability/reader_messages.hpp"
 #include "rtps/reliability/stateful_writer.hpp"
-#include "wire/data_frag.hpp"
+#include "rtps/reliability/writer_proxy.hpp"
 #include "wire/gap.hpp"
-#include "wire/heartbeat.hpp"
 
 namespace ddssec::rtps {
-
-/// A writer that matched a local reader.
-struct MatchedWriter {
-  Guid guid;
-  bool reliable = false;
-  LocatorList locators = {};  ///< empty if it feeds us in this process
-  bool in_process = false;
-  /// What its samples are protected with, if anything: nobody but the writer made those that come
-  /// while it is the same, but anybody may have kept some of them.
-  std::optional<Sha256Digest> keys = {};
-  /// Whose share of the bounds it takes; nothing: its participant's.
-  std::optional<GuidPrefix> identity = {};
-  GuidPrefix owner() const { return identity.value_or(guid.prefix); }
-};
 
 /// Delivers each writer's changes in order, each once. Bounded: changes that came too early and
 /// samples of which fragments are missing are kept up to the limits below. Beyond them the
 /// identity with most of them loses its latest, which are requested again. No clock, no lock.
 class StatefulReader final : private Timed {
  public:
-  static constexpr std::size_t kMostEarlyChanges = 2048;
-  static constexpr std::size_t kMostPartialSamples = 4;
   static constexpr std::uint32_t kLargestSample = 64u << 20;
-  /// Samples of more fragments than that must have fragments of at least kLeastFragmentSize: the
-  /// number of fragments is what a sample costs beside its octets.
-  static constexpr std::uint32_t kMostSmallFragments = 4096;
-  static constexpr std::uint16_t kLeastFragmentSize = 512;
-  /// Of what is kept, of all writers, and of the writers of one identity.
-  static constexpr std::size_t kMostHeldOctets = std::size_t{256} << 20;
-  static constexpr std::size_t kMostHeldOctetsOfOne = kMostHeldOctets / 2;
-  /// What each change that is kept counts beside its octets.
-  static constexpr std::size_t kPricePerChange = 256;
   /// For readers whose samples are small.
   struct Limits {
     std::uint32_t largest_sample = kLargestSample;  ///< in fragments; larger ones are given up
-    std::size_t held_octets = kMostHeldOctets;
-    std::size_t held_octets_of_one = kMostHeldOctetsOfOne;
+    std::size_t held_octets = HeldOctets::kMax;
+    std::size_t held_octets_of_one = HeldOctets::kMaxOfOne;
   };
 
   /// Takes the change, or refuses it for now (a full history): then it is kept here, and offered
@@ -61,11 +33,11 @@ class StatefulReader final : private Timed {
                  TimerQueue* timers = nullptr);
   ~StatefulReader() override;
 
-  void limit(const Limits& limits) { limits_ = limits; }
+  void limit(const Limits& limits);
   /// Told how many changes of a writer were given up that nobody declared irrelevant
   /// (SAMPLE_LOST of DDS 1.4, 2.2.4.1).
   using Lost = std::function<void(std::int64_t count)>;
-  void on_lost(Lost lost) { lost_ = std::move(lost); }
+  void on_lost(Lost lost) { common_.lost = std::move(lost); }
   /// Says of a writer the first change that was taken and must not be acknowledged yet; `next`, if
   /// there is none before it.
   using Unfinished = std::function<SequenceNumber(const Guid& writer, SequenceNumber next)>;
@@ -124,87 +96,34 @@ class StatefulReader final : private Timed {
   MonotonicTime next_tick() const;
 
  private:
-  struct Partial {
-    Change change;
-    std::uint16_t fragment_size = 0;
-    FragmentSet have;
-    std::size_t price = 0;
-    SequenceNumber number() const { return change.sequence_number; }
-  };
-  struct Waiting {
-    std::optional<Change> change;  ///< nothing: irrelevant
-    std::size_t price = 0;
-  };
-  using Early = std::map<SequenceNumber, Waiting>;
-  struct WriterProxy {
-    MatchedWriter writer;
-    SequenceNumber next{1};  ///< everything below was delivered or given up
-    Early early;
-    std::vector<Partial> partial;  ///< by their numbers
-    std::size_t held = 0;          ///< the price of both
-    std::int32_t last_heartbeat = 0;
-    SequenceNumber announced;    ///< the last that a heartbeat spoke of
-    SequenceNumber history_end;  ///< the same of its first heartbeat
-    bool heard = false;          ///< a heartbeat of it came
-    bool started = false;        ///< a change of it came, or a heartbeat said where it stands
-    bool waits = false;          ///< for a heartbeat later than last_heartbeat, with all changes
-    StatefulWriter* local = nullptr;
-    MonotonicTime next_question = kNever;
-    MonotonicTime question_period{};
-    Destination destination() const { return {writer.guid.prefix, writer.locators}; }
-  };
-
-  struct Share {
-    std::size_t writers = 0;
-    std::size_t held = 0;
-  };
-
   void on_time(MonotonicTime now) override { tick(now); }
-  void resume(WriterProxy& proxy, bool wants_history);
-  /// "What is there?", and when to ask again.
-  void ask(WriterProxy& proxy, MonotonicTime now);
   WriterProxy* find(const Guid& writer) {
     const auto at = writers_.find(writer);
     return at == writers_.end() ? nullptr : &at->second;
   }
   bool accept(WriterProxy& proxy, SequenceNumber number, std::optional<Change> change);
-  void advance(WriterProxy& proxy);
-  void skip_to(WriterProxy& proxy, SequenceNumber number);
-  void note_lost(WriterProxy& proxy, SequenceNumber until);
-  static Partial* find_partial(WriterProxy& proxy, SequenceNumber number);
-  void forget_partials(WriterProxy& proxy, SequenceNumber first, SequenceNumber last);
-  Early::iterator forget_early(WriterProxy& proxy, Early::iterator at);
-  void hold(WriterProxy& proxy, std::size_t price);
-  void let_go(WriterProxy& proxy, std::size_t price);
+  /// False: the fragment is of no sample that has room.
+  bool has_place(WriterProxy& proxy, const DataFrag& frag, const std::optional<Time>& time);
   /// The identity that holds most gives up the latest of its writer that holds most: they are
   /// requested again.
   void trim();
-  void forget_latest(WriterProxy& proxy);
-  void forget_below(WriterProxy& proxy, SequenceNumber number);
-  bool keep_early(WriterProxy& proxy, SequenceNumber number, std::optional<Change> change);
-  Change change_of(const GuidPrefix& from, const Data& data, const std::optional<Time>& time) const;
-  Partial* partial_of(WriterProxy& proxy, const DataFrag& frag, const std::optional<Time>& time);
-  /// Samples or parts of them, up to `last`.
-  static bool misses_any(const WriterProxy& proxy, SequenceNumber last);
+  /// "What is there?", and when to ask again.
+  void ask(WriterProxy& proxy, MonotonicTime now);
+  /// What has come, and what is missing up to `last`.
   void acknowledge(WriterProxy& proxy, SequenceNumber last);
-  void ask_for_fragments(WriterProxy& proxy, const Partial& partial);
 
   const Guid guid_;
   const bool reliable_;
   MessageSender& sender_;
-  Deliver deliver_;
-  Lost lost_;
+  ReaderMessages messages_;
   Dropped dropped_;
   Unfinished unfinished_;
   Alive alive_;
   Group on_group_;
-  Limits limits_;
-  SpareNodes<Early> spare_;
+  std::uint32_t largest_sample_ = kLargestSample;
+  WriterProxy::Common common_;
   std::map<Guid, WriterProxy> writers_;
-  std::size_t held_ = 0;                ///< of all of them
-  std::map<GuidPrefix, Share> shares_;  ///< by identity
   PastWriters past_;
-  std::int32_t count_ = 0;  ///< of acknowledgements: whoever comes back hears later ones
 };
 
 }  // namespace ddssec::rtps

@@ -69,11 +69,11 @@ FAULTS = [
      "    if (FAULT && known != remote->endpoints.end() && known->second.data.by_secure_discovery != secure) return false;\n"
      "    core_.counters.refused_discovery += good ? 0 : 1;"),
     ("that old samples are not delivered", "rtps/reliability/stateful_reader.cpp",
-     "data.sequence_number < proxy->next) return false;\n  // DDS",
-     "(data.sequence_number < proxy->next && !FAULT)) return false;\n"
-     "  if (FAULT && data.sequence_number < proxy->next) {\n"
-     "    auto again = change_of(from, data, time);\n    return deliver_(again);\n  }\n  // DDS"),
-    ("that old heartbeats are no news", "rtps/reliability/stateful_reader.cpp",
+     "data.sequence_number < proxy->next()) return false;\n  // DDS",
+     "(data.sequence_number < proxy->next() && !FAULT)) return false;\n"
+     "  if (FAULT && data.sequence_number < proxy->next()) {\n"
+     "    auto again = received_change(from, data, time);\n    return common_.deliver(again);\n  }\n  // DDS"),
+    ("that old heartbeats are no news", "rtps/reliability/writer_proxy.cpp",
      "  if (!is_new) return false;\n", "  if (!is_new) return FAULT;\n"),
     ("the bound on participants", "rtps/participant/remote_participants.cpp",
      "return remotes_.size() >= kMostParticipants ||", "return (remotes_.size() >= kMostParticipants && !FAULT) ||"),

@@ -155,7 +155,7 @@ TEST_F(Matched, FragmentsThatNeverCompleteTakeABoundedPlace) {
                      {},
                      false,
                      fragment});
-  const auto most = static_cast<std::int64_t>(StatefulReader::kMostHeldOctetsOfOne);
+  const auto most = static_cast<std::int64_t>(HeldOctets::kMaxOfOne);
   EXPECT_LT(octets() - before, most + static_cast<std::int64_t>(Payload::kMostKept) + kMiB);
   EXPECT_GT(octets() - before, most / 2) << "they are kept at all";
   EXPECT_EQ(a.participant.counters().malformed, 0u);
@@ -191,7 +191,7 @@ TEST_F(Matched, FragmentsOfOneOctetOfAHugeSampleAreNotTaken) {
 
 // The lowest number takes the place of the highest: each datagram begins a sample anew.
 TEST_F(Matched, WhatAFragmentClaimsIsNotTouchedBeforeItComes) {
-  constexpr auto kSize = StatefulReader::kLeastFragmentSize;
+  constexpr auto kSize = PartialSamples::kMinFragmentSize;
   constexpr auto kLast = StatefulReader::kLargestSample / kSize;
   const Bytes fragment(kSize);
   const auto touched = resident();
@@ -247,7 +247,7 @@ TEST_F(Matched, SamplesThatCameTooEarlyTakeABoundedPlace) {
   for (std::int64_t number = 2; number <= kIncomplete / 2; ++number)
     for (const auto& guid : writers)
       forge(Data{{}, guid.entity, {number}, {}, PayloadKind::data, large});
-  const auto most = static_cast<std::int64_t>(StatefulReader::kMostHeldOctetsOfOne);
+  const auto most = static_cast<std::int64_t>(HeldOctets::kMaxOfOne);
   const auto rounded = most / 4;
   EXPECT_LT(octets() - before, most + rounded + kMiB);
   EXPECT_EQ(a.participant.counters().malformed, 0u);

@@ -127,7 +127,7 @@ TEST(Reliability, WhatNeverCompletesStaysBounded) {
   pair.reader.on_gap(kA, Gap{{}, testing::kWriter, {5}, SequenceNumberSet({1ll << 61})});
   EXPECT_TRUE(pair.delivered.empty());
   pair.reader.on_data(kA, Data{{}, testing::kWriter, {1}, {}, PayloadKind::data, Bytes{1}}, {});
-  EXPECT_EQ(pair.delivered.size(), 1 + StatefulReader::kMostEarlyChanges);
+  EXPECT_EQ(pair.delivered.size(), 1 + WriterProxy::kMaxEarlyChanges);
   const Bytes part(1000);
   for (std::int64_t i = 1; i < 1000; ++i) {
     DataFrag frag{{}, testing::kWriter, {200'000 + i}, {1}, 1, 1000, 64u << 20, {}, false, part};
@@ -135,7 +135,7 @@ TEST(Reliability, WhatNeverCompletesStaysBounded) {
   }
   DataFrag too_large{{}, testing::kWriter, {3000}, {1}, 1, 1000, (64u << 20) + 1, {}, false, part};
   pair.reader.on_data_frag(kA, too_large, {});
-  EXPECT_EQ(pair.delivered.size(), 1 + StatefulReader::kMostEarlyChanges);
+  EXPECT_EQ(pair.delivered.size(), 1 + WriterProxy::kMaxEarlyChanges);
 }
 
 TEST(Reliability, ASampleBeyondTheLargestIsGivenUpNotAskedForAgain) {

@@ -1,0 +1,60 @@
+// What a reader keeps out of order, counted by the identity that sent it.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+
+#include "base/ids.hpp"
+
+namespace ddssec::rtps {
+
+/// A share for each identity. An attacker that spreads what it sends over many writers of its own
+/// takes no room from others.
+class HeldOctets {
+  struct Share {
+    std::size_t writers = 0, octets = 0;
+  };
+
+ public:
+  static constexpr std::size_t kMax = std::size_t{256} << 20;
+  static constexpr std::size_t kMaxOfOne = kMax / 2;
+  struct Limits {
+    std::size_t all = kMax;
+    std::size_t of_one = kMaxOfOne;  ///< for the writers of one identity
+  };
+
+  /// What one writer takes of its identity's share, until it ends.
+  class Account {
+   public:
+    /// `all` outlives it.
+    Account(HeldOctets& all, const GuidPrefix& identity);
+    ~Account();
+    Account(const Account&) = delete;
+    Account& operator=(const Account&) = delete;
+
+    void hold(std::size_t octets);
+    void let_go(std::size_t octets);
+    std::size_t octets() const { return octets_; }
+    const GuidPrefix& identity() const { return share_->first; }
+
+   private:
+    HeldOctets& all_;
+    std::map<GuidPrefix, Share>::iterator share_;
+    std::size_t octets_ = 0;
+  };
+
+  void limit(const Limits& limits) { limits_ = limits; }
+  std::size_t octets() const { return octets_; }
+  std::size_t identities() const { return shares_.size(); }
+  /// The identity that has to give something up: the one that holds most. Nothing if all is within
+  /// the limits.
+  std::optional<GuidPrefix> over_limit() const;
+
+ private:
+  Limits limits_;
+  std::size_t octets_ = 0;  ///< of all shares
+  std::map<GuidPrefix, Share> shares_;
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,116 @@
+#include "rtps/reliability/writer_proxy.hpp"
+
+#include <utility>
+
+namespace ddssec::rtps {
+
+WriterProxy::WriterProxy(MatchedWriter writer, bool reader_is_reliable, Common& common)
+    : writer_(std::move(writer)),
+      common_(common),
+      reliable_(reader_is_reliable && writer_.reliable),
+      held_(common.held, writer_.owner()),
+      early_(held_, common.spare),
+      partial_(held_, !reader_is_reliable) {}
+
+void WriterProxy::resume(const PastWriters::Position& past, bool wants_history) {
+  last_heartbeat_ = past.last_heartbeat;
+  waits_ = reliable_ && wants_history;
+  if (!waits_) next_ = past.next;
+}
+
+bool WriterProxy::accept(SequenceNumber number, std::optional<Change> change) {
+  partial_.erase(number, number);
+  if (!reliable_) {
+    note_lost(number);
+    next_ = number.next();  // best effort: what is older now is lost
+    partial_.erase({0}, number);
+    if (change) common_.deliver(*change);
+    return true;
+  }
+  if (!waits_ && number == next_ && early_.empty() && (!change || common_.deliver(*change))) {
+    next_ = number.next();
+    return true;
+  }
+  const bool is_next = number == next_;
+  if (!is_next && early_.size() >= kMaxEarlyChanges) return false;
+  const bool is_new = early_.insert(number, std::move(change));
+  if (is_next) advance();
+  return is_new;
+}
+
+void WriterProxy::advance() {
+  if (waits_) return;
+  while (!early_.empty() && early_.first() == next_) {
+    if (auto& change = early_.front(); change && !common_.deliver(*change)) return;
+    next_ = next_.next();
+    early_.erase_first();
+  }
+}
+
+bool WriterProxy::offer_again() {
+  const auto before = next_;
+  advance();
+  return next_ != before;
+}
+
+// What a late joiner never could have had is not lost.
+void WriterProxy::note_lost(SequenceNumber until) {
+  const bool counts = std::exchange(started_, true) && until > next_ && common_.lost;
+  if (!counts) return;
+  if (const auto lost = until.value - next_.value - early_.count_below(until); lost > 0)
+    common_.lost(lost);
+}
+
+bool WriterProxy::on_heartbeat(const Heartbeat& heartbeat) {
+  const bool is_new = !(heard_ || waits_) || is_later(heartbeat.count, last_heartbeat_);
+  if (!is_new) return false;
+  if (!std::exchange(heard_, true)) history_end_ = heartbeat.last;
+  last_heartbeat_ = heartbeat.count;
+  if (!reliable_) return true;
+  question.stop();
+  announced_ = heartbeat.last;
+  // An attacker may have kept what the writer does not hold any more.
+  if (std::exchange(waits_, false))
+    while (!early_.empty() && early_.first() < heartbeat.first) early_.erase_first();
+  advance();
+  note_lost(heartbeat.first);
+  skip_to(heartbeat.first);
+  return true;
+}
+
+void WriterProxy::skip_to(SequenceNumber number) {
+  if (number <= next_) return;
+  for (; !early_.empty() && early_.first() < number; early_.erase_first())
+    if (auto& change = early_.front(); change && !common_.deliver(*change)) return;
+  partial_.erase({0}, number.previous());
+  next_ = number;
+  advance();
+}
+
+bool WriterProxy::misses_any(SequenceNumber last) const {
+  if (next_ > last) return false;
+  if (!partial_.empty() && partial_.first() <= last) return true;
+  return early_.count_below(last.next()) <= last.value - next_.value;
+}
+
+SequenceNumberSet WriterProxy::missing(SequenceNumber base, SequenceNumber last) const {
+  SequenceNumberSet out(base);
+  for (auto number = next_; number <= last && out.reaches(number); number = number.next())
+    if (lacks(number) && !partial_.contains(number)) out.insert(number);
+  return out;
+}
+
+void WriterProxy::forget_latest() {
+  const auto early = early_.empty() ? SequenceNumber{0} : early_.last();
+  if (!partial_.empty() && partial_.last() > early)
+    partial_.erase(partial_.last(), partial_.last());
+  else
+    early_.erase_last();
+}
+
+void WriterProxy::attach(StatefulWriter& writer, SequenceNumber last) {
+  local_ = &writer;
+  if (!std::exchange(heard_, true)) history_end_ = last;
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,176 @@
+#include "rtps/reliability/writer_proxy.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tests/unit/rtps/wire_helpers.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+const Guid kGuid{GuidPrefix::from(Bytes(12, 0xaa)), testing::kWriter};
+
+Heartbeat heartbeat(std::int64_t first, std::int64_t last, std::int32_t count) {
+  return {{}, testing::kWriter, {first}, {last}, count};
+}
+
+struct WriterProxyTest : ::testing::Test {
+  std::vector<std::int64_t> delivered;
+  std::int64_t refuses_from = 1'000'000, lost = 0;
+  WriterProxy::Common common{.deliver =
+                                 [this](Change& change) {
+                                   if (change.sequence_number.value >= refuses_from) return false;
+                                   delivered.push_back(change.sequence_number.value);
+                                   return true;
+                                 },
+                             .lost = [this](std::int64_t count) { lost += count; }};
+  WriterProxy reliable{{.guid = kGuid, .reliable = true}, true, common};
+  WriterProxy best_effort{{.guid = kGuid, .reliable = true}, false, common};
+
+  static bool add(WriterProxy& proxy, std::int64_t number) {
+    Change change;
+    change.sequence_number = {number};
+    return proxy.accept({number}, std::move(change));
+  }
+  static std::vector<std::int64_t> missing(const WriterProxy& proxy, std::int64_t last) {
+    std::vector<std::int64_t> out;
+    proxy.missing(proxy.next(), {last}).for_each([&](SequenceNumber number) {
+      out.push_back(number.value);
+    });
+    return out;
+  }
+};
+
+TEST_F(WriterProxyTest, EarlyChanges_AreDeliveredInTheirTurn) {
+  EXPECT_TRUE(add(reliable, 3));
+  EXPECT_FALSE(add(reliable, 3));
+  EXPECT_TRUE(add(reliable, 2));
+  EXPECT_THAT(delivered, IsEmpty());
+  EXPECT_THAT(missing(reliable, 5), ElementsAre(1, 4, 5));
+  EXPECT_TRUE(add(reliable, 1));
+  EXPECT_THAT(delivered, ElementsAre(1, 2, 3));
+  EXPECT_EQ(common.held.octets(), 0u);
+}
+
+TEST_F(WriterProxyTest, BestEffort_GoesOnlyForward) {
+  add(best_effort, 1);
+  add(best_effort, 4);
+  EXPECT_THAT(delivered, ElementsAre(1, 4));
+  EXPECT_EQ(best_effort.next(), SequenceNumber{5});
+  EXPECT_EQ(lost, 2);
+  EXPECT_TRUE(best_effort.has_history());
+}
+
+TEST_F(WriterProxyTest, TooManyEarlyChanges_AreNotKept) {
+  for (std::size_t i = 0; i < WriterProxy::kMaxEarlyChanges; ++i)
+    EXPECT_TRUE(add(reliable, static_cast<std::int64_t>(i) + 2));
+  EXPECT_FALSE(add(reliable, 100'000));
+  EXPECT_EQ(reliable.early(), WriterProxy::kMaxEarlyChanges);
+  EXPECT_TRUE(add(reliable, 1)) << "the next always has room";
+}
+
+TEST_F(WriterProxyTest, ARefusedChange_IsOfferedAgain) {
+  refuses_from = 2;
+  for (const std::int64_t number : {1, 2, 3}) add(reliable, number);
+  EXPECT_THAT(delivered, ElementsAre(1));
+  EXPECT_FALSE(reliable.offer_again());
+  EXPECT_FALSE(reliable.lacks({2}));
+  refuses_from = 10;
+  EXPECT_TRUE(reliable.offer_again());
+  EXPECT_THAT(delivered, ElementsAre(1, 2, 3));
+}
+
+TEST_F(WriterProxyTest, AnOldHeartbeat_ChangesNothing) {
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 3, 7)));
+  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(4, 9, 7)));
+  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(4, 9, 6)));
+  EXPECT_EQ(reliable.next(), SequenceNumber{1});
+  EXPECT_EQ(reliable.announced(), SequenceNumber{3});
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(4, 9, 8)));
+  EXPECT_EQ(reliable.next(), SequenceNumber{4});
+}
+
+TEST_F(WriterProxyTest, WhatTheWriterNoLongerHas_IsLostAfterItsFirstHeartbeat) {
+  reliable.on_heartbeat(heartbeat(3, 4, 1));
+  EXPECT_EQ(lost, 0) << "a late joiner never could have had it";
+  add(reliable, 5);
+  reliable.on_heartbeat(heartbeat(6, 6, 2));
+  EXPECT_EQ(lost, 2);
+  EXPECT_THAT(delivered, ElementsAre(5));
+}
+
+TEST_F(WriterProxyTest, History_IsWhatItsFirstHeartbeatAnnounced) {
+  EXPECT_FALSE(reliable.has_history());
+  reliable.on_heartbeat(heartbeat(1, 2, 1));
+  reliable.on_heartbeat(heartbeat(1, 9, 2));
+  add(reliable, 1);
+  EXPECT_FALSE(reliable.has_history());
+  add(reliable, 2);
+  EXPECT_TRUE(reliable.has_history());
+}
+
+TEST_F(WriterProxyTest, MissesAny_AsLongAsNotAllUpToTheLastIsHeld) {
+  add(reliable, 2);
+  EXPECT_TRUE(reliable.misses_any({2}));
+  add(reliable, 1);
+  EXPECT_FALSE(reliable.misses_any({2}));
+  EXPECT_TRUE(reliable.misses_any({3}));
+  reliable.accept({3}, std::nullopt);
+  EXPECT_FALSE(reliable.misses_any({3}));
+}
+
+TEST_F(WriterProxyTest, TheLatest_IsForgottenFirst) {
+  add(reliable, 3);
+  add(reliable, 5);
+  DataFrag frag{{}, testing::kWriter, {4}, {1}, 1, 1000, 2000};
+  reliable.partial().begin(kGuid.prefix, frag, {});
+  reliable.forget_latest();
+  EXPECT_TRUE(reliable.lacks({5}));
+  EXPECT_FALSE(reliable.partial().empty());
+  reliable.forget_latest();
+  EXPECT_TRUE(reliable.partial().empty());
+  EXPECT_FALSE(reliable.lacks({3}));
+  reliable.forget_latest();
+  EXPECT_EQ(reliable.held().octets(), 0u);
+}
+
+// What was sent before it left is not new, whoever sends it again.
+TEST_F(WriterProxyTest, Resumed_GoesOnWhereItWas) {
+  reliable.resume({{}, {5}, 7}, false);
+  EXPECT_EQ(reliable.next(), SequenceNumber{5});
+  reliable.on_heartbeat(heartbeat(1, 4, 1));
+  const auto position = reliable.position({});
+  EXPECT_EQ(position.next, SequenceNumber{5});
+}
+
+TEST_F(WriterProxyTest, ResumedWithHistory_WaitsForANewHeartbeat) {
+  reliable.resume({{}, {5}, 7}, true);
+  add(reliable, 1);
+  add(reliable, 3);
+  EXPECT_TRUE(reliable.waits_for_heartbeat());
+  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(1, 4, 7))) << "it was heard before";
+  EXPECT_THAT(delivered, IsEmpty());
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(3, 4, 8)));
+  EXPECT_THAT(delivered, ElementsAre(3)) << "the writer does not hold the first any more";
+  EXPECT_FALSE(reliable.waits_for_heartbeat());
+}
+
+TEST(QuestionTimer, WaitsTwiceAsLongEachTime) {
+  QuestionTimer timer;
+  EXPECT_EQ(timer.due(), kNever);
+  MonotonicTime now{};
+  auto wait = QuestionTimer::kFirstWait;
+  for (int i = 0; i < 20; ++i, wait = std::min(2 * wait, QuestionTimer::kMaxWait)) {
+    timer.note_asked(now);
+    EXPECT_EQ(timer.due(), now + wait);
+    now = timer.due();
+  }
+  EXPECT_EQ(wait, QuestionTimer::kMaxWait);
+  timer.stop();
+  EXPECT_EQ(timer.due(), kNever);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
