@@ -9,9 +9,12 @@
 #include "plugins/cyclonedds/endpoint_scope.hpp"
 #include "plugins/cyclonedds/presence.hpp"
 #include "plugins/cyclonedds/process_properties.hpp"
+#include "plugins/cyclonedds/process_questions.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
 #include "plugins/spi/clock_step_grace.hpp"
+#include "plugins/spi/flag_property.hpp"
+#include "plugins/spi/property_names.hpp"
 
 namespace ddssec::cyclonedds {
 namespace {
@@ -51,6 +54,8 @@ CPermissions validate_local_permissions(Instance* instance, const dds_security_a
     const auto properties = DDSSEC_TRY(with_process_properties(DDSSEC_TRY(properties_from(qos))));
     adapter.host().calendar().set_grace(DDSSEC_TRY(spi::clock_step_grace(properties)));
     const bool allow_shared_memory = DDSSEC_TRY(SharedMemoryGuard::is_allowed_by(properties));
+    if (DDSSEC_TRY(spi::flag_property(properties, spi::property::kTrustTypeInformation)))
+      adapter.trust_type_information();
     const auto handle =
         DDSSEC_TRY(adapter.engine().validate_local_permissions({identity}, domain_id, properties));
     Rollback give_back([&] { (void)adapter.engine().return_permissions_handle(handle); });
@@ -333,9 +338,20 @@ bool needs_gate(const spi::EndpointSecurityAttributes& endpoint) {
          (endpoint.is_submessage_protected() || endpoint.is_payload_protected());
 }
 
-/// get_datawriter_sec_attributes and get_datareader_sec_attributes.
+/// get_datawriter_sec_attributes; and get_datareader_sec_attributes of a reader that is open.
 template <auto kAttributes>
-DDS_Security_boolean get_endpoint_sec_attributes(
+Status tell_attributes(Adapter& adapter, const CPermissions handle,
+                       const spi::EndpointRequest& request,
+                       DDS_Security_EndpointSecurityAttributes& attributes) {
+  const auto found = DDSSEC_TRY((adapter.engine().*kAttributes)(permissions(handle), request));
+  attributes = to_c(found);
+  if (!needs_gate(found)) return {};
+  auto status = make_scope(adapter.id(), request, attributes.ac_endpoint_properties);
+  if (!status) attributes = {};
+  return status;
+}
+
+DDS_Security_boolean get_datawriter_sec_attributes(
     Instance* instance, const CPermissions handle, const char* topic_name,
     const Partition* partition, const Tags* tags,
     DDS_Security_EndpointSecurityAttributes* attributes, Exception* ex) {
@@ -343,13 +359,27 @@ DDS_Security_boolean get_endpoint_sec_attributes(
     DDSSEC_TRY(require(attributes));
     *attributes = {};
     const auto question = DDSSEC_TRY(EndpointQuestion::from(topic_name, partition, tags));
-    const auto found =
-        DDSSEC_TRY((adapter.engine().*kAttributes)(permissions(handle), question.request()));
-    *attributes = to_c(found);
-    if (!needs_gate(found)) return {};
-    auto status = make_scope(adapter.id(), question.request(), attributes->ac_endpoint_properties);
-    if (!status) *attributes = {};
-    return status;
+    return tell_attributes<&spi::AccessControl::datawriter_sec_attributes>(
+        adapter, handle, question.request(), *attributes);
+  });
+}
+
+DDS_Security_boolean get_datareader_sec_attributes(
+    Instance* instance, const CPermissions handle, const char* topic_name,
+    const Partition* partition, const Tags* tags,
+    DDS_Security_EndpointSecurityAttributes* attributes, Exception* ex) {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
+    DDSSEC_TRY(require(attributes));
+    *attributes = {};
+    const auto question = DDSSEC_TRY(EndpointQuestion::from(topic_name, partition, tags));
+    const auto participant =
+        DDSSEC_TRY(adapter.engine().participant_sec_attributes(permissions(handle)));
+    if (is_closed(question.request(), participant, adapter.type_lookup())) {
+      *attributes = closed_reader_attributes();
+      return {};
+    }
+    return tell_attributes<&spi::AccessControl::datareader_sec_attributes>(
+        adapter, handle, question.request(), *attributes);
   });
 }
 
@@ -404,10 +434,8 @@ constexpr dds_security_access_control kTable = {
     .return_permissions_credential_token = return_token,
     .get_participant_sec_attributes = get_participant_sec_attributes,
     .get_topic_sec_attributes = get_topic_sec_attributes,
-    .get_datawriter_sec_attributes =
-        get_endpoint_sec_attributes<&spi::AccessControl::datawriter_sec_attributes>,
-    .get_datareader_sec_attributes =
-        get_endpoint_sec_attributes<&spi::AccessControl::datareader_sec_attributes>,
+    .get_datawriter_sec_attributes = get_datawriter_sec_attributes,
+    .get_datareader_sec_attributes = get_datareader_sec_attributes,
     .return_participant_sec_attributes =
         return_attributes<DDS_Security_ParticipantSecurityAttributes>,
     .return_topic_sec_attributes = return_attributes<DDS_Security_TopicSecurityAttributes>,
@@ -438,6 +466,11 @@ AccessControlAdapter::AccessControlAdapter(std::unique_ptr<Host> host,
 }
 
 AccessControlAdapter::~AccessControlAdapter() { delist(); }
+
+TypeLookup AccessControlAdapter::type_lookup() const {
+  return trusts_type_information_ || !has_our_cryptography() ? TypeLookup::stays_open
+                                                             : TypeLookup::is_closed;
+}
 
 void AccessControlAdapter::listen(const dds_security_access_control_listener* listener) {
   if (listener == nullptr || listener->on_revoke_permissions == nullptr) return timer_.stop();

@@ -1,6 +1,9 @@
 // spi::AccessControl as Cyclone's dds_security_access_control.
 #pragma once
 
+#include <atomic>
+
+#include "plugins/cyclonedds/closed_readers.hpp"
 #include "plugins/cyclonedds/context.hpp"
 #include "plugins/cyclonedds/expiry_timer.hpp"
 #include "plugins/cyclonedds/governance_facts.hpp"
@@ -34,6 +37,11 @@ class AccessControlAdapter final : public dds_security_access_control {
   spi::AccessControl& engine() { return *engine_; }
   SharedMemoryGuard& shared_memory() { return shared_memory_; }
   GovernanceFacts& facts() { return facts_; }
+  /// A property wants the host to ask peers for types.
+  void trust_type_information() { trusts_type_information_ = true; }
+  /// Open also where a stock cryptography shows the host the types of peers, for then it asks for
+  /// them.
+  TypeLookup type_lookup() const;
   /// Unique within the process.
   std::uint64_t id() const { return id_; }
 
@@ -50,6 +58,7 @@ class AccessControlAdapter final : public dds_security_access_control {
   std::unique_ptr<spi::AccessControl> engine_;
   SharedMemoryGuard shared_memory_;
   GovernanceFacts facts_;
+  std::atomic<bool> trusts_type_information_ = false;
   ExpiryTimer timer_;  ///< last: it ends before what it uses
 };
 

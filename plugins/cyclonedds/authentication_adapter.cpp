@@ -67,8 +67,6 @@ CResult validate_local_identity(Instance* instance, CIdentity* handle,
     say_plugins_in_use(adapter.host(), PluginKind::authentication);
     const auto properties = DDSSEC_TRY(with_process_properties(DDSSEC_TRY(properties_from(qos))));
     adapter.host().calendar().set_grace(DDSSEC_TRY(spi::clock_step_grace(properties)));
-    if (DDSSEC_TRY(spi::flag_property(properties, spi::property::kTrustTypeInformation)))
-      adapter.keep_type_lookup();
     const auto local = DDSSEC_TRY(adapter.engine().validate_local_identity(
         domain_id, properties, guid_from(*candidate_guid)));
     adapter.lost_sessions().add_local(local.handle, local.adjusted_guid.prefix);
@@ -182,7 +180,6 @@ CResult begin_handshake_request(Instance* instance, CHandshake* handle, CToken* 
     *handle = DDS_SECURITY_HANDLE_NIL;
     *message = {};
     const auto data = DDSSEC_TRY(octets_from(participant_data));
-    adapter.clear_discovery().hears_at(identity(initiator), discovery_addresses(data));
     const auto remote = adapter.remotes().pair(identity(initiator), identity(replier));
     auto begun = adapter.engine().begin_handshake_request(identity(initiator), remote, data);
     // The core gives this peer up. No stranger can cause that: there is nothing to begin again.
@@ -206,7 +203,6 @@ CResult begin_handshake_reply(Instance* instance, CHandshake* handle, CToken* me
     *message_out = {};
     const auto request = DDSSEC_TRY(token_from(message_in));
     const auto data = DDSSEC_TRY(octets_from(participant_data));
-    adapter.clear_discovery().hears_at(identity(replier), discovery_addresses(data));
     const auto remote = adapter.remotes().pair(identity(replier), identity(initiator));
     auto begun = adapter.engine().begin_handshake_reply(request, remote, identity(replier), data);
     if (!begun) adapter.watch().refused(identity(initiator));
@@ -251,7 +247,6 @@ void note_session(Adapter& adapter, spi::HandshakeHandle handshake,
   if (!guid) return;
   if ((secret.peer_ciphers & spi::kChaCha20Poly1305Bit) != 0)
     adapter.lost_sessions().established(local, *guid, secret);
-  if (secret.own_prefix) adapter.end_clear_writers(local, *secret.own_prefix, *guid);
 }
 
 DDS_Security_SharedSecretHandle get_shared_secret(Instance* instance, const CHandshake handle,
@@ -310,11 +305,9 @@ DDS_Security_boolean return_identity_handle(Instance* instance, const CIdentity 
     if (handle == DDS_SECURITY_HANDLE_NIL) return {};
     if (const auto guid = adapter.remotes().guid(identity(handle))) {
       adapter.lost_sessions().lost(*guid);
-      adapter.clear_discovery().lost(*guid);
     } else {
       adapter.lost_sessions().remove_local(identity(handle));
       adapter.farewells().remove_local(identity(handle));
-      adapter.clear_discovery().remove_local(identity(handle));
     }
     adapter.secrets().drop(identity(handle));
     adapter.watch().forget(identity(handle));
@@ -364,7 +357,6 @@ AuthenticationAdapter::AuthenticationAdapter(std::unique_ptr<Host> host,
       engine_(make(host_->environment())),
       watch_(host_->clock()),
       lost_sessions_(host_->clock()),
-      clear_discovery_(host_->clock()),
       timer_(host_->clock()) {
   gv = domain;
 }
@@ -421,28 +413,11 @@ void AuthenticationAdapter::send_resets() {
   for (const auto& reset : lost_sessions_.due(has_met)) send_datagram(reset.message, reset.to);
 }
 
-// The core keeps one list of a peer's endpoints for all local participants of a domain.
-bool AuthenticationAdapter::hold_all(GovernanceFact fact) const {
-  return std::ranges::all_of(farewells_.locals(),
-                             [&](const auto& local) { return holds(fact, local.handle); });
-}
-
-void AuthenticationAdapter::end_clear_writers(spi::IdentityHandle local, const GuidPrefix& own,
-                                              const Guid& peer) {
-  if (!hold_all(GovernanceFact::protects_all_discovery)) return;
-  clear_discovery_.established(
-      local, own, peer,
-      has_our_cryptography() && !keeps_type_lookup_ ? TypeLookup::ends : TypeLookup::stays);
-  timer_.wake();
-}
-
 void AuthenticationAdapter::listen(const dds_security_authentication_listener* listener) {
   if (listener == nullptr || listener->on_revoke_identity == nullptr) return timer_.stop();
   const auto revoke = listener->on_revoke_identity;
   timer_.start({.revoke_ended =
                     [this, revoke](const std::stop_token& stop) {
-                      for (const auto& end : clear_discovery_.due())
-                        send_datagram(end.message, end.to);
                       say_clock_steps(*host_, PluginKind::authentication);
                       for (const auto ended : remotes_.to_revoke(engine_->expire()))
                         if (!stop.stop_requested()) revoke(this, ended.value);
@@ -451,8 +426,7 @@ void AuthenticationAdapter::listen(const dds_security_authentication_listener* l
                       revoke_reset(stop, end);
                       send_resets();
                     },
-                .next_expiry = [this] { return engine_->next_expiry(); },
-                .next_errand = [this] { return clear_discovery_.next(); }});
+                .next_expiry = [this] { return engine_->next_expiry(); }});
 }
 
 }  // namespace ddssec::cyclonedds

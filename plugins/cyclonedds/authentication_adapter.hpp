@@ -3,7 +3,6 @@
 
 #include <atomic>
 
-#include "plugins/cyclonedds/clear_discovery.hpp"
 #include "plugins/cyclonedds/context.hpp"
 #include "plugins/cyclonedds/expiry_timer.hpp"
 #include "plugins/cyclonedds/farewell.hpp"
@@ -32,21 +31,11 @@ class AuthenticationAdapter final : public dds_security_authentication {
   HandshakeWatch& watch() { return watch_; }
   LostSessions& lost_sessions() { return lost_sessions_; }
   Farewells& farewells() { return farewells_; }
-  ClearDiscovery& clear_discovery() { return clear_discovery_; }
-
-  /// From now on nothing counts that is said in the clear in the peer's name by a builtin writer
-  /// that no honest peer uses, where no local participant of the domain leaves it to such writers.
-  void end_clear_writers(spi::IdentityHandle local, const GuidPrefix& own, const Guid& peer);
-  /// A property wants the host to ask peers for types.
-  void keep_type_lookup() { keeps_type_lookup_ = true; }
 
   /// Null stops the timer; returns when no revocation is running any more.
   void listen(const dds_security_authentication_listener* listener);
 
  private:
-  /// Does the governance of all local participants of the domain say so?
-  bool hold_all(GovernanceFact fact) const;
-
   using Revoke = std::function<void(std::int64_t)>;
   /// Makes the host begin again with peers whose handshake came to no end.
   void revoke_stuck(const std::stop_token& stop, const Revoke& revoke);
@@ -64,8 +53,6 @@ class AuthenticationAdapter final : public dds_security_authentication {
   HandshakeWatch watch_;
   LostSessions lost_sessions_;
   Farewells farewells_;
-  ClearDiscovery clear_discovery_;
-  std::atomic<bool> keeps_type_lookup_ = false;
   ExpiryTimer timer_;  ///< last: it ends before what it uses
 };
 

@@ -21,22 +21,13 @@ void ExpiryTimer::stop() {
   if (thread_.joinable() && thread_.get_id() != std::this_thread::get_id()) thread_.join();
 }
 
-void ExpiryTimer::wake() {
-  {
-    const std::lock_guard lock(sleep_);
-    is_woken_ = true;
-  }
-  wake_.notify_one();
-}
-
 void ExpiryTimer::run(std::stop_token stop, const Tasks& tasks) {
   while (!stop.stop_requested()) {
     try {
       tasks.revoke_ended(stop);
       const auto wait = next_wait(tasks);
       std::unique_lock lock(sleep_);
-      wake_.wait_for(lock, stop, wait, [this] { return is_woken_; });
-      is_woken_ = false;
+      wake_.wait_for(lock, stop, wait, [] { return false; });
     } catch (...) {
       // An exception would end the process; what could not be judged now is judged in a second.
       std::this_thread::sleep_for(std::min(longest_wait_, std::chrono::milliseconds(100)));
@@ -44,16 +35,14 @@ void ExpiryTimer::run(std::stop_token stop, const Tasks& tasks) {
   }
 }
 
-std::chrono::nanoseconds ExpiryTimer::next_wait(const Tasks& tasks) const {
-  using std::chrono::milliseconds;
-  std::chrono::nanoseconds wait = longest_wait_;
-  if (const auto next = tasks.next_expiry()) {
-    // Whole seconds: the last one may be nearly over, so look again soon rather than late.
-    const milliseconds shortest(std::min<std::int64_t>(50, longest_wait_.count()));
-    wait = std::clamp(milliseconds(*next - clock_.now()), shortest, longest_wait_);
-  }
-  if (!tasks.next_errand) return wait;
-  return std::min(wait, tasks.next_errand().value_or(wait));
+std::chrono::milliseconds ExpiryTimer::next_wait(const Tasks& tasks) const {
+  const auto next = tasks.next_expiry();
+  if (!next) return longest_wait_;
+  const std::chrono::milliseconds left = *next - clock_.now();
+  // Whole seconds: the last one may be nearly over, so look again soon rather than late.
+  return std::clamp(left,
+                    std::chrono::milliseconds(std::min<std::int64_t>(50, longest_wait_.count())),
+                    longest_wait_);
 }
 
 }  // namespace ddssec::cyclonedds

@@ -23,8 +23,6 @@ class ExpiryTimer {
     /// Revokes what has just ended, each once, until it is told to stop.
     std::function<void(const std::stop_token&)> revoke_ended;
     std::function<std::optional<WallTime>()> next_expiry;
-    /// How long until there is something else to do; nothing, or no function: only as above.
-    std::function<std::optional<std::chrono::nanoseconds>()> next_errand = {};
   };
 
   explicit ExpiryTimer(const Clock& clock,
@@ -47,22 +45,19 @@ class ExpiryTimer {
 
   /// Replaces the tasks of an earlier start.
   void start(Tasks tasks);
-  /// Looks now: there is a new errand.
-  void wake();
   /// Returns when the thread has ended and nothing more will be called; when called from within a
   /// revocation, the thread ends by itself afterwards and the destructor waits for it.
   void stop();
 
  private:
   void run(std::stop_token stop, const Tasks& tasks);
-  std::chrono::nanoseconds next_wait(const Tasks& tasks) const;
+  std::chrono::milliseconds next_wait(const Tasks& tasks) const;
 
   const Clock& clock_;
   const std::chrono::milliseconds longest_wait_;
   std::mutex control_;  ///< orders start and stop
   std::mutex sleep_;
   std::condition_variable_any wake_;
-  bool is_woken_ = false;  ///< under sleep_
   std::jthread thread_;
 };
 

@@ -13,8 +13,6 @@ namespace ddssec::cyclonedds {
 /// Bits of a mask that crosses from one library to the other (abi.hpp).
 enum class GovernanceFact : std::uint32_t {
   allows_unauthenticated = 1,
-  /// Endpoints of every topic are announced by secure discovery only.
-  protects_all_discovery = 2,
 };
 constexpr bool has(std::uint32_t facts, GovernanceFact fact) {
   return (facts & static_cast<std::uint32_t>(fact)) != 0;
@@ -30,7 +28,6 @@ class GovernanceFacts {
       if (holds) facts |= static_cast<std::uint32_t>(fact);
     };
     add(attributes.allow_unauthenticated_participants, GovernanceFact::allows_unauthenticated);
-    add(attributes.is_all_discovery_protected, GovernanceFact::protects_all_discovery);
     const std::lock_guard lock(mutex_);
     locals_[permissions] = {local, facts};
   }

@@ -1,4 +1,4 @@
-// What our authentication asks our other two libraries in the process. Each is looked up late, as
+// What one of our libraries asks the other two in the process. Each is looked up late, as
 // the host loads it after us; a stock library in its place gives no answer.
 #pragma once
 

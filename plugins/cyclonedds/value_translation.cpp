@@ -17,6 +17,7 @@ std::uint32_t valid_or_nothing(std::uint32_t mask) {
 // one to the other without looking at their properties; others' cryptography passes them over.
 using NoProperties = DDS_Security_PropertySeq;
 constexpr std::string_view kBuiltinEndpoint = "org.ddssec.builtin_endpoint";
+constexpr std::string_view kClosedReader = "org.ddssec.closed_reader";
 constexpr std::string_view kStandardCiphersOnly = "org.ddssec.standard_ciphers_only";
 
 /// One property that lives as long as the library; C has no const here, nobody writes to it.
@@ -27,6 +28,7 @@ DDS_Security_PropertySeq marker() {
   return {1, 1, &property};
 }
 DDS_Security_PropertySeq builtin_endpoint() { return marker<kBuiltinEndpoint>(); }
+DDS_Security_PropertySeq closed_reader() { return marker<kClosedReader>(); }
 DDS_Security_PropertySeq standard_ciphers_only() { return marker<kStandardCiphersOnly>(); }
 
 bool has(const DDS_Security_PropertySeq& properties, std::string_view name) {
@@ -88,6 +90,14 @@ DDS_Security_EndpointSecurityAttributes to_c(const spi::EndpointSecurityAttribut
           .ac_endpoint_properties = a.is_builtin ? builtin_endpoint() : NoProperties{}};
 }
 
+DDS_Security_EndpointSecurityAttributes closed_reader_attributes() {
+  DDS_Security_EndpointSecurityAttributes out{};
+  out.is_submessage_protected = true;
+  out.plugin_endpoint_attributes = spi::kMaskIsValid;
+  out.ac_endpoint_properties = closed_reader();
+  return out;
+}
+
 spi::ParticipantSecurityAttributes attributes_from(
     const DDS_Security_ParticipantSecurityAttributes& a) {
   const auto mask = valid_or_nothing(a.plugin_participant_attributes);
@@ -111,6 +121,7 @@ spi::ParticipantSecurityAttributes attributes_from(
 }
 
 spi::EndpointSecurityAttributes attributes_from(const DDS_Security_EndpointSecurityAttributes& a) {
+  if (has(a.ac_endpoint_properties, kClosedReader)) return {};
   const auto mask = valid_or_nothing(a.plugin_endpoint_attributes);
   return {.topic = {.is_read_protected = a.is_read_protected != 0,
                     .is_write_protected = a.is_write_protected != 0,

@@ -36,6 +36,10 @@ DDS_Security_ParticipantSecurityAttributes to_c(
 DDS_Security_TopicSecurityAttributes to_c(const spi::TopicSecurityAttributes& attributes);
 DDS_Security_EndpointSecurityAttributes to_c(const spi::EndpointSecurityAttributes& attributes);
 
+/// Of a reader that is to match no remote writer (closed_readers.hpp). Our cryptography makes no
+/// keys for it and takes none.
+DDS_Security_EndpointSecurityAttributes closed_reader_attributes();
+
 spi::ParticipantSecurityAttributes attributes_from(
     const DDS_Security_ParticipantSecurityAttributes& attributes);
 spi::EndpointSecurityAttributes attributes_from(

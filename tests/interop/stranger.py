@@ -42,7 +42,7 @@ OTHERS_DEPEND_ON_IT = 0x10  # a flag of Cyclone's VERSION_INFO
 SECURE_DISCOVERY = 0x000f0000  # of publications and subscriptions, in ENDPOINT_SET
 TYPE_REQUESTS = bytes.fromhex("000300c3")
 DEPTH, FRAGMENT = 100000, 32000
-RECORDED, REPLAYED, POURED = 3, 6, 2  # seconds
+RECORDED, REPLAYED, POURED, EARLY = 3, 6, 2, 1.5  # seconds
 CLASS = "DDS:Auth:PKI-DH:1.0+"
 # Any point of the curve will do as a public key for an agreement that is never finished: its generator.
 P256_GENERATOR = bytes.fromhex("046b17d1f2e12c4247f8bce6e563a440f277037d812deb33a0f4a13945d898c296"
@@ -351,6 +351,14 @@ def main():
             for message in type_requests(of, to):
                 network.send(to, message)
                 time.sleep(0.002)
+    elif mode == "early":
+        messages = [(to, message) for of, to in ((begins, answers), (answers, begins))
+                    for message in (*removals(of, to), *type_requests(of, to))]
+
+        def all_of_them():
+            for to, message in messages:
+                network.send(to, message)
+        network.repeat(EARLY, 0.0005, all_of_them)
     elif mode == "crowding":
         for message in crowd(begins, answers):
             network.send(answers, message)

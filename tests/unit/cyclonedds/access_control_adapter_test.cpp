@@ -85,22 +85,19 @@ TEST_F(AccessControlAdapterTest, AnAnnouncement_WithoutPermissionsToken_IsOfAnot
 }
 
 // Our authentication asks, in another library.
-TEST_F(AccessControlAdapterTest, SaysWhatTheGovernanceOfALocalParticipantAllowsAndProtects) {
+TEST_F(AccessControlAdapterTest, SaysWhatTheGovernanceOfALocalParticipantAllows) {
   constexpr spi::IdentityHandle kOpen{1}, kClosed{2};
   ON_CALL(engine, validate_local_permissions(kOpen, _, _, _)).WillByDefault(Return(Handle{8}));
   ON_CALL(engine, validate_local_permissions(kClosed, _, _, _)).WillByDefault(Return(Handle{9}));
   ON_CALL(engine, participant_sec_attributes).WillByDefault([](Handle handle) {
-    return spi::ParticipantSecurityAttributes{
-        .allow_unauthenticated_participants = handle == Handle{8},
-        .is_all_discovery_protected = handle == Handle{9}};
+    return spi::ParticipantSecurityAttributes{.allow_unauthenticated_participants =
+                                                  handle == Handle{8}};
   });
   for (const auto local : {kOpen, kClosed})
     EXPECT_NE(c->validate_local_permissions(c, nullptr, local.value, 5, &qos, nullptr), 0);
   const auto facts = &AccessControlAdapter::governance_facts_of;
   EXPECT_TRUE(has(facts(kOpen), GovernanceFact::allows_unauthenticated));
-  EXPECT_FALSE(has(facts(kOpen), GovernanceFact::protects_all_discovery));
   EXPECT_FALSE(has(facts(kClosed), GovernanceFact::allows_unauthenticated));
-  EXPECT_TRUE(has(facts(kClosed), GovernanceFact::protects_all_discovery));
   EXPECT_EQ(c->return_permissions_handle(c, 8, nullptr), 1);
   EXPECT_EQ(facts(kOpen), 0u);
 }
@@ -127,6 +124,30 @@ TEST_F(AccessControlAdapterTest, ChecksPassTheQuestionAndTheAnswer) {
   EXPECT_EQ(c->check_remote_participant(c, 9, 5, nullptr, nullptr), 1);
   EXPECT_EQ(c->check_remote_datawriter(c, 9, 5, &publication, nullptr), 1);
   EXPECT_EQ(c->check_remote_topic(c, 9, 5, &topic_data, nullptr), 1);
+}
+
+// closed_readers.hpp
+TEST_F(AccessControlAdapterTest, ClosesTheReadersOfClearDiscoveryAndNoWriter) {
+  ON_CALL(engine, participant_sec_attributes).WillByDefault([](Handle) {
+    return spi::ParticipantSecurityAttributes{.is_all_discovery_protected = true};
+  });
+  ON_CALL(engine, datareader_sec_attributes).WillByDefault([](auto&&...) {
+    return spi::EndpointSecurityAttributes{};
+  });
+  ON_CALL(engine, datawriter_sec_attributes).WillByDefault([](auto&&...) {
+    return spi::EndpointSecurityAttributes{};
+  });
+  DDS_Security_EndpointSecurityAttributes reader{}, writer{}, other{};
+  constexpr auto* kTopic = "DCPSPublication";
+  ASSERT_EQ(c->get_datareader_sec_attributes(c, 8, kTopic, nullptr, nullptr, &reader, nullptr), 1);
+  ASSERT_EQ(c->get_datawriter_sec_attributes(c, 8, kTopic, nullptr, nullptr, &writer, nullptr), 1);
+  ASSERT_EQ(
+      c->get_datareader_sec_attributes(c, 8, "DCPSParticipant", nullptr, nullptr, &other, nullptr),
+      1);
+  EXPECT_TRUE(reader.is_submessage_protected);
+  EXPECT_FALSE(writer.is_submessage_protected);
+  EXPECT_FALSE(other.is_submessage_protected);
+  EXPECT_EQ(c->return_datareader_sec_attributes(c, &reader, nullptr), 1);
 }
 
 // What access control says of an endpoint, and what cryptography asks with it.

@@ -45,24 +45,6 @@ TEST_F(Timer, NothingIsCalledAfterStop) {
   timer.stop();  // again
 }
 
-TEST_F(Timer, AnErrandIsRunWhenItIsDueOrAtOnce) {
-  ExpiryTimer slow{clock, 1h};
-  std::promise<void> due, woken;
-  slow.start({.revoke_ended =
-                  [&](const std::stop_token&) {
-                    if (++rounds == 2) due.set_value();
-                    if (rounds == 3) woken.set_value();
-                  },
-              .next_expiry = [] { return std::optional<WallTime>{}; },
-              .next_errand = [this]() -> std::optional<std::chrono::nanoseconds> {
-                return rounds == 1 ? std::optional<std::chrono::nanoseconds>(1ms) : std::nullopt;
-              }});
-  ASSERT_EQ(due.get_future().wait_for(5s), std::future_status::ready);
-  slow.wake();
-  ASSERT_EQ(woken.get_future().wait_for(5s), std::future_status::ready);
-  slow.stop();
-}
-
 /// Three identities that end in one round.
 struct ThreeEnd {
   struct Handle {

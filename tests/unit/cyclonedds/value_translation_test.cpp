@@ -76,6 +76,14 @@ TEST(ValueTranslation, WhatOurPluginsTellEachOtherComesThrough) {
   EXPECT_FALSE(attributes_from(foreign).is_builtin);
 }
 
+// For the core it is protected, so that it matches only writers whose keys it got; there are none.
+TEST(ValueTranslation, AClosedReaderIsProtectedForTheHostAndHasNoKeys) {
+  const auto closed = closed_reader_attributes();
+  EXPECT_TRUE(closed.is_submessage_protected);
+  EXPECT_FALSE(closed.is_payload_protected);
+  EXPECT_EQ(attributes_from(closed), spi::EndpointSecurityAttributes{});
+}
+
 TEST(ValueTranslation, MaskWithoutValidBitMeansSigning) {
   DDS_Security_EndpointSecurityAttributes c{};
   c.is_submessage_protected = 1;

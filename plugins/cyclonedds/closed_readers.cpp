@@ -1,0 +1,30 @@
+#include "plugins/cyclonedds/closed_readers.hpp"
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <string_view>
+
+namespace ddssec::cyclonedds {
+namespace {
+
+constexpr auto kClearDiscovery =
+    std::to_array<std::string_view>({"DCPSPublication", "DCPSSubscription", "DCPSTopic"});
+constexpr auto kTypeLookup =
+    std::to_array<std::string_view>({"DCPSTypeLookupRequest", "DCPSTypeLookupReply"});
+
+bool is_among(std::span<const std::string_view> topics, std::string_view topic) {
+  return std::ranges::find(topics, topic) != topics.end();
+}
+
+}  // namespace
+
+bool is_closed(const spi::EndpointRequest& reader,
+               const spi::ParticipantSecurityAttributes& participant, TypeLookup lookup) {
+  // Applications read topics of the same names in a partition of the core's own.
+  if (!reader.partitions.empty()) return false;
+  if (is_among(kTypeLookup, reader.topic_name)) return lookup == TypeLookup::is_closed;
+  return participant.is_all_discovery_protected && is_among(kClearDiscovery, reader.topic_name);
+}
+
+}  // namespace ddssec::cyclonedds

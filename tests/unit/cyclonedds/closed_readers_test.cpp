@@ -1,0 +1,47 @@
+#include "plugins/cyclonedds/closed_readers.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ddssec::cyclonedds {
+namespace {
+
+constexpr auto kDiscovery = {"DCPSPublication", "DCPSSubscription", "DCPSTopic"};
+constexpr auto kLookup = {"DCPSTypeLookupRequest", "DCPSTypeLookupReply"};
+constexpr spi::ParticipantSecurityAttributes kAllProtected{.is_all_discovery_protected = true};
+constexpr spi::ParticipantSecurityAttributes kSomeClear{};
+
+bool is_closed(std::string_view topic, const spi::ParticipantSecurityAttributes& participant,
+               TypeLookup lookup) {
+  return cyclonedds::is_closed({.topic_name = topic}, participant, lookup);
+}
+
+TEST(ClosedReader, OfClearDiscovery_IsSoWhereTheDiscoveryOfAllTopicsIsProtected) {
+  for (const auto* topic : kDiscovery) {
+    EXPECT_TRUE(is_closed(topic, kAllProtected, TypeLookup::stays_open)) << topic;
+    EXPECT_FALSE(is_closed(topic, kSomeClear, TypeLookup::is_closed)) << topic;
+  }
+}
+
+TEST(ClosedReader, OfTypeLookup_IsSoUnderEveryGovernanceUnlessTypesAreTrusted) {
+  for (const auto* topic : kLookup) {
+    EXPECT_TRUE(is_closed(topic, kSomeClear, TypeLookup::is_closed)) << topic;
+    EXPECT_FALSE(is_closed(topic, kAllProtected, TypeLookup::stays_open)) << topic;
+  }
+}
+
+TEST(ClosedReader, IsNoOther) {
+  for (const auto* topic :
+       {"DCPSParticipant", "DCPSParticipantMessage", "DCPSPublicationsSecure",
+        "DCPSParticipantStatelessMessage", "DCPSParticipantVolatileMessageSecure", "Square"})
+    EXPECT_FALSE(is_closed(topic, kAllProtected, TypeLookup::is_closed)) << topic;
+}
+
+// What an application reads of the core's own topics comes from no other process.
+TEST(ClosedReader, IsNoneOfAnApplication) {
+  const std::string_view partitions[] = {"__BUILT-IN PARTITION__"};
+  EXPECT_FALSE(cyclonedds::is_closed({.topic_name = "DCPSPublication", .partitions = partitions},
+                                     kAllProtected, TypeLookup::is_closed));
+}
+
+}  // namespace
+}  // namespace ddssec::cyclonedds
