@@ -176,9 +176,12 @@ void check_domain_kinds(Findings& out, const DomainPlace& place) {
   const auto& rule = place.rule;
   if (rule.allow_unauthenticated_participants && is_protected(rule.rtps_protection_kind))
     out.add(place.about(
-        GOV022, fmt::format("allow_unauthenticated_participants is true and rtps_protection_kind "
-                            "is {}: strangers cannot read or send a single message",
-                            to_string(rule.rtps_protection_kind))));
+        GOV022,
+        fmt::format(
+            "allow_unauthenticated_participants is true and rtps_protection_kind "
+            "is {}: strangers can read no message and send none to endpoints of "
+            "ddssec; other products take theirs on topics without a protection of their own",
+            to_string(rule.rtps_protection_kind))));
   for (const auto& [name, kind] :
        {std::pair("discovery_protection_kind", rule.discovery_protection_kind),
         std::pair("liveliness_protection_kind", rule.liveliness_protection_kind),

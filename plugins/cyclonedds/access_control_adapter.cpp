@@ -94,20 +94,23 @@ DDS_Security_boolean check_create_participant(Instance* instance, const CPermiss
 /// Cyclone 0.10.2 asks about a remote endpoint only if the endpoint's announcement wants that, and
 /// matches those of unauthenticated participants without asking. Only keys keep either out: where
 /// governance controls the access to a topic that has none, our own endpoint is what we can refuse.
+/// The same goes for a reader of a topic that only the protection of whole messages covers: the
+/// core takes the messages of an unauthenticated participant as they are.
 Status refuse_what_nothing_guards(Adapter& adapter, spi::PermissionsHandle handle,
                                   const spi::EndpointRequest& request,
                                   const spi::EndpointSecurityAttributes& endpoint, bool is_writer) {
   const bool is_controlled =
       is_writer ? endpoint.topic.is_read_protected : endpoint.topic.is_write_protected;
-  if (!is_controlled || endpoint.is_submessage_protected() || endpoint.is_payload_protected())
-    return {};
+  if (endpoint.is_submessage_protected() || endpoint.is_payload_protected()) return {};
   const auto participant = DDSSEC_TRY(adapter.engine().participant_sec_attributes(handle));
-  if (participant.allow_unauthenticated_participants)
+  const bool relies_on_messages = participant.is_rtps_protected() && !is_writer;
+  if (participant.allow_unauthenticated_participants && (is_controlled || relies_on_messages))
     return fail(Code::unauthenticated_peers_unstoppable,
                 {.document = "governance",
                  .field = "allow_unauthenticated_participants",
                  .expected = "false, or protection of the topic",
                  .found = "true"});
+  if (!is_controlled) return {};
   return fail(Code::controlled_topic_unguarded,
               {.document = "governance",
                .field = is_writer ? "enable_read_access_control" : "enable_write_access_control",

@@ -70,7 +70,7 @@ CResult validate_local_identity(Instance* instance, CIdentity* handle,
     const auto local = DDSSEC_TRY(adapter.engine().validate_local_identity(
         domain_id, properties, guid_from(*candidate_guid)));
     adapter.lost_sessions().add_local(local.handle, local.adjusted_guid.prefix);
-    adapter.farewells().add_local(local.handle, local.adjusted_guid.prefix, domain_id);
+    adapter.farewells().add_local(local.handle, local.adjusted_guid.prefix);
     *handle = local.handle.value;
     *adjusted_guid = cyclonedds::to_c(local.adjusted_guid);
     return DDS_SECURITY_VALIDATION_OK;
@@ -391,7 +391,7 @@ void AuthenticationAdapter::say_farewell(const Guid& peer) {
     if (!remotes_.has_met(local.handle, peer) || admits_unauthenticated(local.handle.value))
       continue;
     const auto farewell = write_farewell(local.prefix, peer.prefix);
-    send_to_discovery(farewell, local.domain);
+    send_to_discovery(farewell);
     send_datagram(farewell, lost_sessions_.addresses_of(peer));
   }
 }

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <netinet/in.h>
+#include <optional>
 #include <sstream>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -13,7 +16,7 @@
 namespace ddssec::cyclonedds {
 namespace {
 
-constexpr std::array<std::uint8_t, 4> kGroup{239, 255, 0, 1};
+constexpr std::size_t kMostGroups = 64, kMostPorts = 16;
 
 /// The address for the kernel and how long it is.
 std::pair<sockaddr_storage, socklen_t> kernel_address(const spi::UdpAddress& address) {
@@ -34,18 +37,107 @@ std::pair<sockaddr_storage, socklen_t> kernel_address(const spi::UdpAddress& add
   return {out, sizeof four};
 }
 
+/// Multicast from this socket leaves by that interface.
+bool goes_over(int socket, bool is_ipv6, int interface) {
+  if (is_ipv6)
+    return ::setsockopt(socket, IPPROTO_IPV6, IPV6_MULTICAST_IF, &interface, sizeof interface) == 0;
+  ip_mreqn over{};
+  over.imr_ifindex = interface;
+  return ::setsockopt(socket, IPPROTO_IP, IP_MULTICAST_IF, &over, sizeof over) == 0;
+}
+
 /// `interface`: an index, for multicast; 0: the system chooses.
 void send_one(BytesView datagram, const spi::UdpAddress& to, int interface) noexcept {
   const int socket =
       ::socket(to.is_ipv6 ? AF_INET6 : AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (socket < 0) return;
   const auto [where, length] = kernel_address(to);
-  ip_mreqn over{};
-  over.imr_ifindex = interface;
-  if (interface == 0 || ::setsockopt(socket, IPPROTO_IP, IP_MULTICAST_IF, &over, sizeof over) == 0)
+  if (interface == 0 || goes_over(socket, to.is_ipv6, interface))
     (void)::sendto(socket, datagram.data(), datagram.size(), MSG_NOSIGNAL,
                    reinterpret_cast<const sockaddr*>(&where), length);
   ::close(socket);
+}
+
+std::string contents(const char* file) {
+  std::ostringstream out;
+  out << std::ifstream(file).rdbuf();
+  return std::move(out).str();
+}
+
+template <class Number>
+std::optional<Number> number_in(std::string_view text, int base) {
+  Number out = 0;
+  const auto* const end = text.data() + text.size();
+  const auto [stopped, error] = std::from_chars(text.data(), end, out, base);
+  if (error != std::errc() || stopped != end) return std::nullopt;
+  return out;
+}
+
+/// A line of an interface, then one for each of its groups, which begins with a blank.
+void add_ipv4(std::vector<JoinedGroup>& out, std::string_view igmp) {
+  std::istringstream lines{std::string(igmp)};
+  int interface = 0;
+  for (std::string line; std::getline(lines, line) && out.size() < kMostGroups;) {
+    std::istringstream words(line);
+    std::string word;
+    words >> word;
+    if (line.empty() || (line.front() != '\t' && line.front() != ' ')) {
+      interface = number_in<int>(word, 10).value_or(0);
+      continue;
+    }
+    const auto number = number_in<std::uint32_t>(word, 16);
+    if (!number || interface <= 0) continue;
+    JoinedGroup group{.interface = interface};
+    // The kernel prints the four octets as one number of this machine.
+    std::memcpy(group.address.data() + 12, &*number, 4);
+    const bool is_local =
+        group.address[12] == 224 && group.address[13] == 0 && group.address[14] == 0;
+    if (!is_local) out.push_back(group);
+  }
+}
+
+/// A line for each: the interface's index and name, the address in 32 digits.
+void add_ipv6(std::vector<JoinedGroup>& out, std::string_view igmp6) {
+  std::istringstream lines{std::string(igmp6)};
+  for (std::string line; std::getline(lines, line) && out.size() < kMostGroups;) {
+    std::istringstream words(line);
+    std::string index, name, digits;
+    words >> index >> name >> digits;
+    const auto interface = number_in<int>(index, 10);
+    if (!interface || *interface <= 0 || digits.size() != 32) continue;
+    JoinedGroup group{.interface = *interface, .is_ipv6 = true};
+    bool is_address = true;
+    for (std::size_t i = 0; i < 16; ++i) {
+      const auto octet = number_in<std::uint8_t>(std::string_view(digits).substr(2 * i, 2), 16);
+      is_address = is_address && octet;
+      group.address.at(i) = octet.value_or(0);
+    }
+    // ff02::1, ff02::1:ff00:0 and the like: nothing but zeros before the last five octets.
+    const bool is_local = std::all_of(group.address.begin() + 2, group.address.begin() + 11,
+                                      [](auto octet) { return octet == 0; }) &&
+                          group.address[11] <= 1;
+    if (is_address && !is_local) out.push_back(group);
+  }
+}
+
+/// Of a UDP socket that other processes may bind, too.
+std::optional<std::uint16_t> shared_port(int socket) {
+  int type = 0, reuses_address = 0, reuses_port = 0;
+  socklen_t length = sizeof type;
+  if (::getsockopt(socket, SOL_SOCKET, SO_TYPE, &type, &length) != 0 || type != SOCK_DGRAM)
+    return std::nullopt;
+  (void)::getsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &reuses_address, &length);
+  (void)::getsockopt(socket, SOL_SOCKET, SO_REUSEPORT, &reuses_port, &length);
+  if (reuses_address == 0 && reuses_port == 0) return std::nullopt;
+  sockaddr_storage own{};
+  socklen_t size = sizeof own;
+  if (::getsockname(socket, reinterpret_cast<sockaddr*>(&own), &size) != 0) return std::nullopt;
+  std::uint16_t port = 0;
+  if (own.ss_family == AF_INET)
+    port = ntohs(reinterpret_cast<const sockaddr_in&>(own).sin_port);
+  else if (own.ss_family == AF_INET6)
+    port = ntohs(reinterpret_cast<const sockaddr_in6&>(own).sin6_port);
+  return port == 0 ? std::nullopt : std::optional(port);
 }
 
 }  // namespace
@@ -54,42 +146,32 @@ void send_datagram(BytesView datagram, std::span<const spi::UdpAddress> to) noex
   for (const auto& address : to) send_one(datagram, address, 0);
 }
 
-std::vector<int> interfaces_joined_to(std::string_view igmp,
-                                      std::span<const std::uint8_t, 4> group) {
-  constexpr std::size_t kMost = 64;
-  // The kernel prints the four octets as one number of this machine.
-  std::uint32_t wanted = 0;
-  std::memcpy(&wanted, group.data(), 4);
-  std::vector<int> out;
-  std::istringstream lines{std::string(igmp)};
-  int interface = 0;
-  for (std::string line; std::getline(lines, line) && out.size() < kMost;) {
-    if (line.empty()) continue;
-    const bool is_group = line.front() == '\t' || line.front() == ' ';
-    const auto begin = std::min(line.find_first_not_of(" \t"), line.size());
-    std::uint32_t number = 0;
-    const auto read =
-        std::from_chars(line.data() + begin, line.data() + line.size(), number, is_group ? 16 : 10);
-    if (read.ec != std::errc()) continue;
-    if (!is_group)
-      interface = static_cast<int>(number);
-    else if (number == wanted && interface > 0)
-      out.push_back(interface);
+std::vector<JoinedGroup> joined_groups(std::string_view igmp, std::string_view igmp6) {
+  std::vector<JoinedGroup> out;
+  add_ipv4(out, igmp);
+  add_ipv6(out, igmp6);
+  return out;
+}
+
+std::vector<std::uint16_t> shared_ports() {
+  std::vector<std::uint16_t> out;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", error)) {
+    const auto port = shared_port(std::atoi(entry.path().filename().c_str()));
+    if (port && out.size() < kMostPorts && std::ranges::find(out, *port) == out.end())
+      out.push_back(*port);
   }
   return out;
 }
 
-void send_to_discovery(BytesView datagram, DomainId domain) noexcept {
-  constexpr std::uint32_t kBase = 7400, kPerDomain = 250;
-  const auto port = kBase + kPerDomain * static_cast<std::uint32_t>(domain);
-  if (port > 0xffff) return;
-  spi::UdpAddress to{.port = static_cast<std::uint16_t>(port)};
-  std::ranges::copy(kGroup, to.address.begin() + 12);
+void send_to_discovery(BytesView datagram) noexcept {
   try {
-    std::ostringstream igmp;
-    igmp << std::ifstream("/proc/self/net/igmp").rdbuf();
-    for (const int interface : interfaces_joined_to(igmp.view(), kGroup))
-      send_one(datagram, to, interface);
+    const auto groups =
+        joined_groups(contents("/proc/self/net/igmp"), contents("/proc/self/net/igmp6"));
+    for (const auto port : shared_ports())
+      for (const auto& group : groups)
+        send_one(datagram, {.is_ipv6 = group.is_ipv6, .port = port, .address = group.address},
+                 group.interface);
   } catch (...) {
     // As declared: without memory nothing is sent.
   }

@@ -1,12 +1,13 @@
 // Datagrams that a plugin sends itself, beside the host.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "base/bytes.hpp"
-#include "base/ids.hpp"
 #include "plugins/spi/udp_address.hpp"
 
 namespace ddssec::cyclonedds {
@@ -15,13 +16,25 @@ namespace ddssec::cyclonedds {
 /// reporting an error.
 void send_datagram(BytesView datagram, std::span<const spi::UdpAddress> to) noexcept;
 
-/// The same to the default multicast address of discovery (RTPS 9.6.2.4.1), IPv4, over each
-/// interface on which a process listens to it.
-void send_to_discovery(BytesView datagram, DomainId domain) noexcept;
+/// A group that this machine has joined, on one interface.
+struct JoinedGroup {
+  int interface = 0;  ///< its index
+  bool is_ipv6 = false;
+  std::array<std::uint8_t, 16> address = {};  ///< as in spi::UdpAddress
+  bool operator==(const JoinedGroup&) const = default;
+};
 
-/// The interfaces in a file with the form of /proc/net/igmp on which that group was joined, by
-/// their indexes; at most 64. `group`: the IPv4 address in network order.
-std::vector<int> interfaces_joined_to(std::string_view igmp,
-                                      std::span<const std::uint8_t, 4> group);
+/// The groups in files of the forms of /proc/net/igmp and /proc/net/igmp6, without those that every
+/// machine joins or that belong to a local protocol (224.0.0.0/24, ff02::1 and the like); at most
+/// 64.
+std::vector<JoinedGroup> joined_groups(std::string_view igmp, std::string_view igmp6);
+
+/// The ports of this process's UDP sockets that are shared between processes, as those are on which
+/// multicast is heard; at most 16.
+std::vector<std::uint16_t> shared_ports();
+
+/// The same to every multicast address on which this process may listen to discovery: the host's
+/// configuration can name any group and port.
+void send_to_discovery(BytesView datagram) noexcept;
 
 }  // namespace ddssec::cyclonedds

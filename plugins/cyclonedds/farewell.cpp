@@ -21,9 +21,9 @@ Bytes write_farewell(const GuidPrefix& own, const GuidPrefix& peer) {
   return octets;
 }
 
-void Farewells::add_local(spi::IdentityHandle local, const GuidPrefix& prefix, DomainId domain) {
+void Farewells::add_local(spi::IdentityHandle local, const GuidPrefix& prefix) {
   const std::lock_guard lock(mutex_);
-  locals_[local] = {local, prefix, domain};
+  locals_[local] = {local, prefix};
 }
 
 void Farewells::remove_local(spi::IdentityHandle local) {

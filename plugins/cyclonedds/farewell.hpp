@@ -21,13 +21,12 @@ Bytes write_farewell(const GuidPrefix& own, const GuidPrefix& peer);
 /// Our participants, which may have to say it. Thread-safe.
 class Farewells {
  public:
-  void add_local(spi::IdentityHandle local, const GuidPrefix& prefix, DomainId domain);
+  void add_local(spi::IdentityHandle local, const GuidPrefix& prefix);
   void remove_local(spi::IdentityHandle local);
 
   struct Local {
     spi::IdentityHandle handle;
     GuidPrefix prefix;
-    DomainId domain;
   };
   std::vector<Local> locals() const;
 

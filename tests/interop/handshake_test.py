@@ -30,21 +30,23 @@ from pki import STARTER  # noqa: E402
 from scenarios import EO, GOVERNANCES, SROS2  # noqa: E402
 
 STRANGER = pathlib.Path(__file__).resolve().parent / "stranger.py"
-PATIENCE = {"request": 30, "answered": 90, "flood": 90, "announced": 90, "nameless": 90, "fewer": 90,
+PATIENCE = {"request": 30, "answered": 90, "flood": 90, "announced": 90, "nameless": 90, "nameless-elsewhere": 90, "fewer": 90,
             "early": 60, "privileged": 60, "removing": 60, "crowding": 60, "redirecting": 60}  # seconds
 TRIES = 4  # the peer's own announcement may be the first
-CAN_BE_LATE = ("announced", "nameless", "fewer")
+CAN_BE_LATE = ("announced", "nameless", "nameless-elsewhere", "fewer")
 MULTICAST = ("<CycloneDDS><Domain Id=\"any\"><General><Interfaces><NetworkInterface name=\"lo\" multicast=\"true\"/></Interfaces>"
              "<AllowMulticast>spdp</AllowMulticast></General><Discovery><SPDPInterval>500ms</SPDPInterval>"
              "<LeaseDuration>10s</LeaseDuration></Discovery></Domain></CycloneDDS>")
 
+ELSEWHERE = MULTICAST.replace("</Discovery>", "<Ports><Base>8000</Base></Ports><SPDPMulticastAddress>239.255.0.9</SPDPMulticastAddress></Discovery>")
+NAMELESS = {"nameless": MULTICAST, "nameless-elsewhere": ELSEWHERE}  # where discovery is heard
 
 # What comes to a process that is stopped does not wait for it.
 SHORT_OF_MEMORY = MULTICAST.replace("</Discovery>", "</Discovery><Internal><SocketReceiveBufferSize min=\"16kB\" max=\"16kB\"/></Internal>")
 
 
 def stranger(world, mode):
-    words = [mode]
+    words = [mode.removesuffix("-elsewhere")]
     if mode == "redirecting":
         words.append(prefix_begin(STARTER))
     if mode == "answered":
@@ -57,8 +59,8 @@ def stranger(world, mode):
 
 
 def meet(world, mode):
-    if mode == "nameless":
-        world.settings["CYCLONEDDS_URI"] = MULTICAST
+    if mode in NAMELESS:
+        world.settings["CYCLONEDDS_URI"] = NAMELESS[mode]
     process = stranger(world, mode)
     try:
         subscriber = world.honest("subscribe", True)
@@ -212,7 +214,7 @@ def cases():
         for mode in ("request", "answered", "flood", "announced"):
             yield f"{mode}/{kind}", kind, mode
     yield "nameless/ours-auth", "ours-auth", "nameless"
-    for mode in ("nameless", "fewer", "privileged", "early", "removing", "crowding", "asking", "redirecting"):
+    for mode in ("nameless", "nameless-elsewhere", "fewer", "privileged", "early", "removing", "crowding", "asking", "redirecting"):
         # With a stock cryptography the two stay apart.
         yield f"{mode}/ours", "ours", mode
 

@@ -277,6 +277,29 @@ TEST_F(AccessControlAdapterTest, AnEndpointThatUnauthenticatedPeersWouldReachIsR
   EXPECT_TRUE(may_read());
 }
 
+// The core takes what such a participant sends without protection, whatever governance protects.
+TEST_F(AccessControlAdapterTest, AReaderThatOnlyMessageProtectionCoversIsRefusedWithGuests) {
+  spi::EndpointSecurityAttributes endpoint;
+  spi::ParticipantSecurityAttributes participant{.allow_unauthenticated_participants = true,
+                                                 .rtps = ProtectionKind::encrypt};
+  ON_CALL(engine, check_create_datawriter).WillByDefault([](auto&&...) { return Status{}; });
+  ON_CALL(engine, check_create_datareader).WillByDefault([](auto&&...) { return Status{}; });
+  ON_CALL(engine, participant_sec_attributes).WillByDefault([&](auto&&...) { return participant; });
+  ON_CALL(engine, datawriter_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
+  ON_CALL(engine, datareader_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
+  const auto may_read = [&] {
+    return c->check_create_datareader(c, 8, 5, "Square", &qos, nullptr, nullptr, &refusal) != 0;
+  };
+  EXPECT_FALSE(may_read());
+  EXPECT_EQ(refusal.reason(), Code::unauthenticated_peers_unstoppable);
+  EXPECT_EQ(c->check_create_datawriter(c, 8, 5, "Square", &qos, nullptr, nullptr, nullptr), 1);
+  endpoint.payload = ProtectionKind::sign;
+  EXPECT_TRUE(may_read());
+  endpoint.payload = ProtectionKind::none;
+  participant.allow_unauthenticated_participants = false;
+  EXPECT_TRUE(may_read());
+}
+
 TEST_F(AccessControlAdapterTest, RelayOnlyIsAlwaysSet) {
   EXPECT_CALL(engine, check_remote_datareader(Handle{9}, 5, asks_for_topic()))
       .WillOnce(Return(spi::AccessControl::RemoteDatareader{.relay_only = true}))

@@ -1,5 +1,6 @@
 #include "plugins/cyclonedds/datagrams.hpp"
 
+#include <algorithm>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -28,7 +29,7 @@ TEST(SendDatagram, ReachesItsAddress) {
   ::close(socket);
 }
 
-// As Linux 6.1 prints it on a little-endian machine.
+// As Linux 6.1 prints them on a little-endian machine.
 constexpr std::string_view kIgmp =
     "Idx\tDevice    : Count Querier\tGroup    Users Timer\tReporter\n"
     "1\tlo        :     2      V3\n"
@@ -36,14 +37,68 @@ constexpr std::string_view kIgmp =
     "\t\t\t\t010000E0     1 0:00000000\t\t0\n"
     "2\teth0      :     1      V3\n"
     "\t\t\t\t010000E0     1 0:00000000\t\t0\n"
+    "\t\t\t\tFB0000E0     1 0:00000000\t\t0\n"
     "17\tveth17    :     1      V2\n"
-    "\t\t\t\t0100FFEF     1 0:00000000\t\t0\n";
+    "\t\t\t\t0900FFEF     1 0:00000000\t\t0\n";
+constexpr std::string_view kIgmp6 =
+    "1    lo              ff0200000000000000000000000000fb     1 00000004 0\n"
+    "4    eth0            ff02000000000000000000ffefff0001     1 00000004 0\n"
+    "4    eth0            ff020000000000000000ffffefff0001     1 00000004 0\n"
+    "4    eth0            ff020000000000000000000001ff000a     1 00000004 0\n"
+    "4    eth0            ff0200000000000000000001ff020057     1 00000004 0\n"
+    "4    eth0            ff020000000000000000000000000001     1 0000000C 0\n";
 
-TEST(SendToDiscovery, GoesWhereSomebodyListens) {
-  constexpr std::array<std::uint8_t, 4> kGroup{239, 255, 0, 1}, kOther{239, 255, 0, 2};
-  EXPECT_THAT(interfaces_joined_to(kIgmp, kGroup), ::testing::ElementsAre(1, 17));
-  EXPECT_THAT(interfaces_joined_to(kIgmp, kOther), ::testing::IsEmpty());
-  EXPECT_THAT(interfaces_joined_to("nonsense\n\t\tzz\n0100FFEF", kGroup), ::testing::IsEmpty());
+JoinedGroup group(int interface, std::initializer_list<std::uint8_t> end, bool is_ipv6 = false) {
+  JoinedGroup out{.interface = interface, .is_ipv6 = is_ipv6};
+  if (is_ipv6) out.address = {0xff, 0x02};
+  std::ranges::copy(end, out.address.end() - static_cast<std::ptrdiff_t>(end.size()));
+  return out;
+}
+
+TEST(JoinedGroups, AreAllButThoseOfLocalProtocols) {
+  EXPECT_THAT(joined_groups(kIgmp, ""),
+              ::testing::ElementsAre(group(1, {239, 255, 0, 1}), group(17, {239, 255, 0, 9})));
+  EXPECT_THAT(joined_groups("", kIgmp6),
+              ::testing::Contains(group(4, {0xff, 0xff, 239, 255, 0, 1}, true)));
+  EXPECT_THAT(joined_groups("", kIgmp6),
+              ::testing::Not(::testing::Contains(group(4, {0, 1, 0xff, 2, 0, 0x57}, true))));
+  EXPECT_THAT(joined_groups("", kIgmp6), ::testing::Not(::testing::Contains(group(4, {1}, true))));
+}
+
+TEST(JoinedGroups, OfNonsenseAreNone) {
+  EXPECT_THAT(joined_groups("nonsense\n\t\tzz\n0100FFEF",
+                            "4 eth0 ff02\n4 eth0 ff020000000000000000ffffefff00zz"),
+              ::testing::IsEmpty());
+}
+
+/// Bound to a port of the system's choice.
+class Socket {
+ public:
+  explicit Socket(bool is_shared) : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
+    const int on = is_shared ? 1 : 0;
+    ::setsockopt(socket_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    sockaddr_in own{};
+    own.sin_family = AF_INET;
+    socklen_t length = sizeof own;
+    ::bind(socket_, reinterpret_cast<sockaddr*>(&own), length);
+    ::getsockname(socket_, reinterpret_cast<sockaddr*>(&own), &length);
+    port_ = ntohs(own.sin_port);
+  }
+  ~Socket() { ::close(socket_); }
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+  std::uint16_t port() const { return port_; }
+
+ private:
+  int socket_;
+  std::uint16_t port_ = 0;
+};
+
+TEST(SharedPorts, AreThoseThatOthersMayBindToo) {
+  const Socket shared(true), alone(false);
+  const auto ports = shared_ports();
+  EXPECT_THAT(ports, ::testing::Contains(shared.port()));
+  EXPECT_THAT(ports, ::testing::Not(::testing::Contains(alone.port())));
 }
 
 }  // namespace

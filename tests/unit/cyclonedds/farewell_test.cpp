@@ -37,12 +37,11 @@ TEST(Farewell, DisposesOurselvesForThePeerAlone) {
 
 TEST(Farewell, IsSaidByParticipantsThatAreThere) {
   Farewells farewells;
-  farewells.add_local({1}, kOwn, 3);
-  farewells.add_local({2}, kPeer, 4);
+  farewells.add_local({1}, kOwn);
+  farewells.add_local({2}, kPeer);
   farewells.remove_local({2});
   ASSERT_EQ(farewells.locals().size(), 1u);
   EXPECT_EQ(farewells.locals().front().prefix, kOwn);
-  EXPECT_EQ(farewells.locals().front().domain, 3);
 }
 
 }  // namespace
