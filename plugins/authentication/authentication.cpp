@@ -95,7 +95,9 @@ class PkiDh final : public spi::Authentication {
   Status check_room(const Pair& pair) const;
   void make_room(Pair& pair);
   HandshakeStep keep(const std::shared_ptr<Pair>& pair, HandshakeOutcome outcome,
-                     BytesView participant_data);
+                     BytesView participant_data, UnprovenOctets::Share unproven = {});
+  Result<UnprovenOctets::Share> share_of(const Pair& pair, const Token& request,
+                                         const HandshakeOutcome& outcome);
   /// `f(const Established&)` under the pair's lock.
   template <class F>
   auto established(HandshakeHandle handle, F&& f) const
@@ -103,6 +105,7 @@ class PkiDh final : public spi::Authentication {
 
   const Environment environment_;
   TrustStores stores_;
+  UnprovenOctets unproven_;
   IdentityTable table_;
   std::mutex given_out_mutex_;
   std::vector<HandshakeHandle> given_out_;  ///< whose credentials, since the last `expire`
@@ -255,9 +258,12 @@ void PkiDh::make_room(Pair& pair) {
 }
 
 PkiDh::HandshakeStep PkiDh::keep(const std::shared_ptr<Pair>& pair, HandshakeOutcome outcome,
-                                 BytesView participant_data) {
-  PairHandshake kept{
-      {}, std::move(*outcome.next), to_bytes(participant_data), environment_.clock.monotonic()};
+                                 BytesView participant_data, UnprovenOctets::Share unproven) {
+  PairHandshake kept{{},
+                     std::move(*outcome.next),
+                     to_bytes(participant_data),
+                     environment_.clock.monotonic(),
+                     std::move(unproven)};
   pair->handshakes.reserve(pair->handshakes.size() + 1);
   const auto handle = kept.handle = table_.add_handshake(pair);
   make_room(*pair);
@@ -323,7 +329,25 @@ Result<PkiDh::HandshakeStep> PkiDh::reply(const Token& request, IdentityHandle l
   }
   const auto what = DDSSEC_TRY(context(*pair));
   DDSSEC_TRY(check_room(*pair));
-  return keep(pair, DDSSEC_TRY(start_reply(what, request, participant_data)), participant_data);
+  auto outcome = DDSSEC_TRY(start_reply(what, request, participant_data));
+  auto share = DDSSEC_TRY(share_of(*pair, request, outcome));
+  return keep(pair, std::move(outcome), participant_data, std::move(share));
+}
+
+/// What the request makes us keep.
+Result<UnprovenOctets::Share> PkiDh::share_of(const Pair& pair, const Token& request,
+                                              const HandshakeOutcome& outcome) {
+  std::size_t octets = 0, free = 0;
+  for (const auto& property : request.binary_properties) octets += property.value.size();
+  for (const auto& handshake : pair.handshakes) free += handshake.unproven.free_octets();
+  const auto& peer = std::get<AwaitFinal>(*outcome.next).peer;
+  auto share = unproven_.take(peer.certificate().subject_digest(), octets, free);
+  if (share) return *std::move(share);
+  return fail(Code::too_many_handshakes,
+              {.document = "handshake request",
+               .expected = "at most " + std::to_string(UnprovenOctets::kMostOfASubject) +
+                           " octets of a subject in requests that wait for their end",
+               .found = std::to_string(octets) + " more octets"});
 }
 
 Result<PkiDh::HandshakeStep> PkiDh::process_handshake(HandshakeHandle handshake,
@@ -344,6 +368,7 @@ Result<PkiDh::HandshakeStep> PkiDh::step(HandshakeHandle handle, const Token& me
       DDSSEC_TRY(table_.note_authenticated(pair->remote_handle, done->peer.chain()));
     static_assert(std::is_nothrow_move_assignable_v<HandshakeState>);
     handshake->state = std::move(*outcome.next);
+    if (!is_pending(*handshake)) handshake->unproven = {};
   }
   return HandshakeStep{handle, outcome.result, std::move(outcome.message)};
 }

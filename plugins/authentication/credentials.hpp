@@ -10,8 +10,8 @@
 
 namespace ddssec::authentication {
 
-/// The longest c.perm, in octets.
-inline constexpr std::size_t kMostPermissionsOctets = 16 * 1024 * 1024;
+/// The longest c.perm, in octets. A peer is believed to need it before it has proven anything.
+inline constexpr std::size_t kMostPermissionsOctets = 1024 * 1024;
 
 /// As sent or received, borrowed. Algorithm names are known ones; everything else is a claim.
 struct Credentials {

@@ -16,6 +16,7 @@
 #include "base/event.hpp"
 #include "plugins/authentication/handshake.hpp"
 #include "plugins/authentication/remote_counts.hpp"
+#include "plugins/authentication/unproven_octets.hpp"
 #include "plugins/spi/handles.hpp"
 
 namespace ddssec::authentication {
@@ -26,6 +27,7 @@ struct PairHandshake {
   HandshakeState state;
   Bytes participant_data;  ///< what we sent as c.pdata
   std::chrono::nanoseconds since;
+  UnprovenOctets::Share unproven = {};  ///< until it is established
 };
 
 /// A remote participant as one local participant knows it. Lock order: a pair's mutex before the

@@ -1,4 +1,7 @@
 // Ends of validity, returned handles and bounds.
+#include <gmock/gmock.h>
+
+#include "plugins/authentication/unproven_octets.hpp"
 #include "tests/unit/authentication/fixture.hpp"
 
 namespace ddssec::authentication {
@@ -314,6 +317,47 @@ TEST(Bounds, PendingRepliesGiveWayToTheHonestOneInTime) {
   const auto rep = two.reply(*req->message);
   ASSERT_OK(rep);
   pairing.expect_finish(*req, *rep);
+}
+
+/// The same with permissions of that size, which nobody has signed.
+Token large(const Token& request, std::uint8_t number, std::size_t octets) {
+  return with(forged(request, number), "c.perm", Bytes(octets, 'x'));
+}
+
+TEST(Bounds, LargeDocumentsOfUnprovenPeersTakeNoRoomOfOrdinaryOnes) {
+  Pairing pairing;
+  auto& two = pairing.two;
+  const auto req = two.request();
+  constexpr std::size_t kLarge = 1000 * 1000;
+  ASSERT_OK(two.reply(large(*req->message, 1, kLarge)));
+  ASSERT_OK(two.reply(large(*req->message, 2, kLarge)));
+  EXPECT_CODE(two.reply(large(*req->message, 3, kLarge)), too_many_handshakes);
+  EXPECT_THAT(two.high.engine->events.events.back().error.to_sentence(),
+              testing::HasSubstr("2097152 octets of a subject"));
+  const auto rep = two.reply(*req->message);
+  ASSERT_OK(rep);
+  pairing.expect_finish(*req, *rep);
+}
+
+TEST(UnprovenOctets, AreSharedBySubjectAndGivenBack) {
+  UnprovenOctets octets;
+  constexpr std::size_t kEach = UnprovenOctets::kMostOfASubject;
+  const auto subject = [](std::uint8_t number) { return Sha256Digest{number}; };
+  {
+    std::vector<UnprovenOctets::Share> held;
+    for (std::uint8_t i = 0; i < UnprovenOctets::kMost / kEach; ++i) {
+      auto share = octets.take(subject(i), kEach, 0);
+      ASSERT_TRUE(share);
+      held.push_back(*std::move(share));
+      EXPECT_FALSE(octets.take(subject(i), UnprovenOctets::kFreeOfAPeer + 1, 0));
+    }
+    EXPECT_FALSE(octets.take(subject(99), UnprovenOctets::kFreeOfAPeer + 1, 0));
+    const auto free = octets.take(subject(0), UnprovenOctets::kFreeOfAPeer, 0);
+    ASSERT_TRUE(free);
+    EXPECT_EQ(free->free_octets(), UnprovenOctets::kFreeOfAPeer);
+    EXPECT_FALSE(octets.take(subject(0), 1, free->free_octets()));
+  }
+  EXPECT_TRUE(octets.take(subject(99), kEach, 0));
 }
 
 TEST(Bounds, FinishedHandshakesOfAPairAreFew) {

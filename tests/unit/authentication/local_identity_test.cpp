@@ -340,7 +340,7 @@ TEST(Permissions, Refusals) {
   EXPECT_TRUE(give(good));
   EXPECT_CODE(give({"DDS:Access:PermissionsCredential"}), permissions_credential_wrong);
   EXPECT_CODE(give({"DDS:Access:Permissions:1.0", good.properties}), permissions_credential_wrong);
-  EXPECT_CODE(give({good.class_id, {{"dds.perm.cert", std::string(16 * 1024 * 1024 + 1, 'x')}}}),
+  EXPECT_CODE(give({good.class_id, {{"dds.perm.cert", std::string(1024 * 1024 + 1, 'x')}}}),
               token_field_length);
   EXPECT_CODE(engine->set_permissions_credential_and_token({99}, good, {}), unknown_identity);
 }

@@ -83,7 +83,7 @@ std::vector<Forgery> of_credentials() {
   }
   all.push_back(repeats("c.perm"));
   all.push_back(resizes("c.id", 64 * 1024 + 1));
-  all.push_back(resizes("c.perm", 16 * 1024 * 1024 + 1));
+  all.push_back(resizes("c.perm", 1024 * 1024 + 1));
   all.push_back(resizes("c.pdata", 64 * 1024 + 1));
   all.push_back(resizes("c.dsign_algo", 129));
   all.push_back(resizes("c.kagree_algo", 129));
