@@ -126,11 +126,10 @@ std::optional<OpensslFlaw> judge(const Row& row, const Version& version) {
                      says_number(version, *fix)};
 }
 
-std::string ids(const std::vector<OpensslFlaw>& flaws, bool guarded) {
-  std::string out;
-  for (const auto& flaw : flaws)
-    if (flaw.guard.empty() != guarded) out += (out.empty() ? "" : ", ") + std::string(flaw.id);
-  return out;
+// "OpenSSL 3.0.19" of "OpenSSL 3.0.19 27 Jan 2026".
+std::string without_date(const std::string& version) {
+  const auto name = version.find(' ');
+  return name == version.npos ? version : version.substr(0, version.find(' ', name + 1));
 }
 
 }  // namespace
@@ -148,13 +147,13 @@ Status openssl_advice(const std::string& version) {
   auto flaws = openssl_flaws(version);
   std::erase_if(flaws, [](const OpensslFlaw& flaw) { return !flaw.is_certain; });
   if (flaws.empty()) return {};
-  const auto open = ids(flaws, false), guarded = ids(flaws, true);
-  std::string note;
-  if (!open.empty()) note = "only an update helps against " + open;
-  if (!guarded.empty())
-    note += (note.empty() ? "" : "; ") + ("ddssec refuses the inputs of " + guarded + " itself");
+  const bool all_guarded =
+      std::ranges::none_of(flaws, [](const OpensslFlaw& flaw) { return flaw.guard.empty(); });
   return fail(Code::openssl_known_unsafe,
-              {.expected = "a version without known flaws", .found = version, .note = note});
+              {.found = without_date(version),
+               .note = all_guarded ? "ddssec refuses such input itself"
+                                   : "ddssec cannot refuse all such input",
+               .hint = "update its package; ddssec explain 1624 says more"});
 }
 
 }  // namespace ddssec

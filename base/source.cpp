@@ -31,7 +31,7 @@ std::string reason(int error) { return std::generic_category().message(error); }
 
 Result<std::size_t> file_size(const File& file, const std::string& path) {
   if (file.descriptor() < 0) {
-    if (errno == ENOENT || errno == ENOTDIR) return fail(Code::file_not_found, {.found = path});
+    if (errno == ENOENT || errno == ENOTDIR) return fail(Code::file_not_found, {.note = "looked for " + path});
     return fail(Code::file_unreadable, {.found = path, .note = reason(errno)});
   }
   struct stat status {};

@@ -4,6 +4,8 @@
 #include <optional>
 #include <queue>
 
+#include <fmt/format.h>
+
 namespace ddssec::governance {
 
 /// A partition that an entity asks for; compiled at most once, whatever is listed.
@@ -263,8 +265,8 @@ Result<std::shared_ptr<const CompiledGovernance>> CompiledGovernance::make(
     return fail(Code::domain_not_covered,
                 {.line = governance->domain_rules.empty() ? 0 : governance->domain_rules[0].line,
                  .field = "<domains>",
-                 .expected = describe_domain(domain, tag),
-                 .found = describe_domains(*governance)});
+                 .note = fmt::format("the participant is in {}, the document covers {}",
+                                     describe_domain(domain, tag), describe_domains(*governance))});
   }
   return std::make_shared<const CompiledGovernance>(std::move(governance), *rule);
 }

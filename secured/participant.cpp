@@ -5,9 +5,18 @@
 
 namespace ddssec::secured {
 
+namespace {
+
+// What everybody wants to know who starts a program for the first time.
+bool is_good_news(Code code) {
+  return code == Code::rtps_joined || code == Code::rtps_peer_authenticated;
+}
+
+}  // namespace
+
 void StandardErrorEvents::raise(const Event& event) {
   if (event.is_returned) return;
-  if (event.severity >= Severity::warning || event.error.code() == Code::rtps_joined)
+  if (event.severity >= Severity::warning || is_good_news(event.error.code()))
     std::fprintf(stderr, "%s\n", event.to_line().c_str());
 }
 

@@ -7,8 +7,9 @@
 
 namespace ddssec::secured {
 
-/// Each a line on standard error, from warnings on, and which interfaces a participant uses. What a
-/// call of the application returns as an error is not printed: that is for the application to do.
+/// Each a line on standard error, from warnings on, and which interfaces a participant uses and
+/// which peers it authenticated. What a call of the application returns as an error is not printed:
+/// that is for the application to do.
 class StandardErrorEvents final : public EventSink {
  public:
   void raise(const Event& event) override;

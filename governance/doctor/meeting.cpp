@@ -111,9 +111,18 @@ std::string held_if(Code about_the_cas, const Error& error, std::string_view par
   return fmt::format("; {} of {} holds {}", file.filename().string(), party, ca_subjects(cas));
 }
 
+bool is_about_dates(Code code) {
+  return code == Code::certificate_expired || code == Code::certificate_not_yet_valid;
+}
+
 bool is_about_lists(Code code) {
   return code == Code::certificate_revoked || code == Code::crl_is_delta ||
          (Code::crl_malformed <= code && code <= Code::crl_signature_invalid);
+}
+
+// An expired certificate is replaced where it lies, an expired CA where the judge has it.
+bool is_out_of_date(const Result<pki::Certificate>& certificate, WallTime now) {
+  return certificate && (now < certificate->not_before() || certificate->not_after() < now);
 }
 
 void judge_authentication(const MeetingScene& scene, int judge) {
@@ -124,6 +133,9 @@ void judge_authentication(const MeetingScene& scene, int judge) {
   out.document = self.folder.paths.identity_ca.string();
   if (!status) {
     if (is_about_lists(status.error().code())) out.document = self.folder.paths.crl.string();
+    if (is_about_dates(status.error().code()) &&
+        is_out_of_date(other.folder.certificate, scene.settings.now))
+      out.document = other.folder.paths.certificate.string();
     out.reason = status.error().message();
     // Files that cannot be read are DOC090's, of whose they are.
     const auto& certificate = other.folder.certificate;
@@ -160,9 +172,9 @@ Status judge_permissions_of(const Party& judge, const Party& subject, WallTime n
   for (const auto& grant : document.model->grants)
     if (reads_remote_subject(grant, certificate, judge) && grant.validity.contains(now)) {
       if (judge.vendor != Vendor::cyclonedds || grant.validity.is_for_cyclone) return {};
-      return fail(Code::grant_expired,
-                  {.line = grant.line,
-                   .note = "Cyclone DDS reads <not_after> as a time that has passed"});
+      return fail(
+          Code::grant_expired,
+          {.line = grant.line, .note = "Cyclone DDS reads <not_after> as a time that has passed"});
     }
   const auto found =
       find_grant(*document.model, pki::SubjectName::of(certificate), certificate.subject(), now);

@@ -66,6 +66,7 @@ class PkiDh final : public spi::Authentication {
   Result<std::shared_ptr<const spi::SharedSecret>> shared_secret(
       HandshakeHandle handshake) override;
   Result<Token> authenticated_peer_credential_token(HandshakeHandle handshake) override;
+  std::string authenticated_subject(HandshakeHandle handshake) override;
   Status return_handshake_handle(HandshakeHandle handshake) override;
   Status return_identity_handle(IdentityHandle identity) override;
   std::optional<WallTime> next_expiry() override { return table_.next_end(); }
@@ -396,6 +397,13 @@ Result<Token> PkiDh::authenticated_peer_credential_token(HandshakeHandle handsha
   const std::scoped_lock lock(given_out_mutex_);
   if (std::ranges::find(given_out_, handshake) == given_out_.end()) given_out_.push_back(handshake);
   return *std::move(credential);
+}
+
+std::string PkiDh::authenticated_subject(HandshakeHandle handshake) {
+  return established(
+             handshake,
+             [](const Established& done) { return done.peer.chain().certificate().subject(); })
+      .value_or(std::string());
 }
 
 /// Not at once: a host that had no memory for it asks again.

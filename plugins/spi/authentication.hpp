@@ -95,6 +95,9 @@ class Authentication {
   /// credential_given_out.
   virtual Result<Token> authenticated_peer_credential_token(HandshakeHandle handshake) = 0;
 
+  /// The subject of the peer's certificate, for messages; empty before ok or ok_final_message.
+  virtual std::string authenticated_subject(HandshakeHandle) { return {}; }
+
   virtual Status return_handshake_handle(HandshakeHandle handshake) = 0;
   /// Drops a remote identity with the pair's handshakes and secrets, or a local one with all its
   /// remote ones: nobody has to return those any more.

@@ -185,6 +185,8 @@ Result<Association> Handshakes::associate(Peer& peer) {
   DDSSEC_TRY(adopt_proven_data(peer));
   Association out;
   out.permissions = DDSSEC_TRY(permissions_of(peer));
+  out.subject =
+      core_.own->plugins().authentication.authenticated_subject(peer.state.handshake()->handle());
   DDSSEC_TRY(register_keys(peer, out));
   subjects_.take(prefix);
   out.place = Cleanup([this, prefix] { subjects_.give_back(prefix); });

@@ -48,6 +48,9 @@ StatefulReader* KeyExchange::volatile_reader(const GuidPrefix& prefix) {
 void KeyExchange::join(Peer& peer) {
   if (!peer.state.join()) return;
   ++core_.counters.authenticated;
+  if (const auto* association = peer.state.association())
+    core_.events.raise(Event(Error(Code::rtps_peer_authenticated), association->subject,
+                             peer.name(), PeerProof::authenticated));
   core_.host.on_authenticated(GuidPrefix(peer.prefix()));
 }
 

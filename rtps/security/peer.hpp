@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 #include <variant>
 
 #include "rtps/budget/source_address.hpp"
@@ -44,6 +45,7 @@ struct PeerPermissions {
 struct Association {
   std::unique_ptr<PeerHandshake> handshake = {};  ///< finished; another one may run beside it
   PeerPermissions permissions = {};
+  std::string subject = {};  ///< of its certificate
   Cleanup place = {};  ///< gives back its share of the places for its certificate
   EarlyTokens early = {};
   WaitingTokens waiting = {};

@@ -141,13 +141,23 @@ Result<std::vector<NetworkInterface>> choose_interfaces(std::span<const std::str
                .found = to_string(out)});
 }
 
+// An interface once, with all of its addresses.
 std::string to_string(std::span<const NetworkInterface> interfaces) {
+  std::vector<std::pair<std::string, std::string>> shown;  // names and addresses
+  for (const auto& one : interfaces) {
+    const auto address = address_text(one.address);
+    const auto same =
+        std::ranges::find(shown, one.name, &std::pair<std::string, std::string>::first);
+    if (one.name.empty() || same == shown.end())
+      shown.emplace_back(one.name, address);
+    else
+      same->second += ", " + address;
+  }
   std::string out;
-  for (std::size_t i = 0; i < interfaces.size(); ++i) {
-    const auto& [name, address, bits, multicast] = interfaces[i];
-    if (i > 0) out += i + 1 < interfaces.size() ? ", " : " and ";
-    out +=
-        name.empty() ? address_text(address) : fmt::format("{} ({})", name, address_text(address));
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    const auto& [name, addresses] = shown[i];
+    if (i > 0) out += i + 1 < shown.size() ? ", " : " and ";
+    out += name.empty() ? addresses : fmt::format("{} ({})", name, addresses);
   }
   return out;
 }

@@ -259,7 +259,7 @@ class Check(WithoutLists):
 
     def test_the_hint_is_for_the_cause(self):
         self.apart("DOC080", "CN=listener serial", "expired", words=("--now", "2050-01-01T00:00:00Z"))
-        self.assertIn("renew the certificate", self.hint)
+        self.assertIn("ddssec identity renew FOLDER --ca CA", self.hint)
         self.listener.sign("permissions", permissions(grant("CN=somebody", ONE_WAY.format("subscribe"))))
         self.apart("DOC081", "no grant for the subject", "CN=somebody")
         self.assertIn("write the subject name exactly", self.hint)

@@ -47,6 +47,7 @@ trap 'kill $publisher 2>/dev/null || true' EXIT
   2>"$scratch/subscriber.log" | head -n 3 >"$scratch/readings"
 cat "$scratch/publisher.log" "$scratch/subscriber.log"
 grep -q 'domain 121 on lo (127.0.0.1), .*rtps_joined' "$scratch/publisher.log" || die "it does not say where it joins"
+grep -q 'peer "CN=listener".*rtps_peer_authenticated' "$scratch/publisher.log" || die "it does not say whom it authenticated"
 [ "$(grep -c '^kitchen 2[0-2]\.' "$scratch/readings")" -eq 3 ] || die "the examples exchanged nothing"
 if "$scratch/examples/publisher" "$scratch/nowhere" 121 lo 2>"$scratch/refused"; then die "no folder, no error"; fi
 grep -q "nowhere" "$scratch/refused" || die "the error does not name the folder"

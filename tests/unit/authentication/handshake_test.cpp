@@ -65,6 +65,7 @@ TEST(Handshake, PermissionsTravelBothWays) {
   ASSERT_OK(at_low);
   ASSERT_OK(at_high);
   EXPECT_EQ(at_low->class_id, "DDS:Auth:PKI-DH:1.0");
+  EXPECT_TRUE((*pairing.two.low.engine)->authenticated_subject(req->handle).starts_with("CN="));
   for (const auto& token : {*at_low, *at_high})
     EXPECT_EQ(as_text(field(token, "c.perm")), "MIME text");
   EXPECT_EQ(field(*at_high, "c.id"), field(*req->message, "c.id"));

@@ -82,15 +82,12 @@ TEST(OpensslAdvice, TheWarningTellsWhatIsGuardedFromWhatIsNot) {
   const auto guarded = openssl_advice("OpenSSL 3.0.19 27 Jan 2026");
   ASSERT_FALSE(guarded);
   EXPECT_CODE(guarded, openssl_known_unsafe);
-  EXPECT_THAT(guarded.error().to_sentence(), HasSubstr("found OpenSSL 3.0.19 27 Jan 2026"));
-  EXPECT_THAT(guarded.error().to_sentence(),
-              HasSubstr("ddssec refuses the inputs of CVE-2026-45447, delta-crl-as-complete, "
-                        "CVE-2026-35189 itself"));
-  EXPECT_THAT(guarded.error().to_sentence(), Not(HasSubstr("only an update helps")));
+  EXPECT_THAT(guarded.error().to_sentence(), HasSubstr("(found OpenSSL 3.0.19); ddssec refuses"));
+  EXPECT_LE(guarded.error().to_sentence().size(), 200u);  // every process with security says it
   const auto open = openssl_advice("3.0.7");
   ASSERT_FALSE(open);
   EXPECT_CODE(open, openssl_known_unsafe);
-  EXPECT_THAT(open.error().to_sentence(), HasSubstr("only an update helps against CVE-2023-2650"));
+  EXPECT_THAT(open.error().to_sentence(), HasSubstr("ddssec cannot refuse all such input"));
 }
 
 TEST(OpensslAdvice, NoWarningWhereTheNumberProvesNothing) {

@@ -81,6 +81,15 @@ TEST_F(NetworkTrouble, AnAddressOfNobodyIsSaid) {
   EXPECT_THAT(refused.error().to_sentence(), ::testing::HasSubstr("ip -brief address"));
 }
 
+TEST(Interfaces, AnInterfaceWithSeveralAddresses_IsNamedOnce) {
+  const auto of = [](const char* name, const char* address) {
+    return NetworkInterface{name, *Locator::parse(address, 0), 8, true};
+  };
+  const std::vector<NetworkInterface> known = {of("lo", "127.0.0.1"), of("eth0", "10.0.0.1"),
+                                               of("lo", "::1"), of("", "192.0.2.1")};
+  EXPECT_EQ(to_string(known), "lo (127.0.0.1, [::1]), eth0 (10.0.0.1) and 192.0.2.1");
+}
+
 // The group is one of IPv4.
 TEST_F(NetworkTrouble, WithoutMulticastPeersAreEnoughAndNobodyIsAnError) {
   const auto with_peers = create({.domain_id = 75, .interfaces = {"::1"}, .peers = {"::1"}});

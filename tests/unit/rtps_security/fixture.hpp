@@ -31,6 +31,10 @@ struct Events final : EventSink {
         std::ranges::count_if(seen, [&](const auto& e) { return e.error.code() == code; }));
   }
   bool has(Code code) const { return count(code) > 0; }
+  /// Nothing but peers that authenticated.
+  bool is_quiet() const {
+    return count(Code::rtps_peer_authenticated) == static_cast<int>(seen.size());
+  }
   std::string text() const {
     std::string out;
     for (const auto& event : seen) out += event.to_line() + "\n";

@@ -56,6 +56,9 @@ class ForwardingAuthentication : public spi::Authentication {
   Result<spi::Token> authenticated_peer_credential_token(spi::HandshakeHandle handshake) override {
     return real_->authenticated_peer_credential_token(handshake);
   }
+  std::string authenticated_subject(spi::HandshakeHandle handshake) override {
+    return real_->authenticated_subject(handshake);
+  }
   Status return_handshake_handle(spi::HandshakeHandle handshake) override {
     return real_->return_handshake_handle(handshake);
   }

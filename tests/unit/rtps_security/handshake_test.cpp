@@ -42,6 +42,21 @@ TEST(Handshake, AnySingleMessageMayBeLost) {
   }
 }
 
+TEST(Handshake, APeerThatAuthenticated_IsSaidOnceWithItsSubject) {
+  Pair pair(everything(ProtectionKind::encrypt));
+  ASSERT_TRUE(pair.match());
+  for (const auto& [node, peer] : {std::pair(&pair.a, "CN=bob"), std::pair(&pair.b, "CN=alice")}) {
+    const auto& seen = node->events.seen;
+    const auto is_news = [](const Event& event) {
+      return event.error.code() == Code::rtps_peer_authenticated;
+    };
+    ASSERT_EQ(std::ranges::count_if(seen, is_news), 1);
+    const auto& event = *std::ranges::find_if(seen, is_news);
+    EXPECT_TRUE(event.peer_subject.contains(peer)) << event.to_line();
+    EXPECT_EQ(event.proof, PeerProof::authenticated);
+  }
+}
+
 TEST(Handshake, EveryMessageTwiceIsAsGoodAsOnce) {
   Pair pair(everything(ProtectionKind::encrypt_with_origin_authentication));
   pair.world.filter = [](const Node&, Bytes datagram) {

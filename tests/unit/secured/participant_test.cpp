@@ -144,6 +144,17 @@ TEST(StandardErrorEvents, WarningsOfWhatNoCallReturnsArePrinted) {
   EXPECT_THAT(printed, ::testing::Not(HasSubstr("key.pem")));
 }
 
+TEST(StandardErrorEvents, PeersThatAuthenticatedArePrinted) {
+  StandardErrorEvents events;
+  ::testing::internal::CaptureStderr();
+  events.raise(
+      Event(Error(Code::rtps_peer_authenticated), "CN=listener", "0102", PeerProof::authenticated));
+  events.raise(Event(Error(Code::rtps_keys_revised)));
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(),
+            "informational: peer \"CN=listener\" guid 0102 a remote participant has authenticated "
+            "[rtps_peer_authenticated 1726]\n");
+}
+
 TEST(SecuredParticipant, Qos_ThatAnApplicationChanges_IsReliableFromTheStart) {
   EXPECT_EQ(Participant::reader_qos().reliability.kind, rtps::ReliabilityKind::reliable);
   EXPECT_EQ(Participant::writer_qos().reliability.kind, rtps::ReliabilityKind::reliable);
