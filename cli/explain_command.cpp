@@ -7,6 +7,7 @@
 
 #include "base/finding.hpp"
 #include "base/text.hpp"
+#include "cli/cyclone_sentences.hpp"
 #include "cli/explain_examples.hpp"
 #include "cli/explain_severities.hpp"
 #include "cli/groups.hpp"
@@ -136,16 +137,50 @@ Report list_of(const std::vector<Row>& rows) {
   return report;
 }
 
+Report list_of(const std::vector<CycloneSentence>& sentences) {
+  Report report;
+  report.result = {{"sentences", Json::array()}};
+  for (const auto& [sentence, meaning, look_with] : sentences) {
+    report.text +=
+        fmt::format("Cyclone DDS: {}\n  {}\n  look with: {}\n", sentence, meaning, look_with);
+    report.result["sentences"].push_back(
+        {{"sentence", sentence}, {"meaning", meaning}, {"look_with", look_with}});
+  }
+  return report;
+}
+
+/// Codes and rules whose sentence has these words.
+std::vector<Row> saying(const std::string& wanted) {
+  std::vector<Row> out;
+  for (const auto& code : all_codes())
+    if (ascii_upper(code.summary).contains(wanted))
+      out.push_back(
+          {code.name, static_cast<int>(code.code), code.severity, code.summary, code.hint});
+  for (const auto& rule : all_rules())
+    if (ascii_upper(rule.title).contains(wanted))
+      out.push_back({rule.id, 0, rule.severity, rule.title, rule.hint});
+  return out;
+}
+
+Report about(const std::vector<Row>& rows) {
+  return rows.size() == 1 ? about(rows.front()) : list_of(rows);
+}
+
 Result<Report> explain(const Arguments& arguments, const Context&) {
   const auto wanted = arguments.text("CODE");
   if (const auto row = find(bare(wanted))) return about(*row);
-  const auto rows = like(bare(wanted));
-  if (rows.size() == 1) return about(rows.front());
-  if (!rows.empty()) return list_of(rows);
-  return fail(Code::usage,
-              {.field = "CODE",
-               .expected = "a name or number as messages show it in brackets, or a part of one",
-               .found = '"' + wanted.substr(0, 64) + '"'});
+  if (wanted.contains(' ')) {
+    if (const auto found = cyclone_sentences_like(wanted); !found.empty()) return list_of(found);
+    if (const auto rows = saying(ascii_upper(wanted)); !rows.empty()) return about(rows);
+  }
+  if (const auto rows = like(bare(wanted)); !rows.empty()) return about(rows);
+  if (const auto found = cyclone_sentences_like(wanted); !found.empty()) return list_of(found);
+  return fail(
+      Code::usage,
+      {.field = "CODE",
+       .expected = "a name or number as messages show it in brackets, or a part of one, or of "
+                   "a sentence of ddssec or Cyclone DDS",
+       .found = '"' + wanted.substr(0, 64) + '"'});
 }
 
 }  // namespace
@@ -154,10 +189,12 @@ std::vector<Command> explain_commands() {
   return {{.group = "",
            .name = "explain",
            .summary = "Says what a code means and what to do about it.",
-           .positionals = {{"CODE", "its name or number, or a part of one"}},
+           .positionals = {{"CODE",
+                            "its name or number, a part of one, or a part of a sentence, also of "
+                            "Cyclone DDS"}},
            .options = {},
            .examples = {"ddssec explain no_grant_for_subject", "ddssec explain 1242",
-                        "ddssec explain 124"},
+                        "ddssec explain 124", "ddssec explain 'not allowed'"},
            .run = explain}};
 }
 

@@ -5,6 +5,8 @@ namespace {
 
 constexpr Example kExamples[] = {
     // What is where, and what is wrong with it.
+    {"openssl_known_unsafe", "ddssec version"},
+    {"openssl_known_unsafe", "sudo apt install --only-upgrade libssl3"},
     {"DOC001 DOC002 file_not_found file_unreadable DOC090", "ddssec doctor demo/talker"},
     {"DOC001 file_not_found would_overwrite",
      "ddssec identity issue talker --ca demo -o demo/talker --governance demo/governance.p7s"},

@@ -259,7 +259,10 @@ Status renew_permissions(const Renewal& job, const pki::Certificate& renewed, Ca
     report.text += fmt::format(
         "permissions {} {}\n  {}\n",
         seen->has_ended ? "expired and the participant cannot start, since" : "end before it, on",
-        date(end),
+        date(end) == date(renewed.not_after())
+            ? fmt::format("{}, and the certificate on {}", to_string(end),
+                          to_string(renewed.not_after()))
+            : date(end),
         seen->has_ended ? "--permissions --ended-permissions gives them again"
                         : "--permissions extends them as well");
   return {};

@@ -38,8 +38,9 @@ Report report_of(const fs::path& keystore, std::string_view role, const pki::Cer
                  const std::vector<std::string>& enclaves) {
   Report report;
   report.text = fmt::format(
-      "{}  {} CA is {} now; {} signed anew\nEvery participant must start again with the new "
-      "files.\n",
+      "{}  {} CA is {} now, with a new key; {} signed anew\nEvery participant must start again "
+      "with "
+      "the new files. Copies of enclaves on other machines need them, too.\n",
       keystore.string(), role, ca.subject(), counted(enclaves.size(), "enclave"));
   report.result = {{"role", role},
                    {"subject", ca.subject()},

@@ -75,13 +75,16 @@ std::string join_line(const MeetingView& view) {
 std::string handshake_line(const MeetingView& view) {
   if (!view.meeting.starter) return {};
   const auto starter = *view.meeting.starter;
-  const auto who = starter == doctor::Starter::chance
-                       ? std::string("either starts, by chance")
-                       : view.names[starter == doctor::Starter::first ? 0 : 1] + " starts";
-  return fmt::format("{:<17}{}{}\n", "handshake", who,
-                     view.meeting.handshake_works
-                         ? ""
-                         : ": NO, if Fast DDS starts these two products never finish it");
+  const auto who =
+      starter == doctor::Starter::chance
+          ? std::string("either sends the first message, by chance")
+          : view.names[starter == doctor::Starter::first ? 0 : 1] + " sends the first message";
+  std::string_view outcome;
+  if (!view.meeting.handshake_works)
+    outcome = ": NO, if Fast DDS sends it these two products never finish the handshake";
+  else if (!std::ranges::all_of(view.meeting.authentication, &doctor::Judgement::ok))
+    outcome = "; the handshake fails (authentication: NO)";
+  return fmt::format("{:<17}{}{}\n", "handshake", who, outcome);
 }
 
 std::string protection_of(const TopicMeeting& topic) {

@@ -41,7 +41,11 @@ function(ddssec_idl_generate target)
   file(MAKE_DIRECTORY ${folder})
   set(headers "")
   foreach(file ${ARG_UNPARSED_ARGUMENTS})
+    get_source_file_property(is_generated ${file} GENERATED)
     get_filename_component(file ${file} ABSOLUTE)
+    if(NOT EXISTS ${file} AND NOT is_generated)
+      message(FATAL_ERROR "ddssec_idl_generate(${target}): there is no file ${file}")
+    endif()
     get_filename_component(stem ${file} NAME_WE)
     add_custom_command(OUTPUT ${folder}/${stem}.hpp
       COMMAND ${explain} ${includes} ${file} ${DDSSEC_IDLC_SECONDS}

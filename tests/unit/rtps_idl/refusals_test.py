@@ -184,6 +184,18 @@ class RefusalsTest(unittest.TestCase):
             self.assertLess(time.monotonic() - begin, PATIENCE)
             self.assert_ended(folder)
 
+    def test_a_file_that_is_not_there_is_an_error_at_configure_time(self):
+        for made, code in (("", 1), ("set_source_files_properties(forklif.idl PROPERTIES GENERATED TRUE)\n", 0)):
+            with self.subTest(made), tempfile.TemporaryDirectory() as folder:
+                (pathlib.Path(folder) / "CMakeLists.txt").write_text(
+                    "cmake_minimum_required(VERSION 3.25)\nproject(p LANGUAGES NONE)\n"
+                    f"set(DDSSEC_IDLC_PLUGIN {PLUGIN})\nset(DDSSEC_IDL_EXPLAIN {EXPLAIN})\ninclude({FUNCTION})\n{made}"
+                    "ddssec_idl_generate(types forklif.idl)\n", encoding="utf-8")
+                done = subprocess.run(["cmake", "-G", "Ninja", "-B", "build"], cwd=folder, capture_output=True, text=True,
+                                      check=False, timeout=PATIENCE)
+                self.assertEqual("there is no file" in done.stderr, code == 1, done.stderr)
+                self.assertEqual(done.returncode, code, done.stderr)
+
     def test_what_idlc_cannot_read_is_explained(self):
         for line, word, to_do in UNREADABLE:
             with self.subTest(line), tempfile.TemporaryDirectory() as folder:

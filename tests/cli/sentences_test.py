@@ -1,0 +1,52 @@
+#!/usr/bin/env python3
+"""explain finds Cyclone DDS's own sentences, all that docs/sentences-of-cyclone-dds.md has, and ddssec's by their words."""
+
+import re
+
+from transcript import DATA, Transcript, main
+
+PAGE = DATA.parent.parent / "docs/sentences-of-cyclone-dds.md"
+
+
+def sentences_of_page():
+    rows = [line.split("|")[1] for line in PAGE.read_text().splitlines() if line.startswith("| ")]
+    quoted = [part for row in rows for part in re.findall(r"`([^`]+)`", row)]
+    return [re.sub(r"mismatch: A - B$", "mismatch: ...", s) for s in quoted
+            if not s.startswith(("0x", "ddssec", "<", "metadata"))]
+
+
+class Sentences(Transcript):
+    def found(self, text):
+        return [one["sentence"] for one in self.json("explain", text)["result"]["sentences"]]
+
+    def test_each_sentence_of_the_page_is_found(self):
+        sentences = sentences_of_page()
+        self.assertGreater(len(sentences), 10)
+        for sentence in sentences:
+            self.assertTrue(self.found(sentence), sentence)
+
+    def test_a_line_of_a_log_is_found(self):
+        line = "1764000000.123 [5] recv: Remote secure participant 110c3:1:2:1c1 not allowed"
+        self.assertEqual(self.found(line), ["Remote secure participant ... not allowed"])
+        self.assertEqual(self.found("Error occurred while validating local permissions: x (code: 1172)"),
+                         ["Error occurred while validating local permissions: ..."])
+
+    def test_a_part_finds_all_that_have_it(self):
+        found = self.found("not allowed")
+        self.assertIn("Remote secure participant ... not allowed", found)
+        self.assertIn("Not Allowed By Security", found)
+        done = self.run_program("explain", "not allowed")
+        self.assertIn("Cyclone DDS: Remote secure participant ... not allowed\n  the two do not go together", done.stdout)
+        self.assertIn("  look with: ", done.stdout)
+
+    def test_a_part_of_a_sentence_of_ddssec_finds_its_code(self):
+        self.assertEqual(self.json("explain", "no configured CA issued")["result"]["name"], "issuer_unknown")
+        self.assertIn("matches", self.json("explain", "signed document")["result"])
+
+    def test_nonsense_is_found_nowhere(self):
+        for text in ("...", "xyz", "not allowed at all by anybody", "  "):
+            self.refused("usage", 2, "explain", text)
+
+
+if __name__ == "__main__":
+    main()
