@@ -27,6 +27,12 @@ struct Destination {
   std::size_t interface = kEveryInterface;  ///< see Outgoing
 };
 
+/// Where a submessage goes, and which of the readers there it is for.
+struct Receiver {
+  Destination to;
+  EntityId reader = kEntityIdUnknown;  ///< unknown: all that matched
+};
+
 /// Submessages for the same locators share a message until it is full or flushed, and the messages
 /// of a large sample a call of the transport. Nothing is allocated but for more messages at once
 /// than ever before. Not thread-safe.

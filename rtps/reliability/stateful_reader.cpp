@@ -28,6 +28,11 @@ void StatefulReader::limit(const Limits& limits) {
   common_.held.limit({limits.held_octets, limits.held_octets_of_one});
 }
 
+StatefulReader::~StatefulReader() {
+  for (auto& [guid, proxy] : writers_)
+    if (proxy.local() != nullptr) proxy.local()->lose(guid_);
+}
+
 // ---- matching
 
 void StatefulReader::match(MatchedWriter writer, MonotonicTime now, bool wants_history) {
@@ -184,6 +189,29 @@ MonotonicTime StatefulReader::next_tick() const {
   auto next = kNever;
   for (const auto& [guid, proxy] : writers_) next = std::min(next, proxy.question.due());
   return next;
+}
+
+// ---- writers of this process
+
+bool StatefulReader::attach(StatefulWriter& writer) {
+  auto* proxy = find(writer.guid());
+  if (proxy == nullptr) return false;
+  proxy->attach(writer, writer.history().last());
+  return true;
+}
+
+void StatefulReader::detach(const Guid& writer) {
+  if (auto* proxy = find(writer)) proxy->detach();
+}
+
+bool StatefulReader::offer(const Change& change) {
+  if (alive_) alive_(change.writer);
+  auto copy = change;
+  return common_.deliver(copy) || !reliable_;
+}
+
+void StatefulReader::skip(const Guid& writer, SequenceNumber next) {
+  if (auto* proxy = find(writer)) proxy->set_next(next);
 }
 
 }  // namespace ddssec::rtps

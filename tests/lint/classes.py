@@ -11,7 +11,6 @@ KNOWN = {
     "AnyDataReader": 57,
     "AnyDataWriter": 42,
     "DomainParticipant": 61,
-    "StatefulWriter": 58,
 }
 
 

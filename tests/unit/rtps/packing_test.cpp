@@ -87,7 +87,7 @@ class Packing : public ::testing::Test {
 TEST_F(Packing, SmallSamplesInAHurryShareMessages) {
   write_quickly(200);
   EXPECT_LT(transport.sent.size(), 10u);
-  EXPECT_LE(sender.flush_by(), now + StatefulWriter::kLinger);
+  EXPECT_LE(sender.flush_by(), now + WritePace::kLinger);
   sender.flush();
   EXPECT_EQ(count(transport.sent, SubmessageId::data), 200u);
   EXPECT_EQ(sender.flush_by(), kNever);
@@ -310,7 +310,7 @@ TEST_F(Unhurried, ABudgetMayChangeAndIsNeverLong) {
   changed.latency_budget = kDurationInfinite;
   writer.hurry_as(changed);
   write();
-  EXPECT_EQ(sender.flush_by(), now + StatefulWriter::kMostBudget);
+  EXPECT_EQ(sender.flush_by(), now + WritePace::kMaxBudget);
   sender.flush();
   changed.latency_budget = kDurationZero;
   writer.hurry_as(changed);

@@ -1,0 +1,54 @@
+// When a writer's next heartbeat is due (heartbeatPeriod of RTPS 8.4.7.1).
+#pragma once
+
+#include <algorithm>
+
+#include "base/clock.hpp"
+
+namespace ddssec::rtps {
+
+/// Heartbeats go out as long as readers lack something, and less often while none of them answers.
+class HeartbeatSchedule {
+ public:
+  static constexpr MonotonicTime kFirstPeriod = std::chrono::milliseconds(100);
+  static constexpr MonotonicTime kMaxPeriod = std::chrono::milliseconds(1000);
+  static constexpr int kMaxUnanswered = 5;  ///< before the period becomes longer
+
+  /// kNever: none is due.
+  MonotonicTime due() const { return due_; }
+  /// One period from now.
+  void restart(MonotonicTime now) {
+    period_ = kFirstPeriod;
+    due_ = now + period_;
+  }
+  /// A sample was written.
+  void note_written(MonotonicTime now) {
+    if (due_ == kNever || period_ != kFirstPeriod) restart(now);
+  }
+  /// A reader that requests something is alive and needs the writer: the next heartbeat comes soon,
+  /// whatever came before.
+  void note_request(MonotonicTime now) {
+    unanswered_ = 0;
+    period_ = kFirstPeriod;
+    due_ = std::min(due_, now + period_);
+  }
+  /// The one that was due was sent. `all_acknowledged`: no other follows.
+  void note_sent(MonotonicTime now, bool all_acknowledged) {
+    if (++unanswered_ > kMaxUnanswered) period_ = std::min(period_ * 2, kMaxPeriod);
+    due_ = all_acknowledged ? kNever : now + period_;
+  }
+  /// A reader answered.
+  void note_answer(MonotonicTime now, bool all_acknowledged) {
+    if (all_acknowledged)
+      due_ = kNever;
+    else if (due_ == kNever)
+      due_ = now + kFirstPeriod;
+  }
+
+ private:
+  MonotonicTime due_ = kNever;
+  MonotonicTime period_{};
+  int unanswered_ = 0;  ///< heartbeats since a reader was heard
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,35 @@
+#include "rtps/reliability/local_delivery.hpp"
+
+#include <algorithm>
+
+#include "rtps/reliability/stateful_reader.hpp"
+
+namespace ddssec::rtps {
+
+void LocalDelivery::feed(ReaderProxy& proxy) {
+  auto number = std::max(proxy.acknowledged().next(), history_.first());
+  for (; number <= history_.last(); number = number.next()) {
+    const auto* change = history_.find(number);
+    if (change != nullptr && !proxy.ends_before(number) && !proxy.local->offer(*change)) break;
+  }
+  readers_.acknowledge(proxy, number.previous());
+  proxy.local->skip(writer_, number);
+  if (group_ != nullptr && number > history_.last()) proxy.local->pass(writer_, group_->current);
+}
+
+void LocalDelivery::feed_all() {
+  for (auto& [guid, proxy] : readers_.all())
+    if (proxy.local != nullptr) feed(proxy);
+}
+
+void LocalDelivery::assert_liveliness() {
+  for (auto& [guid, proxy] : readers_.all())
+    if (proxy.local != nullptr) proxy.local->hear(writer_);
+}
+
+void LocalDelivery::detach_all() {
+  for (auto& [guid, proxy] : readers_.all())
+    if (proxy.local != nullptr) proxy.local->detach(writer_);
+}
+
+}  // namespace ddssec::rtps

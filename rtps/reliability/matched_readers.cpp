@@ -1,0 +1,44 @@
+#include "rtps/reliability/matched_readers.hpp"
+
+namespace ddssec::rtps {
+
+ReaderProxy& MatchedReaders::add(MatchedReader reader, const ReaderProxy::Range& range) {
+  const auto guid = reader.guid;
+  auto& proxy = proxies_.try_emplace(guid, std::move(reader), range, reliable_).first->second;
+  acknowledge(proxy, range.first.previous());
+  count(proxy, 1);
+  return proxy;
+}
+
+void MatchedReaders::remove(ReaderProxy& proxy) {
+  count(proxy, -1);
+  acknowledged_.remove(proxy.place);
+  proxies_.erase(proxies_.find(proxy.reader().guid));
+}
+
+void MatchedReaders::set_filter(ReaderProxy& proxy, std::shared_ptr<ChangeFilter> filter) {
+  filtered_ -= proxy.is_filtered() ? 1 : 0;
+  proxy.set_filter(std::move(filter));
+  filtered_ += proxy.is_filtered() ? 1 : 0;
+}
+
+void MatchedReaders::acknowledge(ReaderProxy& proxy, SequenceNumber through) {
+  proxy.set_acknowledged(through);
+  if (proxy.acknowledges()) acknowledged_.set(proxy.place, through);
+}
+
+void MatchedReaders::count(const ReaderProxy& proxy, int by) {
+  const auto add = [by](std::size_t& to, bool counts) {
+    if (counts) to += static_cast<std::size_t>(by);
+  };
+  const auto& reader = proxy.reader();
+  add(filtered_, proxy.is_filtered());
+  add(bare_only_, reader.keys.bare_only);
+  add(short_is_hash_, reader.keys.short_is_hash);
+  if (by > 0)
+    locators_.add(reader.locators);
+  else
+    locators_.remove(reader.locators);
+}
+
+}  // namespace ddssec::rtps

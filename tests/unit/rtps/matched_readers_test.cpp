@@ -1,0 +1,91 @@
+#include "rtps/reliability/matched_readers.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tests/unit/rtps/wire_helpers.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::UnorderedElementsAre;
+
+const Locator kHere = *Locator::parse("127.0.0.1", 1);
+const Locator kThere = *Locator::parse("127.0.0.2", 1);
+
+Guid guid(std::uint8_t number) { return {GuidPrefix::from(Bytes(12, number)), testing::kReader}; }
+
+struct Filter final : ChangeFilter {
+  std::optional<bool> passes(const Change& change) override { return change.payload.size() > 1; }
+};
+
+TEST(MatchedReaders, OnlyReliablePairsAcknowledge) {
+  MatchedReaders readers(testing::kWriter, true);
+  readers.add({guid(1), false}, {{1}});
+  EXPECT_TRUE(readers.acknowledged().reach({5}));
+  auto& reliable = readers.add({guid(2), true}, {{3}});
+  EXPECT_EQ(readers.acknowledged().lowest(), SequenceNumber{2});
+  readers.acknowledge(reliable, {5});
+  EXPECT_TRUE(readers.acknowledged().reach({5}));
+  EXPECT_EQ(reliable.acknowledged(), SequenceNumber{5});
+  readers.remove(reliable);
+  EXPECT_EQ(readers.find(guid(2)), nullptr);
+  MatchedReaders best_effort(testing::kWriter, false);
+  best_effort.add({guid(2), true}, {{1}});
+  EXPECT_FALSE(best_effort.acknowledged().lowest());
+}
+
+TEST(MatchedReaders, Everybody_HasEachLocatorOnce) {
+  MatchedReaders readers(testing::kWriter, true);
+  EXPECT_FALSE(readers.any_remote());
+  auto& first = readers.add({guid(1), true, false, {kHere}}, {{1}});
+  auto& second = readers.add({guid(2), true, false, {kHere, kThere}}, {{1}});
+  readers.set_dscp(46);
+  const auto all = readers.everybody();
+  EXPECT_THAT(all.to.locators, UnorderedElementsAre(kHere, kThere));
+  EXPECT_EQ(all.to.prefix, GuidPrefix{});
+  EXPECT_EQ(all.to.dscp, 46);
+  EXPECT_EQ(all.reader, kEntityIdUnknown);
+  const auto one = readers.one(first);
+  EXPECT_THAT(one.to.locators, ElementsAre(kHere));
+  EXPECT_EQ(one.to.prefix, guid(1).prefix);
+  EXPECT_EQ(one.reader, testing::kReader);
+  readers.remove(second);
+  EXPECT_THAT(readers.everybody().to.locators, ElementsAre(kHere));
+  readers.remove(first);
+  EXPECT_FALSE(readers.any_remote());
+}
+
+// What goes over the volatile secure channel is protected by the key of one pair.
+TEST(MatchedReaders, OfTheVolatileChannel_IsAddressedAsOne) {
+  MatchedReaders readers(kVolatileMessageWriter, true);
+  const Guid peer{guid(1).prefix, kVolatileMessageReader};
+  readers.add({peer, true, false, {kHere}}, {{1}});
+  EXPECT_EQ(readers.everybody().reader, kVolatileMessageReader);
+  EXPECT_EQ(readers.everybody().to.prefix, peer.prefix);
+}
+
+TEST(MatchedReaders, KeysAreReadAsTheMostDemandingReaderDoes) {
+  MatchedReaders readers(testing::kWriter, true);
+  auto& bare = readers.add({.guid = guid(1), .keys = {.bare_only = true}}, {{1}});
+  readers.add({.guid = guid(2), .keys = {.short_is_hash = true}}, {{1}});
+  EXPECT_EQ(readers.key_reading(), (KeyReading{true, true}));
+  readers.remove(bare);
+  EXPECT_EQ(readers.key_reading(), (KeyReading{false, true}));
+}
+
+TEST(MatchedReaders, CountsThoseThatDoNotGetEverything) {
+  MatchedReaders readers(testing::kWriter, true);
+  auto& whole = readers.add({guid(1), true}, {{1}});
+  auto& history_only = readers.add({guid(2), true}, {{1}, {4}});
+  EXPECT_EQ(readers.filtered(), 1u);
+  readers.set_filter(whole, std::make_shared<Filter>());
+  readers.set_filter(whole, std::make_shared<Filter>());
+  EXPECT_EQ(readers.filtered(), 2u);
+  readers.set_filter(whole, nullptr);
+  readers.remove(history_only);
+  EXPECT_EQ(readers.filtered(), 0u);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps

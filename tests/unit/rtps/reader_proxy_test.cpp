@@ -1,0 +1,53 @@
+#include "rtps/reliability/reader_proxy.hpp"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/rtps/wire_helpers.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+Guid guid(std::uint8_t number) { return {GuidPrefix::from(Bytes(12, number)), testing::kReader}; }
+
+struct Filter final : ChangeFilter {
+  std::optional<bool> passes(const Change& change) override { return change.payload.size() > 1; }
+};
+
+TEST(ReaderProxy, GetsWhatPassesItsFilterWithinItsRange) {
+  ReaderProxy proxy({.guid = guid(1), .filter = std::make_shared<Filter>()}, {{1}, {4}}, true);
+  Change change;
+  change.sequence_number = {3};
+  change.payload = Payload::copy_of(Bytes(1));
+  EXPECT_FALSE(proxy.accepts(change));
+  change.payload = Payload::copy_of(Bytes(2));
+  EXPECT_TRUE(proxy.accepts(change));
+  change.sequence_number = {4};
+  EXPECT_FALSE(proxy.accepts(change));
+  change.sequence_number = {3};
+  change.payload = {};
+  change.status.disposed = true;
+  EXPECT_TRUE(proxy.accepts(change)) << "filters judge what has data";
+}
+
+TEST(ReaderProxy, AnAnswerOnItsWay_IsNotRepeated) {
+  ReaderProxy proxy({guid(1), true}, {{1}}, true);
+  const auto now = std::chrono::milliseconds(500);
+  EXPECT_FALSE(proxy.was_just_answered({3}, now));
+  EXPECT_TRUE(proxy.was_just_answered({3}, now + std::chrono::milliseconds(1)));
+  EXPECT_FALSE(proxy.was_just_answered({4}, now + std::chrono::milliseconds(1)));
+  EXPECT_FALSE(proxy.was_just_answered({4}, now + std::chrono::milliseconds(9)));
+}
+
+TEST(LastCount, TakesOnlyLaterCounts) {
+  LastCount last;
+  EXPECT_TRUE(last.take(-5)) << "the first may be any";
+  EXPECT_FALSE(last.take(-5));
+  EXPECT_FALSE(last.take(-6));
+  EXPECT_TRUE(last.take(7));
+  EXPECT_TRUE(last.take(std::numeric_limits<std::int32_t>::min() + 3)) << "they begin again";
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
