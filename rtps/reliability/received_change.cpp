@@ -6,36 +6,39 @@ namespace ddssec::rtps {
 namespace {
 
 // Key tokens come by the volatile secure endpoint.
-Change wiped_if_secret(Change change) {
+void wipe_if_secret(Change& change) {
   if (change.writer.entity == kVolatileMessageWriter) change.payload.wipe_at_end();
-  return change;
 }
 
 }  // namespace
 
 Change received_change(const GuidPrefix& from, const Data& data, const std::optional<Time>& time) {
-  return wiped_if_secret({{from, data.writer},
-                          data.sequence_number,
-                          data.inline_qos.status,
-                          data.inline_qos.key_hash,
-                          time,
-                          data.kind == PayloadKind::key,
-                          Payload::copy_of(data.payload),
-                          data.inline_qos.coherence,
-                          data.inline_qos.original});
+  Change out{{from, data.writer},
+             data.sequence_number,
+             data.inline_qos.status,
+             data.inline_qos.key_hash,
+             time,
+             data.kind == PayloadKind::key,
+             Payload::copy_of(data.payload),
+             data.inline_qos.coherence,
+             data.inline_qos.original};
+  wipe_if_secret(out);
+  return out;
 }
 
 Change received_change(const GuidPrefix& from, const DataFrag& frag,
                        const std::optional<Time>& time) {
-  return wiped_if_secret({{from, frag.writer},
-                          frag.sequence_number,
-                          frag.inline_qos.status,
-                          frag.inline_qos.key_hash,
-                          time,
-                          frag.is_key,
-                          Payload::uninitialized(frag.sample_size),
-                          frag.inline_qos.coherence,
-                          frag.inline_qos.original});
+  Change out{{from, frag.writer},
+             frag.sequence_number,
+             frag.inline_qos.status,
+             frag.inline_qos.key_hash,
+             time,
+             frag.is_key,
+             Payload::uninitialized(frag.sample_size),
+             frag.inline_qos.coherence,
+             frag.inline_qos.original};
+  wipe_if_secret(out);
+  return out;
 }
 
 }  // namespace ddssec::rtps

@@ -75,7 +75,10 @@ bool StatefulReader::on_data(const GuidPrefix& from, const Data& data,
   if (proxy == nullptr || data.sequence_number < proxy->next()) return false;
   // DDS 1.4 knows no instance state for what did not pass a filter: there is nothing to tell.
   if (data.inline_qos.status.filtered) return accept(*proxy, data.sequence_number, std::nullopt);
-  return accept(*proxy, data.sequence_number, received_change(from, data, time));
+  // As accept(), without moving the change once more.
+  const bool is_new = proxy->accept(data.sequence_number, received_change(from, data, time));
+  if (proxy->held().octets() > 0) trim();
+  return is_new;
 }
 
 bool StatefulReader::on_data_frag(const GuidPrefix& from, const DataFrag& frag,
