@@ -80,8 +80,10 @@ bool WriterProxy::on_heartbeat(const Heartbeat& heartbeat) {
 
 void WriterProxy::skip_to(SequenceNumber number) {
   if (number <= next_) return;
-  for (; !early_.empty() && early_.first() < number; early_.erase_first())
+  for (; !early_.empty() && early_.first() < number; early_.erase_first()) {
     if (auto& change = early_.front(); change && !common_.deliver(*change)) return;
+    next_ = early_.first().next();
+  }
   partial_.erase({0}, number.previous());
   next_ = number;
   advance();

@@ -101,6 +101,21 @@ TEST_F(WriterProxyTest, WhatTheWriterNoLongerHas_IsLostAfterItsFirstHeartbeat) {
   EXPECT_THAT(delivered, ElementsAre(5));
 }
 
+// A full reader took some of what it held, not all: that is over.
+TEST_F(WriterProxyTest, WhatAFullReaderTook_IsNeitherLostNorTakenAgain) {
+  reliable.on_heartbeat(heartbeat(1, 3, 1));
+  add(reliable, 2);
+  add(reliable, 3);
+  refuses_from = 3;
+  for (int count = 2; count < 5; ++count) reliable.on_heartbeat(heartbeat(4, 4, count));
+  EXPECT_EQ(lost, 1) << "the first, once";
+  EXPECT_FALSE(reliable.lacks({2})) << "whoever sends it again";
+  refuses_from = 10;
+  reliable.on_heartbeat(heartbeat(4, 4, 5));
+  EXPECT_THAT(delivered, ElementsAre(2, 3));
+  EXPECT_EQ(reliable.next(), SequenceNumber{4});
+}
+
 TEST_F(WriterProxyTest, History_IsWhatItsFirstHeartbeatAnnounced) {
   EXPECT_FALSE(reliable.has_history());
   reliable.on_heartbeat(heartbeat(1, 2, 1));
