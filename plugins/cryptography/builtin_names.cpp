@@ -11,6 +11,7 @@ namespace parameter_id {
 constexpr std::uint16_t kParticipantGuid = 0x0050, kEndpointGuid = 0x005a, kKeyHash = 0x0070,
                         kCycloneTopicGuid = 0x801b;
 constexpr std::uint16_t kSentinel = 0x0001;
+constexpr std::uint16_t kPartition = 0x0029;
 constexpr std::uint16_t kTypeInformation = 0x0075;  ///< DDS-XTypes 7.6.3.2.1
 }  // namespace parameter_id
 
@@ -25,6 +26,18 @@ constexpr std::array kTopics = {
     BuiltinTopic{{{0x00, 0x02, 0x00, 0xc2}}, 0},
     BuiltinTopic{{{0xff, 0x02, 0x00, 0xc2}}, 0},
 };
+
+/// What an announcement may have several of (RTPS 9.6.3).
+struct LocatorKind {
+  std::uint16_t id;
+  const char* name;
+};
+constexpr std::array kLocators = {LocatorKind{0x002f, "PID_UNICAST_LOCATOR"},
+                                  LocatorKind{0x0030, "PID_MULTICAST_LOCATOR"},
+                                  LocatorKind{0x0031, "PID_DEFAULT_UNICAST_LOCATOR"},
+                                  LocatorKind{0x0048, "PID_DEFAULT_MULTICAST_LOCATOR"},
+                                  LocatorKind{0x0032, "PID_METATRAFFIC_UNICAST_LOCATOR"},
+                                  LocatorKind{0x0033, "PID_METATRAFFIC_MULTICAST_LOCATOR"}};
 
 constexpr std::string_view kDocument = "a discovery or liveliness message";
 
@@ -67,6 +80,10 @@ std::unexpected<Error> unreadable_name(const BuiltinTopic& topic, std::string_vi
 Status ParameterWalk::read(const BuiltinTopic& topic, const Owner& owner, BytesView octets) {
   piece_begins_ = position_;
   while (state_ != State::ended && !octets.empty()) {
+    if (state_ == State::partitions) {
+      octets = octets.subspan(DDSSEC_TRY(read_partitions(topic, octets)));
+      continue;
+    }
     const auto skipped = std::min<std::size_t>(to_skip_, octets.size());
     to_skip_ -= static_cast<std::uint32_t>(skipped);
     octets = octets.subspan(skipped);
@@ -115,6 +132,8 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
   }
   if (length_ % 4 != 0) return unreadable_name(topic, "its parameters have lengths that lie");
   if (id_ == parameter_id::kTypeInformation) DDSSEC_TRY(note_type_information(topic));
+  if (id_ == parameter_id::kPartition) return begin_partitions(topic);
+  DDSSEC_TRY(count_locator(topic));
   if (name_of(topic, id_) == nullptr) {
     to_skip_ = length_;
     return {};
@@ -123,6 +142,33 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
   state_ = State::name;
   wanted_ = GuidPrefix::size;
   return {};
+}
+
+Status ParameterWalk::count_locator(const BuiltinTopic& topic) {
+  static_assert(kLocators.size() == kLocatorKinds);
+  const auto kind = std::ranges::find(kLocators, id_, &LocatorKind::id);
+  if (kind == kLocators.end()) return {};
+  auto& count = locators_[static_cast<std::size_t>(kind - kLocators.begin())];
+  if (++count <= kMostLocators) return {};
+  return unreadable_name(topic,
+                         "it has more than " + std::to_string(kMostLocators) + ' ' + kind->name);
+}
+
+Status ParameterWalk::begin_partitions(const BuiltinTopic& topic) {
+  if (has_partitions_) return unreadable_name(topic, "its partitions come twice");
+  if (length_ == 0) return unreadable_name(topic, "its partitions have lengths that lie");
+  has_partitions_ = true;
+  state_ = State::partitions;
+  partitions_ = PartitionWalk(length_, is_little_);
+  return {};
+}
+
+Result<std::size_t> ParameterWalk::read_partitions(const BuiltinTopic& topic, BytesView octets) {
+  const auto part = octets.first(std::min(partitions_.rest(), octets.size()));
+  DDSSEC_TRY(partitions_.read(topic, part));
+  position_ += static_cast<std::uint32_t>(part.size());
+  if (partitions_.rest() == 0) state_ = State::header;
+  return part.size();
 }
 
 Status ParameterWalk::note_type_information(const BuiltinTopic& topic) {

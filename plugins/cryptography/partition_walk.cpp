@@ -1,0 +1,90 @@
+#include "plugins/cryptography/partition_walk.hpp"
+
+#include <string>
+
+#include "plugins/cryptography/builtin_names.hpp"
+
+namespace ddssec::cryptography {
+namespace {
+
+constexpr std::size_t kWordSize = 4;
+
+std::unexpected<Error> lies(const BuiltinTopic& topic) {
+  return unreadable_name(topic, "its partitions have lengths that lie");
+}
+
+}  // namespace
+
+Status PartitionWalk::read(const BuiltinTopic& topic, BytesView octets) {
+  for (const auto octet : octets) {
+    --rest_;
+    DDSSEC_TRY(take(topic, octet));
+  }
+  const bool is_done = has_count_ && names_left_ == 0 && name_left_ == 0;
+  return rest_ == 0 && !is_done ? Status(lies(topic)) : Status();
+}
+
+Status PartitionWalk::take(const BuiltinTopic& topic, std::uint8_t octet) {
+  if (name_left_ > 0) {
+    --name_left_;
+    return take_character(topic, static_cast<char>(octet));
+  }
+  if (to_pad_ > 0) {
+    --to_pad_;
+    return {};
+  }
+  if (has_count_ && names_left_ == 0) return {};  // padding of the parameter
+  const auto shift = 8 * (is_little_ ? filled_ : kWordSize - 1 - filled_);
+  word_ |= std::uint32_t{octet} << shift;
+  if (++filled_ < kWordSize) return {};
+  const auto word = word_;
+  filled_ = 0;
+  word_ = 0;
+  return take_word(topic, word);
+}
+
+Status PartitionWalk::take_word(const BuiltinTopic& topic, std::uint32_t word) {
+  if (has_count_) return begin_name(topic, word);
+  if (word > kMostNames)
+    return unreadable_name(topic, "it has more than " + std::to_string(kMostNames) + " partitions");
+  has_count_ = true;
+  names_left_ = word;
+  return {};
+}
+
+Status PartitionWalk::begin_name(const BuiltinTopic& topic, std::uint32_t size) {
+  if (size == 0 || size > rest_) return lies(topic);
+  if (size > kMostNameOctets + 1)
+    return unreadable_name(topic, "one of its partitions has more than " +
+                                      std::to_string(kMostNameOctets) + " octets");
+  --names_left_;
+  name_left_ = size;
+  to_pad_ = static_cast<std::uint8_t>((kWordSize - size % kWordSize) % kWordSize);
+  stars_ = 0;
+  in_stars_ = false;
+  text_size_ = 0;
+  return {};
+}
+
+Status PartitionWalk::take_character(const BuiltinTopic& topic, char character) {
+  if (character == '\0') return {};
+  if (text_size_ < text_.size()) text_[text_size_++] = character;
+  if (character == '*') in_stars_ = true;
+  if (character == '*' || character == '?' || !in_stars_) return {};
+  in_stars_ = false;
+  return count_star(topic);
+}
+
+Status PartitionWalk::count_star(const BuiltinTopic& topic) {
+  const auto expression = '"' + std::string(text_.data(), text_size_) + "...\"";
+  if (++stars_ > kMostStarsOfName)
+    return unreadable_name(topic, "its partition expression " + expression + " has more than " +
+                                      std::to_string(kMostStarsOfName) + " '*' before its end");
+  if (++stars_of_all_ > kMostStarsOfSample)
+    return unreadable_name(
+        topic, "its partition expressions, of which " + expression + " is one, have more than " +
+                   std::to_string(kMostStarsOfSample) + " '*' before their ends");
+  return {};
+}
+
+}  // namespace ddssec::cryptography

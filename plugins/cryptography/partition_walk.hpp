@@ -1,0 +1,59 @@
+// PID_PARTITION of announcements, judged before Cyclone DDS compares it.
+//
+// The core compares the partitions of a discovered endpoint with ours before it asks a plugin, and
+// its matcher tries every place for every `*`: k of them against a name of n characters cost about
+// n^(k+1) / (k+1)! steps. A run of `*` and `?` counts as one, and one at the end costs nothing: the
+// matcher has then succeeded. Names without `*` and `?` it compares as they are, like those of
+// topics and types.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "base/bytes.hpp"
+#include "base/result.hpp"
+
+namespace ddssec::cryptography {
+
+struct BuiltinTopic;
+
+/// Reads the value of the parameter, a CDR sequence of strings, in pieces of any size. Small, to be
+/// copied.
+class PartitionWalk {
+ public:
+  static constexpr std::size_t kMostNames = 256;         ///< as access control allows
+  static constexpr std::size_t kMostNameOctets = 1024;   ///< as access control allows
+  static constexpr std::size_t kMostStarsOfName = 2;     ///< that something follows
+  static constexpr std::size_t kMostStarsOfSample = 64;  ///< that something follows
+
+  PartitionWalk() = default;
+  PartitionWalk(std::uint16_t length, bool is_little) : is_little_(is_little), rest_(length) {}
+
+  /// The next octets of the value, no more than are left. Error: builtin_source_unreadable.
+  Status read(const BuiltinTopic& topic, BytesView octets);
+  std::size_t rest() const { return rest_; }
+
+ private:
+  Status take(const BuiltinTopic& topic, std::uint8_t octet);
+  Status take_word(const BuiltinTopic& topic, std::uint32_t word);
+  Status begin_name(const BuiltinTopic& topic, std::uint32_t size);
+  Status take_character(const BuiltinTopic& topic, char character);
+  Status count_star(const BuiltinTopic& topic);
+
+  bool is_little_ = false;
+  bool has_count_ = false;
+  bool in_stars_ = false;  ///< a run of `*` and `?` that has a `*`
+  std::uint8_t filled_ = 0;
+  std::uint32_t word_ = 0;
+  std::uint32_t names_left_ = 0;
+  std::uint32_t name_left_ = 0;  ///< octets of the name, with its NUL
+  std::uint8_t to_pad_ = 0;
+  std::uint8_t stars_ = 0;         ///< of the name
+  std::uint8_t stars_of_all_ = 0;  ///< of the parameter
+  std::size_t rest_ = 0;           ///< octets of the value that are to come
+  std::uint8_t text_size_ = 0;
+  std::array<char, 48> text_ = {};  ///< the name's beginning, to say what is wrong
+};
+
+}  // namespace ddssec::cryptography
