@@ -51,7 +51,8 @@ Result<TypeInformationAt> check_payload(const BuiltinTopic& topic, const Owner& 
   if (piece.payload.size() == piece.sample_size) return check_whole(topic, owner, piece.payload);
   if (topic.key == 0) return unreadable_name(topic, "it is in fragments");
   auto* const found = walks.of(owner.value_or(GuidPrefix{}));
-  return found == nullptr ? fail(Code::builtin_fragment_early) : found->take(topic, owner, piece);
+  return found == nullptr ? fail(Code::builtin_fragment_early)
+                          : found->take(topic, owner, piece, walks.now());
 }
 
 }  // namespace

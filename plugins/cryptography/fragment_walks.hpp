@@ -1,21 +1,25 @@
 // Fragmented announcements of one participant, judged as they come.
 //
 // A host puts the fragments of a sample together itself, from whatever it was given under one
-// sequence number, and believes the result. So each octet that it gets must be one that was read
-// here, in the place where the host will read it: fragments pass in order only, one that comes
-// again must be what it was before, and a sample that was given up half-way never goes on.
+// sequence number, and believes the result. Which fragments it keeps and which it drops cannot be
+// known here: its limits are configurable, and it drops without a word. So the rule does not depend
+// on it: all fragments that ever pass under one number are of one content, which was read here in
+// order. Whichever of them the host joins, it gets that content or a part of it.
 //
-// Anybody can send recorded fragments again. Samples that were whole once and left the table have
-// places of their own, so that those fragments never take the room of new announcements.
+// - Fragments pass in order only.
+// - One that passed comes again only as it was: its digest stays as long as its sample is known.
+// - Only the sample with the lowest number is forgotten, and no number up to it passes again.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <mutex>
-#include <set>
 #include <vector>
 
+#include "base/clock.hpp"
 #include "base/hash.hpp"
 #include "plugins/cryptography/builtin_names.hpp"
 #include "plugins/cryptography/data_piece.hpp"
@@ -26,73 +30,51 @@ namespace ddssec::cryptography {
 /// Thread-safe.
 class FragmentWalks {
  public:
-  static constexpr std::size_t kMostOfSample = 384;   ///< fragments: 516 kB by Cyclone DDS
-  static constexpr std::size_t kMostFragments = 512;  ///< of a table: 16 kB of digests
-  static constexpr std::size_t kMostSamples = 32;     ///< of a table; a writer has two
-  static constexpr std::size_t kMostGivenUp = 64;     ///< numbers, of a writer
-  static constexpr std::uint64_t kPiecesUntilStale = 4096;
-  static constexpr std::size_t kMostOnceWhole = 256;  ///< numbers, of a writer
+  static constexpr std::size_t kMostOfSample = 384;    ///< fragments: 516 kB by Cyclone DDS
+  static constexpr std::size_t kMostFragments = 2048;  ///< of a writer: 64 kB of digests
+  static constexpr std::size_t kMostSamples = 512;     ///< of a writer: two windows of an ACKNACK
+  /// Further ones, for numbers below the highest: the host needs the lowest first.
+  static constexpr std::size_t kSpareSamples = 64, kSpareFragments = kMostOfSample;
+  /// So long is the lowest kept. One below it that was lost comes again within that time.
+  static constexpr MonotonicTime kKept = std::chrono::seconds(5);
 
   /// One DATA_FRAG that is not a whole sample, of a writer whose samples are parameter lists.
   /// Returns where its payload holds the parameter id of type information: also if it comes again.
   /// Errors: builtin_source_mismatch, builtin_source_unreadable; builtin_fragment_early: one before
-  /// it is missing, or there is no room now, and it will be asked for again.
+  /// it is missing, or there is no room now, and it will be asked for again; or its sample is
+  /// forgotten, and the sender serves another participant.
   Result<TypeInformationAt> take(const BuiltinTopic& topic, const Owner& owner,
-                                 const DataPiece& piece);
+                                 const DataPiece& piece, MonotonicTime now);
 
  private:
   struct Sample {
     std::uint32_t size;
     std::uint16_t fragment_size;
-    std::size_t count;            ///< of its fragments
-    std::uint64_t last_progress;  ///< as pieces_ counts
-    ParameterWalk walk = {};
+    std::size_t count;  ///< of its fragments
+    MonotonicTime last_progress;
+    std::unique_ptr<ParameterWalk> walk = std::make_unique<ParameterWalk>();  ///< null: whole
     std::vector<Sha256Digest> passed = {};
-    bool is_whole() const { return passed.size() == count; }
+    TypeInformationAt type_information = {};
   };
   using Samples = std::map<std::uint64_t, Sample>;  ///< by writerSN
-  struct Table {
-    Samples samples = {};
-    std::size_t fragments = 0;  ///< of all of them, whether they came or not
-    void erase(Samples::iterator sample);
-  };
-  /// Numbers, the highest so many; of those below all count as members once one has left.
-  class Numbers {
-   public:
-    explicit Numbers(std::size_t most) : most_(most) {}
-    bool contains(std::uint64_t number) const {
-      return number <= all_until_ || numbers_.contains(number);
-    }
-    void insert(std::uint64_t number);
-
-   private:
-    std::size_t most_;
-    std::set<std::uint64_t> numbers_ = {};
-    std::uint64_t all_until_ = 0;
-  };
   struct Writer {
-    Table fresh = {};
-    Table again = {};  ///< of samples that were whole once
-    Numbers once_whole = Numbers(kMostOnceWhole);
-    Numbers given_up = Numbers(kMostGivenUp);
-    Numbers closed = Numbers(kMostGivenUp);  ///< given up, and were whole once
-  };
-  struct Place {
-    Table& table;
-    Samples::iterator sample;
+    Samples samples = {};
+    std::size_t fragments = 0;          ///< of all of them, whether they came or not
+    std::uint64_t forgotten_until = 0;  ///< the highest number of a sample that was forgotten
+    void erase(Samples::iterator sample);
+    bool is_full(std::uint64_t number, std::size_t fragments_more) const;
   };
 
-  Result<Place> place_of(const BuiltinTopic& topic, Writer& writer, const DataPiece& piece);
-  Status make_room(Writer& writer, std::uint64_t number, std::size_t fragments);
-  Status make_room_again(Writer& writer, std::uint64_t number, std::size_t fragments) const;
-  Samples::iterator oldest_whole(Samples& samples) const;
-  Samples::iterator stale(Samples& samples) const;
-  Status read(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece,
-              Sample& sample) const;
+  Result<Samples::iterator> sample_of(const BuiltinTopic& topic, Writer& writer,
+                                      const DataPiece& piece, MonotonicTime now);
+  Status make_room(Writer& writer, std::uint64_t number, std::size_t fragments, MonotonicTime now);
+  Status read(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece, Sample& sample,
+              MonotonicTime now) const;
+  Status go_on(const BuiltinTopic& topic, const Owner& owner, BytesView octets,
+               const std::vector<Sha256Digest>& added, Sample& sample) const;
 
   std::mutex mutex_;
   std::map<EntityId, Writer> writers_;  ///< as many as there are topics
-  std::uint64_t pieces_ = 0;            ///< that came
 };
 
 /// Whose fragments are where.
@@ -101,6 +83,7 @@ class WalksOfPeers {
   virtual ~WalksOfPeers() = default;
   /// Null: of nobody that is known now.
   virtual FragmentWalks* of(const GuidPrefix& owner) = 0;
+  virtual MonotonicTime now() const = 0;
 };
 
 }  // namespace ddssec::cryptography

@@ -238,16 +238,19 @@ Status keep_tokens(Shared& shared, const RemoteEndpoint& sender, const Pair& pai
 
 class WalksOfOne final : public WalksOfPeers {
  public:
-  explicit WalksOfOne(FragmentWalks& walks) : walks_(walks) {}
+  WalksOfOne(FragmentWalks& walks, const Clock& clock) : walks_(walks), clock_(clock) {}
   FragmentWalks* of(const GuidPrefix&) override { return &walks_; }
+  MonotonicTime now() const override { return clock_.monotonic(); }
 
  private:
   FragmentWalks& walks_;
+  const Clock& clock_;
 };
 
 /// What a protected builtin writer says, which the host then gets without type information.
-Status check_discovery(const RemoteEndpoint& sender, const Owner& owner, MutableBytes plain) {
-  WalksOfOne walks(sender.participant.walks);
+Status check_discovery(const Shared& shared, const RemoteEndpoint& sender, const Owner& owner,
+                       MutableBytes plain) {
+  WalksOfOne walks(sender.participant.walks, shared.environment.clock);
   const auto types = DDSSEC_TRY(check_builtin_source(plain, owner, walks));
   if (types && !sender.local.participant.trusts_type_information)
     hide_type_information(plain, *types);
@@ -262,7 +265,7 @@ Status check_source_named(Shared& shared, const RemoteEndpoint& sender, MutableB
   auto status = check_token_source(plain, sender.local.is_volatile, pair->peer_prefix);
   if (status) {
     DDSSEC_TRY(check_speaker(sender, plain));
-    status = check_discovery(sender, pair->peer_prefix, plain);
+    status = check_discovery(shared, sender, pair->peer_prefix, plain);
   }
   if (status && sender.local.is_volatile) status = keep_tokens(shared, sender, *pair, plain);
   if (!status && status.error().code() != Code::crypto_tokens_repeated &&
@@ -413,6 +416,7 @@ class WalksInMessage final : public WalksOfPeers {
     const auto peer = find_peer(shared_, **local, owner);
     return peer && *peer != nullptr ? &(*peer)->walks : nullptr;
   }
+  MonotonicTime now() const override { return shared_.environment.clock.monotonic(); }
 
  private:
   const Shared& shared_;

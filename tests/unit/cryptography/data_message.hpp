@@ -39,7 +39,9 @@ inline Bytes generic_message(const GuidPrefix& source, const GuidPrefix& endpoin
 /// The fragments of one participant, whatever it is called.
 struct OneOwner final : WalksOfPeers {
   FragmentWalks* of(const GuidPrefix&) override { return &walks; }
+  MonotonicTime now() const override { return time; }
   FragmentWalks walks;
+  MonotonicTime time = std::chrono::hours(1);
 };
 
 /// Of a DATA_FRAG.

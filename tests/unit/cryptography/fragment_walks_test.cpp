@@ -1,6 +1,10 @@
 // Announcements in fragments, as Cyclone DDS sends them and as a liar would.
 #include "plugins/cryptography/fragment_walks.hpp"
 
+#include <map>
+#include <random>
+#include <set>
+
 #include <gtest/gtest.h>
 
 #include "plugins/cryptography/builtin_checks.hpp"
@@ -15,6 +19,7 @@ using namespace testing;
 constexpr std::uint16_t kUserData = 0x2c, kEndpointGuid = 0x5a, kSentinel = 1;
 constexpr std::uint16_t kFragmentSize = 1344;  // Cyclone DDS
 constexpr EntityId kPublications{{0xff, 0, 3, 0xc2}};
+constexpr auto kMost = static_cast<std::uint32_t>(FragmentWalks::kMostSamples);
 
 void append_parameter(Bytes& out, std::uint16_t id, const Bytes& value, bool little = true) {
   append(out, id, 2, little);
@@ -160,76 +165,116 @@ TEST_F(FragmentWalksTest, ARefusedFragmentChangesNothing) {
   EXPECT_EQ(pass_all(announcement(kPeer, 3000), 2), Code{}) << "later ones go on";
 }
 
-TEST_F(FragmentWalksTest, AWholeSampleMakesRoom) {
-  for (std::uint32_t number = 1; number <= 200; ++number)
-    EXPECT_EQ(pass_all(announcement(kPeer, 20'000), number), Code{}) << number;
+// What makes the second list of the one above possible at all: that the host holds the second
+// fragment of the first list. It drops samples by limits of its own, and joins what it still has to
+// whatever comes later, however many samples passed in between.
+TEST_F(FragmentWalksTest, NothingThatFollowsLetsASampleBeSpliced) {
+  const auto harmless = announcement(kPeer, 3000);
+  auto other = harmless;
+  other[8] ^= 1;
+  const auto number = kMost + 100;
+  ASSERT_EQ(pass_all(harmless, number), Code{});
+  for (std::uint32_t one = 1; one <= 3 * kMost; ++one) {
+    (void)pass_all(announcement(kPeer, 1400), number + one);
+    if (one % 50 == 0) walks_.time += FragmentWalks::kKept;
+    if (one % 7 == 0) {
+      ASSERT_NE(pass(other, 1, number), Code{}) << one;
+    }
+  }
+  EXPECT_EQ(pass(other, 1, number), Code::builtin_fragment_early) << "it is forgotten";
+  EXPECT_EQ(pass(harmless, 1, number), Code::builtin_fragment_early);
+  EXPECT_EQ(pass(harmless, 2, number), Code::builtin_fragment_early);
 }
 
-TEST_F(FragmentWalksTest, UnfinishedOnesAreBoundedAndTheLowestStay) {
+TEST_F(FragmentWalksTest, TheSameComesAgainAsOftenAsItIsAskedFor) {
   const auto sample = announcement(kPeer, 3000);
-  const auto most = static_cast<std::uint32_t>(FragmentWalks::kMostSamples);
-  for (std::uint32_t number = 11; number < 11 + most; ++number)
-    EXPECT_EQ(pass(sample, 1, number), Code{});
-  EXPECT_EQ(pass(sample, 1, 11 + most), Code::builtin_fragment_early);
-  EXPECT_EQ(pass_all(sample, 1), Code{}) << "a lower one";
-  EXPECT_EQ(pass(sample, 2, 10 + most), Code::builtin_source_unreadable) << "it was given up";
-  EXPECT_EQ(pass(sample, 1, 10 + most), Code::builtin_source_unreadable) << "for good";
-  EXPECT_EQ(pass(sample, 1, 11 + most), Code{}) << "the whole one made room";
+  for (std::uint32_t number = 1; number <= kMost; ++number)
+    ASSERT_EQ(pass_all(sample, number), Code{});
+  walks_.time += 100 * FragmentWalks::kKept;
+  for (int turn = 0; turn < 2; ++turn)  // for another reader
+    for (std::uint32_t number = 1; number <= kMost; ++number)
+      ASSERT_EQ(pass_all(sample, number), Code{});
+}
+
+TEST_F(FragmentWalksTest, NewSamplesTakeThePlacesOfTheLowest) {
+  const auto sample = announcement(kPeer, 20'000);
+  for (std::uint32_t number = 1; number <= 2 * kMost; ++number) {
+    walks_.time += std::chrono::milliseconds(100);
+    ASSERT_EQ(pass_all(sample, number), Code{}) << number;
+  }
+}
+
+TEST_F(FragmentWalksTest, TheLowestStayForFiveSeconds) {
+  const auto sample = announcement(kPeer, 3000);
+  for (std::uint32_t number = 2; number < 2 + kMost; ++number)
+    ASSERT_EQ(pass_all(sample, number), Code{});
+  EXPECT_EQ(pass(sample, 1, 2 + kMost), Code::builtin_fragment_early);
+  EXPECT_EQ(pass_all(sample, 1), Code{}) << "the host needs this one first, and there is room";
+  walks_.time += FragmentWalks::kKept;
+  EXPECT_EQ(pass_all(sample, 2 + kMost), Code{});
+  EXPECT_EQ(pass(sample, 1, 1), Code::builtin_fragment_early) << "forgotten, and refused for good";
+  EXPECT_EQ(pass_all(sample, 1 + kMost), Code{}) << "known still";
+}
+
+TEST_F(FragmentWalksTest, UnfinishedOnesAreBounded) {
+  const auto sample = announcement(kPeer, 3000);
+  constexpr auto kSpare = static_cast<std::uint32_t>(FragmentWalks::kSpareSamples);
+  const auto above = 2 * kSpare;
+  for (std::uint32_t number = above; number < above + kMost; ++number)
+    ASSERT_EQ(pass(sample, 1, number), Code{});
+  EXPECT_EQ(pass(sample, 1, above + kMost), Code::builtin_fragment_early);
+  for (std::uint32_t number = 1; number <= kSpare; ++number)
+    ASSERT_EQ(pass(sample, 1, number), Code{}) << "room for lower ones";
+  EXPECT_EQ(pass(sample, 1, kSpare + 1), Code::builtin_fragment_early);
+  EXPECT_EQ(pass_all(sample, above), Code{}) << "those that are known go on";
+}
+
+TEST_F(FragmentWalksTest, FragmentsAreBounded) {
+  const auto sample = announcement(kPeer, 60'000);
+  const auto most = static_cast<std::uint32_t>(FragmentWalks::kMostFragments) / fragments(sample);
+  for (std::uint32_t number = 1; number <= most; ++number)
+    ASSERT_EQ(pass_all(sample, number), Code{});
+  EXPECT_EQ(pass(sample, 1, most + 1), Code::builtin_fragment_early);
+  walks_.time += FragmentWalks::kKept;
+  EXPECT_EQ(pass(sample, 1, most + 1), Code{});
 }
 
 TEST_F(FragmentWalksTest, WhatNobodyGoesOnWithMakesRoom) {
   const auto sample = announcement(kPeer, 3000);
-  const auto most = static_cast<std::uint32_t>(FragmentWalks::kMostSamples);
-  for (std::uint32_t number = 1; number <= most; ++number)
-    EXPECT_EQ(pass(sample, 1, number), Code{});
-  std::uint64_t tries = 0;
-  while (pass(sample, 1, 100) == Code::builtin_fragment_early)
-    ASSERT_LE(++tries, FragmentWalks::kPiecesUntilStale);
-  EXPECT_EQ(pass(sample, 2, 100), Code{});
-  EXPECT_EQ(pass(sample, 2, 1), Code::builtin_source_unreadable) << "it was given up";
-}
-
-// Whoever recorded them, or a writer that serves another reader.
-TEST_F(FragmentWalksTest, OldOnesThatBeginAgainHoldUpNoNewOne) {
-  const auto sample = announcement(kPeer, 3000);
-  constexpr std::uint32_t kMany = 2 * FragmentWalks::kMostSamples + 10;
-  for (std::uint32_t number = 1; number <= kMany; ++number)
-    ASSERT_EQ(pass_all(sample, number), Code{});
-  std::size_t refused = 0;
-  for (std::uint32_t number = 1; number <= kMany; ++number)
-    if (const auto code = pass(sample, 1, number); code != Code{}) {
-      EXPECT_EQ(code, Code::builtin_fragment_early);
-      ++refused;
-    }
-  EXPECT_GT(refused, 0u) << "they have places of their own, and no others";
-  EXPECT_EQ(pass_all(sample, kMany + 1), Code{});
-  EXPECT_EQ(pass_all(sample, 1), Code{}) << "and can come again as a whole";
-  EXPECT_EQ(pass_all(sample, kMany), Code{});
-}
-
-TEST_F(FragmentWalksTest, OldOnesThatNobodyGoesOnWithAreClosed) {
-  const auto sample = announcement(kPeer, 3000);
-  constexpr auto kMost = static_cast<std::uint32_t>(FragmentWalks::kMostSamples);
-  for (std::uint32_t number = 1; number <= 3 * kMost; ++number)
-    ASSERT_EQ(pass_all(sample, number), Code{});
   for (std::uint32_t number = 1; number <= kMost; ++number)
     ASSERT_EQ(pass(sample, 1, number), Code{});
-  std::uint64_t tries = 0;
-  while (pass(sample, 1, kMost + 1) == Code::builtin_fragment_early)
-    ASSERT_LE(++tries, FragmentWalks::kPiecesUntilStale);
-  EXPECT_EQ(pass(sample, 1, 1), Code::builtin_fragment_early)
-      << "the host had it, and may hold a part";
-  EXPECT_EQ(pass_all(sample, 2), Code{});
-  EXPECT_EQ(pass_all(sample, 3 * kMost + 1), Code{});
+  EXPECT_EQ(pass(sample, 1, 1 + kMost), Code::builtin_fragment_early);
+  walks_.time += FragmentWalks::kKept;
+  EXPECT_EQ(pass_all(sample, 1 + kMost), Code{});
+  EXPECT_EQ(pass(sample, 2, 1), Code::builtin_fragment_early) << "it was given up";
+  EXPECT_EQ(pass(sample, 2, 2), Code{});
 }
 
-TEST_F(FragmentWalksTest, ThoseLongGoneAreOldOnesToo) {
-  const auto sample = announcement(kPeer, 3000);
-  constexpr auto kMany = static_cast<std::uint32_t>(2 * FragmentWalks::kMostOnceWhole);
-  for (std::uint32_t number = 1; number <= kMany; ++number)
-    ASSERT_EQ(pass_all(sample, number), Code{});
-  for (std::uint32_t number = 1; number <= kMany; ++number) (void)pass(sample, 1, number);
-  EXPECT_EQ(pass_all(sample, kMany + 1), Code{});
+// Each fragment is lost with that probability, and lost ones are sent again, the lowest first.
+TEST_F(FragmentWalksTest, AllHonestOnesPassUnderLoss) {
+  const auto sample = announcement(kPeer, 5000);
+  constexpr std::uint32_t kSamples = 3000, kWindow = 256;
+  std::minstd_rand random(7);
+  std::set<std::uint32_t> missing;
+  for (std::uint32_t number = 1; number <= kSamples; ++number) missing.insert(number);
+  std::map<std::uint32_t, std::uint32_t> had;  // by number: fragments in order
+  for (int round = 0; !missing.empty(); ++round) {
+    ASSERT_LT(round, 1000) << *missing.begin() << " never passes";
+    walks_.time += std::chrono::milliseconds(100);
+    const auto window =
+        std::vector(missing.begin(), missing.upper_bound(*missing.begin() + kWindow - 1));
+    for (const auto number : window) {
+      for (auto one = had[number] + 1; one <= fragments(sample); ++one) {
+        if (random() % 5 == 0) continue;
+        const auto code = pass(sample, one, number);
+        if (code == Code{}) had[number] = one;
+        if (code != Code{}) {
+          ASSERT_EQ(code, Code::builtin_fragment_early);
+        }
+      }
+      if (had[number] == fragments(sample)) missing.erase(number);
+    }
+  }
 }
 
 TEST_F(FragmentWalksTest, TooLargeOnesAreRefused) {
