@@ -38,6 +38,7 @@ PATIENCE = 20.0  # seconds
 HONEST, FORGED = 32, 48  # octets of payload, by which samples are told apart
 FURTHER = 12     # samples that must come after the attack, at ten a second
 INSIDER = "insider"
+ZEROS = "00000000-0000-0000-0000-000000000001"  # a partition
 EVERYTHING = GOVERNANCES["everything-encrypt-oa"]
 MESSAGES_ONLY = Governance(rtps=EO, read=False, write=False)
 SIGNED = Governance(discovery=SO, liveliness=S, rtps=S, metadata=S)
@@ -285,6 +286,31 @@ def type_information(world, tamper):
     check("the insider's samples came", not samples(subscriber, FORGED))
 
 
+def spliced(world, tamper):
+    """Harmless fragments, of which the core would make the end of the victim's writer, or type information that ends the
+    process."""
+    subscriber = begin(world)
+    honest = list(world.peers)
+    insider = world.insider("publish", tamper, ELSEWHERE)
+    world.until("the fragments", lambda: said(insider, "tampered"))
+    world.passes(2)
+    check("a process ended", not any(peer.ended for peer in honest))
+    go_on(world, subscriber)
+    one_event_each(world, "builtin_source_unreadable", insider)
+
+
+def costly(world, tamper):
+    """An announcement whose matching would take the core hours: whoever comes later is still met."""
+    world.side = Side(EVERYTHING, Permissions(partition="*"), partition=ZEROS)
+    subscriber = begin(world)
+    insider = world.insider("subscribe", tamper, ELSEWHERE)
+    world.until("the announcement", lambda: said(insider, "tampered"))
+    one_event_each(world, "builtin_source_unreadable", insider)
+    late = world.honest("subscribe", False)
+    world.until("a later subscriber", lambda: len(samples(late, HONEST)) >= 3)
+    go_on(world, subscriber)
+
+
 def source(world):
     """A message that goes on in another's name."""
     subscriber = begin(world)
@@ -315,6 +341,10 @@ def cases():
                 yield f"{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: type_information(world, t)
             # Where announcements are only signed, the core reads its own copy of them.
             yield f"circle-signed/{kind}", kind, SIGNED, lambda world: type_information(world, "circle")
+            for tamper in ("splice", "splice-type"):
+                yield f"{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: spliced(world, t)
+            for tamper in ("partitions", "locators"):
+                yield f"{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: costly(world, t)
             for tamper, permissions in (("repeat", ELSEWHERE), ("invent", Permissions()), ("nobody", Permissions())):
                 yield (f"{tamper}/{kind}", kind, EVERYTHING,
                        lambda world, t=tamper, p=permissions: restarts(world, t, p))

@@ -18,6 +18,12 @@
 //   circle       its writers announce a type that needs another, its readers that other one, which
 //                needs the first
 //   many         its endpoints announce a type that needs hundreds of others
+//   splice       it sends fragments of announcements of which the receiver's host makes one that
+//                ends the victim's writer (splice.hpp)
+//   splice-type  the same with type information that ends a process
+//   partitions   its endpoints announce partition expressions that take hours to match, and that
+//                nothing about them is access controlled
+//   locators     its endpoints announce hundreds of locators
 //   keys         nothing; but the keys that it is given are said on stderr (../keys_test.py)
 // INSIDER_VICTIM is how the victim's GUID begins, in hexadecimal digits. What it did is said on
 // stderr.
@@ -35,6 +41,7 @@
 #include <vector>
 
 #include "plugins/cyclonedds/abi.hpp"
+#include "tests/interop/insider/splice.hpp"
 #include "tests/interop/insider/type_claims.hpp"
 
 namespace {
@@ -198,9 +205,9 @@ void leave_key(Bytes& octets, bool only_hash) {
     octets[1] |= kKeyFlag;
   } else {
     octets[1] |= kInlineQosFlag;
-    Bytes qos = {0x70, 0, 16, 0};
-    qos.resize(20, 0x11);
-    qos.insert(qos.end(), {1, 0, 0, 0});
+    Bytes qos;
+    splice::append_parameter(qos, 0x70, Bytes(16, 0x11));
+    splice::append_parameter(qos, 1, {});
     octets.insert(octets.begin() + 24, qos.begin(), qos.end());
     set_length(octets);
   }
@@ -342,11 +349,57 @@ void announce_types(Bytes& octets, bool is_writer) {
   replace_type_information(octets, type_that_needs(1, needs));
 }
 
+/// Before the sentinel, with which a stock host ends its announcements.
+void append_to_announcement(Bytes& octets, const Bytes& parameters) {
+  octets.insert(octets.end() - 4, parameters.begin(), parameters.end());
+  set_length(octets);
+  say_tampered();
+}
+
+/// Each fits almost, again and again, a name of many zeros.
+Bytes costly_partitions() {
+  constexpr std::string_view kExpression("*0*0*0*0*0*0*0*0*0*0*0*0*0*0*0*0*x", 35);
+  constexpr std::size_t kMany = 300;
+  Bytes value;
+  append_word(value, kMany);
+  for (std::size_t i = 0; i < kMany; ++i) {
+    append_word(value, kExpression.size());
+    value.insert(value.end(), kExpression.begin(), kExpression.end());
+    value.push_back(0);  // to whole words
+  }
+  Bytes out;
+  splice::append_parameter(out, 0x29, value);
+  return out;
+}
+
+Bytes many_locators() {
+  Bytes out;
+  for (std::size_t i = 0; i < 300; ++i) {
+    Bytes value;
+    append_word(value, 1);  // UDPv4
+    append_word(value, 20'000 + i);
+    value.resize(20);
+    value.insert(value.end(), {127, 0, 0, 1});
+    splice::append_parameter(out, 0x2f, value);
+  }
+  return out;
+}
+
+void announce_too_much(Bytes& octets) {
+  if (tampers("partitions")) {
+    hide_access_control(octets);
+    append_to_announcement(octets, costly_partitions());
+  }
+  if (tampers("locators")) append_to_announcement(octets, many_locators());
+}
+
 void speak_of_endpoints(Bytes& octets) {
   constexpr std::uint32_t kPublications = 0xff0003c2, kSubscriptions = 0xff0004c2;
   const bool is_publication = is_of_writer(octets, kPublications);
-  if (is_publication || is_of_writer(octets, kSubscriptions))
+  if (is_publication || is_of_writer(octets, kSubscriptions)) {
     announce_types(octets, is_publication);
+    announce_too_much(octets);
+  }
   if (tampers("dispose") && is_of_writer(octets, kPublications)) {
     speak_as_victim(octets);
     dispose(octets);
@@ -354,6 +407,49 @@ void speak_of_endpoints(Bytes& octets) {
   if (!tampers("speak-as") || !is_of_writer(octets, kSubscriptions)) return;
   hide_access_control(octets);
   speak_as_victim(octets);
+}
+
+/// What goes out instead of an announcement.
+std::vector<Bytes> spliced(const Bytes& announcement) {
+  constexpr DDS_Security_octet kFirstWriter = 2, kWriterWithKey = 2;
+  const bool is_type = tampers("splice-type");
+  Bytes inner;
+  if (is_type) {
+    auto octets = announcement;
+    spoil_type_information(octets);
+    inner.assign(octets.begin() + 28, octets.end());
+  } else {
+    splice::append_endpoint(inner, victim.prefix(), kFirstWriter, kWriterWithKey);
+    splice::append_parameter(inner, 1, {});
+  }
+  const std::size_t number = announcement[20] | announcement[21] << 8;
+  return splice::plan(number, Bytes(own_prefix, own_prefix + sizeof own_prefix), inner, !is_type);
+}
+
+/// All of them in one.
+DDS_Security_boolean encode_each(dds_security_crypto_transform* instance, Octets* encoded,
+                                 const std::vector<Bytes>& plains,
+                                 const DDS_Security_DatawriterCryptoHandle sender,
+                                 const DDS_Security_DatareaderCryptoHandleSeq* receivers,
+                                 DDS_Security_long* index, Exception* ex) {
+  Bytes all;
+  const auto count = static_cast<DDS_Security_long>(receivers->_length);
+  for (auto plain : plains) {
+    const auto size = static_cast<DDS_Security_unsigned_long>(plain.size());
+    const Octets mine{size, size, plain.data()}, none{};
+    Octets one{};
+    for (*index = 0; *index < count;)
+      if (!encode_submessage(instance, &one, one._buffer == nullptr ? &mine : &none, sender,
+                             receivers, index, ex))
+        return 0;
+    all.insert(all.end(), one._buffer, one._buffer + one._length);
+    std::free(one._buffer);
+  }
+  encoded->_buffer = static_cast<DDS_Security_octet*>(std::malloc(all.size()));
+  std::memcpy(encoded->_buffer, all.data(), all.size());
+  encoded->_length = encoded->_maximum = static_cast<DDS_Security_unsigned_long>(all.size());
+  say_tampered();
+  return 1;
 }
 
 DDS_Security_boolean my_encode_submessage(dds_security_crypto_transform* instance, Octets* encoded,
@@ -365,7 +461,12 @@ DDS_Security_boolean my_encode_submessage(dds_security_crypto_transform* instanc
     return encode_submessage(instance, encoded, plain, sender, receivers, index, ex);
   Bytes octets(plain->_buffer, plain->_buffer + plain->_length);
   // Its announcements wait: the readers ask for them again.
-  if (tampers("dispose") && is_of_writer(octets, 0xff0003c2) && victim.prefix().empty()) return 0;
+  const bool splices = tampers("splice") || tampers("splice-type");
+  if (is_of_writer(octets, 0xff0003c2) && (tampers("dispose") || splices)) {
+    if (victim.prefix().empty()) return 0;
+    if (splices)
+      return encode_each(instance, encoded, spliced(octets), sender, receivers, index, ex);
+  }
   if (tampers("announce")) hide_access_control(octets);
   if (tampers("participant")) name_victim(octets, "dds.sec.participant_crypto_tokens", 24 + 4);
   // Of the application's writers: those of discovery it needs.
