@@ -47,11 +47,13 @@ constexpr std::array kProtections = {
     Protection{.name = "messages",
                .rules = {.rtps = kEncrypt},
                .covers_times = true,
-               .separates_topics = false},
+               .separates_topics = false,
+               .dates_readers = false},
     Protection{.name = "messages-origin",
                .rules = {.rtps = kEncryptOa},
                .covers_times = true,
                .separates_topics = false,
+               .dates_readers = false,
                .tells_readers_from_writers = true},
     Protection{.name = "data", .rules = kDataOnly, .covers_headers = false},
     Protection{.name = "revising", .rules = with(kStrict, true, kNone), .covers_times = true},
@@ -163,6 +165,14 @@ spi::PropertyList properties_of(const Subject& subject, const Protection& protec
   static_cast<void>(Trust::shared());
   make_openssl_repeatable(Dice(0).fork(key.first + std::string(key.second)).next());
   return made[key] = made_properties_of(subject, protection);
+}
+
+std::string honest_permissions(const Protection& protection) {
+  const Subject alice{
+      "alice", Role::honest, {kTopics.begin(), kTopics.end()}, {kTopics.begin(), kTopics.end()}};
+  const auto properties = properties_of(alice, protection);
+  return spi::find_property(properties, spi::property::kPermissions)
+      ->substr(testing::data_uri("").size());
 }
 
 }  // namespace ddssec::rtps::sim

@@ -21,6 +21,7 @@ enum class Role : std::uint8_t {
   insider,    ///< a certificate and some permissions; a modified product
   forger,     ///< a certificate, and permissions for everything that it signed itself
   impostor,   ///< a certificate, and the GUID of an honest participant
+  borrower,   ///< a certificate, and the signed permissions of an honest participant
   foreign,    ///< a certificate of another CA of the same name, with an honest subject
   elsewhere,  ///< honest, with all permissions, in another domain tag
 };
@@ -33,7 +34,7 @@ struct Subject {
   bool may(bool write, std::string_view topic) const {
     const auto& list = write ? publishes : subscribes;
     return role != Role::forger && role != Role::impostor && role != Role::foreign &&
-           std::ranges::find(list, topic) != list.end();
+           role != Role::borrower && std::ranges::find(list, topic) != list.end();
   }
   bool is_honest() const { return role == Role::honest || role == Role::elsewhere; }
   std::string domain_tag() const { return std::string(kTags[role == Role::elsewhere ? 1 : 0]); }
@@ -47,6 +48,7 @@ struct Protection {
   bool covers_headers = true;    ///< nobody without a key removes samples, by HEARTBEAT or GAP
   bool covers_times = false;     ///< or changes source timestamps
   bool separates_topics = true;  ///< who takes part reads no topic that it may not read
+  bool dates_readers = true;     ///< a reader that is made later gets nothing recorded before
   bool tells_readers_from_writers = false;  ///< origin authentication of samples
   bool hides_strangers = false;             ///< a pre-shared key protects the rest
 };
@@ -54,5 +56,7 @@ std::span<const Protection> protections();
 
 /// Makes certificates and documents once for each subject and governance.
 spi::PropertyList properties_of(const Subject& subject, const Protection& protection);
+/// The signed permissions of an honest participant, as a handshake carries them.
+std::string honest_permissions(const Protection& protection);
 
 }  // namespace ddssec::rtps::sim

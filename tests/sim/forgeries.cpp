@@ -85,11 +85,14 @@ GuidPrefix Forger::name() {
   return std::next(lives.begin(), static_cast<std::ptrdiff_t>(dice_.below(lives.size())))->first;
 }
 
-Guid Forger::endpoint_guid(bool writes) {
+Guid Forger::endpoint_guid(bool writes, const std::optional<GuidPrefix>& whose) {
   const auto& ends = invariants_.ends();
-  for (int attempt = 0; attempt < 20; ++attempt) {
+  for (int attempt = 0; attempt < (whose ? 100 : 20); ++attempt) {
     const auto at = std::next(ends.begin(), static_cast<std::ptrdiff_t>(dice_.below(ends.size())));
-    if (at->second.writes == writes) return at->first;
+    const auto* life = ledger_.life(at->first.prefix);
+    const bool lives = life != nullptr && life->died == kNever;
+    const bool fits = whose ? at->first.prefix == *whose : lives || dice_.chance(100);
+    if (at->second.writes == writes && fits) return at->first;
   }
   return {name(), writes ? EntityId{{0, 0, 1, 2}} : EntityId{{0, 0, 1, 7}}};
 }
@@ -119,9 +122,17 @@ Bytes Forger::in_the_name_of_another() {
   return {out.begin() + kHeaderSize, out.end()};
 }
 
-std::vector<KeyId> Forger::receivers() {
+const Datagram* Forger::protected_by(const KeyId& sender) {
+  for (int attempt = 0; attempt < 300; ++attempt) {
+    const auto& datagram = dice_.of(recorded_);
+    if (!std::ranges::search(datagram.octets, sender.octets).empty()) return &datagram;
+  }
+  return nullptr;
+}
+
+std::vector<KeyId> Forger::receivers_of(BytesView datagram) {
   std::vector<KeyId> out;
-  for (const auto& part : submessages_of(dice_.of(recorded_).octets)) {
+  for (const auto& part : submessages_of(datagram)) {
     constexpr std::size_t kFixed = kSubmessageHeaderSize + 16 + 4, kEach = 20;
     const bool ends = part[0] == static_cast<std::uint8_t>(SubmessageId::secure_postfix) ||
                       part[0] == static_cast<std::uint8_t>(SubmessageId::secure_rtps_postfix);
@@ -135,11 +146,14 @@ std::vector<KeyId> Forger::receivers() {
 Bytes Forger::by_stolen_key(const spi::Token& token) {
   auto material = cryptography::read_crypto_token(token);
   if (!material || material->is_none()) return {};
-  auto macs = receivers();
+  const auto* heard = protected_by(material->sender_key_id);
+  if (heard == nullptr) return {};
+  auto macs = receivers_of(heard->octets);
   if (material->has_receiver_key()) macs.push_back(material->receiver_key_id);
   if (!material->has_receiver_key() || dice_.chance(200)) macs.clear();
   const bool whole = dice_.chance(500);
-  auto datagram = sample();
+  auto datagram =
+      sample_of(endpoint_guid(true, GuidPrefix::from(BytesView(heard->octets).subspan(8, 12))));
   const auto header = to_bytes(BytesView(datagram).first(kHeaderSize));
   Bytes content(datagram.begin() + kHeaderSize, datagram.end());
   if (whole) {
@@ -158,7 +172,11 @@ Bytes Forger::by_stolen_key(const spi::Token& token) {
 }
 
 Bytes Forger::stranger() {
-  auto data = testing::secured_data(GuidPrefix::from(dice_.octets(12)));
+  if (!member_)
+    member_ = read_participant_data(heard(kSpdpWriter)).value_or(testing::secured_data({}));
+  auto data = *member_;
+  data.guid.prefix = GuidPrefix::from(dice_.octets(12));
+  data.default_unicast.clear();
   data.metatraffic_unicast = {Locator::udp_v4({192, 0, 2, dice_.octet()}, 7400)};
   data.domain_tag = kTags[0];
   if (dice_.chance(300)) data.user_data = dice_.octets(dice_.below(3000));
@@ -261,9 +279,9 @@ Bytes Forger::endpoint_end() {
   return forged(guid.prefix, data);
 }
 
-Bytes Forger::sample() {
-  const auto writer = endpoint_guid(true);
-  const auto number = ledger_.count(writer) + 1 + static_cast<std::int64_t>(dice_.below(3));
+Bytes Forger::sample_of(const Guid& writer) {
+  const auto later = dice_.chance(600) ? 0 : dice_.below(3);
+  const auto number = ledger_.count(writer) + 1 + static_cast<std::int64_t>(later);
   auto octets = dice_.octets(8 + 4 * dice_.below(30));
   std::ranges::copy(Bytes{0, 1, 0, 0}, octets.begin());
   Data data{kEntityIdUnknown, writer.entity, {number}, {}, PayloadKind::data, octets};
@@ -356,13 +374,12 @@ Bytes Forger::keys() {
   message.identity = {{name(), kVolatileMessageWriter}, 1};
   message.destination_participant = {name(), kEntityIdParticipant};
   message.message_class = message_class::kParticipantTokens;
-  message.data = {
-      spi::Token{"DDS:Crypto:AES_GCM_GMAC", {}, {{"dds.cryp.keymat", dice_.octets(96)}}}};
+  message.data = {cryptography::testing::Insider(cryptography::kAes256Gcm).token()};
   const auto payload = write_generic_message(message);
   return forged(message.identity.source.prefix,
                 Data{kVolatileMessageReader,
                      kVolatileMessageWriter,
-                     {static_cast<std::int64_t>(1 + dice_.below(5))},
+                     {static_cast<std::int64_t>(1 + dice_.below(60))},
                      {},
                      PayloadKind::data,
                      payload});

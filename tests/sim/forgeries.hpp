@@ -35,13 +35,14 @@ class Forger {
   };
   static std::span<const Kind> kinds();
 
-  Bytes stranger();            ///< an announcement in a new name
+  Bytes stranger();            ///< an announcement in a new name, like that of a member
   Bytes false_address();       ///< a recorded announcement with other addresses
   Bytes false_announcement();  ///< a recorded announcement with other contents
   Bytes farewell();            ///< the end of a participant
   Bytes endpoint();            ///< a clear announcement of an endpoint
   Bytes endpoint_end();
-  Bytes sample();           ///< clear DATA of a user's writer
+  Bytes sample() { return sample_of(endpoint_guid(true)); }  ///< clear DATA of a user's writer
+  Bytes sample_of(const Guid& writer);
   Bytes fragment();         ///< clear DATA_FRAG of it
   Bytes acknowledgement();  ///< clear ACKNACK or NACK_FRAG
   Bytes horizon();          ///< clear HEARTBEAT or GAP
@@ -54,11 +55,13 @@ class Forger {
   Bytes other_destination();  ///< a recorded datagram behind INFO_DST
   Bytes garbage();
 
-  /// Whose MACs a recorded datagram bears.
-  std::vector<KeyId> receivers();
+  /// A recorded datagram that was protected by that key; nullptr: none was heard.
+  const Datagram* protected_by(const KeyId& sender);
+  /// Whose MACs a datagram bears.
+  static std::vector<KeyId> receivers_of(BytesView datagram);
   GuidPrefix name();
-  /// Of a user's endpoint that was there once.
-  Guid endpoint_guid(bool writes);
+  /// Of a user's endpoint that was there once, of that participant if it had one.
+  Guid endpoint_guid(bool writes, const std::optional<GuidPrefix>& whose = {});
   /// The payload of a recorded submessage of that writer; empty: none was heard.
   Bytes heard(const EntityId& writer);
   Bytes changed_announcement(const std::function<void(ParticipantData&)>& change);
@@ -67,6 +70,7 @@ class Forger {
   const Ledger& ledger_;
   const Invariants& invariants_;
   std::span<const Datagram> recorded_;
+  std::optional<ParticipantData> member_;  ///< what strangers look like
   Dice& dice_;
 };
 

@@ -7,7 +7,8 @@ namespace {
 
 class Permissive final : public spi::AccessControl {
  public:
-  explicit Permissive(std::unique_ptr<spi::AccessControl> real) : real_(std::move(real)) {}
+  Permissive(std::unique_ptr<spi::AccessControl> real, std::string borrowed)
+      : real_(std::move(real)), borrowed_(std::move(borrowed)) {}
 
  private:
   using Permissions = spi::PermissionsHandle;
@@ -41,7 +42,9 @@ class Permissive final : public spi::AccessControl {
     return real_->permissions_token(local);
   }
   Result<spi::Token> permissions_credential_token(Permissions local) override {
-    return real_->permissions_credential_token(local);
+    auto out = real_->permissions_credential_token(local);
+    if (out && !borrowed_.empty()) out->properties = {{"dds.perm.cert", borrowed_}};
+    return out;
   }
   Result<spi::ParticipantSecurityAttributes> participant_sec_attributes(
       Permissions local) override {
@@ -66,6 +69,7 @@ class Permissive final : public spi::AccessControl {
   List<Permissions> expire(Permissions) override { return {}; }
 
   std::unique_ptr<spi::AccessControl> real_;
+  const std::string borrowed_;
 };
 
 class Tampering final : public testing::KeyThief, private spi::CryptoTransform {
@@ -153,8 +157,9 @@ class FalseName final : public testing::ForwardingAuthentication {
 
 }  // namespace
 
-std::unique_ptr<spi::AccessControl> permissive(std::unique_ptr<spi::AccessControl> real) {
-  return std::make_unique<Permissive>(std::move(real));
+std::unique_ptr<spi::AccessControl> permissive(std::unique_ptr<spi::AccessControl> real,
+                                               std::string borrowed) {
+  return std::make_unique<Permissive>(std::move(real), std::move(borrowed));
 }
 
 std::unique_ptr<spi::Cryptography> tampering(std::unique_ptr<spi::Cryptography> real,

@@ -16,8 +16,10 @@ struct Malice {
   testing::KeyThief::Stolen stolen = {};
 };
 
-/// Allows its own side everything, so that only the other side can refuse.
-std::unique_ptr<spi::AccessControl> permissive(std::unique_ptr<spi::AccessControl> real);
+/// Allows its own side everything, so that only the other side can refuse. `borrowed`: the
+/// permissions that it sends, if they are not its own.
+std::unique_ptr<spi::AccessControl> permissive(std::unique_ptr<spi::AccessControl> real,
+                                               std::string borrowed);
 /// Changes what it is about to protect, and keeps all keys that it is given.
 std::unique_ptr<spi::Cryptography> tampering(std::unique_ptr<spi::Cryptography> real,
                                              Malice& malice);

@@ -38,6 +38,17 @@ void Invariants::on_matched(const End& local, const Guid& remote) {
   if (!real) fail(invariant::kForged, where + ", which " + peer.name + " never announced so");
 }
 
+void Invariants::on_unmatched(const End& local, const Guid& remote) {
+  const auto* own = ledger_.life(local.guid.prefix);
+  const auto* life = ledger_.life(remote.prefix);
+  const auto lives = [](const Life* one) {
+    return one != nullptr && one->died == kNever && one->subject->role == Role::honest;
+  };
+  if (besieged_ && local.subject->role == Role::honest && lives(own) && lives(life))
+    fail(invariant::kKept,
+         describe(local) + " lost " + remote.to_string() + " of " + life->subject->name);
+}
+
 void Invariants::on_delivered(const End& reader, const Change& change) {
   if (change.writer.prefix == reader.guid.prefix && !reader.subject->is_honest()) return;
   const auto* life = ledger_.life(change.writer.prefix);
@@ -65,6 +76,9 @@ void Invariants::check_content(const End& reader, const Change& change) {
   if (written == nullptr) return fail(invariant::kForged, name + " was never written");
   if (written->topic != reader.topic)
     return fail(invariant::kForged, name + " is of another topic");
+  const auto* own = ledger_.life(reader.guid.prefix);
+  const auto since = protection_.dates_readers || own == nullptr ? reader.since : own->born;
+  if (written->when < since) return fail(invariant::kFresh, name + " is older than the reader");
   if (!std::ranges::equal(written->payload, change.payload.view()))
     return fail(invariant::kForged, name + " has another payload");
   if (written->status != change.status)

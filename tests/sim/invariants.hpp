@@ -17,12 +17,14 @@ struct End {
   std::string_view topic;
   bool writes = false;
   Guid guid = {};
+  MonotonicTime since{};  ///< its beginning
 };
 
 // The names that failures print.
 namespace invariant {
 inline constexpr std::string_view kPermission = "nobody reads or writes without permission";
 inline constexpr std::string_view kForged = "nothing forged is delivered or believed";
+inline constexpr std::string_view kFresh = "a reader gets nothing that was written before it began";
 inline constexpr std::string_view kOnce = "nothing is delivered twice or out of order";
 inline constexpr std::string_view kHidden = "nothing protected is readable on the network";
 inline constexpr std::string_view kLife = "a dead writer gives no sign of life";
@@ -30,6 +32,8 @@ inline constexpr std::string_view kMemory = "memory stays within its bound";
 inline constexpr std::string_view kWork = "work stays within its bound";
 inline constexpr std::string_view kReflection = "little is sent to addresses that never answered";
 inline constexpr std::string_view kReunion = "honest pairs match once the network is fair";
+inline constexpr std::string_view kKept = "honest pairs stay matched while nothing is kept back";
+inline constexpr std::string_view kGone = "a dead participant is forgotten";
 inline constexpr std::string_view kLoss = "a matched reliable reader gets every sample";
 }  // namespace invariant
 
@@ -38,8 +42,9 @@ class Invariants {
   /// Memory of one participant, whatever others do: the sum of the product's own bounds on what
   /// this cast can reach, and some room.
   static constexpr std::int64_t kMaxOctets = std::int64_t{24} << 20;
-  /// Branches for one call, and for each octet of a datagram.
-  static constexpr std::uint64_t kMaxBranches = 400'000;
+  /// Branches for one call, and for each octet of a datagram. Most were 490'367: a full table of
+  /// strangers was looked through, and the 64 handshakes that may begin at once did so.
+  static constexpr std::uint64_t kMaxBranches = 600'000;
   static constexpr std::uint64_t kMaxBranchesPerOctet = 400;
   /// After a writer's end, messages of it may still be under way for so long.
   static constexpr MonotonicTime kMaxAfterlife = seconds(20);
@@ -49,6 +54,9 @@ class Invariants {
   /// From the moment that the network is fair.
   static constexpr MonotonicTime kMaxReunion = seconds(150);
   static constexpr MonotonicTime kMaxExchange = seconds(20);
+  /// A dead participant is forgotten so long after the network was fair: its lease, and what an
+  /// attacker kept back of it, which is news.
+  static constexpr MonotonicTime kMaxMemory = seconds(60);
   /// Octets to addresses where nobody is, beyond three for each octet that arrives.
   static constexpr std::size_t kMaxReflected = std::size_t{256} << 10;
 
@@ -58,9 +66,14 @@ class Invariants {
   void on_started(const End& end) { ends_.insert_or_assign(end.guid, end); }
   void on_sent(const Subject& from, BytesView datagram);
   void on_matched(const End& local, const Guid& remote);
+  void on_unmatched(const End& local, const Guid& remote);
   void on_delivered(const End& reader, const Change& change);
   void on_alive(const End& reader, const Guid& writer);
   void on_call(const Subject& whose, const Cost& before, const Cost& after, std::size_t octets);
+
+  /// From now on, or no longer: all that honest participants send arrives, none of them ends, and
+  /// neither do their endpoints.
+  void set_besieged(bool besieged) { besieged_ = besieged; }
 
   void fail(std::string_view invariant, std::string detail) {
     if (!violation_) violation_ = {invariant, std::move(detail)};
@@ -78,6 +91,7 @@ class Invariants {
   std::map<Guid, End> ends_;
   std::map<std::pair<Guid, Guid>, SequenceNumber> latest_;  ///< by reader and writer
   std::map<Guid, int> late_signs_;
+  bool besieged_ = false;
   std::optional<Violation> violation_;
 };
 

@@ -3,6 +3,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
+#include <optional>
+#include <set>
+#include <string>
 
 #include "tests/sim/repeatable_openssl.hpp"
 #include "tests/sim/schedule.hpp"
@@ -15,12 +19,14 @@ struct Options {
   std::uint64_t seed = 1;
   std::uint64_t seeds = 1;  ///< that many, from `seed` on
   double seconds = 0;       ///< of CPU; then no other seed begins
+  std::string also;         ///< a file; the number at the beginning of each line is one more seed
   int steps = 0;
   bool verbose = false;
 };
 
 constexpr const char* kUsage =
-    "ddssec_sim [--seed N] [--seeds COUNT] [--seconds CPU] [--steps HOSTILE] [--verbose]\n";
+    "ddssec_sim [--seed N] [--seeds COUNT] [--seconds CPU] [--also FILE] [--steps HOSTILE] "
+    "[--verbose]\n";
 
 bool read_options(int count, char** words, Options& options) {
   for (int i = 1; i < count; ++i) {
@@ -37,6 +43,8 @@ bool read_options(int count, char** words, Options& options) {
       options.seeds = std::strtoull(value, nullptr, 10);
     else if (word == "--seconds")
       options.seconds = std::strtod(value, nullptr);
+    else if (word == "--also")
+      options.also = value;
     else if (word == "--steps")
       options.steps = std::atoi(value);
     else
@@ -70,6 +78,18 @@ bool try_seed(std::uint64_t seed, const Options& options) {
   return false;
 }
 
+/// The seeds of the file that are not tried anyway; nothing: it cannot be read.
+std::optional<std::set<std::uint64_t>> other_seeds(const Options& options) {
+  std::ifstream file(options.also);
+  if (!file) return std::nullopt;
+  std::set<std::uint64_t> out;
+  for (std::string line; std::getline(file, line);) {
+    const auto seed = std::strtoull(line.c_str(), nullptr, 10);
+    if (seed > 0 && seed - options.seed >= options.seeds) out.insert(seed);
+  }
+  return out;
+}
+
 }  // namespace
 
 int main(int count, char** words) {
@@ -79,9 +99,21 @@ int main(int count, char** words) {
     return EXIT_FAILURE;
   }
   std::uint64_t done = 0;
+  if (!options.also.empty()) {
+    const auto others = other_seeds(options);
+    if (!others) {
+      std::fprintf(stderr, "%s cannot be read\n", options.also.c_str());
+      return EXIT_FAILURE;
+    }
+    for (const auto seed : *others)
+      if (!try_seed(seed, options)) return EXIT_FAILURE;
+    done = others->size();
+  }
   const bool by_time = options.seconds > 0;
-  for (; by_time ? cpu_seconds() < options.seconds : done < options.seeds; ++done)
-    if (!try_seed(options.seed + done, options)) return EXIT_FAILURE;
+  for (std::uint64_t i = 0; by_time ? cpu_seconds() < options.seconds : i < options.seeds; ++i) {
+    if (!try_seed(options.seed + i, options)) return EXIT_FAILURE;
+    ++done;
+  }
   std::printf("%llu seeds, %.1f s of CPU: every invariant held\n",
               static_cast<unsigned long long>(done), cpu_seconds());
   return EXIT_SUCCESS;

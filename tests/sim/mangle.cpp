@@ -16,6 +16,17 @@ void mangle_word(Bytes& octets, Dice& dice) {
     octets[at + i] = static_cast<std::uint8_t>(word >> 8 * (little ? i : 3 - i));
 }
 
+/// One of the names in it becomes another.
+void rename(Bytes& octets, Dice& dice, std::span<const GuidPrefix> names) {
+  if (names.empty()) return;
+  const auto first = dice.below(names.size());
+  const auto to = dice.of(names);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (const auto& from = names[(first + i) % names.size()];
+        from != to && exchange(octets, from.view(), to.view()))
+      return;
+}
+
 void mangle_once(Bytes& octets, Dice& dice, std::span<const GuidPrefix> names) {
   if (octets.empty()) return;
   switch (dice.below(6)) {
@@ -29,8 +40,7 @@ void mangle_once(Bytes& octets, Dice& dice, std::span<const GuidPrefix> names) {
     case 3:
       return mangle_word(octets, dice);
     case 4:
-      if (names.size() > 1) exchange(octets, dice.of(names).view(), dice.of(names).view());
-      return;
+      return rename(octets, dice, names);
     default:
       exchange(octets, as_bytes(dice.of(kTopics)), as_bytes(dice.of(kTopics)));
   }

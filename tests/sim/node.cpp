@@ -35,6 +35,7 @@ void Endpoint::on_unmatched(const Guid& remote) {
   const FreeOfCharge simulation;
   matched_.erase(remote);
   signals_.erase(remote);
+  around_.invariants.on_unmatched(end_, remote);
 }
 
 bool Endpoint::on_change(Change& change) {
@@ -66,7 +67,10 @@ void Node::make_engines(const GuidPrefix& name) {
                   environment, {.host_revises_keys = true, .host_has_pre_shared_keys = true}),
               cryptography::make_cryptography(environment)};
   if (subject_.is_honest()) return;
-  engines_.access_control = permissive(std::move(engines_.access_control));
+  const bool borrows = subject_.role == Role::borrower;
+  engines_.access_control =
+      permissive(std::move(engines_.access_control),
+                 borrows ? honest_permissions(around_.protection) : std::string());
   engines_.cryptography = tampering(std::move(engines_.cryptography), around_.malice);
   if (subject_.role == Role::impostor)
     engines_.authentication = under_false_name(std::move(engines_.authentication), name);
@@ -117,7 +121,8 @@ void Node::stop(bool says_so) {
 
 void Node::add_endpoint(std::string_view topic, bool writes) {
   const Charge charge(cost_);
-  auto endpoint = std::make_unique<Endpoint>(around_, End{&subject_, topic, writes});
+  auto endpoint =
+      std::make_unique<Endpoint>(around_, End{&subject_, topic, writes, {}, around_.now});
   auto request = request_of(topic, writes);
   const auto guid = writes
                         ? participant_->create_writer(std::move(request), *endpoint, around_.now)

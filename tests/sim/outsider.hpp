@@ -27,7 +27,11 @@ class Outsider {
   void carry(Datagram datagram, MonotonicTime now);
   /// One step of its own; `nodes`: how many addresses there are.
   void act(MonotonicTime now, std::size_t nodes);
-  void behave(const Temper& temper) { temper_ = temper; }
+  /// From now on; nobody is cut off any longer.
+  void behave(const Temper& temper) {
+    temper_ = temper;
+    silenced_.clear();
+  }
   void silence(const Locator& whom, MonotonicTime until) { silenced_[whom] = until; }
   /// Puts a datagram of its own on the network.
   void inject(Datagram datagram, MonotonicTime now);

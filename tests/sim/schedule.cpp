@@ -3,6 +3,9 @@
 namespace ddssec::rtps::sim {
 namespace {
 
+/// Longer than a dead participant is remembered.
+constexpr int kLongSiege = static_cast<int>((Invariants::kMaxMemory + seconds(5)) / World::kStep);
+
 std::vector<std::string> all_topics() { return {kTopics.begin(), kTopics.end()}; }
 
 std::vector<Subject> cast_of(Dice& dice) {
@@ -11,13 +14,14 @@ std::vector<Subject> cast_of(Dice& dice) {
   const auto count = 2 + dice.below(2);
   for (std::size_t i = 0; i < count; ++i)
     out.push_back({honest[i], Role::honest, all_topics(), all_topics()});
-  const std::array<Subject, 6> others = {
+  const std::array<Subject, 7> others = {
       Subject{"mallory", Role::insider, {std::string(kTopics[2])}, {std::string(kTopics[1])}},
       Subject{"trudy", Role::insider},
       Subject{"frank", Role::forger, all_topics(), all_topics()},
       Subject{"ivan", Role::impostor, {std::string(kTopics[2])}, {std::string(kTopics[1])}},
       Subject{"alice", Role::foreign, all_topics(), all_topics()},
-      Subject{"walter", Role::elsewhere, all_topics(), all_topics()}};
+      Subject{"walter", Role::elsewhere, all_topics(), all_topics()},
+      Subject{"oscar", Role::borrower}};
   for (const auto& subject : others)
     if (dice.chance(250)) out.push_back(subject);
   return out;
@@ -46,6 +50,7 @@ class Run {
     revive();
     if (!is_over()) reunite();
     if (!is_over()) exchange();
+    if (!is_over()) withstand();
     return outcome();
   }
 
@@ -173,6 +178,23 @@ class Run {
         !is_over())
       world_.invariants().fail(invariant::kLoss, missing());
   }
+  // What began in the hostile phase, such as a handshake anew, ends before.
+  void withstand() {
+    repeat(static_cast<int>(seconds(15) / World::kStep), [] { return false; });
+    world_.set_hostile(true);
+    world_.outsider().behave(plan_.siege);
+    world_.malice().tampers = plan_.tampers;
+    world_.invariants().set_besieged(true);
+    if (plan_.siege_steps >= kLongSiege) {
+      auto& victim = *world_.nodes().front();
+      victim.stop(false);
+      world_.start(victim);
+    }
+    repeat(plan_.siege_steps, [] { return false; });
+    if (!is_over()) exchange();
+    world_.invariants().set_besieged(false);
+    if (!is_over()) world_.check_dead();
+  }
   Outcome outcome() {
     Outcome out{world_.violation(), steps_, world_.fingerprint(), world_.delivered(), {}, reunion_};
     for (const auto& node : world_.nodes())
@@ -204,10 +226,19 @@ Plan plan_of(std::uint64_t seed, int steps) {
                  .silence = some(dice, 5),
                  .replay = some(dice, 300),
                  .forge = some(dice, 200)};
+  plan.siege = {.duplicate = some(dice, 300),
+                .splice = some(dice, 200),
+                .replay = some(dice, 300),
+                .forge = some(dice, 200)};
+  plan.siege_steps = static_cast<int>(100 + dice.below(300));
+  if (dice.chance(100)) {
+    plan.siege_steps += kLongSiege;
+    plan.siege.replay = std::max(plan.siege.replay, 100u);
+  }
   plan.tampers = some(dice, 200);
   plan.hostile_steps = static_cast<int>(500 + dice.below(2500));
   // Longer than handshakes are patient, and than leases last.
-  if (dice.chance(60)) plan.hostile_steps += 11'000;
+  if (dice.chance(plan.temper.muffle > 0 ? 500 : 40)) plan.hostile_steps += 11'000;
   if (steps > 0) plan.hostile_steps = steps;
   plan.meets_first = dice.chance(500);
   plan.writes = 100;
@@ -231,6 +262,10 @@ std::string describe(const Plan& plan) {
   add("mangle", t.mangle), add("cut short", t.cut_short), add("splice", t.splice);
   add("bridge", t.bridge), add("muffle", t.muffle), add("silence", t.silence),
       add("replay", t.replay), add("forge", t.forge);
+  const auto& s = plan.siege;
+  add("siege", static_cast<unsigned>(plan.siege_steps));
+  add("duplicate", s.duplicate), add("splice", s.splice), add("replay", s.replay),
+      add("forge", s.forge);
   add("tamper", plan.tampers), add("restart", plan.restarts), add("sleep", plan.sleeps);
   add("calendar", plan.calendars), add("endpoints", plan.endpoints);
   return out;

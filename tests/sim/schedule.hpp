@@ -10,6 +10,10 @@ struct Plan {
   const Protection* protection = nullptr;
   std::vector<Subject> cast;
   Temper temper = {};
+  /// While everything that is sent arrives, and the attackers only add to it. In a long one a
+  /// participant restarts at its beginning.
+  Temper siege = {};
+  int siege_steps = 0;
   unsigned tampers = 0;  ///< see Malice
   int hostile_steps = 0;
   bool meets_first = false;  ///< before the network is hostile

@@ -91,10 +91,27 @@ void World::use_stolen_key() {
 void World::check_tables() {
   for (const auto& node : nodes_) {
     if (!node->is_honest() || !node->is_running()) continue;
-    const auto known = node->participant().remote_participants().size();
-    if (known > RemoteParticipants::kMostParticipants)
+    const auto& known = node->participant().remote_participants().all();
+    const auto& name = node->subject().name;
+    if (known.size() > RemoteParticipants::kMostParticipants)
       invariants_.fail(invariant::kMemory,
-                       node->subject().name + " knows " + std::to_string(known) + " participants");
+                       name + " knows " + std::to_string(known.size()) + " participants");
+    if (!protection_.hides_strangers) continue;
+    for (const auto& [prefix, remote] : known)
+      if (ledger_.life(prefix) == nullptr)
+        invariants_.fail(invariant::kForged,
+                         name + " knows " + prefix.to_string() + ", which has no pre-shared key");
+  }
+}
+
+void World::check_dead() {
+  for (const auto& node : nodes_) {
+    if (!node->is_honest()) continue;
+    for (const auto& [prefix, life] : ledger_.lives())
+      if (life.died != kNever && now_ - life.died > Invariants::kMaxMemory &&
+          node->participant().is_authenticated(prefix))
+        invariants_.fail(invariant::kGone, node->subject().name + " still knows " +
+                                               prefix.to_string() + " of " + life.subject->name);
   }
 }
 
