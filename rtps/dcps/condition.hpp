@@ -51,7 +51,7 @@ class StatusCondition final : public Condition {
   void set_enabled_statuses(StatusMask statuses);
 
  private:
-  friend class Entity;
+  friend class StatusChanges;
   void update();
 
   Entity& entity_;

@@ -104,8 +104,8 @@ Result<std::size_t> AnyDataReader::access(const Query& query, std::vector<OctetS
     return no_such_instance();
   const auto before = out.size();
   cache_->select(query, context_.moment(), out);
-  clear(StatusKind::data_available);
-  subscriber().clear(StatusKind::data_on_readers);
+  changes_.clear(StatusKind::data_available);
+  subscriber().changes_.clear(StatusKind::data_on_readers);
   if (query.take && std::exchange(refused_, false)) {
     if (auto* reader = context_.protocol().local_endpoints().reader(guid_)) reader->offer_again();
     context_.reschedule();

@@ -87,7 +87,6 @@ class AnyDataReader : public Endpoint, private PresentedReader {
   void on_sample_dropped(const Guid& writer, std::uint32_t octets) override;
   void on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal) override;
   void on_alive(const Guid& writer) override;
-  void on_acknowledged() override {}
   void on_group(const Guid& writer, SequenceNumber group) override;
   bool has_room(std::size_t samples) const override { return cache_->has_room(samples); }
   void present(Change& change) override { store(change); }

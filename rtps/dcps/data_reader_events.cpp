@@ -92,19 +92,19 @@ bool AnyDataReader::reject(const Change& change, const ReaderCache::Stored& stor
   rejected_.count();
   rejected_.last_reason = stored.reason;
   rejected_.last_instance_handle = stored.instance;
-  note(StatusKind::sample_rejected);
+  changes_.note(StatusKind::sample_rejected);
   return false;
 }
 
 void AnyDataReader::data_came() {
   update_conditions();
-  note(StatusKind::data_available);
-  subscriber().note(StatusKind::data_on_readers);
+  changes_.note(StatusKind::data_available);
+  subscriber().changes_.note(StatusKind::data_on_readers);
 }
 
 void AnyDataReader::on_sample_lost(std::int64_t count) {
   lost_.count(count);
-  note(StatusKind::sample_lost);
+  changes_.note(StatusKind::sample_lost);
 }
 
 void AnyDataReader::on_sample_dropped(const Guid& writer, std::uint32_t octets) {
@@ -133,7 +133,7 @@ void AnyDataReader::on_alive(const Guid& writer) {
 
 void AnyDataReader::liveliness_moved() {
   call_at(liveliness_.next_tick());
-  if (liveliness_.take_changed()) note(StatusKind::liveliness_changed);
+  if (liveliness_.take_changed()) changes_.note(StatusKind::liveliness_changed);
 }
 
 void AnyDataReader::on_time(MonotonicTime now) {
@@ -164,7 +164,7 @@ SampleRejectedStatus AnyDataReader::sample_rejected_status() {
 
 LivelinessChangedStatus AnyDataReader::liveliness_changed_status() {
   const auto held = lock();
-  clear(StatusKind::liveliness_changed);
+  changes_.clear(StatusKind::liveliness_changed);
   const auto status = liveliness_.status();
   liveliness_.reset_changes();
   return status;
@@ -194,11 +194,11 @@ void AnyDataReader::tell_of_data() {
   DataReaderListener* of_data = nullptr;
   {
     const auto held = lock();
-    if (!has_changed(StatusKind::data_available)) return;
+    if (!changes_.contains(StatusKind::data_available)) return;
     of_readers = subscriber().listener_for(StatusKind::data_on_readers);
     if (of_readers == nullptr) of_data = listener_for(StatusKind::data_available);
-    if (of_data != nullptr) clear(StatusKind::data_available);
-    subscriber().clear(StatusKind::data_on_readers);
+    if (of_data != nullptr) changes_.clear(StatusKind::data_available);
+    subscriber().changes_.clear(StatusKind::data_on_readers);
   }
   if (of_readers != nullptr) of_readers->on_data_on_readers(subscriber());
   if (of_data != nullptr) of_data->on_data_available(*this);
@@ -207,7 +207,7 @@ void AnyDataReader::tell_of_data() {
 void AnyDataReader::tell_listeners() {
   const auto listener = [this](StatusKind kind) {
     const auto held = lock();
-    return has_changed(kind) ? listener_for(kind) : nullptr;
+    return changes_.contains(kind) ? listener_for(kind) : nullptr;
   };
   if (auto* l = listener(StatusKind::subscription_matched))
     l->on_subscription_matched(*this, subscription_matched_status());

@@ -1,6 +1,7 @@
 #include "rtps/dcps/data_writer.hpp"
 
 #include "rtps/dcps/domain_participant.hpp"
+#include "rtps/dcps/writer_filter.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -21,12 +22,17 @@ AnyDataWriter::AnyDataWriter(Group& publisher, ParticipantContext& context, Topi
                {"writer", "publisher", StatusKind::publication_matched,
                 StatusKind::offered_incompatible_qos, StatusKind::offered_deadline_missed}),
       version_(version_of(qos_)),
+      listeners_(this->publisher().listening_, publisher.participant().listening_),
       instances_(qos_),
-      lease_(qos_.liveliness, context.now()) {}
+      liveliness_(context.timers(), publisher.participant().manual_liveliness_, [this] {
+        liveliness_lost_.count();
+        changes_.note(StatusKind::liveliness_lost);
+      }) {}
 
 AnyDataWriter::~AnyDataWriter() {
   retire();
-  if (store_ != nullptr) store_->close_stream(stream_);
+  const auto held = lock();
+  liveliness_.stop();
 }
 
 Publisher& AnyDataWriter::publisher() const { return static_cast<Publisher&>(group_); }
@@ -38,9 +44,44 @@ Result<Guid> AnyDataWriter::create(EndpointRequest request) {
   request.bare_key = topic_.type().bare_key;
   const auto guid = context_.protocol().create_writer(std::move(request), *this, now);
   if (guid) publisher().admit(*context_.protocol().local_endpoints().writer(*guid), now);
-  lease_ = WriterLease(qos_.liveliness, now);
-  if (guid) call_at(lease_.next_tick());
+  if (guid) liveliness_.start(qos_.liveliness, now);
   return guid;
+}
+
+Status AnyDataWriter::restore(EndpointRequest& request) {
+  auto& participant = publisher().participant();
+  auto* store = DDSSEC_TRY(participant.stores_.of(qos_.durability));
+  StreamKey key{.domain = static_cast<std::uint32_t>(participant.domain_id()),
+                .topic = request.topic_name,
+                .type = request.type_name,
+                .partition = request.qos.partition};
+  auto history =
+      DDSSEC_TRY(durability_.open(*store, std::move(key), request.qos.durability_service));
+  const auto [now, wall] = context_.moment();
+  for (auto& change : history) {
+    const auto age = wall.to_nanoseconds() - change.source_time.value_or(wall).to_nanoseconds();
+    if (WriterLifespan::is_over(qos_.lifespan, age)) continue;
+    instances_->enter(change.key_hash.value_or(KeyHash{}), [&] {
+      const auto& serialized_key = topic_.type().serialized_key;
+      return serialized_key ? serialized_key(change) : Bytes{};
+    });
+    request.history.push_back(std::move(change));
+    const SequenceNumber number{static_cast<std::int64_t>(request.history.size())};
+    lifespan_.add(number, qos_.lifespan, now, age);
+  }
+  return {};
+}
+
+std::shared_ptr<ChangeFilter> AnyDataWriter::filter_for(const EndpointData& reader) {
+  const auto& view = topic_.type().view;
+  return WriterFilter::of(reader, topic_.name(), view ? view() : nullptr);
+}
+
+void AnyDataWriter::on_time(MonotonicTime now) {
+  instances_->check_deadlines(now, [&](InstanceHandle instance) { miss_deadline(instance); });
+  lifespan_.expire(now, [&](SequenceNumber change) { protocol().discard(change); });
+  call_at(std::min(instances_->next_deadline(), lifespan_.next_tick()));
+  context_.notify();  // what was discarded made room
 }
 
 void AnyDataWriter::on_own_qos(const Qos& before) {
@@ -62,7 +103,7 @@ void AnyDataWriter::conclude() {
   for (const auto& [key, octets] : instances_->keys()) {
     if (!protocol().has_room(octets.size(), key)) break;
     Change change;
-    change.source_time = std::max(moment.wall, last_source_time_);
+    change.source_time = source_timestamps_.not_before_last(moment.wall);
     change.status = {.disposed = true, .unregistered = true};
     if (topic_.type().with_key) change.key_hash = key;
     change.key_only = true;
@@ -110,18 +151,6 @@ Status AnyDataWriter::wait_for_room(std::unique_lock<std::mutex>& lock, const Oc
   return {};
 }
 
-Result<Time> AnyDataWriter::source_time_of(const OctetWrite& change) {
-  const auto time = change.source_timestamp.value_or(context_.moment().wall);
-  const bool by_source = qos_.destination_order == DestinationOrderKind::by_source;
-  if (by_source && time < last_source_time_) {
-    if (change.source_timestamp)
-      return bad_parameter("source_timestamp", "at least the last one", "an earlier one");
-    return last_source_time_;  // somebody set the calendar back
-  }
-  last_source_time_ = time;
-  return time;
-}
-
 Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {
   // Readers give up what is larger, and a writer that sends it would hear that all is well.
   if (request.payload.size() > StatefulReader::kLargestSample)
@@ -132,23 +161,20 @@ Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {
                  .found = std::to_string(request.payload.size())});
   auto held = lock();
   DDSSEC_TRY(check_enabled(topic_.name()));
-  if (store_ != nullptr) DDSSEC_TRY(wait_for_store(held));
+  DDSSEC_TRY(durability_.wait_for_room(held, qos_.reliability.max_blocking_time.to_nanoseconds()));
   DDSSEC_TRY(instance_of(request));
   DDSSEC_TRY(wait_for_room(held, request));
   Change change;
-  change.source_time = DDSSEC_TRY(source_time_of(request));
+  const auto [now, wall] = context_.moment();
+  change.source_time =
+      DDSSEC_TRY(source_timestamps_.next(request.source_timestamp, wall, qos_.destination_order));
   change.status = status;
   change.key_hash = request.key;
   change.key_only = status != StatusInfo{};
   change.payload = Payload::copy_of(request.payload);
-  const auto now = context_.now();
-  if (publisher().presents_)
-    change.coherence = publisher().stamp(set_begin_, protocol().history().last().next());
-  if (store_ != nullptr) {
-    change.original = {guid_, protocol().history().last().next()};
-    store_->append(stream_, change, context_.moment().wall);
-    change.original = {};
-  }
+  const auto next = protocol().history().last().next();
+  if (publisher().presents_) change.coherence = publisher().stamp(set_begin_, next);
+  durability_.append(change, guid_, next, wall);
   const auto number = protocol().write(std::move(change), now);
   after_write(request.key.value_or(KeyHash{}), status, number, now);
   context_.reschedule();
@@ -163,12 +189,9 @@ void AnyDataWriter::after_write(const KeyHash& key, StatusInfo status, SequenceN
   else
     instances_->disposed(key);
   if (status.unregistered) instances_->remove(key);
-  if (alive && !qos_.lifespan.is_infinite()) {
-    expiring_.push_back({now + qos_.lifespan.to_nanoseconds(), number});
-    call_at(expiring_.front().first);
-  }
-  call_at(instances_->next_deadline());
-  assert_lease(now, false);
+  if (alive) lifespan_.add(number, qos_.lifespan, now);
+  call_at(std::min(instances_->next_deadline(), lifespan_.next_tick()));
+  liveliness_.assert_at(now, false);
 }
 
 // The numbers of a set are over; a group's marker comes from all writers (RTPS 8.7.6).
@@ -178,18 +201,6 @@ void AnyDataWriter::end_set(Coherence marker, MonotonicTime now) {
   Change change;
   change.coherence = marker;
   protocol().write(std::move(change), now);
-}
-
-void AnyDataWriter::assert_lease(MonotonicTime now, bool explicitly) {
-  switch (qos_.liveliness.kind) {
-    case LivelinessKind::automatic:
-      return;
-    case LivelinessKind::manual_by_participant:
-      return publisher().participant().assert_manual_leases(now, explicitly);
-    case LivelinessKind::manual_by_topic:
-      lease_.assert_at(now);
-      return call_at(lease_.next_tick());
-  }
 }
 
 Status AnyDataWriter::write_octets(const OctetWrite& change) { return submit(change, {}); }
@@ -233,7 +244,7 @@ Status AnyDataWriter::wait_for_acknowledgments(std::chrono::nanoseconds most) {
   protocol().ask_for_acknowledgments();
   if (context_.wait(held, most, [&] { return protocol().all_acknowledged(); })) {
     held.unlock();
-    return store_ == nullptr ? Status{} : store_->flush(most);
+    return durability_.flush(most);
   }
   return fail(Code::rtps_timeout, {.document = "writer " + guid_.to_string()});
 }
@@ -241,10 +252,20 @@ Status AnyDataWriter::wait_for_acknowledgments(std::chrono::nanoseconds most) {
 Status AnyDataWriter::assert_liveliness() {
   const auto held = lock();
   DDSSEC_TRY(check_enabled(topic_.name()));
-  assert_lease(context_.now(), true);
+  liveliness_.assert_at(context_.now(), true);
   if (qos_.liveliness.kind == LivelinessKind::manual_by_topic) protocol().assert_liveliness();
   context_.reschedule();
   return {};
+}
+
+LivelinessLostStatus AnyDataWriter::liveliness_lost_status() {
+  return read_status(StatusKind::liveliness_lost, liveliness_lost_);
+}
+
+void AnyDataWriter::set_listener(DataWriterListener* listener, StatusMask mask) {
+  const std::lock_guard callbacks(context_.callbacks());
+  const auto held = lock();
+  listeners_.set(listener, mask);
 }
 
 }  // namespace ddssec::rtps

@@ -1,10 +1,13 @@
 // DataWriter of DDS 1.4, 2.2.2.4.2.
 #pragma once
 
+#include "rtps/dcps/data_writer_listeners.hpp"
 #include "rtps/dcps/endpoint.hpp"
-#include "rtps/dcps/liveliness.hpp"
+#include "rtps/dcps/offered_liveliness.hpp"
+#include "rtps/dcps/source_timestamps.hpp"
+#include "rtps/dcps/writer_durability.hpp"
 #include "rtps/dcps/writer_instances.hpp"
-#include "rtps/durability/durable_store.hpp"
+#include "rtps/dcps/writer_lifespan.hpp"
 
 namespace ddssec::rtps {
 
@@ -65,9 +68,6 @@ class AnyDataWriter : public Endpoint {
   XcdrVersion version() const { return version_; }
 
  private:
-  bool on_change(Change&) override { return true; }
-  void on_sample_lost(std::int64_t) override {}
-  void on_alive(const Guid&) override {}
   void on_acknowledged() override { context_.notify(); }
   std::shared_ptr<ChangeFilter> filter_for(const EndpointData& reader) override;
   void on_time(MonotonicTime now) override;
@@ -75,33 +75,29 @@ class AnyDataWriter : public Endpoint {
   Result<Guid> create(EndpointRequest request) override;
   /// What a writer before it left in the store becomes its history.
   Status restore(EndpointRequest& request);
-  /// Errors: those of DurableStore::wait_for_room.
-  Status wait_for_store(std::unique_lock<std::mutex>& lock);
   void on_own_qos(const Qos& before) override;
   void conclude() override;
   void linger(std::chrono::steady_clock::time_point deadline) override;
   Status submit(const OctetWrite& change, StatusInfo status);
   Result<InstanceHandle> instance_of(const OctetWrite& change);
   Status wait_for_room(std::unique_lock<std::mutex>& lock, const OctetWrite& change);
-  Result<Time> source_time_of(const OctetWrite& change);
   void after_write(const KeyHash& key, StatusInfo status, SequenceNumber number, MonotonicTime now);
-  void assert_lease(MonotonicTime now, bool explicitly);
   void end_set(Coherence marker, MonotonicTime now);
   StatefulWriter& protocol() const { return *context_.protocol().local_endpoints().writer(guid_); }
-  DataWriterListener* listener_for(StatusKind kind) const;
-  bool has_listener(StatusKind kind) const override { return listener_for(kind) != nullptr; }
-  void tell_listeners() override;
+  bool has_listener(StatusKind kind) const override {
+    return listeners_.for_status(kind) != nullptr;
+  }
+  void tell_listeners() override { listeners_.tell(*this, changes_, context_.mutex()); }
 
   const XcdrVersion version_;
-  Listening<DataWriterListener> listening_;
+  DataWriterListeners listeners_;
   std::optional<WriterInstances> instances_;
-  DurableStore* store_ = nullptr;  ///< TRANSIENT and PERSISTENT
-  StreamId stream_;
-  WriterLease lease_;
+  SourceTimestamps source_timestamps_;
+  WriterDurability durability_;
+  OfferedLiveliness liveliness_;
+  WriterLifespan lifespan_;
   SequenceNumber set_begin_;  ///< of the open coherent set; 0: wrote nothing in it
   bool concluded_ = false;    ///< there was something to say
-  Ring<std::pair<MonotonicTime, SequenceNumber>> expiring_;  ///< LIFESPAN, oldest first
-  Time last_source_time_{};
   LivelinessLostStatus liveliness_lost_;
 };
 

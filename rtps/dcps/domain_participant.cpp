@@ -108,7 +108,11 @@ DomainParticipant::DomainParticipant(DomainParticipantOptions options,
     : ContextHolder(environment, *this, options),
       Entity(own_context_),
       options_(std::move(options)),
-      qos_{options_.user_data} {}
+      qos_{options_.user_data},
+      stores_(environment.events),
+      manual_liveliness_([this](MonotonicTime now) {
+        context_.protocol().assert_liveliness(LivelinessKind::manual_by_participant, now);
+      }) {}
 
 Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
     DomainParticipantOptions options, const Environment& environment) {
@@ -122,8 +126,7 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
   std::unique_ptr<DomainParticipant> out(new DomainParticipant(std::move(options), environment));
   out->interfaces_ = std::move(interfaces);
   if (const auto& options = out->options_; !options.durability_store.empty())
-    out->persistent_ = DDSSEC_TRY(DurableStore::open(options.durability_store, environment.events,
-                                                     options.durability_store_octets));
+    DDSSEC_TRY(out->stores_.open_file(options.durability_store, options.durability_store_octets));
   DDSSEC_TRY(out->open_sockets());
   std::unique_ptr<OwnSecurity> security;
   if (const auto& wanted = out->options_.security) {

@@ -6,7 +6,7 @@
 #include "rtps/dcps/content_filtered_topic.hpp"
 #include "rtps/dcps/publisher.hpp"
 #include "rtps/dcps/subscriber.hpp"
-#include "rtps/durability/durable_store.hpp"
+#include "rtps/durability/durable_stores.hpp"
 #include "rtps/transport/event_loop.hpp"
 #include "rtps/transport/interfaces.hpp"
 #include "rtps/transport/ports.hpp"
@@ -186,12 +186,6 @@ class DomainParticipant final : private ParticipantContext::Server,
   Status start(const GuidPrefix& prefix, std::unique_ptr<OwnSecurity> security);
   void wake() override;
   void serve(std::chrono::nanoseconds most) override;
-  /// With the lock held: whichever of them writes asserts all.
-  void assert_manual_leases(MonotonicTime now, bool explicitly);
-  bool has_listener(StatusKind) const override { return false; }  // contained entities tell them
-  void tell_listeners() override {}
-  /// With the lock held. Errors: those of DurableStore::open.
-  Result<DurableStore*> store_for(DurabilityKind kind);
   /// Errors: rtps_bad_parameter.
   static Status check_name(std::string_view name);
   /// Success if no topic has the name. Errors: rtps_precondition_not_met, which says how to get it.
@@ -210,11 +204,11 @@ class DomainParticipant final : private ParticipantContext::Server,
   Qos default_topic_qos_;
   std::vector<NetworkInterface> interfaces_;
   int index_ = 0;
-  MonotonicTime next_assertion_{};  ///< writes of manual writers are told to all no earlier
   Guid guid_;
   Listening<DomainParticipantListener> listening_;
   std::unique_ptr<Sockets> sockets_;
-  std::unique_ptr<DurableStore> persistent_, transient_;
+  DurableStores stores_;
+  ManualLiveliness manual_liveliness_;
   std::vector<std::unique_ptr<Topic>> topics_;
   std::vector<std::unique_ptr<ContentFilteredTopic>> filtered_topics_;  // refer to topics
   std::vector<std::unique_ptr<Publisher>> publishers_;

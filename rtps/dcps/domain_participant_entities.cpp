@@ -198,28 +198,10 @@ bool DomainParticipant::contains_entities() const {
          !subscribers_.empty();
 }
 
-// Samples assert their writer's participant to the readers that they reach; the others must hear it
-// too, but not with every sample.
-void DomainParticipant::assert_manual_leases(MonotonicTime now, bool explicitly) {
-  auto shortest = kNever;
-  for (auto& publisher : publishers_)
-    for (auto& member : publisher->members_) {
-      auto& writer = Publisher::writer_of(member);
-      if (!writer.enabled() || writer.qos_.liveliness.kind != LivelinessKind::manual_by_participant)
-        continue;
-      writer.lease_.assert_at(now);
-      writer.call_at(writer.lease_.next_tick());
-      shortest = std::min(shortest, writer.qos_.liveliness.lease_duration.to_nanoseconds());
-    }
-  if (shortest == kNever || (!explicitly && now < next_assertion_)) return;
-  next_assertion_ = now + shortest / 3;
-  context_.protocol().assert_liveliness(LivelinessKind::manual_by_participant, now);
-}
-
 Status DomainParticipant::assert_liveliness() {
   const auto held = lock();
   DDSSEC_TRY(check_enabled("participant"));
-  assert_manual_leases(context_.now(), true);
+  manual_liveliness_.assert_all(context_.now(), true);
   context_.reschedule();
   return {};
 }

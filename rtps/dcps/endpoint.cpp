@@ -79,7 +79,7 @@ void Endpoint::on_matched(const EndpointData& remote) {
   ++matched_.current_count;
   ++matched_.current_count_change;
   matched_.last_remote = remote.guid;
-  note(side_.matched);
+  changes_.note(side_.matched);
 }
 
 void Endpoint::on_unmatched(const Guid& remote) {
@@ -87,7 +87,7 @@ void Endpoint::on_unmatched(const Guid& remote) {
   --matched_.current_count;
   --matched_.current_count_change;
   matched_.last_remote = remote;
-  note(side_.matched);
+  changes_.note(side_.matched);
 }
 
 void Endpoint::on_incompatible_qos(const Guid& remote, const QosMismatch& mismatch) {
@@ -96,7 +96,7 @@ void Endpoint::on_incompatible_qos(const Guid& remote, const QosMismatch& mismat
   ++incompatible_.policies[mismatch.id];
   incompatible_.last = mismatch;
   incompatible_.last_remote = remote;
-  note(side_.incompatible_qos);
+  changes_.note(side_.incompatible_qos);
 }
 
 void Endpoint::on_inconsistent_topic(const EndpointData&) { topic_.on_inconsistent(); }
@@ -104,12 +104,12 @@ void Endpoint::on_inconsistent_topic(const EndpointData&) { topic_.on_inconsiste
 void Endpoint::miss_deadline(InstanceHandle instance) {
   deadline_missed_.count();
   deadline_missed_.last_instance_handle = instance;
-  note(side_.deadline_missed);
+  changes_.note(side_.deadline_missed);
 }
 
 MatchedStatus Endpoint::read_matched_status() {
   const auto held = lock();
-  clear(side_.matched);
+  changes_.clear(side_.matched);
   const auto out = matched_;
   matched_.total_count_change = matched_.current_count_change = 0;
   return out;

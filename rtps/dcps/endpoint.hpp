@@ -92,7 +92,7 @@ class Endpoint : public Entity, protected EndpointListener, protected Timed {
 template <class Status>
 Status Endpoint::read_status(StatusKind kind, Status& status) {
   const auto held = lock();
-  clear(kind);
+  changes_.clear(kind);
   const auto out = status;
   status.total_count_change = 0;
   return out;

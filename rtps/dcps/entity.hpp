@@ -1,9 +1,8 @@
 // What all entities have in common (DDS 1.4, 2.2.2.1.1).
 #pragma once
 
-#include "rtps/dcps/condition.hpp"
 #include "rtps/dcps/listener.hpp"
-#include "rtps/dcps/participant_context.hpp"
+#include "rtps/dcps/status_changes.hpp"
 
 namespace ddssec::rtps {
 
@@ -13,7 +12,7 @@ class Entity {
   Entity(const Entity&) = delete;
   Entity& operator=(const Entity&) = delete;
 
-  StatusCondition& status_condition() { return condition_; }
+  StatusCondition& status_condition() { return changes_.condition(); }
   /// Statuses that changed since they were last read, or a listener was told.
   StatusMask status_changes() const;
   bool is_enabled() const;
@@ -23,7 +22,7 @@ class Entity {
   virtual Status enable() = 0;
 
  protected:
-  explicit Entity(ParticipantContext& context) : context_(context), condition_(*this) {}
+  explicit Entity(ParticipantContext& context) : context_(context), changes_(*this, context) {}
 
   std::unique_lock<std::mutex> lock() const { return std::unique_lock(context_.mutex()); }
 
@@ -31,24 +30,20 @@ class Entity {
   void mark_enabled() { enabled_ = true; }
   bool enabled() const { return enabled_; }
   Status check_enabled(std::string_view what) const;
-  void note(StatusKind kind);
-  /// The status was read.
-  void clear(StatusKind kind);
-  bool has_changed(StatusKind kind) const { return changes_.contains(kind); }
-  virtual bool has_listener(StatusKind kind) const = 0;
+  /// By default none: the entities that it contains call its listener.
+  virtual bool has_listener(StatusKind) const { return false; }
 
   /// Calls the listeners for what changed; without the lock.
-  virtual void tell_listeners() = 0;
+  virtual void tell_listeners() {}
 
   ParticipantContext& context_;
+  StatusChanges changes_;
 
  private:
   friend class ParticipantContext;
+  friend class StatusChanges;
   friend class StatusCondition;
 
-  StatusCondition condition_;
-  Link<Entity> pending_{this};
-  StatusMask changes_;
   bool enabled_ = false;
 };
 

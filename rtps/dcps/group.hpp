@@ -86,8 +86,6 @@ class Group : public Entity {
   Status check_topic(const Topic& topic, std::string_view type) const;
   Status adopt(std::unique_ptr<Endpoint> member);
   Status take_out(Endpoint& member, std::unique_ptr<Endpoint>& dying);
-  bool has_listener(StatusKind) const override { return false; }  // its members tell them
-  void tell_listeners() override {}
 
   const std::string_view name_;
   GroupQos qos_;

@@ -51,7 +51,7 @@ bool ParticipantContext::dispatch() {
       const std::lock_guard lock(mutex_);
       if (pending_.empty()) break;
       entity = pending_.front();
-      entity->pending_.leave();
+      entity->changes_.leave_queue();
     }
     entity->tell_listeners();
     any = true;

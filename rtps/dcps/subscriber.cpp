@@ -89,7 +89,7 @@ void Subscriber::notify_datareaders() {
     {
       const auto held = lock();
       listener = reader->listener_for(StatusKind::data_available);
-      if (listener != nullptr) reader->clear(StatusKind::data_available);
+      if (listener != nullptr) reader->changes_.clear(StatusKind::data_available);
     }
     if (listener != nullptr) listener->on_data_available(*reader);
   }

@@ -53,12 +53,12 @@ TopicListener* Topic::listener_for(StatusKind kind) const {
 
 void Topic::on_inconsistent() {
   inconsistent_.count();
-  note(StatusKind::inconsistent_topic);
+  changes_.note(StatusKind::inconsistent_topic);
 }
 
 InconsistentTopicStatus Topic::inconsistent_topic_status() {
   const auto held = lock();
-  clear(StatusKind::inconsistent_topic);
+  changes_.clear(StatusKind::inconsistent_topic);
   const auto status = inconsistent_;
   inconsistent_.total_count_change = 0;
   return status;
@@ -68,7 +68,7 @@ void Topic::tell_listeners() {
   TopicListener* listener = nullptr;
   {
     const auto held = lock();
-    if (has_changed(StatusKind::inconsistent_topic))
+    if (changes_.contains(StatusKind::inconsistent_topic))
       listener = listener_for(StatusKind::inconsistent_topic);
   }
   if (listener != nullptr) listener->on_inconsistent_topic(*this, inconsistent_topic_status());

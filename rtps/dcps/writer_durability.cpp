@@ -1,60 +1,39 @@
-// AnyDataWriter, the part that DURABILITY TRANSIENT and PERSISTENT are about (DDS 1.4, 2.2.3.4).
-#include "rtps/dcps/domain_participant.hpp"
+#include "rtps/dcps/writer_durability.hpp"
 
 namespace ddssec::rtps {
-namespace {
 
-constexpr std::size_t kMostOctetsInMemory = std::size_t{256} << 20;
-
-}  // namespace
-
-Result<DurableStore*> DomainParticipant::store_for(DurabilityKind kind) {
-  auto& events = context_.environment().events;
-  if (kind == DurabilityKind::persistent && persistent_) return persistent_.get();
-  if (kind == DurabilityKind::persistent)
-    events.raise(Event(Error(Code::rtps_store_unusable,
-                             {.document = "participant options",
-                              .field = "durability_store",
-                              .expected = "a path, for a writer with DURABILITY PERSISTENT",
-                              .found = "none: its samples last as long as the participant"})));
-  if (!transient_) transient_ = DDSSEC_TRY(DurableStore::open("", events, kMostOctetsInMemory));
-  return transient_.get();
+WriterDurability::~WriterDurability() {
+  if (is_open()) store_->close_stream(stream_);
 }
 
-Status AnyDataWriter::restore(EndpointRequest& request) {
-  auto& participant = publisher().participant();
-  auto* store = DDSSEC_TRY(participant.store_for(qos_.durability));
-  StreamKey key{.domain = static_cast<std::uint32_t>(participant.domain_id()),
-                .topic = request.topic_name,
-                .type = request.type_name,
-                .partition = request.qos.partition};
-  auto opened = DDSSEC_TRY(store->open_stream(std::move(key), request.qos.durability_service));
-  store_ = store;
+Result<std::vector<Change>> WriterDurability::open(DurableStore& store, StreamKey key,
+                                                   const DurabilityService& service) {
+  auto opened = DDSSEC_TRY(store.open_stream(std::move(key), service));
+  store_ = &store;
   stream_ = opened.id;
-  const auto [now, wall] = context_.moment();
-  const auto lifespan = qos_.lifespan.to_nanoseconds();
-  for (auto& change : opened.history) {
-    const auto age = wall.to_nanoseconds() - change.source_time.value_or(wall).to_nanoseconds();
-    if (!qos_.lifespan.is_infinite() && age >= lifespan) continue;
-    instances_->enter(change.key_hash.value_or(KeyHash{}), [&] {
-      const auto& serialized_key = topic_.type().serialized_key;
-      return serialized_key ? serialized_key(change) : Bytes{};
-    });
-    request.history.push_back(std::move(change));
-    if (!qos_.lifespan.is_infinite())
-      expiring_.push_back({now + lifespan - age,
-                           SequenceNumber{static_cast<std::int64_t>(request.history.size())}});
-  }
-  return {};
+  return std::move(opened.history);
 }
 
-Status AnyDataWriter::wait_for_store(std::unique_lock<std::mutex>& lock) {
+void WriterDurability::append(Change& change, const Guid& writer, SequenceNumber number, Time now) {
+  if (!is_open()) return;
+  change.original = {writer, number};
+  store_->append(stream_, change, now);
+  change.original = {};
+}
+
+Status WriterDurability::wait_for_room(std::unique_lock<std::mutex>& lock,
+                                       std::chrono::nanoseconds most) {
+  if (!is_open()) return {};
   DDSSEC_TRY(store_->status());
   if (!store_->is_behind()) return {};
   lock.unlock();
-  auto room = store_->wait_for_room(qos_.reliability.max_blocking_time.to_nanoseconds());
+  auto room = store_->wait_for_room(most);
   lock.lock();
   return room;
+}
+
+Status WriterDurability::flush(std::chrono::nanoseconds most) {
+  return is_open() ? store_->flush(most) : Status{};
 }
 
 }  // namespace ddssec::rtps

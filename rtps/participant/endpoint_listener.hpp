@@ -19,9 +19,9 @@ class EndpointListener {
   /// The same topic name with another type, or with keys on one side only.
   virtual void on_inconsistent_topic(const EndpointData& remote) = 0;
   /// A reader's: takes the change or refuses it for now (see StatefulReader::Deliver).
-  virtual bool on_change(Change& change) = 0;
+  virtual bool on_change(Change&) { return true; }
   /// A reader's: so many changes of a writer will never come.
-  virtual void on_sample_lost(std::int64_t count) = 0;
+  virtual void on_sample_lost(std::int64_t) {}
   /// A reader's: a change of so many octets was given up, as it is larger than readers take.
   virtual void on_sample_dropped(const Guid&, std::uint32_t) { on_sample_lost(1); }
   /// A reader's: the matched writer, which offers a finite lease_duration, is asserted together
@@ -29,11 +29,11 @@ class EndpointListener {
   virtual void on_signal(const Guid&, std::shared_ptr<LivelinessSignal>) {}
   /// A reader's: the matched writer, of MANUAL_BY_TOPIC and a finite lease_duration, asserted
   /// itself; or the reader asked LivelinessSignal::notify for it.
-  virtual void on_alive(const Guid& writer) = 0;
+  virtual void on_alive(const Guid&) {}
   /// A reader's: the writer has nothing undelivered up to that group sequence number.
   virtual void on_group(const Guid&, SequenceNumber) {}
   /// A writer's: there may be room again.
-  virtual void on_acknowledged() = 0;
+  virtual void on_acknowledged() {}
   /// Its payloads are encrypted, and with them its keys (DDS-Security 7.4.4). Said before anything
   /// else.
   virtual void on_key_protected() {}

@@ -1,0 +1,36 @@
+// Which communication statuses of an entity have changed (DDS 1.4, 2.2.2.1.1.4).
+#pragma once
+
+#include "rtps/dcps/condition.hpp"
+#include "rtps/dcps/participant_context.hpp"
+
+namespace ddssec::rtps {
+
+/// The statuses that changed since they were last read, or a listener was told. They trigger the
+/// entity's StatusCondition. The caller holds the participant's lock.
+class StatusChanges {
+ public:
+  /// `entity` and `context` outlive it.
+  StatusChanges(Entity& entity, ParticipantContext& context)
+      : entity_(entity), context_(context), condition_(entity), pending_(&entity) {}
+
+  /// The status changed: waiting calls look again, and its listener, if there is one, will hear it.
+  void note(StatusKind kind);
+  /// The status was read.
+  void clear(StatusKind kind);
+  bool contains(StatusKind kind) const { return changed_.contains(kind); }
+  StatusMask all() const { return changed_; }
+  /// No listener has to hear anything for now.
+  void leave_queue() { pending_.leave(); }
+
+  StatusCondition& condition() { return condition_; }
+
+ private:
+  Entity& entity_;
+  ParticipantContext& context_;
+  StatusCondition condition_;
+  Link<Entity> pending_;
+  StatusMask changed_;
+};
+
+}  // namespace ddssec::rtps

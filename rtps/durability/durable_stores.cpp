@@ -1,0 +1,22 @@
+#include "rtps/durability/durable_stores.hpp"
+
+namespace ddssec::rtps {
+
+Status DurableStores::open_file(const std::string& path, std::size_t most_octets) {
+  persistent_ = DDSSEC_TRY(DurableStore::open(path, events_, most_octets));
+  return {};
+}
+
+Result<DurableStore*> DurableStores::of(DurabilityKind kind) {
+  if (kind == DurabilityKind::persistent && persistent_) return persistent_.get();
+  if (kind == DurabilityKind::persistent)
+    events_.raise(Event(Error(Code::rtps_store_unusable,
+                              {.document = "participant options",
+                               .field = "durability_store",
+                               .expected = "a path, for a writer with DURABILITY PERSISTENT",
+                               .found = "none: its samples last as long as the participant"})));
+  if (!transient_) transient_ = DDSSEC_TRY(DurableStore::open("", events_, kMaxOctetsInMemory));
+  return transient_.get();
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,80 @@
+// The stores of a participant, and the stream of a writer in one of them.
+#include "rtps/dcps/writer_durability.hpp"
+
+#include "rtps/durability/durable_stores.hpp"
+#include "tests/unit/rtps_durability/store_fixture.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+using namespace std::chrono_literals;
+
+constexpr std::size_t kMebibyte = std::size_t{1} << 20;
+
+struct WriterDurabilityTest : StoreTest {
+  Events events;
+  DurableStores stores{events};
+  const Guid writer{GuidPrefix{{1, 2, 3}}, kWriter};
+};
+
+TEST_F(WriterDurabilityTest, NotOpened_NothingHappens) {
+  WriterDurability durability;
+  std::mutex mutex;
+  std::unique_lock lock(mutex);
+  auto change = sample(1);
+  durability.append(change, writer, {1}, seconds(0));
+  EXPECT_FALSE(durability.is_open());
+  EXPECT_EQ(change.original.number.value, 0);
+  EXPECT_TRUE(durability.wait_for_room(lock, 0ns));
+  EXPECT_TRUE(durability.flush(0ns));
+}
+
+TEST_F(WriterDurabilityTest, NextWriter_GetsWhatTheOneBeforeLeft_WithItsName) {
+  ASSERT_TRUE(stores.open_file(path, kMebibyte));
+  auto& store = **stores.of(DurabilityKind::persistent);
+  {
+    WriterDurability first;
+    EXPECT_TRUE(first.open(store, kMap, keep_all())->empty());
+    auto change = sample(7);
+    first.append(change, writer, {41}, seconds(0));
+    EXPECT_EQ(change.original.number.value, 0);  // what is sent names no other writer
+    ASSERT_TRUE(first.flush(10s));
+    WriterDurability beside_it;
+    EXPECT_TRUE(beside_it.open(store, kMap, keep_all())->empty());
+  }
+  WriterDurability next;
+  const auto history = next.open(store, kMap, keep_all());
+  ASSERT_TRUE(history);
+  ASSERT_EQ(numbers(*history), std::vector<std::uint32_t>{7});
+  EXPECT_EQ(history->front().original.writer, writer);
+}
+
+TEST_F(WriterDurabilityTest, StoreWithRoom_IsNotWaitedFor) {
+  WriterDurability durability;
+  ASSERT_TRUE(durability.open(**stores.of(DurabilityKind::transient), kMap, keep_all()));
+  std::mutex mutex;
+  std::unique_lock lock(mutex);
+  EXPECT_TRUE(durability.wait_for_room(lock, 0ns));
+  EXPECT_TRUE(lock.owns_lock());
+}
+
+TEST_F(WriterDurabilityTest, StoresOf_KindsWithAFile_AreTwo) {
+  ASSERT_TRUE(stores.open_file(path, kMebibyte));
+  auto* persistent = *stores.of(DurabilityKind::persistent);
+  auto* transient = *stores.of(DurabilityKind::transient);
+  EXPECT_NE(persistent, transient);
+  EXPECT_EQ(*stores.of(DurabilityKind::transient), transient);
+  EXPECT_TRUE(events.seen.empty());
+}
+
+TEST_F(WriterDurabilityTest, StoresOf_PersistentWithoutAFile_IsMemoryAndAWarning) {
+  const auto store = stores.of(DurabilityKind::persistent);
+  ASSERT_TRUE(store);
+  EXPECT_EQ(*store, *stores.of(DurabilityKind::transient));
+  ASSERT_EQ(events.seen.size(), 1u);
+  EXPECT_EQ(events.seen.front().error.code(), Code::rtps_store_unusable);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
