@@ -65,9 +65,11 @@ class ReadCondition : public Condition {
   const States& states() const { return states_; }
   /// nullptr if it is no QueryCondition, or one whose expression is empty. Only for the reader.
   BoundFilter* query() const { return query_.get(); }
+  /// Errors: rtps_precondition_not_met (it is another reader's).
+  Status check_reader(const AnyDataReader& reader) const;
 
  protected:
-  friend class AnyDataReader;
+  friend class ReadConditions;
   ReadCondition(AnyDataReader& reader, const States& states) : reader_(reader), states_(states) {}
 
   AnyDataReader& reader_;
@@ -85,7 +87,7 @@ class QueryCondition final : public ReadCondition {
   Status set_query_parameters(std::vector<std::string> parameters);
 
  private:
-  friend class AnyDataReader;
+  friend class ReadConditions;
   QueryCondition(AnyDataReader& reader, const States& states, FilterText text,
                  std::unique_ptr<BoundFilter> query)
       : ReadCondition(reader, states), text_(std::move(text)) {

@@ -36,7 +36,11 @@ Status ContentFilteredTopic::set_expression_parameters(std::vector<std::string> 
   FilterText text{text_.expression, std::move(parameters)};
   DDSSEC_TRY(compile(text));
   text_.parameters = std::move(text.parameters);
-  for (auto* reader : readers_) DDSSEC_TRY(reader->on_filter_changed());
+  for (auto* reader : readers_) {
+    DDSSEC_TRY(reader->update());
+    if (reader->reader())
+      context_.protocol().change_filter(*reader->reader(), property(), context_.now());
+  }
   context_.reschedule();
   return {};
 }

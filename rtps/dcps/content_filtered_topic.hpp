@@ -7,7 +7,7 @@
 
 namespace ddssec::rtps {
 
-class AnyDataReader;
+class ReaderFilter;
 
 /// A topic of which readers get only what passes a filter. Made and deleted by its participant. Any
 /// thread may call.
@@ -26,7 +26,7 @@ class ContentFilteredTopic {
   Status set_expression_parameters(std::vector<std::string> parameters);
 
  private:
-  friend class AnyDataReader;
+  friend class ReaderFilter;
   friend class DomainParticipant;
   ContentFilteredTopic(ParticipantContext& context, std::string name, Topic& related,
                        FilterText text);
@@ -39,7 +39,7 @@ class ContentFilteredTopic {
   const std::string name_;
   Topic& related_;
   FilterText text_;
-  std::vector<AnyDataReader*> readers_;
+  std::vector<ReaderFilter*> readers_;
 };
 
 }  // namespace ddssec::rtps

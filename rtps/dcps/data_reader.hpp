@@ -2,11 +2,11 @@
 #pragma once
 
 #include "rtps/dcps/content_filtered_topic.hpp"
+#include "rtps/dcps/data_reader_listeners.hpp"
 #include "rtps/dcps/endpoint.hpp"
-#include "rtps/dcps/liveliness.hpp"
-#include "rtps/dcps/presenter.hpp"
+#include "rtps/dcps/requested_liveliness.hpp"
 #include "rtps/dcps/sample_access.hpp"
-#include "rtps/dcps/seen_originals.hpp"
+#include "rtps/dcps/sample_reception.hpp"
 
 namespace ddssec::rtps {
 
@@ -14,13 +14,13 @@ class Subscriber;
 
 /// A reader of octets; what DataReader<T> stands on. Made and deleted by its subscriber. Any thread
 /// may call.
-class AnyDataReader : public Endpoint, private PresentedReader {
+class AnyDataReader : public Endpoint {
  public:
   ~AnyDataReader() override;
 
   Subscriber& subscriber() const;
   /// nullptr if it gets everything.
-  ContentFilteredTopic* content_filtered_topic() const { return filtered_topic_; }
+  ContentFilteredTopic* content_filtered_topic() const { return filter_.topic(); }
   void set_listener(DataReaderListener* listener, StatusMask mask = kAnyStatus);
 
   /// Appends what the query asks for to `out` and says how much that is. Errors: rtps_not_enabled,
@@ -60,7 +60,7 @@ class AnyDataReader : public Endpoint, private PresentedReader {
     return matched_data(writer);
   }
   /// Samples that could not be read; never reset.
-  std::uint64_t malformed() const { return malformed_; }
+  std::uint64_t malformed() const { return reception_.samples().malformed(); }
 
  protected:
   friend class BuiltinTopics;
@@ -68,64 +68,36 @@ class AnyDataReader : public Endpoint, private PresentedReader {
   friend class Subscriber;
   AnyDataReader(Group& subscriber, ParticipantContext& context, Topic& topic, Qos qos);
   /// A sample that turned out not to be one of the type.
-  void count_malformed() { ++malformed_; }
-  /// Errors: rtps_precondition_not_met (another reader's).
-  Status check_own(const ReadCondition& condition) const;
+  void count_malformed() { reception_.samples().count_malformed(); }
 
  private:
-  friend class ContentFilteredTopic;
   friend class QueryCondition;
-  /// Before it is enabled.
-  Status filter_by(ContentFilteredTopic& topic);
-  Status on_filter_changed();
-  /// nullptr for an empty expression.
-  Result<std::unique_ptr<BoundFilter>> compile_query(const FilterText& text) const;
   void on_matched(const EndpointData& remote) override;
   void on_unmatched(const Guid& remote) override;
-  bool on_change(Change& change) override;
-  void on_sample_lost(std::int64_t count) override;
-  void on_sample_dropped(const Guid& writer, std::uint32_t octets) override;
-  void on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal) override;
+  bool on_change(Change& change) override { return reception_.on_change(change); }
+  void on_sample_lost(std::int64_t count) override { reception_.on_lost(count); }
+  void on_sample_dropped(const Guid& writer, std::uint32_t octets) override {
+    reception_.on_dropped(writer, octets);
+  }
+  void on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal) override {
+    liveliness_.on_signal(writer, std::move(signal));
+  }
   void on_alive(const Guid& writer) override;
-  void on_group(const Guid& writer, SequenceNumber group) override;
-  bool has_room(std::size_t samples) const override { return cache_->has_room(samples); }
-  void present(Change& change) override { store(change); }
-  void lose(std::size_t samples) override { on_sample_lost(static_cast<std::int64_t>(samples)); }
-  void on_time(MonotonicTime now) override;
+  void on_group(const Guid& writer, SequenceNumber group) override {
+    reception_.on_group(writer, group);
+  }
 
   Result<Guid> create(EndpointRequest request) override;
-  void on_own_qos(const Qos& before) override;
+  void on_own_qos(const Qos& before) override { reception_.change_qos(before, qos_, enabled()); }
   Status check_unused() const override;
-  void make_cache();
-  void choose_presenter(const Presentation& presentation);
-  /// Between begin_access and end_access, if it has a presenter of its own.
-  void pause(bool paused, MonotonicTime now);
-  bool store(Change& change);
-  void report_unreadable_key(const Change& change);
-  bool reject(const Change& change, const ReaderCache::Stored& stored);
-  void data_came();
-  void update_conditions();
-  void liveliness_moved();
-  DataReaderListener* listener_for(StatusKind kind) const;
-  bool has_listener(StatusKind kind) const override;
+  bool has_listener(StatusKind kind) const override { return listeners_.has(kind); }
   void tell_listeners() override;
-  void tell_of_data();
 
-  Listening<DataReaderListener> listening_;
-  std::optional<ReaderCache> cache_;
-  ContentFilteredTopic* filtered_topic_ = nullptr;
-  std::optional<BoundFilter> filter_;
-  std::optional<SeenOriginals> seen_;  ///< of who asks for history
-  LivelinessMonitor liveliness_;
-  Presenter* presenter_ = nullptr;  ///< own, or the subscriber's; nothing: not needed
-  std::unique_ptr<Presenter> own_presenter_;
-  std::uint64_t arrivals_ = 0;
-  std::vector<std::unique_ptr<ReadCondition>> conditions_;
-  bool refused_ = false;  ///< a writer waits for room
-  std::pair<Guid, SequenceNumber> last_rejected_;
-  SampleLostStatus lost_;
-  SampleRejectedStatus rejected_;
-  std::atomic<std::uint64_t> malformed_ = 0;
+  DataReaderListeners listeners_;
+  ReadConditions conditions_;
+  ReaderFilter filter_;
+  SampleReception reception_;
+  RequestedLiveliness liveliness_;
 };
 
 /// Octets in, octets out.
@@ -150,7 +122,7 @@ class DataReader final : public AnyDataReader, public SampleAccess<DataReader<T>
   std::optional<Sample<T>> read_next_sample() { return next(false); }
   InstanceHandle lookup_instance(const T& sample) const {
     Bytes scratch;
-    return lookup_key(has_key<T>() ? key_hash(sample, scratch, key_is_protected_, version_of(qos()))
+    return lookup_key(has_key<T>() ? key_hash(sample, scratch, keys_.hidden, version_of(qos()))
                                    : KeyHash{});
   }
   /// A sample with its key alone. Errors: rtps_bad_parameter.

@@ -21,6 +21,7 @@ AnyDataWriter::AnyDataWriter(Group& publisher, ParticipantContext& context, Topi
     : Endpoint(publisher, context, topic, std::move(qos),
                {"writer", "publisher", StatusKind::publication_matched,
                 StatusKind::offered_incompatible_qos, StatusKind::offered_deadline_missed}),
+      Timed(context.timers()),
       version_(version_of(qos_)),
       listeners_(this->publisher().listening_, publisher.participant().listening_),
       instances_(qos_),
@@ -30,8 +31,9 @@ AnyDataWriter::AnyDataWriter(Group& publisher, ParticipantContext& context, Topi
       }) {}
 
 AnyDataWriter::~AnyDataWriter() {
-  retire();
   const auto held = lock();
+  retire();
+  cancel();
   liveliness_.stop();
 }
 

@@ -24,7 +24,7 @@ struct OctetWrite {
 
 /// A writer of octets; what DataWriter<T> stands on. Made and deleted by its publisher. Any thread
 /// may call.
-class AnyDataWriter : public Endpoint {
+class AnyDataWriter : public Endpoint, private Timed {
  public:
   ~AnyDataWriter() override;
 
@@ -148,7 +148,7 @@ class DataWriter final : public AnyDataWriter {
   std::optional<KeyHash> key_of(const T& sample) {
     static const bool keyed = has_key<T>();
     if (!keyed) return std::nullopt;
-    return key_hash(sample, scratch_, key_is_protected_, version());
+    return key_hash(sample, scratch_, keys_.hidden, version());
   }
   OctetWrite change_of(const T& sample, InstanceHandle handle, std::optional<Time> time) {
     return {payload_, key_of(sample),

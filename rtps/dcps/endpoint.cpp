@@ -8,20 +8,13 @@ namespace ddssec::rtps {
 
 Endpoint::Endpoint(Group& group, ParticipantContext& context, Topic& topic, Qos qos,
                    const Side& side)
-    : Entity(context),
-      Timed(context.timers()),
-      group_(group),
-      topic_(topic),
-      side_(side),
-      qos_(std::move(qos)) {
+    : Entity(context), group_(group), topic_(topic), side_(side), qos_(std::move(qos)) {
   const auto held = lock();
   ++topic_.users_;
 }
 
 void Endpoint::retire() {
-  const auto held = lock();
   --topic_.users_;
-  cancel();
   if (!enabled() || is_builtin(guid_.entity)) return;
   context_.protocol().remove(guid_, context_.now());
   context_.reschedule();

@@ -1,9 +1,9 @@
 // What writers and readers have in common.
 #pragma once
 
-#include <atomic>
 #include <set>
 
+#include "rtps/dcps/key_protection.hpp"
 #include "rtps/dcps/topic.hpp"
 
 namespace ddssec::rtps {
@@ -12,7 +12,7 @@ class Group;
 struct GroupQos;
 
 /// A writer or a reader. Made and deleted by its publisher or subscriber. Any thread may call.
-class Endpoint : public Entity, protected EndpointListener, protected Timed {
+class Endpoint : public Entity, protected EndpointListener {
  public:
   ~Endpoint() override = default;
 
@@ -33,7 +33,8 @@ class Endpoint : public Entity, protected EndpointListener, protected Timed {
     StatusKind matched, incompatible_qos, deadline_missed;
   };
   Endpoint(Group& group, ParticipantContext& context, Topic& topic, Qos qos, const Side& side);
-  /// The first thing that the destructors of the derived ones do: nobody calls them any more.
+  /// The first thing that the destructors of the derived ones do, with the lock held: the protocol
+  /// calls them no more.
   void retire();
 
   // With the lock held:
@@ -51,8 +52,8 @@ class Endpoint : public Entity, protected EndpointListener, protected Timed {
   void on_unmatched(const Guid& remote) override;
   void on_incompatible_qos(const Guid& remote, const QosMismatch& mismatch) override;
   void on_inconsistent_topic(const EndpointData& remote) override;
-  void on_key_protected() override { key_is_protected_ = true; }
-  void on_payload_protected() override { payload_is_protected_ = true; }
+  void on_key_protected() override { keys_.hidden = true; }
+  void on_payload_protected() override { keys_.proven = true; }
   void miss_deadline(InstanceHandle instance);
   bool matched_none() const { return remotes_.empty(); }
 
@@ -78,9 +79,7 @@ class Endpoint : public Entity, protected EndpointListener, protected Timed {
   const Side side_;
   Guid guid_;
   Qos qos_;
-  /// Key hashes must not show short keys.
-  std::atomic<bool> key_is_protected_ = false;
-  std::atomic<bool> payload_is_protected_ = false;
+  KeyProtection keys_;
 
  private:
   std::set<Guid> remotes_;

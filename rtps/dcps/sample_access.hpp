@@ -108,7 +108,7 @@ class SampleAccess {
     auto& reader = static_cast<Reader&>(*this);
     if (most != kLengthUnlimited) query.most = static_cast<std::size_t>(std::max(most, 0));
     if (condition != nullptr) {
-      if (auto own = reader.check_own(*condition); !own) return std::unexpected(own.error());
+      if (auto own = condition->check_reader(reader); !own) return std::unexpected(own.error());
       query.states = condition->states();
       query.matching = condition->query();
     }

@@ -15,11 +15,6 @@ void Subscriber::set_listener(SubscriberListener* listener, StatusMask mask) {
   listening_ = {listener, mask};
 }
 
-SubscriberListener* Subscriber::listener_for(StatusKind kind) const {
-  if (auto* own = listening_.for_status(kind)) return own;
-  return participant_.listening_.for_status(kind);
-}
-
 AnyDataReader* Subscriber::lookup_datareader(std::string_view topic_name) const {
   return static_cast<AnyDataReader*>(lookup(topic_name));
 }
@@ -32,9 +27,9 @@ std::vector<AnyDataReader*> Subscriber::datareaders(const States& states) const 
   std::vector<std::pair<std::uint64_t, AnyDataReader*>> found;
   for (const auto& member : members_) {
     auto& reader = static_cast<AnyDataReader&>(*member);  // a subscriber creates nothing else
-    if (!one_by_one && reader.cache_->any(states)) found.emplace_back(0, &reader);
+    if (!one_by_one && reader.reception_.cache().any(states)) found.emplace_back(0, &reader);
     if (one_by_one)
-      for (const auto arrival : reader.cache_->arrivals(states))
+      for (const auto arrival : reader.reception_.cache().arrivals(states))
         found.emplace_back(arrival, &reader);
   }
   if (one_by_one) std::ranges::sort(found);
@@ -44,6 +39,7 @@ std::vector<AnyDataReader*> Subscriber::datareaders(const States& states) const 
 }
 
 Presenter* Subscriber::presenter(const Presentation& presentation) {
+  if (presentation.scope != PresentationScope::group) return nullptr;
   const bool needed = presentation.coherent_access || presentation.ordered_access;
   if (needed && !presenter_)
     presenter_ = std::make_unique<Presenter>(true, presentation.coherent_access,
@@ -75,24 +71,19 @@ Status Subscriber::end_access() {
 
 void Subscriber::pause(bool paused) {
   const auto now = context_.now();
-  for (const auto& member : members_) static_cast<AnyDataReader&>(*member).pause(paused, now);
+  for (const auto& member : members_)
+    static_cast<AnyDataReader&>(*member).reception_.pause(paused, now);
   if (!presenter_) return;
   presenter_->pause(paused, now);
   if (!paused && !members_.empty())
-    static_cast<AnyDataReader&>(*members_.front()).call_at(presenter_->next_tick());
+    static_cast<AnyDataReader&>(*members_.front()).reception_.schedule_presenter();
 }
 
 void Subscriber::notify_datareaders() {
   const std::lock_guard members(context_.callbacks());
-  for (auto* reader : datareaders({.sample = SampleState::not_read})) {
-    DataReaderListener* listener = nullptr;
-    {
-      const auto held = lock();
-      listener = reader->listener_for(StatusKind::data_available);
-      if (listener != nullptr) reader->changes_.clear(StatusKind::data_available);
-    }
-    if (listener != nullptr) listener->on_data_available(*reader);
-  }
+  for (auto* reader : datareaders({.sample = SampleState::not_read}))
+    reader->listeners_.tell_of_data_available(*reader,
+                                              {reader->changes_, changes_, context_.mutex()});
 }
 
 }  // namespace ddssec::rtps

@@ -76,11 +76,10 @@ class Subscriber final : public Group {
                              StatusMask mask) {
     return create<R>(topic.related_topic(), type, std::move(qos), [&](R& reader) -> Status {
       reader.set_listener(listener, mask);
-      return static_cast<AnyDataReader&>(reader).filter_by(topic);
+      const auto held = lock();
+      return static_cast<AnyDataReader&>(reader).filter_.attach(topic);
     });
   }
-  /// For DATA_ON_READERS alone.
-  SubscriberListener* listener_for(StatusKind kind) const;
 
   // With the lock held:
   /// For its readers, if its PRESENTATION has GROUP scope and needs one.

@@ -1,0 +1,43 @@
+#include "rtps/dcps/read_conditions.hpp"
+
+#include "rtps/dcps/entity.hpp"
+
+namespace ddssec::rtps {
+
+ReadCondition& ReadConditions::create(const States& states) {
+  conditions_.emplace_back(new ReadCondition(reader_, states));
+  return *conditions_.back();
+}
+
+Result<QueryCondition*> ReadConditions::create(const States& states, FilterText query) {
+  auto compiled = DDSSEC_TRY(compile(query));
+  std::unique_ptr<QueryCondition> condition(
+      new QueryCondition(reader_, states, std::move(query), std::move(compiled)));
+  auto* out = condition.get();
+  conditions_.push_back(std::move(condition));
+  return out;
+}
+
+Result<std::unique_ptr<BoundFilter>> ReadConditions::compile(const FilterText& query) const {
+  if (query.expression.find_first_not_of(" \t\r\n") == std::string::npos) return nullptr;
+  return std::make_unique<BoundFilter>(
+      DDSSEC_TRY(BoundFilter::compile(query, type_.view ? type_.view() : nullptr)));
+}
+
+Status ReadConditions::erase(const ReadCondition& condition) {
+  if (std::erase_if(conditions_, [&](const auto& c) { return c.get() == &condition; }) > 0)
+    return {};
+  return precondition_not_met("read condition", "one of this reader", "another's");
+}
+
+void ReadConditions::update(const ReaderCache& cache) {
+  for (auto& condition : conditions_)
+    condition->trigger(cache.any(condition->states(), condition->query()));
+}
+
+Status ReadCondition::check_reader(const AnyDataReader& reader) const {
+  if (&reader_ == &reader) return {};
+  return precondition_not_met("read condition", "one of this reader", "another's");
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,35 @@
+// The ReadConditions and QueryConditions of a DataReader (DDS 1.4, 2.2.2.5.8 and 2.2.2.5.9).
+#pragma once
+
+#include "rtps/dcps/condition.hpp"
+#include "rtps/dcps/reader_cache.hpp"
+#include "rtps/dcps/type_support.hpp"
+
+namespace ddssec::rtps {
+
+/// Makes and deletes them. The caller holds the participant's lock.
+class ReadConditions {
+ public:
+  /// `reader`, of samples of this type, outlives it.
+  ReadConditions(AnyDataReader& reader, const TypeSupport& type) : reader_(reader), type_(type) {}
+
+  ReadCondition& create(const States& states);
+  /// Errors: rtps_filter_invalid.
+  Result<QueryCondition*> create(const States& states, FilterText query);
+  /// nullptr for an empty expression, which finds everything. Errors: rtps_filter_invalid.
+  Result<std::unique_ptr<BoundFilter>> compile(const FilterText& query) const;
+  /// Errors: rtps_precondition_not_met (another reader's).
+  Status erase(const ReadCondition& condition);
+  void clear() { conditions_.clear(); }
+  std::size_t size() const { return conditions_.size(); }
+
+  /// Triggers those that find something in the cache.
+  void update(const ReaderCache& cache);
+
+ private:
+  AnyDataReader& reader_;
+  const TypeSupport& type_;
+  std::vector<std::unique_ptr<ReadCondition>> conditions_;
+};
+
+}  // namespace ddssec::rtps

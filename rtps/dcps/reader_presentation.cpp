@@ -1,0 +1,44 @@
+#include "rtps/dcps/reader_presentation.hpp"
+
+namespace ddssec::rtps {
+
+void ReaderPresentation::start(const Presentation& policy, Presenter* of_group, bool paused,
+                               MonotonicTime now) {
+  if (policy.scope == PresentationScope::group) {
+    presenter_ = of_group;
+  } else if (policy.coherent_access) {
+    own_ = std::make_unique<Presenter>(false, true, policy.ordered_access);
+    presenter_ = own_.get();
+    if (paused) own_->pause(true, now);
+  }
+}
+
+void ReaderPresentation::stop(MonotonicTime now) {
+  if (holds_back()) presenter_->remove(reader_, now);
+}
+
+void ReaderPresentation::add_writer(const Guid& writer, const std::optional<Guid>& group) {
+  if (holds_back()) presenter_->add(reader_, writer, group);
+}
+
+void ReaderPresentation::remove_writer(const Guid& writer, MonotonicTime now) {
+  if (holds_back()) presenter_->remove(reader_, writer, now);
+}
+
+void ReaderPresentation::on_group(const Guid& writer, SequenceNumber group, MonotonicTime now) {
+  if (holds_back()) presenter_->on_progress(reader_, writer, group, now);
+}
+
+void ReaderPresentation::release(MonotonicTime now) {
+  if (holds_back()) presenter_->release(now);
+}
+
+void ReaderPresentation::pause(bool paused, MonotonicTime now) {
+  if (own_) own_->pause(paused, now);
+}
+
+MonotonicTime ReaderPresentation::next_tick() const {
+  return holds_back() ? presenter_->next_tick() : kNever;
+}
+
+}  // namespace ddssec::rtps

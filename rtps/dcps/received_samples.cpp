@@ -1,0 +1,49 @@
+#include "rtps/dcps/received_samples.hpp"
+
+namespace ddssec::rtps {
+
+ReceivedSamples::ReceivedSamples(const Qos& qos, const TypeSupport& type) : type_(type) {
+  reset(qos);
+}
+
+void ReceivedSamples::reset(const Qos& qos) {
+  const auto& key = type_.serialized_key;
+  cache_.emplace(qos, type_.with_key && key ? ReaderCache::KeyOf(key) : nullptr);
+}
+
+bool ReceivedSamples::passes(const Change& change, BoundFilter& filter) {
+  const auto passes = filter.passes(change.payload.view());
+  if (!passes) count_malformed();
+  return passes.value_or(false);
+}
+
+// What was protected is what its writer said; the hash beside it may be anybody's.
+bool ReceivedSamples::name_instance(Change& change, const KeyProtection& keys) const {
+  if (!type_.with_key) return true;
+  const bool from_payload = keys.proven && change.payload.size() > 0;
+  if (type_.key_hash && (!change.key_hash || from_payload))
+    change.key_hash = type_.key_hash(change, keys.hidden);
+  return change.key_hash.has_value();
+}
+
+ReceivedSamples::Received ReceivedSamples::take(Change& change, BoundFilter* filter,
+                                                const KeyProtection& keys, const Moment& at) {
+  if (filter != nullptr && change.is_alive() && !passes(change, *filter)) return {};
+  if (!name_instance(change, keys)) {
+    count_malformed();
+    return {change.is_alive() ? Outcome::unseen : Outcome::unreadable_key};
+  }
+  if (seen_ && seen_->contains(change)) return {};
+  // The end of an instance of which nothing passed the filter is not news.
+  const auto key = change.key_hash.value_or(KeyHash{});
+  if (filter != nullptr && !change.is_alive() && cache_->lookup(key).is_nil()) return {};
+  const auto sighting = seen_ ? SeenOriginals::of(change) : SeenOriginals::Sighting{};
+  const auto stored = cache_->store(change, at);
+  if (stored.outcome == ReaderCache::Outcome::rejected) return {Outcome::rejected, stored};
+  // What a reader does not see takes nobody's place.
+  const bool is_seen = stored.outcome == ReaderCache::Outcome::stored;
+  if (seen_ && (is_seen || !sighting.claim)) seen_->add(sighting);
+  return {is_seen ? Outcome::stored : Outcome::unseen, stored};
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,49 @@
+#include "rtps/dcps/requested_liveliness.hpp"
+
+namespace ddssec::rtps {
+
+void RequestedLiveliness::add_writer(const Guid& writer, Duration lease, MonotonicTime now) {
+  monitor_.add(writer, lease, now);
+  update();
+}
+
+void RequestedLiveliness::remove_writer(const Guid& writer) {
+  monitor_.remove(writer);
+  update();
+}
+
+// One that was dead when it was announced anew waits for the next assertion, as before.
+void RequestedLiveliness::on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal) {
+  if (signal && !monitor_.is_alive(writer)) signal->notify(reader_, writer);
+  monitor_.follow(writer, std::move(signal));
+  update();
+}
+
+void RequestedLiveliness::on_alive(const Guid& writer, MonotonicTime now) {
+  monitor_.alive(writer, now);
+  update();
+}
+
+LivelinessChangedStatus RequestedLiveliness::read_status() {
+  changes_.clear(StatusKind::liveliness_changed);
+  const auto status = monitor_.status();
+  monitor_.reset_changes();
+  return status;
+}
+
+void RequestedLiveliness::on_time(MonotonicTime now) {
+  std::vector<Guid> ended;
+  monitor_.check(now, [&](const Guid& writer, LivelinessSignal* signal) {
+    if (signal != nullptr) signal->notify(reader_, writer);
+    ended.push_back(writer);
+  });
+  if (!ended.empty()) lost_(ended, now);
+  update();
+}
+
+void RequestedLiveliness::update() {
+  call_at(monitor_.next_tick());
+  if (monitor_.take_changed()) changes_.note(StatusKind::liveliness_changed);
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,45 @@
+// LIVELINESS that a DataReader requests (DDS 1.4, 2.2.3.11): the leases of its writers. The caller
+// holds the participant's lock.
+#pragma once
+
+#include <span>
+
+#include "rtps/dcps/liveliness.hpp"
+#include "rtps/dcps/status_changes.hpp"
+#include "rtps/participant/endpoint_listener.hpp"
+#include "rtps/reliability/timer_queue.hpp"
+
+namespace ddssec::rtps {
+
+/// A LivelinessMonitor with a timer of its own, and the LIVELINESS_CHANGED status.
+class RequestedLiveliness final : private Timed {
+ public:
+  /// Called with the writers whose lease ended.
+  using Lost = std::function<void(std::span<const Guid> writers, MonotonicTime now)>;
+  /// `reader` is called with the next assertion of a writer that is not alive. All outlive this.
+  RequestedLiveliness(TimerQueue& timers, EndpointListener& reader, StatusChanges& changes,
+                      Lost lost)
+      : Timed(timers), reader_(reader), changes_(changes), lost_(std::move(lost)) {}
+
+  void add_writer(const Guid& writer, Duration lease, MonotonicTime now);
+  void remove_writer(const Guid& writer);
+  /// See EndpointListener.
+  void on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal);
+  void on_alive(const Guid& writer, MonotonicTime now);
+  /// Before it dies.
+  void stop() { cancel(); }
+
+  /// Resets its changes.
+  LivelinessChangedStatus read_status();
+
+ private:
+  void on_time(MonotonicTime now) override;
+  void update();
+
+  EndpointListener& reader_;
+  StatusChanges& changes_;
+  Lost lost_;
+  LivelinessMonitor monitor_;
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,171 @@
+#include "rtps/dcps/sample_reception.hpp"
+
+#include <algorithm>
+
+namespace ddssec::rtps {
+
+SampleReception::SampleReception(const Reader& reader, Reports reports)
+    : Timed(reader.context.timers()),
+      context_(reader.context),
+      topic_(reader.topic),
+      filter_(reader.filter),
+      keys_(reader.keys),
+      reports_(std::move(reports)),
+      samples_(reader.qos, reader.topic.type()) {}
+
+void SampleReception::start(const Qos& announced, const Subscription& subscription) {
+  const auto& policy = announced.presentation;
+  const bool by_group = policy.scope == PresentationScope::group;
+  if (policy.ordered_access && policy.scope != PresentationScope::instance)
+    samples_.cache().order_by_arrival(by_group ? subscription.arrivals : arrivals_);
+  presentation_.start(policy, subscription.of_group, subscription.paused, context_.now());
+  if (announced.durability != DurabilityKind::volatile_) samples_.expect_history();
+}
+
+void SampleReception::stop() {
+  presentation_.stop(context_.now());
+  cancel();
+}
+
+void SampleReception::change_qos(const Qos& before, const Qos& now, bool started) {
+  if (!started) return samples_.reset(now);
+  auto& cache = samples_.cache();
+  if (now.deadline != before.deadline) cache.set_deadline(now.deadline, context_.now());
+  cache.set_lifecycle(now.reader_data_lifecycle);
+  if (now.time_based_filter != before.time_based_filter)
+    cache.set_minimum_separation(now.time_based_filter);
+  call_at(cache.next_tick());
+}
+
+void SampleReception::add_writer(const EndpointData& writer) {
+  samples_.cache().set_writer(writer.guid, writer.qos.ownership_strength, writer.qos.lifespan);
+  presentation_.add_writer(writer.guid, writer.group_guid);
+}
+
+void SampleReception::remove_writer(const Guid& writer) {
+  presentation_.remove_writer(writer, context_.now());
+  if (samples_.cache().lose_writer(writer, true, context_.now())) note_data();
+  call_at(cache().next_tick());
+}
+
+void SampleReception::lose_writers(std::span<const Guid> writers, MonotonicTime now) {
+  bool changed = false;
+  for (const auto& writer : writers)
+    changed = samples_.cache().lose_writer(writer, false, now) || changed;
+  if (changed) note_data();
+  call_at(cache().next_tick());
+}
+
+// Without coherent or ordered access nothing stands between protocol and samples.
+bool SampleReception::on_change(Change& change) {
+  if (!presentation_.holds_back()) return change.is_marker() || store(change);
+  const bool taken = presentation_.on_change(change, context_.now());
+  if (!taken) refused_ = true;
+  schedule_presenter();
+  context_.attend();
+  return taken;
+}
+
+void SampleReception::on_group(const Guid& writer, SequenceNumber group) {
+  if (!presentation_.holds_back()) return;
+  presentation_.on_group(writer, group, context_.now());
+  context_.attend();
+}
+
+bool SampleReception::store(Change& change) {
+  using Outcome = ReceivedSamples::Outcome;
+  const auto received = samples_.take(change, filter_.filter(), keys_, context_.moment());
+  call_at(cache().next_tick());
+  switch (received.outcome) {
+    case Outcome::rejected:
+      reject(change, received.stored);
+      return false;
+    case Outcome::unreadable_key:
+      report_unreadable_key(change);
+      return true;
+    case Outcome::stored:
+      note_data();
+      break;
+    case Outcome::unseen:
+      break;
+  }
+  context_.attend();
+  return true;
+}
+
+// A reliable writer keeps it, and it is offered again; it is counted once.
+void SampleReception::reject(const Change& change, const ReaderCache::Stored& stored) {
+  refused_ = true;
+  const std::pair which(change.writer, change.sequence_number);
+  if (std::exchange(last_rejected_, which) == which) return;
+  rejected_.count();
+  rejected_.last_reason = stored.reason;
+  rejected_.last_instance_handle = stored.instance;
+  reports_.of_reader.note(StatusKind::sample_rejected);
+}
+
+void SampleReception::report_unreadable_key(const Change& change) {
+  const auto octets = change.payload.view();
+  context_.environment().events.raise(Event(
+      Error(Code::rtps_key_unreadable,
+            {.document = "topic " + topic_.name(),
+             .field = change.status.disposed ? "dispose" : "unregister",
+             .expected = "a key of " + topic_.type_name() + " in XCDR1 or XCDR2, or a key hash",
+             .found = octets.empty()
+                          ? "neither"
+                          : std::to_string(octets.size()) + " octets that begin " +
+                                to_hex(octets.first(std::min(octets.size(), kEncapsulationSize)))}),
+      {}, change.writer.to_string()));
+}
+
+void SampleReception::note_data() {
+  update_conditions();
+  reports_.of_reader.note(StatusKind::data_available);
+  reports_.of_subscriber.note(StatusKind::data_on_readers);
+}
+
+void SampleReception::on_lost(std::int64_t count) {
+  lost_.count(count);
+  reports_.of_reader.note(StatusKind::sample_lost);
+}
+
+void SampleReception::on_dropped(const Guid& writer, std::uint32_t octets) {
+  on_lost(1);
+  context_.environment().events.raise(
+      Event(Error(Code::rtps_sample_dropped,
+                  {.document = "topic " + topic_.name(),
+                   .field = "serialized size",
+                   .expected = "at most " + std::to_string(StatefulReader::kLargestSample),
+                   .found = std::to_string(octets)}),
+            {}, writer.to_string()));
+}
+
+// Reading is what resets DATA_AVAILABLE and DATA_ON_READERS (DDS 1.4, 2.2.4.2.2).
+bool SampleReception::select(const Query& query, std::vector<OctetSample>& out) {
+  samples_.cache().select(query, context_.moment(), out);
+  reports_.of_reader.clear(StatusKind::data_available);
+  reports_.of_subscriber.clear(StatusKind::data_on_readers);
+  return query.take && std::exchange(refused_, false);
+}
+
+void SampleReception::after_access(bool taken) {
+  if (taken) presentation_.release(context_.now());
+  update_conditions();
+}
+
+void SampleReception::pause(bool paused, MonotonicTime now) {
+  presentation_.pause(paused, now);
+  if (!paused) schedule_presenter();
+}
+
+void SampleReception::on_time(MonotonicTime now) {
+  presentation_.release(now);
+  schedule_presenter();
+  auto& cache = samples_.cache();
+  if (cache.expire(now)) update_conditions();
+  if (cache.release(context_.moment())) note_data();
+  cache.check_deadlines(now, reports_.deadline_missed);
+  call_at(cache.next_tick());
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,98 @@
+// What becomes of the changes that a DataReader receives (DDS 1.4, 2.2.2.5.1 and 2.2.4.1).
+#pragma once
+
+#include "rtps/dcps/participant_context.hpp"
+#include "rtps/dcps/read_conditions.hpp"
+#include "rtps/dcps/reader_filter.hpp"
+#include "rtps/dcps/reader_presentation.hpp"
+#include "rtps/dcps/received_samples.hpp"
+#include "rtps/dcps/status_changes.hpp"
+#include "rtps/dcps/topic.hpp"
+
+namespace ddssec::rtps {
+
+/// From the protocol by way of PRESENTATION to the samples, and what statuses and conditions say of
+/// them. Has a timer of its own. The caller holds the participant's lock.
+class SampleReception final : private PresentedReader, private Timed {
+ public:
+  /// What it reports to; all outlive it.
+  struct Reports {
+    StatusChanges& of_reader;
+    StatusChanges& of_subscriber;
+    ReadConditions& conditions;
+    std::function<void(InstanceHandle)> deadline_missed;
+  };
+  /// What it is told about the reader; all outlive it.
+  struct Reader {
+    ParticipantContext& context;
+    const Topic& topic;
+    const Qos& qos;
+    const KeyProtection& keys;
+    ReaderFilter& filter;
+  };
+  SampleReception(const Reader& reader, Reports reports);
+
+  /// The reader is enabled. `of_group` and `paused`: see ReaderPresentation. `arrivals` counts the
+  /// samples of the subscriber's readers.
+  struct Subscription {
+    Presenter* of_group;
+    std::uint64_t& arrivals;
+    bool paused;
+  };
+  void start(const Qos& announced, const Subscription& subscription);
+  /// Before it dies.
+  void stop();
+  /// Other policies; all may change before it is started.
+  void change_qos(const Qos& before, const Qos& now, bool started);
+
+  void add_writer(const EndpointData& writer);
+  void remove_writer(const Guid& writer);
+  /// They are not alive any more.
+  void lose_writers(std::span<const Guid> writers, MonotonicTime now);
+  /// See EndpointListener.
+  bool on_change(Change& change);
+  void on_group(const Guid& writer, SequenceNumber group);
+  void on_lost(std::int64_t count);
+  void on_dropped(const Guid& writer, std::uint32_t octets);
+
+  /// Appends what the query asks for; the statuses of data are read by that. True: a change that
+  /// was refused for want of room may be offered again. Call `after_access` when it was.
+  bool select(const Query& query, std::vector<OctetSample>& out);
+  void after_access(bool taken);
+  /// See ReaderPresentation::pause.
+  void pause(bool paused, MonotonicTime now);
+  /// Calls the Presenter when it wants to be called.
+  void schedule_presenter() { call_at(presentation_.next_tick()); }
+  void update_conditions() { reports_.conditions.update(samples_.cache()); }
+
+  const ReaderCache& cache() const { return samples_.cache(); }
+  ReceivedSamples& samples() { return samples_; }
+  const ReceivedSamples& samples() const { return samples_; }
+  SampleLostStatus& lost_status() { return lost_; }
+  SampleRejectedStatus& rejected_status() { return rejected_; }
+
+ private:
+  bool has_room(std::size_t samples) const override { return cache().has_room(samples); }
+  void present(Change& change) override { store(change); }
+  void lose(std::size_t samples) override { on_lost(static_cast<std::int64_t>(samples)); }
+  void on_time(MonotonicTime now) override;
+  bool store(Change& change);
+  void reject(const Change& change, const ReaderCache::Stored& stored);
+  void report_unreadable_key(const Change& change);
+  void note_data();
+
+  ParticipantContext& context_;
+  const Topic& topic_;
+  ReaderFilter& filter_;
+  const KeyProtection& keys_;
+  const Reports reports_;
+  ReceivedSamples samples_;
+  ReaderPresentation presentation_{*this};
+  std::uint64_t arrivals_ = 0;
+  bool refused_ = false;  ///< a writer waits for room
+  std::pair<Guid, SequenceNumber> last_rejected_;
+  SampleLostStatus lost_;
+  SampleRejectedStatus rejected_;
+};
+
+}  // namespace ddssec::rtps
