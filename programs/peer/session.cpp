@@ -80,12 +80,10 @@ bool Session::wait_until(const std::function<bool()>& ready) const {
 }
 
 void Session::note_authenticated() {
-  for (const auto now = participant_->authentication_counters();
-       said_.authenticated < now.authenticated; ++said_.authenticated)
+  const auto now = participant_->counters().authentication;
+  for (; said_.authenticated < now.authenticated; ++said_.authenticated)
     say("auth", {{"ok", true}});
-  for (const auto now = participant_->authentication_counters(); said_.failed < now.failed;
-       ++said_.failed)
-    say("auth", {{"ok", false}});
+  for (; said_.failed < now.failed; ++said_.failed) say("auth", {{"ok", false}});
 }
 
 void Session::note_matched(const char* what, std::int32_t current) {

@@ -88,11 +88,6 @@ class BuiltinTopics final : private DiscoveryListener {
   ~BuiltinTopics() override;
 
   Subscriber& subscriber() { return *subscriber_; }
-  template <class T>
-  BuiltinDataReader<T>* reader() {
-    return static_cast<BuiltinDataReader<T>*>(
-        subscriber_->lookup_datareader(BuiltinTopicOf<T>::topic));
-  }
 
  private:
   void on_participant(const ParticipantData& data) override;

@@ -45,38 +45,4 @@ Status ContentFilteredTopic::set_expression_parameters(std::vector<std::string> 
   return {};
 }
 
-Result<ContentFilteredTopic*> DomainParticipant::create_contentfilteredtopic(std::string name,
-                                                                             Topic& related,
-                                                                             FilterText filter) {
-  if (&related.participant() != this)
-    return precondition_not_met("topic " + related.name(), "one of the same participant",
-                                "another's");
-  DDSSEC_TRY(check_name(name));
-  const std::lock_guard members(context_.callbacks());
-  DDSSEC_TRY(check_new_name(name));
-  std::unique_ptr<ContentFilteredTopic> topic(
-      new ContentFilteredTopic(context_, std::move(name), related, std::move(filter)));
-  DDSSEC_TRY(topic->compile(topic->text_));
-  const auto held = lock();
-  filtered_topics_.push_back(std::move(topic));
-  return filtered_topics_.back().get();
-}
-
-Status DomainParticipant::delete_contentfilteredtopic(ContentFilteredTopic& topic) {
-  const std::lock_guard members(context_.callbacks());
-  bool unused = false;
-  {
-    const auto held = lock();
-    unused = topic.readers_.empty();
-  }
-  return delete_child(filtered_topics_, topic, unused);
-}
-
-ContentFilteredTopic* DomainParticipant::lookup_contentfilteredtopic(std::string_view name) const {
-  const auto held = lock();
-  const auto at =
-      std::ranges::find(filtered_topics_, name, [](const auto& t) { return t->name(); });
-  return at == filtered_topics_.end() ? nullptr : at->get();
-}
-
 }  // namespace ddssec::rtps

@@ -27,7 +27,7 @@ class ContentFilteredTopic {
 
  private:
   friend class ReaderFilter;
-  friend class DomainParticipant;
+  friend class TopicDescriptions;
   ContentFilteredTopic(ParticipantContext& context, std::string name, Topic& related,
                        FilterText text);
 

@@ -63,7 +63,6 @@ class AnyDataWriter : public Endpoint, private Timed {
  protected:
   friend class Group;
   friend class Publisher;
-  friend class DomainParticipant;
   AnyDataWriter(Group& publisher, ParticipantContext& context, Topic& topic, Qos qos);
   XcdrVersion version() const { return version_; }
 

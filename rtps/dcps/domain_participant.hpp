@@ -2,14 +2,11 @@
 // begin.
 #pragma once
 
-#include "rtps/dcps/builtin_topics.hpp"
-#include "rtps/dcps/content_filtered_topic.hpp"
-#include "rtps/dcps/publisher.hpp"
-#include "rtps/dcps/subscriber.hpp"
+#include "rtps/dcps/discovered_entities.hpp"
+#include "rtps/dcps/groups.hpp"
+#include "rtps/dcps/participant_service.hpp"
+#include "rtps/dcps/topic_descriptions.hpp"
 #include "rtps/durability/durable_stores.hpp"
-#include "rtps/transport/event_loop.hpp"
-#include "rtps/transport/interfaces.hpp"
-#include "rtps/transport/ports.hpp"
 
 namespace ddssec::rtps {
 
@@ -55,23 +52,27 @@ struct DomainParticipantQos {
   bool operator==(const DomainParticipantQos&) const = default;
 };
 
+/// What its protocol has counted, never reset, and how many others there are.
+struct DomainParticipantCounters : ParticipantCounters {
+  ProtectionCounters protection;          ///< what was dropped; all zero without security
+  AuthenticationCounters authentication;  ///< all zero without security
+  std::size_t remote_participants = 0;    ///< those that are known now
+};
+
 namespace detail {
-/// Stands before Entity, which needs it.
-struct ContextHolder {
-  ContextHolder(const Environment& environment, ParticipantContext::Server& server,
-                const DomainParticipantOptions& options)
-      : own_context_(environment, server, options.own_thread,
-                     options.in_process ? Neighbourhood::of(options.domain_id, options.domain_tag)
-                                        : std::make_shared<Neighbourhood>()) {}
-  ParticipantContext own_context_;
+/// Stands before Entity, which needs the context in it.
+struct ServiceHolder {
+  ServiceHolder(const Environment& environment, const DomainParticipantOptions& options)
+      : service_(environment, options.own_thread,
+                 options.in_process ? Neighbourhood::of(options.domain_id, options.domain_tag)
+                                    : std::make_shared<Neighbourhood>()) {}
+  ParticipantService service_;
 };
 }  // namespace detail
 
 /// Makes and deletes its topics, publishers and subscribers; what is left of them dies with it. All
 /// calls are thread-safe. Listeners are called by the participant's thread (or by poll).
-class DomainParticipant final : private ParticipantContext::Server,
-                                private detail::ContextHolder,
-                                public Entity {
+class DomainParticipant final : private detail::ServiceHolder, public Entity {
  public:
   static constexpr int kAnnouncedIndexes = 10;
 
@@ -85,12 +86,8 @@ class DomainParticipant final : private ParticipantContext::Server,
 
   Guid guid() const { return guid_; }
   DomainId domain_id() const { return options_.domain_id; }
-  int index() const { return index_; }
-  ParticipantCounters counters() const;
-  /// What was dropped for its protection; all zero without security.
-  ProtectionCounters protection_counters() const;
-  AuthenticationCounters authentication_counters() const;
-  std::size_t remote_participants() const;
+  int index() const { return service_.sockets().index(); }
+  DomainParticipantCounters counters() const;
   Time current_time() const { return context_.moment().wall; }
 
   DomainParticipantQos qos() const;
@@ -108,25 +105,33 @@ class DomainParticipant final : private ParticipantContext::Server,
   Result<Topic*> create_topic(std::string name, TypeSupport type, std::optional<Qos> qos = {},
                               TopicListener* listener = nullptr, StatusMask mask = kAnyStatus);
   /// nullptr if there is none.
-  Topic* lookup_topicdescription(std::string_view name) const;
+  Topic* lookup_topicdescription(std::string_view name) const { return topics_.lookup(name); }
   /// For readers of `related` that want only what passes the filter. Errors: rtps_filter_invalid,
   /// and those of create_topic.
   Result<ContentFilteredTopic*> create_contentfilteredtopic(std::string name, Topic& related,
-                                                            FilterText filter);
+                                                            FilterText filter) {
+    return topics_.create_filtered(std::move(name), related, std::move(filter));
+  }
   /// nullptr if there is none.
-  ContentFilteredTopic* lookup_contentfilteredtopic(std::string_view name) const;
+  ContentFilteredTopic* lookup_contentfilteredtopic(std::string_view name) const {
+    return topics_.lookup_filtered(name);
+  }
   /// Errors: rtps_precondition_not_met (it has readers, or is another participant's).
-  Status delete_contentfilteredtopic(ContentFilteredTopic& topic);
+  Status delete_contentfilteredtopic(ContentFilteredTopic& topic) { return topics_.remove(topic); }
   /// Errors: rtps_qos_inconsistent.
   Result<Publisher*> create_publisher(GroupQos qos = {}, PublisherListener* listener = nullptr,
-                                      StatusMask mask = kAnyStatus);
+                                      StatusMask mask = kAnyStatus) {
+    return groups_.create_publisher(std::move(qos), listener, mask);
+  }
   Result<Subscriber*> create_subscriber(GroupQos qos = {}, SubscriberListener* listener = nullptr,
-                                        StatusMask mask = kAnyStatus);
+                                        StatusMask mask = kAnyStatus) {
+    return groups_.create_subscriber(std::move(qos), listener, mask);
+  }
   // Errors: rtps_precondition_not_met (another participant's, one that is used or not empty, or
   // from within a callback).
-  Status delete_topic(Topic& topic);
-  Status delete_publisher(Publisher& publisher);
-  Status delete_subscriber(Subscriber& subscriber);
+  Status delete_topic(Topic& topic) { return topics_.remove(topic); }
+  Status delete_publisher(Publisher& publisher) { return groups_.remove(publisher); }
+  Status delete_subscriber(Subscriber& subscriber) { return groups_.remove(subscriber); }
   Status delete_contained_entities();
   bool contains_entities() const;
   Qos default_topic_qos() const;
@@ -135,19 +140,22 @@ class DomainParticipant final : private ParticipantContext::Server,
 
   /// What discovery found, as samples: readers of DCPSParticipant, DCPSTopic, DCPSPublication and
   /// DCPSSubscription. They cannot be deleted.
-  Subscriber& builtin_subscriber() { return builtin_topics().subscriber(); }
+  Subscriber& builtin_subscriber();
   /// Its reader of ParticipantBuiltinTopicData, TopicBuiltinTopicData, PublicationBuiltinTopicData
   /// or SubscriptionBuiltinTopicData; nullptr once the application has deleted it with the rest.
   template <class T>
   BuiltinDataReader<T>* builtin_datareader() {
-    return builtin_topics().reader<T>();
+    return static_cast<BuiltinDataReader<T>*>(
+        builtin_subscriber().lookup_datareader(BuiltinTopicOf<T>::topic));
   }
   /// Those that were accepted: if this participant is secured, authenticated or admitted without.
-  std::vector<Guid> discovered_participants() const;
+  std::vector<Guid> discovered_participants() const { return discovered_.participants(); }
   /// Errors: rtps_bad_parameter (none of them).
-  Result<ParticipantBuiltinTopicData> discovered_participant_data(const Guid& participant) const;
+  Result<ParticipantBuiltinTopicData> discovered_participant_data(const Guid& participant) const {
+    return discovered_.participant_data(participant);
+  }
   /// Topics of which a remote endpoint is known.
-  std::vector<TopicBuiltinTopicData> discovered_topics() const;
+  std::vector<TopicBuiltinTopicData> discovered_topics() const { return discovered_.topics(); }
   /// Secured participants of a domain whose governance enables it: makes new keys and puts them to
   /// use once all trusted peers have them, after 5 s at the latest. Happens by itself when a peer's
   /// identity or permissions end and when one is ignored (DDS-Security 1.2 9.8.10.4); this is for
@@ -155,67 +163,44 @@ class DomainParticipant final : private ParticipantContext::Server,
   Status revise_keys();
   // For good, and as if it had never been found. Errors: rtps_not_enabled.
   /// Our own GUID: our writers and readers do not match each other.
-  Status ignore_participant(const Guid& participant);
-  Status ignore_topic(const std::string& name);
-  Status ignore_publication(const Guid& writer);
-  Status ignore_subscription(const Guid& reader);
+  Status ignore_participant(const Guid& participant) {
+    return discovered_.ignore_participant(participant);
+  }
+  Status ignore_topic(const std::string& name) { return discovered_.ignore_topic(name); }
+  Status ignore_publication(const Guid& writer) { return discovered_.ignore_endpoint(writer); }
+  Status ignore_subscription(const Guid& reader) { return discovered_.ignore_endpoint(reader); }
   /// A topic of this participant, or a new one of octets with the type that others announce for
   /// that name, as soon as there is one. To be deleted as often as it was created or found.
   /// Errors: rtps_timeout, those of create_topic.
-  Result<Topic*> find_topic(const std::string& name, std::chrono::nanoseconds most);
+  Result<Topic*> find_topic(const std::string& name, std::chrono::nanoseconds most) {
+    return topics_.find(name, most);
+  }
 
   /// Asserts its writers with LIVELINESS MANUAL_BY_PARTICIPANT. Errors: rtps_not_enabled.
   Status assert_liveliness();
 
   /// Serves sockets, timers and listeners for at most `timeout`; only without a thread of its own.
-  void poll(std::chrono::nanoseconds timeout) { serve(timeout); }
+  void poll(std::chrono::nanoseconds timeout) { service_.serve(timeout); }
 
  private:
   friend class AnyDataReader;
   friend class AnyDataWriter;
   friend class Keeper;
-  friend class Subscriber;
   friend class Topic;
-  class Sockets;
 
   DomainParticipant(DomainParticipantOptions options, const Environment& environment);
-  Status open_sockets();
-  Result<UdpSocket> open_socket(std::uint32_t port) const;
-  Status announce_by_multicast(ParticipantConfig& config);
-  Event joined() const;
-  Status start(const GuidPrefix& prefix, std::unique_ptr<OwnSecurity> security);
-  void wake() override;
-  void serve(std::chrono::nanoseconds most) override;
-  /// Errors: rtps_bad_parameter.
-  static Status check_name(std::string_view name);
-  /// Success if no topic has the name. Errors: rtps_precondition_not_met, which says how to get it.
-  Status check_new_name(std::string_view name) const;
-  BuiltinTopics& builtin_topics();
-  /// All its writers end, and say so.
-  void conclude();
-  Status announce_again(const Topic& topic);
-  template <class F>
-  Status ignore(F&& f);
-  template <class Child>
-  Status delete_child(std::vector<std::unique_ptr<Child>>& children, Child& child, bool unused);
 
   const DomainParticipantOptions options_;
   DomainParticipantQos qos_;
   Qos default_topic_qos_;
-  std::vector<NetworkInterface> interfaces_;
-  int index_ = 0;
   Guid guid_;
   Listening<DomainParticipantListener> listening_;
-  std::unique_ptr<Sockets> sockets_;
   DurableStores stores_;
   ManualLiveliness manual_liveliness_;
-  std::vector<std::unique_ptr<Topic>> topics_;
-  std::vector<std::unique_ptr<ContentFilteredTopic>> filtered_topics_;  // refer to topics
-  std::vector<std::unique_ptr<Publisher>> publishers_;
-  std::vector<std::unique_ptr<Subscriber>> subscribers_;
+  DiscoveredEntities discovered_;
+  TopicDescriptions topics_;
+  Groups groups_;  // refer to topics
   std::unique_ptr<BuiltinTopics> builtin_topics_;
-  std::atomic<bool> stopping_ = false;
-  std::thread thread_;
 };
 
 }  // namespace ddssec::rtps

@@ -25,8 +25,8 @@ class Endpoint : public Entity, protected EndpointListener {
   Status enable() override;
 
  protected:
-  friend class DomainParticipant;
   friend class Group;
+  friend class Groups;
   /// What differs between the two ends.
   struct Side {
     std::string_view name, group;

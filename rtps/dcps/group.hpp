@@ -40,7 +40,7 @@ class Group : public Entity {
 
  protected:
   friend class BuiltinTopics;
-  friend class DomainParticipant;
+  friend class Groups;
   Group(DomainParticipant& participant, ParticipantContext& context, GroupQos qos,
         const Qos& default_endpoint_qos, std::string_view name);
 

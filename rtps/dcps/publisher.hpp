@@ -50,7 +50,7 @@ class Publisher final : public Group {
 
  private:
   friend class AnyDataWriter;
-  friend class DomainParticipant;
+  friend class Groups;
   Publisher(DomainParticipant& participant, ParticipantContext& context, GroupQos qos);
 
   static AnyDataWriter& writer_of(const std::unique_ptr<Endpoint>& member) {

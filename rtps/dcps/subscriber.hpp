@@ -67,7 +67,7 @@ class Subscriber final : public Group {
  private:
   friend class AnyDataReader;
   friend class BuiltinTopics;
-  friend class DomainParticipant;
+  friend class Groups;
   Subscriber(DomainParticipant& participant, ParticipantContext& context, GroupQos qos);
 
   template <class R>

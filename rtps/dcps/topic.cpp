@@ -28,7 +28,7 @@ Status Topic::set_qos(const Qos& qos) {
     announced = qos_.topic_data != qos.topic_data;
     qos_ = qos;
   }
-  if (announced) return participant_.announce_again(*this);
+  if (announced) return participant_.groups_.announce_again(*this);
   return {};
 }
 

@@ -28,7 +28,7 @@ class Topic final : public Entity {
  private:
   friend class BuiltinTopics;
   friend class ContentFilteredTopic;
-  friend class DomainParticipant;
+  friend class TopicDescriptions;
   friend class Endpoint;
   Topic(DomainParticipant& participant, ParticipantContext& context, std::string name,
         TypeSupport type, Qos qos);

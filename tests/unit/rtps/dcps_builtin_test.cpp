@@ -100,7 +100,7 @@ TEST_P(Builtin, ReadersStayAndAreOrdinaryOtherwise) {
   EXPECT_EQ(code_of(b.participant->delete_subscriber(subscriber)), Code::rtps_precondition_not_met);
   EXPECT_TRUE(reader->wait_for_historical_data(0ms));
   auto& condition = reader->create_readcondition({.sample = SampleState::not_read});
-  EXPECT_EQ(condition.trigger_value(), b.participant->remote_participants() > 0);
+  EXPECT_EQ(condition.trigger_value(), b.participant->counters().remote_participants > 0);
   ASSERT_TRUE(eventually([&] { return condition.trigger_value(); }));
   take<ParticipantBuiltinTopicData>();
   EXPECT_FALSE(condition.trigger_value());

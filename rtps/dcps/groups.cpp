@@ -1,0 +1,70 @@
+#include "rtps/dcps/groups.hpp"
+
+#include "rtps/dcps/domain_participant.hpp"
+
+namespace ddssec::rtps {
+
+bool Groups::enables_new() const {
+  return participant_.is_enabled() && participant_.qos().autoenable_created_entities;
+}
+
+Result<Publisher*> Groups::create_publisher(GroupQos qos, PublisherListener* listener,
+                                            StatusMask mask) {
+  std::unique_ptr<Publisher> publisher(new Publisher(participant_, context_, std::move(qos)));
+  publisher->set_listener(listener, mask);
+  const std::lock_guard members(context_.callbacks());
+  if (enables_new()) DDSSEC_TRY(publisher->enable());
+  return publishers_.add(std::move(publisher));
+}
+
+Result<Subscriber*> Groups::create_subscriber(GroupQos qos, SubscriberListener* listener,
+                                              StatusMask mask) {
+  std::unique_ptr<Subscriber> subscriber(new Subscriber(participant_, context_, std::move(qos)));
+  subscriber->set_listener(listener, mask);
+  const std::lock_guard members(context_.callbacks());
+  if (enables_new()) DDSSEC_TRY(subscriber->enable());
+  return subscribers_.add(std::move(subscriber));
+}
+
+Status Groups::remove(Publisher& publisher) {
+  const std::lock_guard members(context_.callbacks());
+  return publishers_.remove(publisher, publisher.members_.empty());
+}
+
+Status Groups::remove(Subscriber& subscriber) {
+  const std::lock_guard members(context_.callbacks());
+  return subscribers_.remove(subscriber, subscriber.members_.empty());
+}
+
+Status Groups::enable() {
+  for (const auto& publisher : publishers_.all()) DDSSEC_TRY(publisher->enable());
+  for (const auto& subscriber : subscribers_.all()) DDSSEC_TRY(subscriber->enable());
+  return {};
+}
+
+Status Groups::announce_again(const Topic& topic) {
+  const std::lock_guard members(context_.callbacks());
+  const auto each = [&](const auto& groups) -> Status {
+    for (const auto& group : groups)
+      for (auto& member : group->members_)
+        if (&member->topic() == &topic) DDSSEC_TRY(member->regroup(group->qos()));
+    return {};
+  };
+  DDSSEC_TRY(each(publishers_.all()));
+  return each(subscribers_.all());
+}
+
+void Groups::conclude_writers() {
+  std::vector<std::unique_ptr<Endpoint>> dying;
+  {
+    const std::lock_guard members(context_.callbacks());
+    const std::lock_guard held(context_.mutex());
+    for (const auto& publisher : publishers_.all())
+      std::ranges::move(std::exchange(publisher->members_, {}), std::back_inserter(dying));
+  }
+  Group::conclude(dying);
+  const std::lock_guard members(context_.callbacks());
+  dying.clear();
+}
+
+}  // namespace ddssec::rtps

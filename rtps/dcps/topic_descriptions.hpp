@@ -1,0 +1,60 @@
+// The Topics and ContentFilteredTopics of a participant (DDS 1.4, 2.2.2.2.1 and 2.2.2.3.1).
+#pragma once
+
+#include "rtps/dcps/contained_entities.hpp"
+#include "rtps/dcps/content_filtered_topic.hpp"
+
+namespace ddssec::rtps {
+
+/// No two of them have the same name. Thread-safe. The calls are those of DomainParticipant.
+class TopicDescriptions {
+ public:
+  /// `announce_types`: see DomainParticipantOptions. The others outlive it.
+  TopicDescriptions(DomainParticipant& participant, ParticipantContext& context,
+                    bool announce_types)
+      : participant_(participant),
+        context_(context),
+        announce_types_(announce_types),
+        topics_(context),
+        filtered_(context) {}
+
+  /// Errors: rtps_precondition_not_met (the name is taken), rtps_qos_inconsistent,
+  /// rtps_bad_parameter (a name that is empty or longer than 256).
+  Result<Topic*> create(std::string name, TypeSupport type, const Qos& qos, TopicListener* listener,
+                        StatusMask mask);
+  /// Errors: rtps_filter_invalid, rtps_precondition_not_met (the name is taken, or the topic is
+  /// another participant's), rtps_bad_parameter (the name).
+  Result<ContentFilteredTopic*> create_filtered(std::string name, Topic& related,
+                                                FilterText filter);
+  /// nullptr if there is none.
+  Topic* lookup(std::string_view name) const;
+  ContentFilteredTopic* lookup_filtered(std::string_view name) const;
+  /// See DomainParticipant::find_topic. Errors: rtps_timeout, those of create.
+  Result<Topic*> find(const std::string& name, std::chrono::nanoseconds most);
+  /// Errors: rtps_precondition_not_met (it is used, or another participant's).
+  Status remove(Topic& topic);
+  Status remove(ContentFilteredTopic& topic);
+
+  /// With the lock of callbacks held. Errors: those of Topic::enable.
+  Status enable();
+  /// With the lock held.
+  bool empty() const { return topics_.all().empty() && filtered_.all().empty(); }
+  /// All leave; those that are filtered refer to the others, and die first.
+  struct Released {
+    ContainedEntities<Topic>::All topics;
+    ContainedEntities<ContentFilteredTopic>::All filtered;
+  };
+  Released release() { return {topics_.release(), filtered_.release()}; }
+
+ private:
+  static Status check_name(std::string_view name);
+  Status check_new_name(std::string_view name) const;
+
+  DomainParticipant& participant_;
+  ParticipantContext& context_;
+  const bool announce_types_;
+  ContainedEntities<Topic> topics_;
+  ContainedEntities<ContentFilteredTopic> filtered_;
+};
+
+}  // namespace ddssec::rtps

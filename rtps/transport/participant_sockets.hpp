@@ -1,0 +1,63 @@
+// The sockets of one participant, at its well-known ports (RTPS 9.6.2).
+#pragma once
+
+#include <functional>
+
+#include "rtps/transport/event_loop.hpp"
+#include "rtps/transport/interfaces.hpp"
+#include "rtps/transport/ports.hpp"
+#include "rtps/transport/transport.hpp"
+#include "rtps/transport/udp_socket.hpp"
+
+namespace ddssec::rtps {
+
+/// One for discovery, one for user data, one for a multicast group, and one for each further
+/// interface, by which messages to the group leave.
+class ParticipantSockets final : public Transport {
+ public:
+  /// Opens both ports of the first participant index of which they are free. With one interface
+  /// they are reached by that alone. `receive_buffer`: bytes to ask the system for. Errors:
+  /// rtps_port_taken (all indexes), those of EventLoop::create and UdpSocket.
+  static Result<std::unique_ptr<ParticipantSockets>> open(DomainId domain,
+                                                          std::vector<NetworkInterface> interfaces,
+                                                          std::size_t receive_buffer);
+
+  /// The participant index.
+  int index() const { return index_; }
+  const std::vector<NetworkInterface>& interfaces() const { return interfaces_; }
+  /// Where they are reached, by all interfaces.
+  LocatorList metatraffic() const { return everywhere(sockets_[0].local().port); }
+  LocatorList user() const { return everywhere(sockets_[1].local().port); }
+  /// See UdpSocket.
+  Status check_receive_buffer() const { return sockets_[1].check_receive_buffer(); }
+
+  /// Joins a multicast group on one of the interfaces. Errors: rtps_no_multicast, those of
+  /// UdpSocket::everywhere.
+  Status join(const Locator& group, const NetworkInterface& interface);
+  bool has_joined() const { return sockets_.size() > kWithoutGroup; }
+
+  /// `f(socket)` whenever it has something to read from now on. Errors: those of EventLoop::watch.
+  Status listen(std::function<void(UdpSocket&)> f);
+  EventLoop& loop() { return loop_; }
+
+  void send(BytesView message, std::span<const Locator> to) override;
+  /// To an address as the routes say; to a group by each interface, or by the one that is named.
+  void send_all(const Outgoing& out) override;
+  bool stays_here(const Locator& to) const override;
+
+ private:
+  static constexpr std::size_t kWithoutGroup = 2;
+
+  ParticipantSockets(EventLoop loop, std::vector<NetworkInterface> interfaces, int index)
+      : loop_(std::move(loop)), interfaces_(std::move(interfaces)), index_(index) {}
+  bool leaves_by(const UdpSocket& socket, std::size_t interface) const;
+  LocatorList everywhere(std::uint32_t port) const;
+
+  EventLoop loop_;
+  const std::vector<NetworkInterface> interfaces_;
+  const int index_;
+  std::vector<UdpSocket> sockets_, further_;
+  std::function<void(UdpSocket&)> receive_;
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,109 @@
+// The sockets of a participant, and what an entity contains.
+#include "rtps/transport/participant_sockets.hpp"
+
+#include <gmock/gmock.h>
+
+#include "rtps/dcps/contained_entities.hpp"
+#include "tests/unit/rtps/dcps_fixture.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+using namespace std::chrono_literals;
+
+constexpr std::size_t kBuffer = 65536;
+
+struct ParticipantSocketsTest : ::testing::Test {
+  const DomainId domain = static_cast<DomainId>(::getpid() % 200 + 30);
+  std::unique_ptr<ParticipantSockets> open() const {
+    const std::vector<std::string> loopback{"127.0.0.1"};
+    return *ParticipantSockets::open(domain, *choose_interfaces(loopback), kBuffer);
+  }
+};
+
+TEST_F(ParticipantSocketsTest, Open_TakenIndexes_AreSkipped) {
+  const auto first = open(), second = open();
+  EXPECT_LT(first->index(), second->index());
+  for (const auto* sockets : {first.get(), second.get()}) {
+    ASSERT_EQ(sockets->metatraffic().size(), 1u);
+    EXPECT_EQ(sockets->metatraffic().front().port, ports::metatraffic(domain, sockets->index()));
+    EXPECT_EQ(sockets->user().front().port, ports::user(domain, sockets->index()));
+  }
+}
+
+TEST_F(ParticipantSocketsTest, Send_ReachesTheSocketThatListens) {
+  const auto from = open(), to = open();
+  std::vector<Bytes> received;
+  ASSERT_TRUE(to->listen([&](UdpSocket& socket) {
+    for (std::size_t i = 0, count = socket.fetch(); i < count; ++i)
+      received.push_back(to_bytes(socket.datagram(i)));
+  }));
+  const Bytes message{1, 2, 3};
+  from->send(message, to->user());
+  from->send(message, to->metatraffic());
+  for (int i = 0; i < 100 && received.size() < 2; ++i) to->loop().wait(10ms);
+  EXPECT_THAT(received, ::testing::ElementsAre(message, message));
+}
+
+TEST_F(ParticipantSocketsTest, StaysHere_LoopbackAndOwnAddresses) {
+  const auto sockets = open();
+  EXPECT_TRUE(sockets->stays_here(*Locator::parse("127.0.0.1", 7400)));
+  EXPECT_FALSE(sockets->stays_here(*Locator::parse("192.0.2.1", 7400)));
+  EXPECT_FALSE(sockets->has_joined());
+}
+
+struct Named final : Entity {
+  Named(ParticipantContext& context, std::string called)
+      : Entity(context), name_(std::move(called)) {}
+  Status enable() override { return {}; }
+  const std::string& name() const { return name_; }
+
+ private:
+  const std::string name_;
+};
+
+struct Idle final : ParticipantContext::Server {
+  void wake() override {}
+  void serve(std::chrono::nanoseconds) override {}
+};
+
+struct ContainedEntitiesTest : ::testing::Test {
+  ManualClock clock{WallTime(std::chrono::seconds(1'800'000'000))};
+  SystemRandom random;
+  Events events;
+  Idle server;
+  ParticipantContext context{
+      {clock, random, events}, server, false, std::make_shared<Neighbourhood>()};
+  ContainedEntities<Named> entities{context};
+  Named& add(std::string name) {
+    return *entities.add(std::make_unique<Named>(context, std::move(name)));
+  }
+};
+
+TEST_F(ContainedEntitiesTest, Named_FindsByName) {
+  auto& one = add("one");
+  add("two");
+  EXPECT_EQ(entities.named("one"), &one);
+  EXPECT_EQ(entities.named("three"), nullptr);
+}
+
+TEST_F(ContainedEntitiesTest, Remove_RefusesUsedAndUnknownOnes) {
+  auto& one = add("one");
+  const Named elsewhere(context, "one");
+  EXPECT_EQ(code_of(entities.remove(one, false)), Code::rtps_precondition_not_met);
+  EXPECT_EQ(code_of(entities.remove(elsewhere, true)), Code::rtps_precondition_not_met);
+  EXPECT_EQ(entities.all().size(), 1u);
+  EXPECT_TRUE(entities.remove(one, true));
+  EXPECT_TRUE(entities.all().empty());
+}
+
+TEST_F(ContainedEntitiesTest, Release_LeavesNone) {
+  add("one");
+  add("two");
+  EXPECT_EQ(entities.release().size(), 2u);
+  EXPECT_TRUE(entities.all().empty());
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
