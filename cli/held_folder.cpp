@@ -109,4 +109,16 @@ fs::path as_held(const fs::path& path) {
   return parent != nullptr ? path_of(parent->descriptor) / path.filename() : path;
 }
 
+int keep_owner(int file, int folder, const fs::path& target, unsigned mode) {
+  struct stat former {};
+  struct stat draft {};
+  const bool is_file =
+      ::fstatat(folder, target.filename().c_str(), &former, AT_SYMLINK_NOFOLLOW) == 0 &&
+      S_ISREG(former.st_mode);
+  if (::geteuid() != 0 || !is_file || ::fstat(file, &draft) != 0) return 0;
+  if (draft.st_uid == former.st_uid && draft.st_gid == former.st_gid) return 0;
+  if (::fchown(file, former.st_uid, former.st_gid) == 0) return 0;
+  return (mode & 044) != 0 ? 0 : errno;  // everybody can read the others
+}
+
 }  // namespace ddssec::cli

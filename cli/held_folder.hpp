@@ -22,4 +22,10 @@ int folder_descriptor(const std::filesystem::path& folder);
 /// as it is. For system calls, not for messages.
 std::filesystem::path as_held(const std::filesystem::path& path);
 
+/// What root writes in place of another user's file stays that user's: a key that only root could
+/// read would stop the participant. `file`, which is open, gets the owner and group of the target
+/// in `folder`, if root runs the command. Error: the number in errno, for a file that not everybody
+/// can read.
+int keep_owner(int file, int folder, const std::filesystem::path& target, unsigned mode);
+
 }  // namespace ddssec::cli

@@ -161,6 +161,11 @@ Result<fs::path> write_draft(const fs::path& target, BytesView octets, unsigned 
     file = open_new(at, mode);
   }
   if (file < 0) return unwritable(target, errno);
+  if (const int error = keep_owner(file, at.folder, target, mode); error != 0) {
+    ::close(file);
+    ::unlinkat(at.folder, at.path.c_str(), 0);
+    return unwritable(target, error);
+  }
   DDSSEC_TRY(write_and_close(file, at, target, octets, Flush::now));
   return target.parent_path() / at.path;
 }

@@ -114,6 +114,22 @@ void check_mode(const fs::path& key, Diagnosis& out) {
                   .document = key});
 }
 
+// The folder's owner is the participant's user as a rule, and must be able to read the key.
+void check_owner(const fs::path& key, Diagnosis& out) {
+  struct stat status {};
+  struct stat folder {};
+  if (::stat(key.c_str(), &status) != 0 || ::stat(key.parent_path().c_str(), &folder) != 0) return;
+  const bool can_read = (status.st_mode & 044) != 0 || folder.st_uid == 0;
+  if (status.st_uid == folder.st_uid || can_read) return out.pass(Rule::DOC003);
+  out.report({}, {.rule = Rule::DOC003,
+                  .message = fmt::format(
+                      "{} belongs to user {} with mode {:04o}, and its folder to "
+                      "user {}, who cannot read it",
+                      name_of(key), status.st_uid, status.st_mode & 07777, folder.st_uid),
+                  .document = key,
+                  .hint = "give the key to the user that runs the participant: chown"});
+}
+
 // The CA whose private key `path` holds, or "" if it holds none.
 std::string ca_of_key(const fs::path& path, const LoadedFolder& folder) {
   const auto key = pki::PrivateKey::load("file://" + path.string(), "");
@@ -190,6 +206,7 @@ void check_files(const LoadedFolder& folder, const Settings& settings, Diagnosis
   check_loaded(folder, settings, out);
   check_tokens(folder, out);
   check_mode(folder.paths.key, out);
+  check_owner(folder.paths.key, out);
   check_strangers(folder, out);
   check_layouts(folder, out);
   check_configurations(folder, out);

@@ -204,6 +204,37 @@ class Keys(Transcript):
         self.assertEqual(self.precious.stat().st_mode & 0o777, 0o644)
 
 
+@NEEDS_ROOT
+class Owners(Transcript):
+    """What root replaces in a folder of the user that runs the participant."""
+
+    def setUp(self):
+        super().setUp()
+        self.run_program("init", "demo", *NOW)
+        for path in (self.at / "demo/talker", *(self.at / "demo/talker").iterdir()):
+            os.chown(path, OTHER, OTHER)
+
+    def owners(self):
+        stats = [p.stat() for p in (self.at / "demo/talker").iterdir()]
+        return {(one.st_uid, one.st_gid) for one in stats}
+
+    def doctor(self):
+        return self.run_program("doctor", "demo/talker", *NOW, exit=None).stderr
+
+    def test_files_stay_the_users(self):
+        for words in (("identity", "renew", "demo/talker", "--ca", "demo", "--rekey", "--permissions"),
+                      ("crl", "distribute", "--ca", "demo"), ("ca", "rotate", "demo", "--role", "identity"),
+                      ("identity", "issue", "talker", "--ca", "demo", "-o", "demo/talker", "--replace", "--publish", "x")):
+            self.run_program(*words, *NOW)
+            self.assertEqual(self.owners(), {(OTHER, OTHER)}, words)
+        self.assertEqual((self.at / "demo/talker/key.pem").stat().st_mode & 0o777, 0o600)
+        self.assertNotIn("DOC003", self.doctor())
+
+    def test_doctor_names_a_key_that_the_folders_owner_cannot_read(self):
+        os.chown(self.at / "demo/talker/key.pem", 0, 0)
+        self.assertRegex(self.doctor(), f"DOC003.*key.pem belongs to user 0 with mode 0600, .* user {OTHER}, who cannot")
+
+
 class Tokens(Transcript):
     """What a folder says of a token."""
 
