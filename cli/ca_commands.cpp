@@ -13,6 +13,7 @@
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
 #include "cli/participant_places.hpp"
+#include "cli/revocation_lists.hpp"
 #include "cli/transaction.hpp"
 #include "pki/source.hpp"
 
@@ -195,7 +196,7 @@ Result<Report> show_one(const CaPaths& paths, const Json& role, WallTime now) {
   const auto certificate = DDSSEC_TRY(read_certificate(paths.certificate));
   const auto key = DDSSEC_TRY(describe_key(paths.key));
   const auto log = DDSSEC_TRY(read_issue_log(paths));
-  const auto crl = DDSSEC_TRY(read_crl(paths.crl));
+  const auto crl = DDSSEC_TRY(present_crl(paths));
   const auto left = std::max(certificate.not_after() - now, {});
   const auto days_left =
       counted(static_cast<std::size_t>(std::chrono::floor<std::chrono::days>(left).count()), "day");
@@ -290,6 +291,38 @@ Result<pki::Certificate> renewed_ca(const OpenCa& ca, pki::Validity life,
   return out;
 }
 
+// In their order. Documents are judged by the certificate of their signer, which is in them: ours
+// takes every certificate of the file, stock products the first (measured).
+std::string steps_for_permissions(const OpenCa& ca, const std::string& given) {
+  return fmt::format(
+      "The signed documents are still the old certificate's, which ends on {}. Before that day:\n"
+      "  with ddssec's plugins alone: put the new {} into every folder as permissions_ca.pem; then "
+      "sign governance and permissions again\n"
+      "  with stock Cyclone DDS or Fast DDS anywhere: they refuse documents of the old certificate "
+      "as soon as the new file is in the folder, and new documents before. Sign all governance and "
+      "permissions again, put them and the new file into all folders together, and start all "
+      "participants again. One command does that, with a new key: ddssec ca rotate {} --role "
+      "permissions\n",
+      date(ca.certificate().not_after()), ca.paths.certificate.filename().string(), given);
+}
+
+Result<std::string> steps_after_renewal(const OpenCa& ca, const std::string& role,
+                                        const std::string& given) {
+  if (role == "permissions") return steps_for_permissions(ca, given);
+  const auto end = ca.certificate().not_after();
+  auto out = fmt::format(
+      "Participants take the new and the old certificate. Put the new {} into every folder as "
+      "identity_ca.pem before {}.\n",
+      ca.paths.certificate.filename().string(), date(end));
+  const auto list = DDSSEC_TRY(present_crl(ca.paths));
+  if (list && list->next_update() && *list->next_update() <= end)
+    out += fmt::format(
+        "The revocation list ends on {}; from then on nobody new is authenticated. Before that "
+        "day: ddssec crl new --ca {}, then ddssec crl distribute --ca {}\n",
+        date(*list->next_update()), given, given);
+  return out;
+}
+
 Result<Report> ca_renew(const Arguments& arguments, const Context& context) {
   const auto role = DDSSEC_TRY(one_role(arguments));
   CaOpener opener(arguments);
@@ -303,11 +336,9 @@ Result<Report> ca_renew(const Arguments& arguments, const Context& context) {
   report.result = describe(renewed);
   report.result["dir"] = arguments.text("DIR");
   report.result["folders"] = Json::array();
-  report.text = fmt::format(
-      "{}  renewed with the same key, expires {}\nParticipants take the new and the old "
-      "certificate. They need the new {} before {}.\n",
-      renewed.subject(), date(renewed.not_after()), ca.paths.certificate.filename().string(),
-      date(ca.certificate().not_after()));
+  report.text = fmt::format("{}  renewed with the same key, expires {}\n", renewed.subject(),
+                            date(renewed.not_after())) +
+                DDSSEC_TRY(steps_after_renewal(ca, role, arguments.text("DIR")));
   const auto log = DDSSEC_TRY(read_issue_log(ca.paths));
   const LoggedFolders folders(ca.paths, log);
   for (const auto& logged : log.folders()) {

@@ -1,7 +1,10 @@
 #include "cli/ca_folder.hpp"
 
 #include <algorithm>
+#include <cerrno>
+#include <fcntl.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -57,22 +60,31 @@ Result<std::string> one_role(const Arguments& arguments) {
               {.field = "--role", .expected = "identity or permissions", .found = role});
 }
 
-Result<pki::PrivateKey> CaOpener::key(const fs::path& path) {
+// What may have to wait for a person.
+Status CaOpener::prepare(const fs::path& path) {
   DDSSEC_TRY(check_key_mode(path, arguments_));
+  if (path.extension() != ".p11" && !passphrase_ && DDSSEC_TRY(is_encrypted(path)))
+    passphrase_ = DDSSEC_TRY(passphrase(arguments_, Typed::once));
+  return {};
+}
+
+Result<pki::PrivateKey> CaOpener::key(const fs::path& path) {
+  DDSSEC_TRY(prepare(path));
   if (path.extension() == ".p11")
     return named(token_key(DDSSEC_TRY(pki::uri_of(path)), arguments_), path);
-  if (!passphrase_ && DDSSEC_TRY(is_encrypted(path)))
-    passphrase_ = DDSSEC_TRY(passphrase(arguments_, Typed::once));
   return read_key(path, passphrase_ ? &*passphrase_ : nullptr);
 }
 
 Result<OpenCa> CaOpener::open(const CaPaths& paths) {
   DDSSEC_TRY(finish_interrupted(paths.key.parent_path(), Reach::anywhere));
+  DDSSEC_TRY(read_certificates(paths.certificate));  // no passphrase for a folder without a CA
+  DDSSEC_TRY(prepare(paths.key));
+  auto lock = DDSSEC_TRY(lock_records(paths));
   const auto trust = DDSSEC_TRY(read_certificates(paths.certificate));
   auto own_key = DDSSEC_TRY(key(paths.key));
   auto authority =
       DDSSEC_TRY(named(pki::Authority::load(trust.front(), std::move(own_key)), paths.certificate));
-  return OpenCa{paths, std::move(authority), to_pem(trust)};
+  return OpenCa{paths, std::move(authority), to_pem(trust), std::move(lock)};
 }
 
 Result<OpenCa> CaOpener::open(std::string_view role) {
@@ -122,76 +134,10 @@ Status log_issued(const CaPaths& paths, std::string_view lines) {
   return append_lines(paths.log, lines, paths.key);
 }
 
-Result<std::optional<pki::Crl>> read_crl(const fs::path& path) {
-  if (!is_there(path)) return std::nullopt;
-  const auto octets = DDSSEC_TRY(read_file(path, pki::kMostDocumentOctets));
-  const auto lists = DDSSEC_TRY(named(pki::Crl::all_from(octets), path));
-  if (lists.empty())
-    return fail(Code::crl_malformed, {.document = path, .note = "there is no list in it"});
-  return lists.front();
-}
-
-Result<FileLock> lock_records(const CaPaths& paths) { return FileLock::of(paths.key); }
-
-Result<bool> lists_all(const CaPaths& paths, const pki::IssueLog& log) {
-  if (log.revocations().empty()) return true;
-  const auto crl = DDSSEC_TRY(read_crl(paths.crl));
-  if (!crl) return false;
-  const auto listed = DDSSEC_TRY(named(crl->revoked(), paths.crl));
-  return std::ranges::all_of(log.revocations(), [&](const auto& revocation) {
-    return std::ranges::find(listed, revocation.serial, &pki::Revocation::serial) != listed.end();
-  });
-}
-
-namespace {
-
-/// What the list that follows the CA's present one holds.
-struct NextList {
-  std::uint64_t number;
-  std::vector<pki::Revocation> entries;  ///< of the log and of the present list
-};
-
-Result<NextList> next_list(const OpenCa& ca, const pki::IssueLog& log) {
-  const auto before = DDSSEC_TRY(read_crl(ca.paths.crl));
-  auto entries = log.revocations();
-  if (before) {
-    const auto listed = DDSSEC_TRY(named(before->revoked(), ca.paths.crl));
-    entries.insert(entries.end(), listed.begin(), listed.end());
-  }
-  return NextList{before ? before->number().value_or(0) + 1 : 1, std::move(entries)};
-}
-
-Result<pki::Crl> signed_list(const OpenCa& ca, const NextList& list, WallTime now, WallTime until) {
-  return ca.authority.make_crl(
-      {.this_update = now, .next_update = until, .number = list.number, .entries = list.entries});
-}
-
-}  // namespace
-
-Result<pki::Crl> next_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now, int days) {
-  const auto list = DDSSEC_TRY(next_list(ca, log));
-  return signed_list(ca, list, now, now + std::chrono::days(days));
-}
-
-Result<pki::Crl> routine_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now) {
-  const auto list = DDSSEC_TRY(next_list(ca, log));
-  return signed_list(
-      ca, list, now,
-      list.entries.empty() ? ca.certificate().not_after() : now + std::chrono::days(kListDays));
-}
-
-Result<pki::Crl> first_crl(const pki::Authority& ca) {
-  const auto& certificate = ca.certificate();
-  return ca.make_crl({.this_update = certificate.not_before(),
-                      .next_update = certificate.not_after(),
-                      .number = 1,
-                      .entries = {}});
-}
-
-Result<std::string> list_for_newcomers(const CaPaths& paths, WallTime now) {
-  const auto crl = DDSSEC_TRY(read_crl(paths.crl));
-  const bool is_over = crl && crl->next_update() && *crl->next_update() <= now;
-  return crl && !is_over ? crl->pem() : std::string();
+Result<std::optional<FileLock>> lock_records(const CaPaths& paths) {
+  const bool can_open = ::faccessat(AT_FDCWD, paths.key.c_str(), R_OK, AT_EACCESS) == 0;
+  if (!can_open && (errno == ENOENT || errno == EACCES)) return std::nullopt;
+  return DDSSEC_TRY(FileLock::of(paths.key));
 }
 
 Status add_key(NewFolder& folder, const fs::path& name, const NewKey& key,

@@ -11,7 +11,6 @@
 #include "cli/inputs.hpp"
 #include "cli/transaction.hpp"
 #include "pki/authority.hpp"
-#include "pki/crl.hpp"
 #include "pki/issue_log.hpp"
 
 namespace ddssec::cli {
@@ -46,6 +45,8 @@ struct OpenCa {
   pki::Authority authority;
   /// Everything in the certificate's file: what participants must be given.
   std::string trust_pem;
+  /// Held from before the files were read: see lock_records.
+  std::optional<FileLock> lock = {};
 
   const pki::Certificate& certificate() const { return authority.certificate(); }
 };
@@ -55,9 +56,12 @@ class CaOpener {
  public:
   explicit CaOpener(const Arguments& arguments) : arguments_(arguments) {}
 
-  /// The CA of these files. Its key is used only if nobody but its owner can read it, unless
-  /// --insecure-key-mode is given. Errors: key_readable_by_others, those of passphrase() for an
-  /// encrypted key, of read_file, Authority::load.
+  /// The CA of these files, which this command has to itself as long as the result lives: another
+  /// command that signs or rotates is waited for, and only then is anything read. Its key is used
+  /// only if nobody but its owner can read it, unless --insecure-key-mode is given. Of two CAs the
+  /// identity CA is opened first, so that two commands do not wait for each other. Errors:
+  /// key_readable_by_others, those of passphrase() for an encrypted key, of lock_records,
+  /// read_file, Authority::load.
   Result<OpenCa> open(const CaPaths& paths);
   /// The `role`'s CA of --ca. Errors as above, and those of check_signing_ca.
   Result<OpenCa> open(std::string_view role);
@@ -66,6 +70,7 @@ class CaOpener {
   const pki::Passphrase* used_passphrase() const { return passphrase_ ? &*passphrase_ : nullptr; }
 
  private:
+  Status prepare(const std::filesystem::path& key);
   Result<pki::PrivateKey> key(const std::filesystem::path& path);
 
   const Arguments& arguments_;
@@ -87,37 +92,12 @@ Status check_log_lines(const std::filesystem::path& log, std::string_view lines)
 /// Adds lines to the log of what a CA issued. Errors: length_out_of_range, those of append_lines.
 Status log_issued(const CaPaths& paths, std::string_view lines);
 
-/// The list in a file, or nothing if there is no such file. Errors: those of read_file and
-/// Crl::all_from; crl_malformed if the file holds no list.
-Result<std::optional<pki::Crl>> read_crl(const std::filesystem::path& path);
-
-/// No other command revokes, renews or lists anything of this CA while the lock lives. Taken when
-/// the CA is open, since a passphrase may be waited for, and before the log is read. It is on the
-/// key, which only its owner can open, so that no other user can hold it. Errors: those
-/// of FileLock::of.
-Result<FileLock> lock_records(const CaPaths& paths);
-
-/// Whether the CA's present list names everything that its log says is revoked; it does not if a
-/// crash came between the two. Errors: those of read_crl and Crl::revoked.
-Result<bool> lists_all(const CaPaths& paths, const pki::IssueLog& log);
-
-/// How long a list holds that a command makes on its way.
-inline constexpr int kListDays = 180;
-
-/// The list that follows the CA's present one: everything revoked by the log and by that list.
-/// Errors: those of read_crl and Authority::make_crl.
-Result<pki::Crl> next_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now, int days);
-
-/// The same, for kListDays; but a list that names nothing holds as long as the CA, so that it need
-/// not be renewed before a certificate is revoked.
-Result<pki::Crl> routine_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now);
-
-/// A new CA's list, which names nothing and holds as long as the CA. Errors: those of make_crl.
-Result<pki::Crl> first_crl(const pki::Authority& ca);
-
-/// The CA's present list, in PEM, for a participant that is made now; empty if there is none or it
-/// is over. Errors: those of read_crl.
-Result<std::string> list_for_newcomers(const CaPaths& paths, WallTime now);
+/// No other command signs, revokes, rotates or lists anything of this CA while the lock lives.
+/// Taken before the first of its files is read whose content decides what is written. It is on the
+/// key, which only its owner can open, so that no other user can hold it. Nothing if the key is not
+/// here, or not for this user: then the command can change nothing of the CA. Errors: those of
+/// FileLock::of.
+Result<std::optional<FileLock>> lock_records(const CaPaths& paths);
 
 /// Puts a new key into a folder to be: as `name`, or if it is in a token, its URI as the *.p11 in
 /// that place.

@@ -165,7 +165,6 @@ Result<Report> ca_rotate(const Arguments& arguments, const Context& context) {
   CaOpener opener(arguments);
   const auto old = DDSSEC_TRY(opener.open(ca_paths(given, role)));
   if (old.authority.key().in_token()) return fail(Code::key_in_token, {.document = old.paths.key});
-  const auto lock = DDSSEC_TRY(lock_records(old.paths));
   const auto known = DDSSEC_TRY(followers_of(arguments, given, now));
   const auto [ca, trust] = DDSSEC_TRY(successor_of(old.certificate(), arguments, context));
   const Succession change{old, ca, trust, opener.used_passphrase(), arguments.has("--unlogged")};

@@ -8,6 +8,7 @@
 #include "cli/held_folder.hpp"
 #include "cli/inputs.hpp"
 #include "cli/logged_certificate.hpp"
+#include "cli/revocation_lists.hpp"
 #include "cli/signed_documents.hpp"
 
 namespace ddssec::cli {
@@ -296,6 +297,7 @@ struct Reissue {
   const Succession& change;
   const pki::IssueLog& log;
   const pki::Crl& crl;
+  const std::vector<pki::Certificate>& trusted;  ///< the certificates of change.trust_pem
   const Context& context;
 
   // The line for the log.
@@ -309,7 +311,8 @@ struct Reissue {
         certificate, {now - kBackdated, certificate.not_after()}, context.random));
     DDSSEC_TRY(out.put_public(files.certificate, again.pem()));
     DDSSEC_TRY(put_if_there(out, files.identity_ca, change.trust_pem));
-    DDSSEC_TRY(put_if_there(out, files.crl, crl.pem()));  // the old list would shut everybody out
+    if (is_to_be_replaced(files.crl))  // the old list would shut everybody out
+      DDSSEC_TRY(put_list(out, files.crl, {crl, change.ca.certificate(), "", &again, trusted}));
     std::error_code ignored;
     return pki::IssueLog::issued_line(
         again, fs::absolute(files.folder, ignored).lexically_normal().string(), now);
@@ -329,13 +332,19 @@ Result<Followed> follow_identity_ca(Replacement& out, const Succession& change,
   DDSSEC_TRY(out.put_public(paths.crl, crl.pem()));
   Followed followed;
   std::string lines;
-  const Reissue reissue{change, log, crl, context};
+  const auto trusted = DDSSEC_TRY(pki::Certificate::bundle_from_pem(as_bytes(change.trust_pem)));
+  const auto listed = DDSSEC_TRY(crl.revoked());
+  const Reissue reissue{change, log, crl, trusted, context};
   Following following(out, followed);
   for (const auto& follower : followers) {
     std::string revoked;
     DDSSEC_TRY(following.add(follower, [&]() -> Status {
       const auto certificate = DDSSEC_TRY(read_certificate(follower.files.certificate));
       revoked = DDSSEC_TRY(revoked_serial(certificate, paths, log, NextKey::same));
+      // A participant's list may be newer than the CA's own.
+      const auto serial = certificate.serial();
+      if (std::ranges::find(listed, serial, &pki::Revocation::serial) != listed.end())
+        revoked = serial;
       if (revoked.empty()) lines += DDSSEC_TRY(reissue.put(out, follower, certificate));
       return {};
     }));

@@ -10,6 +10,7 @@
 #include "cli/inputs.hpp"
 #include "cli/near.hpp"
 #include "cli/options.hpp"
+#include "cli/revocation_lists.hpp"
 #include "governance/decision.hpp"
 #include "governance/doctor/ca_list.hpp"
 #include "governance/doctor/diagnosis.hpp"
@@ -126,11 +127,9 @@ Answer by_grant(const Question& question, const governance::CompiledGrant& grant
 std::optional<Answer> by_revocation(const pki::ParticipantFolder& folder) {
   const auto certificate = read_certificate(folder.certificate);
   const auto cas = read_certificates(folder.identity_ca);
-  const auto own = read_crl(folder.crl);
+  const auto own = read_crls(folder.crl);
   if (!certificate || !cas || !own) return std::nullopt;  // doctor's business
-  std::vector<pki::Crl> lists;
-  if (*own) lists.push_back(**own);
-  const auto newer = governance::doctor::newer_ca_list(folder, *cas, lists);
+  const auto newer = governance::doctor::newer_ca_list(folder, *cas, *own);
   const auto answer = [&](const pki::Crl& list, const fs::path& file) {
     return Answer{
         false,
@@ -139,7 +138,8 @@ std::optional<Answer> by_revocation(const pki::ParticipantFolder& folder) {
   };
   if (newer && governance::doctor::names(newer->list, *certificate))
     return answer(newer->list, newer->file);
-  if (*own && governance::doctor::names(**own, *certificate)) return answer(**own, folder.crl);
+  for (const auto& list : *own)
+    if (governance::doctor::names(list, *certificate)) return answer(list, folder.crl);
   return std::nullopt;
 }
 

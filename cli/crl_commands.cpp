@@ -1,6 +1,7 @@
 // crl: revocation lists.
 #include <algorithm>
 #include <filesystem>
+#include <ranges>
 
 #include <fmt/format.h>
 
@@ -12,6 +13,7 @@
 #include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/participant_places.hpp"
+#include "cli/revocation_lists.hpp"
 #include "cli/transaction.hpp"
 #include "pki/participant_folder.hpp"
 
@@ -31,6 +33,16 @@ Json describe(const pki::Crl& crl) {
           {"next_update", crl.next_update() ? Json(to_string(*crl.next_update())) : Json()}};
 }
 
+Result<Json> describe_whole(const pki::Crl& crl, const fs::path& path) {
+  auto out = describe(crl);
+  out["revoked"] = Json::array();
+  for (const auto& entry : DDSSEC_TRY(named(crl.revoked(), path)))
+    out["revoked"].push_back({{"serial", entry.serial},
+                              {"time", to_string(entry.time)},
+                              {"reason", to_string(entry.reason)}});
+  return out;
+}
+
 // A list, a participant's folder or a CA's: whichever holds one.
 fs::path list_at(const fs::path& given) {
   std::error_code ignored;
@@ -39,25 +51,27 @@ fs::path list_at(const fs::path& given) {
   return fs::exists(in_folder, ignored) ? in_folder : ca_paths(given, "identity").crl;
 }
 
-Result<pki::Crl> list_in(const fs::path& path) {
-  const auto crl = DDSSEC_TRY(read_crl(path));
-  if (!crl) return fail(Code::file_not_found, {.document = path});
-  return *crl;
+Result<std::vector<pki::Crl>> lists_in(const fs::path& path) {
+  auto lists = DDSSEC_TRY(read_crls(path));
+  if (lists.empty()) return fail(Code::file_not_found, {.document = path});
+  return lists;
 }
 
 Result<Report> crl_new(const Arguments& arguments, const Context& context) {
   const int days = DDSSEC_TRY(arguments.number("--next-update", 1, kMostDays));
   CaOpener opener(arguments);
   const auto ca = DDSSEC_TRY(opener.open("identity"));
-  const auto lock = DDSSEC_TRY(lock_records(ca.paths));
   const auto log = DDSSEC_TRY(read_issue_log(ca.paths));
-  const auto crl = DDSSEC_TRY(next_crl(ca, log, context.clock.now(), days));
+  std::vector<fs::path> more;
+  for (const auto& given : arguments.all("--from")) more.push_back(list_at(given));
+  const auto crl = DDSSEC_TRY(next_crl(ca, log, context.clock.now(), days, more));
   Replacement out;
   DDSSEC_TRY(out.put_public(ca.paths.crl, crl.pem()));
   const auto count = DDSSEC_TRY(crl.revoked()).size();
   Report report;
-  report.text = fmt::format("{}  number {}, {} revoked, {}\n", ca.paths.crl.string(),
-                            crl.number().value_or(0), count, words_until(crl));
+  report.text = fmt::format("{}  number {}, {} revoked, {}\n{}", ca.paths.crl.string(),
+                            crl.number().value_or(0), count, words_until(crl),
+                            about_clock(crl, context.clock.now()));
   report.result = {{"file", ca.paths.crl.string()}};
   report.result.update(describe(crl));
   report.result["revoked"] = count;
@@ -65,43 +79,88 @@ Result<Report> crl_new(const Arguments& arguments, const Context& context) {
   return report;
 }
 
+std::string list_in_words(const pki::Crl& crl, const Json& described) {
+  auto out = fmt::format("issuer   {}\nnumber   {}\nvalid    {} .. {}\n", crl.issuer(),
+                         crl.number().value_or(0), date(crl.this_update()),
+                         crl.next_update() ? date(*crl.next_update()) : "");
+  for (const auto& entry : described["revoked"])
+    out += fmt::format("revoked  {}  {}  {}\n", std::string(entry["serial"]),
+                       std::string(entry["time"]).substr(0, 10), std::string(entry["reason"]));
+  return out;
+}
+
+// Of several lists of one CA the products do not read the same.
+std::string about_several(const std::vector<pki::Crl>& lists) {
+  for (const auto& list : lists)
+    if (std::ranges::count(lists, list.issuer(), &pki::Crl::issuer) > 1)
+      return fmt::format(
+          "several lists of {}: the stock plugins of Cyclone DDS and Fast DDS read the first list "
+          "of the file only, ddssec's plugins the newest. Keep the newest alone: ddssec crl "
+          "distribute\n",
+          list.issuer());
+  return {};
+}
+
 Result<Report> crl_show(const Arguments& arguments, const Context&) {
   const auto path = list_at(arguments.text("PATH"));
-  const auto crl = DDSSEC_TRY(list_in(path));
+  const auto lists = DDSSEC_TRY(lists_in(path));
   Report report;
-  report.text = fmt::format("issuer   {}\nnumber   {}\nvalid    {} .. {}\n", crl.issuer(),
-                            crl.number().value_or(0), date(crl.this_update()),
-                            crl.next_update() ? date(*crl.next_update()) : "");
   report.result = {{"file", path.string()}};
-  report.result.update(describe(crl));
-  report.result["revoked"] = Json::array();
-  for (const auto& entry : DDSSEC_TRY(named(crl.revoked(), path))) {
-    report.text += fmt::format("revoked  {}  {}  {}\n", entry.serial, date(entry.time),
-                               to_string(entry.reason));
-    report.result["revoked"].push_back({{"serial", entry.serial},
-                                        {"time", to_string(entry.time)},
-                                        {"reason", to_string(entry.reason)}});
+  report.result.update(DDSSEC_TRY(describe_whole(lists.front(), path)));
+  report.result["others"] = Json::array();
+  report.text = list_in_words(lists.front(), report.result);
+  for (const auto& list : lists | std::views::drop(1)) {
+    const auto described = DDSSEC_TRY(describe_whole(list, path));
+    report.text += "\n" + list_in_words(list, described);
+    report.result["others"].push_back(described);
   }
+  report.text += about_several(lists);
   return report;
+}
+
+// Where --ca names the CA's folder, which has a list of its own.
+Status check_not_ahead(const pki::Crl& crl, const fs::path& path, const fs::path& ca) {
+  std::error_code ignored;
+  if (!fs::is_directory(ca, ignored)) return {};
+  const auto own = DDSSEC_TRY(present_crl(ca_paths(ca, "identity")));
+  if (!own || own->supersedes(crl)) return {};
+  return fail(Code::crl_older,
+              {.document = ca_paths(ca, "identity").crl,
+               .expected = fmt::format("number {} or later, as in {}", crl.number().value_or(0),
+                                       path.string()),
+               .found = fmt::format("number {}", own->number().value_or(0)),
+               .note = "the CA's folder came back from a backup, or it is a copy",
+               .hint = fmt::format("ddssec crl new --ca {} --from {} makes a list that names what "
+                                   "both name",
+                                   ca.string(), path.string())});
 }
 
 Result<Report> crl_verify(const Arguments& arguments, const Context& context) {
   const auto path = list_at(arguments.text("PATH"));
   const auto ca_file = ca_certificate_path(arguments.text("--ca"), "identity");
-  const auto crl = DDSSEC_TRY(list_in(path));
+  const auto lists = DDSSEC_TRY(lists_in(path));
   const auto ca = DDSSEC_TRY(read_certificate(ca_file));
-  DDSSEC_TRY(named(crl.check(ca, context.clock.now()), path));
+  const auto is_of_ca = [&](const pki::Crl& list) { return list.is_named_after(ca); };
+  const auto own = std::ranges::find_if(lists, is_of_ca);
+  const auto& first = own == lists.end() ? lists.front() : *own;
   Report report;
-  report.text =
-      fmt::format("{}: signed by {}, holds {}\n", path.string(), ca.subject(), words_until(crl));
+  for (const auto& crl : lists) {
+    if (!is_of_ca(crl) && &crl != &first) {
+      report.text +=
+          fmt::format("{}: a list of {} is in it as well\n", path.string(), crl.issuer());
+      continue;
+    }
+    DDSSEC_TRY(named(crl.check(ca, context.clock.now()), path));
+    DDSSEC_TRY(check_not_ahead(crl, path, arguments.text("--ca")));
+    report.text +=
+        fmt::format("{}: {}signed by {}, holds {}\n", path.string(),
+                    lists.size() > 1 ? fmt::format("number {}, ", crl.number().value_or(0)) : "",
+                    ca.subject(), words_until(crl));
+  }
+  report.text += about_several(lists);
   report.result = {{"file", path.string()}};
-  report.result.update(describe(crl));
+  report.result.update(describe(first));
   return report;
-}
-
-bool is_empty(const ParticipantPlaces& places) {
-  return places.here.empty() && places.elsewhere.empty() && places.other_copies.empty() &&
-         places.left_behind.empty() && places.of_other_cas.empty();
 }
 
 // The folders of the command line, or all of this CA's participants that are here.
@@ -113,23 +172,33 @@ Result<ParticipantPlaces> recipients(const Arguments& arguments, const CaPaths& 
   }
   if (!out.here.empty()) return out;
   out = DDSSEC_TRY(participant_places(ca, DDSSEC_TRY(read_issue_log(ca))));
-  if (!is_empty(out)) return out;
+  if (!out.is_empty()) return out;
   return fail(Code::usage, {.field = "DIRS", .note = "the CA's log knows no folder: name them"});
 }
 
+// Null: in a token, or not here.
+Result<std::optional<pki::Certificate>> certificate_in(const pki::ParticipantFolder& files) {
+  if (files.certificate.extension() == ".p11" || !is_there(files.certificate)) return std::nullopt;
+  return DDSSEC_TRY(read_certificate(files.certificate));
+}
+
+/// The list that is distributed.
+struct Distribution {
+  pki::Crl list;
+  pki::Certificate ca;
+  std::string ca_folder;
+};
+
 // The folder is held first; what it was chosen for must be true of it still.
-Status put_list(Replacement& out, const fs::path& folder, const pki::Crl& crl,
-                const pki::Certificate& ca, const Arguments& arguments) {
+Status put_list_into(Replacement& out, const fs::path& folder, const Distribution& what) {
   DDSSEC_TRY(hold_folder(folder));
   const auto files = pki::participant_folder(folder);
-  if (arguments.all("DIRS").empty()) {
-    const auto certificate = read_certificate(files.certificate);
-    if (certificate && !certificate->is_issued_by(ca))
-      return fail(Code::issuer_unknown, {.document = files.certificate,
-                                         .expected = "one that " + ca.subject() + " issued",
-                                         .found = "one of " + certificate->issuer()});
-  }
-  return out.put_public(files.crl, crl.pem());
+  const auto certificate = DDSSEC_TRY(certificate_in(files));
+  std::vector<pki::Certificate> trusted;
+  if (auto cas = read_certificates(files.identity_ca)) trusted = *std::move(cas);
+  return put_list(out, files.crl,
+                  {what.list, what.ca, what.ca_folder, certificate ? &*certificate : nullptr,
+                   std::move(trusted)});
 }
 
 /// The folders that have a list now, and what is wrong with the others.
@@ -140,13 +209,12 @@ struct Distributed {
 };
 
 // One folder that cannot be written keeps the list from nobody else.
-Result<Distributed> put_lists(const std::vector<fs::path>& folders, const pki::Crl& crl,
-                              const pki::Certificate& ca, const Arguments& arguments) {
+Result<Distributed> put_lists(const std::vector<fs::path>& folders, const Distribution& what) {
   Distributed done;
   Replacement out;
   for (const auto& folder : folders) {
     out.begin_folder(folder.string());
-    if (auto drafted = put_list(out, folder, crl, ca, arguments); drafted) {
+    if (auto drafted = put_list_into(out, folder, what); drafted) {
       done.folders.push_back(folder.string());
     } else {
       if (drafted.error().code() == Code::interrupted) return std::unexpected(drafted.error());
@@ -162,16 +230,34 @@ Result<Distributed> put_lists(const std::vector<fs::path>& folders, const pki::C
   return done;
 }
 
-Result<Report> crl_distribute(const Arguments& arguments, const Context& context) {
-  DDSSEC_TRY(check_ca_folder(arguments.text("--ca"), "identity"));
-  const auto paths = ca_paths(arguments.text("--ca"), "identity");
-  const auto crl = DDSSEC_TRY(list_in(paths.crl));
-  const auto ca = DDSSEC_TRY(read_certificate(paths.certificate));
-  DDSSEC_TRY(named(crl.check(ca, context.clock.now()), paths.crl));
+// What helps at the CA itself; elsewhere its list would be fetched anew.
+Status with_hint_for_ca(Status status, const std::string& given) {
+  if (status || status.error().code() == Code::crl_not_yet_valid) return status;
+  auto details = status.error().details();
+  details.hint = fmt::format("make a new list: ddssec crl new --ca {}", given);
+  return fail(status.error().code(), std::move(details));
+}
+
+Result<pki::Crl> list_to_distribute(const CaPaths& paths, const pki::Certificate& ca,
+                                    const std::string& given, WallTime now) {
+  const auto lists = DDSSEC_TRY(lists_in(paths.crl));
+  const auto present = DDSSEC_TRY(present_crl(paths)).value_or(lists.front());
+  DDSSEC_TRY(with_hint_for_ca(named(present.check(ca, now), paths.crl), given));
   if (!DDSSEC_TRY(lists_all(paths, DDSSEC_TRY(read_issue_log(paths)))))
     return fail(Code::crl_incomplete, {.document = paths.crl});
+  return present;
+}
+
+Result<Report> crl_distribute(const Arguments& arguments, const Context& context) {
+  const auto given = arguments.text("--ca");
+  DDSSEC_TRY(check_ca_folder(given, "identity"));
+  const auto paths = ca_paths(given, "identity");
+  // Until every folder has it: a newer list of another command must not come in between.
+  const auto lock = DDSSEC_TRY(lock_records(paths));
+  const auto ca = DDSSEC_TRY(read_certificate(paths.certificate));
+  const auto crl = DDSSEC_TRY(list_to_distribute(paths, ca, given, context.clock.now()));
   const auto recipient = DDSSEC_TRY(recipients(arguments, paths));
-  auto done = DDSSEC_TRY(put_lists(recipient.here, crl, ca, arguments));
+  auto done = DDSSEC_TRY(put_lists(recipient.here, {crl, ca, given}));
   Report report;
   report.result = {{"number", crl.number().value_or(0)},
                    {"folders", done.folders},
@@ -204,9 +290,13 @@ std::vector<Command> crl_commands() {
            .name = "new",
            .summary = "Makes the CA's next revocation list, with everything that was revoked.",
            .positionals = {},
-           .options = {ca_option("the CA"), kNextUpdate, kPassphraseFile, kPassphraseEnv,
-                       kInsecureKeyMode},
-           .examples = {"ddssec crl new --ca ca --next-update 90"},
+           .options = {ca_option("the CA"), kNextUpdate,
+                       repeated("--from", "PATH",
+                                "a newer list of this CA, or a folder with one, which the new list "
+                                "follows: after the CA's folder came back from a backup"),
+                       kPassphraseFile, kPassphraseEnv, kInsecureKeyMode},
+           .examples = {"ddssec crl new --ca ca --next-update 90",
+                        "ddssec crl new --ca ca --from listener"},
            .run = crl_new},
           {.group = "crl",
            .name = "show",

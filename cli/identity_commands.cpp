@@ -131,7 +131,6 @@ Result<Report> identity_sign_csr(const Arguments& arguments, const Context& cont
   CaOpener opener(arguments);
   const auto ca = DDSSEC_TRY(opener.open("identity"));
   DDSSEC_TRY(named(check_subject_of_request(content.subject, ca, arguments), from));
-  const auto lock = DDSSEC_TRY(lock_records(ca.paths));
   const auto life = DDSSEC_TRY(within_ca(wanted, ca.certificate(), arguments.has("--clamp")));
   const auto certificate = DDSSEC_TRY(ca.authority.sign_request(request, life, context.random));
   const auto folder = fs::absolute(to, ignored).lexically_normal().parent_path();

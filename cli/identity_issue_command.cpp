@@ -16,6 +16,7 @@
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
 #include "cli/progress.hpp"
+#include "cli/revocation_lists.hpp"
 #include "cli/signed_documents.hpp"
 #include "cli/snippets.hpp"
 #include "cli/transaction.hpp"
@@ -71,7 +72,8 @@ Result<ParticipantSpec> spec_of(const Arguments& arguments, WallTime now) {
 struct Cas {
   OpenCa identity;
   std::optional<OpenCa> permissions;
-  std::string crl;
+  std::optional<pki::Crl> list;
+  std::string crl;  ///< the same, in PEM
 
   /// For a participant with permissions, or without.
   Issuers issuers(bool with_permissions) const {
@@ -81,9 +83,10 @@ struct Cas {
 
 Result<Cas> open_cas(const Arguments& arguments, bool with_permissions, WallTime now) {
   CaOpener opener(arguments);
-  Cas out{DDSSEC_TRY(opener.open("identity")), std::nullopt, {}};
+  Cas out{DDSSEC_TRY(opener.open("identity")), std::nullopt, std::nullopt, {}};
   if (with_permissions) out.permissions = DDSSEC_TRY(opener.open("permissions"));
-  out.crl = DDSSEC_TRY(list_for_newcomers(out.identity.paths, now));
+  out.list = DDSSEC_TRY(list_for_newcomers(out.identity.paths, now));
+  if (out.list) out.crl = out.list->pem();
   return out;
 }
 
@@ -150,9 +153,10 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
   const fs::path target = arguments.text("-o");
   auto specs = DDSSEC_TRY(read_fleet(from, DDSSEC_TRY(common_spec(arguments, now)), now));
   auto folder = DDSSEC_TRY(NewFolder::at(target));
-  const auto governance = DDSSEC_TRY(governance_of(arguments, now));
+  DDSSEC_TRY(governance_of(arguments, now));  // no passphrase for one that cannot be used
   const bool any_rights = std::ranges::any_of(specs, &ParticipantSpec::has_permissions);
   const auto cas = DDSSEC_TRY(open_cas(arguments, any_rights, now));
+  const auto governance = DDSSEC_TRY(governance_of(arguments, now));
   Report report;
   report.result = {{"dir", target.string()}, {"participants", Json::array()}};
   std::string lines;
@@ -210,8 +214,10 @@ struct Issued {
 };
 
 Result<Issued> issue(Job& job) {
-  auto cas =
-      DDSSEC_TRY(open_cas(job.arguments, job.spec.has_permissions(), job.context.clock.now()));
+  const auto now = job.context.clock.now();
+  auto cas = DDSSEC_TRY(open_cas(job.arguments, job.spec.has_permissions(), now));
+  // A rotation that was waited for has signed it anew.
+  job.governance = DDSSEC_TRY(governance_of(job.arguments, now));
   auto made = DDSSEC_TRY(
       make(job.spec, cas, job.arguments, job.context, job.arguments.text("--permissions")));
   return Issued{std::move(cas), std::move(made)};
@@ -326,6 +332,7 @@ Status add_permissions(const Job& job, const pki::Certificate& certificate, Comp
 Result<Report> complete_folder(Job& job) {
   const auto certificate = DDSSEC_TRY(read_certificate(job.files.certificate));
   const auto paths = ca_paths(job.arguments.text("--ca"), "identity");
+  const auto lock = DDSSEC_TRY(lock_records(paths));
   const auto cas = DDSSEC_TRY(read_certificates(paths.certificate));
   DDSSEC_TRY(check_same(job, certificate, cas.front()));
   const auto log = DDSSEC_TRY(read_issue_log(paths));
@@ -336,7 +343,7 @@ Result<Report> complete_folder(Job& job) {
   if (!job.governance.empty())
     DDSSEC_TRY(out.add(job.files.governance, job.governance, 0644, true));
   const auto crl = DDSSEC_TRY(list_for_newcomers(paths, job.context.clock.now()));
-  if (!crl.empty()) DDSSEC_TRY(out.add(job.files.crl, as_bytes(crl), 0644, false));
+  if (crl) DDSSEC_TRY(out.add(job.files.crl, as_bytes(crl->pem()), 0644, false));
   for (const auto& [name, text] : configuration_files(job.files))
     DDSSEC_TRY(out.add(job.target / name, as_bytes(text), 0644, false));
   return finished(report_on(job, certificate, "completed, key and certificate are as before, "),
@@ -380,7 +387,12 @@ Result<Report> fill_folder(Job& job) {
   if (!made.permissions.empty() && is_there(plain))
     DDSSEC_TRY(out.put_public(plain, made.permissions_xml));
   if (!job.governance.empty()) DDSSEC_TRY(out.put(files.governance, job.governance, 0644));
-  if (!cas.crl.empty()) DDSSEC_TRY(out.put_public(files.crl, cas.crl));
+  if (cas.list) {
+    auto trusted = DDSSEC_TRY(read_certificates(cas.identity.paths.certificate));
+    DDSSEC_TRY(put_list(out, files.crl,
+                        {*cas.list, cas.identity.certificate(), job.arguments.text("--ca"),
+                         &made.self.certificate, std::move(trusted)}));
+  }
   // What a user has changed in them, such as the network interface, stays.
   for (const auto& [name, text] : configuration_files(files))
     if (!is_there(job.target / name)) DDSSEC_TRY(out.put_public(job.target / name, text));

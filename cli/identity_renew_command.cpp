@@ -268,13 +268,13 @@ Status renew_permissions(const Renewal& job, const pki::Certificate& renewed, Ca
   return {};
 }
 
-Result<Report> renew(const Renewal& job) {
+Result<Report> renew(Renewal job) {
   const auto& [arguments, context, path, files, old] = job;
   const auto now = job.now();
   const auto wanted = DDSSEC_TRY(validity(arguments, now));
   CaOpener opener(arguments);
   const auto ca = DDSSEC_TRY(opener.open("identity"));
-  const auto lock = DDSSEC_TRY(lock_records(ca.paths));
+  job.old = DDSSEC_TRY(certificate_of(path));  // a rotation may have been waited for
   DDSSEC_TRY(check_renewable(job, ca));
   const auto life = DDSSEC_TRY(within_ca(wanted, ca.certificate(), arguments.has("--clamp")));
   std::optional<pki::PrivateKey> key;

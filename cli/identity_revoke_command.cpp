@@ -11,6 +11,7 @@
 #include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/participant_places.hpp"
+#include "cli/revocation_lists.hpp"
 #include "cli/transaction.hpp"
 
 namespace ddssec::cli {
@@ -112,14 +113,18 @@ Result<pki::RevocationReason> reason_of(const Arguments& arguments) {
 // Which participants notice the new list, and when.
 std::string next_steps(const std::string& ca, const ParticipantPlaces& places,
                        const std::vector<std::string>& without_list, const CaPaths& paths) {
+  const bool knows_none = places.is_empty();  // a CA above others
   auto out = fmt::format(
-      "next: ddssec crl distribute --ca {}   (puts the list into {})\n"
+      "next: ddssec crl distribute {}--ca {}   ({})\n"
       "when the list is in the folder, a participant reads it\n"
       "  with ddssec's plugins (in Cyclone DDS, or embedded): within 5 s, also the first "
       "crl.pem that appears beside its certificate\n"
       "  with the stock plugins of Cyclone DDS or Fast DDS: only when it starts again, and "
       "only if its configuration names the list (ROS 2 names crl.pem of the enclave)\n",
-      ca, counted(places.here.size(), "folder"));
+      knows_none ? "DIR... " : "", ca,
+      knows_none ? "name the folders of all participants below this CA, also those of other CAs "
+                   "below it: the log of this CA knows none"
+                 : fmt::format("puts the list into {}", counted(places.here.size(), "folder")));
   if (!without_list.empty()) out += "  no list so far, so that nothing is revoked there:\n";
   for (std::size_t i = 0; i < without_list.size() && i < 10; ++i)
     out += fmt::format("    {}\n", without_list[i]);
@@ -159,7 +164,6 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
   const int days = DDSSEC_TRY(arguments.number("--next-update", 1, kMostDays));
   CaOpener opener(arguments);
   const auto ca = DDSSEC_TRY(opener.open("identity"));
-  const auto lock = DDSSEC_TRY(lock_records(ca.paths));
   auto log = DDSSEC_TRY(read_issue_log(ca.paths));
   const auto what = DDSSEC_TRY(doomed(arguments, ca, log));
   Report report;
@@ -189,6 +193,7 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
                   lines.empty() ? "already, but the list did not say so"
                                 : fmt::format("({})", counted(what.serials.size(), "certificate")),
                   crl.number().value_or(0), date(*crl.next_update()), what.in_words(), next);
+  report.text += about_clock(crl, now);
   report.files_written = DDSSEC_TRY(out.commit());
   return report;
 }

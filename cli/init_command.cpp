@@ -10,6 +10,7 @@
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
 #include "cli/progress.hpp"
+#include "cli/revocation_lists.hpp"
 #include "cli/signed_documents.hpp"
 #include "cli/snippets.hpp"
 #include "cli/transaction.hpp"

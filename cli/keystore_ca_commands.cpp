@@ -68,7 +68,6 @@ Result<Report> new_permissions_ca(const fs::path& keystore, const std::string& s
                                   const Arguments& arguments, const Context& context) {
   CaOpener opener(arguments);
   const auto old = DDSSEC_TRY(opener.open(ca_paths(keystore, "permissions")));
-  const auto lock = DDSSEC_TRY(lock_records(old.paths));
   const auto ca = DDSSEC_TRY(new_root(old.certificate(), subject, context));
   const Succession change{old, ca, ca.certificate().pem(), opener.used_passphrase(),
                           arguments.has("--unlogged")};
@@ -85,10 +84,10 @@ Result<Report> new_permissions_ca(const fs::path& keystore, const std::string& s
 }
 
 // Until a keystore was split, its identity CA signed the documents as well.
-Result<OpenCa> former_signer(const fs::path& keystore, const OpenCa& present, CaOpener& opener) {
+Result<OpenCa> former_signer(const fs::path& keystore, CaOpener& opener) {
   auto out = DDSSEC_TRY(opener.open(ca_paths(keystore, "identity")));
   auto certificate = std::move(out.paths.certificate);
-  out.paths = present.paths;
+  out.paths = ca_paths(keystore, "permissions");
   out.paths.certificate = std::move(certificate);
   return out;
 }
@@ -98,9 +97,8 @@ Result<Report> finish_split(const fs::path& keystore, const Enclaves& enclaves,
                             const std::vector<Follower>& left, const Arguments& arguments,
                             const Context& context) {
   CaOpener opener(arguments);
+  const auto former = DDSSEC_TRY(former_signer(keystore, opener));
   const auto present = DDSSEC_TRY(opener.open(ca_paths(keystore, "permissions")));
-  const auto former = DDSSEC_TRY(former_signer(keystore, present, opener));
-  const auto lock = DDSSEC_TRY(lock_records(present.paths));
   const Succession change{former, present.authority, present.trust_pem, nullptr,
                           arguments.has("--unlogged")};
   Replacement out;
@@ -133,7 +131,6 @@ Result<Report> new_identity_ca(const fs::path& keystore, const Arguments& argume
   const auto ca = DDSSEC_TRY(new_root(old.certificate(), old.certificate().subject(), context));
   const Succession change{old, ca, ca.certificate().pem(), opener.used_passphrase(),
                           arguments.has("--unlogged")};
-  const auto lock = DDSSEC_TRY(lock_records(old.paths));
   Replacement out;
   const auto enclaves = enclaves_of(keystore);
   auto followed =

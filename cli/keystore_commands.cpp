@@ -15,6 +15,7 @@
 #include "cli/logged_certificate.hpp"
 #include "cli/options.hpp"
 #include "cli/products.hpp"
+#include "cli/revocation_lists.hpp"
 #include "cli/ros_policy.hpp"
 #include "cli/signed_documents.hpp"
 #include "cli/snippets.hpp"
@@ -230,8 +231,8 @@ Result<Report> keystore_enclave(const Arguments& arguments, const Context& conte
   auto below = target.lexically_relative(folder.target());
   if (below == ".") below.clear();
   DDSSEC_TRY(add_enclave(folder, below, name, made));
-  if (const auto list = DDSSEC_TRY(list_for_newcomers(identity.paths, now)); !list.empty())
-    DDSSEC_TRY(folder.add_public(below / "crl.pem", list));
+  if (const auto list = DDSSEC_TRY(list_for_newcomers(identity.paths, now)))
+    DDSSEC_TRY(folder.add_public(below / "crl.pem", list->pem()));
   DDSSEC_TRY(check_not_interrupted());
   DDSSEC_TRY(log_issued(identity.paths, log_line(made, target, now)));
   DDSSEC_TRY(log_signed(permissions.paths, signed_line(made, permissions, target, now)));

@@ -7,6 +7,7 @@
 #include "cli/documents.hpp"
 #include "cli/held_folder.hpp"
 #include "cli/participant_places.hpp"
+#include "cli/revocation_lists.hpp"
 #include "pki/subject_name.hpp"
 
 namespace ddssec::cli {
@@ -141,10 +142,8 @@ Result<std::string> revoked_serial(const pki::Certificate& certificate, const Ca
                                    const pki::IssueLog& log, NextKey next) {
   const auto serial = certificate.serial();
   if (log.is_revoked(serial)) return serial;
-  if (const auto crl = DDSSEC_TRY(read_crl(ca.crl))) {
-    const auto listed = DDSSEC_TRY(named(crl->revoked(), ca.crl));
-    if (std::ranges::find(listed, serial, &pki::Revocation::serial) != listed.end()) return serial;
-  }
+  const auto listed = DDSSEC_TRY(listed_revocations(ca));
+  if (std::ranges::find(listed, serial, &pki::Revocation::serial) != listed.end()) return serial;
   const auto key = pki::key_digest(certificate);
   const auto* entry = entry_of(certificate, log);
   for (const auto& other : log.issued()) {
@@ -162,9 +161,7 @@ Result<std::string> revoked_serial(const pki::Certificate& certificate, const Ca
 
 Status check_key_not_revoked(const pki::Certificate& certificate, const fs::path& file,
                              const CaPaths& ca, const pki::IssueLog& log) {
-  std::vector<pki::Revocation> listed;
-  if (const auto crl = DDSSEC_TRY(read_crl(ca.crl)))
-    listed = DDSSEC_TRY(named(crl->revoked(), ca.crl));
+  const auto listed = DDSSEC_TRY(listed_revocations(ca));
   const auto key = pki::key_digest(certificate);
   for (const auto& issued : log.issued()) {
     if (issued.key.empty() || issued.key != key) continue;

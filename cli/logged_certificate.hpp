@@ -52,7 +52,7 @@ enum class NextKey : std::uint8_t { same, fresh };
 /// The revoked certificate because of which this one has no successor: itself; a later one of its
 /// subject or folder; one that was revoked when this one had ended; any of the same key, unless the
 /// successor gets another. Empty if there is none. The CA's present list counts as the log does.
-/// Errors: those of read_crl and Crl::revoked.
+/// Errors: those of listed_revocations.
 Result<std::string> revoked_serial(const pki::Certificate& certificate, const CaPaths& ca,
                                    const pki::IssueLog& log, NextKey next);
 /// The same as an error: certificate_revoked, with `file`.
@@ -60,7 +60,7 @@ Status check_not_revoked(const pki::Certificate& certificate, const std::filesys
                          const CaPaths& ca, const pki::IssueLog& log, NextKey next);
 
 /// Success if no certificate of this key was revoked, by the log or by the CA's present list.
-/// Errors: certificate_revoked, with `file`; those of read_crl and Crl::revoked.
+/// Errors: certificate_revoked, with `file`; those of listed_revocations.
 Status check_key_not_revoked(const pki::Certificate& certificate, const std::filesystem::path& file,
                              const CaPaths& ca, const pki::IssueLog& log);
 

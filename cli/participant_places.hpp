@@ -50,6 +50,12 @@ struct ParticipantPlaces {
   std::vector<std::string> of_other_cas;  ///< here, with a certificate that the log does not have
   std::vector<std::string> other_copies;  ///< beside another copy of the CA
   std::vector<Error> unseen = {};         ///< what of the CA's keystore was not looked at
+
+  /// True if the log knows no participant's folder at all.
+  bool is_empty() const {
+    return here.empty() && elsewhere.empty() && other_copies.empty() && left_behind.empty() &&
+           of_other_cas.empty();
+  }
 };
 
 /// Every folder of the log, and every enclave of a keystore's CA, logged or not. A folder that may

@@ -63,6 +63,23 @@ std::optional<CaList> newer_ca_list(const pki::ParticipantFolder& folder,
   return out;
 }
 
+std::optional<CaList> outdated_ca_list(const pki::ParticipantFolder& folder,
+                                       const std::vector<pki::Certificate>& cas,
+                                       const std::vector<pki::Crl>& own) {
+  const auto number = [](const pki::Crl& list) { return list.number().value_or(0); };
+  for (const auto& one : own) {
+    if (!is_signed_by(one, cas)) continue;
+    std::optional<CaList> newest;
+    for (const auto& file : places(folder))
+      for (const auto& list : lists_in(file))
+        if (list.issuer() == one.issuer() && is_signed_by(list, cas) &&
+            (!newest || number(newest->list) < number(list)))
+          newest = {list, file};
+    if (newest && number(newest->list) < number(one)) return newest;
+  }
+  return std::nullopt;
+}
+
 bool names(const pki::Crl& list, const pki::Certificate& certificate) {
   const auto entries = list.revoked();
   return list.issuer() == certificate.issuer() && entries &&

@@ -24,6 +24,12 @@ std::optional<CaList> newer_ca_list(const pki::ParticipantFolder& folder,
                                     const std::vector<pki::Certificate>& cas,
                                     const std::vector<pki::Crl>& own);
 
+/// The newest list in such a place of a CA that signed a list of `own` with a higher number: the
+/// CA's folder came back from a backup, or it is a copy.
+std::optional<CaList> outdated_ca_list(const pki::ParticipantFolder& folder,
+                                       const std::vector<pki::Certificate>& cas,
+                                       const std::vector<pki::Crl>& own);
+
 /// True if the list has the certificate's issuer and serial number.
 bool names(const pki::Crl& list, const pki::Certificate& certificate);
 

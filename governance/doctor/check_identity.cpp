@@ -8,6 +8,7 @@
 #include "governance/doctor/chain_outcomes.hpp"
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/measured.hpp"
+#include "pki/issue_log.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
@@ -135,6 +136,19 @@ void check_pair(const LoadedFolder& folder, const Lineup& lineup, Diagnosis& out
               .document = folder.paths.key});
 }
 
+// A certificate of the same name and key stands before it and is valid: `ca renew` leaves the
+// former one in the file. Every product takes the first (measured).
+bool is_renewed(const pki::Certificate& ca, const std::vector<pki::Certificate>& cas,
+                WallTime now) {
+  for (const auto& one : cas) {
+    if (one == ca) return false;
+    if (one.subject() == ca.subject() && pki::key_digest(one) == pki::key_digest(ca) &&
+        is_valid(one, now))
+      return true;
+  }
+  return false;
+}
+
 void check_dates(const LoadedFolder& folder, WallTime now, Diagnosis& out) {
   if (folder.certificate && is_valid(*folder.certificate, now)) out.pass(Rule::DOC021);
   if (folder.certificate && !is_valid(*folder.certificate, now))
@@ -145,7 +159,7 @@ void check_dates(const LoadedFolder& folder, WallTime now, Diagnosis& out) {
     if (!cas) return;
     out.pass(Rule::DOC022);
     for (const auto& ca : *cas)
-      if (!is_valid(ca, now))
+      if (!is_valid(ca, now) && !is_renewed(ca, *cas, now))
         out.report(kNobody,
                    {.rule = Rule::DOC022, .message = dates_wrong(path, ca, now), .document = path});
   };
@@ -264,6 +278,66 @@ void check_ca_list(const LoadedFolder& folder, Diagnosis& out) {
                   .severity = Severity::warning});
 }
 
+// The participants' lists are newer than the CA's: the next list of that CA would lose something.
+void check_outdated_ca(const LoadedFolder& folder, Diagnosis& out) {
+  if (!folder.crls || !folder.identity_cas) return;
+  const auto outdated = outdated_ca_list(folder.paths, *folder.identity_cas, *folder.crls);
+  if (!outdated) return;
+  out.report({},
+             {.rule = Rule::DOC023,
+              .message = fmt::format(
+                  "the CA has list {} only, {}; {}: the CA's folder came back from a backup, or "
+                  "it is a copy",
+                  outdated->list.number().value_or(0), outdated->file.string(), own_list(folder)),
+              .document = outdated->file,
+              .hint = fmt::format("ddssec crl new --ca CA --from {} makes a list that names "
+                                  "what both name; then ddssec crl distribute",
+                                  folder.paths.folder.string()),
+              .severity = Severity::warning});
+}
+
+// Of several lists of one CA the products do not read the same.
+void check_several_lists(const LoadedFolder& folder, Diagnosis& out) {
+  if (!folder.crls) return;
+  const auto& lists = *folder.crls;
+  for (const auto& list : lists) {
+    const auto count = std::ranges::count(lists, list.issuer(), &pki::Crl::issuer);
+    if (count < 2) continue;
+    return out.report(
+        {}, {.rule = Rule::DOC023,
+             .message = fmt::format(
+                 "{} holds {} lists of \"{}\"; Cyclone DDS and Fast DDS read the first list of the "
+                 "file only, which is list {} of \"{}\", and ddssec's plugins the newest",
+                 name_of(folder.paths.crl), count, list.issuer(),
+                 lists.front().number().value_or(0), lists.front().issuer()),
+             .document = folder.paths.crl,
+             .hint = "keep the newest alone: ddssec crl distribute --ca CA",
+             .severity = Severity::warning});
+  }
+}
+
+// By the lists that the product reads.
+Status status_by_lists(const LoadedFolder& folder, Vendor vendor, WallTime now) {
+  const auto verifier = DDSSEC_TRY(folder.chain(vendor));
+  const auto proof = verifier.verify(*folder.certificate, now);
+  return proof ? Status() : std::unexpected(proof.error());
+}
+
+bool is_revoked(const Status& status) {
+  return !status && status.error().code() == Code::certificate_revoked;
+}
+
+bool is_about_the_list(const Status& status) {
+  return !status && Code::crl_malformed <= status.error().code() &&
+         status.error().code() <= Code::crl_signature_invalid;
+}
+
+Outcomes failing(bool stock, bool ours) {
+  auto out = Outcomes::all(stock ? Outcome::fail : Outcome::ok);
+  out.ours = ours ? Outcome::fail : Outcome::ok;
+  return out;
+}
+
 void check_revocation(const LoadedFolder& folder, WallTime now, Diagnosis& out) {
   if (!folder.has_crl_file && !folder.is_empty())
     out.report({},
@@ -275,25 +349,25 @@ void check_revocation(const LoadedFolder& folder, WallTime now, Diagnosis& out) 
                         "list of it, ddssec crl new --ca CA makes one",
                 .severity = Severity::warning});
   if (!folder.has_crl_file || !folder.crls || !folder.certificate || !folder.identity_cas) return;
-  const auto verifier = folder.chain();
-  if (!verifier) return;  // said by check_chain
-  const auto proof = verifier->verify(*folder.certificate, now);
-  const auto code = proof ? Code::usage : proof.error().code();
-  const bool is_revoked = code == Code::certificate_revoked;
-  const bool is_list = Code::crl_malformed <= code && code <= Code::crl_signature_invalid;
-  if (!is_revoked) out.pass(Rule::DOC024);
-  if (!is_list) out.pass(Rule::DOC023);
-  if (is_revoked)
-    out.report(kNobody, {.rule = Rule::DOC024,
+  if (!folder.chain()) return;  // said by check_chain
+  const auto ours = status_by_lists(folder, Vendor::ours, now);
+  const auto stock = status_by_lists(folder, Vendor::cyclonedds, now);
+  const auto revoked = failing(is_revoked(stock), is_revoked(ours));
+  const auto unusable = failing(is_about_the_list(stock), is_about_the_list(ours));
+  if (revoked.all_ok()) out.pass(Rule::DOC024);
+  if (unusable.all_ok()) out.pass(Rule::DOC023);
+  if (!revoked.all_ok())
+    out.report(revoked, {.rule = Rule::DOC024,
                          .message = fmt::format(
                              "{} names serial {}, which is {} in {}: it was revoked",
                              name_of(folder.paths.crl), folder.certificate->serial(),
                              folder.certificate->subject(), name_of(folder.paths.certificate)),
                          .document = folder.paths.crl});
-  if (is_list)
-    out.report(kNobody, {.rule = Rule::DOC023,
-                         .message = crl_wrong(folder, proof.error()),
-                         .document = folder.paths.crl});
+  if (!unusable.all_ok())
+    out.report(unusable, {.rule = Rule::DOC023,
+                          .message = crl_wrong(
+                              folder, is_about_the_list(ours) ? ours.error() : stock.error()),
+                          .document = folder.paths.crl});
 }
 
 }  // namespace
@@ -306,7 +380,9 @@ void check_identity(const LoadedFolder& folder, const Settings& settings, Diagno
   check_chain(folder, settings, out);
   check_dates(folder, settings.now, out);
   check_revocation(folder, settings.now, out);
+  check_several_lists(folder, out);
   check_ca_list(folder, out);
+  check_outdated_ca(folder, out);
 }
 
 }  // namespace ddssec::governance::doctor

@@ -97,10 +97,12 @@ bool LoadedFolder::is_empty() const {
          !is_there(paths.permissions);
 }
 
-Result<pki::ChainVerifier> LoadedFolder::chain() const {
+Result<pki::ChainVerifier> LoadedFolder::chain(Vendor judge) const {
   if (!identity_cas) return std::unexpected(identity_cas.error());
   if (!crls) return std::unexpected(crls.error());
-  return named(pki::ChainVerifier::make(*identity_cas, *crls), paths.identity_ca);
+  auto lists = *crls;
+  if (judge != Vendor::ours && lists.size() > 1) lists.erase(lists.begin() + 1, lists.end());
+  return named(pki::ChainVerifier::make(*identity_cas, std::move(lists)), paths.identity_ca);
 }
 
 LoadedFolder load_folder(const pki::ParticipantFolder& paths, WallTime now) {

@@ -58,9 +58,10 @@ struct LoadedFolder {
 
   /// True if not one of the files is there: a participant without security.
   bool is_empty() const;
-  /// The chain verifier that this participant judges certificates with.
-  /// Errors: those of the pieces it needs, or of ChainVerifier::make.
-  Result<pki::ChainVerifier> chain() const;
+  /// The chain verifier that this participant judges certificates with. Of several revocation lists
+  /// in its file stock products read the first (measured). Errors: those of the pieces it needs, or
+  /// of ChainVerifier::make.
+  Result<pki::ChainVerifier> chain(Vendor judge = Vendor::ours) const;
 };
 
 /// Whether a product believes the signed file under a permissions CA file. Cyclone DDS reads the

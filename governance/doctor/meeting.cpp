@@ -82,7 +82,7 @@ Status judge_certificate(const Party& judge, const Party& subject, WallTime now)
   const auto& certificate = subject.folder.certificate;
   if (!certificate) return std::unexpected(certificate.error());
   if (!judge.folder.identity_cas) return std::unexpected(judge.folder.identity_cas.error());
-  const auto verifier = DDSSEC_TRY(judge.folder.chain());
+  const auto verifier = DDSSEC_TRY(judge.folder.chain(judge.vendor));
   const auto proof = verifier.verify(*certificate, now);
   const auto outcomes =
       chain_outcomes(*certificate, *judge.folder.identity_cas, proof, false, judge.lineup);

@@ -178,6 +178,38 @@ class Ca(Transcript):
             self.openssl("verify", "-attime", "1795305600", "-CAfile", f"{name}/identity_ca.pem",
                          "a/cert.pem", "b/cert.pem")
 
+    def test_renewing_says_what_to_do_next_and_in_which_order(self):
+        self.run_program("init", "demo", *NOW)
+        told = self.run_program("ca", "renew", "demo", "--role", "permissions", *NOW).stdout
+        self.assertRegex(told, r"old certificate's, which ends on 2036-.*Before that day:\n(.|\n)*stock .*refuse documents "
+                               r"of the old certificate .*ddssec ca rotate demo --role permissions\n")
+        told = self.run_program("ca", "renew", "demo", "--role", "identity", *NOW).stdout
+        self.assertRegex(told, r"identity_ca.pem before 2036-.*\nThe revocation list ends on 2036-.*ddssec crl new --ca demo, "
+                               r"then ddssec crl distribute --ca demo\n")
+
+    def test_the_former_certificate_may_end_behind_the_renewed_one(self):
+        made, renewed, issued, now = (("--now", f"{day}T00:00:00Z")
+                                      for day in ("2016-11-24", "2026-11-01", "2026-11-02", "2026-11-25"))
+        self.run_program("init", "demo", *made)
+        for role in ("permissions", "identity"):
+            self.run_program("ca", "renew", "demo", "--role", role, *renewed)
+        (self.at / "demo/governance.p7s").unlink()
+        self.run_program("governance", "sign", "demo/governance.xml", "--ca", "demo", "-o", "demo/governance.p7s", *issued)
+        for name in ("talker", "listener"):
+            self.run_program("identity", "issue", name, "--ca", "demo", "-o", f"demo/{name}", "--replace", "--publish", "*",
+                             "--subscribe", "*", "--governance", "demo/governance.p7s", *issued)
+            self.assertEqual((self.at / f"demo/{name}/identity_ca.pem").read_text().count("BEGIN"), 2)
+        self.run_program("crl", "new", "--ca", "demo", *issued)
+        self.run_program("crl", "distribute", "--ca", "demo", *issued)
+        self.assertNotIn("error", self.run_program("doctor", "demo/talker", *now).stderr)
+        for product in ("cyclonedds@0.10.2", "fastdds@2.9.1", "ddssec"):
+            self.run_program("check", "demo/talker", "demo/listener", "--vendor", f"A={product}", "--vendor",
+                             f"B={product}", *now)
+        ca = self.at / "demo/talker/identity_ca.pem"  # the former one first: the products read that
+        first, second = ca.read_text().split("-----END CERTIFICATE-----\n")[:2]
+        ca.write_text("".join(one + "-----END CERTIFICATE-----\n" for one in (second, first)))
+        self.assertIn("DOC022", self.run_program("doctor", "demo/talker", *now, exit=1).stderr)
+
     def test_a_ca_made_by_openssl_is_taken_over(self):
         self.openssl("req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes",
                      "-keyout", "key.pem", "-out", "cert.pem", "-subj", "/O=Acme/CN=Plant", "-days", "30")

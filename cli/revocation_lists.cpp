@@ -1,0 +1,295 @@
+#include "cli/revocation_lists.hpp"
+
+#include <algorithm>
+#include <set>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "cli/documents.hpp"
+#include "cli/inputs.hpp"
+#include "cli/participant_places.hpp"
+#include "pki/participant_folder.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Whatever its dates.
+bool is_list_of(const pki::Crl& list, const pki::Certificate& ca) {
+  return list.is_named_after(ca) && list.check(ca, list.this_update()).has_value();
+}
+
+bool is_signed_by_one_of(const pki::Crl& list, const std::vector<pki::Certificate>& cas) {
+  return std::ranges::any_of(cas, [&](const auto& ca) { return is_list_of(list, ca); });
+}
+
+bool is_among(const std::vector<pki::Revocation>& entries, const pki::Revocation& one) {
+  return std::ranges::find(entries, one.serial, &pki::Revocation::serial) != entries.end();
+}
+
+std::string number_and_date(const pki::Crl& list) {
+  return fmt::format("list {} of {}", list.number().value_or(0), to_string(list.this_update()));
+}
+
+}  // namespace
+
+Result<std::vector<pki::Crl>> read_crls(const fs::path& path) {
+  if (!is_there(path)) return std::vector<pki::Crl>();
+  const auto octets = DDSSEC_TRY(read_file(path, pki::kMostDocumentOctets));
+  auto lists = DDSSEC_TRY(named(pki::Crl::all_from(octets), path));
+  if (lists.empty())
+    return fail(Code::crl_malformed, {.document = path, .note = "there is no list in it"});
+  return lists;
+}
+
+Result<std::optional<pki::Crl>> present_crl(const CaPaths& ca) {
+  auto lists = DDSSEC_TRY(read_crls(ca.crl));
+  if (lists.empty()) return std::nullopt;
+  const auto certificate = DDSSEC_TRY(read_certificate(ca.certificate));
+  std::erase_if(lists, [&](const auto& list) { return !is_list_of(list, certificate); });
+  const auto newest = std::ranges::max_element(lists, {}, [](const auto& list) {
+    return std::tuple(list.number().value_or(0), list.this_update());
+  });
+  return newest == lists.end() ? std::nullopt : std::optional(*newest);
+}
+
+Result<std::vector<pki::Revocation>> listed_revocations(const CaPaths& ca) {
+  const auto lists = DDSSEC_TRY(read_crls(ca.crl));
+  if (lists.empty()) return std::vector<pki::Revocation>();
+  const auto certificate = DDSSEC_TRY(read_certificate(ca.certificate));
+  std::vector<pki::Revocation> out;
+  for (const auto& list : lists) {
+    if (!list.is_named_after(certificate)) continue;
+    const auto entries = DDSSEC_TRY(named(list.revoked(), ca.crl));
+    out.insert(out.end(), entries.begin(), entries.end());
+  }
+  return out;
+}
+
+Result<bool> lists_all(const CaPaths& ca, const pki::IssueLog& log) {
+  auto wanted = DDSSEC_TRY(listed_revocations(ca));
+  const auto logged = log.revocations();
+  wanted.insert(wanted.end(), logged.begin(), logged.end());
+  if (wanted.empty()) return true;
+  const auto present = DDSSEC_TRY(present_crl(ca));
+  if (!present) return false;
+  const auto entries = DDSSEC_TRY(named(present->revoked(), ca.crl));
+  std::set<std::string> serials;
+  for (const auto& entry : entries) serials.insert(entry.serial);
+  return std::ranges::all_of(wanted, [&](const auto& one) { return serials.contains(one.serial); });
+}
+
+namespace {
+
+/// What the next list has to go on from: all lists of the CA that were found.
+class Former {
+ public:
+  /// `before`: the CA's certificate in its folder, which is the old one while the CA is rotated.
+  Former(const OpenCa& ca, const pki::Certificate& before)
+      : ca_(ca.certificate()), before_(before) {}
+
+  /// The CA's own file is taken at its word: only its owner can write it.
+  Status add_own(const fs::path& file) {
+    for (const auto& list : DDSSEC_TRY(read_crls(file)))
+      if (list.is_named_after(ca_) || list.is_named_after(before_)) DDSSEC_TRY(add(list));
+    return {};
+  }
+
+  /// A participant's file: what is wrong with it is not the CA's concern.
+  void add_of_participant(const fs::path& file) {
+    const auto lists = read_crls(file);
+    if (!lists) return;
+    for (const auto& list : *lists)
+      if (seen_.insert(list.pem()).second && is_genuine(list)) static_cast<void>(add(list));
+  }
+
+  /// A file that the command line names.
+  Status add_named(const fs::path& file) {
+    const auto lists = DDSSEC_TRY(read_crls(file));
+    if (lists.empty()) return fail(Code::file_not_found, {.document = file});
+    bool is_any = false;
+    for (const auto& list : lists) {
+      if (!is_genuine(list)) continue;
+      DDSSEC_TRY(add(list));
+      is_any = true;
+    }
+    if (is_any) return {};
+    return fail(Code::crl_signature_invalid, {.document = file,
+                                              .expected = "a list signed by " + ca_.subject(),
+                                              .found = "a list of " + lists.front().issuer()});
+  }
+
+  std::uint64_t next_number() const { return std::max(number_ + 1, number_); }
+  WallTime this_update(WallTime now) const { return std::max(now, this_update_.value_or(now)); }
+  const std::vector<pki::Revocation>& entries() const { return entries_; }
+
+ private:
+  bool is_genuine(const pki::Crl& list) const {
+    return is_list_of(list, ca_) || is_list_of(list, before_);
+  }
+
+  Status add(const pki::Crl& list) {
+    const auto entries = DDSSEC_TRY(list.revoked());
+    entries_.insert(entries_.end(), entries.begin(), entries.end());
+    number_ = std::max(number_, list.number().value_or(0));
+    // Lists of another key do not follow one another.
+    if (is_list_of(list, ca_)) this_update_ = this_update(list.this_update());
+    return {};
+  }
+
+  pki::Certificate ca_;
+  pki::Certificate before_;
+  std::uint64_t number_ = 0;
+  std::optional<WallTime> this_update_;
+  std::vector<pki::Revocation> entries_;
+  std::set<std::string> seen_;
+};
+
+Result<Former> former_lists(const OpenCa& ca, const pki::IssueLog& log,
+                            const std::vector<fs::path>& more) {
+  Former out(ca, DDSSEC_TRY(read_certificate(ca.paths.certificate)));
+  DDSSEC_TRY(out.add_own(ca.paths.crl));
+  for (const auto& folder : DDSSEC_TRY(participant_places(ca.paths, log)).here)
+    out.add_of_participant(pki::participant_folder(folder).crl);
+  for (const auto& file : more) DDSSEC_TRY(out.add_named(file));
+  return out;
+}
+
+Result<pki::Crl> following(const OpenCa& ca, const Former& former,
+                           std::vector<pki::Revocation> entries, WallTime now, WallTime until) {
+  return ca.authority.make_crl({.this_update = former.this_update(now),
+                                .next_update = until,
+                                .number = former.next_number(),
+                                .entries = std::move(entries)});
+}
+
+// The log first: it has the reasons and times as they were.
+std::vector<pki::Revocation> all_entries(const pki::IssueLog& log, const Former& former) {
+  auto out = log.revocations();
+  out.insert(out.end(), former.entries().begin(), former.entries().end());
+  return out;
+}
+
+}  // namespace
+
+Result<pki::Crl> next_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now, int days,
+                          const std::vector<fs::path>& more) {
+  const auto former = DDSSEC_TRY(former_lists(ca, log, more));
+  return following(ca, former, all_entries(log, former), now,
+                   former.this_update(now) + std::chrono::days(days));
+}
+
+Result<pki::Crl> routine_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now) {
+  const auto former = DDSSEC_TRY(former_lists(ca, log, {}));
+  auto entries = all_entries(log, former);
+  const auto until = entries.empty() ? ca.certificate().not_after()
+                                     : former.this_update(now) + std::chrono::days(kListDays);
+  return following(ca, former, std::move(entries), now, until);
+}
+
+Result<pki::Crl> first_crl(const pki::Authority& ca) {
+  const auto& certificate = ca.certificate();
+  return ca.make_crl({.this_update = certificate.not_before(),
+                      .next_update = certificate.not_after(),
+                      .number = 1,
+                      .entries = {}});
+}
+
+std::string about_clock(const pki::Crl& crl, WallTime now) {
+  if (crl.this_update() <= now) return {};
+  return fmt::format(
+      "the clock of this machine says {}, which is before the list before this one; the new list "
+      "is dated {} as well, since no participant takes an earlier one. Set the clock.\n",
+      to_string(now), to_string(crl.this_update()));
+}
+
+Result<std::optional<pki::Crl>> list_for_newcomers(const CaPaths& paths, WallTime now) {
+  const auto crl = DDSSEC_TRY(present_crl(paths));
+  const bool is_over = crl && crl->next_update() && *crl->next_update() <= now;
+  return is_over ? std::nullopt : crl;
+}
+
+namespace {
+
+// A file that cannot be read as lists is replaced; one that cannot be read at all is an error.
+Result<std::vector<pki::Crl>> lists_to_replace(const fs::path& file) {
+  auto lists = read_crls(file);
+  if (lists) return lists;
+  const auto code = lists.error().code();
+  const bool is_damaged = code == Code::crl_malformed || code == Code::crl_is_delta;
+  return is_damaged ? std::vector<pki::Crl>() : std::move(lists);
+}
+
+// By the trusted certificates in between.
+bool is_under(const pki::Certificate& participant, const ListForFolder& what) {
+  const auto* at = &participant;
+  for (std::size_t steps = 0; steps <= what.trusted.size(); ++steps) {
+    if (at->is_issued_by(what.ca)) return true;
+    const auto above = std::ranges::find_if(
+        what.trusted, [&](const auto& ca) { return !(ca == *at) && at->is_issued_by(ca); });
+    if (above == what.trusted.end()) return false;
+    at = &*above;
+  }
+  return false;
+}
+
+std::unexpected<Error> newer_there(const fs::path& file, const pki::Crl& former,
+                                   const ListForFolder& what, const std::string& lacks) {
+  return fail(
+      Code::crl_older,
+      {.document = file,
+       .expected = number_and_date(former) + " or later",
+       .found = number_and_date(what.list) + lacks,
+       .note = "the CA's folder is older than its participants': it came back from a backup, or it "
+               "is a copy. The list that is there stays",
+       .hint = fmt::format("ddssec crl new --ca {} --from {} makes a list that names what both "
+                           "name; then ddssec crl distribute --ca {}",
+                           what.ca_folder, file.string(), what.ca_folder)});
+}
+
+Status check_follows(const fs::path& file, const pki::Crl& former, const ListForFolder& what) {
+  if (!what.list.supersedes(former)) return newer_there(file, former, what, "");
+  const auto entries = DDSSEC_TRY(what.list.revoked());
+  for (const auto& one : DDSSEC_TRY(named(former.revoked(), file)))
+    if (!is_among(entries, one))
+      return newer_there(file, former, what, ", which lacks serial number " + one.serial);
+  return {};
+}
+
+// Stock products read the first list of a file only.
+Status put_own_first(std::vector<pki::Crl>& lists, const fs::path& file,
+                     const ListForFolder& what) {
+  if (what.participant == nullptr) return {};
+  const auto issuer = what.participant->issuer();
+  std::ranges::stable_partition(lists, [&](const auto& list) { return list.issuer() == issuer; });
+  if (lists.front().issuer() == issuer) return {};
+  return fail(Code::crl_missing,
+              {.document = file,
+               .expected = "a list of " + issuer + " before one of " + what.ca.subject(),
+               .note = "with the second alone the participant would authenticate nobody",
+               .hint = "first ddssec crl distribute --ca with the folder of " + issuer});
+}
+
+}  // namespace
+
+Status put_list(Replacement& out, const fs::path& file, const ListForFolder& what) {
+  if (what.participant != nullptr && !is_under(*what.participant, what))
+    return fail(Code::issuer_unknown, {.document = file.parent_path() / "cert.pem",
+                                       .expected = "one that " + what.ca.subject() + " issued",
+                                       .found = "one of " + what.participant->issuer()});
+  std::vector<pki::Crl> lists{what.list};
+  for (const auto& former : DDSSEC_TRY(lists_to_replace(file))) {
+    if (is_list_of(former, what.ca))
+      DDSSEC_TRY(check_follows(file, former, what));
+    else if (!former.is_named_after(what.ca) && is_signed_by_one_of(former, what.trusted))
+      lists.push_back(former);
+  }
+  DDSSEC_TRY(put_own_first(lists, file, what));
+  std::string text;
+  for (const auto& list : lists) text += list.pem();
+  return out.put_public(file, text);
+}
+
+}  // namespace ddssec::cli
