@@ -123,7 +123,9 @@ std::vector<NetworkInterface> interfaces_of_this_machine() {
 Result<std::vector<NetworkInterface>> choose_interfaces(std::span<const std::string> wanted) {
   if (wanted.empty()) return default_interfaces();
   auto known = interfaces_of_this_machine();
-  std::ranges::move(addresses(), std::back_inserter(known));  // second addresses too
+  for (auto& second : addresses())
+    if (std::ranges::find(known, second.address, &NetworkInterface::address) == known.end())
+      known.push_back(std::move(second));
   std::vector<NetworkInterface> out;
   for (const auto& one : wanted) {
     auto found = DDSSEC_TRY(find_interface(one, known));
