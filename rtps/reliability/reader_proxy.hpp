@@ -7,7 +7,7 @@
 #include "rtps/reliability/change_filter.hpp"
 #include "rtps/reliability/fragment_repair.hpp"
 #include "rtps/reliability/key_payload.hpp"
-#include "rtps/reliability/repair_allowance.hpp"
+#include "rtps/reliability/octet_allowance.hpp"
 #include "wire/locator.hpp"
 
 namespace ddssec::rtps {

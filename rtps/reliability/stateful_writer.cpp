@@ -1,10 +1,18 @@
 #include "rtps/reliability/stateful_writer.hpp"
 
 #include <algorithm>
+#include <ranges>
+#include <vector>
 
 #include "rtps/reliability/stateful_reader.hpp"
 
 namespace ddssec::rtps {
+namespace {
+
+/// What a message has beside the payload, roughly.
+constexpr std::size_t kChangeOctets = 64;
+
+}  // namespace
 
 StatefulWriter::StatefulWriter(const Guid& guid, const Qos& qos, MessageSender& sender,
                                TimerQueue* timers)
@@ -49,9 +57,7 @@ void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
   messages_.set_key_reading(readers_.key_reading());
   if (proxy.reader().in_process) return;
   if (!proxy.acknowledges()) {
-    for (auto number = proxy.first_relevant(); number < next; number = number.next())
-      if (const auto* change = history_.find(number); change && proxy.accepts(*change))
-        messages_.change(readers_.one(proxy), *change);
+    send_history(proxy, now);
   } else if (!is_builtin(guid_.entity) || history_.last().value > 0) {
     // Of a builtin writer that has nothing, readers learn when they ask.
     send_question(readers_.one(proxy), proxy.first_relevant());
@@ -59,6 +65,23 @@ void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
     call_at(schedule_.due());
   }
   sender_.flush();
+}
+
+void StatefulWriter::send_history(const ReaderProxy& proxy, MonotonicTime now) {
+  const auto allowed = history_allowance_.renewed(now);
+  std::vector<const Change*> changes;  // the latest first
+  std::size_t octets = 0;
+  for (auto number = history_.last(); number >= proxy.first_relevant();
+       number = number.previous()) {
+    const auto* change = history_.find(number);
+    if (change == nullptr || !proxy.accepts(*change)) continue;
+    octets += change->payload.size() + kChangeOctets;
+    if (octets > allowed) break;
+    history_allowance_.spend(change->payload.size() + kChangeOctets);
+    changes.push_back(change);
+  }
+  for (const auto* change : changes | std::views::reverse)
+    messages_.change(readers_.one(proxy), *change);
 }
 
 void StatefulWriter::unmatch(const Guid& reader) {

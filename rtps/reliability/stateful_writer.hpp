@@ -6,6 +6,7 @@
 #include "rtps/reliability/filtered_writing.hpp"
 #include "rtps/reliability/heartbeat_schedule.hpp"
 #include "rtps/reliability/local_delivery.hpp"
+#include "rtps/reliability/octet_allowance.hpp"
 #include "rtps/reliability/retransmissions.hpp"
 #include "rtps/reliability/timer_queue.hpp"
 #include "rtps/reliability/write_pace.hpp"
@@ -89,6 +90,8 @@ class StatefulWriter final : private Timed {
  private:
   void on_time(MonotonicTime now) override { tick(now); }
   void send(const Change& written, MonotonicTime now);
+  /// The latest of it, as much as best-effort readers may get now.
+  void send_history(const ReaderProxy& proxy, MonotonicTime now);
   /// Which heartbeat rides on a change that was just written.
   PiggybackHeartbeats::Kind heartbeat_for(const Change& written, MonotonicTime now);
   /// A question wants an answer.
@@ -107,6 +110,7 @@ class StatefulWriter final : private Timed {
   FilteredWriting filtered_;
   Retransmissions retransmissions_;
   LocalDelivery local_;
+  HistoryAllowance history_allowance_;
   HeartbeatSchedule schedule_;
   PiggybackHeartbeats piggyback_;
   WritePace pace_;

@@ -166,5 +166,43 @@ TEST(Reliability, ASampleBeyondTheLargestIsReportedOnce) {
   EXPECT_THAT(dropped, ElementsAre((64u << 20) + 1));
 }
 
+std::size_t octets_to_a_best_effort_reader(Pair& pair, std::uint8_t number) {
+  pair.writer.match({{kB, EntityId{{0, 0, number, 4}}}, false, true, {kHere}}, pair.now);
+  std::size_t octets = 0;
+  for (const auto& message : std::exchange(pair.net.a.sent, {})) octets += message.size();
+  return octets;
+}
+
+Qos durable() {
+  auto qos = keep_all();
+  qos.durability = DurabilityKind::transient_local;
+  return qos;
+}
+
+// An insider announces readers at any address, and asks for nothing. Before: each of them was sent
+// the whole history at once.
+TEST(BestEffortReaders, ShareTheHistoryThatTheyGet) {
+  constexpr std::size_t kSamples = 2 * HistoryAllowance::kMaxOctets / 32'000;
+  Pair pair(durable());
+  for (std::size_t i = 0; i < kSamples; ++i) pair.write(Bytes(32'000, 1));
+  std::size_t octets = 0;
+  for (std::uint8_t number = 1; number <= 40; ++number)
+    octets += octets_to_a_best_effort_reader(pair, number);
+  EXPECT_GT(octets, HistoryAllowance::kMaxOctets * 9 / 10);
+  EXPECT_LT(octets, HistoryAllowance::kMaxOctets * 11 / 10);
+  EXPECT_LT(octets_to_a_best_effort_reader(pair, 41), 32'000u);
+  pair.now += std::chrono::seconds(1);
+  EXPECT_GT(octets_to_a_best_effort_reader(pair, 42), 900'000u);
+}
+
+TEST(BestEffortReaders, GetTheLatestOfTheHistoryInOrder) {
+  Pair pair(durable(), false);
+  constexpr std::size_t kSize = HistoryAllowance::kMaxOctets / 4;
+  for (std::uint8_t i = 1; i <= 6; ++i) pair.write(Bytes(kSize, i));
+  pair.match(true, false);
+  pair.run(1);
+  EXPECT_THAT(pair.numbers(), ElementsAre(4, 5, 6));
+}
+
 }  // namespace
 }  // namespace ddssec::rtps

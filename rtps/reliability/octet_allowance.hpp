@@ -1,0 +1,46 @@
+// How many octets go to readers that somebody else may ask for or point elsewhere.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+
+#include "base/clock.hpp"
+
+namespace ddssec::rtps {
+
+/// So many at once, and so many more in each millisecond.
+template <std::size_t kAtOnce, std::size_t kPerMillisecond>
+class OctetAllowance {
+ public:
+  static constexpr std::size_t kMaxOctets = kAtOnce;
+  static constexpr std::size_t kOctetsPerMillisecond = kPerMillisecond;
+
+  /// What is left now.
+  std::size_t renewed(MonotonicTime now) {
+    using std::chrono::microseconds;
+    constexpr std::int64_t kFull = (kAtOnce / kPerMillisecond + 1) * 1000;
+    const auto passed = std::clamp<std::int64_t>((now - since_) / microseconds(1), 0, kFull);
+    if (passed > 0) since_ = now;
+    left_ = std::min(kAtOnce, left_ + static_cast<std::size_t>(passed) * kPerMillisecond / 1000);
+    return left_;
+  }
+  void spend(std::size_t octets) { left_ -= std::min(left_, octets); }
+
+ private:
+  std::size_t left_ = kAtOnce;
+  MonotonicTime since_{};
+};
+
+/// Of repeated samples, for each reader. Where requests are not protected an attacker sends them in
+/// the reader's name, and may use the writer to flood it: one datagram with many requests was
+/// answered by 338 times its octets.
+using RepairAllowance = OctetAllowance<std::size_t{256} << 10, std::size_t{128} << 10>;
+
+/// Of history, for all best-effort readers of a writer together. They do not ask for it at their
+/// own pace, and a participant can announce any number of them at any address: 600 octets of
+/// announcement were answered by all that the writer held.
+using HistoryAllowance = OctetAllowance<std::size_t{4} << 20, std::size_t{1} << 10>;
+
+}  // namespace ddssec::rtps
