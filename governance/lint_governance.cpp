@@ -24,6 +24,9 @@ void add_notes(Findings& out, const Governance& document) {
       case NoteKind::open_range:
         out.add(GOV004, note, kStock);
         break;
+      case NoteKind::refused_spelling:
+        out.add(note.text.contains("blanks") ? GOV005 : GOV023, note, {kFastDds});
+        break;
       case NoteKind::padding:
         out.add(GOV005, note, {kFastDds});
         break;

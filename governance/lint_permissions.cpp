@@ -32,6 +32,9 @@ void add_notes(Findings& out, const Permissions& document) {
       case NoteKind::open_range:
         out.add(PERM004, note, stock);
         break;
+      case NoteKind::refused_spelling:
+        out.add(note.text.contains("blanks") ? PERM005 : PERM001, note, {kFastDds});
+        break;
       case NoteKind::padding:
         out.add(PERM005, note, {kFastDds});
         break;

@@ -26,6 +26,7 @@ enum class NoteKind : std::uint8_t {
   fraction,          ///< a time with a fraction of a second
   no_name,           ///< a grant without a name
   no_default,        ///< a grant without <default>
+  refused_spelling,  ///< a value that Fast DDS refuses: blanks around a boolean, 24:00:00
   extension,         ///< elements or attributes that DDS-Security 1.1 does not have
 };
 
@@ -33,8 +34,9 @@ enum class NoteKind : std::uint8_t {
 struct Note {
   NoteKind kind = NoteKind::order;
   int line = 0;
-  std::string path;  ///< of the element, such as /dds/permissions/grant[2]
-  std::string text;  ///< the element and what about it
+  std::string path;        ///< of the element, such as /dds/permissions/grant[2]
+  std::string text;        ///< the element and what about it
+  std::string value = {};  ///< of an element without children, with the blanks around it
   bool operator==(const Note&) const = default;
 };
 

@@ -21,6 +21,9 @@ Result<DateTime> read_time(ReadContext& context, XmlElement element, Round round
     context.note(NoteKind::no_zone, element,
                  "names no zone: read as UTC here, as local time by Fast DDS");
   }
+  if (text.contains("T24:"))
+    context.note(NoteKind::refused_spelling, element,
+                 "is a midnight written as 24:00:00: Fast DDS refuses the document");
   if (moment->has_fraction) {
     context.note(NoteKind::fraction, element,
                  std::string("has a fraction of a second: ddssec takes the whole second ") +
@@ -112,8 +115,9 @@ Result<Rule> read_rule(ReadContext& context, XmlElement element) {
   return rule;
 }
 
-Result<bool> read_default(XmlElement element) {
+Result<bool> read_default(ReadContext& context, XmlElement element) {
   const std::string text = DDSSEC_TRY(element.nonempty_text());
+  note_refused_padding(context, element);
   if (text == "ALLOW") return true;
   if (text == "DENY") return false;
   return fail(
@@ -165,7 +169,10 @@ Result<Grant> read_grant(ReadContext& context, XmlElement element) {
     grant.rules.push_back(DDSSEC_TRY(read_rule(context, child)));
   }
   if (const auto e = children.one(kDefault)) {
-    grant.default_allow = DDSSEC_TRY(read_default(e));
+    if (children.all().back().first != kDefault)
+      context.note(NoteKind::order, element,
+                   "has its <default> before other elements: Fast DDS refuses it");
+    grant.default_allow = DDSSEC_TRY(read_default(context, e));
   } else {
     context.note(NoteKind::no_default, element,
                  "has no <default>: it denies; some products refuse the document");

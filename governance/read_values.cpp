@@ -11,6 +11,63 @@ namespace {
 
 using Count = ChildSpec::Count;
 
+// Of both kinds of documents, in alphabetical order.
+constexpr std::string_view kElements[] = {
+    "algorithm",
+    "allow_rule",
+    "allow_unauthenticated_participants",
+    "allowed_crypto_algorithms",
+    "data_protection_kind",
+    "data_tags",
+    "default",
+    "deny_rule",
+    "digital_signature",
+    "digital_signature_identity_trust_chain",
+    "digital_signature_trust_chain",
+    "discovery_protection_kind",
+    "domain_access_rules",
+    "domain_rule",
+    "domains",
+    "enable_discovery_protection",
+    "enable_join_access_control",
+    "enable_key_revision",
+    "enable_liveliness_protection",
+    "enable_read_access_control",
+    "enable_write_access_control",
+    "grant",
+    "id",
+    "id_range",
+    "key_establishment",
+    "liveliness_protection_kind",
+    "max",
+    "metadata_protection_kind",
+    "min",
+    "name",
+    "not_after",
+    "not_before",
+    "partition",
+    "partitions",
+    "permissions",
+    "publish",
+    "relay",
+    "rtps_protection_kind",
+    "rtps_psk_protection_kind",
+    "subject_name",
+    "subject_name_expression",
+    "subscribe",
+    "symmetric_cipher",
+    "tag",
+    "tag_expression",
+    "topic",
+    "topic_access_rules",
+    "topic_expression",
+    "topic_rule",
+    "topics",
+    "validity",
+    "value",
+};
+static_assert(std::ranges::is_sorted(kElements));
+
 Result<DomainId> read_domain_id(XmlElement element) {
   const std::string text = DDSSEC_TRY(element.nonempty_text());
   DomainId id = -1;
@@ -62,6 +119,12 @@ void note_padding(ReadContext& context, XmlElement element) {
                  "has blanks around its value: some products keep them");
 }
 
+void note_refused_padding(ReadContext& context, XmlElement element) {
+  if (element.is_padded())
+    context.note(NoteKind::refused_spelling, element,
+                 "has blanks around its value: Fast DDS refuses the document");
+}
+
 void note_extensions(ReadContext& context, XmlElement element) {
   constexpr std::string_view kNewer[] = {"enable_key_revision", "rtps_psk_protection_kind",
                                          "allowed_crypto_algorithms", "subject_name_expression",
@@ -81,6 +144,10 @@ void note_extensions(ReadContext& context, XmlElement element) {
   for (auto child = element.first_child(); child; child = child.next_sibling()) {
     if (holds_domains && child.name() == "tag")
       context.note(NoteKind::extension, child, "came with DDS-Security 1.2");
+    if (child.may_be_ignored() && !std::ranges::binary_search(kElements, child.name()))
+      context.note(NoteKind::extension, child,
+                   "is passed over, as must_interpret=\"false\" says; Cyclone DDS and Fast DDS "
+                   "refuse the document");
     note_extensions(context, child);
   }
 }
@@ -123,7 +190,13 @@ Result<bool> read_boolean(ReadContext& context, XmlElement element) {
                                           .expected = "true or false",
                                           .found = text});
   }
-  if (text != "true" && text != "false") {
+  note_refused_padding(context, element);
+  constexpr std::string_view kKnownToFastDds[] = {"1", "0", "TRUE", "FALSE", "True", "False"};
+  if (text == "true" || text == "false") return value;
+  if (std::ranges::find(kKnownToFastDds, text) == std::end(kKnownToFastDds)) {
+    context.note(NoteKind::refused_spelling, element,
+                 std::string("is ").append(text).append(": Fast DDS refuses the document"));
+  } else {
     context.note(NoteKind::boolean_spelling, element,
                  std::string("is ").append(text).append(": every product reads true and false"));
   }
@@ -132,7 +205,7 @@ Result<bool> read_boolean(ReadContext& context, XmlElement element) {
 
 Result<ProtectionKind> read_protection_kind(ReadContext& context, XmlElement element, bool basic) {
   const std::string text = DDSSEC_TRY(element.nonempty_text());
-  note_padding(context, element);
+  note_refused_padding(context, element);
   const std::string upper = ascii_upper(text);
   const auto kind = protection_kind_from(upper);
   if (!kind || (basic && is_origin_authenticated(*kind))) {

@@ -28,6 +28,8 @@ class ReadContext {
 
 /// Notes blanks around the element's text.
 void note_padding(ReadContext& context, XmlElement element);
+/// The same of a value with which Fast DDS refuses the document then.
+void note_refused_padding(ReadContext& context, XmlElement element);
 /// Notes elements and attributes, here and below, that DDS-Security 1.1 does not have. Nesting was
 /// bounded by check_xml.
 void note_extensions(ReadContext& context, XmlElement element);

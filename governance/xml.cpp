@@ -88,7 +88,12 @@ Result<std::string> XmlElement::raw_text() const {
       return refuse(Code::element_unknown, XmlElement(node->ToElement()),
                     {.expected = "text in " + in_brackets(name())});
     }
-    if (node->ToText()) text += node->Value();
+    // Fast DDS reads the first text only, others join the pieces.
+    if (!node->ToText() || node->NextSibling()) {
+      return refuse(Code::value_in_pieces, *this,
+                    {.found = node->ToComment() ? "a comment" : "several pieces of text"});
+    }
+    text = node->Value();
   }
   return text;
 }
@@ -197,8 +202,9 @@ bool XmlChildren::in_order() const {
 }
 
 void add_note(std::vector<Note>& notes, NoteKind kind, XmlElement at, std::string_view text) {
-  if (notes.size() < kMostNotes)
-    notes.push_back({kind, at.line(), at.path(), in_brackets(at.name()) + " " + std::string(text)});
+  if (notes.size() == kMostNotes) return;
+  notes.push_back({kind, at.line(), at.path(), in_brackets(at.name()) + " " + std::string(text),
+                   at.raw_text().value_or(std::string())});
 }
 
 }  // namespace ddssec::governance

@@ -41,8 +41,9 @@ class XmlElement {
   XmlElement first_child() const;
   XmlElement next_sibling() const;
 
-  /// All text of an element without children: entities resolved, comments left out, surrounding
-  /// white space removed. Errors: element_unknown.
+  /// The text of an element without children: entities resolved, surrounding white space removed.
+  /// A text in several pieces is refused, since products read it differently. Errors:
+  /// element_unknown, value_in_pieces.
   Result<std::string> text() const;
   /// The same as text(), with the white space around it.
   Result<std::string> raw_text() const;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 
 #include "governance/dialect.hpp"
+#include "governance/xml.hpp"
 
 namespace ddssec::governance {
 namespace {
@@ -14,7 +16,11 @@ constexpr std::size_t kMostTried = 1'000;
 /// What one document holds, and the line where each stands first.
 struct Constructs {
   std::map<std::string, int> expressions = {};
-  std::map<std::string, int> notes = {};  ///< by their texts
+  /// The element that a note is about: the same words at another place, or about another value,
+  /// change what a product reads.
+  using Place = std::tuple<std::string, std::string, std::string>;  ///< text, path, value
+  std::map<Place, int> notes = {};
+  bool has_all_notes = true;
 
   void add(const std::vector<Text>& texts) {
     for (const auto& text : texts) expressions.try_emplace(text.text, text.line);
@@ -22,7 +28,9 @@ struct Constructs {
   void add(const std::vector<Note>& all) {
     // An open range is more than another reading: the comparison says it of either document.
     for (const auto& note : all)
-      if (note.kind != NoteKind::open_range) notes.try_emplace(note.text, note.line);
+      if (note.kind != NoteKind::open_range)
+        notes.try_emplace({note.text, note.path, note.value}, note.line);
+    has_all_notes = all.size() < kMostNotes;
   }
 };
 
@@ -53,8 +61,9 @@ class Collector {
  public:
   void add(const Constructs& own, const Constructs& other, bool is_new) {
     const auto begin = out_.all.size();
-    for (const auto& [text, line] : own.notes)
-      if (!other.notes.contains(text)) put({is_new, {}, text, line});
+    for (const auto& [place, line] : own.notes)
+      if (!other.notes.contains(place)) put({is_new, {}, std::get<0>(place), line});
+    if (!own.has_all_notes) out_.is_complete = false;
     for (const auto& [text, line] : own.expressions)
       if (!other.expressions.contains(text)) add_expression(text, line, is_new);
     std::ranges::stable_sort(out_.all.begin() + static_cast<std::ptrdiff_t>(begin), out_.all.end(),

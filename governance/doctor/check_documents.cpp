@@ -26,6 +26,7 @@ struct Subject {
   const Status& parsed;
   const std::vector<Note>* notes;
   const std::vector<Variant>& left_out;
+  bool has_joined_values;
   const Lineup& lineup;
 };
 
@@ -41,6 +42,7 @@ Subject subject(std::string_view about, const fs::path& path, const LoadedDocume
           document.parsed,
           document.model ? &document.model->notes : nullptr,
           document.left_out,
+          document.has_joined_values,
           lineup};
 }
 
@@ -226,7 +228,8 @@ std::optional<Variant> variant_of(const Note& note) {
     case NoteKind::open_range:
       return says("has no <min>") ? Variant::governance_no_min : Variant::governance_no_max;
     case NoteKind::extension:
-      return says("byte order mark")              ? Variant::governance_bom
+      return says("is passed over")               ? Variant::governance_unknown_element
+             : says("byte order mark")            ? Variant::governance_bom
              : says("the attribute xmlns,")       ? Variant::governance_default_namespace
              : says("came with DDS-Security 1.2") ? Variant::governance_key_revision
                                                   : Variant::governance_must_interpret;
@@ -240,6 +243,9 @@ Outcomes outcomes_of_text(const Subject& subject) {
   Outcomes out{.ours = Outcome::fail};
   if (subject.notes != nullptr) {  // without what was left out it can be read
     for (const auto variant : subject.left_out) out = out.worse(measured(variant, subject.lineup));
+    // Cyclone DDS joins the pieces. Fast DDS 2.9 reads the first text alone: another topic, or a
+    // value that it refuses.
+    if (subject.has_joined_values) out = out.worse({.fastdds = Outcome::unsafe});
     return out;
   }
   const auto code = subject.parsed.error().code();
@@ -273,7 +279,8 @@ void report_notes(const Subject& subject, Diagnosis& out) {
     const auto count = std::exchange(counts[note.text], 0);
     if (count == 0) continue;
     const auto variant = variant_of(note);
-    const auto who = variant ? measured(*variant, subject.lineup) : Outcomes();
+    auto who = variant ? measured(*variant, subject.lineup) : Outcomes();
+    if (note.kind == NoteKind::refused_spelling) who.fastdds = Outcome::fail;
     const auto more =
         count > 1 ? fmt::format(" (and at {} other place{})", count - 1, count > 2 ? "s" : "")
                   : std::string();

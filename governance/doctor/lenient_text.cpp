@@ -14,20 +14,25 @@ class Cleaner {
 
   LenientText run() {
     declaration();
-    for (std::size_t at = text_.find('<'); at != text_.npos; at = text_.find('<', at + 1)) {
+    for (std::size_t at = text_.find('<'); at < text_.size(); at = text_.find('<', at + 1)) {
       const auto rest = std::string_view(text_).substr(at);
-      if (rest.starts_with("<!--"))
-        comment(at);
+      if (rest.starts_with("<![CDATA["))
+        at = cdata(at);
+      else if (rest.starts_with("<!--"))
+        at = comment(at);
       else if (rest.starts_with("<!DOCTYPE"))
         blank(at, end_of_doctype(at), Variant::governance_doctype);
       else if (rest.starts_with("<?"))
         blank(at, behind(at, "?>"), Variant::governance_processing_instruction);
     }
     octets();
-    return {to_bytes(as_bytes(text_)), std::move(left_out_)};
+    return {to_bytes(as_bytes(text_)), std::move(left_out_), has_pieces_};
   }
 
  private:
+  /// Each moves the rest of the text.
+  static constexpr std::size_t kMostJoined = 1000;
+
   std::size_t behind(std::size_t from, std::string_view end) const {
     const auto found = text_.find(end, from);
     return found == text_.npos ? text_.size() : found + end.size();
@@ -62,11 +67,47 @@ class Cleaner {
                                            : Variant::governance_latin_1);
   }
 
-  void comment(std::size_t at) {
+  // The last place that was dealt with.
+  std::size_t comment(std::size_t at) {
     constexpr std::size_t kStart = 4;
     const auto end = behind(at + kStart, "-->");
     const auto dashes = text_.find("--", at + kStart);
     if (dashes < end && dashes + 3 < end) blank(at, end, Variant::governance_comment_dashes);
+    if (!is_in_value(at, end) || ++joined_ > kMostJoined) return at;
+    join(at, end, {});
+    return at == 0 ? 0 : at - 1;
+  }
+
+  std::size_t cdata(std::size_t at) {
+    constexpr std::size_t kStart = 9, kEnd = 3;
+    const auto end = behind(at + kStart, "]]>");
+    if (end == text_.size() || !is_in_value(at, end) || ++joined_ > kMostJoined) return end - 1;
+    const auto inside = text_.substr(at + kStart, end - kEnd - at - kStart);
+    if (inside.find_first_of("<&") != inside.npos) return end - 1;
+    join(at, end, inside);
+    return at == 0 ? 0 : at - 1;
+  }
+
+  // Whether something else than blanks stands beside it, between two tags.
+  bool is_in_value(std::size_t at, std::size_t end) const {
+    constexpr std::string_view kBlanks = " \t\r\n";
+    const auto before = text_.find_last_not_of(kBlanks, at == 0 ? 0 : at - 1);
+    const auto after = text_.find_first_not_of(kBlanks, end);
+    const auto is_text = [&](std::size_t i, char tag) {
+      return i < text_.size() && text_[i] != tag;
+    };
+    const bool has_piece_after = text_.compare(std::min(end, text_.size()), 9, "<![CDATA[") == 0;
+    return is_text(before, '>') || is_text(after, '<') || has_piece_after;
+  }
+
+  // As Cyclone DDS joins the pieces. Lines stay: those of the piece come after the element.
+  void join(std::size_t at, std::size_t end, const std::string& instead) {
+    const auto lines = std::count(text_.begin() + static_cast<std::ptrdiff_t>(at),
+                                  text_.begin() + static_cast<std::ptrdiff_t>(end), '\n') -
+                       std::ranges::count(instead, '\n');
+    text_.replace(at, end - at, instead);
+    text_.insert(behind(at, ">"), static_cast<std::size_t>(lines), '\n');
+    has_pieces_ = true;
   }
 
   void octets() {
@@ -79,6 +120,8 @@ class Cleaner {
 
   std::string text_;
   std::vector<Variant> left_out_;
+  bool has_pieces_ = false;
+  std::size_t joined_ = 0;
 };
 
 }  // namespace

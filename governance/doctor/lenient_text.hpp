@@ -11,13 +11,14 @@ namespace ddssec::governance::doctor {
 
 /// A text without what ours refuses and a stock product may skip.
 struct LenientText {
-  Bytes text;                     ///< lines as before
-  std::vector<Variant> left_out;  ///< what was taken out, one each
+  Bytes text;                      ///< lines as before
+  std::vector<Variant> left_out;   ///< what was taken out, one each
+  bool has_joined_values = false;  ///< a comment or CDATA stood in a value
 };
 
 /// Blanks out what governance::check_xml refuses and is no part of the content: a declaration of
 /// another encoding or with escaped quotes, a document type, processing instructions, comments with
-/// "--" in them; octets that are not UTF-8 become '?'.
+/// "--" in them; octets that are not UTF-8 become '?'. The pieces of a value are joined.
 LenientText lenient_text(BytesView xml);
 
 }  // namespace ddssec::governance::doctor

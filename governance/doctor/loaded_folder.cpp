@@ -74,7 +74,9 @@ LoadedDocument<Model> load_document(const fs::path& path, const Certificates& ca
     out.parsed = about(model.error(), path);
     auto lenient = lenient_text(out.form.unverified_text);
     out.left_out = std::move(lenient.left_out);
-    if (!out.left_out.empty()) model = read(lenient.text, out.form.first_line);
+    out.has_joined_values = lenient.has_joined_values;
+    if (!out.left_out.empty() || out.has_joined_values)
+      model = read(lenient.text, out.form.first_line);
   }
   if (model) out.model = std::make_shared<const Model>(*std::move(model));
   return out;

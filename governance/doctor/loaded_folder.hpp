@@ -36,6 +36,8 @@ struct LoadedDocument {
   Status parsed = {};
   /// What was left out of the text so that it could be read, since stock products may skip it.
   std::vector<Variant> left_out = {};
+  /// A comment or CDATA in a value was left out, too.
+  bool has_joined_values = false;
 
   /// Whether a product reads it, as far as its own reader may differ. Error: why ours does not.
   Status read_by(Vendor vendor) const {

@@ -180,10 +180,23 @@ TEST(XmlCheck, BoundsTheElements) {
   EXPECT_CODE(parse(text + "</a>"), xml_too_large);
 }
 
-TEST(XmlText, GathersWhatIsThere) {
-  const auto document = parse("<a>  x<!-- y -->&amp;<![CDATA[ <z> ]]>\n</a>");
-  ASSERT_TRUE(document);
-  EXPECT_EQ(document->root().text(), "x& <z>");
+TEST(XmlText, OnePiece_IsReadWithoutBlanksAround) {
+  for (const auto* text : {"<a>  x&amp; &lt;z&gt;\n</a>", "<a><![CDATA[x& <z>]]></a>"}) {
+    const auto document = parse(text);
+    ASSERT_TRUE(document);
+    EXPECT_EQ(document->root().text(), "x& <z>");
+  }
+}
+
+// Fast DDS reads what stands before the comment, Cyclone DDS joins the pieces.
+TEST(XmlText, SeveralPieces_AreRefused) {
+  for (const auto* text :
+       {"<a>x<!-- y -->z</a>", "<a><!-- y -->z</a>", "<a>x<!-- y --></a>", "<a><!-- y --></a>",
+        "<a>x<![CDATA[z]]></a>", "<a><![CDATA[x]]><![CDATA[z]]></a>"}) {
+    const auto document = parse(text);
+    ASSERT_TRUE(document);
+    EXPECT_CODE(document->root().text(), value_in_pieces);
+  }
 }
 
 // Inputs that others found harmful.

@@ -68,6 +68,21 @@ TEST(Readings, OfGovernanceAreExpressionsAndNotes) {
   EXPECT_THAT(compare(before, after).readings.all, IsEmpty());
 }
 
+// A note elsewhere, or about another value, hides no new one.
+TEST(Readings, OfTheSameKindElsewhere_AreNew) {
+  const Note padded{NoteKind::padding, 3, "/dds/topic[1]", "<topic> has blanks", " Foo "};
+  auto before = governance({topic("*")}), after = before;
+  before.notes = after.notes = {padded};
+  EXPECT_THAT(compare(before, after).readings.all, IsEmpty());
+  auto elsewhere = padded, changed = padded;
+  elsewhere.path = "/dds/topic[2]";
+  changed.value = " Bar ";
+  after.notes = {padded, elsewhere};
+  EXPECT_THAT(compare(before, after).readings.all, SizeIs(1));
+  after.notes = {changed};
+  EXPECT_THAT(compare(before, after).readings.all, SizeIs(2));
+}
+
 TEST(Readings, AreBounded) {
   std::vector<TopicRule> rules;
   for (std::size_t i = 0; i <= kMostReadings; ++i)
