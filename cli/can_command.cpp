@@ -11,6 +11,7 @@
 #include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/revocation_lists.hpp"
+#include "cli/participant_diagnosis.hpp"
 #include "governance/decision.hpp"
 #include "governance/doctor/ca_list.hpp"
 #include "governance/doctor/diagnosis.hpp"
@@ -59,9 +60,11 @@ struct Question {
 /// Why the participant does not come up at all, as `doctor` and `check` see it.
 std::optional<Answer> by_doctor(const Question& question) {
   const auto diagnosis =
-      doctor::diagnose(question.folder, {.now = question.now, .domain = question.domain});
+      diagnosis_of(question.folder, {.now = question.now, .domain = question.domain});
   for (const auto& check : diagnosis.checks()) {
-    if (check.outcomes.ours < doctor::Outcome::late || check.findings.empty()) continue;
+    const auto worst = check.outcomes.ours;
+    const bool is_about_topics = check.rule == Rule::DOC103 && worst == doctor::Outcome::late;
+    if (worst < doctor::Outcome::late || check.findings.empty() || is_about_topics) continue;
     const auto& finding = check.findings.front();
     return Answer{
         false,
@@ -157,6 +160,11 @@ Result<Answer> answer_to(const Question& question) {
   const auto* rule = governance->topic_rule(question.request.topic);
   if (rule == nullptr)
     return Answer{false, "no topic_rule matches the topic", file, domain_rule.line};
+  if (runs_drop_in(question.folder))
+    if (const auto finding =
+            refused_by_drop_in(question.folder, domain_rule, *rule, question.action))
+      return Answer{false, fmt::format("{}: {}", info(finding->rule).id, finding->message), file,
+                    rule->line, std::string(info(finding->rule).hint)};
   const bool controlled = question.action == governance::Action::publish
                               ? rule->enable_write_access_control
                               : rule->enable_read_access_control;

@@ -15,6 +15,7 @@
 #include "cli/meeting_report.hpp"
 #include "cli/near.hpp"
 #include "cli/options.hpp"
+#include "cli/participant_diagnosis.hpp"
 #include "cli/pre_shared_keys.hpp"
 #include "cli/products.hpp"
 #include "governance/doctor/diagnosis.hpp"
@@ -118,6 +119,12 @@ Json add_diagnosis(Report& report, const fs::path& folder, const doctor::Diagnos
   return out;
 }
 
+bool is_said_by_diagnosis(Rule rule) {
+  constexpr Rule kSaid[] = {Rule::DOC008, Rule::DOC090, Rule::DOC091, Rule::DOC093,
+                            Rule::DOC101, Rule::DOC102, Rule::DOC103};
+  return std::ranges::find(kSaid, rule) != std::end(kSaid);
+}
+
 // Each product of the one with each product of the other. That two products do not understand each
 // other is a "no" only if somebody asked for the two.
 void add_meetings(Report& report, const doctor::Party& self, const doctor::Party& peer,
@@ -144,9 +151,7 @@ void add_meetings(Report& report, const doctor::Party& self, const doctor::Party
         return note.rule == Rule::DOC094;  // the others are of this pair alone
       });
       for (const auto& finding : findings) {
-        if (finding.rule == Rule::DOC090 || finding.rule == Rule::DOC091 ||
-            finding.rule == Rule::DOC093)
-          continue;  // said by the diagnosis
+        if (is_said_by_diagnosis(finding.rule)) continue;
         if (std::ranges::find(said, finding.message) != said.end()) continue;
         said.push_back(finding.message);
         report.findings.push_back(finding);
@@ -159,9 +164,7 @@ void add_peer(Report& report, const Arguments& arguments, const doctor::LoadedFo
               const Products& products) {
   const fs::path folders[] = {arguments.text("DIR"), arguments.text("--peer")};
   report.text += '\n';
-  auto diagnosis = doctor::diagnose(peer, settings);
-  check_pre_shared_keys(peer, settings, diagnosis);
-  check_key_limits(peer, settings, diagnosis);
+  auto diagnosis = diagnosis_of(peer, settings);
   doctor::check_lint(peer, settings, diagnosis);
   report.result["peer"] = add_diagnosis(report, folders[1], diagnosis, settings, products);
   std::string names[2];
@@ -247,16 +250,13 @@ Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
       is_of_ros ? domain_of_node(loaded, now)
                 : domain_for(arguments, {&loaded, peer ? &*peer : &loaded}, now, report));
   const doctor::Settings settings{.now = now, .domain = domain, .lineup = products.lineup};
-  auto diagnosis = doctor::diagnose(loaded, settings);
-  check_pre_shared_keys(loaded, settings, diagnosis);
-  check_key_limits(loaded, settings, diagnosis);
+  auto diagnosis = diagnosis_of(loaded, settings);
   if (arguments.has("--ros"))
     doctor::check_ros(loaded, doctor::ros_environment(), settings, diagnosis);
   if (arguments.has("--plugins"))
     doctor::check_plugins(
         arguments.text("--plugins") == "system" ? "" : arguments.text("--plugins"), diagnosis);
   const auto in_force = doctor::cyclonedds_configuration();
-  if (in_force) doctor::check_configuration_in_force(loaded, *in_force, diagnosis);
   doctor::check_shared_memory(loaded, in_force, settings, diagnosis);
   const auto places = doctor::LoaderPlaces::here();
   const auto plugins = host_plugins_for(folder, arguments.has("--ros"), places);

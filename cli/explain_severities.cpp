@@ -7,14 +7,19 @@ constexpr auto note = Severity::informational;
 using enum Severity;
 
 constexpr OtherSeverity kOthers[] = {
+    {"DOC004", error, "in a keystore, or in public/ of one"},
+    {"DOC011", warning, "where the other product would take the grant"},
     {"DOC023", warning, "where the list is missing or the CA has a newer one"},
     {"DOC037 DOC055", error, "where a product refuses the document"},
+    {"DOC043", error, "where Cyclone DDS takes the grant of another subject"},
     {"DOC050", warning, "for an enclave that is being made"},
     {"DOC068", warning, "where the application may run without ROS 2"},
     {"DOC083", note, "where --vendor does not name the products"},
     {"DOC086", warning, "where not every topic was looked at"},
     {"DOC091", warning, "where the keys can still be used"},
     {"DOC094", error, "where --vendor names two versions that do not find each other"},
+    {"DOC101", warning, "where the environment names a configuration for another purpose"},
+    {"DOC103", warning, "where the embedded participant may be meant"},
     {"GOV010", warning, "where the rules before it protect alike"},
     {"GOV012 PERM013", note, "where Cyclone DDS and Fast DDS agree"},
     {"PERM002", error, "where the grant is over or never valid"},

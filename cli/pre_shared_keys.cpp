@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "cli/key_limits.hpp"
+#include "cli/participant_diagnosis.hpp"
 #include "plugins/cryptography/passphrase.hpp"
 #include "plugins/spi/property_file.hpp"
 #include "plugins/spi/property_names.hpp"
@@ -80,10 +80,14 @@ std::string obstacle(const doctor::Party& from, const PreSharedKeys& of_from,
   return {};
 }
 
+void add_once(std::vector<Finding>& findings, Finding finding) {
+  const auto same = [&](const Finding& said) { return said.message == finding.message; };
+  if (std::ranges::none_of(findings, same)) findings.push_back(std::move(finding));
+}
+
 void refuse(doctor::Meeting& out, Finding finding) {
   out.properties_fit = false;
-  const auto same = [&](const Finding& said) { return said.message == finding.message; };
-  if (std::ranges::none_of(out.findings, same)) out.findings.push_back(std::move(finding));
+  add_once(out.findings, std::move(finding));
 }
 
 void compare(const doctor::Party& a, const doctor::Party& b, DomainId domain,
@@ -98,6 +102,41 @@ void compare(const doctor::Party& a, const doctor::Party& b, DomainId domain,
       refuse(
           out,
           {.rule = Rule::DOC092, .message = why, .document = b.folder.paths.properties.string()});
+}
+
+// What meet() cannot know: the environment, and the properties. Missing passphrases are compared
+// below.
+void refuse_beyond_folder(const doctor::Party& party, const doctor::Settings& settings,
+                          doctor::Meeting& out) {
+  for (const auto& check : diagnosis_beyond_folder(party.folder, settings).checks()) {
+    const bool is_compared = check.rule == Rule::DOC091;
+    if (is_compared || check.outcomes.of(party.vendor) != Outcome::fail) continue;
+    for (const auto& finding : check.findings)
+      if (finding.severity == Severity::error) refuse(out, finding);
+  }
+}
+
+// One participant of the drop-in refuses to make its writer or its reader.
+void refuse_topics(const doctor::Party& a, const doctor::Party& b, doctor::Meeting& out) {
+  const doctor::Party* const parties[] = {&a, &b};
+  for (int i = 0; i < 2; ++i) {
+    const auto& party = *parties[i];
+    if (party.vendor != doctor::Vendor::ours || !runs_drop_in(party.folder)) continue;
+    for (auto& topic : out.topics) {
+      if (topic.rules[i] == nullptr || out.rules[i] == nullptr) continue;
+      for (auto& direction : topic.directions) {
+        const auto action =
+            direction.writer == i ? governance::Action::publish : governance::Action::subscribe;
+        auto finding = refused_by_drop_in(party.folder, *out.rules[i], *topic.rules[i], action);
+        if (!finding || !direction.obstacle.reason.empty()) continue;
+        direction.ok = false;
+        direction.obstacle = {fmt::format("{}: {}", party.name, finding->message), finding->rule,
+                              finding->document, finding->line};
+        finding->message = direction.obstacle.reason;
+        add_once(out.findings, std::move(*finding));
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -120,10 +159,8 @@ doctor::Meeting meet_with_keys(const doctor::Party& a, const doctor::Party& b,
                                const doctor::Settings& settings,
                                const std::vector<std::string>& topics) {
   auto out = doctor::meet(a, b, settings, topics);
-  for (const auto* party : {&a, &b})
-    if (auto finding = key_limits_obstacle(party->folder, settings.domain);
-        finding && party->vendor == doctor::Vendor::ours)
-      refuse(out, std::move(*finding));
+  for (const auto* party : {&a, &b}) refuse_beyond_folder(*party, settings, out);
+  refuse_topics(a, b, out);
   const auto needs_keys = [&](const doctor::Party& party) {
     return party.vendor == doctor::Vendor::ours &&
            is_protected(asked_for(party.folder, settings.domain));

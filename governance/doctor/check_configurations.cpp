@@ -10,6 +10,7 @@
 #include "base/source.hpp"
 #include "base/text.hpp"
 #include "governance/doctor/checks.hpp"
+#include "governance/doctor/configuration_checks.hpp"
 #include "governance/doctor/cyclonedds_configuration.hpp"
 #include "pki/source.hpp"
 
@@ -87,8 +88,16 @@ std::string content_of(std::string_view after_tag) {
   return without_escapes(trimmed(after_tag.substr(0, after_tag.find("</")), " \t\r\n"));
 }
 
-std::vector<Named> named_by_cyclonedds(std::string_view text) {
+// What counts for the domain; where nothing does, all that looks like it.
+std::vector<Named> named_by_cyclonedds(std::string_view text, const EffectiveSecurity& security) {
   std::vector<Named> out;
+  if (security.problems.empty() && security.is_there) {
+    for (const auto* plugin : {&security.authentication, &security.access_control})
+      for (const auto& role : kRoles)
+        if (const auto* value = *plugin ? (*plugin)->value(role.element) : nullptr)
+          out.push_back({&role, value->text});
+    return out;
+  }
   for (const auto& role : kRoles)
     for (auto tag = find_tag(text, role.element); tag; tag = find_tag(tag->after, role.element))
       out.push_back({&role, content_of(tag->after)});
@@ -112,8 +121,7 @@ Result<Bytes> octets_of(const fs::path& path) {
   return ddssec::load("file://" + path.string(), "", pki::kMostDocumentOctets);
 }
 
-// Where a relative path leads depends on where the application starts: here, or in the folder. What
-// is missing keeps the process from starting.
+// Where a relative path leads depends on where the application starts: here, or in the folder.
 bool is_judged(const std::string& value, const fs::path& judged, const fs::path& folder) {
   constexpr std::string_view kFile = "file:", kData = "data:,";
   if (value.starts_with(kData)) {
@@ -130,9 +138,7 @@ bool is_judged(const std::string& value, const fs::path& judged, const fs::path&
   const fs::path path(name);
   if (path.is_relative())
     return has_same_octets(folder / path, judged) || has_same_octets(path, judged);
-  std::error_code ignored;
-  const bool is_missing = fs::status(path, ignored).type() == fs::file_type::not_found;
-  return (is_missing && name.find('$') == name.npos) || has_same_octets(path, judged);
+  return has_same_octets(path, judged);
 }
 
 // Of a value that is no path only its beginning: it may be a key.
@@ -147,7 +153,34 @@ struct Configuration {
   fs::path document;
   Outcomes outcomes;  ///< where it names another file
   std::vector<Named> files;
+  bool is_fastdds = false;
 };
+
+bool has_scheme(std::string_view value) {
+  return value.starts_with("file:") || value.starts_with("data:,") || value.starts_with("pkcs11:");
+}
+
+// Of a file that lies there and cannot be read, too.
+bool is_missing(const std::string& value) {
+  if (!value.starts_with("file:") || value.contains('$')) return false;
+  auto name = std::string_view(value).substr(std::string_view("file:").size());
+  if (name.starts_with("//")) name.remove_prefix(2);
+  return fs::path(name).is_absolute() &&
+         !ddssec::load("file://" + std::string(name), "", pki::kMostDocumentOctets);
+}
+
+std::string sentence(const Configuration& configuration, const Named& named,
+                     const fs::path& judged) {
+  const auto& [role, value] = named;
+  const auto product = configuration.is_fastdds ? "Fast DDS" : "Cyclone DDS";
+  if (is_missing(value))
+    return fmt::format(
+        "{} names {} as {}, which {} cannot read, so that it does not start; {} is "
+        "what was judged",
+        configuration.name, value, role->property, product, judged.string());
+  return fmt::format("{} makes the process read {} as {}, and {} is what was judged",
+                     configuration.name, shown_value(value), role->property, judged.string());
+}
 
 void check_judged(const LoadedFolder& folder, const Configuration& configuration, Diagnosis& out) {
   const auto& paths = folder.paths;
@@ -157,11 +190,15 @@ void check_judged(const LoadedFolder& folder, const Configuration& configuration
         configuration.outcomes,
         {.rule = Rule::DOC008, .message = std::move(message), .document = configuration.document});
   };
-  for (const auto& [role, value] : configuration.files) {
-    const auto& judged = paths.*(role->judged);
-    if (!is_judged(value, judged, paths.folder))
-      report(fmt::format("{} makes the process read {} as {}, and {} is what was judged",
-                         configuration.name, shown_value(value), role->property, judged.string()));
+  for (const auto& named : configuration.files) {
+    const auto& judged = paths.*(named.role->judged);
+    if (!is_judged(named.value, judged, paths.folder))
+      report(sentence(configuration, named, judged));
+    else if (!configuration.is_fastdds && !has_scheme(named.value))
+      report(
+          fmt::format("{} names {} as {}, without \"file:\" before the path: Cyclone DDS does "
+                      "not start; write file:{}",
+                      configuration.name, named.value, named.role->property, named.value));
   }
   const auto is_crl = [](const Named& named) { return named.role->judged == &Files::crl; };
   if (!configuration.files.empty() && folder.has_crl_file &&
@@ -182,35 +219,88 @@ bool is_of(const Configuration& configuration, const pki::ParticipantFolder& pat
 constexpr Outcomes kCycloneFails{.cyclonedds = Outcome::fail, .ours = Outcome::fail};
 constexpr Outcomes kFastFails{.fastdds = Outcome::fail};
 
+void report_unreadable(std::string_view name, const fs::path& file, const Error& error,
+                       Diagnosis& out) {
+  out.report(name == "fastdds.xml" ? kFastFails : kCycloneFails,
+             {.rule = Rule::DOC102,
+              .message = fmt::format("{} cannot be read: {}", name, error.message()),
+              .document = file});
+}
+
+void check_other_folder(const LoadedFolder& folder, const char* name, std::string_view text,
+                        Diagnosis& out) {
+  out.pass(Rule::DOC007);
+  const auto other = other_folder(text, folder.paths);
+  if (!other) return;
+  std::error_code ignored;
+  const auto own = fs::absolute(folder.paths.folder, ignored).lexically_normal();
+  out.report({}, {.rule = Rule::DOC007,
+                  .message = fmt::format("{} names files in {}, and the participant's are in {}",
+                                         name, other->string(), own.string()),
+                  .document = folder.paths.folder / name});
+}
+
+// An application may secure itself by its QoS, as ROS 2 does; one that is meant to start with the
+// folder's own configuration does not.
+void warn_of_unsecured_environment(const ConfigurationInQuestion& question, Diagnosis& out) {
+  const auto& paths = question.folder.paths;
+  std::error_code ignored;
+  const auto own = paths.folder / "cyclonedds.xml";
+  if (paths.layout == pki::FolderLayout::sros2 || !fs::exists(own, ignored)) return;
+  out.report({}, {.rule = Rule::DOC101,
+                  .message = fmt::format(
+                      "{} has no <Security> for domain {}, and {} has: an application that starts "
+                      "in this environment runs without security, unless its QoS names the files",
+                      question.name, question.domain, own.string()),
+                  .document = question.document,
+                  .hint = fmt::format("export CYCLONEDDS_URI='file://{}'",
+                                      fs::absolute(own, ignored).string()),
+                  .severity = Severity::warning});
+}
+
+void check_cyclonedds(const LoadedFolder& folder, const Settings& settings, const fs::path& file,
+                      std::string_view text, Diagnosis& out) {
+  const auto name = name_of(file);
+  const auto security = effective_security(text, settings.domain, ConfigurationPlace::file);
+  check_judged(folder,
+               {name, file, kCycloneFails, named_by_cyclonedds(without_comments(text), security)},
+               out);
+  check_effective_security({name, file, folder, settings.domain, security}, out);
+}
+
 }  // namespace
 
 void check_configuration_in_force(const LoadedFolder& folder, std::string_view text,
-                                  Diagnosis& out) {
+                                  const Settings& settings, Diagnosis& out) {
+  const auto security = effective_security(text, settings.domain, ConfigurationPlace::variable);
   const Configuration configuration{"the configuration that CYCLONEDDS_URI names", "CYCLONEDDS_URI",
-                                    kCycloneFails, named_by_cyclonedds(without_comments(text))};
-  if (is_of(configuration, folder.paths)) check_judged(folder, configuration, out);
+                                    kCycloneFails,
+                                    named_by_cyclonedds(without_comments(text), security)};
+  const ConfigurationInQuestion question{configuration.name, configuration.document, folder,
+                                         settings.domain, security};
+  if (is_of(configuration, folder.paths)) {
+    check_judged(folder, configuration, out);
+    return check_effective_security(question, out);
+  }
+  // With one that is broken no participant starts.
+  if (!security.problems.empty()) return check_effective_security(question, out);
+  if (!security.is_there) warn_of_unsecured_environment(question, out);
 }
 
-void check_configurations(const LoadedFolder& folder, Diagnosis& out) {
+void check_configurations(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   for (const auto* name : {"cyclonedds.xml", "fastdds.xml"}) {
     const auto file = folder.paths.folder / name;
     const auto octets = ddssec::load("file://" + file.string(), "", kMostOctets);
-    if (!octets) continue;
-    out.pass(Rule::DOC007);
-    const auto text = without_comments(as_text(*octets));
-    const bool is_cyclonedds = name == std::string_view("cyclonedds.xml");
-    check_judged(folder,
-                 {name, file, is_cyclonedds ? kCycloneFails : kFastFails,
-                  is_cyclonedds ? named_by_cyclonedds(text) : named_by_fastdds(text)},
-                 out);
-    const auto other = other_folder(text, folder.paths);
-    if (!other) continue;
     std::error_code ignored;
-    const auto own = fs::absolute(folder.paths.folder, ignored).lexically_normal();
-    out.report({}, {.rule = Rule::DOC007,
-                    .message = fmt::format("{} names files in {}, and the participant's are in {}",
-                                           name, other->string(), own.string()),
-                    .document = file});
+    if (!octets && fs::exists(file, ignored)) report_unreadable(name, file, octets.error(), out);
+    if (!octets) continue;
+    const auto text = as_text(*octets);
+    if (name == std::string_view("cyclonedds.xml"))
+      check_cyclonedds(folder, settings, file, text, out);
+    else
+      check_judged(folder, {name, file, kFastFails, named_by_fastdds(without_comments(text)), true},
+                   out);
+    check_other_folder(folder, name, without_comments(text), out);
   }
 }
 

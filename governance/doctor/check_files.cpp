@@ -183,6 +183,21 @@ void check_layouts(const LoadedFolder& folder, Diagnosis& out) {
   }
 }
 
+// Whoever can write there exchanges the key and the CA files; a sticky bit keeps only files of
+// others.
+void check_folder_mode(const LoadedFolder& folder, Diagnosis& out) {
+  struct stat status {};
+  const auto& path = folder.paths.folder;
+  if (::stat(path.c_str(), &status) != 0) return;
+  if ((status.st_mode & S_IWOTH) == 0) return;
+  out.report(
+      Outcomes::all(Outcome::unsafe),
+      {.rule = Rule::DOC104,
+       .message = fmt::format("{} can be written by every user of this machine (mode {:03o})",
+                              path.string(), status.st_mode & 0777U),
+       .document = path});
+}
+
 }  // namespace
 
 bool is_key_of_another_curve(const Error& error) {
@@ -207,9 +222,10 @@ void check_files(const LoadedFolder& folder, const Settings& settings, Diagnosis
   check_tokens(folder, out);
   check_mode(folder.paths.key, out);
   check_owner(folder.paths.key, out);
+  check_folder_mode(folder, out);
   check_strangers(folder, out);
   check_layouts(folder, out);
-  check_configurations(folder, out);
+  check_configurations(folder, settings, out);
 }
 
 }  // namespace ddssec::governance::doctor

@@ -26,8 +26,9 @@ bool has_same_octets(const std::filesystem::path& one, const std::filesystem::pa
 
 /// Files there, of the right kind, closed to others.
 void check_files(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
-/// The files that the configurations beside them name: whether they are those that were judged.
-void check_configurations(const LoadedFolder& folder, Diagnosis& out);
+/// The configurations beside them: whether a process that starts with them reads the files that
+/// were judged, and is secured.
+void check_configurations(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 /// Certificate, key, CA, revocation.
 void check_identity(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 /// Form, signature and signer of both documents, and whether they can be read.

@@ -30,6 +30,7 @@ std::optional<std::string> cyclonedds_configuration(std::string_view uri) {
     if (uri.front() == '<') return out.append(uri);  // to the end: commas may be in it
     const auto name = uri.substr(0, uri.find(','));
     uri.remove_prefix(name.size());
+    if (name.starts_with("file:") && !name.starts_with("file://")) return std::nullopt;
     const auto file = name.starts_with("file:") ? std::string(name) : "file:" + std::string(name);
     const auto octets = ddssec::load(file, kVariable, kMostOctets);
     if (!octets) return std::nullopt;

@@ -66,6 +66,6 @@ Diagnosis diagnose(const LoadedFolder& folder, const Settings& settings);
 /// Whether the configuration of Cyclone DDS that the environment names, its text, makes the
 /// participant's process read the files of the folder. One of another participant says nothing.
 void check_configuration_in_force(const LoadedFolder& folder, std::string_view text,
-                                  Diagnosis& out);
+                                  const Settings& settings, Diagnosis& out);
 
 }  // namespace ddssec::governance::doctor

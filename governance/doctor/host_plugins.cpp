@@ -295,6 +295,10 @@ std::vector<HostPlugin> plugins_of_node(const LoaderPlaces& places) {
   return out;
 }
 
+fs::path library_file(const std::string& library, const LoaderPlaces& places) {
+  return found(library, places);
+}
+
 bool is_ours(const fs::path& library) {
   return octets_of(library).find(kOurMark) != std::string::npos;
 }

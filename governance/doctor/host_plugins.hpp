@@ -44,6 +44,9 @@ std::vector<HostPlugin> host_plugins(std::string_view configuration, const Loade
 /// Those that rmw_cyclonedds_cpp configures.
 std::vector<HostPlugin> plugins_of_node(const LoaderPlaces& places);
 
+/// The file that Cyclone DDS would load for a library's name or path; empty: it finds none.
+std::filesystem::path library_file(const std::string& library, const LoaderPlaces& places);
+
 /// True if the file says that it is of ddssec. Not by loading it: that would run its code.
 bool is_ours(const std::filesystem::path& library);
 

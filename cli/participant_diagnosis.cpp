@@ -1,0 +1,172 @@
+#include "cli/participant_diagnosis.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include <fmt/format.h>
+
+#include "cli/inputs.hpp"
+#include "cli/key_limits.hpp"
+#include "cli/pre_shared_keys.hpp"
+#include "governance/doctor/cyclonedds_configuration.hpp"
+#include "governance/doctor/host_plugins.hpp"
+#include "plugins/access_control/allowed_algorithms.hpp"
+#include "plugins/access_control/protection.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace doctor = governance::doctor;
+using doctor::LoadedFolder;
+using doctor::Outcome;
+using governance::Action;
+
+constexpr std::string_view kOfHost = "a Cyclone DDS process on ddssec's plugins";
+
+void check_environment(const LoadedFolder& folder, const doctor::Settings& settings,
+                       doctor::Diagnosis& out) {
+  const char* const uri = std::getenv("CYCLONEDDS_URI");
+  if (uri == nullptr || *uri == '\0') return;
+  if (const auto text = doctor::cyclonedds_configuration())
+    return doctor::check_configuration_in_force(folder, *text, settings, out);
+  out.report({.cyclonedds = Outcome::fail, .ours = Outcome::fail},
+             {.rule = Rule::DOC102,
+              .message = fmt::format("CYCLONEDDS_URI is \"{}\" and names a file that cannot be "
+                                     "read: Cyclone DDS does not start in this environment",
+                                     std::string_view(uri).substr(0, 512)),
+              .document = "CYCLONEDDS_URI",
+              .hint = "correct the variable; file:// stands before an absolute path"});
+}
+
+/// As the plugins judge it when a participant is made.
+Status enforceable(const LoadedFolder& folder, const governance::DomainRule& rule,
+                   const access_control::Options& options) {
+  DDSSEC_TRY(access_control::check_enforceable(rule, options));
+  const auto& allowed = rule.allowed_algorithms;
+  if (!allowed || !folder.certificate || !folder.identity_cas || !folder.permissions_cas) return {};
+  DDSSEC_TRY(access_control::check_identity(*allowed, *folder.certificate, *folder.identity_cas));
+  for (const auto& signer : *folder.permissions_cas)
+    DDSSEC_TRY(access_control::check_authority(*allowed, signer));
+  return {};
+}
+
+Finding finding_of(const LoadedFolder& folder, std::string message, int line) {
+  return {.rule = Rule::DOC103,
+          .message = std::move(message),
+          .document = folder.paths.governance.string(),
+          .line = line};
+}
+
+void check_participant(const LoadedFolder& folder, const governance::DomainRule& rule,
+                       bool is_in_use, doctor::Diagnosis& out) {
+  const auto number = [](const Error& error) { return static_cast<int>(error.code()); };
+  const access_control::Options embedded{.host_revises_keys = true,
+                                         .host_has_pre_shared_keys = true};
+  if (const auto status = enforceable(folder, rule, embedded); !status) {
+    auto finding = finding_of(
+        folder, fmt::format("ddssec refuses the governance document: {}", status.error().message()),
+        status.error().details().line);
+    finding.hint = status.error().hint();
+    return out.report({.ours = Outcome::fail}, std::move(finding));
+  }
+  const auto status = enforceable(folder, rule, {});
+  if (status) return;
+  auto finding = finding_of(folder,
+                            fmt::format("{} refuses the participant ({}): {}; the embedded "
+                                        "participant takes the document",
+                                        kOfHost, number(status.error()), status.error().message()),
+                            status.error().details().line);
+  if (is_in_use) return out.report({.ours = Outcome::fail}, std::move(finding));
+  finding.severity = Severity::warning;
+  finding.vendors = {"ours"};
+  out.report({}, std::move(finding));
+}
+
+void check_topics(const LoadedFolder& folder, const governance::DomainRule& rule, bool is_in_use,
+                  doctor::Diagnosis& out) {
+  for (const auto& topic : rule.topic_rules) {
+    auto finding = refused_by_drop_in(folder, rule, topic, Action::publish);
+    if (!finding) finding = refused_by_drop_in(folder, rule, topic, Action::subscribe);
+    if (!finding) continue;
+    if (is_in_use) {
+      out.report({.ours = Outcome::late}, std::move(*finding));
+      continue;
+    }
+    finding->severity = Severity::warning;
+    finding->vendors = {"ours"};
+    out.report({}, std::move(*finding));
+  }
+}
+
+void check_enforcement(const LoadedFolder& folder, const doctor::Settings& settings,
+                       doctor::Diagnosis& out) {
+  const auto* const rule =
+      folder.governance.model ? folder.governance.model->find(settings.domain) : nullptr;
+  if (rule == nullptr) return;
+  const bool is_in_use = runs_drop_in(folder);
+  if (is_in_use) out.pass(Rule::DOC103);
+  check_participant(folder, *rule, is_in_use, out);
+  check_topics(folder, *rule, is_in_use, out);
+}
+
+}  // namespace
+
+bool runs_drop_in(const LoadedFolder& folder) {
+  const auto places = doctor::LoaderPlaces::here();
+  auto configuration = doctor::cyclonedds_configuration();
+  const auto file = folder.paths.folder / "cyclonedds.xml";
+  if (!configuration && is_there(file))
+    configuration = doctor::cyclonedds_configuration(file.string());
+  auto plugins = configuration ? doctor::host_plugins(*configuration, places)
+                               : std::vector<doctor::HostPlugin>();
+  if (plugins.empty()) plugins = doctor::plugins_of_node(places);
+  return std::ranges::all_of(plugins, [](const doctor::HostPlugin& plugin) {
+    return plugin.maker == doctor::HostPlugin::Maker::ours;
+  });
+}
+
+// As plugins/cyclonedds/access_control_adapter.cpp decides it.
+std::optional<Finding> refused_by_drop_in(const LoadedFolder& folder,
+                                          const governance::DomainRule& domain,
+                                          const governance::TopicRule& rule, Action action) {
+  if (is_protected(rule.metadata_protection_kind) || is_protected(rule.data_protection_kind))
+    return std::nullopt;
+  const bool writes = action == Action::publish;
+  const bool is_controlled =
+      writes ? rule.enable_read_access_control : rule.enable_write_access_control;
+  const bool relies_on_messages = !writes && is_protected(domain.rtps_protection_kind);
+  const bool has_strangers =
+      domain.allow_unauthenticated_participants && (is_controlled || relies_on_messages);
+  if (!is_controlled && !has_strangers) return std::nullopt;
+  const auto code =
+      has_strangers ? Code::unauthenticated_peers_unstoppable : Code::controlled_topic_unguarded;
+  const auto element = has_strangers ? "allow_unauthenticated_participants"
+                       : writes      ? "enable_read_access_control"
+                                     : "enable_write_access_control";
+  return finding_of(
+      folder,
+      fmt::format("{} refuses to make a {} of topics under the topic_rule \"{}\" ({}): <{}> is "
+                  "true, and metadata_protection_kind and data_protection_kind are NONE; the "
+                  "embedded participant makes it",
+                  kOfHost, writes ? "writer" : "reader", rule.topic_expression,
+                  static_cast<int>(code), element),
+      rule.line);
+}
+
+doctor::Diagnosis diagnosis_beyond_folder(const LoadedFolder& folder,
+                                          const doctor::Settings& settings) {
+  doctor::Diagnosis out(settings.lineup);
+  check_pre_shared_keys(folder, settings, out);
+  check_key_limits(folder, settings, out);
+  check_environment(folder, settings, out);
+  check_enforcement(folder, settings, out);
+  return out;
+}
+
+doctor::Diagnosis diagnosis_of(const LoadedFolder& folder, const doctor::Settings& settings) {
+  auto out = doctor::diagnose(folder, settings);
+  out.append(diagnosis_beyond_folder(folder, settings));
+  return out;
+}
+
+}  // namespace ddssec::cli

@@ -1,0 +1,151 @@
+// Whether Cyclone DDS would start with a configuration, and secured.
+#include <array>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "governance/doctor/configuration_checks.hpp"
+#include "governance/doctor/host_plugins.hpp"
+
+namespace ddssec::governance::doctor {
+namespace {
+
+constexpr Outcomes kCycloneFails{.cyclonedds = Outcome::fail, .ours = Outcome::fail};
+
+/// What Cyclone DDS 0.10.2 asks of a plugin's element.
+struct Expected {
+  std::string_view element;
+  std::optional<ConfiguredPlugin> EffectiveSecurity::*plugin;
+  std::string_view stock;  ///< the plugin's library, which is the default
+  std::string_view ours;   ///< the same of ddssec under its own name
+  std::string_view init;
+  std::string_view finalize;
+  /// As people write them; the reader has them in lower case.
+  std::array<std::string_view, 3> values;
+};
+constexpr Expected kExpected[] = {
+    {"Authentication",
+     &EffectiveSecurity::authentication,
+     "dds_security_auth",
+     "ddssec_authentication",
+     "init_authentication",
+     "finalize_authentication",
+     {"IdentityCA", "IdentityCertificate", "PrivateKey"}},
+    {"Cryptographic",
+     &EffectiveSecurity::cryptographic,
+     "dds_security_crypto",
+     "ddssec_cryptography",
+     "init_crypto",
+     "finalize_crypto",
+     {}},
+    {"AccessControl",
+     &EffectiveSecurity::access_control,
+     "dds_security_ac",
+     "ddssec_access_control",
+     "init_access_control",
+     "finalize_access_control",
+     {"PermissionsCA", "Governance", "Permissions"}},
+};
+
+class Checks {
+ public:
+  Checks(const ConfigurationInQuestion& question, Diagnosis& out)
+      : question_(question), security_(question.security), out_(out) {}
+
+  void run() {
+    out_.pass(Rule::DOC101);
+    out_.pass(Rule::DOC102);
+    for (const auto& problem : security_.problems)
+      refuse(problem.line, fmt::format("{}, so that Cyclone DDS does not start", problem.text));
+    if (!security_.problems.empty()) return;
+    if (!security_.is_there) return check_absence();
+    if (!security_.authentication)
+      return refuse(0, "has no <Authentication>, so that Cyclone DDS does not start");
+    if (!security_.access_control) report_no_access_control();
+    for (const auto& expected : kExpected)
+      if (const auto& plugin = security_.*expected.plugin) {
+        check_library(expected, *plugin);
+        check_values(expected, *plugin);
+      }
+  }
+
+ private:
+  void report(Rule rule, int line, std::string_view what, std::string hint = {}) {
+    out_.report(kCycloneFails, {.rule = rule,
+                                .message = fmt::format("{} {}", question_.name, what),
+                                .document = question_.document,
+                                .line = line,
+                                .hint = std::move(hint)});
+  }
+  void refuse(int line, std::string_view what) { report(Rule::DOC102, line, what); }
+
+  void check_absence() {
+    if (security_.other_domain.empty())
+      return report(Rule::DOC101, 0,
+                    fmt::format("has no <Security> for domain {}: a Cyclone DDS process that "
+                                "starts with it runs without security, and reads nothing of {}",
+                                question_.domain, question_.folder.paths.folder.string()));
+    report(Rule::DOC101, 0,
+           fmt::format("has <Security> for domain {} only: in domain {}, which was judged, a "
+                       "Cyclone DDS process that starts with it runs without security",
+                       security_.other_domain, question_.domain),
+           fmt::format("write <Domain Id=\"any\"> or <Domain Id=\"{}\">; --domain N judges another "
+                       "domain",
+                       question_.domain));
+  }
+
+  void report_no_access_control() {
+    const auto& paths = question_.folder.paths;
+    refuse(0, fmt::format("has no <AccessControl>: Cyclone DDS's own plugins start without {} and "
+                          "{}, which were judged, and ddssec's do not start",
+                          paths.governance.filename().string(),
+                          paths.permissions.filename().string()));
+  }
+
+  void check_library(const Expected& expected, const ConfiguredPlugin& plugin) {
+    const auto* path = plugin.attribute("path");
+    const bool is_known =
+        path == nullptr || path->text == expected.stock || path->text == expected.ours;
+    if (!is_known && !path->text.contains('$') &&
+        library_file(path->text, LoaderPlaces::here()).empty())
+      return refuse(path->line,
+                    fmt::format("names the library \"{}\" in <{}>, which is not found; that of "
+                                "Cyclone DDS and of ddssec's drop-in is \"{}\"",
+                                path->text, expected.element, expected.stock));
+    if (!is_known) return;
+    check_function(expected, plugin.attribute("initfunction"), "initFunction", expected.init);
+    check_function(expected, plugin.attribute("finalizefunction"), "finalizeFunction",
+                   expected.finalize);
+  }
+
+  void check_function(const Expected& expected, const ConfiguredText* named,
+                      std::string_view attribute, std::string_view function) {
+    if (named != nullptr && named->text != function)
+      refuse(named->line,
+             fmt::format("has {}=\"{}\" in <{}>, and the library's function is \"{}\": "
+                         "Cyclone DDS does not start",
+                         attribute, named->text, expected.element, function));
+  }
+
+  void check_values(const Expected& expected, const ConfiguredPlugin& plugin) {
+    for (const auto name : expected.values) {
+      if (name.empty()) continue;
+      const auto* value = plugin.value(ascii_lower(name));
+      if (value == nullptr || value->text.empty())
+        refuse(value == nullptr ? 0 : value->line,
+               fmt::format("names no <{}>, so that Cyclone DDS does not start", name));
+    }
+  }
+
+  const ConfigurationInQuestion& question_;
+  const EffectiveSecurity& security_;
+  Diagnosis& out_;
+};
+
+}  // namespace
+
+void check_effective_security(const ConfigurationInQuestion& question, Diagnosis& out) {
+  Checks(question, out).run();
+}
+
+}  // namespace ddssec::governance::doctor

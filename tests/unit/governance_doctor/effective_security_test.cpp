@@ -1,0 +1,136 @@
+// Every row was measured with Cyclone DDS 0.10.2: ddsperf -i 0 with the configuration in
+// CYCLONEDDS_URI, and whether it starts and loads the security plugins.
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "governance/doctor/effective_security.hpp"
+
+namespace ddssec::governance::doctor {
+namespace {
+
+using Place = ConfigurationPlace;
+
+constexpr const char* kAuthentication =
+    "<Authentication><Library path=\"dds_security_auth\" initFunction=\"init_authentication\" "
+    "finalizeFunction=\"finalize_authentication\"/><IdentityCA>file:/a/ca</IdentityCA>"
+    "<IdentityCertificate>file:/a/cert</IdentityCertificate><PrivateKey>file:/a/key</PrivateKey>"
+    "</Authentication>";
+constexpr const char* kAccessControl =
+    "<AccessControl><PermissionsCA>file:/a/pca</PermissionsCA><Governance>file:/a/g</Governance>"
+    "<Permissions>file:/a/p</Permissions></AccessControl>";
+
+std::string security() {
+  return std::string("<Security>") + kAuthentication + "<Cryptographic/>" + kAccessControl +
+         "</Security>";
+}
+std::string domain(const std::string& inside, const std::string& attributes = "") {
+  return "<Domain" + attributes + ">" + inside + "</Domain>";
+}
+std::string document(const std::string& inside) {
+  return "<CycloneDDS>" + inside + "</CycloneDDS>";
+}
+std::string replaced(const std::string& from, const std::string& to) {
+  auto text = document(domain(security()));
+  const auto at = text.find(from);
+  EXPECT_NE(at, text.npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+TEST(EffectiveSecurity, Complete_IsReadWithAllValues) {
+  const auto read = effective_security(document(domain(security())), 0, Place::file);
+  EXPECT_TRUE(read.problems.empty());
+  ASSERT_TRUE(read.is_there && read.authentication && read.cryptographic && read.access_control);
+  EXPECT_EQ(read.authentication->attribute("initfunction")->text, "init_authentication");
+  EXPECT_EQ(read.authentication->value("privatekey")->text, "file:/a/key");
+  EXPECT_EQ(read.access_control->value("governance")->text, "file:/a/g");
+  EXPECT_EQ(read.access_control->value("crl"), nullptr);
+}
+
+struct Row {
+  std::string name, text;
+  bool is_there;
+  Place place = Place::file;
+};
+
+class Started : public testing::TestWithParam<Row> {};
+TEST_P(Started, IsSecuredAsMeasured) {
+  const auto read = effective_security(GetParam().text, 0, GetParam().place);
+  for (const auto& problem : read.problems) ADD_FAILURE() << problem.line << ' ' << problem.text;
+  EXPECT_EQ(read.is_there, GetParam().is_there);
+}
+INSTANTIATE_TEST_SUITE_P(
+    Table, Started,
+    testing::Values(
+        Row{"any", document(domain(security(), " Id=\"any\"")), true},
+        Row{"AnyInCapitals", document(domain(security(), " id='ANY'")), true},
+        Row{"Zeros", document(domain(security(), " Id=\" 00\"")), true},
+        Row{"OtherDomain", document(domain(security(), " Id=\"1\"")), false},
+        Row{"OtherDomainFirst", document(domain("", " Id=\"1\"") + domain(security())), true},
+        Row{"OtherDomainHasIt", document(domain(security(), " Id=\"1\"") + domain("")), false},
+        Row{"NoSecurity", document(domain("")), false}, Row{"Empty", "", false},
+        Row{"Commented", document(domain("<!--" + security() + "-->")), false},
+        Row{"SmallLetters", "<cyclonedds><domain><security/></domain></cyclonedds>", true},
+        Row{"OtherName", document(domain("<DDSSecurity>" + std::string(kAuthentication) +
+                                         "</DDSSecurity>")),
+            true},
+        Row{"Declaration", "<?xml version=\"1.0\"?>\n<!DOCTYPE x>" + document(domain(security())),
+            true},
+        Row{"Attributes", "<CycloneDDS xmlns=\"https://cdds.io/config\">" + domain(security()) +
+                              "</CycloneDDS>",
+            true},
+        Row{"InlineDomain", domain(security()), true, Place::variable},
+        Row{"InlineSecurity", security(), true, Place::variable},
+        Row{"InlineAnonymousEnds", "<CycloneDDS><Domain><Security><Cryptographic></></></></>",
+            true, Place::variable},
+        Row{"InlineWithoutEnds", "<CycloneDDS><Domain>" + security(), true, Place::variable},
+        Row{"InlineTwo", "<Tracing><Verbosity>none</></>" + document(domain(security())), true,
+            Place::variable},
+        Row{"InlineOther", "<Tracing><Verbosity>none</>", false, Place::variable}),
+    [](const auto& row) { return row.param.name; });
+
+class NotStarted : public testing::TestWithParam<Row> {};
+TEST_P(NotStarted, HasAProblem) {
+  EXPECT_FALSE(effective_security(GetParam().text, 0, GetParam().place).problems.empty());
+}
+INSTANTIATE_TEST_SUITE_P(
+    Table, NotStarted,
+    testing::Values(Row{"WordAsId", document(domain(security(), " Id=\"x\"")), false},
+                    Row{"HexadecimalId", document(domain(security(), " Id=\"0x0\"")), false},
+                    Row{"OtherRoot", "<CycloneDDSX>" + domain(security()) + "</CycloneDDSX>", false},
+                    Row{"UnknownElement", replaced("<IdentityCA>", "<Foo/><IdentityCA>"), false},
+                    Row{"UnknownAttribute", replaced("<Security>", "<Security a=\"1\">"), false},
+                    Row{"UnknownOfLibrary", replaced("path=", "pahth="), false},
+                    Row{"Twice", replaced("<Governance>", "<Governance>x</Governance><Governance>"),
+                        false},
+                    Row{"Text", replaced("<Security>", "<Security>text"), false},
+                    Row{"WrongEnd", replaced("</Governance>", "</Governanc>"), false},
+                    Row{"AnonymousEndInFile", replaced("</Governance>", "</>"), false},
+                    Row{"CutOff", document(domain(security())).substr(0, 300), false},
+                    Row{"CommentWithoutEnd", replaced("<Security>", "<!--<Security>"), false}),
+    [](const auto& row) { return row.param.name; });
+
+TEST(EffectiveSecurity, OtherDomain_IsNamed) {
+  const auto text = document(domain(security(), " Id=\"7\""));
+  EXPECT_EQ(effective_security(text, 0, Place::file).other_domain, "7");
+  EXPECT_TRUE(effective_security(text, 7, Place::file).is_there);
+}
+
+TEST(EffectiveSecurity, ValueInPieces_IsJoinedAsCycloneDdsDoes) {
+  for (const auto* value : {" file:/a/g\n", "fi<!-- x -->le:/a/g", "<![CDATA[file:/a/g]]>",
+                            "file:/&#97;/&#x67;"}) {
+    const auto read = effective_security(replaced("file:/a/g", value), 0, Place::file);
+    ASSERT_TRUE(read.access_control) << value;
+    EXPECT_EQ(read.access_control->value("governance")->text, "file:/a/g");
+  }
+}
+
+// Truncation at every octet.
+TEST(EffectiveSecurity, CutAnywhere_IsNotSecuredWithoutAProblem) {
+  const auto text = document(domain(security()));
+  for (std::size_t size = 1; size < text.size(); ++size)
+    EXPECT_FALSE(effective_security(text.substr(0, size), 0, Place::file).problems.empty()) << size;
+}
+
+}  // namespace
+}  // namespace ddssec::governance::doctor
