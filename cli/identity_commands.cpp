@@ -10,6 +10,7 @@
 #include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/participant.hpp"
+#include "cli/subject_overlap.hpp"
 #include "cli/transaction.hpp"
 #include "governance/doctor/meeting.hpp"
 #include "pki/source.hpp"
@@ -86,6 +87,7 @@ Status confirm_request(const pki::RequestContent& content, const Arguments& argu
 Status check_subject_free(const pki::Certificate& certificate, const pki::IssueLog& log,
                           const Arguments& arguments, WallTime now) {
   if (arguments.has("--another-key")) return {};
+  DDSSEC_TRY(SubjectsInUse(log, {}, now).check(certificate.subject()));
   const auto key = pki::key_digest(certificate);
   const auto wanted = pki::SubjectName::of(certificate).key();
   for (const auto& issued : log.issued()) {
@@ -180,7 +182,8 @@ std::vector<Command> identity_commands() {
                        {"-o", "FILE", "the certificate, if not cert.pem beside the request"},
                        {"--yes", "", "do not ask whether subject and key are right"},
                        {"--another-key", "",
-                        "also if the subject has a valid certificate for another key"},
+                        "also if the subject, or one with a part of its attributes, has a valid "
+                        "certificate for another key"},
                        days("365"),
                        kClampToCa,
                        kPassphraseFile,

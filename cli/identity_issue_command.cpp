@@ -19,6 +19,7 @@
 #include "cli/revocation_lists.hpp"
 #include "cli/signed_documents.hpp"
 #include "cli/snippets.hpp"
+#include "cli/subject_overlap.hpp"
 #include "cli/transaction.hpp"
 #include "pki/source.hpp"
 #include "pki/subject_name.hpp"
@@ -107,6 +108,8 @@ Status log_all(const Cas& cas, std::string_view issued, std::string_view signed_
 
 // The same for one participant.
 Status log_one(const Cas& cas, const NewParticipant& made, const fs::path& folder, WallTime now) {
+  const auto log = DDSSEC_TRY(read_issue_log(cas.identity.paths));
+  DDSSEC_TRY(SubjectsInUse(log, folder, now).check(made.self.certificate.subject()));
   return log_all(cas, log_line(made, folder, now),
                  cas.permissions ? signed_line(made, *cas.permissions, folder, now) : "");
 }
@@ -162,6 +165,7 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
   std::string lines;
   std::string signed_lines;
   Subjects subjects(from);
+  SubjectsInUse in_use(DDSSEC_TRY(read_issue_log(cas.identity.paths)), {}, now);
   Progress progress("participants", specs.size());
   for (auto& spec : specs) {
     const auto made = DDSSEC_TRY(make(spec, cas, arguments, context, from));
@@ -172,6 +176,8 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
       signed_lines += signed_line(made, *cas.permissions, target / spec.name, now);
     const auto& certificate = made.self.certificate;
     subjects.add(spec.name, certificate, report);
+    DDSSEC_TRY(named(in_use.check(certificate.subject()), from));
+    in_use.add(certificate.subject(), spec.name);
     report.text += fmt::format("{}  {}  expires {}\n", (target / spec.name).string(),
                                certificate.subject(), date(certificate.not_after()));
     Json row = {{"name", spec.name}, {"dir", (target / spec.name).string()}};

@@ -151,6 +151,28 @@ void check_local_time(const Scene& scene, const Grant& grant) {
            .line = grant.line});
 }
 
+// Cyclone DDS takes the first grant that has all attributes of the certificate.
+void check_cyclones_grant(const Scene& scene, const std::vector<Candidate>& all) {
+  const auto taken = std::ranges::find_if(
+      all, [](const Candidate& one) { return one.subject.cyclonedds != Outcome::fail; });
+  const bool has_own = std::ranges::any_of(
+      all, [](const Candidate& one) { return one.subject.ours == Outcome::ok; });
+  if (!has_own || taken == all.end() || taken->subject.cyclonedds != Outcome::unsafe) return;
+  scene.out.report({.cyclonedds = Outcome::unsafe},
+                   {.rule = Rule::DOC043,
+                    .message = fmt::format(
+                        "the grant for \"{}\" stands first: {} takes it for \"{}\", whose "
+                        "attributes are among its own, and not the grant for that subject",
+                        taken->grant->subject_name.substr(0, 256),
+                        name(Vendor::cyclonedds, scene.settings.lineup),
+                        scene.folder.certificate->subject()),
+                    .document = scene.file(),
+                    .line = taken->grant->line,
+                    .hint = "put the grants into documents of their own, or let no subject's "
+                            "attributes be a part of another's",
+                    .severity = Severity::error});
+}
+
 void check_second_grant(const Scene& scene, const std::vector<Candidate>& all) {
   if (all.size() < 2) return scene.out.pass(Rule::DOC043);
   scene.out.report({},
@@ -359,6 +381,7 @@ void check_permissions(const Scene& scene, const DomainRule* governance) {
   check_form(scene, all);
   check_grant_dates(scene, all);
   check_second_grant(scene, all);
+  check_cyclones_grant(scene, all);
   const auto* grant = grant_of(scene.folder, scene.settings.now);
   if (grant == nullptr) grant = all.front().grant;
   check_local_time(scene, *grant);

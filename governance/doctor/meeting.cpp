@@ -159,7 +159,7 @@ bool reads_remote_subject(const Grant& grant, const pki::Certificate& certificat
     return true;
   if (judge.vendor == Vendor::ours) return is_for(grant, pki::SubjectName::of(certificate));
   const auto outcomes = reads_subject(grant.subject_name, certificate, judge.lineup);
-  return outcomes.of(judge.vendor) == Outcome::ok;
+  return outcomes.of(judge.vendor) != Outcome::fail;
 }
 
 Status judge_permissions_of(const Party& judge, const Party& subject, WallTime now) {
@@ -183,6 +183,25 @@ Status judge_permissions_of(const Party& judge, const Party& subject, WallTime n
               {.expected = certificate.subject(), .found = (*found)->subject_name});
 }
 
+// Where this product refuses a grant of another subject, Cyclone DDS may take it.
+void note_taken_by_cyclonedds(const MeetingScene& scene, int judge, const Error& error) {
+  const auto& subject = scene.party(1 - judge).folder;
+  if (error.code() != Code::no_grant_for_subject || !subject.permissions.model) return;
+  for (const auto& grant : subject.permissions.model->grants) {
+    if (!cyclonedds_takes(grant.subject_name, subject.certificate->subject())) continue;
+    scene.out.notes.push_back(
+        {.rule = Rule::DOC011,
+         .message = fmt::format("{} on Cyclone DDS's own plugins would accept the grant for \"{}\" "
+                                "from \"{}\": these compare the certificate's attributes only",
+                                scene.party(judge).name, grant.subject_name.substr(0, 256),
+                                subject.certificate->subject()),
+         .document = subject.paths.permissions.string(),
+         .line = grant.line,
+         .severity = Severity::warning});
+    return;
+  }
+}
+
 void judge_permissions(const MeetingScene& scene, int judge) {
   const auto& self = scene.party(judge);
   const auto& other = scene.party(1 - judge);
@@ -193,6 +212,8 @@ void judge_permissions(const MeetingScene& scene, int judge) {
     out.reason = status.error().message();
     out.line = status.error().details().line;
     constexpr auto kForeign = Code::smime_signer_not_permissions_ca;
+    if (other.folder.certificate && self.vendor != Vendor::cyclonedds)
+      note_taken_by_cyclonedds(scene, judge, status.error());
     if (other.folder.permissions.readable && other.folder.certificate &&
         self.folder.permissions_cas)
       add_finding(

@@ -26,13 +26,22 @@ std::vector<std::string> split(std::string_view text, char separator) {
   return parts;
 }
 
-bool cyclonedds_reads(std::string_view text, const std::string& subject) {
-  const bool slashes = text.starts_with('/');
-  auto said = split(slashes ? text.substr(1) : text, slashes ? '/' : ',');
-  auto meant = split(subject, ',');
-  std::ranges::sort(said);
-  std::ranges::sort(meant);
-  return said == meant;
+std::string_view type_of(std::string_view piece) { return piece.substr(0, piece.find('=')); }
+
+bool has_same_attributes(std::string_view text, const pki::Certificate& certificate) {
+  const auto sorted = [](std::vector<pki::NameAttribute> attributes) {
+    std::ranges::sort(attributes);
+    return attributes;
+  };
+  const auto name = pki::SubjectName::parse(text);
+  return name &&
+         sorted(name->attributes()) == sorted(pki::SubjectName::of(certificate).attributes());
+}
+
+// A grant that says something else than the certificate is taken, and ought not to be.
+Outcome cyclonedds_outcome(std::string_view text, const pki::Certificate& certificate) {
+  if (!cyclonedds_takes(text, certificate.subject())) return Outcome::fail;
+  return has_same_attributes(text, certificate) ? Outcome::ok : Outcome::unsafe;
 }
 
 bool fastdds_reads(std::string_view text, const std::string& subject) {
@@ -64,13 +73,34 @@ Outcome outcome(bool reads) { return reads ? Outcome::ok : Outcome::fail; }
 
 }  // namespace
 
+// As strtok does: no escapes, and nothing between two separators.
+std::vector<std::string_view> pieces_for_cyclonedds(std::string_view text) {
+  constexpr std::string_view kSeparators = ",/|";
+  std::vector<std::string_view> out;
+  while (!text.empty()) {
+    const auto end = std::min(text.find_first_of(kSeparators), text.size());
+    if (end > 0) out.push_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return out;
+}
+
+// Of several pieces of one type the first counts.
+bool cyclonedds_takes(std::string_view grant, std::string_view certificate) {
+  const auto said = pieces_for_cyclonedds(grant);
+  return std::ranges::all_of(pieces_for_cyclonedds(certificate), [&](std::string_view piece) {
+    const auto found = std::ranges::find(said, type_of(piece), type_of);
+    return found != said.end() && *found == piece;
+  });
+}
+
 Outcomes reads_subject(std::string_view text, const pki::Certificate& certificate,
                        const Lineup& lineup) {
   const bool any_order = measured(Variant::subject_mixed_order, lineup).fastdds == Outcome::ok;
   const auto fastdds = any_order ? newer_fastdds_reads : fastdds_reads;
   const auto name = pki::SubjectName::parse(text);
   const auto subject = trimmed(text, kBlanksOfNames);
-  return {.cyclonedds = outcome(cyclonedds_reads(subject, certificate.subject())),
+  return {.cyclonedds = cyclonedds_outcome(subject, certificate),
           .fastdds = outcome(fastdds(subject, certificate.subject())),
           .ours = outcome(name && name->matches(certificate))};
 }

@@ -27,6 +27,27 @@ class Requests(Transcript):
     def test_nor_none(self):
         self.refused("subject_name_malformed", 2, *self.request("/"), "--yes")
 
+    # Measured: Cyclone DDS's own plugins give O=acme the permissions of O=acme,CN=talker, and /a those of /a/b.
+    def test_no_part_of_another_subject(self):
+        for subject, other in (("/O=acme/CN=talker", "/O=acme"), ("/CN=one", "/CN=one/OU=x"), ("/CN=\\/a\\/b", "/CN=\\/a")):
+            (self.at / "cert.pem").unlink(missing_ok=True)
+            self.run_program(*self.request(subject), "--yes")
+            (self.at / "cert.pem").unlink()
+            told = self.refused("subject_taken", 4, *self.request(other), "--yes")
+            self.assertIn("compare the certificate's attributes only", told["message"])
+            self.run_program(*self.request(other), "--yes", "--another-key")
+        (self.at / "cert.pem").unlink()
+        self.run_program(*self.request("/O=acme/CN=listener"), "--yes")  # one attribute in common is no matter
+
+    def test_nor_for_a_participant_that_is_issued(self):
+        issue = ("identity", "issue", "x", "--ca", "demo", *NOW)
+        self.refused("subject_taken", 4, *issue, "-o", "x", "--subject", "CN=talker,O=acme")
+        self.run_program(*issue, "-o", "x", "--subject", "CN=x,O=acme")
+        self.run_program(*issue, "-o", "x", "--subject", "CN=x", "--replace")  # its own one does not count
+        self.refused("subject_taken", 4, *issue, "-o", "y", "--subject", "CN=x,O=other")
+        (self.at / "fleet.toml").write_text('[[participant]]\nname = "a"\n[[participant]]\nname = "b"\nsubject = "CN=a,O=b"\n')
+        self.refused("subject_taken", 4, "identity", "issue", "--from", "fleet.toml", "--ca", "demo", "-o", "fleet", *NOW)
+
     def test_an_answer_that_is_not_yes_is_called_so(self):
         words = self.request("/CN=device")
         for answer, exit in ((b"n\n", 4), (b"\n", 4), (b"y\n", 0)):

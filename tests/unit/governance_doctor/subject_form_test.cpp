@@ -7,6 +7,7 @@ namespace {
 
 constexpr auto kOk = Outcome::ok;
 constexpr auto kFail = Outcome::fail;
+constexpr auto kUnsafe = Outcome::unsafe;
 
 struct Row {
   std::string_view text;
@@ -28,12 +29,29 @@ TEST(SubjectForm, EachProductReadsSomeOfThem) {
            Row{"C = DE, O = Acme, CN = pub", {kFail, kFail, kOk}},
            Row{"cn=pub,o=Acme,c=DE", {kFail, kFail, kOk}},
            Row{"CN=pub", {kFail, kFail, kFail}},
-           Row{"CN=pub,O=Acme,C=DE,L=Bonn", {kFail, kFail, kFail}},
+           Row{"CN=pub,O=Acme,C=DE,L=Bonn", {kUnsafe, kFail, kFail}},
+           Row{"L=Bonn|CN=pub|O=Acme|C=DE", {kUnsafe, kFail, kFail}},
+           Row{"CN=pub,CN=other,O=Acme,C=DE", {kUnsafe, kFail, kFail}},
+           Row{"CN=other,CN=pub,O=Acme,C=DE", {kFail, kFail, kFail}},
+           Row{"CN=pub,O=Acme,C=DE, L=Bonn", {kUnsafe, kFail, kFail}},
            Row{"CN=Pub,O=Acme,C=DE", {kFail, kFail, kFail}},
            Row{"", {kFail, kFail, kFail}},
            Row{"no name at all", {kFail, kFail, kFail}},
        })
     EXPECT_EQ(reads_subject(text, leaf.certificate), outcomes) << text;
+}
+
+// Measured with Cyclone DDS 0.10.2: a '/' separates within names, too.
+TEST(SubjectForm, CycloneDdsTakesAGrantWithMoreThanTheCertificate) {
+  EXPECT_TRUE(cyclonedds_takes("CN=/a", "CN=/a"));
+  EXPECT_TRUE(cyclonedds_takes("CN=/a/b", "CN=/a"));
+  EXPECT_TRUE(cyclonedds_takes("CN=/b/a", "CN=/a/b"));
+  EXPECT_TRUE(cyclonedds_takes("X,CN=talker", "CN=talker"));
+  EXPECT_TRUE(cyclonedds_takes(",CN=talker,,", "CN=talker"));
+  EXPECT_FALSE(cyclonedds_takes("CN=/a", "CN=/a/b"));
+  EXPECT_FALSE(cyclonedds_takes("CN=/c/b", "CN=/a/b"));
+  EXPECT_FALSE(cyclonedds_takes("CN=q,O=x/z", "CN=q,O=x/y"));
+  EXPECT_FALSE(cyclonedds_takes("CN=talker", "CN=talker,O=acme"));
 }
 
 TEST(SubjectForm, LaterFastDdsReadsPartsInAnyOrderAndBlanks) {

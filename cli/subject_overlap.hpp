@@ -1,0 +1,40 @@
+// Subjects that Cyclone DDS's own plugins do not tell apart.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "pki/certificate.hpp"
+#include "pki/issue_log.hpp"
+
+namespace ddssec::cli {
+
+/// The subjects of valid certificates. Cyclone DDS's own plugins give a certificate the permissions
+/// of every subject that has all of its attributes.
+class SubjectsInUse {
+ public:
+  /// Of a CA's log; certificates for `folder`, which is getting another one, are left out.
+  SubjectsInUse(const pki::IssueLog& log, const std::filesystem::path& folder, WallTime now);
+
+  /// `where`: as a sentence names the certificate.
+  void add(const std::string& subject, std::string where);
+  /// Success unless a subject with another name is in use that has all attributes of this one, or
+  /// the other way round. Error: subject_taken.
+  Status check(const std::string& subject) const;
+
+ private:
+  struct Entry {
+    std::string subject;
+    std::string where;
+  };
+  Status check(const std::string& subject, const std::vector<std::size_t>& entries) const;
+
+  std::vector<Entry> entries_;
+  /// Which entries have the piece, and which begin with it.
+  std::unordered_map<std::string, std::vector<std::size_t>> having_, beginning_;
+};
+
+}  // namespace ddssec::cli
