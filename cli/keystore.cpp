@@ -145,13 +145,14 @@ class EnclaveSearch {
     look_into(root_, 0);
     std::ranges::sort(out_.names);
     std::ranges::sort(out_.without_key);
+    std::ranges::sort(out_.empty);
     return std::move(out_);
   }
 
  private:
   /// What one folder holds.
   struct Content {
-    bool has_key = false, has_other_file = false;
+    bool has_key = false, has_other_file = false, is_empty = true;
     std::vector<fs::path> folders = {}, links = {};
   };
 
@@ -162,6 +163,7 @@ class EnclaveSearch {
     // Another user may remove its folder at any time.
     if (error && error != std::errc::no_such_file_or_directory) leave_out(folder, error.message());
     if (content.has_key || content.has_other_file) add(folder, content.has_key);
+    if (content.is_empty && !error && depth > 0) out_.empty.push_back(name_of(folder));
     for (const auto& link : content.links) leave_out(link, "a link to a folder is not followed");
     if (depth == kDeepestEnclave && !content.folders.empty())
       return leave_out(folder, fmt::format("there are folders deeper than {}", kDeepestEnclave));
@@ -176,6 +178,7 @@ class EnclaveSearch {
     for (; !error && at != fs::directory_iterator(); at.increment(error)) {
       const auto name = at->path().filename().string();
       std::error_code ignored;
+      out.is_empty = false;
       // No enclave begins with a dot; what a killed command was making does.
       if (name.starts_with('.')) continue;
       if (name == "key.pem" || name == "key.p11") out.has_key = true;
@@ -186,9 +189,13 @@ class EnclaveSearch {
     return out;
   }
 
-  void add(const fs::path& folder, bool has_key) {
+  std::string name_of(const fs::path& folder) const {
     const auto below = folder.lexically_relative(root_).generic_string();
-    const auto name = below == "." ? "/" : "/" + below;
+    return below == "." ? "/" : "/" + below;
+  }
+
+  void add(const fs::path& folder, bool has_key) {
+    const auto name = name_of(folder);
     out_.names.push_back(name);
     if (!has_key) out_.without_key.push_back(name);
     if (out_.names.size() == kMostEnclaves)

@@ -50,6 +50,7 @@ Status check_enclave_in(const std::filesystem::path& keystore, std::string_view 
 struct Enclaves {
   std::vector<std::string> names;        ///< sorted
   std::vector<std::string> without_key;  ///< those of `names` whose key is elsewhere, or lost
+  std::vector<std::string> empty = {};   ///< sorted; folders that hold nothing at all
   std::vector<Error> unseen = {};        ///< keystore_unseen: folders that were not searched
 };
 

@@ -76,6 +76,61 @@ void check_belongs(const fs::path& keystore, const doctor::LoadedFolder& enclave
     differs(enclave.paths.governance, governance);
 }
 
+void refuse(Rule rule, const fs::path& file, std::string message, Report& report) {
+  report.exit = Exit::no;
+  report.findings.push_back({.rule = rule,
+                             .message = std::move(message),
+                             .document = file.string(),
+                             .severity = Severity::error});
+}
+
+// Everybody gets what lies in public/.
+void check_no_key_in_public(const fs::path& keystore, Report& report) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(keystore / "public", error)) {
+    const auto octets = read_file(entry.path(), pki::kMostCertificateOctets);
+    if (octets && as_text(*octets).contains("PRIVATE KEY-----"))
+      refuse(Rule::DOC004, entry.path(),
+             fmt::format("{} holds a private key, and public/ is for everybody",
+                         entry.path().string()),
+             report);
+  }
+}
+
+// The folders of enclaves are looked at with the rest of them.
+void check_folder_modes(const fs::path& keystore, Report& report) {
+  for (const auto* name : {"", "private", "public", "enclaves"}) {
+    const auto folder = *name == '\0' ? keystore : keystore / name;
+    struct stat status {};
+    if (::stat(folder.c_str(), &status) == 0 && (status.st_mode & S_IWOTH) != 0)
+      refuse(Rule::DOC104, folder,
+             fmt::format("{} can be written by every user of this machine (mode {:03o})",
+                         folder.string(), status.st_mode & 0777U),
+             report);
+  }
+}
+
+void add_empty(const fs::path& keystore, const Enclaves& enclaves, Report& report) {
+  for (const auto& name : enclaves.empty) {
+    const auto folder = keystore / enclave_folder(name);
+    report.findings.push_back({.rule = Rule::DOC105,
+                               .message = fmt::format("{} is empty", folder.string()),
+                               .document = folder.string()});
+  }
+}
+
+// A copy of the enclave for its device would carry the CA's key along.
+void add_findings_of(const doctor::Diagnosis& diagnosis, Report& report) {
+  for (const auto& check : diagnosis.checks())
+    for (auto finding : check.findings) {
+      if (finding.rule == Rule::DOC004) {
+        finding.severity = Severity::error;
+        report.exit = Exit::no;
+      }
+      report.findings.push_back(std::move(finding));
+    }
+}
+
 }  // namespace
 
 Result<Report> keystore_verify(const Arguments& arguments, const Context& context) {
@@ -91,6 +146,9 @@ Result<Report> keystore_verify(const Arguments& arguments, const Context& contex
     if (key.parent_path() == keystore / "private")  // an enclave's own key is DOC003
       report.errors.emplace_back(Code::key_readable_by_others, ErrorDetails{.document = key});
   }
+  check_no_key_in_public(keystore, report);
+  check_folder_modes(keystore, report);
+  add_empty(keystore, enclaves, report);
   Report domains;
   const auto lineup = installed_lineup();
   for (const auto& name : enclaves.names) {
@@ -109,8 +167,7 @@ Result<Report> keystore_verify(const Arguments& arguments, const Context& contex
       verdicts[doctor::id(vendor, lineup)] = to_string(outcome);
       words += fmt::format("  {}: {}", doctor::label(vendor, lineup), to_string(outcome));
     }
-    for (const auto& check : diagnosis.checks())
-      report.findings.insert(report.findings.end(), check.findings.begin(), check.findings.end());
+    add_findings_of(diagnosis, report);
     check_belongs(keystore, loaded, name, report);
     report.text += fmt::format("{:<30}  domain {}{}\n", name, domain, words);
     report.result["enclaves"].push_back(

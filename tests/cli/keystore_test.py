@@ -114,6 +114,33 @@ class Keystore(Transcript):
         self.json("can", TALKER, "publish", "rt/chatter", "--domain", "3", *NOW)
         self.json("can", TALKER, "subscribe", "rt/chatter", "--domain", "3", *NOW, exit=1)
 
+    def test_verify_refuses_what_gives_the_keystore_away(self):
+        self.create()
+        self.json("keystore", "enclave", "ks", "/a", "--allow-all", *NOW)
+        self.json("keystore", "verify", "ks", *NOW)
+        def told(rule):
+            out = self.json("keystore", "verify", "ks", *NOW, exit=1)["diagnostics"]
+            return [one["message"] for one in out if one["id"] == rule and one["severity"] == "error"]
+        key = self.at / "ks/private/identity_ca.key.pem"
+        for place in ("enclaves/a", "public"):
+            copy = self.at / "ks" / place / "copied.key.pem"
+            shutil.copy(key, copy)
+            self.assertIn("copied.key.pem holds the private key" if place != "public" else "holds a private key", told("DOC004")[0])
+            copy.unlink()
+        for place in ("enclaves/a", "private", "public", "enclaves", ""):
+            folder = self.at / "ks" / place
+            mode = folder.stat().st_mode
+            folder.chmod(0o777)
+            self.assertIn("every user of this machine (mode 777)", told("DOC104")[0])
+            folder.chmod(mode)
+        self.json("keystore", "verify", "ks", *NOW)
+
+    def test_verify_names_an_empty_enclave(self):
+        self.create()
+        (self.at / "ks/enclaves/b/c").mkdir(parents=True)
+        out = self.json("keystore", "verify", "ks", *NOW)["diagnostics"]
+        self.assertEqual([(one["id"], one["message"]) for one in out], [("DOC105", "ks/enclaves/b/c is empty")])
+
     def test_verify_takes_the_domain_of_the_documents(self):
         self.create("--domain", "3")
         for name in ("/a", "/b"):
