@@ -72,9 +72,10 @@ void check_participant(const LoadedFolder& folder, const governance::DomainRule&
   const auto status = enforceable(folder, rule, {});
   if (status) return;
   auto finding = finding_of(folder,
-                            fmt::format("{} refuses the participant ({}): {}; the embedded "
+                            fmt::format("{} refuses the participant ({}) for {}: {}; the embedded "
                                         "participant takes the document",
-                                        kOfHost, number(status.error()), status.error().message()),
+                                        kOfHost, number(status.error()),
+                                        status.error().details().field, status.error().message()),
                             status.error().details().line);
   if (is_in_use) return out.report({.ours = Outcome::fail}, std::move(finding));
   finding.severity = Severity::warning;

@@ -108,7 +108,8 @@ void compare(const doctor::Party& a, const doctor::Party& b, DomainId domain,
 // below.
 void refuse_beyond_folder(const doctor::Party& party, const doctor::Settings& settings,
                           doctor::Meeting& out) {
-  for (const auto& check : diagnosis_beyond_folder(party.folder, settings).checks()) {
+  const auto diagnosis = diagnosis_beyond_folder(party.folder, settings);
+  for (const auto& check : diagnosis.checks()) {
     const bool is_compared = check.rule == Rule::DOC091;
     if (is_compared || check.outcomes.of(party.vendor) != Outcome::fail) continue;
     for (const auto& finding : check.findings)

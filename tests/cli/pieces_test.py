@@ -25,6 +25,10 @@ class Pieces(Transcript):
         self.openssl("smime", "-sign", "-text", "-in", "new.xml", "-out", f"demo/talker/{kind}.p7s", "-signer",
                      authority / "ca.pem", "-inkey", authority / "ca.key.pem")
 
+    def warnings(self, kind):
+        told = self.json(kind, "lint", "new.xml")["diagnostics"]
+        return [one["message"] for one in told if one["severity"] != "note"]
+
     CHANGES = (("governance", "<topic_expression>*", "<topic_expression>*<!-- all -->Foo"),
                ("governance", "<rtps_protection_kind>SIGN", "<rtps_protection_kind>SI<!-- -->GN"),
                ("governance", ">false</allow_un", "><![CDATA[fal]]>se</allow_un"),
@@ -57,7 +61,7 @@ class Pieces(Transcript):
 
     def test_a_comment_between_elements_is_no_matter(self):
         self.change("governance", "<domain_rule>", "<domain_rule><!-- all robots -->")
-        self.assertEqual(self.json("governance", "lint", "new.xml")["diagnostics"], [])
+        self.assertEqual(self.warnings("governance"), [])
 
     # With each of these Fast DDS 2.9.1 does not start, and Cyclone DDS 0.10.2 and ddssec do.
     REFUSED = (("governance", ">false</allow_un", "> false </allow_un", "blanks"),
@@ -72,8 +76,8 @@ class Pieces(Transcript):
         for kind, old, new, word in self.REFUSED:
             with self.subTest(new=new):
                 self.change(kind, old, new)
-                told = self.json(kind, "lint", "new.xml")["diagnostics"]
-                self.assertEqual([(one["severity"], word in one["message"]) for one in told], [("warning", True)])
+                told = self.warnings(kind)
+                self.assertEqual([word in message for message in told], [True], told)
                 self.run_program(kind, "diff", "old.xml", "new.xml", "--fail-on", "any", exit=1)
                 signed = self.at / f"demo/talker/{kind}.p7s"
                 before = signed.read_bytes()
