@@ -332,7 +332,7 @@ class Check(WithoutLists):
         (self.listener.path / "security.properties").write_text(f"{properties} = file:{open_file}\n")
         self.check(exit=0)
         out = self.json("doctor", "listener", "--vendor", "ours", exit=0)
-        self.assertEqual([(d["id"], d["severity"]) for d in out["diagnostics"]], [("DOC091", "warning")])
+        self.assertEqual([(d["id"], d["severity"]) for d in out["diagnostics"]], [("DOC091", "warning"), ("DOC103", "warning")])
         # Who cannot is told so, whatever is in the properties.
         self.apart("DOC090", "listener cannot start on its own with Cyclone DDS 0.10.2",
                    words=("--vendor", "B=cyclonedds"))
