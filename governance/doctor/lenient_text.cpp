@@ -73,7 +73,8 @@ class Cleaner {
     const auto end = behind(at + kStart, "-->");
     const auto dashes = text_.find("--", at + kStart);
     if (dashes < end && dashes + 3 < end) blank(at, end, Variant::governance_comment_dashes);
-    if (!is_in_value(at, end) || ++joined_ > kMostJoined) return at;
+    const bool is_ended = text_.find("-->", at + kStart) != text_.npos;
+    if (!is_ended || !is_in_value(at, end) || ++joined_ > kMostJoined) return at;
     join(at, end, {});
     return at == 0 ? 0 : at - 1;
   }

@@ -41,9 +41,10 @@ TEST_F(SharedMemoryCheck, TheConfigurationIsTextOrFiles) {
   std::ofstream(root_ / "one.xml") << "<One/>";
   const auto one = (root_ / "one.xml").string();
   EXPECT_EQ(cyclonedds_configuration("file://" + one), "<One/>\n");
-  EXPECT_EQ(cyclonedds_configuration(one + ",file:" + one + ',' + kOn),
+  EXPECT_EQ(cyclonedds_configuration(one + ",file://" + one + ',' + kOn),
             std::string("<One/>\n<One/>\n") + kOn);
   EXPECT_EQ(cyclonedds_configuration("file://" + one + ".not-there"), std::nullopt);
+  EXPECT_EQ(cyclonedds_configuration("file:" + one), std::nullopt);  // to Cyclone DDS a file's name
 }
 
 TEST_F(SharedMemoryCheck, ProtectedSamplesMustNotPassThePluginsBy) {
