@@ -58,7 +58,7 @@ class CaOpener {
 
   /// The CA of these files, which this command has to itself as long as the result lives: another
   /// command that signs or rotates is waited for, and only then is anything read. Its key is used
-  /// only if nobody but its owner can read it, unless --insecure-key-mode is given. Of two CAs the
+  /// only if no other user than its owner can read it, unless --insecure-key-mode is given. Of two CAs the
   /// identity CA is opened first, so that two commands do not wait for each other. Errors:
   /// key_readable_by_others, those of passphrase() for an encrypted key, of lock_records,
   /// read_file, Authority::load.

@@ -68,7 +68,7 @@ struct ListForFolder {
 /// writes a list into a participant's folder does it here, and has the CA to itself (lock_records),
 /// so that no newer list is lost. Errors: issuer_unknown if the CA is not above the participant;
 /// crl_older if the list that is there is newer or names more; crl_missing if there would be no
-/// list of the CA that issued the certificate, so that nobody would be authenticated; those of
+/// list of the CA that issued the certificate, so that no peer would be authenticated; those of
 /// read_file and Replacement::put.
 Status put_list(Replacement& out, const std::filesystem::path& file, const ListForFolder& what);
 

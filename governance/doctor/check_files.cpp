@@ -183,7 +183,7 @@ void check_layouts(const LoadedFolder& folder, Diagnosis& out) {
   }
 }
 
-// Whoever can write there exchanges the key and the CA files; a sticky bit keeps only files of
+// A user who can write there can exchange the key and the CA files; a sticky bit keeps only files of
 // others.
 void check_folder_mode(const LoadedFolder& folder, Diagnosis& out) {
   struct stat status {};

@@ -1,5 +1,5 @@
 // What peers that have proven nothing yet may make us keep: the documents in their handshake
-// requests. Anybody can show a recorded certificate under any number of invented names.
+// requests. A stranger can show a recorded certificate under any number of invented names.
 #pragma once
 
 #include <cstddef>

@@ -3,7 +3,7 @@
 // stranger could remove its endpoints, move them to another address, or invent some, with one
 // datagram, and end the process with a lookup of a type. The core matches an endpoint that is
 // protected only with one whose keys it got. So access control calls these readers protected, and
-// nobody has keys for them: the core drops what comes from any writer of theirs.
+// there are no keys for them: the core drops what comes from any writer of theirs.
 // Not the unprotected reader of liveliness: version 0.10.2 of the core asserts liveliness by that
 // one alone, under every liveliness_protection_kind.
 #pragma once

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Revocation lists: a newer one is never lost, whoever puts which list where."""
+"""Revocation lists: a newer one is never lost, whichever command puts which list where."""
 
 import fcntl
 import os

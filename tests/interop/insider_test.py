@@ -300,7 +300,7 @@ def spliced(world, tamper):
 
 
 def costly(world, tamper):
-    """An announcement whose matching would take the core hours: whoever comes later is still met."""
+    """An announcement whose matching would take the core hours: a later participant is still met."""
     world.side = Side(EVERYTHING, Permissions(partition="*"), partition=ZEROS)
     subscriber = begin(world)
     insider = world.insider("subscribe", tamper, ELSEWHERE)

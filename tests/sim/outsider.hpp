@@ -27,7 +27,7 @@ class Outsider {
   void carry(Datagram datagram, MonotonicTime now);
   /// One step of its own; `nodes`: how many addresses there are.
   void act(MonotonicTime now, std::size_t nodes);
-  /// From now on; nobody is cut off any longer.
+  /// From now on no participant is cut off any longer.
   void behave(const Temper& temper) {
     temper_ = temper;
     silenced_.clear();

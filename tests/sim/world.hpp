@@ -14,7 +14,7 @@ class World final : private Wire {
 
   /// The outsider takes the network, or the network is fair.
   void set_hostile(bool hostile);
-  /// No honest participant knows anybody who died long ago.
+  /// No honest participant knows one that died long ago.
   void check_dead();
   /// kStep passes: what is due arrives and happens.
   void step();

@@ -88,7 +88,7 @@ inline Bytes carrier(const Bytes& own, const Bytes& inner, bool opens) {
 
 /// The submessages, from that sequence number on. The host keeps parts of sixteen samples, and
 /// drops the highest for the seventeenth: it has the second fragment of `target` only. Many others
-/// follow, until nobody may remember the first. Then comes another first one.
+/// follow, until no receiver may remember the first. Then comes another first one.
 inline std::vector<Bytes> plan(std::size_t first, const Bytes& own, const Bytes& inner, bool ends) {
   constexpr std::size_t kOfHost = 16, kToForget = 36;
   const auto target = first + kOfHost;

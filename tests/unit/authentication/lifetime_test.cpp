@@ -319,7 +319,7 @@ TEST(Bounds, PendingRepliesGiveWayToTheHonestOneInTime) {
   pairing.expect_finish(*req, *rep);
 }
 
-/// The same with permissions of that size, which nobody has signed.
+/// The same with permissions of that size, without a signature.
 Token large(const Token& request, std::uint8_t number, std::size_t octets) {
   return with(forged(request, number), "c.perm", Bytes(octets, 'x'));
 }
