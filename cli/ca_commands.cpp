@@ -317,7 +317,7 @@ Result<std::string> steps_after_renewal(const OpenCa& ca, const std::string& rol
   const auto list = DDSSEC_TRY(present_crl(ca.paths));
   if (list && list->next_update() && *list->next_update() <= end)
     out += fmt::format(
-        "The revocation list ends on {}; from then on nobody new is authenticated. Before that "
+        "The revocation list ends on {}; from then on no new peer is authenticated. Before that "
         "day: ddssec crl new --ca {}, then ddssec crl distribute --ca {}\n",
         date(*list->next_update()), given, given);
   return out;

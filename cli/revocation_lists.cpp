@@ -97,7 +97,7 @@ class Former {
     return {};
   }
 
-  /// A participant's file: what is wrong with it is not the CA's concern.
+  /// A participant's file: a fault in it does not concern the CA.
   void add_of_participant(const fs::path& file) {
     const auto lists = read_crls(file);
     if (!lists) return;
@@ -268,7 +268,7 @@ Status put_own_first(std::vector<pki::Crl>& lists, const fs::path& file,
   return fail(Code::crl_missing,
               {.document = file,
                .expected = "a list of " + issuer + " before one of " + what.ca.subject(),
-               .note = "with the second alone the participant would authenticate nobody",
+               .note = "with the second alone the participant would authenticate no peer",
                .hint = "first ddssec crl distribute --ca with the folder of " + issuer});
 }
 

@@ -7,7 +7,7 @@
 
 namespace ddssec::rtps {
 
-/// Makes and deletes none by itself. What is left of them dies with it.
+/// Makes and deletes none by itself. Those that are left die with it.
 template <class Child>
 class ContainedEntities {
  public:

@@ -39,7 +39,7 @@ Status announce_by_multicast(ParticipantSockets& sockets, ParticipantConfig& con
   for (const auto& interface : sockets.interfaces()) {
     const auto joined = sockets.join(group, interface);
     if (joined) continue;
-    // With peers to announce to, others are found all the same.
+    // With peers to announce to, others are still found.
     if (sockets.interfaces().size() == 1 && config.announce_to.empty()) return joined;
     events.raise(Event(joined.error().in(to_string({&interface, 1}))));
   }
