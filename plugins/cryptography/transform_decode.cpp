@@ -4,6 +4,7 @@
 #include "base/rollback.hpp"
 #include "plugins/cryptography/builtin_checks.hpp"
 #include "plugins/cryptography/engine.hpp"
+#include "plugins/cryptography/kept_tokens.hpp"
 #include "plugins/cryptography/key_revision.hpp"
 #include "plugins/cryptography/message.hpp"
 #include "plugins/cryptography/source_checks.hpp"
@@ -126,113 +127,6 @@ Status check_submessage(const RemoteEndpoint& sender, BytesView plain) {
   if (header.length != 0 && header.length != plain.size() - kSubmessageHeaderSize)
     return fail(Code::secure_group_malformed);
   if (!may_send(sender, header.id)) return fail(Code::submessage_not_of_sender);
-  return {};
-}
-
-/// Whether the host has matched all builtin endpoints that the local participant has keys for with
-/// the sender's. False while another thread changes them: the message comes again.
-bool are_builtin_matched(const Shared& shared, const RemoteEndpoint& sender) {
-  const std::unique_lock lock(shared.mutex, std::try_to_lock);
-  if (!lock.owns_lock()) return false;
-  const auto& participant = sender.local.participant;
-  const auto is_matched = [&](std::int64_t handle, EntityKind local, EntityKind remote) {
-    const auto endpoint = shared.registry.find<LocalEndpoint>(handle, local);
-    if (!endpoint || !(*endpoint)->is_builtin || (*endpoint)->is_volatile) return true;
-    return std::ranges::any_of((*endpoint)->matched, [&](std::int64_t matched) {
-      const auto found = shared.registry.find<RemoteEndpoint>(matched, remote);
-      return found && &(*found)->participant == &sender.participant;
-    });
-  };
-  return std::ranges::all_of(participant.endpoints, [&](std::int64_t handle) {
-    return is_matched(handle, EntityKind::local_writer, EntityKind::remote_reader) &&
-           is_matched(handle, EntityKind::local_reader, EntityKind::remote_writer);
-  });
-}
-
-/// Whether any endpoint here takes such tokens. A host never comes with a reader's tokens if no
-/// submessages of the writer are protected, and would hold them for nothing. True while another
-/// thread changes the endpoints.
-bool may_be_used(const Shared& shared, const RemoteEndpoint& sender, const TokenMessage& message) {
-  if (message.remote.entity == kEntityIdParticipant) return true;
-  const std::unique_lock lock(shared.mutex, std::try_to_lock);
-  if (!lock.owns_lock()) return true;
-  const bool for_builtin = is_builtin(message.remote.entity);
-  const auto kind = message.is_of_reader ? EntityKind::local_writer : EntityKind::local_reader;
-  return std::ranges::any_of(sender.local.participant.endpoints, [&](std::int64_t handle) {
-    const auto found = shared.registry.find<LocalEndpoint>(handle, kind);
-    if (!found) return false;
-    const auto& endpoint = **found;
-    // Another vendor's access control does not tell which are builtin.
-    if (!for_builtin && endpoint.is_builtin) return false;
-    return endpoint.has_tokens() && (!message.is_of_reader || is_protected(endpoint.submessage));
-  });
-}
-
-/// What becomes of a token message, and what there is to report of it.
-struct Judgement {
-  Passage passage;
-  std::optional<Error> reported = {};
-};
-
-Result<Judgement> judge(const Shared& shared, const RemoteEndpoint& sender, const Pair& pair,
-                        const TokenMessage& message) {
-  using Kind = Passage::Kind;
-  if (auto status = check_usable(message); !status)
-    return Judgement{{Kind::hidden}, std::move(status).error()};
-  // The ledger tells sessions by the pair, and what is for another pair comes by its own channel.
-  if (pair.own_prefix && message.local.prefix != *pair.own_prefix)
-    return Judgement{{Kind::hidden},
-                     Error(Code::token_source_mismatch, {.document = "a key token message",
-                                                         .field = "destination_participant_guid",
-                                                         .expected = pair.own_prefix->to_string(),
-                                                         .found = message.local.to_string()})};
-  if (!may_be_used(shared, sender, message)) return Judgement{{Kind::hidden}};
-  const bool are_matched = is_builtin(message.remote.entity) && are_builtin_matched(shared, sender);
-  auto noted = shared.ledger.note(message, {pair.number, pair.peer_prefix.has_value()}, are_matched,
-                                  shared.environment.clock.monotonic());
-  // One that is not accepted would hold up all that follow, those of honest endpoints too.
-  if (!noted) return Judgement{{Kind::hidden}, std::move(noted).error()};
-  const auto passage = *noted;
-  // The host logs it. It is no event: honest peers that met again after a loss send such messages.
-  if (passage.kind == Kind::later) return fail(Code::crypto_tokens_repeated);
-  if (passage.kind != Kind::repeated) return Judgement{passage};
-  return Judgement{
-      passage, Error(Code::crypto_tokens_repeated, {.document = "a key token message",
-                                                    .found = message.remote.to_string(),
-                                                    .note = "for " + message.local.to_string()})};
-}
-
-/// What the ledger gives to a match that has waited for it. An error is an event of its own.
-void hand_over(Shared& shared, const TokenMessage& message, const Passage& passage) {
-  spi::Token token = message.tokens.front();
-  auto& value = token.binary_properties.front().value;
-  wipe(value);
-  std::ranges::copy(passage.ticket.octets, value.begin());
-  const auto [exchange, local, remote] = passage.user;
-  KeyExchange keys(shared);
-  if (message.is_of_reader)
-    (void)keys.set_remote_datareader_crypto_tokens({local}, {remote}, {&token, 1});
-  else
-    (void)keys.set_remote_datawriter_crypto_tokens({local}, {remote}, {&token, 1});
-}
-
-/// Key tokens stay in the ledger, and the host gets tickets. What it must not see now comes to it
-/// as a message of a class that it does not know: one that is missing would hold up all that
-/// follow.
-Status keep_tokens(Shared& shared, const RemoteEndpoint& sender, const Pair& pair,
-                   MutableBytes submessage) {
-  if (!writer_of_data(submessage)) return {};
-  const auto piece = DDSSEC_TRY(read_data_piece(submessage));
-  auto message = DDSSEC_TRY(read_token_message(piece));
-  if (!message) return {};
-  const Rollback wipe_copy([&] { wipe_tokens(message->tokens); });
-  const auto [passage, reported] = DDSSEC_TRY(judge(shared, sender, pair, *message));
-  const auto payload = submessage.subspan(
-      static_cast<std::size_t>(piece.payload.data() - submessage.data()), piece.payload.size());
-  write_ticket(passage.ticket, *message, piece, payload);
-  if (passage.kind != Passage::Kind::ticket) payload[message->class_at] = '-';
-  if (passage.kind == Passage::Kind::awaited) hand_over(shared, *message, passage);
-  if (reported) shared.report(*reported, pair.peer_prefix);
   return {};
 }
 

@@ -354,36 +354,46 @@ Status tell_attributes(Adapter& adapter, const CPermissions handle,
   return status;
 }
 
-DDS_Security_boolean get_datawriter_sec_attributes(
-    Instance* instance, const CPermissions handle, const char* topic_name,
-    const Partition* partition, const Tags* tags,
-    DDS_Security_EndpointSecurityAttributes* attributes, Exception* ex) {
+/// `tell(adapter, request)` writes `attributes`, which are empty before.
+template <class Tell>
+DDS_Security_boolean ask_endpoint(Instance* instance, const char* topic_name,
+                                  const Partition* partition, const Tags* tags,
+                                  DDS_Security_EndpointSecurityAttributes* attributes,
+                                  Exception* ex, Tell&& tell) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     DDSSEC_TRY(require(attributes));
     *attributes = {};
     const auto question = DDSSEC_TRY(EndpointQuestion::from(topic_name, partition, tags));
-    return tell_attributes<&spi::AccessControl::datawriter_sec_attributes>(
-        adapter, handle, question.request(), *attributes);
+    return tell(adapter, question.request());
   });
+}
+
+DDS_Security_boolean get_datawriter_sec_attributes(
+    Instance* instance, const CPermissions handle, const char* topic_name,
+    const Partition* partition, const Tags* tags,
+    DDS_Security_EndpointSecurityAttributes* attributes, Exception* ex) {
+  const auto tell = [&](Adapter& adapter, const spi::EndpointRequest& request) {
+    return tell_attributes<&spi::AccessControl::datawriter_sec_attributes>(adapter, handle, request,
+                                                                           *attributes);
+  };
+  return ask_endpoint(instance, topic_name, partition, tags, attributes, ex, tell);
 }
 
 DDS_Security_boolean get_datareader_sec_attributes(
     Instance* instance, const CPermissions handle, const char* topic_name,
     const Partition* partition, const Tags* tags,
     DDS_Security_EndpointSecurityAttributes* attributes, Exception* ex) {
-  return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_TRY(require(attributes));
-    *attributes = {};
-    const auto question = DDSSEC_TRY(EndpointQuestion::from(topic_name, partition, tags));
+  const auto tell = [&](Adapter& adapter, const spi::EndpointRequest& request) -> Status {
     const auto participant =
         DDSSEC_TRY(adapter.engine().participant_sec_attributes(permissions(handle)));
-    if (is_closed(question.request(), participant, adapter.type_lookup())) {
+    if (is_closed(request, participant, adapter.type_lookup())) {
       *attributes = closed_reader_attributes();
       return {};
     }
-    return tell_attributes<&spi::AccessControl::datareader_sec_attributes>(
-        adapter, handle, question.request(), *attributes);
-  });
+    return tell_attributes<&spi::AccessControl::datareader_sec_attributes>(adapter, handle, request,
+                                                                           *attributes);
+  };
+  return ask_endpoint(instance, topic_name, partition, tags, attributes, ex, tell);
 }
 
 /// What ac_endpoint_properties holds of these lives as long as the library.
