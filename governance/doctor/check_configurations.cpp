@@ -290,12 +290,15 @@ void check_configuration_in_force(const LoadedFolder& folder, std::string_view t
 void check_configurations(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   for (const auto* name : {"cyclonedds.xml", "fastdds.xml"}) {
     const auto file = folder.paths.folder / name;
-    const auto octets = ddssec::load("file://" + file.string(), "", kMostOctets);
+    const bool is_cyclonedds = name == std::string_view("cyclonedds.xml");
+    const auto uri = "file://" + file.string();
+    const auto octets =
+        is_cyclonedds ? load_or_empty(uri, "", kMostOctets) : ddssec::load(uri, "", kMostOctets);
     std::error_code ignored;
     if (!octets && fs::exists(file, ignored)) report_unreadable(name, file, octets.error(), out);
     if (!octets) continue;
     const auto text = as_text(*octets);
-    if (name == std::string_view("cyclonedds.xml"))
+    if (is_cyclonedds)
       check_cyclonedds(folder, settings, file, text, out);
     else
       check_judged(folder, {name, file, kFastFails, named_by_fastdds(without_comments(text)), true},

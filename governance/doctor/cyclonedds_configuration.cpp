@@ -15,6 +15,12 @@ constexpr std::string_view kAfterName = " \t\r\n/>";
 
 }  // namespace
 
+Result<Bytes> load_or_empty(std::string_view uri, std::string_view name, std::size_t most) {
+  auto octets = ddssec::load(uri, name, most);
+  if (!octets && octets.error().code() == Code::item_empty) return Bytes();
+  return octets;
+}
+
 std::optional<std::string> cyclonedds_configuration() {
   const char* const uri = std::getenv(kVariable.data());
   if (uri == nullptr) return std::nullopt;
@@ -32,7 +38,7 @@ std::optional<std::string> cyclonedds_configuration(std::string_view uri) {
     uri.remove_prefix(name.size());
     if (name.starts_with("file:") && !name.starts_with("file://")) return std::nullopt;
     const auto file = name.starts_with("file:") ? std::string(name) : "file:" + std::string(name);
-    const auto octets = ddssec::load(file, kVariable, kMostOctets);
+    const auto octets = load_or_empty(file, kVariable, kMostOctets);
     if (!octets) return std::nullopt;
     out.append(octets->begin(), octets->end()).push_back('\n');
   }

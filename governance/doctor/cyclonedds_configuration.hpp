@@ -5,12 +5,19 @@
 #include <string>
 #include <string_view>
 
+#include "base/bytes.hpp"
+#include "base/result.hpp"
+
 namespace ddssec::governance::doctor {
 
 /// The texts of all that CYCLONEDDS_URI (or `uri`) names: XML, or files with commas between them.
 /// Nothing if the variable is not set or a file cannot be read.
 std::optional<std::string> cyclonedds_configuration();
 std::optional<std::string> cyclonedds_configuration(std::string_view uri);
+
+/// Of an empty file nothing: Cyclone DDS starts with it, and without security. Errors: those of
+/// ddssec::load.
+Result<Bytes> load_or_empty(std::string_view uri, std::string_view name, std::size_t most);
 
 /// The same without comments.
 std::string without_comments(std::string_view text);

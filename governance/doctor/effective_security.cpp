@@ -1,7 +1,6 @@
 #include "governance/doctor/effective_security.hpp"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <span>
 #include <utility>
@@ -9,150 +8,12 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "governance/doctor/markup.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
 
-constexpr std::string_view kBlanks = " \t\r\n";
-
-using Attributes = std::vector<std::pair<std::string, std::string>>;
-
-/// Reads markup as leniently as Cyclone DDS does, which is no XML parser: no namespaces, no check
-/// of the characters of names, entities of characters only.
-class Markup {
- public:
-  struct Token {
-    enum class Kind : std::uint8_t { open, close, text, broken, end } kind;
-    std::string name = {};  ///< lower case; of text: the text
-    Attributes attributes = {};
-    bool is_closed = false;  ///< <Name/>
-    int line = 0;
-  };
-  using Kind = Token::Kind;
-
-  explicit Markup(std::string_view text) : rest_(text) {}
-
-  Token next() {
-    while (!rest_.empty()) {
-      if (rest_.starts_with("<![CDATA[")) return cdata();
-      if (rest_.front() != '<') return text();
-      if (rest_.starts_with("<!--")) {
-        if (!skip_past("-->")) return at(Kind::broken);
-      } else if (rest_.starts_with("<?") || rest_.starts_with("<!")) {
-        if (!skip_past(">")) return at(Kind::broken);
-      } else {
-        return rest_.starts_with("</") ? close() : open();
-      }
-    }
-    return at(Kind::end);
-  }
-
- private:
-  Token at(Kind kind) const { return {.kind = kind, .line = line_}; }
-
-  std::string_view take(std::size_t count) {
-    const auto taken = rest_.substr(0, count);
-    line_ += static_cast<int>(std::ranges::count(taken, '\n'));
-    rest_.remove_prefix(taken.size());
-    return taken;
-  }
-  bool skip_past(std::string_view end) {
-    const auto found = rest_.find(end);
-    take(found == rest_.npos ? rest_.size() : found + end.size());
-    return found != rest_.npos;
-  }
-  void skip_blanks() { take(std::min(rest_.find_first_not_of(kBlanks), rest_.size())); }
-
-  Token cdata() {
-    auto out = at(Kind::text);
-    take(std::string_view("<![CDATA[").size());
-    const auto end = rest_.find("]]>");
-    if (end == rest_.npos) return at(Kind::broken);
-    out.name = take(end);
-    take(3);
-    return out;
-  }
-  Token text() {
-    auto out = at(Kind::text);
-    out.name = without_references(take(std::min(rest_.find('<'), rest_.size())));
-    return out;
-  }
-  Token close() {
-    auto out = at(Kind::close);
-    take(2);
-    const auto end = rest_.find('>');
-    if (end == rest_.npos) return at(Kind::broken);
-    out.name = ascii_lower(trimmed(take(end), kBlanks));
-    take(1);
-    return out;
-  }
-  Token open() {
-    auto out = at(Kind::open);
-    take(1);
-    out.name = ascii_lower(take(std::min(rest_.find_first_of(" \t\r\n/>"), rest_.size())));
-    for (;;) {
-      skip_blanks();
-      if (rest_.empty()) return at(Kind::broken);
-      out.is_closed = rest_.starts_with("/>");
-      if (out.is_closed || rest_.front() == '>') {
-        take(out.is_closed ? 2 : 1);
-        return out;
-      }
-      if (!add_attribute(out)) return at(Kind::broken);
-    }
-  }
-  bool add_attribute(Token& out) {
-    const auto name = take(std::min(rest_.find_first_of("= \t\r\n/>"), rest_.size()));
-    skip_blanks();
-    if (name.empty() || !rest_.starts_with('=')) return false;
-    take(1);
-    skip_blanks();
-    if (rest_.empty() || (rest_.front() != '"' && rest_.front() != '\'')) return false;
-    const char quote = take(1).front();
-    const auto end = rest_.find(quote);
-    if (end == rest_.npos) return false;
-    out.attributes.emplace_back(ascii_lower(name), without_references(take(end)));
-    take(1);
-    return true;
-  }
-
-  static std::string without_references(std::string_view text) {
-    constexpr std::pair<std::string_view, char> kNames[] = {
-        {"lt;", '<'}, {"gt;", '>'}, {"amp;", '&'}, {"quot;", '"'}, {"apos;", '\''}};
-    std::string out;
-    while (!text.empty()) {
-      const auto before = std::min(text.find('&'), text.size());
-      out += text.substr(0, before);
-      text.remove_prefix(before);
-      if (text.empty()) break;
-      text.remove_prefix(1);
-      const auto* const known = std::ranges::find_if(
-          kNames, [&](const auto& one) { return text.starts_with(one.first); });
-      if (known != std::end(kNames)) {
-        out += known->second;
-        text.remove_prefix(known->first.size());
-      } else {
-        out += character_of_number(text);
-      }
-    }
-    return out;
-  }
-  // Of ASCII only: another one in the name of a file is written as it is.
-  static char character_of_number(std::string_view& text) {
-    const bool is_hex = text.starts_with("#x");
-    const auto end = text.find(';');
-    if (!text.starts_with('#') || end == text.npos) return '&';
-    unsigned value = 0;
-    const auto* const begin = text.data() + (is_hex ? 2 : 1);
-    const auto read = std::from_chars(begin, text.data() + end, value, is_hex ? 16 : 10);
-    if (read.ec != std::errc() || read.ptr != text.data() + end || value > 127) return '&';
-    text.remove_prefix(end + 1);
-    return static_cast<char>(value);
-  }
-
-  std::string_view rest_;
-  int line_ = 1;
-};
+constexpr std::string_view kBlanks = kMarkupBlanks;
 
 constexpr std::string_view kAuthentication[] = {"library",
                                                 "identityca",
@@ -179,6 +40,20 @@ constexpr Kind kKinds[] = {
     {"accesscontrol", kAccessControl, &EffectiveSecurity::access_control},
 };
 
+// Directly below <CycloneDDS> and <Domain>: measured with 0.10.2 and 0.10.5, which do not differ.
+constexpr std::string_view kSections[] = {
+    "compatibility", "ddssecurity", "discovery", "general", "id",      "internal", "partitioning",
+    "sharedmemory",  "sizing",      "ssl",       "tcp",     "threads", "tracing",  "unsupported"};
+constexpr std::string_view kOfRoot[] = {"domain", "ddsi2e", "ddsi2eservice"};
+constexpr std::string_view kOfDomain[] = {"security"};
+constexpr std::string_view kRootAttributes[] = {"xmlns", "xmlns:xsi", "xsi:schemalocation"};
+
+// Cyclone DDS takes the beginning of a name for the name.
+bool is_one_of(std::span<const std::string_view> names, std::string_view begin) {
+  return !begin.empty() &&
+         std::ranges::any_of(names, [&](std::string_view name) { return name.starts_with(begin); });
+}
+
 bool is_security(std::string_view name) { return name == "security" || name == "ddssecurity"; }
 
 /// Walks through the elements and keeps what counts.
@@ -197,7 +72,7 @@ class Walk {
       }
       if (!take(token)) return std::move(out_);
     }
-    if (!path_.empty() && is_file())
+    if (!path_.empty() && is_file() && out_.problems.empty())
       problem(path_.back().line, fmt::format("has no end tag for <{}>", path_.back().name));
     return std::move(out_);
   }
@@ -207,7 +82,9 @@ class Walk {
     std::string name;
     int line;
     bool is_for_other_domain;
-    std::string id = {};  ///< of a <Domain>
+    std::string id = {};        ///< of a <Domain>
+    bool has_values = false;    ///< an attribute or a text so far, at any depth
+    bool has_elements = false;  ///< one directly inside so far
   };
 
   bool is_file() const { return place_ == ConfigurationPlace::file; }
@@ -239,18 +116,99 @@ class Walk {
     if (path_.size() == security_depth_) security_depth_ = 0;
     if (value_ != nullptr) value_->text = std::string(trimmed(value_->text, kBlanks));
     value_ = nullptr;
+    if (is_old_id()) take_old_id();
     path_.pop_back();
+    if (path_.empty()) had_root_ = true;
   }
 
   void open(const Markup::Token& token) {
     const bool is_other = !path_.empty() && path_.back().is_for_other_domain;
+    if (!path_.empty()) path_.back().has_elements = true;
     path_.push_back({token.name, token.line, is_other});
-    if (path_.size() == 1 && is_file() && token.name != "cyclonedds")
-      problem(token.line, fmt::format("begins with <{}>, and Cyclone DDS reads <CycloneDDS> only",
-                                      token.name.substr(0, 64)));
+    if (path_.size() == 1) is_file() ? open_root(token) : open_part(token);
     if (security_depth_ != 0) return open_inside(token);
+    if (!is_other) refuse_unknown(token);
+    if (is_old_id()) {
+      old_id_.clear();
+      refuse_attributes(token);
+    } else if (!token.attributes.empty()) {
+      mark_values();
+    }
     if (token.name == "domain") return open_domain(token);
     if (is_security(token.name) && is_at_its_place()) open_security(token);
+  }
+
+  void open_root(const Markup::Token& token) {
+    if (had_root_) return problem(token.line, "goes on after </CycloneDDS>");
+    if (token.name != "cyclonedds")
+      return problem(token.line,
+                     fmt::format("begins with <{}>, and Cyclone DDS reads <CycloneDDS> only",
+                                 token.name.substr(0, 64)));
+    for (const auto& [name, value] : token.attributes)
+      if (std::ranges::find(kRootAttributes, name) == std::end(kRootAttributes))
+        unknown_attribute(token, name);
+  }
+
+  // Of a variable: <CycloneDDS>, <Domain> or what may be inside that.
+  void open_part(const Markup::Token& token) {
+    if (token.name == "cyclonedds" || token.name == "domain") return;
+    if (!is_one_of(kSections, token.name) && !is_one_of(kOfDomain, token.name))
+      problem(token.line, fmt::format("begins with <{}>, which Cyclone DDS does not know",
+                                      token.name.substr(0, 64)));
+  }
+
+  // The innermost element is directly below <CycloneDDS>, or <Domain> at its place.
+  bool is_below_root() const { return path_.size() == 2 && path_[0].name == "cyclonedds"; }
+  bool is_below_domain() const {
+    const auto depth = path_.size();
+    return depth >= 2 && path_[depth - 2].name == "domain" &&
+           (depth == 2 || (depth == 3 && path_[0].name == "cyclonedds"));
+  }
+
+  void refuse_unknown(const Markup::Token& token) {
+    if (!is_below_root() && !is_below_domain()) return;
+    const auto own = is_below_root() ? std::span<const std::string_view>(kOfRoot) : kOfDomain;
+    if (!is_one_of(kSections, token.name) && !is_one_of(own, token.name))
+      problem(token.line,
+              fmt::format("has <{}> inside <{}>, which Cyclone DDS does not know",
+                          token.name.substr(0, 64), is_below_root() ? "CycloneDDS" : "Domain"));
+  }
+
+  // <Domain><Id>5</Id>, which Cyclone DDS still reads for <Domain Id="5">.
+  bool is_old_id() const {
+    return is_below_domain() && path_.back().name == "id" && !path_.back().is_for_other_domain;
+  }
+
+  void take_old_id() {
+    auto& domain = path_[path_.size() - 2];
+    const auto line = path_.back().line;
+    const auto id = std::string(trimmed(old_id_, kBlanks));
+    const auto number = number_of(id);
+    if (!id.empty() && ascii_lower(id) != "any") {
+      if (!number) {
+        problem(line, fmt::format("has <Id>{}</Id>, which is neither a number nor any",
+                                  id.substr(0, 64)));
+      } else if (*number != domain_) {
+        if (domain.has_values)
+          problem(line, fmt::format("has <Id>{}</Id> after other values of the same <Domain>",
+                                    id.substr(0, 64)));
+        domain.is_for_other_domain = true;
+        domain.id = id;
+      }
+    }
+    mark_values();
+  }
+
+  static std::optional<DomainId> number_of(std::string_view word) {
+    DomainId id = 0;
+    const auto* const end = word.data() + word.size();
+    const auto read = std::from_chars(word.data(), end, id);
+    if (word.empty() || read.ec != std::errc() || read.ptr != end) return std::nullopt;
+    return id;
+  }
+
+  void mark_values() {
+    for (auto& one : path_) one.has_values = true;
   }
 
   // Of a variable parts are read, too: <Domain>...</Domain>, <Security>...</Security>.
@@ -261,16 +219,19 @@ class Walk {
 
   void open_domain(const Markup::Token& token) {
     for (const auto& [name, value] : token.attributes) {
-      if (name != "id") continue;
+      if (path_.back().is_for_other_domain) return;  // Cyclone DDS reads no further
+      if (name != "id") {
+        unknown_attribute(token, name);
+        continue;
+      }
       path_.back().id = value;
       const auto word = trimmed(value, kBlanks);
       if (ascii_lower(word) == "any") continue;
-      DomainId id = 0;
-      const auto read = std::from_chars(word.data(), word.data() + word.size(), id);
-      if (word.empty() || read.ec != std::errc() || read.ptr != word.data() + word.size())
+      const auto id = number_of(word);
+      if (!id)
         problem(token.line, fmt::format("has <Domain Id=\"{}\">, which is neither a number nor any",
                                         value.substr(0, 64)));
-      else if (id != domain_)
+      else if (*id != domain_)
         path_.back().is_for_other_domain = true;
     }
   }
@@ -330,10 +291,28 @@ class Walk {
   void text(const Markup::Token& token) {
     if (value_ != nullptr) {
       value_->text += token.name;
-    } else if (security_depth_ != 0 && !trimmed(token.name, kBlanks).empty()) {
+      return;
+    }
+    if (is_old_id() && !path_.back().has_elements) {
+      old_id_ += token.name;
+      return;
+    }
+    if (trimmed(token.name, kBlanks).empty()) return;
+    if (path_.empty()) {
+      if (is_file()) problem(token.line, "has text outside of <CycloneDDS>");
+    } else if (path_.back().has_elements || is_section_list()) {
       problem(token.line,
               fmt::format("has text in <{}>, where only elements may be", path_.back().name));
     }
+    mark_values();
+  }
+
+  // Where only elements may be: what is for another domain Cyclone DDS does not read that closely.
+  bool is_section_list() const {
+    if (security_depth_ != 0) return true;
+    const auto& name = path_.back().name;
+    const bool is_list = path_.size() <= 2 && (name == "cyclonedds" || name == "domain");
+    return is_list && !path_.back().is_for_other_domain;
   }
 
   DomainId domain_;
@@ -343,6 +322,8 @@ class Walk {
   std::size_t security_depth_ = 0;  ///< 0: not inside one that counts
   const Kind* kind_ = std::end(kKinds);
   ConfiguredText* value_ = nullptr;
+  std::string old_id_;     ///< what <Id> holds so far
+  bool had_root_ = false;  ///< <CycloneDDS> has ended
 };
 
 const ConfiguredText* find_in(const std::vector<std::pair<std::string, ConfiguredText>>& texts,

@@ -30,8 +30,9 @@ struct ConfiguredPlugin {
   const ConfiguredText* value(std::string_view name) const;
 };
 
-/// What Cyclone DDS 0.10.2 makes of a configuration for one domain. Measured with it:
-/// governance/doctor/README.md has the table.
+/// What Cyclone DDS 0.10.2 and 0.10.5 make of a configuration for one domain. Measured with both:
+/// tests/unit/governance_doctor/effective_security_test.cpp has the table. Of elements outside of
+/// <Security> only those directly below <CycloneDDS> and <Domain> are judged (DECISIONS.md).
 struct EffectiveSecurity {
   /// What keeps a process from starting, as sentences without their subject.
   std::vector<ConfiguredText> problems = {};

@@ -89,6 +89,25 @@ class JudgedFiles(Transcript):
         self.configuration.write_text(self.correct.replace('Id="any"', 'Id="0"'))
         self.assertEqual(self.told("doctor", "demo/talker", exit=0), [])
 
+    def test_an_empty_configuration_leaves_the_process_unsecured(self):
+        for text in ("", "\n", "<?xml version=\"1.0\"?>\n", "<!-- later -->"):
+            with self.subTest(text=text):
+                self.configuration.write_text(text)
+                self.refused_by_all("DOC101", "cyclonedds.xml has no <Security> for domain 0", "runs without security")
+        self.configuration.write_text(self.correct)
+        (self.at / "empty.xml").write_text("")
+        told = self.json("doctor", "demo/talker", *NOW, environment={"CYCLONEDDS_URI": f"file://{self.at}/empty.xml"})
+        self.assertEqual([(one["id"], one["severity"]) for one in told["diagnostics"]], [("DOC101", "warning")])
+
+    # Measured as well: <Id> still counts, but not after other values of its <Domain>.
+    def test_the_former_id_of_a_domain(self):
+        self.configure('<Domain Id="any">', "<Domain><Id>0</Id>")
+        self.assertEqual(self.told("doctor", "demo/talker", exit=0), [])
+        self.configure('<Domain Id="any">', "<Domain><Id>5</Id>")
+        self.refused_by_all("DOC101", "for domain 5 only: in domain 0")
+        self.configure("</Domain>", "<Id>5</Id></Domain>")
+        self.refused_by_all("DOC102", "<Id>5</Id> after other values of the same <Domain>")
+
     # It does not start, but for <AccessControl>: there stock plugins start without the documents.
     def test_a_configuration_that_cyclone_dds_does_not_start_with(self):
         access = re.search("<AccessControl>.*</AccessControl>", self.correct, re.S)[0]
@@ -99,7 +118,11 @@ class JudgedFiles(Transcript):
                 ("<Permissions>", "<Permision>", ("permision",)),
                 ("<Security>", "<Security verbose=\"1\">", ("attribute verbose",)),
                 (f"<PrivateKey>file:{self.talker}/key.pem</PrivateKey>", "", ("names no <PrivateKey>",)),
-                ('Id="any"', 'Id="all"', ("all",))):
+                ('Id="any"', 'Id="all"', ("all",)),
+                ("</Domain>", "<Genral/></Domain>", ("<genral> inside <Domain>", "does not know")),
+                ("<Domain", "<Security/><Domain", ("<security> inside <CycloneDDS>",)),
+                ("</CycloneDDS>", "</CycloneDDS>\n<CycloneDDS/>", ("goes on after </CycloneDDS>",)),
+                ("</CycloneDDS>", "</CycloneDDS>\nend", ("text outside of <CycloneDDS>",))):
             with self.subTest(new=new):
                 self.configure(old, new)
                 self.refused_by_all("DOC102", *words)
