@@ -410,7 +410,13 @@ void AuthenticationAdapter::revoke_reset(const std::stop_token& stop, const Revo
 
 void AuthenticationAdapter::send_resets() {
   const auto has_met = [&](auto local, const auto& guid) { return remotes_.has_met(local, guid); };
-  for (const auto& reset : lost_sessions_.due(has_met)) send_datagram(reset.message, reset.to);
+  for (const auto& reset : lost_sessions_.due(has_met)) {
+    send_datagram(reset.message, reset.to);
+    // Our host may not meet the peer because it believes that it has no security, and the peer's
+    // host may believe the same of us.
+    if (!reset.is_meeting && !admits_unauthenticated(reset.local.value))
+      send_datagram(write_farewell(reset.own, reset.remote.prefix), reset.to);
+  }
 }
 
 void AuthenticationAdapter::listen(const dds_security_authentication_listener* listener) {

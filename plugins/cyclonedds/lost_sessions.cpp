@@ -90,6 +90,24 @@ void LostSessions::forget_lost_before(Duration time) {
   }
 }
 
+LostSessions::Duration LostSessions::unmet_wait(unsigned sent) {
+  return sent == 0 ? kFirstUnmet : kSecondUnmet * (1 << (sent - 1));
+}
+
+bool LostSessions::is_due(const Session& session, bool is_meeting, Duration now) {
+  if (session.lost == 0) return false;
+  return is_meeting ? session.next <= now : session.lost_at + unmet_wait(session.sent_unmet) <= now;
+}
+
+void LostSessions::note_sent(Session& session, bool is_meeting, Duration now) {
+  if (!is_meeting) {
+    ++session.sent_unmet;
+  } else {
+    ++session.sent;
+    session.next = now + (session.sent < kSoon ? kInterval : kLongInterval);
+  }
+}
+
 std::vector<LostSessions::Due> LostSessions::due(const IsMeeting& is_meeting) {
   const std::lock_guard lock(mutex_);
   if (std::ranges::all_of(locals_, [](const auto& one) { return one.second.all_lost == 0; }))
@@ -97,12 +115,20 @@ std::vector<LostSessions::Due> LostSessions::due(const IsMeeting& is_meeting) {
   const auto now = clock_.monotonic();
   forget_lost_before(now - kMemory);
   std::vector<Due> out;
+  unsigned unmet = 0;
   for (auto& [key, session] : sessions_) {
-    if (session.lost == 0 || session.next > now) continue;
-    if (!is_meeting(key.second, key.first)) continue;
-    ++session.sent;
-    session.next = now + (session.sent < kSoon ? kInterval : kLongInterval);
-    out.push_back({spi::write_reset(session.sender, session.token), session.to});
+    if (session.lost == 0) continue;
+    const auto& [remote, local] = key;
+    const bool meets = is_meeting(local, remote);
+    if (!is_due(session, meets, now)) continue;
+    if (!meets && ++unmet > kMostUnmet) continue;
+    note_sent(session, meets, now);
+    out.push_back({.local = local,
+                   .own = session.sender,
+                   .remote = remote,
+                   .is_meeting = meets,
+                   .message = spi::write_reset(session.sender, session.token),
+                   .to = session.to});
   }
   return out;
 }

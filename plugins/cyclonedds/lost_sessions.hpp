@@ -1,6 +1,7 @@
 // Sessions with peers that the host has dropped while the peer may have kept them: after a link
-// that failed in one direction only, for example. When such a peer is met again, it gets our reset
-// token (plugins/spi/session_reset.hpp), or it would ignore every new handshake.
+// that failed in one direction only, for example. Such a peer gets our reset token
+// (plugins/spi/session_reset.hpp), or it would ignore every new handshake: often when it is met
+// again, and seldom while it is not, since a forged announcement can keep our host from meeting it.
 #pragma once
 
 #include <array>
@@ -29,6 +30,14 @@ class LostSessions {
   static constexpr Duration kInterval = std::chrono::seconds(3);
   static constexpr Duration kLongInterval = std::chrono::seconds(30);
   static constexpr unsigned kSoon = 10;
+  /// How long after a loss the first of them goes to a peer that is not met again, and the second;
+  /// each further one after twice the time. Between the first two there is time for the peer to
+  /// notice that we do not answer (HandshakeWatch::kLongPatience): what goes out beside a reset
+  /// makes it begin anew.
+  static constexpr Duration kFirstUnmet = std::chrono::seconds(4);
+  static constexpr Duration kSecondUnmet = std::chrono::seconds(32);
+  /// Most resets for such peers at once. The others are due the next time.
+  static constexpr unsigned kMostUnmet = 32;
   /// How long a lost session is remembered. A peer that was out of reach for longer and kept the
   /// session has a lease that long.
   static constexpr Duration kMemory = std::chrono::minutes(30);
@@ -54,6 +63,10 @@ class LostSessions {
   std::vector<spi::UdpAddress> addresses_of(const Guid& remote);
 
   struct Due {
+    spi::IdentityHandle local;
+    GuidPrefix own;
+    Guid remote;
+    bool is_meeting;  ///< the host meets them again
     Bytes message;
     std::vector<spi::UdpAddress> to;
   };
@@ -71,6 +84,7 @@ class LostSessions {
     Duration lost_at{};
     Duration next{};
     unsigned sent = 0;
+    unsigned sent_unmet = 0;
   };
   using Key = std::pair<Guid, spi::IdentityHandle>;  ///< remote, local
   /// The first half of a prefix, which the remote proved to be bound to its certificate's subject
@@ -85,6 +99,9 @@ class LostSessions {
   using Sessions = std::map<Key, Session>;
 
   static Subject subject_of(const Key& key);
+  static Duration unmet_wait(unsigned sent);
+  static bool is_due(const Session& session, bool is_meeting, Duration now);
+  static void note_sent(Session& session, bool is_meeting, Duration now);
   void note_lost(const Key& key, Session& session);
   void no_longer_lost(const Key& key, Session& session);
   void forget_first(const InOrder& in_order);

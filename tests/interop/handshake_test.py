@@ -4,7 +4,7 @@ a state of its handshake from which it never begins again while the peer is ther
 begin again, so that the two talk after some seconds, and each side that did so says it once.
 
 A stranger can also make the core of one side drop a peer that has authenticated. The peer keeps the session, until our
-authentication proves to it that the session is lost. What the stranger recorded in the first session is not new in the next.
+authentication proves to it that the session is lost, also while the core asks no plugin about the peer. What the stranger recorded in the first session is not new in the next.
 
 What a reader acknowledges to one of its writers acknowledges nothing to another, although a stranger sends it there.
 
@@ -31,7 +31,7 @@ from scenarios import EO, GOVERNANCES, SROS2  # noqa: E402
 
 STRANGER = pathlib.Path(__file__).resolve().parent / "stranger.py"
 PATIENCE = {"request": 30, "answered": 90, "flood": 90, "announced": 90, "nameless": 90, "nameless-elsewhere": 90, "fewer": 90,
-            "early": 60, "privileged": 60, "removing": 60, "crowding": 60, "redirecting": 60}  # seconds
+            "early": 60, "privileged": 60, "parting": 90, "parting-both": 90, "removing": 60, "crowding": 60, "redirecting": 60}  # seconds
 TRIES = 4  # the peer's own announcement may be the first
 CAN_BE_LATE = ("announced", "nameless", "nameless-elsewhere", "fewer")
 MULTICAST = ("<CycloneDDS><Domain Id=\"any\"><General><Interfaces><NetworkInterface name=\"lo\" multicast=\"true\"/></Interfaces>"
@@ -97,6 +97,19 @@ def part(world):
     got = samples(subscriber, HONEST)
     check(f"recorded samples count again: {got}", got == sorted(got))
     go_on(world, subscriber, got[-1])
+    return 0
+
+
+def part_for_good(world, mode):
+    """The same, and what the stranger announces then keeps the core from asking our authentication about the peer again."""
+    world.settings["CYCLONEDDS_URI"] = MULTICAST
+    subscriber = world.honest("subscribe", True)
+    world.honest("publish", False)
+    world.until("the two talking", lambda: len(samples(subscriber, HONEST)) >= 3)
+    forge(world, mode)
+    before = len(samples(subscriber, HONEST))
+    world.until("the two talking again", lambda: len(samples(subscriber, HONEST)) >= before + 30, PATIENCE[mode])
+    go_on(world, subscriber, samples(subscriber, HONEST)[-1])
     return 0
 
 
@@ -183,7 +196,9 @@ def redirect(world):
 # With origin authentication recorded messages never open again.
 GOVERNANCE_OF = {"privileged": GOVERNANCES["everything-encrypt"], "removing": SROS2,
                  "redirecting": Governance(discovery="ENCRYPT", metadata="ENCRYPT"), "crowding": Governance(metadata=EO)}
-STORIES = {"privileged": part, "removing": remove, "crowding": crowd, "asking": ask, "redirecting": redirect}
+STORIES = {"privileged": part, "parting": lambda world: part_for_good(world, "parting"),
+           "parting-both": lambda world: part_for_good(world, "parting-both"),
+           "removing": remove, "crowding": crowd, "asking": ask, "redirecting": redirect}
 
 
 def once(kind, mode):
@@ -214,7 +229,8 @@ def cases():
         for mode in ("request", "answered", "flood", "announced"):
             yield f"{mode}/{kind}", kind, mode
     yield "nameless/ours-auth", "ours-auth", "nameless"
-    for mode in ("nameless", "nameless-elsewhere", "fewer", "privileged", "early", "removing", "crowding", "asking", "redirecting"):
+    for mode in ("nameless", "nameless-elsewhere", "fewer", "privileged", "parting", "parting-both", "early",
+                 "removing", "crowding", "asking", "redirecting"):
         # With a stock cryptography the two stay apart.
         yield f"{mode}/ours", "ours", mode
 

@@ -16,6 +16,9 @@ Usage: stranger.py request                an empty request to the participant th
                                           which its core takes the other to depend: both go when the invented one does.
                                           Before that it records what the two send each other, and sends it again as
                                           soon as they begin a new session
+       stranger.py parting                to the one that answers, an invented participant as above, without an identity token,
+                                          its end, and then the other's announcement without an identity token
+       stranger.py parting-both           the same to each of the two
        stranger.py removing               to each of two that talk, clear announcements in the other's name that dispose of its
                                           endpoints and of its secure discovery, or put its readers elsewhere
        stranger.py redirecting PREFIX     what the participant whose GUIDs begin with PREFIX (hexadecimal) says to each
@@ -153,6 +156,24 @@ def privileged(announcement):
     flagged = changed(announcement, VERSION_INFO, 4, lambda flags: flags | OTHERS_DEPEND_ON_IT)
     prefix = announcement[8:20]
     return flagged.replace(prefix, prefix[:4] + bytes(octet ^ 0x55 for octet in prefix[4:]))
+
+
+def farewell(prefix):
+    """The participant says in the clear that it is gone."""
+    end = struct.pack("<HH", SENTINEL, 0)
+    body = (struct.pack("<HH", 0, 16) + bytes.fromhex("000100c7") + SPDP_WRITER + struct.pack("<iI", 0, 77)
+            + parameter(0x71, b"\0\0\0\3") + end + b"\0\3\0\0" + parameter(0x50, prefix + PARTICIPANT) + end)
+    return b"RTPS\2\1\1\x10" + prefix + submessage(0x15, 0x0a, body)
+
+
+def part(network, of, to):
+    invented = nameless(privileged(network.announcements[of]))
+    network.send(to, invented)
+    time.sleep(0.02)
+    network.send(to, farewell(invented[8:20]))
+    for _ in range(10):
+        time.sleep(0.01)
+        network.send(to, nameless(network.announcements[of]))
 
 
 def submessage(kind, flags, body):
@@ -363,6 +384,10 @@ def main():
         for message in crowd(begins, answers):
             network.send(answers, message)
             time.sleep(0.001)
+    elif mode in ("parting", "parting-both"):
+        part(network, begins, answers)
+        if mode == "parting-both":
+            part(network, answers, begins)
     elif mode == "privileged":
         recorded = list(network.heard(RECORDED))
         network.send(answers, privileged(network.announcements[begins]))

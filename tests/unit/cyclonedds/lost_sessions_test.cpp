@@ -70,6 +70,35 @@ TEST_F(LostSessionsTest, ArePresentedWhenThePeerIsMetAgain) {
   EXPECT_EQ(all[0].to, secret_of(1).peer_addresses);
 }
 
+// A host that believes a forged announcement of the peer does not meet it.
+TEST_F(LostSessionsTest, ArePresentedSeldomWhileThePeerIsNotMet) {
+  lose(remote(1));
+  std::vector<std::chrono::nanoseconds> sent;
+  for (auto waited = 0ns; waited < LostSessions::kMemory; waited += 1s, clock.advance(1s)) {
+    const auto all = due(false);
+    ASSERT_LE(all.size(), 1u);
+    if (all.empty()) continue;
+    EXPECT_FALSE(all[0].is_meeting);
+    EXPECT_EQ(all[0].remote, remote(1));
+    EXPECT_EQ(all[0].own, kOwn);
+    sent.push_back(waited);
+  }
+  EXPECT_EQ(sent, (std::vector<std::chrono::nanoseconds>{4s, 32s, 64s, 128s, 256s, 512s, 1024s}));
+}
+
+TEST_F(LostSessionsTest, ArePresentedToSoManyUnmetPeersAtOnce) {
+  constexpr std::uint16_t kLost = 3 * LostSessions::kMostUnmet;
+  for (std::uint16_t number = 0; number < kLost; ++number) lose(remote(number));
+  clock.advance(LostSessions::kFirstUnmet);
+  std::set<Guid> told;
+  for (unsigned second = 0; second < 3; ++second, clock.advance(1s)) {
+    const auto all = due(false);
+    EXPECT_EQ(all.size(), LostSessions::kMostUnmet);
+    for (const auto& one : all) told.insert(one.remote);
+  }
+  EXPECT_EQ(told.size(), kLost);
+}
+
 // A link may be down while the first ten are sent.
 TEST_F(LostSessionsTest, AreRepeatedSoonAndThenSlowly) {
   sessions.established(local, remote(1), secret_of(1));
