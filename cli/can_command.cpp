@@ -1,4 +1,5 @@
 // can: what the documents let a participant do, and which line decides.
+#include <algorithm>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -125,6 +126,14 @@ Answer by_grant(const Question& question, const governance::CompiledGrant& grant
           question.folder.paths.permissions, verdict.line(grant.grant())};
 }
 
+// As the chain verifier of ddssec's plugins leaves it out.
+bool is_superseded(const pki::Crl& list, const std::vector<pki::Crl>& lists) {
+  return std::ranges::any_of(lists, [&](const pki::Crl& other) {
+    return &other != &list && other.issuer() == list.issuer() && other.supersedes(list) &&
+           !list.supersedes(other);
+  });
+}
+
 // Documents give a revoked participant nothing, whatever they say: its peers refuse it. The CA's
 // own list counts where it lies beside the participant.
 std::optional<Answer> by_revocation(const pki::ParticipantFolder& folder) {
@@ -142,8 +151,30 @@ std::optional<Answer> by_revocation(const pki::ParticipantFolder& folder) {
   if (newer && governance::doctor::names(newer->list, *certificate))
     return answer(newer->list, newer->file);
   for (const auto& list : *own)
-    if (governance::doctor::names(list, *certificate)) return answer(list, folder.crl);
+    if (!is_superseded(list, *own) && governance::doctor::names(list, *certificate))
+      return answer(list, folder.crl);
   return std::nullopt;
+}
+
+// Where they read another list than ddssec's plugins, which were judged.
+void note_stock_products(const doctor::LoadedFolder& folder, Report& report) {
+  if (!folder.crls || !folder.certificate || folder.crls->size() < 2) return;
+  const auto& lists = *folder.crls;
+  const auto names = [&](const pki::Crl& list) { return doctor::names(list, *folder.certificate); };
+  const bool ours = std::ranges::any_of(
+      lists, [&](const pki::Crl& list) { return !is_superseded(list, lists) && names(list); });
+  const bool stock = names(lists.front());
+  if (ours == stock) return;
+  report.findings.push_back(
+      {.rule = Rule::DOC023,
+       .message = fmt::format(
+           "{} holds {} lists; the stock plugins of Cyclone DDS and Fast DDS read the first only, "
+           "by which {} is {}revoked; {}",
+           folder.paths.crl.string(), lists.size(), folder.certificate->subject(),
+           stock ? "" : "not ", ours ? "ddssec's plugins refuse it" : "ddssec's plugins do not"),
+       .document = folder.paths.crl.string(),
+       .hint = "keep the newest alone: ddssec crl distribute --ca CA",
+       .severity = Severity::warning});
 }
 
 // The whole chain, as check judges it: identity, grant, joining, topic rule and rights.
@@ -209,37 +240,39 @@ Result<Report> can(const Arguments& arguments, const Context& context) {
   const std::vector<std::string_view> partitions(names.begin(), names.end());
   const auto answer = DDSSEC_TRY(
       answer_to({folder, action, {.topic = topic, .partitions = partitions}, domain, now}));
-  Report report{
-      .exit = answer.allowed ? Exit::done : Exit::no,
-      .text = fmt::format("{} in domain {}: {} ({}{})\n", answer.allowed ? "allowed" : "denied",
-                          domain, answer.because, answer.document.string(),
-                          answer.line > 0 ? fmt::format(":{}", answer.line) : ""),
-      .result = {{"allowed", answer.allowed},
-                 {"domain", domain},
-                 {"because", answer.because},
-                 {"file", answer.document.string()},
-                 {"line", answer.line}}};
+  Report report{.exit = answer.allowed ? Exit::done : Exit::no,
+                .text = fmt::format("{} in domain {} by ddssec's plugins: {} ({}{})\n",
+                                    answer.allowed ? "allowed" : "denied", domain, answer.because,
+                                    answer.document.string(),
+                                    answer.line > 0 ? fmt::format(":{}", answer.line) : ""),
+                .result = {{"allowed", answer.allowed},
+                           {"domain", domain},
+                           {"judge", "ddssec"},
+                           {"because", answer.because},
+                           {"file", answer.document.string()},
+                           {"line", answer.line}}};
   if (!answer.hint.empty())
     report.errors.emplace_back(code_of(action), ErrorDetails{.document = answer.document,
                                                              .line = answer.line,
                                                              .found = answer.because,
                                                              .hint = answer.hint});
+  note_stock_products(folder, report);
   return report;
 }
 
 }  // namespace
 
 std::vector<Command> can_commands() {
-  return {
-      {.group = "",
-       .name = "can",
-       .summary = "Says whether a participant may use a topic, and which line decides; exit 1: no.",
-       .positionals = {{"SUBJECT", "the participant's folder"},
-                       {"ACTION", "publish or subscribe"},
-                       {"TOPIC", "the topic's name"}},
-       .options = {kDomainToCheck, repeated("--partition", "P", "a partition of the endpoint")},
-       .examples = {"ddssec can talker publish rt/chatter"},
-       .run = can}};
+  return {{.group = "",
+           .name = "can",
+           .summary = "Says whether ddssec's plugins let a participant use a topic, and which line "
+                      "decides; exit 1: no.",
+           .positionals = {{"SUBJECT", "the participant's folder"},
+                           {"ACTION", "publish or subscribe"},
+                           {"TOPIC", "the topic's name"}},
+           .options = {kDomainToCheck, repeated("--partition", "P", "a partition of the endpoint")},
+           .examples = {"ddssec can talker publish rt/chatter"},
+           .run = can}};
 }
 
 }  // namespace ddssec::cli

@@ -281,6 +281,35 @@ class Several(Lists):
         self.put(self.new, self.old)
         self.assertEqual([self.accepts(p) for p in ("cyclonedds@0.10.2", "fastdds@2.9.1", "ddssec")], [False] * 3)
 
+    # can judges as ddssec's plugins do, and says so; away from the CA, whose own list counts for it.
+    def test_can_says_which_product_it_judges(self):
+        shutil.copytree(self.at / "demo/talker", self.at / "away/talker")
+        file = self.at / "away/talker/crl.pem"
+        can = ("can", "away/talker", "publish", "x", *NOW)
+        for lists, stock in (((self.old, self.new), "not revoked"), ((self.new, self.old), None)):
+            file.write_text("".join(lists))
+            out = self.json(*can, exit=1)
+            self.assertEqual((out["result"]["allowed"], out["result"]["judge"]), (False, "ddssec"))
+            self.assertIn("revoked by list 2 of the CA", out["result"]["because"])
+            told = [d["message"] for d in out["diagnostics"] if d["id"] == "DOC023"]
+            self.assertEqual(len(told), 1 if stock else 0)
+            if stock:
+                self.assertRegex(told[0], f"read the first only, by which CN=talker is {stock}; ddssec's plugins refuse it")
+        self.assertIn("denied in domain 0 by ddssec's plugins: ", self.run_program(*can, exit=1).stdout)
+
+    def test_can_leaves_out_a_list_whose_place_a_newer_one_takes(self):
+        shutil.copytree(self.at / "demo/ca", self.at / "once")
+        for file in ("crl.pem", "issued.jsonl"):  # a CA that forgot whom it revoked
+            (self.at / "once/identity" / file).unlink()
+        for _ in range(3):
+            self.run_program("crl", "new", "--ca", "once/identity", *LATER)
+        shutil.copytree(self.at / "demo/talker", self.at / "away/talker")
+        (self.at / "away/talker/cyclonedds.xml").unlink()  # it names the files in demo
+        newest = (self.at / "once/identity/crl.pem").read_text()
+        (self.at / "away/talker/crl.pem").write_text(self.new + newest)
+        out = self.json("can", "away/talker", "publish", "x", *LATER)
+        self.assertRegex(str(out["diagnostics"]), "by which CN=talker is revoked; ddssec's plugins do not")
+
     def test_doctor_and_show_say_so(self):
         self.put(self.old, self.new)
         told = self.run_program("doctor", "demo/listener", *NOW).stderr
