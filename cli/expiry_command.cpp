@@ -37,7 +37,8 @@ struct Ending {
   std::string id = {};     ///< of a certificate: issuer and serial number
 };
 
-/// All that ends below some paths; the same thing in many files is one row.
+/// All that ends below some paths; the same thing in many files is one row. A document ends with
+/// the certificate that signed it, whichever file holds that.
 class Search {
  public:
   /// What cannot be read, and a path under which nothing ends, is told by unreadable(): a watch
@@ -63,6 +64,8 @@ class Search {
   std::vector<Ending> endings() const {
     std::vector<Ending> out;
     for (const auto& [key, ending] : found_) out.push_back(ending);
+    for (const auto& [key, ending] : signers_)
+      if (!found_.contains(key)) out.push_back(ending);
     order_by_least(out, [](const Ending& e) { return std::tuple(e.end, e.file.string()); });
     return out;
   }
@@ -140,13 +143,20 @@ class Search {
     return out;
   }
 
+  static Ending ending_of(const pki::Certificate& certificate, const fs::path& file) {
+    return {certificate.is_ca() ? "CA" : "certificate",
+            certificate.subject(),
+            certificate.not_after(),
+            file,
+            1,
+            certificate.issuer() + ' ' + certificate.serial()};
+  }
+
   Status look_into_pem(const fs::path& file, BytesView octets) {
     const auto text = with_usual_labels(as_text(octets));
     if (text.contains("-----BEGIN CERTIFICATE-----"))
       for (const auto& certificate : DDSSEC_TRY(pki::Certificate::bundle_from_pem(as_bytes(text))))
-        add({certificate.is_ca() ? "CA" : "certificate", certificate.subject(),
-             certificate.not_after(), file, 1, certificate.issuer() + ' ' + certificate.serial()},
-            to_hex(certificate.fingerprint()));
+        add(ending_of(certificate, file), to_hex(certificate.fingerprint()));
     if (text.find("-----BEGIN X509 CRL-----") == text.npos) return {};
     for (const auto& crl : DDSSEC_TRY(pki::Crl::all_from(octets))) {
       for (const auto& entry : DDSSEC_TRY(crl.revoked()))
@@ -162,12 +172,23 @@ class Search {
   Status look_into_document(const fs::path& file, BytesView octets) {
     const auto form = pki::examine_document(octets);
     if (form.ambiguous) return std::unexpected(*form.ambiguous);
-    if (as_text(form.unverified_text).find("<permissions") == std::string_view::npos) return {};
+    const auto signers = add_signers(form, file);
+    if (as_text(form.unverified_text).find("<permissions") == std::string_view::npos)
+      return signers;
     const auto document =
         DDSSEC_TRY(governance::read_permissions(form.unverified_text, form.first_line));
     for (const auto& grant : document.grants)
       add({"permissions", grant.subject_name, grant.validity.not_after, file},
           to_hex(sha256(octets)) + grant.subject_name);
+    return signers;
+  }
+
+  Status add_signers(const pki::DocumentForm& form, const fs::path& file) {
+    for (const auto& der : form.signer_certificates) {
+      const auto signer = DDSSEC_TRY(pki::Certificate::from_der(der));
+      signers_.try_emplace(to_hex(signer.fingerprint()), ending_of(signer, file));
+      ++hits_;
+    }
     return {};
   }
 
@@ -178,6 +199,7 @@ class Search {
   }
 
   std::map<std::string, Ending> found_;
+  std::map<std::string, Ending> signers_;  ///< inside signatures: listed where no file holds them
   std::set<fs::path> paths_;
   std::set<std::string> seen_;
   std::set<std::string> revoked_;  ///< as Ending::id
@@ -232,8 +254,8 @@ Result<Report> expiry(const Arguments& arguments, const Context& context) {
 std::vector<Command> expiry_commands() {
   return {{.group = "",
            .name = "expiry",
-           .summary = "Shows when certificates, CAs, revocation lists and permissions end; exit 1: "
-                      "one within the time.",
+           .summary = "Shows when certificates, CAs, signers of documents, revocation lists and "
+                      "permissions end; exit 1: one within the time.",
            .positionals = {{"PATHS", "files and folders; without any, this folder", true, true}},
            .options = {{"--within", "TIME", "what counts as soon: 30d, 12h, 4w", "30d"}},
            .examples = {"ddssec expiry fleet ca --within 30d",

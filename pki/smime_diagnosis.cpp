@@ -73,6 +73,19 @@ void describe_signer(PKCS7* pkcs7, DocumentForm& form) {
   form.signer_serial = hex ? hex.get() : "";
 }
 
+void add_signer_certificates(PKCS7* pkcs7, DocumentForm& form) {
+  auto* signers = PKCS7_get_signer_info(pkcs7);
+  const auto count = signers != nullptr ? sk_PKCS7_SIGNER_INFO_num(signers) : 0;
+  for (int i = 0; i < count && form.signer_certificates.size() < DocumentForm::kMostEmbedded; ++i) {
+    auto* certificate = PKCS7_cert_from_signer_info(pkcs7, sk_PKCS7_SIGNER_INFO_value(signers, i));
+    if (certificate == nullptr) continue;
+    Bytes der(static_cast<std::size_t>(std::max(i2d_X509(certificate, nullptr), 0)));
+    auto* position = der.data();
+    if (!der.empty()) i2d_X509(certificate, &position);
+    form.signer_certificates.push_back(std::move(der));
+  }
+}
+
 void describe_embedded(PKCS7* pkcs7, DocumentForm& form) {
   if (PKCS7_type_is_signed(pkcs7) == 0 || pkcs7->d.sign == nullptr) return;
   const auto* certificates = pkcs7->d.sign->cert;
@@ -126,6 +139,7 @@ bool take_as_plugins_do(BytesView file, DocumentForm& form) {
   if (const auto same = check_same_reading(*document, file); !same) form.ambiguous = same.error();
   describe_signer(pkcs7.get(), form);
   describe_embedded(pkcs7.get(), form);
+  add_signer_certificates(pkcs7.get(), form);
   return true;
 }
 
@@ -195,6 +209,7 @@ DocumentForm examine_document(BytesView file) {
         parsed.beside ? read_all(parsed.beside.get()) : inner_text(parsed.pkcs7.get());
     describe_signer(parsed.pkcs7.get(), form);
     describe_embedded(parsed.pkcs7.get(), form);
+    add_signer_certificates(parsed.pkcs7.get(), form);
   }
   take_text_header(form);
   if (form.wrapping == DocumentWrapping::multipart) {

@@ -39,6 +39,8 @@ struct DocumentForm {
   /// certificate; empty if nobody.
   std::string signer_issuer = {};
   std::string signer_serial = {};
+  /// The certificates inside the signature that its signers name, DER, at most kMostEmbedded.
+  std::vector<Bytes> signer_certificates = {};
   /// The document's text without its header; empty if it cannot be found.
   Bytes unverified_text = {};
   /// The line of the file, from 1, on which that text begins; 1 where it is not readable in the

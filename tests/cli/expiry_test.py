@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """expiry: one table of everything that ends."""
 
+import subprocess
+
 from transcript import Transcript, main
 
 NOW = ("--now", "2026-11-21T00:00:00Z")
@@ -101,6 +103,34 @@ class Expiry(Transcript):
             self.assertEqual([(d["id"], d["file"]) for d in out["diagnostics"]],
                              [("file_unreadable", "demo/talker")])
 
+
+    # The permissions CA is in no file of its own here.
+    def test_who_signed_a_document_is_listed_where_no_file_holds_the_certificate(self):
+        (self.at / "alone").mkdir()
+        for name in ("governance.p7s", "permissions.p7s"):
+            (self.at / "alone" / name).write_bytes((self.at / "demo/talker" / name).read_bytes())
+        signer = ("CA", "CN=demo Permissions CA", "2036-11-18T00:00:00Z", "alone/governance.p7s", 1)
+        rows = [tuple(e[k] for k in ("kind", "subject", "not_after", "file", "places"))
+                for e in self.entries("alone/governance.p7s", *NOW)]
+        self.assertEqual(rows, [signer])
+        (self.at / "alone/governance.p7s").unlink()
+        self.assertEqual([(e["kind"], e["file"]) for e in self.entries("alone", *NOW)],
+                         [("permissions", "alone/permissions.p7s"), ("CA", "alone/permissions.p7s")])
+        self.assertIn("CN=demo Permissions CA", self.run_program("expiry", "-q", "alone", "--within", "4000d", *NOW, exit=1).stdout)
+
+    # Signed as openssl does, by a certificate that the permissions CA issued for it.
+    def test_a_signer_that_is_not_the_ca_is_listed(self):
+        openssl = lambda *words: subprocess.run(("openssl", *words), cwd=self.at, check=True, capture_output=True)
+        openssl("req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-keyout", "signer.key",
+                "-out", "signer.pem", "-subj", "/CN=signing office", "-days", "7", "-addext", "basicConstraints=CA:FALSE")
+        (self.at / "plain.xml").write_text("<dds><domain_access_rules/></dds>")
+        openssl("smime", "-sign", "-text", "-in", "plain.xml", "-out", "governance.p7s", "-signer", "signer.pem",
+                "-inkey", "signer.key")
+        (row,) = self.entries("governance.p7s", exit=1)
+        self.assertEqual((row["state"], row["kind"], row["subject"]), ("soon", "certificate", "CN=signing office"))
+        openssl("smime", "-sign", "-text", "-nocerts", "-in", "plain.xml", "-out", "governance.p7s", "-signer",
+                "signer.pem", "-inkey", "signer.key")
+        self.refused("file_not_found", 3, "expiry", "governance.p7s")
 
     def test_every_label_of_a_certificate_counts(self):
         text = (self.at / "demo/talker/cert.pem").read_text().replace("CERTIFICATE-----", "x")

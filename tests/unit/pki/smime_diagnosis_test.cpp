@@ -67,6 +67,8 @@ TEST_F(SmimeDiagnosis, TheFormThatWeWriteIsKnownAndBelieved) {
   EXPECT_EQ(form.embedded, std::vector<std::string>{"CN=Permissions CA"});
   EXPECT_EQ(form.signer_issuer, "CN=Permissions CA");
   EXPECT_EQ(form.signer_serial, ca_.certificate().serial());
+  ASSERT_EQ(form.signer_certificates.size(), 1U);
+  EXPECT_TRUE(std::ranges::equal(form.signer_certificates[0], ca_.certificate().der()));
   EXPECT_EQ(as_text(form.unverified_text), kDocument);
   EXPECT_TRUE(believed(file));
 }
@@ -125,6 +127,7 @@ TEST_F(SmimeDiagnosis, PartsThatOnlyOpensslFindsAreAmbiguous) {
 TEST_F(SmimeDiagnosis, WithoutCertificatesNobodyIsEmbedded) {
   const OddDocument bare(self_, PKCS7_DETACHED | PKCS7_TEXT | PKCS7_NOCERTS);
   EXPECT_TRUE(examine(bare.smime()).embedded.empty());
+  EXPECT_TRUE(examine(bare.smime()).signer_certificates.empty());
   EXPECT_EQ(examine(bare.smime()).signer_issuer, "CN=Permissions CA");
   EXPECT_CODE(believed(bare.smime()), smime_signature_invalid);
 }
