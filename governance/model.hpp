@@ -172,6 +172,9 @@ struct Grant {
   std::string subject_name = {};
   /// True: the values of subject_name are fnmatch expressions (DDS-Security 1.2).
   bool subject_is_expression = false;
+  /// A line break or a tab stands before or after the subject name: Fast DDS takes it for part of
+  /// it.
+  bool subject_has_line_breaks = false;
   Validity validity = {};
   std::vector<Rule> rules = {};
   bool default_allow = false;

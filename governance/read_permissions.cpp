@@ -1,3 +1,4 @@
+#include "base/text.hpp"
 #include "governance/date_time.hpp"
 #include "governance/read.hpp"
 #include "governance/read_values.hpp"
@@ -151,7 +152,10 @@ Status read_subject(XmlElement element, const XmlChildren& children, Grant& gran
                  .expected = "one <subject_name> or <subject_name_expression>"});
   }
   grant.subject_is_expression = !name;
-  grant.subject_name = DDSSEC_TRY((name ? name : expression).nonempty_text());
+  const auto& subject = name ? name : expression;
+  grant.subject_name = DDSSEC_TRY(subject.nonempty_text());
+  grant.subject_has_line_breaks =
+      trimmed(DDSSEC_TRY(subject.raw_text()), " ") != grant.subject_name;
   return {};
 }
 

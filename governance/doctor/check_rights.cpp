@@ -48,6 +48,7 @@ std::vector<Candidate> candidates(const Permissions& permissions,
   for (const auto& grant : permissions.grants) {
     auto outcomes = reads_subject(grant.subject_name, certificate, lineup);
     if (is_for(grant, subject)) outcomes.ours = Outcome::ok;
+    if (grant.subject_has_line_breaks) outcomes.fastdds = Outcome::fail;
     if (outcomes != kNobody) out.push_back({&grant, outcomes});
   }
   return out;
@@ -91,12 +92,14 @@ void check_form(const Scene& scene, const std::vector<Candidate>& all) {
   scene.out.pass(Rule::DOC010);
   if (best.all_ok()) return scene.out.pass(Rule::DOC011);
   const auto* grant = all.front().grant;
-  scene.out.report(best, {.rule = Rule::DOC011,
-                          .message = fmt::format("the grant says \"{}\"; it must say \"{}\"",
-                                                 grant->subject_name.substr(0, 256),
-                                                 scene.folder.certificate->subject()),
-                          .document = scene.file(),
-                          .line = grant->line});
+  scene.out.report(
+      best, {.rule = Rule::DOC011,
+             .message = fmt::format(
+                 "the grant says \"{}\"{}; it must say \"{}\"", grant->subject_name.substr(0, 256),
+                 grant->subject_has_line_breaks ? " between line breaks or tabs" : "",
+                 scene.folder.certificate->subject()),
+             .document = scene.file(),
+             .line = grant->line});
 }
 
 void check_cyclones_end(const Scene& scene, const Grant& grant) {
@@ -158,19 +161,19 @@ void check_cyclones_grant(const Scene& scene, const std::vector<Candidate>& all)
   const bool has_own = std::ranges::any_of(
       all, [](const Candidate& one) { return one.subject.ours == Outcome::ok; });
   if (!has_own || taken == all.end() || taken->subject.cyclonedds != Outcome::unsafe) return;
-  scene.out.report({.cyclonedds = Outcome::unsafe},
-                   {.rule = Rule::DOC043,
-                    .message = fmt::format(
-                        "the grant for \"{}\" stands first: {} takes it for \"{}\", whose "
-                        "attributes are among its own, and not the grant for that subject",
-                        taken->grant->subject_name.substr(0, 256),
-                        name(Vendor::cyclonedds, scene.settings.lineup),
-                        scene.folder.certificate->subject()),
-                    .document = scene.file(),
-                    .line = taken->grant->line,
-                    .hint = "put the grants into documents of their own, or let no subject's "
-                            "attributes be a part of another's",
-                    .severity = Severity::error});
+  scene.out.report(
+      {.cyclonedds = Outcome::unsafe},
+      {.rule = Rule::DOC043,
+       .message = fmt::format("the grant for \"{}\" stands first: {} takes it for \"{}\", whose "
+                              "attributes are among its own, and not the grant for that subject",
+                              taken->grant->subject_name.substr(0, 256),
+                              name(Vendor::cyclonedds, scene.settings.lineup),
+                              scene.folder.certificate->subject()),
+       .document = scene.file(),
+       .line = taken->grant->line,
+       .hint = "put the grants into documents of their own, or let no subject's "
+               "attributes be a part of another's",
+       .severity = Severity::error});
 }
 
 void check_second_grant(const Scene& scene, const std::vector<Candidate>& all) {

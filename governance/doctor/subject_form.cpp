@@ -13,17 +13,14 @@ namespace {
 
 constexpr std::string_view kBlanksOfNames = " \t\r\n";
 
-// The parts between separators that no backslash stands before.
-std::vector<std::string> split(std::string_view text, char separator) {
-  std::vector<std::string> parts(1);
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool escaped = i > 0 && text[i - 1] == '\\';
-    if (text[i] == separator && !escaped)
-      parts.emplace_back();
-    else
-      parts.back().push_back(text[i]);
+std::vector<std::string_view> split(std::string_view text) {
+  std::vector<std::string_view> parts;
+  for (;;) {
+    const auto end = text.find(',');
+    parts.push_back(text.substr(0, end));
+    if (end == text.npos) return parts;
+    text.remove_prefix(end + 1);
   }
-  return parts;
 }
 
 std::string_view type_of(std::string_view piece) { return piece.substr(0, piece.find('=')); }
@@ -44,29 +41,45 @@ Outcome cyclonedds_outcome(std::string_view text, const pki::Certificate& certif
   return has_same_attributes(text, certificate) ? Outcome::ok : Outcome::unsafe;
 }
 
-bool fastdds_reads(std::string_view text, const std::string& subject) {
-  std::string joined;
-  for (auto part : split(text, ',')) {
-    if (!joined.empty()) joined += ',';
-    joined += trimmed(part, kBlanksOfNames);
-  }
-  return joined == subject;
+// Fast DDS knows no blanks but spaces.
+std::string_view without_spaces(std::string_view part) { return trimmed(part, " "); }
+
+// It goes part by part and ends at an empty one: of what follows nothing counts.
+bool fastdds_reads(std::string_view text, std::string_view subject) {
+  const auto parts_of = [](std::string_view name) {
+    auto parts = split(name);
+    parts.erase(std::ranges::find(parts, ""), parts.end());
+    return parts;
+  };
+  return std::ranges::equal(parts_of(text), parts_of(subject), {}, without_spaces, without_spaces);
 }
 
-// Since some version the order of the parts and blanks around '=' do not matter.
-bool newer_fastdds_reads(std::string_view text, const std::string& subject) {
+// Since some version the order of the parts and spaces around '=' do not matter, and a part without
+// '=' is the end.
+bool newer_fastdds_reads(std::string_view text, std::string_view subject) {
   const auto parts_of = [](std::string_view name) {
     std::vector<std::string> out;
-    for (const auto& part : split(name, ',')) {
-      const auto equals = std::min(part.find('='), part.size());
-      out.push_back(
-          std::string(trimmed(std::string_view(part).substr(0, equals))) + '=' +
-          std::string(trimmed(std::string_view(part).substr(std::min(equals + 1, part.size())))));
+    for (const auto part : split(name)) {
+      const auto equals = part.find('=');
+      if (equals == part.npos) break;
+      out.push_back(std::string(without_spaces(part.substr(0, equals))) + '=' +
+                    std::string(without_spaces(part.substr(equals + 1))));
     }
     std::ranges::sort(out);
     return out;
   };
   return parts_of(text) == parts_of(subject);
+}
+
+// Commas and blanks at the end say nothing.
+Outcome fastdds_outcome(std::string_view text, const pki::Certificate& certificate,
+                        bool any_order) {
+  const auto reads = any_order ? newer_fastdds_reads : fastdds_reads;
+  if (!reads(text, certificate.subject())) return Outcome::fail;
+  const auto end = text.find_last_not_of(", \t\r\n");
+  return has_same_attributes(text.substr(0, end == text.npos ? 0 : end + 1), certificate)
+             ? Outcome::ok
+             : Outcome::unsafe;
 }
 
 Outcome outcome(bool reads) { return reads ? Outcome::ok : Outcome::fail; }
@@ -97,11 +110,10 @@ bool cyclonedds_takes(std::string_view grant, std::string_view certificate) {
 Outcomes reads_subject(std::string_view text, const pki::Certificate& certificate,
                        const Lineup& lineup) {
   const bool any_order = measured(Variant::subject_mixed_order, lineup).fastdds == Outcome::ok;
-  const auto fastdds = any_order ? newer_fastdds_reads : fastdds_reads;
   const auto name = pki::SubjectName::parse(text);
   const auto subject = trimmed(text, kBlanksOfNames);
   return {.cyclonedds = cyclonedds_outcome(subject, certificate),
-          .fastdds = outcome(fastdds(subject, certificate.subject())),
+          .fastdds = fastdds_outcome(text, certificate, any_order),
           .ours = outcome(name && name->matches(certificate))};
 }
 

@@ -28,6 +28,8 @@ subject("misspelt", "CN=talkre", "/CN=talker", "talker")
 subject("blank-around", " CN=talker ", "/CN=talker", "talker")
 subject("single-blanks-at-equals", "CN = talker", "/CN=talker", "talker")
 subject("single-slash", "/CN=talker", "/CN=talker", "talker")
+subject("trailing-comma", "CN=talker,", "/CN=talker", "talker")
+subject("line-break", "CN=talker\n", "/CN=talker", "talker")
 
 
 # ---- grants and rules

@@ -19,7 +19,8 @@ import golden_folders  # noqa: E402
 from pair import Namespace  # noqa: E402
 
 CHOSEN = ("correct", "sros2-keystore", "key-of-another", "p384", "permissions-by-itself",
-          "form-nocerts", "form-opaque-text", "subject-slashes", "subject-blanks", "grant-second",
+          "form-nocerts", "form-opaque-text", "subject-slashes", "subject-blanks", "subject-trailing-comma",
+          "subject-line-break", "grant-second",
           "governance-other-domain", "governance-order", "governance-pre-shared-key",
           "governance-key-revision", "identity-below-intermediate", "x509-v1-ca", "x509-v1-permissions-ca",
           "identity-sha512", "form-crcrlf", "governance-bom", "governance-doctype", "governance-escaped-quotes")

@@ -21,7 +21,17 @@ TEST(SubjectForm, EachProductReadsSomeOfThem) {
   ASSERT_EQ(leaf.certificate.subject(), "CN=pub,O=Acme,C=DE");
   for (const auto& [text, outcomes] : {
            Row{"CN=pub,O=Acme,C=DE", {kOk, kOk, kOk}},
-           Row{" CN=pub,O=Acme,C=DE\n", {kOk, kOk, kOk}},
+           Row{"  CN=pub,O=Acme,C=DE ", {kOk, kOk, kOk}},
+           Row{"CN=pub,O=Acme,C=DE\n", {kOk, kFail, kOk}},
+           Row{"\n\tCN=pub,O=Acme,C=DE", {kOk, kFail, kOk}},
+           Row{"CN=pub,O=Acme,C=DE,", {kUnsafe, kOk, kFail}},
+           Row{"CN=pub,O=Acme,C=DE,,,", {kUnsafe, kOk, kFail}},
+           Row{"CN=pub,O=Acme,C=DE ,", {kFail, kOk, kFail}},
+           Row{"CN=pub,O=Acme,C=DE, ", {kUnsafe, kFail, kFail}},
+           Row{"CN=pub,O=Acme,C=DE,,L=Bonn", {kUnsafe, kUnsafe, kFail}},
+           Row{"CN=pub,,O=Acme,C=DE", {kUnsafe, kFail, kFail}},
+           Row{",CN=pub,O=Acme,C=DE", {kUnsafe, kFail, kFail}},
+           Row{" , CN=pub,O=Acme,C=DE", {kFail, kFail, kFail}},
            Row{"C=DE,O=Acme,CN=pub", {kOk, kFail, kOk}},
            Row{"/C=DE/O=Acme/CN=pub", {kOk, kFail, kOk}},
            Row{"O=Acme,CN=pub,C=DE", {kOk, kFail, kFail}},
@@ -64,6 +74,21 @@ TEST(SubjectForm, LaterFastDdsReadsPartsInAnyOrderAndBlanks) {
     EXPECT_EQ(reads(text), kOk) << text;
   for (const auto* text : {"/C=DE/O=Acme/CN=pub", "cn=pub,o=Acme,c=DE", "CN=pub", "CN=pub,O=Acme,C",
                            "CN=Pub,O=Acme,C=DE", ""})
+    EXPECT_EQ(reads(text), kFail) << text;
+}
+
+// Measured with Fast DDS 3.1.2.
+TEST(SubjectForm, LaterFastDdsEndsAtAPartWithoutEquals) {
+  const auto leaf = make_leaf(make_ca("CN=CA"), "CN=pub,O=Acme,C=DE");
+  const auto reads = [&](std::string_view text) {
+    return reads_subject(text, leaf.certificate, {.fastdds = {3, 1, 2}}).fastdds;
+  };
+  for (const auto* text : {"CN=pub,O=Acme,C=DE,", "CN=pub,O=Acme,C=DE,,,", "CN=pub,O=Acme,C=DE, "})
+    EXPECT_EQ(reads(text), kOk) << text;
+  for (const auto* text : {"CN=pub,O=Acme,C=DE,x", "CN=pub,O=Acme,C=DE,,L=Bonn"})
+    EXPECT_EQ(reads(text), kUnsafe) << text;
+  for (const auto* text : {",CN=pub,O=Acme,C=DE", "CN=pub,,O=Acme,C=DE",
+                           "CN=pub,O=Acme,C=DE,L=", "x,CN=pub,O=Acme,C=DE", "CN=pub,O=Acme,C=DE\n"})
     EXPECT_EQ(reads(text), kFail) << text;
 }
 
