@@ -18,28 +18,13 @@ constexpr std::size_t kAddressesSize = 100;    ///< up to message_class_id
 
 // ---- whole messages
 
-/// The octets of the first submessage, header included; nothing where Cyclone DDS stops reading.
-std::optional<std::size_t> size_of_first(BytesView octets) {
-  if (octets.size() < kSubmessageHeaderSize) return std::nullopt;
-  const auto header = read_submessage_header(octets);
-  if (header.length == 0) {
-    constexpr std::uint8_t kPad = 0x01;
-    const bool may_be_empty = header.id == kPad || header.id == submessage_id::kInfoTimestamp;
-    return may_be_empty ? kSubmessageHeaderSize : octets.size();
-  }
-  const auto size = kSubmessageHeaderSize + header.length;
-  if (size > octets.size()) return std::nullopt;
-  if (header.length % 4 != 0 && size != octets.size()) return std::nullopt;
-  return size;
-}
-
 /// Cyclone DDS reads the lengths of a SEC_ group in the byte order of its SEC_PREFIX. With one
 /// order in all three there is one way to read them.
 bool is_of_one_order(BytesView group, std::size_t prefix_size) {
   const auto order = group[1] & kEndianFlag;
   auto rest = group.subspan(prefix_size);
   for (int part = 0; part < 2; ++part) {
-    const auto size = size_of_first(rest);
+    const auto size = size_of_first_submessage(rest);
     if (!size || (rest[1] & kEndianFlag) != order) return false;
     rest = rest.subspan(*size);
   }
@@ -51,7 +36,7 @@ bool is_of_one_order(BytesView group, std::size_t prefix_size) {
 bool begins_signed_group(BytesView group, std::size_t prefix_size) {
   if (group[0] != submessage_id::kSecPrefix) return false;
   const auto body = group.subspan(prefix_size);
-  const auto size = size_of_first(body);
+  const auto size = size_of_first_submessage(body);
   return size && *size < body.size() && body[*size] == submessage_id::kSecPostfix;
 }
 
@@ -123,7 +108,7 @@ SenderPart part_of_sender(BytesView content, const GuidPrefix& sender, WalksOfPe
       part.ended = std::move(why);
       part.size = here;
     };
-    const auto size = size_of_first(rest);
+    const auto size = size_of_first_submessage(rest);
     if (!size) {
       end(unreadable());
       break;

@@ -119,14 +119,12 @@ bool may_send(const RemoteEndpoint& sender, std::uint8_t id) {
   return sender.kind() == EntityKind::remote_writer ? writer : reader;
 }
 
-/// Exactly one submessage in whole words, of a kind its sender may send.
+/// Exactly one submessage in whole words, as the host reads it, of a kind its sender may send.
 Status check_submessage(const RemoteEndpoint& sender, BytesView plain) {
-  if (plain.size() < kSubmessageHeaderSize || plain.size() % 4 != 0)
+  if (plain.size() % 4 != 0 || size_of_first_submessage(plain) != plain.size())
     return fail(Code::secure_group_malformed);
-  const auto header = read_submessage_header(plain);
-  if (header.length != 0 && header.length != plain.size() - kSubmessageHeaderSize)
-    return fail(Code::secure_group_malformed);
-  if (!may_send(sender, header.id)) return fail(Code::submessage_not_of_sender);
+  if (!may_send(sender, read_submessage_header(plain).id))
+    return fail(Code::submessage_not_of_sender);
   return {};
 }
 
@@ -168,6 +166,12 @@ Status check_source_named(Shared& shared, const RemoteEndpoint& sender, MutableB
   return status;
 }
 
+/// No honest holder of the key protects such a submessage.
+void report_form(const Shared& shared, const RemoteEndpoint& sender, const Error& error) {
+  const auto* const pair = sender.participant.pair(sender.local.participant.handle());
+  if (pair != nullptr) shared.report(error, pair->peer_prefix);
+}
+
 template <class Local, class Remote>
 Result<std::size_t> decode_submessage(Shared& shared, Local receiver, Remote sender,
                                       BytesView encoded, MutableBytes out) {
@@ -182,7 +186,10 @@ Result<std::size_t> decode_submessage(Shared& shared, Local receiver, Remote sen
       DDSSEC_TRY(open(shared, remote.remote_keys, &LevelKeys::submessage, message, key, out));
   const auto plain = out.first(size);
   auto status = check_submessage(remote, plain);
-  if (status) status = check_source_named(shared, remote, plain);
+  if (!status) [[unlikely]]
+    report_form(shared, remote, status.error());
+  else
+    status = check_source_named(shared, remote, plain);
   if (!status) {
     wipe(plain);
     return std::unexpected(std::move(status).error());
@@ -336,27 +343,36 @@ void Transform::report_end(spi::ParticipantCryptoHandle receiver,
     shared_.report(Error(Code::info_source_of_peer, part.ended->details()), prefix);
 }
 
+/// The host reads padding there, and goes on behind it. One of length 0 goes to the end, as padding
+/// it would have no octets: the sender's part ends before it.
+void hide_submessage(MutableBytes content, std::size_t at, SenderPart& part) {
+  constexpr std::uint8_t kPad = 0x01;
+  if (read_submessage_header(content.subspan(at)).length == 0)
+    part.size = std::min(part.size, at);
+  else
+    content[at] = kPad;
+}
+
 /// What an insider says in another's name is lost, not what it says in its own: an honest process
 /// whose participants have different certificates goes on, since what is lost is repeated.
 std::size_t Transform::keep_part_of_sender(spi::ParticipantCryptoHandle receiver,
                                            spi::ParticipantCryptoHandle sender,
                                            MutableBytes message) {
-  constexpr std::uint8_t kPad = 0x01;
   const auto content = message.subspan(kRtpsHeaderSize);
   const auto prefix = GuidPrefix::from(message.subspan(8, GuidPrefix::size));
   const ReadGuard guard;
   WalksInMessage walks(shared_, receiver, sender, prefix);
-  const auto part = part_of_sender(content, prefix, walks);
-  for (const auto at : part.early) content[at] = kPad;
+  auto part = part_of_sender(content, prefix, walks);
+  for (const auto at : part.early) hide_submessage(content, at, part);
   const auto local = shared_.local_participant(receiver);
   if (!local || !(*local)->trusts_type_information) {
     for (const auto at : part.types) hide_type_information(content, at);
-    for (const auto at : part.lookups) content[at] = kPad;
+    for (const auto at : part.lookups) hide_submessage(content, at, part);
   }
-  if (part.ended) [[unlikely]] {
+  if (part.size < content.size()) [[unlikely]]
     wipe(content.subspan(part.size));
+  if (part.ended) [[unlikely]]
     report_end(receiver, sender, part, prefix);
-  }
   return kRtpsHeaderSize + part.size;
 }
 

@@ -101,6 +101,23 @@ inline SubmessageHeader read_submessage_header(BytesView octets) {
   return {octets[0], octets[1], length};
 }
 
+/// The octets of the first submessage, header included, as Cyclone DDS reads it; nothing where it
+/// stops reading. Length 0 means "to the end" (RTPS 9.4.5.1.3), except that INFO_TS and PAD are
+/// then empty, and more submessages can follow.
+inline std::optional<std::size_t> size_of_first_submessage(BytesView octets) {
+  constexpr std::uint8_t kPad = 0x01;
+  if (octets.size() < kSubmessageHeaderSize) return std::nullopt;
+  const auto header = read_submessage_header(octets);
+  if (header.length == 0) {
+    const bool is_empty = header.id == kPad || header.id == submessage_id::kInfoTimestamp;
+    return is_empty ? kSubmessageHeaderSize : octets.size();
+  }
+  const auto size = kSubmessageHeaderSize + header.length;
+  if (size > octets.size()) return std::nullopt;
+  if (header.length % 4 != 0 && size != octets.size()) return std::nullopt;
+  return size;
+}
+
 /// The number as its octets from the highest on.
 template <class T>
 T big_endian(T value) {

@@ -261,13 +261,13 @@ def one_event_each(world, code, insider):
         check(f"they name others: {events}", all(event["guid"].startswith(prefix_of(insider)) for event in events))
 
 
-def names(world, tamper):
+def names(world, tamper, code="builtin_source_mismatch"):
     """Discovery and liveliness in another's name."""
     subscriber = begin(world)
     insider = world.insider("subscribe" if tamper == "speak-as" else "publish", tamper,
                             ELSEWHERE if tamper == "speak-as" else Permissions())
     world.until("the false name", lambda: said(insider, "tampered"))
-    one_event_each(world, "builtin_source_mismatch", insider)
+    one_event_each(world, code, insider)
     check("the victim is accused", not world.events("match_not_permitted"))
     go_on(world, subscriber)
 
@@ -349,6 +349,7 @@ def cases():
                 yield (f"{tamper}/{kind}", kind, EVERYTHING,
                        lambda world, t=tamper, p=permissions: restarts(world, t, p))
             yield f"clear/{kind}", kind, EVERYTHING, lambda world: names(world, "clear")
+            yield f"smuggle/{kind}", kind, EVERYTHING, lambda world: names(world, "smuggle", "secure_group_malformed")
         yield f"source/{kind}", kind, MESSAGES_ONLY, source
 
 

@@ -14,6 +14,7 @@
 //   speak-as     it announces its readers as the victim's, without access control
 //   clear        its protected messages hold a liveliness message of its plain writer that says
 //                that the victim is gone
+//   smuggle      instead of announcements, the same after an empty submessage under the same key
 //   type         its endpoints announce type information that ends a process that reads it
 //   circle       its writers announce a type that needs another, its readers that other one, which
 //                needs the first
@@ -140,7 +141,8 @@ DDS_Security_boolean my_encode_submessage(dds_security_crypto_transform* instanc
   Bytes octets(plain->_buffer, plain->_buffer + plain->_length);
   // Its announcements wait: the readers ask for them again.
   const bool splices = tampers("splice") || tampers("splice-type");
-  if (is_of_writer(octets, 0xff0003c2) && (tampers("dispose") || splices)) {
+  const bool needs_victim = tampers("dispose") || tampers("smuggle") || splices;
+  if (is_of_writer(octets, 0xff0003c2) && needs_victim) {
     if (victim.prefix().empty()) return 0;
     if (splices)
       return encode_each(instance, encoded, spliced(octets), sender, receivers, index, ex);

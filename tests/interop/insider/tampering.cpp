@@ -346,6 +346,13 @@ void append_end_of_victim(Bytes& message, const Bytes& prefix) {
   say_tampered();
 }
 
+/// Instead of an announcement, after a submessage that is empty.
+void smuggle_end_of_victim(Bytes& octets) {
+  if (!is_of_writer(octets, 0xff0003c2)) return;
+  octets = {0x09, 1, 0, 0};  // INFO_TS
+  append_end_of_victim(octets, victim.prefix());
+}
+
 }  // namespace
 
 void tamper_with_submessage(Bytes& octets) {
@@ -360,6 +367,7 @@ void tamper_with_submessage(Bytes& octets) {
   if (tampers("repeat")) repeat_tokens(octets);
   if (tampers("invent")) invent_writer(octets);
   if (tampers("nobody")) send_nobodys_tokens(octets);
+  if (tampers("smuggle")) smuggle_end_of_victim(octets);
   speak_of_endpoints(octets);
 }
 

@@ -272,5 +272,20 @@ TEST_F(KeyOwnerTest, ASubmessageHasAllItsFields) {
   }
 }
 
+// An INFO_TS of length 0 is empty to the host, which would read what follows unchecked.
+TEST_F(KeyOwnerTest, AnEmptySubmessageHidesNone) {
+  const auto ends = two.endpoints(attributes());
+  take(ends, kSquare);
+  Insider insider(read_crypto_token(two.writer_tokens(ends).value()[0]).value());
+  const auto opens = [&](const Bytes& submessages) {
+    return code_of(decode_submessage(two, ends, insider.group(kSubmessageFrame, submessages)));
+  };
+  Bytes submessages = {submessage_id::kInfoTimestamp, 1, 0, 0};
+  EXPECT_EQ(opens(submessages), Code{});
+  const auto further = data_of(kSquare);
+  submessages.insert(submessages.end(), further.begin(), further.end());
+  EXPECT_EQ(opens(submessages), Code::secure_group_malformed);
+}
+
 }  // namespace
 }  // namespace ddssec::cryptography

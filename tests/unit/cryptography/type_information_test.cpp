@@ -7,6 +7,7 @@
 #include "plugins/cryptography/source_checks.hpp"
 #include "plugins/spi/property_names.hpp"
 #include "tests/unit/cryptography/data_message.hpp"
+#include "tests/unit/cryptography/insider.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
 
 namespace ddssec::cryptography {
@@ -214,6 +215,31 @@ TEST(SenderPart, HidesTypeInformationAfterSecPrefixAlone) {
     EXPECT_EQ(part.types.empty(), has_postfix);
   }
   EXPECT_EQ(part_of_sender(publication(kTypeInformation), kSender, walks).types.size(), 1u);
+}
+
+/// A message that goes on to its end in its last submessage, as our encoders write none.
+Bytes opened_to_the_end(Engine& engine, const Bytes& first, Bytes last) {
+  constexpr std::size_t kInfoSource = 24;
+  last[2] = last[3] = 0;
+  Insider sender(read_crypto_token(engine.two.participant_tokens().value()[0]).value());
+  auto message = rtps_message({});
+  Bytes content = {submessage_id::kInfoSource, 1, 20, 0, 0, 0, 0, 0};
+  content.insert(content.end(), message.begin() + 4, message.end());
+  append(content, first);
+  append(content, last);
+  append(message, sender.group(kMessageFrame, content));
+  const auto out = decode_message(engine.two, message).value();
+  return {out.begin() + 20 + kInfoSource, out.end()};
+}
+
+// Padding of length 0 would be empty to the host, which would read on inside of it.
+TEST(TrustingHost, GetsNothingOfWhatIsHiddenAndGoesToTheEnd) {
+  constexpr EntityId kTypeRequests{{0x00, 0x03, 0x00, 0xc3}};
+  const auto first = data_submessage(16);
+  const auto request = DataMessage{.writer = kTypeRequests, .reader = {}}.octets();
+  Engine engine;
+  EXPECT_EQ(opened_to_the_end(engine, first, request), first);
+  EXPECT_EQ(opened_to_the_end(engine, first, fragment_of(Bytes(4000), 2, 1000).octets()), first);
 }
 
 TEST(TrustingHost, GetsTypeInformationIfItsParticipantTrustsIt) {
