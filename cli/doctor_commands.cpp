@@ -204,10 +204,12 @@ std::vector<doctor::HostPlugin> host_plugins_for(const fs::path& folder, bool is
 }
 
 // A machine without Cyclone DDS has none to tell of.
-void add_host_plugins(Report& report, const std::vector<doctor::HostPlugin>& plugins) {
+void add_host_plugins(Report& report, const std::vector<doctor::HostPlugin>& plugins,
+                      bool is_configured) {
   report.result["plugins"] = Json::array();
   if (std::ranges::all_of(plugins, [](const auto& plugin) { return plugin.file.empty(); })) return;
-  report.text += "with this LD_LIBRARY_PATH Cyclone DDS would load\n";
+  report.text += fmt::format("with this LD_LIBRARY_PATH{} Cyclone DDS would load\n",
+                             is_configured ? "" : " and the folder's cyclonedds.xml");
   for (const auto& plugin : plugins) {
     const auto missing = plugin.missing.empty() ? ""
                                                 : fmt::format(" (cannot be loaded without {})",
@@ -256,6 +258,7 @@ Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
   if (arguments.has("--plugins"))
     doctor::check_plugins(
         arguments.text("--plugins") == "system" ? "" : arguments.text("--plugins"), diagnosis);
+  if (!arguments.has("--ros")) warn_of_unset_variable(loaded, settings, diagnosis);
   const auto in_force = doctor::cyclonedds_configuration();
   doctor::check_shared_memory(loaded, in_force, settings, diagnosis);
   const auto places = doctor::LoaderPlaces::here();
@@ -267,7 +270,7 @@ Result<Report> doctor_of(const Arguments& arguments, const Context& context) {
   doctor::check_lint(loaded, settings, diagnosis);
   report.result = {{"domain", domain}};
   report.result.update(add_diagnosis(report, folder, diagnosis, settings, products));
-  add_host_plugins(report, plugins);
+  add_host_plugins(report, plugins, in_force || arguments.has("--ros"));
   if (peer) add_peer(report, arguments, loaded, *peer, settings, products);
   return report;
 }

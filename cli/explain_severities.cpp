@@ -18,7 +18,7 @@ constexpr OtherSeverity kOthers[] = {
     {"DOC086", warning, "where not every topic was looked at"},
     {"DOC091", warning, "where the keys can still be used"},
     {"DOC094", error, "where --vendor names two versions that do not find each other"},
-    {"DOC101", warning, "where the environment names a configuration for another purpose"},
+    {"DOC101", warning, "where the environment names no configuration, or one for another purpose"},
     {"DOC103", warning, "where the embedded participant may be meant"},
     {"GOV010", warning, "where the rules before it protect alike"},
     {"GOV012 PERM013", note, "where Cyclone DDS and Fast DDS agree"},

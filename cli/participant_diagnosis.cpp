@@ -9,7 +9,9 @@
 #include "cli/key_limits.hpp"
 #include "cli/pre_shared_keys.hpp"
 #include "governance/doctor/cyclonedds_configuration.hpp"
+#include "governance/doctor/effective_security.hpp"
 #include "governance/doctor/host_plugins.hpp"
+#include "governance/doctor/shell_word.hpp"
 #include "plugins/access_control/allowed_algorithms.hpp"
 #include "plugins/access_control/protection.hpp"
 
@@ -17,19 +19,62 @@ namespace ddssec::cli {
 namespace {
 
 namespace doctor = governance::doctor;
+namespace fs = std::filesystem;
 using doctor::LoadedFolder;
 using doctor::Outcome;
 using governance::Action;
 
 constexpr std::string_view kOfHost = "a Cyclone DDS process on ddssec's plugins";
 
+constexpr doctor::Outcomes kCycloneFails{.cyclonedds = Outcome::fail, .ours = Outcome::fail};
+
+fs::path configuration_in(const fs::path& folder) { return folder / "cyclonedds.xml"; }
+
+// Whether an application is meant to start with the folder's own configuration: nodes of ROS 2 are
+// secured by their QoS.
+bool has_own_configuration(const LoadedFolder& folder) {
+  return folder.paths.layout != pki::FolderLayout::sros2 &&
+         is_there(configuration_in(folder.paths.folder));
+}
+
+std::string export_line(const fs::path& folder) {
+  std::error_code ignored;
+  const auto file = fs::absolute(configuration_in(folder), ignored).lexically_normal();
+  return "export CYCLONEDDS_URI=" + doctor::shell_word("file://" + file.string());
+}
+
+// Measured with Cyclone DDS 0.10.2: it opens a folder, reads nothing, and goes on.
+void report_named_folder(const LoadedFolder& folder, const fs::path& named,
+                         doctor::Diagnosis& out) {
+  const bool is_meant = has_own_configuration(folder);
+  const bool has_file = is_there(configuration_in(named));
+  Finding finding{.rule = Rule::DOC101,
+                  .message = fmt::format(
+                      "CYCLONEDDS_URI names the folder {}: Cyclone DDS starts, reads nothing "
+                      "of it, and runs without security",
+                      named.string()),
+                  .document = "CYCLONEDDS_URI",
+                  .hint = has_file || is_meant ? export_line(has_file ? named : folder.paths.folder)
+                                               : "name the file, not its folder"};
+  if (is_meant) return out.report(kCycloneFails, std::move(finding));
+  finding.severity = Severity::warning;
+  out.report({}, std::move(finding));
+}
+
 void check_environment(const LoadedFolder& folder, const doctor::Settings& settings,
                        doctor::Diagnosis& out) {
   const char* const uri = std::getenv("CYCLONEDDS_URI");
   if (uri == nullptr || *uri == '\0') return;
-  if (const auto text = doctor::cyclonedds_configuration())
-    return doctor::check_configuration_in_force(folder, *text, settings, out);
-  out.report({.cyclonedds = Outcome::fail, .ours = Outcome::fail},
+  const auto text = doctor::cyclonedds_configuration();
+  const auto named = doctor::folder_named_by(uri);
+  if (text && !named.empty()) {
+    const auto security =
+        doctor::effective_security(*text, settings.domain, doctor::ConfigurationPlace::variable);
+    if (security.problems.empty() && !security.is_there)
+      return report_named_folder(folder, named, out);
+  }
+  if (text) return doctor::check_configuration_in_force(folder, *text, settings, out);
+  out.report(kCycloneFails,
              {.rule = Rule::DOC102,
               .message = fmt::format("CYCLONEDDS_URI is \"{}\" and names a file that cannot be "
                                      "read: Cyclone DDS does not start in this environment",
@@ -111,6 +156,24 @@ void check_enforcement(const LoadedFolder& folder, const doctor::Settings& setti
 }
 
 }  // namespace
+
+void warn_of_unset_variable(const LoadedFolder& folder, const doctor::Settings& settings,
+                            doctor::Diagnosis& out) {
+  const char* const uri = std::getenv("CYCLONEDDS_URI");
+  if ((uri != nullptr && *uri != '\0') || !has_own_configuration(folder)) return;
+  out.report({}, {.rule = Rule::DOC101,
+                  .message = fmt::format(
+                      "CYCLONEDDS_URI is {} in this shell: a Cyclone DDS application that starts "
+                      "here runs WITHOUT security, unless its QoS names the files",
+                      uri == nullptr ? "not set" : "empty"),
+                  .document = configuration_in(folder.paths.folder),
+                  .hint = export_line(folder.paths.folder) +
+                          " where the application starts; nothing to do for the embedded "
+                          "participant, and where only the folder is to be judged",
+                  .vendors = {doctor::id(doctor::Vendor::cyclonedds, settings.lineup),
+                              doctor::id(doctor::Vendor::ours, settings.lineup)},
+                  .severity = Severity::warning});
+}
 
 bool runs_drop_in(const LoadedFolder& folder) {
   const auto places = doctor::LoaderPlaces::here();

@@ -18,6 +18,12 @@ governance::doctor::Diagnosis diagnosis_of(const governance::doctor::LoadedFolde
 governance::doctor::Diagnosis diagnosis_beyond_folder(
     const governance::doctor::LoadedFolder& folder, const governance::doctor::Settings& settings);
 
+/// DOC101, a warning: CYCLONEDDS_URI is not set or empty, and the folder has a cyclonedds.xml. An
+/// application that starts here would run without security. It says nothing of the folder itself.
+void warn_of_unset_variable(const governance::doctor::LoadedFolder& folder,
+                            const governance::doctor::Settings& settings,
+                            governance::doctor::Diagnosis& out);
+
 /// True if Cyclone DDS, started for the participant in this environment, would load ddssec's
 /// plugins.
 bool runs_drop_in(const governance::doctor::LoadedFolder& folder);

@@ -12,6 +12,7 @@
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/configuration_checks.hpp"
 #include "governance/doctor/cyclonedds_configuration.hpp"
+#include "governance/doctor/shell_word.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::governance::doctor {
@@ -253,8 +254,8 @@ void warn_of_unsecured_environment(const ConfigurationInQuestion& question, Diag
                       "in this environment runs without security, unless its QoS names the files",
                       question.name, question.domain, own.string()),
                   .document = question.document,
-                  .hint = fmt::format("export CYCLONEDDS_URI='file://{}'",
-                                      fs::absolute(own, ignored).string()),
+                  .hint = "export CYCLONEDDS_URI=" +
+                          shell_word("file://" + fs::absolute(own, ignored).string()),
                   .severity = Severity::warning});
 }
 

@@ -1,6 +1,7 @@
 #include "governance/doctor/cyclonedds_configuration.hpp"
 
 #include <cstdlib>
+#include <system_error>
 
 #include "base/source.hpp"
 #include "base/text.hpp"
@@ -8,10 +9,37 @@
 namespace ddssec::governance::doctor {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr std::size_t kMostOctets = 1024 * 1024;
 constexpr std::string_view kVariable = "CYCLONEDDS_URI";
 constexpr std::string_view kBlanks = " \t\r\n";
 constexpr std::string_view kAfterName = " \t\r\n/>";
+constexpr std::string_view kScheme = "file://";
+
+// The next file's name, or XML to the end of the variable: commas may be in it.
+std::optional<std::string_view> next_name(std::string_view& uri) {
+  while (!uri.empty() && (uri.front() == ',' || kBlanks.contains(uri.front())))
+    uri.remove_prefix(1);
+  if (uri.empty()) return std::nullopt;
+  const auto name = uri.front() == '<' ? uri : uri.substr(0, uri.find(','));
+  uri.remove_prefix(name.size());
+  return name;
+}
+
+// "file:NAME" is the name of a file for Cyclone DDS, which only takes "file://" away.
+fs::path path_of(std::string_view name) {
+  return fs::path(name.starts_with(kScheme) ? name.substr(kScheme.size()) : name);
+}
+
+std::string with_scheme(std::string_view name) {
+  return std::string(kScheme) + path_of(name).string();
+}
+
+bool is_folder(std::string_view name) {
+  std::error_code ignored;
+  return !name.starts_with('<') && fs::is_directory(path_of(name), ignored);
+}
 
 }  // namespace
 
@@ -23,25 +51,26 @@ Result<Bytes> load_or_empty(std::string_view uri, std::string_view name, std::si
 
 std::optional<std::string> cyclonedds_configuration() {
   const char* const uri = std::getenv(kVariable.data());
-  if (uri == nullptr) return std::nullopt;
+  if (uri == nullptr || *uri == '\0') return std::nullopt;
   return cyclonedds_configuration(uri);
 }
 
 std::optional<std::string> cyclonedds_configuration(std::string_view uri) {
   std::string out;
-  for (;;) {
-    while (!uri.empty() && (uri.front() == ',' || kBlanks.find(uri.front()) != kBlanks.npos))
-      uri.remove_prefix(1);
-    if (uri.empty()) return out;
-    if (uri.front() == '<') return out.append(uri);  // to the end: commas may be in it
-    const auto name = uri.substr(0, uri.find(','));
-    uri.remove_prefix(name.size());
-    if (name.starts_with("file:") && !name.starts_with("file://")) return std::nullopt;
-    const auto file = name.starts_with("file:") ? std::string(name) : "file:" + std::string(name);
-    const auto octets = load_or_empty(file, kVariable, kMostOctets);
+  while (const auto name = next_name(uri)) {
+    if (name->starts_with('<')) return out.append(*name);
+    if (is_folder(*name)) continue;
+    const auto octets = load_or_empty(with_scheme(*name), kVariable, kMostOctets);
     if (!octets) return std::nullopt;
     out.append(octets->begin(), octets->end()).push_back('\n');
   }
+  return out;
+}
+
+std::filesystem::path folder_named_by(std::string_view uri) {
+  while (const auto name = next_name(uri))
+    if (is_folder(*name)) return path_of(*name);
+  return {};
 }
 
 std::string without_comments(std::string_view text) {

@@ -1,6 +1,7 @@
 // Cyclone DDS's configuration, as far as the doctor reads it: as leniently as Cyclone DDS does.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,9 +12,13 @@
 namespace ddssec::governance::doctor {
 
 /// The texts of all that CYCLONEDDS_URI (or `uri`) names: XML, or files with commas between them.
-/// Nothing if the variable is not set or a file cannot be read.
+/// Nothing if the variable is not set or empty, or if a file cannot be read. A folder is read as an
+/// empty file, as Cyclone DDS 0.10.2 does (measured).
 std::optional<std::string> cyclonedds_configuration();
 std::optional<std::string> cyclonedds_configuration(std::string_view uri);
+
+/// The first folder among the files that `uri` names; empty if there is none.
+std::filesystem::path folder_named_by(std::string_view uri);
 
 /// Of an empty file nothing: Cyclone DDS starts with it, and without security. Errors: those of
 /// ddssec::load.

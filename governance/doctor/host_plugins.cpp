@@ -14,6 +14,7 @@
 #include "governance/doctor/cyclonedds_configuration.hpp"
 #include "governance/doctor/installed.hpp"
 #include "governance/doctor/needed_libraries.hpp"
+#include "governance/doctor/shell_word.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
@@ -194,7 +195,8 @@ std::string hint_for(const LoaderPlaces& places) {
           ? "let LD_LIBRARY_PATH begin with the folder that has ddssec's three "
             "libdds_security_*.so (lib/ddssec/dropin of an installation, "
             "build/release/dropin of a build)"
-          : fmt::format("export LD_LIBRARY_PATH={}:$LD_LIBRARY_PATH", places.dropin.string());
+          : fmt::format("export LD_LIBRARY_PATH={}${{LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}}",
+                        shell_word(places.dropin.string()));
   return what + " where the application starts; the application's log then says plugins_in_use";
 }
 

@@ -146,6 +146,46 @@ class JudgedFiles(Transcript):
         told = self.json("doctor", "demo/talker", *NOW, environment=general)["diagnostics"]
         self.assertEqual([(one["id"], one["severity"]) for one in told], [("DOC101", "warning")])
 
+    def unsecured(self, *words, **more):
+        told = self.json("doctor", *words, *NOW, **more)["diagnostics"]
+        return [one for one in told if one["id"] == "DOC101"]
+
+    # Measured: Cyclone DDS 0.10.2 starts without security in all of these environments.
+    def test_an_environment_that_names_no_configuration(self):
+        for environment, words in ((None, "is not set"), ({"CYCLONEDDS_URI": ""}, "is empty")):
+            told = self.unsecured("demo/talker", environment=environment)
+            self.assertEqual([one["severity"] for one in told], ["warning"])
+            self.assertIn(f"CYCLONEDDS_URI {words} in this shell", told[0]["message"])
+            self.assertIn("WITHOUT security", told[0]["message"])
+            self.assertIn(f"export CYCLONEDDS_URI=file://{self.configuration}", told[0]["hint"])
+            text = self.run_program("doctor", "demo/talker", *NOW, environment=environment).stdout
+            self.assertNotIn("nothing found", text)
+            self.assertIn("and the folder's cyclonedds.xml Cyclone DDS would load", text)
+        self.assertEqual(self.unsecured("demo/talker", "--vendor", "fastdds"), [])
+        named = {"CYCLONEDDS_URI": f"file://{self.configuration}"}
+        self.assertEqual(self.unsecured("demo/talker", environment=named), [])
+        self.configuration.unlink()
+        self.assertEqual(self.unsecured("demo/talker"), [])
+
+    def test_an_environment_that_names_a_folder(self):
+        for uri, line in ((f"file://{self.talker}", self.configuration), ("demo/talker/", self.configuration),
+                          (str(self.at), self.configuration), (f"demo,{self.at}", self.configuration)):
+            with self.subTest(uri=uri):
+                named = {"CYCLONEDDS_URI": uri}
+                self.refused_by_all("DOC101", "names the folder", "runs without security", environment=named)
+                told = self.unsecured("demo/talker", exit=1, environment=named)
+                self.assertEqual(told[0]["hint"], f"export CYCLONEDDS_URI=file://{line}")
+        both = {"CYCLONEDDS_URI": f"file://{self.at},file://{self.configuration}"}
+        self.assertEqual(self.unsecured("demo/talker", environment=both), [])
+        both = {"CYCLONEDDS_URI": f"file://{self.at},nowhere.xml"}
+        self.refused_by_all("DOC102", "cannot be read", environment=both)
+
+    def test_lines_for_the_shell_are_quoted(self):
+        (self.at / "demo/talker").rename(self.at / "demo/it's")
+        line = self.unsecured("demo/it's", exit=1)[0]["hint"].split(" where ")[0]
+        said = subprocess.run(["sh", "-c", line + '; printf %s "$CYCLONEDDS_URI"'], text=True, capture_output=True, check=True)
+        self.assertEqual(said.stdout, f"file://{self.at}/demo/it's/cyclonedds.xml")
+
     def test_a_revocation_list_that_is_not_named_is_not_read(self):
         self.configure(f"<CRL>file:{self.talker}/crl.pem</CRL>", "")
         self.assertIn("names no revocation list", self.told("doctor", "demo/talker", exit=1)[0])

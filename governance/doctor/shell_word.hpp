@@ -1,0 +1,22 @@
+// A word of a command line that people copy into their shell.
+#pragma once
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+
+namespace ddssec::governance::doctor {
+
+/// The text as one word of a POSIX shell: as it stands if no character of it means anything there,
+/// else in apostrophes.
+inline std::string shell_word(std::string_view text) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789/._-+:=@%,";
+  const bool is_plain = std::ranges::all_of(text, [&](char c) { return kPlain.contains(c); });
+  if (is_plain && !text.empty()) return std::string(text);
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+}  // namespace ddssec::governance::doctor
