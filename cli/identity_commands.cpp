@@ -88,10 +88,10 @@ Status check_subject_free(const pki::Certificate& certificate, const pki::IssueL
                           const Arguments& arguments, WallTime now) {
   if (arguments.has("--another-key")) return {};
   DDSSEC_TRY(SubjectsInUse(log, {}, now).check(certificate.subject()));
-  const auto key = pki::key_digest(certificate);
+  const pki::KeyDigests key(certificate);
   const auto wanted = pki::SubjectName::of(certificate).key();
   for (const auto& issued : log.issued()) {
-    if (issued.revoked || issued.not_after <= now || issued.key == key) continue;
+    if (issued.revoked || issued.not_after <= now || key.contains(issued.key)) continue;
     const auto subject = pki::SubjectName::parse(issued.subject);
     if (!subject || subject->key() != wanted) continue;
     return fail(Code::subject_taken,

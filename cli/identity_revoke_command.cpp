@@ -1,4 +1,5 @@
 // identity revoke: the certificates of a participant count no more.
+#include <algorithm>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -24,6 +25,8 @@ struct Doomed {
   std::string subject;
   std::vector<std::string> serials;   ///< that are not revoked yet
   std::vector<std::string> subjects;  ///< of each of them
+  std::string own_serial = {};        ///< of the certificate that was given
+  std::string unlogged_key = {};      ///< its key, if the log does not have it yet
 
   void add(const std::string& serial, const std::string& of) {
     serials.push_back(serial);
@@ -54,8 +57,13 @@ Result<Doomed> doomed_participant(const fs::path& given, const OpenCa& ca, const
   const bool is_by_itself = path == given && belonging == Belonging::moved;
   if (!is_by_itself)
     DDSSEC_TRY(check_own(certificate, folder, ca.paths, log, arguments.text("--subject")));
-  Doomed out{certificate.subject(), {}, {}};
+  Doomed out{certificate.subject(), {}, {}, certificate.serial()};
   const auto* own = log.find(certificate.serial());
+  // Another tool may have issued it, or an earlier version: the key must not come back by a
+  // request.
+  const pki::KeyDigests key(certificate);
+  if ((own == nullptr || !key.contains(own->key)) && log.revoked_serial(key).empty())
+    out.unlogged_key = key.canonical();
   if (!log.is_revoked(certificate.serial())) out.add(certificate.serial(), certificate.subject());
   for (const auto& issued : log.issued()) {
     const bool is_of_folder =
@@ -158,6 +166,22 @@ Result<std::string> report_places(const CaPaths& ca, const pki::IssueLog& log,
   return next_steps(given, places, bare, ca);
 }
 
+std::string log_lines(const Doomed& what, const std::vector<pki::Revocation>& revocations) {
+  std::string out;
+  for (const auto& one : revocations) {
+    const bool is_own = one.serial == what.own_serial;
+    const bool is_new = std::ranges::find(what.serials, one.serial) != what.serials.end();
+    if (is_new || (is_own && !what.unlogged_key.empty()))
+      out += pki::IssueLog::revoked_line(one, is_own ? what.unlogged_key : "");
+  }
+  return out;
+}
+
+std::string_view how_revoked_before(const Doomed& what) {
+  return what.unlogged_key.empty() ? "already, but the list did not say so"
+                                   : "already, but the log did not have its key";
+}
+
 Result<Report> identity_revoke(const Arguments& arguments, const Context& context) {
   const auto now = context.clock.now();
   const auto reason = DDSSEC_TRY(reason_of(arguments));
@@ -168,16 +192,12 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
   const auto what = DDSSEC_TRY(doomed(arguments, ca, log));
   Report report;
   report.result = {{"subject", what.subject}, {"serials", what.serials}};
-  if (what.serials.empty() && DDSSEC_TRY(lists_all(ca.paths, log))) {
+  if (what.serials.empty() && what.unlogged_key.empty() && DDSSEC_TRY(lists_all(ca.paths, log))) {
     report.text = fmt::format("{}  revoked already\n", what.subject);
     return report;
   }
-  std::string lines;
-  for (const auto& serial : what.serials) {
-    const pki::Revocation revocation{serial, now, reason};
-    DDSSEC_TRY(log.add(revocation));
-    lines += pki::IssueLog::revoked_line(revocation);
-  }
+  for (const auto& serial : what.serials) DDSSEC_TRY(log.add(pki::Revocation{serial, now, reason}));
+  const auto lines = log_lines(what, log.revocations());
   const auto crl = DDSSEC_TRY(next_crl(ca, log, now, days));
   Replacement out;
   DDSSEC_TRY(out.put_public(ca.paths.crl, crl.pem()));
@@ -188,11 +208,11 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
                           {"number", crl.number().value_or(0)},
                           {"next_update", to_string(*crl.next_update())}};
   const auto next = DDSSEC_TRY(report_places(ca.paths, log, arguments.text("--ca"), report));
-  report.text =
-      fmt::format("{}  revoked {}; revocation list {} holds until {}\n{}{}", what.subject,
-                  lines.empty() ? "already, but the list did not say so"
-                                : fmt::format("({})", counted(what.serials.size(), "certificate")),
-                  crl.number().value_or(0), date(*crl.next_update()), what.in_words(), next);
+  report.text = fmt::format(
+      "{}  revoked {}; revocation list {} holds until {}\n{}{}", what.subject,
+      what.serials.empty() ? std::string(how_revoked_before(what))
+                           : fmt::format("({})", counted(what.serials.size(), "certificate")),
+      crl.number().value_or(0), date(*crl.next_update()), what.in_words(), next);
   report.text += about_clock(crl, now);
   report.files_written = DDSSEC_TRY(out.commit());
   return report;

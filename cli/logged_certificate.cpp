@@ -67,6 +67,19 @@ bool lies_in(const fs::path& folder, const pki::Certificate& certificate) {
   return found && *found == certificate;
 }
 
+// By the log, or by the CA's list.
+std::string revoked_serial_of_key(const pki::Certificate& certificate,
+                                  const std::vector<pki::Revocation>& listed,
+                                  const pki::IssueLog& log) {
+  const pki::KeyDigests key(certificate);
+  if (auto serial = log.revoked_serial(key); !serial.empty()) return serial;
+  for (const auto& issued : log.issued())
+    if (key.contains(issued.key) &&
+        std::ranges::find(listed, issued.serial, &pki::Revocation::serial) != listed.end())
+      return issued.serial;
+  return {};
+}
+
 std::unexpected<Error> other_issuer(const pki::Certificate& certificate, const pki::Certificate& ca,
                                     const fs::path& path, std::string hint) {
   return fail(Code::issuer_unknown, {.document = path,
@@ -144,7 +157,6 @@ Result<std::string> revoked_serial(const pki::Certificate& certificate, const Ca
   if (log.is_revoked(serial)) return serial;
   const auto listed = DDSSEC_TRY(listed_revocations(ca));
   if (std::ranges::find(listed, serial, &pki::Revocation::serial) != listed.end()) return serial;
-  const auto key = pki::key_digest(certificate);
   const auto* entry = entry_of(certificate, log);
   for (const auto& other : log.issued()) {
     if (!other.revoked) continue;
@@ -153,29 +165,21 @@ Result<std::string> revoked_serial(const pki::Certificate& certificate, const Ca
         (entry != nullptr && !entry->folder.empty() && entry->folder == other.folder);
     const bool is_later = entry == nullptr || &other > entry;
     const bool had_ended = certificate.not_after() <= other.revoked->time;
-    const bool has_its_key = next == NextKey::same && !other.key.empty() && other.key == key;
-    if (has_its_key || (is_of_it && (is_later || had_ended))) return other.serial;
+    if (is_of_it && (is_later || had_ended)) return other.serial;
   }
-  return std::string();
+  return next == NextKey::same ? revoked_serial_of_key(certificate, listed, log) : std::string();
 }
 
 Status check_key_not_revoked(const pki::Certificate& certificate, const fs::path& file,
                              const CaPaths& ca, const pki::IssueLog& log) {
   const auto listed = DDSSEC_TRY(listed_revocations(ca));
-  const auto key = pki::key_digest(certificate);
-  for (const auto& issued : log.issued()) {
-    if (issued.key.empty() || issued.key != key) continue;
-    const bool is_listed =
-        std::ranges::find(listed, issued.serial, &pki::Revocation::serial) != listed.end();
-    if (!issued.revoked && !is_listed) continue;
-    return fail(
-        Code::certificate_revoked,
-        {.document = file,
-         .found = certificate.subject(),
-         .note = fmt::format("serial {}, which is revoked, has the same key", issued.serial),
-         .hint = "make a new key and a new request for it: ddssec identity csr"});
-  }
-  return {};
+  const auto serial = revoked_serial_of_key(certificate, listed, log);
+  if (serial.empty()) return {};
+  return fail(Code::certificate_revoked,
+              {.document = file,
+               .found = certificate.subject(),
+               .note = fmt::format("serial {}, which is revoked, has the same key", serial),
+               .hint = "make a new key and a new request for it: ddssec identity csr"});
 }
 
 Status check_not_revoked(const pki::Certificate& certificate, const fs::path& file,

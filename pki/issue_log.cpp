@@ -6,8 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "base/hash.hpp"
-#include "pki/openssl.hpp"
-#include "pki/openssl_guards.hpp"
 
 namespace ddssec::pki {
 using ddssec::to_string;
@@ -65,13 +63,6 @@ Result<std::string> serial_of(const Json& object) {
 
 }  // namespace
 
-std::string key_digest(const Certificate& certificate) {
-  unsigned char* der = nullptr;
-  const int size = i2d_X509_PUBKEY(X509_get_X509_PUBKEY(certificate.impl().x509.get()), &der);
-  const OpensslMemory owner(der);
-  return size > 0 ? to_hex(sha256(BytesView(der, static_cast<std::size_t>(size)))) : std::string();
-}
-
 IssueLog IssueLog::parse(BytesView text) {
   IssueLog log;
   auto rest = as_text(text);
@@ -111,6 +102,8 @@ Status IssueLog::add_line(std::string_view line) {
   if (!reason) return malformed_line("reason is none of RFC 5280");
   const auto time = DDSSEC_TRY(time_of(object, "time"));
   const Revocation revocation{serial, time, *reason};
+  if (auto key = text_of(object, "key"); !key.empty())
+    revoked_keys_.emplace(std::move(key), serial);
   if (!revoked_by_serial_.emplace(serial, revocations_.size()).second) return {};
   revocations_.push_back(revocation);
   const auto issued = issued_by_serial_.find(serial);
@@ -141,6 +134,14 @@ bool IssueLog::is_revoked(std::string_view serial) const {
   return revoked_by_serial_.contains(std::string(serial));
 }
 
+std::string IssueLog::revoked_serial(const KeyDigests& key) const {
+  for (const auto& one : issued_)
+    if (one.revoked && key.contains(one.key)) return one.serial;
+  for (const auto& [digest, serial] : revoked_keys_)
+    if (key.contains(digest)) return serial;
+  return {};
+}
+
 std::string IssueLog::issued_line(const Certificate& certificate, std::string_view folder,
                                   WallTime now) {
   return line_of({{"event", "issued"},
@@ -153,11 +154,13 @@ std::string IssueLog::issued_line(const Certificate& certificate, std::string_vi
                   {"folder", folder}});
 }
 
-std::string IssueLog::revoked_line(const Revocation& revocation) {
-  return line_of({{"event", "revoked"},
-                  {"time", to_string(revocation.time)},
-                  {"serial", revocation.serial},
-                  {"reason", to_string(revocation.reason)}});
+std::string IssueLog::revoked_line(const Revocation& revocation, std::string_view key) {
+  Json line = {{"event", "revoked"},
+               {"time", to_string(revocation.time)},
+               {"serial", revocation.serial},
+               {"reason", to_string(revocation.reason)}};
+  if (!key.empty()) line["key"] = key;
+  return line_of(line);
 }
 
 }  // namespace ddssec::pki

@@ -13,6 +13,7 @@
 #include "base/result.hpp"
 #include "pki/certificate.hpp"
 #include "pki/crl.hpp"
+#include "pki/key_digest.hpp"
 
 namespace ddssec::pki {
 
@@ -31,10 +32,6 @@ struct IssuedCertificate {
   std::string key = {};     ///< key_digest(); empty in earlier logs
   std::optional<Revocation> revoked = std::nullopt;
 };
-
-/// SHA-256 of the certificate's SubjectPublicKeyInfo, hexadecimal: two certificates of one key have
-/// the same. Empty if memory is short.
-std::string key_digest(const Certificate& certificate);
 
 /// The log, read. Lines that only add make it safe against a crash: a line is there whole or, as
 /// the last one without its line end, not at all; and what was written once never changes. Anybody
@@ -55,6 +52,9 @@ class IssueLog {
   /// Everything revoked, certificates that are not in the log (issued before it) included.
   const std::vector<Revocation>& revocations() const { return revocations_; }
   bool is_revoked(std::string_view serial) const;
+  /// The serial number of a revoked certificate of this key, which need not have been issued by the
+  /// log; empty if there is none.
+  std::string revoked_serial(const KeyDigests& key) const;
   /// The folders of all certificates that are not revoked, each once.
   std::vector<std::string> folders() const;
 
@@ -64,8 +64,9 @@ class IssueLog {
   /// The line, with its end, that says that a certificate was issued.
   static std::string issued_line(const Certificate& certificate, std::string_view folder,
                                  WallTime now);
-  /// The line, with its end, that says that one was revoked.
-  static std::string revoked_line(const Revocation& revocation);
+  /// The line, with its end, that says that one was revoked. `key`: its key_digest(), where the log
+  /// has no line that says so.
+  static std::string revoked_line(const Revocation& revocation, std::string_view key = {});
 
  private:
   Status add_line(std::string_view line);
@@ -75,6 +76,7 @@ class IssueLog {
   std::vector<Error> unreadable_;
   std::unordered_map<std::string, std::size_t> issued_by_serial_;
   std::unordered_map<std::string, std::size_t> revoked_by_serial_;
+  std::unordered_map<std::string, std::string> revoked_keys_;  ///< serial numbers, by digest
 };
 
 }  // namespace ddssec::pki

@@ -6,6 +6,7 @@
 
 #include "base/hash.hpp"
 #include "pki/issue_log.hpp"
+#include "pki/key_digest.hpp"
 
 namespace ddssec::pki {
 using ddssec::to_string;
@@ -65,7 +66,10 @@ bool SigningLog::is_last_of(const std::string& file, BytesView text) const {
 // old one is there.
 SigningLog::Standing SigningLog::standing(BytesView text, const Certificate& ca) const {
   const auto document = document_digest(text);
-  if (!signed_.contains(entry(key_digest(ca), document))) return Standing::unknown;
+  const bool is_signed = std::ranges::any_of(KeyDigests(ca).all(), [&](const auto& key) {
+    return signed_.contains(entry(key, document));
+  });
+  if (!is_signed) return Standing::unknown;
   const bool is_current = std::ranges::any_of(
       files_of_.at(document), [&](const auto& file) { return last_in_.at(file) == document; });
   return is_current ? Standing::current : Standing::superseded;

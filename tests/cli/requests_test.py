@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """identity sign-csr: which subjects a request may ask for, and what is said of the answer to its question."""
 
+import hashlib
+import json
 import os
 import pty
 import subprocess
@@ -38,6 +40,67 @@ class Requests(Transcript):
             self.run_program(*self.request(other), "--yes", "--another-key")
         (self.at / "cert.pem").unlink()
         self.run_program(*self.request("/O=plant/CN=robot7"), "--yes")  # one attribute in common is no matter
+
+    def compressed_request(self, key, subject="/CN=thief"):
+        self.openssl("ec", "-in", key, "-conv_form", "compressed", "-out", "compressed.key")
+        self.openssl("req", "-new", "-key", "compressed.key", "-subj", subject, "-out", "compressed.pem")
+        return ("identity", "sign-csr", "compressed.pem", "--ca", "demo", "-o", "cert.pem", "--yes", *NOW)
+
+    def test_a_revoked_key_gets_no_certificate_in_another_encoding(self):
+        self.run_program("identity", "revoke", "demo/talker", "--ca", "demo", *NOW)
+        told = self.refused("certificate_revoked", 1, *self.compressed_request("demo/talker/key.pem"))
+        self.assertIn("has the same key", told["message"])
+
+    def test_a_key_that_was_logged_in_another_encoding_counts_as_revoked(self):
+        self.run_program(*self.request("/CN=device"), "--yes")
+        (self.at / "cert.pem").unlink()
+        self.run_program(*self.compressed_request("r.key", "/CN=device"))  # the same key: no other participant
+        log = self.at / "demo/ca/identity/issued.jsonl"
+        lines = [json.loads(line) for line in log.read_text().splitlines()]
+        of_device = [line for line in lines if line["subject"] == "CN=device"]
+        self.assertEqual(of_device[0]["key"], of_device[1]["key"])
+        # As an earlier version logged the compressed key.
+        self.openssl("ec", "-in", "r.key", "-pubout", "-conv_form", "compressed", "-outform", "DER", "-out", "public.der")
+        octets = (self.at / "public.der").read_bytes()
+        of_device[1]["key"] = hashlib.sha256(octets).hexdigest()
+        log.write_text("".join(json.dumps(line) + "\n" for line in lines if line is not of_device[0]))
+        self.run_program("identity", "revoke", of_device[1]["serial"], "--ca", "demo", *NOW)
+        (self.at / "cert.pem").unlink()
+        self.openssl("req", "-new", "-key", "r.key", "-subj", "/CN=thief", "-out", "r.pem")
+        self.refused("certificate_revoked", 1, "identity", "sign-csr", "r.pem", "--ca", "demo", "-o", "cert.pem", "--yes",
+                     *NOW)
+
+    def forget(self, name):
+        """The CA's log has no line of the participant, as when another tool issued it."""
+        log = self.at / "demo/ca/identity/issued.jsonl"
+        log.write_text("".join(line for line in log.read_text().splitlines(True) if f"CN={name}" not in line))
+
+    def test_the_key_of_a_certificate_that_the_log_lacks_is_revoked_too(self):
+        self.forget("talker")
+        revoke = ("identity", "revoke", "demo/talker", "--ca", "demo", "--subject", "CN=talker", *NOW)
+        self.run_program(*revoke)
+        self.openssl("req", "-new", "-key", "demo/talker/key.pem", "-subj", "/CN=thief", "-out", "r.pem")
+        sign = ("identity", "sign-csr", "r.pem", "--ca", "demo", "-o", "cert.pem", "--yes", *NOW)
+        self.refused("certificate_revoked", 1, *sign)
+        self.refused("certificate_revoked", 1, *self.compressed_request("demo/talker/key.pem"))
+        out = self.json(*revoke)
+        self.assertEqual((out["result"]["serials"], out["files_written"]), ([], []))
+        # An earlier version logged no key: revoking it once more does.
+        log = self.at / "demo/ca/identity/issued.jsonl"
+        log.write_text("".join(json.dumps({k: v for k, v in json.loads(line).items() if k != "key"}) + "\n"
+                               for line in log.read_text().splitlines()))
+        self.assertIn("the log did not have its key", self.run_program(*revoke).stdout)
+        self.refused("certificate_revoked", 1, *sign)
+
+    def test_nor_is_a_certificate_of_that_key_renewed(self):
+        self.openssl("req", "-new", "-key", "demo/talker/key.pem", "-subj", "/CN=device", "-out", "r.pem")
+        self.run_program("identity", "sign-csr", "r.pem", "--ca", "demo", "-o", "device.pem", "--yes", *NOW)
+        self.forget("talker")
+        self.run_program("identity", "revoke", "demo/talker", "--ca", "demo", "--subject", "CN=talker", *NOW)
+        (self.at / "device").mkdir()
+        (self.at / "device.pem").rename(self.at / "device/cert.pem")
+        (self.at / "demo/talker/key.pem").rename(self.at / "device/key.pem")
+        self.refused("certificate_revoked", 1, "identity", "renew", "device", "--ca", "demo", "--subject", "CN=device", *NOW)
 
     def test_nor_for_a_participant_that_is_issued(self):
         issue = ("identity", "issue", "x", "--ca", "demo", *NOW)

@@ -45,6 +45,24 @@ TEST(IssueLog, SaysWhatACertificateIsAndWhichKeyItHas) {
   EXPECT_NE(issued.key, key_digest(ca.certificate()));
 }
 
+TEST(IssueLog, KnowsTheKeysOfRevokedCertificates) {
+  const auto ca = make_ca();
+  const auto logged = make_leaf(ca, "CN=a").certificate;
+  const auto foreign = make_leaf(ca, "CN=b").certificate;
+  const auto good = make_leaf(ca, "CN=c").certificate;
+  const auto text = IssueLog::issued_line(logged, "", kNow) +
+                    IssueLog::issued_line(good, "", kNow) +
+                    IssueLog::revoked_line({logged.serial(), kNow, {}}) +
+                    IssueLog::revoked_line({"0A", kNow, {}}) +  // as it was logged before keys were
+                    IssueLog::revoked_line({"0A", kNow, {}}, key_digest(foreign));
+  const auto log = IssueLog::parse(as_bytes(text));
+  ASSERT_TRUE(log.unreadable().empty());
+  EXPECT_EQ(log.revoked_serial(KeyDigests(logged)), logged.serial());
+  EXPECT_EQ(log.revoked_serial(KeyDigests(foreign)), "0A");
+  EXPECT_EQ(log.revoked_serial(KeyDigests(good)), "");
+  EXPECT_EQ(log.revocations().size(), 2u);
+}
+
 TEST(IssueLog, ALastLineCutShortAtAnyOctetCountsForNothing) {
   const auto ca = make_ca();
   const auto first = IssueLog::issued_line(make_leaf(ca, "CN=a").certificate, "", kNow);
