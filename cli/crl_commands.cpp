@@ -248,16 +248,44 @@ Result<pki::Crl> list_to_distribute(const CaPaths& paths, const pki::Certificate
   return present;
 }
 
+/// What was distributed, and what came of it.
+struct Outcome {
+  pki::Crl list;
+  Distributed done;
+};
+
+// A user who may not open the CA's key has no lock. Another command may have made and distributed a
+// newer list meanwhile, which this one then replaced with an older one: it is in the CA's folder
+// before it is in any other, so that it is found there, and distributed after the older one.
+Result<Outcome> distribute(const CaPaths& paths, const std::string& given, WallTime now,
+                           const std::vector<fs::path>& folders, bool is_alone) {
+  constexpr int kMostRounds = 16;
+  for (int round = 1;; ++round) {
+    const auto ca = DDSSEC_TRY(read_certificate(paths.certificate));
+    auto list = DDSSEC_TRY(list_to_distribute(paths, ca, given, now));
+    auto done = DDSSEC_TRY(put_lists(folders, {list, ca, given}));
+    const auto present = is_alone ? std::nullopt : DDSSEC_TRY(present_crl(paths));
+    if (!present || present->pem() == list.pem()) return Outcome{std::move(list), std::move(done)};
+    if (round == kMostRounds)
+      return fail(Code::crl_older,
+                  {.document = paths.crl,
+                   .expected = fmt::format("number {}", present->number().value_or(0)),
+                   .found = fmt::format("number {}", list.number().value_or(0)),
+                   .note = "another process goes on making lists; run the command again"});
+  }
+}
+
 Result<Report> crl_distribute(const Arguments& arguments, const Context& context) {
   const auto given = arguments.text("--ca");
   DDSSEC_TRY(check_ca_folder(given, "identity"));
   const auto paths = ca_paths(given, "identity");
   // Until every folder has it: a newer list of another command must not come in between.
   const auto lock = DDSSEC_TRY(lock_records(paths));
+  const auto now = context.clock.now();
   const auto ca = DDSSEC_TRY(read_certificate(paths.certificate));
-  const auto crl = DDSSEC_TRY(list_to_distribute(paths, ca, given, context.clock.now()));
+  DDSSEC_TRY(list_to_distribute(paths, ca, given, now));
   const auto recipient = DDSSEC_TRY(recipients(arguments, paths));
-  auto done = DDSSEC_TRY(put_lists(recipient.here, {crl, ca, given}));
+  auto [crl, done] = DDSSEC_TRY(distribute(paths, given, now, recipient.here, lock.has_value()));
   Report report;
   report.result = {{"number", crl.number().value_or(0)},
                    {"folders", done.folders},

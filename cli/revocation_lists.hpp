@@ -65,8 +65,8 @@ struct ListForFolder {
 
 /// Drafts a participant's crl.pem: the list in place of this CA's former one. Lists of other
 /// trusted CAs stay, the list of the participant's own CA being the first. Every command that
-/// writes a list into a participant's folder does it here, and has the CA to itself (lock_records),
-/// so that no newer list is lost. Errors: issuer_unknown if the CA is not above the participant;
+/// writes a list into a participant's folder does it here, and has the CA to itself (lock_records)
+/// or looks at the CA's list once more afterwards, so that no newer list is lost. Errors: issuer_unknown if the CA is not above the participant;
 /// crl_older if the list that is there is newer or names more; crl_missing if there would be no
 /// list of the CA that issued the certificate, so that no peer would be authenticated; those of
 /// read_file and Replacement::put.

@@ -11,6 +11,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/stat.h>
 #include <sys/types.h>
 #include <unistd.h>
@@ -32,6 +33,17 @@ static int is_full(void) {
   }
   if (left > 1) return --left, 0;
   return left == 1;
+}
+
+// Another command may run between two writes: AT_RENAME=command runs at the first rename.
+static void run_command(void) {
+  const char* command = getenv("AT_RENAME");
+  if (command == NULL) return;
+  char* copy = strdup(command);
+  unsetenv("AT_RENAME");
+  unsetenv("LD_PRELOAD");
+  if (copy != NULL && system(copy) != 0) abort();
+  free(copy);
 }
 
 static void remove_drafts(void) {
@@ -61,6 +73,7 @@ SEEN int renameat(int d, const char* from, int e, const char* to) {
   if (real == NULL)
     real = (int (*)(int, const char*, int, const char*))dlsym(RTLD_NEXT, "renameat");
   remove_drafts();
+  run_command();
   count();
   return real(d, from, e, to);
 }

@@ -7,9 +7,11 @@ import pathlib
 import shutil
 import subprocess
 import time
+import unittest
 
 from transcript import PROGRAM, Transcript, main
 
+LIBRARY = PROGRAM.parent.parent / "lib/kill_at.so"
 NOW = ("--now", "2026-11-21T00:00:00Z")
 LATER = ("--now", "2026-11-22T00:00:00Z")
 EARLIER = ("--now", "2026-11-20T23:00:00Z")
@@ -206,6 +208,29 @@ class Waiting(Lists):
         told = self.run_program("identity", "revoke", serial, "--ca", "changed/demo", *NOW).stdout
         self.assertIn("revoked already, but the list did not say so", told)
         self.json("crl", "verify", "changed/demo/ca/identity/crl.pem", "--ca", "changed/demo", *NOW)
+
+
+@unittest.skipUnless(LIBRARY.exists(), "not with sanitizers")
+class WithoutTheKey(Lists):
+    """A user who cannot open the CA's key distributes without a lock."""
+
+    # The key is away, which counts like one that may not be opened. Between the check of the folders and the
+    # first rename another command distributes a newer list to them.
+    def test_a_newer_list_that_came_in_between_is_distributed_again(self):
+        shutil.copytree(self.at / "demo", self.at / "changed/demo")
+        self.run_program("identity", "revoke", "changed/demo/talker", "--ca", "changed/demo", *NOW)
+        log = self.at / "changed/demo/ca/identity/issued.jsonl"
+        log.write_text(log.read_text().replace(f"{self.at}/changed/", f"{self.at}/"))
+        (self.at / "demo/ca/identity/ca.key.pem").unlink()
+        between = (f"mv changed/demo/ca/identity/crl.pem changed/demo/ca/identity/issued.jsonl demo/ca/identity && "
+                   f"{PROGRAM} crl distribute --ca demo {' '.join(LATER)} > between.txt")
+        environment = {**os.environ, "LD_PRELOAD": str(LIBRARY), "AT_RENAME": between}
+        done = subprocess.run([PROGRAM, "crl", "distribute", "--ca", "demo", *LATER], cwd=self.at, env=environment,
+                              capture_output=True, text=True, check=False, timeout=60)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertIn("list 2 of", (self.at / "between.txt").read_text())
+        self.assertIn("list 2 of", done.stdout)
+        self.assertEqual([self.shown(f"demo/{name}")["number"] for name in ("talker", "listener", "third")], [2] * 3)
 
 
 class Intermediate(Transcript):
