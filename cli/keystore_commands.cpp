@@ -19,6 +19,7 @@
 #include "cli/ros_policy.hpp"
 #include "cli/signed_documents.hpp"
 #include "cli/snippets.hpp"
+#include "cli/subject_overlap.hpp"
 #include "cli/transaction.hpp"
 #include "governance/doctor/domains.hpp"
 #include "governance/profile.hpp"
@@ -187,6 +188,22 @@ Status warn_of_missing_rights(std::string_view xml, const fs::path& document, Re
   return {};
 }
 
+// ROS 2 uses such names, so that they are no error: ddssec's plugins and Fast DDS tell them apart.
+Status warn_of_overlap(const ParticipantSpec& spec, const CaPaths& identity, const fs::path& target,
+                       WallTime now, Report& report) {
+  const auto log = DDSSEC_TRY(read_issue_log(identity));
+  const auto apart = SubjectsInUse(log, target, now).check(spec.subject);
+  if (apart) return {};
+  const auto& details = apart.error().details();
+  report.findings.push_back(
+      {.rule = Rule::PERM011,
+       .message = fmt::format("{}: {}", details.found, details.note),
+       .hint = "let participants run ddssec's plugins; or choose names of which none has all the "
+               "parts of another",
+       .vendors = {"cyclonedds"}});
+  return {};
+}
+
 // The new folder begins at the first part of the name that is not there yet, so that all of it
 // appears at once.
 Result<NewFolder> new_enclave(const fs::path& keystore, const fs::path& target) {
@@ -225,6 +242,7 @@ Result<Report> keystore_enclave(const Arguments& arguments, const Context& conte
   const auto identity = DDSSEC_TRY(opener.open(ca_paths(keystore, "identity")));
   const auto permissions = DDSSEC_TRY(opener.open(ca_paths(keystore, "permissions")));
   spec.life = DDSSEC_TRY(within_ca(spec.life, identity.certificate(), arguments.has("--clamp")));
+  DDSSEC_TRY(warn_of_overlap(spec, identity.paths, target, now, report));
   const auto made = DDSSEC_TRY(named(make_participant(spec, {identity, &permissions}, context),
                                      arguments.text("--permissions")));
   DDSSEC_TRY(warn_of_missing_rights(made.permissions_xml, target / "permissions.p7s", report));

@@ -36,6 +36,17 @@ class Keystore(Transcript):
         out = self.json("keystore", "verify", "ks", *NOW)["result"]
         self.assertEqual([e["name"] for e in out["enclaves"]], sorted(enclaves))
 
+    # Measured with Cyclone DDS 0.10.2: its own plugins give /a the permissions of /a/b, and /b/a those of /a/b.
+    def test_an_enclave_whose_name_stock_cyclone_dds_takes_for_another_is_warned_of(self):
+        self.create()
+        enclave = lambda name: self.json("keystore", "enclave", "ks", name, "--allow-all", *NOW)["diagnostics"]
+        for name in ("/a", "/c/d", "/ab"):
+            self.assertEqual(enclave(name), [])
+        for name, gains in (("/a/b", "/a the permissions of CN=/a/b"), ("/d/c", "/d/c the permissions of CN=/c/d")):
+            (told,) = enclave(name)
+            self.assertEqual((told["id"], told["severity"], told["vendors"]), ("PERM011", "warning", ["cyclonedds"]))
+            self.assertIn(f"would give CN={gains}", told["message"])
+
     def test_create_makes_what_upstream_takes_for_a_keystore(self):
         out = self.create()
         for file in NEEDED:
