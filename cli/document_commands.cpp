@@ -26,11 +26,21 @@ namespace {
 namespace fs = std::filesystem;
 namespace doctor = governance::doctor;
 
-std::vector<Finding> lint_before_signing(const governance::Governance& document, WallTime) {
+std::vector<Finding> lint_before_signing(const governance::Governance& document, std::size_t,
+                                         WallTime) {
   return lint(document);
 }
-std::vector<Finding> lint_before_signing(const governance::Permissions& document, WallTime now) {
-  return lint(document, {.now = now});
+std::vector<Finding> lint_before_signing(const governance::Permissions& document,
+                                         std::size_t octets, WallTime now) {
+  return lint(document, {.now = now, .signed_octets = octets});
+}
+
+Report not_signed(const fs::path& file, std::vector<Finding> findings) {
+  Report report;
+  report.text = fmt::format("{}: not signed: {} (--no-lint signs all the same)\n", file.string(),
+                            counted(findings));
+  add_findings(report, std::move(findings), file);
+  return report;
 }
 
 // A document that cannot be read, or that lint finds errors in, is not worth a signature.
@@ -45,18 +55,17 @@ Result<Report> sign(const Arguments& arguments, const Context& context) {
   const auto document = DDSSEC_TRY(named(Kind::read(octets), from));
   Report report;
   if (!arguments.has("--no-lint")) {
-    auto findings = lint_before_signing(document, context.clock.now());
-    const auto count = counted(findings);
+    auto findings = lint_before_signing(document, signed_size(octets), context.clock.now());
+    if (governance::has_errors(findings)) return not_signed(from, std::move(findings));
     add_findings(report, std::move(findings), from);
-    if (report.exit != Exit::done) {
-      report.text =
-          fmt::format("{}: not signed: {} (--no-lint signs all the same)\n", from.string(), count);
-      return report;
-    }
   }
   const auto ca = DDSSEC_TRY(CaOpener(arguments).open("permissions"));
   const auto signed_octets = DDSSEC_TRY(
       named(ca.authority.sign_document(octets, context.clock.now(), context.random), from));
+  if (const auto size = signed_octets.size(); std::is_same_v<Kind, PermissionsKind> &&
+                                              size > pki::kMostSentPermissionsOctets &&
+                                              !arguments.has("--no-lint"))
+    return not_signed(from, {governance::too_long_for_peers(size)});
   DDSSEC_TRY(check_result_place(to, arguments));
   DDSSEC_TRY(log_signed(ca, octets, to, context.clock.now()));
   report.files_written.push_back(DDSSEC_TRY(write_result(to, signed_octets, arguments)));

@@ -56,6 +56,14 @@ Result<DocumentText> unverified_text(const fs::path& file) {
   return DocumentText{std::move(form.unverified_text), form.first_line};
 }
 
+std::size_t signed_size(BytesView octets) {
+  if (pki::examine_document(octets).wrapping != pki::DocumentWrapping::none) return octets.size();
+  // Lines of what is signed end in CR LF.
+  const auto text = as_text(octets);
+  return text.size() + static_cast<std::size_t>(std::ranges::count(text, '\n')) -
+         static_cast<std::size_t>(std::ranges::count(text, '\r'));
+}
+
 void add_findings(Report& report, std::vector<Finding> findings, const fs::path& file) {
   if (governance::has_errors(findings)) report.exit = Exit::no;
   for (auto& finding : findings) {

@@ -71,6 +71,10 @@ Result<typename Kind::Document> unverified_document(const std::filesystem::path&
   return named(Kind::read(text->xml, text->first_line), file);
 }
 
+/// How long the signed form of a document is, which `octets` are, plain or signed. Of a plain one
+/// without the signature itself, which has 1 to 4 KiB.
+std::size_t signed_size(BytesView octets);
+
 /// Findings about this file go into the report; the answer is "no" if one is an error.
 void add_findings(Report& report, std::vector<Finding> findings, const std::filesystem::path& file);
 /// "2 errors, 1 warning, 3 notes"; "nothing found" if there are none.

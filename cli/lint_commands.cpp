@@ -8,6 +8,7 @@
 #include "cli/inputs.hpp"
 #include "cli/near.hpp"
 #include "governance/lint.hpp"
+#include "pki/source.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -39,10 +40,12 @@ Result<Report> permissions_lint(const Arguments& arguments, const Context& conte
   if (arguments.has("--governance"))
     governance = DDSSEC_TRY(unverified_document<GovernanceKind>(
         document_path<GovernanceKind>(arguments.text("--governance"))));
+  const auto octets = DDSSEC_TRY(read_file(file, pki::kMostDocumentOctets));
   const auto document = DDSSEC_TRY(unverified_document<PermissionsKind>(file));
   return report_on(file, lint(document, {.now = context.clock.now(),
                                          .certificate = certificate ? &*certificate : nullptr,
-                                         .governance = governance ? &*governance : nullptr}));
+                                         .governance = governance ? &*governance : nullptr,
+                                         .signed_octets = signed_size(octets)}));
 }
 
 const Positional kDocument{

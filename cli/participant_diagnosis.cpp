@@ -12,8 +12,10 @@
 #include "governance/doctor/effective_security.hpp"
 #include "governance/doctor/host_plugins.hpp"
 #include "governance/doctor/shell_word.hpp"
+#include "pki/source.hpp"
 #include "plugins/access_control/allowed_algorithms.hpp"
 #include "plugins/access_control/protection.hpp"
+#include "plugins/authentication/credentials.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -23,6 +25,8 @@ namespace fs = std::filesystem;
 using doctor::LoadedFolder;
 using doctor::Outcome;
 using governance::Action;
+
+static_assert(pki::kMostSentPermissionsOctets == authentication::kMostPermissionsOctets);
 
 constexpr std::string_view kOfHost = "a Cyclone DDS process on ddssec's plugins";
 

@@ -27,9 +27,13 @@ struct PermissionsUse {
   std::optional<WallTime> now = std::nullopt;
   const pki::Certificate* certificate = nullptr;
   const Governance* governance = nullptr;
+  std::size_t signed_octets = 0;  ///< how long the signed document is, or will be at least
 };
 
-/// Findings PERM001 to PERM041 but PERM031, by line. Errors stop `permissions sign`.
+/// PERM042, of a signed document that is longer than ddssec's plugins take.
+Finding too_long_for_peers(std::size_t signed_octets);
+
+/// Findings PERM001 to PERM042 but PERM031, by line. Errors stop `permissions sign`.
 std::vector<Finding> lint(const Permissions& permissions, const PermissionsUse& use = {});
 
 /// True if one of them is an error.

@@ -7,6 +7,7 @@
 #include "governance/lint.hpp"
 #include "governance/lint_grant.hpp"
 #include "governance/ros_node.hpp"
+#include "pki/source.hpp"
 #include "pki/subject_name.hpp"
 
 namespace ddssec::governance {
@@ -211,6 +212,15 @@ void check_names(Findings& out, const GrantPlace& place) {
 
 }  // namespace
 
+Finding too_long_for_peers(std::size_t signed_octets) {
+  return {
+      .rule = PERM042,
+      .message = fmt::format("the signed document has {} octets, and ddssec's plugins send, and "
+                             "take from a peer, {} at most: a participant with it does not "
+                             "start on them, and is not accepted by participants on them",
+                             signed_octets, pki::kMostSentPermissionsOctets)};
+}
+
 std::vector<Finding> lint(const Permissions& permissions, const PermissionsUse& use) {
   Findings out(PERM012);
   add_notes(out, permissions);
@@ -228,6 +238,8 @@ std::vector<Finding> lint(const Permissions& permissions, const PermissionsUse& 
     lint_ros(out, place);
   }
   check_repeated_subjects(out, places);
+  if (use.signed_octets > pki::kMostSentPermissionsOctets)
+    out.add(too_long_for_peers(use.signed_octets));
   if (auto finding = missing_node_defaults(permissions)) out.add(*std::move(finding));
   if (use.certificate && !places.empty()) check_subject(out, places, *use.certificate);
   return out.take();

@@ -16,6 +16,8 @@ inline constexpr std::size_t kMostCertificateOctets = 64 * 1024;
 inline constexpr std::size_t kMostBundleOctets = 1024 * 1024;
 /// The longest governance document, permissions document or revocation list, in octets.
 inline constexpr std::size_t kMostDocumentOctets = 16 * 1024 * 1024;
+/// The longest signed permissions document that ddssec's plugins send, or take from a peer.
+inline constexpr std::size_t kMostSentPermissionsOctets = 1024 * 1024;
 
 /// The PEM text of a private key: up to RSA-16384.
 using KeyPem = Secret<struct KeyPemTag, 16 * 1024>;

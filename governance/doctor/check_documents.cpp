@@ -8,6 +8,7 @@
 
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/measured.hpp"
+#include "governance/lint.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::governance::doctor {
@@ -342,10 +343,15 @@ void check_documents(const LoadedFolder& folder, const Settings& settings, Diagn
     check_one(folder,
               subject("governance", folder.paths.governance, folder.governance, settings.lineup),
               out);
-  if (folder.permissions.readable)
-    check_one(folder,
-              subject("permissions", folder.paths.permissions, folder.permissions, settings.lineup),
-              out);
+  if (!folder.permissions.readable) return;
+  check_one(folder,
+            subject("permissions", folder.paths.permissions, folder.permissions, settings.lineup),
+            out);
+  const auto size = folder.permissions.file.size();
+  if (size <= pki::kMostSentPermissionsOctets) return;
+  auto finding = too_long_for_peers(size);
+  finding.document = folder.paths.permissions;
+  out.report({.ours = Outcome::fail}, std::move(finding));
 }
 
 }  // namespace ddssec::governance::doctor

@@ -11,6 +11,7 @@
 #include "governance/doctor/subject_form.hpp"
 #include "governance/doctor/vendor_decision.hpp"
 #include "governance/grant.hpp"
+#include "pki/source.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
@@ -165,6 +166,10 @@ bool reads_remote_subject(const Grant& grant, const pki::Certificate& certificat
 Status judge_permissions_of(const Party& judge, const Party& subject, WallTime now) {
   const auto& document = subject.folder.permissions;
   if (!document.readable) return document.readable;
+  if (judge.vendor == Vendor::ours && document.file.size() > pki::kMostSentPermissionsOctets)
+    return fail(Code::permissions_too_large,
+                {.expected = fmt::format("at most {} octets", pki::kMostSentPermissionsOctets),
+                 .found = fmt::format("{} octets", document.file.size())});
   DDSSEC_TRY(believes(judge.vendor, document.file, judge.folder.permissions_cas, now));
   DDSSEC_TRY(document.read_by(judge.vendor));
   if (!subject.folder.certificate) return std::unexpected(subject.folder.certificate.error());
