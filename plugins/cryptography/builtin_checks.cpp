@@ -6,18 +6,28 @@
 namespace ddssec::cryptography {
 namespace {
 
-constexpr std::uint16_t kKeyHash = 0x0070;
+constexpr std::uint16_t kKeyHash = 0x0070, kStatusInfo = 0x0071;
 constexpr std::size_t kEncapsulationSize = 4;
 
-Status check_inline_qos(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece) {
+/// StatusInfo_t (RTPS 9.6.4.9): disposed, or unregistered.
+bool says_end(BytesView status_info) {
+  constexpr std::uint8_t kDisposedOrUnregistered = 3;
+  return status_info.size() >= 4 && (status_info[3] & kDisposedOrUnregistered) != 0;
+}
+
+/// Does it say that what the sample is about is gone?
+Result<bool> check_inline_qos(const BuiltinTopic& topic, const Owner& owner,
+                              const DataPiece& piece) {
   Reader in(piece.inline_qos, piece.endian);
+  bool ends = false;
   while (!in.at_end()) {
     const auto parameter = next_parameter(in);
-    if (!parameter || !*parameter) return {};  // read once already
+    if (!parameter || !*parameter) break;  // read once already
     if ((*parameter)->id == kKeyHash)
       DDSSEC_TRY(check_name(topic, owner, "key hash", (*parameter)->value));
+    if ((*parameter)->id == kStatusInfo) ends = ends || says_end((*parameter)->value);
   }
-  return {};
+  return ends;
 }
 
 /// ParticipantMessageData, or its key: both begin with the prefix. Fast DDS calls the same octets
@@ -31,8 +41,9 @@ Status check_liveliness(const BuiltinTopic& topic, const Owner& owner, BytesView
   return check_name(topic, owner, "participantGuidPrefix", payload.subspan(kEncapsulationSize));
 }
 
+/// `announced` is null where it is not known whose the announcement is.
 Result<TypeInformationAt> check_whole(const BuiltinTopic& topic, const Owner& owner,
-                                      BytesView payload) {
+                                      BytesView payload, bool ends, AnnouncedEndpoints* announced) {
   if (topic.key == 0) {
     DDSSEC_TRY(check_liveliness(topic, owner, payload));
     return TypeInformationAt{};
@@ -40,25 +51,32 @@ Result<TypeInformationAt> check_whole(const BuiltinTopic& topic, const Owner& ow
   ParameterWalk walk;
   DDSSEC_TRY(walk.read(topic, owner, payload));
   DDSSEC_TRY(walk.check_end(topic));
+  if (announced != nullptr && ends)
+    announced->withdraw(topic, walk.entity());
+  else if (announced != nullptr)
+    DDSSEC_TRY(announced->announce(topic, walk.entity(), payload.size()));
   return walk.type_information();
 }
 
 Result<TypeInformationAt> check_payload(const BuiltinTopic& topic, const Owner& owner,
-                                        const DataPiece& piece, WalksOfPeers& walks) {
-  if (!piece.is_fragment) return check_whole(topic, owner, piece.payload);
+                                        const DataPiece& piece, bool ends,
+                                        DiscoveryOfPeers& peers) {
+  auto* const peer = topic.key == 0 ? nullptr : peers.of(owner.value_or(GuidPrefix{}));
+  auto* const announced = peer == nullptr ? nullptr : &peer->announced;
+  if (!piece.is_fragment) return check_whole(topic, owner, piece.payload, ends, announced);
   if (piece.payload.size() < piece.fragments_size)
     return unreadable_name(topic, "a fragment is shorter than it says");
-  if (piece.payload.size() == piece.sample_size) return check_whole(topic, owner, piece.payload);
+  if (piece.payload.size() == piece.sample_size)
+    return check_whole(topic, owner, piece.payload, ends, announced);
   if (topic.key == 0) return unreadable_name(topic, "it is in fragments");
-  auto* const found = walks.of(owner.value_or(GuidPrefix{}));
-  return found == nullptr ? fail(Code::builtin_fragment_early)
-                          : found->take(topic, owner, piece, walks.now());
+  return peer == nullptr ? fail(Code::builtin_fragment_early)
+                         : peer->walks.take(topic, owner, piece, peer->announced, peers.now());
 }
 
 }  // namespace
 
 Result<TypeInformationAt> check_builtin_source(BytesView submessage, const Owner& owner,
-                                               WalksOfPeers& walks) {
+                                               DiscoveryOfPeers& peers) {
   const auto writer = writer_of_data(submessage);
   if (!writer) return TypeInformationAt{};
   const auto* const topic = builtin_topic_of(*writer);
@@ -66,9 +84,9 @@ Result<TypeInformationAt> check_builtin_source(BytesView submessage, const Owner
   if (topic->key == 0 && !owner) return TypeInformationAt{};  // it holds nothing but a name
   const auto piece = read_data_piece(submessage);
   if (!piece) return unreadable_name(*topic, "its lengths contradict one another");
-  DDSSEC_TRY(check_inline_qos(*topic, owner, *piece));
+  const bool ends = DDSSEC_TRY(check_inline_qos(*topic, owner, *piece));
   if (!piece->has_data && !piece->has_key) return TypeInformationAt{};
-  auto at = DDSSEC_TRY(check_payload(*topic, owner, *piece, walks));
+  auto at = DDSSEC_TRY(check_payload(*topic, owner, *piece, ends, peers));
   if (at) *at += static_cast<std::uint32_t>(piece->payload.data() - submessage.data());
   return at;
 }

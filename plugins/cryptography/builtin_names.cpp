@@ -109,8 +109,9 @@ Status ParameterWalk::take(const BuiltinTopic& topic, const Owner& owner) {
   if (state_ == State::encapsulation) return begin_list(topic);
   if (state_ == State::header) return begin_parameter(topic);
   state_ = State::header;
-  to_skip_ = length_ - static_cast<std::uint32_t>(GuidPrefix::size);
+  to_skip_ = length_ - static_cast<std::uint32_t>(kGuidSize);
   has_name_ = true;
+  if (id_ == topic.key) entity_ = EntityId::from(BytesView(part_).subspan(GuidPrefix::size));
   return check_name(topic, owner, name_of(topic, id_), part_);
 }
 
@@ -138,9 +139,9 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
     to_skip_ = length_;
     return {};
   }
-  if (length_ < GuidPrefix::size) return unreadable_name(topic, "a GUID is too short");
+  if (length_ < kGuidSize) return unreadable_name(topic, "a GUID is too short");
   state_ = State::name;
-  wanted_ = GuidPrefix::size;
+  wanted_ = kGuidSize;
   return {};
 }
 

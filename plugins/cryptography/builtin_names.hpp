@@ -47,6 +47,8 @@ class ParameterWalk {
   /// Where the parameter id of the type information stands, counted from the encapsulation. Both of
   /// its octets came in one piece.
   std::optional<std::uint32_t> type_information() const { return type_information_; }
+  /// Of what the list is about: the last entity that the topic's key named.
+  const EntityId& entity() const { return entity_; }
 
  private:
   Status take(const BuiltinTopic& topic, const Owner& owner);
@@ -62,6 +64,7 @@ class ParameterWalk {
   enum class State : std::uint8_t { encapsulation, header, name, partitions, ended };
   static constexpr std::size_t kHeaderSize = 4;
   static constexpr std::size_t kLocatorKinds = 6;
+  static constexpr std::size_t kGuidSize = GuidPrefix::size + EntityId::size;
 
   State state_ = State::encapsulation;
   bool is_little_ = false;
@@ -75,7 +78,8 @@ class ParameterWalk {
   std::uint32_t position_ = 0;      ///< octets read
   std::uint32_t piece_begins_ = 0;  ///< position_ before the present piece
   std::optional<std::uint32_t> type_information_ = {};
-  std::array<std::uint8_t, GuidPrefix::size> part_ = {};  ///< what a state waits for
+  EntityId entity_ = {};
+  std::array<std::uint8_t, kGuidSize> part_ = {};  ///< what a state waits for
   std::array<std::uint8_t, kLocatorKinds> locators_ = {};
   PartitionWalk partitions_ = {};
 };

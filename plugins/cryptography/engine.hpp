@@ -58,6 +58,7 @@ struct Shared {
   std::uint64_t pairs_made = 0;                                             ///< guarded by it
   std::uint64_t routes_made = 0;                                            ///< guarded by it
   mutable TokenLedger ledger;  ///< for a host that does not check
+  AnnouncementAccounts announcements = {};
 };
 
 /// Whose participants share their places: the octets of the prefix that are bound to the subject

@@ -121,7 +121,7 @@ struct RemoteParticipant final : Entity {
   Published<PairTable> pair_table;
   Routes routes;                            ///< of its endpoints that protect submessages
   PayloadPositions payload_positions = {};  ///< of its writers that protect payloads alone
-  mutable FragmentWalks walks = {};
+  mutable PeerDiscovery discovery = {};
 
   /// Under a ReadGuard: what it has with that local participant, or nullptr.
   Pair* pair(std::int64_t local) const {

@@ -33,11 +33,12 @@ bool FragmentWalks::Writer::is_full(std::uint64_t number, std::size_t fragments_
 }
 
 Result<TypeInformationAt> FragmentWalks::take(const BuiltinTopic& topic, const Owner& owner,
-                                              const DataPiece& piece, MonotonicTime now) {
+                                              const DataPiece& piece, AnnouncedEndpoints& announced,
+                                              MonotonicTime now) {
   const std::lock_guard lock(mutex_);
   auto& writer = writers_[topic.writer];
   const auto sample = DDSSEC_TRY(sample_of(topic, writer, piece, now));
-  auto status = read(topic, owner, piece, sample->second, now);
+  auto status = read(topic, owner, piece, sample->second, announced, now);
   const auto type_information = sample->second.type_information;
   if (sample->second.passed.empty()) writer.erase(sample);  // the host got nothing of it
   if (!status) return std::unexpected(std::move(status).error());
@@ -81,7 +82,7 @@ Status FragmentWalks::make_room(Writer& writer, std::uint64_t number, std::size_
 }
 
 Status FragmentWalks::read(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece,
-                           Sample& sample, MonotonicTime now) const {
+                           Sample& sample, AnnouncedEndpoints& announced, MonotonicTime now) const {
   const auto first = std::size_t{piece.first_fragment - 1};
   if (first > sample.passed.size()) return early();
   std::vector<Sha256Digest> added;
@@ -100,14 +101,15 @@ Status FragmentWalks::read(const BuiltinTopic& topic, const Owner& owner, const 
     }
   }
   if (added.empty()) return {};
-  DDSSEC_TRY(go_on(topic, owner, unread, added, sample));
+  DDSSEC_TRY(go_on(topic, owner, unread, added, sample, announced));
   sample.last_progress = now;
   return {};
 }
 
 /// Reads what follows the fragments that passed; changes nothing if it must not pass.
 Status FragmentWalks::go_on(const BuiltinTopic& topic, const Owner& owner, BytesView octets,
-                            const std::vector<Sha256Digest>& added, Sample& sample) const {
+                            const std::vector<Sha256Digest>& added, Sample& sample,
+                            AnnouncedEndpoints& announced) const {
   auto walk = *sample.walk;
   while (!octets.empty()) {
     const auto fragment = octets.first(std::min<std::size_t>(sample.fragment_size, octets.size()));
@@ -115,7 +117,10 @@ Status FragmentWalks::go_on(const BuiltinTopic& topic, const Owner& owner, Bytes
     DDSSEC_TRY(walk.read(topic, owner, fragment));
   }
   const bool is_whole = sample.passed.size() + added.size() == sample.count;
-  if (is_whole) DDSSEC_TRY(walk.check_end(topic));
+  if (is_whole) {
+    DDSSEC_TRY(walk.check_end(topic));
+    DDSSEC_TRY(announced.announce(topic, walk.entity(), sample.size));
+  }
   sample.type_information = walk.type_information();
   sample.passed.insert(sample.passed.end(), added.begin(), added.end());
   if (is_whole)

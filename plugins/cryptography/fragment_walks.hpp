@@ -21,6 +21,7 @@
 
 #include "base/clock.hpp"
 #include "base/hash.hpp"
+#include "plugins/cryptography/announced_endpoints.hpp"
 #include "plugins/cryptography/builtin_names.hpp"
 #include "plugins/cryptography/data_piece.hpp"
 #include "plugins/cryptography/type_information.hpp"
@@ -40,11 +41,13 @@ class FragmentWalks {
 
   /// One DATA_FRAG that is not a whole sample, of a writer whose samples are parameter lists.
   /// Returns where its payload holds the parameter id of type information: also if it comes again.
+  /// The last one counts in `announced`.
   /// Errors: builtin_source_mismatch, builtin_source_unreadable; builtin_fragment_early: one before
   /// it is missing, or there is no room now, and it will be asked for again; or its sample is
   /// forgotten, and the sender serves another participant.
   Result<TypeInformationAt> take(const BuiltinTopic& topic, const Owner& owner,
-                                 const DataPiece& piece, MonotonicTime now);
+                                 const DataPiece& piece, AnnouncedEndpoints& announced,
+                                 MonotonicTime now);
 
  private:
   struct Sample {
@@ -69,20 +72,27 @@ class FragmentWalks {
                                       const DataPiece& piece, MonotonicTime now);
   Status make_room(Writer& writer, std::uint64_t number, std::size_t fragments, MonotonicTime now);
   Status read(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece, Sample& sample,
-              MonotonicTime now) const;
+              AnnouncedEndpoints& announced, MonotonicTime now) const;
   Status go_on(const BuiltinTopic& topic, const Owner& owner, BytesView octets,
-               const std::vector<Sha256Digest>& added, Sample& sample) const;
+               const std::vector<Sha256Digest>& added, Sample& sample,
+               AnnouncedEndpoints& announced) const;
 
   std::mutex mutex_;
   std::map<EntityId, Writer> writers_;  ///< as many as there are topics
 };
 
-/// Whose fragments are where.
-class WalksOfPeers {
+/// What is known of the announcements of one participant.
+struct PeerDiscovery {
+  FragmentWalks walks = {};
+  AnnouncedEndpoints announced = {};
+};
+
+/// Whose is where.
+class DiscoveryOfPeers {
  public:
-  virtual ~WalksOfPeers() = default;
-  /// Null: of nobody that is known now.
-  virtual FragmentWalks* of(const GuidPrefix& owner) = 0;
+  virtual ~DiscoveryOfPeers() = default;
+  /// Null: no participant of that name is known now.
+  virtual PeerDiscovery* of(const GuidPrefix& owner) = 0;
   virtual MonotonicTime now() const = 0;
 };
 

@@ -214,6 +214,8 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_matched_remote_partici
   DDSSEC_TRY(take_place(*participant, remote_identity, *fresh));
   Rollback give_back([&] { give_back_place(*participant, *fresh); });
   auto* const remote = DDSSEC_TRY(remote_with_identity(remote_identity));
+  remote->discovery.announced.count_for(
+      shared_.announcements.of(subject_of(remote_identity.value, *fresh)));
   auto& pair = remote->pairs[local.value];
   participant->matched.insert(remote->handle());
   if (pair && !shared_.host_checks_sources)

@@ -58,12 +58,12 @@ bool is_type_lookup(BytesView submessage) {
 /// Checks the submessage with which `rest` begins; the sender's part ends before one that fails.
 /// `source` is who speaks.
 Result<TypeInformationAt> check_next(BytesView rest, std::size_t size, const GuidPrefix& sender,
-                                     GuidPrefix& source, WalksOfPeers& walks) {
+                                     GuidPrefix& source, DiscoveryOfPeers& peers) {
   const auto id = rest[0];
   if (id == submessage_id::kSecPrefix && !is_of_one_order(rest, size))
     return std::unexpected(unreadable());
   if (id != submessage_id::kInfoSource)
-    return check_builtin_source(rest.first(size), source, walks);
+    return check_builtin_source(rest.first(size), source, peers);
   if (size < kInfoSourceSize) return std::unexpected(unreadable());
   const auto named = GuidPrefix::from(rest.subspan(12, GuidPrefix::size));
   source = named;
@@ -97,7 +97,7 @@ Status check_name(std::string_view field, const GuidPrefix& expected, const Guid
 
 }  // namespace
 
-SenderPart part_of_sender(BytesView content, const GuidPrefix& sender, WalksOfPeers& walks) {
+SenderPart part_of_sender(BytesView content, const GuidPrefix& sender, DiscoveryOfPeers& peers) {
   auto source = sender;
   auto signed_at = content.size();
   SenderPart part{.size = content.size(), .ended = std::nullopt};
@@ -113,7 +113,7 @@ SenderPart part_of_sender(BytesView content, const GuidPrefix& sender, WalksOfPe
       end(unreadable());
       break;
     }
-    auto found = check_next(rest, *size, sender, source, walks);
+    auto found = check_next(rest, *size, sender, source, peers);
     if (!found && found.error().code() == Code::builtin_fragment_early) {
       part.early.push_back(here);
     } else if (!found) {

@@ -36,7 +36,7 @@ struct SenderPart {
 /// speaks of another than the last INFO_SRC names (builtin_checks.hpp). Nothing is allocated unless
 /// something ended it, or there are fragments of discovery, type information or type
 /// lookups.
-SenderPart part_of_sender(BytesView content, const GuidPrefix& sender, WalksOfPeers& walks);
+SenderPart part_of_sender(BytesView content, const GuidPrefix& sender, DiscoveryOfPeers& peers);
 
 /// Checks one decrypted submessage of a writer. What the volatile secure writer sends must be
 /// protected by the key exchange, and nothing else may be. A token message must name as its source,

@@ -128,22 +128,22 @@ Status check_submessage(const RemoteEndpoint& sender, BytesView plain) {
   return {};
 }
 
-class WalksOfOne final : public WalksOfPeers {
+class DiscoveryOfOne final : public DiscoveryOfPeers {
  public:
-  WalksOfOne(FragmentWalks& walks, const Clock& clock) : walks_(walks), clock_(clock) {}
-  FragmentWalks* of(const GuidPrefix&) override { return &walks_; }
+  DiscoveryOfOne(PeerDiscovery& peer, const Clock& clock) : peer_(peer), clock_(clock) {}
+  PeerDiscovery* of(const GuidPrefix&) override { return &peer_; }
   MonotonicTime now() const override { return clock_.monotonic(); }
 
  private:
-  FragmentWalks& walks_;
+  PeerDiscovery& peer_;
   const Clock& clock_;
 };
 
 /// What a protected builtin writer says, which the host then gets without type information.
 Status check_discovery(const Shared& shared, const RemoteEndpoint& sender, const Owner& owner,
                        MutableBytes plain) {
-  WalksOfOne walks(sender.participant.walks, shared.environment.clock);
-  const auto types = DDSSEC_TRY(check_builtin_source(plain, owner, walks));
+  DiscoveryOfOne peers(sender.participant.discovery, shared.environment.clock);
+  const auto types = DDSSEC_TRY(check_builtin_source(plain, owner, peers));
   if (types && !sender.local.participant.trusts_type_information)
     hide_type_information(plain, *types);
   return {};
@@ -301,21 +301,21 @@ std::optional<const RemoteParticipant*> find_peer(const Shared& shared,
 }
 
 /// Of the sender of a message, and of others in its process.
-class WalksInMessage final : public WalksOfPeers {
+class DiscoveryInMessage final : public DiscoveryOfPeers {
  public:
-  WalksInMessage(const Shared& shared, spi::ParticipantCryptoHandle receiver,
-                 spi::ParticipantCryptoHandle sender, const GuidPrefix& prefix)
+  DiscoveryInMessage(const Shared& shared, spi::ParticipantCryptoHandle receiver,
+                     spi::ParticipantCryptoHandle sender, const GuidPrefix& prefix)
       : shared_(shared), receiver_(receiver), sender_(sender), prefix_(prefix) {}
 
-  FragmentWalks* of(const GuidPrefix& owner) override {
+  PeerDiscovery* of(const GuidPrefix& owner) override {
     if (owner == prefix_) {
       const auto remote = shared_.remote_participant(sender_);
-      return remote ? &(*remote)->walks : nullptr;
+      return remote ? &(*remote)->discovery : nullptr;
     }
     const auto local = shared_.local_participant(receiver_);
     if (!local) return nullptr;
     const auto peer = find_peer(shared_, **local, owner);
-    return peer && *peer != nullptr ? &(*peer)->walks : nullptr;
+    return peer && *peer != nullptr ? &(*peer)->discovery : nullptr;
   }
   MonotonicTime now() const override { return shared_.environment.clock.monotonic(); }
 
@@ -361,8 +361,8 @@ std::size_t Transform::keep_part_of_sender(spi::ParticipantCryptoHandle receiver
   const auto content = message.subspan(kRtpsHeaderSize);
   const auto prefix = GuidPrefix::from(message.subspan(8, GuidPrefix::size));
   const ReadGuard guard;
-  WalksInMessage walks(shared_, receiver, sender, prefix);
-  auto part = part_of_sender(content, prefix, walks);
+  DiscoveryInMessage peers(shared_, receiver, sender, prefix);
+  auto part = part_of_sender(content, prefix, peers);
   for (const auto at : part.early) hide_submessage(content, at, part);
   const auto local = shared_.local_participant(receiver);
   if (!local || !(*local)->trusts_type_information) {

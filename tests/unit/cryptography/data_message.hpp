@@ -36,11 +36,11 @@ inline Bytes generic_message(const GuidPrefix& source, const GuidPrefix& endpoin
   return out;
 }
 
-/// The fragments of one participant, whatever it is called.
-struct OneOwner final : WalksOfPeers {
-  FragmentWalks* of(const GuidPrefix&) override { return &walks; }
+/// One participant, whatever it is called.
+struct OneOwner final : DiscoveryOfPeers {
+  PeerDiscovery* of(const GuidPrefix&) override { return &peer; }
   MonotonicTime now() const override { return time; }
-  FragmentWalks walks;
+  PeerDiscovery peer;
   MonotonicTime time = std::chrono::hours(1);
 };
 
