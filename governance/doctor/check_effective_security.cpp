@@ -57,6 +57,7 @@ class Checks {
     out_.pass(Rule::DOC102);
     for (const auto& problem : security_.problems)
       refuse(problem.line, fmt::format("{}, so that Cyclone DDS does not start", problem.text));
+    for (const auto& doubt : security_.doubts) warn(doubt);
     if (!security_.problems.empty()) return;
     if (!security_.is_there) return check_absence();
     if (!security_.authentication)
@@ -78,6 +79,16 @@ class Checks {
                                 .hint = std::move(hint)});
   }
   void refuse(int line, std::string_view what) { report(Rule::DOC102, line, what); }
+
+  void warn(const ConfiguredText& doubt) {
+    out_.report({}, {.rule = Rule::DOC102,
+                     .message = fmt::format("{} {}: Cyclone DDS 0.10 does not know that element, "
+                                            "and does not start with one that it does not know",
+                                            question_.name, doubt.text),
+                     .document = question_.document,
+                     .line = doubt.line,
+                     .severity = Severity::warning});
+  }
 
   void check_absence() {
     if (security_.other_domain.empty())

@@ -9,6 +9,7 @@
 
 #include "base/text.hpp"
 #include "governance/doctor/markup.hpp"
+#include "governance/doctor/section_elements.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
@@ -46,7 +47,8 @@ constexpr std::string_view kSections[] = {
     "sharedmemory",  "sizing",      "ssl",       "tcp",     "threads", "tracing",  "unsupported"};
 constexpr std::string_view kOfRoot[] = {"domain", "ddsi2e", "ddsi2eservice"};
 constexpr std::string_view kOfDomain[] = {"security"};
-constexpr std::string_view kRootAttributes[] = {"xmlns", "xmlns:xsi", "xsi:schemalocation"};
+constexpr std::string_view kRootAttributes[] = {"xmlns", "xmlns:xsi", "xsi:schemalocation",
+                                                "xsi:nonamespaceschemalocation"};
 
 // Cyclone DDS takes the beginning of a name for the name.
 bool is_one_of(std::span<const std::string_view> names, std::string_view begin) {
@@ -85,6 +87,8 @@ class Walk {
     std::string id = {};        ///< of a <Domain>
     bool has_values = false;    ///< an attribute or a text so far, at any depth
     bool has_elements = false;  ///< one directly inside so far
+    bool has_security = false;  ///< a <Domain> with one so far
+    bool is_section = false;    ///< such as <General>, where only elements may be
   };
 
   bool is_file() const { return place_ == ConfigurationPlace::file; }
@@ -113,7 +117,11 @@ class Walk {
   }
 
   void leave() {
-    if (path_.size() == security_depth_) security_depth_ = 0;
+    if (path_.size() == security_depth_) {
+      security_depth_ = 0;
+      if (is_second_ && !out_.authentication)
+        problem(path_.back().line, "has a second <Security> without <Authentication>");
+    }
     if (value_ != nullptr) value_->text = std::string(trimmed(value_->text, kBlanks));
     value_ = nullptr;
     if (is_old_id()) take_old_id();
@@ -127,7 +135,10 @@ class Walk {
     path_.push_back({token.name, token.line, is_other});
     if (path_.size() == 1) is_file() ? open_root(token) : open_part(token);
     if (security_depth_ != 0) return open_inside(token);
-    if (!is_other) refuse_unknown(token);
+    if (!is_other) {
+      refuse_unknown(token);
+      doubt_unknown(token);
+    }
     if (is_old_id()) {
       old_id_.clear();
       refuse_attributes(token);
@@ -174,6 +185,21 @@ class Walk {
                           token.name.substr(0, 64), is_below_root() ? "CycloneDDS" : "Domain"));
   }
 
+  // Of other versions the elements may be others (DECISIONS.md).
+  void doubt_unknown(const Markup::Token& token) {
+    const auto depth = path_.size();
+    const bool is_at_top = depth == 1 && !is_file();
+    if (is_at_top || is_below_root() || is_below_domain()) {
+      path_.back().is_section = is_section(token.name);
+      if (path_.back().is_section) refuse_attributes(token);
+    } else if (depth > 1 && path_[depth - 2].is_section &&
+               !is_known_inside(path_[depth - 2].name, token.name)) {
+      out_.doubts.push_back(
+          {fmt::format("has <{}> inside <{}>", token.name.substr(0, 64), path_[depth - 2].name),
+           token.line});
+    }
+  }
+
   // <Domain><Id>5</Id>, which Cyclone DDS still reads for <Domain Id="5">.
   bool is_old_id() const {
     return is_below_domain() && path_.back().name == "id" && !path_.back().is_for_other_domain;
@@ -201,6 +227,7 @@ class Walk {
 
   static std::optional<DomainId> number_of(std::string_view word) {
     DomainId id = 0;
+    if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
     const auto* const end = word.data() + word.size();
     const auto read = std::from_chars(word.data(), end, id);
     if (word.empty() || read.ec != std::errc() || read.ptr != end) return std::nullopt;
@@ -214,7 +241,8 @@ class Walk {
   // Of a variable parts are read, too: <Domain>...</Domain>, <Security>...</Security>.
   bool is_at_its_place() const {
     if (!is_file()) return path_.size() <= 3;
-    return path_.size() == 3 && path_[1].name == "domain";
+    const bool is_former = is_below_root() && path_.back().name == "ddssecurity";
+    return is_former || (path_.size() == 3 && path_[1].name == "domain");
   }
 
   void open_domain(const Markup::Token& token) {
@@ -225,9 +253,10 @@ class Walk {
         continue;
       }
       path_.back().id = value;
-      const auto word = trimmed(value, kBlanks);
-      if (ascii_lower(word) == "any") continue;
-      const auto id = number_of(word);
+      if (ascii_lower(value) == "any") continue;
+      // Blanks may stand before a number, and nowhere else.
+      const auto first = std::min(value.find_first_not_of(kBlanks), value.size());
+      const auto id = number_of(std::string_view(value).substr(first));
       if (!id)
         problem(token.line, fmt::format("has <Domain Id=\"{}\">, which is neither a number nor any",
                                         value.substr(0, 64)));
@@ -243,6 +272,15 @@ class Walk {
       return;
     }
     security_depth_ = path_.size();
+    if (path_.size() > 1) {
+      auto& domain = path_[path_.size() - 2];
+      if (domain.has_security)
+        problem(token.line, fmt::format("has a second <{}> in one <Domain>", token.name));
+      domain.has_security = true;
+    }
+    // Each of them must be whole (measured).
+    is_second_ = out_.is_there;
+    out_.authentication = out_.cryptographic = out_.access_control = std::nullopt;
     out_.is_there = true;
     refuse_attributes(token);
   }
@@ -252,6 +290,8 @@ class Walk {
     if (level == 1) {
       kind_ = std::ranges::find(kKinds, token.name, &Kind::name);
       if (kind_ == std::end(kKinds)) return unknown(token);
+      if (out_.*kind_->plugin)
+        problem(token.line, fmt::format("has a second <{}> in one <Security>", token.name));
       out_.*kind_->plugin = ConfiguredPlugin{};
       return refuse_attributes(token);
     }
@@ -299,7 +339,9 @@ class Walk {
     }
     if (trimmed(token.name, kBlanks).empty()) return;
     if (path_.empty()) {
-      if (is_file()) problem(token.line, "has text outside of <CycloneDDS>");
+      // In the variable the name of a file may follow, after a comma.
+      if (is_file() || !trimmed(token.name, kBlanks).starts_with(','))
+        problem(token.line, "has text outside of <CycloneDDS>");
     } else if (path_.back().has_elements || is_section_list()) {
       problem(token.line,
               fmt::format("has text in <{}>, where only elements may be", path_.back().name));
@@ -311,6 +353,7 @@ class Walk {
   bool is_section_list() const {
     if (security_depth_ != 0) return true;
     const auto& name = path_.back().name;
+    if (path_.back().is_section) return true;
     const bool is_list = path_.size() <= 2 && (name == "cyclonedds" || name == "domain");
     return is_list && !path_.back().is_for_other_domain;
   }
@@ -320,6 +363,7 @@ class Walk {
   EffectiveSecurity out_;
   std::vector<Open> path_;
   std::size_t security_depth_ = 0;  ///< 0: not inside one that counts
+  bool is_second_ = false;          ///< <Security> that counts
   const Kind* kind_ = std::end(kKinds);
   ConfiguredText* value_ = nullptr;
   std::string old_id_;     ///< what <Id> holds so far

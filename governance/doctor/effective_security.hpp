@@ -32,10 +32,13 @@ struct ConfiguredPlugin {
 
 /// What Cyclone DDS 0.10.2 and 0.10.5 make of a configuration for one domain. Measured with both:
 /// tests/unit/governance_doctor/effective_security_test.cpp has the table. Of elements outside of
-/// <Security> only those directly below <CycloneDDS> and <Domain> are judged (DECISIONS.md).
+/// <Security> those directly below <CycloneDDS> and <Domain> are judged; of those one level deeper
+/// an unknown name is a doubt; what is deeper is not looked at (DECISIONS.md).
 struct EffectiveSecurity {
   /// What keeps a process from starting, as sentences without their subject.
   std::vector<ConfiguredText> problems = {};
+  /// What keeps a process of 0.10.2 and 0.10.5 from starting, and of another version maybe not.
+  std::vector<ConfiguredText> doubts = {};
   /// A <Security> that counts for the domain.
   bool is_there = false;
   /// The Id of a <Domain> with a <Security> that counts for another domain; empty: there is none.

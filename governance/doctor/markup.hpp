@@ -80,7 +80,7 @@ class Markup {
     take(2);
     const auto end = rest_.find('>');
     if (end == rest_.npos) return at(Kind::broken);
-    out.name = ascii_lower(trimmed(take(end), kMarkupBlanks));
+    out.name = ascii_lower(take(end));  // with blanks in it, it ends nothing (measured)
     take(1);
     return out;
   }

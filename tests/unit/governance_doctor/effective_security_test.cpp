@@ -68,6 +68,18 @@ INSTANTIATE_TEST_SUITE_P(
         Row{"any", document(domain(security(), " Id=\"any\"")), true},
         Row{"AnyInCapitals", document(domain(security(), " id='ANY'")), true},
         Row{"Zeros", document(domain(security(), " Id=\" 00\"")), true},
+        Row{"TabBeforeId", document(domain(security(), " Id=\"\t0\"")), true},
+        Row{"SignBeforeId", document(domain(security(), " Id=\"+0\"")), true},
+        Row{"SignBeforeOldId", document(domain("<Id>+0</Id>" + security())), true},
+        Row{"TwoDomainsWithTheSame", document(domain(security()) + domain(security())), true},
+        Row{"TwoInOtherDomain",
+            document(domain(security()) + domain(security() + security(), " Id=\"5\"")), true},
+        Row{"EmptySectionTwice", document(domain("<General/><General/>" + security())), true},
+        Row{"UnknownOptionInOtherDomain",
+            document(domain("<General><Foo/></General>", " Id=\"5\"") + domain(security())), true},
+        Row{"FormerPlace",
+            document("<DDSSecurity>" + std::string(kAuthentication) + "</DDSSecurity>"), true},
+        Row{"InlineThenFile", document(domain(security())) + ",file:///a", true, Place::variable},
         Row{"OtherDomain", document(domain(security(), " Id=\"1\"")), false},
         Row{"OtherDomainFirst", document(domain("", " Id=\"1\"") + domain(security())), true},
         Row{"OtherDomainHasIt", document(domain(security(), " Id=\"1\"") + domain("")), false},
@@ -143,6 +155,20 @@ INSTANTIATE_TEST_SUITE_P(
             false},
         Row{"OldIdOtherAfterAttribute", document(domain("<Id>5</Id>" + security(), " Id=\"any\"")),
             false},
+        Row{"BlankAfterId", document(domain(security(), " Id=\" 0 \"")), false},
+        Row{"BlankBeforeAny", document(domain(security(), " Id=\" any\"")), false},
+        Row{"BlankAfterOtherId", document(domain(security()) + domain("", " Id=\"5 \"")), false},
+        Row{"TwoInDomain", document(domain(security() + security())), false},
+        Row{"TwoInDomainUnderBothNames", document(domain(security() + "<DDSSecurity/>")), false},
+        Row{"SecondIsEmpty", document(domain(security()) + domain("<Security/>")), false},
+        Row{"PluginTwice", replaced("<Cryptographic/>", "<Cryptographic/><Cryptographic/>"), false},
+        Row{"BlankInEnd", replaced("</Governance>", "</Governance\n>"), false},
+        Row{"BlankInEndOfSection", document(domain("<General></General >" + security())), false},
+        Row{"BlankBeforeEnd", replaced("</Domain>", "</ Domain>"), false},
+        Row{"ByteOrderMark", "\xEF\xBB\xBF" + document(domain(security())), false},
+        Row{"AttributeOfSection", document(domain("<General a=\"1\"/>" + security())), false},
+        Row{"TextInSection", document(domain("<General>text</General>" + security())), false},
+        Row{"InlineThenText", document(domain(security())) + " x", false, Place::variable},
         Row{"WordAsId", document(domain(security(), " Id=\"x\"")), false},
         Row{"HexadecimalId", document(domain(security(), " Id=\"0x0\"")), false},
         Row{"OtherRoot", "<CycloneDDSX>" + domain(security()) + "</CycloneDDSX>", false},
@@ -156,6 +182,23 @@ INSTANTIATE_TEST_SUITE_P(
         Row{"CutOff", document(domain(security())).substr(0, 300), false},
         Row{"CommentWithoutEnd", replaced("<Security>", "<!--<Security>"), false}),
     [](const auto& row) { return row.param.name; });
+
+TEST(EffectiveSecurity, UnknownOption_IsADoubt) {
+  const auto of = [](const std::string& inside, Place place = Place::file) {
+    return effective_security(place == Place::file ? document(domain(inside + security())) : inside,
+                              0, place);
+  };
+  for (const auto* section : {"General", "Discovery", "Internal", "Unsupported", "Tracing"}) {
+    const auto begin = std::string("<") + section + ">";
+    const auto read = of(begin + "\n<Foo>1</Foo></" + section + ">");
+    ASSERT_EQ(read.doubts.size(), 1U) << section;
+    EXPECT_EQ(read.doubts.front().line, 2);
+    EXPECT_TRUE(read.problems.empty());
+  }
+  EXPECT_EQ(of("<General><Foo>1</>", Place::variable).doubts.size(), 1U);
+  EXPECT_TRUE(of("<General><ALLOWMULTICAST>true</ALLOWMULTICAST></General>").doubts.empty());
+  EXPECT_TRUE(of("<Discovery><Peers><Peer address=\"::1\"/></Peers></Discovery>").doubts.empty());
+}
 
 TEST(EffectiveSecurity, OldIdOfOtherDomain_IsNamed) {
   const auto text = document(domain("<Id>7</Id>" + security()));

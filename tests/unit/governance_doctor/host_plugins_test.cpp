@@ -94,7 +94,7 @@ TEST_F(HostPlugins, OfAnotherProductAreTold_InAFolderThatWasMadeForOurs) {
               HasSubstr("lib/ddssec/dropin of an installation"));
   places_.dropin = "/opt/ddssec/lib/ddssec/dropin";
   EXPECT_THAT(finding_of(said(), Rule::DOC068).hint,
-              HasSubstr("export LD_LIBRARY_PATH=/opt/ddssec/lib/ddssec/dropin:$LD_LIBRARY_PATH"));
+              HasSubstr("export LD_LIBRARY_PATH=/opt/ddssec/lib/ddssec/dropin${LD_LIBRARY_PATH"));
   path({"ours"});
   EXPECT_THAT(rules_of(said()), IsEmpty());
   fs::remove_all(root_ / "system");
