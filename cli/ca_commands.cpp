@@ -211,8 +211,8 @@ Result<Report> show_one(const CaPaths& paths, const Json& role, WallTime now) {
   std::string list = "no revocation list";
   if (crl) {
     const auto next = crl->next_update() ? Json(to_string(*crl->next_update())) : Json();
-    report.result["crl"] = {{"number", crl->number().value_or(0)}, {"next_update", next}};
-    list = fmt::format("revocation list {} until {}", crl->number().value_or(0),
+    report.result["crl"] = {{"number", number_json(*crl)}, {"next_update", next}};
+    list = fmt::format("revocation list {} until {}", number_text(*crl),
                        crl->next_update() ? date(*crl->next_update()) : "it is replaced");
   }
   report.text = fmt::format(

@@ -312,7 +312,8 @@ struct Reissue {
     DDSSEC_TRY(out.put_public(files.certificate, again.pem()));
     DDSSEC_TRY(put_if_there(out, files.identity_ca, change.trust_pem));
     if (is_to_be_replaced(files.crl))  // the old list would shut everybody out
-      DDSSEC_TRY(put_list(out, files.crl, {crl, change.ca.certificate(), "", &again, trusted}));
+      DDSSEC_TRY(
+          put_list(out, files.crl, {crl, change.ca.certificate(), "", &again, trusted, now}));
     std::error_code ignored;
     return pki::IssueLog::issued_line(
         again, fs::absolute(files.folder, ignored).lexically_normal().string(), now);

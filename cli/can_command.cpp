@@ -127,10 +127,11 @@ Answer by_grant(const Question& question, const governance::CompiledGrant& grant
 }
 
 // As the chain verifier of ddssec's plugins leaves it out.
-bool is_superseded(const pki::Crl& list, const std::vector<pki::Crl>& lists) {
+bool is_superseded(const pki::Crl& list, const std::vector<pki::Crl>& lists,
+                   const std::vector<pki::Certificate>& cas) {
   return std::ranges::any_of(lists, [&](const pki::Crl& other) {
-    return &other != &list && other.issuer() == list.issuer() && other.supersedes(list) &&
-           !list.supersedes(other);
+    return &other != &list && other.supersedes(list) && !list.supersedes(other) &&
+           pki::have_common_signer(other, list, cas);
   });
 }
 
@@ -143,26 +144,27 @@ std::optional<Answer> by_revocation(const pki::ParticipantFolder& folder) {
   if (!certificate || !cas || !own) return std::nullopt;  // doctor's business
   const auto newer = governance::doctor::newer_ca_list(folder, *cas, *own);
   const auto answer = [&](const pki::Crl& list, const fs::path& file) {
-    return Answer{
-        false,
-        fmt::format("the certificate is revoked by list {} of the CA", list.number().value_or(0)),
-        file, 0};
+    return Answer{false,
+                  fmt::format("the certificate is revoked by list {} of the CA", number_text(list)),
+                  file, 0};
   };
   if (newer && governance::doctor::names(newer->list, *certificate))
     return answer(newer->list, newer->file);
   for (const auto& list : *own)
-    if (!is_superseded(list, *own) && governance::doctor::names(list, *certificate))
+    if (!is_superseded(list, *own, *cas) && governance::doctor::names(list, *certificate))
       return answer(list, folder.crl);
   return std::nullopt;
 }
 
 // Where they read another list than ddssec's plugins, which were judged.
 void note_stock_products(const doctor::LoadedFolder& folder, Report& report) {
-  if (!folder.crls || !folder.certificate || folder.crls->size() < 2) return;
+  if (!folder.crls || !folder.certificate || !folder.identity_cas || folder.crls->size() < 2)
+    return;
   const auto& lists = *folder.crls;
   const auto names = [&](const pki::Crl& list) { return doctor::names(list, *folder.certificate); };
-  const bool ours = std::ranges::any_of(
-      lists, [&](const pki::Crl& list) { return !is_superseded(list, lists) && names(list); });
+  const bool ours = std::ranges::any_of(lists, [&](const pki::Crl& list) {
+    return !is_superseded(list, lists, *folder.identity_cas) && names(list);
+  });
   const bool stock = names(lists.front());
   if (ours == stock) return;
   report.findings.push_back(

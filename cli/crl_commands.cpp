@@ -10,6 +10,7 @@
 #include "cli/groups.hpp"
 #include "cli/held_folder.hpp"
 #include "cli/inputs.hpp"
+#include "cli/list_dates.hpp"
 #include "cli/near.hpp"
 #include "cli/options.hpp"
 #include "cli/participant_places.hpp"
@@ -28,7 +29,7 @@ std::string words_until(const pki::Crl& crl) {
 
 Json describe(const pki::Crl& crl) {
   return {{"issuer", crl.issuer()},
-          {"number", crl.number().value_or(0)},
+          {"number", number_json(crl)},
           {"this_update", to_string(crl.this_update())},
           {"next_update", crl.next_update() ? Json(to_string(*crl.next_update())) : Json()}};
 }
@@ -57,21 +58,49 @@ Result<std::vector<pki::Crl>> lists_in(const fs::path& path) {
   return lists;
 }
 
+// Before the CA's own certificate it is the clock that is wrong, not the lists.
+Result<ListDate> list_date(const Arguments& arguments, const OpenCa& ca, WallTime now) {
+  if (!arguments.has("--date-now")) return ListDate::after_former;
+  if (ca.certificate().not_before() <= now) return ListDate::now;
+  return fail(Code::certificate_not_yet_valid,
+              {.document = ca.paths.certificate,
+               .expected = "a time after " + to_string(ca.certificate().not_before()),
+               .found = to_string(now),
+               .hint = "set the clock of this machine: it is behind the CA's certificate"});
+}
+
+// Who takes such a list, and who has to be started again for it.
+std::string after_the_future(const std::string& ca) {
+  return fmt::format(
+      "next: ddssec crl distribute --ca {0}; on other machines copy the list into each folder, "
+      "also "
+      "over one from the future\n"
+      "running participants on ddssec's plugins take it, whichever list they hold, since it has a "
+      "higher number and names all that was named\n"
+      "start again, when the list is in their folders: participants that refused to start, and "
+      "those on stock plugins\n",
+      ca);
+}
+
 Result<Report> crl_new(const Arguments& arguments, const Context& context) {
   const int days = DDSSEC_TRY(arguments.number("--next-update", 1, kMostDays));
+  const auto now = context.clock.now();
   CaOpener opener(arguments);
   const auto ca = DDSSEC_TRY(opener.open("identity"));
+  DDSSEC_TRY(check_list_date(now, ca.paths, arguments));
+  const auto date = DDSSEC_TRY(list_date(arguments, ca, now));
   const auto log = DDSSEC_TRY(read_issue_log(ca.paths));
   std::vector<fs::path> more;
   for (const auto& given : arguments.all("--from")) more.push_back(list_at(given));
-  const auto crl = DDSSEC_TRY(next_crl(ca, log, context.clock.now(), days, more));
+  const auto crl = DDSSEC_TRY(next_crl(ca, log, now, days, more, date));
   Replacement out;
   DDSSEC_TRY(out.put_public(ca.paths.crl, crl.pem()));
   const auto count = DDSSEC_TRY(crl.revoked()).size();
   Report report;
-  report.text = fmt::format("{}  number {}, {} revoked, {}\n{}", ca.paths.crl.string(),
-                            crl.number().value_or(0), count, words_until(crl),
-                            about_clock(crl, context.clock.now()));
+  report.text =
+      fmt::format("{}  number {}, {} revoked, {}\n{}", ca.paths.crl.string(), number_text(crl),
+                  count, words_until(crl), about_clock(crl, now, arguments.text("--ca")));
+  if (date == ListDate::now) report.text += after_the_future(arguments.text("--ca"));
   report.result = {{"file", ca.paths.crl.string()}};
   report.result.update(describe(crl));
   report.result["revoked"] = count;
@@ -80,9 +109,9 @@ Result<Report> crl_new(const Arguments& arguments, const Context& context) {
 }
 
 std::string list_in_words(const pki::Crl& crl, const Json& described) {
-  auto out = fmt::format("issuer   {}\nnumber   {}\nvalid    {} .. {}\n", crl.issuer(),
-                         crl.number().value_or(0), date(crl.this_update()),
-                         crl.next_update() ? date(*crl.next_update()) : "");
+  auto out =
+      fmt::format("issuer   {}\nnumber   {}\nvalid    {} .. {}\n", crl.issuer(), number_text(crl),
+                  date(crl.this_update()), crl.next_update() ? date(*crl.next_update()) : "");
   for (const auto& entry : described["revoked"])
     out += fmt::format("revoked  {}  {}  {}\n", std::string(entry["serial"]),
                        std::string(entry["time"]).substr(0, 10), std::string(entry["reason"]));
@@ -92,7 +121,7 @@ std::string list_in_words(const pki::Crl& crl, const Json& described) {
 // Of several lists of one CA the products do not read the same.
 std::string about_several(const std::vector<pki::Crl>& lists) {
   for (const auto& list : lists)
-    if (std::ranges::count(lists, list.issuer(), &pki::Crl::issuer) > 1)
+    if (std::ranges::count_if(lists, [&](const auto& o) { return o.seems_of_same_ca(list); }) > 1)
       return fmt::format(
           "several lists of {}: the stock plugins of Cyclone DDS and Fast DDS read the first list "
           "of the file only, ddssec's plugins the newest. Keep the newest alone: ddssec crl "
@@ -124,15 +153,15 @@ Status check_not_ahead(const pki::Crl& crl, const fs::path& path, const fs::path
   if (!fs::is_directory(ca, ignored)) return {};
   const auto own = DDSSEC_TRY(present_crl(ca_paths(ca, "identity")));
   if (!own || own->supersedes(crl)) return {};
-  return fail(Code::crl_older,
-              {.document = ca_paths(ca, "identity").crl,
-               .expected = fmt::format("number {} or later, as in {}", crl.number().value_or(0),
-                                       path.string()),
-               .found = fmt::format("number {}", own->number().value_or(0)),
-               .note = "the CA's folder came back from a backup, or it is a copy",
-               .hint = fmt::format("ddssec crl new --ca {} --from {} makes a list that names what "
-                                   "both name",
-                                   ca.string(), path.string())});
+  return fail(
+      Code::crl_older,
+      {.document = ca_paths(ca, "identity").crl,
+       .expected = fmt::format("number {} or later, as in {}", number_text(crl), path.string()),
+       .found = fmt::format("number {}", number_text(*own)),
+       .note = "the CA's folder came back from a backup, or it is a copy",
+       .hint = fmt::format("ddssec crl new --ca {} --from {} makes a list that names what "
+                           "both name",
+                           ca.string(), path.string())});
 }
 
 Result<Report> crl_verify(const Arguments& arguments, const Context& context) {
@@ -152,10 +181,9 @@ Result<Report> crl_verify(const Arguments& arguments, const Context& context) {
     }
     DDSSEC_TRY(named(crl.check(ca, context.clock.now()), path));
     DDSSEC_TRY(check_not_ahead(crl, path, arguments.text("--ca")));
-    report.text +=
-        fmt::format("{}: {}signed by {}, holds {}\n", path.string(),
-                    lists.size() > 1 ? fmt::format("number {}, ", crl.number().value_or(0)) : "",
-                    ca.subject(), words_until(crl));
+    report.text += fmt::format("{}: {}signed by {}, holds {}\n", path.string(),
+                               lists.size() > 1 ? fmt::format("number {}, ", number_text(crl)) : "",
+                               ca.subject(), words_until(crl));
   }
   report.text += about_several(lists);
   report.result = {{"file", path.string()}};
@@ -187,6 +215,7 @@ struct Distribution {
   pki::Crl list;
   pki::Certificate ca;
   std::string ca_folder;
+  WallTime now;
 };
 
 // The folder is held first; what it was chosen for must be true of it still.
@@ -198,7 +227,7 @@ Status put_list_into(Replacement& out, const fs::path& folder, const Distributio
   if (auto cas = read_certificates(files.identity_ca)) trusted = *std::move(cas);
   return put_list(out, files.crl,
                   {what.list, what.ca, what.ca_folder, certificate ? &*certificate : nullptr,
-                   std::move(trusted)});
+                   std::move(trusted), what.now});
 }
 
 /// The folders that have a list now, and what is wrong with the others.
@@ -232,9 +261,13 @@ Result<Distributed> put_lists(const std::vector<fs::path>& folders, const Distri
 
 // What helps at the CA itself; elsewhere its list would be fetched anew.
 Status with_hint_for_ca(Status status, const std::string& given) {
-  if (status || status.error().code() == Code::crl_not_yet_valid) return status;
+  if (status) return status;
   auto details = status.error().details();
-  details.hint = fmt::format("make a new list: ddssec crl new --ca {}", given);
+  details.hint = status.error().code() != Code::crl_not_yet_valid
+                     ? fmt::format("make a new list: ddssec crl new --ca {}", given)
+                     : "set the clock of this machine if it is behind; if it is right, the list "
+                       "was made under a clock that was ahead: " +
+                           way_out_of_the_future(given);
   return fail(status.error().code(), std::move(details));
 }
 
@@ -263,14 +296,14 @@ Result<Outcome> distribute(const CaPaths& paths, const std::string& given, WallT
   for (int round = 1;; ++round) {
     const auto ca = DDSSEC_TRY(read_certificate(paths.certificate));
     auto list = DDSSEC_TRY(list_to_distribute(paths, ca, given, now));
-    auto done = DDSSEC_TRY(put_lists(folders, {list, ca, given}));
+    auto done = DDSSEC_TRY(put_lists(folders, {list, ca, given, now}));
     const auto present = is_alone ? std::nullopt : DDSSEC_TRY(present_crl(paths));
     if (!present || present->pem() == list.pem()) return Outcome{std::move(list), std::move(done)};
     if (round == kMostRounds)
       return fail(Code::crl_older,
                   {.document = paths.crl,
-                   .expected = fmt::format("number {}", present->number().value_or(0)),
-                   .found = fmt::format("number {}", list.number().value_or(0)),
+                   .expected = fmt::format("number {}", number_text(*present)),
+                   .found = fmt::format("number {}", number_text(list)),
                    .note = "another process goes on making lists; run the command again"});
   }
 }
@@ -283,20 +316,20 @@ Result<Report> crl_distribute(const Arguments& arguments, const Context& context
   const auto lock = DDSSEC_TRY(lock_records(paths));
   const auto now = context.clock.now();
   const auto ca = DDSSEC_TRY(read_certificate(paths.certificate));
-  DDSSEC_TRY(list_to_distribute(paths, ca, given, now));
+  const auto present = DDSSEC_TRY(list_to_distribute(paths, ca, given, now));
+  DDSSEC_TRY(check_list_date(present.this_update(), paths, arguments));
   const auto recipient = DDSSEC_TRY(recipients(arguments, paths));
   auto [crl, done] = DDSSEC_TRY(distribute(paths, given, now, recipient.here, lock.has_value()));
   Report report;
-  report.result = {{"number", crl.number().value_or(0)},
+  report.result = {{"number", number_json(crl)},
                    {"folders", done.folders},
                    {"elsewhere", recipient.elsewhere},
                    {"left_behind", recipient.left_behind},
                    {"of_other_cas", recipient.of_other_cas}};
   for (const auto& folder : recipient.other_copies) report.result["elsewhere"].push_back(folder);
   for (const auto& folder : done.folders) report.text += fmt::format("{}\n", folder);
-  report.text +=
-      fmt::format("list {} of {} is in {}, holds {}\n", crl.number().value_or(0), crl.issuer(),
-                  counted(done.folders.size(), "folder"), words_until(crl));
+  report.text += fmt::format("list {} of {} is in {}, holds {}\n", number_text(crl), crl.issuer(),
+                             counted(done.folders.size(), "folder"), words_until(crl));
   report.text += places_text(recipient, paths);
   if (recipient.here.empty()) report.exit = Exit::no;
   for (const auto& error : done.errors) {
@@ -318,11 +351,18 @@ std::vector<Command> crl_commands() {
            .name = "new",
            .summary = "Makes the CA's next revocation list, with everything that was revoked.",
            .positionals = {},
-           .options = {ca_option("the CA"), kNextUpdate,
+           .options = {ca_option("the CA"),
+                       kNextUpdate,
                        repeated("--from", "PATH",
                                 "a newer list of this CA, or a folder with one, which the new list "
                                 "follows: after the CA's folder came back from a backup"),
-                       kPassphraseFile, kPassphraseEnv, kInsecureKeyMode},
+                       {"--date-now", "",
+                        "date it now, though the list before is dated in the future: after a list "
+                        "was made under a clock that was ahead"},
+                       kClockIsRight,
+                       kPassphraseFile,
+                       kPassphraseEnv,
+                       kInsecureKeyMode},
            .examples = {"ddssec crl new --ca ca --next-update 90",
                         "ddssec crl new --ca ca --from listener"},
            .run = crl_new},
@@ -347,7 +387,7 @@ std::vector<Command> crl_commands() {
            .positionals = {{"DIRS",
                             "the folders; without any, all of this CA's participants that are here",
                             true, true}},
-           .options = {ca_option("the CA")},
+           .options = {ca_option("the CA"), kClockIsRight},
            .examples = {"ddssec crl distribute --ca ca", "ddssec crl distribute talker --ca ca"},
            .run = crl_distribute}};
 }

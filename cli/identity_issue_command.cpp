@@ -397,7 +397,7 @@ Result<Report> fill_folder(Job& job) {
     auto trusted = DDSSEC_TRY(read_certificates(cas.identity.paths.certificate));
     DDSSEC_TRY(put_list(out, files.crl,
                         {*cas.list, cas.identity.certificate(), job.arguments.text("--ca"),
-                         &made.self.certificate, std::move(trusted)}));
+                         &made.self.certificate, std::move(trusted), job.context.clock.now()}));
   }
   // What a user has changed in them, such as the network interface, stays.
   for (const auto& [name, text] : configuration_files(files))

@@ -8,6 +8,7 @@
 #include "cli/documents.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
+#include "cli/list_dates.hpp"
 #include "cli/logged_certificate.hpp"
 #include "cli/near.hpp"
 #include "cli/options.hpp"
@@ -188,6 +189,7 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
   const int days = DDSSEC_TRY(arguments.number("--next-update", 1, kMostDays));
   CaOpener opener(arguments);
   const auto ca = DDSSEC_TRY(opener.open("identity"));
+  DDSSEC_TRY(check_list_date(now, ca.paths, arguments));
   auto log = DDSSEC_TRY(read_issue_log(ca.paths));
   const auto what = DDSSEC_TRY(doomed(arguments, ca, log));
   Report report;
@@ -205,15 +207,15 @@ Result<Report> identity_revoke(const Arguments& arguments, const Context& contex
   // First the log: should the machine stop here, the next list is made from it.
   if (!lines.empty()) DDSSEC_TRY(log_issued(ca.paths, lines));
   report.result["crl"] = {{"file", ca.paths.crl.string()},
-                          {"number", crl.number().value_or(0)},
+                          {"number", number_json(crl)},
                           {"next_update", to_string(*crl.next_update())}};
   const auto next = DDSSEC_TRY(report_places(ca.paths, log, arguments.text("--ca"), report));
-  report.text = fmt::format(
-      "{}  revoked {}; revocation list {} holds until {}\n{}{}", what.subject,
-      what.serials.empty() ? std::string(how_revoked_before(what))
-                           : fmt::format("({})", counted(what.serials.size(), "certificate")),
-      crl.number().value_or(0), date(*crl.next_update()), what.in_words(), next);
-  report.text += about_clock(crl, now);
+  report.text = fmt::format("{}  revoked {}; revocation list {} holds until {}\n{}{}", what.subject,
+                            what.serials.empty()
+                                ? std::string(how_revoked_before(what))
+                                : fmt::format("({})", counted(what.serials.size(), "certificate")),
+                            number_text(crl), date(*crl.next_update()), what.in_words(), next);
+  report.text += about_clock(crl, now, arguments.text("--ca"));
   report.files_written = DDSSEC_TRY(out.commit());
   return report;
 }
@@ -232,6 +234,7 @@ std::vector<Command> identity_revoke_commands() {
                        {"--reason", "WORD", "why, in the words of RFC 5280", "unspecified"},
                        kSubjectOfFolder,
                        kNextUpdate,
+                       kClockIsRight,
                        kPassphraseFile,
                        kPassphraseEnv,
                        kInsecureKeyMode},

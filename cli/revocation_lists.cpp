@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <set>
-#include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -29,11 +29,22 @@ bool is_among(const std::vector<pki::Revocation>& entries, const pki::Revocation
   return std::ranges::find(entries, one.serial, &pki::Revocation::serial) != entries.end();
 }
 
+std::pair<pki::CrlNumber, WallTime> order(const pki::Crl& list) {
+  return {list.number().value_or(0), list.this_update()};
+}
+
 std::string number_and_date(const pki::Crl& list) {
-  return fmt::format("list {} of {}", list.number().value_or(0), to_string(list.this_update()));
+  return fmt::format("list {} of {}", number_text(list), to_string(list.this_update()));
 }
 
 }  // namespace
+
+std::string number_text(const pki::Crl& list) { return to_string(list.number().value_or(0)); }
+
+Json number_json(const pki::Crl& list) {
+  const auto small = list.number().value_or(0).as_uint64();
+  return small ? Json(*small) : Json(number_text(list));
+}
 
 Result<std::vector<pki::Crl>> read_crls(const fs::path& path) {
   if (!is_there(path)) return std::vector<pki::Crl>();
@@ -49,9 +60,7 @@ Result<std::optional<pki::Crl>> present_crl(const CaPaths& ca) {
   if (lists.empty()) return std::nullopt;
   const auto certificate = DDSSEC_TRY(read_certificate(ca.certificate));
   std::erase_if(lists, [&](const auto& list) { return !is_list_of(list, certificate); });
-  const auto newest = std::ranges::max_element(lists, {}, [](const auto& list) {
-    return std::tuple(list.number().value_or(0), list.this_update());
-  });
+  const auto newest = std::ranges::max_element(lists, {}, order);
   return newest == lists.end() ? std::nullopt : std::optional(*newest);
 }
 
@@ -121,8 +130,12 @@ class Former {
                                               .found = "a list of " + lists.front().issuer()});
   }
 
-  std::uint64_t next_number() const { return std::max(number_ + 1, number_); }
-  WallTime this_update(WallTime now) const { return std::max(now, this_update_.value_or(now)); }
+  pki::CrlNumber next_number() const { return number_.next(); }
+  /// Of the list with the highest number: another one may have been made under a clock that was
+  /// ahead, and that one after it.
+  WallTime this_update(WallTime now) const {
+    return newest_ ? std::max(now, newest_->this_update()) : now;
+  }
   const std::vector<pki::Revocation>& entries() const { return entries_; }
 
  private:
@@ -135,14 +148,14 @@ class Former {
     entries_.insert(entries_.end(), entries.begin(), entries.end());
     number_ = std::max(number_, list.number().value_or(0));
     // Lists of another key do not follow one another.
-    if (is_list_of(list, ca_)) this_update_ = this_update(list.this_update());
+    if (is_list_of(list, ca_) && (!newest_ || order(*newest_) < order(list))) newest_ = list;
     return {};
   }
 
   pki::Certificate ca_;
   pki::Certificate before_;
-  std::uint64_t number_ = 0;
-  std::optional<WallTime> this_update_;
+  pki::CrlNumber number_;
+  std::optional<pki::Crl> newest_;
   std::vector<pki::Revocation> entries_;
   std::set<std::string> seen_;
 };
@@ -158,8 +171,10 @@ Result<Former> former_lists(const OpenCa& ca, const pki::IssueLog& log,
 }
 
 Result<pki::Crl> following(const OpenCa& ca, const Former& former,
-                           std::vector<pki::Revocation> entries, WallTime now, WallTime until) {
-  return ca.authority.make_crl({.this_update = former.this_update(now),
+                           std::vector<pki::Revocation> entries, WallTime date, WallTime until) {
+  // Nothing was revoked after its list: a product may take such an entry for one of the future.
+  for (auto& entry : entries) entry.time = std::min(entry.time, date);
+  return ca.authority.make_crl({.this_update = date,
                                 .next_update = until,
                                 .number = former.next_number(),
                                 .entries = std::move(entries)});
@@ -175,18 +190,19 @@ std::vector<pki::Revocation> all_entries(const pki::IssueLog& log, const Former&
 }  // namespace
 
 Result<pki::Crl> next_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now, int days,
-                          const std::vector<fs::path>& more) {
+                          const std::vector<fs::path>& more, ListDate date) {
   const auto former = DDSSEC_TRY(former_lists(ca, log, more));
-  return following(ca, former, all_entries(log, former), now,
-                   former.this_update(now) + std::chrono::days(days));
+  const auto from = date == ListDate::now ? now : former.this_update(now);
+  return following(ca, former, all_entries(log, former), from, from + std::chrono::days(days));
 }
 
 Result<pki::Crl> routine_crl(const OpenCa& ca, const pki::IssueLog& log, WallTime now) {
   const auto former = DDSSEC_TRY(former_lists(ca, log, {}));
   auto entries = all_entries(log, former);
-  const auto until = entries.empty() ? ca.certificate().not_after()
-                                     : former.this_update(now) + std::chrono::days(kListDays);
-  return following(ca, former, std::move(entries), now, until);
+  const auto from = former.this_update(now);
+  const auto until =
+      entries.empty() ? ca.certificate().not_after() : from + std::chrono::days(kListDays);
+  return following(ca, former, std::move(entries), from, until);
 }
 
 Result<pki::Crl> first_crl(const pki::Authority& ca) {
@@ -197,12 +213,20 @@ Result<pki::Crl> first_crl(const pki::Authority& ca) {
                       .entries = {}});
 }
 
-std::string about_clock(const pki::Crl& crl, WallTime now) {
+std::string about_clock(const pki::Crl& crl, WallTime now, const std::string& ca) {
   if (crl.this_update() <= now) return {};
   return fmt::format(
       "the clock of this machine says {}, which is before the list before this one; the new list "
-      "is dated {} as well, since no participant takes an earlier one. Set the clock.\n",
-      to_string(now), to_string(crl.this_update()));
+      "is dated {} as well, and no participant takes it earlier. Set the clock, if it is behind. "
+      "If it is right, the list before was made under a clock that was ahead: {}\n",
+      to_string(now), to_string(crl.this_update()), way_out_of_the_future(ca));
+}
+
+std::string way_out_of_the_future(const std::string& ca) {
+  return fmt::format(
+      "ddssec crl new --ca {0} --date-now makes a list that is dated now and names all that was "
+      "revoked; then ddssec crl distribute --ca {0}",
+      ca);
 }
 
 Result<std::optional<pki::Crl>> list_for_newcomers(const CaPaths& paths, WallTime now) {
@@ -250,7 +274,7 @@ std::unexpected<Error> newer_there(const fs::path& file, const pki::Crl& former,
 }
 
 Status check_follows(const fs::path& file, const pki::Crl& former, const ListForFolder& what) {
-  if (!what.list.supersedes(former)) return newer_there(file, former, what, "");
+  if (!what.list.replaces(former, what.now)) return newer_there(file, former, what, "");
   const auto entries = DDSSEC_TRY(what.list.revoked());
   for (const auto& one : DDSSEC_TRY(named(former.revoked(), file)))
     if (!is_among(entries, one))
@@ -258,13 +282,22 @@ Status check_follows(const fs::path& file, const pki::Crl& former, const ListFor
   return {};
 }
 
+// By the key: another trusted CA may have the same name.
+bool is_of_issuer(const pki::Crl& list, const ListForFolder& what) {
+  const auto is_by = [&](const pki::Certificate& ca) {
+    return is_list_of(list, ca) && what.participant->is_issued_by(ca);
+  };
+  return is_by(what.ca) || std::ranges::any_of(what.trusted, is_by);
+}
+
 // Stock products read the first list of a file only.
 Status put_own_first(std::vector<pki::Crl>& lists, const fs::path& file,
                      const ListForFolder& what) {
   if (what.participant == nullptr) return {};
+  const auto is_own = [&](const auto& list) { return is_of_issuer(list, what); };
+  std::ranges::stable_partition(lists, is_own);
+  if (is_own(lists.front())) return {};
   const auto issuer = what.participant->issuer();
-  std::ranges::stable_partition(lists, [&](const auto& list) { return list.issuer() == issuer; });
-  if (lists.front().issuer() == issuer) return {};
   return fail(Code::crl_missing,
               {.document = file,
                .expected = "a list of " + issuer + " before one of " + what.ca.subject(),
@@ -283,7 +316,7 @@ Status put_list(Replacement& out, const fs::path& file, const ListForFolder& wha
   for (const auto& former : DDSSEC_TRY(lists_to_replace(file))) {
     if (is_list_of(former, what.ca))
       DDSSEC_TRY(check_follows(file, former, what));
-    else if (!former.is_named_after(what.ca) && is_signed_by_one_of(former, what.trusted))
+    else if (is_signed_by_one_of(former, what.trusted))
       lists.push_back(former);
   }
   DDSSEC_TRY(put_own_first(lists, file, what));

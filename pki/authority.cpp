@@ -185,15 +185,12 @@ Status add_revoked(X509_CRL* crl, const Revocation& revocation) {
   return {};
 }
 
-Status add_crl_extensions(X509_CRL* crl, X509* issuer, std::uint64_t number) {
+Status add_crl_extensions(X509_CRL* crl, X509* issuer, const CrlNumber& number) {
   X509V3_CTX context;
   X509V3_set_ctx(&context, issuer, nullptr, nullptr, crl, 0);
-  const auto hex = "0x" + [&] {
-    std::string digits;
-    for (int shift = 60; shift >= 0; shift -= 4) digits += "0123456789abcdef"[number >> shift & 15];
-    return digits;
-  }();
-  const Asn1IntegerPtr encoded_number(s2i_ASN1_INTEGER(nullptr, hex.c_str()));
+  const auto octets = number.octets();
+  const BignumPtr value(BN_bin2bn(octets.data(), static_cast<int>(octets.size()), nullptr));
+  const Asn1IntegerPtr encoded_number(value ? BN_to_ASN1_INTEGER(value.get(), nullptr) : nullptr);
   const ExtensionPtr key_id(
       X509V3_EXT_conf_nid(nullptr, &context, NID_authority_key_identifier,
                           X509_get0_subject_key_id(issuer) ? "keyid" : "issuer"));

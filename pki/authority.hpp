@@ -55,7 +55,7 @@ struct CrlTemplate {
   std::span<const Certificate> revoked = {};
   WallTime this_update;
   WallTime next_update;
-  std::uint64_t number = 1;
+  CrlNumber number = 1;
   /// Further entries, each with its own time and reason; of a serial number given twice the first
   /// entry counts.
   std::span<const Revocation> entries = {};

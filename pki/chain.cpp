@@ -67,23 +67,39 @@ int on_fault(int ok, X509_STORE_CTX* context) {
   return 1;
 }
 
-std::string subject_of(const X509* x509) {
-  return x509 != nullptr ? name_rfc2253(X509_get_subject_name(x509)) : "";
+// OpenSSL asks for the lists of a name, and judges by one of them. Where several CAs have that
+// name, only those count that the issuer of this certificate signed; if it signed none, OpenSSL
+// refuses the one that it takes.
+STACK_OF(X509_CRL) * lists_of_issuer(const X509_STORE_CTX* context, const X509_NAME* name) {
+  auto* lists = X509_STORE_CTX_get1_crls(context, name);
+  const auto* chain = X509_STORE_CTX_get0_chain(context);
+  if (lists == nullptr || sk_X509_CRL_num(lists) < 2 || sk_X509_num(chain) == 0) return lists;
+  const int above = X509_STORE_CTX_get_error_depth(context) + 1;
+  EVP_PKEY* key = X509_get0_pubkey(sk_X509_value(chain, std::min(above, sk_X509_num(chain) - 1)));
+  const auto is_signed = [&](int i) {
+    return X509_CRL_verify(sk_X509_CRL_value(lists, i), key) == 1;
+  };
+  std::vector<int> foreign;
+  for (int i = sk_X509_CRL_num(lists) - 1; i >= 0; --i)
+    if (!is_signed(i)) foreign.push_back(i);
+  ERR_clear_error();
+  if (static_cast<int>(foreign.size()) == sk_X509_CRL_num(lists)) return lists;
+  for (const int i : foreign) X509_CRL_free(sk_X509_CRL_delete(lists, i));
+  return lists;
 }
 
-std::string key_id(const ASN1_OCTET_STRING* id) {
-  if (id == nullptr) return {};
-  return to_hex({ASN1_STRING_get0_data(id), static_cast<std::size_t>(ASN1_STRING_length(id))});
+std::string subject_of(const X509* x509) {
+  return x509 != nullptr ? name_rfc2253(X509_get_subject_name(x509)) : "";
 }
 
 // Two CAs of one name, as a keystore that was made twice has them: OpenSSL finds no issuer, or one
 // whose key does not fit. Empty if no anchor has the issuer's name, or the keys do not differ.
 std::string same_name_other_key(const X509* x509, const std::vector<Certificate>& anchors) {
-  const auto named = key_id(X509_get0_authority_key_id(const_cast<X509*>(x509)));
+  const auto named = key_id_text(X509_get0_authority_key_id(const_cast<X509*>(x509)));
   const auto issuer = name_rfc2253(X509_get_issuer_name(x509));
   for (const auto& anchor : anchors) {
     if (anchor.subject() != issuer) continue;
-    const auto held = key_id(X509_get0_subject_key_id(anchor.impl().x509.get()));
+    const auto held = key_id_text(X509_get0_subject_key_id(anchor.impl().x509.get()));
     if (named.empty() || held.empty() || named == held) continue;
     return "the CA of that name that is configured has another key: the certificate names the "
            "key " +
@@ -95,12 +111,8 @@ std::string same_name_other_key(const X509* x509, const std::vector<Certificate>
 // "list 2 of CN=CA": which list decided.
 std::string list_words(X509_CRL* crl) {
   if (crl == nullptr) return {};
-  auto* number =
-      static_cast<ASN1_INTEGER*>(X509_CRL_get_ext_d2i(crl, NID_crl_number, nullptr, nullptr));
-  std::uint64_t value = 0;
-  const bool has_number = number != nullptr && ASN1_INTEGER_get_uint64(&value, number) == 1;
-  ASN1_INTEGER_free(number);
-  return (has_number ? "list " + std::to_string(value) : std::string("the list")) + " of " +
+  const auto number = number_of(crl);
+  return (number ? "list " + to_string(*number) : std::string("the list")) + " of " +
          name_rfc2253(X509_CRL_get_issuer(crl));
 }
 
@@ -173,14 +185,15 @@ struct ChainVerifier::Impl {
 
 // OpenSSL takes any list that holds at the time. An older one beside the newest would count again
 // once the newest has ended, and a certificate that was revoked meanwhile would be believed. What
-// an authority did not sign takes no list's place.
+// an authority did not sign takes no list's place, and a list of another key of the same name does
+// not either.
 void ChainVerifier::Impl::drop_superseded() {
   const auto is_genuine = [&](const Crl& crl) {
     return std::ranges::any_of(anchors, [&](const auto& ca) { return crl.is_signed_by(ca); });
   };
   const auto takes_place_of = [&](const Crl& crl, const Crl& former) {
     return &crl.impl() != &former.impl() && crl.supersedes(former) && !former.supersedes(crl) &&
-           is_genuine(crl);
+           is_genuine(crl) && (have_common_signer(crl, former, anchors) || !is_genuine(former));
   };
   const auto all = crls;
   std::erase_if(crls, [&](const Crl& former) {
@@ -206,6 +219,7 @@ Status ChainVerifier::Impl::fill_store(CrlPolicy policy) {
     if (const auto next = crl.next_update())
       crls_until = std::min(crls_until.value_or(*next), *next);
   }
+  X509_STORE_set_lookup_crls(store.get(), lists_of_issuer);
   X509_STORE_set_verify_cb(store.get(), policy == CrlPolicy::hard_fail
                                             ? on_fault<CrlPolicy::hard_fail>
                                             : on_fault<CrlPolicy::soft_fail>);

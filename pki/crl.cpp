@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 
 #include "pki/openssl.hpp"
 #include "pki/source.hpp"
@@ -133,11 +134,6 @@ Result<std::vector<Crl>> from_pem(BytesView octets) {
   }
 }
 
-Asn1IntegerPtr number_of(const X509_CRL* crl) {
-  return Asn1IntegerPtr(
-      static_cast<ASN1_INTEGER*>(X509_CRL_get_ext_d2i(crl, NID_crl_number, nullptr, nullptr)));
-}
-
 // The octets of an extension; nullptr without it.
 const ASN1_OCTET_STRING* extension(const X509_CRL* crl, int nid) {
   const int at = X509_CRL_get_ext_by_NID(crl, nid, -1);
@@ -151,7 +147,42 @@ bool have_same_scope(const X509_CRL* a, const X509_CRL* b) {
   return of_a == nullptr || of_b == nullptr ? of_a == of_b : ASN1_OCTET_STRING_cmp(of_a, of_b) == 0;
 }
 
+// After a rotation both have one name: the keys tell them apart.
+std::unexpected<Error> not_signed_by(const Crl& crl, const Certificate& ca) {
+  ErrorDetails details{.expected = "a list signed by " + ca.subject(),
+                       .found = "a list of " + crl.issuer()};
+  const auto named = crl.authority_key_id();
+  const auto held = key_id_text(X509_get0_subject_key_id(ca.impl().x509.get()));
+  if (!crl.is_named_after(ca) || named.empty() || held.empty() || named == held)
+    return openssl_failure(Code::crl_signature_invalid, std::move(details));
+  details.expected += " with the key " + held;
+  details.found += " with the key " + named;
+  details.note = "two keys have the name of this CA: it was rotated, or made twice";
+  details.hint =
+      "after ca rotate: give the participant all its new files, the CA's certificate, its own and "
+      "the list, and start it again";
+  take_openssl_reason();
+  return fail(Code::crl_signature_invalid, std::move(details));
+}
+
+std::optional<std::set<std::string>> serials_of(const Crl& crl) {
+  const auto entries = crl.revoked();
+  if (!entries) return std::nullopt;
+  std::set<std::string> out;
+  for (const auto& entry : *entries) out.insert(entry.serial);
+  return out;
+}
+
 }  // namespace
+
+std::optional<CrlNumber> number_of(const X509_CRL* crl) {
+  const Asn1IntegerPtr number(
+      static_cast<ASN1_INTEGER*>(X509_CRL_get_ext_d2i(crl, NID_crl_number, nullptr, nullptr)));
+  ERR_clear_error();
+  if (!number || ASN1_STRING_type(number.get()) == V_ASN1_NEG_INTEGER) return std::nullopt;
+  return CrlNumber::from_octets({ASN1_STRING_get0_data(number.get()),
+                                 static_cast<std::size_t>(ASN1_STRING_length(number.get()))});
+}
 
 std::string_view to_string(RevocationReason reason) {
   const auto found = std::ranges::find(kReasons, reason, &ReasonWord::reason);
@@ -177,13 +208,7 @@ const std::string& Crl::issuer() const { return impl_->issuer; }
 WallTime Crl::this_update() const { return impl_->this_update; }
 std::optional<WallTime> Crl::next_update() const { return impl_->next_update; }
 
-std::optional<std::uint64_t> Crl::number() const {
-  const auto number = number_of(impl_->crl.get());
-  std::uint64_t out = 0;
-  const bool fits = number && ASN1_INTEGER_get_uint64(&out, number.get()) == 1;
-  ERR_clear_error();
-  return fits ? std::optional(out) : std::nullopt;
-}
+std::optional<CrlNumber> Crl::number() const { return number_of(impl_->crl.get()); }
 
 Result<std::vector<Revocation>> Crl::revoked() const {
   std::vector<Revocation> out;
@@ -197,11 +222,31 @@ bool Crl::supersedes(const Crl& former) const {
   const auto* mine = impl_->crl.get();
   const auto* other = former.impl_->crl.get();
   if (!have_same_scope(mine, other)) return false;
-  const auto number = number_of(mine), former_number = number_of(other);
-  ERR_clear_error();
-  if (former_number && (!number || ASN1_INTEGER_cmp(number.get(), former_number.get()) < 0))
-    return false;
+  const auto mine_number = number(), former_number = former.number();
+  if (former_number && (!mine_number || *mine_number < *former_number)) return false;
   return this_update() >= former.this_update();
+}
+
+bool Crl::replaces(const Crl& former, WallTime now) const {
+  if (supersedes(former)) return true;
+  const auto mine = number(), other = former.number();
+  if (former.this_update() <= now || !mine || !other || *mine <= *other ||
+      !have_same_scope(impl_->crl.get(), former.impl_->crl.get()))
+    return false;
+  const auto named = serials_of(*this), before = serials_of(former);
+  return named && before && std::ranges::includes(*named, *before);
+}
+
+std::string Crl::authority_key_id() const {
+  const AuthorityKeyIdPtr id(static_cast<AUTHORITY_KEYID*>(
+      X509_CRL_get_ext_d2i(impl_->crl.get(), NID_authority_key_identifier, nullptr, nullptr)));
+  ERR_clear_error();
+  return id ? key_id_text(id->keyid) : std::string();
+}
+
+bool Crl::seems_of_same_ca(const Crl& other) const {
+  const auto mine = authority_key_id(), others = other.authority_key_id();
+  return issuer() == other.issuer() && (mine.empty() || others.empty() || mine == others);
 }
 
 bool Crl::is_named_after(const Certificate& ca) const {
@@ -216,9 +261,7 @@ bool Crl::is_signed_by(const Certificate& issuer) const {
 }
 
 Status Crl::check(const Certificate& issuer, WallTime now) const {
-  const ErrorDetails details{.expected = "a list signed by " + issuer.subject(),
-                             .found = "a list of " + impl_->issuer};
-  if (!is_signed_by(issuer)) return openssl_failure(Code::crl_signature_invalid, details);
+  if (!is_signed_by(issuer)) return not_signed_by(*this, issuer);
   if (now < impl_->this_update)
     return fail(Code::crl_not_yet_valid,
                 {.expected = "a time after " + ddssec::to_string(impl_->this_update),
@@ -228,6 +271,13 @@ Status Crl::check(const Certificate& issuer, WallTime now) const {
                 {.expected = "a list that holds beyond " + ddssec::to_string(now),
                  .found = "nextUpdate " + ddssec::to_string(*impl_->next_update)});
   return {};
+}
+
+bool have_common_signer(const Crl& a, const Crl& b, std::span<const Certificate> cas) {
+  const bool is_common = std::ranges::any_of(
+      cas, [&](const auto& ca) { return a.is_signed_by(ca) && b.is_signed_by(ca); });
+  ERR_clear_error();
+  return is_common;
 }
 
 std::string Crl::pem() const {

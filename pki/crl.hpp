@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "base/clock.hpp"
 #include "base/result.hpp"
 #include "pki/certificate.hpp"
+#include "pki/crl_number.hpp"
 
 namespace ddssec::pki {
 
@@ -60,8 +62,8 @@ class Crl {
   WallTime this_update() const;
   /// When a newer one must be there; nothing if the list does not say.
   std::optional<WallTime> next_update() const;
-  /// The number of this list; nothing if the list does not say or the number has more than 64 bits.
-  std::optional<std::uint64_t> number() const;
+  /// The number of this list; nothing if the list does not say or the number is negative.
+  std::optional<CrlNumber> number() const;
   /// Every entry, in the list's order; a reason that is not known counts as unspecified.
   /// Error: crl_malformed.
   Result<std::vector<Revocation>> revoked() const;
@@ -72,6 +74,18 @@ class Crl {
   /// certificates, and neither its number nor its thisUpdate is lower (RFC 5280 5.2.3, 5.2.5).
   /// Does not check the signature.
   bool supersedes(const Crl& former) const;
+
+  /// True if it supersedes `former`; or if `former` is dated after `now`, because it was made under
+  /// a clock that was ahead, and this list has a higher number and names all that `former` names.
+  /// So no revocation is lost, whoever sets which clock. Does not check the signature.
+  bool replaces(const Crl& former, WallTime now) const;
+
+  /// The key that the list says it is signed by (authorityKeyIdentifier), in hexadecimal digits;
+  /// empty if it does not say.
+  std::string authority_key_id() const;
+
+  /// True if both bear one name and do not say that different keys signed them.
+  bool seems_of_same_ca(const Crl& other) const;
 
   /// True if it bears the name of `ca`, which then is to be asked whether it signed it.
   bool is_named_after(const Certificate& ca) const;
@@ -92,5 +106,8 @@ class Crl {
  private:
   std::shared_ptr<const Impl> impl_;
 };
+
+/// True if one key of `cas` signed both lists: they are of one CA. The name alone does not say so.
+bool have_common_signer(const Crl& a, const Crl& b, std::span<const Certificate> cas);
 
 }  // namespace ddssec::pki

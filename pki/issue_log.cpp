@@ -85,6 +85,7 @@ Status IssueLog::add_line(std::string_view line) {
   if (!object.is_object()) return malformed_line("the line is no JSON object");
   auto serial = DDSSEC_TRY(serial_of(object));
   const auto event = text_of(object, "event");
+  if (const auto time = time_from(text_of(object, "time"))) times_.push_back(*time);
   if (event == "issued") {
     const auto not_after = DDSSEC_TRY(time_of(object, "not_after"));
     IssuedCertificate one{.serial = serial,
@@ -117,6 +118,13 @@ std::vector<std::string> IssueLog::folders() const {
   for (const auto& one : issued_)
     if (!one.folder.empty() && !one.revoked && seen.insert(one.folder).second)
       out.push_back(one.folder);
+  return out;
+}
+
+std::optional<WallTime> IssueLog::latest_before(WallTime limit) const {
+  std::optional<WallTime> out;
+  for (const auto time : times_)
+    if (time < limit) out = std::max(out.value_or(time), time);
   return out;
 }
 

@@ -55,6 +55,8 @@ class IssueLog {
   /// The serial number of a revoked certificate of this key, which need not have been issued by the
   /// log; empty if there is none.
   std::string revoked_serial(const KeyDigests& key) const;
+  /// The latest time before `limit` at which something was issued or revoked, by its lines.
+  std::optional<WallTime> latest_before(WallTime limit) const;
   /// The folders of all certificates that are not revoked, each once.
   std::vector<std::string> folders() const;
 
@@ -74,6 +76,7 @@ class IssueLog {
   std::vector<IssuedCertificate> issued_;
   std::vector<Revocation> revocations_;
   std::vector<Error> unreadable_;
+  std::vector<WallTime> times_;
   std::unordered_map<std::string, std::size_t> issued_by_serial_;
   std::unordered_map<std::string, std::size_t> revoked_by_serial_;
   std::unordered_map<std::string, std::string> revoked_keys_;  ///< serial numbers, by digest

@@ -114,6 +114,11 @@ std::string serial_text(const ASN1_INTEGER* serial) {
   return hex ? hex.get() : "";
 }
 
+std::string key_id_text(const ASN1_OCTET_STRING* id) {
+  if (id == nullptr) return {};
+  return to_hex({ASN1_STRING_get0_data(id), static_cast<std::size_t>(ASN1_STRING_length(id))});
+}
+
 Result<KeyAlgorithm> judge_key(EVP_PKEY* key, std::string_view type) {
   constexpr const char* kAllowed = "RSA of 2048 bits or more, EC P-256 or EC P-384";
   constexpr int kLeastRsaBits = 2048;

@@ -42,6 +42,7 @@ using Asn1EnumeratedPtr = std::unique_ptr<ASN1_ENUMERATED, Deleter<ASN1_ENUMERAT
 using Asn1TimePtr = std::unique_ptr<ASN1_TIME, Deleter<ASN1_TIME_free>>;
 using Asn1TypePtr = std::unique_ptr<ASN1_TYPE, Deleter<ASN1_TYPE_free>>;
 using Asn1ObjectPtr = std::unique_ptr<ASN1_OBJECT, Deleter<ASN1_OBJECT_free>>;
+using AuthorityKeyIdPtr = std::unique_ptr<AUTHORITY_KEYID, Deleter<AUTHORITY_KEYID_free>>;
 using BioPtr = std::unique_ptr<BIO, Deleter<BIO_free_all>>;
 using BignumPtr = std::unique_ptr<BIGNUM, Deleter<BN_free>>;
 using BignumContextPtr = std::unique_ptr<BN_CTX, Deleter<BN_CTX_free>>;
@@ -109,6 +110,12 @@ std::unexpected<Error> openssl_failure(Code code, ErrorDetails details = {});
 
 /// A reading BIO over borrowed octets; null when they are too many for OpenSSL.
 BioPtr bio_over(BytesView octets);
+
+/// A key identifier in hexadecimal digits; "" for null.
+std::string key_id_text(const ASN1_OCTET_STRING* id);
+
+/// The number of a list; nothing if it does not say or the number is negative.
+std::optional<CrlNumber> number_of(const X509_CRL* crl);
 
 /// What has been written into a memory BIO; valid until it changes.
 BytesView bio_octets(const BioPtr& bio);

@@ -53,7 +53,8 @@ std::optional<CaList> newer_ca_list(const pki::ParticipantFolder& folder,
                                     const std::vector<pki::Crl>& own) {
   std::optional<CaList> out;
   const auto is_newer = [&](const pki::Crl& list, const pki::Crl& than) {
-    return list.issuer() != than.issuer() || than.number().value_or(0) < list.number().value_or(0);
+    return !pki::have_common_signer(list, than, cas) ||
+           than.number().value_or(0) < list.number().value_or(0);
   };
   for (const auto& file : places(folder))
     for (const auto& list : lists_in(file))
@@ -72,7 +73,7 @@ std::optional<CaList> outdated_ca_list(const pki::ParticipantFolder& folder,
     std::optional<CaList> newest;
     for (const auto& file : places(folder))
       for (const auto& list : lists_in(file))
-        if (list.issuer() == one.issuer() && is_signed_by(list, cas) &&
+        if (pki::have_common_signer(list, one, cas) &&
             (!newest || number(newest->list) < number(list)))
           newest = {list, file};
     if (newest && number(newest->list) < number(one)) return newest;

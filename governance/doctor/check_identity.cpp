@@ -251,7 +251,8 @@ std::string crl_wrong(const LoadedFolder& folder, const Error& error) {
 std::string own_list(const LoadedFolder& folder) {
   const auto file = name_of(folder.paths.crl);
   if (folder.crls->empty()) return fmt::format("there is no {} here", file);
-  return fmt::format("{} here is list {}", file, folder.crls->front().number().value_or(0));
+  return fmt::format("{} here is list {}", file,
+                     to_string(folder.crls->front().number().value_or(0)));
 }
 
 // The CA's own list, if it lies beside the participant and is newer than the participant's.
@@ -259,7 +260,7 @@ void check_ca_list(const LoadedFolder& folder, Diagnosis& out) {
   if (!folder.crls || !folder.certificate || !folder.identity_cas) return;
   const auto newer = newer_ca_list(folder.paths, *folder.identity_cas, *folder.crls);
   if (!newer) return;
-  const auto number = newer->list.number().value_or(0);
+  const auto number = to_string(newer->list.number().value_or(0));
   if (names(newer->list, *folder.certificate))
     return out.report(
         kNobody, {.rule = Rule::DOC024,
@@ -288,7 +289,8 @@ void check_outdated_ca(const LoadedFolder& folder, Diagnosis& out) {
               .message = fmt::format(
                   "the CA has list {} only, {}; {}: the CA's folder came back from a backup, or "
                   "it is a copy",
-                  outdated->list.number().value_or(0), outdated->file.string(), own_list(folder)),
+                  to_string(outdated->list.number().value_or(0)), outdated->file.string(),
+                  own_list(folder)),
               .document = outdated->file,
               .hint = fmt::format("ddssec crl new --ca CA --from {} makes a list that names "
                                   "what both name; then ddssec crl distribute",
@@ -301,7 +303,8 @@ void check_several_lists(const LoadedFolder& folder, Diagnosis& out) {
   if (!folder.crls) return;
   const auto& lists = *folder.crls;
   for (const auto& list : lists) {
-    const auto count = std::ranges::count(lists, list.issuer(), &pki::Crl::issuer);
+    const auto count =
+        std::ranges::count_if(lists, [&](const auto& one) { return one.seems_of_same_ca(list); });
     if (count < 2) continue;
     return out.report(
         {}, {.rule = Rule::DOC023,
@@ -309,7 +312,7 @@ void check_several_lists(const LoadedFolder& folder, Diagnosis& out) {
                  "{} holds {} lists of \"{}\"; Cyclone DDS and Fast DDS read the first list of the "
                  "file only, which is list {} of \"{}\", and ddssec's plugins the newest",
                  name_of(folder.paths.crl), count, list.issuer(),
-                 lists.front().number().value_or(0), lists.front().issuer()),
+                 to_string(lists.front().number().value_or(0)), lists.front().issuer()),
              .document = folder.paths.crl,
              .hint = "keep the newest alone: ddssec crl distribute --ca CA",
              .severity = Severity::warning});

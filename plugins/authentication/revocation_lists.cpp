@@ -41,7 +41,7 @@ std::vector<std::string> usual_places(const spi::PropertyList& properties) {
 
 std::string describe(const pki::Crl& crl) {
   const auto number = crl.number();
-  return (number ? "number " + std::to_string(*number) + " of " : "a list of ") +
+  return (number ? "number " + to_string(*number) + " of " : "a list of ") +
          to_string(crl.this_update());
 }
 
@@ -57,9 +57,16 @@ Status check_signed(const pki::Crl& crl, const std::vector<pki::Certificate>& an
   return status;
 }
 
-Status check_superseded(const pki::Crl& held, const std::vector<pki::Crl>& lists) {
-  if (std::ranges::any_of(lists, [&](const auto& crl) { return crl.supersedes(held); })) return {};
-  const auto found = std::ranges::find(lists, held.issuer(), &pki::Crl::issuer);
+// Of two CAs of one name each must go on with its own list.
+Status check_replaced(const pki::Crl& held, const std::vector<pki::Crl>& lists,
+                      const std::vector<pki::Certificate>& anchors, WallTime now) {
+  const auto is_of_its_ca = [&](const pki::Crl& crl) {
+    return pki::have_common_signer(crl, held, anchors);
+  };
+  const bool is_replaced = std::ranges::any_of(
+      lists, [&](const auto& crl) { return crl.replaces(held, now) && is_of_its_ca(crl); });
+  if (is_replaced) return {};
+  const auto found = std::ranges::find_if(lists, is_of_its_ca);
   if (found == lists.end())
     return fail(Code::crl_missing, {.expected = "a list of " + held.issuer()});
   return fail(Code::crl_older, {.field = held.issuer(),
@@ -74,7 +81,7 @@ Status check_renewal(const std::vector<pki::Crl>& lists, const std::vector<pki::
   for (const auto& crl : lists) DDSSEC_TRY(check_signed(crl, anchors, now));
   for (const auto& held : former)
     if (std::ranges::any_of(anchors, [&](const auto& ca) { return held.is_named_after(ca); }))
-      DDSSEC_TRY(check_superseded(held, lists));
+      DDSSEC_TRY(check_replaced(held, lists, anchors, now));
   return {};
 }
 

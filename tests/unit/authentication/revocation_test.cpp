@@ -146,6 +146,11 @@ class Refused : public Running {
     put(text);
     expect_refused(code);
   }
+  void expect_older(std::string_view text) {
+    put(text);
+    EXPECT_EQ(codes(), std::vector{Code::crl_older});
+    engine().events.events.clear();
+  }
   void expect_refused(Code code) {
     wait();
     ASSERT_EQ(codes(), std::vector{code}) << events().size();
@@ -189,6 +194,20 @@ TEST_F(Refused, AListOfTheFutureIsTakenWhenItsTimeHasCome) {
   wait();
   EXPECT_EQ(codes(), std::vector{Code::crl_renewed});
   EXPECT_TRUE(handshake());
+}
+
+// The clocks of all were ahead, and were set: what was revoked stays so.
+TEST_F(Refused, AListOfTodayTakesThePlaceOfOneOfTheFutureIfItNamesAll) {
+  engine().clock.set(kNow + 200 * 24h);
+  put(pem({6, {bob().certificate}, kNow + 200 * 24h}));
+  EXPECT_EQ(codes(), std::vector{Code::crl_renewed});
+  engine().events.events.clear();
+  engine().clock.set(kNow);
+  expect_older(pem({7}));
+  expect_older(pem({6, {bob().certificate}}));
+  put(pem({7, {bob().certificate}}));
+  EXPECT_EQ(codes(), std::vector{Code::crl_renewed});
+  EXPECT_CODE(handshake(), certificate_revoked);
 }
 
 TEST_F(Refused, WhatIsNoList) {
@@ -279,6 +298,16 @@ TEST(RevokedAuthority, EndsWhoeverItIssued) {
 }
 
 // Who takes a list away would hide a revocation.
+TEST(RevokedAuthority, OfTwoOfOneNameEachKeepsItsList) {
+  const auto old = make_ca("CN=Plant"), now = make_ca("CN=Plant");
+  const std::vector anchors{old.certificate(), now.certificate()};
+  const auto lists = [&](const std::string& text) { return *pki::Crl::all_from(as_bytes(text)); };
+  const auto held = lists(pem({2}, old) + pem({1}, now));
+  EXPECT_TRUE(check_renewal(lists(pem({2}, old) + pem({2}, now)), held, anchors, kNow));
+  EXPECT_CODE(check_renewal(lists(pem({9}, now)), held, anchors, kNow), crl_missing);
+  EXPECT_CODE(check_renewal(lists(pem({1}, old) + pem({9}, now)), held, anchors, kNow), crl_older);
+}
+
 TEST(RevokedAuthority, TheListOfEachMustStay) {
   const Authorities cas;
   const test::TemporaryFolder folder;

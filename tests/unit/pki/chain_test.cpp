@@ -306,6 +306,41 @@ TEST_F(Revocation, AForgedNewerListTakesNoListsPlace) {
       certificate_revoked);
 }
 
+// `list` without the identifier of the key that signed it.
+Crl without_key_id(const Crl& list, const Authority& by) {
+  const CrlPtr crl(X509_CRL_dup(list.impl().crl.get()));
+  X509_EXTENSION_free(X509_CRL_delete_ext(
+      crl.get(), X509_CRL_get_ext_by_NID(crl.get(), NID_authority_key_identifier, -1)));
+  X509_CRL_sign(crl.get(), by.key().impl().pkey.get(), EVP_sha256());
+  const BioPtr bio(BIO_new(BIO_s_mem()));
+  i2d_X509_CRL_bio(bio.get(), crl.get());
+  return Crl::all_from(bio_octets(bio))->front();
+}
+
+// A CA that rolled over: a list is of the key that signed it.
+TEST_F(Revocation, TwoCasOfOneNameHaveAListEach) {
+  const auto twin = make_ca("CN=Root");
+  const auto good = make_leaf(twin, "CN=good"), bad = make_leaf(twin, "CN=bad");
+  for (const auto& [mine, others] : {std::pair{1u, 9u}, {9u, 1u}})
+    for (const bool has_key_id : {true, false}) {
+      const auto later = kNow + std::chrono::hours(others);
+      auto own = *ca_.make_crl({{&bad_.certificate, 1}, kNow + 5h, kNow + 48h, mine});
+      auto other = *twin.make_crl({{&bad.certificate, 1}, later, kNow + 48h, others});
+      if (!has_key_id) own = without_key_id(own, ca_), other = without_key_id(other, twin);
+      const auto verifier = make_verifier({ca_.certificate(), twin.certificate()}, {own, other});
+      for (const auto& one : {good_.certificate, good.certificate})
+        EXPECT_TRUE(verifier.verify(one, kNow + 10h)) << mine << has_key_id;
+      for (const auto& one : {bad_.certificate, bad.certificate})
+        EXPECT_CODE(verifier.verify(one, kNow + 10h), certificate_revoked);
+    }
+}
+
+TEST_F(Revocation, AListOfTheOtherCaOfTheNameIsNone) {
+  const auto twin = make_ca("CN=Root");
+  const auto verifier = make_verifier({ca_.certificate(), twin.certificate()}, {list(twin, {})});
+  EXPECT_FALSE(verifier.verify(good_.certificate, kNow + 1s));
+}
+
 TEST_F(Revocation, AForgedListIsRefusedUnderEitherPolicy) {
   const auto twin = make_ca("CN=Root");
   auto der = list(ca_, {});

@@ -201,6 +201,53 @@ TEST(CrlSupersedes, ByNumberAndTime) {
   EXPECT_FALSE(list(0xff, kNow).supersedes(list(0x100, kNow)));
 }
 
+// RFC 5280 5.2.3 allows 20 octets.
+TEST(CrlNumberOf, AListMayBeLong) {
+  const auto ca = make_ca();
+  const auto number = CrlNumber::from_octets(Bytes(20, 0x7f));
+  const auto list = [&](const CrlNumber& of) {
+    return make_crl(ca, {.this_update = kNow, .next_update = kNow + 24h, .number = of});
+  };
+  EXPECT_EQ(list(number).number(), number);
+  EXPECT_EQ(list(CrlNumber(UINT64_MAX)).number(), CrlNumber(UINT64_MAX));
+  EXPECT_EQ(list(0).number(), CrlNumber(0));
+  EXPECT_TRUE(list(number.next()).supersedes(list(number)));
+  EXPECT_FALSE(list(UINT64_MAX).supersedes(list(number)));
+}
+
+TEST(CrlReplaces, AListOfTheFutureByAHigherNumberThatNamesAll) {
+  const auto ca = make_ca();
+  const std::vector revoked{make_leaf(ca, "CN=a").certificate, make_leaf(ca, "CN=b").certificate};
+  const auto list = [&](std::uint64_t number, WallTime from, std::size_t entries) {
+    return make_crl(ca, {.revoked = std::span(revoked).first(entries),
+                         .this_update = from,
+                         .next_update = kNow + 500 * 24h,
+                         .number = number});
+  };
+  const auto future = list(7, kNow + 300 * 24h, 1);
+  EXPECT_TRUE(list(8, kNow, 1).replaces(future, kNow));
+  EXPECT_TRUE(list(8, kNow, 2).replaces(future, kNow));
+  EXPECT_FALSE(list(8, kNow, 0).replaces(future, kNow)) << "somebody would come back";
+  EXPECT_FALSE(list(7, kNow, 2).replaces(future, kNow));
+  EXPECT_FALSE(list(6, kNow, 2).replaces(future, kNow));
+  EXPECT_FALSE(list(8, kNow, 2).replaces(future, kNow + 300 * 24h)) << "its time has come";
+  EXPECT_FALSE(
+      make_crl(make_ca("CN=Other"), {.this_update = kNow, .next_update = kNow + 24h, .number = 8})
+          .replaces(list(7, kNow + 300 * 24h, 0), kNow));
+  EXPECT_TRUE(list(7, kNow + 300 * 24h, 0).replaces(list(7, kNow, 1), kNow)) << "as supersedes";
+}
+
+TEST(CrlCheck, NamesBothKeysOfOneName) {
+  const auto old = make_ca(), ca = make_ca();
+  const auto checked = make_crl(old, kMonth).check(ca.certificate(), kNow);
+  EXPECT_CODE(checked, crl_signature_invalid);
+  const auto& details = checked.error().details();
+  EXPECT_NE(details.found.find(make_crl(old, kMonth).authority_key_id()), std::string::npos);
+  EXPECT_NE(details.expected.find(make_crl(ca, kMonth).authority_key_id()), std::string::npos);
+  EXPECT_NE(details.note.find("rotated"), std::string::npos);
+  EXPECT_NE(details.hint.find("start it again"), std::string::npos);
+}
+
 TEST(CrlSupersedes, OnlyOfTheSameIssuer) {
   EXPECT_TRUE(make_crl(make_ca(), kMonth).is_named_after(make_ca().certificate()));
   EXPECT_FALSE(make_crl(make_ca(), kMonth).is_named_after(make_ca("CN=Other").certificate()));
@@ -224,7 +271,7 @@ TEST(DeltaCrl, IsRefusedWhereListsAreRead) {
   content.revoked = revoked;
   const auto complete = make_crl(ca, content);
   content = {.this_update = kNow + 1h, .next_update = kNow + 30 * 24h, .number = 8};
-  const auto delta = test::delta_pem(make_crl(ca, content), ca, *complete.number());
+  const auto delta = test::delta_pem(make_crl(ca, content), ca, kMonth.number.as_uint64().value());
   ASSERT_NE(delta, "");
   const auto alone = Crl::all_from(as_bytes(delta));
   EXPECT_CODE(alone, crl_is_delta);

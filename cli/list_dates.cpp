@@ -1,0 +1,75 @@
+#include "cli/list_dates.hpp"
+
+#include <algorithm>
+#include <sys/stat.h>
+
+#include <fmt/format.h>
+
+#include "cli/documents.hpp"
+#include "cli/participant_places.hpp"
+#include "cli/revocation_lists.hpp"
+#include "pki/participant_folder.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The latest of the times that it is given, up to a limit.
+class Latest {
+ public:
+  explicit Latest(WallTime limit) : limit_(limit) {}
+
+  void add(WallTime time) {
+    time = std::min(time, limit_);
+    latest_ = std::max(latest_.value_or(time), time);
+  }
+  /// A command under a wrong clock has written it, too.
+  void add_if_before(WallTime time) {
+    if (time < limit_) add(time);
+  }
+  void add_file(const fs::path& file) {
+    struct stat found {};
+    if (::stat(file.c_str(), &found) == 0) add(WallTime(std::chrono::seconds(found.st_mtime)));
+  }
+  bool is_near() const { return !latest_ || limit_ - *latest_ <= kMaxRest; }
+  WallTime time() const { return latest_.value_or(limit_); }
+
+ private:
+  WallTime limit_;
+  std::optional<WallTime> latest_;
+};
+
+Result<Latest> latest_known(WallTime limit, const CaPaths& ca) {
+  Latest out(limit);
+  out.add(DDSSEC_TRY(read_certificate(ca.certificate)).not_before());
+  out.add_file(ca.certificate);
+  const auto log = DDSSEC_TRY(read_issue_log(ca));
+  if (const auto time = log.latest_before(limit)) out.add(*time);
+  for (const auto& list : DDSSEC_TRY(read_crls(ca.crl))) out.add_if_before(list.this_update());
+  if (out.is_near()) return out;
+  for (const auto& folder : DDSSEC_TRY(participant_places(ca, log)).here)
+    out.add_file(pki::participant_folder(folder).certificate);
+  return out;
+}
+
+}  // namespace
+
+Status check_list_date(WallTime date, const CaPaths& ca, const Arguments& arguments) {
+  if (arguments.has(kClockIsRight.name)) return {};
+  const auto known = DDSSEC_TRY(latest_known(date, ca));
+  if (known.is_near()) return {};
+  return fail(
+      Code::crl_not_yet_valid,
+      {.document = ca.crl,
+       .expected = fmt::format("a date at most {} days after {}, the latest that the CA's "
+                               "certificate, log, list and files know",
+                               kMaxRest.count(), to_string(known.time())),
+       .found = to_string(date),
+       .note = "a list that is dated in the future cannot be used, and it keeps later lists from "
+               "being used; nothing was changed",
+       .hint = "check the clock of this machine (date, timedatectl); if the date is right, give "
+               "--clock-is-right"});
+}
+
+}  // namespace ddssec::cli
