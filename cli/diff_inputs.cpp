@@ -22,7 +22,7 @@ constexpr std::size_t kMostDomainsShown = 5;
 
 std::string claimed_signer(const pki::DocumentForm& form) {
   const auto subject = form.embedded.empty() ? std::string() : form.embedded.front() + ", ";
-  return fmt::format("{}serial {} of {}", subject, form.signer_serial, form.signer_issuer);
+  return subject + pki::signer_words(form);
 }
 
 Result<DiffSide> read_side(const fs::path& path, const Arguments& arguments, WallTime now) {

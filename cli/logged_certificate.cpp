@@ -92,8 +92,18 @@ std::unexpected<Error> other_issuer(const pki::Certificate& certificate, const p
 
 Status check_issuer(const pki::Certificate& certificate, const OpenCa& ca, const fs::path& path) {
   if (certificate.is_issued_by(ca.certificate())) return {};
-  return other_issuer(certificate, ca.certificate(), path,
-                      "name the folder of the CA that issued it: --ca DIR");
+  if (certificate.issuer() != ca.certificate().subject())
+    return other_issuer(certificate, ca.certificate(), path,
+                        "name the folder of the CA that issued it: --ca DIR");
+  auto error = other_issuer(certificate, ca.certificate(), path,
+                            "issue the participant again: ddssec identity issue --replace; or name "
+                            "the folder of the CA that issued it: --ca DIR");
+  auto details = error.error().details();
+  details.note =
+      "the CA of that name has another key now: it was rotated while this folder was away, or "
+      "there "
+      "are two";
+  return fail(Code::issuer_unknown, std::move(details));
 }
 
 bool is_logged(const pki::Certificate& certificate, const pki::IssueLog& log) {

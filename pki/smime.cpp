@@ -88,6 +88,17 @@ std::string describe(CMS_SignerInfo* signer) {
   return "certificate " + std::string(hex ? hex.get() : "?") + " issued by " + name_rfc2253(issuer);
 }
 
+// A root signs as itself: its own name as issuer with another serial number is one of before.
+bool is_of_other_key(CMS_SignerInfo* signer, const std::vector<Certificate>& cas) {
+  X509_NAME* issuer = nullptr;
+  if (CMS_SignerInfo_get0_signer_id(signer, nullptr, &issuer, nullptr) != 1 || issuer == nullptr)
+    return false;
+  return std::ranges::any_of(cas, [&](const auto& ca) {
+    return ca.is_self_issued() &&
+           X509_NAME_cmp(issuer, X509_get_subject_name(ca.impl().x509.get())) == 0;
+  });
+}
+
 // The configured certificates that the signer may mean; more than one after a CA was renewed.
 Result<std::vector<Certificate>> candidates(CMS_SignerInfo* signer,
                                             const std::vector<Certificate>& cas) {
@@ -97,8 +108,17 @@ Result<std::vector<Certificate>> candidates(CMS_SignerInfo* signer,
   if (!out.empty()) return out;
   std::string listed;
   for (const auto& ca : cas) listed += (listed.empty() ? "" : " or ") + ca.subject();
-  return fail(Code::smime_signer_not_permissions_ca,
-              {.expected = listed.substr(0, 512), .found = describe(signer)});
+  ErrorDetails details{.expected = listed.substr(0, 512), .found = describe(signer)};
+  if (is_of_other_key(signer, cas)) {
+    details.note =
+        "the CA of that name has another certificate: it was rotated since, or the signer is one "
+        "that "
+        "it issued";
+    details.hint =
+        "after ca rotate, sign the document again: ddssec governance sign (or permissions sign) "
+        "FILE.xml --ca CA --replace; a certificate that the CA issued does not count as the CA";
+  }
+  return fail(Code::smime_signer_not_permissions_ca, std::move(details));
 }
 
 // OpenSSL checks content digest, signed attributes and signature with the key of `ca`, and looks

@@ -50,6 +50,14 @@ Pkcs7Ptr parse_der(BytesView file) {
   return Pkcs7Ptr(d2i_PKCS7(nullptr, &position, static_cast<long>(file.size())));
 }
 
+// Null unless it is SignedData.
+CmsPtr parse_cms(BytesView der) {
+  const auto* position = der.data();
+  CmsPtr cms(d2i_CMS_ContentInfo(nullptr, &position, static_cast<long>(der.size())));
+  return cms && OBJ_obj2nid(CMS_get0_type(cms.get())) == NID_pkcs7_signed ? std::move(cms)
+                                                                          : nullptr;
+}
+
 // The text inside an opaque signature.
 Bytes inner_text(PKCS7* pkcs7) {
   if (PKCS7_type_is_signed(pkcs7) == 0 || PKCS7_get_detached(pkcs7) != 0 ||
@@ -73,16 +81,20 @@ void describe_signer(PKCS7* pkcs7, DocumentForm& form) {
   form.signer_serial = hex ? hex.get() : "";
 }
 
+Bytes der_of(X509* certificate) {
+  Bytes der(static_cast<std::size_t>(std::max(i2d_X509(certificate, nullptr), 0)));
+  auto* position = der.data();
+  if (!der.empty()) i2d_X509(certificate, &position);
+  return der;
+}
+
 void add_signer_certificates(PKCS7* pkcs7, DocumentForm& form) {
   auto* signers = PKCS7_get_signer_info(pkcs7);
   const auto count = signers != nullptr ? sk_PKCS7_SIGNER_INFO_num(signers) : 0;
   for (int i = 0; i < count && form.signer_certificates.size() < DocumentForm::kMostEmbedded; ++i) {
     auto* certificate = PKCS7_cert_from_signer_info(pkcs7, sk_PKCS7_SIGNER_INFO_value(signers, i));
     if (certificate == nullptr) continue;
-    Bytes der(static_cast<std::size_t>(std::max(i2d_X509(certificate, nullptr), 0)));
-    auto* position = der.data();
-    if (!der.empty()) i2d_X509(certificate, &position);
-    form.signer_certificates.push_back(std::move(der));
+    form.signer_certificates.push_back(der_of(certificate));
   }
 }
 
@@ -92,6 +104,27 @@ void describe_embedded(PKCS7* pkcs7, DocumentForm& form) {
   const int count = certificates != nullptr ? sk_X509_num(certificates) : 0;
   for (int i = 0; i < count && form.embedded.size() < DocumentForm::kMostEmbedded; ++i)
     form.embedded.push_back(name_rfc2253(X509_get_subject_name(sk_X509_value(certificates, i))));
+}
+
+// PKCS#7 cannot say what CMS can: that the signer is named by the identifier of its key.
+void describe_cms(CMS_ContentInfo* cms, DocumentForm& form) {
+  auto* signers = CMS_get0_SignerInfos(cms);
+  auto* certificates = CMS_get1_certs(cms);
+  for (int i = 0; i < sk_X509_num(certificates); ++i) {
+    X509* certificate = sk_X509_value(certificates, i);
+    if (form.embedded.size() < DocumentForm::kMostEmbedded)
+      form.embedded.push_back(name_rfc2253(X509_get_subject_name(certificate)));
+    for (int at = 0; at < sk_CMS_SignerInfo_num(signers); ++at)
+      if (form.signer_certificates.size() < DocumentForm::kMostEmbedded &&
+          CMS_SignerInfo_cert_cmp(sk_CMS_SignerInfo_value(signers, at), certificate) == 0)
+        form.signer_certificates.push_back(der_of(certificate));
+  }
+  sk_X509_pop_free(certificates, X509_free);
+  ASN1_OCTET_STRING* key_id = nullptr;
+  if (sk_CMS_SignerInfo_num(signers) > 0 &&
+      CMS_SignerInfo_get0_signer_id(sk_CMS_SignerInfo_value(signers, 0), &key_id, nullptr,
+                                    nullptr) == 1)
+    form.signer_key_id = key_id_text(key_id);
 }
 
 // Takes "Content-Type: text/plain ..." and the blank line off the text.
@@ -131,12 +164,17 @@ Bytes der_of(PKCS7* pkcs7) {
 bool take_as_plugins_do(BytesView file, DocumentForm& form) {
   const auto document = read_document(file);
   const auto pkcs7 = document ? parse_der(document->signature) : nullptr;
-  if (!pkcs7) return false;
+  const auto cms = document && !pkcs7 ? parse_cms(document->signature) : nullptr;
+  if (!pkcs7 && !cms) return false;
   form.wrapping = DocumentWrapping::multipart;
   form.has_text_header = true;
   form.unverified_text = to_bytes(document->text());
   form.first_line = document->first_line;
   if (const auto same = check_same_reading(*document, file); !same) form.ambiguous = same.error();
+  if (cms) {
+    describe_cms(cms.get(), form);
+    return true;
+  }
   describe_signer(pkcs7.get(), form);
   describe_embedded(pkcs7.get(), form);
   add_signer_certificates(pkcs7.get(), form);
@@ -181,6 +219,12 @@ std::string_view to_string(DocumentWrapping wrapping) {
       break;
   }
   return "neither XML nor a signature";
+}
+
+std::string signer_words(const DocumentForm& form) {
+  if (!form.signer_key_id.empty())
+    return "the key " + form.signer_key_id + " (subject key identifier)";
+  return "serial " + form.signer_serial + " of " + form.signer_issuer;
 }
 
 Status check_same_reading(const UnverifiedDocument& ours, BytesView file) {

@@ -39,6 +39,9 @@ struct DocumentForm {
   /// certificate; empty if nobody.
   std::string signer_issuer = {};
   std::string signer_serial = {};
+  /// Or the identifier of its key, hexadecimal, where the signer is named by that (RFC 5652 5.3),
+  /// as by openssl cms -sign -keyid.
+  std::string signer_key_id = {};
   /// The certificates inside the signature that its signers name, DER, at most kMostEmbedded.
   std::vector<Bytes> signer_certificates = {};
   /// The document's text without its header; empty if it cannot be found.
@@ -54,6 +57,10 @@ struct DocumentForm {
 
   static constexpr std::size_t kMostEmbedded = 16;
 };
+
+/// The first signer as its signature names it: "serial 1A of CN=CA", or "the key 2B (subject key
+/// identifier)".
+std::string signer_words(const DocumentForm& form);
 
 /// Looks at a file of at most kMostDocumentOctets without believing anything in it. Never fails.
 DocumentForm examine_document(BytesView file);

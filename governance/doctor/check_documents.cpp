@@ -112,8 +112,11 @@ std::string who_signed(const Subject& subject) {
   const auto& form = subject.form;
   const auto by =
       form.embedded.empty() ? std::string("somebody") : '"' + form.embedded.front() + '"';
-  return fmt::format("{} was signed by {} (serial {}, issued by \"{}\")",
-                     subject.path.filename().string(), by, form.signer_serial, form.signer_issuer);
+  const auto which =
+      form.signer_key_id.empty()
+          ? fmt::format("serial {}, issued by \"{}\"", form.signer_serial, form.signer_issuer)
+          : pki::signer_words(form);
+  return fmt::format("{} was signed by {} ({})", subject.path.filename().string(), by, which);
 }
 
 void check_signer(const LoadedFolder& folder, const Subject& subject, Diagnosis& out) {

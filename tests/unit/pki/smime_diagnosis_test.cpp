@@ -124,6 +124,25 @@ TEST_F(SmimeDiagnosis, PartsThatOnlyOpensslFindsAreAmbiguous) {
   EXPECT_EQ(form.ambiguous->code(), Code::smime_surrounding_text);
 }
 
+// As by openssl cms -sign -keyid: PKCS#7 has no such signer.
+TEST_F(SmimeDiagnosis, ASignerNamedByItsKey_IsReadAsThePluginsDo) {
+  const auto ca = make_ca();
+  constexpr unsigned kFlags = CMS_DETACHED | CMS_TEXT | CMS_USE_KEYID | CMS_STREAM;
+  const BioPtr data = bio_over(as_bytes(kDocument)), again = bio_over(as_bytes(kDocument));
+  const CmsPtr cms(CMS_sign(ca.certificate().impl().x509.get(), ca.key().impl().pkey.get(), nullptr,
+                            data.get(), kFlags));
+  const BioPtr out(BIO_new(BIO_s_mem()));
+  ASSERT_EQ(SMIME_write_CMS(out.get(), cms.get(), again.get(), kFlags), 1);
+  const auto form = examine(as_text(bio_octets(out)));
+  EXPECT_EQ(form.wrapping, DocumentWrapping::multipart);
+  EXPECT_EQ(as_text(form.unverified_text), kDocument);
+  EXPECT_EQ(form.embedded, std::vector{ca.certificate().subject()});
+  EXPECT_EQ(form.signer_certificates, std::vector<Bytes>{to_bytes(ca.certificate().der())});
+  EXPECT_EQ(form.signer_key_id.size(), 40u);
+  EXPECT_EQ(signer_words(form), "the key " + form.signer_key_id + " (subject key identifier)");
+  EXPECT_FALSE(form.ambiguous);
+}
+
 TEST_F(SmimeDiagnosis, WithoutCertificatesNobodyIsEmbedded) {
   const OddDocument bare(self_, PKCS7_DETACHED | PKCS7_TEXT | PKCS7_NOCERTS);
   EXPECT_TRUE(examine(bare.smime()).embedded.empty());
