@@ -6,13 +6,14 @@
 namespace ddssec {
 namespace {
 
-constexpr std::array kUnsorted = {
+// A deduction guide of std::array would fold over the rows, and clang folds over 256 at most.
+constexpr auto kUnsorted = std::to_array<CodeInfo>({
 #define X(name, number, severity, summary, hint) \
   CodeInfo{Code{number}, #name, Severity::severity, summary, hint},
 #include "base/codes/all.def"
 #include "base/codes/tool.def"
 #undef X
-};
+});
 
 constexpr auto kCodes = [] {
   auto rows = kUnsorted;
