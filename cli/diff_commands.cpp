@@ -26,6 +26,12 @@ bool is_other_to_products(const governance::Readings& readings, const DiffSides&
   return !readings.all.empty() || sides.before.signer != sides.after.signer;
 }
 
+bool is_wider_to_others(const governance::Readings& readings) {
+  return std::ranges::any_of(readings.all, [](const governance::Reading& reading) {
+    return reading.is_new && reading.widens;
+  });
+}
+
 /// Where stock products read a range of domains in another way, the comparison is not theirs.
 void warn_of_open_ranges(Report& report, Rule rule, const std::vector<governance::Note>& notes,
                          const std::filesystem::path& file) {
@@ -56,11 +62,14 @@ Result<Report> governance_diff(const Arguments& arguments, const Context& contex
   warn_of_open_ranges(report, Rule::GOV004, before.notes, sides.before.path);
   warn_of_open_ranges(report, Rule::GOV004, after.notes, sides.after.path);
   const bool unknown = diff.verdict == ChangeClass::unknown;
-  const bool reached = threshold == "weaker"     ? is_worse(diff.verdict, ChangeClass::weaker)
+  const bool reached = threshold == "weaker" ? is_worse(diff.verdict, ChangeClass::weaker) ||
+                                                   is_wider_to_others(diff.readings)
                        : threshold == "breaking" ? unknown || !diff.flag_day_domains.empty()
                        : threshold == "any"      ? unknown || !diff.changes.empty() ||
                                                   is_other_to_products(diff.readings, sides)
                                             : false;
+  if (is_wider_to_others(diff.readings))
+    report.text += "this verdict is ddssec's; another product allows more, as is listed above\n";
   if (reached) report.exit = Exit::no;
   return report;
 }
@@ -77,12 +86,15 @@ Result<Report> permissions_diff(const Arguments& arguments, const Context& conte
   Report report = report_of(diff, sides);
   warn_of_open_ranges(report, Rule::PERM004, before.notes, sides.before.path);
   warn_of_open_ranges(report, Rule::PERM004, after.notes, sides.after.path);
-  const bool reached = threshold == "wider"      ? is_worse(diff.verdict, ChangeClass::wider)
-                       : threshold == "narrower" ? is_worse(diff.verdict, ChangeClass::narrower)
-                       : threshold == "any"
-                           ? std::ranges::any_of(diff.changes, is_not_only_spelling) ||
+  const bool reached =
+      threshold == "wider"
+          ? is_worse(diff.verdict, ChangeClass::wider) || is_wider_to_others(diff.readings)
+      : threshold == "narrower" ? is_worse(diff.verdict, ChangeClass::narrower)
+      : threshold == "any"      ? std::ranges::any_of(diff.changes, is_not_only_spelling) ||
                                  is_other_to_products(diff.readings, sides)
                            : false;
+  if (is_wider_to_others(diff.readings))
+    report.text += "this verdict is ddssec's; another product allows more, as is listed above\n";
   if (reached) report.exit = Exit::no;
   return report;
 }

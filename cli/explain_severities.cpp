@@ -10,7 +10,7 @@ constexpr OtherSeverity kOthers[] = {
     {"DOC004", error, "in a keystore, or in public/ of one"},
     {"DOC011", warning, "where the other product would take the grant"},
     {"DOC023", warning, "where the list is missing or the CA has a newer one"},
-    {"DOC037 DOC055", error, "where a product refuses the document"},
+    {"DOC037 DOC055", error, "where a product refuses the document, or a denial does not hold"},
     {"DOC043", error, "where Cyclone DDS takes the grant of another subject"},
     {"DOC050", warning, "for an enclave that is being made"},
     {"DOC068", warning, "where the application may run without ROS 2"},

@@ -106,14 +106,25 @@ Severity severity_of(const Dead& dead) {
   return dead.entry.rule->allow ? Severity::warning : Severity::error;
 }
 
+bool is_read_as_less(const DomainSet& domains) {
+  return std::ranges::any_of(domains.ranges, [](const DomainRange& range) {
+    return range.is_open && range.first != range.last;
+  });
+}
+
 std::string reason(const Dead& dead) {
   if (dead.by.empty()) return matches_nothing(dead.entry.topic->text);
   std::vector<std::string> names;
   for (const auto& by : dead.by)
     names.push_back(
         fmt::format("{} ({}, line {})", in_quotes(by.topic->text), rule_name(by), by.topic->line));
-  return fmt::format("{} already decide{} for every name it matches", fmt::join(names, ", "),
-                     names.size() == 1 ? "s" : "");
+  const bool is_for_all = std::ranges::none_of(
+      dead.by, [](const GrantEntry& by) { return is_read_as_less(by.rule->domains); });
+  return fmt::format("{} already decide{} for every name it matches{}", fmt::join(names, ", "),
+                     names.size() == 1 ? "s" : "",
+                     is_for_all ? ""
+                                : "; but not with Cyclone DDS and Fast DDS, which read an "
+                                  "<id_range> without <max> as one domain");
 }
 
 // How many expressions each rule has, by its number.

@@ -68,6 +68,7 @@ bool has_tags(const DomainRule& rule) {
 /// Domains of the rule that an earlier one takes, and the number (from 1) of the first such.
 struct Taken {
   std::vector<DomainRange> domains = {};
+  std::vector<DomainRange> by_stock = {};  ///< of these, where stock products apply the rule
   std::size_t by = 0;
   bool all = true;
 };
@@ -83,9 +84,11 @@ Taken taken_from(const Governance& document, std::size_t at) {
         continue;
       }
       out.domains.push_back({id, id});
+      if (document.find_for_stock(id) == &rule) out.by_stock.push_back({id, id});
       if (out.by == 0) out.by = static_cast<std::size_t>(first - document.domain_rules.data()) + 1;
     }
   out.domains = joined(std::move(out.domains));
+  out.by_stock = joined(std::move(out.by_stock));
   return out;
 }
 
@@ -95,13 +98,20 @@ void check_coverage(Findings& out, const Governance& document, std::size_t at,
   const auto taken = taken_from(document, at);
   if (taken.domains.empty()) return;
   const auto domains = to_text(taken.domains);
-  out.add(place.about(
-      GOV002, taken.all ? fmt::format("domain_rule {} can never apply: domain {} is covered by "
-                                      "domain_rule {} already",
-                                      at + 1, domains, taken.by)
-                        : fmt::format("domain_rule {} does not apply to domain {}: domain_rule {} "
-                                      "covers it already",
-                                      at + 1, domains, taken.by)));
+  auto text = taken.all ? fmt::format(
+                              "domain_rule {} can never apply: domain {} is covered by "
+                              "domain_rule {} already",
+                              at + 1, domains, taken.by)
+                        : fmt::format(
+                              "domain_rule {} does not apply to domain {}: domain_rule {} "
+                              "covers it already",
+                              at + 1, domains, taken.by);
+  if (!taken.by_stock.empty())
+    text += fmt::format(
+        "; but Cyclone DDS and Fast DDS, which read an <id_range> without <max> as one domain, "
+        "apply it to domain {}",
+        to_text(taken.by_stock));
+  out.add(place.about(GOV002, std::move(text)));
 }
 
 bool same_protection(const TopicRule& a, const TopicRule& b) {

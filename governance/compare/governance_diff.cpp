@@ -7,7 +7,9 @@
 #include <tuple>
 
 #include "base/ordered.hpp"
+#include "governance/as_read.hpp"
 #include "governance/compare/effort.hpp"
+#include "governance/compare/stock_changes.hpp"
 #include "governance/compare/topic_pairs.hpp"
 
 namespace ddssec::governance {
@@ -283,7 +285,14 @@ int GovernanceChange::new_line() const { return line_of(new_domain, new_topic); 
 
 GovernanceDiff compare(const Governance& old_document, const Governance& new_document,
                        const GovernanceDiffOptions& options) {
-  return GovernanceComparison(old_document, new_document, options).run();
+  auto out = GovernanceComparison(old_document, new_document, options).run();
+  const auto before = as_stock_reads(old_document), after = as_stock_reads(new_document);
+  if (before || after)
+    add_stock_changes(GovernanceComparison(before ? *before : old_document,
+                                           after ? *after : new_document, options)
+                          .run(),
+                      out);
+  return out;
 }
 
 }  // namespace ddssec::governance

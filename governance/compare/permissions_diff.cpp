@@ -6,7 +6,9 @@
 #include <set>
 
 #include "base/ordered.hpp"
+#include "governance/as_read.hpp"
 #include "governance/compare/effort.hpp"
+#include "governance/compare/stock_changes.hpp"
 #include "governance/compare/subjects.hpp"
 
 namespace ddssec::governance {
@@ -278,7 +280,18 @@ void PermissionsComparison::add_rules(const GrantDiff& rules) {
 
 PermissionsDiff compare(const Permissions& old_document, const Permissions& new_document,
                         const PermissionsDiffOptions& options) {
-  return PermissionsComparison(old_document, new_document, options).run();
+  auto out = PermissionsComparison(old_document, new_document, options).run();
+  std::vector<StockPermissionsDiff> stock;
+  for (const auto product : kStockProducts) {
+    const auto before = as_stock_reads(old_document, product);
+    const auto after = as_stock_reads(new_document, product);
+    if (before || after)
+      stock.push_back({product, PermissionsComparison(before ? *before : old_document,
+                                                      after ? *after : new_document, options)
+                                    .run()});
+  }
+  add_stock_changes(stock, out);
+  return out;
 }
 
 }  // namespace ddssec::governance

@@ -15,6 +15,8 @@ struct Reading {
   std::string expression;  ///< the expression; empty: it is about something else
   std::string sentence;    ///< as lint says it
   int line = 0;            ///< where it stands first
+  /// A participant has rights with Cyclone DDS that it does not have with ddssec.
+  bool widens = false;
 };
 
 struct Readings {

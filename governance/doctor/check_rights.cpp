@@ -377,6 +377,47 @@ void check_one_way(const Scene& scene, const Grant& grant) {
   scene.out.pass(Rule::DOC053);
 }
 
+// A deny_rule for this domain that stock products read as one for another domain.
+const governance::Rule* denial_elsewhere(const Grant& grant, DomainId domain) {
+  const auto found = std::ranges::find_if(grant.rules, [&](const governance::Rule& rule) {
+    return !rule.allow && rule.domains.contains(domain) && !rule.domains.contains_for_stock(domain);
+  });
+  return found == grant.rules.end() ? nullptr : &*found;
+}
+
+// What a denial with an open range takes away, and stock products allow.
+void check_open_denials(const Scene& scene, const Grant& grant) {
+  const auto domain = scene.settings.domain;
+  const auto* rule = denial_elsewhere(grant, domain);
+  if (rule == nullptr) return;
+  const CompiledGrant compiled(scene.folder.permissions.model, grant, domain);
+  for (const auto& topic : sample_topics(grant))
+    for (const auto action : {Action::publish, Action::subscribe}) {
+      if (compiled.judge_topic(action, topic).allowed) continue;
+      const auto outcome = [&](Vendor vendor) {
+        return judge_as(vendor, compiled, domain, action, {.topic = topic}).allowed
+                   ? Outcome::unsafe
+                   : Outcome::ok;
+      };
+      const Outcomes outcomes{.cyclonedds = outcome(Vendor::cyclonedds),
+                              .fastdds = outcome(Vendor::fastdds)};
+      if (outcomes.all_ok()) continue;
+      return scene.out.report(
+          outcomes,
+          {.rule = Rule::DOC037,
+           .message = fmt::format(
+               "the deny_rule at line {} does not hold in domain {} with Cyclone DDS and Fast DDS, "
+               "which read an <id_range> without <max> as one domain: to {} topic \"{}\" is "
+               "allowed",
+               rule->line, domain, to_string(action), topic),
+           .document = scene.file(),
+           .line = rule->line,
+           .hint = "write both <min> and <max>, and sign the permissions again",
+           .severity = Severity::error},
+          "permissions");
+    }
+}
+
 void check_permissions(const Scene& scene, const DomainRule* governance) {
   const auto all =
       candidates(scene.permissions(), *scene.folder.certificate, scene.settings.lineup);
@@ -391,6 +432,7 @@ void check_permissions(const Scene& scene, const DomainRule* governance) {
   check_join(scene, *grant, governance);
   check_default(scene, *grant);
   check_one_way(scene, *grant);
+  check_open_denials(scene, *grant);
 }
 
 /// Something that ends.

@@ -262,7 +262,8 @@ void judge_join(const MeetingScene& scene, int judge, int about) {
 void compare_governance(const MeetingScene& scene) {
   for (const int i : kBoth)
     if (scene.folder(i).governance.model)
-      scene.out.rules[i] = scene.folder(i).governance.model->find(scene.settings.domain);
+      scene.out.rules[i] = domain_rule_as(scene.party(i).vendor, *scene.folder(i).governance.model,
+                                          scene.settings.domain);
   if (scene.out.rules[0] == nullptr || scene.out.rules[1] == nullptr) return;
   scene.out.differences = differences(*scene.out.rules[0], *scene.out.rules[1]);
   for (const auto& difference : scene.out.differences)

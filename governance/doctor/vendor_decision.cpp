@@ -47,6 +47,10 @@ bool matches_as(Vendor vendor, std::string_view expression, std::string_view nam
       .matches(name);
 }
 
+const DomainRule* domain_rule_as(Vendor vendor, const Governance& governance, DomainId domain) {
+  return vendor == Vendor::ours ? governance.find(domain) : governance.find_for_stock(domain);
+}
+
 const TopicRule* topic_rule_as(Vendor vendor, const DomainRule& domain, std::string_view topic) {
   const auto found = std::ranges::find_if(domain.topic_rules, [&](const TopicRule& rule) {
     return matches_as(vendor, rule.topic_expression, topic);
@@ -63,7 +67,7 @@ const Criteria* naming(Vendor vendor, const std::vector<Criteria>& list, std::st
 const governance::Rule* first_rule_naming(const Grant& grant, DomainId domain,
                                           std::string_view topic) {
   const auto found = std::ranges::find_if(grant.rules, [&](const Rule& rule) {
-    return rule.domains.contains(domain) &&
+    return rule.domains.contains_for_stock(domain) &&
            (naming(Vendor::cyclonedds, rule.publish, topic) != nullptr ||
             naming(Vendor::cyclonedds, rule.subscribe, topic) != nullptr);
   });

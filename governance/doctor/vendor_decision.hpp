@@ -16,6 +16,9 @@ bool matches_as(Vendor vendor, std::string_view expression, std::string_view nam
 /// The first of the list that names the topic as `vendor` reads it, or nullptr.
 const Criteria* naming(Vendor vendor, const std::vector<Criteria>& list, std::string_view topic);
 
+/// The domain_rule that `vendor` applies in the domain; null if there is none.
+const DomainRule* domain_rule_as(Vendor vendor, const Governance& governance, DomainId domain);
+
 /// The first topic_rule for the topic as `vendor` reads them; null if there is none.
 const TopicRule* topic_rule_as(Vendor vendor, const DomainRule& domain, std::string_view topic);
 

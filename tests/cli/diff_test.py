@@ -206,6 +206,23 @@ class GovernanceDifferences(Differences):
         self.assertEqual(self.diff()["readings"], {"all": [], "complete": True})
         self.assertNotIn("interop", self.text())
 
+    def test_what_is_weaker_for_a_stock_product_alone_fails_the_gate(self):
+        full, opened = "<id_range><min>0</min><max>230</max></id_range>", "<id_range><min>0</min></id_range>"
+        weak = governance(topic("*", "NONE"), domain=full, rtps="NONE")
+        weak = weak[weak.index("<domain_rule>"):weak.index("</domain_access_rules>")]
+        strong = governance(topic("*"), domain=full).replace("</domain_rule>\n", "</domain_rule>").replace(
+            "</domain_access_rules>", weak + "</domain_access_rules>")
+        self.write(strong, strong.replace(full, opened, 1))
+        out = self.diff("--fail-on", "weaker", exit=1)
+        self.assertEqual((out["verdict"], out["changes"]), ("neutral", []))
+        self.assertIn("rtps_protection_kind SIGN -> NONE in domain 1-230: weaker",
+                      "".join(one["sentence"] for one in out["readings"]["all"]))
+        self.assertIn("another product allows more", self.text())
+        told = self.json("governance", "lint", "new.xml", exit=1)["diagnostics"]
+        self.assertIn("apply it to domain 1-230", "".join(one["message"] for one in told if one["id"] == "GOV002"))
+        self.write(strong.replace(full, opened, 1), strong)
+        self.diff("--fail-on", "weaker")
+
 
 class PermissionsDifferences(Differences):
     def write(self, old, new, kind="permissions"):

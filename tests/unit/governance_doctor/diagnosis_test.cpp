@@ -126,6 +126,33 @@ TEST_F(DiagnosisTest, StockProductsReadAnOpenRangeAsOneDomain) {
   EXPECT_EQ(all.outcomes(), (Outcomes{.cyclonedds = Outcome::unsafe, .fastdds = Outcome::unsafe}));
 }
 
+TEST_F(DiagnosisTest, ADenialWithAnOpenRangeDoesNotHoldWithStockProducts) {
+  auto grant = grant_for("CN=talker");
+  grant.rules[0].domains.ranges = {{0, 230}};
+  auto denial = grant.rules[0];
+  denial.allow = false;
+  grant.rules.insert(grant.rules.begin(), {.allow = true, .domains = {.ranges = {{0, 230}}}});
+  grant.rules.insert(grant.rules.begin() + 1, denial);
+  const auto in_domain = [&](DomainId domain) {
+    const auto folder = participant("talker", strict_governance(domain), {.grants = {grant}});
+    auto xml = to_xml(Permissions{.grants = {grant}});
+    const std::string end = "<max>230</max>";
+    xml.erase(xml.find(end, xml.find("<deny_rule>")), end.size());
+    sign(folder.permissions, xml);
+    return diagnose(load_folder(folder, kNow), {.now = kNow, .domain = domain});
+  };
+  const auto all = in_domain(5);
+  EXPECT_EQ(all.outcomes().cyclonedds, Outcome::unsafe);
+  const auto said = std::ranges::any_of(all.checks(), [](const Check& check) {
+    return check.rule == Rule::DOC037 &&
+           std::ranges::any_of(check.findings, [](const Finding& finding) {
+             return finding.message.contains("does not hold in domain 5");
+           });
+  });
+  EXPECT_TRUE(said);
+  EXPECT_NE(in_domain(0).outcomes().cyclonedds, Outcome::unsafe);
+}
+
 TEST_F(DiagnosisTest, WhatEndsFirstIsSaidAMonthAhead) {
   const auto folder = participant("talker");
   const auto all = diagnosis(folder, kNow + 340 * 24h);

@@ -47,6 +47,26 @@ TEST_F(MeetingTest, TwoOfOneHouseTalkInBothDirections) {
   EXPECT_TRUE(out.topics_complete);
 }
 
+TEST_F(MeetingTest, StockProductsApplyTheRuleBehindAnOpenRange) {
+  auto governance = strict_governance();
+  governance.domain_rules.push_back(governance.domain_rules[0]);
+  governance.domain_rules[0].domains.ranges = {{0, 230}};
+  governance.domain_rules[1].domains.ranges = {{5, 5}};
+  auto xml = to_xml(governance);
+  const std::string end = "<max>230</max>";
+  xml.erase(xml.find(end), end.size());
+  sign(talker_.governance, xml);
+  const auto folder = load_folder(talker_, kNow);
+  const auto rule_of = [&](Vendor vendor) {
+    return meet({folder, vendor, "a"}, {folder, vendor, "b"}, {.now = kNow, .domain = 5}, {"x"})
+        .rules[0];
+  };
+  const auto& rules = folder.governance.model->domain_rules;
+  EXPECT_EQ(rule_of(Vendor::ours), &rules[0]);
+  EXPECT_EQ(rule_of(Vendor::cyclonedds), &rules[1]);
+  EXPECT_EQ(rule_of(Vendor::fastdds), &rules[1]);
+}
+
 TEST_F(MeetingTest, EveryParticipantLevelElementThatDiffersKeepsThemApart) {
   const auto with = [&](auto change) {
     auto governance = strict_governance();

@@ -1,0 +1,27 @@
+// Documents as stock products read them, written as the standard reads them: what is decided by the
+// result is what the product decides.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "governance/model.hpp"
+
+namespace ddssec::governance {
+
+enum class StockProduct : std::uint8_t { cyclonedds, fastdds };
+inline constexpr StockProduct kStockProducts[] = {StockProduct::cyclonedds, StockProduct::fastdds};
+/// "Cyclone DDS", "Fast DDS".
+std::string_view to_string(StockProduct product);
+
+/// Both products read a range of domains without <max> as one domain. Nothing if that changes
+/// nothing. Expressions are left as they are (dialect.hpp).
+std::optional<Governance> as_stock_reads(const Governance& document);
+
+/// The same; and Cyclone DDS takes a deny_rule without partitions for the partition "" only, and
+/// passes over <tag>; Fast DDS denies in all partitions, and takes every <default> as DENY. Which
+/// rule decides is the same: where Fast DDS looks no further is not in it (vendor_decision.hpp).
+std::optional<Permissions> as_stock_reads(const Permissions& document, StockProduct product);
+
+}  // namespace ddssec::governance

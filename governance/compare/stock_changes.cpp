@@ -1,0 +1,128 @@
+#include "governance/compare/stock_changes.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "governance/domain_pieces.hpp"
+#include "governance/lint_findings.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+constexpr ChangeClass kWorse[] = {ChangeClass::weaker, ChangeClass::wider, ChangeClass::mixed,
+                                  ChangeClass::unknown};
+
+bool is_worse(ChangeClass change) { return std::ranges::find(kWorse, change) != std::end(kWorse); }
+
+bool covers(const DomainScope& outer, const DomainScope& inner) {
+  return std::ranges::all_of(inner.domains, [&](const DomainRange& range) {
+    return std::ranges::any_of(outer.domains, [&](const DomainRange& one) {
+      return one.first <= range.first && range.last <= one.last;
+    });
+  });
+}
+
+std::string domains_of(const DomainScope& scope) {
+  return scope.domains.empty() ? std::string() : " in domain " + to_text(scope.domains);
+}
+
+void put(Readings& readings, Reading reading) {
+  if (readings.all.size() < kMostReadings)
+    readings.all.push_back(std::move(reading));
+  else
+    readings.is_complete = false;
+}
+
+// The same element in the same domains, at least, and not less worrying.
+bool is_same(const GovernanceChange& ours, const GovernanceChange& theirs) {
+  return ours.element.element == theirs.element.element &&
+         ours.element.old_value == theirs.element.old_value &&
+         ours.element.new_value == theirs.element.new_value &&
+         (ours.element.change == theirs.element.change || is_worse(ours.element.change)) &&
+         covers(ours.scope, theirs.scope);
+}
+
+std::string sentence(const GovernanceChange& change) {
+  const auto& [element, old_value, new_value, kind, interop] = change.element;
+  return fmt::format(
+      "Cyclone DDS and Fast DDS, which read an <id_range> without <max> as one domain: {} {} -> "
+      "{}{}{}: {}",
+      element, old_value, new_value, domains_of(change.scope),
+      change.is_about_topics ? ", for topics such as " + in_quotes(change.witness) : std::string(),
+      to_string(kind));
+}
+
+bool is_same(const PermissionChange& ours, const PermissionChange& theirs) {
+  return ours.subject == theirs.subject && ours.element == theirs.element &&
+         ours.operation == theirs.operation && ours.old_value == theirs.old_value &&
+         ours.new_value == theirs.new_value && ours.change == theirs.change &&
+         ours.witness == theirs.witness && ours.topics.words.size() == theirs.topics.words.size() &&
+         ours.entities.every == theirs.entities.every &&
+         ours.entities.example_partitions == theirs.entities.example_partitions &&
+         covers(ours.scope, theirs.scope);
+}
+
+std::string in_words(const PermissionChange& change) {
+  auto out =
+      fmt::format("{}{}{}", change.element, change.operation.empty() ? "" : " ", change.operation);
+  if (change.is_about_topics) out += " of topics such as " + in_quotes(change.witness);
+  out += fmt::format(" {} -> {}{}", change.old_value, change.new_value, domains_of(change.scope));
+  for (const auto& partition : change.entities.example_partitions)
+    out += ", partition " + in_quotes(partition);
+  return fmt::format("{} for {}: {}", out, in_quotes(change.subject), to_string(change.change));
+}
+
+template <class Change>
+bool is_among(const std::vector<Change>& all, const Change& one) {
+  return std::ranges::any_of(all, [&](const Change& each) { return is_same(each, one); });
+}
+
+}  // namespace
+
+void add_stock_changes(const GovernanceDiff& stock, GovernanceDiff& ours) {
+  for (const auto& change : stock.changes)
+    if (!is_among(ours.changes, change))
+      put(ours.readings, {.is_new = true,
+                          .expression = {},
+                          .sentence = sentence(change),
+                          .line = change.new_line(),
+                          .widens = is_worse(change.element.change)});
+  if (stock.verdict == ChangeClass::unknown && ours.verdict != ChangeClass::unknown)
+    put(ours.readings, {.is_new = true,
+                        .expression = {},
+                        .sentence = "what changes for Cyclone DDS and Fast DDS is not known",
+                        .widens = true});
+  auto days = stock.flag_day_domains;
+  days.insert(days.end(), ours.flag_day_domains.begin(), ours.flag_day_domains.end());
+  ours.flag_day_domains = joined(std::move(days));
+}
+
+void add_stock_changes(const std::vector<StockPermissionsDiff>& stock, PermissionsDiff& ours) {
+  std::vector<std::pair<std::string, Reading>> found;  ///< products
+  for (const auto& [product, diff] : stock)
+    for (const auto& change : diff.changes) {
+      if (change.change == ChangeClass::neutral || is_among(ours.changes, change)) continue;
+      auto text = in_words(change);
+      const auto known =
+          std::ranges::find_if(found, [&](const auto& one) { return one.second.sentence == text; });
+      if (known != found.end()) {
+        known->first += fmt::format(" and {}", to_string(product));
+        continue;
+      }
+      found.push_back({std::string(to_string(product)),
+                       {.is_new = true,
+                        .expression = {},
+                        .sentence = std::move(text),
+                        .line = change.new_line,
+                        .widens = is_worse(change.change)}});
+    }
+  for (auto& [products, reading] : found) {
+    reading.sentence = fmt::format("with {}: {}", products, reading.sentence);
+    put(ours.readings, std::move(reading));
+  }
+}
+
+}  // namespace ddssec::governance

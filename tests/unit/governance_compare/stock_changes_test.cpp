@@ -1,0 +1,97 @@
+#include "governance/compare/stock_changes.hpp"
+
+#include <algorithm>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/governance_compare/documents.hpp"
+
+namespace ddssec::governance {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+
+/// ENCRYPT everywhere in the first range, NONE in all domains behind it.
+Governance two_rules(DomainRange first) {
+  auto out = document({topic("*")});
+  auto open = out.domain_rules[0];
+  out.domain_rules[0].domains.ranges = {first};
+  open.domains.ranges = {{0, 230}};
+  open.topic_rules[0].data_protection_kind = Kind::none;
+  out.domain_rules.push_back(open);
+  return out;
+}
+
+TEST(StockChanges, RangeThatBecomesOpen_IsWeakerToStockProductsAlone) {
+  const auto diff = compare(two_rules({0, 230}), two_rules({0, 230, true}));
+  EXPECT_EQ(diff.verdict, ChangeClass::neutral);
+  EXPECT_THAT(diff.changes, IsEmpty());
+  const auto found = std::ranges::find_if(diff.readings.all, [](const Reading& one) {
+    return one.sentence.contains("data_protection_kind ENCRYPT -> NONE in domain 1-230");
+  });
+  ASSERT_NE(found, diff.readings.all.end());
+  EXPECT_TRUE(found->is_new && found->widens);
+  EXPECT_THAT(found->sentence, StartsWith("Cyclone DDS and Fast DDS"));
+}
+
+TEST(StockChanges, RangeThatIsClosed_WidensNothing) {
+  const auto diff = compare(two_rules({0, 230, true}), two_rules({0, 230}));
+  EXPECT_FALSE(diff.readings.all.empty());
+  EXPECT_TRUE(std::ranges::none_of(diff.readings.all, &Reading::widens));
+}
+
+TEST(StockChanges, SameForAll_IsSaidOnce) {
+  auto before = two_rules({0, 230, true}), after = before;
+  for (auto* rule : {&after.domain_rules[0], &after.domain_rules[1]})
+    rule->rtps_protection_kind = Kind::none;
+  const auto diff = compare(before, after);
+  EXPECT_EQ(diff.verdict, ChangeClass::weaker);
+  EXPECT_THAT(diff.readings.all, IsEmpty());
+}
+
+Rule rule(bool allow, std::vector<Text> partitions, DomainRange domains = {0, 0}) {
+  const Criteria criteria{.topics = {{"Square"}}, .partitions = std::move(partitions)};
+  return {.allow = allow,
+          .domains = {.ranges = {domains}},
+          .publish = {criteria},
+          .subscribe = {criteria}};
+}
+
+Permissions with(std::vector<Rule> rules) {
+  return {.grants = {{.name = "talker",
+                      .subject_name = "CN=talker",
+                      .validity = {WallTime(), WallTime() + std::chrono::hours(1)},
+                      .rules = std::move(rules)}}};
+}
+
+TEST(StockChanges, DenialThatLosesItsPartitions_IsWiderToCycloneDds) {
+  const auto before =
+      with({rule(true, {{"zz"}}), rule(false, {{"*"}, {""}}), rule(true, {{"*"}, {""}})});
+  auto after = before;
+  for (auto* list : {&after.grants[0].rules[1].publish, &after.grants[0].rules[1].subscribe})
+    list->front().partitions = std::nullopt;
+  const auto diff = compare(before, after);
+  EXPECT_EQ(diff.verdict, ChangeClass::neutral);
+  ASSERT_EQ(diff.readings.all.size(), 2U);
+  for (const auto& reading : diff.readings.all) {
+    EXPECT_TRUE(reading.widens);
+    EXPECT_THAT(reading.sentence, StartsWith("with Cyclone DDS: "));
+    EXPECT_THAT(reading.sentence, HasSubstr("denied -> allowed in domain 0"));
+  }
+}
+
+TEST(StockChanges, DenialWithAnOpenRange_IsWiderToBothProducts) {
+  const auto allow = rule(true, {{""}}, {0, 230});
+  const auto diff = compare(with({rule(false, {{""}}, {0, 230}), allow}),
+                            with({rule(false, {{""}}, {0, 230, true}), allow}));
+  EXPECT_EQ(diff.verdict, ChangeClass::neutral);
+  ASSERT_FALSE(diff.readings.all.empty());
+  EXPECT_TRUE(diff.readings.all[0].widens);
+  EXPECT_THAT(diff.readings.all[0].sentence, HasSubstr("in domain 1-230"));
+}
+
+}  // namespace
+}  // namespace ddssec::governance
