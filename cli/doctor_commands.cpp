@@ -207,7 +207,10 @@ std::vector<doctor::HostPlugin> host_plugins_for(const fs::path& folder, bool is
 void add_host_plugins(Report& report, const std::vector<doctor::HostPlugin>& plugins,
                       bool is_configured) {
   report.result["plugins"] = Json::array();
-  if (std::ranges::all_of(plugins, [](const auto& plugin) { return plugin.file.empty(); })) return;
+  if (std::ranges::all_of(plugins, [](const auto& plugin) {
+        return plugin.file.empty() && !plugin.library.contains('/');
+      }))
+    return;
   report.text += fmt::format("with this LD_LIBRARY_PATH{} Cyclone DDS would load\n",
                              is_configured ? "" : " and the folder's cyclonedds.xml");
   for (const auto& plugin : plugins) {

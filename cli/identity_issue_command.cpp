@@ -1,12 +1,12 @@
 // identity issue: a participant's folder, made, completed or made anew.
 #include <algorithm>
 #include <filesystem>
-#include <map>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "cli/documents.hpp"
+#include "cli/drop_in.hpp"
 #include "cli/fleet.hpp"
 #include "cli/groups.hpp"
 #include "cli/held_folder.hpp"
@@ -50,6 +50,7 @@ Result<ParticipantSpec> common_spec(const Arguments& arguments, WallTime now) {
   out.subscribe = DDSSEC_TRY(topics_of(arguments, "--subscribe"));
   out.partitions = arguments.all("--partition");
   out.takes_other_grants = arguments.has("--other-grants");
+  out.dropin = DDSSEC_TRY(drop_in_of(arguments));
   return out;
 }
 
@@ -126,25 +127,6 @@ std::string not_in_it(bool has_permissions, bool has_governance) {
   return out;
 }
 
-/// Finds participants that neither permissions nor a revocation tell apart.
-class Subjects {
- public:
-  explicit Subjects(fs::path fleet) : fleet_(std::move(fleet)) {}
-
-  void add(const std::string& name, const pki::Certificate& certificate, Report& report) {
-    const auto [first, is_new] = names_.try_emplace(pki::SubjectName::of(certificate).key(), name);
-    if (is_new) return;
-    report.errors.emplace_back(Code::subject_shared,
-                               ErrorDetails{.document = fleet_,
-                                            .found = fmt::format("{} and {}: {}", first->second,
-                                                                 name, certificate.subject())});
-  }
-
- private:
-  fs::path fleet_;
-  std::map<std::string, std::string> names_;  // by SubjectName::key()
-};
-
 // One command, many participants: all of them or none.
 Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
   const auto now = context.clock.now();
@@ -164,7 +146,7 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
   report.result = {{"dir", target.string()}, {"participants", Json::array()}};
   std::string lines;
   std::string signed_lines;
-  Subjects subjects(from);
+  SubjectsOfFleet subjects(from);
   SubjectsInUse in_use(DDSSEC_TRY(read_issue_log(cas.identity.paths)), {}, now);
   Progress progress("participants", specs.size());
   for (auto& spec : specs) {
@@ -186,7 +168,9 @@ Result<Report> issue_fleet(const Arguments& arguments, const Context& context) {
     progress.step();
   }
   report.text +=
-      "each folder has cyclonedds.xml and fastdds.xml, which name its files by their whole paths\n";
+      "each folder has cyclonedds.xml and fastdds.xml, which name its files by their whole "
+      "paths\n" +
+      drop_in_line(DDSSEC_TRY(drop_in_of(arguments)));
   DDSSEC_TRY(log_all(cas, lines, signed_lines));
   report.files_written = DDSSEC_TRY(folder.commit());
   return report;
@@ -237,6 +221,7 @@ Result<Report> finished(Report report, const Job& job, Result<std::vector<Writte
   report.text += not_in_it(has_permissions, has_governance);
   if (has_permissions && has_governance)
     report.text += configuration_lines(job.spec.name, job.target);
+  report.text += drop_in_line(job.spec.dropin);
   warn_of_topics(job.spec, job.arguments.text("--permissions"), report);
   return report;
 }
@@ -290,6 +275,10 @@ class Completion {
     const auto found = DDSSEC_TRY(read_file(file, pki::kMostDocumentOctets));
     if (std::ranges::equal(found, octets)) return {};
     return in_the_way(file, "it is another one");
+  }
+  Status put(const fs::path& file, std::string_view text) {
+    ++count_;
+    return out_.put_public(file, text);
   }
   Result<std::vector<WrittenFile>> commit() {
     if (count_ == 0) return in_the_way(job_.target, "nothing is missing in it");
@@ -350,8 +339,9 @@ Result<Report> complete_folder(Job& job) {
     DDSSEC_TRY(out.add(job.files.governance, job.governance, 0644, true));
   const auto crl = DDSSEC_TRY(list_for_newcomers(paths, job.context.clock.now()));
   if (crl) DDSSEC_TRY(out.add(job.files.crl, as_bytes(crl->pem()), 0644, false));
-  for (const auto& [name, text] : configuration_files(job.files))
-    DDSSEC_TRY(out.add(job.target / name, as_bytes(text), 0644, false));
+  for (const auto& [name, text] :
+       DDSSEC_TRY(missing_configuration_files(job.files, job.spec.dropin)))
+    DDSSEC_TRY(out.put(job.target / name, text));
   return finished(report_on(job, certificate, "completed, key and certificate are as before, "),
                   job, out.commit());
 }
@@ -400,8 +390,8 @@ Result<Report> fill_folder(Job& job) {
                          &made.self.certificate, std::move(trusted), job.context.clock.now()}));
   }
   // What a user has changed in them, such as the network interface, stays.
-  for (const auto& [name, text] : configuration_files(files))
-    if (!is_there(job.target / name)) DDSSEC_TRY(out.put_public(job.target / name, text));
+  for (const auto& [name, text] : DDSSEC_TRY(missing_configuration_files(files, job.spec.dropin)))
+    DDSSEC_TRY(out.put_public(job.target / name, text));
   const auto pem = DDSSEC_TRY(made.self.key.to_pem());
   DDSSEC_TRY(pem.expose([&](BytesView octets) { return out.put(files.key, octets, 0600); }));
   DDSSEC_TRY(out.put_public(files.certificate, made.self.certificate.pem()));
@@ -480,6 +470,7 @@ std::vector<Command> identity_issue_commands() {
                    {"--permissions", "FILE", "a permissions document to sign instead"},
                    kOtherGrants,
                    {"--governance", "FILE", "a signed governance document to copy"},
+                   kDropIn,
                    {"--replace", "",
                     "in a folder that is there: make key, certificate and the documents that are "
                     "asked for anew; without it, only what is missing is added"},

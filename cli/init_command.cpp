@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "cli/documents.hpp"
+#include "cli/drop_in.hpp"
 #include "cli/groups.hpp"
 #include "cli/inputs.hpp"
 #include "cli/keystore.hpp"
@@ -33,6 +34,7 @@ struct Plan {
   std::vector<std::string> topics;
   pki::Validity ca_life;
   pki::Validity life;
+  fs::path dropin;
 };
 
 Result<pki::FolderLayout> layout_of(const Arguments& arguments) {
@@ -75,6 +77,11 @@ Result<Plan> plan_of(const Arguments& arguments, WallTime now) {
   auto domains = DDSSEC_TRY(domain_ranges(arguments, "--domain"));
   auto topics = DDSSEC_TRY(topics_of(arguments, "--allow-topics"));
   const auto life = DDSSEC_TRY(validity(arguments, now));
+  auto dropin = DDSSEC_TRY(drop_in_of(arguments));
+  if (layout == pki::FolderLayout::sros2 && !dropin.empty())
+    return fail(Code::usage, {.field = "--dropin",
+                              .note = "not with --layout sros2: ROS 2 names the libraries itself",
+                              .hint = "let LD_LIBRARY_PATH begin with that folder"});
   return Plan{.target = target,
               .title = folder_name(target),
               .names = std::move(names),
@@ -83,7 +90,8 @@ Result<Plan> plan_of(const Arguments& arguments, WallTime now) {
               .domains = std::move(domains),
               .topics = std::move(topics),
               .ca_life = validity_of(3650, now),
-              .life = life};
+              .life = life,
+              .dropin = std::move(dropin)};
 }
 
 Result<OpenCa> make_ca(const Plan& plan, std::string_view role, const Context& context) {
@@ -114,7 +122,8 @@ Result<Members> add_members(NewFolder& folder, const Plan& plan, const Issuers& 
                                .domains = plan.domains,
                                .publish = plan.topics,
                                .subscribe = plan.topics,
-                               .partitions = {"*"}};
+                               .partitions = {"*"},
+                               .dropin = plan.dropin};
     const auto made = DDSSEC_TRY(make_participant(spec, issuers, context));
     const auto below = sros2 ? enclave_folder(name) : fs::path(name);
     DDSSEC_TRY(sros2 ? add_enclave(folder, below, name, made)
@@ -175,7 +184,8 @@ Json snippets_of(const Plan& plan) {
   const auto& first = plan.names.front();
   const auto files = pki::participant_folder(
       plan.target / (sros2 ? enclave_folder(first) : fs::path(first)), plan.layout);
-  Json out = {{"cyclonedds", cyclonedds_snippet(files)}, {"fastdds", fastdds_snippet(files)}};
+  Json out = {{"cyclonedds", cyclonedds_snippet(files, plan.dropin)},
+              {"fastdds", fastdds_snippet(files)}};
   if (sros2) out["ros2"] = ros2_snippet(plan.target, first);
   return out;
 }
@@ -187,7 +197,8 @@ std::string next_steps(const Plan& plan, const Json& snippets) {
   const auto out = fmt::format("next: ddssec doctor {}\n", folder.string());
   if (sros2) return out + fmt::format("\n{} with ROS 2:\n{}", first, std::string(snippets["ros2"]));
   return out + configuration_lines(first, folder) +
-         "each participant's folder has these two files; they name it by its whole path\n";
+         "each participant's folder has these two files; they name it by its whole path\n" +
+         drop_in_line(plan.dropin);
 }
 
 Result<Report> init(const Arguments& arguments, const Context& context) {
@@ -256,7 +267,8 @@ std::vector<Command> init_commands() {
                         .summary = "what everybody may publish and subscribe to",
                         .fallback = "*",
                         .repeated = true},
-                       days("365")},
+                       days("365"),
+                       kDropIn},
            .examples = {"ddssec init demo",
                         "ddssec init demo --participant talker --participant "
                         "listener --domain 0",

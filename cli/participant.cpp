@@ -116,7 +116,8 @@ Result<NewParticipant> make_participant(const ParticipantSpec& spec, const Issue
   NewParticipant out{.self = DDSSEC_TRY(issuers.identity.authority.issue(
                          spec.subject, spec.key, spec.life, context.random)),
                      .permissions_xml = {},
-                     .permissions = {}};
+                     .permissions = {},
+                     .dropin = spec.dropin};
   if (!spec.has_permissions() || issuers.permissions == nullptr) return out;
   const auto now = context.clock.now();
   out.permissions_xml = DDSSEC_TRY(permissions_xml(spec, out.self.certificate, now));
@@ -139,8 +140,8 @@ Status add_flat(NewFolder& folder, const fs::path& below, const NewParticipant& 
   if (!governance.empty()) DDSSEC_TRY(folder.add(files.governance, governance, 0644));
   if (!issuers.crl.empty()) DDSSEC_TRY(folder.add_public(files.crl, issuers.crl));
   const auto finally = folder.target() / below;
-  for (const auto& [name, text] :
-       configuration_files(pki::participant_folder(finally, pki::FolderLayout::flat)))
+  for (const auto& [name, text] : configuration_files(
+           pki::participant_folder(finally, pki::FolderLayout::flat), participant.dropin))
     DDSSEC_TRY(folder.add_public(below / name, text));
   return {};
 }

@@ -29,6 +29,7 @@ struct ParticipantSpec {
   bool takes_other_grants = false;  ///< of that document, for other subjects
   /// Or rules from elsewhere; subject and validity are the certificate's.
   std::optional<governance::Grant> grant = std::nullopt;
+  std::filesystem::path dropin = {};  ///< drop_in_of
 
   bool has_permissions() const {
     return permissions || grant || !publish.empty() || !subscribe.empty();
@@ -38,8 +39,9 @@ struct ParticipantSpec {
 /// What was made.
 struct NewParticipant {
   pki::Credential self;
-  std::string permissions_xml;  ///< empty if it gets none
-  Bytes permissions;            ///< the same, signed
+  std::string permissions_xml;        ///< empty if it gets none
+  Bytes permissions;                  ///< the same, signed
+  std::filesystem::path dropin = {};  ///< for its configuration files
 };
 
 /// Who makes it.

@@ -1,9 +1,12 @@
 #include "cli/snippets.hpp"
 
+#include <algorithm>
 #include <system_error>
 
 #include <fmt/format.h>
 
+#include "base/bytes.hpp"
+#include "cli/inputs.hpp"
 #include "pki/source.hpp"
 
 namespace ddssec::cli {
@@ -40,11 +43,25 @@ std::string xml_uri(const fs::path& path) {
   return uri && !uri->empty() ? xml_text(*uri) : "file:" + xml_path(path);
 }
 
-std::string library(std::string_view name, std::string_view what) {
+// A path with a slash in it is opened as it is; a name is looked for by the loader.
+std::string library(const fs::path& dropin, std::string_view name, std::string_view what) {
+  const auto path = dropin.empty() ? fmt::format("dds_security_{}", name)
+                                   : (dropin / fmt::format("libdds_security_{}.so", name)).string();
   return fmt::format(
-      "<Library path=\"dds_security_{}\" initFunction=\"init_{}\" "
-      "finalizeFunction=\"finalize_{}\"/>",
-      name, what, what);
+      "<Library path=\"{}\" initFunction=\"init_{}\" finalizeFunction=\"finalize_{}\"/>", path,
+      what, what);
+}
+
+std::string without_libraries(std::string_view configuration) {
+  constexpr std::string_view kBegin = "<Library path=\"";
+  std::string out;
+  for (auto at = configuration.find(kBegin); at != configuration.npos;
+       at = configuration.find(kBegin)) {
+    out += configuration.substr(0, at + kBegin.size());
+    configuration.remove_prefix(at + kBegin.size());
+    configuration.remove_prefix(std::min(configuration.find('"'), configuration.size()));
+  }
+  return out.append(configuration);
 }
 
 std::string property_line(std::string_view name, const std::string& value) {
@@ -53,8 +70,32 @@ std::string property_line(std::string_view name, const std::string& value) {
 
 }  // namespace
 
-std::array<ConfigurationFile, 2> configuration_files(const pki::ParticipantFolder& folder) {
-  return {{{kCycloneDdsFile, cyclonedds_snippet(folder)}, {kFastDdsFile, fastdds_snippet(folder)}}};
+std::array<ConfigurationFile, 2> configuration_files(const pki::ParticipantFolder& folder,
+                                                     const fs::path& dropin) {
+  return {{{kCycloneDdsFile, cyclonedds_snippet(folder, dropin)},
+           {kFastDdsFile, fastdds_snippet(folder)}}};
+}
+
+Result<std::vector<ConfigurationFile>> missing_configuration_files(
+    const pki::ParticipantFolder& folder, const fs::path& dropin) {
+  std::vector<ConfigurationFile> out;
+  for (auto& wanted : configuration_files(folder, dropin)) {
+    const auto file = folder.folder / wanted.name;
+    if (!is_there(file)) {
+      out.push_back(std::move(wanted));
+    } else if (wanted.name == kCycloneDdsFile && !dropin.empty()) {
+      const auto octets = DDSSEC_TRY(read_file(file, pki::kMostDocumentOctets));
+      const auto found = as_text(octets);
+      if (without_libraries(found) != without_libraries(wanted.text))
+        return fail(Code::would_overwrite,
+                    {.document = file,
+                     .note = "it is not as ddssec wrote it",
+                     .hint = "write the whole paths into its three <Library path=...> yourself, or "
+                             "move it away and give the command again"});
+      if (found != wanted.text) out.push_back(std::move(wanted));
+    }
+  }
+  return out;
 }
 
 std::string configuration_lines(std::string_view name, const fs::path& folder) {
@@ -64,7 +105,7 @@ std::string configuration_lines(std::string_view name, const fs::path& folder) {
       name, whole_path(folder / kCycloneDdsFile), whole_path(folder / kFastDdsFile));
 }
 
-std::string cyclonedds_snippet(const pki::ParticipantFolder& folder) {
+std::string cyclonedds_snippet(const pki::ParticipantFolder& folder, const fs::path& dropin) {
   const auto element = [](std::string_view name, const fs::path& path) {
     return fmt::format("      <{}>{}</{}>\n", name, xml_uri(path), name);
   };
@@ -74,11 +115,11 @@ std::string cyclonedds_snippet(const pki::ParticipantFolder& folder) {
       "    <Cryptographic>\n      {}\n    </Cryptographic>\n"
       "    <AccessControl>\n      {}\n{}{}{}    </AccessControl>\n"
       "</Security></Domain></CycloneDDS>\n",
-      library("auth", "authentication"), element("IdentityCA", folder.identity_ca),
+      library(dropin, "auth", "authentication"), element("IdentityCA", folder.identity_ca),
       element("IdentityCertificate", folder.certificate), element("PrivateKey", folder.key),
-      element("CRL", folder.crl), library("crypto", "crypto"), library("ac", "access_control"),
-      element("PermissionsCA", folder.permissions_ca), element("Governance", folder.governance),
-      element("Permissions", folder.permissions));
+      element("CRL", folder.crl), library(dropin, "crypto", "crypto"),
+      library(dropin, "ac", "access_control"), element("PermissionsCA", folder.permissions_ca),
+      element("Governance", folder.governance), element("Permissions", folder.permissions));
 }
 
 std::string fastdds_snippet(const pki::ParticipantFolder& folder) {

@@ -82,4 +82,14 @@ Status SubjectsInUse::check(const std::string& subject) const {
   return rarest == nullptr ? Status() : check(subject, *rarest);
 }
 
+void SubjectsOfFleet::add(const std::string& name, const pki::Certificate& certificate,
+                          Report& report) {
+  const auto [first, is_new] = names_.try_emplace(pki::SubjectName::of(certificate).key(), name);
+  if (is_new) return;
+  report.errors.emplace_back(Code::subject_shared,
+                             ErrorDetails{.document = fleet_,
+                                          .found = fmt::format("{} and {}: {}", first->second, name,
+                                                               certificate.subject())});
+}
+
 }  // namespace ddssec::cli

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
 #include "base/clock.hpp"
+#include "cli/report.hpp"
 #include "pki/certificate.hpp"
 #include "pki/issue_log.hpp"
 
@@ -35,6 +37,19 @@ class SubjectsInUse {
   std::vector<Entry> entries_;
   /// Which entries have the piece, and which begin with it.
   std::unordered_map<std::string, std::vector<std::size_t>> having_, beginning_;
+};
+
+/// Finds participants of a fleet that neither permissions nor a revocation tell apart.
+class SubjectsOfFleet {
+ public:
+  explicit SubjectsOfFleet(std::filesystem::path fleet) : fleet_(std::move(fleet)) {}
+
+  /// Adds the error subject_shared if another participant has the subject.
+  void add(const std::string& name, const pki::Certificate& certificate, Report& report);
+
+ private:
+  std::filesystem::path fleet_;
+  std::map<std::string, std::string> names_;  ///< by SubjectName::key()
 };
 
 }  // namespace ddssec::cli

@@ -115,18 +115,32 @@ class Checks {
 
   void check_library(const Expected& expected, const ConfiguredPlugin& plugin) {
     const auto* path = plugin.attribute("path");
-    const bool is_known =
+    const bool is_name =
         path == nullptr || path->text == expected.stock || path->text == expected.ours;
-    if (!is_known && !path->text.contains('$') &&
+    if (!is_name && !path->text.contains('$') &&
         library_file(path->text, LoaderPlaces::here()).empty())
-      return refuse(path->line,
-                    fmt::format("names the library \"{}\" in <{}>, which is not found; that of "
-                                "Cyclone DDS and of ddssec's drop-in is \"{}\"",
-                                path->text, expected.element, expected.stock));
-    if (!is_known) return;
+      return report_missing_library(expected, *path);
+    if (!is_name && !path->text.ends_with(fmt::format("/lib{}.so", expected.stock))) return;
     check_function(expected, plugin.attribute("initfunction"), "initFunction", expected.init);
     check_function(expected, plugin.attribute("finalizefunction"), "finalizeFunction",
                    expected.finalize);
+  }
+
+  // Of whole paths once: as a rule the folder of all three is missing.
+  void report_missing_library(const Expected& expected, const ConfiguredText& path) {
+    if (!path.text.contains('/'))
+      return refuse(path.line,
+                    fmt::format("names the library \"{}\" in <{}>, which is not found; that of "
+                                "Cyclone DDS and of ddssec's drop-in is \"{}\"",
+                                path.text, expected.element, expected.stock));
+    if (std::exchange(has_missing_path_, true)) return;
+    report(Rule::DOC102, path.line,
+           fmt::format("names the library {} in <{}>, which is not on this machine: Cyclone DDS "
+                       "does not start",
+                       path.text, expected.element),
+           "copy ddssec's drop-in folder to that place; or name the folder where it is: ddssec "
+           "identity issue NAME --ca CA -o DIR --dropin DROPIN, or by hand in each <Library "
+           "path=...>");
   }
 
   void check_function(const Expected& expected, const ConfiguredText* named,
@@ -151,6 +165,7 @@ class Checks {
   const ConfigurationInQuestion& question_;
   const EffectiveSecurity& security_;
   Diagnosis& out_;
+  bool has_missing_path_ = false;
 };
 
 }  // namespace

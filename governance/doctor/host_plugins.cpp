@@ -98,10 +98,12 @@ fs::path found_by_loader(const std::string& name, const LoaderPlaces& places) {
   return found_in(places.system, name);
 }
 
+bool is_path(const std::string& library) { return library.contains('/'); }
+
 // As ddsrt_dlopen does: a path as it is; a name as lib*.so first, and Debian's then in a folder of
 // its own.
 fs::path found(const std::string& library, const LoaderPlaces& places) {
-  if (library.find('/') != library.npos) return is_file(library) ? fs::path(library) : fs::path();
+  if (is_path(library)) return is_file(library) ? fs::path(library) : fs::path();
   const auto name = "lib" + library + ".so";
   if (auto file = found_by_loader(name, places); !file.empty()) return file;
   if (auto file = found_in(places.after_loader, name); !file.empty()) return file;
@@ -209,7 +211,7 @@ Finding finding_of(std::string message, const std::vector<HostPlugin>& plugins,
           .severity = Severity::warning};
 }
 
-// The host goes on without them, and without a word.
+// The host goes on without them, and without a word; those of whole paths it does not replace.
 Finding not_loadable(const std::vector<HostPlugin>& plugins) {
   std::set<std::string> missing;
   for (const auto& plugin : plugins) missing.insert(plugin.missing.begin(), plugin.missing.end());
@@ -217,10 +219,13 @@ Finding not_loadable(const std::vector<HostPlugin>& plugins) {
       plugins, [](const HostPlugin& plugin) { return !plugin.missing.empty(); });
   return {.rule = Rule::DOC068,
           .message = fmt::format(
-              "ddssec's plugins in {} cannot be loaded: {} {} not on this machine; Cyclone DDS "
-              "would run its own plugins instead, if it finds them, and say nothing",
+              "ddssec's plugins in {} cannot be loaded: {} {} not on this machine; {}",
               first.file.parent_path().string(), fmt::join(missing, ", "),
-              missing.size() == 1 ? "is" : "are"),
+              missing.size() == 1 ? "is" : "are",
+              is_path(first.library)
+                  ? "Cyclone DDS does not start"
+                  : "Cyclone DDS would run its own plugins instead, if it finds them, and say "
+                    "nothing"),
           .document = first.file,
           .hint =
               "install the packages that the drop-in needs "
@@ -308,6 +313,10 @@ bool is_ours(const fs::path& library) {
 void check_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlaces& places,
                         bool were_ours_meant, Diagnosis& out) {
   if (plugins.empty()) return;
+  const auto is_missing_path = [](const HostPlugin& plugin) {
+    return plugin.maker == Maker::none && is_path(plugin.library);
+  };
+  if (std::ranges::any_of(plugins, is_missing_path)) return;  // DOC102; LD_LIBRARY_PATH is no cause
   std::set<Maker> makers;
   std::set<std::string> versions;
   for (const auto& plugin : plugins) {
@@ -334,8 +343,10 @@ void check_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlac
 
 void check_loadable(const std::vector<HostPlugin>& plugins, Diagnosis& out) {
   const auto is_loadable = [](const HostPlugin& plugin) { return plugin.missing.empty(); };
-  if (!std::ranges::all_of(plugins, is_loadable))
-    out.report({.ours = Outcome::fail}, not_loadable(plugins));
+  const auto first = std::ranges::find_if_not(plugins, is_loadable);
+  if (first == plugins.end()) return;
+  const auto stock = is_path(first->library) ? Outcome::fail : Outcome::ok;
+  out.report({.cyclonedds = stock, .ours = Outcome::fail}, not_loadable(plugins));
 }
 
 }  // namespace ddssec::governance::doctor

@@ -62,7 +62,7 @@ class Contract(Transcript):
         self.assertIn("needs a second word: create, import,", self.refused("usage", 2, "ca")["message"])
 
     def test_options_of_other_tools_lead_to_ours(self):
-        for words, meant in ((("init", "x", "-d", "3"), '"--domain", "--days" or "--dry-run"'),
+        for words, meant in ((("init", "x", "-d", "3"), '"--domain", "--days", "--dropin" or "--dry-run"'),
                              (("check", "a", "b", "--json"), '"--format json"'),
                              (("check", "a", "b", "--topic", "t"), '"--topics"'),
                              (("governance", "show", "a", "--topics", "t"), '"--topic"'),

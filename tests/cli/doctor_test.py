@@ -8,7 +8,7 @@ import tempfile
 
 import golden_folders
 from forecast import Table
-from transcript import WithoutLists, main
+from transcript import WithoutLists, library_path, main
 from workshop import GOVERNANCE, Folder, Workshop, openssl
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -398,6 +398,30 @@ class Golden(WithoutLists):
         for name in names:
             (self.at / folder / f"libdds_security_{name}.so").write_text(octets)
         return str(self.at / folder)
+
+    def test_libraries_with_whole_paths_are_no_question_of_the_shell(self):
+        ours = self.libraries("ours", "ddssec_\0ddssec plugin version 1.2.3\0")
+        self.run_program("init", "demo", "--dropin", "ours")
+        out = self.json("doctor", "demo/talker", environment={"LD_LIBRARY_PATH": library_path()})
+        self.assertEqual([p["file"] for p in out["result"]["plugins"]],
+                         [f"{ours}/libdds_security_{name}.so" for name in ("auth", "ac", "crypto")])
+        self.assertEqual([d["id"] for d in out["diagnostics"]], ["DOC101"])  # CYCLONEDDS_URI is not set
+        shutil.rmtree(ours)
+        environment = {"LD_LIBRARY_PATH": self.libraries("others", "ddssec_") + ":" + library_path()}
+        out = self.json("doctor", "demo/talker", exit=1, environment=environment)
+        told = [d for d in out["diagnostics"] if d["id"] != "DOC101"]
+        self.assertEqual([d["id"] for d in told], ["DOC102"])
+        self.assertIn(f"names the library {ours}/libdds_security_auth.so in <Authentication>, which is not on this "
+                      "machine: Cyclone DDS does not start", told[0]["message"])
+        self.assertIn("--dropin DROPIN", told[0]["hint"])
+        self.assertEqual(out["result"]["verdicts"], dict(zip(VENDORS, ["fail", "ok", "fail"])))
+        text = self.run_program("doctor", "demo/talker", exit=1, environment=environment).stdout
+        self.assertIn("  authentication  not found\n", text)
+        self.libraries("ours", "ddssec_")
+        file = self.at / "demo/talker/cyclonedds.xml"
+        file.write_text(file.read_text().replace("init_crypto", "init_cryptography"))
+        told = self.json("doctor", "demo/talker", exit=1)["diagnostics"]
+        self.assertIn('initFunction="init_cryptography"', [d["message"] for d in told if d["id"] == "DOC102"][0])
 
     def test_the_plugins_that_cyclone_dds_would_load_are_named(self):
         ours = self.libraries("ours", "ddssec_\0ddssec plugin version 1.2.3\0")

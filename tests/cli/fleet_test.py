@@ -96,6 +96,12 @@ class Fleet(Transcript):
         self.wrong("# nobody\n", 1)
         self.refused("fleet_malformed", 3, *self.issue("[[participant]]\n"))
 
+    def test_a_drop_in_folder_is_for_every_participant(self):
+        self.run_program(*self.issue(FLEET), "--dropin", "/opt/dropin")
+        for name in ("talker", "listener"):
+            text = (self.at / "out" / name / "cyclonedds.xml").read_text()
+            self.assertEqual(text.count('<Library path="/opt/dropin/libdds_security_'), 3)
+
     def test_a_name_is_given_here_or_in_the_file(self):
         issue = self.issue(FLEET)
         self.refused("usage", 2, "identity", "issue", "x", *issue[2:])

@@ -253,6 +253,32 @@ class Identity(Transcript):
         self.assertEqual((self.at / "talker/fastdds.xml").read_text(), written)
         self.assertEqual((self.at / "talker/cyclonedds.xml").read_text(), "<changed/>")
 
+    def libraries(self):
+        text = (self.at / "talker/cyclonedds.xml").read_text()
+        return {os.path.dirname(e.get("path")) for e in xml.fromstring(text).iter("Library")}
+
+    def test_a_folder_that_is_there_gets_the_drop_in_folder(self):
+        self.run_with_secret(self.run_program, *self.issue("--publish", "x"))
+        key = (self.at / "talker/key.pem").read_bytes()
+        for folder in ("/opt/a", "/opt/b"):
+            out = self.json(*self.issue("--dropin", folder))
+            self.assertEqual([f["path"] for f in out["files_written"]], ["talker/cyclonedds.xml"])
+            self.assertEqual(self.libraries(), {folder})
+        self.refused("would_overwrite", 4, *self.issue("--dropin", "/opt/b"))  # nothing is missing
+        self.assertEqual((self.at / "talker/key.pem").read_bytes(), key)
+        self.run_with_secret(self.run_program, *self.issue("--replace", "--publish", "x", "--dropin", "/opt/c"))
+        self.assertEqual(self.libraries(), {"/opt/c"})
+        self.run_with_secret(self.run_program, *self.issue("--replace", "--publish", "x"))
+        self.assertEqual(self.libraries(), {"/opt/c"})
+        file = self.at / "talker/cyclonedds.xml"
+        file.write_text(file.read_text().replace("<Security>", "<General><Interfaces/></General><Security>"))
+        for more in ((), ("--replace", "--publish", "x")):
+            told = self.run_with_secret(lambda *w, **m: self.refused("would_overwrite", 4, *w, **m),
+                                        *self.issue(*more, "--dropin", "/opt/d"))
+            self.assertIn("not as ddssec wrote it", told["message"])
+            self.assertIn("<Library path=...>", told["hint"])
+        self.assertEqual(self.libraries(), {"/opt/c"})
+
     def test_issue_completes_nothing_that_is_of_another(self):
         self.run_with_secret(self.run_program, *self.issue("--publish", "x"))
         self.governance()

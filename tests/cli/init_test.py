@@ -101,6 +101,40 @@ class Init(Transcript):
         self.assertIn(f"export CYCLONEDDS_URI='file://{self.at}/demo/talker/cyclonedds.xml'", done.stdout)
         self.assertIn(f"export FASTRTPS_DEFAULT_PROFILES_FILE='{self.at}/demo/talker/fastdds.xml'", done.stdout)
 
+    def dropin(self, folder, octets="ddssec_"):
+        (self.at / folder).mkdir()
+        for name in ("auth", "ac", "crypto"):
+            (self.at / folder / f"libdds_security_{name}.so").write_text(octets)
+        return self.at / folder
+
+    def libraries(self, folder):
+        text = (self.at / folder / "cyclonedds.xml").read_text()
+        return [element.get("path") for element in xml.fromstring(text).iter("Library")]
+
+    def test_a_drop_in_folder_is_named_by_its_whole_path(self):
+        ours = self.dropin("drop in")
+        done = self.run_program("init", "demo", "--dropin", "drop in", *NOW)
+        for name in ("talker", "listener"):
+            self.assertEqual(self.libraries(f"demo/{name}"),
+                             [f"{ours}/libdds_security_{kind}.so" for kind in ("auth", "crypto", "ac")])
+        self.assertIn(f"names ddssec's libraries in {ours}: ", done.stdout)
+        done = self.run_program("init", "robot", "--dropin", "/opt/robot/dropin", *NOW)
+        self.assertEqual(self.libraries("robot/talker")[0], "/opt/robot/dropin/libdds_security_auth.so")
+        self.assertIn("/opt/robot/dropin, which is not on this machine", done.stdout)
+
+    def test_a_drop_in_folder_without_our_libraries_is_refused(self):
+        self.dropin("stock", "init_crypto")
+        ours = self.dropin("ours")
+        (ours / "libdds_security_ac.so").unlink()
+        self.dropin("a&b")
+        for folder, reason in (("stock", "is not ddssec's"), ("ours", "has no libdds_security_ac.so"),
+                               ("nowhere", "there is no such folder here"), ("", "cannot name it"),
+                               ("a&b", "cannot name it"), ("/opt/$ORIGIN", "cannot name it")):
+            self.assertIn(reason, self.refused("usage", 2, "init", "demo", "--dropin", folder)["message"])
+        told = self.refused("usage", 2, "init", "demo", "--layout", "sros2", "--dropin", "/opt/dropin")
+        self.assertIn("ROS 2 names the libraries itself", told["message"])
+        self.assertFalse((self.at / "demo").exists())
+
     def test_a_keystore_of_ros_2_with_two_real_cas(self):
         self.init("--layout", "sros2", "--participant", "/robot/camera", "--participant", "base")
         for file in ("public/permissions_ca.cert.pem", "public/identity_ca.cert.pem",

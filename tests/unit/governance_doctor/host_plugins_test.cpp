@@ -193,6 +193,19 @@ TEST_F(HostPlugins, CountWithAPathAsItIs) {
   const std::string name = "dds_security_ac";
   text.replace(text.find(name), name.size(), (root_ / "old/libdds_security_ac.so").string());
   EXPECT_EQ(host_plugins(text, places_)[1].maker, Maker::ours);
+  Diagnosis judged;
+  check_host_plugins(host_plugins(text, places_), places_, true, judged);
+  EXPECT_THAT(rules_of(judged), ElementsAre(Rule::DOC068));  // two products
+  put("old", "ac", elf_that_needs("libnowhere.so.23"));
+  const auto unloadable = host_plugins(text, places_);
+  Diagnosis told;
+  check_loadable(unloadable, told);
+  EXPECT_EQ(told.outcomes(), (Outcomes{.cyclonedds = Outcome::fail, .ours = Outcome::fail}));
+  EXPECT_THAT(finding_of(told, Rule::DOC068).message, HasSubstr("Cyclone DDS does not start"));
+  fs::remove(root_ / "old/libdds_security_ac.so");  // DOC102 reports it: no question of the loader
+  Diagnosis missing;
+  check_host_plugins(host_plugins(text, places_), places_, true, missing);
+  EXPECT_THAT(rules_of(missing), IsEmpty());
   text.replace(text.find((root_ / "old").string()), (root_ / "old").string().size(), "${HOME}/x");
   EXPECT_THAT(host_plugins(text, places_), IsEmpty());
 }
