@@ -1,9 +1,11 @@
 // A process forks while its keys are in use, for real: no IV is used by two of the processes.
 #include <array>
 #include <functional>
+#include <memory>
 #include <set>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -229,7 +231,9 @@ INSTANTIATE_TEST_SUITE_P(EachMeans, ForkBy,
                          ::testing::Values(Means::kernel_if_possible, Means::handler));
 
 TEST_P(ForkBy, EveryProcessOfALineHasAGenerationOfItsOwn) {
-  auto& generation = *new ForkGeneration(GetParam());  // the handler stays
+  // The handler of fork() stays, so its object must too.
+  static auto& kept = *new std::vector<std::unique_ptr<ForkGeneration>>;
+  auto& generation = *kept.emplace_back(std::make_unique<ForkGeneration>(GetParam()));
   const auto now = [&] { return static_cast<std::uint8_t>(generation.current()); };
   const auto own = now();
   EXPECT_EQ(now(), own);
