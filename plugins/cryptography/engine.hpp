@@ -116,6 +116,7 @@ class KeyFactory final : public spi::CryptoKeyFactory {
                                spi::KeyRevision revision) override;
   bool is_key_revision_due(spi::ParticipantCryptoHandle local) override;
   void forget_former_keys() override;
+  bool take_stranded_keys(spi::IdentityHandle remote) override;
   Status unregister_participant(spi::ParticipantCryptoHandle participant) override;
   Status unregister_datawriter(spi::DatawriterCryptoHandle datawriter) override;
   Status unregister_datareader(spi::DatareaderCryptoHandle datareader) override;

@@ -400,6 +400,17 @@ void KeyFactory::drop_local(LocalEndpoint& endpoint) {
   drop(endpoint);
 }
 
+bool KeyFactory::take_stranded_keys(spi::IdentityHandle remote) {
+  const std::lock_guard lock(shared_.mutex);
+  const auto known = by_identity_.find(remote.value);
+  if (shared_.host_checks_sources || known == by_identity_.end()) return false;
+  const auto now = shared_.environment.clock.monotonic();
+  bool are_stranded = false;
+  for (const auto& [local, pair] : known->second->pairs)
+    are_stranded |= pair && shared_.ledger.take_stranded(pair->number, now);
+  return are_stranded;
+}
+
 void KeyFactory::drop_remote(RemoteParticipant& participant) {
   for (const auto handle : std::unordered_set(participant.endpoints))
     for (const auto kind : {EntityKind::remote_writer, EntityKind::remote_reader})

@@ -329,8 +329,15 @@ TokenLedger::Entries::iterator TokenLedger::first_of(std::uint64_t exchange) {
 void TokenLedger::end(std::uint64_t exchange, std::chrono::nanoseconds now) {
   const std::lock_guard lock(mutex_);
   forget_old(now);
+  stranded_.erase(exchange);
   if (taken_.contains(exchange) || first_of(exchange) != entries_.end())
     ended_.push_back({now, exchange});
+}
+
+bool TokenLedger::take_stranded(std::uint64_t exchange, std::chrono::nanoseconds now) {
+  const std::lock_guard lock(mutex_);
+  forget_old(now);
+  return stranded_.erase(exchange) > 0;
 }
 
 void TokenLedger::acknowledged(std::uint64_t exchange, std::uint64_t next,
@@ -356,7 +363,7 @@ void TokenLedger::forget_unused(std::uint64_t exchange, std::uint64_t next) {
   for (auto at = by_exchange_.lower_bound({exchange, nullptr});
        at != by_exchange_.end() && at->first == exchange;) {
     const auto entry = entries_.find(*(at++)->second);
-    if (entry->second.is_pending && entry->second.passed.number < next) erase(entry);
+    if (entry->second.is_pending && entry->second.passed.number < next) give_up(entry);
   }
 }
 
@@ -372,7 +379,7 @@ void TokenLedger::forget_old(std::chrono::nanoseconds now) {
     const auto exchange = ended_.front().exchange;
     ended_.pop_front();
     for (auto entry = first_of(exchange); entry != entries_.end(); entry = first_of(exchange))
-      erase(entry);
+      give_up(entry);
     taken_.erase(exchange);
   }
 }
@@ -394,6 +401,13 @@ void TokenLedger::forget_used(const Key& key, const TokenSender& sender) {
   for (auto at = entries_.lower_bound(first);
        at != entries_.end() && account_of(at->first, sender) == account;)
     forget(at++);
+}
+
+void TokenLedger::give_up(Entries::iterator entry) {
+  const auto& known = entry->second;
+  if (known.is_pending && known.newest.exchange != known.passed.exchange)
+    stranded_.insert(known.newest.exchange);
+  erase(entry);
 }
 
 void TokenLedger::erase(Entries::iterator entry) {

@@ -123,7 +123,8 @@ class PackedTokens {
 /// A message that was opened may still not have reached the host. When its sender authenticates
 /// anew, the host may hold the former ticket or not. It drops those of a participant with the
 /// participant. Those of builtin endpoints it uses as soon as it matches them; tokens wait for
-/// that. Of other endpoints nothing is known for six minutes.
+/// that. Of other endpoints nothing is known for six minutes: if the host does not come in that
+/// time, it never had the ticket, and what came since then must come again in a further session.
 class TokenLedger {
  public:
   /// Of one certificate's participants, which are told by the first six octets of the prefix
@@ -159,6 +160,10 @@ class TokenLedger {
 
   /// The sender of that exchange is gone, or will authenticate anew.
   void end(std::uint64_t exchange, std::chrono::nanoseconds now);
+
+  /// Whether tokens of that exchange, which goes on, were given up since the last call: they were
+  /// hidden from the host because of a ticket that it cannot have any more.
+  bool take_stranded(std::uint64_t exchange, std::chrono::nanoseconds now);
 
   struct Held {
     Guid remote;                     ///< whose tokens
@@ -235,6 +240,8 @@ class TokenLedger {
   void forget_used(const Key& key, const TokenSender& sender);
   /// The first entry of an exchange; the end without one.
   Entries::iterator first_of(std::uint64_t exchange);
+  /// Erases what the host can have no ticket for any more.
+  void give_up(Entries::iterator entry);
   void erase(Entries::iterator entry);
 
   mutable std::mutex mutex_;
@@ -246,6 +253,7 @@ class TokenLedger {
   std::map<std::uint64_t, Taken> taken_;   // by exchange
   std::map<Ticket, Entries::iterator> tickets_;
   std::map<std::uint64_t, Account> accounts_;
+  std::set<std::uint64_t> stranded_;  // exchanges
   std::size_t unproven_pending_ = 0;
   std::uint64_t next_ticket_ = 1;
 };

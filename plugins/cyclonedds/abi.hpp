@@ -41,6 +41,11 @@ inline constexpr const char* kIsMatchedWithSymbol = "ddssec_is_matched_with";
 using TakeSessionReset = bool(DDS_Security_IdentityHandle);
 inline constexpr const char* kTakeSessionResetSymbol = "ddssec_take_session_reset";
 
+/// And whether its keys were given up since the last call, so that only a further session brings
+/// them (spi::CryptoKeyFactory::take_stranded_keys).
+using TakeStrandedKeys = bool(DDS_Security_IdentityHandle);
+inline constexpr const char* kTakeStrandedKeysSymbol = "ddssec_take_stranded_keys";
+
 /// Each of our libraries exports one, for the line that says which are in use: the version.
 using PluginVersion = const char*();
 

@@ -408,6 +408,21 @@ void AuthenticationAdapter::revoke_reset(const std::stop_token& stop, const Revo
   }
 }
 
+void AuthenticationAdapter::revoke_stranded(const std::stop_token& stop, const Revoke& revoke) {
+  void* const symbol = dlsym(RTLD_DEFAULT, kTakeStrandedKeysSymbol);
+  if (symbol == nullptr) return;
+  for (const auto& [remote, guid] : remotes_.all()) {
+    if (stop.stop_requested()) return;
+    if (!reinterpret_cast<TakeStrandedKeys*>(symbol)(remote.value)) continue;
+    host_->notice(Event(Error(Code::handshake_begun_again,
+                              {.document = "the session with a peer",
+                               .expected = "that the host asks for the keys of its endpoints",
+                               .found = "keys that the host never asked for"}),
+                        {}, guid.to_string()));
+    revoke(remote.value);
+  }
+}
+
 void AuthenticationAdapter::send_resets() {
   const auto has_met = [&](auto local, const auto& guid) { return remotes_.has_met(local, guid); };
   for (const auto& reset : lost_sessions_.due(has_met)) {
@@ -430,6 +445,7 @@ void AuthenticationAdapter::listen(const dds_security_authentication_listener* l
                       const auto end = [&](std::int64_t remote) { revoke(this, remote); };
                       revoke_stuck(stop, end);
                       revoke_reset(stop, end);
+                      revoke_stranded(stop, end);
                       send_resets();
                     },
                 .next_expiry = [this] { return engine_->next_expiry(); }});

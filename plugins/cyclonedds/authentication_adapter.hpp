@@ -44,6 +44,8 @@ class AuthenticationAdapter final : public dds_security_authentication {
   /// The same with peers that have lost their session with us.
   void revoke_reset(const std::stop_token& stop, const Revoke& revoke);
   /// Makes peers begin again with which we have lost our session.
+  /// Peers with endpoints whose keys only a further session brings.
+  void revoke_stranded(const std::stop_token& stop, const Revoke& revoke);
   void send_resets();
 
   std::unique_ptr<Host> host_;

@@ -1,6 +1,21 @@
 #include "plugins/cyclonedds/cryptography_adapter.hpp"
 
+#include <mutex>
+#include <set>
+
 namespace ddssec::cyclonedds {
+namespace {
+
+struct Adapters {
+  std::mutex mutex;
+  std::set<CryptographyAdapter*> all;
+};
+Adapters& adapters() {
+  static auto& of_process = *new Adapters;  // authentication's timer may ask while the process ends
+  return of_process;
+}
+
+}  // namespace
 
 CryptographyAdapter::CryptographyAdapter(std::unique_ptr<Host> host,
                                          const MakeEngine<spi::Cryptography>& make,
@@ -18,6 +33,21 @@ CryptographyAdapter::CryptographyAdapter(std::unique_ptr<Host> host,
   crypto_transform = &transform_table_;
   crypto_key_factory = &key_factory_table_;
   crypto_key_exchange = &key_exchange_table_;
+  const std::lock_guard lock(adapters().mutex);
+  adapters().all.insert(this);
+}
+
+CryptographyAdapter::~CryptographyAdapter() {
+  const std::lock_guard lock(adapters().mutex);
+  adapters().all.erase(this);
+}
+
+bool CryptographyAdapter::take_stranded_keys(spi::IdentityHandle remote) {
+  const std::lock_guard lock(adapters().mutex);
+  bool are_stranded = false;
+  for (auto* const adapter : adapters().all)
+    are_stranded |= adapter->key_factory().take_stranded_keys(remote);
+  return are_stranded;
 }
 
 }  // namespace ddssec::cyclonedds

@@ -14,6 +14,7 @@ class CryptographyAdapter final : public dds_security_cryptography {
  public:
   CryptographyAdapter(std::unique_ptr<Host> host, const MakeEngine<spi::Cryptography>& make,
                       ddsi_domaingv* domain);
+  ~CryptographyAdapter();
   CryptographyAdapter(const CryptographyAdapter&) = delete;
   CryptographyAdapter& operator=(const CryptographyAdapter&) = delete;
 
@@ -26,6 +27,9 @@ class CryptographyAdapter final : public dds_security_cryptography {
   static CryptographyAdapter& of(dds_security_crypto_transform& instance) {
     return entered(*static_cast<Table<dds_security_crypto_transform>&>(instance).owner);
   }
+
+  /// Asks those of all domains of the process: spi::CryptoKeyFactory::take_stranded_keys.
+  static bool take_stranded_keys(spi::IdentityHandle remote);
 
   Host& host() { return *host_; }
   spi::CryptoKeyFactory& key_factory() { return key_factory_engine_; }

@@ -35,6 +35,10 @@ DDSSEC_EXPORT bool ddssec_take_session_reset(DDS_Security_IdentityHandle remote)
   return cyclonedds::SessionResets::of_process().take({remote});
 }
 
+DDSSEC_EXPORT bool ddssec_take_stranded_keys(DDS_Security_IdentityHandle remote) {
+  return CryptographyAdapter::take_stranded_keys({remote});
+}
+
 DDSSEC_EXPORT int finalize_crypto(void* context) {
   return cyclonedds::finalize<CryptographyAdapter, dds_security_cryptography>(context);
 }

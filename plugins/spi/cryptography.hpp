@@ -79,6 +79,10 @@ class CryptoKeyFactory {
   /// Wipes what no longer counts of remote entities' former keys; to be called now and then. They
   /// are refused in time without it.
   virtual void forget_former_keys() = 0;
+  /// Whether keys of that peer were given up since the last call, although the session with it goes
+  /// on: they were kept from the host, which would not have taken them. Only a further session
+  /// brings them again. Always false with a host that takes keys as they come.
+  virtual bool take_stranded_keys(IdentityHandle remote) = 0;
 
   /// A local participant goes with its endpoints and with what it has with remote ones. A remote
   /// one goes with its endpoints, for all local participants that have this handle.

@@ -285,6 +285,41 @@ TEST(TokenLedger, TokensOfAFormerSessionAreNotGivenToThePresentOne) {
   EXPECT_EQ(host.note(3), Kind::ticket) << "once";
 }
 
+// The message was opened, and the host dropped the peer before it took the message.
+TEST(TokenLedger, TokensBehindATicketThatTheHostNeverHadAreToComeAgain) {
+  Host host;
+  EXPECT_EQ(host.note(1), Kind::ticket);
+  host.ledger.end(1, host.now);
+  host.exchange = 2;
+  EXPECT_EQ(host.note(1), Kind::hidden);
+  host.ledger.end(2, host.now);
+  host.exchange = 3;
+  EXPECT_EQ(host.note(1), Kind::hidden);
+  EXPECT_FALSE(host.ledger.take_stranded(3, host.now));
+  host.now += TokenLedger::kMemory;
+  EXPECT_TRUE(host.ledger.take_stranded(3, host.now));
+  EXPECT_FALSE(host.ledger.take_stranded(3, host.now)) << "once";
+  EXPECT_FALSE(host.ledger.take_stranded(2, host.now));
+  host.ledger.end(3, host.now);
+  host.exchange = 4;
+  EXPECT_EQ(host.note(1), Kind::ticket);
+}
+
+TEST(TokenLedger, NothingIsStrandedThatTheHostUsedOrThatEnded) {
+  Host host;
+  EXPECT_EQ(host.note(1), Kind::ticket);
+  host.ledger.end(1, host.now);
+  host.exchange = 2;
+  EXPECT_EQ(host.note(1), Kind::hidden);
+  EXPECT_TRUE(host.use());
+  host.now += TokenLedger::kMemory;
+  EXPECT_FALSE(host.ledger.take_stranded(2, host.now));
+  EXPECT_EQ(host.note(2), Kind::ticket);
+  host.ledger.end(2, host.now);
+  host.now += TokenLedger::kMemory;
+  EXPECT_FALSE(host.ledger.take_stranded(2, host.now)) << "it is over";
+}
+
 TEST(TokenLedger, ThoseOfALaterSessionAreNotForTheUserOfThisOne) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
